@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Meshes made by formula, shared by tests, demos and benchmarks: closed, oriented outward, without data from outside.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "mesh/tri_mesh.h"
+
+namespace otg::scenes {
+
+/// Plain arrays; convert with build().
+struct MeshArrays {
+  std::vector<Vec3f> vertices;
+  std::vector<Triangle> triangles;
+  MeshInput input() const;
+};
+
+/// Axis-aligned box of full side lengths `size`, centred at the origin, each side divided into n x n x 2 triangles.
+MeshArrays makeBox(Vec3d size, int n = 1);
+/// Icosahedron subdivided `level` times and projected on the sphere: 20 * 4^level triangles.
+MeshArrays makeSphere(double radius, int level);
+/// Torus around the z axis, 2 * major * minor triangles.
+MeshArrays makeTorus(double majorRadius, double minorRadius, int majorSegments, int minorSegments);
+/// Closed cylinder along z, centred.
+MeshArrays makeCylinder(double radius, double height, int segments, int stacks = 1);
+/// Regular tetrahedron-like solid with the given corners (orientation corrected).
+MeshArrays makeTetrahedron(Vec3d a, Vec3d b, Vec3d c, Vec3d d);
+/// Hemispherical bowl of the given wall thickness, opening towards +z: a closed solid.
+MeshArrays makeBowl(double radius, double thickness, int segments, int rings);
+/// Spur gear along z.
+MeshArrays makeGear(int teeth, double pitchRadius, double toothDepth, double width, double boreRadius);
+/// A lump: a sphere whose radius is modulated by smooth bumps of relative height `amplitude`, fixed by `seed`.
+MeshArrays makeLump(double radius, int level, double amplitude, std::uint32_t seed);
+/// Flat or hilly closed slab from z = -thickness up to height(x, y), n x n cells on top.
+MeshArrays makeGround(double size, double thickness, int n, const std::function<double(double, double)>& height = {});
+/// Square block with a square hole through it along z (for pegs).
+MeshArrays makeBlockWithHole(Vec3d size, double hole);
+/// Hexagonal bolt and matching nut (thread along +z), metres; `segments` per turn.
+MeshArrays makeBolt(double radius, double pitch, double length, int segments);
+MeshArrays makeNut(double radius, double pitch, double length, double clearance, int segments);
+
+/// All of `parts` as one mesh (vertices and triangles appended).
+MeshArrays merge(const std::vector<MeshArrays>& parts);
+/// Rotated and moved copy.
+MeshArrays transformed(const MeshArrays& mesh, const Transformd& pose);
+
+/// Validated mesh of the arrays; throws std::runtime_error with the report's error if refused.
+std::shared_ptr<const TriMesh> build(const MeshArrays& mesh);
+
+}  // namespace otg::scenes

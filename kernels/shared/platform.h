@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What lets one header be read as C++ and as OpenCL C 1.2.
+//
+// A shared header writes each formula once, for a number type that it calls REAL:
+//
+//     OTG_GENERIC REAL OTG_NAME(otgDot)(OTG_VEC3 a, OTG_VEC3 b) { ... }
+//
+// As C++ that is a function template (called as otgDot(a, b)); REAL may be float, double or a SIMD vector class with the
+// usual operators. As OpenCL C the header is included once with OTG_REAL_FLOAT (names end in _f) and, where the device has
+// doubles, once more with OTG_REAL_DOUBLE (names end in _d). Such headers therefore have no include guard of their own
+// under OpenCL; see generic_begin.h and generic_end.h.
+#ifndef OTG_SHARED_PLATFORM_H
+#define OTG_SHARED_PLATFORM_H
+
+#ifdef __OPENCL_VERSION__
+
+#pragma OPENCL FP_CONTRACT OFF
+#define OTG_INLINE inline static
+#define OTG_CONSTANT __constant
+typedef int otg_int;
+typedef uint otg_uint;
+
+#else  // C++
+
+#include <cmath>
+#include <cstdint>
+
+#define OTG_INLINE inline
+#define OTG_CONSTANT static constexpr
+namespace otg {
+using otg_int = std::int32_t;
+using otg_uint = std::uint32_t;
+}  // namespace otg
+
+#endif
+
+#endif  // OTG_SHARED_PLATFORM_H

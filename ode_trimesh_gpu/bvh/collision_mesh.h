@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A mesh with its trees: what a collision query takes.
+#pragma once
+
+#include <memory>
+
+#include "bvh/layouts.h"
+#include "bvh/tree.h"
+
+namespace otg {
+
+/// Immutable after construction and safe to share between threads; layouts other than the standard one are made once, on
+/// first use (thread-safe).
+class CollisionMesh {
+ public:
+  CollisionMesh(std::shared_ptr<const TriMesh> mesh, BuildStrategy strategy);
+  /// The same tree topology refitted to moved vertices.
+  CollisionMesh(std::shared_ptr<const TriMesh> moved, const CollisionMesh& before);
+  ~CollisionMesh();
+  CollisionMesh(const CollisionMesh&) = delete;
+  CollisionMesh& operator=(const CollisionMesh&) = delete;
+
+  const TriMesh& mesh() const { return *mesh_; }
+  const std::shared_ptr<const TriMesh>& meshPtr() const { return mesh_; }
+  const BinaryTree& tree() const { return tree_; }
+  const QuantizedTree& quantized() const;
+  const NoLeafTree& noLeaf() const;
+
+ private:
+  struct Lazy;
+  std::shared_ptr<const TriMesh> mesh_;
+  BinaryTree tree_;
+  std::unique_ptr<Lazy> lazy_;
+};
+
+}  // namespace otg

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One collision query between two meshes: what goes in, what comes out. Everything geometric is in mesh A's frame.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "bvh/collision_mesh.h"
+
+namespace otg {
+
+enum class Traversal { kStandard, kQuantized, kNoLeaf, kWide };
+enum class DescentRule { kFirstTreeFirst, kLargerFirst, kAlternating, kBoth };
+enum class NearPhase { kExact };
+enum class ContactModel { kPairwise, kSolid };
+enum class Reduction { kNone, kBinning, kCone };
+
+struct MiddleOptions {
+  Traversal traversal = Traversal::kStandard;
+  DescentRule descent = DescentRule::kLargerFirst;
+  int axes = 6;  ///< 6 face axes, or 15 with the edge axes
+};
+
+struct ReductionOptions {
+  Reduction method = Reduction::kBinning;
+  /// Bins per axis: position x, y, z, then normal x, y, z; each 1 to 64.
+  std::array<int, 6> bins{3, 3, 3, 3, 3, 3};
+};
+
+struct CollideOptions {
+  MiddleOptions middle;
+  ContactModel contacts = ContactModel::kPairwise;
+  ReductionOptions reduction;
+  int maxContacts = 64;   ///< 1 to 65,535
+  bool timings = false;   ///< fill CollideStats::*Ms (reads the clock a few times)
+  bool countPerDepth = false;  ///< fill CollideStats::boxTestsPerDepth
+};
+
+/// Which features of the two triangles made a contact; part of the order of contacts.
+enum class ContactFeature : std::uint8_t { kNone, kFaceA, kFaceB, kCoplanar, kVertexA, kVertexB, kEdgeEdge };
+
+struct Contact {
+  Vec3d position;  ///< frame A
+  Vec3d normal;    ///< unit, frame A; moving A along it by `depth` separates (it points out of B, into A)
+  double depth;    ///< >= 0
+  std::uint32_t triangleA, triangleB;
+  std::uint32_t region;  ///< contacts of one connected overlap share it; 0-based in order of smallest (triangleA, triangleB)
+  ContactFeature feature;
+};
+
+struct TrianglePair {
+  std::uint32_t a, b;
+  friend auto operator<=>(const TrianglePair&, const TrianglePair&) = default;
+};
+
+struct CollideStats {
+  std::uint64_t boxTests = 0;
+  std::uint64_t triangleBoxTests = 0;   ///< no-leaf traversal only
+  std::uint64_t candidatePairs = 0;
+  std::uint64_t intersectingPairs = 0;
+  std::uint64_t decidedByDouble = 0;    ///< candidate pairs that the float filter left open
+  std::uint64_t decidedExactly = 0;     ///< of those, the ones that double arithmetic left open
+  std::uint64_t contactsBeforeReduction = 0;
+  double middleMs = 0, nearMs = 0, contactsMs = 0, reductionMs = 0;
+  std::vector<std::uint64_t> boxTestsPerDepth;  ///< by depth of the pair: sum of both nodes' depths
+};
+
+struct Query {
+  const CollisionMesh* a = nullptr;
+  const CollisionMesh* b = nullptr;
+  Transformd bInA{};  ///< takes B's points to A's frame; used as given
+  CollideOptions options;
+};
+
+/// Scratch memory and results; reuse it between queries to save allocations. One thread at a time.
+struct Workspace {
+  std::vector<TrianglePair> candidates;    ///< of the last query, in the order of traversal
+  std::vector<TrianglePair> intersecting;  ///< ascending
+  std::vector<Contact> contacts;           ///< before reduction, by (triangleA, triangleB)
+  std::vector<Contact> reduced;            ///< the answer
+  CollideStats stats;
+};
+
+/// The pairs of triangles whose boxes overlap (a superset of the intersecting ones) -> workspace.candidates.
+void middlePhase(const Query& query, Workspace& workspace);
+/// Decides workspace.candidates -> workspace.intersecting. The set does not depend on traversal, order or backend: it is
+/// the exact answer for A's float vertices and B's vertices as otgTransform places them in double; touching counts.
+void nearPhase(const Query& query, Workspace& workspace);
+/// workspace.intersecting -> workspace.contacts by the published per-pair construction.
+void pairwiseContacts(const Query& query, Workspace& workspace);
+/// workspace.contacts -> workspace.reduced: the chosen reduction, then at most options.maxContacts.
+void reduceContacts(const Query& query, Workspace& workspace);
+
+/// All of the above. The same query gives the same bytes. Throws std::bad_alloc only.
+void collide(const Query& query, Workspace& workspace);
+/// middlePhase and nearPhase alone.
+void findIntersectingPairs(const Query& query, Workspace& workspace);
+
+}  // namespace otg

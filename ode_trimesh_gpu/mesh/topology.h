@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Connectivity of a triangle mesh whose vertices are welded by position.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "shared/vec3.h"
+
+namespace otg {
+
+/// Three vertex indices, counter-clockwise seen from outside.
+struct Triangle {
+  std::uint32_t v[3];
+  friend bool operator==(const Triangle&, const Triangle&) = default;
+};
+
+inline constexpr std::uint32_t kNone = 0xffffffffu;
+
+/// Half-edge 3 t + k runs from corner k to corner (k + 1) % 3 of triangle t.
+struct Topology {
+  /// For each vertex the smallest vertex with the same position (-0 equals +0): two vertices are one point of the surface
+  /// exactly if their entries are equal.
+  std::vector<std::uint32_t> weld;
+  /// For each half-edge its undirected edge, numbered from 0 in the order of first appearance.
+  std::vector<std::uint32_t> edgeOf;
+  /// For each half-edge the oppositely directed half-edge of the neighbouring triangle, or kNone where the edge is used
+  /// once, more than twice, or twice in the same direction.
+  std::vector<std::uint32_t> twin;
+  /// For each edge its two welded end points, smaller first.
+  struct Edge {
+    std::uint32_t a, b;
+  };
+  std::vector<Edge> edges;
+  /// For each triangle its connected component (through edges), numbered from 0 in the order of first appearance.
+  std::vector<std::uint32_t> componentOf;
+  /// For each component: closed and consistently wound (every half-edge has a twin).
+  std::vector<std::uint8_t> componentClosed;
+  /// Signed volume of each component about the mesh's centre, in units cubed.
+  std::vector<double> componentVolume;
+  std::size_t edgeCount() const { return edges.size(); }
+  std::size_t componentCount() const { return componentClosed.size(); }
+};
+
+/// Triangles whose corners are not all distinct points take part in no edge (their half-edges get edgeOf = kNone).
+Topology buildTopology(std::span<const Vec3f> vertices, std::span<const Triangle> triangles);
+
+}  // namespace otg

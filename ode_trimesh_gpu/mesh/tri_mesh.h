@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// An immutable, validated triangle mesh.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mesh/mass_properties.h"
+#include "mesh/topology.h"
+#include "mesh/validation.h"
+#include "shared/vec3.h"
+
+namespace otg {
+
+/// Arrays as a caller has them. Nothing is kept: buildTriMesh copies what it needs.
+struct MeshInput {
+  enum class Scalar { kFloat, kDouble };
+  const void* vertices = nullptr;   ///< x, y, z of each vertex; doubles are rounded to float once
+  Scalar scalar = Scalar::kFloat;
+  std::size_t vertexStride = 0;     ///< bytes from one vertex to the next, 0 = tightly packed
+  std::size_t vertexCount = 0;
+  const void* indices = nullptr;    ///< three 32-bit vertex indices for each triangle
+  std::size_t triangleStride = 0;   ///< bytes from one triangle to the next, 0 = tightly packed
+  std::size_t triangleCount = 0;
+};
+
+/// Which repairs buildTriMesh may do. All off by default: triangle numbers stay the caller's.
+struct RepairOptions {
+  bool weldVertices = false;          ///< merge vertices with equal positions (bitwise, -0 equal to +0)
+  bool dropDegenerate = false;        ///< remove zero-area triangles
+  bool dropDuplicates = false;        ///< remove all but the first of triangles with the same three vertices
+  bool orientConsistently = false;    ///< flip triangles so that neighbours agree and closed components face outward
+  static RepairOptions all() { return {true, true, true, true}; }
+};
+
+/// A solid is closed, manifold along its edges, consistently wound and faces outward: it has an inside.
+/// Anything else is a shell.
+enum class MeshClass { kSolid, kShell };
+
+class TriMesh {
+ public:
+  /// Vertices in the mesh's own frame, as the caller gave them (after repair, if any was asked for).
+  std::span<const Vec3f> vertices() const { return vertices_; }
+  std::span<const Triangle> triangles() const { return triangles_; }
+  std::size_t triangleCount() const { return triangles_.size(); }
+
+  /// True for a zero-area triangle. Such triangles keep their number, lie in the tree, and never reach the near phase.
+  bool isDegenerate(std::uint32_t triangle) const { return degenerate_[triangle] != 0; }
+
+  /// Edges, neighbours, components on vertices welded by position.
+  const Topology& topology() const { return topology_; }
+  const ValidationReport& report() const { return report_; }
+  MeshClass meshClass() const { return report_.solid ? MeshClass::kSolid : MeshClass::kShell; }
+  /// Of the polyhedron at density 1; only meaningful for solids (signed sums for shells).
+  const MassProperties& massProperties() const { return mass_; }
+
+  /// Axis-aligned bounds of the vertices that triangles use; min > max when there are none.
+  const Vec3f& boundsMin() const { return boundsMin_; }
+  const Vec3f& boundsMax() const { return boundsMax_; }
+  /// The middle of the bounds, rounded to float: the origin of the *centred frame* in which boxes and float filters work,
+  /// so that their error follows the size of the mesh and not its distance from its own origin.
+  const Vec3f& center() const { return center_; }
+  /// No vertex that a triangle uses is farther than this from center() (rounded up).
+  float radius() const { return radius_; }
+
+ private:
+  friend struct TriMeshBuilder;
+  TriMesh() = default;
+  std::vector<Vec3f> vertices_;
+  std::vector<Triangle> triangles_;
+  std::vector<std::uint8_t> degenerate_;
+  Topology topology_;
+  ValidationReport report_;
+  MassProperties mass_;
+  Vec3f boundsMin_{}, boundsMax_{}, center_{};
+  float radius_ = 0;
+};
+
+/// What buildTriMesh answers: a mesh, or none and a report whose problems say why (`report.error` in one line).
+struct MeshResult {
+  std::shared_ptr<const TriMesh> mesh;  ///< null when the input is refused
+  ValidationReport report;              ///< the same as mesh->report() when there is a mesh
+};
+
+/// Copies, validates, optionally repairs. Never throws for bad input and never aborts: open, inconsistent and degenerate
+/// meshes are accepted and classed, numbers that cannot be worked with (indices out of range, NaN, infinity, counts above
+/// the limits, null arrays) are refused. An empty mesh (no triangles) is accepted. Throws std::bad_alloc only.
+MeshResult buildTriMesh(const MeshInput& input, const RepairOptions& repair = {});
+
+/// The same triangles with moved vertices (same count and layout as `mesh` was built from; refused otherwise).
+/// Topology is taken over when equal positions stay equal, else rebuilt.
+MeshResult moveVertices(const TriMesh& mesh, const MeshInput& vertices);
+
+}  // namespace otg

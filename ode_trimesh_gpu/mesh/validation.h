@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is right and wrong with a mesh, in numbers and in words.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace otg {
+
+enum class ProblemKind {
+  kNullArray,             ///< refused
+  kTooManyVertices,       ///< refused: above kMaxVertices
+  kTooManyTriangles,      ///< refused: above kMaxTriangles
+  kIndexOutOfRange,       ///< refused; elements are triangles
+  kNonFiniteVertex,       ///< refused (NaN, infinity, or a double beyond float); elements are vertices
+  kEmpty,                 ///< no triangles
+  kDegenerateTriangle,    ///< all vertices on a line, exactly or to within the rounding of their coordinates; triangles
+  kDuplicateTriangle,     ///< the same three points as an earlier triangle, in any order; triangles
+  kBoundaryEdge,          ///< used once; elements are triangles
+  kNonManifoldEdge,       ///< used more than twice; elements are triangles
+  kNonManifoldVertex,     ///< its triangles form more than one fan; elements are vertices
+  kInconsistentWinding,   ///< two triangles use an edge in the same direction; elements are triangles
+  kInwardWinding,         ///< a closed component whose outermost shell has negative volume; elements are components
+  kEulerMismatch,         ///< E != 3F/2
+  kUnusedVertex,          ///< no triangle uses it; elements are vertices; harmless
+};
+
+const char* problemName(ProblemKind kind);
+
+struct Problem {
+  static constexpr std::size_t kMaxElements = 8;
+  ProblemKind kind;
+  std::size_t count = 0;                 ///< how many elements have it
+  std::vector<std::uint32_t> elements;   ///< the first few, ascending
+  std::string message;                   ///< one sentence with the numbers in it
+};
+
+/// What a repair changed, in the order in which it was done.
+struct RepairReport {
+  std::size_t weldedVertices = 0;
+  std::size_t droppedDegenerate = 0;
+  std::size_t droppedDuplicates = 0;
+  std::size_t flippedTriangles = 0;
+  std::vector<std::string> messages;     ///< one sentence for each that did something
+};
+
+struct ValidationReport {
+  bool accepted = false;      ///< a mesh was built
+  std::string error;          ///< why not, empty when accepted
+  std::size_t vertices = 0, triangles = 0, edges = 0, components = 0;
+  bool closed = false;        ///< every edge is used exactly twice
+  bool manifold = false;      ///< no edge used more than twice, one fan at every vertex
+  bool oriented = false;      ///< neighbours wound the same way
+  bool outward = false;       ///< closed components face outward (cavities inward)
+  bool solid = false;         ///< closed, oriented and outward, no edge used more than twice, at least one triangle: has an inside
+  std::size_t degenerateTriangles = 0, duplicateTriangles = 0, nonfiniteVertices = 0;
+  std::size_t boundaryEdges = 0, nonManifoldEdges = 0, nonManifoldVertices = 0, inconsistentEdges = 0;
+  std::vector<Problem> problems;
+  RepairReport repair;
+  /// Accepted and nothing wrong with it (unused vertices aside).
+  bool valid() const;
+};
+
+inline constexpr std::size_t kMaxVertices = std::size_t{1} << 28;
+inline constexpr std::size_t kMaxTriangles = std::size_t{1} << 28;
+
+}  // namespace otg
