@@ -5,7 +5,9 @@ target_compile_options(otg_flags INTERFACE
   # Contraction would let the compiler fuse a*b+c on one side (host, device, another host) and not on the other: the
   # error bounds of the filters and the equality of results between backends both depend on it being off.
   -ffp-contract=off
-  -Wall -Wextra -Wpedantic -Wshadow -Wundef
+  -Wall -Wextra -Wpedantic -Wundef
+  # g++ takes an enumerator of an enum class for something that shadows a global of the same name (it cannot).
+  $<IF:$<COMPILE_LANG_AND_ID:CXX,GNU>,-Wshadow=local,-Wshadow>
   $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor -Woverloaded-virtual -Wold-style-cast>)
 if(OTG_WARNINGS_AS_ERRORS)
   target_compile_options(otg_flags INTERFACE -Werror)
