@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Three-vectors of REAL. Plain structs without padding, so that arrays of them look the same on host and device.
-#if defined(__OPENCL_VERSION__) || !defined(OTG_SHARED_VEC3_H)
-#define OTG_SHARED_VEC3_H
+#if defined(OTG_REAL_DOUBLE) ? !defined(OTG_SHARED_VEC3_D) : !defined(OTG_SHARED_VEC3_F)
+#ifdef OTG_REAL_DOUBLE
+#define OTG_SHARED_VEC3_D
+#else
+#define OTG_SHARED_VEC3_F
+#endif
 #include "shared/generic_begin.h"
 
 #ifndef __OPENCL_VERSION__

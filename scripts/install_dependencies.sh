@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Installs with apt what this project needs and the machine lacks; does nothing (and asks for no rights) where all is there.
+#
+#   scripts/install_dependencies.sh [build] [tests] [demo] [benchmarks]     (default: build)
+#
+# Written for Debian 12. Needs root or sudo only when something is missing.
+set -euo pipefail
+
+# What configuring and building the default preset takes. The test framework is among it because that preset builds the
+# tests too, so that the demo and the tests share one build folder.
+build_packages=(
+  g++ cmake ninja-build pkg-config ccache
+  libode-dev libeigen3-dev libtbb-dev libhwy-dev
+  libassimp-dev libcli11-dev nlohmann-json3-dev libfmt-dev libtinygltf-dev
+  catch2 libcgal-dev ocl-icd-opencl-dev opencl-clhpp-headers
+)
+# An OpenCL device that every machine has, and real meshes.
+tests_packages=(pocl-opencl-icd libcgal-demo)
+# Real meshes, a ray tracer and a plotter that need no display.
+demo_packages=(libcgal-demo povray gnuplot-nox)
+# Collision libraries to compare with. Benchmarks leave out, with a message, those that are not installed.
+benchmarks_packages=(libbenchmark-dev libfcl-dev libbullet-dev libembree-dev)
+
+wanted=("${build_packages[@]}")
+for set in "$@"; do
+  case "$set" in
+    build) ;;
+    tests) wanted+=("${tests_packages[@]}") ;;
+    demo) wanted+=("${demo_packages[@]}") ;;
+    benchmarks) wanted+=("${benchmarks_packages[@]}") ;;
+    *) echo "$0: unknown set '$set' (build, tests, demo, benchmarks)" >&2; exit 2 ;;
+  esac
+done
+
+if ! command -v dpkg-query >/dev/null; then
+  echo "This is no Debian-like system, so nothing was installed. Needed (Debian names): ${wanted[*]}" >&2
+  exit 0
+fi
+
+missing=()
+for package in "${wanted[@]}"; do
+  status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)
+  [ "$status" = installed ] || missing+=("$package")
+done
+[ ${#missing[@]} -gt 0 ] || exit 0
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  if ! command -v sudo >/dev/null; then
+    echo "Missing packages, and neither root nor sudo to install them: apt-get install ${missing[*]}" >&2
+    exit 1
+  fi
+  as_root=(sudo)
+fi
+echo "Installing with apt: ${missing[*]}" >&2
+apt_options=(-y -q --no-install-recommends -o Dpkg::Use-Pty=0 -o APT::Install-Suggests=0)
+{
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q update
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get "${apt_options[@]}" install "${missing[@]}"
+} >&2

@@ -1,0 +1,89 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Rules of the source tree that no compiler checks. Prints every breach; exit status 1 if there is one.
+#
+#   layer_rules.sh ROOT              checks the tree at ROOT
+#   layer_rules.sh --self-test DIR   makes small trees below DIR that break each rule once, and expects each to be reported
+set -euo pipefail
+
+kMaxLines=600
+
+# check ROOT: one line per breach on stdout.
+check() {
+  local root=$1 folders=() folder
+  cd "$root"
+  for folder in ode_trimesh_gpu kernels demos tests benchmarks; do
+    [ ! -d "$folder" ] || folders+=("$folder")
+  done
+  list_sources() { find "${folders[@]}" -type f \( -name '*.h' -o -name '*.hpp' -o -name '*.c' -o -name '*.cpp' -o -name '*.cl' -o -name '*.inc' \); }
+  # rule MESSAGE REGEX FOLDER...: no file of these folders has a line that matches.
+  rule() {
+    local message=$1 regex=$2 existing=() place
+    shift 2
+    for place in "$@"; do [ ! -d "$place" ] || existing+=("$place"); done
+    [ ${#existing[@]} -eq 0 ] || grep -rnE "$regex" "${existing[@]}" | sed "s|^|$message: |" || true
+  }
+  local inc='^[[:space:]]*#[[:space:]]*include[[:space:]]*[<"]'
+  local lib=ode_trimesh_gpu
+  # ode_trimesh_gpu/ is the public interface, which belongs to ode/.
+  rule "only ode/ knows ODE" "${inc}(ode|ode_trimesh_gpu)/" $lib/mesh $lib/bvh $lib/collide $lib/opencl kernels
+  rule "only opencl/ knows OpenCL" "${inc}(CL|OpenCL)/" $lib/mesh $lib/bvh $lib/collide $lib/ode $lib/include kernels
+  rule "mesh/ is below every other layer" "${inc}(bvh|collide|opencl)/" $lib/mesh
+  rule "bvh/ is below collide/" "${inc}(collide|opencl)/" $lib/bvh
+  rule "collide/ is below opencl/" "${inc}opencl/" $lib/collide
+  rule "the public headers need nothing of the inside" "${inc}(mesh|bvh|collide|opencl|shared)/" $lib/include
+  rule "shared formulas include shared formulas only" "${inc}(mesh|bvh|collide|opencl|Eigen)/" kernels
+  rule "includes name a layer, not a way through the file system" "${inc}[^>\"]*\.\./" "${folders[@]}"
+  rule "the library does not print" '\b(printf|fprintf|puts|perror)[[:space:]]*\(|std::(cout|cerr|clog)\b' $lib/mesh $lib/bvh $lib/collide
+  rule "the library does not end the process" '\b(std::)?(abort|exit|_exit|quick_exit)[[:space:]]*\(' $lib
+  local file lines
+  while read -r file; do
+    lines=$(wc -l <"$file")
+    [ "$lines" -le $kMaxLines ] || echo "a file is $kMaxLines lines at most: $file: $lines"
+    [ "$(head -n 1 "$file" | grep -c 'SPDX-License-Identifier: BSD-3-Clause')" -eq 1 ] ||
+      echo "the first line names the licence: $file:1"
+  done < <(list_sources)
+}
+
+# expect DIR NAME FILE CONTENT: a tree with this one file is reported, and the report names the file.
+expect() {
+  local tree=$1/$2
+  mkdir -p "$tree/$(dirname "$3")"
+  printf '%b' "$4" >"$tree/$3"
+  if ! (check "$tree") | grep -qF "$3"; then
+    echo "self-test: the breach '$2' was not reported"
+    return 1
+  fi
+}
+
+self_test() {
+  local dir=$1 spdx='// SPDX-License-Identifier: BSD-3-Clause\n' many
+  rm -rf "$dir"
+  expect "$dir" ode_in_mesh ode_trimesh_gpu/mesh/a.cpp "$spdx#include <ode/ode.h>\n"
+  expect "$dir" api_in_collide ode_trimesh_gpu/collide/a.h "$spdx#include \"ode_trimesh_gpu/ode_trimesh_gpu.h\"\n"
+  expect "$dir" cl_in_bvh ode_trimesh_gpu/bvh/a.cpp "$spdx#  include <CL/cl.h>\n"
+  expect "$dir" cl_in_ode ode_trimesh_gpu/ode/a.cpp "$spdx#include <CL/opencl.hpp>\n"
+  expect "$dir" upwards ode_trimesh_gpu/mesh/a.h "$spdx#include \"collide/query.h\"\n"
+  expect "$dir" bvh_upwards ode_trimesh_gpu/bvh/a.h "$spdx#include \"collide/query.h\"\n"
+  expect "$dir" public_inside ode_trimesh_gpu/include/ode_trimesh_gpu/a.h "$spdx#include \"mesh/tri_mesh.h\"\n"
+  expect "$dir" kernel_host kernels/shared/a.h "$spdx#include \"mesh/tri_mesh.h\"\n"
+  expect "$dir" dotdot tests/unit/a.cpp "$spdx#include \"../support/catch.h\"\n"
+  expect "$dir" prints ode_trimesh_gpu/collide/a.cpp "${spdx}void f() { std::cerr << 1; }\n"
+  expect "$dir" exits ode_trimesh_gpu/ode/a.cpp "${spdx}void f() { std::abort(); }\n"
+  many=$(printf '\\n%.0s' $(seq $kMaxLines))
+  expect "$dir" long demos/a.cpp "$spdx$many"
+  expect "$dir" licence kernels/a.cl "// no licence\n"
+  mkdir -p "$dir/clean/ode_trimesh_gpu/ode"
+  printf '%b' "$spdx#include <ode/ode.h>\n#include \"collide/query.h\"\n" >"$dir/clean/ode_trimesh_gpu/ode/a.cpp"
+  if [ -n "$(check "$dir/clean")" ]; then
+    echo "self-test: a clean tree was reported"
+    return 1
+  fi
+}
+
+if [ "${1:-}" = --self-test ]; then
+  self_test "$2"
+  exit 0
+fi
+breaches=$(check "$1")
+[ -z "$breaches" ] || { echo "$breaches"; exit 1; }

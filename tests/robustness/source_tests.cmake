@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Tests of the sources themselves: the rules of the layers, and that the shared headers are OpenCL C as well.
+add_test(NAME robustness.layer_rules
+         COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/layer_rules.sh" "${PROJECT_SOURCE_DIR}")
+add_test(NAME robustness.layer_rules_self_test
+         COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/layer_rules.sh" --self-test "${CMAKE_CURRENT_BINARY_DIR}/layer_rules")
+set_tests_properties(robustness.layer_rules robustness.layer_rules_self_test PROPERTIES LABELS robustness TIMEOUT 120)
+
+# Under a sanitizer the OpenCL compiler inside the driver is what would be examined, so not there.
+find_package(OpenCL)
+if(OpenCL_FOUND AND NOT OTG_SANITIZE)
+  add_executable(test_shared_headers_opencl shared_headers_opencl.cpp)
+  target_compile_definitions(test_shared_headers_opencl PRIVATE OTG_KERNEL_DIR="${PROJECT_SOURCE_DIR}/kernels")
+  target_link_libraries(test_shared_headers_opencl PRIVATE OpenCL::OpenCL otg_flags)
+  add_test(NAME robustness.shared_headers_opencl COMMAND test_shared_headers_opencl)
+  set_tests_properties(robustness.shared_headers_opencl PROPERTIES
+    LABELS robustness TIMEOUT 600 SKIP_RETURN_CODE 77)
+elseif(NOT OpenCL_FOUND)
+  message(STATUS "OpenCL not found: robustness.shared_headers_opencl is left out (Debian: ocl-icd-opencl-dev)")
+endif()
