@@ -25,7 +25,7 @@
 #define OTG_NAME(name) name
 #define OTG_VEC3 Vec3<REAL>
 #define OTG_TRANSFORM Transform<REAL>
-#define OTG_GENERIC \
+#define OTG_GENERIC     \
   template <class REAL> \
   inline
 #define OTG_ABS(x) otgAbs(x)
@@ -37,14 +37,30 @@
 #define OTG_SHARED_SCALAR_OPS
 // The operations that have no operator. SIMD vector classes overload these beside their definition.
 namespace otg {
-inline float otgAbs(float x) { return std::fabs(x); }
-inline double otgAbs(double x) { return std::fabs(x); }
-inline float otgMax(float a, float b) { return a > b ? a : b; }
-inline double otgMax(double a, double b) { return a > b ? a : b; }
-inline float otgMin(float a, float b) { return a < b ? a : b; }
-inline double otgMin(double a, double b) { return a < b ? a : b; }
-inline float otgSqrt(float x) { return std::sqrt(x); }
-inline double otgSqrt(double x) { return std::sqrt(x); }
+inline float otgAbs(float x) {
+  return std::fabs(x);
+}
+inline double otgAbs(double x) {
+  return std::fabs(x);
+}
+inline float otgMax(float a, float b) {
+  return a > b ? a : b;
+}
+inline double otgMax(double a, double b) {
+  return a > b ? a : b;
+}
+inline float otgMin(float a, float b) {
+  return a < b ? a : b;
+}
+inline double otgMin(double a, double b) {
+  return a < b ? a : b;
+}
+inline float otgSqrt(float x) {
+  return std::sqrt(x);
+}
+inline double otgSqrt(double x) {
+  return std::sqrt(x);
+}
 }  // namespace otg
 #endif
 #endif

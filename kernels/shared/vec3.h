@@ -58,9 +58,13 @@ OTG_GENERIC OTG_VEC3 OTG_NAME(otgSub)(OTG_VEC3 a, OTG_VEC3 b) {
   return OTG_NAME(otgVec)(a.x - b.x, a.y - b.y, a.z - b.z);
 }
 
-OTG_GENERIC OTG_VEC3 OTG_NAME(otgScale)(OTG_VEC3 a, REAL s) { return OTG_NAME(otgVec)(a.x * s, a.y * s, a.z * s); }
+OTG_GENERIC OTG_VEC3 OTG_NAME(otgScale)(OTG_VEC3 a, REAL s) {
+  return OTG_NAME(otgVec)(a.x * s, a.y * s, a.z * s);
+}
 
-OTG_GENERIC REAL OTG_NAME(otgDot)(OTG_VEC3 a, OTG_VEC3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+OTG_GENERIC REAL OTG_NAME(otgDot)(OTG_VEC3 a, OTG_VEC3 b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
 OTG_GENERIC OTG_VEC3 OTG_NAME(otgCross)(OTG_VEC3 a, OTG_VEC3 b) {
   return OTG_NAME(otgVec)(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
@@ -78,8 +82,8 @@ OTG_GENERIC OTG_VEC3 OTG_NAME(otgRotateBack)(OTG_TRANSFORM m, OTG_VEC3 v) {
                           m.r[2] * v.x + m.r[5] * v.y + m.r[8] * v.z);
 }
 
-/// R v + t, summed left to right, one rounding per operation. In double this very expression *defines* where the vertices
-/// of mesh B are: exact decisions, the oracle tests and every backend start from its result.
+/// R v + t, summed left to right, one rounding per operation. In double this very expression *defines* where the
+/// vertices of mesh B are: exact decisions, the oracle tests and every backend start from its result.
 OTG_GENERIC OTG_VEC3 OTG_NAME(otgTransform)(OTG_TRANSFORM m, OTG_VEC3 v) {
   return OTG_NAME(otgVec)(m.r[0] * v.x + m.r[1] * v.y + m.r[2] * v.z + m.t.x,
                           m.r[3] * v.x + m.r[4] * v.y + m.r[5] * v.z + m.t.y,

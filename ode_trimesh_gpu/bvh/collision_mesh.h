@@ -9,8 +9,8 @@
 
 namespace otg {
 
-/// Immutable after construction and safe to share between threads; layouts other than the standard one are made once, on
-/// first use (thread-safe).
+/// Immutable after construction and safe to share between threads; layouts other than the standard one are made once,
+/// on first use (thread-safe).
 class CollisionMesh {
  public:
   CollisionMesh(std::shared_ptr<const TriMesh> mesh, BuildStrategy strategy);

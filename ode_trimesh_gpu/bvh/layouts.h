@@ -10,8 +10,8 @@
 
 namespace otg {
 
-/// Centre and half-extents as 16-bit integers on a grid shared by the whole tree: value = q * step. The decoded box always
-/// contains the box that it stands for (verified at build time, widened by one step where rounding fell short).
+/// Centre and half-extents as 16-bit integers on a grid shared by the whole tree: value = q * step. The decoded box
+/// always contains the box that it stands for (verified at build time, widened by one step where rounding fell short).
 struct QuantizedNode {
   std::int16_t center[3];
   std::uint16_t extent[3];
@@ -24,7 +24,8 @@ struct QuantizedTree {
   Vec3f centerStep{}, extentStep{};  ///< powers of two, so that decoding q * step is exact in float
 };
 
-/// A tree whose leaves carry no box: only the F - 1 inner nodes exist, and a child that would be a leaf is the triangle.
+/// A tree whose leaves carry no box: only the F - 1 inner nodes exist, and a child that would be a leaf is the
+/// triangle.
 struct NoLeafNode {
   Vec3f center;
   Vec3f extent;

@@ -23,8 +23,8 @@ enum class BuildStrategy {
 struct BvhNode {
   Vec3f center;
   Vec3f extent;
-  std::int32_t child;     ///< inner node: its children are nodes child and child + 1 (child > 0); leaf: ~triangle (< 0)
-  std::uint32_t parent;   ///< kNone for the root
+  std::int32_t child;    ///< inner node: its children are nodes child and child + 1 (child > 0); leaf: ~triangle (< 0)
+  std::uint32_t parent;  ///< kNone for the root
   bool isLeaf() const { return child < 0; }
   std::uint32_t triangle() const { return static_cast<std::uint32_t>(~child); }
 };
@@ -45,6 +45,10 @@ BinaryTree buildTree(const TriMesh& mesh, BuildStrategy strategy);
 
 /// New boxes for moved vertices (mesh has the triangles that the tree was built from): O(F), same topology.
 void refitTree(BinaryTree& tree, const TriMesh& mesh);
+
+/// Sum of the surface areas of all nodes over that of the root: grows as refitting makes boxes overlap, so that a
+/// caller can decide to build anew. 0 for an empty tree.
+double sahCost(const BinaryTree& tree);
 
 /// Checks every invariant; empty string when all hold, else the first violation in words.
 std::string validateTree(const BinaryTree& tree, const TriMesh& mesh);

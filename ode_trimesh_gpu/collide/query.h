@@ -32,8 +32,8 @@ struct CollideOptions {
   MiddleOptions middle;
   ContactModel contacts = ContactModel::kPairwise;
   ReductionOptions reduction;
-  int maxContacts = 64;   ///< 1 to 65,535
-  bool timings = false;   ///< fill CollideStats::*Ms (reads the clock a few times)
+  int maxContacts = 64;        ///< 1 to 65,535
+  bool timings = false;        ///< fill CollideStats::*Ms (reads the clock a few times)
   bool countPerDepth = false;  ///< fill CollideStats::boxTestsPerDepth
 };
 
@@ -45,7 +45,8 @@ struct Contact {
   Vec3d normal;    ///< unit, frame A; moving A along it by `depth` separates (it points out of B, into A)
   double depth;    ///< >= 0
   std::uint32_t triangleA, triangleB;
-  std::uint32_t region;  ///< contacts of one connected overlap share it; 0-based in order of smallest (triangleA, triangleB)
+  std::uint32_t
+      region;  ///< contacts of one connected overlap share it; 0-based in order of smallest (triangleA, triangleB)
   ContactFeature feature;
 };
 
@@ -56,11 +57,11 @@ struct TrianglePair {
 
 struct CollideStats {
   std::uint64_t boxTests = 0;
-  std::uint64_t triangleBoxTests = 0;   ///< no-leaf traversal only
+  std::uint64_t triangleBoxTests = 0;  ///< no-leaf traversal only
   std::uint64_t candidatePairs = 0;
   std::uint64_t intersectingPairs = 0;
-  std::uint64_t decidedByDouble = 0;    ///< candidate pairs that the float filter left open
-  std::uint64_t decidedExactly = 0;     ///< of those, the ones that double arithmetic left open
+  std::uint64_t decidedByDouble = 0;  ///< candidate pairs that the float filter left open
+  std::uint64_t decidedExactly = 0;   ///< of those, the ones that double arithmetic left open
   std::uint64_t contactsBeforeReduction = 0;
   double middleMs = 0, nearMs = 0, contactsMs = 0, reductionMs = 0;
   std::vector<std::uint64_t> boxTestsPerDepth;  ///< by depth of the pair: sum of both nodes' depths
@@ -84,8 +85,8 @@ struct Workspace {
 
 /// The pairs of triangles whose boxes overlap (a superset of the intersecting ones) -> workspace.candidates.
 void middlePhase(const Query& query, Workspace& workspace);
-/// Decides workspace.candidates -> workspace.intersecting. The set does not depend on traversal, order or backend: it is
-/// the exact answer for A's float vertices and B's vertices as otgTransform places them in double; touching counts.
+/// Decides workspace.candidates -> workspace.intersecting. The set does not depend on traversal, order or backend: it
+/// is the exact answer for A's float vertices and B's vertices as otgTransform places them in double; touching counts.
 void nearPhase(const Query& query, Workspace& workspace);
 /// workspace.intersecting -> workspace.contacts by the published per-pair construction.
 void pairwiseContacts(const Query& query, Workspace& workspace);

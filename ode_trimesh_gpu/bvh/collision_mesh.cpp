@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bvh/collision_mesh.h"
+
+#include <mutex>
+
+namespace otg {
+
+struct CollisionMesh::Lazy {
+  std::once_flag quantizedOnce, noLeafOnce;
+  QuantizedTree quantized;
+  NoLeafTree noLeaf;
+};
+
+CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> mesh, BuildStrategy strategy)
+    : mesh_(std::move(mesh)), tree_(buildTree(*mesh_, strategy)), lazy_(std::make_unique<Lazy>()) {}
+
+CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> moved, const CollisionMesh& before)
+    : mesh_(std::move(moved)), tree_(before.tree_), lazy_(std::make_unique<Lazy>()) {
+  refitTree(tree_, *mesh_);
+}
+
+CollisionMesh::~CollisionMesh() = default;
+
+const QuantizedTree& CollisionMesh::quantized() const {
+  std::call_once(lazy_->quantizedOnce, [this] { lazy_->quantized = quantizeTree(tree_); });
+  return lazy_->quantized;
+}
+
+const NoLeafTree& CollisionMesh::noLeaf() const {
+  std::call_once(lazy_->noLeafOnce, [this] { lazy_->noLeaf = makeNoLeafTree(tree_); });
+  return lazy_->noLeaf;
+}
+
+}  // namespace otg

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Contact model `pairwise`: one contact per intersecting pair of triangles, as published.
+#include <chrono>
+
+#include "collide/contact_regions.h"
+#include "collide/pair_frame.h"
+#include "collide/query.h"
+#include "shared/pairwise_contact.h"
+
+namespace otg {
+namespace {
+
+ContactFeature featureOf(int kind) {
+  switch (kind) {
+    case OTG_CONTACT_FACE_A:
+      return ContactFeature::kFaceA;
+    case OTG_CONTACT_FACE_B:
+      return ContactFeature::kFaceB;
+    default:
+      return ContactFeature::kCoplanar;
+  }
+}
+
+}  // namespace
+
+void pairwiseContacts(const Query& query, Workspace& workspace) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
+  workspace.contacts.clear();
+  for (const TrianglePair& pair : workspace.intersecting) {
+    Vec3d a[3], b[3];
+    cornersOfA(query.a->mesh(), pair.a, a);
+    cornersOfB(query.b->mesh(), query.bInA, pair.b, b);
+    const PairContact<double> c = otgPairwiseContact(a, b);
+    if (c.kind == OTG_CONTACT_NONE) continue;
+    workspace.contacts.push_back({c.position, c.normal, c.depth, pair.a, pair.b, 0, featureOf(c.kind)});
+  }
+  assignRegions(query, workspace);
+  workspace.stats.contactsBeforeReduction = workspace.contacts.size();
+  if (query.options.timings) {
+    workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  }
+}
+
+}  // namespace otg
