@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The geom: creation, data, parameters, triangles. */
+#ifndef ODE_TRIMESH_GPU_GEOM_H
+#define ODE_TRIMESH_GPU_GEOM_H
+
+#include <ode/common.h>
+
+#include "export.h"
+#include "params.h"
+#include "trimesh_data.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/**
+ * @brief Creates a triangle-mesh geom and adds it to a space.
+ *
+ * The geom is placeable: it takes bodies, positions, rotations and offsets as any other, may be put in any space or in
+ * a dGeomTransform, and is destroyed by dGeomDestroy() or with its space. Two geoms of this class collide in
+ * dCollide():
+ * - contacts point as ODE's do: moving the body of `g1` along `normal` by `depth` separates the pair;
+ * - `side1` and `side2` are the numbers of the triangles of `g1` and `g2`;
+ * - dCollide(a, b) and dCollide(b, a) give the same contacts in the same order with sides exchanged and normals
+ * negated;
+ * - when there are more contacts than places, the deepest of every separate region of contact are kept, then those most
+ *   spread out; with CONTACTS_UNIMPORTANT the first ones found, without reduction.
+ *
+ * With geoms of other classes it has no contacts in this version.
+ *
+ * @param space  the space to contain the geom; may be NULL
+ * @param data   the mesh; may be NULL or not built yet: such a geom is a point that touches nothing. The geom shares
+ * the object, see dGpuTriMeshDataDestroy()
+ * @returns The geom, or NULL: see dGpuTriMeshGetError().
+ * @remarks Calls dGpuTriMeshInit() if the class is not registered (the thread rule of that function then holds for this
+ *          one). Not from a near callback of that space.
+ * @remarks The order in which geoms are created decides which mesh of a pair the computation is done in. A program that
+ *          creates its geoms in the same order gets the same bytes.
+ * @ingroup gputrimesh
+ */
+OTG_API dGeomID dCreateGpuTriMesh(dSpaceID space, dGpuTriMeshDataID data);
+
+/**
+ * @brief Gives the geom another mesh and marks it as moved.
+ * @param g     a geom of this class
+ * @param data  the mesh; may be NULL, as in dCreateGpuTriMesh()
+ * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_MEMORY or dGPUTRIMESH_ERROR_CLASS.
+ * @remarks Not from a near callback of the geom's space.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGeomGpuTriMeshSetData(dGeomID g, dGpuTriMeshDataID data);
+
+/**
+ * @brief The mesh of the geom.
+ * @returns What was set; NULL if that was NULL or is destroyed by now, or if g is not of this class.
+ * @remarks May be called from a near callback.
+ * @ingroup gputrimesh
+ */
+OTG_API dGpuTriMeshDataID dGeomGpuTriMeshGetData(dGeomID g);
+
+/**
+ * @brief Chooses how the geom collides.
+ * @param g       a geom of this class
+ * @param params  start from dGpuTriMeshParamsInit() or dGeomGpuTriMeshGetParams()
+ * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT for a value or a size that this version does not know,
+ *          dGPUTRIMESH_ERROR_UNSUPPORTED for the contact model SOLID, dGPUTRIMESH_ERROR_CLASS. After an error the geom
+ *          collides as before.
+ * @remarks May be called from a near callback, but not while another thread collides the geom.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGeomGpuTriMeshSetParams(dGeomID g, const dGpuTriMeshParams* params);
+
+/**
+ * @brief Reads what dGeomGpuTriMeshSetParams() set.
+ * @param g       a geom of this class
+ * @param params  `params->size` must be sizeof(dGpuTriMeshParams): see dGpuTriMeshParamsInit()
+ * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT or dGPUTRIMESH_ERROR_CLASS.
+ * @remarks May be called from a near callback.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGeomGpuTriMeshGetParams(dGeomID g, dGpuTriMeshParams* params);
+
+/**
+ * @brief The number of triangles of the geom's mesh.
+ * @returns 0 for a geom without mesh and for a geom that is not of this class.
+ * @remarks May be called from a near callback.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGeomGpuTriMeshGetTriangleCount(dGeomID g);
+
+/**
+ * @brief The corners of one triangle, in world coordinates; the fourth number of each is set to 0.
+ * @param g      a geom of this class
+ * @param Index  0 to dGeomGpuTriMeshGetTriangleCount() - 1, such as `side1` of a contact
+ * @param v0     receives the first corner; each of the three may be NULL
+ * @param v1     the second
+ * @param v2     the third
+ * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT or dGPUTRIMESH_ERROR_CLASS; after an error nothing was written.
+ * @remarks May be called from a near callback.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGeomGpuTriMeshGetTriangle(dGeomID g, int Index, dVector3* v0, dVector3* v1, dVector3* v2);
+
+/**
+ * @brief A point of one triangle, in world coordinates: (1 - u - v) v0 + u v1 + v v2. The fourth number is set to 0.
+ * @param g      a geom of this class
+ * @param Index  0 to dGeomGpuTriMeshGetTriangleCount() - 1
+ * @param u      barycentric coordinate of the second corner
+ * @param v      barycentric coordinate of the third corner
+ * @param Out    receives the point
+ * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT or dGPUTRIMESH_ERROR_CLASS; after an error nothing was written.
+ * @remarks May be called from a near callback.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGeomGpuTriMeshGetPoint(dGeomID g, int Index, dReal u, dReal v, dVector3 Out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* ODE_TRIMESH_GPU_GEOM_H */

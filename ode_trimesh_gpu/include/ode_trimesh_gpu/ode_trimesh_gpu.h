@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Everything that the library offers to C and C++ programs. It reads as ODE's own headers do and needs nothing but
+ * them.
+ *
+ *     dInitODE2(0);
+ *     dGpuTriMeshInit();
+ *     dGpuTriMeshDataID data = dGpuTriMeshDataCreate();
+ *     dGpuTriMeshDataBuildSingle(data, vertices, 12, vertexCount, indices, 3 * triangleCount, 12);
+ *     dGeomID geom = dCreateGpuTriMesh(space, data);
+ *     dGeomSetBody(geom, body);
+ *
+ * From here on the geom takes part in dSpaceCollide() and dCollide() as any other. */
+#ifndef ODE_TRIMESH_GPU_H
+#define ODE_TRIMESH_GPU_H
+
+#include "export.h"
+#include "geom.h"
+#include "library.h"
+#include "mass.h"
+#include "params.h"
+#include "report.h"
+#include "stats.h"
+#include "trimesh_data.h"
+
+#endif /* ODE_TRIMESH_GPU_H */

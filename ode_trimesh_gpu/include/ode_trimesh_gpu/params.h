@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* How geoms of this class collide: all choices with their defaults. */
+#ifndef ODE_TRIMESH_GPU_PARAMS_H
+#define ODE_TRIMESH_GPU_PARAMS_H
+
+#include <ode/common.h>
+
+#include "export.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/**
+ * @brief How two trees are searched for triangles that may touch. The contacts do not depend on it, only the time does.
+ * @ingroup gputrimesh
+ */
+enum {
+  dGPUTRIMESH_TRAVERSAL_STANDARD = 0,  /**< boxes in single precision */
+  dGPUTRIMESH_TRAVERSAL_QUANTIZED = 1, /**< boxes in 16-bit integers: half the memory */
+  dGPUTRIMESH_TRAVERSAL_NO_LEAF = 2    /**< leaves without boxes: half the nodes, triangle tests instead */
+};
+
+/**
+ * @brief Which of two nodes is opened next. The contacts do not depend on it, only the time does.
+ * @ingroup gputrimesh
+ */
+enum {
+  dGPUTRIMESH_DESCENT_FIRST_TREE = 0,  /**< down one tree to its leaves, then down the other */
+  dGPUTRIMESH_DESCENT_LARGER = 1,      /**< the larger box */
+  dGPUTRIMESH_DESCENT_ALTERNATING = 2, /**< one tree after the other */
+  dGPUTRIMESH_DESCENT_BOTH = 3         /**< both at once */
+};
+
+/**
+ * @brief What a contact is computed from.
+ * @ingroup gputrimesh
+ */
+enum {
+  dGPUTRIMESH_CONTACTS_AUTO = 0,     /**< the best that this version has for the two meshes */
+  dGPUTRIMESH_CONTACTS_PAIRWISE = 1, /**< from each pair of intersecting triangles */
+  dGPUTRIMESH_CONTACTS_SOLID =
+      2 /**< from the overlap of the two solids; dGPUTRIMESH_ERROR_UNSUPPORTED in this version */
+};
+
+/**
+ * @brief How many contacts become few.
+ * @ingroup gputrimesh
+ */
+enum {
+  dGPUTRIMESH_REDUCTION_NONE = 0,    /**< all are kept */
+  dGPUTRIMESH_REDUCTION_BINNING = 1, /**< one for each bin of position and normal */
+  dGPUTRIMESH_REDUCTION_CONE = 2     /**< those that span the cone of all forces and torques */
+};
+
+/**
+ * @brief The choices of one geom. Set the defaults with dGpuTriMeshParamsInit(), then what you need.
+ *
+ * Two geoms that collide may differ. Then, whatever the order of the call: the reduction is the one of the two with the
+ * smaller number (which drops less), each number of bins is the larger, max_contacts the smaller; of the contact models
+ * AUTO gives way to the other. The search is done as the geom created first has it.
+ * @ingroup gputrimesh
+ */
+typedef struct dGpuTriMeshParams {
+  dsizeint size;     /**< sizeof(dGpuTriMeshParams) of your program; set by ...Init */
+  int traversal;     /**< dGPUTRIMESH_TRAVERSAL_...; default STANDARD */
+  int descent;       /**< dGPUTRIMESH_DESCENT_...; default LARGER */
+  int box_axes;      /**< axes of the box test: 6 (default) or 15 */
+  int contact_model; /**< dGPUTRIMESH_CONTACTS_...; default AUTO */
+  int reduction;     /**< dGPUTRIMESH_REDUCTION_...; default BINNING */
+  int bins[6];       /**< for BINNING: along x, y, z of position, then of normal; 1 to 64, default 3 */
+  int max_contacts;  /**< at most this many for one pair of geoms: 1 to 65535 (default). The caller of dCollide() sets
+                        the  other limit by the size of its array. The deepest of every region of contact come first. */
+} dGpuTriMeshParams;
+
+/**
+ * @brief Sets the size and the defaults. NULL does nothing.
+ * @ingroup gputrimesh
+ */
+OTG_API void dGpuTriMeshParamsInit(dGpuTriMeshParams* params);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* ODE_TRIMESH_GPU_PARAMS_H */

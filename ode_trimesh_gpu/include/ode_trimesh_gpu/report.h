@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What validation found out about a mesh, as plain structures. */
+#ifndef ODE_TRIMESH_GPU_REPORT_H
+#define ODE_TRIMESH_GPU_REPORT_H
+
+#include <ode/common.h>
+
+#include "export.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/**
+ * @brief The kinds of problem that validation tells apart; what `elements` of dGpuTriMeshProblem are is said for each.
+ * @ingroup gputrimesh
+ */
+enum {
+  dGPUTRIMESH_PROBLEM_NULL_ARRAY = 0,            /**< refused */
+  dGPUTRIMESH_PROBLEM_TOO_MANY_VERTICES = 1,     /**< refused */
+  dGPUTRIMESH_PROBLEM_TOO_MANY_TRIANGLES = 2,    /**< refused */
+  dGPUTRIMESH_PROBLEM_INDEX_OUT_OF_RANGE = 3,    /**< refused; triangles */
+  dGPUTRIMESH_PROBLEM_NONFINITE_VERTEX = 4,      /**< refused; vertices */
+  dGPUTRIMESH_PROBLEM_EMPTY = 5,                 /**< no triangles */
+  dGPUTRIMESH_PROBLEM_DEGENERATE_TRIANGLE = 6,   /**< all corners on a line; triangles */
+  dGPUTRIMESH_PROBLEM_DUPLICATE_TRIANGLE = 7,    /**< the same corners as an earlier one; triangles */
+  dGPUTRIMESH_PROBLEM_BOUNDARY_EDGE = 8,         /**< an edge used once; triangles */
+  dGPUTRIMESH_PROBLEM_NON_MANIFOLD_EDGE = 9,     /**< an edge used more than twice; triangles */
+  dGPUTRIMESH_PROBLEM_NON_MANIFOLD_VERTEX = 10,  /**< its triangles form more than one fan; vertices */
+  dGPUTRIMESH_PROBLEM_INCONSISTENT_WINDING = 11, /**< neighbours wound in opposite ways; triangles */
+  dGPUTRIMESH_PROBLEM_INWARD_WINDING = 12,       /**< a closed part facing inward; connected parts */
+  dGPUTRIMESH_PROBLEM_EULER_MISMATCH = 13,       /**< the number of edges is not 3/2 of the number of triangles */
+  dGPUTRIMESH_PROBLEM_UNUSED_VERTEX = 14         /**< no triangle uses it; vertices; harmless */
+};
+
+/** @brief How many elements a dGpuTriMeshProblem names at most. @ingroup gputrimesh */
+#define dGPUTRIMESH_PROBLEM_ELEMENTS 8
+
+/**
+ * @brief One kind of problem of one mesh.
+ * @ingroup gputrimesh
+ */
+typedef struct dGpuTriMeshProblem {
+  dsizeint size;                              /**< sizeof(dGpuTriMeshProblem) of your program; set by ...Init */
+  int kind;                                   /**< dGPUTRIMESH_PROBLEM_... */
+  int count;                                  /**< how many elements have it */
+  int element_count;                          /**< how many of them are named here */
+  int elements[dGPUTRIMESH_PROBLEM_ELEMENTS]; /**< the first ones, ascending */
+  const char* message;                        /**< one sentence with the numbers in it; belongs to the mesh data */
+} dGpuTriMeshProblem;
+
+/**
+ * @brief Counts and properties of a mesh. Flags are 0 or 1; edges are counted on vertices welded by position.
+ * @ingroup gputrimesh
+ */
+typedef struct dGpuTriMeshReport {
+  dsizeint size; /**< sizeof(dGpuTriMeshReport) of your program; set by ...Init */
+  int accepted;  /**< there is a mesh; otherwise see dGpuTriMeshDataGetErrorString() */
+  int valid;     /**< accepted, and nothing wrong but unused vertices */
+
+  int vertices, triangles, edges, components;
+
+  int closed;   /**< every edge is used exactly twice */
+  int manifold; /**< no edge used more than twice, one fan of triangles at every vertex */
+  int oriented; /**< neighbours wound the same way */
+  int outward;  /**< closed parts face outward, cavities inward */
+  int solid;    /**< the mesh has an inside: closed, oriented, outward. Otherwise it is a shell */
+
+  int degenerate_triangles, duplicate_triangles, nonfinite_vertices;
+  int boundary_edges, non_manifold_edges, non_manifold_vertices, inconsistent_edges;
+  int problem_count; /**< as dGpuTriMeshDataGetProblemCount() */
+
+  /* What repairs did, if any were asked for. */
+  int welded_vertices, dropped_degenerate, dropped_duplicates, flipped_triangles;
+
+  double volume; /**< cubic units, signed: negative when wound inward; 0 for a mesh that was refused */
+  double area;   /**< square units */
+} dGpuTriMeshReport;
+
+/**
+ * @brief Sets the size and zeroes the rest. NULL does nothing.
+ * @ingroup gputrimesh
+ */
+OTG_API void dGpuTriMeshReportInit(dGpuTriMeshReport* report);
+
+/**
+ * @brief Sets the size and zeroes the rest. NULL does nothing.
+ * @ingroup gputrimesh
+ */
+OTG_API void dGpuTriMeshProblemInit(dGpuTriMeshProblem* problem);
+
+/**
+ * @brief A short name such as "boundary edge" for a dGPUTRIMESH_PROBLEM_... value.
+ * @returns A string that is never NULL and lives for ever.
+ * @ingroup gputrimesh
+ */
+OTG_API const char* dGpuTriMeshProblemName(int kind);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* ODE_TRIMESH_GPU_REPORT_H */

@@ -1,0 +1,259 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Mesh data: arrays in, validated mesh and its tree out. Shared between any number of geoms. */
+#ifndef ODE_TRIMESH_GPU_TRIMESH_DATA_H
+#define ODE_TRIMESH_GPU_TRIMESH_DATA_H
+
+#include <ode/common.h>
+
+#include "export.h"
+#include "report.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/**
+ * @brief A mesh with its tree, the counterpart of ODE's dTriMeshDataID.
+ * @ingroup gputrimesh
+ */
+struct dxGpuTriMeshData;
+typedef struct dxGpuTriMeshData* dGpuTriMeshDataID;
+
+/**
+ * @brief Makes an object without triangles. Fill it with one of the Build functions.
+ * @returns The object, yours until dGpuTriMeshDataDestroy(); NULL when memory is short.
+ * @remarks Needs no ODE. May be called from any thread and from a near callback.
+ * @ingroup gputrimesh
+ */
+OTG_API dGpuTriMeshDataID dGpuTriMeshDataCreate(void);
+
+/**
+ * @brief Gives the object back. Geoms that use it keep the mesh and go on working.
+ *
+ * After this the id must not be used, and dGeomGpuTriMeshGetData() of those geoms returns NULL. The mesh is freed with
+ * the last of them.
+ * @param g  the object; NULL does nothing
+ * @remarks May be called from a near callback.
+ * @ingroup gputrimesh
+ */
+OTG_API void dGpuTriMeshDataDestroy(dGpuTriMeshDataID g);
+
+/**
+ * @brief Builds from single precision vertices. Argument for argument dGeomTriMeshDataBuildSingle(), but the arrays are
+ *        copied and need not outlive the call.
+ *
+ * The mesh is validated; whatever can be worked with is accepted as it is, triangle numbers unchanged, and reported
+ * (dGpuTriMeshDataGetReport()): open meshes, degenerate and duplicate triangles, mixed winding. Refused are null
+ * arrays, indices out of range, vertices that are NaN or infinite, and more than 2^28 vertices or triangles. No
+ * triangles at all is a mesh that touches nothing.
+ *
+ * Geoms that use the object have the new mesh from now on and are marked as moved (dGeomMoved()). After an error the
+ * object keeps the mesh that it had, while report and problems are those of the refused input.
+ *
+ * @param g             the object
+ * @param Vertices      x, y, z of each vertex, in the mesh's frame; may be NULL when VertexCount is 0
+ * @param VertexStride  bytes from one vertex to the next; 0 means tightly packed
+ * @param VertexCount   number of vertices
+ * @param Indices       three 32-bit vertex indices for each triangle, counter-clockwise seen from outside; may be NULL
+ * when IndexCount is 0
+ * @param IndexCount    number of indices: three times the number of triangles
+ * @param TriStride     bytes from one triangle to the next; 0 means tightly packed
+ * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_MESH or dGPUTRIMESH_ERROR_MEMORY.
+ * @remarks Not from a near callback when geoms use the object. A geom inside a dGeomTransform is marked as moved, but
+ *          ODE offers no way to reach the transform: move or re-set the transform geom yourself.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshDataBuildSingle(dGpuTriMeshDataID g, const void* Vertices, int VertexStride, int VertexCount,
+                                       const void* Indices, int IndexCount, int TriStride);
+
+/**
+ * @brief The same with an argument for normals, so that calls of dGeomTriMeshDataBuildSingle1() need no change. They
+ * are not read: this library computes the normals that it needs.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshDataBuildSingle1(dGpuTriMeshDataID g, const void* Vertices, int VertexStride, int VertexCount,
+                                        const void* Indices, int IndexCount, int TriStride, const void* Normals);
+
+/**
+ * @brief Builds from double precision vertices, which are rounded to single precision once; otherwise as
+ *        dGpuTriMeshDataBuildSingle(). A double that single precision can't hold is refused as infinite.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshDataBuildDouble(dGpuTriMeshDataID g, const void* Vertices, int VertexStride, int VertexCount,
+                                       const void* Indices, int IndexCount, int TriStride);
+
+/**
+ * @brief The same with an argument for normals, which are not read.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshDataBuildDouble1(dGpuTriMeshDataID g, const void* Vertices, int VertexStride, int VertexCount,
+                                        const void* Indices, int IndexCount, int TriStride, const void* Normals);
+
+/**
+ * @brief Builds from ODE's own types, as dGeomTriMeshDataBuildSimple() does: Vertices is an array of dVector3, that is
+ *        *four* dReal for each vertex of which the last is not read.
+ * @param g            the object
+ * @param Vertices     VertexCount times four numbers
+ * @param VertexCount  number of vertices
+ * @param Indices      three vertex indices for each triangle, tightly packed
+ * @param IndexCount   number of indices: three times the number of triangles
+ * @returns As dGpuTriMeshDataBuildSingle().
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshDataBuildSimple(dGpuTriMeshDataID g, const dReal* Vertices, int VertexCount,
+                                       const dTriIndex* Indices, int IndexCount);
+
+/**
+ * @brief The same with an argument for normals, which are not read.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshDataBuildSimple1(dGpuTriMeshDataID g, const dReal* Vertices, int VertexCount,
+                                        const dTriIndex* Indices, int IndexCount, const int* Normals);
+
+/**
+ * @brief The number type of vertices in dGpuTriMeshBuildParams.
+ * @ingroup gputrimesh
+ */
+enum { dGPUTRIMESH_VERTEX_SINGLE = 0, dGPUTRIMESH_VERTEX_DOUBLE = 1 };
+
+/**
+ * @brief Repairs that dGpuTriMeshDataBuild() may do: any of these added up. What was done is in the report. Repairs
+ * change the numbers of triangles and vertices.
+ * @ingroup gputrimesh
+ */
+enum {
+  dGPUTRIMESH_REPAIR_NONE = 0,
+  dGPUTRIMESH_REPAIR_WELD = 1,            /**< merge vertices with equal positions */
+  dGPUTRIMESH_REPAIR_DROP_DEGENERATE = 2, /**< remove triangles whose corners lie on a line */
+  dGPUTRIMESH_REPAIR_DROP_DUPLICATES = 4, /**< keep only the first of triangles with the same corners */
+  dGPUTRIMESH_REPAIR_ORIENT = 8,          /**< flip triangles so that neighbours agree and closed parts face outward */
+  dGPUTRIMESH_REPAIR_ALL = 15
+};
+
+/**
+ * @brief How the tree is built.
+ * @ingroup gputrimesh
+ */
+enum {
+  dGPUTRIMESH_TREE_SAH = 0, /**< binned surface-area heuristic: the default, fewest box tests */
+  dGPUTRIMESH_TREE_MEAN_SPLIT =
+      1 /**< axis of greatest variance of the box centres, split at their mean: faster to build */
+};
+
+/**
+ * @brief Everything that a mesh is built from. Set the defaults with dGpuTriMeshBuildParamsInit(), then what you need.
+ * @ingroup gputrimesh
+ */
+typedef struct dGpuTriMeshBuildParams {
+  dsizeint size;        /**< sizeof(dGpuTriMeshBuildParams) of your program; set by ...Init */
+  const void* vertices; /**< as in dGpuTriMeshDataBuildSingle() */
+  int vertex_type;      /**< dGPUTRIMESH_VERTEX_SINGLE (default) or dGPUTRIMESH_VERTEX_DOUBLE */
+  int vertex_stride;    /**< bytes, 0 (default) = tightly packed */
+  int vertex_count;
+  const void* indices; /**< 32-bit */
+  int index_count;     /**< three times the number of triangles */
+  int tri_stride;      /**< bytes, 0 (default) = tightly packed */
+  int repair;          /**< dGPUTRIMESH_REPAIR_... added up; none by default */
+  int tree;            /**< dGPUTRIMESH_TREE_... */
+} dGpuTriMeshBuildParams;
+
+/**
+ * @brief Sets the size and the defaults: no arrays, no repair, the default tree. NULL does nothing.
+ * @ingroup gputrimesh
+ */
+OTG_API void dGpuTriMeshBuildParamsInit(dGpuTriMeshBuildParams* params);
+
+/**
+ * @brief Builds with options; otherwise as dGpuTriMeshDataBuildSingle().
+ * @returns As there; dGPUTRIMESH_ERROR_ARGUMENT also for a size or an option that this version does not know.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshDataBuild(dGpuTriMeshDataID g, const dGpuTriMeshBuildParams* params);
+
+/**
+ * @brief Moves the vertices of a built mesh and refits its tree: much faster than building, the counterpart of changing
+ *        the arrays in place and calling dGeomTriMeshDataUpdate().
+ *
+ * The triangles stay. Geoms that use the object are marked as moved. When the vertices have moved far from where the
+ * mesh was built, its boxes overlap more and building again pays off.
+ *
+ * @param g             the object, built before without repairs that dropped vertices or triangles
+ * @param Vertices      x, y, z in single precision
+ * @param VertexStride  bytes from one vertex to the next; 0 means tightly packed
+ * @param VertexCount   as many as the mesh was built with
+ * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_MESH (another count, NaN, infinity; the mesh
+ * is unchanged) or dGPUTRIMESH_ERROR_MEMORY.
+ * @remarks Not from a near callback when geoms use the object.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshDataUpdateVerticesSingle(dGpuTriMeshDataID g, const void* Vertices, int VertexStride,
+                                                int VertexCount);
+
+/**
+ * @brief The same from double precision.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshDataUpdateVerticesDouble(dGpuTriMeshDataID g, const void* Vertices, int VertexStride,
+                                                int VertexCount);
+
+/**
+ * @brief The same from an array of dVector3 (four dReal for each vertex), the counterpart of
+ * dGpuTriMeshDataBuildSimple().
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshDataUpdate(dGpuTriMeshDataID g, const dReal* Vertices, int VertexCount);
+
+/**
+ * @brief Fills a report on the last Build or Update: counts and what is right and wrong with the mesh.
+ * @param g       the object
+ * @param report  `report->size` must be sizeof(dGpuTriMeshReport): see dGpuTriMeshReportInit()
+ * @returns dGPUTRIMESH_OK or dGPUTRIMESH_ERROR_ARGUMENT.
+ * @remarks May be called from a near callback.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshDataGetReport(dGpuTriMeshDataID g, dGpuTriMeshReport* report);
+
+/**
+ * @brief How many kinds of problem the last Build or Update found; 0 for a NULL object.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshDataGetProblemCount(dGpuTriMeshDataID g);
+
+/**
+ * @brief One problem: its kind, how many elements have it, the first few of them, and a sentence.
+ * @param g        the object
+ * @param Index    0 to dGpuTriMeshDataGetProblemCount() - 1
+ * @param problem  `problem->size` must be sizeof(dGpuTriMeshProblem): see dGpuTriMeshProblemInit(). Its message lives
+ * until the next Build or Update of the object, or its end.
+ * @returns dGPUTRIMESH_OK or dGPUTRIMESH_ERROR_ARGUMENT.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshDataGetProblem(dGpuTriMeshDataID g, int Index, dGpuTriMeshProblem* problem);
+
+/**
+ * @brief How many kinds of repair the last Build did; 0 for a NULL object.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshDataGetRepairCount(dGpuTriMeshDataID g);
+
+/**
+ * @brief One sentence on one kind of repair.
+ * @returns A string that lives until the next Build or Update of the object, or its end; NULL for an index out of
+ * range.
+ * @ingroup gputrimesh
+ */
+OTG_API const char* dGpuTriMeshDataGetRepair(dGpuTriMeshDataID g, int Index);
+
+/**
+ * @brief Why the last Build or Update of the object failed, in one sentence.
+ * @returns A string that is never NULL, empty when the last one succeeded; it lives until the next one, or the end of
+ * the object.
+ * @ingroup gputrimesh
+ */
+OTG_API const char* dGpuTriMeshDataGetErrorString(dGpuTriMeshDataID g);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* ODE_TRIMESH_GPU_TRIMESH_DATA_H */

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Registration of the geom class, dGpuTriMeshInit and dGpuTriMeshClose.
+//
+// ODE has four user classes, forgets them in dCloseODE, hands out the same numbers again after dInitODE2, and has no
+// function that tells any of this; registering too early is accepted and then wiped without a word. So the number that
+// we keep is tested before it is trusted: ODE's collider table, which dInitODE2 clears, must lead to our function.
+#include "ode/class_registration.h"
+
+#include <ode/collision.h>
+#include <ode/error.h>
+
+#include <atomic>
+#include <csetjmp>
+#include <cstdarg>
+#include <mutex>
+
+#include "ode/geom_class.h"
+#include "ode/mesh_collider.h"
+#include "ode/status.h"
+
+namespace otg {
+namespace {
+
+/// The only state of the process: ODE's class table is one per process, too.
+struct Registry {
+  std::mutex mutex;  ///< held while the table is probed or filled
+  std::atomic<int> classNumber{-1};
+  std::atomic<std::uint64_t> nextSerial{0};
+  std::atomic<dMessageFunction*> outerDebugHandler{nullptr};  ///< while ours is in place: the program's
+};
+
+Registry& registry() {
+  static Registry instance;
+  return instance;
+}
+
+thread_local std::jmp_buf* debugTrap = nullptr;
+thread_local bool probeAnswered = false;
+
+/// ODE reports misuse by calling its debug handler and aborts if that returns. Ours jumps back out of the call that
+/// this thread has made; no frame of ODE in between has anything to destroy. Other threads get the handler they had.
+void onDebug(int number, const char* message, va_list arguments) {
+  if (debugTrap != nullptr) std::longjmp(*debugTrap, 1);
+  if (dMessageFunction* const outer = registry().outerDebugHandler.load()) outer(number, message, arguments);
+}
+
+class DebugHandlerScope {
+ public:
+  DebugHandlerScope() : before_(dGetDebugHandler()) {
+    registry().outerDebugHandler = before_;
+    dSetDebugHandler(&onDebug);
+  }
+  ~DebugHandlerScope() { dSetDebugHandler(before_); }
+  DebugHandlerScope(const DebugHandlerScope&) = delete;
+  DebugHandlerScope& operator=(const DebugHandlerScope&) = delete;
+
+ private:
+  dMessageFunction* before_;
+};
+
+/// dCollide for one contact; -1 where ODE would have aborted. The function has no locals that setjmp could spoil.
+int tryCollide(dGeomID a, dGeomID b) {
+  std::jmp_buf jump;
+  debugTrap = &jump;
+  volatile int count = -1;
+  if (setjmp(jump) == 0) {
+    dContactGeom contact;
+    count = dCollide(a, b, 1, &contact, sizeof(contact));
+  }
+  debugTrap = nullptr;
+  return count;
+}
+
+/// dCreateGeomClass; -1 where ODE would have aborted because there is no class left.
+int tryCreateClass(const dGeomClass& record) {
+  std::jmp_buf jump;
+  debugTrap = &jump;
+  volatile int number = -1;
+  if (setjmp(jump) == 0) number = dCreateGeomClass(&record);
+  debugTrap = nullptr;
+  return number;
+}
+
+/// A ray that hits a plane gives one contact exactly if ODE's own colliders are in place; builds of ODE with assertions
+/// stop before that, builds without find an empty table.
+bool odeIsInitialized() {
+  const dGeomID ray = dCreateRay(nullptr, 2);
+  dGeomRaySet(ray, 0, 0, 1, 0, 0, -1);
+  const dGeomID plane = dCreatePlane(nullptr, 0, 0, 1, 0);
+  const bool hit = tryCollide(ray, plane) == 1;
+  dGeomDestroy(plane);
+  dGeomDestroy(ray);
+  return hit;
+}
+
+bool collidesThroughUs(dGeomID probe, dGeomID other) {
+  probeAnswered = false;
+  tryCollide(probe, other);
+  return probeAnswered;
+}
+
+/// Whether ODE's table leads from this class to our functions. Two entries are tried, in case the program has put a
+/// function of its own into one. Heightfield and convex are what another library's class, should it own the number by
+/// now, is least likely to have a collider for.
+bool classIsOurs(int number) {
+  const dGeomID probe = dCreateGeom(number);
+  const dHeightfieldDataID heights = dGeomHeightfieldDataCreate();
+  const dGeomID field = dCreateHeightfield(nullptr, heights, 1);
+  bool ours = collidesThroughUs(probe, field);
+  dGeomDestroy(field);
+  dGeomHeightfieldDataDestroy(heights);
+  if (!ours) {
+    static const dReal kPlane[4] = {0, 0, 1, 0};
+    static const dReal kPoint[3] = {0, 0, 0};
+    static const unsigned int kPolygons[1] = {0};
+    const dGeomID convex = dCreateConvex(nullptr, kPlane, 0, kPoint, 0, kPolygons);
+    ours = collidesThroughUs(probe, convex);
+    dGeomDestroy(convex);
+  }
+  dGeomDestroy(probe);
+  return ours;
+}
+
+/// What ODE's table holds for pairs that we have no contacts for.
+int collideWithOther(dGeomID o1, dGeomID, int, dContactGeom*, int) noexcept {
+  if (objectOf(o1) == nullptr) answerProbe();
+  return 0;
+}
+
+/// ODE asks once for each pair of classes and keeps the answer, NULL ("never any contacts") included. A class that is
+/// asked about a number that it doesn't know must say NULL, or the other class is never asked.
+dColliderFn* colliderFor(int otherClass) {
+  return otherClass == registeredClass() ? static_cast<dColliderFn*>(&collideMeshMesh) : nullptr;
+}
+
+int registerClass() {
+  dGeomClass record{};
+  record.bytes = sizeof(GeomObject*);
+  record.collider = &colliderFor;
+  record.aabb = &computeAabb;
+  record.dtor = &destroyObject;
+  const int number = tryCreateClass(record);
+  if (number < 0) return dGPUTRIMESH_ERROR_CLASS_COUNT;
+  registry().classNumber = number;
+  // ODE would fill these entries on the first collision of each pair, without a lock. Spaces and dGeomTransform have
+  // theirs already; other user classes may come later and are left to ODE.
+  for (int other = dSphereClass; other < dFirstSpaceClass; ++other) {
+    if (other != dGeomTransformClass) dSetColliderOverride(number, other, &collideWithOther);
+  }
+  dSetColliderOverride(number, number, &collideMeshMesh);
+  return dGPUTRIMESH_OK;
+}
+
+}  // namespace
+
+int registeredClass() noexcept {
+  return registry().classNumber.load(std::memory_order_acquire);
+}
+
+std::uint64_t nextSerial() noexcept {
+  return registry().nextSerial.fetch_add(1, std::memory_order_relaxed);
+}
+
+void answerProbe() noexcept {
+  probeAnswered = true;
+}
+
+int precisionStatus(ConfigurationCheck check) noexcept {
+#if defined(dDOUBLE)
+  const char* const own = "ODE_double_precision";
+  const char* const other = "ODE_single_precision";
+#else
+  const char* const own = "ODE_single_precision";
+  const char* const other = "ODE_double_precision";
+#endif
+  return check(own) != 0 && check(other) == 0 ? dGPUTRIMESH_OK : dGPUTRIMESH_ERROR_PRECISION;
+}
+
+int ensureRegistered() noexcept {
+  return guarded([] {
+    if (const int status = precisionStatus(&dCheckConfiguration)) return status;
+    const std::lock_guard lock(registry().mutex);
+    const DebugHandlerScope scope;
+    if (!odeIsInitialized()) return static_cast<int>(dGPUTRIMESH_ERROR_ODE);
+    const int known = registeredClass();
+    if (known >= 0 && classIsOurs(known)) return static_cast<int>(dGPUTRIMESH_OK);
+    return registerClass();
+  });
+}
+
+}  // namespace otg
+
+int dGpuTriMeshInit(void) {
+  return otg::ensureRegistered() == dGPUTRIMESH_OK ? 1 : 0;
+}
+
+void dGpuTriMeshClose(void) {
+  otg::freeThreadScratch();
+}
+
+int dGpuTriMeshGetClass(void) {
+  return otg::registeredClass();
+}

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The life of a geom, its bounding box, and its C API of creation, data and parameters.
+#include "ode/geom_class.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ode/class_registration.h"
+#include "ode/status.h"
+#include "ode_trimesh_gpu/geom.h"
+
+namespace otg {
+namespace {
+
+GeomObject*& slotOf(dGeomID geom) {
+  return *static_cast<GeomObject**>(dGeomGetClassData(geom));
+}
+
+/// To the dReal at or beyond x in the direction of `towards`, and never infinite.
+dReal roundOutward(double x, double towards) {
+  constexpr double kLargest = std::numeric_limits<dReal>::max();
+  const dReal rounded = static_cast<dReal>(std::clamp(x, -kLargest, kLargest));
+  return towards < 0 ? std::max(std::nextafter(rounded, static_cast<dReal>(-kLargest)), static_cast<dReal>(-kLargest))
+                     : std::min(std::nextafter(rounded, static_cast<dReal>(kLargest)), static_cast<dReal>(kLargest));
+}
+
+int checkParams(const dGpuTriMeshParams& p) {
+  const auto within = [](int value, int low, int high) { return value >= low && value <= high; };
+  bool good = within(p.traversal, dGPUTRIMESH_TRAVERSAL_STANDARD, dGPUTRIMESH_TRAVERSAL_NO_LEAF) &&
+              within(p.descent, dGPUTRIMESH_DESCENT_FIRST_TREE, dGPUTRIMESH_DESCENT_BOTH) &&
+              (p.box_axes == 6 || p.box_axes == 15) &&
+              within(p.contact_model, dGPUTRIMESH_CONTACTS_AUTO, dGPUTRIMESH_CONTACTS_SOLID) &&
+              within(p.reduction, dGPUTRIMESH_REDUCTION_NONE, dGPUTRIMESH_REDUCTION_CONE) &&
+              within(p.max_contacts, 1, 65535);
+  for (const int bins : p.bins) good = good && within(bins, 1, 64);
+  if (!good) return dGPUTRIMESH_ERROR_ARGUMENT;
+  return p.contact_model == dGPUTRIMESH_CONTACTS_SOLID ? dGPUTRIMESH_ERROR_UNSUPPORTED : dGPUTRIMESH_OK;
+}
+
+}  // namespace
+
+GeomObject* objectOf(dGeomID geom) noexcept {
+  return geom != nullptr && dGeomGetClass(geom) == registeredClass() ? slotOf(geom) : nullptr;
+}
+
+WorldPose readPose(dGeomID geom) noexcept {
+  const dReal* const x = dGeomGetPosition(geom);
+  const dReal* const r = dGeomGetRotation(geom);
+  WorldPose pose{};
+  pose.finite = true;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      const double value = r[4 * row + column];  // ODE pads rows to four
+      pose.transform.r[3 * row + column] = value;
+      pose.finite = pose.finite && std::isfinite(value);
+    }
+    pose.finite = pose.finite && std::isfinite(x[row]);
+  }
+  pose.transform.t = {x[0], x[1], x[2]};
+  return pose;
+}
+
+void computeAabb(dGeomID geom, dReal aabb[6]) noexcept {
+  // Never dGeomGetAABB here: the box is marked bad until we return, and it would call us again.
+  const WorldPose pose = readPose(geom);
+  std::fill(aabb, aabb + 6, dReal(0));
+  // The hash space and the sweep-and-prune space do arithmetic on boxes that NaN would break.
+  if (!pose.finite) return;
+  const double position[3] = {pose.transform.t.x, pose.transform.t.y, pose.transform.t.z};
+  const GeomObject* const object = objectOf(geom);
+  const CollisionMesh* const mesh = object == nullptr ? nullptr : object->mesh();
+  if (mesh == nullptr || mesh->tree().nodes.empty()) {
+    for (int i = 0; i < 3; ++i) aabb[2 * i] = aabb[2 * i + 1] = static_cast<dReal>(position[i]);
+    return;
+  }
+  const Vec3f& low = mesh->mesh().boundsMin();
+  const Vec3f& high = mesh->mesh().boundsMax();
+  const double lows[3] = {low.x, low.y, low.z};
+  const double highs[3] = {high.x, high.y, high.z};
+  for (int row = 0; row < 3; ++row) {
+    double least = position[row], most = position[row], magnitude = std::abs(position[row]);
+    for (int column = 0; column < 3; ++column) {
+      const double r = pose.transform.r[3 * row + column];
+      const double a = r * lows[column], b = r * highs[column];
+      least += std::min(a, b);
+      most += std::max(a, b);
+      magnitude += std::max(std::abs(a), std::abs(b));
+    }
+    // Contacts are computed in a mesh's frame and carried to the world in double: sixteen roundings cover both ways.
+    const double slack = 16 * std::numeric_limits<double>::epsilon() * magnitude;
+    aabb[2 * row] = roundOutward(least - slack, -1);
+    aabb[2 * row + 1] = roundOutward(most + slack, 1);
+  }
+}
+
+void destroyObject(dGeomID geom) noexcept {
+  // The class number may be out of date by now (ODE closed with geoms alive); the slot is ours all the same, because
+  // ODE calls this function only through our class record.
+  GeomObject*& slot = slotOf(geom);
+  if (slot == nullptr) return;
+  if (slot->data != nullptr) slot->data->detach(slot->serial);
+  delete slot;
+  slot = nullptr;
+}
+
+}  // namespace otg
+
+dGeomID dCreateGpuTriMesh(dSpaceID space, dGpuTriMeshDataID data) {
+  dGeomID geom = nullptr;
+  otg::guarded([&] {
+    if (const int status = otg::ensureRegistered()) return status;
+    auto object = std::make_unique<otg::GeomObject>();
+    object->serial = otg::nextSerial();
+    dGpuTriMeshParamsInit(&object->params);
+    const dGeomID created = dCreateGeom(otg::registeredClass());
+    if (data != nullptr) {
+      try {
+        data->attach(object->serial, created);
+      } catch (...) {
+        dGeomDestroy(created);
+        throw;
+      }
+      object->data = data;
+    }
+    otg::slotOf(created) = object.release();
+    geom = created;
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
+  // Last: from here on ODE may ask for the box at any time.
+  if (geom != nullptr && space != nullptr) dSpaceAdd(space, geom);
+  return geom;
+}
+
+int dGeomGpuTriMeshSetData(dGeomID g, dGpuTriMeshDataID data) {
+  return otg::guarded([&] {
+    otg::GeomObject* const object = otg::objectOf(g);
+    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
+    if (object->data != data) {
+      if (data != nullptr) data->attach(object->serial, g);
+      if (object->data != nullptr) object->data->detach(object->serial);
+      object->data = data;
+    }
+    dGeomMoved(g);
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
+}
+
+dGpuTriMeshDataID dGeomGpuTriMeshGetData(dGeomID g) {
+  const otg::GeomObject* const object = otg::objectOf(g);
+  if (object == nullptr) {
+    otg::noteStatus(dGPUTRIMESH_ERROR_CLASS);
+    return nullptr;
+  }
+  return object->data != nullptr && object->data->hasHandle() ? object->data : nullptr;
+}
+
+void dGpuTriMeshParamsInit(dGpuTriMeshParams* params) {
+  if (params == nullptr) return;
+  *params = dGpuTriMeshParams{};
+  params->size = sizeof(dGpuTriMeshParams);
+  params->traversal = dGPUTRIMESH_TRAVERSAL_STANDARD;
+  params->descent = dGPUTRIMESH_DESCENT_LARGER;
+  params->box_axes = 6;
+  params->contact_model = dGPUTRIMESH_CONTACTS_AUTO;
+  params->reduction = dGPUTRIMESH_REDUCTION_BINNING;
+  std::fill(std::begin(params->bins), std::end(params->bins), 3);
+  params->max_contacts = 65535;
+}
+
+int dGeomGpuTriMeshSetParams(dGeomID g, const dGpuTriMeshParams* params) {
+  otg::GeomObject* const object = otg::objectOf(g);
+  if (object == nullptr) return otg::noteStatus(dGPUTRIMESH_ERROR_CLASS);
+  if (!otg::isCurrentSize(params)) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
+  if (const int status = otg::checkParams(*params)) return otg::noteStatus(status);
+  object->params = *params;
+  return dGPUTRIMESH_OK;
+}
+
+int dGeomGpuTriMeshGetParams(dGeomID g, dGpuTriMeshParams* params) {
+  const otg::GeomObject* const object = otg::objectOf(g);
+  if (object == nullptr) return otg::noteStatus(dGPUTRIMESH_ERROR_CLASS);
+  if (!otg::isCurrentSize(params)) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
+  *params = object->params;
+  return dGPUTRIMESH_OK;
+}

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What stands behind one geom of our class.
+#pragma once
+
+#include <ode/collision.h>
+
+#include <atomic>
+#include <cstdint>
+
+#include "ode/mesh_data.h"
+#include "ode_trimesh_gpu/params.h"
+#include "ode_trimesh_gpu/stats.h"
+
+namespace otg {
+
+/// Sums of dGpuTriMeshStats. Several threads may collide one geom (a ground mesh) at once.
+struct GeomStats {
+  std::atomic<std::uint64_t> queries{0}, failedQueries{0}, boxTests{0}, candidatePairs{0}, intersectingPairs{0},
+      decidedByDouble{0}, decidedExactly{0}, contactsBeforeReduction{0}, contacts{0};
+};
+
+/// ODE keeps a pointer to it in the geom's class data (which it zeroes, copies nothing into and frees without a word).
+struct GeomObject {
+  /// Orders geoms by creation. Of two that collide the older one is mesh A: the result must not depend on the order of
+  /// the call, and in the same program it must not depend on addresses either.
+  std::uint64_t serial = 0;
+  dxGpuTriMeshData* data = nullptr;  ///< attached to; may be null
+  dGpuTriMeshParams params{};        ///< always valid
+  GeomStats stats;
+
+  /// Null when there is nothing to collide with.
+  const CollisionMesh* mesh() const { return data == nullptr ? nullptr : data->mesh(); }
+};
+
+/// Null for geoms of other classes, for NULL, and for geoms of our class that dCreateGeom made.
+GeomObject* objectOf(dGeomID geom) noexcept;
+
+/// A geom's pose by value, as double: row-major rotation, position. ODE changes poses behind pointers during a call.
+struct WorldPose {
+  Transformd transform;
+  bool finite = false;  ///< all twelve numbers are
+};
+WorldPose readPose(dGeomID geom) noexcept;
+
+/// dGeomClass::aabb: minx, maxx, miny, maxy, minz, maxz of all triangles, rounded outward; always finite.
+void computeAabb(dGeomID geom, dReal aabb[6]) noexcept;
+
+/// dGeomClass::dtor.
+void destroyObject(dGeomID geom) noexcept;
+
+}  // namespace otg

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a dGpuTriMeshDataID points to: the mesh, what was found out about it, and the geoms that use it.
+#pragma once
+
+#include <ode/common.h>
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+
+#include "bvh/collision_mesh.h"
+#include "mesh/tri_mesh.h"
+#include "ode_trimesh_gpu/trimesh_data.h"
+
+/// Lives as long as the user's handle or any geom that uses it. The mesh itself is immutable; building again puts
+/// another one in its place. No function runs while another thread changes the object (the rule of the API), except
+/// that geoms may come and go in several threads at once: the mutex is for these.
+struct dxGpuTriMeshData {
+ public:
+  dxGpuTriMeshData() = default;
+  dxGpuTriMeshData(const dxGpuTriMeshData&) = delete;
+  dxGpuTriMeshData& operator=(const dxGpuTriMeshData&) = delete;
+
+  /// Null until a build has succeeded.
+  const otg::CollisionMesh* mesh() const { return mesh_.get(); }
+  /// Of the last build or update, successful or not.
+  const otg::ValidationReport& report() const { return report_; }
+
+  /// Builds and takes over. Returns a status.
+  int build(const otg::MeshInput& input, const otg::RepairOptions& repair, otg::BuildStrategy strategy);
+  /// Refits to moved vertices and takes over. Returns a status.
+  int moveVertices(const otg::MeshInput& vertices);
+
+  /// The user's handle is given up.
+  void releaseHandle() noexcept;
+  /// False once the handle was given up.
+  bool hasHandle() const;
+  /// A geom, known by its serial number, begins to use the object. May throw std::bad_alloc.
+  void attach(std::uint64_t serial, dGeomID geom);
+  /// It stops using it; deletes the object if that was the last use.
+  void detach(std::uint64_t serial) noexcept;
+
+ private:
+  ~dxGpuTriMeshData() = default;  ///< through releaseHandle() and detach() only
+  /// Takes over a result; a refused one leaves the mesh as it is. Returns a status.
+  int accept(otg::MeshResult&& result, std::shared_ptr<const otg::CollisionMesh> mesh);
+
+  std::shared_ptr<const otg::CollisionMesh> mesh_;
+  otg::ValidationReport report_;
+  mutable std::mutex mutex_;
+  bool handle_ = true;
+  /// In the order of creation, so that marking them as moved shuffles ODE's lists the same way in every run.
+  std::map<std::uint64_t, dGeomID> users_;
+};
