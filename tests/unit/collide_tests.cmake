@@ -1,0 +1,5 @@
+# SPDX-License-Identifier: BSD-3-Clause
+otg_add_test(reduce_binning unit SOURCES test_reduce_binning.cpp)
+otg_add_test(reduce_cone unit SOURCES test_reduce_cone.cpp)
+otg_add_test(limit_contacts unit SOURCES test_limit_contacts.cpp)
+otg_add_test(contact_regions unit SOURCES test_contact_regions.cpp)
