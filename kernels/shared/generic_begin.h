@@ -25,9 +25,11 @@
 #define OTG_NAME(name) name
 #define OTG_VEC3 Vec3<REAL>
 #define OTG_TRANSFORM Transform<REAL>
+// Always inlined, so that a caller compiled for a wider instruction set gets the formula in that instruction set, and
+// no copy compiled for it is left for the linker to choose.
 #define OTG_GENERIC     \
   template <class REAL> \
-  inline
+  [[gnu::always_inline]] inline
 #define OTG_ABS(x) otgAbs(x)
 #define OTG_MAX(a, b) otgMax(a, b)
 #define OTG_MIN(a, b) otgMin(a, b)
@@ -37,28 +39,28 @@
 #define OTG_SHARED_SCALAR_OPS
 // The operations that have no operator. SIMD vector classes overload these beside their definition.
 namespace otg {
-inline float otgAbs(float x) {
+[[gnu::always_inline]] inline float otgAbs(float x) {
   return std::fabs(x);
 }
-inline double otgAbs(double x) {
+[[gnu::always_inline]] inline double otgAbs(double x) {
   return std::fabs(x);
 }
-inline float otgMax(float a, float b) {
+[[gnu::always_inline]] inline float otgMax(float a, float b) {
   return a > b ? a : b;
 }
-inline double otgMax(double a, double b) {
+[[gnu::always_inline]] inline double otgMax(double a, double b) {
   return a > b ? a : b;
 }
-inline float otgMin(float a, float b) {
+[[gnu::always_inline]] inline float otgMin(float a, float b) {
   return a < b ? a : b;
 }
-inline double otgMin(double a, double b) {
+[[gnu::always_inline]] inline double otgMin(double a, double b) {
   return a < b ? a : b;
 }
-inline float otgSqrt(float x) {
+[[gnu::always_inline]] inline float otgSqrt(float x) {
   return std::sqrt(x);
 }
-inline double otgSqrt(double x) {
+[[gnu::always_inline]] inline double otgSqrt(double x) {
   return std::sqrt(x);
 }
 }  // namespace otg

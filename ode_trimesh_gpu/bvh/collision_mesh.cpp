@@ -6,9 +6,10 @@
 namespace otg {
 
 struct CollisionMesh::Lazy {
-  std::once_flag quantizedOnce, noLeafOnce;
+  std::once_flag quantizedOnce, noLeafOnce, wideOnce;
   QuantizedTree quantized;
   NoLeafTree noLeaf;
+  WideTree wide;
 };
 
 CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> mesh, BuildStrategy strategy)
@@ -29,6 +30,11 @@ const QuantizedTree& CollisionMesh::quantized() const {
 const NoLeafTree& CollisionMesh::noLeaf() const {
   std::call_once(lazy_->noLeafOnce, [this] { lazy_->noLeaf = makeNoLeafTree(tree_); });
   return lazy_->noLeaf;
+}
+
+const WideTree& CollisionMesh::wide() const {
+  std::call_once(lazy_->wideOnce, [this] { lazy_->wide = makeWideTree(tree_); });
+  return lazy_->wide;
 }
 
 }  // namespace otg

@@ -6,6 +6,7 @@
 
 #include "bvh/layouts.h"
 #include "bvh/tree.h"
+#include "bvh/wide_tree.h"
 
 namespace otg {
 
@@ -25,6 +26,7 @@ class CollisionMesh {
   const BinaryTree& tree() const { return tree_; }
   const QuantizedTree& quantized() const;
   const NoLeafTree& noLeaf() const;
+  const WideTree& wide() const;
 
  private:
   struct Lazy;

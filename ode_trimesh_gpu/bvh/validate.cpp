@@ -4,6 +4,7 @@
 
 #include "bvh/layouts.h"
 #include "bvh/triangle_boxes.h"
+#include "bvh/wide_tree.h"
 
 namespace otg {
 namespace {
@@ -132,6 +133,40 @@ std::string validateLayout(const NoLeafTree& tree, const TriMesh& mesh) {
       }
     }
     if (!encloses(node.center, node.extent, bounds[i])) return at("box does not enclose", i);
+  }
+  return leaves.finish();
+}
+
+std::string validateLayout(const WideTree& tree, const TriMesh& mesh) {
+  const std::size_t n = mesh.triangleCount();
+  if (tree.nodes.empty() != (n == 0)) return "wrong number of nodes";
+  LeafCheck leaves(n);
+  std::vector<Bounds> bounds(tree.nodes.size());
+  std::vector<std::uint8_t> parents(tree.nodes.size(), 0);
+  for (std::size_t i = tree.nodes.size(); i-- > 0;) {
+    const WideNode& node = tree.nodes[i];
+    if (node.count < 1 || node.count > kWideArity) return at("wrong number of children", i);
+    for (int k = 0; k < node.count; ++k) {
+      Bounds box;
+      if (node.child[k] < 0) {
+        const auto triangle = static_cast<std::uint32_t>(~node.child[k]);
+        if (std::string error = leaves.add(triangle, i); !error.empty()) return error;
+        box = boundsOf(mesh, triangle);
+      } else {
+        const auto child = static_cast<std::size_t>(node.child[k]);
+        if (child <= i || child >= tree.nodes.size()) return at("children do not follow", i);
+        if (parents[child]++) return at("two parents", child);
+        box = bounds[child];
+      }
+      if (!encloses({node.centerX[k], node.centerY[k], node.centerZ[k]},
+                    {node.extentX[k], node.extentY[k], node.extentZ[k]}, box)) {
+        return at("box does not enclose", i);
+      }
+      bounds[i].grow(box);
+    }
+    for (int k = node.count; k < kWideArity; ++k) {
+      if (!(node.extentX[k] < 0)) return at("unused lane is not inverted", i);
+    }
   }
   return leaves.finish();
 }

@@ -5,6 +5,7 @@
 #include "collide/pair_frame.h"
 #include "collide/query.h"
 #include "collide/triangle_box.h"
+#include "collide/wide_kernels.h"
 #include "shared/box_test.h"
 
 namespace otg {
@@ -202,7 +203,10 @@ void middlePhase(const Query& query, Workspace& workspace) {
     case Traversal::kNoLeaf:
       traverseNoLeaf(query, frame, count, workspace.candidates);
       break;
-    default:
+    case Traversal::kWide:
+      traverseWide(bestSimdLevel(), query, frame, workspace.candidates, stats);
+      break;
+    case Traversal::kStandard:
       traverseBoxed(StandardView{query.a->tree()}, StandardView{query.b->tree()}, test, options.descent, count,
                     workspace.candidates);
       break;

@@ -5,6 +5,7 @@
 
 #include "collide/pair_frame.h"
 #include "collide/query.h"
+#include "collide/wide_kernels.h"
 #include "shared/triangle_exact.h"
 #include "shared/triangle_test.h"
 
@@ -43,7 +44,8 @@ void nearPhase(const Query& query, Workspace& workspace) {
     const TriMesh& a = query.a->mesh();
     const TriMesh& b = query.b->mesh();
     const PairFrame frame = makePairFrame(query);
-    for (const TrianglePair& pair : workspace.candidates) {
+    filterByPlanes(bestSimdLevel(), query, frame, workspace.candidates, workspace.crossing);
+    for (const TrianglePair& pair : workspace.crossing) {
       if (a.isDegenerate(pair.a) || b.isDegenerate(pair.b)) continue;
       Vec3f ta[3], tb[3];
       centredCornersOfA(a, pair.a, ta);

@@ -17,7 +17,7 @@ enum class ContactModel { kPairwise, kSolid };
 enum class Reduction { kNone, kBinning, kCone };
 
 struct MiddleOptions {
-  Traversal traversal = Traversal::kStandard;
+  Traversal traversal = Traversal::kWide;
   DescentRule descent = DescentRule::kLargerFirst;
   int axes = 6;  ///< 6 face axes, or 15 with the edge axes
 };
@@ -77,6 +77,7 @@ struct Query {
 /// Scratch memory and results; reuse it between queries to save allocations. One thread at a time.
 struct Workspace {
   std::vector<TrianglePair> candidates;    ///< of the last query, in the order of traversal
+  std::vector<TrianglePair> crossing;      ///< scratch of the near phase: candidates that the plane test leaves
   std::vector<TrianglePair> intersecting;  ///< ascending
   std::vector<Contact> contacts;           ///< before reduction, by (triangleA, triangleB)
   std::vector<Contact> reduced;            ///< the answer

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bvh/wide_tree.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace otg {
+namespace {
+
+float areaOf(const BvhNode& n) {
+  return n.extent.x * n.extent.y + n.extent.y * n.extent.z + n.extent.z * n.extent.x;
+}
+
+void setLane(WideNode& node, int lane, const Vec3f& center, const Vec3f& extent, std::int32_t child) {
+  node.centerX[lane] = center.x;
+  node.centerY[lane] = center.y;
+  node.centerZ[lane] = center.z;
+  node.extentX[lane] = extent.x;
+  node.extentY[lane] = extent.y;
+  node.extentZ[lane] = extent.z;
+  node.child[lane] = child;
+}
+
+}  // namespace
+
+WideTree makeWideTree(const BinaryTree& tree) {
+  WideTree out;
+  if (tree.nodes.empty()) return out;
+  out.rootCenter = tree.nodes[0].center;
+  out.rootExtent = tree.nodes[0].extent;
+  struct Task {
+    std::int32_t binary;  ///< node of the binary tree whose children, opened, fill the wide node
+    std::size_t wide;
+    std::uint32_t depth;
+  };
+  out.nodes.emplace_back();
+  std::vector<Task> stack{{0, 0, 1}};
+  while (!stack.empty()) {
+    const Task task = stack.back();
+    stack.pop_back();
+    out.depth = std::max(out.depth, task.depth);
+    std::int32_t slots[kWideArity];
+    int count = 0;
+    if (tree.nodes[task.binary].isLeaf()) {  // a mesh of one triangle
+      slots[count++] = task.binary;
+    } else {
+      slots[count++] = tree.nodes[task.binary].child;
+      slots[count++] = tree.nodes[task.binary].child + 1;
+      while (count < kWideArity) {
+        int largest = -1;
+        for (int k = 0; k < count; ++k) {
+          const BvhNode& n = tree.nodes[slots[k]];
+          if (!n.isLeaf() && (largest < 0 || areaOf(n) > areaOf(tree.nodes[slots[largest]]))) largest = k;
+        }
+        if (largest < 0) break;
+        const std::int32_t child = tree.nodes[slots[largest]].child;
+        slots[largest] = child;
+        slots[count++] = child + 1;
+      }
+    }
+    for (int k = 0; k < kWideArity; ++k) {
+      if (k >= count) {
+        // An extent of minus infinity makes every gap plus infinity.
+        const float inf = std::numeric_limits<float>::infinity();
+        setLane(out.nodes[task.wide], k, {0, 0, 0}, {-inf, -inf, -inf}, 0);
+        continue;
+      }
+      const BvhNode& n = tree.nodes[slots[k]];
+      std::int32_t child = n.child;
+      if (!n.isLeaf()) {
+        child = static_cast<std::int32_t>(out.nodes.size());
+        stack.push_back({slots[k], out.nodes.size(), task.depth + 1});
+        out.nodes.emplace_back();
+      }
+      setLane(out.nodes[task.wide], k, n.center, n.extent, child);
+    }
+    out.nodes[task.wide].count = count;
+  }
+  return out;
+}
+
+}  // namespace otg

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Eight-way tree for SIMD: the binary tree collapsed, the boxes of a node's children side by side.
+// Source of the layout: I. Wald, C. Benthin, S. Boulos, "Getting Rid of Packets", 2008 (multi-branching BVHs).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "bvh/tree.h"
+
+namespace otg {
+
+inline constexpr int kWideArity = 8;
+
+/// Boxes in the mesh's centred frame, child k in lane k. Lanes from `count` on hold an inverted box that overlaps
+/// nothing.
+struct alignas(64) WideNode {
+  float centerX[kWideArity], centerY[kWideArity], centerZ[kWideArity];
+  float extentX[kWideArity], extentY[kWideArity], extentZ[kWideArity];
+  std::int32_t child[kWideArity];  ///< >= 0: a node that follows this one; < 0: ~triangle
+  std::int32_t count;              ///< children in use, 1 to 8
+};
+static_assert(sizeof(WideNode) == 256);
+
+struct WideTree {
+  std::vector<WideNode> nodes;  ///< node 0 is the root; empty for an empty mesh
+  Vec3f rootCenter{}, rootExtent{};
+  std::uint32_t depth = 0;
+};
+
+/// Opens each node's largest inner child until there are eight. Boxes are those of the binary tree, bit for bit.
+WideTree makeWideTree(const BinaryTree& tree);
+
+/// Empty when every box contains its subtree's triangles and every triangle appears once.
+std::string validateLayout(const WideTree& tree, const TriMesh& mesh);
+
+}  // namespace otg

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The SIMD stages of the pipeline: eight-way traversal and the plane-side filter for eight pairs of triangles.
+//
+// wide_kernels_impl.h is compiled once per instruction set (wide_kernels_<set>.cpp, with that set's compiler flags),
+// and the choice is made at run time. Inside, everything is plain pointers and always-inlined formulas: an inline
+// function of the standard library compiled there could be the copy that the linker keeps for the whole program, on
+// machines without that instruction set too. A test looks for such symbols.
+#pragma once
+
+#include "collide/pair_frame.h"
+#include "collide/query.h"
+
+namespace otg {
+
+/// Instruction sets that the kernels are compiled for; results are the same bit for bit.
+enum class SimdLevel { kBaseline, kAvx2, kAvx512 };
+
+/// The best that this processor has.
+SimdLevel bestSimdLevel();
+const char* simdName(SimdLevel level);
+
+/// Candidate pairs by the wide trees, in the order of traversal. Counts into `stats`.
+void traverseWide(SimdLevel level, const Query& query, const PairFrame& frame, std::vector<TrianglePair>& out,
+                  CollideStats& stats);
+
+/// The candidates that the float plane test cannot prove disjoint, in their order.
+void filterByPlanes(SimdLevel level, const Query& query, const PairFrame& frame,
+                    const std::vector<TrianglePair>& candidates, std::vector<TrianglePair>& out);
+
+}  // namespace otg

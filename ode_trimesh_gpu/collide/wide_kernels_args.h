@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the per-instruction-set kernels take: plain data only (see wide_kernels.h for why).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "bvh/wide_tree.h"
+#include "collide/pair_frame.h"
+#include "collide/query.h"
+
+namespace otg {
+
+/// Pairs going out; `grow` makes room for at least one more.
+struct PairSink {
+  TrianglePair* data;
+  std::size_t size, capacity;
+  void (*grow)(PairSink& self);
+  void* owner;
+};
+
+/// A node of one tree (or ~triangle) with its box, waiting to be tested further.
+struct WideSide {
+  Vec3f center, extent;
+  std::int32_t ref;
+  float size;  ///< x y + y z + z x of the extents: decides which side is opened
+};
+
+struct WideItem {
+  WideSide a, b;
+  std::uint32_t depth;  ///< nodes opened on the way here
+};
+
+struct WideTraversalArgs {
+  const BoxFrame<float>* frame;
+  const WideNode* nodesA;
+  const WideNode* nodesB;
+  WideItem* stack;  ///< holds the root pair; room for kWideArity * (depth A + depth B) + 1 items
+  DescentRule rule;
+  bool edges;                    ///< test the nine edge axes too
+  std::uint64_t boxTests;        ///< out
+  std::uint64_t* testsPerDepth;  ///< depth A + depth B counters to add to, or null
+  PairSink* out;
+};
+
+struct PlaneFilterArgs {
+  const Vec3f *verticesA, *verticesB;
+  const Triangle *trianglesA, *trianglesB;
+  Vec3f centerA, centerB;
+  const Transformf* toA;
+  const FilterError<float>* error;
+  const TrianglePair* candidates;
+  std::size_t count;
+  TrianglePair* out;  ///< room for `count`
+  std::size_t kept;   ///< out
+};
+
+#define OTG_DECLARE_WIDE_KERNELS(set)         \
+  namespace set {                             \
+  void traverseWide(WideTraversalArgs& args); \
+  void filterByPlanes(PlaneFilterArgs& args); \
+  }
+OTG_DECLARE_WIDE_KERNELS(simd_baseline)
+OTG_DECLARE_WIDE_KERNELS(simd_avx2)
+OTG_DECLARE_WIDE_KERNELS(simd_avx512)
+#undef OTG_DECLARE_WIDE_KERNELS
+
+}  // namespace otg

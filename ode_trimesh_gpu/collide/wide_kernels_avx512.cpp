@@ -1,0 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The SIMD stages for AVX-512 with 256-bit vectors.
+#define OTG_SIMD_NAMESPACE simd_avx512
+#include "collide/wide_kernels_impl.h"

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Bodies of the SIMD stages, for the instruction set that OTG_SIMD_NAMESPACE names: see wide_kernels.h.
+#pragma once
+
+#include "collide/simd_real.h"
+#include "collide/wide_kernels_args.h"
+#include "shared/box_test.h"
+#include "shared/plane_test.h"
+
+namespace otg::OTG_SIMD_NAMESPACE {
+
+using SimdVec = Vec3<SimdReal>;
+
+inline SimdVec spread(const Vec3f& v) {
+  return {SimdReal(v.x), SimdReal(v.y), SimdReal(v.z)};
+}
+
+inline SimdVec loadVec(const float* x, const float* y, const float* z) {
+  return {SimdReal::load(x), SimdReal::load(y), SimdReal::load(z)};
+}
+
+inline WideSide sideOf(const WideNode& n, int k) {
+  const Vec3f e{n.extentX[k], n.extentY[k], n.extentZ[k]};
+  return {{n.centerX[k], n.centerY[k], n.centerZ[k]}, e, n.child[k], e.x * e.y + e.y * e.z + e.z * e.x};
+}
+
+/// Lanes of `node` (a node of A if kOpenA, else of B) whose boxes overlap the other side's box.
+template <bool kOpenA>
+inline unsigned overlapBits(const BoxFrame<SimdReal>& simd, const BoxFrame<float>& frame, const WideNode& node,
+                            const WideSide& other, bool edges) {
+  const SimdVec center = loadVec(node.centerX, node.centerY, node.centerZ);
+  const SimdVec extent = loadVec(node.extentX, node.extentY, node.extentZ);
+  const unsigned used = (1u << node.count) - 1;
+  SimdVec d, extentA, extentB;
+  if constexpr (kOpenA) {
+    d = otgSub(spread(otgBoxCenterInA(frame, other.center)), center);
+    extentA = extent;
+    extentB = spread(other.extent);
+    unsigned apart = greaterBits(otgBoxGapA(d, extentA, spread(otgBoxExtentInA(frame, other.extent))), simd.eps);
+    if ((apart & used) == used) return 0;
+  } else {
+    d = otgSub(otgBoxCenterInA(simd, center), spread(other.center));
+    extentA = spread(other.extent);
+    extentB = extent;
+    unsigned apart = greaterBits(otgBoxGapA(d, extentA, otgBoxExtentInA(simd, extentB)), simd.eps);
+    if ((apart & used) == used) return 0;
+  }
+  const SimdVec inA = kOpenA ? spread(otgBoxExtentInA(frame, other.extent)) : otgBoxExtentInA(simd, extentB);
+  unsigned apart = greaterBits(otgMax(otgBoxGapA(d, extentA, inA), otgBoxGapB(simd, d, extentA, extentB)), simd.eps);
+  if (edges && (apart & used) != used) apart |= greaterBits(otgBoxGapEdges(simd, d, extentA, extentB), simd.eps);
+  return used & ~apart;
+}
+
+void traverseWide(WideTraversalArgs& args) {
+  const BoxFrame<float>& frame = *args.frame;
+  BoxFrame<SimdReal> simd;
+  for (int i = 0; i < 9; ++i) {
+    simd.r[i] = frame.r[i];
+    simd.absR[i] = frame.absR[i];
+  }
+  simd.t = spread(frame.t);
+  simd.eps = frame.eps;
+  PairSink& out = *args.out;
+  std::uint64_t boxTests = 0;
+  std::size_t top = 1;
+  while (top > 0) {
+    const WideItem item = args.stack[--top];
+    bool openA = item.a.ref >= 0;
+    if (openA && item.b.ref >= 0) {
+      // "Both at once" has no meaning for one box against eight; it goes by size like the default.
+      if (args.rule == DescentRule::kAlternating) {
+        openA = item.depth % 2 == 0;
+      } else if (args.rule != DescentRule::kFirstTreeFirst) {
+        openA = item.a.size >= item.b.size;
+      }
+    }
+    const WideNode& node = openA ? args.nodesA[item.a.ref] : args.nodesB[item.b.ref];
+    unsigned bits = openA ? overlapBits<true>(simd, frame, node, item.b, args.edges)
+                          : overlapBits<false>(simd, frame, node, item.a, args.edges);
+    boxTests += static_cast<std::uint64_t>(node.count);
+    if (args.testsPerDepth) args.testsPerDepth[item.depth] += static_cast<std::uint64_t>(node.count);
+    const std::int32_t other = openA ? item.b.ref : item.a.ref;
+    for (; bits; bits &= bits - 1) {
+      const int k = __builtin_ctz(bits);
+      const std::int32_t child = node.child[k];
+      if (child < 0 && other < 0) {
+        if (out.size == out.capacity) out.grow(out);
+        TrianglePair& pair = out.data[out.size++];
+        pair.a = static_cast<std::uint32_t>(openA ? ~child : ~other);
+        pair.b = static_cast<std::uint32_t>(openA ? ~other : ~child);
+        continue;
+      }
+      if (child >= 0) __builtin_prefetch(openA ? args.nodesA + child : args.nodesB + child);
+      WideItem& next = args.stack[top++];
+      next.a = openA ? sideOf(node, k) : item.a;
+      next.b = openA ? item.b : sideOf(node, k);
+      next.depth = item.depth + 1;
+    }
+  }
+  args.boxTests = boxTests;
+}
+
+/// Bits of the lanes in which all three points are certainly on one side.
+inline unsigned onOneSide(const PlaneSides<SimdReal>& s) {
+  const SimdReal zero = 0.0f;
+  const unsigned above =
+      greaterBits(s.value[0], s.bound[0]) & greaterBits(s.value[1], s.bound[1]) & greaterBits(s.value[2], s.bound[2]);
+  const unsigned below = greaterBits(zero - s.value[0], s.bound[0]) & greaterBits(zero - s.value[1], s.bound[1]) &
+                         greaterBits(zero - s.value[2], s.bound[2]);
+  return above | below;
+}
+
+void filterByPlanes(PlaneFilterArgs& args) {
+  const SimdVec centerA = spread(args.centerA), centerB = spread(args.centerB);
+  Transform<SimdReal> toA;
+  for (int i = 0; i < 9; ++i) toA.r[i] = args.toA->r[i];
+  toA.t = spread(args.toA->t);
+  const FilterError<SimdReal> error{args.error->unit, args.error->delta, args.error->tiny};
+  alignas(32) float lanes[2][9][8];
+  std::size_t kept = 0;
+  for (std::size_t begin = 0; begin < args.count; begin += 8) {
+    const std::size_t n = args.count - begin < 8 ? args.count - begin : 8;
+    if (begin + 24 <= args.count) {  // corners two blocks ahead: their indices came with the block before
+      for (std::size_t k = 8; k < 16; ++k) {
+        const Triangle &ta = args.trianglesA[args.candidates[begin + k].a],
+                       &tb = args.trianglesB[args.candidates[begin + k].b];
+        for (int v = 0; v < 3; ++v) {
+          __builtin_prefetch(args.verticesA + ta.v[v]);
+          __builtin_prefetch(args.verticesB + tb.v[v]);
+        }
+        __builtin_prefetch(args.trianglesA + args.candidates[begin + k + 8].a);
+        __builtin_prefetch(args.trianglesB + args.candidates[begin + k + 8].b);
+      }
+    }
+    for (std::size_t k = 0; k < 8; ++k) {
+      const TrianglePair& c = args.candidates[begin + (k < n ? k : n - 1)];  // lanes past the end repeat the last pair
+      const Triangle &ta = args.trianglesA[c.a], &tb = args.trianglesB[c.b];
+      for (int v = 0; v < 3; ++v) {
+        const Vec3f &pa = args.verticesA[ta.v[v]], &pb = args.verticesB[tb.v[v]];
+        lanes[0][3 * v][k] = pa.x;
+        lanes[0][3 * v + 1][k] = pa.y;
+        lanes[0][3 * v + 2][k] = pa.z;
+        lanes[1][3 * v][k] = pb.x;
+        lanes[1][3 * v + 1][k] = pb.y;
+        lanes[1][3 * v + 2][k] = pb.z;
+      }
+    }
+    SimdVec a[3], b[3];
+    for (int v = 0; v < 3; ++v) {
+      a[v] = otgSub(loadVec(lanes[0][3 * v], lanes[0][3 * v + 1], lanes[0][3 * v + 2]), centerA);
+      b[v] = otgTransform(toA, otgSub(loadVec(lanes[1][3 * v], lanes[1][3 * v + 1], lanes[1][3 * v + 2]), centerB));
+    }
+    unsigned keep = (1u << n) - 1;
+    keep &= ~onOneSide(otgPlaneSides(error, b[0], b[1], b[2], a[0], a[1], a[2]));
+    if (keep) keep &= ~onOneSide(otgPlaneSides(error, a[0], a[1], a[2], b[0], b[1], b[2]));
+    for (; keep; keep &= keep - 1) {
+      args.out[kept++] = args.candidates[begin + static_cast<std::size_t>(__builtin_ctz(keep))];
+    }
+  }
+  args.kept = kept;
+}
+
+}  // namespace otg::OTG_SIMD_NAMESPACE
