@@ -12,10 +12,10 @@ namespace otg {
 
 /// At density 1. Lengths in the mesh's units, in the mesh's own frame.
 struct MassProperties {
-  double volume = 0;                                          ///< signed: negative for inward winding
+  double volume = 0;  ///< signed: negative for inward winding
   double area = 0;
   Eigen::Vector3d centerOfMass = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();          ///< about the centre of mass
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the centre of mass
 };
 
 /// Exact integrals over the polyhedron (up to the rounding of double arithmetic), by the divergence theorem over signed

@@ -20,8 +20,8 @@ inline constexpr std::uint32_t kNone = 0xffffffffu;
 
 /// Half-edge 3 t + k runs from corner k to corner (k + 1) % 3 of triangle t.
 struct Topology {
-  /// For each vertex the smallest vertex with the same position (-0 equals +0): two vertices are one point of the surface
-  /// exactly if their entries are equal.
+  /// For each vertex the smallest vertex with the same position (-0 equals +0): two vertices are one point of the
+  /// surface exactly if their entries are equal.
   std::vector<std::uint32_t> weld;
   /// For each half-edge its undirected edge, numbered from 0 in the order of first appearance.
   std::vector<std::uint32_t> edgeOf;
@@ -33,7 +33,8 @@ struct Topology {
     std::uint32_t a, b;
   };
   std::vector<Edge> edges;
-  /// For each triangle its connected component (through edges), numbered from 0 in the order of first appearance.
+  /// For each triangle its connected component (through edges, however many triangles use them), numbered from 0 in the
+  /// order of first appearance; kNone for a triangle that takes part in no edge.
   std::vector<std::uint32_t> componentOf;
   /// For each component: closed and consistently wound (every half-edge has a twin).
   std::vector<std::uint8_t> componentClosed;
@@ -43,7 +44,15 @@ struct Topology {
   std::size_t componentCount() const { return componentClosed.size(); }
 };
 
-/// Triangles whose corners are not all distinct points take part in no edge (their half-edges get edgeOf = kNone).
+/// Triangles whose corners are not all distinct points take part in no edge and no component (their half-edges get
+/// edgeOf = kNone). Linear time, except for vertices with many edges, whose edges are sorted.
 Topology buildTopology(std::span<const Vec3f> vertices, std::span<const Triangle> triangles);
+
+/// Topology::weld alone.
+std::vector<std::uint32_t> weldByPosition(std::span<const Vec3f> vertices);
+
+/// Topology::componentVolume alone, for vertices that moved without changing the connectivity.
+std::vector<double> componentVolumes(const Topology& topology, std::span<const Vec3f> vertices,
+                                     std::span<const Triangle> triangles);
 
 }  // namespace otg

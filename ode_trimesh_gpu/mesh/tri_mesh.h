@@ -19,21 +19,21 @@ namespace otg {
 /// Arrays as a caller has them. Nothing is kept: buildTriMesh copies what it needs.
 struct MeshInput {
   enum class Scalar { kFloat, kDouble };
-  const void* vertices = nullptr;   ///< x, y, z of each vertex; doubles are rounded to float once
+  const void* vertices = nullptr;  ///< x, y, z of each vertex; doubles are rounded to float once
   Scalar scalar = Scalar::kFloat;
-  std::size_t vertexStride = 0;     ///< bytes from one vertex to the next, 0 = tightly packed
+  std::size_t vertexStride = 0;  ///< bytes from one vertex to the next, 0 = tightly packed
   std::size_t vertexCount = 0;
-  const void* indices = nullptr;    ///< three 32-bit vertex indices for each triangle
-  std::size_t triangleStride = 0;   ///< bytes from one triangle to the next, 0 = tightly packed
+  const void* indices = nullptr;   ///< three 32-bit vertex indices for each triangle
+  std::size_t triangleStride = 0;  ///< bytes from one triangle to the next, 0 = tightly packed
   std::size_t triangleCount = 0;
 };
 
 /// Which repairs buildTriMesh may do. All off by default: triangle numbers stay the caller's.
 struct RepairOptions {
-  bool weldVertices = false;          ///< merge vertices with equal positions (bitwise, -0 equal to +0)
-  bool dropDegenerate = false;        ///< remove zero-area triangles
-  bool dropDuplicates = false;        ///< remove all but the first of triangles with the same three vertices
-  bool orientConsistently = false;    ///< flip triangles so that neighbours agree and closed components face outward
+  bool weldVertices = false;        ///< merge vertices with equal positions (bitwise, -0 equal to +0)
+  bool dropDegenerate = false;      ///< remove zero-area triangles
+  bool dropDuplicates = false;      ///< remove all but the first of triangles with the same three vertices
+  bool orientConsistently = false;  ///< flip triangles so that neighbours agree and closed components face outward
   static RepairOptions all() { return {true, true, true, true}; }
 };
 
@@ -61,8 +61,8 @@ class TriMesh {
   /// Axis-aligned bounds of the vertices that triangles use; min > max when there are none.
   const Vec3f& boundsMin() const { return boundsMin_; }
   const Vec3f& boundsMax() const { return boundsMax_; }
-  /// The middle of the bounds, rounded to float: the origin of the *centred frame* in which boxes and float filters work,
-  /// so that their error follows the size of the mesh and not its distance from its own origin.
+  /// The middle of the bounds, rounded to float: the origin of the *centred frame* in which boxes and float filters
+  /// work, so that their error follows the size of the mesh and not its distance from its own origin.
   const Vec3f& center() const { return center_; }
   /// No vertex that a triangle uses is farther than this from center() (rounded up).
   float radius() const { return radius_; }
@@ -78,6 +78,9 @@ class TriMesh {
   MassProperties mass_;
   Vec3f boundsMin_{}, boundsMax_{}, center_{};
   float radius_ = 0;
+  /// How many vertices the caller gave, and where repair merged some: which of them each of vertices_ is.
+  std::size_t inputVertexCount_ = 0;
+  std::vector<std::uint32_t> inputVertexOf_;
 };
 
 /// What buildTriMesh answers: a mesh, or none and a report whose problems say why (`report.error` in one line).
@@ -86,12 +89,14 @@ struct MeshResult {
   ValidationReport report;              ///< the same as mesh->report() when there is a mesh
 };
 
-/// Copies, validates, optionally repairs. Never throws for bad input and never aborts: open, inconsistent and degenerate
-/// meshes are accepted and classed, numbers that cannot be worked with (indices out of range, NaN, infinity, counts above
-/// the limits, null arrays) are refused. An empty mesh (no triangles) is accepted. Throws std::bad_alloc only.
+/// Copies, validates, optionally repairs. Never throws for bad input and never aborts: open, inconsistent and
+/// degenerate meshes are accepted and classed, numbers that cannot be worked with (indices out of range, NaN, infinity,
+/// counts above the limits, null arrays) are refused. An empty mesh (no triangles) is accepted. Throws std::bad_alloc
+/// only.
 MeshResult buildTriMesh(const MeshInput& input, const RepairOptions& repair = {});
 
-/// The same triangles with moved vertices (same count and layout as `mesh` was built from; refused otherwise).
+/// The same triangles with moved vertices: as many, in the same order, as `mesh` was built from (refused otherwise);
+/// the triangles in `vertices` are not looked at. Where repair merged vertices, the first of them moves the merged one.
 /// Topology is taken over when equal positions stay equal, else rebuilt.
 MeshResult moveVertices(const TriMesh& mesh, const MeshInput& vertices);
 

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which closed components of a mesh lie inside which: tells outer surfaces from cavities.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mesh/topology.h"
+
+namespace otg {
+
+/// For each component the number of closed components that it lies inside; 0 for components that are not closed. Of
+/// components that cross each other neither is inside the other. Winding is not looked at.
+std::vector<std::uint32_t> nestingDepths(const Topology& topology, std::span<const Vec3f> vertices,
+                                         std::span<const Triangle> triangles);
+
+/// The sign that the volume of a component at this depth has in a well-wound mesh: walls outward, cavities inward.
+inline double expectedVolumeSign(std::uint32_t depth) {
+  return depth % 2 == 0 ? 1 : -1;
+}
+
+/// True if a closed component is wound as its depth asks for. False also for one that encloses nothing (to within the
+/// rounding of its volume), such as two copies of a triangle back to back.
+std::vector<std::uint8_t> componentsWellWound(const Topology& topology, const std::vector<std::uint32_t>& depths,
+                                              std::span<const Vec3f> vertices, std::span<const Triangle> triangles);
+
+}  // namespace otg

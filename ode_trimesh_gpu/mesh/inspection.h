@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The checks behind a ValidationReport, one by one. Inside the mesh layer only.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mesh/topology.h"
+#include "mesh/validation.h"
+
+namespace otg {
+
+/// One flag for each triangle: all three vertices on a line. That is the case if two are at equal positions, or if the
+/// height over the longest edge is at most 4 u m, where u = 2^-24 is the rounding unit of float and m the largest
+/// coordinate (by magnitude) of the three vertices relative to `center`, the origin of the centred frame. A triangle
+/// whose vertices were on a line before each of their centred coordinates was rounded to float has a height of at most
+/// 2 sqrt(3) u m: it is caught, and a triangle that is reported has no plane that its float coordinates could tell.
+std::vector<std::uint8_t> findDegenerate(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
+                                         const Vec3f& center);
+
+/// One flag for each triangle: an earlier one has the same three points, in any order.
+std::vector<std::uint8_t> findDuplicates(const std::vector<std::uint32_t>& weld, std::span<const Triangle> triangles);
+
+/// Appends a problem with `count` elements. `isElement(i)` says whether number i < size is one of them; the first few
+/// that are get listed.
+void addProblem(ValidationReport& report, ProblemKind kind, std::size_t count, std::string message,
+                std::size_t size = 0, const std::function<bool(std::uint32_t)>& isElement = {});
+
+/// Fills everything in `report` that is said about an accepted mesh except `repair`.
+void inspectMesh(std::span<const Vec3f> vertices, std::span<const Triangle> triangles, const Topology& topology,
+                 const std::vector<std::uint8_t>& degenerate, ValidationReport& report);
+
+}  // namespace otg

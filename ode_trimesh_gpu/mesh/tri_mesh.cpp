@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From the caller's arrays to an immutable mesh: reading, refusing, repairing, measuring.
+#include "mesh/tri_mesh.h"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "mesh/bounds.h"
+#include "mesh/inspection.h"
+#include "mesh/repair.h"
+
+namespace otg {
+namespace {
+
+/// Vertices as floats; infinity stands for whatever is not finite or beyond float.
+template <class Scalar>
+std::vector<Vec3f> readVertices(const MeshInput& input) {
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  const std::size_t stride = input.vertexStride != 0 ? input.vertexStride : 3 * sizeof(Scalar);
+  const unsigned char* from = static_cast<const unsigned char*>(input.vertices);
+  std::vector<Vec3f> vertices(input.vertexCount);
+  for (std::size_t i = 0; i < input.vertexCount; ++i) {
+    Scalar c[3];
+    std::memcpy(c, from + i * stride, sizeof(c));  // strides need not keep the alignment
+    float f[3];
+    for (int k = 0; k < 3; ++k)
+      f[k] = std::abs(double{c[k]}) <= kLargest ? static_cast<float>(c[k]) : std::numeric_limits<float>::infinity();
+    vertices[i] = {f[0], f[1], f[2]};
+  }
+  return vertices;
+}
+
+std::vector<Triangle> readTriangles(const MeshInput& input) {
+  const std::size_t stride = input.triangleStride != 0 ? input.triangleStride : sizeof(Triangle);
+  const unsigned char* from = static_cast<const unsigned char*>(input.indices);
+  std::vector<Triangle> triangles(input.triangleCount);
+  for (std::size_t i = 0; i < input.triangleCount; ++i) std::memcpy(&triangles[i], from + i * stride, sizeof(Triangle));
+  return triangles;
+}
+
+/// What can be said without touching the vertex array.
+void checkVertexArray(const MeshInput& input, ValidationReport& report) {
+  if (input.vertexCount > kMaxVertices)
+    addProblem(report, ProblemKind::kTooManyVertices, 1,
+               std::to_string(input.vertexCount) + " vertices are more than the limit of " +
+                   std::to_string(kMaxVertices) + ".");
+  if (input.vertices == nullptr && input.vertexCount > 0)
+    addProblem(report, ProblemKind::kNullArray, 1,
+               "The vertex array is null, but " + std::to_string(input.vertexCount) + " vertices are announced.");
+  const std::size_t size = 3 * (input.scalar == MeshInput::Scalar::kDouble ? sizeof(double) : sizeof(float));
+  if (input.vertexStride != 0 && input.vertexStride < size)
+    addProblem(report, ProblemKind::kBadStride, 1,
+               "The vertex stride of " + std::to_string(input.vertexStride) + " bytes is smaller than a vertex of " +
+                   std::to_string(size) + " bytes.");
+}
+
+void checkTriangleArray(const MeshInput& input, ValidationReport& report) {
+  if (input.triangleCount > kMaxTriangles)
+    addProblem(report, ProblemKind::kTooManyTriangles, 1,
+               std::to_string(input.triangleCount) + " triangles are more than the limit of " +
+                   std::to_string(kMaxTriangles) + ".");
+  if (input.indices == nullptr && input.triangleCount > 0)
+    addProblem(report, ProblemKind::kNullArray, 1,
+               "The index array is null, but " + std::to_string(input.triangleCount) + " triangles are announced.");
+  if (input.triangleStride != 0 && input.triangleStride < sizeof(Triangle))
+    addProblem(report, ProblemKind::kBadStride, 1,
+               "The triangle stride of " + std::to_string(input.triangleStride) + " bytes is smaller than the " +
+                   std::to_string(sizeof(Triangle)) + " bytes of three indices.");
+}
+
+std::vector<Vec3f> readCheckedVertices(const MeshInput& input, ValidationReport& report) {
+  std::vector<Vec3f> vertices =
+      input.scalar == MeshInput::Scalar::kDouble ? readVertices<double>(input) : readVertices<float>(input);
+  const auto isBad = [&](std::uint32_t v) {
+    const Vec3f& p = vertices[v];
+    return !(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+  };
+  for (std::uint32_t v = 0; v < vertices.size(); ++v) report.nonfiniteVertices += isBad(v);
+  addProblem(report, ProblemKind::kNonFiniteVertex, report.nonfiniteVertices,
+             std::to_string(report.nonfiniteVertices) +
+                 (report.nonfiniteVertices == 1 ? " vertex has" : " vertices have") +
+                 " a coordinate that is not a finite float (NaN, infinite or too large).",
+             vertices.size(), isBad);
+  return vertices;
+}
+
+std::vector<Triangle> readCheckedTriangles(const MeshInput& input, ValidationReport& report) {
+  std::vector<Triangle> triangles = readTriangles(input);
+  const auto isBad = [&](std::uint32_t t) {
+    const std::uint32_t(&v)[3] = triangles[t].v;
+    return v[0] >= input.vertexCount || v[1] >= input.vertexCount || v[2] >= input.vertexCount;
+  };
+  std::size_t bad = 0;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) bad += isBad(t);
+  addProblem(report, ProblemKind::kIndexOutOfRange, bad,
+             std::to_string(bad) + (bad == 1 ? " triangle has" : " triangles have") +
+                 " an index out of range (there are " + std::to_string(input.vertexCount) + " vertices).",
+             triangles.size(), isBad);
+  return triangles;
+}
+
+/// The refusal if there are problems so far.
+bool refused(ValidationReport& report) {
+  for (const Problem& problem : report.problems) {
+    if (!report.error.empty()) report.error += ' ';
+    report.error += problem.message;
+  }
+  return !report.problems.empty();
+}
+
+float roundedUp(double x) {
+  const float f = static_cast<float>(std::min<double>(x, std::numeric_limits<float>::max()));
+  return double{f} >= x ? f : std::nextafter(f, std::numeric_limits<float>::infinity());
+}
+
+}  // namespace
+
+/// Fills a TriMesh, whose members only it can reach.
+struct TriMeshBuilder {
+  static std::shared_ptr<TriMesh> create() { return std::shared_ptr<TriMesh>(new TriMesh); }
+
+  static void measure(TriMesh& mesh) {
+    const Bounds bounds = boundsOf(mesh.vertices_, mesh.triangles_);
+    mesh.boundsMin_ = bounds.min;
+    mesh.boundsMax_ = bounds.max;
+    const Vec3d middle = bounds.middle();
+    mesh.center_ = {static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z)};
+    const Vec3d center{mesh.center_.x, mesh.center_.y, mesh.center_.z};
+    double radius2 = 0;
+    for (const Triangle& triangle : mesh.triangles_) {
+      for (const std::uint32_t v : triangle.v) {
+        const Vec3d p = relativeTo(mesh.vertices_[v], center);
+        radius2 = std::max(radius2, otgDot(p, p));
+      }
+    }
+    // A few roundings of double lie between radius2 and the true distance; one part in 2^50 covers them.
+    mesh.radius_ = roundedUp(std::sqrt(radius2) * (1 + 0x1p-50));
+    mesh.mass_ = computeMassProperties(mesh.vertices_, mesh.triangles_);
+    mesh.degenerate_ = findDegenerate(mesh.vertices_, mesh.triangles_, mesh.center_);
+  }
+
+  static MeshResult build(const MeshInput& input, const RepairOptions& repair) {
+    MeshResult result;
+    ValidationReport& report = result.report;
+    report.vertices = input.vertexCount;
+    report.triangles = input.triangleCount;
+    checkVertexArray(input, report);
+    checkTriangleArray(input, report);
+    if (refused(report)) return result;
+    std::vector<Vec3f> vertices = readCheckedVertices(input, report);
+    std::vector<Triangle> triangles = readCheckedTriangles(input, report);
+    if (refused(report)) return result;
+
+    const std::shared_ptr<TriMesh> mesh = create();
+    mesh->inputVertexCount_ = vertices.size();
+    repairMesh(repair, vertices, triangles, mesh->inputVertexOf_, report.repair);
+    mesh->vertices_ = std::move(vertices);
+    mesh->triangles_ = std::move(triangles);
+    measure(*mesh);
+    mesh->topology_ = buildTopology(mesh->vertices_, mesh->triangles_);
+    inspectMesh(mesh->vertices_, mesh->triangles_, mesh->topology_, mesh->degenerate_, report);
+    mesh->report_ = report;
+    result.mesh = mesh;
+    return result;
+  }
+
+  static MeshResult move(const TriMesh& before, const MeshInput& input) {
+    MeshResult result;
+    ValidationReport& report = result.report;
+    report.vertices = input.vertexCount;
+    report.triangles = before.triangleCount();
+    checkVertexArray(input, report);
+    if (input.vertexCount != before.inputVertexCount_)
+      addProblem(report, ProblemKind::kVertexCountMismatch, 1,
+                 std::to_string(input.vertexCount) + " vertices are given for a mesh that was built from " +
+                     std::to_string(before.inputVertexCount_) + ".");
+    if (refused(report)) return result;
+    std::vector<Vec3f> vertices = readCheckedVertices(input, report);
+    if (refused(report)) return result;
+
+    const std::shared_ptr<TriMesh> mesh = create();
+    mesh->inputVertexCount_ = before.inputVertexCount_;
+    mesh->inputVertexOf_ = before.inputVertexOf_;
+    if (!before.inputVertexOf_.empty()) {
+      for (std::size_t v = 0; v < before.inputVertexOf_.size(); ++v) vertices[v] = vertices[before.inputVertexOf_[v]];
+      vertices.resize(before.inputVertexOf_.size());
+    }
+    mesh->vertices_ = std::move(vertices);
+    mesh->triangles_ = before.triangles_;
+    measure(*mesh);
+    if (weldByPosition(mesh->vertices_) == before.topology_.weld) {
+      mesh->topology_ = before.topology_;
+      mesh->topology_.componentVolume = componentVolumes(mesh->topology_, mesh->vertices_, mesh->triangles_);
+    } else {
+      mesh->topology_ = buildTopology(mesh->vertices_, mesh->triangles_);
+    }
+    report.repair = before.report_.repair;
+    inspectMesh(mesh->vertices_, mesh->triangles_, mesh->topology_, mesh->degenerate_, report);
+    mesh->report_ = report;
+    result.mesh = mesh;
+    return result;
+  }
+};
+
+MeshResult buildTriMesh(const MeshInput& input, const RepairOptions& repair) {
+  return TriMeshBuilder::build(input, repair);
+}
+
+MeshResult moveVertices(const TriMesh& mesh, const MeshInput& vertices) {
+  return TriMeshBuilder::move(mesh, vertices);
+}
+
+}  // namespace otg
