@@ -21,6 +21,7 @@
 #define OTG_MAX(a, b) fmax(a, b)
 #define OTG_MIN(a, b) fmin(a, b)
 #define OTG_SQRT(x) sqrt(x)
+#define OTG_REAL(x) ((REAL)(x))
 #else
 #define OTG_NAME(name) name
 #define OTG_VEC3 Vec3<REAL>
@@ -34,6 +35,7 @@
 #define OTG_MAX(a, b) otgMax(a, b)
 #define OTG_MIN(a, b) otgMin(a, b)
 #define OTG_SQRT(x) otgSqrt(x)
+#define OTG_REAL(x) static_cast<REAL>(x)
 
 #ifndef OTG_SHARED_SCALAR_OPS
 #define OTG_SHARED_SCALAR_OPS

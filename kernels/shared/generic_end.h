@@ -11,3 +11,4 @@
 #undef OTG_MAX
 #undef OTG_MIN
 #undef OTG_SQRT
+#undef OTG_REAL

@@ -47,7 +47,7 @@ OTG_GENERIC OTG_VEC3 OTG_NAME(otgUnitNormal)(const OTG_VEC3* p) {
   OTG_VEC3 n = OTG_NAME(otgCross)(OTG_NAME(otgSub)(p[1], p[0]), OTG_NAME(otgSub)(p[2], p[0]));
   // Scaled first, so that small triangles do not underflow in float.
   REAL m = OTG_MAX(OTG_MAX(OTG_ABS(n.x), OTG_ABS(n.y)), OTG_ABS(n.z)), l;
-  if (!(m > 0)) return OTG_NAME(otgVec)((REAL)0, (REAL)0, (REAL)0);
+  if (!(m > 0)) return OTG_NAME(otgVec)(OTG_REAL(0), OTG_REAL(0), OTG_REAL(0));
   n = OTG_NAME(otgVec)(n.x / m, n.y / m, n.z / m);
   l = OTG_SQRT(OTG_NAME(otgDot)(n, n));
   return OTG_NAME(otgVec)(n.x / l, n.y / l, n.z / l);
@@ -114,7 +114,7 @@ OTG_GENERIC OTG_VEC3 OTG_NAME(otgCoplanarPoint)(const OTG_VEC3* a, const OTG_VEC
   }
   sum = poly[0];
   for (int k = 1; k < n; ++k) sum = OTG_NAME(otgAdd)(sum, poly[k]);
-  return OTG_NAME(otgVec)(sum.x / (REAL)n, sum.y / (REAL)n, sum.z / (REAL)n);
+  return OTG_NAME(otgVec)(sum.x / OTG_REAL(n), sum.y / OTG_REAL(n), sum.z / OTG_REAL(n));
 }
 
 /// The contact of a pair that is known to intersect. Corners in one frame, neither triangle without area.
@@ -131,14 +131,14 @@ OTG_GENERIC OTG_PAIR_CONTACT OTG_NAME(otgPairwiseContact)(const OTG_VEC3* a, con
   if (moveA <= moveB) {
     contact.kind = OTG_CONTACT_FACE_B;
     contact.normal = nb;
-    contact.depth = OTG_MAX(moveA, (REAL)0);
+    contact.depth = OTG_MAX(moveA, OTG_REAL(0));
   } else {
     contact.kind = OTG_CONTACT_FACE_A;
     contact.normal = OTG_NAME(otgVec)(-na.x, -na.y, -na.z);
-    contact.depth = OTG_MAX(moveB, (REAL)0);
+    contact.depth = OTG_MAX(moveB, OTG_REAL(0));
   }
   sine = OTG_SQRT(OTG_NAME(otgDot)(line, line));
-  if (sine < (REAL)1e-6) {  // (nearly) one plane: there is no line along which to compare
+  if (sine < OTG_REAL(1e-6)) {  // (nearly) one plane: there is no line along which to compare
     contact.kind = OTG_CONTACT_COPLANAR;
     contact.position = OTG_NAME(otgCoplanarPoint)(a, b, nb);
   } else {
@@ -151,7 +151,7 @@ OTG_GENERIC OTG_PAIR_CONTACT OTG_NAME(otgPairwiseContact)(const OTG_VEC3* a, con
     if (apart < contact.depth) contact.kind = OTG_CONTACT_NONE;
     from = loA > loB ? atLoA : atLoB;
     to = hiA < hiB ? atHiA : atHiB;
-    contact.position = OTG_NAME(otgScale)(OTG_NAME(otgAdd)(from, to), (REAL)0.5);
+    contact.position = OTG_NAME(otgScale)(OTG_NAME(otgAdd)(from, to), OTG_REAL(0.5));
   }
   return contact;
 }
