@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The filters never contradict exact arithmetic, whatever the triangles; the exact test agrees with constructions.
+#include <array>
+#include <random>
+
+#include "shared/triangle_exact.h"
+#include "shared/triangle_test.h"
+#include "support/catch.h"
+
+using namespace otg;
+
+namespace {
+
+using Corners = std::array<Vec3d, 3>;
+
+/// Random triangles with everything that makes predicates hard: shared corners, corners on the other's plane, edges and
+/// corners, tiny offsets, needles, coplanar pairs on a coarse grid.
+class HardPairs {
+ public:
+  explicit HardPairs(unsigned seed) : random_(seed) {}
+  void next(Corners& a, Corners& b) {
+    const int kind = pick(8);
+    for (Vec3d& p : a) p = point(kind);
+    for (Vec3d& p : b) p = point(kind);
+    switch (pick(7)) {
+      case 0:
+        b[pick(3)] = a[pick(3)];
+        break;
+      case 1:  // a corner of b on the plane of a (to within rounding)
+        b[pick(3)] = combine(a, uniform(), uniform());
+        break;
+      case 2:  // a corner of b on an edge of a
+        b[pick(3)] = combine(a, uniform(), 0);
+        break;
+      case 3:  // nearly coplanar
+        for (Vec3d& p : b) {
+          p = combine(a, 3 * uniform() - 1, 3 * uniform() - 1);
+          p.z += 1e-7 * (uniform() - 0.5);
+        }
+        break;
+      case 4:  // a shared edge
+        b[0] = a[1];
+        b[1] = a[0];
+        break;
+      case 5:  // needle
+        b[2] = {b[1].x + 1e-6 * uniform(), b[1].y, b[1].z};
+        break;
+      default:
+        break;
+    }
+    round(a);
+    round(b);
+  }
+  double uniform() { return std::uniform_real_distribution<double>(0, 1)(random_); }
+  int pick(int n) { return std::uniform_int_distribution<int>(0, n - 1)(random_); }
+
+ private:
+  Vec3d point(int kind) {
+    if (kind == 0) return {double(pick(3)), double(pick(3)), double(pick(3))};          // coarse grid: many exact zeros
+    if (kind == 1) return {double(pick(4)), double(pick(4)), 0.0};                       // coplanar on a grid
+    if (kind == 2) return {uniform() + 1000, uniform() - 1000, uniform()};               // far from the origin
+    return {uniform(), uniform(), uniform()};
+  }
+  static Vec3d combine(const Corners& a, double u, double v) {
+    return otgAdd(a[0], otgAdd(otgScale(otgSub(a[1], a[0]), u), otgScale(otgSub(a[2], a[0]), v)));
+  }
+  static void round(Corners& t) {
+    for (Vec3d& p : t) p = {float(p.x), float(p.y), float(p.z)};
+  }
+  std::mt19937 random_;
+};
+
+bool degenerate(const Corners& t) {
+  int zeros = 0;
+  for (int k = 0; k < 3; ++k) {
+    const int i = k, j = (k + 1) % 3;
+    zeros += otgOrient2(&t[0].x, &t[1].x, &t[2].x, i, j) == 0;
+  }
+  return zeros == 3;
+}
+
+template <class Real>
+void toReal(const Corners& t, Vec3<Real> out[3]) {
+  for (int k = 0; k < 3; ++k) out[k] = {Real(t[k].x), Real(t[k].y), Real(t[k].z)};
+}
+
+}  // namespace
+
+TEST_CASE("filters never contradict the exact decision") {
+  HardPairs pairs(1);
+  const FilterError<float> floatError{10 * 0x1p-24f, 0.0f, 1e-30f};
+  const FilterError<double> doubleError{10 * 0x1p-53, 0.0, 1e-290};
+  int decided[2][2] = {}, undecided[2] = {}, meet = 0, total = 0;
+  for (int i = 0; i < 200000; ++i) {
+    Corners a, b;
+    pairs.next(a, b);
+    if (degenerate(a) || degenerate(b)) continue;
+    ++total;
+    const int exact = otgTrianglesMeetExact(&a[0].x, &b[0].x);
+    REQUIRE(exact == otgTrianglesMeetExact(&b[0].x, &a[0].x));
+    meet += exact;
+    Vec3f fa[3], fb[3];
+    toReal(a, fa);
+    toReal(b, fb);
+    const int f = otgTrianglesFilter(floatError, fa, fb);
+    const int d = otgTrianglesFilter(doubleError, a.data(), b.data());
+    for (const auto& [which, answer] : {std::pair{0, f}, std::pair{1, d}}) {
+      if (answer == OTG_UNDECIDED) {
+        ++undecided[which];
+      } else {
+        REQUIRE((answer == OTG_INTERSECTING) == (exact == 1));
+        ++decided[which][exact];
+      }
+    }
+  }
+  // The cases must really reach every branch.
+  CHECK(total > 100000);
+  CHECK(meet > total / 10);
+  CHECK(meet < total * 9 / 10);
+  for (const int which : {0, 1}) {
+    CHECK(decided[which][0] > 1000);
+    CHECK(decided[which][1] > 1000);
+    CHECK(undecided[which] > 1000);
+  }
+}
+
+TEST_CASE("the float filter's bound covers errors of the corners") {
+  HardPairs pairs(2);
+  const float delta = 1e-4f;
+  const FilterError<float> error{10 * 0x1p-24f, 2.1f * delta, 1e-30f};
+  int decided = 0;
+  for (int i = 0; i < 100000; ++i) {
+    Corners a, b;
+    pairs.next(a, b);
+    if (degenerate(a) || degenerate(b)) continue;
+    Vec3f fa[3], fb[3];
+    toReal(a, fa);
+    toReal(b, fb);
+    for (Vec3f* t : {fa, fb}) {
+      for (int k = 0; k < 3; ++k) {
+        // 0.9: leave room for the rounding of the moved coordinate itself, which is part of the error.
+        t[k] = {t[k].x + 0.9f * delta * float(2 * pairs.uniform() - 1),
+                t[k].y + 0.9f * delta * float(2 * pairs.uniform() - 1),
+                t[k].z + 0.9f * delta * float(2 * pairs.uniform() - 1)};
+      }
+    }
+    const int answer = otgTrianglesFilter(error, fa, fb);
+    if (answer == OTG_UNDECIDED) continue;
+    ++decided;
+    REQUIRE((answer == OTG_INTERSECTING) == (otgTrianglesMeetExact(&a[0].x, &b[0].x) == 1));
+  }
+  CHECK(decided > 10000);
+}
+
+TEST_CASE("exact orientation agrees with integers") {
+  std::mt19937_64 random(3);
+  const auto coordinate = [&] { return double(std::int64_t(random() % 200001) - 100000); };
+  for (int i = 0; i < 50000; ++i) {
+    double p[4][3];
+    for (auto& q : p) {
+      for (double& x : q) x = coordinate();
+    }
+    if (i % 2 == 0) {  // exactly coplanar: an integer combination
+      const std::int64_t u = std::int64_t(random() % 5) - 2, v = std::int64_t(random() % 5) - 2;
+      for (int k = 0; k < 3; ++k) {
+        p[3][k] = p[0][k] + double(u) * (p[1][k] - p[0][k]) + double(v) * (p[2][k] - p[0][k]);
+      }
+      if (i % 4 == 0) p[3][2] += 1;
+    }
+    std::int64_t r[3][3];
+    for (int j = 0; j < 3; ++j) {
+      for (int k = 0; k < 3; ++k) r[j][k] = std::int64_t(p[j + 1][k]) - std::int64_t(p[0][k]);
+    }
+    const std::int64_t det = r[0][0] * (r[1][1] * r[2][2] - r[1][2] * r[2][1]) -
+                         r[0][1] * (r[1][0] * r[2][2] - r[1][2] * r[2][0]) +
+                         r[0][2] * (r[1][0] * r[2][1] - r[1][1] * r[2][0]);
+    const int sign = (det > 0) - (det < 0);
+    REQUIRE(otgOrient3(p[0], p[1], p[2], p[3]) == sign);
+    REQUIRE(otgExactOrient3(p[3], p[1], p[2], p[0]) == sign);
+    // Scaling by powers of two changes nothing; coordinates of very different size stress the expansions.
+    for (auto& q : p) {
+      for (double& x : q) x = std::ldexp(x, -40) + 1.0;
+    }
+    REQUIRE(otgExactOrient3(p[3], p[1], p[2], p[0]) == otgOrient3(p[0], p[1], p[2], p[3]));
+  }
+}
