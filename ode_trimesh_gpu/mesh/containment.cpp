@@ -193,21 +193,33 @@ std::vector<std::uint32_t> nestingDepths(const Topology& topology, std::span<con
 
 std::vector<std::uint8_t> componentsWellWound(const Topology& topology, const std::vector<std::uint32_t>& depths,
                                               std::span<const Vec3f> vertices, std::span<const Triangle> triangles) {
-  // The sum of the magnitudes that the rounding of a component's volume is relative to: about area times distance.
-  const Vec3d center = boundsOf(vertices, triangles).middle();
-  std::vector<double> magnitude(topology.componentCount(), 0.0);
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    if (topology.componentOf[t] == kNone) continue;
-    const Vec3d a = relativeTo(vertices[triangles[t].v[0]], center);
-    const Vec3d b = relativeTo(vertices[triangles[t].v[1]], center);
-    const Vec3d c = relativeTo(vertices[triangles[t].v[2]], center);
-    const Vec3d n = otgCross(otgSub(b, a), otgSub(c, a));
-    magnitude[topology.componentOf[t]] += std::sqrt(otgDot(n, n) * otgDot(a, a));
+  // The rounding of a component's volume is relative to the sum of the magnitudes of its terms, |area vector|
+  // |distance|. That sum is at most 4 r^3 per triangle, which is enough to know for any component of ordinary
+  // thickness.
+  constexpr double kRelativeRounding = 1e-14;
+  const Bounds bounds = boundsOf(vertices, triangles);
+  const Vec3d center = bounds.middle();
+  const Vec3d corner = bounds.empty() ? Vec3d{0, 0, 0} : relativeTo(bounds.max, center);
+  const double radius2 = otgDot(corner, corner);
+  const double most = 4 * radius2 * std::sqrt(radius2) * static_cast<double>(triangles.size());
+  std::vector<double> magnitude(topology.componentCount(), most);
+  const bool anyThin = std::any_of(topology.componentVolume.begin(), topology.componentVolume.end(),
+                                   [&](double v) { return std::abs(v) <= kRelativeRounding * most; });
+  if (anyThin) {
+    std::fill(magnitude.begin(), magnitude.end(), 0.0);
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      if (topology.componentOf[t] == kNone) continue;
+      const Vec3d a = relativeTo(vertices[triangles[t].v[0]], center);
+      const Vec3d b = relativeTo(vertices[triangles[t].v[1]], center);
+      const Vec3d c = relativeTo(vertices[triangles[t].v[2]], center);
+      const Vec3d n = otgCross(otgSub(b, a), otgSub(c, a));
+      magnitude[topology.componentOf[t]] += std::sqrt(otgDot(n, n) * otgDot(a, a));
+    }
   }
   std::vector<std::uint8_t> well(topology.componentCount(), 0);
   for (std::size_t c = 0; c < well.size(); ++c)
     well[c] = topology.componentClosed[c] &&
-              expectedVolumeSign(depths[c]) * topology.componentVolume[c] > 1e-14 * magnitude[c];
+              expectedVolumeSign(depths[c]) * topology.componentVolume[c] > kRelativeRounding * magnitude[c];
   return well;
 }
 

@@ -22,7 +22,11 @@ std::vector<std::uint8_t> findDegenerate(std::span<const Vec3f> vertices, std::s
                                          const Vec3f& center);
 
 /// One flag for each triangle: an earlier one has the same three points, in any order.
-std::vector<std::uint8_t> findDuplicates(const std::vector<std::uint32_t>& weld, std::span<const Triangle> triangles);
+std::vector<std::uint8_t> findDuplicates(const Topology& topology, std::span<const Triangle> triangles);
+
+/// One flag for each vertex: it is the welded representative of a point where more than one fan of triangles meets. A
+/// fan is a set of triangles around the point that hang together through edges at it, however many triangles use those.
+std::vector<std::uint8_t> findNonManifoldVertices(const Topology& topology, std::span<const Triangle> triangles);
 
 /// Appends a problem with `count` elements. `isElement(i)` says whether number i < size is one of them; the first few
 /// that are get listed.

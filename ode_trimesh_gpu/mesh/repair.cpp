@@ -131,7 +131,7 @@ void repairMesh(const RepairOptions& options, std::vector<Vec3f>& vertices, std:
     say(report, report.droppedDegenerate, "zero-area triangle was dropped.", "zero-area triangles were dropped.");
   }
   if (options.dropDuplicates) {
-    report.droppedDuplicates = drop(triangles, findDuplicates(weldByPosition(vertices), triangles));
+    report.droppedDuplicates = drop(triangles, findDuplicates(buildTopology(vertices, triangles), triangles));
     say(report, report.droppedDuplicates, "duplicate triangle was dropped.", "duplicate triangles were dropped.");
   }
   if (options.orientConsistently) orient(vertices, triangles, report);

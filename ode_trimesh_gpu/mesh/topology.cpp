@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "mesh/bounds.h"
 #include "mesh/union_find.h"
+#include "mesh/validation.h"
 
 namespace otg {
 namespace {
@@ -23,20 +25,22 @@ std::uint64_t hashPosition(const Vec3f& p) {
 
 /// A half-edge in the bucket of its smaller end point.
 struct BucketEntry {
-  std::uint32_t larger;    // the other end point
-  std::uint32_t halfEdge;  // ascending within a bucket before it is sorted
+  std::uint32_t larger;  ///< the other end point
+  std::uint32_t code;    ///< twice the half-edge, plus 1 if it starts at the larger end; ascending before sorting
+  std::uint32_t halfEdge() const { return code >> 1; }
 };
+static_assert(6 * kMaxTriangles <= 0xffffffffu, "codes of half-edges have to fit");
 
-/// Sorts by (larger, halfEdge). Buckets hold about six entries in ordinary meshes; a hub may have any number.
+/// Sorts by (larger, code). Buckets hold about six entries in ordinary meshes; a hub may have any number.
 void sortBucket(BucketEntry* begin, BucketEntry* end) {
   constexpr std::ptrdiff_t kInsertionLimit = 32;
   if (end - begin > kInsertionLimit) {
     std::sort(begin, end, [](const BucketEntry& a, const BucketEntry& b) {
-      return a.larger != b.larger ? a.larger < b.larger : a.halfEdge < b.halfEdge;
+      return a.larger != b.larger ? a.larger < b.larger : a.code < b.code;
     });
     return;
   }
-  for (BucketEntry* i = begin + (begin == end ? 0 : 1); i < end; ++i) {
+  for (BucketEntry* i = begin + 1; i < end; ++i) {
     const BucketEntry entry = *i;
     BucketEntry* j = i;
     for (; j > begin && j[-1].larger > entry.larger; --j) *j = j[-1];
@@ -44,80 +48,91 @@ void sortBucket(BucketEntry* begin, BucketEntry* end) {
   }
 }
 
-/// Welded start and end points of every half-edge, and whether its triangle has three distinct points.
-struct WeldedTriangle {
-  std::uint32_t v[3];
-  bool proper() const { return v[0] != v[1] && v[1] != v[2] && v[2] != v[0]; }
-};
-
-WeldedTriangle welded(const Triangle& t, const std::vector<std::uint32_t>& weld) {
-  return {{weld[t.v[0]], weld[t.v[1]], weld[t.v[2]]}};
+/// Welded corners.
+std::vector<Triangle> weldedTriangles(std::span<const Triangle> triangles, const std::vector<std::uint32_t>& weld) {
+  std::vector<Triangle> welded(triangles.begin(), triangles.end());
+  for (Triangle& t : welded)
+    for (std::uint32_t& v : t.v) v = weld[v];
+  return welded;
 }
 
-void buildEdges(std::span<const Triangle> triangles, Topology& topology, UnionFind& components) {
-  const std::vector<std::uint32_t>& weld = topology.weld;
-  const auto halfEdgeEnds = [&](std::uint32_t h) {
-    const Triangle& t = triangles[h / 3];
-    const std::uint32_t k = h % 3;
-    return Topology::Edge{weld[t.v[k]], weld[t.v[k == 2 ? 0 : k + 1]]};
-  };
+bool hasThreePoints(const Triangle& t) {
+  return t.v[0] != t.v[1] && t.v[1] != t.v[2] && t.v[2] != t.v[0];
+}
 
-  // Counting sort of the half-edges by their smaller end point.
-  std::vector<std::uint32_t> offset(weld.size() + 1, 0);
+/// The half-edges sorted by their smaller end point v: those of v are entries[offset[v]] ... entries[offset[v + 1] -
+/// 1].
+struct Buckets {
+  std::vector<std::uint32_t> offset;
+  std::vector<BucketEntry> entries;
+};
+
+Buckets fillBuckets(std::span<const Triangle> welded, std::size_t vertexCount) {
+  Buckets buckets;
+  // Counted two places ahead and summed, offset[v + 1] is where bucket v begins; filling advances it to where it ends.
+  std::vector<std::uint32_t>& offset = buckets.offset;
+  offset.assign(vertexCount + 2, 0);
   std::size_t used = 0;
-  for (const Triangle& t : triangles) {
-    const WeldedTriangle w = welded(t, weld);
-    if (!w.proper()) continue;
-    for (int k = 0; k < 3; ++k) ++offset[std::min(w.v[k], w.v[(k + 1) % 3]) + 1];
+  for (const Triangle& t : welded) {
+    if (!hasThreePoints(t)) continue;
+    ++offset[std::min(t.v[0], t.v[1]) + 2];
+    ++offset[std::min(t.v[1], t.v[2]) + 2];
+    ++offset[std::min(t.v[2], t.v[0]) + 2];
     used += 3;
   }
   for (std::size_t v = 1; v < offset.size(); ++v) offset[v] += offset[v - 1];
-  std::vector<BucketEntry> entries(used);
-  {
-    std::vector<std::uint32_t> next(offset.begin(), offset.end() - 1);
-    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-      const WeldedTriangle w = welded(triangles[t], weld);
-      if (!w.proper()) continue;
-      for (std::uint32_t k = 0; k < 3; ++k) {
-        const std::uint32_t a = w.v[k], b = w.v[(k + 1) % 3];
-        entries[next[std::min(a, b)]++] = {std::max(a, b), 3 * t + k};
-      }
+  buckets.entries.resize(used);
+  std::uint32_t code = 0;
+  for (const Triangle& t : welded) {
+    if (!hasThreePoints(t)) {
+      code += 6;
+      continue;
+    }
+    for (const auto& [a, b] : {std::pair{t.v[0], t.v[1]}, {t.v[1], t.v[2]}, {t.v[2], t.v[0]}}) {
+      buckets.entries[offset[std::min(a, b) + 1]++] = {std::max(a, b), code + (a > b)};
+      code += 2;
     }
   }
+  return buckets;
+}
 
+/// Fills edgeOf, twin and edges and unites the triangles of each edge.
+void buildEdges(std::span<const Triangle> welded, std::size_t vertexCount, Topology& topology, UnionFind& components) {
+  Buckets buckets = fillBuckets(welded, vertexCount);
+  topology.edgeOf.assign(3 * welded.size(), kNone);
+  topology.twin.assign(3 * welded.size(), kNone);
   // Runs of equal entries are the edges. edgeOf first names the smallest half-edge of the run.
-  topology.edgeOf.assign(3 * triangles.size(), kNone);
-  topology.twin.assign(3 * triangles.size(), kNone);
   std::size_t edgeCount = 0;
-  for (std::size_t v = 0; v < weld.size(); ++v) {
-    BucketEntry* const begin = entries.data() + offset[v];
-    BucketEntry* const end = entries.data() + offset[v + 1];
+  for (std::size_t v = 0; v < vertexCount; ++v) {
+    BucketEntry* const begin = buckets.entries.data() + buckets.offset[v];
+    BucketEntry* const end = buckets.entries.data() + buckets.offset[v + 1];
+    if (begin == end) continue;
     sortBucket(begin, end);
-    for (BucketEntry* run = begin; run < end;) {
+    for (BucketEntry* run = begin; run < end; ++edgeCount) {
       BucketEntry* next = run;
-      for (; next < end && next->larger == run->larger; ++next) {
-        topology.edgeOf[next->halfEdge] = run->halfEdge;
-        components.unite(run->halfEdge / 3, next->halfEdge / 3);
+      for (; next < end && next->larger == run->larger; ++next) topology.edgeOf[next->halfEdge()] = run->halfEdge();
+      if (next - run == 2 && ((run[0].code ^ run[1].code) & 1) != 0) {
+        topology.twin[run[0].halfEdge()] = run[1].halfEdge();
+        topology.twin[run[1].halfEdge()] = run[0].halfEdge();
       }
-      if (next - run == 2 && halfEdgeEnds(run[0].halfEdge).a != halfEdgeEnds(run[1].halfEdge).a) {
-        topology.twin[run[0].halfEdge] = run[1].halfEdge;
-        topology.twin[run[1].halfEdge] = run[0].halfEdge;
-      }
-      ++edgeCount;
       run = next;
     }
   }
   topology.edges.reserve(edgeCount);
-  for (std::uint32_t h = 0; h < topology.edgeOf.size(); ++h) {
-    const std::uint32_t first = topology.edgeOf[h];
-    if (first == kNone) continue;
-    if (first != h) {
-      topology.edgeOf[h] = topology.edgeOf[first];
-      continue;
+  std::uint32_t h = 0;
+  for (std::uint32_t t = 0; t < welded.size(); ++t) {
+    for (std::uint32_t k = 0; k < 3; ++k, ++h) {
+      const std::uint32_t first = topology.edgeOf[h];
+      if (first == kNone) continue;
+      if (first == h) {
+        const std::uint32_t a = welded[t].v[k], b = welded[t].v[k == 2 ? 0 : k + 1];
+        topology.edgeOf[h] = static_cast<std::uint32_t>(topology.edges.size());
+        topology.edges.push_back({std::min(a, b), std::max(a, b)});
+      } else {
+        topology.edgeOf[h] = topology.edgeOf[first];  // smaller, so renumbered already
+        components.unite(first / 3, t);
+      }
     }
-    const Topology::Edge ends = halfEdgeEnds(h);
-    topology.edgeOf[h] = static_cast<std::uint32_t>(topology.edges.size());
-    topology.edges.push_back({std::min(ends.a, ends.b), std::max(ends.a, ends.b)});
   }
 }
 
@@ -172,7 +187,7 @@ Topology buildTopology(std::span<const Vec3f> vertices, std::span<const Triangle
   Topology topology;
   topology.weld = weldByPosition(vertices);
   UnionFind components(triangles.size());
-  buildEdges(triangles, topology, components);
+  buildEdges(weldedTriangles(triangles, topology.weld), vertices.size(), topology, components);
   numberComponents(triangles.size(), topology, components);
   topology.componentVolume = componentVolumes(topology, vertices, triangles);
   return topology;

@@ -24,7 +24,7 @@ class UnionFind {
     b = find(b);
     if (a < b)
       parent_[b] = a;
-    else
+    else if (b < a)
       parent_[a] = b;
   }
 

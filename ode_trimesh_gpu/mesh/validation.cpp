@@ -3,14 +3,9 @@
 #include "mesh/validation.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
-#include <cmath>
 
-#include "mesh/bounds.h"
 #include "mesh/containment.h"
 #include "mesh/inspection.h"
-#include "mesh/union_find.h"
 
 namespace otg {
 namespace {
@@ -34,36 +29,6 @@ EdgeUse countEdgeUses(const Topology& topology) {
     if (e != kNone && use.count[e] == 2 && topology.twin[h] == kNone) use.sameDirection[e] = 1;
   }
   return use;
-}
-
-/// One flag for each vertex that is the welded representative of a point where more than one fan of triangles meets. A
-/// fan is a set of triangles around the point that hang together through edges at it, however many triangles use those.
-std::vector<std::uint8_t> findNonManifoldVertices(std::span<const Triangle> triangles, const Topology& topology) {
-  // Corner 3 t + k is the corner of triangle t at its k-th vertex. At each end of an edge its triangles' corners unite.
-  UnionFind fans(3 * triangles.size());
-  std::vector<std::uint32_t> firstUse(topology.edgeCount(), kNone);
-  const auto start = [&](std::uint32_t h) { return topology.weld[triangles[h / 3].v[h % 3]]; };
-  const auto nextCorner = [](std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; };
-  for (std::uint32_t h = 0; h < topology.edgeOf.size(); ++h) {
-    if (topology.edgeOf[h] == kNone) continue;
-    std::uint32_t& first = firstUse[topology.edgeOf[h]];
-    if (first == kNone) {
-      first = h;
-      continue;
-    }
-    const bool along = start(h) == start(first);
-    fans.unite(h, along ? first : nextCorner(first));
-    fans.unite(nextCorner(h), along ? nextCorner(first) : first);
-  }
-  std::vector<std::uint32_t> fanOf(topology.weld.size(), kNone);
-  std::vector<std::uint8_t> nonManifold(topology.weld.size(), 0);
-  for (std::uint32_t h = 0; h < topology.edgeOf.size(); ++h) {
-    if (topology.edgeOf[h] == kNone || fans.find(h) != h) continue;
-    const std::uint32_t v = start(h);
-    if (fanOf[v] != kNone) nonManifold[v] = 1;
-    fanOf[v] = h;
-  }
-  return nonManifold;
 }
 
 std::size_t countFlags(const std::vector<std::uint8_t>& flags) {
@@ -170,55 +135,6 @@ void addProblem(ValidationReport& report, ProblemKind kind, std::size_t count, s
   report.problems.push_back(std::move(problem));
 }
 
-std::vector<std::uint8_t> findDegenerate(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
-                                         const Vec3f& center) {
-  constexpr double kUnit = 0x1p-24;
-  const Vec3d origin{center.x, center.y, center.z};
-  std::vector<std::uint8_t> degenerate(triangles.size());
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const std::uint32_t(&v)[3] = triangles[t].v;
-    const Vec3d p[3] = {relativeTo(vertices[v[0]], origin), relativeTo(vertices[v[1]], origin),
-                        relativeTo(vertices[v[2]], origin)};
-    const Vec3d e[3] = {otgSub(p[1], p[0]), otgSub(p[2], p[1]), otgSub(p[0], p[2])};
-    double largest = 0;
-    for (const Vec3d& q : p) largest = std::max({largest, std::abs(q.x), std::abs(q.y), std::abs(q.z)});
-    const double length2[3] = {otgDot(e[0], e[0]), otgDot(e[1], e[1]), otgDot(e[2], e[2])};
-    // Height times longest edge. Rounding in double makes it wrong by less than 2^-48 m times the edge, so a triangle
-    // that is exactly on a line stays far below the limit and needs no exact arithmetic.
-    const Vec3d n = otgCross(e[0], e[1]);
-    const double limit = 4 * kUnit * largest;
-    degenerate[t] = vertices[v[0]] == vertices[v[1]] || vertices[v[1]] == vertices[v[2]] ||
-                    vertices[v[2]] == vertices[v[0]] ||
-                    otgDot(n, n) <= limit * limit * std::max({length2[0], length2[1], length2[2]});
-  }
-  return degenerate;
-}
-
-std::vector<std::uint8_t> findDuplicates(const std::vector<std::uint32_t>& weld, std::span<const Triangle> triangles) {
-  const auto points = [&](std::uint32_t t) {
-    std::array<std::uint32_t, 3> p = {weld[triangles[t].v[0]], weld[triangles[t].v[1]], weld[triangles[t].v[2]]};
-    if (p[0] > p[1]) std::swap(p[0], p[1]);
-    if (p[1] > p[2]) std::swap(p[1], p[2]);
-    if (p[0] > p[1]) std::swap(p[0], p[1]);
-    return p;
-  };
-  std::vector<std::uint8_t> duplicate(triangles.size(), 0);
-  const std::size_t capacity = std::bit_ceil(std::max<std::size_t>(16, 2 * triangles.size()));
-  std::vector<std::uint32_t> table(capacity, kNone);
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    const auto p = points(t);
-    std::uint64_t h = (p[0] | (std::uint64_t{p[1]} << 32)) * 0x9e3779b97f4a7c15ull;
-    h = (h ^ (h >> 32) ^ p[2]) * 0xd6e8feb86659fd93ull;
-    std::size_t slot = (h ^ (h >> 32)) & (capacity - 1);
-    while (table[slot] != kNone && points(table[slot]) != p) slot = (slot + 1) & (capacity - 1);
-    if (table[slot] == kNone)
-      table[slot] = t;
-    else
-      duplicate[t] = 1;
-  }
-  return duplicate;
-}
-
 void inspectMesh(std::span<const Vec3f> vertices, std::span<const Triangle> triangles, const Topology& topology,
                  const std::vector<std::uint8_t>& degenerate, ValidationReport& report) {
   report.accepted = true;
@@ -235,7 +151,7 @@ void inspectMesh(std::span<const Vec3f> vertices, std::span<const Triangle> tria
                  " no area (all vertices on a line, to within rounding).",
              triangles.size(), [&](std::uint32_t t) { return degenerate[t] != 0; });
 
-  const auto duplicate = findDuplicates(topology.weld, triangles);
+  const auto duplicate = findDuplicates(topology, triangles);
   report.duplicateTriangles = countFlags(duplicate);
   addProblem(report, ProblemKind::kDuplicateTriangle, report.duplicateTriangles,
              counted(report.duplicateTriangles, "triangle has", "triangles have") +
@@ -244,7 +160,7 @@ void inspectMesh(std::span<const Vec3f> vertices, std::span<const Triangle> tria
 
   reportEdges(topology, triangles.size(), report);
 
-  const auto nonManifold = findNonManifoldVertices(triangles, topology);
+  const auto nonManifold = findNonManifoldVertices(topology, triangles);
   report.nonManifoldVertices = countFlags(nonManifold);
   addProblem(report, ProblemKind::kNonManifoldVertex, report.nonManifoldVertices,
              counted(report.nonManifoldVertices, "vertex has", "vertices have") + " more than one fan of triangles.",
