@@ -6,11 +6,11 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <random>
 #include <span>
 #include <vector>
 
 #include "collide/query.h"
+#include "support/draw.h"
 
 namespace otg::test {
 
@@ -19,25 +19,6 @@ inline Contact makeContact(Vec3d position, Vec3d normal, double depth, std::uint
   const double length = std::sqrt(otgDot(normal, normal));
   return {position, otgScale(normal, 1 / length), depth, a, b, region, feature};
 }
-
-/// Draws without the standard distributions, whose values differ between standard libraries.
-class Draw {
- public:
-  explicit Draw(std::uint32_t seed) : engine_(seed) {}
-  double uniform(double low, double high) { return low + (high - low) * (engine_() / 4294967296.0); }
-  std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>((std::uint64_t{engine_()} * n) >> 32); }
-  Vec3d inBox(double half) { return {uniform(-half, half), uniform(-half, half), uniform(-half, half)}; }
-  Vec3d direction() {
-    for (;;) {
-      const Vec3d v = inBox(1);
-      const double squared = otgDot(v, v);
-      if (squared > 0.01 && squared < 1) return otgScale(v, 1 / std::sqrt(squared));
-    }
-  }
-
- private:
-  std::mt19937 engine_;
-};
 
 /// Normals within about `spread` of +z (2 and more: all directions), positions in a flattish box, ids unique.
 inline std::vector<Contact> randomContacts(std::uint32_t seed, std::size_t count, double spread,
