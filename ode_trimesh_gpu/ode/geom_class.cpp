@@ -27,7 +27,7 @@ dReal roundOutward(double x, double towards) {
 
 int checkParams(const dGpuTriMeshParams& p) {
   const auto within = [](int value, int low, int high) { return value >= low && value <= high; };
-  bool good = within(p.traversal, dGPUTRIMESH_TRAVERSAL_STANDARD, dGPUTRIMESH_TRAVERSAL_NO_LEAF) &&
+  bool good = within(p.traversal, dGPUTRIMESH_TRAVERSAL_STANDARD, dGPUTRIMESH_TRAVERSAL_WIDE) &&
               within(p.descent, dGPUTRIMESH_DESCENT_FIRST_TREE, dGPUTRIMESH_DESCENT_BOTH) &&
               (p.box_axes == 6 || p.box_axes == 15) &&
               within(p.contact_model, dGPUTRIMESH_CONTACTS_AUTO, dGPUTRIMESH_CONTACTS_SOLID) &&
@@ -159,7 +159,7 @@ void dGpuTriMeshParamsInit(dGpuTriMeshParams* params) {
   if (params == nullptr) return;
   *params = dGpuTriMeshParams{};
   params->size = sizeof(dGpuTriMeshParams);
-  params->traversal = dGPUTRIMESH_TRAVERSAL_STANDARD;
+  params->traversal = dGPUTRIMESH_TRAVERSAL_WIDE;
   params->descent = dGPUTRIMESH_DESCENT_LARGER;
   params->box_axes = 6;
   params->contact_model = dGPUTRIMESH_CONTACTS_AUTO;

@@ -141,8 +141,11 @@ CollideOptions pairOptions(const dGpuTriMeshParams& first, const dGpuTriMeshPara
     case dGPUTRIMESH_TRAVERSAL_NO_LEAF:
       options.middle.traversal = Traversal::kNoLeaf;
       break;
-    default:
+    case dGPUTRIMESH_TRAVERSAL_STANDARD:
       options.middle.traversal = Traversal::kStandard;
+      break;
+    default:
+      options.middle.traversal = Traversal::kWide;
       break;
   }
   switch (first.descent) {

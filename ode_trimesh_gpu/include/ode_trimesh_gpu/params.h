@@ -18,7 +18,8 @@ extern "C" {
 enum {
   dGPUTRIMESH_TRAVERSAL_STANDARD = 0,  /**< boxes in single precision */
   dGPUTRIMESH_TRAVERSAL_QUANTIZED = 1, /**< boxes in 16-bit integers: half the memory */
-  dGPUTRIMESH_TRAVERSAL_NO_LEAF = 2    /**< leaves without boxes: half the nodes, triangle tests instead */
+  dGPUTRIMESH_TRAVERSAL_NO_LEAF = 2,   /**< leaves without boxes: half the nodes, triangle tests instead */
+  dGPUTRIMESH_TRAVERSAL_WIDE = 3       /**< eight boxes at a time: the fastest, and the default */
 };
 
 /**
@@ -63,7 +64,7 @@ enum {
  */
 typedef struct dGpuTriMeshParams {
   dsizeint size;     /**< sizeof(dGpuTriMeshParams) of your program; set by ...Init */
-  int traversal;     /**< dGPUTRIMESH_TRAVERSAL_...; default STANDARD */
+  int traversal;     /**< dGPUTRIMESH_TRAVERSAL_...; default WIDE */
   int descent;       /**< dGPUTRIMESH_DESCENT_...; default LARGER */
   int box_axes;      /**< axes of the box test: 6 (default) or 15 */
   int contact_model; /**< dGPUTRIMESH_CONTACTS_...; default AUTO */

@@ -177,10 +177,10 @@ OTG_API int dGpuTriMeshDataBuild(dGpuTriMeshDataID g, const dGpuTriMeshBuildPara
  * The triangles stay. Geoms that use the object are marked as moved. When the vertices have moved far from where the
  * mesh was built, its boxes overlap more and building again pays off.
  *
- * @param g             the object, built before without repairs that dropped vertices or triangles
+ * @param g             the object, built before. Where repair merged vertices, the first of them moves the merged one
  * @param Vertices      x, y, z in single precision
  * @param VertexStride  bytes from one vertex to the next; 0 means tightly packed
- * @param VertexCount   as many as the mesh was built with
+ * @param VertexCount   as many as the mesh was built from
  * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_MESH (another count, NaN, infinity; the mesh
  * is unchanged) or dGPUTRIMESH_ERROR_MEMORY.
  * @remarks Not from a near callback when geoms use the object.

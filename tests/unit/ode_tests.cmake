@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# The C API and the geom class.
+add_library(otg_test_ode_world OBJECT "${OTG_TEST_DIR}/support/ode_world.cpp")
+target_include_directories(otg_test_ode_world PUBLIC "${OTG_TEST_DIR}")
+target_link_libraries(otg_test_ode_world PUBLIC otg_scenes PRIVATE otg_flags)
+
+find_package(Threads REQUIRED)
+foreach(name init data geom collide threads memory)
+  otg_add_test(ode_${name} unit
+    SOURCES test_ode_${name}.cpp $<TARGET_OBJECTS:otg_test_ode_world> LIBRARIES otg_scenes Threads::Threads)
+endforeach()
+
+# Every public header alone, as C89 and as C++, twice in a row. ODE's own headers, which have // comments, are system
+# headers to the compiler and exempt.
+set(include_dir "${PROJECT_SOURCE_DIR}/ode_trimesh_gpu/include")
+file(GLOB headers RELATIVE "${include_dir}" CONFIGURE_DEPENDS "${include_dir}/ode_trimesh_gpu/*.h"
+     "${include_dir}/ode_trimesh_gpu/*.hpp")
+set(c_sources "")
+set(cxx_sources "")
+foreach(header IN LISTS headers)
+  string(MAKE_C_IDENTIFIER "${header}" stem)
+  set(content "#include \"${header}\"\n#include \"${header}\"\nextern int otg_header_${stem};\nint otg_header_${stem} = 0;\n")
+  file(CONFIGURE OUTPUT "headers/${stem}.cpp" CONTENT "${content}" @ONLY)
+  list(APPEND cxx_sources "${CMAKE_CURRENT_BINARY_DIR}/headers/${stem}.cpp")
+  if(header MATCHES "\\.h$")
+    file(CONFIGURE OUTPUT "headers/${stem}.c" CONTENT "${content}" @ONLY)
+    list(APPEND c_sources "${CMAKE_CURRENT_BINARY_DIR}/headers/${stem}.c")
+  endif()
+endforeach()
+add_library(otg_headers_c89 OBJECT ${c_sources})
+add_library(otg_headers_cxx OBJECT ${cxx_sources})
+set_target_properties(otg_headers_c89 PROPERTIES C_STANDARD 90 C_EXTENSIONS OFF)
+set_target_properties(otg_headers_cxx PROPERTIES CXX_STANDARD 11)
+foreach(target otg_headers_c89 otg_headers_cxx)
+  target_link_libraries(${target} PRIVATE ode_trimesh_gpu otg_flags)
+  target_compile_options(${target} PRIVATE -pedantic-errors)
+endforeach()
+
+add_executable(test_ode_c89 header_c89.c)
+set_target_properties(test_ode_c89 PROPERTIES C_STANDARD 90 C_EXTENSIONS OFF)
+target_compile_options(test_ode_c89 PRIVATE -pedantic-errors)
+target_link_libraries(test_ode_c89 PRIVATE ode_trimesh_gpu otg_flags)
+add_test(NAME unit.ode_c89 COMMAND test_ode_c89)
+
+if(CMAKE_EXECUTABLE_FORMAT STREQUAL "ELF" AND CMAKE_NM)
+  add_test(NAME unit.ode_exported_symbols COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/exported_symbols.sh" "${CMAKE_NM}"
+           "$<TARGET_FILE:ode_trimesh_gpu>" "${include_dir}")
+  set_tests_properties(unit.ode_exported_symbols PROPERTIES LABELS unit)
+endif()
+set_tests_properties(unit.ode_c89 PROPERTIES LABELS unit)

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Want of memory at every single allocation: a status or no contacts, never an exception, and all is well afterwards.
+#include <cstdlib>
+#include <new>
+
+#include "support/catch.h"
+#include "support/ode_world.h"
+
+namespace {
+/// Allocations of this thread that still succeed; negative: all of them.
+thread_local long allowance = -1;
+
+void* allocate(std::size_t size) {
+  if (allowance == 0) throw std::bad_alloc();
+  if (allowance > 0) --allowance;
+  if (void* const p = std::malloc(size == 0 ? 1 : size)) return p;
+  throw std::bad_alloc();
+}
+}  // namespace
+
+// This program's own allocation functions, which the library in it uses as well. ODE allocates with malloc.
+void* operator new(std::size_t size) {
+  return allocate(size);
+}
+void* operator new[](std::size_t size) {
+  return allocate(size);
+}
+void operator delete(void* p) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p, std::size_t) noexcept {
+  std::free(p);
+}
+
+using namespace otg;
+using namespace otg::test;
+
+namespace {
+
+/// Runs `work` with ever more allocations until it says that it succeeded; returns how often it failed.
+template <class Work>
+int failures(Work work) {
+  for (long n = 0; n < 1000000; ++n) {
+    allowance = n;
+    const bool done = work();
+    allowance = -1;
+    if (done) return static_cast<int>(n);
+  }
+  return -1;
+}
+
+}  // namespace
+
+TEST_CASE("a collision without memory has no contacts, is counted, and the next one is whole") {
+  const OdeSession session;
+  const Data sphere(scenes::makeSphere(1, 2)), lump(scenes::makeLump(1, 2, 0.3, 9));
+  const Geom a(sphere), b(lump);
+  dGeomSetPosition(b.id, 0.9, 0.4, 0.1);
+  const auto expected = test::collide(a.id, b.id, 64);
+  REQUIRE(!expected.empty());
+  for (const int traversal : {dGPUTRIMESH_TRAVERSAL_STANDARD, dGPUTRIMESH_TRAVERSAL_QUANTIZED,
+                              dGPUTRIMESH_TRAVERSAL_NO_LEAF, dGPUTRIMESH_TRAVERSAL_WIDE}) {
+    dGpuTriMeshParams params;
+    dGpuTriMeshParamsInit(&params);
+    params.traversal = traversal;
+    dGeomGpuTriMeshSetParams(a.id, &params);
+    dGeomGpuTriMeshResetStats(a.id);
+    std::vector<dContactGeom> contacts(64);
+    int n = 0;
+    const int failed = failures([&] {
+      dGpuTriMeshClose();  // scratch memory of earlier collisions would hide allocations
+      n = dCollide(a.id, b.id, 64, contacts.data(), sizeof(dContactGeom));
+      return n > 0;
+    });
+    CHECK(failed > 5);
+    REQUIRE(n == static_cast<int>(expected.size()));
+    for (int i = 0; i < n; ++i) CHECK(sameContact(contacts[i], expected[i]));
+    dGpuTriMeshStats stats;
+    dGpuTriMeshStatsInit(&stats);
+    dGeomGpuTriMeshGetStats(a.id, &stats);
+    CHECK(stats.failed_queries == static_cast<duint64>(failed));
+  }
+}
+
+TEST_CASE("building, updating and creating without memory are errors and change nothing") {
+  const OdeSession session;
+  const scenes::MeshArrays sphere = scenes::makeSphere(1, 1);
+  const int vertexCount = static_cast<int>(sphere.vertices.size());
+  const int indexCount = static_cast<int>(3 * sphere.triangles.size());
+  const Data box(scenes::makeBox({1, 1, 1}));
+  const Geom geom(box);
+  bool unchanged = true, stated = true;
+  CHECK(failures([&] {
+          const int status = dGpuTriMeshDataBuildSingle(box.id, sphere.vertices.data(), 0, vertexCount,
+                                                        sphere.triangles.data(), indexCount, 0);
+          if (status == dGPUTRIMESH_OK) return true;
+          stated = stated && status == dGPUTRIMESH_ERROR_MEMORY && dGpuTriMeshGetError() == status;
+          unchanged = unchanged && dGeomGpuTriMeshGetTriangleCount(geom.id) == 12;
+          return false;
+        }) > 10);
+  CHECK(dGeomGpuTriMeshGetTriangleCount(geom.id) == indexCount / 3);
+  CHECK(failures([&] {
+          const int status = dGpuTriMeshDataUpdateVerticesSingle(box.id, sphere.vertices.data(), 0, vertexCount);
+          stated = stated && (status == dGPUTRIMESH_OK || status == dGPUTRIMESH_ERROR_MEMORY);
+          return status == dGPUTRIMESH_OK;
+        }) > 3);
+  CHECK(failures([&] {
+          const dGeomID created = dCreateGpuTriMesh(nullptr, box.id);
+          if (created == nullptr) return false;
+          dGeomDestroy(created);
+          return true;
+        }) > 0);
+  CHECK(failures([&] { return dGeomGpuTriMeshSetData(geom.id, nullptr) == dGPUTRIMESH_OK; }) == 0);
+  CHECK(failures([&] { return dGeomGpuTriMeshSetData(geom.id, box.id) == dGPUTRIMESH_OK; }) == 1);
+  CHECK(failures([&] {
+          const dGpuTriMeshDataID created = dGpuTriMeshDataCreate();
+          dGpuTriMeshDataDestroy(created);
+          return created != nullptr;
+        }) == 1);
+  CHECK(stated);
+  CHECK(unchanged);
+}

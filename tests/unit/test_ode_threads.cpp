@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Several threads collide at once: different pairs, the same pair, the first use of lazily made tree layouts, and geoms
+// that come and go meanwhile. Meant for ThreadSanitizer; without it, results are compared with those of one thread.
+#include <atomic>
+#include <thread>
+
+#include "support/catch.h"
+#include "support/ode_world.h"
+
+using namespace otg;
+using namespace otg::test;
+
+namespace {
+
+constexpr int kThreads = 4;
+
+template <class Work>
+void runThreads(Work work) {
+  std::atomic<int> waiting{kThreads};
+  std::vector<std::thread> threads;
+  for (int i = 0; i < kThreads; ++i) {
+    threads.emplace_back([&, i] {
+      dAllocateODEDataForThread(dAllocateMaskAll);
+      --waiting;
+      while (waiting > 0) std::this_thread::yield();
+      work(i);
+    });
+  }
+  for (std::thread& t : threads) t.join();
+}
+
+/// ODE computes poses and boxes of moved geoms on demand; from then on reading them writes nothing.
+void settle(dGeomID g) {
+  dReal aabb[6];
+  dGeomGetAABB(g, aabb);
+}
+
+}  // namespace
+
+TEST_CASE("threads that collide the same pair and different pairs get what one thread gets") {
+  const OdeSession session;
+  for (int traversal = dGPUTRIMESH_TRAVERSAL_STANDARD; traversal <= dGPUTRIMESH_TRAVERSAL_WIDE; ++traversal) {
+    const Data ground(scenes::makeGround(6, 1, 12)), lump(scenes::makeLump(0.5, 3, 0.2, 4));
+    const Geom floor(ground);
+    std::vector<dGeomID> lumps;
+    for (int i = 0; i < 2 * kThreads; ++i) {
+      lumps.push_back(dCreateGpuTriMesh(nullptr, lump.id));
+      dGeomSetPosition(lumps.back(), 0.5 * i - 2, 0.1 * i, 0.4);
+      settle(lumps.back());
+    }
+    settle(floor.id);
+    dGpuTriMeshParams params;
+    dGpuTriMeshParamsInit(&params);
+    params.traversal = traversal;
+    CHECK(dGeomGpuTriMeshSetParams(floor.id, &params) == dGPUTRIMESH_OK);
+    std::vector<std::vector<dContactGeom>> shared(kThreads), own(kThreads);
+    runThreads([&](int i) {
+      for (int round = 0; round < 10; ++round) {
+        shared[i] = i % 2 ? test::collide(floor.id, lumps[0]) : mirrored(test::collide(lumps[0], floor.id));
+        own[i] = test::collide(lumps[2 * i], lumps[2 * i + 1]);
+      }
+    });
+    const auto expected = test::collide(floor.id, lumps[0]);
+    CHECK(!expected.empty());
+    for (std::size_t i = 0; i < kThreads; ++i) {
+      CHECK(sameContacts(shared[i], expected));
+      const auto alone = test::collide(lumps[2 * i], lumps[2 * i + 1]);
+      CHECK(!alone.empty());
+      CHECK(sameContacts(own[i], alone));
+    }
+    dGpuTriMeshStats stats;
+    dGpuTriMeshStatsInit(&stats);
+    CHECK(dGeomGpuTriMeshGetStats(floor.id, &stats) == dGPUTRIMESH_OK);
+    CHECK(stats.queries == 10 * kThreads + 1);
+    CHECK(stats.contacts == (10 * kThreads + 1) * expected.size());
+    for (const dGeomID g : lumps) dGeomDestroy(g);
+  }
+}
+
+TEST_CASE("threads create, collide and destroy geoms of one mesh, and errors stay with their thread") {
+  const OdeSession session;
+  const Data box(scenes::makeBox({1, 1, 1}));
+  std::atomic<int> empty{0}, foreignErrors{0};
+  runThreads([&](int i) {
+    for (int round = 0; round < 20; ++round) {
+      const Geom a(box), b(box);
+      dGeomSetPosition(b.id, 0.4, 0.3, 0.2);
+      if (test::collide(a.id, b.id).empty()) ++empty;
+      if (i == 0) {
+        dGeomGpuTriMeshGetData(nullptr);
+      } else if (dGpuTriMeshGetError() != dGPUTRIMESH_OK) {
+        ++foreignErrors;
+      }
+    }
+    dGpuTriMeshClose();
+  });
+  CHECK(empty == 0);
+  CHECK(foreignErrors == 0);
+}
