@@ -108,6 +108,19 @@ TEST_CASE("one place goes to the deepest, ties to the smallest ids; the order of
   }
 }
 
+TEST_CASE("equally far contacts are taken by their ids") {
+  std::vector<Contact> corners;  // of a cube
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    corners.push_back(makeContact({i & 1 ? 1.0 : 0, i & 2 ? 1.0 : 0, i & 4 ? 1.0 : 0}, {0, 0, 1}, 0.01, i, i));
+  }
+  // The first, the one opposite, and then all six others are one edge from the nearest chosen one, whichever is taken.
+  for (std::uint32_t seed = 0; seed < 6; ++seed) {
+    const std::vector<Contact> kept = limitContacts(shuffled(corners, seed), 5);
+    REQUIRE(kept.size() == 5);
+    for (const std::uint32_t i : {0u, 1u, 2u, 3u, 7u}) CHECK(contains(kept, corners[i]));
+  }
+}
+
 TEST_CASE("a flat square keeps its corners") {
   std::vector<Contact> contacts;
   for (std::uint32_t i = 0; i < 11 * 11; ++i) {

@@ -203,6 +203,31 @@ TEST_CASE("the deepest contact is always kept") {
   }
 }
 
+TEST_CASE("no kept contact but the deepest is spanned by the other kept ones") {
+  for (std::uint32_t seed = 20; seed < 40; ++seed) {
+    // Wide cones, where the farthest wrench is often not an extreme one.
+    const std::vector<Contact> contacts = randomContacts(seed, 60, seed % 2 ? 3 : 1.5);
+    const std::vector<Contact> kept = reduceToCone(contacts);
+    const Contact deepest = *std::min_element(contacts.begin(), contacts.end(), contactDeeper);
+    for (const Contact& c : kept) {
+      if (same(c, deepest)) continue;
+      std::vector<Contact> others;
+      for (const Contact& other : kept) {
+        if (!same(other, c)) others.push_back(other);
+      }
+      CHECK(distanceToCone(c, others, contacts) > 1e-9);
+    }
+  }
+}
+
+TEST_CASE("distances are the same bits whatever the order of the contacts that set the scale") {
+  const std::vector<Contact> contacts = randomContacts(41, 200, 0.7);
+  const std::vector<Contact> kept(contacts.begin(), contacts.begin() + 8);
+  for (std::uint32_t seed = 0; seed < 8; ++seed) {
+    CHECK(distanceToCone(contacts[9], kept, shuffled(contacts, seed)) == distanceToCone(contacts[9], kept, contacts));
+  }
+}
+
 TEST_CASE("ten thousand contacts keep the tolerance") {
   const std::vector<Contact> contacts = ringContacts(10000);
   const std::vector<Contact> kept = reduceToCone(contacts);
