@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The list of peers. OTG_PEER_... say which libraries were found at configure time.
+#include "peers/peer.h"
+
+namespace otg::peers {
+namespace {
+
+/// ODE keeps the capacity in 16 bits.
+constexpr int kAllContacts = 65535;
+
+}  // namespace
+
+std::vector<PeerEntry> allPeers() {
+  std::vector<PeerEntry> peers;
+  const auto contacts = [](int count) { return [count](const PeerScene& s) { return makeStockOdePeer(s, count); }; };
+  peers.push_back({"ODE dTriMesh, 64 contacts", "contacts", "", contacts(64)});
+  peers.push_back({"ODE dTriMesh, all contacts", "contacts", "", contacts(kAllContacts)});
+  peers.push_back({"ODE with ode_trimesh_gpu, 64 contacts", "contacts", "",
+                   [](const PeerScene& s) { return makeGpuTriMeshPeer(s, 64); }});
+#ifdef OTG_PEER_FCL
+  peers.push_back({"FCL, OBB tree", "contacts", "", &makeFclPeer});
+#else
+  peers.push_back({"FCL, OBB tree", "contacts", "not found at configure time (libfcl-dev)", {}});
+#endif
+#ifdef OTG_PEER_BULLET
+  peers.push_back({"Bullet, GImpact", "contacts", "", &makeBulletPeer});
+#else
+  peers.push_back({"Bullet, GImpact", "contacts", "not found at configure time (libbullet-dev)", {}});
+#endif
+#ifdef OTG_PEER_EMBREE
+  peers.push_back({"Embree, pairs only, B built in A's frame", "pairs", "", &makeEmbreePeer});
+#else
+  peers.push_back(
+      {"Embree, pairs only, B built in A's frame", "pairs", "not found at configure time (libembree-dev)", {}});
+#endif
+  return peers;
+}
+
+}  // namespace otg::peers

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The benchmarks of `otg bench`.
+#pragma once
+
+#include "otg/bench_scene.h"
+
+namespace otg::cli {
+
+/// The published tables: the whole query step by step, box tests by depth, and every combination of build strategy,
+/// traversal and descent rule.
+int benchThesis(const BenchOptions& options);
+/// Validation, both build strategies, the derived layouts, refit.
+int benchBuild(const BenchOptions& options);
+/// The whole query beside other collision libraries, stock ODE first.
+int benchPeers(const BenchOptions& options);
+
+/// `{"bench": name, ..., "tables": {title: rows}}` as JSON or as readable tables.
+void printBench(const Json& document, bool json);
+
+}  // namespace otg::cli

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What benchmarks collide: a mesh with a second copy of itself in a named pose.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bvh/collision_mesh.h"
+#include "otg/command.h"
+
+namespace otg::cli {
+
+struct BenchOptions {
+  std::vector<std::string> files;
+  std::string scene = "touch";
+  std::string poses;
+  int repeat = 0;  ///< 0: as many as fit into a fraction of a second, 3 to 50
+  bool json = false;
+
+  void addTo(CLI::App& command, bool withScene);
+};
+
+struct BenchMesh {
+  std::string name;
+  std::shared_ptr<const TriMesh> mesh;
+};
+
+/// The files of the command line; without any, the armadillo* of the folder that OTG_MESH_DIR names; without that,
+/// lumps. Largest first.
+std::vector<BenchMesh> benchMeshes(const BenchOptions& options);
+
+/// The scene's matrix from --poses; without it, a pose of the same kind computed for the mesh: turned, then moved along
+/// x to where the copies just touch, and from there by a fraction of the mesh's width: touch -0.05, deep -0.35,
+/// nearmiss +0.002; deep10: turned by 10 degrees in nearly the same place.
+Transformd benchPose(const BenchOptions& options, const CollisionMesh& mesh);
+
+/// Medians of repeated runs of `body`, which returns milliseconds by itself when it measures less than the whole call.
+std::vector<double> repeatTimes(int repeat, const std::function<double()>& body);
+/// Wall time of one call, in milliseconds.
+double timeOnce(const std::function<void()>& body);
+
+}  // namespace otg::cli

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `otg collide A B --pose P`: one query, its contacts, counters and times.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "otg/pose.h"
+#include "otg/query_options.h"
+
+namespace otg::cli {
+namespace {
+
+struct Options {
+  QueryOptions query;
+  int repeat = 1;
+  bool json = false;
+};
+
+Json toJson(const Vec3d& v) {
+  return Json::array({v.x, v.y, v.z});
+}
+
+struct Times {
+  std::vector<double> middle, near, contacts, reduction, total;
+};
+
+Times measure(const Query& query, Workspace& workspace, int repeat) {
+  using Clock = std::chrono::steady_clock;
+  Times times;
+  collide(query, workspace);  // warm-up: memory is allocated, layouts other than the standard one are made
+  for (int i = 0; i < repeat; ++i) {
+    const auto start = Clock::now();
+    collide(query, workspace);
+    times.total.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+    times.middle.push_back(workspace.stats.middleMs);
+    times.near.push_back(workspace.stats.nearMs);
+    times.contacts.push_back(workspace.stats.contactsMs);
+    times.reduction.push_back(workspace.stats.reductionMs);
+  }
+  return times;
+}
+
+int runCollide(const Options& options) {
+  Query query;
+  query.bInA = parsePose(options.query.pose);
+  query.options = options.query.collideOptions();
+  query.options.timings = true;
+  const LoadedPair pair = loadPair(options.query, std::min(options.repeat, 5));
+  query.a = pair.a.get();
+  query.b = pair.b.get();
+  Workspace workspace;
+  const Times times = measure(query, workspace, options.repeat);
+  const CollideStats& stats = workspace.stats;
+
+  Json document;
+  document["a"] = options.query.fileA;
+  document["b"] = options.query.fileB;
+  document["candidate_pairs"] = stats.candidatePairs;
+  document["box_tests"] = stats.boxTests;
+  document["triangle_box_tests"] = stats.triangleBoxTests;
+  document["intersecting_pairs"] = stats.intersectingPairs;
+  document["decided_by_double"] = stats.decidedByDouble;
+  document["decided_exactly"] = stats.decidedExactly;
+  document["contacts_before_reduction"] = stats.contactsBeforeReduction;
+  document["contacts"] = Json::array();
+  for (const Contact& contact : workspace.reduced) {
+    document["contacts"].push_back({{"position", toJson(contact.position)},
+                                    {"normal", toJson(contact.normal)},
+                                    {"depth", contact.depth},
+                                    {"triangle_a", contact.triangleA},
+                                    {"triangle_b", contact.triangleB},
+                                    {"region", contact.region}});
+  }
+  document["timings_ms"] = {{"build", pair.buildMs},
+                            {"middle", median(times.middle)},
+                            {"near", median(times.near)},
+                            {"contacts", median(times.contacts)},
+                            {"reduction", median(times.reduction)},
+                            {"transfer", 0.0},  // nothing moves between memories on the CPU
+                            {"total", median(times.total)}};
+  document["backend"] = "cpu";
+  document["device"] = "host CPU, 1 thread";
+  document["midphase"] = nameOf(query.options.middle.traversal);
+  document["repeat"] = options.repeat;
+  document["hash"] = hashOf(workspace.reduced);
+  if (options.json) {
+    printJson(document);
+    return kOk;
+  }
+  for (const char* key : {"box_tests", "candidate_pairs", "intersecting_pairs", "contacts_before_reduction"}) {
+    fmt::print("{:<26} {:>12}\n", key, document[key].get<std::uint64_t>());
+  }
+  fmt::print("{:<26} {:>12}\n", "contacts", workspace.reduced.size());
+  for (const auto& entry : document["timings_ms"].items()) {
+    fmt::print("{:<26} {:>12.4f} ms\n", entry.key(), entry.value().get<double>());
+  }
+  fmt::print("{:<26} {} ({})\n", "backend", document["backend"].get<std::string>(),
+             document["device"].get<std::string>());
+  fmt::print("{:<26} {}\n\n", "hash", document["hash"].get<std::string>());
+  std::vector<std::vector<std::string>> rows;
+  for (const Contact& c : workspace.reduced) {
+    rows.push_back({fmt::format("{:.6g} {:.6g} {:.6g}", c.position.x, c.position.y, c.position.z),
+                    fmt::format("{:.4f} {:.4f} {:.4f}", c.normal.x, c.normal.y, c.normal.z),
+                    fmt::format("{:.6g}", c.depth), std::to_string(c.triangleA), std::to_string(c.triangleB)});
+  }
+  printTable({"position (frame A)", "normal", "depth", "triangle A", "triangle B"}, rows);
+  return kOk;
+}
+
+}  // namespace
+
+void addCollideCommand(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand("collide", "Collide mesh A with mesh B: contacts, counters, times");
+  auto options = std::make_shared<Options>();
+  options->query.addInputOptions(*command);
+  options->query.addContactOptions(*command);
+  command->add_option("--repeat", options->repeat, "Times are medians over this many queries, after one to warm up")
+      ->check(CLI::Range(1, 1000000));
+  command->add_flag("--json", options->json, "One JSON document on stdout");
+  command->callback([options, &action] { action = [options] { return runCollide(*options); }; });
+}
+
+}  // namespace otg::cli

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Output of the commands: JSON, tables, progress, hashes.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "otg/command.h"
+
+namespace otg::cli {
+
+void printJson(const Json& document) {
+  const std::string text = document.dump(1, ' ', false, Json::error_handler_t::replace);
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  std::fputc('\n', stdout);
+}
+
+void printTable(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> width;
+  for (const std::string& cell : head) width.push_back(cell.size());
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) width[i] = std::max(width[i], row[i].size());
+  }
+  const auto printRow = [&](const std::vector<std::string>& row) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      line += i == 0 ? fmt::format("{:<{}}", row[i], width[i]) : fmt::format("  {:>{}}", row[i], width[i]);
+    }
+    fmt::print("{}\n", line);
+  };
+  printRow(head);
+  for (const auto& row : rows) printRow(row);
+}
+
+void printTable(const std::string& title, const Json& rows) {
+  fmt::print("\n{}\n", title);
+  if (rows.empty()) {
+    fmt::print("(none)\n");
+    return;
+  }
+  std::vector<std::string> head;
+  for (const auto& entry : rows.front().items()) head.push_back(entry.key());
+  std::vector<std::vector<std::string>> cells;
+  for (const Json& row : rows) {
+    std::vector<std::string>& line = cells.emplace_back();
+    for (const std::string& key : head) {
+      const Json value = row.value(key, Json());
+      if (value.is_string())
+        line.push_back(value.get<std::string>());
+      else if (value.is_number_float())
+        line.push_back(fmt::format("{:.4g}", value.get<double>()));
+      else if (value.is_null())
+        line.push_back("-");
+      else
+        line.push_back(value.dump());
+    }
+  }
+  printTable(head, cells);
+}
+
+void progress(const std::string& line) {
+  fmt::print(stderr, "{}\n", line);
+}
+
+void Fnv1a::add(const void* bytes, std::size_t count) {
+  const auto* p = static_cast<const unsigned char*>(bytes);
+  for (std::size_t i = 0; i < count; ++i) state_ = (state_ ^ p[i]) * 0x100000001b3u;
+}
+
+std::string Fnv1a::hex() const {
+  return fmt::format("{:016x}", state_);
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+}  // namespace otg::cli

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "otg/query_options.h"
+
+#include <chrono>
+
+#include "mesh_io/mesh_file.h"
+
+namespace otg::cli {
+namespace {
+
+template <class T>
+struct Named {
+  const char* name;
+  T value;
+};
+
+constexpr Named<Traversal> kTraversals[] = {{"standard", Traversal::kStandard},   {"quantized", Traversal::kQuantized},
+                                            {"noleaf", Traversal::kNoLeaf},       {"wide", Traversal::kWide},
+                                            {"quantised", Traversal::kQuantized}, {"no-leaf", Traversal::kNoLeaf}};
+constexpr Named<DescentRule> kDescents[] = {{"first", DescentRule::kFirstTreeFirst},
+                                            {"larger", DescentRule::kLargerFirst},
+                                            {"alternating", DescentRule::kAlternating},
+                                            {"both", DescentRule::kBoth}};
+constexpr Named<BuildStrategy> kBuilds[] = {{"mean", BuildStrategy::kMeanSplit}, {"sah", BuildStrategy::kSah}};
+constexpr Named<Reduction> kReductions[] = {
+    {"none", Reduction::kNone}, {"binning", Reduction::kBinning}, {"cone", Reduction::kCone}};
+
+template <class T, std::size_t N>
+T find(const Named<T> (&table)[N], const std::string& name) {
+  for (const auto& entry : table) {
+    if (name == entry.name) return entry.value;
+  }
+  throw UsageError("unknown value " + name);  // the parser has checked already
+}
+
+template <class T, std::size_t N>
+const char* nameIn(const Named<T> (&table)[N], T value) {
+  for (const auto& entry : table) {
+    if (value == entry.value) return entry.name;
+  }
+  return "?";
+}
+
+}  // namespace
+
+const char* nameOf(Traversal traversal) {
+  return nameIn(kTraversals, traversal);
+}
+const char* nameOf(DescentRule rule) {
+  return nameIn(kDescents, rule);
+}
+const char* nameOf(BuildStrategy strategy) {
+  return nameIn(kBuilds, strategy);
+}
+
+void QueryOptions::addInputOptions(CLI::App& command) {
+  command.add_option("A", fileA, "Mesh A")->required();
+  command.add_option("B", fileB, "Mesh B")->required();
+  command.add_option("--pose", pose, "B in A's frame: tx,ty,tz,qw,qx,qy,qz, or a file with a 4x4 row-major matrix");
+  command.add_option("--backend", backend, "Where the query runs")->check(CLI::IsMember({"auto", "cpu", "opencl"}));
+  command.add_option("--midphase", midphase, "Middle phase: where it runs, or which traversal of the trees on the CPU")
+      ->check(
+          CLI::IsMember({"auto", "cpu", "opencl", "standard", "quantized", "quantised", "noleaf", "no-leaf", "wide"}));
+  command.add_option("--nearphase", nearphase, "Near phase: where it runs")
+      ->check(CLI::IsMember({"auto", "cpu", "exact", "opencl"}));
+  command.add_option("--descent", descent, "Which tree a traversal descends")
+      ->check(CLI::IsMember({"first", "larger", "alternating", "both"}));
+  command.add_option("--build", build, "How the trees are built")->check(CLI::IsMember({"mean", "sah"}));
+  command.add_option("--axes", axes, "Axes of a box test")->check(CLI::IsMember({6, 15}));
+  command.add_option("--device", device, "OpenCL device, as `otg devices` numbers them")->check(CLI::NonNegativeNumber);
+}
+
+void QueryOptions::addContactOptions(CLI::App& command) {
+  command.add_option("--contacts", contacts, "Contact model")->check(CLI::IsMember({"auto", "pairwise", "solid"}));
+  command.add_option("--reduction", reduction, "How contacts are reduced")
+      ->check(CLI::IsMember({"none", "binning", "cone"}));
+  command.add_option("--bins", bins, "Bins per axis: one number for all, or six: position x y z, normal x y z")
+      ->delimiter(',')
+      ->expected(1, 6)
+      ->check(CLI::Range(1, 64));
+  command.add_option("--max-contacts", maxContacts, "No more contacts than this")->check(CLI::Range(1, 65535));
+}
+
+CollideOptions QueryOptions::collideOptions() const {
+  if (backend == "opencl" || midphase == "opencl" || nearphase == "opencl") {
+    throw InputError("this build has no OpenCL backend; use --backend cpu");
+  }
+  if (device >= 0) progress("note: --device chooses an OpenCL device; the query runs on the CPU");
+  CollideOptions options;
+  if (midphase != "cpu" && midphase != "auto") options.middle.traversal = find(kTraversals, midphase);
+  if (!descent.empty()) options.middle.descent = find(kDescents, descent);
+  options.middle.axes = axes;
+  if (contacts == "pairwise") options.contacts = ContactModel::kPairwise;
+  if (contacts == "solid") throw InputError("this build has no contact model 'solid'; use --contacts pairwise");
+  options.reduction.method = find(kReductions, reduction);
+  if (bins.size() == 1) {
+    options.reduction.bins.fill(bins[0]);
+  } else if (bins.size() == 6) {
+    std::copy(bins.begin(), bins.end(), options.reduction.bins.begin());
+  } else if (!bins.empty()) {
+    throw UsageError("--bins takes one number or six");
+  }
+  options.maxContacts = maxContacts;
+  return options;
+}
+
+BuildStrategy QueryOptions::buildStrategy() const {
+  return build.empty() ? BuildStrategy::kSah : find(kBuilds, build);
+}
+
+LoadedPair loadPair(const QueryOptions& options, int repeat) {
+  using Clock = std::chrono::steady_clock;
+  const bool same = options.fileA == options.fileB;
+  const std::shared_ptr<const TriMesh> a = mesh_io::loadTriMesh(options.fileA);
+  const std::shared_ptr<const TriMesh> b = same ? a : mesh_io::loadTriMesh(options.fileB);
+  LoadedPair pair;
+  std::vector<double> times;
+  for (int i = 0; i < repeat; ++i) {
+    const auto start = Clock::now();
+    pair.a = std::make_shared<CollisionMesh>(a, options.buildStrategy());
+    pair.b = same ? pair.a : std::make_shared<CollisionMesh>(b, options.buildStrategy());
+    times.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+  }
+  pair.buildMs = median(times);
+  return pair;
+}
+
+std::string hashOf(const std::vector<Contact>& contacts) {
+  Fnv1a hash;
+  for (const Contact& contact : contacts) {
+    hash.add(contact.position);
+    hash.add(contact.normal);
+    hash.add(contact.depth);
+    hash.add(contact.triangleA);
+    hash.add(contact.triangleB);
+  }
+  return hash.hex();
+}
+
+}  // namespace otg::cli

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `otg simulate SCENE.json`: steps an ODE world and says what happened.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <numeric>
+
+#include "otg/command.h"
+#include "scenes/gltf_animation.h"
+#include "scenes/simulation.h"
+
+namespace otg::cli {
+namespace {
+
+using scenes::AnimatedBody;
+using scenes::BodyState;
+using scenes::Simulation;
+using scenes::StepRecord;
+
+struct Options {
+  std::string scene, glb, csv;
+  int steps = -1;
+  double dt = 0;
+  bool json = false;
+};
+
+Json toJson(const Vec3d& v) {
+  return Json::array({v.x, v.y, v.z});
+}
+
+/// What is kept of every step.
+struct Run {
+  std::vector<StepRecord> records;
+  std::vector<scenes::Energy> energies;  ///< after each step
+  Fnv1a hash;
+};
+
+/// Poses for the animation, about 30 a second.
+class Recorder {
+ public:
+  Recorder(const Simulation& simulation, double dt) : every_(std::max(1, int(std::lround(1 / (30 * dt))))), dt_(dt) {
+    for (std::size_t i = 0; i < simulation.bodyCount(); ++i) {
+      AnimatedBody& body = bodies_.emplace_back();
+      body.name = simulation.description(i).name;
+      body.surface = scenes::surfaceOf(simulation.description(i));
+      body.color = simulation.description(i).color.value_or(kColors[i % std::size(kColors)]);
+    }
+  }
+  void record(const Simulation& simulation, int step) {
+    if (step % every_ != 0) return;
+    times_.push_back(step * dt_);
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      if (simulation.description(i).isStatic && !bodies_[i].positions.empty()) continue;
+      const BodyState state = simulation.state(i);
+      bodies_[i].positions.push_back(state.position);
+      bodies_[i].rotations.push_back(state.rotation);
+    }
+  }
+  void write(const std::string& path) const { scenes::writeGlb(path, bodies_, times_); }
+
+ private:
+  static constexpr Vec3d kColors[] = {{0.55, 0.55, 0.55}, {0.80, 0.25, 0.12}, {0.10, 0.35, 0.75},
+                                      {0.85, 0.60, 0.08}, {0.15, 0.55, 0.25}, {0.50, 0.20, 0.60}};
+  std::vector<AnimatedBody> bodies_;
+  std::vector<double> times_;
+  int every_;
+  double dt_;
+};
+
+void addToHash(Fnv1a& hash, const Simulation& simulation, const StepRecord& record) {
+  hash.add(record.contacts);
+  for (std::size_t i = 0; i < simulation.bodyCount(); ++i) {
+    const BodyState state = simulation.state(i);
+    hash.add(state.position);
+    hash.add(state.rotation);
+    hash.add(state.linearVelocity);
+    hash.add(state.angularVelocity);
+  }
+}
+
+class CsvFile {
+ public:
+  explicit CsvFile(const std::string& path) : path_(path) {
+    if (path.empty()) return;
+    file_.reset(std::fopen(path.c_str(), "wb"));
+    if (!file_) throw InputError(path + ": cannot be written");
+    fmt::print(file_.get(),
+               "step,time,contacts,contacts_before_reduction,collide_ms,step_ms,kinetic_energy,potential_energy\n");
+  }
+  void write(int step, double time, const StepRecord& record, const scenes::Energy& energy) {
+    if (!file_) return;
+    fmt::print(file_.get(), "{},{:.9g},{},{},{:.4f},{:.4f},{:.9g},{:.9g}\n", step, time, record.contacts,
+               record.contactsBeforeReduction, record.collideMs, record.stepMs, energy.kinetic, energy.potential);
+  }
+  void close() {
+    if (file_ && std::fclose(file_.release()) != 0) throw InputError(path_ + ": writing failed");
+  }
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::string path_;
+  std::unique_ptr<std::FILE, Close> file_;
+};
+
+Run runSteps(Simulation& simulation, int steps, double dt, const Options& options) {
+  Run run;
+  CsvFile csv(options.csv);
+  std::unique_ptr<Recorder> recorder;
+  if (!options.glb.empty()) recorder = std::make_unique<Recorder>(simulation, dt);
+  if (recorder) recorder->record(simulation, 0);
+  auto lastNews = std::chrono::steady_clock::now();
+  for (int step = 1; step <= steps; ++step) {
+    const StepRecord record = simulation.step(dt);
+    addToHash(run.hash, simulation, record);
+    run.records.push_back(record);
+    run.energies.push_back(simulation.energy());
+    csv.write(step, step * dt, record, run.energies.back());
+    if (recorder) recorder->record(simulation, step);
+    if (std::chrono::steady_clock::now() - lastNews > std::chrono::seconds(2)) {
+      progress(fmt::format("step {} of {}: {} contacts, {:.2f} ms colliding, {:.2f} ms stepping", step, steps,
+                           record.contacts, record.collideMs, record.stepMs));
+      lastNews = std::chrono::steady_clock::now();
+    }
+  }
+  csv.close();
+  if (recorder) recorder->write(options.glb);
+  return run;
+}
+
+Json describe(const Simulation& simulation, const Run& run, double dt, const scenes::Energy& start) {
+  Json document;
+  std::vector<int> contacts;
+  std::vector<double> stepMs, collideMs;
+  std::uint64_t beforeReduction = 0;
+  for (const StepRecord& record : run.records) {
+    contacts.push_back(record.contacts);
+    beforeReduction += record.contactsBeforeReduction;
+    stepMs.push_back(record.stepMs);
+    collideMs.push_back(record.collideMs);
+  }
+  document["steps"] = run.records.size();
+  document["dt"] = dt;
+  document["contacts_per_step"] = contacts;
+  document["step_ms"] = stepMs;
+  document["collide_ms"] = collideMs;
+  const double n = std::max<double>(1, double(run.records.size()));
+  document["summary"] = {{"mean_contacts", std::accumulate(contacts.begin(), contacts.end(), 0.0) / n},
+                         {"mean_contacts_before_reduction", double(beforeReduction) / n},
+                         {"max_contacts", contacts.empty() ? 0 : *std::max_element(contacts.begin(), contacts.end())},
+                         {"median_step_ms", median(stepMs)},
+                         {"median_collide_ms", median(collideMs)},
+                         {"total_step_ms", std::accumulate(stepMs.begin(), stepMs.end(), 0.0)},
+                         {"total_collide_ms", std::accumulate(collideMs.begin(), collideMs.end(), 0.0)}};
+  const scenes::Energy end = simulation.energy();
+  document["energy"] = {
+      {"initial", start.total()}, {"final", end.total()}, {"kinetic", end.kinetic}, {"potential", end.potential}};
+  document["bodies"] = Json::array();
+  for (std::size_t i = 0; i < simulation.bodyCount(); ++i) {
+    const BodyState state = simulation.state(i);
+    document["bodies"].push_back({{"name", simulation.description(i).name},
+                                  {"position", toJson(state.position)},
+                                  {"rotation", state.rotation},
+                                  {"linear_velocity", toJson(state.linearVelocity)},
+                                  {"angular_velocity", toJson(state.angularVelocity)},
+                                  {"center_of_mass", toJson(state.centerOfMass)},
+                                  {"static", simulation.description(i).isStatic}});
+  }
+  document["warnings"] = simulation.warnings();
+  document["hash"] = run.hash.hex();
+  return document;
+}
+
+void printReadable(const Json& document) {
+  const Json& summary = document["summary"];
+  fmt::print("{} steps of {} s\n", document["steps"].get<std::size_t>(), document["dt"].get<double>());
+  fmt::print("contacts per step   {:.1f} on average ({:.1f} before reduction), {} at most\n",
+             summary["mean_contacts"].get<double>(), summary["mean_contacts_before_reduction"].get<double>(),
+             summary["max_contacts"].get<int>());
+  fmt::print("time per step       {:.3f} ms colliding, {:.3f} ms stepping (medians)\n",
+             summary["median_collide_ms"].get<double>(), summary["median_step_ms"].get<double>());
+  fmt::print("energy              {:.6g} J at the start, {:.6g} J at the end\n",
+             document["energy"]["initial"].get<double>(), document["energy"]["final"].get<double>());
+  fmt::print("hash                {}\n\n", document["hash"].get<std::string>());
+  std::vector<std::vector<std::string>> rows;
+  for (const Json& body : document["bodies"]) {
+    const auto p = body["position"].get<std::vector<double>>(), v = body["linear_velocity"].get<std::vector<double>>();
+    const auto q = body["rotation"].get<std::vector<double>>();
+    rows.push_back({body["name"].get<std::string>(), fmt::format("{:.5f} {:.5f} {:.5f}", p[0], p[1], p[2]),
+                    fmt::format("{:.4f} {:.4f} {:.4f} {:.4f}", q[0], q[1], q[2], q[3]),
+                    fmt::format("{:.4f} {:.4f} {:.4f}", v[0], v[1], v[2])});
+  }
+  printTable({"body", "position", "rotation w x y z", "velocity"}, rows);
+}
+
+int simulate(const Options& options) {
+  const scenes::SceneDescription scene = scenes::loadScene(options.scene);
+  const scenes::OdeSession session;
+  Simulation simulation(scene);
+  for (const std::string& warning : simulation.warnings()) progress("warning: " + warning);
+  const double dt = options.dt > 0 ? options.dt : scene.dt;
+  const scenes::Energy start = simulation.energy();
+  const Run run = runSteps(simulation, options.steps >= 0 ? options.steps : scene.steps, dt, options);
+  const Json document = describe(simulation, run, dt, start);
+  if (options.json)
+    printJson(document);
+  else
+    printReadable(document);
+  return kOk;
+}
+
+}  // namespace
+
+void addSimulateCommand(CLI::App& app, Action& action) {
+  CLI::App* command =
+      app.add_subcommand("simulate", "Step an ODE world of meshes and primitives (format: docs/scene_format.md)");
+  auto options = std::make_shared<Options>();
+  command->add_option("SCENE", options->scene, "Scene file, JSON")->required();
+  command->add_option("--steps", options->steps, "Number of steps instead of the scene's")
+      ->check(CLI::Range(0, 100000000));
+  command->add_option("--dt", options->dt, "Time step in seconds instead of the scene's")
+      ->check(CLI::Range(1e-9, 10.0));
+  command->add_option("--glb", options->glb, "Write the motion as an animation, binary glTF");
+  command->add_option("--csv", options->csv, "Write contacts, times and energies of every step");
+  command->add_flag("--json", options->json, "One JSON document on stdout");
+  command->callback([options, &action] { action = [options] { return simulate(*options); }; });
+}
+
+}  // namespace otg::cli

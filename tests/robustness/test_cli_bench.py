@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""otg bench: tables as arrays of rows, and results that do not depend on the way they were found. No times are judged."""
+import json
+
+import cli_support
+from cli_support import CliTest, lump, ply
+
+
+class Bench(CliTest):
+    def mesh(self):
+        return self.write("lump.ply", ply(*lump(14)))
+
+    def test_thesis(self):
+        document = self.run_json("bench", "thesis", self.mesh(), "--repeat", "1")
+        tables = document["tables"]
+        self.assertEqual(len(tables["pipeline"]), 2)
+        self.assert_keys(tables["pipeline"][0], "mesh triangles_a triangles_b box_tests candidate_pairs middle_ms near_ms "
+                                                "middle_percent near_percent hash")
+        for row in tables["pipeline"]:
+            depths = [r["box_tests"] for r in tables["box_tests_per_depth"] if r["build"] == row["build"]]
+            self.assertEqual(sum(depths), row["box_tests"])
+        rows = tables["combinations"]
+        self.assertEqual(len({(r["build"], r["traversal"], r["descent"]) for r in rows}), len(rows))
+        self.assertEqual({r["traversal"] for r in rows} >= {"standard", "quantized", "noleaf"}, True)
+        self.assertEqual({r["descent"] for r in rows}, {"first", "larger", "alternating", "both"})
+        self.assertEqual({r["build"] for r in rows}, {"mean", "sah"})
+        self.assertEqual(len({r["pairs_hash"] for r in rows}), 1)
+        self.assertGreater(rows[0]["intersecting_pairs"], 0)
+
+    def test_scenes(self):
+        found = {}
+        for scene in ("touch", "deep", "deep10", "nearmiss"):
+            row = self.run_json("bench", "thesis", self.mesh(), "--repeat", "1", "--scene", scene)["tables"]["pipeline"][0]
+            found[scene] = row["intersecting_pairs"]
+        self.assertEqual(found["nearmiss"], 0)
+        self.assertTrue(0 < found["touch"] < found["deep"], found)
+        self.assertGreater(found["deep10"], found["touch"])
+        matrix = [1, 0, 0, 1.5, 0, 1, 0, 0.1, 0, 0, 1, 0.1, 0, 0, 0, 1]
+        poses = self.write("poses.json", json.dumps({"touch": {"T": matrix}}))
+        self.run_json("bench", "thesis", self.mesh(), "--repeat", "1", "--poses", poses)
+        self.assert_fails(1, "bench", "thesis", self.mesh(), "--poses", poses, "--scene", "deep", says="deep")
+
+    def test_build(self):
+        rows = self.run_json("bench", "build", self.mesh(), "--repeat", "1")["tables"]["build"]
+        self.assertEqual([row["build"] for row in rows], ["mean", "sah"])
+        for row in rows:
+            self.assertEqual(row["nodes"], 2 * row["triangles"] - 1)
+
+    def test_peers(self):
+        result = self.run_otg_either("bench", "peers", self.mesh(), "--repeat", "1", "--json")
+        if result is None:
+            self.skipTest("built without benchmarks of other libraries")
+        rows = result["tables"]["peers"]
+        self.assertEqual(rows[0]["ratio_to_stock_ode"], 1)
+        ours = [row for row in rows if "ode_trimesh_gpu" in row["library"]]
+        self.assertEqual(len(ours), 2)
+        for row in ours:
+            self.assertGreater(row["results"], 0)
+
+    def run_otg_either(self, *arguments):
+        import subprocess
+        done = subprocess.run([cli_support.OTG, *arguments], capture_output=True, cwd=self.folder, timeout=500)
+        if done.returncode == 1 and b"OTG_BUILD_BENCHMARKS" in done.stderr:
+            return None
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout)
+
+    def test_mesh_folder(self):
+        self.write("armadillo_small.ply", ply(*lump(8)))
+        self.write("armadillo_large.ply", ply(*lump(10)))
+        self.write("other.ply", ply(*lump(12)))
+        rows = self.run_json("bench", "build", "--repeat", "1", env={"OTG_MESH_DIR": self.folder})["tables"]["build"]
+        self.assertEqual([row["mesh"] for row in rows[::2]], ["armadillo_large", "armadillo_small"])
+        self.assertIn("lump", self.run_otg("bench", "build", self.mesh(), "--repeat", "1").stdout)
+
+    def test_bad_input(self):
+        self.assert_fails(1, "bench", "build", "missing.ply", says="missing.ply")
+        self.assert_fails(2, "bench", "thesis", self.mesh(), "--scene", "surreal", says="scene")
+        self.assert_fails(2, "bench", "build", "--frobnicate")
+
+
+if __name__ == "__main__":
+    cli_support.main()

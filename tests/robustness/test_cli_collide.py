@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""otg collide: keys, poses, options, and what it says about bad ones."""
+import itertools
+import json
+import math
+
+import cli_support
+from cli_support import CliTest, lump, ply
+
+
+class Collide(CliTest):
+    KEYS = ("candidate_pairs box_tests intersecting_pairs contacts_before_reduction contacts timings_ms backend device "
+            "hash")
+
+    def test_keys(self):
+        mesh = self.writeBox()
+        document = self.run_json("collide", mesh, mesh, "--pose", "0.9,0.1,0.2,1,0,0,0", "--repeat", "3")
+        self.assert_keys(document, self.KEYS)
+        self.assert_keys(document["timings_ms"], "build middle near contacts reduction transfer total")
+        self.assertTrue(document["contacts"])
+        for contact in document["contacts"]:
+            self.assert_keys(contact, "position normal depth triangle_a triangle_b")
+            self.assertAlmostEqual(sum(x * x for x in contact["normal"]), 1)
+            self.assertGreaterEqual(contact["depth"], 0)
+            self.assertIn(contact["triangle_a"], range(12))
+            self.assertIn(contact["triangle_b"], range(12))
+        self.assertEqual(document["backend"], "cpu")
+        self.assertGreater(document["timings_ms"]["total"], 0)
+        self.assertIn("candidate_pairs", self.run_otg("collide", mesh, mesh, "--pose", "0.9,0,0,1,0,0,0").stdout)
+
+    def test_same_query_same_bytes(self):
+        mesh = self.write("lump.ply", ply(*lump()))
+        runs = [self.run_json("collide", mesh, mesh, "--pose", "1.5,0.1,0.3,0.8,0.6,0,0") for _ in range(2)]
+        for run in runs:
+            del run["timings_ms"]
+        self.assertEqual(runs[0], runs[1])
+        self.assertTrue(runs[0]["contacts"])
+        other = self.run_json("collide", mesh, mesh, "--pose", "1.5,0.1,0.30001,0.8,0.6,0,0")
+        self.assertNotEqual(other["hash"], runs[0]["hash"])
+
+    def test_apart(self):
+        mesh = self.writeBox()
+        document = self.run_json("collide", mesh, mesh, "--pose", "5,0,0,1,0,0,0")
+        self.assertEqual((document["contacts"], document["intersecting_pairs"]), ([], 0))
+
+    def test_every_way_finds_the_same(self):
+        mesh = self.write("lump.ply", ply(*lump(12)))
+        answers = set()
+        for midphase, descent, build, axes in itertools.product(
+                ("standard", "quantized", "noleaf", "wide"), ("first", "larger", "alternating", "both"),
+                ("mean", "sah"), ("6", "15")):
+            document = self.run_json("collide", mesh, mesh, "--pose", "1.4,0.1,0.3,0.8,0,0.6,0", "--midphase", midphase,
+                                     "--descent", descent, "--build", build, "--axes", axes)
+            answers.add((document["intersecting_pairs"], document["hash"]))
+        self.assertEqual(len(answers), 1)
+
+    def test_reduction_and_limits(self):
+        mesh = self.write("lump.ply", ply(*lump()))
+        arguments = ["collide", mesh, mesh, "--pose", "1.5,0.1,0.3,0.8,0.6,0,0"]
+        whole = self.run_json(*arguments, "--reduction", "none", "--max-contacts", "65535")
+        self.assertEqual(len(whole["contacts"]), whole["contacts_before_reduction"])
+        for options in (["--reduction", "binning", "--bins", "2"], ["--reduction", "binning", "--bins", "1,2,3,1,2,3"],
+                        ["--reduction", "cone"], ["--contacts", "pairwise"], ["--backend", "cpu"],
+                        ["--midphase", "cpu", "--nearphase", "cpu"], ["--backend", "auto"]):
+            document = self.run_json(*arguments, *options)
+            self.assertEqual(document["contacts_before_reduction"], whole["contacts_before_reduction"])
+            self.assertLess(len(document["contacts"]), len(whole["contacts"]))
+            self.assertTrue(document["contacts"])
+        self.assertEqual(len(self.run_json(*arguments, "--max-contacts", "1")["contacts"]), 1)
+
+    def test_what_this_build_cannot_do(self):
+        mesh = self.writeBox()
+        self.assert_fails(1, "collide", mesh, mesh, "--backend", "opencl", says="OpenCL")
+
+    def test_wrong_options(self):
+        mesh = self.writeBox()
+        for options in (["--bins", "1,2"], ["--bins", "0"], ["--bins", "65"], ["--max-contacts", "0"],
+                        ["--max-contacts", "65536"], ["--repeat", "0"], ["--backend", "abacus"], ["--axes", "7"],
+                        ["--reduction", "magic"], ["--contacts", "none"], ["--midphase", "x"], ["--frobnicate"]):
+            self.assert_fails(2, "collide", mesh, mesh, *options, says=options[0].lstrip("-"))
+        self.assert_fails(2, "collide", mesh)
+        self.assert_fails(2, "collide", mesh, mesh, mesh)
+
+    def test_bad_meshes(self):
+        mesh = self.writeBox()
+        self.assert_fails(1, "collide", mesh, "missing.ply", says="missing.ply")
+        self.assert_fails(1, "collide", self.write("bad.ply", ply([(float("inf"), 0, 0)] * 3, [(0, 1, 2)])), mesh,
+                          "--json", says="bad.ply")
+
+
+class Pose(CliTest):
+    def contacts(self, *pose):
+        document = self.run_json("collide", self.path("box.ply"), self.path("box.ply"), *pose)
+        return document["hash"], document["intersecting_pairs"]
+
+    def test_ways_to_say_it(self):
+        self.writeBox()
+        expected = self.contacts("--pose", "0.25,-0.5,0.75,0.8,0.6,0,0")
+        self.assertGreater(expected[1], 0)
+        # Turned about x by the angle with cosine 0.8^2 - 0.6^2 = 0.28 and sine 0.96.
+        w, x = 0.8 / math.hypot(0.8, 0.6), 0.6 / math.hypot(0.8, 0.6)
+        c, s = 1 - 2 * (x * x), 2 * (w * x)
+        rows = [[1, 0, 0, 0.25], [0, c, -s, -0.5], [0, s, c, 0.75], [0, 0, 0, 1]]
+        text = "\n".join(" ".join(repr(v) for v in row) for row in rows)
+        flat = [v for row in rows for v in row]
+        files = {"m.txt": text, "m.csv": text.replace(" ", ", "), "m": text, "nested.json": json.dumps(rows),
+                 "flat.json": json.dumps(flat), "T.json": json.dumps({"T": flat})}
+        for name, content in files.items():
+            self.assertEqual(self.contacts("--pose", self.write(name, content)), expected, name)
+        named = self.write("poses.json", json.dumps({"here": {"T": flat}, "there": rows}))
+        self.assertEqual(self.contacts("--pose", named + "#here"), expected)
+        self.assertEqual(self.contacts("--pose", named + "#there"), expected)
+        for spelling in ("0.25,-0.5,0.75,0.8,0.6,0,0", "0.25, -0.5, 0.75, 0.8, 0.6, 0, 0", "2.5e-1,-.5,+0.75,.8,.6,0,0",
+                         "0.25,-0.5,0.75,-0.8,-0.6,0,0"):
+            self.assertEqual(self.contacts("--pose", spelling), expected, spelling)
+        self.assertEqual(self.contacts("--pose=-0.25,0,0,1,0,0,0"), self.contacts("--pose", "-0.25,0,0,1,0,0,0"))
+        self.assertEqual(self.contacts("--pose", "-.25,0,0,1,0,0,0"), self.contacts("--pose", "-0.25,0,0,1,0,0,0"))
+
+    def test_wrong_text_is_wrong_usage(self):
+        mesh = self.writeBox()
+        for pose in ("1,2,3", "1,2,3,1,0,0", "1,2,3,1,0,0,0,0", "a,b,c,d,e,f,g", "1,2,3,1,0,0,x", "nonsense", ""):
+            self.assert_fails(2, "collide", mesh, mesh, "--pose", pose, says="pose")
+        self.assert_fails(2, "collide", mesh, mesh, "--pose")
+
+    def test_wrong_values_are_bad_input(self):
+        mesh = self.writeBox()
+        for pose in ("0,0,0,0,0,0,0", "0,0,0,2,0,0,0", "nan,0,0,1,0,0,0", "0,0,0,nan,0,0,0", "inf,0,0,1,0,0,0"):
+            self.assert_fails(1, "collide", mesh, mesh, "--pose", pose, says="pose")
+        files = {"short.txt": "1 0 0", "words.txt": "one two three", "nan.txt": "nan " * 16,
+                 "row.txt": "1 0 0 0  0 1 0 0  0 0 1 0  0 0 1 1", "scale.txt": "2 0 0 0  0 2 0 0  0 0 2 0  0 0 0 1",
+                 "mirror.txt": "-1 0 0 0  0 1 0 0  0 0 1 0  0 0 0 1", "empty.txt": "", "list.json": "[1, [2, \"x\"]]",
+                 "object.json": "{}"}
+        for name, content in files.items():
+            self.assert_fails(1, "collide", mesh, mesh, "--pose", self.write(name, content), says=name)
+        self.assert_fails(1, "collide", mesh, mesh, "--pose", "missing.txt", says="missing.txt")
+        self.assert_fails(1, "collide", mesh, mesh, "--pose", self.path("object.json") + "#touch", says="touch")
+
+
+if __name__ == "__main__":
+    cli_support.main()

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""otg simulate: results, files, determinism, the examples of the manual, and every kind of bad scene."""
+import csv
+import json
+import os
+import re
+import struct
+
+import cli_support
+from cli_support import CliTest, box, ply
+
+DROP = {"steps": 60, "meshes": {"ground": {"generate": "ground", "size": 4, "thickness": 0.5, "divisions": 4},
+                                "lump": {"generate": "lump", "radius": 0.3, "level": 2}},
+        "bodies": [{"name": "ground", "mesh": "ground", "static": True},
+                   {"name": "lump", "mesh": "lump", "position": [0.1, 0, 0.4]}]}
+
+
+class Simulate(CliTest):
+    def scene(self, content, name="scene.json"):
+        return self.write(name, json.dumps(content))
+
+    def test_keys(self):
+        document = self.run_json("simulate", self.scene(DROP))
+        self.assert_keys(document, "steps contacts_per_step step_ms collide_ms bodies hash energy")
+        self.assertEqual(document["steps"], 60)
+        self.assertEqual(len(document["contacts_per_step"]), 60)
+        self.assertGreater(max(document["contacts_per_step"]), 0)
+        self.assertEqual([body["name"] for body in document["bodies"]], ["ground", "lump"])
+        for body in document["bodies"]:
+            self.assert_keys(body, "name position rotation linear_velocity")
+        self.assertEqual(document["bodies"][0]["position"], [0, 0, 0])
+        self.assertIn("lump", self.run_otg("simulate", self.scene(DROP)).stdout)
+
+    def test_free_fall(self):
+        """Symplectic Euler by hand; the mesh's centre of mass is off its origin, which must make no difference."""
+        self.write("off.ply", ply(*box(center=(3, 0, 0))))
+        scene = {"dt": 0.01, "gravity": [0, 0, -10], "meshes": {"m": {"file": "off.ply"}},
+                 "bodies": [{"name": "a", "mesh": "m", "position": [1, 2, 30], "linear_velocity": [2, 0, 0]},
+                            {"name": "b", "sphere": 0.5, "position": [50, 0, 0], "collider": "gpu_trimesh"}]}
+        document = self.run_json("simulate", self.scene(scene), "--steps", "100")
+        z, speed = 0.0, 0.0
+        for _ in range(100):
+            speed -= 10 * 0.01
+            z += speed * 0.01
+        for body, start in zip(document["bodies"], ([1, 2, 30], [50, 0, 0])):
+            self.assertAlmostEqual(body["position"][2], start[2] + z, places=9)
+            self.assertAlmostEqual(body["linear_velocity"][2], speed, places=9)
+        self.assertAlmostEqual(document["bodies"][0]["position"][0], 1 + 2, places=9)
+        self.assertAlmostEqual(document["bodies"][0]["center_of_mass"][0], 1 + 2 + 3, places=6)
+
+    def test_a_box_rests_where_it_lies(self):
+        for collider in ("gpu_trimesh", "primitive"):
+            scene = {"steps": 200, "bodies": [
+                {"name": "ground", "box": [4, 4, 1], "collider": collider, "static": True, "position": [0, 0, -0.5]},
+                {"name": "box", "box": [1, 1, 1], "collider": collider, "position": [0.1, 0.2, 0.5]}]}
+            body = self.run_json("simulate", self.scene(scene))["bodies"][1]
+            for got, expected in zip(body["position"], (0.1, 0.2, 0.5)):
+                self.assertLess(abs(got - expected), 0.02, collider)
+
+    def test_same_scene_same_bytes(self):
+        hashes = {self.run_json("simulate", self.scene(DROP))["hash"] for _ in range(2)}
+        self.assertEqual(len(hashes), 1)
+        self.assertNotIn(self.run_json("simulate", self.scene(DROP), "--dt", "0.004")["hash"], hashes)
+        self.assertNotIn(self.run_json("simulate", self.scene({**DROP, "seed": 3}))["hash"], hashes)
+
+    def test_csv(self):
+        document = self.run_json("simulate", self.scene(DROP), "--csv", "out.csv", "--steps", "20")
+        with open(self.path("out.csv")) as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), 20)
+        self.assertEqual([int(row["contacts"]) for row in rows], document["contacts_per_step"])
+        self.assert_keys(rows[0], "step time contacts contacts_before_reduction collide_ms step_ms")
+
+    def test_glb(self):
+        document = self.run_json("simulate", self.scene(DROP), "--glb", "out.glb")
+        with open(self.path("out.glb"), "rb") as file:
+            data = file.read()
+        magic, version, length = struct.unpack_from("<III", data)
+        self.assertEqual((magic, version, length), (0x46546C67, 2, len(data)))
+        size, kind = struct.unpack_from("<II", data, 12)
+        self.assertEqual(kind, 0x4E4F534A)
+        gltf = json.loads(data[20:20 + size])
+        binary = data[20 + size + 8:]
+        nodes = {node["name"]: i for i, node in enumerate(gltf["nodes"])}
+        self.assertEqual(set(nodes), {"world", "ground", "lump"})
+        channels = {(c["target"]["node"], c["target"]["path"]): gltf["animations"][0]["samplers"][c["sampler"]]
+                    for c in gltf["animations"][0]["channels"]}
+        self.assertEqual(set(channels), {(nodes["lump"], "translation"), (nodes["lump"], "rotation")})
+        times = gltf["accessors"][channels[nodes["lump"], "translation"]["input"]]
+        self.assertAlmostEqual(times["max"][0], 60 * 0.005 - 60 * 0.005 % 0.035, places=5)
+        track = gltf["accessors"][channels[nodes["lump"], "translation"]["output"]]
+        self.assertEqual(track["count"], times["count"])
+        view = gltf["bufferViews"][track["bufferView"]]
+        self.assertEqual([round(x, 6) for x in struct.unpack_from("<3f", binary, view.get("byteOffset", 0))],
+                         [0.1, 0, 0.4])
+        self.assertLess(document["bodies"][1]["position"][2], 0.4)
+        # What was written is a mesh that can be read again.
+        row = self.run_json("check", self.path("out.glb"))
+        self.assertTrue(row["closed"])
+
+    def test_warns_of_what_cannot_touch(self):
+        scene = {"steps": 1, "planes": [{}], "bodies": [{"name": "a", "sphere": 1, "collider": "gpu_trimesh"}]}
+        self.assertIn("plane", self.run_otg("simulate", self.scene(scene)).stderr)
+
+    def test_examples_of_the_manual(self):
+        manual = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "scene_format.md")
+        with open(manual) as file:
+            examples = re.findall(r"```json\n(.*?)```", file.read(), re.DOTALL)
+        self.assertGreaterEqual(len(examples), 6)
+        self.writeBox("part.ply", center=(500, 0, 0), size=(1000, 1000, 1000))
+        for number, example in enumerate(examples):
+            document = self.run_json("simulate", self.write("example%d.json" % number, example))
+            self.assertGreater(document["steps"], 0)
+            for body in document["bodies"]:
+                self.assertTrue(all(abs(x) < 100 for x in body["position"]), (number, body))
+
+
+class BadScenes(CliTest):
+    def refuse(self, content, *says):
+        text = content if isinstance(content, str) else json.dumps(content)
+        self.assert_fails(1, "simulate", self.write("bad.json", text), says=["bad.json", *says])
+
+    def body(self, **keys):
+        return {"bodies": [{"name": "a", "sphere": 1, **keys}]}
+
+    def test_files(self):
+        self.assert_fails(1, "simulate", "missing.json", says="missing.json")
+        self.assert_fails(1, "simulate", self.folder, says=self.folder)
+        self.refuse("", "JSON")
+        self.refuse("not json at all", "JSON")
+        self.refuse("{\"bodies\": [", "JSON")
+        self.refuse("[]", "object")
+
+    def test_unknown_keys(self):
+        self.refuse({"bodies": [], "gravitation": 1}, "gravitation")
+        self.refuse(self.body(colour=[1, 1, 1]), "colour", "bodies[0]")
+        self.refuse({"bodies": [], "planes": [{"height": 1}]}, "height")
+        self.refuse({"bodies": [], "meshes": {"m": {"generate": "sphere", "radius": 1, "segments": 3}}}, "segments")
+        self.refuse({"bodies": [], "meshes": {"m": {"generate": "sphere", "radius": 1, "repair": True}}}, "repair")
+
+    def test_wrong_values(self):
+        self.refuse({}, "bodies")
+        self.refuse({"bodies": [], "dt": 0}, "dt")
+        self.refuse({"bodies": [], "dt": "fast"}, "dt")
+        self.refuse({"bodies": [], "steps": 1.5}, "steps")
+        self.refuse({"bodies": [], "gravity": [0, 0]}, "gravity")
+        self.refuse({"bodies": [], "stepper": "slow"}, "stepper")
+        self.refuse({"bodies": [], "space": "outer"}, "space")
+        self.refuse({"bodies": [], "max_contacts": 65536}, "max_contacts")
+        self.refuse({"bodies": [], "mu": "infinite"}, "mu")
+        self.refuse({"bodies": [], "mu": -1}, "mu")
+        self.refuse(self.body(rotation=[2, 0, 0, 0]), "rotation")
+        self.refuse(self.body(position=[0, 0, 1e999]), "")
+        self.refuse(self.body(mass=0), "mass")
+        self.refuse(self.body(mass=1, density=1), "density")
+        self.refuse(self.body(static=True, mass=1), "mass")
+        self.refuse(self.body(box=[1, 1, 1]), "exactly one")
+        self.refuse({"bodies": [{"name": "a"}]}, "exactly one")
+        self.refuse({"bodies": [{"sphere": 1}]}, "name")
+        self.refuse({"bodies": [{"name": "a", "sphere": 1}] * 2}, "two bodies")
+        self.refuse({"bodies": [{"name": "a", "sphere": -1}]}, "sphere")
+        self.refuse({"bodies": [{"name": "a", "mesh": "m"}]}, "'m'")
+        self.refuse({"bodies": [{"name": "a", "capsule": [1, 1], "collider": "gpu_trimesh"}]}, "capsule")
+
+    def test_bad_meshes(self):
+        def scene(mesh, **keys):
+            return {"meshes": {"m": mesh}, "bodies": [{"name": "a", "mesh": "m", **keys}]}
+        self.assert_fails(1, "simulate", self.write("bad.json", json.dumps(scene({"file": "no.ply"}))), says="no.ply")
+        self.refuse(scene({}), "file", "generate")
+        self.refuse(scene({"generate": "teapot"}), "teapot")
+        self.refuse(scene({"generate": "box", "size": [1, 1, 0]}), "size")
+        self.write("nan.ply", ply([(float("nan"), 0, 0)] * 3, [(0, 1, 2)]))
+        self.refuse(scene({"file": "nan.ply"}), "meshes.m")
+        self.write("flat.ply", ply([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]))
+        self.assert_fails(1, "simulate", self.write("flat.json", json.dumps(scene({"file": "flat.ply"}))), says="flat")
+        self.run_otg("simulate", self.write("ok.json", json.dumps(scene({"file": "flat.ply"}, static=True))))
+
+    def test_wrong_options(self):
+        path = self.write("scene.json", json.dumps(self.body()))
+        for options in (["--steps", "-1"], ["--steps", "x"], ["--dt", "0"], ["--dt", "-1"], ["--frobnicate"]):
+            self.assert_fails(2, "simulate", path, *options)
+        self.assert_fails(1, "simulate", path, "--csv", "no/such/folder.csv", says="no/such/folder.csv")
+        self.assert_fails(1, "simulate", path, "--glb", "no/such/folder.glb", says="no/such/folder.glb")
+
+
+if __name__ == "__main__":
+    cli_support.main()
