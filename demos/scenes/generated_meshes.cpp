@@ -16,10 +16,6 @@ namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
-Vec3f toFloat(const Vec3d& p) {
-  return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-}
-
 Vec3d normalized(const Vec3d& v) {
   return otgScale(v, 1 / std::sqrt(otgDot(v, v)));
 }
@@ -48,12 +44,6 @@ std::vector<std::array<Vec3d, 3>> sphereTriangles(int level) {
   return triangles;
 }
 
-/// A disc that closes a ring of points towards +normal; `point(j)` runs counter-clockwise seen from outside.
-template <class Point>
-void addFan(MeshBuilder& builder, const Vec3d& center, int segments, const Point& point) {
-  for (int j = 0; j < segments; ++j) builder.triangle(center, point(j), point((j + 1) % segments));
-}
-
 }  // namespace
 
 MeshInput MeshArrays::input() const {
@@ -63,28 +53,6 @@ MeshInput MeshArrays::input() const {
   input.indices = triangles.data();
   input.triangleCount = triangles.size();
   return input;
-}
-
-void MeshBuilder::triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-  for (const Vec3d& p : {a, b, c}) corners_.push_back(toFloat(p));
-}
-
-MeshArrays MeshBuilder::finish() const {
-  const std::vector<std::uint32_t> weld = weldByPosition(corners_);
-  MeshArrays mesh;
-  std::vector<std::uint32_t> number(corners_.size());
-  for (std::uint32_t i = 0; i < corners_.size(); ++i) {
-    if (weld[i] != i) {
-      number[i] = number[weld[i]];
-      continue;
-    }
-    number[i] = static_cast<std::uint32_t>(mesh.vertices.size());
-    mesh.vertices.push_back(corners_[i]);
-  }
-  mesh.triangles.resize(corners_.size() / 3);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    mesh.triangles[t] = {{number[3 * t], number[3 * t + 1], number[3 * t + 2]}};
-  return mesh;
 }
 
 MeshArrays makeBox(Vec3d size, int n) {

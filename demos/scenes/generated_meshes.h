@@ -30,7 +30,8 @@ MeshArrays makeCylinder(double radius, double height, int segments, int stacks =
 MeshArrays makeTetrahedron(Vec3d a, Vec3d b, Vec3d c, Vec3d d);
 /// Hemispherical bowl of the given wall thickness, opening towards +z: a closed solid.
 MeshArrays makeBowl(double radius, double thickness, int segments, int rings);
-/// Spur gear along z.
+/// Spur gear along z, centred, with a tooth along +x: trapezoidal teeth that take 48% of the pitch circle, so that
+/// equal gears mesh with some play. Without a bore if boreRadius is 0.
 MeshArrays makeGear(int teeth, double pitchRadius, double toothDepth, double width, double boreRadius);
 /// A lump: a sphere whose radius is modulated by smooth bumps of relative height `amplitude`, fixed by `seed`.
 MeshArrays makeLump(double radius, int level, double amplitude, std::uint32_t seed);
@@ -38,7 +39,10 @@ MeshArrays makeLump(double radius, int level, double amplitude, std::uint32_t se
 MeshArrays makeGround(double size, double thickness, int n, const std::function<double(double, double)>& height = {});
 /// Square block with a square hole through it along z (for pegs).
 MeshArrays makeBlockWithHole(Vec3d size, double hole);
-/// Hexagonal bolt and matching nut (thread along +z), metres; `segments` per turn.
+/// Hexagonal bolt and matching nut, right-handed; `segments` per turn, a multiple of 6 for sharp hexagons. The bolt's
+/// thread runs along z from 0 to `length` with the crests at `radius`, its head lies below; the nut lies between z = 0
+/// and `length` and is farther from the axis than the thread by `clearance` everywhere, wherever it is put by a
+/// multiple of the pitch. The thread has the ISO metric profile: 60 degrees, 5/8 of the sharp height.
 MeshArrays makeBolt(double radius, double pitch, double length, int segments);
 MeshArrays makeNut(double radius, double pitch, double length, double clearance, int segments);
 

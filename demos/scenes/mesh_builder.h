@@ -6,6 +6,10 @@
 
 namespace otg::scenes {
 
+inline Vec3f toFloat(const Vec3d& p) {
+  return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+}
+
 /// Collects triangles and quads given by positions. Corners whose formulas give the same float position become one
 /// vertex, so neighbouring patches only have to use the same expression for a shared point.
 class MeshBuilder {
@@ -32,6 +36,12 @@ void addTube(MeshBuilder& builder, int rings, int segments, const Point& point) 
       builder.quad(point(i, j), point(i + 1, j), point(i + 1, k), point(i, k));
     }
   }
+}
+
+/// A disc that closes a ring of points towards +normal; `point(j)` runs counter-clockwise seen from outside.
+template <class Point>
+void addFan(MeshBuilder& builder, const Vec3d& center, int segments, const Point& point) {
+  for (int j = 0; j < segments; ++j) builder.triangle(center, point(j), point((j + 1) % segments));
 }
 
 }  // namespace otg::scenes

@@ -128,3 +128,80 @@ TEST_CASE("parts are appended and moved without changing what they are") {
   CHECK(both->report().components == 2);
   CHECK(both->massProperties().volume == Approx(12));
 }
+
+TEST_CASE("a gear has the volume of its outline less its bore") {
+  const int teeth = 17;
+  const double root = 0.9, tip = 1.1, share = 2 * std::numbers::pi / teeth;
+  // Triangles from the axis: gap between teeth, two flanks, tip.
+  const double outline = teeth * 0.5 *
+                         (root * root * std::sin(0.32 * share) + 2 * root * tip * std::sin(0.20 * share) +
+                          tip * tip * std::sin(0.28 * share));
+  const double bore =
+      teeth * 0.5 * 0.09 * (std::sin(0.32 * share) + 2 * std::sin(0.20 * share) + std::sin(0.28 * share));
+  checkSolid(makeGear(teeth, 1, 0.2, 0.5, 0.3), 1, 0.5 * (outline - bore));
+  checkSolid(makeGear(teeth, 1, 0.2, 0.5, 0), 0, 0.5 * outline);
+  CHECK(build(makeGear(teeth, 1, 0.2, 0.5, 0.3))->boundsMax().x == Approx(tip * std::cos(0.14 * share)));
+}
+
+TEST_CASE("a block with a hole lacks the hole's volume") {
+  checkSolid(makeBlockWithHole({2, 3, 4}, 0.5), 1, (6 - 0.25) * 4);
+}
+
+TEST_CASE("bolt and nut have the volume of the thread's profile") {
+  const double radius = 8, pitch = 2, apothem = 12;
+  const double root = radius - 5.0 / 16 * std::sqrt(3.0) * pitch;
+  // Over whole turns every direction sees whole pitches of the profile: crest 1/8, groove 1/4, flanks 5/16 each.
+  const auto meanSquare = [](double crest, double groove) {
+    return crest * crest / 8 + groove * groove / 4 +
+           2 * 5.0 / 16 * (crest * crest + crest * groove + groove * groove) / 3;
+  };
+  const double hexagon = 2 * std::sqrt(3.0) * apothem * apothem;
+  for (const int segments : {48, 192}) {
+    const double polygon = 0.5 * segments * std::sin(2 * std::numbers::pi / segments);  // per square of the radius
+    checkSolid(makeBolt(radius, pitch, 40, segments), 0, 40 * polygon * meanSquare(radius, root) + 10 * hexagon,
+               0.1 / segments);
+    checkSolid(makeNut(radius, pitch, 12, 0.1, segments), 1,
+               12 * (hexagon - polygon * meanSquare(radius + 0.1, root + 0.1)), 0.1 / segments);
+  }
+  checkSolid(makeBolt(radius, pitch, 13.7, 30), 0,
+             13.7 * 15 * std::sin(2 * std::numbers::pi / 30) * meanSquare(radius, root) + 10 * hexagon, 0.01);
+}
+
+TEST_CASE("a nut on a bolt at the right phase has its clearance all around") {
+  const double radius = 8, pitch = 2, clearance = 0.1;
+  const int segments = 48;
+  const MeshArrays bolt = makeBolt(radius, pitch, 40, segments), nut = makeNut(radius, pitch, 12, clearance, segments);
+  // In each of the half-planes through the axis that hold vertices, the bolt's profile is a polyline r(z).
+  struct Corner {
+    double z, r;
+  };
+  const auto profile = [&](const MeshArrays& mesh, int column, double largestRadius) {
+    std::vector<Corner> corners;
+    for (const Vec3f& p : mesh.vertices) {
+      const double r = std::hypot(p.x, p.y), turn = std::atan2(p.y, p.x) / (2 * std::numbers::pi) * segments;
+      if (r > 1 && r < largestRadius && p.z >= 0 && (static_cast<int>(std::lround(turn)) - column) % segments == 0)
+        corners.push_back({p.z, r});
+    }
+    std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) { return a.z < b.z; });
+    return corners;
+  };
+  const auto radiusAt = [](const std::vector<Corner>& line, double z) {
+    const auto above = std::lower_bound(line.begin(), line.end(), z, [](const Corner& c, double x) { return c.z < x; });
+    REQUIRE(above != line.end());
+    if (above == line.begin()) return above->r;
+    const auto below = above - 1;
+    return below->r + (above->r - below->r) * (z - below->z) / (above->z - below->z);
+  };
+  for (int column = 0; column < segments; ++column) {
+    const auto thread = profile(bolt, column, 9), hole = profile(nut, column, 9);
+    REQUIRE(thread.size() > 4 * 20);
+    REQUIRE(hole.size() > 4 * 6);
+    for (const int turns : {0, 3, 13}) {
+      for (const Corner& c : hole) CHECK(c.r - radiusAt(thread, c.z + turns * pitch) > 0.99 * clearance);
+      // Half a pitch off, the nut's crests would sit in the bolt's.
+      double least = 1;
+      for (const Corner& c : hole) least = std::min(least, c.r - radiusAt(thread, c.z + (turns + 0.5) * pitch));
+      CHECK(least < -0.5);
+    }
+  }
+}
