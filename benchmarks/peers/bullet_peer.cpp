@@ -44,8 +44,13 @@ struct Mesh {
 class BulletPeer final : public Peer {
  public:
   explicit BulletPeer(const PeerScene& scene) : a_(*scene.a), b_(*scene.b) {
-    // Without this contactPairTest finds nothing for GImpact shapes.
+    // contactPairTest asks for the algorithm of closest points, which registerAlgorithm does not set for GImpact
+    // shapes: without the loop it finds nothing, and says nothing.
     btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher_);
+    for (int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type) {
+      dispatcher_.registerClosestPointsCreateFunc(GIMPACT_SHAPE_PROXYTYPE, type, &create_);
+      dispatcher_.registerClosestPointsCreateFunc(type, GIMPACT_SHAPE_PROXYTYPE, &create_);
+    }
     objectA_.setCollisionShape(a_.shape.get());
     objectB_.setCollisionShape(b_.shape.get());
     const double* r = scene.bInA.r;
@@ -64,6 +69,7 @@ class BulletPeer final : public Peer {
 
  private:
   btDefaultCollisionConfiguration configuration_;
+  btGImpactCollisionAlgorithm::CreateFunc create_;
   btCollisionDispatcher dispatcher_{&configuration_};
   btDbvtBroadphase broadphase_;
   btCollisionWorld world_{&dispatcher_, &broadphase_, &configuration_};

@@ -58,8 +58,7 @@ MeshArrays generate(ObjectReader& reader) {
       return height * std::cos(k * x) * std::cos(k * y);
     });
   }
-  reader.fail("generate", "'" + kind +
-                              "' is none of: box, sphere, torus, cylinder, bowl, lump, ground");
+  reader.fail("generate", "'" + kind + "' is none of: box, sphere, torus, cylinder, bowl, lump, ground");
 }
 
 /// Uniformly scaled copy, for a mesh that comes in millimetres, say.

@@ -54,8 +54,9 @@ class Bench(CliTest):
         self.assertEqual(rows[0]["ratio_to_stock_ode"], 1)
         ours = [row for row in rows if "ode_trimesh_gpu" in row["library"]]
         self.assertEqual(len(ours), 2)
-        for row in ours:
-            self.assertGreater(row["results"], 0)
+        for row in rows:  # a library that was found and finds nothing is not being called properly
+            if not row["hash"].startswith("skipped"):
+                self.assertGreater(row["results"], 0, row["library"])
 
     def run_otg_either(self, *arguments):
         import subprocess
