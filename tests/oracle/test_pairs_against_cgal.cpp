@@ -47,27 +47,27 @@ MeshArrays latticeSoup(Draw& draw, std::uint32_t triangles, std::uint32_t size) 
 
 TEST_CASE("random poses of generated meshes") {
   const std::vector<BothTrees> meshes = {
-      trees(makeBox({1, 0.8, 0.6}, 3)),     trees(makeSphere(0.7, 3)),
-      trees(makeTorus(0.8, 0.3, 32, 16)),   trees(makeLump(0.8, 3, 0.2, 4)),
-      trees(makeLump(0.5, 2, 0.4, 6)),      trees(makeBowl(0.8, 0.1, 24, 8)),
-      trees(makeCylinder(0.3, 1.6, 20, 4)), trees(makeTetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}))};
+      trees(makeBox({1, 0.8, 0.6}, 3)),         trees(makeSphere(0.7, 3)),
+      trees(makeTorus(0.8, 0.3, 32, 16)),       trees(makeLump(0.8, 3, 0.2, 4)),
+      trees(makeGear(14, 0.7, 0.15, 0.3, 0.2)), trees(makeBowl(0.8, 0.1, 24, 8)),
+      trees(makeCylinder(0.3, 1.6, 20, 4)),     trees(makeTetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}))};
   Draw draw(1);
   std::size_t pairs = 0, poses = 0;
   for (const BothTrees& a : meshes) {
     for (const BothTrees& b : meshes) {
-      for (int round = 0; round < 6; ++round) {
+      for (int round = 0; round < 12; ++round) {
         pairs += checkPose(a, b, overlappingPose(draw, a.mesh(), b.mesh()), draw.below(kVariants));
         ++poses;
       }
     }
   }
-  CHECK(poses == 384);
-  CHECK(pairs > 20000);
+  CHECK(poses == 768);
+  CHECK(pairs > 40000);
 }
 
 TEST_CASE("all traversals, descent rules, axes and build strategies at random poses") {
   const BothTrees torus = trees(makeTorus(0.8, 0.3, 40, 20)), lump = trees(makeLump(0.7, 3, 0.25, 9));
-  const BothTrees bolt = trees(makeCylinder(0.3, 0.9, 24, 9)), nut = trees(makeTorus(0.4, 0.11, 24, 9));
+  const BothTrees bolt = trees(makeBolt(0.3, 0.1, 0.5, 24)), nut = trees(makeNut(0.3, 0.1, 0.2, 0.005, 24));
   Draw draw(2);
   std::size_t pairs = 0;
   for (int round = 0; round < 8; ++round) {
@@ -80,7 +80,7 @@ TEST_CASE("all traversals, descent rules, axes and build strategies at random po
 TEST_CASE("a mesh on itself") {
   const Transformd identity = makeMove({0, 0, 0});
   for (const MeshArrays& mesh :
-       {makeBox({1, 1, 1}, 3), makeSphere(1, 2), makeTorus(1, 0.25, 16, 8), makeLump(0.5, 2, 0.4, 6),
+       {makeBox({1, 1, 1}, 3), makeSphere(1, 2), makeTorus(1, 0.25, 16, 8), makeGear(9, 0.5, 0.1, 0.2, 0.1),
         makeBowl(1, 0.1, 12, 4), makeTetrahedron({0, 0, 0}, {3, 0, 0}, {0, 2, 0}, {0, 0, 1})}) {
     const BothTrees t = trees(mesh);
     const std::size_t pairs = checkPoseInAllVariants(t, t, identity);
@@ -119,6 +119,7 @@ TEST_CASE("boxes stacked, side by side, edge on edge and corner on corner, at ev
 TEST_CASE("meshes aligned on one grid") {
   const BothTrees ground = trees(makeGround(8, 0.5, 16)), box = trees(makeBox({1, 1, 1}, 2));
   const BothTrees hilly = trees(makeGround(8, 0.5, 16, [](double x, double y) { return 0.25 * std::floor(x + y); }));
+  const BothTrees peg = trees(makeBox({0.5, 0.5, 2}, 2)), block = trees(makeBlockWithHole({2, 2, 1}, 0.5));
   std::size_t pairs = 0;
   for (const double x : {0.0, 0.25, 0.5, 1.0, 3.5}) {
     for (const double z : {0.5, 0.25, 0.0}) {
@@ -127,6 +128,8 @@ TEST_CASE("meshes aligned on one grid") {
       pairs += checkPose(box, hilly, makeQuarterTurn(7, {x, -x, z}), 34);
     }
   }
+  pairs += checkPoseInAllVariants(block, peg, makeMove({0, 0, 0}));  // every side of the peg on a side of the hole
+  pairs += checkPoseInAllVariants(block, peg, makeQuarterTurn(5, {0, 0, 0.25}));
   CHECK(pairs > 3000);
 }
 
