@@ -92,12 +92,15 @@ std::vector<std::uint8_t> findDuplicates(const Topology& topology, std::span<con
   std::vector<std::uint8_t> duplicate(triangles.size(), 0);
   std::vector<std::uint32_t> suspects;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    // A duplicate shares all edges. Where the first one has a twin, only the triangle behind that can be one.
-    const std::uint32_t twin = topology.twin[3 * t];
-    if (twin == kNone)
+    // Duplicates share all edges. Where one of these has a twin, only the two triangles there can be duplicates.
+    std::uint32_t h = 3 * t;
+    while (h < 3 * t + 3 && topology.twin[h] == kNone) ++h;
+    if (h == 3 * t + 3) {
       suspects.push_back(t);
-    else if (twin / 3 < t)
-      duplicate[t] = topology.edgeOf[previousCorner(twin)] == topology.edgeOf[3 * t + 1];
+      continue;
+    }
+    const std::uint32_t twin = topology.twin[h];
+    if (twin / 3 < t) duplicate[t] = topology.edgeOf[previousCorner(twin)] == topology.edgeOf[nextCorner(h)];
   }
   const std::size_t capacity = std::bit_ceil(std::max<std::size_t>(16, 2 * suspects.size()));
   std::vector<std::uint32_t> table(capacity, kNone);

@@ -130,7 +130,7 @@ void addProblem(ValidationReport& report, ProblemKind kind, std::size_t count, s
                 const std::function<bool(std::uint32_t)>& isElement) {
   if (count == 0) return;
   Problem problem{kind, count, {}, std::move(message)};
-  for (std::uint32_t i = 0; i < size && problem.elements.size() < std::min(count, Problem::kMaxElements); ++i)
+  for (std::uint32_t i = 0; i < size && problem.elements.size() < Problem::kMaxElements; ++i)
     if (isElement(i)) problem.elements.push_back(i);
   report.problems.push_back(std::move(problem));
 }

@@ -1,2 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 otg_add_test(mesh_generated unit SOURCES test_mesh_generated.cpp LIBRARIES otg_scenes)
+otg_add_test(mesh unit
+  SOURCES test_mesh_topology.cpp test_mesh_validation.cpp test_mesh_repair.cpp test_mesh_input.cpp test_mesh_mass.cpp
+  LIBRARIES otg_scenes)
