@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A mesh with its trees.
 #include "bvh/collision_mesh.h"
 
 #include <mutex>

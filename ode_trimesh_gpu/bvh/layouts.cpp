@@ -1,18 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The quantised and the no-leaf layout, made from the binary tree.
 #include "bvh/layouts.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "shared/expansion.h"
+
 namespace otg {
 namespace {
 
-/// Smallest power of two with largest / step <= limit (and never subnormal, so that products stay exact).
+/// Smallest power of two with largest / step <= limit, but never so small that a product with it would be subnormal:
+/// some devices flush those to zero.
 float stepFor(double largest, double limit) {
-  if (!(largest > 0)) return 0x1p-100f;
   int exponent = 0;
-  std::frexp(largest / limit, &exponent);
-  return std::ldexp(1.0f, std::max(exponent, -120));
+  const double mantissa = std::frexp(largest / limit, &exponent);
+  if (mantissa == 0.5) --exponent;
+  return largest > 0 ? std::ldexp(1.0f, std::max(exponent, -126)) : 0x1p-126f;
+}
+
+/// Steps up from `decoded` and down from it until a box of the given centre and extent is covered in exact arithmetic.
+std::uint16_t stepsToCover(double decoded, double center, double extent, double step) {
+  double distance, lostDistance, reach, lostReach;
+  otgTwoSum(decoded, -center, &distance, &lostDistance);
+  otgTwoSum(std::fabs(distance), extent, &reach, &lostReach);
+  const double lost = std::fabs(lostDistance) + std::fabs(lostReach);
+  double steps = std::ceil(reach / step);  // exact: step is a power of two
+  if (steps * step - reach < 2 * lost) ++steps;
+  return static_cast<std::uint16_t>(steps);
 }
 
 }  // namespace
@@ -21,36 +36,31 @@ QuantizedTree quantizeTree(const BinaryTree& tree) {
   QuantizedTree out;
   out.nodes.resize(tree.nodes.size());
   if (tree.nodes.empty()) return out;
-  double center[3] = {0, 0, 0}, extent[3] = {0, 0, 0};
+  float center[3] = {0, 0, 0}, extent[3] = {0, 0, 0};
   for (const BvhNode& n : tree.nodes) {
     const float c[3] = {n.center.x, n.center.y, n.center.z}, e[3] = {n.extent.x, n.extent.y, n.extent.z};
     for (int k = 0; k < 3; ++k) {
-      center[k] = std::max(center[k], std::fabs(double{c[k]}));
-      extent[k] = std::max(extent[k], double{e[k]});
+      center[k] = std::max(center[k], std::fabs(c[k]));
+      extent[k] = std::max(extent[k], e[k]);
     }
   }
   float centerStep[3], extentStep[3];
   for (int k = 0; k < 3; ++k) {
-    centerStep[k] = stepFor(center[k], 32766.0);
-    // An extent must also reach over what rounding the centre loses, half a centre step.
-    extentStep[k] = stepFor(extent[k] + centerStep[k], 65534.0);
+    centerStep[k] = stepFor(center[k], 32767.0);
+    // An extent must also reach over what rounding the centre loses, half a centre step; the last of the 65,535 steps
+    // is kept for rounding up.
+    extentStep[k] = stepFor(double{extent[k]} + 0.5 * centerStep[k], 65534.0);
   }
   out.centerStep = {centerStep[0], centerStep[1], centerStep[2]};
   out.extentStep = {extentStep[0], extentStep[1], extentStep[2]};
   for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
     const BvhNode& n = tree.nodes[i];
+    QuantizedNode& q = out.nodes[i];
     const double c[3] = {n.center.x, n.center.y, n.center.z}, e[3] = {n.extent.x, n.extent.y, n.extent.z};
-    out.nodes[i].child = n.child;
+    q.child = n.child;
     for (int k = 0; k < 3; ++k) {
-      const auto q = static_cast<std::int16_t>(std::lround(c[k] / centerStep[k]));
-      const double decoded = static_cast<double>(q) * centerStep[k];
-      // |decoded - c| + e is exact in double (floats on nearby grids) up to one rounding, for which one step is added
-      // where rounding up to the grid left no slack.
-      const double reach = std::fabs(decoded - c[k]) + e[k];
-      double steps = std::ceil(reach / extentStep[k]);
-      if (steps * extentStep[k] < reach * (1 + 0x1p-50)) steps += 1;
-      out.nodes[i].center[k] = q;
-      out.nodes[i].extent[k] = static_cast<std::uint16_t>(std::min(steps, 65535.0));
+      q.center[k] = static_cast<std::int16_t>(std::lround(c[k] / centerStep[k]));
+      q.extent[k] = stepsToCover(q.center[k] * double{centerStep[k]}, c[k], e[k], extentStep[k]);
     }
   }
   return out;

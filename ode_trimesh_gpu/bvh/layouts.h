@@ -12,6 +12,7 @@ namespace otg {
 
 /// Centre and half-extents as 16-bit integers on a grid shared by the whole tree: value = q * step. The decoded box
 /// always contains the box that it stands for (verified at build time, widened by one step where rounding fell short).
+/// Decoded boxes are finite for meshes whose coordinates are at most 1e38; beyond, an extent may decode to infinity.
 struct QuantizedNode {
   std::int16_t center[3];
   std::uint16_t extent[3];

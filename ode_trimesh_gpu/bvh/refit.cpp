@@ -1,22 +1,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Boxes of a binary tree from the leaves up.
-#include "bvh/triangle_boxes.h"
+// Boxes of a binary tree from the leaves up, and how good they are.
+#include "bvh/mesh_box.h"
 
 namespace otg {
 
 void refitTree(BinaryTree& tree, const TriMesh& mesh) {
-  std::vector<Bounds> bounds(tree.nodes.size());
-  // Children come after their parents, so backwards is bottom-up.
+  if (tree.nodes.empty()) return;
+  // Children come after their parents, so backwards is bottom-up. Until its parent has been served, a node keeps its
+  // exact bounds where its box will be: the lower one as its centre, the upper one as its extent.
+  const auto keep = [](BvhNode& node, const MeshBox& box) {
+    node.center = {box.lo[0], box.lo[1], box.lo[2]};
+    node.extent = {box.hi[0], box.hi[1], box.hi[2]};
+  };
+  const auto kept = [](const BvhNode& node) {
+    return MeshBox{{node.center.x, node.center.y, node.center.z, 0}, {node.extent.x, node.extent.y, node.extent.z, 0}};
+  };
+  const Vec3f origin = mesh.center();
   for (std::size_t i = tree.nodes.size(); i-- > 0;) {
     BvhNode& node = tree.nodes[i];
     if (node.isLeaf()) {
-      bounds[i] = boundsOf(mesh, node.triangle());
-    } else {
-      bounds[i] = bounds[node.child];
-      bounds[i].grow(bounds[node.child + 1]);
+      keep(node, boxOfTriangle(mesh, node.triangle()));
+      continue;
     }
-    boxOf(bounds[i], node.center, node.extent);
+    MeshBox both;
+    for (BvhNode* child : {&tree.nodes[node.child], &tree.nodes[node.child + 1]}) {
+      const MeshBox box = kept(*child);
+      both.grow(box);
+      enclose(box, origin, *child);
+    }
+    keep(node, both);
   }
+  enclose(kept(tree.nodes[0]), origin, tree.nodes[0]);
 }
 
 double sahCost(const BinaryTree& tree) {

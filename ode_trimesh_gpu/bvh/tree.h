@@ -37,8 +37,9 @@ struct BinaryTree {
   BuildStrategy strategy = BuildStrategy::kSah;
 };
 
-/// No build makes a tree deeper than this, whatever the input: below a set depth both strategies fall back to splitting
-/// the triangles in halves by their order along the widest axis.
+/// No build makes a tree deeper than this, whatever the input: where a strategy peels off a few triangles at a time,
+/// both fall back to halving the triangles by their order along the widest axis. The bound for n triangles is
+/// 3 ceil(log2 n) + 8, which also keeps the time O(n log n).
 inline constexpr std::uint32_t kMaxTreeDepth = 96;
 
 BinaryTree buildTree(const TriMesh& mesh, BuildStrategy strategy);
@@ -47,7 +48,8 @@ BinaryTree buildTree(const TriMesh& mesh, BuildStrategy strategy);
 void refitTree(BinaryTree& tree, const TriMesh& mesh);
 
 /// Sum of the surface areas of all nodes over that of the root: grows as refitting makes boxes overlap, so that a
-/// caller can decide to build anew. 0 for an empty tree.
+/// caller can decide to build anew. 1 for a single leaf, 0 for an empty tree; where the root has no area, the number of
+/// nodes.
 double sahCost(const BinaryTree& tree);
 
 /// Checks every invariant; empty string when all hold, else the first violation in words.
