@@ -19,6 +19,7 @@ using MeshTable = std::map<std::string, std::shared_ptr<const TriMesh>>;
 constexpr double kLargest = 1e9;  // metres; beyond it single precision has no use for a mesh
 constexpr double kSmallest = 1e-9;
 constexpr int kMostSegments = 4096;
+constexpr double kMostTriangles = 5e6;  // of one generated mesh; a slip of the pen must not eat the memory
 
 MeshArrays generate(ObjectReader& reader) {
   const auto length = [&](const char* key) { return reader.requiredNumber(key, kSmallest, kLargest); };
@@ -29,18 +30,30 @@ MeshArrays generate(ObjectReader& reader) {
     if (!(v.x > 0 && v.y > 0 && v.z > 0)) reader.fail(key, "must be three lengths above 0");
     return v;
   };
+  const auto limit = [&](const char* key, double triangles) {
+    if (triangles > kMostTriangles) reader.fail(key, "the mesh would have more than 5 million triangles");
+  };
   const std::string kind = reader.text("generate", "");
   if (kind == "box") return makeBox(size("size"), reader.integer("divisions", 1, 1, 512));
   if (kind == "sphere") return makeSphere(length("radius"), reader.integer("level", 3, 0, 8));
   if (kind == "torus") {
-    return makeTorus(length("major_radius"), length("minor_radius"), segments("major_segments", 48),
-                     segments("minor_segments", 24));
+    const int major = segments("major_segments", 48), minor = segments("minor_segments", 24);
+    limit("major_segments", 2.0 * major * minor);
+    return makeTorus(length("major_radius"), length("minor_radius"), major, minor);
   }
   if (kind == "cylinder") {
-    return makeCylinder(length("radius"), length("height"), segments("segments", 32), count("stacks", 1));
+    const int around = segments("segments", 32), stacks = count("stacks", 1);
+    limit("segments", 2.0 * around * (stacks + 1));
+    return makeCylinder(length("radius"), length("height"), around, stacks);
   }
   if (kind == "bowl") {
-    return makeBowl(length("radius"), length("thickness"), segments("segments", 48), count("rings", 12));
+    const int around = segments("segments", 48), rings = count("rings", 12);
+    limit("segments", 4.0 * around * (rings + 1));
+    return makeBowl(length("radius"), length("thickness"), around, rings);
+  }
+  if (kind == "gear") {
+    return makeGear(segments("teeth", 16), length("pitch_radius"), length("tooth_depth"), length("width"),
+                    reader.number("bore_radius", 0, 0, kLargest));
   }
   if (kind == "lump") {
     return makeLump(length("radius"), reader.integer("level", 4, 0, 8), reader.number("amplitude", 0.3, 0, 0.9),
@@ -58,7 +71,17 @@ MeshArrays generate(ObjectReader& reader) {
       return height * std::cos(k * x) * std::cos(k * y);
     });
   }
-  reader.fail("generate", "'" + kind + "' is none of: box, sphere, torus, cylinder, bowl, lump, ground");
+  if (kind == "block_with_hole") return makeBlockWithHole(size("size"), length("hole"));
+  if (kind == "bolt" || kind == "nut") {
+    const double pitch = length("pitch"), extent = length("length");
+    const int around = segments("segments", 48);
+    limit("pitch", 8.0 * around * (extent / pitch + 2));
+    if (kind == "bolt") return makeBolt(length("radius"), pitch, extent, around);
+    return makeNut(length("radius"), pitch, extent, length("clearance"), around);
+  }
+  reader.fail("generate", "'" + kind +
+                              "' is none of: box, sphere, torus, cylinder, bowl, gear, lump, ground, block_with_hole, "
+                              "bolt, nut");
 }
 
 /// Uniformly scaled copy, for a mesh that comes in millimetres, say.
@@ -93,6 +116,9 @@ std::shared_ptr<const TriMesh> readMesh(const json& value, const std::string& wh
     result = buildTriMesh(arrays.input(), repair);
   }
   if (!result.mesh) throw SceneError(where + ": the mesh is refused: " + result.report.error);
+  if (reader.has("generate") && result.mesh->meshClass() != MeshClass::kSolid) {
+    throw SceneError(where + ": these proportions make no solid");
+  }
   if (result.mesh->triangleCount() == 0) throw SceneError(where + ": the mesh has no triangles");
   return result.mesh;
 }

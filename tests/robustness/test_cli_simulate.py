@@ -169,6 +169,11 @@ class BadScenes(CliTest):
         self.refuse(scene({}), "file", "generate")
         self.refuse(scene({"generate": "teapot"}), "teapot")
         self.refuse(scene({"generate": "box", "size": [1, 1, 0]}), "size")
+        self.refuse(scene({"generate": "torus", "major_radius": 1, "minor_radius": 0.1, "major_segments": 4096,
+                           "minor_segments": 4096}), "5 million")
+        self.refuse(scene({"generate": "bolt", "radius": 1, "length": 1, "pitch": 1e-8}), "5 million")
+        self.refuse(scene({"generate": "gear", "pitch_radius": 1, "tooth_depth": 0.1, "width": 1, "bore_radius": 5}),
+                    "no solid")
         self.write("nan.ply", ply([(float("nan"), 0, 0)] * 3, [(0, 1, 2)]))
         self.refuse(scene({"file": "nan.ply"}), "meshes.m")
         self.write("flat.ply", ply([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]))
