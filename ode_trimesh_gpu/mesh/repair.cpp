@@ -3,6 +3,7 @@
 #include "mesh/repair.h"
 
 #include <algorithm>
+#include <unordered_set>
 #include <utility>
 
 #include "mesh/bounds.h"
@@ -49,25 +50,97 @@ std::size_t drop(std::vector<Triangle>& triangles, const std::vector<std::uint8_
   return dropped;
 }
 
+/// The two half-edges of each edge that is used exactly twice, in whatever directions; kNone for other edges.
+struct EdgePair {
+  std::uint32_t first = kNone, second = kNone;
+  std::uint32_t other(std::uint32_t h) const { return first == h ? second : first; }
+};
+
+std::vector<EdgePair> pairHalfEdges(const Topology& topology) {
+  std::vector<EdgePair> pairs(topology.edgeCount());
+  std::vector<std::uint8_t> uses(topology.edgeCount(), 0);
+  for (std::uint32_t h = 0; h < topology.edgeOf.size(); ++h) {
+    if (topology.edgeOf[h] == kNone) continue;
+    EdgePair& pair = pairs[topology.edgeOf[h]];
+    std::uint8_t& count = uses[topology.edgeOf[h]];
+    if (count == 0) pair.first = h;
+    if (count == 1) pair.second = h;
+    count = std::min<std::uint8_t>(count + 1, 3);
+  }
+  for (std::size_t e = 0; e < pairs.size(); ++e)
+    if (uses[e] != 2) pairs[e] = {};
+  return pairs;
+}
+
+/// Zero-area triangles whose longest edge (from p to q) has one neighbour (p, q, d) hide that the middle vertex c lies
+/// on that edge: without them the surface would be open there. The neighbour is split at c instead, (p, c, d) and (c,
+/// q, d), which moves the surface by less than rounding. One pass; answers how many, because others may become possible
+/// after it.
+std::size_t splitNeighboursOnce(const std::vector<Vec3f>& vertices, std::vector<Triangle>& triangles,
+                                const Vec3f& center) {
+  const std::vector<std::uint8_t> degenerate = findDegenerate(vertices, triangles, center);
+  if (std::find(degenerate.begin(), degenerate.end(), 1) == degenerate.end()) return 0;
+  const Topology topology = buildTopology(vertices, triangles);
+  const std::vector<EdgePair> pairs = pairHalfEdges(topology);
+  const auto edgeKey = [&](std::uint32_t a, std::uint32_t b) {
+    a = topology.weld[a];
+    b = topology.weld[b];
+    return (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
+  };
+  std::unordered_set<std::uint64_t> edges;
+  for (const Topology::Edge& e : topology.edges) edges.insert(edgeKey(e.a, e.b));
+
+  std::vector<std::uint8_t> touched(triangles.size(), 0);
+  std::size_t split = 0;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    if (!degenerate[t] || touched[t] || topology.edgeOf[3 * t] == kNone) continue;
+    std::uint32_t longest = 0;
+    double longest2 = -1;
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const Vec3f &a = vertices[triangles[t].v[k]], &b = vertices[triangles[t].v[(k + 1) % 3]];
+      const Vec3d d = relativeTo(a, {b.x, b.y, b.z});
+      if (otgDot(d, d) > longest2) {
+        longest2 = otgDot(d, d);
+        longest = k;
+      }
+    }
+    const std::uint32_t across = pairs[topology.edgeOf[3 * t + longest]].other(3 * t + longest);
+    if (across == kNone || touched[across / 3]) continue;
+    const std::uint32_t(&neighbour)[3] = triangles[across / 3].v;
+    const std::uint32_t c = triangles[t].v[(longest + 2) % 3];
+    const std::uint32_t p = neighbour[across % 3], q = neighbour[(across + 1) % 3], d = neighbour[(across + 2) % 3];
+    const Triangle halves[2] = {{{p, c, d}}, {{c, q, d}}};
+    const std::vector<std::uint8_t> bad = findDegenerate(vertices, halves, center);
+    if (bad[0] || bad[1] || !edges.insert(edgeKey(c, d)).second) continue;
+    touched[t] = touched[across / 3] = 1;
+    triangles[t] = halves[0];
+    triangles[across / 3] = halves[1];
+    ++split;
+  }
+  return split;
+}
+
+void dropDegenerate(const std::vector<Vec3f>& vertices, std::vector<Triangle>& triangles, RepairReport& report) {
+  const Vec3d middle = boundsOf(vertices, triangles).middle();
+  const Vec3f center{static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z)};
+  // Each pass leaves fewer zero-area triangles. Stacks of them take a pass per layer; what is left after many is
+  // dropped.
+  constexpr int kMaxPasses = 64;
+  for (int pass = 0; pass < kMaxPasses; ++pass) {
+    const std::size_t split = splitNeighboursOnce(vertices, triangles, center);
+    if (split == 0) break;
+    report.splitDegenerate += split;
+  }
+  say(report, report.splitDegenerate, "zero-area triangle was removed by splitting its neighbour.",
+      "zero-area triangles were removed by splitting their neighbours.");
+  report.droppedDegenerate = drop(triangles, findDegenerate(vertices, triangles, center));
+  say(report, report.droppedDegenerate, "zero-area triangle was dropped.", "zero-area triangles were dropped.");
+}
+
 /// Makes neighbours agree across edges with two triangles. Within each patch that hangs together through such edges the
 /// smaller part is flipped. One flag for each triangle.
 std::vector<std::uint8_t> agreeWithNeighbours(const std::vector<Triangle>& triangles, const Topology& topology) {
-  // The two half-edges of each edge with exactly two uses.
-  struct Pair {
-    std::uint32_t first = kNone, second = kNone;
-    bool manifold = true;
-  };
-  std::vector<Pair> pairs(topology.edgeCount());
-  for (std::uint32_t h = 0; h < topology.edgeOf.size(); ++h) {
-    if (topology.edgeOf[h] == kNone) continue;
-    Pair& pair = pairs[topology.edgeOf[h]];
-    if (pair.first == kNone)
-      pair.first = h;
-    else if (pair.second == kNone)
-      pair.second = h;
-    else
-      pair.manifold = false;
-  }
+  const std::vector<EdgePair> pairs = pairHalfEdges(topology);
   std::vector<std::uint8_t> flip(triangles.size(), 0), seen(triangles.size(), 0);
   std::vector<std::uint32_t> patch;
   for (std::uint32_t seed = 0; seed < triangles.size(); ++seed) {
@@ -79,9 +152,9 @@ std::vector<std::uint8_t> agreeWithNeighbours(const std::vector<Triangle>& trian
       const std::uint32_t t = patch[i];
       for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
         if (topology.edgeOf[h] == kNone) continue;
-        const Pair& pair = pairs[topology.edgeOf[h]];
-        if (!pair.manifold || pair.second == kNone) continue;
-        const std::uint32_t other = (pair.first == h ? pair.second : pair.first) / 3;
+        const std::uint32_t across = pairs[topology.edgeOf[h]].other(h);
+        if (across == kNone) continue;
+        const std::uint32_t other = across / 3;
         if (seen[other]) continue;
         seen[other] = 1;
         const bool disagree = topology.twin[h] == kNone;
@@ -124,12 +197,7 @@ void orient(std::vector<Vec3f>& vertices, std::vector<Triangle>& triangles, Repa
 void repairMesh(const RepairOptions& options, std::vector<Vec3f>& vertices, std::vector<Triangle>& triangles,
                 std::vector<std::uint32_t>& inputVertexOf, RepairReport& report) {
   if (options.weldVertices) weldVertices(vertices, triangles, inputVertexOf, report);
-  if (options.dropDegenerate) {
-    const Vec3d middle = boundsOf(vertices, triangles).middle();
-    const Vec3f center{static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z)};
-    report.droppedDegenerate = drop(triangles, findDegenerate(vertices, triangles, center));
-    say(report, report.droppedDegenerate, "zero-area triangle was dropped.", "zero-area triangles were dropped.");
-  }
+  if (options.dropDegenerate) dropDegenerate(vertices, triangles, report);
   if (options.dropDuplicates) {
     report.droppedDuplicates = drop(triangles, findDuplicates(buildTopology(vertices, triangles), triangles));
     say(report, report.droppedDuplicates, "duplicate triangle was dropped.", "duplicate triangles were dropped.");

@@ -42,6 +42,7 @@ struct Problem {
 /// What a repair changed, in the order in which it was done.
 struct RepairReport {
   std::size_t weldedVertices = 0;
+  std::size_t splitDegenerate = 0;  ///< replaced by splitting the neighbour over the longest edge: no hole is torn
   std::size_t droppedDegenerate = 0;
   std::size_t droppedDuplicates = 0;
   std::size_t flippedTriangles = 0;

@@ -180,3 +180,59 @@ TEST_CASE("all repairs together make a solid of a bad soup") {
   CHECK(result.report.repair.droppedDegenerate == 1);
   CHECK(result.report.repair.messages.size() == 4);
 }
+
+TEST_CASE("zero-area triangles that close a surface are removed without tearing it") {
+  // A vertex in the middle of a box's edge that only one of the two faces knows: a T-junction, closed by a sliver.
+  for (const bool shuffle : {false, true}) {
+    MeshArrays box = makeBox({1, 1, 1});
+    std::size_t t = 0;
+    while (!(box.triangles[t].v[0] == 0 || box.triangles[t].v[1] == 0)) ++t;
+    const Triangle old = box.triangles[t];
+    const Vec3f &a = box.vertices[old.v[0]], &b = box.vertices[old.v[1]];
+    box.vertices.push_back(otgScale(otgAdd(a, b), 0.5f));
+    box.triangles[t] = {{old.v[0], 8, old.v[2]}};
+    box.triangles.push_back({{8, old.v[1], old.v[2]}});
+    box.triangles.push_back({{old.v[0], old.v[1], 8}});
+    REQUIRE(build(box)->report().solid);
+    REQUIRE(build(box)->report().degenerateTriangles == 1);
+    const MeshArrays input = shuffle ? shuffledWinding(box, 4) : box;
+    const MeshResult result = buildTriMesh(input.input(), RepairOptions::all());
+    CHECK(result.report.valid());
+    CHECK(result.report.triangles == 14);
+    CHECK(result.report.repair.splitDegenerate == 1);
+    CHECK(result.report.repair.droppedDegenerate == 0);
+    CHECK(result.mesh->massProperties().volume == Approx(1));
+    CHECK(result.mesh->massProperties().area == Approx(6));
+  }
+}
+
+TEST_CASE("stacks of zero-area triangles are taken apart layer by layer") {
+  // The edge a-b of a tetrahedron, divided by seven points on one side and by nested slivers filled up on the other.
+  MeshArrays mesh = makeTetrahedron({0, 0, 0}, {8, 0, 0}, {0, 4, 0}, {0, 0, 4});
+  const auto index = [&](Vec3f p) {
+    return static_cast<std::uint32_t>(std::find(mesh.vertices.begin(), mesh.vertices.end(), p) - mesh.vertices.begin());
+  };
+  const std::uint32_t a = index({0, 0, 0}), b = index({8, 0, 0});
+  const auto side = std::find_if(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
+    return std::count(t.v, t.v + 3, a) == 1 && std::count(t.v, t.v + 3, b) == 1;
+  });
+  REQUIRE(side != mesh.triangles.end());
+  while (side->v[2] == a || side->v[2] == b) std::rotate(side->v, side->v + 1, side->v + 3);
+  const Triangle face = *side;
+  std::vector<std::uint32_t> on = {face.v[0]};
+  for (int i = 1; i < 8; ++i) {
+    on.push_back(static_cast<std::uint32_t>(mesh.vertices.size()));
+    mesh.vertices.push_back({static_cast<float>(face.v[0] == a ? i : 8 - i), 0, 0});
+  }
+  on.push_back(face.v[1]);
+  mesh.triangles.erase(side);
+  for (int i = 0; i < 8; ++i) mesh.triangles.push_back({{on[i], on[i + 1], face.v[2]}});
+  for (int step = 8; step > 1; step /= 2)
+    for (int i = 0; i < 8; i += step) mesh.triangles.push_back({{on[i], on[i + step], on[i + step / 2]}});
+  REQUIRE(build(mesh)->report().solid);
+  REQUIRE(build(mesh)->report().degenerateTriangles == 7);
+  const MeshResult result = buildTriMesh(mesh.input(), only(&RepairOptions::dropDegenerate));
+  CHECK(result.report.valid());
+  CHECK(result.report.repair.splitDegenerate == 7);
+  CHECK(result.mesh->massProperties().volume == Approx(8.0 * 4 * 4 / 6));
+}
