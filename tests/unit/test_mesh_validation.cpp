@@ -244,6 +244,9 @@ TEST_CASE("components beside each other, crossing, or in each other's holes are 
   CHECK_FALSE(reportOf(merge({ring, insideOut(scaled(box, 0.2f))})).solid);
   // In the flesh of the torus, with bounds in the bounds.
   CHECK(reportOf(merge({ring, moved(insideOut(scaled(box, 0.2f)), {0, 2, 0})})).solid);
+  // Half in the flesh, half in the hole.
+  CHECK(reportOf(merge({ring, moved(scaled(box, 0.3f), {1.5, 0, 0})})).solid);
+  CHECK_FALSE(reportOf(merge({ring, moved(insideOut(scaled(box, 0.3f)), {1.5, 0, 0})})).solid);
   // A box that pokes through the wall from a cavity's place crosses it: wound inward it is wrong.
   CHECK_FALSE(reportOf(merge({makeBox({4, 4, 4}), insideOut(makeBox({1, 1, 6}))})).solid);
 }
@@ -257,6 +260,19 @@ TEST_CASE("rays through vertices and edges of the outer component count right") 
       CHECK_FALSE(reportOf(merge({makeBox({6, 6, 6}, 6), inner})).solid);
       CHECK(reportOf(merge({makeBox({6, 6, 6}, 6), insideOut(moved(makeBox({2, 2, 2}, n), {x, 1, 0}))})).solid);
     }
+  }
+}
+
+TEST_CASE("rays through the middle of a slanted edge count once, whatever rounding makes of the edge") {
+  // The rays run along z, the shortest extent. The diagonal of the box's top is x = y, where the centroids of two of
+  // each cavity's four triangles lie exactly.
+  const MeshArrays outer = makeBox({6, 6, 5});
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(-2.5, 2.5);
+  for (int i = 0; i < 200; ++i) {
+    const double a = uniform(random), b = uniform(random), c = uniform(random), d = uniform(random);
+    const MeshArrays cavity = insideOut(makeTetrahedron({a, b, 0}, {b, a, 0}, {c, c, 1}, {d, d, -1}));
+    CHECK(reportOf(merge({outer, cavity})).solid);
   }
 }
 
