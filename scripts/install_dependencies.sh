@@ -17,8 +17,8 @@ build_packages=(
 )
 # An OpenCL device that every machine has, and real meshes.
 tests_packages=(pocl-opencl-icd libcgal-demo)
-# Real meshes, a ray tracer and a plotter that need no display.
-demo_packages=(libcgal-demo povray gnuplot-nox)
+# Real meshes; a ray tracer, a plotter and its font, none of which needs a display.
+demo_packages=(libcgal-demo povray gnuplot-nox fonts-dejavu-core)
 # Collision libraries to compare with. Benchmarks leave out, with a message, those that are not installed.
 benchmarks_packages=(libbenchmark-dev libfcl-dev libbullet-dev libembree-dev)
 

@@ -11,6 +11,7 @@
 
 #include "otg/command.h"
 #include "scenes/gltf_animation.h"
+#include "scenes/povray_scene.h"
 #include "scenes/simulation.h"
 
 namespace otg::cli {
@@ -22,7 +23,8 @@ using scenes::Simulation;
 using scenes::StepRecord;
 
 struct Options {
-  std::string scene, glb, csv;
+  std::string scene, glb, csv, povray;
+  std::vector<double> pictureTimes;  ///< seconds; empty: six, evenly spaced
   int steps = -1;
   double dt = 0;
   bool json = false;
@@ -60,9 +62,21 @@ class Recorder {
       bodies_[i].rotations.push_back(state.rotation);
     }
   }
-  void write(const std::string& path) const { scenes::writeGlb(path, bodies_, times_); }
+  void writeAnimation(const std::string& path) const { scenes::writeGlb(path, bodies_, times_); }
+  void writePictures(const std::string& folder, const std::vector<double>& times) const {
+    std::vector<std::size_t> frames;
+    if (times.empty()) {
+      for (std::size_t i = 0; i < kPictures; ++i) frames.push_back(i * (times_.size() - 1) / (kPictures - 1));
+    }
+    for (const double time : times) {
+      const auto frame = static_cast<std::size_t>(std::lround(std::max(0.0, time) / (every_ * dt_)));
+      frames.push_back(std::min(frame, times_.size() - 1));
+    }
+    scenes::writePovrayFrames(folder, bodies_, times_, frames);
+  }
 
  private:
+  static constexpr std::size_t kPictures = 6;
   static constexpr Vec3d kColors[] = {{0.55, 0.55, 0.55}, {0.80, 0.25, 0.12}, {0.10, 0.35, 0.75},
                                       {0.85, 0.60, 0.08}, {0.15, 0.55, 0.25}, {0.50, 0.20, 0.60}};
   std::vector<AnimatedBody> bodies_;
@@ -112,7 +126,7 @@ Run runSteps(Simulation& simulation, int steps, double dt, const Options& option
   Run run;
   CsvFile csv(options.csv);
   std::unique_ptr<Recorder> recorder;
-  if (!options.glb.empty()) recorder = std::make_unique<Recorder>(simulation, dt);
+  if (!options.glb.empty() || !options.povray.empty()) recorder = std::make_unique<Recorder>(simulation, dt);
   if (recorder) recorder->record(simulation, 0);
   auto lastNews = std::chrono::steady_clock::now();
   for (int step = 1; step <= steps; ++step) {
@@ -129,7 +143,8 @@ Run runSteps(Simulation& simulation, int steps, double dt, const Options& option
     }
   }
   csv.close();
-  if (recorder) recorder->write(options.glb);
+  if (!options.glb.empty()) recorder->writeAnimation(options.glb);
+  if (!options.povray.empty()) recorder->writePictures(options.povray, options.pictureTimes);
   return run;
 }
 
@@ -226,6 +241,11 @@ void addSimulateCommand(CLI::App& app, Action& action) {
   command->add_option("--dt", options->dt, "Time step in seconds instead of the scene's")
       ->check(CLI::Range(1e-9, 10.0));
   command->add_option("--glb", options->glb, "Write the motion as an animation, binary glTF");
+  command->add_option("--povray", options->povray, "Write single frames into this folder, to be drawn by POV-Ray");
+  command
+      ->add_option("--picture-times", options->pictureTimes, "Times of those frames in seconds, as t,t,...; else six")
+      ->delimiter(',')
+      ->needs("--povray");
   command->add_option("--csv", options->csv, "Write contacts, times and energies of every step");
   command->add_flag("--json", options->json, "One JSON document on stdout");
   command->callback([options, &action] { action = [options] { return simulate(*options); }; });

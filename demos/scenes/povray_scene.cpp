@@ -104,13 +104,15 @@ struct Stage {
   double radius = 1;
 };
 
-/// Around the centres of the moving bodies over all frames, with their size added.
+/// Around the places of the moving bodies in the second half of the time, where things have come together, with their
+/// size added: one that flew in from far away shall not make all of them small.
 Stage findStage(const std::vector<AnimatedBody>& bodies) {
   Vec3d low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
   for (const AnimatedBody& body : bodies) {
     if (body.positions.size() < 2) continue;
     const double r = body.surface->radius();
-    for (const Vec3d& p : body.positions) {
+    for (std::size_t i = body.positions.size() / 2; i < body.positions.size(); ++i) {
+      const Vec3d& p = body.positions[i];
       low = {std::min(low.x, p.x - r), std::min(low.y, p.y - r), std::min(low.z, p.z - r)};
       high = {std::max(high.x, p.x + r), std::max(high.y, p.y + r), std::max(high.z, p.z + r)};
     }

@@ -13,7 +13,7 @@ namespace otg::scenes {
 /// of `frames`, indices into `times` (a body with a single pose stands still). What the frames look like (camera,
 /// light, materials) is up to the file look.inc, which each frame includes after declaring
 ///     FrameTime                  seconds
-///     StageCenter, StageRadius   a sphere around the places of all moving bodies over all of `times`
+///     StageCenter, StageRadius   a sphere around the moving bodies in the second half of `times`
 /// and which defines the macros MovingBody(Color) and StillBody(Color). Returns the paths of the frame files.
 /// Throws std::runtime_error if a file cannot be written.
 std::vector<std::string> writePovrayFrames(const std::string& folder, const std::vector<AnimatedBody>& bodies,
