@@ -14,6 +14,9 @@ int benchBuild(const BenchOptions& options);
 /// The whole query beside other collision libraries, stock ODE first.
 int benchPeers(const BenchOptions& options);
 
+/// `otg bench physics`, which has options of its own: worlds of mesh bodies judged against limits.
+void addBenchPhysics(CLI::App& bench, Action& action);
+
 /// `{"bench": name, ..., "tables": {title: rows}}` as JSON or as readable tables.
 void printBench(const Json& document, bool json);
 

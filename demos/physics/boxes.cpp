@@ -71,7 +71,9 @@ Scene stack(int count, std::vector<Stepping> steppings, std::vector<Limit> limit
   scene.run = [count](const Case& run) {
     Rig rig(run);
     rig.addStatic(groundShape(20, 1, 20), {0, 0, 0});
-    for (int i = 0; i < count; ++i) rig.addBody(unitBox(), {0, 0, 0.5 + i});
+    // A micrometre apart: from exact contact dWorldStep's LCP solver, which such a stack gives redundant rows, kicks
+    // stacks of ODE's own boxes as well in some steps (drift of 0.06 m and more).
+    for (int i = 0; i < count; ++i) rig.addBody(unitBox(), {0, 0, 0.5 + i * (1 + 1e-6)});
     rig.run(10);
     return resting(rig);
   };
@@ -164,7 +166,7 @@ Scene plate() {
     constexpr int kRuns = 50;
     std::mt19937 random(static_cast<std::uint32_t>(run.randomSeed));
     const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0 * 2 - 1; };
-    const ShapePointer plateShape = boxShape({6, 6, 0.02}), box = boxShape({0.5, 0.5, 0.5});
+    const ShapePointer plateShape = boxShape({60, 60, 0.02}), box = boxShape({0.5, 0.5, 0.5});
     Result result;
     Measures& all = result.measures;
     int resting = 0;
@@ -174,11 +176,10 @@ Scene plate() {
       const double x = uniform(), y = uniform(), z = uniform(), w = uniform();
       rig.addBody(box, {0, 0, 0.6}, Rotation(w, x, y, z).normalized());
       rig.setVelocity(0, {0, 0, -2 - 18.0 * i / (kRuns - 1)});
-      rig.run(3);
+      rig.run(6);
       const Measures one = rig.measures();
       const Vec p = rig.position(0);
-      if (one.at("finite") > 0 && one.at("ke") < 0.01 && p.z() > 0.2 && p.z() < 0.5 && p.head<2>().norm() < 3)
-        ++resting;
+      if (one.at("finite") > 0 && one.at("ke") < 0.01 && p.z() > 0.2 && p.z() < 0.5) ++resting;
       for (const auto& [name, value] : one)
         all[name] = name == "step_ms" || name == "collide_ms" || name == "contacts" ? all[name] + value / kRuns
                     : name == "finite" ? (i == 0 ? value : std::min(all[name], value))

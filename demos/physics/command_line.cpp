@@ -49,7 +49,13 @@ void addOptions(CLI::App& command, CommandOptions& options) {
   command.add_option("--jobs", options.suite.workers, "Processes at a time (default: one for each processor)");
   command.add_option("--timeout", options.suite.timeout, "Seconds of wall time for one run")->capture_default_str();
   command.add_flag("--list", options.list, "Say which scenes there are and end");
-  command.add_option("--json", options.jsonFile, "Write all results to a file, '-' for stdout instead of the table");
+  // Without a file it is the flag that the other commands of otg have.
+  command
+      .add_option("--json", options.jsonFile,
+                  "Write all results to this file; without one, to stdout instead of the table")
+      ->expected(0, 1)
+      ->type_name("[FILE]")
+      ->default_str("-");
   command.add_option("--plot", options.plotFile, "Draw energy over time to this file (.svg or .png; needs gnuplot)");
 }
 

@@ -145,6 +145,16 @@ void Rig::setVelocity(int body, const Vec& linear, const Vec& angular) {
   dBodySetAngularVel(bodies_[body].id, w.x(), w.y(), w.z());
 }
 
+void Rig::addMotor(int body, const Vec& axis, double speed, double torque) {
+  const dJointID joint = dJointCreateHinge(world_, nullptr);
+  dJointAttach(joint, bodies_[body].id, nullptr);
+  const Vec p = toWorld(bodies_[body].position);
+  dJointSetHingeAnchor(joint, p.x(), p.y(), p.z());
+  dJointSetHingeAxis(joint, axis.x(), axis.y(), axis.z());
+  dJointSetHingeParam(joint, dParamVel, speed * speedUnit_ / run_.size);
+  dJointSetHingeParam(joint, dParamFMax, torque * energyUnit_);
+}
+
 void Rig::makeGeoms() {
   built_ = true;
   if (run_.order == Order::kReversed)
@@ -152,6 +162,7 @@ void Rig::makeGeoms() {
   else
     for (const Item& item : items_) makeGeomsOf(item);
   startEnergy_ = lowestEnergy_ = energy();
+  for (int i = 0; i < bodyCount(); ++i) lastSpeed_ = std::max(lastSpeed_, velocity(i).norm());
 }
 
 void Rig::makeGeomsOf(const Item& item) {
@@ -211,7 +222,7 @@ void Rig::collidePair(dGeomID a, dGeomID b) {
   const int count = dCollide(a, b, run_.buffer, &buffer_[0].geom, sizeof(dContact));
   for (int i = 0; i < count; ++i) {
     dContact& contact = buffer_[static_cast<std::size_t>(i)];
-    deepest_ = std::max(deepest_, contact.geom.depth / run_.size);
+    stepDepth_ = std::max(stepDepth_, contact.geom.depth / run_.size);
     if (collect_) {
       const double sign = contact.geom.g1 == a ? 1 : -1;
       collect_->push_back({(toVec(contact.geom.pos) - place_) / run_.size, sign * toVec(contact.geom.normal),
@@ -254,7 +265,13 @@ bool Rig::step() {
 
 void Rig::record() {
   const double now = energy(), count = static_cast<double>(bodies_.size());
-  for (int i = 0; i < bodyCount(); ++i) maxSpeed_ = std::max(maxSpeed_, velocity(i).norm());
+  // A step of the scene's own time: at full gravity time runs differently from size 1.
+  const double sceneStep = run_.dt * speedUnit_ / run_.size;
+  deepest_ = std::max(deepest_, stepDepth_);
+  excess_ = std::max(excess_, stepDepth_ - 2 * lastSpeed_ * sceneStep);
+  stepDepth_ = lastSpeed_ = 0;
+  for (int i = 0; i < bodyCount(); ++i) lastSpeed_ = std::max(lastSpeed_, velocity(i).norm());
+  maxSpeed_ = std::max(maxSpeed_, lastSpeed_);
   // A body that is thrown that fast will not come back, and ODE aborts on positions that are not finite.
   finite_ = std::isfinite(now) && maxSpeed_ < 1e4;
   gain_ = std::max(gain_, (now - startEnergy_) / count);
@@ -357,6 +374,8 @@ Measures Rig::measures() const {
   m["energy_rise"] = rise_;
   m["ke"] = tail ? ke / static_cast<double>(tail) : 0;
   m["deepest"] = deepest_ / smallestExtent_;
+  m["depth_per_5ms"] = deepest_ / smallestExtent_ * (0.005 / run_.dt);
+  m["excess_depth"] = excess_ / smallestExtent_;
   m["max_speed"] = maxSpeed_;
   m["settle"] = settle;
   m["finite"] = finite_ ? 1 : 0;

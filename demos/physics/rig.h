@@ -55,6 +55,8 @@ class Rig {
   /// A thing that stands still.
   void addStatic(ShapePointer shape, const Vec& position, const Rotation& rotation = Rotation::Identity());
   void setVelocity(int body, const Vec& linear, const Vec& angular = Vec::Zero());
+  /// Hangs the body on a hinge through its centre, with a motor that holds `speed` (rad/s) with at most `torque` (N m).
+  void addMotor(int body, const Vec& axis, double speed, double torque);
 
   /// Steps for so long. `each` is called after every step and may return false to end the run early.
   void run(double seconds, const std::function<bool()>& each = {});
@@ -82,9 +84,11 @@ class Rig {
   /// What every scene reports:
   /// `energy_gain` highest energy above the start, J/kg; `energy_rise` highest energy above an earlier low, J/kg;
   /// `ke` mean kinetic energy of the last half second, J; `deepest` deepest reported contact over the size of the
-  /// smallest body; `max_speed` m/s; `settle` largest vertical distance of a body from its start at the end, m;
-  /// `finite` 1, or 0 if a number was not finite or faster than 1e4 m/s, which ends the run; `contacts` mean per step;
-  /// `step_ms` mean time of a step, of which `collide_ms` for collision.
+  /// smallest body, `depth_per_5ms` the same times 5 ms / dt, because what a body falls into another in one step is
+  /// proportional to the step; `excess_depth` deepest contact beyond what the fastest body (against one as fast) moves
+  /// in a step, over the same size; `max_speed` m/s; `settle` largest vertical distance of a body from its start at the
+  /// end, m; `finite` 1, or 0 if a number was not finite or faster than 1e4 m/s, which ends the run; `contacts` mean
+  /// per step; `step_ms` mean time of a step, of which `collide_ms` for collision.
   Measures measures() const;
   /// Time and energy above the start in J per kg, one sample for each step.
   const std::vector<std::pair<double, double>>& energyHistory() const { return energyHistory_; }
@@ -131,6 +135,7 @@ class Rig {
   std::vector<Contact>* collect_ = nullptr;  ///< instead of making joints
   double time_ = 0;
   long steps_ = 0, contacts_ = 0;
+  double stepDepth_ = 0, lastSpeed_ = 0, excess_ = 0;
   double startEnergy_ = 0, lowestEnergy_ = 0, gain_ = 0, rise_ = 0, deepest_ = 0, maxSpeed_ = 0;
   double smallestExtent_ = 1;
   bool finite_ = true;

@@ -40,7 +40,7 @@ enum Axis : unsigned {
   kAxisOffset = 4,    ///< 1e5 m
   kAxisSize = 8,      ///< 1e-2 and 1e2
   kAxisBuffer = 16,   ///< 20, 8, 4
-  kAxisSeed = 32,     ///< 2 to 5, QuickStep only
+  kAxisSeed = 32,     ///< 2 to Scene::seeds, QuickStep only
   kAllAxes = 63,
 };
 
@@ -56,6 +56,8 @@ struct Scene {
   bool quick = true;         ///< part of a quick run
   bool fullGravity = false;  ///< this scene is about a size with the gravity of the world
   double size = 1;           ///< of the plain run
+  double dt = 0.005;         ///< of the plain run, s
+  int seeds = 5;             ///< along kAxisSeed
   double seconds = 10;       ///< simulated, to order long runs first
 };
 
@@ -74,6 +76,10 @@ const Scene* findScene(const std::string& name);
 // The families, one file each.
 std::vector<Scene> boxScenes();
 std::vector<Scene> slidingScenes();
+std::vector<Scene> curvedScenes();
+std::vector<Scene> insertionScenes();
+std::vector<Scene> overlapScenes();
+std::vector<Scene> dropScenes();
 
 constexpr Stepping kW{Stepper::kWorld, 20};
 constexpr Stepping kQ20{Stepper::kQuick, 20};

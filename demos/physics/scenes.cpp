@@ -10,7 +10,9 @@ namespace otg::physics {
 const std::vector<Scene>& allScenes() {
   static const std::vector<Scene> kScenes = [] {
     std::vector<Scene> all;
-    for (auto& family : {boxScenes(), slidingScenes()}) all.insert(all.end(), family.begin(), family.end());
+    for (auto& family :
+         {boxScenes(), slidingScenes(), curvedScenes(), insertionScenes(), overlapScenes(), dropScenes()})
+      all.insert(all.end(), family.begin(), family.end());
     return all;
   }();
   return kScenes;

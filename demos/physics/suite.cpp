@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -141,6 +142,7 @@ std::vector<Case> runsOf(const Scene& scene, Form form, Model model, Extent exte
   plain.form = form;
   plain.model = model;
   plain.size = scene.size;
+  plain.dt = scene.dt;
   plain.fullGravity = scene.fullGravity;
   std::vector<Case> runs;
   for (const Stepping& stepping : scene.steppings) {
@@ -156,8 +158,10 @@ std::vector<Case> runsOf(const Scene& scene, Form form, Model model, Extent exte
     };
     vary(kAxisTimeStep, std::vector{1.0 / 60}, [](Case& c, double dt) { c.dt = dt; });
     // Seeds where they mean something; the rest along the first stepper only, to keep the whole suite short.
+    std::vector<unsigned long> seeds;
+    for (int seed = 2; seed <= scene.seeds; ++seed) seeds.push_back(static_cast<unsigned long>(seed));
     if (stepping.stepper == Stepper::kQuick)
-      vary(kAxisSeed, std::vector{2ul, 3ul, 4ul, 5ul}, [](Case& c, unsigned long seed) { c.randomSeed = seed; });
+      vary(kAxisSeed, seeds, [](Case& c, unsigned long seed) { c.randomSeed = seed; });
     if (&stepping != &scene.steppings.front()) continue;
     vary(kAxisOrder, std::vector{Order::kSwapped, Order::kReversed}, [](Case& c, Order order) { c.order = order; });
     vary(kAxisOffset, std::vector{1e5}, [](Case& c, double offset) { c.offset = offset; });
@@ -186,7 +190,14 @@ void judge(Row& row, const Row* native) {
     row.checks.push_back(check(limit, valueIn(row), native ? valueIn(*native) : kNan));
     row.pass = row.pass && row.checks.back().pass;
   }
-  row.nativeFailsToo = !row.pass && native && !native->pass;
+  const auto missesToo = [&](const Check& missed) {
+    return native && std::any_of(native->checks.begin(), native->checks.end(), [&](const Check& c) {
+             return !c.pass && std::strcmp(c.limit.measure, missed.limit.measure) == 0;
+           });
+  };
+  row.nativeFailsToo =
+      !row.pass && row.result.error.empty() &&
+      std::all_of(row.checks.begin(), row.checks.end(), [&](const Check& c) { return c.pass || missesToo(c); });
 }
 
 bool SuiteResult::pass() const {

@@ -40,7 +40,7 @@ struct Row {
   Result result;
   std::vector<Check> checks;
   bool pass = false;
-  /// ODE's own geoms miss a limit under the same conditions that this run misses too.
+  /// ODE's own geoms miss, under the same conditions, every limit that this run misses.
   bool nativeFailsToo = false;
   double wallSeconds = 0;
 };
