@@ -11,10 +11,9 @@
 
 namespace otg {
 
-/// Six-dimensional binning of the published design: positions scaled into the unit cube of their own bounds, normals
-/// from
-/// [-1, 1] into the unit cube; one contact per bin, the one farthest from the origin of the 6-cube (its centre, so that
-/// extreme positions and normals win) stays. Order of the result: by (triangleA, triangleB, feature).
+/// Six-dimensional binning of the published design: positions scaled into the unit cube of their own bounds,
+/// normals from [-1, 1] into the unit cube; one contact per bin, the one farthest from the origin of the 6-cube (its
+/// centre, so that extreme positions and normals win) stays. Order of the result: by (triangleA, triangleB, feature).
 std::vector<Contact> reduceByBinning(std::span<const Contact> contacts, const std::array<int, 6>& bins);
 
 /// Keeps contacts whose wrenches [n, (p - c) x n / r] (c the mean position, r the largest distance from it) span the
@@ -27,7 +26,8 @@ std::vector<Contact> reduceToCone(std::span<const Contact> contacts, double tole
 double distanceToCone(const Contact& contact, std::span<const Contact> kept, std::span<const Contact> all);
 
 /// At most `count`: the deepest of every region first (deepest regions first when there are more regions than places),
-/// then farthest-point in position and normal over the rest. Deepest first in the result, ties by ids.
+/// then farthest-point in position and normal over the rest up to 1,024 places (beyond which spreading no longer
+/// matters but costs), then the deepest of what is left. Deepest first in the result, ties by ids.
 std::vector<Contact> limitContacts(std::span<const Contact> contacts, int count);
 
 }  // namespace otg
