@@ -12,6 +12,7 @@
 #include <atomic>
 #include <csetjmp>
 #include <cstdarg>
+#include <memory>
 #include <mutex>
 
 #include "ode/geom_class.h"
@@ -58,39 +59,51 @@ class DebugHandlerScope {
   dMessageFunction* before_;
 };
 
+/// Where onDebug jumps to. Built before setjmp, so that the jump skips no destructor.
+struct DebugTrap {
+  std::jmp_buf jump;
+  DebugTrap() { debugTrap = &jump; }
+  ~DebugTrap() { debugTrap = nullptr; }
+  DebugTrap(const DebugTrap&) = delete;
+  DebugTrap& operator=(const DebugTrap&) = delete;
+};
+
+/// ODE allocates in part with operator new, which may throw.
+struct DestroyGeom {
+  void operator()(dGeomID geom) const { dGeomDestroy(geom); }
+};
+struct DestroyHeights {
+  void operator()(dHeightfieldDataID heights) const { dGeomHeightfieldDataDestroy(heights); }
+};
+using OwnedGeom = std::unique_ptr<dxGeom, DestroyGeom>;
+using OwnedHeights = std::unique_ptr<dxHeightfieldData, DestroyHeights>;
+
 /// dCollide for one contact; -1 where ODE would have aborted. The function has no locals that setjmp could spoil.
 int tryCollide(dGeomID a, dGeomID b) {
-  std::jmp_buf jump;
-  debugTrap = &jump;
+  DebugTrap trap;
   volatile int count = -1;
-  if (setjmp(jump) == 0) {
+  if (setjmp(trap.jump) == 0) {
     dContactGeom contact;
     count = dCollide(a, b, 1, &contact, sizeof(contact));
   }
-  debugTrap = nullptr;
   return count;
 }
 
 /// dCreateGeomClass; -1 where ODE would have aborted because there is no class left.
 int tryCreateClass(const dGeomClass& record) {
-  std::jmp_buf jump;
-  debugTrap = &jump;
+  DebugTrap trap;
   volatile int number = -1;
-  if (setjmp(jump) == 0) number = dCreateGeomClass(&record);
-  debugTrap = nullptr;
+  if (setjmp(trap.jump) == 0) number = dCreateGeomClass(&record);
   return number;
 }
 
 /// A ray that hits a plane gives one contact exactly if ODE's own colliders are in place; builds of ODE with assertions
 /// stop before that, builds without find an empty table.
 bool odeIsInitialized() {
-  const dGeomID ray = dCreateRay(nullptr, 2);
-  dGeomRaySet(ray, 0, 0, 1, 0, 0, -1);
-  const dGeomID plane = dCreatePlane(nullptr, 0, 0, 1, 0);
-  const bool hit = tryCollide(ray, plane) == 1;
-  dGeomDestroy(plane);
-  dGeomDestroy(ray);
-  return hit;
+  const OwnedGeom ray(dCreateRay(nullptr, 2));
+  dGeomRaySet(ray.get(), 0, 0, 1, 0, 0, -1);
+  const OwnedGeom plane(dCreatePlane(nullptr, 0, 0, 1, 0));
+  return tryCollide(ray.get(), plane.get()) == 1;
 }
 
 bool collidesThroughUs(dGeomID probe, dGeomID other) {
@@ -103,22 +116,15 @@ bool collidesThroughUs(dGeomID probe, dGeomID other) {
 /// function of its own into one. Heightfield and convex are what another library's class, should it own the number by
 /// now, is least likely to have a collider for.
 bool classIsOurs(int number) {
-  const dGeomID probe = dCreateGeom(number);
-  const dHeightfieldDataID heights = dGeomHeightfieldDataCreate();
-  const dGeomID field = dCreateHeightfield(nullptr, heights, 1);
-  bool ours = collidesThroughUs(probe, field);
-  dGeomDestroy(field);
-  dGeomHeightfieldDataDestroy(heights);
-  if (!ours) {
-    static const dReal kPlane[4] = {0, 0, 1, 0};
-    static const dReal kPoint[3] = {0, 0, 0};
-    static const unsigned int kPolygons[1] = {0};
-    const dGeomID convex = dCreateConvex(nullptr, kPlane, 0, kPoint, 0, kPolygons);
-    ours = collidesThroughUs(probe, convex);
-    dGeomDestroy(convex);
-  }
-  dGeomDestroy(probe);
-  return ours;
+  const OwnedGeom probe(dCreateGeom(number));
+  const OwnedHeights heights(dGeomHeightfieldDataCreate());
+  const OwnedGeom field(dCreateHeightfield(nullptr, heights.get(), 1));
+  if (collidesThroughUs(probe.get(), field.get())) return true;
+  static const dReal kPlane[4] = {0, 0, 1, 0};
+  static const dReal kPoint[3] = {0, 0, 0};
+  static const unsigned int kPolygons[1] = {0};
+  const OwnedGeom convex(dCreateConvex(nullptr, kPlane, 0, kPoint, 0, kPolygons));
+  return collidesThroughUs(probe.get(), convex.get());
 }
 
 /// What ODE's table holds for pairs that we have no contacts for.
