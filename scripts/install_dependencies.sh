@@ -7,20 +7,20 @@
 # Written for Debian 12. Needs root or sudo only when something is missing.
 set -euo pipefail
 
-# What configuring and building the default preset takes. The test framework is among it because that preset builds the
+# What configuring and building the default preset takes. What tests are made with is among it because that preset builds the
 # tests too, so that the demo and the tests share one build folder.
 build_packages=(
-  g++ cmake ninja-build pkg-config ccache
-  libode-dev libeigen3-dev libtbb-dev libhwy-dev
+  g++ cmake ninja-build pkg-config
+  libode-dev libeigen3-dev
   libassimp-dev libcli11-dev nlohmann-json3-dev libfmt-dev libtinygltf-dev
-  catch2 libcgal-dev ocl-icd-opencl-dev opencl-clhpp-headers
+  catch2 python3 libcgal-dev ocl-icd-opencl-dev opencl-clhpp-headers
 )
 # An OpenCL device that every machine has, and real meshes.
 tests_packages=(pocl-opencl-icd libcgal-demo)
 # Real meshes; a ray tracer, a plotter and its font, none of which needs a display.
 demo_packages=(libcgal-demo povray gnuplot-nox fonts-dejavu-core)
 # Collision libraries to compare with. Benchmarks leave out, with a message, those that are not installed.
-benchmarks_packages=(libbenchmark-dev libfcl-dev libbullet-dev libembree-dev)
+benchmarks_packages=(libfcl-dev libbullet-dev libembree-dev)
 
 wanted=("${build_packages[@]}")
 for set in "$@"; do
