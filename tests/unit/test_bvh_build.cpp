@@ -38,7 +38,7 @@ void requireValid(const MeshPtr& mesh, const BinaryTree& tree) {
 
 bool sameBytes(const BinaryTree& a, const BinaryTree& b) {
   return a.nodes.size() == b.nodes.size() && a.depth == b.depth &&
-         std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(BvhNode)) == 0;
+         (a.nodes.empty() || std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(BvhNode)) == 0);
 }
 
 }  // namespace
