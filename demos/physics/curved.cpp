@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Round things: what contacts between spheres say, a facetted sphere that rolls, gears that drive each other.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -40,6 +42,7 @@ Scene sphereContacts() {
     std::mt19937 random(static_cast<std::uint32_t>(run.randomSeed));
     const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0 * 2 - 1; };
     double normalError = 0, depthError = 0;
+    Measures byOverlap;
     Result result;
     for (const double overlap : {0.01, 0.02, 0.05, 0.1, 0.2, 0.35, 0.5}) {
       for (int i = 0; i < 8; ++i) {
@@ -53,14 +56,19 @@ Scene sphereContacts() {
         for (const Contact& contact : rig.contactsNow()) {
           deepest = std::max(deepest, contact.depth);
           // Along the line of centres in either direction: which geom comes first is up to ODE's space.
-          const double cosine = std::min(1.0, std::abs(contact.normal.dot(direction)));
-          normalError = std::max(normalError, std::acos(cosine) * 180 / std::numbers::pi);
+          const double error =
+              std::atan2(contact.normal.cross(direction).norm(), std::abs(contact.normal.dot(direction))) * 180 /
+              std::numbers::pi;
+          double& worst = byOverlap[fmt::format("normal_error_{:g}", overlap)];
+          worst = std::max(worst, error);
+          normalError = std::max(normalError, error);
         }
         depthError = std::max(depthError, std::abs(deepest - (overlap - depthUnit / 2)) / (depthUnit / 2));
         if (run.form == Form::kNative) depthError = std::abs(deepest - overlap) / depthUnit;
         result.measures = rig.measures();
       }
     }
+    result.measures.merge(byOverlap);
     result.measures["normal_error"] = normalError;
     result.measures["depth_error"] = depthError;
     return result;

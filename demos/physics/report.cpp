@@ -42,13 +42,16 @@ std::string formOf(const Case& run) {
              : nameOf(run.form);
 }
 
-/// At most about `count` of the samples, the last one among them.
+/// At most about `count` samples: of every stretch the highest, so that no spike is lost.
 std::vector<std::pair<double, double>> thinned(const std::vector<std::pair<double, double>>& samples,
                                                std::size_t count) {
   const std::size_t stride = std::max<std::size_t>(1, samples.size() / count);
   std::vector<std::pair<double, double>> few;
-  for (std::size_t i = 0; i < samples.size(); i += stride) few.push_back(samples[i]);
-  if (!samples.empty() && (samples.size() - 1) % stride != 0) few.push_back(samples.back());
+  for (std::size_t i = 0; i < samples.size(); i += stride) {
+    const auto begin = samples.begin() + static_cast<std::ptrdiff_t>(i);
+    const auto end = samples.begin() + static_cast<std::ptrdiff_t>(std::min(samples.size(), i + stride));
+    few.push_back(*std::max_element(begin, end, [](const auto& x, const auto& y) { return x.second < y.second; }));
+  }
   return few;
 }
 
