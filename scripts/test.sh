@@ -25,6 +25,8 @@ done
 
 bash scripts/install_dependencies.sh tests
 
+# Real meshes for the oracle; without them its test of real meshes is left out.
+meshes=$(bash scripts/cgal_meshes.sh build/meshes) || meshes=
 jobs=$(nproc)
 passed=0
 failed=0
@@ -37,7 +39,7 @@ run_preset() {
   shift 2
   [ "$preset" = default ] || folder=build-$preset
   echo "== $preset: configure and build"
-  cmake --preset "$preset"
+  cmake --preset "$preset" ${meshes:+-DOTG_CGAL_DEMO_DATA="$meshes"}
   cmake --build --preset "$preset" --target "$target" -- -j"$jobs"
   echo "== $preset: test"
   report=$PWD/$folder/ctest_report.xml

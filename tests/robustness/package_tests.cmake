@@ -4,6 +4,6 @@ if(NOT OTG_SANITIZE)
   add_test(NAME robustness.installed_package
     COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/installed_package/run.sh" "${CMAKE_COMMAND}" "${PROJECT_BINARY_DIR}"
             "${PROJECT_SOURCE_DIR}" "${CMAKE_CURRENT_BINARY_DIR}/installed_package" "${CMAKE_C_COMPILER}"
-            "${CMAKE_CXX_COMPILER}")
+            "${CMAKE_CXX_COMPILER}" "${CMAKE_GENERATOR}" "${CMAKE_MAKE_PROGRAM}")
   set_tests_properties(robustness.installed_package PROPERTIES LABELS robustness TIMEOUT 600)
 endif()

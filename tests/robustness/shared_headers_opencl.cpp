@@ -2,6 +2,9 @@
 // Every header of kernels/shared compiles as OpenCL C 1.2 without a warning, alone and together with all others, in
 // float and (where the device has doubles) in double. Compiles only: what the formulas compute is the business of other
 // tests.
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <exception>
 #include <filesystem>
@@ -110,9 +113,28 @@ void compileAll(const cl::Device& device, std::vector<std::string> headers, Repo
                 name + "a syntax error is an error");
 }
 
+/// Drivers have been seen to end the process while they look for devices (PoCL where /sys is not mounted). That is no
+/// fault of the headers, and is found out in a process that may end.
+bool driverSurvivesListing() {
+  const pid_t child = fork();
+  if (child == 0) {
+    try {
+      allDevices();
+    } catch (const cl::Error&) {  // main() meets it again and reports it
+    }
+    _exit(0);
+  }
+  int status = 0;
+  return child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status);
+}
+
 }  // namespace
 
 int main() {
+  if (!driverSurvivesListing()) {
+    std::cout << "skipped: the OpenCL driver ended the process that asked for its devices\n";
+    return kSkipped;
+  }
   try {
     const std::vector<cl::Device> devices = allDevices();
     if (devices.empty()) {

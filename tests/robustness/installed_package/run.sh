@@ -3,10 +3,10 @@
 # Installs the build tree, moves what was installed, and builds and runs a user's C and C++ program against it: with CMake
 # and with pkg-config, with the shared library and with the archive. Also compiles every installed header alone.
 #
-#   run.sh CMAKE BUILD_DIR SOURCE_DIR SCRATCH_DIR CC CXX
+#   run.sh CMAKE BUILD_DIR SOURCE_DIR SCRATCH_DIR CC CXX GENERATOR MAKE_PROGRAM
 set -euo pipefail
 
-cmake=$1 build=$2 source=$3 scratch=$4 cc=$5 cxx=$6
+cmake=$1 build=$2 source=$3 scratch=$4 cc=$5 cxx=$6 generator=$7 make=$8
 here=$source/tests/robustness/installed_package
 strict=(-Wall -Wextra -Wpedantic -Werror)
 
@@ -46,7 +46,7 @@ done < <(find "$prefix/include" -name '*.h' -o -name '*.hpp')
 [ "$found" -gt 0 ] || fail "no header was installed"
 
 step "CMake"
-"$cmake" -S "$here" -B "$scratch/cmake" -DCMAKE_PREFIX_PATH="$prefix" -DSNIPPET_DIR="$scratch" \
+"$cmake" -S "$here" -B "$scratch/cmake" -G "$generator" -DCMAKE_MAKE_PROGRAM="$make" -DCMAKE_PREFIX_PATH="$prefix" -DSNIPPET_DIR="$scratch" \
   -DCMAKE_C_COMPILER="$cc" -DCMAKE_CXX_COMPILER="$cxx" -DCMAKE_BUILD_TYPE=Debug >"$scratch/cmake.log" ||
   { cat "$scratch/cmake.log"; fail "find_package"; }
 "$cmake" --build "$scratch/cmake" >"$scratch/build.log" || { cat "$scratch/build.log"; fail "building with CMake"; }
