@@ -71,7 +71,10 @@ void QueryOptions::addInputOptions(CLI::App& command) {
 }
 
 void QueryOptions::addContactOptions(CLI::App& command) {
-  command.add_option("--contacts", contacts, "Contact model")->check(CLI::IsMember({"auto", "pairwise", "solid"}));
+  command
+      .add_option("--contacts", contacts,
+                  "Contact model; auto: pairwise if a reduction is named, else solid for two solids")
+      ->check(CLI::IsMember({"auto", "pairwise", "solid"}));
   command.add_option("--reduction", reduction, "How contacts are reduced")
       ->check(CLI::IsMember({"none", "binning", "cone"}));
   command.add_option("--bins", bins, "Bins per axis: one number for all, or six: position x y z, normal x y z")
@@ -90,9 +93,11 @@ CollideOptions QueryOptions::collideOptions() const {
   if (midphase != "cpu" && midphase != "auto") options.middle.traversal = find(kTraversals, midphase);
   if (!descent.empty()) options.middle.descent = find(kDescents, descent);
   options.middle.axes = axes;
-  if (contacts == "pairwise") options.contacts = ContactModel::kPairwise;
-  if (contacts == "solid") throw InputError("this build has no contact model 'solid'; use --contacts pairwise");
-  options.reduction.method = find(kReductions, reduction);
+  // Reductions are of contacts between pairs of triangles (`solid` chooses its own), so whoever names one means those.
+  const bool reduces = !reduction.empty() || !bins.empty();
+  const bool pairwise = contacts == "pairwise" || (contacts == "auto" && reduces);
+  options.contacts = pairwise ? ContactModel::kPairwise : ContactModel::kSolid;
+  options.reduction.method = find(kReductions, reduction.empty() ? "binning" : reduction);
   if (bins.size() == 1) {
     options.reduction.bins.fill(bins[0]);
   } else if (bins.size() == 6) {

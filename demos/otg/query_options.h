@@ -17,7 +17,7 @@ struct QueryOptions {
   std::string pose = "0,0,0,1,0,0,0";
   std::string backend = "auto";
   std::string midphase = "cpu", nearphase = "cpu";
-  std::string descent, build, contacts = "auto", reduction = "binning";
+  std::string descent, build, contacts = "auto", reduction;
   int axes = 6;
   std::vector<int> bins;
   int maxContacts = 64;

@@ -7,10 +7,11 @@
 namespace otg {
 
 struct CollisionMesh::Lazy {
-  std::once_flag quantizedOnce, noLeafOnce, wideOnce;
+  std::once_flag quantizedOnce, noLeafOnce, wideOnce, adjacencyOnce;
   QuantizedTree quantized;
   NoLeafTree noLeaf;
   WideTree wide;
+  Adjacency adjacency;
 };
 
 CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> mesh, BuildStrategy strategy)
@@ -36,6 +37,11 @@ const NoLeafTree& CollisionMesh::noLeaf() const {
 const WideTree& CollisionMesh::wide() const {
   std::call_once(lazy_->wideOnce, [this] { lazy_->wide = makeWideTree(tree_); });
   return lazy_->wide;
+}
+
+const Adjacency& CollisionMesh::adjacency() const {
+  std::call_once(lazy_->adjacencyOnce, [this] { lazy_->adjacency = buildAdjacency(*mesh_); });
+  return lazy_->adjacency;
 }
 
 }  // namespace otg

@@ -7,6 +7,7 @@
 #include "bvh/layouts.h"
 #include "bvh/tree.h"
 #include "bvh/wide_tree.h"
+#include "mesh/adjacency.h"
 
 namespace otg {
 
@@ -27,6 +28,7 @@ class CollisionMesh {
   const QuantizedTree& quantized() const;
   const NoLeafTree& noLeaf() const;
   const WideTree& wide() const;
+  const Adjacency& adjacency() const;
 
  private:
   struct Lazy;

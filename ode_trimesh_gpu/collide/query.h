@@ -4,9 +4,11 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "bvh/collision_mesh.h"
+#include "collide/solid/solid_options.h"
 
 namespace otg {
 
@@ -32,6 +34,7 @@ struct CollideOptions {
   MiddleOptions middle;
   ContactModel contacts = ContactModel::kPairwise;
   ReductionOptions reduction;
+  SolidOptions solid;
   int maxContacts = 64;        ///< 1 to 65,535
   bool timings = false;        ///< fill CollideStats::*Ms (reads the clock a few times)
   bool countPerDepth = false;  ///< fill CollideStats::boxTestsPerDepth
@@ -71,17 +74,26 @@ struct Query {
   const CollisionMesh* a = nullptr;
   const CollisionMesh* b = nullptr;
   Transformd bInA{};  ///< takes B's points to A's frame; used as given
+  Vec3d relativeVelocity{0, 0,
+                         0};  ///< of A's material relative to B's where they meet, frame A, units/s; zero if unknown
+  SolidHistory* history = nullptr;  ///< of this pair, in this order, or null; read and written by ContactModel::kSolid
   CollideOptions options;
 };
 
 /// Scratch memory and results; reuse it between queries to save allocations. One thread at a time.
+struct SolidScratch;
 struct Workspace {
+  Workspace();
+  ~Workspace();
+  Workspace(Workspace&&) noexcept;
+  Workspace& operator=(Workspace&&) noexcept;
   std::vector<TrianglePair> candidates;    ///< of the last query, in the order of traversal
   std::vector<TrianglePair> crossing;      ///< scratch of the near phase: candidates that the plane test leaves
   std::vector<TrianglePair> intersecting;  ///< ascending
   std::vector<Contact> contacts;           ///< before reduction, by (triangleA, triangleB)
   std::vector<Contact> reduced;            ///< the answer
   CollideStats stats;
+  std::unique_ptr<SolidScratch> solid;
 };
 
 /// The pairs of triangles whose boxes overlap (a superset of the intersecting ones) -> workspace.candidates.

@@ -35,7 +35,7 @@ int checkParams(const dGpuTriMeshParams& p) {
               within(p.max_contacts, 1, 65535);
   for (const int bins : p.bins) good = good && within(bins, 1, 64);
   if (!good) return dGPUTRIMESH_ERROR_ARGUMENT;
-  return p.contact_model == dGPUTRIMESH_CONTACTS_SOLID ? dGPUTRIMESH_ERROR_UNSUPPORTED : dGPUTRIMESH_OK;
+  return dGPUTRIMESH_OK;
 }
 
 }  // namespace

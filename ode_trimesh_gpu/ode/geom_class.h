@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "ode/mesh_data.h"
+#include "ode/pair_memory.h"
 #include "ode_trimesh_gpu/params.h"
 #include "ode_trimesh_gpu/stats.h"
 
@@ -27,6 +28,7 @@ struct GeomObject {
   dxGpuTriMeshData* data = nullptr;  ///< attached to; may be null
   dGpuTriMeshParams params{};        ///< always valid
   GeomStats stats;
+  PairMemory memory;  ///< of pairs in which this geom is mesh B (the younger one)
 
   /// Null when there is nothing to collide with.
   const CollisionMesh* mesh() const { return data == nullptr ? nullptr : data->mesh(); }

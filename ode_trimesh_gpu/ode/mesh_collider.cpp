@@ -2,6 +2,8 @@
 // From dCollide to a query in mesh A's frame, and from its contacts back to ODE's.
 #include "ode/mesh_collider.h"
 
+#include <ode/objects.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -70,6 +72,21 @@ struct Side {
   WorldPose pose;
 };
 
+/// Velocity of A's body relative to B's at the middle of B's mesh, in A's frame. ODE's velocities are the world's.
+Vec3d relativeVelocity(const Side& a, const Side& b) {
+  const Vec3f& c = b.object->mesh()->mesh().center();
+  const Vec3d point = otgTransform(b.pose.transform, Vec3d{c.x, c.y, c.z});
+  const auto velocityAt = [&](dGeomID geom) {
+    const dBodyID body = dGeomGetBody(geom);
+    if (body == nullptr) return Vec3d{0, 0, 0};
+    dVector3 v;
+    dBodyGetPointVel(body, static_cast<dReal>(point.x), static_cast<dReal>(point.y), static_cast<dReal>(point.z), v);
+    return Vec3d{v[0], v[1], v[2]};
+  };
+  const Vec3d v = otgRotateBack(a.pose.transform, otgSub(velocityAt(a.geom), velocityAt(b.geom)));
+  return std::isfinite(v.x + v.y + v.z) ? v : Vec3d{0, 0, 0};
+}
+
 /// Runs the query and leaves the contacts, best first and at most `capacity`, in the workspace.
 std::span<const Contact> run(const Query& query, bool unimportant, int capacity, Workspace& workspace) {
   if (!unimportant) {
@@ -79,6 +96,10 @@ std::span<const Contact> run(const Query& query, bool unimportant, int capacity,
   // "Just generate any contacts": the first ones, without choosing.
   findIntersectingPairs(query, workspace);
   pairwiseContacts(query, workspace);
+  if (workspace.contacts.empty() && query.options.contacts == ContactModel::kSolid) {  // perhaps one inside the other
+    collide(query, workspace);
+    return workspace.reduced;
+  }
   const std::size_t count = std::min(workspace.contacts.size(), static_cast<std::size_t>(capacity));
   return std::span<const Contact>(workspace.contacts).first(count);
 }
@@ -163,7 +184,10 @@ CollideOptions pairOptions(const dGpuTriMeshParams& first, const dGpuTriMeshPara
       break;
   }
   options.middle.axes = first.box_axes;
-  options.contacts = ContactModel::kPairwise;  // the only one so far, and what AUTO stands for
+  // AUTO gives way to the other's choice; it stands for `solid`, which falls back to `pairwise` for shells by itself.
+  const bool pairwise =
+      first.contact_model == dGPUTRIMESH_CONTACTS_PAIRWISE || second.contact_model == dGPUTRIMESH_CONTACTS_PAIRWISE;
+  options.contacts = pairwise ? ContactModel::kPairwise : ContactModel::kSolid;
   switch (std::min(first.reduction, second.reduction)) {
     case dGPUTRIMESH_REDUCTION_NONE:
       options.reduction.method = Reduction::kNone;
@@ -217,10 +241,19 @@ int collideMeshMesh(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, in
     capacity = std::min(capacity, query.options.maxContacts);
     query.options.maxContacts = capacity;
 
+    query.relativeVelocity = relativeVelocity(a, b);
+    SolidHistory history = b.object->memory.recall(a.object->serial);
+    query.history = &history;
+
     const WorkspaceLease lease;
     Workspace& workspace = *lease;
     const bool unimportant = (static_cast<unsigned>(flags) & CONTACTS_UNIMPORTANT) != 0;
     const std::span<const Contact> contacts = run(query, unimportant, capacity, workspace);
+    if (contacts.empty()) {
+      if (history.used) b.object->memory.forget(a.object->serial);
+    } else if (history.used) {
+      b.object->memory.store(a.object->serial, history);
+    }
     char* to = reinterpret_cast<char*>(contact);
     for (const Contact& from : contacts) {
       writeContact(from, a, first, o1, o2, to);

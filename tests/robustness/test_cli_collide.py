@@ -60,13 +60,24 @@ class Collide(CliTest):
         whole = self.run_json(*arguments, "--reduction", "none", "--max-contacts", "65535")
         self.assertEqual(len(whole["contacts"]), whole["contacts_before_reduction"])
         for options in (["--reduction", "binning", "--bins", "2"], ["--reduction", "binning", "--bins", "1,2,3,1,2,3"],
-                        ["--reduction", "cone"], ["--contacts", "pairwise"], ["--backend", "cpu"],
-                        ["--midphase", "cpu", "--nearphase", "cpu"], ["--backend", "auto"]):
+                        ["--reduction", "cone"], ["--contacts", "pairwise"],
+                        ["--contacts", "pairwise", "--backend", "cpu"],
+                        ["--contacts", "pairwise", "--midphase", "cpu", "--nearphase", "cpu"],
+                        ["--contacts", "pairwise", "--backend", "auto"]):
             document = self.run_json(*arguments, *options)
             self.assertEqual(document["contacts_before_reduction"], whole["contacts_before_reduction"])
             self.assertLess(len(document["contacts"]), len(whole["contacts"]))
             self.assertTrue(document["contacts"])
         self.assertEqual(len(self.run_json(*arguments, "--max-contacts", "1")["contacts"]), 1)
+
+    def test_two_solids_collide_as_solids_unless_a_reduction_is_named(self):
+        mesh = self.writeBox()
+        arguments = ["collide", mesh, mesh, "--pose", "0.1,0.05,0.9,1,0,0,0"]
+        default = self.run_json(*arguments)
+        self.assertEqual(default["hash"], self.run_json(*arguments, "--contacts", "solid")["hash"])
+        self.assertNotEqual(default["hash"], self.run_json(*arguments, "--contacts", "pairwise")["hash"])
+        self.assertEqual(self.run_json(*arguments, "--reduction", "binning")["hash"],
+                         self.run_json(*arguments, "--contacts", "pairwise")["hash"])
 
     def test_what_this_build_cannot_do(self):
         mesh = self.writeBox()

@@ -78,6 +78,13 @@ Data::Data(const scenes::MeshArrays& mesh) : id(dGpuTriMeshDataCreate()) {
                              mesh.triangles.data(), static_cast<int>(3 * mesh.triangles.size()), sizeof(Triangle));
 }
 
+void usePairwise(dGeomID geom) {
+  dGpuTriMeshParams params;
+  dGpuTriMeshParamsInit(&params);
+  params.contact_model = dGPUTRIMESH_CONTACTS_PAIRWISE;
+  dGeomGpuTriMeshSetParams(geom, &params);
+}
+
 std::vector<dContactGeom> collide(dGeomID o1, dGeomID o2, int capacity, unsigned extraFlags) {
   std::vector<dContactGeom> contacts(static_cast<std::size_t>(capacity));
   const int flags = static_cast<int>(static_cast<unsigned>(capacity) | extraFlags);

@@ -41,6 +41,7 @@ TEST_CASE("contacts say what ODE's contacts say, in world coordinates, at any po
   const OdeSession session;
   const Data lumpData(scenes::makeLump(1, 3, 0.3, 3)), torusData(scenes::makeTorus(1, 0.4, 16, 10));
   const Geom lump(lumpData), torus(torusData);
+  test::usePairwise(lump.id);
   std::mt19937 random(11);
   std::size_t seen = 0;
   for (int i = 0; i < 40; ++i) {
@@ -166,7 +167,6 @@ TEST_CASE("parameters out of range are refused and the geom keeps its own") {
   refused([](auto& p) { p.bins[0] = 0; }, dGPUTRIMESH_ERROR_ARGUMENT);
   refused([](auto& p) { p.max_contacts = 0; }, dGPUTRIMESH_ERROR_ARGUMENT);
   refused([](auto& p) { p.max_contacts = 65536; }, dGPUTRIMESH_ERROR_ARGUMENT);
-  refused([](auto& p) { p.contact_model = dGPUTRIMESH_CONTACTS_SOLID; }, dGPUTRIMESH_ERROR_UNSUPPORTED);
   CHECK(dGeomGpuTriMeshSetParams(geom.id, nullptr) == dGPUTRIMESH_ERROR_ARGUMENT);
   CHECK(dGeomGpuTriMeshGetParams(geom.id, nullptr) == dGPUTRIMESH_ERROR_ARGUMENT);
   dGpuTriMeshParams out = good;
@@ -180,6 +180,7 @@ TEST_CASE("any capacity is kept to, and the deepest contact is always among the 
   const Data a(scenes::makeLump(1, 4, 0.3, 2)), b(scenes::makeLump(1, 4, 0.3, 4));
   const Geom ga(a), gb(b);
   dGeomSetPosition(gb.id, 0.6, 0.5, 0.3);
+  test::usePairwise(ga.id);
   setReduction(ga.id, dGPUTRIMESH_REDUCTION_NONE);
   const auto all = test::collide(ga.id, gb.id, 65535);
   REQUIRE(all.size() > 100);
@@ -310,6 +311,7 @@ TEST_CASE("statistics count queries and pairs, and can be reset") {
   query.b = &treeB;
   query.bInA = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0.9, 0.4, 0.1}};
   query.options.maxContacts = 4096;
+  query.options.contacts = ContactModel::kSolid;
   Workspace workspace;
   otg::collide(query, workspace);
   REQUIRE(workspace.reduced.size() == contacts.size());

@@ -225,6 +225,7 @@ TEST_CASE("moving vertices refits the mesh and marks its geoms as moved") {
   const scenes::MeshArrays sphere = scenes::makeSphere(1, 2);
   const Data data(sphere), other(scenes::makeBox({1, 1, 1}));
   const Geom geom(data), box(other);
+  test::usePairwise(geom.id);
   dGeomSetPosition(box.id, 5, 0, 0);
   dReal aabb[6];
   dGeomGetAABB(geom.id, aabb);

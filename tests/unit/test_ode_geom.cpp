@@ -104,6 +104,7 @@ TEST_CASE("a geom with an offset collides where body and offset put it") {
   const OdeSession session;
   const Data sphere(scenes::makeSphere(1, 2)), lump(scenes::makeLump(1, 2, 0.3, 9));
   const Geom a(sphere), offset(lump), plain(lump);
+  test::usePairwise(a.id);  // the object-level model may choose other places for poses that differ by rounding
   const dWorldID world = dWorldCreate();
   const dBodyID body = dBodyCreate(world);
   dGeomSetBody(offset.id, body);

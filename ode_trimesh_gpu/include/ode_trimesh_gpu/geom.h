@@ -63,7 +63,7 @@ OTG_API dGpuTriMeshDataID dGeomGpuTriMeshGetData(dGeomID g);
  * @param g       a geom of this class
  * @param params  start from dGpuTriMeshParamsInit() or dGeomGpuTriMeshGetParams()
  * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT for a value or a size that this version does not know,
- *          dGPUTRIMESH_ERROR_UNSUPPORTED for the contact model SOLID, dGPUTRIMESH_ERROR_CLASS. After an error the geom
+ *          dGPUTRIMESH_ERROR_CLASS. After an error the geom
  *          collides as before.
  * @remarks May be called from a near callback, but not while another thread collides the geom.
  * @ingroup gputrimesh

@@ -38,10 +38,9 @@ enum {
  * @ingroup gputrimesh
  */
 enum {
-  dGPUTRIMESH_CONTACTS_AUTO = 0,     /**< the best that this version has for the two meshes */
+  dGPUTRIMESH_CONTACTS_AUTO = 0,     /**< SOLID if both meshes are solids, else PAIRWISE */
   dGPUTRIMESH_CONTACTS_PAIRWISE = 1, /**< from each pair of intersecting triangles */
-  dGPUTRIMESH_CONTACTS_SOLID =
-      2 /**< from the overlap of the two solids; dGPUTRIMESH_ERROR_UNSUPPORTED in this version */
+  dGPUTRIMESH_CONTACTS_SOLID = 2     /**< from the overlap of the two solids as a whole; PAIRWISE if one is a shell */
 };
 
 /**

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "collide/solid/contour.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "shared/sos.h"
+
+namespace otg {
+namespace {
+
+struct PairCorners {
+  Vec3d a[3], b[3];
+};
+
+struct PlaneHit {
+  double t;     ///< parameter from p, clamped to the segment
+  Vec3d drift;  ///< its change as A moves
+};
+
+/// Where the segment pq of mesh `mesh` meets the plane of the other mesh's triangle t.
+PlaneHit hitPlane(int mesh, const Vec3d& p, const Vec3d& q, const Vec3d* t) {
+  const Vec3d n = otgCross(otgSub(t[1], t[0]), otgSub(t[2], t[0]));
+  const double dp = otgDot(n, otgSub(p, t[0])), dq = otgDot(n, otgSub(q, t[0]));
+  const double d = dp - dq;
+  if (d == 0) return {0.5, {0, 0, 0}};
+  return {std::clamp(dp / d, 0.0, 1.0), otgScale(n, (mesh == 0 ? 1 : -1) / d)};
+}
+
+/// Does x come before y on their edge, at (nearly) the same t, once A has been moved by (e, e^2, e^3)?
+bool driftsBefore(const Crossing& x, const Crossing& y) {
+  const double dx[3] = {x.drift.x, x.drift.y, x.drift.z}, dy[3] = {y.drift.x, y.drift.y, y.drift.z};
+  for (int k = 0; k < 3; ++k) {
+    if (std::fabs(dx[k] - dy[k]) > 1e-9 * (std::fabs(dx[k]) + std::fabs(dy[k]))) return dx[k] < dy[k];
+  }
+  return false;
+}
+
+class Tracer {
+ public:
+  Tracer(const PlacedMeshes& meshes, Contour& contour) : meshes_(meshes), contour_(contour) {}
+
+  void pair(const TrianglePair& pair) {
+    const Triangle& ta = meshes_.mesh(0).triangles()[pair.a];
+    const Triangle& tb = meshes_.mesh(1).triangles()[pair.b];
+    PairCorners c;
+    for (int k = 0; k < 3; ++k) {
+      c.a[k] = meshes_.vertex(0, ta.v[k]);
+      c.b[k] = meshes_.vertex(1, tb.v[k]);
+    }
+    int sideA[3], sideB[3];
+    for (int k = 0; k < 3; ++k) sideA[k] = otgSosSideOfA(&c.b[0].x, &c.b[1].x, &c.b[2].x, &c.a[k].x);
+    if (sideA[0] == sideA[1] && sideA[1] == sideA[2]) return;
+    for (int k = 0; k < 3; ++k) sideB[k] = otgSosSideOfB(&c.a[0].x, &c.a[1].x, &c.a[2].x, &c.b[k].x);
+    if (sideB[0] == sideB[1] && sideB[1] == sideB[2]) return;
+
+    // Edge-edge signs, each needed for both triangles: [edge of A][edge of B].
+    int sign[3][3] = {};
+    const auto edges = [&](int i, int j) {
+      if (sign[i][j] == 0) {
+        sign[i][j] = otgSosEdges(&c.a[i].x, &c.a[(i + 1) % 3].x, &c.b[j].x, &c.b[(j + 1) % 3].x);
+        if (sign[i][j] == 0) sign[i][j] = 1;
+      }
+      return sign[i][j];
+    };
+    std::uint32_t start = kNone, end = kNone;
+    int found = 0;
+    const auto note = [&](std::uint32_t id, bool starts) {
+      ++found;
+      (starts ? start : end) = id;
+    };
+    for (int k = 0; k < 3; ++k) {
+      const int next = (k + 1) % 3;
+      if (sideA[k] != sideA[next] && edges(k, 0) == edges(k, 1) && edges(k, 1) == edges(k, 2)) {
+        const bool exits = sideA[next] > 0;
+        note(add(0, 3 * pair.a + static_cast<std::uint32_t>(k), pair.b, exits, c.b), exits);
+      }
+      if (sideB[k] != sideB[next] && edges(0, k) == edges(1, k) && edges(1, k) == edges(2, k)) {
+        const bool exits = sideB[next] > 0;
+        note(add(1, 3 * pair.b + static_cast<std::uint32_t>(k), pair.a, exits, c.a), !exits);
+      }
+    }
+    if (found == 0) return;
+    if (found != 2 || start == kNone || end == kNone) {
+      ++contour_.anomalies;
+      return;
+    }
+    contour_.chords.push_back({pair.a, pair.b, start, end});
+  }
+
+  /// Orders the crossings of every edge and checks that they alternate.
+  void sortAlongEdges() {
+    std::vector<Crossing>& all = contour_.crossings;
+    order_.resize(all.size());
+    for (std::uint32_t i = 0; i < all.size(); ++i) order_[i] = i;
+    std::sort(order_.begin(), order_.end(), [&](std::uint32_t x, std::uint32_t y) {
+      const Crossing &p = all[x], &q = all[y];
+      if (p.mesh != q.mesh) return p.mesh < q.mesh;
+      if (p.edge != q.edge) return p.edge < q.edge;
+      if (p.t != q.t) return p.t < q.t;
+      return p.triangle < q.triangle;
+    });
+    contour_.alongEdge = order_;
+    for (std::uint32_t begin = 0; begin < order_.size();) {
+      const Crossing& head = all[order_[begin]];
+      std::uint32_t end = begin + 1;
+      while (end < order_.size() && all[order_[end]].mesh == head.mesh && all[order_[end]].edge == head.edge) ++end;
+      orderTies(begin, end);
+      alternate(begin, end);
+      contour_.firstOn[head.mesh].insert(head.edge, begin);
+      contour_.crossedEdges[head.mesh].push_back(head.edge);
+      begin = end;
+    }
+  }
+
+ private:
+  /// Insertion sort of the few that lie in one point: the comparison with tolerance need not be transitive.
+  void orderTies(std::uint32_t begin, std::uint32_t end) {
+    const std::vector<Crossing>& all = contour_.crossings;
+    std::vector<std::uint32_t>& along = contour_.alongEdge;
+    for (std::uint32_t i = begin + 1; i < end; ++i) {
+      for (std::uint32_t j = i; j > begin; --j) {
+        const Crossing &x = all[along[j]], &y = all[along[j - 1]];
+        if (x.t - y.t > 1e-12 || !driftsBefore(x, y)) break;
+        std::swap(along[j], along[j - 1]);
+      }
+    }
+  }
+
+  /// Crossings that are closer together than their rounding may have come out in the wrong order.
+  void alternate(std::uint32_t begin, std::uint32_t end) {
+    std::vector<Crossing>& all = contour_.crossings;
+    std::vector<std::uint32_t>& along = contour_.alongEdge;
+    for (std::uint32_t i = begin + 1; i < end; ++i) {
+      if (all[along[i]].exits != all[along[i - 1]].exits) continue;
+      std::uint32_t j = i + 1;
+      while (j < end && all[along[j]].exits == all[along[i]].exits) ++j;
+      if (j < end && std::fabs(all[along[j]].t - all[along[i]].t) < 1e-9) {
+        std::rotate(along.begin() + i, along.begin() + j, along.begin() + j + 1);
+      } else {
+        ++contour_.anomalies;
+        break;
+      }
+    }
+  }
+
+  std::uint32_t add(int mesh, std::uint32_t halfEdge, std::uint32_t triangle, bool exits, const Vec3d* other) {
+    const TriMesh& m = meshes_.mesh(mesh);
+    const Topology& topology = m.topology();
+    const std::uint32_t edge = topology.edgeOf[halfEdge];
+    bool inserted = false;
+    const auto id = static_cast<std::uint32_t>(contour_.crossings.size());
+    const std::uint32_t known = contour_.ids[mesh].insert(std::uint64_t{edge} << 32 | triangle, id, &inserted);
+    if (!inserted) return known;
+    const Topology::Edge& ends = topology.edges[edge];
+    const Triangle& t = m.triangles()[halfEdge / 3];
+    const bool forward = topology.weld[t.v[halfEdge % 3]] == ends.a;
+    const Vec3d p = meshes_.vertex(mesh, ends.a), q = meshes_.vertex(mesh, ends.b);
+    const PlaneHit hit = hitPlane(mesh, p, q, other);
+    contour_.crossings.push_back({edge, triangle, static_cast<std::uint8_t>(mesh), exits == forward, hit.t,
+                                  otgAdd(p, otgScale(otgSub(q, p), hit.t)), hit.drift});
+    return id;
+  }
+
+  const PlacedMeshes& meshes_;
+  Contour& contour_;
+  std::vector<std::uint32_t> order_;
+};
+
+}  // namespace
+
+Contour::Range Contour::on(int mesh, std::uint32_t edge) const {
+  const std::uint32_t begin = firstOn[mesh].find(edge);
+  if (begin == FlatMap::kMissing) return {0, 0};
+  std::uint32_t end = begin;
+  while (end < alongEdge.size() && crossings[alongEdge[end]].edge == edge && crossings[alongEdge[end]].mesh == mesh) {
+    ++end;
+  }
+  return {begin, end};
+}
+
+void Contour::clear() {
+  crossings.clear();
+  chords.clear();
+  alongEdge.clear();
+  anomalies = 0;
+  for (int m = 0; m < 2; ++m) {
+    firstOn[m].clear();
+    ids[m].clear();
+    crossedEdges[m].clear();
+  }
+}
+
+void traceContour(const PlacedMeshes& meshes, const std::vector<TrianglePair>& intersecting, Contour& contour) {
+  contour.clear();
+  Tracer tracer(meshes, contour);
+  for (const TrianglePair& pair : intersecting) tracer.pair(pair);
+  tracer.sortAlongEdges();
+}
+
+}  // namespace otg

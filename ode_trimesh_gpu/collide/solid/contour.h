@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The curves in which two surfaces cross: every crossing of an edge of one with a triangle of the other, and the chords
+// that join them within pairs of triangles. Combinatorially exact (shared/sos.h); coordinates are in double, in A's
+// frame.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "collide/query.h"
+#include "collide/solid/flat_map.h"
+
+namespace otg {
+
+/// An edge of mesh `mesh` (0 = A, 1 = B) passes through a triangle of the other mesh.
+struct Crossing {
+  std::uint32_t edge, triangle;
+  std::uint8_t mesh;
+  bool exits;  ///< going from Topology::Edge::a to b leaves the other mesh here (else enters it)
+  double t;    ///< where along the edge, 0 at a
+  Vec3d point;
+  Vec3d drift;  ///< change of t per unit of the symbolic translation of A: orders crossings at the same t
+};
+
+/// The part of a triangle pair's common line that lies in both: from crossing `start` to `end` in the direction in
+/// which B's inside is to the left on A's triangle (seen from A's outside).
+struct Chord {
+  std::uint32_t triangleA, triangleB;
+  std::uint32_t start, end;
+};
+
+struct Contour {
+  std::vector<Crossing> crossings;
+  std::vector<Chord> chords;
+  /// For mesh m, crossed edge e: firstOn[m].find(e) is the position in `alongEdge` of its crossings, in order from a to
+  /// b; `crossingsOn` of them, alternately leaving and entering.
+  FlatMap firstOn[2];
+  std::vector<std::uint32_t> alongEdge;
+  std::vector<std::uint32_t> crossedEdges[2];  ///< ascending
+  std::size_t anomalies = 0;  ///< pairs or edges whose crossings contradict (impossible for proper meshes)
+
+  FlatMap ids[2];  ///< scratch: (edge, triangle) -> crossing, by mesh of the edge
+
+  /// Crossings on an edge as [begin, end) into alongEdge; empty when it is not crossed.
+  struct Range {
+    std::uint32_t begin, end;
+  };
+  Range on(int mesh, std::uint32_t edge) const;
+  void clear();
+};
+
+/// Corners of triangles and vertices of both meshes in A's frame.
+class PlacedMeshes {
+ public:
+  explicit PlacedMeshes(const Query& query) : query_(query) {}
+  const TriMesh& mesh(int m) const { return m == 0 ? query_.a->mesh() : query_.b->mesh(); }
+  const CollisionMesh& tree(int m) const { return m == 0 ? *query_.a : *query_.b; }
+  const Adjacency& adjacency(int m) const { return m == 0 ? query_.a->adjacency() : query_.b->adjacency(); }
+  Vec3d vertex(int m, std::uint32_t v) const {
+    const Vec3f& p = mesh(m).vertices()[v];
+    const Vec3d x{p.x, p.y, p.z};
+    return m == 0 ? x : otgTransform(query_.bInA, x);
+  }
+  Vec3d normal(int m, std::uint32_t triangle) const {
+    const Vec3d& n = adjacency(m).normal[triangle];
+    return m == 0 ? n : otgRotate(query_.bInA, n);
+  }
+  /// A's frame to the frame of mesh m and back.
+  Vec3d toLocal(int m, const Vec3d& p) const {
+    return m == 0 ? p : otgRotateBack(query_.bInA, otgSub(p, query_.bInA.t));
+  }
+  Vec3d directionToLocal(int m, const Vec3d& d) const { return m == 0 ? d : otgRotateBack(query_.bInA, d); }
+  Vec3d directionFromLocal(int m, const Vec3d& d) const { return m == 0 ? d : otgRotate(query_.bInA, d); }
+  const Query& query() const { return query_; }
+
+ private:
+  const Query& query_;
+};
+
+/// From the pairs in `intersecting` (which must hold every pair that touches).
+void traceContour(const PlacedMeshes& meshes, const std::vector<TrianglePair>& intersecting, Contour& contour);
+
+}  // namespace otg

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "collide/solid/escape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "collide/solid/ray.h"
+#include "collide/solid/region_contacts.h"
+
+namespace otg {
+namespace {
+
+constexpr double kClusterCosine = 0.966;  // 15 degrees
+
+Vec3d unit(const Vec3d& v) {
+  const double l = std::sqrt(otgDot(v, v));
+  return l > 0 ? otgScale(v, 1 / l) : Vec3d{0, 0, 0};
+}
+
+/// The directions of a cube's faces, edges and corners.
+std::vector<Vec3d> axes26() {
+  std::vector<Vec3d> out;
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int z = -1; z <= 1; ++z) {
+        if (x || y || z) out.push_back(unit({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)}));
+      }
+    }
+  }
+  return out;
+}
+
+/// Up to six mean directions of the region's faces of one mesh, in the sense in which they push A; faces first that
+/// have the most area.
+std::vector<Vec3d> faceDirections(const OverlapRegions& all, const Region& region, int mesh) {
+  struct Cluster {
+    Vec3d first, sum;
+    double area;
+  };
+  std::vector<std::uint32_t> order;
+  for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
+    if (all.pieces[i].mesh == mesh) order.push_back(i);
+  }
+  std::sort(order.begin(), order.end(), [&](std::uint32_t x, std::uint32_t y) {
+    const Piece &p = all.pieces[x], &q = all.pieces[y];
+    return p.area != q.area ? p.area > q.area : p.triangle < q.triangle;
+  });
+  std::vector<Cluster> clusters;
+  for (const std::uint32_t i : order) {
+    const Piece& p = all.pieces[i];
+    const Vec3d n = mesh == 0 ? otgScale(p.normal, -1.0) : p.normal;
+    auto it = std::find_if(clusters.begin(), clusters.end(),
+                           [&](const Cluster& c) { return otgDot(c.first, n) >= kClusterCosine; });
+    if (it == clusters.end()) {
+      if (clusters.size() == 24) continue;
+      clusters.push_back({n, {0, 0, 0}, 0});
+      it = clusters.end() - 1;
+    }
+    it->sum = otgAdd(it->sum, otgScale(n, p.area));
+    it->area += p.area;
+  }
+  const double least = 0.01 * (region.areaA + region.areaB);
+  std::stable_sort(clusters.begin(), clusters.end(),
+                   [](const Cluster& x, const Cluster& y) { return x.area > y.area; });
+  std::vector<Vec3d> out;
+  for (const Cluster& c : clusters) {
+    if (c.area > least && out.size() < 6) out.push_back(unit(c.sum));
+  }
+  return out;
+}
+
+/// How far A must go along a direction until the region is gone, by the planes of its pieces: for a convex overlap that
+/// is exact. (The region's extent would not do: a spike is thin sideways, and yet only its tip is the way out.)
+class WayOutByPlanes {
+ public:
+  WayOutByPlanes(const OverlapRegions& all, const Region& region, double far) : all_(all), far_(far) {
+    std::vector<std::uint32_t> order;
+    for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) order.push_back(i);
+    if (order.size() > kMostPieces) {
+      std::nth_element(order.begin(), order.begin() + kMostPieces, order.end(), [&](std::uint32_t x, std::uint32_t y) {
+        const Piece &p = all.pieces[x], &q = all.pieces[y];
+        if (p.area != q.area) return p.area > q.area;
+        return p.mesh != q.mesh ? p.mesh < q.mesh : p.triangle < q.triangle;
+      });
+      order.resize(kMostPieces);
+    }
+    pieces_ = order;
+    const std::uint32_t count = region.pointEnd - region.pointBegin;
+    const std::uint32_t stride = std::max(1u, count / kMostPoints);
+    for (std::uint32_t i = region.pointBegin; i < region.pointEnd; i += stride) points_.push_back(i);
+  }
+
+  double along(const Vec3d& d) const {
+    double most = 0;
+    for (const std::uint32_t i : points_) {
+      const Vec3d& p = all_.points[i].position;
+      double exit[2] = {far_, far_};
+      for (const std::uint32_t k : pieces_) {
+        const Piece& piece = all_.pieces[k];
+        const double cosine = piece.mesh == 1 ? otgDot(piece.normal, d) : -otgDot(piece.normal, d);
+        if (cosine <= 0.05) continue;
+        exit[piece.mesh] = std::min(exit[piece.mesh], std::max(0.0, (piece.offset - otgDot(piece.normal, p)) / cosine));
+      }
+      most = std::max(most, exit[0] + exit[1]);
+    }
+    return most;
+  }
+
+ private:
+  static constexpr std::size_t kMostPieces = 128;
+  static constexpr std::uint32_t kMostPoints = 48;
+  const OverlapRegions& all_;
+  double far_;
+  std::vector<std::uint32_t> pieces_, points_;
+};
+
+/// How far A must go along d until the overlap on the line through the region's middle is gone.
+double wayOut(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region, const Vec3d& d) {
+  const Vec3d middle = otgAdd(all.origin, otgScale(otgAdd(region.lo, region.hi), 0.5));
+  const double far = 4 * static_cast<double>(meshes.mesh(0).radius() + meshes.mesh(1).radius());
+  const double out = exitDistance(meshes, 1, middle, d, far, 0);
+  const double back = exitDistance(meshes, 0, middle, otgScale(d, -1.0), far, 0);
+  return std::max(out, 0.0) + std::max(back, 0.0);
+}
+
+/// The shortest way out among many directions, those that undo the approach made cheaper by up to half.
+Vec3d escapeDirection(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region,
+                      const PairMotion& motion) {
+  if (otgDot(motion.escape, motion.escape) > 0) return motion.escape;
+  const Query& query = meshes.query();
+  const Vec3d& back = motion.back;
+  std::vector<Vec3d> directions = axes26();
+  for (const Vec3d& d : {unit(region.push), back}) {
+    if (otgDot(d, d) > 0) directions.push_back(d);
+  }
+  for (int k = 0; k < 3; ++k) {
+    const Vec3d axis{query.bInA.r[k], query.bInA.r[3 + k], query.bInA.r[6 + k]};
+    directions.push_back(axis);
+    directions.push_back(otgScale(axis, -1.0));
+  }
+  double least = std::numeric_limits<double>::infinity();
+  Vec3d best = directions.front();
+  for (const Vec3d& d : directions) {
+    double cost = region.contained ? wayOut(meshes, all, region, d) : extentAlong(all, region, d);
+    // An extent does not tell d from -d; the push does, as far as there is one.
+    if (!region.contained && otgDot(d, region.push) < 0) cost *= 1.1;
+    cost *= 1 - 0.5 * std::max(0.0, otgDot(d, back));
+    if (cost < least) {
+      least = cost;
+      best = d;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+void addContained(const PlacedMeshes& meshes, const InsideFlags& inside, OverlapRegions& regions) {
+  for (int m = 0; m < 2; ++m) {
+    for (const std::uint32_t component : inside.contained[m]) {
+      const Adjacency& adjacency = meshes.adjacency(m);
+      const TriMesh& mesh = meshes.mesh(m);
+      if (regions.regions.empty()) {
+        regions.origin = meshes.vertex(m, adjacency.componentVertex[component]);
+      }
+      Region region{};
+      region.contained = true;
+      const double inf = std::numeric_limits<double>::infinity();
+      region.lo = {inf, inf, inf};
+      region.hi = {-inf, -inf, -inf};
+      const auto index = static_cast<std::uint32_t>(regions.regions.size());
+      region.pointBegin = static_cast<std::uint32_t>(regions.points.size());
+      region.pieceBegin = region.pieceEnd = static_cast<std::uint32_t>(regions.pieces.size());
+      FlatMap seen;
+      for (std::uint32_t i = adjacency.componentFirst[component]; i < adjacency.componentFirst[component + 1]; ++i) {
+        const std::uint32_t t = adjacency.componentTriangles[i];
+        for (const std::uint32_t corner : mesh.triangles()[t].v) {
+          const std::uint32_t v = mesh.topology().weld[corner];
+          bool inserted = false;
+          seen.insert(v, 1, &inserted);
+          if (!inserted) continue;
+          const Vec3d p = otgSub(meshes.vertex(m, v), regions.origin);
+          region.lo = {std::min(region.lo.x, p.x), std::min(region.lo.y, p.y), std::min(region.lo.z, p.z)};
+          region.hi = {std::max(region.hi.x, p.x), std::max(region.hi.y, p.y), std::max(region.hi.z, p.z)};
+          SupportPoint point{};
+          point.position = p;
+          point.region = index;
+          point.mesh = static_cast<std::uint8_t>(m);
+          point.kind = PointKind::kVertex;
+          point.feature = v;
+          point.triangleA = point.triangleB = kNone;
+          (m == 0 ? point.triangleA : point.triangleB) = t;
+          regions.points.push_back(point);
+        }
+      }
+      region.pointEnd = static_cast<std::uint32_t>(regions.points.size());
+      const Vec3d d = otgSub(region.hi, region.lo);
+      region.diagonal = std::sqrt(otgDot(d, d));
+      const double volume = std::fabs(mesh.topology().componentVolume[component]);
+      region.volume = volume;
+      region.areaA = region.areaB = std::cbrt(volume) * std::cbrt(volume);
+      region.thickness = std::cbrt(volume);
+      regions.regions.push_back(region);
+    }
+  }
+}
+
+RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region,
+                             const PairMotion& motion, RegionNormals& normals) {
+  RegionDirection answer;
+  answer.entangled = !region.contained && (region.bad || region.coherence < 0.5);
+  if (region.contained || region.coherence < 0.5) {
+    answer.direction = escapeDirection(meshes, all, region, motion);
+    answer.escaping = true;
+    if (region.contained || region.thickness > 0.05 * region.diagonal) {
+      normals.fix(answer.direction);
+    } else {
+      normals.setEscape(answer.direction);
+    }
+    return answer;
+  }
+  if (region.thickness > 0.06 * region.diagonal) {
+    // Deep: the shortest way out, which the mean direction need not be once the overlap is thicker than wide. The last
+    // direction is kept while it is nearly as short, so that a body does not waver on its way out.
+    answer.deep = true;
+    answer.direction = normals.mean();
+    const WayOutByPlanes way(all, region, static_cast<double>(meshes.mesh(0).radius() + meshes.mesh(1).radius()));
+    // Both bound the way from below: the planes miss what lies between the points that are looked at, the extent misses
+    // what the other body has beyond the region.
+    const auto cost = [&](const Vec3d& d) { return std::max(way.along(d), extentAlong(all, region, d)); };
+    double least = 0.98 * cost(normals.mean());
+    const auto offer = [&](const Vec3d& d, double factor) {
+      if (otgDot(d, normals.mean()) < 0.2) return;
+      const double extent = factor * cost(d);
+      if (extent >= least) return;
+      least = extent;
+      answer.direction = d;
+      normals.fix(d);
+    };
+    if (otgDot(motion.deepNormal, motion.deepNormal) > 0) offer(motion.deepNormal, 0.85);
+    for (int m = 0; m < 2; ++m) {
+      for (const Vec3d& d : faceDirections(all, region, m)) offer(d, 1.0);
+    }
+  }
+  return answer;
+}
+
+}  // namespace otg

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where out is when the surfaces of a region do not say it: deep overlaps, entangled and contained bodies.
+#pragma once
+
+#include "collide/solid/inside.h"
+#include "collide/solid/region_normals.h"
+#include "collide/solid/regions.h"
+
+namespace otg {
+
+/// Adds a region for every component that lies wholly inside the other mesh.
+void addContained(const PlacedMeshes& meshes, const InsideFlags& inside, OverlapRegions& regions);
+
+/// What the pair's motion and history say, all in A's frame.
+struct PairMotion {
+  Vec3d back{0, 0, 0};        ///< unit direction against A's approach, zero if unknown
+  double step = 0;            ///< how far A moved relative to B since the last query, 0 if unknown
+  Vec3d escape{0, 0, 0};      ///< direction that still holds, or zero
+  Vec3d deepNormal{0, 0, 0};  ///< direction of the last deep region, or zero
+};
+
+struct RegionDirection {
+  bool entangled = false;  ///< incoherent or broken: depths of the whole pair are not to be trusted
+  bool escaping = false;   ///< `direction` is where the body is leaving
+  bool deep = false;       ///< `direction` is the way out of a deep overlap
+  Vec3d direction{0, 0, 0};
+};
+
+/// Chooses one direction for the whole region where that is needed, and tells `normals`.
+RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region,
+                             const PairMotion& motion, RegionNormals& normals);
+
+}  // namespace otg

@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "collide/solid/region_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "collide/solid/ray.h"
+
+namespace otg {
+namespace {
+
+/// A support point on its way to a contact.
+struct Candidate {
+  const SupportPoint* point;
+  Vec3d probe;  ///< where it is measured: moved a little into the region
+  Vec3d normal;
+  double depth;   ///< estimated, later measured
+  double rank;    ///< depth weighted by kind
+  double shift;   ///< of the middle of the overlap from the point, along the normal
+  double spread;  ///< distance from the chosen ones so far
+};
+
+// Fractions of the region's deepest below which a point of each kind says nothing new: what is shallow there is so
+// because of where the point lies on its facet, not because the bodies touch less. Order of PointKind.
+constexpr double kLeast[4] = {0.005, 0.02, 0.65, 0.3};
+// Between equally deep points the vertex goes first: facets of a tessellated plane must not decide.
+constexpr double kRank[4] = {1.1, 1.0, 1.05, 1.05};
+constexpr double kMergeDistance = 0.01;  // of the region's diagonal
+constexpr double kMergeCosine = 0.951;   // 18 degrees
+// A crossing lies on both surfaces; it is measured this part of the region's diagonal further along its edge, and every
+// point this part below its own surface.
+constexpr double kInward = 1e-3, kBelowSurface = 1e-6;
+// How far from a piece (in diagonals) the way out may lead through its plane for an estimate to use it.
+constexpr double kPieceSlack = 0.02;
+// Regions with more points or pieces than this are thinned before anything quadratic.
+constexpr std::size_t kMostPoints = 192, kMostPlanes = 96;
+
+ContactFeature featureOf(const SupportPoint& p) {
+  if (p.kind == PointKind::kVertex) return p.mesh == 0 ? ContactFeature::kVertexA : ContactFeature::kVertexB;
+  return ContactFeature::kEdgeEdge;
+}
+
+class RegionSolver {
+ public:
+  explicit RegionSolver(const RegionTask& task) : task_(task), region_(task.region), all_(task.all) {}
+
+  void run(std::vector<Contact>& out) {
+    center_ = centroid();
+    collectPlanes();
+    collectCandidates();
+    filterAndMerge();
+    chooseSpread();
+    measure();
+    emit(out);
+  }
+
+ private:
+  struct Plane {
+    Vec3d normal;
+    double offset;
+    Vec3d lo, hi;  ///< of the surface that it stands for
+    double area;
+  };
+
+  Vec3d centroid() const {
+    Vec3d sum{0, 0, 0};
+    for (std::uint32_t i = region_.pointBegin; i < region_.pointEnd; ++i) sum = otgAdd(sum, all_.points[i].position);
+    const std::uint32_t n = region_.pointEnd - region_.pointBegin;
+    return n ? otgScale(sum, 1.0 / n) : otgScale(otgAdd(region_.lo, region_.hi), 0.5);
+  }
+
+  /// The region's pieces as half spaces; very many are gathered in cells by place and main direction.
+  void collectPlanes() {
+    for (int m = 0; m < 2; ++m) {
+      std::uint32_t count = 0;
+      for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) count += all_.pieces[i].mesh == m;
+      FlatMap index;
+      const double cell = region_.diagonal / 12;
+      for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) {
+        const Piece& p = all_.pieces[i];
+        if (p.mesh != m) continue;
+        std::uint32_t slot = static_cast<std::uint32_t>(planes_[m].size());
+        if (count > kMostPlanes) slot = index.insert(cellKey(p, cell), slot);
+        if (slot == planes_[m].size()) planes_[m].push_back({{0, 0, 0}, 0, p.lo, p.hi, 0});
+        Plane& plane = planes_[m][slot];
+        plane.normal = otgAdd(plane.normal, otgScale(p.normal, p.area));
+        plane.offset += p.offset * p.area;
+        plane.area += p.area;
+        plane.lo = {std::min(plane.lo.x, p.lo.x), std::min(plane.lo.y, p.lo.y), std::min(plane.lo.z, p.lo.z)};
+        plane.hi = {std::max(plane.hi.x, p.hi.x), std::max(plane.hi.y, p.hi.y), std::max(plane.hi.z, p.hi.z)};
+      }
+      for (Plane& plane : planes_[m]) {
+        const double length = std::sqrt(otgDot(plane.normal, plane.normal));
+        if (!(length > 0)) continue;
+        plane.normal = otgScale(plane.normal, 1 / length);
+        plane.offset /= length;
+      }
+    }
+  }
+
+  std::uint64_t cellKey(const Piece& p, double cell) const {
+    const auto coordinate = [&](double lo, double hi, double origin) {
+      return static_cast<std::uint64_t>(std::max(0.0, (0.5 * (lo + hi) - origin) / cell));
+    };
+    const double n[3] = {p.normal.x, p.normal.y, p.normal.z};
+    std::uint64_t axis = 0;
+    for (std::uint64_t k = 1; k < 3; ++k) {
+      if (std::fabs(n[k]) > std::fabs(n[axis])) axis = k;
+    }
+    return coordinate(p.lo.x, p.hi.x, region_.lo.x) | coordinate(p.lo.y, p.hi.y, region_.lo.y) << 8 |
+           coordinate(p.lo.z, p.hi.z, region_.lo.z) << 16 | (2 * axis + (n[axis] < 0 ? 1 : 0)) << 24;
+  }
+
+  /// Way out of mesh m through the nearest of its planes that faces along the direction and has its surface there;
+  /// where none has, through the nearest plane of all, which is right for convex bodies.
+  double planeExit(int m, const Vec3d& p, const Vec3d& direction, double limit) const {
+    const double slack = kPieceSlack * region_.diagonal;
+    double nearest = limit, convex = limit;
+    bool found = false;
+    for (const Plane& plane : planes_[m]) {
+      const double cosine = otgDot(plane.normal, direction);
+      if (cosine <= 0.05) continue;
+      const double t = std::max(0.0, (plane.offset - otgDot(plane.normal, p)) / cosine);
+      convex = std::min(convex, t);
+      const Vec3d x = otgAdd(p, otgScale(direction, t));
+      if (x.x < plane.lo.x - slack || x.x > plane.hi.x + slack || x.y < plane.lo.y - slack ||
+          x.y > plane.hi.y + slack || x.z < plane.lo.z - slack || x.z > plane.hi.z + slack) {
+        continue;
+      }
+      nearest = std::min(nearest, t);
+      found = true;
+    }
+    return found ? nearest : convex;
+  }
+
+  double limitAlong(const Vec3d& n) {
+    if (!haveLimit_ || !(n == limitDirection_)) {
+      limit_ = extentAlong(all_, region_, n) + task_.extraDepth;
+      limitDirection_ = n;
+      haveLimit_ = true;
+    }
+    return limit_;
+  }
+
+  /// Which points of a very large region to look at: in each cell of a grid, of each kind and mesh, the one that lies
+  /// deepest as far as the mean direction can tell.
+  std::vector<std::uint32_t> thinned() {
+    std::vector<std::uint32_t> chosen;
+    const std::uint32_t n = region_.pointEnd - region_.pointBegin;
+    if (n <= kMostPoints) {
+      for (std::uint32_t i = region_.pointBegin; i < region_.pointEnd; ++i) chosen.push_back(i);
+      return chosen;
+    }
+    const double cell = region_.diagonal / 10;
+    FlatMap index;
+    const Vec3d& up = task_.normals.mean();
+    const auto depthHint = [&](const SupportPoint& p) { return (p.mesh == 0 ? -1 : 1) * otgDot(up, p.position); };
+    for (std::uint32_t i = region_.pointBegin; i < region_.pointEnd; ++i) {
+      const SupportPoint& p = all_.points[i];
+      const auto coordinate = [&](double x, double lo) {
+        return static_cast<std::uint64_t>(std::max(0.0, (x - lo) / cell));
+      };
+      const std::uint64_t key = coordinate(p.position.x, region_.lo.x) | coordinate(p.position.y, region_.lo.y) << 8 |
+                                coordinate(p.position.z, region_.lo.z) << 16 |
+                                static_cast<std::uint64_t>(p.kind) << 24 | std::uint64_t{p.mesh} << 32;
+      bool inserted = false;
+      std::uint32_t& slot = index.insert(key, static_cast<std::uint32_t>(chosen.size()), &inserted);
+      if (inserted) {
+        chosen.push_back(i);
+      } else if (depthHint(p) > depthHint(all_.points[chosen[slot]])) {
+        chosen[slot] = i;
+      }
+    }
+    return chosen;
+  }
+
+  void collectCandidates() {
+    for (const std::uint32_t i : thinned()) {
+      const SupportPoint& p = all_.points[i];
+      Candidate c{&p, {}, {}, 0, 0, 0, 0};
+      c.probe = otgSub(otgAdd(p.position, otgScale(p.along, std::min(kInward * region_.diagonal, 0.5 * p.reach))),
+                       otgScale(p.surfaceNormal, std::min(kBelowSurface * region_.diagonal, 0.01 * region_.thickness)));
+      estimate(c);
+      candidates_.push_back(c);
+    }
+    if (candidates_.empty()) {
+      fallback_.position = center_;
+      fallback_.kind = PointKind::kCrossing;
+      fallback_.feature = fallback_.triangleA = fallback_.triangleB = kNone;
+      Candidate c{&fallback_, center_, {}, 0, 0, 0, 0};
+      estimate(c);
+      candidates_.push_back(c);
+    }
+  }
+
+  void estimate(Candidate& c) {
+    c.normal = task_.normals.at(c.probe);
+    const double limit = limitAlong(c.normal);
+    const double out = planeExit(1, c.probe, c.normal, limit);
+    const double back = planeExit(0, c.probe, otgScale(c.normal, -1.0), limit);
+    c.depth = std::min(out + back, limit);
+    c.shift = 0.5 * (out - back);
+    c.rank = c.depth * kRank[static_cast<int>(c.point->kind)];
+  }
+
+  static bool sameFeatureOrder(const Candidate& x, const Candidate& y) {
+    const SupportPoint &p = *x.point, &q = *y.point;
+    if (p.kind != q.kind) return p.kind < q.kind;
+    if (p.mesh != q.mesh) return p.mesh < q.mesh;
+    if (p.feature != q.feature) return p.feature < q.feature;
+    return p.ordinal < q.ordinal;
+  }
+
+  double deepest() const {
+    double d = 0;
+    for (const Candidate& c : candidates_) d = std::max(d, c.depth);
+    return d;
+  }
+
+  /// Drops what is shallow for its kind, then of points that lie together and agree in direction all but the first.
+  void filterAndMerge() {
+    const double least = 0.5 * deepest();  // half the fractions: estimates err
+    std::erase_if(candidates_,
+                  [&](const Candidate& c) { return c.depth < kLeast[static_cast<int>(c.point->kind)] * least; });
+    std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& x, const Candidate& y) {
+      return x.rank != y.rank ? x.rank > y.rank : sameFeatureOrder(x, y);
+    });
+    std::vector<Candidate> kept;
+    const double reach = kMergeDistance * region_.diagonal;
+    for (const Candidate& c : candidates_) {
+      const bool taken = std::any_of(kept.begin(), kept.end(), [&](const Candidate& k) {
+        const Vec3d d = otgSub(c.point->position, k.point->position);
+        return otgDot(d, d) <= reach * reach && otgDot(c.normal, k.normal) >= kMergeCosine;
+      });
+      if (!taken) kept.push_back(c);
+    }
+    candidates_.swap(kept);
+  }
+
+  /// The deepest, then again and again the one farthest from those chosen, in position and normal.
+  void chooseSpread() {
+    const auto most = static_cast<std::size_t>(task_.maxContacts);
+    const double scale = region_.diagonal > 0 ? 1 / (region_.diagonal * region_.diagonal) : 0;
+    for (Candidate& c : candidates_) c.spread = std::numeric_limits<double>::infinity();
+    const std::size_t count = std::min(most, candidates_.size());
+    for (std::size_t i = 1; i < count; ++i) {
+      const Candidate& last = candidates_[i - 1];
+      std::size_t best = i;
+      for (std::size_t j = i; j < candidates_.size(); ++j) {
+        const Vec3d d = otgSub(candidates_[j].point->position, last.point->position);
+        const Vec3d n = otgSub(candidates_[j].normal, last.normal);
+        candidates_[j].spread = std::min(candidates_[j].spread, otgDot(d, d) * scale + otgDot(n, n));
+        if (candidates_[j].spread > candidates_[best].spread) best = j;
+      }
+      std::rotate(candidates_.begin() + static_cast<std::ptrdiff_t>(i),
+                  candidates_.begin() + static_cast<std::ptrdiff_t>(best),
+                  candidates_.begin() + static_cast<std::ptrdiff_t>(best) + 1);
+    }
+    candidates_.resize(count);
+  }
+
+  /// Depths by rays, until two agree with their estimates and none has disagreed: then the others are believed.
+  void measure() {
+    int agree = 0;
+    bool disagree = false;
+    const double far = 4 * static_cast<double>(task_.meshes.mesh(0).radius() + task_.meshes.mesh(1).radius());
+    const double skin = 1e-9 * std::max(task_.meshes.mesh(0).radius(), task_.meshes.mesh(1).radius());
+    for (Candidate& c : candidates_) {
+      if (agree >= 2 && !disagree) break;
+      const double limit = limitAlong(c.normal);
+      const Vec3d origin = otgAdd(c.probe, all_.origin);
+      // Looked for as far as the meshes reach: a point inside finds its way out in every direction, so nothing ahead
+      // means outside.
+      const double out = std::max(0.0, exitDistance(task_.meshes, 1, origin, c.normal, far, skin));
+      const double back = std::max(0.0, exitDistance(task_.meshes, 0, origin, otgScale(c.normal, -1.0), far, skin));
+      const double depth = std::min(out + back, limit);
+      if (std::fabs(depth - c.depth) <= 0.02 * std::max(depth, c.depth)) {
+        ++agree;
+      } else {
+        disagree = true;
+      }
+      c.depth = depth;
+      c.shift = 0.5 * (std::min(out, limit) - std::min(back, limit));
+    }
+    const double least = deepest();
+    std::erase_if(candidates_,
+                  [&](const Candidate& c) { return c.depth < kLeast[static_cast<int>(c.point->kind)] * least; });
+  }
+
+  void emit(std::vector<Contact>& out) {
+    std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& x, const Candidate& y) {
+      return x.depth != y.depth ? x.depth > y.depth : sameFeatureOrder(x, y);
+    });
+    for (const Candidate& c : candidates_) {
+      const Vec3d position = otgAdd(otgAdd(c.point->position, all_.origin), otgScale(c.normal, c.shift));
+      const auto triangleOf = [&](std::uint32_t known, std::uint8_t mesh) {
+        if (known != kNone) return known;
+        for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) {
+          if (all_.pieces[i].mesh == mesh) return facing(mesh, c);
+        }
+        return std::uint32_t{0};
+      };
+      out.push_back({position, c.normal, c.depth, triangleOf(c.point->triangleA, 0), triangleOf(c.point->triangleB, 1),
+                     task_.regionIndex, featureOf(*c.point)});
+    }
+  }
+
+  /// The piece of `mesh` through which the contact's normal leaves: its plane is the nearest ahead.
+  std::uint32_t facing(std::uint8_t mesh, const Candidate& c) const {
+    const Vec3d direction = mesh == 1 ? c.normal : otgScale(c.normal, -1.0);
+    double nearest = std::numeric_limits<double>::infinity();
+    std::uint32_t triangle = kNone, any = 0;
+    for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) {
+      const Piece& p = all_.pieces[i];
+      if (p.mesh != mesh) continue;
+      any = p.triangle;
+      const double cosine = otgDot(p.normal, direction);
+      if (cosine <= 0.05) continue;
+      // Among planes equally far the piece whose box is nearest to the point.
+      const double x = std::max({p.lo.x - c.probe.x, 0.0, c.probe.x - p.hi.x});
+      const double y = std::max({p.lo.y - c.probe.y, 0.0, c.probe.y - p.hi.y});
+      const double z = std::max({p.lo.z - c.probe.z, 0.0, c.probe.z - p.hi.z});
+      const double d = std::max(0.0, (p.offset - otgDot(p.normal, c.probe)) / cosine) + x + y + z;
+      if (d < nearest) {
+        nearest = d;
+        triangle = p.triangle;
+      }
+    }
+    return triangle == kNone ? any : triangle;
+  }
+
+  const RegionTask& task_;
+  const Region& region_;
+  const OverlapRegions& all_;
+  Vec3d center_{};
+  std::vector<Plane> planes_[2];
+  std::vector<Candidate> candidates_;
+  SupportPoint fallback_{};
+  Vec3d limitDirection_{};
+  double limit_ = 0;
+  bool haveLimit_ = false;
+};
+
+}  // namespace
+
+double extentAlong(const OverlapRegions& all, const Region& region, const Vec3d& direction) {
+  if (region.pointBegin == region.pointEnd) return 0;
+  double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+  for (std::uint32_t i = region.pointBegin; i < region.pointEnd; ++i) {
+    const double x = otgDot(all.points[i].position, direction);
+    lo = std::min(lo, x);
+    hi = std::max(hi, x);
+  }
+  return hi - lo;
+}
+
+void contactsOfRegion(const RegionTask& task, std::vector<Contact>& out) {
+  RegionSolver(task).run(out);
+}
+
+}  // namespace otg

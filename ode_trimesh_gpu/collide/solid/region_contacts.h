@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Contacts of one overlap region: choose places by estimated depth, thin them out, measure those that survive by rays.
+#pragma once
+
+#include <vector>
+
+#include "collide/solid/region_normals.h"
+#include "collide/solid/regions.h"
+
+namespace otg {
+
+/// Extent of the region's points along a direction.
+double extentAlong(const OverlapRegions& all, const Region& region, const Vec3d& direction);
+
+struct RegionTask {
+  const PlacedMeshes& meshes;
+  const OverlapRegions& all;
+  const Region& region;
+  std::uint32_t regionIndex;
+  const RegionNormals& normals;
+  int maxContacts;
+  double extraDepth;  ///< added to the clamp of depths by the region's own extent (escaping bodies: way of one step)
+};
+
+/// Appends contacts (frame A), deepest first.
+void contactsOfRegion(const RegionTask& task, std::vector<Contact>& out);
+
+}  // namespace otg

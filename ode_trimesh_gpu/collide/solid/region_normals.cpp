@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "collide/solid/region_normals.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "collide/solid/flat_map.h"
+
+namespace otg {
+namespace {
+
+double norm(const Vec3d& v) {
+  return std::sqrt(otgDot(v, v));
+}
+Vec3d unit(const Vec3d& v) {
+  const double l = norm(v);
+  return l > 0 ? otgScale(v, 1 / l) : Vec3d{0, 0, 0};
+}
+
+double distanceToBox(const Vec3d& p, const Vec3d& lo, const Vec3d& hi) {
+  const double x = std::max({lo.x - p.x, 0.0, p.x - hi.x}), y = std::max({lo.y - p.y, 0.0, p.y - hi.y}),
+               z = std::max({lo.z - p.z, 0.0, p.z - hi.z});
+  return std::sqrt(x * x + y * y + z * z);
+}
+
+// From here on a region counts as flat, or as curved; in between the two answers are blended.
+constexpr double kFlat = 0.99, kCurved = 0.97;
+// More pieces than this are gathered in cells first, so that normals cost the same whatever the tessellation.
+constexpr std::uint32_t kMostElements = 256;
+
+}  // namespace
+
+RegionNormals::RegionNormals(const OverlapRegions& all, const Region& region)
+    : region_(region), mean_(unit(region.push)), radius_(std::max(region.diagonal / 4, 3 * region.thickness)) {
+  if (region.coherence >= kFlat) return;
+  if (region.pieceEnd - region.pieceBegin > kMostElements) {
+    cluster(all);
+    return;
+  }
+  elements_.reserve(region.pieceEnd - region.pieceBegin);
+  for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
+    const Piece& p = all.pieces[i];
+    elements_.push_back({p.lo, p.hi, otgScale(p.normal, p.area), p.area, p.mesh});
+  }
+}
+
+/// Cells of an eighth of the radius of influence, one element per cell and mesh.
+void RegionNormals::cluster(const OverlapRegions& all) {
+  const double cell = radius_ / 8;
+  FlatMap index;
+  for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) {
+    const Piece& p = all.pieces[i];
+    const auto coordinate = [&](double lo, double hi, double origin) {
+      return static_cast<std::uint64_t>(std::clamp((0.5 * (lo + hi) - origin) / cell, 0.0, 1e6));
+    };
+    const std::uint64_t key = coordinate(p.lo.x, p.hi.x, region_.lo.x) |
+                              coordinate(p.lo.y, p.hi.y, region_.lo.y) << 20 |
+                              coordinate(p.lo.z, p.hi.z, region_.lo.z) << 40 | std::uint64_t{p.mesh} << 60;
+    bool inserted = false;
+    const std::uint32_t e = index.insert(key, static_cast<std::uint32_t>(elements_.size()), &inserted);
+    const Vec3d a = otgScale(p.normal, p.area);
+    if (inserted) {
+      elements_.push_back({p.lo, p.hi, a, p.area, p.mesh});
+      continue;
+    }
+    Element& element = elements_[e];
+    element.lo = {std::min(element.lo.x, p.lo.x), std::min(element.lo.y, p.lo.y), std::min(element.lo.z, p.lo.z)};
+    element.hi = {std::max(element.hi.x, p.hi.x), std::max(element.hi.y, p.hi.y), std::max(element.hi.z, p.hi.z)};
+    element.vector = otgAdd(element.vector, a);
+    element.area += p.area;
+  }
+}
+
+Vec3d RegionNormals::local(const Vec3d& point) const {
+  Vec3d sum[2] = {{0, 0, 0}, {0, 0, 0}};
+  double total[2] = {0, 0};
+  const double cap = radius_ * radius_;
+  for (const Element& e : elements_) {
+    const double d = distanceToBox(point, e.lo, e.hi);
+    if (!(d < radius_)) continue;
+    const double x = 1 - d * d / cap;
+    const double weight = x * x * (e.area > cap ? cap / e.area : 1.0);
+    // Out of B: along B's outward normals, against A's.
+    sum[e.mesh] = otgAdd(sum[e.mesh], otgScale(e.vector, e.mesh == 0 ? -weight : weight));
+    total[e.mesh] += weight * e.area;
+  }
+  const double sA = norm(sum[0]), sB = norm(sum[1]);
+  const double most = std::max(sA, sB);
+  const Vec3d& fallback = region_.coherence >= 0.5 || !escape_ ? mean_ : *escape_;
+  if (!(most > 0)) return fallback;
+  if (sA > 0 && sB > 0 && otgDot(sum[0], sum[1]) < 0.3 * most * most) return fallback;
+  const double lA = total[0] > 0 ? sA / total[0] : 0, lB = total[1] > 0 ? sB / total[1] : 0;
+  const Vec3d n = unit(otgAdd(otgScale(sum[0], lA * lA), otgScale(sum[1], lB * lB)));
+  return otgDot(n, n) > 0 ? n : fallback;
+}
+
+Vec3d RegionNormals::at(const Vec3d& point) const {
+  if (fixed_) return *fixed_;
+  if (region_.coherence >= kFlat) return mean_;
+  Vec3d n = local(point);
+  if (region_.coherence > kCurved) {
+    const double w = (region_.coherence - kCurved) / (kFlat - kCurved);
+    n = unit(otgAdd(otgScale(mean_, w), otgScale(n, 1 - w)));
+  }
+  if (otgDot(n, mean_) < -0.2 && region_.coherence >= 0.5) return mean_;
+  return n;
+}
+
+}  // namespace otg

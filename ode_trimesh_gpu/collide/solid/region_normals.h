@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// In which direction a region pushes at one of its points.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "collide/solid/regions.h"
+
+namespace otg {
+
+/// Contact normals of one region: one direction for flat regions, localised by distance where the region is curved, the
+/// escape direction where the surfaces do not say where out is.
+class RegionNormals {
+ public:
+  /// `escape` is asked for only when it is needed; it may be any unit vector.
+  RegionNormals(const OverlapRegions& all, const Region& region);
+
+  /// Serve this direction everywhere instead.
+  void fix(const Vec3d& direction) { fixed_ = direction; }
+  /// What to answer where the two surfaces contradict each other in an incoherent region.
+  void setEscape(const Vec3d& direction) { escape_ = direction; }
+
+  /// Direction of the region's vector area; zero if that vanishes.
+  const Vec3d& mean() const { return mean_; }
+  Vec3d at(const Vec3d& point) const;
+
+ private:
+  struct Element {  // a piece, or a cell full of pieces of one mesh
+    Vec3d lo, hi;
+    Vec3d vector;  ///< sum of outward normal times area
+    double area;   ///< sum of |..|
+    std::uint8_t mesh;
+  };
+  Vec3d local(const Vec3d& point) const;
+  void cluster(const OverlapRegions& all);
+
+  const Region& region_;
+  Vec3d mean_{0, 0, 0};
+  std::optional<Vec3d> fixed_, escape_;
+  double radius_;
+  std::vector<Element> elements_;
+};
+
+}  // namespace otg

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "collide/solid_contacts.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+
+#include "collide/solid/contour.h"
+#include "collide/solid/escape.h"
+#include "collide/solid/inside.h"
+#include "collide/solid/region_contacts.h"
+#include "collide/solid/regions.h"
+
+namespace otg {
+
+struct SolidScratch {
+  Contour contour;
+  InsideFlags inside;
+  OverlapRegions regions;
+};
+
+Workspace::Workspace() = default;
+Workspace::~Workspace() = default;
+Workspace::Workspace(Workspace&&) noexcept = default;
+Workspace& Workspace::operator=(Workspace&&) noexcept = default;
+
+namespace {
+
+/// Where B's middle lies in A's frame: relative motion is measured there.
+Vec3d middleOfB(const Query& query, const Transformd& bInA) {
+  const Vec3f& c = query.b->mesh().center();
+  return otgTransform(bInA, Vec3d{c.x, c.y, c.z});
+}
+
+bool samePose(const Transformd& a, const Transformd& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+PairMotion motionOf(const Query& query, const SolidHistory::State& state) {
+  PairMotion motion;
+  Vec3d approach = query.relativeVelocity;
+  if (state.hasPose) {
+    const Vec3d moved = otgSub(middleOfB(query, state.pose), middleOfB(query, query.bInA));  // A relative to B
+    motion.step = std::sqrt(otgDot(moved, moved));
+    if (!(otgDot(approach, approach) > 0)) approach = moved;
+  }
+  const double speed = std::sqrt(otgDot(approach, approach));
+  if (speed > 0) motion.back = otgScale(approach, -1 / speed);
+  if (state.escapeLeft > 0) motion.escape = otgRotate(query.bInA, state.escape);
+  motion.deepNormal = otgRotate(query.bInA, state.deepNormal);
+  return motion;
+}
+
+}  // namespace
+
+void solidContacts(const Query& query, Workspace& workspace) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
+  workspace.contacts.clear();
+  if (!workspace.solid) workspace.solid = std::make_unique<SolidScratch>();
+  SolidScratch& scratch = *workspace.solid;
+  const PlacedMeshes meshes(query);
+  traceContour(meshes, workspace.intersecting, scratch.contour);
+  floodInside(meshes, scratch.contour, scratch.inside);
+  buildRegions(meshes, scratch.contour, scratch.inside, scratch.regions);
+  addContained(meshes, scratch.inside, scratch.regions);
+
+  SolidHistory::State state;
+  if (query.history && query.history->used) {
+    const bool again = samePose(query.history->current.pose, query.bInA);
+    state = again ? query.history->before : query.history->current;
+  }
+  const double size = 2 * static_cast<double>(std::min(query.a->mesh().radius(), query.b->mesh().radius()));
+  if (state.hasPose) {
+    // A pair that jumped was put there, it did not move: what it did before says nothing. The direction of a deep
+    // overlap is worth keeping only while the overlap is nearly the same.
+    const Vec3d d = otgSub(middleOfB(query, state.pose), middleOfB(query, query.bInA));
+    const double moved = std::sqrt(otgDot(d, d));
+    if (moved > 0.05 * size) state.deepNormal = {0, 0, 0};
+    if (moved > 0.25 * size) state = {};
+  }
+  const SolidHistory::State before = state;
+  const PairMotion motion = motionOf(query, state);
+
+  bool entangled = false;
+  state.escapeLeft = std::max(0, state.escapeLeft - 1);
+  state.deepNormal = {0, 0, 0};
+  std::uint32_t number = 0;
+  for (const Region& region : scratch.regions.regions) {
+    if (region.diagonal < 1e-9 * size || region.areaA + region.areaB < 1e-14 * size * size) continue;
+    RegionNormals normals(scratch.regions, region);
+    const RegionDirection direction = directRegion(meshes, scratch.regions, region, motion, normals);
+    entangled = entangled || direction.entangled;
+    if (direction.escaping && state.escapeLeft == 0) {
+      state.escape = otgRotateBack(query.bInA, direction.direction);
+      state.escapeLeft = SolidHistory::kEscapeQueries;
+    }
+    if (direction.deep) state.deepNormal = otgRotateBack(query.bInA, direction.direction);
+    const double extra = direction.escaping ? motion.step : 0;
+    contactsOfRegion({meshes, scratch.regions, region, number++, normals, query.options.solid.contactsPerRegion, extra},
+                     workspace.contacts);
+  }
+  state.clampLeft = entangled ? SolidHistory::kClampQueries : std::max(0, state.clampLeft - 1);
+  if (state.clampLeft > 0) {
+    const double most = std::max(0.02 * size, 2 * motion.step);
+    for (Contact& contact : workspace.contacts) contact.depth = std::min(contact.depth, most);
+  }
+  if (query.history) {
+    state.pose = query.bInA;
+    state.hasPose = true;
+    query.history->before = before;
+    query.history->current = state;
+    query.history->used = true;
+  }
+  workspace.stats.contactsBeforeReduction = workspace.contacts.size();
+  if (query.options.timings) {
+    workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  }
+}
+
+}  // namespace otg

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the object-level contact model needs of a mesh beyond its topology; made once per mesh.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "mesh/tri_mesh.h"
+
+namespace otg {
+
+struct Adjacency {
+  /// Outgoing half-edges of each welded vertex: halfEdges[first[v]] .. halfEdges[first[v + 1] - 1], ascending. Empty
+  /// for vertices that are welded to a smaller one.
+  std::vector<std::uint32_t> first, halfEdges;
+  /// Unit normal of each triangle; zero for degenerate ones.
+  std::vector<Vec3d> normal;
+  /// 1 for edges whose two triangles lie in one plane to within kFlatDegrees: nothing can rest on them.
+  std::vector<std::uint8_t> flatEdge;
+  static constexpr double kFlatDegrees = 0.1;
+  /// One vertex (welded) of each component, and the component's triangles: triangles[componentFirst[c]] ..
+  std::vector<std::uint32_t> componentVertex, componentFirst, componentTriangles;
+};
+
+Adjacency buildAdjacency(const TriMesh& mesh);
+
+}  // namespace otg

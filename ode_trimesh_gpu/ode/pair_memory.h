@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a geom remembers of the pairs that it is in contact with, for the contact model `solid`.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <mutex>
+
+#include "collide/solid/solid_options.h"
+
+namespace otg {
+
+/// Bounded: a pair without contacts is forgotten at its next query, and of more than kMost pairs the one that was asked
+/// for longest ago. Any number of threads.
+class PairMemory {
+ public:
+  static constexpr std::size_t kMost = 256;
+
+  /// What is known of the pair with the geom of that serial number (serial numbers are never used again).
+  SolidHistory recall(std::uint64_t other) {
+    const std::lock_guard lock(mutex_);
+    const auto it = pairs_.find(other);
+    return it == pairs_.end() ? SolidHistory{} : it->second.history;
+  }
+  void store(std::uint64_t other, const SolidHistory& history) {
+    const std::lock_guard lock(mutex_);
+    if (pairs_.size() >= kMost && pairs_.find(other) == pairs_.end()) {
+      auto oldest = pairs_.begin();
+      for (auto it = pairs_.begin(); it != pairs_.end(); ++it) {
+        if (it->second.stamp < oldest->second.stamp) oldest = it;
+      }
+      pairs_.erase(oldest);
+    }
+    pairs_[other] = {history, ++clock_};
+  }
+  void forget(std::uint64_t other) {
+    const std::lock_guard lock(mutex_);
+    pairs_.erase(other);
+  }
+  void clear() {
+    const std::lock_guard lock(mutex_);
+    pairs_.clear();
+  }
+
+ private:
+  struct Entry {
+    SolidHistory history;
+    std::uint64_t stamp = 0;
+  };
+  std::mutex mutex_;
+  std::map<std::uint64_t, Entry> pairs_;
+  std::uint64_t clock_ = 0;
+};
+
+}  // namespace otg

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Contours close, regions measure the overlap, and the push is the gradient of its volume: against closed forms and
+// finite differences.
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "collide/solid/contour.h"
+#include "collide/solid/inside.h"
+#include "collide/solid/regions.h"
+#include "scenes/generated_meshes.h"
+#include "support/catch.h"
+
+using namespace otg;
+
+namespace {
+
+struct Overlap {
+  Contour contour;
+  InsideFlags inside;
+  OverlapRegions regions;
+
+  Overlap(const CollisionMesh& a, const CollisionMesh& b, const Transformd& pose) {
+    Query query;
+    query.a = &a;
+    query.b = &b;
+    query.bInA = pose;
+    Workspace workspace;
+    findIntersectingPairs(query, workspace);
+    const PlacedMeshes meshes(query);
+    traceContour(meshes, workspace.intersecting, contour);
+    floodInside(meshes, contour, inside);
+    buildRegions(meshes, contour, inside, regions);
+  }
+  double volume() const {
+    double sum = 0;
+    for (const Region& r : regions.regions) sum += r.volume;
+    return sum;
+  }
+  Vec3d push() const {
+    Vec3d sum{0, 0, 0};
+    for (const Region& r : regions.regions) sum = otgAdd(sum, r.push);
+    return sum;
+  }
+  std::size_t anomalies() const { return contour.anomalies + inside.anomalies + regions.anomalies; }
+};
+
+Transformd at(const Vec3d& t) {
+  return {{1, 0, 0, 0, 1, 0, 0, 0, 1}, t};
+}
+
+Transformd randomPose(std::mt19937& random, double reach) {
+  std::normal_distribution<double> normal;
+  double q[4], length = 0;
+  for (double& x : q) {
+    x = normal(random);
+    length += x * x;
+  }
+  for (double& x : q) x /= std::sqrt(length);
+  const double w = q[0], x = q[1], y = q[2], z = q[3];
+  std::uniform_real_distribution<double> uniform(-reach, reach);
+  return {
+      {1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), 2 * (x * y + z * w), 1 - 2 * (x * x + z * z),
+       2 * (y * z - x * w), 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)},
+      {uniform(random), uniform(random), uniform(random)}};
+}
+
+/// Every crossing begins one chord and ends one: the contour is a set of closed loops.
+void requireClosedContour(const Contour& contour) {
+  std::vector<int> starts(contour.crossings.size(), 0), ends(contour.crossings.size(), 0);
+  for (const Chord& chord : contour.chords) {
+    ++starts[chord.start];
+    ++ends[chord.end];
+  }
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    REQUIRE(starts[i] == 1);
+    REQUIRE(ends[i] == 1);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("two boxes overlap in a box") {
+  const CollisionMesh box(scenes::build(scenes::makeBox({1, 1, 1}, 3)), BuildStrategy::kSah);
+  const Overlap o(box, box, at({0.75, 0.5, 0.25}));
+  REQUIRE(o.regions.regions.size() == 1);
+  CHECK(o.anomalies() == 0);
+  CHECK(o.volume() == Approx(0.25 * 0.5 * 0.75).epsilon(1e-12));
+  // A's right, back and top faces are inside B.
+  CHECK(o.regions.regions[0].areaA == Approx(0.5 * 0.75 + 0.25 * 0.75 + 0.25 * 0.5).epsilon(1e-12));
+  CHECK(o.push().x == Approx(-0.5 * 0.75).epsilon(1e-12));
+  CHECK(o.push().y == Approx(-0.25 * 0.75).epsilon(1e-12));
+  CHECK(o.push().z == Approx(-0.25 * 0.5).epsilon(1e-12));
+}
+
+TEST_CASE("aligned, touching and identical boxes have closed contours and no anomalies") {
+  const CollisionMesh box(scenes::build(scenes::makeBox({1, 1, 1}, 2)), BuildStrategy::kSah);
+  const CollisionMesh fine(scenes::build(scenes::makeBox({1, 1, 1}, 4)), BuildStrategy::kSah);
+  for (const CollisionMesh* other : {&box, &fine}) {
+    for (const double x : {0.0, 0.25, 0.5, 1.0, -1.0}) {
+      for (const double y : {0.0, 0.5, -1.0}) {
+        for (const double z : {0.0, 0.5, 1.0, -1.0, 0.999}) {
+          const Overlap o(box, *other, at({x, y, z}));
+          requireClosedContour(o.contour);
+          CHECK(o.anomalies() == 0);
+          const double expected = (1 - std::fabs(x)) * (1 - std::fabs(y)) * (1 - std::fabs(z));
+          if (!o.regions.regions.empty()) CHECK(o.volume() == Approx(expected).margin(1e-12));
+          if (expected > 0 && (x != 0 || y != 0 || z != 0)) CHECK_FALSE(o.regions.regions.empty());
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("two spheres overlap in a lens") {
+  const CollisionMesh sphere(scenes::build(scenes::makeSphere(1, 5)), BuildStrategy::kSah);
+  for (const double d : {1.9, 1.5, 1.0}) {
+    const Overlap o(sphere, sphere, at({0, 0, d}));
+    const double h = 1 - d / 2;
+    REQUIRE(o.regions.regions.size() == 1);
+    CHECK(o.volume() == Approx(2 * std::numbers::pi * h * h * (3 - h) / 3).epsilon(0.02));
+    const double area = std::numbers::pi * (1 - d * d / 4);
+    CHECK(o.push().z == Approx(-area).epsilon(0.01));
+  }
+}
+
+TEST_CASE("the push is minus the gradient of the overlap's volume") {
+  std::mt19937 random(5);
+  const CollisionMesh a(scenes::build(scenes::makeTorus(1, 0.4, 40, 20)), BuildStrategy::kSah);
+  const CollisionMesh b(scenes::build(scenes::makeLump(0.8, 3, 0.2, 3)), BuildStrategy::kSah);
+  int tried = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Transformd pose = randomPose(random, 1.2);
+    const Overlap o(a, b, pose);
+    requireClosedContour(o.contour);
+    CHECK(o.anomalies() == 0);
+    if (o.regions.regions.empty() || !o.inside.contained[0].empty() || !o.inside.contained[1].empty()) continue;
+    ++tried;
+    const double h = 1e-5;
+    double gradient[3];
+    for (int k = 0; k < 3; ++k) {
+      Transformd forward = pose, back = pose;
+      (&forward.t.x)[k] += h;
+      (&back.t.x)[k] -= h;
+      gradient[k] = (Overlap(a, b, forward).volume() - Overlap(a, b, back).volume()) / (2 * h);
+    }
+    // Moving B by +t changes the volume by gradient . t; the push moves A.
+    const Vec3d push = o.push();
+    CHECK(push.x == Approx(gradient[0]).margin(1e-4));
+    CHECK(push.y == Approx(gradient[1]).margin(1e-4));
+    CHECK(push.z == Approx(gradient[2]).margin(1e-4));
+  }
+  CHECK(tried > 20);
+}
+
+TEST_CASE("a body wholly inside another is found, one in its cavity is not") {
+  const scenes::MeshArrays outer = scenes::makeBox({4, 4, 4}, 1);
+  const CollisionMesh solid(scenes::build(outer), BuildStrategy::kSah);
+  scenes::MeshArrays cavity = scenes::makeBox({2, 2, 2}, 1);
+  for (Triangle& t : cavity.triangles) std::swap(t.v[1], t.v[2]);
+  const CollisionMesh hollow(scenes::build(scenes::merge({outer, cavity})), BuildStrategy::kSah);
+  REQUIRE(hollow.mesh().meshClass() == MeshClass::kSolid);
+  const CollisionMesh small(scenes::build(scenes::makeBox({1, 1, 1}, 1)), BuildStrategy::kSah);
+  CHECK(Overlap(solid, small, at({0.3, 0.2, 0.1})).inside.contained[1].size() == 1);
+  CHECK(Overlap(small, solid, at({0.3, 0.2, 0.1})).inside.contained[0].size() == 1);
+  CHECK(Overlap(hollow, small, at({0.3, 0.2, 0.1})).inside.contained[1].empty());
+  CHECK(Overlap(solid, small, at({3, 0, 0})).inside.contained[1].empty());
+  // Touching from outside, on each side and in either role.
+  for (const double d : {2.5, -2.5}) {
+    for (const Vec3d& t : {Vec3d{d, 0.1, 0.2}, Vec3d{0.1, d, 0.2}, Vec3d{0.1, 0.2, d}}) {
+      CHECK(Overlap(solid, small, at(t)).inside.contained[1].empty());
+      CHECK(Overlap(small, solid, at(t)).inside.contained[0].empty());
+    }
+  }
+}
