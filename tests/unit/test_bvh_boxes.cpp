@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "bvh/collision_mesh.h"
+#include "bvh/mesh_box.h"
 #include "support/catch.h"
 #include "support/exact_sum.h"
 #include "support/mesh_samples.h"
@@ -74,6 +75,38 @@ TEST_CASE("the oracle adds exactly") {
   REQUIRE(ExactSum().add(kLargest).add(kLargest).subtract(kLargest).subtract(kLargest).sign() == 0);
   REQUIRE(ExactSum().add(1).subtract(0.75f).subtract(0.25f).sign() == 0);
   REQUIRE(ExactSum().add(-1e-30f).add(1e-31f).sign() == -1);
+}
+
+TEST_CASE("one axis of a box encloses any interval about any origin") {
+  std::mt19937 random(6);
+  std::uniform_int_distribution<int> exponent(-149, 125), sign(0, 1), shape(0, 3);
+  std::uniform_real_distribution<float> mantissa(1, 2);
+  const auto any = [&] { return (sign(random) ? -1.0f : 1.0f) * std::ldexp(mantissa(random), exponent(random)); };
+  std::size_t outside = 0, infinite = 0;
+  const auto check = [&](float lo, float hi, float origin) {
+    float c = 0, e = 0;
+    encloseAxis(lo, hi, origin, c, e);
+    infinite += !std::isfinite(c) || !std::isfinite(e);
+    outside += ExactSum().add(lo).subtract(origin).subtract(c).add(e).sign() < 0;
+    outside += ExactSum().add(hi).subtract(origin).subtract(c).subtract(e).sign() > 0;
+  };
+  for (int i = 0; i < 200000; ++i) {
+    const float a = any(), origin = any();
+    const int kind = shape(random);
+    const float b = kind == 0 ? a : kind == 1 ? std::nextafter(a, 0.0f) : any();  // flat, nearly flat, any
+    check(std::min(a, b), std::max(a, b), origin);
+  }
+  // Flat, and center + origin rounds to exactly where the interval is.
+  check(1e10f, 1e10f, 1e-30f);
+  check(1e-30f, 1e-30f, 1e10f);
+  check(-1, -1, -1e-20f);
+  REQUIRE(outside == 0);
+  REQUIRE(infinite == 0);
+  // Nothing to enclose costs nothing: a flat box on a coarse grid stays flat.
+  float c = 1, e = 1;
+  encloseAxis(2.5f, 2.5f, 1.0f, c, e);
+  REQUIRE(c == 1.5f);
+  REQUIRE(e == 0.0f);
 }
 
 TEST_CASE("boxes of the binary tree contain the triangles below them") {
@@ -151,6 +184,24 @@ TEST_CASE("decoded boxes of the quantised tree contain the triangles below them 
     REQUIRE(inexact == 0);
     REQUIRE(loose == 0);
   }
+}
+
+TEST_CASE("a quantised extent reaches over what the sum of its parts rounds away") {
+  // Steps 2^-15 and 2^-19; the last centre is off its grid by four extent steps, which with an extent far below the
+  // rounding of double must make five.
+  BinaryTree tree;
+  tree.nodes.resize(3);
+  tree.nodes[0] = {{0, 0, 0}, {0.1f, 0.1f, 0.1f}, 1, kNone};
+  tree.nodes[1] = {{0.75f, 0.75f, 0.75f}, {0, 0, 0}, ~0, 0};
+  const float off = 0.75f - 0x1p-17f;
+  tree.nodes[2] = {{off, off, off}, {1e-30f, 1e-30f, 0}, ~1, 0};
+  const QuantizedTree quantized = quantizeTree(tree);
+  REQUIRE(quantized.centerStep == Vec3f{0x1p-15f, 0x1p-15f, 0x1p-15f});
+  REQUIRE(quantized.extentStep == Vec3f{0x1p-19f, 0x1p-19f, 0x1p-19f});
+  REQUIRE(quantized.nodes[2].extent[0] == 5);
+  REQUIRE(quantized.nodes[2].extent[1] == 5);
+  REQUIRE(quantized.nodes[2].extent[2] == 4);
+  REQUIRE(quantized.nodes[1].extent[0] == 0);
 }
 
 TEST_CASE("quantised boxes use the range of their integers") {
