@@ -119,7 +119,7 @@ Rig::~Rig() {
 }
 
 int Rig::addBody(ShapePointer shape, const Vec& position, const Rotation& rotation) {
-  Body body{dBodyCreate(world_), position, rotation, {}};
+  Body body{dBodyCreate(world_), position, rotation, {}, shape->extent};
   const Eigen::Matrix3d inertia = shape->inertia * (run_.size * run_.size);
   dMassSetParameters(&body.mass, 1, 0, 0, 0, inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1), inertia(0, 2),
                      inertia(1, 2));
@@ -153,6 +153,8 @@ void Rig::addMotor(int body, const Vec& axis, double speed, double torque) {
   dJointSetHingeAxis(joint, axis.x(), axis.y(), axis.z());
   dJointSetHingeParam(joint, dParamVel, speed * speedUnit_ / run_.size);
   dJointSetHingeParam(joint, dParamFMax, torque * energyUnit_);
+  // CFM of a torque is rad/s per N m: unlike that of a force it has to be scaled for the scene to be similar.
+  dJointSetHingeParam(joint, dParamCFM, 1e-5 / (run_.size * run_.size));
 }
 
 void Rig::makeGeoms() {
@@ -162,7 +164,7 @@ void Rig::makeGeoms() {
   else
     for (const Item& item : items_) makeGeomsOf(item);
   startEnergy_ = lowestEnergy_ = energy();
-  for (int i = 0; i < bodyCount(); ++i) lastSpeed_ = std::max(lastSpeed_, velocity(i).norm());
+  for (int i = 0; i < bodyCount(); ++i) lastSpeed_ = std::max(lastSpeed_, fastestPoint(i));
 }
 
 void Rig::makeGeomsOf(const Item& item) {
@@ -270,8 +272,10 @@ void Rig::record() {
   deepest_ = std::max(deepest_, stepDepth_);
   excess_ = std::max(excess_, stepDepth_ - 2 * lastSpeed_ * sceneStep);
   stepDepth_ = lastSpeed_ = 0;
-  for (int i = 0; i < bodyCount(); ++i) lastSpeed_ = std::max(lastSpeed_, velocity(i).norm());
-  maxSpeed_ = std::max(maxSpeed_, lastSpeed_);
+  for (int i = 0; i < bodyCount(); ++i) {
+    lastSpeed_ = std::max(lastSpeed_, fastestPoint(i));
+    maxSpeed_ = std::max(maxSpeed_, velocity(i).norm());
+  }
   // A body that is thrown that fast will not come back, and ODE aborts on positions that are not finite.
   finite_ = std::isfinite(now) && maxSpeed_ < 1e4;
   gain_ = std::max(gain_, (now - startEnergy_) / count);
@@ -311,6 +315,10 @@ Vec Rig::velocity(int body) const {
 
 Vec Rig::angularVelocity(int body) const {
   return toVec(dBodyGetAngularVel(bodies_[body].id)) * (run_.size / speedUnit_);
+}
+
+double Rig::fastestPoint(int body) const {
+  return velocity(body).norm() + angularVelocity(body).norm() * bodies_[body].extent / 2;
 }
 
 double Rig::drift(int body) const {

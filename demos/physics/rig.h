@@ -85,10 +85,10 @@ class Rig {
   /// `energy_gain` highest energy above the start, J/kg; `energy_rise` highest energy above an earlier low, J/kg;
   /// `ke` mean kinetic energy of the last half second, J; `deepest` deepest reported contact over the size of the
   /// smallest body, `depth_per_5ms` the same times 5 ms / dt, because what a body falls into another in one step is
-  /// proportional to the step; `excess_depth` deepest contact beyond what the fastest body (against one as fast) moves
-  /// in a step, over the same size; `max_speed` m/s; `settle` largest vertical distance of a body from its start at the
-  /// end, m; `finite` 1, or 0 if a number was not finite or faster than 1e4 m/s, which ends the run; `contacts` mean
-  /// per step; `step_ms` mean time of a step, of which `collide_ms` for collision.
+  /// proportional to the step; `excess_depth` deepest contact beyond what the fastest point of a body (against one as
+  /// fast) moves in a step, over the same size; `max_speed` m/s; `settle` largest vertical distance of a body from its
+  /// start at the end, m; `finite` 1, or 0 if a number was not finite or faster than 1e4 m/s, which ends the run;
+  /// `contacts` mean per step; `step_ms` mean time of a step, of which `collide_ms` for collision.
   Measures measures() const;
   /// Time and energy above the start in J per kg, one sample for each step.
   const std::vector<std::pair<double, double>>& energyHistory() const { return energyHistory_; }
@@ -107,6 +107,7 @@ class Rig {
     Vec position;
     Rotation rotation;
     dMass mass;
+    double extent;
   };
   void makeGeoms();
   void makeGeomsOf(const Item& item);
@@ -115,6 +116,8 @@ class Rig {
   static void nearCallback(void* self, dGeomID a, dGeomID b);
   void collidePair(dGeomID a, dGeomID b);
   bool step();
+  /// No point of the body is faster.
+  double fastestPoint(int body) const;
   void record();
   Vec toWorld(const Vec& p) const { return place_ + run_.size * p; }
 
