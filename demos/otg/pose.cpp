@@ -11,6 +11,7 @@
 #include <optional>
 #include <vector>
 
+#include "collide/rotation_tolerance.h"
 #include "mesh_io/text.h"
 #include "otg/command.h"
 
@@ -113,25 +114,19 @@ Transformd poseFromMatrix(const double* values, const std::string& source) {
     for (int column = 0; column < 3; ++column) pose.r[3 * row + column] = values[4 * row + column];
   }
   pose.t = {values[3], values[7], values[11]};
-  double worst = 0;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      double dot = 0;
-      for (int k = 0; k < 3; ++k) dot += pose.r[3 * i + k] * pose.r[3 * j + k];
-      worst = std::max(worst, std::fabs(dot - (i == j ? 1 : 0)));
-    }
+  const double defect = rotationDefect(pose);
+  if (std::isinf(defect)) {
+    throw InputError(source + ": the upper left 3x3 of a pose matrix must be a rotation; this one mirrors or flattens");
   }
-  const double* r = pose.r;
-  const double determinant =
-      r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) + r[2] * (r[3] * r[7] - r[4] * r[6]);
-  if (determinant <= 0 || worst > 0.1) {
+  if (defect > kRotationTolerance) {
     throw InputError(
-        fmt::format("{}: the upper left 3x3 of a pose matrix must be a rotation (determinant {:.4g}, rows "
-                    "off by up to {:.2g})",
-                    source, determinant, worst));
+        fmt::format("{}: the upper left 3x3 of a pose matrix must be a rotation; the norm of R^T R - 1 is "
+                    "{:.2g}, at most {:g} is taken",
+                    source, defect, kRotationTolerance));
   }
-  if (worst > 1e-6) {
-    progress(fmt::format("warning: {}: not quite a rotation (off by up to {:.2g}); used as given", source, worst));
+  if (defect > 1e-6) {
+    progress(fmt::format("warning: {}: not quite a rotation (the norm of R^T R - 1 is {:.2g}); used as given", source,
+                         defect));
   }
   return pose;
 }

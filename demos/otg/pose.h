@@ -14,7 +14,8 @@ namespace otg::cli {
 /// Throws UsageError for text that is neither, InputError for a file or numbers that do not make a pose.
 Transformd parsePose(const std::string& text);
 
-/// `values`: 16 numbers, row-major. Throws InputError, which starts with `source`. Warns on stderr if it is not rigid.
+/// `values`: 16 numbers, row-major. Throws InputError, which starts with `source`. Its rotation may be off by
+/// kRotationTolerance (a warning on stderr says so).
 Transformd poseFromMatrix(const double* values, const std::string& source);
 
 /// The transform that applies `inner` first.

@@ -4,6 +4,7 @@
 
 #include "collide/pair_frame.h"
 #include "collide/query.h"
+#include "collide/rotation_tolerance.h"
 #include "collide/triangle_box.h"
 #include "collide/wide_kernels.h"
 #include "shared/box_test.h"
@@ -186,9 +187,14 @@ void traverseNoLeaf(const Query& query, const PairFrame& frame, Counter count, s
 void middlePhase(const Query& query, Workspace& workspace) {
   using Clock = std::chrono::steady_clock;
   const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
+  // Nothing of the query before may pass for an answer to this one, should it be refused.
   workspace.candidates.clear();
+  workspace.intersecting.clear();
+  workspace.contacts.clear();
+  workspace.reduced.clear();
   CollideStats& stats = workspace.stats;
   stats = {};
+  requireRigid(query.bInA);
   if (query.a->mesh().triangleCount() == 0 || query.b->mesh().triangleCount() == 0) return;
   const PairFrame frame = makePairFrame(query);
   if (!frame.finite) return;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "collide/rotation_tolerance.h"
+
 namespace otg {
 namespace {
 
@@ -31,18 +33,13 @@ PairFrame makePairFrame(const Query& query) {
   const Vec3d centerB = otgTransform<double>(m, {b.center().x, b.center().y, b.center().z});
   const Vec3d t{centerB.x - a.center().x, centerB.y - a.center().y, centerB.z - a.center().z};
 
-  double rowNorm = 0, defect = 0;
+  double rowNorm = 0;
   for (int i = 0; i < 3; ++i) {
-    double row = 0, column = 0;
-    for (int j = 0; j < 3; ++j) {
-      row += m.r[3 * i + j] * m.r[3 * i + j];
-      double dot = 0;
-      for (int k = 0; k < 3; ++k) dot += m.r[3 * k + i] * m.r[3 * k + j];
-      column += std::fabs(dot - (i == j ? 1.0 : 0.0));
-    }
+    double row = 0;
+    for (int j = 0; j < 3; ++j) row += m.r[3 * i + j] * m.r[3 * i + j];
     rowNorm = std::max(rowNorm, std::sqrt(row));
-    defect = std::max(defect, column);
   }
+  const double defect = rotationDefect(m);
   const double ra = a.radius(), rb = b.radius() * rowNorm;
   const double tn = std::sqrt(t.x * t.x + t.y * t.y + t.z * t.z);
   const double scale = ra + rb + tn;
@@ -57,11 +54,16 @@ PairFrame makePairFrame(const Query& query) {
 
   // Boxes: a gap along a face or edge axis is a sum of at most 17 rounded terms whose magnitudes add up to `scale` at
   // most (rows of R have norm 1, so Cauchy-Schwarz bounds the rotated centre and extents by the radius); 21 u scale for
-  // the face axes of B and 32 u scale for edge axes bound the whole. Where R is not orthonormal (a matrix is used as
-  // given), the projection of B's box on B's own axes is off by up to its defect times the radius, twice that for edge
-  // axes.
+  // the face axes of B and 32 u scale for edge axes bound the whole.
+  //
+  // Where R is not orthonormal (a matrix is used as given) the tests still take the columns r_j of R for B's axes and
+  // for each other's cross products. With E = R^T R - 1 and e for the extents of a box of B, B reaches
+  // sum_k e_k |(1 + E)_kj| along r_j, not e_j: off by |e| |E| at most. Along a_i x r_j it reaches e_k |cof(R)_il| + ..,
+  // not e_k |R_il| + ..; the singular values s of R differ from those of its cofactors by s2 s3 - s1, about half of
+  // what E's eigenvalues add up to, so this is off by less than |e| |E| too (0.87, and 0.003 for the second order at
+  // the largest defect). A box lies within the mesh's bounds, so |e| <= sqrt(3) radius: 2 > sqrt(3) covers both.
   const double placement = 16 * kDoubleUnit * (length(a.center()) + length(b.center()) * rowNorm + scale);
-  frame.boxes.eps = roundUp(32 * kFloatUnit * scale + 4 * defect * rb + placement + 1e-37);
+  frame.boxes.eps = roundUp(32 * kFloatUnit * scale + 2 * defect * b.radius() + placement + 1e-37);
 
   // Triangles: centring rounds once (u r), the transform costs at most 8 u scale on top of R's and t's own rounding.
   const double delta = 16 * kFloatUnit * scale + placement;
@@ -69,7 +71,7 @@ PairFrame makePairFrame(const Query& query) {
   frame.doubleError = {10 * kDoubleUnit, 0.0, 1e-290};
   // In float the cube of the size must not overflow (the filter would only answer "cannot tell", but inf - inf in a box
   // gap must not arise either).
-  frame.finite = std::isfinite(scale) && std::isfinite(defect) && scale < 1e37;
+  frame.finite = std::isfinite(scale) && scale < 1e37;
   return frame;
 }
 

@@ -73,7 +73,9 @@ struct CollideStats {
 struct Query {
   const CollisionMesh* a = nullptr;
   const CollisionMesh* b = nullptr;
-  Transformd bInA{};  ///< takes B's points to A's frame; used as given
+  /// Takes B's points to A's frame; used as given, so that its defect (rotation_tolerance.h) enters the answer. One
+  /// that is not finite or whose defect is above kRelativeRotationTolerance is refused.
+  Transformd bInA{};
   Vec3d relativeVelocity{0, 0,
                          0};  ///< of A's material relative to B's where they meet, frame A, units/s; zero if unknown
   SolidHistory* history = nullptr;  ///< of this pair, in this order, or null; read and written by ContactModel::kSolid
@@ -96,7 +98,8 @@ struct Workspace {
   std::unique_ptr<SolidScratch> solid;
 };
 
-/// The pairs of triangles whose boxes overlap (a superset of the intersecting ones) -> workspace.candidates.
+/// The pairs of triangles whose boxes overlap (a superset of the intersecting ones) -> workspace.candidates. Throws
+/// std::invalid_argument for a pose that is refused (see Query::bInA), after which the workspace holds no results.
 void middlePhase(const Query& query, Workspace& workspace);
 /// Decides workspace.candidates -> workspace.intersecting. The set does not depend on traversal, order or backend: it
 /// is the exact answer for A's float vertices and B's vertices as otgTransform places them in double; touching counts.
@@ -106,7 +109,7 @@ void pairwiseContacts(const Query& query, Workspace& workspace);
 /// workspace.contacts -> workspace.reduced: the chosen reduction, then at most options.maxContacts.
 void reduceContacts(const Query& query, Workspace& workspace);
 
-/// All of the above. The same query gives the same bytes. Throws std::bad_alloc only.
+/// All of the above. The same query gives the same bytes. Throws std::bad_alloc, and what middlePhase throws.
 void collide(const Query& query, Workspace& workspace);
 /// middlePhase and nearPhase alone.
 void findIntersectingPairs(const Query& query, Workspace& workspace);

@@ -12,7 +12,9 @@ class TriangleBoxTest {
   TriangleBoxTest(const Query& query, const PairFrame& frame)
       : query_(query), frame_(frame), error_(frame.floatError.delta), edges_(query.options.middle.axes > 6) {}
 
-  /// Triangle of A against a box of B (in B's centred frame): true when they are certainly apart.
+  /// Triangle of A against a box of B (in B's centred frame): true when they are certainly apart. R transposed stands
+  /// for R's inverse: a point b of the box is then missed by (R^T R - 1) b, which boxes.eps covers, wherever the
+  /// corners are.
   bool apartA(std::uint32_t triangle, const Vec3f& center, const Vec3f& extent) const {
     Vec3f corner[3];
     centred(query_.a->mesh(), triangle, corner);

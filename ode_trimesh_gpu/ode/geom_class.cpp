@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collide/rotation_tolerance.h"
 #include "ode/class_registration.h"
 #include "ode/status.h"
 #include "ode_trimesh_gpu/geom.h"
@@ -58,6 +59,7 @@ WorldPose readPose(dGeomID geom) noexcept {
     pose.finite = pose.finite && std::isfinite(x[row]);
   }
   pose.transform.t = {x[0], x[1], x[2]};
+  pose.rigid = pose.finite && rotationDefect(pose.transform) <= kRotationTolerance;
   return pose;
 }
 

@@ -41,6 +41,7 @@ GeomObject* objectOf(dGeomID geom) noexcept;
 struct WorldPose {
   Transformd transform;
   bool finite = false;  ///< all twelve numbers are
+  bool rigid = false;   ///< finite, and the matrix is a rotation within kRotationTolerance
 };
 WorldPose readPose(dGeomID geom) noexcept;
 

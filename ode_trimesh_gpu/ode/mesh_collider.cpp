@@ -13,6 +13,7 @@
 
 #include "ode/class_registration.h"
 #include "ode/geom_class.h"
+#include "ode/status.h"
 
 namespace otg {
 namespace {
@@ -217,7 +218,8 @@ int collideMeshMesh(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, in
   if (skip < static_cast<int>(sizeof(dContactGeom))) capacity = 1;
 
   for (GeomObject* object : {object1, object2}) object->stats.queries.fetch_add(1, std::memory_order_relaxed);
-  const auto failed = [&] {
+  const auto failed = [&](int status) {
+    noteStatus(status);
     for (GeomObject* object : {object1, object2}) object->stats.failedQueries.fetch_add(1, std::memory_order_relaxed);
     return 0;
   };
@@ -226,7 +228,8 @@ int collideMeshMesh(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, in
   if (mesh1 == nullptr || mesh2 == nullptr || mesh1->tree().nodes.empty() || mesh2->tree().nodes.empty()) return 0;
   const Side side1{o1, object1, readPose(o1)};
   const Side side2{o2, object2, readPose(o2)};
-  if (!side1.pose.finite || !side2.pose.finite) return failed();
+  // Each by itself: a scale of 2 and one of 1/2 make a relative pose that looks rigid.
+  if (!side1.pose.rigid || !side2.pose.rigid) return failed(dGPUTRIMESH_ERROR_POSE);
 
   try {
     const bool first = object1->serial < object2->serial;  // mesh A is o1
@@ -262,8 +265,9 @@ int collideMeshMesh(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, in
     for (GeomObject* object : {object1, object2}) count(object->stats, workspace.stats, contacts.size());
     return static_cast<int>(contacts.size());
   } catch (...) {
-    // Only want of memory throws. ODE's space would stay locked for ever if we let it through.
-    return failed();
+    // Only want of memory throws: the query's pose is made of two that were found rigid. ODE's space would stay locked
+    // for ever if we let it through.
+    return failed(dGPUTRIMESH_ERROR_MEMORY);
   }
 }
 

@@ -56,6 +56,8 @@ const char* dGpuTriMeshErrorString(int status) {
       return "the mesh has no positive volume, so that it has no mass";
     case dGPUTRIMESH_ERROR_CLASS_COUNT:
       return "all of ODE's user classes are taken";
+    case dGPUTRIMESH_ERROR_POSE:
+      return "the pose of a geom is not finite, or its rotation matrix scales, shears or mirrors";
     default:
       return "unknown status";
   }

@@ -144,6 +144,34 @@ class Pose(CliTest):
         for name, content in files.items():
             self.assert_fails(1, "collide", mesh, mesh, "--pose", self.write(name, content), says=name)
         self.assert_fails(1, "collide", mesh, mesh, "--pose", "missing.txt", says="missing.txt")
+
+    def test_what_is_no_rotation_is_refused(self):
+        mesh = self.writeBox()
+        refused = {"scale.txt": "1.001 0 0 0  0 1.001 0 0  0 0 1.001 0  0 0 0 1",
+                   "stretch.txt": "1 0 0 0  0 1.001 0 0  0 0 1 0  0 0 0 1",
+                   "shear.txt": "1 0.001 0 0  0 1 0 0  0 0 1 0  0 0 0 1",
+                   "mirror.txt": "-1 0 0 0  0 1 0 0  0 0 1 0  0 0 0 1",
+                   "flat.txt": "1 0 0 0  0 1 0 0  0 0 0 0  0 0 0 1"}
+        for name, content in refused.items():
+            path = self.write(name, content)
+            for command in (["collide", mesh, mesh], ["pairs", mesh, mesh]):
+                self.assert_fails(1, *command, "--pose", path, says=[name, "must be a rotation"])
+            poses = self.write("poses.json", json.dumps({"touch": [float(v) for v in content.split()]}))
+            self.assert_fails(1, "bench", "thesis", mesh, "--poses", poses, says=["poses.json", "must be a rotation"])
+
+    def test_what_is_nearly_a_rotation_is_used_as_given(self):
+        mesh = self.writeBox()
+        # A box stretched by 4e-4 along x, moved to where only its stretched half reaches the other's face.
+        for size, pairs, warning in ((1.0004, True, "warning"), (1.0, False, "")):
+            path = self.write("pose.txt", "%r 0 0 1.0001  0 1 0 0.3  0 0 1 0.2  0 0 0 1" % size)
+            result = self.run_otg("collide", mesh, mesh, "--pose", path, "--json")
+            self.assertEqual(json.loads(result.stdout)["intersecting_pairs"] > 0, pairs)
+            self.assertIn(warning, result.stderr)
+            self.assertEqual(result.stderr == "", warning == "")
+
+    def test_wrong_poses_of_a_file(self):
+        mesh = self.writeBox()
+        self.write("object.json", "{}")
         self.assert_fails(1, "collide", mesh, mesh, "--pose", self.path("object.json") + "#touch", says="touch")
 
 

@@ -259,7 +259,84 @@ TEST_CASE("without contacts the array stays untouched") {
   CHECK(answered == 0);
   CHECK(std::all_of(buffer, buffer + sizeof(buffer), [](unsigned char c) { return c == 0x5a; }));
   CHECK(statsOf(b.id).failed_queries == 7);  // NaN and both infinities in both orders, and the rotation
+  CHECK(dGpuTriMeshGetError() == dGPUTRIMESH_ERROR_POSE);
   dGeomDestroy(bare);
+}
+
+TEST_CASE("geoms whose pose is not rigid have no contacts, and the report says so once for each call") {
+  const OdeSession session;
+  const Data box(scenes::makeBox({1, 1, 1}));
+  const Geom a(box), b(box);
+  const auto poseBy = [](dGeomID g, dReal scaleX, dReal scaleYZ, dReal shear) {
+    const dMatrix3 r = {scaleX, shear, 0, 0, 0, scaleYZ, 0, 0, 0, 0, scaleYZ, 0};
+    dGeomSetRotation(g, r);
+    dGeomSetPosition(g, 0, 0, 0);
+  };
+  dGeomSetPosition(a.id, 0.8, 0.1, 0.2);
+  const auto refused = [&](dGeomID first, dGeomID second) {
+    for (const bool swapped : {false, true}) {
+      const auto before = statsOf(b.id);
+      CHECK(dGpuTriMeshGetError() == dGPUTRIMESH_OK);
+      CHECK(test::collide(swapped ? second : first, swapped ? first : second).empty());
+      CHECK(dGpuTriMeshGetError() == dGPUTRIMESH_ERROR_POSE);
+      CHECK(statsOf(b.id).queries == before.queries + 1);
+      CHECK(statsOf(b.id).failed_queries == before.failed_queries + 1);
+      CHECK(statsOf(b.id).box_tests == before.box_tests);
+    }
+  };
+  struct Case {
+    dReal scaleX, scaleYZ, shear;
+  };
+  for (const Case& c :
+       {Case{2, 2, 0}, {1.001, 1.001, 0}, {1, 1, 0.01}, {-1, 1, 0}, {1, -1, 0.5}, {-1, -1, 0}, {0, 1, 0}}) {
+    poseBy(b.id, c.scaleX, c.scaleYZ, c.shear);
+    refused(a.id, b.id);
+  }
+  // Both scaled, so that the one's frame in the other's is a rotation again.
+  poseBy(a.id, 2, 2, 0);
+  poseBy(b.id, 2, 2, 0);
+  refused(a.id, b.id);
+  // Near enough: still collides.
+  poseBy(a.id, 1.0001, 1.0002, 3e-4);
+  poseBy(b.id, 0.9999, 1, -1e-4);
+  CHECK(!test::collide(a.id, b.id).empty());
+  CHECK(dGpuTriMeshGetError() == dGPUTRIMESH_OK);
+}
+
+TEST_CASE("rotations in single precision, chains of offsets and years of steps stay rigid") {
+  const OdeSession session;
+  const Data box(scenes::makeBox({1, 1, 1}));
+  const Geom a(box), b(box);
+  std::mt19937 random(2);
+  const auto single = [](dMatrix3 r) {
+    for (int i = 0; i < 12; ++i) r[i] = static_cast<float>(r[i]);
+  };
+  // Products of many rotations, every one rounded to single precision, set on geoms without a body (ODE would make a
+  // body's orthonormal).
+  dMatrix3 product, turn, next;
+  randomRotation(product, random);
+  for (int i = 0; i < 1000; ++i) {
+    randomRotation(turn, random);
+    dMultiply0(next, product, turn, 3, 3, 3);
+    single(next);
+    std::copy(next, next + 12, product);
+    if (i % 100 != 99) continue;
+    dGeomSetRotation(a.id, product);
+    dGeomSetRotation(b.id, turn);
+    CHECK(!test::collide(a.id, b.id).empty());
+  }
+  // A body with an offset geom, tumbling for 10,000 steps.
+  const dWorldID world = dWorldCreate();
+  const dBodyID body = dBodyCreate(world);
+  dGeomSetBody(b.id, body);
+  dGeomSetOffsetRotation(b.id, product);
+  dBodySetAngularVel(body, 7, -5, 3);
+  for (int i = 0; i < 10000; ++i) dWorldQuickStep(world, 0.01);
+  CHECK(!test::collide(a.id, b.id).empty());
+  CHECK(statsOf(b.id).failed_queries == 0);
+  CHECK(dGpuTriMeshGetError() == dGPUTRIMESH_OK);
+  dGeomSetBody(b.id, nullptr);
+  dWorldDestroy(world);
 }
 
 TEST_CASE("geoms of other classes have no contacts, and may be asked again") {

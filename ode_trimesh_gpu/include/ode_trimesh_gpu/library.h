@@ -38,7 +38,8 @@ extern "C" {
  * @par Errors
  * No function aborts, throws or prints because of a bad argument. Most return a status: dGPUTRIMESH_OK (zero), a
  * negative error, after which nothing has changed, or a positive remark. Functions that return a pointer return NULL,
- * and dGpuTriMeshGetError() says why.
+ * and dGpuTriMeshGetError() says why. dCollide() has no place for an error: a pair that can't be collided gets no
+ * contacts, is counted in `failed_queries` of dGpuTriMeshStats, and dGpuTriMeshGetError() says why.
  */
 
 /**
@@ -60,7 +61,8 @@ enum {
   dGPUTRIMESH_ERROR_PRECISION = -6,   /**< the ODE in this process has another dReal than this library was built for */
   dGPUTRIMESH_ERROR_CLASS = -7,       /**< the geom is not of this class */
   dGPUTRIMESH_ERROR_MASS = -8,        /**< the mesh has no positive volume, so that it has no mass */
-  dGPUTRIMESH_ERROR_CLASS_COUNT = -9  /**< all of ODE's user classes are taken by others */
+  dGPUTRIMESH_ERROR_CLASS_COUNT = -9, /**< all of ODE's user classes are taken by others */
+  dGPUTRIMESH_ERROR_POSE = -10        /**< a geom's pose is not finite or not rigid: see dCreateGpuTriMesh() */
 };
 
 /**
@@ -107,7 +109,8 @@ OTG_API int dGpuTriMeshGetClass(void);
 /**
  * @brief The status of the last function of this library that failed on the calling thread.
  * @returns A negative status; dGPUTRIMESH_OK when none has failed since the thread began or since the last call of this
- *          function, which resets it.
+ *          function, which resets it. dCollide() of geoms of this class is among those functions: it leaves
+ *          dGPUTRIMESH_ERROR_POSE or dGPUTRIMESH_ERROR_MEMORY.
  * @remarks May be called from any thread and from a near callback.
  * @ingroup gputrimesh
  */

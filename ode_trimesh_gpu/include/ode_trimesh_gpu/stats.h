@@ -17,12 +17,12 @@ extern "C" {
  * @ingroup gputrimesh
  */
 typedef struct dGpuTriMeshStats {
-  dsizeint size;   /**< sizeof(dGpuTriMeshStats) of your program; set by ...Init */
-  duint64 queries; /**< times that dCollide() came to this geom */
-  duint64
-      failed_queries; /**< of these, answered with no contacts for want of memory, or because a pose was not finite */
-  duint64 box_tests;  /**< pairs of boxes compared */
-  duint64 candidate_pairs;    /**< pairs of triangles whose boxes overlap */
+  dsizeint size;           /**< sizeof(dGpuTriMeshStats) of your program; set by ...Init */
+  duint64 queries;         /**< times that dCollide() came to this geom */
+  duint64 failed_queries;  /**< of these, answered with no contacts because a pose was not finite or not rigid, or for
+                              want  of memory; dGpuTriMeshGetError() of the thread says which */
+  duint64 box_tests;       /**< pairs of boxes compared */
+  duint64 candidate_pairs; /**< pairs of triangles whose boxes overlap */
   duint64 intersecting_pairs; /**< of these, the ones that intersect or touch */
   duint64 decided_by_double;  /**< candidate pairs that single precision could not decide */
   duint64 decided_exactly;    /**< of these, the ones that double precision could not decide either */
