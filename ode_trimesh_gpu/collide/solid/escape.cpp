@@ -75,17 +75,7 @@ std::vector<Vec3d> faceDirections(const OverlapRegions& all, const Region& regio
 class WayOutByPlanes {
  public:
   WayOutByPlanes(const OverlapRegions& all, const Region& region, double far) : all_(all), far_(far) {
-    std::vector<std::uint32_t> order;
-    for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) order.push_back(i);
-    if (order.size() > kMostPieces) {
-      std::nth_element(order.begin(), order.begin() + kMostPieces, order.end(), [&](std::uint32_t x, std::uint32_t y) {
-        const Piece &p = all.pieces[x], &q = all.pieces[y];
-        if (p.area != q.area) return p.area > q.area;
-        return p.mesh != q.mesh ? p.mesh < q.mesh : p.triangle < q.triangle;
-      });
-      order.resize(kMostPieces);
-    }
-    pieces_ = order;
+    collectPlanes(region);
     const std::uint32_t count = region.pointEnd - region.pointBegin;
     const std::uint32_t stride = std::max(1u, count / kMostPoints);
     for (std::uint32_t i = region.pointBegin; i < region.pointEnd; i += stride) points_.push_back(i);
@@ -96,11 +86,10 @@ class WayOutByPlanes {
     for (const std::uint32_t i : points_) {
       const Vec3d& p = all_.points[i].position;
       double exit[2] = {far_, far_};
-      for (const std::uint32_t k : pieces_) {
-        const Piece& piece = all_.pieces[k];
-        const double cosine = piece.mesh == 1 ? otgDot(piece.normal, d) : -otgDot(piece.normal, d);
+      for (const Plane& plane : planes_) {
+        const double cosine = plane.mesh == 1 ? otgDot(plane.normal, d) : -otgDot(plane.normal, d);
         if (cosine <= 0.05) continue;
-        exit[piece.mesh] = std::min(exit[piece.mesh], std::max(0.0, (piece.offset - otgDot(piece.normal, p)) / cosine));
+        exit[plane.mesh] = std::min(exit[plane.mesh], std::max(0.0, (plane.offset - otgDot(plane.normal, p)) / cosine));
       }
       most = std::max(most, exit[0] + exit[1]);
     }
@@ -108,11 +97,53 @@ class WayOutByPlanes {
   }
 
  private:
-  static constexpr std::size_t kMostPieces = 128;
-  static constexpr std::uint32_t kMostPoints = 48;
+  struct Plane {
+    Vec3d normal;
+    double offset;
+    std::uint8_t mesh;
+  };
+
+  /// Every piece, or for very many one plane for each mesh and small range of normals. None may be left out: a missing
+  /// plane makes the way through it look long, and the way through those that are there would win.
+  void collectPlanes(const Region& region) {
+    const bool gather = region.pieceEnd - region.pieceBegin > kMostPieces;
+    FlatMap index;
+    for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
+      const Piece& p = all_.pieces[i];
+      auto slot = static_cast<std::uint32_t>(planes_.size());
+      if (gather) slot = index.insert(std::uint64_t{p.mesh} << 32 | cellOf(p.normal), slot);
+      if (slot == planes_.size()) planes_.push_back({{0, 0, 0}, 0, p.mesh});
+      planes_[slot].normal = otgAdd(planes_[slot].normal, otgScale(p.normal, p.area));
+      planes_[slot].offset += p.offset * p.area;
+    }
+    for (Plane& plane : planes_) {
+      const double length = std::sqrt(otgDot(plane.normal, plane.normal));
+      if (!(length > 0)) continue;
+      plane.normal = otgScale(plane.normal, 1 / length);
+      plane.offset /= length;
+    }
+  }
+
+  /// Cell of a direction on the faces of a cube.
+  static std::uint32_t cellOf(const Vec3d& n) {
+    const double v[3] = {n.x, n.y, n.z};
+    std::uint32_t axis = 0;
+    for (std::uint32_t k = 1; k < 3; ++k) {
+      if (std::fabs(v[k]) > std::fabs(v[axis])) axis = k;
+    }
+    const auto cell = [&](double x) {
+      return static_cast<std::uint32_t>((x / std::fabs(v[axis]) + 1) * (0.5 * kCellsPerSide));
+    };
+    const std::uint32_t face = 2 * axis + (v[axis] < 0 ? 1 : 0);
+    return face << 16 | cell(v[(axis + 1) % 3]) << 8 | cell(v[(axis + 2) % 3]);
+  }
+
+  static constexpr std::uint32_t kMostPieces = 128, kMostPoints = 48;
+  static constexpr double kCellsPerSide = 7;
   const OverlapRegions& all_;
   double far_;
-  std::vector<std::uint32_t> pieces_, points_;
+  std::vector<Plane> planes_;
+  std::vector<std::uint32_t> points_;
 };
 
 /// How far A must go along d until the overlap on the line through the region's middle is gone.

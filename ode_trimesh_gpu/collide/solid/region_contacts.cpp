@@ -33,6 +33,7 @@ constexpr double kMergeCosine = 0.951;   // 18 degrees
 constexpr double kInward = 1e-3, kBelowSurface = 1e-6;
 // How far from a piece (in diagonals) the way out may lead through its plane for an estimate to use it.
 constexpr double kPieceSlack = 0.02;
+constexpr double kGatheredError = 0.05;
 // Regions with more points or pieces than this are thinned before anything quadratic.
 constexpr std::size_t kMostPoints = 192, kMostPlanes = 96;
 
@@ -81,6 +82,7 @@ class RegionSolver {
         const Piece& p = all_.pieces[i];
         if (p.mesh != m) continue;
         std::uint32_t slot = static_cast<std::uint32_t>(planes_[m].size());
+        gathered_ = gathered_ || count > kMostPlanes;
         if (count > kMostPlanes) slot = index.insert(cellKey(p, cell), slot);
         if (slot == planes_[m].size()) planes_[m].push_back({{0, 0, 0}, 0, p.lo, p.hi, 0});
         Plane& plane = planes_[m][slot];
@@ -154,8 +156,6 @@ class RegionSolver {
     }
     const double cell = region_.diagonal / 10;
     FlatMap index;
-    const Vec3d& up = task_.normals.mean();
-    const auto depthHint = [&](const SupportPoint& p) { return (p.mesh == 0 ? -1 : 1) * otgDot(up, p.position); };
     for (std::uint32_t i = region_.pointBegin; i < region_.pointEnd; ++i) {
       const SupportPoint& p = all_.points[i];
       const auto coordinate = [&](double x, double lo) {
@@ -173,6 +173,11 @@ class RegionSolver {
       }
     }
     return chosen;
+  }
+
+  /// Larger for a point that lies deeper in the other mesh as far as the region's mean direction can tell.
+  double depthHint(const SupportPoint& p) const {
+    return (p.mesh == 0 ? -1 : 1) * otgDot(task_.normals.mean(), p.position);
   }
 
   void collectCandidates() {
@@ -201,7 +206,8 @@ class RegionSolver {
     const double back = planeExit(0, c.probe, otgScale(c.normal, -1.0), limit);
     c.depth = std::min(out + back, limit);
     c.shift = 0.5 * (out - back);
-    c.rank = c.depth * kRank[static_cast<int>(c.point->kind)];
+    // By what the planes say, not by the limit, to which whole patches of a thick region are cut.
+    c.rank = (out + back) * kRank[static_cast<int>(c.point->kind)];
   }
 
   static bool sameFeatureOrder(const Candidate& x, const Candidate& y) {
@@ -236,6 +242,18 @@ class RegionSolver {
       if (!taken) kept.push_back(c);
     }
     candidates_.swap(kept);
+    if (!gathered_ || candidates_.empty()) return;
+    // Estimates from gathered planes err by a few percent; of those that they cannot tell apart the farthest in is
+    // first.
+    const double enough = (1 - kGatheredError) * candidates_.front().rank;
+    auto best = candidates_.begin();
+    const Vec3d middle = otgScale(otgAdd(region_.lo, region_.hi), 0.5);
+    const double level = otgDot(task_.normals.mean(), middle);
+    const auto hint = [&](const Candidate& c) { return depthHint(*c.point) + (c.point->mesh == 0 ? level : -level); };
+    for (auto c = best; c != candidates_.end() && c->rank >= enough; ++c) {
+      if (hint(*c) > hint(*best)) best = c;
+    }
+    std::rotate(candidates_.begin(), best, best + 1);
   }
 
   /// The deepest, then again and again the one farthest from those chosen, in position and normal.
@@ -335,6 +353,7 @@ class RegionSolver {
   const OverlapRegions& all_;
   Vec3d center_{};
   std::vector<Plane> planes_[2];
+  bool gathered_ = false;  ///< planes stand for several pieces each
   std::vector<Candidate> candidates_;
   SupportPoint fallback_{};
   Vec3d limitDirection_{};
