@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "collide/contact_id.h"
 #include "otg/pose.h"
 #include "otg/query_options.h"
 
@@ -19,6 +20,63 @@ struct Options {
 
 Json toJson(const Vec3d& v) {
   return Json::array({v.x, v.y, v.z});
+}
+
+struct FeatureName {
+  const char* feature;
+  const char* mesh;  ///< whose it is; null for neither
+};
+
+FeatureName featureName(ContactFeature feature) {
+  switch (feature) {
+    case ContactFeature::kFaceA:
+      return {"face", "a"};
+    case ContactFeature::kFaceB:
+      return {"face", "b"};
+    case ContactFeature::kCoplanar:
+      return {"coplanar", nullptr};
+    case ContactFeature::kVertexA:
+      return {"vertex", "a"};
+    case ContactFeature::kVertexB:
+      return {"vertex", "b"};
+    case ContactFeature::kCrossingA:
+      return {"crossing", "a"};
+    case ContactFeature::kCrossingB:
+      return {"crossing", "b"};
+    case ContactFeature::kMiddleA:
+      return {"middle", "a"};
+    case ContactFeature::kMiddleB:
+      return {"middle", "b"};
+    case ContactFeature::kNone:
+      break;
+  }
+  return {"region", nullptr};
+}
+
+Json describe(const Contact& contact, const Query& query) {
+  const FeatureName name = featureName(contact.feature);
+  Json vertices = Json::array();
+  if (contact.feature == ContactFeature::kVertexA || contact.feature == ContactFeature::kVertexB) {
+    vertices.push_back(contact.element);
+  } else if (contact.element != kNone) {
+    const CollisionMesh& mesh = name.mesh[0] == 'a' ? *query.a : *query.b;
+    const Topology::Edge& edge = mesh.mesh().topology().edges[contact.element];
+    vertices = {edge.a, edge.b};
+  }
+  return {{"position", toJson(contact.position)},
+          {"normal", toJson(contact.normal)},
+          {"depth", contact.depth},
+          {"triangle_a", contact.triangleA},
+          {"triangle_b", contact.triangleB},
+          {"region", contact.region},
+          {"coherence", contact.coherence < 0 ? Json() : Json(contact.coherence)},
+          {"feature", name.feature},
+          {"feature_mesh", name.mesh ? Json(name.mesh) : Json()},
+          {"vertices", vertices},
+          {"inside", (contact.flags & kContactInside) != 0},
+          {"contained", (contact.flags & kContactContained) != 0},
+          {"clamped", (contact.flags & kContactClamped) != 0},
+          {"id", fmt::format("{:016x}", contactId(contact))}};
 }
 
 struct Times {
@@ -65,12 +123,7 @@ int runCollide(const Options& options) {
   document["contacts_before_reduction"] = stats.contactsBeforeReduction;
   document["contacts"] = Json::array();
   for (const Contact& contact : workspace.reduced) {
-    document["contacts"].push_back({{"position", toJson(contact.position)},
-                                    {"normal", toJson(contact.normal)},
-                                    {"depth", contact.depth},
-                                    {"triangle_a", contact.triangleA},
-                                    {"triangle_b", contact.triangleB},
-                                    {"region", contact.region}});
+    document["contacts"].push_back(describe(contact, query));
   }
   document["timings_ms"] = {{"build", pair.buildMs},
                             {"middle", median(times.middle)},

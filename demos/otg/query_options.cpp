@@ -82,6 +82,10 @@ void QueryOptions::addContactOptions(CLI::App& command) {
       ->expected(1, 6)
       ->check(CLI::Range(1, 64));
   command.add_option("--max-contacts", maxContacts, "No more contacts than this")->check(CLI::Range(1, 65535));
+  command
+      .add_option("--contacts-per-region", contactsPerRegion,
+                  "Contact model solid: no more contacts than this for one connected overlap")
+      ->check(CLI::Range(1, 64));
 }
 
 CollideOptions QueryOptions::collideOptions() const {
@@ -106,6 +110,7 @@ CollideOptions QueryOptions::collideOptions() const {
     throw UsageError("--bins takes one number or six");
   }
   options.maxContacts = maxContacts;
+  options.solid.contactsPerRegion = contactsPerRegion;
   return options;
 }
 

@@ -21,6 +21,7 @@ struct QueryOptions {
   int axes = 6;
   std::vector<int> bins;
   int maxContacts = 64;
+  int contactsPerRegion = 16;
   int device = -1;
 
   /// The files, the pose and how to traverse.

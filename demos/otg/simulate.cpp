@@ -27,6 +27,8 @@ struct Options {
   std::vector<double> pictureTimes;  ///< seconds; empty: six, evenly spaced
   int steps = -1;
   double dt = 0;
+  int contactsPerRegion = 0;  ///< 0: the scene's
+  bool noHistory = false;
   bool json = false;
 };
 
@@ -214,7 +216,9 @@ void printReadable(const Json& document) {
 }
 
 int simulate(const Options& options) {
-  const scenes::SceneDescription scene = scenes::loadScene(options.scene);
+  scenes::SceneDescription scene = scenes::loadScene(options.scene);
+  if (options.contactsPerRegion > 0) scene.contactsPerRegion = options.contactsPerRegion;
+  if (options.noHistory) scene.history = false;
   const scenes::OdeSession session;
   Simulation simulation(scene);
   for (const std::string& warning : simulation.warnings()) progress("warning: " + warning);
@@ -240,6 +244,12 @@ void addSimulateCommand(CLI::App& app, Action& action) {
       ->check(CLI::Range(0, 100000000));
   command->add_option("--dt", options->dt, "Time step in seconds instead of the scene's")
       ->check(CLI::Range(1e-9, 10.0));
+  command
+      ->add_option("--contacts-per-region", options->contactsPerRegion,
+                   "At most this many contacts for one connected overlap of two meshes, instead of the scene's number")
+      ->check(CLI::Range(1, 64));
+  command->add_flag("--no-history", options->noHistory,
+                    "Contacts of meshes depend on the poses and velocities of the moment alone");
   command->add_option("--glb", options->glb, "Write the motion as an animation, binary glTF");
   command->add_option("--povray", options->povray, "Write single frames into this folder, to be drawn by POV-Ray");
   command

@@ -56,7 +56,9 @@ struct SceneDescription {
   double surfaceLayer = 0;  ///< depth that contacts are left with
   double maxCorrectingVelocity = std::numeric_limits<double>::infinity();
   double linearDamping = 0, angularDamping = 0;
-  int maxContacts = 64;  ///< for each pair of geoms
+  int maxContacts = 64;        ///< for each pair of geoms
+  int contactsPerRegion = 16;  ///< of gpu_trimesh pairs: at most this many for one connected overlap
+  bool history = true;         ///< of gpu_trimesh pairs: whether earlier queries may guide the next one
   SpaceKind space = SpaceKind::kHash;
   std::uint32_t seed = 0;  ///< of ODE's own random numbers (the quick stepper shuffles its rows)
   std::vector<PlaneDescription> planes;

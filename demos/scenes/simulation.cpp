@@ -137,6 +137,13 @@ dGeomID Simulation::makeGeom(const BodyDescription& description, Body& body) con
   const dGeomID geom = dCreateGpuTriMesh(space_, data);
   dGpuTriMeshDataDestroy(data);  // the geom keeps the mesh
   if (geom == nullptr) throw SceneError("body '" + description.name + "': the geom could not be created");
+  dGpuTriMeshParams params;
+  dGpuTriMeshParamsInit(&params);
+  params.contacts_per_region = scene_.contactsPerRegion;
+  params.history = scene_.history ? dGPUTRIMESH_HISTORY_ON : dGPUTRIMESH_HISTORY_OFF;
+  if (dGeomGpuTriMeshSetParams(geom, &params) != dGPUTRIMESH_OK) {
+    throw SceneError("the number of contacts for each region must be 1 to 64");
+  }
   return geom;
 }
 

@@ -40,8 +40,28 @@ struct CollideOptions {
   bool countPerDepth = false;  ///< fill CollideStats::boxTestsPerDepth
 };
 
-/// Which features of the two triangles made a contact; part of the order of contacts.
-enum class ContactFeature : std::uint8_t { kNone, kFaceA, kFaceB, kCoplanar, kVertexA, kVertexB, kEdgeEdge };
+/// What a contact was made from; part of the order of contacts. `pairwise` has the face whose plane gave the normal;
+/// `solid` has a vertex, the crossing of an edge with a triangle of the other mesh, or the middle of the stretch of an
+/// edge that lies inside the other mesh (kNone: the middle of a region without any of these).
+enum class ContactFeature : std::uint8_t {
+  kNone,
+  kFaceA,
+  kFaceB,
+  kCoplanar,
+  kVertexA,
+  kVertexB,
+  kCrossingA,
+  kCrossingB,
+  kMiddleA,
+  kMiddleB
+};
+
+/// Facts about a contact, added up.
+enum ContactFlag : std::uint8_t {
+  kContactInside = 1,     ///< its vertex or middle lies inside the other solid (else on the other surface)
+  kContactContained = 2,  ///< a whole component of one mesh lies inside the other
+  kContactClamped = 4     ///< the pair is entangled, and this depth was cut
+};
 
 struct Contact {
   Vec3d position;  ///< frame A
@@ -51,6 +71,12 @@ struct Contact {
   std::uint32_t
       region;  ///< contacts of one connected overlap share it; 0-based in order of smallest (triangleA, triangleB)
   ContactFeature feature;
+  std::uint8_t flags = 0;         ///< ContactFlag
+  std::uint32_t element = kNone;  ///< number of the feature's vertex (welded) or edge in its mesh; kNone for faces
+  /// Of an edge, whose inside stretches are counted k = 0, 1, ... from Topology::Edge::a: crossings have 2 k where the
+  /// stretch begins and 2 k + 1 where it ends, middles have k. Else 0.
+  std::uint32_t ordinal = 0;
+  double coherence = -1;  ///< of the region (solid/regions.h); -1 where the model has none
 };
 
 struct TrianglePair {

@@ -104,7 +104,10 @@ void solidContacts(const Query& query, Workspace& workspace) {
   state.clampLeft = entangled ? SolidHistory::kClampQueries : std::max(0, state.clampLeft - 1);
   if (state.clampLeft > 0) {
     const double most = std::max(0.02 * size, 2 * motion.step);
-    for (Contact& contact : workspace.contacts) contact.depth = std::min(contact.depth, most);
+    for (Contact& contact : workspace.contacts) {
+      if (contact.depth > most) contact.flags |= kContactClamped;
+      contact.depth = std::min(contact.depth, most);
+    }
   }
   if (query.history) {
     state.pose = query.bInA;

@@ -33,7 +33,8 @@ int checkParams(const dGpuTriMeshParams& p) {
               (p.box_axes == 6 || p.box_axes == 15) &&
               within(p.contact_model, dGPUTRIMESH_CONTACTS_AUTO, dGPUTRIMESH_CONTACTS_SOLID) &&
               within(p.reduction, dGPUTRIMESH_REDUCTION_NONE, dGPUTRIMESH_REDUCTION_CONE) &&
-              within(p.max_contacts, 1, 65535);
+              within(p.max_contacts, 1, 65535) && within(p.contacts_per_region, 1, 64) &&
+              within(p.history, dGPUTRIMESH_HISTORY_OFF, dGPUTRIMESH_HISTORY_ON);
   for (const int bins : p.bins) good = good && within(bins, 1, 64);
   if (!good) return dGPUTRIMESH_ERROR_ARGUMENT;
   return dGPUTRIMESH_OK;
@@ -168,6 +169,8 @@ void dGpuTriMeshParamsInit(dGpuTriMeshParams* params) {
   params->reduction = dGPUTRIMESH_REDUCTION_BINNING;
   std::fill(std::begin(params->bins), std::end(params->bins), 3);
   params->max_contacts = 65535;
+  params->contacts_per_region = otg::SolidOptions{}.contactsPerRegion;
+  params->history = dGPUTRIMESH_HISTORY_ON;
 }
 
 int dGeomGpuTriMeshSetParams(dGeomID g, const dGpuTriMeshParams* params) {

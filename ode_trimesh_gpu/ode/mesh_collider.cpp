@@ -128,6 +128,10 @@ void writeContact(const Contact& from, const Side& a, bool first, dGeomID o1, dG
   std::memcpy(to, &contact, sizeof(contact));
 }
 
+bool remembers(const dGpuTriMeshParams& params) {
+  return params.history == dGPUTRIMESH_HISTORY_ON;
+}
+
 void count(GeomStats& to, const CollideStats& from, std::size_t contacts) {
   const auto add = [](std::atomic<std::uint64_t>& sum, std::uint64_t n) {
     if (n != 0) sum.fetch_add(n, std::memory_order_relaxed);
@@ -202,10 +206,16 @@ CollideOptions pairOptions(const dGpuTriMeshParams& first, const dGpuTriMeshPara
   }
   for (std::size_t i = 0; i < 6; ++i) options.reduction.bins[i] = std::max(first.bins[i], second.bins[i]);
   options.maxContacts = std::min(first.max_contacts, second.max_contacts);
+  options.solid.contactsPerRegion = std::min(first.contacts_per_region, second.contacts_per_region);
   return options;
 }
 
 int collideMeshMesh(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip) noexcept {
+  return collideMeshes(o1, o2, flags, contact, skip, {});
+}
+
+int collideMeshes(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip,
+                  const ContactDataArray& data) noexcept {
   GeomObject* const object1 = objectOf(o1);
   GeomObject* const object2 = objectOf(o2);
   if (object1 == nullptr || object2 == nullptr) {
@@ -245,8 +255,13 @@ int collideMeshMesh(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, in
     query.options.maxContacts = capacity;
 
     query.relativeVelocity = relativeVelocity(a, b);
-    SolidHistory history = b.object->memory.recall(a.object->serial);
-    query.history = &history;
+    SolidHistory history;
+    if (remembers(a.object->params) && remembers(b.object->params)) {
+      history = b.object->memory.recall(a.object->serial);
+      query.history = &history;
+    } else {
+      b.object->memory.forget(a.object->serial);
+    }
 
     const WorkspaceLease lease;
     Workspace& workspace = *lease;
@@ -258,9 +273,14 @@ int collideMeshMesh(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, in
       b.object->memory.store(a.object->serial, history);
     }
     char* to = reinterpret_cast<char*>(contact);
+    char* dataTo = reinterpret_cast<char*>(data.first);
     for (const Contact& from : contacts) {
       writeContact(from, a, first, o1, o2, to);
       to += skip;
+      if (dataTo == nullptr) continue;
+      const dGpuTriMeshContactData known = contactData(query, from, first);
+      std::memcpy(dataTo, &known, sizeof known);
+      dataTo += data.skip;
     }
     for (GeomObject* object : {object1, object2}) count(object->stats, workspace.stats, contacts.size());
     return static_cast<int>(contacts.size());

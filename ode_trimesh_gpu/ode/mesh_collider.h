@@ -5,6 +5,7 @@
 #include <ode/collision.h>
 
 #include "collide/query.h"
+#include "ode_trimesh_gpu/contact_data.h"
 #include "ode_trimesh_gpu/params.h"
 
 namespace otg {
@@ -12,6 +13,17 @@ namespace otg {
 /// dColliderFn. ODE calls it with its space locked and, for two geoms of one class, in the order opposite to dCollide's
 /// (it exchanges the sides of the contacts afterwards).
 int collideMeshMesh(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip) noexcept;
+
+/// Where the contacts of a query go besides an array of dContactGeom.
+struct ContactDataArray {
+  dGpuTriMeshContactData* first = nullptr;  ///< null: nowhere
+  int skip = 0;                             ///< bytes from one element to the next
+};
+/// The same with the data of each contact.
+int collideMeshes(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip,
+                  const ContactDataArray& data) noexcept;
+/// What `contact` says to a caller of dGpuTriMeshCollideEx; `first` says whether mesh A is o1.
+dGpuTriMeshContactData contactData(const Query& query, const Contact& contact, bool first);
 
 /// Where b's frame lies in a's: R = Ra^T Rb, t = Ra^T (xb - xa), in double.
 Transformd relativePose(const Transformd& a, const Transformd& b);

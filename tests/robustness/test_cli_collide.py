@@ -79,6 +79,43 @@ class Collide(CliTest):
         self.assertEqual(self.run_json(*arguments, "--reduction", "binning")["hash"],
                          self.run_json(*arguments, "--contacts", "pairwise")["hash"])
 
+    def test_features_of_contacts(self):
+        # A's box reaches into the side of B's larger one: its four vertices are inside.
+        small, large = self.writeBox("small.ply"), self.writeBox("large.ply", size=(4, 4, 4))
+        document = self.run_json("collide", small, large, "--pose", "2.4,0.1,0.2,1,0,0,0")
+        vertices = [contact for contact in document["contacts"] if contact["feature"] == "vertex"]
+        # Corners 4 to 7 are the ones at x = 0.5 (BOX_VERTICES).
+        self.assertEqual(sorted(contact["vertices"] for contact in vertices), [[4], [5], [6], [7]])
+        for contact in vertices:
+            self.assertEqual((contact["feature_mesh"], contact["inside"], contact["contained"], contact["clamped"]),
+                             ("a", True, False, False))
+            self.assertAlmostEqual(contact["coherence"], 1)
+        ids = [contact["id"] for contact in document["contacts"]]
+        self.assertEqual(len(set(ids)), len(ids))
+        moved = self.run_json("collide", small, large, "--pose", "2.41,0.11,0.2,1,0,0,0")
+        self.assertEqual({c["id"] for c in vertices},
+                         {c["id"] for c in moved["contacts"] if c["feature"] == "vertex"})
+        inner = self.run_json("collide", small, large, "--pose", "0.4,0.1,0.2,1,0,0,0")
+        self.assertTrue(all(contact["contained"] for contact in inner["contacts"]))
+        pairwise = self.run_json("collide", small, large, "--pose", "2.4,0.1,0.2,1,0,0,0", "--contacts", "pairwise")
+        for contact in pairwise["contacts"]:
+            self.assertEqual((contact["coherence"], contact["vertices"]), (None, []))
+            self.assertIn(contact["feature"], ("face", "coplanar"))
+
+    def test_contacts_per_region(self):
+        mesh = self.write("lump.ply", ply(*lump()))
+        pose = ["--pose", "1.5,0.1,0.3,0.8,0.6,0,0"]
+        totals = []
+        for most in (1, 2, 8):
+            counts = {}
+            for contact in self.run_json("collide", mesh, mesh, *pose, "--contacts-per-region", str(most))["contacts"]:
+                counts[contact["region"]] = counts.get(contact["region"], 0) + 1
+            self.assertLessEqual(max(counts.values()), most)
+            totals.append(sum(counts.values()))
+        self.assertTrue(totals[0] <= totals[1] < totals[2], totals)
+        for wrong in ("0", "65", "x"):
+            self.assert_fails(2, "collide", mesh, mesh, *pose, "--contacts-per-region", wrong)
+
     def test_what_this_build_cannot_do(self):
         mesh = self.writeBox()
         self.assert_fails(1, "collide", mesh, mesh, "--backend", "opencl", says="OpenCL")

@@ -63,6 +63,21 @@ class Simulate(CliTest):
         self.assertNotIn(self.run_json("simulate", self.scene(DROP), "--dt", "0.004")["hash"], hashes)
         self.assertNotIn(self.run_json("simulate", self.scene({**DROP, "seed": 3}))["hash"], hashes)
 
+    def test_contacts_per_region_and_history(self):
+        scene = self.scene(DROP)
+        few = self.run_json("simulate", scene, "--contacts-per-region", "2")
+        self.assertLess(max(few["contacts_per_step"]), max(self.run_json("simulate", scene)["contacts_per_step"]))
+        self.assertEqual(few["hash"], self.run_json("simulate", self.scene({**DROP, "contacts_per_region": 2}))["hash"])
+        # A box deep inside a larger one finds its way out, by the way it began or by the shortest of the moment.
+        inside = {"steps": 40, "gravity": [0, 0, 0], "bodies": [
+            {"name": "large", "box": [2, 2, 2], "collider": "gpu_trimesh", "static": True},
+            {"name": "small", "box": [0.5, 0.5, 0.5], "collider": "gpu_trimesh", "position": [0.02, 0.01, 0],
+             "linear_velocity": [-1, 0.5, 0], "angular_velocity": [0, 0, 5]}]}
+        path = self.scene(inside)
+        without = self.run_json("simulate", path, "--no-history")["hash"]
+        self.assertNotEqual(self.run_json("simulate", path)["hash"], without)
+        self.assertEqual(self.run_json("simulate", self.scene({**inside, "history": False}))["hash"], without)
+
     def test_csv(self):
         document = self.run_json("simulate", self.scene(DROP), "--csv", "out.csv", "--steps", "20")
         with open(self.path("out.csv")) as file:
@@ -147,6 +162,8 @@ class BadScenes(CliTest):
         self.refuse({"bodies": [], "stepper": "slow"}, "stepper")
         self.refuse({"bodies": [], "space": "outer"}, "space")
         self.refuse({"bodies": [], "max_contacts": 65536}, "max_contacts")
+        self.refuse({"bodies": [], "contacts_per_region": 65}, "contacts_per_region")
+        self.refuse({"bodies": [], "history": "yes"}, "history")
         self.refuse({"bodies": [], "mu": "infinite"}, "mu")
         self.refuse({"bodies": [], "mu": -1}, "mu")
         self.refuse(self.body(rotation=[2, 0, 0, 0]), "rotation")
@@ -182,7 +199,8 @@ class BadScenes(CliTest):
 
     def test_wrong_options(self):
         path = self.write("scene.json", json.dumps(self.body()))
-        for options in (["--steps", "-1"], ["--steps", "x"], ["--dt", "0"], ["--dt", "-1"], ["--frobnicate"]):
+        for options in (["--steps", "-1"], ["--steps", "x"], ["--dt", "0"], ["--dt", "-1"], ["--frobnicate"],
+                        ["--contacts-per-region", "0"]):
             self.assert_fails(2, "simulate", path, *options)
         self.assert_fails(1, "simulate", path, "--csv", "no/such/folder.csv", says="no/such/folder.csv")
         self.assert_fails(1, "simulate", path, "--glb", "no/such/folder.glb", says="no/such/folder.glb")

@@ -38,8 +38,14 @@ constexpr double kGatheredError = 0.05;
 constexpr std::size_t kMostPoints = 192, kMostPlanes = 96;
 
 ContactFeature featureOf(const SupportPoint& p) {
-  if (p.kind == PointKind::kVertex) return p.mesh == 0 ? ContactFeature::kVertexA : ContactFeature::kVertexB;
-  return ContactFeature::kEdgeEdge;
+  switch (p.kind) {
+    case PointKind::kVertex:
+      return p.mesh == 0 ? ContactFeature::kVertexA : ContactFeature::kVertexB;
+    case PointKind::kCrossing:
+      return p.mesh == 0 ? ContactFeature::kCrossingA : ContactFeature::kCrossingB;
+    default:
+      return p.mesh == 0 ? ContactFeature::kMiddleA : ContactFeature::kMiddleB;
+  }
 }
 
 class RegionSolver {
@@ -319,8 +325,24 @@ class RegionSolver {
         }
         return std::uint32_t{0};
       };
-      out.push_back({position, c.normal, c.depth, triangleOf(c.point->triangleA, 0), triangleOf(c.point->triangleB, 1),
-                     task_.regionIndex, featureOf(*c.point)});
+      Contact contact{position,
+                      c.normal,
+                      c.depth,
+                      triangleOf(c.point->triangleA, 0),
+                      triangleOf(c.point->triangleB, 1),
+                      task_.regionIndex,
+                      c.point->feature == kNone ? ContactFeature::kNone : featureOf(*c.point)};
+      if (c.point->feature == kNone || c.point->kind != PointKind::kCrossing) contact.flags |= kContactInside;
+      if (region_.contained) contact.flags |= kContactContained;
+      contact.element = c.point->feature;
+      contact.ordinal = c.point->ordinal;
+      contact.coherence = region_.coherence;
+      if (contact.feature == ContactFeature::kNone) {  // nothing of its own to be told from another such region by
+        contact.ordinal = static_cast<std::uint32_t>(std::count_if(out.begin(), out.end(), [&](const Contact& x) {
+          return x.feature == contact.feature && x.triangleA == contact.triangleA && x.triangleB == contact.triangleB;
+        }));
+      }
+      out.push_back(contact);
     }
   }
 

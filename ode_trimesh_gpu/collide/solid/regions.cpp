@@ -298,29 +298,30 @@ class Builder {
       if (twin != kNone) normal = unit(otgAdd(normal, adjacency.normal[twin / 3]));
       normal = meshes_.directionFromLocal(m, normal);
     }
-    std::uint32_t ordinal = 0;
+    std::uint32_t stretch = 0;
     forEachPiece(m, edge, [&](const EdgePiece& piece) {
       const Vec3d d = otgSub(piece.to, piece.from);
       const double length = norm(d);
-      const auto crossing = [&](std::uint32_t element, const Vec3d& along) {
+      const std::uint32_t k = stretch++;
+      const auto crossing = [&](std::uint32_t element, const Vec3d& along, std::uint32_t ordinal) {
         SupportPoint p = pointOf(m, element, PointKind::kCrossing, edge);
         p.along = along;
         p.reach = length;
         p.surfaceNormal = normal;
-        p.ordinal = ordinal++;
+        p.ordinal = ordinal;
         p.triangleA = m == 0 ? triangle : contour_.crossings[element].triangle;
         p.triangleB = m == 0 ? contour_.crossings[element].triangle : triangle;
         out_.points.push_back(p);
       };
-      if (!piece.fromVertex) crossing(piece.fromElement, unit(d));
-      if (!piece.toVertex) crossing(piece.toElement, unit(otgScale(d, -1.0)));
+      if (!piece.fromVertex) crossing(piece.fromElement, unit(d), 2 * k);
+      if (!piece.toVertex) crossing(piece.toElement, unit(otgScale(d, -1.0)), 2 * k + 1);
       if (adjacency.flatEdge[edge] || (piece.fromVertex && piece.toVertex)) return;
       SupportPoint p =
           pointOf(m, piece.fromElement,
                   piece.fromVertex || piece.toVertex ? PointKind::kMiddle : PointKind::kMiddleOfContour, edge);
       p.position = otgScale(otgAdd(piece.from, piece.to), 0.5);
       p.surfaceNormal = normal;
-      p.ordinal = ordinal++;
+      p.ordinal = k;
       (m == 0 ? p.triangleA : p.triangleB) = triangle;
       out_.points.push_back(p);
     });

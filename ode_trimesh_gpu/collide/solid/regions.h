@@ -33,7 +33,7 @@ struct SupportPoint {
   std::uint8_t mesh;  ///< whose vertex or edge it is
   PointKind kind;
   std::uint32_t feature;               ///< vertex or edge of that mesh
-  std::uint32_t ordinal;               ///< which crossing or piece of the edge, else 0
+  std::uint32_t ordinal;               ///< as Contact::ordinal
   std::uint32_t triangleA, triangleB;  ///< triangles that it belongs to or kNone
 };
 

@@ -54,11 +54,21 @@ enum {
 };
 
 /**
+ * @brief Whether what earlier queries of a pair found may guide the next one.
+ * @ingroup gputrimesh
+ */
+enum {
+  dGPUTRIMESH_HISTORY_OFF = 0, /**< contacts depend on the poses and velocities of the moment alone */
+  dGPUTRIMESH_HISTORY_ON = 1 /**< deep, entangled and contained bodies leave in the direction in which they began to */
+};
+
+/**
  * @brief The choices of one geom. Set the defaults with dGpuTriMeshParamsInit(), then what you need.
  *
  * Two geoms that collide may differ. Then, whatever the order of the call: the reduction is the one of the two with the
- * smaller number (which drops less), each number of bins is the larger, max_contacts the smaller; of the contact models
- * AUTO gives way to the other. The search is done as the geom created first has it.
+ * smaller number (which drops less), each number of bins is the larger, max_contacts and contacts_per_region the
+ * smaller; of the contact models AUTO gives way to the other; history is ON if both have it. The search is done as the
+ * geom created first has it.
  * @ingroup gputrimesh
  */
 typedef struct dGpuTriMeshParams {
@@ -71,6 +81,12 @@ typedef struct dGpuTriMeshParams {
   int bins[6];       /**< for BINNING: along x, y, z of position, then of normal; 1 to 64, default 3 */
   int max_contacts;  /**< at most this many for one pair of geoms: 1 to 65535 (default). The caller of dCollide() sets
                         the  other limit by the size of its array. The deepest of every region of contact come first. */
+  int contacts_per_region; /**< for SOLID: at most this many from one connected overlap: 1 to 64, default 16. Fewer make
+                              the solver's work smaller; 4 hold a box, fewer than 3 hold nothing upright */
+  int history;             /**< for SOLID: dGPUTRIMESH_HISTORY_...; default ON. What is remembered of a pair is a few
+                              numbers, for as long as the two are in contact. OFF for programs that set poses at will,
+                              or that compare single queries: a body that is deep inside another may then waver between
+                              two ways out */
 } dGpuTriMeshParams;
 
 /**
