@@ -2,10 +2,13 @@
 // What a geom remembers of the pairs that it is in contact with, for the contact model `solid`.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <utility>
+#include <vector>
 
 #include "collide/solid/solid_options.h"
 
@@ -41,6 +44,24 @@ class PairMemory {
   void clear() {
     const std::lock_guard lock(mutex_);
     pairs_.clear();
+  }
+  using Histories = std::vector<std::pair<std::uint64_t, SolidHistory>>;
+  /// Everything, by the serial number of the other geom, the pair that was asked for longest ago first: storing them in
+  /// this order in an empty memory makes an equal one.
+  Histories all() {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> order;
+    for (const auto& [other, entry] : pairs_) order.emplace_back(entry.stamp, other);
+    std::sort(order.begin(), order.end());
+    Histories histories;
+    for (const auto& [stamp, other] : order) histories.emplace_back(other, pairs_.at(other).history);
+    return histories;
+  }
+  /// Exchanges what two memories hold. Throws nothing; the other one must be the caller's own.
+  void swap(PairMemory& other) {
+    const std::lock_guard lock(mutex_);
+    pairs_.swap(other.pairs_);
+    std::swap(clock_, other.clock_);
   }
 
  private:

@@ -16,6 +16,7 @@
 #include "contact_data.h"
 #include "export.h"
 #include "geom.h"
+#include "history.h"
 #include "library.h"
 #include "mass.h"
 #include "params.h"
