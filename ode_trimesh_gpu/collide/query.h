@@ -9,11 +9,10 @@
 
 #include "bvh/collision_mesh.h"
 #include "collide/solid/solid_options.h"
+#include "collide/traversal.h"
 
 namespace otg {
 
-enum class Traversal { kStandard, kQuantized, kNoLeaf, kWide };
-enum class DescentRule { kFirstTreeFirst, kLargerFirst, kAlternating, kBoth };
 enum class NearPhase { kExact };
 enum class ContactModel { kPairwise, kSolid };
 enum class Reduction { kNone, kBinning, kCone };
@@ -77,11 +76,6 @@ struct Contact {
   /// stretch begins and 2 k + 1 where it ends, middles have k. Else 0.
   std::uint32_t ordinal = 0;
   double coherence = -1;  ///< of the region (solid/regions.h); -1 where the model has none
-};
-
-struct TrianglePair {
-  std::uint32_t a, b;
-  friend auto operator<=>(const TrianglePair&, const TrianglePair&) = default;
 };
 
 struct CollideStats {

@@ -4,7 +4,9 @@
 // wide_kernels_impl.h is compiled once per instruction set (wide_kernels_<set>.cpp, with that set's compiler flags),
 // and the choice is made at run time. Inside, everything is plain pointers and always-inlined formulas: an inline
 // function of the standard library compiled there could be the copy that the linker keeps for the whole program, on
-// machines without that instruction set too. A test looks for such symbols.
+// machines without that instruction set too. The headers that it reads therefore hold little but plain data (Eigen's,
+// for one, leave functions behind in builds without optimisation), and a test looks for such symbols
+// (tests/unit/simd_symbols.sh).
 #pragma once
 
 #include "collide/pair_frame.h"

@@ -5,9 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "bvh/wide_tree.h"
-#include "collide/pair_frame.h"
-#include "collide/query.h"
+#include "bvh/wide_node.h"
+#include "collide/traversal.h"
+#include "mesh/triangle.h"
+#include "shared/box_test.h"
+#include "shared/plane_test.h"
 
 namespace otg {
 

@@ -6,15 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "mesh/triangle.h"
 #include "shared/vec3.h"
 
 namespace otg {
-
-/// Three vertex indices, counter-clockwise seen from outside.
-struct Triangle {
-  std::uint32_t v[3];
-  friend bool operator==(const Triangle&, const Triangle&) = default;
-};
 
 inline constexpr std::uint32_t kNone = 0xffffffffu;
 

@@ -8,3 +8,15 @@ otg_add_test(wide_kernels unit SOURCES test_wide_kernels.cpp LIBRARIES otg_scene
 otg_add_test(rotation_tolerance unit SOURCES test_rotation_tolerance.cpp LIBRARIES otg_scenes)
 otg_add_test(contact_ids unit SOURCES test_contact_ids.cpp LIBRARIES otg_scenes)
 otg_add_test(solid_regions unit SOURCES test_solid_regions.cpp LIBRARIES otg_scenes)
+
+# No file that is compiled for a newer instruction set leaves functions that the linker could choose for all.
+if(CMAKE_EXECUTABLE_FORMAT STREQUAL "ELF" AND CMAKE_NM)
+  set(simd_symbols "${CMAKE_CURRENT_SOURCE_DIR}/simd_symbols.sh")
+  add_test(NAME unit.simd_symbols COMMAND bash "${simd_symbols}" "${CMAKE_NM}" "$<TARGET_OBJECTS:otg_collide>"
+           COMMAND_EXPAND_LISTS)
+  add_library(otg_simd_leak OBJECT wide_kernels_leak.cpp)
+  add_dependencies(tests_unit otg_simd_leak)
+  add_test(NAME unit.simd_symbols_self_test
+           COMMAND bash "${simd_symbols}" --expect leaked "${CMAKE_NM}" "$<TARGET_OBJECTS:otg_simd_leak>")
+  set_tests_properties(unit.simd_symbols unit.simd_symbols_self_test PROPERTIES LABELS unit)
+endif()

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How trees are traversed, and what comes out. Plain data, in a header of its own: see wide_kernels.h for who must not
+// see more.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+
+namespace otg {
+
+enum class Traversal { kStandard, kQuantized, kNoLeaf, kWide };
+enum class DescentRule { kFirstTreeFirst, kLargerFirst, kAlternating, kBoth };
+
+struct TrianglePair {
+  std::uint32_t a, b;
+  friend auto operator<=>(const TrianglePair&, const TrianglePair&) = default;
+};
+
+}  // namespace otg
