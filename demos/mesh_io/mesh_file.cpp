@@ -102,9 +102,9 @@ MeshFile loadMeshFile(const std::string& path) {
   }
 }
 
-std::shared_ptr<const TriMesh> loadTriMesh(const std::string& path, const RepairOptions& repair) {
+std::shared_ptr<const TriMesh> loadTriMesh(const std::string& path, const RepairOptions& repair, MeshOrder order) {
   const MeshFile file = loadMeshFile(path);
-  MeshResult result = buildTriMesh(file.input(), repair);
+  MeshResult result = buildTriMesh(file.input(), repair, order);
   if (!result.mesh) throw LoadError(path + ": " + result.report.error);
   return result.mesh;
 }

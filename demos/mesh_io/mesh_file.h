@@ -36,6 +36,7 @@ class LoadError : public std::runtime_error {
 MeshFile loadMeshFile(const std::string& path);
 
 /// loadMeshFile, then buildTriMesh; throws LoadError with the report's error when the mesh is refused.
-std::shared_ptr<const TriMesh> loadTriMesh(const std::string& path, const RepairOptions& repair = {});
+std::shared_ptr<const TriMesh> loadTriMesh(const std::string& path, const RepairOptions& repair = {},
+                                           MeshOrder order = MeshOrder::kInput);
 
 }  // namespace otg::mesh_io

@@ -23,9 +23,8 @@ namespace {
 class OwnPeer final : public peers::Peer {
  public:
   explicit OwnPeer(const peers::PeerScene& scene) {
-    const auto share = [](const TriMesh* mesh) { return std::shared_ptr<const TriMesh>(mesh, [](const TriMesh*) {}); };
-    a_ = std::make_shared<CollisionMesh>(share(scene.a), BuildStrategy::kSah);
-    b_ = std::make_shared<CollisionMesh>(share(scene.b), BuildStrategy::kSah);
+    a_ = std::make_shared<CollisionMesh>(sortedInSpace(*scene.a), BuildStrategy::kSah);
+    b_ = std::make_shared<CollisionMesh>(sortedInSpace(*scene.b), BuildStrategy::kSah);
     query_.a = a_.get();
     query_.b = b_.get();
     query_.bInA = scene.bInA;

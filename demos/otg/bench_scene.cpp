@@ -113,6 +113,15 @@ std::vector<BenchMesh> benchMeshes(const BenchOptions& options) {
   return meshes;
 }
 
+std::shared_ptr<const TriMesh> sortedInSpace(const TriMesh& mesh) {
+  MeshInput input;
+  input.vertices = mesh.vertices().data();
+  input.vertexCount = mesh.vertices().size();
+  input.indices = mesh.triangles().data();
+  input.triangleCount = mesh.triangleCount();
+  return buildTriMesh(input, {}, MeshOrder::kSpatial).mesh;
+}
+
 Transformd benchPose(const BenchOptions& options, const CollisionMesh& mesh) {
   if (!options.poses.empty()) return parsePose(options.poses + "#" + options.scene);
   return computedPose(options.scene, mesh);

@@ -30,6 +30,10 @@ struct BenchMesh {
 /// lumps. Largest first.
 std::vector<BenchMesh> benchMeshes(const BenchOptions& options);
 
+/// The same mesh as the geom class builds it: sorted in space. Files are read as they are, which is what other
+/// libraries get.
+std::shared_ptr<const TriMesh> sortedInSpace(const TriMesh& mesh);
+
 /// The scene's matrix from --poses; without it, a pose of the same kind computed for the mesh: turned, then moved along
 /// x to where the copies just touch, and from there by a fraction of the mesh's width: touch -0.05, deep -0.35,
 /// nearmiss +0.002; deep10: turned by 10 degrees in nearly the same place.

@@ -81,7 +81,7 @@ Json combinationRow(const std::string& name, const Query& query, const Workspace
   row["middle_ms"] = time.middle;
   row["near_ms"] = time.near;
   row["intersecting_pairs"] = stats.intersectingPairs;
-  row["pairs_hash"] = hashOfPairs(workspace.intersecting);
+  row["pairs_hash"] = hashOfPairs(pairsOfCaller(query, workspace.intersecting));
   return row;
 }
 
@@ -94,7 +94,7 @@ int benchThesis(const BenchOptions& options) {
     Transformd pose{};
     for (const BuildStrategy build : kBuilds) {
       progress(fmt::format("{}: {} triangles, tree {}", entry.name, entry.mesh->triangleCount(), nameOf(build)));
-      const CollisionMesh mesh(entry.mesh, build);
+      const CollisionMesh mesh(sortedInSpace(*entry.mesh), build);
       if (build == kBuilds[0]) pose = benchPose(options, mesh);
       Query query;
       query.a = query.b = &mesh;

@@ -39,7 +39,7 @@ int runPairs(const Options& options) {
   query.b = pair.b.get();
   Workspace workspace;
   findIntersectingPairs(query, workspace);
-  if (!options.out.empty()) writePairs(options.out, workspace.intersecting);
+  if (!options.out.empty()) writePairs(options.out, pairsOfCaller(query, workspace.intersecting));
   const CollideStats& stats = workspace.stats;
   if (options.json) {
     printJson({{"candidate_pairs", stats.candidatePairs},

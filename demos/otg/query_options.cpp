@@ -121,8 +121,8 @@ BuildStrategy QueryOptions::buildStrategy() const {
 LoadedPair loadPair(const QueryOptions& options, int repeat) {
   using Clock = std::chrono::steady_clock;
   const bool same = options.fileA == options.fileB;
-  const std::shared_ptr<const TriMesh> a = mesh_io::loadTriMesh(options.fileA);
-  const std::shared_ptr<const TriMesh> b = same ? a : mesh_io::loadTriMesh(options.fileB);
+  const std::shared_ptr<const TriMesh> a = mesh_io::loadTriMesh(options.fileA, {}, MeshOrder::kSpatial);
+  const std::shared_ptr<const TriMesh> b = same ? a : mesh_io::loadTriMesh(options.fileB, {}, MeshOrder::kSpatial);
   LoadedPair pair;
   std::vector<double> times;
   for (int i = 0; i < repeat; ++i) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The pipeline on the host, stage after stage.
+#include <algorithm>
+
 #include "collide/query.h"
 #include "collide/reduction.h"
 #include "collide/solid_contacts.h"
@@ -11,7 +13,9 @@ void findIntersectingPairs(const Query& query, Workspace& workspace) {
   nearPhase(query, workspace);
 }
 
-void collide(const Query& query, Workspace& workspace) {
+namespace {
+
+void reduced(const Query& query, Workspace& workspace) {
   findIntersectingPairs(query, workspace);
   if (query.options.contacts == ContactModel::kSolid && query.a->mesh().meshClass() == MeshClass::kSolid &&
       query.b->mesh().meshClass() == MeshClass::kSolid) {
@@ -21,6 +25,26 @@ void collide(const Query& query, Workspace& workspace) {
   }
   pairwiseContacts(query, workspace);
   reduceContacts(query, workspace);
+}
+
+}  // namespace
+
+std::vector<TrianglePair> pairsOfCaller(const Query& query, const std::vector<TrianglePair>& pairs) {
+  std::vector<TrianglePair> out;
+  out.reserve(pairs.size());
+  for (const TrianglePair& p : pairs) {
+    out.push_back({query.a->mesh().callerTriangle(p.a), query.b->mesh().callerTriangle(p.b)});
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+void collide(const Query& query, Workspace& workspace) {
+  reduced(query, workspace);
+  for (Contact& contact : workspace.reduced) {
+    contact.triangleA = query.a->mesh().callerTriangle(contact.triangleA);
+    contact.triangleB = query.b->mesh().callerTriangle(contact.triangleB);
+  }
 }
 
 }  // namespace otg

@@ -129,7 +129,11 @@ void pairwiseContacts(const Query& query, Workspace& workspace);
 /// workspace.contacts -> workspace.reduced: the chosen reduction, then at most options.maxContacts.
 void reduceContacts(const Query& query, Workspace& workspace);
 
-/// All of the above. The same query gives the same bytes. Throws std::bad_alloc, and what middlePhase throws.
+/// Pairs in the numbers of the callers who built the meshes (TriMesh::callerTriangle), ascending.
+std::vector<TrianglePair> pairsOfCaller(const Query& query, const std::vector<TrianglePair>& pairs);
+
+/// All of the above. The same query gives the same bytes. Triangles in workspace.reduced carry their callers' numbers;
+/// everything else in the workspace is in the meshes' own. Throws std::bad_alloc, and what middlePhase throws.
 void collide(const Query& query, Workspace& workspace);
 /// middlePhase and nearPhase alone.
 void findIntersectingPairs(const Query& query, Workspace& workspace);

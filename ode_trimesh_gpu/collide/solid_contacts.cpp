@@ -17,6 +17,7 @@ namespace otg {
 struct SolidScratch {
   Contour contour;
   InsideFlags inside;
+  RegionBuilder builder;
   OverlapRegions regions;
 };
 
@@ -63,7 +64,7 @@ void solidContacts(const Query& query, Workspace& workspace) {
   const PlacedMeshes meshes(query);
   traceContour(meshes, workspace.intersecting, scratch.contour);
   floodInside(meshes, scratch.contour, scratch.inside);
-  buildRegions(meshes, scratch.contour, scratch.inside, scratch.regions);
+  scratch.builder.build(meshes, scratch.contour, scratch.inside, scratch.regions);
   addContained(meshes, scratch.inside, scratch.regions);
 
   SolidHistory::State state;

@@ -21,11 +21,17 @@ Adjacency buildAdjacency(const TriMesh& mesh) {
   for (std::size_t v = 0; v < vertices.size(); ++v) out.first[v + 1] += out.first[v];
   out.halfEdges.resize(out.first.back());
   std::vector<std::uint32_t> cursor(out.first.begin(), out.first.end() - 1);
+  out.neighbour.resize(out.halfEdges.size());
   for (std::uint32_t h = 0; h < 3 * n; ++h) {
-    if (topology.edgeOf[h] != kNone) out.halfEdges[cursor[originOf(h)]++] = h;
+    if (topology.edgeOf[h] == kNone) continue;
+    const std::uint32_t at = cursor[originOf(h)]++;
+    out.halfEdges[at] = h;
+    out.neighbour[at] = originOf(h - h % 3 + (h % 3 + 1) % 3);
   }
 
   out.normal.resize(n);
+  out.area.resize(n);
+  out.star.assign(vertices.size(), {{0, 0, 0}, 0});
   for (std::uint32_t t = 0; t < n; ++t) {
     Vec3d p[3];
     for (int k = 0; k < 3; ++k) {
@@ -34,7 +40,15 @@ Adjacency buildAdjacency(const TriMesh& mesh) {
     }
     const Vec3d c = otgCross(otgSub(p[1], p[0]), otgSub(p[2], p[0]));
     const double length = std::sqrt(otgDot(c, c));
-    out.normal[t] = length > 0 && !mesh.isDegenerate(t) ? otgScale(c, 1 / length) : Vec3d{0, 0, 0};
+    const bool sound = length > 0 && !mesh.isDegenerate(t);
+    out.normal[t] = sound ? otgScale(c, 1 / length) : Vec3d{0, 0, 0};
+    out.area[t] = sound ? length / 2 : 0;
+    if (!sound) continue;
+    for (const std::uint32_t corner : triangles[t].v) {
+      Adjacency::Star& star = out.star[topology.weld[corner]];
+      star.vector = otgAdd(star.vector, otgScale(c, 1.0 / 6));
+      star.area += length / 6;
+    }
   }
 
   // 1 - cos of the angle would lose half the digits; the sine is the length of the cross product.

@@ -13,8 +13,19 @@ struct Adjacency {
   /// Outgoing half-edges of each welded vertex: halfEdges[first[v]] .. halfEdges[first[v + 1] - 1], ascending. Empty
   /// for vertices that are welded to a smaller one.
   std::vector<std::uint32_t> first, halfEdges;
+  /// The welded vertex at the other end of each of `halfEdges`.
+  std::vector<std::uint32_t> neighbour;
   /// Unit normal of each triangle; zero for degenerate ones.
   std::vector<Vec3d> normal;
+  /// Area of each triangle; zero for degenerate ones.
+  std::vector<double> area;
+  /// A third of the area around each welded vertex, as vector and as number: summed over all vertices of a closed patch
+  /// it gives the patch's without a look at its triangles.
+  struct Star {
+    Vec3d vector;
+    double area;
+  };
+  std::vector<Star> star;
   /// 1 for edges whose two triangles lie in one plane to within kFlatDegrees: nothing can rest on them.
   std::vector<std::uint8_t> flatEdge;
   static constexpr double kFlatDegrees = 0.1;

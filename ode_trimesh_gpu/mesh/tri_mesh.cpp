@@ -2,6 +2,7 @@
 // From the caller's arrays to an immutable mesh: reading, refusing, repairing, measuring.
 #include "mesh/tri_mesh.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -9,6 +10,7 @@
 #include "mesh/bounds.h"
 #include "mesh/inspection.h"
 #include "mesh/repair.h"
+#include "mesh/spatial_order.h"
 
 namespace otg {
 namespace {
@@ -140,7 +142,7 @@ struct TriMeshBuilder {
     mesh.degenerate_ = findDegenerate(mesh.vertices_, mesh.triangles_, mesh.center_);
   }
 
-  static MeshResult build(const MeshInput& input, const RepairOptions& repair) {
+  static MeshResult build(const MeshInput& input, const RepairOptions& repair, MeshOrder order) {
     MeshResult result;
     ValidationReport& report = result.report;
     report.vertices = input.vertexCount;
@@ -161,8 +163,66 @@ struct TriMeshBuilder {
     mesh->topology_ = buildTopology(mesh->vertices_, mesh->triangles_);
     inspectMesh(mesh->vertices_, mesh->triangles_, mesh->topology_, mesh->degenerate_, report);
     mesh->report_ = report;
+    if (order == MeshOrder::kSpatial) sortInSpace(*mesh);
     result.mesh = mesh;
     return result;
+  }
+
+  static void sortInSpace(TriMesh& mesh) {
+    const SpatialOrder order = findSpatialOrder(mesh.vertices_, mesh.triangles_);
+    const std::vector<std::uint32_t> newVertex = inverseOf(order.vertices);
+    std::vector<Vec3f> vertices(order.vertices.size());
+    std::vector<std::uint32_t> inputVertexOf(order.vertices.size());
+    for (std::size_t v = 0; v < vertices.size(); ++v) {
+      vertices[v] = mesh.vertices_[order.vertices[v]];
+      inputVertexOf[v] = mesh.callerVertex(order.vertices[v]);
+    }
+    std::vector<Triangle> triangles(order.triangles.size());
+    std::vector<std::uint8_t> degenerate(order.triangles.size());
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      const Triangle& from = mesh.triangles_[order.triangles[t]];
+      triangles[t] = {{newVertex[from.v[0]], newVertex[from.v[1]], newVertex[from.v[2]]}};
+      degenerate[t] = mesh.degenerate_[order.triangles[t]];
+    }
+    mesh.topology_ = renumber(mesh.topology_, order);
+    mesh.vertices_ = std::move(vertices);
+    mesh.triangles_ = std::move(triangles);
+    mesh.degenerate_ = std::move(degenerate);
+    mesh.inputVertexOf_ = std::move(inputVertexOf);
+    mesh.triangleOfCaller_ = inverseOf(order.triangles);
+    mesh.callerTriangle_ = order.triangles;
+  }
+
+  /// The numbers that components have when triangles come in the caller's order.
+  static std::vector<std::uint32_t> callerComponents(const TriMesh& mesh) {
+    std::vector<std::uint32_t> number(mesh.topology_.componentCount(), kNone);
+    std::uint32_t count = 0;
+    for (const std::uint32_t t : mesh.triangleOfCaller_) {
+      const std::uint32_t c = mesh.topology_.componentOf[t];
+      if (c != kNone && number[c] == kNone) number[c] = count++;
+    }
+    return number;
+  }
+
+  /// The elements that a report names, in the caller's numbers.
+  static void nameAsCaller(const TriMesh& mesh, ValidationReport& report) {
+    for (Problem& problem : report.problems) {
+      for (std::uint32_t& element : problem.elements) {
+        switch (problem.kind) {
+          case ProblemKind::kNonManifoldVertex:
+          case ProblemKind::kUnusedVertex:
+            element = mesh.callerVertex(element);
+            break;
+          case ProblemKind::kInwardWinding:
+            element = callerComponents(mesh)[element];
+            break;
+          default:
+            element = mesh.callerTriangle(element);
+            break;
+        }
+      }
+      std::sort(problem.elements.begin(), problem.elements.end());
+    }
   }
 
   static MeshResult move(const TriMesh& before, const MeshInput& input) {
@@ -182,11 +242,13 @@ struct TriMeshBuilder {
     const std::shared_ptr<TriMesh> mesh = create();
     mesh->inputVertexCount_ = before.inputVertexCount_;
     mesh->inputVertexOf_ = before.inputVertexOf_;
-    if (!before.inputVertexOf_.empty()) {
-      for (std::size_t v = 0; v < before.inputVertexOf_.size(); ++v) vertices[v] = vertices[before.inputVertexOf_[v]];
-      vertices.resize(before.inputVertexOf_.size());
+    mesh->callerTriangle_ = before.callerTriangle_;
+    mesh->triangleOfCaller_ = before.triangleOfCaller_;
+    if (before.inputVertexOf_.empty()) {
+      mesh->vertices_ = std::move(vertices);
+    } else {
+      for (const std::uint32_t v : before.inputVertexOf_) mesh->vertices_.push_back(vertices[v]);
     }
-    mesh->vertices_ = std::move(vertices);
     mesh->triangles_ = before.triangles_;
     measure(*mesh);
     if (weldByPosition(mesh->vertices_) == before.topology_.weld) {
@@ -197,14 +259,15 @@ struct TriMeshBuilder {
     }
     report.repair = before.report_.repair;
     inspectMesh(mesh->vertices_, mesh->triangles_, mesh->topology_, mesh->degenerate_, report);
+    if (!mesh->callerTriangle_.empty()) nameAsCaller(*mesh, report);
     mesh->report_ = report;
     result.mesh = mesh;
     return result;
   }
 };
 
-MeshResult buildTriMesh(const MeshInput& input, const RepairOptions& repair) {
-  return TriMeshBuilder::build(input, repair);
+MeshResult buildTriMesh(const MeshInput& input, const RepairOptions& repair, MeshOrder order) {
+  return TriMeshBuilder::build(input, repair, order);
 }
 
 MeshResult moveVertices(const TriMesh& mesh, const MeshInput& vertices) {

@@ -37,6 +37,11 @@ struct RepairOptions {
   static RepairOptions all() { return {true, true, true, true}; }
 };
 
+/// How triangles and vertices are numbered inside a TriMesh. kInput: as the caller (after repairs) does. kSpatial:
+/// along a curve through space, which queries read from memory faster; results of collide() and reports are in the
+/// caller's numbers all the same.
+enum class MeshOrder { kInput, kSpatial };
+
 /// A solid is closed, manifold along its edges, consistently wound and faces outward: it has an inside.
 /// Anything else is a shell.
 enum class MeshClass { kSolid, kShell };
@@ -47,6 +52,12 @@ class TriMesh {
   std::span<const Vec3f> vertices() const { return vertices_; }
   std::span<const Triangle> triangles() const { return triangles_; }
   std::size_t triangleCount() const { return triangles_.size(); }
+
+  /// The caller's number of a triangle (after repairs that drop some: the number in the list that remains), and back.
+  std::uint32_t callerTriangle(std::uint32_t t) const { return callerTriangle_.empty() ? t : callerTriangle_[t]; }
+  std::uint32_t triangleOfCaller(std::uint32_t t) const { return triangleOfCaller_.empty() ? t : triangleOfCaller_[t]; }
+  /// The caller's number of a vertex; where repair merged several, that of the first.
+  std::uint32_t callerVertex(std::uint32_t v) const { return inputVertexOf_.empty() ? v : inputVertexOf_[v]; }
 
   /// True for a zero-area triangle. Such triangles keep their number, lie in the tree, and never reach the near phase.
   bool isDegenerate(std::uint32_t triangle) const { return degenerate_[triangle] != 0; }
@@ -78,9 +89,10 @@ class TriMesh {
   MassProperties mass_;
   Vec3f boundsMin_{}, boundsMax_{}, center_{};
   float radius_ = 0;
-  /// How many vertices the caller gave, and where repair merged some: which of them each of vertices_ is.
+  /// How many vertices the caller gave, and which of them each of vertices_ is (empty where that is the same number).
   std::size_t inputVertexCount_ = 0;
   std::vector<std::uint32_t> inputVertexOf_;
+  std::vector<std::uint32_t> callerTriangle_, triangleOfCaller_;  ///< empty where numbers are the caller's
 };
 
 /// What buildTriMesh answers: a mesh, or none and a report whose problems say why (`report.error` in one line).
@@ -93,7 +105,7 @@ struct MeshResult {
 /// degenerate meshes are accepted and classed, numbers that cannot be worked with (indices out of range, NaN, infinity,
 /// counts above the limits, null arrays) are refused. An empty mesh (no triangles) is accepted. Throws std::bad_alloc
 /// only.
-MeshResult buildTriMesh(const MeshInput& input, const RepairOptions& repair = {});
+MeshResult buildTriMesh(const MeshInput& input, const RepairOptions& repair = {}, MeshOrder order = MeshOrder::kInput);
 
 /// The same triangles with moved vertices: as many, in the same order, as `mesh` was built from (refused otherwise);
 /// the triangles in `vertices` are not looked at. Where repair merged vertices, the first of them moves the merged one.

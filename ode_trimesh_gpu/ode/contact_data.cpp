@@ -59,13 +59,13 @@ dGpuTriMeshContactData contactData(const Query& query, const Contact& contact, b
   data.feature = feature.kind;
   data.feature_side = feature.mesh < 0 ? 0 : (feature.mesh == 0) == first ? 1 : 2;
   data.vertex1 = data.vertex2 = -1;
+  const TriMesh& mesh = (feature.mesh == 1 ? query.b : query.a)->mesh();
   if (feature.kind == dGPUTRIMESH_FEATURE_VERTEX) {
-    data.vertex1 = static_cast<int>(contact.element);
+    data.vertex1 = static_cast<int>(mesh.callerVertex(contact.element));
   } else if (contact.element != kNone) {
-    const TriMesh& mesh = (feature.mesh == 0 ? query.a : query.b)->mesh();
     const Topology::Edge& edge = mesh.topology().edges[contact.element];
-    data.vertex1 = static_cast<int>(edge.a);
-    data.vertex2 = static_cast<int>(edge.b);
+    data.vertex1 = static_cast<int>(mesh.callerVertex(edge.a));
+    data.vertex2 = static_cast<int>(mesh.callerVertex(edge.b));
   }
   data.flags = contact.flags;
   return data;

@@ -19,8 +19,9 @@ int worldTriangle(dGeomID g, int index, WorldTriangle& triangle) {
   if (index < 0 || index >= dGeomGpuTriMeshGetTriangleCount(g)) return dGPUTRIMESH_ERROR_ARGUMENT;
   const TriMesh& mesh = object->mesh()->mesh();
   const WorldPose pose = readPose(g);
+  const Triangle& t = mesh.triangles()[mesh.triangleOfCaller(static_cast<std::uint32_t>(index))];
   for (int k = 0; k < 3; ++k) {
-    const Vec3f v = mesh.vertices()[mesh.triangles()[static_cast<std::size_t>(index)].v[k]];
+    const Vec3f v = mesh.vertices()[t.v[k]];
     triangle.corner[k] = otgTransform(pose.transform, Vec3d{v.x, v.y, v.z});
   }
   return dGPUTRIMESH_OK;

@@ -17,7 +17,7 @@ int dxGpuTriMeshData::accept(otg::MeshResult&& result, std::shared_ptr<const otg
 
 int dxGpuTriMeshData::build(const otg::MeshInput& input, const otg::RepairOptions& repair,
                             otg::BuildStrategy strategy) {
-  otg::MeshResult result = otg::buildTriMesh(input, repair);
+  otg::MeshResult result = otg::buildTriMesh(input, repair, otg::MeshOrder::kSpatial);
   std::shared_ptr<const otg::CollisionMesh> mesh;
   if (result.mesh != nullptr) mesh = std::make_shared<const otg::CollisionMesh>(result.mesh, strategy);
   return accept(std::move(result), std::move(mesh));

@@ -30,7 +30,7 @@ struct Overlap {
     const PlacedMeshes meshes(query);
     traceContour(meshes, workspace.intersecting, contour);
     floodInside(meshes, contour, inside);
-    buildRegions(meshes, contour, inside, regions);
+    RegionBuilder().build(meshes, contour, inside, regions);
   }
   double volume() const {
     double sum = 0;

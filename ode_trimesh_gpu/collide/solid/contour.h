@@ -46,6 +46,7 @@ struct Contour {
     std::uint32_t begin, end;
   };
   Range on(int mesh, std::uint32_t edge) const;
+  bool isCrossed(int mesh, std::uint32_t edge) const { return firstOn[mesh].find(edge) != FlatMap::kMissing; }
   void clear();
 };
 

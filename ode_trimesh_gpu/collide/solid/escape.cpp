@@ -7,16 +7,12 @@
 
 #include "collide/solid/ray.h"
 #include "collide/solid/region_contacts.h"
+#include "collide/solid/vectors.h"
 
 namespace otg {
 namespace {
 
 constexpr double kClusterCosine = 0.966;  // 15 degrees
-
-Vec3d unit(const Vec3d& v) {
-  const double l = std::sqrt(otgDot(v, v));
-  return l > 0 ? otgScale(v, 1 / l) : Vec3d{0, 0, 0};
-}
 
 /// The directions of a cube's faces, edges and corners.
 std::vector<Vec3d> axes26() {

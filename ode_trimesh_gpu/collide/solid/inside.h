@@ -7,21 +7,32 @@
 #include <vector>
 
 #include "collide/solid/contour.h"
+#include "collide/solid/epoch_array.h"
 
 namespace otg {
 
 struct InsideFlags {
-  std::vector<std::uint32_t> vertices[2];   ///< welded vertices inside the other mesh, in the order of the flood
-  FlatMap index[2];                         ///< welded vertex -> position in vertices
+  /// Vertices that are joined by uncrossed edges: vertices[begin] .. vertices[end - 1] of its mesh.
+  struct Patch {
+    std::uint32_t begin, end;
+  };
+  std::vector<Patch> patches[2];            ///< those inside the other mesh
+  std::vector<std::uint32_t> vertices[2];   ///< welded vertices inside the other mesh, by patch
+  std::vector<Vec3d> positions[2];          ///< of `vertices`, in A's frame
   std::vector<std::uint32_t> contained[2];  ///< components without a crossing that lie wholly inside
   std::size_t anomalies = 0;                ///< votes that contradicted their patch's majority
 
-  bool isInside(int mesh, std::uint32_t vertex) const { return index[mesh].find(vertex) != FlatMap::kMissing; }
-  void clear();
+  /// The patch that the welded vertex belongs to, or kNone if it is outside.
+  std::uint32_t patchOf(int mesh, std::uint32_t vertex) const {
+    const std::uint32_t p = patch_[mesh].find(vertex);
+    return p < kOutside ? p : kNone;
+  }
+  bool isInside(int mesh, std::uint32_t vertex) const { return patchOf(mesh, vertex) != kNone; }
 
-  // Scratch of the flood.
-  FlatMap votes, visited;
-  std::vector<std::uint32_t> patch;
+  // Filled by the flood.
+  static constexpr std::uint32_t kOutside = 0xfffffffeu;
+  EpochArray patch_[2];  ///< welded vertex -> patch, or kOutside when it was visited and found outside
+  EpochArray votes;      ///< ends of crossed edges: votes for inside less votes for outside
 };
 
 /// Patches of vertices joined by uncrossed edges; every crossing that ends at a patch votes; the majority decides, a

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "collide/solid/ray.h"
+#include "collide/solid/vectors.h"
 
 namespace otg {
 namespace {
@@ -92,8 +93,8 @@ class RegionSolver {
         if (count > kMostPlanes) slot = index.insert(cellKey(p, cell), slot);
         if (slot == planes_[m].size()) planes_[m].push_back({{0, 0, 0}, 0, p.lo, p.hi, 0});
         Plane& plane = planes_[m][slot];
-        plane.normal = otgAdd(plane.normal, otgScale(p.normal, p.area));
-        plane.offset += p.offset * p.area;
+        plane.normal = otgAdd(plane.normal, p.vector);
+        plane.offset += p.offset * norm(p.vector);
         plane.area += p.area;
         plane.lo = {std::min(plane.lo.x, p.lo.x), std::min(plane.lo.y, p.lo.y), std::min(plane.lo.z, p.lo.z)};
         plane.hi = {std::max(plane.hi.x, p.hi.x), std::max(plane.hi.y, p.hi.y), std::max(plane.hi.z, p.hi.z)};
@@ -384,17 +385,6 @@ class RegionSolver {
 };
 
 }  // namespace
-
-double extentAlong(const OverlapRegions& all, const Region& region, const Vec3d& direction) {
-  if (region.pointBegin == region.pointEnd) return 0;
-  double lo = std::numeric_limits<double>::infinity(), hi = -lo;
-  for (std::uint32_t i = region.pointBegin; i < region.pointEnd; ++i) {
-    const double x = otgDot(all.points[i].position, direction);
-    lo = std::min(lo, x);
-    hi = std::max(hi, x);
-  }
-  return hi - lo;
-}
 
 void contactsOfRegion(const RegionTask& task, std::vector<Contact>& out) {
   RegionSolver(task).run(out);

@@ -9,9 +9,6 @@
 
 namespace otg {
 
-/// Extent of the region's points along a direction.
-double extentAlong(const OverlapRegions& all, const Region& region, const Vec3d& direction);
-
 struct RegionTask {
   const PlacedMeshes& meshes;
   const OverlapRegions& all;

@@ -5,17 +5,10 @@
 #include <cmath>
 
 #include "collide/solid/flat_map.h"
+#include "collide/solid/vectors.h"
 
 namespace otg {
 namespace {
-
-double norm(const Vec3d& v) {
-  return std::sqrt(otgDot(v, v));
-}
-Vec3d unit(const Vec3d& v) {
-  const double l = norm(v);
-  return l > 0 ? otgScale(v, 1 / l) : Vec3d{0, 0, 0};
-}
 
 double distanceToBox(const Vec3d& p, const Vec3d& lo, const Vec3d& hi) {
   const double x = std::max({lo.x - p.x, 0.0, p.x - hi.x}), y = std::max({lo.y - p.y, 0.0, p.y - hi.y}),
@@ -40,7 +33,7 @@ RegionNormals::RegionNormals(const OverlapRegions& all, const Region& region)
   elements_.reserve(region.pieceEnd - region.pieceBegin);
   for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
     const Piece& p = all.pieces[i];
-    elements_.push_back({p.lo, p.hi, otgScale(p.normal, p.area), p.area, p.mesh});
+    elements_.push_back({p.lo, p.hi, p.vector, p.area, p.mesh});
   }
 }
 
@@ -58,7 +51,7 @@ void RegionNormals::cluster(const OverlapRegions& all) {
                               coordinate(p.lo.z, p.hi.z, region_.lo.z) << 40 | std::uint64_t{p.mesh} << 60;
     bool inserted = false;
     const std::uint32_t e = index.insert(key, static_cast<std::uint32_t>(elements_.size()), &inserted);
-    const Vec3d a = otgScale(p.normal, p.area);
+    const Vec3d& a = p.vector;
     if (inserted) {
       elements_.push_back({p.lo, p.hi, a, p.area, p.mesh});
       continue;

@@ -1,27 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "collide/solid/regions.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
+
+#include "collide/solid/region_cells.h"
+#include "collide/solid/vectors.h"
 
 namespace otg {
 namespace {
-
-Vec3d minimum(const Vec3d& a, const Vec3d& b) {
-  return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
-}
-Vec3d maximum(const Vec3d& a, const Vec3d& b) {
-  return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
-}
-double norm(const Vec3d& v) {
-  return std::sqrt(otgDot(v, v));
-}
-Vec3d unit(const Vec3d& v) {
-  const double l = norm(v);
-  return l > 0 ? otgScale(v, 1 / l) : Vec3d{0, 0, 0};
-}
 
 /// The inside stretch of an edge, in the direction from Topology::Edge::a to b.
 struct EdgePiece {
@@ -30,58 +16,119 @@ struct EdgePiece {
   bool fromVertex, toVertex;
 };
 
-/// Union-find elements: crossings first, then inside vertices of A, then of B.
+struct Loop {  // what bounds the part of one triangle in one region
+  std::uint32_t region;
+  Vec3d sum{0, 0, 0};
+  Vec3d lo, hi;
+};
+
+/// What is taken off the star of an inside vertex because one of its triangles is clipped.
+struct Correction {
+  std::uint32_t region, vertex, triangle;
+  std::uint8_t mesh;
+};
+
+struct PatchRef {
+  std::uint32_t region, patch;
+  std::uint8_t mesh;
+};
+
+struct Sums {
+  Vec3d vector[2];
+  double area[2];
+  double moment;  ///< sum of (normal . x) area
+};
+
+/// Stable counting sort by `region`. begin[r] .. begin[r + 1] are the items of region r.
+template <class T>
+void groupByRegion(std::vector<T>& items, std::size_t regions, std::vector<T>& sorted,
+                   std::vector<std::uint32_t>& begin) {
+  begin.assign(regions + 2, 0);
+  for (const T& item : items) ++begin[item.region + 2];
+  for (std::size_t r = 2; r < begin.size(); ++r) begin[r] += begin[r - 1];
+  sorted.resize(items.size());
+  for (const T& item : items) sorted[begin[item.region + 1]++] = item;
+  items.swap(sorted);
+}
+
+}  // namespace
+
+struct RegionBuilder::Scratch {
+  std::vector<std::uint32_t> parent, regionOf, load;
+  EpochArray boundary[2];  ///< triangle -> index into boundaryTriangles, or kInterior once it has been taken
+  std::vector<std::uint32_t> boundaryTriangles[2], chordHead[2], chordNext[2];
+  std::vector<Loop> loops;
+  std::vector<Piece> pieces, sortedPieces;
+  std::vector<Correction> corrections, sortedCorrections;
+  std::vector<PointSeed> seeds, sortedSeeds;
+  std::vector<PatchRef> patches, sortedPatches;
+  std::vector<std::uint32_t> pieceBegin, correctionBegin, seedBegin, patchBegin, cellScratch;
+  std::vector<Sums> sums;
+  std::vector<Vec3d> positions;
+  PieceCells pieceCells;
+  PointCells pointCells;
+};
+
+namespace {
+
+constexpr std::uint32_t kInterior = 0xfffffffeu;
+
+/// Union-find elements: crossings first, then the inside patches of A, then those of B.
+template <class Scratch>
 class Builder {
  public:
-  Builder(const PlacedMeshes& meshes, const Contour& contour, const InsideFlags& inside, OverlapRegions& out)
-      : meshes_(meshes), contour_(contour), inside_(inside), out_(out) {
-    vertexBase_[0] = static_cast<std::uint32_t>(contour.crossings.size());
-    vertexBase_[1] = vertexBase_[0] + static_cast<std::uint32_t>(inside.vertices[0].size());
-    elements_ = vertexBase_[1] + static_cast<std::uint32_t>(inside.vertices[1].size());
+  Builder(const PlacedMeshes& meshes, const Contour& contour, const InsideFlags& inside, Scratch& scratch,
+          OverlapRegions& out)
+      : meshes_(meshes), contour_(contour), inside_(inside), s_(scratch), out_(out) {
+    patchBase_[0] = static_cast<std::uint32_t>(contour.crossings.size());
+    patchBase_[1] = patchBase_[0] + static_cast<std::uint32_t>(inside.patches[0].size());
+    elements_ = patchBase_[1] + static_cast<std::uint32_t>(inside.patches[1].size());
   }
 
   void run() {
     out_.regions.clear();
     out_.pieces.clear();
     out_.points.clear();
+    out_.extents.cells.clear();
+    out_.extents.positions.clear();
     out_.anomalies = 0;
-    if (elements_ == 0) return;
-    out_.origin = elementPosition(0);
+    if (contour_.crossings.empty()) return;
+    out_.origin = contour_.crossings.front().point;
     unite();
+    const std::size_t anomalies = out_.anomalies;
     numberRegions();
-    collectActive();
-    for (int m = 0; m < 2; ++m) {
-      for (const std::uint32_t t : out_.active[m]) clipTriangle(m, t);
+    findBoundary();
+    bound();
+    clip();
+    seedContourPoints();
+    for (std::uint32_t r = 0; r < out_.regions.size(); ++r) {
+      isLarge(r) ? describeLarge(r) : describeSmall(r);
+      measure(r);
     }
-    collectPoints();
-    group();
-    measure();
+    out_.anomalies = anomalies;  // every pass over the edges counts the same ones again
   }
 
  private:
-  Vec3d elementPosition(std::uint32_t e) const {  // in A's frame
-    if (e < vertexBase_[0]) return contour_.crossings[e].point;
-    const int m = e < vertexBase_[1] ? 0 : 1;
-    return meshes_.vertex(m, inside_.vertices[m][e - vertexBase_[m]]);
-  }
   Vec3d relative(const Vec3d& p) const { return otgSub(p, out_.origin); }
+  Vec3d crossing(std::uint32_t c) const { return relative(contour_.crossings[c].point); }
+  Vec3d vertex(int m, std::uint32_t v) const { return relative(meshes_.vertex(m, v)); }
+  bool isLarge(std::uint32_t region) const { return s_.load[region] > kLargeRegion; }
 
   std::uint32_t find(std::uint32_t e) {
-    while (out_.parent[e] != e) {
-      out_.parent[e] = out_.parent[out_.parent[e]];
-      e = out_.parent[e];
+    while (s_.parent[e] != e) {
+      s_.parent[e] = s_.parent[s_.parent[e]];
+      e = s_.parent[e];
     }
     return e;
   }
   void join(std::uint32_t a, std::uint32_t b) {
     a = find(a);
     b = find(b);
-    if (a != b) out_.parent[std::max(a, b)] = std::min(a, b);  // the smallest element names the set
+    if (a != b) s_.parent[std::max(a, b)] = std::min(a, b);  // the smallest element names the set
   }
-
   std::uint32_t vertexElement(int m, std::uint32_t v) const {
-    const std::uint32_t i = inside_.index[m].find(v);
-    return i == FlatMap::kMissing ? kNone : vertexBase_[m] + i;
+    const std::uint32_t patch = inside_.patchOf(m, v);
+    return patch == kNone ? kNone : patchBase_[m] + patch;
   }
 
   /// Calls fn(EdgePiece) for every inside stretch of the edge. Stretches whose ends contradict the vertices' flags are
@@ -93,7 +140,7 @@ class Builder {
     const Contour::Range range = contour_.on(m, edge);
     if (range.begin == range.end) {
       if (a == kNone || b == kNone) return;
-      fn(EdgePiece{relative(elementPosition(a)), relative(elementPosition(b)), a, b, true, true});
+      fn(EdgePiece{vertex(m, ends.a), vertex(m, ends.b), a, b, true, true});
       return;
     }
     std::uint32_t open = a;
@@ -102,7 +149,7 @@ class Builder {
       const std::uint32_t c = contour_.alongEdge[i];
       if (contour_.crossings[c].exits) {
         if (isOpen) {
-          fn(EdgePiece{relative(elementPosition(open)), relative(elementPosition(c)), open, c, openVertex, false});
+          fn(EdgePiece{openVertex ? vertex(m, ends.a) : crossing(open), crossing(c), open, c, openVertex, false});
         } else {
           ++out_.anomalies;
         }
@@ -116,30 +163,20 @@ class Builder {
     }
     if (isOpen != (b != kNone)) ++out_.anomalies;
     if (isOpen && b != kNone) {
-      fn(EdgePiece{relative(elementPosition(open)), relative(elementPosition(b)), open, b, openVertex, true});
+      fn(EdgePiece{openVertex ? vertex(m, ends.a) : crossing(open), vertex(m, ends.b), open, b, openVertex, true});
     }
   }
 
   void unite() {
-    out_.parent.resize(elements_);
-    for (std::uint32_t e = 0; e < elements_; ++e) out_.parent[e] = e;
+    s_.parent.resize(elements_);
+    for (std::uint32_t e = 0; e < elements_; ++e) s_.parent[e] = e;
     for (const Chord& chord : contour_.chords) join(chord.start, chord.end);
     for (int m = 0; m < 2; ++m) {
       for (const std::uint32_t edge : contour_.crossedEdges[m]) {
         forEachPiece(m, edge, [&](const EdgePiece& p) { join(p.fromElement, p.toElement); });
       }
-      const Adjacency& adjacency = meshes_.adjacency(m);
-      const TriMesh& mesh = meshes_.mesh(m);
-      for (std::uint32_t i = 0; i < inside_.vertices[m].size(); ++i) {
-        const std::uint32_t v = inside_.vertices[m][i];
-        for (std::uint32_t h = adjacency.first[v]; h < adjacency.first[v + 1]; ++h) {
-          const std::uint32_t half = adjacency.halfEdges[h];
-          if (contour_.firstOn[m].find(mesh.topology().edgeOf[half]) != FlatMap::kMissing) continue;
-          const std::uint32_t w = vertexElement(m, otherEnd(mesh, half));
-          if (w != kNone) join(vertexBase_[m] + i, w);
-        }
-      }
       // A contour that stays within one triangle whose corners are all inside hangs together with them.
+      const TriMesh& mesh = meshes_.mesh(m);
       for (const Chord& chord : contour_.chords) {
         const Triangle& t = mesh.triangles()[m == 0 ? chord.triangleA : chord.triangleB];
         std::uint32_t corner[3];
@@ -147,86 +184,123 @@ class Builder {
         if (corner[0] != kNone && corner[1] != kNone && corner[2] != kNone) join(chord.start, corner[0]);
       }
     }
-    anomaliesOfUnite_ = out_.anomalies;
-  }
-
-  static std::uint32_t otherEnd(const TriMesh& mesh, std::uint32_t half) {
-    return mesh.topology().weld[mesh.triangles()[half / 3].v[(half % 3 + 1) % 3]];
   }
 
   void numberRegions() {
-    out_.regionOf.assign(elements_, kNone);
+    s_.regionOf.assign(elements_, kNone);
     std::uint32_t count = 0;
     for (std::uint32_t e = 0; e < elements_; ++e) {
       const std::uint32_t root = find(e);
-      if (out_.regionOf[root] == kNone) out_.regionOf[root] = count++;
-      out_.regionOf[e] = out_.regionOf[root];
+      if (s_.regionOf[root] == kNone) s_.regionOf[root] = count++;
+      s_.regionOf[e] = s_.regionOf[root];
     }
-    const double inf = std::numeric_limits<double>::infinity();
-    Region empty{};
-    empty.lo = {inf, inf, inf};
-    empty.hi = {-inf, -inf, -inf};
-    out_.regions.assign(count, empty);
-    for (std::uint32_t e = 0; e < elements_; ++e) {
-      Region& region = out_.regions[out_.regionOf[e]];
-      const Vec3d p = relative(elementPosition(e));
-      region.lo = minimum(region.lo, p);
-      region.hi = maximum(region.hi, p);
+    out_.regions.assign(count, Region{});
+    s_.sums.assign(count, Sums{});
+    s_.load.assign(count, 0);
+    s_.patches.clear();
+    for (int m = 0; m < 2; ++m) {
+      for (std::uint32_t p = 0; p < inside_.patches[m].size(); ++p) {
+        const std::uint32_t region = s_.regionOf[patchBase_[m] + p];
+        s_.patches.push_back({region, p, static_cast<std::uint8_t>(m)});
+        s_.load[region] += inside_.patches[m][p].end - inside_.patches[m][p].begin;
+      }
     }
+    groupByRegion(s_.patches, count, s_.sortedPatches, s_.patchBegin);
+    for (const Chord& chord : contour_.chords) ++s_.load[s_.regionOf[chord.start]];
   }
 
-  /// Triangles with a chord or an inside corner, and their chords.
-  void collectActive() {
+  /// Triangles with a chord or a crossed edge, and their chords.
+  void findBoundary() {
     for (int m = 0; m < 2; ++m) {
-      out_.active[m].clear();
-      out_.activeIndex[m].clear();
-      out_.chordHead[m].clear();
-      out_.chordNext[m].assign(contour_.chords.size(), kNone);
-      const auto activate = [&](std::uint32_t t) {
-        bool inserted = false;
-        const std::uint32_t i =
-            out_.activeIndex[m].insert(t, static_cast<std::uint32_t>(out_.active[m].size()), &inserted);
-        if (inserted) {
-          out_.active[m].push_back(t);
-          out_.chordHead[m].push_back(kNone);
-        }
+      const TriMesh& mesh = meshes_.mesh(m);
+      const Adjacency& adjacency = meshes_.adjacency(m);
+      s_.boundary[m].reset(mesh.triangles().size());
+      s_.boundaryTriangles[m].clear();
+      s_.chordHead[m].clear();
+      s_.chordNext[m].assign(contour_.chords.size(), kNone);
+      const auto mark = [&](std::uint32_t t) {
+        std::uint32_t i = s_.boundary[m].find(t);
+        if (i != EpochArray::kMissing) return i;
+        i = static_cast<std::uint32_t>(s_.boundaryTriangles[m].size());
+        s_.boundary[m].set(t, i);
+        s_.boundaryTriangles[m].push_back(t);
+        s_.chordHead[m].push_back(kNone);
         return i;
       };
       for (std::uint32_t c = 0; c < contour_.chords.size(); ++c) {
-        const std::uint32_t i = activate(m == 0 ? contour_.chords[c].triangleA : contour_.chords[c].triangleB);
-        out_.chordNext[m][c] = out_.chordHead[m][i];
-        out_.chordHead[m][i] = c;
+        const std::uint32_t i = mark(m == 0 ? contour_.chords[c].triangleA : contour_.chords[c].triangleB);
+        s_.chordNext[m][c] = s_.chordHead[m][i];
+        s_.chordHead[m][i] = c;
       }
-      const Adjacency& adjacency = meshes_.adjacency(m);
-      for (const std::uint32_t v : inside_.vertices[m]) {
-        for (std::uint32_t h = adjacency.first[v]; h < adjacency.first[v + 1]; ++h) {
-          activate(adjacency.halfEdges[h] / 3);
+      // Both triangles at a crossed edge have chords, unless the contour is broken there.
+      for (const std::uint32_t edge : contour_.crossedEdges[m]) {
+        const Topology::Edge& ends = mesh.topology().edges[edge];
+        for (const std::uint32_t v : {ends.a, ends.b}) {
+          for (std::uint32_t h = adjacency.first[v]; h < adjacency.first[v + 1]; ++h) {
+            const std::uint32_t half = adjacency.halfEdges[h];
+            if (mesh.topology().edgeOf[half] == edge) mark(half / 3);
+          }
         }
       }
     }
   }
 
-  struct Loop {  // what bounds the part of one triangle in one region
-    std::uint32_t region;
-    Vec3d sum{0, 0, 0};
-    Vec3d lo, hi;
-  };
+  void bound() {
+    const double inf = std::numeric_limits<double>::infinity();
+    for (Region& region : out_.regions) {
+      region.lo = {inf, inf, inf};
+      region.hi = {-inf, -inf, -inf};
+    }
+    const auto include = [&](Region& region, const Vec3d& p) {
+      region.lo = minimum(region.lo, p);
+      region.hi = maximum(region.hi, p);
+    };
+    for (std::uint32_t c = 0; c < contour_.crossings.size(); ++c) include(out_.regions[s_.regionOf[c]], crossing(c));
+    for (const PatchRef& ref : s_.patches) {
+      Region& region = out_.regions[ref.region];
+      const InsideFlags::Patch& patch = inside_.patches[ref.mesh][ref.patch];
+      for (std::uint32_t i = patch.begin; i < patch.end; ++i) include(region, relative(inside_.positions[ref.mesh][i]));
+    }
+    for (Region& region : out_.regions) region.diagonal = norm(otgSub(region.hi, region.lo));
+  }
+
+  /// Clips every boundary triangle, and notes what its inside corners' stars hold of it.
+  void clip() {
+    s_.pieces.clear();
+    s_.corrections.clear();
+    for (int m = 0; m < 2; ++m) {
+      const TriMesh& mesh = meshes_.mesh(m);
+      for (std::uint32_t i = 0; i < s_.boundaryTriangles[m].size(); ++i) {
+        const std::uint32_t t = s_.boundaryTriangles[m][i];
+        clipTriangle(m, t, s_.chordHead[m][i]);
+        for (const std::uint32_t corner : mesh.triangles()[t].v) {
+          const std::uint32_t v = mesh.topology().weld[corner];
+          const std::uint32_t element = vertexElement(m, v);
+          if (element == kNone || !isLarge(s_.regionOf[element])) continue;
+          s_.corrections.push_back({s_.regionOf[element], v, t, static_cast<std::uint8_t>(m)});
+        }
+      }
+    }
+    groupByRegion(s_.pieces, out_.regions.size(), s_.sortedPieces, s_.pieceBegin);
+    groupByRegion(s_.corrections, out_.regions.size(), s_.sortedCorrections, s_.correctionBegin);
+  }
 
   /// Area by the boundary: half the sum of p x q over the directed boundary segments.
-  void clipTriangle(int m, std::uint32_t t) {
+  void clipTriangle(int m, std::uint32_t t, std::uint32_t chord) {
     const TriMesh& mesh = meshes_.mesh(m);
     const Topology& topology = mesh.topology();
-    const Vec3d corner = relative(meshes_.vertex(m, mesh.triangles()[t].v[0]));
-    loops_.clear();
+    const Vec3d corner = vertex(m, mesh.triangles()[t].v[0]);
+    std::vector<Loop>& loops = s_.loops;
+    loops.clear();
     const auto add = [&](std::uint32_t element, const Vec3d& p, const Vec3d& q) {
-      const std::uint32_t region = out_.regionOf[element];
+      const std::uint32_t region = s_.regionOf[element];
       Loop* loop = nullptr;
-      for (Loop& l : loops_) {
+      for (Loop& l : loops) {
         if (l.region == region) loop = &l;
       }
       if (!loop) {
-        loops_.push_back({region, {0, 0, 0}, p, p});
-        loop = &loops_.back();
+        loops.push_back({region, {0, 0, 0}, p, p});
+        loop = &loops.back();
       }
       loop->sum = otgAdd(loop->sum, otgCross(otgSub(p, corner), otgSub(q, corner)));
       loop->lo = minimum(loop->lo, minimum(p, q));
@@ -241,90 +315,191 @@ class Builder {
         forward ? add(p.fromElement, p.from, p.to) : add(p.fromElement, p.to, p.from);
       });
     }
-    for (std::uint32_t c = out_.chordHead[m][out_.activeIndex[m].find(t)]; c != kNone; c = out_.chordNext[m][c]) {
-      const Vec3d p = relative(contour_.crossings[contour_.chords[c].start].point);
-      const Vec3d q = relative(contour_.crossings[contour_.chords[c].end].point);
-      m == 0 ? add(contour_.chords[c].start, p, q) : add(contour_.chords[c].start, q, p);
+    for (; chord != kNone; chord = s_.chordNext[m][chord]) {
+      const Chord& c = contour_.chords[chord];
+      m == 0 ? add(c.start, crossing(c.start), crossing(c.end)) : add(c.start, crossing(c.end), crossing(c.start));
     }
     const Vec3d n = meshes_.normal(m, t);
-    for (const Loop& loop : loops_) {
+    for (const Loop& loop : loops) {
       const double area = 0.5 * otgDot(loop.sum, n);
-      if (!(area > 0)) continue;  // slivers that rounding turned over
-      out_.pieces.push_back(
-          {loop.region, t, static_cast<std::uint8_t>(m), n, area, otgDot(n, corner), loop.lo, loop.hi});
+      if (area > 0)
+        addPiece(loop.region, m, t, n, area, otgDot(n, corner), loop.lo, loop.hi);  // else a sliver turned over
     }
   }
 
-  void collectPoints() {
+  void addPiece(std::uint32_t region, int m, std::uint32_t t, const Vec3d& n, double area, double offset,
+                const Vec3d& lo, const Vec3d& hi) {
+    s_.pieces.push_back({region, t, static_cast<std::uint8_t>(m), n, otgScale(n, area), area, offset, lo, hi});
+  }
+
+  static void addTo(Sums& sums, int m, const Vec3d& vector, double area, double moment) {
+    sums.vector[m] = otgAdd(sums.vector[m], vector);
+    sums.area[m] += area;
+    sums.moment += moment;
+  }
+
+  /// Every piece and every point by itself.
+  void describeSmall(std::uint32_t r) {
+    Region& region = out_.regions[r];
+    region.pieceBegin = static_cast<std::uint32_t>(out_.pieces.size());
+    region.pointBegin = static_cast<std::uint32_t>(out_.points.size());
+    for (std::uint32_t i = s_.pieceBegin[r]; i < s_.pieceBegin[r + 1]; ++i) out_.pieces.push_back(s_.pieces[i]);
+    for (std::uint32_t i = s_.patchBegin[r]; i < s_.patchBegin[r + 1]; ++i) {
+      const PatchRef& ref = s_.patches[i];
+      const int m = ref.mesh;
+      const TriMesh& mesh = meshes_.mesh(m);
+      const Adjacency& adjacency = meshes_.adjacency(m);
+      const InsideFlags::Patch& patch = inside_.patches[m][ref.patch];
+      for (std::uint32_t k = patch.begin; k < patch.end; ++k) {
+        const std::uint32_t v = inside_.vertices[m][k];
+        out_.points.push_back(supportPoint(vertexSeed(r, m, k)));
+        for (std::uint32_t h = adjacency.first[v]; h < adjacency.first[v + 1]; ++h) {
+          const std::uint32_t t = adjacency.halfEdges[h] / 3;
+          if (s_.boundary[m].has(t)) continue;
+          s_.boundary[m].set(t, kInterior);
+          const Triangle& triangle = mesh.triangles()[t];
+          const Vec3d p = vertex(m, triangle.v[0]), q = vertex(m, triangle.v[1]), s = vertex(m, triangle.v[2]);
+          const Vec3d n = meshes_.normal(m, t);
+          const double area = adjacency.area[t];
+          out_.pieces.push_back({r, t, ref.mesh, n, otgScale(n, area), area, otgDot(n, p), minimum(p, minimum(q, s)),
+                                 maximum(p, maximum(q, s))});
+        }
+      }
+    }
+    for (std::uint32_t i = s_.seedBegin[r]; i < s_.seedBegin[r + 1]; ++i) {
+      out_.points.push_back(supportPoint(s_.seeds[i]));
+    }
+    region.pieceEnd = static_cast<std::uint32_t>(out_.pieces.size());
+    region.pointEnd = static_cast<std::uint32_t>(out_.points.size());
+    for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
+      const Piece& p = out_.pieces[i];
+      addTo(s_.sums[r], p.mesh, p.vector, p.area, p.offset * p.area);
+    }
+  }
+
+  /// The interior by the stars of its vertices, everything gathered in cells.
+  void describeLarge(std::uint32_t r) {
+    Region& region = out_.regions[r];
+    Sums& sums = s_.sums[r];
+    region.pieceBegin = static_cast<std::uint32_t>(out_.pieces.size());
+    region.pointBegin = static_cast<std::uint32_t>(out_.points.size());
+    PieceCells& cells = s_.pieceCells;
+    cells.begin(region);
+    const auto add = [&](int m, const Vec3d& place, const Vec3d& facing, std::uint32_t t, const Vec3d& vector,
+                         double area, double moment, const Vec3d& lo, const Vec3d& hi) {
+      addTo(sums, m, vector, area, moment);
+      cells.add(m, place, facing, t, vector, area, moment, lo, hi);
+    };
+    for (std::uint32_t i = s_.pieceBegin[r]; i < s_.pieceBegin[r + 1]; ++i) {
+      const Piece& p = s_.pieces[i];
+      add(p.mesh, otgScale(otgAdd(p.lo, p.hi), 0.5), p.normal, p.triangle, p.vector, p.area, p.offset * p.area, p.lo,
+          p.hi);
+    }
+    s_.positions.clear();
+    for (std::uint32_t i = s_.patchBegin[r]; i < s_.patchBegin[r + 1]; ++i) {
+      const int m = s_.patches[i].mesh;
+      const Adjacency& adjacency = meshes_.adjacency(m);
+      const InsideFlags::Patch& patch = inside_.patches[m][s_.patches[i].patch];
+      for (std::uint32_t k = patch.begin; k < patch.end; ++k) {
+        const std::uint32_t v = inside_.vertices[m][k];
+        const Vec3d x = relative(inside_.positions[m][k]);
+        const Vec3d vector = meshes_.directionFromLocal(m, adjacency.star[v].vector);
+        s_.positions.push_back(x);
+        add(m, x, vector, adjacency.halfEdges[adjacency.first[v]] / 3, vector, adjacency.star[v].area,
+            otgDot(vector, x), x, x);
+      }
+    }
+    for (std::uint32_t i = s_.correctionBegin[r]; i < s_.correctionBegin[r + 1]; ++i) {
+      const Correction& c = s_.corrections[i];
+      const Adjacency& adjacency = meshes_.adjacency(c.mesh);
+      const Vec3d x = vertex(c.mesh, c.vertex);
+      const double area = -adjacency.area[c.triangle] / 3;
+      const Vec3d vector = otgScale(meshes_.normal(c.mesh, c.triangle), area);
+      add(c.mesh, x, meshes_.directionFromLocal(c.mesh, adjacency.star[c.vertex].vector), c.triangle, vector, area,
+          otgDot(vector, x), x, x);
+    }
+    cells.finish(r, out_.pieces);
+    region.pieceEnd = static_cast<std::uint32_t>(out_.pieces.size());
+
+    PointCells& points = s_.pointCells;
+    points.begin(region, unit(otgSub(sums.vector[1], sums.vector[0])));
+    for (std::uint32_t i = s_.patchBegin[r]; i < s_.patchBegin[r + 1]; ++i) {
+      const InsideFlags::Patch& patch = inside_.patches[s_.patches[i].mesh][s_.patches[i].patch];
+      for (std::uint32_t k = patch.begin; k < patch.end; ++k) points.offer(vertexSeed(r, s_.patches[i].mesh, k));
+    }
+    for (std::uint32_t i = s_.seedBegin[r]; i < s_.seedBegin[r + 1]; ++i) {
+      points.offer(s_.seeds[i]);
+      if (s_.seeds[i].kind == PointKind::kCrossing) s_.positions.push_back(s_.seeds[i].position);
+    }
+    for (const PointSeed& seed : points.chosen()) out_.points.push_back(supportPoint(seed));
+    region.pointEnd = static_cast<std::uint32_t>(out_.points.size());
+    addExtentCells(region, s_.positions, s_.cellScratch, out_.extents);
+  }
+
+  PointSeed vertexSeed(std::uint32_t region, int m, std::uint32_t k) const {
+    return {relative(inside_.positions[m][k]), {0, 0, 0},         region, inside_.vertices[m][k], 0, kNone,
+            static_cast<std::uint8_t>(m),      PointKind::kVertex};
+  }
+
+  /// The ends of the inside stretches of crossed edges that are crossings, and the stretches' middles where something
+  /// can rest on them.
+  void seedContourPoints() {
+    s_.seeds.clear();
     for (int m = 0; m < 2; ++m) {
       const Adjacency& adjacency = meshes_.adjacency(m);
-      for (std::uint32_t i = 0; i < inside_.vertices[m].size(); ++i) {
-        const std::uint32_t v = inside_.vertices[m][i];
-        SupportPoint p = pointOf(m, vertexBase_[m] + i, PointKind::kVertex, v);
-        Vec3d sum{0, 0, 0};
-        for (std::uint32_t h = adjacency.first[v]; h < adjacency.first[v + 1]; ++h) {
-          sum = otgAdd(sum, adjacency.normal[adjacency.halfEdges[h] / 3]);
-        }
-        p.surfaceNormal = meshes_.directionFromLocal(m, unit(sum));
-        (m == 0 ? p.triangleA : p.triangleB) = adjacency.halfEdges[adjacency.first[v]] / 3;
-        out_.points.push_back(p);
+      for (const std::uint32_t edge : contour_.crossedEdges[m]) {
+        std::uint32_t stretch = 0;
+        forEachPiece(m, edge, [&](const EdgePiece& piece) {
+          const Vec3d d = otgSub(piece.to, piece.from);
+          const std::uint32_t k = stretch++;
+          const auto seed = [&](const Vec3d& at, const Vec3d& span, std::uint32_t c, PointKind kind,
+                                std::uint32_t ordinal) {
+            s_.seeds.push_back(
+                {at, span, s_.regionOf[piece.fromElement], edge, ordinal, c, static_cast<std::uint8_t>(m), kind});
+          };
+          if (!piece.fromVertex) seed(piece.from, d, piece.fromElement, PointKind::kCrossing, 2 * k);
+          if (!piece.toVertex) seed(piece.to, otgScale(d, -1.0), piece.toElement, PointKind::kCrossing, 2 * k + 1);
+          if (adjacency.flatEdge[edge] || (piece.fromVertex && piece.toVertex)) return;
+          seed(otgScale(otgAdd(piece.from, piece.to), 0.5), {0, 0, 0}, kNone,
+               piece.fromVertex || piece.toVertex ? PointKind::kMiddle : PointKind::kMiddleOfContour, k);
+        });
       }
-      for (const std::uint32_t edge : contour_.crossedEdges[m]) pointsOfEdge(m, edge);
     }
-    out_.anomalies = anomaliesOfUnite_;  // every pass over the edges counts the same ones again
+    groupByRegion(s_.seeds, out_.regions.size(), s_.sortedSeeds, s_.seedBegin);
   }
 
-  SupportPoint pointOf(int m, std::uint32_t element, PointKind kind, std::uint32_t feature) const {
-    SupportPoint p{};
-    p.position = relative(elementPosition(element));
-    p.region = out_.regionOf[element];
-    p.mesh = static_cast<std::uint8_t>(m);
-    p.kind = kind;
-    p.feature = feature;
-    p.triangleA = p.triangleB = kNone;
-    return p;
-  }
-
-  /// The ends of the edge's inside stretches that are crossings, and their middles where something can rest on them.
-  void pointsOfEdge(int m, std::uint32_t edge) {
+  SupportPoint supportPoint(const PointSeed& seed) const {
+    const int m = seed.mesh;
     const TriMesh& mesh = meshes_.mesh(m);
     const Adjacency& adjacency = meshes_.adjacency(m);
-    const std::uint32_t half = halfEdgeOf(mesh, adjacency, edge);
-    const std::uint32_t triangle = half == kNone ? kNone : half / 3;
+    SupportPoint p{};
+    p.position = seed.position;
+    p.region = seed.region;
+    p.mesh = seed.mesh;
+    p.kind = seed.kind;
+    p.feature = seed.feature;
+    p.ordinal = seed.ordinal;
+    p.triangleA = p.triangleB = kNone;
+    std::uint32_t& own = m == 0 ? p.triangleA : p.triangleB;
     Vec3d normal{0, 0, 0};
-    if (half != kNone) {
+    if (seed.kind == PointKind::kVertex) {
+      for (std::uint32_t h = adjacency.first[seed.feature]; h < adjacency.first[seed.feature + 1]; ++h) {
+        normal = otgAdd(normal, adjacency.normal[adjacency.halfEdges[h] / 3]);
+      }
+      own = adjacency.halfEdges[adjacency.first[seed.feature]] / 3;
+    } else if (const std::uint32_t half = halfEdgeOf(mesh, adjacency, seed.feature); half != kNone) {
       normal = adjacency.normal[half / 3];
       const std::uint32_t twin = mesh.topology().twin[half];
-      if (twin != kNone) normal = unit(otgAdd(normal, adjacency.normal[twin / 3]));
-      normal = meshes_.directionFromLocal(m, normal);
+      if (twin != kNone) normal = otgAdd(normal, adjacency.normal[twin / 3]);
+      own = half / 3;
     }
-    std::uint32_t stretch = 0;
-    forEachPiece(m, edge, [&](const EdgePiece& piece) {
-      const Vec3d d = otgSub(piece.to, piece.from);
-      const double length = norm(d);
-      const std::uint32_t k = stretch++;
-      const auto crossing = [&](std::uint32_t element, const Vec3d& along, std::uint32_t ordinal) {
-        SupportPoint p = pointOf(m, element, PointKind::kCrossing, edge);
-        p.along = along;
-        p.reach = length;
-        p.surfaceNormal = normal;
-        p.ordinal = ordinal;
-        p.triangleA = m == 0 ? triangle : contour_.crossings[element].triangle;
-        p.triangleB = m == 0 ? contour_.crossings[element].triangle : triangle;
-        out_.points.push_back(p);
-      };
-      if (!piece.fromVertex) crossing(piece.fromElement, unit(d), 2 * k);
-      if (!piece.toVertex) crossing(piece.toElement, unit(otgScale(d, -1.0)), 2 * k + 1);
-      if (adjacency.flatEdge[edge] || (piece.fromVertex && piece.toVertex)) return;
-      SupportPoint p =
-          pointOf(m, piece.fromElement,
-                  piece.fromVertex || piece.toVertex ? PointKind::kMiddle : PointKind::kMiddleOfContour, edge);
-      p.position = otgScale(otgAdd(piece.from, piece.to), 0.5);
-      p.surfaceNormal = normal;
-      p.ordinal = k;
-      (m == 0 ? p.triangleA : p.triangleB) = triangle;
-      out_.points.push_back(p);
-    });
+    p.surfaceNormal = meshes_.directionFromLocal(m, unit(normal));
+    if (seed.kind == PointKind::kCrossing) {
+      p.reach = norm(seed.span);
+      p.along = unit(seed.span);
+      (m == 0 ? p.triangleB : p.triangleA) = contour_.crossings[seed.crossing].triangle;
+    }
+    return p;
   }
 
   static std::uint32_t halfEdgeOf(const TriMesh& mesh, const Adjacency& adjacency, std::uint32_t edge) {
@@ -335,58 +510,39 @@ class Builder {
     return kNone;
   }
 
-  /// Stable counting sorts of pieces and points by region.
-  void group() {
-    const auto sortByRegion = [&](auto& items, auto begin, auto end) {
-      std::stable_sort(items.begin(), items.end(), [](const auto& x, const auto& y) { return x.region < y.region; });
-      std::uint32_t i = 0;
-      for (std::uint32_t r = 0; r < out_.regions.size(); ++r) {
-        out_.regions[r].*begin = i;
-        while (i < items.size() && items[i].region == r) ++i;
-        out_.regions[r].*end = i;
-      }
-    };
-    sortByRegion(out_.pieces, &Region::pieceBegin, &Region::pieceEnd);
-    sortByRegion(out_.points, &Region::pointBegin, &Region::pointEnd);
-  }
-
-  void measure() {
-    for (Region& region : out_.regions) {
-      Vec3d sumA{0, 0, 0}, sumB{0, 0, 0};
-      double volume = 0;
-      const Vec3d middle = otgScale(otgAdd(region.lo, region.hi), 0.5);
-      for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
-        const Piece& p = out_.pieces[i];
-        Vec3d& sum = p.mesh == 0 ? sumA : sumB;
-        (p.mesh == 0 ? region.areaA : region.areaB) += p.area;
-        sum = otgAdd(sum, otgScale(p.normal, p.area));
-        volume += (p.offset - otgDot(p.normal, middle)) * p.area / 3;
-      }
-      region.volume = volume;
-      region.push = otgScale(otgSub(sumB, sumA), 0.5);
-      region.diagonal = norm(otgSub(region.hi, region.lo));
-      const double total = region.areaA + region.areaB;
-      region.thickness = total > 0 ? std::max(0.0, 2 * volume / total) : 0;
-      const double push = norm(region.push);
-      region.coherence = std::min(
-          1.0, std::max(region.areaA > 0 ? push / region.areaA : 0, region.areaB > 0 ? push / region.areaB : 0));
-      region.bad = norm(otgAdd(sumA, sumB)) > 0.05 * total || volume < -1e-3 * total * region.diagonal;
-    }
+  void measure(std::uint32_t r) {
+    Region& region = out_.regions[r];
+    const Sums& sums = s_.sums[r];
+    const Vec3d middle = otgScale(otgAdd(region.lo, region.hi), 0.5);
+    const Vec3d all = otgAdd(sums.vector[0], sums.vector[1]);
+    region.areaA = sums.area[0];
+    region.areaB = sums.area[1];
+    region.volume = (sums.moment - otgDot(all, middle)) / 3;
+    region.push = otgScale(otgSub(sums.vector[1], sums.vector[0]), 0.5);
+    const double total = region.areaA + region.areaB;
+    region.thickness = total > 0 ? std::max(0.0, 2 * region.volume / total) : 0;
+    const double push = norm(region.push);
+    region.coherence =
+        std::min(1.0, std::max(region.areaA > 0 ? push / region.areaA : 0, region.areaB > 0 ? push / region.areaB : 0));
+    region.bad = norm(all) > 0.05 * total || region.volume < -1e-3 * total * region.diagonal;
   }
 
   const PlacedMeshes& meshes_;
   const Contour& contour_;
   const InsideFlags& inside_;
+  Scratch& s_;
   OverlapRegions& out_;
-  std::uint32_t vertexBase_[2], elements_;
-  std::vector<Loop> loops_;
-  std::size_t anomaliesOfUnite_ = 0;
+  std::uint32_t patchBase_[2], elements_;
 };
 
 }  // namespace
 
-void buildRegions(const PlacedMeshes& meshes, const Contour& contour, const InsideFlags& inside, OverlapRegions& out) {
-  Builder(meshes, contour, inside, out).run();
+RegionBuilder::RegionBuilder() : scratch_(std::make_unique<Scratch>()) {}
+RegionBuilder::~RegionBuilder() = default;
+
+void RegionBuilder::build(const PlacedMeshes& meshes, const Contour& contour, const InsideFlags& inside,
+                          OverlapRegions& out) {
+  Builder<Scratch>(meshes, contour, inside, *scratch_, out).run();
 }
 
 }  // namespace otg

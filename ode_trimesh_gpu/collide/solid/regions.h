@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Connected overlap regions of two solids, with the clipped surface of either mesh inside the other: vector areas,
 // volume, extent, and the places where a contact may sit.
+//
+// Cost is linear in the triangles inside. What later stages look at is bounded: a region of more than kLargeRegion
+// triangles and vertices is described by the cells of a grid instead (solid/region_cells.h).
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "collide/solid/contour.h"
@@ -11,14 +15,16 @@
 
 namespace otg {
 
-/// The part of one triangle that lies inside the other mesh, within one region.
+/// The part of one triangle that lies inside the other mesh, within one region; in large regions all such parts of one
+/// mesh that lie in one cell and face the same way.
 struct Piece {
-  std::uint32_t region, triangle;
+  std::uint32_t region, triangle;  ///< of several triangles: one of them
   std::uint8_t mesh;
-  Vec3d normal;  ///< of the triangle, unit, outward
-  double area;
-  double offset;  ///< normal . x on the triangle's plane, relative to OverlapRegions::origin
-  Vec3d lo, hi;   ///< bounds of the piece, relative to the origin
+  Vec3d normal;   ///< unit, outward: of the triangle, or the mean
+  Vec3d vector;   ///< vector area: sum of normal x area
+  double area;    ///< sum of areas
+  double offset;  ///< normal . x on the plane of the triangle (of several: the mean plane), relative to the origin
+  Vec3d lo, hi;   ///< bounds, relative to OverlapRegions::origin
 };
 
 enum class PointKind : std::uint8_t { kVertex, kCrossing, kMiddle, kMiddleOfContour };
@@ -44,11 +50,23 @@ struct Region {
   Vec3d lo, hi;  ///< bounds of its points, relative to the origin
   std::uint32_t pieceBegin = 0, pieceEnd = 0;
   std::uint32_t pointBegin = 0, pointEnd = 0;
-  double coherence = 0;    ///< 1 for a flat patch, 0 when the pieces' areas cancel
-  double diagonal = 0;     ///< of its bounds
-  double thickness = 0;    ///< 2 volume / (areaA + areaB)
-  bool bad = false;        ///< its surface does not close, or its volume is negative
-  bool contained = false;  ///< a whole component inside the other mesh
+  std::uint32_t cellBegin = 0, cellEnd = 0;  ///< into ExtentCells; none if the points tell the extent
+  double coherence = 0;                      ///< 1 for a flat patch, 0 when the pieces' areas cancel
+  double diagonal = 0;                       ///< of its bounds
+  double thickness = 0;                      ///< 2 volume / (areaA + areaB)
+  bool bad = false;                          ///< its surface does not close, or its volume is negative
+  bool contained = false;                    ///< a whole component inside the other mesh
+};
+
+/// All crossings and inside vertices of large regions, gathered in boxes: the extent along a direction is found exactly
+/// without a look at most of them.
+struct ExtentCells {
+  struct Cell {
+    Vec3d lo, hi;
+    std::uint32_t begin, end;  ///< into positions
+  };
+  std::vector<Cell> cells;
+  std::vector<Vec3d> positions;  ///< relative to the origin
 };
 
 struct OverlapRegions {
@@ -56,15 +74,28 @@ struct OverlapRegions {
   std::vector<Region> regions;
   std::vector<Piece> pieces;         ///< grouped by region
   std::vector<SupportPoint> points;  ///< grouped by region
+  ExtentCells extents;
   std::size_t anomalies = 0;
-
-  // Scratch.
-  std::vector<std::uint32_t> parent, regionOf, chordNext[2];
-  std::vector<std::uint32_t> active[2];
-  FlatMap activeIndex[2];
-  std::vector<std::uint32_t> chordHead[2];
 };
 
-void buildRegions(const PlacedMeshes& meshes, const Contour& contour, const InsideFlags& inside, OverlapRegions& out);
+/// Regions of more vertices and clipped triangles than this are described by cells.
+inline constexpr std::uint32_t kLargeRegion = 256;
+
+/// Makes the regions of one overlap after another; keeps its memory between them.
+class RegionBuilder {
+ public:
+  RegionBuilder();
+  ~RegionBuilder();
+  RegionBuilder(const RegionBuilder&) = delete;
+  RegionBuilder& operator=(const RegionBuilder&) = delete;
+  void build(const PlacedMeshes& meshes, const Contour& contour, const InsideFlags& inside, OverlapRegions& out);
+
+ private:
+  struct Scratch;
+  std::unique_ptr<Scratch> scratch_;
+};
+
+/// How far the region reaches along a unit direction.
+double extentAlong(const OverlapRegions& all, const Region& region, const Vec3d& direction);
 
 }  // namespace otg

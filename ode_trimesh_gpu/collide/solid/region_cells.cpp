@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "collide/solid/region_cells.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "collide/solid/vectors.h"
+
+namespace otg {
+namespace {
+
+// Cells along the region's diagonal: finer than the reach of the local normals (a quarter of it).
+constexpr double kPieceGrid = 12, kPointGrid = 8, kExtentGrid = 15;
+
+/// 0 to 5: which axis a direction is nearest to, and in which sense.
+std::uint32_t mainDirection(const Vec3d& d) {
+  const double x = std::fabs(d.x), y = std::fabs(d.y), z = std::fabs(d.z);
+  if (x >= y && x >= z) return d.x < 0;
+  if (y >= z) return 2 + (d.y < 0);
+  return 4 + (d.z < 0);
+}
+
+}  // namespace
+
+void PieceCells::begin(const Region& region) {
+  grid_ = RegionGrid(region, kPieceGrid);
+  index_.reset(std::size_t{RegionGrid::kCells} * 16);
+  sums_.clear();
+}
+
+void PieceCells::add(int mesh, const Vec3d& place, const Vec3d& facing, std::uint32_t triangle, const Vec3d& vector,
+                     double area, double moment, const Vec3d& lo, const Vec3d& hi) {
+  const std::uint32_t key = grid_.cell(place) * 16 + mainDirection(facing) * 2 + static_cast<std::uint32_t>(mesh);
+  std::uint32_t i = index_.find(key);
+  if (i == EpochArray::kMissing) {
+    i = static_cast<std::uint32_t>(sums_.size());
+    index_.set(key, i);
+    sums_.push_back({{0, 0, 0}, 0, 0, 0, lo, hi, triangle, static_cast<std::uint8_t>(mesh)});
+  }
+  Sum& sum = sums_[i];
+  sum.vector = otgAdd(sum.vector, vector);
+  sum.area += area;
+  sum.gross += std::fabs(area);
+  sum.moment += moment;
+  sum.lo = minimum(sum.lo, lo);
+  sum.hi = maximum(sum.hi, hi);
+}
+
+void PieceCells::finish(std::uint32_t region, std::vector<Piece>& out) {
+  for (const Sum& sum : sums_) {
+    const double length = norm(sum.vector);
+    // What was added and taken off again leaves rounding.
+    if (!(sum.area > 1e-9 * sum.gross) || !(length > 0)) continue;
+    out.push_back({region, sum.triangle, sum.mesh, otgScale(sum.vector, 1 / length), sum.vector, sum.area,
+                   sum.moment / length, sum.lo, sum.hi});
+  }
+}
+
+void PointCells::begin(const Region& region, const Vec3d& up) {
+  grid_ = RegionGrid(region, kPointGrid);
+  up_ = up;
+  index_.reset(std::size_t{RegionGrid::kCells} * 8);
+  chosen_.clear();
+}
+
+void PointCells::offer(const PointSeed& seed) {
+  const std::uint32_t key = grid_.cell(seed.position) * 8 + static_cast<std::uint32_t>(seed.kind) * 2 + seed.mesh;
+  const std::uint32_t i = index_.find(key);
+  if (i == EpochArray::kMissing) {
+    index_.set(key, static_cast<std::uint32_t>(chosen_.size()));
+    chosen_.push_back(seed);
+  } else if (depth(seed) > depth(chosen_[i])) {
+    chosen_[i] = seed;
+  }
+}
+
+void addExtentCells(Region& region, const std::vector<Vec3d>& positions, std::vector<std::uint32_t>& scratch,
+                    ExtentCells& out) {
+  const RegionGrid grid(region, kExtentGrid);
+  scratch.assign(RegionGrid::kCells + 1, 0);
+  for (const Vec3d& p : positions) ++scratch[grid.cell(p) + 1];
+  const double inf = std::numeric_limits<double>::infinity();
+  region.cellBegin = static_cast<std::uint32_t>(out.cells.size());
+  auto at = static_cast<std::uint32_t>(out.positions.size());
+  for (std::uint32_t c = 0; c < RegionGrid::kCells; ++c) {
+    const std::uint32_t count = scratch[c + 1];
+    scratch[c] = at;
+    if (count == 0) continue;
+    out.cells.push_back({{inf, inf, inf}, {-inf, -inf, -inf}, at, at + count});
+    at += count;
+  }
+  region.cellEnd = static_cast<std::uint32_t>(out.cells.size());
+  out.positions.resize(at);
+  for (const Vec3d& p : positions) out.positions[scratch[grid.cell(p)]++] = p;
+  for (std::uint32_t k = region.cellBegin; k < region.cellEnd; ++k) {
+    ExtentCells::Cell& cell = out.cells[k];
+    for (std::uint32_t i = cell.begin; i < cell.end; ++i) {
+      cell.lo = minimum(cell.lo, out.positions[i]);
+      cell.hi = maximum(cell.hi, out.positions[i]);
+    }
+  }
+}
+
+}  // namespace otg
