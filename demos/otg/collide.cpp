@@ -57,11 +57,11 @@ Json describe(const Contact& contact, const Query& query) {
   const FeatureName name = featureName(contact.feature);
   Json vertices = Json::array();
   if (contact.feature == ContactFeature::kVertexA || contact.feature == ContactFeature::kVertexB) {
-    vertices.push_back(contact.element);
+    vertices.push_back((name.mesh[0] == 'a' ? query.a : query.b)->mesh().callerVertex(contact.element));
   } else if (contact.element != kNone) {
-    const CollisionMesh& mesh = name.mesh[0] == 'a' ? *query.a : *query.b;
-    const Topology::Edge& edge = mesh.mesh().topology().edges[contact.element];
-    vertices = {edge.a, edge.b};
+    const TriMesh& mesh = (name.mesh[0] == 'a' ? query.a : query.b)->mesh();
+    const Topology::Edge& edge = mesh.topology().edges[contact.element];
+    vertices = {mesh.callerVertex(edge.a), mesh.callerVertex(edge.b)};
   }
   return {{"position", toJson(contact.position)},
           {"normal", toJson(contact.normal)},

@@ -152,20 +152,21 @@ TEST_CASE("ids and features stay under motions that change no feature") {
 TEST_CASE("a crossing keeps its id from triangle to triangle") {
   // A slim bar lies slantwise across the rim of a finely divided plate: its lower edges cross the plate's triangles.
   const CollisionMesh plate = meshOf(scenes::makeBox({2, 2, 0.5}, 16)), bar = meshOf(scenes::makeBox({3, 0.1, 0.1}, 1));
-  std::set<std::uint64_t> first, triangles;
+  std::set<std::uint64_t> all, triangles;
+  int crossings = 0;
   for (int i = 0; i < 30; ++i) {
     const auto contacts = contactsOf(plate, bar, makePose({0, 1, 0}, 0.12, {0.01 * i, 0.02 * i, 0.38}));
-    std::set<std::uint64_t> ids;
     for (const Contact& c : contacts) {
       if (c.feature != ContactFeature::kCrossingB) continue;
-      ids.insert(contactId(c));
+      ++crossings;
+      all.insert(contactId(c));
       triangles.insert(c.triangleA);
     }
-    if (i == 0) first = ids;
-    REQUIRE(first.size() >= 2);
-    REQUIRE(std::includes(ids.begin(), ids.end(), first.begin(), first.end()));
   }
-  CHECK(triangles.size() > 2 * first.size());
+  INFO(crossings << " crossings, " << all.size() << " ids, " << triangles.size() << " triangles");
+  CHECK(crossings > 60);
+  CHECK(all.size() <= 8);  // both ends of a stretch of each of the bar's four long edges
+  CHECK(triangles.size() > 2 * all.size());
 }
 
 TEST_CASE("contacts of a contained body say so") {

@@ -381,8 +381,11 @@ TEST_CASE("statistics count queries and pairs, and can be reset") {
   dGeomSetPosition(b.id, 0.9, 0.4, 0.1);
   const auto contacts = test::collide(a.id, b.id);
   // The same query without ODE in between.
-  const auto meshA = scenes::build(scenes::makeSphere(1, 3)), meshB = scenes::build(scenes::makeLump(1, 3, 0.3, 9));
-  const CollisionMesh treeA(meshA, BuildStrategy::kSah), treeB(meshB, BuildStrategy::kSah);
+  const auto meshFor = [](const scenes::MeshArrays& arrays) {
+    return buildTriMesh(arrays.input(), {}, MeshOrder::kSpatial).mesh;
+  };
+  const CollisionMesh treeA(meshFor(scenes::makeSphere(1, 3)), BuildStrategy::kSah);
+  const CollisionMesh treeB(meshFor(scenes::makeLump(1, 3, 0.3, 9)), BuildStrategy::kSah);
   Query query;
   query.a = &treeA;
   query.b = &treeB;

@@ -115,7 +115,8 @@ TEST_CASE("names stay in a stack that rests, and are not those of another contac
     dBodySetMass(body, &mass);
     geoms.push_back(dCreateGpuTriMesh(nullptr, box.id));
     dGeomSetBody(geoms.back(), body);
-    dBodySetPosition(body, 0.31 + 0.05 * i, 0.27, 0.5 + i);
+    // A little apart: at exact touch all of the stepper's equations tie, and it says "LCP internal error".
+    dBodySetPosition(body, 0.31 + 0.05 * i, 0.27, 0.5 + 1.0001 * i);
     dMatrix3 turn;
     dRFromAxisAndAngle(turn, 0, 0, 1, 0.2 * i);
     dBodySetRotation(body, turn);

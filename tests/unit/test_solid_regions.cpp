@@ -8,6 +8,7 @@
 #include "collide/solid/contour.h"
 #include "collide/solid/inside.h"
 #include "collide/solid/regions.h"
+#include "collide/solid/vectors.h"
 #include "scenes/generated_meshes.h"
 #include "support/catch.h"
 
@@ -109,6 +110,68 @@ TEST_CASE("aligned, touching and identical boxes have closed contours and no ano
         }
       }
     }
+  }
+}
+
+TEST_CASE("a large region is measured as exactly as a small one") {
+  // So fine that the region is described by cells; then the same overlap with few triangles.
+  const CollisionMesh fine(scenes::build(scenes::makeBox({1, 1, 1}, 40)), BuildStrategy::kSah);
+  const CollisionMesh coarse(scenes::build(scenes::makeBox({1, 1, 1}, 1)), BuildStrategy::kSah);
+  const Overlap o(fine, fine, at({0.61, 0.47, 0.23})), reference(coarse, coarse, at({0.61, 0.47, 0.23}));
+  REQUIRE(o.regions.regions.size() == 1);
+  const Region &large = o.regions.regions[0], &small = reference.regions.regions[0];
+  REQUIRE(large.cellEnd > large.cellBegin);
+  REQUIRE(small.cellEnd == small.cellBegin);
+  CHECK(o.anomalies() == 0);
+  CHECK(large.volume == Approx(small.volume).epsilon(1e-6));  // the meshes' own coordinates are floats
+  CHECK(large.areaA == Approx(small.areaA).epsilon(1e-6));
+  CHECK(large.areaB == Approx(small.areaB).epsilon(1e-6));
+  CHECK(norm(otgSub(large.push, small.push)) < 1e-6);
+  // The cells' sums are the region's.
+  Vec3d sum[2] = {{0, 0, 0}, {0, 0, 0}};
+  double area[2] = {0, 0}, moment = 0;
+  for (std::uint32_t i = large.pieceBegin; i < large.pieceEnd; ++i) {
+    const Piece& p = o.regions.pieces[i];
+    sum[p.mesh] = otgAdd(sum[p.mesh], p.vector);
+    area[p.mesh] += p.area;
+    moment += p.offset * norm(p.vector);
+  }
+  CHECK(norm(otgAdd(sum[0], sum[1])) < 1e-12);
+  CHECK(norm(otgSub(otgScale(otgSub(sum[1], sum[0]), 0.5), large.push)) < 1e-12);
+  CHECK(area[0] == Approx(large.areaA).epsilon(1e-12));
+  CHECK(area[1] == Approx(large.areaB).epsilon(1e-12));
+  CHECK(moment / 3 == Approx(large.volume).epsilon(1e-6));
+  CHECK(large.pieceEnd - large.pieceBegin < 2000);
+}
+
+TEST_CASE("the extent of a large region is exact in every direction") {
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal;
+  const CollisionMesh a(scenes::build(scenes::makeLump(1, 5, 0.3, 8)), BuildStrategy::kSah);
+  for (const Vec3d& t : {Vec3d{1.2, 0.1, 0}, Vec3d{0.2, 0.9, 0.4}}) {
+    const Overlap o(a, a, at(t));
+    int large = 0;
+    for (std::uint32_t r = 0; r < o.regions.regions.size(); ++r) {
+      const Region& region = o.regions.regions[r];
+      if (region.cellEnd == region.cellBegin) continue;
+      ++large;
+      REQUIRE(o.regions.regions.size() == 1);  // so that every crossing and vertex is the region's
+      for (int i = 0; i < 100; ++i) {
+        const Vec3d d = unit({normal(random), normal(random), normal(random)});
+        double lo = 1e9, hi = -1e9;
+        const auto include = [&](const Vec3d& p) {
+          const double x = otgDot(otgSub(p, o.regions.origin), d);
+          lo = std::min(lo, x);
+          hi = std::max(hi, x);
+        };
+        for (const Crossing& c : o.contour.crossings) include(c.point);
+        for (int m = 0; m < 2; ++m) {
+          for (const Vec3d& p : o.inside.positions[m]) include(p);
+        }
+        REQUIRE(extentAlong(o.regions, region, d) == Approx(hi - lo).epsilon(1e-13));
+      }
+    }
+    CHECK(large == 1);
   }
 }
 

@@ -20,6 +20,7 @@ struct Candidate {
   double rank;    ///< depth weighted by kind
   double shift;   ///< of the middle of the overlap from the point, along the normal
   double spread;  ///< distance from the chosen ones so far
+  int step = 0;   ///< rank below the highest, in steps of kRankStep
 };
 
 // Fractions of the region's deepest below which a point of each kind says nothing new: what is shallow there is so
@@ -32,6 +33,8 @@ constexpr double kMergeCosine = 0.951;   // 18 degrees
 // A crossing lies on both surfaces; it is measured this part of the region's diagonal further along its edge, and every
 // point this part below its own surface.
 constexpr double kInward = 1e-3, kBelowSurface = 1e-6;
+// Differences below these are no reason for a choice: bodies at rest tremble, and contacts should stay where they are.
+constexpr double kRankStep = 0.02, kFarther = 1.02;
 // How far from a piece (in diagonals) the way out may lead through its plane for an estimate to use it.
 constexpr double kPieceSlack = 0.02;
 constexpr double kGatheredError = 0.05;
@@ -54,6 +57,7 @@ class RegionSolver {
   explicit RegionSolver(const RegionTask& task) : task_(task), region_(task.region), all_(task.all) {}
 
   void run(std::vector<Contact>& out) {
+    gathered_ = region_.cellEnd > region_.cellBegin;
     center_ = centroid();
     collectPlanes();
     collectCandidates();
@@ -236,8 +240,13 @@ class RegionSolver {
     const double least = 0.5 * deepest();  // half the fractions: estimates err
     std::erase_if(candidates_,
                   [&](const Candidate& c) { return c.depth < kLeast[static_cast<int>(c.point->kind)] * least; });
+    double highest = 0;
+    for (const Candidate& c : candidates_) highest = std::max(highest, c.rank);
+    for (Candidate& c : candidates_) {
+      c.step = highest > 0 ? static_cast<int>((highest - c.rank) / (kRankStep * highest)) : 0;
+    }
     std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& x, const Candidate& y) {
-      return x.rank != y.rank ? x.rank > y.rank : sameFeatureOrder(x, y);
+      return x.step != y.step ? x.step < y.step : sameFeatureOrder(x, y);
     });
     std::vector<Candidate> kept;
     const double reach = kMergeDistance * region_.diagonal;
@@ -252,13 +261,13 @@ class RegionSolver {
     if (!gathered_ || candidates_.empty()) return;
     // Estimates from gathered planes err by a few percent; of those that they cannot tell apart the farthest in is
     // first.
-    const double enough = (1 - kGatheredError) * candidates_.front().rank;
+    const double enough = (1 - kGatheredError) * highest;
     auto best = candidates_.begin();
     const Vec3d middle = otgScale(otgAdd(region_.lo, region_.hi), 0.5);
     const double level = otgDot(task_.normals.mean(), middle);
     const auto hint = [&](const Candidate& c) { return depthHint(*c.point) + (c.point->mesh == 0 ? level : -level); };
-    for (auto c = best; c != candidates_.end() && c->rank >= enough; ++c) {
-      if (hint(*c) > hint(*best)) best = c;
+    for (auto c = best; c != candidates_.end(); ++c) {
+      if (c->rank >= enough && hint(*c) > hint(*best)) best = c;
     }
     std::rotate(candidates_.begin(), best, best + 1);
   }
@@ -276,7 +285,7 @@ class RegionSolver {
         const Vec3d d = otgSub(candidates_[j].point->position, last.point->position);
         const Vec3d n = otgSub(candidates_[j].normal, last.normal);
         candidates_[j].spread = std::min(candidates_[j].spread, otgDot(d, d) * scale + otgDot(n, n));
-        if (candidates_[j].spread > candidates_[best].spread) best = j;
+        if (candidates_[j].spread > kFarther * candidates_[best].spread) best = j;
       }
       std::rotate(candidates_.begin() + static_cast<std::ptrdiff_t>(i),
                   candidates_.begin() + static_cast<std::ptrdiff_t>(best),
@@ -285,14 +294,15 @@ class RegionSolver {
     candidates_.resize(count);
   }
 
-  /// Depths by rays, until two agree with their estimates and none has disagreed: then the others are believed.
+  /// Depths by rays, until two agree with their estimates and none has disagreed: then the others are believed, unless
+  /// they come from gathered planes.
   void measure() {
     int agree = 0;
     bool disagree = false;
     const double far = 4 * static_cast<double>(task_.meshes.mesh(0).radius() + task_.meshes.mesh(1).radius());
     const double skin = 1e-9 * std::max(task_.meshes.mesh(0).radius(), task_.meshes.mesh(1).radius());
     for (Candidate& c : candidates_) {
-      if (agree >= 2 && !disagree) break;
+      if (agree >= 2 && !disagree && !gathered_) break;
       const double limit = limitAlong(c.normal);
       const Vec3d origin = otgAdd(c.probe, all_.origin);
       // Looked for as far as the meshes reach: a point inside finds its way out in every direction, so nothing ahead
