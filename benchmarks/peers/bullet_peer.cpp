@@ -66,6 +66,17 @@ class BulletPeer final : public Peer {
   }
   std::size_t resultCount() const override { return result_.numbers.size() / 7; }
   std::vector<double> resultNumbers() const override { return result_.numbers; }
+  std::vector<PeerContact> contacts() const override {
+    std::vector<PeerContact> all;
+    for (std::size_t i = 0; i + 6 < result_.numbers.size(); i += 7) {
+      const double* x = &result_.numbers[i];
+      // The normal points from B to A, the distance is negative where they overlap, and the point lies on A; the one on
+      // B lies the distance against the normal. Half way between them is what the others give.
+      const Vec3d normal{x[3], x[4], x[5]};
+      all.push_back({otgSub({x[0], x[1], x[2]}, otgScale(normal, 0.5 * x[6])), normal, -x[6]});
+    }
+    return all;
+  }
 
  private:
   btDefaultCollisionConfiguration configuration_;

@@ -46,6 +46,16 @@ class FclPeer final : public Peer {
     }
     return numbers;
   }
+  std::vector<PeerContact> contacts() const override {
+    std::vector<PeerContact> all;
+    for (std::size_t i = 0; i < result_.numContacts(); ++i) {
+      const auto& c = result_.getContact(i);
+      // Its normals point from the first object to the second.
+      all.push_back(
+          {{c.pos.x(), c.pos.y(), c.pos.z()}, {-c.normal.x(), -c.normal.y(), -c.normal.z()}, c.penetration_depth});
+    }
+    return all;
+  }
 
  private:
   std::shared_ptr<Model> a_, b_;

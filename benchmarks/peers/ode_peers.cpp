@@ -38,6 +38,14 @@ class OdePeer : public Peer {
     }
     return numbers;
   }
+  std::vector<PeerContact> contacts() const override {
+    std::vector<PeerContact> all;
+    for (std::size_t i = 0; i < resultCount(); ++i) {
+      const dContactGeom& c = contacts_[i];
+      all.push_back({{c.pos[0], c.pos[1], c.pos[2]}, {c.normal[0], c.normal[1], c.normal[2]}, c.depth});
+    }
+    return all;
+  }
 
  protected:
   void place(dGeomID a, dGeomID b, const Transformd& bInA) {

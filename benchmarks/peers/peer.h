@@ -20,6 +20,12 @@ struct PeerScene {
   Transformd bInA{};
 };
 
+/// A contact in A's frame: moving A along the normal (unit) by the depth separates, as far as the library is right.
+struct PeerContact {
+  Vec3d position, normal;
+  double depth = 0;
+};
+
 /// One library with both meshes built. Everything that does not depend on the pose is done in the constructor.
 class Peer {
  public:
@@ -30,6 +36,8 @@ class Peer {
   virtual std::size_t resultCount() const = 0;
   /// The results as plain numbers in the library's own order, for a hash.
   virtual std::vector<double> resultNumbers() const = 0;
+  /// The results as contacts, whatever the library's own conventions are; empty for libraries that find pairs only.
+  virtual std::vector<PeerContact> contacts() const { return {}; }
 };
 
 struct PeerEntry {

@@ -34,6 +34,7 @@ void addBenchCommand(CLI::App& app, Action& action) {
   add(*bench, "build", "Time to validate meshes and to build, derive and refit their trees", &benchBuild, false,
       action);
   add(*bench, "peers", "The whole query beside stock ODE and other libraries", &benchPeers, true, action);
+  addBenchContacts(*bench, action);
   addBenchPhysics(*bench, action);
 }
 

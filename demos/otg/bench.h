@@ -14,6 +14,8 @@ int benchBuild(const BenchOptions& options);
 /// The whole query beside other collision libraries, stock ODE first.
 int benchPeers(const BenchOptions& options);
 
+/// `otg bench contacts`: single queries against the truth.
+void addBenchContacts(CLI::App& bench, Action& action);
 /// `otg bench physics`, which has options of its own: worlds of mesh bodies judged against limits.
 void addBenchPhysics(CLI::App& bench, Action& action);
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """otg bench: tables as arrays of rows, and results that do not depend on the way they were found. No times are judged."""
 import json
+import os
 
 import cli_support
 from cli_support import CliTest, lump, ply
@@ -57,6 +58,44 @@ class Bench(CliTest):
         for row in rows:  # a library that was found and finds nothing is not being called properly
             if not row["hash"].startswith("skipped"):
                 self.assertGreater(row["results"], 0, row["library"])
+
+    def test_contacts(self):
+        mesh = self.mesh()
+        result = self.run_json("bench", "contacts", mesh, "--poses", "2", "--bodies", "spheres")
+        rows = result["tables"]["truth"]
+        solid = [row for row in rows if row["method"] == "solid, 64"]
+        self.assertEqual([row["overlap"] for row in solid], ["0.01-0.1", "0.1-0.5"])
+        for row in solid:
+            self.assertEqual((row["bodies"], row["poses"], row["missed"]), ("spheres", 2, 0))
+            self.assertLessEqual(row["normal_deg_median"], row["normal_deg_max"])
+        self.assertLess(solid[0]["normal_deg_max"], 5)
+        self.assertEqual(len(result["tables"]["wrench"]), len(rows))
+        self.assertEqual([row["places"] for row in result["tables"]["reduction"]], [64, 8, 64, 8])
+        again = self.run_json("bench", "contacts", mesh, "--poses", "2", "--bodies", "spheres")
+        self.assertEqual(again, result)
+        other = self.run_json("bench", "contacts", mesh, "--poses", "2", "--bodies", "spheres", "--seed", "2")
+        self.assertNotEqual(other, result)
+        # The file's own mesh has no formula.
+        name = os.path.splitext(os.path.basename(mesh))[0]
+        result = self.run_json("bench", "contacts", mesh, "--poses", "1", "--bodies", name)
+        self.assertEqual(result["tables"]["truth"], [])
+        self.assertTrue(result["tables"]["wrench"])
+        self.assertIn("median", self.run_otg("bench", "contacts", mesh, "--poses", "1", "--bodies", name).stdout)
+        self.assert_fails(2, "bench", "contacts", mesh, "--bodies", "elephants", says="elephants")
+        self.assert_fails(1, "bench", "contacts", "missing.ply", says="missing.ply")
+
+    def test_contact_pictures(self):
+        self.run_otg("bench", "contacts", self.mesh(), "--pictures", "pictures")
+        names = sorted(os.listdir(self.path("pictures")))
+        self.assertEqual(names, ["contacts_%s.pov" % x for x in ("ball_box", "boxes", "cylinder_on_box", "mesh",
+                                                                 "spheres", "tori")])
+        for name in names:
+            with open(os.path.join(self.path("pictures"), name)) as file:
+                text = file.read()
+            self.assertIn('"solid"', text)
+            self.assertGreater(text.count("cone {"), 2, name)
+            self.assertEqual(text.count("{"), text.count("}"), name)
+            self.assertNotIn("nan", text)
 
     def run_otg_either(self, *arguments):
         import subprocess

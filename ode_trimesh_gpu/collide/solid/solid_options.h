@@ -7,7 +7,7 @@
 namespace otg {
 
 struct SolidOptions {
-  int contactsPerRegion = 16;  ///< at most this many contacts from one connected overlap region, 1 to 64
+  int contactsPerRegion = 16;  ///< at most this many contacts from one connected overlap region; the C API takes 1 to 64
 };
 
 /// What one query of a pair tells the next. Optional: a query without it answers from the geometry alone.
