@@ -102,7 +102,12 @@ std::span<const Contact> run(const Query& query, bool unimportant, int capacity,
     return workspace.reduced;
   }
   const std::size_t count = std::min(workspace.contacts.size(), static_cast<std::size_t>(capacity));
-  return std::span<const Contact>(workspace.contacts).first(count);
+  const std::span<Contact> any = std::span<Contact>(workspace.contacts).first(count);
+  for (Contact& contact : any) {  // collide() does this for its own
+    contact.triangleA = query.a->mesh().callerTriangle(contact.triangleA);
+    contact.triangleB = query.b->mesh().callerTriangle(contact.triangleB);
+  }
+  return any;
 }
 
 /// `first` says whether mesh A is o1. Elements are written as whole structures of their own, so that any skip and any

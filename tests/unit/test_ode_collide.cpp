@@ -58,6 +58,23 @@ TEST_CASE("contacts say what ODE's contacts say, in world coordinates, at any po
   CHECK(seen > 200);
 }
 
+TEST_CASE("triangles of contacts carry the caller's numbers, of any contacts too") {
+  const OdeSession session;
+  const Data lumpData(scenes::makeLump(1, 3, 0.3, 3)), torusData(scenes::makeTorus(1, 0.4, 16, 10));
+  const Geom lump(lumpData), torus(torusData);
+  std::mt19937 random(13);
+  std::size_t seen = 0;
+  for (int i = 0; i < 20; ++i) {
+    setRandomPose(lump.id, random, 1);
+    setRandomPose(torus.id, random, 1);
+    for (const dContactGeom& c : test::collide(lump.id, torus.id, 64, CONTACTS_UNIMPORTANT)) {
+      ++seen;
+      REQUIRE(std::string(contactFault(c, 1e-9)) == "");
+    }
+  }
+  CHECK(seen > 200);
+}
+
 TEST_CASE("the normal points into g1") {
   // A small tetrahedron whose tip dips a little into a large ground: the only short way out of its faces is up.
   const OdeSession session;
