@@ -1,10 +1,64 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mesh/adjacency.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 namespace otg {
+namespace {
+
+/// Breadth first from each vertex that is left, in order: with vertices sorted in space the sets come out compact.
+void gatherClusters(const TriMesh& mesh, Adjacency& out) {
+  const auto vertices = static_cast<std::uint32_t>(mesh.vertices().size());
+  out.clusterOf.assign(vertices, kNone);
+  out.clusterVertices.reserve(vertices);
+  std::vector<std::uint32_t>& members = out.clusterVertices;
+  for (std::uint32_t seed = 0; seed < vertices; ++seed) {
+    if (out.clusterOf[seed] != kNone || out.first[seed] == out.first[seed + 1]) continue;
+    const auto id = static_cast<std::uint32_t>(out.clusters.size());
+    const auto begin = static_cast<std::uint32_t>(members.size());
+    Adjacency::Cluster cluster{mesh.vertices()[seed], mesh.vertices()[seed], begin, 0, {{0, 0, 0}, 0}, 0};
+    members.push_back(seed);
+    out.clusterOf[seed] = id;
+    for (std::size_t i = begin; i < members.size(); ++i) {
+      const std::uint32_t v = members[i];
+      const Vec3f& p = mesh.vertices()[v];
+      cluster.lo = {std::min(cluster.lo.x, p.x), std::min(cluster.lo.y, p.y), std::min(cluster.lo.z, p.z)};
+      cluster.hi = {std::max(cluster.hi.x, p.x), std::max(cluster.hi.y, p.y), std::max(cluster.hi.z, p.z)};
+      cluster.sum.vector = otgAdd(cluster.sum.vector, out.star[v].vector);
+      cluster.sum.area += out.star[v].area;
+      cluster.moment += otgDot(out.star[v].vector, Vec3d{p.x, p.y, p.z});
+      for (std::uint32_t h = out.first[v]; h < out.first[v + 1]; ++h) {
+        const std::uint32_t w = out.neighbour[h];
+        if (members.size() - begin == Adjacency::kClusterSize) break;
+        if (out.clusterOf[w] != kNone || out.first[w] == out.first[w + 1]) continue;
+        out.clusterOf[w] = id;
+        members.push_back(w);
+      }
+    }
+    out.clusters.push_back(cluster);
+  }
+  Adjacency::Cluster end{};
+  end.first = static_cast<std::uint32_t>(members.size());
+  out.clusters.push_back(end);
+  std::vector<std::uint32_t> seen(out.clusters.size(), kNone);
+  for (std::uint32_t c = 0; c + 1 < out.clusters.size(); ++c) {
+    out.clusters[c].firstNeighbour = static_cast<std::uint32_t>(out.clusterNeighbours.size());
+    seen[c] = c;
+    for (std::uint32_t i = out.clusters[c].first; i < out.clusters[c + 1].first; ++i) {
+      for (std::uint32_t h = out.first[members[i]]; h < out.first[members[i] + 1]; ++h) {
+        const std::uint32_t d = out.clusterOf[out.neighbour[h]];
+        if (d == kNone || seen[d] == c) continue;
+        seen[d] = c;
+        out.clusterNeighbours.push_back(d);
+      }
+    }
+  }
+  out.clusters.back().firstNeighbour = static_cast<std::uint32_t>(out.clusterNeighbours.size());
+}
+
+}  // namespace
 
 Adjacency buildAdjacency(const TriMesh& mesh) {
   Adjacency out;
@@ -50,6 +104,8 @@ Adjacency buildAdjacency(const TriMesh& mesh) {
       star.area += length / 6;
     }
   }
+
+  gatherClusters(mesh, out);
 
   // 1 - cos of the angle would lose half the digits; the sine is the length of the cross product.
   const double flatSine = std::sin(Adjacency::kFlatDegrees * std::numbers::pi / 180);

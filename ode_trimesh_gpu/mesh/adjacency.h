@@ -26,6 +26,19 @@ struct Adjacency {
     double area;
   };
   std::vector<Star> star;
+  /// Small sets of vertices that hang together through edges; each used welded vertex is in one. What holds for all of
+  /// a set is found out once.
+  struct Cluster {
+    Vec3f lo, hi;                  ///< bounds of its vertices
+    std::uint32_t first;           ///< its vertices: clusterVertices[first] .. up to the next one's first
+    std::uint32_t firstNeighbour;  ///< likewise in clusterNeighbours: the clusters that its vertices have edges to
+    Star sum;                      ///< of its vertices' stars
+    double moment;                 ///< sum of star . vertex
+  };
+  static constexpr std::uint32_t kClusterSize = 16;
+  std::vector<Cluster> clusters;         ///< and one more that ends the last
+  std::vector<std::uint32_t> clusterOf;  ///< by vertex; kNone for vertices without a half-edge
+  std::vector<std::uint32_t> clusterVertices, clusterNeighbours;
   /// 1 for edges whose two triangles lie in one plane to within kFlatDegrees: nothing can rest on them.
   std::vector<std::uint8_t> flatEdge;
   static constexpr double kFlatDegrees = 0.1;

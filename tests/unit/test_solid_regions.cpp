@@ -20,9 +20,9 @@ struct Overlap {
   Contour contour;
   InsideFlags inside;
   OverlapRegions regions;
+  Query query;  // the regions' extents refer to it
 
   Overlap(const CollisionMesh& a, const CollisionMesh& b, const Transformd& pose) {
-    Query query;
     query.a = &a;
     query.b = &b;
     query.bInA = pose;
@@ -165,8 +165,11 @@ TEST_CASE("the extent of a large region is exact in every direction") {
           hi = std::max(hi, x);
         };
         for (const Crossing& c : o.contour.crossings) include(c.point);
+        const PlacedMeshes meshes(o.query);
         for (int m = 0; m < 2; ++m) {
-          for (const Vec3d& p : o.inside.positions[m]) include(p);
+          for (std::uint32_t v = 0; v < a.mesh().vertices().size(); ++v) {
+            if (o.inside.isInside(m, v)) include(meshes.vertex(m, v));
+          }
         }
         REQUIRE(extentAlong(o.regions, region, d) == Approx(hi - lo).epsilon(1e-13));
       }

@@ -70,6 +70,7 @@ class PlacedMeshes {
   Vec3d toLocal(int m, const Vec3d& p) const {
     return m == 0 ? p : otgRotateBack(query_.bInA, otgSub(p, query_.bInA.t));
   }
+  Vec3d fromLocal(int m, const Vec3d& p) const { return m == 0 ? p : otgTransform(query_.bInA, p); }
   Vec3d directionToLocal(int m, const Vec3d& d) const { return m == 0 ? d : otgRotateBack(query_.bInA, d); }
   Vec3d directionFromLocal(int m, const Vec3d& d) const { return m == 0 ? d : otgRotate(query_.bInA, d); }
   const Query& query() const { return query_; }

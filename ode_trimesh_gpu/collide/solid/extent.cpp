@@ -19,7 +19,8 @@ double ofPoints(const OverlapRegions& all, const Region& region, const Vec3d& di
 }
 
 /// Branch and bound over the cells' boxes; the box that reaches farthest first.
-double ofCells(const ExtentCells& extents, const Region& region, const Vec3d& d) {
+double ofCells(const ExtentCells& extents, const Vec3d& origin, const Region& region, const Vec3d& d) {
+  const PlacedMeshes meshes(*extents.query);
   const auto bound = [&](const ExtentCells::Cell& c, double sign) {
     const double middle = 0.5 * (d.x * (c.lo.x + c.hi.x) + d.y * (c.lo.y + c.hi.y) + d.z * (c.lo.z + c.hi.z));
     const double half = 0.5 * (std::fabs(d.x) * (c.hi.x - c.lo.x) + std::fabs(d.y) * (c.hi.y - c.lo.y) +
@@ -31,7 +32,11 @@ double ofCells(const ExtentCells& extents, const Region& region, const Vec3d& d)
     const double sign = side == 0 ? 1 : -1;
     double best = -std::numeric_limits<double>::infinity();
     const auto scan = [&](const ExtentCells::Cell& c) {
-      for (std::uint32_t i = c.begin; i < c.end; ++i) best = std::max(best, sign * otgDot(extents.positions[i], d));
+      for (std::uint32_t i = c.begin; i < c.end; ++i) {
+        const Vec3d p = c.mesh < 0 ? extents.positions[i]
+                                   : otgSub(meshes.vertex(c.mesh, meshes.adjacency(c.mesh).clusterVertices[i]), origin);
+        best = std::max(best, sign * otgDot(p, d));
+      }
     };
     std::uint32_t first = region.cellBegin;
     double farthest = -std::numeric_limits<double>::infinity();
@@ -54,7 +59,7 @@ double ofCells(const ExtentCells& extents, const Region& region, const Vec3d& d)
 }  // namespace
 
 double extentAlong(const OverlapRegions& all, const Region& region, const Vec3d& direction) {
-  if (region.cellBegin < region.cellEnd) return ofCells(all.extents, region, direction);
+  if (region.cellBegin < region.cellEnd) return ofCells(all.extents, all.origin, region, direction);
   if (region.pointBegin == region.pointEnd) return 0;
   return ofPoints(all, region, direction);
 }

@@ -2,6 +2,7 @@
 #include "collide/solid/inside.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "collide/solid/ray.h"
 
@@ -22,6 +23,12 @@ class Bounds {
     const Vec3d x = meshes_.toLocal(mesh_, p);
     return x.x >= lo_.x && x.x <= hi_.x && x.y >= lo_.y && x.y <= hi_.y && x.z >= lo_.z && x.z <= hi_.z;
   }
+  /// Surely all of a ball? False says nothing.
+  bool containBall(const Vec3d& p, double radius) const {
+    const Vec3d x = meshes_.toLocal(mesh_, p);
+    return x.x - radius >= lo_.x && x.x + radius <= hi_.x && x.y - radius >= lo_.y && x.y + radius <= hi_.y &&
+           x.z - radius >= lo_.z && x.z + radius <= hi_.z;
+  }
 
  private:
   const PlacedMeshes& meshes_;
@@ -32,15 +39,22 @@ class Bounds {
 class Flood {
  public:
   Flood(const PlacedMeshes& meshes, const Contour& contour, InsideFlags& flags, int mesh)
-      : meshes_(meshes), contour_(contour), flags_(flags), mesh_(mesh), bounds_(meshes, 1 - mesh) {}
+      : meshes_(meshes),
+        contour_(contour),
+        flags_(flags),
+        mesh_(mesh),
+        adjacency_(meshes.adjacency(mesh)),
+        bounds_(meshes, 1 - mesh) {}
 
   void run() {
-    flags_.patch_[mesh_].reset(meshes_.mesh(mesh_).vertices().size());
+    flags_.clusterOf[mesh_] = &adjacency_.clusterOf;
+    flags_.vertexPatch[mesh_].reset(meshes_.mesh(mesh_).vertices().size());
+    flags_.clusterPatch[mesh_].reset(adjacency_.clusters.size());
     collectVotes();
     for (const std::uint32_t edge : contour_.crossedEdges[mesh_]) {
       const Topology::Edge& ends = meshes_.mesh(mesh_).topology().edges[edge];
       for (const std::uint32_t v : {ends.a, ends.b}) {
-        if (vote(v) > 0 && !flags_.patch_[mesh_].has(v)) patch(v);
+        if (vote(v) > 0 && !flags_.vertexPatch[mesh_].has(v)) patch(v);
       }
     }
     wholeComponents();
@@ -52,10 +66,12 @@ class Flood {
   }
   void count(std::uint32_t v, bool inside) {
     flags_.votes.set(v, static_cast<std::uint32_t>(vote(v) + (inside ? 1 : -1)));
+    if (adjacency_.clusterOf[v] != kNone) flags_.mixed.set(adjacency_.clusterOf[v], 1);
   }
 
   void collectVotes() {
     flags_.votes.reset(meshes_.mesh(mesh_).vertices().size());
+    flags_.mixed.reset(adjacency_.clusters.size());
     for (const std::uint32_t edge : contour_.crossedEdges[mesh_]) {
       const Topology::Edge& ends = meshes_.mesh(mesh_).topology().edges[edge];
       const Contour::Range range = contour_.on(mesh_, edge);
@@ -67,55 +83,102 @@ class Flood {
 
   /// Floods from a vertex that has more votes for inside; keeps the patch if it holds.
   void patch(std::uint32_t seed) {
-    const Topology& topology = meshes_.mesh(mesh_).topology();
-    const Adjacency& adjacency = meshes_.adjacency(mesh_);
     std::vector<std::uint32_t>& vertices = flags_.vertices[mesh_];
+    std::vector<std::uint32_t>& clusters = flags_.clusters[mesh_];
     std::vector<Vec3d>& positions = flags_.positions[mesh_];
-    EpochArray& patchOf = flags_.patch_[mesh_];
-    const auto begin = static_cast<std::uint32_t>(vertices.size());
-    const auto id = static_cast<std::uint32_t>(flags_.patches[mesh_].size());
-    vertices.push_back(seed);
-    patchOf.set(seed, id);
-    std::int64_t balance = 0;
-    std::size_t against = 0;
-    bool outside = false;
-    for (std::size_t i = begin; i < vertices.size() && !outside; ++i) {
-      const std::uint32_t v = vertices[i];
-      const Vec3d p = meshes_.vertex(mesh_, v);
-      positions.push_back(p);
-      outside = !bounds_.contain(p);
-      // Only ends of crossed edges have votes, so an edge between two vertices of which one has none is not crossed.
-      const bool nearContour = flags_.votes.has(v);
-      if (nearContour) {
-        const std::int32_t votes = vote(v);
-        balance += votes;
-        if (votes < 0) ++against;
-      }
-      for (std::uint32_t h = adjacency.first[v]; h < adjacency.first[v + 1]; ++h) {
-        const std::uint32_t w = adjacency.neighbour[h];
-        const std::uint32_t known = patchOf.find(w);
-        if (known == id) continue;
-        if (nearContour && flags_.votes.has(w) && contour_.isCrossed(mesh_, topology.edgeOf[adjacency.halfEdges[h]])) {
-          continue;
-        }
-        if (known != EpochArray::kMissing) {
-          outside = outside || known == InsideFlags::kOutside;  // an earlier flood stopped half-way here
-          continue;
-        }
-        patchOf.set(w, id);
-        vertices.push_back(w);
-      }
+    const auto vertexBegin = static_cast<std::uint32_t>(vertices.size());
+    const auto clusterBegin = static_cast<std::uint32_t>(clusters.size());
+    id_ = static_cast<std::uint32_t>(flags_.patches[mesh_].size());
+    outside_ = false;
+    balance_ = 0;
+    against_ = 0;
+    reach(seed);
+    std::size_t v = vertexBegin, c = clusterBegin;
+    while (!outside_ && (v < vertices.size() || c < clusters.size())) {
+      v < vertices.size() ? visitVertex(vertices[v++]) : visitCluster(clusters[c++]);
     }
-    if (!outside && balance == 0) outside = !pointInside(meshes_, 1 - mesh_, positions[begin]);
-    if (outside || balance < 0) {
+    if (!outside_ && balance_ == 0) outside_ = !pointInside(meshes_, 1 - mesh_, positions[vertexBegin]);
+    if (outside_ || balance_ < 0) {
       ++flags_.anomalies;
-      for (std::size_t i = begin; i < vertices.size(); ++i) patchOf.set(vertices[i], InsideFlags::kOutside);
-      vertices.resize(begin);
-      positions.resize(begin);
+      for (std::size_t i = vertexBegin; i < vertices.size(); ++i) {
+        flags_.vertexPatch[mesh_].set(vertices[i], InsideFlags::kOutside);
+      }
+      for (std::size_t i = clusterBegin; i < clusters.size(); ++i) {
+        flags_.clusterPatch[mesh_].set(clusters[i], InsideFlags::kOutside);
+      }
+      vertices.resize(vertexBegin);
+      positions.resize(vertexBegin);
+      clusters.resize(clusterBegin);
       return;
     }
-    flags_.anomalies += against;
-    flags_.patches[mesh_].push_back({begin, static_cast<std::uint32_t>(vertices.size())});
+    flags_.anomalies += against_;
+    flags_.patches[mesh_].push_back({vertexBegin, static_cast<std::uint32_t>(vertices.size()), clusterBegin,
+                                     static_cast<std::uint32_t>(clusters.size())});
+  }
+
+  /// Puts a vertex of a mixed cluster, or a whole cluster, on its list.
+  void reach(std::uint32_t v) { reach(flags_.vertexPatch[mesh_], v, flags_.vertices[mesh_]); }
+  void reachCluster(std::uint32_t c) { reach(flags_.clusterPatch[mesh_], c, flags_.clusters[mesh_]); }
+  void reach(EpochArray& patchOf, std::uint32_t i, std::vector<std::uint32_t>& list) {
+    const std::uint32_t known = patchOf.find(i);
+    if (known != EpochArray::kMissing) {
+      outside_ = outside_ || known == InsideFlags::kOutside;  // an earlier flood stopped half-way here
+      return;
+    }
+    patchOf.set(i, id_);
+    list.push_back(i);
+  }
+
+  void visitVertex(std::uint32_t v) {
+    const Vec3d p = meshes_.vertex(mesh_, v);
+    flags_.positions[mesh_].push_back(p);
+    outside_ = outside_ || !bounds_.contain(p);
+    // Only ends of crossed edges have votes, so an edge of which one end has none is not crossed.
+    const bool nearContour = flags_.votes.has(v);
+    if (nearContour) {
+      const std::int32_t votes = vote(v);
+      balance_ += votes;
+      if (votes < 0) ++against_;
+    }
+    const Topology& topology = meshes_.mesh(mesh_).topology();
+    for (std::uint32_t h = adjacency_.first[v]; h < adjacency_.first[v + 1]; ++h) {
+      const std::uint32_t w = adjacency_.neighbour[h], c = adjacency_.clusterOf[w];
+      if (c != kNone && !flags_.mixed.has(c)) {
+        reachCluster(c);
+      } else if (!nearContour || !flags_.votes.has(w) ||
+                 !contour_.isCrossed(mesh_, topology.edgeOf[adjacency_.halfEdges[h]])) {
+        reach(w);
+      }
+    }
+  }
+
+  void visitCluster(std::uint32_t c) {
+    const Adjacency::Cluster &cluster = adjacency_.clusters[c], &next = adjacency_.clusters[c + 1];
+    const Vec3d lo{cluster.lo.x, cluster.lo.y, cluster.lo.z}, hi{cluster.hi.x, cluster.hi.y, cluster.hi.z};
+    const Vec3d diagonal = otgSub(hi, lo);
+    if (!bounds_.containBall(meshes_.fromLocal(mesh_, otgScale(otgAdd(lo, hi), 0.5)),
+                             0.5 * std::sqrt(otgDot(diagonal, diagonal)))) {
+      for (std::uint32_t i = cluster.first; i < next.first; ++i) {
+        outside_ = outside_ || !bounds_.contain(meshes_.vertex(mesh_, adjacency_.clusterVertices[i]));
+      }
+    }
+    bool besideMixed = false;
+    for (std::uint32_t i = cluster.firstNeighbour; i < next.firstNeighbour; ++i) {
+      const std::uint32_t d = adjacency_.clusterNeighbours[i];
+      if (flags_.mixed.has(d)) {
+        besideMixed = true;
+      } else {
+        reachCluster(d);
+      }
+    }
+    if (!besideMixed) return;
+    for (std::uint32_t i = cluster.first; i < next.first; ++i) {
+      const std::uint32_t v = adjacency_.clusterVertices[i];
+      for (std::uint32_t h = adjacency_.first[v]; h < adjacency_.first[v + 1]; ++h) {
+        const std::uint32_t w = adjacency_.neighbour[h];
+        if (adjacency_.clusterOf[w] == kNone || flags_.mixed.has(adjacency_.clusterOf[w])) reach(w);
+      }
+    }
   }
 
   /// Components that no crossing tells anything of: inside if one of their vertices is.
@@ -162,7 +225,13 @@ class Flood {
   const Contour& contour_;
   InsideFlags& flags_;
   int mesh_;
+  const Adjacency& adjacency_;
   Bounds bounds_;  ///< of the other mesh
+  // Of the patch that is being flooded.
+  std::uint32_t id_ = 0;
+  bool outside_ = false;
+  std::int64_t balance_ = 0;
+  std::size_t against_ = 0;
 };
 
 }  // namespace
@@ -173,6 +242,7 @@ void floodInside(const PlacedMeshes& meshes, const Contour& contour, InsideFlags
     flags.patches[m].clear();
     flags.vertices[m].clear();
     flags.positions[m].clear();
+    flags.clusters[m].clear();
     flags.contained[m].clear();
     Flood(meshes, contour, flags, m).run();
   }

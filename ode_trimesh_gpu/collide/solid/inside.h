@@ -12,27 +12,36 @@
 namespace otg {
 
 struct InsideFlags {
-  /// Vertices that are joined by uncrossed edges: vertices[begin] .. vertices[end - 1] of its mesh.
+  /// Vertices that are joined by uncrossed edges. Those of clusters (mesh/adjacency.h) without any crossed edge are
+  /// named by cluster, the others one by one.
   struct Patch {
-    std::uint32_t begin, end;
+    std::uint32_t vertexBegin, vertexEnd;    ///< into vertices and positions of its mesh
+    std::uint32_t clusterBegin, clusterEnd;  ///< into clusters of its mesh
   };
   std::vector<Patch> patches[2];            ///< those inside the other mesh
   std::vector<std::uint32_t> vertices[2];   ///< welded vertices inside the other mesh, by patch
   std::vector<Vec3d> positions[2];          ///< of `vertices`, in A's frame
+  std::vector<std::uint32_t> clusters[2];   ///< clusters wholly inside the other mesh, by patch
   std::vector<std::uint32_t> contained[2];  ///< components without a crossing that lie wholly inside
   std::size_t anomalies = 0;                ///< votes that contradicted their patch's majority
 
   /// The patch that the welded vertex belongs to, or kNone if it is outside.
   std::uint32_t patchOf(int mesh, std::uint32_t vertex) const {
-    const std::uint32_t p = patch_[mesh].find(vertex);
+    std::uint32_t p = vertexPatch[mesh].find(vertex);
+    if (p == EpochArray::kMissing && (*clusterOf[mesh])[vertex] != kNone) {
+      p = clusterPatch[mesh].find((*clusterOf[mesh])[vertex]);
+    }
     return p < kOutside ? p : kNone;
   }
   bool isInside(int mesh, std::uint32_t vertex) const { return patchOf(mesh, vertex) != kNone; }
 
   // Filled by the flood.
   static constexpr std::uint32_t kOutside = 0xfffffffeu;
-  EpochArray patch_[2];  ///< welded vertex -> patch, or kOutside when it was visited and found outside
-  EpochArray votes;      ///< ends of crossed edges: votes for inside less votes for outside
+  const std::vector<std::uint32_t>* clusterOf[2] = {nullptr, nullptr};
+  /// Patch, or kOutside when visited and found outside, of vertices and of clusters.
+  EpochArray vertexPatch[2], clusterPatch[2];
+  EpochArray mixed;  ///< clusters that hold an end of a crossed edge
+  EpochArray votes;  ///< ends of crossed edges: votes for inside less votes for outside
 };
 
 /// Patches of vertices joined by uncrossed edges; every crossing that ends at a patch votes; the majority decides, a

@@ -11,7 +11,7 @@ namespace otg {
 namespace {
 
 // Cells along the region's diagonal: finer than the reach of the local normals (a quarter of it).
-constexpr double kPieceGrid = 12, kPointGrid = 8, kExtentGrid = 15;
+constexpr double kPieceGrid = 8, kPointGrid = 6, kExtentGrid = 8;
 
 /// 0 to 5: which axis a direction is nearest to, and in which sense.
 std::uint32_t mainDirection(const Vec3d& d) {
@@ -65,14 +65,9 @@ void PointCells::begin(const Region& region, const Vec3d& up) {
 }
 
 void PointCells::offer(const PointSeed& seed) {
-  const std::uint32_t key = grid_.cell(seed.position) * 8 + static_cast<std::uint32_t>(seed.kind) * 2 + seed.mesh;
-  const std::uint32_t i = index_.find(key);
-  if (i == EpochArray::kMissing) {
-    index_.set(key, static_cast<std::uint32_t>(chosen_.size()));
-    chosen_.push_back(seed);
-  } else if (depth(seed) > depth(chosen_[i])) {
-    chosen_[i] = seed;
-  }
+  const std::uint32_t key = keyOf(seed.position, seed.kind, seed.mesh);
+  const std::uint32_t known = index_.find(key);
+  if (known == EpochArray::kMissing || depth(seed) > depth(chosen_[known])) keep(key, known, seed);
 }
 
 void addExtentCells(Region& region, const std::vector<Vec3d>& positions, std::vector<std::uint32_t>& scratch,
@@ -81,19 +76,19 @@ void addExtentCells(Region& region, const std::vector<Vec3d>& positions, std::ve
   scratch.assign(RegionGrid::kCells + 1, 0);
   for (const Vec3d& p : positions) ++scratch[grid.cell(p) + 1];
   const double inf = std::numeric_limits<double>::infinity();
-  region.cellBegin = static_cast<std::uint32_t>(out.cells.size());
+  const auto first = static_cast<std::uint32_t>(out.cells.size());
   auto at = static_cast<std::uint32_t>(out.positions.size());
   for (std::uint32_t c = 0; c < RegionGrid::kCells; ++c) {
     const std::uint32_t count = scratch[c + 1];
     scratch[c] = at;
     if (count == 0) continue;
-    out.cells.push_back({{inf, inf, inf}, {-inf, -inf, -inf}, at, at + count});
+    out.cells.push_back({{inf, inf, inf}, {-inf, -inf, -inf}, at, at + count, -1});
     at += count;
   }
   region.cellEnd = static_cast<std::uint32_t>(out.cells.size());
   out.positions.resize(at);
   for (const Vec3d& p : positions) out.positions[scratch[grid.cell(p)]++] = p;
-  for (std::uint32_t k = region.cellBegin; k < region.cellEnd; ++k) {
+  for (std::uint32_t k = first; k < region.cellEnd; ++k) {
     ExtentCells::Cell& cell = out.cells[k];
     for (std::uint32_t i = cell.begin; i < cell.end; ++i) {
       cell.lo = minimum(cell.lo, out.positions[i]);

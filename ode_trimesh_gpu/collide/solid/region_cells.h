@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -12,22 +13,22 @@
 
 namespace otg {
 
-/// A grid of at most 16 x 16 x 16 cells over the bounds of a region.
+/// A grid of at most 8 x 8 x 8 cells over the bounds of a region.
 class RegionGrid {
  public:
-  static constexpr std::uint32_t kCells = 4096;
+  static constexpr std::uint32_t kCells = 512;
   RegionGrid() = default;
-  /// Cells of the region's diagonal / perDiagonal (at most 15).
+  /// Cells of the region's diagonal / perDiagonal (at most 8).
   RegionGrid(const Region& region, double perDiagonal)
       : lo_(region.lo), scale_(region.diagonal > 0 ? perDiagonal / region.diagonal : 0) {}
   std::uint32_t cell(const Vec3d& p) const {
-    return along(p.x - lo_.x) | along(p.y - lo_.y) << 4 | along(p.z - lo_.z) << 8;
+    return along(p.x - lo_.x) | along(p.y - lo_.y) << 3 | along(p.z - lo_.z) << 6;
   }
 
  private:
   std::uint32_t along(double x) const {
     const double c = x * scale_;
-    return c > 0 ? std::min(15u, static_cast<std::uint32_t>(c)) : 0u;
+    return c > 0 ? std::min(7u, static_cast<std::uint32_t>(c)) : 0u;
   }
   Vec3d lo_{};
   double scale_ = 0;
@@ -72,9 +73,46 @@ class PointCells {
   /// `up`: in which A is pushed.
   void begin(const Region& region, const Vec3d& up);
   void offer(const PointSeed& seed);
+  /// As if every vertex of a cluster lay at `place`: offers the deepest. `bounds` are theirs, vertex(i) the position of
+  /// number begin <= i < end.
+  template <class Vertex, class MakeSeed>
+  void offerDeepest(int mesh, const Vec3d& place, const Vec3d& lo, const Vec3d& hi, std::uint32_t begin,
+                    std::uint32_t end, const Vertex& vertex, const MakeSeed& makeSeed) {
+    const std::uint32_t key = keyOf(place, PointKind::kVertex, mesh);
+    const std::uint32_t known = index_.find(key);
+    const double least = known == EpochArray::kMissing ? -1e300 : depth(chosen_[known]);
+    const double sign = mesh == 0 ? -1 : 1;
+    const Vec3d middle = otgScale(otgAdd(lo, hi), 0.5), half = otgScale(otgSub(hi, lo), 0.5);
+    if (sign * otgDot(up_, middle) + std::fabs(up_.x) * half.x + std::fabs(up_.y) * half.y +
+            std::fabs(up_.z) * half.z <=
+        least) {
+      return;
+    }
+    double best = least;
+    std::uint32_t deepest = end;
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const double d = sign * otgDot(up_, vertex(i));
+      if (d > best) {
+        best = d;
+        deepest = i;
+      }
+    }
+    if (deepest < end) keep(key, known, makeSeed(deepest));
+  }
   const std::vector<PointSeed>& chosen() const { return chosen_; }
 
  private:
+  std::uint32_t keyOf(const Vec3d& place, PointKind kind, int mesh) const {
+    return grid_.cell(place) * 8 + static_cast<std::uint32_t>(kind) * 2 + static_cast<std::uint32_t>(mesh);
+  }
+  void keep(std::uint32_t key, std::uint32_t known, const PointSeed& seed) {
+    if (known != EpochArray::kMissing) {
+      chosen_[known] = seed;
+      return;
+    }
+    index_.set(key, static_cast<std::uint32_t>(chosen_.size()));
+    chosen_.push_back(seed);
+  }
   double depth(const PointSeed& s) const { return (s.mesh == 0 ? -1 : 1) * otgDot(up_, s.position); }
   RegionGrid grid_;
   Vec3d up_{};

@@ -72,6 +72,8 @@ struct RegionBuilder::Scratch {
 namespace {
 
 constexpr std::uint32_t kInterior = 0xfffffffeu;
+/// A cluster counts as one piece if its vector area is at least 0.9 (squared here) of its area.
+constexpr double kFlatCluster = 0.81;
 
 /// Union-find elements: crossings first, then the inside patches of A, then those of B.
 template <class Scratch>
@@ -86,6 +88,7 @@ class Builder {
   }
 
   void run() {
+    out_.extents.query = &meshes_.query();
     out_.regions.clear();
     out_.pieces.clear();
     out_.points.clear();
@@ -186,6 +189,49 @@ class Builder {
     }
   }
 
+  /// How many vertices.
+  std::uint32_t countOf(int m, const InsideFlags::Patch& patch) const {
+    const Adjacency& adjacency = meshes_.adjacency(m);
+    std::uint32_t count = patch.vertexEnd - patch.vertexBegin;
+    for (std::uint32_t i = patch.clusterBegin; i < patch.clusterEnd; ++i) {
+      const std::uint32_t c = inside_.clusters[m][i];
+      count += adjacency.clusters[c + 1].first - adjacency.clusters[c].first;
+    }
+    return count;
+  }
+
+  /// Calls fn(vertex, position relative to the origin) for every vertex of a patch.
+  template <class Fn>
+  void forEachVertex(int m, const InsideFlags::Patch& patch, const Fn& fn) const {
+    for (std::uint32_t i = patch.vertexBegin; i < patch.vertexEnd; ++i) {
+      fn(inside_.vertices[m][i], relative(inside_.positions[m][i]));
+    }
+    const Adjacency& adjacency = meshes_.adjacency(m);
+    for (std::uint32_t i = patch.clusterBegin; i < patch.clusterEnd; ++i) {
+      const std::uint32_t c = inside_.clusters[m][i];
+      for (std::uint32_t k = adjacency.clusters[c].first; k < adjacency.clusters[c + 1].first; ++k) {
+        fn(adjacency.clusterVertices[k], vertex(m, adjacency.clusterVertices[k]));
+      }
+    }
+  }
+
+  struct Box {
+    Vec3d lo, hi;
+  };
+  /// Encloses the vertices of a cluster; not tight where B is turned.
+  Box boxOf(int m, const Adjacency::Cluster& cluster) const {
+    const Vec3d lo{cluster.lo.x, cluster.lo.y, cluster.lo.z}, hi{cluster.hi.x, cluster.hi.y, cluster.hi.z};
+    if (m == 0) return {relative(lo), relative(hi)};
+    const Vec3d middle = relative(meshes_.fromLocal(m, otgScale(otgAdd(lo, hi), 0.5)));
+    const Vec3d half = otgScale(otgSub(hi, lo), 0.5);
+    const double* r = meshes_.query().bInA.r;
+    const auto along = [&](int row) {
+      return std::fabs(r[3 * row]) * half.x + std::fabs(r[3 * row + 1]) * half.y + std::fabs(r[3 * row + 2]) * half.z;
+    };
+    const Vec3d reach{along(0), along(1), along(2)};
+    return {otgSub(middle, reach), otgAdd(middle, reach)};
+  }
+
   void numberRegions() {
     s_.regionOf.assign(elements_, kNone);
     std::uint32_t count = 0;
@@ -202,7 +248,7 @@ class Builder {
       for (std::uint32_t p = 0; p < inside_.patches[m].size(); ++p) {
         const std::uint32_t region = s_.regionOf[patchBase_[m] + p];
         s_.patches.push_back({region, p, static_cast<std::uint8_t>(m)});
-        s_.load[region] += inside_.patches[m][p].end - inside_.patches[m][p].begin;
+        s_.load[region] += countOf(m, inside_.patches[m][p]);
       }
     }
     groupByRegion(s_.patches, count, s_.sortedPatches, s_.patchBegin);
@@ -259,7 +305,18 @@ class Builder {
     for (const PatchRef& ref : s_.patches) {
       Region& region = out_.regions[ref.region];
       const InsideFlags::Patch& patch = inside_.patches[ref.mesh][ref.patch];
-      for (std::uint32_t i = patch.begin; i < patch.end; ++i) include(region, relative(inside_.positions[ref.mesh][i]));
+      for (std::uint32_t i = patch.vertexBegin; i < patch.vertexEnd; ++i) {
+        include(region, relative(inside_.positions[ref.mesh][i]));
+      }
+      const Adjacency& adjacency = meshes_.adjacency(ref.mesh);
+      for (std::uint32_t i = patch.clusterBegin; i < patch.clusterEnd; ++i) {
+        const std::uint32_t c = inside_.clusters[ref.mesh][i];
+        const Box box = boxOf(ref.mesh, adjacency.clusters[c]);
+        if (minimum(box.lo, region.lo) == region.lo && maximum(box.hi, region.hi) == region.hi) continue;
+        for (std::uint32_t k = adjacency.clusters[c].first; k < adjacency.clusters[c + 1].first; ++k) {
+          include(region, vertex(ref.mesh, adjacency.clusterVertices[k]));
+        }
+      }
     }
     for (Region& region : out_.regions) region.diagonal = norm(otgSub(region.hi, region.lo));
   }
@@ -349,10 +406,8 @@ class Builder {
       const int m = ref.mesh;
       const TriMesh& mesh = meshes_.mesh(m);
       const Adjacency& adjacency = meshes_.adjacency(m);
-      const InsideFlags::Patch& patch = inside_.patches[m][ref.patch];
-      for (std::uint32_t k = patch.begin; k < patch.end; ++k) {
-        const std::uint32_t v = inside_.vertices[m][k];
-        out_.points.push_back(supportPoint(vertexSeed(r, m, k)));
+      forEachVertex(m, inside_.patches[m][ref.patch], [&](std::uint32_t v, const Vec3d& x) {
+        out_.points.push_back(supportPoint(vertexSeed(r, m, v, x)));
         for (std::uint32_t h = adjacency.first[v]; h < adjacency.first[v + 1]; ++h) {
           const std::uint32_t t = adjacency.halfEdges[h] / 3;
           if (s_.boundary[m].has(t)) continue;
@@ -364,7 +419,7 @@ class Builder {
           out_.pieces.push_back({r, t, ref.mesh, n, otgScale(n, area), area, otgDot(n, p), minimum(p, minimum(q, s)),
                                  maximum(p, maximum(q, s))});
         }
-      }
+      });
     }
     for (std::uint32_t i = s_.seedBegin[r]; i < s_.seedBegin[r + 1]; ++i) {
       out_.points.push_back(supportPoint(s_.seeds[i]));
@@ -395,18 +450,33 @@ class Builder {
       add(p.mesh, otgScale(otgAdd(p.lo, p.hi), 0.5), p.normal, p.triangle, p.vector, p.area, p.offset * p.area, p.lo,
           p.hi);
     }
-    s_.positions.clear();
     for (std::uint32_t i = s_.patchBegin[r]; i < s_.patchBegin[r + 1]; ++i) {
       const int m = s_.patches[i].mesh;
       const Adjacency& adjacency = meshes_.adjacency(m);
       const InsideFlags::Patch& patch = inside_.patches[m][s_.patches[i].patch];
-      for (std::uint32_t k = patch.begin; k < patch.end; ++k) {
-        const std::uint32_t v = inside_.vertices[m][k];
-        const Vec3d x = relative(inside_.positions[m][k]);
+      const auto addVertex = [&](std::uint32_t v, const Vec3d& x) {
         const Vec3d vector = meshes_.directionFromLocal(m, adjacency.star[v].vector);
-        s_.positions.push_back(x);
         add(m, x, vector, adjacency.halfEdges[adjacency.first[v]] / 3, vector, adjacency.star[v].area,
             otgDot(vector, x), x, x);
+      };
+      for (std::uint32_t k = patch.vertexBegin; k < patch.vertexEnd; ++k) {
+        addVertex(inside_.vertices[m][k], relative(inside_.positions[m][k]));
+      }
+      const Vec3d shift = relative(meshes_.fromLocal(m, {0, 0, 0}));
+      for (std::uint32_t k = patch.clusterBegin; k < patch.clusterEnd; ++k) {
+        const std::uint32_t c = inside_.clusters[m][k];
+        const Adjacency::Cluster& cluster = adjacency.clusters[c];
+        if (otgDot(cluster.sum.vector, cluster.sum.vector) < kFlatCluster * cluster.sum.area * cluster.sum.area) {
+          for (std::uint32_t j = cluster.first; j < adjacency.clusters[c + 1].first; ++j) {
+            addVertex(adjacency.clusterVertices[j], vertex(m, adjacency.clusterVertices[j]));
+          }
+          continue;
+        }
+        const Vec3d vector = meshes_.directionFromLocal(m, cluster.sum.vector);
+        const Box box = boxOf(m, cluster);
+        add(m, otgScale(otgAdd(box.lo, box.hi), 0.5), vector,
+            adjacency.halfEdges[adjacency.first[adjacency.clusterVertices[cluster.first]]] / 3, vector,
+            cluster.sum.area, cluster.moment + otgDot(vector, shift), box.lo, box.hi);
       }
     }
     for (std::uint32_t i = s_.correctionBegin[r]; i < s_.correctionBegin[r + 1]; ++i) {
@@ -423,9 +493,29 @@ class Builder {
 
     PointCells& points = s_.pointCells;
     points.begin(region, unit(otgSub(sums.vector[1], sums.vector[0])));
+    region.cellBegin = static_cast<std::uint32_t>(out_.extents.cells.size());
+    s_.positions.clear();
     for (std::uint32_t i = s_.patchBegin[r]; i < s_.patchBegin[r + 1]; ++i) {
-      const InsideFlags::Patch& patch = inside_.patches[s_.patches[i].mesh][s_.patches[i].patch];
-      for (std::uint32_t k = patch.begin; k < patch.end; ++k) points.offer(vertexSeed(r, s_.patches[i].mesh, k));
+      const int m = s_.patches[i].mesh;
+      const Adjacency& adjacency = meshes_.adjacency(m);
+      const InsideFlags::Patch& patch = inside_.patches[m][s_.patches[i].patch];
+      for (std::uint32_t k = patch.vertexBegin; k < patch.vertexEnd; ++k) {
+        const Vec3d x = relative(inside_.positions[m][k]);
+        points.offer(vertexSeed(r, m, inside_.vertices[m][k], x));
+        s_.positions.push_back(x);
+      }
+      for (std::uint32_t k = patch.clusterBegin; k < patch.clusterEnd; ++k) {
+        const std::uint32_t c = inside_.clusters[m][k];
+        const std::uint32_t begin = adjacency.clusters[c].first, end = adjacency.clusters[c + 1].first;
+        const Box box = boxOf(m, adjacency.clusters[c]);
+        out_.extents.cells.push_back({box.lo, box.hi, begin, end, m});
+        points.offerDeepest(
+            m, otgScale(otgAdd(box.lo, box.hi), 0.5), box.lo, box.hi, begin, end,
+            [&](std::uint32_t j) { return vertex(m, adjacency.clusterVertices[j]); },
+            [&](std::uint32_t j) {
+              return vertexSeed(r, m, adjacency.clusterVertices[j], vertex(m, adjacency.clusterVertices[j]));
+            });
+      }
     }
     for (std::uint32_t i = s_.seedBegin[r]; i < s_.seedBegin[r + 1]; ++i) {
       points.offer(s_.seeds[i]);
@@ -436,9 +526,8 @@ class Builder {
     addExtentCells(region, s_.positions, s_.cellScratch, out_.extents);
   }
 
-  PointSeed vertexSeed(std::uint32_t region, int m, std::uint32_t k) const {
-    return {relative(inside_.positions[m][k]), {0, 0, 0},         region, inside_.vertices[m][k], 0, kNone,
-            static_cast<std::uint8_t>(m),      PointKind::kVertex};
+  static PointSeed vertexSeed(std::uint32_t region, int m, std::uint32_t v, const Vec3d& x) {
+    return {x, {0, 0, 0}, region, v, 0, kNone, static_cast<std::uint8_t>(m), PointKind::kVertex};
   }
 
   /// The ends of the inside stretches of crossed edges that are crossings, and the stretches' middles where something

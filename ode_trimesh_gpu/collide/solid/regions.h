@@ -63,10 +63,12 @@ struct Region {
 struct ExtentCells {
   struct Cell {
     Vec3d lo, hi;
-    std::uint32_t begin, end;  ///< into positions
+    std::uint32_t begin, end;  ///< into positions, or into the mesh's Adjacency::clusterVertices
+    int mesh;                  ///< of the vertices; -1: positions
   };
   std::vector<Cell> cells;
   std::vector<Vec3d> positions;  ///< relative to the origin
+  const Query* query = nullptr;  ///< places the vertices
 };
 
 struct OverlapRegions {
