@@ -83,6 +83,11 @@ Adjacency buildAdjacency(const TriMesh& mesh) {
     out.neighbour[at] = originOf(h - h % 3 + (h % 3 + 1) % 3);
   }
 
+  out.halfEdgeOf.resize(topology.edgeCount());
+  for (std::uint32_t h = 3 * n; h-- > 0;) {
+    if (topology.edgeOf[h] != kNone) out.halfEdgeOf[topology.edgeOf[h]] = h;
+  }
+
   out.normal.resize(n);
   out.area.resize(n);
   out.star.assign(vertices.size(), {{0, 0, 0}, 0});

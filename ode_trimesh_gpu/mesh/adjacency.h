@@ -15,6 +15,8 @@ struct Adjacency {
   std::vector<std::uint32_t> first, halfEdges;
   /// The welded vertex at the other end of each of `halfEdges`.
   std::vector<std::uint32_t> neighbour;
+  /// One half-edge of each edge.
+  std::vector<std::uint32_t> halfEdgeOf;
   /// Unit normal of each triangle; zero for degenerate ones.
   std::vector<Vec3d> normal;
   /// Area of each triangle; zero for degenerate ones.

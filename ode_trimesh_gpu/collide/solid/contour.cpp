@@ -90,26 +90,21 @@ class Tracer {
 
   /// Orders the crossings of every edge and checks that they alternate.
   void sortAlongEdges() {
-    std::vector<Crossing>& all = contour_.crossings;
-    order_.resize(all.size());
-    for (std::uint32_t i = 0; i < all.size(); ++i) order_[i] = i;
-    std::sort(order_.begin(), order_.end(), [&](std::uint32_t x, std::uint32_t y) {
-      const Crossing &p = all[x], &q = all[y];
-      if (p.mesh != q.mesh) return p.mesh < q.mesh;
-      if (p.edge != q.edge) return p.edge < q.edge;
-      if (p.t != q.t) return p.t < q.t;
-      return p.triangle < q.triangle;
-    });
-    contour_.alongEdge = order_;
-    for (std::uint32_t begin = 0; begin < order_.size();) {
-      const Crossing& head = all[order_[begin]];
-      std::uint32_t end = begin + 1;
-      while (end < order_.size() && all[order_[end]].mesh == head.mesh && all[order_[end]].edge == head.edge) ++end;
-      orderTies(begin, end);
-      alternate(begin, end);
-      contour_.firstOn[head.mesh].insert(head.edge, begin);
-      contour_.crossedEdges[head.mesh].push_back(head.edge);
-      begin = end;
+    const std::vector<Crossing>& all = contour_.crossings;
+    std::vector<std::uint32_t>& along = contour_.alongEdge;
+    for (int m = 0; m < 2; ++m) {
+      for (const std::uint32_t edge : contour_.crossedEdges[m]) {
+        const auto begin = static_cast<std::uint32_t>(along.size());
+        for (std::uint32_t c = contour_.lastOn[m].find(edge); c != kNone; c = contour_.previousOn[c])
+          along.push_back(c);
+        const auto end = static_cast<std::uint32_t>(along.size());
+        std::sort(along.begin() + begin, along.end(), [&](std::uint32_t x, std::uint32_t y) {
+          return all[x].t != all[y].t ? all[x].t < all[y].t : all[x].triangle < all[y].triangle;
+        });
+        orderTies(begin, end);
+        alternate(begin, end);
+        contour_.firstOn[m].set(edge, begin);
+      }
     }
   }
 
@@ -148,10 +143,14 @@ class Tracer {
     const TriMesh& m = meshes_.mesh(mesh);
     const Topology& topology = m.topology();
     const std::uint32_t edge = topology.edgeOf[halfEdge];
-    bool inserted = false;
+    const std::uint32_t last = contour_.lastOn[mesh].find(edge);
+    for (std::uint32_t c = last; c != kNone; c = contour_.previousOn[c]) {
+      if (contour_.crossings[c].triangle == triangle) return c;
+    }
     const auto id = static_cast<std::uint32_t>(contour_.crossings.size());
-    const std::uint32_t known = contour_.ids[mesh].insert(std::uint64_t{edge} << 32 | triangle, id, &inserted);
-    if (!inserted) return known;
+    contour_.lastOn[mesh].set(edge, id);
+    contour_.previousOn.push_back(last);
+    if (last == kNone) contour_.crossedEdges[mesh].push_back(edge);
     const Topology::Edge& ends = topology.edges[edge];
     const Triangle& t = m.triangles()[halfEdge / 3];
     const bool forward = topology.weld[t.v[halfEdge % 3]] == ends.a;
@@ -164,35 +163,31 @@ class Tracer {
 
   const PlacedMeshes& meshes_;
   Contour& contour_;
-  std::vector<std::uint32_t> order_;
 };
 
 }  // namespace
 
 Contour::Range Contour::on(int mesh, std::uint32_t edge) const {
   const std::uint32_t begin = firstOn[mesh].find(edge);
-  if (begin == FlatMap::kMissing) return {0, 0};
-  std::uint32_t end = begin;
+  if (begin == EpochArray::kMissing) return {0, 0};
+  std::uint32_t end = begin + 1;
   while (end < alongEdge.size() && crossings[alongEdge[end]].edge == edge && crossings[alongEdge[end]].mesh == mesh) {
     ++end;
   }
   return {begin, end};
 }
 
-void Contour::clear() {
-  crossings.clear();
-  chords.clear();
-  alongEdge.clear();
-  anomalies = 0;
-  for (int m = 0; m < 2; ++m) {
-    firstOn[m].clear();
-    ids[m].clear();
-    crossedEdges[m].clear();
-  }
-}
-
 void traceContour(const PlacedMeshes& meshes, const std::vector<TrianglePair>& intersecting, Contour& contour) {
-  contour.clear();
+  contour.crossings.clear();
+  contour.chords.clear();
+  contour.alongEdge.clear();
+  contour.previousOn.clear();
+  contour.anomalies = 0;
+  for (int m = 0; m < 2; ++m) {
+    contour.firstOn[m].reset(meshes.mesh(m).topology().edgeCount());
+    contour.lastOn[m].reset(meshes.mesh(m).topology().edgeCount());
+    contour.crossedEdges[m].clear();
+  }
   Tracer tracer(meshes, contour);
   for (const TrianglePair& pair : intersecting) tracer.pair(pair);
   tracer.sortAlongEdges();

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "collide/query.h"
-#include "collide/solid/flat_map.h"
+#include "collide/solid/epoch_array.h"
 
 namespace otg {
 
@@ -33,32 +33,37 @@ struct Contour {
   std::vector<Crossing> crossings;
   std::vector<Chord> chords;
   /// For mesh m, crossed edge e: firstOn[m].find(e) is the position in `alongEdge` of its crossings, in order from a to
-  /// b; `crossingsOn` of them, alternately leaving and entering.
-  FlatMap firstOn[2];
+  /// b, alternately leaving and entering.
+  EpochArray firstOn[2];
   std::vector<std::uint32_t> alongEdge;
-  std::vector<std::uint32_t> crossedEdges[2];  ///< ascending
+  std::vector<std::uint32_t> crossedEdges[2];  ///< in the order in which they were met
   std::size_t anomalies = 0;  ///< pairs or edges whose crossings contradict (impossible for proper meshes)
 
-  FlatMap ids[2];  ///< scratch: (edge, triangle) -> crossing, by mesh of the edge
+  // Scratch: the last crossing that was met on an edge, and the one before each on its edge.
+  EpochArray lastOn[2];
+  std::vector<std::uint32_t> previousOn;
 
   /// Crossings on an edge as [begin, end) into alongEdge; empty when it is not crossed.
   struct Range {
     std::uint32_t begin, end;
   };
   Range on(int mesh, std::uint32_t edge) const;
-  bool isCrossed(int mesh, std::uint32_t edge) const { return firstOn[mesh].find(edge) != FlatMap::kMissing; }
-  void clear();
+  bool isCrossed(int mesh, std::uint32_t edge) const { return firstOn[mesh].has(edge); }
 };
 
 /// Corners of triangles and vertices of both meshes in A's frame.
 class PlacedMeshes {
  public:
-  explicit PlacedMeshes(const Query& query) : query_(query) {}
-  const TriMesh& mesh(int m) const { return m == 0 ? query_.a->mesh() : query_.b->mesh(); }
+  explicit PlacedMeshes(const Query& query)
+      : query_(query),
+        mesh_{&query.a->mesh(), &query.b->mesh()},
+        adjacency_{&query.a->adjacency(), &query.b->adjacency()},
+        vertices_{mesh_[0]->vertices().data(), mesh_[1]->vertices().data()} {}
+  const TriMesh& mesh(int m) const { return *mesh_[m]; }
   const CollisionMesh& tree(int m) const { return m == 0 ? *query_.a : *query_.b; }
-  const Adjacency& adjacency(int m) const { return m == 0 ? query_.a->adjacency() : query_.b->adjacency(); }
+  const Adjacency& adjacency(int m) const { return *adjacency_[m]; }
   Vec3d vertex(int m, std::uint32_t v) const {
-    const Vec3f& p = mesh(m).vertices()[v];
+    const Vec3f& p = vertices_[m][v];
     const Vec3d x{p.x, p.y, p.z};
     return m == 0 ? x : otgTransform(query_.bInA, x);
   }
@@ -77,6 +82,9 @@ class PlacedMeshes {
 
  private:
   const Query& query_;
+  const TriMesh* mesh_[2];
+  const Adjacency* adjacency_[2];
+  const Vec3f* vertices_[2];
 };
 
 /// From the pairs in `intersecting` (which must hold every pair that touches).

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collide/solid/flat_map.h"
 #include "collide/solid/ray.h"
 #include "collide/solid/region_contacts.h"
 #include "collide/solid/vectors.h"

@@ -8,16 +8,6 @@
 namespace otg {
 namespace {
 
-double ofPoints(const OverlapRegions& all, const Region& region, const Vec3d& direction) {
-  double lo = std::numeric_limits<double>::infinity(), hi = -lo;
-  for (std::uint32_t i = region.pointBegin; i < region.pointEnd; ++i) {
-    const double x = otgDot(all.points[i].position, direction);
-    lo = std::min(lo, x);
-    hi = std::max(hi, x);
-  }
-  return hi - lo;
-}
-
 /// Branch and bound over the cells' boxes; the box that reaches farthest first.
 double ofCells(const ExtentCells& extents, const Vec3d& origin, const Region& region, const Vec3d& d) {
   const PlacedMeshes meshes(*extents.query);
@@ -58,10 +48,20 @@ double ofCells(const ExtentCells& extents, const Vec3d& origin, const Region& re
 
 }  // namespace
 
+double extentOfPoints(const OverlapRegions& all, const Region& region, const Vec3d& direction) {
+  if (region.pointBegin == region.pointEnd) return 0;
+  double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+  for (std::uint32_t i = region.pointBegin; i < region.pointEnd; ++i) {
+    const double x = otgDot(all.points[i].position, direction);
+    lo = std::min(lo, x);
+    hi = std::max(hi, x);
+  }
+  return hi - lo;
+}
+
 double extentAlong(const OverlapRegions& all, const Region& region, const Vec3d& direction) {
   if (region.cellBegin < region.cellEnd) return ofCells(all.extents, all.origin, region, direction);
-  if (region.pointBegin == region.pointEnd) return 0;
-  return ofPoints(all, region, direction);
+  return extentOfPoints(all, region, direction);
 }
 
 }  // namespace otg

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collide/solid/flat_map.h"
 #include "collide/solid/ray.h"
 #include "collide/solid/vectors.h"
 
@@ -127,9 +128,9 @@ class RegionSolver {
 
   /// Way out of mesh m through the nearest of its planes that faces along the direction and has its surface there;
   /// where none has, through the nearest plane of all, which is right for convex bodies.
-  double planeExit(int m, const Vec3d& p, const Vec3d& direction, double limit) const {
+  double planeExit(int m, const Vec3d& p, const Vec3d& direction) const {
     const double slack = kPieceSlack * region_.diagonal;
-    double nearest = limit, convex = limit;
+    double nearest = std::numeric_limits<double>::infinity(), convex = nearest;
     bool found = false;
     for (const Plane& plane : planes_[m]) {
       const double cosine = otgDot(plane.normal, direction);
@@ -145,6 +146,16 @@ class RegionSolver {
       found = true;
     }
     return found ? nearest : convex;
+  }
+
+  /// Clamps both ways out and their sum, which is returned, to the region's extent along n. That is worked out only
+  /// when the few points that the region keeps do not reach as far.
+  double clampToLimit(const Vec3d& n, double& out, double& back) {
+    if (region_.cellEnd > region_.cellBegin && out + back <= extentOfPoints(all_, region_, n)) return out + back;
+    const double limit = limitAlong(n);
+    out = std::min(out, limit);
+    back = std::min(back, limit);
+    return std::min(out + back, limit);
   }
 
   double limitAlong(const Vec3d& n) {
@@ -212,10 +223,9 @@ class RegionSolver {
 
   void estimate(Candidate& c) {
     c.normal = task_.normals.at(c.probe);
-    const double limit = limitAlong(c.normal);
-    const double out = planeExit(1, c.probe, c.normal, limit);
-    const double back = planeExit(0, c.probe, otgScale(c.normal, -1.0), limit);
-    c.depth = std::min(out + back, limit);
+    double out = planeExit(1, c.probe, c.normal);
+    double back = planeExit(0, c.probe, otgScale(c.normal, -1.0));
+    c.depth = clampToLimit(c.normal, out, back);
     c.shift = 0.5 * (out - back);
     // By what the planes say, not by the limit, to which whole patches of a thick region are cut.
     c.rank = (out + back) * kRank[static_cast<int>(c.point->kind)];
@@ -303,20 +313,19 @@ class RegionSolver {
     const double skin = 1e-9 * std::max(task_.meshes.mesh(0).radius(), task_.meshes.mesh(1).radius());
     for (Candidate& c : candidates_) {
       if (agree >= 2 && !disagree && !gathered_) break;
-      const double limit = limitAlong(c.normal);
       const Vec3d origin = otgAdd(c.probe, all_.origin);
       // Looked for as far as the meshes reach: a point inside finds its way out in every direction, so nothing ahead
       // means outside.
-      const double out = std::max(0.0, exitDistance(task_.meshes, 1, origin, c.normal, far, skin));
-      const double back = std::max(0.0, exitDistance(task_.meshes, 0, origin, otgScale(c.normal, -1.0), far, skin));
-      const double depth = std::min(out + back, limit);
+      double out = std::max(0.0, exitDistance(task_.meshes, 1, origin, c.normal, far, skin));
+      double back = std::max(0.0, exitDistance(task_.meshes, 0, origin, otgScale(c.normal, -1.0), far, skin));
+      const double depth = clampToLimit(c.normal, out, back);
       if (std::fabs(depth - c.depth) <= 0.02 * std::max(depth, c.depth)) {
         ++agree;
       } else {
         disagree = true;
       }
       c.depth = depth;
-      c.shift = 0.5 * (std::min(out, limit) - std::min(back, limit));
+      c.shift = 0.5 * (out - back);
     }
     const double least = deepest();
     std::erase_if(candidates_,

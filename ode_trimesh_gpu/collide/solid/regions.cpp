@@ -280,13 +280,9 @@ class Builder {
       }
       // Both triangles at a crossed edge have chords, unless the contour is broken there.
       for (const std::uint32_t edge : contour_.crossedEdges[m]) {
-        const Topology::Edge& ends = mesh.topology().edges[edge];
-        for (const std::uint32_t v : {ends.a, ends.b}) {
-          for (std::uint32_t h = adjacency.first[v]; h < adjacency.first[v + 1]; ++h) {
-            const std::uint32_t half = adjacency.halfEdges[h];
-            if (mesh.topology().edgeOf[half] == edge) mark(half / 3);
-          }
-        }
+        const std::uint32_t half = adjacency.halfEdgeOf[edge], twin = mesh.topology().twin[half];
+        mark(half / 3);
+        if (twin != kNone) mark(twin / 3);
       }
     }
   }
@@ -576,7 +572,8 @@ class Builder {
         normal = otgAdd(normal, adjacency.normal[adjacency.halfEdges[h] / 3]);
       }
       own = adjacency.halfEdges[adjacency.first[seed.feature]] / 3;
-    } else if (const std::uint32_t half = halfEdgeOf(mesh, adjacency, seed.feature); half != kNone) {
+    } else {
+      const std::uint32_t half = adjacency.halfEdgeOf[seed.feature];
       normal = adjacency.normal[half / 3];
       const std::uint32_t twin = mesh.topology().twin[half];
       if (twin != kNone) normal = otgAdd(normal, adjacency.normal[twin / 3]);
@@ -589,14 +586,6 @@ class Builder {
       (m == 0 ? p.triangleB : p.triangleA) = contour_.crossings[seed.crossing].triangle;
     }
     return p;
-  }
-
-  static std::uint32_t halfEdgeOf(const TriMesh& mesh, const Adjacency& adjacency, std::uint32_t edge) {
-    const std::uint32_t a = mesh.topology().edges[edge].a;
-    for (std::uint32_t h = adjacency.first[a]; h < adjacency.first[a + 1]; ++h) {
-      if (mesh.topology().edgeOf[adjacency.halfEdges[h]] == edge) return adjacency.halfEdges[h];
-    }
-    return kNone;
   }
 
   void measure(std::uint32_t r) {
