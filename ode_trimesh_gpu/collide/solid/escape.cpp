@@ -78,17 +78,22 @@ class WayOutByPlanes {
     for (std::uint32_t i = region.pointBegin; i < region.pointEnd; i += stride) points_.push_back(i);
   }
 
-  double along(const Vec3d& d) const {
+  /// Stops when the answer is at least `enough`.
+  double along(const Vec3d& d, double enough) {
+    ahead_.clear();
+    for (const Plane& plane : planes_) {
+      const double cosine = plane.mesh == 1 ? otgDot(plane.normal, d) : -otgDot(plane.normal, d);
+      if (cosine > 0.05) ahead_.push_back({otgScale(plane.normal, 1 / cosine), plane.offset / cosine, plane.mesh});
+    }
     double most = 0;
     for (const std::uint32_t i : points_) {
       const Vec3d& p = all_.points[i].position;
       double exit[2] = {far_, far_};
-      for (const Plane& plane : planes_) {
-        const double cosine = plane.mesh == 1 ? otgDot(plane.normal, d) : -otgDot(plane.normal, d);
-        if (cosine <= 0.05) continue;
-        exit[plane.mesh] = std::min(exit[plane.mesh], std::max(0.0, (plane.offset - otgDot(plane.normal, p)) / cosine));
+      for (const Plane& plane : ahead_) {
+        exit[plane.mesh] = std::min(exit[plane.mesh], plane.offset - otgDot(plane.normal, p));
       }
-      most = std::max(most, exit[0] + exit[1]);
+      most = std::max(most, std::max(0.0, exit[0]) + std::max(0.0, exit[1]));
+      if (most >= enough) break;
     }
     return most;
   }
@@ -139,7 +144,7 @@ class WayOutByPlanes {
   static constexpr double kCellsPerSide = 7;
   const OverlapRegions& all_;
   double far_;
-  std::vector<Plane> planes_;
+  std::vector<Plane> planes_, ahead_;  ///< ahead_: scaled so that a plane's value is the way to it along d
   std::vector<std::uint32_t> points_;
 };
 
@@ -253,14 +258,17 @@ RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& a
     // direction is kept while it is nearly as short, so that a body does not waver on its way out.
     answer.deep = true;
     answer.direction = normals.mean();
-    const WayOutByPlanes way(all, region, static_cast<double>(meshes.mesh(0).radius() + meshes.mesh(1).radius()));
+    WayOutByPlanes way(all, region, static_cast<double>(meshes.mesh(0).radius() + meshes.mesh(1).radius()));
     // Both bound the way from below: the planes miss what lies between the points that are looked at, the extent misses
     // what the other body has beyond the region.
-    const auto cost = [&](const Vec3d& d) { return std::max(way.along(d), extentAlong(all, region, d)); };
-    double least = 0.98 * cost(normals.mean());
+    const auto cost = [&](const Vec3d& d, double enough) {
+      const double extent = extentAlong(all, region, d);
+      return extent >= enough ? extent : std::max(extent, way.along(d, enough));
+    };
+    double least = 0.98 * cost(normals.mean(), std::numeric_limits<double>::infinity());
     const auto offer = [&](const Vec3d& d, double factor) {
       if (otgDot(d, normals.mean()) < 0.2) return;
-      const double extent = factor * cost(d);
+      const double extent = factor * cost(d, least / factor);
       if (extent >= least) return;
       least = extent;
       answer.direction = d;
