@@ -3,18 +3,12 @@
 
 #include <limits>
 
+#include "collide/solid/edge_pieces.h"
 #include "collide/solid/region_cells.h"
 #include "collide/solid/vectors.h"
 
 namespace otg {
 namespace {
-
-/// The inside stretch of an edge, in the direction from Topology::Edge::a to b.
-struct EdgePiece {
-  Vec3d from, to;                        ///< relative to the origin
-  std::uint32_t fromElement, toElement;  ///< union-find elements at the ends
-  bool fromVertex, toVertex;
-};
 
 struct Loop {  // what bounds the part of one triangle in one region
   std::uint32_t region;
@@ -75,17 +69,17 @@ constexpr std::uint32_t kInterior = 0xfffffffeu;
 /// A cluster counts as one piece if its vector area is at least 0.9 (squared here) of its area.
 constexpr double kFlatCluster = 0.81;
 
-/// Union-find elements: crossings first, then the inside patches of A, then those of B.
 template <class Scratch>
 class Builder {
  public:
   Builder(const PlacedMeshes& meshes, const Contour& contour, const InsideFlags& inside, Scratch& scratch,
           OverlapRegions& out)
-      : meshes_(meshes), contour_(contour), inside_(inside), s_(scratch), out_(out) {
-    patchBase_[0] = static_cast<std::uint32_t>(contour.crossings.size());
-    patchBase_[1] = patchBase_[0] + static_cast<std::uint32_t>(inside.patches[0].size());
-    elements_ = patchBase_[1] + static_cast<std::uint32_t>(inside.patches[1].size());
-  }
+      : meshes_(meshes),
+        contour_(contour),
+        inside_(inside),
+        s_(scratch),
+        out_(out),
+        edges_(meshes, contour, inside, out.origin) {}
 
   void run() {
     out_.extents.query = &meshes_.query();
@@ -96,9 +90,8 @@ class Builder {
     out_.extents.positions.clear();
     out_.anomalies = 0;
     if (contour_.crossings.empty()) return;
-    out_.origin = contour_.crossings.front().point;
     unite();
-    const std::size_t anomalies = out_.anomalies;
+    out_.anomalies = edges_.takeAnomalies();  // later passes over the edges count the same ones again
     numberRegions();
     findBoundary();
     bound();
@@ -108,13 +101,12 @@ class Builder {
       isLarge(r) ? describeLarge(r) : describeSmall(r);
       measure(r);
     }
-    out_.anomalies = anomalies;  // every pass over the edges counts the same ones again
   }
 
  private:
-  Vec3d relative(const Vec3d& p) const { return otgSub(p, out_.origin); }
-  Vec3d crossing(std::uint32_t c) const { return relative(contour_.crossings[c].point); }
-  Vec3d vertex(int m, std::uint32_t v) const { return relative(meshes_.vertex(m, v)); }
+  Vec3d relative(const Vec3d& p) const { return edges_.relative(p); }
+  Vec3d crossing(std::uint32_t c) const { return edges_.crossing(c); }
+  Vec3d vertex(int m, std::uint32_t v) const { return edges_.vertex(m, v); }
   bool isLarge(std::uint32_t region) const { return s_.load[region] > kLargeRegion; }
 
   std::uint32_t find(std::uint32_t e) {
@@ -129,61 +121,20 @@ class Builder {
     b = find(b);
     if (a != b) s_.parent[std::max(a, b)] = std::min(a, b);  // the smallest element names the set
   }
-  std::uint32_t vertexElement(int m, std::uint32_t v) const {
-    const std::uint32_t patch = inside_.patchOf(m, v);
-    return patch == kNone ? kNone : patchBase_[m] + patch;
-  }
-
-  /// Calls fn(EdgePiece) for every inside stretch of the edge. Stretches whose ends contradict the vertices' flags are
-  /// left out and counted.
-  template <class Fn>
-  void forEachPiece(int m, std::uint32_t edge, const Fn& fn) {
-    const Topology::Edge& ends = meshes_.mesh(m).topology().edges[edge];
-    const std::uint32_t a = vertexElement(m, ends.a), b = vertexElement(m, ends.b);
-    const Contour::Range range = contour_.on(m, edge);
-    if (range.begin == range.end) {
-      if (a == kNone || b == kNone) return;
-      fn(EdgePiece{vertex(m, ends.a), vertex(m, ends.b), a, b, true, true});
-      return;
-    }
-    std::uint32_t open = a;
-    bool openVertex = true, isOpen = a != kNone;
-    for (std::uint32_t i = range.begin; i < range.end; ++i) {
-      const std::uint32_t c = contour_.alongEdge[i];
-      if (contour_.crossings[c].exits) {
-        if (isOpen) {
-          fn(EdgePiece{openVertex ? vertex(m, ends.a) : crossing(open), crossing(c), open, c, openVertex, false});
-        } else {
-          ++out_.anomalies;
-        }
-        isOpen = false;
-      } else {
-        if (isOpen) ++out_.anomalies;
-        open = c;
-        openVertex = false;
-        isOpen = true;
-      }
-    }
-    if (isOpen != (b != kNone)) ++out_.anomalies;
-    if (isOpen && b != kNone) {
-      fn(EdgePiece{openVertex ? vertex(m, ends.a) : crossing(open), vertex(m, ends.b), open, b, openVertex, true});
-    }
-  }
-
   void unite() {
-    s_.parent.resize(elements_);
-    for (std::uint32_t e = 0; e < elements_; ++e) s_.parent[e] = e;
+    s_.parent.resize(edges_.count());
+    for (std::uint32_t e = 0; e < edges_.count(); ++e) s_.parent[e] = e;
     for (const Chord& chord : contour_.chords) join(chord.start, chord.end);
     for (int m = 0; m < 2; ++m) {
       for (const std::uint32_t edge : contour_.crossedEdges[m]) {
-        forEachPiece(m, edge, [&](const EdgePiece& p) { join(p.fromElement, p.toElement); });
+        edges_.forEachPiece(m, edge, [&](const EdgePiece& p) { join(p.fromElement, p.toElement); });
       }
       // A contour that stays within one triangle whose corners are all inside hangs together with them.
       const TriMesh& mesh = meshes_.mesh(m);
       for (const Chord& chord : contour_.chords) {
         const Triangle& t = mesh.triangles()[m == 0 ? chord.triangleA : chord.triangleB];
         std::uint32_t corner[3];
-        for (int k = 0; k < 3; ++k) corner[k] = vertexElement(m, mesh.topology().weld[t.v[k]]);
+        for (int k = 0; k < 3; ++k) corner[k] = edges_.vertexElement(m, mesh.topology().weld[t.v[k]]);
         if (corner[0] != kNone && corner[1] != kNone && corner[2] != kNone) join(chord.start, corner[0]);
       }
     }
@@ -233,9 +184,9 @@ class Builder {
   }
 
   void numberRegions() {
-    s_.regionOf.assign(elements_, kNone);
+    s_.regionOf.assign(edges_.count(), kNone);
     std::uint32_t count = 0;
-    for (std::uint32_t e = 0; e < elements_; ++e) {
+    for (std::uint32_t e = 0; e < edges_.count(); ++e) {
       const std::uint32_t root = find(e);
       if (s_.regionOf[root] == kNone) s_.regionOf[root] = count++;
       s_.regionOf[e] = s_.regionOf[root];
@@ -246,7 +197,7 @@ class Builder {
     s_.patches.clear();
     for (int m = 0; m < 2; ++m) {
       for (std::uint32_t p = 0; p < inside_.patches[m].size(); ++p) {
-        const std::uint32_t region = s_.regionOf[patchBase_[m] + p];
+        const std::uint32_t region = s_.regionOf[edges_.patchElement(m, p)];
         s_.patches.push_back({region, p, static_cast<std::uint8_t>(m)});
         s_.load[region] += countOf(m, inside_.patches[m][p]);
       }
@@ -328,7 +279,7 @@ class Builder {
         clipTriangle(m, t, s_.chordHead[m][i]);
         for (const std::uint32_t corner : mesh.triangles()[t].v) {
           const std::uint32_t v = mesh.topology().weld[corner];
-          const std::uint32_t element = vertexElement(m, v);
+          const std::uint32_t element = edges_.vertexElement(m, v);
           if (element == kNone || !isLarge(s_.regionOf[element])) continue;
           s_.corrections.push_back({s_.regionOf[element], v, t, static_cast<std::uint8_t>(m)});
         }
@@ -364,7 +315,7 @@ class Builder {
       const std::uint32_t edge = topology.edgeOf[half];
       if (edge == kNone) continue;
       const bool forward = topology.weld[mesh.triangles()[t].v[k]] == topology.edges[edge].a;
-      forEachPiece(m, edge, [&](const EdgePiece& p) {
+      edges_.forEachPiece(m, edge, [&](const EdgePiece& p) {
         forward ? add(p.fromElement, p.from, p.to) : add(p.fromElement, p.to, p.from);
       });
     }
@@ -534,7 +485,7 @@ class Builder {
       const Adjacency& adjacency = meshes_.adjacency(m);
       for (const std::uint32_t edge : contour_.crossedEdges[m]) {
         std::uint32_t stretch = 0;
-        forEachPiece(m, edge, [&](const EdgePiece& piece) {
+        edges_.forEachPiece(m, edge, [&](const EdgePiece& piece) {
           const Vec3d d = otgSub(piece.to, piece.from);
           const std::uint32_t k = stretch++;
           const auto seed = [&](const Vec3d& at, const Vec3d& span, std::uint32_t c, PointKind kind,
@@ -610,7 +561,7 @@ class Builder {
   const InsideFlags& inside_;
   Scratch& s_;
   OverlapRegions& out_;
-  std::uint32_t patchBase_[2], elements_;
+  EdgePieces edges_;
 };
 
 }  // namespace
@@ -620,6 +571,7 @@ RegionBuilder::~RegionBuilder() = default;
 
 void RegionBuilder::build(const PlacedMeshes& meshes, const Contour& contour, const InsideFlags& inside,
                           OverlapRegions& out) {
+  out.origin = contour.crossings.empty() ? Vec3d{0, 0, 0} : contour.crossings.front().point;
   Builder<Scratch>(meshes, contour, inside, *scratch_, out).run();
 }
 
