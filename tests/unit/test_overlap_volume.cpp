@@ -101,7 +101,7 @@ TEST_CASE("the gradient agrees with the areas that the contact model computes, f
     OverlapRegions regions;
     traceContour(meshes, workspace.intersecting, contour);
     floodInside(meshes, contour, inside);
-    buildRegions(meshes, contour, inside, regions);
+    RegionBuilder().build(meshes, contour, inside, regions);
     if (regions.regions.empty()) continue;
     ++tried;
     double volume = 0;
