@@ -2,6 +2,9 @@
 // The stretches of edges that lie inside the other mesh, and the elements that they join.
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "collide/solid/contour.h"
 #include "collide/solid/inside.h"
 
@@ -17,11 +20,28 @@ struct EdgePiece {
 /// Elements are numbered: crossings first, then the inside patches of A, then those of B.
 class EdgePieces {
  public:
-  EdgePieces(const PlacedMeshes& meshes, const Contour& contour, const InsideFlags& inside, const Vec3d& origin)
-      : meshes_(meshes), contour_(contour), inside_(inside), origin_(origin) {
+  struct Storage {
+    std::vector<EdgePiece> pieces;
+    std::vector<std::uint32_t> first, last;  ///< into pieces, by the edge's place in Contour::alongEdge
+  };
+  /// Collects the stretches of every crossed edge.
+  EdgePieces(const PlacedMeshes& meshes, const Contour& contour, const InsideFlags& inside, const Vec3d& origin,
+             Storage& storage)
+      : meshes_(meshes), contour_(contour), inside_(inside), origin_(origin), storage_(storage) {
     patchBase_[0] = static_cast<std::uint32_t>(contour.crossings.size());
     patchBase_[1] = patchBase_[0] + static_cast<std::uint32_t>(inside.patches[0].size());
     count_ = patchBase_[1] + static_cast<std::uint32_t>(inside.patches[1].size());
+    storage.pieces.clear();
+    storage.first.resize(contour.alongEdge.size());
+    storage.last.resize(contour.alongEdge.size());
+    for (int m = 0; m < 2; ++m) {
+      for (const std::uint32_t edge : contour.crossedEdges[m]) {
+        const Contour::Range range = contour.on(m, edge);
+        storage.first[range.begin] = static_cast<std::uint32_t>(storage.pieces.size());
+        collect(m, edge, range);
+        storage.last[range.begin] = static_cast<std::uint32_t>(storage.pieces.size());
+      }
+    }
   }
   std::uint32_t count() const { return count_; }
   std::uint32_t patchElement(int m, std::uint32_t patch) const { return patchBase_[m] + patch; }
@@ -34,54 +54,41 @@ class EdgePieces {
   Vec3d relative(const Vec3d& p) const { return otgSub(p, origin_); }
   Vec3d crossing(std::uint32_t c) const { return relative(contour_.crossings[c].point); }
   Vec3d vertex(int m, std::uint32_t v) const { return relative(meshes_.vertex(m, v)); }
-  /// How many stretches were left out since the last call.
-  std::size_t takeAnomalies() {
-    const std::size_t n = anomalies_;
-    anomalies_ = 0;
-    return n;
-  }
+  /// Stretches that were left out because their ends contradict the vertices' flags.
+  std::size_t anomalies() const { return anomalies_; }
 
-  /// Calls fn(EdgePiece) for every inside stretch of the edge. Stretches whose ends contradict the vertices' flags are
-  /// left out and counted.
-  template <class Fn>
-  void forEachPiece(int m, std::uint32_t edge, const Fn& fn) {
-    const Topology::Edge& ends = meshes_.mesh(m).topology().edges[edge];
-    const std::uint32_t a = vertexElement(m, ends.a), b = vertexElement(m, ends.b);
-    const Contour::Range range = contour_.on(m, edge);
-    if (range.begin == range.end) {
-      if (a == kNone || b == kNone) return;
-      fn(EdgePiece{vertex(m, ends.a), vertex(m, ends.b), a, b, true, true});
-      return;
-    }
-    std::uint32_t open = a;
-    bool openVertex = true, isOpen = a != kNone;
-    for (std::uint32_t i = range.begin; i < range.end; ++i) {
-      const std::uint32_t c = contour_.alongEdge[i];
-      if (contour_.crossings[c].exits) {
-        if (isOpen) {
-          fn(EdgePiece{openVertex ? vertex(m, ends.a) : crossing(open), crossing(c), open, c, openVertex, false});
-        } else {
-          ++anomalies_;
-        }
-        isOpen = false;
-      } else {
-        if (isOpen) ++anomalies_;
-        open = c;
-        openVertex = false;
-        isOpen = true;
-      }
-    }
-    if (isOpen != (b != kNone)) ++anomalies_;
-    if (isOpen && b != kNone) {
-      fn(EdgePiece{openVertex ? vertex(m, ends.a) : crossing(open), vertex(m, ends.b), open, b, openVertex, true});
-    }
+  /// The inside stretches of a crossed edge, from Topology::Edge::a to b.
+  std::span<const EdgePiece> on(int m, std::uint32_t edge) const {
+    const std::uint32_t at = contour_.firstOn[m].find(edge);
+    return {storage_.pieces.data() + storage_.first[at], storage_.pieces.data() + storage_.last[at]};
   }
 
  private:
+  void collect(int m, std::uint32_t edge, const Contour::Range& range) {
+    const Topology::Edge& ends = meshes_.mesh(m).topology().edges[edge];
+    const std::uint32_t a = vertexElement(m, ends.a), b = vertexElement(m, ends.b);
+    std::uint32_t open = a;
+    bool openVertex = true, isOpen = a != kNone;
+    const auto from = [&] { return openVertex ? vertex(m, ends.a) : crossing(open); };
+    for (std::uint32_t i = range.begin; i < range.end; ++i) {
+      const std::uint32_t c = contour_.alongEdge[i];
+      const bool exits = contour_.crossings[c].exits;
+      if (exits != isOpen) ++anomalies_;
+      if (exits && isOpen) storage_.pieces.push_back({from(), crossing(c), open, c, openVertex, false});
+      isOpen = !exits;
+      if (exits) continue;
+      open = c;
+      openVertex = false;
+    }
+    if (isOpen != (b != kNone)) ++anomalies_;
+    if (isOpen && b != kNone) storage_.pieces.push_back({from(), vertex(m, ends.b), open, b, openVertex, true});
+  }
+
   const PlacedMeshes& meshes_;
   const Contour& contour_;
   const InsideFlags& inside_;
   Vec3d origin_;
+  Storage& storage_;
   std::uint32_t patchBase_[2], count_;
   std::size_t anomalies_ = 0;
 };

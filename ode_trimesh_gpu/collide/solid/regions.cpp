@@ -59,6 +59,7 @@ struct RegionBuilder::Scratch {
   std::vector<std::uint32_t> pieceBegin, correctionBegin, seedBegin, patchBegin, cellScratch;
   std::vector<Sums> sums;
   std::vector<Vec3d> positions;
+  EdgePieces::Storage edges;
   PieceCells pieceCells;
   PointCells pointCells;
 };
@@ -79,7 +80,7 @@ class Builder {
         inside_(inside),
         s_(scratch),
         out_(out),
-        edges_(meshes, contour, inside, out.origin) {}
+        edges_(meshes, contour, inside, out.origin, scratch.edges) {}
 
   void run() {
     out_.extents.query = &meshes_.query();
@@ -88,10 +89,9 @@ class Builder {
     out_.points.clear();
     out_.extents.cells.clear();
     out_.extents.positions.clear();
-    out_.anomalies = 0;
+    out_.anomalies = edges_.anomalies();
     if (contour_.crossings.empty()) return;
     unite();
-    out_.anomalies = edges_.takeAnomalies();  // later passes over the edges count the same ones again
     numberRegions();
     findBoundary();
     bound();
@@ -127,7 +127,7 @@ class Builder {
     for (const Chord& chord : contour_.chords) join(chord.start, chord.end);
     for (int m = 0; m < 2; ++m) {
       for (const std::uint32_t edge : contour_.crossedEdges[m]) {
-        edges_.forEachPiece(m, edge, [&](const EdgePiece& p) { join(p.fromElement, p.toElement); });
+        for (const EdgePiece& p : edges_.on(m, edge)) join(p.fromElement, p.toElement);
       }
       // A contour that stays within one triangle whose corners are all inside hangs together with them.
       const TriMesh& mesh = meshes_.mesh(m);
@@ -276,12 +276,15 @@ class Builder {
       const TriMesh& mesh = meshes_.mesh(m);
       for (std::uint32_t i = 0; i < s_.boundaryTriangles[m].size(); ++i) {
         const std::uint32_t t = s_.boundaryTriangles[m][i];
-        clipTriangle(m, t, s_.chordHead[m][i]);
-        for (const std::uint32_t corner : mesh.triangles()[t].v) {
-          const std::uint32_t v = mesh.topology().weld[corner];
-          const std::uint32_t element = edges_.vertexElement(m, v);
-          if (element == kNone || !isLarge(s_.regionOf[element])) continue;
-          s_.corrections.push_back({s_.regionOf[element], v, t, static_cast<std::uint8_t>(m)});
+        Corner corners[3];
+        for (int k = 0; k < 3; ++k) {
+          const std::uint32_t v = mesh.topology().weld[mesh.triangles()[t].v[k]];
+          corners[k] = {v, edges_.vertexElement(m, v), vertex(m, v)};
+        }
+        clipTriangle(m, t, corners, s_.chordHead[m][i]);
+        for (const Corner& c : corners) {
+          if (c.element == kNone || !isLarge(s_.regionOf[c.element])) continue;
+          s_.corrections.push_back({s_.regionOf[c.element], c.vertex, t, static_cast<std::uint8_t>(m)});
         }
       }
     }
@@ -289,11 +292,16 @@ class Builder {
     groupByRegion(s_.corrections, out_.regions.size(), s_.sortedCorrections, s_.correctionBegin);
   }
 
+  struct Corner {
+    std::uint32_t vertex, element;  ///< welded; kNone if outside
+    Vec3d position;
+  };
+
   /// Area by the boundary: half the sum of p x q over the directed boundary segments.
-  void clipTriangle(int m, std::uint32_t t, std::uint32_t chord) {
+  void clipTriangle(int m, std::uint32_t t, const Corner* corners, std::uint32_t chord) {
     const TriMesh& mesh = meshes_.mesh(m);
     const Topology& topology = mesh.topology();
-    const Vec3d corner = vertex(m, mesh.triangles()[t].v[0]);
+    const Vec3d corner = corners[0].position;
     std::vector<Loop>& loops = s_.loops;
     loops.clear();
     const auto add = [&](std::uint32_t element, const Vec3d& p, const Vec3d& q) {
@@ -314,10 +322,15 @@ class Builder {
       const std::uint32_t half = 3 * t + static_cast<std::uint32_t>(k);
       const std::uint32_t edge = topology.edgeOf[half];
       if (edge == kNone) continue;
-      const bool forward = topology.weld[mesh.triangles()[t].v[k]] == topology.edges[edge].a;
-      edges_.forEachPiece(m, edge, [&](const EdgePiece& p) {
+      const Corner &from = corners[k], &to = corners[(k + 1) % 3];
+      if (!contour_.isCrossed(m, edge)) {
+        if (from.element != kNone && to.element != kNone) add(from.element, from.position, to.position);
+        continue;
+      }
+      const bool forward = from.vertex == topology.edges[edge].a;
+      for (const EdgePiece& p : edges_.on(m, edge)) {
         forward ? add(p.fromElement, p.from, p.to) : add(p.fromElement, p.to, p.from);
-      });
+      }
     }
     for (; chord != kNone; chord = s_.chordNext[m][chord]) {
       const Chord& c = contour_.chords[chord];
@@ -485,7 +498,7 @@ class Builder {
       const Adjacency& adjacency = meshes_.adjacency(m);
       for (const std::uint32_t edge : contour_.crossedEdges[m]) {
         std::uint32_t stretch = 0;
-        edges_.forEachPiece(m, edge, [&](const EdgePiece& piece) {
+        for (const EdgePiece& piece : edges_.on(m, edge)) {
           const Vec3d d = otgSub(piece.to, piece.from);
           const std::uint32_t k = stretch++;
           const auto seed = [&](const Vec3d& at, const Vec3d& span, std::uint32_t c, PointKind kind,
@@ -495,10 +508,10 @@ class Builder {
           };
           if (!piece.fromVertex) seed(piece.from, d, piece.fromElement, PointKind::kCrossing, 2 * k);
           if (!piece.toVertex) seed(piece.to, otgScale(d, -1.0), piece.toElement, PointKind::kCrossing, 2 * k + 1);
-          if (adjacency.flatEdge[edge] || (piece.fromVertex && piece.toVertex)) return;
+          if (adjacency.flatEdge[edge] || (piece.fromVertex && piece.toVertex)) continue;
           seed(otgScale(otgAdd(piece.from, piece.to), 0.5), {0, 0, 0}, kNone,
                piece.fromVertex || piece.toVertex ? PointKind::kMiddle : PointKind::kMiddleOfContour, k);
-        });
+        }
       }
     }
     groupByRegion(s_.seeds, out_.regions.size(), s_.sortedSeeds, s_.seedBegin);
