@@ -17,9 +17,7 @@ namespace {
 
 void reduced(const Query& query, Workspace& workspace) {
   findIntersectingPairs(query, workspace);
-  if (query.options.contacts == ContactModel::kSolid && query.a->mesh().meshClass() == MeshClass::kSolid &&
-      query.b->mesh().meshClass() == MeshClass::kSolid) {
-    solidContacts(query, workspace);
+  if (query.options.contacts == ContactModel::kSolid && solidContacts(query, workspace)) {
     workspace.reduced = limitContacts(workspace.contacts, query.options.maxContacts);
     return;
   }

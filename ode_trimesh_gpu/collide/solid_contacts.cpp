@@ -53,16 +53,40 @@ PairMotion motionOf(const Query& query, const SolidHistory::State& state) {
   return motion;
 }
 
+bool isSolid(const TriMesh& mesh) {
+  return mesh.meshClass() == MeshClass::kSolid;
+}
+bool isSheet(const TriMesh& mesh) {
+  return !isSolid(mesh) && mesh.triangleCount() > 0 && mesh.report().inconsistentEdges == 0 &&
+         mesh.report().nonManifoldEdges == 0;
+}
+
+/// Every crossing begins one chord and ends one.
+bool isClosed(const Contour& contour) {
+  if (contour.anomalies > 0) return false;
+  std::vector<std::uint8_t> ends(contour.crossings.size(), 0);
+  for (const Chord& chord : contour.chords) {
+    if ((ends[chord.start] & 1) != 0 || (ends[chord.end] & 2) != 0) return false;
+    ends[chord.start] |= 1;
+    ends[chord.end] |= 2;
+  }
+  return std::all_of(ends.begin(), ends.end(), [](std::uint8_t e) { return e == 3; });
+}
+
 }  // namespace
 
-void solidContacts(const Query& query, Workspace& workspace) {
+bool solidContacts(const Query& query, Workspace& workspace) {
   using Clock = std::chrono::steady_clock;
   const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
   workspace.contacts.clear();
+  const TriMesh &a = query.a->mesh(), &b = query.b->mesh();
+  const bool bothSolid = isSolid(a) && isSolid(b);
+  if (!bothSolid && !(isSolid(a) && isSheet(b)) && !(isSheet(a) && isSolid(b))) return false;
   if (!workspace.solid) workspace.solid = std::make_unique<SolidScratch>();
   SolidScratch& scratch = *workspace.solid;
   const PlacedMeshes meshes(query);
   traceContour(meshes, workspace.intersecting, scratch.contour);
+  if (!bothSolid && !isClosed(scratch.contour)) return false;
   floodInside(meshes, scratch.contour, scratch.inside);
   scratch.builder.build(meshes, scratch.contour, scratch.inside, scratch.regions);
   addContained(meshes, scratch.inside, scratch.regions);
@@ -121,6 +145,7 @@ void solidContacts(const Query& query, Workspace& workspace) {
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   }
+  return true;
 }
 
 }  // namespace otg

@@ -8,7 +8,9 @@
 
 namespace otg {
 
-/// workspace.intersecting -> workspace.contacts. Both meshes must be solids.
-void solidContacts(const Query& query, Workspace& workspace);
+/// workspace.intersecting -> workspace.contacts. For two solids, and for a solid with a sheet: a shell whose triangles
+/// agree in their winding and share edges by twos at most. A sheet's inside is what lies behind it. False, and no
+/// contacts, for other meshes and where the contour does not close because it runs over the sheet's rim.
+bool solidContacts(const Query& query, Workspace& workspace);
 
 }  // namespace otg

@@ -8,6 +8,7 @@ otg_add_test(wide_kernels unit SOURCES test_wide_kernels.cpp LIBRARIES otg_scene
 otg_add_test(rotation_tolerance unit SOURCES test_rotation_tolerance.cpp LIBRARIES otg_scenes)
 otg_add_test(contact_ids unit SOURCES test_contact_ids.cpp LIBRARIES otg_scenes)
 otg_add_test(solid_regions unit SOURCES test_solid_regions.cpp LIBRARIES otg_scenes)
+otg_add_test(solid_sheet unit SOURCES test_solid_sheet.cpp LIBRARIES otg_scenes)
 
 # No file that is compiled for a newer instruction set leaves functions that the linker could choose for all.
 if(CMAKE_EXECUTABLE_FORMAT STREQUAL "ELF" AND CMAKE_NM)

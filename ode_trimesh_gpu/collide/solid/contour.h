@@ -60,6 +60,8 @@ class PlacedMeshes {
         adjacency_{&query.a->adjacency(), &query.b->adjacency()},
         vertices_{mesh_[0]->vertices().data(), mesh_[1]->vertices().data()} {}
   const TriMesh& mesh(int m) const { return *mesh_[m]; }
+  /// False for a sheet, whose inside is what lies behind it.
+  bool isSolid(int m) const { return mesh_[m]->meshClass() == MeshClass::kSolid; }
   const CollisionMesh& tree(int m) const { return m == 0 ? *query_.a : *query_.b; }
   const Adjacency& adjacency(int m) const { return *adjacency_[m]; }
   Vec3d vertex(int m, std::uint32_t v) const {

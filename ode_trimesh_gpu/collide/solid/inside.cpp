@@ -14,17 +14,20 @@ class Bounds {
  public:
   Bounds(const PlacedMeshes& meshes, int mesh) : meshes_(meshes), mesh_(mesh) {
     const TriMesh& m = meshes.mesh(mesh);
+    everything_ = !meshes.isSolid(mesh);
     const double slack = 1e-9 * m.radius();
     const Vec3f &lo = m.boundsMin(), &hi = m.boundsMax();
     lo_ = {lo.x - slack, lo.y - slack, lo.z - slack};
     hi_ = {hi.x + slack, hi.y + slack, hi.z + slack};
   }
   bool contain(const Vec3d& p) const {
+    if (everything_) return true;
     const Vec3d x = meshes_.toLocal(mesh_, p);
     return x.x >= lo_.x && x.x <= hi_.x && x.y >= lo_.y && x.y <= hi_.y && x.z >= lo_.z && x.z <= hi_.z;
   }
   /// Surely all of a ball? False says nothing.
   bool containBall(const Vec3d& p, double radius) const {
+    if (everything_) return true;
     const Vec3d x = meshes_.toLocal(mesh_, p);
     return x.x - radius >= lo_.x && x.x + radius <= hi_.x && x.y - radius >= lo_.y && x.y + radius <= hi_.y &&
            x.z - radius >= lo_.z && x.z + radius <= hi_.z;
@@ -33,6 +36,7 @@ class Bounds {
  private:
   const PlacedMeshes& meshes_;
   int mesh_;
+  bool everything_;  ///< behind a sheet there is no end
   Vec3d lo_, hi_;
 };
 
@@ -97,7 +101,8 @@ class Flood {
     while (!outside_ && (v < vertices.size() || c < clusters.size())) {
       v < vertices.size() ? visitVertex(vertices[v++]) : visitCluster(clusters[c++]);
     }
-    if (!outside_ && balance_ == 0) outside_ = !pointInside(meshes_, 1 - mesh_, positions[vertexBegin]);
+    if (!outside_ && balance_ == 0)
+      outside_ = !meshes_.isSolid(1 - mesh_) || !pointInside(meshes_, 1 - mesh_, positions[vertexBegin]);
     if (outside_ || balance_ < 0) {
       ++flags_.anomalies;
       for (std::size_t i = vertexBegin; i < vertices.size(); ++i) {
@@ -183,6 +188,7 @@ class Flood {
 
   /// Components that no crossing tells anything of: inside if one of their vertices is.
   void wholeComponents() {
+    if (!meshes_.isSolid(1 - mesh_)) return;
     const TriMesh& mesh = meshes_.mesh(mesh_);
     const Adjacency& adjacency = meshes_.adjacency(mesh_);
     const Topology& topology = mesh.topology();
