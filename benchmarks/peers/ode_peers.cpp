@@ -93,19 +93,23 @@ class StockOdePeer final : public OdePeer {
 
 class GpuTriMeshPeer final : public OdePeer {
  public:
-  GpuTriMeshPeer(const PeerScene& scene, int maxContacts) : OdePeer(maxContacts) {
-    const dGeomID a = makeGeom(*scene.a);
-    place(a, makeGeom(*scene.b), scene.bInA);
+  GpuTriMeshPeer(const PeerScene& scene, int maxContacts, int contactModel) : OdePeer(maxContacts) {
+    const dGeomID a = makeGeom(*scene.a, contactModel);
+    place(a, makeGeom(*scene.b, contactModel), scene.bInA);
   }
 
  private:
-  static dGeomID makeGeom(const TriMesh& mesh) {
+  static dGeomID makeGeom(const TriMesh& mesh, int contactModel) {
     const dGpuTriMeshDataID data = dGpuTriMeshDataCreate();
     dGpuTriMeshDataBuildSingle(data, mesh.vertices().data(), sizeof(Vec3f), static_cast<int>(mesh.vertices().size()),
                                mesh.triangles().data(), static_cast<int>(3 * mesh.triangleCount()), sizeof(Triangle));
     const dGeomID geom = dCreateGpuTriMesh(nullptr, data);
     dGpuTriMeshDataDestroy(data);  // the geom keeps the mesh
     if (geom == nullptr) throw std::runtime_error("the geom class is not registered");
+    dGpuTriMeshParams params;
+    dGpuTriMeshParamsInit(&params);
+    params.contact_model = contactModel;
+    dGeomGpuTriMeshSetParams(geom, &params);
     return geom;
   }
 };
@@ -116,8 +120,8 @@ std::unique_ptr<Peer> makeStockOdePeer(const PeerScene& scene, int maxContacts) 
   return std::make_unique<StockOdePeer>(scene, maxContacts);
 }
 
-std::unique_ptr<Peer> makeGpuTriMeshPeer(const PeerScene& scene, int maxContacts) {
-  return std::make_unique<GpuTriMeshPeer>(scene, maxContacts);
+std::unique_ptr<Peer> makeGpuTriMeshPeer(const PeerScene& scene, int maxContacts, int contactModel) {
+  return std::make_unique<GpuTriMeshPeer>(scene, maxContacts, contactModel);
 }
 
 }  // namespace otg::peers

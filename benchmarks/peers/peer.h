@@ -53,7 +53,8 @@ std::vector<PeerEntry> allPeers();
 
 // The makers behind allPeers, one file each.
 std::unique_ptr<Peer> makeStockOdePeer(const PeerScene& scene, int maxContacts);
-std::unique_ptr<Peer> makeGpuTriMeshPeer(const PeerScene& scene, int maxContacts);
+/// `contactModel`: dGPUTRIMESH_CONTACTS_...
+std::unique_ptr<Peer> makeGpuTriMeshPeer(const PeerScene& scene, int maxContacts, int contactModel);
 std::unique_ptr<Peer> makeFclPeer(const PeerScene& scene);
 std::unique_ptr<Peer> makeBulletPeer(const PeerScene& scene);
 std::unique_ptr<Peer> makeEmbreePeer(const PeerScene& scene);

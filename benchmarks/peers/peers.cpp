@@ -2,6 +2,8 @@
 // The list of peers. OTG_PEER_... say which libraries were found at configure time.
 #include "peers/peer.h"
 
+#include <ode_trimesh_gpu/ode_trimesh_gpu.h>
+
 namespace otg::peers {
 namespace {
 
@@ -15,8 +17,10 @@ std::vector<PeerEntry> allPeers() {
   const auto contacts = [](int count) { return [count](const PeerScene& s) { return makeStockOdePeer(s, count); }; };
   peers.push_back({"ODE dTriMesh, 64 contacts", "contacts", "", contacts(64)});
   peers.push_back({"ODE dTriMesh, all contacts", "contacts", "", contacts(kAllContacts)});
-  peers.push_back({"ODE with ode_trimesh_gpu, 64 contacts", "contacts", "",
-                   [](const PeerScene& s) { return makeGpuTriMeshPeer(s, 64); }});
+  const auto ours = [](int model) { return [model](const PeerScene& s) { return makeGpuTriMeshPeer(s, 64, model); }; };
+  peers.push_back(
+      {"ODE with ode_trimesh_gpu, pairwise, 64 contacts", "contacts", "", ours(dGPUTRIMESH_CONTACTS_PAIRWISE)});
+  peers.push_back({"ODE with ode_trimesh_gpu, solid, 64 contacts", "contacts", "", ours(dGPUTRIMESH_CONTACTS_SOLID)});
 #ifdef OTG_PEER_FCL
   peers.push_back({"FCL, OBB tree", "contacts", "", &makeFclPeer});
 #else

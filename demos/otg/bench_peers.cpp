@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `otg bench peers`: the whole default query beside other libraries, in turns, so that a busy moment of the machine
+// `otg bench peers`: the whole query beside other libraries, in turns, so that a busy moment of the machine
 // hits all of them.
 #include <fmt/format.h>
 
@@ -22,12 +22,13 @@ namespace {
 /// This library's query without ODE around it.
 class OwnPeer final : public peers::Peer {
  public:
-  explicit OwnPeer(const peers::PeerScene& scene) {
+  OwnPeer(const peers::PeerScene& scene, ContactModel model) {
     a_ = std::make_shared<CollisionMesh>(sortedInSpace(*scene.a), BuildStrategy::kSah);
     b_ = std::make_shared<CollisionMesh>(sortedInSpace(*scene.b), BuildStrategy::kSah);
     query_.a = a_.get();
     query_.b = b_.get();
     query_.bInA = scene.bInA;
+    query_.options.contacts = model;
   }
   void query() override { collide(query_, workspace_); }
   std::size_t resultCount() const override { return workspace_.reduced.size(); }
@@ -56,8 +57,12 @@ struct Contestant {
 std::vector<Contestant> makeContestants(const peers::PeerScene& scene) {
   std::vector<Contestant> all;
   std::vector<peers::PeerEntry> entries = peers::allPeers();
-  entries.insert(entries.begin() + 2, {"ode_trimesh_gpu, 64 contacts", "contacts", "",
-                                       [](const peers::PeerScene& s) { return std::make_unique<OwnPeer>(s); }});
+  const auto own = [](ContactModel model) {
+    return [model](const peers::PeerScene& s) { return std::make_unique<OwnPeer>(s, model); };
+  };
+  entries.insert(entries.begin() + 2,
+                 {{"ode_trimesh_gpu, pairwise, 64 contacts", "contacts", "", own(ContactModel::kPairwise)},
+                  {"ode_trimesh_gpu, solid, 64 contacts", "contacts", "", own(ContactModel::kSolid)}});
   for (const peers::PeerEntry& entry : entries) {
     Contestant& contestant = all.emplace_back();
     contestant.name = entry.name;
@@ -105,6 +110,7 @@ int benchPeers(const BenchOptions& options) {
     scene.bInA = benchPose(options, CollisionMesh(entry.mesh, BuildStrategy::kSah));
     std::vector<Contestant> contestants = makeContestants(scene);
     const int rounds = options.repeat > 0 ? options.repeat : 15;
+    progress(fmt::format("  {} rounds of one query each", rounds));
     for (int round = 0; round < rounds; ++round) {
       for (Contestant& contestant : contestants) {
         if (contestant.peer) contestant.times.push_back(timeOnce([&] { contestant.peer->query(); }));

@@ -22,7 +22,8 @@ class Bench(CliTest):
             self.assertEqual(sum(depths), row["box_tests"])
         rows = tables["combinations"]
         self.assertEqual(len({(r["build"], r["traversal"], r["descent"]) for r in rows}), len(rows))
-        self.assertEqual({r["traversal"] for r in rows} >= {"standard", "quantized", "noleaf"}, True)
+        self.assertEqual({r["traversal"] for r in rows}, {"standard", "quantized", "noleaf", "wide"})
+        self.assertEqual(len(rows), 2 * 4 * 4)
         self.assertEqual({r["descent"] for r in rows}, {"first", "larger", "alternating", "both"})
         self.assertEqual({r["build"] for r in rows}, {"mean", "sah"})
         self.assertEqual(len({r["pairs_hash"] for r in rows}), 1)
@@ -54,7 +55,9 @@ class Bench(CliTest):
         rows = result["tables"]["peers"]
         self.assertEqual(rows[0]["ratio_to_stock_ode"], 1)
         ours = [row for row in rows if "ode_trimesh_gpu" in row["library"]]
-        self.assertEqual(len(ours), 2)
+        self.assertEqual([row["library"] for row in ours if "pairwise" in row["library"]],
+                         ["ode_trimesh_gpu, pairwise, 64 contacts", "ODE with ode_trimesh_gpu, pairwise, 64 contacts"])
+        self.assertEqual(len([row for row in ours if "solid" in row["library"]]), 2)
         for row in rows:  # a library that was found and finds nothing is not being called properly
             if not row["hash"].startswith("skipped"):
                 self.assertGreater(row["results"], 0, row["library"])
