@@ -18,24 +18,24 @@ int fail(int status, const char* message) {
 
 int main(int argc, char** argv) {
   using namespace otg::cli;
-  CLI::App app(
-      "Triangle-mesh collision for the Open Dynamics Engine: check meshes, collide them, step worlds, measure.\n"
-      "With --json one JSON document goes to stdout and nothing else. A pose places B in A's frame.\n"
-      "Exit status: 0 success, 1 the input is bad, 2 wrong usage.",
-      "otg");
-  app.require_subcommand(1);
-  Action action;
-  addCheckCommand(app, action);
-  addCollideCommand(app, action);
-  addPairsCommand(app, action);
-  addSimulateCommand(app, action);
-  addBenchCommand(app, action);
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error, std::cout, std::cerr) == 0 ? kOk : kBadUsage;
-  }
-  try {
+    CLI::App app(
+        "Triangle-mesh collision for the Open Dynamics Engine: check meshes, collide them, step worlds, measure.\n"
+        "With --json one JSON document goes to stdout and nothing else. A pose places B in A's frame.\n"
+        "Exit status: 0 success, 1 the input is bad, 2 wrong usage.",
+        "otg");
+    app.require_subcommand(1);
+    Action action;
+    addCheckCommand(app, action);
+    addCollideCommand(app, action);
+    addPairsCommand(app, action);
+    addSimulateCommand(app, action);
+    addBenchCommand(app, action);
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+      return app.exit(error, std::cout, std::cerr) == 0 ? kOk : kBadUsage;
+    }
     const int status = action();
     // Output that did not arrive (a full disk, a closed pipe) is no success.
     if (std::fflush(stdout) != 0) return fail(kBadInput, "writing to stdout failed");

@@ -84,8 +84,11 @@ MeshArrays makeGear(int teeth, double pitchRadius, double toothDepth, double wid
   const double share = kTwoPi / teeth, rootRadius = pitchRadius - toothDepth / 2,
                tipRadius = pitchRadius + toothDepth / 2;
   const int points = 4 * teeth;
-  constexpr double kAngle[4] = {-0.34, -0.14, 0.14, 0.34};
-  const auto angle = [&](int j) { return share * (j % points / 4 + kAngle[j % 4]); };
+  static constexpr double kAngle[4] = {-0.34, -0.14, 0.14, 0.34};
+  const auto angle = [&](int j) {
+    const int tooth = j % points / 4;
+    return share * (tooth + kAngle[j % 4]);
+  };
   const auto outline = [&](int j, double z) {
     return polar(j % 4 == 1 || j % 4 == 2 ? tipRadius : rootRadius, angle(j), z);
   };
@@ -103,7 +106,7 @@ MeshArrays makeGear(int teeth, double pitchRadius, double toothDepth, double wid
 }
 
 MeshArrays makeBlockWithHole(Vec3d size, double hole) {
-  constexpr double kSign[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+  static constexpr double kSign[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
   const auto outer = [&](int j, double z) {
     return Vec3d{kSign[j % 4][0] * size.x / 2, kSign[j % 4][1] * size.y / 2, z};
   };

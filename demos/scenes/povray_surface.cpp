@@ -78,7 +78,8 @@ void writePovraySurface(fmt::ostream& out, std::size_t number, const TriMesh& me
   std::map<std::array<double, 4>, std::size_t> seen;
   for (std::size_t i = 0; i < normals.size(); ++i) {
     const Vec3d& n = normals[i];
-    const std::array<double, 4> key{double(triangles[i / 3].v[i % 3]), n.x, n.y, n.z};
+    const std::uint32_t vertex = triangles[i / 3].v[i % 3];
+    const std::array<double, 4> key{double(vertex), n.x, n.y, n.z};
     const auto [place, isNew] = seen.try_emplace(key, distinct.size());
     if (isNew) distinct.push_back(n);
     normalOf[i] = place->second;

@@ -35,7 +35,8 @@ Vec3d middleOfB(const Query& query, const Transformd& bInA) {
 }
 
 bool samePose(const Transformd& a, const Transformd& b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;
+  // By their bits, -0 and 0 apart: the same bytes are promised for the same bytes.
+  return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison)
 }
 
 PairMotion motionOf(const Query& query, const SolidHistory::State& state) {

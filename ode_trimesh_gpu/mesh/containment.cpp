@@ -101,7 +101,7 @@ std::vector<Probe> makeProbes(const Topology& topology, std::span<const Vec3f> v
 /// Probes sorted into the cells of a square grid over (u, v).
 class ProbeGrid {
  public:
-  ProbeGrid(std::vector<Probe> probes, const RayPoint& min, const RayPoint& max) : min_(min) {
+  ProbeGrid(const std::vector<Probe>& probes, const RayPoint& min, const RayPoint& max) : min_(min) {
     side_ = std::clamp<std::size_t>(static_cast<std::size_t>(std::sqrt(static_cast<double>(probes.size()))), 1, 1024);
     const auto cellsPerLength = [&](double extent) { return extent > 0 ? static_cast<double>(side_) / extent : 0.0; };
     scaleU_ = cellsPerLength(max.u - min.u);

@@ -56,9 +56,9 @@ class HardPairs {
 
  private:
   Vec3d point(int kind) {
-    if (kind == 0) return {double(pick(3)), double(pick(3)), double(pick(3))};          // coarse grid: many exact zeros
-    if (kind == 1) return {double(pick(4)), double(pick(4)), 0.0};                       // coplanar on a grid
-    if (kind == 2) return {uniform() + 1000, uniform() - 1000, uniform()};               // far from the origin
+    if (kind == 0) return {double(pick(3)), double(pick(3)), double(pick(3))};  // coarse grid: many exact zeros
+    if (kind == 1) return {double(pick(4)), double(pick(4)), 0.0};              // coplanar on a grid
+    if (kind == 2) return {uniform() + 1000, uniform() - 1000, uniform()};      // far from the origin
     return {uniform(), uniform(), uniform()};
   }
   static Vec3d combine(const Corners& a, double u, double v) {
@@ -172,8 +172,8 @@ TEST_CASE("exact orientation agrees with integers") {
       for (int k = 0; k < 3; ++k) r[j][k] = std::int64_t(p[j + 1][k]) - std::int64_t(p[0][k]);
     }
     const std::int64_t det = r[0][0] * (r[1][1] * r[2][2] - r[1][2] * r[2][1]) -
-                         r[0][1] * (r[1][0] * r[2][2] - r[1][2] * r[2][0]) +
-                         r[0][2] * (r[1][0] * r[2][1] - r[1][1] * r[2][0]);
+                             r[0][1] * (r[1][0] * r[2][2] - r[1][2] * r[2][0]) +
+                             r[0][2] * (r[1][0] * r[2][1] - r[1][1] * r[2][0]);
     const int sign = (det > 0) - (det < 0);
     REQUIRE(otgOrient3(p[0], p[1], p[2], p[3]) == sign);
     REQUIRE(otgExactOrient3(p[3], p[1], p[2], p[0]) == sign);

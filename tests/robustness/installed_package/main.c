@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A user's program in C, with the lines that README.md gives: two overlapping tetrahedra have contacts that ODE can use. */
+/* A user's program in C, with the lines that README.md gives: two overlapping tetrahedra have contacts that ODE can
+ * use. */
 #include "readme_snippet.h"
 
 #include <stdio.h>
