@@ -114,7 +114,8 @@ Result pile(const Case& run) {
     const double x = uniform(), y = uniform(), w = uniform();
     const Rotation turn = Rotation(w, uniform(), x, y).normalized();
     // Two columns so narrow that they fall on each other, layers farther apart than a figure is wide.
-    rig.addBody(figure, {0.7 * (i % 2 ? 1 : -1) + 0.02 * x, 0.2 * y, 0.8 + 1.35 * (i / 2)}, turn);
+    const int layer = i / 2;
+    rig.addBody(figure, {0.7 * (i % 2 ? 1 : -1) + 0.02 * x, 0.2 * y, 0.8 + 1.35 * layer}, turn);
   }
   return drop(rig);
 }
