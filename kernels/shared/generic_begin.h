@@ -18,8 +18,9 @@
 #endif
 #define OTG_GENERIC OTG_INLINE
 #define OTG_ABS(x) fabs(x)
-#define OTG_MAX(a, b) fmax(a, b)
-#define OTG_MIN(a, b) fmin(a, b)
+// Not fmax and fmin: which zero those give for +0 and -0 is up to the device, and results are compared byte by byte.
+#define OTG_MAX(a, b) OTG_NAME(otgMax)(a, b)
+#define OTG_MIN(a, b) OTG_NAME(otgMin)(a, b)
 #define OTG_SQRT(x) sqrt(x)
 #define OTG_REAL(x) ((REAL)(x))
 #else

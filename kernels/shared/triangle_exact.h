@@ -97,6 +97,12 @@ OTG_INLINE int otgEdgesMeetTriangle(const double* s, const int* side, const doub
   return 0;
 }
 
+/// Are the three corners on one line? Exact.
+OTG_INLINE int otgIsWithoutArea(const double* t) {
+  return otgOrient2(t, t + 3, t + 6, 0, 1) == 0 && otgOrient2(t, t + 3, t + 6, 1, 2) == 0 &&
+         otgOrient2(t, t + 3, t + 6, 2, 0) == 0;
+}
+
 /// 1 when the closed triangles a and b (nine doubles each: x, y, z of three corners) have a point in common, else 0.
 /// Exact for any input of moderate magnitude (see expansion.h); neither triangle may be a point or a segment.
 OTG_INLINE int otgTrianglesMeetExact(const double* a, const double* b) {

@@ -33,6 +33,13 @@ using Transformd = Transform<double>;
 static_assert(sizeof(Transformf) == 48 && sizeof(Transformd) == 96);
 
 #else
+inline static REAL OTG_NAME(otgMax)(REAL a, REAL b) {
+  return a > b ? a : b;
+}
+inline static REAL OTG_NAME(otgMin)(REAL a, REAL b) {
+  return a < b ? a : b;
+}
+
 typedef struct {
   REAL x, y, z;
 } OTG_VEC3;

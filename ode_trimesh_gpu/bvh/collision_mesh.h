@@ -30,11 +30,15 @@ class CollisionMesh {
   const WideTree& wide() const;
   const Adjacency& adjacency() const;
 
+  /// Expires with this object, whatever else holds the mesh: for caches of what was derived from it.
+  std::weak_ptr<const void> lifetime() const { return alive_; }
+
  private:
   struct Lazy;
   std::shared_ptr<const TriMesh> mesh_;
   BinaryTree tree_;
   std::unique_ptr<Lazy> lazy_;
+  std::shared_ptr<const char> alive_ = std::make_shared<const char>('\0');
 };
 
 }  // namespace otg

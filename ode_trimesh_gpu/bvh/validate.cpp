@@ -4,6 +4,7 @@
 
 #include "bvh/layouts.h"
 #include "bvh/mesh_box.h"
+#include "bvh/packed_tree.h"
 #include "bvh/wide_tree.h"
 #include "shared/expansion.h"
 
@@ -174,6 +175,55 @@ std::string validateLayout(const WideTree& tree, const TriMesh& mesh) {
     }
   }
   return walk.finish();
+}
+
+std::string validateLayout(const PackedTree& tree, const TriMesh& mesh) {
+  const std::size_t n = mesh.triangleCount();
+  if (tree.nodes.empty() != (n == 0)) return "wrong number of nodes";
+  if (tree.triangles.size() != n) return "wrong number of triangles";
+  if (n == 0) return tree.cut.empty() ? "" : "a cut through nothing";
+  Walk walk(mesh, tree.nodes.size());
+  std::vector<std::uint32_t> below(tree.nodes.size(), 0), depth(tree.nodes.size(), 1);
+  for (std::size_t i = tree.nodes.size(); i-- > 0;) {
+    const PackedNode& node = tree.nodes[i];
+    const auto first = static_cast<std::size_t>(node.first);
+    if (node.isLeaf()) {
+      const auto count = static_cast<std::size_t>(-node.count);
+      if (node.first < 0 || first + count > n) return at("leaf out of range", i);
+      for (std::size_t k = 0; k < count; ++k) {
+        if (std::string error = walk.leaf(i, tree.triangles[first + k]); !error.empty()) return error;
+      }
+      below[i] = static_cast<std::uint32_t>(count);
+    } else {
+      if (node.count < 2 || node.count > static_cast<int>(kPackedArity)) return at("wrong number of children", i);
+      for (std::size_t k = 0; k < static_cast<std::size_t>(node.count); ++k) {
+        if (std::string error = walk.child(i, first + k); !error.empty()) return error;
+        below[i] += below[first + k];
+        depth[i] = std::max(depth[i], depth[first + k] + 1);
+      }
+    }
+    if (!encloses(mesh, node.center, node.extent, walk.below(i))) return at("box does not enclose", i);
+  }
+  if (std::string error = walk.finish(); !error.empty()) return error;
+  if (depth[0] != tree.depth) return "wrong depth";
+  // A cut holds every triangle once if its nodes have as many below them as the mesh and none is below another.
+  if (tree.cut.empty() || tree.cut.size() > kMaxCutNodes) return "wrong size of the cut";
+  std::vector<std::uint8_t> inCut(tree.nodes.size(), 0);
+  std::size_t held = 0;
+  for (const std::uint32_t node : tree.cut) {
+    if (node >= tree.nodes.size() || inCut[node]++ != 0) return "a node of the cut is out of range or there twice";
+    held += below[node];
+  }
+  for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
+    const PackedNode& node = tree.nodes[i];
+    if (node.isLeaf() || inCut[i] == 0) continue;
+    for (int k = 0; k < node.count; ++k) {  // marks all that is below: children follow their parents
+      std::uint8_t& child = inCut[static_cast<std::size_t>(node.first + k)];
+      if (child == 1) return at("a node of the cut is below another", static_cast<std::size_t>(node.first + k));
+      child = 2;
+    }
+  }
+  return held == n ? "" : "the cut does not hold every triangle once";
 }
 
 }  // namespace otg

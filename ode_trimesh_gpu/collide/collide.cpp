@@ -5,6 +5,7 @@
 #include "collide/query.h"
 #include "collide/reduction.h"
 #include "collide/solid_contacts.h"
+#include "collide/stages.h"
 
 namespace otg {
 
@@ -13,10 +14,12 @@ void findIntersectingPairs(const Query& query, Workspace& workspace) {
   nearPhase(query, workspace);
 }
 
-namespace {
+bool mayBeSolid(const Query& query) {
+  return query.options.contacts == ContactModel::kSolid &&
+         (query.a->mesh().meshClass() == MeshClass::kSolid || query.b->mesh().meshClass() == MeshClass::kSolid);
+}
 
-void reduced(const Query& query, Workspace& workspace) {
-  findIntersectingPairs(query, workspace);
+void collideIntersecting(const Query& query, Workspace& workspace) {
   if (query.options.contacts == ContactModel::kSolid && solidContacts(query, workspace)) {
     workspace.reduced = limitContacts(workspace.contacts, query.options.maxContacts);
     return;
@@ -24,8 +27,6 @@ void reduced(const Query& query, Workspace& workspace) {
   pairwiseContacts(query, workspace);
   reduceContacts(query, workspace);
 }
-
-}  // namespace
 
 std::vector<TrianglePair> pairsOfCaller(const Query& query, const std::vector<TrianglePair>& pairs) {
   std::vector<TrianglePair> out;
@@ -37,12 +38,17 @@ std::vector<TrianglePair> pairsOfCaller(const Query& query, const std::vector<Tr
   return out;
 }
 
-void collide(const Query& query, Workspace& workspace) {
-  reduced(query, workspace);
+void numberAsCaller(const Query& query, Workspace& workspace) {
   for (Contact& contact : workspace.reduced) {
     contact.triangleA = query.a->mesh().callerTriangle(contact.triangleA);
     contact.triangleB = query.b->mesh().callerTriangle(contact.triangleB);
   }
+}
+
+void collide(const Query& query, Workspace& workspace) {
+  findIntersectingPairs(query, workspace);
+  collideIntersecting(query, workspace);
+  numberAsCaller(query, workspace);
 }
 
 }  // namespace otg

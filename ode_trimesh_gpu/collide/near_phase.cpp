@@ -5,6 +5,7 @@
 
 #include "collide/pair_frame.h"
 #include "collide/query.h"
+#include "collide/stages.h"
 #include "collide/wide_kernels.h"
 #include "shared/triangle_exact.h"
 #include "shared/triangle_test.h"
@@ -21,8 +22,9 @@ void centredCornersOfB(const TriMesh& mesh, const Transformf& toA, std::uint32_t
   for (int k = 0; k < 3; ++k) out[k] = otgTransform(toA, out[k]);
 }
 
-/// What the float filter leaves open.
-bool meetInDouble(const Query& query, const PairFrame& frame, const TrianglePair& pair, CollideStats& stats) {
+}  // namespace
+
+bool decidePair(const Query& query, const PairFrame& frame, const TrianglePair& pair, CollideStats& stats) {
   Vec3d a[3], b[3];
   cornersOfA(query.a->mesh(), pair.a, a);
   cornersOfB(query.b->mesh(), query.bInA, pair.b, b);
@@ -30,10 +32,12 @@ bool meetInDouble(const Query& query, const PairFrame& frame, const TrianglePair
   const int answer = otgTrianglesFilter(frame.doubleError, a, b);
   if (answer != OTG_UNDECIDED) return answer == OTG_INTERSECTING;
   ++stats.decidedExactly;
+  // Far from its own origin a small triangle of B may have lost its area when its corners were rounded to A's frame.
+  // Such a triangle meets nothing, like one that never had any: what exact arithmetic says of it depends on nothing but
+  // the boxes that brought it here.
+  if (otgIsWithoutArea(&b[0].x)) return false;
   return otgTrianglesMeetExact(&a[0].x, &b[0].x) != 0;
 }
-
-}  // namespace
 
 void nearPhase(const Query& query, Workspace& workspace) {
   using Clock = std::chrono::steady_clock;
@@ -52,7 +56,7 @@ void nearPhase(const Query& query, Workspace& workspace) {
       centredCornersOfB(b, frame.trianglesInA, pair.b, tb);
       const int answer = otgTrianglesFilter(frame.floatError, ta, tb);
       if (answer == OTG_DISJOINT) continue;
-      if (answer == OTG_UNDECIDED && !meetInDouble(query, frame, pair, stats)) continue;
+      if (answer == OTG_UNDECIDED && !decidePair(query, frame, pair, stats)) continue;
       workspace.intersecting.push_back(pair);
     }
     std::sort(workspace.intersecting.begin(), workspace.intersecting.end());

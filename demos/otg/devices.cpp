@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `otg devices`: OpenCL devices, and which one would be used.
+#include <fmt/format.h>
+
+#include "opencl/device_info.h"
+#include "otg/command.h"
+
+namespace otg::cli {
+namespace {
+
+int runDevices(bool json) {
+  const std::vector<opencl::DeviceInfo> devices = opencl::listDevices();
+  const int used = opencl::defaultDevice(devices);
+  Json rows = Json::array();
+  for (const opencl::DeviceInfo& d : devices) {
+    rows.push_back({{"index", d.index},
+                    {"name", d.name},
+                    {"kind", opencl::nameOf(d.kind)},
+                    {"platform", d.platform},
+                    {"vendor", d.vendor},
+                    {"version", d.version},
+                    {"driver", d.driver},
+                    {"available", d.available},
+                    {"doubles", d.doubles},
+                    {"compute_units", d.computeUnits},
+                    {"global_memory", d.globalMemory},
+                    {"local_memory", d.localMemory},
+                    {"largest_work_group", d.largestWorkGroup},
+                    {"used", d.index == used}});
+  }
+  if (json) {
+    printJson({{"devices", rows}, {"used", used < 0 ? Json() : Json(used)}});
+    return kOk;
+  }
+  if (devices.empty()) {
+    fmt::print("no OpenCL device\n");
+    return kOk;
+  }
+  std::vector<std::vector<std::string>> table;
+  for (const opencl::DeviceInfo& d : devices) {
+    table.push_back({std::to_string(d.index), d.index == used ? "used" : "", d.name, opencl::nameOf(d.kind),
+                     std::to_string(d.computeUnits),
+                     fmt::format("{:.1f} GiB", static_cast<double>(d.globalMemory) / (1 << 30)),
+                     d.doubles ? "yes" : "no", d.platform});
+  }
+  printTable({"device", "", "name", "kind", "units", "memory", "doubles", "platform"}, table);
+  return kOk;
+}
+
+}  // namespace
+
+void addDevicesCommand(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand("devices", "OpenCL platforms and devices, and which one would be used");
+  auto json = std::make_shared<bool>(false);
+  command->add_flag("--json", *json, "One JSON document on stdout");
+  command->callback([json, &action] { action = [json] { return runDevices(*json); }; });
+}
+
+}  // namespace otg::cli

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Parts of the stages on the host that other backends use to finish what they began.
+#pragma once
+
+#include "collide/pair_frame.h"
+#include "collide/query.h"
+
+namespace otg {
+
+/// The exact answer for one pair of triangles that are not degenerate in their own meshes: the double filter, then
+/// exact arithmetic. Counts both. False where B's triangle has no area in A's frame.
+bool decidePair(const Query& query, const PairFrame& frame, const TrianglePair& pair, CollideStats& stats);
+
+/// The published contact of one intersecting pair, with region 0. False if the pair has none.
+bool contactOfPair(const Query& query, const TrianglePair& pair, Contact& contact);
+
+/// The feature of a contact of one of the kinds of pairwise_contact.h.
+ContactFeature featureOf(int contactKind);
+
+/// Whether the contacts of the query may come from the model `solid`. If not, they are those of `pairwise`.
+bool mayBeSolid(const Query& query);
+
+/// Everything after the near phase: workspace.intersecting -> workspace.reduced, with the meshes' own triangle numbers.
+void collideIntersecting(const Query& query, Workspace& workspace);
+
+/// The last step of a query: the contacts of workspace.reduced name triangles as the caller numbers them.
+void numberAsCaller(const Query& query, Workspace& workspace);
+
+}  // namespace otg

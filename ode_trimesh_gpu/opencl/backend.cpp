@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Opening a device, and queries of one pair.
+#include "opencl/backend.h"
+
+#include <numeric>
+
+#include "collide/stages.h"
+#include "opencl/backend_state.h"
+#include "opencl/take_records.h"
+
+namespace otg::opencl {
+namespace {
+
+/// takeRecords for an answer to one query.
+void takeAll(const Query& query, const PairFrame& frame, const Answer& answer, bool contacts, Workspace& workspace) {
+  std::vector<std::uint32_t> all(answer.count);
+  std::iota(all.begin(), all.end(), 0u);
+  workspace.stats = {};
+  takeCounts(answer, workspace.stats);
+  takeRecords(query, frame, answer, all, contacts, workspace);
+}
+
+}  // namespace
+
+Backend::Backend(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Backend::~Backend() = default;
+
+std::shared_ptr<Backend> Backend::open(int index, const Tuning& tuning) {
+  try {
+    for (const FoundDevice& device : findDevices()) {
+      if (device.info.index != index || !device.info.available) continue;
+      return std::shared_ptr<Backend>(new Backend(std::make_unique<State>(device, tuning)));
+    }
+  } catch (const ClError& error) {
+    logError(error);
+  }
+  return nullptr;
+}
+
+const DeviceInfo& Backend::device() const {
+  return state_->context.info();
+}
+
+bool Backend::collide(const Query& query, Workspace& workspace) {
+  const bool contacts = !mayBeSolid(query);
+  const PairFrame frame = makePairFrame(query);
+  ++state_->queries;
+  if (isRefused(query) || isIdleQuery(query, frame)) {
+    otg::collide(query, workspace);
+    return true;
+  }
+  try {
+    bool made = false;
+    state_->pairs.with([&](PairLane& lane) {
+      const Answer answer = lane.run(query, frame, contacts);
+      made = contacts && answer.hasContacts();
+      takeAll(query, frame, answer, contacts, workspace);
+    });
+    if (made) {
+      reduceContacts(query, workspace);
+    } else {
+      collideIntersecting(query, workspace);
+    }
+    numberAsCaller(query, workspace);
+    return true;
+  } catch (const ClError& error) {
+    logError(error);
+  }
+  ++state_->onHost;
+  otg::collide(query, workspace);
+  return false;
+}
+
+bool Backend::findIntersectingPairs(const Query& query, Workspace& workspace) {
+  const PairFrame frame = makePairFrame(query);
+  ++state_->queries;
+  if (isRefused(query) || isIdleQuery(query, frame)) {
+    otg::findIntersectingPairs(query, workspace);
+    return true;
+  }
+  try {
+    state_->pairs.with([&](PairLane& lane) { takeAll(query, frame, lane.run(query, frame, false), false, workspace); });
+    return true;
+  } catch (const ClError& error) {
+    logError(error);
+  }
+  ++state_->onHost;
+  otg::findIntersectingPairs(query, workspace);
+  return false;
+}
+
+BackendCounts Backend::counts() const {
+  BackendCounts out;
+  out.queries = state_->queries;
+  out.onHost = state_->onHost;
+  out.repeats = state_->pairs.repeats() + state_->batches.repeats();
+  const MeshStore::Counts meshes = state_->meshes.counts();
+  out.meshUploads = meshes.uploads;
+  out.meshEvictions = meshes.evictions;
+  out.meshBytes = meshes.bytesUsed;
+  const Programs::Counts programs = state_->context.programs().counts();
+  out.programsFromSource = programs.fromSource;
+  out.programsFromCache = programs.fromCache;
+  return out;
+}
+
+}  // namespace otg::opencl

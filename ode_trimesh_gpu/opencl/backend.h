@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Queries on one OpenCL device. Free of OpenCL's types, for layers above.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "collide/query.h"
+#include "opencl/device_info.h"
+#include "opencl/tuning.h"
+
+namespace otg::opencl {
+
+struct BackendCounts {
+  std::uint64_t queries = 0;  ///< pairs of meshes asked for, in batches or not
+  std::uint64_t onHost = 0;   ///< of these, done by the host because a call failed
+  std::uint64_t repeats = 0;  ///< runs in vain because a list was too short
+  std::uint64_t meshUploads = 0, meshEvictions = 0, meshBytes = 0;
+  int programsFromSource = 0, programsFromCache = 0;
+};
+
+/// What a batch gives, in the order of its queries.
+struct BatchAnswer {
+  std::vector<Contact> contacts;     ///< of all queries, one after the other
+  std::vector<std::size_t> first;    ///< query i has contacts[first[i]] to contacts[first[i + 1] - 1]
+  std::vector<std::size_t> refused;  ///< ascending: queries whose pose otg::collide refuses; they have no contacts
+  CollideStats stats;                ///< sums
+  std::span<const Contact> of(std::size_t i) const {
+    return std::span(contacts).subspan(first[i], first[i + 1] - first[i]);
+  }
+};
+
+/// Any number of threads. Every function gives what the host gives, byte for byte, whatever the device, its scheduling
+/// and the tuning. It returns false when the device failed and the host did all or part of the work (which is logged
+/// once and counted), and throws what the host throws.
+class Backend {
+ public:
+  /// Opens device `index` of listDevices() and builds the programs. Null when that fails, which is logged.
+  static std::shared_ptr<Backend> open(int index, const Tuning& tuning = {});
+  ~Backend();
+  Backend(const Backend&) = delete;
+  Backend& operator=(const Backend&) = delete;
+
+  const DeviceInfo& device() const;
+
+  /// As otg::collide. Middle and near phase and contacts of model `pairwise` on the device; the model `solid`, regions
+  /// and reduction on the host. workspace.candidates stays empty; stats.candidatePairs counts pairs of triangles that
+  /// were tested.
+  bool collide(const Query& query, Workspace& workspace);
+  /// As otg::findIntersectingPairs, with the same exceptions.
+  bool findIntersectingPairs(const Query& query, Workspace& workspace);
+
+  /// otg::collide for every query, in one submission (several if there are very many or their meshes do not fit at
+  /// once; pairs of very large meshes by themselves). A query with a SolidHistory must not be there twice.
+  bool collideBatch(std::span<const Query> queries, BatchAnswer& answer);
+  /// Whether the two meshes of each query have triangles that intersect: 1 or 0 (0 for a pose that is refused).
+  bool intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer);
+
+  BackendCounts counts() const;
+
+ private:
+  struct State;
+  class Batch;
+  explicit Backend(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace otg::opencl

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a backend holds.
+#pragma once
+
+#include <atomic>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "collide/rotation_tolerance.h"
+#include "opencl/backend.h"
+#include "opencl/batch_lane.h"
+#include "opencl/log.h"
+#include "opencl/pair_lane.h"
+
+namespace otg::opencl {
+
+/// Lanes are kept when a query is done, so that a thread finds one with its lists made.
+template <class Lane>
+class LanePool {
+ public:
+  LanePool(Context& context, MeshStore& meshes, const Tuning& tuning)
+      : context_(context), meshes_(meshes), tuning_(tuning) {
+    idle_.push_back(std::make_unique<Lane>(context, meshes, tuning));
+  }
+
+  /// Calls use(lane) and keeps the lane for the next one, unless that throws: then its counters may hold anything.
+  template <class Use>
+  void with(Use&& use) {
+    std::unique_ptr<Lane> lane = take();
+    const std::uint64_t before = lane->repeats();
+    use(*lane);
+    repeats_ += lane->repeats() - before;
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(std::move(lane));
+  }
+  std::uint64_t repeats() const { return repeats_; }
+
+ private:
+  std::unique_ptr<Lane> take() {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!idle_.empty()) {
+        std::unique_ptr<Lane> lane = std::move(idle_.back());
+        idle_.pop_back();
+        return lane;
+      }
+    }
+    return std::make_unique<Lane>(context_, meshes_, tuning_);
+  }
+
+  Context& context_;
+  MeshStore& meshes_;
+  const Tuning tuning_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Lane>> idle_;
+  std::atomic<std::uint64_t> repeats_{0};
+};
+
+struct Backend::State {
+  Context context;
+  const Tuning tuning;
+  MeshStore meshes;
+  LanePool<PairLane> pairs;
+  LanePool<BatchLane> batches;
+  std::atomic<std::uint64_t> queries{0}, onHost{0};
+
+  State(const FoundDevice& device, const Tuning& how)
+      : context(device, ProgramCache::standard(), how.doubles),
+        tuning(how),
+        meshes(context, how.memoryBudget != 0 ? how.memoryBudget : device.info.globalMemory / 2, how.leafTriangles),
+        pairs(context, meshes, tuning),
+        batches(context, meshes, tuning) {}
+};
+
+inline void logError(const ClError& error) {
+  logFailure(error.call(), error.code(), error.what());
+}
+
+/// Whether the query is one that otg::collide refuses by an exception.
+inline bool isRefused(const Query& query) {
+  const Vec3d& t = query.bInA.t;
+  return !std::isfinite(t.x) || !std::isfinite(t.y) || !std::isfinite(t.z) ||
+         !(rotationDefect(query.bInA) <= kRelativeRotationTolerance);
+}
+
+/// Whether there is nothing that a device could do: the host knows what to answer.
+inline bool isIdleQuery(const Query& query, const PairFrame& frame) {
+  return query.a->tree().nodes.empty() || query.b->tree().nodes.empty() || !frame.finite;
+}
+
+}  // namespace otg::opencl

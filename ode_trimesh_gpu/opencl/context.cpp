@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "opencl/context.h"
+
+namespace otg::opencl {
+
+Context::Context(const FoundDevice& device, ProgramCache cache, bool doubles) : device_(device) {
+  device_.info.doubles = device_.info.doubles && doubles;
+  const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM,
+                                              reinterpret_cast<cl_context_properties>(device.platform), 0};
+  context_ = ContextHandle(
+      clMake(OTG_CL(clCreateContext), properties, cl_uint{1}, &device_.device, nullptr, static_cast<void*>(nullptr)));
+  programs_ = std::make_unique<Programs>(context_.get(), device_, std::move(cache));
+}
+
+QueueHandle Context::makeQueue(bool profiling) const {
+  const cl_command_queue_properties properties = profiling ? CL_QUEUE_PROFILING_ENABLE : 0;
+  return QueueHandle(clMake(OTG_CL(clCreateCommandQueue), context_.get(), device_.device, properties));
+}
+
+BufferHandle Context::makeBuffer(cl_mem_flags flags, std::size_t bytes) const {
+  return BufferHandle(clMake(OTG_CL(clCreateBuffer), context_.get(), flags, bytes, static_cast<void*>(nullptr)));
+}
+
+KernelHandle Context::makeKernel(const std::string& program, const std::string& options, const char* kernel) {
+  return KernelHandle(clMake(OTG_CL(clCreateKernel), programs_->get(program, options), kernel));
+}
+
+}  // namespace otg::opencl

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One OpenCL context on one device, with what is shared by all queries on it.
+#pragma once
+
+#include <memory>
+
+#include "opencl/device.h"
+#include "opencl/handle.h"
+#include "opencl/programs.h"
+
+namespace otg::opencl {
+
+/// Any thread. Everything made from it must go before it does.
+class Context {
+ public:
+  /// Without `doubles` the device is used as if it had none. Throws ClError.
+  Context(const FoundDevice& device, ProgramCache cache, bool doubles = true);
+
+  const DeviceInfo& info() const { return device_.info; }
+  cl_context get() const { return context_.get(); }
+  Programs& programs() { return *programs_; }
+
+  /// In-order. Throws ClError.
+  QueueHandle makeQueue(bool profiling) const;
+  BufferHandle makeBuffer(cl_mem_flags flags, std::size_t bytes) const;
+  KernelHandle makeKernel(const std::string& program, const std::string& options, const char* kernel);
+
+ private:
+  FoundDevice device_;
+  ContextHandle context_;
+  std::unique_ptr<Programs> programs_;
+};
+
+}  // namespace otg::opencl

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is known of an OpenCL device. Free of OpenCL's types, for layers above.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace otg::opencl {
+
+enum class DeviceKind { kGpu, kAccelerator, kCpu, kOther };
+
+struct DeviceInfo {
+  int index = 0;  ///< place in the list of all devices: platforms in the loader's order, devices in the platform's
+  std::string platform, name, vendor, version, driver;
+  DeviceKind kind = DeviceKind::kOther;
+  bool available = false;  ///< can be used now, has a compiler, is little-endian
+  bool doubles = false;    ///< double arithmetic that rounds as IEEE 754 says, fma and denormals included
+  std::uint32_t computeUnits = 0;
+  std::uint64_t globalMemory = 0, largestAllocation = 0, localMemory = 0;  ///< bytes
+  std::uint64_t largestWorkGroup = 0;
+};
+
+const char* nameOf(DeviceKind kind);
+
+/// All devices of all platforms; empty where there is no OpenCL. A platform or device that cannot be asked is left out,
+/// and that is logged.
+std::vector<DeviceInfo> listDevices();
+
+/// Number of the device that is used when none is asked for, or -1 when none is usable. The environment variable
+/// OTG_OPENCL_DEVICE chooses: a number as listed, a part of the name (case does not matter), or "none". Without it: the
+/// first GPU, else the first accelerator, else the first CPU.
+int defaultDevice(const std::vector<DeviceInfo>& devices);
+
+}  // namespace otg::opencl

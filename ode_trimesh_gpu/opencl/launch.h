@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Small helpers of everything that enqueues kernels.
+#pragma once
+
+#include <cstdint>
+
+#include "opencl/context.h"
+
+namespace otg::opencl {
+
+/// Sets the arguments of a kernel one after the other.
+class Arguments {
+ public:
+  explicit Arguments(cl_kernel kernel) : kernel_(kernel) {}
+  template <class T>
+  Arguments& operator<<(const T& value) {
+    return bytes(sizeof value, &value);
+  }
+  Arguments& local(std::size_t size) { return bytes(size, nullptr); }
+
+ private:
+  Arguments& bytes(std::size_t size, const void* value) {
+    clDo(OTG_CL(clSetKernelArg), kernel_, index_++, size, value);
+    return *this;
+  }
+  cl_kernel kernel_;
+  cl_uint index_ = 0;
+};
+
+inline void launch(cl_command_queue queue, cl_kernel kernel, std::size_t groupSize, std::size_t groupsX,
+                   std::size_t groupsY = 1) {
+  const std::size_t local[2] = {groupSize, 1}, global[2] = {groupsX * groupSize, groupsY};
+  clDo(OTG_CL(clEnqueueNDRangeKernel), queue, kernel, cl_uint{2}, static_cast<const std::size_t*>(nullptr),
+       static_cast<const std::size_t*>(global), static_cast<const std::size_t*>(local), cl_uint{0},
+       static_cast<const cl_event*>(nullptr), static_cast<cl_event*>(nullptr));
+}
+
+/// `bytes` from the start of `from`; waits for all that was enqueued before.
+inline void readBlocking(cl_command_queue queue, cl_mem from, std::size_t bytes, void* to) {
+  clDo(OTG_CL(clEnqueueReadBuffer), queue, from, cl_bool{CL_TRUE}, std::size_t{0}, bytes, to, cl_uint{0},
+       static_cast<const cl_event*>(nullptr), static_cast<cl_event*>(nullptr));
+}
+
+/// Does not wait: `from` has to stay as it is until something later in the queue was waited for.
+inline void writeLater(cl_command_queue queue, cl_mem to, std::size_t bytes, const void* from) {
+  clDo(OTG_CL(clEnqueueWriteBuffer), queue, to, cl_bool{CL_FALSE}, std::size_t{0}, bytes, from, cl_uint{0},
+       static_cast<const cl_event*>(nullptr), static_cast<cl_event*>(nullptr));
+}
+
+inline void fillZero(cl_command_queue queue, cl_mem buffer, std::size_t bytes) {
+  const cl_uint zero = 0;
+  clDo(OTG_CL(clEnqueueFillBuffer), queue, buffer, static_cast<const void*>(&zero), sizeof zero, std::size_t{0}, bytes,
+       cl_uint{0}, static_cast<const cl_event*>(nullptr), static_cast<cl_event*>(nullptr));
+}
+
+/// A buffer for a number of items that only grows. What it held is lost when it does.
+class DeviceList {
+ public:
+  explicit DeviceList(std::size_t itemSize) : itemSize_(itemSize) {}
+  /// Throws ClError, with CL_MEM_OBJECT_ALLOCATION_FAILURE also for more than one buffer of this device can hold.
+  void reserve(Context& context, std::uint64_t items, std::size_t headBytes = 0) {
+    if (items <= places_) return;
+    if (items > 0x7fffffffu || items * itemSize_ + headBytes > context.info().largestAllocation) {
+      throw ClError("clCreateBuffer", CL_MEM_OBJECT_ALLOCATION_FAILURE, "a list outgrows the device");
+    }
+    places_ = 0;
+    buffer_ = BufferHandle();
+    buffer_ = context.makeBuffer(CL_MEM_READ_WRITE, headBytes + items * itemSize_);
+    places_ = static_cast<std::uint32_t>(items);
+  }
+  cl_mem get() const { return buffer_.get(); }
+  std::uint32_t places() const { return places_; }
+
+ private:
+  std::size_t itemSize_;
+  BufferHandle buffer_;
+  std::uint32_t places_ = 0;
+};
+
+}  // namespace otg::opencl

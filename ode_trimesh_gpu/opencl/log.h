@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where failures of OpenCL are told.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+namespace otg::opencl {
+
+/// Takes one line without a line break. Called under a lock, from any thread.
+using LogSink = std::function<void(const std::string& line)>;
+
+/// Replaces the sink, which is stderr by default; an empty function restores that.
+void setLogSink(LogSink sink);
+
+/// Tells of a failed call, once for each (call, code) of the process; counts every one.
+void logFailure(const char* call, int code, const std::string& detail);
+
+/// Failures told or not since the process began.
+std::uint64_t failureCount();
+
+/// Test hook: every failure is new again.
+void forgetFailures();
+
+}  // namespace otg::opencl

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "opencl/pair_lane.h"
+
+#include <algorithm>
+#include <bit>
+#include <string>
+
+namespace otg::opencl {
+namespace {
+
+constexpr std::uint32_t kCutTile = 16;  // OTG_CUT_TILE of pair_query.cl
+constexpr std::size_t kResultGroup = 64;
+
+}  // namespace
+
+PairLane::PairLane(Context& context, MeshStore& meshes, const Tuning& tuning)
+    : context_(context),
+      meshes_(meshes),
+      tuning_(tuning),
+      groups_(std::max<std::size_t>(1, std::size_t{context.info().computeUnits} * tuning.groupsPerUnit)),
+      queue_(context.makeQueue(false)),
+      results_(tuning.recordsExpected) {
+  const std::string walk =
+      "-DOTG_GROUP=" + std::to_string(tuning.group) + " -DOTG_LEAF=" + std::to_string(meshes.leafTriangles());
+  const std::string results = "-DOTG_GROUP=" + std::to_string(kResultGroup) + " -DOTG_CONTACTS=";
+  cut_ = context.makeKernel("pair_query.cl", walk, "pairCut");
+  level_ = context.makeKernel("pair_query.cl", walk, "pairLevel");
+  tail_ = context.makeKernel("pair_query.cl", walk, "pairTail");
+  pairs_ = context.makeKernel("pair_results.cl", results + "0", "pairResults");
+  if (context.info().doubles) contacts_ = context.makeKernel("pair_results.cl", results + "1", "pairResults");
+  counters_ = context.makeBuffer(CL_MEM_READ_WRITE, OTG_COUNTERS * sizeof(otg_uint));
+  fillZero(queue_.get(), counters_.get(), OTG_COUNTERS * sizeof(otg_uint));
+  for (DeviceList* list : {&level0_, &level1_, &level2_}) list->reserve(context, tuning.pairPlaces);
+  leaves_.reserve(context, tuning.leafPlaces);
+  hits_.reserve(context, tuning.hitPlaces);
+}
+
+Answer PairLane::run(const Query& query, const PairFrame& frame, bool contacts) {
+  const CollisionMesh* const both[] = {query.a, query.b};
+  const MeshStore::Pinned pinned = meshes_.acquire(both);
+  const otg_device_pair pair{deviceBoxes(frame), frame.floatError, pinned[0], pinned[1]};
+  try {
+    return runOn(pair, query.bInA, pinned.buffer(), contacts && contacts_);
+  } catch (...) {
+    // Kernels may still be reading the meshes, which are not pinned any longer in a moment.
+    clRelease(OTG_CL(clFinish), queue_.get());
+    throw;
+  }
+}
+
+Answer PairLane::runOn(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, bool contacts) {
+  for (;; ++repeats_) {
+    results_.reserve(context_, hits_.places());
+    enqueue(pair, bInA, meshes, contacts);
+    if (!makeRoom(results_.readHead(context_, queue_.get(), contacts))) break;
+  }
+  return results_.readRest(context_, queue_.get(), contacts);
+}
+
+void PairLane::enqueue(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, bool contacts) {
+  const cl_mem counters = counters_.get(), leaves = leaves_.get(), hits = hits_.get();
+  Arguments(cut_.get()) << pair << meshes << counters << level0_.get() << level0_.places() << leaves
+                        << leaves_.places();
+  launch(queue_.get(), cut_.get(), tuning_.group, (pair.a.cutCount + tuning_.group - 1) / tuning_.group,
+         (pair.b.cutCount + kCutTile - 1) / kCutTile);
+  for (otg_uint level = 0; level < 2; ++level) {
+    const DeviceList& in = level == 0 ? level0_ : level1_;
+    const DeviceList& out = level == 0 ? level1_ : level2_;
+    Arguments(level_.get()) << pair << meshes << counters << level << in.get() << in.places() << out.get()
+                            << out.places() << leaves << leaves_.places();
+    launch(queue_.get(), level_.get(), tuning_.group, groups_);
+  }
+  const otg_uint stackSize = stackSizeFor(tuning_, pair.a.depth + pair.b.depth);
+  (Arguments(tail_.get()) << pair << meshes << counters << level2_.get() << level2_.places() << leaves
+                          << leaves_.places() << hits << hits_.places() << stackSize)
+      .local(stackSize * sizeof(cl_uint2));
+  launch(queue_.get(), tail_.get(), tuning_.group, groups_);
+  const cl_kernel last = contacts ? contacts_.get() : pairs_.get();
+  Arguments arguments(last);
+  arguments << pair;
+  if (context_.info().doubles) {
+    arguments << bInA;
+  } else {
+    arguments << cl_int{0};
+  }
+  arguments << meshes << counters << hits << hits_.places() << results_.get();
+  launch(queue_.get(), last, kResultGroup, groups_);
+}
+
+/// After a run: false if every list was long enough, else they have grown.
+bool PairLane::makeRoom(const otg_uint* counters) {
+  bool grown = false;
+  const auto check = [&](DeviceList& list, int counter) {
+    if (counters[counter] <= list.places()) return;
+    list.reserve(context_, std::bit_ceil(std::uint64_t{counters[counter]}));
+    grown = true;
+  };
+  check(level0_, OTG_COUNT_LEVEL0);
+  check(level1_, OTG_COUNT_LEVEL1);
+  check(level2_, OTG_COUNT_LEVEL2);
+  check(leaves_, OTG_COUNT_LEAVES);
+  check(hits_, OTG_COUNT_HITS);
+  return grown;
+}
+
+}  // namespace otg::opencl

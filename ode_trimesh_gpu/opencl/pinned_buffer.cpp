@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "opencl/pinned_buffer.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "opencl/log.h"
+
+namespace otg::opencl {
+
+PinnedBuffer::~PinnedBuffer() {
+  unmap();
+}
+
+void PinnedBuffer::unmap() noexcept {
+  if (data_ == nullptr) return;
+  try {
+    clDo(OTG_CL(clEnqueueUnmapMemObject), queue_, buffer_.get(), static_cast<void*>(data_), cl_uint{0},
+         static_cast<const cl_event*>(nullptr), static_cast<cl_event*>(nullptr));
+    clDo(OTG_CL(clFinish), queue_);
+  } catch (const ClError& error) {
+    detail::reportRelease(error.call(), error.code());
+  }
+  data_ = nullptr;
+}
+
+void PinnedBuffer::reserve(Context& context, cl_command_queue queue, std::size_t bytes) {
+  if (bytes <= size_) return;
+  unmap();
+  size_ = 0;
+  queue_ = queue;
+  const std::size_t wanted = std::bit_ceil(std::max<std::size_t>(bytes, 4096));
+  buffer_ = context.makeBuffer(CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, wanted);
+  data_ = static_cast<std::byte*>(clMake(OTG_CL(clEnqueueMapBuffer), queue, buffer_.get(), cl_bool{CL_TRUE},
+                                         cl_map_flags{CL_MAP_READ | CL_MAP_WRITE}, std::size_t{0}, wanted, cl_uint{0},
+                                         static_cast<const cl_event*>(nullptr), static_cast<cl_event*>(nullptr)));
+  size_ = wanted;
+}
+
+}  // namespace otg::opencl

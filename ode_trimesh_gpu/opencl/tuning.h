@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The sizes of launches and buffers. Results do not depend on any of them; tests set them small to see that.
+#pragma once
+
+#include <cstdint>
+
+namespace otg::opencl {
+
+struct Tuning {
+  std::uint32_t leafTriangles = 4;        ///< most triangles of a leaf, 1 to 8
+  std::uint32_t group = 128;              ///< work-items of a work-group, a multiple of 64
+  std::uint32_t groupsPerUnit = 8;        ///< work-groups for each compute unit in kernels that stride over their work
+  std::uint32_t batchGroup = 128;         ///< work-items for one pair of a batch, a multiple of 8, 32 at least
+  std::uint32_t batchPairs = 1u << 16;    ///< pairs in one submission; more are done in several
+  std::uint64_t batchTriangles = 200000;  ///< a pair with more triangles is not left to one work-group
+  /// Places in the lists between kernels. A list that is too short grows, and the query is run again.
+  std::uint32_t pairPlaces = 1u << 16, leafPlaces = 1u << 16, hitPlaces = 1u << 14;
+  std::uint32_t stackRoom = 512;  ///< pairs that a work-group stacks before it goes on with one at a time, 16 or more
+  std::uint32_t recordsExpected = 512;  ///< read with the head of the results in the first query
+  std::uint64_t memoryBudget = 0;       ///< bytes for meshes; 0: half of the device's memory
+  bool doubles = true;                  ///< false: as on a device without double arithmetic
+};
+
+/// Pairs of nodes in the stack of a work-group: room for what one pair may still lead to is kept free beside the rest
+/// (pairTail in kernels/pair_query.cl). `depths`: of both trees together.
+constexpr std::uint32_t stackSizeFor(const Tuning& tuning, std::uint32_t depths) {
+  return tuning.stackRoom + 8 * depths + 8;
+}
+
+}  // namespace otg::opencl

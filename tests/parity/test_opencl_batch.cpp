@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Many pairs in one submission: each has the contacts that it has by itself.
+#include <atomic>
+#include <cmath>
+#include <stdexcept>
+#include <thread>
+
+#include "opencl/call.h"
+#include "opencl/log.h"
+#include "support/mesh_samples.h"
+#include "support/opencl.h"
+
+using namespace otg;
+using namespace otg::scenes;
+using namespace otg::test;
+
+namespace {
+
+using MeshList = std::vector<std::shared_ptr<const CollisionMesh>>;
+
+/// From one triangle to thousands, closed and open; the empty mesh too.
+MeshList mixedMeshes() {
+  MeshList meshes;
+  samples::Soup one;
+  one.add({-1, -0.5f, 0}, {1, -0.5f, 0.1f}, {0, 1, 0});
+  meshes.push_back(std::make_shared<CollisionMesh>(one.build(), BuildStrategy::kSah));
+  for (const MeshArrays& arrays :
+       {makeTetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}), makeBox({1, 1.5, 0.8}, 1), makeBox({1, 1, 1}, 7),
+        makeSphere(0.8, 2), makeTorus(0.7, 0.25, 31, 13), makeLump(0.9, 4, 0.2, 5), makeGear(12, 0.9, 0.2, 0.3, 0.1),
+        makeLump(0.9, 5, 0.2, 6), MeshArrays{}}) {
+    meshes.push_back(collisionMesh(arrays));
+  }
+  meshes.push_back(std::make_shared<CollisionMesh>(samples::randomSoup(3, 300, 0.5f, 0.4f), BuildStrategy::kMeanSplit));
+  return meshes;
+}
+
+std::vector<Query> randomQueries(const MeshList& meshes, std::uint32_t seed, std::size_t count) {
+  Draw draw(seed);
+  std::vector<Query> queries;
+  const auto any = [&]() -> const CollisionMesh& {
+    return *meshes[draw.below(static_cast<std::uint32_t>(meshes.size()))];
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    const CollisionMesh& a = any();
+    queries.push_back(makeQuery(a, any(), makePose(draw.direction(), draw.uniform(0, 3), draw.inBox(0.9))));
+    queries.back().options.maxContacts = 16;
+    if (i % 5 == 0) queries.back().options.contacts = ContactModel::kSolid;
+    if (i % 7 == 0) queries.back().options.reduction.method = Reduction::kNone;
+    if (i % 97 == 0) queries.back().bInA.t.x = NAN;
+  }
+  return queries;
+}
+
+struct Expected {
+  std::vector<std::vector<Contact>> contacts;
+  std::vector<std::uint8_t> intersects;
+  std::vector<std::size_t> refused;
+  std::uint64_t intersectingPairs = 0;
+};
+
+Expected onHost(const std::vector<Query>& queries) {
+  Expected expected;
+  Workspace workspace;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    try {
+      collide(queries[i], workspace);
+    } catch (const std::invalid_argument&) {
+      workspace = {};
+      expected.refused.push_back(i);
+    }
+    expected.contacts.push_back(workspace.reduced);
+    expected.intersects.push_back(!workspace.intersecting.empty());
+    expected.intersectingPairs += workspace.intersecting.size();
+  }
+  return expected;
+}
+
+void checkBatch(opencl::Backend& backend, const std::vector<Query>& queries, const Expected& expected,
+                bool allOnDevice = true) {
+  opencl::BatchAnswer answer;
+  CHECK(backend.collideBatch(queries, answer) == allOnDevice);
+  REQUIRE(answer.first.size() == queries.size() + 1);
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < queries.size(); ++i) wrong += same(answer.of(i), expected.contacts[i]) ? 0 : 1;
+  CHECK(wrong == 0);
+  CHECK(answer.refused == expected.refused);
+  CHECK(answer.stats.intersectingPairs == expected.intersectingPairs);
+  std::vector<std::uint8_t> intersects;
+  CHECK(backend.intersectBatch(queries, intersects) == allOnDevice);
+  CHECK(intersects == expected.intersects);
+}
+
+}  // namespace
+
+TEST_CASE("a batch of all kinds of meshes has the contacts of each pair by itself") {
+  const MeshList meshes = mixedMeshes();
+  const std::vector<Query> queries = randomQueries(meshes, 1, 400);
+  const Expected expected = onHost(queries);
+  REQUIRE(expected.intersectingPairs > 10000);
+  const auto check = [&](const opencl::Tuning& tuning, bool repeats) {
+    const auto backend = openBackend(tuning);
+    REQUIRE(backend);
+    checkBatch(*backend, queries, expected);
+    CHECK((backend->counts().repeats > 0) == repeats);
+    CHECK(backend->counts().onHost == 0);
+    CHECK(backend->counts().queries == 2 * queries.size());
+  };
+  check({}, true);  // the list of hits has to grow for so many
+  opencl::Tuning tuning;
+  tuning.hitPlaces = 1u << 20;
+  check(tuning, false);
+  for (const std::uint32_t group : {32u, 64u, 256u}) {
+    for (const std::uint32_t leaf : {1u, 3u, 4u}) {
+      tuning.batchGroup = group;
+      tuning.leafTriangles = leaf;
+      check(tuning, false);
+    }
+  }
+  tuning.stackRoom = 16;
+  check(tuning, false);
+  tuning.batchPairs = 13;  // many submissions
+  check(tuning, false);
+  tuning.batchPairs = 1u << 16;
+  tuning.batchTriangles = 3000;  // some pairs by themselves
+  check(tuning, false);
+  tuning.doubles = false;  // what is undecided and all contacts to the host
+  check(tuning, false);
+  tuning = {};
+  tuning.hitPlaces = 1;
+  tuning.recordsExpected = 1;
+  check(tuning, true);
+}
+
+TEST_CASE("meshes that do not fit at once are done in parts") {
+  MeshList meshes;
+  for (std::uint32_t seed = 0; seed < 30; ++seed) meshes.push_back(collisionMesh(makeLump(0.9, 3, 0.2, seed)));
+  const std::vector<Query> queries = randomQueries(meshes, 2, 100);
+  const Expected expected = onHost(queries);
+  opencl::Tuning tuning;
+  tuning.memoryBudget = 800 << 10;  // some ten of them
+  const auto backend = openBackend(tuning);
+  REQUIRE(backend);
+  checkBatch(*backend, queries, expected);
+  CHECK(backend->counts().meshEvictions > 10);
+  CHECK(backend->counts().onHost == 0);
+}
+
+TEST_CASE("an empty batch and a batch of nothing to do") {
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  checkBatch(*backend, {}, {});
+  const MeshList meshes = {collisionMesh({}), collisionMesh(makeBox({1, 1, 1}))};
+  std::vector<Query> queries = {makeQuery(*meshes[0], *meshes[1], makeMove({0, 0, 0})),
+                                makeQuery(*meshes[1], *meshes[0], makeMove({0, 0, 0})),
+                                makeQuery(*meshes[1], *meshes[1], makeMove({5, 0, 0}))};
+  checkBatch(*backend, queries, onHost(queries));
+}
+
+TEST_CASE("a hundred thousand tiny pairs in one batch") {
+  const MeshList meshes = {collisionMesh(makeTetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1})),
+                           collisionMesh(makeBox({1, 1.5, 0.8}, 1))};
+  const std::vector<Query> queries = [&] {
+    Draw draw(3);
+    std::vector<Query> all;
+    for (int i = 0; i < 100000; ++i) {
+      all.push_back(makeQuery(*meshes[draw.below(2)], *meshes[draw.below(2)],
+                              makePose(draw.direction(), draw.uniform(0, 3), draw.inBox(1.2))));
+      all.back().options.maxContacts = 4;
+    }
+    return all;
+  }();
+  opencl::Tuning tuning;
+  tuning.batchGroup = 32;
+  const auto backend = openBackend(tuning);
+  REQUIRE(backend);
+  const Expected expected = onHost(queries);
+  CHECK(expected.intersectingPairs > 300000);
+  checkBatch(*backend, queries, expected);
+}
+
+TEST_CASE("whichever call of a batch fails, the contacts are the same") {
+  const MeshList meshes = mixedMeshes();
+  const std::vector<Query> queries = randomQueries(meshes, 4, 60);
+  const Expected expected = onHost(queries);
+  opencl::setLogSink([](const std::string&) {});
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  const std::uint64_t before = opencl::FaultInjection::callCount();
+  checkBatch(*backend, queries, expected);
+  const std::uint64_t calls = opencl::FaultInjection::callCount() - before;
+  CHECK(calls > 30);
+  for (const cl_int code : {CL_OUT_OF_RESOURCES, CL_MEM_OBJECT_ALLOCATION_FAILURE}) {
+    for (std::uint64_t n = 1; n <= calls + 40; ++n) {  // a lane that failed is made anew, which takes more calls
+      opencl::FaultInjection::failAt(n, code);
+      opencl::BatchAnswer answer;
+      backend->collideBatch(queries, answer);
+      opencl::FaultInjection::failAt(0);
+      std::size_t wrong = 0;
+      for (std::size_t i = 0; i < queries.size(); ++i) wrong += same(answer.of(i), expected.contacts[i]) ? 0 : 1;
+      REQUIRE(wrong == 0);
+    }
+  }
+  checkBatch(*backend, queries, expected);
+  CHECK(backend->counts().onHost > 0);
+  opencl::setLogSink({});
+}
+
+TEST_CASE("several threads submit batches at once") {
+  const MeshList meshes = mixedMeshes();
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  std::vector<std::thread> threads;
+  std::atomic<std::size_t> wrong{0};
+  for (std::uint32_t t = 0; t < 3; ++t) {
+    threads.emplace_back([&, t] {
+      for (std::uint32_t round = 0; round < 3; ++round) {
+        const std::vector<Query> queries = randomQueries(meshes, 100 + 10 * t + round, 120);
+        const Expected expected = onHost(queries);
+        opencl::BatchAnswer answer;
+        backend->collideBatch(queries, answer);
+        for (std::size_t i = 0; i < queries.size(); ++i) wrong += same(answer.of(i), expected.contacts[i]) ? 0 : 1;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  CHECK(wrong == 0);
+}

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One pair at a time: the device finds what the host finds, over meshes good and bad, whatever the sizes of launches
+// and lists.
+#include <cmath>
+#include <stdexcept>
+
+#include "support/mesh_samples.h"
+#include "support/opencl.h"
+
+using namespace otg;
+using namespace otg::scenes;
+using namespace otg::test;
+
+namespace {
+
+opencl::Backend& shared() {
+  static const std::shared_ptr<opencl::Backend> backend = openBackend();
+  REQUIRE(backend);
+  return *backend;
+}
+
+struct Scene {
+  const char* name;
+  MeshArrays a, b;
+  Transformd bInA;
+};
+
+/// Touching, crossing, coplanar, nested, identical and far.
+std::vector<Scene> makeScenes() {
+  const Vec3d z = {0, 0, 1}, oblique = {0.48, 0.6, 0.64};
+  const MeshArrays box = makeBox({1, 1, 1}, 1), fineBox = makeBox({1, 1, 1}, 8), lump = makeLump(1, 5, 0.2, 3);
+  const MeshArrays torus = makeTorus(1, 0.3, 47, 23);
+  return {
+      {"boxes aligned", box, box, makeMove({0, 0, 0.999})},
+      {"boxes touching", box, box, makeMove({0, 0, 1})},
+      {"boxes turned", fineBox, fineBox, makePose(z, 0.5, {0, 0, 0.999})},
+      {"corner in box", fineBox, fineBox, makePose(oblique, 1, {0.2, 0.1, 1.1})},
+      {"box on a fine ground", makeGround(10, 1, 64), box, makeMove({0.3, 0.2, 0.4999})},
+      {"sphere on itself", makeSphere(1, 4), makeSphere(1, 4), makeMove({0, 0, 0})},
+      {"sphere in sphere", makeSphere(1, 4), makeSphere(0.5, 3), makeMove({0.1, 0, 0})},
+      {"tori linked", torus, torus, makePose({1, 0, 0}, 1.5, {1.0, 0.45, 0})},
+      {"lumps shallow", lump, makeLump(1, 5, 0.2, 8), makePose(oblique, 0.7, {1.7, 0.4, 0.1})},
+      {"lumps deep", lump, makeLump(1, 5, 0.2, 8), makePose(oblique, 0.7, {0.6, 0.4, 0.1})},
+      {"peg in hole", makeBlockWithHole({2, 2, 1}, 0.505), makeBox({0.5, 0.5, 2}, 4),
+       makePose({0, 1, 0}, 0.02, {0.001, 0, 0.3})},
+      {"tetrahedron in lump", lump, makeTetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}),
+       makePose(oblique, 2, {0.4, 0.3, 0.2})},
+      {"apart", lump, lump, makeMove({10, 0, 0})},
+      {"near miss", makeSphere(1, 5), makeSphere(1, 5), makeMove({2.0001, 0, 0})},
+  };
+}
+
+}  // namespace
+
+TEST_CASE("named scenes have the same contacts on the device") {
+  std::size_t pairs = 0;
+  for (const Scene& scene : makeScenes()) {
+    INFO(scene.name);
+    const auto a = collisionMesh(scene.a), b = collisionMesh(scene.b);
+    for (const bool swapped : {false, true}) {
+      for (const Reduction reduction : {Reduction::kNone, Reduction::kBinning, Reduction::kCone}) {
+        if (reduction == Reduction::kCone && scene.a.triangles.size() > 4000) continue;  // slow on the host
+        Query query = makeQuery(swapped ? *b : *a, swapped ? *a : *b, scene.bInA);
+        query.options.reduction.method = reduction;
+        query.options.maxContacts = 20;
+        checkParity(shared(), query);
+      }
+    }
+    Query query = makeQuery(*a, *b, scene.bInA);
+    query.options.contacts = ContactModel::kSolid;
+    checkParity(shared(), query);
+    Workspace workspace;
+    CHECK(shared().findIntersectingPairs(query, workspace));
+    Workspace host;
+    findIntersectingPairs(query, host);
+    CHECK((workspace.intersecting == host.intersecting));
+    pairs += host.intersecting.size();
+  }
+  CHECK(pairs > 3000);
+}
+
+TEST_CASE("meshes of every kind have the same intersecting pairs on the device") {
+  std::vector<samples::NamedMesh> meshes = samples::ordinaryMeshes();
+  for (samples::NamedMesh& mesh : samples::pathologicalMeshes()) {
+    if (mesh.mesh->triangleCount() <= 1100) meshes.push_back(std::move(mesh));
+  }
+  std::vector<std::shared_ptr<CollisionMesh>> trees;
+  for (const samples::NamedMesh& mesh : meshes) {
+    trees.push_back(std::make_shared<CollisionMesh>(mesh.mesh, BuildStrategy::kSah));
+  }
+  Draw draw(1);
+  std::size_t pairs = 0;
+  for (std::size_t i = 0; i < trees.size(); ++i) {
+    for (std::size_t j = 0; j < trees.size(); ++j) {
+      INFO(meshes[i].name << " and " << meshes[j].name);
+      const Vec3f ca = trees[i]->mesh().center(), cb = trees[j]->mesh().center();
+      const double reach = std::min(trees[i]->mesh().radius(), trees[j]->mesh().radius());
+      const Transformd pose = makeQuarterTurn(draw.below(24), {0, 0, 0});
+      const Vec3d moved = otgTransform(pose, Vec3d{cb.x, cb.y, cb.z});
+      const Vec3d jitter = draw.inBox(0.3 * reach);
+      // Hundreds of copies of one triangle against the same make all pairs intersect: seconds on the host.
+      if (trees[i]->mesh().triangleCount() * trees[j]->mesh().triangleCount() > 10000000) continue;
+      Query query = makeQuery(*trees[i], *trees[j], pose);
+      query.bInA.t = {ca.x - moved.x + jitter.x, ca.y - moved.y + jitter.y, ca.z - moved.z + jitter.z};
+      Workspace device, host;
+      CHECK(shared().findIntersectingPairs(query, device));
+      findIntersectingPairs(query, host);
+      CHECK((device.intersecting == host.intersecting));
+      pairs += host.intersecting.size();
+    }
+  }
+  CHECK(pairs > 10000);
+}
+
+TEST_CASE("the answer does not depend on the sizes of launches, leaves and lists") {
+  const auto lump = collisionMesh(makeLump(1, 4, 0.2, 3)), torus = collisionMesh(makeTorus(0.9, 0.4, 61, 29));
+  std::vector<Query> queries;
+  Draw draw(2);
+  for (int i = 0; i < 6; ++i) {
+    queries.push_back(makeQuery(*lump, *torus, makePose(draw.direction(), draw.uniform(0, 3), draw.inBox(0.7))));
+  }
+  std::vector<Workspace> expected;
+  for (const Query& query : queries) {
+    expected.emplace_back();
+    collide(query, expected.back());
+    REQUIRE(expected.back().intersecting.size() > 50);
+  }
+  const auto check = [&](const opencl::Tuning& tuning, bool repeats) {
+    INFO("leaf " << tuning.leafTriangles << " group " << tuning.group << " groups " << tuning.groupsPerUnit
+                 << " places " << tuning.pairPlaces << " " << tuning.leafPlaces << " " << tuning.hitPlaces << " stack "
+                 << tuning.stackRoom);
+    const auto backend = openBackend(tuning);
+    REQUIRE(backend);
+    for (int round = 0; round < 2; ++round) {
+      for (std::size_t i = 0; i < queries.size(); ++i) {
+        Workspace device;
+        CHECK(backend->collide(queries[i], device));
+        checkSame(device, expected[i]);
+      }
+    }
+    CHECK((backend->counts().repeats > 0) == repeats);
+    CHECK(backend->counts().onHost == 0);
+  };
+  for (const std::uint32_t leaf : {1u, 2u, 3u, 4u, 7u}) {
+    opencl::Tuning tuning;
+    tuning.leafTriangles = leaf;
+    check(tuning, false);
+  }
+  for (const std::uint32_t group : {64u, 192u, 256u}) {
+    for (const std::uint32_t groups : {1u, 3u, 32u}) {
+      opencl::Tuning tuning;
+      tuning.group = group;
+      tuning.groupsPerUnit = groups;
+      check(tuning, false);
+    }
+  }
+  for (const std::uint32_t room : {16u, 17u, 40u}) {
+    opencl::Tuning tuning;
+    tuning.stackRoom = room;
+    check(tuning, false);
+  }
+  for (int list = 0; list < 3; ++list) {  // every list too short, one after the other, down to one place
+    for (const std::uint32_t places : {1u, 37u}) {
+      opencl::Tuning tuning;
+      (list == 0 ? tuning.pairPlaces : list == 1 ? tuning.leafPlaces : tuning.hitPlaces) = places;
+      tuning.leafTriangles = list == 1 ? 16 : 1;  // shallow trees, so that the levels meet leaves
+      if (list == 1) tuning.leafTriangles = 8;
+      check(tuning, true);
+    }
+  }
+  opencl::Tuning tuning;
+  tuning.recordsExpected = 1;
+  check(tuning, false);
+}
+
+TEST_CASE("a pose that the host refuses is refused") {
+  const auto box = collisionMesh(makeBox({1, 1, 1}));
+  Query query = makeQuery(*box, *box, makeMove({0.9, 0, 0}));
+  Workspace workspace;
+  query.bInA.r[0] = 1.5;
+  CHECK_THROWS_AS(shared().collide(query, workspace), std::invalid_argument);
+  CHECK_THROWS_AS(shared().findIntersectingPairs(query, workspace), std::invalid_argument);
+  query.bInA.r[0] = NAN;
+  CHECK_THROWS_AS(shared().collide(query, workspace), std::invalid_argument);
+}

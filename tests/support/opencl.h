@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What tests of the OpenCL backend share.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "opencl/backend.h"
+#include "scenes/generated_meshes.h"
+#include "support/catch.h"
+#include "support/contact_samples.h"
+#include "support/draw.h"
+
+namespace otg::test {
+
+inline std::shared_ptr<opencl::Backend> openBackend(const opencl::Tuning& tuning = {}) {
+  return opencl::Backend::open(opencl::defaultDevice(opencl::listDevices()), tuning);
+}
+
+inline std::shared_ptr<const CollisionMesh> collisionMesh(const scenes::MeshArrays& arrays) {
+  return std::make_shared<CollisionMesh>(scenes::build(arrays), BuildStrategy::kSah);
+}
+
+inline Query makeQuery(const CollisionMesh& a, const CollisionMesh& b, const Transformd& bInA) {
+  Query query;
+  query.a = &a;
+  query.b = &b;
+  query.bInA = bInA;
+  return query;
+}
+
+/// What the device gives is what the host gives: pairs, contacts before and after reduction, in the same order and byte
+/// for byte (where the device has doubles that round as the host's, which is what Backend asks of one).
+inline void checkSame(const Workspace& device, const Workspace& host) {
+  CHECK((device.intersecting == host.intersecting));
+  CHECK(same(device.contacts, host.contacts));
+  CHECK(same(device.reduced, host.reduced));
+  CHECK(device.stats.intersectingPairs == host.stats.intersectingPairs);
+  CHECK(device.stats.contactsBeforeReduction == host.stats.contactsBeforeReduction);
+}
+
+/// Runs the query on both; checks that the device did it and that the answers are the same.
+inline void checkParity(opencl::Backend& backend, const Query& query) {
+  Workspace device, host;
+  CHECK(backend.collide(query, device));
+  collide(query, host);
+  checkSame(device, host);
+}
+
+}  // namespace otg::test
