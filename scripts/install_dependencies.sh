@@ -13,7 +13,7 @@ build_packages=(
   g++ cmake ninja-build pkg-config
   libode-dev libeigen3-dev
   libassimp-dev libcli11-dev nlohmann-json3-dev libfmt-dev libtinygltf-dev
-  catch2 python3 libcgal-dev ocl-icd-opencl-dev opencl-clhpp-headers
+  catch2 python3 libcgal-dev opencl-c-headers ocl-icd-opencl-dev opencl-clhpp-headers
 )
 # An OpenCL device that every machine has, and real meshes.
 tests_packages=(pocl-opencl-icd libcgal-demo)

@@ -31,6 +31,8 @@ void addBenchCommand(CLI::App& app, Action& action) {
   bench->require_subcommand(1);
   add(*bench, "thesis", "The published tables: each step of the query; traversals, descent rules, build strategies",
       &benchThesis, true, action);
+  add(*bench, "batch", "Single pairs and batches of pairs, an OpenCL device beside the CPU", &benchBatch, false,
+      action);
   add(*bench, "build", "Time to validate meshes and to build, derive and refit their trees", &benchBuild, false,
       action);
   add(*bench, "peers", "The whole query beside stock ODE and other libraries", &benchPeers, true, action);

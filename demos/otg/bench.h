@@ -9,6 +9,8 @@ namespace otg::cli {
 /// The published tables: the whole query step by step, box tests by depth, and every combination of build strategy,
 /// traversal and descent rule.
 int benchThesis(const BenchOptions& options);
+/// Single pairs and batches of pairs on an OpenCL device and on the CPU.
+int benchBatch(const BenchOptions& options);
 /// Validation, both build strategies, the derived layouts, refit.
 int benchBuild(const BenchOptions& options);
 /// The whole query beside other collision libraries, stock ODE first.

@@ -90,6 +90,10 @@ void BenchOptions::addTo(CLI::App& command, bool withScene) {
   }
   command.add_option("--repeat", repeat, "Times are medians over this many runs (default: what fits in half a second)")
       ->check(CLI::Range(1, 100000));
+  if (command.get_name() == "batch") {
+    command.add_option("--pairs", pairs, "Pairs in the batch")->check(CLI::Range(1, 1000000));
+    command.add_option("--poses", poses, "JSON file with a pose matrix for each scene (default: computed)");
+  }
   command.add_flag("--json", json, "One JSON document on stdout");
 }
 

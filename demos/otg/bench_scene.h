@@ -15,7 +15,8 @@ struct BenchOptions {
   std::vector<std::string> files;
   std::string scene = "touch";
   std::string poses;
-  int repeat = 0;  ///< 0: as many as fit into a fraction of a second, 3 to 50
+  int repeat = 0;     ///< 0: as many as fit into a fraction of a second, 3 to 50
+  int pairs = 10000;  ///< of `bench batch`
   bool json = false;
 
   void addTo(CLI::App& command, bool withScene);

@@ -34,6 +34,8 @@ using Action = std::function<int()>;
 void addCheckCommand(CLI::App& app, Action& action);
 void addCollideCommand(CLI::App& app, Action& action);
 void addPairsCommand(CLI::App& app, Action& action);
+void addBatchCommand(CLI::App& app, Action& action);
+void addDevicesCommand(CLI::App& app, Action& action);
 void addSimulateCommand(CLI::App& app, Action& action);
 void addBenchCommand(CLI::App& app, Action& action);
 

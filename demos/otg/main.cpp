@@ -29,8 +29,10 @@ int main(int argc, char** argv) {
     addCheckCommand(app, action);
     addCollideCommand(app, action);
     addPairsCommand(app, action);
+    addBatchCommand(app, action);
     addSimulateCommand(app, action);
     addBenchCommand(app, action);
+    addDevicesCommand(app, action);
     try {
       app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

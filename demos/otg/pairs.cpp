@@ -38,7 +38,11 @@ int runPairs(const Options& options) {
   query.a = pair.a.get();
   query.b = pair.b.get();
   Workspace workspace;
-  findIntersectingPairs(query, workspace);
+  if (const std::shared_ptr<opencl::Backend> backend = options.query.openBackend()) {
+    backend->findIntersectingPairs(query, workspace);
+  } else {
+    findIntersectingPairs(query, workspace);
+  }
   if (!options.out.empty()) writePairs(options.out, pairsOfCaller(query, workspace.intersecting));
   const CollideStats& stats = workspace.stats;
   if (options.json) {

@@ -57,7 +57,6 @@ void QueryOptions::addInputOptions(CLI::App& command) {
   command.add_option("A", fileA, "Mesh A")->required();
   command.add_option("B", fileB, "Mesh B")->required();
   command.add_option("--pose", pose, "B in A's frame: tx,ty,tz,qw,qx,qy,qz, or a file with a 4x4 row-major matrix");
-  command.add_option("--backend", backend, "Where the query runs")->check(CLI::IsMember({"auto", "cpu", "opencl"}));
   command.add_option("--midphase", midphase, "Middle phase: where it runs, or which traversal of the trees on the CPU")
       ->check(
           CLI::IsMember({"auto", "cpu", "opencl", "standard", "quantized", "quantised", "noleaf", "no-leaf", "wide"}));
@@ -65,8 +64,14 @@ void QueryOptions::addInputOptions(CLI::App& command) {
       ->check(CLI::IsMember({"auto", "cpu", "exact", "opencl"}));
   command.add_option("--descent", descent, "Which tree a traversal descends")
       ->check(CLI::IsMember({"first", "larger", "alternating", "both"}));
+  command.add_option("--axes", axes, "Axes of a box test on the CPU")->check(CLI::IsMember({6, 15}));
+  addBackendOptions(command);
+}
+
+void QueryOptions::addBackendOptions(CLI::App& command) {
+  command.add_option("--backend", backend, "Where queries run; auto: on the CPU")
+      ->check(CLI::IsMember({"auto", "cpu", "opencl"}));
   command.add_option("--build", build, "How the trees are built")->check(CLI::IsMember({"mean", "sah"}));
-  command.add_option("--axes", axes, "Axes of a box test")->check(CLI::IsMember({6, 15}));
   command.add_option("--device", device, "OpenCL device, as `otg devices` numbers them")->check(CLI::NonNegativeNumber);
 }
 
@@ -89,12 +94,9 @@ void QueryOptions::addContactOptions(CLI::App& command) {
 }
 
 CollideOptions QueryOptions::collideOptions() const {
-  if (backend == "opencl" || midphase == "opencl" || nearphase == "opencl") {
-    throw InputError("this build has no OpenCL backend; use --backend cpu");
-  }
-  if (device >= 0) progress("note: --device chooses an OpenCL device; the query runs on the CPU");
   CollideOptions options;
-  if (midphase != "cpu" && midphase != "auto") options.middle.traversal = find(kTraversals, midphase);
+  if (midphase != "cpu" && midphase != "auto" && midphase != "opencl")
+    options.middle.traversal = find(kTraversals, midphase);
   if (!descent.empty()) options.middle.descent = find(kDescents, descent);
   options.middle.axes = axes;
   // Reductions are of contacts between pairs of triangles (`solid` chooses its own), so whoever names one means those.
@@ -112,6 +114,26 @@ CollideOptions QueryOptions::collideOptions() const {
   options.maxContacts = maxContacts;
   options.solid.contactsPerRegion = contactsPerRegion;
   return options;
+}
+
+std::shared_ptr<opencl::Backend> QueryOptions::openBackend() const {
+  const bool middle = midphase == "opencl", near = nearphase == "opencl";
+  if (backend != "opencl" && !middle && !near) {
+    if (device >= 0) progress("note: --device chooses an OpenCL device; the query runs on the CPU");
+    return nullptr;
+  }
+  if (backend == "cpu" || (backend != "opencl" && middle != near)) {
+    throw UsageError("the device does the middle and the near phase together: use --backend opencl");
+  }
+  const std::vector<opencl::DeviceInfo> devices = opencl::listDevices();
+  const int index = device >= 0 ? device : opencl::defaultDevice(devices);
+  if (index < 0) throw InputError("no OpenCL device can be used; `otg devices` lists what there is");
+  if (index >= static_cast<int>(devices.size())) {
+    throw InputError("there is no OpenCL device " + std::to_string(index) + "; `otg devices` lists what there is");
+  }
+  std::shared_ptr<opencl::Backend> opened = opencl::Backend::open(index);
+  if (!opened) throw InputError("the OpenCL device " + std::to_string(index) + " cannot be used");
+  return opened;
 }
 
 BuildStrategy QueryOptions::buildStrategy() const {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "collide/query.h"
+#include "opencl/backend.h"
 #include "otg/command.h"
 
 namespace otg::cli {
@@ -26,11 +27,15 @@ struct QueryOptions {
 
   /// The files, the pose and how to traverse.
   void addInputOptions(CLI::App& command);
+  /// Where the query runs and how trees are built; part of addInputOptions.
+  void addBackendOptions(CLI::App& command);
   /// What happens to the contacts.
   void addContactOptions(CLI::App& command);
   /// Throws UsageError or InputError for what cannot be had.
   CollideOptions collideOptions() const;
   BuildStrategy buildStrategy() const;
+  /// The device that was asked for; null for the CPU. Throws InputError when it cannot be had.
+  std::shared_ptr<opencl::Backend> openBackend() const;
 };
 
 /// Both meshes with their trees; the same object twice when both paths are the same.

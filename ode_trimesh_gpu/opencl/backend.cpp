@@ -2,6 +2,7 @@
 // Opening a device, and queries of one pair.
 #include "opencl/backend.h"
 
+#include <chrono>
 #include <numeric>
 
 #include "collide/stages.h"
@@ -19,6 +20,18 @@ void takeAll(const Query& query, const PairFrame& frame, const Answer& answer, b
   takeCounts(answer, workspace.stats);
   takeRecords(query, frame, answer, all, contacts, workspace);
 }
+
+/// Reads the clock only if it is to.
+class Stopwatch {
+ public:
+  explicit Stopwatch(bool on) : on_(on), start_(on ? Clock::now() : Clock::time_point{}) {}
+  double ms() const { return on_ ? std::chrono::duration<double, std::milli>(Clock::now() - start_).count() : 0; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  bool on_;
+  Clock::time_point start_;
+};
 
 }  // namespace
 
@@ -42,6 +55,16 @@ const DeviceInfo& Backend::device() const {
 }
 
 bool Backend::collide(const Query& query, Workspace& workspace) {
+  StageTimes ignored;
+  return collideIn(false, query, workspace, ignored);
+}
+
+bool Backend::collideProfiled(const Query& query, Workspace& workspace, StageTimes& times) {
+  return collideIn(true, query, workspace, times);
+}
+
+bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, StageTimes& times) {
+  const Stopwatch total(profile);
   const bool contacts = !mayBeSolid(query);
   const PairFrame frame = makePairFrame(query);
   ++state_->queries;
@@ -51,17 +74,28 @@ bool Backend::collide(const Query& query, Workspace& workspace) {
   }
   try {
     bool made = false;
-    state_->pairs.with([&](PairLane& lane) {
+    StageTimes t;
+    (profile ? state_->profiled : state_->pairs).with([&](PairLane& lane) {
       const Answer answer = lane.run(query, frame, contacts);
       made = contacts && answer.hasContacts();
+      const Stopwatch host(profile);
       takeAll(query, frame, answer, contacts, workspace);
+      t.host = host.ms();
+      t.top = lane.profile().ms(Profile::kTop);
+      t.main = lane.profile().ms(Profile::kMain);
+      t.contacts = lane.profile().ms(Profile::kContacts);
+      t.readBack = lane.profile().ms(Profile::kReadBack);
     });
+    const Stopwatch reduction(profile);
     if (made) {
       reduceContacts(query, workspace);
     } else {
       collideIntersecting(query, workspace);
     }
     numberAsCaller(query, workspace);
+    t.reduction = reduction.ms();
+    t.total = total.ms();
+    times = t;
     return true;
   } catch (const ClError& error) {
     logError(error);

@@ -22,6 +22,17 @@ struct BackendCounts {
   int programsFromSource = 0, programsFromCache = 0;
 };
 
+/// Where the time of one query went, in milliseconds. The first four are the device's clock.
+struct StageTimes {
+  double top = 0;        ///< cut against cut
+  double main = 0;       ///< the rest of the traversal, with the float filter of the near phase in it
+  double contacts = 0;   ///< decisions in double, and contacts
+  double readBack = 0;   ///< of the results
+  double host = 0;       ///< decisions in exact arithmetic, order, regions
+  double reduction = 0;  ///< on the host; with the contacts where the host makes them
+  double total = 0;      ///< from call to return, with launches and what lies between stages
+};
+
 /// What a batch gives, in the order of its queries.
 struct BatchAnswer {
   std::vector<Contact> contacts;     ///< of all queries, one after the other
@@ -50,6 +61,8 @@ class Backend {
   /// and reduction on the host. workspace.candidates stays empty; stats.candidatePairs counts pairs of triangles that
   /// were tested.
   bool collide(const Query& query, Workspace& workspace);
+  /// The same in lanes of its own that take times; `times` is unchanged where the host did all.
+  bool collideProfiled(const Query& query, Workspace& workspace, StageTimes& times);
   /// As otg::findIntersectingPairs, with the same exceptions.
   bool findIntersectingPairs(const Query& query, Workspace& workspace);
 
@@ -64,6 +77,7 @@ class Backend {
  private:
   struct State;
   class Batch;
+  bool collideIn(bool profile, const Query& query, Workspace& workspace, StageTimes& times);
   explicit Backend(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };

@@ -21,8 +21,10 @@ template <class Lane>
 class LanePool {
  public:
   LanePool(Context& context, MeshStore& meshes, const Tuning& tuning)
-      : context_(context), meshes_(meshes), tuning_(tuning) {
-    idle_.push_back(std::make_unique<Lane>(context, meshes, tuning));
+      : context_(context), meshes_(meshes), tuning_(tuning) {}
+  /// Makes a lane, so that the first query finds one. Throws ClError.
+  void prepare() {
+    with([](Lane&) {});
   }
 
   /// Calls use(lane) and keeps the lane for the next one, unless that throws: then its counters may hold anything.
@@ -62,7 +64,7 @@ struct Backend::State {
   Context context;
   const Tuning tuning;
   MeshStore meshes;
-  LanePool<PairLane> pairs;
+  LanePool<PairLane> pairs, profiled;
   LanePool<BatchLane> batches;
   std::atomic<std::uint64_t> queries{0}, onHost{0};
 
@@ -71,7 +73,15 @@ struct Backend::State {
         tuning(how),
         meshes(context, how.memoryBudget != 0 ? how.memoryBudget : device.info.globalMemory / 2, how.leafTriangles),
         pairs(context, meshes, tuning),
-        batches(context, meshes, tuning) {}
+        profiled(context, meshes, withProfile(how)),
+        batches(context, meshes, tuning) {
+    pairs.prepare();
+    batches.prepare();
+  }
+  static Tuning withProfile(Tuning how) {
+    how.profile = true;
+    return how;
+  }
 };
 
 inline void logError(const ClError& error) {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
+#include <utility>
 
 #include "opencl/context.h"
 
@@ -27,18 +29,60 @@ class Arguments {
   cl_uint index_ = 0;
 };
 
+/// Times of what was enqueued, by stage, from the device's own clock. Off unless asked for: events cost time.
+class Profile {
+ public:
+  enum Stage { kTop, kMain, kContacts, kReadBack, kStages };
+  explicit Profile(bool on) : on_(on) {}
+  /// Where an enqueueing function puts its event; null when off.
+  cl_event* next(Stage stage) {
+    if (!on_) return nullptr;
+    pending_.emplace_back(stage, nullptr);
+    return &pending_.back().second;
+  }
+  /// After the queue was waited for: adds the times up, in milliseconds.
+  void collect() {
+    for (double& ms : ms_) ms = 0;
+    for (auto& [stage, event] : pending_) {
+      const EventHandle handle(std::exchange(event, nullptr));
+      if (!handle) continue;
+      cl_ulong start = 0, end = 0;
+      const auto ask = [&](cl_profiling_info what, cl_ulong& value) {
+        clDo(OTG_CL(clGetEventProfilingInfo), handle.get(), what, sizeof value, static_cast<void*>(&value),
+             static_cast<std::size_t*>(nullptr));
+      };
+      ask(CL_PROFILING_COMMAND_START, start);
+      ask(CL_PROFILING_COMMAND_END, end);
+      ms_[stage] += 1e-6 * static_cast<double>(end - start);
+    }
+    pending_.clear();
+  }
+  double ms(Stage stage) const { return ms_[stage]; }
+  bool on() const { return on_; }
+  ~Profile() {
+    for (auto& [stage, event] : pending_) const EventHandle handle(std::exchange(event, nullptr));
+  }
+  Profile(const Profile&) = delete;
+  Profile& operator=(const Profile&) = delete;
+
+ private:
+  bool on_;
+  std::deque<std::pair<Stage, cl_event>> pending_;  // a deque: places stay where they are
+  double ms_[kStages] = {};
+};
+
 inline void launch(cl_command_queue queue, cl_kernel kernel, std::size_t groupSize, std::size_t groupsX,
-                   std::size_t groupsY = 1) {
+                   std::size_t groupsY = 1, cl_event* event = nullptr) {
   const std::size_t local[2] = {groupSize, 1}, global[2] = {groupsX * groupSize, groupsY};
   clDo(OTG_CL(clEnqueueNDRangeKernel), queue, kernel, cl_uint{2}, static_cast<const std::size_t*>(nullptr),
        static_cast<const std::size_t*>(global), static_cast<const std::size_t*>(local), cl_uint{0},
-       static_cast<const cl_event*>(nullptr), static_cast<cl_event*>(nullptr));
+       static_cast<const cl_event*>(nullptr), event);
 }
 
 /// `bytes` from the start of `from`; waits for all that was enqueued before.
-inline void readBlocking(cl_command_queue queue, cl_mem from, std::size_t bytes, void* to) {
+inline void readBlocking(cl_command_queue queue, cl_mem from, std::size_t bytes, void* to, cl_event* event = nullptr) {
   clDo(OTG_CL(clEnqueueReadBuffer), queue, from, cl_bool{CL_TRUE}, std::size_t{0}, bytes, to, cl_uint{0},
-       static_cast<const cl_event*>(nullptr), static_cast<cl_event*>(nullptr));
+       static_cast<const cl_event*>(nullptr), event);
 }
 
 /// Does not wait: `from` has to stay as it is until something later in the queue was waited for.

@@ -18,8 +18,9 @@ PairLane::PairLane(Context& context, MeshStore& meshes, const Tuning& tuning)
       meshes_(meshes),
       tuning_(tuning),
       groups_(std::max<std::size_t>(1, std::size_t{context.info().computeUnits} * tuning.groupsPerUnit)),
-      queue_(context.makeQueue(false)),
-      results_(tuning.recordsExpected) {
+      queue_(context.makeQueue(tuning.profile)),
+      results_(tuning.recordsExpected),
+      profile_(tuning.profile) {
   const std::string walk =
       "-DOTG_GROUP=" + std::to_string(tuning.group) + " -DOTG_LEAF=" + std::to_string(meshes.leafTriangles());
   const std::string results = "-DOTG_GROUP=" + std::to_string(kResultGroup) + " -DOTG_CONTACTS=";
@@ -52,9 +53,11 @@ Answer PairLane::runOn(const otg_device_pair& pair, const Transformd& bInA, cl_m
   for (;; ++repeats_) {
     results_.reserve(context_, hits_.places());
     enqueue(pair, bInA, meshes, contacts);
-    if (!makeRoom(results_.readHead(context_, queue_.get(), contacts))) break;
+    if (!makeRoom(results_.readHead(context_, queue_.get(), contacts, &profile_))) break;
   }
-  return results_.readRest(context_, queue_.get(), contacts);
+  const Answer answer = results_.readRest(context_, queue_.get(), contacts, &profile_);
+  if (profile_.on()) profile_.collect();
+  return answer;
 }
 
 void PairLane::enqueue(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, bool contacts) {
@@ -62,19 +65,19 @@ void PairLane::enqueue(const otg_device_pair& pair, const Transformd& bInA, cl_m
   Arguments(cut_.get()) << pair << meshes << counters << level0_.get() << level0_.places() << leaves
                         << leaves_.places();
   launch(queue_.get(), cut_.get(), tuning_.group, (pair.a.cutCount + tuning_.group - 1) / tuning_.group,
-         (pair.b.cutCount + kCutTile - 1) / kCutTile);
+         (pair.b.cutCount + kCutTile - 1) / kCutTile, profile_.next(Profile::kTop));
   for (otg_uint level = 0; level < 2; ++level) {
     const DeviceList& in = level == 0 ? level0_ : level1_;
     const DeviceList& out = level == 0 ? level1_ : level2_;
     Arguments(level_.get()) << pair << meshes << counters << level << in.get() << in.places() << out.get()
                             << out.places() << leaves << leaves_.places();
-    launch(queue_.get(), level_.get(), tuning_.group, groups_);
+    launch(queue_.get(), level_.get(), tuning_.group, groups_, 1, profile_.next(Profile::kMain));
   }
   const otg_uint stackSize = stackSizeFor(tuning_, pair.a.depth + pair.b.depth);
   (Arguments(tail_.get()) << pair << meshes << counters << level2_.get() << level2_.places() << leaves
                           << leaves_.places() << hits << hits_.places() << stackSize)
       .local(stackSize * sizeof(cl_uint2));
-  launch(queue_.get(), tail_.get(), tuning_.group, groups_);
+  launch(queue_.get(), tail_.get(), tuning_.group, groups_, 1, profile_.next(Profile::kMain));
   const cl_kernel last = contacts ? contacts_.get() : pairs_.get();
   Arguments arguments(last);
   arguments << pair;
@@ -84,7 +87,7 @@ void PairLane::enqueue(const otg_device_pair& pair, const Transformd& bInA, cl_m
     arguments << cl_int{0};
   }
   arguments << meshes << counters << hits << hits_.places() << results_.get();
-  launch(queue_.get(), last, kResultGroup, groups_);
+  launch(queue_.get(), last, kResultGroup, groups_, 1, profile_.next(Profile::kContacts));
 }
 
 /// After a run: false if every list was long enough, else they have grown.

@@ -15,11 +15,15 @@ namespace otg::opencl {
 class PairLane {
  public:
   PairLane(Context& context, MeshStore& meshes, const Tuning& tuning);
+  PairLane(const PairLane&) = delete;
+  PairLane& operator=(const PairLane&) = delete;
 
   /// Middle and near phase of one pair, and its contacts if `contacts` and the device has doubles. The answer is good
   /// until the next call. Throws ClError.
   Answer run(const Query& query, const PairFrame& frame, bool contacts);
 
+  /// Of the last query, if tuning.profile is set.
+  const Profile& profile() const { return profile_; }
   /// Times that a list was too short and the query was run again.
   std::uint64_t repeats() const { return repeats_; }
 
@@ -38,6 +42,7 @@ class PairLane {
   DeviceList level0_{sizeof(cl_uint2)}, level1_{sizeof(cl_uint2)}, level2_{sizeof(cl_uint2)}, leaves_{sizeof(cl_uint2)},
       hits_{sizeof(cl_uint2)};
   ResultBuffer results_;
+  Profile profile_;
   std::uint64_t repeats_ = 0;
 };
 

@@ -31,12 +31,12 @@ class ResultBuffer {
   cl_mem get() const { return buffer_.get(); }
 
   /// Waits for the queue and reads the head and the expected number of records; the counters.
-  const otg_uint* readHead(Context& context, cl_command_queue queue, bool contacts);
+  const otg_uint* readHead(Context& context, cl_command_queue queue, bool contacts, Profile* profile = nullptr);
   /// After readHead: the records that were not read yet, if any.
-  Answer readRest(Context& context, cl_command_queue queue, bool contacts);
+  Answer readRest(Context& context, cl_command_queue queue, bool contacts, Profile* profile = nullptr);
 
  private:
-  void read(Context& context, cl_command_queue queue, std::size_t bytes);
+  void read(Context& context, cl_command_queue queue, std::size_t bytes, Profile* profile);
   DeviceList buffer_{sizeof(otg_contact_record)};
   PinnedBuffer host_;
   std::uint32_t least_, expected_, have_ = 0;

@@ -18,6 +18,7 @@ struct Tuning {
   std::uint32_t stackRoom = 512;  ///< pairs that a work-group stacks before it goes on with one at a time, 16 or more
   std::uint32_t recordsExpected = 512;  ///< read with the head of the results in the first query
   std::uint64_t memoryBudget = 0;       ///< bytes for meshes; 0: half of the device's memory
+  bool profile = false;                 ///< take times of the stages of single queries, which costs some
   bool doubles = true;                  ///< false: as on a device without double arithmetic
 };
 

@@ -81,7 +81,7 @@ void checkBatch(opencl::Backend& backend, const std::vector<Query>& queries, con
   CHECK(backend.collideBatch(queries, answer) == allOnDevice);
   REQUIRE(answer.first.size() == queries.size() + 1);
   std::size_t wrong = 0;
-  for (std::size_t i = 0; i < queries.size(); ++i) wrong += same(answer.of(i), expected.contacts[i]) ? 0 : 1;
+  for (std::size_t i = 0; i < queries.size(); ++i) wrong += sameBytes(answer.of(i), expected.contacts[i]) ? 0 : 1;
   CHECK(wrong == 0);
   CHECK(answer.refused == expected.refused);
   CHECK(answer.stats.intersectingPairs == expected.intersectingPairs);
@@ -196,7 +196,7 @@ TEST_CASE("whichever call of a batch fails, the contacts are the same") {
       backend->collideBatch(queries, answer);
       opencl::FaultInjection::failAt(0);
       std::size_t wrong = 0;
-      for (std::size_t i = 0; i < queries.size(); ++i) wrong += same(answer.of(i), expected.contacts[i]) ? 0 : 1;
+      for (std::size_t i = 0; i < queries.size(); ++i) wrong += sameBytes(answer.of(i), expected.contacts[i]) ? 0 : 1;
       REQUIRE(wrong == 0);
     }
   }
@@ -218,7 +218,7 @@ TEST_CASE("several threads submit batches at once") {
         const Expected expected = onHost(queries);
         opencl::BatchAnswer answer;
         backend->collideBatch(queries, answer);
-        for (std::size_t i = 0; i < queries.size(); ++i) wrong += same(answer.of(i), expected.contacts[i]) ? 0 : 1;
+        for (std::size_t i = 0; i < queries.size(); ++i) wrong += sameBytes(answer.of(i), expected.contacts[i]) ? 0 : 1;
       }
     });
   }

@@ -94,7 +94,7 @@ TEST_CASE("meshes of every kind have the same intersecting pairs on the device")
     for (std::size_t j = 0; j < trees.size(); ++j) {
       INFO(meshes[i].name << " and " << meshes[j].name);
       const Vec3f ca = trees[i]->mesh().center(), cb = trees[j]->mesh().center();
-      const double reach = std::min(trees[i]->mesh().radius(), trees[j]->mesh().radius());
+      const double reach = std::min({trees[i]->mesh().radius(), trees[j]->mesh().radius(), 1e30f});  // may be infinite
       const Transformd pose = makeQuarterTurn(draw.below(24), {0, 0, 0});
       const Vec3d moved = otgTransform(pose, Vec3d{cb.x, cb.y, cb.z});
       const Vec3d jitter = draw.inBox(0.3 * reach);
@@ -182,4 +182,19 @@ TEST_CASE("a pose that the host refuses is refused") {
   CHECK_THROWS_AS(shared().findIntersectingPairs(query, workspace), std::invalid_argument);
   query.bInA.r[0] = NAN;
   CHECK_THROWS_AS(shared().collide(query, workspace), std::invalid_argument);
+}
+
+TEST_CASE("taking times changes nothing") {
+  const auto a = collisionMesh(makeLump(1, 5, 0.2, 3)), b = collisionMesh(makeTorus(0.9, 0.4, 61, 29));
+  const Query query = makeQuery(*a, *b, makePose({0, 0, 1}, 1, {0.3, 0.2, 0.1}));
+  Workspace device, host;
+  collide(query, host);
+  for (int i = 0; i < 3; ++i) {
+    opencl::StageTimes times;
+    CHECK(shared().collideProfiled(query, device, times));
+    checkSame(device, host);
+    for (const double ms : {times.top, times.contacts, times.readBack, times.host, times.reduction}) CHECK(ms >= 0);
+    CHECK(times.main > 0);
+    CHECK(times.total > 0);
+  }
 }

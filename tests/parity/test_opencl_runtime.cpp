@@ -261,13 +261,13 @@ TEST_CASE("whichever call fails, the contacts are the same") {
           for (int i = 0; i < 2; ++i) {
             Workspace device;
             if (!backend->collide(query, device)) ++failed;
-            REQUIRE(same(device.reduced, host.reduced));
+            REQUIRE(sameBytes(device.reduced, host.reduced));
             REQUIRE((device.intersecting == host.intersecting));
           }
           FaultInjection::failAt(0);
           Workspace device;  // the backend is as good as new
           REQUIRE(backend->collide(query, device));
-          REQUIRE(same(device.reduced, host.reduced));
+          REQUIRE(sameBytes(device.reduced, host.reduced));
         }
         FaultInjection::failAt(0);
       }
@@ -299,7 +299,7 @@ TEST_CASE("several threads query one backend at once") {
         Workspace device, host;
         backend->collide(query, device);
         collide(query, host);
-        if (!same(device.reduced, host.reduced)) ++wrong;
+        if (!sameBytes(device.reduced, host.reduced)) ++wrong;
         ++done;
       }
     });

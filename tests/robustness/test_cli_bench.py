@@ -42,6 +42,17 @@ class Bench(CliTest):
         self.run_json("bench", "thesis", self.mesh(), "--repeat", "1", "--poses", poses)
         self.assert_fails(1, "bench", "thesis", self.mesh(), "--poses", poses, "--scene", "deep", says="deep")
 
+    def test_batch(self):
+        tables = self.run_json("bench", "batch", self.mesh(), "--repeat", "2", "--pairs", "40")["tables"]
+        self.assertEqual([row["scene"] for row in tables["single"]], ["touch", "deep", "deep10", "nearmiss"])
+        self.assertGreater(tables["single"][0]["intersecting_pairs"], 0)
+        self.assertEqual(len({row["hash"] for row in tables["batch"] if row["work"] == "contacts"}), 1)
+        for row in tables["single"] + tables["batch"]:
+            self.assertEqual(row.get("answers", "same"), "same")
+        if self.run_json("devices")["used"] is not None:
+            self.assertEqual({row["backend"] for row in tables["batch"]}, {"cpu", "opencl"})
+            self.assertTrue(all("opencl_ms" in row for row in tables["single"]))
+
     def test_build(self):
         rows = self.run_json("bench", "build", self.mesh(), "--repeat", "1")["tables"]["build"]
         self.assertEqual([row["build"] for row in rows], ["mean", "sah"])

@@ -118,7 +118,10 @@ class Collide(CliTest):
 
     def test_what_this_build_cannot_do(self):
         mesh = self.writeBox()
-        self.assert_fails(1, "collide", mesh, mesh, "--backend", "opencl", says="OpenCL")
+        result = self.run_otg("collide", mesh, mesh, "--backend", "opencl", status=1, env={"OTG_OPENCL_DEVICE": "none"})
+        self.assertIn("OpenCL", result.stderr)
+        self.assert_fails(1, "collide", mesh, mesh, "--backend", "opencl", "--device", "99", says="OpenCL")
+        self.assert_fails(2, "collide", mesh, mesh, "--midphase", "opencl", says="--backend opencl")
 
     def test_wrong_options(self):
         mesh = self.writeBox()

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `otg batch SCENE.json`: many pairs of meshes in one submission.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "mesh_io/mesh_file.h"
+#include "otg/bench_scene.h"
+#include "otg/pose.h"
+#include "otg/query_options.h"
+
+namespace otg::cli {
+namespace {
+
+struct Options {
+  QueryOptions query;
+  std::string scene;
+  int repeat = 1;
+  bool json = false;
+};
+
+struct BatchScene {
+  std::vector<std::shared_ptr<const CollisionMesh>> meshes;
+  std::vector<Query> queries;
+};
+
+std::vector<double> numbersOf(const nlohmann::json& value) {
+  if (value.is_number()) return {value.get<double>()};
+  std::vector<double> numbers;
+  if (!value.is_array()) return numbers;
+  for (const auto& element : value) {
+    const std::vector<double> more = numbersOf(element);
+    numbers.insert(numbers.end(), more.begin(), more.end());
+  }
+  return numbers;
+}
+
+/// A string or seven numbers as --pose takes it, or 16 numbers.
+Transformd poseOf(const nlohmann::json& value, const std::string& where) {
+  if (value.is_string()) return parsePose(value.get<std::string>());
+  const std::vector<double> numbers = numbersOf(value);
+  if (numbers.size() == 16) return poseFromMatrix(numbers.data(), where);
+  if (numbers.size() != 7) throw InputError(where + ": a pose is tx,ty,tz,qw,qx,qy,qz or a 4x4 matrix");
+  return parsePose(fmt::format("{}", fmt::join(numbers, ",")));
+}
+
+BatchScene readScene(const Options& options) {
+  std::ifstream stream(options.scene, std::ios::binary);
+  if (!stream) throw InputError(options.scene + ": cannot be opened");
+  const nlohmann::json document = nlohmann::json::parse(stream, nullptr, false);
+  if (!document.is_object()) throw InputError(options.scene + ": is no JSON object");
+  for (const auto& item : document.items()) {
+    if (item.key() != "meshes" && item.key() != "pairs") {
+      throw InputError(fmt::format("{}: unknown key '{}'; there are meshes and pairs", options.scene, item.key()));
+    }
+  }
+  const auto list = [&](const char* key) -> const nlohmann::json& {
+    if (!document.contains(key) || !document[key].is_array()) {
+      throw InputError(fmt::format("{}: has no array '{}'", options.scene, key));
+    }
+    return document[key];
+  };
+  BatchScene scene;
+  for (const auto& file : list("meshes")) {
+    if (!file.is_string()) throw InputError(options.scene + ": meshes are paths of files");
+    const std::filesystem::path path =
+        std::filesystem::path(options.scene).parent_path() / file.get<std::string>();  // an absolute one stays as it is
+    scene.meshes.push_back(std::make_shared<CollisionMesh>(mesh_io::loadTriMesh(path.string(), {}, MeshOrder::kSpatial),
+                                                           options.query.buildStrategy()));
+  }
+  const CollideOptions how = options.query.collideOptions();
+  for (const auto& pair : list("pairs")) {
+    const std::string where = fmt::format("{}: pairs[{}]", options.scene, scene.queries.size());
+    if (!pair.is_array() || pair.size() != 3) throw InputError(where + ": a pair is [i, j, pose]");
+    const auto mesh = [&](const nlohmann::json& index) -> const CollisionMesh* {
+      if (!index.is_number_integer() || index.get<std::int64_t>() < 0 ||
+          index.get<std::int64_t>() >= static_cast<std::int64_t>(scene.meshes.size())) {
+        throw InputError(where + ": there is no such mesh");
+      }
+      return scene.meshes[index.get<std::size_t>()].get();
+    };
+    Query query;
+    query.a = mesh(pair[0]);
+    query.b = mesh(pair[1]);
+    query.bInA = poseOf(pair[2], where);
+    query.options = how;
+    scene.queries.push_back(query);
+  }
+  return scene;
+}
+
+/// One after the other on the CPU, in the same form.
+void collideOnCpu(const std::vector<Query>& queries, Workspace& workspace, opencl::BatchAnswer& answer) {
+  answer = {};
+  answer.first.push_back(0);
+  for (const Query& query : queries) {
+    collide(query, workspace);
+    answer.contacts.insert(answer.contacts.end(), workspace.reduced.begin(), workspace.reduced.end());
+    answer.first.push_back(answer.contacts.size());
+    answer.stats.intersectingPairs += workspace.stats.intersectingPairs;
+    answer.stats.contactsBeforeReduction += workspace.stats.contactsBeforeReduction;
+  }
+}
+
+int runBatch(const Options& options) {
+  const BatchScene scene = readScene(options);
+  const std::shared_ptr<opencl::Backend> backend = options.query.openBackend();
+  Workspace workspace;
+  opencl::BatchAnswer answer;
+  const auto run = [&] {
+    if (backend) {
+      backend->collideBatch(scene.queries, answer);
+    } else {
+      collideOnCpu(scene.queries, workspace, answer);
+    }
+  };
+  run();  // warm-up: meshes are uploaded, lists find their sizes
+  std::vector<double> total;
+  for (int i = 0; i < options.repeat; ++i) total.push_back(timeOnce(run));
+
+  Json perPair = Json::array();
+  for (std::size_t i = 0; i < scene.queries.size(); ++i) perPair.push_back(answer.of(i).size());
+  const Json document = {{"pairs", scene.queries.size()},
+                         {"meshes", scene.meshes.size()},
+                         {"total_contacts", answer.contacts.size()},
+                         {"intersecting_pairs", answer.stats.intersectingPairs},
+                         {"contacts_before_reduction", answer.stats.contactsBeforeReduction},
+                         {"timings_ms", {{"total", median(total)}}},
+                         {"per_pair_contacts", perPair},
+                         {"backend", backend ? "opencl" : "cpu"},
+                         {"device", backend ? backend->device().name : "host CPU, 1 thread"},
+                         {"repeat", options.repeat},
+                         {"hash", hashOf(answer.contacts)}};
+  if (backend && backend->counts().onHost > 0) progress("note: the OpenCL device failed; the CPU did what it left");
+  if (options.json) {
+    printJson(document);
+    return kOk;
+  }
+  for (const char* key : {"pairs", "meshes", "intersecting_pairs", "contacts_before_reduction", "total_contacts"}) {
+    fmt::print("{:<26} {:>12}\n", key, document[key].get<std::uint64_t>());
+  }
+  fmt::print("{:<26} {:>12.4f} ms\n", "total", median(total));
+  fmt::print("{:<26} {} ({})\n", "backend", document["backend"].get<std::string>(),
+             document["device"].get<std::string>());
+  fmt::print("{:<26} {}\n", "hash", document["hash"].get<std::string>());
+  return kOk;
+}
+
+}  // namespace
+
+void addBatchCommand(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand("batch", "Collide many pairs of meshes in one submission");
+  auto options = std::make_shared<Options>();
+  command->add_option("SCENE", options->scene, "JSON file: {\"meshes\": [file], \"pairs\": [[i, j, pose]]}")
+      ->required();
+  options->query.addBackendOptions(*command);
+  options->query.addContactOptions(*command);
+  command->add_option("--repeat", options->repeat, "The time is the median over this many runs, after one to warm up")
+      ->check(CLI::Range(1, 1000000));
+  command->add_flag("--json", options->json, "One JSON document on stdout");
+  command->callback([options, &action] { action = [options] { return runBatch(*options); }; });
+}
+
+}  // namespace otg::cli

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""otg batch and otg devices; both backends where there is an OpenCL device."""
+import json
+
+import cli_support
+from cli_support import CliTest, lump, ply
+
+
+class Batch(CliTest):
+    POSES = ([1.5, 0.1, 0.3, 0.8, 0.6, 0, 0], "0.9,0.1,0.2,1,0,0,0",
+             [[1, 0, 0, 0.7], [0, 1, 0, 0.1], [0, 0, 1, 0.2], [0, 0, 0, 1]], [9, 0, 0, 1, 0, 0, 0])
+
+    def writeScene(self, **changes):
+        self.writeBox("box.ply")
+        self.write("lump.ply", ply(*lump(12)))
+        scene = {"meshes": ["box.ply", self.path("lump.ply")],
+                 "pairs": [[i, j, pose] for i in (0, 1) for j in (0, 1) for pose in self.POSES]}
+        return self.write("scene.json", json.dumps({**scene, **changes}))
+
+    def hasDevice(self):
+        return self.run_json("devices")["used"] is not None
+
+    def test_keys_and_single_queries(self):
+        document = self.run_json("batch", self.writeScene(), "--contacts", "pairwise", "--repeat", "2")
+        self.assert_keys(document, "pairs total_contacts timings_ms per_pair_contacts hash backend device")
+        self.assertEqual(document["pairs"], 16)
+        self.assertEqual(len(document["per_pair_contacts"]), 16)
+        self.assertEqual(sum(document["per_pair_contacts"]), document["total_contacts"])
+        self.assertEqual(document["backend"], "cpu")
+        single = self.run_json("collide", self.path("box.ply"), self.path("lump.ply"), "--pose", self.POSES[1],
+                               "--contacts", "pairwise")
+        self.assertEqual(document["per_pair_contacts"][5], len(single["contacts"]))
+        self.assertEqual(document["per_pair_contacts"][3], 0)
+        self.assertIn("total_contacts", self.run_otg("batch", self.path("scene.json")).stdout)
+
+    def test_device_gives_what_the_cpu_gives(self):
+        if not self.hasDevice():
+            self.skipTest("no OpenCL device")
+        scene = self.writeScene()
+        for contacts in ("pairwise", "solid"):
+            cpu = self.run_json("batch", scene, "--contacts", contacts)
+            device = self.run_json("batch", scene, "--contacts", contacts, "--backend", "opencl")
+            self.assertEqual(device["backend"], "opencl")
+            for key in ("hash", "per_pair_contacts", "intersecting_pairs", "contacts_before_reduction"):
+                self.assertEqual(cpu[key], device[key])
+            self.assertGreater(cpu["total_contacts"], 20)
+        arguments = ["collide", self.path("lump.ply"), self.path("box.ply"), "--pose", "0.9,0.1,0.2,1,0,0,0"]
+        cpu, device = self.run_json(*arguments), self.run_json(*arguments, "--backend", "opencl")
+        self.assertEqual((cpu["hash"], cpu["contacts"]), (device["hash"], device["contacts"]))
+        self.assert_keys(device["timings_ms"], "build middle near contacts reduction transfer total top host")
+        for backend in ("cpu", "opencl"):
+            self.run_otg("pairs", *arguments[1:], "--out", self.path(backend), "--backend", backend)
+        with open(self.path("cpu")) as cpu, open(self.path("opencl")) as device:
+            self.assertEqual(cpu.read(), device.read())
+
+    def test_bad_scenes(self):
+        for changes, says in (({"meshes": 3}, "meshes"), ({"pairs": {}}, "pairs"), ({"bodies": []}, "bodies"),
+                              ({"meshes": ["none.ply"]}, "none.ply"), ({"meshes": [1]}, "paths"),
+                              ({"pairs": [[0, 2, self.POSES[0]]]}, "pairs[0]"), ({"pairs": [[0, -1, self.POSES[0]]]}, "mesh"),
+                              ({"pairs": [[0, 0]]}, "pairs[0]"), ({"pairs": [[0, 0, [1, 2]]]}, "pose"),
+                              ({"pairs": [[0, 0, [0, 0, 0, 2, 0, 0, 0]]]}, "quaternion")):
+            self.assert_fails(1, "batch", self.writeScene(**changes), says=says)
+        self.assert_fails(1, "batch", self.write("text.json", "no json"), says="text.json")
+        self.assert_fails(1, "batch", self.path("missing.json"), says="missing.json")
+
+
+class Devices(CliTest):
+    def test_list(self):
+        document = self.run_json("devices")
+        for i, device in enumerate(document["devices"]):
+            self.assert_keys(device, "index name kind platform version driver available doubles used")
+            self.assertEqual(device["index"], i)
+            self.assertEqual(device["used"], i == document["used"])
+        self.assertTrue(self.run_otg("devices").stdout)
+
+    def test_choice(self):
+        self.assertIsNone(self.run_json("devices", env={"OTG_OPENCL_DEVICE": "none"})["used"])
+        if self.run_json("devices")["devices"]:
+            self.assertEqual(self.run_json("devices", env={"OTG_OPENCL_DEVICE": "0"})["used"], 0)
+
+    def test_without_drivers(self):
+        # The loader finds drivers through this folder; an empty one is a machine without OpenCL.
+        document = self.run_json("devices", env={"OCL_ICD_VENDORS": self.folder, "OPENCL_VENDOR_PATH": self.folder})
+        self.assertEqual((document["devices"], document["used"]), ([], None))
+        self.assertEqual(self.run_otg("devices", env={"OCL_ICD_VENDORS": self.folder, "OPENCL_VENDOR_PATH": self.folder}).stdout,
+                         "no OpenCL device\n")
+
+
+if __name__ == "__main__":
+    cli_support.main()
