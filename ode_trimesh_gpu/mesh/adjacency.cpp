@@ -123,6 +123,31 @@ Adjacency buildAdjacency(const TriMesh& mesh) {
     if (otgDot(a, b) > 0 && std::sqrt(otgDot(c, c)) < flatSine) out.flatEdge[topology.edgeOf[h]] = 1;
   }
 
+  // Each vertex with its sharp edges: none, or two that run on straight.
+  struct Sharp {
+    std::uint32_t count = 0;
+    Vec3d direction{0, 0, 0};  // of the first
+    bool straight = false;     // the second is opposite to it
+  };
+  std::vector<Sharp> sharp(vertices.size());
+  for (std::uint32_t edge = 0; edge < topology.edgeCount(); ++edge) {
+    if (out.flatEdge[edge]) continue;
+    const std::uint32_t a = topology.edges[edge].a, b = topology.edges[edge].b;
+    const Vec3d d =
+        otgSub(Vec3d{vertices[b].x, vertices[b].y, vertices[b].z}, Vec3d{vertices[a].x, vertices[a].y, vertices[a].z});
+    const double length = std::sqrt(otgDot(d, d));
+    const Vec3d along = length > 0 ? otgScale(d, 1 / length) : Vec3d{0, 0, 0};
+    for (const std::uint32_t v : {a, b}) {
+      Sharp& s = sharp[v];
+      const Vec3d away = v == a ? along : otgScale(along, -1.0);
+      const Vec3d c = otgCross(s.direction, away);
+      s.straight = s.count == 1 && otgDot(s.direction, away) < 0 && std::sqrt(otgDot(c, c)) < flatSine;
+      if (s.count++ == 0) s.direction = away;
+    }
+  }
+  out.flatVertex.resize(vertices.size());
+  for (std::size_t v = 0; v < vertices.size(); ++v) out.flatVertex[v] = sharp[v].count == 0 || sharp[v].straight;
+
   const std::size_t components = topology.componentCount();
   out.componentVertex.assign(components, kNone);
   out.componentFirst.assign(components + 1, 0);

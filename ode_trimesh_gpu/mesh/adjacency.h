@@ -44,6 +44,9 @@ struct Adjacency {
   /// 1 for edges whose two triangles lie in one plane to within kFlatDegrees: nothing can rest on them.
   std::vector<std::uint8_t> flatEdge;
   static constexpr double kFlatDegrees = 0.1;
+  /// 1 for welded vertices in the middle of a flat face or of a straight edge (to within kFlatDegrees): they are there
+  /// only because of the tessellation.
+  std::vector<std::uint8_t> flatVertex;
   /// One vertex (welded) of each component, and the component's triangles: triangles[componentFirst[c]] ..
   std::vector<std::uint32_t> componentVertex, componentFirst, componentTriangles;
 };

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The short scenes of the contact model `solid`, with the limits of the physics suite.
+#include <algorithm>
+#include <cmath>
+
 #include "physics/report.h"
 #include "physics/suite.h"
 #include "support/catch.h"
@@ -17,7 +20,6 @@ struct ShortScene {
   Stepping stepping;
 };
 
-/// Not here because they miss their limits still, as the suite shows: cliff_1cm and the nut at 5 ms.
 constexpr ShortScene kShortScenes[] = {
     {"box_on_ground_2", kW},
     {"box_on_ground_800", kW},
@@ -28,12 +30,17 @@ constexpr ShortScene kShortScenes[] = {
     {"stack2", kQ20},
     {"stack5", kQ20},
     {"cliff_inside", kW},
+    {"cliff_1cm", kW},
+    {"cliff_1cm", kQ20},
     {"cliff_outside", kW},
     {"bounce", kW},
     {"slope_2", kW},
     {"slope_800", kW},
     {"slide_800", kW},
     {"peg_mu0", kW},
+    {"nut_5ms", kW},
+    {"bowls", kW},
+    {"bowls", kQ20},
     {"overlapped_boxes_30", kW},
     {"overlapped_boxes_50", kW},
     {"contained", kW},
@@ -74,5 +81,46 @@ TEST_CASE("Short scenes meet their limits with the contact model solid") {
     judge(row, scene->hasNative ? &native : nullptr);
     INFO(lineOf(row));
     CHECK(row.pass);
+  }
+}
+
+TEST_CASE("A box over an edge is carried by the four corners of the overlap, straight up, on any tessellation") {
+  const int n = GENERATE(1, 7);
+  const double depth = GENERATE(0.001, 0.0245);
+  CAPTURE(n, depth);
+  const OdeSession session;
+  Case run;
+  run.model = Model::kSolid;
+  Rig rig(run);
+  rig.addStatic(boxShape({4, 4, 1}, n), {-2, 0, -0.5});
+  rig.addBody(boxShape({1, 1, 1}, n), {-0.05, 0, 0.5 - depth});
+  const std::vector<Contact> contacts = rig.contactsNow();
+  CHECK(contacts.size() == 4);
+  for (const Contact& contact : contacts) {
+    CHECK(contact.depth == Approx(depth).epsilon(1e-3));
+    // The end of the slab lies in the overlap too, and is no way out.
+    CHECK(contact.normal.head<2>().norm() < 0.003);
+    CHECK(std::min(std::abs(contact.position.x()), std::abs(contact.position.x() + 0.55)) < 2e-3);
+    CHECK(std::abs(std::abs(contact.position.y()) - 0.5) < 2e-3);
+  }
+}
+
+TEST_CASE("Contacts all around the rim of a bowl point into the bowl") {
+  const OdeSession session;
+  Case run;
+  run.model = Model::kSolid;
+  Rig rig(run);
+  // The rim of the upper one (radius 1) sits in the lower one's wall, a little deeper on one side.
+  const ShapePointer bowl = makeStaticShape(otg::scenes::makeBowl(1, 0.05, 48, 12));
+  rig.addStatic(bowl, {0, 0, 0});
+  Vec center;
+  const ShapePointer inner = makeShape(otg::scenes::makeBowl(0.9505, 0.05, 48, 12), {}, &center);
+  rig.addBody(inner, center + Vec(0, 0, 0.001));
+  const std::vector<Contact> contacts = rig.contactsNow();
+  REQUIRE_FALSE(contacts.empty());
+  for (const Contact& contact : contacts) {
+    // The inner bowl must be pushed to the axis, which lies at the origin; the wall is 5 cm thick.
+    CHECK(std::abs(contact.normal.dot(contact.position.normalized())) > 0.9);
+    CHECK(contact.depth < 0.01);
   }
 }

@@ -60,12 +60,12 @@ void PieceCells::finish(std::uint32_t region, std::vector<Piece>& out) {
 void PointCells::begin(const Region& region, const Vec3d& up) {
   grid_ = RegionGrid(region, kPointGrid);
   up_ = up;
-  index_.reset(std::size_t{RegionGrid::kCells} * 8);
+  index_.reset(std::size_t{RegionGrid::kCells} * 16);
   chosen_.clear();
 }
 
 void PointCells::offer(const PointSeed& seed) {
-  const std::uint32_t key = keyOf(seed.position, seed.kind, seed.mesh);
+  const std::uint32_t key = keyOf(seed.position, seed.kind, seed.mesh, seed.flat);
   const std::uint32_t known = index_.find(key);
   if (known == EpochArray::kMissing || depth(seed) > depth(chosen_[known])) keep(key, known, seed);
 }

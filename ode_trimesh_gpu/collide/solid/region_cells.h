@@ -61,49 +61,57 @@ class PieceCells {
 /// A candidate before it is worked out.
 struct PointSeed {
   Vec3d position;  ///< relative to the origin
-  Vec3d span;      ///< crossings: along the inside stretch of the edge, of its length; else zero
+  Vec3d span;      ///< crossings: along the inside stretch of the edge, of its length; middles: half of that; else zero
   std::uint32_t region, feature, ordinal, crossing;
   std::uint8_t mesh;
   PointKind kind;
+  bool flat;
 };
 
-/// Keeps of each cell, mesh and kind the point that lies deepest as far as a mean direction can tell.
+/// Keeps of each cell, mesh and kind, flat or not, the point that lies deepest as far as a mean direction can tell.
 class PointCells {
  public:
   /// `up`: in which A is pushed.
   void begin(const Region& region, const Vec3d& up);
   void offer(const PointSeed& seed);
-  /// As if every vertex of a cluster lay at `place`: offers the deepest. `bounds` are theirs, vertex(i) the position of
-  /// number begin <= i < end.
-  template <class Vertex, class MakeSeed>
+  /// As if every vertex of a cluster lay at `place`: offers the deepest that is flat and the deepest that is not.
+  /// `bounds` are theirs, vertex(i) the position of number begin <= i < end.
+  template <class Vertex, class IsFlat, class MakeSeed>
   void offerDeepest(int mesh, const Vec3d& place, const Vec3d& lo, const Vec3d& hi, std::uint32_t begin,
-                    std::uint32_t end, const Vertex& vertex, const MakeSeed& makeSeed) {
-    const std::uint32_t key = keyOf(place, PointKind::kVertex, mesh);
-    const std::uint32_t known = index_.find(key);
-    const double least = known == EpochArray::kMissing ? -1e300 : depth(chosen_[known]);
+                    std::uint32_t end, const Vertex& vertex, const IsFlat& isFlat, const MakeSeed& makeSeed) {
+    const std::uint32_t key[2] = {keyOf(place, PointKind::kVertex, mesh, false),
+                                  keyOf(place, PointKind::kVertex, mesh, true)};
+    const std::uint32_t known[2] = {index_.find(key[0]), index_.find(key[1])};
+    double best[2];
+    for (int flat = 0; flat < 2; ++flat) {
+      best[flat] = known[flat] == EpochArray::kMissing ? -1e300 : depth(chosen_[known[flat]]);
+    }
     const double sign = mesh == 0 ? -1 : 1;
     const Vec3d middle = otgScale(otgAdd(lo, hi), 0.5), half = otgScale(otgSub(hi, lo), 0.5);
     if (sign * otgDot(up_, middle) + std::fabs(up_.x) * half.x + std::fabs(up_.y) * half.y +
             std::fabs(up_.z) * half.z <=
-        least) {
+        std::min(best[0], best[1])) {
       return;
     }
-    double best = least;
-    std::uint32_t deepest = end;
+    std::uint32_t deepest[2] = {end, end};
     for (std::uint32_t i = begin; i < end; ++i) {
       const double d = sign * otgDot(up_, vertex(i));
-      if (d > best) {
-        best = d;
-        deepest = i;
-      }
+      if (!(d > std::min(best[0], best[1]))) continue;
+      const int flat = isFlat(i) ? 1 : 0;
+      if (!(d > best[flat])) continue;
+      best[flat] = d;
+      deepest[flat] = i;
     }
-    if (deepest < end) keep(key, known, makeSeed(deepest));
+    for (int flat = 0; flat < 2; ++flat) {
+      if (deepest[flat] < end) keep(key[flat], known[flat], makeSeed(deepest[flat]));
+    }
   }
   const std::vector<PointSeed>& chosen() const { return chosen_; }
 
  private:
-  std::uint32_t keyOf(const Vec3d& place, PointKind kind, int mesh) const {
-    return grid_.cell(place) * 8 + static_cast<std::uint32_t>(kind) * 2 + static_cast<std::uint32_t>(mesh);
+  std::uint32_t keyOf(const Vec3d& place, PointKind kind, int mesh, bool flat) const {
+    return grid_.cell(place) * 16 + static_cast<std::uint32_t>(kind) * 4 + static_cast<std::uint32_t>(mesh) * 2 +
+           (flat ? 1 : 0);
   }
   void keep(std::uint32_t key, std::uint32_t known, const PointSeed& seed) {
     if (known != EpochArray::kMissing) {

@@ -31,6 +31,7 @@ constexpr double kLeast[4] = {0.005, 0.02, 0.65, 0.3};
 constexpr double kRank[4] = {1.1, 1.0, 1.05, 1.05};
 constexpr double kMergeDistance = 0.01;  // of the region's diagonal
 constexpr double kMergeCosine = 0.951;   // 18 degrees
+constexpr double kDeeperThanEnds = 1.05;
 // A crossing lies on both surfaces; it is measured this part of the region's diagonal further along its edge, and every
 // point this part below its own surface.
 constexpr double kInward = 1e-3, kBelowSurface = 1e-6;
@@ -39,6 +40,8 @@ constexpr double kRankStep = 0.02, kFarther = 1.02;
 // How far from a piece (in diagonals) the way out may lead through its plane for an estimate to use it.
 constexpr double kPieceSlack = 0.02;
 constexpr double kGatheredError = 0.05;
+// Coherence below which a region is curved rather than flat.
+constexpr double kRound = 0.99;
 // Regions with more points or pieces than this are thinned before anything quadratic.
 constexpr std::size_t kMostPoints = 192, kMostPlanes = 96;
 
@@ -203,12 +206,18 @@ class RegionSolver {
   }
 
   void collectCandidates() {
+    // The corners of an overlap are never flat points, as long as anything is not flat.
+    const auto first = all_.points.begin() + region_.pointBegin, last = all_.points.begin() + region_.pointEnd;
+    const bool skipFlat = std::count_if(first, last, [](const SupportPoint& p) { return !p.flat; }) >= 3;
     for (const std::uint32_t i : thinned()) {
       const SupportPoint& p = all_.points[i];
+      if (skipFlat && p.flat) continue;
       Candidate c{&p, {}, {}, 0, 0, 0, 0};
-      c.probe = otgSub(otgAdd(p.position, otgScale(p.along, std::min(kInward * region_.diagonal, 0.5 * p.reach))),
+      const double inward = p.kind == PointKind::kCrossing ? std::min(kInward * region_.diagonal, 0.5 * p.reach) : 0;
+      c.probe = otgSub(otgAdd(p.position, otgScale(p.along, inward)),
                        otgScale(p.surfaceNormal, std::min(kBelowSurface * region_.diagonal, 0.01 * region_.thickness)));
       estimate(c);
+      if (p.kind >= PointKind::kMiddle && saysNothingNew(c)) continue;
       candidates_.push_back(c);
     }
     if (candidates_.empty()) {
@@ -231,6 +240,18 @@ class RegionSolver {
     c.rank = (out + back) * kRank[static_cast<int>(c.point->kind)];
   }
 
+  /// Whether a middle of a stretch is hardly deeper than its ends are on average: then they hold it.
+  bool saysNothingNew(const Candidate& c) {
+    double ends = 0;
+    const double reach = std::max(c.point->reach - kInward * region_.diagonal, 0.5 * c.point->reach);
+    for (const double side : {-1.0, 1.0}) {
+      const Vec3d p = otgAdd(c.probe, otgScale(c.point->along, side * reach));
+      double out = planeExit(1, p, c.normal), back = planeExit(0, p, otgScale(c.normal, -1.0));
+      ends += 0.5 * clampToLimit(c.normal, out, back);
+    }
+    return c.depth <= kDeeperThanEnds * ends;
+  }
+
   static bool sameFeatureOrder(const Candidate& x, const Candidate& y) {
     const SupportPoint &p = *x.point, &q = *y.point;
     if (p.kind != q.kind) return p.kind < q.kind;
@@ -238,6 +259,9 @@ class RegionSolver {
     if (p.feature != q.feature) return p.feature < q.feature;
     return p.ordinal < q.ordinal;
   }
+
+  /// Where the contact would be: the middle of the overlap.
+  static Vec3d middle(const Candidate& c) { return otgAdd(c.point->position, otgScale(c.normal, c.shift)); }
 
   double deepest() const {
     double d = 0;
@@ -258,28 +282,39 @@ class RegionSolver {
     std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& x, const Candidate& y) {
       return x.step != y.step ? x.step < y.step : sameFeatureOrder(x, y);
     });
+    // Where the bodies are round the deepest is one point, and it is the first; where they are flat many tremble about
+    // it.
+    if (region_.coherence < kRound && !candidates_.empty()) {
+      const auto first =
+          std::find_if(candidates_.begin(), candidates_.end(), [&](const Candidate& c) { return c.rank >= highest; });
+      std::rotate(candidates_.begin(), first, first + 1);
+    }
     std::vector<Candidate> kept;
     const double reach = kMergeDistance * region_.diagonal;
     for (const Candidate& c : candidates_) {
       const bool taken = std::any_of(kept.begin(), kept.end(), [&](const Candidate& k) {
-        const Vec3d d = otgSub(c.point->position, k.point->position);
+        const Vec3d d = otgSub(middle(c), middle(k));
         return otgDot(d, d) <= reach * reach && otgDot(c.normal, k.normal) >= kMergeCosine;
       });
       if (!taken) kept.push_back(c);
     }
     candidates_.swap(kept);
     if (!gathered_ || candidates_.empty()) return;
-    // Estimates from gathered planes err by a few percent; of those that they cannot tell apart the farthest in is
-    // first.
+    // Estimates from gathered planes err by a few percent. Of those that they cannot tell apart the farthest in of
+    // either mesh are measured, and the deeper one is first.
     const double enough = (1 - kGatheredError) * highest;
-    auto best = candidates_.begin();
-    const Vec3d middle = otgScale(otgAdd(region_.lo, region_.hi), 0.5);
-    const double level = otgDot(task_.normals.mean(), middle);
-    const auto hint = [&](const Candidate& c) { return depthHint(*c.point) + (c.point->mesh == 0 ? level : -level); };
-    for (auto c = best; c != candidates_.end(); ++c) {
-      if (c->rank >= enough && hint(*c) > hint(*best)) best = c;
+    auto deepest = candidates_.end();
+    for (const std::uint8_t m : {0, 1}) {
+      auto best = candidates_.end();
+      for (auto c = candidates_.begin(); c != candidates_.end(); ++c) {
+        if (c->point->mesh != m || c->rank < enough) continue;
+        if (best == candidates_.end() || depthHint(*c->point) > depthHint(*best->point)) best = c;
+      }
+      if (best == candidates_.end()) continue;
+      measureByRays(*best);
+      if (deepest == candidates_.end() || best->depth > deepest->depth) deepest = best;
     }
-    std::rotate(candidates_.begin(), best, best + 1);
+    if (deepest != candidates_.end()) std::rotate(candidates_.begin(), deepest, deepest + 1);
   }
 
   /// The deepest, then again and again the one farthest from those chosen, in position and normal.
@@ -304,28 +339,32 @@ class RegionSolver {
     candidates_.resize(count);
   }
 
+  void measureByRays(Candidate& c) {
+    // Looked for as far as the meshes reach: a point inside finds its way out in every direction, so nothing ahead
+    // means outside.
+    const double far = 4 * static_cast<double>(task_.meshes.mesh(0).radius() + task_.meshes.mesh(1).radius());
+    const double skin = 1e-9 * std::max(task_.meshes.mesh(0).radius(), task_.meshes.mesh(1).radius());
+    const Vec3d origin = otgAdd(c.probe, all_.origin);
+    double out = std::max(0.0, exitDistance(task_.meshes, 1, origin, c.normal, far, skin));
+    double back = std::max(0.0, exitDistance(task_.meshes, 0, origin, otgScale(c.normal, -1.0), far, skin));
+    c.depth = clampToLimit(c.normal, out, back);
+    c.shift = 0.5 * (out - back);
+  }
+
   /// Depths by rays, until two agree with their estimates and none has disagreed: then the others are believed, unless
   /// they come from gathered planes.
   void measure() {
     int agree = 0;
     bool disagree = false;
-    const double far = 4 * static_cast<double>(task_.meshes.mesh(0).radius() + task_.meshes.mesh(1).radius());
-    const double skin = 1e-9 * std::max(task_.meshes.mesh(0).radius(), task_.meshes.mesh(1).radius());
     for (Candidate& c : candidates_) {
       if (agree >= 2 && !disagree && !gathered_) break;
-      const Vec3d origin = otgAdd(c.probe, all_.origin);
-      // Looked for as far as the meshes reach: a point inside finds its way out in every direction, so nothing ahead
-      // means outside.
-      double out = std::max(0.0, exitDistance(task_.meshes, 1, origin, c.normal, far, skin));
-      double back = std::max(0.0, exitDistance(task_.meshes, 0, origin, otgScale(c.normal, -1.0), far, skin));
-      const double depth = clampToLimit(c.normal, out, back);
-      if (std::fabs(depth - c.depth) <= 0.02 * std::max(depth, c.depth)) {
+      const double estimate = c.depth;
+      measureByRays(c);
+      if (std::fabs(estimate - c.depth) <= 0.02 * std::max(estimate, c.depth)) {
         ++agree;
       } else {
         disagree = true;
       }
-      c.depth = depth;
-      c.shift = 0.5 * (out - back);
     }
     const double least = deepest();
     std::erase_if(candidates_,

@@ -16,8 +16,15 @@ double distanceToBox(const Vec3d& p, const Vec3d& lo, const Vec3d& hi) {
   return std::sqrt(x * x + y * y + z * z);
 }
 
-// From here on a region counts as flat, or as curved; in between the two answers are blended.
-constexpr double kFlat = 0.99, kCurved = 0.97;
+// From here on a region counts as flat, or as curved; in between the two answers are blended. Where one side is a
+// single face coherence is 1; at 0.99 the flanks of fine threads would count as flat, and a nut loses 40 % of its way.
+constexpr double kFlat = 0.9999, kCurved = 0.999;
+// A piece says where out is as long as the way through the region behind it is not much longer than the region is
+// thick: its weight is 1 / (1 + (way / (kThick thickness))^4). The end of a slab over whose edge a box rests says
+// nothing.
+constexpr double kThick = 4;
+// How far (in diagonals) from a piece that way may lead through its plane.
+constexpr double kPieceSlack = 0.02;
 // More pieces than this are gathered in cells first, so that normals cost the same whatever the tessellation.
 constexpr std::uint32_t kMostElements = 256;
 
@@ -28,12 +35,51 @@ RegionNormals::RegionNormals(const OverlapRegions& all, const Region& region)
   if (region.coherence >= kFlat) return;
   if (region.pieceEnd - region.pieceBegin > kMostElements) {
     cluster(all);
-    return;
+  } else {
+    elements_.reserve(region.pieceEnd - region.pieceBegin);
+    for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
+      const Piece& p = all.pieces[i];
+      elements_.push_back({p.lo, p.hi, p.vector, p.area, p.offset * norm(p.vector), p.mesh});
+    }
   }
-  elements_.reserve(region.pieceEnd - region.pieceBegin);
-  for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
-    const Piece& p = all.pieces[i];
-    elements_.push_back({p.lo, p.hi, p.vector, p.area, p.mesh});
+  weighByDepth();
+}
+
+void RegionNormals::weighByDepth() {
+  if (!(region_.thickness > 0)) return;
+  struct Plane {
+    Vec3d normal;
+    double offset;
+  };
+  std::vector<Plane> planes;
+  planes.reserve(elements_.size());
+  for (const Element& e : elements_) {
+    const double length = norm(e.vector);
+    planes.push_back(length > 0 ? Plane{otgScale(e.vector, 1 / length), e.offset / length} : Plane{{0, 0, 0}, 0});
+  }
+  const double slack = kPieceSlack * region_.diagonal;
+  for (std::size_t i = 0; i < elements_.size(); ++i) {
+    Element& e = elements_[i];
+    const Vec3d& n = planes[i].normal;
+    const Vec3d middle = otgScale(otgAdd(e.lo, e.hi), 0.5);
+    const Vec3d from = otgAdd(middle, otgScale(n, planes[i].offset - otgDot(n, middle)));
+    // Backwards to the nearest piece of the other mesh; where none lies behind, to the nearest plane of all, which is
+    // right for convex overlaps.
+    double nearest = region_.diagonal, convex = region_.diagonal;
+    bool found = false;
+    for (std::size_t j = 0; j < elements_.size(); ++j) {
+      if (elements_[j].mesh == e.mesh) continue;
+      const double cosine = -otgDot(planes[j].normal, n);
+      if (cosine <= 0.05) continue;
+      const double t = std::max(0.0, (planes[j].offset - otgDot(planes[j].normal, from)) / cosine);
+      convex = std::min(convex, t);
+      if (t >= nearest) continue;
+      if (distanceToBox(otgSub(from, otgScale(n, t)), elements_[j].lo, elements_[j].hi) > slack) continue;
+      nearest = t;
+      found = true;
+    }
+    const double share = (found ? nearest : convex) / (kThick * region_.thickness);
+    e.weight = 1 / (1 + share * share * share * share);
   }
 }
 
@@ -53,7 +99,7 @@ void RegionNormals::cluster(const OverlapRegions& all) {
     const std::uint32_t e = index.insert(key, static_cast<std::uint32_t>(elements_.size()), &inserted);
     const Vec3d& a = p.vector;
     if (inserted) {
-      elements_.push_back({p.lo, p.hi, a, p.area, p.mesh});
+      elements_.push_back({p.lo, p.hi, a, p.area, p.offset * norm(a), p.mesh});
       continue;
     }
     Element& element = elements_[e];
@@ -61,6 +107,7 @@ void RegionNormals::cluster(const OverlapRegions& all) {
     element.hi = {std::max(element.hi.x, p.hi.x), std::max(element.hi.y, p.hi.y), std::max(element.hi.z, p.hi.z)};
     element.vector = otgAdd(element.vector, a);
     element.area += p.area;
+    element.offset += p.offset * norm(a);
   }
 }
 
@@ -72,7 +119,7 @@ Vec3d RegionNormals::local(const Vec3d& point) const {
     const double d = distanceToBox(point, e.lo, e.hi);
     if (!(d < radius_)) continue;
     const double x = 1 - d * d / cap;
-    const double weight = x * x * (e.area > cap ? cap / e.area : 1.0);
+    const double weight = e.weight * x * x * (e.area > cap ? cap / e.area : 1.0);
     // Out of B: along B's outward normals, against A's.
     sum[e.mesh] = otgAdd(sum[e.mesh], otgScale(e.vector, e.mesh == 0 ? -weight : weight));
     total[e.mesh] += weight * e.area;
@@ -81,7 +128,9 @@ Vec3d RegionNormals::local(const Vec3d& point) const {
   const double most = std::max(sA, sB);
   const Vec3d& fallback = region_.coherence >= 0.5 || !escape_ ? mean_ : *escape_;
   if (!(most > 0)) return fallback;
-  if (sA > 0 && sB > 0 && otgDot(sum[0], sum[1]) < 0.3 * most * most) return fallback;
+  // The sides of a lump must agree in amount too. Of a thin sheet one side alone may be near, which says as much.
+  const double agreement = isLump() ? most * most : sA * sB;
+  if (sA > 0 && sB > 0 && otgDot(sum[0], sum[1]) < 0.3 * agreement) return fallback;
   const double lA = total[0] > 0 ? sA / total[0] : 0, lB = total[1] > 0 ? sB / total[1] : 0;
   const Vec3d n = unit(otgAdd(otgScale(sum[0], lA * lA), otgScale(sum[1], lB * lB)));
   return otgDot(n, n) > 0 ? n : fallback;
@@ -95,8 +144,8 @@ Vec3d RegionNormals::at(const Vec3d& point) const {
     const double w = (region_.coherence - kCurved) / (kFlat - kCurved);
     n = unit(otgAdd(otgScale(mean_, w), otgScale(n, 1 - w)));
   }
-  if (otgDot(n, mean_) < -0.2 && region_.coherence >= 0.5) return mean_;
-  return n;
+  // Against the mean the way out of a lump is longer; a thin region may run around a rim.
+  return isLump() && region_.coherence >= 0.5 && otgDot(n, mean_) < -0.2 ? mean_ : n;
 }
 
 }  // namespace otg

@@ -28,12 +28,17 @@ class RegionNormals {
  private:
   struct Element {  // a piece, or a cell full of pieces of one mesh
     Vec3d lo, hi;
-    Vec3d vector;  ///< sum of outward normal times area
-    double area;   ///< sum of |..|
+    Vec3d vector;   ///< sum of outward normal times area
+    double area;    ///< sum of |..|
+    double offset;  ///< sum of the planes' offsets times area
     std::uint8_t mesh;
+    double weight = 1;  ///< how much it says about where out is
   };
+  /// Thick for its extent, so that it has one side where it comes out; a sheet may run around a rim.
+  bool isLump() const { return region_.thickness > 0.05 * region_.diagonal; }
   Vec3d local(const Vec3d& point) const;
   void cluster(const OverlapRegions& all);
+  void weighByDepth();
 
   const Region& region_;
   Vec3d mean_{0, 0, 0};

@@ -472,6 +472,7 @@ class Builder {
         points.offerDeepest(
             m, otgScale(otgAdd(box.lo, box.hi), 0.5), box.lo, box.hi, begin, end,
             [&](std::uint32_t j) { return vertex(m, adjacency.clusterVertices[j]); },
+            [&](std::uint32_t j) { return isFlat(m, adjacency.clusterVertices[j]); },
             [&](std::uint32_t j) {
               return vertexSeed(r, m, adjacency.clusterVertices[j], vertex(m, adjacency.clusterVertices[j]));
             });
@@ -486,8 +487,10 @@ class Builder {
     addExtentCells(region, s_.positions, s_.cellScratch, out_.extents);
   }
 
-  static PointSeed vertexSeed(std::uint32_t region, int m, std::uint32_t v, const Vec3d& x) {
-    return {x, {0, 0, 0}, region, v, 0, kNone, static_cast<std::uint8_t>(m), PointKind::kVertex};
+  bool isFlat(int m, std::uint32_t v) const { return meshes_.adjacency(m).flatVertex[v] != 0; }
+
+  PointSeed vertexSeed(std::uint32_t region, int m, std::uint32_t v, const Vec3d& x) const {
+    return {x, {0, 0, 0}, region, v, 0, kNone, static_cast<std::uint8_t>(m), PointKind::kVertex, isFlat(m, v)};
   }
 
   /// The ends of the inside stretches of crossed edges that are crossings, and the stretches' middles where something
@@ -503,13 +506,13 @@ class Builder {
           const std::uint32_t k = stretch++;
           const auto seed = [&](const Vec3d& at, const Vec3d& span, std::uint32_t c, PointKind kind,
                                 std::uint32_t ordinal) {
-            s_.seeds.push_back(
-                {at, span, s_.regionOf[piece.fromElement], edge, ordinal, c, static_cast<std::uint8_t>(m), kind});
+            s_.seeds.push_back({at, span, s_.regionOf[piece.fromElement], edge, ordinal, c,
+                                static_cast<std::uint8_t>(m), kind, adjacency.flatEdge[edge] != 0});
           };
           if (!piece.fromVertex) seed(piece.from, d, piece.fromElement, PointKind::kCrossing, 2 * k);
           if (!piece.toVertex) seed(piece.to, otgScale(d, -1.0), piece.toElement, PointKind::kCrossing, 2 * k + 1);
           if (adjacency.flatEdge[edge] || (piece.fromVertex && piece.toVertex)) continue;
-          seed(otgScale(otgAdd(piece.from, piece.to), 0.5), {0, 0, 0}, kNone,
+          seed(otgScale(otgAdd(piece.from, piece.to), 0.5), otgScale(d, 0.5), kNone,
                piece.fromVertex || piece.toVertex ? PointKind::kMiddle : PointKind::kMiddleOfContour, k);
         }
       }
@@ -528,6 +531,9 @@ class Builder {
     p.kind = seed.kind;
     p.feature = seed.feature;
     p.ordinal = seed.ordinal;
+    p.flat = seed.flat;
+    p.reach = norm(seed.span);
+    p.along = unit(seed.span);
     p.triangleA = p.triangleB = kNone;
     std::uint32_t& own = m == 0 ? p.triangleA : p.triangleB;
     Vec3d normal{0, 0, 0};
@@ -545,8 +551,6 @@ class Builder {
     }
     p.surfaceNormal = meshes_.directionFromLocal(m, unit(normal));
     if (seed.kind == PointKind::kCrossing) {
-      p.reach = norm(seed.span);
-      p.along = unit(seed.span);
       (m == 0 ? p.triangleB : p.triangleA) = contour_.crossings[seed.crossing].triangle;
     }
     return p;

@@ -32,12 +32,13 @@ enum class PointKind : std::uint8_t { kVertex, kCrossing, kMiddle, kMiddleOfCont
 /// A place where a contact may sit.
 struct SupportPoint {
   Vec3d position;       ///< relative to the origin
-  Vec3d along;          ///< crossings: unit direction of the edge into the other mesh; else zero
-  double reach;         ///< crossings: length of the inside stretch of the edge that starts here
+  Vec3d along;          ///< crossings: unit direction of the edge into the other mesh; middles: of the edge; else zero
+  double reach;         ///< length of the inside stretch of the edge from here (middles: to either end), else 0
   Vec3d surfaceNormal;  ///< mean outward normal of the faces at the vertex or edge, unit or zero
   std::uint32_t region;
   std::uint8_t mesh;  ///< whose vertex or edge it is
   PointKind kind;
+  bool flat;                           ///< in the middle of a flat face or straight edge: due to the tessellation alone
   std::uint32_t feature;               ///< vertex or edge of that mesh
   std::uint32_t ordinal;               ///< as Contact::ordinal
   std::uint32_t triangleA, triangleB;  ///< triangles that it belongs to or kNone
