@@ -98,19 +98,41 @@ Result cliff(const Case& run, double overhang) {
   return result;
 }
 
+/// The largest drift and tilt of ODE's own box over ten seeds: QuickStep's errors are random, and one run of it says
+/// little.
+std::pair<double, double> worstOfNative(Case run) {
+  double drift = 0, tilt = 0;
+  for (unsigned long seed = 1; seed <= 10; ++seed) {
+    run = nativeOf(run);
+    run.randomSeed = seed;
+    const Measures m = cliff(run, -0.05).measures;
+    drift = std::max(drift, m.at("drift"));
+    tilt = std::max(tilt, m.at("tilt"));
+  }
+  return {drift, tilt};
+}
+
 Scene cliffInside(const char* name, bool small) {
   Scene scene;
   scene.name = name;
   scene.family = "boxes";
   scene.what = "A box overhangs the edge of a slab with its centre of mass 5 cm inside: it rests";
-  scene.run = [](const Case& run) { return cliff(run, -0.05); };
+  scene.run = [small](const Case& run) {
+    Result result = cliff(run, -0.05);
+    if (!small || run.stepping.stepper == Stepper::kWorld) return result;
+    const auto [drift, tilt] = worstOfNative(run);
+    result.measures["drift_of_native"] = result.measures["drift"] / drift;
+    result.measures["tilt_of_native"] = result.measures["tilt"] / tilt;
+    return result;
+  };
   scene.limits = {atMost("drift", 1e-4), atMost("tilt", 0.05), atMost("energy_gain", 1e-3)};
   scene.steppings = {kW, kQ20};
   if (small) {
     scene.what += "; 1 cm in size under the gravity of the world";
-    // It must rest; as one step of gravity is 2.5 % of its size, ODE's own box creeps by 1e-4 (W) and 6e-3 (Q20).
-    scene.limits = {atMost("drift", 1e-3, Stepper::kWorld), atMost("drift", 0.02, Stepper::kQuick), atMost("tilt", 2),
-                    atMost("energy_gain", 1e-3)};
+    // One step of gravity is 2.5 % of its size, and QuickStep lets ODE's own box creep by up to 7e-3.
+    scene.limits = {atMost("drift", 1e-4, Stepper::kWorld),       atMost("tilt", 0.05, Stepper::kWorld),
+                    atMost("tilt", 2, Stepper::kQuick),           atMost("drift_of_native", 1, Stepper::kQuick),
+                    atMost("tilt_of_native", 1, Stepper::kQuick), atMost("energy_gain", 1e-3)};
     scene.fullGravity = true;
     scene.size = 0.01;
     scene.axes &= ~unsigned{kAxisSize};

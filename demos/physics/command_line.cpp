@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 
 #include "physics/process_pool.h"
@@ -28,7 +30,10 @@ bool libraryAccepts(Model model) {
 
 void printScenes() {
   for (const Scene& scene : allScenes())
-    fmt::print("{:<10} {:<24} {}{}\n", scene.family, scene.name, scene.what, scene.quick ? "" : " [not in --quick]");
+    fmt::print("{:<10} {:<24} {}{}\n", scene.family, scene.name, scene.what,
+               scene.realUse ? " [--real]"
+               : scene.quick ? ""
+                             : " [not in --quick]");
 }
 
 }  // namespace
@@ -39,6 +44,9 @@ void addOptions(CLI::App& command, CommandOptions& options) {
   command.add_flag("--full", options.full, "All scenes, also varied along time step, order, place, size, buffer, seed")
       ->excludes(quick);
   command.add_option("--scene", options.suite.scenes, "Only these scenes, one run for each stepper unless --full");
+  command.add_flag("--real", options.suite.realUse, "The scenes of real use instead: real meshes, long runs");
+  command.add_option("--mesh-dir", options.meshFolder, "Folder of the real meshes (default: OTG_MESH_DIR)")
+      ->check(CLI::ExistingDirectory);
   command.add_option("--filter", options.suite.filter, "Only runs whose 'family/scene form conditions' contains this");
   command.add_option("--model", options.model, "Contact model of our geoms")
       ->check(CLI::IsMember({"auto", "pairwise", "solid"}))
@@ -69,6 +77,15 @@ int runCommand(CommandOptions options) {
       fmt::print(stderr, "unknown scene {}: see --list\n", name);
       return 2;
     }
+  }
+  if (!options.meshFolder.empty()) setenv("OTG_MESH_DIR", options.meshFolder.c_str(), 1);
+  for (const Scene& scene : allScenes()) {
+    const auto& names = options.suite.scenes;
+    const bool wanted = names.empty() ? scene.realUse && options.suite.realUse
+                                      : std::find(names.begin(), names.end(), scene.name) != names.end();
+    if (!wanted || missingFile(scene).empty()) continue;
+    fmt::print(stderr, "skipping {}: the folder of meshes (--mesh-dir, OTG_MESH_DIR) has no {}\n", scene.name,
+               missingFile(scene));
   }
   options.suite.model = *modelNamed(options.model);
   options.suite.forms.clear();

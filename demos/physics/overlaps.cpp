@@ -70,9 +70,7 @@ Scene contained() {
     result.measures["spin"] = rig.angularVelocity(0).norm();
     return result;
   };
-  scene.limits = {atMost("out", 0.3), atMost("spin", 0.1, Stepper::kWorld),
-                  // QuickStep leaves ODE's own boxes with 0.3 rad/s.
-                  atMost("spin", 1, Stepper::kQuick), ofNative("speed", Limit::Kind::kAtMostTimesNative, 1.5)};
+  scene.limits = {atMost("out", 0.3), atMost("spin", 0.1), ofNative("speed", Limit::Kind::kAtMostTimesNative, 1.5)};
   scene.steppings = {kW, kQ20};
   scene.seconds = 0.5;
   return scene;

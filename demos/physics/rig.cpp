@@ -155,6 +155,17 @@ void Rig::addMotor(int body, const Vec& axis, double speed, double torque) {
   dJointSetHingeParam(joint, dParamFMax, torque * energyUnit_);
   // CFM of a torque is rad/s per N m: unlike that of a force it has to be scaled for the scene to be similar.
   dJointSetHingeParam(joint, dParamCFM, 1e-5 / (run_.size * run_.size));
+  std::unique_ptr<Motor>& motor = motors_[body];
+  motor = std::make_unique<Motor>();
+  motor->joint = joint;
+  dJointSetFeedback(joint, &motor->feedback);
+}
+
+double Rig::motorTorque(int body) const {
+  const Motor& motor = *motors_.at(body);
+  dVector3 axis;
+  dJointGetHingeAxis(motor.joint, axis);
+  return toVec(motor.feedback.t1).dot(toVec(axis)) / energyUnit_;
 }
 
 void Rig::makeGeoms() {

@@ -58,6 +58,9 @@ class Rig {
   /// Hangs the body on a hinge through its centre, with a motor that holds `speed` (rad/s) with at most `torque` (N m).
   void addMotor(int body, const Vec& axis, double speed, double torque);
 
+  /// Torque of the body's motor in the last step, N m about its axis.
+  double motorTorque(int body) const;
+
   /// Steps for so long. `each` is called after every step and may return false to end the run early.
   void run(double seconds, const std::function<bool()>& each = {});
   /// Collides once without stepping.
@@ -113,6 +116,10 @@ class Rig {
   void makeGeomsOf(const Item& item);
   void place(dGeomID geom, const Item& item, const Vec& center);
   struct ScaledMesh;
+  struct Motor {
+    dJointID joint;
+    dJointFeedback feedback;
+  };
   static void nearCallback(void* self, dGeomID a, dGeomID b);
   void collidePair(dGeomID a, dGeomID b);
   bool step();
@@ -132,6 +139,7 @@ class Rig {
   std::vector<Item> items_;
   std::vector<Body> bodies_;
   std::map<const Shape*, std::unique_ptr<ScaledMesh>> meshes_;
+  std::map<int, std::unique_ptr<Motor>> motors_;  ///< by body; ODE keeps pointers to the feedback
   bool built_ = false;
 
   std::vector<dContact> buffer_;

@@ -59,6 +59,9 @@ struct Scene {
   double dt = 0.005;         ///< of the plain run, s
   int seeds = 5;             ///< along kAxisSeed
   double seconds = 10;       ///< simulated, to order long runs first
+  bool realUse = false;      ///< only on request: what users do, with real meshes or for long
+  /// Files in the folder of meshes without which the scene is skipped.
+  std::vector<std::string> meshFiles = {};
 };
 
 /// A demand on several runs together: the largest value of a measure over scenes at most `value` times the smallest.
@@ -80,6 +83,12 @@ std::vector<Scene> curvedScenes();
 std::vector<Scene> insertionScenes();
 std::vector<Scene> overlapScenes();
 std::vector<Scene> dropScenes();
+std::vector<Scene> realUseScenes();
+
+/// Where the mesh files of scenes lie: the value of OTG_MESH_DIR, empty without it.
+std::string meshFolder();
+/// The first of the scene's files that is not there; empty if none.
+std::string missingFile(const Scene& scene);
 
 constexpr Stepping kW{Stepper::kWorld, 20};
 constexpr Stepping kQ20{Stepper::kQuick, 20};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The list of all scenes.
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <iterator>
 
 #include "physics/scene.h"
@@ -13,6 +15,9 @@ const std::vector<Scene>& allScenes() {
     for (auto& family :
          {boxScenes(), slidingScenes(), curvedScenes(), insertionScenes(), overlapScenes(), dropScenes()})
       all.insert(all.end(), family.begin(), family.end());
+#ifdef OTG_REAL_USE  // reads mesh files, which only the demos can
+    for (const Scene& scene : realUseScenes()) all.push_back(scene);
+#endif
     return all;
   }();
   return kScenes;
@@ -29,6 +34,18 @@ const Scene* findScene(const std::string& name) {
   const auto& scenes = allScenes();
   const auto found = std::find_if(scenes.begin(), scenes.end(), [&](const Scene& s) { return s.name == name; });
   return found == scenes.end() ? nullptr : &*found;
+}
+
+std::string meshFolder() {
+  const char* folder = std::getenv("OTG_MESH_DIR");
+  return folder ? folder : "";
+}
+
+std::string missingFile(const Scene& scene) {
+  for (const std::string& file : scene.meshFiles) {
+    if (meshFolder().empty() || !std::filesystem::exists(std::filesystem::path(meshFolder()) / file)) return file;
+  }
+  return {};
 }
 
 }  // namespace otg::physics

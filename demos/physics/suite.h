@@ -20,6 +20,7 @@ struct SuiteOptions {
   Extent extent = Extent::kQuick;
   Model model = Model::kAuto;
   std::vector<Form> forms{Form::kNative, Form::kOurs};
+  bool realUse = false;             ///< the scenes of real use instead of the others, where none are named
   std::vector<std::string> scenes;  ///< names; empty: all
   std::string filter;               ///< part of "family/scene form run"; empty: all
   int workers = 0;                  ///< processes; 0: as many as processors

@@ -21,9 +21,10 @@ namespace otg::physics {
 struct ThreadSetup {
   scenes::MeshArrays bolt, nut;  ///< axis z; the nut as it starts, clear of the bolt
   double pitch;                  ///< m per turn
-  int segments;                  ///< columns per turn of both meshes
+  int segments;                  ///< columns per turn of both meshes; if not every column repeats, of those that do
   double inertia;                ///< of the nut about its axis for 1 kg, kg m^2
   double gravity;                ///< m/s^2, downwards
+  int samples = 64;              ///< of the height, in each column
 };
 
 /// Change of height after so many seconds, m (negative: down), and the turned angle in radians.
