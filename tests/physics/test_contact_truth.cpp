@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Single queries of the contact model `solid` against formulas and against the gradient of the overlap's volume, over
+// Single queries of the contact model `solid` against formulas or the gradient of the overlap's volume, over
 // fixed random poses with overlaps of 1 to 10 % of the bodies' size. `otg bench contacts` has the deep ones, too.
 #include <algorithm>
 #include <cmath>
@@ -20,23 +20,24 @@ struct Promise {
   const char* family;
   double largestNormal, medianNormal;  ///< degrees
   double depth, medianDepth;           ///< error of the deepest contact, as a part of the size
-  double force;                        ///< degrees from the gradient of the volume
+  double force;                        ///< of all contacts together: degrees from the direction by formula
 };
 
 // One sphere of 5,120 triangles lies within 0.0012 radii of its facets' planes, one torus of 96 x 48 segments within
 // 0.0021 minor radii, one cylinder of 64 sides within 0.0012 radii.
 constexpr Promise kPromises[] = {
-    {"spheres", 5, 1, 0.0024, 0.0012, 1},
-    {"ball_torus", 5, 1, 0.0060, 0.0012, 1},
-    {"tori_stacked", 5, 1, 0.0042, 0.0012, 1},
-    {"cylinders_parallel", 5, 1, 0.0024, 0.0012, 1},
-    {"boxes_aligned", 10, 5, 0.001, 0.0001, 5},
-    {"boxes_face_turned", 10, 5, 0.001, 0.0001, 5},
-    {"cylinders_stacked", 10, 5, 0.001, 0.0001, 5},
-    {"cylinder_on_box", 5, 5, 0.001, 0.0001, 1},
-    {"ball_box", 10, 5, 0.01, 0.001, 5},
-    {"ball_cylinder", 10, 5, 0.01, 0.001, 5},
-    {"cylinders_crossed", 10, 5, 0.01, 0.001, 5},
+    {"spheres", 1, 0.2, 0.0024, 0.0012, 0.5},
+    // Where both surfaces turn the same way the outermost of its contacts face as the surfaces do there.
+    {"ball_torus", 8, 0.5, 0.0060, 0.0012, 1},
+    {"tori_stacked", 1, 0.2, 0.0042, 0.0012, 0.5},
+    {"cylinders_parallel", 1, 0.5, 0.0024, 0.0012, 0.5},
+    {"boxes_aligned", 0.5, 0.1, 0.001, 0.0001, 0.1},
+    {"boxes_face_turned", 0.5, 0.1, 0.001, 0.0001, 0.1},
+    {"cylinders_stacked", 5, 1, 0.001, 0.0001, 4},
+    {"cylinder_on_box", 5, 1, 0.001, 0.0001, 1},
+    {"ball_box", 7, 1, 0.01, 0.001, 3},
+    {"ball_cylinder", 7, 2, 0.01, 0.001, 4},
+    {"cylinders_crossed", 8, 3, 0.01, 0.001, 2},
 };
 
 std::vector<truth::PlainContact> contactsOf(const truth::ContactFamily& family, const Transformd& pose, int places) {
@@ -74,8 +75,10 @@ TEST_CASE("shallow contacts point the right way and are as deep as the overlap")
           deepest = std::max(deepest, c.depth);
         }
         depth[k].add(std::fabs(deepest - placement.truth->depth) / family->size);
+        // Not the gradient of the volume: where edges hang over that leans by up to 6 degrees, which the model does
+        // not.
         const truth::Wrench wrench = truth::wrenchOf(contacts, gradient.overlap.centroid);
-        force[k].add(truth::angleBetween(wrench.force, gradient.push));
+        force[k].add(truth::angleBetween(wrench.force, placement.truth->direction));
       }
     }
     for (const int k : {0, 1}) {

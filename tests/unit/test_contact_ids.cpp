@@ -117,7 +117,7 @@ TEST_CASE("features are where they are said to be, vertices inside are inside th
   }
   CHECK(vertices > 500);
   CHECK(crossings > 300);
-  CHECK(middles > 50);
+  CHECK(middles > 30);  // only those deeper than the ends of their stretch are contacts
 }
 
 TEST_CASE("ids and features stay under motions that change no feature") {
@@ -164,7 +164,7 @@ TEST_CASE("a crossing keeps its id from triangle to triangle") {
     }
   }
   INFO(crossings << " crossings, " << all.size() << " ids, " << triangles.size() << " triangles");
-  CHECK(crossings > 60);
+  CHECK(crossings > 50);   // of at most 2 in each of the 30 poses: the rest is carried by other features
   CHECK(all.size() <= 8);  // both ends of a stretch of each of the bar's four long edges
   CHECK(triangles.size() > 2 * all.size());
 }

@@ -217,8 +217,8 @@ TEST_CASE("any capacity is kept to, and the deepest contact is always among the 
 
 TEST_CASE("only the contacts are written, whatever the skip") {
   const OdeSession session;
-  const Data box(scenes::makeBox({1, 1, 1}, 3));
-  const Geom a(box), b(box);
+  const Data ball(scenes::makeSphere(0.5, 3));
+  const Geom a(ball), b(ball);
   dGeomSetPosition(b.id, 0.2, 0.3, 0.9);
   const auto expected = test::collide(a.id, b.id, 6);
   REQUIRE(expected.size() == 6);

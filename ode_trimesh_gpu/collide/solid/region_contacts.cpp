@@ -40,8 +40,6 @@ constexpr double kRankStep = 0.02, kFarther = 1.02;
 // How far from a piece (in diagonals) the way out may lead through its plane for an estimate to use it.
 constexpr double kPieceSlack = 0.02;
 constexpr double kGatheredError = 0.05;
-// Coherence below which a region is curved rather than flat.
-constexpr double kRound = 0.99;
 // Regions with more points or pieces than this are thinned before anything quadratic.
 constexpr std::size_t kMostPoints = 192, kMostPlanes = 96;
 
@@ -206,9 +204,11 @@ class RegionSolver {
   }
 
   void collectCandidates() {
-    // The corners of an overlap are never flat points, as long as anything is not flat.
+    // The corners of an overlap are never flat points, as long as anything is not flat. Between curved bodies flat ones
+    // still help to come near to the deepest place, which is at no corner.
     const auto first = all_.points.begin() + region_.pointBegin, last = all_.points.begin() + region_.pointEnd;
-    const bool skipFlat = std::count_if(first, last, [](const SupportPoint& p) { return !p.flat; }) >= 3;
+    const bool skipFlat =
+        task_.normals.isFlat() && std::count_if(first, last, [](const SupportPoint& p) { return !p.flat; }) >= 3;
     for (const std::uint32_t i : thinned()) {
       const SupportPoint& p = all_.points[i];
       if (skipFlat && p.flat) continue;
@@ -284,7 +284,7 @@ class RegionSolver {
     });
     // Where the bodies are round the deepest is one point, and it is the first; where they are flat many tremble about
     // it.
-    if (region_.coherence < kRound && !candidates_.empty()) {
+    if (!task_.normals.isFlat() && !candidates_.empty()) {
       const auto first =
           std::find_if(candidates_.begin(), candidates_.end(), [&](const Candidate& c) { return c.rank >= highest; });
       std::rotate(candidates_.begin(), first, first + 1);

@@ -16,9 +16,11 @@ double distanceToBox(const Vec3d& p, const Vec3d& lo, const Vec3d& hi) {
   return std::sqrt(x * x + y * y + z * z);
 }
 
-// From here on a region counts as flat, or as curved; in between the two answers are blended. Where one side is a
-// single face coherence is 1; at 0.99 the flanks of fine threads would count as flat, and a nut loses 40 % of its way.
-constexpr double kFlat = 0.9999, kCurved = 0.999;
+// From here on a region counts as one flat face, and no piece of it is looked at.
+constexpr double kFlat = 0.9999;
+// From here on the mean direction holds everywhere, and up to here the local one; in between they are blended. At 0.99
+// and 0.97 the flanks of fine threads count as flat, and a nut loses 40 % of its way.
+constexpr double kStraight = 0.997, kCurved = 0.99;
 // A piece says where out is as long as the way through the region behind it is not much longer than the region is
 // thick: its weight is 1 / (1 + (way / (kThick thickness))^4). The end of a slab over whose edge a box rests says
 // nothing.
@@ -31,8 +33,13 @@ constexpr std::uint32_t kMostElements = 256;
 }  // namespace
 
 RegionNormals::RegionNormals(const OverlapRegions& all, const Region& region)
-    : region_(region), mean_(unit(region.push)), radius_(std::max(region.diagonal / 4, 3 * region.thickness)) {
-  if (region.coherence >= kFlat) return;
+    : region_(region),
+      mean_(unit(region.push)),  // By area, not by extent: narrow along a thread or a rim, wide in a round patch.
+      radius_(std::max(0.6 * std::sqrt(0.5 * (region.areaA + region.areaB)), 3 * region.thickness)) {
+  if (region.coherence >= kFlat) {
+    isFlat_ = true;
+    return;
+  }
   if (region.pieceEnd - region.pieceBegin > kMostElements) {
     cluster(all);
   } else {
@@ -46,6 +53,7 @@ RegionNormals::RegionNormals(const OverlapRegions& all, const Region& region)
 }
 
 void RegionNormals::weighByDepth() {
+  weighted_ = mean_;
   if (!(region_.thickness > 0)) return;
   struct Plane {
     Vec3d normal;
@@ -57,6 +65,8 @@ void RegionNormals::weighByDepth() {
     const double length = norm(e.vector);
     planes.push_back(length > 0 ? Plane{otgScale(e.vector, 1 / length), e.offset / length} : Plane{{0, 0, 0}, 0});
   }
+  Vec3d sum[2] = {{0, 0, 0}, {0, 0, 0}};
+  double total[2] = {0, 0};
   const double slack = kPieceSlack * region_.diagonal;
   for (std::size_t i = 0; i < elements_.size(); ++i) {
     Element& e = elements_[i];
@@ -80,7 +90,16 @@ void RegionNormals::weighByDepth() {
     }
     const double share = (found ? nearest : convex) / (kThick * region_.thickness);
     e.weight = 1 / (1 + share * share * share * share);
+    sum[e.mesh] = otgAdd(sum[e.mesh], otgScale(e.vector, e.weight));
+    total[e.mesh] += e.weight * e.area;
   }
+  const Vec3d push = otgSub(sum[1], sum[0]);
+  if (otgDot(push, push) > 0) weighted_ = unit(push);
+  double coherence = 0;
+  for (int m = 0; m < 2; ++m) {
+    if (total[m] > 0) coherence = std::max(coherence, norm(sum[m]) / total[m]);
+  }
+  isFlat_ = coherence >= kCurved;
 }
 
 /// Cells of an eighth of the radius of influence, one element per cell and mesh.
@@ -141,8 +160,8 @@ Vec3d RegionNormals::at(const Vec3d& point) const {
   if (region_.coherence >= kFlat) return mean_;
   Vec3d n = local(point);
   if (region_.coherence > kCurved) {
-    const double w = (region_.coherence - kCurved) / (kFlat - kCurved);
-    n = unit(otgAdd(otgScale(mean_, w), otgScale(n, 1 - w)));
+    const double w = std::min(1.0, (region_.coherence - kCurved) / (kStraight - kCurved));
+    n = unit(otgAdd(otgScale(weighted_, w), otgScale(n, 1 - w)));
   }
   // Against the mean the way out of a lump is longer; a thin region may run around a rim.
   return isLump() && region_.coherence >= 0.5 && otgDot(n, mean_) < -0.2 ? mean_ : n;

@@ -24,6 +24,8 @@ class RegionNormals {
   /// Direction of the region's vector area; zero if that vanishes.
   const Vec3d& mean() const { return mean_; }
   Vec3d at(const Vec3d& point) const;
+  /// Whether what counts of one side at least is all but flat.
+  bool isFlat() const { return isFlat_; }
 
  private:
   struct Element {  // a piece, or a cell full of pieces of one mesh
@@ -42,8 +44,10 @@ class RegionNormals {
 
   const Region& region_;
   Vec3d mean_{0, 0, 0};
+  Vec3d weighted_{0, 0, 0};  ///< the mean with the weights of the elements
   std::optional<Vec3d> fixed_, escape_;
   double radius_;
+  bool isFlat_ = false;
   std::vector<Element> elements_;
 };
 
