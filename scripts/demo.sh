@@ -34,7 +34,7 @@ number=0
 for frame in "$work"/frames/frame_*.pov; do
   number=$((number + 1))
   # No window (-D), and more samples where neighbouring pixels differ (+A).
-  povray "+I$frame" "+L$demo" "+L$work/frames" "+Oout/frame_$number.png" +W960 +H540 +A0.2 +AM2 +R2 -D -GA \
+  povray "+I$frame" "+L$demo" "+L$work/frames" "+Oout/frame_$number.png" +W960 +H540 +A0.15 +AM2 +R2 -D -GA \
     >"$work/povray.log" 2>&1 || { cat "$work/povray.log" >&2; exit 1; }
   echo "out/frame_$number.png" >&2
 done

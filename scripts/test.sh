@@ -6,6 +6,7 @@
 #   scripts/test.sh --sanitize       also the unit tests under AddressSanitizer + UndefinedBehaviorSanitizer
 #                                    (build-asan/) and under ThreadSanitizer (build-tsan/)
 #   scripts/test.sh --sanitize=asan  only one of the two; =tsan likewise
+#   scripts/test.sh --sanitize=core  both, but only of the few tests that reach most of the library
 #   scripts/test.sh -R collide       further words are handed to ctest
 #
 # Exit status 0 if everything passed. Installs what is missing first: see install_dependencies.sh.
@@ -13,10 +14,12 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 sanitizers=()
+core=
 ctest_words=()
 for word in "$@"; do
   case "$word" in
     --sanitize) sanitizers=(asan tsan) ;;
+    --sanitize=core) sanitizers=(asan tsan) core=yes ;;
     --sanitize=asan | --sanitize=tsan) sanitizers=("${word#--sanitize=}") ;;
     -h | --help) sed -n '3,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;;
     *) ctest_words+=("$word") ;;
@@ -64,7 +67,11 @@ run_preset() {
 
 run_preset default all "${ctest_words[@]}"
 for preset in "${sanitizers[@]}"; do
-  run_preset "$preset" tests_unit -L '^unit$' "${ctest_words[@]}"
+  if [ -n "$core" ]; then
+    run_preset "$preset" "tests_core_$preset" -L "^core_$preset\$" "${ctest_words[@]}"
+  else
+    run_preset "$preset" tests_unit -L '^unit$' "${ctest_words[@]}"
+  fi
 done
 
 [ "$failed" -eq 0 ] || status=1

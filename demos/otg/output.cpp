@@ -17,6 +17,7 @@ void printJson(const Json& document) {
 
 void printTable(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> width;
+  width.reserve(head.size());
   for (const std::string& cell : head) width.push_back(cell.size());
   for (const auto& row : rows) {
     for (std::size_t i = 0; i < row.size(); ++i) width[i] = std::max(width[i], row[i].size());

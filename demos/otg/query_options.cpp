@@ -78,7 +78,7 @@ void QueryOptions::addBackendOptions(CLI::App& command) {
 void QueryOptions::addContactOptions(CLI::App& command) {
   command
       .add_option("--contacts", contacts,
-                  "Contact model; auto: pairwise if a reduction is named, else solid for two solids")
+                  "Contact model; auto: pairwise if a reduction is named, else solid where that can be")
       ->check(CLI::IsMember({"auto", "pairwise", "solid"}));
   command.add_option("--reduction", reduction, "How contacts are reduced")
       ->check(CLI::IsMember({"none", "binning", "cone"}));

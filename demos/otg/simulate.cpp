@@ -105,12 +105,14 @@ class CsvFile {
     file_.reset(std::fopen(path.c_str(), "wb"));
     if (!file_) throw InputError(path + ": cannot be written");
     fmt::print(file_.get(),
-               "step,time,contacts,contacts_before_reduction,collide_ms,step_ms,kinetic_energy,potential_energy\n");
+               "step,time,contacts,contacts_before_reduction,collide_ms,step_ms,kinetic_energy,potential_energy,"
+               "intersecting_pairs\n");
   }
   void write(int step, double time, const StepRecord& record, const scenes::Energy& energy) {
     if (!file_) return;
-    fmt::print(file_.get(), "{},{:.9g},{},{},{:.4f},{:.4f},{:.9g},{:.9g}\n", step, time, record.contacts,
-               record.contactsBeforeReduction, record.collideMs, record.stepMs, energy.kinetic, energy.potential);
+    fmt::print(file_.get(), "{},{:.9g},{},{},{:.4f},{:.4f},{:.9g},{:.9g},{}\n", step, time, record.contacts,
+               record.contactsBeforeReduction, record.collideMs, record.stepMs, energy.kinetic, energy.potential,
+               record.intersectingPairs);
   }
   void close() {
     if (file_ && std::fclose(file_.release()) != 0) throw InputError(path_ + ": writing failed");
@@ -154,10 +156,11 @@ Json describe(const Simulation& simulation, const Run& run, double dt, const sce
   Json document;
   std::vector<int> contacts;
   std::vector<double> stepMs, collideMs;
-  std::uint64_t beforeReduction = 0;
+  std::uint64_t beforeReduction = 0, pairs = 0;
   for (const StepRecord& record : run.records) {
     contacts.push_back(record.contacts);
     beforeReduction += record.contactsBeforeReduction;
+    pairs += record.intersectingPairs;
     stepMs.push_back(record.stepMs);
     collideMs.push_back(record.collideMs);
   }
@@ -169,6 +172,7 @@ Json describe(const Simulation& simulation, const Run& run, double dt, const sce
   const double n = std::max<double>(1, double(run.records.size()));
   document["summary"] = {{"mean_contacts", std::accumulate(contacts.begin(), contacts.end(), 0.0) / n},
                          {"mean_contacts_before_reduction", double(beforeReduction) / n},
+                         {"mean_intersecting_pairs", double(pairs) / n},
                          {"max_contacts", contacts.empty() ? 0 : *std::max_element(contacts.begin(), contacts.end())},
                          {"median_step_ms", median(stepMs)},
                          {"median_collide_ms", median(collideMs)},
@@ -196,8 +200,8 @@ Json describe(const Simulation& simulation, const Run& run, double dt, const sce
 void printReadable(const Json& document) {
   const Json& summary = document["summary"];
   fmt::print("{} steps of {} s\n", document["steps"].get<std::size_t>(), document["dt"].get<double>());
-  fmt::print("contacts per step   {:.1f} on average ({:.1f} before reduction), {} at most\n",
-             summary["mean_contacts"].get<double>(), summary["mean_contacts_before_reduction"].get<double>(),
+  fmt::print("contacts per step   {:.1f} on average (from {:.1f} pairs of intersecting triangles), {} at most\n",
+             summary["mean_contacts"].get<double>(), summary["mean_intersecting_pairs"].get<double>(),
              summary["max_contacts"].get<int>());
   fmt::print("time per step       {:.3f} ms colliding, {:.3f} ms stepping (medians)\n",
              summary["median_collide_ms"].get<double>(), summary["median_step_ms"].get<double>());

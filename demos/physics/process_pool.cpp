@@ -84,6 +84,7 @@ void runInProcesses(std::size_t count, int workers, double timeout, const std::f
   while (next < count || !running.empty()) {
     while (next < count && static_cast<int>(running.size()) < workers) running.push_back(start(job, next++));
     std::vector<pollfd> waiting;
+    waiting.reserve(running.size());
     for (const Running& r : running) waiting.push_back({r.fd, POLLIN, 0});
     poll(waiting.data(), waiting.size(), 200);
     for (std::size_t i = running.size(); i-- > 0;) {

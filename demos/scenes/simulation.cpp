@@ -213,22 +213,24 @@ void Simulation::collidePair(dGeomID a, dGeomID b) {
   if (!ours) contactsOfOthers_ += count;
 }
 
-std::uint64_t Simulation::contactsFoundSoFar() const {
-  std::uint64_t sum = 0;
+Simulation::Found Simulation::foundSoFar() const {
+  Found sum;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (!isGpuTriMesh(scene_.bodies[i])) continue;
     dGpuTriMeshStats stats;
     dGpuTriMeshStatsInit(&stats);
-    if (dGeomGpuTriMeshGetStats(bodies_[i].geom, &stats) == dGPUTRIMESH_OK) sum += stats.contacts_before_reduction;
+    if (dGeomGpuTriMeshGetStats(bodies_[i].geom, &stats) != dGPUTRIMESH_OK) continue;
+    sum.contacts += stats.contacts_before_reduction;
+    sum.intersectingPairs += stats.intersecting_pairs;
   }
-  return sum / 2;  // a pair counts for both of its geoms
+  return {sum.contacts / 2, sum.intersectingPairs / 2};  // a pair of geoms counts for both
 }
 
 StepRecord Simulation::step(double dt) {
   StepRecord record;
   contactCount_ = 0;
   contactsOfOthers_ = 0;
-  const std::uint64_t before = contactsFoundSoFar();
+  const Found before = foundSoFar();
   dRandSetSeed(randomState_);
   auto start = std::chrono::steady_clock::now();
   dSpaceCollide(space_, this, &nearCallback);
@@ -242,8 +244,10 @@ StepRecord Simulation::step(double dt) {
   randomState_ = dRandGetSeed();
   dJointGroupEmpty(contactJoints_);
   record.contacts = contactCount_;
+  const Found after = foundSoFar();
   record.contactsBeforeReduction =
-      contactsFoundSoFar() - before + static_cast<std::uint64_t>(std::max(contactsOfOthers_, 0));
+      after.contacts - before.contacts + static_cast<std::uint64_t>(std::max(contactsOfOthers_, 0));
+  record.intersectingPairs = after.intersectingPairs - before.intersectingPairs;
   return record;
 }
 

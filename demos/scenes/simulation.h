@@ -34,6 +34,7 @@ struct BodyState {
 struct StepRecord {
   int contacts = 0;                           ///< contact joints made in this step
   std::uint64_t contactsBeforeReduction = 0;  ///< what the colliders found before reducing (equal for ODE's own ones)
+  std::uint64_t intersectingPairs = 0;        ///< pairs of triangles that intersect, of gpu_trimesh geoms
   double collideMs = 0;                       ///< dSpaceCollide with its near callback
   double stepMs = 0;                          ///< dWorldStep or dWorldQuickStep
 };
@@ -79,7 +80,11 @@ class Simulation {
   void collidePair(dGeomID a, dGeomID b);
   void addBody(const BodyDescription& description);
   dGeomID makeGeom(const BodyDescription& description, Body& body) const;
-  std::uint64_t contactsFoundSoFar() const;
+  /// Sums over all collisions of gpu_trimesh geoms so far.
+  struct Found {
+    std::uint64_t contacts = 0, intersectingPairs = 0;
+  };
+  Found foundSoFar() const;
   void findWarnings();
   void clear();
 

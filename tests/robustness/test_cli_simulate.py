@@ -79,12 +79,16 @@ class Simulate(CliTest):
         self.assertEqual(self.run_json("simulate", self.scene({**inside, "history": False}))["hash"], without)
 
     def test_csv(self):
-        document = self.run_json("simulate", self.scene(DROP), "--csv", "out.csv", "--steps", "20")
+        document = self.run_json("simulate", self.scene(DROP), "--csv", "out.csv", "--steps", "40")
         with open(self.path("out.csv")) as file:
             rows = list(csv.DictReader(file))
-        self.assertEqual(len(rows), 20)
+        self.assertEqual(len(rows), 40)
         self.assertEqual([int(row["contacts"]) for row in rows], document["contacts_per_step"])
         self.assert_keys(rows[0], "step time contacts contacts_before_reduction collide_ms step_ms")
+        # Contacts come from triangles that intersect; a step without the one has none of the other here.
+        for row in rows:
+            self.assertEqual(int(row["contacts"]) > 0, int(row["intersecting_pairs"]) > 0, row)
+        self.assertTrue(any(int(row["intersecting_pairs"]) > 0 for row in rows))
 
     def test_glb(self):
         document = self.run_json("simulate", self.scene(DROP), "--glb", "out.glb")
