@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# The layers of the library: mesh <- bvh <- collide <- opencl, and ode on top.
+# The layers of the library: mesh <- bvh <- collide <- opencl <- dispatch, and ode on top.
 #
 # otg_add_layer(NAME SOURCES ... DEPENDS ...) makes the object library otg_NAME from ode_trimesh_gpu/NAME. Its headers are
 # reached as "NAME/header.h" through a link in the build tree that only targets which link otg_NAME get to see, so an

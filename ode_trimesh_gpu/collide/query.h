@@ -21,12 +21,14 @@ struct MiddleOptions {
   Traversal traversal = Traversal::kWide;
   DescentRule descent = DescentRule::kLargerFirst;
   int axes = 6;  ///< 6 face axes, or 15 with the edge axes
+  friend bool operator==(const MiddleOptions&, const MiddleOptions&) = default;
 };
 
 struct ReductionOptions {
   Reduction method = Reduction::kBinning;
   /// Bins per axis: position x, y, z, then normal x, y, z; each 1 to 64.
   std::array<int, 6> bins{3, 3, 3, 3, 3, 3};
+  friend bool operator==(const ReductionOptions&, const ReductionOptions&) = default;
 };
 
 struct CollideOptions {
@@ -37,6 +39,7 @@ struct CollideOptions {
   int maxContacts = 64;        ///< 1 to 65,535
   bool timings = false;        ///< fill CollideStats::*Ms (reads the clock a few times)
   bool countPerDepth = false;  ///< fill CollideStats::boxTestsPerDepth
+  friend bool operator==(const CollideOptions&, const CollideOptions&) = default;
 };
 
 /// What a contact was made from; part of the order of contacts. `pairwise` has the face whose plane gave the normal;

@@ -15,6 +15,7 @@
 #include <memory>
 #include <mutex>
 
+#include "dispatch/workspace_lease.h"
 #include "ode/geom_class.h"
 #include "ode/mesh_collider.h"
 #include "ode/status.h"
@@ -201,7 +202,7 @@ int dGpuTriMeshInit(void) {
 }
 
 void dGpuTriMeshClose(void) {
-  otg::freeThreadScratch();
+  otg::freeThreadWorkspaces();
 }
 
 int dGpuTriMeshGetClass(void) {

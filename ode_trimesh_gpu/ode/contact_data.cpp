@@ -82,5 +82,5 @@ int dGpuTriMeshCollideEx(dGeomID o1, dGeomID o2, int flags, dContactGeom* contac
   }
   // As dCollide has it: a geom does not touch itself, nor another one of its body.
   if (o1 == o2 || (dGeomGetBody(o1) != nullptr && dGeomGetBody(o1) == dGeomGetBody(o2))) return 0;
-  return otg::collideMeshes(o1, o2, flags, contact, skip, {data, data_skip});
+  return otg::collideMeshes(o1, o2, flags, {contact, skip, data, data_skip});
 }

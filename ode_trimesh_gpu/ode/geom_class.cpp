@@ -103,7 +103,8 @@ void destroyObject(dGeomID geom) noexcept {
   GeomObject*& slot = slotOf(geom);
   if (slot == nullptr) return;
   if (slot->data != nullptr) slot->data->detach(slot->serial);
-  delete slot;
+  slot->data = nullptr;
+  const std::shared_ptr<GeomObject> last = std::move(slot->self);
   slot = nullptr;
 }
 
@@ -113,7 +114,7 @@ dGeomID dCreateGpuTriMesh(dSpaceID space, dGpuTriMeshDataID data) {
   dGeomID geom = nullptr;
   otg::guarded([&] {
     if (const int status = otg::ensureRegistered()) return status;
-    auto object = std::make_unique<otg::GeomObject>();
+    const std::shared_ptr<otg::GeomObject> object(new otg::GeomObject);
     object->serial = otg::nextSerial();
     dGpuTriMeshParamsInit(&object->params);
     const dGeomID created = dCreateGeom(otg::registeredClass());
@@ -126,7 +127,8 @@ dGeomID dCreateGpuTriMesh(dSpaceID space, dGpuTriMeshDataID data) {
       }
       object->data = data;
     }
-    otg::slotOf(created) = object.release();
+    otg::slotOf(created) = object.get();
+    object->self = object;
     geom = created;
     return static_cast<int>(dGPUTRIMESH_OK);
   });

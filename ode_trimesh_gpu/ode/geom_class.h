@@ -6,9 +6,11 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 
 #include "ode/mesh_data.h"
 #include "ode/pair_memory.h"
+#include "ode/prefetched_pairs.h"
 #include "ode_trimesh_gpu/params.h"
 #include "ode_trimesh_gpu/stats.h"
 
@@ -17,11 +19,12 @@ namespace otg {
 /// Sums of dGpuTriMeshStats. Several threads may collide one geom (a ground mesh) at once.
 struct GeomStats {
   std::atomic<std::uint64_t> queries{0}, failedQueries{0}, boxTests{0}, candidatePairs{0}, intersectingPairs{0},
-      decidedByDouble{0}, decidedExactly{0}, contactsBeforeReduction{0}, contacts{0};
+      decidedByDouble{0}, decidedExactly{0}, contactsBeforeReduction{0}, contacts{0}, prefetched{0};
 };
 
 /// ODE keeps a pointer to it in the geom's class data (which it zeroes, copies nothing into and frees without a word).
-struct GeomObject {
+/// Batches under way share it, so that a geom may be destroyed meanwhile.
+struct GeomObject : std::enable_shared_from_this<GeomObject> {
   /// Orders geoms by creation. Of two that collide the older one is mesh A: the result must not depend on the order of
   /// the call, and in the same program it must not depend on addresses either.
   std::uint64_t serial = 0;
@@ -29,6 +32,8 @@ struct GeomObject {
   dGpuTriMeshParams params{};        ///< always valid
   GeomStats stats;
   PairMemory memory;  ///< of pairs in which this geom is mesh B (the younger one)
+  PrefetchedPairs prefetched;
+  std::shared_ptr<GeomObject> self;  ///< the geom's own share, until it is destroyed
 
   /// Null when there is nothing to collide with.
   const CollisionMesh* mesh() const { return data == nullptr ? nullptr : data->mesh(); }

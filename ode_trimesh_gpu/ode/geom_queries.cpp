@@ -84,6 +84,7 @@ int dGeomGpuTriMeshGetStats(dGeomID g, dGpuTriMeshStats* stats) {
   stats->decided_exactly = from.decidedExactly;
   stats->contacts_before_reduction = from.contactsBeforeReduction;
   stats->contacts = from.contacts;
+  stats->prefetched = from.prefetched;
   return dGPUTRIMESH_OK;
 }
 
@@ -93,7 +94,7 @@ int dGeomGpuTriMeshResetStats(dGeomID g) {
   otg::GeomStats& s = object->stats;
   for (std::atomic<std::uint64_t>* sum :
        {&s.queries, &s.failedQueries, &s.boxTests, &s.candidatePairs, &s.intersectingPairs, &s.decidedByDouble,
-        &s.decidedExactly, &s.contactsBeforeReduction, &s.contacts}) {
+        &s.decidedExactly, &s.contactsBeforeReduction, &s.contacts, &s.prefetched}) {
     sum->store(0, std::memory_order_relaxed);
   }
   return dGPUTRIMESH_OK;

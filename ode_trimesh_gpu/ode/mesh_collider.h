@@ -5,6 +5,7 @@
 #include <ode/collision.h>
 
 #include "collide/query.h"
+#include "ode/pair_task.h"
 #include "ode_trimesh_gpu/contact_data.h"
 #include "ode_trimesh_gpu/params.h"
 
@@ -14,14 +15,8 @@ namespace otg {
 /// (it exchanges the sides of the contacts afterwards).
 int collideMeshMesh(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip) noexcept;
 
-/// Where the contacts of a query go besides an array of dContactGeom.
-struct ContactDataArray {
-  dGpuTriMeshContactData* first = nullptr;  ///< null: nowhere
-  int skip = 0;                             ///< bytes from one element to the next
-};
-/// The same with the data of each contact.
-int collideMeshes(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip,
-                  const ContactDataArray& data) noexcept;
+/// The same, with the data of each contact if they go somewhere.
+int collideMeshes(dGeomID o1, dGeomID o2, int flags, const ContactArray& to) noexcept;
 /// What `contact` says to a caller of dGpuTriMeshCollideEx; `first` says whether mesh A is o1.
 dGpuTriMeshContactData contactData(const Query& query, const Contact& contact, bool first);
 
@@ -30,8 +25,5 @@ Transformd relativePose(const Transformd& a, const Transformd& b);
 
 /// The choices for a pair out of those of its geoms; symmetric but for the traversal, which is `first`'s.
 CollideOptions pairOptions(const dGpuTriMeshParams& first, const dGpuTriMeshParams& second);
-
-/// Frees what the calling thread keeps between collisions.
-void freeThreadScratch() noexcept;
 
 }  // namespace otg

@@ -24,6 +24,7 @@ struct dxGpuTriMeshData {
 
   /// Null until a build has succeeded.
   const otg::CollisionMesh* mesh() const { return mesh_.get(); }
+  const std::shared_ptr<const otg::CollisionMesh>& meshPtr() const { return mesh_; }
   /// Of the last build or update, successful or not.
   const otg::ValidationReport& report() const { return report_; }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -20,13 +21,18 @@ class PairMemory {
  public:
   static constexpr std::size_t kMost = 256;
 
-  /// What is known of the pair with the geom of that serial number (serial numbers are never used again).
-  SolidHistory recall(std::uint64_t other) {
+  /// What is known of the pair with the geom of that serial number (serial numbers are never used again). Returns its
+  /// stamp: a number that no other history that was ever stored in this process has, growing from one to the next; 0 if
+  /// nothing is known.
+  std::uint64_t recall(std::uint64_t other, SolidHistory& history) {
     const std::lock_guard lock(mutex_);
     const auto it = pairs_.find(other);
-    return it == pairs_.end() ? SolidHistory{} : it->second.history;
+    if (it == pairs_.end()) return 0;
+    history = it->second.history;
+    return it->second.stamp;
   }
-  void store(std::uint64_t other, const SolidHistory& history) {
+  /// Returns the stamp.
+  std::uint64_t store(std::uint64_t other, const SolidHistory& history) {
     const std::lock_guard lock(mutex_);
     if (pairs_.size() >= kMost && pairs_.find(other) == pairs_.end()) {
       auto oldest = pairs_.begin();
@@ -35,7 +41,10 @@ class PairMemory {
       }
       pairs_.erase(oldest);
     }
-    pairs_[other] = {history, ++clock_};
+    static std::atomic<std::uint64_t> clock{0};
+    const std::uint64_t stamp = clock.fetch_add(1, std::memory_order_relaxed) + 1;
+    pairs_[other] = {history, stamp};
+    return stamp;
   }
   void forget(std::uint64_t other) {
     const std::lock_guard lock(mutex_);
@@ -61,7 +70,6 @@ class PairMemory {
   void swap(PairMemory& other) {
     const std::lock_guard lock(mutex_);
     pairs_.swap(other.pairs_);
-    std::swap(clock_, other.clock_);
   }
 
  private:
@@ -71,7 +79,6 @@ class PairMemory {
   };
   std::mutex mutex_;
   std::map<std::uint64_t, Entry> pairs_;
-  std::uint64_t clock_ = 0;
 };
 
 }  // namespace otg

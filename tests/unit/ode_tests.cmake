@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The C API and the geom class.
-add_library(otg_test_ode_world OBJECT "${OTG_TEST_DIR}/support/ode_world.cpp")
+add_library(otg_test_ode_world OBJECT "${OTG_TEST_DIR}/support/ode_world.cpp" "${OTG_TEST_DIR}/support/pile_world.cpp")
 target_include_directories(otg_test_ode_world PUBLIC "${OTG_TEST_DIR}")
 target_link_libraries(otg_test_ode_world PUBLIC otg_scenes PRIVATE otg_flags)
 
 find_package(Threads REQUIRED)
-foreach(name init data geom collide contact_data history threads memory)
+foreach(name init data geom collide contact_data history threads memory batch prefetch)
   otg_add_test(ode_${name} unit
     SOURCES test_ode_${name}.cpp $<TARGET_OBJECTS:otg_test_ode_world> LIBRARIES otg_scenes Threads::Threads)
 endforeach()

@@ -8,6 +8,7 @@ namespace otg {
 
 struct SolidOptions {
   int contactsPerRegion = 16;  ///< at most this many contacts from one connected overlap region; the C API takes 1 to 64
+  friend bool operator==(const SolidOptions&, const SolidOptions&) = default;
 };
 
 /// What one query of a pair tells the next. Optional: a query without it answers from the geometry alone.

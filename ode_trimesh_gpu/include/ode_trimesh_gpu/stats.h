@@ -18,7 +18,7 @@ extern "C" {
  */
 typedef struct dGpuTriMeshStats {
   dsizeint size;           /**< sizeof(dGpuTriMeshStats) of your program; set by ...Init */
-  duint64 queries;         /**< times that dCollide() came to this geom */
+  duint64 queries;         /**< times that dCollide() came to this geom, and pairs of it in arrays of pairs */
   duint64 failed_queries;  /**< of these, answered with no contacts because a pose was not finite or not rigid, or for
                               want  of memory; dGpuTriMeshGetError() of the thread says which */
   duint64 box_tests;       /**< pairs of boxes compared */
@@ -27,7 +27,8 @@ typedef struct dGpuTriMeshStats {
   duint64 decided_by_double;  /**< candidate pairs that single precision could not decide */
   duint64 decided_exactly;    /**< of these, the ones that double precision could not decide either */
   duint64 contacts_before_reduction;
-  duint64 contacts; /**< handed to callers of dCollide() */
+  duint64 contacts;   /**< handed to callers */
+  duint64 prefetched; /**< queries whose contacts dGpuTriMeshPrefetch() had ready */
 } dGpuTriMeshStats;
 
 /**

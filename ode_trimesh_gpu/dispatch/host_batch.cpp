@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "dispatch/host_batch.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "collide/stages.h"
+#include "dispatch/workspace_lease.h"
+
+namespace otg {
+namespace {
+
+/// Items that a thread takes at once: one, unless there are so many that taking them costs.
+constexpr std::size_t kManyPairs = 4096, kPairsAtOnce = 8;
+/// A pair that has this many times the mean is begun before the others, so that it is not what all wait for in the end.
+constexpr std::size_t kLarge = 8;
+
+}  // namespace
+
+std::span<const Contact> contactsOnHost(const PairJob& job, Workspace& workspace) {
+  const Query& query = job.query;
+  if (job.any) {
+    pairwiseContacts(query, workspace);
+    // A solid model finds a mesh that lies inside the other one, where no triangles intersect.
+    if (!workspace.contacts.empty() || query.options.contacts != ContactModel::kSolid) {
+      const std::size_t count =
+          std::min(workspace.contacts.size(), static_cast<std::size_t>(query.options.maxContacts));
+      workspace.reduced.assign(workspace.contacts.begin(),
+                               workspace.contacts.begin() + static_cast<std::ptrdiff_t>(count));
+      numberAsCaller(query, workspace);
+      return workspace.reduced;
+    }
+  }
+  collideIntersecting(query, workspace);
+  numberAsCaller(query, workspace);
+  return workspace.reduced;
+}
+
+std::span<const Contact> collideOnHost(const PairJob& job, Workspace& workspace) {
+  findIntersectingPairs(job.query, workspace);
+  return contactsOnHost(job, workspace);
+}
+
+void collideOnHost(ThreadPool& pool, std::span<const PairJob* const> jobs, std::span<const std::size_t> which,
+                   std::span<PairResult> results) {
+  std::vector<std::size_t> order(which.begin(), which.end());
+  const std::size_t all = std::accumulate(order.begin(), order.end(), std::size_t{0},
+                                          [&](std::size_t sum, std::size_t i) { return sum + workOf(jobs[i]->query); });
+  std::stable_partition(order.begin(), order.end(),
+                        [&](std::size_t i) { return workOf(jobs[i]->query) * order.size() > kLarge * all; });
+  pool.run(order.size(), order.size() < kManyPairs ? 1 : kPairsAtOnce, [&](std::size_t begin, std::size_t end) {
+    const WorkspaceLease lease;
+    Workspace& workspace = *lease;
+    for (std::size_t k = begin; k < end; ++k) {
+      const PairJob& job = *jobs[order[k]];
+      keepOutcome(results[order[k]], workspace, [&] { return collideOnHost(job, workspace); });
+    }
+  });
+}
+
+}  // namespace otg

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Pairs on the CPU: one, or many by all threads.
+#pragma once
+
+#include <span>
+#include <stdexcept>
+
+#include "dispatch/pair_job.h"
+#include "dispatch/thread_pool.h"
+
+namespace otg {
+
+/// The contacts of one pair, best first and no more than query.options.maxContacts, in the workspace. Throws what
+/// otg::collide throws.
+std::span<const Contact> collideOnHost(const PairJob& job, Workspace& workspace);
+
+/// The same from workspace.intersecting: for pairs whose first two phases were done elsewhere.
+std::span<const Contact> contactsOnHost(const PairJob& job, Workspace& workspace);
+
+/// collideOnHost for jobs[which[k]], every k, by the pool's threads; what it throws becomes the outcome of that job.
+/// The results do not depend on the number of threads.
+void collideOnHost(ThreadPool& pool, std::span<const PairJob* const> jobs, std::span<const std::size_t> which,
+                   std::span<PairResult> results);
+
+/// Runs `finish`, which gives the contacts of one job, and keeps them or what it throws in the result.
+template <class Finish>
+void keepOutcome(PairResult& result, const Workspace& workspace, Finish&& finish) {
+  try {
+    const std::span<const Contact> contacts = finish();
+    result.contacts.assign(contacts.begin(), contacts.end());
+    result.counts = PairCounts(workspace.stats);
+    result.outcome = PairResult::Outcome::kDone;
+  } catch (const std::invalid_argument&) {
+    result.outcome = PairResult::Outcome::kRefused;
+  } catch (...) {  // of want of memory
+    result.outcome = PairResult::Outcome::kNoMemory;
+  }
+}
+
+/// How much there may be to do for a pair, in triangles.
+inline std::size_t workOf(const Query& query) {
+  return query.a->mesh().triangleCount() + query.b->mesh().triangleCount();
+}
+
+}  // namespace otg

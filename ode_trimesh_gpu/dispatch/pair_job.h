@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One pair of meshes among many: what is asked, where it may be computed, and the answer.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "collide/query.h"
+
+namespace otg {
+
+/// Where a phase of a query runs. kAuto: where the other phase is said to run; if neither is, where it is expected to
+/// be done sooner.
+enum class Place : std::uint8_t { kAuto, kCpu, kOpencl };
+
+struct Placement {
+  Place middle = Place::kAuto, near = Place::kAuto;
+  friend bool operator==(const Placement&, const Placement&) = default;
+};
+
+struct PairJob {
+  /// query.history, if any, is this job's alone.
+  Query query;
+  /// The first contacts found, without choosing between them: ODE's CONTACTS_UNIMPORTANT.
+  bool any = false;
+  Placement place;
+};
+
+/// CollideStats without what only profiles need.
+struct PairCounts {
+  std::uint64_t boxTests = 0, candidatePairs = 0, intersectingPairs = 0, decidedByDouble = 0, decidedExactly = 0,
+                contactsBeforeReduction = 0;
+  PairCounts() = default;
+  explicit PairCounts(const CollideStats& s)
+      : boxTests(s.boxTests),
+        candidatePairs(s.candidatePairs),
+        intersectingPairs(s.intersectingPairs),
+        decidedByDouble(s.decidedByDouble),
+        decidedExactly(s.decidedExactly),
+        contactsBeforeReduction(s.contactsBeforeReduction) {}
+  PairCounts& operator+=(const PairCounts& o) {
+    boxTests += o.boxTests;
+    candidatePairs += o.candidatePairs;
+    intersectingPairs += o.intersectingPairs;
+    decidedByDouble += o.decidedByDouble;
+    decidedExactly += o.decidedExactly;
+    contactsBeforeReduction += o.contactsBeforeReduction;
+    return *this;
+  }
+};
+
+struct PairResult {
+  std::vector<Contact> contacts;  ///< as otg::collide leaves them in Workspace::reduced
+  PairCounts counts;              ///< of what a device did in a batch only what it counts for each pair
+  enum class Outcome : std::uint8_t { kDone, kRefused, kNoMemory } outcome = Outcome::kDone;
+  bool onDevice = false;      ///< a device did its middle phase, near phase or both
+  bool deviceFailed = false;  ///< one was to, and failed: the CPU did it
+};
+
+}  // namespace otg

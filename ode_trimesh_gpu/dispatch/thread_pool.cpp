@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "dispatch/thread_pool.h"
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <system_error>
+
+namespace otg {
+
+struct ThreadPool::Job {
+  const Work& work;
+  const std::size_t count, grain;
+  std::atomic<std::size_t> next{0};
+  int helpers = 0;  // under the pool's mutex
+  std::exception_ptr error;
+  std::condition_variable left;
+
+  Job(const Work& doing, std::size_t items, std::size_t part) : work(doing), count(items), grain(part) {}
+  bool hasMore() const { return next.load(std::memory_order_relaxed) < count; }
+  /// Does parts until there are none left.
+  void take(std::mutex& mutex) {
+    for (;;) {
+      const std::size_t begin = next.fetch_add(grain, std::memory_order_relaxed);
+      if (begin >= count) return;
+      try {
+        work(begin, std::min(count, begin + grain));
+      } catch (...) {
+        next.store(count, std::memory_order_relaxed);
+        const std::lock_guard lock(mutex);
+        if (!error) error = std::current_exception();
+      }
+    }
+  }
+};
+
+ThreadPool::ThreadPool(unsigned threads) {
+  try {
+    for (unsigned i = 1; i < threads; ++i) threads_.emplace_back([this] { help(); });
+  } catch (const std::system_error&) {  // as many as the system gives
+  }
+}
+
+ThreadPool::~ThreadPool() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void ThreadPool::help() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    wake_.wait(lock, [this] { return stop_ || !jobs_.empty(); });
+    if (jobs_.empty()) return;
+    Job& job = *jobs_.front();
+    if (!job.hasMore()) {
+      jobs_.pop_front();
+      continue;
+    }
+    ++job.helpers;
+    lock.unlock();
+    job.take(mutex_);
+    lock.lock();
+    if (--job.helpers == 0) job.left.notify_all();
+  }
+}
+
+void ThreadPool::run(std::size_t count, std::size_t grain, const Work& work) {
+  if (count == 0) return;
+  Job job(work, count, std::max<std::size_t>(grain, 1));
+  const bool shared = !threads_.empty() && count > job.grain;
+  if (shared) {
+    {
+      const std::lock_guard lock(mutex_);
+      jobs_.push_back(&job);
+    }
+    wake_.notify_all();
+  }
+  job.take(mutex_);
+  if (shared) {
+    std::unique_lock lock(mutex_);
+    jobs_.erase(std::remove(jobs_.begin(), jobs_.end(), &job), jobs_.end());
+    job.left.wait(lock, [&] { return job.helpers == 0; });
+  }
+  if (job.error) std::rethrow_exception(job.error);
+}
+
+unsigned defaultThreadCount() {
+  if (const char* wish = std::getenv("OTG_THREADS"); wish != nullptr) {
+    unsigned threads = 0;
+    const char* const end = wish + std::strlen(wish);
+    const auto [stop, error] = std::from_chars(wish, end, threads);
+    if (error == std::errc() && stop == end && threads > 0 && threads <= 1024) return threads;
+  }
+  return std::max(1u, std::thread::hardware_concurrency());
+}
+
+}  // namespace otg

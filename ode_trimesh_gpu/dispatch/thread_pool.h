@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Threads that share the items of a call with its caller.
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace otg {
+
+/// Any number of threads may call run() at once, from within work too: a caller works on its own items, so that no call
+/// ever waits for a thread that has none to give.
+class ThreadPool {
+ public:
+  /// `threads`: how many work on one call at most, the caller among them; 0 is taken for 1. Fewer where the system
+  /// gives no more.
+  explicit ThreadPool(unsigned threads);
+  /// No call may be under way.
+  ~ThreadPool();
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+  unsigned threadCount() const { return static_cast<unsigned>(threads_.size()) + 1; }
+
+  using Work = std::function<void(std::size_t begin, std::size_t end)>;
+  /// Calls work for consecutive parts of [0, count), `grain` items each but the last one, and returns when all are
+  /// done. Which thread does which part, and when, is open. The first exception out of `work` is thrown again here;
+  /// parts that were not begun by then are left out.
+  void run(std::size_t count, std::size_t grain, const Work& work);
+
+ private:
+  struct Job;
+  void help();
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::deque<Job*> jobs_;  ///< with parts that nobody has begun
+  bool stop_ = false;
+  std::vector<std::thread> threads_;
+};
+
+/// The threads that the environment variable OTG_THREADS asks for, else one for each core that this process may use.
+unsigned defaultThreadCount();
+
+}  // namespace otg

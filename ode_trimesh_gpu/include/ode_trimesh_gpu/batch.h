@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Many pairs at once: arrays of pairs, contacts of whole spaces ahead of their near callbacks, work in the background.
+ */
+#ifndef ODE_TRIMESH_GPU_BATCH_H
+#define ODE_TRIMESH_GPU_BATCH_H
+
+#include <ode/common.h>
+#include <ode/contact.h>
+
+#include "contact_data.h"
+#include "export.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/**
+ * @brief Two geoms of this class.
+ * @ingroup gputrimesh
+ */
+typedef struct dGpuTriMeshPair {
+  dGeomID o1;
+  dGeomID o2;
+} dGpuTriMeshPair;
+
+/**
+ * @brief Computes the contacts of all mesh pairs of a space at once, so that the near callbacks of the dSpaceCollide()
+ *        that follows find them ready.
+ *
+ *     dGpuTriMeshPrefetch(space);
+ *     dSpaceCollide(space, data, &nearCallback);   -- as it is: its calls of dCollide() are quick now
+ *
+ * The pairs are computed by all threads (dGpuTriMeshSetThreadCount()) and by the devices that geoms may use. A call of
+ * dCollide(), dGpuTriMeshCollideEx() or of a contact array takes what is ready if it asks about the very same thing:
+ * both meshes, both poses, velocities, parameters and what is remembered of the pair unchanged to the last bit.
+ * Anything else is computed as if nothing had been prefetched. Either way the contacts are the same, byte for byte, and
+ * so is what is remembered and counted, but for `prefetched` in dGpuTriMeshStats.
+ *
+ * With CONTACTS_UNIMPORTANT contacts are always computed: they are other ones.
+ *
+ * @param space  its pairs are found by dSpaceCollide() with ODE's own rules (category and collide bits, enabled geoms,
+ *               bodies), and those in spaces inside it as well
+ * @returns The number of pairs that are ready, 0 or more; dGPUTRIMESH_ERROR_ARGUMENT for NULL,
+ *          dGPUTRIMESH_ERROR_MEMORY.
+ * @remarks Not from a near callback, and not while another thread changes or collides geoms of the space.
+ * @remarks What is ready is kept until the next prefetch that meets the geom, or the end of the geom. It takes memory
+ * for all contacts of a pair: dGpuTriMeshParams::max_contacts bounds them.
+ * @sa dGpuTriMeshPrefetchSpaces
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshPrefetch(dSpaceID space);
+
+/**
+ * @brief Says whether a pair is worth computing ahead: 0 if the near callback will not ask for it, as for bodies that a
+ *        joint connects.
+ * @param data  what dGpuTriMeshPrefetchSpaces() was given
+ * @remarks Called by the calling thread, with the space locked: do not change geoms, spaces or bodies in it.
+ * @ingroup gputrimesh
+ */
+typedef int dGpuTriMeshPairFilter(void* data, dGeomID o1, dGeomID o2);
+
+/**
+ * @brief dGpuTriMeshPrefetch() for several spaces, of one world or of many, as one batch. Pairs of geoms in two
+ *        different ones of these spaces are not among its pairs.
+ * @param spaces  none of them NULL; one that is listed twice, or that lies inside another one, is done once
+ * @param count   how many
+ * @param filter  which pairs; NULL: all
+ * @param data    passed to the filter
+ * @returns As dGpuTriMeshPrefetch().
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshPrefetchSpaces(const dSpaceID* spaces, int count, dGpuTriMeshPairFilter* filter, void* data);
+
+/**
+ * @brief Collides an array of pairs, by all threads and the devices that the geoms may use. Pair i has the contacts
+ * that dCollide(pairs[i].o1, pairs[i].o2, flags, ...) would give it, byte for byte.
+ *
+ * What is remembered of pairs and counted is as after these calls in the order of the array. A pair may be listed more
+ * than once. Two geoms of one body, and a geom with itself, have no contacts, as in dCollide().
+ *
+ * @param pairs          geoms of this class
+ * @param count          how many pairs
+ * @param flags          as in dCollide(): the lower 16 bits are the number N of places for each pair, at least 1;
+ *                       CONTACTS_UNIMPORTANT may be added
+ * @param contact        receives the contacts, in world coordinates: those of pair i begin at place i * N; count * N
+ *                       places in all
+ * @param skip           bytes from one place to the next, at least sizeof(dContactGeom)
+ * @param contact_count  receives the number of contacts of each pair; `count` elements
+ * @returns The number of contacts in all; dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_CLASS if a geom is not of this
+ *          class, dGPUTRIMESH_ERROR_MEMORY: then nothing was written or counted. A single pair that cannot be collided
+ *          (see dGpuTriMeshStats) has no contacts, and dGpuTriMeshGetError() says why.
+ * @remarks As dCollide(): from any number of threads at once, and from a near callback. The threads of the library call
+ *          no function of ODE.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshCollidePairs(const dGpuTriMeshPair* pairs, int count, int flags, dContactGeom* contact, int skip,
+                                    int* contact_count);
+
+/**
+ * @brief An array of pairs that is computed in the background.
+ * @ingroup gputrimesh
+ */
+typedef struct dxGpuTriMeshBatch* dGpuTriMeshBatchID;
+
+/**
+ * @brief Begins to collide an array of pairs and returns at once.
+ *
+ *     dGpuTriMeshBatchID batch = dGpuTriMeshBatchSubmit(pairs, count, 16);
+ *     ... other work; geoms may move, get other meshes, be destroyed ...
+ *     n = dGpuTriMeshBatchWait(batch);
+ *     contacts = malloc(n * sizeof(dContactGeom));
+ *     dGpuTriMeshBatchCollect(batch, contacts, sizeof(dContactGeom), NULL, 0, first);
+ *     dGpuTriMeshBatchDestroy(batch);
+ *
+ * Poses, velocities, parameters and what is remembered of the pairs are those of the moment of this call, and so are
+ * the contacts. The geoms remember and count the collision when it is collected.
+ *
+ * @param pairs  as in dGpuTriMeshCollidePairs(); copied
+ * @param count  how many
+ * @param flags  as there
+ * @returns The batch, which the caller destroys; NULL: dGpuTriMeshGetError() says why, as there.
+ * @remarks From any thread, and from a near callback. Any number of batches may be under way at once.
+ * @ingroup gputrimesh
+ */
+OTG_API dGpuTriMeshBatchID dGpuTriMeshBatchSubmit(const dGpuTriMeshPair* pairs, int count, int flags);
+
+/**
+ * @brief Whether a batch is computed: whether dGpuTriMeshBatchWait() would return at once.
+ * @returns 1 or 0; dGPUTRIMESH_ERROR_ARGUMENT for NULL.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshBatchIsDone(dGpuTriMeshBatchID batch);
+
+/**
+ * @brief Waits until a batch is computed.
+ * @returns The number of contacts of all pairs; dGPUTRIMESH_ERROR_ARGUMENT for NULL; dGPUTRIMESH_ERROR_MEMORY if memory
+ *          ran out on the way.
+ * @remarks Several threads may wait for one batch.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshBatchWait(dGpuTriMeshBatchID batch);
+
+/**
+ * @brief Waits until a batch is computed and copies its contacts: those of all pairs, one after the other.
+ *
+ * The first time the geoms of the pairs remember and count the collision (those that still exist); later calls give the
+ * same contacts again and change nothing.
+ *
+ * @param batch      the batch
+ * @param contact    receives the contacts, in world coordinates as of the moment of submission; as many places as
+ *                   dGpuTriMeshBatchWait() says. May be NULL if that is 0
+ * @param skip       bytes from one place to the next, at least sizeof(dContactGeom)
+ * @param data       receives the data of each contact; may be NULL
+ * @param data_skip  bytes from one element to the next, at least sizeof(dGpuTriMeshContactData)
+ * @param first      receives the place of each pair's first contact, and last the number of all contacts: one element
+ *                   more than there are pairs. May be NULL
+ * @returns The number of contacts; dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_MEMORY.
+ * @remarks One thread at a time for one batch, and as dCollide() with respect to the geoms.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshBatchCollect(dGpuTriMeshBatchID batch, dContactGeom* contact, int skip,
+                                    dGpuTriMeshContactData* data, int data_skip, int* first);
+
+/**
+ * @brief Ends a batch; waits for it if it is not computed yet. NULL does nothing.
+ * @remarks Every batch has to be destroyed before the program ends.
+ * @ingroup gputrimesh
+ */
+OTG_API void dGpuTriMeshBatchDestroy(dGpuTriMeshBatchID batch);
+
+/**
+ * @brief Sets how many threads work on one batch (a prefetch, an array of pairs), the calling one among them. The
+ * results do not depend on it.
+ *
+ * Threads are started when a batch needs them and wait for the next one. Single calls of dCollide() are computed by the
+ * calling thread.
+ *
+ * @param count  1 to 1024; 0 (which it is at first): as many as the environment variable OTG_THREADS says, else one for
+ *               each core that the process may use
+ * @returns dGPUTRIMESH_OK or dGPUTRIMESH_ERROR_ARGUMENT.
+ * @remarks From any thread. Batches under way go on with the threads that they have.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshSetThreadCount(int count);
+
+/**
+ * @brief How many threads work on one batch.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshGetThreadCount(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* ODE_TRIMESH_GPU_BATCH_H */

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The C API of arrays of pairs, at once and in the background.
+#include "ode_trimesh_gpu/batch.h"
+
+#include <ode/collision.h>
+
+#include <algorithm>
+#include <climits>
+#include <condition_variable>
+#include <mutex>
+#include <system_error>
+#include <thread>
+
+#include "dispatch/dispatcher.h"
+#include "ode/pair_batch.h"
+#include "ode/status.h"
+
+namespace otg {
+namespace {
+
+/// dGPUTRIMESH_OK, or why these arguments will not do.
+int checkPairs(const dGpuTriMeshPair* pairs, int count, int flags) {
+  if (count < 0 || (pairs == nullptr && count > 0) || capacityOf(flags) == 0) return dGPUTRIMESH_ERROR_ARGUMENT;
+  for (int i = 0; i < count; ++i) {
+    if (objectOf(pairs[i].o1) == nullptr || objectOf(pairs[i].o2) == nullptr) return dGPUTRIMESH_ERROR_CLASS;
+  }
+  return dGPUTRIMESH_OK;
+}
+
+std::span<const dGpuTriMeshPair> asSpan(const dGpuTriMeshPair* pairs, int count) {
+  return {pairs, static_cast<std::size_t>(count)};
+}
+
+int toInt(std::size_t n) {
+  return static_cast<int>(std::min<std::size_t>(n, INT_MAX));
+}
+
+}  // namespace
+}  // namespace otg
+
+/// A batch and the thread that computes it.
+struct dxGpuTriMeshBatch {
+  otg::PairBatch batch;
+  bool remembered = false;
+
+  dxGpuTriMeshBatch(std::span<const dGpuTriMeshPair> pairs, int capacity, bool unimportant)
+      : batch(pairs, capacity, unimportant) {
+    try {
+      thread_ = std::thread([this] { compute(); });
+    } catch (const std::system_error&) {  // no thread to be had: now, then
+      compute();
+    }
+  }
+  ~dxGpuTriMeshBatch() {
+    if (thread_.joinable()) thread_.join();
+  }
+  dxGpuTriMeshBatch(const dxGpuTriMeshBatch&) = delete;
+  dxGpuTriMeshBatch& operator=(const dxGpuTriMeshBatch&) = delete;
+
+  bool isDone() {
+    const std::lock_guard lock(mutex_);
+    return done_;
+  }
+  /// Returns a status.
+  int wait() {
+    std::unique_lock lock(mutex_);
+    finished_.wait(lock, [this] { return done_; });
+    return status_;
+  }
+
+ private:
+  void compute() noexcept {
+    int status = dGPUTRIMESH_OK;
+    try {
+      batch.run();
+    } catch (...) {
+      status = dGPUTRIMESH_ERROR_MEMORY;
+    }
+    const std::lock_guard lock(mutex_);
+    status_ = status;
+    done_ = true;
+    finished_.notify_all();
+  }
+
+  std::mutex mutex_;
+  std::condition_variable finished_;
+  bool done_ = false;
+  int status_ = dGPUTRIMESH_OK;
+  std::thread thread_;
+};
+
+int dGpuTriMeshCollidePairs(const dGpuTriMeshPair* pairs, int count, int flags, dContactGeom* contact, int skip,
+                            int* contact_count) {
+  return otg::guarded([&] {
+    if (const int status = otg::checkPairs(pairs, count, flags)) return status;
+    const bool hasPlace = contact != nullptr && contact_count != nullptr && skip >= int{sizeof(dContactGeom)};
+    if (count > 0 && !hasPlace) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    otg::PairBatch batch(otg::asSpan(pairs, count), otg::capacityOf(flags), otg::isUnimportant(flags));
+    batch.run();
+    batch.remember();
+    const std::size_t step = static_cast<std::size_t>(otg::capacityOf(flags)) * static_cast<std::size_t>(skip);
+    char* const begin = reinterpret_cast<char*>(contact);
+    for (std::size_t i = 0; i < batch.pairCount(); ++i) {
+      const std::vector<otg::Contact>& contacts = batch.result(i).contacts;
+      contact_count[i] = otg::toInt(contacts.size());
+      otg::writeContacts(batch.task(i), contacts, {reinterpret_cast<dContactGeom*>(begin + i * step), skip});
+    }
+    return otg::toInt(batch.contactCount());
+  });
+}
+
+dGpuTriMeshBatchID dGpuTriMeshBatchSubmit(const dGpuTriMeshPair* pairs, int count, int flags) {
+  dGpuTriMeshBatchID batch = nullptr;
+  otg::guarded([&] {
+    if (const int status = otg::checkPairs(pairs, count, flags)) return status;
+    batch = new dxGpuTriMeshBatch(otg::asSpan(pairs, count), otg::capacityOf(flags), otg::isUnimportant(flags));
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
+  return batch;
+}
+
+int dGpuTriMeshBatchIsDone(dGpuTriMeshBatchID batch) {
+  if (batch == nullptr) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
+  return batch->isDone() ? 1 : 0;
+}
+
+int dGpuTriMeshBatchWait(dGpuTriMeshBatchID batch) {
+  if (batch == nullptr) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
+  if (const int status = batch->wait()) return otg::noteStatus(status);
+  return otg::toInt(batch->batch.contactCount());
+}
+
+int dGpuTriMeshBatchCollect(dGpuTriMeshBatchID batch, dContactGeom* contact, int skip, dGpuTriMeshContactData* data,
+                            int data_skip, int* first) {
+  return otg::guarded([&] {
+    if (batch == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    if (const int status = batch->wait()) return status;
+    otg::PairBatch& pairs = batch->batch;
+    const bool hasPlace = contact != nullptr && skip >= int{sizeof(dContactGeom)} &&
+                          (data == nullptr || data_skip >= int{sizeof(dGpuTriMeshContactData)});
+    if (pairs.contactCount() > 0 && !hasPlace) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    if (!batch->remembered) pairs.remember();
+    batch->remembered = true;
+    std::size_t at = 0;
+    char *place = reinterpret_cast<char*>(contact), *dataPlace = reinterpret_cast<char*>(data);
+    for (std::size_t i = 0; i < pairs.pairCount(); ++i) {
+      if (first != nullptr) first[i] = otg::toInt(at);
+      const std::vector<otg::Contact>& contacts = pairs.result(i).contacts;
+      const std::size_t dataAt = dataPlace == nullptr ? 0 : at * static_cast<std::size_t>(data_skip);
+      otg::writeContacts(pairs.task(i), contacts,
+                         {reinterpret_cast<dContactGeom*>(place + at * static_cast<std::size_t>(skip)), skip,
+                          reinterpret_cast<dGpuTriMeshContactData*>(dataPlace + dataAt), data_skip});
+      at += contacts.size();
+    }
+    if (first != nullptr) first[pairs.pairCount()] = otg::toInt(at);
+    return otg::toInt(at);
+  });
+}
+
+void dGpuTriMeshBatchDestroy(dGpuTriMeshBatchID batch) {
+  delete batch;
+}
+
+int dGpuTriMeshSetThreadCount(int count) {
+  if (count < 0 || count > 1024) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
+  otg::dispatcher().setThreadCount(static_cast<unsigned>(count));
+  return dGPUTRIMESH_OK;
+}
+
+int dGpuTriMeshGetThreadCount(void) {
+  return static_cast<int>(otg::dispatcher().threadCount());
+}

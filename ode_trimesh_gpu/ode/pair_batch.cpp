@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ode/pair_batch.h"
+
+#include <algorithm>
+
+#include "dispatch/dispatcher.h"
+#include "ode/status.h"
+
+namespace otg {
+
+bool isPairInOde(dGeomID o1, dGeomID o2) {
+  const dBodyID body = dGeomGetBody(o1);
+  return o1 != o2 && (body == nullptr || body != dGeomGetBody(o2));
+}
+
+PairBatch::PairBatch(std::span<const dGpuTriMeshPair> pairs, int capacity, bool unimportant)
+    : tasks_(pairs.size()), results_(pairs.size()) {
+  alive_.reserve(4 * pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (!isPairInOde(pairs[i].o1, pairs[i].o2)) continue;
+    PairTask& task = tasks_[i];
+    preparePair(pairs[i].o1, pairs[i].o2, task);
+    task.job.any = unimportant;
+    if (capacity > 0) {
+      CollideOptions& options = task.job.query.options;
+      options.maxContacts = std::min(options.maxContacts, capacity);
+    }
+    for (GeomObject* object : {task.object1, task.object2}) {
+      alive_.push_back(object->shared_from_this());
+      if (task.state == PairTask::State::kReady) alive_.push_back(object->data->meshPtr());
+    }
+  }
+}
+
+void PairBatch::run() {
+  std::vector<const PairJob*> jobs;
+  std::vector<std::size_t> which;
+  for (std::size_t i = 0; i < tasks_.size(); ++i) {
+    if (tasks_[i].state != PairTask::State::kReady) continue;
+    jobs.push_back(&tasks_[i].job);
+    which.push_back(i);
+  }
+  std::vector<PairResult> results(jobs.size());
+  dispatcher().collideBatch(jobs, results);
+  for (std::size_t k = 0; k < which.size(); ++k) results_[which[k]] = std::move(results[k]);
+}
+
+std::size_t PairBatch::contactCount() const {
+  std::size_t count = 0;
+  for (const PairResult& result : results_) count += result.contacts.size();
+  return count;
+}
+
+void PairBatch::remember() {
+  for (std::size_t i = 0; i < tasks_.size(); ++i) {
+    const PairTask& task = tasks_[i];
+    if (task.object1 == nullptr) continue;  // never a pair
+    for (GeomObject* object : {task.object1, task.object2}) {
+      object->stats.queries.fetch_add(1, std::memory_order_relaxed);
+    }
+    if (task.state == PairTask::State::kNothing) continue;
+    const PairResult& result = results_[i];
+    if (task.state == PairTask::State::kBadPose || result.outcome == PairResult::Outcome::kRefused) {
+      countFailure(task, dGPUTRIMESH_ERROR_POSE);
+    } else if (result.outcome == PairResult::Outcome::kNoMemory) {
+      countFailure(task, dGPUTRIMESH_ERROR_MEMORY);
+    } else {
+      rememberPair(task, !result.contacts.empty());
+      countPair(task, result.counts, result.contacts.size());
+    }
+  }
+}
+
+}  // namespace otg

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From two geoms to a query in mesh A's frame, and from its contacts back to ODE's.
+#include "ode/pair_task.h"
+
+#include <ode/objects.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "ode/mesh_collider.h"
+#include "ode/status.h"
+
+namespace otg {
+namespace {
+
+Vec3d toDouble(const Vec3f& v) {
+  return {v.x, v.y, v.z};
+}
+double length(const Vec3d& v) {
+  return std::sqrt(otgDot(v, v));
+}
+
+/// Whether the bounding spheres are so far apart that nothing can touch. Keeps numbers that single precision can't hold
+/// away from the filters, and answers far pairs (dCollide called without a space) at once.
+bool isFarApart(const CollisionMesh& a, const CollisionMesh& b, const Transformd& bInA) {
+  const Vec3d centerA = toDouble(a.mesh().center());
+  const Vec3d centerB = otgTransform(bInA, toDouble(b.mesh().center()));
+  double norm = 0;  // Frobenius: no less than the factor by which bInA can stretch, should it not be a rotation
+  for (const double r : bInA.r) norm += r * r;
+  const double reach =
+      static_cast<double>(a.mesh().radius()) + std::sqrt(norm) * static_cast<double>(b.mesh().radius());
+  const double slack =
+      1e-9 * (reach + length(centerA) + length(bInA.t) + std::sqrt(norm) * length(toDouble(b.mesh().center())));
+  const double distance = length(otgSub(centerB, centerA));
+  return !(distance <= reach + slack) || !(reach + slack <= 1e30);
+}
+
+struct Side {
+  dGeomID geom;
+  GeomObject* object;
+  WorldPose pose;
+};
+
+/// Velocity of A's body relative to B's at the middle of B's mesh, in A's frame. ODE's velocities are the world's.
+Vec3d relativeVelocity(const Side& a, const Side& b) {
+  const Vec3f& c = b.object->mesh()->mesh().center();
+  const Vec3d point = otgTransform(b.pose.transform, Vec3d{c.x, c.y, c.z});
+  const auto velocityAt = [&](dGeomID geom) {
+    const dBodyID body = dGeomGetBody(geom);
+    if (body == nullptr) return Vec3d{0, 0, 0};
+    dVector3 v;
+    dBodyGetPointVel(body, static_cast<dReal>(point.x), static_cast<dReal>(point.y), static_cast<dReal>(point.z), v);
+    return Vec3d{v[0], v[1], v[2]};
+  };
+  const Vec3d v = otgRotateBack(a.pose.transform, otgSub(velocityAt(a.geom), velocityAt(b.geom)));
+  return std::isfinite(v.x + v.y + v.z) ? v : Vec3d{0, 0, 0};
+}
+
+/// Elements are written as whole structures of their own, so that any skip and any
+/// alignment will do and the caller's bytes in between stay as they are.
+void writeContact(const Contact& from, const PairTask& task, char* to) {
+  const bool first = task.first;
+  const Vec3d position = otgTransform(task.poseOfA, from.position);
+  Vec3d normal = otgRotate(task.poseOfA, from.normal);
+  // ODE lets rotation matrices drift a little; the contact joint takes the length of the normal for granted.
+  const double scale = (first ? 1.0 : -1.0) / length(normal);
+  normal = otgScale(normal, scale);
+  dContactGeom contact{};
+  contact.pos[0] = static_cast<dReal>(position.x);
+  contact.pos[1] = static_cast<dReal>(position.y);
+  contact.pos[2] = static_cast<dReal>(position.z);
+  contact.normal[0] = static_cast<dReal>(normal.x);
+  contact.normal[1] = static_cast<dReal>(normal.y);
+  contact.normal[2] = static_cast<dReal>(normal.z);
+  contact.depth = static_cast<dReal>(std::max(from.depth, 0.0));
+  contact.g1 = task.o1;
+  contact.g2 = task.o2;
+  contact.side1 = static_cast<int>(first ? from.triangleA : from.triangleB);
+  contact.side2 = static_cast<int>(first ? from.triangleB : from.triangleA);
+  std::memcpy(to, &contact, sizeof(contact));
+}
+
+bool remembers(const dGpuTriMeshParams& params) {
+  return params.history == dGPUTRIMESH_HISTORY_ON;
+}
+
+void count(GeomStats& to, const PairCounts& from, std::size_t contacts) {
+  const auto add = [](std::atomic<std::uint64_t>& sum, std::uint64_t n) {
+    if (n != 0) sum.fetch_add(n, std::memory_order_relaxed);
+  };
+  add(to.boxTests, from.boxTests);
+  add(to.candidatePairs, from.candidatePairs);
+  add(to.intersectingPairs, from.intersectingPairs);
+  add(to.decidedByDouble, from.decidedByDouble);
+  add(to.decidedExactly, from.decidedExactly);
+  add(to.contactsBeforeReduction, from.contactsBeforeReduction);
+  add(to.contacts, contacts);
+}
+
+}  // namespace
+
+bool isUnimportant(int flags) {
+  return (static_cast<unsigned>(flags) & CONTACTS_UNIMPORTANT) != 0;
+}
+
+Transformd relativePose(const Transformd& a, const Transformd& b) {
+  Transformd result{};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      result.r[3 * i + j] = a.r[i] * b.r[j] + a.r[3 + i] * b.r[3 + j] + a.r[6 + i] * b.r[6 + j];
+    }
+  }
+  result.t = otgRotateBack(a, otgSub(b.t, a.t));
+  return result;
+}
+
+CollideOptions pairOptions(const dGpuTriMeshParams& first, const dGpuTriMeshParams& second) {
+  CollideOptions options;
+  switch (first.traversal) {
+    case dGPUTRIMESH_TRAVERSAL_QUANTIZED:
+      options.middle.traversal = Traversal::kQuantized;
+      break;
+    case dGPUTRIMESH_TRAVERSAL_NO_LEAF:
+      options.middle.traversal = Traversal::kNoLeaf;
+      break;
+    case dGPUTRIMESH_TRAVERSAL_STANDARD:
+      options.middle.traversal = Traversal::kStandard;
+      break;
+    default:
+      options.middle.traversal = Traversal::kWide;
+      break;
+  }
+  switch (first.descent) {
+    case dGPUTRIMESH_DESCENT_FIRST_TREE:
+      options.middle.descent = DescentRule::kFirstTreeFirst;
+      break;
+    case dGPUTRIMESH_DESCENT_ALTERNATING:
+      options.middle.descent = DescentRule::kAlternating;
+      break;
+    case dGPUTRIMESH_DESCENT_BOTH:
+      options.middle.descent = DescentRule::kBoth;
+      break;
+    default:
+      options.middle.descent = DescentRule::kLargerFirst;
+      break;
+  }
+  options.middle.axes = first.box_axes;
+  // AUTO gives way to the other's choice; it stands for `solid`, which falls back to `pairwise` for shells by itself.
+  const bool pairwise =
+      first.contact_model == dGPUTRIMESH_CONTACTS_PAIRWISE || second.contact_model == dGPUTRIMESH_CONTACTS_PAIRWISE;
+  options.contacts = pairwise ? ContactModel::kPairwise : ContactModel::kSolid;
+  switch (std::min(first.reduction, second.reduction)) {
+    case dGPUTRIMESH_REDUCTION_NONE:
+      options.reduction.method = Reduction::kNone;
+      break;
+    case dGPUTRIMESH_REDUCTION_CONE:
+      options.reduction.method = Reduction::kCone;
+      break;
+    default:
+      options.reduction.method = Reduction::kBinning;
+      break;
+  }
+  for (std::size_t i = 0; i < 6; ++i) options.reduction.bins[i] = std::max(first.bins[i], second.bins[i]);
+  options.maxContacts = std::min(first.max_contacts, second.max_contacts);
+  options.solid.contactsPerRegion = std::min(first.contacts_per_region, second.contacts_per_region);
+  return options;
+}
+
+void preparePair(dGeomID o1, dGeomID o2, PairTask& task) noexcept {
+  task.o1 = o1;
+  task.o2 = o2;
+  task.object1 = objectOf(o1);
+  task.object2 = objectOf(o2);
+  task.state = PairTask::State::kNothing;
+  const CollisionMesh* const mesh1 = task.object1->mesh();
+  const CollisionMesh* const mesh2 = task.object2->mesh();
+  if (mesh1 == nullptr || mesh2 == nullptr || mesh1->tree().nodes.empty() || mesh2->tree().nodes.empty()) return;
+  const Side side1{o1, task.object1, readPose(o1)};
+  const Side side2{o2, task.object2, readPose(o2)};
+  // Each by itself: a scale of 2 and one of 1/2 make a relative pose that looks rigid.
+  if (!side1.pose.rigid || !side2.pose.rigid) {
+    task.state = PairTask::State::kBadPose;
+    return;
+  }
+  task.first = task.object1->serial < task.object2->serial;
+  const Side& a = task.first ? side1 : side2;
+  const Side& b = task.first ? side2 : side1;
+  task.poseOfA = a.pose.transform;
+  Query& query = task.job.query;
+  query.a = a.object->mesh();
+  query.b = b.object->mesh();
+  query.bInA = relativePose(a.pose.transform, b.pose.transform);
+  if (isFarApart(*query.a, *query.b, query.bInA)) return;
+  query.options = pairOptions(a.object->params, b.object->params);
+  query.relativeVelocity = relativeVelocity(a, b);
+  task.remembers = remembers(a.object->params) && remembers(b.object->params);
+  task.history = {};
+  task.stamp = 0;
+  query.history = nullptr;
+  if (task.remembers) {
+    task.stamp = b.object->memory.recall(a.object->serial, task.history);
+    query.history = &task.history;
+  }
+  task.state = PairTask::State::kReady;
+}
+
+std::uint64_t rememberPair(const PairTask& task, bool hasContacts) {
+  GeomObject &a = task.a(), &b = task.b();
+  if (!task.remembers || (task.history.used && !hasContacts)) {
+    b.memory.forget(a.serial);
+    return 0;
+  }
+  return task.history.used ? b.memory.store(a.serial, task.history) : task.stamp;
+}
+
+void countPair(const PairTask& task, const PairCounts& counts, std::size_t contacts) noexcept {
+  for (GeomObject* object : {task.object1, task.object2}) count(object->stats, counts, contacts);
+}
+
+void countFailure(const PairTask& task, int status) noexcept {
+  noteStatus(status);
+  for (GeomObject* object : {task.object1, task.object2}) {
+    object->stats.failedQueries.fetch_add(1, std::memory_order_relaxed);
+  }
+}
+
+void writeContacts(const PairTask& task, std::span<const Contact> contacts, const ContactArray& to) {
+  char* place = reinterpret_cast<char*>(to.first);
+  char* dataPlace = reinterpret_cast<char*>(to.data);
+  for (const Contact& from : contacts) {
+    writeContact(from, task, place);
+    place += to.skip;
+    if (dataPlace == nullptr) continue;
+    const dGpuTriMeshContactData known = contactData(task.job.query, from, task.first);
+    std::memcpy(dataPlace, &known, sizeof known);
+    dataPlace += to.dataSkip;
+  }
+}
+
+}  // namespace otg

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Two geoms of our class as a query, and the way of its contacts back to ODE: what every way in to a collision shares.
+#pragma once
+
+#include <ode/collision.h>
+
+#include <cstdint>
+#include <span>
+
+#include "dispatch/pair_job.h"
+#include "ode/geom_class.h"
+#include "ode_trimesh_gpu/contact_data.h"
+
+namespace otg {
+
+/// Where the contacts of a query go.
+struct ContactArray {
+  dContactGeom* first = nullptr;
+  int skip = 0;                            ///< bytes from one element to the next
+  dGpuTriMeshContactData* data = nullptr;  ///< null: the data of contacts go nowhere
+  int dataSkip = 0;
+};
+
+/// A pair of geoms at one moment. It stays as it is when they move; the objects have to live on.
+struct PairTask {
+  enum class State {
+    kNothing,  ///< they cannot touch: a geom without triangles, or far apart
+    kBadPose,  ///< a pose is not finite or not rigid
+    kReady     ///< `job` is to be done
+  };
+  dGeomID o1 = nullptr, o2 = nullptr;
+  GeomObject *object1 = nullptr, *object2 = nullptr;
+  State state = State::kNothing;
+  bool first = false;       ///< mesh A is o1's
+  Transformd poseOfA{};     ///< A's frame to the world
+  PairJob job;              ///< maxContacts is what the geoms allow; job.query.history points to `history` or is null
+  SolidHistory history;     ///< what is remembered of the pair, and what the query makes of it
+  std::uint64_t stamp = 0;  ///< of what was remembered, 0 for nothing
+  bool remembers = false;   ///< both geoms have history on
+
+  PairTask() = default;
+  PairTask(const PairTask&) = delete;  // job points into the object
+  PairTask& operator=(const PairTask&) = delete;
+
+  GeomObject& a() const { return first ? *object1 : *object2; }
+  GeomObject& b() const { return first ? *object2 : *object1; }
+};
+
+/// The lower 16 bits of the flags of dCollide: the number of places (ODE's own name for it is private). The flags as a
+/// whole are negative when CONTACTS_UNIMPORTANT is set.
+constexpr int capacityOf(int flags) {
+  return flags & 0xffff;
+}
+bool isUnimportant(int flags);
+
+/// Reads poses, velocities, parameters and history of two geoms of our class; sets everything but `any`, which depends
+/// on the call.
+void preparePair(dGeomID o1, dGeomID o2, PairTask& task) noexcept;
+
+/// What every collision leaves with its geoms, of contacts found or not: the history and the statistics. Returns the
+/// stamp of what is remembered now, 0 for nothing. May throw std::bad_alloc.
+std::uint64_t rememberPair(const PairTask& task, bool hasContacts);
+void countPair(const PairTask& task, const PairCounts& counts, std::size_t contacts) noexcept;
+/// A query that found nothing because it failed; the status becomes the thread's last error.
+void countFailure(const PairTask& task, int status) noexcept;
+
+/// To ODE's contacts, in the world, in the order of the call.
+void writeContacts(const PairTask& task, std::span<const Contact> contacts, const ContactArray& to);
+
+}  // namespace otg

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ode/prefetched_pairs.h"
+
+#include <array>
+#include <bit>
+
+#include "collide/reduction.h"
+#include "ode/pair_task.h"
+
+namespace otg {
+namespace {
+
+/// By their bits: the same bytes are promised for the same bytes, and 0 is not -0.
+bool sameBits(const Transformd& x, const Transformd& y) {
+  using Bits = std::array<std::uint64_t, 12>;
+  static_assert(sizeof(Bits) == sizeof(Transformd));
+  return std::bit_cast<Bits>(x) == std::bit_cast<Bits>(y);
+}
+bool sameBits(const Vec3d& x, const Vec3d& y) {
+  using Bits = std::array<std::uint64_t, 3>;
+  return std::bit_cast<Bits>(x) == std::bit_cast<Bits>(y);
+}
+
+bool sameQuery(const Query& x, const Query& y) {
+  return x.a == y.a && x.b == y.b && x.options == y.options && sameBits(x.bInA, y.bInA) &&
+         sameBits(x.relativeVelocity, y.relativeVelocity);
+}
+
+/// What limitContacts would have left of these contacts. It breaks ties by the meshes' own numbers of triangles.
+std::vector<Contact> limited(const Query& query, const std::vector<Contact>& contacts, int capacity) {
+  std::vector<Contact> all = contacts;
+  for (Contact& c : all) {
+    c.triangleA = query.a->mesh().triangleOfCaller(c.triangleA);
+    c.triangleB = query.b->mesh().triangleOfCaller(c.triangleB);
+  }
+  all = limitContacts(all, capacity);
+  for (Contact& c : all) {
+    c.triangleA = query.a->mesh().callerTriangle(c.triangleA);
+    c.triangleB = query.b->mesh().callerTriangle(c.triangleB);
+  }
+  return all;
+}
+
+}  // namespace
+
+void PrefetchedPairs::clear() {
+  const std::lock_guard lock(mutex_);
+  entries_.clear();
+  count_.store(0, std::memory_order_release);
+}
+
+void PrefetchedPairs::add(const PairTask& task, PairResult&& result) {
+  const std::lock_guard lock(mutex_);
+  Entry& entry = entries_[task.a().serial];
+  entry.a = task.a().data->meshPtr();
+  entry.b = task.b().data->meshPtr();
+  entry.query = task.job.query;
+  entry.query.history = nullptr;
+  entry.remembers = task.remembers;
+  entry.stamp = task.stamp;
+  entry.history = task.history;
+  entry.result = std::move(result);
+  count_.store(entries_.size(), std::memory_order_release);
+}
+
+bool PrefetchedPairs::find(PairTask& task, int capacity, PairResult& result) {
+  const std::lock_guard lock(mutex_);
+  const auto it = entries_.find(task.a().serial);
+  if (it == entries_.end()) return false;
+  const Entry& entry = it->second;
+  if (entry.remembers != task.remembers || entry.stamp != task.stamp || !sameQuery(entry.query, task.job.query)) {
+    return false;
+  }
+  const auto most = static_cast<std::size_t>(entry.query.options.maxContacts);
+  if (entry.result.contacts.size() > static_cast<std::size_t>(capacity)) {
+    // A list that may have been cut already says nothing of a shorter one.
+    if (entry.result.contacts.size() >= most) return false;
+    result = entry.result;
+    result.contacts = limited(entry.query, entry.result.contacts, capacity);
+  } else {
+    result = entry.result;
+  }
+  task.history = entry.history;
+  return true;
+}
+
+void PrefetchedPairs::seen(const PairTask& task, std::uint64_t stamp) {
+  const std::lock_guard lock(mutex_);
+  const auto it = entries_.find(task.a().serial);
+  if (it != entries_.end() && it->second.stamp == task.stamp) it->second.stamp = stamp;
+}
+
+}  // namespace otg

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The thread pool: every item once, from several callers and from within, and exceptions that come back.
+#include <atomic>
+#include <cstdlib>
+#include <memory>
+#include <stdexcept>
+#include <thread>
+
+#include "dispatch/thread_pool.h"
+#include "support/catch.h"
+
+using otg::ThreadPool;
+
+namespace {
+
+/// How often each item was worked on; parts have the length that they should.
+std::vector<int> counts(ThreadPool& pool, std::size_t items, std::size_t grain) {
+  std::vector<std::atomic<int>> seen(items);
+  std::atomic<int> wrongParts{0};
+  pool.run(items, grain, [&](std::size_t begin, std::size_t end) {
+    if (begin % grain != 0 || end != std::min(items, begin + grain)) ++wrongParts;
+    for (std::size_t i = begin; i < end; ++i) ++seen[i];
+  });
+  CHECK(wrongParts == 0);
+  return {seen.begin(), seen.end()};
+}
+
+}  // namespace
+
+TEST_CASE("every item is worked on once, for any number of threads and any grain") {
+  for (const unsigned threads : {0u, 1u, 2u, 3u, 8u}) {
+    ThreadPool pool(threads);
+    CHECK(pool.threadCount() == std::max(threads, 1u));
+    for (const std::size_t items : {0u, 1u, 2u, 7u, 1000u}) {
+      for (const std::size_t grain : {1u, 3u, 100u, 5000u})
+        CHECK(counts(pool, items, grain) == std::vector<int>(items, 1));
+    }
+  }
+}
+
+TEST_CASE("callers in several threads and calls from within work share the pool") {
+  ThreadPool pool(3);
+  std::vector<std::thread> callers;
+  std::atomic<int> sum{0};
+  for (int t = 0; t < 4; ++t) {
+    callers.emplace_back([&] {
+      for (int round = 0; round < 50; ++round) {
+        pool.run(20, 2, [&](std::size_t begin, std::size_t end) {
+          pool.run(end - begin, 1, [&](std::size_t, std::size_t) { ++sum; });
+        });
+      }
+    });
+  }
+  for (std::thread& t : callers) t.join();
+  CHECK(sum == 4 * 50 * 20);
+}
+
+TEST_CASE("several threads work at the same time") {
+  ThreadPool pool(3);
+  std::atomic<int> here{0};
+  // Each of three parts waits for the two others: one thread alone would wait for ever.
+  pool.run(3, 1, [&](std::size_t, std::size_t) {
+    ++here;
+    while (here < 3) std::this_thread::yield();
+  });
+  CHECK(here == 3);
+}
+
+TEST_CASE("an exception comes back to the caller, and the pool goes on") {
+  for (const unsigned threads : {1u, 4u}) {
+    ThreadPool pool(threads);
+    const auto failing = [](std::size_t begin, std::size_t) {
+      if (begin >= 10) throw std::runtime_error("no");
+    };
+    for (int round = 0; round < 20; ++round) CHECK_THROWS_AS(pool.run(1000, 1, failing), std::runtime_error);
+    CHECK(counts(pool, 100, 1) == std::vector<int>(100, 1));
+  }
+}
+
+TEST_CASE("the environment says how many threads there are by default") {
+  const auto with = [](const char* wish) {
+    setenv("OTG_THREADS", wish, 1);
+    const unsigned threads = otg::defaultThreadCount();
+    unsetenv("OTG_THREADS");
+    return threads;
+  };
+  const unsigned cores = otg::defaultThreadCount();
+  CHECK(cores >= 1);
+  CHECK(with("3") == 3);
+  for (const char* nonsense : {"", "0", "-1", "many", "3x", "1000000"}) CHECK(with(nonsense) == cores);
+}
