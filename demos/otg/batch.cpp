@@ -13,7 +13,7 @@
 namespace otg::cli {
 namespace {
 
-struct Options {
+struct BatchOptions {
   QueryOptions query;
   std::string scene;
   int repeat = 1;
@@ -45,7 +45,7 @@ Transformd poseOf(const nlohmann::json& value, const std::string& where) {
   return parsePose(fmt::format("{}", fmt::join(numbers, ",")));
 }
 
-BatchScene readScene(const Options& options) {
+BatchScene readScene(const BatchOptions& options) {
   std::ifstream stream(options.scene, std::ios::binary);
   if (!stream) throw InputError(options.scene + ": cannot be opened");
   const nlohmann::json document = nlohmann::json::parse(stream, nullptr, false);
@@ -103,7 +103,7 @@ void collideOnCpu(const std::vector<Query>& queries, Workspace& workspace, openc
   }
 }
 
-int runBatch(const Options& options) {
+int runBatch(const BatchOptions& options) {
   const BatchScene scene = readScene(options);
   const std::shared_ptr<opencl::Backend> backend = options.query.openBackend();
   Workspace workspace;
@@ -151,7 +151,7 @@ int runBatch(const Options& options) {
 
 void addBatchCommand(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("batch", "Collide many pairs of meshes in one submission");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BatchOptions>();
   command->add_option("SCENE", options->scene, "JSON file: {\"meshes\": [file], \"pairs\": [[i, j, pose]]}")
       ->required();
   options->query.addBackendOptions(*command);

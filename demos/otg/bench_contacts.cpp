@@ -20,7 +20,7 @@ using truth::Errors;
 using truth::PlainContact;
 using truth::Wrench;
 
-struct Options {
+struct BenchContactsOptions {
   BenchOptions bench;
   std::string pictures, only;
   int poses = 30;
@@ -114,7 +114,7 @@ struct Tables {
   Json truth = Json::array(), wrench = Json::array(), reduction = Json::array();
 };
 
-void runFamily(const ContactFamily& family, const Tier& tier, const Options& options, Tables& tables) {
+void runFamily(const ContactFamily& family, const Tier& tier, const BenchContactsOptions& options, Tables& tables) {
   const std::vector<ContactMethod> methods = contactMethods();
   std::vector<Tally> tallies(methods.size());
   constexpr int kReduced[] = {64, 8};
@@ -170,7 +170,7 @@ void runFamily(const ContactFamily& family, const Tier& tier, const Options& opt
   }
 }
 
-std::vector<ContactFamily> familiesOf(const Options& options) {
+std::vector<ContactFamily> familiesOf(const BenchContactsOptions& options) {
   std::vector<ContactFamily> families = truth::contactFamilies();
   // Of the meshes that benchmarks take, the smallest: the truth is slow, and no better for more triangles.
   if (options.bench.files.empty()) {
@@ -189,7 +189,7 @@ std::vector<ContactFamily> familiesOf(const Options& options) {
   return families;
 }
 
-int run(const Options& options) {
+int run(const BenchContactsOptions& options) {
   const scenes::OdeSession session;
   if (!options.pictures.empty()) {
     writeContactPictures(options.pictures, familiesOf(options));
@@ -226,7 +226,7 @@ int run(const Options& options) {
 void addBenchContacts(CLI::App& bench, Action& action) {
   CLI::App* command = bench.add_subcommand(
       "contacts", "Single queries against the truth: directions, depths, net wrenches, beside other libraries");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchContactsOptions>();
   command->add_option("MESH", options->bench.files,
                       "Closed meshes (default: the smallest armadillo* in the folder OTG_MESH_DIR, else a lump)");
   command->add_option("--poses", options->poses, "Random poses for each kind of bodies and overlap")

@@ -8,7 +8,7 @@
 namespace otg::cli {
 namespace {
 
-struct Options {
+struct CheckOptions {
   std::vector<std::string> files;
   bool repair = false;
   bool json = false;
@@ -102,7 +102,7 @@ void printReadable(const Json& row) {
   }
 }
 
-int check(const Options& options) {
+int check(const CheckOptions& options) {
   Json files = Json::array();
   int status = kOk;
   for (const std::string& file : options.files) {
@@ -137,7 +137,7 @@ int check(const Options& options) {
 void addCheckCommand(CLI::App& app, Action& action) {
   CLI::App* command =
       app.add_subcommand("check", "Load meshes (PLY, OBJ, STL, OFF, glTF) and say what is wrong with them");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CheckOptions>();
   command->add_option("MESH", options->files, "Mesh files")->required();
   command->add_flag("--repair", options->repair,
                     "Weld equal positions, drop degenerate and duplicate triangles, make the winding consistent and "

@@ -12,7 +12,7 @@
 namespace otg::cli {
 namespace {
 
-struct Options {
+struct CollideOptions {
   QueryOptions query;
   int repeat = 1;
   bool json = false;
@@ -115,7 +115,7 @@ Times measure(opencl::Backend& backend, const Query& query, Workspace& workspace
   return times;
 }
 
-int runCollide(const Options& options) {
+int runCollide(const CollideOptions& options) {
   Query query;
   query.bInA = parsePose(options.query.pose);
   query.options = options.query.collideOptions();
@@ -188,7 +188,7 @@ int runCollide(const Options& options) {
 
 void addCollideCommand(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("collide", "Collide mesh A with mesh B: contacts, counters, times");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CollideOptions>();
   options->query.addInputOptions(*command);
   options->query.addContactOptions(*command);
   command->add_option("--repeat", options->repeat, "Times are medians over this many queries, after one to warm up")

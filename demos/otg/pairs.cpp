@@ -10,7 +10,7 @@
 namespace otg::cli {
 namespace {
 
-struct Options {
+struct PairsOptions {
   QueryOptions query;
   std::string out;
   bool json = false;
@@ -29,7 +29,7 @@ void writePairs(const std::string& path, const std::vector<TrianglePair>& pairs)
   if ((std::fclose(file) != 0) || !written) throw InputError(path + ": writing failed");
 }
 
-int runPairs(const Options& options) {
+int runPairs(const PairsOptions& options) {
   if (options.json && options.out == "-") throw UsageError("--json and --out - both want stdout");
   Query query;
   query.bInA = parsePose(options.query.pose);
@@ -63,7 +63,7 @@ int runPairs(const Options& options) {
 void addPairsCommand(CLI::App& app, Action& action) {
   CLI::App* command =
       app.add_subcommand("pairs", "The exact set of intersecting triangle pairs, sorted, as lines `a b`");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PairsOptions>();
   options->query.addInputOptions(*command);
   command->add_option("--out", options->out, "File for the pairs, - for stdout");
   command->add_flag("--json", options->json, "One JSON document on stdout");

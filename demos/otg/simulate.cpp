@@ -22,7 +22,7 @@ using scenes::BodyState;
 using scenes::Simulation;
 using scenes::StepRecord;
 
-struct Options {
+struct SimulateOptions {
   std::string scene, glb, csv, povray;
   std::vector<double> pictureTimes;  ///< seconds; empty: six, evenly spaced
   int steps = -1;
@@ -126,7 +126,7 @@ class CsvFile {
   std::unique_ptr<std::FILE, Close> file_;
 };
 
-Run runSteps(Simulation& simulation, int steps, double dt, const Options& options) {
+Run runSteps(Simulation& simulation, int steps, double dt, const SimulateOptions& options) {
   Run run;
   CsvFile csv(options.csv);
   std::unique_ptr<Recorder> recorder;
@@ -219,7 +219,7 @@ void printReadable(const Json& document) {
   printTable({"body", "position", "rotation w x y z", "velocity"}, rows);
 }
 
-int simulate(const Options& options) {
+int simulate(const SimulateOptions& options) {
   scenes::SceneDescription scene = scenes::loadScene(options.scene);
   if (options.contactsPerRegion > 0) scene.contactsPerRegion = options.contactsPerRegion;
   if (options.noHistory) scene.history = false;
@@ -242,7 +242,7 @@ int simulate(const Options& options) {
 void addSimulateCommand(CLI::App& app, Action& action) {
   CLI::App* command =
       app.add_subcommand("simulate", "Step an ODE world of meshes and primitives (format: docs/scene_format.md)");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SimulateOptions>();
   command->add_option("SCENE", options->scene, "Scene file, JSON")->required();
   command->add_option("--steps", options->steps, "Number of steps instead of the scene's")
       ->check(CLI::Range(0, 100000000));

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifdef OTG_CATCH3
-#include <catch2/catch_session.hpp>
+// main of all tests but those of an OpenCL device. Catch2 2.13 is itself compiled in catch_runner.cpp, once.
+#include "support/catch_runner.h"
+
 int main(int argc, char* argv[]) {
-  return Catch::Session().run(argc, argv);
+  return otg::test::runCatch(argc, argv);
 }
-#else
-#define CATCH_CONFIG_MAIN
-#include <catch2/catch.hpp>
-#endif

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // For tests that need an OpenCL device: without one the program says so and exits with 77, which ctest reports as
 // skipped. The cache of programs is a folder of this process, removed at the end.
-#ifndef OTG_CATCH3
-#define CATCH_CONFIG_RUNNER
-#endif
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
 
 #include "opencl/device_info.h"
-#include "support/catch.h"
+#include "support/catch_runner.h"
 
 int main(int argc, char* argv[]) {
   if (otg::opencl::defaultDevice(otg::opencl::listDevices()) < 0) {
@@ -20,7 +17,7 @@ int main(int argc, char* argv[]) {
   std::string folder = (std::filesystem::temp_directory_path() / "otg_test_XXXXXX").string();
   if (mkdtemp(folder.data()) == nullptr) return 1;
   setenv("OTG_CACHE_DIR", folder.c_str(), 1);
-  const int status = Catch::Session().run(argc, argv);
+  const int status = otg::test::runCatch(argc, argv);
   std::error_code ignored;
   std::filesystem::remove_all(folder, ignored);
   return status;
