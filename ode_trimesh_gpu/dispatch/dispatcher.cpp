@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "dispatch/dispatcher.h"
 
-#include <numeric>
+#include <algorithm>
 
-#include "dispatch/host_batch.h"
+#include "dispatch/batch_run.h"
+#include "dispatch/calibration.h"
+#include "dispatch/single_run.h"
+#include "opencl/log.h"
 
 namespace otg {
 
@@ -25,14 +28,73 @@ std::shared_ptr<ThreadPool> Dispatcher::pool() {
   return pool_;
 }
 
+std::size_t Dispatcher::open(std::span<const int> indices, const opencl::Tuning& tuning) {
+  Slots slots;
+  const opencl::ProgramCache cache = opencl::ProgramCache::standard();
+  for (const int index : indices) {
+    auto slot = std::make_shared<DeviceSlot>();
+    slot->backend = opencl::Backend::open(index, tuning);
+    if (!slot->backend) continue;
+    const std::optional<CostModel> costs = costsOf(*slot->backend, cache);
+    if (!costs) {
+      opencl::logLine("OpenCL device " + std::to_string(index) +
+                      " failed while its costs were measured; it is not used");
+      continue;
+    }
+    slot->costs = *costs;
+    slots.push_back(std::move(slot));
+  }
+  const std::size_t count = slots.size();
+  setDevices(std::move(slots));
+  return count;
+}
+
+void Dispatcher::setDevices(Slots devices) {
+  const std::lock_guard lock(mutex_);
+  devices_.swap(devices);
+  hasDevices_.store(!devices_.empty(), std::memory_order_release);
+}
+
+void Dispatcher::abandon() noexcept {
+  const std::lock_guard lock(mutex_);
+  hasDevices_.store(false, std::memory_order_release);
+  for (std::shared_ptr<DeviceSlot>& slot : devices_) {
+    // The share is never given back.
+    if (auto* const kept = new (std::nothrow) std::shared_ptr<DeviceSlot>(slot); kept == nullptr) return;
+  }
+}
+
+Dispatcher::Slots Dispatcher::devices() const {
+  const std::lock_guard lock(mutex_);
+  return devices_;
+}
+
+Dispatcher::Slots Dispatcher::usableDevices() const {
+  if (!hasDevices()) return {};
+  Slots slots = devices();
+  std::erase_if(slots, [](const auto& slot) { return slot->isOff.load(); });
+  return slots;
+}
+
+std::span<const Contact> Dispatcher::collide(const PairJob& job, Workspace& workspace, Ran& ran) {
+  if (!hasDevices() || job.place == Placement{Place::kCpu, Place::kCpu}) return collideOnHost(job, workspace);
+  const Slots slots = usableDevices();
+  if (slots.empty()) return collideOnHost(job, workspace);
+  DeviceSlot& slot = **std::min_element(slots.begin(), slots.end(), [](const auto& x, const auto& y) {
+    return x->underWay.load(std::memory_order_relaxed) < y->underWay.load(std::memory_order_relaxed);
+  });
+  return collideOn(slot, job, workspace, ran.onDevice, ran.deviceFailed);
+}
+
 void Dispatcher::collideBatch(std::span<const PairJob* const> jobs, std::span<PairResult> results) {
-  std::vector<std::size_t> all(jobs.size());
-  std::iota(all.begin(), all.end(), std::size_t{0});
-  collideOnHost(*pool(), jobs, all, results);
+  runBatch(*pool(), usableDevices(), jobs, results);
 }
 
 Dispatcher& dispatcher() {
-  static Dispatcher instance;
+  struct Instance : Dispatcher {
+    ~Instance() { abandon(); }
+  };
+  static Instance instance;
   return instance;
 }
 

@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who computes what.
+// Who computes what: the CPU's threads, devices, or both at once. What is computed does not depend on it.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <span>
+#include <string>
+#include <vector>
 
+#include "dispatch/device_slot.h"
 #include "dispatch/pair_job.h"
 #include "dispatch/thread_pool.h"
 
 namespace otg {
 
-/// Any number of threads, except where a function says otherwise.
+/// Any number of threads.
 class Dispatcher {
  public:
   Dispatcher() = default;
@@ -23,16 +27,45 @@ class Dispatcher {
   void setThreadCount(unsigned threads);
   unsigned threadCount() const;
 
+  /// Where pairs run that say nothing else: a setting that this class keeps for the layer above.
+  void setPlacement(Placement place) { place_ = place; }
+  Placement placement() const { return place_; }
+
+  /// Opens these devices (numbers of opencl::listDevices(); one may be there several times, each with a context of its
+  /// own) in place of those that were open, and measures their costs if they are not known. Devices that cannot be
+  /// opened, or that fail meanwhile, are left out, which is logged. Returns how many are open. Throws std::bad_alloc.
+  std::size_t open(std::span<const int> indices, const opencl::Tuning& tuning = {});
+  void close() { setDevices({}); }
+  /// Lets go of the devices without closing them: for the end of the process, when a driver may be gone already.
+  void abandon() noexcept;
+  bool hasDevices() const { return hasDevices_.load(std::memory_order_acquire); }
+  /// The open ones, switched off or not.
+  std::vector<std::shared_ptr<DeviceSlot>> devices() const;
+  /// Takes over devices that were opened elsewhere.
+  void setDevices(std::vector<std::shared_ptr<DeviceSlot>> devices);
+
+  /// What a device had to do with a result.
+  struct Ran {
+    bool onDevice = false, deviceFailed = false;
+  };
+  /// One job on the calling thread: its contacts, in the workspace. Throws what otg::collide throws.
+  std::span<const Contact> collide(const PairJob& job, Workspace& workspace, Ran& ran);
+
   /// Every job, each with the result that it has by itself. `results` has as many elements. Throws std::bad_alloc,
   /// after which the results are of no use; want of memory for a single pair is an outcome of that pair.
   void collideBatch(std::span<const PairJob* const> jobs, std::span<PairResult> results);
 
  private:
+  using Slots = std::vector<std::shared_ptr<DeviceSlot>>;
   std::shared_ptr<ThreadPool> pool();
+  Slots usableDevices() const;
 
   mutable std::mutex mutex_;
+  std::atomic<Placement> place_{Placement{}};
   unsigned threads_ = 0;
   std::shared_ptr<ThreadPool> pool_;  ///< made when first needed
+  Slots devices_;
+  std::atomic<bool> hasDevices_{false};
 };
 
 /// The one of the process.

@@ -2,7 +2,7 @@
 #include "dispatch/host_batch.h"
 
 #include <algorithm>
-#include <numeric>
+#include <vector>
 
 #include "collide/stages.h"
 #include "dispatch/workspace_lease.h"
@@ -41,20 +41,16 @@ std::span<const Contact> collideOnHost(const PairJob& job, Workspace& workspace)
   return contactsOnHost(job, workspace);
 }
 
-void collideOnHost(ThreadPool& pool, std::span<const PairJob* const> jobs, std::span<const std::size_t> which,
-                   std::span<PairResult> results) {
+void runByPool(ThreadPool& pool, std::span<const PairJob* const> jobs, std::span<const std::size_t> which,
+               const std::function<void(std::size_t i, Workspace& workspace)>& one) {
   std::vector<std::size_t> order(which.begin(), which.end());
-  const std::size_t all = std::accumulate(order.begin(), order.end(), std::size_t{0},
-                                          [&](std::size_t sum, std::size_t i) { return sum + workOf(jobs[i]->query); });
+  std::size_t all = 0;
+  for (const std::size_t i : order) all += workOf(jobs[i]->query);
   std::stable_partition(order.begin(), order.end(),
                         [&](std::size_t i) { return workOf(jobs[i]->query) * order.size() > kLarge * all; });
   pool.run(order.size(), order.size() < kManyPairs ? 1 : kPairsAtOnce, [&](std::size_t begin, std::size_t end) {
     const WorkspaceLease lease;
-    Workspace& workspace = *lease;
-    for (std::size_t k = begin; k < end; ++k) {
-      const PairJob& job = *jobs[order[k]];
-      keepOutcome(results[order[k]], workspace, [&] { return collideOnHost(job, workspace); });
-    }
+    for (std::size_t k = begin; k < end; ++k) one(order[k], *lease);
   });
 }
 

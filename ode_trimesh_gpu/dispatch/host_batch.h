@@ -2,6 +2,7 @@
 // Pairs on the CPU: one, or many by all threads.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <stdexcept>
 
@@ -17,10 +18,10 @@ std::span<const Contact> collideOnHost(const PairJob& job, Workspace& workspace)
 /// The same from workspace.intersecting: for pairs whose first two phases were done elsewhere.
 std::span<const Contact> contactsOnHost(const PairJob& job, Workspace& workspace);
 
-/// collideOnHost for jobs[which[k]], every k, by the pool's threads; what it throws becomes the outcome of that job.
-/// The results do not depend on the number of threads.
-void collideOnHost(ThreadPool& pool, std::span<const PairJob* const> jobs, std::span<const std::size_t> which,
-                   std::span<PairResult> results);
+/// Calls one(i, workspace) for the jobs i of `which`, by the pool's threads, each thread with a workspace of its own.
+/// The results of the jobs do not depend on the number of threads. `jobs` tells which are large.
+void runByPool(ThreadPool& pool, std::span<const PairJob* const> jobs, std::span<const std::size_t> which,
+               const std::function<void(std::size_t i, Workspace& workspace)>& one);
 
 /// Runs `finish`, which gives the contacts of one job, and keeps them or what it throws in the result.
 template <class Finish>

@@ -184,7 +184,7 @@ int precisionStatus(ConfigurationCheck check) noexcept {
 }
 
 int ensureRegistered() noexcept {
-  return guarded([] {
+  const int result = guarded([] {
     if (const int status = precisionStatus(&dCheckConfiguration)) return status;
     const std::lock_guard lock(registry().mutex);
     const DebugHandlerScope scope;
@@ -193,6 +193,9 @@ int ensureRegistered() noexcept {
     if (known >= 0 && classIsOurs(known)) return static_cast<int>(dGPUTRIMESH_OK);
     return registerClass();
   });
+  static std::once_flag chosen;
+  if (result == dGPUTRIMESH_OK) std::call_once(chosen, [] { chooseBackendOfEnvironment(); });
+  return result;
 }
 
 }  // namespace otg

@@ -21,6 +21,9 @@ using ConfigurationCheck = int (*)(const char* token);
 /// dGPUTRIMESH_OK if the ODE that `check` speaks for has the dReal that this library was compiled with.
 int precisionStatus(ConfigurationCheck check) noexcept;
 
+/// Does what the environment variable OTG_BACKEND says, if it is set (backend.cpp).
+void chooseBackendOfEnvironment() noexcept;
+
 /// Called by our collider functions for a geom without an object. Only the probe of ensureRegistered() (and a program
 /// that calls dCreateGeom itself) makes such geoms; being called tells the probe that the collider table is still ours.
 void answerProbe() noexcept;

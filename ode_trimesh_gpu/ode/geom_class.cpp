@@ -35,6 +35,9 @@ int checkParams(const dGpuTriMeshParams& p) {
               within(p.reduction, dGPUTRIMESH_REDUCTION_NONE, dGPUTRIMESH_REDUCTION_CONE) &&
               within(p.max_contacts, 1, 65535) && within(p.contacts_per_region, 1, 64) &&
               within(p.history, dGPUTRIMESH_HISTORY_OFF, dGPUTRIMESH_HISTORY_ON);
+  for (const int place : {p.backend, p.middle_phase, p.near_phase}) {
+    good = good && within(place, dGPUTRIMESH_BACKEND_DEFAULT, dGPUTRIMESH_BACKEND_OPENCL);
+  }
   for (const int bins : p.bins) good = good && within(bins, 1, 64);
   if (!good) return dGPUTRIMESH_ERROR_ARGUMENT;
   return dGPUTRIMESH_OK;

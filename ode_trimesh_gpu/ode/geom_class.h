@@ -19,7 +19,8 @@ namespace otg {
 /// Sums of dGpuTriMeshStats. Several threads may collide one geom (a ground mesh) at once.
 struct GeomStats {
   std::atomic<std::uint64_t> queries{0}, failedQueries{0}, boxTests{0}, candidatePairs{0}, intersectingPairs{0},
-      decidedByDouble{0}, decidedExactly{0}, contactsBeforeReduction{0}, contacts{0}, prefetched{0};
+      decidedByDouble{0}, decidedExactly{0}, contactsBeforeReduction{0}, contacts{0}, prefetched{0}, onDevice{0},
+      deviceFailures{0};
 };
 
 /// ODE keeps a pointer to it in the geom's class data (which it zeroes, copies nothing into and frees without a word).

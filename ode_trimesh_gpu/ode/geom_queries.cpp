@@ -85,6 +85,8 @@ int dGeomGpuTriMeshGetStats(dGeomID g, dGpuTriMeshStats* stats) {
   stats->contacts_before_reduction = from.contactsBeforeReduction;
   stats->contacts = from.contacts;
   stats->prefetched = from.prefetched;
+  stats->on_device = from.onDevice;
+  stats->device_failures = from.deviceFailures;
   return dGPUTRIMESH_OK;
 }
 
@@ -94,7 +96,7 @@ int dGeomGpuTriMeshResetStats(dGeomID g) {
   otg::GeomStats& s = object->stats;
   for (std::atomic<std::uint64_t>* sum :
        {&s.queries, &s.failedQueries, &s.boxTests, &s.candidatePairs, &s.intersectingPairs, &s.decidedByDouble,
-        &s.decidedExactly, &s.contactsBeforeReduction, &s.contacts, &s.prefetched}) {
+        &s.decidedExactly, &s.contactsBeforeReduction, &s.contacts, &s.prefetched, &s.onDevice, &s.deviceFailures}) {
     sum->store(0, std::memory_order_relaxed);
   }
   return dGPUTRIMESH_OK;

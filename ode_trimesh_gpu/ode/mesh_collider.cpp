@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "dispatch/host_batch.h"
+#include "dispatch/dispatcher.h"
 #include "dispatch/workspace_lease.h"
 #include "ode/class_registration.h"
 #include "ode/geom_class.h"
@@ -45,7 +45,7 @@ int collideMeshes(dGeomID o1, dGeomID o2, int flags, const ContactArray& to) noe
       if (ready.find(task, capacity, result)) {
         ready.seen(task, rememberPair(task, !result.contacts.empty()));
         writeContacts(task, result.contacts, to);
-        countPair(task, result.counts, result.contacts.size());
+        countPair(task, result.counts, result.contacts.size(), result.onDevice, result.deviceFailed);
         for (GeomObject* object : {object1, object2}) {
           object->stats.prefetched.fetch_add(1, std::memory_order_relaxed);
         }
@@ -56,10 +56,11 @@ int collideMeshes(dGeomID o1, dGeomID o2, int flags, const ContactArray& to) noe
     options.maxContacts = std::min(options.maxContacts, capacity);
     const WorkspaceLease lease;
     Workspace& workspace = *lease;
-    const std::span<const Contact> contacts = collideOnHost(task.job, workspace);
+    Dispatcher::Ran ran;
+    const std::span<const Contact> contacts = dispatcher().collide(task.job, workspace, ran);
     rememberPair(task, !contacts.empty());
     writeContacts(task, contacts, to);
-    countPair(task, PairCounts(workspace.stats), contacts.size());
+    countPair(task, PairCounts(workspace.stats), contacts.size(), ran.onDevice, ran.deviceFailed);
     return static_cast<int>(contacts.size());
   } catch (...) {
     // Only want of memory throws: the query's pose is made of two that were found rigid. ODE's space would stay locked

@@ -66,7 +66,7 @@ void PairBatch::remember() {
       countFailure(task, dGPUTRIMESH_ERROR_MEMORY);
     } else {
       rememberPair(task, !result.contacts.empty());
-      countPair(task, result.counts, result.contacts.size());
+      countPair(task, result.counts, result.contacts.size(), result.onDevice, result.deviceFailed);
     }
   }
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "dispatch/dispatcher.h"
 #include "ode/mesh_collider.h"
 #include "ode/status.h"
 
@@ -167,6 +168,31 @@ CollideOptions pairOptions(const dGpuTriMeshParams& first, const dGpuTriMeshPara
   return options;
 }
 
+Placement pairPlacement(const dGpuTriMeshParams& first, const dGpuTriMeshParams& second, Placement process) {
+  const auto one = [](int phase, int backend, Place ofProcess) {
+    switch (phase != dGPUTRIMESH_BACKEND_DEFAULT ? phase : backend) {
+      case dGPUTRIMESH_BACKEND_AUTO:
+        return Place::kAuto;
+      case dGPUTRIMESH_BACKEND_CPU:
+        return Place::kCpu;
+      case dGPUTRIMESH_BACKEND_OPENCL:
+        return Place::kOpencl;
+      default:
+        return ofProcess;
+    }
+  };
+  const auto both = [](Place x, Place y) {
+    for (const Place place : {Place::kCpu, Place::kOpencl}) {
+      if (x == place || y == place) return place;
+    }
+    return Place::kAuto;
+  };
+  return {
+      both(one(first.middle_phase, first.backend, process.middle),
+           one(second.middle_phase, second.backend, process.middle)),
+      both(one(first.near_phase, first.backend, process.near), one(second.near_phase, second.backend, process.near))};
+}
+
 void preparePair(dGeomID o1, dGeomID o2, PairTask& task) noexcept {
   task.o1 = o1;
   task.o2 = o2;
@@ -193,6 +219,7 @@ void preparePair(dGeomID o1, dGeomID o2, PairTask& task) noexcept {
   query.bInA = relativePose(a.pose.transform, b.pose.transform);
   if (isFarApart(*query.a, *query.b, query.bInA)) return;
   query.options = pairOptions(a.object->params, b.object->params);
+  task.job.place = pairPlacement(a.object->params, b.object->params, dispatcher().placement());
   query.relativeVelocity = relativeVelocity(a, b);
   task.remembers = remembers(a.object->params) && remembers(b.object->params);
   task.history = {};
@@ -214,8 +241,13 @@ std::uint64_t rememberPair(const PairTask& task, bool hasContacts) {
   return task.history.used ? b.memory.store(a.serial, task.history) : task.stamp;
 }
 
-void countPair(const PairTask& task, const PairCounts& counts, std::size_t contacts) noexcept {
-  for (GeomObject* object : {task.object1, task.object2}) count(object->stats, counts, contacts);
+void countPair(const PairTask& task, const PairCounts& counts, std::size_t contacts, bool onDevice,
+               bool deviceFailed) noexcept {
+  for (GeomObject* object : {task.object1, task.object2}) {
+    count(object->stats, counts, contacts);
+    if (onDevice) object->stats.onDevice.fetch_add(1, std::memory_order_relaxed);
+    if (deviceFailed) object->stats.deviceFailures.fetch_add(1, std::memory_order_relaxed);
+  }
 }
 
 void countFailure(const PairTask& task, int status) noexcept {

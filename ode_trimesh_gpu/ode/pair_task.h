@@ -53,6 +53,9 @@ constexpr int capacityOf(int flags) {
 }
 bool isUnimportant(int flags);
 
+/// Where the phases of a pair run: as both geoms want it, or else as the process does.
+Placement pairPlacement(const dGpuTriMeshParams& first, const dGpuTriMeshParams& second, Placement process);
+
 /// Reads poses, velocities, parameters and history of two geoms of our class; sets everything but `any`, which depends
 /// on the call.
 void preparePair(dGeomID o1, dGeomID o2, PairTask& task) noexcept;
@@ -60,7 +63,8 @@ void preparePair(dGeomID o1, dGeomID o2, PairTask& task) noexcept;
 /// What every collision leaves with its geoms, of contacts found or not: the history and the statistics. Returns the
 /// stamp of what is remembered now, 0 for nothing. May throw std::bad_alloc.
 std::uint64_t rememberPair(const PairTask& task, bool hasContacts);
-void countPair(const PairTask& task, const PairCounts& counts, std::size_t contacts) noexcept;
+void countPair(const PairTask& task, const PairCounts& counts, std::size_t contacts, bool onDevice,
+               bool deviceFailed) noexcept;
 /// A query that found nothing because it failed; the status becomes the thread's last error.
 void countFailure(const PairTask& task, int status) noexcept;
 

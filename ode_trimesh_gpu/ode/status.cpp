@@ -38,6 +38,8 @@ const char* dGpuTriMeshErrorString(int status) {
       return "no error";
     case dGPUTRIMESH_NOT_SOLID:
       return "done, but the mesh is open or wound inconsistently and has no proper inside";
+    case dGPUTRIMESH_NO_DEVICE:
+      return "done, but no OpenCL device can be used, so that the CPU computes";
     case dGPUTRIMESH_ERROR_ARGUMENT:
       return "an argument is null, negative or out of range";
     case dGPUTRIMESH_ERROR_MESH:

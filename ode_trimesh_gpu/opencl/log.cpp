@@ -15,6 +15,15 @@ struct Log {
   LogSink sink;
   std::set<std::pair<std::string, int>> told;
   std::atomic<std::uint64_t> count{0};
+
+  void tell(const std::string& text) const {
+    const std::string line = "ode_trimesh_gpu: " + text;
+    if (sink) {
+      sink(line);
+    } else {
+      std::fputs((line + "\n").c_str(), stderr);
+    }
+  }
 };
 
 Log& log() {
@@ -34,13 +43,14 @@ void logFailure(const char* call, int code, const std::string& detail) {
   l.count.fetch_add(1, std::memory_order_relaxed);
   const std::lock_guard lock(l.mutex);
   if (!l.told.emplace(call, code).second) return;
-  std::string line = std::string("ode_trimesh_gpu: ") + call + " failed with " + std::to_string(code);
-  if (!detail.empty()) line += ": " + detail;
-  if (l.sink) {
-    l.sink(line);
-  } else {
-    std::fputs((line + "\n").c_str(), stderr);
-  }
+  std::string text = std::string(call) + " failed with " + std::to_string(code);
+  if (!detail.empty()) text += ": " + detail;
+  l.tell(text);
+}
+
+void logLine(const std::string& text) {
+  const std::lock_guard lock(log().mutex);
+  log().tell(text);
 }
 
 std::uint64_t failureCount() {

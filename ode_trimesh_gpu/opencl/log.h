@@ -17,6 +17,9 @@ void setLogSink(LogSink sink);
 /// Tells of a failed call, once for each (call, code) of the process; counts every one.
 void logFailure(const char* call, int code, const std::string& detail);
 
+/// Tells something else, as it is.
+void logLine(const std::string& text);
+
 /// Failures told or not since the process began.
 std::uint64_t failureCount();
 

@@ -134,6 +134,8 @@ dGpuTriMeshStats PileWorld::stats() const {
     sum.contacts_before_reduction += s.contacts_before_reduction;
     sum.contacts += s.contacts;
     sum.prefetched += s.prefetched;
+    sum.on_device += s.on_device;
+    sum.device_failures += s.device_failures;
   }
   return sum;
 }

@@ -51,6 +51,7 @@ enum {
 
   /* Done, but: */
   dGPUTRIMESH_NOT_SOLID = 1, /**< the mesh is open or wound inconsistently, so that its volume is a signed sum only */
+  dGPUTRIMESH_NO_DEVICE = 2, /**< no OpenCL device is open, so that the CPU computes until there is one */
 
   /* Not done, because: */
   dGPUTRIMESH_ERROR_ARGUMENT = -1, /**< a null pointer, a negative count or stride, an index or option out of range */

@@ -13,6 +13,7 @@
 #ifndef ODE_TRIMESH_GPU_H
 #define ODE_TRIMESH_GPU_H
 
+#include "backend.h"
 #include "batch.h"
 #include "contact_data.h"
 #include "export.h"

@@ -65,12 +65,25 @@ enum {
 };
 
 /**
+ * @brief Where queries are computed. The contacts do not depend on it, only the time does.
+ * @ingroup gputrimesh
+ */
+enum {
+  dGPUTRIMESH_BACKEND_DEFAULT = 0, /**< as dGpuTriMeshSetBackend() has it for all geoms */
+  dGPUTRIMESH_BACKEND_AUTO = 1,    /**< where it is expected to be done sooner, judged for each query or batch; a batch
+                                      may be divided between the CPU and all devices */
+  dGPUTRIMESH_BACKEND_CPU = 2,
+  dGPUTRIMESH_BACKEND_OPENCL = 3 /**< on the open devices (see dGpuTriMeshOpenDevices()). On the CPU while none is open
+                                    or when they fail */
+};
+
+/**
  * @brief The choices of one geom. Set the defaults with dGpuTriMeshParamsInit(), then what you need.
  *
  * Two geoms that collide may differ. Then, whatever the order of the call: the reduction is the one of the two with the
  * smaller number (which drops less), each number of bins is the larger, max_contacts and contacts_per_region the
- * smaller; of the contact models AUTO gives way to the other; history is ON if both have it. The search is done as the
- * geom created first has it.
+ * smaller; of the contact models AUTO gives way to the other; history is ON if both have it; of the places to compute
+ * CPU comes before OPENCL and OPENCL before AUTO. The search is done as the geom created first has it.
  * @ingroup gputrimesh
  */
 typedef struct dGpuTriMeshParams {
@@ -89,6 +102,10 @@ typedef struct dGpuTriMeshParams {
                               numbers, for as long as the two are in contact. OFF for programs that set poses at will,
                               or that compare single queries: a body that is deep inside another may then waver between
                               two ways out */
+  int backend;             /**< dGPUTRIMESH_BACKEND_...; default DEFAULT */
+  int middle_phase;        /**< the search alone: dGPUTRIMESH_BACKEND_..., DEFAULT (default) for what `backend` says */
+  int near_phase; /**< the tests of triangles and, for PAIRWISE on devices, the contacts alone: the same. Contacts of
+                     SOLID are made by the CPU */
 } dGpuTriMeshParams;
 
 /**

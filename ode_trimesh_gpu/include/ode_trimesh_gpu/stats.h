@@ -29,6 +29,9 @@ typedef struct dGpuTriMeshStats {
   duint64 contacts_before_reduction;
   duint64 contacts;   /**< handed to callers */
   duint64 prefetched; /**< queries whose contacts dGpuTriMeshPrefetch() had ready */
+  duint64 on_device;  /**< queries that an OpenCL device computed, in whole or in part. What a device does in one batch
+                         with others counts as query and contacts; the sums above do not have its other numbers */
+  duint64 device_failures; /**< queries that a device was given and failed to do: the CPU did them */
 } dGpuTriMeshStats;
 
 /**

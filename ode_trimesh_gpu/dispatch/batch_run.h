@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Many pairs, by all threads and devices at once.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "dispatch/device_slot.h"
+#include "dispatch/pair_job.h"
+#include "dispatch/thread_pool.h"
+
+namespace otg {
+
+/// Deals the jobs out and runs them: one host thread for each device, the pool's for the rest. Throws std::bad_alloc.
+void runBatch(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>>& devices,
+              std::span<const PairJob* const> jobs, std::span<PairResult> results);
+
+}  // namespace otg

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "dispatch/calibration.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <numbers>
+
+namespace otg {
+namespace {
+
+/// A bumpy sphere of 8 * steps^2 triangles.
+std::shared_ptr<const CollisionMesh> bumpySphere(int steps, double phase) {
+  const int rings = 2 * steps, sectors = 2 * steps;
+  std::vector<Vec3f> vertices;
+  std::vector<Triangle> triangles;
+  for (int i = 0; i <= rings; ++i) {
+    const double theta = std::numbers::pi * i / rings;
+    for (int k = 0; k < sectors; ++k) {
+      const double phi = 2 * std::numbers::pi * k / sectors;
+      const double r = 1 + 0.1 * std::sin(3 * phi + phase) * std::pow(std::sin(theta), 3);
+      vertices.push_back({static_cast<float>(r * std::sin(theta) * std::cos(phi)),
+                          static_cast<float>(r * std::sin(theta) * std::sin(phi)),
+                          static_cast<float>(r * std::cos(theta))});
+    }
+  }
+  const auto at = [&](int i, int k) { return static_cast<std::uint32_t>(i * sectors + k % sectors); };
+  for (int i = 0; i < rings; ++i) {
+    for (int k = 0; k < sectors; ++k) {
+      triangles.push_back({{at(i, k), at(i + 1, k), at(i + 1, k + 1)}});
+      triangles.push_back({{at(i, k), at(i + 1, k + 1), at(i, k + 1)}});
+    }
+  }
+  MeshInput input;
+  input.vertices = vertices.data();
+  input.vertexCount = vertices.size();
+  input.indices = triangles.data();
+  input.triangleCount = triangles.size();
+  const MeshResult result = buildTriMesh(input, RepairOptions::all(), MeshOrder::kSpatial);
+  return std::make_shared<const CollisionMesh>(result.mesh, BuildStrategy::kSah);
+}
+
+/// Microseconds: the least of a few runs, which is what the work takes when nothing else is in the way.
+template <class Work>
+double timeOf(int repeat, Work&& work) {
+  using Clock = std::chrono::steady_clock;
+  double least = 1e30;
+  for (int i = 0; i < repeat; ++i) {
+    const auto start = Clock::now();
+    work();
+    least = std::min(least, std::chrono::duration<double, std::micro>(Clock::now() - start).count());
+  }
+  return least;
+}
+
+std::string processorName() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);) {
+    if (line.rfind("model name", 0) == 0) return line;
+  }
+  return "a processor";
+}
+
+}  // namespace
+
+std::optional<CostModel> measureCosts(opencl::Backend& backend) {
+  constexpr std::array kSteps = {2, 6, 18, 50};
+  constexpr std::array kDistances = {1.97, 1.8, 1.4};
+  constexpr int kRepeat = 3;
+  std::vector<std::shared_ptr<const CollisionMesh>> meshes;
+  for (const int steps : kSteps) {
+    for (const double phase : {0.0, 1.0}) meshes.push_back(bumpySphere(steps, phase));
+  }
+  bool good = true;
+  using Points = std::vector<std::pair<double, double>>;
+  Points hostPairs, hostPairwise, hostSolid, devicePairs, devicePairwise, batch;
+  std::vector<Query> small;
+  Workspace workspace;
+  opencl::BatchAnswer answer;
+  for (std::size_t i = 0; i < meshes.size(); i += 2) {
+    for (const double distance : kDistances) {
+      Query query;
+      query.a = meshes[i].get();
+      query.b = meshes[i + 1].get();
+      query.bInA = Transformd{{1, 0, 0, 0, 0.8, -0.6, 0, 0.6, 0.8}, {0.6 * distance, 0.48 * distance, 0.64 * distance}};
+      query.options.maxContacts = 64;
+      const double work = expectedWork(query);
+      const auto point = [&](Points& to, const std::function<void()>& run) {
+        run();  // memory, uploads
+        to.emplace_back(work, timeOf(kRepeat, run));
+      };
+      point(hostPairs, [&] { findIntersectingPairs(query, workspace); });
+      point(hostPairwise, [&] { collide(query, workspace); });
+      Query solid = query;
+      solid.options.contacts = ContactModel::kSolid;
+      point(hostSolid, [&] { collide(solid, workspace); });
+      point(devicePairs, [&] { good = backend.findIntersectingPairs(query, workspace) && good; });
+      point(devicePairwise, [&] { good = backend.collide(query, workspace) && good; });
+      if (kSteps[i / 2] <= 18) small.push_back(query);
+      if (!good) return std::nullopt;
+    }
+  }
+  // Batches of one kind of pair each: what a pair costs in it; and one that is all launch.
+  constexpr std::size_t kPairs = 128;
+  const auto run = [&](const std::vector<Query>& queries) {
+    good = backend.collideBatch(queries, answer) && good;
+    return timeOf(kRepeat, [&] { good = backend.collideBatch(queries, answer) && good; });
+  };
+  const double one = run({small[0]});
+  for (const Query& query : small) {
+    const double all = run(std::vector<Query>(kPairs, query));
+    batch.emplace_back(expectedWork(query), std::max(all - one, 0.01 * all) / kPairs);
+    if (!good) return std::nullopt;
+  }
+  CostModel model;
+  model.hostPairs = fitCost(hostPairs);
+  model.hostPairwise = fitCost(hostPairwise);
+  model.hostSolid = fitCost(hostSolid);
+  model.devicePairs = fitCost(devicePairs);
+  model.devicePairwise = fitCost(devicePairwise);
+  model.batchPair = fitCost(batch);
+  model.batchLaunch = one;
+  return good && model.isSane() ? std::optional(model) : std::nullopt;
+}
+
+std::string costKey(const opencl::DeviceInfo& device) {
+  return "costs 1\n" + device.platform + "\n" + device.name + "\n" + device.version + "\n" + device.driver + "\n" +
+         (device.doubles ? "doubles" : "no doubles") + "\n" + processorName();
+}
+
+std::optional<CostModel> costsOf(opencl::Backend& backend, const opencl::ProgramCache& cache) {
+  const std::string key = costKey(backend.device());
+  if (const std::optional<opencl::Bytes> stored = cache.load(key)) {
+    if (const std::optional<CostModel> model = costModelFrom(*stored)) return model;
+  }
+  const std::optional<CostModel> model = measureCosts(backend);
+  if (model) cache.store(key, toBytes(*model));
+  return model;
+}
+
+}  // namespace otg

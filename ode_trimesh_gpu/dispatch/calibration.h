@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Measuring what the cost model says of a device, once, and keeping it.
+#pragma once
+
+#include "dispatch/cost_model.h"
+#include "opencl/backend.h"
+#include "opencl/program_cache.h"
+
+namespace otg {
+
+/// Times generated pairs of meshes on the calling thread and on the device; takes some tenths of a second. Nothing if
+/// the device fails meanwhile. Throws std::bad_alloc.
+std::optional<CostModel> measureCosts(opencl::Backend& backend);
+
+/// What a model of this device beside this CPU is stored under.
+std::string costKey(const opencl::DeviceInfo& device);
+
+/// The stored model of the device, or one that is measured now and stored. A damaged file counts as none and is
+/// replaced. Nothing if the device fails.
+std::optional<CostModel> costsOf(opencl::Backend& backend, const opencl::ProgramCache& cache);
+
+}  // namespace otg

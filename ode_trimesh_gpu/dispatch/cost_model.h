@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How long a pair is expected to take, on one thread of the CPU and on one device.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "collide/query.h"
+
+namespace otg {
+
+/// Triangles of both meshes that lie where their boxes overlap, as far as boxes tell: what the time of a query follows.
+/// Costs less than a microsecond.
+double expectedWork(const Query& query);
+
+/// A time that grows with the expected work, in microseconds.
+struct Cost {
+  double fixed = 0, perTriangle = 0;
+  double of(double work) const { return fixed + perTriangle * work; }
+  friend bool operator==(const Cost&, const Cost&) = default;
+};
+
+struct CostModel {
+  Cost hostPairs;          ///< middle and near phase on one thread
+  Cost hostPairwise;       ///< the whole query, model `pairwise`
+  Cost hostSolid;          ///< the same, model `solid`
+  Cost devicePairs;        ///< middle and near phase of one pair, from call to return
+  Cost devicePairwise;     ///< the whole query of one pair
+  double batchLaunch = 0;  ///< of a batch of `pairwise` queries, however small
+  Cost batchPair;          ///< each pair of a batch
+  friend bool operator==(const CostModel&, const CostModel&) = default;
+
+  /// All numbers are finite, none is negative, and no pair is free.
+  bool isSane() const;
+};
+
+/// As bytes, to be stored; and back. Nothing for bytes that are not of this version or not sane.
+std::vector<unsigned char> toBytes(const CostModel& model);
+std::optional<CostModel> costModelFrom(const std::vector<unsigned char>& bytes);
+
+/// The line with the least sum of squared relative errors through (work, time), with neither number negative.
+Cost fitCost(const std::vector<std::pair<double, double>>& measured);
+
+}  // namespace otg

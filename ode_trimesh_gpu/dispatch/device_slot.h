@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// An open device and what became of the work it was given.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+
+#include "dispatch/cost_model.h"
+#include "opencl/backend.h"
+
+namespace otg {
+
+/// Any number of threads.
+struct DeviceSlot {
+  /// A device that fails so often in a row is not asked any more.
+  static constexpr int kMostFailures = 3;
+
+  std::shared_ptr<opencl::Backend> backend;
+  CostModel costs;
+  std::atomic<int> underWay{0};     ///< single queries at the moment
+  std::atomic<int> failedInRow{0};  ///< calls
+  std::atomic<bool> isOff{false};
+  std::atomic<std::uint64_t> queries{0};        ///< pairs that it was given
+  std::atomic<std::uint64_t> failedQueries{0};  ///< of these, in calls that failed: the CPU did what it left
+  std::atomic<std::uint64_t> calls{0}, failedCalls{0};
+
+  /// Counts a call for so many pairs. The device is switched off when it has failed too often; that is logged, once.
+  void note(std::uint64_t pairs, bool good);
+};
+
+}  // namespace otg

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How a batch is dealt out.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "dispatch/cost_model.h"
+
+namespace otg {
+
+/// What is to be divided: pairs in a row, of which the first `bound` have to go to devices and the others may go to the
+/// CPU as well.
+struct Division {
+  std::span<const double> work;  ///< expectedWork of each pair
+  std::size_t bound = 0;
+  double hostBusy = 0;  ///< microseconds that the CPU's threads need for what is theirs anyway
+  unsigned threads = 1;
+};
+
+/// Ends of the devices' blocks: device d gets the pairs from the end of the block before it (0) to ends[d], the CPU
+/// what is left. Chosen so that all are expected to be done at the same time; blocks of devices with equal models have
+/// equal cost. With the same arguments it gives the same answer.
+std::vector<std::size_t> divide(const Division& division, std::span<const CostModel> devices);
+
+}  // namespace otg

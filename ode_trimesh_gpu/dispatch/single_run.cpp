@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "dispatch/single_run.h"
+
+#include "collide/stages.h"
+
+namespace otg {
+namespace {
+
+/// Counts a query under way.
+class UnderWay {
+ public:
+  explicit UnderWay(DeviceSlot& slot) : slot_(slot) { slot_.underWay.fetch_add(1, std::memory_order_relaxed); }
+  ~UnderWay() { slot_.underWay.fetch_sub(1, std::memory_order_relaxed); }
+  UnderWay(const UnderWay&) = delete;
+  UnderWay& operator=(const UnderWay&) = delete;
+
+ private:
+  DeviceSlot& slot_;
+};
+
+}  // namespace
+
+Placement settled(Placement place) {
+  if (place.middle == Place::kAuto) return {place.near, place.near};
+  if (place.near == Place::kAuto) return {place.middle, place.middle};
+  return place;
+}
+
+bool contactsOnDevice(const PairJob& job) {
+  return !job.any && !mayBeSolid(job.query);
+}
+
+bool isSoonerOnDevice(const PairJob& job, const CostModel& costs, double work) {
+  return contactsOnDevice(job) ? costs.devicePairwise.of(work) < costs.hostPairwise.of(work)
+                               : costs.devicePairs.of(work) < costs.hostPairs.of(work);
+}
+
+std::span<const Contact> collideOn(DeviceSlot& slot, const PairJob& job, Workspace& workspace, bool& onDevice,
+                                   bool& deviceFailed) {
+  Placement place = settled(job.place);
+  if (place.middle == Place::kAuto) {
+    const Place best = isSoonerOnDevice(job, slot.costs, expectedWork(job.query)) ? Place::kOpencl : Place::kCpu;
+    place = {best, best};
+  }
+  const bool middle = place.middle == Place::kOpencl, near = place.near == Place::kOpencl;
+  if ((!middle && !near) || slot.isOff) return collideOnHost(job, workspace);
+  const UnderWay underWay(slot);
+  opencl::Backend& device = *slot.backend;
+  bool good = false;
+  if (middle && near && contactsOnDevice(job)) {
+    good = device.collide(job.query, workspace);
+    slot.note(1, good);
+    (good ? onDevice : deviceFailed) = true;
+    return workspace.reduced;
+  }
+  good = device.findIntersectingPairs(job.query, workspace);
+  slot.note(1, good);
+  (good ? onDevice : deviceFailed) = true;
+  return contactsOnHost(job, workspace);
+}
+
+}  // namespace otg

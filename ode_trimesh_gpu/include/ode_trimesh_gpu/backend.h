@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Where collisions are computed: the CPU, OpenCL devices, or both at once. The contacts do not depend on it. */
+#ifndef ODE_TRIMESH_GPU_BACKEND_H
+#define ODE_TRIMESH_GPU_BACKEND_H
+
+#include <ode/common.h>
+
+#include "export.h"
+#include "params.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/**
+ * @brief Says where the queries of all geoms are computed that have no choice of their own
+ *        (dGpuTriMeshParams::backend), and opens the default device if that needs one and none is open.
+ *
+ * Opening a device is the slow part: kernels are built and the costs of queries measured, the first time for some
+ * seconds. Both are kept on disk (OTG_CACHE_DIR, else XDG_CACHE_HOME or ~/.cache). No other function opens devices but
+ * dGpuTriMeshOpenDevices(), so that no dCollide() waits for it.
+ *
+ * Before the first call it is AUTO with no device open, which is the CPU. The environment variable OTG_BACKEND (auto,
+ * cpu or opencl) has the first dGpuTriMeshInit() call this function.
+ *
+ * @param backend  dGPUTRIMESH_BACKEND_AUTO, CPU or OPENCL
+ * @returns dGPUTRIMESH_OK; dGPUTRIMESH_NO_DEVICE if OPENCL was asked for and no device can be used: the choice holds,
+ *          and the CPU computes until one is open; dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_MEMORY.
+ * @remarks From any thread, also while others collide.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshSetBackend(int backend);
+
+/**
+ * @brief What dGpuTriMeshSetBackend() was called with last.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshGetBackend(void);
+
+/**
+ * @brief Chooses for one geom: sets dGpuTriMeshParams::backend, and the choices for single phases back to it.
+ * @param g        a geom of this class
+ * @param backend  dGPUTRIMESH_BACKEND_...
+ * @returns dGPUTRIMESH_OK; dGPUTRIMESH_NO_DEVICE as dGpuTriMeshSetBackend(), but nothing is opened;
+ *          dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_CLASS.
+ * @remarks May be called from a near callback, but not while another thread collides the geom.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGeomGpuTriMeshSetBackend(dGeomID g, int backend);
+
+/**
+ * @brief The `backend` of a geom's parameters.
+ * @returns dGPUTRIMESH_BACKEND_..., or dGPUTRIMESH_ERROR_CLASS.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGeomGpuTriMeshGetBackend(dGeomID g);
+
+/**
+ * @brief Opens OpenCL devices in place of those that are open. Batches are divided among all of them.
+ *
+ * Each has a context of its own; every mesh that collides there is kept in its memory until that is needed for others.
+ * A device that fails is helped out by the CPU, and after dGPUTRIMESH_DEVICE_FAILURES failures in a row it is switched
+ * off and a line on stderr says so.
+ *
+ * @param indices  numbers of devices, as `otg devices` lists them. The same one may be there several times. NULL: see
+ * count
+ * @param count    how many. With indices NULL: 0 for the default device (the first GPU, else the first accelerator,
+ *                 else the first CPU; the environment variable OTG_OPENCL_DEVICE names another one), -1 for all GPUs
+ * @returns How many are open now, 0 or more (one that cannot be opened is left out, and a line on stderr says why);
+ *          dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_MEMORY.
+ * @remarks From any thread; queries under way finish on the devices that they have. Slow: see dGpuTriMeshSetBackend().
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshOpenDevices(const int* indices, int count);
+
+/**
+ * @brief Closes all devices, when the queries that use them are done. The CPU computes from here on. Not needed at the
+ *        end of a program.
+ * @ingroup gputrimesh
+ */
+OTG_API void dGpuTriMeshCloseDevices(void);
+
+/** Failures in a row after which a device is switched off, until it is opened again. A failure is a call (a query or a
+ * batch) that the device could not finish. */
+#define dGPUTRIMESH_DEVICE_FAILURES 3
+
+/**
+ * @brief An open device and what became of its work. Filled by dGpuTriMeshGetDevice().
+ * @ingroup gputrimesh
+ */
+typedef struct dGpuTriMeshDevice {
+  dsizeint size;          /**< sizeof(dGpuTriMeshDevice) of your program; set by ...Init */
+  int index;              /**< its number in the list of all devices */
+  int switched_off;       /**< 1 after too many failures in a row */
+  char name[128];         /**< cut if it is longer */
+  duint64 queries;        /**< pairs that it was given */
+  duint64 failed_queries; /**< of these, in calls that failed */
+  duint64 calls;          /**< single queries and batches */
+  duint64 failed_calls;   /**< of these, those that failed */
+  duint64 mesh_uploads;   /**< meshes that were sent there */
+  duint64 mesh_evictions; /**< of these, those that had to make room for others */
+  duint64 mesh_bytes;     /**< that meshes take there now */
+} dGpuTriMeshDevice;
+
+/**
+ * @brief Sets the size and zeroes the rest. NULL does nothing.
+ * @ingroup gputrimesh
+ */
+OTG_API void dGpuTriMeshDeviceInit(dGpuTriMeshDevice* device);
+
+/**
+ * @brief How many devices are open, switched off or not.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshGetDeviceCount(void);
+
+/**
+ * @brief Tells of an open device.
+ * @param Index   0 to dGpuTriMeshGetDeviceCount() - 1
+ * @param device  `device->size` must be sizeof(dGpuTriMeshDevice): see dGpuTriMeshDeviceInit()
+ * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT or dGPUTRIMESH_ERROR_MEMORY.
+ * @remarks From any thread.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshGetDevice(int Index, dGpuTriMeshDevice* device);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* ODE_TRIMESH_GPU_BACKEND_H */

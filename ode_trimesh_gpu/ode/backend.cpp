@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The C API of where collisions are computed.
+#include "ode_trimesh_gpu/backend.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <string_view>
+#include <vector>
+
+#include "dispatch/dispatcher.h"
+#include "ode/geom_class.h"
+#include "ode/status.h"
+#include "opencl/device_info.h"
+
+static_assert(dGPUTRIMESH_DEVICE_FAILURES == otg::DeviceSlot::kMostFailures);
+
+namespace otg {
+namespace {
+
+std::vector<int> defaultDevices() {
+  const int index = opencl::defaultDevice(opencl::listDevices());
+  return index < 0 ? std::vector<int>{} : std::vector<int>{index};
+}
+
+std::vector<int> allGpus() {
+  std::vector<int> gpus;
+  for (const opencl::DeviceInfo& device : opencl::listDevices()) {
+    if (device.kind == opencl::DeviceKind::kGpu && device.available) gpus.push_back(device.index);
+  }
+  return gpus;
+}
+
+Place placeOf(int backend) {
+  switch (backend) {
+    case dGPUTRIMESH_BACKEND_CPU:
+      return Place::kCpu;
+    case dGPUTRIMESH_BACKEND_OPENCL:
+      return Place::kOpencl;
+    default:
+      return Place::kAuto;
+  }
+}
+
+}  // namespace
+
+void chooseBackendOfEnvironment() noexcept {
+  const char* const wish = std::getenv("OTG_BACKEND");
+  if (wish == nullptr) return;
+  const std::string_view word(wish);
+  if (word == "auto") dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_AUTO);
+  if (word == "cpu") dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_CPU);
+  if (word == "opencl") dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_OPENCL);
+}
+
+}  // namespace otg
+
+int dGpuTriMeshSetBackend(int backend) {
+  return otg::guarded([&] {
+    if (backend < dGPUTRIMESH_BACKEND_AUTO || backend > dGPUTRIMESH_BACKEND_OPENCL) {
+      return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    }
+    otg::Dispatcher& dispatcher = otg::dispatcher();
+    const otg::Place place = otg::placeOf(backend);
+    if (place != otg::Place::kCpu && !dispatcher.hasDevices()) dispatcher.open(otg::defaultDevices());
+    dispatcher.setPlacement({place, place});
+    const bool inVain = place == otg::Place::kOpencl && !dispatcher.hasDevices();
+    return static_cast<int>(inVain ? dGPUTRIMESH_NO_DEVICE : dGPUTRIMESH_OK);
+  });
+}
+
+int dGpuTriMeshGetBackend(void) {
+  switch (otg::dispatcher().placement().middle) {
+    case otg::Place::kCpu:
+      return dGPUTRIMESH_BACKEND_CPU;
+    case otg::Place::kOpencl:
+      return dGPUTRIMESH_BACKEND_OPENCL;
+    default:
+      return dGPUTRIMESH_BACKEND_AUTO;
+  }
+}
+
+int dGeomGpuTriMeshSetBackend(dGeomID g, int backend) {
+  otg::GeomObject* const object = otg::objectOf(g);
+  if (object == nullptr) return otg::noteStatus(dGPUTRIMESH_ERROR_CLASS);
+  if (backend < dGPUTRIMESH_BACKEND_DEFAULT || backend > dGPUTRIMESH_BACKEND_OPENCL) {
+    return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
+  }
+  object->params.backend = backend;
+  object->params.middle_phase = object->params.near_phase = dGPUTRIMESH_BACKEND_DEFAULT;
+  const bool inVain = backend == dGPUTRIMESH_BACKEND_OPENCL && !otg::dispatcher().hasDevices();
+  return inVain ? dGPUTRIMESH_NO_DEVICE : dGPUTRIMESH_OK;
+}
+
+int dGeomGpuTriMeshGetBackend(dGeomID g) {
+  const otg::GeomObject* const object = otg::objectOf(g);
+  return object == nullptr ? otg::noteStatus(dGPUTRIMESH_ERROR_CLASS) : object->params.backend;
+}
+
+int dGpuTriMeshOpenDevices(const int* indices, int count) {
+  return otg::guarded([&] {
+    std::vector<int> which;
+    if (indices != nullptr && count >= 0) {
+      which.assign(indices, indices + count);
+    } else if (indices == nullptr && (count == 0 || count == -1)) {
+      which = count == 0 ? otg::defaultDevices() : otg::allGpus();
+    } else {
+      return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    }
+    return static_cast<int>(otg::dispatcher().open(which));
+  });
+}
+
+void dGpuTriMeshCloseDevices(void) {
+  otg::dispatcher().close();
+}
+
+void dGpuTriMeshDeviceInit(dGpuTriMeshDevice* device) {
+  if (device == nullptr) return;
+  *device = dGpuTriMeshDevice{};
+  device->size = sizeof(dGpuTriMeshDevice);
+}
+
+int dGpuTriMeshGetDeviceCount(void) {
+  int count = 0;
+  otg::guarded([&] {
+    count = static_cast<int>(otg::dispatcher().devices().size());
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
+  return count;
+}
+
+int dGpuTriMeshGetDevice(int Index, dGpuTriMeshDevice* device) {
+  return otg::guarded([&] {
+    const auto slots = otg::dispatcher().devices();
+    if (!otg::isCurrentSize(device) || Index < 0 || static_cast<std::size_t>(Index) >= slots.size()) {
+      return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    }
+    const otg::DeviceSlot& slot = *slots[static_cast<std::size_t>(Index)];
+    const otg::opencl::DeviceInfo& info = slot.backend->device();
+    const otg::opencl::BackendCounts counts = slot.backend->counts();
+    dGpuTriMeshDeviceInit(device);
+    device->index = info.index;
+    device->switched_off = slot.isOff ? 1 : 0;
+    const std::size_t length = std::min(info.name.size(), sizeof device->name - 1);
+    std::memcpy(device->name, info.name.data(), length);
+    device->queries = slot.queries;
+    device->failed_queries = slot.failedQueries;
+    device->calls = slot.calls;
+    device->failed_calls = slot.failedCalls;
+    device->mesh_uploads = counts.meshUploads;
+    device->mesh_evictions = counts.meshEvictions;
+    device->mesh_bytes = counts.meshBytes;
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
+}

@@ -1,0 +1,394 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Batches dealt out between the CPU and several devices: the results are those of the CPU, whoever computes, also when
+// devices fail.
+#include <atomic>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "dispatch/calibration.h"
+#include "dispatch/dispatcher.h"
+#include "dispatch/host_batch.h"
+#include "opencl/call.h"
+#include "opencl/log.h"
+#include "support/mesh_samples.h"
+#include "support/opencl.h"
+
+using namespace otg;
+using namespace otg::scenes;
+using namespace otg::test;
+
+namespace {
+
+using MeshList = std::vector<std::shared_ptr<const CollisionMesh>>;
+
+/// From one triangle to thousands, closed and open.
+MeshList mixedMeshes() {
+  MeshList meshes;
+  samples::Soup one;
+  one.add({-1, -0.5f, 0}, {1, -0.5f, 0.1f}, {0, 1, 0});
+  meshes.push_back(std::make_shared<CollisionMesh>(one.build(), BuildStrategy::kSah));
+  for (const MeshArrays& arrays :
+       {makeTetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}), makeBox({1, 1.5, 0.8}, 1), makeBox({1, 1, 1}, 7),
+        makeSphere(0.8, 2), makeTorus(0.7, 0.25, 31, 13), makeLump(0.9, 4, 0.2, 5), makeLump(0.9, 5, 0.2, 6)}) {
+    meshes.push_back(collisionMesh(arrays));
+  }
+  meshes.push_back(std::make_shared<CollisionMesh>(samples::randomSoup(3, 300, 0.5f, 0.4f), BuildStrategy::kMeanSplit));
+  return meshes;
+}
+
+constexpr Placement kPlacements[] = {{Place::kOpencl, Place::kOpencl}, {Place::kCpu, Place::kCpu},
+                                     {Place::kAuto, Place::kAuto},     {Place::kCpu, Place::kOpencl},
+                                     {Place::kOpencl, Place::kCpu},    {Place::kAuto, Place::kOpencl},
+                                     {Place::kCpu, Place::kAuto}};
+
+/// A batch with all that a job may ask for, and what otg::collide says of each.
+struct Batch {
+  std::vector<PairJob> jobs;
+  std::vector<SolidHistory> before, histories;
+  std::vector<PairResult> expected;
+  std::vector<SolidHistory> expectedHistories;
+
+  Batch(const MeshList& meshes, std::uint32_t seed, std::size_t count, bool onePlacement = false,
+        Placement placement = {}) {
+    Draw draw(seed);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto any = [&]() -> const CollisionMesh& {
+        return *meshes[draw.below(static_cast<std::uint32_t>(meshes.size()))];
+      };
+      PairJob job;
+      const CollisionMesh& a = any();
+      job.query = makeQuery(a, any(), makePose(draw.direction(), draw.uniform(0, 3), draw.inBox(0.9)));
+      job.query.options.maxContacts = i % 3 == 0 ? 5 : 200;
+      job.query.options.contacts = i % 2 == 0 ? ContactModel::kSolid : ContactModel::kPairwise;
+      if (i % 7 == 0) job.query.options.reduction.method = Reduction::kNone;
+      if (i % 31 == 0) job.query.bInA.t.x = NAN;
+      job.any = i % 13 == 0;
+      job.place = onePlacement ? placement : kPlacements[i % std::size(kPlacements)];
+      jobs.push_back(job);
+    }
+    before.resize(count);
+    for (std::size_t i = 0; i < count; i += 2) {  // of queries at another pose
+      Query query = jobs[i].query;
+      query.bInA.t.y += 0.001;
+      query.history = &before[i];
+      Workspace workspace;
+      if (std::isfinite(query.bInA.t.x)) collide(query, workspace);
+    }
+    histories = before;
+    expected.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      PairJob job = jobs[i];
+      if (i % 2 == 0) job.query.history = &histories[i];
+      Workspace workspace;
+      keepOutcome(expected[i], workspace, [&] { return collideOnHost(job, workspace); });
+    }
+    expectedHistories = histories;
+  }
+
+  std::vector<const PairJob*> start() {
+    histories = before;
+    std::vector<const PairJob*> list;
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+      jobs[i].query.history = i % 2 == 0 ? &histories[i] : nullptr;
+      list.push_back(&jobs[i]);
+    }
+    return list;
+  }
+
+  void check(const std::vector<PairResult>& found) const {
+    std::size_t wrong = 0, wrongHistories = 0;
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+      const bool same = found[i].outcome == expected[i].outcome && sameBytes(found[i].contacts, expected[i].contacts);
+      wrong += same ? 0 : 1;
+      const SolidHistory &x = histories[i], &y = expectedHistories[i];
+      wrongHistories += x.used == y.used && x.current.escapeLeft == y.current.escapeLeft &&
+                                x.current.clampLeft == y.current.clampLeft &&
+                                std::equal(std::begin(x.current.pose.r), std::end(x.current.pose.r), y.current.pose.r)
+                            ? 0
+                            : 1;
+    }
+    CHECK(wrong == 0);
+    CHECK(wrongHistories == 0);
+  }
+  std::vector<PairResult> run(Dispatcher& dispatcher) {
+    std::vector<PairResult> found(jobs.size());
+    dispatcher.collideBatch(start(), found);
+    check(found);
+    return found;
+  }
+};
+
+std::size_t open(Dispatcher& dispatcher, std::size_t count, const opencl::Tuning& tuning = {}) {
+  const std::vector<int> indices(count, opencl::defaultDevice(opencl::listDevices()));
+  return dispatcher.open(indices, tuning);
+}
+
+/// Costs by which a device takes about `share` of what is open.
+CostModel costsFor(double share) {
+  CostModel costs;
+  costs.hostPairs = costs.hostPairwise = costs.hostSolid = {10, 0.01};
+  costs.devicePairs = costs.devicePairwise = costs.batchPair = {10 * (1 - share) / share, 0.01 * (1 - share) / share};
+  return costs;
+}
+
+class LogCapture {
+ public:
+  LogCapture() {
+    opencl::forgetFailures();
+    opencl::setLogSink([this](const std::string& line) { lines.push_back(line); });
+  }
+  ~LogCapture() { opencl::setLogSink({}); }
+  std::vector<std::string> lines;
+};
+
+}  // namespace
+
+TEST_CASE("one to four devices give what the CPU gives, for every placement") {
+  const MeshList meshes = mixedMeshes();
+  Batch mixed(meshes, 1, 250);
+  std::size_t contacts = 0;
+  for (const PairResult& result : mixed.expected) contacts += result.contacts.size();
+  REQUIRE(contacts > 2000);
+  for (std::size_t count = 1; count <= 4; ++count) {
+    Dispatcher dispatcher;
+    REQUIRE(open(dispatcher, count) == count);
+    for (const unsigned threads : {1u, 3u}) {
+      dispatcher.setThreadCount(threads);
+      mixed.run(dispatcher);
+      for (const Placement& placement : kPlacements) {
+        Batch(meshes, 2 + threads, 50, true, placement).run(dispatcher);
+      }
+    }
+    for (const auto& slot : dispatcher.devices()) {
+      CHECK(slot->queries > 50);
+      CHECK(slot->failedQueries == 0);
+      CHECK(!slot->isOff);
+      CHECK(slot->backend->counts().onHost == 0);
+    }
+  }
+}
+
+TEST_CASE("devices get blocks of equal cost, and a batch is divided between them and the CPU") {
+  const MeshList meshes = {collisionMesh(makeLump(0.9, 3, 0.2, 1)), collisionMesh(makeLump(0.9, 2, 0.2, 2))};
+  Draw draw(5);
+  std::vector<PairJob> jobs(600);
+  std::vector<const PairJob*> list;
+  for (PairJob& job : jobs) {
+    job.query = makeQuery(*meshes[draw.below(2)], *meshes[draw.below(2)],
+                          makePose(draw.direction(), draw.uniform(0, 3), draw.inBox(1)));
+    job.query.options.maxContacts = 8;
+    list.push_back(&job);
+  }
+  std::vector<PairResult> expected(jobs.size());
+  Dispatcher host;
+  host.collideBatch(list, expected);
+  for (std::size_t count = 1; count <= 4; ++count) {
+    Dispatcher dispatcher;
+    REQUIRE(open(dispatcher, count) == count);
+    dispatcher.setThreadCount(1);
+    for (const auto& slot : dispatcher.devices()) slot->costs = costsFor(0.5);
+    std::vector<PairResult> found(jobs.size());
+    dispatcher.collideBatch(list, found);
+    std::size_t wrong = 0, onDevice = 0;
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+      wrong += sameBytes(found[i].contacts, expected[i].contacts) ? 0 : 1;
+      onDevice += found[i].onDevice ? 1 : 0;
+      // Contiguous: devices first.
+      if (i > 0) CHECK((found[i - 1].onDevice || !found[i].onDevice));
+    }
+    CHECK(wrong == 0);
+    const double share = 600.0 / static_cast<double>(count + 1);
+    CHECK(std::abs(static_cast<double>(jobs.size() - onDevice) - share) < 0.15 * share);
+    for (const auto& slot : dispatcher.devices()) {
+      CHECK(slot->calls == 1);
+      CHECK(std::abs(static_cast<double>(slot->queries.load()) - share) < 0.15 * share);
+    }
+  }
+}
+
+TEST_CASE("single queries go where they are told, or where it is sooner") {
+  const auto a = collisionMesh(makeLump(0.9, 4, 0.2, 1)), b = collisionMesh(makeTorus(0.7, 0.25, 31, 13));
+  Dispatcher dispatcher;
+  REQUIRE(open(dispatcher, 2) == 2);
+  for (const bool solid : {false, true}) {
+    for (const bool any : {false, true}) {
+      for (const Placement& placement : kPlacements) {
+        for (const double share : {0.01, 0.99}) {
+          for (const auto& slot : dispatcher.devices()) slot->costs = costsFor(share);
+          PairJob job;
+          job.query = makeQuery(*a, *b, makePose({0.48, 0.6, 0.64}, 0.7, {0.5, 0.4, 0.1}));
+          job.query.options.contacts = solid ? ContactModel::kSolid : ContactModel::kPairwise;
+          job.query.options.maxContacts = 50;
+          job.any = any;
+          job.place = placement;
+          Workspace here, there;
+          const std::span<const Contact> expected = collideOnHost(job, here);
+          REQUIRE(!expected.empty());
+          Dispatcher::Ran ran;
+          CHECK(sameBytes(dispatcher.collide(job, there, ran), expected));
+          const bool isOpen = placement == Placement{};
+          const bool asked = placement.middle == Place::kOpencl || placement.near == Place::kOpencl;
+          CHECK(ran.onDevice == (isOpen ? share > 0.5 : asked));
+          CHECK(!ran.deviceFailed);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("a device that fails for good is switched off, told of once, and the contacts are the same") {
+  const MeshList meshes = mixedMeshes();
+  Batch batch(meshes, 9, 90, true, {Place::kOpencl, Place::kOpencl});
+  LogCapture log;
+  Dispatcher dispatcher;
+  REQUIRE(open(dispatcher, 2) == 2);
+  dispatcher.setThreadCount(2);
+  batch.run(dispatcher);
+  CHECK(log.lines.empty());
+  opencl::FaultInjection::failAt(1, CL_OUT_OF_RESOURCES, 1u << 30);
+  for (int round = 0; round < 6; ++round) {
+    const std::vector<PairResult> found = batch.run(dispatcher);
+    for (const PairResult& result : found) CHECK_FALSE((result.onDevice && result.deviceFailed));
+  }
+  const auto slots = dispatcher.devices();
+  std::size_t told = 0;
+  for (const std::string& line : log.lines) told += line.find("switched off") != std::string::npos ? 1 : 0;
+  CHECK(told == 2);
+  for (const auto& slot : slots) {
+    CHECK(slot->isOff);
+    CHECK(slot->failedCalls >= DeviceSlot::kMostFailures);
+    CHECK(slot->failedQueries >= DeviceSlot::kMostFailures);
+  }
+  // From here on nothing is tried any more.
+  const std::uint64_t calls = opencl::FaultInjection::callCount();
+  batch.run(dispatcher);
+  PairJob job = batch.jobs[1];
+  job.query.history = nullptr;
+  Workspace workspace;
+  Dispatcher::Ran ran;
+  dispatcher.collide(job, workspace, ran);
+  CHECK(opencl::FaultInjection::callCount() == calls);
+  CHECK_FALSE((ran.onDevice || ran.deviceFailed));
+  opencl::FaultInjection::failAt(0);
+  // Opened again, it works.
+  REQUIRE(open(dispatcher, 1) == 1);
+  batch.run(dispatcher);
+  CHECK(dispatcher.devices()[0]->failedCalls == 0);
+}
+
+TEST_CASE("failures now and then do not switch a device off") {
+  const LogCapture log;
+  const MeshList meshes = mixedMeshes();
+  Batch batch(meshes, 12, 60, true, {Place::kOpencl, Place::kOpencl});
+  Dispatcher dispatcher;
+  REQUIRE(open(dispatcher, 1) == 1);
+  dispatcher.setThreadCount(1);
+  for (int round = 0; round < 8; ++round) {
+    opencl::FaultInjection::failAt(static_cast<std::uint64_t>(20 + 37 * round));
+    batch.run(dispatcher);
+    opencl::FaultInjection::failAt(0);
+  }
+  CHECK(dispatcher.devices()[0]->failedCalls > 3);
+  CHECK(!dispatcher.devices()[0]->isOff);
+}
+
+TEST_CASE("whichever call fails while devices are opened and used, the contacts are the same") {
+  const LogCapture log;
+  const MeshList meshes = {collisionMesh(makeLump(0.9, 2, 0.2, 1)), collisionMesh(makeTorus(0.7, 0.25, 15, 9))};
+  Batch batch(meshes, 3, 24);
+  const std::uint64_t before = opencl::FaultInjection::callCount();
+  {
+    Dispatcher dispatcher;
+    REQUIRE(open(dispatcher, 2) == 2);
+    batch.run(dispatcher);
+  }
+  const std::uint64_t calls = opencl::FaultInjection::callCount() - before;
+  for (std::uint64_t n = 1; n < calls; n += 1 + calls / 60) {
+    for (const std::uint64_t more : {0u, 1u << 30}) {
+      opencl::FaultInjection::failAt(n, CL_OUT_OF_HOST_MEMORY, more);
+      Dispatcher dispatcher;
+      CHECK(open(dispatcher, 2) <= 2);
+      batch.run(dispatcher);
+      opencl::FaultInjection::failAt(0);
+    }
+  }
+}
+
+TEST_CASE("several threads submit batches and single queries at once") {
+  const MeshList meshes = mixedMeshes();
+  Dispatcher dispatcher;
+  REQUIRE(open(dispatcher, 2) == 2);
+  dispatcher.setThreadCount(2);
+  std::atomic<int> wrong{0};
+  std::vector<Batch> batches;
+  for (std::uint32_t t = 0; t < 4; ++t) batches.emplace_back(meshes, 40 + t, 80);
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < 4; ++t) {
+    threads.emplace_back([&, t] {
+      Batch& batch = batches[t];
+      for (int round = 0; round < 2; ++round) {
+        std::vector<PairResult> found(batch.jobs.size());
+        dispatcher.collideBatch(batch.start(), found);
+        for (std::size_t i = 0; i < found.size(); ++i) {
+          if (!sameBytes(found[i].contacts, batch.expected[i].contacts)) ++wrong;
+        }
+        for (std::size_t i = 1; i < 20; i += 2) {
+          if (i == 31 || batch.expected[i].outcome != PairResult::Outcome::kDone) continue;
+          Workspace workspace;
+          Dispatcher::Ran ran;
+          if (!sameBytes(dispatcher.collide(batch.jobs[i], workspace, ran), batch.expected[i].contacts)) ++wrong;
+        }
+        if (t == 0) dispatcher.setThreadCount(3);
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("costs are measured once, stored, and measured again when the file is damaged") {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(std::getenv("OTG_CACHE_DIR")) / "costs";
+  const opencl::ProgramCache cache(folder.string());
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  const std::optional<CostModel> first = costsOf(*backend, cache);
+  REQUIRE(first.has_value());
+  CHECK(first->isSane());
+  CHECK(first->hostPairs.of(1e5) > first->hostPairs.of(10));
+  const std::uint64_t calls = opencl::FaultInjection::callCount();
+  CHECK(costsOf(*backend, cache) == first);
+  CHECK(opencl::FaultInjection::callCount() == calls);  // not measured
+  const fs::path path = cache.pathOf(costKey(backend->device()));
+  REQUIRE(fs::exists(path));
+  const auto bytesOf = [&] {
+    std::ifstream in(path, std::ios::binary);
+    return std::vector<char>(std::istreambuf_iterator<char>(in), {});
+  };
+  const std::vector<char> good = bytesOf();
+  for (const std::size_t at : {std::size_t{0}, std::size_t{20}, std::size_t{50}, good.size() / 2, good.size() - 1}) {
+    std::vector<char> bad = good;
+    bad[at] ^= 0x20;
+    std::ofstream(path, std::ios::binary).write(bad.data(), static_cast<std::streamsize>(bad.size()));
+    const std::uint64_t count = opencl::FaultInjection::callCount();
+    const std::optional<CostModel> again = costsOf(*backend, cache);
+    REQUIRE(again.has_value());
+    CHECK(again->isSane());
+    CHECK(opencl::FaultInjection::callCount() > count);
+    CHECK(costsOf(*backend, cache) == again);
+  }
+  // A sound file with numbers that make no sense.
+  CostModel nonsense = *first;
+  nonsense.batchPair = {-1, NAN};
+  REQUIRE(cache.store(costKey(backend->device()), toBytes(nonsense)));
+  CHECK(costsOf(*backend, cache)->isSane());
+  // A device that fails has no costs, and nothing is stored.
+  fs::remove(path);
+  const LogCapture log;
+  opencl::FaultInjection::failAt(5, CL_OUT_OF_RESOURCES, 1u << 30);
+  CHECK(!costsOf(*backend, cache).has_value());
+  opencl::FaultInjection::failAt(0);
+  CHECK(!fs::exists(path));
+}
