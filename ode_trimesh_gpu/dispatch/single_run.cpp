@@ -46,16 +46,23 @@ std::span<const Contact> collideOn(DeviceSlot& slot, const PairJob& job, Workspa
   if ((!middle && !near) || slot.isOff) return collideOnHost(job, workspace);
   const UnderWay underWay(slot);
   opencl::Backend& device = *slot.backend;
-  bool good = false;
-  if (middle && near && contactsOnDevice(job)) {
-    good = device.collide(job.query, workspace);
+  const auto note = [&](bool good) {
     slot.note(1, good);
     (good ? onDevice : deviceFailed) = true;
+  };
+  if (middle && near && contactsOnDevice(job)) {
+    note(device.collide(job.query, workspace));
     return workspace.reduced;
   }
-  good = device.findIntersectingPairs(job.query, workspace);
-  slot.note(1, good);
-  (good ? onDevice : deviceFailed) = true;
+  if (middle && near) {
+    note(device.findIntersectingPairs(job.query, workspace));
+  } else if (middle) {
+    note(device.findCandidates(job.query, workspace));
+    nearPhase(job.query, workspace);
+  } else {
+    middlePhase(job.query, workspace);
+    note(device.decideCandidates(job.query, workspace));
+  }
   return contactsOnHost(job, workspace);
 }
 

@@ -127,7 +127,7 @@ BackendCounts Backend::counts() const {
   BackendCounts out;
   out.queries = state_->queries;
   out.onHost = state_->onHost;
-  out.repeats = state_->pairs.repeats() + state_->batches.repeats();
+  out.repeats = state_->pairs.repeats() + state_->batches.repeats() + state_->phases.repeats();
   const MeshStore::Counts meshes = state_->meshes.counts();
   out.meshUploads = meshes.uploads;
   out.meshEvictions = meshes.evictions;

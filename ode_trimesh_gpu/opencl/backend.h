@@ -65,6 +65,11 @@ class Backend {
   bool collideProfiled(const Query& query, Workspace& workspace, StageTimes& times);
   /// As otg::findIntersectingPairs, with the same exceptions.
   bool findIntersectingPairs(const Query& query, Workspace& workspace);
+  /// One phase on the device, the other one is the caller's: as otg::middlePhase, with pairs of triangles of the
+  /// device's leaves, in any order;
+  bool findCandidates(const Query& query, Workspace& workspace);
+  /// as otg::nearPhase, for candidates from anywhere.
+  bool decideCandidates(const Query& query, Workspace& workspace);
 
   /// otg::collide for every query, in one submission (several if there are very many or their meshes do not fit at
   /// once; pairs of very large meshes by themselves). A query with a SolidHistory must not be there twice.

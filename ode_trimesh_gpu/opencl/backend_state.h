@@ -13,6 +13,7 @@
 #include "opencl/batch_lane.h"
 #include "opencl/log.h"
 #include "opencl/pair_lane.h"
+#include "opencl/phase_lane.h"
 
 namespace otg::opencl {
 
@@ -66,6 +67,8 @@ struct Backend::State {
   MeshStore meshes;
   LanePool<PairLane> pairs, profiled;
   LanePool<BatchLane> batches;
+  LanePool<PhaseLane> phases;
+  SoupPlaces soupPlaces;
   std::atomic<std::uint64_t> queries{0}, onHost{0};
 
   State(const FoundDevice& device, const Tuning& how)
@@ -74,7 +77,9 @@ struct Backend::State {
         meshes(context, how.memoryBudget != 0 ? how.memoryBudget : device.info.globalMemory / 2, how.leafTriangles),
         pairs(context, meshes, tuning),
         profiled(context, meshes, withProfile(how)),
-        batches(context, meshes, tuning) {
+        batches(context, meshes, tuning),
+        phases(context, meshes, tuning),
+        soupPlaces(how.leafTriangles) {
     pairs.prepare();
     batches.prepare();
   }

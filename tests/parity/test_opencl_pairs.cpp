@@ -198,3 +198,52 @@ TEST_CASE("taking times changes nothing") {
     CHECK(times.total > 0);
   }
 }
+
+TEST_CASE("one phase on the device and the other one on the host find the same pairs") {
+  const auto check = [](opencl::Backend& backend, const Query& query) {
+    Workspace host, device;
+    findIntersectingPairs(query, host);
+    REQUIRE(backend.findCandidates(query, device));
+    CHECK(device.candidates.size() == device.stats.candidatePairs);
+    std::vector<TrianglePair> sorted = device.candidates;
+    std::sort(sorted.begin(), sorted.end());
+    CHECK(std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end());
+    CHECK(std::includes(sorted.begin(), sorted.end(), host.intersecting.begin(), host.intersecting.end()));
+    nearPhase(query, device);
+    CHECK((device.intersecting == host.intersecting));
+    middlePhase(query, device);
+    REQUIRE(backend.decideCandidates(query, device));
+    CHECK((device.intersecting == host.intersecting));
+    CHECK(device.stats.intersectingPairs == host.stats.intersectingPairs);
+    CHECK(device.stats.decidedExactly == host.stats.decidedExactly);
+    return host.intersecting.size();
+  };
+  std::size_t pairs = 0;
+  for (const Scene& scene : makeScenes()) {
+    INFO(scene.name);
+    const auto a = collisionMesh(scene.a), b = collisionMesh(scene.b);
+    pairs += check(shared(), makeQuery(*a, *b, scene.bInA));
+    if (scene.a.triangles.size() < 4000) pairs += check(shared(), makeQuery(*b, *a, scene.bInA));
+  }
+  CHECK(pairs > 5000);
+  CHECK(shared().counts().onHost == 0);
+  // Lists that have to grow, leaves of one triangle, no double arithmetic; and nothing to do.
+  opencl::Tuning tuning;
+  tuning.pairPlaces = tuning.leafPlaces = 1;
+  tuning.leafTriangles = 1;
+  tuning.doubles = false;
+  const auto small = openBackend(tuning);
+  REQUIRE(small);
+  const auto lump = collisionMesh(makeLump(1, 4, 0.2, 3)), box = collisionMesh(makeBox({1, 1, 1}, 1));
+  CHECK(check(*small, makeQuery(*lump, *lump, makeMove({0.5, 0.1, 0}))) > 100);
+  CHECK(check(*small, makeQuery(*box, *box, makeMove({0, 0, 1}))) > 0);
+  CHECK(small->counts().repeats > 0);
+  CHECK(small->counts().onHost == 0);
+  const auto empty = collisionMesh({});
+  CHECK(check(*small, makeQuery(*empty, *box, makeMove({0, 0, 0}))) == 0);
+  CHECK(check(*small, makeQuery(*box, *box, makeMove({5, 0, 0}))) == 0);
+  samples::Soup one;
+  one.add({-1, -0.5f, 0}, {1, -0.5f, 0.1f}, {0, 1, 0});
+  const auto triangle = std::make_shared<CollisionMesh>(one.build(), BuildStrategy::kSah);
+  CHECK(check(*small, makeQuery(*triangle, *triangle, makePose({0, 0, 1}, 1, {0.1, 0, 0}))) == 1);  // roots are leaves
+}

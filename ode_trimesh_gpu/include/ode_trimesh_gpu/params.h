@@ -104,8 +104,8 @@ typedef struct dGpuTriMeshParams {
                               two ways out */
   int backend;             /**< dGPUTRIMESH_BACKEND_...; default DEFAULT */
   int middle_phase;        /**< the search alone: dGPUTRIMESH_BACKEND_..., DEFAULT (default) for what `backend` says */
-  int near_phase; /**< the tests of triangles and, for PAIRWISE on devices, the contacts alone: the same. Contacts of
-                     SOLID are made by the CPU */
+  int near_phase;   /**< the tests of triangles alone: the same. The contacts of PAIRWISE are made by a device if both
+                       phases run there, those of SOLID by the CPU */
 } dGpuTriMeshParams;
 
 /**
