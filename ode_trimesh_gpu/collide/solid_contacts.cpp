@@ -116,7 +116,8 @@ bool solidContacts(const Query& query, Workspace& workspace) {
   for (const Region& region : scratch.regions.regions) {
     if (region.diagonal < 1e-9 * size || region.areaA + region.areaB < 1e-14 * size * size) continue;
     RegionNormals normals(scratch.regions, region);
-    const RegionDirection direction = directRegion(meshes, scratch.regions, region, motion, normals);
+    RegionExtent extent(scratch.regions, region);
+    const RegionDirection direction = directRegion(meshes, scratch.regions, region, motion, normals, extent);
     entangled = entangled || direction.entangled;
     if (direction.escaping && state.escapeLeft == 0) {
       state.escape = otgRotateBack(query.bInA, direction.direction);
@@ -124,8 +125,9 @@ bool solidContacts(const Query& query, Workspace& workspace) {
     }
     if (direction.deep) state.deepNormal = otgRotateBack(query.bInA, direction.direction);
     const double extra = direction.escaping ? motion.step : 0;
-    contactsOfRegion({meshes, scratch.regions, region, number++, normals, query.options.solid.contactsPerRegion, extra},
-                     workspace.contacts);
+    contactsOfRegion(
+        {meshes, scratch.regions, region, number++, normals, extent, query.options.solid.contactsPerRegion, extra},
+        workspace.contacts);
   }
   state.clampLeft = entangled ? SolidHistory::kClampQueries : std::max(0, state.clampLeft - 1);
   if (state.clampLeft > 0) {

@@ -62,9 +62,10 @@ void traverseWide(WideTraversalArgs& args) {
   simd.eps = frame.eps;
   PairSink& out = *args.out;
   std::uint64_t boxTests = 0;
-  std::size_t top = 1;
-  while (top > 0) {
-    const WideItem item = args.stack[--top];
+  // The last of the pairs that a step finds goes on at once, without the way through the stack's memory.
+  WideItem item = args.stack[0];
+  std::size_t top = 0;
+  for (;;) {
     bool openA = item.a.ref >= 0;
     if (openA && item.b.ref >= 0) {
       // "Both at once" has no meaning for one box against eight; it goes by size like the default.
@@ -80,6 +81,7 @@ void traverseWide(WideTraversalArgs& args) {
     boxTests += static_cast<std::uint64_t>(node.count);
     if (args.testsPerDepth) args.testsPerDepth[item.depth] += static_cast<std::uint64_t>(node.count);
     const std::int32_t other = openA ? item.b.ref : item.a.ref;
+    int last = -1;
     for (; bits; bits &= bits - 1) {
       const int k = __builtin_ctz(bits);
       const std::int32_t child = node.child[k];
@@ -91,10 +93,21 @@ void traverseWide(WideTraversalArgs& args) {
         continue;
       }
       if (child >= 0) __builtin_prefetch(openA ? args.nodesA + child : args.nodesB + child);
-      WideItem& next = args.stack[top++];
-      next.a = openA ? sideOf(node, k) : item.a;
-      next.b = openA ? item.b : sideOf(node, k);
-      next.depth = item.depth + 1;
+      if (last >= 0) {
+        WideItem& next = args.stack[top++];
+        next.a = openA ? sideOf(node, last) : item.a;
+        next.b = openA ? item.b : sideOf(node, last);
+        next.depth = item.depth + 1;
+      }
+      last = k;
+    }
+    if (last >= 0) {
+      (openA ? item.a : item.b) = sideOf(node, last);
+      ++item.depth;
+    } else if (top > 0) {
+      item = args.stack[--top];
+    } else {
+      break;
     }
   }
   args.boxTests = boxTests;

@@ -18,7 +18,7 @@ void gatherClusters(const TriMesh& mesh, Adjacency& out) {
     if (out.clusterOf[seed] != kNone || out.first[seed] == out.first[seed + 1]) continue;
     const auto id = static_cast<std::uint32_t>(out.clusters.size());
     const auto begin = static_cast<std::uint32_t>(members.size());
-    Adjacency::Cluster cluster{mesh.vertices()[seed], mesh.vertices()[seed], begin, 0, {{0, 0, 0}, 0}, 0};
+    Adjacency::Cluster cluster{mesh.vertices()[seed], mesh.vertices()[seed], begin, 0, {{0, 0, 0}, 0}, 0, false, false};
     members.push_back(seed);
     out.clusterOf[seed] = id;
     for (std::size_t i = begin; i < members.size(); ++i) {
@@ -30,7 +30,7 @@ void gatherClusters(const TriMesh& mesh, Adjacency& out) {
       cluster.sum.area += out.star[v].area;
       cluster.moment += otgDot(out.star[v].vector, Vec3d{p.x, p.y, p.z});
       for (std::uint32_t h = out.first[v]; h < out.first[v + 1]; ++h) {
-        const std::uint32_t w = out.neighbour[h];
+        const std::uint32_t w = out.spokes[h].vertex;
         if (members.size() - begin == Adjacency::kClusterSize) break;
         if (out.clusterOf[w] != kNone || out.first[w] == out.first[w + 1]) continue;
         out.clusterOf[w] = id;
@@ -48,7 +48,7 @@ void gatherClusters(const TriMesh& mesh, Adjacency& out) {
     seen[c] = c;
     for (std::uint32_t i = out.clusters[c].first; i < out.clusters[c + 1].first; ++i) {
       for (std::uint32_t h = out.first[members[i]]; h < out.first[members[i] + 1]; ++h) {
-        const std::uint32_t d = out.clusterOf[out.neighbour[h]];
+        const std::uint32_t d = out.clusterOf[out.spokes[h].vertex];
         if (d == kNone || seen[d] == c) continue;
         seen[d] = c;
         out.clusterNeighbours.push_back(d);
@@ -75,12 +75,12 @@ Adjacency buildAdjacency(const TriMesh& mesh) {
   for (std::size_t v = 0; v < vertices.size(); ++v) out.first[v + 1] += out.first[v];
   out.halfEdges.resize(out.first.back());
   std::vector<std::uint32_t> cursor(out.first.begin(), out.first.end() - 1);
-  out.neighbour.resize(out.halfEdges.size());
+  out.spokes.resize(out.halfEdges.size());
   for (std::uint32_t h = 0; h < 3 * n; ++h) {
     if (topology.edgeOf[h] == kNone) continue;
     const std::uint32_t at = cursor[originOf(h)]++;
     out.halfEdges[at] = h;
-    out.neighbour[at] = originOf(h - h % 3 + (h % 3 + 1) % 3);
+    out.spokes[at] = {originOf(h - h % 3 + (h % 3 + 1) % 3), topology.edgeOf[h]};
   }
 
   out.halfEdgeOf.resize(topology.edgeCount());
@@ -147,6 +147,12 @@ Adjacency buildAdjacency(const TriMesh& mesh) {
   }
   out.flatVertex.resize(vertices.size());
   for (std::size_t v = 0; v < vertices.size(); ++v) out.flatVertex[v] = sharp[v].count == 0 || sharp[v].straight;
+
+  for (std::size_t c = 0; c + 1 < out.clusters.size(); ++c) {
+    for (std::uint32_t i = out.clusters[c].first; i < out.clusters[c + 1].first; ++i) {
+      (out.flatVertex[out.clusterVertices[i]] ? out.clusters[c].anyFlat : out.clusters[c].anyCorner) = true;
+    }
+  }
 
   const std::size_t components = topology.componentCount();
   out.componentVertex.assign(components, kNone);

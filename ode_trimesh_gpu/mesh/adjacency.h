@@ -13,8 +13,11 @@ struct Adjacency {
   /// Outgoing half-edges of each welded vertex: halfEdges[first[v]] .. halfEdges[first[v + 1] - 1], ascending. Empty
   /// for vertices that are welded to a smaller one.
   std::vector<std::uint32_t> first, halfEdges;
-  /// The welded vertex at the other end of each of `halfEdges`.
-  std::vector<std::uint32_t> neighbour;
+  /// The welded vertex at the other end of each of `halfEdges`, and its edge.
+  struct Spoke {
+    std::uint32_t vertex, edge;
+  };
+  std::vector<Spoke> spokes;
   /// One half-edge of each edge.
   std::vector<std::uint32_t> halfEdgeOf;
   /// Unit normal of each triangle; zero for degenerate ones.
@@ -36,6 +39,7 @@ struct Adjacency {
     std::uint32_t firstNeighbour;  ///< likewise in clusterNeighbours: the clusters that its vertices have edges to
     Star sum;                      ///< of its vertices' stars
     double moment;                 ///< sum of star . vertex
+    bool anyFlat, anyCorner;       ///< whether any of its vertices has flatVertex, and whether any has not
   };
   static constexpr std::uint32_t kClusterSize = 16;
   std::vector<Cluster> clusters;         ///< and one more that ends the last

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "collide/solid/contour.h"
+#include "collide/solid/extent.h"
 #include "collide/solid/inside.h"
 #include "collide/solid/regions.h"
 #include "collide/solid/vectors.h"
@@ -156,6 +157,7 @@ TEST_CASE("the extent of a large region is exact in every direction") {
       if (region.cellEnd == region.cellBegin) continue;
       ++large;
       REQUIRE(o.regions.regions.size() == 1);  // so that every crossing and vertex is the region's
+      RegionExtent extent(o.regions, region);
       for (int i = 0; i < 100; ++i) {
         const Vec3d d = unit({normal(random), normal(random), normal(random)});
         double lo = 1e9, hi = -1e9;
@@ -171,7 +173,7 @@ TEST_CASE("the extent of a large region is exact in every direction") {
             if (o.inside.isInside(m, v)) include(meshes.vertex(m, v));
           }
         }
-        REQUIRE(extentAlong(o.regions, region, d) == Approx(hi - lo).epsilon(1e-13));
+        REQUIRE(extent.along(d) == Approx(hi - lo).epsilon(1e-13));
       }
     }
     CHECK(large == 1);

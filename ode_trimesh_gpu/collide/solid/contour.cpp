@@ -88,6 +88,28 @@ class Tracer {
     contour_.chords.push_back({pair.a, pair.b, start, end});
   }
 
+  /// Asks for the memory that a pair needs: first its triangles' edges, next what they lead to.
+  void prefetch(const TrianglePair& pair, int stage) const {
+    for (int m = 0; m < 2; ++m) {
+      const TriMesh& mesh = meshes_.mesh(m);
+      const Topology& topology = mesh.topology();
+      const std::uint32_t t = m == 0 ? pair.a : pair.b;
+      if (stage == 0) {
+        __builtin_prefetch(&topology.edgeOf[3 * std::size_t{t}]);
+        __builtin_prefetch(&mesh.triangles()[t]);
+        continue;
+      }
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t edge = topology.edgeOf[3 * std::size_t{t} + k], v = mesh.triangles()[t].v[k];
+        __builtin_prefetch(&mesh.vertices()[v]);
+        __builtin_prefetch(&topology.weld[v]);
+        if (edge == kNone) continue;
+        __builtin_prefetch(&topology.edges[edge]);
+        contour_.lastOn[m].prefetch(edge);
+      }
+    }
+  }
+
   /// Orders the crossings of every edge and checks that they alternate.
   void sortAlongEdges() {
     const std::vector<Crossing>& all = contour_.crossings;
@@ -189,7 +211,11 @@ void traceContour(const PlacedMeshes& meshes, const std::vector<TrianglePair>& i
     contour.crossedEdges[m].clear();
   }
   Tracer tracer(meshes, contour);
-  for (const TrianglePair& pair : intersecting) tracer.pair(pair);
+  for (std::size_t i = 0; i < intersecting.size(); ++i) {
+    if (i + 8 < intersecting.size()) tracer.prefetch(intersecting[i + 8], 0);
+    if (i + 4 < intersecting.size()) tracer.prefetch(intersecting[i + 4], 1);
+    tracer.pair(intersecting[i]);
+  }
   tracer.sortAlongEdges();
 }
 

@@ -25,6 +25,7 @@ class EpochArray {
     const std::uint64_t slot = slots_[i];
     return slot >> 32 == epoch_ ? static_cast<std::uint32_t>(slot) : kMissing;
   }
+  void prefetch(std::size_t i) const { __builtin_prefetch(&slots_[i]); }
   bool has(std::size_t i) const { return slots_[i] >> 32 == epoch_; }
   void set(std::size_t i, std::uint32_t value) { slots_[i] = std::uint64_t{epoch_} << 32 | value; }
 

@@ -159,7 +159,7 @@ double wayOut(const PlacedMeshes& meshes, const OverlapRegions& all, const Regio
 
 /// The shortest way out among many directions, those that undo the approach made cheaper by up to half.
 Vec3d escapeDirection(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region,
-                      const PairMotion& motion) {
+                      const PairMotion& motion, RegionExtent& extent) {
   if (otgDot(motion.escape, motion.escape) > 0) return motion.escape;
   const Query& query = meshes.query();
   const Vec3d& back = motion.back;
@@ -175,7 +175,7 @@ Vec3d escapeDirection(const PlacedMeshes& meshes, const OverlapRegions& all, con
   double least = std::numeric_limits<double>::infinity();
   Vec3d best = directions.front();
   for (const Vec3d& d : directions) {
-    double cost = region.contained ? wayOut(meshes, all, region, d) : extentAlong(all, region, d);
+    double cost = region.contained ? wayOut(meshes, all, region, d) : extent.along(d);
     // An extent does not tell d from -d; the push does, as far as there is one.
     if (!region.contained && otgDot(d, region.push) < 0) cost *= 1.1;
     cost *= 1 - 0.5 * std::max(0.0, otgDot(d, back));
@@ -240,11 +240,11 @@ void addContained(const PlacedMeshes& meshes, const InsideFlags& inside, Overlap
 }
 
 RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region,
-                             const PairMotion& motion, RegionNormals& normals) {
+                             const PairMotion& motion, RegionNormals& normals, RegionExtent& regionExtent) {
   RegionDirection answer;
   answer.entangled = !region.contained && (region.bad || region.coherence < 0.5);
   if (region.contained || region.coherence < 0.5) {
-    answer.direction = escapeDirection(meshes, all, region, motion);
+    answer.direction = escapeDirection(meshes, all, region, motion, regionExtent);
     answer.escaping = true;
     if (region.contained || region.thickness > 0.05 * region.diagonal) {
       normals.fix(answer.direction);
@@ -262,7 +262,7 @@ RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& a
     // Both bound the way from below: the planes miss what lies between the points that are looked at, the extent misses
     // what the other body has beyond the region.
     const auto cost = [&](const Vec3d& d, double enough) {
-      const double extent = extentAlong(all, region, d);
+      const double extent = regionExtent.along(d);
       return extent >= enough ? extent : std::max(extent, way.along(d, enough));
     };
     double least = 0.98 * cost(normals.mean(), std::numeric_limits<double>::infinity());

@@ -2,6 +2,7 @@
 // Where out is when the surfaces of a region do not say it: deep overlaps, entangled and contained bodies.
 #pragma once
 
+#include "collide/solid/extent.h"
 #include "collide/solid/inside.h"
 #include "collide/solid/region_normals.h"
 #include "collide/solid/regions.h"
@@ -28,6 +29,6 @@ struct RegionDirection {
 
 /// Chooses one direction for the whole region where that is needed, and tells `normals`.
 RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region,
-                             const PairMotion& motion, RegionNormals& normals);
+                             const PairMotion& motion, RegionNormals& normals, RegionExtent& extent);
 
 }  // namespace otg

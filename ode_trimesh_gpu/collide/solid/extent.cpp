@@ -1,67 +1,55 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "collide/solid/extent.h"
+
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
-#include "collide/solid/regions.h"
-
 namespace otg {
-namespace {
+
+RegionExtent::RegionExtent(const OverlapRegions& all, const Region& region) : all_(all), region_(region) {
+  for (std::uint32_t i = region.pointBegin; i < region.pointEnd; ++i) points_.add(all.points[i].position);
+  for (std::uint32_t k = region.cellBegin; k < region.cellEnd; ++k) {
+    boxes_.add(all.extents.cells[k].lo, all.extents.cells[k].hi);
+  }
+}
+
+double RegionExtent::along(const Vec3d& direction) {
+  if (direction == last_) return length_;
+  last_ = direction;
+  length_ = region_.cellBegin < region_.cellEnd ? ofCells(direction) : points_.extent(direction);
+  return length_;
+}
 
 /// Branch and bound over the cells' boxes; the box that reaches farthest first.
-double ofCells(const ExtentCells& extents, const Vec3d& origin, const Region& region, const Vec3d& d) {
-  const PlacedMeshes meshes(*extents.query);
-  const auto bound = [&](const ExtentCells::Cell& c, double sign) {
-    const double middle = 0.5 * (d.x * (c.lo.x + c.hi.x) + d.y * (c.lo.y + c.hi.y) + d.z * (c.lo.z + c.hi.z));
-    const double half = 0.5 * (std::fabs(d.x) * (c.hi.x - c.lo.x) + std::fabs(d.y) * (c.hi.y - c.lo.y) +
-                               std::fabs(d.z) * (c.hi.z - c.lo.z));
-    return sign * middle + half;
-  };
+double RegionExtent::ofCells(const Vec3d& d) {
+  boxes_.ranges(d, lo_, hi_);
+  const PlacedMeshes meshes(*all_.extents.query);
+  const ExtentCells& extents = all_.extents;
   double reach[2];
   for (int side = 0; side < 2; ++side) {
-    const double sign = side == 0 ? 1 : -1;
     double best = -std::numeric_limits<double>::infinity();
-    const auto scan = [&](const ExtentCells::Cell& c) {
+    const double sign = side == 0 ? 1 : -1;
+    const auto bound = [&](std::size_t k) { return side == 0 ? hi_[k] : -lo_[k]; };
+    const auto scan = [&](std::size_t k) {
+      const ExtentCells::Cell& c = extents.cells[region_.cellBegin + k];
       for (std::uint32_t i = c.begin; i < c.end; ++i) {
-        const Vec3d p = c.mesh < 0 ? extents.positions[i]
-                                   : otgSub(meshes.vertex(c.mesh, meshes.adjacency(c.mesh).clusterVertices[i]), origin);
+        const Vec3d p = c.mesh < 0
+                            ? extents.positions[i]
+                            : otgSub(meshes.vertex(c.mesh, meshes.adjacency(c.mesh).clusterVertices[i]), all_.origin);
         best = std::max(best, sign * otgDot(p, d));
       }
     };
-    std::uint32_t first = region.cellBegin;
-    double farthest = -std::numeric_limits<double>::infinity();
-    for (std::uint32_t k = region.cellBegin; k < region.cellEnd; ++k) {
-      const double b = bound(extents.cells[k], sign);
-      if (b > farthest) {
-        farthest = b;
-        first = k;
-      }
+    std::size_t first = 0;
+    for (std::size_t k = 1; k < hi_.size(); ++k) {
+      if (bound(k) > bound(first)) first = k;
     }
-    scan(extents.cells[first]);
-    for (std::uint32_t k = region.cellBegin; k < region.cellEnd; ++k) {
-      if (k != first && bound(extents.cells[k], sign) > best) scan(extents.cells[k]);
+    scan(first);
+    for (std::size_t k = 0; k < hi_.size(); ++k) {
+      if (k != first && bound(k) > best) scan(k);
     }
     reach[side] = best;
   }
   return reach[0] + reach[1];
-}
-
-}  // namespace
-
-double extentOfPoints(const OverlapRegions& all, const Region& region, const Vec3d& direction) {
-  if (region.pointBegin == region.pointEnd) return 0;
-  double lo = std::numeric_limits<double>::infinity(), hi = -lo;
-  for (std::uint32_t i = region.pointBegin; i < region.pointEnd; ++i) {
-    const double x = otgDot(all.points[i].position, direction);
-    lo = std::min(lo, x);
-    hi = std::max(hi, x);
-  }
-  return hi - lo;
-}
-
-double extentAlong(const OverlapRegions& all, const Region& region, const Vec3d& direction) {
-  if (region.cellBegin < region.cellEnd) return ofCells(all.extents, all.origin, region, direction);
-  return extentOfPoints(all, region, direction);
 }
 
 }  // namespace otg

@@ -99,6 +99,7 @@ class Flood {
     reach(seed);
     std::size_t v = vertexBegin, c = clusterBegin;
     while (!outside_ && (v < vertices.size() || c < clusters.size())) {
+      prefetch(v, c);
       v < vertices.size() ? visitVertex(vertices[v++]) : visitCluster(clusters[c++]);
     }
     if (!outside_ && balance_ == 0)
@@ -119,6 +120,23 @@ class Flood {
     flags_.anomalies += against_;
     flags_.patches[mesh_].push_back({vertexBegin, static_cast<std::uint32_t>(vertices.size()), clusterBegin,
                                      static_cast<std::uint32_t>(clusters.size())});
+  }
+
+  /// Asks for the memory of what is on the lists a few places behind `v` and `c`.
+  void prefetch(std::size_t v, std::size_t c) const {
+    const std::vector<std::uint32_t>& vertices = flags_.vertices[mesh_];
+    const std::vector<std::uint32_t>& clusters = flags_.clusters[mesh_];
+    if (v + 8 < vertices.size()) {
+      __builtin_prefetch(&adjacency_.first[vertices[v + 8]]);
+      __builtin_prefetch(&meshes_.mesh(mesh_).vertices()[vertices[v + 8]]);
+    }
+    if (v + 4 < vertices.size()) __builtin_prefetch(&adjacency_.spokes[adjacency_.first[vertices[v + 4]]]);
+    if (v >= vertices.size() && c + 4 < clusters.size()) {
+      __builtin_prefetch(&adjacency_.clusters[clusters[c + 4]]);
+      const Adjacency::Cluster& next = adjacency_.clusters[clusters[c + 2]];
+      __builtin_prefetch(adjacency_.clusterNeighbours.data() + next.firstNeighbour);
+      __builtin_prefetch(adjacency_.clusterVertices.data() + next.first);
+    }
   }
 
   /// Puts a vertex of a mixed cluster, or a whole cluster, on its list.
@@ -145,13 +163,11 @@ class Flood {
       balance_ += votes;
       if (votes < 0) ++against_;
     }
-    const Topology& topology = meshes_.mesh(mesh_).topology();
     for (std::uint32_t h = adjacency_.first[v]; h < adjacency_.first[v + 1]; ++h) {
-      const std::uint32_t w = adjacency_.neighbour[h], c = adjacency_.clusterOf[w];
+      const std::uint32_t w = adjacency_.spokes[h].vertex, c = adjacency_.clusterOf[w];
       if (c != kNone && !flags_.mixed.has(c)) {
         reachCluster(c);
-      } else if (!nearContour || !flags_.votes.has(w) ||
-                 !contour_.isCrossed(mesh_, topology.edgeOf[adjacency_.halfEdges[h]])) {
+      } else if (!nearContour || !flags_.votes.has(w) || !contour_.isCrossed(mesh_, adjacency_.spokes[h].edge)) {
         reach(w);
       }
     }
@@ -167,6 +183,7 @@ class Flood {
         outside_ = outside_ || !bounds_.contain(meshes_.vertex(mesh_, adjacency_.clusterVertices[i]));
       }
     }
+    __builtin_prefetch(&adjacency_.first[adjacency_.clusterVertices[cluster.first]]);
     bool besideMixed = false;
     for (std::uint32_t i = cluster.firstNeighbour; i < next.firstNeighbour; ++i) {
       const std::uint32_t d = adjacency_.clusterNeighbours[i];
@@ -178,9 +195,12 @@ class Flood {
     }
     if (!besideMixed) return;
     for (std::uint32_t i = cluster.first; i < next.first; ++i) {
+      __builtin_prefetch(&adjacency_.spokes[adjacency_.first[adjacency_.clusterVertices[i]]]);
+    }
+    for (std::uint32_t i = cluster.first; i < next.first; ++i) {
       const std::uint32_t v = adjacency_.clusterVertices[i];
       for (std::uint32_t h = adjacency_.first[v]; h < adjacency_.first[v + 1]; ++h) {
-        const std::uint32_t w = adjacency_.neighbour[h];
+        const std::uint32_t w = adjacency_.spokes[h].vertex;
         if (adjacency_.clusterOf[w] == kNone || flags_.mixed.has(adjacency_.clusterOf[w])) reach(w);
       }
     }

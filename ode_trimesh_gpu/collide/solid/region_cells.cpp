@@ -13,38 +13,12 @@ namespace {
 // Cells along the region's diagonal: finer than the reach of the local normals (a quarter of it).
 constexpr double kPieceGrid = 8, kPointGrid = 6, kExtentGrid = 8;
 
-/// 0 to 5: which axis a direction is nearest to, and in which sense.
-std::uint32_t mainDirection(const Vec3d& d) {
-  const double x = std::fabs(d.x), y = std::fabs(d.y), z = std::fabs(d.z);
-  if (x >= y && x >= z) return d.x < 0;
-  if (y >= z) return 2 + (d.y < 0);
-  return 4 + (d.z < 0);
-}
-
 }  // namespace
 
 void PieceCells::begin(const Region& region) {
   grid_ = RegionGrid(region, kPieceGrid);
   index_.reset(std::size_t{RegionGrid::kCells} * 16);
   sums_.clear();
-}
-
-void PieceCells::add(int mesh, const Vec3d& place, const Vec3d& facing, std::uint32_t triangle, const Vec3d& vector,
-                     double area, double moment, const Vec3d& lo, const Vec3d& hi) {
-  const std::uint32_t key = grid_.cell(place) * 16 + mainDirection(facing) * 2 + static_cast<std::uint32_t>(mesh);
-  std::uint32_t i = index_.find(key);
-  if (i == EpochArray::kMissing) {
-    i = static_cast<std::uint32_t>(sums_.size());
-    index_.set(key, i);
-    sums_.push_back({{0, 0, 0}, 0, 0, 0, lo, hi, triangle, static_cast<std::uint8_t>(mesh)});
-  }
-  Sum& sum = sums_[i];
-  sum.vector = otgAdd(sum.vector, vector);
-  sum.area += area;
-  sum.gross += std::fabs(area);
-  sum.moment += moment;
-  sum.lo = minimum(sum.lo, lo);
-  sum.hi = maximum(sum.hi, hi);
 }
 
 void PieceCells::finish(std::uint32_t region, std::vector<Piece>& out) {

@@ -10,6 +10,8 @@
 
 #include "collide/solid/epoch_array.h"
 #include "collide/solid/regions.h"
+#include "collide/solid/vectors.h"
+#include "mesh/adjacency.h"
 
 namespace otg {
 
@@ -39,9 +41,25 @@ class PieceCells {
  public:
   void begin(const Region& region);
   /// A part of the surface: where, how it faces, its vector area, area, sum of (normal . x) area, and its bounds.
-  /// Parts may be taken off again by negative sums with the same place and direction.
-  void add(int mesh, const Vec3d& place, const Vec3d& facing, std::uint32_t triangle, const Vec3d& vector, double area,
-           double moment, const Vec3d& lo, const Vec3d& hi);
+  /// Parts may be taken off again by negative sums with the same place and direction. triangle() names one of it.
+  template <class TriangleOf>
+  void add(int mesh, const Vec3d& place, const Vec3d& facing, const TriangleOf& triangle, const Vec3d& vector,
+           double area, double moment, const Vec3d& lo, const Vec3d& hi) {
+    const std::uint32_t key = grid_.cell(place) * 16 + mainDirection(facing) * 2 + static_cast<std::uint32_t>(mesh);
+    std::uint32_t i = index_.find(key);
+    if (i == EpochArray::kMissing) {
+      i = static_cast<std::uint32_t>(sums_.size());
+      index_.set(key, i);
+      sums_.push_back({{0, 0, 0}, 0, 0, 0, lo, hi, triangle(), static_cast<std::uint8_t>(mesh)});
+    }
+    Sum& sum = sums_[i];
+    sum.vector = otgAdd(sum.vector, vector);
+    sum.area += area;
+    sum.gross += std::fabs(area);
+    sum.moment += moment;
+    sum.lo = minimum(sum.lo, lo);
+    sum.hi = maximum(sum.hi, hi);
+  }
   /// Appends one piece for each cell that holds any surface.
   void finish(std::uint32_t region, std::vector<Piece>& out);
 
@@ -53,6 +71,13 @@ class PieceCells {
     std::uint32_t triangle;
     std::uint8_t mesh;
   };
+  /// 0 to 5: which axis a direction is nearest to, and in which sense.
+  static std::uint32_t mainDirection(const Vec3d& d) {
+    const double x = std::fabs(d.x), y = std::fabs(d.y), z = std::fabs(d.z);
+    if (x >= y && x >= z) return d.x < 0;
+    if (y >= z) return 2 + (d.y < 0);
+    return 4 + (d.z < 0);
+  }
   RegionGrid grid_;
   EpochArray index_;
   std::vector<Sum> sums_;
@@ -74,30 +99,33 @@ class PointCells {
   /// `up`: in which A is pushed.
   void begin(const Region& region, const Vec3d& up);
   void offer(const PointSeed& seed);
-  /// As if every vertex of a cluster lay at `place`: offers the deepest that is flat and the deepest that is not.
-  /// `bounds` are theirs, vertex(i) the position of number begin <= i < end.
+  /// As if every vertex of a cluster lay in the middle of it: offers the deepest that is flat and the deepest that is
+  /// not. [lo, hi] are their bounds, vertex(i) is the position of number cluster.first <= i < end.
   template <class Vertex, class IsFlat, class MakeSeed>
-  void offerDeepest(int mesh, const Vec3d& place, const Vec3d& lo, const Vec3d& hi, std::uint32_t begin,
-                    std::uint32_t end, const Vertex& vertex, const IsFlat& isFlat, const MakeSeed& makeSeed) {
-    const std::uint32_t key[2] = {keyOf(place, PointKind::kVertex, mesh, false),
-                                  keyOf(place, PointKind::kVertex, mesh, true)};
-    const std::uint32_t known[2] = {index_.find(key[0]), index_.find(key[1])};
-    double best[2];
+  void offerDeepest(int mesh, const Vec3d& lo, const Vec3d& hi, const Adjacency::Cluster& cluster, std::uint32_t end,
+                    const Vertex& vertex, const IsFlat& isFlat, const MakeSeed& makeSeed) {
+    const Vec3d middle = otgScale(otgAdd(lo, hi), 0.5), half = otgScale(otgSub(hi, lo), 0.5);
+    const std::uint32_t key[2] = {keyOf(middle, PointKind::kVertex, mesh, false),
+                                  keyOf(middle, PointKind::kVertex, mesh, true)};
+    const bool any[2] = {cluster.anyCorner, cluster.anyFlat};
+    std::uint32_t known[2] = {EpochArray::kMissing, EpochArray::kMissing};
+    double best[2] = {1e300, 1e300};  // what there is none of cannot win
     for (int flat = 0; flat < 2; ++flat) {
+      if (!any[flat]) continue;
+      known[flat] = index_.find(key[flat]);
       best[flat] = known[flat] == EpochArray::kMissing ? -1e300 : depth(chosen_[known[flat]]);
     }
-    const double sign = mesh == 0 ? -1 : 1;
-    const Vec3d middle = otgScale(otgAdd(lo, hi), 0.5), half = otgScale(otgSub(hi, lo), 0.5);
+    const double sign = mesh == 0 ? -1 : 1, least = std::min(best[0], best[1]);
     if (sign * otgDot(up_, middle) + std::fabs(up_.x) * half.x + std::fabs(up_.y) * half.y +
             std::fabs(up_.z) * half.z <=
-        std::min(best[0], best[1])) {
+        least) {
       return;
     }
     std::uint32_t deepest[2] = {end, end};
-    for (std::uint32_t i = begin; i < end; ++i) {
+    for (std::uint32_t i = cluster.first; i < end; ++i) {
       const double d = sign * otgDot(up_, vertex(i));
       if (!(d > std::min(best[0], best[1]))) continue;
-      const int flat = isFlat(i) ? 1 : 0;
+      const int flat = any[0] && (!any[1] || !isFlat(i)) ? 0 : 1;
       if (!(d > best[flat])) continue;
       best[flat] = d;
       deepest[flat] = i;

@@ -7,6 +7,7 @@
 
 #include "collide/solid/flat_map.h"
 #include "collide/solid/ray.h"
+#include "collide/solid/surface_kernels.h"
 #include "collide/solid/vectors.h"
 
 namespace otg {
@@ -74,7 +75,6 @@ class RegionSolver {
     Vec3d normal;
     double offset;
     Vec3d lo, hi;  ///< of the surface that it stands for
-    double area;
   };
 
   Vec3d centroid() const {
@@ -86,7 +86,9 @@ class RegionSolver {
 
   /// The region's pieces as half spaces; very many are gathered in cells by place and main direction.
   void collectPlanes() {
+    std::vector<Plane> planes;
     for (int m = 0; m < 2; ++m) {
+      planes.clear();
       std::uint32_t count = 0;
       for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) count += all_.pieces[i].mesh == m;
       FlatMap index;
@@ -94,22 +96,20 @@ class RegionSolver {
       for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) {
         const Piece& p = all_.pieces[i];
         if (p.mesh != m) continue;
-        std::uint32_t slot = static_cast<std::uint32_t>(planes_[m].size());
+        std::uint32_t slot = static_cast<std::uint32_t>(planes.size());
         gathered_ = gathered_ || count > kMostPlanes;
         if (count > kMostPlanes) slot = index.insert(cellKey(p, cell), slot);
-        if (slot == planes_[m].size()) planes_[m].push_back({{0, 0, 0}, 0, p.lo, p.hi, 0});
-        Plane& plane = planes_[m][slot];
+        if (slot == planes.size()) planes.push_back({{0, 0, 0}, 0, p.lo, p.hi});
+        Plane& plane = planes[slot];
         plane.normal = otgAdd(plane.normal, p.vector);
         plane.offset += p.offset * norm(p.vector);
-        plane.area += p.area;
         plane.lo = {std::min(plane.lo.x, p.lo.x), std::min(plane.lo.y, p.lo.y), std::min(plane.lo.z, p.lo.z)};
         plane.hi = {std::max(plane.hi.x, p.hi.x), std::max(plane.hi.y, p.hi.y), std::max(plane.hi.z, p.hi.z)};
       }
-      for (Plane& plane : planes_[m]) {
+      for (Plane& plane : planes) {
         const double length = std::sqrt(otgDot(plane.normal, plane.normal));
         if (!(length > 0)) continue;
-        plane.normal = otgScale(plane.normal, 1 / length);
-        plane.offset /= length;
+        surface_[m].add(otgScale(plane.normal, 1 / length), plane.offset / length, plane.lo, plane.hi);
       }
     }
   }
@@ -130,42 +130,17 @@ class RegionSolver {
   /// Way out of mesh m through the nearest of its planes that faces along the direction and has its surface there;
   /// where none has, through the nearest plane of all, which is right for convex bodies.
   double planeExit(int m, const Vec3d& p, const Vec3d& direction) const {
-    const double slack = kPieceSlack * region_.diagonal;
-    double nearest = std::numeric_limits<double>::infinity(), convex = nearest;
-    bool found = false;
-    for (const Plane& plane : planes_[m]) {
-      const double cosine = otgDot(plane.normal, direction);
-      if (cosine <= 0.05) continue;
-      const double t = std::max(0.0, (plane.offset - otgDot(plane.normal, p)) / cosine);
-      convex = std::min(convex, t);
-      const Vec3d x = otgAdd(p, otgScale(direction, t));
-      if (x.x < plane.lo.x - slack || x.x > plane.hi.x + slack || x.y < plane.lo.y - slack ||
-          x.y > plane.hi.y + slack || x.z < plane.lo.z - slack || x.z > plane.hi.z + slack) {
-        continue;
-      }
-      nearest = std::min(nearest, t);
-      found = true;
-    }
-    return found ? nearest : convex;
+    return surface_[m].wayOut(p, direction, kPieceSlack * region_.diagonal).either();
   }
 
   /// Clamps both ways out and their sum, which is returned, to the region's extent along n. That is worked out only
   /// when the few points that the region keeps do not reach as far.
   double clampToLimit(const Vec3d& n, double& out, double& back) {
-    if (region_.cellEnd > region_.cellBegin && out + back <= extentOfPoints(all_, region_, n)) return out + back;
-    const double limit = limitAlong(n);
+    if (region_.cellEnd > region_.cellBegin && out + back <= task_.extent.ofPoints(n)) return out + back;
+    const double limit = task_.extent.along(n) + task_.extraDepth;
     out = std::min(out, limit);
     back = std::min(back, limit);
     return std::min(out + back, limit);
-  }
-
-  double limitAlong(const Vec3d& n) {
-    if (!haveLimit_ || !(n == limitDirection_)) {
-      limit_ = extentAlong(all_, region_, n) + task_.extraDepth;
-      limitDirection_ = n;
-      haveLimit_ = true;
-    }
-    return limit_;
   }
 
   /// Which points of a very large region to look at: in each cell of a grid, of each kind and mesh, the one that lies
@@ -433,13 +408,10 @@ class RegionSolver {
   const Region& region_;
   const OverlapRegions& all_;
   Vec3d center_{};
-  std::vector<Plane> planes_[2];
+  PlaneSet surface_[2];
   bool gathered_ = false;  ///< planes stand for several pieces each
   std::vector<Candidate> candidates_;
   SupportPoint fallback_{};
-  Vec3d limitDirection_{};
-  double limit_ = 0;
-  bool haveLimit_ = false;
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "collide/solid/extent.h"
 #include "collide/solid/region_normals.h"
 #include "collide/solid/regions.h"
 
@@ -15,6 +16,7 @@ struct RegionTask {
   const Region& region;
   std::uint32_t regionIndex;
   const RegionNormals& normals;
+  RegionExtent& extent;
   int maxContacts;
   double extraDepth;  ///< added to the clamp of depths by the region's own extent (escaping bodies: way of one step)
 };

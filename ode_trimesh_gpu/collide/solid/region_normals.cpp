@@ -10,12 +10,6 @@
 namespace otg {
 namespace {
 
-double distanceToBox(const Vec3d& p, const Vec3d& lo, const Vec3d& hi) {
-  const double x = std::max({lo.x - p.x, 0.0, p.x - hi.x}), y = std::max({lo.y - p.y, 0.0, p.y - hi.y}),
-               z = std::max({lo.z - p.z, 0.0, p.z - hi.z});
-  return std::sqrt(x * x + y * y + z * z);
-}
-
 // From here on a region counts as one flat face, and no piece of it is looked at.
 constexpr double kFlat = 0.9999;
 // From here on the mean direction holds everywhere, and up to here the local one; in between they are blended. At 0.99
@@ -50,6 +44,12 @@ RegionNormals::RegionNormals(const OverlapRegions& all, const Region& region)
     }
   }
   weighByDepth();
+  // A large part counts no more than one of the size of the reach.
+  const double cap = radius_ * radius_;
+  for (const Element& e : elements_) {
+    const double weight = e.weight * (e.area > cap ? cap / e.area : 1.0);
+    areas_[e.mesh].add(e.lo, e.hi, otgScale(e.vector, e.mesh == 0 ? -weight : weight), weight * e.area);
+  }
 }
 
 void RegionNormals::weighByDepth() {
@@ -61,9 +61,11 @@ void RegionNormals::weighByDepth() {
   };
   std::vector<Plane> planes;
   planes.reserve(elements_.size());
+  PlaneSet others[2];
   for (const Element& e : elements_) {
     const double length = norm(e.vector);
     planes.push_back(length > 0 ? Plane{otgScale(e.vector, 1 / length), e.offset / length} : Plane{{0, 0, 0}, 0});
+    others[1 - e.mesh].add(planes.back().normal, planes.back().offset, e.lo, e.hi);
   }
   Vec3d sum[2] = {{0, 0, 0}, {0, 0, 0}};
   double total[2] = {0, 0};
@@ -75,20 +77,9 @@ void RegionNormals::weighByDepth() {
     const Vec3d from = otgAdd(middle, otgScale(n, planes[i].offset - otgDot(n, middle)));
     // Backwards to the nearest piece of the other mesh; where none lies behind, to the nearest plane of all, which is
     // right for convex overlaps.
-    double nearest = region_.diagonal, convex = region_.diagonal;
-    bool found = false;
-    for (std::size_t j = 0; j < elements_.size(); ++j) {
-      if (elements_[j].mesh == e.mesh) continue;
-      const double cosine = -otgDot(planes[j].normal, n);
-      if (cosine <= 0.05) continue;
-      const double t = std::max(0.0, (planes[j].offset - otgDot(planes[j].normal, from)) / cosine);
-      convex = std::min(convex, t);
-      if (t >= nearest) continue;
-      if (distanceToBox(otgSub(from, otgScale(n, t)), elements_[j].lo, elements_[j].hi) > slack) continue;
-      nearest = t;
-      found = true;
-    }
-    const double share = (found ? nearest : convex) / (kThick * region_.thickness);
+    const PlaneSet::Way way = others[e.mesh].wayOutRound(from, otgScale(n, -1.0), slack);
+    const bool found = way.nearest < region_.diagonal;
+    const double share = (found ? way.nearest : std::min(way.convex, region_.diagonal)) / (kThick * region_.thickness);
     e.weight = 1 / (1 + share * share * share * share);
     sum[e.mesh] = otgAdd(sum[e.mesh], otgScale(e.vector, e.weight));
     total[e.mesh] += e.weight * e.area;
@@ -131,27 +122,17 @@ void RegionNormals::cluster(const OverlapRegions& all) {
 }
 
 Vec3d RegionNormals::local(const Vec3d& point) const {
-  Vec3d sum[2] = {{0, 0, 0}, {0, 0, 0}};
-  double total[2] = {0, 0};
-  const double cap = radius_ * radius_;
-  for (const Element& e : elements_) {
-    const double d = distanceToBox(point, e.lo, e.hi);
-    if (!(d < radius_)) continue;
-    const double x = 1 - d * d / cap;
-    const double weight = e.weight * x * x * (e.area > cap ? cap / e.area : 1.0);
-    // Out of B: along B's outward normals, against A's.
-    sum[e.mesh] = otgAdd(sum[e.mesh], otgScale(e.vector, e.mesh == 0 ? -weight : weight));
-    total[e.mesh] += weight * e.area;
-  }
-  const double sA = norm(sum[0]), sB = norm(sum[1]);
+  // Out of B: along B's outward normals, against A's.
+  const AreaSet::Sum a = areas_[0].about(point, radius_), b = areas_[1].about(point, radius_);
+  const double sA = norm(a.vector), sB = norm(b.vector);
   const double most = std::max(sA, sB);
   const Vec3d& fallback = region_.coherence >= 0.5 || !escape_ ? mean_ : *escape_;
   if (!(most > 0)) return fallback;
   // The sides of a lump must agree in amount too. Of a thin sheet one side alone may be near, which says as much.
   const double agreement = isLump() ? most * most : sA * sB;
-  if (sA > 0 && sB > 0 && otgDot(sum[0], sum[1]) < 0.3 * agreement) return fallback;
-  const double lA = total[0] > 0 ? sA / total[0] : 0, lB = total[1] > 0 ? sB / total[1] : 0;
-  const Vec3d n = unit(otgAdd(otgScale(sum[0], lA * lA), otgScale(sum[1], lB * lB)));
+  if (sA > 0 && sB > 0 && otgDot(a.vector, b.vector) < 0.3 * agreement) return fallback;
+  const double lA = a.area > 0 ? sA / a.area : 0, lB = b.area > 0 ? sB / b.area : 0;
+  const Vec3d n = unit(otgAdd(otgScale(a.vector, lA * lA), otgScale(b.vector, lB * lB)));
   return otgDot(n, n) > 0 ? n : fallback;
 }
 

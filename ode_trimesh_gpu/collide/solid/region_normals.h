@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "collide/solid/regions.h"
+#include "collide/solid/surface_kernels.h"
 
 namespace otg {
 
@@ -49,6 +50,7 @@ class RegionNormals {
   double radius_;
   bool isFlat_ = false;
   std::vector<Element> elements_;
+  AreaSet areas_[2];  ///< the elements of either mesh with their weights
 };
 
 }  // namespace otg

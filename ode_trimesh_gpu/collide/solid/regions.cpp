@@ -5,6 +5,7 @@
 
 #include "collide/solid/edge_pieces.h"
 #include "collide/solid/region_cells.h"
+#include "collide/solid/support_point.h"
 #include "collide/solid/vectors.h"
 
 namespace otg {
@@ -20,6 +21,9 @@ struct Loop {  // what bounds the part of one triangle in one region
 struct Correction {
   std::uint32_t region, vertex, triangle;
   std::uint8_t mesh;
+  Vec3d position;  ///< of the vertex, relative to the origin
+  Vec3d vector;    ///< vector area
+  double area;
 };
 
 struct PatchRef {
@@ -69,6 +73,8 @@ namespace {
 constexpr std::uint32_t kInterior = 0xfffffffeu;
 /// A cluster counts as one piece if its vector area is at least 0.9 (squared here) of its area.
 constexpr double kFlatCluster = 0.81;
+/// How many items ahead memory is asked for.
+constexpr std::uint32_t kAhead = 8;
 
 template <class Scratch>
 class Builder {
@@ -221,6 +227,8 @@ class Builder {
         i = static_cast<std::uint32_t>(s_.boundaryTriangles[m].size());
         s_.boundary[m].set(t, i);
         s_.boundaryTriangles[m].push_back(t);
+        __builtin_prefetch(&adjacency.normal[t]);  // for clip()
+        __builtin_prefetch(&adjacency.area[t]);
         s_.chordHead[m].push_back(kNone);
         return i;
       };
@@ -281,10 +289,13 @@ class Builder {
           const std::uint32_t v = mesh.topology().weld[mesh.triangles()[t].v[k]];
           corners[k] = {v, edges_.vertexElement(m, v), vertex(m, v)};
         }
-        clipTriangle(m, t, corners, s_.chordHead[m][i]);
+        const Vec3d normal = meshes_.normal(m, t);
+        clipTriangle(m, t, corners, normal, s_.chordHead[m][i]);
         for (const Corner& c : corners) {
           if (c.element == kNone || !isLarge(s_.regionOf[c.element])) continue;
-          s_.corrections.push_back({s_.regionOf[c.element], c.vertex, t, static_cast<std::uint8_t>(m)});
+          const double area = -meshes_.adjacency(m).area[t] / 3;
+          s_.corrections.push_back({s_.regionOf[c.element], c.vertex, t, static_cast<std::uint8_t>(m), c.position,
+                                    otgScale(normal, area), area});
         }
       }
     }
@@ -298,7 +309,7 @@ class Builder {
   };
 
   /// Area by the boundary: half the sum of p x q over the directed boundary segments.
-  void clipTriangle(int m, std::uint32_t t, const Corner* corners, std::uint32_t chord) {
+  void clipTriangle(int m, std::uint32_t t, const Corner* corners, const Vec3d& n, std::uint32_t chord) {
     const TriMesh& mesh = meshes_.mesh(m);
     const Topology& topology = mesh.topology();
     const Vec3d corner = corners[0].position;
@@ -336,7 +347,6 @@ class Builder {
       const Chord& c = contour_.chords[chord];
       m == 0 ? add(c.start, crossing(c.start), crossing(c.end)) : add(c.start, crossing(c.end), crossing(c.start));
     }
-    const Vec3d n = meshes_.normal(m, t);
     for (const Loop& loop : loops) {
       const double area = 0.5 * otgDot(loop.sum, n);
       if (area > 0)
@@ -392,6 +402,18 @@ class Builder {
     }
   }
 
+  static bool isFlat(const Adjacency::Cluster& c) {
+    return otgDot(c.sum.vector, c.sum.vector) >= kFlatCluster * c.sum.area * c.sum.area;
+  }
+
+  /// Of a cluster that will be looked at vertex by vertex; they lie next to each other, or nearly so.
+  static void prefetchStars(const Adjacency& adjacency, const Adjacency::Cluster& cluster) {
+    if (isFlat(cluster)) return;
+    const std::size_t first = adjacency.clusterVertices[cluster.first];
+    const std::size_t end = std::min(first + Adjacency::kClusterSize, adjacency.star.size());
+    for (std::size_t v = first; v < end; v += 2) __builtin_prefetch(&adjacency.star[v]);
+  }
+
   /// The interior by the stars of its vertices, everything gathered in cells.
   void describeLarge(std::uint32_t r) {
     Region& region = out_.regions[r];
@@ -400,33 +422,37 @@ class Builder {
     region.pointBegin = static_cast<std::uint32_t>(out_.points.size());
     PieceCells& cells = s_.pieceCells;
     cells.begin(region);
-    const auto add = [&](int m, const Vec3d& place, const Vec3d& facing, std::uint32_t t, const Vec3d& vector,
+    const auto add = [&](int m, const Vec3d& place, const Vec3d& facing, const auto& t, const Vec3d& vector,
                          double area, double moment, const Vec3d& lo, const Vec3d& hi) {
       addTo(sums, m, vector, area, moment);
       cells.add(m, place, facing, t, vector, area, moment, lo, hi);
     };
     for (std::uint32_t i = s_.pieceBegin[r]; i < s_.pieceBegin[r + 1]; ++i) {
       const Piece& p = s_.pieces[i];
-      add(p.mesh, otgScale(otgAdd(p.lo, p.hi), 0.5), p.normal, p.triangle, p.vector, p.area, p.offset * p.area, p.lo,
-          p.hi);
+      add(
+          p.mesh, otgScale(otgAdd(p.lo, p.hi), 0.5), p.normal, [&] { return p.triangle; }, p.vector, p.area,
+          p.offset * p.area, p.lo, p.hi);
     }
     for (std::uint32_t i = s_.patchBegin[r]; i < s_.patchBegin[r + 1]; ++i) {
       const int m = s_.patches[i].mesh;
       const Adjacency& adjacency = meshes_.adjacency(m);
       const InsideFlags::Patch& patch = inside_.patches[m][s_.patches[i].patch];
+      const auto triangleAt = [&](std::uint32_t v) { return adjacency.halfEdges[adjacency.first[v]] / 3; };
       const auto addVertex = [&](std::uint32_t v, const Vec3d& x) {
         const Vec3d vector = meshes_.directionFromLocal(m, adjacency.star[v].vector);
-        add(m, x, vector, adjacency.halfEdges[adjacency.first[v]] / 3, vector, adjacency.star[v].area,
-            otgDot(vector, x), x, x);
+        add(
+            m, x, vector, [&] { return triangleAt(v); }, vector, adjacency.star[v].area, otgDot(vector, x), x, x);
       };
       for (std::uint32_t k = patch.vertexBegin; k < patch.vertexEnd; ++k) {
+        if (k + kAhead < patch.vertexEnd) __builtin_prefetch(&adjacency.star[inside_.vertices[m][k + kAhead]]);
         addVertex(inside_.vertices[m][k], relative(inside_.positions[m][k]));
       }
       const Vec3d shift = relative(meshes_.fromLocal(m, {0, 0, 0}));
       for (std::uint32_t k = patch.clusterBegin; k < patch.clusterEnd; ++k) {
         const std::uint32_t c = inside_.clusters[m][k];
         const Adjacency::Cluster& cluster = adjacency.clusters[c];
-        if (otgDot(cluster.sum.vector, cluster.sum.vector) < kFlatCluster * cluster.sum.area * cluster.sum.area) {
+        if (k + 1 < patch.clusterEnd) prefetchStars(adjacency, adjacency.clusters[inside_.clusters[m][k + 1]]);
+        if (!isFlat(cluster)) {
           for (std::uint32_t j = cluster.first; j < adjacency.clusters[c + 1].first; ++j) {
             addVertex(adjacency.clusterVertices[j], vertex(m, adjacency.clusterVertices[j]));
           }
@@ -434,19 +460,19 @@ class Builder {
         }
         const Vec3d vector = meshes_.directionFromLocal(m, cluster.sum.vector);
         const Box box = boxOf(m, cluster);
-        add(m, otgScale(otgAdd(box.lo, box.hi), 0.5), vector,
-            adjacency.halfEdges[adjacency.first[adjacency.clusterVertices[cluster.first]]] / 3, vector,
-            cluster.sum.area, cluster.moment + otgDot(vector, shift), box.lo, box.hi);
+        add(
+            m, otgScale(otgAdd(box.lo, box.hi), 0.5), vector,
+            [&] { return triangleAt(adjacency.clusterVertices[cluster.first]); }, vector, cluster.sum.area,
+            cluster.moment + otgDot(vector, shift), box.lo, box.hi);
       }
     }
     for (std::uint32_t i = s_.correctionBegin[r]; i < s_.correctionBegin[r + 1]; ++i) {
       const Correction& c = s_.corrections[i];
       const Adjacency& adjacency = meshes_.adjacency(c.mesh);
-      const Vec3d x = vertex(c.mesh, c.vertex);
-      const double area = -adjacency.area[c.triangle] / 3;
-      const Vec3d vector = otgScale(meshes_.normal(c.mesh, c.triangle), area);
-      add(c.mesh, x, meshes_.directionFromLocal(c.mesh, adjacency.star[c.vertex].vector), c.triangle, vector, area,
-          otgDot(vector, x), x, x);
+      const Vec3d& x = c.position;
+      add(
+          c.mesh, x, meshes_.directionFromLocal(c.mesh, adjacency.star[c.vertex].vector), [&] { return c.triangle; },
+          c.vector, c.area, otgDot(c.vector, x), x, x);
     }
     cells.finish(r, out_.pieces);
     region.pieceEnd = static_cast<std::uint32_t>(out_.pieces.size());
@@ -470,7 +496,7 @@ class Builder {
         const Box box = boxOf(m, adjacency.clusters[c]);
         out_.extents.cells.push_back({box.lo, box.hi, begin, end, m});
         points.offerDeepest(
-            m, otgScale(otgAdd(box.lo, box.hi), 0.5), box.lo, box.hi, begin, end,
+            m, box.lo, box.hi, adjacency.clusters[c], end,
             [&](std::uint32_t j) { return vertex(m, adjacency.clusterVertices[j]); },
             [&](std::uint32_t j) { return isFlat(m, adjacency.clusterVertices[j]); },
             [&](std::uint32_t j) {
@@ -520,41 +546,7 @@ class Builder {
     groupByRegion(s_.seeds, out_.regions.size(), s_.sortedSeeds, s_.seedBegin);
   }
 
-  SupportPoint supportPoint(const PointSeed& seed) const {
-    const int m = seed.mesh;
-    const TriMesh& mesh = meshes_.mesh(m);
-    const Adjacency& adjacency = meshes_.adjacency(m);
-    SupportPoint p{};
-    p.position = seed.position;
-    p.region = seed.region;
-    p.mesh = seed.mesh;
-    p.kind = seed.kind;
-    p.feature = seed.feature;
-    p.ordinal = seed.ordinal;
-    p.flat = seed.flat;
-    p.reach = norm(seed.span);
-    p.along = unit(seed.span);
-    p.triangleA = p.triangleB = kNone;
-    std::uint32_t& own = m == 0 ? p.triangleA : p.triangleB;
-    Vec3d normal{0, 0, 0};
-    if (seed.kind == PointKind::kVertex) {
-      for (std::uint32_t h = adjacency.first[seed.feature]; h < adjacency.first[seed.feature + 1]; ++h) {
-        normal = otgAdd(normal, adjacency.normal[adjacency.halfEdges[h] / 3]);
-      }
-      own = adjacency.halfEdges[adjacency.first[seed.feature]] / 3;
-    } else {
-      const std::uint32_t half = adjacency.halfEdgeOf[seed.feature];
-      normal = adjacency.normal[half / 3];
-      const std::uint32_t twin = mesh.topology().twin[half];
-      if (twin != kNone) normal = otgAdd(normal, adjacency.normal[twin / 3]);
-      own = half / 3;
-    }
-    p.surfaceNormal = meshes_.directionFromLocal(m, unit(normal));
-    if (seed.kind == PointKind::kCrossing) {
-      (m == 0 ? p.triangleB : p.triangleA) = contour_.crossings[seed.crossing].triangle;
-    }
-    return p;
-  }
+  SupportPoint supportPoint(const PointSeed& seed) const { return otg::supportPoint(meshes_, contour_, seed); }
 
   void measure(std::uint32_t r) {
     Region& region = out_.regions[r];

@@ -98,9 +98,4 @@ class RegionBuilder {
   std::unique_ptr<Scratch> scratch_;
 };
 
-/// How far the region reaches along a unit direction.
-double extentAlong(const OverlapRegions& all, const Region& region, const Vec3d& direction);
-/// The same of OverlapRegions::points alone: quicker, and in large regions not more than the extent.
-double extentOfPoints(const OverlapRegions& all, const Region& region, const Vec3d& direction);
-
 }  // namespace otg

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "collide/solid/support_point.h"
+
+#include "collide/solid/vectors.h"
+
+namespace otg {
+
+SupportPoint supportPoint(const PlacedMeshes& meshes, const Contour& contour, const PointSeed& seed) {
+  const int m = seed.mesh;
+  const TriMesh& mesh = meshes.mesh(m);
+  const Adjacency& adjacency = meshes.adjacency(m);
+  SupportPoint p{};
+  p.position = seed.position;
+  p.region = seed.region;
+  p.mesh = seed.mesh;
+  p.kind = seed.kind;
+  p.feature = seed.feature;
+  p.ordinal = seed.ordinal;
+  p.flat = seed.flat;
+  p.reach = norm(seed.span);
+  p.along = unit(seed.span);
+  p.triangleA = p.triangleB = kNone;
+  std::uint32_t& own = m == 0 ? p.triangleA : p.triangleB;
+  Vec3d normal{0, 0, 0};
+  if (seed.kind == PointKind::kVertex) {
+    for (std::uint32_t h = adjacency.first[seed.feature]; h < adjacency.first[seed.feature + 1]; ++h) {
+      normal = otgAdd(normal, adjacency.normal[adjacency.halfEdges[h] / 3]);
+    }
+    own = adjacency.halfEdges[adjacency.first[seed.feature]] / 3;
+  } else {
+    const std::uint32_t half = adjacency.halfEdgeOf[seed.feature];
+    normal = adjacency.normal[half / 3];
+    const std::uint32_t twin = mesh.topology().twin[half];
+    if (twin != kNone) normal = otgAdd(normal, adjacency.normal[twin / 3]);
+    own = half / 3;
+  }
+  p.surfaceNormal = meshes.directionFromLocal(m, unit(normal));
+  if (seed.kind == PointKind::kCrossing) {
+    (m == 0 ? p.triangleB : p.triangleA) = contour.crossings[seed.crossing].triangle;
+  }
+  return p;
+}
+
+}  // namespace otg

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Candidates for contacts, worked out.
+#pragma once
+
+#include "collide/solid/region_cells.h"
+
+namespace otg {
+
+/// The candidate with what its surroundings in its mesh say of it.
+SupportPoint supportPoint(const PlacedMeshes& meshes, const Contour& contour, const PointSeed& seed);
+
+}  // namespace otg

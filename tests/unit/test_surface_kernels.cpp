@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The kernels over a region's surface against loops that say what they mean, and every instruction set bit for bit.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "collide/solid/surface_kernels.h"
+#include "support/catch.h"
+
+using namespace otg;
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::vector<SimdLevel> levels() {
+  std::vector<SimdLevel> out{SimdLevel::kBaseline};
+  if (bestSimdLevel() >= SimdLevel::kAvx2) out.push_back(SimdLevel::kAvx2);
+  if (bestSimdLevel() >= SimdLevel::kAvx512) out.push_back(SimdLevel::kAvx512);
+  return out;
+}
+
+class Random {
+ public:
+  double between(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(engine_); }
+  Vec3d inBox() { return {between(-1, 1), between(-1, 1), between(-1, 1)}; }
+  Vec3d direction() {
+    for (;;) {
+      const Vec3d d = inBox();
+      const double l = std::sqrt(otgDot(d, d));
+      if (l > 0.1 && l < 1) return otgScale(d, 1 / l);
+    }
+  }
+
+ private:
+  std::mt19937 engine_{7};
+};
+
+template <class Block>
+void fill(Block (&blocks)[3], Random& random) {
+  std::vector<double> values(3 * sizeof(Block) / sizeof(double));
+  for (double& x : values) x = random.between(-1, 1);
+  std::memcpy(blocks, values.data(), sizeof blocks);
+}
+
+struct Part {
+  Vec3d normal, lo, hi, vector;
+  double offset, area;
+};
+
+std::vector<Part> parts(Random& random, int count) {
+  std::vector<Part> out;
+  for (int i = 0; i < count; ++i) {
+    const Vec3d middle = random.inBox(), half{random.between(0, 0.4), random.between(0, 0.4), random.between(0, 0.4)};
+    const Vec3d n = random.direction();
+    out.push_back({n, otgSub(middle, half), otgAdd(middle, half), otgScale(random.direction(), random.between(0, 2)),
+                   otgDot(n, middle), random.between(2, 3)});
+  }
+  return out;
+}
+
+double distance(const Vec3d& p, const Vec3d& lo, const Vec3d& hi) {
+  return std::hypot(std::max({lo.x - p.x, 0.0, p.x - hi.x}), std::max({lo.y - p.y, 0.0, p.y - hi.y}),
+                    std::max({lo.z - p.z, 0.0, p.z - hi.z}));
+}
+
+double chebyshev(const Vec3d& p, const Vec3d& lo, const Vec3d& hi) {
+  return std::max({lo.x - p.x, p.x - hi.x, lo.y - p.y, p.y - hi.y, lo.z - p.z, p.z - hi.z, 0.0});
+}
+
+bool close(double a, double b) {
+  return a == b || std::fabs(a - b) <= 1e-12 * (1 + std::fabs(b));
+}
+
+}  // namespace
+
+TEST_CASE("ways out through planes") {
+  Random random;
+  int onPart = 0, onlyConvex = 0, none = 0;
+  for (int round = 0; round < 400; ++round) {
+    const std::vector<Part> all = parts(random, round % 23);
+    PlaneSet set;
+    for (const Part& p : all) set.add(p.normal, p.offset, p.lo, p.hi);
+    const Vec3d from = random.inBox(), d = random.direction();
+    const double slack = random.between(0, 0.1);
+    double nearest = kInfinity, nearestRound = kInfinity, convex = kInfinity;
+    for (const Part& p : all) {
+      const double cosine = otgDot(p.normal, d);
+      if (cosine <= 0.05) continue;
+      const double t = std::max(0.0, (p.offset - otgDot(p.normal, from)) / cosine);
+      const Vec3d x = otgAdd(from, otgScale(d, t));
+      convex = std::min(convex, t);
+      if (chebyshev(x, p.lo, p.hi) <= slack) nearest = std::min(nearest, t);
+      if (distance(x, p.lo, p.hi) <= slack) nearestRound = std::min(nearestRound, t);
+    }
+    const PlaneSet::Way way = set.wayOut(from, d, slack), round2 = set.wayOutRound(from, d, slack);
+    CHECK(close(way.nearest, nearest));
+    CHECK(close(way.convex, convex));
+    CHECK(close(round2.nearest, nearestRound));
+    CHECK(close(round2.convex, convex));
+    CHECK(way.either() == (std::isfinite(way.nearest) ? way.nearest : way.convex));
+    ++(std::isfinite(nearest) ? onPart : std::isfinite(convex) ? onlyConvex : none);
+  }
+  CHECK(onPart > 20);
+  CHECK(onlyConvex > 20);
+  CHECK(none > 10);
+}
+
+TEST_CASE("areas about a point, extents of points, ranges of boxes") {
+  Random random;
+  for (int round = 0; round < 200; ++round) {
+    const std::vector<Part> all = parts(random, round % 19);
+    AreaSet areas;
+    PointSet points;
+    BoxSet boxes;
+    for (const Part& p : all) {
+      areas.add(p.lo, p.hi, p.vector, p.area);
+      points.add(p.lo);
+      boxes.add(p.lo, p.hi);
+    }
+    const Vec3d at = random.inBox(), d = random.direction();
+    const double radius = random.between(0.1, 1);
+    Vec3d vector{0, 0, 0};
+    double area = 0, lo = kInfinity, hi = -kInfinity;
+    std::vector<double> boxLo, boxHi;
+    for (const Part& p : all) {
+      const double x = std::max(0.0, 1 - std::pow(distance(at, p.lo, p.hi) / radius, 2)), weight = x * x;
+      vector = otgAdd(vector, otgScale(p.vector, weight));
+      area += weight * p.area;
+      lo = std::min(lo, otgDot(p.lo, d));
+      hi = std::max(hi, otgDot(p.lo, d));
+      double least = kInfinity, most = -kInfinity;
+      for (int corner = 0; corner < 8; ++corner) {
+        const Vec3d c{corner & 1 ? p.hi.x : p.lo.x, corner & 2 ? p.hi.y : p.lo.y, corner & 4 ? p.hi.z : p.lo.z};
+        least = std::min(least, otgDot(c, d));
+        most = std::max(most, otgDot(c, d));
+      }
+      boxLo.push_back(least);
+      boxHi.push_back(most);
+    }
+    const AreaSet::Sum sum = areas.about(at, radius);
+    CHECK(close(sum.vector.x, vector.x));
+    CHECK(close(sum.vector.y, vector.y));
+    CHECK(close(sum.vector.z, vector.z));
+    CHECK(close(sum.area, area));
+    CHECK(close(points.extent(d), all.empty() ? 0 : hi - lo));
+    std::vector<double> foundLo, foundHi;
+    boxes.ranges(d, foundLo, foundHi);
+    REQUIRE(foundLo.size() == all.size());
+    REQUIRE(foundHi.size() == all.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      CHECK(close(foundLo[i], boxLo[i]));
+      CHECK(close(foundHi[i], boxHi[i]));
+    }
+  }
+}
+
+TEST_CASE("instruction sets agree bit for bit over surfaces") {
+  Random random;
+  for (int round = 0; round < 200; ++round) {
+    PlaneBlock planes[3];
+    AreaBlock areas[3];
+    PointBlock points[3];
+    BoxBlock boxes[3];
+    fill(planes, random);
+    fill(areas, random);
+    fill(points, random);
+    fill(boxes, random);
+    const Vec3d p = random.inBox(), d = random.direction();
+    std::vector<double> expected;
+    for (const SimdLevel level : levels()) {
+      std::vector<double> found;
+      PlaneExitArgs exit{planes, 3, p, d, 0.5, 0, 0};
+      exitThroughPlanes(level, exit);
+      found.insert(found.end(), {exit.nearest, exit.convex});
+      exitThroughRoundPlanes(level, exit);
+      found.insert(found.end(), {exit.nearest, exit.convex});
+      LocalAreaArgs local{areas, 3, p, 1.5, {0, 0, 0}, 0};
+      sumLocalAreas(level, local);
+      found.insert(found.end(), {local.vector.x, local.vector.y, local.vector.z, local.area});
+      ExtentArgs extent{points, 3, d, 0, 0};
+      findExtent(level, extent);
+      found.insert(found.end(), {extent.lo, extent.hi});
+      double lo[12], hi[12];
+      BoxRangesArgs ranges{boxes, 3, d, lo, hi};
+      findBoxRanges(level, ranges);
+      found.insert(found.end(), lo, lo + 12);
+      found.insert(found.end(), hi, hi + 12);
+      if (level == SimdLevel::kBaseline) expected = found;
+      REQUIRE(found == expected);
+    }
+    CHECK(expected[7] != 0);
+  }
+}
