@@ -60,11 +60,11 @@ T clMake(const char* name, T (*function)(P...), A... arguments) {
   return object;
 }
 
-/// A function that releases. Never throws: a failure is logged.
-template <class T>
-void clRelease(const char* name, cl_int (*function)(T), T object) noexcept {
+/// A function that releases or gives back. Never throws: a failure is logged.
+template <class... P, class... A>
+void clRelease(const char* name, cl_int (*function)(P...), A... arguments) noexcept {
   const cl_int injected = detail::beginCall();
-  const cl_int code = function(object);
+  const cl_int code = function(arguments...);
   if (injected != CL_SUCCESS || code != CL_SUCCESS) detail::reportRelease(name, code != CL_SUCCESS ? code : injected);
 }
 

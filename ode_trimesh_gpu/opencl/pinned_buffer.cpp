@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <bit>
 
-#include "opencl/log.h"
-
 namespace otg::opencl {
 
 PinnedBuffer::~PinnedBuffer() {
@@ -14,13 +12,9 @@ PinnedBuffer::~PinnedBuffer() {
 
 void PinnedBuffer::unmap() noexcept {
   if (data_ == nullptr) return;
-  try {
-    clDo(OTG_CL(clEnqueueUnmapMemObject), queue_, buffer_.get(), static_cast<void*>(data_), cl_uint{0},
-         static_cast<const cl_event*>(nullptr), static_cast<cl_event*>(nullptr));
-    clDo(OTG_CL(clFinish), queue_);
-  } catch (const ClError& error) {
-    detail::reportRelease(error.call(), error.code());
-  }
+  clRelease(OTG_CL(clEnqueueUnmapMemObject), queue_, buffer_.get(), static_cast<void*>(data_), cl_uint{0},
+            static_cast<const cl_event*>(nullptr), static_cast<cl_event*>(nullptr));
+  clRelease(OTG_CL(clFinish), queue_);
   data_ = nullptr;
 }
 
