@@ -233,7 +233,7 @@ Json batchRows(const BenchOptions& options, opencl::Backend* backend) {
 }  // namespace
 
 int benchBatch(const BenchOptions& options) {
-  const std::vector<opencl::DeviceInfo> devices = opencl::listDevices();
+  const std::vector<opencl::DeviceInfo> devices = findDevices();
   const int index = opencl::defaultDevice(devices);
   const std::shared_ptr<opencl::Backend> backend = index < 0 ? nullptr : opencl::Backend::open(index);
   if (!backend) progress("note: no OpenCL device can be used; the tables have the CPU alone");

@@ -4,12 +4,20 @@
 
 #include "opencl/device_info.h"
 #include "otg/command.h"
+#include "otg/query_options.h"
 
 namespace otg::cli {
+
+std::vector<opencl::DeviceInfo> findDevices() {
+  if (opencl::driversSurviveListing()) return opencl::listDevices();
+  progress("note: the OpenCL driver ends programs that ask for its devices; none is used");
+  return {};
+}
+
 namespace {
 
 int runDevices(bool json) {
-  const std::vector<opencl::DeviceInfo> devices = opencl::listDevices();
+  const std::vector<opencl::DeviceInfo> devices = findDevices();
   const int used = opencl::defaultDevice(devices);
   Json rows = Json::array();
   for (const opencl::DeviceInfo& d : devices) {

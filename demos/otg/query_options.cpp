@@ -125,7 +125,7 @@ std::shared_ptr<opencl::Backend> QueryOptions::openBackend() const {
   if (backend == "cpu" || (backend != "opencl" && middle != near)) {
     throw UsageError("the device does the middle and the near phase together: use --backend opencl");
   }
-  const std::vector<opencl::DeviceInfo> devices = opencl::listDevices();
+  const std::vector<opencl::DeviceInfo> devices = findDevices();
   const int index = device >= 0 ? device : opencl::defaultDevice(devices);
   if (index < 0) throw InputError("no OpenCL device can be used; `otg devices` lists what there is");
   if (index >= static_cast<int>(devices.size())) {

@@ -9,6 +9,7 @@
 
 #include "collide/query.h"
 #include "opencl/backend.h"
+#include "opencl/device_info.h"
 #include "otg/command.h"
 
 namespace otg::cli {
@@ -37,6 +38,9 @@ struct QueryOptions {
   /// The device that was asked for; null for the CPU. Throws InputError when it cannot be had.
   std::shared_ptr<opencl::Backend> openBackend() const;
 };
+
+/// All OpenCL devices; none, and a note on stderr, where a driver would end the program.
+std::vector<opencl::DeviceInfo> findDevices();
 
 /// Both meshes with their trees; the same object twice when both paths are the same.
 struct LoadedPair {
