@@ -12,7 +12,7 @@ set rmargin 3
 set multiplot layout 2,1 title "Falling meshes" font ",14"
 
 # A step without contacts has no place on a logarithmic axis: it leaves a gap.
-set ylabel "in the step"
+set ylabel "number in the step"
 set logscale y
 set yrange [0.8:*]
 unset xlabel

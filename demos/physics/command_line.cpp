@@ -54,6 +54,9 @@ void addOptions(CLI::App& command, CommandOptions& options) {
   command.add_option("--form", options.forms, "As what bodies collide; native is added where a limit refers to it")
       ->check(CLI::IsMember({"native", "stock", "ours"}))
       ->capture_default_str();
+  command.add_option("--backend", options.backend, "Where our geoms collide; opencl: on the default device")
+      ->check(CLI::IsMember({"cpu", "opencl"}))
+      ->capture_default_str();
   command.add_option("--jobs", options.suite.workers, "Processes at a time (default: one for each processor)");
   command.add_option("--timeout", options.suite.timeout, "Seconds of wall time for one run")->capture_default_str();
   command.add_flag("--list", options.list, "Say which scenes there are and end");
@@ -88,6 +91,7 @@ int runCommand(CommandOptions options) {
                missingFile(scene));
   }
   options.suite.model = *modelNamed(options.model);
+  options.suite.opencl = options.backend == "opencl";
   options.suite.forms.clear();
   bool ours = false;
   for (const std::string& form : options.forms) {

@@ -13,7 +13,7 @@ namespace otg::physics {
 struct CommandOptions {
   SuiteOptions suite;
   bool quick = false, full = false, list = false;
-  std::string model = "auto", jsonFile, plotFile, meshFolder;
+  std::string model = "auto", backend = "cpu", jsonFile, plotFile, meshFolder;
   std::vector<std::string> forms{"native", "ours"};
 };
 

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -53,6 +55,68 @@ std::vector<std::pair<double, double>> thinned(const std::vector<std::pair<doubl
     few.push_back(*std::max_element(begin, end, [](const auto& x, const auto& y) { return x.second < y.second; }));
   }
   return few;
+}
+
+/// How much of what a limit allows is used up: above 1 it is missed. Not a number counts as all and more.
+double useOf(const Check& check) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  double use = infinity;
+  switch (check.limit.kind) {
+    case Limit::Kind::kAtMost:
+    case Limit::Kind::kAtMostTimesNative:
+      use = check.value <= 0 ? 0 : check.value / check.bound;
+      break;
+    case Limit::Kind::kAtLeast:
+    case Limit::Kind::kAtLeastTimesNative:
+      use = check.bound <= 0 ? 0 : check.value > 0 ? check.bound / check.value : infinity;
+      break;
+    case Limit::Kind::kWithinOfNative:
+      use = std::abs(check.value - check.bound) / check.limit.value;
+      break;
+    case Limit::Kind::kWithinShareOfNative:
+      use = std::abs(check.value - check.bound) / (check.limit.value * std::abs(check.bound));
+      break;
+  }
+  return std::isnan(use) ? infinity : use;
+}
+
+/// Of every limit of a scene the run of ours that comes nearest to it: "drift 3.4e-08 (<= 1e-06), ...". Missed ones
+/// with "!" and the run's conditions.
+std::string worstFigures(const SuiteResult& suite, const Scene& scene) {
+  struct Worst {
+    const Row* row;
+    const Check* check;
+  };
+  std::vector<Worst> worst;  // in the order of the limits
+  int errors = 0;
+  for (const Row& row : suite.rows) {
+    if (row.scene != &scene || row.run.form != Form::kOurs) continue;
+    errors += !row.result.error.empty();
+    for (const Check& check : row.checks) {
+      if (check.pass && std::strcmp(check.limit.measure, "finite") == 0) continue;
+      const auto same = [&](const Worst& w) {
+        const Limit &x = w.check->limit, &y = check.limit;
+        return std::strcmp(x.measure, y.measure) == 0 && x.kind == y.kind && x.value == y.value &&
+               x.stepper == y.stepper;
+      };
+      const auto found = std::find_if(worst.begin(), worst.end(), same);
+      if (found == worst.end()) {
+        worst.push_back({&row, &check});
+      } else if (useOf(check) > useOf(*found->check)) {
+        *found = {&row, &check};
+      }
+    }
+  }
+  std::string text;
+  for (const auto& [row, check] : worst) {
+    const Limit& limit = check->limit;
+    text += fmt::format("{}{}{} {:.3g} ({} {:.3g}{})", text.empty() ? "" : ", ", check->pass ? "" : "!", limit.measure,
+                        check->value, symbolOf(limit.kind), check->bound,
+                        limit.stepper ? *limit.stepper == Stepper::kWorld ? ", W" : ", Q" : "");
+    if (!check->pass) text += " in " + describe(row->run);
+  }
+  if (errors) text += fmt::format("{}!{} without result", text.empty() ? "" : ", ", errors);
+  return text;
 }
 
 bool isPlain(const Row& row) {
@@ -103,15 +167,19 @@ std::string tableOf(const SuiteResult& suite) {
     const Count& c = found->second;
     return fmt::format("{}/{}{}", c.passed, c.all, c.asNative ? fmt::format(" (+{})", c.asNative) : "");
   };
-  table += fmt::format("\n{:<24}{:>14}{:>14}{:>14}\n", "runs passed", "native", "stock", "ours");
+  // Markdown, so that it can be put on a page as it is.
+  table += fmt::format(
+      "\nRuns passed of all, and the figures of ours that come nearest to their limits or miss them (!):\n\n"
+      "| {:<22} | {:>8} | {:>8} | {:>13} | worst of ours (limit) |\n|{:-<24}|{:->9}:|{:->9}:|{:->14}:|---|\n",
+      "scene", "native", "stock", "ours", "", "", "", "");
   std::set<std::string> printed;
   for (const Row& row : suite.rows) {
     if (!printed.insert(row.scene->name).second) continue;
     const auto& forms = counts[row.scene->name];
-    table += fmt::format("{:<24}{:>14}{:>14}{:>14}\n", row.scene->name, cell(forms, Form::kNative),
-                         cell(forms, Form::kStock), cell(forms, Form::kOurs));
+    table += fmt::format("| {:<22} | {:>8} | {:>8} | {:>13} | {} |\n", row.scene->name, cell(forms, Form::kNative),
+                         cell(forms, Form::kStock), cell(forms, Form::kOurs), worstFigures(suite, *row.scene));
   }
-  table += fmt::format("{:<24}{:>14}{:>14}{:>14}   {:.0f} s\n", "all", cell(total, Form::kNative),
+  table += fmt::format("| {:<22} | {:>8} | {:>8} | {:>13} | {:.0f} s |\n\n", "all", cell(total, Form::kNative),
                        cell(total, Form::kStock), cell(total, Form::kOurs), suite.wallSeconds);
   table += "(fail) and (+n): runs that miss a limit which ODE's own geoms miss too under the same conditions\n";
   return table;
@@ -121,6 +189,7 @@ std::string jsonOf(const SuiteResult& suite, const SuiteOptions& options) {
   Json document;
   document["bench"] = "physics";
   document["model"] = nameOf(options.model);
+  document["backend"] = options.opencl ? "opencl" : "cpu";
   document["pass"] = suite.pass();
   document["wall_s"] = suite.wallSeconds;
   Json& rows = document["rows"] = Json::array();

@@ -10,7 +10,7 @@ namespace otg::physics {
 
 /// One line for a run: verdict, scene, form, conditions, and every measure with a limit.
 std::string lineOf(const Row& row);
-/// The lines of all runs, then how many passed by scene and form.
+/// The lines of all runs, then a table in Markdown: by scene how many passed, and the worst figure for each limit.
 std::string tableOf(const SuiteResult& suite);
 /// One JSON document.
 std::string jsonOf(const SuiteResult& suite, const SuiteOptions& options);

@@ -23,8 +23,9 @@ struct SuiteOptions {
   bool realUse = false;             ///< the scenes of real use instead of the others, where none are named
   std::vector<std::string> scenes;  ///< names; empty: all
   std::string filter;               ///< part of "family/scene form run"; empty: all
-  int workers = 0;                  ///< processes; 0: as many as processors
-  double timeout = 300;             ///< s of wall time for one run
+  bool opencl = false;   ///< our geoms collide on the default OpenCL device; a run in which it fails is an error
+  int workers = 0;       ///< processes; 0: as many as processors
+  double timeout = 300;  ///< s of wall time for one run
 };
 
 /// One limit applied to one run.

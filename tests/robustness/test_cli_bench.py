@@ -73,6 +73,26 @@ class Bench(CliTest):
             if not row["hash"].startswith("skipped"):
                 self.assertGreater(row["results"], 0, row["library"])
 
+    def test_physics(self):
+        """The table has a line for each run and a summary in Markdown; a device makes the same motion as the CPU."""
+        arguments = ("bench", "physics", "--scene", "bounce", "--form", "ours")
+        text = self.run_otg(*arguments).stdout
+        self.assertRegex(text, r"\| bounce +\| +2/2 \| +- \| +2/2 \| ")
+        cpu = self.run_json(*arguments)
+        self.assertEqual(cpu["backend"], "cpu")
+        self.assertEqual([(row["form"], row["pass"]) for row in cpu["rows"]], 2 * [("native", True), ("ours", True)])
+        nothing = {"OTG_OPENCL_DEVICE": "none"}
+        refused = self.run_json(*arguments, "--backend", "opencl", status=3, env=nothing)
+        self.assertEqual([row.get("error") for row in refused["rows"]], 2 * [None, "no OpenCL device"])
+        if self.run_json("devices")["used"] is None:
+            return
+        device = self.run_json(*arguments, "--backend", "opencl")
+        for mine, other in zip(device["rows"], cpu["rows"]):
+            for row in (mine, other):
+                for time in ("collide_ms", "step_ms"):
+                    del row["measures"][time]
+            self.assertEqual(mine, other)
+
     def test_contacts(self):
         mesh = self.mesh()
         result = self.run_json("bench", "contacts", mesh, "--poses", "2", "--bodies", "spheres")
