@@ -3,8 +3,8 @@
 # Builds everything and runs every test. The last line of output reads "N passed, N failed", with ", N skipped" if any were.
 #
 #   scripts/test.sh                  all tests, optimised build (folder build/)
-#   scripts/test.sh --sanitize       also the unit tests under AddressSanitizer + UndefinedBehaviorSanitizer
-#                                    (build-asan/) and under ThreadSanitizer (build-tsan/)
+#   scripts/test.sh --sanitize       also the unit and parity tests under AddressSanitizer + UndefinedBehavior-
+#                                    Sanitizer (build-asan/) and under ThreadSanitizer (build-tsan/)
 #   scripts/test.sh --sanitize=asan  only one of the two; =tsan likewise
 #   scripts/test.sh --sanitize=core  both, but only of the few tests that reach most of the library
 #   scripts/test.sh -R collide       further words are handed to ctest
@@ -36,14 +36,15 @@ failed=0
 skipped=0
 status=0
 
-# run_preset PRESET TARGET [ctest words]: configures, builds TARGET, runs ctest and adds to the counts above.
+# run_preset PRESET TARGETS [ctest words]: configures, builds TARGETS, runs ctest and adds to the counts above.
 run_preset() {
-  local preset=$1 target=$2 folder=build report counts
+  local preset=$1 targets=$2 folder=build report counts
   shift 2
   [ "$preset" = default ] || folder=build-$preset
   echo "== $preset: configure and build"
   cmake --preset "$preset" ${meshes:+-DOTG_CGAL_DEMO_DATA="$meshes"}
-  cmake --build --preset "$preset" --target "$target" -- -j"$jobs"
+  # shellcheck disable=SC2086  # several targets
+  cmake --build --preset "$preset" --target $targets -- -j"$jobs"
   echo "== $preset: test"
   report=$PWD/$folder/ctest_report.xml
   rm -f "$report"
@@ -70,7 +71,7 @@ for preset in "${sanitizers[@]}"; do
   if [ -n "$core" ]; then
     run_preset "$preset" "tests_core_$preset" -L "^core_$preset\$" "${ctest_words[@]}"
   else
-    run_preset "$preset" tests_unit -L '^unit$' "${ctest_words[@]}"
+    run_preset "$preset" "tests_unit tests_parity" -L '^(unit|parity)$' "${ctest_words[@]}"
   fi
 done
 
