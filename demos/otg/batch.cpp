@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <new>
 
 #include "mesh_io/mesh_file.h"
 #include "otg/bench_scene.h"
@@ -90,49 +92,56 @@ BatchScene readScene(const BatchOptions& options) {
   return scene;
 }
 
-/// One after the other on the CPU, in the same form.
-void collideOnCpu(const std::vector<Query>& queries, Workspace& workspace, opencl::BatchAnswer& answer) {
-  answer = {};
-  answer.first.push_back(0);
-  for (const Query& query : queries) {
-    collide(query, workspace);
-    answer.contacts.insert(answer.contacts.end(), workspace.reduced.begin(), workspace.reduced.end());
-    answer.first.push_back(answer.contacts.size());
-    answer.stats.intersectingPairs += workspace.stats.intersectingPairs;
-    answer.stats.contactsBeforeReduction += workspace.stats.contactsBeforeReduction;
-  }
-}
-
 int runBatch(const BatchOptions& options) {
   const BatchScene scene = readScene(options);
-  const std::shared_ptr<opencl::Backend> backend = options.query.openBackend();
-  Workspace workspace;
-  opencl::BatchAnswer answer;
+  const std::unique_ptr<Dispatcher> dispatcher = options.query.openDispatcher();
+  std::vector<PairJob> jobs;
+  for (const Query& query : scene.queries) jobs.push_back({query, false, options.query.placement()});
+  std::vector<const PairJob*> list;
+  for (const PairJob& job : jobs) list.push_back(&job);
+  std::vector<PairResult> results;
+  PairCounts counts;
   const auto run = [&] {
-    if (backend) {
-      backend->collideBatch(scene.queries, answer);
-    } else {
-      collideOnCpu(scene.queries, workspace, answer);
-    }
+    results.assign(jobs.size(), {});
+    counts = dispatcher->collideBatch(list, results);
   };
   run();  // warm-up: meshes are uploaded, lists find their sizes
   std::vector<double> total;
   for (int i = 0; i < options.repeat; ++i) total.push_back(timeOnce(run));
+  std::vector<Contact> contacts;
+  std::size_t onDevice = 0;
+  for (const PairResult& result : results) {
+    if (result.outcome == PairResult::Outcome::kNoMemory) throw std::bad_alloc();
+    contacts.insert(contacts.end(), result.contacts.begin(), result.contacts.end());
+    onDevice += result.onDevice ? 1 : 0;
+  }
+  std::vector<std::string> computers;
+  std::uint64_t failed = 0;
+  for (const auto& slot : dispatcher->devices()) {
+    computers.push_back(slot->backend->device().name);
+    failed += slot->failedQueries;
+  }
+  if (onDevice < jobs.size() || jobs.empty()) {
+    computers.push_back(fmt::format("host CPU, {} threads", dispatcher->threadCount()));
+  }
 
   Json perPair = Json::array();
-  for (std::size_t i = 0; i < scene.queries.size(); ++i) perPair.push_back(answer.of(i).size());
+  for (const PairResult& result : results) perPair.push_back(result.contacts.size());
   const Json document = {{"pairs", scene.queries.size()},
                          {"meshes", scene.meshes.size()},
-                         {"total_contacts", answer.contacts.size()},
-                         {"intersecting_pairs", answer.stats.intersectingPairs},
-                         {"contacts_before_reduction", answer.stats.contactsBeforeReduction},
+                         {"total_contacts", contacts.size()},
+                         {"intersecting_pairs", counts.intersectingPairs},
+                         {"contacts_before_reduction", counts.contactsBeforeReduction},
                          {"timings_ms", {{"total", median(total)}}},
                          {"per_pair_contacts", perPair},
-                         {"backend", backend ? "opencl" : "cpu"},
-                         {"device", backend ? backend->device().name : "host CPU, 1 thread"},
+                         {"backend", onDevice == 0             ? "cpu"
+                                     : onDevice == jobs.size() ? "opencl"
+                                                               : "cpu and opencl"},
+                         {"pairs_on_devices", onDevice},
+                         {"device", fmt::format("{}", fmt::join(computers, " + "))},
                          {"repeat", options.repeat},
-                         {"hash", hashOf(answer.contacts)}};
-  if (backend && backend->counts().onHost > 0) progress("note: the OpenCL device failed; the CPU did what it left");
+                         {"hash", hashOf(contacts)}};
+  if (failed > 0) progress("note: an OpenCL device failed; the CPU did what it left");
   if (options.json) {
     printJson(document);
     return kOk;
@@ -155,6 +164,7 @@ void addBatchCommand(CLI::App& app, Action& action) {
   command->add_option("SCENE", options->scene, "JSON file: {\"meshes\": [file], \"pairs\": [[i, j, pose]]}")
       ->required();
   options->query.addBackendOptions(*command);
+  options->query.addThreadOption(*command);
   options->query.addContactOptions(*command);
   command->add_option("--repeat", options->repeat, "The time is the median over this many runs, after one to warm up")
       ->check(CLI::Range(1, 1000000));

@@ -15,6 +15,7 @@ namespace {
 struct CollideOptions {
   QueryOptions query;
   int repeat = 1;
+  bool profile = false;
   bool json = false;
 };
 
@@ -79,8 +80,10 @@ Json describe(const Contact& contact, const Query& query) {
           {"id", fmt::format("{:016x}", contactId(contact))}};
 }
 
+/// Times of the stages, of several queries each.
 struct Times {
-  std::vector<double> top, middle, near, contacts, readBack, host, reduction, total;
+  std::vector<double> upload, top, main, near, contacts, readBack, host, reduction, total;
+  double uploadOnce = 0;  ///< of both meshes, in the first query
 };
 
 Times measure(const Query& query, Workspace& workspace, int repeat) {
@@ -88,7 +91,7 @@ Times measure(const Query& query, Workspace& workspace, int repeat) {
   collide(query, workspace);  // warm-up: memory is allocated, layouts other than the standard one are made
   for (int i = 0; i < repeat; ++i) {
     times.total.push_back(timeOnce([&] { collide(query, workspace); }));
-    times.middle.push_back(workspace.stats.middleMs);
+    times.main.push_back(workspace.stats.middleMs);
     times.near.push_back(workspace.stats.nearMs);
     times.contacts.push_back(workspace.stats.contactsMs);
     times.reduction.push_back(workspace.stats.reductionMs);
@@ -100,19 +103,58 @@ Times measure(const Query& query, Workspace& workspace, int repeat) {
 Times measure(opencl::Backend& backend, const Query& query, Workspace& workspace, int repeat) {
   Times times;
   opencl::StageTimes stages;
-  backend.collide(query, workspace);
+  const double first = timeOnce([&] { backend.collide(query, workspace); });
+  times.uploadOnce = std::max(0.0, first - timeOnce([&] { backend.collide(query, workspace); }));
   backend.collideProfiled(query, workspace, stages);
   for (int i = 0; i < repeat; ++i) {
     times.total.push_back(timeOnce([&] { backend.collide(query, workspace); }));
     backend.collideProfiled(query, workspace, stages);
     times.top.push_back(stages.top);
-    times.middle.push_back(stages.top + stages.main);
+    times.main.push_back(stages.main);
     times.contacts.push_back(stages.contacts);
     times.readBack.push_back(stages.readBack);
     times.host.push_back(stages.host);
     times.reduction.push_back(stages.reduction);
   }
   return times;
+}
+
+/// Phases on different sides, or wherever it is expected to be sooner.
+Times measure(Dispatcher& dispatcher, const PairJob& job, Workspace& workspace, int repeat, Dispatcher::Ran& ran) {
+  Times times;
+  dispatcher.collide(job, workspace, ran);
+  for (int i = 0; i < repeat; ++i) {
+    ran = {};
+    times.total.push_back(timeOnce([&] { dispatcher.collide(job, workspace, ran); }));
+    times.main.push_back(workspace.stats.middleMs);
+    times.near.push_back(workspace.stats.nearMs);
+    times.contacts.push_back(workspace.stats.contactsMs);
+    times.reduction.push_back(workspace.stats.reductionMs);
+  }
+  return times;
+}
+
+/// What --profile shows: every stage, its share, and where it runs.
+Json profileOf(const Times& times, const std::string& where) {
+  const double total = median(times.total);
+  Json rows = Json::array();
+  double known = 0;
+  const auto add = [&](const char* stage, double ms, const char* what) {
+    known += ms;
+    rows.push_back({{"stage", stage}, {"ms", ms}, {"percent", total > 0 ? 100 * ms / total : 0.0}, {"what", what}});
+  };
+  const bool device = where == "opencl";
+  add("upload", 0, device ? "meshes stay on the device; poses go with the launches" : "nothing is sent");
+  add("top", median(times.top), device ? "device: where the traversal begins" : "the middle phase begins at the roots");
+  add("main", median(times.main),
+      device ? "device: the rest of the traversal, with the float filter of the near phase" : "middle phase");
+  add("near", median(times.near), device ? "in main and contacts" : "near phase");
+  add("contacts", median(times.contacts), device ? "device: decisions in double, and contacts" : "contacts");
+  add("reduction", median(times.reduction), device ? "CPU: what is left of contacts and their choice" : "reduction");
+  add("read-back", median(times.readBack), device ? "device: results to the CPU" : "nothing is read back");
+  add("host", std::max(0.0, total - known),
+      device ? "CPU: launches, waiting, order, exact decisions" : "what lies between");
+  return rows;
 }
 
 int runCollide(const CollideOptions& options) {
@@ -124,9 +166,15 @@ int runCollide(const CollideOptions& options) {
   query.a = pair.a.get();
   query.b = pair.b.get();
   Workspace workspace;
+  const Placement place = options.query.placement();
   const std::shared_ptr<opencl::Backend> backend = options.query.openBackend();
-  const Times times =
-      backend ? measure(*backend, query, workspace, options.repeat) : measure(query, workspace, options.repeat);
+  const bool isMixed = !backend && place != Placement{Place::kCpu, Place::kCpu};
+  const std::unique_ptr<Dispatcher> dispatcher = isMixed ? options.query.openDispatcher() : nullptr;
+  Dispatcher::Ran ran{backend != nullptr, backend && backend->counts().onHost > 0};
+  const Times times = backend      ? measure(*backend, query, workspace, options.repeat)
+                      : dispatcher ? measure(*dispatcher, {query, false, place}, workspace, options.repeat, ran)
+                                   : measure(query, workspace, options.repeat);
+  if (backend) ran.deviceFailed = backend->counts().onHost > 0;
   const CollideStats& stats = workspace.stats;
 
   Json document;
@@ -144,7 +192,7 @@ int runCollide(const CollideOptions& options) {
     document["contacts"].push_back(describe(contact, query));
   }
   document["timings_ms"] = {{"build", pair.buildMs},
-                            {"middle", median(times.middle)},
+                            {"middle", median(times.top) + median(times.main)},
                             {"near", median(times.near)},
                             {"contacts", median(times.contacts)},
                             {"reduction", median(times.reduction)},
@@ -154,10 +202,23 @@ int runCollide(const CollideOptions& options) {
     document["timings_ms"]["top"] = median(times.top);  // of the middle phase: where the traversal begins
     document["timings_ms"]["host"] = median(times.host);
   }
-  document["backend"] = backend ? "opencl" : "cpu";
-  document["device"] = backend ? backend->device().name : "host CPU, 1 thread";
-  document["midphase"] = backend ? "opencl" : nameOf(query.options.middle.traversal);
-  if (backend && backend->counts().onHost > 0) progress("note: the OpenCL device failed; the CPU finished the query");
+  // Of phases that run on different sides each is named; a query as a whole has the backend that a device is part of.
+  const bool isAuto = place == Placement{};
+  const auto sideOf = [&](Place phase) {
+    return (isAuto ? ran.onDevice : phase == Place::kOpencl) ? std::string("opencl") : std::string("cpu");
+  };
+  const std::string device = backend        ? backend->device().name
+                             : ran.onDevice ? dispatcher->devices().front()->backend->device().name
+                                            : std::string();
+  document["backend"] = ran.onDevice ? "opencl" : "cpu";
+  document["device"] = device.empty() ? "host CPU, 1 thread" : device;
+  document["midphase"] = sideOf(place.middle) == "opencl" ? "opencl" : nameOf(query.options.middle.traversal);
+  document["nearphase"] = sideOf(place.near);
+  if (ran.deviceFailed) progress("note: the OpenCL device failed; the CPU finished the query");
+  if (options.profile) {
+    document["profile"] = profileOf(times, backend ? "opencl" : "cpu");
+    if (backend) document["first_query_extra_ms"] = times.uploadOnce;
+  }
   document["repeat"] = options.repeat;
   document["hash"] = hashOf(workspace.reduced);
   if (options.json) {
@@ -174,6 +235,11 @@ int runCollide(const CollideOptions& options) {
   fmt::print("{:<26} {} ({})\n", "backend", document["backend"].get<std::string>(),
              document["device"].get<std::string>());
   fmt::print("{:<26} {}\n\n", "hash", document["hash"].get<std::string>());
+  if (options.profile) {
+    printTable("profile (medians)", document["profile"]);
+    if (backend) fmt::print("upload of both meshes, in the first query: {:.4f} ms\n", times.uploadOnce);
+    fmt::print("\n");
+  }
   std::vector<std::vector<std::string>> rows;
   for (const Contact& c : workspace.reduced) {
     rows.push_back({fmt::format("{:.6g} {:.6g} {:.6g}", c.position.x, c.position.y, c.position.z),
@@ -193,6 +259,7 @@ void addCollideCommand(CLI::App& app, Action& action) {
   options->query.addContactOptions(*command);
   command->add_option("--repeat", options->repeat, "Times are medians over this many queries, after one to warm up")
       ->check(CLI::Range(1, 1000000));
+  command->add_flag("--profile", options->profile, "Where the time goes, stage by stage");
   command->add_flag("--json", options->json, "One JSON document on stdout");
   command->callback([options, &action] { action = [options] { return runCollide(*options); }; });
 }

@@ -3,6 +3,7 @@
 
 #include <chrono>
 
+#include "dispatch/single_run.h"
 #include "mesh_io/mesh_file.h"
 
 namespace otg::cli {
@@ -69,10 +70,17 @@ void QueryOptions::addInputOptions(CLI::App& command) {
 }
 
 void QueryOptions::addBackendOptions(CLI::App& command) {
-  command.add_option("--backend", backend, "Where queries run; auto: on the CPU")
+  command.add_option("--backend", backend, "Where queries run (cpu); auto: where it is expected to be sooner, or both")
       ->check(CLI::IsMember({"auto", "cpu", "opencl"}));
   command.add_option("--build", build, "How the trees are built")->check(CLI::IsMember({"mean", "sah"}));
-  command.add_option("--device", device, "OpenCL device, as `otg devices` numbers them")->check(CLI::NonNegativeNumber);
+  command.add_option("--device", devices, "OpenCL devices, as `otg devices` numbers them: I,I,...; a batch is divided")
+      ->delimiter(',')
+      ->check(CLI::NonNegativeNumber);
+}
+
+void QueryOptions::addThreadOption(CLI::App& command) {
+  command.add_option("--threads", threads, "Threads of the CPU; 0: one for each core (or OTG_THREADS)")
+      ->check(CLI::Range(0, 1024));
 }
 
 void QueryOptions::addContactOptions(CLI::App& command) {
@@ -95,7 +103,7 @@ void QueryOptions::addContactOptions(CLI::App& command) {
 
 CollideOptions QueryOptions::collideOptions() const {
   CollideOptions options;
-  if (midphase != "cpu" && midphase != "auto" && midphase != "opencl")
+  if (!midphase.empty() && midphase != "cpu" && midphase != "auto" && midphase != "opencl")
     options.middle.traversal = find(kTraversals, midphase);
   if (!descent.empty()) options.middle.descent = find(kDescents, descent);
   options.middle.axes = axes;
@@ -116,24 +124,49 @@ CollideOptions QueryOptions::collideOptions() const {
   return options;
 }
 
+Placement QueryOptions::placement() const {
+  const auto place = [](const std::string& word, Place otherwise) {
+    if (word.empty()) return otherwise;
+    return word == "opencl" ? Place::kOpencl : word == "auto" ? Place::kAuto : Place::kCpu;
+  };
+  const Place all = place(backend, Place::kCpu);
+  // "exact" and the names of traversals say how, and where no more than that it is the CPU.
+  return settled({place(midphase, all), place(nearphase == "exact" ? "" : nearphase, all)});
+}
+
+std::vector<int> QueryOptions::deviceNumbers() const {
+  if (placement() == Placement{Place::kCpu, Place::kCpu}) {
+    if (!devices.empty()) progress("note: --device chooses an OpenCL device; the query runs on the CPU");
+    return {};
+  }
+  const std::vector<opencl::DeviceInfo> all = findDevices();
+  if (!devices.empty()) {
+    for (const int index : devices) {
+      if (index < static_cast<int>(all.size())) continue;
+      throw InputError("there is no OpenCL device " + std::to_string(index) + "; `otg devices` lists what there is");
+    }
+    return devices;
+  }
+  const int index = opencl::defaultDevice(all);
+  if (index >= 0) return {index};
+  if (placement() == Placement{}) return {};  // auto can do without
+  throw InputError("no OpenCL device can be used; `otg devices` lists what there is");
+}
+
 std::shared_ptr<opencl::Backend> QueryOptions::openBackend() const {
-  const bool middle = midphase == "opencl", near = nearphase == "opencl";
-  if (backend != "opencl" && !middle && !near) {
-    if (device >= 0) progress("note: --device chooses an OpenCL device; the query runs on the CPU");
-    return nullptr;
-  }
-  if (backend == "cpu" || (backend != "opencl" && middle != near)) {
-    throw UsageError("the device does the middle and the near phase together: use --backend opencl");
-  }
-  const std::vector<opencl::DeviceInfo> devices = findDevices();
-  const int index = device >= 0 ? device : opencl::defaultDevice(devices);
-  if (index < 0) throw InputError("no OpenCL device can be used; `otg devices` lists what there is");
-  if (index >= static_cast<int>(devices.size())) {
-    throw InputError("there is no OpenCL device " + std::to_string(index) + "; `otg devices` lists what there is");
-  }
+  if (placement() != Placement{Place::kOpencl, Place::kOpencl}) return nullptr;
+  const int index = deviceNumbers().front();
   std::shared_ptr<opencl::Backend> opened = opencl::Backend::open(index);
   if (!opened) throw InputError("the OpenCL device " + std::to_string(index) + " cannot be used");
   return opened;
+}
+
+std::unique_ptr<Dispatcher> QueryOptions::openDispatcher() const {
+  auto dispatcher = std::make_unique<Dispatcher>();
+  dispatcher->setThreadCount(static_cast<unsigned>(threads));
+  const std::vector<int> numbers = deviceNumbers();
+  if (dispatcher->open(numbers) < numbers.size()) throw InputError("an OpenCL device cannot be used");
+  return dispatcher;
 }
 
 BuildStrategy QueryOptions::buildStrategy() const {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "collide/query.h"
+#include "dispatch/dispatcher.h"
 #include "opencl/backend.h"
 #include "opencl/device_info.h"
 #include "otg/command.h"
@@ -17,26 +18,34 @@ namespace otg::cli {
 struct QueryOptions {
   std::string fileA, fileB;
   std::string pose = "0,0,0,1,0,0,0";
-  std::string backend = "auto";
-  std::string midphase = "cpu", nearphase = "cpu";
+  std::string backend, midphase, nearphase;  ///< empty: not said
   std::string descent, build, contacts = "auto", reduction;
   int axes = 6;
   std::vector<int> bins;
   int maxContacts = 64;
   int contactsPerRegion = 16;
-  int device = -1;
+  std::vector<int> devices;
+  int threads = 0;
 
   /// The files, the pose and how to traverse.
   void addInputOptions(CLI::App& command);
   /// Where the query runs and how trees are built; part of addInputOptions.
   void addBackendOptions(CLI::App& command);
+  /// How many threads work on a batch.
+  void addThreadOption(CLI::App& command);
   /// What happens to the contacts.
   void addContactOptions(CLI::App& command);
   /// Throws UsageError or InputError for what cannot be had.
   CollideOptions collideOptions() const;
   BuildStrategy buildStrategy() const;
-  /// The device that was asked for; null for the CPU. Throws InputError when it cannot be had.
+  /// Where each phase is to run; without a word the CPU.
+  Placement placement() const;
+  /// The devices that were asked for, none for the CPU alone. Throws InputError when one cannot be had.
+  std::vector<int> deviceNumbers() const;
+  /// The first of them, where both phases are to run on it; null for the CPU.
   std::shared_ptr<opencl::Backend> openBackend() const;
+  /// With these devices and threads.
+  std::unique_ptr<Dispatcher> openDispatcher() const;
 };
 
 /// All OpenCL devices; none, and a note on stderr, where a driver would end the program.

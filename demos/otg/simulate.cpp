@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `otg simulate SCENE.json`: steps an ODE world and says what happened.
 #include <fmt/format.h>
+#include <ode_trimesh_gpu/ode_trimesh_gpu.h>
 
 #include <algorithm>
 #include <chrono>
@@ -29,6 +30,9 @@ struct SimulateOptions {
   double dt = 0;
   int contactsPerRegion = 0;  ///< 0: the scene's
   bool noHistory = false;
+  bool prefetch = false;
+  std::string backend;
+  int threads = 0;
   bool json = false;
 };
 
@@ -224,7 +228,17 @@ int simulate(const SimulateOptions& options) {
   if (options.contactsPerRegion > 0) scene.contactsPerRegion = options.contactsPerRegion;
   if (options.noHistory) scene.history = false;
   const scenes::OdeSession session;
+  if (!options.backend.empty()) {
+    const int backend = options.backend == "opencl" ? dGPUTRIMESH_BACKEND_OPENCL
+                        : options.backend == "auto" ? dGPUTRIMESH_BACKEND_AUTO
+                                                    : dGPUTRIMESH_BACKEND_CPU;
+    if (dGpuTriMeshSetBackend(backend) == dGPUTRIMESH_NO_DEVICE) {
+      throw InputError("no OpenCL device can be used; `otg devices` lists what there is");
+    }
+  }
+  dGpuTriMeshSetThreadCount(options.threads);
   Simulation simulation(scene);
+  simulation.setPrefetch(options.prefetch);
   for (const std::string& warning : simulation.warnings()) progress("warning: " + warning);
   const double dt = options.dt > 0 ? options.dt : scene.dt;
   const scenes::Energy start = simulation.energy();
@@ -254,6 +268,11 @@ void addSimulateCommand(CLI::App& app, Action& action) {
       ->check(CLI::Range(1, 64));
   command->add_flag("--no-history", options->noHistory,
                     "Contacts of meshes depend on the poses and velocities of the moment alone");
+  command->add_flag("--prefetch", options->prefetch, "Compute the contacts of meshes ahead of the near callbacks");
+  command->add_option("--threads", options->threads, "With --prefetch: threads; 0: one for each core (or OTG_THREADS)")
+      ->check(CLI::Range(0, 1024));
+  command->add_option("--backend", options->backend, "Where meshes are collided (cpu)")
+      ->check(CLI::IsMember({"auto", "cpu", "opencl"}));
   command->add_option("--glb", options->glb, "Write the motion as an animation, binary glTF");
   command->add_option("--povray", options->povray, "Write single frames into this folder, to be drawn by POV-Ray");
   command

@@ -233,6 +233,7 @@ StepRecord Simulation::step(double dt) {
   const Found before = foundSoFar();
   dRandSetSeed(randomState_);
   auto start = std::chrono::steady_clock::now();
+  if (prefetch_) dGpuTriMeshPrefetch(space_);
   dSpaceCollide(space_, this, &nearCallback);
   record.collideMs = millisecondsSince(start);
   start = std::chrono::steady_clock::now();

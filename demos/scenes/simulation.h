@@ -35,7 +35,7 @@ struct StepRecord {
   int contacts = 0;                           ///< contact joints made in this step
   std::uint64_t contactsBeforeReduction = 0;  ///< what the colliders found before reducing (equal for ODE's own ones)
   std::uint64_t intersectingPairs = 0;        ///< pairs of triangles that intersect, of gpu_trimesh geoms
-  double collideMs = 0;                       ///< dSpaceCollide with its near callback
+  double collideMs = 0;                       ///< dSpaceCollide with its near callback, and the prefetch
   double stepMs = 0;                          ///< dWorldStep or dWorldQuickStep
 };
 
@@ -53,6 +53,8 @@ class Simulation {
   Simulation& operator=(const Simulation&) = delete;
 
   StepRecord step(double dt);
+  /// Whether each step calls dGpuTriMeshPrefetch() first.
+  void setPrefetch(bool on) { prefetch_ = on; }
 
   std::size_t bodyCount() const { return bodies_.size(); }
   const BodyDescription& description(std::size_t body) const { return scene_.bodies[body]; }
@@ -96,7 +98,8 @@ class Simulation {
   std::vector<dContact> contacts_;  ///< one pair's
   int contactCount_ = 0;            ///< of the step under way
   int contactsOfOthers_ = 0;        ///< of these, from colliders that count nothing themselves
-  unsigned long randomState_ = 0;   ///< ODE's generator is global: each simulation brings its own state
+  bool prefetch_ = false;
+  unsigned long randomState_ = 0;  ///< ODE's generator is global: each simulation brings its own state
   std::vector<std::string> warnings_;
 };
 

@@ -18,7 +18,7 @@ class BatchRun {
            std::span<const PairJob* const> jobs, std::span<PairResult> results)
       : pool_(pool), devices_(devices), jobs_(jobs), results_(results), slotOf_(jobs.size(), nullptr) {}
 
-  void run() {
+  PairCounts run() {
     deal();
     std::vector<std::thread> threads;
     for (std::size_t d = 0; d < blocks_.size(); ++d) {
@@ -40,6 +40,9 @@ class BatchRun {
       singles_ = std::move(leftOver_);
       runSingles();
     }
+    PairCounts sums = blockCounts_;
+    for (const PairResult& result : results_) sums += result.counts;
+    return sums;
   }
 
  private:
@@ -135,6 +138,10 @@ class BatchRun {
         result.onDevice = good;
         result.deviceFailed = !good;
       }
+      {
+        const std::lock_guard lock(mutex_);
+        blockCounts_ += PairCounts(answer.stats);
+      }
       for (const std::size_t k : answer.refused) results_[block[k]].outcome = PairResult::Outcome::kRefused;
     } catch (...) {
       for (const std::size_t i : block) results_[i].outcome = PairResult::Outcome::kNoMemory;
@@ -150,13 +157,14 @@ class BatchRun {
   std::vector<DeviceSlot*> slotOf_;  ///< of singles that a device helps with
   std::mutex mutex_;
   Indices leftOver_;
+  PairCounts blockCounts_;
 };
 
 }  // namespace
 
-void runBatch(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>>& devices,
-              std::span<const PairJob* const> jobs, std::span<PairResult> results) {
-  BatchRun(pool, devices, jobs, results).run();
+PairCounts runBatch(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>>& devices,
+                    std::span<const PairJob* const> jobs, std::span<PairResult> results) {
+  return BatchRun(pool, devices, jobs, results).run();
 }
 
 }  // namespace otg

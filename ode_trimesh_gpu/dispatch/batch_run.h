@@ -12,8 +12,9 @@
 
 namespace otg {
 
-/// Deals the jobs out and runs them: one host thread for each device, the pool's for the rest. Throws std::bad_alloc.
-void runBatch(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>>& devices,
-              std::span<const PairJob* const> jobs, std::span<PairResult> results);
+/// Deals the jobs out and runs them: one host thread for each device, the pool's for the rest. Returns the counts of
+/// all together. Throws std::bad_alloc.
+PairCounts runBatch(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>>& devices,
+                    std::span<const PairJob* const> jobs, std::span<PairResult> results);
 
 }  // namespace otg

@@ -86,8 +86,8 @@ std::span<const Contact> Dispatcher::collide(const PairJob& job, Workspace& work
   return collideOn(slot, job, workspace, ran.onDevice, ran.deviceFailed);
 }
 
-void Dispatcher::collideBatch(std::span<const PairJob* const> jobs, std::span<PairResult> results) {
-  runBatch(*pool(), usableDevices(), jobs, results);
+PairCounts Dispatcher::collideBatch(std::span<const PairJob* const> jobs, std::span<PairResult> results) {
+  return runBatch(*pool(), usableDevices(), jobs, results);
 }
 
 Dispatcher& dispatcher() {

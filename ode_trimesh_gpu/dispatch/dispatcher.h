@@ -51,9 +51,10 @@ class Dispatcher {
   /// One job on the calling thread: its contacts, in the workspace. Throws what otg::collide throws.
   std::span<const Contact> collide(const PairJob& job, Workspace& workspace, Ran& ran);
 
-  /// Every job, each with the result that it has by itself. `results` has as many elements. Throws std::bad_alloc,
-  /// after which the results are of no use; want of memory for a single pair is an outcome of that pair.
-  void collideBatch(std::span<const PairJob* const> jobs, std::span<PairResult> results);
+  /// Every job, each with the result that it has by itself. `results` has as many elements. Returns the counts of all
+  /// jobs together, those that a device has for a batch only among them. Throws std::bad_alloc, after which the results
+  /// are of no use; want of memory for a single pair is an outcome of that pair.
+  PairCounts collideBatch(std::span<const PairJob* const> jobs, std::span<PairResult> results);
 
  private:
   using Slots = std::vector<std::shared_ptr<DeviceSlot>>;

@@ -1,11 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One phase of a query on the device.
 #include <algorithm>
+#include <chrono>
 
 #include "collide/stages.h"
 #include "opencl/backend_state.h"
 
 namespace otg::opencl {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double msSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+}  // namespace
 
 bool Backend::findCandidates(const Query& query, Workspace& workspace) {
   const PairFrame frame = makePairFrame(query);
@@ -15,10 +25,12 @@ bool Backend::findCandidates(const Query& query, Workspace& workspace) {
     return true;
   }
   try {
+    const Clock::time_point start = Clock::now();
     workspace.stats = {};
     state_->phases.with(
         [&](PhaseLane& lane) { lane.findCandidates(query, frame, workspace.candidates, workspace.stats.boxTests); });
     workspace.stats.candidatePairs = workspace.candidates.size();
+    if (query.options.timings) workspace.stats.middleMs = msSince(start);
     return true;
   } catch (const ClError& error) {
     logError(error);
@@ -36,6 +48,7 @@ bool Backend::decideCandidates(const Query& query, Workspace& workspace) {
     return true;
   }
   try {
+    const Clock::time_point start = Clock::now();
     state_->phases.with([&](PhaseLane& lane) {
       const std::span<const otg_pair_record> records =
           lane.decide(query, frame, state_->soupPlaces, workspace.candidates);
@@ -52,6 +65,7 @@ bool Backend::decideCandidates(const Query& query, Workspace& workspace) {
     });
     std::sort(workspace.intersecting.begin(), workspace.intersecting.end());
     workspace.stats.intersectingPairs = workspace.intersecting.size();
+    if (query.options.timings) workspace.stats.nearMs = msSince(start);
     return true;
   } catch (const ClError& error) {
     logError(error);

@@ -9,3 +9,9 @@ if(TARGET otg)
   endforeach()
   otg_add_test(mesh_files robustness SOURCES test_mesh_files.cpp LIBRARIES otg_mesh_io)
 endif()
+
+# The demo programs, with little to do.
+if(TARGET demo_prefetch)
+  add_test(NAME robustness.demo_prefetch COMMAND demo_prefetch 30 40)
+  set_tests_properties(robustness.demo_prefetch PROPERTIES LABELS robustness)
+endif()

@@ -53,6 +53,38 @@ class Batch(CliTest):
         with open(self.path("cpu")) as cpu, open(self.path("opencl")) as device:
             self.assertEqual(cpu.read(), device.read())
 
+    def test_threads_and_several_devices(self):
+        scene = self.writeScene()
+        expected = self.run_json("batch", scene, "--contacts", "pairwise", "--threads", "1")
+        self.assertIn("1 threads", expected["device"])
+        self.assertEqual(expected["pairs_on_devices"], 0)
+        runs = [["--threads", "4"], ["--backend", "auto"]]
+        if self.hasDevice():
+            runs += [["--backend", "opencl", "--device", "0,0,0"], ["--nearphase", "opencl"], ["--midphase", "opencl"]]
+        for options in runs:
+            document = self.run_json("batch", scene, "--contacts", "pairwise", *options) if "phase" not in options[0] \
+                else None
+            if document is not None:
+                for key in ("hash", "per_pair_contacts", "intersecting_pairs", "contacts_before_reduction"):
+                    self.assertEqual(document[key], expected[key], options)
+                if "0,0,0" in options:
+                    self.assertEqual(document["pairs_on_devices"], 16)
+            mesh, other = self.path("lump.ply"), self.path("box.ply")
+            if "--threads" in options:
+                continue
+            pair = ["collide", mesh, other, "--pose", "0.9,0.1,0.2,1,0,0,0"]
+            one = [word.split(",")[0] for word in options]
+            cpu, mixed = self.run_json(*pair), self.run_json(*pair, *one)
+            self.assertEqual((cpu["hash"], cpu["contacts"]), (mixed["hash"], mixed["contacts"]))
+            if "phase" in options[0]:
+                self.assertEqual(mixed["backend"], "opencl")
+                self.assertEqual((mixed["midphase"] == "opencl", mixed["nearphase"] == "opencl"),
+                                 (options[0] == "--midphase", options[0] == "--nearphase"))
+            self.run_otg("pairs", *pair[1:], "--out", self.path("some"), *one)
+            self.run_otg("pairs", *pair[1:], "--out", self.path("same"))
+            with open(self.path("some")) as some, open(self.path("same")) as same:
+                self.assertEqual(some.read(), same.read())
+
     def test_bad_scenes(self):
         for changes, says in (({"meshes": 3}, "meshes"), ({"pairs": {}}, "pairs"), ({"bodies": []}, "bodies"),
                               ({"meshes": ["none.ply"]}, "none.ply"), ({"meshes": [1]}, "paths"),

@@ -121,7 +121,20 @@ class Collide(CliTest):
         result = self.run_otg("collide", mesh, mesh, "--backend", "opencl", status=1, env={"OTG_OPENCL_DEVICE": "none"})
         self.assertIn("OpenCL", result.stderr)
         self.assert_fails(1, "collide", mesh, mesh, "--backend", "opencl", "--device", "99", says="OpenCL")
-        self.assert_fails(2, "collide", mesh, mesh, "--midphase", "opencl", says="--backend opencl")
+        self.assert_fails(1, "collide", mesh, mesh, "--midphase", "opencl", "--device", "99", says="OpenCL")
+
+    def test_profile(self):
+        mesh = self.write("lump.ply", ply(*lump()))
+        arguments = ["collide", mesh, mesh, "--pose", "1.5,0.1,0.3,0.8,0.6,0,0", "--contacts", "pairwise", "--profile"]
+        stages = "upload top main near contacts reduction read-back host".split()
+        backends = ["cpu", "opencl"] if self.run_json("devices")["used"] is not None else ["cpu"]
+        for backend in backends:
+            document = self.run_json(*arguments, "--backend", backend, "--repeat", "3")
+            self.assertEqual([row["stage"] for row in document["profile"]], stages)
+            self.assertTrue(all(row["ms"] >= 0 and row["what"] for row in document["profile"]))
+            self.assertGreater(sum(row["ms"] for row in document["profile"]), 0)
+            text = self.run_otg(*arguments, "--backend", backend).stdout
+            self.assertTrue(all(stage in text for stage in stages))
 
     def test_wrong_options(self):
         mesh = self.writeBox()

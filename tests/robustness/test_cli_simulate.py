@@ -31,6 +31,17 @@ class Simulate(CliTest):
         self.assertEqual(document["bodies"][0]["position"], [0, 0, 0])
         self.assertIn("lump", self.run_otg("simulate", self.scene(DROP)).stdout)
 
+    def test_prefetch_changes_nothing_but_the_time(self):
+        scene = {**DROP, "bodies": DROP["bodies"] + [
+            {"name": f"lump {i}", "mesh": "lump", "position": [0.2 * i, 0.1, 0.7 + 0.3 * i]} for i in range(4)]}
+        path = self.scene(scene)
+        plain = self.run_json("simulate", path)
+        runs = [["--prefetch"], ["--prefetch", "--threads", "3"], ["--backend", "auto"]]
+        if self.run_json("devices")["used"] is not None:
+            runs += [["--backend", "opencl"], ["--backend", "opencl", "--prefetch"]]
+        for options in runs:
+            self.assertEqual(self.run_json("simulate", path, *options)["hash"], plain["hash"], options)
+
     def test_free_fall(self):
         """Symplectic Euler by hand; the mesh's centre of mass is off its origin, which must make no difference."""
         self.write("off.ply", ply(*box(center=(3, 0, 0))))
