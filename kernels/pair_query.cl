@@ -5,6 +5,8 @@
 // No kernel waits for another work-group, and the host decides nothing in between: each kernel reads on the device how
 // much there is to do. OTG_GROUP is the size of work-groups, a multiple of 64.
 #include "pair_walk.h"
+//
+#include "pair_state.h"
 
 #define OTG_CUT_TILE 16
 
@@ -15,10 +17,12 @@ typedef struct {
   uint innerBase, leavesBase;  // in the global lists
 } otg_round;
 
-/// Cut against cut. Dimension 0: nodes of A's cut. Dimension 1: tiles of OTG_CUT_TILE nodes of B's.
+/// Cut against cut, and the beginning of a query. Dimension 0: nodes of A's cut. Dimension 1: tiles of OTG_CUT_TILE
+/// nodes of B's.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairCut(
     const otg_device_pair pair, __global const float4* restrict meshes, __global uint* restrict counters,
-    __global uint2* restrict out, uint outCapacity, __global uint2* restrict leaves, uint leafCapacity) {
+    __global uint2* restrict out, uint outCapacity, __global uint2* restrict leaves, uint leafCapacity,
+    __global otg_pair_state* restrict state, __global uint* restrict chosen, uint method) {
   __local otg_moved_box boxes[OTG_CUT_TILE];
   __local int2 nodesB[OTG_CUT_TILE];  // number, count
   __local otg_round round;
@@ -27,6 +31,10 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairCut(
   const uint tile = min((uint)OTG_CUT_TILE, pair.b.cutCount - firstB);
   uint mask = 0, inner = 0, ended = 0;
   otg_node a;
+  if (i == 0 && get_group_id(1) == 0) {
+    otgResetState(state, 0, &pair.a, &pair.b);
+    chosen[OTG_FLAGS] = otgFirstFlags(&pair.a, &pair.b, method);
+  }
   if (lane < tile) {
     const otg_node b = otgLoadNode(meshes, pair.b.cut, firstB + lane);
     boxes[lane] = otgMoveBox(&pair.boxes, b.center, b.extent);

@@ -79,9 +79,10 @@ inline static void otgFinish(__global uint* counters, __global uchar* results, _
   barrier(CLK_GLOBAL_MEM_FENCE);
   if (lane == 0) *last = atomic_inc(counters + OTG_COUNT_DONE) == get_num_groups(0) - 1;
   barrier(CLK_LOCAL_MEM_FENCE);
-  if (*last && lane < OTG_COUNTERS) {
-    ((__global uint*)results)[lane] = counters[lane];
-    counters[lane] = 0;
+  if (!*last) return;
+  for (uint i = lane; i < OTG_COUNTERS; i += get_local_size(0)) {
+    if (i < OTG_RESULT_HEAD / sizeof(uint)) ((__global uint*)results)[i] = counters[i];
+    counters[i] = 0;
   }
 }
 

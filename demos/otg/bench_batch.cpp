@@ -2,7 +2,11 @@
 // `otg bench batch`: single pairs and batches of pairs, an OpenCL device beside the CPU, every answer compared.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cstdlib>
+#include <map>
+#include <sstream>
 #include <thread>
 
 #include "collide/query.h"
@@ -46,67 +50,175 @@ Transformd turn(const Vec3d& axis, double angle) {
           {0, 0, 0}};
 }
 
+/// What --tune can set.
+const std::map<std::string, std::uint32_t opencl::Tuning::*>& tuningKeys() {
+  using opencl::Tuning;
+  static const std::map<std::string, std::uint32_t Tuning::*> keys = {{"leafTriangles", &Tuning::leafTriangles},
+                                                                      {"group", &Tuning::group},
+                                                                      {"groupsPerUnit", &Tuning::groupsPerUnit},
+                                                                      {"batchGroup", &Tuning::batchGroup},
+                                                                      {"batchPairs", &Tuning::batchPairs},
+                                                                      {"pairPlaces", &Tuning::pairPlaces},
+                                                                      {"leafPlaces", &Tuning::leafPlaces},
+                                                                      {"hitPlaces", &Tuning::hitPlaces},
+                                                                      {"recordGroup", &Tuning::recordGroup},
+                                                                      {"chooseGroup", &Tuning::chooseGroup},
+                                                                      {"batchChooseGroup", &Tuning::batchChooseGroup},
+                                                                      {"keptPlaces", &Tuning::keptPlaces},
+                                                                      {"batchKeptPlaces", &Tuning::batchKeptPlaces},
+                                                                      {"contactPlaces", &Tuning::contactPlaces},
+                                                                      {"readMode", &Tuning::readMode},
+                                                                      {"flushes", &Tuning::flushes},
+                                                                      {"stackRoom", &Tuning::stackRoom},
+                                                                      {"recordsExpected", &Tuning::recordsExpected}};
+  return keys;
+}
+
+struct TuningVariant {
+  std::string name;
+  opencl::Tuning tuning;
+};
+
+/// Keys with one value hold for all variants; those with several are varied one at a time.
+std::vector<TuningVariant> tuningVariants(const std::vector<std::string>& options) {
+  opencl::Tuning base;
+  std::vector<std::pair<std::string, std::vector<std::uint32_t>>> sweeps;
+  std::string fixed;
+  for (const std::string& option : options) {
+    const std::size_t equals = option.find('=');
+    const std::string key = option.substr(0, equals);
+    std::vector<std::uint32_t> values;
+    if (equals != std::string::npos) {
+      std::stringstream list(option.substr(equals + 1));
+      for (std::string value; std::getline(list, value, ',');) {
+        char* end = nullptr;
+        values.push_back(static_cast<std::uint32_t>(std::strtoul(value.c_str(), &end, 10)));
+        if (value.empty() || *end != '\0') throw UsageError("--tune " + option + ": values are whole numbers");
+      }
+    }
+    if (values.empty()) throw UsageError("--tune " + option + ": write KEY=VALUE");
+    if (key == "reduce") {
+      base.reduce = values[0] != 0;
+      fixed += option + " ";
+      continue;
+    }
+    if (!tuningKeys().contains(key)) {
+      std::string all = "reduce";
+      for (const auto& [name, member] : tuningKeys()) all += " " + name;
+      throw UsageError("--tune " + option + ": keys are " + all);
+    }
+    if (values.size() == 1) {
+      base.*tuningKeys().at(key) = values[0];
+      fixed += option + " ";
+    } else {
+      sweeps.emplace_back(key, values);
+    }
+  }
+  std::vector<TuningVariant> variants;
+  for (const auto& [key, values] : sweeps) {
+    for (const std::uint32_t value : values) {
+      variants.push_back({fmt::format("{}{}={}", fixed, key, value), base});
+      variants.back().tuning.*tuningKeys().at(key) = value;
+    }
+  }
+  if (variants.empty()) variants.push_back({fixed, base});
+  return variants;
+}
+
+/// Medians of the stages of several runs.
+class StageMedians {
+ public:
+  void add(const opencl::StageTimes& times) { all_.push_back(times); }
+  void addTo(Json& row) const {
+    using opencl::StageTimes;
+    static constexpr std::pair<const char*, double StageTimes::*> kStages[] = {
+        {"fill_ms", &StageTimes::fill},       {"write_ms", &StageTimes::write},
+        {"top_ms", &StageTimes::top},         {"levels_ms", &StageTimes::levels},
+        {"main_ms", &StageTimes::main},       {"contacts_ms", &StageTimes::contacts},
+        {"regions_ms", &StageTimes::regions}, {"select_ms", &StageTimes::select},
+        {"choose_ms", &StageTimes::choose},   {"read_back_ms", &StageTimes::readBack},
+        {"host_ms", &StageTimes::host},       {"reduction_ms", &StageTimes::reduction},
+        {"profiled_ms", &StageTimes::total}};
+    for (const auto& [name, member] : kStages) {
+      std::vector<double> values;
+      for (const StageTimes& times : all_) values.push_back(times.*member);
+      row[name] = median(values);
+    }
+  }
+
+ private:
+  std::vector<opencl::StageTimes> all_;
+};
+
 std::string sameOrNot(bool same) {
   return same ? "same" : "DIFFERENT";
 }
 
 /// One pair at a time: the pose differs a little in every query, as it does in a simulation.
-Json singleRow(const BenchOptions& options, const std::string& scene, const BenchMesh& entry,
-               opencl::Backend* backend) {
+struct SingleScene {
+  std::string scene;
+  const BenchMesh& entry;
+  std::shared_ptr<const CollisionMesh> mesh;
+  std::vector<Query> queries;
+  std::vector<std::string> hashes;
+  Json row;
+};
+
+SingleScene makeSingleScene(const BenchOptions& options, const std::string& scene, const BenchMesh& entry,
+                            std::shared_ptr<const CollisionMesh> mesh) {
   BenchOptions where = options;
   where.scene = scene;
-  const CollisionMesh mesh(sortedInSpace(*entry.mesh), BuildStrategy::kSah);
-  const Transformd pose = benchPose(where, mesh);
+  SingleScene single{scene, entry, std::move(mesh), {}, {}, {}};
+  const Transformd pose = benchPose(where, *single.mesh);
   const int repeat = options.repeat > 0 ? options.repeat : kRepeat;
-  std::vector<Query> queries;
   Random random(1);
   for (int i = 0; i < repeat; ++i) {
     Query query;
-    query.a = query.b = &mesh;
+    query.a = query.b = single.mesh.get();
     query.bInA = pose;
-    query.bInA.t = otgAdd(pose.t, otgScale(random.direction(), 1e-5 * static_cast<double>(mesh.mesh().radius())));
+    query.bInA.t =
+        otgAdd(pose.t, otgScale(random.direction(), 1e-5 * static_cast<double>(single.mesh->mesh().radius())));
     query.options.maxContacts = kSingleContacts;
-    queries.push_back(query);
+    single.queries.push_back(query);
   }
   Workspace workspace;
-  std::vector<double> cpu, device;
-  std::vector<std::string> hashes;
-  std::uint64_t pairs = 0;
-  collide(queries[0], workspace);
-  for (const Query& query : queries) {
+  std::vector<double> cpu;
+  collide(single.queries[0], workspace);
+  for (const Query& query : single.queries) {
     cpu.push_back(timeOnce([&] { collide(query, workspace); }));
-    hashes.push_back(hashOf(workspace.reduced));
-    pairs = workspace.stats.intersectingPairs;
+    single.hashes.push_back(hashOf(workspace.reduced));
   }
-  Json row = {{"mesh", entry.name},          {"triangles", mesh.mesh().triangleCount()}, {"scene", scene},
-              {"intersecting_pairs", pairs}, {"contacts", workspace.reduced.size()},     {"cpu_ms", median(cpu)}};
+  single.row = {{"mesh", entry.name},
+                {"triangles", single.mesh->mesh().triangleCount()},
+                {"scene", scene},
+                {"intersecting_pairs", workspace.stats.intersectingPairs},
+                {"contacts", workspace.reduced.size()},
+                {"cpu_ms", median(cpu)}};
+  return single;
+}
+
+Json singleRow(const SingleScene& single, const TuningVariant& variant, opencl::Backend* backend) {
+  Json row = single.row;
   if (backend == nullptr) return row;
+  Workspace workspace;
   bool same = true;
-  std::vector<double> top, main, contacts, readBack, host, reduction;
-  for (int i = 0; i < 3; ++i) backend->collide(queries[0], workspace);
-  for (std::size_t i = 0; i < queries.size(); ++i) {
-    device.push_back(timeOnce([&] { backend->collide(queries[i], workspace); }));
-    same = same && hashOf(workspace.reduced) == hashes[i];
+  std::vector<double> device;
+  for (int i = 0; i < 3; ++i) backend->collide(single.queries[0], workspace);
+  for (std::size_t i = 0; i < single.queries.size(); ++i) {
+    device.push_back(timeOnce([&] { backend->collide(single.queries[i], workspace); }));
+    same = same && hashOf(workspace.reduced) == single.hashes[i];
   }
-  for (const Query& query : queries) {
+  StageMedians stages;
+  for (const Query& query : single.queries) {
     opencl::StageTimes times;
     backend->collideProfiled(query, workspace, times);
-    top.push_back(times.top);
-    main.push_back(times.main);
-    contacts.push_back(times.contacts);
-    readBack.push_back(times.readBack);
-    host.push_back(times.host);
-    reduction.push_back(times.reduction);
+    stages.add(times);
   }
   row["opencl_ms"] = median(device);
-  row["top_ms"] = median(top);
-  row["main_ms"] = median(main);
-  row["contacts_ms"] = median(contacts);
-  row["read_back_ms"] = median(readBack);
-  row["host_ms"] = median(host);
-  row["reduction_ms"] = median(reduction);
+  stages.addTo(row);
   row["answers"] = sameOrNot(same);
-  row["hash"] = hashes[0];
+  row["hash"] = single.hashes[0];
+  row["tuning"] = variant.name;
   return row;
 }
 
@@ -176,77 +288,156 @@ double collideOnThreads(const std::vector<Query>& queries, unsigned threads,
   });
 }
 
-Json batchRows(const BenchOptions& options, opencl::Backend* backend) {
-  const int repeat = options.repeat > 0 ? std::min(options.repeat, kRepeat) : 5;
-  progress(fmt::format("placing {} pairs", options.pairs));
-  const auto bodies = batchBodies();
-  const std::vector<Query> queries = batchQueries(bodies, options.pairs);
-  Json rows = Json::array();
-  std::string hash;
-  std::vector<std::uint8_t> intersects;
-  const auto add = [&](const char* work, const char* backendName, int threads, std::vector<double> times,
-                       const std::string& result, const std::string& answers) {
-    const double ms = median(std::move(times));
-    rows.push_back({{"work", work},
-                    {"pairs", queries.size()},
-                    {"backend", backendName},
-                    {"threads", threads},
-                    {"ms", ms},
-                    {"us_per_pair", 1e3 * ms / static_cast<double>(queries.size())},
-                    {"answers", answers},
-                    {"hash", result}});
-  };
+/// A batch, and the same with poses that differ a little, so that no run repeats the one before.
+struct BatchVersions {
+  std::vector<std::shared_ptr<const CollisionMesh>> bodies;
+  std::vector<const CollisionMesh*> meshes;
+  std::vector<Query> queries;
+  std::vector<std::vector<opencl::MeshPair>> pairs;
+  std::vector<std::string> hashes;  ///< of the contacts of each of `pairs`
+  std::vector<std::vector<std::uint8_t>> intersects;
+};
+
+BatchVersions makeBatchVersions(const BenchOptions& options) {
+  constexpr int kVersions = 8;
+  BatchVersions scene;
+  scene.bodies = batchBodies();
+  for (const auto& body : scene.bodies) scene.meshes.push_back(body.get());
+  scene.queries = batchQueries(scene.bodies, options.pairs);
+  Random random(3);
+  for (int version = 0; version < kVersions; ++version) {
+    std::vector<opencl::MeshPair> pairs;
+    std::vector<Contact> whole;
+    std::vector<std::uint8_t> intersects;
+    Workspace workspace;
+    for (const Query& query : scene.queries) {
+      const auto number = [&](const CollisionMesh* mesh) {
+        return static_cast<std::uint32_t>(std::find(scene.meshes.begin(), scene.meshes.end(), mesh) -
+                                          scene.meshes.begin());
+      };
+      Query moved = query;
+      if (version > 0) moved.bInA.t = otgAdd(query.bInA.t, otgScale(random.direction(), 1e-5));
+      pairs.push_back({number(query.a), number(query.b), moved.bInA});
+      collide(moved, workspace);
+      whole.insert(whole.end(), workspace.reduced.begin(), workspace.reduced.end());
+      intersects.push_back(!workspace.intersecting.empty());
+    }
+    scene.pairs.push_back(std::move(pairs));
+    scene.hashes.push_back(hashOf(whole));
+    scene.intersects.push_back(std::move(intersects));
+  }
+  return scene;
+}
+
+Json batchRow(const BatchVersions& scene, const char* work, const std::string& backend, unsigned threads,
+              const std::vector<double>& times, const std::string& hash, bool same) {
+  const double ms = median(times);
+  return {{"work", work},       {"pairs", scene.queries.size()},
+          {"backend", backend}, {"threads", threads},
+          {"ms", ms},           {"us_per_pair", 1e3 * ms / static_cast<double>(scene.queries.size())},
+          {"hash", hash},       {"answers", sameOrNot(same)}};
+}
+
+Json cpuBatchRows(const BenchOptions& options, const BatchVersions& scene) {
+  const int repeat = options.repeat > 0 ? std::min(options.repeat, 5) : 5;
   const unsigned all = std::max(1u, std::thread::hardware_concurrency());
+  Json rows = Json::array();
   for (const unsigned threads : all > 1 ? std::vector<unsigned>{1, all} : std::vector<unsigned>{1}) {
     std::vector<std::vector<Contact>> contacts;
     std::vector<double> times;
-    for (int i = 0; i < repeat; ++i) times.push_back(collideOnThreads(queries, threads, contacts));
+    for (int i = 0; i < repeat; ++i) times.push_back(collideOnThreads(scene.queries, threads, contacts));
     std::vector<Contact> whole;
     for (const auto& some : contacts) whole.insert(whole.end(), some.begin(), some.end());
-    hash = hashOf(whole);
-    add("contacts", "cpu", static_cast<int>(threads), times, hash, "same");
+    rows.push_back(batchRow(scene, "contacts", "cpu", threads, times, hashOf(whole), hashOf(whole) == scene.hashes[0]));
   }
-  {
-    Workspace workspace;
-    for (const Query& query : queries) {
-      findIntersectingPairs(query, workspace);
-      intersects.push_back(!workspace.intersecting.empty());
-    }
-  }
-  if (backend == nullptr) return rows;
-  opencl::BatchAnswer answer;
-  backend->collideBatch(queries, answer);
-  std::vector<double> times;
-  for (int i = 0; i < repeat; ++i) times.push_back(timeOnce([&] { backend->collideBatch(queries, answer); }));
-  const std::string found = hashOf(answer.contacts);
-  add("contacts", "opencl", 1, times, found, sameOrNot(found == hash));
-  std::vector<std::uint8_t> yes;
-  times.clear();
-  backend->intersectBatch(queries, yes);
-  for (int i = 0; i < repeat; ++i) times.push_back(timeOnce([&] { backend->intersectBatch(queries, yes); }));
-  Fnv1a bits;
-  bits.add(yes.data(), yes.size());
-  add("yes_or_no", "opencl", 1, times, bits.hex(), sameOrNot(yes == intersects));
   return rows;
+}
+
+void addDeviceBatchRows(const BenchOptions& options, const BatchVersions& scene, const TuningVariant& variant,
+                        opencl::Backend& backend, Json& rows) {
+  const int repeat = options.repeat > 0 ? options.repeat : kRepeat;
+  opencl::PairBatch batch{scene.meshes, {}, {}};
+  batch.options.maxContacts = kBatchContacts;
+  opencl::BatchAnswer answer;
+  std::vector<std::uint8_t> yes;
+  const auto add = [&](const char* work, auto&& run, auto&& isSame, const std::string& hash) {
+    bool same = true;
+    for (std::size_t i = 0; i < scene.pairs.size(); ++i) {  // warms up, too
+      batch.pairs = scene.pairs[i];
+      run(nullptr);
+      same = same && isSame(i);
+    }
+    std::vector<double> times;
+    for (int i = 0; i < repeat; ++i) {
+      batch.pairs = scene.pairs[static_cast<std::size_t>(i) % scene.pairs.size()];
+      times.push_back(timeOnce([&] { run(nullptr); }));
+    }
+    StageMedians stages;
+    for (int i = 0; i < repeat; ++i) {
+      opencl::StageTimes stage;
+      batch.pairs = scene.pairs[static_cast<std::size_t>(i) % scene.pairs.size()];
+      run(&stage);
+      stages.add(stage);
+    }
+    Json row = batchRow(scene, work, "opencl", 1, times, hash, same);
+    stages.addTo(row);
+    row["tuning"] = variant.name;
+    rows.push_back(row);
+  };
+  add(
+      "contacts", [&](opencl::StageTimes* times) { backend.collideBatch(batch, answer, times); },
+      [&](std::size_t i) { return hashOf(answer.contacts) == scene.hashes[i]; }, scene.hashes[0]);
+  rows.back()["contacts"] = answer.contacts.size();
+  rows.back()["intersecting_pairs"] = answer.stats.intersectingPairs;
+  Fnv1a bits;
+  bits.add(scene.intersects[0].data(), scene.intersects[0].size());
+  add(
+      "yes_or_no", [&](opencl::StageTimes* times) { backend.intersectBatch(batch, yes, times); },
+      [&](std::size_t i) { return yes == scene.intersects[i]; }, bits.hex());
+  // The same from an array of queries, each with options of its own.
+  std::vector<double> times;
+  backend.collideBatch(scene.queries, answer);
+  const bool same = hashOf(answer.contacts) == scene.hashes[0];
+  for (int i = 0; i < repeat; ++i) times.push_back(timeOnce([&] { backend.collideBatch(scene.queries, answer); }));
+  Json row = batchRow(scene, "contacts, queries", "opencl", 1, times, scene.hashes[0], same);
+  row["tuning"] = variant.name;
+  rows.push_back(row);
 }
 
 }  // namespace
 
 int benchBatch(const BenchOptions& options) {
+  const std::vector<TuningVariant> variants = tuningVariants(options.tune);
   const std::vector<opencl::DeviceInfo> devices = findDevices();
   const int index = opencl::defaultDevice(devices);
-  const std::shared_ptr<opencl::Backend> backend = index < 0 ? nullptr : opencl::Backend::open(index);
-  if (!backend) progress("note: no OpenCL device can be used; the tables have the CPU alone");
-  Json single = Json::array();
-  for (const BenchMesh& entry : benchMeshes(options)) {
-    for (const char* scene : {"touch", "deep", "deep10", "nearmiss"}) {
+  std::vector<SingleScene> singles;
+  std::vector<BenchMesh> meshes;
+  if (options.scenes != std::vector<std::string>{"none"}) meshes = benchMeshes(options);
+  for (const BenchMesh& entry : meshes) {
+    const auto mesh = std::make_shared<CollisionMesh>(sortedInSpace(*entry.mesh), BuildStrategy::kSah);
+    for (const std::string& scene : options.scenes) {
       progress(fmt::format("{}: {}", entry.name, scene));
-      single.push_back(singleRow(options, scene, entry, backend.get()));
+      singles.push_back(makeSingleScene(options, scene, entry, mesh));
     }
   }
-  const Json batch = batchRows(options, backend.get());
+  progress(fmt::format("placing {} pairs", options.pairs));
+  const BatchVersions scene = makeBatchVersions(options);
+  Json single = Json::array(), batch = options.cpu ? cpuBatchRows(options, scene) : Json::array();
+  std::string device;
+  for (const TuningVariant& variant : variants) {
+    const std::shared_ptr<opencl::Backend> backend = index < 0 ? nullptr : opencl::Backend::open(index, variant.tuning);
+    if (!variant.name.empty()) progress(variant.name);
+    if (backend) {
+      device = backend->device().name;
+    } else {
+      progress("note: no OpenCL device can be used; the tables have the CPU alone");
+    }
+    for (const SingleScene& one : singles) single.push_back(singleRow(one, variant, backend.get()));
+    if (backend) addDeviceBatchRows(options, scene, variant, *backend, batch);
+    if (backend && backend->counts().onHost > 0) progress("note: the OpenCL device failed; the CPU did what it left");
+  }
   printBench({{"bench", "batch"},
-              {"device", backend ? Json(backend->device().name) : Json()},
+              {"device", device.empty() ? Json() : Json(device)},
               {"tables", {{"single", single}, {"batch", batch}}}},
              options.json);
   return kOk;

@@ -93,6 +93,11 @@ void BenchOptions::addTo(CLI::App& command, bool withScene) {
   if (command.get_name() == "batch") {
     command.add_option("--pairs", pairs, "Pairs in the batch")->check(CLI::Range(1, 1000000));
     command.add_option("--poses", poses, "JSON file with a pose matrix for each scene (default: computed)");
+    command.add_option("--scenes", scenes, "How the mesh and its copy lie; 'none' for the batch alone")
+        ->delimiter(',')
+        ->check(CLI::IsMember({"touch", "deep", "deep10", "nearmiss", "none"}));
+    command.add_flag("!--no-cpu", cpu, "Leave out the CPU (answers are compared all the same)");
+    command.add_option("--tune", tune, "KEY=VALUE of the OpenCL launches; KEY=V1,V2,... repeats all for each value");
   }
   command.add_flag("--json", json, "One JSON document on stdout");
 }

@@ -18,8 +18,11 @@
 #pragma OPENCL FP_CONTRACT OFF
 #define OTG_INLINE inline static
 #define OTG_CONSTANT __constant
+#define OTG_UINT(x) ((uint)(x))
+#define OTG_INT(x) ((int)(x))  ///< of a floating-point number that fits: rounded towards zero
 typedef int otg_int;
 typedef uint otg_uint;
+typedef ulong otg_ulong;
 
 #else  // C++
 
@@ -28,9 +31,12 @@ typedef uint otg_uint;
 
 #define OTG_INLINE inline
 #define OTG_CONSTANT static constexpr
+#define OTG_UINT(x) static_cast<std::uint32_t>(x)
+#define OTG_INT(x) static_cast<std::int32_t>(x)
 namespace otg {
 using otg_int = std::int32_t;
 using otg_uint = std::uint32_t;
+using otg_ulong = std::uint64_t;
 }  // namespace otg
 
 #endif

@@ -119,22 +119,19 @@ void assignRegions(const Query& query, Workspace& workspace) {
   uniteOverTwins(topologyA, topologyB, pairs, components);
   uniteOverOddEdges(topologyA, topologyB, pairs, components);
 
-  // Numbers in the order of the contacts' pairs, whatever order the contacts are in.
+  // Numbers in the order of the regions' first pairs, for regions that have contacts.
   std::vector<std::uint32_t> number(pairs.size(), kNone);
   std::vector<std::uint32_t> rootOf(workspace.contacts.size());
   std::vector<std::uint8_t> hasContact(pairs.size(), 0);
   for (std::size_t i = 0; i < workspace.contacts.size(); ++i) {
     const TrianglePair pair{workspace.contacts[i].triangleA, workspace.contacts[i].triangleB};
     const auto found = std::lower_bound(pairs.begin(), pairs.end(), pair);
-    const auto index = static_cast<std::uint32_t>(found - pairs.begin());
-    hasContact[index] = 1;
-    rootOf[i] = components.find(index);
+    rootOf[i] = components.find(static_cast<std::uint32_t>(found - pairs.begin()));
+    hasContact[rootOf[i]] = 1;
   }
   std::uint32_t next = 0;
   for (std::uint32_t i = 0; i < pairs.size(); ++i) {
-    if (!hasContact[i]) continue;
-    std::uint32_t& n = number[components.find(i)];
-    if (n == kNone) n = next++;
+    if (hasContact[i]) number[i] = next++;  // only the smallest member of a component is marked
   }
   for (std::size_t i = 0; i < workspace.contacts.size(); ++i) workspace.contacts[i].region = number[rootOf[i]];
 }

@@ -9,7 +9,7 @@ namespace otg {
 /// Fills Contact::region of workspace.contacts. Two intersecting triangle pairs are connected when their A triangles
 /// are equal or share an edge and so do their B triangles; a region is a connected component of workspace.intersecting
 /// (which must be ascending and hold every contact's pair). Regions that have a contact are numbered from 0 in the
-/// order of their smallest (triangleA, triangleB) among the contacts.
+/// order of their smallest pairs.
 void assignRegions(const Query& query, Workspace& workspace);
 
 }  // namespace otg

@@ -6,7 +6,9 @@
 #include <unordered_set>
 
 #include "collide/contact_order.h"
+#include "collide/position_bounds.h"
 #include "collide/reduction.h"
+#include "shared/contact_choice.h"
 
 namespace otg {
 namespace {
@@ -18,38 +20,27 @@ constexpr std::size_t kMaxSpreadPlaces = 1024;
 /// The contacts that are not yet chosen, as a structure of arrays: the distance loop is the whole cost.
 class Remaining {
  public:
-  /// Distances are in the unit of the positions' diagonal; opposite normals are as far apart as opposite corners.
-  explicit Remaining(std::span<const Contact> contacts) {
-    Vec3d low = contacts.front().position, high = low;
-    for (const Contact& c : contacts) {
-      low = {std::min(low.x, c.position.x), std::min(low.y, c.position.y), std::min(low.z, c.position.z)};
-      high = {std::max(high.x, c.position.x), std::max(high.y, c.position.y), std::max(high.z, c.position.z)};
-    }
-    low_ = low;
-    const Vec3d size = otgSub(high, low);
-    const double diagonal = std::sqrt(otgDot(size, size));
-    scale_ = diagonal > 0 ? 1 / diagonal : 0;
-  }
+  explicit Remaining(std::span<const Contact> contacts) : bounds_(contacts) {}
 
   void reserve(std::size_t n) {
-    for (std::vector<double>& axis : x_) axis.reserve(n);
+    for (std::vector<std::int16_t>& axis : x_) axis.reserve(n);
     nearest_.reserve(n);
     index_.reserve(n);
   }
 
   void add(const Contact& c, std::uint32_t index) {
-    const std::array<double, 6> p = point(c);
-    for (std::size_t k = 0; k < 6; ++k) x_[k].push_back(p[k]);
-    nearest_.push_back(std::numeric_limits<double>::infinity());
+    const std::array<int, 6> p = point(c);
+    for (std::size_t k = 0; k < 6; ++k) x_[k].push_back(static_cast<std::int16_t>(p[k]));
+    nearest_.push_back(std::numeric_limits<int>::max());
     index_.push_back(index);
   }
 
   /// Accounts for a chosen contact.
   void spreadFrom(const Contact& chosen) {
-    const std::array<double, 6> p = point(chosen);
+    const std::array<int, 6> p = point(chosen);
     const std::size_t n = index_.size();
     for (std::size_t i = 0; i < n; ++i) {
-      double d = 0;
+      int d = 0;
       for (std::size_t k = 0; k < 6; ++k) d += (x_[k][i] - p[k]) * (x_[k][i] - p[k]);
       nearest_[i] = d < nearest_[i] ? d : nearest_[i];
     }
@@ -62,7 +53,7 @@ class Remaining {
       if (nearest_[i] > nearest_[best] || (nearest_[i] == nearest_[best] && index_[i] < index_[best])) best = i;
     }
     const std::uint32_t taken = index_[best];
-    for (std::vector<double>& axis : x_) {
+    for (std::vector<std::int16_t>& axis : x_) {
       axis[best] = axis.back();
       axis.pop_back();
     }
@@ -74,15 +65,15 @@ class Remaining {
   }
 
  private:
-  std::array<double, 6> point(const Contact& c) const {
-    const Vec3d p = otgScale(otgSub(c.position, low_), scale_);
-    return {p.x, p.y, p.z, 0.5 * c.normal.x, 0.5 * c.normal.y, 0.5 * c.normal.z};
+  std::array<int, 6> point(const Contact& c) const {
+    std::array<int, 6> p{};
+    otgSpreadPoint(c.position, c.normal, bounds_.low, bounds_.high, p.data());
+    return p;
   }
 
-  Vec3d low_{};
-  double scale_ = 0;
-  std::array<std::vector<double>, 6> x_;
-  std::vector<double> nearest_;  // squared distance to the nearest chosen contact
+  PositionBounds bounds_;
+  std::array<std::vector<std::int16_t>, 6> x_;
+  std::vector<int> nearest_;  // squared distance to the nearest chosen contact, in steps of the grid
   std::vector<std::uint32_t> index_;
 };
 

@@ -17,6 +17,9 @@ struct PairFrame {
   bool finite = false;  ///< false when the pose is not finite or far too large for float: nothing can be decided
 };
 
+/// FilterError of single precision; only `delta` depends on the pair.
+FilterError<float> floatFilterError(float delta);
+
 PairFrame makePairFrame(const Query& query);
 
 /// Corners of a triangle of A as exact doubles, in A's frame.

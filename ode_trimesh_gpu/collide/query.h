@@ -71,7 +71,7 @@ struct Contact {
   double depth;    ///< >= 0
   std::uint32_t triangleA, triangleB;
   std::uint32_t
-      region;  ///< contacts of one connected overlap share it; 0-based in order of smallest (triangleA, triangleB)
+      region;  ///< contacts of one connected overlap share it; 0-based in the order of its smallest intersecting pair
   ContactFeature feature;
   std::uint8_t flags = 0;         ///< ContactFlag
   std::uint32_t element = kNone;  ///< number of the feature's vertex (welded) or edge in its mesh; kNone for faces

@@ -6,20 +6,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "shared/pair_bounds.h"
+
 namespace otg {
 
 double rotationDefect(const Transformd& pose) {
-  const double* const r = pose.r;
-  double squares = 0;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      const double off = r[i] * r[j] + r[3 + i] * r[3 + j] + r[6 + i] * r[6 + j] - (i == j ? 1.0 : 0.0);
-      squares += off * off;
-    }
-  }
-  const double determinant =
-      r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) + r[2] * (r[3] * r[7] - r[4] * r[6]);
-  return determinant > 0 && std::isfinite(squares) ? std::sqrt(squares) : std::numeric_limits<double>::infinity();
+  const double squared = otgRotationDefectSquared(pose);
+  return squared >= 0 && std::isfinite(squared) ? std::sqrt(squared) : std::numeric_limits<double>::infinity();
 }
 
 void requireRigid(const Transformd& bInA) {

@@ -3,17 +3,18 @@
 // widen by its defect times the mesh's radius: harmless where the defect is rounding, ruinous where it is a scale.
 #pragma once
 
+#include "shared/pair_bounds.h"
 #include "shared/vec3.h"
 
 namespace otg {
 
 /// Of one pose, in the world or of B in A's frame, as users give it. Rounding to single precision costs about 2e-7,
 /// writing a matrix with four decimals 2e-4.
-constexpr double kRotationTolerance = 1e-3;
+constexpr double kRotationTolerance = OTG_ROTATION_TOLERANCE;
 
 /// Of the pose of one mesh in the other's frame, which has the defects of both: with t for the tolerance,
 /// t + t (1 + t).
-constexpr double kRelativeRotationTolerance = kRotationTolerance * (2 + kRotationTolerance);
+constexpr double kRelativeRotationTolerance = OTG_RELATIVE_ROTATION_TOLERANCE;
 
 /// The Frobenius norm of R^T R - 1; infinity where R mirrors, is singular, or is not finite or too large to tell.
 /// (The norm of R R^T - 1 is the same.)

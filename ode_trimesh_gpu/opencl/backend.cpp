@@ -2,11 +2,11 @@
 // Opening a device, and queries of one pair.
 #include "opencl/backend.h"
 
-#include <chrono>
 #include <numeric>
 
 #include "collide/stages.h"
 #include "opencl/backend_state.h"
+#include "opencl/stopwatch.h"
 #include "opencl/take_records.h"
 
 namespace otg::opencl {
@@ -21,17 +21,17 @@ void takeAll(const Query& query, const PairFrame& frame, const Answer& answer, b
   takeRecords(query, frame, answer, all, contacts, workspace);
 }
 
-/// Reads the clock only if it is to.
-class Stopwatch {
- public:
-  explicit Stopwatch(bool on) : on_(on), start_(on ? Clock::now() : Clock::time_point{}) {}
-  double ms() const { return on_ ? std::chrono::duration<double, std::milli>(Clock::now() - start_).count() : 0; }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  bool on_;
-  Clock::time_point start_;
-};
+/// Contacts that the device has reduced.
+void takeReduced(const PairAnswer& answer, Workspace& workspace) {
+  workspace.candidates.clear();
+  workspace.intersecting.clear();
+  workspace.contacts.clear();
+  workspace.reduced.assign(answer.contacts.begin(), answer.contacts.end());
+  workspace.stats = {};
+  takeCounts(answer.found, workspace.stats);
+  workspace.stats.intersectingPairs = answer.found.counters[OTG_COUNT_INTERSECTING];
+  workspace.stats.contactsBeforeReduction = answer.found.counters[OTG_COUNT_CONTACTS];
+}
 
 }  // namespace
 
@@ -73,26 +73,37 @@ bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, 
     return true;
   }
   try {
-    bool made = false;
+    bool made = false, reduced = false;
     StageTimes t;
     (profile ? state_->profiled : state_->pairs).with([&](PairLane& lane) {
-      const Answer answer = lane.run(query, frame, contacts);
-      made = contacts && answer.hasContacts();
+      const PairAnswer answer = lane.run(query, frame, contacts);
       const Stopwatch host(profile);
-      takeAll(query, frame, answer, contacts, workspace);
+      reduced = answer.reduced;
+      if (reduced) {
+        takeReduced(answer, workspace);
+      } else {
+        made = contacts && answer.found.hasContacts();
+        takeAll(query, frame, answer.found, contacts, workspace);
+      }
       t.host = host.ms();
       t.top = lane.profile().ms(Profile::kTop);
+      t.levels = lane.profile().ms(Profile::kLevels);
+      t.regions = lane.profile().ms(Profile::kRegions);
+      t.select = lane.profile().ms(Profile::kSelect);
+      t.choose = lane.profile().ms(Profile::kChoose);
       t.main = lane.profile().ms(Profile::kMain);
       t.contacts = lane.profile().ms(Profile::kContacts);
       t.readBack = lane.profile().ms(Profile::kReadBack);
     });
     const Stopwatch reduction(profile);
-    if (made) {
-      reduceContacts(query, workspace);
-    } else {
-      collideIntersecting(query, workspace);
+    if (!reduced) {
+      if (made) {
+        reduceContacts(query, workspace);
+      } else {
+        collideIntersecting(query, workspace);
+      }
+      numberAsCaller(query, workspace);
     }
-    numberAsCaller(query, workspace);
     t.reduction = reduction.ms();
     t.total = total.ms();
     times = t;
@@ -113,7 +124,8 @@ bool Backend::findIntersectingPairs(const Query& query, Workspace& workspace) {
     return true;
   }
   try {
-    state_->pairs.with([&](PairLane& lane) { takeAll(query, frame, lane.run(query, frame, false), false, workspace); });
+    state_->pairs.with(
+        [&](PairLane& lane) { takeAll(query, frame, lane.run(query, frame, false).found, false, workspace); });
     return true;
   } catch (const ClError& error) {
     logError(error);

@@ -22,15 +22,36 @@ struct BackendCounts {
   int programsFromSource = 0, programsFromCache = 0;
 };
 
-/// Where the time of one query went, in milliseconds. The first four are the device's clock.
+/// Where the time of one query or batch went, in milliseconds. Those from `write` to `readBack` are the device's clock,
+/// each with what the device takes to begin and end a kernel.
 struct StageTimes {
-  double top = 0;        ///< cut against cut
+  double fill = 0;       ///< poses to memory that the device reads (batches)
+  double write = 0;      ///< poses to the device (batches)
+  double top = 0;        ///< cut against cut; for a batch: frames from poses
+  double levels = 0;     ///< both nodes opened, two levels
   double main = 0;       ///< the rest of the traversal, with the float filter of the near phase in it
   double contacts = 0;   ///< decisions in double, and contacts
+  double regions = 0;    ///< regions of contact, and bins
+  double select = 0;     ///< the best of the bins, listed
+  double choose = 0;     ///< the limit, and results in order
   double readBack = 0;   ///< of the results
-  double host = 0;       ///< decisions in exact arithmetic, order, regions
+  double host = 0;       ///< what the device left: decisions in exact arithmetic, order, regions; and copying
   double reduction = 0;  ///< on the host; with the contacts where the host makes them
   double total = 0;      ///< from call to return, with launches and what lies between stages
+};
+
+/// Two meshes by their places in a list, and where B is in A's frame (as Query::bInA).
+struct MeshPair {
+  std::uint32_t a = 0, b = 0;
+  Transformd bInA{};
+};
+
+/// Many pairs of few meshes, all with the same options: what is sent for a pair is its MeshPair, and no more is read
+/// here. No relative velocities, no histories.
+struct PairBatch {
+  std::span<const CollisionMesh* const> meshes;
+  std::span<const MeshPair> pairs;
+  CollideOptions options;
 };
 
 /// What a batch gives, in the order of its queries.
@@ -57,8 +78,9 @@ class Backend {
 
   const DeviceInfo& device() const;
 
-  /// As otg::collide. Middle and near phase and contacts of model `pairwise` on the device; the model `solid`, regions
-  /// and reduction on the host. workspace.candidates stays empty; stats.candidatePairs counts pairs of triangles that
+  /// As otg::collide. Everything for the model `pairwise` on the device (where it has no doubles, or finds more than it
+  /// has room for: middle and near phase), the model `solid` and the reduction `cone` on the host. Only
+  /// workspace.reduced and workspace.stats are set for certain; stats.candidatePairs counts pairs of triangles that
   /// were tested.
   bool collide(const Query& query, Workspace& workspace);
   /// The same in lanes of its own that take times; `times` is unchanged where the host did all.
@@ -73,15 +95,23 @@ class Backend {
 
   /// otg::collide for every query, in one submission (several if there are very many or their meshes do not fit at
   /// once; pairs of very large meshes by themselves). A query with a SolidHistory must not be there twice.
-  bool collideBatch(std::span<const Query> queries, BatchAnswer& answer);
+  /// With `times` in lanes of its own that take times.
+  bool collideBatch(std::span<const Query> queries, BatchAnswer& answer, StageTimes* times = nullptr);
+  bool collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTimes* times = nullptr);
   /// Whether the two meshes of each query have triangles that intersect: 1 or 0 (0 for a pose that is refused).
-  bool intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer);
+  bool intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer, StageTimes* times = nullptr);
+  bool intersectBatch(const PairBatch& batch, std::vector<std::uint8_t>& answer, StageTimes* times = nullptr);
 
   BackendCounts counts() const;
 
  private:
   struct State;
+  template <class Source, class Finish>
   class Batch;
+  template <class Source>
+  bool collideFrom(const Source& source, BatchAnswer& answer, StageTimes* times);
+  template <class Source>
+  bool intersectFrom(const Source& source, std::vector<std::uint8_t>& answer, StageTimes* times);
   bool collideIn(bool profile, const Query& query, Workspace& workspace, StageTimes& times);
   explicit Backend(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;

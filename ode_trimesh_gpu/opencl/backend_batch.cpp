@@ -1,198 +1,512 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Many pairs in one submission.
 #include <algorithm>
-#include <functional>
+#include <bit>
+#include <cstring>
+#include <map>
 #include <numeric>
 
 #include "collide/stages.h"
 #include "opencl/backend_state.h"
+#include "opencl/stopwatch.h"
 #include "opencl/take_records.h"
 
 namespace otg::opencl {
+namespace {
 
-/// One call for many queries: what is left to the device goes there in pieces, and each query is finished by one of
-/// three functions, exactly once, or refused.
+/// Numbers for meshes in the order of first appearance: open addressing, because it is asked twice for each pair.
+class MeshNumbers {
+ public:
+  explicit MeshNumbers(std::vector<const CollisionMesh*>& meshes) : meshes_(meshes), slots_(256, 0) {}
+
+  std::uint32_t operator()(const CollisionMesh* mesh) {
+    if (2 * meshes_.size() >= slots_.size()) grow();
+    std::uint32_t& slot = slots_[find(mesh)];
+    if (slot == 0) {
+      meshes_.push_back(mesh);
+      slot = static_cast<std::uint32_t>(meshes_.size());
+    }
+    return slot - 1;
+  }
+
+ private:
+  std::size_t find(const CollisionMesh* mesh) const {
+    const std::size_t mask = slots_.size() - 1;
+    const auto bits = static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(mesh));
+    std::size_t at = (bits * 0x9e3779b97f4a7c15u) >> 40 & mask;
+    while (slots_[at] != 0 && meshes_[slots_[at] - 1] != mesh) at = (at + 1) & mask;
+    return at;
+  }
+  void grow() {
+    slots_.assign(2 * slots_.size(), 0);
+    for (std::uint32_t i = 0; i < meshes_.size(); ++i) slots_[find(meshes_[i])] = i + 1;
+  }
+  std::vector<const CollisionMesh*>& meshes_;
+  std::vector<std::uint32_t> slots_;  ///< number plus one, 0: free
+};
+
+bool sameReduction(const CollideOptions& x, const CollideOptions& y) {
+  return x.reduction.method == y.reduction.method && x.reduction.bins == y.reduction.bins &&
+         x.maxContacts == y.maxContacts;
+}
+
+}  // namespace
+
+/// Queries as a caller has them, each with options of its own.
+class QuerySource {
+ public:
+  explicit QuerySource(std::span<const Query> queries) : queries_(queries) {
+    MeshNumbers number(meshes);
+    const CollideOptions* last = nullptr;
+    bool lastSolid = false;
+    heads_.reserve(queries.size());
+    for (const Query& query : queries) {
+      const bool solid = mayBeSolid(query);
+      if (last == nullptr || solid != lastSolid || !sameReduction(*last, query.options)) {
+        const otg_reduction how = deviceReduction(query.options, solid);
+        current_ = 0;
+        while (current_ < reductions.size() && std::memcmp(&reductions[current_], &how, sizeof how) != 0) ++current_;
+        if (current_ == reductions.size()) reductions.push_back(how);
+        last = &query.options;
+        lastSolid = solid;
+      }
+      heads_.push_back({number(query.a), number(query.b), current_});
+      anyPairwise = anyPairwise || !solid;
+    }
+  }
+
+  std::vector<const CollisionMesh*> meshes;
+  std::vector<otg_reduction> reductions;
+  bool anyPairwise = false;
+
+  std::size_t size() const { return queries_.size(); }
+  Query query(std::size_t i) const { return queries_[i]; }
+  void fill(std::size_t i, otg_batch_task& task) const {
+    task.bInA = queries_[i].bInA;
+    task.meshA = heads_[i].meshA;
+    task.meshB = heads_[i].meshB;
+    task.reduction = heads_[i].reduction;
+    task.skip = 0;
+  }
+
+ private:
+  struct Head {
+    std::uint32_t meshA, meshB, reduction;
+  };
+  std::span<const Query> queries_;
+  std::vector<Head> heads_;
+  std::uint32_t current_ = 0;
+};
+
+/// Pairs of meshes that are numbered already, with the same options for all.
+class PairSource {
+ public:
+  explicit PairSource(const PairBatch& batch) : meshes(batch.meshes.begin(), batch.meshes.end()), batch_(batch) {
+    // Some of the pairs may have contacts of the model `solid`, some not: see mayBeSolid.
+    solid_ = batch.options.contacts == ContactModel::kSolid;
+    reductions.push_back(deviceReduction(batch.options, false));
+    if (solid_) reductions.push_back(deviceReduction(batch.options, true));
+    for (const CollisionMesh* mesh : meshes) isSolid_.push_back(mesh->mesh().meshClass() == MeshClass::kSolid);
+    anyPairwise = !solid_ || std::count(isSolid_.begin(), isSolid_.end(), false) > 0;
+  }
+
+  std::vector<const CollisionMesh*> meshes;
+  std::vector<otg_reduction> reductions;
+  bool anyPairwise = false;
+
+  std::size_t size() const { return batch_.pairs.size(); }
+  Query query(std::size_t i) const {
+    const MeshPair& pair = batch_.pairs[i];
+    Query query;
+    query.a = meshes[pair.a];
+    query.b = meshes[pair.b];
+    query.bInA = pair.bInA;
+    query.options = batch_.options;
+    return query;
+  }
+  void fill(std::size_t i, otg_batch_task& task) const {
+    const MeshPair& pair = batch_.pairs[i];
+    task.bInA = pair.bInA;
+    task.meshA = pair.a;
+    task.meshB = pair.b;
+    task.reduction = solid_ && (isSolid_[pair.a] || isSolid_[pair.b]) ? 1 : 0;
+    task.skip = 0;
+  }
+
+ private:
+  const PairBatch& batch_;
+  bool solid_ = false;
+  std::vector<bool> isSolid_;
+};
+
+/// One call for many pairs: what is left to the device goes there in pieces. `Finish` says what is made of a pair:
+///   chunk(begin, count, found)      the flags (and contacts) of a piece, before anything else is said of its pairs
+///   refuse(i)                       a pose that cannot be worked with
+///   records(i, query, answer, which) the records of a pair that the host has to finish
+///   alone(i, query, onHost)         the pair is done without the batch; false if the device failed
+template <class Source, class Finish>
 class Backend::Batch {
  public:
-  /// Finishes a query from its records in an answer.
-  using FromDevice =
-      std::function<void(std::size_t query, const PairFrame&, const Answer&, std::span<const std::uint32_t> records)>;
-  /// Finishes a query without the batch; false if the device was to help and failed.
-  using Alone = std::function<bool(std::size_t query)>;
-
-  Batch(State& state, std::span<const Query> queries, bool contacts, bool anyHit)
-      : state_(state), queries_(queries), contacts_(contacts), anyHit_(anyHit) {}
-
-  FromDevice fromDevice;
-  Alone onHost, large;
-  std::vector<std::size_t> refused;
-  CollideStats counts;  ///< sums of what the device counted
+  Batch(State& state, const Source& source, BatchWish wish, Finish& finish, LanePool<BatchLane>& lanes)
+      : state_(state), source_(source), wish_(wish), finish_(finish), lanes_(lanes) {
+    std::uint64_t largest = 0;
+    for (const CollisionMesh* mesh : source.meshes) largest = std::max(largest, triangles(mesh));
+    anyLarge_ = 2 * largest > state.tuning.batchTriangles;
+  }
 
   /// False if the device failed.
-  bool run() {
-    std::vector<std::size_t> order;
-    frames_.reserve(queries_.size());
-    for (std::size_t i = 0; i < queries_.size(); ++i) {
-      frames_.push_back(makePairFrame(queries_[i]));
-      if (isRefused(queries_[i])) {
-        refused.push_back(i);
-      } else if (isIdleQuery(queries_[i], frames_[i])) {
-        onHost(i);
-      } else if (work(i) > state_.tuning.batchTriangles) {
-        good_ = large(i) && good_;
-      } else {
-        order.push_back(i);
-      }
-    }
-    // The largest pairs first, so that none of them is what the rest of the device waits for in the end.
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t x, std::size_t y) { return work(x) > work(y); });
-    const std::span<const std::size_t> all(order);
-    for (std::size_t at = 0; at < all.size(); at += state_.tuning.batchPairs) {
-      submit(all.subspan(at, std::min<std::size_t>(state_.tuning.batchPairs, all.size() - at)));
-    }
+  bool run(StageTimes* times) {
+    times_ = times;
+    const std::size_t most = std::max(1u, state_.tuning.batchPairs);
+    for (std::size_t at = 0; at < source_.size(); at += most) submit(at, std::min(most, source_.size() - at));
     return good_;
   }
 
  private:
-  std::uint64_t work(std::size_t i) const {
-    return queries_[i].a->mesh().triangleCount() + queries_[i].b->mesh().triangleCount();
+  static std::uint64_t triangles(const CollisionMesh* mesh) { return mesh->mesh().triangleCount(); }
+
+  /// The meshes of some pairs, when not all of a batch fit at once.
+  void narrow(std::size_t begin, std::size_t count) {
+    std::vector<std::uint32_t> number(source_.meshes.size(), kNone);
+    meshes_.clear();
+    const auto use = [&](std::uint32_t mesh) {
+      if (number[mesh] != kNone) return;
+      number[mesh] = static_cast<std::uint32_t>(meshes_.size());
+      meshes_.push_back(source_.meshes[mesh]);
+    };
+    otg_batch_task task{};
+    for (std::size_t i = begin; i < begin + count; ++i) {
+      source_.fill(i, task);
+      use(task.meshA);
+      use(task.meshB);
+    }
+    renumber_ = std::move(number);
   }
 
-  void submit(std::span<const std::size_t> which) {
-    std::vector<const Query*> queries;
-    std::vector<PairFrame> frames;
-    for (const std::size_t i : which) {
-      queries.push_back(&queries_[i]);
-      frames.push_back(frames_[i]);
+  void submit(std::size_t begin, std::size_t count, bool part = false) {
+    std::vector<std::size_t> alone, large;
+    if (part) {
+      narrow(begin, count);
+    } else if (meshes_.size() != source_.meshes.size()) {
+      meshes_ = source_.meshes;
+      renumber_.clear();
     }
-    // Finishing calls no OpenCL, so that a failure means that none of these queries was finished.
+    // Nothing of a piece is finished before its last call of OpenCL: a failure leaves all of it.
     try {
-      state_.batches.with([&](BatchLane& lane) {
-        const Answer answer = lane.run(queries, frames, contacts_, anyHit_);
-        finish(which, answer);
+      lanes_.with([&](BatchLane& lane) {
+        const Stopwatch watch(times_ != nullptr);
+        const std::span<otg_batch_task> tasks = lane.stage(count);
+        fill(begin, tasks, lane.stageFrames(), alone, large);
+        if (times_) times_->fill += watch.ms();
+        const BatchFound found = lane.run(meshes_, source_.reductions, wish_);
+        if (times_) addTimes(lane.profile());
+        const Stopwatch collecting(times_ != nullptr);
+        collect(begin, count, lane, found, alone);
+        if (times_) times_->host += collecting.ms();
       });
-      return;
     } catch (const ClError& error) {
+      refused_.clear();
       // Meshes that do not fit at once may fit in two halves.
-      if (error.code() != CL_MEM_OBJECT_ALLOCATION_FAILURE || which.size() == 1) {
-        logError(error);
-        good_ = false;
-        for (const std::size_t i : which) onHost(i);
-        state_.onHost += which.size();
+      if (error.code() == CL_MEM_OBJECT_ALLOCATION_FAILURE && count > 1) {
+        submit(begin, count / 2, true);
+        submit(begin + count / 2, count - count / 2, true);
         return;
       }
+      logError(error);
+      good_ = false;
+      finish_.chunk(begin, count, {});
+      for (std::size_t i = begin; i < begin + count; ++i) {
+        const Query query = source_.query(i);
+        if (isRefused(query)) {
+          finish_.refuse(i);
+        } else {
+          finish_.alone(i, query, true);
+        }
+      }
+      state_.onHost += count;
+      return;
     }
-    submit(which.first(which.size() / 2));
-    submit(which.subspan(which.size() / 2));
+    for (const std::size_t i : alone) finish_.alone(i, source_.query(i), true);
+    for (const std::size_t i : large) good_ = finish_.alone(i, source_.query(i), false) && good_;
   }
 
-  /// Deals the records out to their queries.
-  void finish(std::span<const std::size_t> which, const Answer& answer) {
-    std::vector<std::uint32_t> begin(which.size() + 1, 0), records(answer.count);
-    for (std::uint32_t r = 0; r < answer.count; ++r) ++begin[pairOfRecord(answer, r) + 1];
-    std::partial_sum(begin.begin(), begin.end(), begin.begin());
-    std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-    for (std::uint32_t r = 0; r < answer.count; ++r) records[next[pairOfRecord(answer, r)]++] = r;
-    for (std::size_t k = 0; k < which.size(); ++k) {
-      fromDevice(which[k], frames_[which[k]], answer, std::span(records).subspan(begin[k], begin[k + 1] - begin[k]));
+  void fill(std::size_t begin, std::span<otg_batch_task> tasks, std::span<otg_batch_pair> frames,
+            std::vector<std::size_t>& alone, std::vector<std::size_t>& large) {
+    for (std::size_t k = 0; k < tasks.size(); ++k) source_.fill(begin + k, tasks[k]);
+    if (!renumber_.empty()) {
+      for (otg_batch_task& task : tasks) {
+        task.meshA = renumber_[task.meshA];
+        task.meshB = renumber_[task.meshB];
+      }
     }
-    CollideStats device;
-    takeCounts(answer, device);
-    counts.boxTests += device.boxTests;
-    counts.candidatePairs += device.candidatePairs;
-    counts.decidedByDouble += device.decidedByDouble;
+    if (anyLarge_) {
+      for (std::size_t k = 0; k < tasks.size(); ++k) {
+        const CollisionMesh *a = meshes_[tasks[k].meshA], *b = meshes_[tasks[k].meshB];
+        if (triangles(a) + triangles(b) <= state_.tuning.batchTriangles) continue;
+        tasks[k].skip = 1;
+        (isRefused(source_.query(begin + k)) ? refused_ : large).push_back(begin + k);
+      }
+    }
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      if (tasks[k].skip) continue;
+      const Query query = source_.query(begin + k);
+      const PairFrame frame = makePairFrame(query);
+      if (isRefused(query) || isIdleQuery(query, frame)) {
+        (isRefused(query) ? refused_ : alone).push_back(begin + k);
+        tasks[k].skip = 1;
+        continue;
+      }
+      const BoxFrame<float> boxes = deviceBoxes(frame);
+      std::copy(std::begin(boxes.r), std::end(boxes.r), frames[k].r);
+      frames[k].t = boxes.t;
+      frames[k].eps = boxes.eps;
+      frames[k].delta = frame.floatError.delta;
+      frames[k].meshA = tasks[k].meshA;
+      frames[k].meshB = tasks[k].meshB;
+    }
+  }
+
+  void collect(std::size_t begin, std::size_t count, BatchLane& lane, const BatchFound& found,
+               std::vector<std::size_t>& alone) {
+    std::vector<std::size_t> fromRecords;
+    const bool all = wish_ == BatchWish::kPairs;
+    if (all || wish_ == BatchWish::kAny || found.counters[OTG_COUNT_FLAGGED] > 0) {
+      for (std::size_t k = 0; k < count; ++k) {
+        const otg_uint flags = found.flags[k];
+        if (flags & OTG_PAIR_REFUSED) {
+          refused_.push_back(begin + k);
+        } else if (flags & OTG_PAIR_NO_FRAME) {
+          alone.push_back(begin + k);
+        } else if (flags & OTG_PAIR_SKIPPED) {
+          continue;
+        } else if (all || ((flags & OTG_PAIR_TO_HOST) && !(flags & OTG_PAIR_INTERSECTS))) {
+          fromRecords.push_back(begin + k);
+        }
+      }
+    }
+    if (!fromRecords.empty()) {
+      // The counters and contacts of `found` stay where they are meanwhile.
+      const Answer answer = lane.records();
+      finish_.chunk(begin, count, found);
+      dealOut(begin, count, answer, fromRecords);
+    } else {
+      finish_.chunk(begin, count, found);
+    }
+    for (const std::size_t i : refused_) finish_.refuse(i);
+    refused_.clear();
+  }
+
+  /// Gives each of `which` its records.
+  void dealOut(std::size_t begin, std::size_t count, const Answer& answer, const std::vector<std::size_t>& which) {
+    std::vector<std::uint32_t> from(count + 1, 0), records(answer.count);
+    for (std::uint32_t r = 0; r < answer.count; ++r) ++from[pairOfRecord(answer, r) + 1];
+    std::partial_sum(from.begin(), from.end(), from.begin());
+    std::vector<std::uint32_t> next(from.begin(), from.end() - 1);
+    for (std::uint32_t r = 0; r < answer.count; ++r) records[next[pairOfRecord(answer, r)]++] = r;
+    for (const std::size_t i : which) {
+      const std::size_t k = i - begin;
+      finish_.records(i, source_.query(i), answer, std::span(records).subspan(from[k], from[k + 1] - from[k]));
+    }
+  }
+
+  void addTimes(const Profile& profile) {
+    times_->write += profile.ms(Profile::kWrite);
+    times_->top += profile.ms(Profile::kTop);
+    times_->main += profile.ms(Profile::kMain);
+    times_->contacts += profile.ms(Profile::kContacts);
+    times_->regions += profile.ms(Profile::kRegions);
+    times_->select += profile.ms(Profile::kSelect);
+    times_->choose += profile.ms(Profile::kChoose);
+    times_->readBack += profile.ms(Profile::kReadBack);
   }
 
   State& state_;
-  std::span<const Query> queries_;
-  const bool contacts_, anyHit_;
-  bool good_ = true;
-  std::vector<PairFrame> frames_;
+  const Source& source_;
+  const BatchWish wish_;
+  Finish& finish_;
+  LanePool<BatchLane>& lanes_;
+  bool good_ = true, anyLarge_ = false;
+  std::vector<const CollisionMesh*> meshes_;  ///< of the submission under way
+  std::vector<std::uint32_t> renumber_;       ///< from the source's numbers to these; empty: the same
+  std::vector<std::size_t> refused_;          ///< found while a piece is under way
+  StageTimes* times_ = nullptr;
 };
 
-bool Backend::collideBatch(std::span<const Query> queries, BatchAnswer& answer) {
-  Workspace workspace;
-  std::vector<Contact> made;  // in the order in which queries are finished
-  std::vector<std::size_t> from(queries.size(), 0), count(queries.size(), 0);
-  CollideStats sums;
-  const auto keep = [&](std::size_t i) {
-    from[i] = made.size();
-    count[i] = workspace.reduced.size();
-    made.insert(made.end(), workspace.reduced.begin(), workspace.reduced.end());
-    const CollideStats& s = workspace.stats;
-    sums.boxTests += s.boxTests;
-    sums.candidatePairs += s.candidatePairs;
-    sums.decidedByDouble += s.decidedByDouble;
-    sums.intersectingPairs += s.intersectingPairs;
-    sums.decidedExactly += s.decidedExactly;
-    sums.contactsBeforeReduction += s.contactsBeforeReduction;
-  };
-  const bool contacts = std::any_of(queries.begin(), queries.end(), [](const Query& q) { return !mayBeSolid(q); });
-  state_->queries += queries.size();
-  Batch batch(*state_, queries, contacts, false);
-  batch.fromDevice = [&](std::size_t i, const PairFrame& frame, const Answer& found,
-                         std::span<const std::uint32_t> records) {
-    const bool pairwise = !mayBeSolid(queries[i]);
-    workspace.stats = {};
-    takeRecords(queries[i], frame, found, records, pairwise, workspace);
-    if (pairwise && found.hasContacts()) {
-      reduceContacts(queries[i], workspace);
-    } else {
-      collideIntersecting(queries[i], workspace);
+namespace {
+
+void addStats(CollideStats& sums, const CollideStats& s) {
+  sums.boxTests += s.boxTests;
+  sums.candidatePairs += s.candidatePairs;
+  sums.decidedByDouble += s.decidedByDouble;
+  sums.intersectingPairs += s.intersectingPairs;
+  sums.decidedExactly += s.decidedExactly;
+  sums.contactsBeforeReduction += s.contactsBeforeReduction;
+}
+
+/// Contacts of pairs, most of them as the device put them one after the other.
+struct ContactFinish {
+  Backend& backend;
+  std::atomic<std::uint64_t>& queries;
+  BatchAnswer& answer;
+  Workspace workspace{};
+  std::map<std::size_t, std::vector<Contact>> apart{};  ///< of pairs whose contacts are not in `answer` yet
+  CollideStats sums{};
+
+  void chunk(std::size_t, std::size_t count, const BatchFound& found) {
+    const std::size_t base = answer.contacts.size();
+    answer.contacts.insert(answer.contacts.end(), found.contacts.begin(), found.contacts.end());
+    for (std::size_t k = 0; k < count; ++k) {
+      answer.first.push_back(base + (found.contacts.empty() ? 0 : found.first[k + 1]));
     }
-    numberAsCaller(queries[i], workspace);
+    if (found.counters == nullptr) return;
+    CollideStats device;
+    const Answer counted{found.counters, nullptr, 0, 0};
+    takeCounts(counted, device);
+    device.intersectingPairs = found.counters[OTG_COUNT_INTERSECTING];
+    device.contactsBeforeReduction = found.counters[OTG_COUNT_CONTACTS];
+    addStats(sums, device);
+  }
+
+  void refuse(std::size_t i) { answer.refused.push_back(i); }
+
+  void records(std::size_t i, const Query& query, const Answer& found, std::span<const std::uint32_t> which) {
+    const bool pairwise = !mayBeSolid(query);
+    workspace.stats = {};
+    takeRecords(query, makePairFrame(query), found, which, pairwise, workspace);
+    if (pairwise && found.hasContacts()) {
+      reduceContacts(query, workspace);
+    } else {
+      collideIntersecting(query, workspace);
+    }
+    numberAsCaller(query, workspace);
     keep(i);
-  };
-  batch.onHost = [&](std::size_t i) {
-    otg::collide(queries[i], workspace);
-    keep(i);
-    return true;
-  };
-  batch.large = [&](std::size_t i) {
-    --state_->queries;  // counted again there
-    const bool good = collide(queries[i], workspace);
+  }
+
+  bool alone(std::size_t i, const Query& query, bool onHost) {
+    bool good = true;
+    if (onHost) {
+      collide(query, workspace);
+    } else {
+      --queries;  // counted again there
+      good = backend.collide(query, workspace);
+    }
     keep(i);
     return good;
-  };
-  const bool good = batch.run();
-  answer.contacts.clear();
-  answer.contacts.reserve(made.size());
-  answer.first.assign(1, 0);
-  for (std::size_t i = 0; i < queries.size(); ++i) {
-    const auto begin = made.begin() + static_cast<std::ptrdiff_t>(from[i]);
-    answer.contacts.insert(answer.contacts.end(), begin, begin + static_cast<std::ptrdiff_t>(count[i]));
-    answer.first.push_back(answer.contacts.size());
   }
-  sums.boxTests += batch.counts.boxTests;
-  sums.candidatePairs += batch.counts.candidatePairs;
-  sums.decidedByDouble += batch.counts.decidedByDouble;
-  answer.stats = sums;
-  answer.refused = std::move(batch.refused);
+
+  void keep(std::size_t i) {
+    addStats(sums, workspace.stats);
+    if (!workspace.reduced.empty()) apart[i] = workspace.reduced;
+  }
+
+  /// Puts the contacts that came by themselves where they belong.
+  void end() {
+    std::sort(answer.refused.begin(), answer.refused.end());
+    answer.stats = sums;
+    if (apart.empty()) return;
+    std::vector<Contact> all;
+    std::vector<std::size_t> first(1, 0);
+    std::size_t more = 0;
+    for (const auto& [i, contacts] : apart) more += contacts.size();
+    all.reserve(answer.contacts.size() + more);
+    std::size_t copied = 0;
+    for (std::size_t i = 0; i + 1 < answer.first.size(); ++i) {
+      const auto own = apart.find(i);
+      if (own != apart.end()) {
+        all.insert(all.end(), own->second.begin(), own->second.end());
+      } else {
+        const auto at = answer.contacts.begin();
+        all.insert(all.end(), at + static_cast<std::ptrdiff_t>(copied),
+                   at + static_cast<std::ptrdiff_t>(answer.first[i + 1]));
+      }
+      copied = answer.first[i + 1];
+      first.push_back(all.size());
+    }
+    answer.contacts = std::move(all);
+    answer.first = std::move(first);
+  }
+};
+
+/// Yes or no.
+struct AnyFinish {
+  Backend& backend;
+  std::atomic<std::uint64_t>& queries;
+  std::vector<std::uint8_t>& answer;
+  Workspace workspace{};
+
+  void chunk(std::size_t begin, std::size_t count, const BatchFound& found) {
+    if (found.flags == nullptr) return;
+    for (std::size_t k = 0; k < count; ++k) answer[begin + k] = (found.flags[k] & OTG_PAIR_INTERSECTS) != 0;
+  }
+  void refuse(std::size_t) {}
+  void records(std::size_t i, const Query& query, const Answer& found, std::span<const std::uint32_t> which) {
+    const PairFrame frame = makePairFrame(query);
+    answer[i] = std::any_of(which.begin(), which.end(),
+                            [&](std::uint32_t r) { return recordIntersects(query, frame, found, r); });
+  }
+  bool alone(std::size_t i, const Query& query, bool onHost) {
+    bool good = true;
+    if (onHost) {
+      findIntersectingPairs(query, workspace);
+    } else {
+      --queries;  // counted again there
+      good = backend.findIntersectingPairs(query, workspace);
+    }
+    answer[i] = !workspace.intersecting.empty();
+    return good;
+  }
+};
+
+}  // namespace
+
+template <class Source>
+bool Backend::collideFrom(const Source& source, BatchAnswer& answer, StageTimes* times) {
+  const Stopwatch total(times != nullptr);
+  if (times) *times = {};
+  state_->queries += source.size();
+  answer.contacts.clear();
+  answer.first.assign(1, 0);
+  answer.first.reserve(source.size() + 1);
+  answer.refused.clear();
+  ContactFinish finish{*this, state_->queries, answer};
+  LanePool<BatchLane>& lanes = times ? state_->profiledBatches : state_->batches;
+  const bool onDevice = source.anyPairwise && state_->reduces();
+  Batch<Source, ContactFinish> batch(*state_, source, onDevice ? BatchWish::kContacts : BatchWish::kPairs, finish,
+                                     lanes);
+  const bool good = batch.run(times);
+  finish.end();
+  if (times) times->total = total.ms();
   return good;
 }
 
-bool Backend::intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer) {
-  Workspace workspace;
-  answer.assign(queries.size(), 0);
-  state_->queries += queries.size();
-  Batch batch(*state_, queries, false, true);
-  batch.fromDevice = [&](std::size_t i, const PairFrame& frame, const Answer& from,
-                         std::span<const std::uint32_t> records) {
-    answer[i] = std::any_of(records.begin(), records.end(),
-                            [&](std::uint32_t r) { return recordIntersects(queries[i], frame, from, r); });
-  };
-  batch.onHost = [&](std::size_t i) {
-    otg::findIntersectingPairs(queries[i], workspace);
-    answer[i] = !workspace.intersecting.empty();
-    return true;
-  };
-  batch.large = [&](std::size_t i) {
-    --state_->queries;  // counted again there
-    const bool good = findIntersectingPairs(queries[i], workspace);
-    answer[i] = !workspace.intersecting.empty();
-    return good;
-  };
-  return batch.run();
+template <class Source>
+bool Backend::intersectFrom(const Source& source, std::vector<std::uint8_t>& answer, StageTimes* times) {
+  const Stopwatch total(times != nullptr);
+  if (times) *times = {};
+  state_->queries += source.size();
+  answer.assign(source.size(), 0);
+  AnyFinish finish{*this, state_->queries, answer};
+  LanePool<BatchLane>& lanes = times ? state_->profiledBatches : state_->batches;
+  Batch<Source, AnyFinish> batch(*state_, source, BatchWish::kAny, finish, lanes);
+  const bool good = batch.run(times);
+  if (times) times->total = total.ms();
+  return good;
+}
+
+bool Backend::collideBatch(std::span<const Query> queries, BatchAnswer& answer, StageTimes* times) {
+  return collideFrom(QuerySource(queries), answer, times);
+}
+
+bool Backend::collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTimes* times) {
+  return collideFrom(PairSource(batch), answer, times);
+}
+
+bool Backend::intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer, StageTimes* times) {
+  return intersectFrom(QuerySource(queries), answer, times);
+}
+
+bool Backend::intersectBatch(const PairBatch& batch, std::vector<std::uint8_t>& answer, StageTimes* times) {
+  return intersectFrom(PairSource(batch), answer, times);
 }
 
 }  // namespace otg::opencl

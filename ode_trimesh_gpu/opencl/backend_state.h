@@ -66,7 +66,7 @@ struct Backend::State {
   const Tuning tuning;
   MeshStore meshes;
   LanePool<PairLane> pairs, profiled;
-  LanePool<BatchLane> batches;
+  LanePool<BatchLane> batches, profiledBatches;
   LanePool<PhaseLane> phases;
   SoupPlaces soupPlaces;
   std::atomic<std::uint64_t> queries{0}, onHost{0};
@@ -78,11 +78,14 @@ struct Backend::State {
         pairs(context, meshes, tuning),
         profiled(context, meshes, withProfile(how)),
         batches(context, meshes, tuning),
+        profiledBatches(context, meshes, withProfile(how)),
         phases(context, meshes, tuning),
         soupPlaces(how.leafTriangles) {
     pairs.prepare();
     batches.prepare();
   }
+  /// Whether contacts are reduced on the device.
+  bool reduces() const { return context.info().doubles && tuning.reduce; }
   static Tuning withProfile(Tuning how) {
     how.profile = true;
     return how;

@@ -8,37 +8,77 @@
 
 #include "collide/pair_frame.h"
 #include "opencl/mesh_store.h"
+#include "opencl/reducer.h"
 #include "opencl/result_buffer.h"
 #include "opencl/tuning.h"
 
 namespace otg::opencl {
 
+/// What is asked of all pairs of a batch.
+enum class BatchWish {
+  kAny,      ///< whether they intersect
+  kPairs,    ///< records of all pairs of triangles that intersect
+  kContacts  ///< contacts, reduced; needs BatchLane::makesContacts
+};
+
+/// Views of the lane's memory, good until its next batch. For each pair a word of OTG_PAIR_* flags.
+struct BatchFound {
+  const otg_uint* counters = nullptr;
+  const otg_uint* flags = nullptr;
+  const otg_uint* first = nullptr;  ///< as BatchAnswer::first; only for kContacts
+  std::span<const Contact> contacts;
+};
+
 /// One thread at a time. After a ClError the lane is of no further use.
 class BatchLane {
  public:
   BatchLane(Context& context, MeshStore& meshes, const Tuning& tuning);
+  BatchLane(const BatchLane&) = delete;
+  BatchLane& operator=(const BatchLane&) = delete;
 
-  /// Middle and near phase of all pairs (no mesh empty, every frame finite) in one submission, and their contacts if
-  /// `contacts` and the device has doubles. Records name the pair by its place in `queries`. With `anyHit` a pair that
-  /// intersects has one record at least, not all. Throws ClError.
-  Answer run(std::span<const Query* const> queries, std::span<const PairFrame> frames, bool contacts, bool anyHit);
+  /// Memory for so many pairs, to be filled before run().
+  std::span<otg_batch_task> stage(std::size_t count);
+  /// Frames of the same pairs, which the host has to make for a device without doubles (else empty).
+  std::span<otg_batch_pair> stageFrames();
+  bool makesContacts() const { return reducer_.works(); }
 
+  /// Middle and near phase of the staged pairs in one submission, and what else is wished. Tasks name meshes by their
+  /// places in `meshes` (empty ones too), and reductions. With OTG_PAIR_TO_HOST but without OTG_PAIR_NO_FRAME a pair
+  /// has to be finished from its records. Throws ClError.
+  BatchFound run(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions,
+                 BatchWish wish);
+  /// All records of the last run. Throws ClError.
+  Answer records();
+
+  const Profile& profile() const { return profile_; }
   std::uint64_t repeats() const { return repeats_; }
 
  private:
-  struct Upload;
-  Answer runOn(const Upload& upload, cl_mem meshes, bool contacts, bool anyHit);
+  BatchFound runOn(const MeshStore::Pinned& pinned, std::span<const CollisionMesh* const> meshes,
+                   std::span<const otg_reduction> reductions, BatchWish wish);
+  void send(const MeshStore::Pinned& pinned, std::span<const CollisionMesh* const> meshes,
+            std::span<const otg_reduction> reductions);
+  void enqueue(cl_mem meshes, BatchWish wish);
 
   Context& context_;
   MeshStore& meshes_;
   const Tuning tuning_;
   const std::size_t groups_;
   QueueHandle queue_;
-  KernelHandle walk_, pairs_, contacts_;
+  Kernel prepare_, walk_, pairs_, contacts_;
   BufferHandle counters_;
-  DeviceList pairList_{sizeof(otg_batch_pair)}, poses_{sizeof(Transformd)}, places_{sizeof(otg_device_mesh)},
-      hits_{sizeof(otg_batch_hit)};
+  PinnedBuffer staged_;
+  std::uint32_t count_ = 0, stackSize_ = 0;
+  std::vector<otg_batch_pair> frames_;
+  std::vector<otg_device_mesh> sentPlaces_;
+  DeviceList tasks_{sizeof(otg_batch_task)}, pairList_{sizeof(otg_batch_pair)}, order_{sizeof(otg_uint)},
+      places_{sizeof(otg_device_mesh)}, hits_{sizeof(otg_batch_hit)};
   ResultBuffer results_;
+  ChosenBuffer chosen_;
+  std::uint32_t contactPlaces_;
+  Reducer reducer_;
+  Profile profile_;
+  bool contactRecords_ = false;
   std::uint64_t repeats_ = 0;
 };
 

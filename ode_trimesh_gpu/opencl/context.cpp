@@ -18,11 +18,12 @@ QueueHandle Context::makeQueue(bool profiling) const {
 }
 
 BufferHandle Context::makeBuffer(cl_mem_flags flags, std::size_t bytes) const {
+  ++buffersMade_;
   return BufferHandle(clMake(OTG_CL(clCreateBuffer), context_.get(), flags, bytes, static_cast<void*>(nullptr)));
 }
 
-KernelHandle Context::makeKernel(const std::string& program, const std::string& options, const char* kernel) {
-  return KernelHandle(clMake(OTG_CL(clCreateKernel), programs_->get(program, options), kernel));
+Kernel Context::makeKernel(const std::string& program, const std::string& options, const char* kernel) {
+  return Kernel(KernelHandle(clMake(OTG_CL(clCreateKernel), programs_->get(program, options), kernel)), &buffersMade_);
 }
 
 }  // namespace otg::opencl

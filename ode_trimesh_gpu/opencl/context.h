@@ -2,10 +2,13 @@
 // One OpenCL context on one device, with what is shared by all queries on it.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <memory>
 
 #include "opencl/device.h"
 #include "opencl/handle.h"
+#include "opencl/kernel.h"
 #include "opencl/programs.h"
 
 namespace otg::opencl {
@@ -22,13 +25,16 @@ class Context {
 
   /// In-order. Throws ClError.
   QueueHandle makeQueue(bool profiling) const;
+  /// How many buffers were made so far: as long as that stays the same, a buffer's handle means the same buffer.
+  std::uint64_t buffersMade() const { return buffersMade_; }
   BufferHandle makeBuffer(cl_mem_flags flags, std::size_t bytes) const;
-  KernelHandle makeKernel(const std::string& program, const std::string& options, const char* kernel);
+  Kernel makeKernel(const std::string& program, const std::string& options, const char* kernel);
 
  private:
   FoundDevice device_;
   ContextHandle context_;
   std::unique_ptr<Programs> programs_;
+  mutable std::atomic<std::uint64_t> buffersMade_{0};
 };
 
 }  // namespace otg::opencl

@@ -13,7 +13,7 @@ namespace otg::opencl {
 /// Sets the arguments of a kernel one after the other.
 class Arguments {
  public:
-  explicit Arguments(cl_kernel kernel) : kernel_(kernel) {}
+  explicit Arguments(Kernel& kernel) : kernel_(kernel) { kernel.begin(); }
   template <class T>
   Arguments& operator<<(const T& value) {
     return bytes(sizeof value, &value);
@@ -22,17 +22,17 @@ class Arguments {
 
  private:
   Arguments& bytes(std::size_t size, const void* value) {
-    clDo(OTG_CL(clSetKernelArg), kernel_, index_++, size, value);
+    kernel_.set(index_++, size, value);
     return *this;
   }
-  cl_kernel kernel_;
+  Kernel& kernel_;
   cl_uint index_ = 0;
 };
 
 /// Times of what was enqueued, by stage, from the device's own clock. Off unless asked for: events cost time.
 class Profile {
  public:
-  enum Stage { kTop, kMain, kContacts, kReadBack, kStages };
+  enum Stage { kWrite, kTop, kLevels, kMain, kContacts, kRegions, kSelect, kChoose, kReadBack, kStages };
   explicit Profile(bool on) : on_(on) {}
   /// Where an enqueueing function puts its event; null when off.
   cl_event* next(Stage stage) {
@@ -71,10 +71,10 @@ class Profile {
   double ms_[kStages] = {};
 };
 
-inline void launch(cl_command_queue queue, cl_kernel kernel, std::size_t groupSize, std::size_t groupsX,
+inline void launch(cl_command_queue queue, const Kernel& kernel, std::size_t groupSize, std::size_t groupsX,
                    std::size_t groupsY = 1, cl_event* event = nullptr) {
   const std::size_t local[2] = {groupSize, 1}, global[2] = {groupsX * groupSize, groupsY};
-  clDo(OTG_CL(clEnqueueNDRangeKernel), queue, kernel, cl_uint{2}, static_cast<const std::size_t*>(nullptr),
+  clDo(OTG_CL(clEnqueueNDRangeKernel), queue, kernel.get(), cl_uint{2}, static_cast<const std::size_t*>(nullptr),
        static_cast<const std::size_t*>(global), static_cast<const std::size_t*>(local), cl_uint{0},
        static_cast<const cl_event*>(nullptr), event);
 }
@@ -85,10 +85,25 @@ inline void readBlocking(cl_command_queue queue, cl_mem from, std::size_t bytes,
        static_cast<const cl_event*>(nullptr), event);
 }
 
+/// The same, asking for the event again and again instead of leaving the wait to the driver.
+inline void readPolling(cl_command_queue queue, cl_mem from, std::size_t bytes, void* to) {
+  cl_event made = nullptr;
+  clDo(OTG_CL(clEnqueueReadBuffer), queue, from, cl_bool{CL_FALSE}, std::size_t{0}, bytes, to, cl_uint{0},
+       static_cast<const cl_event*>(nullptr), &made);
+  const EventHandle event(made);
+  clDo(OTG_CL(clFlush), queue);
+  for (cl_int status = CL_QUEUED; status != CL_COMPLETE;) {
+    clDo(OTG_CL(clGetEventInfo), event.get(), cl_event_info{CL_EVENT_COMMAND_EXECUTION_STATUS}, sizeof status,
+         static_cast<void*>(&status), static_cast<std::size_t*>(nullptr));
+    if (status < 0) throw ClError("clEnqueueReadBuffer", status);
+  }
+}
+
 /// Does not wait: `from` has to stay as it is until something later in the queue was waited for.
-inline void writeLater(cl_command_queue queue, cl_mem to, std::size_t bytes, const void* from) {
+inline void writeLater(cl_command_queue queue, cl_mem to, std::size_t bytes, const void* from,
+                       cl_event* event = nullptr) {
   clDo(OTG_CL(clEnqueueWriteBuffer), queue, to, cl_bool{CL_FALSE}, std::size_t{0}, bytes, from, cl_uint{0},
-       static_cast<const cl_event*>(nullptr), static_cast<cl_event*>(nullptr));
+       static_cast<const cl_event*>(nullptr), event);
 }
 
 inline void fillZero(cl_command_queue queue, cl_mem buffer, std::size_t bytes) {

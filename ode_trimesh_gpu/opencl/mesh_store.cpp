@@ -29,7 +29,7 @@ struct MeshStore::Packed {
   Packed(const CollisionMesh& collisionMesh, std::uint32_t leafTriangles) {
     const TriMesh& mesh = collisionMesh.mesh();
     const PackedTree tree = makePackedTree(collisionMesh.tree(), leafTriangles);
-    units.reserve(2 * tree.nodes.size() + 3 * tree.triangles.size() + 2 * tree.cut.size());
+    units.reserve(2 * tree.nodes.size() + 4 * tree.triangles.size() + 2 * tree.cut.size());
     const auto addNode = [&](const PackedNode& n, std::uint32_t first) {
       units.push_back({n.center.x, n.center.y, n.center.z, first});
       units.push_back({n.extent.x, n.extent.y, n.extent.z, static_cast<std::uint32_t>(n.count)});
@@ -49,6 +49,33 @@ struct MeshStore::Packed {
     for (const std::uint32_t node : tree.cut) addNode(tree.nodes[node], node);
     place.center = mesh.center();
     place.depth = tree.depth;
+    place.radius = mesh.radius();
+    place.triangles = static_cast<std::uint32_t>(mesh.triangleCount());
+    addRings(mesh);
+  }
+
+ private:
+  /// See OTG_RING_TWIN.
+  void addRings(const TriMesh& mesh) {
+    const Topology& topology = mesh.topology();
+    const std::size_t halfEdges = 3 * mesh.triangleCount();
+    std::vector<std::uint32_t> next(halfEdges), last(topology.edgeCount(), kNone), count(topology.edgeCount(), 0);
+    for (std::uint32_t h = 0; h < halfEdges; ++h) {
+      next[h] = h;
+      const std::uint32_t edge = topology.edgeOf[h];
+      if (edge == kNone) continue;
+      if (last[edge] != kNone) std::swap(next[h], next[last[edge]]);
+      last[edge] = h;
+      if (++count[edge] > OTG_MOST_ON_EDGE) place.flags |= OTG_MESH_TANGLED;
+    }
+    for (std::uint32_t h = 0; h < halfEdges; ++h) {
+      if (topology.edgeOf[h] != kNone && count[topology.edgeOf[h]] == 2) next[h] |= OTG_RING_TWIN;
+    }
+    place.rings = static_cast<std::uint32_t>(units.size());
+    for (std::uint32_t t = 0; t < mesh.triangleCount(); ++t) {
+      units.push_back({std::bit_cast<float>(next[3 * t]), std::bit_cast<float>(next[3 * t + 1]),
+                       std::bit_cast<float>(next[3 * t + 2]), mesh.callerTriangle(t)});
+    }
   }
 };
 
@@ -92,6 +119,7 @@ void MeshStore::upload(const Packed& packed, Resident& resident) {
   resident.place.nodes += begin;
   resident.place.soup += begin;
   resident.place.cut += begin;
+  resident.place.rings += begin;
   taken_[begin] = begin + units;
   ++counts_.uploads;
   counts_.bytesUploaded += units * kUnit;

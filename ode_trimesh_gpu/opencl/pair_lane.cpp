@@ -9,8 +9,6 @@ namespace otg::opencl {
 namespace {
 
 constexpr std::uint32_t kCutTile = 16;  // OTG_CUT_TILE of pair_query.cl
-constexpr std::size_t kResultGroup = 64;
-
 }  // namespace
 
 PairLane::PairLane(Context& context, MeshStore& meshes, const Tuning& tuning)
@@ -20,28 +18,37 @@ PairLane::PairLane(Context& context, MeshStore& meshes, const Tuning& tuning)
       groups_(std::max<std::size_t>(1, std::size_t{context.info().computeUnits} * tuning.groupsPerUnit)),
       queue_(context.makeQueue(tuning.profile)),
       results_(tuning.recordsExpected),
+      chosen_(tuning.readMode),
+      reducer_(context, tuning, true),
       profile_(tuning.profile) {
   const std::string walk =
       "-DOTG_GROUP=" + std::to_string(tuning.group) + " -DOTG_LEAF=" + std::to_string(meshes.leafTriangles());
-  const std::string results = "-DOTG_GROUP=" + std::to_string(kResultGroup) + " -DOTG_CONTACTS=";
+  const auto results = [&](int makes, int reduces) {
+    return "-DOTG_GROUP=" + std::to_string(tuning.recordGroup) + " -DOTG_CONTACTS=" + std::to_string(makes) +
+           " -DOTG_REDUCE=" + std::to_string(reduces);
+  };
   cut_ = context.makeKernel("pair_query.cl", walk, "pairCut");
   level_ = context.makeKernel("pair_query.cl", walk, "pairLevel");
   tail_ = context.makeKernel("pair_query.cl", walk, "pairTail");
-  pairs_ = context.makeKernel("pair_results.cl", results + "0", "pairResults");
-  if (context.info().doubles) contacts_ = context.makeKernel("pair_results.cl", results + "1", "pairResults");
+  pairs_ = context.makeKernel("pair_results.cl", results(0, 0), "pairResults");
+  if (context.info().doubles) {
+    contacts_ = context.makeKernel("pair_results.cl", results(1, 0), "pairResults");
+    if (reducer_.works()) entered_ = context.makeKernel("pair_results.cl", results(1, 1), "pairResults");
+  }
   counters_ = context.makeBuffer(CL_MEM_READ_WRITE, OTG_COUNTERS * sizeof(otg_uint));
   fillZero(queue_.get(), counters_.get(), OTG_COUNTERS * sizeof(otg_uint));
   for (DeviceList* list : {&level0_, &level1_, &level2_}) list->reserve(context, tuning.pairPlaces);
   leaves_.reserve(context, tuning.leafPlaces);
   hits_.reserve(context, tuning.hitPlaces);
+  reducer_.reserveStates(1);
 }
 
-Answer PairLane::run(const Query& query, const PairFrame& frame, bool contacts) {
+PairAnswer PairLane::run(const Query& query, const PairFrame& frame, bool contacts) {
   const CollisionMesh* const both[] = {query.a, query.b};
   const MeshStore::Pinned pinned = meshes_.acquire(both);
   const otg_device_pair pair{deviceBoxes(frame), frame.floatError, pinned[0], pinned[1]};
   try {
-    return runOn(pair, query.bInA, pinned.buffer(), contacts && contacts_);
+    return runOn(pair, query, pinned.buffer(), contacts && contacts_);
   } catch (...) {
     // Kernels may still be reading the meshes, which are not pinned any longer in a moment.
     clRelease(OTG_CL(clFinish), queue_.get());
@@ -49,36 +56,58 @@ Answer PairLane::run(const Query& query, const PairFrame& frame, bool contacts) 
   }
 }
 
-Answer PairLane::runOn(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, bool contacts) {
+PairAnswer PairLane::runOn(const otg_device_pair& pair, const Query& query, cl_mem meshes, bool contacts) {
+  const cl_command_queue queue = queue_.get();
+  const otg_reduction how = deviceReduction(query.options, !contacts || !reducer_.works());
+  const bool reduce = how.method != OTG_REDUCE_BY_HOST && !((pair.a.flags | pair.b.flags) & OTG_MESH_TANGLED);
+  PairAnswer answer;
+  if (reduce) reducer_.send(queue, {&how, 1});
   for (;; ++repeats_) {
     results_.reserve(context_, hits_.places());
-    enqueue(pair, bInA, meshes, contacts);
-    if (!makeRoom(results_.readHead(context_, queue_.get(), contacts, &profile_))) break;
+    if (reduce) reducer_.reserve(queue, 1, hits_.places(), how.places);
+    chosen_.reserve(context_, 1, reduce ? reducer_.contactsOfPair() : 0);
+    enqueue(pair, query.bInA, meshes, how, contacts, reduce);
+    const otg_uint* counters = reduce ? chosen_.readHead(context_, queue, 1, true, &profile_)
+                                      : results_.readHead(context_, queue, contacts, &profile_);
+    if (makeRoom(counters)) continue;
+    if (!reduce) {
+      answer.found = results_.readRest(context_, queue, contacts, &profile_);
+    } else if (chosen_.flags()[0] & OTG_PAIR_TO_HOST) {
+      answer.found = results_.readAll(context_, queue, contacts, counters, &profile_);
+    } else {
+      answer.contacts = chosen_.readRest(context_, queue, chosen_.first()[1], &profile_);
+      answer.found.counters = chosen_.counters();
+      answer.reduced = true;
+    }
+    break;
   }
-  const Answer answer = results_.readRest(context_, queue_.get(), contacts, &profile_);
   if (profile_.on()) profile_.collect();
   return answer;
 }
 
-void PairLane::enqueue(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, bool contacts) {
+void PairLane::enqueue(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, const otg_reduction& how,
+                       bool contacts, bool reduce) {
   const cl_mem counters = counters_.get(), leaves = leaves_.get(), hits = hits_.get();
-  Arguments(cut_.get()) << pair << meshes << counters << level0_.get() << level0_.places() << leaves
-                        << leaves_.places();
-  launch(queue_.get(), cut_.get(), tuning_.group, (pair.a.cutCount + tuning_.group - 1) / tuning_.group,
+  const cl_mem state = reducer_.states();
+  Arguments(cut_) << pair << meshes << counters << level0_.get() << level0_.places() << leaves << leaves_.places()
+                  << state << chosen_.get() << how.method;
+  launch(queue_.get(), cut_, tuning_.group, (pair.a.cutCount + tuning_.group - 1) / tuning_.group,
          (pair.b.cutCount + kCutTile - 1) / kCutTile, profile_.next(Profile::kTop));
+  if (tuning_.flushes & 1) clDo(OTG_CL(clFlush), queue_.get());
   for (otg_uint level = 0; level < 2; ++level) {
     const DeviceList& in = level == 0 ? level0_ : level1_;
     const DeviceList& out = level == 0 ? level1_ : level2_;
-    Arguments(level_.get()) << pair << meshes << counters << level << in.get() << in.places() << out.get()
-                            << out.places() << leaves << leaves_.places();
-    launch(queue_.get(), level_.get(), tuning_.group, groups_, 1, profile_.next(Profile::kMain));
+    Arguments(level_) << pair << meshes << counters << level << in.get() << in.places() << out.get() << out.places()
+                      << leaves << leaves_.places();
+    launch(queue_.get(), level_, tuning_.group, groups_, 1, profile_.next(Profile::kLevels));
   }
   const otg_uint stackSize = stackSizeFor(tuning_, pair.a.depth + pair.b.depth);
-  (Arguments(tail_.get()) << pair << meshes << counters << level2_.get() << level2_.places() << leaves
-                          << leaves_.places() << hits << hits_.places() << stackSize)
+  (Arguments(tail_) << pair << meshes << counters << level2_.get() << level2_.places() << leaves << leaves_.places()
+                    << hits << hits_.places() << stackSize)
       .local(stackSize * sizeof(cl_uint2));
-  launch(queue_.get(), tail_.get(), tuning_.group, groups_, 1, profile_.next(Profile::kMain));
-  const cl_kernel last = contacts ? contacts_.get() : pairs_.get();
+  launch(queue_.get(), tail_, tuning_.group, groups_, 1, profile_.next(Profile::kMain));
+  if (tuning_.flushes & 2) clDo(OTG_CL(clFlush), queue_.get());
+  Kernel& last = reduce ? entered_ : contacts ? contacts_ : pairs_;
   Arguments arguments(last);
   arguments << pair;
   if (context_.info().doubles) {
@@ -87,7 +116,12 @@ void PairLane::enqueue(const otg_device_pair& pair, const Transformd& bInA, cl_m
     arguments << cl_int{0};
   }
   arguments << meshes << counters << hits << hits_.places() << results_.get();
-  launch(queue_.get(), last, kResultGroup, groups_, 1, profile_.next(Profile::kContacts));
+  if (reduce) {
+    arguments << reducer_.links() << reducer_.tables() << reducer_.tableSize() << state << chosen_.get();
+  }
+  launch(queue_.get(), last, tuning_.recordGroup, groups_, 1, profile_.next(Profile::kContacts));
+  if (!reduce) return;
+  reducer_.enqueue(queue_.get(), meshes, counters, results_.get(), hits_.places(), 1, chosen_, groups_, profile_);
 }
 
 /// After a run: false if every list was long enough, else they have grown.

@@ -3,13 +3,22 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "collide/pair_frame.h"
 #include "opencl/mesh_store.h"
+#include "opencl/reducer.h"
 #include "opencl/result_buffer.h"
 #include "opencl/tuning.h"
 
 namespace otg::opencl {
+
+/// What a query of one pair found, good until the lane's next one.
+struct PairAnswer {
+  Answer found;          ///< the counters; the records unless the contacts are reduced
+  bool reduced = false;  ///< `contacts` is the answer
+  std::span<const Contact> contacts;
+};
 
 /// One thread at a time. After a ClError the lane is of no further use.
 class PairLane {
@@ -18,9 +27,9 @@ class PairLane {
   PairLane(const PairLane&) = delete;
   PairLane& operator=(const PairLane&) = delete;
 
-  /// Middle and near phase of one pair, and its contacts if `contacts` and the device has doubles. The answer is good
-  /// until the next call. Throws ClError.
-  Answer run(const Query& query, const PairFrame& frame, bool contacts);
+  /// Middle and near phase of one pair, its contacts if `contacts` and the device has doubles, and their reduction
+  /// where that can be done there. Throws ClError.
+  PairAnswer run(const Query& query, const PairFrame& frame, bool contacts);
 
   /// Of the last query, if tuning.profile is set.
   const Profile& profile() const { return profile_; }
@@ -28,8 +37,9 @@ class PairLane {
   std::uint64_t repeats() const { return repeats_; }
 
  private:
-  Answer runOn(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, bool contacts);
-  void enqueue(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, bool contacts);
+  PairAnswer runOn(const otg_device_pair& pair, const Query& query, cl_mem meshes, bool contacts);
+  void enqueue(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, const otg_reduction& how,
+               bool contacts, bool reduce);
   bool makeRoom(const otg_uint* counters);
 
   Context& context_;
@@ -37,11 +47,13 @@ class PairLane {
   const Tuning tuning_;
   const std::size_t groups_;
   QueueHandle queue_;
-  KernelHandle cut_, level_, tail_, pairs_, contacts_;
+  Kernel cut_, level_, tail_, pairs_, contacts_, entered_;
   BufferHandle counters_;
   DeviceList level0_{sizeof(cl_uint2)}, level1_{sizeof(cl_uint2)}, level2_{sizeof(cl_uint2)}, leaves_{sizeof(cl_uint2)},
       hits_{sizeof(cl_uint2)};
   ResultBuffer results_;
+  ChosenBuffer chosen_;
+  Reducer reducer_;
   Profile profile_;
   std::uint64_t repeats_ = 0;
 };

@@ -79,9 +79,9 @@ void PhaseLane::walk(const otg_device_pair& pair, cl_mem meshes, std::vector<Tri
     StepCounters counters{};
     for (;; ++repeats_) {
       fillZero(queue, counters_.get(), sizeof counters);
-      Arguments(middle_.get()) << pair << meshes << counters_.get() << in_.get() << count << out_.get() << out_.places()
+      Arguments(middle_) << pair << meshes << counters_.get() << in_.get() << count << out_.get() << out_.places()
                                << found_.get() << found_.places();
-      launch(queue, middle_.get(), kGroup,
+      launch(queue, middle_, kGroup,
              std::min<std::size_t>(groups_, (8 * std::size_t{count} + kGroup - 1) / kGroup));
       readBlocking(queue, counters_.get(), sizeof counters, &counters);
       if (counters.out <= out_.places() && counters.found <= found_.places()) break;
@@ -118,7 +118,7 @@ void PhaseLane::test(const otg_device_pair& pair, const Transformd& bInA, cl_mem
   recordList_.reserve(context_, std::bit_ceil(std::uint64_t{count}));
   records_.resize(count);
   writeLater(queue, in_.get(), count * sizeof(cl_uint2), pairs_.data());
-  Arguments arguments(near_.get());
+  Arguments arguments(near_);
   arguments << pair;
   if (context_.info().doubles) {
     arguments << bInA;
@@ -126,7 +126,7 @@ void PhaseLane::test(const otg_device_pair& pair, const Transformd& bInA, cl_mem
     arguments << cl_int{0};
   }
   arguments << meshes << in_.get() << static_cast<otg_uint>(count) << recordList_.get();
-  launch(queue, near_.get(), kGroup, std::min(groups_, (count + kGroup - 1) / kGroup));
+  launch(queue, near_, kGroup, std::min(groups_, (count + kGroup - 1) / kGroup));
   readBlocking(queue, recordList_.get(), count * sizeof(otg_pair_record), records_.data());
 }
 

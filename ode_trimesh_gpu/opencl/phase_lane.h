@@ -56,7 +56,7 @@ class PhaseLane {
   const std::size_t groups_;
   const Tuning tuning_;
   QueueHandle queue_;
-  KernelHandle middle_, near_;
+  Kernel middle_, near_;
   BufferHandle counters_;
   DeviceList in_{sizeof(cl_uint2)}, out_{sizeof(cl_uint2)}, found_{sizeof(cl_uint2)},
       recordList_{sizeof(otg_pair_record)};

@@ -2,9 +2,27 @@
 #include "opencl/result_buffer.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <type_traits>
 
 namespace otg::opencl {
 namespace {
+
+// Devices write contacts as the host has them.
+static_assert(sizeof(Contact) == sizeof(otg_chosen_contact) && std::is_trivially_copyable_v<Contact>);
+static_assert(offsetof(Contact, normal) == offsetof(otg_chosen_contact, normal) &&
+              offsetof(Contact, depth) == offsetof(otg_chosen_contact, depth) &&
+              offsetof(Contact, triangleA) == offsetof(otg_chosen_contact, triangleA) &&
+              offsetof(Contact, triangleB) == offsetof(otg_chosen_contact, triangleB) &&
+              offsetof(Contact, region) == offsetof(otg_chosen_contact, region) &&
+              offsetof(Contact, feature) == offsetof(otg_chosen_contact, feature) &&
+              offsetof(Contact, element) == offsetof(otg_chosen_contact, element) &&
+              offsetof(Contact, ordinal) == offsetof(otg_chosen_contact, ordinal) &&
+              offsetof(Contact, coherence) == offsetof(otg_chosen_contact, coherence));
+static_assert(static_cast<int>(ContactFeature::kFaceA) == OTG_RECORD_FACE_A &&
+              static_cast<int>(ContactFeature::kFaceB) == OTG_RECORD_FACE_B &&
+              static_cast<int>(ContactFeature::kCoplanar) == OTG_RECORD_COPLANAR);
 
 std::size_t recordSize(bool contacts) {
   return contacts ? sizeof(otg_contact_record) : sizeof(otg_pair_record);
@@ -30,6 +48,45 @@ Answer ResultBuffer::readRest(Context& context, cl_command_queue queue, bool con
   // The next query is likely to have about as many.
   expected_ = std::max(least_, count + count / 4);
   return {reinterpret_cast<const otg_uint*>(host_.data()), host_.data() + OTG_RESULT_HEAD, count, size};
+}
+
+Answer ResultBuffer::readAll(Context& context, cl_command_queue queue, bool contacts, const otg_uint* counters,
+                             Profile* profile) {
+  const std::uint32_t count = counters[OTG_COUNT_HITS];
+  read(context, queue, OTG_RESULT_HEAD + count * recordSize(contacts), profile);
+  return {counters, host_.data() + OTG_RESULT_HEAD, count, recordSize(contacts)};
+}
+
+void ChosenBuffer::reserve(Context& context, std::uint32_t pairs, std::uint32_t contacts) {
+  const std::uint64_t bytes = OTG_RESULT_CONTACTS(std::uint64_t{pairs}) + contacts * sizeof(Contact);
+  buffer_.reserve(context, bytes);
+  contactPlaces_ = contacts;
+}
+
+void ChosenBuffer::read(Context& context, cl_command_queue queue, std::size_t bytes, Profile* profile) {
+  host_.reserve(context, queue, bytes);
+  if (readMode_ == 2 && !(profile && profile->on())) {
+    readPolling(queue, buffer_.get(), bytes, host_.data());
+    return;
+  }
+  if (readMode_ == 1) clDo(OTG_CL(clFinish), queue);
+  readBlocking(queue, buffer_.get(), bytes, host_.data(), profile ? profile->next(Profile::kReadBack) : nullptr);
+}
+
+const otg_uint* ChosenBuffer::readHead(Context& context, cl_command_queue queue, std::uint32_t pairs, bool contacts,
+                                       Profile* profile) {
+  pairs_ = pairs;
+  have_ = contacts ? std::min(expected_, contactPlaces_) : 0;
+  read(context, queue, OTG_RESULT_CONTACTS(std::size_t{pairs}) + have_ * sizeof(Contact), profile);
+  return reinterpret_cast<const otg_uint*>(host_.data());
+}
+
+std::span<const Contact> ChosenBuffer::readRest(Context& context, cl_command_queue queue, std::uint32_t count,
+                                                Profile* profile) {
+  const std::size_t begin = OTG_RESULT_CONTACTS(std::size_t{pairs_});
+  if (count > have_) read(context, queue, begin + count * sizeof(Contact), profile);
+  expected_ = std::max(64u, count + count / 8);
+  return {reinterpret_cast<const Contact*>(host_.data() + begin), count};
 }
 
 }  // namespace otg::opencl

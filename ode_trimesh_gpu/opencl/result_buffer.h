@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The way of results back to the host: a head with the counters and one record for each hit, read at once as far as can
-// be foreseen.
+// The way of results back to the host: a head with the counters and what follows it, read at once as far as can be
+// foreseen.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
+#include "collide/query.h"
 #include "opencl/launch.h"
 #include "opencl/pinned_buffer.h"
 #include "shared/device_layout.h"
@@ -22,6 +23,7 @@ struct Answer {
   bool hasContacts() const { return recordSize == sizeof(otg_contact_record); }
 };
 
+/// Records of hits behind a head.
 class ResultBuffer {
  public:
   /// Reads `expected` records in the first query.
@@ -34,12 +36,41 @@ class ResultBuffer {
   const otg_uint* readHead(Context& context, cl_command_queue queue, bool contacts, Profile* profile = nullptr);
   /// After readHead: the records that were not read yet, if any.
   Answer readRest(Context& context, cl_command_queue queue, bool contacts, Profile* profile = nullptr);
+  /// All records where no kernel wrote the head: so many, with these counters.
+  Answer readAll(Context& context, cl_command_queue queue, bool contacts, const otg_uint* counters,
+                 Profile* profile = nullptr);
 
  private:
   void read(Context& context, cl_command_queue queue, std::size_t bytes, Profile* profile);
   DeviceList buffer_{sizeof(otg_contact_record)};
   PinnedBuffer host_;
   std::uint32_t least_, expected_, have_ = 0;
+};
+
+/// Chosen contacts behind a head, a flag for each pair and the places of their contacts.
+class ChosenBuffer {
+ public:
+  explicit ChosenBuffer(std::uint32_t readMode) : readMode_(readMode) {}
+  void reserve(Context& context, std::uint32_t pairs, std::uint32_t contacts);
+  cl_mem get() const { return buffer_.get(); }
+  std::uint32_t contactPlaces() const { return contactPlaces_; }
+
+  /// Waits for the queue and reads the head, what belongs to each pair, and as many contacts as were there last time.
+  const otg_uint* readHead(Context& context, cl_command_queue queue, std::uint32_t pairs, bool contacts,
+                           Profile* profile = nullptr);
+  /// After readHead: the contacts that were not read yet, if any. `count` is at most contactPlaces().
+  std::span<const Contact> readRest(Context& context, cl_command_queue queue, std::uint32_t count,
+                                    Profile* profile = nullptr);
+  const otg_uint* counters() const { return reinterpret_cast<const otg_uint*>(host_.data()); }
+  const otg_uint* flags() const { return counters() + OTG_FLAGS; }
+  const otg_uint* first() const { return flags() + pairs_; }
+
+ private:
+  void read(Context& context, cl_command_queue queue, std::size_t bytes, Profile* profile);
+  const std::uint32_t readMode_;
+  DeviceList buffer_{1};
+  PinnedBuffer host_;
+  std::uint32_t pairs_ = 0, contactPlaces_ = 0, expected_ = 64, have_ = 0;
 };
 
 }  // namespace otg::opencl

@@ -15,7 +15,17 @@ struct Tuning {
   std::uint64_t batchTriangles = 200000;  ///< a pair with more triangles is not left to one work-group
   /// Places in the lists between kernels. A list that is too short grows, and the query is run again.
   std::uint32_t pairPlaces = 1u << 16, leafPlaces = 1u << 16, hitPlaces = 1u << 14;
-  std::uint32_t stackRoom = 512;  ///< pairs that a work-group stacks before it goes on with one at a time, 16 or more
+  std::uint32_t stackRoom = 512;    ///< pairs that a work-group stacks before it goes on with one at a time, 16 or more
+  std::uint32_t recordGroup = 64;   ///< work-items of a work-group that makes contacts or finds regions, 64 at least
+  std::uint32_t chooseGroup = 128;  ///< work-items that choose the contacts of a single pair
+  std::uint32_t batchChooseGroup = 64;  ///< work-items that choose the contacts of one pair of a batch
+  /// Contacts after binning, and regions, that one pair may have on the device, 1,024 at most. With more the host
+  /// chooses.
+  std::uint32_t keptPlaces = 1024, batchKeptPlaces = 256;
+  std::uint32_t contactPlaces = 1u << 15;  ///< contacts that a batch may have; more grow the list, as above
+  std::uint32_t readMode = 0;  ///< how reduced contacts are waited for: 0 a blocking read, 1 clFinish first, 2 polling
+  std::uint32_t flushes = 0;   ///< clFlush: 1 after the first launch of a query, 2 after the traversal, 3 after both
+  bool reduce = true;          ///< find regions and reduce contacts on the device
   std::uint32_t recordsExpected = 512;  ///< read with the head of the results in the first query
   std::uint64_t memoryBudget = 0;       ///< bytes for meshes; 0: half of the device's memory
   bool profile = false;                 ///< take times of the stages of single queries, which costs some

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Many pairs in one submission: each has the contacts that it has by itself.
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <stdexcept>
@@ -129,6 +130,58 @@ TEST_CASE("a batch of all kinds of meshes has the contacts of each pair by itsel
   tuning.hitPlaces = 1;
   tuning.recordsExpected = 1;
   check(tuning, true);
+  tuning = {};
+  tuning.hitPlaces = 1u << 20;
+  tuning.contactPlaces = 1;
+  check(tuning, true);
+  tuning.contactPlaces = 1u << 16;
+  tuning.batchKeptPlaces = 10;  // most pairs have more, and go to the host
+  tuning.batchChooseGroup = 32;
+  tuning.recordGroup = 128;
+  check(tuning, false);
+  tuning.reduce = false;
+  check(tuning, false);
+}
+
+TEST_CASE("pairs of numbered meshes have the contacts of queries, and a second run gives the same bytes") {
+  const MeshList meshes = mixedMeshes();
+  opencl::PairBatch batch;
+  std::vector<const CollisionMesh*> all;
+  for (const auto& mesh : meshes) all.push_back(mesh.get());
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  for (const ContactModel model : {ContactModel::kPairwise, ContactModel::kSolid}) {
+    std::vector<Query> queries = randomQueries(meshes, 5, 200);
+    std::vector<opencl::MeshPair> pairs;
+    for (Query& query : queries) {
+      query.options = {};
+      query.options.maxContacts = 9;
+      query.options.contacts = model;
+      const auto number = [&](const CollisionMesh* mesh) {
+        return static_cast<std::uint32_t>(std::find(all.begin(), all.end(), mesh) - all.begin());
+      };
+      pairs.push_back({number(query.a), number(query.b), query.bInA});
+    }
+    const Expected expected = onHost(queries);
+    batch.meshes = all;
+    batch.pairs = pairs;
+    batch.options = queries[0].options;
+    for (int round = 0; round < 3; ++round) {
+      opencl::BatchAnswer answer;
+      opencl::StageTimes times;
+      CHECK(backend->collideBatch(batch, answer, round == 2 ? &times : nullptr));
+      REQUIRE(answer.first.size() == queries.size() + 1);
+      std::size_t wrong = 0;
+      for (std::size_t i = 0; i < queries.size(); ++i) wrong += sameBytes(answer.of(i), expected.contacts[i]) ? 0 : 1;
+      CHECK(wrong == 0);
+      CHECK(answer.refused == expected.refused);
+      CHECK(answer.stats.intersectingPairs == expected.intersectingPairs);
+      CHECK((times.total > 0) == (round == 2));
+      std::vector<std::uint8_t> intersects;
+      CHECK(backend->intersectBatch(batch, intersects));
+      CHECK(intersects == expected.intersects);
+    }
+  }
 }
 
 TEST_CASE("meshes that do not fit at once are done in parts") {

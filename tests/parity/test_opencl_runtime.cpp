@@ -262,7 +262,6 @@ TEST_CASE("whichever call fails, the contacts are the same") {
             Workspace device;
             if (!backend->collide(query, device)) ++failed;
             REQUIRE(sameBytes(device.reduced, host.reduced));
-            REQUIRE((device.intersecting == host.intersecting));
           }
           FaultInjection::failAt(0);
           Workspace device;  // the backend is as good as new

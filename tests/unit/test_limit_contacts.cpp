@@ -13,19 +13,28 @@ using namespace otg::test;
 
 namespace {
 
-double squaredDistance(const Contact& x, const Contact& y, double diagonal) {
-  const Vec3d p = otgScale(otgSub(x.position, y.position), 1 / diagonal);
-  const Vec3d n = otgScale(otgSub(x.normal, y.normal), 0.5);
-  return otgDot(p, p) + otgDot(n, n);
+/// In the grid of 1,023 steps along the diagonal of the positions' bounds, and from one normal to its opposite.
+long squaredDistance(const Contact& x, const Contact& y, const Vec3d& low, double diagonal) {
+  const auto step = [](double u) { return std::lround(std::floor(std::clamp(1023 * u, 0.0, 1023.0) + 0.5)); };
+  const auto squared = [&](double u, double v) { return (step(u) - step(v)) * (step(u) - step(v)); };
+  const Vec3d p = otgScale(otgSub(x.position, low), 1 / diagonal), q = otgScale(otgSub(y.position, low), 1 / diagonal);
+  const Vec3d n = otgScale(x.normal, 0.5), m = otgScale(y.normal, 0.5);
+  return squared(p.x, q.x) + squared(p.y, q.y) + squared(p.z, q.z) + squared(0.5 + n.x, 0.5 + m.x) +
+         squared(0.5 + n.y, 0.5 + m.y) + squared(0.5 + n.z, 0.5 + m.z);
+}
+
+Vec3d rounded(const Vec3d& p) {
+  return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
 }
 
 /// The definition by brute force: representatives, then always the farthest from all chosen.
 std::vector<Contact> naive(std::vector<Contact> all, std::size_t count) {
   std::sort(all.begin(), all.end(), contactDeeper);
-  Vec3d low = all[0].position, high = low;
+  Vec3d low = rounded(all[0].position), high = low;
   for (const Contact& c : all) {
-    low = {std::min(low.x, c.position.x), std::min(low.y, c.position.y), std::min(low.z, c.position.z)};
-    high = {std::max(high.x, c.position.x), std::max(high.y, c.position.y), std::max(high.z, c.position.z)};
+    const Vec3d p = rounded(c.position);
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
   }
   const Vec3d size = otgSub(high, low);
   const double diagonal = std::sqrt(otgDot(size, size));
@@ -36,11 +45,11 @@ std::vector<Contact> naive(std::vector<Contact> all, std::size_t count) {
   }
   while (chosen.size() < count) {
     const Contact* best = nullptr;
-    double bestDistance = -1;
+    long bestDistance = -1;
     for (const Contact& c : all) {
       if (contains(chosen, c)) continue;
-      double d = 1e300;
-      for (const Contact& k : chosen) d = std::min(d, squaredDistance(c, k, diagonal));
+      long d = 1L << 40;
+      for (const Contact& k : chosen) d = std::min(d, squaredDistance(c, k, low, diagonal));
       if (d > bestDistance) {
         bestDistance = d;
         best = &c;

@@ -31,14 +31,15 @@ Placed place(const Contact& c, const std::vector<Contact>& all, const std::array
   for (std::size_t k = 0; k < 6; ++k) {
     double low = -1, high = 1;
     if (k < 3) {
-      low = high = get(all[0], k);
+      // Bounds are rounded to single precision.
+      low = high = static_cast<float>(get(all[0], k));
       for (const Contact& other : all) {
-        low = std::min(low, get(other, k));
-        high = std::max(high, get(other, k));
+        low = std::min<double>(low, static_cast<float>(get(other, k)));
+        high = std::max<double>(high, static_cast<float>(get(other, k)));
       }
     }
     const double u = high > low ? (get(c, k) - low) / (high - low) : 0.5;
-    placed.bin[k] = std::min(static_cast<int>(std::floor(u * bins[k])), bins[k] - 1);
+    placed.bin[k] = std::clamp(static_cast<int>(std::floor(u * bins[k])), 0, bins[k] - 1);
     placed.score += (u - 0.5) * (u - 0.5);
   }
   return placed;
