@@ -5,11 +5,12 @@
 #include "opencl/device_info.h"
 #include "otg/command.h"
 #include "otg/query_options.h"
+#include "scenes/opencl_drivers.h"
 
 namespace otg::cli {
 
 std::vector<opencl::DeviceInfo> findDevices() {
-  if (opencl::driversSurviveListing()) return opencl::listDevices();
+  if (scenes::driversSurviveListing()) return opencl::listDevices();
   progress("note: the OpenCL driver ends programs that ask for its devices; none is used");
   return {};
 }

@@ -2,9 +2,6 @@
 // Finding OpenCL devices and choosing one.
 #include "opencl/device.h"
 
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -163,16 +160,6 @@ std::vector<DeviceInfo> listDevices() {
   std::vector<DeviceInfo> out;
   for (FoundDevice& device : findDevices()) out.push_back(std::move(device.info));
   return out;
-}
-
-bool driversSurviveListing() {
-  const pid_t child = fork();
-  if (child == 0) {
-    listDevices();
-    _exit(0);
-  }
-  int status = 0;
-  return child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status);
 }
 
 int defaultDevice(const std::vector<DeviceInfo>& devices) {

@@ -27,11 +27,6 @@ const char* nameOf(DeviceKind kind);
 /// and that is logged.
 std::vector<DeviceInfo> listDevices();
 
-/// Asks for the devices in a child process first: false if a driver ended it. Drivers have been seen to do that (PoCL
-/// where /sys is not mounted), and listDevices() would be the end of the program. Only for programs that have one
-/// thread as yet, as all that fork.
-bool driversSurviveListing();
-
 /// Number of the device that is used when none is asked for, or -1 when none is usable. The environment variable
 /// OTG_OPENCL_DEVICE chooses: a number as listed, a part of the name (case does not matter), or "none". Without it: the
 /// first GPU, else the first accelerator, else the first CPU.

@@ -7,10 +7,11 @@
 #include <string>
 
 #include "opencl/device_info.h"
+#include "scenes/opencl_drivers.h"
 #include "support/catch_runner.h"
 
 int main(int argc, char* argv[]) {
-  if (!otg::opencl::driversSurviveListing()) {
+  if (!otg::scenes::driversSurviveListing()) {
     std::puts("skipped: the OpenCL driver ended the process that asked for its devices");
     return 77;
   }
