@@ -126,7 +126,7 @@ TEST_CASE("programs come from the cache, and a damaged or foreign cache file is 
   };
   damaged([](opencl::Bytes& b) { b.clear(); });
   damaged([](opencl::Bytes& b) { b.resize(20); });
-  damaged([](opencl::Bytes& b) { b.resize(b.size() - 1); });
+  damaged([](opencl::Bytes& b) { b.resize(std::max<std::size_t>(b.size(), 1) - 1); });
   damaged([](opencl::Bytes& b) { b.push_back(0); });
   damaged([](opencl::Bytes& b) { b[0] ^= 1; });   // another format
   damaged([](opencl::Bytes& b) { b[60] ^= 1; });  // another key
