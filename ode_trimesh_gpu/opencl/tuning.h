@@ -7,7 +7,7 @@
 namespace otg::opencl {
 
 struct Tuning {
-  std::uint32_t leafTriangles = 4;        ///< most triangles of a leaf, 1 to 8
+  std::uint32_t leafTriangles = 2;        ///< most triangles of a leaf, 1 to 8
   std::uint32_t group = 128;              ///< work-items of a work-group, a multiple of 64
   std::uint32_t groupsPerUnit = 8;        ///< work-groups for each compute unit in kernels that stride over their work
   std::uint32_t batchGroup = 128;         ///< work-items for one pair of a batch, a multiple of 8, 32 at least
@@ -16,8 +16,8 @@ struct Tuning {
   /// Places in the lists between kernels. A list that is too short grows, and the query is run again.
   std::uint32_t pairPlaces = 1u << 16, leafPlaces = 1u << 16, hitPlaces = 1u << 14;
   std::uint32_t stackRoom = 512;    ///< pairs that a work-group stacks before it goes on with one at a time, 16 or more
-  std::uint32_t recordGroup = 64;   ///< work-items of a work-group that makes contacts or finds regions, 64 at least
-  std::uint32_t chooseGroup = 128;  ///< work-items that choose the contacts of a single pair
+  std::uint32_t recordGroup = 256;  ///< work-items of a work-group that makes contacts or finds regions, 64 at least
+  std::uint32_t chooseGroup = 256;  ///< work-items that choose the contacts of a single pair
   std::uint32_t batchChooseGroup = 64;  ///< work-items that choose the contacts of one pair of a batch
   /// Contacts after binning, and regions, that one pair may have on the device, 1,024 at most. With more the host
   /// chooses.
