@@ -99,6 +99,10 @@ void QueryOptions::addContactOptions(CLI::App& command) {
       .add_option("--contacts-per-region", contactsPerRegion,
                   "Contact model solid: no more contacts than this for one connected overlap")
       ->check(CLI::Range(1, 64));
+  command
+      .add_option("--region-merge", regionMerge,
+                  "Contact model solid: regions that come nearer to each other than this and push the same way are one")
+      ->check(CLI::Range(0.0, 1e30));
 }
 
 CollideOptions QueryOptions::collideOptions() const {
@@ -121,6 +125,7 @@ CollideOptions QueryOptions::collideOptions() const {
   }
   options.maxContacts = maxContacts;
   options.solid.contactsPerRegion = contactsPerRegion;
+  options.solid.regionMerge = regionMerge;
   return options;
 }
 

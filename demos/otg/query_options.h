@@ -24,6 +24,7 @@ struct QueryOptions {
   std::vector<int> bins;
   int maxContacts = 64;
   int contactsPerRegion = 16;
+  double regionMerge = 0;
   std::vector<int> devices;
   int threads = 0;
 

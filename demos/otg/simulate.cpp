@@ -29,6 +29,7 @@ struct SimulateOptions {
   int steps = -1;
   double dt = 0;
   int contactsPerRegion = 0;  ///< 0: the scene's
+  double regionMerge = -1;    ///< negative: the scene's
   bool noHistory = false;
   bool prefetch = false;
   std::string backend;
@@ -226,6 +227,7 @@ void printReadable(const Json& document) {
 int simulate(const SimulateOptions& options) {
   scenes::SceneDescription scene = scenes::loadScene(options.scene);
   if (options.contactsPerRegion > 0) scene.contactsPerRegion = options.contactsPerRegion;
+  if (options.regionMerge >= 0) scene.regionMerge = options.regionMerge;
   if (options.noHistory) scene.history = false;
   const scenes::OdeSession session;
   if (!options.backend.empty()) {
@@ -266,6 +268,11 @@ void addSimulateCommand(CLI::App& app, Action& action) {
       ->add_option("--contacts-per-region", options->contactsPerRegion,
                    "At most this many contacts for one connected overlap of two meshes, instead of the scene's number")
       ->check(CLI::Range(1, 64));
+  command
+      ->add_option("--region-merge", options->regionMerge,
+                   "Regions of contact of two meshes that come nearer to each other than this are one, instead of the "
+                   "scene's length")
+      ->check(CLI::Range(0.0, 1e30));
   command->add_flag("--no-history", options->noHistory,
                     "Contacts of meshes depend on the poses and velocities of the moment alone");
   command->add_flag("--prefetch", options->prefetch, "Compute the contacts of meshes ahead of the near callbacks");

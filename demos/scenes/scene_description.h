@@ -58,6 +58,7 @@ struct SceneDescription {
   double linearDamping = 0, angularDamping = 0;
   int maxContacts = 64;        ///< for each pair of geoms
   int contactsPerRegion = 16;  ///< of gpu_trimesh pairs: at most this many for one connected overlap
+  double regionMerge = 0;      ///< of gpu_trimesh pairs: overlaps that come nearer to each other than this are one
   bool history = true;         ///< of gpu_trimesh pairs: whether earlier queries may guide the next one
   SpaceKind space = SpaceKind::kHash;
   std::uint32_t seed = 0;  ///< of ODE's own random numbers (the quick stepper shuffles its rows)

@@ -259,6 +259,7 @@ SceneDescription parseScene(const std::string& text, const std::string& source, 
   scene.angularDamping = reader.number("angular_damping", scene.angularDamping, 0, 1);
   scene.maxContacts = reader.integer("max_contacts", scene.maxContacts, 1, 65535);
   scene.contactsPerRegion = reader.integer("contacts_per_region", scene.contactsPerRegion, 1, 64);
+  scene.regionMerge = reader.number("region_merge", scene.regionMerge, 0, kLargest);
   scene.history = reader.boolean("history", scene.history);
   scene.space = reader.choice<SpaceKind>("space", scene.space,
                                          {{"simple", SpaceKind::kSimple},

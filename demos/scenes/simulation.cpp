@@ -140,9 +140,10 @@ dGeomID Simulation::makeGeom(const BodyDescription& description, Body& body) con
   dGpuTriMeshParams params;
   dGpuTriMeshParamsInit(&params);
   params.contacts_per_region = scene_.contactsPerRegion;
+  params.region_merge = static_cast<dReal>(scene_.regionMerge);
   params.history = scene_.history ? dGPUTRIMESH_HISTORY_ON : dGPUTRIMESH_HISTORY_OFF;
   if (dGeomGpuTriMeshSetParams(geom, &params) != dGPUTRIMESH_OK) {
-    throw SceneError("the number of contacts for each region must be 1 to 64");
+    throw SceneError("the number of contacts for each region must be 1 to 64, and region_merge a length");
   }
   return geom;
 }

@@ -11,18 +11,6 @@
 #include "shared/triangle_test.h"
 
 namespace otg {
-namespace {
-
-void centredCornersOfA(const TriMesh& mesh, std::uint32_t triangle, Vec3f out[3]) {
-  for (int k = 0; k < 3; ++k) out[k] = otgSub(mesh.vertices()[mesh.triangles()[triangle].v[k]], mesh.center());
-}
-
-void centredCornersOfB(const TriMesh& mesh, const Transformf& toA, std::uint32_t triangle, Vec3f out[3]) {
-  centredCornersOfA(mesh, triangle, out);
-  for (int k = 0; k < 3; ++k) out[k] = otgTransform(toA, out[k]);
-}
-
-}  // namespace
 
 bool decidePair(const Query& query, const PairFrame& frame, const TrianglePair& pair, CollideStats& stats) {
   Vec3d a[3], b[3];
@@ -48,16 +36,11 @@ void nearPhase(const Query& query, Workspace& workspace) {
     const TriMesh& a = query.a->mesh();
     const TriMesh& b = query.b->mesh();
     const PairFrame frame = makePairFrame(query);
-    filterByPlanes(bestSimdLevel(), query, frame, workspace.candidates, workspace.crossing);
-    for (const TrianglePair& pair : workspace.crossing) {
-      if (a.isDegenerate(pair.a) || b.isDegenerate(pair.b)) continue;
-      Vec3f ta[3], tb[3];
-      centredCornersOfA(a, pair.a, ta);
-      centredCornersOfB(b, frame.trianglesInA, pair.b, tb);
-      const int answer = otgTrianglesFilter(frame.floatError, ta, tb);
-      if (answer == OTG_DISJOINT) continue;
-      if (answer == OTG_UNDECIDED && !decidePair(query, frame, pair, stats)) continue;
-      workspace.intersecting.push_back(pair);
+    filterTriangles(bestSimdLevel(), query, frame, workspace.candidates, workspace.intersecting, workspace.undecided);
+    const auto degenerate = [&](const TrianglePair& p) { return a.isDegenerate(p.a) || b.isDegenerate(p.b); };
+    std::erase_if(workspace.intersecting, degenerate);
+    for (const TrianglePair& pair : workspace.undecided) {
+      if (!degenerate(pair) && decidePair(query, frame, pair, stats)) workspace.intersecting.push_back(pair);
     }
     std::sort(workspace.intersecting.begin(), workspace.intersecting.end());
   }

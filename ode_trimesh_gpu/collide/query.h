@@ -113,7 +113,7 @@ struct Workspace {
   Workspace(Workspace&&) noexcept;
   Workspace& operator=(Workspace&&) noexcept;
   std::vector<TrianglePair> candidates;    ///< of the last query, in the order of traversal
-  std::vector<TrianglePair> crossing;      ///< scratch of the near phase: candidates that the plane test leaves
+  std::vector<TrianglePair> undecided;     ///< scratch of the near phase: candidates of which float cannot tell
   std::vector<TrianglePair> intersecting;  ///< ascending
   std::vector<Contact> contacts;           ///< before reduction, by (triangleA, triangleB)
   std::vector<Contact> reduced;            ///< the answer

@@ -47,9 +47,8 @@ inline SimdReal otgAbs(SimdReal a) {
   return out;
 }
 
-/// Bit k set where a > b in lane k.
-inline unsigned greaterBits(SimdReal a, SimdReal b) {
-  const SimdReal::Ints m = a.v > b.v;
+/// Bit k set where lane k of a comparison is true.
+inline unsigned bitsOf(const SimdReal::Ints& m) {
 #if defined(__AVX__)
   SimdReal::Floats signs;
   std::memcpy(&signs, &m, sizeof signs);
@@ -65,6 +64,11 @@ inline unsigned greaterBits(SimdReal a, SimdReal b) {
   for (int k = 0; k < 8; ++k) bits |= static_cast<unsigned>(m[k] != 0) << k;
   return bits;
 #endif
+}
+
+/// Bit k set where a > b in lane k.
+inline unsigned greaterBits(SimdReal a, SimdReal b) {
+  return bitsOf(a.v > b.v);
 }
 
 }  // namespace otg::OTG_SIMD_NAMESPACE

@@ -9,6 +9,7 @@
 #include "collide/solid/contour.h"
 #include "collide/solid/escape.h"
 #include "collide/solid/inside.h"
+#include "collide/solid/merge_regions.h"
 #include "collide/solid/region_contacts.h"
 #include "collide/solid/regions.h"
 
@@ -128,6 +129,9 @@ bool solidContacts(const Query& query, Workspace& workspace) {
     contactsOfRegion(
         {meshes, scratch.regions, region, number++, normals, extent, query.options.solid.contactsPerRegion, extra},
         workspace.contacts);
+  }
+  if (query.options.solid.regionMerge > 0) {
+    mergeRegions(query.options.solid.regionMerge, query.options.solid.contactsPerRegion, workspace.contacts);
   }
   state.clampLeft = entangled ? SolidHistory::kClampQueries : std::max(0, state.clampLeft - 1);
   if (state.clampLeft > 0) {

@@ -81,28 +81,31 @@ void traverseWide(SimdLevel level, const Query& query, const PairFrame& frame, s
   stats.boxTests += args.boxTests;
 }
 
-void filterByPlanes(SimdLevel level, const Query& query, const PairFrame& frame,
-                    const std::vector<TrianglePair>& candidates, std::vector<TrianglePair>& out) {
+void filterTriangles(SimdLevel level, const Query& query, const PairFrame& frame,
+                     const std::vector<TrianglePair>& candidates, std::vector<TrianglePair>& intersecting,
+                     std::vector<TrianglePair>& undecided) {
   const TriMesh& a = query.a->mesh();
   const TriMesh& b = query.b->mesh();
-  out.resize(candidates.size());
-  PlaneFilterArgs args{a.vertices().data(), b.vertices().data(), a.triangles().data(), b.triangles().data(),
-                       a.center(),          b.center(),          &frame.trianglesInA,  &frame.floatError,
-                       candidates.data(),   candidates.size(),   out.data(),           0};
+  intersecting.resize(candidates.size());
+  undecided.resize(candidates.size());
+  TriangleFilterArgs args{a.vertices().data(), b.vertices().data(), a.triangles().data(), b.triangles().data(),
+                          a.center(),          b.center(),          &frame.trianglesInA,  &frame.floatError,
+                          candidates.data(),   candidates.size(),   intersecting.data(),  undecided.data()};
   switch (level) {
 #ifdef OTG_HAVE_X86_KERNELS
     case SimdLevel::kAvx512:
-      simd_avx512::filterByPlanes(args);
+      simd_avx512::filterTriangles(args);
       break;
     case SimdLevel::kAvx2:
-      simd_avx2::filterByPlanes(args);
+      simd_avx2::filterTriangles(args);
       break;
 #endif
     default:
-      simd_baseline::filterByPlanes(args);
+      simd_baseline::filterTriangles(args);
       break;
   }
-  out.resize(args.kept);
+  intersecting.resize(args.intersectingCount);
+  undecided.resize(args.undecidedCount);
 }
 
 }  // namespace otg

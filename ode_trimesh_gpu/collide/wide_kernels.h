@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The SIMD stages of the pipeline: eight-way traversal and the plane-side filter for eight pairs of triangles.
+// The SIMD stages of the pipeline: eight-way traversal and the float filter for eight pairs of triangles.
 //
 // wide_kernels_impl.h is compiled once per instruction set (wide_kernels_<set>.cpp, with that set's compiler flags),
 // and the choice is made at run time. Inside, everything is plain pointers and always-inlined formulas: an inline
@@ -25,8 +25,10 @@ const char* simdName(SimdLevel level);
 void traverseWide(SimdLevel level, const Query& query, const PairFrame& frame, std::vector<TrianglePair>& out,
                   CollideStats& stats);
 
-/// The candidates that the float plane test cannot prove disjoint, in their order.
-void filterByPlanes(SimdLevel level, const Query& query, const PairFrame& frame,
-                    const std::vector<TrianglePair>& candidates, std::vector<TrianglePair>& out);
+/// The float filter of the near phase (otgTrianglesFilter): the candidates that certainly intersect, and those of which
+/// float cannot tell; each in their order. Says nothing of degenerate triangles.
+void filterTriangles(SimdLevel level, const Query& query, const PairFrame& frame,
+                     const std::vector<TrianglePair>& candidates, std::vector<TrianglePair>& intersecting,
+                     std::vector<TrianglePair>& undecided);
 
 }  // namespace otg

@@ -45,7 +45,7 @@ struct WideTraversalArgs {
   PairSink* out;
 };
 
-struct PlaneFilterArgs {
+struct TriangleFilterArgs {
   const Vec3f *verticesA, *verticesB;
   const Triangle *trianglesA, *trianglesB;
   Vec3f centerA, centerB;
@@ -53,14 +53,14 @@ struct PlaneFilterArgs {
   const FilterError<float>* error;
   const TrianglePair* candidates;
   std::size_t count;
-  TrianglePair* out;  ///< room for `count`
-  std::size_t kept;   ///< out
+  TrianglePair *intersecting, *undecided;                 ///< room for `count` each
+  std::size_t intersectingCount = 0, undecidedCount = 0;  ///< out
 };
 
-#define OTG_DECLARE_WIDE_KERNELS(set)         \
-  namespace set {                             \
-  void traverseWide(WideTraversalArgs& args); \
-  void filterByPlanes(PlaneFilterArgs& args); \
+#define OTG_DECLARE_WIDE_KERNELS(set)             \
+  namespace set {                                 \
+  void traverseWide(WideTraversalArgs& args);     \
+  void filterTriangles(TriangleFilterArgs& args); \
   }
 OTG_DECLARE_WIDE_KERNELS(simd_baseline)
 OTG_DECLARE_WIDE_KERNELS(simd_avx2)

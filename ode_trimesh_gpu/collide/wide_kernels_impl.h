@@ -113,24 +113,76 @@ void traverseWide(WideTraversalArgs& args) {
   args.boxTests = boxTests;
 }
 
-/// Bits of the lanes in which all three points are certainly on one side.
-inline unsigned onOneSide(const PlaneSides<SimdReal>& s) {
-  const SimdReal zero = 0.0f;
-  const unsigned above =
-      greaterBits(s.value[0], s.bound[0]) & greaterBits(s.value[1], s.bound[1]) & greaterBits(s.value[2], s.bound[2]);
-  const unsigned below = greaterBits(zero - s.value[0], s.bound[0]) & greaterBits(zero - s.value[1], s.bound[1]) &
-                         greaterBits(zero - s.value[2], s.bound[2]);
-  return above | below;
+using SimdMask = SimdReal::Ints;
+
+/// On which side of a plane three points certainly are.
+struct SideMasks {
+  SimdMask above[3], below[3];
+  SimdMask oneSide() const { return (above[0] & above[1] & above[2]) | (below[0] & below[1] & below[2]); }
+  SimdMask decided() const { return (above[0] | below[0]) & (above[1] | below[1]) & (above[2] | below[2]); }
+  /// Whether point i is the one that is alone on its side, once all are decided and not on one side.
+  SimdMask alone(int i) const { return (above[i] ^ above[(i + 1) % 3]) & (above[i] ^ above[(i + 2) % 3]); }
+};
+
+inline SideMasks sidesOf(const PlaneSides<SimdReal>& s) {
+  SideMasks m;
+  for (int i = 0; i < 3; ++i) {
+    m.above[i] = s.value[i].v > s.bound[i].v;
+    m.below[i] = s.value[i].v < -s.bound[i].v;
+  }
+  return m;
 }
 
-void filterByPlanes(PlaneFilterArgs& args) {
+inline SimdVec choose(const SimdMask& m, const SimdVec& x, const SimdVec& y) {
+  return {m ? x.x.v : y.x.v, m ? x.y.v : y.y.v, m ? x.z.v : y.z.v};
+}
+
+/// Corner i + k (modulo 3) of every lane's triangle, i the one that is alone.
+inline SimdVec cornerFrom(const SimdMask* alone, const SimdVec* corners, int k) {
+  return choose(alone[0], corners[k % 3], choose(alone[1], corners[(k + 1) % 3], corners[(k + 2) % 3]));
+}
+
+struct OrientMasks {
+  SimdMask positive, negative;
+};
+
+/// otgOrientFilter.
+inline OrientMasks orient(const FilterError<SimdReal>& e, const SimdVec& a, const SimdVec& b, const SimdVec& c,
+                          const SimdVec& d) {
+  const SimdVec u = otgSub(b, a), v = otgSub(c, a), w = otgSub(d, a);
+  const SimdReal det = otgDot(otgCross(u, v), w);
+  const SimdReal bound = otgDetBound(e, otgNorm1(u), otgNorm1(v), otgNorm1(w));
+  return {det.v > bound.v, det.v < -bound.v};
+}
+
+/// Lane by lane what otgTrianglesFilter says of pairs that its plane tests leave.
+struct FilterMasks {
+  SimdMask disjoint, intersecting;
+};
+
+inline FilterMasks filterCrossing(const FilterError<SimdReal>& e, const SideMasks& sideA, const SideMasks& sideB,
+                                  const SimdVec* a, const SimdVec* b) {
+  const SimdMask aloneA[2] = {sideA.alone(0), sideA.alone(1)}, aloneB[2] = {sideB.alone(0), sideB.alone(1)};
+  const SimdVec p1 = cornerFrom(aloneA, a, 0), p2 = cornerFrom(aloneB, b, 0);
+  const SimdVec qa = cornerFrom(aloneA, a, 1), ra = cornerFrom(aloneA, a, 2);
+  const SimdVec qb = cornerFrom(aloneB, b, 1), rb = cornerFrom(aloneB, b, 2);
+  // Whether the corner that is alone lies above the other's plane; else the other triangle is turned over.
+  const SimdMask aboveA = aloneA[0] ? sideA.above[0] : aloneA[1] ? sideA.above[1] : sideA.above[2];
+  const SimdMask aboveB = aloneB[0] ? sideB.above[0] : aloneB[1] ? sideB.above[1] : sideB.above[2];
+  const SimdVec q2 = choose(aboveA, qb, rb), r2 = choose(aboveA, rb, qb);
+  const SimdVec q1 = choose(aboveB, qa, ra), r1 = choose(aboveB, ra, qa);
+  const OrientMasks s1 = orient(e, q1, q2, p2, p1), s2 = orient(e, p1, r2, p2, r1);
+  return {s1.positive | s2.positive, s1.negative & s2.negative};
+}
+
+void filterTriangles(TriangleFilterArgs& args) {
   const SimdVec centerA = spread(args.centerA), centerB = spread(args.centerB);
   Transform<SimdReal> toA;
   for (int i = 0; i < 9; ++i) toA.r[i] = args.toA->r[i];
   toA.t = spread(args.toA->t);
   const FilterError<SimdReal> error{args.error->unit, args.error->delta, args.error->tiny};
   alignas(32) float lanes[2][9][8];
-  std::size_t kept = 0;
+  std::size_t intersecting = 0, undecided = 0;
   for (std::size_t begin = 0; begin < args.count; begin += 8) {
     const std::size_t n = args.count - begin < 8 ? args.count - begin : 8;
     if (begin + 24 <= args.count) {  // corners two blocks ahead: their indices came with the block before
@@ -164,13 +216,24 @@ void filterByPlanes(PlaneFilterArgs& args) {
       b[v] = otgTransform(toA, otgSub(loadVec(lanes[1][3 * v], lanes[1][3 * v + 1], lanes[1][3 * v + 2]), centerB));
     }
     unsigned keep = (1u << n) - 1;
-    keep &= ~onOneSide(otgPlaneSides(error, b[0], b[1], b[2], a[0], a[1], a[2]));
-    if (keep) keep &= ~onOneSide(otgPlaneSides(error, a[0], a[1], a[2], b[0], b[1], b[2]));
-    for (; keep; keep &= keep - 1) {
-      args.out[kept++] = args.candidates[begin + static_cast<std::size_t>(__builtin_ctz(keep))];
+    const SideMasks sideA = sidesOf(otgPlaneSides(error, b[0], b[1], b[2], a[0], a[1], a[2]));
+    keep &= ~bitsOf(sideA.oneSide());
+    if (!keep) continue;
+    const SideMasks sideB = sidesOf(otgPlaneSides(error, a[0], a[1], a[2], b[0], b[1], b[2]));
+    keep &= ~bitsOf(sideB.oneSide());
+    if (!keep) continue;
+    const unsigned decided = bitsOf(sideA.decided() & sideB.decided());
+    const FilterMasks answer = filterCrossing(error, sideA, sideB, a, b);
+    keep &= ~(decided & bitsOf(answer.disjoint));
+    for (unsigned sure = keep & decided & bitsOf(answer.intersecting); sure; sure &= sure - 1) {
+      args.intersecting[intersecting++] = args.candidates[begin + static_cast<std::size_t>(__builtin_ctz(sure))];
+    }
+    for (keep &= ~(decided & bitsOf(answer.intersecting)); keep; keep &= keep - 1) {
+      args.undecided[undecided++] = args.candidates[begin + static_cast<std::size_t>(__builtin_ctz(keep))];
     }
   }
-  args.kept = kept;
+  args.intersectingCount = intersecting;
+  args.undecidedCount = undecided;
 }
 
 }  // namespace otg::OTG_SIMD_NAMESPACE

@@ -34,7 +34,8 @@ int checkParams(const dGpuTriMeshParams& p) {
               within(p.contact_model, dGPUTRIMESH_CONTACTS_AUTO, dGPUTRIMESH_CONTACTS_SOLID) &&
               within(p.reduction, dGPUTRIMESH_REDUCTION_NONE, dGPUTRIMESH_REDUCTION_CONE) &&
               within(p.max_contacts, 1, 65535) && within(p.contacts_per_region, 1, 64) &&
-              within(p.history, dGPUTRIMESH_HISTORY_OFF, dGPUTRIMESH_HISTORY_ON);
+              within(p.history, dGPUTRIMESH_HISTORY_OFF, dGPUTRIMESH_HISTORY_ON) && p.region_merge >= 0 &&
+              std::isfinite(p.region_merge);
   for (const int place : {p.backend, p.middle_phase, p.near_phase}) {
     good = good && within(place, dGPUTRIMESH_BACKEND_DEFAULT, dGPUTRIMESH_BACKEND_OPENCL);
   }
@@ -176,6 +177,7 @@ void dGpuTriMeshParamsInit(dGpuTriMeshParams* params) {
   params->max_contacts = 65535;
   params->contacts_per_region = otg::SolidOptions{}.contactsPerRegion;
   params->history = dGPUTRIMESH_HISTORY_ON;
+  params->region_merge = static_cast<dReal>(otg::SolidOptions{}.regionMerge);
 }
 
 int dGeomGpuTriMeshSetParams(dGeomID g, const dGpuTriMeshParams* params) {

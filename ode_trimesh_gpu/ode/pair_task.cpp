@@ -165,6 +165,7 @@ CollideOptions pairOptions(const dGpuTriMeshParams& first, const dGpuTriMeshPara
   for (std::size_t i = 0; i < 6; ++i) options.reduction.bins[i] = std::max(first.bins[i], second.bins[i]);
   options.maxContacts = std::min(first.max_contacts, second.max_contacts);
   options.solid.contactsPerRegion = std::min(first.contacts_per_region, second.contacts_per_region);
+  options.solid.regionMerge = std::min(first.region_merge, second.region_merge);
   return options;
 }
 

@@ -116,6 +116,20 @@ class Collide(CliTest):
         for wrong in ("0", "65", "x"):
             self.assert_fails(2, "collide", mesh, mesh, *pose, "--contacts-per-region", wrong)
 
+    def test_region_merge(self):
+        mesh = self.write("lump.ply", ply(*lump()))
+        pose = ["--pose", "1.5,0.1,0.3,0.8,0.6,0,0"]
+        apart = self.run_json("collide", mesh, mesh, *pose)["contacts"]
+        self.assertEqual(apart, self.run_json("collide", mesh, mesh, *pose, "--region-merge", "0")["contacts"])
+        # Normals have to agree, too: what is one region may be all contacts, but those that oppose each other.
+        merged = self.run_json("collide", mesh, mesh, *pose, "--region-merge", "100")["contacts"]
+        regions = lambda contacts: len({c["region"] for c in contacts})
+        self.assertLessEqual(regions(merged), regions(apart))
+        ids = {c["id"] for c in apart}
+        self.assertTrue(merged and all(c["id"] in ids for c in merged))
+        for wrong in ("-1", "x"):
+            self.assert_fails(2, "collide", mesh, mesh, *pose, "--region-merge", wrong)
+
     def test_what_this_build_cannot_do(self):
         mesh = self.writeBox()
         result = self.run_otg("collide", mesh, mesh, "--backend", "opencl", status=1, env={"OTG_OPENCL_DEVICE": "none"})

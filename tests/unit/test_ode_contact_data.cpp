@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <set>
 
 #include "support/catch.h"
@@ -177,6 +178,81 @@ TEST_CASE("contacts per region are limited by the smaller number of the two geom
   for (const int wrong : {0, -1, 65}) {
     params.contacts_per_region = wrong;
     CHECK(dGeomGpuTriMeshSetParams(a.id, &params) == dGPUTRIMESH_ERROR_ARGUMENT);
+  }
+}
+
+TEST_CASE("regions that come near to each other count as one on demand") {
+  const OdeSession session;
+  // A table on two soles of 4 x 4 feet, 0.3 from foot to foot, 1.9 from the last foot of one sole to the first of the
+  // other.
+  std::vector<scenes::MeshArrays> parts{scenes::makeBox({4, 1.2, 0.2}, 1)};
+  for (int i = 0; i < 8; ++i) {
+    for (int j = 0; j < 4; ++j) {
+      const double x = 0.3 * (i % 4) + (i < 4 ? -1.85 : 0.95);
+      parts.push_back(scenes::transformed(scenes::makeBox({0.1, 0.1, 0.2}, 1),
+                                          {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {x, 0.3 * j - 0.45, -0.19}}));
+    }
+  }
+  const Data ground(scenes::makeGround(8, 1, 3)), table(scenes::merge(parts));
+  dGpuTriMeshParams params;
+  dGpuTriMeshParamsInit(&params);
+  CHECK(params.region_merge == 0);
+  for (const dReal wrong : {dReal(-1), std::numeric_limits<dReal>::infinity(), dReal(std::nan(""))}) {
+    const Geom geom(table);
+    params.region_merge = wrong;
+    CHECK(dGeomGpuTriMeshSetParams(geom.id, &params) == dGPUTRIMESH_ERROR_ARGUMENT);
+  }
+  struct Expected {
+    dReal merge;
+    std::size_t regions, contacts;
+  };
+  // The feet's corners are 0.1 apart within a foot, and 0.2 from foot to foot.
+  for (const Expected& expected : {Expected{0, 32, 128}, {0.15, 32, 128}, {0.21, 2, 32}, {1.5, 2, 32}, {2, 1, 16}}) {
+    const dWorldID world = dWorldCreate();
+    dWorldSetGravity(world, 0, 0, -9.81);
+    dWorldSetERP(world, 0.2);
+    dWorldSetCFM(world, 1e-5);
+    const dJointGroupID joints = dJointGroupCreate(0);
+    const Geom floor(ground), body(table);
+    params.region_merge = expected.merge;
+    REQUIRE(dGeomGpuTriMeshSetParams(body.id, &params) == dGPUTRIMESH_OK);
+    params.region_merge = 100;  // the smaller of the two counts
+    REQUIRE(dGeomGpuTriMeshSetParams(floor.id, &params) == dGPUTRIMESH_OK);
+    const dBodyID b = dBodyCreate(world);
+    dMass mass;
+    dMassSetBoxTotal(&mass, 1, 4, 1.2, 0.4);
+    dBodySetMass(b, &mass);
+    dGeomSetBody(body.id, b);
+    dBodySetPosition(b, 0.03, 0.02, 0.2899);
+    const auto regionsOf = [](const Known& known) {
+      std::set<int> regions;
+      for (const auto& d : known.data) regions.insert(d.region);
+      return regions.size();
+    };
+    const Known all = collideEx(body.id, floor.id);
+    CHECK(regionsOf(all) == expected.regions);
+    CHECK(all.contacts.size() == expected.contacts);
+    for (int step = 0; step < 400; ++step) {
+      dJointGroupEmpty(joints);
+      const Known known = collideEx(body.id, floor.id);
+      REQUIRE(known.contacts.size() <= expected.contacts);  // a foot may be off the floor by rounding
+      for (const dContactGeom& geom : known.contacts) {
+        dContact contact{};
+        contact.surface.mode = dContactApprox1;
+        contact.surface.mu = 1;
+        contact.geom = geom;
+        dJointAttach(dJointCreateContact(world, joints, &contact), dGeomGetBody(geom.g1), dGeomGetBody(geom.g2));
+      }
+      dWorldQuickStep(world, 0.005);
+    }
+    const dReal* x = dBodyGetPosition(b);
+    const dReal* r = dBodyGetRotation(b);
+    CHECK(std::hypot(x[0] - 0.03, x[1] - 0.02) < 1e-4);
+    CHECK(std::fabs(x[2] - 0.29) < 1e-3);
+    CHECK(r[10] > 1 - 1e-8);
+    dJointGroupDestroy(joints);
+    dGeomSetBody(body.id, nullptr);
+    dWorldDestroy(world);
   }
 }
 

@@ -7,7 +7,9 @@
 namespace otg {
 
 struct SolidOptions {
-  int contactsPerRegion = 16;  ///< at most this many contacts from one connected overlap region; the C API takes 1 to 64
+  int contactsPerRegion =
+      16;                  ///< at most this many contacts from one connected overlap region; the C API takes 1 to 64
+  double regionMerge = 0;  ///< regions with contacts at most this far apart and normals alike are one (merge_regions.h)
   friend bool operator==(const SolidOptions&, const SolidOptions&) = default;
 };
 

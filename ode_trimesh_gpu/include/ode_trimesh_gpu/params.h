@@ -81,9 +81,10 @@ enum {
  * @brief The choices of one geom. Set the defaults with dGpuTriMeshParamsInit(), then what you need.
  *
  * Two geoms that collide may differ. Then, whatever the order of the call: the reduction is the one of the two with the
- * smaller number (which drops less), each number of bins is the larger, max_contacts and contacts_per_region the
- * smaller; of the contact models AUTO gives way to the other; history is ON if both have it; of the places to compute
- * CPU comes before OPENCL and OPENCL before AUTO. The search is done as the geom created first has it.
+ * smaller number (which drops less), each number of bins is the larger, max_contacts, contacts_per_region and
+ * region_merge the smaller; of the contact models AUTO gives way to the other; history is ON if both have it; of the
+ * places to compute CPU comes before OPENCL and OPENCL before AUTO. The search is done as the geom created first has
+ * it.
  * @ingroup gputrimesh
  */
 typedef struct dGpuTriMeshParams {
@@ -102,10 +103,14 @@ typedef struct dGpuTriMeshParams {
                               numbers, for as long as the two are in contact. OFF for programs that set poses at will,
                               or that compare single queries: a body that is deep inside another may then waver between
                               two ways out */
+  dReal region_merge;      /**< for SOLID: regions of contact of one pair count as one, with one contacts_per_region,
+                              where they come at least this near to each other and push the same way to within 18
+                              degrees. A length, default 0: off. For bodies that rest on many small feet, which
+                              otherwise give contacts_per_region for each */
   int backend;             /**< dGPUTRIMESH_BACKEND_...; default DEFAULT */
   int middle_phase;        /**< the search alone: dGPUTRIMESH_BACKEND_..., DEFAULT (default) for what `backend` says */
-  int near_phase;   /**< the tests of triangles alone: the same. The contacts of PAIRWISE are made by a device if both
-                       phases run there, those of SOLID by the CPU */
+  int near_phase; /**< the tests of triangles alone: the same. The contacts of PAIRWISE are made by a device if both
+                     phases run there, those of SOLID by the CPU */
 } dGpuTriMeshParams;
 
 /**
