@@ -110,11 +110,12 @@ Times measure(opencl::Backend& backend, const Query& query, Workspace& workspace
     times.total.push_back(timeOnce([&] { backend.collide(query, workspace); }));
     backend.collideProfiled(query, workspace, stages);
     times.top.push_back(stages.top);
-    times.main.push_back(stages.main);
+    times.main.push_back(stages.levels + stages.main);
+    times.upload.push_back(stages.write);
     times.contacts.push_back(stages.contacts);
     times.readBack.push_back(stages.readBack);
     times.host.push_back(stages.host);
-    times.reduction.push_back(stages.reduction);
+    times.reduction.push_back(stages.regions + stages.select + stages.choose + stages.reduction);
   }
   return times;
 }
@@ -144,13 +145,14 @@ Json profileOf(const Times& times, const std::string& where) {
     rows.push_back({{"stage", stage}, {"ms", ms}, {"percent", total > 0 ? 100 * ms / total : 0.0}, {"what", what}});
   };
   const bool device = where == "opencl";
-  add("upload", 0, device ? "meshes stay on the device; poses go with the launches" : "nothing is sent");
+  add("upload", median(times.upload),
+      device ? "meshes stay on the device; poses go with the launches" : "nothing is sent");
   add("top", median(times.top), device ? "device: where the traversal begins" : "the middle phase begins at the roots");
   add("main", median(times.main),
       device ? "device: the rest of the traversal, with the float filter of the near phase" : "middle phase");
   add("near", median(times.near), device ? "in main and contacts" : "near phase");
   add("contacts", median(times.contacts), device ? "device: decisions in double, and contacts" : "contacts");
-  add("reduction", median(times.reduction), device ? "CPU: what is left of contacts and their choice" : "reduction");
+  add("reduction", median(times.reduction), device ? "device: regions, bins, limit; CPU: what it left" : "reduction");
   add("read-back", median(times.readBack), device ? "device: results to the CPU" : "nothing is read back");
   add("host", std::max(0.0, total - known),
       device ? "CPU: launches, waiting, order, exact decisions" : "what lies between");
