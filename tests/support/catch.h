@@ -3,6 +3,7 @@
 #pragma once
 #ifdef OTG_CATCH3
 #include <catch2/catch_all.hpp>
+using Catch::Approx;  // as 2.13 has it
 #else
 #include <catch2/catch.hpp>
 #endif
