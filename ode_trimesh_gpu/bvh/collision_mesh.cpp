@@ -15,11 +15,19 @@ struct CollisionMesh::Lazy {
 };
 
 CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> mesh, BuildStrategy strategy)
-    : mesh_(std::move(mesh)), tree_(buildTree(*mesh_, strategy)), lazy_(std::make_unique<Lazy>()) {}
+    : mesh_(std::move(mesh)),
+      tree_(buildTree(*mesh_, strategy)),
+      builtCost_(sahCost(tree_)),
+      lazy_(std::make_unique<Lazy>()) {}
 
 CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> moved, const CollisionMesh& before)
     : mesh_(std::move(moved)), tree_(before.tree_), lazy_(std::make_unique<Lazy>()) {
   refitTree(tree_, *mesh_);
+  builtCost_ = before.builtCost_;
+  if (sahCost(tree_) > kRebuildCost * builtCost_) {
+    tree_ = buildTree(*mesh_, tree_.strategy);
+    builtCost_ = sahCost(tree_);
+  }
 }
 
 CollisionMesh::~CollisionMesh() = default;

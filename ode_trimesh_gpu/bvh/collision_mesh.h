@@ -16,7 +16,8 @@ namespace otg {
 class CollisionMesh {
  public:
   CollisionMesh(std::shared_ptr<const TriMesh> mesh, BuildStrategy strategy);
-  /// The same tree topology refitted to moved vertices.
+  /// The same tree topology refitted to moved vertices; built anew where refitting would leave boxes that overlap much
+  /// more (kRebuildCost) than those of the last build.
   CollisionMesh(std::shared_ptr<const TriMesh> moved, const CollisionMesh& before);
   ~CollisionMesh();
   CollisionMesh(const CollisionMesh&) = delete;
@@ -33,10 +34,15 @@ class CollisionMesh {
   /// Expires with this object, whatever else holds the mesh: for caches of what was derived from it.
   std::weak_ptr<const void> lifetime() const { return alive_; }
 
+  /// A refitted tree may cost this many times what the built one did (sahCost), which queries take about as much
+  /// longer.
+  static constexpr double kRebuildCost = 1.5;
+
  private:
   struct Lazy;
   std::shared_ptr<const TriMesh> mesh_;
   BinaryTree tree_;
+  double builtCost_ = 0;  ///< sahCost when the tree was built
   std::unique_ptr<Lazy> lazy_;
   std::shared_ptr<const char> alive_ = std::make_shared<const char>('\0');
 };

@@ -17,7 +17,9 @@ constexpr std::size_t kLarge = 8;
 
 }  // namespace
 
-std::span<const Contact> contactsOnHost(const PairJob& job, Workspace& workspace) {
+namespace {
+
+void makeContacts(const PairJob& job, Workspace& workspace) {
   const Query& query = job.query;
   if (job.any) {
     pairwiseContacts(query, workspace);
@@ -27,12 +29,25 @@ std::span<const Contact> contactsOnHost(const PairJob& job, Workspace& workspace
           std::min(workspace.contacts.size(), static_cast<std::size_t>(query.options.maxContacts));
       workspace.reduced.assign(workspace.contacts.begin(),
                                workspace.contacts.begin() + static_cast<std::ptrdiff_t>(count));
-      numberAsCaller(query, workspace);
-      return workspace.reduced;
+      return;
     }
   }
   collideIntersecting(query, workspace);
+}
+
+}  // namespace
+
+std::span<const Contact> contactsOnHost(const PairJob& job, Workspace& workspace) {
+  const Query& query = job.query;
+  if (job.filter != nullptr && job.filter->dropPairs(query, workspace)) {
+    // What is left bounds no solid: each pair speaks for itself.
+    pairwiseContacts(query, workspace);
+    reduceContacts(query, workspace);
+  } else {
+    makeContacts(job, workspace);
+  }
   numberAsCaller(query, workspace);
+  if (job.filter != nullptr) job.filter->finish(query, workspace);
   return workspace.reduced;
 }
 

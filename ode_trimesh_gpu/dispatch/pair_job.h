@@ -18,12 +18,25 @@ struct Placement {
   friend bool operator==(const Placement&, const Placement&) = default;
 };
 
+/// Has a say in which triangles collide. Called by the thread that collides the pair.
+class PairFilter {
+ public:
+  virtual ~PairFilter() = default;
+  /// Between the near phase and the contacts: may take pairs out of workspace.intersecting. Returns whether it did.
+  virtual bool dropPairs(const Query& query, Workspace& workspace) = 0;
+  /// At the end, when workspace.reduced is numbered as callers number triangles: may take contacts out and give them
+  /// other numbers.
+  virtual void finish(const Query& query, Workspace& workspace) = 0;
+};
+
 struct PairJob {
   /// query.history, if any, is this job's alone.
   Query query;
   /// The first contacts found, without choosing between them: ODE's CONTACTS_UNIMPORTANT.
   bool any = false;
   Placement place;
+  /// Null: none. Jobs that have one are not for batches, whose threads are not the caller's.
+  PairFilter* filter = nullptr;
 };
 
 /// CollideStats without what only profiles need.

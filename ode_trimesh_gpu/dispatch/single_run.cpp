@@ -27,7 +27,7 @@ Placement settled(Placement place) {
 }
 
 bool contactsOnDevice(const PairJob& job) {
-  return !job.any && !mayBeSolid(job.query);
+  return !job.any && job.filter == nullptr && !mayBeSolid(job.query);
 }
 
 bool isSoonerOnDevice(const PairJob& job, const CostModel& costs, double work) {

@@ -158,6 +158,11 @@ int registerClass() {
   return dGPUTRIMESH_OK;
 }
 
+void chooseBackendOnce() {
+  static std::once_flag chosen;
+  std::call_once(chosen, [] { chooseBackendOfEnvironment(); });
+}
+
 }  // namespace
 
 int registeredClass() noexcept {
@@ -183,6 +188,17 @@ int precisionStatus(ConfigurationCheck check) noexcept {
   return check(own) != 0 && check(other) == 0 ? dGPUTRIMESH_OK : dGPUTRIMESH_ERROR_PRECISION;
 }
 
+int checkOde() noexcept {
+  const int result = guarded([] {
+    if (const int status = precisionStatus(&dCheckConfiguration)) return status;
+    const std::lock_guard lock(registry().mutex);
+    const DebugHandlerScope scope;
+    return static_cast<int>(odeIsInitialized() ? dGPUTRIMESH_OK : dGPUTRIMESH_ERROR_ODE);
+  });
+  if (result == dGPUTRIMESH_OK) chooseBackendOnce();
+  return result;
+}
+
 int ensureRegistered() noexcept {
   const int result = guarded([] {
     if (const int status = precisionStatus(&dCheckConfiguration)) return status;
@@ -193,8 +209,7 @@ int ensureRegistered() noexcept {
     if (known >= 0 && classIsOurs(known)) return static_cast<int>(dGPUTRIMESH_OK);
     return registerClass();
   });
-  static std::once_flag chosen;
-  if (result == dGPUTRIMESH_OK) std::call_once(chosen, [] { chooseBackendOfEnvironment(); });
+  if (result == dGPUTRIMESH_OK) chooseBackendOnce();
   return result;
 }
 

@@ -12,6 +12,9 @@ int registeredClass() noexcept;
 /// Makes sure that the class is registered with the ODE that is initialised now. Returns a status.
 int ensureRegistered() noexcept;
 
+/// dGPUTRIMESH_OK if ODE is initialised and has our precision; registers nothing.
+int checkOde() noexcept;
+
 /// Numbers for geoms in the order of their creation; see GeomObject::serial.
 std::uint64_t nextSerial() noexcept;
 

@@ -8,6 +8,7 @@
 
 #include "collide/rotation_tolerance.h"
 #include "ode/class_registration.h"
+#include "ode/mesh_side.h"
 #include "ode/status.h"
 #include "ode_trimesh_gpu/geom.h"
 
@@ -26,7 +27,11 @@ dReal roundOutward(double x, double towards) {
                      : std::min(std::nextafter(rounded, static_cast<dReal>(kLargest)), static_cast<dReal>(kLargest));
 }
 
-int checkParams(const dGpuTriMeshParams& p) {
+}  // namespace
+
+int checkParams(const dGpuTriMeshParams* params) noexcept {
+  if (!isCurrentSize(params)) return dGPUTRIMESH_ERROR_ARGUMENT;
+  const dGpuTriMeshParams& p = *params;
   const auto within = [](int value, int low, int high) { return value >= low && value <= high; };
   bool good = within(p.traversal, dGPUTRIMESH_TRAVERSAL_STANDARD, dGPUTRIMESH_TRAVERSAL_WIDE) &&
               within(p.descent, dGPUTRIMESH_DESCENT_FIRST_TREE, dGPUTRIMESH_DESCENT_BOTH) &&
@@ -43,8 +48,6 @@ int checkParams(const dGpuTriMeshParams& p) {
   if (!good) return dGPUTRIMESH_ERROR_ARGUMENT;
   return dGPUTRIMESH_OK;
 }
-
-}  // namespace
 
 GeomObject* objectOf(dGeomID geom) noexcept {
   return geom != nullptr && dGeomGetClass(geom) == registeredClass() ? slotOf(geom) : nullptr;
@@ -164,6 +167,28 @@ dGpuTriMeshDataID dGeomGpuTriMeshGetData(dGeomID g) {
   return object->data != nullptr && object->data->hasHandle() ? object->data : nullptr;
 }
 
+int dGeomGpuTriMeshSetLastTransform(dGeomID g, const dReal* last_trans) {
+  return otg::guarded([&] {
+    const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
+    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
+    const otg::LastTransform last = last_trans == nullptr ? otg::LastTransform{} : otg::lastTransformOf(last_trans);
+    if (last_trans != nullptr && !last.isSet) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    object->last = last;
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
+}
+
+const dReal* dGeomGpuTriMeshGetLastTransform(dGeomID g) {
+  const dReal* matrix = nullptr;
+  otg::guarded([&] {
+    const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
+    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
+    matrix = object->last.matrix;
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
+  return matrix;
+}
+
 void dGpuTriMeshParamsInit(dGpuTriMeshParams* params) {
   if (params == nullptr) return;
   *params = dGpuTriMeshParams{};
@@ -181,18 +206,21 @@ void dGpuTriMeshParamsInit(dGpuTriMeshParams* params) {
 }
 
 int dGeomGpuTriMeshSetParams(dGeomID g, const dGpuTriMeshParams* params) {
-  otg::GeomObject* const object = otg::objectOf(g);
-  if (object == nullptr) return otg::noteStatus(dGPUTRIMESH_ERROR_CLASS);
-  if (!otg::isCurrentSize(params)) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
-  if (const int status = otg::checkParams(*params)) return otg::noteStatus(status);
-  object->params = *params;
-  return dGPUTRIMESH_OK;
+  return otg::guarded([&] {
+    const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
+    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
+    if (const int status = otg::checkParams(params)) return status;
+    object->params = *params;
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
 }
 
 int dGeomGpuTriMeshGetParams(dGeomID g, dGpuTriMeshParams* params) {
-  const otg::GeomObject* const object = otg::objectOf(g);
-  if (object == nullptr) return otg::noteStatus(dGPUTRIMESH_ERROR_CLASS);
-  if (!otg::isCurrentSize(params)) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
-  *params = object->params;
-  return dGPUTRIMESH_OK;
+  return otg::guarded([&] {
+    const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
+    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
+    if (!otg::isCurrentSize(params)) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    *params = object->params;
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
 }

@@ -2,7 +2,7 @@
 // What stands behind one geom of our class.
 #pragma once
 
-#include <ode/collision.h>
+#include <ode/ode.h>
 
 #include <atomic>
 #include <cstdint>
@@ -11,6 +11,7 @@
 #include "ode/mesh_data.h"
 #include "ode/pair_memory.h"
 #include "ode/prefetched_pairs.h"
+#include "ode_trimesh_gpu/callbacks.h"
 #include "ode_trimesh_gpu/params.h"
 #include "ode_trimesh_gpu/stats.h"
 
@@ -23,6 +24,23 @@ struct GeomStats {
       deviceFailures{0};
 };
 
+/// What the program wants to be asked; null members are not.
+struct GeomCallbacks {
+  dTriCallback* triangle = nullptr;         ///< may this triangle collide?
+  dTriArrayCallback* triangles = nullptr;   ///< all that are about to, at once
+  dTriRayCallback* ray = nullptr;           ///< may this ray hit here?
+  dTriTriMergeCallback* merge = nullptr;    ///< the number for a contact that stands for two triangles
+  dGpuTriMeshPairCallback* pair = nullptr;  ///< may these two triangles collide?
+  bool asked() const { return triangle != nullptr || triangles != nullptr || merge != nullptr || pair != nullptr; }
+};
+
+/// A pose of the step before, as dGeomTriMeshSetLastTransform has it.
+struct LastTransform {
+  bool isSet = false;
+  Transformd pose{};
+  dMatrix4 matrix{};  ///< as it was given
+};
+
 /// ODE keeps a pointer to it in the geom's class data (which it zeroes, copies nothing into and frees without a word).
 /// Batches under way share it, so that a geom may be destroyed meanwhile.
 struct GeomObject : std::enable_shared_from_this<GeomObject> {
@@ -31,6 +49,8 @@ struct GeomObject : std::enable_shared_from_this<GeomObject> {
   std::uint64_t serial = 0;
   dxGpuTriMeshData* data = nullptr;  ///< attached to; may be null
   dGpuTriMeshParams params{};        ///< always valid
+  GeomCallbacks callbacks;
+  LastTransform last;
   GeomStats stats;
   PairMemory memory;  ///< of pairs in which this geom is mesh B (the younger one)
   PrefetchedPairs prefetched;
@@ -50,6 +70,9 @@ struct WorldPose {
   bool rigid = false;   ///< finite, and the matrix is a rotation within kRotationTolerance
 };
 WorldPose readPose(dGeomID geom) noexcept;
+
+/// dGPUTRIMESH_OK if these are choices that this version knows.
+int checkParams(const dGpuTriMeshParams* params) noexcept;
 
 /// dGeomClass::aabb: minx, maxx, miny, maxy, minz, maxz of all triangles, rounded outward; always finite.
 void computeAabb(dGeomID geom, dReal aabb[6]) noexcept;

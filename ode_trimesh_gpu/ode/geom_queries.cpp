@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The C API that reads a geom: triangles, points, statistics.
 #include "ode/geom_class.h"
+#include "ode/mesh_side.h"
 #include "ode/status.h"
 #include "ode_trimesh_gpu/geom.h"
 
@@ -71,33 +72,37 @@ void dGpuTriMeshStatsInit(dGpuTriMeshStats* stats) {
 }
 
 int dGeomGpuTriMeshGetStats(dGeomID g, dGpuTriMeshStats* stats) {
-  const otg::GeomObject* const object = otg::objectOf(g);
-  if (object == nullptr) return otg::noteStatus(dGPUTRIMESH_ERROR_CLASS);
-  if (!otg::isCurrentSize(stats)) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
-  const otg::GeomStats& from = object->stats;
-  stats->queries = from.queries;
-  stats->failed_queries = from.failedQueries;
-  stats->box_tests = from.boxTests;
-  stats->candidate_pairs = from.candidatePairs;
-  stats->intersecting_pairs = from.intersectingPairs;
-  stats->decided_by_double = from.decidedByDouble;
-  stats->decided_exactly = from.decidedExactly;
-  stats->contacts_before_reduction = from.contactsBeforeReduction;
-  stats->contacts = from.contacts;
-  stats->prefetched = from.prefetched;
-  stats->on_device = from.onDevice;
-  stats->device_failures = from.deviceFailures;
-  return dGPUTRIMESH_OK;
+  return otg::guarded([&] {
+    const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
+    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
+    if (!otg::isCurrentSize(stats)) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    const otg::GeomStats& from = object->stats;
+    stats->queries = from.queries;
+    stats->failed_queries = from.failedQueries;
+    stats->box_tests = from.boxTests;
+    stats->candidate_pairs = from.candidatePairs;
+    stats->intersecting_pairs = from.intersectingPairs;
+    stats->decided_by_double = from.decidedByDouble;
+    stats->decided_exactly = from.decidedExactly;
+    stats->contacts_before_reduction = from.contactsBeforeReduction;
+    stats->contacts = from.contacts;
+    stats->prefetched = from.prefetched;
+    stats->on_device = from.onDevice;
+    stats->device_failures = from.deviceFailures;
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
 }
 
 int dGeomGpuTriMeshResetStats(dGeomID g) {
-  otg::GeomObject* const object = otg::objectOf(g);
-  if (object == nullptr) return otg::noteStatus(dGPUTRIMESH_ERROR_CLASS);
-  otg::GeomStats& s = object->stats;
-  for (std::atomic<std::uint64_t>* sum :
-       {&s.queries, &s.failedQueries, &s.boxTests, &s.candidatePairs, &s.intersectingPairs, &s.decidedByDouble,
-        &s.decidedExactly, &s.contactsBeforeReduction, &s.contacts, &s.prefetched, &s.onDevice, &s.deviceFailures}) {
-    sum->store(0, std::memory_order_relaxed);
-  }
-  return dGPUTRIMESH_OK;
+  return otg::guarded([&] {
+    const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
+    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
+    otg::GeomStats& s = object->stats;
+    for (std::atomic<std::uint64_t>* sum :
+         {&s.queries, &s.failedQueries, &s.boxTests, &s.candidatePairs, &s.intersectingPairs, &s.decidedByDouble,
+          &s.decidedExactly, &s.contactsBeforeReduction, &s.contacts, &s.prefetched, &s.onDevice, &s.deviceFailures}) {
+      sum->store(0, std::memory_order_relaxed);
+    }
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
 }

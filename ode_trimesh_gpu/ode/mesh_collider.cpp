@@ -3,11 +3,13 @@
 #include "ode/mesh_collider.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "dispatch/dispatcher.h"
 #include "dispatch/workspace_lease.h"
 #include "ode/class_registration.h"
 #include "ode/geom_class.h"
+#include "ode/pair_callbacks.h"
 #include "ode/pair_task.h"
 #include "ode/status.h"
 
@@ -18,9 +20,16 @@ int collideMeshMesh(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, in
 }
 
 int collideMeshes(dGeomID o1, dGeomID o2, int flags, const ContactArray& to) noexcept {
-  GeomObject* const object1 = objectOf(o1);
-  GeomObject* const object2 = objectOf(o2);
-  if (object1 == nullptr || object2 == nullptr) {
+  try {
+    return collideSides(meshSideOf(o1), meshSideOf(o2), flags, to);
+  } catch (...) {  // a dTriMesh whose mesh could not be made for want of memory
+    noteStatus(dGPUTRIMESH_ERROR_MEMORY);
+    return 0;
+  }
+}
+
+int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArray& to) noexcept {
+  if (side1.object == nullptr || side2.object == nullptr) {
     answerProbe();
     return 0;
   }
@@ -29,9 +38,10 @@ int collideMeshes(dGeomID o1, dGeomID o2, int flags, const ContactArray& to) noe
   // A skip that makes elements overlap is an error of the caller's; the first element is there in any case.
   if (to.skip < static_cast<int>(sizeof(dContactGeom))) capacity = 1;
 
-  for (GeomObject* object : {object1, object2}) object->stats.queries.fetch_add(1, std::memory_order_relaxed);
   PairTask task;
-  preparePair(o1, o2, task);
+  preparePair(std::move(side1), std::move(side2), task);
+  const auto both = {task.side1.object, task.side2.object};
+  for (GeomObject* object : both) object->stats.queries.fetch_add(1, std::memory_order_relaxed);
   if (task.state == PairTask::State::kNothing) return 0;
   if (task.state == PairTask::State::kBadPose) {
     countFailure(task, dGPUTRIMESH_ERROR_POSE);
@@ -40,13 +50,14 @@ int collideMeshes(dGeomID o1, dGeomID o2, int flags, const ContactArray& to) noe
   try {
     task.job.any = isUnimportant(flags);
     PrefetchedPairs& ready = task.b().prefetched;
-    if (!task.job.any && !ready.empty()) {
+    const bool asks = task.asks();
+    if (!task.job.any && !asks && !ready.empty()) {
       PairResult result;
       if (ready.find(task, capacity, result)) {
         ready.seen(task, rememberPair(task, !result.contacts.empty()));
         writeContacts(task, result.contacts, to);
         countPair(task, result.counts, result.contacts.size(), result.onDevice, result.deviceFailed);
-        for (GeomObject* object : {object1, object2}) {
+        for (GeomObject* object : both) {
           object->stats.prefetched.fetch_add(1, std::memory_order_relaxed);
         }
         return static_cast<int>(result.contacts.size());
@@ -54,6 +65,8 @@ int collideMeshes(dGeomID o1, dGeomID o2, int flags, const ContactArray& to) noe
     }
     CollideOptions& options = task.job.query.options;
     options.maxContacts = std::min(options.maxContacts, capacity);
+    std::optional<PairCallbacks> callbacks;
+    if (asks) task.job.filter = &callbacks.emplace(task);
     const WorkspaceLease lease;
     Workspace& workspace = *lease;
     Dispatcher::Ran ran;

@@ -17,6 +17,8 @@ int collideMeshMesh(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, in
 
 /// The same, with the data of each contact if they go somewhere.
 int collideMeshes(dGeomID o1, dGeomID o2, int flags, const ContactArray& to) noexcept;
+/// The same, of geoms that are known already.
+int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArray& to) noexcept;
 /// What `contact` says to a caller of dGpuTriMeshCollideEx; `first` says whether mesh A is o1.
 dGpuTriMeshContactData contactData(const Query& query, const Contact& contact, bool first);
 

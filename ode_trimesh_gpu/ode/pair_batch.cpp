@@ -4,6 +4,9 @@
 #include <algorithm>
 
 #include "dispatch/dispatcher.h"
+#include "dispatch/host_batch.h"
+#include "dispatch/workspace_lease.h"
+#include "ode/pair_callbacks.h"
 #include "ode/status.h"
 
 namespace otg {
@@ -19,15 +22,23 @@ PairBatch::PairBatch(std::span<const dGpuTriMeshPair> pairs, int capacity, bool 
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (!isPairInOde(pairs[i].o1, pairs[i].o2)) continue;
     PairTask& task = tasks_[i];
-    preparePair(pairs[i].o1, pairs[i].o2, task);
+    preparePair(meshSideOf(pairs[i].o1), meshSideOf(pairs[i].o2), task);
     task.job.any = unimportant;
     if (capacity > 0) {
       CollideOptions& options = task.job.query.options;
       options.maxContacts = std::min(options.maxContacts, capacity);
     }
-    for (GeomObject* object : {task.object1, task.object2}) {
-      alive_.push_back(object->shared_from_this());
-      if (task.state == PairTask::State::kReady) alive_.push_back(object->data->meshPtr());
+    for (const MeshSide* side : {&task.side1, &task.side2}) {
+      alive_.push_back(side->object->shared_from_this());
+      if (task.state == PairTask::State::kReady) alive_.push_back(side->sharedMesh());
+    }
+    // The program is asked about triangles by its own thread, and now, while the geoms are what they are.
+    if (task.state == PairTask::State::kReady && task.asks()) {
+      PairCallbacks callbacks(task);
+      task.job.filter = &callbacks;
+      const WorkspaceLease lease;
+      keepOutcome(results_[i], *lease, [&] { return collideOnHost(task.job, *lease); });
+      task.job.filter = nullptr;
     }
   }
 }
@@ -36,7 +47,7 @@ void PairBatch::run() {
   std::vector<const PairJob*> jobs;
   std::vector<std::size_t> which;
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
-    if (tasks_[i].state != PairTask::State::kReady) continue;
+    if (tasks_[i].state != PairTask::State::kReady || tasks_[i].asks()) continue;
     jobs.push_back(&tasks_[i].job);
     which.push_back(i);
   }
@@ -54,8 +65,8 @@ std::size_t PairBatch::contactCount() const {
 void PairBatch::remember() {
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     const PairTask& task = tasks_[i];
-    if (task.object1 == nullptr) continue;  // never a pair
-    for (GeomObject* object : {task.object1, task.object2}) {
+    if (task.side1.object == nullptr) continue;  // never a pair
+    for (GeomObject* object : {task.side1.object, task.side2.object}) {
       object->stats.queries.fetch_add(1, std::memory_order_relaxed);
     }
     if (task.state == PairTask::State::kNothing) continue;

@@ -38,23 +38,31 @@ bool isFarApart(const CollisionMesh& a, const CollisionMesh& b, const Transformd
 }
 
 struct Side {
-  dGeomID geom;
-  GeomObject* object;
+  const MeshSide& side;
   WorldPose pose;
 };
 
 /// Velocity of A's body relative to B's at the middle of B's mesh, in A's frame. ODE's velocities are the world's.
+/// Where the program tells by last transforms how its geoms have moved, it is what they moved since then: only the
+/// direction is used.
 Vec3d relativeVelocity(const Side& a, const Side& b) {
-  const Vec3f& c = b.object->mesh()->mesh().center();
+  const Vec3f& c = b.side.mesh->mesh().center();
   const Vec3d point = otgTransform(b.pose.transform, Vec3d{c.x, c.y, c.z});
-  const auto velocityAt = [&](dGeomID geom) {
-    const dBodyID body = dGeomGetBody(geom);
+  const auto isTold = [](const Side& s) { return s.side.last.isSet || dGeomGetBody(s.side.geom) == nullptr; };
+  const bool told = (a.side.last.isSet || b.side.last.isSet) && isTold(a) && isTold(b);
+  const auto velocityAt = [&](const Side& s) {
+    if (told) {
+      if (!s.side.last.isSet) return Vec3d{0, 0, 0};
+      const Vec3d own = otgRotateBack(s.pose.transform, otgSub(point, s.pose.transform.t));
+      return otgSub(point, otgTransform(s.side.last.pose, own));
+    }
+    const dBodyID body = dGeomGetBody(s.side.geom);
     if (body == nullptr) return Vec3d{0, 0, 0};
     dVector3 v;
     dBodyGetPointVel(body, static_cast<dReal>(point.x), static_cast<dReal>(point.y), static_cast<dReal>(point.z), v);
     return Vec3d{v[0], v[1], v[2]};
   };
-  const Vec3d v = otgRotateBack(a.pose.transform, otgSub(velocityAt(a.geom), velocityAt(b.geom)));
+  const Vec3d v = otgRotateBack(a.pose.transform, otgSub(velocityAt(a), velocityAt(b)));
   return std::isfinite(v.x + v.y + v.z) ? v : Vec3d{0, 0, 0};
 }
 
@@ -75,8 +83,8 @@ void writeContact(const Contact& from, const PairTask& task, char* to) {
   contact.normal[1] = static_cast<dReal>(normal.y);
   contact.normal[2] = static_cast<dReal>(normal.z);
   contact.depth = static_cast<dReal>(std::max(from.depth, 0.0));
-  contact.g1 = task.o1;
-  contact.g2 = task.o2;
+  contact.g1 = task.side1.geom;
+  contact.g2 = task.side2.geom;
   contact.side1 = static_cast<int>(first ? from.triangleA : from.triangleB);
   contact.side2 = static_cast<int>(first ? from.triangleB : from.triangleA);
   std::memcpy(to, &contact, sizeof(contact));
@@ -194,40 +202,38 @@ Placement pairPlacement(const dGpuTriMeshParams& first, const dGpuTriMeshParams&
       both(one(first.near_phase, first.backend, process.near), one(second.near_phase, second.backend, process.near))};
 }
 
-void preparePair(dGeomID o1, dGeomID o2, PairTask& task) noexcept {
-  task.o1 = o1;
-  task.o2 = o2;
-  task.object1 = objectOf(o1);
-  task.object2 = objectOf(o2);
+void preparePair(MeshSide&& from1, MeshSide&& from2, PairTask& task) noexcept {
+  task.side1 = std::move(from1);
+  task.side2 = std::move(from2);
   task.state = PairTask::State::kNothing;
-  const CollisionMesh* const mesh1 = task.object1->mesh();
-  const CollisionMesh* const mesh2 = task.object2->mesh();
+  const CollisionMesh *const mesh1 = task.side1.mesh, *const mesh2 = task.side2.mesh;
   if (mesh1 == nullptr || mesh2 == nullptr || mesh1->tree().nodes.empty() || mesh2->tree().nodes.empty()) return;
-  const Side side1{o1, task.object1, readPose(o1)};
-  const Side side2{o2, task.object2, readPose(o2)};
+  const Side side1{task.side1, readPose(task.side1.geom)};
+  const Side side2{task.side2, readPose(task.side2.geom)};
   // Each by itself: a scale of 2 and one of 1/2 make a relative pose that looks rigid.
   if (!side1.pose.rigid || !side2.pose.rigid) {
     task.state = PairTask::State::kBadPose;
     return;
   }
-  task.first = task.object1->serial < task.object2->serial;
+  task.first = task.side1.object->serial < task.side2.object->serial;
   const Side& a = task.first ? side1 : side2;
   const Side& b = task.first ? side2 : side1;
   task.poseOfA = a.pose.transform;
   Query& query = task.job.query;
-  query.a = a.object->mesh();
-  query.b = b.object->mesh();
+  query.a = a.side.mesh;
+  query.b = b.side.mesh;
   query.bInA = relativePose(a.pose.transform, b.pose.transform);
   if (isFarApart(*query.a, *query.b, query.bInA)) return;
-  query.options = pairOptions(a.object->params, b.object->params);
-  task.job.place = pairPlacement(a.object->params, b.object->params, dispatcher().placement());
+  GeomObject &objectA = task.a(), &objectB = task.b();
+  query.options = pairOptions(objectA.params, objectB.params);
+  task.job.place = pairPlacement(objectA.params, objectB.params, dispatcher().placement());
   query.relativeVelocity = relativeVelocity(a, b);
-  task.remembers = remembers(a.object->params) && remembers(b.object->params);
+  task.remembers = remembers(objectA.params) && remembers(objectB.params);
   task.history = {};
   task.stamp = 0;
   query.history = nullptr;
   if (task.remembers) {
-    task.stamp = b.object->memory.recall(a.object->serial, task.history);
+    task.stamp = objectB.memory.recall(objectA.serial, task.history);
     query.history = &task.history;
   }
   task.state = PairTask::State::kReady;
@@ -244,7 +250,7 @@ std::uint64_t rememberPair(const PairTask& task, bool hasContacts) {
 
 void countPair(const PairTask& task, const PairCounts& counts, std::size_t contacts, bool onDevice,
                bool deviceFailed) noexcept {
-  for (GeomObject* object : {task.object1, task.object2}) {
+  for (GeomObject* object : {task.side1.object, task.side2.object}) {
     count(object->stats, counts, contacts);
     if (onDevice) object->stats.onDevice.fetch_add(1, std::memory_order_relaxed);
     if (deviceFailed) object->stats.deviceFailures.fetch_add(1, std::memory_order_relaxed);
@@ -253,7 +259,7 @@ void countPair(const PairTask& task, const PairCounts& counts, std::size_t conta
 
 void countFailure(const PairTask& task, int status) noexcept {
   noteStatus(status);
-  for (GeomObject* object : {task.object1, task.object2}) {
+  for (GeomObject* object : {task.side1.object, task.side2.object}) {
     object->stats.failedQueries.fetch_add(1, std::memory_order_relaxed);
   }
 }

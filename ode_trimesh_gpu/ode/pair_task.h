@@ -8,7 +8,7 @@
 #include <span>
 
 #include "dispatch/pair_job.h"
-#include "ode/geom_class.h"
+#include "ode/mesh_side.h"
 #include "ode_trimesh_gpu/contact_data.h"
 
 namespace otg {
@@ -28,8 +28,7 @@ struct PairTask {
     kBadPose,  ///< a pose is not finite or not rigid
     kReady     ///< `job` is to be done
   };
-  dGeomID o1 = nullptr, o2 = nullptr;
-  GeomObject *object1 = nullptr, *object2 = nullptr;
+  MeshSide side1, side2;
   State state = State::kNothing;
   bool first = false;       ///< mesh A is o1's
   Transformd poseOfA{};     ///< A's frame to the world
@@ -42,8 +41,12 @@ struct PairTask {
   PairTask(const PairTask&) = delete;  // job points into the object
   PairTask& operator=(const PairTask&) = delete;
 
-  GeomObject& a() const { return first ? *object1 : *object2; }
-  GeomObject& b() const { return first ? *object2 : *object1; }
+  const MeshSide& sideA() const { return first ? side1 : side2; }
+  const MeshSide& sideB() const { return first ? side2 : side1; }
+  GeomObject& a() const { return *sideA().object; }
+  GeomObject& b() const { return *sideB().object; }
+  /// Whether the program wants to be asked about triangles of this pair.
+  bool asks() const { return side1.callbacks.asked() || side2.callbacks.asked(); }
 };
 
 /// The lower 16 bits of the flags of dCollide: the number of places (ODE's own name for it is private). The flags as a
@@ -56,9 +59,9 @@ bool isUnimportant(int flags);
 /// Where the phases of a pair run: as both geoms want it, or else as the process does.
 Placement pairPlacement(const dGpuTriMeshParams& first, const dGpuTriMeshParams& second, Placement process);
 
-/// Reads poses, velocities, parameters and history of two geoms of our class; sets everything but `any`, which depends
-/// on the call.
-void preparePair(dGeomID o1, dGeomID o2, PairTask& task) noexcept;
+/// Reads poses, velocities, parameters and history of two geoms; sets everything but what depends on the call: `any`
+/// and `filter`.
+void preparePair(MeshSide&& side1, MeshSide&& side2, PairTask& task) noexcept;
 
 /// What every collision leaves with its geoms, of contacts found or not: the history and the statistics. Returns the
 /// stamp of what is remembered now, 0 for nothing. May throw std::bad_alloc.

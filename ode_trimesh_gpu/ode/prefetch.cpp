@@ -82,7 +82,11 @@ class Gatherer {
 int prefetch(std::span<const dSpaceID> spaces, dGpuTriMeshPairFilter* filter, void* data) {
   Gatherer gatherer(filter, data);
   for (const dSpaceID space : spaces) gatherer.addSpace(space);
-  const std::vector<dGpuTriMeshPair> pairs = gatherer.take();
+  std::vector<dGpuTriMeshPair> pairs = gatherer.take();
+  // Who has callbacks is asked when the pair is collided, and not before.
+  std::erase_if(pairs, [](const dGpuTriMeshPair& p) {
+    return objectOf(p.o1)->callbacks.asked() || objectOf(p.o2)->callbacks.asked();
+  });
   PairBatch batch(pairs, 0, false);
   batch.run();
   for (std::size_t i = 0; i < pairs.size(); ++i) {

@@ -52,8 +52,8 @@ void PrefetchedPairs::clear() {
 void PrefetchedPairs::add(const PairTask& task, PairResult&& result) {
   const std::lock_guard lock(mutex_);
   Entry& entry = entries_[task.a().serial];
-  entry.a = task.a().data->meshPtr();
-  entry.b = task.b().data->meshPtr();
+  entry.a = task.sideA().sharedMesh();
+  entry.b = task.sideB().sharedMesh();
   entry.query = task.job.query;
   entry.query.history = nullptr;
   entry.remembers = task.remembers;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Refitting: the topology stays, the boxes are those of the moved vertices, and the quality measure tells the price.
+#include <cmath>
+
 #include "bvh/collision_mesh.h"
 #include "support/catch.h"
 #include "support/mesh_samples.h"
@@ -62,9 +64,12 @@ TEST_CASE("a refitted tree is valid for the moved mesh, and so are its layouts")
       const MeshPtr mesh = moved(*sample.mesh, [&](Vec3f v) {
         return Vec3f{v.x + reach * unit(random), v.y + reach * unit(random), v.z + reach * unit(random)};
       });
+      BinaryTree refitted = before.tree();
+      refitTree(refitted, *mesh);
+      REQUIRE(sameTopology(refitted, before.tree()));
+      REQUIRE(validateTree(refitted, *mesh) == "");
       const CollisionMesh after(mesh, before);
       REQUIRE(&after.mesh() == mesh.get());
-      REQUIRE(sameTopology(after.tree(), before.tree()));
       REQUIRE(validateTree(after.tree(), *mesh) == "");
       REQUIRE(validateLayout(after.quantized(), *mesh) == "");
       REQUIRE(validateLayout(after.noLeaf(), *mesh) == "");
@@ -73,6 +78,36 @@ TEST_CASE("a refitted tree is valid for the moved mesh, and so are its layouts")
     }
     REQUIRE(validateTree(before.tree(), *sample.mesh) == "");  // the first mesh keeps its tree
   }
+}
+
+TEST_CASE("a tree is built anew when refitting has made it too bad, and only then") {
+  const MeshPtr sphere = scenes::build(scenes::makeSphere(1, 4));
+  const CollisionMesh built(sphere, BuildStrategy::kSah);
+  // A breath moves all vertices and keeps neighbours neighbours: the tree stays as good as it was.
+  const CollisionMesh breath(moved(*sphere, [](Vec3f v) { return Vec3f{1.3f * v.x, 0.9f * v.y, 1.1f * v.z}; }), built);
+  REQUIRE(sameTopology(breath.tree(), built.tree()));
+  // A twist by small steps spreads every box: at no step is the tree worse than the bound, and it is built anew at
+  // some.
+  std::shared_ptr<const CollisionMesh> now = std::make_shared<const CollisionMesh>(sphere, BuildStrategy::kSah);
+  int builds = 0;
+  double lastBuilt = sahCost(now->tree());
+  for (int step = 1; step <= 40; ++step) {
+    const MeshPtr twisted = moved(*sphere, [&](Vec3f v) {
+      const float angle = 0.5f * static_cast<float>(step) * v.z, c = std::cos(angle), s = std::sin(angle);
+      return Vec3f{(3 + v.y) * c - v.x * s, (3 + v.y) * s + v.x * c, v.z};
+    });
+    const auto after = std::make_shared<const CollisionMesh>(twisted, *now);
+    REQUIRE(validateTree(after->tree(), *twisted) == "");
+    if (!sameTopology(after->tree(), now->tree())) {
+      ++builds;
+      REQUIRE(sameTopology(after->tree(), buildTree(*twisted, BuildStrategy::kSah)));
+      lastBuilt = sahCost(after->tree());
+    }
+    REQUIRE(sahCost(after->tree()) <= CollisionMesh::kRebuildCost * lastBuilt);
+    now = after;
+  }
+  REQUIRE(builds >= 1);
+  REQUIRE(builds <= 10);
 }
 
 TEST_CASE("the quality measure") {
@@ -92,7 +127,9 @@ TEST_CASE("the quality measure") {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> unit(-1, 1);
   const MeshPtr noise = moved(*sphere, [&](Vec3f) { return Vec3f{unit(random), unit(random), unit(random)}; });
-  const double refitted = sahCost(CollisionMesh(noise, built).tree());
+  BinaryTree tree = built.tree();
+  refitTree(tree, *noise);
+  const double refitted = sahCost(tree);
   REQUIRE(refitted > 1.05 * sahCost(buildTree(*noise, BuildStrategy::kSah)));
   REQUIRE(refitted > 5 * fresh);
 

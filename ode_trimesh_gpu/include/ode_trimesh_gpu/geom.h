@@ -120,6 +120,31 @@ OTG_API int dGeomGpuTriMeshGetTriangle(dGeomID g, int Index, dVector3* v0, dVect
  */
 OTG_API int dGeomGpuTriMeshGetPoint(dGeomID g, int Index, dReal u, dReal v, dVector3 Out);
 
+/**
+ * @brief Says where the geom was a step ago; the counterpart of dGeomTriMeshSetLastTransform().
+ *
+ * For geoms that the program moves by hand, without a body: deep and contained bodies leave in the direction from which
+ * they came, and this tells it. Used for a pair of which each geom has either a last transform or no body; the geoms of
+ * other pairs move as their bodies do. Only the direction of motion matters, not the length of the step.
+ * @param g           a geom of this class, or a dTriMesh that collides through this library: ODE 0.16 itself forgets
+ * the position in what dGeomTriMeshSetLastTransform() is given
+ * @param last_trans  sixteen numbers as ODE has them: the columns of the rotation, each as three numbers and a 0, then
+ *                    the position and a 1. NULL: the geom's motion is unknown again
+ * @returns dGPUTRIMESH_OK; dGPUTRIMESH_ERROR_ARGUMENT if a number is not finite or the last one is 0;
+ *          dGPUTRIMESH_ERROR_CLASS, dGPUTRIMESH_ERROR_MEMORY.
+ * @remarks Not while another thread collides the geom.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGeomGpuTriMeshSetLastTransform(dGeomID g, const dReal* last_trans);
+
+/**
+ * @brief What dGeomGpuTriMeshSetLastTransform() was given.
+ * @returns Sixteen numbers that live until the next call of that function for the geom, or its end; zeros before the
+ *          first one. NULL for a geom of another class.
+ * @ingroup gputrimesh
+ */
+OTG_API const dReal* dGeomGpuTriMeshGetLastTransform(dGeomID g);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* ODE's own triangle meshes collide through this library, in programs that go on using dTriMesh. */
+#ifndef ODE_TRIMESH_GPU_OVERRIDE_H
+#define ODE_TRIMESH_GPU_OVERRIDE_H
+
+#include <ode/collision_trimesh.h>
+#include <ode/common.h>
+
+#include "export.h"
+#include "params.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/**
+ * @brief From here on, two geoms of ODE's class dTriMesh collide through this library.
+ *
+ *     dInitODE2(0);
+ *     dGpuTriMeshOverrideTriMesh();
+ *     ... the program as it is, with dCreateTriMesh() and its dTriMeshDataIDs ...
+ *
+ * Contacts are those of two geoms of this library's class with the same triangles (see dCreateGpuTriMesh()); sides are
+ * ODE's numbers of triangles. dTriCallback, dTriArrayCallback and dTriTriMergeCallback of the geoms are called (see
+ * callbacks.h), which ODE itself does not do for two meshes. Last transforms (dGeomTriMeshSetLastTransform()) give the
+ * direction of motion of geoms that have no body. Boxes, rays and pairs with other classes stay ODE's.
+ *
+ * Triangles are read through dGeomTriMeshGetTriangle(), once for each dTriMeshDataID, when one of its geoms collides
+ * first. ODE tells nobody of changes: each time that a geom collides, the number of triangles and 32 of the triangles
+ * are compared with those that were read, 32 others the next time. A change that reaches every triangle is noticed at
+ * once, and so is every change to meshes of up to 32 triangles; one to a single triangle of F at the latest when the
+ * data were asked for F times. After a change that is smaller, call dGpuTriMeshOverrideDataChanged(). Vertices that
+ * moved are refitted; other triangles are built anew. What is kept of destroyed data is freed when they are forgotten
+ * (dGpuTriMeshOverrideForgetData()), when the same dTriMeshDataID is used again, or in time when there are many. A geom
+ * that is created where another one was destroyed goes on with that one's parameters and statistics, unless
+ * dGpuTriMeshOverrideForgetGeom() was called.
+ *
+ * ODE keeps no way back: the pair collides through this library until dCloseODE(). After the next dInitODE2() call this
+ * function again. Of colliders that others have set for the pair the last one holds.
+ *
+ * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ODE, dGPUTRIMESH_ERROR_PRECISION, dGPUTRIMESH_ERROR_MEMORY. It may be
+ * called any number of times.
+ * @remarks The thread rule of dGpuTriMeshInit(), which need not be called: no class of ODE's is taken.
+ * @remarks Any number of threads may collide afterwards. Which mesh of a pair the computation is done in depends on
+ *          which of the two was seen first: threads that collide geoms for the first time at once may take turns in
+ *          that. dGpuTriMeshOverridePrepare() settles it.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshOverrideTriMesh(void);
+
+/**
+ * @brief Chooses how dTriMesh geoms collide: those that exist, and those to come.
+ *
+ * dGeomGpuTriMeshSetParams() and its like also take a dTriMesh, after dGpuTriMeshOverrideTriMesh(), for choices of its
+ * own.
+ * @param params  as in dGeomGpuTriMeshSetParams()
+ * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT.
+ * @remarks Not while another thread collides.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshOverrideSetParams(const dGpuTriMeshParams* params);
+
+/**
+ * @brief What dGpuTriMeshOverrideSetParams() set last.
+ * @param params  `params->size` must be sizeof(dGpuTriMeshParams)
+ * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshOverrideGetParams(dGpuTriMeshParams* params);
+
+/**
+ * @brief Reads the mesh of a dTriMesh now, so that its first collision does not wait for it, and gives it its place in
+ *        the order of geoms.
+ * @param g  a geom of dTriMeshClass
+ * @returns dGPUTRIMESH_OK; dGPUTRIMESH_ERROR_CLASS; dGPUTRIMESH_ERROR_MESH if it has no data, no triangles or vertices
+ *          that are not finite: such a mesh touches nothing; dGPUTRIMESH_ERROR_MEMORY.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshOverridePrepare(dGeomID g);
+
+/**
+ * @brief Says that data were built anew or updated (dGeomTriMeshDataUpdate()): they are read again when one of their
+ *        geoms collides next.
+ * @param data  may be NULL or unknown: then nothing is done
+ * @remarks From any thread and from a near callback.
+ * @ingroup gputrimesh
+ */
+OTG_API void dGpuTriMeshOverrideDataChanged(dTriMeshDataID data);
+
+/**
+ * @brief Frees what is kept of data that are to be destroyed, or were. NULL does nothing.
+ * @remarks From any thread and from a near callback.
+ * @ingroup gputrimesh
+ */
+OTG_API void dGpuTriMeshOverrideForgetData(dTriMeshDataID data);
+
+/**
+ * @brief Frees what is kept of a dTriMesh that is to be destroyed, or was: its parameters, statistics and history. NULL
+ *        does nothing.
+ * @remarks From any thread and from a near callback, but not while another thread collides the geom.
+ * @ingroup gputrimesh
+ */
+OTG_API void dGpuTriMeshOverrideForgetGeom(dGeomID g);
+
+/**
+ * @brief What became of the data of dTriMesh geoms so far: how often a mesh was built from nothing, how often refitted
+ *        to moved vertices, and of how many dTriMeshDataIDs one is kept. Each may be NULL.
+ * @remarks From any thread and from a near callback.
+ * @ingroup gputrimesh
+ */
+OTG_API void dGpuTriMeshOverrideGetCounts(duint64* builds, duint64* refits, duint64* kept);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* ODE_TRIMESH_GPU_OVERRIDE_H */

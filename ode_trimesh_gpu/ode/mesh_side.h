@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One side of a query: a geom of our class, or a dTriMesh of ODE's that collides through us.
+#pragma once
+
+#include <ode/collision.h>
+
+#include <memory>
+
+#include "ode/geom_class.h"
+
+namespace otg {
+
+/// A geom with all that a query needs of it, at one moment.
+struct MeshSide {
+  dGeomID geom = nullptr;
+  GeomObject* object = nullptr;         ///< null: the geom is neither of our class nor a dTriMesh
+  const CollisionMesh* mesh = nullptr;  ///< null: nothing to collide with
+  GeomCallbacks callbacks;
+  LastTransform last;
+  /// Of a dTriMesh, which may be destroyed or changed without our knowledge: shares of its object and mesh.
+  std::shared_ptr<GeomObject> ownObject;
+  std::shared_ptr<const CollisionMesh> ownMesh;
+
+  std::shared_ptr<const CollisionMesh> sharedMesh() const {
+    return ownMesh != nullptr || object == nullptr || object->data == nullptr ? ownMesh : object->data->meshPtr();
+  }
+};
+
+/// For geoms of our class as objectOf(). A dTriMesh gets an object when it is asked for first, which its serial number,
+/// its parameters and what is remembered of its pairs belong to; its mesh is read through trimesh_cache.h, its
+/// callbacks and last transform through ODE. May throw std::bad_alloc.
+MeshSide meshSideOf(dGeomID geom);
+
+/// The object of a dTriMesh; null for geoms of other classes. May throw std::bad_alloc.
+std::shared_ptr<GeomObject> objectOfTrimesh(dGeomID geom);
+
+/// What settings of a geom belong to: of our class, or a dTriMesh. Null for others. May throw std::bad_alloc.
+std::shared_ptr<GeomObject> settingsOf(dGeomID geom);
+
+/// A dTriMesh is about to be destroyed: its object goes when the queries that have it are done.
+void forgetTrimesh(dGeomID geom) noexcept;
+/// No dTriMesh has an object any more.
+void forgetTrimeshes() noexcept;
+
+/// What a dTriMesh gets when it is asked for first.
+void setTrimeshParams(const dGpuTriMeshParams& params) noexcept;
+dGpuTriMeshParams trimeshParams() noexcept;
+
+/// The pose in ODE's dMatrix4: a rotation's columns, then the position, each as four numbers.
+LastTransform lastTransformOf(const dReal* matrix) noexcept;
+
+}  // namespace otg

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Asks the program about the triangles of one pair of geoms while it is collided.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "ode/pair_task.h"
+
+namespace otg {
+
+/// Each callback is asked about each triangle, or pair of triangles, once in a query. The order in which it is asked
+/// depends on the meshes and poses alone.
+class PairCallbacks final : public PairFilter {
+ public:
+  explicit PairCallbacks(const PairTask& task) : task_(task) {}
+  bool dropPairs(const Query& query, Workspace& workspace) override;
+  void finish(const Query& query, Workspace& workspace) override;
+
+ private:
+  /// Whether a geom's own callback lets a triangle (the caller's number) collide.
+  bool mayCollide(bool ofA, std::uint32_t triangle);
+  bool mayCollide(std::uint32_t triangleA, std::uint32_t triangleB);
+  void tellTriangles(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs);
+  void mergeNumbers(bool ofA, const std::vector<Contact>& all, std::vector<Contact>& kept);
+
+  const PairTask& task_;
+  std::map<std::uint32_t, bool> answerA_, answerB_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, bool> answer_;
+};
+
+}  // namespace otg
