@@ -3,8 +3,9 @@
 #ifndef ODE_TRIMESH_GPU_OVERRIDE_H
 #define ODE_TRIMESH_GPU_OVERRIDE_H
 
-#include <ode/collision_trimesh.h>
 #include <ode/common.h>
+/* In this order: ODE's header of triangle meshes does not include what it needs. */
+#include <ode/collision_trimesh.h>
 
 #include "export.h"
 #include "params.h"
