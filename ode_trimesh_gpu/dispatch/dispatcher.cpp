@@ -86,6 +86,14 @@ std::span<const Contact> Dispatcher::collide(const PairJob& job, Workspace& work
   return collideOn(slot, job, workspace, ran.onDevice, ran.deviceFailed);
 }
 
+void Dispatcher::run(std::size_t count, std::size_t grain, const ThreadPool::Work& work) {
+  if (count <= grain) {  // no need of threads
+    if (count > 0) work(0, count);
+    return;
+  }
+  pool()->run(count, grain, work);
+}
+
 PairCounts Dispatcher::collideBatch(std::span<const PairJob* const> jobs, std::span<PairResult> results) {
   return runBatch(*pool(), usableDevices(), jobs, results);
 }

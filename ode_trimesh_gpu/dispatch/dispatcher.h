@@ -51,6 +51,9 @@ class Dispatcher {
   /// One job on the calling thread: its contacts, in the workspace. Throws what otg::collide throws.
   std::span<const Contact> collide(const PairJob& job, Workspace& workspace, Ran& ran);
 
+  /// ThreadPool::run on the threads of batches.
+  void run(std::size_t count, std::size_t grain, const ThreadPool::Work& work);
+
   /// Every job, each with the result that it has by itself. `results` has as many elements. Returns the counts of all
   /// jobs together, those that a device has for a batch only among them. Throws std::bad_alloc, after which the results
   /// are of no use; want of memory for a single pair is an outcome of that pair.

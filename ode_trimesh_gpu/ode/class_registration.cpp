@@ -18,6 +18,7 @@
 #include "dispatch/workspace_lease.h"
 #include "ode/geom_class.h"
 #include "ode/mesh_collider.h"
+#include "ode/primitive_collider.h"
 #include "ode/status.h"
 
 namespace otg {
@@ -128,16 +129,11 @@ bool classIsOurs(int number) {
   return collidesThroughUs(probe.get(), convex.get());
 }
 
-/// What ODE's table holds for pairs that we have no contacts for.
-int collideWithOther(dGeomID o1, dGeomID, int, dContactGeom*, int) noexcept {
-  if (objectOf(o1) == nullptr) answerProbe();
-  return 0;
-}
-
 /// ODE asks once for each pair of classes and keeps the answer, NULL ("never any contacts") included. A class that is
 /// asked about a number that it doesn't know must say NULL, or the other class is never asked.
 dColliderFn* colliderFor(int otherClass) {
-  return otherClass == registeredClass() ? static_cast<dColliderFn*>(&collideMeshMesh) : nullptr;
+  if (otherClass == registeredClass()) return &collideMeshMesh;
+  return otherClass >= dSphereClass && otherClass < dFirstSpaceClass ? &collideMeshPrimitive : nullptr;
 }
 
 int registerClass() {
@@ -152,7 +148,7 @@ int registerClass() {
   // ODE would fill these entries on the first collision of each pair, without a lock. Spaces and dGeomTransform have
   // theirs already; other user classes may come later and are left to ODE.
   for (int other = dSphereClass; other < dFirstSpaceClass; ++other) {
-    if (other != dGeomTransformClass) dSetColliderOverride(number, other, &collideWithOther);
+    if (other != dGeomTransformClass) dSetColliderOverride(number, other, &collideMeshPrimitive);
   }
   dSetColliderOverride(number, number, &collideMeshMesh);
   return dGPUTRIMESH_OK;

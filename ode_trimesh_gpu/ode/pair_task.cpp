@@ -66,30 +66,6 @@ Vec3d relativeVelocity(const Side& a, const Side& b) {
   return std::isfinite(v.x + v.y + v.z) ? v : Vec3d{0, 0, 0};
 }
 
-/// Elements are written as whole structures of their own, so that any skip and any
-/// alignment will do and the caller's bytes in between stay as they are.
-void writeContact(const Contact& from, const PairTask& task, char* to) {
-  const bool first = task.first;
-  const Vec3d position = otgTransform(task.poseOfA, from.position);
-  Vec3d normal = otgRotate(task.poseOfA, from.normal);
-  // ODE lets rotation matrices drift a little; the contact joint takes the length of the normal for granted.
-  const double scale = (first ? 1.0 : -1.0) / length(normal);
-  normal = otgScale(normal, scale);
-  dContactGeom contact{};
-  contact.pos[0] = static_cast<dReal>(position.x);
-  contact.pos[1] = static_cast<dReal>(position.y);
-  contact.pos[2] = static_cast<dReal>(position.z);
-  contact.normal[0] = static_cast<dReal>(normal.x);
-  contact.normal[1] = static_cast<dReal>(normal.y);
-  contact.normal[2] = static_cast<dReal>(normal.z);
-  contact.depth = static_cast<dReal>(std::max(from.depth, 0.0));
-  contact.g1 = task.side1.geom;
-  contact.g2 = task.side2.geom;
-  contact.side1 = static_cast<int>(first ? from.triangleA : from.triangleB);
-  contact.side2 = static_cast<int>(first ? from.triangleB : from.triangleA);
-  std::memcpy(to, &contact, sizeof(contact));
-}
-
 bool remembers(const dGpuTriMeshParams& params) {
   return params.history == dGPUTRIMESH_HISTORY_ON;
 }
@@ -108,6 +84,28 @@ void count(GeomStats& to, const PairCounts& from, std::size_t contacts) {
 }
 
 }  // namespace
+
+void writeContact(const Contact& from, const ContactFrame& frame, void* to) {
+  const bool first = frame.first;
+  const Vec3d position = otgTransform(frame.poseOfA, from.position);
+  Vec3d normal = otgRotate(frame.poseOfA, from.normal);
+  // ODE lets rotation matrices drift a little; the contact joint takes the length of the normal for granted.
+  const double scale = (first ? 1.0 : -1.0) / length(normal);
+  normal = otgScale(normal, scale);
+  dContactGeom contact{};
+  contact.pos[0] = static_cast<dReal>(position.x);
+  contact.pos[1] = static_cast<dReal>(position.y);
+  contact.pos[2] = static_cast<dReal>(position.z);
+  contact.normal[0] = static_cast<dReal>(normal.x);
+  contact.normal[1] = static_cast<dReal>(normal.y);
+  contact.normal[2] = static_cast<dReal>(normal.z);
+  contact.depth = static_cast<dReal>(std::max(from.depth, 0.0));
+  contact.g1 = frame.o1;
+  contact.g2 = frame.o2;
+  contact.side1 = static_cast<int>(first ? from.triangleA : from.triangleB);
+  contact.side2 = static_cast<int>(first ? from.triangleB : from.triangleA);
+  std::memcpy(to, &contact, sizeof(contact));
+}
 
 bool isUnimportant(int flags) {
   return (static_cast<unsigned>(flags) & CONTACTS_UNIMPORTANT) != 0;
@@ -268,7 +266,7 @@ void writeContacts(const PairTask& task, std::span<const Contact> contacts, cons
   char* place = reinterpret_cast<char*>(to.first);
   char* dataPlace = reinterpret_cast<char*>(to.data);
   for (const Contact& from : contacts) {
-    writeContact(from, task, place);
+    writeContact(from, {task.poseOfA, task.first, task.side1.geom, task.side2.geom}, place);
     place += to.skip;
     if (dataPlace == nullptr) continue;
     const dGpuTriMeshContactData known = contactData(task.job.query, from, task.first);

@@ -21,6 +21,17 @@ struct ContactArray {
   int dataSkip = 0;
 };
 
+/// How a contact in mesh A's frame becomes one of ODE's.
+struct ContactFrame {
+  Transformd poseOfA;  ///< A's frame to the world
+  bool first;          ///< mesh A is o1's
+  dGeomID o1, o2;
+};
+
+/// Writes a dContactGeom as a whole structure of its own, so that any skip and any alignment will do and the caller's
+/// bytes in between stay as they are. Triangles are the caller's numbers; kNone becomes -1.
+void writeContact(const Contact& from, const ContactFrame& frame, void* to);
+
 /// A pair of geoms at one moment. It stays as it is when they move; the objects have to live on.
 struct PairTask {
   enum class State {

@@ -14,5 +14,7 @@ double exitDistance(const PlacedMeshes& meshes, int mesh, const Vec3d& origin, c
 
 /// Parity of crossings along up to three rays in fixed skew directions: the first two that agree decide.
 bool pointInside(const PlacedMeshes& meshes, int mesh, const Vec3d& point);
+/// The same for a point in the frame of one mesh.
+bool pointInMesh(const CollisionMesh& mesh, const Vec3d& point);
 
 }  // namespace otg

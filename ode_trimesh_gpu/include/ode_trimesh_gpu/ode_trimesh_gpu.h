@@ -24,6 +24,7 @@
 #include "mass.h"
 #include "override.h"
 #include "params.h"
+#include "queries.h"
 #include "report.h"
 #include "stats.h"
 #include "trimesh_data.h"

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ode/primitive_collider.h"
+
+#include <algorithm>
+
+#include "collide/reduction.h"
+#include "ode/class_registration.h"
+#include "ode/mesh_collider.h"
+#include "ode/pair_task.h"
+#include "ode/status.h"
+#include "primitives/plane_contacts.h"
+#include "primitives/sphere_contacts.h"
+
+namespace otg {
+namespace {
+
+HalfSpace planeInMesh(const PrimitiveTask& task) {
+  dVector4 p;
+  dGeomPlaneGetParams(task.o2, p);
+  const Vec3d n{p[0], p[1], p[2]};
+  return {otgRotateBack(task.pose, n), static_cast<double>(p[3]) - otgDot(n, task.pose.t)};
+}
+
+/// All contacts, in the mesh's frame, with the mesh's own triangle numbers.
+void findContacts(const PrimitiveTask& task, std::vector<Contact>& out) {
+  const int perRegion = task.object->params.contacts_per_region;
+  switch (dGeomGetClass(task.o2)) {
+    case dPlaneClass:
+      planeContacts(*task.mesh, planeInMesh(task), perRegion, out);
+      break;
+    case dSphereClass:
+      sphereContacts(*task.mesh, task.other.t, dGeomSphereGetRadius(task.o2), out);
+      break;
+    default:
+      break;
+  }
+}
+
+/// False if the pair can have no contacts. A status in `failure` if that is because of a bad pose.
+bool prepare(PrimitiveTask& task, int& failure) {
+  task.mesh = task.object->mesh();
+  if (task.mesh == nullptr || task.mesh->tree().nodes.empty()) return false;
+  const WorldPose pose = readPose(task.o1);
+  task.pose = pose.transform;
+  bool rigid = pose.rigid;
+  const int classOfOther = dGeomGetClass(task.o2);
+  if (classOfOther == dRayClass) {  // only the last column of a ray's matrix is set: its direction
+    rigid = rigid && readPose(task.o2).finite;
+  } else if (classOfOther != dPlaneClass) {  // planes have no pose
+    const WorldPose other = readPose(task.o2);
+    rigid = rigid && other.rigid;
+    task.other = relativePose(pose.transform, other.transform);
+  }
+  if (!rigid) failure = dGPUTRIMESH_ERROR_POSE;
+  return rigid;
+}
+
+int collidePrimitive(PrimitiveTask& task, dContactGeom* contact, int skip) {
+  GeomStats& stats = task.object->stats;
+  stats.queries.fetch_add(1, std::memory_order_relaxed);
+  int failure = dGPUTRIMESH_OK;
+  try {
+    if (!prepare(task, failure)) {
+      if (failure != dGPUTRIMESH_OK) {
+        noteStatus(failure);
+        stats.failedQueries.fetch_add(1, std::memory_order_relaxed);
+      }
+      return 0;
+    }
+    const int most = std::min(task.capacity, task.object->params.max_contacts);
+    std::vector<Contact> contacts;
+    if (dGeomGetClass(task.o2) == dRayClass) {
+      rayContacts(task, contacts);  // nearest first: depth is the way along the ray
+      if (contacts.size() > static_cast<std::size_t>(most)) contacts.resize(static_cast<std::size_t>(most));
+    } else {
+      findContacts(task, contacts);
+      contacts = limitContacts(contacts, most);
+    }
+    char* place = reinterpret_cast<char*>(contact);
+    for (Contact& found : contacts) {
+      found.triangleA = task.mesh->mesh().callerTriangle(found.triangleA);
+      writeContact(found, {task.pose, true, task.o1, task.o2}, place);
+      place += skip;
+    }
+    stats.contacts.fetch_add(contacts.size(), std::memory_order_relaxed);
+    return static_cast<int>(contacts.size());
+  } catch (...) {
+    // Only want of memory throws. ODE's space would stay locked for ever if we let it through.
+    noteStatus(dGPUTRIMESH_ERROR_MEMORY);
+    stats.failedQueries.fetch_add(1, std::memory_order_relaxed);
+    return 0;
+  }
+}
+
+}  // namespace
+
+int collideMeshPrimitive(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip) noexcept {
+  PrimitiveTask task;
+  task.o1 = o1;
+  task.o2 = o2;
+  task.object = objectOf(o1);
+  if (task.object == nullptr) {
+    answerProbe();
+    return 0;
+  }
+  task.capacity = capacityOf(flags);
+  if (contact == nullptr || task.capacity == 0) return 0;
+  // A skip that makes elements overlap is an error of the caller's; the first element is there in any case.
+  if (skip < static_cast<int>(sizeof(dContactGeom))) task.capacity = 1;
+  return collidePrimitive(task, contact, skip);
+}
+
+}  // namespace otg

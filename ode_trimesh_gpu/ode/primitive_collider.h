@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The collider function of a geom of our class with one of ODE's own.
+#pragma once
+
+#include <ode/collision.h>
+
+#include "ode/geom_class.h"
+
+namespace otg {
+
+/// dColliderFn: o1 is the mesh, whatever the order of the call (ODE exchanges the sides afterwards).
+int collideMeshPrimitive(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip) noexcept;
+
+/// A mesh that is to collide with a geom of ODE's, at one moment.
+struct PrimitiveTask {
+  dGeomID o1 = nullptr, o2 = nullptr;
+  GeomObject* object = nullptr;
+  const CollisionMesh* mesh = nullptr;
+  Transformd pose{};   ///< of the mesh in the world
+  Transformd other{};  ///< of o2 in the mesh's frame; unset for planes and rays
+  int capacity = 0;    ///< places for contacts
+};
+
+/// The contacts of a ray, nearest first (ray_collider.cpp). May throw std::bad_alloc.
+void rayContacts(const PrimitiveTask& task, std::vector<Contact>& out);
+
+}  // namespace otg

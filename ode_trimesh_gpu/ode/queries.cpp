@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The C API of nearest points, distances, overlap and rays.
+#include "ode_trimesh_gpu/queries.h"
+
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+#include "dispatch/dispatcher.h"
+#include "ode/geom_class.h"
+#include "ode/mesh_collider.h"
+#include "ode/status.h"
+#include "queries/mesh_distance.h"
+#include "queries/mesh_overlap.h"
+#include "queries/ray_cast.h"
+#include "queries/surface_side.h"
+
+namespace otg {
+namespace {
+
+constexpr std::size_t kPointsAtOnce = 64, kPairsAtOnce = 1;
+
+void write(const Vec3d& from, dReal* to) {
+  to[0] = static_cast<dReal>(from.x);
+  to[1] = static_cast<dReal>(from.y);
+  to[2] = static_cast<dReal>(from.z);
+  to[3] = 0;
+}
+
+bool isFinite(const Vec3d& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+double length(const Vec3d& v) {
+  return std::sqrt(otgDot(v, v));
+}
+
+/// A geom of our class where it is now.
+struct Placed {
+  const CollisionMesh* mesh = nullptr;  ///< null: no surface
+  Transformd pose{};
+};
+
+/// Returns a status.
+int place(dGeomID g, Placed& out) {
+  const GeomObject* const object = objectOf(g);
+  if (object == nullptr) return dGPUTRIMESH_ERROR_CLASS;
+  const WorldPose pose = readPose(g);
+  if (!pose.rigid) return dGPUTRIMESH_ERROR_POSE;
+  out.mesh = object->mesh();
+  if (out.mesh != nullptr && out.mesh->tree().nodes.empty()) out.mesh = nullptr;
+  out.pose = pose.transform;
+  return dGPUTRIMESH_OK;
+}
+
+Vec3d toMesh(const Placed& placed, const dReal* p) {
+  return otgRotateBack(placed.pose, otgSub(Vec3d{p[0], p[1], p[2]}, placed.pose.t));
+}
+
+/// Points of a caller, checked.
+struct Points {
+  const char* first;
+  std::size_t stride;
+  const dReal* operator[](std::size_t i) const { return reinterpret_cast<const dReal*>(first + i * stride); }
+};
+
+int checkPoints(const dReal* points, int stride, int count, const void* out, Points& to) {
+  if (count < 0 || stride < static_cast<int>(3 * sizeof(dReal))) return dGPUTRIMESH_ERROR_ARGUMENT;
+  if (count > 0 && (points == nullptr || out == nullptr)) return dGPUTRIMESH_ERROR_ARGUMENT;
+  to = {reinterpret_cast<const char*>(points), static_cast<std::size_t>(stride)};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    const dReal* const p = to[i];
+    if (!isFinite({p[0], p[1], p[2]})) return dGPUTRIMESH_ERROR_ARGUMENT;
+  }
+  return dGPUTRIMESH_OK;
+}
+
+void closest(const Placed& placed, const dReal* point, dGpuTriMeshClosestPoint& out) {
+  out = {};
+  out.distance = std::numeric_limits<dReal>::infinity();
+  out.triangle = -1;
+  if (placed.mesh == nullptr) return;
+  const Vec3d p = toMesh(placed, point);
+  const SurfacePoint nearest = closestPoint(*placed.mesh, p);
+  if (nearest.triangle == kNone) return;
+  write(otgTransform(placed.pose, nearest.point), out.pos);
+  const Vec3d normal = otgRotate(placed.pose, outwardNormal(*placed.mesh, nearest));
+  write(otgScale(normal, 1 / length(normal)), out.normal);
+  out.distance = static_cast<dReal>(isInside(*placed.mesh, p, nearest) ? -nearest.distance : nearest.distance);
+  out.triangle = static_cast<int>(placed.mesh->mesh().callerTriangle(nearest.triangle));
+}
+
+bool inside(const Placed& placed, const dReal* point) {
+  if (placed.mesh == nullptr) return false;
+  const Vec3d p = toMesh(placed, point);
+  const SurfaceKind kind = surfaceKind(placed.mesh->mesh());
+  if (kind == SurfaceKind::kShell) return false;
+  SurfacePoint nearest;
+  nearest.triangle = 0;  // a solid's rays do not ask for it
+  if (kind == SurfaceKind::kSheet) nearest = closestPoint(*placed.mesh, p);
+  return isInside(*placed.mesh, p, nearest);
+}
+
+/// Two geoms as a query, mesh A being o1's. Returns a status; a null mesh in the query: a geom without a surface.
+int placePair(dGeomID o1, dGeomID o2, Query& query, Transformd& pose1) {
+  Placed first, second;
+  for (const int status : {place(o1, first), place(o2, second)}) {
+    if (status != dGPUTRIMESH_OK) return status;
+  }
+  query.a = first.mesh;
+  query.b = second.mesh;
+  query.bInA = relativePose(first.pose, second.pose);
+  pose1 = first.pose;
+  return dGPUTRIMESH_OK;
+}
+
+int distanceOf(dGeomID o1, dGeomID o2, dReal limit, dGpuTriMeshDistance& out) {
+  Query query;
+  Transformd pose1;
+  if (const int status = placePair(o1, o2, query, pose1)) return status;
+  MeshDistance found;
+  if (query.a != nullptr && query.b != nullptr) found = meshDistance(query, static_cast<double>(limit));
+  out = {};
+  out.distance = std::numeric_limits<dReal>::infinity();
+  out.triangle1 = out.triangle2 = -1;
+  if (!found.found) return dGPUTRIMESH_OK;
+  out.distance = static_cast<dReal>(found.distance);
+  write(otgTransform(pose1, found.pointA), out.pos1);
+  write(otgTransform(pose1, found.pointB), out.pos2);
+  if (found.triangleA != kNone) out.triangle1 = static_cast<int>(query.a->mesh().callerTriangle(found.triangleA));
+  if (found.triangleB != kNone) out.triangle2 = static_cast<int>(query.b->mesh().callerTriangle(found.triangleB));
+  return dGPUTRIMESH_OK;
+}
+
+/// 1, 0 or a negative status.
+int overlapOf(dGeomID o1, dGeomID o2) {
+  Query query;
+  Transformd pose1;
+  if (const int status = placePair(o1, o2, query, pose1)) return status;
+  return query.a != nullptr && query.b != nullptr && overlap(query) ? 1 : 0;
+}
+
+int checkPairs(const dGpuTriMeshPair* pairs, int count, const void* out) {
+  return count < 0 || (count > 0 && (pairs == nullptr || out == nullptr)) ? dGPUTRIMESH_ERROR_ARGUMENT : dGPUTRIMESH_OK;
+}
+
+/// Calls one(i) for each pair, by all threads; returns the first status that is an error, else the sum of the others.
+template <class One>
+int forPairs(int count, const One& one) {
+  std::atomic<int> error{dGPUTRIMESH_OK}, sum{0};
+  dispatcher().run(static_cast<std::size_t>(count), kPairsAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const int answer = one(i);
+      int none = dGPUTRIMESH_OK;
+      if (answer < 0)
+        error.compare_exchange_strong(none, answer);
+      else
+        sum += answer;
+    }
+  });
+  return error != dGPUTRIMESH_OK ? error : sum;
+}
+
+bool isUsable(const dGpuTriMeshRay& ray) {
+  const Vec3d start{ray.start[0], ray.start[1], ray.start[2]};
+  const Vec3d direction{ray.direction[0], ray.direction[1], ray.direction[2]};
+  const double l = length(direction);
+  return isFinite(start) && std::isfinite(l) && l > 0 && ray.length >= 0;
+}
+
+/// Whether it hits.
+bool castOne(const Placed& placed, const dGpuTriMeshRay& ray, int flags, std::vector<RayHit>& scratch,
+             dGpuTriMeshRayHit& out) {
+  out = {};
+  out.distance = std::numeric_limits<dReal>::infinity();
+  out.triangle = -1;
+  if (placed.mesh == nullptr) return false;
+  const Vec3d direction{ray.direction[0], ray.direction[1], ray.direction[2]};
+  RayCast cast;
+  cast.ray.origin = toMesh(placed, ray.start);
+  cast.ray.direction = otgRotateBack(placed.pose, otgScale(direction, 1 / length(direction)));
+  cast.length = static_cast<double>(ray.length);
+  cast.cullBack = (flags & dGPUTRIMESH_RAY_CULL_BACK) != 0;
+  if ((flags & dGPUTRIMESH_RAY_ANY) != 0) cast.mode = RayMode::kAny;
+  castRay(*placed.mesh, cast, scratch);
+  if (scratch.empty()) return false;
+  const RayHit& hit = scratch.front();
+  const Vec3d point = otgAdd(cast.ray.origin, otgScale(cast.ray.direction, hit.distance));
+  const Vec3d face = otgRotate(placed.pose, placed.mesh->adjacency().normal[hit.triangle]);
+  write(otgTransform(placed.pose, point), out.pos);
+  write(otgScale(face, (hit.back ? -1 : 1) / length(face)), out.normal);
+  out.distance = static_cast<dReal>(hit.distance);
+  out.triangle = static_cast<int>(placed.mesh->mesh().callerTriangle(hit.triangle));
+  out.back = hit.back ? 1 : 0;
+  return true;
+}
+
+}  // namespace
+}  // namespace otg
+
+int dGeomGpuTriMeshClosestPoint(dGeomID g, const dVector3 point, dGpuTriMeshClosestPoint* out) {
+  return dGeomGpuTriMeshClosestPoints(g, point, sizeof(dVector3), 1, out);
+}
+
+int dGeomGpuTriMeshClosestPoints(dGeomID g, const dReal* points, int stride, int count, dGpuTriMeshClosestPoint* out) {
+  return otg::guarded([&] {
+    otg::Placed placed;
+    otg::Points from{};
+    if (const int status = otg::place(g, placed)) return status;
+    if (const int status = otg::checkPoints(points, stride, count, out, from)) return status;
+    otg::dispatcher().run(static_cast<std::size_t>(count), otg::kPointsAtOnce, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) otg::closest(placed, from[i], out[i]);
+    });
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
+}
+
+int dGeomGpuTriMeshPointsInside(dGeomID g, const dReal* points, int stride, int count, unsigned char* inside) {
+  return otg::guarded([&] {
+    otg::Placed placed;
+    otg::Points from{};
+    if (const int status = otg::place(g, placed)) return status;
+    if (const int status = otg::checkPoints(points, stride, count, inside, from)) return status;
+    std::atomic<int> found{0};
+    otg::dispatcher().run(static_cast<std::size_t>(count), otg::kPointsAtOnce, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        inside[i] = otg::inside(placed, from[i]) ? 1 : 0;
+        found += inside[i];
+      }
+    });
+    return found.load();
+  });
+}
+
+int dGpuTriMeshGetDistance(dGeomID o1, dGeomID o2, dReal limit, dGpuTriMeshDistance* out) {
+  const dGpuTriMeshPair pair{o1, o2};
+  return dGpuTriMeshGetDistances(&pair, 1, limit, out);
+}
+
+int dGpuTriMeshGetDistances(const dGpuTriMeshPair* pairs, int count, dReal limit, dGpuTriMeshDistance* out) {
+  return otg::guarded([&] {
+    if (const int status = otg::checkPairs(pairs, count, out)) return status;
+    if (!(limit >= 0)) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    return otg::forPairs(count,
+                         [&](std::size_t i) { return otg::distanceOf(pairs[i].o1, pairs[i].o2, limit, out[i]); });
+  });
+}
+
+int dGpuTriMeshOverlap(dGeomID o1, dGeomID o2) {
+  return otg::guarded([&] { return otg::overlapOf(o1, o2); });
+}
+
+int dGpuTriMeshOverlaps(const dGpuTriMeshPair* pairs, int count, unsigned char* out) {
+  return otg::guarded([&] {
+    if (const int status = otg::checkPairs(pairs, count, out)) return status;
+    return otg::forPairs(count, [&](std::size_t i) {
+      const int answer = otg::overlapOf(pairs[i].o1, pairs[i].o2);
+      out[i] = answer == 1 ? 1 : 0;
+      return answer;
+    });
+  });
+}
+
+int dGeomGpuTriMeshCastRays(dGeomID g, const dGpuTriMeshRay* rays, int count, int flags, dGpuTriMeshRayHit* hits) {
+  return otg::guarded([&] {
+    otg::Placed placed;
+    if (const int status = otg::place(g, placed)) return status;
+    constexpr int kKnown = dGPUTRIMESH_RAY_CULL_BACK | dGPUTRIMESH_RAY_ANY;
+    if (count < 0 || (flags & ~kKnown) != 0 || (count > 0 && (rays == nullptr || hits == nullptr))) {
+      return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    }
+    for (int i = 0; i < count; ++i) {
+      if (!otg::isUsable(rays[i])) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    }
+    std::atomic<int> found{0};
+    otg::dispatcher().run(static_cast<std::size_t>(count), otg::kPointsAtOnce, [&](std::size_t begin, std::size_t end) {
+      std::vector<otg::RayHit> scratch;
+      for (std::size_t i = begin; i < end; ++i) {
+        if (otg::castOne(placed, rays[i], flags, scratch, hits[i])) ++found;
+      }
+    });
+    return found.load();
+  });
+}

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "primitives/plane_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+
+#include "collide/solid/vectors.h"
+#include "mesh/union_find.h"
+
+namespace otg {
+namespace {
+
+/// A vertex below the plane.
+struct Below {
+  Vec3d position;
+  double depth;
+  std::uint32_t vertex, triangle;  ///< welded; the smallest triangle number that has it
+  std::uint32_t region = 0;
+  double spread = std::numeric_limits<double>::infinity();  ///< squared distance to the chosen ones
+};
+
+/// Differences below these are no reason for a choice: bodies at rest tremble, and contacts should stay where they are.
+constexpr double kRankStep = 0.02, kFarther = 1.02;
+
+/// The triangles with a point below the plane, by the tree.
+void trianglesBelow(const CollisionMesh& tree, const HalfSpace& plane, std::vector<std::uint32_t>& out) {
+  const std::vector<BvhNode>& nodes = tree.tree().nodes;
+  if (nodes.empty()) return;
+  const Vec3f& c = tree.mesh().center();
+  const Vec3d n = plane.normal;
+  const double offset = plane.offset - otgDot(n, Vec3d{c.x, c.y, c.z});
+  const double slack = 1e-14 * (std::fabs(plane.offset) + std::fabs(offset));
+  std::vector<std::uint32_t> stack{0};
+  while (!stack.empty()) {
+    const BvhNode& node = nodes[stack.back()];
+    stack.pop_back();
+    const double middle = otgDot(n, Vec3d{node.center.x, node.center.y, node.center.z});
+    const double reach =
+        std::fabs(n.x) * node.extent.x + std::fabs(n.y) * node.extent.y + std::fabs(n.z) * node.extent.z;
+    if (middle - reach > offset + slack + 1e-14 * (std::fabs(middle) + reach)) continue;
+    if (node.isLeaf()) {
+      if (!tree.mesh().isDegenerate(node.triangle())) out.push_back(node.triangle());
+    } else {
+      stack.push_back(static_cast<std::uint32_t>(node.child));
+      stack.push_back(static_cast<std::uint32_t>(node.child + 1));
+    }
+  }
+  std::sort(out.begin(), out.end());
+}
+
+/// The vertices below, with the region that each belongs to, in the order in which triangles name them.
+std::vector<Below> verticesBelow(const CollisionMesh& tree, const HalfSpace& plane) {
+  const TriMesh& mesh = tree.mesh();
+  std::vector<std::uint32_t> triangles;
+  trianglesBelow(tree, plane, triangles);
+  std::vector<Below> found;
+  std::unordered_map<std::uint32_t, std::uint32_t> index;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> joined;
+  for (const std::uint32_t t : triangles) {
+    std::uint32_t before = kNone;
+    for (const std::uint32_t v : mesh.triangles()[t].v) {
+      const Vec3f& p = mesh.vertices()[v];
+      const Vec3d x{p.x, p.y, p.z};
+      const double depth = plane.offset - otgDot(plane.normal, x);
+      if (!(depth >= 0)) continue;
+      const auto [it, isNew] = index.emplace(mesh.topology().weld[v], static_cast<std::uint32_t>(found.size()));
+      if (isNew) found.push_back({x, depth, it->first, t});
+      if (before != kNone) joined.emplace_back(before, it->second);
+      before = it->second;
+    }
+  }
+  UnionFind regions(found.size());
+  for (const auto& [a, b] : joined) regions.unite(a, b);
+  for (std::uint32_t i = 0; i < found.size(); ++i) found[i].region = regions.find(i);
+  return found;
+}
+
+/// Moves the chosen ones to the front of [begin, end) and returns how many they are.
+std::size_t chooseSpread(std::vector<Below>::iterator begin, std::vector<Below>::iterator end, std::size_t most) {
+  const double step =
+      kRankStep * std::max_element(begin, end, [](const Below& x, const Below& y) { return x.depth < y.depth; })->depth;
+  const auto rank = [&](const Below& b) { return step > 0 ? std::floor(b.depth / step) : 0.0; };
+  std::sort(begin, end, [&](const Below& x, const Below& y) {
+    return rank(x) != rank(y) ? rank(x) > rank(y) : x.vertex < y.vertex;
+  });
+  const std::size_t count = std::min(most, static_cast<std::size_t>(end - begin));
+  for (std::size_t i = 1; i < count; ++i) {
+    const Vec3d last = begin[static_cast<std::ptrdiff_t>(i) - 1].position;
+    auto best = begin + static_cast<std::ptrdiff_t>(i);
+    for (auto it = best; it != end; ++it) {
+      const Vec3d d = otgSub(it->position, last);
+      it->spread = std::min(it->spread, otgDot(d, d));
+      if (it->spread > kFarther * best->spread) best = it;
+    }
+    std::rotate(begin + static_cast<std::ptrdiff_t>(i), best, best + 1);
+  }
+  return count;
+}
+
+}  // namespace
+
+void planeContacts(const CollisionMesh& tree, const HalfSpace& plane, int perRegion, std::vector<Contact>& out) {
+  // Most queries of a space end here: no need of what is made for contacts.
+  std::vector<Below> found = verticesBelow(tree, plane);
+  if (found.empty()) return;
+  const std::vector<std::uint8_t>& flat = tree.adjacency().flatVertex;
+  std::stable_sort(found.begin(), found.end(), [](const Below& x, const Below& y) { return x.region < y.region; });
+  std::uint32_t number = 0;
+  for (auto begin = found.begin(); begin != found.end();) {
+    const auto end = std::find_if(begin, found.end(), [&](const Below& b) { return b.region != begin->region; });
+    const auto corners = std::stable_partition(begin, end, [&](const Below& b) { return flat[b.vertex] == 0; });
+    const auto last = corners == begin ? end : corners;
+    const std::size_t count = chooseSpread(begin, last, static_cast<std::size_t>(perRegion));
+    for (auto it = begin; it != begin + static_cast<std::ptrdiff_t>(count); ++it) {
+      Contact contact{it->position, plane.normal, it->depth, it->triangle, kNone, number, ContactFeature::kVertexA};
+      contact.flags = kContactInside;
+      contact.element = it->vertex;
+      out.push_back(contact);
+    }
+    ++number;
+    begin = end;
+  }
+  std::sort(out.begin(), out.end(), [](const Contact& x, const Contact& y) {
+    return x.depth != y.depth ? x.depth > y.depth : x.element < y.element;
+  });
+}
+
+}  // namespace otg

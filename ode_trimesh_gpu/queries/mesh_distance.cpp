@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "queries/mesh_distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "collide/pair_frame.h"
+#include "collide/rotation_tolerance.h"
+#include "queries/closest_point.h"
+#include "queries/mesh_overlap.h"
+#include "queries/triangle_distance.h"
+
+namespace otg {
+namespace {
+
+Vec3d toDouble(const Vec3f& v) {
+  return {v.x, v.y, v.z};
+}
+
+BoxFrame<double> boxFrame(const Query& query) {
+  BoxFrame<double> frame{};
+  for (int i = 0; i < 9; ++i) {
+    frame.r[i] = query.bInA.r[i];
+    frame.absR[i] = std::fabs(frame.r[i]);
+  }
+  const Vec3d b = otgTransform(query.bInA, toDouble(query.b->mesh().center()));
+  frame.t = otgSub(b, toDouble(query.a->mesh().center()));
+  return frame;
+}
+
+class Search {
+ public:
+  Search(const Query& query, double limit)
+      : query_(query), frame_(boxFrame(query)), a_(query.a->tree().nodes), b_(query.b->tree().nodes), limit_(limit) {
+    // A pose is a rotation to within a tolerance only; the gap along B's axes is off by that much at most.
+    const double reach = norm(frame_.t) + double{query.a->mesh().radius()} + double{query.b->mesh().radius()};
+    slack_ = (2 * rotationDefect(query.bInA) + 1e-12) * reach;
+  }
+
+  MeshDistance run() {
+    stack_.push_back({0, 0, gap(0, 0)});
+    while (!stack_.empty()) {
+      const Item item = stack_.back();
+      stack_.pop_back();
+      if (item.gap > limit_) continue;
+      const BvhNode &x = a_[item.a], &y = b_[item.b];
+      if (x.isLeaf() && y.isLeaf()) {
+        visit(x.triangle(), y.triangle());
+        continue;
+      }
+      const bool openA = y.isLeaf() || (!x.isLeaf() && size(x) >= size(y));
+      Item children[2];
+      for (int side = 0; side < 2; ++side) {
+        const std::uint32_t i = openA ? static_cast<std::uint32_t>(x.child + side) : item.a;
+        const std::uint32_t j = openA ? item.b : static_cast<std::uint32_t>(y.child + side);
+        children[side] = {i, j, gap(i, j)};
+      }
+      if (children[0].gap < children[1].gap) std::swap(children[0], children[1]);
+      for (const Item& child : children) {
+        if (child.gap <= limit_) stack_.push_back(child);
+      }
+    }
+    return best_;
+  }
+
+ private:
+  struct Item {
+    std::uint32_t a, b;
+    double gap;
+  };
+  static double norm(const Vec3d& v) { return std::sqrt(otgDot(v, v)); }
+  static double size(const BvhNode& node) { return std::max({node.extent.x, node.extent.y, node.extent.z}); }
+  /// Not more than the distance of the boxes.
+  double gap(std::uint32_t i, std::uint32_t j) const {
+    const Vec3d centerA = toDouble(a_[i].center), extentA = toDouble(a_[i].extent), extentB = toDouble(b_[j].extent);
+    const Vec3d d = otgSub(otgBoxCenterInA(frame_, toDouble(b_[j].center)), centerA);
+    const double gapA = otgBoxGapA(d, extentA, otgBoxExtentInA(frame_, extentB));
+    return std::max(gapA, otgBoxGapB(frame_, d, extentA, extentB)) - slack_;
+  }
+  void visit(std::uint32_t s, std::uint32_t t) {
+    if (query_.a->mesh().isDegenerate(s) || query_.b->mesh().isDegenerate(t)) return;
+    Vec3d a[3], b[3];
+    cornersOfA(query_.a->mesh(), s, a);
+    cornersOfB(query_.b->mesh(), query_.bInA, t, b);
+    const PointPair found = closestOnTriangles(a, b);
+    const double distance = std::sqrt(found.distance2);
+    if (distance > limit_) return;
+    const bool earlier = s != best_.triangleA ? s < best_.triangleA : t < best_.triangleB;
+    if (best_.found && distance == best_.distance && !earlier) return;
+    best_ = {true, distance, found.a, found.b, s, t};
+    limit_ = distance;
+  }
+
+  const Query& query_;
+  BoxFrame<double> frame_;
+  const std::vector<BvhNode>&a_, &b_;
+  double limit_, slack_ = 0;
+  std::vector<Item> stack_;
+  MeshDistance best_;
+};
+
+}  // namespace
+
+MeshDistance meshDistance(const Query& query, double limit) {
+  requireRigid(query.bInA);
+  if (query.a->tree().nodes.empty() || query.b->tree().nodes.empty()) return {};
+  TrianglePair meeting{};
+  if (findMeeting(query, meeting)) {
+    Vec3d a[3], b[3];
+    cornersOfA(query.a->mesh(), meeting.a, a);
+    cornersOfB(query.b->mesh(), query.bInA, meeting.b, b);
+    const Vec3d point = commonPoint(a, b);
+    return {true, 0, point, point, meeting.a, meeting.b};
+  }
+  Vec3d vertex{};
+  if (containedVertex(query, vertex)) return {true, 0, vertex, vertex, kNone, kNone};
+  return Search(query, limit).run();
+}
+
+}  // namespace otg

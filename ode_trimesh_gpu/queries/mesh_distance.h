@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How far two meshes are apart, and where.
+#pragma once
+
+#include "collide/query.h"
+
+namespace otg {
+
+struct MeshDistance {
+  bool found = false;        ///< false: a mesh has no triangles, or nothing is within the limit
+  double distance = 0;       ///< 0: they overlap, and pointA equals pointB
+  Vec3d pointA{}, pointB{};  ///< nearest points of the surfaces, frame A; of overlapping meshes a point in both
+  std::uint32_t triangleA = kNone, triangleB = kNone;  ///< kNone where a point lies inside a solid
+};
+
+/// Branch and bound over both trees, boxes by their gaps along the six face axes (a lower bound of their distance).
+/// Overlap is told exactly first (mesh_overlap.h). Of the query only a, b and bInA are read. Nothing farther than
+/// `limit` is looked for. Throws as middlePhase does.
+MeshDistance meshDistance(const Query& query, double limit);
+
+}  // namespace otg

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "queries/mesh_overlap.h"
+
+#include <vector>
+
+#include "collide/pair_frame.h"
+#include "collide/rotation_tolerance.h"
+#include "collide/solid/contour.h"
+#include "collide/solid/ray.h"
+#include "collide/stages.h"
+
+namespace otg {
+namespace {
+
+double sizeOf(const Vec3f& e) {
+  return double{e.x} * e.y + double{e.y} * e.z + double{e.z} * e.x;
+}
+
+}  // namespace
+
+bool findMeeting(const Query& query, TrianglePair& meeting) {
+  const std::vector<BvhNode>&a = query.a->tree().nodes, &b = query.b->tree().nodes;
+  if (a.empty() || b.empty()) return false;
+  const PairFrame frame = makePairFrame(query);
+  if (!frame.finite) return false;
+  const auto apart = [&](const BvhNode& x, const BvhNode& y) {
+    const Vec3f d = otgSub(otgBoxCenterInA(frame.boxes, y.center), x.center);
+    return otgBoxGapA(d, x.extent, otgBoxExtentInA(frame.boxes, y.extent)) > frame.boxes.eps ||
+           otgBoxGapB(frame.boxes, d, x.extent, y.extent) > frame.boxes.eps;
+  };
+  CollideStats stats;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> stack{{0, 0}};
+  while (!stack.empty()) {
+    const auto [i, j] = stack.back();
+    stack.pop_back();
+    const BvhNode &x = a[i], &y = b[j];
+    if (apart(x, y)) continue;
+    if (x.isLeaf() && y.isLeaf()) {
+      const TrianglePair pair{x.triangle(), y.triangle()};
+      if (query.a->mesh().isDegenerate(pair.a) || query.b->mesh().isDegenerate(pair.b)) continue;
+      if (decidePair(query, frame, pair, stats)) {
+        meeting = pair;
+        return true;
+      }
+    } else if (y.isLeaf() || (!x.isLeaf() && sizeOf(x.extent) >= sizeOf(y.extent))) {
+      for (const int side : {1, 0}) stack.emplace_back(static_cast<std::uint32_t>(x.child + side), j);
+    } else {
+      for (const int side : {1, 0}) stack.emplace_back(i, static_cast<std::uint32_t>(y.child + side));
+    }
+  }
+  return false;
+}
+
+bool containedVertex(const Query& query, Vec3d& vertex) {
+  const PlacedMeshes meshes(query);
+  for (const int m : {0, 1}) {
+    if (!meshes.isSolid(1 - m)) continue;
+    const Vec3f &low = meshes.mesh(1 - m).boundsMin(), &high = meshes.mesh(1 - m).boundsMax();
+    for (const std::uint32_t v : meshes.adjacency(m).componentVertex) {
+      if (v == kNone) continue;
+      const Vec3d placed = meshes.vertex(m, v), p = meshes.toLocal(1 - m, placed);
+      const bool inBounds =
+          p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
+      if (inBounds && pointInMesh(meshes.tree(1 - m), p)) {
+        vertex = placed;
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+bool overlap(const Query& query) {
+  requireRigid(query.bInA);
+  TrianglePair meeting{};
+  Vec3d vertex{};
+  return findMeeting(query, meeting) || containedVertex(query, vertex);
+}
+
+}  // namespace otg
