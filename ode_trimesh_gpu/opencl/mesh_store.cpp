@@ -3,9 +3,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
-
-#include "bvh/packed_tree.h"
 
 namespace otg::opencl {
 namespace {
@@ -14,75 +11,15 @@ constexpr std::uint64_t kUnit = 16;
 constexpr std::uint32_t kFirstUnits = 1u << 18;  // 4 MiB
 constexpr std::uint64_t kAddressable = 0xffffffffu;
 
-struct Unit {
-  float x, y, z;
-  std::uint32_t w;
-};
-static_assert(sizeof(Unit) == kUnit);
+static_assert(sizeof(MeshUnit) == kUnit);
 
 }  // namespace
 
-struct MeshStore::Packed {
-  std::vector<Unit> units;
-  otg_device_mesh place{};  ///< relative to the first unit
-
-  Packed(const CollisionMesh& collisionMesh, std::uint32_t leafTriangles) {
-    const TriMesh& mesh = collisionMesh.mesh();
-    const PackedTree tree = makePackedTree(collisionMesh.tree(), leafTriangles);
-    units.reserve(2 * tree.nodes.size() + 4 * tree.triangles.size() + 2 * tree.cut.size());
-    const auto addNode = [&](const PackedNode& n, std::uint32_t first) {
-      units.push_back({n.center.x, n.center.y, n.center.z, first});
-      units.push_back({n.extent.x, n.extent.y, n.extent.z, static_cast<std::uint32_t>(n.count)});
-    };
-    place.nodes = 0;
-    for (const PackedNode& n : tree.nodes) addNode(n, static_cast<std::uint32_t>(n.first));
-    place.soup = static_cast<std::uint32_t>(units.size());
-    for (const std::uint32_t triangle : tree.triangles) {
-      const std::uint32_t w[3] = {triangle, mesh.isDegenerate(triangle) ? 1u : 0u, 0u};
-      for (int k = 0; k < 3; ++k) {
-        const Vec3f& v = mesh.vertices()[mesh.triangles()[triangle].v[k]];
-        units.push_back({v.x, v.y, v.z, w[k]});
-      }
-    }
-    place.cut = static_cast<std::uint32_t>(units.size());
-    place.cutCount = static_cast<std::uint32_t>(tree.cut.size());
-    for (const std::uint32_t node : tree.cut) addNode(tree.nodes[node], node);
-    place.center = mesh.center();
-    place.depth = tree.depth;
-    place.radius = mesh.radius();
-    place.triangles = static_cast<std::uint32_t>(mesh.triangleCount());
-    addRings(mesh);
-  }
-
- private:
-  /// See OTG_RING_TWIN.
-  void addRings(const TriMesh& mesh) {
-    const Topology& topology = mesh.topology();
-    const std::size_t halfEdges = 3 * mesh.triangleCount();
-    std::vector<std::uint32_t> next(halfEdges), last(topology.edgeCount(), kNone), count(topology.edgeCount(), 0);
-    for (std::uint32_t h = 0; h < halfEdges; ++h) {
-      next[h] = h;
-      const std::uint32_t edge = topology.edgeOf[h];
-      if (edge == kNone) continue;
-      if (last[edge] != kNone) std::swap(next[h], next[last[edge]]);
-      last[edge] = h;
-      if (++count[edge] > OTG_MOST_ON_EDGE) place.flags |= OTG_MESH_TANGLED;
-    }
-    for (std::uint32_t h = 0; h < halfEdges; ++h) {
-      if (topology.edgeOf[h] != kNone && count[topology.edgeOf[h]] == 2) next[h] |= OTG_RING_TWIN;
-    }
-    place.rings = static_cast<std::uint32_t>(units.size());
-    for (std::uint32_t t = 0; t < mesh.triangleCount(); ++t) {
-      units.push_back({std::bit_cast<float>(next[3 * t]), std::bit_cast<float>(next[3 * t + 1]),
-                       std::bit_cast<float>(next[3 * t + 2]), mesh.callerTriangle(t)});
-    }
-  }
-};
-
-MeshStore::MeshStore(Context& context, std::uint64_t budget, std::uint32_t leafTriangles)
+MeshStore::MeshStore(Context& context, std::uint64_t budget, std::uint32_t leafTriangles, MeshLayout layout)
     : context_(context),
       mostUnits_(std::min({budget / kUnit, context.info().largestAllocation / kUnit, kAddressable})),
       leafTriangles_(leafTriangles),
+      layout_(layout),
       queue_(context.makeQueue(false)) {}
 
 MeshStore::Pinned MeshStore::acquire(std::span<const CollisionMesh* const> meshes) {
@@ -93,7 +30,7 @@ MeshStore::Pinned MeshStore::acquire(std::span<const CollisionMesh* const> meshe
     auto found = residents_.find(alive);
     if (found == residents_.end()) {
       auto resident = std::make_shared<Resident>();
-      upload(Packed(*mesh, leafTriangles_), *resident);
+      upload(packMesh(*mesh, layout_, leafTriangles_), *resident);
       found = residents_.emplace(alive, std::move(resident)).first;
     }
     found->second->lastUse = ++clock_;
@@ -104,7 +41,7 @@ MeshStore::Pinned MeshStore::acquire(std::span<const CollisionMesh* const> meshe
   return pinned;
 }
 
-void MeshStore::upload(const Packed& packed, Resident& resident) {
+void MeshStore::upload(const PackedMesh& packed, Resident& resident) {
   if (packed.units.size() > mostUnits_) {
     throw ClError("clCreateBuffer", CL_MEM_OBJECT_ALLOCATION_FAILURE, "a mesh is larger than the memory budget");
   }
@@ -115,11 +52,7 @@ void MeshStore::upload(const Packed& packed, Resident& resident) {
        static_cast<const cl_event*>(nullptr), static_cast<cl_event*>(nullptr));
   resident.begin = begin;
   resident.units = units;
-  resident.place = packed.place;
-  resident.place.nodes += begin;
-  resident.place.soup += begin;
-  resident.place.cut += begin;
-  resident.place.rings += begin;
+  resident.place = packed.placeAt(begin);
   taken_[begin] = begin + units;
   ++counts_.uploads;
   counts_.bytesUploaded += units * kUnit;

@@ -13,7 +13,7 @@
 #include "bvh/collision_mesh.h"
 #include "collide/pair_frame.h"
 #include "opencl/context.h"
-#include "shared/device_layout.h"
+#include "opencl/packed_mesh.h"
 
 namespace otg::opencl {
 
@@ -30,7 +30,8 @@ inline BoxFrame<float> deviceBoxes(const PairFrame& frame) {
 class MeshStore {
  public:
   /// `budget`: bytes that the buffer may take at most; `leafTriangles`: most triangles of a leaf of the trees.
-  MeshStore(Context& context, std::uint64_t budget, std::uint32_t leafTriangles);
+  MeshStore(Context& context, std::uint64_t budget, std::uint32_t leafTriangles,
+            MeshLayout layout = MeshLayout::kEightWide);
 
   struct Resident {
     otg_device_mesh place{};
@@ -73,8 +74,7 @@ class MeshStore {
   std::uint32_t leafTriangles() const { return leafTriangles_; }
 
  private:
-  struct Packed;
-  void upload(const Packed& packed, Resident& resident);
+  void upload(const PackedMesh& packed, Resident& resident);
   std::uint32_t allocate(std::uint32_t units);
   bool findGap(std::uint32_t units, std::uint32_t& begin) const;
   bool grow(std::uint32_t units);
@@ -84,6 +84,7 @@ class MeshStore {
   Context& context_;
   const std::uint64_t mostUnits_;
   const std::uint32_t leafTriangles_;
+  const MeshLayout layout_;
   mutable std::mutex mutex_;
   QueueHandle queue_;
   std::shared_ptr<const BufferHandle> buffer_;
