@@ -2,39 +2,12 @@
 // Opening a device, and queries of one pair.
 #include "opencl/backend.h"
 
-#include <numeric>
-
 #include "collide/stages.h"
 #include "opencl/backend_state.h"
 #include "opencl/stopwatch.h"
-#include "opencl/take_records.h"
+#include "opencl/take_answer.h"
 
 namespace otg::opencl {
-namespace {
-
-/// takeRecords for an answer to one query.
-void takeAll(const Query& query, const PairFrame& frame, const Answer& answer, bool contacts, Workspace& workspace) {
-  std::vector<std::uint32_t> all(answer.count);
-  std::iota(all.begin(), all.end(), 0u);
-  workspace.stats = {};
-  takeCounts(answer, workspace.stats);
-  takeRecords(query, frame, answer, all, contacts, workspace);
-}
-
-/// Contacts that the device has reduced.
-void takeReduced(const PairAnswer& answer, Workspace& workspace) {
-  workspace.candidates.clear();
-  workspace.intersecting.clear();
-  workspace.contacts.clear();
-  workspace.reduced.assign(answer.contacts.begin(), answer.contacts.end());
-  workspace.stats = {};
-  takeCounts(answer.found, workspace.stats);
-  workspace.stats.intersectingPairs = answer.found.counters[OTG_COUNT_INTERSECTING];
-  workspace.stats.contactsBeforeReduction = answer.found.counters[OTG_COUNT_CONTACTS];
-}
-
-}  // namespace
-
 Backend::Backend(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Backend::~Backend() = default;
 
@@ -139,11 +112,14 @@ BackendCounts Backend::counts() const {
   BackendCounts out;
   out.queries = state_->queries;
   out.onHost = state_->onHost;
-  out.repeats = state_->pairs.repeats() + state_->batches.repeats() + state_->phases.repeats();
-  const MeshStore::Counts meshes = state_->meshes.counts();
-  out.meshUploads = meshes.uploads;
-  out.meshEvictions = meshes.evictions;
-  out.meshBytes = meshes.bytesUsed;
+  out.repeats = state_->pairs.repeats() + state_->batches.repeats() + state_->phases.repeats() +
+                state_->levels.repeats() + state_->profiledLevels.repeats();
+  for (const MeshStore* store : {&state_->meshes, &state_->binaryMeshes}) {
+    const MeshStore::Counts meshes = store->counts();
+    out.meshUploads += meshes.uploads;
+    out.meshEvictions += meshes.evictions;
+    out.meshBytes += meshes.bytesUsed;
+  }
   const Programs::Counts programs = state_->context.programs().counts();
   out.programsFromSource = programs.fromSource;
   out.programsFromCache = programs.fromCache;

@@ -10,6 +10,7 @@
 
 #include "collide/query.h"
 #include "opencl/device_info.h"
+#include "opencl/levels.h"
 #include "opencl/tuning.h"
 
 namespace otg::opencl {
@@ -87,6 +88,12 @@ class Backend {
   bool collideProfiled(const Query& query, Workspace& workspace, StageTimes& times);
   /// As otg::findIntersectingPairs, with the same exceptions.
   bool findIntersectingPairs(const Query& query, Workspace& workspace);
+  /// The same two by the traversal `levels`; `report`, which may be null, says what happened in it, with times if
+  /// `profile`. For comparing: PairBatch, dispatch and geoms do not use it.
+  bool collideByLevels(const Query& query, Workspace& workspace, const LevelsOptions& how,
+                       LevelsReport* report = nullptr, bool profile = false);
+  bool findPairsByLevels(const Query& query, Workspace& workspace, const LevelsOptions& how,
+                         LevelsReport* report = nullptr);
   /// One phase on the device, the other one is the caller's: as otg::middlePhase, with pairs of triangles of the
   /// device's leaves, in any order;
   bool findCandidates(const Query& query, Workspace& workspace);

@@ -11,6 +11,7 @@
 #include "collide/rotation_tolerance.h"
 #include "opencl/backend.h"
 #include "opencl/batch_lane.h"
+#include "opencl/levels_lane.h"
 #include "opencl/log.h"
 #include "opencl/pair_lane.h"
 #include "opencl/phase_lane.h"
@@ -69,6 +70,8 @@ struct Backend::State {
   LanePool<BatchLane> batches, profiledBatches;
   LanePool<PhaseLane> phases;
   SoupPlaces soupPlaces;
+  MeshStore binaryMeshes;  ///< of the traversal `levels`, which is for comparing: beside the others
+  LanePool<LevelsLane> levels, profiledLevels;
   std::atomic<std::uint64_t> queries{0}, onHost{0};
 
   State(const FoundDevice& device, const Tuning& how)
@@ -80,7 +83,11 @@ struct Backend::State {
         batches(context, meshes, tuning),
         profiledBatches(context, meshes, withProfile(how)),
         phases(context, meshes, tuning),
-        soupPlaces(how.leafTriangles) {
+        soupPlaces(how.leafTriangles),
+        binaryMeshes(context, how.memoryBudget != 0 ? how.memoryBudget : device.info.globalMemory / 4, 1,
+                     MeshLayout::kBinary),
+        levels(context, binaryMeshes, tuning),
+        profiledLevels(context, binaryMeshes, withProfile(how)) {
     pairs.prepare();
     batches.prepare();
   }

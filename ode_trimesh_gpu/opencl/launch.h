@@ -32,7 +32,13 @@ class Arguments {
 /// Times of what was enqueued, by stage, from the device's own clock. Off unless asked for: events cost time.
 class Profile {
  public:
-  enum Stage { kWrite, kTop, kLevels, kMain, kContacts, kRegions, kSelect, kChoose, kReadBack, kStages };
+  enum Stage {
+    // clang-format off
+    kWrite, kTop, kLevels, kMain, kContacts, kRegions, kSelect, kChoose, kReadBack,
+    kTest, kScan, kCompact, kSplit, kSpawn, kNear,  // of the traversal `levels`
+    kStages
+    // clang-format on
+  };
   explicit Profile(bool on) : on_(on) {}
   /// Where an enqueueing function puts its event; null when off.
   cl_event* next(Stage stage) {

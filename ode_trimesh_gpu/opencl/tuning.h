@@ -27,9 +27,13 @@ struct Tuning {
   std::uint32_t flushes = 0;   ///< clFlush: 1 after the first launch of a query, 2 after the traversal, 3 after both
   bool reduce = true;          ///< find regions and reduce contacts on the device
   std::uint32_t recordsExpected = 512;  ///< read with the head of the results in the first query
-  std::uint64_t memoryBudget = 0;       ///< bytes for meshes; 0: half of the device's memory
-  bool profile = false;                 ///< take times of the stages of single queries, which costs some
-  bool doubles = true;                  ///< false: as on a device without double arithmetic
+  /// Work-items of a work-group of the traversal `levels`, and how many numbers its prefix sums take at once; 4 at
+  /// least.
+  std::uint32_t levelsGroup = 256;
+  std::uint64_t memoryBudget =
+      0;                 ///< bytes for meshes; 0: half of the device's memory. `levels`: as much again, or a quarter
+  bool profile = false;  ///< take times of the stages of single queries, which costs some
+  bool doubles = true;   ///< false: as on a device without double arithmetic
 };
 
 /// Pairs of nodes in the stack of a work-group: room for what one pair may still lead to is kept free beside the rest
