@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Installs with apt what this project needs and the machine lacks; does nothing (and asks for no rights) where all is there.
 #
-#   scripts/install_dependencies.sh [build] [tests] [demo] [benchmarks] [lint]     (default: build)
+#   scripts/install_dependencies.sh [build] [tests] [demo] [benchmarks] [drop_in] [lint]     (default: build)
 #
 # Written for Debian 12. Needs root or sudo only when something is missing.
 set -euo pipefail
@@ -21,6 +21,8 @@ tests_packages=(pocl-opencl-icd libcgal-demo)
 demo_packages=(libcgal-demo povray gnuplot-nox fonts-dejavu-core)
 # Collision libraries to compare with. Benchmarks leave out, with a message, those that are not installed.
 benchmarks_packages=(libfcl-dev libbullet-dev libembree-dev)
+# Programs that the preloadable library is shown with. Their demos are left out, with a message, where they are missing.
+drop_in_packages=(libdart-collision-ode-dev python3-pyode)
 # Format and static checks of the sources.
 lint_packages=(clang-format clang-tidy git)
 
@@ -31,8 +33,9 @@ for set in "$@"; do
     tests) wanted+=("${tests_packages[@]}") ;;
     demo) wanted+=("${demo_packages[@]}") ;;
     benchmarks) wanted+=("${benchmarks_packages[@]}") ;;
+    drop_in) wanted+=("${drop_in_packages[@]}") ;;
     lint) wanted+=("${lint_packages[@]}") ;;
-    *) echo "$0: unknown set '$set' (build, tests, demo, benchmarks, lint)" >&2; exit 2 ;;
+    *) echo "$0: unknown set '$set' (build, tests, demo, benchmarks, drop_in, lint)" >&2; exit 2 ;;
   esac
 done
 

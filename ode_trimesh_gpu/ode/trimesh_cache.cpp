@@ -13,15 +13,23 @@
 namespace otg {
 namespace {
 
+thread_local bool reading = false;
+
 /// A geom of the same data in the pose in which mesh frame and world are one, so that what ODE says of its triangles
 /// are the vertices themselves, to the last bit. Made for one question: it costs less than a microsecond, and nothing
 /// is left behind that would outlive the data.
 class Reader {
  public:
-  explicit Reader(dTriMeshDataID data) : geom_(dCreateTriMesh(nullptr, data, nullptr, nullptr, nullptr)) {
+  explicit Reader(dTriMeshDataID data) {
+    reading = true;
+    geom_ = dCreateTriMesh(nullptr, data, nullptr, nullptr, nullptr);
+    if (geom_ == nullptr) reading = false;
     if (geom_ == nullptr) throw std::bad_alloc();
   }
-  ~Reader() { dGeomDestroy(geom_); }
+  ~Reader() {
+    dGeomDestroy(geom_);
+    reading = false;
+  }
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
 
@@ -35,7 +43,7 @@ class Reader {
   }
 
  private:
-  dGeomID geom_;
+  dGeomID geom_ = nullptr;
 };
 
 bool isSame(const Vec3f& p, const Vec3f& q) {
@@ -221,6 +229,10 @@ void forgetTrimeshData(dTriMeshDataID data) noexcept {
 
 void clearTrimeshCache() noexcept {
   cache().clear();
+}
+
+bool isReadingTrimesh() noexcept {
+  return reading;
 }
 
 TrimeshCacheStats trimeshCacheStats() {

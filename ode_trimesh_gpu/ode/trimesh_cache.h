@@ -34,6 +34,10 @@ void forgetTrimeshData(dTriMeshDataID data) noexcept;
 /// Nothing is kept of any data.
 void clearTrimeshCache() noexcept;
 
+/// Whether the calling thread is reading data just now: who looks at the geoms that ODE makes has to look away from the
+/// reader's.
+bool isReadingTrimesh() noexcept;
+
 /// What became of the questions so far.
 struct TrimeshCacheStats {
   std::uint64_t builds = 0;  ///< meshes made from nothing

@@ -2,6 +2,9 @@
 // The C API by which ODE's dTriMesh geoms collide through this library.
 #include <ode/ode.h>
 
+#include <atomic>
+#include <cstdint>
+
 #include "ode/class_registration.h"
 #include "ode/geom_class.h"
 #include "ode/mesh_collider.h"
@@ -10,10 +13,28 @@
 #include "ode/trimesh_cache.h"
 #include "ode_trimesh_gpu/override.h"
 
+namespace otg {
+namespace {
+
+/// Of all dTriMesh geoms, those that are gone among them.
+struct {
+  std::atomic<std::uint64_t> queries{0}, contacts{0};
+} sums;
+
+int collideTrimeshes(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip) noexcept {
+  const int count = collideMeshMesh(o1, o2, flags, contact, skip);
+  sums.queries.fetch_add(1, std::memory_order_relaxed);
+  sums.contacts.fetch_add(static_cast<std::uint64_t>(count), std::memory_order_relaxed);
+  return count;
+}
+
+}  // namespace
+}  // namespace otg
+
 int dGpuTriMeshOverrideTriMesh(void) {
   return otg::guarded([] {
     if (const int status = otg::checkOde()) return status;
-    dSetColliderOverride(dTriMeshClass, dTriMeshClass, &otg::collideMeshMesh);
+    dSetColliderOverride(dTriMeshClass, dTriMeshClass, &otg::collideTrimeshes);
     return static_cast<int>(dGPUTRIMESH_OK);
   });
 }
@@ -57,9 +78,19 @@ void dGpuTriMeshOverrideForgetGeom(dGeomID g) {
   otg::forgetTrimesh(g);
 }
 
-void dGpuTriMeshOverrideGetCounts(duint64* builds, duint64* refits, duint64* kept) {
-  const otg::TrimeshCacheStats stats = otg::trimeshCacheStats();
-  if (builds != nullptr) *builds = stats.builds;
-  if (refits != nullptr) *refits = stats.refits;
-  if (kept != nullptr) *kept = stats.kept;
+void dGpuTriMeshOverrideStatsInit(dGpuTriMeshOverrideStats* stats) {
+  if (stats == nullptr) return;
+  *stats = dGpuTriMeshOverrideStats{};
+  stats->size = sizeof(dGpuTriMeshOverrideStats);
+}
+
+int dGpuTriMeshOverrideGetStats(dGpuTriMeshOverrideStats* stats) {
+  if (!otg::isCurrentSize(stats)) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
+  const otg::TrimeshCacheStats cache = otg::trimeshCacheStats();
+  stats->queries = otg::sums.queries;
+  stats->contacts = otg::sums.contacts;
+  stats->builds = cache.builds;
+  stats->refits = cache.refits;
+  stats->kept = cache.kept;
+  return dGPUTRIMESH_OK;
 }

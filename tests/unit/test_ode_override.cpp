@@ -40,8 +40,15 @@ struct OdeGeom {
 };
 
 struct Counts {
-  duint64 builds = 0, refits = 0, kept = 0;
-  Counts() { dGpuTriMeshOverrideGetCounts(&builds, &refits, &kept); }
+  dGpuTriMeshOverrideStats stats;
+  duint64 builds, refits, kept;
+  Counts() {
+    dGpuTriMeshOverrideStatsInit(&stats);
+    REQUIRE(dGpuTriMeshOverrideGetStats(&stats) == dGPUTRIMESH_OK);
+    builds = stats.builds;
+    refits = stats.refits;
+    kept = stats.kept;
+  }
 };
 
 /// But for the geoms, which are others.
@@ -284,7 +291,11 @@ TEST_CASE("parameters and statistics of dTriMesh geoms") {
   dGpuTriMeshParamsInit(&found);
   params.max_contacts = 3;
   REQUIRE(dGpuTriMeshOverrideSetParams(&params) == dGPUTRIMESH_OK);
+  const Counts before;
   CHECK(test::collide(a.id, b.id).size() == 3);
+  CHECK(Counts().stats.queries == before.stats.queries + 1);
+  CHECK(Counts().stats.contacts == before.stats.contacts + 3);
+  CHECK(dGpuTriMeshOverrideGetStats(nullptr) == dGPUTRIMESH_ERROR_ARGUMENT);
   REQUIRE(dGpuTriMeshOverrideGetParams(&found) == dGPUTRIMESH_OK);
   CHECK(found.max_contacts == 3);
   params.max_contacts = 2;

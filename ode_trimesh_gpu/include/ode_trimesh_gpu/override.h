@@ -104,12 +104,33 @@ OTG_API void dGpuTriMeshOverrideForgetData(dTriMeshDataID data);
 OTG_API void dGpuTriMeshOverrideForgetGeom(dGeomID g);
 
 /**
- * @brief What became of the data of dTriMesh geoms so far: how often a mesh was built from nothing, how often refitted
- *        to moved vertices, and of how many dTriMeshDataIDs one is kept. Each may be NULL.
+ * @brief What dTriMesh geoms have done through this library since the program began. Filled by
+ *        dGpuTriMeshOverrideGetStats().
+ * @ingroup gputrimesh
+ */
+typedef struct dGpuTriMeshOverrideStats {
+  dsizeint size;    /**< sizeof(dGpuTriMeshOverrideStats) of your program; set by ...Init */
+  duint64 queries;  /**< pairs of them that collided */
+  duint64 contacts; /**< that came of it */
+  duint64 builds;   /**< meshes that were read and built */
+  duint64 refits;   /**< meshes whose vertices had moved, read and refitted */
+  duint64 kept;     /**< dTriMeshDataIDs of which a mesh is kept now */
+} dGpuTriMeshOverrideStats;
+
+/**
+ * @brief Sets the size and zeroes the rest. NULL does nothing.
+ * @ingroup gputrimesh
+ */
+OTG_API void dGpuTriMeshOverrideStatsInit(dGpuTriMeshOverrideStats* stats);
+
+/**
+ * @brief Reads these numbers.
+ * @param stats  `stats->size` must be sizeof(dGpuTriMeshOverrideStats): see dGpuTriMeshOverrideStatsInit()
+ * @returns dGPUTRIMESH_OK or dGPUTRIMESH_ERROR_ARGUMENT.
  * @remarks From any thread and from a near callback.
  * @ingroup gputrimesh
  */
-OTG_API void dGpuTriMeshOverrideGetCounts(duint64* builds, duint64* refits, duint64* kept);
+OTG_API int dGpuTriMeshOverrideGetStats(dGpuTriMeshOverrideStats* stats);
 
 #ifdef __cplusplus
 }

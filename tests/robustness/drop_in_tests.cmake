@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# The preloadable library before programs that are not linked with this project. Not under a sanitizer, whose runtime the
+# program would have to bring.
+if(TARGET ode_trimesh_gpu_preload AND TARGET demo_drop_in_stack AND NOT OTG_SANITIZE)
+  find_package(Python3 REQUIRED COMPONENTS Interpreter)
+  function(otg_add_drop_in_test name)
+    add_test(NAME robustness.drop_in_${name}
+      COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_drop_in.py"
+              "$<TARGET_FILE:ode_trimesh_gpu_preload>" ${ARGN})
+    set_tests_properties(robustness.drop_in_${name} PROPERTIES LABELS robustness TIMEOUT 600 SKIP_RETURN_CODE 77)
+  endfunction()
+  otg_add_drop_in_test(stack "$<TARGET_FILE:demo_drop_in_stack>" 5 400)
+  otg_add_drop_in_test(quickstep "$<TARGET_FILE:demo_drop_in_stack>" 10 400 2 quick)
+  if(TARGET demo_drop_in_dart)
+    otg_add_drop_in_test(dart "$<TARGET_FILE:demo_drop_in_dart>" 3 400)
+  else()
+    add_test(NAME robustness.drop_in_dart COMMAND "${CMAKE_COMMAND}" -E echo
+      "skipped: DART with its ODE collision detector is not installed (libdart-collision-ode-dev)")
+    set_tests_properties(robustness.drop_in_dart PROPERTIES LABELS robustness SKIP_REGULAR_EXPRESSION "skipped:")
+  endif()
+  # Debian's own interpreter, which Debian's module is for.
+  otg_add_drop_in_test(pyode /usr/bin/python3 "${PROJECT_SOURCE_DIR}/demos/drop_in/pyode_stack.py" 5 400)
+endif()
