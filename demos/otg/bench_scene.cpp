@@ -90,7 +90,15 @@ void BenchOptions::addTo(CLI::App& command, bool withScene) {
   }
   command.add_option("--repeat", repeat, "Times are medians over this many runs (default: what fits in half a second)")
       ->check(CLI::Range(1, 100000));
+  if (command.get_name() == "thesis") {
+    command
+        .add_option("--scenes", scenes,
+                    "Scenes of the traversal `levels` on an OpenCL device (default: all; with --poses that of --scene)")
+        ->delimiter(',')
+        ->check(CLI::IsMember({"touch", "deep", "deep10", "nearmiss"}));
+  }
   if (command.get_name() == "batch") {
+    scenes = {"touch", "deep", "deep10", "nearmiss"};
     command.add_option("--pairs", pairs, "Pairs in the batch")->check(CLI::Range(1, 1000000));
     command.add_option("--poses", poses, "JSON file with a pose matrix for each scene (default: computed)");
     command.add_option("--scenes", scenes, "How the mesh and its copy lie; 'none' for the batch alone")

@@ -17,9 +17,10 @@ struct BenchOptions {
   std::string poses;
   int repeat = 0;     ///< 0: as many as fit into a fraction of a second, 3 to 50
   int pairs = 10000;  ///< of `bench batch`
-  std::vector<std::string> scenes{"touch", "deep", "deep10", "nearmiss"};  ///< of `bench batch`
-  bool cpu = true;                                                         ///< of `bench batch`
-  std::vector<std::string> tune;                                           ///< of `bench batch`
+  std::vector<std::string>
+      scenes;                     ///< of `bench batch`, and of the traversal `levels` in `bench thesis`; empty: default
+  bool cpu = true;                ///< of `bench batch`
+  std::vector<std::string> tune;  ///< of `bench batch`
   bool json = false;
 
   void addTo(CLI::App& command, bool withScene);

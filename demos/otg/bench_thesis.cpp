@@ -6,6 +6,7 @@
 
 #include "collide/query.h"
 #include "otg/bench.h"
+#include "otg/bench_levels.h"
 #include "otg/query_options.h"
 
 namespace otg::cli {
@@ -138,6 +139,7 @@ Json combinationRow(const std::string& name, const Combination& combination) {
 int benchThesis(const BenchOptions& options) {
   Json pipeline = Json::array(), depths = Json::array(), combinations = Json::array();
   Workspace workspace;
+  LevelsBench levels;
   for (const BenchMesh& entry : benchMeshes(options)) {
     progress(fmt::format("{}: {} triangles", entry.name, entry.mesh->triangleCount()));
     const std::shared_ptr<const TriMesh> sorted = sortedInSpace(*entry.mesh);
@@ -167,11 +169,14 @@ int benchThesis(const BenchOptions& options) {
     for (const Combination& combination : measureCombinations(meshes, query, options.repeat)) {
       combinations.push_back(combinationRow(entry.name, combination));
     }
+    levels.add(options, entry.name, meshes);
   }
-  printBench({{"bench", "thesis"},
-              {"scene", options.scene},
-              {"tables", {{"pipeline", pipeline}, {"box_tests_per_depth", depths}, {"combinations", combinations}}}},
-             options.json);
+  Json document = {
+      {"bench", "thesis"},
+      {"scene", options.scene},
+      {"tables", {{"pipeline", pipeline}, {"box_tests_per_depth", depths}, {"combinations", combinations}}}};
+  levels.addTablesTo(document);
+  printBench(document, options.json);
   return kOk;
 }
 

@@ -6,6 +6,7 @@
 
 #include "collide/contact_id.h"
 #include "otg/bench_scene.h"
+#include "otg/levels_rows.h"
 #include "otg/pose.h"
 #include "otg/query_options.h"
 
@@ -83,7 +84,8 @@ Json describe(const Contact& contact, const Query& query) {
 /// Times of the stages, of several queries each.
 struct Times {
   std::vector<double> upload, top, main, near, contacts, readBack, host, reduction, total;
-  double uploadOnce = 0;  ///< of both meshes, in the first query
+  std::vector<double> profiled;  ///< totals of the runs that the stages are from, where these are others
+  double uploadOnce = 0;         ///< of both meshes, in the first query
 };
 
 Times measure(const Query& query, Workspace& workspace, int repeat) {
@@ -109,6 +111,7 @@ Times measure(opencl::Backend& backend, const Query& query, Workspace& workspace
   for (int i = 0; i < repeat; ++i) {
     times.total.push_back(timeOnce([&] { backend.collide(query, workspace); }));
     backend.collideProfiled(query, workspace, stages);
+    times.profiled.push_back(stages.total);
     times.top.push_back(stages.top);
     times.main.push_back(stages.levels + stages.main);
     times.upload.push_back(stages.write);
@@ -117,6 +120,34 @@ Times measure(opencl::Backend& backend, const Query& query, Workspace& workspace
     times.host.push_back(stages.host);
     times.reduction.push_back(stages.regions + stages.select + stages.choose + stages.reduction);
   }
+  return times;
+}
+
+/// The traversal `levels`: likewise. `report` is that of the last run, with medians of the times.
+Times measure(opencl::Backend& backend, const Query& query, Workspace& workspace, int repeat,
+              const opencl::LevelsOptions& how, opencl::LevelsReport& report) {
+  Times times;
+  std::vector<opencl::LevelsTimes> all;
+  const auto run = [&] { backend.collideByLevels(query, workspace, how); };
+  const double first = timeOnce(run);
+  times.uploadOnce = std::max(0.0, first - timeOnce(run));
+  backend.collideByLevels(query, workspace, how, &report, true);
+  for (int i = 0; i < repeat; ++i) {
+    times.total.push_back(timeOnce(run));
+    backend.collideByLevels(query, workspace, how, &report, true);
+    const opencl::LevelsTimes& t = report.times;
+    all.push_back(t);
+    times.profiled.push_back(t.total);
+    times.upload.push_back(t.upload);
+    times.top.push_back(t.start);
+    times.main.push_back(t.test + t.scan + t.compaction + t.split + t.spawn);
+    times.near.push_back(t.near);
+    times.contacts.push_back(t.contacts);
+    times.reduction.push_back(t.regions + t.choose + t.reduction);
+    times.readBack.push_back(t.readBack);
+    times.host.push_back(t.host);
+  }
+  report.times = medianOf(all);
   return times;
 }
 
@@ -135,27 +166,70 @@ Times measure(Dispatcher& dispatcher, const PairJob& job, Workspace& workspace, 
   return times;
 }
 
-/// What --profile shows: every stage, its share, and where it runs.
-Json profileOf(const Times& times, const std::string& where) {
-  const double total = median(times.total);
+/// What the stages of --profile stand for, where a query runs.
+struct StageTexts {
+  const char *upload, *top, *main, *near, *contacts, *reduction, *readBack, *host;
+};
+constexpr StageTexts kOnCpu = {"nothing is sent",
+                               "the middle phase begins at the roots",
+                               "middle phase",
+                               "near phase",
+                               "contacts",
+                               "reduction",
+                               "nothing is read back",
+                               "what lies between"};
+constexpr StageTexts kOnDevice = {"meshes stay on the device; poses go with the launches",
+                                  "device: where the traversal begins",
+                                  "device: the rest of the traversal, with the float filter of the near phase",
+                                  "in main and contacts",
+                                  "device: decisions in double, and contacts",
+                                  "device: regions, bins, limit; CPU: what it left",
+                                  "device: results to the CPU",
+                                  "CPU: launches, waiting, order, exact decisions"};
+/// Of phases on different sides only the whole times are known.
+StageTexts mixedTexts(bool middleOnDevice, bool nearOnDevice) {
+  StageTexts texts = kOnCpu;
+  texts.upload = texts.readBack = "in the times of the phases";
+  texts.main = middleOnDevice ? "middle phase, on the device" : "middle phase, on the CPU";
+  texts.near = nearOnDevice ? "near phase, on the device" : "near phase, on the CPU";
+  return texts;
+}
+constexpr StageTexts kByLevels = {"to the device: the nodes to start from; trees and triangles with --send-trees",
+                                  "device: the pairs of nodes to start from",
+                                  "device: the traversal, level by level; its steps are below",
+                                  "device: triangles, and contacts unless --split-near",
+                                  "device: decisions in double, and contacts, with --split-near",
+                                  "device: regions, bins, limit; CPU: what it left",
+                                  "device: lengths of lists after each level; results",
+                                  "CPU: launches, waiting, order, exact decisions"};
+
+/// What --profile shows: every stage and its share of the runs that it is from.
+Json profileOf(const Times& times, const StageTexts& texts) {
+  const double total = median(times.profiled.empty() ? times.total : times.profiled);
   Json rows = Json::array();
   double known = 0;
   const auto add = [&](const char* stage, double ms, const char* what) {
     known += ms;
     rows.push_back({{"stage", stage}, {"ms", ms}, {"percent", total > 0 ? 100 * ms / total : 0.0}, {"what", what}});
   };
-  const bool device = where == "opencl";
-  add("upload", median(times.upload),
-      device ? "meshes stay on the device; poses go with the launches" : "nothing is sent");
-  add("top", median(times.top), device ? "device: where the traversal begins" : "the middle phase begins at the roots");
-  add("main", median(times.main),
-      device ? "device: the rest of the traversal, with the float filter of the near phase" : "middle phase");
-  add("near", median(times.near), device ? "in main and contacts" : "near phase");
-  add("contacts", median(times.contacts), device ? "device: decisions in double, and contacts" : "contacts");
-  add("reduction", median(times.reduction), device ? "device: regions, bins, limit; CPU: what it left" : "reduction");
-  add("read-back", median(times.readBack), device ? "device: results to the CPU" : "nothing is read back");
-  add("host", std::max(0.0, total - known),
-      device ? "CPU: launches, waiting, order, exact decisions" : "what lies between");
+  add("upload", median(times.upload), texts.upload);
+  add("top", median(times.top), texts.top);
+  add("main", median(times.main), texts.main);
+  add("near", median(times.near), texts.near);
+  add("contacts", median(times.contacts), texts.contacts);
+  add("reduction", median(times.reduction), texts.reduction);
+  add("read-back", median(times.readBack), texts.readBack);
+  add("host", std::max(0.0, total - known), texts.host);
+  return rows;
+}
+
+/// The steps of the traversal `levels`.
+Json stepsOf(const opencl::LevelsTimes& times) {
+  Json rows = Json::array();
+  for (const LevelsStage& stage : stagesOf(times)) {
+    rows.push_back(
+        {{"step", stage.name}, {"ms", stage.ms}, {"percent", times.total > 0 ? 100 * stage.ms / times.total : 0.0}});
+  }
   return rows;
 }
 
@@ -173,7 +247,11 @@ int runCollide(const CollideOptions& options) {
   const bool isMixed = !backend && place != Placement{Place::kCpu, Place::kCpu};
   const std::unique_ptr<Dispatcher> dispatcher = isMixed ? options.query.openDispatcher() : nullptr;
   Dispatcher::Ran ran{backend != nullptr, backend && backend->counts().onHost > 0};
-  const Times times = backend      ? measure(*backend, query, workspace, options.repeat)
+  const bool isLevels = options.query.isLevels();
+  const opencl::LevelsOptions how = options.query.levelsOptions();
+  opencl::LevelsReport report;
+  const Times times = isLevels     ? measure(*backend, query, workspace, options.repeat, how, report)
+                      : backend    ? measure(*backend, query, workspace, options.repeat)
                       : dispatcher ? measure(*dispatcher, {query, false, place}, workspace, options.repeat, ran)
                                    : measure(query, workspace, options.repeat);
   if (backend) ran.deviceFailed = backend->counts().onHost > 0;
@@ -214,12 +292,29 @@ int runCollide(const CollideOptions& options) {
                                             : std::string();
   document["backend"] = ran.onDevice ? "opencl" : "cpu";
   document["device"] = device.empty() ? "host CPU, 1 thread" : device;
-  document["midphase"] = sideOf(place.middle) == "opencl" ? "opencl" : nameOf(query.options.middle.traversal);
+  document["midphase"] = isLevels                           ? "levels"
+                         : sideOf(place.middle) == "opencl" ? "opencl"
+                                                            : nameOf(query.options.middle.traversal);
   document["nearphase"] = sideOf(place.near);
   if (ran.deviceFailed) progress("note: the OpenCL device failed; the CPU finished the query");
+  if (isLevels) {
+    document["levels"] = {{"start_depth", how.startDepth},
+                          {"trees", how.sendTrees ? "sent" : "resident"},
+                          {"near", how.fusedNear ? "fused" : "split"},
+                          {"bytes_sent", report.bytesSent},
+                          {"per_depth", depthRows(report.steps)}};
+  }
   if (options.profile) {
-    document["profile"] = profileOf(times, backend ? "opencl" : "cpu");
-    if (backend) document["first_query_extra_ms"] = times.uploadOnce;
+    const bool middleOnDevice = sideOf(place.middle) == "opencl", nearOnDevice = sideOf(place.near) == "opencl";
+    document["profile"] = profileOf(times, isLevels                         ? kByLevels
+                                           : backend                        ? kOnDevice
+                                           : middleOnDevice || nearOnDevice ? mixedTexts(middleOnDevice, nearOnDevice)
+                                                                            : kOnCpu);
+    if (isLevels) document["levels"]["profile"] = stepsOf(report.times);
+    if (backend) {
+      document["profiled_ms"] = median(times.profiled);
+      document["first_query_extra_ms"] = times.uploadOnce;
+    }
   }
   document["repeat"] = options.repeat;
   document["hash"] = hashOf(workspace.reduced);
@@ -232,16 +327,28 @@ int runCollide(const CollideOptions& options) {
   }
   fmt::print("{:<26} {:>12}\n", "contacts", workspace.reduced.size());
   for (const auto& entry : document["timings_ms"].items()) {
-    fmt::print("{:<26} {:>12.4f} ms\n", entry.key(), entry.value().get<double>());
+    const std::string key = entry.key();
+    if (key == "top" || key == "host") continue;  // stages, which --profile shows
+    fmt::print("{:<26} {:>12.4f} ms\n", key, entry.value().get<double>());
   }
   fmt::print("{:<26} {} ({})\n", "backend", document["backend"].get<std::string>(),
              document["device"].get<std::string>());
-  fmt::print("{:<26} {}\n\n", "hash", document["hash"].get<std::string>());
+  fmt::print("{:<26} {}\n", "hash", document["hash"].get<std::string>());
   if (options.profile) {
     printTable("profile (medians)", document["profile"]);
-    if (backend) fmt::print("upload of both meshes, in the first query: {:.4f} ms\n", times.uploadOnce);
+    if (backend) {
+      fmt::print(
+          "\nStages are timed in runs of their own, which take {:.4f} ms (percent is of that).\n"
+          "The first query took {:.4f} ms more than the second: programs, lists, the upload of both meshes.\n",
+          median(times.profiled), times.uploadOnce);
+    }
     fmt::print("\n");
   }
+  if (isLevels) {
+    if (options.profile) printTable("levels, step by step (medians)", document["levels"]["profile"]);
+    printTable("levels, pairs of nodes by depth", document["levels"]["per_depth"]);
+  }
+  fmt::print("\n");
   std::vector<std::vector<std::string>> rows;
   for (const Contact& c : workspace.reduced) {
     rows.push_back({fmt::format("{:.6g} {:.6g} {:.6g}", c.position.x, c.position.y, c.position.z),

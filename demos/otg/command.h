@@ -41,7 +41,7 @@ void addBenchCommand(CLI::App& app, Action& action);
 
 /// One JSON document on stdout. Bytes that are not UTF-8 (in file names) are replaced; NaN and infinity become null.
 void printJson(const Json& document);
-/// A table with right-aligned columns (the first one left-aligned) on stdout.
+/// A table on stdout: numbers from the right, the first column and columns with spaces in them from the left.
 void printTable(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows);
 /// The same from JSON rows: one column per key of the first row.
 void printTable(const std::string& title, const Json& rows);

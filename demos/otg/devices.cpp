@@ -2,6 +2,8 @@
 // `otg devices`: OpenCL devices, and which one would be used.
 #include <fmt/format.h>
 
+#include <cstdlib>
+
 #include "opencl/device_info.h"
 #include "otg/command.h"
 #include "otg/query_options.h"
@@ -42,17 +44,28 @@ int runDevices(bool json) {
     return kOk;
   }
   if (devices.empty()) {
-    fmt::print("no OpenCL device\n");
+    fmt::print(
+        "no OpenCL device: everything runs on the CPU\n"
+        "(a device needs its vendor's OpenCL driver; pocl-opencl-icd makes the CPU one)\n");
     return kOk;
   }
   std::vector<std::vector<std::string>> table;
   for (const opencl::DeviceInfo& d : devices) {
-    table.push_back({std::to_string(d.index), d.index == used ? "used" : "", d.name, opencl::nameOf(d.kind),
+    table.push_back({std::to_string(d.index), d.index == used ? "default" : "", d.name, opencl::nameOf(d.kind),
                      std::to_string(d.computeUnits),
                      fmt::format("{:.1f} GiB", static_cast<double>(d.globalMemory) / (1 << 30)),
-                     d.doubles ? "yes" : "no", d.platform});
+                     d.doubles ? "yes" : "no", d.available ? d.platform : d.platform + " (not available)"});
   }
-  printTable({"device", "", "name", "kind", "units", "memory", "doubles", "platform"}, table);
+  printTable({"device", "", "name", "kind", "compute units", "memory", "doubles", "platform"}, table);
+  if (used >= 0) {
+    fmt::print(
+        "\n--backend opencl uses device {} unless --device names others; OTG_OPENCL_DEVICE=NUMBER|NAME|none changes "
+        "the default.\n",
+        used);
+  } else {
+    fmt::print("\nNone of them is used{}.\n",
+               std::getenv("OTG_OPENCL_DEVICE") != nullptr ? ": OTG_OPENCL_DEVICE says so or names none of them" : "");
+  }
   return kOk;
 }
 

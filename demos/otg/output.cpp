@@ -22,12 +22,21 @@ void printTable(const std::vector<std::string>& head, const std::vector<std::vec
   for (const auto& row : rows) {
     for (std::size_t i = 0; i < row.size(); ++i) width[i] = std::max(width[i], row[i].size());
   }
+  // Text reads better from the left.
+  const auto isText = [&](std::size_t column) {
+    return column == 0 || std::any_of(rows.begin(), rows.end(), [&](const auto& row) {
+             return column < row.size() && row[column].find(' ') != std::string::npos;
+           });
+  };
+  std::vector<bool> left;
+  for (std::size_t i = 0; i < head.size(); ++i) left.push_back(isText(i));
   const auto printRow = [&](const std::vector<std::string>& row) {
     std::string line;
     for (std::size_t i = 0; i < row.size(); ++i) {
-      line += i == 0 ? fmt::format("{:<{}}", row[i], width[i]) : fmt::format("  {:>{}}", row[i], width[i]);
+      if (i > 0) line += "  ";
+      line += left[i] ? fmt::format("{:<{}}", row[i], width[i]) : fmt::format("{:>{}}", row[i], width[i]);
     }
-    fmt::print("{}\n", line);
+    fmt::print("{}\n", line.substr(0, line.find_last_not_of(' ') + 1));
   };
   printRow(head);
   for (const auto& row : rows) printRow(row);

@@ -38,11 +38,15 @@ int runPairs(const PairsOptions& options) {
   query.a = pair.a.get();
   query.b = pair.b.get();
   Workspace workspace;
-  // The pairs are left in the workspace by a query for any contacts, wherever its phases run.
-  const std::unique_ptr<Dispatcher> dispatcher = options.query.openDispatcher();
   query.options.contacts = ContactModel::kPairwise;
-  Dispatcher::Ran ran;
-  dispatcher->collide({query, true, options.query.placement()}, workspace, ran);
+  if (options.query.isLevels()) {
+    options.query.openBackend()->findPairsByLevels(query, workspace, options.query.levelsOptions());
+  } else {
+    // The pairs are left in the workspace by a query for any contacts, wherever its phases run.
+    const std::unique_ptr<Dispatcher> dispatcher = options.query.openDispatcher();
+    Dispatcher::Ran ran;
+    dispatcher->collide({query, true, options.query.placement()}, workspace, ran);
+  }
   if (!options.out.empty()) writePairs(options.out, pairsOfCaller(query, workspace.intersecting));
   const CollideStats& stats = workspace.stats;
   if (options.json) {

@@ -58,14 +58,21 @@ void QueryOptions::addInputOptions(CLI::App& command) {
   command.add_option("A", fileA, "Mesh A")->required();
   command.add_option("B", fileB, "Mesh B")->required();
   command.add_option("--pose", pose, "B in A's frame: tx,ty,tz,qw,qx,qy,qz, or a file with a 4x4 row-major matrix");
-  command.add_option("--midphase", midphase, "Middle phase: where it runs, or which traversal of the trees on the CPU")
-      ->check(
-          CLI::IsMember({"auto", "cpu", "opencl", "standard", "quantized", "quantised", "noleaf", "no-leaf", "wide"}));
+  command
+      .add_option("--midphase", midphase,
+                  "Middle phase: where it runs, or which traversal of the trees on the CPU; levels: the published "
+                  "traversal on an OpenCL device")
+      ->check(CLI::IsMember(
+          {"auto", "cpu", "opencl", "standard", "quantized", "quantised", "noleaf", "no-leaf", "wide", "levels"}));
   command.add_option("--nearphase", nearphase, "Near phase: where it runs")
       ->check(CLI::IsMember({"auto", "cpu", "exact", "opencl"}));
   command.add_option("--descent", descent, "Which tree a traversal descends")
       ->check(CLI::IsMember({"first", "larger", "alternating", "both"}));
   command.add_option("--axes", axes, "Axes of a box test on the CPU")->check(CLI::IsMember({6, 15}));
+  command.add_option("--start-depth", levels.startDepth, "levels: depth of the nodes that are tested all against all")
+      ->check(CLI::Range(0u, opencl::kMostStartDepth));
+  command.add_flag("--send-trees", levels.sendTrees, "levels: send trees and triangles with every query");
+  command.add_flag("--split-near", splitNear, "levels: test triangles and make contacts in two kernels, not in one");
   addBackendOptions(command);
 }
 
@@ -107,7 +114,7 @@ void QueryOptions::addContactOptions(CLI::App& command) {
 
 CollideOptions QueryOptions::collideOptions() const {
   CollideOptions options;
-  if (!midphase.empty() && midphase != "cpu" && midphase != "auto" && midphase != "opencl")
+  if (!midphase.empty() && midphase != "cpu" && midphase != "auto" && midphase != "opencl" && !isLevels())
     options.middle.traversal = find(kTraversals, midphase);
   if (!descent.empty()) options.middle.descent = find(kDescents, descent);
   options.middle.axes = axes;
@@ -134,9 +141,21 @@ Placement QueryOptions::placement() const {
     if (word.empty()) return otherwise;
     return word == "opencl" ? Place::kOpencl : word == "auto" ? Place::kAuto : Place::kCpu;
   };
+  if (isLevels()) {
+    if (backend == "cpu" || nearphase == "cpu" || nearphase == "exact") {
+      throw UsageError("--midphase levels runs on an OpenCL device, with the near phase");
+    }
+    return {Place::kOpencl, Place::kOpencl};
+  }
   const Place all = place(backend, Place::kCpu);
   // "exact" and the names of traversals say how, and where no more than that it is the CPU.
   return settled({place(midphase, all), place(nearphase == "exact" ? "" : nearphase, all)});
+}
+
+opencl::LevelsOptions QueryOptions::levelsOptions() const {
+  opencl::LevelsOptions options = levels;
+  options.fusedNear = !splitNear;
+  return options;
 }
 
 std::vector<int> QueryOptions::deviceNumbers() const {

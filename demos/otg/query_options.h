@@ -27,6 +27,8 @@ struct QueryOptions {
   double regionMerge = 0;
   std::vector<int> devices;
   int threads = 0;
+  opencl::LevelsOptions levels;  ///< of --midphase levels
+  bool splitNear = false;
 
   /// The files, the pose and how to traverse.
   void addInputOptions(CLI::App& command);
@@ -39,8 +41,11 @@ struct QueryOptions {
   /// Throws UsageError or InputError for what cannot be had.
   CollideOptions collideOptions() const;
   BuildStrategy buildStrategy() const;
-  /// Where each phase is to run; without a word the CPU.
+  /// Where each phase is to run; without a word the CPU. Throws UsageError.
   Placement placement() const;
+  /// Whether the published traversal is to run on a device.
+  bool isLevels() const { return midphase == "levels"; }
+  opencl::LevelsOptions levelsOptions() const;
   /// The devices that were asked for, none for the CPU alone. Throws InputError when one cannot be had.
   std::vector<int> deviceNumbers() const;
   /// The first of them, where both phases are to run on it; null for the CPU.

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """otg bench: tables as arrays of rows, and results that do not depend on the way they were found. No times are judged."""
+import itertools
 import json
 import os
 
@@ -28,6 +29,22 @@ class Bench(CliTest):
         self.assertEqual({r["build"] for r in rows}, {"mean", "sah"})
         self.assertEqual(len({r["pairs_hash"] for r in rows}), 1)
         self.assertGreater(rows[0]["intersecting_pairs"], 0)
+        if self.run_json("devices")["used"] is None:
+            self.assertNotIn("levels", tables)
+            return
+        levels = tables["levels"]
+        self.assertEqual({(r["build"], r["scene"], r["trees"]) for r in levels},
+                         set(itertools.product(("mean", "sah"), ("touch", "deep", "deep10", "nearmiss"),
+                                               ("sent", "resident"))))
+        self.assertEqual({row["answers"] for row in levels}, {"same"})
+        for row in levels:
+            self.assertEqual(row["bytes_sent"] > 1000, row["trees"] == "sent")
+            if row["scene"] == "touch":
+                depths = [r["box_tests"] for r in tables["levels_per_depth"] if r["build"] == row["build"]]
+                self.assertEqual((sum(depths), len(depths)), (row["box_tests"], row["iterations"]))
+                self.assertEqual(depths[0], 64 * 64)
+        for row in tables["levels_shares"]:
+            self.assertAlmostEqual(sum(v for k, v in row.items() if k.endswith("_percent")), 100, delta=2)
 
     def test_scenes(self):
         found = {}

@@ -150,6 +150,33 @@ class Collide(CliTest):
             text = self.run_otg(*arguments, "--backend", backend).stdout
             self.assertTrue(all(stage in text for stage in stages))
 
+    def test_levels(self):
+        """The published traversal on a device: the contacts of the CPU, and what happened at each depth."""
+        mesh = self.write("lump.ply", ply(*lump()))
+        arguments = ["collide", mesh, mesh, "--pose", "1.5,0.1,0.3,0.8,0.6,0,0", "--profile"]
+        levels = [*arguments, "--midphase", "levels"]
+        for wrong in (["--backend", "cpu"], ["--nearphase", "cpu"], ["--start-depth", "13"], ["--start-depth", "-1"]):
+            self.assert_fails(2, *levels, *wrong)
+        self.run_otg(*levels, status=1, env={"OTG_OPENCL_DEVICE": "none"})
+        if self.run_json("devices")["used"] is None:
+            return
+        for model in ("pairwise", "solid"):
+            expected = self.run_json(*arguments, "--contacts", model)
+            for options in ([], ["--send-trees", "--start-depth", "0"], ["--split-near", "--start-depth", "12"]):
+                found = self.run_json(*levels, "--contacts", model, *options)
+                self.assertEqual(found["contacts"], expected["contacts"])
+                self.assertEqual((found["midphase"], found["nearphase"]), ("levels", "opencl"))
+                self.assertEqual([row["stage"] for row in found["profile"]], [r["stage"] for r in expected["profile"]])
+                self.assertAlmostEqual(sum(row["percent"] for row in found["levels"]["profile"]), 100, delta=1)
+                depths = found["levels"]["per_depth"]
+                self.assertEqual(sum(row["box_tests"] for row in depths), found["box_tests"])
+                self.assertEqual(sum(row["leaf_pairs"] for row in depths), found["candidate_pairs"])
+                self.assertEqual(depths[0]["depth"], int(options[-1]) if options else 6)
+                self.assertEqual(found["levels"]["trees"], "sent" if "--send-trees" in options else "resident")
+        text = self.run_otg(*levels, "--contacts", "pairwise").stdout
+        for word in ("scan", "compaction", "leaf_pairs"):
+            self.assertIn(word, text)
+
     def test_wrong_options(self):
         mesh = self.writeBox()
         for options in (["--bins", "1,2"], ["--bins", "0"], ["--bins", "65"], ["--max-contacts", "0"],

@@ -68,6 +68,14 @@ class Pairs(CliTest):
         self.run_otg("pairs", mesh, mesh, "--pose", "9,0,0,1,0,0,0", "--out", "pairs.txt")
         self.assertEqual(self.read("pairs.txt"), [])
 
+    def test_levels_find_the_same(self):
+        if self.run_json("devices")["used"] is None:
+            self.skipTest("no OpenCL device")
+        mesh = self.write("lump.ply", ply(*lump()))
+        self.run_otg("pairs", mesh, mesh, *self.POSE, "--out", "expected.txt")
+        self.run_otg("pairs", mesh, mesh, *self.POSE, "--midphase", "levels", "--out", "pairs.txt")
+        self.assertEqual(self.read("pairs.txt"), self.read("expected.txt"))
+
     def test_bad_input(self):
         mesh = self.writeBox()
         self.assert_fails(1, "pairs", mesh, "missing.ply", "--out", "x.txt", says="missing.ply")

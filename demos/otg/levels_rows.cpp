@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "otg/levels_rows.h"
+
+#include <algorithm>
+
+namespace otg::cli {
+
+opencl::LevelsTimes medianOf(const std::vector<opencl::LevelsTimes>& times) {
+  using T = opencl::LevelsTimes;
+  opencl::LevelsTimes out;
+  for (double T::*member : {&T::upload, &T::start, &T::test, &T::scan, &T::compaction, &T::split, &T::spawn, &T::near,
+                            &T::contacts, &T::regions, &T::choose, &T::readBack, &T::host, &T::reduction, &T::total}) {
+    std::vector<double> values;
+    for (const T& one : times) values.push_back(one.*member);
+    out.*member = median(values);
+  }
+  return out;
+}
+
+std::vector<LevelsStage> stagesOf(const opencl::LevelsTimes& t) {
+  std::vector<LevelsStage> stages = {{"upload", t.upload},
+                                     {"start", t.start},
+                                     {"test", t.test},
+                                     {"scan", t.scan},
+                                     {"compaction", t.compaction},
+                                     {"split", t.split},
+                                     {"spawn", t.spawn},
+                                     {"near", t.near},
+                                     {"contacts", t.contacts},
+                                     {"reduction", t.regions + t.choose + t.reduction},
+                                     {"read_back", t.readBack}};
+  double known = 0;
+  for (const LevelsStage& stage : stages) known += stage.ms;
+  stages.push_back({"host", std::max(0.0, t.total - known)});
+  return stages;
+}
+
+Json depthRows(const std::vector<opencl::LevelsStep>& steps, const Json& before) {
+  Json rows = Json::array();
+  for (const opencl::LevelsStep& step : steps) {
+    Json row = before;
+    row["depth"] = step.depth;
+    row["box_tests"] = step.tests;
+    row["overlapping"] = step.overlapping;
+    row["leaf_pairs"] = step.leafPairs;
+    row["spawned"] = step.spawned;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+}  // namespace otg::cli

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What `collide --profile` and `bench thesis` show of the traversal `levels`.
+#pragma once
+
+#include <vector>
+
+#include "opencl/levels.h"
+#include "otg/command.h"
+
+namespace otg::cli {
+
+/// Each time by itself.
+opencl::LevelsTimes medianOf(const std::vector<opencl::LevelsTimes>& times);
+
+/// A step of the traversal by name, in the order in which they run. Host is what is left of the total.
+struct LevelsStage {
+  const char* name;
+  double ms;
+};
+std::vector<LevelsStage> stagesOf(const opencl::LevelsTimes& times);
+
+/// Rows of {depth, box_tests, overlapping, leaf_pairs, spawned}, each after what `before` holds.
+Json depthRows(const std::vector<opencl::LevelsStep>& steps, const Json& before = Json::object());
+
+}  // namespace otg::cli
