@@ -103,7 +103,13 @@ class Devices(CliTest):
             self.assert_keys(device, "index name kind platform version driver available doubles used")
             self.assertEqual(device["index"], i)
             self.assertEqual(device["used"], i == document["used"])
-        self.assertTrue(self.run_otg("devices").stdout)
+        text = self.run_otg("devices").stdout
+        for device in document["devices"]:
+            self.assertIn(device["name"], text)
+        if document["used"] is not None:
+            self.assertIn("--backend opencl uses device %d" % document["used"], text)
+            self.assertIn("None of them is used: OTG_OPENCL_DEVICE",
+                          self.run_otg("devices", env={"OTG_OPENCL_DEVICE": "none"}).stdout)
 
     def test_choice(self):
         self.assertIsNone(self.run_json("devices", env={"OTG_OPENCL_DEVICE": "none"})["used"])
@@ -114,8 +120,8 @@ class Devices(CliTest):
         # The loader finds drivers through this folder; an empty one is a machine without OpenCL.
         document = self.run_json("devices", env={"OCL_ICD_VENDORS": self.folder, "OPENCL_VENDOR_PATH": self.folder})
         self.assertEqual((document["devices"], document["used"]), ([], None))
-        self.assertEqual(self.run_otg("devices", env={"OCL_ICD_VENDORS": self.folder, "OPENCL_VENDOR_PATH": self.folder}).stdout,
-                         "no OpenCL device\n")
+        nothing = self.run_otg("devices", env={"OCL_ICD_VENDORS": self.folder, "OPENCL_VENDOR_PATH": self.folder})
+        self.assertTrue(nothing.stdout.startswith("no OpenCL device: everything runs on the CPU\n"))
 
 
 if __name__ == "__main__":
