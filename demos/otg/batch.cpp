@@ -116,10 +116,16 @@ int runBatch(const BatchOptions& options) {
     onDevice += result.onDevice ? 1 : 0;
   }
   std::vector<std::string> computers;
+  Json devices = Json::array();
   std::uint64_t failed = 0;
   for (const auto& slot : dispatcher->devices()) {
     computers.push_back(slot->backend->device().name);
     failed += slot->failedQueries;
+    devices.push_back({{"index", slot->backend->device().index},
+                       {"name", slot->backend->device().name},
+                       {"block_pairs", slot->blockPairs.load()},
+                       {"expected_ms", slot->blockExpectedMs.load()},
+                       {"ms", slot->blockMs.load()}});
   }
   if (onDevice < jobs.size() || jobs.empty()) {
     computers.push_back(fmt::format("host CPU, {} threads", dispatcher->threadCount()));
@@ -139,6 +145,7 @@ int runBatch(const BatchOptions& options) {
                                                                : "cpu and opencl"},
                          {"pairs_on_devices", onDevice},
                          {"device", fmt::format("{}", fmt::join(computers, " + "))},
+                         {"devices", devices},
                          {"repeat", options.repeat},
                          {"hash", hashOf(contacts)}};
   if (failed > 0) progress("note: an OpenCL device failed; the CPU did what it left");
@@ -153,6 +160,7 @@ int runBatch(const BatchOptions& options) {
   fmt::print("{:<26} {} ({})\n", "backend", document["backend"].get<std::string>(),
              document["device"].get<std::string>());
   fmt::print("{:<26} {}\n", "hash", document["hash"].get<std::string>());
+  if (!devices.empty()) printTable("blocks of the devices, in the last run", devices);
   return kOk;
 }
 

@@ -2,6 +2,7 @@
 #include "dispatch/batch_run.h"
 
 #include <algorithm>
+#include <chrono>
 #include <system_error>
 #include <thread>
 
@@ -93,6 +94,12 @@ class BatchRun {
     for (const auto& device : devices_) models.push_back(device->costs);
     std::size_t begin = 0;
     for (const std::size_t end : divide(division, models)) {
+      DeviceSlot& slot = *devices_[blocks_.size()];
+      double expected = begin < end ? slot.costs.batchLaunch : 0;
+      for (std::size_t i = begin; i < end; ++i) expected += slot.costs.batchPair.of(work[i]);
+      slot.blockPairs = end - begin;
+      slot.blockExpectedMs = 1e-3 * expected;
+      slot.blockMs = 0;
       blocks_.emplace_back(bound.begin() + static_cast<std::ptrdiff_t>(begin),
                            bound.begin() + static_cast<std::ptrdiff_t>(end));
       begin = end;
@@ -129,7 +136,9 @@ class BatchRun {
       queries.reserve(block.size());
       for (const std::size_t i : block) queries.push_back(jobs_[i]->query);
       opencl::BatchAnswer answer;
+      const auto start = std::chrono::steady_clock::now();
       const bool good = slot.backend->collideBatch(queries, answer);
+      slot.blockMs = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
       slot.note(block.size(), good);
       for (std::size_t k = 0; k < block.size(); ++k) {
         PairResult& result = results_[block[k]];

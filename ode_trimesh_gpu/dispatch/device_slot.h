@@ -24,6 +24,9 @@ struct DeviceSlot {
   std::atomic<std::uint64_t> queries{0};        ///< pairs that it was given
   std::atomic<std::uint64_t> failedQueries{0};  ///< of these, in calls that failed: the CPU did what it left
   std::atomic<std::uint64_t> calls{0}, failedCalls{0};
+  /// Of the last batch: pairs in the device's block, what the block was expected to take, and what it took.
+  std::atomic<std::uint64_t> blockPairs{0};
+  std::atomic<double> blockExpectedMs{0}, blockMs{0};
 
   /// Counts a call for so many pairs. The device is switched off when it has failed too often; that is logged, once.
   void note(std::uint64_t pairs, bool good);

@@ -69,6 +69,9 @@ class Batch(CliTest):
                     self.assertEqual(document[key], expected[key], options)
                 if "0,0,0" in options:
                     self.assertEqual(document["pairs_on_devices"], 16)
+                    self.assertEqual(sum(device["block_pairs"] for device in document["devices"]), 16)
+                    self.assertTrue(all(d["expected_ms"] > 0 and d["ms"] > 0 for d in document["devices"]
+                                        if d["block_pairs"] > 0))
             mesh, other = self.path("lump.ply"), self.path("box.ply")
             if "--threads" in options:
                 continue
