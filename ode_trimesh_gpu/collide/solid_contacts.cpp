@@ -126,9 +126,9 @@ bool solidContacts(const Query& query, Workspace& workspace) {
     }
     if (direction.deep) state.deepNormal = otgRotateBack(query.bInA, direction.direction);
     const double extra = direction.escaping ? motion.step : 0;
-    contactsOfRegion(
-        {meshes, scratch.regions, region, number++, normals, extent, query.options.solid.contactsPerRegion, extra},
-        workspace.contacts);
+    contactsOfRegion({meshes, scratch.regions, region, number++, normals, extent, query.options.solid.contactsPerRegion,
+                      extra, direction.edges ? &*direction.edges : nullptr},
+                     workspace.contacts);
   }
   if (query.options.solid.regionMerge > 0) {
     mergeRegions(query.options.solid.regionMerge, query.options.solid.contactsPerRegion, workspace.contacts);

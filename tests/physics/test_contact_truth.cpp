@@ -3,9 +3,12 @@
 // fixed random poses with overlaps of 1 to 10 % of the bodies' size. `otg bench contacts` has the deep ones, too.
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <numbers>
 #include <string>
 
 #include "collide/query.h"
+#include "scenes/generated_meshes.h"
 #include "support/catch.h"
 #include "truth/contact_errors.h"
 #include "truth/contact_families.h"
@@ -33,6 +36,7 @@ constexpr Promise kPromises[] = {
     {"cylinders_parallel", 1, 0.5, 0.0024, 0.0012, 0.5},
     {"boxes_aligned", 0.5, 0.1, 0.001, 0.0001, 0.1},
     {"boxes_face_turned", 0.5, 0.1, 0.001, 0.0001, 0.1},
+    {"boxes_turned", 5, 0.01, 0.001, 0.0001, 5},
     {"cylinders_stacked", 5, 1, 0.001, 0.0001, 4},
     {"cylinder_on_box", 5, 1, 0.001, 0.0001, 1},
     {"ball_box", 7, 1, 0.01, 0.001, 3},
@@ -89,6 +93,59 @@ TEST_CASE("shallow contacts point the right way and are as deep as the overlap")
       CHECK(depth[k].quantile(0.5) <= promise.medianDepth);
       CHECK(force[k].largest() <= promise.force);
     }
+  }
+}
+
+TEST_CASE("an edge in a face is pushed along the face's normal, whatever the angle and the width") {
+  // A's upper edge at x = 1 in the lower face of B, which rises towards -x by a few degrees: a thin wedge of overlap.
+  const auto block = std::make_shared<CollisionMesh>(scenes::build(scenes::makeBox({2, 2, 2}, 1)), BuildStrategy::kSah);
+  const double width = GENERATE(0.1, 0.5, 1.5);
+  const auto plank =
+      std::make_shared<CollisionMesh>(scenes::build(scenes::makeBox({1, width, 1}, 1)), BuildStrategy::kSah);
+  const double degrees = GENERATE(0.5, 1.0, 4.0, 12.0);
+  const bool swapped = GENERATE(false, true);
+  CAPTURE(width, degrees, swapped);
+  const double c = std::cos(degrees * std::numbers::pi / 180), s = std::sin(degrees * std::numbers::pi / 180);
+  // The plank turned about y, its lower face 0.002 below A's edge, its middle over the edge.
+  const Vec3d out{s, 0, c};
+  Transformd pose{{c, 0, s, 0, 1, 0, -s, 0, c}, otgAdd({1, 0, 1}, otgScale(out, 0.5 - 0.002))};
+  Vec3d expected = otgScale(out, -1.0);
+  Query query;
+  query.a = block.get();
+  query.b = plank.get();
+  if (swapped) {
+    std::swap(query.a, query.b);
+    const Vec3d back = otgScale(otgRotateBack(pose, pose.t), -1.0);
+    expected = otgRotateBack(pose, out);
+    std::swap(pose.r[1], pose.r[3]);
+    std::swap(pose.r[2], pose.r[6]);
+    std::swap(pose.r[5], pose.r[7]);
+    pose.t = back;
+  }
+  query.bInA = pose;
+  query.options.contacts = ContactModel::kSolid;
+  query.options.maxContacts = 64;
+  Workspace workspace;
+  collide(query, workspace);
+  REQUIRE(workspace.reduced.size() >= 2);
+  for (const Contact& contact : workspace.reduced) CHECK(truth::angleBetween(contact.normal, expected) < 0.1);
+  // Ends of the edge inside B are measured a thousandth of the diagonal further in.
+  CHECK(workspace.reduced[0].depth == Approx(0.002).epsilon(0.02));
+}
+
+TEST_CASE("contacts lie in the middle of the overlap") {
+  // A box in the top of another: the contacts' places are between the two faces, to rounding and not to some skin.
+  const auto box = std::make_shared<CollisionMesh>(scenes::build(scenes::makeBox({1, 1, 1}, 1)), BuildStrategy::kSah);
+  Query query;
+  query.a = query.b = box.get();
+  query.bInA = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 1 - 0.002}};
+  query.options.contacts = ContactModel::kSolid;
+  Workspace workspace;
+  collide(query, workspace);
+  REQUIRE(workspace.reduced.size() == 4);
+  for (const Contact& contact : workspace.reduced) {
+    CHECK(contact.position.z == Approx(0.5 - 0.001).epsilon(1e-12));
+    CHECK(contact.depth == Approx(0.002).epsilon(1e-12));
   }
 }
 

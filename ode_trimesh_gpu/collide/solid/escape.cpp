@@ -253,7 +253,8 @@ RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& a
     }
     return answer;
   }
-  if (region.thickness > 0.06 * region.diagonal) {
+  const std::vector<EdgePair> edges = edgePairs(meshes, all, region);
+  if (region.thickness > 0.06 * region.diagonal || !edges.empty()) {
     // Deep: the shortest way out, which the mean direction need not be once the overlap is thicker than wide. The last
     // direction is kept while it is nearly as short, so that a body does not waver on its way out.
     answer.deep = true;
@@ -266,17 +267,26 @@ RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& a
       return extent >= enough ? extent : std::max(extent, way.along(d, enough));
     };
     double least = 0.98 * cost(normals.mean(), std::numeric_limits<double>::infinity());
+    bool isMean = true;
     const auto offer = [&](const Vec3d& d, double factor) {
-      if (otgDot(d, normals.mean()) < 0.2) return;
+      if (otgDot(d, normals.mean()) < 0.2) return false;
       const double extent = factor * cost(d, least / factor);
-      if (extent >= least) return;
+      if (extent >= least) return false;
       least = extent;
       answer.direction = d;
+      isMean = false;
       normals.fix(d);
+      return true;
     };
     if (otgDot(motion.deepNormal, motion.deepNormal) > 0) offer(motion.deepNormal, 0.85);
     for (int m = 0; m < 2; ++m) {
       for (const Vec3d& d : faceDirections(all, region, m)) offer(d, 1.0);
+    }
+    // The vector area of two edges' overlap points across both, as long as no third face is in it: without a bias
+    // towards the mean.
+    const double acrossFactor = isMean ? 0.97 : 1.0;
+    for (const EdgePair& pair : edges) {
+      if (offer(pair.direction, acrossFactor)) answer.edges = pair;
     }
   }
   return answer;

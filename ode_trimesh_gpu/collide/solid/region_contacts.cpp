@@ -185,14 +185,15 @@ class RegionSolver {
     const bool skipFlat =
         task_.normals.isFlat() && std::count_if(first, last, [](const SupportPoint& p) { return !p.flat; }) >= 3;
     for (const std::uint32_t i : thinned()) {
-      const SupportPoint& p = all_.points[i];
+      const bool onPair = task_.edges && (i == task_.edges->pointA || i == task_.edges->pointB);
+      const SupportPoint& p = onPair ? nearestOfPair(i) : all_.points[i];
       if (skipFlat && p.flat) continue;
       Candidate c{&p, {}, {}, 0, 0, 0, 0};
       const double inward = p.kind == PointKind::kCrossing ? std::min(kInward * region_.diagonal, 0.5 * p.reach) : 0;
       c.probe = otgSub(otgAdd(p.position, otgScale(p.along, inward)),
                        otgScale(p.surfaceNormal, std::min(kBelowSurface * region_.diagonal, 0.01 * region_.thickness)));
       estimate(c);
-      if (p.kind >= PointKind::kMiddle && saysNothingNew(c)) continue;
+      if (p.kind >= PointKind::kMiddle && !onPair && saysNothingNew(c)) continue;
       candidates_.push_back(c);
     }
     if (candidates_.empty()) {
@@ -203,6 +204,14 @@ class RegionSolver {
       estimate(c);
       candidates_.push_back(c);
     }
+  }
+
+  /// Edges across each other hold each other where they are nearest, not in their middles.
+  const SupportPoint& nearestOfPair(std::uint32_t i) {
+    const int m = i == task_.edges->pointA ? 0 : 1;
+    onPair_[m] = all_.points[i];
+    onPair_[m].position = m == 0 ? task_.edges->placeA : task_.edges->placeB;
+    return onPair_[m];
   }
 
   void estimate(Candidate& c) {
@@ -235,8 +244,11 @@ class RegionSolver {
     return p.ordinal < q.ordinal;
   }
 
-  /// Where the contact would be: the middle of the overlap.
-  static Vec3d middle(const Candidate& c) { return otgAdd(c.point->position, otgScale(c.normal, c.shift)); }
+  /// Where the contact would be: the middle of the overlap, beside the point and not beside the probe.
+  static Vec3d middle(const Candidate& c) {
+    const double moved = otgDot(otgSub(c.probe, c.point->position), c.normal);
+    return otgAdd(c.point->position, otgScale(c.normal, moved + c.shift));
+  }
 
   double deepest() const {
     double d = 0;
@@ -351,7 +363,7 @@ class RegionSolver {
       return x.depth != y.depth ? x.depth > y.depth : sameFeatureOrder(x, y);
     });
     for (const Candidate& c : candidates_) {
-      const Vec3d position = otgAdd(otgAdd(c.point->position, all_.origin), otgScale(c.normal, c.shift));
+      const Vec3d position = otgAdd(middle(c), all_.origin);
       const auto triangleOf = [&](std::uint32_t known, std::uint8_t mesh) {
         if (known != kNone) return known;
         for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) {
@@ -411,7 +423,7 @@ class RegionSolver {
   PlaneSet surface_[2];
   bool gathered_ = false;  ///< planes stand for several pieces each
   std::vector<Candidate> candidates_;
-  SupportPoint fallback_{};
+  SupportPoint fallback_{}, onPair_[2];
 };
 
 }  // namespace

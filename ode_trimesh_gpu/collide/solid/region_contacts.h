@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "collide/solid/edge_pair.h"
 #include "collide/solid/extent.h"
 #include "collide/solid/region_normals.h"
 #include "collide/solid/regions.h"
@@ -19,6 +20,7 @@ struct RegionTask {
   RegionExtent& extent;
   int maxContacts;
   double extraDepth;  ///< added to the clamp of depths by the region's own extent (escaping bodies: way of one step)
+  const EdgePair* edges = nullptr;  ///< across which the region's normal points, if it is such a region
 };
 
 /// Appends contacts (frame A), deepest first.

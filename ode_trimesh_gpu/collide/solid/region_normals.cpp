@@ -19,6 +19,8 @@ constexpr double kStraight = 0.997, kCurved = 0.99;
 // thick: its weight is 1 / (1 + (way / (kThick thickness))^4). The end of a slab over whose edge a box rests says
 // nothing.
 constexpr double kThick = 4;
+// Two sides whose directions differ by less (in radians) count alike; neither counts less than the second of these.
+constexpr double kSameDirection = 1e-3, kLeastShare = 1e-3;
 // How far (in diagonals) from a piece that way may lead through its plane.
 constexpr double kPieceSlack = 0.02;
 // More pieces than this are gathered in cells first, so that normals cost the same whatever the tessellation.
@@ -84,13 +86,22 @@ void RegionNormals::weighByDepth() {
     sum[e.mesh] = otgAdd(sum[e.mesh], otgScale(e.vector, e.weight));
     total[e.mesh] += e.weight * e.area;
   }
-  const Vec3d push = otgSub(sum[1], sum[0]);
-  if (otgDot(push, push) > 0) weighted_ = unit(push);
-  double coherence = 0;
-  for (int m = 0; m < 2; ++m) {
-    if (total[m] > 0) coherence = std::max(coherence, norm(sum[m]) / total[m]);
-  }
-  isFlat_ = coherence >= kCurved;
+  double coherence[2];
+  for (int m = 0; m < 2; ++m) coherence[m] = total[m] > 0 ? norm(sum[m]) / total[m] : 0;
+  isFlat_ = std::max(coherence[0], coherence[1]) >= kCurved;
+  chooseBetweenSides(otgScale(unit(sum[0]), -1.0), unit(sum[1]), coherence);
+}
+
+/// Where the faces of the two sides differ in direction, an edge or corner of one body is in a face of the other, and
+/// the face says where out is. It is found as the direction between the two that is nearest to the region's vector
+/// area, which holds the sides of that edge, too. A curved side is no face.
+void RegionNormals::chooseBetweenSides(const Vec3d& a, const Vec3d& b, const double coherence[2]) {
+  const Vec3d d = otgSub(b, a), middle = otgScale(otgAdd(a, b), 0.5);
+  const double t = otgDot(otgSub(mean_, middle), d) / (otgDot(d, d) + kSameDirection * kSameDirection);
+  const double flatness = std::clamp((coherence[t > 0 ? 1 : 0] - kCurved) / (kStraight - kCurved), 0.0, 1.0);
+  shareOfB_ = std::clamp(0.5 + flatness * t, kLeastShare, 1 - kLeastShare);
+  const Vec3d chosen = unit(otgAdd(otgScale(a, 1 - shareOfB_), otgScale(b, shareOfB_)));
+  if (otgDot(chosen, chosen) > 0) weighted_ = chosen;
 }
 
 /// Cells of an eighth of the radius of influence, one element per cell and mesh.
@@ -132,7 +143,7 @@ Vec3d RegionNormals::local(const Vec3d& point) const {
   const double agreement = isLump() ? most * most : sA * sB;
   if (sA > 0 && sB > 0 && otgDot(a.vector, b.vector) < 0.3 * agreement) return fallback;
   const double lA = a.area > 0 ? sA / a.area : 0, lB = b.area > 0 ? sB / b.area : 0;
-  const Vec3d n = unit(otgAdd(otgScale(a.vector, lA * lA), otgScale(b.vector, lB * lB)));
+  const Vec3d n = unit(otgAdd(otgScale(a.vector, (1 - shareOfB_) * lA * lA), otgScale(b.vector, shareOfB_ * lB * lB)));
   return otgDot(n, n) > 0 ? n : fallback;
 }
 

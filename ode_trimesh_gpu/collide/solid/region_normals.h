@@ -42,11 +42,13 @@ class RegionNormals {
   Vec3d local(const Vec3d& point) const;
   void cluster(const OverlapRegions& all);
   void weighByDepth();
+  void chooseBetweenSides(const Vec3d& a, const Vec3d& b, const double coherence[2]);
 
   const Region& region_;
   Vec3d mean_{0, 0, 0};
   Vec3d weighted_{0, 0, 0};  ///< the mean with the weights of the elements
   std::optional<Vec3d> fixed_, escape_;
+  double shareOfB_ = 0.5;  ///< how much B's surface counts where the sides differ; A's counts the rest
   double radius_;
   bool isFlat_ = false;
   std::vector<Element> elements_;
