@@ -51,6 +51,8 @@ struct GeomObject : std::enable_shared_from_this<GeomObject> {
   dGpuTriMeshParams params{};        ///< always valid
   GeomCallbacks callbacks;
   LastTransform last;
+  std::uint32_t coherentClasses = 0;        ///< bits of classes of ODE's for which the switch is on
+  std::atomic<std::uint64_t> clearedAt{0};  ///< no stamp of memory up to this one counts any more
   GeomStats stats;
   PairMemory memory;  ///< of pairs in which this geom is mesh B (the younger one)
   PrefetchedPairs prefetched;

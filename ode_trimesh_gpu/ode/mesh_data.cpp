@@ -10,6 +10,9 @@ int dxGpuTriMeshData::accept(otg::MeshResult&& result, std::shared_ptr<const otg
   report_ = std::move(result.report);
   if (mesh == nullptr) return dGPUTRIMESH_ERROR_MESH;
   mesh_ = std::move(mesh);
+  useFlags.clear();
+  ownFlags.clear();
+  faceNormals.clear();
   const std::lock_guard lock(mutex_);
   for (const auto& [serial, geom] : users_) dGeomMoved(geom);
   return dGPUTRIMESH_OK;

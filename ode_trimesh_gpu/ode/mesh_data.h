@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <vector>
 
 #include "bvh/collision_mesh.h"
 #include "mesh/tri_mesh.h"
@@ -41,6 +42,11 @@ struct dxGpuTriMeshData {
   void attach(std::uint64_t serial, dGeomID geom);
   /// It stops using it; deletes the object if that was the last use.
   void detach(std::uint64_t serial) noexcept;
+
+  /// Additional data as the C API has them, by callers' triangles; of the present mesh alone.
+  std::vector<std::uint8_t> useFlags;  ///< set by the program; empty: it did not
+  std::vector<std::uint8_t> ownFlags;  ///< worked out; empty: not yet
+  std::vector<dReal> faceNormals;      ///< empty: not asked for yet
 
  private:
   ~dxGpuTriMeshData() = default;  ///< through releaseHandle() and detach() only

@@ -41,11 +41,12 @@ class PairMemory {
       }
       pairs_.erase(oldest);
     }
-    static std::atomic<std::uint64_t> clock{0};
-    const std::uint64_t stamp = clock.fetch_add(1, std::memory_order_relaxed) + 1;
+    const std::uint64_t stamp = clock().fetch_add(1, std::memory_order_relaxed) + 1;
     pairs_[other] = {history, stamp};
     return stamp;
   }
+  /// The latest stamp of all.
+  static std::uint64_t now() { return clock().load(std::memory_order_relaxed); }
   void forget(std::uint64_t other) {
     const std::lock_guard lock(mutex_);
     pairs_.erase(other);
@@ -73,6 +74,10 @@ class PairMemory {
   }
 
  private:
+  static std::atomic<std::uint64_t>& clock() {
+    static std::atomic<std::uint64_t> stamps{0};
+    return stamps;
+  }
   struct Entry {
     SolidHistory history;
     std::uint64_t stamp = 0;

@@ -232,6 +232,10 @@ void preparePair(MeshSide&& from1, MeshSide&& from2, PairTask& task) noexcept {
   query.history = nullptr;
   if (task.remembers) {
     task.stamp = objectB.memory.recall(objectA.serial, task.history);
+    if (task.stamp <= objectA.clearedAt) {  // A was told to forget, and it is B that remembers
+      task.history = {};
+      task.stamp = 0;
+    }
     query.history = &task.history;
   }
   task.state = PairTask::State::kReady;

@@ -19,9 +19,9 @@ extern "C" {
  * What holds for all callbacks of this header: they are called by the thread that collides the pair, from inside
  * dCollide() (or dGpuTriMeshCollidePairs(), dGpuTriMeshBatchSubmit()), with ODE's space locked as in a near callback.
  * They may read geoms and collide other pairs; they must not change geoms, throw or jump out. They are called for pairs
- * of meshes too, which ODE's own never are. Only triangles that do intersect are asked about, each once in a query;
- * with one that is inside the other mesh and touches none of its triangles, the ones that its contacts name. Numbers of
- * triangles are those of your arrays. Pairs that ask are not prefetched, and their contacts are made by the CPU.
+ * of meshes too, which ODE's own never are. Asked about are the triangles that
+ * intersect, and those that a contact names besides (of a vertex inside the other mesh), each once in a query. Numbers
+ * of triangles are those of your arrays. Pairs that ask are not prefetched, and their contacts are made by the CPU.
  *
  * Where a callback rejects something, the contacts of the query come from the remaining pairs of triangles, as with
  * dGPUTRIMESH_CONTACTS_PAIRWISE: what is left of a surface bounds no solid.

@@ -121,6 +121,44 @@ OTG_API int dGeomGpuTriMeshGetTriangle(dGeomID g, int Index, dVector3* v0, dVect
 OTG_API int dGeomGpuTriMeshGetPoint(dGeomID g, int Index, dReal u, dReal v, dVector3 Out);
 
 /**
+ * @brief The mesh of the geom, by ODE's other name for it: dGeomGpuTriMeshGetData().
+ * @ingroup gputrimesh
+ */
+OTG_API dGpuTriMeshDataID dGeomGpuTriMeshGetTriMeshDataID(dGeomID g);
+
+/**
+ * @brief Switches temporal coherence for pairs with geoms of one class; the counterpart of dGeomTriMeshEnableTC().
+ *
+ * For this library's own class that is dGpuTriMeshParams::history, which is on at first. With other classes nothing is
+ * remembered from step to step: the switch is kept and changes nothing.
+ * @param g          a geom of this class
+ * @param geomClass  dGpuTriMeshGetClass(), or a class of ODE's (dSphereClass, ...)
+ * @param enable     0 or not
+ * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT for a number that is no class, dGPUTRIMESH_ERROR_CLASS.
+ * @remarks Not while another thread collides the geom.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGeomGpuTriMeshEnableTC(dGeomID g, int geomClass, int enable);
+
+/**
+ * @brief Whether temporal coherence is on for pairs with geoms of one class; the counterpart of
+ *        dGeomTriMeshIsTCEnabled().
+ * @returns 1 or 0; dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_CLASS.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGeomGpuTriMeshIsTCEnabled(dGeomID g, int geomClass);
+
+/**
+ * @brief Forgets what is remembered of all pairs of the geom; the counterpart of dGeomTriMeshClearTCCache(). For a geom
+ *        that was put somewhere else. What is remembered is bounded, so that this is never needed to save memory.
+ * @param g  a geom of this class, or a dTriMesh that collides through this library
+ * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_CLASS, dGPUTRIMESH_ERROR_MEMORY.
+ * @remarks Not while another thread collides the geom.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGeomGpuTriMeshClearTCCache(dGeomID g);
+
+/**
  * @brief Says where the geom was a step ago; the counterpart of dGeomTriMeshSetLastTransform().
  *
  * For geoms that the program moves by hand, without a body: deep and contained bodies leave in the direction from which

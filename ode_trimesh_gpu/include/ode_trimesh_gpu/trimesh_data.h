@@ -4,6 +4,8 @@
 #define ODE_TRIMESH_GPU_TRIMESH_DATA_H
 
 #include <ode/common.h>
+/* In this order: ODE's header of triangle meshes does not include what it needs. */
+#include <ode/collision_trimesh.h>
 
 #include "export.h"
 #include "report.h"
@@ -251,6 +253,83 @@ OTG_API const char* dGpuTriMeshDataGetRepair(dGpuTriMeshDataID g, int Index);
  * @ingroup gputrimesh
  */
 OTG_API const char* dGpuTriMeshDataGetErrorString(dGpuTriMeshDataID g);
+
+/**
+ * @brief Works out what ODE calls preprocessed data; the counterpart of dGeomTriMeshDataPreprocess2().
+ *
+ * With `1U << dTRIDATAPREPROCESS_BUILD_CONCAVE_EDGES`: which edges and vertices of each triangle something can rest on
+ * (dMESHDATAUSE_...), for dGpuTriMeshDataGet(). An edge is used if it is convex or the surface ends there, by the one
+ * of its triangles that has the smaller number; a vertex if one of its edges is, by the first of its triangles. Edges
+ * that are flat to within 0.1 degrees and concave ones are not used. With `1U << dTRIDATAPREPROCESS_BUILD_FACE_ANGLES`:
+ * nothing has to be worked out, dGpuTriMeshDataGetEdgeAngle() is always there.
+ *
+ * A later Build or Update of the object drops the flags. Contacts between meshes do not depend on them.
+ * @param g                  the object, built before
+ * @param buildRequestFlags  as above, added up
+ * @param requestExtraData   not read: angles are not rounded to bytes. May be NULL
+ * @returns 1 as ODE does, 0 if memory is short, g is NULL or not built, or a flag is unknown; dGpuTriMeshGetError()
+ * says why.
+ * @remarks Not while another thread uses the object.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshDataPreprocess2(dGpuTriMeshDataID g, unsigned int buildRequestFlags,
+                                       const dintptr* requestExtraData);
+
+/**
+ * @brief dGpuTriMeshDataPreprocess2() for the edges alone; the counterpart of dGeomTriMeshDataPreprocess().
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshDataPreprocess(dGpuTriMeshDataID g);
+
+/**
+ * @brief Sets additional data; the counterpart of dGeomTriMeshDataSet(), which does not copy: this one does.
+ * @param g        the object, built before
+ * @param data_id  dTRIMESHDATA_USE_FLAGS: in_data is one byte of dMESHDATAUSE_... for each triangle, in place of what
+ *                 dGpuTriMeshDataPreprocess2() works out; NULL goes back to that. dTRIMESHDATA_FACE_NORMALS: not read,
+ * as the normals of the Build functions are not
+ * @param in_data  see there
+ * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_MEMORY.
+ * @remarks Not while another thread uses the object.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshDataSet(dGpuTriMeshDataID g, int data_id, const void* in_data);
+
+/**
+ * @brief Additional data of a mesh; the counterpart of dGeomTriMeshDataGet().
+ * @param g        the object, built before
+ * @param data_id  dTRIMESHDATA_USE_FLAGS: what was set or worked out, a byte for each triangle; NULL before that.
+ *                 dTRIMESHDATA_FACE_NORMALS: the unit normal of each triangle, three dReal for each in your order of
+ *                 triangles, zeros for degenerate ones; worked out when asked for first
+ * @returns An array that lives until the next Build, Update or Set of the object, or its end; NULL: see
+ *          dGpuTriMeshGetError().
+ * @remarks Not while another thread uses the object.
+ * @ingroup gputrimesh
+ */
+OTG_API const void* dGpuTriMeshDataGet(dGpuTriMeshDataID g, int data_id);
+
+/**
+ * @brief The same with the array's size in bytes; the counterpart of dGeomTriMeshDataGet2().
+ * @param g         the object, built before
+ * @param data_id   as in dGpuTriMeshDataGet()
+ * @param pout_size receives the size, 0 with NULL; may be NULL
+ * @returns As dGpuTriMeshDataGet().
+ * @ingroup gputrimesh
+ */
+OTG_API const void* dGpuTriMeshDataGet2(dGpuTriMeshDataID g, int data_id, dsizeint* pout_size);
+
+/**
+ * @brief The angle by which the surface turns at an edge: what dTRIDATAPREPROCESS_BUILD_FACE_ANGLES is for in ODE.
+ * @param g         the object, built before
+ * @param Triangle  a number of your triangles
+ * @param Edge      0 for the edge from the first corner to the second, 1 from the second to the third, 2 from the third
+ *                  to the first
+ * @param angle     receives radians: 0 flat, up to pi for a convex edge (pi/2 at a box), down to -pi for a concave one;
+ *                  pi where the surface ends, and where one of the triangles is degenerate
+ * @returns dGPUTRIMESH_OK or dGPUTRIMESH_ERROR_ARGUMENT.
+ * @remarks May be called from a near callback.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshDataGetEdgeAngle(dGpuTriMeshDataID g, int Triangle, int Edge, dReal* angle);
 
 #ifdef __cplusplus
 }
