@@ -104,9 +104,9 @@ void LevelsBench::addScene(int repeat, const std::string& name, const std::strin
     repeatTimes(repeat, [&] { return timeOnce(profiled); });
     const opencl::LevelsTimes middle = medianOf(times);
     row = key;
-    row["total_ms"] = middle.total;
-    for (const LevelsStage& stage : stagesOf(middle)) {
-      row[fmt::format("{}_percent", stage.name)] = 100 * ratio(stage.ms, middle.total);
+    row["levels_ms"] = levels.ms;
+    for (const LevelsStage& stage : stagesOf(middle, levels.ms)) {
+      row[fmt::format("{}_percent", stage.name)] = stage.percent;
     }
     shares_.push_back(row);
     if (withDepths && !sent) {

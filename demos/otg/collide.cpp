@@ -203,14 +203,15 @@ constexpr StageTexts kByLevels = {"to the device: the nodes to start from; trees
                                   "device: lengths of lists after each level; results",
                                   "CPU: launches, waiting, order, exact decisions"};
 
-/// What --profile shows: every stage and its share of the runs that it is from.
+/// What --profile shows: every stage, its share, and where it runs. Host is what is left of the queries that take no
+/// times.
 Json profileOf(const Times& times, const StageTexts& texts) {
-  const double total = median(times.profiled.empty() ? times.total : times.profiled);
+  const double total = median(times.total);
   Json rows = Json::array();
   double known = 0;
   const auto add = [&](const char* stage, double ms, const char* what) {
     known += ms;
-    rows.push_back({{"stage", stage}, {"ms", ms}, {"percent", total > 0 ? 100 * ms / total : 0.0}, {"what", what}});
+    rows.push_back({{"stage", stage}, {"ms", ms}, {"percent", 0.0}, {"what", what}});
   };
   add("upload", median(times.upload), texts.upload);
   add("top", median(times.top), texts.top);
@@ -220,15 +221,15 @@ Json profileOf(const Times& times, const StageTexts& texts) {
   add("reduction", median(times.reduction), texts.reduction);
   add("read-back", median(times.readBack), texts.readBack);
   add("host", std::max(0.0, total - known), texts.host);
+  for (Json& row : rows) row["percent"] = known > 0 ? 100 * row["ms"].get<double>() / known : 0.0;
   return rows;
 }
 
 /// The steps of the traversal `levels`.
-Json stepsOf(const opencl::LevelsTimes& times) {
+Json stepsOf(const opencl::LevelsTimes& times, double total) {
   Json rows = Json::array();
-  for (const LevelsStage& stage : stagesOf(times)) {
-    rows.push_back(
-        {{"step", stage.name}, {"ms", stage.ms}, {"percent", times.total > 0 ? 100 * stage.ms / times.total : 0.0}});
+  for (const LevelsStage& stage : stagesOf(times, total)) {
+    rows.push_back({{"step", stage.name}, {"ms", stage.ms}, {"percent", stage.percent}});
   }
   return rows;
 }
@@ -310,7 +311,7 @@ int runCollide(const CollideOptions& options) {
                                            : backend                        ? kOnDevice
                                            : middleOnDevice || nearOnDevice ? mixedTexts(middleOnDevice, nearOnDevice)
                                                                             : kOnCpu);
-    if (isLevels) document["levels"]["profile"] = stepsOf(report.times);
+    if (isLevels) document["levels"]["profile"] = stepsOf(report.times, median(times.total));
     if (backend) {
       document["profiled_ms"] = median(times.profiled);
       document["first_query_extra_ms"] = times.uploadOnce;
@@ -338,11 +339,11 @@ int runCollide(const CollideOptions& options) {
     printTable("profile (medians)", document["profile"]);
     if (backend) {
       fmt::print(
-          "\nStages are timed in runs of their own, which take {:.4f} ms (percent is of that).\n"
-          "The first query took {:.4f} ms more than the second: programs, lists, the upload of both meshes.\n",
-          median(times.profiled), times.uploadOnce);
+          "Stages on the device are timed by its clock, in queries of their own, which take {:.4f} ms as a whole.\n"
+          "Host is what is left of the queries that take no times: {:.4f} ms.\n"
+          "The first query took {:.4f} ms more than the second: upload of both meshes, programs, lists.\n",
+          median(times.profiled), median(times.total), times.uploadOnce);
     }
-    fmt::print("\n");
   }
   if (isLevels) {
     if (options.profile) printTable("levels, step by step (medians)", document["levels"]["profile"]);

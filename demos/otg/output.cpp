@@ -57,6 +57,8 @@ void printTable(const std::string& title, const Json& rows) {
       const Json value = row.value(key, Json());
       if (value.is_string())
         line.push_back(value.get<std::string>());
+      else if (value.is_number_float() && key.ends_with("percent"))
+        line.push_back(fmt::format("{:.1f}", value.get<double>()));
       else if (value.is_number_float())
         line.push_back(fmt::format("{:.4g}", value.get<double>()));
       else if (value.is_null())
