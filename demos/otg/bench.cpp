@@ -37,6 +37,7 @@ void addBenchCommand(CLI::App& app, Action& action) {
       action);
   add(*bench, "peers", "The whole query beside stock ODE and other libraries", &benchPeers, true, action);
   addBenchContacts(*bench, action);
+  addBenchPrimitives(*bench, action);
   addBenchPhysics(*bench, action);
 }
 

@@ -18,6 +18,8 @@ int benchPeers(const BenchOptions& options);
 
 /// `otg bench contacts`: single queries against the truth.
 void addBenchContacts(CLI::App& bench, Action& action);
+/// `otg bench primitives`: meshes against ODE's shapes, beside ODE's own pairs.
+void addBenchPrimitives(CLI::App& bench, Action& action);
 /// `otg bench physics`, which has options of its own: worlds of mesh bodies judged against limits.
 void addBenchPhysics(CLI::App& bench, Action& action);
 

@@ -197,7 +197,6 @@ Json describe(const Simulation& simulation, const Run& run, double dt, const sce
                                   {"center_of_mass", toJson(state.centerOfMass)},
                                   {"static", simulation.description(i).isStatic}});
   }
-  document["warnings"] = simulation.warnings();
   document["hash"] = run.hash.hex();
   return document;
 }
@@ -241,7 +240,6 @@ int simulate(const SimulateOptions& options) {
   dGpuTriMeshSetThreadCount(options.threads);
   Simulation simulation(scene);
   simulation.setPrefetch(options.prefetch);
-  for (const std::string& warning : simulation.warnings()) progress("warning: " + warning);
   const double dt = options.dt > 0 ? options.dt : scene.dt;
   const scenes::Energy start = simulation.energy();
   const Run run = runSteps(simulation, options.steps >= 0 ? options.steps : scene.steps, dt, options);

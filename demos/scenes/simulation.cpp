@@ -86,7 +86,6 @@ Simulation::Simulation(const SceneDescription& scene) : scene_(scene), randomSta
     clear();
     throw;
   }
-  findWarnings();
 }
 
 Simulation::~Simulation() {
@@ -301,15 +300,6 @@ Vec3d Simulation::linearMomentum() const {
     sum = otgAdd(sum, otgScale(Vec3d{v[0], v[1], v[2]}, double(mass.mass)));
   }
   return sum;
-}
-
-void Simulation::findWarnings() {
-  const auto& all = scene_.bodies;
-  const bool meshes = std::any_of(all.begin(), all.end(), isGpuTriMesh);
-  const bool others = std::any_of(all.begin(), all.end(), [](const auto& body) { return !isGpuTriMesh(body); });
-  if (meshes && !scene_.planes.empty())
-    warnings_.push_back("gpu_trimesh bodies pass through planes: use a mesh ground");
-  if (meshes && others) warnings_.push_back("gpu_trimesh bodies pass through bodies with another collider");
 }
 
 }  // namespace otg::scenes

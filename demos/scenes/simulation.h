@@ -63,8 +63,6 @@ class Simulation {
   Energy energy() const;
   /// Sum over moving bodies, kg m/s.
   Vec3d linearMomentum() const;
-  /// Pairs of things in the scene that no collider exists for, in words; empty when all can touch.
-  const std::vector<std::string>& warnings() const { return warnings_; }
 
   dWorldID world() const { return world_; }
   dSpaceID space() const { return space_; }
@@ -87,7 +85,6 @@ class Simulation {
     std::uint64_t contacts = 0, intersectingPairs = 0;
   };
   Found foundSoFar() const;
-  void findWarnings();
   void clear();
 
   SceneDescription scene_;
@@ -100,7 +97,6 @@ class Simulation {
   int contactsOfOthers_ = 0;        ///< of these, from colliders that count nothing themselves
   bool prefetch_ = false;
   unsigned long randomState_ = 0;  ///< ODE's generator is global: each simulation brings its own state
-  std::vector<std::string> warnings_;
 };
 
 /// The surface of a body for a picture: its mesh, or one made for the primitive.

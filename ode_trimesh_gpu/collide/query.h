@@ -93,6 +93,7 @@ struct CollideStats {
   std::vector<std::uint64_t> boxTestsPerDepth;  ///< by depth of the pair: sum of both nodes' depths
 };
 
+class RegionRefiner;
 struct Query {
   const CollisionMesh* a = nullptr;
   const CollisionMesh* b = nullptr;
@@ -101,7 +102,8 @@ struct Query {
   Transformd bInA{};
   Vec3d relativeVelocity{0, 0,
                          0};  ///< of A's material relative to B's where they meet, frame A, units/s; zero if unknown
-  SolidHistory* history = nullptr;  ///< of this pair, in this order, or null; read and written by ContactModel::kSolid
+  SolidHistory* history = nullptr;   ///< of this pair, in this order, or null; read and written by ContactModel::kSolid
+  RegionRefiner* refiner = nullptr;  ///< or null: corrects the regions of ContactModel::kSolid
   CollideOptions options;
 };
 

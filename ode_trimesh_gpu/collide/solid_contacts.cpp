@@ -11,6 +11,7 @@
 #include "collide/solid/inside.h"
 #include "collide/solid/merge_regions.h"
 #include "collide/solid/region_contacts.h"
+#include "collide/solid/region_refiner.h"
 #include "collide/solid/regions.h"
 
 namespace otg {
@@ -126,9 +127,12 @@ bool solidContacts(const Query& query, Workspace& workspace) {
     }
     if (direction.deep) state.deepNormal = otgRotateBack(query.bInA, direction.direction);
     const double extra = direction.escaping ? motion.step : 0;
+    const std::size_t first = workspace.contacts.size();
+    const bool settled = query.refiner && query.refiner->direct(meshes, scratch.regions, region, direction, normals);
     contactsOfRegion({meshes, scratch.regions, region, number++, normals, extent, query.options.solid.contactsPerRegion,
-                      extra, direction.edges ? &*direction.edges : nullptr},
+                      extra, direction.edges && !settled ? &*direction.edges : nullptr},
                      workspace.contacts);
+    if (query.refiner) query.refiner->refine(workspace.contacts, first);
   }
   if (query.options.solid.regionMerge > 0) {
     mergeRegions(query.options.solid.regionMerge, query.options.solid.contactsPerRegion, workspace.contacts);

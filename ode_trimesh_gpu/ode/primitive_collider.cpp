@@ -4,7 +4,9 @@
 #include <algorithm>
 
 #include "collide/reduction.h"
+#include "dispatch/workspace_lease.h"
 #include "ode/class_registration.h"
+#include "ode/convex_collider.h"
 #include "ode/mesh_collider.h"
 #include "ode/pair_task.h"
 #include "ode/status.h"
@@ -21,19 +23,33 @@ HalfSpace planeInMesh(const PrimitiveTask& task) {
   return {otgRotateBack(task.pose, n), static_cast<double>(p[3]) - otgDot(n, task.pose.t)};
 }
 
-/// All contacts, in the mesh's frame, with the mesh's own triangle numbers.
-void findContacts(const PrimitiveTask& task, std::vector<Contact>& out) {
+/// At most `most` contacts, in the mesh's frame, with the mesh's own triangle numbers.
+void findContacts(const PrimitiveTask& task, int most, std::vector<Contact>& out) {
   const int perRegion = task.object->params.contacts_per_region;
   switch (dGeomGetClass(task.o2)) {
+    case dRayClass:
+      rayContacts(task, out);  // nearest first: the depth is the way along the ray
+      if (out.size() > static_cast<std::size_t>(most)) out.resize(static_cast<std::size_t>(most));
+      return;
     case dPlaneClass:
       planeContacts(*task.mesh, planeInMesh(task), perRegion, out);
       break;
     case dSphereClass:
       sphereContacts(*task.mesh, task.other.t, dGeomSphereGetRadius(task.o2), out);
       break;
+    case dBoxClass:
+    case dCapsuleClass:
+    case dCylinderClass:
+    case dConvexClass: {
+      const WorkspaceLease lease;
+      const std::span<const Contact> found = convexGeomContacts(task, most, *lease);
+      out.assign(found.begin(), found.end());
+      return;
+    }
     default:
-      break;
+      return;
   }
+  out = limitContacts(out, most);
 }
 
 /// False if the pair can have no contacts. A status in `failure` if that is because of a bad pose.
@@ -44,7 +60,8 @@ bool prepare(PrimitiveTask& task, int& failure) {
   task.pose = pose.transform;
   bool rigid = pose.rigid;
   const int classOfOther = dGeomGetClass(task.o2);
-  if (classOfOther == dRayClass) {  // only the last column of a ray's matrix is set: its direction
+  if (classOfOther == dHeightfieldClass) return false;  // ODE tells nobody its heights, nor whether it has a pose
+  if (classOfOther == dRayClass) {                      // only the last column of a ray's matrix is set: its direction
     rigid = rigid && readPose(task.o2).finite;
   } else if (classOfOther != dPlaneClass) {  // planes have no pose
     const WorldPose other = readPose(task.o2);
@@ -69,13 +86,7 @@ int collidePrimitive(PrimitiveTask& task, dContactGeom* contact, int skip) {
     }
     const int most = std::min(task.capacity, task.object->params.max_contacts);
     std::vector<Contact> contacts;
-    if (dGeomGetClass(task.o2) == dRayClass) {
-      rayContacts(task, contacts);  // nearest first: depth is the way along the ray
-      if (contacts.size() > static_cast<std::size_t>(most)) contacts.resize(static_cast<std::size_t>(most));
-    } else {
-      findContacts(task, contacts);
-      contacts = limitContacts(contacts, most);
-    }
+    findContacts(task, most, contacts);
     char* place = reinterpret_cast<char*>(contact);
     for (Contact& found : contacts) {
       found.triangleA = task.mesh->mesh().callerTriangle(found.triangleA);
@@ -95,6 +106,9 @@ int collidePrimitive(PrimitiveTask& task, dContactGeom* contact, int skip) {
 }  // namespace
 
 int collideMeshPrimitive(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip) noexcept {
+  // A dTriMesh becomes a mesh of ours.
+  if (dGeomGetClass(o2) == dTriMeshClass && objectOf(o1) != nullptr)
+    return collideMeshMesh(o1, o2, flags, contact, skip);
   PrimitiveTask task;
   task.o1 = o1;
   task.o2 = o2;

@@ -186,7 +186,7 @@ bool castOne(const Placed& placed, const dGpuTriMeshRay& ray, int flags, std::ve
   if (scratch.empty()) return false;
   const RayHit& hit = scratch.front();
   const Vec3d point = otgAdd(cast.ray.origin, otgScale(cast.ray.direction, hit.distance));
-  const Vec3d face = otgRotate(placed.pose, placed.mesh->adjacency().normal[hit.triangle]);
+  const Vec3d face = otgRotate(placed.pose, faceNormal(placed.mesh->mesh(), hit.triangle));
   write(otgTransform(placed.pose, point), out.pos);
   write(otgScale(face, (hit.back ? -1 : 1) / length(face)), out.normal);
   out.distance = static_cast<dReal>(hit.distance);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collide/solid/vectors.h"
+
 namespace otg {
 namespace {
 
@@ -63,6 +65,13 @@ void cornersOf(const TriMesh& mesh, std::uint32_t triangle, Vec3d out[3]) {
     const Vec3f& v = mesh.vertices()[mesh.triangles()[triangle].v[k]];
     out[k] = {v.x, v.y, v.z};
   }
+}
+
+Vec3d faceNormal(const TriMesh& mesh, std::uint32_t triangle) {
+  if (mesh.isDegenerate(triangle)) return {0, 0, 0};
+  Vec3d p[3];
+  cornersOf(mesh, triangle, p);
+  return unit(otgCross(otgSub(p[1], p[0]), otgSub(p[2], p[0])));
 }
 
 SurfacePoint closestOnTriangle(const Vec3d corners[3], const Vec3d& p) {

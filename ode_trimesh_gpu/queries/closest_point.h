@@ -33,5 +33,7 @@ void trianglesWithin(const CollisionMesh& mesh, const Vec3d& point, double radiu
 
 /// Corners of a triangle as doubles.
 void cornersOf(const TriMesh& mesh, std::uint32_t triangle, Vec3d out[3]);
+/// Unit outward normal of a triangle; zero for a degenerate one.
+Vec3d faceNormal(const TriMesh& mesh, std::uint32_t triangle);
 
 }  // namespace otg

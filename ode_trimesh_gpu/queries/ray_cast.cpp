@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "queries/closest_point.h"
+
 namespace otg {
 namespace {
 
@@ -35,12 +37,27 @@ void mergeHits(const TriMesh& mesh, std::vector<RayHit>& hits) {
 
 }  // namespace
 
+namespace {
+
+bool passes(const CollisionMesh& mesh, const RayCast& cast, std::uint32_t triangle, double distance) {
+  if (!cast.filter) return false;
+  Vec3d p[3];
+  cornersOf(mesh.mesh(), triangle, p);
+  const Vec3d e1 = otgSub(p[1], p[0]), e2 = otgSub(p[2], p[0]), n = otgCross(e1, e2);
+  const Vec3d at = otgSub(otgAdd(cast.ray.origin, otgScale(cast.ray.direction, distance)), p[0]);
+  const double nn = otgDot(n, n);
+  return !cast.filter(triangle, otgDot(otgCross(at, e2), n) / nn, otgDot(otgCross(e1, at), n) / nn);
+}
+
+}  // namespace
+
 void castRay(const CollisionMesh& mesh, const RayCast& cast, std::vector<RayHit>& hits) {
   hits.clear();
   double limit = cast.length;
   if (cast.mode == RayMode::kAll) {
     forEachRayHit(mesh, cast.ray, limit, [&](std::uint32_t t, double distance, bool leaving) {
-      if (!(leaving && cast.cullBack)) hits.push_back({distance, t, leaving});
+      if (leaving && cast.cullBack) return;
+      if (!passes(mesh, cast, t, distance)) hits.push_back({distance, t, leaving});
     });
     std::sort(hits.begin(), hits.end(), [](const RayHit& x, const RayHit& y) {
       return x.distance != y.distance ? x.distance < y.distance : x.triangle < y.triangle;
@@ -52,6 +69,7 @@ void castRay(const CollisionMesh& mesh, const RayCast& cast, std::vector<RayHit>
   forEachRayHit(mesh, cast.ray, limit, [&](std::uint32_t t, double distance, bool leaving) {
     if (leaving && cast.cullBack) return;
     if (best.triangle != kNone && distance == best.distance && t > best.triangle) return;
+    if (passes(mesh, cast, t, distance)) return;
     best = {distance, t, leaving};
     limit = cast.mode == RayMode::kAny ? -1.0 : distance;  // nothing more is wanted
   });

@@ -2,6 +2,7 @@
 // Rays against a mesh, in the mesh's frame.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "collide/mesh_ray.h"
@@ -21,6 +22,9 @@ struct RayCast {
   double length = 0;  ///< hits farther than this do not count
   RayMode mode = RayMode::kClosest;
   bool cullBack = false;  ///< hits from behind do not count
+  /// Asked about each hit that would count, with the barycentric coordinates of the second and third corner: false if
+  /// the ray passes there. May be empty.
+  std::function<bool(std::uint32_t triangle, double u, double v)> filter;
 };
 
 /// Nearest first; ties by triangle. Where a ray goes through an edge or a corner of a surface, its triangles count as

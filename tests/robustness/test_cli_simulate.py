@@ -153,9 +153,22 @@ class Simulate(CliTest):
         row = self.run_json("check", self.path("out.glb"))
         self.assertTrue(row["closed"])
 
-    def test_warns_of_what_cannot_touch(self):
-        scene = {"steps": 1, "planes": [{}], "bodies": [{"name": "a", "sphere": 1, "collider": "gpu_trimesh"}]}
-        self.assertIn("plane", self.run_otg("simulate", self.scene(scene)).stderr)
+    def test_meshes_touch_primitives_and_planes(self):
+        """A mesh on a plane, each primitive on that mesh, and a mesh on a primitive: all rest where they were put."""
+        bodies = [{"name": "slab", "box": [4, 4, 0.4], "collider": "gpu_trimesh", "divisions": 8, "mass": 20,
+                   "position": [0, 0, 0.2]}]
+        shapes = [{"box": [0.4, 0.4, 0.4]}, {"sphere": 0.2}, {"cylinder": [0.2, 0.4]},
+                  {"capsule": [0.2, 0.5], "rotation": [0.7071067811865476, 0.7071067811865476, 0, 0]}]
+        for i, shape in enumerate(shapes):
+            bodies.append({"name": "on%d" % i, "position": [i - 1.5, 0, 0.6], "mass": 1, **shape})
+        bodies.append({"name": "stock", "box": [0.4, 0.4, 0.4], "collider": "ode_trimesh", "mass": 1,
+                       "position": [1.5, 1, 0.6]})
+        bodies.append({"name": "top", "box": [0.3, 0.3, 0.2], "collider": "gpu_trimesh", "mass": 1,
+                       "position": [-1.5, 0, 0.9]})
+        document = self.run_json("simulate", self.scene({"steps": 200, "planes": [{}], "bodies": bodies}))
+        for before, after in zip(bodies, document["bodies"]):
+            for x, y in zip(before["position"], after["position"]):
+                self.assertAlmostEqual(x, y, delta=1e-3, msg=before["name"])
 
     def test_examples_of_the_manual(self):
         manual = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "scene_format.md")

@@ -5,10 +5,12 @@ target_include_directories(otg_test_ode_world PUBLIC "${OTG_TEST_DIR}")
 target_link_libraries(otg_test_ode_world PUBLIC otg_scenes PRIVATE otg_flags)
 
 find_package(Threads REQUIRED)
-foreach(name init data geom collide contact_data history threads memory batch prefetch override parity queries primitives)
+foreach(name init data geom collide contact_data history threads memory batch prefetch override parity queries primitives convex)
   otg_add_test(ode_${name} unit
     SOURCES test_ode_${name}.cpp $<TARGET_OBJECTS:otg_test_ode_world> LIBRARIES otg_scenes Threads::Threads)
 endforeach()
+
+target_link_libraries(test_ode_convex PRIVATE otg_truth)
 
 # Every public header alone, as C89 and as C++, twice in a row. ODE's own headers, which have // comments, are system
 # headers to the compiler and exempt.

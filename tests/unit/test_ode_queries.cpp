@@ -424,3 +424,29 @@ TEST_CASE("bad arguments of queries are errors that write nothing") {
   dGeomDestroy(sphere);
   dGeomDestroy(empty);
 }
+
+TEST_CASE("the callback for rays decides where a ray passes, and gets the place in the triangle") {
+  const OdeSession session;
+  const Data data(scenes::makeBox({2, 2, 2}, 2));
+  const Geom geom(data);
+  const dGeomID ray = dCreateRay(nullptr, 10);
+  dGeomRaySetClosestHit(ray, 1);
+  dGeomRaySet(ray, 0.31, 0.17, 5, 0, 0, -1);
+  static int first;
+  static double distance;
+  REQUIRE(test::collide(ray, geom.id).size() == 1);
+  first = test::collide(ray, geom.id)[0].side2;
+  dGeomGpuTriMeshSetRayCallback(geom.id, [](dGeomID mesh, dGeomID, int triangle, dReal u, dReal v) {
+    dVector3 place;
+    CHECK(dGeomGpuTriMeshGetPoint(mesh, triangle, u, v, place) == dGPUTRIMESH_OK);
+    distance = std::hypot(place[0] - 0.31, place[1] - 0.17);
+    CHECK(distance < 1e-9);
+    return triangle == first ? 0 : 1;
+  });
+  const auto behind = test::collide(ray, geom.id);
+  REQUIRE(behind.size() == 1);
+  CHECK(behind[0].depth == Approx(6));
+  dGeomRaySetClosestHit(ray, 0);
+  CHECK(test::collide(ray, geom.id).size() == 1);
+  dGeomDestroy(ray);
+}

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ode/convex_collider.h"
+
+#include <ode/objects.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "ode/mesh_collider.h"
+#include "primitives/convex_contacts.h"
+
+namespace otg {
+namespace {
+
+/// Contacts of the convex with a half space; all corners below it if there are corners above it, too.
+std::size_t cornersBelow(dGeomID convex, dGeomID plane, std::vector<dContactGeom>& places) {
+  for (;;) {
+    const int count = dCollide(convex, plane, static_cast<int>(places.size()), places.data(), sizeof(dContactGeom));
+    if (count < static_cast<int>(places.size()) || places.size() >= 0xffff) return static_cast<std::size_t>(count);
+    places.resize(std::min<std::size_t>(4 * places.size(), 0xffff));
+  }
+}
+
+/// The corners of a dConvex in its own frame, in order. ODE has no function that tells them, but its collider of a
+/// convex with a plane gives a contact at each corner below the plane if there are corners above it, too: the half
+/// spaces on either side of a plane through the convex tell all.
+std::vector<Vec3d> cornersOfConvex(dGeomID convex) {
+  const Transformd pose = readPose(convex).transform;
+  dReal box[6];
+  dGeomGetAABB(convex, box);
+  std::vector<dContactGeom> places(256);
+  std::vector<Vec3d> corners;
+  const auto take = [&](std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const dReal* const p = places[i].pos;
+      // Rounded as the vertices of meshes are: the same numbers, whatever the pose that they were read in.
+      const Vec3d x = otgRotateBack(pose, otgSub(Vec3d{p[0], p[1], p[2]}, pose.t));
+      corners.push_back({static_cast<float>(x.x), static_cast<float>(x.y), static_cast<float>(x.z)});
+    }
+  };
+  // Inside a dGeomTransform the box may be that of another pose; the origin is a second guess.
+  const dReal guesses[2] = {(box[0] + box[1]) / 2, static_cast<dReal>(pose.t.x)};
+  for (const dReal middle : guesses) {
+    const dGeomID plane = dCreatePlane(nullptr, 1, 0, 0, middle);
+    take(cornersBelow(convex, plane, places));
+    dGeomPlaneSetParams(plane, -1, 0, 0, -middle);
+    take(cornersBelow(convex, plane, places));
+    dGeomDestroy(plane);
+    if (!corners.empty()) break;
+  }
+  const auto less = [](const Vec3d& a, const Vec3d& b) {
+    return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
+  };
+  std::sort(corners.begin(), corners.end(), less);
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  return corners;
+}
+
+std::shared_ptr<const ConvexShape> shapeOf(const PrimitiveTask& task) {
+  switch (dGeomGetClass(task.o2)) {
+    case dBoxClass: {
+      dVector3 sides;
+      dGeomBoxGetLengths(task.o2, sides);
+      return boxShape({0.5 * sides[0], 0.5 * sides[1], 0.5 * sides[2]});
+    }
+    case dCapsuleClass: {
+      dReal radius, length;
+      dGeomCapsuleGetParams(task.o2, &radius, &length);
+      return capsuleShape(radius, 0.5 * length);
+    }
+    case dCylinderClass: {
+      dReal radius, length;
+      dGeomCylinderGetParams(task.o2, &radius, &length);
+      return cylinderShape(radius, 0.5 * length);
+    }
+    default:
+      return polyhedronShape(cornersOfConvex(task.o2));
+  }
+}
+
+/// Velocity of the mesh's body relative to the shape's at the shape's middle, in the mesh's frame.
+Vec3d relativeVelocity(const PrimitiveTask& task) {
+  const dReal* const at = dGeomGetPosition(task.o2);
+  const auto velocityAt = [&](dGeomID geom) {
+    const dBodyID body = dGeomGetBody(geom);
+    if (body == nullptr) return Vec3d{0, 0, 0};
+    dVector3 v;
+    dBodyGetPointVel(body, at[0], at[1], at[2], v);
+    return Vec3d{v[0], v[1], v[2]};
+  };
+  const Vec3d v = otgRotateBack(task.pose, otgSub(velocityAt(task.o1), velocityAt(task.o2)));
+  return std::isfinite(v.x + v.y + v.z) ? v : Vec3d{0, 0, 0};
+}
+
+/// Geoms of ODE have no serial number; addresses are never as large as this bit. A geom that gets the address of one
+/// that is gone inherits what was remembered of it unless that was far from where it is itself.
+std::uint64_t memoryKey(dGeomID geom) {
+  return std::uint64_t{1} << 63 | reinterpret_cast<std::uintptr_t>(geom);
+}
+
+}  // namespace
+
+std::span<const Contact> convexGeomContacts(const PrimitiveTask& task, int most, Workspace& workspace) {
+  const std::shared_ptr<const ConvexShape> shape = shapeOf(task);
+  workspace.reduced.clear();
+  if (shape == nullptr) return {};
+  GeomObject& object = *task.object;
+  Query query;
+  query.a = task.mesh;
+  query.b = shape->mesh.get();
+  query.bInA = task.other;
+  query.options = pairOptions(object.params, object.params);
+  query.options.maxContacts = most;
+  query.relativeVelocity = relativeVelocity(task);
+  SolidHistory history;
+  const bool remembers = object.params.history == dGPUTRIMESH_HISTORY_ON;
+  const std::uint64_t key = memoryKey(task.o2);
+  if (remembers) {
+    object.memory.recall(key, history);
+    query.history = &history;
+  }
+  convexContacts(query, *shape, workspace);
+  if (remembers && history.used && !workspace.reduced.empty()) {
+    object.memory.store(key, history);
+  } else {
+    object.memory.forget(key);
+  }
+  return workspace.reduced;
+}
+
+}  // namespace otg

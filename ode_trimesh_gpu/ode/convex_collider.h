@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Box, capsule, cylinder and convex geoms of ODE against a mesh.
+#pragma once
+
+#include <span>
+
+#include "collide/query.h"
+#include "ode/primitive_collider.h"
+
+namespace otg {
+
+/// The contacts, in the mesh's frame, in the workspace. Reads and writes what the mesh remembers of the pair. May throw
+/// std::bad_alloc.
+std::span<const Contact> convexGeomContacts(const PrimitiveTask& task, int most, Workspace& workspace);
+
+}  // namespace otg

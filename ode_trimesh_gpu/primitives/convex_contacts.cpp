@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "primitives/convex_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "collide/solid/region_refiner.h"
+#include "collide/solid/vectors.h"
+#include "collide/stages.h"
+#include "primitives/convex_patch.h"
+
+namespace otg {
+namespace {
+
+// A cylinder lies on its side up to this sine of its axis' slope, and stands on its end from this cosine on; in between
+// it stands on a point of its rim.
+constexpr double kOnSide = 0.2, kOnEnd = 0.98;
+constexpr double kSamePlace = 0.01;  // of the region's diagonal
+
+class ShapeRefiner final : public RegionRefiner {
+ public:
+  ShapeRefiner(const Query& query, const ConvexShape& shape) : query_(query), shape_(shape) {}
+
+  bool direct(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region,
+              const RegionDirection& direction, RegionNormals& normals) override {
+    origin_ = all.origin;
+    diagonal_ = region.diagonal;
+    placed_.emplace(shape_, query_.bInA, origin_);
+    settled_ = false;
+    trusted_ = !direction.entangled && !direction.escaping && !region.contained && !region.bad;
+    if (!trusted_ || !patch_.read(meshes, all, region)) return false;
+    way_ = patch_.leave(*placed_, otgScale(unit(region.push), -1.0));
+    if (!std::isfinite(way_.depth)) return false;
+    settled_ = true;
+    normals.fix(otgScale(way_.direction, -1.0));
+    return true;
+  }
+
+  void refine(std::vector<Contact>& contacts, std::size_t first) override {
+    const auto begin = contacts.begin() + static_cast<std::ptrdiff_t>(first);
+    if (settled_ && !(way_.depth > 0)) {  // the facets overlap, the round shape does not
+      contacts.erase(begin, contacts.end());
+      return;
+    }
+    if (shape_.isCurved()) {
+      contacts.erase(
+          std::remove_if(begin, contacts.end(), [&](Contact& c) { return !(settled_ ? onPatch(c) : onSurface(c)); }),
+          contacts.end());
+      if (settled_) {
+        addDeepest(contacts, first);
+        if (onLine()) keepEnds(contacts, first);
+      }
+    } else if (settled_ && (way_.overEdges || contacts.size() == first)) {
+      addDeepest(contacts, first);
+    }
+    std::stable_sort(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(),
+                     [](const Contact& x, const Contact& y) { return x.depth > y.depth; });
+    const std::size_t most = first + static_cast<std::size_t>(query_.options.solid.contactsPerRegion);
+    if (contacts.size() > most) contacts.resize(most);
+  }
+
+ private:
+  /// How much of the shape's axis lies along the way out.
+  double slope() const { return std::fabs(placed_->directionToLocal(way_.direction).z); }
+  /// Contacts lie along a line of the round side.
+  bool onLine() const { return shape_.kind == ConvexShape::Kind::kCapsule || slope() < kOnSide; }
+
+  /// The point of the shape that stands for a contact's, with the direction fixed.
+  Vec3d rearPlace(const Vec3d& position) const {
+    Vec3d p = placed_->toLocal(position);
+    const Vec3d back = otgScale(placed_->directionToLocal(way_.direction), -1.0);
+    if (shape_.kind == ConvexShape::Kind::kCapsule) {
+      return placed_->fromLocal(
+          otgAdd(Vec3d{0, 0, std::clamp(p.z, -shape_.length, shape_.length)}, otgScale(back, shape_.radius)));
+    }
+    p.z = std::clamp(p.z, -shape_.length, shape_.length);
+    const double across = std::hypot(back.x, back.y), out = std::hypot(p.x, p.y);
+    if (slope() < kOnSide) {
+      p.x = shape_.radius * back.x / across;
+      p.y = shape_.radius * back.y / across;
+    } else if (out > shape_.radius) {
+      p.x *= shape_.radius / out;
+      p.y *= shape_.radius / out;
+    }
+    if (slope() > kOnEnd) p.z = std::copysign(shape_.length, back.z);
+    return placed_->fromLocal(p);
+  }
+
+  void place(Contact& c, const Vec3d& middle, double depth) const {
+    c.position = otgAdd(middle, origin_);
+    c.depth = depth;
+  }
+
+  /// With the direction fixed: place and depth on the round shape and the patch's planes.
+  bool onPatch(Contact& c) const {
+    const Vec3d d = way_.direction, p = rearPlace(otgSub(c.position, origin_));
+    const double ahead = patch_.wayOut(p, d);
+    if (!(ahead > 0) || !std::isfinite(ahead)) return false;
+    const double behind = std::max(0.0, placed_->exitDistance(p, otgScale(d, -1.0)));
+    const double depth = std::min(ahead + behind, way_.depth);
+    place(c, otgAdd(p, otgScale(d, 0.5 * (ahead - behind))), depth);
+    return true;
+  }
+
+  /// With a direction of its own: the far end on the mesh is right, the near one is measured on the round shape.
+  bool onSurface(Contact& c) const {
+    if (!trusted_) return true;  // bodies deep in each other: the round shape is not the question
+    const Vec3d onMesh = otgSub(otgSub(c.position, origin_), otgScale(c.normal, 0.5 * c.depth));
+    const double depth = placed_->exitDistance(onMesh, c.normal);
+    if (!(depth > 0)) return false;
+    place(c, otgAdd(onMesh, otgScale(c.normal, 0.5 * depth)), std::min(depth, c.depth));
+    return true;
+  }
+
+  /// Where the shape is last to leave the patch.
+  Vec3d rearPoint() const {
+    const Vec3d rear = placed_->rear(way_.direction);
+    if (!way_.overEdges || !(otgDot(way_.alongShape, way_.alongShape) > 0)) return rear;
+    // Of the shape's edge or side the point that is nearest to the mesh's edge.
+    const Vec3d n = otgCross(way_.alongShape, way_.alongMesh);
+    const double nn = otgDot(n, n);
+    if (!(nn > 1e-12)) return rear;
+    const double t = otgDot(otgCross(otgSub(way_.onMesh, rear), way_.alongMesh), n) / nn;
+    return otgAdd(rear, otgScale(way_.alongShape, t));
+  }
+
+  /// The contact at which the least way out is decided, unless there is one as deep.
+  void addDeepest(std::vector<Contact>& contacts, std::size_t first) const {
+    const auto begin = contacts.begin() + static_cast<std::ptrdiff_t>(first);
+    Contact deepest{};
+    deepest.triangleA = patch_.anyTriangle();
+    deepest.coherence = 1;
+    if (contacts.size() > first) {
+      deepest = *std::max_element(begin, contacts.end(),
+                                  [](const Contact& x, const Contact& y) { return x.depth < y.depth; });
+      if (deepest.depth >= way_.depth * (1 - 1e-6)) return;
+    }
+    const Vec3d d = way_.direction;
+    deepest.normal = otgScale(d, -1.0);
+    place(deepest, otgAdd(rearPoint(), otgScale(d, 0.5 * way_.depth)), way_.depth);
+    contacts.erase(std::remove_if(begin, contacts.end(),
+                                  [&](const Contact& c) {
+                                    return norm(otgSub(c.position, deepest.position)) < kSamePlace * diagonal_;
+                                  }),
+                   contacts.end());
+    contacts.push_back(deepest);
+  }
+
+  /// Of contacts along a line the deepest and the outermost.
+  void keepEnds(std::vector<Contact>& contacts, std::size_t first) const {
+    if (contacts.size() - first < 2) return;
+    const auto begin = contacts.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto along = [&](const Contact& c) { return placed_->toLocal(otgSub(c.position, origin_)).z; };
+    const auto [low, high] = std::minmax_element(
+        begin, contacts.end(), [&](const Contact& x, const Contact& y) { return along(x) < along(y); });
+    const auto most =
+        std::max_element(begin, contacts.end(), [](const Contact& x, const Contact& y) { return x.depth < y.depth; });
+    const auto isFar = [&](const Contact& c) { return std::fabs(along(c) - along(*most)) > kSamePlace * diagonal_; };
+    std::vector<Contact> kept;
+    for (const auto& end : {low, high}) {
+      if (isFar(*end)) kept.push_back(*end);
+    }
+    // Between ends that are as deep it holds nothing.
+    if (kept.size() < 2 || most->depth > 1.02 * std::max(low->depth, high->depth)) kept.push_back(*most);
+    contacts.erase(begin, contacts.end());
+    contacts.insert(contacts.end(), kept.begin(), kept.end());
+  }
+
+  const Query& query_;
+  const ConvexShape& shape_;
+  std::optional<PlacedShape> placed_;
+  ConvexPatch patch_;
+  Vec3d origin_{};
+  double diagonal_ = 0;
+  bool trusted_ = false, settled_ = false;
+  WayOut way_;
+};
+
+}  // namespace
+
+void convexContacts(const Query& query, const ConvexShape& shape, Workspace& workspace) {
+  Query refined = query;
+  ShapeRefiner refiner(refined, shape);
+  refined.refiner = &refiner;
+  findIntersectingPairs(refined, workspace);
+  collideIntersecting(refined, workspace);
+  for (Contact& contact : workspace.reduced) contact.triangleB = kNone;
+}
+
+}  // namespace otg

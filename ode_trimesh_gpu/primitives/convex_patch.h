@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The part of a mesh's surface inside a convex shape where that part is convex itself, and the shortest way for the
+// shape to leave it.
+#pragma once
+
+#include <vector>
+
+#include "collide/solid/regions.h"
+#include "primitives/convex_shape.h"
+
+namespace otg {
+
+/// A convex shape in mesh A's frame, seen from a near origin.
+class PlacedShape {
+ public:
+  PlacedShape(const ConvexShape& shape, const Transformd& pose, const Vec3d& origin)
+      : shape_(&shape), pose_(pose), origin_(origin) {}
+  const ConvexShape& shape() const { return *shape_; }
+  Vec3d direction(const Vec3d& local) const { return otgRotate(pose_, local); }
+  Vec3d toLocal(const Vec3d& p) const { return otgRotateBack(pose_, otgSub(otgAdd(p, origin_), pose_.t)); }
+  Vec3d fromLocal(const Vec3d& p) const { return otgSub(otgTransform(pose_, p), origin_); }
+  Vec3d directionToLocal(const Vec3d& d) const { return otgRotateBack(pose_, d); }
+  /// Its point that is last to leave when it moves along d, and how far that is along d.
+  Vec3d rear(const Vec3d& d) const { return fromLocal(shape_->support(otgScale(directionToLocal(d), -1.0))); }
+  double rearAlong(const Vec3d& d) const { return otgDot(d, rear(d)); }
+  double exitDistance(const Vec3d& p, const Vec3d& d) const {
+    return shape_->exitDistance(toLocal(p), directionToLocal(d));
+  }
+
+ private:
+  const ConvexShape* shape_;
+  Transformd pose_;
+  Vec3d origin_;
+};
+
+/// How a shape leaves a patch.
+struct WayOut {
+  Vec3d direction{0, 0, 0};                   ///< unit; the shape moves along it
+  double depth = 0;                           ///< by this much; not more than zero: they do not overlap
+  bool overEdges = false;                     ///< the shape slides over an edge of the mesh
+  Vec3d onMesh{0, 0, 0}, alongMesh{0, 0, 0};  ///< overEdges: a point of the mesh's edge, and its direction
+  Vec3d alongShape{0, 0, 0};  ///< overEdges: direction of the shape's straight edge or side; zero: it meets at a point
+};
+
+class ConvexPatch {
+ public:
+  /// Reads the surface of mesh A in the region. Returns whether it is convex: no point of the region lies in front of
+  /// any of its planes, to within the rounding of its vertices.
+  bool read(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region);
+
+  /// The least translation that takes the shape out of the half spaces behind the patch, over all directions in which
+  /// the patch has a supporting plane: its faces, the arcs between the normals of two faces at an edge, and the cones
+  /// at corners. For boxes and polyhedra these are the separating axes: normals of faces of either and products of
+  /// edges; for curved shapes the least over an arc is searched for, and corners leave through the nearest point of the
+  /// surface. `out` says roughly where out is; zero if unknown.
+  WayOut leave(const PlacedShape& shape, const Vec3d& out) const;
+
+  /// A triangle of the patch.
+  std::uint32_t anyTriangle() const { return anyTriangle_; }
+
+  /// How far a point behind the planes is from leaving along d.
+  double wayOut(const Vec3d& point, const Vec3d& d) const;
+
+ private:
+  struct Plane {
+    Vec3d normal;
+    double offset;
+  };
+  struct Edge {
+    Vec3d point, direction, normal1, normal2;
+  };
+  void readEdges(const PlacedMeshes& meshes, const std::vector<std::pair<std::uint32_t, std::uint32_t>>& planeOf);
+  bool hasSupport(const Vec3d& d, double& height) const;
+  bool isInCone(const Vec3d& d, const Vec3d& at) const;
+  void offer(const PlacedShape& shape, const Vec3d& d, double height, double handicap, WayOut& best) const;
+  void tryEdge(const PlacedShape& shape, const Edge& edge, WayOut& best) const;
+
+  Vec3d origin_{};
+  double tolerance_ = 0;
+  std::uint32_t anyTriangle_ = kNone;
+  std::vector<Plane> planes_;
+  std::vector<Edge> edges_;
+  std::vector<Vec3d> points_;   ///< of mesh A's surface in the region
+  std::vector<Vec3d> corners_;  ///< those of them that are vertices
+};
+
+}  // namespace otg

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "primitives/convex_shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "collide/solid/vectors.h"
+
+namespace otg {
+namespace {
+
+/// Along a line p + t d to the far side of |x, y| = radius; the point is inside.
+double exitOfCircle(const Vec3d& p, const Vec3d& d, double radius) {
+  const double a = d.x * d.x + d.y * d.y;
+  if (!(a > 0)) return std::numeric_limits<double>::infinity();
+  const double b = p.x * d.x + p.y * d.y, c = p.x * p.x + p.y * p.y - radius * radius;
+  return (-b + std::sqrt(std::max(0.0, b * b - a * c))) / a;
+}
+
+double exitOfCapsule(const ConvexShape& s, const Vec3d& p, const Vec3d& d) {
+  const double along = std::clamp(p.z, -s.length, s.length);
+  const Vec3d off{p.x, p.y, p.z - along};
+  if (otgDot(off, off) > s.radius * s.radius) return -1;
+  // Of the cylinder's side and the two balls the one that is left last.
+  double most = 0;
+  const double side = exitOfCircle(p, d, s.radius), z = p.z + side * d.z;
+  if (std::isfinite(side) && std::fabs(z) <= s.length) most = side;
+  for (const double end : {-s.length, s.length}) {
+    const Vec3d q{p.x, p.y, p.z - end};
+    const double b = otgDot(q, d), disc = b * b - (otgDot(q, q) - s.radius * s.radius);
+    if (disc >= 0) most = std::max(most, -b + std::sqrt(disc));
+  }
+  return most;
+}
+
+double exitOfFaces(const ConvexShape& s, const Vec3d& p, const Vec3d& d) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < s.faceNormals.size(); ++i) {
+    const double height = s.faceOffsets[i] - otgDot(s.faceNormals[i], p), speed = otgDot(s.faceNormals[i], d);
+    if (height < 0) return -1;
+    if (speed > 0) least = std::min(least, height / speed);
+  }
+  return least;
+}
+
+}  // namespace
+
+Vec3d ConvexShape::support(const Vec3d& d) const {
+  switch (kind) {
+    case Kind::kBox:
+      return {std::copysign(half.x, d.x), std::copysign(half.y, d.y), std::copysign(half.z, d.z)};
+    case Kind::kCapsule: {
+      const Vec3d n = unit(d);
+      return {radius * n.x, radius * n.y, radius * n.z + std::copysign(length, d.z)};
+    }
+    case Kind::kCylinder: {
+      const double across = std::hypot(d.x, d.y);
+      const double scale = across > 0 ? radius / across : 0;
+      return {scale * d.x, scale * d.y, std::copysign(length, d.z)};
+    }
+    case Kind::kPolyhedron:
+      break;
+  }
+  const auto far = std::max_element(vertices.begin(), vertices.end(),
+                                    [&](const Vec3d& a, const Vec3d& b) { return otgDot(a, d) < otgDot(b, d); });
+  return *far;
+}
+
+double ConvexShape::exitDistance(const Vec3d& p, const Vec3d& d) const {
+  if (kind == Kind::kCapsule) return exitOfCapsule(*this, p, d);
+  const double faces = exitOfFaces(*this, p, d);
+  if (kind != Kind::kCylinder || faces < 0) return faces;
+  if (p.x * p.x + p.y * p.y > radius * radius) return -1;
+  return std::min(faces, exitOfCircle(p, d, radius));
+}
+
+}  // namespace otg
