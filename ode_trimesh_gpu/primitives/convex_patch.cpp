@@ -44,6 +44,10 @@ bool ConvexPatch::read(const PlacedMeshes& meshes, const OverlapRegions& all, co
     // Parallel faces of one convex patch are one plane; a step between them is found not to be convex below.
     if (same == planes_.end()) {
       if (planes_.size() == kMostPlanes) return false;
+      // At once: most patches that are not convex show it in the first planes.
+      for (std::uint32_t k = region.pointBegin; k < region.pointEnd; ++k) {
+        if (otgDot(p.normal, all.points[k].position) > p.offset + tolerance_) return false;
+      }
       planes_.push_back({p.normal, p.offset});
       same = planes_.end() - 1;
     }
@@ -54,9 +58,6 @@ bool ConvexPatch::read(const PlacedMeshes& meshes, const OverlapRegions& all, co
   if (planes_.empty()) return false;
   for (std::uint32_t i = region.pointBegin; i < region.pointEnd; ++i) {
     const SupportPoint& p = all.points[i];
-    for (const Plane& plane : planes_) {
-      if (otgDot(plane.normal, p.position) > plane.offset + tolerance_) return false;
-    }
     if (p.kind == PointKind::kCrossing || p.mesh == 0) points_.push_back(p.position);
     if (p.kind == PointKind::kVertex && p.mesh == 0) corners_.push_back(p.position);
   }
