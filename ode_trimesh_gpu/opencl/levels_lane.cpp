@@ -188,6 +188,9 @@ std::uint32_t LevelsLane::begin(const Query& query, std::uint32_t startDepth) {
 void LevelsLane::step(const otg_device_pair& pair, cl_mem meshes, std::uint32_t count) {
   const cl_command_queue queue = queue_.get();
   const std::size_t groups = (count + group_ - 1) / group_;
+  // Four children each have to be counted in 32 bits.
+  if (count >= 1u << 30)
+    throw ClError("clCreateBuffer", CL_MEM_OBJECT_ALLOCATION_FAILURE, "a list outgrows the device");
   for (DeviceList* list : {&overlaps_, &places_, &kept_, &weights_, &placesOfTwo_}) {
     list->reserve(context_, std::bit_ceil(count));
   }
