@@ -171,13 +171,13 @@ struct StageTexts {
   const char *upload, *top, *main, *near, *contacts, *reduction, *readBack, *host;
 };
 constexpr StageTexts kOnCpu = {"nothing is sent",
-                               "the middle phase begins at the roots",
-                               "middle phase",
-                               "near phase",
-                               "contacts",
-                               "reduction",
+                               "nothing: the middle phase begins at the roots",
+                               "middle phase: which triangles may meet",
+                               "near phase: which of them do",
+                               "positions, normals and depths",
+                               "of the contacts of pairwise, the few that were asked for",
                                "nothing is read back",
-                               "what lies between"};
+                               "what lies between the stages"};
 constexpr StageTexts kOnDevice = {"meshes stay on the device; poses go with the launches",
                                   "device: where the traversal begins",
                                   "device: the rest of the traversal, with the float filter of the near phase",
