@@ -4,6 +4,7 @@
 
 #include "mesh_io/mesh_file.h"
 #include "otg/command.h"
+#include "otg/cooked_file.h"
 
 namespace otg::cli {
 namespace {
@@ -108,8 +109,19 @@ int check(const CheckOptions& options) {
   for (const std::string& file : options.files) {
     // Every file gets its answer, also those after one that cannot be read.
     try {
-      const mesh_io::MeshFile input = mesh_io::loadMeshFile(file);
-      const MeshResult result = buildTriMesh(input.input(), options.repair ? RepairOptions::all() : RepairOptions{});
+      mesh_io::MeshFile input;
+      MeshResult result;
+      if (isCookedFile(file)) {  // it was built already: its report is in it
+        const UncookedMesh cooked = loadCookedFile(file);
+        if (cooked.mesh != nullptr) {
+          result = {cooked.mesh->meshPtr(), cooked.mesh->mesh().report()};
+        } else {
+          result.report.error = cooked.error;
+        }
+      } else {
+        input = mesh_io::loadMeshFile(file);
+        result = buildTriMesh(input.input(), options.repair ? RepairOptions::all() : RepairOptions{});
+      }
       if (!result.mesh) {
         fmt::print(stderr, "otg: {}: {}\n", file, result.report.error);
         status = kBadInput;
@@ -136,7 +148,7 @@ int check(const CheckOptions& options) {
 
 void addCheckCommand(CLI::App& app, Action& action) {
   CLI::App* command =
-      app.add_subcommand("check", "Load meshes (PLY, OBJ, STL, OFF, glTF) and say what is wrong with them");
+      app.add_subcommand("check", "Load meshes (PLY, OBJ, STL, OFF, glTF, cooked) and say what is wrong with them");
   auto options = std::make_shared<CheckOptions>();
   command->add_option("MESH", options->files, "Mesh files")->required();
   command->add_flag("--repair", options->repair,

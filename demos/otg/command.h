@@ -32,6 +32,7 @@ class UsageError : public std::runtime_error {
 using Action = std::function<int()>;
 
 void addCheckCommand(CLI::App& app, Action& action);
+void addCookCommand(CLI::App& app, Action& action);
 void addCollideCommand(CLI::App& app, Action& action);
 void addPairsCommand(CLI::App& app, Action& action);
 void addBatchCommand(CLI::App& app, Action& action);

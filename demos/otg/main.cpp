@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     Action action;
     addCheckCommand(app, action);
+    addCookCommand(app, action);
     addCollideCommand(app, action);
     addPairsCommand(app, action);
     addBatchCommand(app, action);

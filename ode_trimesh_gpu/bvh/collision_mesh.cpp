@@ -15,20 +15,20 @@ struct CollisionMesh::Lazy {
 };
 
 CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> mesh, BuildStrategy strategy)
-    : mesh_(std::move(mesh)),
-      tree_(buildTree(*mesh_, strategy)),
-      builtCost_(sahCost(tree_)),
-      lazy_(std::make_unique<Lazy>()) {}
+    : mesh_(std::move(mesh)), tree_(buildTree(*mesh_, strategy)), lazy_(std::make_unique<Lazy>()) {}
 
 CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> moved, const CollisionMesh& before)
     : mesh_(std::move(moved)), tree_(before.tree_), lazy_(std::make_unique<Lazy>()) {
   refitTree(tree_, *mesh_);
-  builtCost_ = before.builtCost_;
+  builtCost_ = before.builtCost_ > 0 ? before.builtCost_ : sahCost(before.tree_);
   if (sahCost(tree_) > kRebuildCost * builtCost_) {
     tree_ = buildTree(*mesh_, tree_.strategy);
-    builtCost_ = sahCost(tree_);
+    builtCost_ = 0;
   }
 }
+
+CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> mesh, BinaryTree&& tree)
+    : mesh_(std::move(mesh)), tree_(std::move(tree)), lazy_(std::make_unique<Lazy>()) {}
 
 CollisionMesh::~CollisionMesh() = default;
 

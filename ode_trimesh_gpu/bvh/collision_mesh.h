@@ -19,6 +19,8 @@ class CollisionMesh {
   /// The same tree topology refitted to moved vertices; built anew where refitting would leave boxes that overlap much
   /// more (kRebuildCost) than those of the last build.
   CollisionMesh(std::shared_ptr<const TriMesh> moved, const CollisionMesh& before);
+  /// With a tree that was built before, for this very mesh.
+  CollisionMesh(std::shared_ptr<const TriMesh> mesh, BinaryTree&& tree);
   ~CollisionMesh();
   CollisionMesh(const CollisionMesh&) = delete;
   CollisionMesh& operator=(const CollisionMesh&) = delete;
@@ -42,7 +44,7 @@ class CollisionMesh {
   struct Lazy;
   std::shared_ptr<const TriMesh> mesh_;
   BinaryTree tree_;
-  double builtCost_ = 0;  ///< sahCost when the tree was built
+  double builtCost_ = 0;  ///< of a refitted tree: sahCost when it was built
   std::unique_ptr<Lazy> lazy_;
   std::shared_ptr<const char> alive_ = std::make_shared<const char>('\0');
 };

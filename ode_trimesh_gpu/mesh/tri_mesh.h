@@ -59,6 +59,9 @@ class TriMesh {
   /// The caller's number of a vertex; where repair merged several, that of the first.
   std::uint32_t callerVertex(std::uint32_t v) const { return inputVertexOf_.empty() ? v : inputVertexOf_[v]; }
 
+  /// How many vertices the caller gave, those that repair merged into others among them.
+  std::size_t inputVertexCount() const { return inputVertexCount_; }
+
   /// True for a zero-area triangle. Such triangles keep their number, lie in the tree, and never reach the near phase.
   bool isDegenerate(std::uint32_t triangle) const { return degenerate_[triangle] != 0; }
 
@@ -80,6 +83,7 @@ class TriMesh {
 
  private:
   friend struct TriMeshBuilder;
+  friend struct TriMeshParts;
   TriMesh() = default;
   std::vector<Vec3f> vertices_;
   std::vector<Triangle> triangles_;

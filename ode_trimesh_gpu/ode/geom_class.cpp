@@ -150,7 +150,15 @@ int dGeomGpuTriMeshSetData(dGeomID g, dGpuTriMeshDataID data) {
     if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
     if (object->data != data) {
       if (data != nullptr) data->attach(object->serial, g);
-      if (object->data != nullptr) object->data->detach(object->serial);
+      int status = dGPUTRIMESH_ERROR_MEMORY;
+      try {
+        status = object->rescale(data, object->scale);
+      } catch (const std::bad_alloc&) {
+      }
+      if (dxGpuTriMeshData* const unused = status == dGPUTRIMESH_OK ? object->data : data) {
+        unused->detach(object->serial);
+      }
+      if (status != dGPUTRIMESH_OK) return status;
       object->data = data;
     }
     dGeomMoved(g);

@@ -58,8 +58,16 @@ struct GeomObject : std::enable_shared_from_this<GeomObject> {
   PrefetchedPairs prefetched;
   std::shared_ptr<GeomObject> self;  ///< the geom's own share, until it is destroyed
 
+  /// Of the data's vertices; `scaled` is the mesh that it makes of them, and null while it is 1, 1, 1.
+  MeshScale scale{1, 1, 1};
+  std::shared_ptr<const CollisionMesh> scaled;
+
   /// Null when there is nothing to collide with.
-  const CollisionMesh* mesh() const { return data == nullptr ? nullptr : data->mesh(); }
+  const CollisionMesh* mesh() const;
+  std::shared_ptr<const CollisionMesh> sharedMesh() const;
+  /// Takes over a scale of data, which may be null. Returns a status: after an error nothing has changed. May throw
+  /// std::bad_alloc.
+  int rescale(dxGpuTriMeshData* of, const MeshScale& by);
 };
 
 /// Null for geoms of other classes, for NULL, and for geoms of our class that dCreateGeom made.

@@ -4,7 +4,26 @@
 
 #include <utility>
 
+#include "ode/geom_class.h"
 #include "ode_trimesh_gpu/library.h"
+
+namespace otg {
+namespace {
+
+/// A geom whose scale the new vertices don't bear is left without a mesh: nothing to collide with is better than the
+/// wrong thing. False for want of memory.
+bool rescaleOrEmpty(GeomObject& object, dxGpuTriMeshData* data) {
+  object.scaled = nullptr;
+  try {
+    object.rescale(data, object.scale);
+    return true;
+  } catch (...) {
+    return false;
+  }
+}
+
+}  // namespace
+}  // namespace otg
 
 int dxGpuTriMeshData::accept(otg::MeshResult&& result, std::shared_ptr<const otg::CollisionMesh> mesh) {
   report_ = std::move(result.report);
@@ -13,9 +32,18 @@ int dxGpuTriMeshData::accept(otg::MeshResult&& result, std::shared_ptr<const otg
   useFlags.clear();
   ownFlags.clear();
   faceNormals.clear();
+  {
+    const std::lock_guard lock(scaledMutex_);
+    scaled_.clear();
+  }
+  int status = dGPUTRIMESH_OK;
   const std::lock_guard lock(mutex_);
-  for (const auto& [serial, geom] : users_) dGeomMoved(geom);
-  return dGPUTRIMESH_OK;
+  for (const auto& [serial, geom] : users_) {
+    otg::GeomObject* const object = otg::objectOf(geom);
+    if (object != nullptr && !otg::rescaleOrEmpty(*object, this)) status = dGPUTRIMESH_ERROR_MEMORY;
+    dGeomMoved(geom);
+  }
+  return status;
 }
 
 int dxGpuTriMeshData::build(const otg::MeshInput& input, const otg::RepairOptions& repair,
@@ -32,6 +60,13 @@ int dxGpuTriMeshData::moveVertices(const otg::MeshInput& vertices) {
   std::shared_ptr<const otg::CollisionMesh> mesh;
   if (result.mesh != nullptr) mesh = std::make_shared<const otg::CollisionMesh>(result.mesh, *mesh_);
   return accept(std::move(result), std::move(mesh));
+}
+
+int dxGpuTriMeshData::take(std::shared_ptr<const otg::CollisionMesh> mesh, std::string error) {
+  otg::MeshResult result;
+  result.report.error = std::move(error);
+  if (mesh != nullptr) result.report = mesh->mesh().report();
+  return accept(std::move(result), std::move(mesh)) == dGPUTRIMESH_OK ? dGPUTRIMESH_OK : dGPUTRIMESH_ERROR_COOKED;
 }
 
 void dxGpuTriMeshData::releaseHandle() noexcept {

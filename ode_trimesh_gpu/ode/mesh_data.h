@@ -4,15 +4,22 @@
 
 #include <ode/common.h>
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <vector>
 
 #include "bvh/collision_mesh.h"
 #include "mesh/tri_mesh.h"
 #include "ode_trimesh_gpu/trimesh_data.h"
+
+namespace otg {
+/// Factors along x, y and z of a mesh's frame.
+using MeshScale = std::array<float, 3>;
+}  // namespace otg
 
 /// Lives as long as the user's handle or any geom that uses it. The mesh itself is immutable; building again puts
 /// another one in its place. No function runs while another thread changes the object (the rule of the API), except
@@ -33,6 +40,13 @@ struct dxGpuTriMeshData {
   int build(const otg::MeshInput& input, const otg::RepairOptions& repair, otg::BuildStrategy strategy);
   /// Refits to moved vertices and takes over. Returns a status.
   int moveVertices(const otg::MeshInput& vertices);
+
+  /// Takes over a mesh that was made elsewhere; with none, `error` says why. Returns a status.
+  int take(std::shared_ptr<const otg::CollisionMesh> mesh, std::string error);
+
+  /// The mesh with scaled vertices, made once for all geoms that have it; mirrored ones face outward all the same. Null
+  /// if a vertex leaves single precision. There must be a mesh. May throw std::bad_alloc.
+  std::shared_ptr<const otg::CollisionMesh> scaledMesh(const otg::MeshScale& scale);
 
   /// The user's handle is given up.
   void releaseHandle() noexcept;
@@ -55,6 +69,8 @@ struct dxGpuTriMeshData {
 
   std::shared_ptr<const otg::CollisionMesh> mesh_;
   otg::ValidationReport report_;
+  std::mutex scaledMutex_;
+  std::map<otg::MeshScale, std::weak_ptr<const otg::CollisionMesh>> scaled_;  ///< of the present mesh
   mutable std::mutex mutex_;
   bool handle_ = true;
   /// In the order of creation, so that marking them as moved shuffles ODE's lists the same way in every run.

@@ -22,7 +22,7 @@ struct MeshSide {
   std::shared_ptr<const CollisionMesh> ownMesh;
 
   std::shared_ptr<const CollisionMesh> sharedMesh() const {
-    return ownMesh != nullptr || object == nullptr || object->data == nullptr ? ownMesh : object->data->meshPtr();
+    return ownMesh != nullptr || object == nullptr ? ownMesh : object->sharedMesh();
   }
 };
 

@@ -60,6 +60,10 @@ const char* dGpuTriMeshErrorString(int status) {
       return "all of ODE's user classes are taken";
     case dGPUTRIMESH_ERROR_POSE:
       return "the pose of a geom is not finite, or its rotation matrix scales, shears or mirrors";
+    case dGPUTRIMESH_ERROR_FILE:
+      return "a file can't be read or written";
+    case dGPUTRIMESH_ERROR_COOKED:
+      return "the bytes are no cooked mesh of this version, or are damaged";
     default:
       return "unknown status";
   }

@@ -280,6 +280,103 @@ TEST_CASE("angles of edges, edges to use, normals") {
   CHECK(dGpuTriMeshDataGetEdgeAngle(box.id, 0, 0, nullptr) == dGPUTRIMESH_ERROR_ARGUMENT);
 }
 
+TEST_CASE("scaled geoms collide as geoms of scaled vertices, and mirrored ones face outward") {
+  const OdeSession session;
+  const scenes::MeshArrays lump = scenes::makeLump(0.5, 3, 0.2, 4);
+  const Data data(lump), ground(scenes::makeGround(6, 1, 8));
+  const Geom floor(ground);
+  dGpuTriMeshParams params;
+  dGpuTriMeshParamsInit(&params);
+  params.history = dGPUTRIMESH_HISTORY_OFF;
+  REQUIRE(dGeomGpuTriMeshSetParams(floor.id, &params) == dGPUTRIMESH_OK);
+  for (const Vec3f scale :
+       {Vec3f{2, 0.5f, 1.5f}, Vec3f{-1, 1, 1}, Vec3f{1.25f, -2, 0.75f}, Vec3f{-1, -1, 2}, Vec3f{-0.5f, -0.5f, -0.5f}}) {
+    INFO(scale.x << " " << scale.y << " " << scale.z);
+    scenes::MeshArrays scaled = lump;
+    for (Vec3f& v : scaled.vertices) v = {v.x * scale.x, v.y * scale.y, v.z * scale.z};
+    if (scale.x * scale.y * scale.z < 0) {
+      for (Triangle& t : scaled.triangles) std::swap(t.v[1], t.v[2]);
+    }
+    const Data other(scaled);
+    const Geom g(data), twin(data), wanted(other);
+    REQUIRE(dGeomGpuTriMeshSetScale(g.id, scale.x, scale.y, scale.z) == dGPUTRIMESH_OK);
+    REQUIRE(dGeomGpuTriMeshSetScale(twin.id, scale.x, scale.y, scale.z) == dGPUTRIMESH_OK);
+    dVector3 found;
+    REQUIRE(dGeomGpuTriMeshGetScale(g.id, found) == dGPUTRIMESH_OK);
+    CHECK(found[1] == scale.y);
+    for (const dGeomID geom : {g.id, twin.id, wanted.id}) {
+      dGeomSetPosition(geom, 0.1, 0.2, 0.35 * std::abs(scale.z));
+    }
+    const auto contacts = test::collide(floor.id, g.id), expected = test::collide(floor.id, wanted.id);
+    // The same pairs of triangles intersect; which of many contacts are kept depends on inner numbers of triangles.
+    REQUIRE(!contacts.empty());
+    REQUIRE(!expected.empty());
+    CHECK(contacts[0].depth == Approx(expected[0].depth).margin(1e-9));
+    for (const dContactGeom& c : contacts) CHECK(c.normal[2] < -0.5);  // the lump leaves upward
+    dGpuTriMeshStats stats, wantedStats;
+    dGpuTriMeshStatsInit(&stats);
+    dGpuTriMeshStatsInit(&wantedStats);
+    REQUIRE(dGeomGpuTriMeshGetStats(g.id, &stats) == dGPUTRIMESH_OK);
+    REQUIRE(dGeomGpuTriMeshGetStats(wanted.id, &wantedStats) == dGPUTRIMESH_OK);
+    CHECK(stats.intersecting_pairs > 0);
+    CHECK(stats.intersecting_pairs == wantedStats.intersecting_pairs);
+    dMass mass, wantedMass;
+    REQUIRE(dMassSetGpuTriMesh(&mass, 1, g.id) == dGPUTRIMESH_OK);
+    REQUIRE(dMassSetGpuTriMesh(&wantedMass, 1, wanted.id) == dGPUTRIMESH_OK);
+    CHECK(mass.mass > 0);
+    CHECK(mass.mass == Approx(wantedMass.mass));
+    CHECK(mass.I[1] == Approx(wantedMass.I[1]).margin(1e-9));
+    for (int t = 0; t < 20; ++t) {
+      dVector3 p[3], q[3];
+      REQUIRE(dGeomGpuTriMeshGetTriangle(g.id, t, &p[0], &p[1], &p[2]) == dGPUTRIMESH_OK);
+      REQUIRE(dGeomGpuTriMeshGetTriangle(wanted.id, t, &q[0], &q[1], &q[2]) == dGPUTRIMESH_OK);
+      for (int k = 0; k < 3; ++k) CHECK(std::equal(p[k], p[k] + 3, q[k]));
+    }
+    dReal box[6], wantedBox[6];
+    dGeomGetAABB(g.id, box);
+    dGeomGetAABB(wanted.id, wantedBox);
+    CHECK(std::equal(box, box + 6, wantedBox));
+  }
+}
+
+TEST_CASE("the scale of a geom stays when its mesh changes, and is refused where it cannot be") {
+  const OdeSession session;
+  const scenes::MeshArrays box = scenes::makeBox({1, 1, 1});
+  const Data data(box), other(scenes::makeBox({2, 2, 2}));
+  const Geom g(data), plain(data);
+  REQUIRE(dGeomGpuTriMeshSetScale(g.id, 2, 1, 1) == dGPUTRIMESH_OK);
+  const auto width = [](dGeomID geom) {
+    dReal aabb[6];
+    dGeomGetAABB(geom, aabb);
+    return aabb[1] - aabb[0];
+  };
+  CHECK(width(g.id) == Approx(2));
+  CHECK(width(plain.id) == Approx(1));
+  std::vector<Vec3f> moved = box.vertices;
+  for (Vec3f& v : moved) v.x *= 3;
+  REQUIRE(dGpuTriMeshDataUpdateVerticesSingle(data.id, moved.data(), 0, static_cast<int>(moved.size())) ==
+          dGPUTRIMESH_OK);
+  CHECK(width(g.id) == Approx(6));
+  CHECK(width(plain.id) == Approx(3));
+  REQUIRE(dGeomGpuTriMeshSetData(g.id, other.id) == dGPUTRIMESH_OK);
+  CHECK(width(g.id) == Approx(4));
+  REQUIRE(dGeomGpuTriMeshSetData(g.id, nullptr) == dGPUTRIMESH_OK);
+  CHECK(width(g.id) == 0);
+  REQUIRE(dGeomGpuTriMeshSetData(g.id, other.id) == dGPUTRIMESH_OK);
+  REQUIRE(dGeomGpuTriMeshSetScale(g.id, 1, 1, 1) == dGPUTRIMESH_OK);
+  CHECK(width(g.id) == Approx(2));
+  CHECK(dGeomGpuTriMeshSetScale(g.id, 0, 1, 1) == dGPUTRIMESH_ERROR_ARGUMENT);
+  CHECK(dGeomGpuTriMeshSetScale(g.id, 1, std::nan(""), 1) == dGPUTRIMESH_ERROR_ARGUMENT);
+  CHECK(dGeomGpuTriMeshSetScale(g.id, 3.4e38, 1, 1) == dGPUTRIMESH_OK);
+  Data huge(scenes::makeBox({100, 100, 100}));
+  CHECK(dGeomGpuTriMeshSetData(g.id, huge.id) == dGPUTRIMESH_ERROR_MESH);
+  CHECK(dGeomGpuTriMeshGetData(g.id) == other.id);
+  CHECK(dGeomGpuTriMeshSetScale(nullptr, 1, 1, 1) == dGPUTRIMESH_ERROR_CLASS);
+  dVector3 scale;
+  CHECK(dGeomGpuTriMeshGetScale(nullptr, scale) == dGPUTRIMESH_ERROR_CLASS);
+  CHECK(dGeomGpuTriMeshGetScale(g.id, nullptr) == dGPUTRIMESH_ERROR_ARGUMENT);
+}
+
 TEST_CASE("temporal coherence by ODE's names") {
   const OdeSession session;
   const Data large(scenes::makeBox({1, 1, 1})), small(scenes::makeBox({0.4, 0.4, 0.4}));

@@ -86,6 +86,84 @@ TEST_CASE("threads that collide the same pair and different pairs get what one t
   }
 }
 
+TEST_CASE("threads that collide dTriMesh geoms, first of all at once, get what one thread gets") {
+  const OdeSession session;
+  REQUIRE(dGpuTriMeshOverrideTriMesh() == dGPUTRIMESH_OK);
+  const scenes::MeshArrays ground = scenes::makeGround(6, 1, 12), lump = scenes::makeLump(0.5, 3, 0.2, 4);
+  const auto dataOf = [](const scenes::MeshArrays& mesh) {
+    const dTriMeshDataID data = dGeomTriMeshDataCreate();
+    dGeomTriMeshDataBuildSingle(data, mesh.vertices.data(), sizeof(Vec3f), static_cast<int>(mesh.vertices.size()),
+                                mesh.triangles.data(), static_cast<int>(3 * mesh.triangles.size()), sizeof(Triangle));
+    return data;
+  };
+  const dTriMeshDataID groundData = dataOf(ground), lumpData = dataOf(lump);
+  std::vector<dGeomID> geoms = {dCreateTriMesh(nullptr, groundData, nullptr, nullptr, nullptr)};
+  for (int i = 0; i < kThreads; ++i) {
+    geoms.push_back(dCreateTriMesh(nullptr, lumpData, nullptr, nullptr, nullptr));
+    dGeomSetPosition(geoms.back(), 0.9 * i - 2, 0.1 * i, 0.4);
+  }
+  for (const dGeomID g : geoms) {
+    settle(g);
+    dGpuTriMeshOverrideForgetGeom(g);
+  }
+  dGpuTriMeshOverrideForgetData(groundData);
+  dGpuTriMeshOverrideForgetData(lumpData);
+  // The ground is the older one of each pair whichever thread comes first; the meshes are built by whoever needs them.
+  REQUIRE(dGpuTriMeshOverridePrepare(geoms[0]) == dGPUTRIMESH_OK);
+  std::vector<std::vector<dContactGeom>> own(kThreads), shared(kThreads);
+  runThreads([&](int i) {
+    for (int round = 0; round < 10; ++round) {
+      own[i] = test::collide(geoms[0], geoms[1 + i]);
+      shared[i] = mirrored(test::collide(geoms[1], geoms[0]));
+    }
+  });
+  for (int i = 0; i < kThreads; ++i) {
+    CHECK(!own[i].empty());
+    CHECK(sameContacts(own[i], test::collide(geoms[0], geoms[1 + i])));
+    CHECK(sameContacts(shared[i], test::collide(geoms[0], geoms[1])));
+  }
+  for (const dGeomID g : geoms) dGeomDestroy(g);
+  dGeomTriMeshDataDestroy(groundData);
+  dGeomTriMeshDataDestroy(lumpData);
+}
+
+namespace {
+
+/// Lets every second triangle of the ground collide; counts the calls of each thread.
+std::atomic<int> calls{0};
+int everySecond(dGeomID, dGeomID, int triangle) {
+  ++calls;
+  return triangle % 2;
+}
+int notTheFirst(dGeomID, dGeomID, int triangle, int) {
+  return triangle != 0;
+}
+
+}  // namespace
+
+TEST_CASE("threads whose collisions ask callbacks get what one thread gets") {
+  const OdeSession session;
+  const Data ground(scenes::makeGround(6, 1, 12)), lump(scenes::makeLump(0.5, 3, 0.2, 4));
+  const Geom floor(ground), body(lump);
+  REQUIRE(dGeomGpuTriMeshSetCallback(floor.id, &everySecond) == dGPUTRIMESH_OK);
+  REQUIRE(dGeomGpuTriMeshSetPairCallback(body.id, &notTheFirst) == dGPUTRIMESH_OK);
+  dGeomSetPosition(body.id, 0.2, 0.1, 0.4);
+  settle(floor.id);
+  settle(body.id);
+  const auto expected = test::collide(floor.id, body.id);
+  CHECK(!expected.empty());
+  for (const dContactGeom& c : expected) CHECK(c.side1 % 2 == 1);
+  const int once = calls.exchange(0);
+  std::vector<std::vector<dContactGeom>> found(kThreads);
+  runThreads([&](int i) {
+    for (int round = 0; round < 10; ++round) {
+      found[i] = i % 2 ? test::collide(floor.id, body.id) : mirrored(test::collide(body.id, floor.id));
+    }
+  });
+  for (const auto& contacts : found) CHECK(sameContacts(contacts, expected));
+  CHECK(calls == 10 * kThreads * once);
+}
+
 TEST_CASE("threads create, collide and destroy geoms of one mesh, and errors stay with their thread") {
   const OdeSession session;
   const Data box(scenes::makeBox({1, 1, 1}));

@@ -32,7 +32,8 @@ extern "C" {
  * nine differences), and R may not mirror. ODE's own rotations, in single precision too, and long products of them are
  * far within. Up to there the matrix is used as it is; beyond, and with a pose that is not finite, dCollide() finds no
  * contacts, counts a failed query for both geoms (dGpuTriMeshStats) and leaves dGPUTRIMESH_ERROR_POSE for
- * dGpuTriMeshGetError(). A mesh of another size or hand needs vertices of its own.
+ * dGpuTriMeshGetError(). For a mesh of another size or hand see
+ * dGeomGpuTriMeshSetScale().
  *
  * @param space  the space to contain the geom; may be NULL
  * @param data   the mesh; may be NULL or not built yet: such a geom is a point that touches nothing. The geom shares
@@ -157,6 +158,34 @@ OTG_API int dGeomGpuTriMeshIsTCEnabled(dGeomID g, int geomClass);
  * @ingroup gputrimesh
  */
 OTG_API int dGeomGpuTriMeshClearTCCache(dGeomID g);
+
+/**
+ * @brief Scales the geom's mesh along the axes of the mesh's frame, and marks the geom as moved.
+ *
+ * The scaled mesh is made once for all geoms that have the same data and the same scale, and freed with the last of
+ * them. A negative factor mirrors; with one or three of them triangles are turned round, so that they face outward as
+ * before: dGeomGpuTriMeshGetTriangle() and dGeomGpuTriMeshGetPoint() then have second and third corner exchanged. Box,
+ * mass, queries and contacts are those of the scaled mesh; numbers of triangles and vertices stay. The scale stays when
+ * the geom gets other data, or its data other vertices.
+ * @param g  a geom of this class
+ * @param x  factor along x, finite and not 0, as y and z; rounded to single precision
+ * @param y  along y
+ * @param z  along z
+ * @returns dGPUTRIMESH_OK; dGPUTRIMESH_ERROR_ARGUMENT; dGPUTRIMESH_ERROR_CLASS; dGPUTRIMESH_ERROR_MESH if a vertex
+ * would not be a finite number of single precision; dGPUTRIMESH_ERROR_MEMORY.
+ * @remarks Takes about as long as an update of all vertices the first time, with a mirror as long as a build. Not from
+ * a near callback of the geom's space.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGeomGpuTriMeshSetScale(dGeomID g, dReal x, dReal y, dReal z);
+
+/**
+ * @brief The scale of the geom's mesh; 1, 1, 1 at first. The fourth number is set to 0.
+ * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT or dGPUTRIMESH_ERROR_CLASS.
+ * @remarks May be called from a near callback.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGeomGpuTriMeshGetScale(dGeomID g, dVector3 scale);
 
 /**
  * @brief Says where the geom was a step ago; the counterpart of dGeomTriMeshSetLastTransform().

@@ -63,7 +63,10 @@ enum {
   dGPUTRIMESH_ERROR_CLASS = -7,       /**< the geom is not of this class */
   dGPUTRIMESH_ERROR_MASS = -8,        /**< the mesh has no positive volume, so that it has no mass */
   dGPUTRIMESH_ERROR_CLASS_COUNT = -9, /**< all of ODE's user classes are taken by others */
-  dGPUTRIMESH_ERROR_POSE = -10        /**< a geom's pose is not finite or not rigid: see dCreateGpuTriMesh() */
+  dGPUTRIMESH_ERROR_POSE = -10,       /**< a geom's pose is not finite or not rigid: see dCreateGpuTriMesh() */
+  dGPUTRIMESH_ERROR_FILE = -11,       /**< a file can't be read or written; errno says why */
+  dGPUTRIMESH_ERROR_COOKED = -12      /**< bytes that are no cooked mesh of this version, or are damaged; the data's
+                                           error string says which */
 };
 
 /**

@@ -17,6 +17,7 @@
 #include "batch.h"
 #include "callbacks.h"
 #include "contact_data.h"
+#include "cook.h"
 #include "export.h"
 #include "geom.h"
 #include "history.h"

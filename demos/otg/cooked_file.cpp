@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "otg/cooked_file.h"
+
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <system_error>
+
+namespace otg::cli {
+namespace {
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, CloseFile>;
+
+}  // namespace
+
+bool isCookedFile(const std::string& path) {
+  const File file(std::fopen(path.c_str(), "rb"));
+  char first[8] = {};
+  return file != nullptr && std::fread(first, 1, 8, file.get()) == 8 && std::memcmp(first, "OTGMESH", 8) == 0;
+}
+
+UncookedMesh loadCookedFile(const std::string& path) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  const File file(error ? nullptr : std::fopen(path.c_str(), "rb"));
+  if (file == nullptr) return {nullptr, "The file cannot be read."};
+  std::setvbuf(file.get(), nullptr, _IONBF, 0);
+  const auto count = static_cast<std::size_t>(size);
+  const std::unique_ptr<unsigned char[]> bytes(new unsigned char[count]);
+  if (std::fread(bytes.get(), 1, count, file.get()) != count) return {nullptr, "The file cannot be read."};
+  return uncookMesh({bytes.get(), count});
+}
+
+}  // namespace otg::cli

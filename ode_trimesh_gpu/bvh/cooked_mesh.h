@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A mesh with its tree, topology and report as bytes, and back.
+//
+// The format, all numbers little end first:
+//   8  "OTGMESH" and a zero byte
+//   4  version, 4 zero
+//   8  length of the whole in bytes
+//   sections, each: 8 its number of bytes, the bytes, zeros up to a multiple of 8
+//   8  checksum of all that
+// The sections in their order are those of visitParts() in cooked_mesh.cpp.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bvh/collision_mesh.h"
+
+namespace otg {
+
+inline constexpr std::uint32_t kCookedVersion = 1;
+
+/// Throws std::bad_alloc only.
+std::vector<unsigned char> cookMesh(const CollisionMesh& mesh);
+
+struct UncookedMesh {
+  std::shared_ptr<const CollisionMesh> mesh;  ///< null when the bytes are refused
+  std::string error;                          ///< why, in one sentence
+};
+
+/// Refuses bytes that are no cooked mesh, are of another version, are cut off or changed, or have numbers in them that
+/// point nowhere. Equal bytes when cooked again. Throws std::bad_alloc only.
+UncookedMesh uncookMesh(std::span<const unsigned char> bytes);
+
+}  // namespace otg

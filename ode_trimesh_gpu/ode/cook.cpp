@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The C API of cooked meshes, and their files.
+#include "ode_trimesh_gpu/cook.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "bvh/cooked_mesh.h"
+#include "ode/mesh_data.h"
+#include "ode/status.h"
+
+namespace otg {
+namespace {
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, CloseFile>;
+
+/// Bytes that are not set to zero before they are read.
+struct Bytes {
+  std::unique_ptr<unsigned char[]> first;
+  std::size_t size = 0;
+};
+
+bool readFile(const char* path, Bytes& bytes) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);  // says no to folders, which fopen does not
+  if (error) errno = error.value();
+  const File file(error ? nullptr : std::fopen(path, "rb"));
+  if (file == nullptr) return false;
+  std::setvbuf(file.get(), nullptr, _IONBF, 0);
+  bytes.size = static_cast<std::size_t>(size);
+  bytes.first.reset(new unsigned char[bytes.size]);
+  return std::fread(bytes.first.get(), 1, bytes.size, file.get()) == bytes.size;
+}
+
+bool writeFile(const std::string& path, const std::vector<unsigned char>& bytes) {
+  File file(std::fopen(path.c_str(), "wb"));
+  if (file == nullptr) return false;
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
+  return std::fclose(file.release()) == 0 && written;
+}
+
+bool isBuilt(dGpuTriMeshDataID g) {
+  return g != nullptr && g->mesh() != nullptr;
+}
+
+int uncook(dGpuTriMeshDataID g, const unsigned char* bytes, std::size_t size) {
+  UncookedMesh uncooked = uncookMesh({bytes, size});
+  return g->take(std::move(uncooked.mesh), std::move(uncooked.error));
+}
+
+}  // namespace
+}  // namespace otg
+
+dsizeint dGpuTriMeshDataCook(dGpuTriMeshDataID g, void* buffer, dsizeint capacity) {
+  dsizeint size = 0;
+  otg::guarded([&] {
+    if (!otg::isBuilt(g) || (buffer == nullptr && capacity > 0)) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    const std::vector<unsigned char> bytes = otg::cookMesh(*g->mesh());
+    size = bytes.size();
+    if (size <= capacity) std::memcpy(buffer, bytes.data(), size);
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
+  return size;
+}
+
+int dGpuTriMeshDataUncook(dGpuTriMeshDataID g, const void* buffer, dsizeint size) {
+  return otg::guarded([&] {
+    if (g == nullptr || buffer == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    return otg::uncook(g, static_cast<const unsigned char*>(buffer), size);
+  });
+}
+
+int dGpuTriMeshDataSave(dGpuTriMeshDataID g, const char* path) {
+  return otg::guarded([&] {
+    if (!otg::isBuilt(g) || path == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    const std::string partial = std::string(path) + ".partial";
+    if (!otg::writeFile(partial, otg::cookMesh(*g->mesh()))) {
+      std::remove(partial.c_str());
+      return static_cast<int>(dGPUTRIMESH_ERROR_FILE);
+    }
+    return static_cast<int>(std::rename(partial.c_str(), path) == 0 ? dGPUTRIMESH_OK : dGPUTRIMESH_ERROR_FILE);
+  });
+}
+
+int dGpuTriMeshDataLoad(dGpuTriMeshDataID g, const char* path) {
+  return otg::guarded([&] {
+    if (g == nullptr || path == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    otg::Bytes bytes;
+    if (!otg::readFile(path, bytes)) return static_cast<int>(dGPUTRIMESH_ERROR_FILE);
+    return otg::uncook(g, bytes.first.get(), bytes.size);
+  });
+}

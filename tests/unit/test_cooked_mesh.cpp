@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Cooked meshes: the same mesh comes back, and what is no cooked mesh is refused. Meant for AddressSanitizer, too.
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#include "bvh/cooked_mesh.h"
+#include "support/catch.h"
+#include "support/mesh_samples.h"
+#include "support/ode_world.h"
+
+using namespace otg;
+using namespace otg::test;
+
+namespace {
+
+using Bytes = std::vector<unsigned char>;
+
+CollisionMesh collisionMesh(const scenes::MeshArrays& arrays, const RepairOptions& repair = {}) {
+  return CollisionMesh(buildTriMesh(arrays.input(), repair, MeshOrder::kSpatial).mesh, BuildStrategy::kSah);
+}
+
+std::uint64_t read64(const Bytes& bytes, std::size_t at) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < 8; ++i) value |= std::uint64_t{bytes[at + i]} << (8 * i);
+  return value;
+}
+void write64(Bytes& bytes, std::size_t at, std::uint64_t value) {
+  for (std::size_t i = 0; i < 8; ++i) bytes[at + i] = static_cast<unsigned char>(value >> (8 * i));
+}
+
+/// The checksum of the format, written down a second time.
+std::uint64_t checksumOf(const Bytes& bytes) {
+  std::uint64_t lane[4] = {0xcbf29ce484222325u, 1, 2, 3};
+  const std::size_t size = bytes.size() - 8, whole = size / 32 * 32;
+  for (std::size_t i = 0; i < size; i += 8) {
+    std::uint64_t& l = lane[i < whole ? i / 8 % 4 : 0];
+    l = (l ^ read64(bytes, i)) * 0x100000001b3u;
+  }
+  std::uint64_t sum = size;
+  for (const std::uint64_t l : lane) sum = ((sum << 23 | sum >> 41) ^ l) * 0x100000001b3u;
+  return sum;
+}
+void seal(Bytes& bytes) {
+  write64(bytes, bytes.size() - 8, checksumOf(bytes));
+}
+
+/// Where the sections begin (at their lengths).
+std::vector<std::size_t> sectionsOf(const Bytes& bytes) {
+  std::vector<std::size_t> at;
+  for (std::size_t i = 24; i + 8 < bytes.size(); i += 8 + (read64(bytes, i) + 7) / 8 * 8) at.push_back(i);
+  return at;
+}
+
+std::string errorOf(const Bytes& bytes) {
+  // From the heap and no longer than it says, so that the sanitizer sees every byte read beyond.
+  const std::unique_ptr<unsigned char[]> exact(new unsigned char[bytes.size()]);
+  std::copy(bytes.begin(), bytes.end(), exact.get());
+  const UncookedMesh uncooked = uncookMesh({exact.get(), bytes.size()});
+  CHECK((uncooked.mesh == nullptr) == !uncooked.error.empty());
+  return uncooked.error;
+}
+
+/// A folder of this test's own.
+class Folder {
+ public:
+  Folder() {
+    std::string pattern = "/tmp/otg_cook_XXXXXX";
+    REQUIRE(mkdtemp(pattern.data()) != nullptr);
+    path_ = pattern;
+  }
+  ~Folder() {
+    std::remove(file().c_str());
+    std::remove((file() + ".partial").c_str());
+    rmdir(path_.c_str());
+  }
+  std::string file() const { return path_ + "/mesh.otg"; }
+
+ private:
+  std::string path_;
+};
+
+}  // namespace
+
+TEST_CASE("a cooked mesh comes back as it was, whatever the mesh") {
+  std::vector<samples::NamedMesh> meshes = samples::ordinaryMeshes();
+  for (samples::NamedMesh& sample : samples::pathologicalMeshes()) meshes.push_back(std::move(sample));
+  for (const samples::NamedMesh& sample : meshes) {
+    INFO(sample.name);
+    for (const BuildStrategy strategy : {BuildStrategy::kSah, BuildStrategy::kMeanSplit}) {
+      const CollisionMesh before(sample.mesh, strategy);
+      const Bytes bytes = cookMesh(before);
+      CHECK(read64(bytes, bytes.size() - 8) == checksumOf(bytes));
+      const UncookedMesh uncooked = uncookMesh(bytes);
+      REQUIRE(uncooked.error == "");
+      const CollisionMesh& after = *uncooked.mesh;
+      REQUIRE(cookMesh(after) == bytes);
+      REQUIRE(after.tree().nodes.size() == before.tree().nodes.size());
+      REQUIRE(after.tree().strategy == strategy);
+      REQUIRE(validateTree(after.tree(), after.mesh()) == validateTree(before.tree(), before.mesh()));
+      const ValidationReport &r = before.mesh().report(), &s = after.mesh().report();
+      REQUIRE(r.problems.size() == s.problems.size());
+      for (std::size_t i = 0; i < r.problems.size(); ++i) {
+        CHECK(r.problems[i].kind == s.problems[i].kind);
+        CHECK(r.problems[i].elements == s.problems[i].elements);
+        CHECK(r.problems[i].message == s.problems[i].message);
+      }
+      CHECK(r.valid() == s.valid());
+      CHECK(after.mesh().meshClass() == before.mesh().meshClass());
+      for (std::uint32_t t = 0; t < after.mesh().triangleCount(); ++t) {
+        REQUIRE(after.mesh().triangleOfCaller(after.mesh().callerTriangle(t)) == t);
+        REQUIRE(after.mesh().isDegenerate(t) == before.mesh().isDegenerate(t));
+      }
+    }
+  }
+}
+
+TEST_CASE("bytes that were changed, cut off, or are something else are refused") {
+  const Bytes bytes = cookMesh(collisionMesh(scenes::makeLump(1, 1, 0.2, 3)));
+  REQUIRE(errorOf(bytes) == "");
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    Bytes changed = bytes;
+    changed[i] ^= static_cast<unsigned char>(1u << (i % 8));
+    REQUIRE(!errorOf(changed).empty());
+  }
+  for (std::size_t length = 0; length < bytes.size(); ++length) {
+    REQUIRE(!errorOf(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length))).empty());
+  }
+  Bytes longer = bytes;
+  longer.resize(bytes.size() + 8, 0);
+  CHECK(errorOf(longer) == "There is more than the cooked mesh.");
+  CHECK(errorOf({}) == "This is no cooked mesh.");
+  CHECK(errorOf(Bytes(100, 'x')) == "This is no cooked mesh.");
+  Bytes newer = bytes;
+  newer[8] = kCookedVersion + 1;
+  seal(newer);
+  CHECK(errorOf(newer) == "The cooked mesh is of version 2; this library reads version 1.");
+  Bytes swapped = bytes;  // two vertices exchanged, four words of the checksum's own lane apart
+  const auto vertices = swapped.begin() + static_cast<std::ptrdiff_t>(sectionsOf(bytes)[2] + 8);
+  std::swap_ranges(vertices, vertices + 12, vertices + 96);
+  CHECK(errorOf(swapped) == "The cooked mesh is damaged.");
+}
+
+TEST_CASE("numbers that point nowhere are refused, or do no harm, also under a checksum that is right") {
+  // Whoever makes such bytes does so on purpose. Every section in turn gets hostile numbers; what is accepted all the
+  // same must be walked and collided without harm.
+  const OdeSession session;
+  const Bytes bytes = cookMesh(collisionMesh(scenes::makeLump(1, 1, 0.2, 3)));
+  const Data box(scenes::makeBox({1, 1, 1}));
+  const std::vector<std::size_t> sections = sectionsOf(bytes);
+  REQUIRE(sections.size() == 19);
+  std::mt19937 random(77);
+  int refused = 0, accepted = 0;
+  const auto offer = [&](Bytes& hostile) {
+    seal(hostile);
+    const dGpuTriMeshDataID data = dGpuTriMeshDataCreate();
+    const int status = dGpuTriMeshDataUncook(data, hostile.data(), hostile.size());
+    if (status == dGPUTRIMESH_OK) {
+      ++accepted;
+      const dGeomID a = dCreateGpuTriMesh(nullptr, data), b = dCreateGpuTriMesh(nullptr, box.id);
+      dGeomSetPosition(b, 0.6, 0.1, 0.2);
+      for (const dContactGeom& c : test::collide(a, b)) CHECK(std::isfinite(c.depth));
+      dGeomDestroy(a);
+      dGeomDestroy(b);
+    } else {
+      ++refused;
+      CHECK(status == dGPUTRIMESH_ERROR_COOKED);
+      CHECK(std::string(dGpuTriMeshDataGetErrorString(data)) != "");
+    }
+    dGpuTriMeshDataDestroy(data);
+  };
+  for (const std::size_t section : sections) {
+    const std::size_t length = read64(bytes, section);
+    for (const std::uint64_t wrong :
+         {std::uint64_t{0}, std::uint64_t(length + 1), std::uint64_t(length + 8), std::uint64_t(length / 2),
+          std::uint64_t(bytes.size()), ~std::uint64_t{0}, std::uint64_t{1} << 40, ~std::uint64_t{0} - 6}) {
+      Bytes hostile = bytes;
+      write64(hostile, section, wrong);
+      offer(hostile);
+    }
+    if (length == 0) continue;
+    for (int round = 0; round < 60; ++round) {
+      Bytes hostile = bytes;
+      const std::size_t at = section + 8 + random() % length / 4 * 4;
+      const std::uint32_t values[] = {0,
+                                      1,
+                                      0xffffffffu,
+                                      0x7fffffffu,
+                                      0x80000000u,
+                                      0x7fc00000u,
+                                      0x7f800000u,
+                                      static_cast<std::uint32_t>(random()),
+                                      static_cast<std::uint32_t>(random() % 100)};
+      const std::uint32_t value = values[random() % std::size(values)];
+      for (std::size_t i = 0; i < 4 && at + i < bytes.size() - 8; ++i) {
+        hostile[at + i] = static_cast<unsigned char>(value >> (8 * i));
+      }
+      offer(hostile);
+    }
+  }
+  CHECK(refused > 500);
+  CHECK(accepted > 20);  // such as another area in the report
+}
+
+TEST_CASE("a loaded mesh collides with the same contacts as the built one, and can be updated") {
+  const OdeSession session;
+  const Folder folder;
+  const scenes::MeshArrays lump = scenes::makeLump(0.5, 3, 0.2, 4);
+  const Data built(lump), ground(scenes::makeGround(4, 0.5, 8));
+  REQUIRE(dGpuTriMeshDataSave(built.id, folder.file().c_str()) == dGPUTRIMESH_OK);
+  const dGpuTriMeshDataID loaded = dGpuTriMeshDataCreate();
+  REQUIRE(dGpuTriMeshDataLoad(loaded, folder.file().c_str()) == dGPUTRIMESH_OK);
+  CHECK(std::string(dGpuTriMeshDataGetErrorString(loaded)) == "");
+  dGpuTriMeshReport one, two;
+  dGpuTriMeshReportInit(&one);
+  dGpuTriMeshReportInit(&two);
+  REQUIRE(dGpuTriMeshDataGetReport(built.id, &one) == dGPUTRIMESH_OK);
+  REQUIRE(dGpuTriMeshDataGetReport(loaded, &two) == dGPUTRIMESH_OK);
+  CHECK(std::memcmp(&one, &two, sizeof(one)) == 0);
+  const Geom floor(ground);
+  for (int round = 0; round < 2; ++round) {
+    const Geom a(built);
+    const dGeomID b = dCreateGpuTriMesh(nullptr, loaded);
+    for (const dGeomID g : {a.id, b}) dGeomSetPosition(g, 0.1, 0.2, 0.4);
+    auto wanted = test::collide(floor.id, a.id);
+    CHECK(!wanted.empty());
+    for (dContactGeom& c : wanted) c.g2 = b;
+    CHECK(sameContacts(test::collide(floor.id, b), wanted));
+    dGeomDestroy(b);
+    std::vector<Vec3f> moved = lump.vertices;
+    for (Vec3f& v : moved) v.z *= 1.3f;
+    for (const dGpuTriMeshDataID data : {built.id, loaded}) {
+      REQUIRE(dGpuTriMeshDataUpdateVerticesSingle(data, moved.data(), 0, static_cast<int>(moved.size())) ==
+              dGPUTRIMESH_OK);
+    }
+  }
+  dGpuTriMeshDataDestroy(loaded);
+}
+
+TEST_CASE("errors of the C API of cooking") {
+  const Folder folder;
+  const Data box(scenes::makeBox({1, 1, 1}));
+  const dsizeint size = dGpuTriMeshDataCook(box.id, nullptr, 0);
+  REQUIRE(size > 0);
+  Bytes bytes(size, 0xee);
+  CHECK(dGpuTriMeshDataCook(box.id, bytes.data(), size - 1) == size);
+  CHECK(bytes == Bytes(size, 0xee));  // nothing was written
+  CHECK(dGpuTriMeshDataCook(box.id, bytes.data(), size) == size);
+  const dGpuTriMeshDataID data = dGpuTriMeshDataCreate();
+  CHECK(dGpuTriMeshDataCook(data, nullptr, 0) == 0);
+  CHECK(dGpuTriMeshGetError() == dGPUTRIMESH_ERROR_ARGUMENT);
+  CHECK(dGpuTriMeshDataCook(box.id, nullptr, 1) == 0);
+  CHECK(dGpuTriMeshDataSave(data, folder.file().c_str()) == dGPUTRIMESH_ERROR_ARGUMENT);
+  CHECK(dGpuTriMeshDataSave(box.id, nullptr) == dGPUTRIMESH_ERROR_ARGUMENT);
+  CHECK(dGpuTriMeshDataSave(box.id, "/no/such/folder/mesh") == dGPUTRIMESH_ERROR_FILE);
+  CHECK(dGpuTriMeshDataLoad(data, folder.file().c_str()) == dGPUTRIMESH_ERROR_FILE);
+  CHECK(dGpuTriMeshDataLoad(data, "/tmp") == dGPUTRIMESH_ERROR_FILE);
+  CHECK(dGpuTriMeshDataUncook(data, nullptr, 0) == dGPUTRIMESH_ERROR_ARGUMENT);
+  CHECK(dGpuTriMeshDataUncook(nullptr, bytes.data(), size) == dGPUTRIMESH_ERROR_ARGUMENT);
+  // Unaligned bytes, and an object that keeps its mesh when others are refused.
+  Bytes shifted(size + 3);
+  std::copy(bytes.begin(), bytes.end(), shifted.begin() + 3);
+  CHECK(dGpuTriMeshDataUncook(data, shifted.data() + 3, size) == dGPUTRIMESH_OK);
+  CHECK(dGpuTriMeshDataUncook(data, shifted.data(), size) == dGPUTRIMESH_ERROR_COOKED);
+  CHECK(std::string(dGpuTriMeshDataGetErrorString(data)) == "This is no cooked mesh.");
+  CHECK(dGpuTriMeshDataCook(data, nullptr, 0) == size);
+  dGpuTriMeshDataDestroy(data);
+}
