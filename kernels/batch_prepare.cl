@@ -55,6 +55,9 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchPrepar
 #endif
   if (task->skip) flag = OTG_PAIR_SKIPPED;
   chosen[OTG_FLAGS + i] = flag;
+  chosen[OTG_PLACE(count, i)] = 0;
+  chosen[OTG_PLACE(count, i) + 1] = 0;
+  if (unfit || task->skip) atomic_inc(counters + OTG_COUNT_FLAGGED);
   if (unfit || task->skip || a.triangles == 0 || b.triangles == 0) return;
   const uint class = clz(a.triangles + b.triangles);
   order[(size_t) class * orderRoom + atomic_inc(counters + OTG_COUNT_CLASS + class)] = i;

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The hits of a batch as records. OTG_GROUP is the size of work-groups, OTG_CONTACTS as in pair_record.h. With contacts
-// they are reduced on the device.
+// The hits of a batch as records. OTG_GROUP is the size of work-groups, OTG_CONTACTS as in pair_record.h. OTG_ENTER: 1
+// to enter them into the tables of contact_reduce.cl.
 #define OTG_SINGLE 0
 #include "contact_links.h"
 
-/// One record for each hit, in the order of the list. `tasks` holds B in A's frame for each pair. The flags in `chosen`
-/// tell of each pair what its records say: OTG_PAIR_INTERSECTS (only without contacts), or OTG_PAIR_TO_HOST when one is
-/// open. Without contacts this is the last kernel.
+/// One record for each hit of the pairs that are not skipped, in the order of the list. `tasks` holds B in A's frame
+/// for each pair. The flags in `chosen` tell of each pair what its records say: OTG_PAIR_INTERSECTS (only without
+/// contacts), or OTG_PAIR_TO_HOST when one is open. Without contacts this is the last kernel.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchResults(
     __global const otg_batch_pair* restrict pairs, __global const otg_device_mesh* restrict places,
     __global const otg_batch_task* restrict tasks, __global const float4* restrict meshes,
     __global uint* restrict counters, __global const otg_batch_hit* restrict hits, uint hitCapacity,
     __global uchar* restrict results, __global uint* restrict chosen
-#if OTG_CONTACTS
+#if OTG_ENTER
     ,
     __global uint* links, __global uint* tables, uint tableSize, __global otg_pair_state* restrict states
 #endif
@@ -20,13 +20,14 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchResult
   __global uint* flags = chosen + OTG_FLAGS;
   const uint count = min(counters[OTG_COUNT_HITS], hitCapacity);
   __global otg_record* records = (__global otg_record*)(results + OTG_RESULT_HEAD);
-#if OTG_CONTACTS
+#if OTG_ENTER
   const otg_links l = otgLinksOf(counters, results, links, tables, tableSize, hitCapacity);
-#else
+#elif !OTG_CONTACTS
   __local uint last;
 #endif
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const otg_batch_hit hit = hits[i];
+    if (flags[hit.pair] & OTG_PAIR_SKIPPED) continue;
     const uint soupA = places[pairs[hit.pair].meshA].soup, soupB = places[pairs[hit.pair].meshB].soup;
 #ifdef OTG_WITH_DOUBLE
     const OTG_POSE bInA = tasks[hit.pair].bInA;
@@ -35,9 +36,9 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchResult
 #endif
     otgMakeRecord(meshes, soupA + 3 * (hit.a & ~OTG_HIT_UNDECIDED), soupB + 3 * hit.b, (hit.a & OTG_HIT_UNDECIDED) != 0,
                   bInA, hit.pair, records + i);
-#if OTG_CONTACTS
+#if OTG_ENTER
     otgEnterHit(&l, states, flags, i, 0);
-#else
+#elif !OTG_CONTACTS
     const uint flag = records[i].kind == OTG_RECORD_OPEN ? OTG_PAIR_TO_HOST : OTG_PAIR_INTERSECTS;
     if (records[i].kind != OTG_RECORD_APART && !(flags[hit.pair] & flag) &&
         !(atomic_or(flags + hit.pair, flag) & flag) && flag == OTG_PAIR_TO_HOST) {

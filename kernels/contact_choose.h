@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The contacts of one pair that stay when there are more than places: the deepest of every region, then always the one
-// farthest from all chosen ones. By one work-group.
+// farthest from all chosen ones. By one work-group, in local memory.
 //
-// OTG_KEPT: contacts and regions that one pair may have here, 1,024 at most (a rank has 10 bits).
+// OTG_KEPT: contacts and regions that one pair may have here, 1,024 at most (a rank has 10 bits). OTG_WARP: 1 where 32
+// work-items of successive numbers run in step and `redux.sync` is there (NVIDIA, compute capability 8 and up).
 #ifndef OTG_CONTACT_CHOOSE_H
 #define OTG_CONTACT_CHOOSE_H
 #include "contact_links.h"
+
+#ifndef OTG_WARP
+#define OTG_WARP 0
+#endif
 
 /// Squared distance (22 bits) above a rank counted downwards: the largest is the farthest, ties the smaller rank.
 #define OTG_RANK_BITS 10
@@ -14,20 +19,31 @@
 #define OTG_TAKEN 0xffffffffu
 
 typedef struct {
-  ulong depth[OTG_KEPT];   ///< as the bits of a double, which order as its values do
-  ulong ids[OTG_KEPT];     ///< triangles; later those of the regions' roots
-  uint hit[OTG_KEPT];      ///< by rank: deepest first, ties by triangles
-  uint root[OTG_KEPT];     ///< by rank: of the region
-  uint2 point[OTG_KEPT];   ///< by rank: otgSpreadPoint, ten bits a coordinate
-  uint nearest[OTG_KEPT];  ///< by rank: squared distance to the nearest chosen contact; OTG_TAKEN if chosen
-  uint low[3], high[3];
-  uint firsts, seeds;
-  uint farthest[3];
-  uint begin[OTG_GROUP];
+  uint rank[OTG_KEPT];   ///< of each contact; later the seeds; later the ranks that were chosen, ascending
+  uint order[OTG_KEPT];  ///< contact of each rank
+} otg_ranks;
+
+/// Contacts in any order: what the caller fills in. Ranks go from the deepest on, ties by triangles.
+typedef struct {
+  ulong depth[OTG_KEPT];  ///< as the bits of a double, which order as its values do; later otg_spread
+  ulong ids[OTG_KEPT];    ///< triangles; later the same
+  uint hit[OTG_KEPT];     ///< place of the record
+  uint region[OTG_KEPT];  ///< number
+  otg_ranks ranks;
+  uint taken[OTG_KEPT / 32 + 1];  ///< a bit for each rank
+  uint slots[64];                 ///< of otgGroupMax
+  uint low[3], high[3], seeds;
 } otg_choice;
 
-inline static ulong otgIdsOf(__global const otg_contact_record* r) {
-  return (ulong)r->a << 32 | r->b;
+/// By rank, where depths and triangles were.
+typedef struct {
+  uint2 point[OTG_KEPT];   ///< otgSpreadPoint, ten bits a coordinate
+  uint nearest[OTG_KEPT];  ///< squared distance to the nearest chosen contact; OTG_TAKEN if chosen
+  uint first[OTG_KEPT];    ///< of a region: smallest rank of its contacts
+} otg_spread;
+
+inline static ulong otgIdsOf(uint2 triangles) {
+  return (ulong)triangles.x << 32 | triangles.y;
 }
 
 inline static uint otgSquared(uint x, uint y) {
@@ -35,147 +51,213 @@ inline static uint otgSquared(uint x, uint y) {
   return (uint)(d * d);
 }
 
-inline static uint otgSpread(uint2 p, uint2 q) {
+inline static uint otgDistance(uint2 p, uint2 q) {
   return otgSquared(p.x & 0x3ff, q.x & 0x3ff) + otgSquared(p.x >> 10 & 0x3ff, q.x >> 10 & 0x3ff) +
          otgSquared(p.x >> 20, q.x >> 20) + otgSquared(p.y & 0x3ff, q.y & 0x3ff) +
          otgSquared(p.y >> 10 & 0x3ff, q.y >> 10 & 0x3ff) + otgSquared(p.y >> 20, q.y >> 20);
 }
 
-/// Accounts for a chosen contact. Each lane for its own ranks.
-inline static void otgSpreadFrom(__local otg_choice* c, uint count, uint taken) {
-  const uint2 p = c->point[taken];
-  for (uint i = get_local_id(0); i < count; i += OTG_GROUP) {
-    const uint nearest = c->nearest[i];
-    if (i == taken) {
-      c->nearest[i] = OTG_TAKEN;
-    } else if (nearest != OTG_TAKEN) {
-      c->nearest[i] = min(nearest, otgSpread(c->point[i], p));
-    }
+/// Contact `i` of the choice: the record's place, its region, and what its rank depends on.
+inline static void otgEnterChoice(__local otg_choice* c, uint i, __global const otg_contact_record* records, uint hit,
+                                  uint region) {
+  __global const otg_contact_record* r = records + hit;
+  c->depth[i] = as_ulong(r->depth);
+  c->ids[i] = otgIdsOf((uint2)(r->a, r->b));
+  c->hit[i] = hit;
+  c->region[i] = region;
+}
+
+#if OTG_WARP
+inline static uint otgWarpMax(uint x) {
+  uint y;
+  __asm__ volatile("redux.sync.max.u32 %0, %1, 0xffffffff;" : "=r"(y) : "r"(x));
+  return y;
+}
+#endif
+
+/// The largest `x` of the work-group. Two barriers between this and the next one but one.
+inline static uint otgGroupMax(__local otg_choice* c, uint round, uint x) {
+#if OTG_WARP
+  const uint lane = get_local_id(0), warps = (OTG_GROUP + 31) / 32;
+  __local uint* slots = c->slots + round % 2 * 32;
+  x = otgWarpMax(x);
+  if (lane % 32 == 0) slots[lane / 32] = x;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  return otgWarpMax(lane % 32 < warps ? slots[lane % 32] : 0);
+#else
+  // The maximum of a round is cleared while that of the round before is read.
+  if (x) atomic_max(c->slots + round % 3, x);
+  if (get_local_id(0) == 0) c->slots[(round + 1) % 3] = 0;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  return c->slots[round % 3];
+#endif
+}
+
+/// Ranks that one lane accounts for.
+#define OTG_OWN ((OTG_KEPT + OTG_GROUP - 1) / OTG_GROUP)
+
+/// Accounts for a chosen contact at `p`; the farthest of the lane's others.
+inline static uint otgSpreadFrom(uint* nearest, const uint* pointX, const uint* pointY, uint2 p, uint taken) {
+  uint best = 0;
+  for (int k = 0; k < OTG_OWN; ++k) {
+    const uint i = get_local_id(0) + k * OTG_GROUP;
+    if (i == taken) nearest[k] = OTG_TAKEN;
+    if (nearest[k] == OTG_TAKEN) continue;
+    nearest[k] = min(nearest[k], otgDistance((uint2)(pointX[k], pointY[k]), p));
+    best = max(best, nearest[k] << OTG_RANK_BITS | (OTG_RANK_MASK - i));
   }
+  return best;
+}
+
+/// The seeds (c->ranks.rank), then always the farthest: ranks that are chosen are OTG_TAKEN in the end. One barrier a
+/// round; what a lane needs to know of its ranks stays in registers.
+inline static void otgTakeFarthest(__local otg_choice* c, __local otg_spread* s, uint count, uint places, uint seeds) {
+  const uint lane = get_local_id(0);
+  uint nearest[OTG_OWN];
+  uint pointX[OTG_OWN], pointY[OTG_OWN];
+  for (int k = 0; k < OTG_OWN; ++k) {
+    const uint i = lane + k * OTG_GROUP;
+    nearest[k] = i < count ? s->nearest[i] : OTG_TAKEN;
+    pointX[k] = i < count ? s->point[i].x : 0;
+    pointY[k] = i < count ? s->point[i].y : 0;
+  }
+  uint best = 0;
+  for (uint round = 0; round < min(seeds, places); ++round) {
+    best = otgSpreadFrom(nearest, pointX, pointY, s->point[c->ranks.rank[round]], c->ranks.rank[round]);
+  }
+  for (uint round = seeds; round < places; ++round) {
+    const uint taken = OTG_RANK_MASK - (otgGroupMax(c, round, best) & OTG_RANK_MASK);
+    best = otgSpreadFrom(nearest, pointX, pointY, s->point[taken], taken);
+  }
+  for (int k = 0; k < OTG_OWN; ++k) {
+    if (lane + k * OTG_GROUP < count) s->nearest[lane + k * OTG_GROUP] = nearest[k];
+  }
+}
+
+/// Bits of c->taken below that of rank `i`.
+inline static uint otgTakenBefore(__local const otg_choice* c, uint i) {
+  uint count = popcount(c->taken[i / 32] & ((1u << i % 32) - 1));
+  for (uint word = 0; word < i / 32; ++word) count += popcount(c->taken[word]);
+  return count;
 }
 
 /// Marks `places` of the `count` ranked contacts, if there are more. The barriers are the same for all pairs: some
 /// compilers do not cope with barriers below a condition.
-inline static void otgSpreadChoice(const otg_links* l, uint count, uint places, __local otg_choice* c) {
+inline static void otgSpreadChoice(__global const otg_contact_record* records, uint count, uint regions, uint places,
+                                   __local otg_choice* c, __local otg_spread* s) {
   const uint lane = get_local_id(0), some = count > places ? count : 0;
-  for (uint i = lane; i < some; i += OTG_GROUP) atomic_min(otgLink(l, OTG_LINK_FIRST, c->root[i]), i);
-  barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+  for (uint i = lane; i < regions; i += OTG_GROUP) s->first[i] = OTG_NOT_THERE;
+  for (uint i = lane; i < count; i += OTG_GROUP) s->nearest[i] = some > 0 ? OTG_FAR : OTG_TAKEN;
+  barrier(CLK_LOCAL_MEM_FENCE);
   for (uint i = lane; i < some; i += OTG_GROUP) {
-    const volatile __global uint* first = otgLink(l, OTG_LINK_FIRST, c->root[i]);
-    if (*first == i) {
-      c->nearest[i] = OTG_TAKEN;
-      c->ids[atomic_inc(&c->seeds)] = i;
-    }
-    __global const otg_contact_record* r = l->records + c->hit[i];
+    __global const otg_contact_record* r = records + c->hit[c->ranks.order[i]];
+    atomic_min(s->first + c->region[c->ranks.order[i]], i);
     for (int k = 0; k < 3; ++k) {
       const uint x = otgOrdered((float)r->position[k]);
-      atomic_min(c->low + k, x);
-      atomic_max(c->high + k, x);
+      volatile __local uint *low = c->low + k, *high = c->high + k;
+      if (x < *low) atomic_min(low, x);  // most do not widen the bounds
+      if (x > *high) atomic_max(high, x);
     }
   }
   barrier(CLK_LOCAL_MEM_FENCE);
-  const int crowded = c->seeds >= places;  // at least as many regions as places
-  if (crowded && lane == 0) {              // the deepest regions
-    uint taken = 0;
-    for (uint i = 0; i < some; ++i) {
-      if (c->nearest[i] == OTG_TAKEN && taken++ >= places) c->nearest[i] = OTG_FAR;
-    }
-  }
   float low[3], high[3];
   for (int k = 0; k < 3; ++k) {
     low[k] = otgUnordered(c->low[k]);
     high[k] = otgUnordered(c->high[k]);
   }
   for (uint i = lane; i < some; i += OTG_GROUP) {
-    __global const otg_contact_record* r = l->records + c->hit[i];
+    __global const otg_contact_record* r = records + c->hit[c->ranks.order[i]];
     int p[6];
     otgSpreadPoint_d(otgPositionOf(r), otgNormalOf(r), low, high, p);
-    c->point[i] = (uint2)(p[0] | p[1] << 10 | p[2] << 20, p[3] | p[4] << 10 | p[5] << 20);
+    s->point[i] = (uint2)(p[0] | p[1] << 10 | p[2] << 20, p[3] | p[4] << 10 | p[5] << 20);
+    if (s->first[c->region[c->ranks.order[i]]] == i) {
+      s->nearest[i] = OTG_TAKEN;
+      c->ranks.rank[atomic_inc(&c->seeds)] = i;
+    }
   }
   barrier(CLK_LOCAL_MEM_FENCE);
-  // First the deepest of each region, then the farthest. One barrier a round: the maximum of a round is cleared while
-  // that of the round before is read.
   const uint seeds = c->seeds;
-  for (uint round = some > 0 && !crowded ? 0 : places; round < places; ++round) {
-    uint best = 0;
-    for (uint i = lane; i < count; i += OTG_GROUP) {
-      if (c->nearest[i] != OTG_TAKEN) best = max(best, c->nearest[i] << OTG_RANK_BITS | (OTG_RANK_MASK - i));
-    }
-    if (best) atomic_max(c->farthest + round % 3, best);
-    if (lane == 0) c->farthest[(round + 1) % 3] = 0;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    const uint farthest = OTG_RANK_MASK - (c->farthest[round % 3] & OTG_RANK_MASK);
-    otgSpreadFrom(c, count, round < seeds ? (uint)c->ids[round] : farthest);
+  const int crowded = seeds >= places;  // at least as many regions as places: the deepest of them
+  for (uint i = lane; i < some && crowded; i += OTG_GROUP) {
+    if (s->nearest[i] == OTG_TAKEN) atomic_or(c->taken + i / 32, 1u << i % 32);
   }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (uint i = lane; i < some && crowded; i += OTG_GROUP) {
+    if (s->nearest[i] == OTG_TAKEN && otgTakenBefore(c, i) >= places) s->nearest[i] = OTG_FAR;
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (uint i = lane; i < OTG_KEPT / 32 + 1; i += OTG_GROUP) c->taken[i] = 0;
+  otgTakeFarthest(c, s, some > 0 && !crowded ? count : 0, some > 0 && !crowded ? places : 0, seeds);
   barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-/// Chooses among the `count` contacts of `kept`, whose regions' roots are `roots`; both at most OTG_KEPT. Writes hit
-/// and number of the region, deepest first, and returns how many. All lanes of the group, with the same arguments.
-inline static uint otgChoose(const otg_links* l, __global const uint* kept, uint count, __global const uint* roots,
-                             uint regions, uint places, __local otg_choice* c, __global uint2* chosen) {
+/// Chooses among the `count` contacts that were entered, of regions numbered below `regions`; both at most OTG_KEPT.
+/// c->ranks.rank[k] is the rank of the k-th that stays, deepest first; returns how many. All lanes of the group, with
+/// the same arguments, after a barrier.
+inline static uint otgChoose(__global const otg_contact_record* records, uint count, uint regions, uint places,
+                             __local otg_choice* c) {
   const uint lane = get_local_id(0);
+  __local otg_spread* s = (__local otg_spread*)c->depth;
+  for (uint i = lane; i < count; i += OTG_GROUP) c->ranks.rank[i] = 0;
+  for (uint i = lane; i < OTG_KEPT / 32 + 1; i += OTG_GROUP) c->taken[i] = 0;
   if (lane < 3) {
     c->low[lane] = 0xffffffffu;
     c->high[lane] = 0;
-    c->farthest[lane] = 0;
+    c->slots[lane] = 0;
   }
   if (lane == 0) c->seeds = 0;
-  for (uint i = lane; i < count; i += OTG_GROUP) {
-    __global const otg_contact_record* r = l->records + kept[i];
-    c->depth[i] = as_ulong(r->depth);
-    c->ids[i] = otgIdsOf(r);
-  }
   barrier(CLK_LOCAL_MEM_FENCE);
-  for (uint i = lane; i < count; i += OTG_GROUP) {
+  // Ranks by counting. Few contacts: several lanes to one, each for a part of the others.
+  const uint width = (count + 31) / 32 * 32, parts = width > 0 ? max(1u, OTG_GROUP / width) : 1;
+  const uint stretch = (count + parts - 1) / parts, from = parts > 1 ? lane / width * stretch : 0;
+  const uint to = min(from + stretch, count);
+  for (uint i = parts > 1 ? lane % width : lane; i<count; i += parts> 1 ? width : OTG_GROUP) {
     const ulong depth = c->depth[i], ids = c->ids[i];
-    uint rank = 0;
-    for (uint j = 0; j < count; ++j) rank += c->depth[j] > depth || (c->depth[j] == depth && c->ids[j] < ids);
-    c->hit[rank] = kept[i];
-    c->root[rank] = otgFind(l, kept[i]);
-    c->nearest[rank] = count > places ? OTG_FAR : OTG_TAKEN;
+    uint before = 0;
+    for (uint j = from; j < to; ++j) before += c->depth[j] > depth || (c->depth[j] == depth && c->ids[j] < ids);
+    if (before) atomic_add(c->ranks.rank + i, before);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
-  otgSpreadChoice(l, count, places, c);
-  // Each lane copies a stretch of ranks to where the lanes before it end.
-  const uint stretch = (count + OTG_GROUP - 1) / OTG_GROUP;
-  const uint from = min(count, lane * stretch), to = min(count, from + stretch);
-  uint place = 0;
-  for (uint i = from; i < to; ++i) place += c->nearest[i] == OTG_TAKEN;
-  c->begin[lane] = place;
-  for (uint i = lane; i < regions; i += OTG_GROUP) c->ids[i] = otgIdsOf(l->records + roots[i]);
+  for (uint i = lane; i < count; i += OTG_GROUP) c->ranks.order[c->ranks.rank[i]] = i;
   barrier(CLK_LOCAL_MEM_FENCE);
-  place = 0;
-  if (from < to) {
-    for (uint i = 0; i < lane; ++i) place += c->begin[i];
+  otgSpreadChoice(records, count, regions, places, c, s);
+  for (uint i = lane; i < count; i += OTG_GROUP) {
+    if (s->nearest[i] == OTG_TAKEN) atomic_or(c->taken + i / 32, 1u << i % 32);
   }
-  for (uint i = from; i < to; ++i) {
-    if (c->nearest[i] != OTG_TAKEN) continue;
-    const ulong mine = otgIdsOf(l->records + c->root[i]);
-    uint region = 0;
-    for (uint j = 0; j < regions; ++j) region += c->ids[j] < mine;
-    chosen[place++] = (uint2)(c->hit[i], region);
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (uint i = lane; i < count; i += OTG_GROUP) {
+    if (!(c->taken[i / 32] >> i % 32 & 1)) continue;
+    c->ranks.rank[otgTakenBefore(c, i)] = i;
   }
+  barrier(CLK_LOCAL_MEM_FENCE);
   return min(count, places);
 }
 
-/// A chosen contact as the host has it: triangles in their callers' numbers.
-inline static void otgWriteChosen(const otg_links* l, __global const float4* meshes,
-                                  __global const otg_pair_state* state, uint2 chosen,
-                                  __global otg_chosen_contact* out) {
-  __global const otg_contact_record* r = l->records + chosen.x;
+/// A contact as the host has it: triangles in their callers' numbers.
+inline static void otgWriteContact(__global const otg_contact_record* r, uint region, __global const float4* meshes,
+                                   uint ringsA, uint ringsB, __global otg_chosen_contact* out) {
   for (int k = 0; k < 3; ++k) {
     out->position[k] = r->position[k];
     out->normal[k] = r->normal[k];
   }
   out->depth = r->depth;
-  out->triangleA = as_uint(meshes[state->ringsA + r->a].w);
-  out->triangleB = as_uint(meshes[state->ringsB + r->b].w);
-  out->region = chosen.y;
+  out->triangleA = as_uint(meshes[ringsA + r->a].w);
+  out->triangleB = as_uint(meshes[ringsB + r->b].w);
+  out->region = region;
   out->feature = (uint)r->kind;
   out->element = OTG_NOT_THERE;
   out->ordinal = 0;
   out->coherence = -1;
+}
+
+/// The `count` contacts of a choice.
+inline static void otgWriteChoice(__local const otg_choice* c, uint count, __global const otg_contact_record* records,
+                                  __global const float4* meshes, uint ringsA, uint ringsB,
+                                  __global otg_chosen_contact* out) {
+  for (uint k = get_local_id(0); k < count; k += OTG_GROUP) {
+    const uint i = c->ranks.order[c->ranks.rank[k]];
+    otgWriteContact(records + c->hit[i], c->region[i], meshes, ringsA, ringsB, out + k);
+  }
 }
 
 #endif  // OTG_CONTACT_CHOOSE_H

@@ -12,13 +12,15 @@
 #undef OTG_REAL_DOUBLE
 #endif
 
-/// Where the lists of the choice are. `capacity`: places in the list of hits; a table has at least twice as many slots,
-/// of which a query uses as few as it needs.
+/// Where the lists of the choice are. `capacity`: places in the list of hits; a table has four times as many slots, of
+/// which a query uses as few as it needs. Entries of tables are a hit's number plus one, with bits of the hash above.
 typedef struct {
   __global const otg_contact_record* records;
   __global uint* links;
-  __global uint* pairTable;
-  __global uint* binTable;
+  __global uint* pairTable;  ///< of pairs of triangles
+  __global uint* binTable;   ///< of bins: whoever came first
+  __global uint* binScore;   ///< the highest score of a bin: its upper half, plus one
+  __global uint* binBest;    ///< a hit plus one: the best of the bin, of those whose score is that
   uint capacity, mask;
 } otg_links;
 
@@ -29,7 +31,7 @@ inline static __global uint* otgLink(const otg_links* l, uint what, uint hit) {
 /// Slots minus one for so many hits.
 inline static uint otgTableMask(uint hits) {
   uint mask = 63;
-  while (mask + 1 < 2 * hits) mask = 2 * mask + 1;
+  while (mask + 1 < 4 * hits) mask = 2 * mask + 1;
   return mask;
 }
 
@@ -40,9 +42,29 @@ inline static otg_links otgLinksOf(__global const uint* counters, __global uchar
   l.links = links;
   l.pairTable = tables;
   l.binTable = tables + tableSize;
+  l.binScore = tables + 2 * (size_t)tableSize;
+  l.binBest = tables + 3 * (size_t)tableSize;
   l.capacity = capacity;
   l.mask = otgTableMask(min(counters[OTG_COUNT_HITS], capacity));
   return l;
+}
+
+/// Empties what a query used of two tables. Lane `begin` of `step`.
+inline static void otgEmptyTables(__global uint* first, __global uint* second, uint mask, size_t begin, size_t step) {
+  const uint4 nothing = (uint4)(0, 0, 0, 0);
+  for (size_t i = begin; i < (mask + 1) / 4; i += step) {
+    ((__global uint4*)first)[i] = nothing;
+    ((__global uint4*)second)[i] = nothing;
+  }
+}
+
+/// The first two words of a record, in one read.
+inline static uint2 otgTrianglesOf(__global const otg_contact_record* r) {
+  return *(__global const uint2*)r;
+}
+
+inline static int otgLess(uint2 x, uint2 y) {
+  return x.x < y.x || (x.x == y.x && x.y < y.y);
 }
 
 /// Floats as unsigned integers in the same order (-0 below +0).
@@ -75,10 +97,6 @@ inline static uint otgFind(const otg_links* l, uint hit) {
   return hit;
 }
 
-inline static int otgLessRecord(__global const otg_contact_record* x, __global const otg_contact_record* y) {
-  return x->a < y->a || (x->a == y->a && x->b < y->b);
-}
-
 /// Roots are hung below roots of smaller pairs of triangles only, so the root of a region is its smallest pair, in
 /// whatever order that happens.
 inline static void otgUnite(const otg_links* l, uint x, uint y) {
@@ -86,63 +104,61 @@ inline static void otgUnite(const otg_links* l, uint x, uint y) {
     x = otgFind(l, x);
     y = otgFind(l, y);
     if (x == y) return;
-    const int xFirst = otgLessRecord(l->records + x, l->records + y);
+    const int xFirst = otgLess(otgTrianglesOf(l->records + x), otgTrianglesOf(l->records + y));
     const uint low = xFirst ? x : y, high = xFirst ? y : x;
     if (atomic_cmpxchg(otgLink(l, OTG_LINK_PARENT, high), high, low) == high) return;
   }
 }
 
-/// The hit of these triangles, or OTG_NOT_THERE.
-inline static uint otgLookUp(const otg_links* l, uint pair, uint a, uint b) {
-  for (uint slot = otgHashPair(pair, a, b) & l->mask;; slot = (slot + 1) & l->mask) {
+/// Unites a hit with the one of these triangles of the same pair of meshes, if there is one.
+inline static void otgUniteWithHit(const otg_links* l, uint hit, uint pair, uint2 triangles) {
+  const uint hash = otgHashPair(pair, triangles.x, triangles.y);
+  for (uint slot = hash & l->mask;; slot = (slot + 1) & l->mask) {
     const uint entry = l->pairTable[slot];
-    if (entry == 0) return OTG_NOT_THERE;
-    __global const otg_contact_record* r = l->records + (entry - 1);
-    if (r->a == a && r->b == b && r->pair == pair) return entry - 1;
-  }
-}
-
-/// The half-edge after `g` in the ring of half-edge `h`; `h` when that was the last.
-inline static uint otgNextOnEdge(__global const uint* rings, uint h, uint g) {
-  const uint next = rings[4 * (g / 3) + g % 3];
-  // With two in the ring the second need not be asked for the first.
-  if (g != h && (next & OTG_RING_TWIN)) return h;
-  return next & OTG_RING_HALF_EDGE;
-}
-
-/// Unites the hit with those hits of greater numbers whose triangle of A is a2 and whose triangle of B equals or shares
-/// an edge with the hit's.
-inline static void otgUniteAlongB(const otg_links* l, __global const uint* ringsB, uint hit, uint pair, uint a, uint b,
-                                  uint a2) {
-  if (a2 < a) return;
-  if (a2 > a) {
-    const uint other = otgLookUp(l, pair, a2, b);
-    if (other != OTG_NOT_THERE) otgUnite(l, hit, other);
-  }
-  for (uint k = 0; k < 3; ++k) {
-    const uint h = 3 * b + k;
-    for (uint g = otgNextOnEdge(ringsB, h, h); g != h; g = otgNextOnEdge(ringsB, h, g)) {
-      const uint b2 = g / 3;
-      if (a2 == a && b2 < b) continue;
-      const uint other = otgLookUp(l, pair, a2, b2);
-      if (other != OTG_NOT_THERE) otgUnite(l, hit, other);
-    }
-  }
-}
-
-/// One of four shares of a hit's unions: by the triangle of A itself (0) or over one of its edges (1 to 3).
-inline static void otgUniteShare(const otg_links* l, __global const uint* ringsA, __global const uint* ringsB, uint hit,
-                                 uint share) {
-  __global const otg_contact_record* r = l->records + hit;
-  if (share == 0) {
-    otgUniteAlongB(l, ringsB, hit, r->pair, r->a, r->b, r->a);
+    if (entry == 0) return;
+    if (((entry ^ hash) & ~l->mask) != 0) continue;
+    const uint other = (entry & l->mask) - 1;
+    const uint2 found = otgTrianglesOf(l->records + other);
+    if (found.x != triangles.x || found.y != triangles.y || l->records[other].pair != pair) continue;
+    otgUnite(l, hit, other);
     return;
   }
-  const uint h = 3 * r->a + share - 1;
-  for (uint g = otgNextOnEdge(ringsA, h, h); g != h; g = otgNextOnEdge(ringsA, h, g)) {
-    otgUniteAlongB(l, ringsB, hit, r->pair, r->a, r->b, g / 3);
-  }
 }
+
+/// What the ring of edges says of edge `edge` - 1 of a triangle: the next half-edge of the same edge, and OTG_RING_TWIN
+/// if that is the only other one. Edge 0 stands for the triangle itself.
+inline static uint otgRingOf(__global const uint* rings, uint triangle, uint edge) {
+  return edge == 0 ? 3 * triangle | OTG_RING_TWIN : rings[4 * triangle + edge - 1];
+}
+
+/// Where the ring ends: the half-edge that it began at. Edge 0 is left by the flag.
+inline static uint otgRingEnd(uint triangle, uint edge) {
+  return edge == 0 ? OTG_RING_HALF_EDGE : 3 * triangle + edge - 1;
+}
+
+/// Does `what` with each `other`: one of the sixteen shares of the neighbours of a hit of triangles `own` that have
+/// greater numbers. Triangles that A's triangle itself (`edgeA` 0) or one of its edges (1 to 3) leads to, with those
+/// that B's leads to in the same way. A macro, because tables are in global memory for some and in local memory for
+/// others.
+#define OTG_FOR_NEIGHBOURS(ringsA, ringsB, own, edgeA, edgeB, what)                                \
+  do {                                                                                             \
+    const uint endA = otgRingEnd(own.x, edgeA), endB = otgRingEnd(own.y, edgeB);                   \
+    const uint firstA = otgRingOf(ringsA, own.x, edgeA), firstB = otgRingOf(ringsB, own.y, edgeB); \
+    for (uint ringA = firstA;; ringA = ringsA[4 * (ringA / 3) + ringA % 3]) {                      \
+      const uint twinA = ringA & OTG_RING_TWIN;                                                    \
+      ringA &= OTG_RING_HALF_EDGE;                                                                 \
+      if (ringA == endA) break;                                                                    \
+      for (uint ringB = firstB;; ringB = ringsB[4 * (ringB / 3) + ringB % 3]) {                    \
+        const uint twinB = ringB & OTG_RING_TWIN;                                                  \
+        ringB &= OTG_RING_HALF_EDGE;                                                               \
+        if (ringB == endB) break;                                                                  \
+        const uint2 other = (uint2)(ringA / 3, ringB / 3);                                         \
+        if (otgLess(own, other)) what;                                                             \
+        if (twinB) break;                                                                          \
+      }                                                                                            \
+      if (twinA) break;                                                                            \
+    }                                                                                              \
+  } while (0)
 
 inline static int otgIsContact(int kind) {
   return kind == OTG_RECORD_FACE_A || kind == OTG_RECORD_FACE_B || kind == OTG_RECORD_COPLANAR;
@@ -161,36 +177,59 @@ inline static otg_vec3_d otgNormalOf(__global const otg_contact_record* r) {
   return otgVec_d(r->normal[0], r->normal[1], r->normal[2]);
 }
 
-/// Puts the contact of a hit into the table of bins. A slot holds the best so far, so who comes last does not matter.
-inline static void otgEnterBin(const otg_links* l, __global const otg_pair_state* state, const otg_reduction* how,
-                               uint hit) {
-  __global const otg_contact_record* mine = l->records + hit;
+/// Bin and score of a hit's contact.
+inline static ulong otgBinOfHit(const otg_links* l, __global const otg_pair_state* state, const otg_reduction* how,
+                                uint hit, double* score) {
   float low[3], high[3];
-  double score;
   for (int k = 0; k < 3; ++k) {
     low[k] = otgUnordered(state->low[k]);
     high[k] = otgUnordered(state->high[k]);
   }
-  const ulong bin = otgBinOf_d(otgPositionOf(mine), otgNormalOf(mine), low, high, how->bins, &score);
-  for (uint slot = otgHashPair(mine->pair, (uint)(bin >> 32), (uint)bin) & l->mask;; slot = (slot + 1) & l->mask) {
+  return otgBinOf_d(otgPositionOf(l->records + hit), otgNormalOf(l->records + hit), low, high, how->bins, score);
+}
+
+/// Finds the slot of the hit's bin, which is that of whoever came first, and raises the bin's score.
+inline static void otgEnterBin(const otg_links* l, __global const otg_pair_state* state, const otg_reduction* how,
+                               uint hit, uint pair) {
+  double score;
+  const ulong bin = otgBinOfHit(l, state, how, hit, &score);
+  const uint hash = otgHashPair(pair, (uint)(bin >> 32), (uint)bin), mine = (hash & ~l->mask) | (hit + 1);
+  const uint upper = (uint)(as_ulong(score) >> 32) + 1;  // scores are not negative: in the order of their bits
+  for (uint slot = hash & l->mask;; slot = (slot + 1) & l->mask) {
     uint entry = l->binTable[slot];
-    for (;;) {
-      if (entry != 0) {
-        __global const otg_contact_record* other = l->records + (entry - 1);
-        double otherScore;
-        if (other->pair != mine->pair ||
-            otgBinOf_d(otgPositionOf(other), otgNormalOf(other), low, high, how->bins, &otherScore) != bin) {
-          break;  // another bin's
-        }
-        if (otherScore > score || (otherScore == score && otgLessRecord(other, mine))) return;
+    if (entry == 0) entry = atomic_cmpxchg(l->binTable + slot, 0, mine);
+    if (entry != 0) {
+      const uint other = (entry & l->mask) - 1;
+      double ignored;
+      if (((entry ^ hash) & ~l->mask) != 0 || l->records[other].pair != pair ||
+          otgBinOfHit(l, state, how, other, &ignored) != bin) {
+        continue;  // another bin's
       }
-      const uint before = atomic_cmpxchg(l->binTable + slot, entry, hit + 1);
-      if (before == entry) {
-        *otgLink(l, OTG_LINK_BIN_SLOT, hit) = slot;
-        return;
-      }
-      entry = before;
     }
+    if (upper > *(volatile __global uint*)(l->binScore + slot)) atomic_max(l->binScore + slot, upper);
+    *otgLink(l, OTG_LINK_BIN_SLOT, hit) = slot;
+    *otgLink(l, OTG_LINK_SCORE, hit) = upper;
+    return;
+  }
+}
+
+/// Whether the hit may be the best of its bin, as which it is entered then. When all have been asked, the bin has the
+/// one that is.
+inline static int otgMayBeBest(const otg_links* l, __global const otg_pair_state* state, const otg_reduction* how,
+                               uint hit) {
+  const uint slot = *otgLink(l, OTG_LINK_BIN_SLOT, hit);
+  if (l->binScore[slot] != *otgLink(l, OTG_LINK_SCORE, hit)) return 0;
+  for (uint entry = 0;;) {
+    const uint before = atomic_cmpxchg(l->binBest + slot, entry, hit + 1);
+    if (before == entry) return 1;
+    double score, otherScore;
+    otgBinOfHit(l, state, how, hit, &score);
+    otgBinOfHit(l, state, how, before - 1, &otherScore);
+    if (otherScore > score ||
+        (otherScore == score && otgLess(otgTrianglesOf(l->records + before - 1), otgTrianglesOf(l->records + hit)))) {
+      return 0;
+    }
+    entry = before;
   }
 }
 
@@ -206,15 +245,12 @@ inline static void otgEnterHit(const otg_links* l, __global otg_pair_state* stat
   __global const otg_contact_record* r = l->records + hit;
   __global otg_pair_state* state = states + r->pair;
   *otgLink(l, OTG_LINK_PARENT, hit) = hit;
-  *otgLink(l, OTG_LINK_FIRST, hit) = OTG_NOT_THERE;
   *otgLink(l, OTG_LINK_MARK, hit) = 0;
-  *otgLink(l, OTG_LINK_PAIR_SLOT, hit) = OTG_NOT_THERE;
-  *otgLink(l, OTG_LINK_BIN_SLOT, hit) = OTG_NOT_THERE;
   if (r->kind == OTG_RECORD_OPEN) atomic_or(flags + r->pair, OTG_PAIR_TO_HOST);
   if (!otgIntersects(r->kind)) return;
-  uint slot = otgHashPair(r->pair, r->a, r->b) & l->mask;
-  while (atomic_cmpxchg(l->pairTable + slot, 0, hit + 1) != 0) slot = (slot + 1) & l->mask;
-  *otgLink(l, OTG_LINK_PAIR_SLOT, hit) = slot;
+  const uint hash = otgHashPair(r->pair, r->a, r->b);
+  uint slot = hash & l->mask;
+  while (atomic_cmpxchg(l->pairTable + slot, 0, (hash & ~l->mask) | (hit + 1)) != 0) slot = (slot + 1) & l->mask;
 #if OTG_SINGLE
   atomic_inc(&tally->intersecting);
 #else

@@ -4,7 +4,7 @@
 //
 // No kernel waits for another work-group, and the host decides nothing in between: each kernel reads on the device how
 // much there is to do. OTG_GROUP is the size of work-groups, a multiple of 64.
-#include "pair_walk.h"
+#include "pair_stack.h"
 //
 #include "pair_state.h"
 
@@ -138,48 +138,34 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairLevel(
   if (lane == 0 && tests) otgCount(counters + OTG_COUNT_BOX_TESTS, tests);
 }
 
-/// Triangle `i` of A's leaf against triangle `j` of B's, if they have so many. Returns the number of tests.
-inline static uint otgTestLeaves(const otg_device_pair* pair, __global const float4* meshes, uint2 nodes, uint i,
-                                 uint j, __global uint* counters, __global uint2* hits, uint hitCapacity) {
-  const otg_node a = otgLoadNode(meshes, pair->a.nodes, nodes.x), b = otgLoadNode(meshes, pair->b.nodes, nodes.y);
-  if ((int)i >= -a.count || (int)j >= -b.count) return 0;
-  const uint placeA = (uint)a.first + i, placeB = (uint)b.first + j;
-  const int answer = otgTestTriangles(meshes, pair, placeA, placeB);
-  if (answer != OTG_DISJOINT) {
-    const uint slot = otgTakeHit(counters, answer);
-    if (slot < hitCapacity) hits[slot] = (uint2)(placeA | (answer == OTG_UNDECIDED ? OTG_HIT_UNDECIDED : 0), placeB);
-  }
-  return 1;
+/// Tests triangles and lists those that may intersect.
+inline static void otgTestAndList(__global const float4* meshes, const otg_device_pair* pair, uint2 nodes, uint t,
+                                  __global uint* counters, __global uint2* hits, uint hitCapacity, uint* tested) {
+  uint2 hit;
+  const int answer = otgTestLeaves(meshes, pair, nodes, t, &hit, tested);
+  if (answer == OTG_DISJOINT) return;
+  const uint slot = otgTakeHit(counters, answer);
+  if (slot < hitCapacity) hits[slot] = hit;
 }
 
-/// What the two levels leave, depth-first: eight lanes open the larger box of one pair. A work-group takes as many
-/// pairs off its stack at once as the stack has room for what may come of them; at least one, for which room of eight
-/// times the depth of both trees is kept free. So the stack never overflows. `stackSize` counts pairs of nodes.
+/// What `level` levels leave (counters[level] pairs), depth-first: see otgWalkRound.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairTail(
-    const otg_device_pair pair, __global const float4* restrict meshes, __global uint* restrict counters,
+    const otg_device_pair pair, __global const float4* restrict meshes, __global uint* restrict counters, uint level,
     __global const uint2* restrict seeds, uint seedCapacity, __global const uint2* restrict leaves, uint leafCapacity,
     __global uint2* restrict hits, uint hitCapacity, uint stackSize, __local uint2* stack) {
-  __local uint2 ended[3 * OTG_GROUP];
-  __local uint pushed, endedCount, boxTests, triangleTests, firstSeed;
+  __local otg_walk walk;
+  __local uint firstSeed;
   const uint lane = get_local_id(0), lanesPerLeaf = OTG_LEAF * OTG_LEAF;
-  const uint seedCount = min(counters[OTG_COUNT_LEVEL2], seedCapacity);
+  const uint seedCount = min(counters[level], seedCapacity);
   const uint leafCount = min(counters[OTG_COUNT_LEAVES], leafCapacity);
-  const uint roomForOne = 8 * (pair.a.depth + pair.b.depth) + 8;
-  const uint mostAtOnce = OTG_GROUP / 8;
   // Few seeds for many groups: one at a time, else the unlucky group decides the time. Many: several for one ticket.
-  const uint perTicket = clamp(seedCount / (4 * (uint)get_num_groups(0)), 1u, mostAtOnce);
+  const uint perTicket = clamp(seedCount / (4 * (uint)get_num_groups(0)), 1u, (uint)(OTG_GROUP / 8));
   uint tested = 0, stacked = 0;
   int more = 1, firstTicket = 1;
-  if (lane == 0) {
-    endedCount = 0;
-    boxTests = 0;
-    triangleTests = 0;
-    pushed = 0;
-  }
+  otgBeginWalk(&walk);
   // The leaves that the levels met.
   for (uint t = get_global_id(0); t < leafCount * lanesPerLeaf; t += get_global_size(0)) {
-    tested += otgTestLeaves(&pair, meshes, leaves[t / lanesPerLeaf], t % lanesPerLeaf / OTG_LEAF, t % OTG_LEAF,
-                            counters, hits, hitCapacity);
+    otgTestAndList(meshes, &pair, leaves[t / lanesPerLeaf], t % lanesPerLeaf, counters, hits, hitCapacity, &tested);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   // `more`, `stacked` and the loop itself are the same for all lanes of a group.
@@ -197,38 +183,17 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairTail(
       if (lane < stacked) stack[lane] = seeds[firstSeed + lane];
       barrier(CLK_LOCAL_MEM_FENCE);
     }
-    if (stacked > 0) {
-      const uint room = stackSize - roomForOne > stacked ? (stackSize - roomForOne - stacked) / 7 : 0;
-      const uint taken = min(stacked, clamp(room, 1u, mostAtOnce));
-      const uint base = stacked - taken, item = lane / 8, k = lane % 8;
-      uint2 nodes = (uint2)(0, 0);
-      if (item < taken) nodes = stack[base + item];
-      barrier(CLK_LOCAL_MEM_FENCE);  // all have read before any writes
-      if (item < taken) {
-        uint children;
-        const int found = otgOpen(meshes, &pair, &nodes, k, &children);
-        if (k == 0) atomic_add(&boxTests, children);
-        if (found == 1) stack[base + atomic_inc(&pushed)] = nodes;
-        if (found == 2) ended[atomic_inc(&endedCount)] = nodes;
-      }
-      barrier(CLK_LOCAL_MEM_FENCE);
-      stacked = base + pushed;
-      barrier(CLK_LOCAL_MEM_FENCE);
-      if (lane == 0) pushed = 0;
-    }
+    if (stacked > 0) stacked = otgWalkRound(meshes, &pair, &walk, stack, stackSize, stacked);
     // Triangles when all lanes have some to test, or there is nothing else left to do.
-    if (endedCount >= 2 * OTG_GROUP || (!more && stacked == 0)) {
-      for (uint t = lane; t < endedCount * lanesPerLeaf; t += OTG_GROUP) {
-        tested += otgTestLeaves(&pair, meshes, ended[t / lanesPerLeaf], t % lanesPerLeaf / OTG_LEAF, t % OTG_LEAF,
-                                counters, hits, hitCapacity);
+    if (walk.endedCount >= 2 * OTG_GROUP || (!more && stacked == 0)) {
+      for (uint t = lane; t < walk.endedCount * lanesPerLeaf; t += OTG_GROUP) {
+        otgTestAndList(meshes, &pair, walk.ended[t / lanesPerLeaf], t % lanesPerLeaf, counters, hits, hitCapacity,
+                       &tested);
       }
       barrier(CLK_LOCAL_MEM_FENCE);
-      if (lane == 0) endedCount = 0;
+      if (lane == 0) walk.endedCount = 0;
     }
     barrier(CLK_LOCAL_MEM_FENCE);
   }
-  if (tested) atomic_add(&triangleTests, tested);
-  barrier(CLK_LOCAL_MEM_FENCE);
-  if (lane == 0 && boxTests) otgCount(counters + OTG_COUNT_BOX_TESTS, boxTests);
-  if (lane == 0 && triangleTests) otgCount(counters + OTG_COUNT_TRIANGLE_TESTS, triangleTests);
+  otgEndWalk(&walk, tested, counters);
 }

@@ -19,6 +19,8 @@ inline static void otgResetState(__global otg_pair_state* state, uint reduction,
   state->kept = 0;
   state->roots = 0;
   state->count = 0;
+  state->hits = 0;
+  state->firstHit = 0;
 }
 
 /// The flags that a pair begins with.

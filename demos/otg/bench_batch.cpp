@@ -69,6 +69,16 @@ const std::map<std::string, std::uint32_t opencl::Tuning::*>& tuningKeys() {
                                                                       {"contactPlaces", &Tuning::contactPlaces},
                                                                       {"readMode", &Tuning::readMode},
                                                                       {"flushes", &Tuning::flushes},
+                                                                      {"levels", &Tuning::levels},
+                                                                      {"levelTriangles", &Tuning::levelTriangles},
+                                                                      {"fewHits", &Tuning::fewHits},
+                                                                      {"fewGroup", &Tuning::fewGroup},
+                                                                      {"pieces", &Tuning::pieces},
+                                                                      {"leastPiece", &Tuning::leastPiece},
+                                                                      {"smallHits", &Tuning::smallHits},
+                                                                      {"mediumHits", &Tuning::mediumHits},
+                                                                      {"smallGroup", &Tuning::smallGroup},
+                                                                      {"mediumGroup", &Tuning::mediumGroup},
                                                                       {"stackRoom", &Tuning::stackRoom},
                                                                       {"recordsExpected", &Tuning::recordsExpected}};
   return keys;
@@ -149,6 +159,16 @@ class StageMedians {
  private:
   std::vector<opencl::StageTimes> all_;
 };
+
+/// Of all contacts, in the order of the queries.
+std::string hashInOrder(const opencl::BatchAnswer& answer) {
+  std::vector<Contact> all;
+  for (std::size_t i = 0; i < answer.size(); ++i) {
+    const std::span<const Contact> some = answer.of(i);
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  return hashOf(all);
+}
 
 std::string sameOrNot(bool same) {
   return same ? "same" : "DIFFERENT";
@@ -386,8 +406,8 @@ void addDeviceBatchRows(const BenchOptions& options, const BatchVersions& scene,
   };
   add(
       "contacts", [&](opencl::StageTimes* times) { backend.collideBatch(batch, answer, times); },
-      [&](std::size_t i) { return hashOf(answer.contacts) == scene.hashes[i]; }, scene.hashes[0]);
-  rows.back()["contacts"] = answer.contacts.size();
+      [&](std::size_t i) { return hashInOrder(answer) == scene.hashes[i]; }, scene.hashes[0]);
+  rows.back()["contacts"] = answer.contactCount();
   rows.back()["intersecting_pairs"] = answer.stats.intersectingPairs;
   Fnv1a bits;
   bits.add(scene.intersects[0].data(), scene.intersects[0].size());
@@ -397,7 +417,7 @@ void addDeviceBatchRows(const BenchOptions& options, const BatchVersions& scene,
   // The same from an array of queries, each with options of its own.
   std::vector<double> times;
   backend.collideBatch(scene.queries, answer);
-  const bool same = hashOf(answer.contacts) == scene.hashes[0];
+  const bool same = hashInOrder(answer) == scene.hashes[0];
   for (int i = 0; i < repeat; ++i) times.push_back(timeOnce([&] { backend.collideBatch(scene.queries, answer); }));
   Json row = batchRow(scene, "contacts, queries", "opencl", 1, times, scene.hashes[0], same);
   row["tuning"] = variant.name;

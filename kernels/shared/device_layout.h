@@ -102,7 +102,7 @@ typedef struct {
   otg_uint contacts;         ///< before reduction
   otg_uint kept, roots;      ///< contacts after reduction, regions that have contacts
   otg_uint count;            ///< contacts in the end
-  otg_uint unused[2];
+  otg_uint hits, firstHit;   ///< of a batch: how many, and where they are in the list if they lie side by side
 } otg_pair_state;
 
 /// Flags of a pair in the results.
@@ -111,17 +111,18 @@ enum {
   OTG_PAIR_TO_HOST = 2,     ///< the host has to finish it, from its records
   OTG_PAIR_NO_FRAME = 4,    ///< too large for single precision: the host has to do all of it (with OTG_PAIR_TO_HOST)
   OTG_PAIR_INTERSECTS = 8,  ///< some pair of triangles does for certain
-  OTG_PAIR_SKIPPED = 16     ///< as otg_batch_task
+  OTG_PAIR_SKIPPED = 16,    ///< as otg_batch_task
+  OTG_PAIR_MANY = 32        ///< has more hits than one work-group keeps
 };
+#define OTG_PAIR_LEFT_OUT (OTG_PAIR_REFUSED | OTG_PAIR_TO_HOST | OTG_PAIR_SKIPPED)
 
 /// What the choice needs to know of each hit, one array after the other, each as long as the list of hits.
 enum {
-  OTG_LINK_PARENT = 0,     ///< union-find over hits of one region; the root is the smallest pair of triangles
-  OTG_LINK_FIRST = 1,      ///< of a root: smallest rank of a kept contact of the region
-  OTG_LINK_MARK = 2,       ///< of a root: 1 if the region is in the list of regions with contacts
-  OTG_LINK_PAIR_SLOT = 3,  ///< the hit's slot in the table of pairs of triangles
-  OTG_LINK_BIN_SLOT = 4,   ///< the hit's slot in the table of bins, if it ever was the best of its bin
-  OTG_LINKS = 5
+  OTG_LINK_PARENT = 0,    ///< union-find over hits of one region; the root is the smallest pair of triangles
+  OTG_LINK_MARK = 1,      ///< of a root: 1 if the region is in the list of regions with contacts
+  OTG_LINK_BIN_SLOT = 2,  ///< of a contact: the slot of its bin
+  OTG_LINK_SCORE = 3,     ///< of a contact: the upper half of its score in the bin, plus one
+  OTG_LINKS = 4
 };
 #define OTG_NOT_THERE 0xffffffffu
 
@@ -134,7 +135,9 @@ typedef struct {
 /// zeroes them for the next one.
 enum {
   OTG_COUNT_LEVEL0 = 0,           ///< pairs of nodes left by the cut
+  OTG_COUNT_LISTED = 0,           ///< of a batch: pairs with more hits than the first kernel of batch_reduce.cl takes
   OTG_COUNT_LEVEL1 = 1,           ///< by the first level
+  OTG_COUNT_MANY = 1,             ///< of a batch: pairs with OTG_PAIR_MANY
   OTG_COUNT_LEVEL2 = 2,           ///< by the second level
   OTG_COUNT_LEAVES = 3,           ///< pairs of leaves that these three found
   OTG_COUNT_HITS = 4,             ///< pairs of triangles that intersect or that single precision cannot decide
@@ -154,12 +157,17 @@ enum {
 
 /// Bytes before the results: the first counters.
 #define OTG_RESULT_HEAD 64
+#define OTG_COUNTERS_READ (OTG_RESULT_HEAD / 4)
 
 /// Where the flags of pairs begin in results that have them, seen as words.
 #define OTG_FLAGS (OTG_RESULT_HEAD / 4)
 
-/// Bytes before the chosen contacts of so many pairs: the head, a flag for each pair, one place more than pairs.
-#define OTG_RESULT_CONTACTS(pairs) ((OTG_RESULT_HEAD + 4 * (2 * (pairs) + 1) + 7) / 8 * 8)
+/// Bytes before the chosen contacts of so many pairs: the head, a flag for each pair, the place of its first contact
+/// and how many it has.
+#define OTG_RESULT_CONTACTS(pairs) ((OTG_RESULT_HEAD + 4 * 3 * (pairs) + 7) / 8 * 8)
+
+/// The word in which a pair's place is; the next one is the number of its contacts.
+#define OTG_PLACE(pairs, pair) (OTG_FLAGS + (pairs) + 2 * (pair))
 
 /// What became of a hit. The first four are the kinds of contact of pairwise_contact.h.
 enum {

@@ -2,7 +2,9 @@
 #include "dispatch/batch_run.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <memory>
 #include <system_error>
 #include <thread>
 
@@ -16,16 +18,22 @@ namespace {
 class BatchRun {
  public:
   BatchRun(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>>& devices,
-           std::span<const PairJob* const> jobs, std::span<PairResult> results)
-      : pool_(pool), devices_(devices), jobs_(jobs), results_(results), slotOf_(jobs.size(), nullptr) {}
+           std::span<const PairJob* const> jobs, std::span<PairResult> results, bool takesOver)
+      : pool_(pool),
+        devices_(devices),
+        jobs_(jobs),
+        results_(results),
+        takesOver_(takesOver),
+        slotOf_(jobs.size(), nullptr) {}
 
   PairCounts run() {
     deal();
     std::vector<std::thread> threads;
+    start_ = Clock::now();
     for (std::size_t d = 0; d < blocks_.size(); ++d) {
       if (blocks_[d].empty()) continue;
       try {
-        threads.emplace_back([this, d] { runBlock(*devices_[d], blocks_[d]); });
+        threads.emplace_back([this, d] { runDevice(*devices_[d], blocks_[d]); });
       } catch (const std::system_error&) {  // no thread to be had: this one does it before its own work
         runBlock(*devices_[d], blocks_[d]);
       }
@@ -39,6 +47,7 @@ class BatchRun {
     for (std::thread& thread : threads) thread.join();
     if (!leftOver_.empty()) {  // what a device that was switched off meanwhile had not begun
       singles_ = std::move(leftOver_);
+      claimed_.clear();
       runSingles();
     }
     PairCounts sums = blockCounts_;
@@ -48,6 +57,7 @@ class BatchRun {
 
  private:
   using Indices = std::vector<std::size_t>;
+  using Clock = std::chrono::steady_clock;
 
   static double hostCost(const PairJob& job, const CostModel& costs, double work) {
     return (contactsOnDevice(job) ? costs.hostPairwise : costs.hostSolid).of(work);
@@ -104,12 +114,20 @@ class BatchRun {
                            bound.begin() + static_cast<std::ptrdiff_t>(end));
       begin = end;
     }
-    singles_.insert(singles_.end(), bound.begin() + static_cast<std::ptrdiff_t>(begin), bound.end());
+    open_.assign(bound.begin() + static_cast<std::ptrdiff_t>(begin), bound.end());
+    openWork_.assign(work.begin() + static_cast<std::ptrdiff_t>(begin), work.end());
+    singles_.insert(singles_.end(), open_.begin(), open_.end());
+    if (takesOver_ && !open_.empty()) claimed_ = std::vector<std::atomic<bool>>(jobs_.size());
+    hostBusy_ = hostBusy;
   }
+
+  /// Whether the caller is the one to do job `i`: the first that asks is.
+  bool claim(std::size_t i) { return claimed_.empty() || !claimed_[i].exchange(true, std::memory_order_relaxed); }
 
   /// By the pool's threads, one pair at a time.
   void runSingles() {
     runByPool(pool_, jobs_, singles_, [this](std::size_t i, Workspace& workspace) {
+      if (!claim(i)) return;
       const PairJob& job = *jobs_[i];
       PairResult& result = results_[i];
       keepOutcome(result, workspace, [&] {
@@ -124,7 +142,56 @@ class BatchRun {
     });
   }
 
-  /// A device's block, in one call.
+  /// A device's block, and then what it takes over from the CPU.
+  void runDevice(DeviceSlot& slot, const Indices& block) noexcept {
+    const auto begin = Clock::now();
+    runBlock(slot, block);
+    try {
+      // How much slower than expected the device was, and the CPU until now; not more than a little quicker.
+      double expected = slot.costs.batchLaunch;
+      for (const std::size_t i : block) expected += slot.costs.batchPair.of(expectedWork(jobs_[i]->query));
+      const double slower = std::max(0.5, microseconds(begin) / std::max(expected, 1.0));
+      while (!claimed_.empty() && !slot.isOff) {
+        const Indices more = takeOver(slot, slower);
+        if (more.empty()) return;
+        runBlock(slot, more);
+      }
+    } catch (...) {  // no memory: the CPU does the rest
+    }
+  }
+
+  /// A part of the open pairs that the CPU has not begun, from the end on: see shareToTake.
+  Indices takeOver(const DeviceSlot& slot, double slower) {
+    const std::lock_guard lock(takeOver_);
+    double all = 0, left = 0, forDevice = 0;
+    for (std::size_t k = 0; k < open_.size(); ++k) {
+      const double cost = slot.costs.hostPairwise.of(openWork_[k]);
+      all += cost;
+      if (claimed_[open_[k]].load(std::memory_order_relaxed)) continue;
+      left += cost;
+      forDevice += slower * slot.costs.batchPair.of(openWork_[k]);
+    }
+    const double done = all - left - takenCost_, elapsed = microseconds(start_);
+    double host = (left + hostBusy_) / slot.costs.speedup(pool_.threadCount());
+    // By the CPU's own pace, if it has had nothing else to do.
+    if (hostBusy_ == 0 && done > 0) host = left * elapsed / done;
+    const double share = shareToTake({host, forDevice, slower * slot.costs.batchLaunch});
+    Indices taken;
+    double cost = 0;
+    for (std::size_t k = open_.size(); k-- > 0 && cost < share * left;) {
+      if (!claim(open_[k])) continue;
+      cost += slot.costs.hostPairwise.of(openWork_[k]);
+      taken.push_back(open_[k]);
+    }
+    takenCost_ += cost;
+    return taken;
+  }
+
+  static double microseconds(Clock::time_point since) {
+    return std::chrono::duration<double, std::micro>(Clock::now() - since).count();
+  }
+
+  /// Pairs that a device does in one call.
   void runBlock(DeviceSlot& slot, const Indices& block) noexcept {
     try {
       if (slot.isOff) {
@@ -135,15 +202,16 @@ class BatchRun {
       std::vector<Query> queries;
       queries.reserve(block.size());
       for (const std::size_t i : block) queries.push_back(jobs_[i]->query);
-      opencl::BatchAnswer answer;
-      const auto start = std::chrono::steady_clock::now();
+      const auto shared = std::make_shared<opencl::BatchAnswer>();
+      opencl::BatchAnswer& answer = *shared;
+      const auto start = Clock::now();
       const bool good = slot.backend->collideBatch(queries, answer);
-      slot.blockMs = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+      if (slot.blockMs == 0) slot.blockMs = 1e-3 * microseconds(start);  // not of what it takes over
       slot.note(block.size(), good);
       for (std::size_t k = 0; k < block.size(); ++k) {
         PairResult& result = results_[block[k]];
-        const std::span<const Contact> contacts = answer.of(k);
-        result.contacts.assign(contacts.begin(), contacts.end());
+        result.contacts = answer.of(k);
+        result.memory = shared;
         result.onDevice = good;
         result.deviceFailed = !good;
       }
@@ -161,8 +229,15 @@ class BatchRun {
   const std::vector<std::shared_ptr<DeviceSlot>>& devices_;
   const std::span<const PairJob* const> jobs_;
   const std::span<PairResult> results_;
+  const bool takesOver_;
   Indices singles_;
-  std::vector<Indices> blocks_;      ///< one for each device
+  std::vector<Indices> blocks_;  ///< one for each device
+  Indices open_;                 ///< of the singles: those that a device may take over
+  std::vector<double> openWork_;
+  std::vector<std::atomic<bool>> claimed_;  ///< by job; empty if nobody takes over
+  std::mutex takeOver_;
+  double hostBusy_ = 0, takenCost_ = 0;
+  Clock::time_point start_;
   std::vector<DeviceSlot*> slotOf_;  ///< of singles that a device helps with
   std::mutex mutex_;
   Indices leftOver_;
@@ -172,8 +247,8 @@ class BatchRun {
 }  // namespace
 
 PairCounts runBatch(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>>& devices,
-                    std::span<const PairJob* const> jobs, std::span<PairResult> results) {
-  return BatchRun(pool, devices, jobs, results).run();
+                    std::span<const PairJob* const> jobs, std::span<PairResult> results, bool takesOver) {
+  return BatchRun(pool, devices, jobs, results, takesOver).run();
 }
 
 }  // namespace otg

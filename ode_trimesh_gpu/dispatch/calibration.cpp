@@ -10,6 +10,9 @@
 #include <memory>
 #include <numbers>
 
+#include "dispatch/thread_pool.h"
+#include "dispatch/workspace_lease.h"
+
 namespace otg {
 namespace {
 
@@ -55,6 +58,34 @@ double timeOf(int repeat, Work&& work) {
     least = std::min(least, std::chrono::duration<double, std::micro>(Clock::now() - start).count());
   }
   return least;
+}
+
+struct Parallel {
+  double threads = 1, speedup = 1;
+};
+
+/// How much more all threads do than one.
+Parallel measureThreads(const std::vector<Query>& queries) {
+  const unsigned threads = defaultThreadCount();
+  if (threads < 2 || queries.empty()) return {};
+  ThreadPool pool(threads);
+  Workspace workspace;
+  const double alone = timeOf(2, [&] {
+    for (const Query& query : queries) collide(query, workspace);
+  });
+  // So much work that starting the threads does not count: some milliseconds for each.
+  const std::size_t rounds =
+      threads * std::clamp<std::size_t>(static_cast<std::size_t>(3000 / std::max(alone, 1.0)), 1, 1000);
+  const double together = timeOf(2, [&] {
+    pool.run(rounds, 1, [&](std::size_t begin, std::size_t end) {
+      const WorkspaceLease lease;
+      for (std::size_t i = begin; i < end; ++i) {
+        for (const Query& query : queries) collide(query, *lease);
+      }
+    });
+  });
+  return {static_cast<double>(threads),
+          std::clamp(static_cast<double>(rounds) * alone / together, 1.0, static_cast<double>(threads))};
 }
 
 std::string processorName() {
@@ -104,18 +135,20 @@ std::optional<CostModel> measureCosts(opencl::Backend& backend) {
       if (!good) return std::nullopt;
     }
   }
-  // Batches of one kind of pair each: what a pair costs in it; and one that is all launch.
-  constexpr std::size_t kPairs = 128;
+  // Batches of one kind of pair each. As many pairs as keep every compute unit busy, because few pairs take as long as
+  // the largest of them; then what twice as many take longer.
+  const std::size_t pairs = std::clamp<std::size_t>(std::size_t{16} * backend.device().computeUnits, 64, 4096);
   const auto run = [&](const std::vector<Query>& queries) {
     good = backend.collideBatch(queries, answer) && good;
     return timeOf(kRepeat, [&] { good = backend.collideBatch(queries, answer) && good; });
   };
   const double one = run({small[0]});
   for (const Query& query : small) {
-    const double all = run(std::vector<Query>(kPairs, query));
-    batch.emplace_back(expectedWork(query), std::max(all - one, 0.01 * all) / kPairs);
+    const double some = run(std::vector<Query>(pairs, query)), all = run(std::vector<Query>(2 * pairs, query));
+    batch.emplace_back(expectedWork(query), std::max(all - some, 0.1 * all) / static_cast<double>(pairs));
     if (!good) return std::nullopt;
   }
+  const Parallel parallel = measureThreads(small);
   CostModel model;
   model.hostPairs = fitCost(hostPairs);
   model.hostPairwise = fitCost(hostPairwise);
@@ -124,11 +157,13 @@ std::optional<CostModel> measureCosts(opencl::Backend& backend) {
   model.devicePairwise = fitCost(devicePairwise);
   model.batchPair = fitCost(batch);
   model.batchLaunch = one;
+  model.hostThreads = parallel.threads;
+  model.hostSpeedup = parallel.speedup;
   return good && model.isSane() ? std::optional(model) : std::nullopt;
 }
 
 std::string costKey(const opencl::DeviceInfo& device) {
-  return "costs 1\n" + device.platform + "\n" + device.name + "\n" + device.version + "\n" + device.driver + "\n" +
+  return "costs 2\n" + device.platform + "\n" + device.name + "\n" + device.version + "\n" + device.driver + "\n" +
          (device.doubles ? "doubles" : "no doubles") + "\n" + processorName();
 }
 

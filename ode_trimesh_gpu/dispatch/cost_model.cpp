@@ -8,7 +8,7 @@
 namespace otg {
 namespace {
 
-constexpr char kMagic[8] = {'o', 't', 'g', 'c', 'o', 's', 't', '1'};
+constexpr char kMagic[8] = {'o', 't', 'g', 'c', 'o', 's', 't', '2'};
 
 /// The part of a surface that lies in a part of its box: areas go with the square of lengths.
 double surfaceIn(const double part[3], const double whole[3]) {
@@ -50,11 +50,19 @@ bool CostModel::isSane() const {
   for (const Cost* cost : {&hostPairs, &hostPairwise, &hostSolid, &devicePairs, &devicePairwise, &batchPair}) {
     if (!good(cost->fixed) || !good(cost->perTriangle) || !(cost->fixed + cost->perTriangle > 0)) return false;
   }
-  return good(batchLaunch);
+  return good(batchLaunch) && good(hostThreads) && hostThreads >= 1 && good(hostSpeedup) && hostSpeedup >= 1;
+}
+
+double CostModel::speedup(unsigned threads) const {
+  if (threads <= 1 || hostThreads <= 1) return 1;
+  // A line from one thread to as many as were measured. More than that are no quicker: they are as many as there are
+  // cores.
+  const double part = std::min(1.0, (threads - 1) / (hostThreads - 1));
+  return 1 + part * (hostSpeedup - 1);
 }
 
 std::vector<unsigned char> toBytes(const CostModel& model) {
-  static_assert(sizeof(CostModel) == 13 * sizeof(double));
+  static_assert(sizeof(CostModel) == 15 * sizeof(double));
   std::vector<unsigned char> bytes(sizeof kMagic + sizeof model);
   std::memcpy(bytes.data(), kMagic, sizeof kMagic);
   std::memcpy(bytes.data() + sizeof kMagic, &model, sizeof model);

@@ -29,10 +29,14 @@ struct CostModel {
   Cost devicePairs;        ///< middle and near phase of one pair, from call to return
   Cost devicePairwise;     ///< the whole query of one pair
   double batchLaunch = 0;  ///< of a batch of `pairwise` queries, however small
-  Cost batchPair;          ///< each pair of a batch
+  Cost batchPair;          ///< each pair of a batch that keeps the whole device busy
+  /// What `hostThreads` threads do at once, in units of what one does alone: they share memory and clock.
+  double hostThreads = 1, hostSpeedup = 1;
   friend bool operator==(const CostModel&, const CostModel&) = default;
 
-  /// All numbers are finite, none is negative, and no pair is free.
+  /// The same for any number of threads.
+  double speedup(unsigned threads) const;
+  /// All numbers are finite, none is negative, no pair is free, and more threads are not slower than one.
   bool isSane() const;
 };
 

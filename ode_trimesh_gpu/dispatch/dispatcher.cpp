@@ -95,7 +95,7 @@ void Dispatcher::run(std::size_t count, std::size_t grain, const ThreadPool::Wor
 }
 
 PairCounts Dispatcher::collideBatch(std::span<const PairJob* const> jobs, std::span<PairResult> results) {
-  return runBatch(*pool(), usableDevices(), jobs, results);
+  return runBatch(*pool(), usableDevices(), jobs, results, takesOver_);
 }
 
 Dispatcher& dispatcher() {

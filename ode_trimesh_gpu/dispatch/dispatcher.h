@@ -31,6 +31,10 @@ class Dispatcher {
   void setPlacement(Placement place) { place_ = place; }
   Placement placement() const { return place_; }
 
+  /// Whether devices that are done before the CPU take over what it has not begun (they do); without that a batch is
+  /// divided as planned.
+  void setTakeOver(bool takesOver) { takesOver_ = takesOver; }
+
   /// Opens these devices (numbers of opencl::listDevices(); one may be there several times, each with a context of its
   /// own) in place of those that were open, and measures their costs if they are not known. Devices that cannot be
   /// opened, or that fail meanwhile, are left out, which is logged. Returns how many are open. Throws std::bad_alloc.
@@ -69,7 +73,7 @@ class Dispatcher {
   unsigned threads_ = 0;
   std::shared_ptr<ThreadPool> pool_;  ///< made when first needed
   Slots devices_;
-  std::atomic<bool> hasDevices_{false};
+  std::atomic<bool> hasDevices_{false}, takesOver_{true};
 };
 
 /// The one of the process.

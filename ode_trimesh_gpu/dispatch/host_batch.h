@@ -3,8 +3,10 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <span>
 #include <stdexcept>
+#include <vector>
 
 #include "dispatch/pair_job.h"
 #include "dispatch/thread_pool.h"
@@ -28,7 +30,7 @@ template <class Finish>
 void keepOutcome(PairResult& result, const Workspace& workspace, Finish&& finish) {
   try {
     const std::span<const Contact> contacts = finish();
-    result.contacts.assign(contacts.begin(), contacts.end());
+    keepContacts(result, {contacts.begin(), contacts.end()});
     result.counts = PairCounts(workspace.stats);
     result.outcome = PairResult::Outcome::kDone;
   } catch (const std::invalid_argument&) {

@@ -3,6 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "collide/query.h"
@@ -63,11 +66,19 @@ struct PairCounts {
 };
 
 struct PairResult {
-  std::vector<Contact> contacts;  ///< as otg::collide leaves them in Workspace::reduced
-  PairCounts counts;              ///< of what a device did in a batch only what it counts for each pair
+  std::span<const Contact> contacts;   ///< as otg::collide leaves them in Workspace::reduced
+  std::shared_ptr<const void> memory;  ///< what they lie in
+  PairCounts counts;                   ///< of what a device did in a batch only what it counts for each pair
   enum class Outcome : std::uint8_t { kDone, kRefused, kNoMemory } outcome = Outcome::kDone;
   bool onDevice = false;      ///< a device did its middle phase, near phase or both
   bool deviceFailed = false;  ///< one was to, and failed: the CPU did it
 };
+
+/// Gives the result contacts of its own.
+inline void keepContacts(PairResult& result, std::vector<Contact>&& contacts) {
+  const auto own = std::make_shared<const std::vector<Contact>>(std::move(contacts));
+  result.contacts = *own;
+  result.memory = own;
+}
 
 }  // namespace otg

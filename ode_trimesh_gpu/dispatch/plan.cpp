@@ -22,22 +22,62 @@ class WorkSums {
   std::vector<double> sums_;
 };
 
-/// The blocks when every device works for `time` at most.
+/// The last end, from `begin` on, for which a device is done in time; `begin` if there is none.
+std::size_t lastEnd(const WorkSums& sums, const CostModel& device, std::size_t begin, double time) {
+  std::size_t low = begin, high = sums.size();
+  while (low < high) {
+    const std::size_t middle = low + (high - low + 1) / 2;
+    if (device.batchLaunch + sums.cost(device.batchPair, begin, middle) <= time) {
+      low = middle;
+    } else {
+      high = middle - 1;
+    }
+  }
+  return low;
+}
+
+/// The blocks when every device does as much as it can in `time`.
 std::vector<std::size_t> fill(const WorkSums& sums, std::span<const CostModel> devices, double time) {
   std::vector<std::size_t> ends;
-  std::size_t begin = 0;
-  for (const CostModel& device : devices) {
-    std::size_t low = begin, high = sums.size();
-    while (low < high) {  // the largest end that is done in time
-      const std::size_t middle = low + (high - low + 1) / 2;
-      if (device.batchLaunch + sums.cost(device.batchPair, begin, middle) <= time) {
-        low = middle;
-      } else {
-        high = middle - 1;
-      }
+  for (const CostModel& device : devices) ends.push_back(lastEnd(sums, device, ends.empty() ? 0 : ends.back(), time));
+  return ends;
+}
+
+/// The first begin, up to `end`, for which a device is done in time.
+std::size_t firstBegin(const WorkSums& sums, const CostModel& device, std::size_t end, double time) {
+  std::size_t low = 0, high = end;
+  while (low < high) {
+    const std::size_t middle = low + (high - low) / 2;
+    if (device.batchLaunch + sums.cost(device.batchPair, middle, end) <= time) {
+      high = middle;
+    } else {
+      low = middle + 1;
     }
-    ends.push_back(low);
-    begin = low;
+  }
+  return high;
+}
+
+/// Blocks that end where those of fill() do, and in the same time, but as equal as they can be: of few pairs the first
+/// devices would take all.
+std::vector<std::size_t> even(const WorkSums& sums, std::span<const CostModel> devices, double time) {
+  std::vector<std::size_t> ends = fill(sums, devices, time);
+  const std::size_t last = ends.back();
+  std::vector<std::size_t> least(devices.size(), last);  // what the devices behind cannot do
+  for (std::size_t d = devices.size() - 1; d > 0; --d) least[d - 1] = firstBegin(sums, devices[d], least[d], time);
+  std::size_t begin = 0;
+  for (std::size_t d = 0; d < devices.size(); ++d) {
+    const CostModel& device = devices[d];
+    const double share =
+        sums.cost(device.batchPair, begin, last) / static_cast<double>(devices.size() - d) + device.batchLaunch;
+    std::size_t end = std::min(lastEnd(sums, device, begin, share), last);
+    // The nearest to an equal share.
+    if (end < last && share - device.batchLaunch - sums.cost(device.batchPair, begin, end) >
+                          0.5 * sums.cost(device.batchPair, end, end + 1)) {
+      ++end;
+    }
+    const std::size_t most = std::min(lastEnd(sums, device, begin, time), last);
+    ends[d] = std::clamp(end, std::min(std::max(least[d], begin), most), most);
+    begin = ends[d];
   }
   return ends;
 }
@@ -49,7 +89,8 @@ std::vector<std::size_t> divide(const Division& division, std::span<const CostMo
   const WorkSums sums(division.work);
   const auto hostTime = [&](std::size_t begin) {
     // Pairs are not cut: the last one begun keeps one thread for itself.
-    return (division.hostBusy + sums.cost(devices[0].hostPairwise, begin, sums.size())) / division.threads;
+    return (division.hostBusy + sums.cost(devices[0].hostPairwise, begin, sums.size())) /
+           devices[0].speedup(division.threads);
   };
   const auto fits = [&](const std::vector<std::size_t>& ends, double time) {
     return ends.back() >= division.bound && (ends.back() == sums.size() || hostTime(ends.back()) <= time);
@@ -63,7 +104,15 @@ std::vector<std::size_t> divide(const Division& division, std::span<const CostMo
     const double middle = 0.5 * (low + high);
     (fits(fill(sums, devices, middle), middle) ? high : low) = middle;
   }
-  return fill(sums, devices, high);
+  return even(sums, devices, high);
+}
+
+double shareToTake(const Leftover& leftover) {
+  const double sum = leftover.host + leftover.device;
+  if (!(sum > 0) || !(leftover.host > leftover.launch)) return 0;
+  const double share =
+      std::min(1.0, (leftover.host - leftover.launch) / sum);  // launch + share device = (1 - share) host
+  return share >= 0.1 ? share : 0;
 }
 
 }  // namespace otg

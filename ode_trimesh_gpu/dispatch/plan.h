@@ -20,7 +20,19 @@ struct Division {
 
 /// Ends of the devices' blocks: device d gets the pairs from the end of the block before it (0) to ends[d], the CPU
 /// what is left. Chosen so that all are expected to be done at the same time; blocks of devices with equal models have
-/// equal cost. With the same arguments it gives the same answer.
+/// equal cost, and with as many pairs as devices or more none is left out. With the same arguments it gives the same
+/// answer.
 std::vector<std::size_t> divide(const Division& division, std::span<const CostModel> devices);
+
+/// What is left of a batch when a device has nothing to do any more; microseconds.
+struct Leftover {
+  double host = 0;    ///< that the CPU's threads still need
+  double device = 0;  ///< that the device would need for all of it
+  double launch = 0;  ///< and for a batch, however small
+};
+
+/// The part of the leftover, 0 to 1, that the device takes so that both are done at the same time; 0 if it would not
+/// end sooner by a tenth.
+double shareToTake(const Leftover& leftover);
 
 }  // namespace otg

@@ -101,7 +101,7 @@ int dGpuTriMeshCollidePairs(const dGpuTriMeshPair* pairs, int count, int flags, 
     const std::size_t step = static_cast<std::size_t>(otg::capacityOf(flags)) * static_cast<std::size_t>(skip);
     char* const begin = reinterpret_cast<char*>(contact);
     for (std::size_t i = 0; i < batch.pairCount(); ++i) {
-      const std::vector<otg::Contact>& contacts = batch.result(i).contacts;
+      const std::span<const otg::Contact> contacts = batch.result(i).contacts;
       contact_count[i] = otg::toInt(contacts.size());
       otg::writeContacts(batch.task(i), contacts, {reinterpret_cast<dContactGeom*>(begin + i * step), skip});
     }
@@ -145,7 +145,7 @@ int dGpuTriMeshBatchCollect(dGpuTriMeshBatchID batch, dContactGeom* contact, int
     char *place = reinterpret_cast<char*>(contact), *dataPlace = reinterpret_cast<char*>(data);
     for (std::size_t i = 0; i < pairs.pairCount(); ++i) {
       if (first != nullptr) first[i] = otg::toInt(at);
-      const std::vector<otg::Contact>& contacts = pairs.result(i).contacts;
+      const std::span<const otg::Contact> contacts = pairs.result(i).contacts;
       const std::size_t dataAt = dataPlace == nullptr ? 0 : at * static_cast<std::size_t>(data_skip);
       otg::writeContacts(pairs.task(i), contacts,
                          {reinterpret_cast<dContactGeom*>(place + at * static_cast<std::size_t>(skip)), skip,

@@ -27,8 +27,8 @@ bool sameQuery(const Query& x, const Query& y) {
 }
 
 /// What limitContacts would have left of these contacts. It breaks ties by the meshes' own numbers of triangles.
-std::vector<Contact> limited(const Query& query, const std::vector<Contact>& contacts, int capacity) {
-  std::vector<Contact> all = contacts;
+std::vector<Contact> limited(const Query& query, std::span<const Contact> contacts, int capacity) {
+  std::vector<Contact> all(contacts.begin(), contacts.end());
   for (Contact& c : all) {
     c.triangleA = query.a->mesh().triangleOfCaller(c.triangleA);
     c.triangleB = query.b->mesh().triangleOfCaller(c.triangleB);
@@ -60,6 +60,8 @@ void PrefetchedPairs::add(const PairTask& task, PairResult&& result) {
   entry.stamp = task.stamp;
   entry.history = task.history;
   entry.result = std::move(result);
+  // A copy: these may lie in a whole batch's memory, and stay here for long.
+  keepContacts(entry.result, {entry.result.contacts.begin(), entry.result.contacts.end()});
   count_.store(entries_.size(), std::memory_order_release);
 }
 
@@ -76,7 +78,7 @@ bool PrefetchedPairs::find(PairTask& task, int capacity, PairResult& result) {
     // A list that may have been cut already says nothing of a shorter one.
     if (entry.result.contacts.size() >= most) return false;
     result = entry.result;
-    result.contacts = limited(entry.query, entry.result.contacts, capacity);
+    keepContacts(result, limited(entry.query, entry.result.contacts, capacity));
   } else {
     result = entry.result;
   }

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
 #include <vector>
@@ -55,15 +56,38 @@ struct PairBatch {
   CollideOptions options;
 };
 
-/// What a batch gives, in the order of its queries.
-struct BatchAnswer {
-  std::vector<Contact> contacts;     ///< of all queries, one after the other
-  std::vector<std::size_t> first;    ///< query i has contacts[first[i]] to contacts[first[i + 1] - 1]
+/// What a batch gives. Contacts stay where the device left them: a span is good until the answer is given to another
+/// batch or goes away (it may go later than the backend).
+class BatchAnswer {
+ public:
   std::vector<std::size_t> refused;  ///< ascending: queries whose pose otg::collide refuses; they have no contacts
   CollideStats stats;                ///< sums
-  std::span<const Contact> of(std::size_t i) const {
-    return std::span(contacts).subspan(first[i], first[i + 1] - first[i]);
-  }
+
+  std::size_t size() const { return size_; }  ///< queries
+  /// The contacts of query `i`.
+  std::span<const Contact> of(std::size_t i) const;
+  std::size_t contactCount() const;
+
+  /// For those who make it.
+  void clear();
+  /// Contacts of the queries begin to begin + count - 1: two words for each, the place of the first one in `contacts`
+  /// and how many there are. `memory` holds both. A query has contacts in one part at most.
+  void addPart(std::size_t begin, std::size_t count, const std::uint32_t* places, const Contact* contacts,
+               std::shared_ptr<const void> memory);
+  void addQueries(std::size_t count) { size_ += count; }
+  /// Contacts of one query, in place of those in parts.
+  void add(std::size_t i, const std::vector<Contact>& contacts) { apart_[i] = contacts; }
+
+ private:
+  struct Part {
+    std::size_t begin, count;
+    const std::uint32_t* places;
+    const Contact* contacts;
+    std::shared_ptr<const void> memory;
+  };
+  std::size_t size_ = 0;
+  std::vector<Part> parts_;
+  std::map<std::size_t, std::vector<Contact>> apart_;
 };
 
 /// Any number of threads. Every function gives what the host gives, byte for byte, whatever the device, its scheduling

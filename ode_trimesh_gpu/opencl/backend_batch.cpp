@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <numeric>
 
@@ -158,7 +159,12 @@ class Backend::Batch {
   bool run(StageTimes* times) {
     times_ = times;
     const std::size_t most = std::max(1u, state_.tuning.batchPairs);
-    for (std::size_t at = 0; at < source_.size(); at += most) submit(at, std::min(most, source_.size() - at));
+    // With times one after the other, so that each stage has the device for itself.
+    const std::size_t pieces = times ? 1 : std::max(1u, state_.tuning.pieces);
+    for (std::size_t at = 0; at < source_.size(); at += most) {
+      const std::size_t end = std::min(source_.size(), at + most);
+      submitFrom(at, end, std::max<std::size_t>(state_.tuning.leastPiece, (end - at + pieces - 1) / pieces));
+    }
     return good_;
   }
 
@@ -183,8 +189,22 @@ class Backend::Batch {
     renumber_ = std::move(number);
   }
 
-  void submit(std::size_t begin, std::size_t count, bool part = false) {
-    std::vector<std::size_t> alone, large;
+  /// Pieces of `step` pairs: the others are begun while the device has the first.
+  void submitFrom(std::size_t begin, std::size_t end, std::size_t step) {
+    const std::size_t count = std::min(step, end - begin);
+    bool begun = false;
+    const auto others = [&] {
+      if (begun) return;
+      begun = true;
+      if (begin + count < end) submitFrom(begin + count, end, step);
+    };
+    submit(begin, count, false, others);
+    others();  // in case it failed before
+  }
+
+  /// `meanwhile` is called when the piece has been begun.
+  void submit(std::size_t begin, std::size_t count, bool part, const std::function<void()>& meanwhile) {
+    std::vector<std::size_t> alone, large, refused;
     if (part) {
       narrow(begin, count);
     } else if (meshes_.size() != source_.meshes.size()) {
@@ -196,20 +216,21 @@ class Backend::Batch {
       lanes_.with([&](BatchLane& lane) {
         const Stopwatch watch(times_ != nullptr);
         const std::span<otg_batch_task> tasks = lane.stage(count);
-        fill(begin, tasks, lane.stageFrames(), alone, large);
+        fill(begin, tasks, lane.stageFrames(), alone, large, refused);
         if (times_) times_->fill += watch.ms();
-        const BatchFound found = lane.run(meshes_, source_.reductions, wish_);
+        lane.begin(meshes_, source_.reductions, wish_);
+        meanwhile();
+        const BatchFound found = lane.end();
         if (times_) addTimes(lane.profile());
         const Stopwatch collecting(times_ != nullptr);
-        collect(begin, count, lane, found, alone);
+        collect(begin, count, lane, found, alone, refused);
         if (times_) times_->host += collecting.ms();
       });
     } catch (const ClError& error) {
-      refused_.clear();
       // Meshes that do not fit at once may fit in two halves.
       if (error.code() == CL_MEM_OBJECT_ALLOCATION_FAILURE && count > 1) {
-        submit(begin, count / 2, true);
-        submit(begin + count / 2, count - count / 2, true);
+        submit(begin, count / 2, true, [] {});
+        submit(begin + count / 2, count - count / 2, true, [] {});
         return;
       }
       logError(error);
@@ -231,7 +252,7 @@ class Backend::Batch {
   }
 
   void fill(std::size_t begin, std::span<otg_batch_task> tasks, std::span<otg_batch_pair> frames,
-            std::vector<std::size_t>& alone, std::vector<std::size_t>& large) {
+            std::vector<std::size_t>& alone, std::vector<std::size_t>& large, std::vector<std::size_t>& refused) {
     for (std::size_t k = 0; k < tasks.size(); ++k) source_.fill(begin + k, tasks[k]);
     if (!renumber_.empty()) {
       for (otg_batch_task& task : tasks) {
@@ -244,7 +265,7 @@ class Backend::Batch {
         const CollisionMesh *a = meshes_[tasks[k].meshA], *b = meshes_[tasks[k].meshB];
         if (triangles(a) + triangles(b) <= state_.tuning.batchTriangles) continue;
         tasks[k].skip = 1;
-        (isRefused(source_.query(begin + k)) ? refused_ : large).push_back(begin + k);
+        (isRefused(source_.query(begin + k)) ? refused : large).push_back(begin + k);
       }
     }
     for (std::size_t k = 0; k < frames.size(); ++k) {
@@ -252,7 +273,7 @@ class Backend::Batch {
       const Query query = source_.query(begin + k);
       const PairFrame frame = makePairFrame(query);
       if (isRefused(query) || isIdleQuery(query, frame)) {
-        (isRefused(query) ? refused_ : alone).push_back(begin + k);
+        (isRefused(query) ? refused : alone).push_back(begin + k);
         tasks[k].skip = 1;
         continue;
       }
@@ -267,14 +288,14 @@ class Backend::Batch {
   }
 
   void collect(std::size_t begin, std::size_t count, BatchLane& lane, const BatchFound& found,
-               std::vector<std::size_t>& alone) {
+               std::vector<std::size_t>& alone, std::vector<std::size_t>& refused) {
     std::vector<std::size_t> fromRecords;
     const bool all = wish_ == BatchWish::kPairs;
     if (all || wish_ == BatchWish::kAny || found.counters[OTG_COUNT_FLAGGED] > 0) {
       for (std::size_t k = 0; k < count; ++k) {
         const otg_uint flags = found.flags[k];
         if (flags & OTG_PAIR_REFUSED) {
-          refused_.push_back(begin + k);
+          refused.push_back(begin + k);
         } else if (flags & OTG_PAIR_NO_FRAME) {
           alone.push_back(begin + k);
         } else if (flags & OTG_PAIR_SKIPPED) {
@@ -292,8 +313,7 @@ class Backend::Batch {
     } else {
       finish_.chunk(begin, count, found);
     }
-    for (const std::size_t i : refused_) finish_.refuse(i);
-    refused_.clear();
+    for (const std::size_t i : refused) finish_.refuse(i);
   }
 
   /// Gives each of `which` its records.
@@ -328,7 +348,6 @@ class Backend::Batch {
   bool good_ = true, anyLarge_ = false;
   std::vector<const CollisionMesh*> meshes_;  ///< of the submission under way
   std::vector<std::uint32_t> renumber_;       ///< from the source's numbers to these; empty: the same
-  std::vector<std::size_t> refused_;          ///< found while a piece is under way
   StageTimes* times_ = nullptr;
 };
 
@@ -343,20 +362,17 @@ void addStats(CollideStats& sums, const CollideStats& s) {
   sums.contactsBeforeReduction += s.contactsBeforeReduction;
 }
 
-/// Contacts of pairs, most of them as the device put them one after the other.
+/// Contacts of pairs, most of them where the device put them.
 struct ContactFinish {
   Backend& backend;
   std::atomic<std::uint64_t>& queries;
   BatchAnswer& answer;
   Workspace workspace{};
-  std::map<std::size_t, std::vector<Contact>> apart{};  ///< of pairs whose contacts are not in `answer` yet
-  CollideStats sums{};
 
-  void chunk(std::size_t, std::size_t count, const BatchFound& found) {
-    const std::size_t base = answer.contacts.size();
-    answer.contacts.insert(answer.contacts.end(), found.contacts.begin(), found.contacts.end());
-    for (std::size_t k = 0; k < count; ++k) {
-      answer.first.push_back(base + (found.contacts.empty() ? 0 : found.first[k + 1]));
+  void chunk(std::size_t begin, std::size_t count, const BatchFound& found) {
+    answer.addQueries(count);
+    for (const BatchFound::Contacts& part : found.contacts) {
+      answer.addPart(begin, count, part.places, part.contacts, part.memory);
     }
     if (found.counters == nullptr) return;
     CollideStats device;
@@ -364,7 +380,7 @@ struct ContactFinish {
     takeCounts(counted, device);
     device.intersectingPairs = found.counters[OTG_COUNT_INTERSECTING];
     device.contactsBeforeReduction = found.counters[OTG_COUNT_CONTACTS];
-    addStats(sums, device);
+    addStats(answer.stats, device);
   }
 
   void refuse(std::size_t i) { answer.refused.push_back(i); }
@@ -395,36 +411,11 @@ struct ContactFinish {
   }
 
   void keep(std::size_t i) {
-    addStats(sums, workspace.stats);
-    if (!workspace.reduced.empty()) apart[i] = workspace.reduced;
+    addStats(answer.stats, workspace.stats);
+    if (!workspace.reduced.empty()) answer.add(i, workspace.reduced);
   }
 
-  /// Puts the contacts that came by themselves where they belong.
-  void end() {
-    std::sort(answer.refused.begin(), answer.refused.end());
-    answer.stats = sums;
-    if (apart.empty()) return;
-    std::vector<Contact> all;
-    std::vector<std::size_t> first(1, 0);
-    std::size_t more = 0;
-    for (const auto& [i, contacts] : apart) more += contacts.size();
-    all.reserve(answer.contacts.size() + more);
-    std::size_t copied = 0;
-    for (std::size_t i = 0; i + 1 < answer.first.size(); ++i) {
-      const auto own = apart.find(i);
-      if (own != apart.end()) {
-        all.insert(all.end(), own->second.begin(), own->second.end());
-      } else {
-        const auto at = answer.contacts.begin();
-        all.insert(all.end(), at + static_cast<std::ptrdiff_t>(copied),
-                   at + static_cast<std::ptrdiff_t>(answer.first[i + 1]));
-      }
-      copied = answer.first[i + 1];
-      first.push_back(all.size());
-    }
-    answer.contacts = std::move(all);
-    answer.first = std::move(first);
-  }
+  void end() { std::sort(answer.refused.begin(), answer.refused.end()); }
 };
 
 /// Yes or no.
@@ -459,15 +450,43 @@ struct AnyFinish {
 
 }  // namespace
 
+void BatchAnswer::clear() {
+  size_ = 0;
+  parts_.clear();
+  apart_.clear();
+  refused.clear();
+  stats = {};
+}
+
+void BatchAnswer::addPart(std::size_t begin, std::size_t count, const std::uint32_t* places, const Contact* contacts,
+                          std::shared_ptr<const void> memory) {
+  parts_.push_back({begin, count, places, contacts, std::move(memory)});
+}
+
+std::span<const Contact> BatchAnswer::of(std::size_t i) const {
+  if (!apart_.empty()) {
+    if (const auto own = apart_.find(i); own != apart_.end()) return own->second;
+  }
+  for (const Part& part : parts_) {
+    if (i - part.begin >= part.count) continue;
+    const std::uint32_t *place = part.places + 2 * (i - part.begin), count = place[1];
+    if (count > 0) return {part.contacts + place[0], count};
+  }
+  return {};
+}
+
+std::size_t BatchAnswer::contactCount() const {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < size_; ++i) count += of(i).size();
+  return count;
+}
+
 template <class Source>
 bool Backend::collideFrom(const Source& source, BatchAnswer& answer, StageTimes* times) {
   const Stopwatch total(times != nullptr);
   if (times) *times = {};
   state_->queries += source.size();
-  answer.contacts.clear();
-  answer.first.assign(1, 0);
-  answer.first.reserve(source.size() + 1);
-  answer.refused.clear();
+  answer.clear();
   ContactFinish finish{*this, state_->queries, answer};
   LanePool<BatchLane>& lanes = times ? state_->profiledBatches : state_->batches;
   const bool onDevice = source.anyPairwise && state_->reduces();

@@ -77,7 +77,8 @@ struct Backend::State {
   State(const FoundDevice& device, const Tuning& how)
       : context(device, ProgramCache::standard(), how.doubles),
         tuning(how),
-        meshes(context, how.memoryBudget != 0 ? how.memoryBudget : device.info.globalMemory / 2, how.leafTriangles),
+        meshes(context, how.memoryBudget != 0 ? how.memoryBudget : device.info.globalMemory / 2, how.leafTriangles,
+               MeshLayout::kEightWide, how.cutOrder),
         pairs(context, meshes, tuning),
         profiled(context, meshes, withProfile(how)),
         batches(context, meshes, tuning),

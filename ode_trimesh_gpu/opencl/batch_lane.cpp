@@ -15,17 +15,28 @@ BatchLane::BatchLane(Context& context, MeshStore& meshes, const Tuning& tuning)
       groups_(std::max<std::size_t>(1, std::size_t{context.info().computeUnits} * tuning.groupsPerUnit)),
       queue_(context.makeQueue(tuning.profile)),
       results_(tuning.recordsExpected),
-      chosen_(tuning.readMode),
+      chosen_(tuning.readMode, PinnedPool::make(context)),
+      chosenOfMany_(0, PinnedPool::make(context)),
       contactPlaces_(std::max(1u, tuning.contactPlaces)),
       reducer_(context, tuning, false),
       profile_(tuning.profile) {
+  mediumHits_ = std::max(2u, hitsOfGroup(context, tuning.mediumHits));
+  smallHits_ = std::min(hitsOfGroup(context, tuning.smallHits), mediumHits_ / 2);
   const std::string walk =
-      "-DOTG_GROUP=" + std::to_string(tuning.batchGroup) + " -DOTG_LEAF=" + std::to_string(meshes.leafTriangles());
+      "-DOTG_GROUP=" + std::to_string(tuning.batchGroup) + " -DOTG_LEAF=" + std::to_string(meshes.leafTriangles()) +
+      " -DOTG_SMALL=" + std::to_string(smallHits_) + " -DOTG_MEDIUM=" + std::to_string(mediumHits_);
   const std::string results = "-DOTG_GROUP=" + std::to_string(tuning.recordGroup) + " -DOTG_CONTACTS=";
   prepare_ = context.makeKernel("batch_prepare.cl", walk, "batchPrepare");
   walk_ = context.makeKernel("batch_walk.cl", walk, "batchWalk");
-  pairs_ = context.makeKernel("batch_results.cl", results + "0", "batchResults");
-  if (reducer_.works()) contacts_ = context.makeKernel("batch_results.cl", results + "1", "batchResults");
+  pairs_ = context.makeKernel("batch_results.cl", results + "0 -DOTG_ENTER=0", "batchResults");
+  if (reducer_.works()) {
+    small_ =
+        context.makeKernel("batch_reduce.cl", groupReduction(context, tuning.smallGroup, smallHits_), "batchReduce");
+    medium_ =
+        context.makeKernel("batch_reduce.cl", groupReduction(context, tuning.mediumGroup, mediumHits_), "batchReduce");
+    records_ = context.makeKernel("batch_results.cl", results + "1 -DOTG_ENTER=0", "batchResults");
+    entered_ = context.makeKernel("batch_results.cl", results + "1 -DOTG_ENTER=1", "batchResults");
+  }
   counters_ = context.makeBuffer(CL_MEM_READ_WRITE, OTG_COUNTERS * sizeof(otg_uint));
   fillZero(queue_.get(), counters_.get(), OTG_COUNTERS * sizeof(otg_uint));
   hits_.reserve(context, tuning.hitPlaces);
@@ -42,30 +53,57 @@ std::span<otg_batch_pair> BatchLane::stageFrames() {
   return frames_;
 }
 
-BatchFound BatchLane::run(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions,
-                          BatchWish wish) {
-  std::vector<const CollisionMesh*> full;
-  for (const CollisionMesh* mesh : meshes) {
-    if (!mesh->tree().nodes.empty()) full.push_back(mesh);
-  }
-  const MeshStore::Pinned pinned = meshes_.acquire(full);
+BatchLane::~BatchLane() {
+  if (underWay_) clRelease(OTG_CL(clFinish), queue_.get());  // end() was not reached
+}
+
+/// What fails leaves nothing behind: kernels may still be reading the meshes and this memory, both of which are gone in
+/// a moment.
+template <class Run>
+void BatchLane::guarded(Run&& run) {
   try {
-    return runOn(pinned, meshes, reductions, wish);
+    run();
   } catch (...) {
-    // Kernels may still be reading the meshes and this memory, both of which are gone in a moment.
     clRelease(OTG_CL(clFinish), queue_.get());
+    pinned_ = {};
+    underWay_ = false;
     throw;
   }
 }
 
-void BatchLane::send(const MeshStore::Pinned& pinned, std::span<const CollisionMesh* const> meshes,
-                     std::span<const otg_reduction> reductions) {
+void BatchLane::begin(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions,
+                      BatchWish wish) {
+  std::vector<const CollisionMesh*> full;
+  for (const CollisionMesh* mesh : meshes) {
+    if (!mesh->tree().nodes.empty()) full.push_back(mesh);
+  }
+  pinned_ = meshes_.acquire(full);
+  wish_ = wish;
+  contactRecords_ = wish == BatchWish::kContacts;
+  mostPlaces_ = 1;
+  for (const otg_reduction& how : reductions) mostPlaces_ = std::max(mostPlaces_, how.places);
+  underWay_ = true;
+  guarded([&] {
+    send(meshes, reductions);
+    beginRun();
+  });
+}
+
+BatchFound BatchLane::end() {
+  BatchFound found;
+  guarded([&] { found = endRun(); });
+  pinned_ = {};
+  underWay_ = false;
+  return found;
+}
+
+void BatchLane::send(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions) {
   const cl_command_queue queue = queue_.get();
   std::vector<otg_device_mesh> places;
   std::size_t next = 0;
   std::uint32_t depth = 0;
   for (const CollisionMesh* mesh : meshes) {
-    places.push_back(mesh->tree().nodes.empty() ? otg_device_mesh{} : pinned[next++]);
+    places.push_back(mesh->tree().nodes.empty() ? otg_device_mesh{} : pinned_[next++]);
     depth = std::max(depth, places.back().depth);
   }
   stackSize_ = stackSizeFor(tuning_, 2 * depth);
@@ -85,6 +123,7 @@ void BatchLane::send(const MeshStore::Pinned& pinned, std::span<const CollisionM
   pairList_.reserve(context_, std::bit_ceil(count_));
   if (!frames_.empty()) writeLater(queue, pairList_.get(), count_ * sizeof(otg_batch_pair), frames_.data());
   order_.reserve(context_, std::uint64_t{OTG_CLASSES} * std::bit_ceil(count_));
+  list_.reserve(context_, std::bit_ceil(count_));
   reducer_.reserveStates(count_);
 }
 
@@ -100,44 +139,98 @@ void BatchLane::enqueue(cl_mem meshes, BatchWish wish) {
          profile_.next(Profile::kTop));
   if (tuning_.flushes & 1) clDo(OTG_CL(clFlush), queue);
   (Arguments(walk_) << pairList_.get() << places_.get() << precision << meshes << counters << order_.get() << orderRoom
-                    << chosen_.get() << hits_.get() << hits_.places() << any << stackSize_)
+                    << chosen_.get() << reducer_.states() << list_.get() << hits_.get() << hits_.places() << any
+                    << stackSize_)
       .local(stackSize_ * sizeof(cl_uint2));
   launch(queue, walk_, tuning_.batchGroup, count_, 1, profile_.next(Profile::kMain));
   if (tuning_.flushes & 2) clDo(OTG_CL(clFlush), queue);
-  Kernel& last = contactRecords_ ? contacts_ : pairs_;
-  Arguments arguments(last);
-  arguments << pairList_.get() << places_.get() << tasks_.get() << meshes << counters << hits_.get() << hits_.places()
-            << results_.get() << chosen_.get();
-  if (contactRecords_) arguments << reducer_.links() << reducer_.tables() << reducer_.tableSize() << reducer_.states();
-  launch(queue, last, tuning_.recordGroup, groups_, 1, profile_.next(Profile::kContacts));
-  if (!contactRecords_) return;
-  reducer_.enqueue(queue, meshes, counters, results_.get(), hits_.places(), count_, chosen_, groups_, profile_);
+  Kernel& records = contactRecords_ ? records_ : pairs_;
+  Arguments(records) << pairList_.get() << places_.get() << tasks_.get() << meshes << counters << hits_.get()
+                     << hits_.places() << results_.get() << chosen_.get();
+  launch(queue, records, tuning_.recordGroup, groups_, 1, profile_.next(Profile::kContacts));
+  if (contactRecords_) enqueueReduction(meshes);
 }
 
-BatchFound BatchLane::runOn(const MeshStore::Pinned& pinned, std::span<const CollisionMesh* const> meshes,
-                            std::span<const otg_reduction> reductions, BatchWish wish) {
+/// The contacts of all pairs but those with many hits.
+void BatchLane::enqueueReduction(cl_mem meshes) {
+  for (const bool medium : {false, true}) {
+    Kernel& kernel = medium ? medium_ : small_;
+    const otg_uint isMedium = medium ? 1 : 0, least = medium ? smallHits_ + 1 : 0;
+    Arguments(kernel) << meshes << counters_.get() << hits_.places() << results_.get() << reducer_.states()
+                      << reducer_.reductions() << list_.get() << isMedium << least << chosen_.get() << count_
+                      << chosen_.contactPlaces() << isMedium;
+    launch(queue_.get(), kernel, medium ? tuning_.mediumGroup : tuning_.smallGroup, count_, 1,
+           profile_.next(medium ? Profile::kChoose : Profile::kRegions));
+  }
+}
+
+/// The contacts of pairs with more hits than one work-group keeps, in a second submission.
+void BatchLane::runMany(cl_mem meshes, BatchFound& found) {
   const cl_command_queue queue = queue_.get();
-  contactRecords_ = wish == BatchWish::kContacts;
-  otg_uint places = 1;
-  for (const otg_reduction& how : reductions) places = std::max(places, how.places);
-  send(pinned, meshes, reductions);
+  flagsOfMany_.resize(count_);
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    const otg_uint flags = found.flags[i];
+    flagsOfMany_[i] = flags & OTG_PAIR_MANY ? flags & OTG_PAIR_TO_HOST : otg_uint{OTG_PAIR_SKIPPED};
+  }
+  std::fill(std::begin(countersOfMany_), std::end(countersOfMany_), 0);
+  countersOfMany_[OTG_COUNT_HITS] = found.counters[OTG_COUNT_HITS];
+  reducer_.reserve(queue, count_, hits_.places(), mostPlaces_);
+  chosenOfMany_.reserve(context_, std::bit_ceil(count_), found.counters[OTG_COUNT_MANY] * reducer_.contactsOfPair());
+  writeLater(queue, counters_.get(), sizeof countersOfMany_, countersOfMany_);
+  writeLater(queue, chosenOfMany_.get(), count_ * sizeof(otg_uint), flagsOfMany_.data(), nullptr, OTG_RESULT_HEAD);
+  Arguments(entered_) << pairList_.get() << places_.get() << tasks_.get() << meshes << counters_.get() << hits_.get()
+                      << hits_.places() << results_.get() << chosenOfMany_.get() << reducer_.links()
+                      << reducer_.tables() << reducer_.tableSize() << reducer_.states();
+  launch(queue, entered_, tuning_.recordGroup, groups_, 1, profile_.next(Profile::kContacts));
+  reducer_.enqueue(queue, meshes, counters_.get(), results_.get(), hits_.places(), count_, chosenOfMany_, groups_,
+                   profile_);
+  const otg_uint made = chosenOfMany_.readHead(context_, queue, count_, true, &profile_)[OTG_COUNT_REDUCED];
+  BatchFound::Contacts more;
+  more.contacts = chosenOfMany_.readRest(context_, queue, made, &profile_).data();
+  more.places = chosenOfMany_.places();
+  more.memory = chosenOfMany_.memory();
+  found.contacts.push_back(std::move(more));
+  // What both submissions say together.
+  std::copy_n(found.counters, OTG_COUNTERS_READ, countersOfMany_);
+  for (const int counter : {OTG_COUNT_INTERSECTING, OTG_COUNT_CONTACTS, OTG_COUNT_REDUCED, OTG_COUNT_FLAGGED}) {
+    countersOfMany_[counter] += chosenOfMany_.counters()[counter];
+  }
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    flagsOfMany_[i] = found.flags[i] & OTG_PAIR_MANY ? chosenOfMany_.flags()[i] : found.flags[i];
+  }
+  found.counters = countersOfMany_;
+  found.flags = flagsOfMany_.data();
+}
+
+void BatchLane::beginRun() {
+  results_.reserve(context_, hits_.places());
+  chosen_.reserve(context_, std::bit_ceil(count_), contactRecords_ ? contactPlaces_ : 0);
+  enqueue(pinned_.buffer(), wish_);
+  chosen_.beginHead(context_, queue_.get(), count_, contactRecords_, &profile_);
+}
+
+BatchFound BatchLane::endRun() {
+  const cl_command_queue queue = queue_.get();
   const otg_uint* counters = nullptr;
   for (;; ++repeats_) {
-    results_.reserve(context_, hits_.places());
-    if (contactRecords_) reducer_.reserve(queue, count_, hits_.places(), places);
-    chosen_.reserve(context_, std::bit_ceil(count_), contactRecords_ ? contactPlaces_ : 0);
-    enqueue(pinned.buffer(), wish);
-    counters = chosen_.readHead(context_, queue, count_, contactRecords_, &profile_);
+    counters = chosen_.endHead(queue);
     const otg_uint hits = counters[OTG_COUNT_HITS], contacts = counters[OTG_COUNT_REDUCED];
     if (hits <= hits_.places() && contacts <= contactPlaces_) break;
     if (hits > hits_.places()) hits_.reserve(context_, std::bit_ceil(std::uint64_t{hits}));
     if (contacts > contactPlaces_) contactPlaces_ = std::bit_ceil(contacts);
+    beginRun();
   }
   BatchFound found;
-  if (contactRecords_) found.contacts = chosen_.readRest(context_, queue, counters[OTG_COUNT_REDUCED], &profile_);
+  if (contactRecords_) {
+    BatchFound::Contacts most;
+    most.contacts = chosen_.readRest(context_, queue, counters[OTG_COUNT_REDUCED], &profile_).data();
+    most.places = chosen_.places();
+    most.memory = chosen_.memory();
+    found.contacts.push_back(std::move(most));
+  }
   found.counters = chosen_.counters();  // only now: reading the rest may have moved the memory
   found.flags = chosen_.flags();
-  found.first = chosen_.first();
+  if (contactRecords_ && found.counters[OTG_COUNT_MANY] > 0) runMany(pinned_.buffer(), found);
   if (profile_.on()) profile_.collect();
   return found;
 }

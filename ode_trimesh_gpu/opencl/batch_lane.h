@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -25,8 +26,13 @@ enum class BatchWish {
 struct BatchFound {
   const otg_uint* counters = nullptr;
   const otg_uint* flags = nullptr;
-  const otg_uint* first = nullptr;  ///< as BatchAnswer::first; only for kContacts
-  std::span<const Contact> contacts;
+  /// Contacts, for kContacts only. Those of a pair lie side by side; two words a pair say where, and how many.
+  struct Contacts {
+    const otg_uint* places = nullptr;
+    const Contact* contacts = nullptr;
+    std::shared_ptr<const void> memory;  ///< keeps them as they are for as long as it is shared
+  };
+  std::vector<Contacts> contacts;  ///< a pair has its contacts in one of them at most
 };
 
 /// One thread at a time. After a ClError the lane is of no further use.
@@ -35,18 +41,20 @@ class BatchLane {
   BatchLane(Context& context, MeshStore& meshes, const Tuning& tuning);
   BatchLane(const BatchLane&) = delete;
   BatchLane& operator=(const BatchLane&) = delete;
+  ~BatchLane();
 
   /// Memory for so many pairs, to be filled before run().
   std::span<otg_batch_task> stage(std::size_t count);
   /// Frames of the same pairs, which the host has to make for a device without doubles (else empty).
   std::span<otg_batch_pair> stageFrames();
-  bool makesContacts() const { return reducer_.works(); }
+  bool makesContacts() const { return static_cast<bool>(small_); }
 
-  /// Middle and near phase of the staged pairs in one submission, and what else is wished. Tasks name meshes by their
-  /// places in `meshes` (empty ones too), and reductions. With OTG_PAIR_TO_HOST but without OTG_PAIR_NO_FRAME a pair
-  /// has to be finished from its records. Throws ClError.
-  BatchFound run(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions,
-                 BatchWish wish);
+  /// Begins with middle and near phase of the staged pairs in one submission, and what else is wished. Tasks name
+  /// meshes by their places in `meshes` (empty ones too), and reductions. Throws ClError.
+  void begin(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions, BatchWish wish);
+  /// Waits for it. With OTG_PAIR_TO_HOST but without OTG_PAIR_NO_FRAME a pair has to be finished from its records.
+  /// Throws ClError.
+  BatchFound end();
   /// All records of the last run. Throws ClError.
   Answer records();
 
@@ -54,31 +62,39 @@ class BatchLane {
   std::uint64_t repeats() const { return repeats_; }
 
  private:
-  BatchFound runOn(const MeshStore::Pinned& pinned, std::span<const CollisionMesh* const> meshes,
-                   std::span<const otg_reduction> reductions, BatchWish wish);
-  void send(const MeshStore::Pinned& pinned, std::span<const CollisionMesh* const> meshes,
-            std::span<const otg_reduction> reductions);
+  void beginRun();
+  BatchFound endRun();
+  template <class Run>
+  void guarded(Run&& run);
+  void send(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions);
   void enqueue(cl_mem meshes, BatchWish wish);
+  void enqueueReduction(cl_mem meshes);
+  void runMany(cl_mem meshes, BatchFound& found);
 
   Context& context_;
   MeshStore& meshes_;
   const Tuning tuning_;
   const std::size_t groups_;
   QueueHandle queue_;
-  Kernel prepare_, walk_, pairs_, contacts_;
+  Kernel prepare_, walk_, pairs_, small_, medium_, records_, entered_;
   BufferHandle counters_;
   PinnedBuffer staged_;
-  std::uint32_t count_ = 0, stackSize_ = 0;
+  std::uint32_t count_ = 0, stackSize_ = 0, smallHits_, mediumHits_;
   std::vector<otg_batch_pair> frames_;
   std::vector<otg_device_mesh> sentPlaces_;
   DeviceList tasks_{sizeof(otg_batch_task)}, pairList_{sizeof(otg_batch_pair)}, order_{sizeof(otg_uint)},
-      places_{sizeof(otg_device_mesh)}, hits_{sizeof(otg_batch_hit)};
+      places_{sizeof(otg_device_mesh)}, list_{sizeof(otg_uint)}, hits_{sizeof(otg_batch_hit)};
   ResultBuffer results_;
-  ChosenBuffer chosen_;
+  ChosenBuffer chosen_, chosenOfMany_;
   std::uint32_t contactPlaces_;
+  std::vector<otg_uint> flagsOfMany_;
+  otg_uint countersOfMany_[OTG_COUNTERS] = {};
   Reducer reducer_;
   Profile profile_;
-  bool contactRecords_ = false;
+  MeshStore::Pinned pinned_;  ///< of the run under way
+  BatchWish wish_ = BatchWish::kAny;
+  otg_uint mostPlaces_ = 1;  ///< of its reductions
+  bool contactRecords_ = false, underWay_ = false;
   std::uint64_t repeats_ = 0;
 };
 

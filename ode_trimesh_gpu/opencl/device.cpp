@@ -67,8 +67,12 @@ DeviceInfo describe(cl_platform_id platform, cl_device_id device) {
                    number<cl_bool>(device, CL_DEVICE_COMPILER_AVAILABLE) &&
                    number<cl_bool>(device, CL_DEVICE_ENDIAN_LITTLE);
   constexpr cl_device_fp_config kIeee = CL_FP_FMA | CL_FP_ROUND_TO_NEAREST | CL_FP_INF_NAN | CL_FP_DENORM;
-  const bool extension = deviceText(device, CL_DEVICE_EXTENSIONS).find("cl_khr_fp64") != std::string::npos;
-  info.doubles = extension && (number<cl_device_fp_config>(device, CL_DEVICE_DOUBLE_FP_CONFIG) & kIeee) == kIeee;
+  const std::string extensions = deviceText(device, CL_DEVICE_EXTENSIONS);
+  const auto has = [&](const char* extension) { return extensions.find(extension) != std::string::npos; };
+  info.doubles =
+      has("cl_khr_fp64") && (number<cl_device_fp_config>(device, CL_DEVICE_DOUBLE_FP_CONFIG) & kIeee) == kIeee;
+  constexpr cl_device_info kComputeCapabilityMajor = 0x4000;  // CL_DEVICE_COMPUTE_CAPABILITY_MAJOR_NV
+  info.warps = has("cl_nv_device_attribute_query") && number<cl_uint>(device, kComputeCapabilityMajor) >= 8;
   info.computeUnits = number<cl_uint>(device, CL_DEVICE_MAX_COMPUTE_UNITS);
   info.globalMemory = number<cl_ulong>(device, CL_DEVICE_GLOBAL_MEM_SIZE);
   info.largestAllocation = number<cl_ulong>(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE);

@@ -16,6 +16,8 @@ struct DeviceInfo {
   DeviceKind kind = DeviceKind::kOther;
   bool available = false;  ///< can be used now, has a compiler, is little-endian
   bool doubles = false;    ///< double arithmetic that rounds as IEEE 754 says, fma and denormals included
+  bool warps =
+      false;  ///< 32 work-items run in step and can ask for their maximum: NVIDIA's compute capability 8 and up
   std::uint32_t computeUnits = 0;
   std::uint64_t globalMemory = 0, largestAllocation = 0, localMemory = 0;  ///< bytes
   std::uint64_t largestWorkGroup = 0;

@@ -107,8 +107,8 @@ inline void readPolling(cl_command_queue queue, cl_mem from, std::size_t bytes, 
 
 /// Does not wait: `from` has to stay as it is until something later in the queue was waited for.
 inline void writeLater(cl_command_queue queue, cl_mem to, std::size_t bytes, const void* from,
-                       cl_event* event = nullptr) {
-  clDo(OTG_CL(clEnqueueWriteBuffer), queue, to, cl_bool{CL_FALSE}, std::size_t{0}, bytes, from, cl_uint{0},
+                       cl_event* event = nullptr, std::size_t offset = 0) {
+  clDo(OTG_CL(clEnqueueWriteBuffer), queue, to, cl_bool{CL_FALSE}, offset, bytes, from, cl_uint{0},
        static_cast<const cl_event*>(nullptr), event);
 }
 

@@ -70,7 +70,7 @@ LevelsLane::LevelsLane(Context& context, MeshStore& meshes, const Tuning& tuning
       sumOfOne_(context, groupFor(context, tuning), PrefixSum::Of::kUint),
       sumOfTwo_(context, groupFor(context, tuning), PrefixSum::Of::kUint2),
       results_(tuning.recordsExpected),
-      chosen_(tuning.readMode),
+      chosen_(tuning.readMode, PinnedPool::make(context)),
       reducer_(context, tuning, true),
       profile_(tuning.profile) {
   const std::string walk = "-DOTG_GROUP=" + std::to_string(group_) + " -DOTG_LEAF=1";
@@ -259,7 +259,7 @@ PairAnswer LevelsLane::decide(const otg_device_pair& pair, const Query& query, c
       } else if (chosen_.flags()[0] & OTG_PAIR_TO_HOST) {
         answer.found = results_.readAll(context_, queue, contacts, counters, &profile_);
       } else {
-        answer.contacts = chosen_.readRest(context_, queue, chosen_.first()[1], &profile_);
+        answer.contacts = chosen_.readRest(context_, queue, chosen_.places()[1], &profile_);
         answer.found.counters = chosen_.counters();
         answer.reduced = true;
       }

@@ -15,10 +15,12 @@ static_assert(sizeof(MeshUnit) == kUnit);
 
 }  // namespace
 
-MeshStore::MeshStore(Context& context, std::uint64_t budget, std::uint32_t leafTriangles, MeshLayout layout)
+MeshStore::MeshStore(Context& context, std::uint64_t budget, std::uint32_t leafTriangles, MeshLayout layout,
+                     std::uint32_t cutOrder)
     : context_(context),
       mostUnits_(std::min({budget / kUnit, context.info().largestAllocation / kUnit, kAddressable})),
       leafTriangles_(leafTriangles),
+      cutOrder_(cutOrder),
       layout_(layout),
       queue_(context.makeQueue(false)) {}
 
@@ -30,7 +32,7 @@ MeshStore::Pinned MeshStore::acquire(std::span<const CollisionMesh* const> meshe
     auto found = residents_.find(alive);
     if (found == residents_.end()) {
       auto resident = std::make_shared<Resident>();
-      upload(packMesh(*mesh, layout_, leafTriangles_), *resident);
+      upload(packMesh(*mesh, layout_, leafTriangles_, cutOrder_), *resident);
       found = residents_.emplace(alive, std::move(resident)).first;
     }
     found->second->lastUse = ++clock_;

@@ -29,9 +29,10 @@ inline BoxFrame<float> deviceBoxes(const PairFrame& frame) {
 /// thread.
 class MeshStore {
  public:
-  /// `budget`: bytes that the buffer may take at most; `leafTriangles`: most triangles of a leaf of the trees.
+  /// `budget`: bytes that the buffer may take at most; `leafTriangles`: most triangles of a leaf of the trees;
+  /// `cutOrder`: as in Tuning.
   MeshStore(Context& context, std::uint64_t budget, std::uint32_t leafTriangles,
-            MeshLayout layout = MeshLayout::kEightWide);
+            MeshLayout layout = MeshLayout::kEightWide, std::uint32_t cutOrder = 0);
 
   struct Resident {
     otg_device_mesh place{};
@@ -83,7 +84,7 @@ class MeshStore {
 
   Context& context_;
   const std::uint64_t mostUnits_;
-  const std::uint32_t leafTriangles_;
+  const std::uint32_t leafTriangles_, cutOrder_;
   const MeshLayout layout_;
   mutable std::mutex mutex_;
   QueueHandle queue_;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "opencl/packed_mesh.h"
 
+#include <algorithm>
 #include <bit>
+#include <random>
 #include <utility>
 
 #include "bvh/packed_tree.h"
@@ -23,8 +25,9 @@ void addTriangle(PackedMesh& out, const TriMesh& mesh, std::uint32_t triangle) {
 }
 
 /// Nodes, triangles and cut.
-void addEightWide(PackedMesh& out, const CollisionMesh& mesh, std::uint32_t leafTriangles) {
-  const PackedTree tree = makePackedTree(mesh.tree(), leafTriangles);
+void addEightWide(PackedMesh& out, const CollisionMesh& mesh, std::uint32_t leafTriangles, std::uint32_t cutOrder) {
+  PackedTree tree = makePackedTree(mesh.tree(), leafTriangles);
+  if (cutOrder != 0) std::shuffle(tree.cut.begin(), tree.cut.end(), std::mt19937(cutOrder));
   out.units.reserve(2 * tree.nodes.size() + 4 * tree.triangles.size() + 2 * tree.cut.size());
   for (const PackedNode& n : tree.nodes) {
     addNode(out, n.center, static_cast<std::uint32_t>(n.first), n.extent, n.count);
@@ -87,12 +90,12 @@ otg_device_mesh PackedMesh::placeAt(std::uint32_t begin) const {
   return moved;
 }
 
-PackedMesh packMesh(const CollisionMesh& mesh, MeshLayout layout, std::uint32_t leafTriangles) {
+PackedMesh packMesh(const CollisionMesh& mesh, MeshLayout layout, std::uint32_t leafTriangles, std::uint32_t cutOrder) {
   PackedMesh out;
   if (layout == MeshLayout::kBinary) {
     addBinary(out, mesh);
   } else {
-    addEightWide(out, mesh, leafTriangles);
+    addEightWide(out, mesh, leafTriangles, cutOrder);
   }
   addRings(out, mesh.mesh());
   out.place.center = mesh.mesh().center();

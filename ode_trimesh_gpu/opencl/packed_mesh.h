@@ -29,7 +29,8 @@ struct PackedMesh {
   otg_device_mesh placeAt(std::uint32_t begin) const;
 };
 
-/// `leafTriangles`: most triangles of a leaf, for kEightWide.
-PackedMesh packMesh(const CollisionMesh& mesh, MeshLayout layout, std::uint32_t leafTriangles);
+/// For kEightWide: `leafTriangles`, the most triangles of a leaf; `cutOrder` as in Tuning.
+PackedMesh packMesh(const CollisionMesh& mesh, MeshLayout layout, std::uint32_t leafTriangles,
+                    std::uint32_t cutOrder = 0);
 
 }  // namespace otg::opencl

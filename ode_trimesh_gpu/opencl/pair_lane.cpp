@@ -18,7 +18,7 @@ PairLane::PairLane(Context& context, MeshStore& meshes, const Tuning& tuning)
       groups_(std::max<std::size_t>(1, std::size_t{context.info().computeUnits} * tuning.groupsPerUnit)),
       queue_(context.makeQueue(tuning.profile)),
       results_(tuning.recordsExpected),
-      chosen_(tuning.readMode),
+      chosen_(tuning.readMode, PinnedPool::make(context)),
       reducer_(context, tuning, true),
       profile_(tuning.profile) {
   const std::string walk =
@@ -33,7 +33,11 @@ PairLane::PairLane(Context& context, MeshStore& meshes, const Tuning& tuning)
   pairs_ = context.makeKernel("pair_results.cl", results(0, 0), "pairResults");
   if (context.info().doubles) {
     contacts_ = context.makeKernel("pair_results.cl", results(1, 0), "pairResults");
-    if (reducer_.works()) entered_ = context.makeKernel("pair_results.cl", results(1, 1), "pairResults");
+    if (reducer_.works()) {
+      entered_ = context.makeKernel("pair_results.cl", results(1, 1), "pairResults");
+      fewHits_ = hitsOfGroup(context, tuning.fewHits);
+      few_ = context.makeKernel("pair_reduce.cl", groupReduction(context, tuning.fewGroup, fewHits_), "pairReduce");
+    }
   }
   counters_ = context.makeBuffer(CL_MEM_READ_WRITE, OTG_COUNTERS * sizeof(otg_uint));
   fillZero(queue_.get(), counters_.get(), OTG_COUNTERS * sizeof(otg_uint));
@@ -63,19 +67,35 @@ PairAnswer PairLane::runOn(const otg_device_pair& pair, const Query& query, cl_m
   PairAnswer answer;
   if (reduce) reducer_.send(queue, {&how, 1});
   for (;; ++repeats_) {
+    // As many as last time, as a rule.
+    const bool few = reduce && lastHits_ <= fewHits_;
     results_.reserve(context_, hits_.places());
     if (reduce) reducer_.reserve(queue, 1, hits_.places(), how.places);
-    chosen_.reserve(context_, 1, reduce ? reducer_.contactsOfPair() : 0);
-    enqueue(pair, query.bInA, meshes, how, contacts, reduce);
+    chosen_.reserve(context_, 1, reduce ? std::max(reducer_.contactsOfPair(), fewHits_) : 0);
+    enqueueWalk(pair, meshes, how);
+    if (few) {
+      enqueueFew(pair, query.bInA, meshes);
+    } else {
+      enqueueRecords(pair, query.bInA, meshes, contacts, reduce);
+    }
     const otg_uint* counters = reduce ? chosen_.readHead(context_, queue, 1, true, &profile_)
                                       : results_.readHead(context_, queue, contacts, &profile_);
-    if (makeRoom(counters)) continue;
+    lastHits_ = counters[OTG_COUNT_HITS];
+    const bool many = few && (chosen_.flags()[0] & OTG_PAIR_MANY);
+    if (makeRoom(counters)) {
+      if (many) fillZero(queue, counters_.get(), OTG_COUNTERS * sizeof(otg_uint));
+      continue;
+    }
+    if (many) {
+      enqueueRecords(pair, query.bInA, meshes, contacts, reduce);
+      counters = chosen_.readHead(context_, queue, 1, true, &profile_);
+    }
     if (!reduce) {
       answer.found = results_.readRest(context_, queue, contacts, &profile_);
     } else if (chosen_.flags()[0] & OTG_PAIR_TO_HOST) {
       answer.found = results_.readAll(context_, queue, contacts, counters, &profile_);
     } else {
-      answer.contacts = chosen_.readRest(context_, queue, chosen_.first()[1], &profile_);
+      answer.contacts = chosen_.readRest(context_, queue, chosen_.places()[1], &profile_);
       answer.found.counters = chosen_.counters();
       answer.reduced = true;
     }
@@ -85,28 +105,41 @@ PairAnswer PairLane::runOn(const otg_device_pair& pair, const Query& query, cl_m
   return answer;
 }
 
-void PairLane::enqueue(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, const otg_reduction& how,
-                       bool contacts, bool reduce) {
-  const cl_mem counters = counters_.get(), leaves = leaves_.get(), hits = hits_.get();
-  const cl_mem state = reducer_.states();
+/// From the cuts to the list of hits.
+void PairLane::enqueueWalk(const otg_device_pair& pair, cl_mem meshes, const otg_reduction& how) {
+  const cl_mem counters = counters_.get(), leaves = leaves_.get();
   Arguments(cut_) << pair << meshes << counters << level0_.get() << level0_.places() << leaves << leaves_.places()
-                  << state << chosen_.get() << how.method;
+                  << reducer_.states() << chosen_.get() << how.method;
   launch(queue_.get(), cut_, tuning_.group, (pair.a.cutCount + tuning_.group - 1) / tuning_.group,
          (pair.b.cutCount + kCutTile - 1) / kCutTile, profile_.next(Profile::kTop));
   if (tuning_.flushes & 1) clDo(OTG_CL(clFlush), queue_.get());
-  for (otg_uint level = 0; level < 2; ++level) {
-    const DeviceList& in = level == 0 ? level0_ : level1_;
-    const DeviceList& out = level == 0 ? level1_ : level2_;
+  const DeviceList* const lists[] = {&level0_, &level1_, &level2_};
+  const otg_uint levels =
+      std::uint64_t{pair.a.triangles} + pair.b.triangles < tuning_.levelTriangles ? 0 : std::min(tuning_.levels, 2u);
+  for (otg_uint level = 0; level < levels; ++level) {
+    const DeviceList &in = *lists[level], &out = *lists[level + 1];
     Arguments(level_) << pair << meshes << counters << level << in.get() << in.places() << out.get() << out.places()
                       << leaves << leaves_.places();
     launch(queue_.get(), level_, tuning_.group, groups_, 1, profile_.next(Profile::kLevels));
   }
   const otg_uint stackSize = stackSizeFor(tuning_, pair.a.depth + pair.b.depth);
-  (Arguments(tail_) << pair << meshes << counters << level2_.get() << level2_.places() << leaves << leaves_.places()
-                    << hits << hits_.places() << stackSize)
+  (Arguments(tail_) << pair << meshes << counters << levels << lists[levels]->get() << lists[levels]->places() << leaves
+                    << leaves_.places() << hits_.get() << hits_.places() << stackSize)
       .local(stackSize * sizeof(cl_uint2));
   launch(queue_.get(), tail_, tuning_.group, groups_, 1, profile_.next(Profile::kMain));
   if (tuning_.flushes & 2) clDo(OTG_CL(clFlush), queue_.get());
+}
+
+/// Everything else, where there are few hits.
+void PairLane::enqueueFew(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes) {
+  Arguments(few_) << pair << bInA << meshes << counters_.get() << hits_.get() << hits_.places() << results_.get()
+                  << reducer_.reductions() << chosen_.get();
+  launch(queue_.get(), few_, tuning_.fewGroup, 1, 1, profile_.next(Profile::kChoose));
+}
+
+/// Records of all hits, and with `reduce` the contacts.
+void PairLane::enqueueRecords(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, bool contacts,
+                              bool reduce) {
   Kernel& last = reduce ? entered_ : contacts ? contacts_ : pairs_;
   Arguments arguments(last);
   arguments << pair;
@@ -115,13 +148,14 @@ void PairLane::enqueue(const otg_device_pair& pair, const Transformd& bInA, cl_m
   } else {
     arguments << cl_int{0};
   }
-  arguments << meshes << counters << hits << hits_.places() << results_.get();
+  arguments << meshes << counters_.get() << hits_.get() << hits_.places() << results_.get();
   if (reduce) {
-    arguments << reducer_.links() << reducer_.tables() << reducer_.tableSize() << state << chosen_.get();
+    arguments << reducer_.links() << reducer_.tables() << reducer_.tableSize() << reducer_.states() << chosen_.get();
   }
   launch(queue_.get(), last, tuning_.recordGroup, groups_, 1, profile_.next(Profile::kContacts));
   if (!reduce) return;
-  reducer_.enqueue(queue_.get(), meshes, counters, results_.get(), hits_.places(), 1, chosen_, groups_, profile_);
+  reducer_.enqueue(queue_.get(), meshes, counters_.get(), results_.get(), hits_.places(), 1, chosen_, groups_,
+                   profile_);
 }
 
 /// After a run: false if every list was long enough, else they have grown.

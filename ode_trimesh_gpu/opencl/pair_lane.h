@@ -38,8 +38,9 @@ class PairLane {
 
  private:
   PairAnswer runOn(const otg_device_pair& pair, const Query& query, cl_mem meshes, bool contacts);
-  void enqueue(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, const otg_reduction& how,
-               bool contacts, bool reduce);
+  void enqueueWalk(const otg_device_pair& pair, cl_mem meshes, const otg_reduction& how);
+  void enqueueFew(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes);
+  void enqueueRecords(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, bool contacts, bool reduce);
   bool makeRoom(const otg_uint* counters);
 
   Context& context_;
@@ -47,7 +48,7 @@ class PairLane {
   const Tuning tuning_;
   const std::size_t groups_;
   QueueHandle queue_;
-  Kernel cut_, level_, tail_, pairs_, contacts_, entered_;
+  Kernel cut_, level_, tail_, pairs_, contacts_, entered_, few_;
   BufferHandle counters_;
   DeviceList level0_{sizeof(cl_uint2)}, level1_{sizeof(cl_uint2)}, level2_{sizeof(cl_uint2)}, leaves_{sizeof(cl_uint2)},
       hits_{sizeof(cl_uint2)};
@@ -55,6 +56,7 @@ class PairLane {
   ChosenBuffer chosen_;
   Reducer reducer_;
   Profile profile_;
+  std::uint32_t fewHits_ = 0, lastHits_ = 0;
   std::uint64_t repeats_ = 0;
 };
 

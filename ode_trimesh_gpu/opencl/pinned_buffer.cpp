@@ -31,4 +31,27 @@ void PinnedBuffer::reserve(Context& context, cl_command_queue queue, std::size_t
   size_ = wanted;
 }
 
+std::shared_ptr<PinnedPool> PinnedPool::make(Context& context) {
+  return std::shared_ptr<PinnedPool>(new PinnedPool(context.makeQueue(false)));
+}
+
+std::shared_ptr<PinnedBuffer> PinnedPool::take() {
+  std::unique_ptr<PinnedBuffer> buffer;
+  {
+    const std::lock_guard lock(mutex_);
+    if (idle_.empty()) {
+      buffer = std::make_unique<PinnedBuffer>();
+      idle_.reserve(idle_.capacity() + 1);  // giving back needs no memory
+    } else {
+      buffer = std::move(idle_.back());
+      idle_.pop_back();
+    }
+  }
+  return {buffer.release(), [pool = shared_from_this()](PinnedBuffer* back) {
+            std::unique_ptr<PinnedBuffer> owned(back);
+            const std::lock_guard lock(pool->mutex_);
+            pool->idle_.push_back(std::move(owned));
+          }};
+}
+
 }  // namespace otg::opencl

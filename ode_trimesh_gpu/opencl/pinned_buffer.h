@@ -3,6 +3,9 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
+#include <mutex>
+#include <vector>
 
 #include "opencl/context.h"
 
@@ -27,6 +30,22 @@ class PinnedBuffer {
   BufferHandle buffer_;
   std::byte* data_ = nullptr;
   std::size_t size_ = 0;
+};
+
+/// Buffers that outlive the query that filled them: whoever shares one has its contents to himself until he lets go,
+/// and then it is there for another query. Lives as long as any of them. Any thread.
+class PinnedPool : public std::enable_shared_from_this<PinnedPool> {
+ public:
+  static std::shared_ptr<PinnedPool> make(Context& context);
+  std::shared_ptr<PinnedBuffer> take();
+  /// Where the buffers are mapped.
+  cl_command_queue queue() const { return queue_.get(); }
+
+ private:
+  explicit PinnedPool(QueueHandle queue) : queue_(std::move(queue)) {}
+  QueueHandle queue_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<PinnedBuffer>> idle_;
 };
 
 }  // namespace otg::opencl

@@ -9,20 +9,37 @@
 namespace otg::opencl {
 namespace {
 
+/// As OTG_MAYBE in contact_reduce.cl: candidates for each contact that may stay.
+constexpr std::uint32_t kMaybe = 4;
+
 /// Local memory of chooseContacts (otg_choice) with some to spare.
-std::uint64_t localBytes(std::uint32_t kept, std::uint32_t group) {
-  return 36 * std::uint64_t{kept} + 4 * std::uint64_t{group} + 256;
+std::uint64_t localBytes(std::uint32_t kept) {
+  return 33 * std::uint64_t{kept} + 256;
 }
 
 std::uint32_t keptPlacesFor(const Context& context, const Tuning& tuning, bool single) {
   std::uint32_t kept = std::clamp(single ? tuning.keptPlaces : tuning.batchKeptPlaces, 1u, 1024u);
-  while (kept > 1 &&
-         localBytes(kept, single ? tuning.chooseGroup : tuning.batchChooseGroup) > context.info().localMemory)
-    kept /= 2;
+  while (kept > 1 && localBytes(kept) > context.info().localMemory) kept /= 2;
   return kept;
 }
 
 }  // namespace
+
+std::string warpOption(const Context& context) {
+  return context.info().warps ? " -DOTG_WARP=1" : "";
+}
+
+std::uint32_t hitsOfGroup(const Context& context, std::uint32_t wanted) {
+  std::uint32_t hits = std::clamp(std::bit_ceil(wanted), 1u, 1024u);
+  // otg_group_links with some to spare
+  while (hits > 1 && 49 * std::uint64_t{hits} + 512 > context.info().localMemory) hits /= 2;
+  return hits;
+}
+
+std::string groupReduction(const Context& context, std::uint32_t group, std::uint32_t hits) {
+  return "-DOTG_GROUP=" + std::to_string(group) + " -DOTG_KEPT=" + std::to_string(hits) + " -DOTG_CONTACTS=1" +
+         warpOption(context);
+}
 
 otg_reduction deviceReduction(const CollideOptions& options, bool byHost) {
   otg_reduction out{};
@@ -54,7 +71,7 @@ Reducer::Reducer(Context& context, const Tuning& tuning, bool single)
       single_(single) {
   const auto options = [&](std::uint32_t group) {
     return "-DOTG_GROUP=" + std::to_string(group) + " -DOTG_KEPT=" + std::to_string(keptPlaces_) +
-           " -DOTG_CONTACTS=1 -DOTG_SINGLE=" + (single ? "1" : "0");
+           " -DOTG_CONTACTS=1 -DOTG_SINGLE=" + (single ? "1" : "0") + warpOption(context);
   };
   if (!context.info().doubles || !tuning.reduce) return;
   unite_ = context.makeKernel("contact_reduce.cl", options(recordGroup_), "uniteContacts");
@@ -75,14 +92,14 @@ void Reducer::reserve(cl_command_queue queue, std::uint32_t pairs, std::uint32_t
   pairs = std::bit_ceil(pairs);
   room_ = std::clamp(places, 1u, keptPlaces_);
   links_.reserve(context_, hits);
-  kept_.reserve(context_, std::uint64_t{pairs} * keptPlaces_);
+  kept_.reserve(context_, std::uint64_t{pairs} * keptPlaces_ * kMaybe);
   roots_.reserve(context_, std::uint64_t{pairs} * keptPlaces_);
   lists_.reserve(context_, std::uint64_t{pairs} * room_);
-  const std::uint64_t slots = std::max<std::uint64_t>(64, 2 * std::bit_ceil(std::uint64_t{hits}));
+  const std::uint64_t slots = std::max<std::uint64_t>(64, 4 * std::bit_ceil(std::uint64_t{hits}));
   if (slots > tables_.places()) {
     tableSize_ = 0;
     tables_.reserve(context_, slots);
-    fillZero(queue, tables_.get(), slots * 2 * sizeof(otg_uint));
+    fillZero(queue, tables_.get(), slots * kTables * sizeof(otg_uint));
     tableSize_ = static_cast<std::uint32_t>(slots);
   }
 }
@@ -115,8 +132,8 @@ void Reducer::enqueue(cl_command_queue queue, cl_mem meshes, cl_mem counters, cl
   if (single_) return;
   Arguments(place_) << pairs << chosen.get();
   launch(queue, place_, placeGroup_, 1, 1, profile.next(Profile::kChoose));
-  Arguments(write_) << meshes << counters << records << hits << states << lists_.get() << room_ << pairs << chosen.get()
-                    << chosen.contactPlaces();
+  Arguments(write_) << meshes << counters << records << tables << tableSize_ << hits << states << lists_.get() << room_
+                    << pairs << chosen.get() << chosen.contactPlaces();
   launch(queue, write_, recordGroup_, groups, 1, profile.next(Profile::kChoose));
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "collide/query.h"
@@ -11,6 +12,14 @@
 #include "opencl/tuning.h"
 
 namespace otg::opencl {
+
+/// Defines OTG_WARP of contact_choose.h where the device has what it takes.
+std::string warpOption(const Context& context);
+
+/// Hits that one work-group keeps in local memory (contact_group.h): a power of two, `wanted` if the device can.
+std::uint32_t hitsOfGroup(const Context& context, std::uint32_t wanted);
+/// Options of a program for work-groups that do.
+std::string groupReduction(const Context& context, std::uint32_t group, std::uint32_t hits);
 
 /// How the device chooses contacts that are asked for in this way.
 otg_reduction deviceReduction(const CollideOptions& options, bool byHost);
@@ -42,12 +51,13 @@ class Reducer {
                std::uint32_t pairs, const ChosenBuffer& chosen, std::size_t groups, Profile& profile);
 
  private:
+  static constexpr std::size_t kTables = 4;  ///< as in otg_links
   Context& context_;
   const std::uint32_t recordGroup_, chooseGroup_, keptPlaces_;
   const bool single_;
   std::uint32_t placeGroup_ = 0;
   Kernel unite_, select_, choose_, place_, write_;
-  DeviceList links_{OTG_LINKS * sizeof(otg_uint)}, tables_{2 * sizeof(otg_uint)}, states_{sizeof(otg_pair_state)},
+  DeviceList links_{OTG_LINKS * sizeof(otg_uint)}, tables_{kTables * sizeof(otg_uint)}, states_{sizeof(otg_pair_state)},
       reductions_{sizeof(otg_reduction)}, kept_{sizeof(otg_uint)}, roots_{sizeof(otg_uint)}, lists_{sizeof(cl_uint2)};
   std::uint32_t tableSize_ = 0, room_ = 0;
   std::vector<otg_reduction> sent_;

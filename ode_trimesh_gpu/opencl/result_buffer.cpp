@@ -63,22 +63,47 @@ void ChosenBuffer::reserve(Context& context, std::uint32_t pairs, std::uint32_t 
   contactPlaces_ = contacts;
 }
 
+void ChosenBuffer::makeRoom(Context& context, std::size_t bytes) {
+  if (!host_ || host_.use_count() > 1) host_ = pool_->take();
+  host_->reserve(context, pool_->queue(), bytes);
+}
+
 void ChosenBuffer::read(Context& context, cl_command_queue queue, std::size_t bytes, Profile* profile) {
-  host_.reserve(context, queue, bytes);
+  makeRoom(context, bytes);
   if (readMode_ == 2 && !(profile && profile->on())) {
-    readPolling(queue, buffer_.get(), bytes, host_.data());
+    readPolling(queue, buffer_.get(), bytes, host_->data());
     return;
   }
   if (readMode_ == 1) clDo(OTG_CL(clFinish), queue);
-  readBlocking(queue, buffer_.get(), bytes, host_.data(), profile ? profile->next(Profile::kReadBack) : nullptr);
+  readBlocking(queue, buffer_.get(), bytes, host_->data(), profile ? profile->next(Profile::kReadBack) : nullptr);
+}
+
+std::size_t ChosenBuffer::headBytes(std::uint32_t pairs, bool contacts) {
+  pairs_ = pairs;
+  have_ = contacts ? std::min(expected_, contactPlaces_) : 0;
+  return contacts ? OTG_RESULT_CONTACTS(std::size_t{pairs}) + have_ * sizeof(Contact)
+                  : OTG_RESULT_HEAD + pairs * sizeof(otg_uint);
 }
 
 const otg_uint* ChosenBuffer::readHead(Context& context, cl_command_queue queue, std::uint32_t pairs, bool contacts,
                                        Profile* profile) {
-  pairs_ = pairs;
-  have_ = contacts ? std::min(expected_, contactPlaces_) : 0;
-  read(context, queue, OTG_RESULT_CONTACTS(std::size_t{pairs}) + have_ * sizeof(Contact), profile);
-  return reinterpret_cast<const otg_uint*>(host_.data());
+  read(context, queue, headBytes(pairs, contacts), profile);
+  return counters();
+}
+
+void ChosenBuffer::beginHead(Context& context, cl_command_queue queue, std::uint32_t pairs, bool contacts,
+                             Profile* profile) {
+  const std::size_t bytes = headBytes(pairs, contacts);
+  makeRoom(context, bytes);
+  clDo(OTG_CL(clEnqueueReadBuffer), queue, buffer_.get(), cl_bool{CL_FALSE}, std::size_t{0}, bytes,
+       static_cast<void*>(host_->data()), cl_uint{0}, static_cast<const cl_event*>(nullptr),
+       profile->next(Profile::kReadBack));
+  clDo(OTG_CL(clFlush), queue);
+}
+
+const otg_uint* ChosenBuffer::endHead(cl_command_queue queue) {
+  clDo(OTG_CL(clFinish), queue);
+  return counters();
 }
 
 std::span<const Contact> ChosenBuffer::readRest(Context& context, cl_command_queue queue, std::uint32_t count,
@@ -86,7 +111,7 @@ std::span<const Contact> ChosenBuffer::readRest(Context& context, cl_command_que
   const std::size_t begin = OTG_RESULT_CONTACTS(std::size_t{pairs_});
   if (count > have_) read(context, queue, begin + count * sizeof(Contact), profile);
   expected_ = std::max(64u, count + count / 8);
-  return {reinterpret_cast<const Contact*>(host_.data() + begin), count};
+  return {reinterpret_cast<const Contact*>(host_->data() + begin), count};
 }
 
 }  // namespace otg::opencl

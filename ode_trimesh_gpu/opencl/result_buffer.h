@@ -47,10 +47,12 @@ class ResultBuffer {
   std::uint32_t least_, expected_, have_ = 0;
 };
 
-/// Chosen contacts behind a head, a flag for each pair and the places of their contacts.
+/// Chosen contacts behind a head, a flag for each pair, and place and number of their contacts.
 class ChosenBuffer {
  public:
-  explicit ChosenBuffer(std::uint32_t readMode) : readMode_(readMode) {}
+  /// Reads into buffers of `pool`.
+  ChosenBuffer(std::uint32_t readMode, std::shared_ptr<PinnedPool> pool)
+      : readMode_(readMode), pool_(std::move(pool)) {}
   void reserve(Context& context, std::uint32_t pairs, std::uint32_t contacts);
   cl_mem get() const { return buffer_.get(); }
   std::uint32_t contactPlaces() const { return contactPlaces_; }
@@ -58,18 +60,28 @@ class ChosenBuffer {
   /// Waits for the queue and reads the head, what belongs to each pair, and as many contacts as were there last time.
   const otg_uint* readHead(Context& context, cl_command_queue queue, std::uint32_t pairs, bool contacts,
                            Profile* profile = nullptr);
+  /// The same in two steps: begins to read behind what is in the queue,
+  void beginHead(Context& context, cl_command_queue queue, std::uint32_t pairs, bool contacts, Profile* profile);
+  /// and waits for the queue.
+  const otg_uint* endHead(cl_command_queue queue);
   /// After readHead: the contacts that were not read yet, if any. `count` is at most contactPlaces().
   std::span<const Contact> readRest(Context& context, cl_command_queue queue, std::uint32_t count,
                                     Profile* profile = nullptr);
-  const otg_uint* counters() const { return reinterpret_cast<const otg_uint*>(host_.data()); }
+  const otg_uint* counters() const { return reinterpret_cast<const otg_uint*>(host_->data()); }
   const otg_uint* flags() const { return counters() + OTG_FLAGS; }
-  const otg_uint* first() const { return flags() + pairs_; }
+  /// Two words a pair: place and number of its contacts.
+  const otg_uint* places() const { return flags() + pairs_; }
+  /// What all that lies in; the next query leaves it alone as long as it is shared.
+  std::shared_ptr<const void> memory() const { return host_; }
 
  private:
+  void makeRoom(Context& context, std::size_t bytes);
+  std::size_t headBytes(std::uint32_t pairs, bool contacts);
   void read(Context& context, cl_command_queue queue, std::size_t bytes, Profile* profile);
   const std::uint32_t readMode_;
+  const std::shared_ptr<PinnedPool> pool_;
   DeviceList buffer_{1};
-  PinnedBuffer host_;
+  std::shared_ptr<PinnedBuffer> host_;
   std::uint32_t pairs_ = 0, contactPlaces_ = 0, expected_ = 64, have_ = 0;
 };
 

@@ -7,17 +7,28 @@
 namespace otg::opencl {
 
 struct Tuning {
-  std::uint32_t leafTriangles = 2;        ///< most triangles of a leaf, 1 to 8
-  std::uint32_t group = 128;              ///< work-items of a work-group, a multiple of 64
-  std::uint32_t groupsPerUnit = 8;        ///< work-groups for each compute unit in kernels that stride over their work
-  std::uint32_t batchGroup = 128;         ///< work-items for one pair of a batch, a multiple of 8, 32 at least
-  std::uint32_t batchPairs = 1u << 16;    ///< pairs in one submission; more are done in several
+  std::uint32_t leafTriangles = 2;  ///< most triangles of a leaf, 1 to 8
+  std::uint32_t group = 128;        ///< work-items of a work-group, a multiple of 64
+  /// Levels that are opened breadth-first before work-groups go on depth-first, 2 at most; none for two meshes that
+  /// have fewer triangles together than `levelTriangles`.
+  std::uint32_t levels = 2, levelTriangles = 20000;
+  std::uint32_t groupsPerUnit = 8;      ///< work-groups for each compute unit in kernels that stride over their work
+  std::uint32_t batchGroup = 128;       ///< work-items for one pair of a batch, a multiple of 8, 32 at least
+  std::uint32_t batchPairs = 1u << 16;  ///< pairs in one submission; more are done in several
+  /// A batch is done in so many pieces, each begun before the one before is waited for, as long as these have
+  /// `leastPiece` pairs.
+  std::uint32_t pieces = 2, leastPiece = 2048;
   std::uint64_t batchTriangles = 200000;  ///< a pair with more triangles is not left to one work-group
   /// Places in the lists between kernels. A list that is too short grows, and the query is run again.
   std::uint32_t pairPlaces = 1u << 16, leafPlaces = 1u << 16, hitPlaces = 1u << 14;
   std::uint32_t stackRoom = 512;    ///< pairs that a work-group stacks before it goes on with one at a time, 16 or more
   std::uint32_t recordGroup = 256;  ///< work-items of a work-group that makes contacts or finds regions, 64 at least
-  std::uint32_t chooseGroup = 256;  ///< work-items that choose the contacts of a single pair
+  /// A work-group finds the contacts of a pair of a batch by itself if the pair has at most `mediumHits` hits; there is
+  /// one kernel for few of them and one for more. Powers of two.
+  std::uint32_t smallHits = 128, mediumHits = 512, smallGroup = 64, mediumGroup = 256;
+  /// The same for a single pair, where few hits are expected: with more, other kernels have to follow.
+  std::uint32_t fewHits = 64, fewGroup = 64;
+  std::uint32_t chooseGroup = 256;      ///< work-items that choose the contacts of a single pair
   std::uint32_t batchChooseGroup = 64;  ///< work-items that choose the contacts of one pair of a batch
   /// Contacts after binning, and regions, that one pair may have on the device, 1,024 at most. With more the host
   /// chooses.
@@ -31,9 +42,10 @@ struct Tuning {
   /// least.
   std::uint32_t levelsGroup = 256;
   std::uint64_t memoryBudget =
-      0;                 ///< bytes for meshes; 0: half of the device's memory. `levels`: as much again, or a quarter
-  bool profile = false;  ///< take times of the stages of single queries, which costs some
-  bool doubles = true;   ///< false: as on a device without double arithmetic
+      0;  ///< bytes for meshes; 0: half of the device's memory. `levels`: as much again, or a quarter
+  std::uint32_t cutOrder = 0;  ///< not 0: cuts in another order than PackedTree has them
+  bool profile = false;        ///< take times of the stages of single queries, which costs some
+  bool doubles = true;         ///< false: as on a device without double arithmetic
 };
 
 /// Pairs of nodes in the stack of a work-group: room for what one pair may still lead to is kept free beside the rest

@@ -187,6 +187,7 @@ TEST_CASE("devices get blocks of equal cost, and a batch is divided between them
   for (std::size_t count = 1; count <= 4; ++count) {
     Dispatcher dispatcher;
     REQUIRE(open(dispatcher, count) == count);
+    dispatcher.setTakeOver(false);  // as planned
     dispatcher.setThreadCount(1);
     for (const auto& slot : dispatcher.devices()) slot->costs = costsFor(0.5);
     std::vector<PairResult> found(jobs.size());

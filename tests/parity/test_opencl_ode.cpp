@@ -231,3 +231,53 @@ TEST_CASE("ten thousand queries and a thousand batches take no more memory than 
   CHECK(after - before < 4096);
   dSpaceDestroy(space);
 }
+
+TEST_CASE("a hundred thousand tiny pairs in one call have the bytes of the CPU") {
+  const OdeSession session;
+  const Data one(scenes::makeTetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1})),
+      two(scenes::makeBox({1, 1, 1}, 1));
+  constexpr std::size_t kGeoms = 448;
+  constexpr int kPlaces = 4;
+  std::mt19937 random(5);
+  const dSpaceID space = dSimpleSpaceCreate(nullptr);
+  std::vector<dGeomID> geoms;
+  for (std::size_t i = 0; i < kGeoms; ++i) {
+    geoms.push_back(dCreateGpuTriMesh(space, i % 3 ? one.id : two.id));
+    usePairwise(geoms.back());
+    setRandomPose(geoms.back(), random, 2.5);
+  }
+  std::vector<dGpuTriMeshPair> pairs;
+  for (std::size_t i = 0; i < kGeoms; ++i) {
+    for (std::size_t k = i + 1; k < kGeoms; ++k) pairs.push_back({geoms[i], geoms[k]});
+  }
+  REQUIRE(pairs.size() > 100000);
+  struct Found {
+    std::vector<dContactGeom> contacts;
+    std::vector<int> counts;
+    int all = 0;
+  };
+  const auto collideAll = [&] {
+    Found found;
+    found.contacts.resize(pairs.size() * kPlaces);
+    std::memset(static_cast<void*>(found.contacts.data()), 0, found.contacts.size() * sizeof(dContactGeom));
+    found.counts.resize(pairs.size());
+    found.all = dGpuTriMeshCollidePairs(pairs.data(), static_cast<int>(pairs.size()), kPlaces, found.contacts.data(),
+                                        sizeof(dContactGeom), found.counts.data());
+    return found;
+  };
+  CHECK(dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_CPU) == dGPUTRIMESH_OK);
+  const Found expected = collideAll();
+  CHECK(expected.all > 3000);
+  const Devices devices(1);
+  for (const int backend : {dGPUTRIMESH_BACKEND_OPENCL, dGPUTRIMESH_BACKEND_AUTO}) {
+    CHECK(dGpuTriMeshSetBackend(backend) == dGPUTRIMESH_OK);
+    const Found found = collideAll();
+    CHECK(found.all == expected.all);
+    CHECK(found.counts == expected.counts);
+    CHECK(std::memcmp(found.contacts.data(), expected.contacts.data(),
+                      expected.contacts.size() * sizeof(dContactGeom)) == 0);
+  }
+  CHECK(devices[0].failed_calls == 0);
+  CHECK(devices[0].queries >= pairs.size());
+  dSpaceDestroy(space);
+}

@@ -213,7 +213,22 @@ TEST_CASE("the answer does not depend on the sizes of launches, leaves and lists
       check(tuning, true);
     }
   }
+  for (const std::uint32_t order : {1u, 2u, 3u}) {  // seeds in another order
+    opencl::Tuning tuning;
+    tuning.cutOrder = order;
+    tuning.levels = 3 - order;
+    tuning.levelTriangles = 0;
+    tuning.fewHits = order == 1 ? 1 : 1024;
+    check(tuning, false);
+  }
   opencl::Tuning tuning;
+  tuning.levelTriangles = 1u << 30;  // no levels
+  for (const std::uint32_t mode : {0u, 1u, 2u}) {
+    tuning.readMode = mode;
+    tuning.fewHits = mode == 0 ? 1 : 512;
+    check(tuning, false);
+  }
+  tuning = {};
   tuning.reduce = false;
   check(tuning, false);
   tuning.recordsExpected = 1;

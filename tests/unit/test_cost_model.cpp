@@ -20,6 +20,7 @@ CostModel model(double host, double device, double launch = 0) {
   costs.hostPairs = costs.hostPairwise = costs.hostSolid = {host, host / 100};
   costs.devicePairs = costs.devicePairwise = costs.batchPair = {device, device / 100};
   costs.batchLaunch = launch;
+  costs.hostThreads = costs.hostSpeedup = 64;  // any number of threads up to that is so many times as quick
   return costs;
 }
 
@@ -38,7 +39,8 @@ std::vector<double> times(const Division& division, const std::vector<CostModel>
     out.push_back(ends[d] > begin ? devices[d].batchLaunch + all : 0);
     begin = ends[d];
   }
-  out.push_back((division.hostBusy + sum(devices[0].hostPairwise, begin, division.work.size())) / division.threads);
+  out.push_back((division.hostBusy + sum(devices[0].hostPairwise, begin, division.work.size())) /
+                devices[0].speedup(division.threads));
   return out;
 }
 
@@ -91,6 +93,98 @@ TEST_CASE("what is open goes where it is done first") {
   CHECK(divide(division, {}).empty());
 }
 
+TEST_CASE("no device is left out where there are pairs for all") {
+  Draw draw(4);
+  for (std::size_t pairs = 1; pairs <= 40; ++pairs) {
+    for (std::size_t count = 1; count <= 5; ++count) {
+      for (const bool equal : {true, false}) {
+        INFO(pairs << " pairs on " << count << " devices");
+        std::vector<double> work(pairs);
+        for (double& w : work) w = equal ? 100 : draw.uniform(50, 100);
+        const std::vector<CostModel> devices(count, model(1e6, 1, 20));
+        Division division;
+        division.work = work;
+        division.bound = pairs;
+        const std::vector<std::size_t> ends = divide(division, devices);
+        REQUIRE(ends.back() == pairs);
+        std::size_t begin = 0, idle = 0;
+        double longest = 0, all = 0, largest = 0;
+        for (const double w : work) {
+          all += devices[0].batchPair.of(w);
+          largest = std::max(largest, devices[0].batchPair.of(w));
+        }
+        for (const std::size_t end : ends) {
+          REQUIRE(end >= begin);
+          idle += end == begin ? 1 : 0;
+          double time = 0;
+          for (std::size_t i = begin; i < end; ++i) time += devices[0].batchPair.of(work[i]);
+          longest = std::max(longest, time);
+          begin = end;
+        }
+        if (pairs >= count) CHECK(idle == 0);
+        CHECK(longest <= all / static_cast<double>(count) + largest);
+      }
+    }
+  }
+}
+
+TEST_CASE("threads that hinder each other count for less") {
+  CostModel costs = model(1, 1);
+  costs.hostThreads = 16;
+  costs.hostSpeedup = 8.5;
+  CHECK(costs.speedup(0) == 1);
+  CHECK(costs.speedup(1) == 1);
+  CHECK(costs.speedup(3) == Approx(2));
+  CHECK(costs.speedup(16) == Approx(8.5));
+  CHECK(costs.speedup(100) == Approx(8.5));
+  const std::vector<double> work(1000, 100);
+  Division division;
+  division.work = work;
+  division.threads = 3;
+  CHECK(divide(division, std::vector<CostModel>{costs})[0] == 333);  // as two threads
+  costs.hostThreads = 1;
+  costs.hostSpeedup = 1;
+  CHECK(costs.speedup(4) == 1);
+}
+
+TEST_CASE("a device takes over so much that both are done at the same time") {
+  CHECK(shareToTake({}) == 0);
+  CHECK(shareToTake({100, 100, 0}) == Approx(0.5));
+  CHECK(shareToTake({300, 100, 0}) == Approx(0.75));
+  CHECK(shareToTake({300, 100, 100}) == Approx(0.5));  // 100 + 50 = 150
+  CHECK(shareToTake({100, 100, 100}) == 0);            // the launch alone takes as long
+  CHECK(shareToTake({100, 10, 1000}) == 0);
+  CHECK(shareToTake({100, 1e6, 0}) == 0);  // nothing worth while
+  CHECK(shareToTake({100, 0, 0}) == 1);
+  CHECK(shareToTake({NAN, 1, 0}) == 0);
+  for (const double host : {10.0, 1e3, 1e5}) {
+    for (const double device : {10.0, 1e3, 1e5}) {
+      const double launch = 7, share = shareToTake({host, device, launch});
+      CHECK(share >= 0);
+      CHECK(share <= 1);
+      if (share > 0) CHECK(launch + share * device == Approx((1 - share) * host));
+    }
+  }
+}
+
+TEST_CASE("a batch like the calibration's is divided by what the device does when it is busy") {
+  // One H200 beside 32 threads: 1.9 us a pair against 16.7, and 300 us for a batch however small.
+  CostModel costs;
+  costs.hostPairs = costs.hostPairwise = costs.hostSolid = {380, 0};
+  costs.devicePairs = costs.devicePairwise = {100, 0};
+  costs.batchPair = {1.9, 0};
+  costs.batchLaunch = 300;
+  costs.hostThreads = 32;
+  costs.hostSpeedup = 22.8;
+  const std::vector<double> work(10000, 1000);
+  Division division;
+  division.work = work;
+  division.threads = 32;
+  const std::size_t end = divide(division, std::vector<CostModel>{costs})[0];
+  CHECK(end > 8800);
+  CHECK(end < 9100);
+}
+
 TEST_CASE("the line through measured times") {
   const auto close = [](const Cost& cost, double fixed, double slope) {
     CHECK(cost.fixed == Approx(fixed).margin(1e-9));
@@ -124,6 +218,14 @@ TEST_CASE("a model survives its bytes, and other bytes are none") {
   CostModel free = costs;
   free.batchPair = {};
   CHECK(!free.isSane());
+  for (const double x : {0.0, 0.5, double(NAN)}) {
+    CostModel bad = costs;
+    bad.hostSpeedup = x;
+    CHECK(!bad.isSane());
+    bad = costs;
+    bad.hostThreads = x;
+    CHECK(!bad.isSane());
+  }
 }
 
 TEST_CASE("the expected work grows with the overlap and with the number of triangles") {
