@@ -17,7 +17,7 @@ struct Tuning {
   std::uint32_t batchPairs = 1u << 16;  ///< pairs in one submission; more are done in several
   /// A batch is done in so many pieces, each begun before the one before is waited for, as long as these have
   /// `leastPiece` pairs.
-  std::uint32_t pieces = 2, leastPiece = 2048;
+  std::uint32_t pieces = 4, leastPiece = 2048;
   std::uint64_t batchTriangles = 200000;  ///< a pair with more triangles is not left to one work-group
   /// Places in the lists between kernels. A list that is too short grows, and the query is run again.
   std::uint32_t pairPlaces = 1u << 16, leafPlaces = 1u << 16, hitPlaces = 1u << 14;
@@ -28,7 +28,7 @@ struct Tuning {
   std::uint32_t smallHits = 128, mediumHits = 512, smallGroup = 64, mediumGroup = 256;
   /// The same for a single pair, where few hits are expected: with more, other kernels have to follow.
   std::uint32_t fewHits = 64, fewGroup = 64;
-  std::uint32_t chooseGroup = 256;      ///< work-items that choose the contacts of a single pair
+  std::uint32_t chooseGroup = 512;      ///< work-items that choose the contacts of a single pair
   std::uint32_t batchChooseGroup = 64;  ///< work-items that choose the contacts of one pair of a batch
   /// Contacts after binning, and regions, that one pair may have on the device, 1,024 at most. With more the host
   /// chooses.
