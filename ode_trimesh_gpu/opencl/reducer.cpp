@@ -66,7 +66,8 @@ otg_reduction deviceReduction(const CollideOptions& options, bool byHost) {
 Reducer::Reducer(Context& context, const Tuning& tuning, bool single)
     : context_(context),
       recordGroup_(tuning.recordGroup),
-      chooseGroup_(single ? tuning.chooseGroup : tuning.batchChooseGroup),
+      chooseGroup_(static_cast<std::uint32_t>(std::min<std::uint64_t>(
+          single ? tuning.chooseGroup : tuning.batchChooseGroup, context.info().largestWorkGroup))),
       keptPlaces_(keptPlacesFor(context, tuning, single)),
       single_(single) {
   const auto options = [&](std::uint32_t group) {

@@ -244,7 +244,7 @@ TEST_CASE("a hundred thousand tiny pairs in one call have the bytes of the CPU")
   for (std::size_t i = 0; i < kGeoms; ++i) {
     geoms.push_back(dCreateGpuTriMesh(space, i % 3 ? one.id : two.id));
     usePairwise(geoms.back());
-    setRandomPose(geoms.back(), random, 2.5);
+    setRandomPose(geoms.back(), random, 0.4);  // so that nearly all boxes overlap
   }
   std::vector<dGpuTriMeshPair> pairs;
   for (std::size_t i = 0; i < kGeoms; ++i) {
@@ -267,7 +267,7 @@ TEST_CASE("a hundred thousand tiny pairs in one call have the bytes of the CPU")
   };
   CHECK(dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_CPU) == dGPUTRIMESH_OK);
   const Found expected = collideAll();
-  CHECK(expected.all > 3000);
+  CHECK(expected.all > 100000);
   const Devices devices(1);
   for (const int backend : {dGPUTRIMESH_BACKEND_OPENCL, dGPUTRIMESH_BACKEND_AUTO}) {
     CHECK(dGpuTriMeshSetBackend(backend) == dGPUTRIMESH_OK);
@@ -278,6 +278,6 @@ TEST_CASE("a hundred thousand tiny pairs in one call have the bytes of the CPU")
                       expected.contacts.size() * sizeof(dContactGeom)) == 0);
   }
   CHECK(devices[0].failed_calls == 0);
-  CHECK(devices[0].queries >= pairs.size());
+  CHECK(devices[0].queries > 90000);
   dSpaceDestroy(space);
 }
