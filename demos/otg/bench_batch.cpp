@@ -80,6 +80,10 @@ const std::map<std::string, std::uint32_t opencl::Tuning::*>& tuningKeys() {
                                                                       {"smallGroup", &Tuning::smallGroup},
                                                                       {"mediumGroup", &Tuning::mediumGroup},
                                                                       {"stackRoom", &Tuning::stackRoom},
+                                                                      {"solidGroup", &Tuning::solidGroup},
+                                                                      {"solidHits", &Tuning::solidHits},
+                                                                      {"solidRegisters", &Tuning::solidRegisters},
+                                                                      {"arenaUnits", &Tuning::arenaUnits},
                                                                       {"recordsExpected", &Tuning::recordsExpected}};
   return keys;
 }
@@ -174,6 +178,10 @@ std::string sameOrNot(bool same) {
   return same ? "same" : "DIFFERENT";
 }
 
+ContactModel modelOf(const BenchOptions& options) {
+  return options.contacts == "solid" ? ContactModel::kSolid : ContactModel::kPairwise;
+}
+
 /// One pair at a time: the pose differs a little in every query, as it does in a simulation.
 struct SingleScene {
   std::string scene;
@@ -199,6 +207,7 @@ SingleScene makeSingleScene(const BenchOptions& options, const std::string& scen
     query.bInA.t =
         otgAdd(pose.t, otgScale(random.direction(), 1e-5 * static_cast<double>(single.mesh->mesh().radius())));
     query.options.maxContacts = kSingleContacts;
+    query.options.contacts = modelOf(options);
     single.queries.push_back(query);
   }
   Workspace workspace;
@@ -324,6 +333,7 @@ BatchVersions makeBatchVersions(const BenchOptions& options) {
   scene.bodies = batchBodies();
   for (const auto& body : scene.bodies) scene.meshes.push_back(body.get());
   scene.queries = batchQueries(scene.bodies, options.pairs);
+  for (Query& query : scene.queries) query.options.contacts = modelOf(options);
   Random random(3);
   for (int version = 0; version < kVersions; ++version) {
     std::vector<opencl::MeshPair> pairs;
@@ -378,6 +388,7 @@ void addDeviceBatchRows(const BenchOptions& options, const BatchVersions& scene,
   const int repeat = options.repeat > 0 ? options.repeat : kRepeat;
   opencl::PairBatch batch{scene.meshes, {}, {}};
   batch.options.maxContacts = kBatchContacts;
+  batch.options.contacts = modelOf(options);
   opencl::BatchAnswer answer;
   std::vector<std::uint8_t> yes;
   const auto add = [&](const char* work, auto&& run, auto&& isSame, const std::string& hash) {
@@ -408,6 +419,7 @@ void addDeviceBatchRows(const BenchOptions& options, const BatchVersions& scene,
       "contacts", [&](opencl::StageTimes* times) { backend.collideBatch(batch, answer, times); },
       [&](std::size_t i) { return hashInOrder(answer) == scene.hashes[i]; }, scene.hashes[0]);
   rows.back()["contacts"] = answer.contactCount();
+  rows.back()["left_to_host"] = answer.leftToHost;
   rows.back()["intersecting_pairs"] = answer.stats.intersectingPairs;
   Fnv1a bits;
   bits.add(scene.intersects[0].data(), scene.intersects[0].size());

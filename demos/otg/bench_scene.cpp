@@ -104,6 +104,7 @@ void BenchOptions::addTo(CLI::App& command, bool withScene) {
     command.add_option("--scenes", scenes, "How the mesh and its copy lie; 'none' for the batch alone")
         ->delimiter(',')
         ->check(CLI::IsMember({"touch", "deep", "deep10", "nearmiss", "none"}));
+    command.add_option("--contacts", contacts, "Contact model")->check(CLI::IsMember({"pairwise", "solid"}));
     command.add_flag("!--no-cpu", cpu, "Leave out the CPU (answers are compared all the same)");
     command.add_option("--tune", tune, "KEY=VALUE of the OpenCL launches; KEY=V1,V2,... repeats all for each value");
   }

@@ -18,9 +18,10 @@ struct BenchOptions {
   int repeat = 0;     ///< 0: as many as fit into a fraction of a second, 3 to 50
   int pairs = 10000;  ///< of `bench batch`
   std::vector<std::string>
-      scenes;                     ///< of `bench batch`, and of the traversal `levels` in `bench thesis`; empty: default
-  bool cpu = true;                ///< of `bench batch`
-  std::vector<std::string> tune;  ///< of `bench batch`
+      scenes;       ///< of `bench batch`, and of the traversal `levels` in `bench thesis`; empty: default
+  bool cpu = true;  ///< of `bench batch`
+  std::string contacts = "pairwise";  ///< of `bench batch`
+  std::vector<std::string> tune;      ///< of `bench batch`
   bool json = false;
 
   void addTo(CLI::App& command, bool withScene);

@@ -43,6 +43,8 @@ typedef struct {
 
 /// More than OTG_MOST_ON_EDGE triangles share an edge: regions of contact are found by the host.
 #define OTG_MESH_TANGLED 1
+/// A solid of one component, with a section for the model `solid` behind its rings (solid_layout.h).
+#define OTG_MESH_SOLID 2
 #define OTG_MOST_ON_EDGE 16
 
 /// Everything that kernels need to know about one pair of meshes in single precision.
@@ -90,7 +92,9 @@ typedef struct {
 enum {
   OTG_REDUCE_NONE = 0,     ///< all contacts
   OTG_REDUCE_BINNING = 1,  ///< one for each bin
-  OTG_REDUCE_BY_HOST = 2   ///< only the host can
+  OTG_REDUCE_BY_HOST = 2,  ///< only the host can
+  OTG_REDUCE_SOLID = 3     ///< contacts of the model `solid`, bins[0] at most from each region; bins[1]: deep ones are
+                           ///< the host's
 };
 
 /// What is known of a pair while its contacts are chosen.
@@ -115,6 +119,8 @@ enum {
   OTG_PAIR_MANY = 32        ///< has more hits than one work-group keeps
 };
 #define OTG_PAIR_LEFT_OUT (OTG_PAIR_REFUSED | OTG_PAIR_TO_HOST | OTG_PAIR_SKIPPED)
+/// From this bit on: why the model `solid` left a pair to the host (kernels/solid_scratch.h).
+#define OTG_PAIR_WHY 16
 
 /// What the choice needs to know of each hit, one array after the other, each as long as the list of hits.
 enum {
@@ -139,7 +145,9 @@ enum {
   OTG_COUNT_LEVEL1 = 1,           ///< by the first level
   OTG_COUNT_MANY = 1,             ///< of a batch: pairs with OTG_PAIR_MANY
   OTG_COUNT_LEVEL2 = 2,           ///< by the second level
+  OTG_COUNT_ARENA = 2,            ///< in batches of solids: units of the arena
   OTG_COUNT_LEAVES = 3,           ///< pairs of leaves that these three found
+  OTG_COUNT_PLACES = 3,           ///< in batches of solids: places in the list of hits by pair
   OTG_COUNT_HITS = 4,             ///< pairs of triangles that intersect or that single precision cannot decide
   OTG_COUNT_SEED_TICKET = 5,      ///< pairs of level 2 that work-groups of the tail have taken
   OTG_COUNT_DONE = 6,             ///< work-groups of the last kernel that are through

@@ -9,8 +9,8 @@
 namespace otg {
 #endif
 
-/// Sign of det[b - a, c - a, d - a]: filtered, exact where the filter cannot decide.
-OTG_INLINE int otgOrient3(const double* a, const double* b, const double* c, const double* d) {
+/// Sign of det[b - a, c - a, d - a], or 0 where double arithmetic cannot decide.
+OTG_INLINE int otgOrient3Filter(const double* a, const double* b, const double* c, const double* d) {
   double ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
   double vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2];
   double wx = d[0] - a[0], wy = d[1] - a[1], wz = d[2] - a[2];
@@ -20,10 +20,14 @@ OTG_INLINE int otgOrient3(const double* a, const double* b, const double* c, con
                      fabs(wz) * (fabs(uxvy) + fabs(uyvx));
   // (7 + 56 u) u of Shewchuk 1997, rounded up; the constant term covers underflow.
   double bound = 8.0e-16 * permanent + 1.0e-290;
-  if (det > bound) return 1;
-  if (det < -bound) return -1;
+  return det > bound ? 1 : det < -bound ? -1 : 0;
+}
+
+/// The same, exact where the filter cannot decide.
+OTG_INLINE int otgOrient3(const double* a, const double* b, const double* c, const double* d) {
+  int s = otgOrient3Filter(a, b, c, d);
   // Rows (b - a), (c - a), (d - a) are an even permutation of the rows d - a, b - a, c - a.
-  return otgExactOrient3(d, b, c, a);
+  return s != 0 ? s : otgExactOrient3(d, b, c, a);
 }
 
 /// The same in two dimensions, coordinates i and j of each point: positive when a, b, c turn counter-clockwise.

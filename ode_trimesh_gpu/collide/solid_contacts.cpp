@@ -36,6 +36,10 @@ Vec3d middleOfB(const Query& query, const Transformd& bInA) {
   return otgTransform(bInA, Vec3d{c.x, c.y, c.z});
 }
 
+double smallerSize(const Query& query) {
+  return 2 * static_cast<double>(std::min(query.a->mesh().radius(), query.b->mesh().radius()));
+}
+
 bool samePose(const Transformd& a, const Transformd& b) {
   // By their bits, -0 and 0 apart: the same bytes are promised for the same bytes.
   return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison)
@@ -76,7 +80,49 @@ bool isClosed(const Contour& contour) {
   return std::all_of(ends.begin(), ends.end(), [](std::uint8_t e) { return e == 3; });
 }
 
+/// What a query starts from.
+SolidHistory::State stateBefore(const Query& query) {
+  SolidHistory::State state;
+  if (query.history && query.history->used) {
+    const bool again = samePose(query.history->current.pose, query.bInA);
+    state = again ? query.history->before : query.history->current;
+  }
+  if (state.hasPose) {
+    // A pair that jumped was put there, it did not move: what it did before says nothing. The direction of a deep
+    // overlap is worth keeping only while the overlap is nearly the same.
+    const double size = smallerSize(query);
+    const Vec3d d = otgSub(middleOfB(query, state.pose), middleOfB(query, query.bInA));
+    const double moved = std::sqrt(otgDot(d, d));
+    if (moved > 0.05 * size) state.deepNormal = {0, 0, 0};
+    if (moved > 0.25 * size) state = {};
+  }
+  return state;
+}
+
+void keep(const Query& query, const SolidHistory::State& before, SolidHistory::State state) {
+  if (!query.history) return;
+  state.pose = query.bInA;
+  state.hasPose = true;
+  query.history->before = before;
+  query.history->current = state;
+  query.history->used = true;
+}
+
 }  // namespace
+
+bool isUnburdened(const Query& query) {
+  return query.history == nullptr || stateBefore(query).clampLeft <= 1;
+}
+
+void rememberPlain(const Query& query) {
+  if (!query.history || !isSolid(query.a->mesh()) || !isSolid(query.b->mesh())) return;
+  const SolidHistory::State before = stateBefore(query);
+  SolidHistory::State state = before;
+  state.escapeLeft = std::max(0, state.escapeLeft - 1);
+  state.deepNormal = {0, 0, 0};
+  state.clampLeft = std::max(0, state.clampLeft - 1);
+  keep(query, before, state);
+}
 
 bool solidContacts(const Query& query, Workspace& workspace) {
   using Clock = std::chrono::steady_clock;
@@ -94,21 +140,9 @@ bool solidContacts(const Query& query, Workspace& workspace) {
   scratch.builder.build(meshes, scratch.contour, scratch.inside, scratch.regions);
   addContained(meshes, scratch.inside, scratch.regions);
 
-  SolidHistory::State state;
-  if (query.history && query.history->used) {
-    const bool again = samePose(query.history->current.pose, query.bInA);
-    state = again ? query.history->before : query.history->current;
-  }
-  const double size = 2 * static_cast<double>(std::min(query.a->mesh().radius(), query.b->mesh().radius()));
-  if (state.hasPose) {
-    // A pair that jumped was put there, it did not move: what it did before says nothing. The direction of a deep
-    // overlap is worth keeping only while the overlap is nearly the same.
-    const Vec3d d = otgSub(middleOfB(query, state.pose), middleOfB(query, query.bInA));
-    const double moved = std::sqrt(otgDot(d, d));
-    if (moved > 0.05 * size) state.deepNormal = {0, 0, 0};
-    if (moved > 0.25 * size) state = {};
-  }
-  const SolidHistory::State before = state;
+  const double size = smallerSize(query);
+  const SolidHistory::State before = stateBefore(query);
+  SolidHistory::State state = before;
   const PairMotion motion = motionOf(query, state);
 
   bool entangled = false;
@@ -116,7 +150,9 @@ bool solidContacts(const Query& query, Workspace& workspace) {
   state.deepNormal = {0, 0, 0};
   std::uint32_t number = 0;
   for (const Region& region : scratch.regions.regions) {
-    if (region.diagonal < 1e-9 * size || region.areaA + region.areaB < 1e-14 * size * size) continue;
+    if (region.diagonal < OTG_SOLID_LEAST_DIAGONAL * size ||
+        region.areaA + region.areaB < OTG_SOLID_LEAST_AREA * size * size)
+      continue;
     RegionNormals normals(scratch.regions, region);
     RegionExtent extent(scratch.regions, region);
     const RegionDirection direction = directRegion(meshes, scratch.regions, region, motion, normals, extent);
@@ -145,13 +181,7 @@ bool solidContacts(const Query& query, Workspace& workspace) {
       contact.depth = std::min(contact.depth, most);
     }
   }
-  if (query.history) {
-    state.pose = query.bInA;
-    state.hasPose = true;
-    query.history->before = before;
-    query.history->current = state;
-    query.history->used = true;
-  }
+  keep(query, before, state);
   workspace.stats.contactsBeforeReduction = workspace.contacts.size();
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();

@@ -13,4 +13,10 @@ namespace otg {
 /// contacts, for other meshes and where the contour does not close because it runs over the sheet's rim.
 bool solidContacts(const Query& query, Workspace& workspace);
 
+/// For those who compute the contacts of two solids elsewhere. Whether what the pair remembers changes nothing, as long
+/// as no region is deep, entangled or contained;
+bool isUnburdened(const Query& query);
+/// and what such a query leaves in query.history, if there is one.
+void rememberPlain(const Query& query);
+
 }  // namespace otg

@@ -45,7 +45,7 @@ class BatchRun {
       throw;
     }
     for (std::thread& thread : threads) thread.join();
-    if (!leftOver_.empty()) {  // what a device that was switched off meanwhile had not begun
+    if (!leftOver_.empty()) {  // of a device that was switched off meanwhile, or what it leaves to the CPU
       singles_ = std::move(leftOver_);
       claimed_.clear();
       runSingles();
@@ -79,6 +79,8 @@ class BatchRun {
       if (!isOpen && place.middle != Place::kOpencl && place.near != Place::kOpencl) {
         hostBusy += hostCost(job, costs, expectedWork(job.query));
         singles_.push_back(i);
+      } else if (!isOpen && place.middle == place.near && solidInBatch(job)) {
+        bound.push_back(i);
       } else if (!contactsOnDevice(job) || place.middle != place.near) {
         const double work = expectedWork(job.query);
         hostBusy += hostCost(job, costs, work);
@@ -191,12 +193,27 @@ class BatchRun {
     return std::chrono::duration<double, std::micro>(Clock::now() - since).count();
   }
 
-  /// Pairs that a device does in one call.
+  /// Pairs that a device does, in one call for each model.
   void runBlock(DeviceSlot& slot, const Indices& block) noexcept {
+    Indices models[2];
+    try {
+      for (const std::size_t i : block) models[solidInBatch(*jobs_[i]) ? 1 : 0].push_back(i);
+    } catch (...) {
+      for (const std::size_t i : block) results_[i].outcome = PairResult::Outcome::kNoMemory;
+      return;
+    }
+    const auto start = Clock::now();
+    const bool first = slot.blockMs == 0;  // not what it takes over
+    for (const Indices& some : models) {
+      if (!some.empty()) runModel(slot, some, &some == &models[1]);
+    }
+    if (first) slot.blockMs = 1e-3 * microseconds(start);
+  }
+
+  void runModel(DeviceSlot& slot, const Indices& block, bool solid) noexcept {
     try {
       if (slot.isOff) {
-        const std::lock_guard lock(mutex_);
-        leftOver_.insert(leftOver_.end(), block.begin(), block.end());
+        leave(block);
         return;
       }
       std::vector<Query> queries;
@@ -204,9 +221,8 @@ class BatchRun {
       for (const std::size_t i : block) queries.push_back(jobs_[i]->query);
       const auto shared = std::make_shared<opencl::BatchAnswer>();
       opencl::BatchAnswer& answer = *shared;
-      const auto start = Clock::now();
-      const bool good = slot.backend->collideBatch(queries, answer);
-      if (slot.blockMs == 0) slot.blockMs = 1e-3 * microseconds(start);  // not of what it takes over
+      Indices left;
+      const bool good = slot.backend->collideBatch(queries, answer, nullptr, solid ? &left : nullptr);
       slot.note(block.size(), good);
       for (std::size_t k = 0; k < block.size(); ++k) {
         PairResult& result = results_[block[k]];
@@ -215,6 +231,11 @@ class BatchRun {
         result.onDevice = good;
         result.deviceFailed = !good;
       }
+      for (std::size_t& k : left) {
+        k = block[k];
+        results_[k].onDevice = false;
+      }
+      leave(left);
       {
         const std::lock_guard lock(mutex_);
         blockCounts_ += PairCounts(answer.stats);
@@ -223,6 +244,12 @@ class BatchRun {
     } catch (...) {
       for (const std::size_t i : block) results_[i].outcome = PairResult::Outcome::kNoMemory;
     }
+  }
+
+  /// To the CPU's threads, when the devices are done.
+  void leave(const Indices& jobs) {
+    const std::lock_guard lock(mutex_);
+    leftOver_.insert(leftOver_.end(), jobs.begin(), jobs.end());
   }
 
   ThreadPool& pool_;

@@ -30,6 +30,11 @@ bool contactsOnDevice(const PairJob& job) {
   return !job.any && job.filter == nullptr && !mayBeSolid(job.query);
 }
 
+bool solidInBatch(const PairJob& job) {
+  const auto isSolid = [](const CollisionMesh* mesh) { return mesh->mesh().meshClass() == MeshClass::kSolid; };
+  return !job.any && job.query.options.contacts == ContactModel::kSolid && isSolid(job.query.a) && isSolid(job.query.b);
+}
+
 bool isSoonerOnDevice(const PairJob& job, const CostModel& costs, double work) {
   return contactsOnDevice(job) ? costs.devicePairwise.of(work) < costs.hostPairwise.of(work)
                                : costs.devicePairs.of(work) < costs.hostPairs.of(work);

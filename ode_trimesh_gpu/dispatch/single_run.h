@@ -16,6 +16,10 @@ Placement settled(Placement place);
 /// Whether the contacts of a job come from the device too, or only the pairs of triangles that intersect.
 bool contactsOnDevice(const PairJob& job);
 
+/// Whether a batch on a device makes the contacts of this job, of the model `solid`, as a rule. The device leaves some
+/// to the CPU.
+bool solidInBatch(const PairJob& job);
+
 /// Whether this pair by itself is expected to be done sooner with the device.
 bool isSoonerOnDevice(const PairJob& job, const CostModel& costs, double work);
 

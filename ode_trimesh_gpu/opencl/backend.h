@@ -62,6 +62,7 @@ class BatchAnswer {
  public:
   std::vector<std::size_t> refused;  ///< ascending: queries whose pose otg::collide refuses; they have no contacts
   CollideStats stats;                ///< sums
+  std::size_t leftToHost = 0;        ///< pairs that the device left to the host, other than by failing
 
   std::size_t size() const { return size_; }  ///< queries
   /// The contacts of query `i`.
@@ -125,9 +126,12 @@ class Backend {
   bool decideCandidates(const Query& query, Workspace& workspace);
 
   /// otg::collide for every query, in one submission (several if there are very many or their meshes do not fit at
-  /// once; pairs of very large meshes by themselves). A query with a SolidHistory must not be there twice.
-  /// With `times` in lanes of its own that take times.
-  bool collideBatch(std::span<const Query> queries, BatchAnswer& answer, StageTimes* times = nullptr);
+  /// once; pairs of very large meshes by themselves). A query with a SolidHistory must not be there twice. Where all
+  /// pairs may have contacts of the model `solid` the device makes those of pairs of solids, as a rule.
+  /// With `times` in lanes of its own that take times. With `left` pairs that the device leaves to the host are listed
+  /// there (in any order), and have no contacts yet, instead of being done one after the other.
+  bool collideBatch(std::span<const Query> queries, BatchAnswer& answer, StageTimes* times = nullptr,
+                    std::vector<std::size_t>* left = nullptr);
   bool collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTimes* times = nullptr);
   /// Whether the two meshes of each query have triangles that intersect: 1 or 0 (0 for a pose that is refused).
   bool intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer, StageTimes* times = nullptr);
@@ -140,7 +144,7 @@ class Backend {
   template <class Source, class Finish>
   class Batch;
   template <class Source>
-  bool collideFrom(const Source& source, BatchAnswer& answer, StageTimes* times);
+  bool collideFrom(const Source& source, BatchAnswer& answer, StageTimes* times, std::vector<std::size_t>* left);
   template <class Source>
   bool intersectFrom(const Source& source, std::vector<std::uint8_t>& answer, StageTimes* times);
   bool collideIn(bool profile, const Query& query, Workspace& workspace, StageTimes& times);

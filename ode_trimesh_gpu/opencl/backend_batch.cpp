@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 
+#include "collide/solid_contacts.h"
 #include "collide/stages.h"
 #include "opencl/backend_state.h"
 #include "opencl/stopwatch.h"
@@ -48,7 +49,14 @@ class MeshNumbers {
 
 bool sameReduction(const CollideOptions& x, const CollideOptions& y) {
   return x.reduction.method == y.reduction.method && x.reduction.bins == y.reduction.bins &&
-         x.maxContacts == y.maxContacts;
+         x.maxContacts == y.maxContacts && x.solid == y.solid;
+}
+
+/// Where contacts of both models are asked for, those of `solid` are made by the host.
+void leaveSolidsToHost(std::vector<otg_reduction>& reductions) {
+  for (otg_reduction& how : reductions) {
+    if (how.method == OTG_REDUCE_SOLID) how.method = OTG_REDUCE_BY_HOST;
+  }
 }
 
 }  // namespace
@@ -59,26 +67,33 @@ class QuerySource {
   explicit QuerySource(std::span<const Query> queries) : queries_(queries) {
     MeshNumbers number(meshes);
     const CollideOptions* last = nullptr;
-    bool lastSolid = false;
+    bool lastSolid = false, lastHistory = false, lastBurdened = false;
     heads_.reserve(queries.size());
     for (const Query& query : queries) {
-      const bool solid = mayBeSolid(query);
-      if (last == nullptr || solid != lastSolid || !sameReduction(*last, query.options)) {
-        const otg_reduction how = deviceReduction(query.options, solid);
+      const bool solid = mayBeSolid(query), history = solid && query.history != nullptr;
+      const bool burdened = history && !isUnburdened(query);
+      if (last == nullptr || solid != lastSolid || history != lastHistory || burdened != lastBurdened ||
+          !sameReduction(*last, query.options)) {
+        const otg_reduction how =
+            solid ? solidReduction(query.options, burdened, history) : deviceReduction(query.options, false);
         current_ = 0;
         while (current_ < reductions.size() && std::memcmp(&reductions[current_], &how, sizeof how) != 0) ++current_;
         if (current_ == reductions.size()) reductions.push_back(how);
         last = &query.options;
         lastSolid = solid;
+        lastHistory = history;
+        lastBurdened = burdened;
       }
       heads_.push_back({number(query.a), number(query.b), current_});
       anyPairwise = anyPairwise || !solid;
+      anyHistory = anyHistory || history;
     }
+    if (anyPairwise) leaveSolidsToHost(reductions);
   }
 
   std::vector<const CollisionMesh*> meshes;
   std::vector<otg_reduction> reductions;
-  bool anyPairwise = false;
+  bool anyPairwise = false, anyHistory = false;
 
   std::size_t size() const { return queries_.size(); }
   Query query(std::size_t i) const { return queries_[i]; }
@@ -106,14 +121,16 @@ class PairSource {
     // Some of the pairs may have contacts of the model `solid`, some not: see mayBeSolid.
     solid_ = batch.options.contacts == ContactModel::kSolid;
     reductions.push_back(deviceReduction(batch.options, false));
-    if (solid_) reductions.push_back(deviceReduction(batch.options, true));
+    if (solid_) reductions.push_back(solidReduction(batch.options, false, false));
     for (const CollisionMesh* mesh : meshes) isSolid_.push_back(mesh->mesh().meshClass() == MeshClass::kSolid);
     anyPairwise = !solid_ || std::count(isSolid_.begin(), isSolid_.end(), false) > 0;
+    if (anyPairwise) leaveSolidsToHost(reductions);
   }
 
   std::vector<const CollisionMesh*> meshes;
   std::vector<otg_reduction> reductions;
   bool anyPairwise = false;
+  static constexpr bool anyHistory = false;
 
   std::size_t size() const { return batch_.pairs.size(); }
   Query query(std::size_t i) const {
@@ -169,6 +186,7 @@ class Backend::Batch {
   }
 
  private:
+  static constexpr otg_uint kNotDone = OTG_PAIR_REFUSED | OTG_PAIR_TO_HOST | OTG_PAIR_NO_FRAME | OTG_PAIR_SKIPPED;
   static std::uint64_t triangles(const CollisionMesh* mesh) { return mesh->mesh().triangleCount(); }
 
   /// The meshes of some pairs, when not all of a batch fit at once.
@@ -313,6 +331,11 @@ class Backend::Batch {
     } else {
       finish_.chunk(begin, count, found);
     }
+    if (wish_ == BatchWish::kSolid && source_.anyHistory) {
+      for (std::size_t k = 0; k < count; ++k) {
+        if ((found.flags[k] & kNotDone) == 0) rememberPlain(source_.query(begin + k));
+      }
+    }
     for (const std::size_t i : refused) finish_.refuse(i);
   }
 
@@ -368,6 +391,7 @@ struct ContactFinish {
   std::atomic<std::uint64_t>& queries;
   BatchAnswer& answer;
   Workspace workspace{};
+  std::vector<std::size_t>* left = nullptr;  ///< where pairs are listed that are the host's; null: they are done here
 
   void chunk(std::size_t begin, std::size_t count, const BatchFound& found) {
     answer.addQueries(count);
@@ -387,6 +411,11 @@ struct ContactFinish {
 
   void records(std::size_t i, const Query& query, const Answer& found, std::span<const std::uint32_t> which) {
     const bool pairwise = !mayBeSolid(query);
+    ++answer.leftToHost;
+    if (left) {
+      left->push_back(i);
+      return;
+    }
     workspace.stats = {};
     takeRecords(query, makePairFrame(query), found, which, pairwise, workspace);
     if (pairwise && found.hasContacts()) {
@@ -400,6 +429,10 @@ struct ContactFinish {
 
   bool alone(std::size_t i, const Query& query, bool onHost) {
     bool good = true;
+    if (onHost && left) {
+      left->push_back(i);
+      return true;
+    }
     if (onHost) {
       collide(query, workspace);
     } else {
@@ -455,6 +488,7 @@ void BatchAnswer::clear() {
   parts_.clear();
   apart_.clear();
   refused.clear();
+  leftToHost = 0;
   stats = {};
 }
 
@@ -482,16 +516,20 @@ std::size_t BatchAnswer::contactCount() const {
 }
 
 template <class Source>
-bool Backend::collideFrom(const Source& source, BatchAnswer& answer, StageTimes* times) {
+bool Backend::collideFrom(const Source& source, BatchAnswer& answer, StageTimes* times,
+                          std::vector<std::size_t>* left) {
   const Stopwatch total(times != nullptr);
   if (times) *times = {};
   state_->queries += source.size();
   answer.clear();
   ContactFinish finish{*this, state_->queries, answer};
+  finish.left = left;
   LanePool<BatchLane>& lanes = times ? state_->profiledBatches : state_->batches;
-  const bool onDevice = source.anyPairwise && state_->reduces();
-  Batch<Source, ContactFinish> batch(*state_, source, onDevice ? BatchWish::kContacts : BatchWish::kPairs, finish,
-                                     lanes);
+  const BatchWish wish = !state_->reduces()     ? BatchWish::kPairs
+                         : source.anyPairwise   ? BatchWish::kContacts
+                         : state_->tuning.solid ? BatchWish::kSolid
+                                                : BatchWish::kPairs;
+  Batch<Source, ContactFinish> batch(*state_, source, wish, finish, lanes);
   const bool good = batch.run(times);
   finish.end();
   if (times) times->total = total.ms();
@@ -512,12 +550,13 @@ bool Backend::intersectFrom(const Source& source, std::vector<std::uint8_t>& ans
   return good;
 }
 
-bool Backend::collideBatch(std::span<const Query> queries, BatchAnswer& answer, StageTimes* times) {
-  return collideFrom(QuerySource(queries), answer, times);
+bool Backend::collideBatch(std::span<const Query> queries, BatchAnswer& answer, StageTimes* times,
+                           std::vector<std::size_t>* left) {
+  return collideFrom(QuerySource(queries), answer, times, left);
 }
 
 bool Backend::collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTimes* times) {
-  return collideFrom(PairSource(batch), answer, times);
+  return collideFrom(PairSource(batch), answer, times, nullptr);
 }
 
 bool Backend::intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer, StageTimes* times) {

@@ -19,7 +19,8 @@ BatchLane::BatchLane(Context& context, MeshStore& meshes, const Tuning& tuning)
       chosenOfMany_(0, PinnedPool::make(context)),
       contactPlaces_(std::max(1u, tuning.contactPlaces)),
       reducer_(context, tuning, false),
-      profile_(tuning.profile) {
+      profile_(tuning.profile),
+      solid_(context, tuning) {
   mediumHits_ = std::max(2u, hitsOfGroup(context, tuning.mediumHits));
   smallHits_ = std::min(hitsOfGroup(context, tuning.smallHits), mediumHits_ / 2);
   const std::string walk =
@@ -80,6 +81,7 @@ void BatchLane::begin(std::span<const CollisionMesh* const> meshes, std::span<co
   pinned_ = meshes_.acquire(full);
   wish_ = wish;
   contactRecords_ = wish == BatchWish::kContacts;
+  hasContacts_ = contactRecords_ || wish == BatchWish::kSolid;
   mostPlaces_ = 1;
   for (const otg_reduction& how : reductions) mostPlaces_ = std::max(mostPlaces_, how.places);
   underWay_ = true;
@@ -144,6 +146,13 @@ void BatchLane::enqueue(cl_mem meshes, BatchWish wish) {
       .local(stackSize_ * sizeof(cl_uint2));
   launch(queue, walk_, tuning_.batchGroup, count_, 1, profile_.next(Profile::kMain));
   if (tuning_.flushes & 2) clDo(OTG_CL(clFlush), queue);
+  if (wish == BatchWish::kSolid) {
+    const SolidStage::Batch batch{
+        count_,      meshes,         counters,       tasks_.get(),      pairList_.get(),       places_.get(),
+        hits_.get(), hits_.places(), results_.get(), reducer_.states(), reducer_.reductions(), groups_};
+    solid_.enqueue(queue, batch, reducer_, chosen_, profile_);
+    return;
+  }
   Kernel& records = contactRecords_ ? records_ : pairs_;
   Arguments(records) << pairList_.get() << places_.get() << tasks_.get() << meshes << counters << hits_.get()
                      << hits_.places() << results_.get() << chosen_.get();
@@ -204,9 +213,10 @@ void BatchLane::runMany(cl_mem meshes, BatchFound& found) {
 
 void BatchLane::beginRun() {
   results_.reserve(context_, hits_.places());
-  chosen_.reserve(context_, std::bit_ceil(count_), contactRecords_ ? contactPlaces_ : 0);
+  if (wish_ == BatchWish::kSolid) solid_.reserve(count_, hits_.places(), mostPlaces_);
+  chosen_.reserve(context_, std::bit_ceil(count_), hasContacts_ ? contactPlaces_ : 0);
   enqueue(pinned_.buffer(), wish_);
-  chosen_.beginHead(context_, queue_.get(), count_, contactRecords_, &profile_);
+  chosen_.beginHead(context_, queue_.get(), count_, hasContacts_, &profile_);
 }
 
 BatchFound BatchLane::endRun() {
@@ -214,14 +224,15 @@ BatchFound BatchLane::endRun() {
   const otg_uint* counters = nullptr;
   for (;; ++repeats_) {
     counters = chosen_.endHead(queue);
-    const otg_uint hits = counters[OTG_COUNT_HITS], contacts = counters[OTG_COUNT_REDUCED];
-    if (hits <= hits_.places() && contacts <= contactPlaces_) break;
+    const otg_uint hits = counters[OTG_COUNT_HITS], contacts = hasContacts_ ? counters[OTG_COUNT_REDUCED] : 0;
+    const bool solidFits = wish_ != BatchWish::kSolid || solid_.fits(counters[OTG_COUNT_ARENA]);
+    if (hits <= hits_.places() && contacts <= contactPlaces_ && solidFits) break;
     if (hits > hits_.places()) hits_.reserve(context_, std::bit_ceil(std::uint64_t{hits}));
     if (contacts > contactPlaces_) contactPlaces_ = std::bit_ceil(contacts);
     beginRun();
   }
   BatchFound found;
-  if (contactRecords_) {
+  if (hasContacts_) {
     BatchFound::Contacts most;
     most.contacts = chosen_.readRest(context_, queue, counters[OTG_COUNT_REDUCED], &profile_).data();
     most.places = chosen_.places();

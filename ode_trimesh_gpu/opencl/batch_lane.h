@@ -11,22 +11,24 @@
 #include "opencl/mesh_store.h"
 #include "opencl/reducer.h"
 #include "opencl/result_buffer.h"
+#include "opencl/solid_stage.h"
 #include "opencl/tuning.h"
 
 namespace otg::opencl {
 
 /// What is asked of all pairs of a batch.
 enum class BatchWish {
-  kAny,      ///< whether they intersect
-  kPairs,    ///< records of all pairs of triangles that intersect
-  kContacts  ///< contacts, reduced; needs BatchLane::makesContacts
+  kAny,       ///< whether they intersect
+  kPairs,     ///< records of all pairs of triangles that intersect
+  kContacts,  ///< contacts of the model `pairwise`, reduced; needs BatchLane::makesContacts
+  kSolid      ///< contacts of the model `solid`, likewise; what the device leaves is to be finished from records
 };
 
 /// Views of the lane's memory, good until its next batch. For each pair a word of OTG_PAIR_* flags.
 struct BatchFound {
   const otg_uint* counters = nullptr;
   const otg_uint* flags = nullptr;
-  /// Contacts, for kContacts only. Those of a pair lie side by side; two words a pair say where, and how many.
+  /// Contacts, where they are wished. Those of a pair lie side by side; two words a pair say where, and how many.
   struct Contacts {
     const otg_uint* places = nullptr;
     const Contact* contacts = nullptr;
@@ -91,10 +93,11 @@ class BatchLane {
   otg_uint countersOfMany_[OTG_COUNTERS] = {};
   Reducer reducer_;
   Profile profile_;
+  SolidStage solid_;
   MeshStore::Pinned pinned_;  ///< of the run under way
   BatchWish wish_ = BatchWish::kAny;
   otg_uint mostPlaces_ = 1;  ///< of its reductions
-  bool contactRecords_ = false, underWay_ = false;
+  bool contactRecords_ = false, hasContacts_ = false, underWay_ = false;
   std::uint64_t repeats_ = 0;
 };
 

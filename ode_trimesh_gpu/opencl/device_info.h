@@ -18,6 +18,7 @@ struct DeviceInfo {
   bool doubles = false;    ///< double arithmetic that rounds as IEEE 754 says, fma and denormals included
   bool warps =
       false;  ///< 32 work-items run in step and can ask for their maximum: NVIDIA's compute capability 8 and up
+  bool registerLimit = false;  ///< the compiler takes a limit of registers (cl_nv_compiler_options)
   std::uint32_t computeUnits = 0;
   std::uint64_t globalMemory = 0, largestAllocation = 0, localMemory = 0;  ///< bytes
   std::uint64_t largestWorkGroup = 0;

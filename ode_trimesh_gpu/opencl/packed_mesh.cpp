@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bvh/packed_tree.h"
+#include "opencl/packed_solid.h"
 
 namespace otg::opencl {
 namespace {
@@ -101,6 +102,7 @@ PackedMesh packMesh(const CollisionMesh& mesh, MeshLayout layout, std::uint32_t 
   out.place.center = mesh.mesh().center();
   out.place.radius = mesh.mesh().radius();
   out.place.triangles = static_cast<std::uint32_t>(mesh.mesh().triangleCount());
+  if (layout == MeshLayout::kEightWide) addSolid(out, mesh);
   return out;
 }
 

@@ -11,6 +11,7 @@ namespace {
 
 /// As OTG_MAYBE in contact_reduce.cl: candidates for each contact that may stay.
 constexpr std::uint32_t kMaybe = 4;
+constexpr int kMostContactsOfRegion = 16;  // SolidStage's local memory
 
 /// Local memory of chooseContacts (otg_choice) with some to spare.
 std::uint64_t localBytes(std::uint32_t kept) {
@@ -60,6 +61,19 @@ otg_reduction deviceReduction(const CollideOptions& options, bool byHost) {
       out.method = OTG_REDUCE_BY_HOST;
       break;
   }
+  return out;
+}
+
+otg_reduction solidReduction(const CollideOptions& options, bool byHost, bool remembers) {
+  const int each = options.solid.contactsPerRegion;
+  const bool plain = each >= 1 && each <= kMostContactsOfRegion && !(options.solid.regionMerge > 0);
+  otg_reduction out = deviceReduction(options, true);
+  if (byHost || !plain || options.maxContacts < 1) return out;
+  out = {};
+  out.method = OTG_REDUCE_SOLID;
+  out.bins[0] = each;
+  out.bins[1] = remembers ? 1 : 0;
+  out.places = static_cast<otg_uint>(options.maxContacts);
   return out;
 }
 
@@ -131,11 +145,15 @@ void Reducer::enqueue(cl_command_queue queue, cl_mem meshes, cl_mem counters, cl
                      << kept_.get() << roots_.get() << lists_.get() << room_ << chosen.get();
   launch(queue, choose_, chooseGroup_, pairs, 1, profile.next(Profile::kChoose));
   if (single_) return;
-  Arguments(place_) << pairs << chosen.get();
-  launch(queue, place_, placeGroup_, 1, 1, profile.next(Profile::kChoose));
+  enqueuePlaces(queue, pairs, chosen, profile);
   Arguments(write_) << meshes << counters << records << tables << tableSize_ << hits << states << lists_.get() << room_
                     << pairs << chosen.get() << chosen.contactPlaces();
   launch(queue, write_, recordGroup_, groups, 1, profile.next(Profile::kChoose));
+}
+
+void Reducer::enqueuePlaces(cl_command_queue queue, std::uint32_t pairs, const ChosenBuffer& chosen, Profile& profile) {
+  Arguments(place_) << pairs << chosen.get();
+  launch(queue, place_, placeGroup_, 1, 1, profile.next(Profile::kChoose));
 }
 
 }  // namespace otg::opencl

@@ -23,6 +23,9 @@ std::string groupReduction(const Context& context, std::uint32_t group, std::uin
 
 /// How the device chooses contacts that are asked for in this way.
 otg_reduction deviceReduction(const CollideOptions& options, bool byHost);
+/// The same for the model `solid`. `remembers`: the pair has a history, which holds what only the host knows of deep
+/// regions.
+otg_reduction solidReduction(const CollideOptions& options, bool byHost, bool remembers);
 
 /// Part of one lane. Functions throw ClError.
 class Reducer {
@@ -49,6 +52,9 @@ class Reducer {
   /// Everything after the records are there and the hits are in their tables. `chosen` gets the results.
   void enqueue(cl_command_queue queue, cl_mem meshes, cl_mem counters, cl_mem records, std::uint32_t hits,
                std::uint32_t pairs, const ChosenBuffer& chosen, std::size_t groups, Profile& profile);
+
+  /// Of a batch: turns the counts of contacts that follow the flags in `chosen` into places.
+  void enqueuePlaces(cl_command_queue queue, std::uint32_t pairs, const ChosenBuffer& chosen, Profile& profile);
 
  private:
   static constexpr std::size_t kTables = 4;  ///< as in otg_links

@@ -38,6 +38,12 @@ struct Tuning {
   std::uint32_t flushes = 0;   ///< clFlush: 1 after the first launch of a query, 2 after the traversal, 3 after both
   bool reduce = true;          ///< find regions and reduce contacts on the device
   std::uint32_t recordsExpected = 512;  ///< read with the head of the results in the first query
+  bool solid = true;                    ///< make contacts of the model `solid` on the device
+  std::uint32_t solidGroup = 0;         ///< work-items for one pair of solids of a batch; 0: 1 on CPUs, else 64
+  std::uint32_t solidHits = 128;  ///< intersecting pairs of triangles that such a pair may have there; a power of two
+  /// Registers that a work-item of their kernels may take where the device can be told so; 0: as many as it likes.
+  std::uint32_t solidRegisters = 128;
+  std::uint32_t arenaUnits = 1u << 18;  ///< of 16 bytes, for regions of a batch of solids; grows
   /// Work-items of a work-group of the traversal `levels`, and how many numbers its prefix sums take at once; 4 at
   /// least.
   std::uint32_t levelsGroup = 256;

@@ -178,7 +178,7 @@ TEST_CASE("meshes are uploaded once, evicted when memory runs out, and uploaded 
     CHECK(backend->counts().meshBytes > 6 * 5120 * 48);
   }
   opencl::Tuning tuning;
-  tuning.memoryBudget = 4 << 20;  // some ten lumps
+  tuning.memoryBudget = 10 << 20;  // some ten lumps
   const auto backend = openBackend(tuning);
   REQUIRE(backend);
   for (int round = 0; round < 2; ++round) {
@@ -219,7 +219,7 @@ TEST_CASE("a budget that cannot hold the two meshes leaves the query to the host
 TEST_CASE("meshes in use are not evicted") {
   opencl::Context context(opencl::findDevices().at(0), opencl::ProgramCache(""));
   const auto a = collisionMesh(makeLump(1, 4, 0.2, 1)), b = collisionMesh(makeLump(1, 4, 0.2, 2));
-  opencl::MeshStore store(context, 450 << 10, 4);  // room for one
+  opencl::MeshStore store(context, 1100 << 10, 4);  // room for one
   const CollisionMesh* first[] = {a.get()};
   const CollisionMesh* second[] = {b.get()};
   {
@@ -283,7 +283,7 @@ TEST_CASE("whichever call fails, the contacts are the same") {
 TEST_CASE("several threads query one backend at once") {
   const auto a = collisionMesh(makeLump(1, 4, 0.2, 1)), b = collisionMesh(makeTorus(1, 0.3, 41, 19));
   opencl::Tuning tuning;
-  tuning.memoryBudget = 1 << 20;  // meshes come and go meanwhile
+  tuning.memoryBudget = 2 << 20;  // meshes come and go meanwhile
   const auto backend = openBackend(tuning);
   REQUIRE(backend);
   std::vector<std::thread> threads;

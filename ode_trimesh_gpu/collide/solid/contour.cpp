@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shared/solid_model.h"
 #include "shared/sos.h"
 
 namespace otg {
@@ -12,20 +13,6 @@ namespace {
 struct PairCorners {
   Vec3d a[3], b[3];
 };
-
-struct PlaneHit {
-  double t;     ///< parameter from p, clamped to the segment
-  Vec3d drift;  ///< its change as A moves
-};
-
-/// Where the segment pq of mesh `mesh` meets the plane of the other mesh's triangle t.
-PlaneHit hitPlane(int mesh, const Vec3d& p, const Vec3d& q, const Vec3d* t) {
-  const Vec3d n = otgCross(otgSub(t[1], t[0]), otgSub(t[2], t[0]));
-  const double dp = otgDot(n, otgSub(p, t[0])), dq = otgDot(n, otgSub(q, t[0]));
-  const double d = dp - dq;
-  if (d == 0) return {0.5, {0, 0, 0}};
-  return {std::clamp(dp / d, 0.0, 1.0), otgScale(n, (mesh == 0 ? 1 : -1) / d)};
-}
 
 /// Does x come before y on their edge, at (nearly) the same t, once A has been moved by (e, e^2, e^3)?
 bool driftsBefore(const Crossing& x, const Crossing& y) {
@@ -177,9 +164,10 @@ class Tracer {
     const Triangle& t = m.triangles()[halfEdge / 3];
     const bool forward = topology.weld[t.v[halfEdge % 3]] == ends.a;
     const Vec3d p = meshes_.vertex(mesh, ends.a), q = meshes_.vertex(mesh, ends.b);
-    const PlaneHit hit = hitPlane(mesh, p, q, other);
-    contour_.crossings.push_back({edge, triangle, static_cast<std::uint8_t>(mesh), exits == forward, hit.t,
-                                  otgAdd(p, otgScale(otgSub(q, p), hit.t)), hit.drift});
+    Vec3d drift;
+    const double at = otgHitPlane(mesh, p, q, other, &drift);
+    contour_.crossings.push_back({edge, triangle, static_cast<std::uint8_t>(mesh), exits == forward, at,
+                                  otgAdd(p, otgScale(otgSub(q, p), at)), drift});
     return id;
   }
 

@@ -9,17 +9,6 @@
 namespace otg {
 namespace {
 
-// From this coherence on a face says where out is.
-constexpr double kOneFace = 0.99;
-// Edges of less than 20 degrees are those of a tessellated curve; a region with more sharp ones is more than a
-// crossing.
-constexpr double kSharpCosine = 0.94;
-constexpr std::size_t kMostStretches = 4;
-// Edges within 3 degrees of parallel have no stable direction across.
-constexpr double kLeastSine = 0.05;
-// Part of a side's area that the two faces of its edge must have.
-constexpr double kFaceShare = 0.98, kFaceCosine = 0.9999;
-
 /// A stretch of a sharp convex edge inside the other mesh, in A's frame.
 struct Stretch {
   std::uint32_t point;
@@ -39,13 +28,12 @@ std::vector<Stretch> stretchesOf(int m, const PlacedMeshes& meshes, const Overla
     const std::uint32_t half = adjacency.halfEdgeOf[p.feature], twin = topology.twin[half];
     if (twin == kNone) continue;
     const Vec3d n0 = meshes.normal(m, half / 3), n1 = meshes.normal(m, twin / 3);
-    if (otgDot(n0, n1) > kSharpCosine) continue;
     const Topology::Edge& edge = topology.edges[p.feature];
     const Vec3d ends = otgSub(meshes.vertex(m, edge.b), meshes.vertex(m, edge.a));
     // The face of `half` lies to its left: the edge is convex if the other face turns away from it.
     const bool forward = topology.weld[meshes.mesh(m).triangles()[half / 3].v[half % 3]] == edge.a;
-    if (otgDot(otgCross(n0, n1), ends) * (forward ? 1 : -1) <= 0) continue;
-    if (found.size() == kMostStretches) return {};
+    if (!otgIsSharpConvex(n0, n1, forward ? ends : otgScale(ends, -1.0))) continue;
+    if (found.size() == OTG_SOLID_MOST_STRETCHES) return {};
     found.push_back({i, p.position, p.along, p.reach, {n0, n1}});
   }
   return found;
@@ -57,36 +45,31 @@ bool isAll(const Stretch& s, int m, const OverlapRegions& all, const Region& reg
   for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
     const Piece& p = all.pieces[i];
     if (p.mesh != m) continue;
-    if (otgDot(p.normal, s.faces[0]) >= kFaceCosine || otgDot(p.normal, s.faces[1]) >= kFaceCosine) own += p.area;
+    if (otgDot(p.normal, s.faces[0]) >= OTG_SOLID_SAME_FACE || otgDot(p.normal, s.faces[1]) >= OTG_SOLID_SAME_FACE)
+      own += p.area;
   }
-  return own >= kFaceShare * (m == 0 ? region.areaA : region.areaB);
-}
-
-/// Whether d, which is perpendicular to the edge, lies between the outward normals of its faces.
-bool isBetween(const Stretch& s, const Vec3d& d) {
-  const double cosine = otgDot(s.faces[0], s.faces[1]);
-  const double x = otgDot(d, s.faces[0]), y = otgDot(d, s.faces[1]);
-  return x >= cosine * y && y >= cosine * x;
+  return own >= OTG_SOLID_FACE_SHARE * (m == 0 ? region.areaA : region.areaB);
 }
 
 }  // namespace
 
 std::vector<EdgePair> edgePairs(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region) {
   std::vector<EdgePair> pairs;
-  if (region.contained || region.coherence >= kOneFace || region.cellEnd > region.cellBegin) return pairs;
+  if (region.contained || region.coherence >= OTG_SOLID_ONE_FACE || region.cellEnd > region.cellBegin) return pairs;
   const std::vector<Stretch> a = stretchesOf(0, meshes, all, region);
   if (a.empty()) return pairs;
-  const bool isLump = region.thickness > 0.06 * region.diagonal;
+  const bool isLump = region.thickness > OTG_SOLID_DEEP * region.diagonal;
   const std::vector<Stretch> b = stretchesOf(1, meshes, all, region);
   for (const Stretch& s : a) {
     if (b.empty() || (!isLump && !isAll(s, 0, all, region))) continue;
     for (const Stretch& r : b) {
       const Vec3d across = otgCross(s.along, r.along);
       const double sine = norm(across);
-      if (sine < kLeastSine || (!isLump && !isAll(r, 1, all, region))) continue;
+      if (sine < OTG_SOLID_LEAST_SINE || (!isLump && !isAll(r, 1, all, region))) continue;
       Vec3d d = otgScale(across, 1 / sine);
       if (otgDot(d, region.push) < 0) d = otgScale(d, -1.0);
-      if (!isBetween(s, otgScale(d, -1.0)) || !isBetween(r, d)) continue;
+      if (!otgIsBetween(s.faces[0], s.faces[1], otgScale(d, -1.0)) || !otgIsBetween(r.faces[0], r.faces[1], d))
+        continue;
       // Nearest points of the two lines, within the stretches.
       const Vec3d apart = otgSub(r.middle, s.middle);
       const double u = otgDot(otgCross(apart, r.along), across) / (sine * sine);

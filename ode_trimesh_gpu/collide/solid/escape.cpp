@@ -13,8 +13,6 @@
 namespace otg {
 namespace {
 
-constexpr double kClusterCosine = 0.966;  // 15 degrees
-
 /// The directions of a cube's faces, edges and corners.
 std::vector<Vec3d> axes26() {
   std::vector<Vec3d> out;
@@ -48,9 +46,9 @@ std::vector<Vec3d> faceDirections(const OverlapRegions& all, const Region& regio
     const Piece& p = all.pieces[i];
     const Vec3d n = mesh == 0 ? otgScale(p.normal, -1.0) : p.normal;
     auto it = std::find_if(clusters.begin(), clusters.end(),
-                           [&](const Cluster& c) { return otgDot(c.first, n) >= kClusterCosine; });
+                           [&](const Cluster& c) { return otgDot(c.first, n) >= OTG_SOLID_FACE_COSINE; });
     if (it == clusters.end()) {
-      if (clusters.size() == 24) continue;
+      if (clusters.size() == OTG_SOLID_FACE_CLUSTERS) continue;
       clusters.push_back({n, {0, 0, 0}, 0});
       it = clusters.end() - 1;
     }
@@ -62,7 +60,7 @@ std::vector<Vec3d> faceDirections(const OverlapRegions& all, const Region& regio
                    [](const Cluster& x, const Cluster& y) { return x.area > y.area; });
   std::vector<Vec3d> out;
   for (const Cluster& c : clusters) {
-    if (c.area > least && out.size() < 6) out.push_back(unit(c.sum));
+    if (c.area > least && out.size() < OTG_SOLID_DEEP_FACES) out.push_back(unit(c.sum));
   }
   return out;
 }
@@ -74,7 +72,7 @@ class WayOutByPlanes {
   WayOutByPlanes(const OverlapRegions& all, const Region& region, double far) : all_(all), far_(far) {
     collectPlanes(region);
     const std::uint32_t count = region.pointEnd - region.pointBegin;
-    const std::uint32_t stride = std::max(1u, count / kMostPoints);
+    const std::uint32_t stride = std::max(1u, count / OTG_SOLID_DEEP_POINTS);
     for (std::uint32_t i = region.pointBegin; i < region.pointEnd; i += stride) points_.push_back(i);
   }
 
@@ -108,7 +106,7 @@ class WayOutByPlanes {
   /// Every piece, or for very many one plane for each mesh and small range of normals. None may be left out: a missing
   /// plane makes the way through it look long, and the way through those that are there would win.
   void collectPlanes(const Region& region) {
-    const bool gather = region.pieceEnd - region.pieceBegin > kMostPieces;
+    const bool gather = region.pieceEnd - region.pieceBegin > OTG_SOLID_DEEP_PIECES;
     FlatMap index;
     for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
       const Piece& p = all_.pieces[i];
@@ -140,7 +138,6 @@ class WayOutByPlanes {
     return face << 16 | cell(v[(axis + 1) % 3]) << 8 | cell(v[(axis + 2) % 3]);
   }
 
-  static constexpr std::uint32_t kMostPieces = 128, kMostPoints = 48;
   static constexpr double kCellsPerSide = 7;
   const OverlapRegions& all_;
   double far_;
@@ -254,7 +251,7 @@ RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& a
     return answer;
   }
   const std::vector<EdgePair> edges = edgePairs(meshes, all, region);
-  if (region.thickness > 0.06 * region.diagonal || !edges.empty()) {
+  if (region.thickness > OTG_SOLID_DEEP * region.diagonal || !edges.empty()) {
     // Deep: the shortest way out, which the mean direction need not be once the overlap is thicker than wide. The last
     // direction is kept while it is nearly as short, so that a body does not waver on its way out.
     answer.deep = true;
@@ -266,10 +263,10 @@ RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& a
       const double extent = regionExtent.along(d);
       return extent >= enough ? extent : std::max(extent, way.along(d, enough));
     };
-    double least = 0.98 * cost(normals.mean(), std::numeric_limits<double>::infinity());
+    double least = OTG_SOLID_PUSH_SHARE * cost(normals.mean(), std::numeric_limits<double>::infinity());
     bool isMean = true;
     const auto offer = [&](const Vec3d& d, double factor) {
-      if (otgDot(d, normals.mean()) < 0.2) return false;
+      if (otgDot(d, normals.mean()) < OTG_SOLID_DEEP_AGAINST) return false;
       const double extent = factor * cost(d, least / factor);
       if (extent >= least) return false;
       least = extent;
@@ -284,7 +281,7 @@ RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& a
     }
     // The vector area of two edges' overlap points across both, as long as no third face is in it: without a bias
     // towards the mean.
-    const double acrossFactor = isMean ? 0.97 : 1.0;
+    const double acrossFactor = isMean ? OTG_SOLID_ACROSS_SHARE : 1.0;
     for (const EdgePair& pair : edges) {
       if (offer(pair.direction, acrossFactor)) answer.edges = pair;
     }

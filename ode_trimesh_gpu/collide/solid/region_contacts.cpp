@@ -22,27 +22,10 @@ struct Candidate {
   double rank;    ///< depth weighted by kind
   double shift;   ///< of the middle of the overlap from the point, along the normal
   double spread;  ///< distance from the chosen ones so far
-  int step = 0;   ///< rank below the highest, in steps of kRankStep
+  int step = 0;   ///< rank below the highest, in steps of OTG_SOLID_RANK_STEP
 };
 
-// Fractions of the region's deepest below which a point of each kind says nothing new: what is shallow there is so
-// because of where the point lies on its facet, not because the bodies touch less. Order of PointKind.
-constexpr double kLeast[4] = {0.005, 0.02, 0.65, 0.3};
-// Between equally deep points the vertex goes first: facets of a tessellated plane must not decide.
-constexpr double kRank[4] = {1.1, 1.0, 1.05, 1.05};
-constexpr double kMergeDistance = 0.01;  // of the region's diagonal
-constexpr double kMergeCosine = 0.951;   // 18 degrees
-constexpr double kDeeperThanEnds = 1.05;
-// A crossing lies on both surfaces; it is measured this part of the region's diagonal further along its edge, and every
-// point this part below its own surface.
-constexpr double kInward = 1e-3, kBelowSurface = 1e-6;
-// Differences below these are no reason for a choice: bodies at rest tremble, and contacts should stay where they are.
-constexpr double kRankStep = 0.02, kFarther = 1.02;
-// How far from a piece (in diagonals) the way out may lead through its plane for an estimate to use it.
-constexpr double kPieceSlack = 0.02;
 constexpr double kGatheredError = 0.05;
-// Regions with more points or pieces than this are thinned before anything quadratic.
-constexpr std::size_t kMostPoints = 192, kMostPlanes = 96;
 
 ContactFeature featureOf(const SupportPoint& p) {
   switch (p.kind) {
@@ -97,8 +80,8 @@ class RegionSolver {
         const Piece& p = all_.pieces[i];
         if (p.mesh != m) continue;
         std::uint32_t slot = static_cast<std::uint32_t>(planes.size());
-        gathered_ = gathered_ || count > kMostPlanes;
-        if (count > kMostPlanes) slot = index.insert(cellKey(p, cell), slot);
+        gathered_ = gathered_ || count > OTG_SOLID_MOST_PLANES;
+        if (count > OTG_SOLID_MOST_PLANES) slot = index.insert(cellKey(p, cell), slot);
         if (slot == planes.size()) planes.push_back({{0, 0, 0}, 0, p.lo, p.hi});
         Plane& plane = planes[slot];
         plane.normal = otgAdd(plane.normal, p.vector);
@@ -130,7 +113,7 @@ class RegionSolver {
   /// Way out of mesh m through the nearest of its planes that faces along the direction and has its surface there;
   /// where none has, through the nearest plane of all, which is right for convex bodies.
   double planeExit(int m, const Vec3d& p, const Vec3d& direction) const {
-    return surface_[m].wayOut(p, direction, kPieceSlack * region_.diagonal).either();
+    return surface_[m].wayOut(p, direction, OTG_SOLID_PIECE_SLACK * region_.diagonal).either();
   }
 
   /// Clamps both ways out and their sum, which is returned, to the region's extent along n. That is worked out only
@@ -148,7 +131,7 @@ class RegionSolver {
   std::vector<std::uint32_t> thinned() {
     std::vector<std::uint32_t> chosen;
     const std::uint32_t n = region_.pointEnd - region_.pointBegin;
-    if (n <= kMostPoints) {
+    if (n <= OTG_SOLID_MOST_POINTS) {
       for (std::uint32_t i = region_.pointBegin; i < region_.pointEnd; ++i) chosen.push_back(i);
       return chosen;
     }
@@ -189,9 +172,8 @@ class RegionSolver {
       const SupportPoint& p = onPair ? nearestOfPair(i) : all_.points[i];
       if (skipFlat && p.flat) continue;
       Candidate c{&p, {}, {}, 0, 0, 0, 0};
-      const double inward = p.kind == PointKind::kCrossing ? std::min(kInward * region_.diagonal, 0.5 * p.reach) : 0;
-      c.probe = otgSub(otgAdd(p.position, otgScale(p.along, inward)),
-                       otgScale(p.surfaceNormal, std::min(kBelowSurface * region_.diagonal, 0.01 * region_.thickness)));
+      c.probe = otgProbe(p.position, p.along, p.reach, p.surfaceNormal, static_cast<int>(p.kind), region_.diagonal,
+                         region_.thickness);
       estimate(c);
       if (p.kind >= PointKind::kMiddle && !onPair && saysNothingNew(c)) continue;
       candidates_.push_back(c);
@@ -221,19 +203,19 @@ class RegionSolver {
     c.depth = clampToLimit(c.normal, out, back);
     c.shift = 0.5 * (out - back);
     // By what the planes say, not by the limit, to which whole patches of a thick region are cut.
-    c.rank = (out + back) * kRank[static_cast<int>(c.point->kind)];
+    c.rank = otgRankOfKind(static_cast<int>(c.point->kind), out + back);
   }
 
   /// Whether a middle of a stretch is hardly deeper than its ends are on average: then they hold it.
   bool saysNothingNew(const Candidate& c) {
     double ends = 0;
-    const double reach = std::max(c.point->reach - kInward * region_.diagonal, 0.5 * c.point->reach);
+    const double reach = otgReachOfEnds(c.point->reach, region_.diagonal);
     for (const double side : {-1.0, 1.0}) {
       const Vec3d p = otgAdd(c.probe, otgScale(c.point->along, side * reach));
       double out = planeExit(1, p, c.normal), back = planeExit(0, p, otgScale(c.normal, -1.0));
       ends += 0.5 * clampToLimit(c.normal, out, back);
     }
-    return c.depth <= kDeeperThanEnds * ends;
+    return c.depth <= OTG_SOLID_DEEPER_THAN_ENDS * ends;
   }
 
   static bool sameFeatureOrder(const Candidate& x, const Candidate& y) {
@@ -260,11 +242,11 @@ class RegionSolver {
   void filterAndMerge() {
     const double least = 0.5 * deepest();  // half the fractions: estimates err
     std::erase_if(candidates_,
-                  [&](const Candidate& c) { return c.depth < kLeast[static_cast<int>(c.point->kind)] * least; });
+                  [&](const Candidate& c) { return c.depth < otgLeastOfKind(static_cast<int>(c.point->kind), least); });
     double highest = 0;
     for (const Candidate& c : candidates_) highest = std::max(highest, c.rank);
     for (Candidate& c : candidates_) {
-      c.step = highest > 0 ? static_cast<int>((highest - c.rank) / (kRankStep * highest)) : 0;
+      c.step = otgRankStep(c.rank, highest);
     }
     std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& x, const Candidate& y) {
       return x.step != y.step ? x.step < y.step : sameFeatureOrder(x, y);
@@ -277,11 +259,11 @@ class RegionSolver {
       std::rotate(candidates_.begin(), first, first + 1);
     }
     std::vector<Candidate> kept;
-    const double reach = kMergeDistance * region_.diagonal;
+    const double reach = OTG_SOLID_MERGE_DISTANCE * region_.diagonal;
     for (const Candidate& c : candidates_) {
       const bool taken = std::any_of(kept.begin(), kept.end(), [&](const Candidate& k) {
         const Vec3d d = otgSub(middle(c), middle(k));
-        return otgDot(d, d) <= reach * reach && otgDot(c.normal, k.normal) >= kMergeCosine;
+        return otgDot(d, d) <= reach * reach && otgDot(c.normal, k.normal) >= OTG_SOLID_MERGE_COSINE;
       });
       if (!taken) kept.push_back(c);
     }
@@ -314,10 +296,10 @@ class RegionSolver {
       const Candidate& last = candidates_[i - 1];
       std::size_t best = i;
       for (std::size_t j = i; j < candidates_.size(); ++j) {
-        const Vec3d d = otgSub(candidates_[j].point->position, last.point->position);
-        const Vec3d n = otgSub(candidates_[j].normal, last.normal);
-        candidates_[j].spread = std::min(candidates_[j].spread, otgDot(d, d) * scale + otgDot(n, n));
-        if (candidates_[j].spread > kFarther * candidates_[best].spread) best = j;
+        const double apart =
+            otgApart(candidates_[j].point->position, candidates_[j].normal, last.point->position, last.normal, scale);
+        candidates_[j].spread = std::min(candidates_[j].spread, apart);
+        if (candidates_[j].spread > OTG_SOLID_FARTHER * candidates_[best].spread) best = j;
       }
       std::rotate(candidates_.begin() + static_cast<std::ptrdiff_t>(i),
                   candidates_.begin() + static_cast<std::ptrdiff_t>(best),
@@ -347,7 +329,7 @@ class RegionSolver {
       if (agree >= 2 && !disagree && !gathered_) break;
       const double estimate = c.depth;
       measureByRays(c);
-      if (std::fabs(estimate - c.depth) <= 0.02 * std::max(estimate, c.depth)) {
+      if (std::fabs(estimate - c.depth) <= OTG_SOLID_AGREES * std::max(estimate, c.depth)) {
         ++agree;
       } else {
         disagree = true;
@@ -355,7 +337,7 @@ class RegionSolver {
     }
     const double least = deepest();
     std::erase_if(candidates_,
-                  [&](const Candidate& c) { return c.depth < kLeast[static_cast<int>(c.point->kind)] * least; });
+                  [&](const Candidate& c) { return c.depth < otgLeastOfKind(static_cast<int>(c.point->kind), least); });
   }
 
   void emit(std::vector<Contact>& out) {

@@ -10,33 +10,19 @@
 namespace otg {
 namespace {
 
-// From here on a region counts as one flat face, and no piece of it is looked at.
-constexpr double kFlat = 0.9999;
-// From here on the mean direction holds everywhere, and up to here the local one; in between they are blended. At 0.99
-// and 0.97 the flanks of fine threads count as flat, and a nut loses 40 % of its way.
-constexpr double kStraight = 0.997, kCurved = 0.99;
-// A piece says where out is as long as the way through the region behind it is not much longer than the region is
-// thick: its weight is 1 / (1 + (way / (kThick thickness))^4). The end of a slab over whose edge a box rests says
-// nothing.
-constexpr double kThick = 4;
-// Two sides whose directions differ by less (in radians) count alike; neither counts less than the second of these.
-constexpr double kSameDirection = 1e-3, kLeastShare = 1e-3;
-// How far (in diagonals) from a piece that way may lead through its plane.
-constexpr double kPieceSlack = 0.02;
-// More pieces than this are gathered in cells first, so that normals cost the same whatever the tessellation.
-constexpr std::uint32_t kMostElements = 256;
+constexpr double kFlat = OTG_SOLID_FLAT, kStraight = OTG_SOLID_STRAIGHT, kCurved = OTG_SOLID_CURVED;
 
 }  // namespace
 
 RegionNormals::RegionNormals(const OverlapRegions& all, const Region& region)
     : region_(region),
-      mean_(unit(region.push)),  // By area, not by extent: narrow along a thread or a rim, wide in a round patch.
-      radius_(std::max(0.6 * std::sqrt(0.5 * (region.areaA + region.areaB)), 3 * region.thickness)) {
+      mean_(unit(region.push)),
+      radius_(otgNormalReach(region.areaA + region.areaB, region.thickness)) {
   if (region.coherence >= kFlat) {
     isFlat_ = true;
     return;
   }
-  if (region.pieceEnd - region.pieceBegin > kMostElements) {
+  if (region.pieceEnd - region.pieceBegin > OTG_SOLID_MOST_ELEMENTS) {
     cluster(all);
   } else {
     elements_.reserve(region.pieceEnd - region.pieceBegin);
@@ -71,7 +57,7 @@ void RegionNormals::weighByDepth() {
   }
   Vec3d sum[2] = {{0, 0, 0}, {0, 0, 0}};
   double total[2] = {0, 0};
-  const double slack = kPieceSlack * region_.diagonal;
+  const double slack = OTG_SOLID_PIECE_SLACK * region_.diagonal;
   for (std::size_t i = 0; i < elements_.size(); ++i) {
     Element& e = elements_[i];
     const Vec3d& n = planes[i].normal;
@@ -81,8 +67,7 @@ void RegionNormals::weighByDepth() {
     // right for convex overlaps.
     const PlaneSet::Way way = others[e.mesh].wayOutRound(from, otgScale(n, -1.0), slack);
     const bool found = way.nearest < region_.diagonal;
-    const double share = (found ? way.nearest : std::min(way.convex, region_.diagonal)) / (kThick * region_.thickness);
-    e.weight = 1 / (1 + share * share * share * share);
+    e.weight = otgDepthWeight(found ? way.nearest : std::min(way.convex, region_.diagonal), region_.thickness);
     sum[e.mesh] = otgAdd(sum[e.mesh], otgScale(e.vector, e.weight));
     total[e.mesh] += e.weight * e.area;
   }
@@ -96,10 +81,7 @@ void RegionNormals::weighByDepth() {
 /// the face says where out is. It is found as the direction between the two that is nearest to the region's vector
 /// area, which holds the sides of that edge, too. A curved side is no face.
 void RegionNormals::chooseBetweenSides(const Vec3d& a, const Vec3d& b, const double coherence[2]) {
-  const Vec3d d = otgSub(b, a), middle = otgScale(otgAdd(a, b), 0.5);
-  const double t = otgDot(otgSub(mean_, middle), d) / (otgDot(d, d) + kSameDirection * kSameDirection);
-  const double flatness = std::clamp((coherence[t > 0 ? 1 : 0] - kCurved) / (kStraight - kCurved), 0.0, 1.0);
-  shareOfB_ = std::clamp(0.5 + flatness * t, kLeastShare, 1 - kLeastShare);
+  shareOfB_ = otgShareOfB(a, b, mean_, coherence[0], coherence[1]);
   const Vec3d chosen = unit(otgAdd(otgScale(a, 1 - shareOfB_), otgScale(b, shareOfB_)));
   if (otgDot(chosen, chosen) > 0) weighted_ = chosen;
 }
@@ -135,15 +117,8 @@ void RegionNormals::cluster(const OverlapRegions& all) {
 Vec3d RegionNormals::local(const Vec3d& point) const {
   // Out of B: along B's outward normals, against A's.
   const AreaSet::Sum a = areas_[0].about(point, radius_), b = areas_[1].about(point, radius_);
-  const double sA = norm(a.vector), sB = norm(b.vector);
-  const double most = std::max(sA, sB);
-  const Vec3d& fallback = region_.coherence >= 0.5 || !escape_ ? mean_ : *escape_;
-  if (!(most > 0)) return fallback;
-  // The sides of a lump must agree in amount too. Of a thin sheet one side alone may be near, which says as much.
-  const double agreement = isLump() ? most * most : sA * sB;
-  if (sA > 0 && sB > 0 && otgDot(a.vector, b.vector) < 0.3 * agreement) return fallback;
-  const double lA = a.area > 0 ? sA / a.area : 0, lB = b.area > 0 ? sB / b.area : 0;
-  const Vec3d n = unit(otgAdd(otgScale(a.vector, (1 - shareOfB_) * lA * lA), otgScale(b.vector, shareOfB_ * lB * lB)));
+  const Vec3d& fallback = region_.coherence >= OTG_SOLID_COHERENT || !escape_ ? mean_ : *escape_;
+  const Vec3d n = otgLocalNormal(a.vector, a.area, b.vector, b.area, shareOfB_, isLump());
   return otgDot(n, n) > 0 ? n : fallback;
 }
 
@@ -156,7 +131,7 @@ Vec3d RegionNormals::at(const Vec3d& point) const {
     n = unit(otgAdd(otgScale(weighted_, w), otgScale(n, 1 - w)));
   }
   // Against the mean the way out of a lump is longer; a thin region may run around a rim.
-  return isLump() && region_.coherence >= 0.5 && otgDot(n, mean_) < -0.2 ? mean_ : n;
+  return isLump() && region_.coherence >= OTG_SOLID_COHERENT && otgDot(n, mean_) < -0.2 ? mean_ : n;
 }
 
 }  // namespace otg

@@ -37,8 +37,7 @@ class RegionNormals {
     std::uint8_t mesh;
     double weight = 1;  ///< how much it says about where out is
   };
-  /// Thick for its extent, so that it has one side where it comes out; a sheet may run around a rim.
-  bool isLump() const { return region_.thickness > 0.05 * region_.diagonal; }
+  bool isLump() const { return otgIsLump(region_.thickness, region_.diagonal) != 0; }
   Vec3d local(const Vec3d& point) const;
   void cluster(const OverlapRegions& all);
   void weighByDepth();

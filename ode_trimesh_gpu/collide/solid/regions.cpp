@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "collide/solid/regions.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "collide/solid/edge_pieces.h"
@@ -24,6 +25,12 @@ struct Correction {
   Vec3d position;  ///< of the vertex, relative to the origin
   Vec3d vector;    ///< vector area
   double area;
+};
+
+struct Insider {  // a vertex inside the other mesh
+  std::uint32_t vertex;
+  std::uint8_t mesh;
+  Vec3d position;  ///< relative to the origin
 };
 
 struct PatchRef {
@@ -60,6 +67,7 @@ struct RegionBuilder::Scratch {
   std::vector<Correction> corrections, sortedCorrections;
   std::vector<PointSeed> seeds, sortedSeeds;
   std::vector<PatchRef> patches, sortedPatches;
+  std::vector<Insider> insiders;
   std::vector<std::uint32_t> pieceBegin, correctionBegin, seedBegin, patchBegin, cellScratch;
   std::vector<Sums> sums;
   std::vector<Vec3d> positions;
@@ -371,25 +379,33 @@ class Builder {
     region.pieceBegin = static_cast<std::uint32_t>(out_.pieces.size());
     region.pointBegin = static_cast<std::uint32_t>(out_.points.size());
     for (std::uint32_t i = s_.pieceBegin[r]; i < s_.pieceBegin[r + 1]; ++i) out_.pieces.push_back(s_.pieces[i]);
+    // Ascending, so that the order of sums does not come from the way of the flood.
+    s_.insiders.clear();
     for (std::uint32_t i = s_.patchBegin[r]; i < s_.patchBegin[r + 1]; ++i) {
       const PatchRef& ref = s_.patches[i];
-      const int m = ref.mesh;
+      forEachVertex(ref.mesh, inside_.patches[ref.mesh][ref.patch], [&](std::uint32_t v, const Vec3d& x) {
+        s_.insiders.push_back({v, ref.mesh, x});
+      });
+    }
+    std::sort(s_.insiders.begin(), s_.insiders.end(), [](const Insider& x, const Insider& y) {
+      return x.mesh != y.mesh ? x.mesh < y.mesh : x.vertex < y.vertex;
+    });
+    for (const Insider& insider : s_.insiders) {
+      const int m = insider.mesh;
       const TriMesh& mesh = meshes_.mesh(m);
       const Adjacency& adjacency = meshes_.adjacency(m);
-      forEachVertex(m, inside_.patches[m][ref.patch], [&](std::uint32_t v, const Vec3d& x) {
-        out_.points.push_back(supportPoint(vertexSeed(r, m, v, x)));
-        for (std::uint32_t h = adjacency.first[v]; h < adjacency.first[v + 1]; ++h) {
-          const std::uint32_t t = adjacency.halfEdges[h] / 3;
-          if (s_.boundary[m].has(t)) continue;
-          s_.boundary[m].set(t, kInterior);
-          const Triangle& triangle = mesh.triangles()[t];
-          const Vec3d p = vertex(m, triangle.v[0]), q = vertex(m, triangle.v[1]), s = vertex(m, triangle.v[2]);
-          const Vec3d n = meshes_.normal(m, t);
-          const double area = adjacency.area[t];
-          out_.pieces.push_back({r, t, ref.mesh, n, otgScale(n, area), area, otgDot(n, p), minimum(p, minimum(q, s)),
-                                 maximum(p, maximum(q, s))});
-        }
-      });
+      out_.points.push_back(supportPoint(vertexSeed(r, m, insider.vertex, insider.position)));
+      for (std::uint32_t h = adjacency.first[insider.vertex]; h < adjacency.first[insider.vertex + 1]; ++h) {
+        const std::uint32_t t = adjacency.halfEdges[h] / 3;
+        if (s_.boundary[m].has(t)) continue;
+        s_.boundary[m].set(t, kInterior);
+        const Triangle& triangle = mesh.triangles()[t];
+        const Vec3d p = vertex(m, triangle.v[0]), q = vertex(m, triangle.v[1]), s = vertex(m, triangle.v[2]);
+        const Vec3d n = meshes_.normal(m, t);
+        const double area = adjacency.area[t];
+        out_.pieces.push_back({r, t, insider.mesh, n, otgScale(n, area), area, otgDot(n, p), minimum(p, minimum(q, s)),
+                               maximum(p, maximum(q, s))});
+      }
     }
     for (std::uint32_t i = s_.seedBegin[r]; i < s_.seedBegin[r + 1]; ++i) {
       out_.points.push_back(supportPoint(s_.seeds[i]));
@@ -551,18 +567,15 @@ class Builder {
   void measure(std::uint32_t r) {
     Region& region = out_.regions[r];
     const Sums& sums = s_.sums[r];
-    const Vec3d middle = otgScale(otgAdd(region.lo, region.hi), 0.5);
-    const Vec3d all = otgAdd(sums.vector[0], sums.vector[1]);
+    const RegionMeasure<double> m =
+        otgMeasureRegion(sums.vector[0], sums.vector[1], sums.area[0], sums.area[1], sums.moment, region.lo, region.hi);
     region.areaA = sums.area[0];
     region.areaB = sums.area[1];
-    region.volume = (sums.moment - otgDot(all, middle)) / 3;
-    region.push = otgScale(otgSub(sums.vector[1], sums.vector[0]), 0.5);
-    const double total = region.areaA + region.areaB;
-    region.thickness = total > 0 ? std::max(0.0, 2 * region.volume / total) : 0;
-    const double push = norm(region.push);
-    region.coherence =
-        std::min(1.0, std::max(region.areaA > 0 ? push / region.areaA : 0, region.areaB > 0 ? push / region.areaB : 0));
-    region.bad = norm(all) > 0.05 * total || region.volume < -1e-3 * total * region.diagonal;
+    region.volume = m.volume;
+    region.push = m.push;
+    region.thickness = m.thickness;
+    region.coherence = m.coherence;
+    region.bad = m.bad != 0;
   }
 
   const PlacedMeshes& meshes_;

@@ -12,6 +12,7 @@
 
 #include "collide/solid/contour.h"
 #include "collide/solid/inside.h"
+#include "shared/solid_model.h"
 
 namespace otg {
 
@@ -82,7 +83,7 @@ struct OverlapRegions {
 };
 
 /// Regions of more vertices and clipped triangles than this are described by cells.
-inline constexpr std::uint32_t kLargeRegion = 256;
+inline constexpr std::uint32_t kLargeRegion = OTG_SOLID_LARGE_REGION;
 
 /// Makes the regions of one overlap after another; keeps its memory between them.
 class RegionBuilder {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "shared/vec3.h"
+#include "shared/solid_model.h"
 
 namespace otg {
 
@@ -16,12 +16,11 @@ inline Vec3d maximum(const Vec3d& a, const Vec3d& b) {
   return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
 }
 inline double norm(const Vec3d& v) {
-  return std::sqrt(otgDot(v, v));
+  return otgNorm(v);
 }
 /// v at length 1, or zero.
 inline Vec3d unit(const Vec3d& v) {
-  const double l = norm(v);
-  return l > 0 ? otgScale(v, 1 / l) : Vec3d{0, 0, 0};
+  return otgUnit(v);
 }
 
 }  // namespace otg

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What devices need for the contact model `solid`: the part of a mesh that it looks at, and what one of its kernels
+// leaves for the next. Only with doubles.
+#ifndef OTG_SHARED_SOLID_LAYOUT_H
+#define OTG_SHARED_SOLID_LAYOUT_H
+#include "shared/device_layout.h"
+
+#ifndef __OPENCL_VERSION__
+namespace otg {
+#endif
+
+/// A solid of one component has a section behind its rings (otg_device_mesh), in units of 16 bytes:
+///   the bounds, lowest corner and highest; in w the numbers of vertices and edges
+///   OTG_SOLID_SAMPLES places of vertices spread over it (see isContained in collide/solid/inside.cpp); in w how many
+///   four units a triangle: corners as welded vertices; its edges; its unit normal and its area in double
+///   one unit a vertex: where it is, and OTG_VERTEX_FLAT
+///   one unit an edge: its ends a and b, a half-edge, and whether it is flat (all as Topology and Adjacency)
+///   one word a vertex, and one more: the first of its outgoing half-edges in the list that follows; then that list;
+///   from the next even word on the vertex at the other end of each of them and its edge
+#define OTG_SOLID_SAMPLES 16
+#define OTG_SOLID_TRIANGLES (2 + OTG_SOLID_SAMPLES)
+#define OTG_VERTEX_FLAT 0x80000000u
+
+/// The part of one triangle that lies inside the other mesh: as Piece in collide/solid/regions.h.
+typedef struct {
+  double normal[3], vector[3], area, offset, lo[3], hi[3];
+  otg_uint mesh, triangle;
+  otg_uint unused[2];
+} otg_solid_piece;
+
+/// A place where a contact may sit, as SupportPoint there, and what comes of it.
+typedef struct {
+  double position[3], along[3], surfaceNormal[3], reach;
+  double at[3], probe[3], normal[3], shift, limit;  ///< `at`: the candidate's place, as a rule `position`
+  otg_ulong order;                                  ///< kind, mesh, feature, ordinal: ties are settled by it
+  otg_uint kind, mesh, feature, ordinal, triangleA, triangleB;
+  otg_uint flat;
+  otg_uint sharp;  ///< of a middle: its edge is sharp and convex
+  double unused[2];
+} otg_solid_point;
+
+typedef struct {
+  double origin[3], lo[3], hi[3], push[3];
+  double areaA, areaB, volume, diagonal, thickness, coherence;
+  otg_uint pieces, pieceCount, points, pointCount;  ///< places in the arena
+  otg_uint next;                                    ///< region, or OTG_NOT_THERE
+  otg_uint unused[3];
+} otg_solid_region;
+
+#define OTG_SOLID_REGIONS 8  ///< more regions than this in one pair are the host's
+
+/// A piece of the arena is counted in units of this many bytes.
+#define OTG_ARENA_UNIT 16
+
+#ifndef __OPENCL_VERSION__
+static_assert(sizeof(otg_solid_piece) == 128 && sizeof(otg_solid_point) == 224 && sizeof(otg_solid_region) == 176);
+}  // namespace otg
+#endif
+#endif  // OTG_SHARED_SOLID_LAYOUT_H

@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From the points of one region to its contacts, by one work-group; as collide/solid/region_contacts.cpp.
+#ifndef OTG_SOLID_CHOOSE_H
+#define OTG_SOLID_CHOOSE_H
+#include "solid_normals.h"
+//
+#include "solid_rays.h"
+
+/// Clamps both ways and their sum, which is returned, to the region's extent along the normal.
+OTG_INLINED double otgClampWays(double limit, double* out, double* back) {
+  *out = otgMin_d(limit, *out);
+  *back = otgMin_d(limit, *back);
+  return otgMin_d(limit, *out + *back);
+}
+
+/// Whether a middle of a stretch is hardly deeper than its ends are on average: then they hold it.
+OTG_INLINED int otgSaysNothingNew(const otg_solid_work* w, __global const otg_solid_point* p, otg_vec3_d probe,
+                                  otg_vec3_d normal, double limit, double depth) {
+  const double reach = otgReachOfEnds_d(p->reach, w->diagonal);
+  double ends = 0;
+  OTG_ROLLED
+  for (int side = -1; side <= 1; side += 2) {
+    const otg_vec3_d at = otgAdd_d(probe, otgScale_d(otgLoad(p->along), side * reach));
+    double out = otgPlaneExit(w, 1, at, normal), back = otgPlaneExit(w, 0, at, otgScale_d(normal, -1.0));
+    ends += 0.5 * otgClampWays(limit, &out, &back);
+  }
+  return depth <= OTG_SOLID_DEEPER_THAN_ENDS * ends;
+}
+
+/// Every point as a candidate: where it is measured, its normal, its estimated depth.
+OTG_INLINED void otgEstimate(const otg_solid_work* w) {
+  __local otg_solid_choice* s = w->s;
+  const uint lane = get_local_id(0);
+  if (lane == 0) s->corners = 0;
+  OTG_SYNC;
+  for (uint i = lane; i < w->pointCount; i += OTG_GROUP) {
+    if (!w->points[i].flat) atomic_inc(&s->corners);
+  }
+  OTG_SYNC;
+  // The corners of an overlap are never flat points, as long as anything is not flat.
+  const int skipFlat = s->isFlat && s->corners >= 3;
+  for (uint i = lane; i < w->pointCount; i += OTG_GROUP) {
+    __global otg_solid_point* p = w->points + i;
+    s->alive[i] = 0;
+    if (skipFlat && p->flat) continue;
+    const int kind = (int)p->kind;
+    // Edges across each other hold each other where they are nearest, not in their middles.
+    const int onA = s->across != OTG_NOT_THERE && i == s->sharp[0][s->across / OTG_SOLID_MOST_STRETCHES];
+    const int onB = s->across != OTG_NOT_THERE && i == s->sharp[1][s->across % OTG_SOLID_MOST_STRETCHES];
+    const otg_vec3_d at = onA   ? otgVec_d(s->places[0], s->places[1], s->places[2])
+                          : onB ? otgVec_d(s->places[3], s->places[4], s->places[5])
+                                : otgLoad(p->position);
+    otgStore(p->at, at);
+    const otg_vec3_d probe =
+        otgProbe_d(at, otgLoad(p->along), p->reach, otgLoad(p->surfaceNormal), kind, w->diagonal, w->thickness);
+    const otg_vec3_d normal = otgNormalAt(w, probe);
+    const double limit = otgExtentAlong(w, normal);
+    double out = otgPlaneExit(w, 1, probe, normal), back = otgPlaneExit(w, 0, probe, otgScale_d(normal, -1.0));
+    const double depth = otgClampWays(limit, &out, &back);
+    if (kind >= OTG_POINT_MIDDLE && !onA && !onB && otgSaysNothingNew(w, p, probe, normal, limit, depth)) continue;
+    otgStore(p->probe, probe);
+    otgStore(p->normal, normal);
+    p->limit = limit;
+    p->shift = 0.5 * (out - back);
+    s->depth[i] = depth;
+    s->rank[i] = otgRankOfKind_d(kind, out + back);
+    s->alive[i] = 1;
+  }
+  OTG_SYNC_ALL;
+}
+
+/// Where the contact would be: the middle of the overlap, beside the point and not beside the probe.
+OTG_INLINED otg_vec3_d otgMiddleOf(__global const otg_solid_point* p) {
+  const otg_vec3_d at = otgLoad(p->at), normal = otgLoad(p->normal);
+  const double moved = otgDot_d(otgSub_d(otgLoad(p->probe), at), normal);
+  return otgAdd_d(at, otgScale_d(normal, moved + p->shift));
+}
+
+/// The largest depth of those alive. All lanes call it.
+OTG_INLINED double otgDeepest(const otg_solid_work* w) {
+  double most = 0;
+  for (uint i = get_local_id(0); i < w->pointCount; i += OTG_GROUP) {
+    if (w->s->alive[i]) most = otgMax_d(w->s->depth[i], most);
+  }
+  return otgLargestOf(w->s, most);
+}
+
+OTG_INLINED void otgDropShallow(const otg_solid_work* w, double least) {
+  for (uint i = get_local_id(0); i < w->pointCount; i += OTG_GROUP) {
+    if (w->s->depth[i] < otgLeastOfKind_d((int)w->points[i].kind, least)) w->s->alive[i] = 0;
+  }
+  OTG_SYNC;
+}
+
+/// Drops what is shallow for its kind, then of points that lie together and agree in direction all but the first.
+/// s->order gets the others, s->count of them.
+OTG_INLINED void otgFilterAndMerge(const otg_solid_work* w) {
+  __local otg_solid_choice* s = w->s;
+  const uint lane = get_local_id(0);
+  uint count = 0, total;
+  otgDropShallow(w, 0.5 * otgDeepest(w));  // halfEdge the fractions: estimates err
+  double highest = 0;
+  for (uint i = lane; i < w->pointCount; i += OTG_GROUP) {
+    if (s->alive[i]) highest = otgMax_d(s->rank[i], highest);
+  }
+  highest = otgLargestOf(s, highest);
+  for (uint i = lane; i < w->pointCount; i += OTG_GROUP) {
+    if (!s->alive[i]) continue;
+    s->step[i] = otgRankStep_d(s->rank[i], highest);
+    const otg_vec3_d middle = otgMiddleOf(w->points + i);
+    s->x[i] = middle.x;  // in place of the points, which are not asked for any more
+    s->y[i] = middle.y;
+    s->z[i] = middle.z;
+  }
+  OTG_SYNC;
+  for (uint base = 0; base < w->pointCount; base += OTG_GROUP) {
+    const uint i = base + lane;
+    const int isAlive = i < w->pointCount && s->alive[i];
+    if (isAlive) {
+      const int step = s->step[i];
+      const ulong order = w->points[i].order;
+      uint place = 0;
+      for (uint j = 0; j < w->pointCount; ++j) {
+        if (s->alive[j]) place += s->step[j] < step || (s->step[j] == step && w->points[j].order < order);
+      }
+      s->order[place] = (ushort)i;
+    }
+    otgPlaceAmong(s->counts, isAlive, &total);
+    count += total;
+  }
+  OTG_SYNC;
+  // Where the bodies are round the deepest is one point, and it is the first; where they are flat many tremble about
+  // it.
+  if (lane == 0 && !s->isFlat && count > 0) {
+    uint first = 0;
+    while (first < count && !(s->rank[s->order[first]] >= highest)) ++first;
+    const ushort taken = s->order[first];
+    for (; first > 0; --first) s->order[first] = s->order[first - 1];
+    s->order[0] = taken;
+  }
+  OTG_SYNC;
+  const double reach = OTG_SOLID_MERGE_DISTANCE * w->diagonal;
+  for (uint k = 0; k < count; ++k) {
+    const uint kept = s->order[k];
+    if (s->alive[kept]) {
+      const otg_vec3_d middle = otgVec_d(s->x[kept], s->y[kept], s->z[kept]);
+      const otg_vec3_d normal = otgLoad(w->points[kept].normal);
+      for (uint j = k + 1 + lane; j < count; j += OTG_GROUP) {
+        const uint i = s->order[j];
+        if (!s->alive[i]) continue;
+        const otg_vec3_d d = otgSub_d(otgVec_d(s->x[i], s->y[i], s->z[i]), middle);
+        if (otgDot_d(d, d) <= reach * reach &&
+            otgDot_d(otgLoad(w->points[i].normal), normal) >= OTG_SOLID_MERGE_COSINE) {
+          s->alive[i] = 0;
+        }
+      }
+    }
+    OTG_SYNC;
+  }
+  if (lane == 0) {
+    uint kept = 0;
+    for (uint k = 0; k < count; ++k) {
+      if (s->alive[s->order[k]]) s->order[kept++] = s->order[k];
+    }
+    s->count = kept;
+  }
+  OTG_SYNC;
+}
+
+/// The first, then again and again the one farthest from those chosen, in position and normal.
+OTG_INLINED void otgSpreadCandidates(const otg_solid_work* w, uint most) {
+  __local otg_solid_choice* s = w->s;
+  const uint lane = get_local_id(0), all = s->count, count = min(most, all);
+  const double scale = w->diagonal > 0 ? 1 / (w->diagonal * w->diagonal) : 0;
+  for (uint j = lane; j < all; j += OTG_GROUP) s->spread[s->order[j]] = INFINITY;
+  OTG_SYNC;
+  for (uint i = 1; i < count; ++i) {
+    __global const otg_solid_point* last = w->points + s->order[i - 1];
+    const otg_vec3_d at = otgLoad(last->at), normal = otgLoad(last->normal);
+    for (uint j = i + lane; j < all; j += OTG_GROUP) {
+      const uint c = s->order[j];
+      const double apart = otgApart_d(otgLoad(w->points[c].at), otgLoad(w->points[c].normal), at, normal, scale);
+      s->spread[c] = otgMin_d(apart, s->spread[c]);
+    }
+    OTG_SYNC;
+    if (lane == 0) {
+      uint best = i;
+      double farthest = s->spread[s->order[i]];
+      for (uint j = i + 1; j < all; ++j) {
+        const double spread = s->spread[s->order[j]];
+        if (spread > OTG_SOLID_FARTHER * farthest) {
+          best = j;
+          farthest = spread;
+        }
+      }
+      const ushort taken = s->order[best];
+      for (uint j = best; j > i; --j) s->order[j] = s->order[j - 1];
+      s->order[i] = taken;
+    }
+    OTG_SYNC;
+  }
+  if (lane == 0) s->count = count;
+  OTG_SYNC;
+}
+
+/// Depths by rays, until two agree with their estimates and none has disagreed: then the others are believed.
+OTG_INLINED void otgMeasure(const otg_solid_work* w, __global const float4* meshes, const otg_device_mesh* placeA,
+                            const otg_device_mesh* placeB, const otg_solid_mesh* a, const otg_solid_mesh* b) {
+  __local otg_solid_choice* s = w->s;
+  const uint lane = get_local_id(0), count = s->count;
+  const double far = 4 * (double)(placeA->radius + placeB->radius);
+  const double skin = 1e-9 * (double)(placeA->radius < placeB->radius ? placeB->radius : placeA->radius);
+  const otg_vec3_d origin = otgLoad(w->region->origin);
+  for (uint r = lane; r < 2 * count; r += OTG_GROUP) {
+    __global const otg_solid_point* p = w->points + s->order[r / 2];
+    const otg_vec3_d from = otgAdd_d(otgLoad(p->probe), origin), normal = otgLoad(p->normal);
+    const int isOut = r % 2 == 0;  // out of B, else back out of A
+    const double way = otgExitDistance(meshes, isOut ? placeB : placeA, isOut ? b : a, from,
+                                       otgScale_d(normal, isOut ? 1.0 : -1.0), far, skin);
+    if (way == -2) s->bad = 1;
+    s->ways[r] = otgMax_d(way, 0);
+  }
+  OTG_SYNC;
+  if (lane == 0) {
+    int agree = 0, disagree = 0;
+    for (uint k = 0; k < count; ++k) {
+      const uint c = s->order[k];
+      double out = s->ways[2 * k], back = s->ways[2 * k + 1];
+      if (agree >= 2 && !disagree) break;
+      const double estimate = s->depth[c], depth = otgClampWays(w->points[c].limit, &out, &back);
+      s->depth[c] = depth;
+      w->points[c].shift = 0.5 * (out - back);
+      if (fabs(estimate - depth) <= OTG_SOLID_AGREES * (estimate < depth ? depth : estimate)) {
+        ++agree;
+      } else {
+        disagree = 1;
+      }
+    }
+    double deepest = 0;
+    for (uint k = 0; k < count; ++k) deepest = otgMax_d(s->depth[s->order[k]], deepest);
+    uint kept = 0;
+    for (uint k = 0; k < count; ++k) {
+      const uint c = s->order[k];
+      if (!(s->depth[c] < otgLeastOfKind_d((int)w->points[c].kind, deepest))) s->order[kept++] = (ushort)c;
+    }
+    s->count = kept;
+  }
+  OTG_SYNC_ALL;
+}
+
+/// The piece of a mesh through which the contact's normal leaves: its plane is the nearest ahead.
+OTG_INLINED uint otgFacing(const otg_solid_work* w, uint mesh, otg_vec3_d probe, otg_vec3_d normal) {
+  const otg_vec3_d direction = mesh == 1 ? normal : otgScale_d(normal, -1.0);
+  double nearest = INFINITY;
+  uint triangle = OTG_NOT_THERE, any = 0;
+  for (uint j = 0; j < w->s->listed[mesh]; ++j) {
+    __global const otg_solid_piece* p = w->pieces + w->s->list[mesh][j];
+    const otg_vec3_d n = otgLoad(p->normal);
+    const double cosine = otgDot_d(n, direction);
+    any = p->triangle;
+    if (cosine <= 0.05) continue;
+    // Among planes equally far the piece whose box is nearest to the point.
+    const double x = otgMax_d(otgMax_d(p->lo[0] - probe.x, 0), probe.x - p->hi[0]);
+    const double y = otgMax_d(otgMax_d(p->lo[1] - probe.y, 0), probe.y - p->hi[1]);
+    const double z = otgMax_d(otgMax_d(p->lo[2] - probe.z, 0), probe.z - p->hi[2]);
+    const double d = otgMax_d((p->offset - otgDot_d(n, probe)) / cosine, 0) + x + y + z;
+    if (d < nearest) {
+      nearest = d;
+      triangle = p->triangle;
+    }
+  }
+  return triangle == OTG_NOT_THERE ? any : triangle;
+}
+
+/// ContactFeature of a point, and its flags.
+OTG_INLINED uint otgFeatureOf(uint kind, uint mesh) {
+  const uint first = kind == OTG_POINT_VERTEX ? 4 : kind == OTG_POINT_CROSSING ? 6 : 8;
+  return (first + mesh) | (kind != OTG_POINT_CROSSING ? 1u << 8 : 0);
+}
+
+/// Appends the region's contacts to `out`, deepest first.
+OTG_INLINED void otgEmit(const otg_solid_work* w, uint number, __global otg_chosen_contact* out) {
+  __local otg_solid_choice* s = w->s;
+  const uint count = s->count;
+  const otg_vec3_d origin = otgLoad(w->region->origin);
+  for (uint k = get_local_id(0); k < count; k += OTG_GROUP) {
+    const uint i = s->order[k];
+    __global const otg_solid_point* p = w->points + i;
+    uint place = 0;
+    for (uint j = 0; j < count; ++j) {
+      const uint c = s->order[j];
+      place += s->depth[c] > s->depth[i] || (s->depth[c] == s->depth[i] && w->points[c].order < p->order);
+    }
+    const otg_vec3_d normal = otgLoad(p->normal), probe = otgLoad(p->probe);
+    __global otg_chosen_contact* c = out + place;
+    otgStore(c->position, otgAdd_d(otgMiddleOf(p), origin));
+    otgStore(c->normal, normal);
+    c->depth = s->depth[i];
+    c->triangleA = p->triangleA != OTG_NOT_THERE ? p->triangleA : otgFacing(w, 0, probe, normal);
+    c->triangleB = p->triangleB != OTG_NOT_THERE ? p->triangleB : otgFacing(w, 1, probe, normal);
+    c->region = number;
+    c->feature = otgFeatureOf(p->kind, p->mesh);
+    c->element = p->feature;
+    c->ordinal = p->ordinal;
+    c->coherence = w->coherence;
+  }
+  OTG_SYNC_ALL;
+}
+
+#endif  // OTG_SOLID_CHOOSE_H

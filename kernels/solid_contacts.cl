@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Contacts of the regions that solidRegions left: one work-group for one pair. OTG_GROUP: size of work-groups;
+// OTG_SOLID_CONTACTS as in solid_normals.h.
+#include "pair_record.h"
+//
+#include "solid_choose.h"
+//
+#include "solid_deep.h"
+#include "solid_limit.h"
+
+/// Contacts of pair g: region by region, then as many as it has places. `lists` gets `room` places for each pair, in
+/// its callers' numbers of triangles; the counts of contacts go where placeContacts expects them.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidContacts(
+    __global const float4* restrict meshes, __global const otg_batch_task* restrict tasks,
+    __global const otg_device_mesh* restrict places, __global const otg_pair_state* restrict states,
+    __global const otg_reduction* restrict reductions, __global uint* restrict counters, __global uchar* arena,
+    uint arenaUnits, __global const uint* restrict heads, __global otg_chosen_contact* restrict lists, uint room,
+    __global uchar* restrict results) {
+  __local otg_solid_choice choice;
+  __local otg_solid_choice* s = &choice;
+  const uint lane = get_local_id(0), number = get_group_id(0), pairs = get_num_groups(0);
+  __global const otg_batch_task* task = tasks + number;
+  __global uint* flag = (__global uint*)(results + OTG_RESULT_HEAD) + number;
+  const otg_device_mesh placeA = places[task->meshA], placeB = places[task->meshB];
+  const int leftOut = (*flag & (OTG_PAIR_TO_HOST | OTG_PAIR_REFUSED | OTG_PAIR_SKIPPED)) != 0;
+  const otg_solid_mesh a = otgSolidMesh(meshes, &placeA, task->bInA, 0);
+  const otg_solid_mesh b = otgSolidMesh(meshes, &placeB, task->bInA, 1);
+  const otg_reduction how = reductions[task->reduction];
+  const uint most = min((uint)how.bins[0], (uint)OTG_SOLID_CONTACTS);
+  const double size = 2 * (double)(placeA.radius < placeB.radius ? placeA.radius : placeB.radius);
+  uint chain[OTG_SOLID_REGIONS], regions = 0;
+  // From the list, which runs backwards.
+  for (uint at = leftOut ? OTG_NOT_THERE : heads[number]; at != OTG_NOT_THERE && regions < OTG_SOLID_REGIONS;) {
+    chain[regions++] = at;
+    at = ((__global const otg_solid_region*)(arena + (size_t)at * OTG_ARENA_UNIT))->next;
+  }
+  if (lane == 0) {
+    s->bad = 0;
+    s->contacts = 0;
+    const uint units = (regions * most * (uint)sizeof(otg_chosen_contact) + OTG_ARENA_UNIT - 1) / OTG_ARENA_UNIT;
+    s->allocated = units > 0 ? atomic_add(counters + OTG_COUNT_ARENA, units) : 0;
+    if (!(s->allocated <= arenaUnits && arenaUnits - s->allocated >= units)) s->allocated = OTG_NOT_THERE;
+  }
+  OTG_SYNC;
+  if (s->allocated == OTG_NOT_THERE) regions = 0;  // the host gives the arena more room and asks again
+  __global otg_chosen_contact* found =
+      (__global otg_chosen_contact*)(arena + (size_t)(regions > 0 ? s->allocated : 0) * OTG_ARENA_UNIT);
+  OTG_SYNC;
+  uint index = 0;
+  for (uint r = regions; r-- > 0;) {
+    otg_solid_work w;
+    w.s = s;
+    w.region = (__global const otg_solid_region*)(arena + (size_t)chain[r] * OTG_ARENA_UNIT);
+    w.pieces = (__global otg_solid_piece*)(arena + (size_t)w.region->pieces * OTG_ARENA_UNIT);
+    w.points = (__global otg_solid_point*)(arena + (size_t)w.region->points * OTG_ARENA_UNIT);
+    w.diagonal = w.region->diagonal;
+    w.thickness = w.region->thickness;
+    w.coherence = w.region->coherence;
+    w.mean = otgUnit_d(otgLoad(w.region->push));
+    const double areas = w.region->areaA + w.region->areaB;
+    w.radius = otgNormalReach_d(areas, w.thickness);
+    w.isFixed = 0;
+    const int counts = !(w.diagonal < OTG_SOLID_LEAST_DIAGONAL * size || areas < OTG_SOLID_LEAST_AREA * size * size);
+    const int tooMany = w.region->pointCount > OTG_SOLID_MOST_POINTS || w.region->pieceCount > OTG_SOLID_DEEP_PIECES;
+    w.pieceCount = counts && !tooMany ? w.region->pieceCount : 0;
+    w.pointCount = counts && !tooMany ? w.region->pointCount : 0;
+    if (lane == 0 && counts && tooMany) s->bad = 1;
+    otgListPieces(&w);
+    otgWeighPieces(&w);
+    otgFindWayOut(&w, &a, &b, (double)(placeA.radius + placeB.radius));
+    const int isDeep = w.thickness > OTG_SOLID_DEEP * w.diagonal || s->pairs > 0;
+    if (lane == 0 && counts && isDeep && how.bins[1]) s->bad = 1;  // its direction is remembered
+    otgEstimate(&w);
+    otgFilterAndMerge(&w);
+    if (lane == 0 && counts && s->count == 0) s->bad = 1;
+    otgSpreadCandidates(&w, most);
+    otgMeasure(&w, meshes, &placeA, &placeB, &a, &b);
+    otgEmit(&w, index, found + s->contacts);
+    if (lane == 0) s->contacts += s->count;
+    index += counts;
+    OTG_SYNC_ALL;
+  }
+  const uint contacts = s->bad ? 0 : s->contacts;
+  if (lane == 0 && s->bad) *flag |= OTG_PAIR_TO_HOST | 32u << OTG_PAIR_WHY;
+  const uint kept = otgLimitContacts(s, found, contacts, min(how.places, room), meshes, &placeA, &placeB,
+                                     lists + (size_t)number * room);
+  if (lane == 0) {
+    ((__global uint*)results)[OTG_PLACE(pairs, number) + 1] = kept;
+    if (leftOut || s->bad) {
+      atomic_inc(counters + OTG_COUNT_FLAGGED);
+    } else {
+      atomic_add(counters + OTG_COUNT_INTERSECTING, states[number].intersecting);
+      atomic_add(counters + OTG_COUNT_CONTACTS, contacts);
+      atomic_add(counters + OTG_COUNT_REDUCED, kept);
+    }
+  }
+}
+
+/// The lists one after the other, behind the places that placeContacts made. The last kernel.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidWrite(
+    __global uint* restrict counters, __global const otg_chosen_contact* restrict lists, uint room, uint pairs,
+    __global uchar* restrict results, uint contactRoom) {
+  __local uint last;
+  __global const uint* words = (__global const uint*)results;
+  __global otg_chosen_contact* out = (__global otg_chosen_contact*)(results + OTG_RESULT_CONTACTS(pairs));
+  for (size_t t = get_global_id(0); t < (size_t)pairs * room; t += get_global_size(0)) {
+    const uint pair = (uint)(t / room), k = (uint)(t % room), place = words[OTG_PLACE(pairs, pair)] + k;
+    if (k < words[OTG_PLACE(pairs, pair) + 1] && place < contactRoom) out[place] = lists[t];
+  }
+  otgFinish(counters, results, &last);
+}

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The hits of a batch of solids, pair by pair. OTG_GROUP: size of work-groups; OTG_CONTACTS is 0.
+#include "pair_record.h"
+
+/// Decides every hit, writes its record (for the host, should it have to finish the pair), and counts those of a pair.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidRecords(
+    __global const otg_batch_pair* restrict pairs, __global const otg_device_mesh* restrict places,
+    __global const otg_batch_task* restrict tasks, __global const float4* restrict meshes,
+    __global uint* restrict counters, __global const otg_batch_hit* restrict hits, uint hitCapacity,
+    __global uchar* restrict results, __global otg_pair_state* restrict states, __global uint* restrict chosen) {
+  const uint count = min(counters[OTG_COUNT_HITS], hitCapacity);
+  __global otg_record* records = (__global otg_record*)(results + OTG_RESULT_HEAD);
+  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+    const otg_batch_hit hit = hits[i];
+    const uint soupA = places[pairs[hit.pair].meshA].soup, soupB = places[pairs[hit.pair].meshB].soup;
+    otgMakeRecord(meshes, soupA + 3 * (hit.a & ~OTG_HIT_UNDECIDED), soupB + 3 * hit.b, (hit.a & OTG_HIT_UNDECIDED) != 0,
+                  tasks[hit.pair].bInA, hit.pair, records + i);
+    if (records[i].kind == OTG_RECORD_OPEN) atomic_or(chosen + OTG_FLAGS + hit.pair, OTG_PAIR_TO_HOST);
+    if (records[i].kind == OTG_RECORD_HIT) atomic_inc(&states[hit.pair].intersecting);
+  }
+}
+
+/// A stretch of the list for each pair; and pairs that are not of two solids are left to the host.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidPlaces(
+    uint pairs, __global const otg_batch_task* restrict tasks, __global const otg_device_mesh* restrict places,
+    __global const otg_reduction* restrict reductions, __global uint* restrict counters,
+    __global otg_pair_state* restrict states, __global uint* restrict chosen) {
+  const uint i = get_global_id(0);
+  if (i >= pairs) return;
+  const uint solids = places[tasks[i].meshA].flags & places[tasks[i].meshB].flags & OTG_MESH_SOLID;
+  const int isEmpty = places[tasks[i].meshA].triangles == 0 || places[tasks[i].meshB].triangles == 0;
+  if ((!solids && !isEmpty) || reductions[tasks[i].reduction].method != OTG_REDUCE_SOLID) {
+    chosen[OTG_FLAGS + i] |= OTG_PAIR_TO_HOST;
+  }
+  states[i].roots = atomic_add(counters + OTG_COUNT_PLACES, states[i].intersecting);
+}
+
+/// The hits into the pairs' stretches, in any order.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidScatter(
+    __global const uint* restrict counters, __global const uchar* restrict results, uint hitCapacity,
+    __global otg_pair_state* restrict states, __global uint2* restrict list) {
+  const uint count = min(counters[OTG_COUNT_HITS], hitCapacity);
+  __global const otg_record* records = (__global const otg_record*)(results + OTG_RESULT_HEAD);
+  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+    const otg_record r = records[i];
+    if (r.kind != OTG_RECORD_HIT) continue;
+    list[states[r.pair].roots + atomic_inc(&states[r.pair].kept)] = (uint2)(r.a, r.b);
+  }
+}

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A mesh as the contact model `solid` sees it: see shared/solid_layout.h.
+#ifndef OTG_SOLID_MESH_H
+#define OTG_SOLID_MESH_H
+#include "pair_walk.h"
+//
+#define OTG_REAL_DOUBLE
+#include "shared/solid_model.h"
+#undef OTG_REAL_DOUBLE
+#include "shared/solid_layout.h"
+
+/// The compiler of PoCL 3.1 crashes when it is to weigh whether inlining these is worth it.
+#define OTG_INLINED inline static __attribute__((always_inline))
+
+/// Before loops of large bodies: what is unrolled into a kernel of this size does not fit the caches of instructions.
+#define OTG_ROLLED _Pragma("unroll 1")
+
+/// Between lanes. A work-group of one lane needs none, and PoCL does not cope with so many of them.
+#if OTG_GROUP > 1
+#define OTG_SYNC barrier(CLK_LOCAL_MEM_FENCE)
+#define OTG_SYNC_ALL barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE)
+#else
+#define OTG_SYNC
+#define OTG_SYNC_ALL
+#endif
+
+typedef struct {
+  __global const float4* bounds;    ///< two units, then the samples
+  __global const uint4* triangles;  ///< four a triangle
+  __global const float4* vertices;
+  __global const uint4* edges;
+  __global const uint* firstSpoke;
+  __global const uint* spokes;       ///< half-edges
+  __global const uint2* neighbours;  ///< vertex and edge of each
+  __global const uint4* rings;
+  otg_transform_d pose;  ///< to A's frame
+  int isB;
+} otg_solid_mesh;
+
+OTG_INLINED otg_solid_mesh otgSolidMesh(__global const float4* meshes, const otg_device_mesh* place,
+                                        otg_transform_d bInA, int isB) {
+  otg_solid_mesh m;
+  m.rings = (__global const uint4*)(meshes + place->rings);
+  m.bounds = meshes + place->rings + place->triangles;
+  m.triangles = (__global const uint4*)(m.bounds + OTG_SOLID_TRIANGLES);
+  m.vertices = (__global const float4*)(m.triangles + 4 * (size_t)place->triangles);
+  m.edges = (__global const uint4*)(m.vertices + as_uint(m.bounds[0].w));
+  m.firstSpoke = (__global const uint*)(m.edges + as_uint(m.bounds[1].w));
+  m.spokes = m.firstSpoke + as_uint(m.bounds[0].w) + 1;
+  const uint words = as_uint(m.bounds[0].w) + 1 + 3 * place->triangles;
+  m.neighbours = (__global const uint2*)(m.firstSpoke + (words + 1) / 2 * 2);
+  m.pose = bInA;
+  m.isB = isB;
+  return m;
+}
+
+OTG_INLINED otg_vec3_d otgInFrame(const otg_solid_mesh* m, otg_vec3_d x) {
+  return m->isB ? otgTransform_d(m->pose, x) : x;
+}
+
+OTG_INLINED otg_vec3_d otgVertexAt(const otg_solid_mesh* m, uint v) {
+  const float4 p = m->vertices[v];
+  return otgInFrame(m, otgVec_d((double)p.x, (double)p.y, (double)p.z));
+}
+
+OTG_INLINED uint otgOf3(uint4 x, uint k) {
+  return k == 0 ? x.x : k == 1 ? x.y : x.z;
+}
+
+OTG_INLINED uint otgCornerOf(const otg_solid_mesh* m, uint halfEdge) {
+  return otgOf3(m->triangles[4 * (size_t)(halfEdge / 3)], halfEdge % 3);
+}
+OTG_INLINED uint otgEdgeOf(const otg_solid_mesh* m, uint halfEdge) {
+  return otgOf3(m->triangles[4 * (size_t)(halfEdge / 3) + 1], halfEdge % 3);
+}
+OTG_INLINED uint otgTwinOf(const otg_solid_mesh* m, uint halfEdge) {
+  return otgOf3(m->rings[halfEdge / 3], halfEdge % 3) & OTG_RING_HALF_EDGE;
+}
+
+/// In the mesh's own frame.
+OTG_INLINED otg_vec3_d otgOwnNormal(const otg_solid_mesh* m, uint triangle) {
+  __global const double* n = (__global const double*)(m->triangles + 4 * (size_t)triangle + 2);
+  return otgVec_d(n[0], n[1], n[2]);
+}
+OTG_INLINED double otgAreaOf(const otg_solid_mesh* m, uint triangle) {
+  return ((__global const double*)(m->triangles + 4 * (size_t)triangle + 2))[3];
+}
+OTG_INLINED otg_vec3_d otgDirectionInA(const otg_solid_mesh* m, otg_vec3_d d) {
+  return m->isB ? otgRotate_d(m->pose, d) : d;
+}
+OTG_INLINED otg_vec3_d otgDirectionToOwn(const otg_solid_mesh* m, otg_vec3_d d) {
+  return m->isB ? otgRotateBack_d(m->pose, d) : d;
+}
+OTG_INLINED otg_vec3_d otgPointToOwn(const otg_solid_mesh* m, otg_vec3_d p) {
+  return m->isB ? otgRotateBack_d(m->pose, otgSub_d(p, m->pose.t)) : p;
+}
+
+/// Is the point (in A's frame) in the mesh's bounds, a little enlarged?
+OTG_INLINED int otgInBounds(const otg_solid_mesh* m, float radius, otg_vec3_d p) {
+  const otg_vec3_d x = otgPointToOwn(m, p);
+  const float4 lo = m->bounds[0], hi = m->bounds[1];
+  const double slack = 1e-9 * (double)radius;
+  return x.x >= (double)lo.x - slack && x.x <= (double)hi.x + slack && x.y >= (double)lo.y - slack &&
+         x.y <= (double)hi.y + slack && x.z >= (double)lo.z - slack && x.z <= (double)hi.z + slack;
+}
+
+OTG_INLINED otg_vec3_d otgLoad(__global const double* p) {
+  return otgVec_d(p[0], p[1], p[2]);
+}
+OTG_INLINED void otgStore(__global double* p, otg_vec3_d v) {
+  p[0] = v.x;
+  p[1] = v.y;
+  p[2] = v.z;
+}
+OTG_INLINED otg_vec3_d otgLower(otg_vec3_d a, otg_vec3_d b) {
+  return otgVec_d(b.x < a.x ? b.x : a.x, b.y < a.y ? b.y : a.y, b.z < a.z ? b.z : a.z);
+}
+OTG_INLINED otg_vec3_d otgHigher(otg_vec3_d a, otg_vec3_d b) {
+  return otgVec_d(a.x < b.x ? b.x : a.x, a.y < b.y ? b.y : a.y, a.z < b.z ? b.z : a.z);
+}
+
+/// How many of the lanes' counts come before this lane's; `total` is their sum. All lanes call it.
+OTG_INLINED uint otgPlaceAmong(__local uint* counts, uint count, uint* total) {
+#if OTG_GROUP > 1
+  const uint lane = get_local_id(0);
+  uint before = 0, sum = 0;
+  OTG_SYNC;
+  counts[lane] = count;
+  OTG_SYNC;
+  for (uint k = 0; k < OTG_GROUP; ++k) {
+    const uint c = counts[k];
+    if (k < lane) before += c;
+    sum += c;
+  }
+  *total = sum;
+  return before;
+#else
+  *total = count;
+  return 0;
+#endif
+}
+
+#endif  // OTG_SOLID_MESH_H

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The overlap regions of pairs of solids: one work-group for one pair. What is not plain (see OTG_SOLID_*) is flagged
+// for the host. OTG_GROUP: size of work-groups, 32 at least; OTG_SOLID_HITS as in solid_scratch.h.
+#include "solid_surface.h"
+//
+#include "solid_contour.h"
+
+/// Sorts the pair's hits by triangles into local memory.
+OTG_INLINED void otgSortHits(__local otg_solid_scratch* s, __global const uint2* list, uint hits) {
+  for (uint i = get_local_id(0); i < hits; i += OTG_GROUP) {
+    const uint2 mine = list[i];
+    uint place = 0;
+    for (uint j = 0; j < hits; ++j) {
+      const uint2 other = list[j];
+      place += other.x < mine.x || (other.x == mine.x && other.y < mine.y);
+    }
+    s->a[place] = mine.x;
+    s->b[place] = mine.y;
+  }
+}
+
+OTG_INLINED void otgClearScratch(__local otg_solid_scratch* s, uint bad) {
+  const uint lane = get_local_id(0);
+  for (uint i = lane; i < OTG_SOLID_SLOTS; i += OTG_GROUP) {
+    s->vertexKey[i] = 0;
+    s->vote[i] = 0;
+    s->side[i] = OTG_SIDE_UNKNOWN;
+  }
+  for (uint i = lane; i < 2 * OTG_SOLID_HITS; i += OTG_GROUP) s->edgeKey[i] = 0;
+  for (uint i = lane; i < OTG_SOLID_HITS + OTG_SOLID_SLOTS; i += OTG_GROUP) s->parent[i] = i;
+  for (uint i = lane; i < OTG_SOLID_REGIONS; i += OTG_GROUP) s->load[i] = 0;
+  if (lane == 0) {
+    s->bad = bad;
+    s->entered = 0;
+    s->queued = 0;
+    s->crossings = 0;
+    s->chords = 0;
+    s->regions = 0;
+  }
+  OTG_SYNC;
+}
+
+/// Whether all samples of `inner` are in the bounds of `outer`: it may be contained.
+OTG_INLINED void otgCheckContained(__local otg_solid_scratch* s, const otg_solid_mesh* inner,
+                                   const otg_solid_mesh* outer, float radius, int works) {
+  const uint lane = get_local_id(0);
+  if (lane == 0) s->items = 0;
+  OTG_SYNC;
+  const uint samples = works ? as_uint(inner->bounds[2].w) : 0;
+  for (uint i = lane; i < samples; i += OTG_GROUP) {
+    const float4 p = inner->bounds[2 + i];
+    if (otgInBounds(outer, radius, otgInFrame(inner, otgVec_d((double)p.x, (double)p.y, (double)p.z)))) {
+      atomic_inc(&s->items);
+    }
+  }
+  OTG_SYNC;
+  if (lane == 0 && works && s->items == samples) otgGiveUp(s, OTG_SOLID_CONTAINED);
+  OTG_SYNC;
+}
+
+/// `units` of the arena for the work-group: its first unit, or OTG_NOT_THERE if there is no room.
+OTG_INLINED uint otgTakeArena(__local otg_solid_scratch* s, uint units, __global uint* counters, uint arenaUnits) {
+  OTG_SYNC;
+  if (get_local_id(0) == 0) s->allocated = units > 0 ? atomic_add(counters + OTG_COUNT_ARENA, units) : 0;
+  OTG_SYNC;
+  const uint begin = s->allocated;
+  OTG_SYNC;
+  return begin <= arenaUnits && arenaUnits - begin >= units ? begin : OTG_NOT_THERE;
+}
+
+/// Surface and points of one region into the arena.
+OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __global uchar* arena, uint arenaUnits,
+                                   __global uint* counters, __global uint* head, uint works) {
+  __local otg_solid_scratch* s = pair->s;
+  const uint lane = get_local_id(0), chords = works ? s->chords : 0, crossings = works ? s->crossings : 0;
+  const uint vertices = works ? s->queued : 0;
+  uint total, pieces = 0, points = 0;
+  for (uint k = lane; k < 9; k += OTG_GROUP) s->sums[k] = 0;
+  OTG_SYNC;
+  // Room for as many as there may be.
+  uint most = 0, mostPoints = 0;
+  for (uint c = lane; c < chords; c += OTG_GROUP) most += (s->firsts[c] & 1) + (s->firsts[c] >> 1);
+  for (uint i = lane; i < vertices; i += OTG_GROUP) {
+    if (otgRegionOf(pair, OTG_SOLID_HITS + s->inside[i]) != region) continue;
+    const uint key = s->vertexKey[s->inside[i]] - 1;
+    __global const uint* first = ((key & 1) ? pair->b->firstSpoke : pair->a->firstSpoke) + (key >> 1);
+    most += first[1] - first[0];
+    ++mostPoints;
+  }
+  for (uint c = lane; c < crossings; c += OTG_GROUP) mostPoints += 3;
+  otgPlaceAmong(s->counts, most, &total);
+  const uint pieceUnits = total * (sizeof(otg_solid_piece) / OTG_ARENA_UNIT);
+  otgPlaceAmong(s->counts, mostPoints, &total);
+  const uint pointUnits = total * (sizeof(otg_solid_point) / OTG_ARENA_UNIT);
+  const uint headUnits = works ? sizeof(otg_solid_region) / OTG_ARENA_UNIT : 0;
+  const uint begin = otgTakeArena(s, headUnits + pieceUnits + pointUnits, counters, arenaUnits);
+  const int room = works && begin != OTG_NOT_THERE;
+  __global otg_solid_region* out = (__global otg_solid_region*)(arena + (size_t)begin * OTG_ARENA_UNIT * room);
+  __global otg_solid_piece* pieceList = (__global otg_solid_piece*)(out + 1);
+  __global otg_solid_point* pointList =
+      (__global otg_solid_point*)((__global uchar*)pieceList + (size_t)pieceUnits * OTG_ARENA_UNIT);
+  for (uint base = 0; base < 2 * chords; base += OTG_GROUP) {
+    const uint item = base + lane, mesh = item >= chords, c = mesh ? item - chords : item;
+    otg_loop loop;
+    otg_vec3_d normal = otgVec_d(0, 0, 0);
+    double area = 0;
+    loop.corner = normal;
+    uint triangle = 0;
+    const otg_solid_mesh* m = mesh ? pair->b : pair->a;
+    if (item < 2 * chords && (s->firsts[c] >> mesh & 1)) {
+      triangle = mesh ? s->b[s->hit[c]] : s->a[s->hit[c]];
+      area = otgClip(pair, m, triangle, region, &loop, &normal);
+    }
+    const int isPiece = area > 0;  // else nothing, or a sliver turned over
+    const uint place = pieces + otgPlaceAmong(s->counts, isPiece, &total);
+    pieces += total;
+    if (isPiece && room) {
+      otgWritePiece(pieceList + place, mesh, triangle, normal, area, otgDot_d(normal, loop.corner), loop.lo, loop.hi);
+    }
+    // Sums go on in the order of the pieces, each by one lane.
+    const otg_vec3_d vector = otgScale_d(normal, area);
+    OTG_SYNC;
+    s->counts[lane] = isPiece ? 1 + mesh : 0;
+    s->reduce[lane] = vector.x;
+    s->reduce[OTG_GROUP + lane] = vector.y;
+    s->reduce[2 * OTG_GROUP + lane] = vector.z;
+    s->reduce[3 * OTG_GROUP + lane] = area;
+    s->reduce[4 * OTG_GROUP + lane] = otgDot_d(normal, loop.corner) * area;
+    OTG_SYNC;
+    for (uint k = lane; k < 9; k += OTG_GROUP) {
+      __local const double* terms = s->reduce + (k < 6 ? k % 3 : k < 8 ? 3 : 4) * OTG_GROUP;
+      const uint wanted = k < 3 ? 1 : k < 6 ? 2 : k < 8 ? k - 5 : 0;
+      double sum = s->sums[k];
+      for (uint l = 0; l < OTG_GROUP; ++l) {
+        const uint what = s->counts[l];
+        if (what != 0 && (wanted == 0 || what == wanted)) sum += terms[l];
+      }
+      s->sums[k] = sum;
+    }
+  }
+  const uint boundary = pieces;
+  for (uint base = 0; base < vertices; base += OTG_GROUP) {
+    const uint i = base + lane;
+    const int isMine = i < vertices && otgRegionOf(pair, OTG_SOLID_HITS + s->inside[i]) == region;
+    const ulong interior = isMine ? otgInteriorAt(pair, s->inside[i]) : 0;
+    uint count = 0;
+    for (ulong rest = interior; rest != 0; rest &= rest - 1) ++count;
+    const uint place = pieces + otgPlaceAmong(s->counts, count, &total);
+    pieces += total;
+    if (count > 0 && room) otgWriteInterior(pair, s->inside[i], interior, pieceList + place);
+    const uint point = points + otgPlaceAmong(s->counts, isMine, &total);
+    points += total;
+    if (isMine && room) otgWriteVertexPoint(pair, s->inside[i], pointList + point);
+  }
+  uint load = points;
+  for (uint base = 0; base < crossings; base += OTG_GROUP) {
+    const uint i = base + lane;
+    const uint count = i < crossings ? otgStretchPoints(pair, s->order[i], region, 0) : 0;
+    const uint place = points + otgPlaceAmong(s->counts, count, &total);
+    points += total;
+    if (count > 0 && room) otgStretchPoints(pair, s->order[i], region, pointList + place);
+  }
+  for (uint base = 0; base < chords; base += OTG_GROUP) {
+    const uint c = base + lane;
+    otgPlaceAmong(s->counts, c < chords && otgRegionOf(pair, s->start[c]) == region, &total);
+    load += total;
+  }
+  OTG_SYNC_ALL;
+  if (!room) {
+    pieces = 0;
+    points = 0;
+  }
+  if (load > OTG_SOLID_LARGE_REGION && lane == 0) otgGiveUp(s, OTG_SOLID_ODD);
+  // Bounds: every crossing and every vertex is among the points.
+  otg_vec3_d lo = otgVec_d(INFINITY, INFINITY, INFINITY), hi = otgVec_d(-INFINITY, -INFINITY, -INFINITY);
+  for (uint i = lane; i < points; i += OTG_GROUP) {
+    const otg_vec3_d p = otgLoad(pointList[i].position);
+    lo = otgLower(lo, p);
+    hi = otgHigher(hi, p);
+  }
+  s->reduce[lane] = lo.x;
+  s->reduce[OTG_GROUP + lane] = lo.y;
+  s->reduce[2 * OTG_GROUP + lane] = lo.z;
+  s->reduce[3 * OTG_GROUP + lane] = hi.x;
+  s->reduce[4 * OTG_GROUP + lane] = hi.y;
+  s->reduce[5 * OTG_GROUP + lane] = hi.z;
+  // The sums of what is wholly inside follow: vector areas of A and B, areas, moment.
+  for (uint k = lane; k < 9; k += OTG_GROUP) {
+    double sum = s->sums[k];
+    for (uint i = boundary; i < pieces; ++i) {
+      __global const otg_solid_piece* p = pieceList + i;
+      const uint mesh = k < 6 ? k / 3 : k - 6;
+      if (k < 8 && p->mesh != mesh) continue;
+      sum += k < 6 ? p->vector[k % 3] : k < 8 ? p->area : p->offset * p->area;
+    }
+    s->sums[k] = sum;
+  }
+  OTG_SYNC;
+  for (uint i = lane; i < 6; i += OTG_GROUP) {
+    double x = s->reduce[i * OTG_GROUP];
+    for (uint k = 1; k < OTG_GROUP; ++k) {
+      const double y = s->reduce[i * OTG_GROUP + k];
+      x = i < 3 ? (y < x ? y : x) : (x < y ? y : x);
+    }
+    s->reduce[i * OTG_GROUP] = x;
+  }
+  OTG_SYNC;
+  if (lane == 0 && room) {
+    lo = otgVec_d(s->reduce[0], s->reduce[OTG_GROUP], s->reduce[2 * OTG_GROUP]);
+    hi = otgVec_d(s->reduce[3 * OTG_GROUP], s->reduce[4 * OTG_GROUP], s->reduce[5 * OTG_GROUP]);
+    const otg_vec3_d a = otgVec_d(s->sums[0], s->sums[1], s->sums[2]), b = otgVec_d(s->sums[3], s->sums[4], s->sums[5]);
+    const otg_region_measure_d measure = otgMeasureRegion_d(a, b, s->sums[6], s->sums[7], s->sums[8], lo, hi);
+    if (measure.bad || measure.coherence < OTG_SOLID_COHERENT) otgGiveUp(s, OTG_SOLID_ODD);
+    otgStore(out->origin, pair->origin);
+    otgStore(out->lo, lo);
+    otgStore(out->hi, hi);
+    otgStore(out->push, measure.push);
+    out->areaA = s->sums[6];
+    out->areaB = s->sums[7];
+    out->volume = measure.volume;
+    out->diagonal = measure.diagonal;
+    out->thickness = measure.thickness;
+    out->coherence = measure.coherence;
+    out->pieces = begin + headUnits;
+    out->pieceCount = pieces;
+    out->points = begin + headUnits + pieceUnits;
+    out->pointCount = points;
+    out->next = *head;
+    *head = begin;
+  }
+  OTG_SYNC_ALL;
+}
+
+/// Work-group g finds the regions of pair g. `heads`: the last region of each pair; they are linked backwards.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidRegions(
+    __global const float4* restrict meshes, __global const otg_batch_task* restrict tasks,
+    __global const otg_device_mesh* restrict places, __global const otg_pair_state* restrict states,
+    __global const uint2* restrict sorted, uint hitCapacity, __global uint* restrict counters, __global uchar* arena,
+    uint arenaUnits, __global uint* heads, __global uint* restrict chosen) {
+  __local otg_solid_scratch scratch;
+  __local otg_solid_scratch* s = &scratch;
+  const uint lane = get_local_id(0), number = get_group_id(0);
+  __global const otg_batch_task* task = tasks + number;
+  __global uint* flag = chosen + OTG_FLAGS + number;
+  const otg_device_mesh placeA = places[task->meshA], placeB = places[task->meshB];
+  const int settled = (*flag & (OTG_PAIR_TO_HOST | OTG_PAIR_REFUSED | OTG_PAIR_SKIPPED)) != 0 ||
+                      placeA.triangles == 0 || placeB.triangles == 0;
+  const otg_solid_mesh a = otgSolidMesh(meshes, &placeA, task->bInA, 0);
+  const otg_solid_mesh b = otgSolidMesh(meshes, &placeB, task->bInA, 1);
+  const uint found = settled ? 0 : states[number].intersecting, begin = states[number].roots;
+  const int fits = found <= OTG_SOLID_HITS && begin + found <= hitCapacity;
+  const uint hits = fits ? found : 0;
+  otgClearScratch(s, fits ? 0 : OTG_SOLID_TOO_MANY);
+  otgSortHits(s, sorted + begin, hits);
+  OTG_SYNC;
+  otgTraceContour(s, hits, &a, &b);
+  const int mayContain = !settled && s->chords == 0 && !s->bad;
+  otgCheckContained(s, &a, &b, placeB.radius, mayContain);
+  otgCheckContained(s, &b, &a, placeA.radius, mayContain);
+  otgFloodInside(s, &a, &b, placeA.radius, placeB.radius);
+  otgUniteRegions(s, &a, &b);
+  otg_solid_pair pair;
+  pair.s = s;
+  pair.a = &a;
+  pair.b = &b;
+  pair.origin = s->crossings > 0 ? otgVec_d(s->x[0], s->y[0], s->z[0]) : otgVec_d(0, 0, 0);
+  if (lane == 0) heads[number] = OTG_NOT_THERE;
+  const uint regions = s->bad ? 0 : s->regions;
+  OTG_SYNC_ALL;
+  for (uint r = 0; r < regions; ++r) otgDescribeRegion(&pair, r, arena, arenaUnits, counters, heads + number, 1);
+  if (lane == 0 && !settled && s->bad) *flag |= OTG_PAIR_TO_HOST | s->bad << OTG_PAIR_WHY;
+}

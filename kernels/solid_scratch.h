@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What one work-group knows of a pair of solids while it finds their regions, in local memory; tables and sets in it.
+//
+// OTG_SOLID_HITS (N below): the most intersecting pairs of triangles, a power of two.
+#ifndef OTG_SOLID_SCRATCH_H
+#define OTG_SOLID_SCRATCH_H
+#include "solid_mesh.h"
+
+#define OTG_SOLID_SLOTS (4 * OTG_SOLID_HITS)  ///< of the table of vertices; at most halfEdge are taken
+#define OTG_NO_CROSSING 0xffffu
+
+/// Sides of vertices.
+enum { OTG_SIDE_UNKNOWN = 0, OTG_SIDE_INSIDE = 1, OTG_SIDE_OUTSIDE = 2 };
+
+/// Why the host has to do a pair (any is enough; the values tell where to look).
+enum {
+  OTG_SOLID_TOO_MANY = 1,
+  OTG_SOLID_INEXACT = 2,    ///< a sign that double arithmetic leaves open
+  OTG_SOLID_BROKEN = 4,     ///< crossings or votes contradict each other
+  OTG_SOLID_CONTAINED = 8,  ///< a body may be inside the other
+  OTG_SOLID_TIE = 16,       ///< crossings too close to each other to be put in order
+  OTG_SOLID_ODD = 32        ///< a region that is bad, entangled or large
+};
+
+typedef struct {
+  uint a[OTG_SOLID_HITS], b[OTG_SOLID_HITS];  ///< pairs of triangles, ascending
+  // By slot 2 hit + k, k = 0, 1: how the hit's chord ends.
+  uint halfEdge[2 * OTG_SOLID_HITS];  ///< halfEdge-edge << 1 | mesh, or OTG_NOT_THERE
+  uchar how[2 * OTG_SOLID_HITS];  ///< 1: the halfEdge-edge leaves the other mesh; 2: the chord starts here; 4: owns it
+  ushort place[OTG_SOLID_HITS];   ///< by hit: crossings of hits before it
+  // By crossing.
+  uint edge[OTG_SOLID_HITS];                                                          ///< edge << 1 | mesh
+  uint other[OTG_SOLID_HITS];                                                         ///< the triangle
+  double t[OTG_SOLID_HITS], x[OTG_SOLID_HITS], y[OTG_SOLID_HITS], z[OTG_SOLID_HITS];  ///< the point: absolute
+  uchar exits[OTG_SOLID_HITS];
+  ushort rank[OTG_SOLID_HITS], next[OTG_SOLID_HITS], previous[OTG_SOLID_HITS];  ///< along the edge
+  ushort first[OTG_SOLID_HITS];                                                 ///< the smallest of the edge
+  ushort region[OTG_SOLID_HITS];
+  // By chord.
+  ushort start[OTG_SOLID_HITS], end[OTG_SOLID_HITS], hit[OTG_SOLID_HITS];
+  uchar firsts[OTG_SOLID_HITS];  ///< 1: the first of A's triangle, 2: of B's
+  // Tables.
+  uint vertexKey[OTG_SOLID_SLOTS];                ///< (vertex << 1 | mesh) + 1, 0: free
+  int vote[OTG_SOLID_SLOTS];                      ///< 1,024 for each vote, and 1 more for inside, 1 less for outside
+  uchar side[OTG_SOLID_SLOTS];                    ///< OTG_SIDE_*
+  uint edgeKey[2 * OTG_SOLID_HITS];               ///< (edge << 1 | mesh) + 1, 0: free
+  ushort edgeFirst[2 * OTG_SOLID_HITS];           ///< the first crossing along it
+  uint parent[OTG_SOLID_HITS + OTG_SOLID_SLOTS];  ///< sets of crossings, and vertices behind them
+  ushort queue[2 * OTG_SOLID_HITS];               ///< slots of vertices inside, as they were reached
+  ushort inside[2 * OTG_SOLID_HITS];              ///< the same by mesh and vertex
+  ushort order[OTG_SOLID_HITS];                   ///< crossings by mesh, first of their edge, place along it
+  uint counts[OTG_GROUP];
+  uint load[OTG_SOLID_REGIONS];
+  double reduce[6 * OTG_GROUP];
+  double sums[9];
+  uint bad, entered, queued, allocated, crossings, chords, regions, items, flat;
+} otg_solid_scratch;
+
+OTG_INLINED void otgGiveUp(__local otg_solid_scratch* s, uint why) {
+  atomic_or(&s->bad, why);
+}
+
+OTG_INLINED uint otgHashWord(uint x) {
+  x *= 0x9e3779b1u;
+  return x ^ x >> 15;
+}
+
+/// The slot of a vertex, entered if it was not there (`isNew`); OTG_NOT_THERE when the table is full.
+OTG_INLINED uint otgEnterVertex(__local otg_solid_scratch* s, uint mesh, uint v, int* isNew) {
+  const uint key = (v << 1 | mesh) + 1;
+  *isNew = 0;
+  for (uint slot = otgHashWord(key) & (OTG_SOLID_SLOTS - 1);; slot = (slot + 1) & (OTG_SOLID_SLOTS - 1)) {
+    const uint seen = s->vertexKey[slot];
+    if (seen == key) return slot;
+    if (seen != 0) continue;
+    if (s->entered >= 2 * OTG_SOLID_HITS) {
+      otgGiveUp(s, OTG_SOLID_TOO_MANY);
+      return OTG_NOT_THERE;
+    }
+    const uint before = atomic_cmpxchg(s->vertexKey + slot, 0, key);
+    if (before == 0) {
+      atomic_inc(&s->entered);
+      *isNew = 1;
+      return slot;
+    }
+    if (before == key) return slot;
+  }
+}
+
+OTG_INLINED uint otgFindVertex(__local const otg_solid_scratch* s, uint mesh, uint v) {
+  const uint key = (v << 1 | mesh) + 1;
+  for (uint slot = otgHashWord(key) & (OTG_SOLID_SLOTS - 1);; slot = (slot + 1) & (OTG_SOLID_SLOTS - 1)) {
+    if (s->vertexKey[slot] == key) return slot;
+    if (s->vertexKey[slot] == 0) return OTG_NOT_THERE;
+  }
+}
+
+/// Only after the sides are known.
+OTG_INLINED uint otgFindInside(__local const otg_solid_scratch* s, uint mesh, uint v) {
+  const uint slot = otgFindVertex(s, mesh, v);
+  return slot != OTG_NOT_THERE && s->side[slot] == OTG_SIDE_INSIDE ? slot : OTG_NOT_THERE;
+}
+
+OTG_INLINED void otgEnterEdge(__local otg_solid_scratch* s, uint edge, uint crossing) {
+  for (uint slot = otgHashWord(edge + 1) & (2 * OTG_SOLID_HITS - 1);; slot = (slot + 1) & (2 * OTG_SOLID_HITS - 1)) {
+    if (atomic_cmpxchg(s->edgeKey + slot, 0, edge + 1) != 0) continue;
+    s->edgeFirst[slot] = (ushort)crossing;
+    return;
+  }
+}
+
+/// The first crossing along `edge << 1 | mesh`, or OTG_NO_CROSSING.
+OTG_INLINED uint otgFirstAlong(__local const otg_solid_scratch* s, uint edge) {
+  for (uint slot = otgHashWord(edge + 1) & (2 * OTG_SOLID_HITS - 1);; slot = (slot + 1) & (2 * OTG_SOLID_HITS - 1)) {
+    if (s->edgeKey[slot] == edge + 1) return s->edgeFirst[slot];
+    if (s->edgeKey[slot] == 0) return OTG_NO_CROSSING;
+  }
+}
+
+OTG_INLINED uint otgRootOf(__local otg_solid_scratch* s, uint e) {
+  volatile __local uint* parent = s->parent;
+  uint up = parent[e];
+  while (up != e) {
+    const uint next = parent[up];
+    if (next != up) parent[e] = next;
+    e = up;
+    up = next;
+  }
+  return e;
+}
+
+/// The smallest element names the set.
+OTG_INLINED void otgJoin(__local otg_solid_scratch* s, uint x, uint y) {
+  for (;;) {
+    x = otgRootOf(s, x);
+    y = otgRootOf(s, y);
+    if (x == y) return;
+    const uint low = min(x, y), high = max(x, y);
+    if (atomic_cmpxchg(s->parent + high, high, low) == high) return;
+  }
+}
+
+#endif  // OTG_SOLID_SCRATCH_H

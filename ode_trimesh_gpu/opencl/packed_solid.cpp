@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "opencl/packed_solid.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "shared/solid_layout.h"
+
+namespace otg::opencl {
+namespace {
+
+MeshUnit unit(const Vec3f& p, std::uint32_t w) {
+  return {p.x, p.y, p.z, w};
+}
+
+MeshUnit words(std::uint32_t x, std::uint32_t y, std::uint32_t z, std::uint32_t w) {
+  return {std::bit_cast<float>(x), std::bit_cast<float>(y), std::bit_cast<float>(z), w};
+}
+
+/// Whether vertices that are one point differ in the signs of zeros, which the host keeps apart.
+bool hasTwoZeros(const TriMesh& mesh) {
+  const std::vector<std::uint32_t>& weld = mesh.topology().weld;
+  for (std::size_t v = 0; v < weld.size(); ++v) {
+    if (std::memcmp(&mesh.vertices()[v], &mesh.vertices()[weld[v]], sizeof(Vec3f)) != 0) return true;
+  }
+  return false;
+}
+
+/// Bytes in whole units.
+void addBytes(PackedMesh& out, const void* bytes, std::size_t size) {
+  const std::size_t begin = out.units.size();
+  out.units.resize(begin + (size + sizeof(MeshUnit) - 1) / sizeof(MeshUnit));
+  if (size > 0) std::memcpy(out.units.data() + begin, bytes, size);
+}
+
+/// The same vertices as isContained in collide/solid/inside.cpp.
+void addSamples(PackedMesh& out, const TriMesh& mesh, const Adjacency& adjacency) {
+  const auto triangles = static_cast<std::uint32_t>(adjacency.componentTriangles.size());
+  const std::uint32_t samples = std::min<std::uint32_t>(triangles, OTG_SOLID_SAMPLES);
+  for (std::uint32_t i = 0; i < OTG_SOLID_SAMPLES; ++i) {
+    const std::uint32_t at = i < samples ? static_cast<std::uint32_t>(std::uint64_t{i} * triangles / samples) : 0;
+    const std::uint32_t v = mesh.triangles()[adjacency.componentTriangles[at]].v[i % 3];
+    out.units.push_back(unit(mesh.vertices()[v], samples));
+  }
+}
+
+}  // namespace
+
+void addSolid(PackedMesh& out, const CollisionMesh& collisionMesh) {
+  const TriMesh& mesh = collisionMesh.mesh();
+  const Topology& topology = mesh.topology();
+  if (mesh.meshClass() != MeshClass::kSolid || topology.componentCount() != 1 || hasTwoZeros(mesh)) return;
+  const Adjacency& adjacency = collisionMesh.adjacency();
+  out.place.flags |= OTG_MESH_SOLID;
+  out.units.push_back(unit(mesh.boundsMin(), static_cast<std::uint32_t>(mesh.vertices().size())));
+  out.units.push_back(unit(mesh.boundsMax(), static_cast<std::uint32_t>(topology.edgeCount())));
+  addSamples(out, mesh, adjacency);
+  for (std::uint32_t t = 0; t < mesh.triangleCount(); ++t) {
+    const auto& v = mesh.triangles()[t].v;
+    const std::uint32_t* edge = topology.edgeOf.data() + 3 * std::size_t{t};
+    out.units.push_back(words(topology.weld[v[0]], topology.weld[v[1]], topology.weld[v[2]], 0));
+    out.units.push_back(words(edge[0], edge[1], edge[2], 0));
+    const Vec3d& n = adjacency.normal[t];
+    const double numbers[4] = {n.x, n.y, n.z, adjacency.area[t]};
+    addBytes(out, numbers, sizeof numbers);
+  }
+  for (std::uint32_t v = 0; v < mesh.vertices().size(); ++v) {
+    out.units.push_back(unit(mesh.vertices()[v], adjacency.flatVertex[v] ? OTG_VERTEX_FLAT : 0));
+  }
+  for (std::uint32_t e = 0; e < topology.edgeCount(); ++e) {
+    out.units.push_back(
+        words(topology.edges[e].a, topology.edges[e].b, adjacency.halfEdgeOf[e], adjacency.flatEdge[e]));
+  }
+  std::vector<std::uint32_t> spokes = adjacency.first;
+  spokes.insert(spokes.end(), adjacency.halfEdges.begin(), adjacency.halfEdges.end());
+  const std::size_t listed = adjacency.first.size() + 3 * mesh.triangleCount();
+  spokes.resize((listed + 1) / 2 * 2);
+  for (const Adjacency::Spoke& spoke : adjacency.spokes) spokes.insert(spokes.end(), {spoke.vertex, spoke.edge});
+  addBytes(out, spokes.data(), spokes.size() * sizeof(std::uint32_t));
+}
+
+}  // namespace otg::opencl

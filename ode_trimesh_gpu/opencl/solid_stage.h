@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The lists and kernels by which a batch of pairs of solids gets its contacts.
+#pragma once
+
+#include <cstdint>
+
+#include "opencl/reducer.h"
+#include "opencl/tuning.h"
+
+namespace otg::opencl {
+
+/// Part of one lane. Functions throw ClError.
+class SolidStage {
+ public:
+  SolidStage(Context& context, const Tuning& tuning);
+
+  /// Room for so many pairs, hits, and contacts of each pair.
+  void reserve(std::uint32_t pairs, std::uint32_t hits, std::uint32_t places);
+  /// Whether the last batch had room for what it found about regions; if not, the next one has.
+  bool fits(std::uint32_t unitsWanted);
+
+  /// What a lane has of its batch when its pairs were walked.
+  struct Batch {
+    std::uint32_t count;
+    cl_mem meshes, counters, tasks, pairs, places, hits;
+    std::uint32_t hitPlaces;
+    cl_mem records, states, reductions;
+    std::size_t groups;
+  };
+  /// Everything from the hits on. `chosen` gets the results; the last kernel ends the batch.
+  void enqueue(cl_command_queue queue, const Batch& batch, Reducer& reducer, const ChosenBuffer& chosen,
+               Profile& profile);
+
+ private:
+  void build();
+  Context& context_;
+  const std::uint32_t recordGroup_, group_, hits_, registers_;
+  std::uint32_t arenaWanted_, room_ = 0;
+  Kernel records_, stretches_, scatter_, regions_, contacts_, write_;
+  DeviceList sorted_{sizeof(cl_uint2)}, heads_{sizeof(otg_uint)}, arena_, lists_{sizeof(otg_chosen_contact)};
+};
+
+}  // namespace otg::opencl

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Batches of solids: the device's contacts of the model `solid` are the host's, to the last bit.
+#include "opencl/call.h"
+#include "opencl/log.h"
+#include "support/mesh_samples.h"
+#include "support/opencl.h"
+
+using namespace otg;
+using namespace otg::scenes;
+using namespace otg::test;
+
+namespace {
+
+using MeshList = std::vector<std::shared_ptr<const CollisionMesh>>;
+
+MeshList solids() {
+  MeshList meshes;
+  for (const MeshArrays& arrays :
+       {makeTetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}), makeBox({1, 1.5, 0.8}, 1), makeBox({1, 1, 1}, 5),
+        makeSphere(0.8, 2), makeTorus(0.7, 0.25, 31, 13), makeLump(0.9, 3, 0.2, 5), makeGear(12, 0.9, 0.2, 0.3, 0.1),
+        makeCylinder(0.5, 1.4, 24, 3), makeLump(0.9, 4, 0.2, 6), makeBowl(0.9, 0.15, 16, 6)}) {
+    meshes.push_back(collisionMesh(arrays));
+  }
+  return meshes;
+}
+
+/// Pairs that overlap by `depth` of the distance at which they come apart.
+std::vector<Query> touching(const MeshList& meshes, std::uint32_t seed, std::size_t count, double least, double most) {
+  Draw draw(seed);
+  Workspace workspace;
+  std::vector<Query> queries;
+  const auto any = [&]() -> const CollisionMesh& {
+    return *meshes[draw.below(static_cast<std::uint32_t>(meshes.size()))];
+  };
+  while (queries.size() < count) {
+    const CollisionMesh& a = any();
+    const CollisionMesh& b = any();
+    const Vec3d turn = draw.direction(), way = draw.direction();
+    const double angle = draw.uniform(0, 3);
+    double inside = 0, outside = 3;
+    Query query = makeQuery(a, b, makePose(turn, angle, {0, 0, 0}));
+    for (int step = 0; step < 10; ++step) {
+      const double middle = 0.5 * (inside + outside);
+      query.bInA.t = otgScale(way, middle);
+      findIntersectingPairs(query, workspace);
+      (workspace.intersecting.empty() ? outside : inside) = middle;
+    }
+    query.bInA.t = otgScale(way, outside * (1 - draw.uniform(least, most)));
+    query.options.contacts = ContactModel::kSolid;
+    query.options.maxContacts = 16;
+    queries.push_back(query);
+  }
+  return queries;
+}
+
+std::vector<std::vector<Contact>> onHost(const std::vector<Query>& queries) {
+  std::vector<std::vector<Contact>> contacts;
+  Workspace workspace;
+  for (const Query& query : queries) {
+    collide(query, workspace);
+    contacts.push_back(workspace.reduced);
+  }
+  return contacts;
+}
+
+bool same(const SolidHistory::State& x, const SolidHistory::State& y) {
+  return x.escape == y.escape && x.escapeLeft == y.escapeLeft && x.clampLeft == y.clampLeft &&
+         x.deepNormal == y.deepNormal && x.hasPose == y.hasPose && x.pose.t == y.pose.t;
+}
+
+std::size_t countWrong(const opencl::BatchAnswer& answer, const std::vector<std::vector<Contact>>& expected) {
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < expected.size(); ++i) wrong += sameBytes(answer.of(i), expected[i]) ? 0 : 1;
+  return wrong;
+}
+
+/// Runs the batch; how many pairs the device finished by itself.
+std::size_t checkBatch(opencl::Backend& backend, const std::vector<Query>& queries,
+                       const std::vector<std::vector<Contact>>& expected) {
+  opencl::BatchAnswer answer;
+  CHECK(backend.collideBatch(queries, answer));
+  REQUIRE(answer.size() == queries.size());
+  CHECK(countWrong(answer, expected) == 0);
+  CHECK(backend.counts().onHost == 0);
+  return queries.size() - answer.leftToHost;
+}
+
+}  // namespace
+
+TEST_CASE("the contacts of a batch of solids are the host's") {
+  const MeshList meshes = solids();
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  if (!backend->device().doubles) return;
+  // From apart to as deep as bodies get.
+  const std::vector<Query> queries = touching(meshes, 1, 300, -0.01, 0.06);
+  const std::vector<std::vector<Contact>> expected = onHost(queries);
+  CHECK(checkBatch(*backend, queries, expected) > 280);
+  const std::vector<Query> deep = touching(meshes, 2, 200, 0.05, 0.6);
+  CHECK(checkBatch(*backend, deep, onHost(deep)) > 100);
+  // Fewer places than contacts, and than regions.
+  std::vector<Query> few = touching(meshes, 3, 150, 0.01, 0.3);
+  for (std::size_t i = 0; i < few.size(); ++i) few[i].options.maxContacts = static_cast<int>(1 + i % 8);
+  CHECK(checkBatch(*backend, few, onHost(few)) > 75);
+  for (Query& query : few) query.options.solid.contactsPerRegion = 5;
+  CHECK(checkBatch(*backend, few, onHost(few)) > 75);
+}
+
+TEST_CASE("a batch of solids does not depend on the sizes of lists and work-groups") {
+  const MeshList meshes = solids();
+  const std::vector<Query> queries = touching(meshes, 4, 150, -0.01, 0.15);
+  const std::vector<std::vector<Contact>> expected = onHost(queries);
+  opencl::Tuning tuning;
+  tuning.arenaUnits = 1;
+  tuning.contactPlaces = 1;
+  tuning.hitPlaces = 1;
+  tuning.recordsExpected = 1;
+  tuning.batchPairs = 60;
+  auto backend = openBackend(tuning);
+  REQUIRE(backend);
+  checkBatch(*backend, queries, expected);
+  if (backend->device().doubles) CHECK(backend->counts().repeats > 0);
+  tuning = {};
+  tuning.solidHits = 32;  // most are left to the host
+  backend = openBackend(tuning);
+  REQUIRE(backend);
+  CHECK(checkBatch(*backend, queries, expected) < queries.size());
+  tuning = {};
+  tuning.solid = false;
+  CHECK(checkBatch(*openBackend(tuning), queries, expected) == 0);
+  tuning.solid = true;
+  tuning.doubles = false;
+  CHECK(checkBatch(*openBackend(tuning), queries, expected) == 0);
+}
+
+TEST_CASE("what the device cannot do of a batch of solids the host does") {
+  MeshList meshes = solids();
+  // Sheets and shells, several components, an empty mesh, a body inside another, faces that lie upon each other.
+  meshes.push_back(collisionMesh(MeshArrays{}));
+  samples::Soup one;
+  one.add({-1, -0.5f, 0}, {1, -0.5f, 0.1f}, {0, 1, 0});
+  meshes.push_back(std::make_shared<CollisionMesh>(one.build(), BuildStrategy::kSah));
+  MeshArrays two = makeBox({0.4, 0.4, 0.4}, 2);
+  const auto moved = static_cast<std::uint32_t>(two.vertices.size());
+  const MeshArrays box = two;
+  for (Vec3f v : box.vertices) two.vertices.push_back({v.x + 0.7f, v.y, v.z});
+  for (const Triangle& t : box.triangles) two.triangles.push_back({t.v[0] + moved, t.v[1] + moved, t.v[2] + moved});
+  meshes.push_back(collisionMesh(two));
+  std::vector<Query> queries;
+  const auto add = [&](std::size_t a, std::size_t b, const Transformd& pose) {
+    queries.push_back(makeQuery(*meshes[a], *meshes[b], pose));
+    queries.back().options.contacts = ContactModel::kSolid;
+    queries.back().options.maxContacts = 16;
+  };
+  const Transformd same = makePose({0, 0, 1}, 0, {0, 0, 0});
+  for (std::size_t a = 0; a < meshes.size(); ++a) {
+    for (std::size_t b = 0; b < meshes.size(); ++b) {
+      if (meshes[a]->mesh().meshClass() != MeshClass::kSolid && meshes[b]->mesh().meshClass() != MeshClass::kSolid) {
+        continue;  // contacts of the other model
+      }
+      add(a, b, same);
+      add(a, b, makePose({0.36, 0.48, 0.8}, 0.4, {0.3, 0.1, 0.2}));
+    }
+  }
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  checkBatch(*backend, queries, onHost(queries));
+  // Some with an option that only the host knows.
+  for (std::size_t i = 0; i < queries.size(); i += 5) queries[i].options.solid.regionMerge = 0.05;
+  checkBatch(*backend, queries, onHost(queries));
+}
+
+TEST_CASE("histories of pairs of a batch are what the host would have left") {
+  const MeshList meshes = solids();
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  std::vector<Query> queries = touching(meshes, 6, 80, -0.01, 0.2), forHost = queries;
+  std::vector<SolidHistory> onDevice(queries.size()), host(queries.size());
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    if (i % 4 == 0) continue;
+    queries[i].history = &onDevice[i];
+    forHost[i].history = &host[i];
+  }
+  Draw draw(7);
+  for (int step = 0; step < 5; ++step) {
+    checkBatch(*backend, queries, onHost(forHost));
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      wrong += !same(onDevice[i].current, host[i].current) || !same(onDevice[i].before, host[i].before);
+      const Vec3d move = otgScale(draw.direction(), step < 3 ? 0.005 : 0.3);
+      if (step == 1) continue;  // the same pose again
+      queries[i].bInA.t = otgAdd(queries[i].bInA.t, move);
+      forHost[i].bInA.t = queries[i].bInA.t;
+    }
+    CHECK(wrong == 0);
+  }
+}
+
+TEST_CASE("a batch of solids comes out the same whatever call fails") {
+  const MeshList meshes = solids();
+  const std::vector<Query> queries = touching(meshes, 5, 24, 0, 0.1);
+  const std::vector<std::vector<Contact>> expected = onHost(queries);
+  opencl::setLogSink([](const std::string&) {});
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  const std::uint64_t before = opencl::FaultInjection::callCount();
+  checkBatch(*backend, queries, expected);
+  const std::uint64_t calls = opencl::FaultInjection::callCount() - before;
+  CHECK(calls > 30);
+  for (std::uint64_t n = 1; n <= calls + 40; ++n) {  // a lane that failed is made anew, which takes more calls
+    opencl::FaultInjection::failAt(n, CL_OUT_OF_RESOURCES);
+    opencl::BatchAnswer answer;
+    backend->collideBatch(queries, answer);
+    opencl::FaultInjection::failAt(0);
+    REQUIRE(countWrong(answer, expected) == 0);
+  }
+  CHECK(backend->counts().onHost > 0);
+  opencl::setLogSink({});
+}
