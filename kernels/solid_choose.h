@@ -167,11 +167,12 @@ OTG_INLINED void otgFilterAndMerge(const otg_solid_work* w) {
   OTG_SYNC;
 }
 
-/// The first, then again and again the one farthest from those chosen, in position and normal.
-OTG_INLINED void otgSpreadCandidates(const otg_solid_work* w, uint most) {
+/// The first, then again and again the one of most worth: farthest from those chosen, in position and normal, and deep.
+OTG_INLINED void otgSpreadCandidates(const otg_solid_work* w, uint places) {
   __local otg_solid_choice* s = w->s;
-  const uint lane = get_local_id(0), all = s->count, count = min(most, all);
+  const uint lane = get_local_id(0), all = s->count, count = min(places, all);
   const double scale = w->diagonal > 0 ? 1 / (w->diagonal * w->diagonal) : 0;
+  const double deepest = otgDeepest(w);
   for (uint j = lane; j < all; j += OTG_GROUP) s->spread[s->order[j]] = INFINITY;
   OTG_SYNC;
   for (uint i = 1; i < count; ++i) {
@@ -185,12 +186,12 @@ OTG_INLINED void otgSpreadCandidates(const otg_solid_work* w, uint most) {
     OTG_SYNC;
     if (lane == 0) {
       uint best = i;
-      double farthest = s->spread[s->order[i]];
+      double most = otgWorth_d(s->spread[s->order[i]], s->depth[s->order[i]], deepest);
       for (uint j = i + 1; j < all; ++j) {
-        const double spread = s->spread[s->order[j]];
-        if (spread > OTG_SOLID_FARTHER * farthest) {
+        const double worth = otgWorth_d(s->spread[s->order[j]], s->depth[s->order[j]], deepest);
+        if (worth > OTG_SOLID_FARTHER * most) {
           best = j;
-          farthest = spread;
+          most = worth;
         }
       }
       const ushort taken = s->order[best];

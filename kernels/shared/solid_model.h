@@ -118,6 +118,13 @@ namespace otg {
 #define OTG_POINT_MIDDLE 2
 #define OTG_POINT_MIDDLE_OF_CONTOUR 3
 
+/// What is gained by a contact that is so far (squared) from those chosen: where a body is held counts as much as how
+/// firmly, or the shallow rim of a ring would take every place.
+OTG_GENERIC REAL OTG_NAME(otgWorth)(REAL spread, REAL depth, REAL deepest) {
+  const REAL least = OTG_REAL(0.01) * deepest;
+  return spread * (depth > least ? depth : least);
+}
+
 /// Fraction of the region's deepest below which a point of this kind says nothing new: what is shallow there is so
 /// because of where the point lies on its facet, not because the bodies touch less.
 OTG_GENERIC REAL OTG_NAME(otgLeastOfKind)(otg_int kind, REAL deepest) {

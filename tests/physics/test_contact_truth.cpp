@@ -2,6 +2,7 @@
 // Single queries of the contact model `solid` against formulas or the gradient of the overlap's volume, over
 // fixed random poses with overlaps of 1 to 10 % of the bodies' size. `otg bench contacts` has the deep ones, too.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -146,6 +147,30 @@ TEST_CASE("contacts lie in the middle of the overlap") {
   for (const Contact& contact : workspace.reduced) {
     CHECK(contact.position.z == Approx(0.5 - 0.001).epsilon(1e-12));
     CHECK(contact.depth == Approx(0.002).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("the contacts of stacked rings are spread around them and push along their axis") {
+  const std::vector<truth::ContactFamily> families = truth::contactFamilies();
+  const auto rings = std::find_if(families.begin(), families.end(),
+                                  [](const truth::ContactFamily& f) { return f.name == "tori_stacked"; });
+  REQUIRE(rings != families.end());
+  truth::Random random(13);
+  for (int i = 0; i < 10; ++i) {
+    const truth::Placement placement = rings->place(random, random.uniform(0.01, 0.1));
+    const auto contacts = contactsOf(*rings, placement.bInA, 64);
+    double deepest = 0;
+    for (const truth::PlainContact& c : contacts) deepest = std::max(deepest, c.depth);
+    // Firm ones in every sector of 60 degrees: the rim of the overlap, which is shallow, does not crowd them out.
+    std::array<int, 6> sectors{};
+    for (const truth::PlainContact& c : contacts) {
+      const double turn = std::atan2(c.position.y, c.position.x) / (2 * std::numbers::pi) + 0.5;
+      if (c.depth >= 0.5 * deepest) ++sectors[std::min(static_cast<std::size_t>(6 * turn), std::size_t{5})];
+    }
+    CHECK(*std::min_element(sectors.begin(), sectors.end()) >= 1);
+    const auto gradient = truth::volumeGradient(rings->a->mesh(), rings->b->mesh(), placement.bInA);
+    const truth::Wrench wrench = truth::wrenchOf(contacts, gradient.overlap.centroid);
+    CHECK(truth::armError(wrench, {gradient.push, gradient.moment}) <= rings->size);
   }
 }
 

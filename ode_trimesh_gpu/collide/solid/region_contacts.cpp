@@ -26,6 +26,9 @@ struct Candidate {
 };
 
 constexpr double kGatheredError = 0.05;
+// Where planes stand for many triangles, which cannot tell a rim from the deepest place, so many candidates for each
+// contact are measured by rays before the contacts are chosen.
+constexpr std::size_t kMeasuredPerContact = 3;
 
 ContactFeature featureOf(const SupportPoint& p) {
   switch (p.kind) {
@@ -48,8 +51,15 @@ class RegionSolver {
     collectPlanes();
     collectCandidates();
     filterAndMerge();
-    chooseSpread();
-    measure();
+    const auto most = static_cast<std::size_t>(task_.maxContacts);
+    if (gathered_) {
+      chooseSpread(kMeasuredPerContact * most);
+      for (Candidate& c : candidates_) measureByRays(c);
+      bringDeepestFirst();
+    }
+    chooseSpread(most);
+    if (!gathered_) measure();
+    dropShallow();
     emit(out);
   }
 
@@ -286,11 +296,13 @@ class RegionSolver {
     if (deepest != candidates_.end()) std::rotate(candidates_.begin(), deepest, deepest + 1);
   }
 
-  /// The deepest, then again and again the one farthest from those chosen, in position and normal.
-  void chooseSpread() {
-    const auto most = static_cast<std::size_t>(task_.maxContacts);
+  /// The deepest, then again and again the one farthest from those chosen, in position and normal, its square weighted
+  /// by depth: where a body is held counts as much as how firmly, or the shallow rim of a ring would take every place.
+  void chooseSpread(std::size_t most) {
     const double scale = region_.diagonal > 0 ? 1 / (region_.diagonal * region_.diagonal) : 0;
+    const double deep = deepest();
     for (Candidate& c : candidates_) c.spread = std::numeric_limits<double>::infinity();
+    const auto worth = [&](const Candidate& c) { return otgWorth(c.spread, c.depth, deep); };
     const std::size_t count = std::min(most, candidates_.size());
     for (std::size_t i = 1; i < count; ++i) {
       const Candidate& last = candidates_[i - 1];
@@ -299,7 +311,7 @@ class RegionSolver {
         const double apart =
             otgApart(candidates_[j].point->position, candidates_[j].normal, last.point->position, last.normal, scale);
         candidates_[j].spread = std::min(candidates_[j].spread, apart);
-        if (candidates_[j].spread > OTG_SOLID_FARTHER * candidates_[best].spread) best = j;
+        if (worth(candidates_[j]) > OTG_SOLID_FARTHER * worth(candidates_[best])) best = j;
       }
       std::rotate(candidates_.begin() + static_cast<std::ptrdiff_t>(i),
                   candidates_.begin() + static_cast<std::ptrdiff_t>(best),
@@ -320,13 +332,12 @@ class RegionSolver {
     c.shift = 0.5 * (out - back);
   }
 
-  /// Depths by rays, until two agree with their estimates and none has disagreed: then the others are believed, unless
-  /// they come from gathered planes.
+  /// Depths by rays, until two agree with their estimates and none has disagreed: then the others are believed.
   void measure() {
     int agree = 0;
     bool disagree = false;
     for (Candidate& c : candidates_) {
-      if (agree >= 2 && !disagree && !gathered_) break;
+      if (agree >= 2 && !disagree) break;
       const double estimate = c.depth;
       measureByRays(c);
       if (std::fabs(estimate - c.depth) <= OTG_SOLID_AGREES * std::max(estimate, c.depth)) {
@@ -335,6 +346,15 @@ class RegionSolver {
         disagree = true;
       }
     }
+  }
+
+  void bringDeepestFirst() {
+    const auto deepest = std::max_element(candidates_.begin(), candidates_.end(),
+                                          [](const Candidate& x, const Candidate& y) { return x.depth < y.depth; });
+    if (deepest != candidates_.end()) std::rotate(candidates_.begin(), deepest, deepest + 1);
+  }
+
+  void dropShallow() {
     const double least = deepest();
     std::erase_if(candidates_,
                   [&](const Candidate& c) { return c.depth < otgLeastOfKind(static_cast<int>(c.point->kind), least); });
