@@ -135,6 +135,26 @@ class Bench(CliTest):
         self.assert_fails(2, "bench", "contacts", mesh, "--bodies", "elephants", says="elephants")
         self.assert_fails(1, "bench", "contacts", "missing.ply", says="missing.ply")
 
+    def test_contours(self):
+        """Contours between solids close, on a grid where faces coincide too; over a sheet they open at its rim alone."""
+        document = self.run_json("bench", "contours", self.mesh(), "--poses", "4", "--seed", "3")
+        rows = document["tables"]["Overlaps of solids"]
+        total = rows[-1]
+        self.assertEqual(total["bodies"], "all")
+        for key in ("overlaps", "crossings", "regions"):
+            self.assertEqual(total[key], sum(row[key] for row in rows[:-1]))
+        self.assertEqual(total["overlaps"], 4 * (len(rows) - 1))
+        self.assertIn("lump", {row["bodies"] for row in rows})
+        for key in ("open_contours", "with_anomalies", "bad_regions", "fallbacks"):
+            self.assertEqual(total[key], 0, key)
+        rims = document["tables"]["Boxes on a terrain of 10 m"]
+        for row in rims:
+            self.assertEqual(row["open_off_the_rim"], 0)
+            self.assertEqual(row["open_contours"], row["fallbacks"])
+            self.assertLess(row["open_contours"], row["touching"])
+        self.assertGreater(rims[-1]["open_contours"], rims[0]["open_contours"])
+        self.assertEqual(document, self.run_json("bench", "contours", self.mesh(), "--poses", "4", "--seed", "3"))
+
     def test_contact_pictures(self):
         self.run_otg("bench", "contacts", self.mesh(), "--pictures", "pictures")
         names = sorted(os.listdir(self.path("pictures")))
