@@ -40,7 +40,8 @@ class Batch(CliTest):
         for contacts in ("pairwise", "solid"):
             cpu = self.run_json("batch", scene, "--contacts", contacts)
             device = self.run_json("batch", scene, "--contacts", contacts, "--backend", "opencl")
-            self.assertEqual(device["backend"], "opencl")
+            # Some pairs of solids, aligned boxes among them, are left to the CPU.
+            self.assertIn(device["backend"], ("opencl",) if contacts == "pairwise" else ("opencl", "cpu and opencl"))
             for key in ("hash", "per_pair_contacts", "intersecting_pairs", "contacts_before_reduction"):
                 self.assertEqual(cpu[key], device[key])
             self.assertGreater(cpu["total_contacts"], 20)
