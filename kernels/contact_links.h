@@ -238,6 +238,34 @@ typedef struct {
   uint low[3], high[3], intersecting, contacts;
 } otg_tally;
 
+/// By all lanes of a work-group of at least three, before the first otgEnterHit.
+inline static void otgBeginTally(__local otg_tally* tally) {
+  const uint lane = get_local_id(0);
+  if (lane < 3) {
+    tally->low[lane] = 0xffffffffu;
+    tally->high[lane] = 0;
+  }
+  if (lane == 0) {
+    tally->intersecting = 0;
+    tally->contacts = 0;
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+}
+
+/// By all lanes, after the last one.
+inline static void otgEndTally(__global otg_pair_state* state, __local otg_tally* tally) {
+  const uint lane = get_local_id(0);
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (lane == 0 && tally->intersecting) {
+    atomic_add(&state->intersecting, tally->intersecting);
+    atomic_add(&state->contacts, tally->contacts);
+  }
+  if (lane < 3 && tally->contacts) {
+    atomic_min(state->low + lane, tally->low[lane]);
+    atomic_max(state->high + lane, tally->high[lane]);
+  }
+}
+
 /// After a hit's record was written: a root of its own, findable by its triangles, and counted. With OTG_SINGLE in
 /// `tally`, which the kernel adds to the state.
 inline static void otgEnterHit(const otg_links* l, __global otg_pair_state* states, __global uint* flags, uint hit,

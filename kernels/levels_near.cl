@@ -46,29 +46,13 @@ OTG_LEVELS_KERNEL void levelsEnter(__global uint* restrict counters, __global uc
 ) {
 #if OTG_REDUCE
   __local otg_tally tally;
-  const uint lane = get_local_id(0), count = min(counters[OTG_COUNT_HITS], hitCapacity);
+  const uint count = min(counters[OTG_COUNT_HITS], hitCapacity);
   const otg_links l = otgLinksOf(counters, results, links, tables, tableSize, hitCapacity);
-  if (lane < 3) {
-    tally.low[lane] = 0xffffffffu;
-    tally.high[lane] = 0;
-  }
-  if (lane == 0) {
-    tally.intersecting = 0;
-    tally.contacts = 0;
-  }
-  barrier(CLK_LOCAL_MEM_FENCE);
+  otgBeginTally(&tally);
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     otgEnterHit(&l, state, chosen + OTG_FLAGS, i, &tally);
   }
-  barrier(CLK_LOCAL_MEM_FENCE);
-  if (lane == 0 && tally.intersecting) {
-    atomic_add(&state->intersecting, tally.intersecting);
-    atomic_add(&state->contacts, tally.contacts);
-  }
-  if (lane < 3 && tally.contacts) {
-    atomic_min(state->low + lane, tally.low[lane]);
-    atomic_max(state->high + lane, tally.high[lane]);
-  }
+  otgEndTally(state, &tally);
 #else
   __local uint last;
   otgFinish(counters, results, &last);

@@ -20,17 +20,8 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairResults
   __global otg_record* records = (__global otg_record*)(results + OTG_RESULT_HEAD);
 #if OTG_REDUCE
   __local otg_tally tally;
-  const uint lane = get_local_id(0);
   const otg_links l = otgLinksOf(counters, results, links, tables, tableSize, hitCapacity);
-  if (lane < 3) {
-    tally.low[lane] = 0xffffffffu;
-    tally.high[lane] = 0;
-  }
-  if (lane == 0) {
-    tally.intersecting = 0;
-    tally.contacts = 0;
-  }
-  barrier(CLK_LOCAL_MEM_FENCE);
+  otgBeginTally(&tally);
 #else
   __local uint last;
 #endif
@@ -43,15 +34,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairResults
 #endif
   }
 #if OTG_REDUCE
-  barrier(CLK_LOCAL_MEM_FENCE);
-  if (lane == 0 && tally.intersecting) {
-    atomic_add(&state->intersecting, tally.intersecting);
-    atomic_add(&state->contacts, tally.contacts);
-  }
-  if (lane < 3 && tally.contacts) {
-    atomic_min(state->low + lane, tally.low[lane]);
-    atomic_max(state->high + lane, tally.high[lane]);
-  }
+  otgEndTally(state, &tally);
 #else
   otgFinish(counters, results, &last);
 #endif

@@ -46,18 +46,12 @@ bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, 
     return true;
   }
   try {
-    bool made = false, reduced = false;
+    HostRest rest = HostRest::kNothing;
     StageTimes t;
     (profile ? state_->profiled : state_->pairs).with([&](PairLane& lane) {
       const PairAnswer answer = lane.run(query, frame, contacts);
       const Stopwatch host(profile);
-      reduced = answer.reduced;
-      if (reduced) {
-        takeReduced(answer, workspace);
-      } else {
-        made = contacts && answer.found.hasContacts();
-        takeAll(query, frame, answer.found, contacts, workspace);
-      }
+      rest = takeAnswer(query, frame, answer, contacts, workspace);
       t.host = host.ms();
       t.top = lane.profile().ms(Profile::kTop);
       t.levels = lane.profile().ms(Profile::kLevels);
@@ -69,14 +63,7 @@ bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, 
       t.readBack = lane.profile().ms(Profile::kReadBack);
     });
     const Stopwatch reduction(profile);
-    if (!reduced) {
-      if (made) {
-        reduceContacts(query, workspace);
-      } else {
-        collideIntersecting(query, workspace);
-      }
-      numberAsCaller(query, workspace);
-    }
+    finishAnswer(query, rest, workspace);
     t.reduction = reduction.ms();
     t.total = total.ms();
     times = t;

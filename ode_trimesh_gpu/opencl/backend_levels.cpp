@@ -50,31 +50,18 @@ bool Backend::collideByLevels(const Query& query, Workspace& workspace, const Le
     return true;
   }
   try {
-    bool made = false, reduced = false;
+    HostRest rest = HostRest::kNothing;
     LevelsReport found;
     (profile ? state_->profiledLevels : state_->levels).with([&](LevelsLane& lane) {
       const PairAnswer answer = lane.run(query, frame, contacts, how);
       const Stopwatch host(profile);
-      reduced = answer.reduced;
-      if (reduced) {
-        takeReduced(answer, workspace);
-      } else {
-        made = contacts && answer.found.hasContacts();
-        takeAll(query, frame, answer.found, contacts, workspace);
-      }
+      rest = takeAnswer(query, frame, answer, contacts, workspace);
       takeReport(lane, found);
       takeStepCounts(found.steps, workspace.stats);
       found.times.host = host.ms();
     });
     const Stopwatch reduction(profile);
-    if (!reduced) {
-      if (made) {
-        reduceContacts(query, workspace);
-      } else {
-        collideIntersecting(query, workspace);
-      }
-      numberAsCaller(query, workspace);
-    }
+    finishAnswer(query, rest, workspace);
     found.times.reduction = reduction.ms();
     found.times.total = total.ms();
     if (report) *report = std::move(found);

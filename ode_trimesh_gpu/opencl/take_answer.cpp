@@ -4,6 +4,7 @@
 #include <numeric>
 #include <vector>
 
+#include "collide/stages.h"
 #include "opencl/take_records.h"
 
 namespace otg::opencl {
@@ -16,6 +17,8 @@ void takeAll(const Query& query, const PairFrame& frame, const Answer& answer, b
   takeRecords(query, frame, answer, all, contacts, workspace);
 }
 
+namespace {
+
 void takeReduced(const PairAnswer& answer, Workspace& workspace) {
   workspace.candidates.clear();
   workspace.intersecting.clear();
@@ -25,6 +28,28 @@ void takeReduced(const PairAnswer& answer, Workspace& workspace) {
   takeCounts(answer.found, workspace.stats);
   workspace.stats.intersectingPairs = answer.found.counters[OTG_COUNT_INTERSECTING];
   workspace.stats.contactsBeforeReduction = answer.found.counters[OTG_COUNT_CONTACTS];
+}
+
+}  // namespace
+
+HostRest takeAnswer(const Query& query, const PairFrame& frame, const PairAnswer& answer, bool contacts,
+                    Workspace& workspace) {
+  if (answer.reduced) {
+    takeReduced(answer, workspace);
+    return HostRest::kNothing;
+  }
+  takeAll(query, frame, answer.found, contacts, workspace);
+  return contacts && answer.found.hasContacts() ? HostRest::kReduction : HostRest::kContacts;
+}
+
+void finishAnswer(const Query& query, HostRest rest, Workspace& workspace) {
+  if (rest == HostRest::kNothing) return;
+  if (rest == HostRest::kReduction) {
+    reduceContacts(query, workspace);
+  } else {
+    collideIntersecting(query, workspace);
+  }
+  numberAsCaller(query, workspace);
 }
 
 }  // namespace otg::opencl

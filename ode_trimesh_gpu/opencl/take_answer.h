@@ -9,7 +9,18 @@ namespace otg::opencl {
 /// takeRecords for an answer to one query.
 void takeAll(const Query& query, const PairFrame& frame, const Answer& answer, bool contacts, Workspace& workspace);
 
-/// Contacts that the device has reduced.
-void takeReduced(const PairAnswer& answer, Workspace& workspace);
+/// What the host still has to do when it has an answer.
+enum class HostRest {
+  kNothing,    ///< the device has reduced the contacts
+  kReduction,  ///< it has made them
+  kContacts    ///< it has found the triangles that intersect
+};
+
+/// What the device found, into the workspace.
+HostRest takeAnswer(const Query& query, const PairFrame& frame, const PairAnswer& answer, bool contacts,
+                    Workspace& workspace);
+
+/// Does the rest.
+void finishAnswer(const Query& query, HostRest rest, Workspace& workspace);
 
 }  // namespace otg::opencl
