@@ -3,76 +3,6 @@
 #ifndef OTG_SOLID_CONTOUR_H
 #define OTG_SOLID_CONTOUR_H
 #include "solid_scratch.h"
-//
-#include "shared/triangle_exact.h"
-
-OTG_INLINED void otgCornersAt(const otg_solid_mesh* m, uint triangle, otg_vec3_d* out) {
-  const uint4 v = m->triangles[4 * (size_t)triangle];
-  out[0] = otgVertexAt(m, v.x);
-  out[1] = otgVertexAt(m, v.y);
-  out[2] = otgVertexAt(m, v.z);
-}
-
-OTG_INLINED int otgSide(const otg_vec3_d* t, const otg_vec3_d* p) {
-  return otgOrient3Filter(&t[0].x, &t[1].x, &t[2].x, &p->x);
-}
-
-/// Does the line of edge k of one triangle pass through the other? Corners lie one after the other: of A, then of B.
-/// 1, 0, or -1 if double arithmetic cannot tell.
-OTG_INLINED int otgPasses(const otg_vec3_d* corners, uint mesh, uint k) {
-  const otg_vec3_d from = corners[3 * mesh + k], to = corners[3 * mesh + (k + 1) % 3];
-  int below = 0, above = 0;
-  OTG_ROLLED
-  for (uint l = 0; l < 3; ++l) {
-    const otg_vec3_d p = corners[3 - 3 * mesh + l], q = corners[3 - 3 * mesh + (l + 1) % 3];
-    const int sign = otgOrient3Filter(&from.x, &to.x, &p.x, &q.x);
-    below += sign < 0;
-    above += sign > 0;
-  }
-  if (below > 0 && above > 0) return 0;
-  return below == 3 || above == 3 ? 1 : -1;
-}
-
-/// The ends of a hit's chord in its two slots. Ends are found in the order in which the host finds them.
-OTG_INLINED void otgFindEnds(__local otg_solid_scratch* s, uint hit, const otg_solid_mesh* meshA,
-                             const otg_solid_mesh* meshB) {
-  otg_vec3_d corners[6];
-  int side[6];
-  uint found = 0, starts = 0;
-  const uint ta = s->a[hit], tb = s->b[hit];
-  s->halfEdge[2 * hit] = OTG_NOT_THERE;
-  s->halfEdge[2 * hit + 1] = OTG_NOT_THERE;
-  otgCornersAt(meshA, ta, corners);
-  otgCornersAt(meshB, tb, corners + 3);
-  OTG_ROLLED
-  for (uint mesh = 0; mesh < 2; ++mesh) {
-    OTG_ROLLED
-    for (uint k = 0; k < 3; ++k) side[3 * mesh + k] = otgSide(corners + 3 - 3 * mesh, corners + 3 * mesh + k);
-    const int x = side[3 * mesh], y = side[3 * mesh + 1], z = side[3 * mesh + 2];
-    if (x * y * z == 0) {
-      otgGiveUp(s, OTG_SOLID_INEXACT);
-      return;
-    }
-    if (x == y && y == z) return;
-  }
-  OTG_ROLLED
-  for (uint item = 0; item < 6; ++item) {
-    const uint k = item / 2, mesh = item % 2;
-    const int from = side[3 * mesh + k], to = side[3 * mesh + (k + 1) % 3];
-    if (from == to) continue;
-    const int passes = otgPasses(corners, mesh, k);
-    if (passes < 0) otgGiveUp(s, OTG_SOLID_INEXACT);
-    if (passes <= 0) continue;
-    const int exits = to > 0, isStart = mesh == 0 ? exits : !exits;
-    if (found < 2) {
-      s->halfEdge[2 * hit + found] = (3 * (mesh == 0 ? ta : tb) + k) << 1 | mesh;
-      s->how[2 * hit + found] = (uchar)(exits | isStart << 1);
-    }
-    ++found;
-    starts += isStart;
-  }
-  if (found != 0 && (found != 2 || starts != 1)) otgGiveUp(s, OTG_SOLID_BROKEN);
-}
 
 /// The hit of these triangles, or OTG_NOT_THERE.
 OTG_INLINED uint otgHitOf(__local const otg_solid_scratch* s, uint hits, uint a, uint b) {
@@ -126,20 +56,22 @@ OTG_INLINED void otgMakeCrossing(__local otg_solid_scratch* s, uint slot, const 
   s->exits[c] = (uchar)((s->how[slot] & 1) == forward);
 }
 
-/// Where a crossing lies along its edge. Those that are too close for their order to be certain are left to the host.
+/// Where a crossing lies along its edge. Where two lie close to each other, s->tied says that otgOrderTies has to look.
 OTG_INLINED void otgPlaceAlongEdge(__local otg_solid_scratch* s, uint crossings, uint c) {
-  const uint edge = s->edge[c];
+  const uint edge = s->edge[c], triangle = s->other[c];
   const double t = s->t[c];
   uint rank = 0, first = c, next = OTG_NO_CROSSING, previous = OTG_NO_CROSSING;
   for (uint d = 0; d < crossings; ++d) {
     if (s->edge[d] != edge || d == c) continue;
     const double u = s->t[d];
     first = min(first, d);
-    if (fabs(u - t) <= 1e-9) otgGiveUp(s, OTG_SOLID_TIE);
-    if (u < t) {
+    if (fabs(u - t) <= OTG_SOLID_CLOSE_POINTS) atomic_or(&s->tied, 1);
+    if (u < t || (u == t && s->other[d] < triangle)) {
       ++rank;
-      if (previous == OTG_NO_CROSSING || s->t[previous] < u) previous = d;
-    } else if (next == OTG_NO_CROSSING || u < s->t[next]) {
+      if (previous == OTG_NO_CROSSING || s->t[previous] < u ||
+          (s->t[previous] == u && s->other[previous] < s->other[d]))
+        previous = d;
+    } else if (next == OTG_NO_CROSSING || u < s->t[next] || (u == s->t[next] && s->other[d] < s->other[next])) {
       next = d;
     }
   }
@@ -147,18 +79,77 @@ OTG_INLINED void otgPlaceAlongEdge(__local otg_solid_scratch* s, uint crossings,
   s->first[c] = (ushort)first;
   s->next[c] = (ushort)next;
   s->previous[c] = (ushort)previous;
-  if (previous != OTG_NO_CROSSING && s->exits[previous] == s->exits[c]) otgGiveUp(s, OTG_SOLID_BROKEN);
-  if (rank == 0) otgEnterEdge(s, edge, c);
 }
 
-/// From the sorted hits: crossings, chords, and their order along edges. All lanes call it; where the pair is given up
-/// (s->bad) numbers may be wrong, but lie in their arrays.
+/// The change of t of a crossing as A moves.
+OTG_INLINED otg_vec3_d otgDriftOf(__local otg_solid_scratch* s, uint c, const otg_solid_mesh* meshA,
+                                  const otg_solid_mesh* meshB) {
+  const uint mesh = s->edge[c] & 1;
+  const otg_solid_mesh *mine = mesh == 0 ? meshA : meshB, *theirs = mesh == 0 ? meshB : meshA;
+  const uint4 ends = mine->edges[s->edge[c] >> 1];
+  otg_vec3_d corners[3], drift;
+  otgCornersAt(theirs, s->other[c], corners);
+  otgHitPlane_d((int)mesh, otgVertexAt(mine, ends.x), otgVertexAt(mine, ends.y), corners, &drift);
+  return drift;
+}
+
+/// Orders the crossings of the edge of which c has the smallest number as the host does where some lie in one point:
+/// Tracer::orderTies and Tracer::alternate.
+OTG_INLINED void otgOrderTies(__local otg_solid_scratch* s, uint crossings, uint c, const otg_solid_mesh* meshA,
+                              const otg_solid_mesh* meshB) {
+  ushort along[OTG_MOST_ALONG];
+  const uint edge = s->edge[c];
+  uint count = 0;
+  if (s->first[c] != c) return;
+  for (uint d = c; d < crossings; ++d) {
+    if (s->edge[d] != edge) continue;
+    if (s->rank[d] >= OTG_MOST_ALONG) {
+      otgGiveUp(s, OTG_SOLID_TIE);
+      return;
+    }
+    along[s->rank[d]] = (ushort)d;
+    ++count;
+  }
+  OTG_ROLLED
+  for (uint i = 1; i < count; ++i) {
+    OTG_ROLLED
+    for (uint j = i; j > 0; --j) {
+      const ushort x = along[j], y = along[j - 1];
+      if (s->t[x] - s->t[y] > OTG_SOLID_ONE_POINT ||
+          !otgDriftsBefore_d(otgDriftOf(s, x, meshA, meshB), otgDriftOf(s, y, meshA, meshB))) {
+        break;
+      }
+      along[j] = y;
+      along[j - 1] = x;
+    }
+  }
+  OTG_ROLLED
+  for (uint i = 1; i < count; ++i) {
+    const uchar exits = s->exits[along[i]];
+    if (exits != s->exits[along[i - 1]]) continue;
+    uint j = i + 1;
+    while (j < count && s->exits[along[j]] == exits) ++j;
+    if (j == count || !(fabs(s->t[along[j]] - s->t[along[i]]) < OTG_SOLID_CLOSE_POINTS)) {
+      otgGiveUp(s, OTG_SOLID_BROKEN);
+      return;
+    }
+    const ushort moved = along[j];
+    for (; j > i; --j) along[j] = along[j - 1];
+    along[i] = moved;
+  }
+  for (uint i = 0; i < count; ++i) {
+    s->rank[along[i]] = (ushort)i;
+    s->previous[along[i]] = i > 0 ? along[i - 1] : OTG_NO_CROSSING;
+    s->next[along[i]] = i + 1 < count ? along[i + 1] : OTG_NO_CROSSING;
+  }
+}
+
+/// From the sorted hits and their ends: crossings, chords, and their order along edges. All lanes call it; where the
+/// pair is given up (s->bad) numbers may be wrong, but lie in their arrays.
 OTG_INLINED void otgTraceContour(__local otg_solid_scratch* s, uint hits, const otg_solid_mesh* meshA,
                                  const otg_solid_mesh* meshB) {
   const uint lane = get_local_id(0);
   uint running = 0, chords = 0, total;
-  for (uint i = lane; i < hits; i += OTG_GROUP) otgFindEnds(s, i, meshA, meshB);
-  OTG_SYNC;
   for (uint slot = lane; slot < 2 * hits; slot += OTG_GROUP) {
     if (s->halfEdge[slot] == OTG_NOT_THERE) continue;
     const uint other = otgOtherSlot(s, hits, slot, meshA, meshB);
@@ -210,9 +201,18 @@ OTG_INLINED void otgTraceContour(__local otg_solid_scratch* s, uint hits, const 
   }
   OTG_SYNC;
   for (uint c = lane; c < crossings; c += OTG_GROUP) otgPlaceAlongEdge(s, crossings, c);
+  OTG_SYNC;
+  const uint tied = s->tied ? crossings : 0;
+  for (uint c = lane; c < tied; c += OTG_GROUP) otgOrderTies(s, crossings, c, meshA, meshB);
   if (lane == 0) {
     s->crossings = crossings;
     s->chords = chords;
+  }
+  OTG_SYNC;
+  for (uint c = lane; c < crossings; c += OTG_GROUP) {
+    const uint previous = s->previous[c];
+    if (previous != OTG_NO_CROSSING && s->exits[previous] == s->exits[c]) otgGiveUp(s, OTG_SOLID_BROKEN);
+    if (s->rank[c] == 0) otgEnterEdge(s, s->edge[c], c);
   }
   OTG_SYNC;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The hits of a batch of solids, pair by pair. OTG_GROUP: size of work-groups; OTG_CONTACTS is 0.
 #include "pair_record.h"
+//
+#include "solid_ends.h"
 
 /// Decides every hit, writes its record (for the host, should it have to finish the pair), and counts those of a pair.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidRecords(
@@ -15,6 +17,12 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidRecord
     const uint soupA = places[pairs[hit.pair].meshA].soup, soupB = places[pairs[hit.pair].meshB].soup;
     otgMakeRecord(meshes, soupA + 3 * (hit.a & ~OTG_HIT_UNDECIDED), soupB + 3 * hit.b, (hit.a & OTG_HIT_UNDECIDED) != 0,
                   tasks[hit.pair].bInA, hit.pair, records + i);
+    if (records[i].kind == OTG_RECORD_OPEN) {
+      otg_vec3_d corners[6];
+      otgCornersInDouble(meshes, soupA + 3 * (hit.a & ~OTG_HIT_UNDECIDED), soupB + 3 * hit.b, tasks[hit.pair].bInA,
+                         corners, corners + 3);
+      records[i].kind = otgDecideExactly(corners);
+    }
     if (records[i].kind == OTG_RECORD_OPEN) atomic_or(chosen + OTG_FLAGS + hit.pair, OTG_PAIR_TO_HOST);
     if (records[i].kind == OTG_RECORD_HIT) atomic_inc(&states[hit.pair].intersecting);
   }
@@ -35,15 +43,27 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidPlaces
   states[i].roots = atomic_add(counters + OTG_COUNT_PLACES, states[i].intersecting);
 }
 
-/// The hits into the pairs' stretches, in any order.
+/// The hits into the pairs' stretches, in any order, with the ends of their chords.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidScatter(
-    __global const uint* restrict counters, __global const uchar* restrict results, uint hitCapacity,
-    __global otg_pair_state* restrict states, __global uint2* restrict list) {
+    __global const float4* restrict meshes, __global const otg_batch_task* restrict tasks,
+    __global const otg_device_mesh* restrict places, __global const uint* restrict counters,
+    __global const uchar* restrict results, uint hitCapacity, __global otg_pair_state* restrict states,
+    __global otg_solid_hit* restrict list, __global uint* restrict chosen) {
   const uint count = min(counters[OTG_COUNT_HITS], hitCapacity);
   __global const otg_record* records = (__global const otg_record*)(results + OTG_RESULT_HEAD);
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const otg_record r = records[i];
-    if (r.kind != OTG_RECORD_HIT) continue;
-    list[states[r.pair].roots + atomic_inc(&states[r.pair].kept)] = (uint2)(r.a, r.b);
+    __global uint* flag = chosen + OTG_FLAGS + r.pair;
+    if (r.kind != OTG_RECORD_HIT || (*flag & OTG_PAIR_LEFT_OUT)) continue;
+    __global const otg_batch_task* task = tasks + r.pair;
+    const otg_device_mesh placeA = places[task->meshA], placeB = places[task->meshB];
+    const otg_solid_mesh a = otgSolidMesh(meshes, &placeA, task->bInA, 0);
+    const otg_solid_mesh b = otgSolidMesh(meshes, &placeB, task->bInA, 1);
+    otg_solid_hit hit;
+    hit.a = r.a;
+    hit.b = r.b;
+    const uint why = otgFindEnds(&a, &b, &hit);
+    if (why != 0) atomic_or(flag, OTG_PAIR_TO_HOST | why << OTG_PAIR_WHY);
+    list[states[r.pair].roots + atomic_inc(&states[r.pair].kept)] = hit;
   }
 }

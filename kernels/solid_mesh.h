@@ -63,6 +63,13 @@ OTG_INLINED otg_vec3_d otgVertexAt(const otg_solid_mesh* m, uint v) {
   return otgInFrame(m, otgVec_d((double)p.x, (double)p.y, (double)p.z));
 }
 
+OTG_INLINED void otgCornersAt(const otg_solid_mesh* m, uint triangle, otg_vec3_d* out) {
+  const uint4 v = m->triangles[4 * (size_t)triangle];
+  out[0] = otgVertexAt(m, v.x);
+  out[1] = otgVertexAt(m, v.y);
+  out[2] = otgVertexAt(m, v.z);
+}
+
 OTG_INLINED uint otgOf3(uint4 x, uint k) {
   return k == 0 ? x.x : k == 1 ? x.y : x.z;
 }

@@ -1,21 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The overlap regions of pairs of solids: one work-group for one pair. What is not plain (see OTG_SOLID_*) is flagged
 // for the host. OTG_GROUP: size of work-groups, 32 at least; OTG_SOLID_HITS as in solid_scratch.h.
-#include "solid_surface.h"
-//
 #include "solid_contour.h"
+//
+#include "solid_surface.h"
 
 /// Sorts the pair's hits by triangles into local memory.
-OTG_INLINED void otgSortHits(__local otg_solid_scratch* s, __global const uint2* list, uint hits) {
+OTG_INLINED void otgSortHits(__local otg_solid_scratch* s, __global const otg_solid_hit* list, uint hits) {
   for (uint i = get_local_id(0); i < hits; i += OTG_GROUP) {
-    const uint2 mine = list[i];
+    const otg_solid_hit mine = list[i];
     uint place = 0;
     for (uint j = 0; j < hits; ++j) {
-      const uint2 other = list[j];
-      place += other.x < mine.x || (other.x == mine.x && other.y < mine.y);
+      const uint a = list[j].a, b = list[j].b;
+      place += a < mine.a || (a == mine.a && b < mine.b);
     }
-    s->a[place] = mine.x;
-    s->b[place] = mine.y;
+    s->a[place] = mine.a;
+    s->b[place] = mine.b;
+    for (uint k = 0; k < 2; ++k) {
+      s->halfEdge[2 * place + k] = mine.halfEdge[k];
+      s->how[2 * place + k] = (uchar)mine.how[k];
+    }
   }
 }
 
@@ -31,6 +35,7 @@ OTG_INLINED void otgClearScratch(__local otg_solid_scratch* s, uint bad) {
   for (uint i = lane; i < OTG_SOLID_REGIONS; i += OTG_GROUP) s->load[i] = 0;
   if (lane == 0) {
     s->bad = bad;
+    s->tied = 0;
     s->entered = 0;
     s->queued = 0;
     s->crossings = 0;
@@ -235,8 +240,8 @@ OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __gl
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidRegions(
     __global const float4* restrict meshes, __global const otg_batch_task* restrict tasks,
     __global const otg_device_mesh* restrict places, __global const otg_pair_state* restrict states,
-    __global const uint2* restrict sorted, uint hitCapacity, __global uint* restrict counters, __global uchar* arena,
-    uint arenaUnits, __global uint* heads, __global uint* restrict chosen) {
+    __global const otg_solid_hit* restrict sorted, uint hitCapacity, __global uint* restrict counters,
+    __global uchar* arena, uint arenaUnits, __global uint* heads, __global uint* restrict chosen) {
   __local otg_solid_scratch scratch;
   __local otg_solid_scratch* s = &scratch;
   const uint lane = get_local_id(0), number = get_group_id(0);

@@ -8,19 +8,10 @@
 
 #define OTG_SOLID_SLOTS (4 * OTG_SOLID_HITS)  ///< of the table of vertices; at most halfEdge are taken
 #define OTG_NO_CROSSING 0xffffu
+#define OTG_MOST_ALONG 32  ///< crossings of one edge of which some lie close to each other
 
 /// Sides of vertices.
 enum { OTG_SIDE_UNKNOWN = 0, OTG_SIDE_INSIDE = 1, OTG_SIDE_OUTSIDE = 2 };
-
-/// Why the host has to do a pair (any is enough; the values tell where to look).
-enum {
-  OTG_SOLID_TOO_MANY = 1,
-  OTG_SOLID_INEXACT = 2,    ///< a sign that double arithmetic leaves open
-  OTG_SOLID_BROKEN = 4,     ///< crossings or votes contradict each other
-  OTG_SOLID_CONTAINED = 8,  ///< a body may be inside the other
-  OTG_SOLID_TIE = 16,       ///< crossings too close to each other to be put in order
-  OTG_SOLID_ODD = 32        ///< a region that is bad, entangled or large
-};
 
 typedef struct {
   uint a[OTG_SOLID_HITS], b[OTG_SOLID_HITS];  ///< pairs of triangles, ascending
@@ -53,7 +44,7 @@ typedef struct {
   uint load[OTG_SOLID_REGIONS];
   double reduce[6 * OTG_GROUP];
   double sums[9];
-  uint bad, entered, queued, allocated, crossings, chords, regions, items, flat;
+  uint bad, entered, queued, allocated, crossings, chords, regions, items, tied;
 } otg_solid_scratch;
 
 OTG_INLINED void otgGiveUp(__local otg_solid_scratch* s, uint why) {

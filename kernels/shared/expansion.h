@@ -141,14 +141,14 @@ OTG_INLINE int otgExactOrient3(const double* a, const double* b, const double* c
   return otgSignOf(total[nt - 1]);
 }
 
-/// Exact sign of (ax - cx)(by - cy) - (ay - cy)(bx - cx): positive when a, b, c turn counter-clockwise.
-OTG_INLINE int otgExactOrient2(double ax, double ay, double bx, double by, double cx, double cy) {
-  double acx[2], acy[2], bcx[2], bcy[2], h[16];
-  int n0 = otgExactDifference(ax, cx, acx);
-  int n1 = otgExactDifference(ay, cy, acy);
-  int n2 = otgExactDifference(bx, cx, bcx);
-  int n3 = otgExactDifference(by, cy, bcy);
-  int n = otgExpansionMinor(n0, acx, n3, bcy, n1, acy, n2, bcx, h);
+/// Exact sign of (a1 - a0) (d1 - d0) - (b1 - b0) (c1 - c0).
+OTG_INLINE int otgExactMinor(double a1, double a0, double d1, double d0, double b1, double b0, double c1, double c0) {
+  double a[2], b[2], c[2], d[2], h[16];
+  int na = otgExactDifference(a1, a0, a);
+  int nb = otgExactDifference(b1, b0, b);
+  int nc = otgExactDifference(c1, c0, c);
+  int nd = otgExactDifference(d1, d0, d);
+  int n = otgExpansionMinor(na, a, nd, d, nb, b, nc, c, h);
   return otgSignOf(h[n - 1]);
 }
 

@@ -47,13 +47,32 @@ typedef struct {
   otg_uint unused[3];
 } otg_solid_region;
 
+/// A pair of triangles that intersect, and how the chord in which they do ends.
+typedef struct {
+  otg_uint a, b;
+  otg_uint halfEdge[2];  ///< that pass through the other triangle: half-edge << 1 | mesh, or OTG_NOT_THERE
+  otg_uint how[2];       ///< 1: the half-edge leaves the other mesh; 2: the chord starts here
+  otg_uint unused[2];
+} otg_solid_hit;
+
 #define OTG_SOLID_REGIONS 8  ///< more regions than this in one pair are the host's
 
 /// A piece of the arena is counted in units of this many bytes.
 #define OTG_ARENA_UNIT 16
 
+/// Why the host has to do a pair (any is enough; the values tell where to look): flags << OTG_PAIR_WHY.
+enum {
+  OTG_SOLID_TOO_MANY = 1,
+  OTG_SOLID_INEXACT = 2,    ///< coordinates too large or small for exact arithmetic
+  OTG_SOLID_BROKEN = 4,     ///< crossings or votes contradict each other
+  OTG_SOLID_CONTAINED = 8,  ///< a body may be inside the other
+  OTG_SOLID_TIE = 16,       ///< too many crossings of one edge to be put in order
+  OTG_SOLID_ODD = 32        ///< a region that is bad, entangled or large
+};
+
 #ifndef __OPENCL_VERSION__
-static_assert(sizeof(otg_solid_piece) == 128 && sizeof(otg_solid_point) == 224 && sizeof(otg_solid_region) == 176);
+static_assert(sizeof(otg_solid_hit) == 32 && sizeof(otg_solid_piece) == 128 && sizeof(otg_solid_point) == 224 &&
+              sizeof(otg_solid_region) == 176);
 }  // namespace otg
 #endif
 #endif  // OTG_SHARED_SOLID_LAYOUT_H

@@ -24,6 +24,11 @@ namespace otg {
 #define OTG_SOLID_LEAST_DIAGONAL 1e-9
 #define OTG_SOLID_LEAST_AREA 1e-14
 
+/// Crossings of one edge that lie within the first of each other are ordered by how they drift (otgDriftsBefore);
+/// within the second their rounding may have put them in the wrong order.
+#define OTG_SOLID_ONE_POINT 1e-12
+#define OTG_SOLID_CLOSE_POINTS 1e-9
+
 // Normals ------------------------------------------------------------------------------------------------------------
 
 /// From this coherence on a region counts as one flat face, and no piece of it is looked at.
@@ -169,6 +174,16 @@ OTG_GENERIC REAL OTG_NAME(otgHitPlane)(otg_int mesh, OTG_VEC3 p, OTG_VEC3 q, con
   *drift = OTG_NAME(otgScale)(n, (mesh == 0 ? OTG_REAL(1) : OTG_REAL(-1)) / d);
   at = dp / d;
   return at < 0 ? OTG_REAL(0) : 1 < at ? OTG_REAL(1) : at;
+}
+
+/// Does a crossing of drift x come before one of drift y on their edge, at (nearly) the same place, once A has been
+/// moved by (e, e^2, e^3)?
+OTG_GENERIC otg_int OTG_NAME(otgDriftsBefore)(OTG_VEC3 x, OTG_VEC3 y) {
+  const REAL a[3] = {x.x, x.y, x.z}, b[3] = {y.x, y.y, y.z};
+  for (int k = 0; k < 3; ++k) {
+    if (OTG_ABS(a[k] - b[k]) > OTG_REAL(1e-9) * (OTG_ABS(a[k]) + OTG_ABS(b[k]))) return a[k] < b[k];
+  }
+  return 0;
 }
 
 /// Of a piece, when the way through the region behind it is this long.

@@ -22,16 +22,9 @@ OTG_INLINE int otgCrossSign(const double* p0, const double* p1, const double* q0
   const int i = (k + 1) % 3, j = (k + 2) % 3;
   double l = (p1[i] - p0[i]) * (q1[j] - q0[j]), r = (p1[j] - p0[j]) * (q1[i] - q0[i]);
   double det = l - r, bound = 4.0e-16 * (fabs(l) + fabs(r)) + 1.0e-290;
-  double a[2], b[2], c[2], d[2], h[16];
-  int na, nb, nc, nd, n;
   if (det > bound) return 1;
   if (det < -bound) return -1;
-  na = otgExactDifference(p1[i], p0[i], a);
-  nb = otgExactDifference(p1[j], p0[j], b);
-  nc = otgExactDifference(q1[i], q0[i], c);
-  nd = otgExactDifference(q1[j], q0[j], d);
-  n = otgExpansionMinor(na, a, nd, d, nb, b, nc, c, h);
-  return otgSignOf(h[n - 1]);
+  return OTG_EXACT_MINOR(p1[i], p0[i], q1[j], q0[j], p1[j], p0[j], q1[i], q0[i]);
 }
 
 /// Sign of the first non-zero coordinate of (p1 - p0) x (q1 - q0); 0 for parallel vectors.

@@ -3,10 +3,16 @@
 // doubles and taken as exact.
 #ifndef OTG_SHARED_TRIANGLE_EXACT_H
 #define OTG_SHARED_TRIANGLE_EXACT_H
+#include "shared/exact_sum.h"
 #include "shared/expansion.h"
 
 #ifndef __OPENCL_VERSION__
 namespace otg {
+#define OTG_EXACT_ORIENT3 otgExactOrient3
+#define OTG_EXACT_MINOR otgExactMinor
+#else
+#define OTG_EXACT_ORIENT3 otgSumOrient3
+#define OTG_EXACT_MINOR otgSumMinor
 #endif
 
 /// Sign of det[b - a, c - a, d - a], or 0 where double arithmetic cannot decide.
@@ -27,7 +33,7 @@ OTG_INLINE int otgOrient3Filter(const double* a, const double* b, const double* 
 OTG_INLINE int otgOrient3(const double* a, const double* b, const double* c, const double* d) {
   int s = otgOrient3Filter(a, b, c, d);
   // Rows (b - a), (c - a), (d - a) are an even permutation of the rows d - a, b - a, c - a.
-  return s != 0 ? s : otgExactOrient3(d, b, c, a);
+  return s != 0 ? s : OTG_EXACT_ORIENT3(d, b, c, a);
 }
 
 /// The same in two dimensions, coordinates i and j of each point: positive when a, b, c turn counter-clockwise.
@@ -36,7 +42,7 @@ OTG_INLINE int otgOrient2(const double* a, const double* b, const double* c, int
   double det = l - r, bound = 4.0e-16 * (fabs(l) + fabs(r)) + 1.0e-290;
   if (det > bound) return 1;
   if (det < -bound) return -1;
-  return otgExactOrient2(a[i], a[j], b[i], b[j], c[i], c[j]);
+  return OTG_EXACT_MINOR(a[i], c[i], b[j], c[j], a[j], c[j], b[i], c[i]);
 }
 
 /// Is p in the closed triangle t (coordinates i, j)? Either turn of t.

@@ -76,7 +76,8 @@ void SolidStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& re
                         << batch.states << chosen.get();
   launch(queue, stretches_, recordGroup_, (batch.count + recordGroup_ - 1) / recordGroup_, 1,
          profile.next(Profile::kContacts));
-  Arguments(scatter_) << batch.counters << batch.records << batch.hitPlaces << batch.states << sorted_.get();
+  Arguments(scatter_) << batch.meshes << batch.tasks << batch.places << batch.counters << batch.records
+                      << batch.hitPlaces << batch.states << sorted_.get() << chosen.get();
   launch(queue, scatter_, recordGroup_, batch.groups, 1, profile.next(Profile::kContacts));
   Arguments(regions_) << batch.meshes << batch.tasks << batch.places << batch.states << sorted_.get()
                       << sorted_.places() << batch.counters << arena_.get() << arena_.places() << heads_.get()

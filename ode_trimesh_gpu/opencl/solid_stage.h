@@ -6,6 +6,7 @@
 
 #include "opencl/reducer.h"
 #include "opencl/tuning.h"
+#include "shared/solid_layout.h"
 
 namespace otg::opencl {
 
@@ -37,7 +38,7 @@ class SolidStage {
   const std::uint32_t recordGroup_, group_, hits_, registers_;
   std::uint32_t arenaWanted_, room_ = 0;
   Kernel records_, stretches_, scatter_, regions_, contacts_, write_;
-  DeviceList sorted_{sizeof(cl_uint2)}, heads_{sizeof(otg_uint)}, arena_, lists_{sizeof(otg_chosen_contact)};
+  DeviceList sorted_{sizeof(otg_solid_hit)}, heads_{sizeof(otg_uint)}, arena_, lists_{sizeof(otg_chosen_contact)};
 };
 
 }  // namespace otg::opencl

@@ -106,6 +106,37 @@ TEST_CASE("the contacts of a batch of solids are the host's") {
   CHECK(checkBatch(*backend, few, onHost(few)) > 75);
 }
 
+TEST_CASE("boxes upon each other are the device's") {
+  MeshList meshes;
+  for (const MeshArrays& arrays : {makeBox({1, 1, 1}, 1), makeBox({1, 1.5, 0.8}, 1), makeBox({2, 2, 0.5}, 4)}) {
+    meshes.push_back(collisionMesh(arrays));
+  }
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  if (!backend->device().doubles) return;
+  // Sunk in by what a solver leaves, by nothing, by much; aligned, shifted along axes, trembling, turned about the
+  // vertical by a right angle or any; one over the edge or corner of the other.
+  Draw draw(8);
+  std::vector<Query> queries;
+  for (int i = 0; i < 400; ++i) {
+    const CollisionMesh& a = *meshes[draw.below(3)];
+    const CollisionMesh& b = *meshes[draw.below(3)];
+    const double height = static_cast<double>(a.mesh().boundsMax().z - b.mesh().boundsMin().z);
+    const double shift = i % 2 != 0 ? draw.uniform(-0.4, 0.4) : 0;
+    const double tremble = std::vector<double>{0, 0, 1e-14, 1e-9, 1e-4}[draw.below(5)];
+    const double turn = i % 3 == 0 ? 0 : i % 3 == 1 ? 1.5707963267948966 : draw.uniform(0, 3);
+    Query query = makeQuery(a, b, makePose({tremble, 0.5 * tremble, 1}, turn, {shift, i % 5 == 0 ? shift : 0.0, 0}));
+    if (turn == 0 && tremble == 0) query.bInA = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, query.bInA.t};
+    query.bInA.t.z = height - std::vector<double>{0, 1e-12, 1e-6, 1e-4, 2e-3, 0.05}[draw.below(6)];
+    if (i % 7 == 0) query.bInA.t.x += a.mesh().boundsMax().x;
+    query.options.contacts = ContactModel::kSolid;
+    query.options.maxContacts = 16;
+    queries.push_back(query);
+  }
+  const std::size_t done = checkBatch(*backend, queries, onHost(queries));
+  CHECK(done > 380);
+}
+
 TEST_CASE("a batch of solids does not depend on the sizes of lists and work-groups") {
   const MeshList meshes = solids();
   const std::vector<Query> queries = touching(meshes, 4, 150, -0.01, 0.15);

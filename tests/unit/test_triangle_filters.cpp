@@ -184,3 +184,35 @@ TEST_CASE("exact orientation agrees with integers") {
     REQUIRE(otgExactOrient3(p[3], p[1], p[2], p[0]) == otgOrient3(p[0], p[1], p[2], p[3]));
   }
 }
+
+TEST_CASE("sums of products have the signs of expansions of fixed lengths") {
+  std::mt19937_64 random(5);
+  const auto below = [&](int n) { return static_cast<int>(random() % static_cast<std::uint64_t>(n)); };
+  for (int i = 0; i < 60000; ++i) {
+    // Coordinates of one size, of few bits, or of sizes as different as may be; many determinants vanish or nearly do.
+    const int kind = i % 4, spread = i % 5 == 0 ? 200 : 40;
+    double p[4][3];
+    for (auto& q : p) {
+      for (double& x : q) {
+        const double mantissa =
+            kind == 0 ? below(5) - 2 : double(std::int64_t(random() >> 11) - (std::int64_t(1) << 52));
+        x = std::ldexp(mantissa, kind == 0 ? 0 : kind == 3 ? below(2 * spread) - spread - 52 : -52);
+      }
+    }
+    if (kind == 1) {  // coplanar but for rounding
+      const double u = double(below(7) - 3) / 2, v = double(below(5) - 2) / 3;
+      for (int k = 0; k < 3; ++k) p[3][k] = p[0][k] + u * (p[1][k] - p[0][k]) + v * (p[2][k] - p[0][k]);
+    } else if (kind == 3 && i % 8 == 3) {  // exactly so
+      for (int k = 0; k < 3; ++k) p[3][k] = i % 16 == 3 ? p[1][k] : 2 * p[0][k];
+      if (i % 16 != 3) p[2][0] = p[2][1] = p[2][2] = 0;
+    }
+    bool fits = true;
+    for (int k = 0; k < 9; ++k) fits = fits && otgIsExactDistance(p[k / 3][k % 3] - p[3][k % 3]);
+    REQUIRE(fits);
+    REQUIRE(otgSumOrient3(p[0], p[1], p[2], p[3]) == otgExactOrient3(p[0], p[1], p[2], p[3]));
+    REQUIRE(otgSumMinor(p[0][0], p[1][0], p[2][1], p[3][1], p[0][1], p[1][1], p[2][0], p[3][0]) ==
+            otgExactMinor(p[0][0], p[1][0], p[2][1], p[3][1], p[0][1], p[1][1], p[2][0], p[3][0]));
+  }
+  CHECK_FALSE(otgIsExactDistance(1e-80));
+  CHECK_FALSE(otgIsExactDistance(-1e80));
+}

@@ -14,15 +14,6 @@ struct PairCorners {
   Vec3d a[3], b[3];
 };
 
-/// Does x come before y on their edge, at (nearly) the same t, once A has been moved by (e, e^2, e^3)?
-bool driftsBefore(const Crossing& x, const Crossing& y) {
-  const double dx[3] = {x.drift.x, x.drift.y, x.drift.z}, dy[3] = {y.drift.x, y.drift.y, y.drift.z};
-  for (int k = 0; k < 3; ++k) {
-    if (std::fabs(dx[k] - dy[k]) > 1e-9 * (std::fabs(dx[k]) + std::fabs(dy[k]))) return dx[k] < dy[k];
-  }
-  return false;
-}
-
 class Tracer {
  public:
   Tracer(const PlacedMeshes& meshes, Contour& contour) : meshes_(meshes), contour_(contour) {}
@@ -125,7 +116,7 @@ class Tracer {
     for (std::uint32_t i = begin + 1; i < end; ++i) {
       for (std::uint32_t j = i; j > begin; --j) {
         const Crossing &x = all[along[j]], &y = all[along[j - 1]];
-        if (x.t - y.t > 1e-12 || !driftsBefore(x, y)) break;
+        if (x.t - y.t > OTG_SOLID_ONE_POINT || !otgDriftsBefore(x.drift, y.drift)) break;
         std::swap(along[j], along[j - 1]);
       }
     }
@@ -139,7 +130,7 @@ class Tracer {
       if (all[along[i]].exits != all[along[i - 1]].exits) continue;
       std::uint32_t j = i + 1;
       while (j < end && all[along[j]].exits == all[along[i]].exits) ++j;
-      if (j < end && std::fabs(all[along[j]].t - all[along[i]].t) < 1e-9) {
+      if (j < end && std::fabs(all[along[j]].t - all[along[i]].t) < OTG_SOLID_CLOSE_POINTS) {
         std::rotate(along.begin() + i, along.begin() + j, along.begin() + j + 1);
       } else {
         ++contour_.anomalies;
