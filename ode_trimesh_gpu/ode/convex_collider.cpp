@@ -105,9 +105,9 @@ std::span<const Contact> convexGeomContacts(const PrimitiveTask& task, int most,
   const std::shared_ptr<const ConvexShape> shape = shapeOf(task);
   workspace.reduced.clear();
   if (shape == nullptr) return {};
-  GeomObject& object = *task.object;
+  GeomObject& object = *task.side.object;
   Query query;
-  query.a = task.mesh;
+  query.a = task.side.mesh;
   query.b = shape->mesh.get();
   query.bInA = task.other;
   query.options = pairOptions(object.params, object.params);

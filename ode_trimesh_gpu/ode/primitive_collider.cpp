@@ -25,17 +25,17 @@ HalfSpace planeInMesh(const PrimitiveTask& task) {
 
 /// At most `most` contacts, in the mesh's frame, with the mesh's own triangle numbers.
 void findContacts(const PrimitiveTask& task, int most, std::vector<Contact>& out) {
-  const int perRegion = task.object->params.contacts_per_region;
+  const int perRegion = task.side.object->params.contacts_per_region;
   switch (dGeomGetClass(task.o2)) {
     case dRayClass:
       rayContacts(task, out);  // nearest first: the depth is the way along the ray
       if (out.size() > static_cast<std::size_t>(most)) out.resize(static_cast<std::size_t>(most));
       return;
     case dPlaneClass:
-      planeContacts(*task.mesh, planeInMesh(task), perRegion, out);
+      planeContacts(*task.side.mesh, planeInMesh(task), perRegion, out);
       break;
     case dSphereClass:
-      sphereContacts(*task.mesh, task.other.t, dGeomSphereGetRadius(task.o2), out);
+      sphereContacts(*task.side.mesh, task.other.t, dGeomSphereGetRadius(task.o2), out);
       break;
     case dBoxClass:
     case dCapsuleClass:
@@ -54,8 +54,7 @@ void findContacts(const PrimitiveTask& task, int most, std::vector<Contact>& out
 
 /// False if the pair can have no contacts. A status in `failure` if that is because of a bad pose.
 bool prepare(PrimitiveTask& task, int& failure) {
-  task.mesh = task.object->mesh();
-  if (task.mesh == nullptr || task.mesh->tree().nodes.empty()) return false;
+  if (task.side.mesh == nullptr || task.side.mesh->tree().nodes.empty()) return false;
   const WorldPose pose = readPose(task.o1);
   task.pose = pose.transform;
   bool rigid = pose.rigid;
@@ -73,7 +72,7 @@ bool prepare(PrimitiveTask& task, int& failure) {
 }
 
 int collidePrimitive(PrimitiveTask& task, dContactGeom* contact, int skip) {
-  GeomStats& stats = task.object->stats;
+  GeomStats& stats = task.side.object->stats;
   stats.queries.fetch_add(1, std::memory_order_relaxed);
   int failure = dGPUTRIMESH_OK;
   try {
@@ -84,12 +83,12 @@ int collidePrimitive(PrimitiveTask& task, dContactGeom* contact, int skip) {
       }
       return 0;
     }
-    const int most = std::min(task.capacity, task.object->params.max_contacts);
+    const int most = std::min(task.capacity, task.side.object->params.max_contacts);
     std::vector<Contact> contacts;
     findContacts(task, most, contacts);
     char* place = reinterpret_cast<char*>(contact);
     for (Contact& found : contacts) {
-      found.triangleA = task.mesh->mesh().callerTriangle(found.triangleA);
+      found.triangleA = task.side.mesh->mesh().callerTriangle(found.triangleA);
       writeContact(found, {task.pose, true, task.o1, task.o2}, place);
       place += skip;
     }
@@ -112,8 +111,13 @@ int collideMeshPrimitive(dGeomID o1, dGeomID o2, int flags, dContactGeom* contac
   PrimitiveTask task;
   task.o1 = o1;
   task.o2 = o2;
-  task.object = objectOf(o1);
-  if (task.object == nullptr) {
+  try {
+    task.side = meshSideOf(o1);
+  } catch (...) {  // a dTriMesh whose mesh could not be made for want of memory
+    noteStatus(dGPUTRIMESH_ERROR_MEMORY);
+    return 0;
+  }
+  if (task.side.object == nullptr) {
     answerProbe();
     return 0;
   }

@@ -4,18 +4,18 @@
 
 #include <ode/collision.h>
 
-#include "ode/geom_class.h"
+#include "ode/mesh_side.h"
 
 namespace otg {
 
-/// dColliderFn: o1 is the mesh, whatever the order of the call (ODE exchanges the sides afterwards).
+/// dColliderFn: o1 is the mesh, of our class or a dTriMesh, whatever the order of the call (ODE exchanges the sides
+/// afterwards).
 int collideMeshPrimitive(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip) noexcept;
 
 /// A mesh that is to collide with a geom of ODE's, at one moment.
 struct PrimitiveTask {
   dGeomID o1 = nullptr, o2 = nullptr;
-  GeomObject* object = nullptr;
-  const CollisionMesh* mesh = nullptr;
+  MeshSide side;  ///< of o1, with its object and mesh
   Transformd pose{};   ///< of the mesh in the world
   Transformd other{};  ///< of o2 in the mesh's frame; unset for planes and rays
   int capacity = 0;    ///< places for contacts

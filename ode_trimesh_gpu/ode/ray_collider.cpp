@@ -17,16 +17,16 @@ void rayContacts(const PrimitiveTask& task, std::vector<Contact>& out) {
   if (dGeomRayGetClosestHit(task.o2) == 0) {
     cast.mode = dGeomRayGetFirstContact(task.o2) != 0 ? RayMode::kAny : RayMode::kAll;
   }
-  if (dTriRayCallback* const callback = task.object->callbacks.ray) {
+  if (dTriRayCallback* const callback = task.side.callbacks.ray) {
     cast.filter = [&task, callback](std::uint32_t triangle, double u, double v) {
-      const auto number = static_cast<int>(task.mesh->mesh().callerTriangle(triangle));
+      const auto number = static_cast<int>(task.side.mesh->mesh().callerTriangle(triangle));
       return callback(task.o1, task.o2, number, static_cast<dReal>(u), static_cast<dReal>(v)) != 0;
     };
   }
   std::vector<RayHit> hits;
-  castRay(*task.mesh, cast, hits);
+  castRay(*task.side.mesh, cast, hits);
   for (const RayHit& hit : hits) {
-    const Vec3d face = faceNormal(task.mesh->mesh(), hit.triangle);
+    const Vec3d face = faceNormal(task.side.mesh->mesh(), hit.triangle);
     // With the ray as the first geom the normal faces its origin; the mesh is the first one here.
     out.push_back({otgAdd(cast.ray.origin, otgScale(cast.ray.direction, hit.distance)),
                    hit.back ? face : otgScale(face, -1.0), hit.distance, hit.triangle, kNone, 0,
