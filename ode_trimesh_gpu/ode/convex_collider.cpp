@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ode/convex_collider.h"
 
-#include <ode/objects.h>
-
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "ode/mesh_collider.h"
+#include "ode/primitive_history.h"
 #include "primitives/convex_contacts.h"
 
 namespace otg {
@@ -79,53 +77,24 @@ std::shared_ptr<const ConvexShape> shapeOf(const PrimitiveTask& task) {
   }
 }
 
-/// Velocity of the mesh's body relative to the shape's at the shape's middle, in the mesh's frame.
-Vec3d relativeVelocity(const PrimitiveTask& task) {
-  const dReal* const at = dGeomGetPosition(task.o2);
-  const auto velocityAt = [&](dGeomID geom) {
-    const dBodyID body = dGeomGetBody(geom);
-    if (body == nullptr) return Vec3d{0, 0, 0};
-    dVector3 v;
-    dBodyGetPointVel(body, at[0], at[1], at[2], v);
-    return Vec3d{v[0], v[1], v[2]};
-  };
-  const Vec3d v = otgRotateBack(task.pose, otgSub(velocityAt(task.o1), velocityAt(task.o2)));
-  return std::isfinite(v.x + v.y + v.z) ? v : Vec3d{0, 0, 0};
-}
-
-/// Geoms of ODE have no serial number; addresses are never as large as this bit. A geom that gets the address of one
-/// that is gone inherits what was remembered of it unless that was far from where it is itself.
-std::uint64_t memoryKey(dGeomID geom) {
-  return std::uint64_t{1} << 63 | reinterpret_cast<std::uintptr_t>(geom);
-}
-
 }  // namespace
 
 std::span<const Contact> convexGeomContacts(const PrimitiveTask& task, int most, Workspace& workspace) {
   const std::shared_ptr<const ConvexShape> shape = shapeOf(task);
   workspace.reduced.clear();
   if (shape == nullptr) return {};
-  GeomObject& object = *task.side.object;
   Query query;
   query.a = task.side.mesh;
   query.b = shape->mesh.get();
   query.bInA = task.other;
-  query.options = pairOptions(object.params, object.params);
+  query.options = pairOptions(task.side.object->params, task.side.object->params);
   query.options.maxContacts = most;
-  query.relativeVelocity = relativeVelocity(task);
-  SolidHistory history;
-  const bool remembers = object.params.history == dGPUTRIMESH_HISTORY_ON;
-  const std::uint64_t key = memoryKey(task.o2);
-  if (remembers) {
-    object.memory.recall(key, history);
-    query.history = &history;
-  }
+  const dReal* const at = dGeomGetPosition(task.o2);
+  query.relativeVelocity = relativeVelocity(task, Vec3d{at[0], at[1], at[2]});
+  PrimitiveHistory history(task);
+  query.history = history.get();
   convexContacts(query, *shape, workspace);
-  if (remembers && history.used && !workspace.reduced.empty()) {
-    object.memory.store(key, history);
-  } else {
-    object.memory.forget(key);
-  }
+  history.keep(!workspace.reduced.empty());
   return workspace.reduced;
 }
 

@@ -57,17 +57,20 @@ WorldPose readPose(dGeomID geom) noexcept {
   const dReal* const x = dGeomGetPosition(geom);
   const dReal* const r = dGeomGetRotation(geom);
   WorldPose pose{};
-  pose.finite = true;
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
-      const double value = r[4 * row + column];  // ODE pads rows to four
-      pose.transform.r[3 * row + column] = value;
-      pose.finite = pose.finite && std::isfinite(value);
+      pose.transform.r[3 * row + column] = r[4 * row + column];  // ODE pads rows to four
     }
-    pose.finite = pose.finite && std::isfinite(x[row]);
   }
   pose.transform.t = {x[0], x[1], x[2]};
-  pose.rigid = pose.finite && rotationDefect(pose.transform) <= kRotationTolerance;
+  return withRigidity(pose);
+}
+
+WorldPose withRigidity(WorldPose pose) noexcept {
+  const Transformd& t = pose.transform;
+  pose.finite = std::isfinite(t.t.x) && std::isfinite(t.t.y) && std::isfinite(t.t.z);
+  for (const double r : t.r) pose.finite = pose.finite && std::isfinite(r);
+  pose.rigid = pose.finite && rotationDefect(t) <= kRotationTolerance;
   return pose;
 }
 

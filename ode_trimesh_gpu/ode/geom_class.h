@@ -80,6 +80,8 @@ struct WorldPose {
   bool rigid = false;   ///< finite, and the matrix is a rotation within kRotationTolerance
 };
 WorldPose readPose(dGeomID geom) noexcept;
+/// With `finite` and `rigid` worked out.
+WorldPose withRigidity(WorldPose pose) noexcept;
 
 /// dGPUTRIMESH_OK if these are choices that this version knows.
 int checkParams(const dGpuTriMeshParams* params) noexcept;

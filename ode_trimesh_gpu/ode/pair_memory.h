@@ -20,19 +20,22 @@ namespace otg {
 class PairMemory {
  public:
   static constexpr std::size_t kMost = 256;
+  /// Keys with this bit are no serial numbers: they are made of the address of a geom of ODE's own.
+  static constexpr std::uint64_t kOfAddress = std::uint64_t{1} << 63;
 
   /// What is known of the pair with the geom of that serial number (serial numbers are never used again). Returns its
   /// stamp: a number that no other history that was ever stored in this process has, growing from one to the next; 0 if
   /// nothing is known.
-  std::uint64_t recall(std::uint64_t other, SolidHistory& history) {
+  std::uint64_t recall(std::uint64_t other, SolidHistory& history, Vec3d* origin = nullptr) {
     const std::lock_guard lock(mutex_);
     const auto it = pairs_.find(other);
     if (it == pairs_.end()) return 0;
     history = it->second.history;
+    if (origin != nullptr) *origin = it->second.origin;
     return it->second.stamp;
   }
-  /// Returns the stamp.
-  std::uint64_t store(std::uint64_t other, const SolidHistory& history) {
+  /// `origin`: of the frame that the history is told in, in the other geom's own. Returns the stamp.
+  std::uint64_t store(std::uint64_t other, const SolidHistory& history, const Vec3d& origin = {0, 0, 0}) {
     const std::lock_guard lock(mutex_);
     if (pairs_.size() >= kMost && pairs_.find(other) == pairs_.end()) {
       auto oldest = pairs_.begin();
@@ -42,7 +45,7 @@ class PairMemory {
       pairs_.erase(oldest);
     }
     const std::uint64_t stamp = clock().fetch_add(1, std::memory_order_relaxed) + 1;
-    pairs_[other] = {history, stamp};
+    pairs_[other] = {history, stamp, origin};
     return stamp;
   }
   /// The latest stamp of all.
@@ -81,6 +84,7 @@ class PairMemory {
   struct Entry {
     SolidHistory history;
     std::uint64_t stamp = 0;
+    Vec3d origin{0, 0, 0};
   };
   std::mutex mutex_;
   std::map<std::uint64_t, Entry> pairs_;

@@ -7,6 +7,7 @@
 #include "dispatch/workspace_lease.h"
 #include "ode/class_registration.h"
 #include "ode/convex_collider.h"
+#include "ode/heightfield_collider.h"
 #include "ode/mesh_collider.h"
 #include "ode/pair_task.h"
 #include "ode/status.h"
@@ -23,8 +24,9 @@ HalfSpace planeInMesh(const PrimitiveTask& task) {
   return {otgRotateBack(task.pose, n), static_cast<double>(p[3]) - otgDot(n, task.pose.t)};
 }
 
-/// At most `most` contacts, in the mesh's frame, with the mesh's own triangle numbers.
-void findContacts(const PrimitiveTask& task, int most, std::vector<Contact>& out) {
+/// At most `most` contacts, in the mesh's frame, with the mesh's own triangle numbers. A status in `failure` if there
+/// are none because of an error.
+void findContacts(const PrimitiveTask& task, int most, std::vector<Contact>& out, int& failure) {
   const int perRegion = task.side.object->params.contacts_per_region;
   switch (dGeomGetClass(task.o2)) {
     case dRayClass:
@@ -46,6 +48,12 @@ void findContacts(const PrimitiveTask& task, int most, std::vector<Contact>& out
       out.assign(found.begin(), found.end());
       return;
     }
+    case dHeightfieldClass: {
+      const WorkspaceLease lease;
+      const std::span<const Contact> found = heightfieldContacts(task, most, *lease, failure);
+      out.assign(found.begin(), found.end());
+      return;
+    }
     default:
       return;
   }
@@ -59,11 +67,10 @@ bool prepare(PrimitiveTask& task, int& failure) {
   task.pose = pose.transform;
   bool rigid = pose.rigid;
   const int classOfOther = dGeomGetClass(task.o2);
-  if (classOfOther == dHeightfieldClass) return false;  // ODE tells nobody its heights, nor whether it has a pose
-  if (classOfOther == dRayClass) {                      // only the last column of a ray's matrix is set: its direction
+  if (classOfOther == dRayClass) {  // only the last column of a ray's matrix is set: its direction
     rigid = rigid && readPose(task.o2).finite;
   } else if (classOfOther != dPlaneClass) {  // planes have no pose
-    const WorldPose other = readPose(task.o2);
+    const WorldPose other = classOfOther == dHeightfieldClass ? readHeightfieldPose(task.o2) : readPose(task.o2);
     rigid = rigid && other.rigid;
     task.other = relativePose(pose.transform, other.transform);
   }
@@ -76,16 +83,14 @@ int collidePrimitive(PrimitiveTask& task, dContactGeom* contact, int skip) {
   stats.queries.fetch_add(1, std::memory_order_relaxed);
   int failure = dGPUTRIMESH_OK;
   try {
-    if (!prepare(task, failure)) {
-      if (failure != dGPUTRIMESH_OK) {
-        noteStatus(failure);
-        stats.failedQueries.fetch_add(1, std::memory_order_relaxed);
-      }
-      return 0;
-    }
     const int most = std::min(task.capacity, task.side.object->params.max_contacts);
     std::vector<Contact> contacts;
-    findContacts(task, most, contacts);
+    if (prepare(task, failure)) findContacts(task, most, contacts, failure);
+    if (failure != dGPUTRIMESH_OK) {
+      noteStatus(failure);
+      stats.failedQueries.fetch_add(1, std::memory_order_relaxed);
+      return 0;
+    }
     char* place = reinterpret_cast<char*>(contact);
     for (Contact& found : contacts) {
       found.triangleA = task.side.mesh->mesh().callerTriangle(found.triangleA);

@@ -15,7 +15,7 @@ int collideMeshPrimitive(dGeomID o1, dGeomID o2, int flags, dContactGeom* contac
 /// A mesh that is to collide with a geom of ODE's, at one moment.
 struct PrimitiveTask {
   dGeomID o1 = nullptr, o2 = nullptr;
-  MeshSide side;  ///< of o1, with its object and mesh
+  MeshSide side;       ///< of o1, with its object and mesh
   Transformd pose{};   ///< of the mesh in the world
   Transformd other{};  ///< of o2 in the mesh's frame; unset for planes and rays
   int capacity = 0;    ///< places for contacts

@@ -375,22 +375,6 @@ TEST_CASE("geoms of other classes that are far away have no contacts, and may be
   for (const dGeomID other : others) dGeomDestroy(other);
 }
 
-TEST_CASE("a heightfield, with a pose or without one, has no contacts with a mesh") {
-  const OdeSession session;
-  const Data box(scenes::makeBox({1, 1, 1}));
-  const Geom mesh(box);
-  const float heights[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
-  const dHeightfieldDataID data = dGeomHeightfieldDataCreate();
-  dGeomHeightfieldDataBuildSingle(data, heights, 0, 4, 4, 3, 3, 1, 0, 1, 0);
-  for (const int placeable : {0, 1}) {
-    const dGeomID field = dCreateHeightfield(nullptr, data, placeable);
-    CHECK(test::collide(mesh.id, field).empty());
-    CHECK(test::collide(field, mesh.id).empty());
-    dGeomDestroy(field);
-  }
-  dGeomHeightfieldDataDestroy(data);
-}
-
 TEST_CASE("far from the world's origin the contacts are as good as near it") {
   const OdeSession session;
   const Data box(scenes::makeBox({1, 1, 1})), lump(scenes::makeLump(1, 3, 0.3, 9));

@@ -20,6 +20,7 @@
 #include "cook.h"
 #include "export.h"
 #include "geom.h"
+#include "heightfield.h"
 #include "history.h"
 #include "library.h"
 #include "mass.h"
