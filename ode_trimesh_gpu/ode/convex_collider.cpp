@@ -55,32 +55,32 @@ std::vector<Vec3d> cornersOfConvex(dGeomID convex) {
   return corners;
 }
 
-std::shared_ptr<const ConvexShape> shapeOf(const PrimitiveTask& task) {
-  switch (dGeomGetClass(task.o2)) {
+}  // namespace
+
+std::shared_ptr<const ConvexShape> shapeOfGeom(dGeomID geom) {
+  switch (dGeomGetClass(geom)) {
     case dBoxClass: {
       dVector3 sides;
-      dGeomBoxGetLengths(task.o2, sides);
+      dGeomBoxGetLengths(geom, sides);
       return boxShape({0.5 * sides[0], 0.5 * sides[1], 0.5 * sides[2]});
     }
     case dCapsuleClass: {
       dReal radius, length;
-      dGeomCapsuleGetParams(task.o2, &radius, &length);
+      dGeomCapsuleGetParams(geom, &radius, &length);
       return capsuleShape(radius, 0.5 * length);
     }
     case dCylinderClass: {
       dReal radius, length;
-      dGeomCylinderGetParams(task.o2, &radius, &length);
+      dGeomCylinderGetParams(geom, &radius, &length);
       return cylinderShape(radius, 0.5 * length);
     }
     default:
-      return polyhedronShape(cornersOfConvex(task.o2));
+      return polyhedronShape(cornersOfConvex(geom));
   }
 }
 
-}  // namespace
-
 std::span<const Contact> convexGeomContacts(const PrimitiveTask& task, int most, Workspace& workspace) {
-  const std::shared_ptr<const ConvexShape> shape = shapeOf(task);
+  const std::shared_ptr<const ConvexShape> shape = shapeOfGeom(task.o2);
   workspace.reduced.clear();
   if (shape == nullptr) return {};
   Query query;

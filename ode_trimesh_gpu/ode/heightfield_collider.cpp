@@ -124,6 +124,35 @@ HeightBlockMesh groundUnder(const PrimitiveTask& task, HeightSamples& samples, V
   return ground;
 }
 
+/// The mesh against the ground under it.
+struct GroundQuery {
+  std::shared_ptr<const CollisionMesh> mesh;
+  Query query;
+  Vec3d origin{0, 0, 0};  ///< of the ground's frame in the field's
+};
+
+/// False if nothing can touch.
+bool prepareQuery(const PrimitiveTask& task, GroundQuery& ground, int& status) {
+  const dHeightfieldDataID data = dGeomHeightfieldGetHeightfieldData(task.o2);
+  if (data == nullptr) return false;
+  const std::shared_ptr<HeightSamples> samples = samplesOf(data);
+  if (samples == nullptr) {
+    warnOfUnknownHeights(data);
+    status = dGPUTRIMESH_ERROR_UNSUPPORTED;
+    return false;
+  }
+  Vec3d corner{0, 0, 0};
+  const HeightBlockMesh block = groundUnder(task, *samples, corner, status);
+  if (block.mesh == nullptr) return false;
+  ground.mesh = block.mesh;
+  ground.origin = otgAdd(corner, block.origin);
+  ground.query.a = task.side.mesh;
+  ground.query.b = ground.mesh.get();
+  ground.query.bInA = task.other;
+  ground.query.bInA.t = otgTransform(task.other, ground.origin);
+  return true;
+}
+
 }  // namespace
 
 WorldPose readHeightfieldPose(dGeomID field) noexcept {
@@ -145,37 +174,34 @@ WorldPose readHeightfieldPose(dGeomID field) noexcept {
 
 std::span<const Contact> heightfieldContacts(const PrimitiveTask& task, int most, Workspace& workspace, int& status) {
   workspace.reduced.clear();
-  const dHeightfieldDataID data = dGeomHeightfieldGetHeightfieldData(task.o2);
-  if (data == nullptr) return {};
-  const std::shared_ptr<HeightSamples> samples = samplesOf(data);
-  if (samples == nullptr) {
-    warnOfUnknownHeights(data);
-    status = dGPUTRIMESH_ERROR_UNSUPPORTED;
-    return {};
-  }
-  Vec3d corner{0, 0, 0};
-  const HeightBlockMesh ground = groundUnder(task, *samples, corner, status);
-  if (ground.mesh == nullptr) {
+  GroundQuery ground;
+  if (!prepareQuery(task, ground, status)) {
     forgetPrimitive(task);
     return {};
   }
-  Query query;
-  query.a = task.side.mesh;
-  query.b = ground.mesh.get();
-  query.bInA = task.other;
-  const Vec3d origin = otgAdd(corner, ground.origin);
-  query.bInA.t = otgTransform(task.other, origin);
+  Query& query = ground.query;
   query.options = pairOptions(task.side.object->params, task.side.object->params);
   query.options.maxContacts = most;
   const Vec3f& c = task.side.mesh->mesh().center();
   query.relativeVelocity = relativeVelocity(task, otgTransform(task.pose, Vec3d{c.x, c.y, c.z}));
-  PrimitiveHistory history(task, origin);
+  PrimitiveHistory history(task, ground.origin);
   query.history = history.get();
   findIntersectingPairs(query, workspace);
   collideIntersecting(query, workspace);
   for (Contact& contact : workspace.reduced) contact.triangleB = kNone;
   history.keep(!workspace.reduced.empty());
   return workspace.reduced;
+}
+
+std::vector<std::uint32_t> trianglesOnHeightfield(const PrimitiveTask& task, Workspace& workspace, int& status) {
+  GroundQuery ground;
+  if (!prepareQuery(task, ground, status)) return {};
+  findIntersectingPairs(ground.query, workspace);
+  std::vector<std::uint32_t> found;
+  for (const TrianglePair& pair : workspace.intersecting) {
+    if (found.empty() || found.back() != pair.a) found.push_back(pair.a);
+  }
+  return found;
 }
 
 }  // namespace otg

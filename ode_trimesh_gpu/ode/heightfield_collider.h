@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "collide/query.h"
 #include "ode/primitive_collider.h"
@@ -16,5 +17,8 @@ WorldPose readHeightfieldPose(dGeomID field) noexcept;
 /// The contacts, in the mesh's frame, in the workspace, as convexGeomContacts() has them. `status` says why there are
 /// none, if that is for a reason. May throw std::bad_alloc.
 std::span<const Contact> heightfieldContacts(const PrimitiveTask& task, int most, Workspace& workspace, int& status);
+
+/// The triangles of the mesh that intersect the ground, in its own numbers, ascending.
+std::vector<std::uint32_t> trianglesOnHeightfield(const PrimitiveTask& task, Workspace& workspace, int& status);
 
 }  // namespace otg

@@ -71,19 +71,19 @@ void PairCallbacks::finish(const Query& query, Workspace& workspace) {
   // A mesh inside another one touches none of its triangles; its contacts name the nearest ones all the same.
   std::erase_if(workspace.reduced, [&](const Contact& c) { return !mayCollide(c.triangleA, c.triangleB); });
   for (const bool ofA : {true, false}) {
-    if ((ofA ? task_.sideA() : task_.sideB()).callbacks.merge == nullptr || workspace.reduced.empty()) continue;
+    const MeshSide& side = ofA ? task_.sideA() : task_.sideB();
+    if (side.callbacks.merge == nullptr || workspace.reduced.empty()) continue;
     std::vector<Contact> all = workspace.contacts;
     for (Contact& c : all) {
       c.triangleA = query.a->mesh().callerTriangle(c.triangleA);
       c.triangleB = query.b->mesh().callerTriangle(c.triangleB);
     }
-    mergeNumbers(ofA, all, workspace.reduced);
+    mergeNumbers(side, ofA, all, workspace.reduced);
   }
 }
 
 /// A contact that was left out is stood for by the nearest one that was kept, of its own region if there is one.
-void PairCallbacks::mergeNumbers(bool ofA, const std::vector<Contact>& all, std::vector<Contact>& kept) {
-  const MeshSide& side = ofA ? task_.sideA() : task_.sideB();
+void mergeNumbers(const MeshSide& side, bool ofA, const std::vector<Contact>& all, std::vector<Contact>& kept) {
   const auto triangle = [ofA](const Contact& c) { return ofA ? c.triangleA : c.triangleB; };
   std::vector<std::set<std::uint32_t>> standsFor(kept.size());
   for (const Contact& c : all) {

@@ -24,11 +24,14 @@ class PairCallbacks final : public PairFilter {
   bool mayCollide(bool ofA, std::uint32_t triangle);
   bool mayCollide(std::uint32_t triangleA, std::uint32_t triangleB);
   void tellTriangles(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs);
-  void mergeNumbers(bool ofA, const std::vector<Contact>& all, std::vector<Contact>& kept);
 
   const PairTask& task_;
   std::map<std::uint32_t, bool> answerA_, answerB_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, bool> answer_;
 };
+
+/// Has the geom of mesh A, or of B, give each kept contact the number that stands for it and for those of `all` that it
+/// stands for: the nearest ones, of its own region if there are any there. Triangles are the caller's.
+void mergeNumbers(const MeshSide& side, bool ofA, const std::vector<Contact>& all, std::vector<Contact>& kept);
 
 }  // namespace otg

@@ -10,12 +10,11 @@
 #include "ode/heightfield_collider.h"
 #include "ode/mesh_collider.h"
 #include "ode/pair_task.h"
+#include "ode/primitive_callbacks.h"
 #include "ode/status.h"
-#include "primitives/plane_contacts.h"
 #include "primitives/sphere_contacts.h"
 
 namespace otg {
-namespace {
 
 HalfSpace planeInMesh(const PrimitiveTask& task) {
   dVector4 p;
@@ -24,9 +23,7 @@ HalfSpace planeInMesh(const PrimitiveTask& task) {
   return {otgRotateBack(task.pose, n), static_cast<double>(p[3]) - otgDot(n, task.pose.t)};
 }
 
-/// At most `most` contacts, in the mesh's frame, with the mesh's own triangle numbers. A status in `failure` if there
-/// are none because of an error.
-void findContacts(const PrimitiveTask& task, int most, std::vector<Contact>& out, int& failure) {
+void primitiveContacts(const PrimitiveTask& task, int most, std::vector<Contact>& out, int& failure) {
   const int perRegion = task.side.object->params.contacts_per_region;
   switch (dGeomGetClass(task.o2)) {
     case dRayClass:
@@ -60,6 +57,8 @@ void findContacts(const PrimitiveTask& task, int most, std::vector<Contact>& out
   out = limitContacts(out, most);
 }
 
+namespace {
+
 /// False if the pair can have no contacts. A status in `failure` if that is because of a bad pose.
 bool prepare(PrimitiveTask& task, int& failure) {
   if (task.side.mesh == nullptr || task.side.mesh->tree().nodes.empty()) return false;
@@ -85,15 +84,21 @@ int collidePrimitive(PrimitiveTask& task, dContactGeom* contact, int skip) {
   try {
     const int most = std::min(task.capacity, task.side.object->params.max_contacts);
     std::vector<Contact> contacts;
-    if (prepare(task, failure)) findContacts(task, most, contacts, failure);
+    if (!prepare(task, failure)) {
+      // nothing to be found
+    } else if (task.side.callbacks.asked() && dGeomGetClass(task.o2) != dRayClass) {
+      askedContacts(task, most, contacts, failure);
+    } else {
+      primitiveContacts(task, most, contacts, failure);
+      for (Contact& c : contacts) c.triangleA = task.side.mesh->mesh().callerTriangle(c.triangleA);
+    }
     if (failure != dGPUTRIMESH_OK) {
       noteStatus(failure);
       stats.failedQueries.fetch_add(1, std::memory_order_relaxed);
       return 0;
     }
     char* place = reinterpret_cast<char*>(contact);
-    for (Contact& found : contacts) {
-      found.triangleA = task.side.mesh->mesh().callerTriangle(found.triangleA);
+    for (const Contact& found : contacts) {
       writeContact(found, {task.pose, true, task.o1, task.o2}, place);
       place += skip;
     }

@@ -5,6 +5,7 @@
 #include <ode/collision.h>
 
 #include "ode/mesh_side.h"
+#include "primitives/plane_contacts.h"
 
 namespace otg {
 
@@ -20,6 +21,13 @@ struct PrimitiveTask {
   Transformd other{};  ///< of o2 in the mesh's frame; unset for planes and rays
   int capacity = 0;    ///< places for contacts
 };
+
+/// At most `most` contacts, in the mesh's frame, with the mesh's own triangle numbers. A status in `failure` if there
+/// are none because of an error. Callbacks are asked about rays alone. May throw std::bad_alloc.
+void primitiveContacts(const PrimitiveTask& task, int most, std::vector<Contact>& out, int& failure);
+
+/// The plane geom in the mesh's frame.
+HalfSpace planeInMesh(const PrimitiveTask& task);
 
 /// The contacts of a ray, nearest first (ray_collider.cpp). May throw std::bad_alloc.
 void rayContacts(const PrimitiveTask& task, std::vector<Contact>& out);

@@ -17,10 +17,13 @@ void rayContacts(const PrimitiveTask& task, std::vector<Contact>& out) {
   if (dGeomRayGetClosestHit(task.o2) == 0) {
     cast.mode = dGeomRayGetFirstContact(task.o2) != 0 ? RayMode::kAny : RayMode::kAll;
   }
-  if (dTriRayCallback* const callback = task.side.callbacks.ray) {
-    cast.filter = [&task, callback](std::uint32_t triangle, double u, double v) {
+  dTriRayCallback* const onHit = task.side.callbacks.ray;
+  dTriCallback* const onTriangle = task.side.callbacks.triangle;
+  if (onHit != nullptr || onTriangle != nullptr) {  // in ODE's order
+    cast.filter = [&task, onHit, onTriangle](std::uint32_t triangle, double u, double v) {
       const auto number = static_cast<int>(task.side.mesh->mesh().callerTriangle(triangle));
-      return callback(task.o1, task.o2, number, static_cast<dReal>(u), static_cast<dReal>(v)) != 0;
+      return (onHit == nullptr || onHit(task.o1, task.o2, number, static_cast<dReal>(u), static_cast<dReal>(v)) != 0) &&
+             (onTriangle == nullptr || onTriangle(task.o1, task.o2, number) != 0);
     };
   }
   std::vector<RayHit> hits;

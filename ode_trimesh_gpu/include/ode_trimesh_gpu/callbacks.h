@@ -26,6 +26,11 @@ extern "C" {
  * Where a callback rejects something, the contacts of the query come from the remaining pairs of triangles, as with
  * dGPUTRIMESH_CONTACTS_PAIRWISE: what is left of a surface bounds no solid.
  *
+ * With ODE's own geoms asked about are the triangles that have a point inside the other geom; with a heightfield, those
+ * that intersect its ground. ODE asks for these geoms, too, but about more triangles, near as well as touched, and not
+ * at all for planes. Where a callback rejects something, the other geom meets an open mesh of the touched triangles
+ * that remain: a ball falls through a hole made in this way, and one that is too large rests on the rim.
+ *
  * @param own             the geom that has the callback
  * @param other           the geom that it collides with
  * @param own_triangle    number of the triangle of `own`
@@ -36,7 +41,7 @@ extern "C" {
 typedef int dGpuTriMeshPairCallback(dGeomID own, dGeomID other, int own_triangle, int other_triangle);
 
 /**
- * @brief Sets the callback for pairs of triangles. ODE has no counterpart.
+ * @brief Sets the callback for pairs of triangles. ODE has no counterpart. With geoms of ODE's own it is not called.
  * @param g         a geom of this class, or a dTriMesh that dGpuTriMeshOverrideTriMesh() has collide through this
  * library
  * @param Callback  NULL for none
