@@ -214,7 +214,7 @@ void addBenchTerrain(CLI::App& bench, Action& action) {
   command->add_flag("--json", options->json, "One JSON document on stdout");
   command->add_option("--poses", options->poses, "Poses of each shape")->check(CLI::Range(1, 100000));
   command->add_option("--repeat", options->repeat, "Queries at each pose, of which the median counts")
-      ->check(CLI::Range(1, 1000));
+      ->check(CLI::Range(1, 1000000));
   command->add_option("--cells", options->cells, "Squares along each side, of two triangles each")
       ->check(CLI::Range(1, 4000));
   command->add_option("--cell", options->cell, "Side of a square; shapes are about 1 large")

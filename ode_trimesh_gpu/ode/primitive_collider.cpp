@@ -54,7 +54,7 @@ void primitiveContacts(const PrimitiveTask& task, int most, std::vector<Contact>
     default:
       return;
   }
-  out = limitContacts(out, most);
+  if (out.size() > static_cast<std::size_t>(most)) out = limitContacts(out, most);
 }
 
 namespace {
@@ -83,7 +83,9 @@ int collidePrimitive(PrimitiveTask& task, dContactGeom* contact, int skip) {
   int failure = dGPUTRIMESH_OK;
   try {
     const int most = std::min(task.capacity, task.side.object->params.max_contacts);
-    std::vector<Contact> contacts;
+    const WorkspaceLease lease;
+    std::vector<Contact>& contacts = (*lease).contacts;
+    contacts.clear();
     if (!prepare(task, failure)) {
       // nothing to be found
     } else if (task.side.callbacks.asked() && dGeomGetClass(task.o2) != dRayClass) {

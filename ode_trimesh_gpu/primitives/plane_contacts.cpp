@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <unordered_map>
 
+#include "bvh/wide_search.h"
+#include "collide/solid/flat_map.h"
 #include "collide/solid/vectors.h"
 #include "mesh/union_find.h"
 
@@ -24,39 +25,17 @@ struct Below {
 /// Differences below these are no reason for a choice: bodies at rest tremble, and contacts should stay where they are.
 constexpr double kRankStep = 0.02, kFarther = 1.02;
 
-/// The triangles with a point below the plane, by the tree.
-void trianglesBelow(const CollisionMesh& tree, const HalfSpace& plane, std::vector<std::uint32_t>& out) {
-  const std::vector<BvhNode>& nodes = tree.tree().nodes;
-  if (nodes.empty()) return;
-  const Vec3f& c = tree.mesh().center();
-  const Vec3d n = plane.normal;
-  const double offset = plane.offset - otgDot(n, Vec3d{c.x, c.y, c.z});
-  const double slack = 1e-14 * (std::fabs(plane.offset) + std::fabs(offset));
-  std::vector<std::uint32_t> stack{0};
-  while (!stack.empty()) {
-    const BvhNode& node = nodes[stack.back()];
-    stack.pop_back();
-    const double middle = otgDot(n, Vec3d{node.center.x, node.center.y, node.center.z});
-    const double reach =
-        std::fabs(n.x) * node.extent.x + std::fabs(n.y) * node.extent.y + std::fabs(n.z) * node.extent.z;
-    if (middle - reach > offset + slack + 1e-14 * (std::fabs(middle) + reach)) continue;
-    if (node.isLeaf()) {
-      if (!tree.mesh().isDegenerate(node.triangle())) out.push_back(node.triangle());
-    } else {
-      stack.push_back(static_cast<std::uint32_t>(node.child));
-      stack.push_back(static_cast<std::uint32_t>(node.child + 1));
-    }
-  }
-  std::sort(out.begin(), out.end());
-}
-
 /// The vertices below, with the region that each belongs to, in the order in which triangles name them.
 std::vector<Below> verticesBelow(const CollisionMesh& tree, const HalfSpace& plane) {
   const TriMesh& mesh = tree.mesh();
-  std::vector<std::uint32_t> triangles;
-  trianglesBelow(tree, plane, triangles);
   std::vector<Below> found;
-  std::unordered_map<std::uint32_t, std::uint32_t> index;
+  std::vector<std::uint32_t> triangles;
+  searchWide(tree.wide(), BelowQuery(mesh, plane.normal, plane.offset), [&](std::uint32_t t) {
+    if (!mesh.isDegenerate(t)) triangles.push_back(t);
+  });
+  if (triangles.empty()) return found;
+  std::sort(triangles.begin(), triangles.end());
+  FlatMap index;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> joined;
   for (const std::uint32_t t : triangles) {
     std::uint32_t before = kNone;
@@ -65,10 +44,12 @@ std::vector<Below> verticesBelow(const CollisionMesh& tree, const HalfSpace& pla
       const Vec3d x{p.x, p.y, p.z};
       const double depth = plane.offset - otgDot(plane.normal, x);
       if (!(depth >= 0)) continue;
-      const auto [it, isNew] = index.emplace(mesh.topology().weld[v], static_cast<std::uint32_t>(found.size()));
-      if (isNew) found.push_back({x, depth, it->first, t});
-      if (before != kNone) joined.emplace_back(before, it->second);
-      before = it->second;
+      const std::uint32_t welded = mesh.topology().weld[v];
+      bool isNew = false;
+      const std::uint32_t at = index.insert(welded, static_cast<std::uint32_t>(found.size()), &isNew);
+      if (isNew) found.push_back({x, depth, welded, t});
+      if (before != kNone) joined.emplace_back(before, at);
+      before = at;
     }
   }
   UnionFind regions(found.size());

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bvh/wide_search.h"
 #include "collide/solid/vectors.h"
 
 namespace otg {
@@ -115,11 +116,17 @@ SurfacePoint closestPoint(const CollisionMesh& mesh, const Vec3d& point, double 
   return best;
 }
 
-void trianglesWithin(const CollisionMesh& mesh, const Vec3d& point, double radius, std::vector<SurfacePoint>& out) {
+void trianglesWithin(const CollisionMesh& mesh, const Vec3d& point, double radius,
+                     std::pmr::vector<SurfacePoint>& out) {
   out.clear();
-  searchNear(mesh, point, radius, [&](const SurfacePoint& found) { out.push_back(found); });
-  std::sort(out.begin(), out.end(),
-            [](const SurfacePoint& x, const SurfacePoint& y) { return x.triangle < y.triangle; });
+  searchWide(mesh.wide(), BallQuery(mesh.mesh(), point, radius), [&](std::uint32_t t) {
+    if (mesh.mesh().isDegenerate(t)) return;
+    Vec3d corners[3];
+    cornersOf(mesh.mesh(), t, corners);
+    SurfacePoint found = closestOnTriangle(corners, point);
+    found.triangle = t;
+    if (found.distance <= radius) out.push_back(found);
+  });
 }
 
 }  // namespace otg

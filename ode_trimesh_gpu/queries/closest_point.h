@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory_resource>
 #include <vector>
 
 #include "bvh/collision_mesh.h"
@@ -28,8 +29,8 @@ SurfacePoint closestOnTriangle(const Vec3d corners[3], const Vec3d& point);
 SurfacePoint closestPoint(const CollisionMesh& mesh, const Vec3d& point,
                           double limit = std::numeric_limits<double>::infinity());
 
-/// The nearest point of every triangle that is at most `radius` away -> out, by triangle.
-void trianglesWithin(const CollisionMesh& mesh, const Vec3d& point, double radius, std::vector<SurfacePoint>& out);
+/// The nearest point of every triangle that is at most `radius` away -> out, in the order of the tree.
+void trianglesWithin(const CollisionMesh& mesh, const Vec3d& point, double radius, std::pmr::vector<SurfacePoint>& out);
 
 /// Corners of a triangle as doubles.
 void cornersOf(const TriMesh& mesh, std::uint32_t triangle, Vec3d out[3]);

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bvh/wide_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace otg {
+namespace {
+
+// Vectors of the compiler's; none is passed to a function, so that their calling convention doesn't matter.
+typedef float Floats __attribute__((vector_size(16)));
+typedef std::int32_t Ints __attribute__((vector_size(16)));
+constexpr int kLanes = 4;
+
+/// What single precision may be off by, relative to the size of the numbers that went in: some roundings' worth.
+constexpr double kSlack = 4e-6;
+
+#define OTG_LOAD(into, from) \
+  Floats into;               \
+  std::memcpy(&into, from, sizeof into)
+
+/// Bits of lanes whose comparison is true.
+inline unsigned bitsOf(const Ints& m) {
+#if defined(__SSE__)
+  Floats signs;
+  std::memcpy(&signs, &m, sizeof signs);
+  return static_cast<unsigned>(__builtin_ia32_movmskps(signs));
+#else
+  unsigned bits = 0;
+  for (int k = 0; k < kLanes; ++k) bits |= static_cast<unsigned>(m[k] != 0) << k;
+  return bits;
+#endif
+}
+
+double length(const Vec3d& v) {
+  return std::sqrt(otgDot(v, v));
+}
+
+Vec3d centred(const TriMesh& mesh, const Vec3d& p) {
+  return otgSub(p, Vec3d{mesh.center().x, mesh.center().y, mesh.center().z});
+}
+
+float clampedFloat(double x) {
+  constexpr double kLargest = 1e30;
+  return static_cast<float>(std::clamp(x, -kLargest, kLargest));
+}
+
+unsigned used(const WideNode& node) {
+  return (1u << node.count) - 1;
+}
+
+}  // namespace
+
+BallQuery::BallQuery(const TriMesh& mesh, const Vec3d& center, double radius) {
+  const Vec3d c = centred(mesh, center);
+  x_ = clampedFloat(c.x);
+  y_ = clampedFloat(c.y);
+  z_ = clampedFloat(c.z);
+  const double reach = radius + kSlack * (length(c) + double{mesh.radius()} + radius);
+  reach2_ = static_cast<float>(std::min(reach, 1e18) * std::min(reach, 1e18));
+}
+
+unsigned BallQuery::operator()(const WideNode& node) const {
+  unsigned bits = 0;
+  for (int k = 0; k < kWideArity; k += kLanes) {
+    OTG_LOAD(cx, node.centerX + k);
+    OTG_LOAD(cy, node.centerY + k);
+    OTG_LOAD(cz, node.centerZ + k);
+    OTG_LOAD(ex, node.extentX + k);
+    OTG_LOAD(ey, node.extentY + k);
+    OTG_LOAD(ez, node.extentZ + k);
+    const Floats zero = {};
+    Floats dx = cx - x_, dy = cy - y_, dz = cz - z_;
+    dx = (dx > zero ? dx : -dx) - ex;
+    dy = (dy > zero ? dy : -dy) - ey;
+    dz = (dz > zero ? dz : -dz) - ez;
+    dx = dx > zero ? dx : zero;
+    dy = dy > zero ? dy : zero;
+    dz = dz > zero ? dz : zero;
+    bits |= bitsOf(dx * dx + dy * dy + dz * dz <= zero + reach2_) << k;
+  }
+  return bits & used(node);
+}
+
+BelowQuery::BelowQuery(const TriMesh& mesh, const Vec3d& normal, double offset) {
+  const double n[3] = {normal.x, normal.y, normal.z};
+  for (int i = 0; i < 3; ++i) {
+    n_[i] = static_cast<float>(n[i]);
+    size_[i] = static_cast<float>(std::fabs(n[i]));
+  }
+  const Vec3f& c = mesh.center();
+  const double shifted = offset - otgDot(normal, Vec3d{c.x, c.y, c.z});
+  offset_ = clampedFloat(shifted + kSlack * (std::fabs(shifted) + double{mesh.radius()}) + 1e-14 * std::fabs(offset));
+}
+
+unsigned BelowQuery::operator()(const WideNode& node) const {
+  unsigned bits = 0;
+  for (int k = 0; k < kWideArity; k += kLanes) {
+    OTG_LOAD(cx, node.centerX + k);
+    OTG_LOAD(cy, node.centerY + k);
+    OTG_LOAD(cz, node.centerZ + k);
+    OTG_LOAD(ex, node.extentX + k);
+    OTG_LOAD(ey, node.extentY + k);
+    OTG_LOAD(ez, node.extentZ + k);
+    const Floats lowest = (n_[0] * cx + n_[1] * cy + n_[2] * cz) - (size_[0] * ex + size_[1] * ey + size_[2] * ez);
+    bits |= bitsOf(lowest <= Floats{} + offset_) << k;
+  }
+  return bits & used(node);
+}
+
+BoxQuery::BoxQuery(const TriMesh& mesh, const Transformd& toMesh, const Vec3d& half) {
+  const Vec3d c = centred(mesh, toMesh.t);
+  const double slack = kSlack * (length(c) + double{mesh.radius()} + length(half));
+  const double middle[3] = {c.x, c.y, c.z}, h[3] = {half.x, half.y, half.z};
+  for (int i = 0; i < 3; ++i) {
+    double along = 0;
+    for (int j = 0; j < 3; ++j) {
+      r_[3 * i + j] = static_cast<float>(toMesh.r[3 * i + j]);
+      size_[3 * i + j] = std::fabs(r_[3 * i + j]);
+      along += std::fabs(toMesh.r[3 * i + j]) * h[j];
+    }
+    center_[i] = clampedFloat(middle[i]);
+    half_[i] = clampedFloat(h[i] + slack);
+    inMesh_[i] = clampedFloat(along + slack);
+  }
+}
+
+unsigned BoxQuery::operator()(const WideNode& node) const {
+  unsigned bits = 0;
+  for (int k = 0; k < kWideArity; k += kLanes) {
+    OTG_LOAD(dx, node.centerX + k);
+    OTG_LOAD(dy, node.centerY + k);
+    OTG_LOAD(dz, node.centerZ + k);
+    OTG_LOAD(ex, node.extentX + k);
+    OTG_LOAD(ey, node.extentY + k);
+    OTG_LOAD(ez, node.extentZ + k);
+    const Floats zero = {};
+    dx = dx - center_[0];
+    dy = dy - center_[1];
+    dz = dz - center_[2];
+    Ints near = ((dx > zero ? dx : -dx) <= ex + inMesh_[0]) & ((dy > zero ? dy : -dy) <= ey + inMesh_[1]) &
+                ((dz > zero ? dz : -dz) <= ez + inMesh_[2]);
+    for (int j = 0; j < 3; ++j) {
+      const Floats along = r_[j] * dx + r_[3 + j] * dy + r_[6 + j] * dz;
+      const Floats reach = size_[j] * ex + size_[3 + j] * ey + size_[6 + j] * ez + half_[j];
+      near &= (along > zero ? along : -along) <= reach;
+    }
+    bits |= bitsOf(near) << k;
+  }
+  return bits & used(node);
+}
+
+RayQuery::RayQuery(const TriMesh& mesh, const Vec3d& origin, const Vec3d& direction) {
+  const Vec3d from = centred(mesh, origin);
+  const double o[3] = {from.x, from.y, from.z}, d[3] = {direction.x, direction.y, direction.z};
+  const Vec3f &low = mesh.boundsMin(), &high = mesh.boundsMax(), &c = mesh.center();
+  const double lows[3] = {low.x, low.y, low.z}, highs[3] = {high.x, high.y, high.z}, middle[3] = {c.x, c.y, c.z};
+  // Boxes are wider than their triangles by rounding; and by more where the ray comes from far away.
+  const double wider = kSlack * double{mesh.radius()} + 1e-13 * (length(from) + length(origin));
+  double near = 0, far = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const double a = lows[k] - middle[k] - wider - o[k], b = highs[k] - middle[k] + wider - o[k];
+    if (d[k] == 0) {
+      if (a > 0 || b < 0) return;
+      continue;
+    }
+    near = std::max(near, std::min(a / d[k], b / d[k]));
+    far = std::min(far, std::max(a / d[k], b / d[k]));
+  }
+  if (!(near <= far * (1 + 1e-12))) return;
+  meets_ = true;
+  start_ = near;
+  wider_ = static_cast<float>(2 * wider);
+  double fastest = 0;
+  for (int k = 0; k < 3; ++k) {
+    o_[k] = clampedFloat(o[k] + near * d[k]);
+    // Slower than this it does not leave a box's range within the mesh.
+    constexpr double kStill = 1e-18;
+    inverse_[k] = std::fabs(d[k]) > kStill ? clampedFloat(1 / d[k]) : static_cast<float>(1 / kStill);
+    fastest = std::max(fastest, std::fabs(d[k]));
+  }
+  // t where the bounds begin is known to within rounding of far origins; times are compared with that much room.
+  slack_ = fastest > 0 ? 2 * wider / fastest : 0;
+}
+
+unsigned RayQuery::children(const WideNode& node, double limit, float near[kWideArity]) const {
+  // Roundings of a slab's times, all relative.
+  constexpr float kLater = 1 + 2e-6f, kEarlier = 1 - 2e-6f;
+  const float last = clampedFloat(std::max(0.0, (limit - start_) + slack_)) * kLater;
+  unsigned bits = 0;
+  for (int k = 0; k < kWideArity; k += kLanes) {
+    OTG_LOAD(cx, node.centerX + k);
+    OTG_LOAD(cy, node.centerY + k);
+    OTG_LOAD(cz, node.centerZ + k);
+    OTG_LOAD(ex, node.extentX + k);
+    OTG_LOAD(ey, node.extentY + k);
+    OTG_LOAD(ez, node.extentZ + k);
+    const Floats zero = {};
+    const Floats dx = cx - o_[0], dy = cy - o_[1], dz = cz - o_[2];
+    const Floats wx = ex + wider_, wy = ey + wider_, wz = ez + wider_;
+    const Floats ax = (dx - wx) * inverse_[0], bx = (dx + wx) * inverse_[0];
+    const Floats ay = (dy - wy) * inverse_[1], by = (dy + wy) * inverse_[1];
+    const Floats az = (dz - wz) * inverse_[2], bz = (dz + wz) * inverse_[2];
+    const Floats nx = ax < bx ? ax : bx, fx = ax < bx ? bx : ax;
+    const Floats ny = ay < by ? ay : by, fy = ay < by ? by : ay;
+    const Floats nz = az < bz ? az : bz, fz = az < bz ? bz : az;
+    Floats enter = nx > ny ? nx : ny, leave = fx < fy ? fx : fy;
+    enter = enter > nz ? enter : nz;
+    leave = leave < fz ? leave : fz;
+    enter = (enter > zero ? enter : zero) * kEarlier;
+    std::memcpy(near + k, &enter, sizeof enter);
+    bits |= bitsOf((enter <= leave * kLater) & (enter <= zero + last)) << k;
+  }
+  return bits & used(node);
+}
+
+}  // namespace otg
