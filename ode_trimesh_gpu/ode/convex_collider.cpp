@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <vector>
 
+#include "collide/reduction.h"
 #include "ode/mesh_collider.h"
 #include "ode/primitive_history.h"
+#include "primitives/capsule_contacts.h"
 #include "primitives/convex_contacts.h"
 
 namespace otg {
@@ -79,9 +81,27 @@ std::shared_ptr<const ConvexShape> shapeOfGeom(dGeomID geom) {
   }
 }
 
+namespace {
+
+Capsule capsuleInMesh(const PrimitiveTask& task) {
+  dReal radius, length;
+  dGeomCapsuleGetParams(task.o2, &radius, &length);
+  return {task.other.t, otgRotate(task.other, Vec3d{0, 0, 1}), static_cast<double>(radius), 0.5 * length};
+}
+
+}  // namespace
+
 std::span<const Contact> convexGeomContacts(const PrimitiveTask& task, int most, Workspace& workspace) {
-  const std::shared_ptr<const ConvexShape> shape = shapeOfGeom(task.o2);
   workspace.reduced.clear();
+  if (dGeomGetClass(task.o2) == dCapsuleClass &&
+      capsuleContacts(*task.side.mesh, capsuleInMesh(task), workspace.reduced)) {
+    forgetPrimitive(task);
+    if (workspace.reduced.size() > static_cast<std::size_t>(most)) {
+      workspace.reduced = limitContacts(workspace.reduced, most);
+    }
+    return workspace.reduced;
+  }
+  const std::shared_ptr<const ConvexShape> shape = shapeOfGeom(task.o2);
   if (shape == nullptr) return {};
   Query query;
   query.a = task.side.mesh;

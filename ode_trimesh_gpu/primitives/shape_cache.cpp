@@ -14,7 +14,7 @@ namespace otg {
 namespace {
 
 // Facets around curved shapes. They decide where an overlap is looked for, not what its contacts are.
-constexpr int kCylinderSegments = 48, kCapsuleSegments = 32, kCapsuleRings = 8;
+constexpr int kCylinderSegments = 24, kCapsuleSegments = 32, kCapsuleRings = 8;
 constexpr std::size_t kMostKept = 256;
 constexpr double kLargest = 1e15;  // coordinates beyond take the filters of single precision to their limits
 

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "primitives/capsule_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <memory_resource>
+
+#include "bvh/wide_search.h"
+#include "collide/solid/ray.h"
+#include "collide/solid/vectors.h"
+#include "queries/local_minimum.h"
+#include "queries/surface_side.h"
+#include "queries/triangle_distance.h"
+
+namespace otg {
+namespace {
+
+constexpr double kAlong = 0.2;          // sine of the angle up to which a face or edge runs along the axis
+constexpr double kSameNormal = 0.9986;  // cosine of 3 degrees
+constexpr double kSamePlace = 0.01;     // of the capsule's length
+constexpr double kDeeper = 1.02;
+constexpr double kFlat = 0.9999985;        // cosine of 0.1 degrees
+constexpr std::size_t kPlacesAtHand = 96;  // on the stack; more are rare
+
+/// A point of the surface below a point of the axis.
+struct Place {
+  double distance, at;  ///< `at`: along the axis, from its start
+  Vec3d away;           ///< unit, from the axis to the surface
+  std::uint32_t triangle;
+};
+
+class Finder {
+ public:
+  Finder(const CollisionMesh& tree, const Capsule& capsule, std::pmr::vector<Place>& places)
+      : tree_(tree),
+        mesh_(tree.mesh()),
+        kind_(surfaceKind(mesh_)),
+        capsule_(capsule),
+        start_(axisPoint(0)),
+        length_(2 * capsule.half),
+        rounding_(1e-12 * (double{mesh_.radius()} + norm(capsule.middle) + capsule.radius + capsule.half)),
+        places_(places) {}
+
+  /// False if the axis meets the surface or lies inside.
+  bool run() {
+    searchWide(tree_.wide(), BoxQuery(mesh_, boxFrame(), boxHalf()), [&](std::uint32_t t) {
+      if (!mesh_.isDegenerate(t)) triangle(t);
+    });
+    if (crosses_ || nearest_.distance <= rounding_) return false;
+    if (nearest_.triangle == kNone) {
+      // No surface in reach: the capsule is outside or deep within.
+      const Vec3f &low = mesh_.boundsMin(), &high = mesh_.boundsMax();
+      const Vec3d& c = capsule_.middle;
+      return kind_ != SurfaceKind::kSolid || c.x < low.x || c.y < low.y || c.z < low.z || c.x > high.x ||
+             c.y > high.y || c.z > high.z || !pointInMesh(tree_, c);
+    }
+    return !isInside(tree_, axisPoint(nearestAt_), nearest_);
+  }
+
+ private:
+  Vec3d axisPoint(double at) const { return otgAdd(capsule_.middle, otgScale(capsule_.direction, at - capsule_.half)); }
+  /// Any frame whose third axis is the capsule's.
+  Transformd boxFrame() const {
+    const Vec3d& w = capsule_.direction;
+    const Vec3d other = std::fabs(w.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+    const Vec3d u = unit(otgCross(other, w)), v = otgCross(w, u);
+    return {{u.x, v.x, w.x, u.y, v.y, w.y, u.z, v.z, w.z}, capsule_.middle};
+  }
+  Vec3d boxHalf() const { return {capsule_.radius, capsule_.radius, capsule_.radius + capsule_.half}; }
+
+  void note(double distance, double at, const Vec3d& on, std::uint32_t triangle, TrianglePart part) {
+    if (distance < nearest_.distance || (distance == nearest_.distance && triangle < nearest_.triangle)) {
+      nearest_ = {on, distance, triangle, part};
+      nearestAt_ = at;
+    }
+  }
+
+  void triangle(std::uint32_t t) {
+    Vec3d p[3];
+    cornersOf(mesh_, t, p);
+    face(t, p);
+    const Adjacency& adjacency = tree_.adjacency();
+    const Topology& topology = mesh_.topology();
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t half = 3 * t + k, edge = topology.edgeOf[half], twin = topology.twin[half];
+      if (edge != kNone && (twin == kNone || half < twin))
+        alongEdge(half, p[k], p[(k + 1) % 3], adjacency.flatEdge[edge]);
+      const std::uint32_t v = topology.weld[mesh_.triangles()[t].v[k]];
+      if (adjacency.first[v] != adjacency.first[v + 1] && adjacency.halfEdges[adjacency.first[v]] == half) {
+        corner(half, v, p[k]);
+      }
+    }
+  }
+
+  /// Whether a contact along `away` at an inner point of the axis, or at an end of it, is one of the capsule: there its
+  /// surface faces that way.
+  bool faces(double at, double alongAxis) const {
+    if (std::fabs(alongAxis) <= kAlong) return true;
+    const double rounding = 1e-9 * (length_ + capsule_.radius);
+    return alongAxis > 0 ? at >= length_ - rounding : at <= rounding;
+  }
+
+  /// Where the axis is above the triangle.
+  void face(std::uint32_t t, const Vec3d* p) {
+    const Vec3d n = unit(otgCross(otgSub(p[1], p[0]), otgSub(p[2], p[0])));
+    const double rise = otgDot(n, capsule_.direction), base = otgDot(n, otgSub(start_, p[0]));
+    const double end = base + rise * length_;
+    if (std::min(base, end) > capsule_.radius || std::max(base, end) < -capsule_.radius) return;
+    double low = 0, high = length_;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d inward = otgCross(n, otgSub(p[(k + 1) % 3], p[k]));
+      const double from = otgDot(inward, otgSub(start_, p[k])), speed = otgDot(inward, capsule_.direction);
+      if (speed > 0) {
+        low = std::max(low, -from / speed);
+      } else if (speed < 0) {
+        high = std::min(high, -from / speed);
+      } else if (from < 0) {
+        return;
+      }
+    }
+    if (!(low <= high)) return;
+    const double first = base + rise * low, last = base + rise * high;
+    if (first * last <= 0) {
+      crosses_ = true;
+      return;
+    }
+    const double side = first > 0 ? 1 : -1;
+    for (const double at : {low, high}) {
+      const double height = side * (base + rise * at);
+      if (height >= capsule_.radius) continue;
+      note(height, at, otgSub(axisPoint(at), otgScale(n, side * height)), t, TrianglePart::kFace);
+      if (kind_ != SurfaceKind::kShell && side < 0) continue;
+      const Vec3d away = otgScale(n, -side);
+      if (faces(at, otgDot(away, capsule_.direction))) places_.push_back({height, at, away, t});
+    }
+  }
+
+  void alongEdge(std::uint32_t half, const Vec3d& a, const Vec3d& b, bool isFlat) {
+    const PointPair nearest = closestOnSegments(start_, axisPoint(length_), a, b);
+    if (nearest.distance2 >= capsule_.radius * capsule_.radius) return;
+    const double at = otgDot(otgSub(nearest.a, start_), capsule_.direction);
+    const TrianglePart part = nearest.b == a   ? partOf(TrianglePart::kCorner0, half)
+                              : nearest.b == b ? partOf(TrianglePart::kCorner0, half + 1)
+                                               : partOf(TrianglePart::kEdge0, half);
+    note(std::sqrt(nearest.distance2), at, nearest.b, half / 3, part);
+    if (isFlat) return;
+    if (nearest.b != a && nearest.b != b) offerEdge(half, at, nearest.b);
+    const Vec3d d = otgSub(b, a);
+    const double dd = otgDot(d, d), speed = otgDot(d, capsule_.direction);
+    if (speed * speed < dd * (1 - kAlong * kAlong)) return;
+    // It runs along the axis: the ends of what they have in common.
+    const double atA = otgDot(otgSub(a, start_), capsule_.direction), atB = atA + speed;
+    for (const double end : {std::clamp(atA, 0.0, length_), std::clamp(atB, 0.0, length_)}) {
+      const double s = std::clamp(otgDot(otgSub(axisPoint(end), a), d) / dd, 0.0, 1.0);
+      offerEdge(half, end, otgAdd(a, otgScale(d, s)));
+    }
+  }
+
+  void offerEdge(std::uint32_t half, double at, const Vec3d& on) {
+    const Vec3d toAxis = otgSub(axisPoint(at), on);
+    if (isMinimumOfEdge(tree_, half, on, toAxis, rounding_)) offer(half, TrianglePart::kEdge0, at, toAxis);
+  }
+
+  void corner(std::uint32_t half, std::uint32_t vertex, const Vec3d& on) {
+    const double at = std::clamp(otgDot(otgSub(on, start_), capsule_.direction), 0.0, length_);
+    const Vec3d toAxis = otgSub(axisPoint(at), on);
+    if (otgDot(toAxis, toAxis) >= capsule_.radius * capsule_.radius || tree_.adjacency().flatVertex[vertex] != 0)
+      return;
+    if (isMinimumOfVertex(tree_, vertex, toAxis, rounding_)) offer(half, TrianglePart::kCorner0, at, toAxis);
+  }
+
+  /// A half-edge, or the corner that it leaves.
+  void offer(std::uint32_t half, TrianglePart first, double at, const Vec3d& toAxis) {
+    const double distance = norm(toAxis);
+    if (!(distance > 0) || distance >= capsule_.radius) return;
+    const Vec3d away = otgScale(toAxis, -1 / distance);
+    if (!faces(at, otgDot(away, capsule_.direction))) return;
+    // Seen from behind: through a thin wall, or past a rim.
+    const SurfacePoint on{otgSub(axisPoint(at), toAxis), distance, half / 3, partOf(first, half)};
+    if (kind_ != SurfaceKind::kShell && otgDot(away, outwardNormal(tree_, on)) > 0) return;
+    places_.push_back({distance, at, away, half / 3});
+  }
+
+  static TrianglePart partOf(TrianglePart first, std::uint32_t half) {
+    return static_cast<TrianglePart>(static_cast<std::uint32_t>(first) + half % 3);
+  }
+
+  const CollisionMesh& tree_;
+  const TriMesh& mesh_;
+  const SurfaceKind kind_;
+  const Capsule& capsule_;
+  const Vec3d start_;
+  const double length_, rounding_;
+  std::pmr::vector<Place>& places_;
+  bool crosses_ = false;
+  SurfacePoint nearest_;
+  double nearestAt_ = 0;
+};
+
+/// Of places with nearly the same normal the deepest and the two outermost.
+void keepOutermost(const Capsule& capsule, std::pmr::vector<Place>& places, std::vector<Contact>& out) {
+  std::sort(places.begin(), places.end(), [](const Place& x, const Place& y) {
+    if (x.distance != y.distance) return x.distance < y.distance;
+    return x.at != y.at ? x.at < y.at : x.triangle < y.triangle;
+  });
+  const double apart = kSamePlace * 2 * (capsule.half + capsule.radius);
+  const std::size_t first = out.size();
+  std::uint32_t number = 0;
+  for (auto begin = places.begin(); begin != places.end(); ++number) {
+    const auto end = std::stable_partition(begin, places.end(),
+                                           [&](const Place& p) { return otgDot(p.away, begin->away) > kSameNormal; });
+    const auto [low, high] =
+        std::minmax_element(begin, end, [](const Place& x, const Place& y) { return x.at < y.at; });
+    const auto add = [&](const Place& p) {
+      const double depth = capsule.radius - p.distance;
+      const Vec3d on = otgAdd(capsule.middle, otgScale(capsule.direction, p.at - capsule.half));
+      Contact contact{otgAdd(on, otgScale(p.away, p.distance + 0.5 * depth)),
+                      p.away,
+                      depth,
+                      p.triangle,
+                      kNone,
+                      number,
+                      ContactFeature::kFaceA};
+      contact.coherence = 1;
+      out.push_back(contact);
+    };
+    const bool isLowApart = begin->at - low->at > apart, isHighApart = high->at - begin->at > apart;
+    // Between ends that are as deep and have its normal the deepest holds nothing.
+    const double outer = capsule.radius - std::min(low->distance, high->distance);
+    const bool isBetween = isLowApart && isHighApart && capsule.radius - begin->distance <= kDeeper * outer &&
+                           otgDot(begin->away, low->away) > kFlat && otgDot(begin->away, high->away) > kFlat;
+    if (!isBetween) add(*begin);
+    if (isLowApart) add(*low);
+    if (isHighApart) add(*high);
+    begin = end;
+  }
+  std::stable_sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
+                   [](const Contact& x, const Contact& y) { return x.depth > y.depth; });
+}
+
+}  // namespace
+
+bool capsuleContacts(const CollisionMesh& tree, const Capsule& capsule, std::vector<Contact>& out) {
+  std::byte buffer[kPlacesAtHand * sizeof(Place)];
+  std::pmr::monotonic_buffer_resource memory(buffer, sizeof buffer);
+  std::pmr::vector<Place> places(&memory);
+  places.reserve(kPlacesAtHand - 1);
+  if (!Finder(tree, capsule, places).run()) return false;
+  keepOutermost(capsule, places, out);
+  return true;
+}
+
+}  // namespace otg
