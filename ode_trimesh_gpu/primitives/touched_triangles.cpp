@@ -65,7 +65,7 @@ std::vector<std::uint32_t> trianglesTouching(const CollisionMesh& mesh, const Ha
 }
 
 std::vector<std::uint32_t> trianglesTouching(const CollisionMesh& mesh, const Vec3d& center, double radius) {
-  std::vector<SurfacePoint> points;
+  std::pmr::vector<SurfacePoint> points;
   trianglesWithin(mesh, center, radius, points);
   std::vector<std::uint32_t> found;
   for (const SurfacePoint& p : points) found.push_back(p.triangle);
