@@ -3,6 +3,7 @@
 // leaves that it meets. OTG_GROUP is the size of work-groups, a multiple of 8; OTG_LEAF the most triangles of a leaf.
 // OTG_SMALL, OTG_MEDIUM: see batchReduce.
 #define OTG_PAIR_SPACE __local
+#define OTG_FUSED
 #include "pair_stack.h"
 
 /// The pair that is the group's: the g-th of the lists that batchPrepare made.
@@ -28,7 +29,9 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchWalk(
   __local uint ownCount, ownBegin, undecided, sure, found;
   __local uint classes[OTG_CLASSES];
   const uint lane = get_local_id(0), lanesPerLeaf = OTG_LEAF * OTG_LEAF;
-  uint stacked = 0, tested = 0;
+  // Triangles as soon as all lanes have one pair to test, if one hit ends it all; else more at once.
+  const uint enough = anyHit ? max(1u, OTG_GROUP / lanesPerLeaf) : 2 * OTG_GROUP;
+  uint stacked = 0;
   for (uint k = lane; k < OTG_CLASSES; k += OTG_GROUP) classes[k] = counters[OTG_COUNT_CLASS + k];
   barrier(CLK_LOCAL_MEM_FENCE);
   if (lane == 0) found = otgPairOfGroup(classes, order, orderRoom);
@@ -49,7 +52,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchWalk(
     pair.a = places[pairs[number].meshA];
     pair.b = places[pairs[number].meshB];
   }
-  otgBeginWalk(&walk);
+  otg_lane_walk tally = otgBeginWalk(&walk);
   if (lane == 0) {
     ownCount = 0;
     undecided = 0;
@@ -59,26 +62,22 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchWalk(
   if (lane == 0 && isThere) {
     const otg_device_pair here = pair;
     const otg_node a = otgLoadNode(meshes, here.a.nodes, 0), b = otgLoadNode(meshes, here.b.nodes, 0);
-    walk.boxTests = 1;
+    ++tally.boxes;
     if (otgOverlap(&here.boxes, a.center, a.extent, otgMoveBox(&here.boxes, b.center, b.extent))) {
-      if (a.count < 0 && b.count < 0) {
-        walk.ended[walk.endedCount++] = (uint2)(0, 0);
-      } else {
-        stack[walk.pushed++] = (uint2)(0, 0);
-      }
+      otgKeepPair(&walk, stack, walk.pushed, (uint2)(0, 0), &a, &b);
     }
   }
   barrier(CLK_LOCAL_MEM_FENCE);
-  stacked = walk.pushed;
+  stacked = walk.pushed[0];
   barrier(CLK_LOCAL_MEM_FENCE);
-  if (lane == 0) walk.pushed = 0;
+  if (lane == 0) walk.pushed[0] = 0;
   // `stacked` and the loop itself are the same for all lanes.
   for (int more = stacked > 0 || walk.endedCount > 0; more;) {
-    if (stacked > 0) stacked = otgWalkRound(meshes, &pair, &walk, stack, stackSize, stacked);
-    if (walk.endedCount >= 2 * OTG_GROUP || stacked == 0) {
+    if (stacked > 0) stacked = otgWalkRound(meshes, &pair, &walk, stack, stackSize, stacked, &tally);
+    if (walk.endedCount >= enough || stacked == 0) {
       for (uint t = lane; t < walk.endedCount * lanesPerLeaf; t += OTG_GROUP) {
         uint2 hit;
-        const int answer = otgTestLeaves(meshes, &pair, walk.ended[t / lanesPerLeaf], t % lanesPerLeaf, &hit, &tested);
+        const int answer = otgTestLeaves(meshes, &pair, walk.ended[t / lanesPerLeaf], t % lanesPerLeaf, &hit, &tally);
         if (answer == OTG_DISJOINT) continue;
         if (anyHit && answer == OTG_INTERSECTING) {
           sure = 1;
@@ -97,9 +96,9 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchWalk(
       barrier(CLK_LOCAL_MEM_FENCE);
       if (lane == 0) walk.endedCount = 0;
       if (anyHit && sure > 0) stacked = 0;
+      barrier(CLK_LOCAL_MEM_FENCE);
     }
     more = stacked > 0;
-    barrier(CLK_LOCAL_MEM_FENCE);
   }
   const uint kept = min(ownCount, (uint)OTG_MEDIUM);
   if (lane == 0 && isThere) {
@@ -123,5 +122,5 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchWalk(
     hits[ownBegin + i].a = own[i].x;
     hits[ownBegin + i].b = own[i].y;
   }
-  otgEndWalk(&walk, tested, counters);
+  otgEndWalk(&walk, &tally, counters);
 }

@@ -4,6 +4,7 @@
 //
 // No kernel waits for another work-group, and the host decides nothing in between: each kernel reads on the device how
 // much there is to do. OTG_GROUP is the size of work-groups, a multiple of 64.
+#define OTG_FUSED
 #include "pair_stack.h"
 //
 #include "pair_state.h"
@@ -72,7 +73,9 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairCut(
   for (uint k = 0; k < tile; ++k) {
     if (!(mask >> k & 1)) continue;
     if (a.count < 0 && nodesB[k].y < 0) {
-      if (ended < leafCapacity) leaves[ended] = (uint2)(a.first, nodesB[k].x);
+      const otg_node leafA = otgLoadNode(meshes, pair.a.nodes, a.first),
+                     leafB = otgLoadNode(meshes, pair.b.nodes, nodesB[k].x);
+      if (ended < leafCapacity) leaves[ended] = otgPairOfLeaves(&leafA, &leafB);
       ++ended;
     } else {
       if (inner < outCapacity) out[inner] = (uint2)(a.first, nodesB[k].x);
@@ -96,7 +99,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairLevel(
     const uint item = begin + lane / 64, i = lane % 64 / 8, j = lane % 8;
     uint slot = 0;
     int hit = 0, ended = 0;
-    uint2 next = (uint2)(0, 0);
+    uint2 next = (uint2)(0, 0), pairOfLeaves = (uint2)(0, 0);
     if (lane == 0) {
       round.inner = 0;
       round.leaves = 0;
@@ -119,6 +122,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairLevel(
         }
         hit = otgOverlap(&pair.boxes, a.center, a.extent, otgMoveBox(&pair.boxes, b.center, b.extent));
         ended = a.count < 0 && b.count < 0;
+        if (ended) pairOfLeaves = otgPairOfLeaves(&a, &b);
       }
     }
     if (hit) slot = atomic_inc(ended ? &round.leaves : &round.inner);
@@ -128,7 +132,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairLevel(
     barrier(CLK_LOCAL_MEM_FENCE);
     if (hit && ended) {
       slot += round.leavesBase;
-      if (slot < leafCapacity) leaves[slot] = next;
+      if (slot < leafCapacity) leaves[slot] = pairOfLeaves;
     } else if (hit) {
       slot += round.innerBase;
       if (slot < outCapacity) out[slot] = next;
@@ -139,61 +143,60 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairLevel(
 }
 
 /// Tests triangles and lists those that may intersect.
-inline static void otgTestAndList(__global const float4* meshes, const otg_device_pair* pair, uint2 nodes, uint t,
-                                  __global uint* counters, __global uint2* hits, uint hitCapacity, uint* tested) {
+inline static void otgTestAndList(__global const float4* meshes, const otg_device_pair* pair, uint2 leaves, uint t,
+                                  __global uint* counters, __global uint2* hits, uint hitCapacity, otg_lane_walk* own) {
   uint2 hit;
-  const int answer = otgTestLeaves(meshes, pair, nodes, t, &hit, tested);
+  const int answer = otgTestLeaves(meshes, pair, leaves, t, &hit, own);
   if (answer == OTG_DISJOINT) return;
   const uint slot = otgTakeHit(counters, answer);
   if (slot < hitCapacity) hits[slot] = hit;
 }
 
-/// What `level` levels leave (counters[level] pairs), depth-first: see otgWalkRound.
+/// What `level` levels leave (counters[level] pairs), depth-first: see otgWalkRound. Each work-group begins with as
+/// many pairs as it can open at once, taken from all over the list, so that no group has all those of one place; what
+/// is left of a long list is taken by ticket.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairTail(
     const otg_device_pair pair, __global const float4* restrict meshes, __global uint* restrict counters, uint level,
     __global const uint2* restrict seeds, uint seedCapacity, __global const uint2* restrict leaves, uint leafCapacity,
     __global uint2* restrict hits, uint hitCapacity, uint stackSize, __local uint2* stack) {
   __local otg_walk walk;
   __local uint firstSeed;
-  const uint lane = get_local_id(0), lanesPerLeaf = OTG_LEAF * OTG_LEAF;
+  const uint lane = get_local_id(0), group = get_group_id(0), groups = get_num_groups(0);
+  const uint lanesPerLeaf = OTG_LEAF * OTG_LEAF, perTicket = OTG_GROUP / 16;
   const uint seedCount = min(counters[level], seedCapacity);
   const uint leafCount = min(counters[OTG_COUNT_LEAVES], leafCapacity);
-  // Few seeds for many groups: one at a time, else the unlucky group decides the time. Many: several for one ticket.
-  const uint perTicket = clamp(seedCount / (4 * (uint)get_num_groups(0)), 1u, (uint)(OTG_GROUP / 8));
-  uint tested = 0, stacked = 0;
-  int more = 1, firstTicket = 1;
-  otgBeginWalk(&walk);
+  const uint share = min((uint)OTG_GROUP / 8, stackSize - otgRoomForOne(&pair)), dealt = share * groups;
+  otg_lane_walk own = otgBeginWalk(&walk);
+  int more = seedCount > dealt;
+  uint stacked = seedCount > group ? min(share, (seedCount - group - 1) / groups + 1) : 0;
+  if (lane < stacked) stack[lane] = otgPairToOpenOf(meshes, &pair, seeds[group + lane * groups]);
   // The leaves that the levels met.
   for (uint t = get_global_id(0); t < leafCount * lanesPerLeaf; t += get_global_size(0)) {
-    otgTestAndList(meshes, &pair, leaves[t / lanesPerLeaf], t % lanesPerLeaf, counters, hits, hitCapacity, &tested);
+    otgTestAndList(meshes, &pair, leaves[t / lanesPerLeaf], t % lanesPerLeaf, counters, hits, hitCapacity, &own);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   // `more`, `stacked` and the loop itself are the same for all lanes of a group.
   while (more || stacked > 0) {
-    if (stacked == 0) {
-      if (lane == 0) {
-        firstSeed = firstTicket
-                        ? (uint)get_group_id(0) * perTicket
-                        : get_num_groups(0) * perTicket + atomic_add(counters + OTG_COUNT_SEED_TICKET, perTicket);
-      }
+    if (more && stacked < perTicket) {
+      if (lane == 0) firstSeed = dealt + atomic_add(counters + OTG_COUNT_SEED_TICKET, perTicket);
       barrier(CLK_LOCAL_MEM_FENCE);
-      firstTicket = 0;
       more = firstSeed < seedCount;
-      stacked = more ? min(perTicket, seedCount - firstSeed) : 0;
-      if (lane < stacked) stack[lane] = seeds[firstSeed + lane];
+      const uint taken = more ? min(perTicket, seedCount - firstSeed) : 0;
+      if (lane < taken) stack[stacked + lane] = otgPairToOpenOf(meshes, &pair, seeds[firstSeed + lane]);
+      stacked += taken;
       barrier(CLK_LOCAL_MEM_FENCE);
     }
-    if (stacked > 0) stacked = otgWalkRound(meshes, &pair, &walk, stack, stackSize, stacked);
+    if (stacked > 0) stacked = otgWalkRound(meshes, &pair, &walk, stack, stackSize, stacked, &own);
     // Triangles when all lanes have some to test, or there is nothing else left to do.
     if (walk.endedCount >= 2 * OTG_GROUP || (!more && stacked == 0)) {
       for (uint t = lane; t < walk.endedCount * lanesPerLeaf; t += OTG_GROUP) {
         otgTestAndList(meshes, &pair, walk.ended[t / lanesPerLeaf], t % lanesPerLeaf, counters, hits, hitCapacity,
-                       &tested);
+                       &own);
       }
       barrier(CLK_LOCAL_MEM_FENCE);
       if (lane == 0) walk.endedCount = 0;
+      barrier(CLK_LOCAL_MEM_FENCE);
     }
-    barrier(CLK_LOCAL_MEM_FENCE);
   }
-  otgEndWalk(&walk, tested, counters);
+  otgEndWalk(&walk, &own, counters);
 }

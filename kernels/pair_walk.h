@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the kernels that walk two trees have in common: nodes, box tests, triangle tests, lists.
 //
-// OTG_LEAF is the most triangles that a leaf holds.
+// OTG_LEAF is the most triangles that a leaf holds. With OTG_FUSED multiplications and additions of single precision
+// may be fused: all that they decide has a bound on its error, and fewer roundings keep it.
 #ifndef OTG_PAIR_WALK_H
 #define OTG_PAIR_WALK_H
+#include "shared/platform.h"
+#ifdef OTG_FUSED
+#pragma OPENCL FP_CONTRACT ON
+#endif
 #define OTG_REAL_FLOAT
 #include "shared/box_test.h"
 #include "shared/triangle_test.h"
 #undef OTG_REAL_FLOAT
+#pragma OPENCL FP_CONTRACT OFF
 #ifdef OTG_WITH_DOUBLE
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 #endif
@@ -50,6 +56,12 @@ inline static int otgOverlap(const otg_box_frame_f* frame, otg_vec3_f centerA, o
 
 inline static float otgArea(otg_vec3_f e) {
   return e.x * e.y + e.y * e.z + e.z * e.x;
+}
+
+/// A pair of leaves, ready for the triangles to be tested: the place of the first one and, in three bits, how many
+/// there are, minus one.
+inline static uint2 otgPairOfLeaves(const otg_node* a, const otg_node* b) {
+  return (uint2)((uint)a->first << 3 | (uint)(-a->count - 1), (uint)b->first << 3 | (uint)(-b->count - 1));
 }
 
 /// Adds to a counter of two words.
