@@ -87,7 +87,9 @@ Result cliff(const Case& run, double overhang) {
   Rig rig(run);
   const Vec slab(4, 4, 1);
   rig.addStatic(boxShape(slab), {-2, 0, -0.5});
-  rig.addBody(unitBox(), {overhang, 0, 0.5});
+  // A micrometre above: after a step from exact contact it is rounding that says which corners touch, and QuickStep
+  // starts to rock ODE's own box as well.
+  rig.addBody(unitBox(), {overhang, 0, 0.5 + 1e-6});
   double toppled = 0;
   rig.run(overhang > 0 ? 3 : 10, [&] {
     if (toppled == 0 && rig.tilt(0) > 30) toppled = rig.time();
@@ -122,7 +124,9 @@ Scene cliffInside(const char* name, bool small) {
     if (!small || run.stepping.stepper == Stepper::kWorld) return result;
     const auto [drift, tilt] = worstOfNative(run);
     result.measures["drift_of_native"] = result.measures["drift"] / drift;
-    result.measures["tilt_of_native"] = result.measures["tilt"] / tilt;
+    // What has turned by more has fallen over the edge, and when in its fall the ten seconds end says nothing.
+    constexpr double kFallen = 45;
+    result.measures["tilt_of_native"] = std::min(result.measures["tilt"], kFallen) / std::min(tilt, kFallen);
     return result;
   };
   scene.limits = {atMost("drift", 1e-4), atMost("tilt", 0.05), atMost("energy_gain", 1e-3)};

@@ -87,16 +87,30 @@ Scene rollingSphere() {
   scene.what = "A sphere of 5,120 facets rolls at 1 m/s for 8 s; native is ODE's mesh of it on a plane";
   scene.run = [](const Case& run) {
     constexpr double kRadius = 0.5;
-    Rig rig(run);
+    // At 1/60 s a facet lasts two steps. The sphere is soon so slow that it is chance in which it is caught: single
+    // runs of ODE's own mesh end with 0 to 0.1 m/s. The mean over orientations is what can be compared.
+    const int runs = run.dt > 0.01 ? 400 : 1;
     const ShapePointer ground =
         makeStaticShape(scenes::makeGround(40, 1, 20), {{NativeGeom::Kind::kPlane, Vec::Zero(), Vec::Zero()}});
-    rig.addStatic(ground, {0, 0, 0});
-    rig.addBody(makeShape(scenes::makeSphere(kRadius, 4), {{NativeGeom::Kind::kTriMesh, Vec::Zero(), Vec::Zero()}}),
-                {-4.13, 0.071, kRadius});
-    rig.setVelocity(0, {1, 0, 0}, {0, 1 / kRadius, 0});
-    rig.run(8);
-    Result result = resultOf(rig);
-    result.measures["speed"] = rig.velocity(0).head<2>().norm();
+    const ShapePointer sphere =
+        makeShape(scenes::makeSphere(kRadius, 4), {{NativeGeom::Kind::kTriMesh, Vec::Zero(), Vec::Zero()}});
+    std::mt19937 random(1);
+    const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0 * 2 - 1; };
+    Result result;
+    double speed = 0, gain = 0;
+    for (int i = 0; i < runs; ++i) {
+      const double w = uniform(), x = uniform(), y = uniform(), z = uniform();
+      Rig rig(run);
+      rig.addStatic(ground, {0, 0, 0});
+      rig.addBody(sphere, {-4.13, 0.071, kRadius}, i == 0 ? Rotation::Identity() : Rotation(w, x, y, z).normalized());
+      rig.setVelocity(0, {1, 0, 0}, {0, 1 / kRadius, 0});
+      rig.run(8);
+      if (i == 0) result = resultOf(rig);
+      speed += rig.velocity(0).head<2>().norm();
+      gain = std::max(gain, rig.measures().at("energy_gain"));
+    }
+    result.measures["speed"] = speed / runs;
+    result.measures["energy_gain"] = gain;
     return result;
   };
   scene.limits = {ofNative("speed", Limit::Kind::kAtLeastTimesNative, 0.95), atMost("speed", 1.001),
@@ -110,7 +124,9 @@ Scene gearPair() {
   Scene scene;
   scene.name = "gear_pair";
   scene.family = "curved";
-  scene.what = "A gear on a motor drives an equal one on a braked hinge for 20 s: mean speed and ripple";
+  scene.what =
+      "A gear on a motor drives an equal one on a braked hinge for 20 s: mean speed and ripple; native is its flanks "
+      "as boxes";
   scene.run = [](const Case& run) {
     constexpr double kSpeed = 2, kPitchRadius = 1;
     constexpr int kTeeth = 20;
@@ -118,7 +134,7 @@ Scene gearPair() {
     options.gravity = Vec::Zero();
     options.mu = 0.1;
     Rig rig(run, options);
-    const ShapePointer gear = makeShape(scenes::makeGear(kTeeth, kPitchRadius, 0.2, 0.3, 0.3));
+    const ShapePointer gear = gearShape(kTeeth, kPitchRadius, 0.2, 0.3, 0.3);
     const int driver = rig.addBody(gear, {0, 0, 0});
     // Both gears have a tooth along +x; the one on the right turns a gap towards the driver.
     const int driven = rig.addBody(gear, {2 * kPitchRadius + 0.02, 0, 0}, about(Vec::UnitZ(), 180 + 180.0 / kTeeth));
@@ -142,9 +158,8 @@ Scene gearPair() {
     return result;
   };
   scene.limits = {atLeast("mean_speed", 0.99), atMost("mean_speed", 1.01), atMost("ripple", 0.3),
-                  atMost("depth_per_5ms", 0.01)};
+                  ofNative("ripple", Limit::Kind::kWithinShareOfNative, 0.05), atMost("depth_per_5ms", 0.01)};
   scene.steppings = {kW, kQ50};
-  scene.hasNative = false;
   scene.seconds = 20;
   return scene;
 }

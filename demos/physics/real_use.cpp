@@ -126,7 +126,7 @@ Result gearMinute(const Case& run) {
   options.gravity = Vec::Zero();
   options.mu = 0.1;
   Rig rig(run, options);
-  const ShapePointer gear = makeShape(scenes::makeGear(kTeeth, kPitchRadius, 0.2, 0.3, 0.3));
+  const ShapePointer gear = gearShape(kTeeth, kPitchRadius, 0.2, 0.3, 0.3);
   const int driver = rig.addBody(gear, {0, 0, 0});
   const int driven = rig.addBody(gear, {2 * kPitchRadius + 0.02, 0, 0}, about(Vec::UnitZ(), 180 + 180.0 / kTeeth));
   rig.addMotor(driver, Vec::UnitZ(), kSpeed, 100);
@@ -225,8 +225,11 @@ std::vector<Scene> realUseScenes() {
       realScene("real_heap", "Thirty scanned figures fall on a heap: at rest within 10 s, no energy gain",
                 {"armadillo_4.ply"}, &heapOfArmadillos)};
   scenes[0].limits = {atMost("apart", 1), atMost("gain_when_free", 1e-6)};
-  scenes[1].limits = {atLeast("mean_speed", 0.99), atMost("mean_speed", 1.01), atMost("depth_per_5ms", 0.01)};
+  scenes[1].limits = {atLeast("mean_speed", 0.99), atMost("mean_speed", 1.01), atMost("depth_per_5ms", 0.01),
+                      ofNative("mean_torque", Limit::Kind::kWithinShareOfNative, 0.1),
+                      ofNative("torque_ripple", Limit::Kind::kWithinShareOfNative, 0.05)};
   scenes[1].axes = kAxisBuffer;
+  scenes[1].hasNative = true;
   scenes[2].limits = {atLeast("share", 0.7), atMost("energy_gain", 0.05)};
   scenes[3].limits = {atMost("energy_gain", 0.05), atMost("ke_each", 0.01), atLeast("lowest", 0.1)};
   scenes[3].steppings = {kQ20};

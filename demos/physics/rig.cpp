@@ -185,8 +185,7 @@ void Rig::makeGeomsOf(const Item& item) {
     return *mesh;
   };
   if (run_.form != Form::kNative) {
-    place(run_.form == Form::kStock ? scaled().makeStock(space_) : scaled().makeOurs(space_, run_.model), item,
-          Vec::Zero());
+    place(run_.form == Form::kStock ? scaled().makeStock(space_) : scaled().makeOurs(space_, run_.model), item, {});
     return;
   }
   if (item.shape->native.empty()) throw std::runtime_error("the scene has no native form");
@@ -194,10 +193,10 @@ void Rig::makeGeomsOf(const Item& item) {
     const Vec size = run_.size * native.size;
     switch (native.kind) {
       case NativeGeom::Kind::kBox:
-        place(dCreateBox(space_, size.x(), size.y(), size.z()), item, native.center);
+        place(dCreateBox(space_, size.x(), size.y(), size.z()), item, native);
         break;
       case NativeGeom::Kind::kSphere:
-        place(dCreateSphere(space_, size.x()), item, native.center);
+        place(dCreateSphere(space_, size.x()), item, native);
         break;
       case NativeGeom::Kind::kPlane: {
         const Vec n = item.rotation * Vec::UnitZ();
@@ -205,23 +204,28 @@ void Rig::makeGeomsOf(const Item& item) {
         break;
       }
       case NativeGeom::Kind::kTriMesh:
-        place(scaled().makeStock(space_), item, Vec::Zero());
+        place(scaled().makeStock(space_), item, {});
         break;
     }
   }
 }
 
-void Rig::place(dGeomID geom, const Item& item, const Vec& center) {
+void Rig::place(dGeomID geom, const Item& item, const NativeGeom& native) {
+  const Vec& center = native.center;
+  dQuaternion q;
   if (item.body >= 0) {
     dGeomSetBody(geom, bodies_[item.body].id);
     if (!center.isZero())
       dGeomSetOffsetPosition(geom, run_.size * center.x(), run_.size * center.y(), run_.size * center.z());
+    if (native.rotation.w() != 1) {
+      setQuaternion(q, native.rotation);
+      dGeomSetOffsetQuaternion(geom, q);
+    }
     return;
   }
   const Vec p = toWorld(item.position + item.rotation * center);
   dGeomSetPosition(geom, p.x(), p.y(), p.z());
-  dQuaternion q;
-  setQuaternion(q, item.rotation);
+  setQuaternion(q, item.rotation * native.rotation);
   dGeomSetQuaternion(geom, q);
 }
 

@@ -114,7 +114,7 @@ class Rig {
   };
   void makeGeoms();
   void makeGeomsOf(const Item& item);
-  void place(dGeomID geom, const Item& item, const Vec& center);
+  void place(dGeomID geom, const Item& item, const NativeGeom& native);
   struct ScaledMesh;
   struct Motor {
     dJointID joint;

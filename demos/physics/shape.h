@@ -24,6 +24,7 @@ struct NativeGeom {
   Kind kind = Kind::kBox;
   Vec size{1, 1, 1};
   Vec center{0, 0, 0};
+  Rotation rotation = Rotation::Identity();
 };
 
 struct Shape {
@@ -45,6 +46,8 @@ ShapePointer makeStaticShape(scenes::MeshArrays mesh, std::vector<NativeGeom> na
 ShapePointer boxShape(const Vec& size, int n = 1);
 /// Slab with its top at z = 0, divided into n x n x 2 triangles.
 ShapePointer groundShape(double size, double thickness, int n);
+/// scenes::makeGear; native: the flanks of its teeth as boxes.
+ShapePointer gearShape(int teeth, double pitchRadius, double toothDepth, double width, double boreRadius);
 
 Rotation about(const Vec& axis, double degrees);
 

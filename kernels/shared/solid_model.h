@@ -94,9 +94,11 @@ namespace otg {
 
 // Points -------------------------------------------------------------------------------------------------------------
 
-/// A crossing lies on both surfaces; it is measured this part of the region's diagonal further along its edge, and
-/// every point this part below its own surface.
+/// A crossing lies on both surfaces; it is measured this part of the region's diagonal further along its edge, or this
+/// part of the inside stretch if that is less: then one at the thin end of a wedge has no depth, as it should. Every
+/// point is measured this part below its own surface.
 #define OTG_SOLID_INWARD 1e-3
+#define OTG_SOLID_INWARD_OF_REACH 0.005
 #define OTG_SOLID_BELOW_SURFACE 1e-6
 
 /// A middle of a stretch that is not this much deeper than its ends are on average says nothing new.
@@ -243,7 +245,7 @@ OTG_GENERIC OTG_VEC3 OTG_NAME(otgLocalNormal)(OTG_VEC3 a, REAL areaA, OTG_VEC3 b
 /// Where a candidate is measured: a little inside the region.
 OTG_GENERIC OTG_VEC3 OTG_NAME(otgProbe)(OTG_VEC3 position, OTG_VEC3 along, REAL reach, OTG_VEC3 surfaceNormal,
                                         otg_int kind, REAL diagonal, REAL thickness) {
-  const REAL far = OTG_REAL(OTG_SOLID_INWARD) * diagonal, most = OTG_REAL(0.5) * reach;
+  const REAL far = OTG_REAL(OTG_SOLID_INWARD) * diagonal, most = OTG_REAL(OTG_SOLID_INWARD_OF_REACH) * reach;
   const REAL inward = kind == OTG_POINT_CROSSING ? (most < far ? most : far) : OTG_REAL(0);
   const REAL ofExtent = OTG_REAL(OTG_SOLID_BELOW_SURFACE) * diagonal, ofDepth = OTG_REAL(0.01) * thickness;
   return OTG_NAME(otgSub)(OTG_NAME(otgAdd)(position, OTG_NAME(otgScale)(along, inward)),
