@@ -2,6 +2,7 @@
 // `otg bench build`: how long a mesh takes until it can collide.
 #include <fmt/format.h>
 
+#include "bvh/collision_mesh.h"
 #include "otg/bench.h"
 #include "otg/query_options.h"
 
@@ -23,10 +24,80 @@ std::string hashOfTree(const BinaryTree& tree) {
   return hash.hex();
 }
 
+/// Some vertices moved back and forth by a ten-thousandth of the mesh's size.
+std::vector<MovedVertex> shaken(const TriMesh& mesh, std::uint32_t first, std::uint32_t step, std::uint32_t count,
+                                int round) {
+  std::vector<MovedVertex> moved;
+  const float by = (round % 2 == 0 ? 1e-4f : -1e-4f) * mesh.radius();
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t v = first + i * step;
+    moved.push_back({v, otgAdd(mesh.vertices()[v], Vec3f{by, 0, 0})});
+  }
+  return moved;
+}
+
+/// What a mesh costs whose vertices move, until it can collide again by the defaults (eight-wide tree, solids).
+Json updateRow(const BenchMesh& entry, int repeat) {
+  const auto input = [](const TriMesh& mesh, std::vector<Vec3f>& vertices) {
+    vertices.resize(mesh.inputVertexCount());
+    for (std::uint32_t v = 0; v < mesh.vertices().size(); ++v) vertices[mesh.callerVertex(v)] = mesh.vertices()[v];
+    MeshInput in;
+    in.vertices = vertices.data();
+    in.vertexCount = vertices.size();
+    return in;
+  };
+  const auto ready = [](const CollisionMesh& mesh) {
+    mesh.wide();
+    mesh.adjacency();
+  };
+  MeshInput own;
+  own.vertices = entry.mesh->vertices().data();
+  own.vertexCount = entry.mesh->vertices().size();
+  own.indices = entry.mesh->triangles().data();
+  own.triangleCount = entry.mesh->triangleCount();
+  MeshResult built = buildTriMesh(own, {}, MeshOrder::kSpatial);
+  CollisionMesh mesh(std::move(built.mesh), BuildStrategy::kSah);
+  built = {};
+  ready(mesh);
+  const auto vertices = static_cast<std::uint32_t>(mesh.mesh().vertices().size());
+  const std::uint32_t some = std::max(1u, vertices / 100);
+  std::vector<Vec3f> arrays;
+  Json row;
+  row["mesh"] = entry.name;
+  row["triangles"] = mesh.mesh().triangleCount();
+  row["vertices"] = vertices;
+  row["moved"] = some;
+  row["whole_ms"] = median(repeatTimes(repeat, [&] {
+    const MeshInput all = input(mesh.mesh(), arrays);
+    return timeOnce([&] {
+      const MeshResult moved = moveVertices(mesh.mesh(), all);
+      const CollisionMesh after(moved.mesh, mesh);
+      ready(after);
+    });
+  }));
+  int round = 0;
+  const auto partial = [&](std::uint32_t first, std::uint32_t step, std::uint32_t count) {
+    return timeOnce([&] {
+      const auto moved = shaken(mesh.mesh(), first, step, count, round++);
+      if (!mesh.moveSome(moved)) throw InputError(entry.name + ": its vertices cannot be moved in place");
+    });
+  };
+  row["first_ms"] = partial(0, 1, 1);
+  row["patch_ms"] = median(repeatTimes(2 * repeat, [&] { return partial(vertices / 3, 1, some); }));
+  row["scattered_ms"] = median(repeatTimes(2 * repeat, [&] { return partial(0, vertices / some, some); }));
+  row["one_ms"] = median(repeatTimes(2 * repeat, [&] { return partial(vertices / 2, 1, 1); }));
+  Fnv1a hash;
+  const std::vector<Vec3f> places(mesh.mesh().vertices().begin(), mesh.mesh().vertices().end());
+  hash.add(places.data(), places.size() * sizeof(Vec3f));
+  hash.add(mesh.tree().nodes.data(), mesh.tree().nodes.size() * sizeof(BvhNode));
+  row["hash"] = hash.hex();
+  return row;
+}
+
 }  // namespace
 
 int benchBuild(const BenchOptions& options) {
-  Json rows = Json::array();
+  Json rows = Json::array(), updates = Json::array();
   for (const BenchMesh& entry : benchMeshes(options)) {
     progress(fmt::format("{}: {} triangles", entry.name, entry.mesh->triangleCount()));
     const double validate = validateMs(*entry.mesh, options.repeat);
@@ -50,8 +121,9 @@ int benchBuild(const BenchOptions& options) {
       row["hash"] = hashOfTree(tree);
       rows.push_back(row);
     }
+    updates.push_back(updateRow(entry, options.repeat));
   }
-  printBench({{"bench", "build"}, {"tables", {{"build", rows}}}}, options.json);
+  printBench({{"bench", "build"}, {"tables", {{"build", rows}, {"update", updates}}}}, options.json);
   return kOk;
 }
 

@@ -2,23 +2,25 @@
 // A mesh with its trees.
 #include "bvh/collision_mesh.h"
 
-#include <mutex>
+#include <optional>
+
+#include "bvh/tree_motion.h"
 
 namespace otg {
 
-struct CollisionMesh::Lazy {
-  std::once_flag quantizedOnce, noLeafOnce, wideOnce, adjacencyOnce;
-  QuantizedTree quantized;
-  NoLeafTree noLeaf;
-  WideTree wide;
-  Adjacency adjacency;
+/// All that moveSome() keeps between calls.
+struct CollisionMesh::Motion {
+  VertexMotion vertices;
+  std::optional<TreeMotion> tree;
+  std::optional<WidePlaces> wide;      ///< of the wide tree that is there
+  std::optional<NoLeafPlaces> noLeaf;  ///< of the no-leaf tree that is there
 };
 
 CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> mesh, BuildStrategy strategy)
-    : mesh_(std::move(mesh)), tree_(buildTree(*mesh_, strategy)), lazy_(std::make_unique<Lazy>()) {}
+    : mesh_(std::move(mesh)), tree_(buildTree(*mesh_, strategy)) {}
 
 CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> moved, const CollisionMesh& before)
-    : mesh_(std::move(moved)), tree_(before.tree_), lazy_(std::make_unique<Lazy>()) {
+    : mesh_(std::move(moved)), tree_(before.tree_) {
   refitTree(tree_, *mesh_);
   builtCost_ = before.builtCost_ > 0 ? before.builtCost_ : sahCost(before.tree_);
   if (sahCost(tree_) > kRebuildCost * builtCost_) {
@@ -28,28 +30,97 @@ CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> moved, const Collisi
 }
 
 CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> mesh, BinaryTree&& tree)
-    : mesh_(std::move(mesh)), tree_(std::move(tree)), lazy_(std::make_unique<Lazy>()) {}
+    : mesh_(std::move(mesh)), tree_(std::move(tree)) {}
 
 CollisionMesh::~CollisionMesh() = default;
 
 const QuantizedTree& CollisionMesh::quantized() const {
-  std::call_once(lazy_->quantizedOnce, [this] { lazy_->quantized = quantizeTree(tree_); });
-  return lazy_->quantized;
+  return quantized_.get([this] { return quantizeTree(tree_); });
 }
 
 const NoLeafTree& CollisionMesh::noLeaf() const {
-  std::call_once(lazy_->noLeafOnce, [this] { lazy_->noLeaf = makeNoLeafTree(tree_); });
-  return lazy_->noLeaf;
+  return noLeaf_.get([this] { return makeNoLeafTree(tree_); });
 }
 
 const WideTree& CollisionMesh::wide() const {
-  std::call_once(lazy_->wideOnce, [this] { lazy_->wide = makeWideTree(tree_); });
-  return lazy_->wide;
+  return wide_.get([this] { return makeWideTree(tree_); });
 }
 
 const Adjacency& CollisionMesh::adjacency() const {
-  std::call_once(lazy_->adjacencyOnce, [this] { lazy_->adjacency = buildAdjacency(*mesh_); });
-  return lazy_->adjacency;
+  return adjacency_.get([this] { return buildAdjacency(*mesh_); });
+}
+
+CollisionMesh::Motion& CollisionMesh::motion() {
+  if (motion_ == nullptr) motion_.reset(new Motion{VertexMotion(*mesh_), {}, {}, {}});
+  return *motion_;
+}
+
+std::uint32_t CollisionMesh::ownVertex(std::uint32_t ofCaller) {
+  return motion().vertices.ownVertex(ofCaller);
+}
+
+bool CollisionMesh::moveSome(std::span<const MovedVertex> moved) {
+  // A count of one is for good: only the holder could make another. The copy that is dropped at once orders what the
+  // last of the others did with the mesh before what is done to it here.
+  { const std::shared_ptr<const TriMesh> ordered = mesh_; }
+  if (mesh_.use_count() != 1) return false;
+  try {
+    Motion& m = motion();
+    if (!m.tree) m.tree.emplace(tree_, *mesh_);
+    if (wide_.made() != nullptr && !m.wide) {
+      WidePlaces places;
+      wide_.set(makeWideTree(tree_, &places.lane));
+      m.wide = std::move(places);
+    }
+    if (noLeaf_.made() != nullptr && !m.noLeaf) m.noLeaf = noLeafPlaces(tree_);
+    m.vertices.plan(*mesh_, moved);
+    m.tree->plan(tree_, m.vertices.triangles());
+    auto alive = std::make_shared<const char>('\0');
+    if (builtCost_ == 0) builtCost_ = sahCost(tree_);
+    // Every mesh is made as an object that is not const (TriMeshBuilder, TriMeshParts); shared it is const.
+    if (!m.vertices.move(const_cast<TriMesh&>(*mesh_))) {
+      motion_.reset();
+      return false;
+    }
+    alive_ = std::move(alive);
+  } catch (...) {
+    motion_.reset();
+    throw;
+  }
+  Motion& m = *motion_;
+  m.tree->refit(tree_, *mesh_);
+  const std::span<const std::uint32_t> nodes = m.tree->nodes();
+  if (WideTree* const wide = wide_.made()) refitLayout(*wide, *m.wide, tree_, nodes);
+  if (NoLeafTree* const noLeaf = noLeaf_.made()) refitLayout(*noLeaf, *m.noLeaf, tree_, nodes);
+  if (QuantizedTree* const quantized = quantized_.made()) {
+    if (!refitLayout(*quantized, tree_, nodes)) quantized_.reset();
+  }
+  if (Adjacency* const adjacency = adjacency_.made()) {
+    try {
+      updateAdjacency(*adjacency, *mesh_, m.vertices.triangles());
+    } catch (const std::bad_alloc&) {
+      adjacency_.reset();  // to be built when it is asked for
+    }
+  }
+  rebuildIfWorn();
+  return true;
+}
+
+/// Builds the tree anew if refitting has made it too bad. For want of memory it stays as it is, which is right if slow.
+void CollisionMesh::rebuildIfWorn() {
+  if (motion_->tree->cost(tree_) <= kRebuildCost * builtCost_) return;
+  try {
+    tree_ = buildTree(*mesh_, tree_.strategy);
+  } catch (const std::bad_alloc&) {
+    return;
+  }
+  builtCost_ = 0;
+  quantized_.reset();
+  noLeaf_.reset();
+  wide_.reset();
+  motion_->tree.reset();
+  motion_->wide.reset();
+  motion_->noLeaf.reset();
 }
 
 }  // namespace otg

@@ -3,16 +3,19 @@
 #pragma once
 
 #include <memory>
+#include <span>
 
 #include "bvh/layouts.h"
 #include "bvh/tree.h"
 #include "bvh/wide_tree.h"
 #include "mesh/adjacency.h"
+#include "mesh/first_use.h"
+#include "mesh/vertex_motion.h"
 
 namespace otg {
 
-/// Immutable after construction and safe to share between threads; layouts other than the standard one are made once,
-/// on first use (thread-safe).
+/// Safe to share between threads; layouts other than the standard one are made once, on first use (thread-safe).
+/// Immutable after construction, but for moveSome().
 class CollisionMesh {
  public:
   CollisionMesh(std::shared_ptr<const TriMesh> mesh, BuildStrategy strategy);
@@ -25,6 +28,18 @@ class CollisionMesh {
   CollisionMesh(const CollisionMesh&) = delete;
   CollisionMesh& operator=(const CollisionMesh&) = delete;
 
+  /// Moves some vertices in place. The mesh, its tree, its layouts and its adjacency are then what moveVertices() and
+  /// the constructor for moved vertices would make of all of them (a wide tree may open other nodes), at a cost that
+  /// follows the number of `moved`; the first time, and where the tree has to be built anew, that of a build. `moved`
+  /// are the mesh's own numbers. Only for the one that holds both this object and its mesh alone.
+  ///
+  /// False, and nothing has changed, where that cannot be done (VertexMotion::move()) or somebody else holds the mesh.
+  /// Throws std::bad_alloc, and nothing has changed.
+  bool moveSome(std::span<const MovedVertex> moved);
+  /// The mesh's own number of a vertex; kNone for one that repair has merged into another. Not const for the same
+  /// reason as moveSome(), which it prepares.
+  std::uint32_t ownVertex(std::uint32_t ofCaller);
+
   const TriMesh& mesh() const { return *mesh_; }
   const std::shared_ptr<const TriMesh>& meshPtr() const { return mesh_; }
   const BinaryTree& tree() const { return tree_; }
@@ -33,7 +48,8 @@ class CollisionMesh {
   const WideTree& wide() const;
   const Adjacency& adjacency() const;
 
-  /// Expires with this object, whatever else holds the mesh: for caches of what was derived from it.
+  /// Expires with this object, whatever else holds the mesh, and when vertices move: for caches of what was derived
+  /// from it.
   std::weak_ptr<const void> lifetime() const { return alive_; }
 
   /// A refitted tree may cost this many times what the built one did (sahCost), which queries take about as much
@@ -41,11 +57,18 @@ class CollisionMesh {
   static constexpr double kRebuildCost = 1.5;
 
  private:
-  struct Lazy;
+  struct Motion;
+  Motion& motion();
+  void rebuildIfWorn();
+
   std::shared_ptr<const TriMesh> mesh_;
   BinaryTree tree_;
   double builtCost_ = 0;  ///< of a refitted tree: sahCost when it was built
-  std::unique_ptr<Lazy> lazy_;
+  FirstUse<QuantizedTree> quantized_;
+  FirstUse<NoLeafTree> noLeaf_;
+  FirstUse<WideTree> wide_;
+  FirstUse<Adjacency> adjacency_;
+  std::unique_ptr<Motion> motion_;  ///< made by moveSome()
   std::shared_ptr<const char> alive_ = std::make_shared<const char>('\0');
 };
 

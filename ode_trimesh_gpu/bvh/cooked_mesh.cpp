@@ -352,7 +352,7 @@ UncookedMesh uncookMesh(std::span<const unsigned char> bytes) {
   std::string fault = parts.fault();
   if (fault.empty()) fault = treeFault(tree, parts.triangles.size());
   if (!fault.empty()) return refused("The cooked mesh has " + fault + ".");
-  return {std::make_shared<const CollisionMesh>(TriMeshParts::assemble(std::move(parts)), std::move(tree)), {}};
+  return {std::make_shared<CollisionMesh>(TriMeshParts::assemble(std::move(parts)), std::move(tree)), {}};
 }
 
 }  // namespace otg

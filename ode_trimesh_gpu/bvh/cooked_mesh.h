@@ -25,8 +25,8 @@ inline constexpr std::uint32_t kCookedVersion = 1;
 std::vector<unsigned char> cookMesh(const CollisionMesh& mesh);
 
 struct UncookedMesh {
-  std::shared_ptr<const CollisionMesh> mesh;  ///< null when the bytes are refused
-  std::string error;                          ///< why, in one sentence
+  std::shared_ptr<CollisionMesh> mesh;  ///< null when the bytes are refused
+  std::string error;                    ///< why, in one sentence
 };
 
 /// Refuses bytes that are no cooked mesh, are of another version, are cut off or changed, or have numbers in them that

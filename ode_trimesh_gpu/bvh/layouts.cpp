@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bvh/tree_motion.h"
 #include "shared/expansion.h"
 
 namespace otg {
@@ -28,6 +29,15 @@ std::uint16_t stepsToCover(double decoded, double center, double extent, double 
   double steps = std::ceil(reach / step);  // exact: step is a power of two
   if (steps * step - reach < 2 * lost) ++steps;
   return static_cast<std::uint16_t>(steps);
+}
+
+void quantizeNode(const BvhNode& n, const float (&centerStep)[3], const float (&extentStep)[3], QuantizedNode& q) {
+  const double c[3] = {n.center.x, n.center.y, n.center.z}, e[3] = {n.extent.x, n.extent.y, n.extent.z};
+  q.child = n.child;
+  for (int k = 0; k < 3; ++k) {
+    q.center[k] = static_cast<std::int16_t>(std::lround(c[k] / centerStep[k]));
+    q.extent[k] = stepsToCover(q.center[k] * double{centerStep[k]}, c[k], e[k], extentStep[k]);
+  }
 }
 
 }  // namespace
@@ -54,16 +64,27 @@ QuantizedTree quantizeTree(const BinaryTree& tree) {
   out.centerStep = {centerStep[0], centerStep[1], centerStep[2]};
   out.extentStep = {extentStep[0], extentStep[1], extentStep[2]};
   for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
-    const BvhNode& n = tree.nodes[i];
-    QuantizedNode& q = out.nodes[i];
-    const double c[3] = {n.center.x, n.center.y, n.center.z}, e[3] = {n.extent.x, n.extent.y, n.extent.z};
-    q.child = n.child;
-    for (int k = 0; k < 3; ++k) {
-      q.center[k] = static_cast<std::int16_t>(std::lround(c[k] / centerStep[k]));
-      q.extent[k] = stepsToCover(q.center[k] * double{centerStep[k]}, c[k], e[k], extentStep[k]);
-    }
+    quantizeNode(tree.nodes[i], centerStep, extentStep, out.nodes[i]);
   }
   return out;
+}
+
+bool refitLayout(QuantizedTree& quantized, const BinaryTree& tree, std::span<const std::uint32_t> nodes) {
+  const float centerStep[3] = {quantized.centerStep.x, quantized.centerStep.y, quantized.centerStep.z};
+  const float extentStep[3] = {quantized.extentStep.x, quantized.extentStep.y, quantized.extentStep.z};
+  for (const std::uint32_t i : nodes) {
+    const BvhNode& n = tree.nodes[i];
+    const float c[3] = {n.center.x, n.center.y, n.center.z}, e[3] = {n.extent.x, n.extent.y, n.extent.z};
+    for (int k = 0; k < 3; ++k) {
+      // As many steps as quantizeTree() leaves room for.
+      if (!(std::fabs(c[k]) <= 32767.0 * centerStep[k]) ||
+          !(double{e[k]} + 0.5 * centerStep[k] <= 65534.0 * extentStep[k])) {
+        return false;
+      }
+    }
+  }
+  for (const std::uint32_t i : nodes) quantizeNode(tree.nodes[i], centerStep, extentStep, quantized.nodes[i]);
+  return true;
 }
 
 NoLeafTree makeNoLeafTree(const BinaryTree& tree) {

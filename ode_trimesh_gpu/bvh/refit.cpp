@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Boxes of a binary tree from the leaves up, and how good they are.
 #include "bvh/mesh_box.h"
+#include "mesh/block_sum.h"
 
 namespace otg {
 
@@ -33,15 +34,16 @@ void refitTree(BinaryTree& tree, const TriMesh& mesh) {
   enclose(kept(tree.nodes[0]), origin, tree.nodes[0]);
 }
 
-double sahCost(const BinaryTree& tree) {
+double relativeCost(const BinaryTree& tree, double sumOfHalfAreas) {
   if (tree.nodes.empty()) return 0;
-  const auto area = [](const BvhNode& n) {
-    return double{n.extent.x} * n.extent.y + double{n.extent.y} * n.extent.z + double{n.extent.z} * n.extent.x;
-  };
-  double sum = 0;
-  for (const BvhNode& node : tree.nodes) sum += area(node);
-  const double root = area(tree.nodes[0]);
-  return root > 0 ? sum / root : static_cast<double>(tree.nodes.size());
+  const double root = halfArea(tree.nodes[0]);
+  return root > 0 ? sumOfHalfAreas / root : static_cast<double>(tree.nodes.size());
+}
+
+double sahCost(const BinaryTree& tree) {
+  BlockSum sum;
+  for (const BvhNode& node : tree.nodes) sum.add(halfArea(node));
+  return relativeCost(tree, sum.total());
 }
 
 }  // namespace otg

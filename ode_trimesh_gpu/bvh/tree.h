@@ -52,6 +52,13 @@ void refitTree(BinaryTree& tree, const TriMesh& mesh);
 /// nodes.
 double sahCost(const BinaryTree& tree);
 
+/// Half the surface area of a node's box.
+inline double halfArea(const BvhNode& n) {
+  return double{n.extent.x} * n.extent.y + double{n.extent.y} * n.extent.z + double{n.extent.z} * n.extent.x;
+}
+/// sahCost() from the BlockSum of halfArea() over all nodes.
+double relativeCost(const BinaryTree& tree, double sumOfHalfAreas);
+
 /// Checks every invariant; empty string when all hold, else the first violation in words.
 std::string validateTree(const BinaryTree& tree, const TriMesh& mesh);
 

@@ -12,19 +12,15 @@ float areaOf(const BvhNode& n) {
 }
 
 void setLane(WideNode& node, int lane, const Vec3f& center, const Vec3f& extent, std::int32_t child) {
-  node.centerX[lane] = center.x;
-  node.centerY[lane] = center.y;
-  node.centerZ[lane] = center.z;
-  node.extentX[lane] = extent.x;
-  node.extentY[lane] = extent.y;
-  node.extentZ[lane] = extent.z;
+  setBox(node, static_cast<std::uint32_t>(lane), center, extent);
   node.child[lane] = child;
 }
 
 }  // namespace
 
-WideTree makeWideTree(const BinaryTree& tree) {
+WideTree makeWideTree(const BinaryTree& tree, std::vector<std::uint32_t>* lanes) {
   WideTree out;
+  if (lanes != nullptr) lanes->assign(tree.nodes.size(), kNone);
   if (tree.nodes.empty()) return out;
   out.rootCenter = tree.nodes[0].center;
   out.rootExtent = tree.nodes[0].extent;
@@ -73,6 +69,7 @@ WideTree makeWideTree(const BinaryTree& tree) {
         out.nodes.emplace_back();
       }
       setLane(out.nodes[task.wide], k, n.center, n.extent, child);
+      if (lanes != nullptr) (*lanes)[slots[k]] = static_cast<std::uint32_t>(kWideArity * task.wide) + k;
     }
     out.nodes[task.wide].count = count;
   }

@@ -19,7 +19,18 @@ struct WideTree {
 };
 
 /// Opens each node's largest inner child until there are eight. Boxes are those of the binary tree, bit for bit.
-WideTree makeWideTree(const BinaryTree& tree);
+/// `lanes`, if asked for, receives for each node of the binary tree eight times the wide node that it is in and its
+/// lane there, kNone for those that were opened.
+WideTree makeWideTree(const BinaryTree& tree, std::vector<std::uint32_t>* lanes = nullptr);
+
+inline void setBox(WideNode& node, std::uint32_t lane, const Vec3f& center, const Vec3f& extent) {
+  node.centerX[lane] = center.x;
+  node.centerY[lane] = center.y;
+  node.centerZ[lane] = center.z;
+  node.extentX[lane] = extent.x;
+  node.extentY[lane] = extent.y;
+  node.extentZ[lane] = extent.z;
+}
 
 /// Empty when every box contains its subtree's triangles and every triangle appears once.
 std::string validateLayout(const WideTree& tree, const TriMesh& mesh);

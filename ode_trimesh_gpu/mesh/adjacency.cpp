@@ -8,6 +8,89 @@
 namespace otg {
 namespace {
 
+/// Twice the area of a triangle, as a vector; in the mesh's own frame.
+Vec3d areaVector2(const TriMesh& mesh, std::uint32_t triangle) {
+  Vec3d p[3];
+  for (int k = 0; k < 3; ++k) {
+    const Vec3f& v = mesh.vertices()[mesh.triangles()[triangle].v[k]];
+    p[k] = {v.x, v.y, v.z};
+  }
+  return otgCross(otgSub(p[1], p[0]), otgSub(p[2], p[0]));
+}
+
+/// Normal and area; returns areaVector2(), or zero for a triangle that has none.
+Vec3d measureTriangle(const TriMesh& mesh, std::uint32_t t, Adjacency& out) {
+  const Vec3d c = areaVector2(mesh, t);
+  const double length = std::sqrt(otgDot(c, c));
+  const bool sound = length > 0 && !mesh.isDegenerate(t);
+  out.normal[t] = sound ? otgScale(c, 1 / length) : Vec3d{0, 0, 0};
+  out.area[t] = sound ? length / 2 : 0;
+  return sound ? c : Vec3d{0, 0, 0};
+}
+
+void addToStar(Adjacency::Star& star, const Vec3d& areaVector2) {
+  star.vector = otgAdd(star.vector, otgScale(areaVector2, 1.0 / 6));
+  star.area += std::sqrt(otgDot(areaVector2, areaVector2)) / 6;
+}
+
+/// Bounds and sums of a cluster's vertices.
+void measureCluster(const TriMesh& mesh, std::uint32_t id, std::uint32_t end, Adjacency& out) {
+  Adjacency::Cluster& cluster = out.clusters[id];
+  cluster.lo = cluster.hi = mesh.vertices()[out.clusterVertices[cluster.first]];
+  cluster.sum = {{0, 0, 0}, 0};
+  cluster.moment = 0;
+  for (std::uint32_t i = cluster.first; i < end; ++i) {
+    const std::uint32_t v = out.clusterVertices[i];
+    const Vec3f& p = mesh.vertices()[v];
+    cluster.lo = {std::min(cluster.lo.x, p.x), std::min(cluster.lo.y, p.y), std::min(cluster.lo.z, p.z)};
+    cluster.hi = {std::max(cluster.hi.x, p.x), std::max(cluster.hi.y, p.y), std::max(cluster.hi.z, p.z)};
+    cluster.sum.vector = otgAdd(cluster.sum.vector, out.star[v].vector);
+    cluster.sum.area += out.star[v].area;
+    cluster.moment += otgDot(out.star[v].vector, Vec3d{p.x, p.y, p.z});
+  }
+}
+
+/// Whether any vertex of a cluster is flat, and whether any is not.
+void markCluster(std::uint32_t id, Adjacency& out) {
+  Adjacency::Cluster& cluster = out.clusters[id];
+  cluster.anyFlat = cluster.anyCorner = false;
+  for (std::uint32_t i = cluster.first; i < out.clusters[id + 1].first; ++i) {
+    (out.flatVertex[out.clusterVertices[i]] ? cluster.anyFlat : cluster.anyCorner) = true;
+  }
+}
+
+/// 1 - cos of an angle would lose half the digits; the sine is the length of the cross product.
+double flatSine() {
+  static const double sine = std::sin(Adjacency::kFlatDegrees * std::numbers::pi / 180);
+  return sine;
+}
+
+/// Whether the two triangles of a half-edge lie in one plane.
+bool isFlat(const Topology& topology, std::uint32_t h, const Adjacency& out) {
+  const std::uint32_t twin = topology.twin[h];
+  if (twin == kNone || topology.edgeOf[h] == kNone) return false;
+  const Vec3d &a = out.normal[h / 3], &b = out.normal[twin / 3];
+  const Vec3d c = otgCross(a, b);
+  return otgDot(a, b) > 0 && std::sqrt(otgDot(c, c)) < flatSine();
+}
+
+/// The sharp edges of a vertex. It lies in a flat face or on a straight edge if it has none, or two that run on.
+struct SharpEdges {
+  std::uint32_t count = 0;
+  Vec3d direction{0, 0, 0};  ///< of the first
+  bool straight = false;     ///< the second is opposite to it
+  void add(const TriMesh& mesh, std::uint32_t from, std::uint32_t to) {
+    const Vec3f &p = mesh.vertices()[from], &q = mesh.vertices()[to];
+    const Vec3d d = otgSub(Vec3d{q.x, q.y, q.z}, Vec3d{p.x, p.y, p.z});
+    const double length = std::sqrt(otgDot(d, d));
+    const Vec3d away = length > 0 ? otgScale(d, 1 / length) : Vec3d{0, 0, 0};
+    const Vec3d c = otgCross(direction, away);
+    straight = count == 1 && otgDot(direction, away) < 0 && std::sqrt(otgDot(c, c)) < flatSine();
+    if (count++ == 0) direction = away;
+  }
+  bool flat() const { return count == 0 || straight; }
+};
+
 /// Breadth first from each vertex that is left, in order: with vertices sorted in space the sets come out compact.
 void gatherClusters(const TriMesh& mesh, Adjacency& out) {
   const auto vertices = static_cast<std::uint32_t>(mesh.vertices().size());
@@ -18,18 +101,13 @@ void gatherClusters(const TriMesh& mesh, Adjacency& out) {
     if (out.clusterOf[seed] != kNone || out.first[seed] == out.first[seed + 1]) continue;
     const auto id = static_cast<std::uint32_t>(out.clusters.size());
     const auto begin = static_cast<std::uint32_t>(members.size());
-    Adjacency::Cluster cluster{mesh.vertices()[seed], mesh.vertices()[seed], begin, 0, {{0, 0, 0}, 0}, 0, false, false};
+    Adjacency::Cluster cluster{};
+    cluster.first = begin;
+    out.clusters.push_back(cluster);
     members.push_back(seed);
     out.clusterOf[seed] = id;
     for (std::size_t i = begin; i < members.size(); ++i) {
-      const std::uint32_t v = members[i];
-      const Vec3f& p = mesh.vertices()[v];
-      cluster.lo = {std::min(cluster.lo.x, p.x), std::min(cluster.lo.y, p.y), std::min(cluster.lo.z, p.z)};
-      cluster.hi = {std::max(cluster.hi.x, p.x), std::max(cluster.hi.y, p.y), std::max(cluster.hi.z, p.z)};
-      cluster.sum.vector = otgAdd(cluster.sum.vector, out.star[v].vector);
-      cluster.sum.area += out.star[v].area;
-      cluster.moment += otgDot(out.star[v].vector, Vec3d{p.x, p.y, p.z});
-      for (std::uint32_t h = out.first[v]; h < out.first[v + 1]; ++h) {
+      for (std::uint32_t h = out.first[members[i]]; h < out.first[members[i] + 1]; ++h) {
         const std::uint32_t w = out.spokes[h].vertex;
         if (members.size() - begin == Adjacency::kClusterSize) break;
         if (out.clusterOf[w] != kNone || out.first[w] == out.first[w + 1]) continue;
@@ -37,7 +115,7 @@ void gatherClusters(const TriMesh& mesh, Adjacency& out) {
         members.push_back(w);
       }
     }
-    out.clusters.push_back(cluster);
+    measureCluster(mesh, id, static_cast<std::uint32_t>(members.size()), out);
   }
   Adjacency::Cluster end{};
   end.first = static_cast<std::uint32_t>(members.size());
@@ -92,67 +170,29 @@ Adjacency buildAdjacency(const TriMesh& mesh) {
   out.area.resize(n);
   out.star.assign(vertices.size(), {{0, 0, 0}, 0});
   for (std::uint32_t t = 0; t < n; ++t) {
-    Vec3d p[3];
-    for (int k = 0; k < 3; ++k) {
-      const Vec3f& v = vertices[triangles[t].v[k]];
-      p[k] = {v.x, v.y, v.z};
-    }
-    const Vec3d c = otgCross(otgSub(p[1], p[0]), otgSub(p[2], p[0]));
-    const double length = std::sqrt(otgDot(c, c));
-    const bool sound = length > 0 && !mesh.isDegenerate(t);
-    out.normal[t] = sound ? otgScale(c, 1 / length) : Vec3d{0, 0, 0};
-    out.area[t] = sound ? length / 2 : 0;
-    if (!sound) continue;
-    for (const std::uint32_t corner : triangles[t].v) {
-      Adjacency::Star& star = out.star[topology.weld[corner]];
-      star.vector = otgAdd(star.vector, otgScale(c, 1.0 / 6));
-      star.area += length / 6;
-    }
+    const Vec3d c = measureTriangle(mesh, t, out);
+    if (out.area[t] == 0) continue;
+    for (const std::uint32_t corner : triangles[t].v) addToStar(out.star[topology.weld[corner]], c);
   }
 
   gatherClusters(mesh, out);
 
-  // 1 - cos of the angle would lose half the digits; the sine is the length of the cross product.
-  const double flatSine = std::sin(Adjacency::kFlatDegrees * std::numbers::pi / 180);
   out.flatEdge.assign(topology.edgeCount(), 0);
   for (std::uint32_t h = 0; h < 3 * n; ++h) {
-    const std::uint32_t twin = topology.twin[h];
-    if (twin == kNone || topology.edgeOf[h] == kNone) continue;
-    const Vec3d &a = out.normal[h / 3], &b = out.normal[twin / 3];
-    const Vec3d c = otgCross(a, b);
-    if (otgDot(a, b) > 0 && std::sqrt(otgDot(c, c)) < flatSine) out.flatEdge[topology.edgeOf[h]] = 1;
+    if (topology.edgeOf[h] != kNone) out.flatEdge[topology.edgeOf[h]] = isFlat(topology, h, out);
   }
 
-  // Each vertex with its sharp edges: none, or two that run on straight.
-  struct Sharp {
-    std::uint32_t count = 0;
-    Vec3d direction{0, 0, 0};  // of the first
-    bool straight = false;     // the second is opposite to it
-  };
-  std::vector<Sharp> sharp(vertices.size());
+  std::vector<SharpEdges> sharp(vertices.size());
   for (std::uint32_t edge = 0; edge < topology.edgeCount(); ++edge) {
     if (out.flatEdge[edge]) continue;
     const std::uint32_t a = topology.edges[edge].a, b = topology.edges[edge].b;
-    const Vec3d d =
-        otgSub(Vec3d{vertices[b].x, vertices[b].y, vertices[b].z}, Vec3d{vertices[a].x, vertices[a].y, vertices[a].z});
-    const double length = std::sqrt(otgDot(d, d));
-    const Vec3d along = length > 0 ? otgScale(d, 1 / length) : Vec3d{0, 0, 0};
-    for (const std::uint32_t v : {a, b}) {
-      Sharp& s = sharp[v];
-      const Vec3d away = v == a ? along : otgScale(along, -1.0);
-      const Vec3d c = otgCross(s.direction, away);
-      s.straight = s.count == 1 && otgDot(s.direction, away) < 0 && std::sqrt(otgDot(c, c)) < flatSine;
-      if (s.count++ == 0) s.direction = away;
-    }
+    sharp[a].add(mesh, a, b);
+    sharp[b].add(mesh, b, a);
   }
   out.flatVertex.resize(vertices.size());
-  for (std::size_t v = 0; v < vertices.size(); ++v) out.flatVertex[v] = sharp[v].count == 0 || sharp[v].straight;
+  for (std::size_t v = 0; v < vertices.size(); ++v) out.flatVertex[v] = sharp[v].flat();
 
-  for (std::size_t c = 0; c + 1 < out.clusters.size(); ++c) {
-    for (std::uint32_t i = out.clusters[c].first; i < out.clusters[c + 1].first; ++i) {
-      (out.flatVertex[out.clusterVertices[i]] ? out.clusters[c].anyFlat : out.clusters[c].anyCorner) = true;
-    }
-  }
+  for (std::uint32_t c = 0; c + 1 < out.clusters.size(); ++c) markCluster(c, out);
 
   const std::size_t components = topology.componentCount();
   out.componentVertex.assign(components, kNone);
@@ -171,6 +211,49 @@ Adjacency buildAdjacency(const TriMesh& mesh) {
     if (out.componentVertex[c] == kNone) out.componentVertex[c] = topology.weld[triangles[t].v[0]];
   }
   return out;
+}
+
+void updateAdjacency(Adjacency& adjacency, const TriMesh& mesh, std::span<const std::uint32_t> triangles) {
+  const Topology& topology = mesh.topology();
+  const auto once = [](std::vector<std::uint32_t>& numbers) {
+    std::sort(numbers.begin(), numbers.end());
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  };
+  std::vector<std::uint32_t> points, clusters, edges;
+  points.reserve(3 * triangles.size());
+  for (const std::uint32_t t : triangles) {
+    measureTriangle(mesh, t, adjacency);
+    for (const std::uint32_t corner : mesh.triangles()[t].v) points.push_back(topology.weld[corner]);
+  }
+  once(points);
+  for (const std::uint32_t t : triangles) {
+    for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
+      if (topology.edgeOf[h] != kNone) adjacency.flatEdge[topology.edgeOf[h]] = isFlat(topology, h, adjacency);
+    }
+  }
+  for (const std::uint32_t v : points) {
+    // Outgoing half-edges ascend, and so do their triangles: the sum has the order that building has.
+    adjacency.star[v] = {{0, 0, 0}, 0};
+    edges.clear();
+    for (std::uint32_t i = adjacency.first[v]; i < adjacency.first[v + 1]; ++i) {
+      const std::uint32_t h = adjacency.halfEdges[i], t = h / 3;
+      if (adjacency.area[t] != 0) addToStar(adjacency.star[v], areaVector2(mesh, t));
+      for (const std::uint32_t side : {h, h % 3 == 0 ? h + 2 : h - 1}) edges.push_back(topology.edgeOf[side]);
+    }
+    once(edges);
+    SharpEdges sharp;
+    for (const std::uint32_t edge : edges) {
+      if (adjacency.flatEdge[edge]) continue;
+      sharp.add(mesh, v, topology.edges[edge].a == v ? topology.edges[edge].b : topology.edges[edge].a);
+    }
+    adjacency.flatVertex[v] = sharp.flat();
+    if (adjacency.clusterOf[v] != kNone) clusters.push_back(adjacency.clusterOf[v]);
+  }
+  once(clusters);
+  for (const std::uint32_t c : clusters) {
+    measureCluster(mesh, c, adjacency.clusters[c + 1].first, adjacency);
+    markCluster(c, adjacency);
+  }
 }
 
 }  // namespace otg

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The checks behind a ValidationReport, one by one. Inside the mesh layer only.
+// The checks behind a ValidationReport, one by one.
 #pragma once
 
 #include <cstdint>
@@ -20,6 +20,9 @@ namespace otg {
 /// 2 sqrt(3) u m: it is caught, and a triangle that is reported has no plane that its float coordinates could tell.
 std::vector<std::uint8_t> findDegenerate(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
                                          const Vec3f& center);
+
+/// The same for one triangle; `center` as above.
+bool isDegenerateTriangle(std::span<const Vec3f> vertices, const Triangle& triangle, const Vec3f& center);
 
 /// One flag for each triangle: an earlier one has the same three points, in any order.
 std::vector<std::uint8_t> findDuplicates(const Topology& topology, std::span<const Triangle> triangles);

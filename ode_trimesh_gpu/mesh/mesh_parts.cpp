@@ -58,7 +58,7 @@ TriMeshParts TriMeshParts::of(const TriMesh& mesh) {
   parts.degenerate = mesh.degenerate_;
   parts.topology = mesh.topology_;
   parts.report = mesh.report_;
-  parts.mass = mesh.mass_;
+  parts.mass = mesh.massProperties();
   parts.boundsMin = mesh.boundsMin_;
   parts.boundsMax = mesh.boundsMax_;
   parts.center = mesh.center_;
@@ -105,7 +105,7 @@ std::shared_ptr<const TriMesh> TriMeshParts::assemble(TriMeshParts&& parts) {
   mesh->degenerate_ = std::move(parts.degenerate);
   mesh->topology_ = std::move(parts.topology);
   mesh->report_ = std::move(parts.report);
-  mesh->mass_ = parts.mass;
+  mesh->mass_.set(parts.mass);
   mesh->boundsMin_ = parts.boundsMin;
   mesh->boundsMax_ = parts.boundsMax;
   mesh->center_ = parts.center;

@@ -6,15 +6,14 @@
 #include <bit>
 #include <utility>
 
-#include "mesh/bounds.h"
+#include "mesh/block_sum.h"
+#include "mesh/measure.h"
 #include "mesh/union_find.h"
 #include "mesh/validation.h"
 
 namespace otg {
-namespace {
 
-/// Mixes the bits of a position. Adding +0 turns -0 into +0, so equal positions get equal hashes.
-std::uint64_t hashPosition(const Vec3f& p) {
+std::uint64_t hashPosition(const Vec3f& p) {  // +0 turns -0 into +0
   const std::uint64_t x = std::bit_cast<std::uint32_t>(p.x + 0.0f);
   const std::uint64_t y = std::bit_cast<std::uint32_t>(p.y + 0.0f);
   const std::uint64_t z = std::bit_cast<std::uint32_t>(p.z + 0.0f);
@@ -22,6 +21,8 @@ std::uint64_t hashPosition(const Vec3f& p) {
   h = (h ^ (h >> 32) ^ z) * 0xd6e8feb86659fd93ull;
   return h ^ (h >> 32);
 }
+
+namespace {
 
 /// A half-edge in the bucket of its smaller end point.
 struct BucketEntry {
@@ -168,18 +169,22 @@ std::vector<std::uint32_t> weldByPosition(std::span<const Vec3f> vertices) {
   return weld;
 }
 
+double volume6(std::span<const Vec3f> vertices, const Triangle& triangle, const Vec3f& center) {
+  const Vec3d origin{center.x, center.y, center.z};
+  const Vec3d a = relativeTo(vertices[triangle.v[0]], origin);
+  const Vec3d b = relativeTo(vertices[triangle.v[1]], origin);
+  const Vec3d c = relativeTo(vertices[triangle.v[2]], origin);
+  return otgDot(a, otgCross(b, c));
+}
+
 std::vector<double> componentVolumes(const Topology& topology, std::span<const Vec3f> vertices,
-                                     std::span<const Triangle> triangles) {
-  std::vector<double> volume(topology.componentCount(), 0.0);
-  const Vec3d center = boundsOf(vertices, triangles).middle();
+                                     std::span<const Triangle> triangles, const Vec3f& center) {
+  std::vector<BlockSum> sums(topology.componentCount());
   for (std::size_t t = 0; t < triangles.size(); ++t) {
-    if (topology.componentOf[t] == kNone) continue;
-    const Vec3d a = relativeTo(vertices[triangles[t].v[0]], center);
-    const Vec3d b = relativeTo(vertices[triangles[t].v[1]], center);
-    const Vec3d c = relativeTo(vertices[triangles[t].v[2]], center);
-    volume[topology.componentOf[t]] += otgDot(a, otgCross(b, c));
+    if (topology.componentOf[t] != kNone) sums[topology.componentOf[t]].add(volume6(vertices, triangles[t], center));
   }
-  for (double& v : volume) v /= 6;
+  std::vector<double> volume(sums.size());
+  for (std::size_t c = 0; c < sums.size(); ++c) volume[c] = sums[c].total() / 6;
   return volume;
 }
 
@@ -189,7 +194,8 @@ Topology buildTopology(std::span<const Vec3f> vertices, std::span<const Triangle
   UnionFind components(triangles.size());
   buildEdges(weldedTriangles(triangles, topology.weld), vertices.size(), topology, components);
   numberComponents(triangles.size(), topology, components);
-  topology.componentVolume = componentVolumes(topology, vertices, triangles);
+  topology.componentVolume =
+      componentVolumes(topology, vertices, triangles, middleAsFloat(boundsOf(vertices, triangles)));
   return topology;
 }
 

@@ -43,11 +43,18 @@ struct Topology {
 /// edgeOf = kNone). Linear time, except for vertices with many edges, whose edges are sorted.
 Topology buildTopology(std::span<const Vec3f> vertices, std::span<const Triangle> triangles);
 
+/// Mixes the bits of a position; equal positions (-0 equals +0) get equal hashes.
+std::uint64_t hashPosition(const Vec3f& p);
+
 /// Topology::weld alone.
 std::vector<std::uint32_t> weldByPosition(std::span<const Vec3f> vertices);
 
-/// Topology::componentVolume alone, for vertices that moved without changing the connectivity.
+/// Topology::componentVolume alone, about the given centre: for each component a BlockSum of the volumes between the
+/// centre and its triangles, in their order.
 std::vector<double> componentVolumes(const Topology& topology, std::span<const Vec3f> vertices,
-                                     std::span<const Triangle> triangles);
+                                     std::span<const Triangle> triangles, const Vec3f& center);
+
+/// Six times the signed volume of the tetrahedron between a triangle and a point.
+double volume6(std::span<const Vec3f> vertices, const Triangle& triangle, const Vec3f& center);
 
 }  // namespace otg

@@ -8,7 +8,9 @@
 #include <limits>
 
 #include "mesh/bounds.h"
+#include "mesh/containment.h"
 #include "mesh/inspection.h"
+#include "mesh/measure.h"
 #include "mesh/repair.h"
 #include "mesh/spatial_order.h"
 
@@ -111,34 +113,23 @@ bool refused(ValidationReport& report) {
   return !report.problems.empty();
 }
 
-float roundedUp(double x) {
-  const float f = static_cast<float>(std::min<double>(x, std::numeric_limits<float>::max()));
-  return double{f} >= x ? f : std::nextafter(f, std::numeric_limits<float>::infinity());
-}
-
 }  // namespace
 
 /// Fills a TriMesh, whose members only it can reach.
 struct TriMeshBuilder {
   static std::shared_ptr<TriMesh> create() { return std::shared_ptr<TriMesh>(new TriMesh); }
 
-  static void measure(TriMesh& mesh) {
+  /// `before`: the centre that the mesh had, if it had one.
+  static void measure(TriMesh& mesh, const Vec3f* before) {
     const Bounds bounds = boundsOf(mesh.vertices_, mesh.triangles_);
     mesh.boundsMin_ = bounds.min;
     mesh.boundsMax_ = bounds.max;
-    const Vec3d middle = bounds.middle();
-    mesh.center_ = {static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z)};
-    const Vec3d center{mesh.center_.x, mesh.center_.y, mesh.center_.z};
+    mesh.center_ = before == nullptr ? middleAsFloat(bounds) : centerAfterMove(bounds, *before);
     double radius2 = 0;
     for (const Triangle& triangle : mesh.triangles_) {
-      for (const std::uint32_t v : triangle.v) {
-        const Vec3d p = relativeTo(mesh.vertices_[v], center);
-        radius2 = std::max(radius2, otgDot(p, p));
-      }
+      for (const std::uint32_t v : triangle.v) radius2 = std::max(radius2, distance2(mesh.vertices_[v], mesh.center_));
     }
-    // A few roundings of double lie between radius2 and the true distance; one part in 2^50 covers them.
-    mesh.radius_ = roundedUp(std::sqrt(radius2) * (1 + 0x1p-50));
-    mesh.mass_ = computeMassProperties(mesh.vertices_, mesh.triangles_);
+    mesh.radius_ = radiusFrom(radius2);
     mesh.degenerate_ = findDegenerate(mesh.vertices_, mesh.triangles_, mesh.center_);
   }
 
@@ -159,7 +150,7 @@ struct TriMeshBuilder {
     repairMesh(repair, vertices, triangles, mesh->inputVertexOf_, report.repair);
     mesh->vertices_ = std::move(vertices);
     mesh->triangles_ = std::move(triangles);
-    measure(*mesh);
+    measure(*mesh, nullptr);
     mesh->topology_ = buildTopology(mesh->vertices_, mesh->triangles_);
     inspectMesh(mesh->vertices_, mesh->triangles_, mesh->topology_, mesh->degenerate_, report);
     mesh->report_ = report;
@@ -225,6 +216,12 @@ struct TriMeshBuilder {
     }
   }
 
+  /// componentsWellWound().
+  static std::vector<std::uint8_t> wellWound(const TriMesh& mesh) {
+    return componentsWellWound(mesh.topology_, nestingDepths(mesh.topology_, mesh.vertices_, mesh.triangles_),
+                               mesh.vertices_, mesh.triangles_);
+  }
+
   static MeshResult move(const TriMesh& before, const MeshInput& input) {
     MeshResult result;
     ValidationReport& report = result.report;
@@ -250,16 +247,22 @@ struct TriMeshBuilder {
       for (const std::uint32_t v : before.inputVertexOf_) mesh->vertices_.push_back(vertices[v]);
     }
     mesh->triangles_ = before.triangles_;
-    measure(*mesh);
-    if (weldByPosition(mesh->vertices_) == before.topology_.weld) {
+    measure(*mesh, &before.center_);
+    const bool samePoints = weldByPosition(mesh->vertices_) == before.topology_.weld;
+    if (samePoints) {
       mesh->topology_ = before.topology_;
-      mesh->topology_.componentVolume = componentVolumes(mesh->topology_, mesh->vertices_, mesh->triangles_);
     } else {
       mesh->topology_ = buildTopology(mesh->vertices_, mesh->triangles_);
     }
-    report.repair = before.report_.repair;
-    inspectMesh(mesh->vertices_, mesh->triangles_, mesh->topology_, mesh->degenerate_, report);
-    if (!mesh->callerTriangle_.empty()) nameAsCaller(*mesh, report);
+    mesh->topology_.componentVolume =
+        componentVolumes(mesh->topology_, mesh->vertices_, mesh->triangles_, mesh->center_);
+    if (samePoints && mesh->degenerate_ == before.degenerate_ && wellWound(*mesh) == wellWound(before)) {
+      report = before.report_;
+    } else {
+      report.repair = before.report_.repair;
+      inspectMesh(mesh->vertices_, mesh->triangles_, mesh->topology_, mesh->degenerate_, report);
+      if (!mesh->callerTriangle_.empty()) nameAsCaller(*mesh, report);
+    }
     mesh->report_ = report;
     result.mesh = mesh;
     return result;
@@ -268,6 +271,19 @@ struct TriMeshBuilder {
 
 MeshResult buildTriMesh(const MeshInput& input, const RepairOptions& repair, MeshOrder order) {
   return TriMeshBuilder::build(input, repair, order);
+}
+
+std::vector<Vec3f> readSomeVertices(const TriMesh& mesh, const MeshInput& input, ValidationReport& report) {
+  report.vertices = mesh.inputVertexCount();
+  report.triangles = mesh.triangleCount();
+  checkVertexArray(input, report);
+  if (refused(report)) return {};
+  std::vector<Vec3f> vertices = readCheckedVertices(input, report);
+  return refused(report) ? std::vector<Vec3f>() : vertices;
+}
+
+const MassProperties& TriMesh::massProperties() const {
+  return mass_.get([this] { return computeMassProperties(vertices_, triangles_); });
 }
 
 MeshResult moveVertices(const TriMesh& mesh, const MeshInput& vertices) {

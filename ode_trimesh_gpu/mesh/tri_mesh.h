@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An immutable, validated triangle mesh.
+// A validated triangle mesh, immutable but for its only holder (vertex_motion.h).
 #pragma once
 
 #include <cstddef>
@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "mesh/first_use.h"
 #include "mesh/mass_properties.h"
 #include "mesh/topology.h"
 #include "mesh/validation.h"
@@ -69,14 +70,16 @@ class TriMesh {
   const Topology& topology() const { return topology_; }
   const ValidationReport& report() const { return report_; }
   MeshClass meshClass() const { return report_.solid ? MeshClass::kSolid : MeshClass::kShell; }
-  /// Of the polyhedron at density 1; only meaningful for solids (signed sums for shells).
-  const MassProperties& massProperties() const { return mass_; }
+  /// Of the polyhedron at density 1; only meaningful for solids (signed sums for shells). Worked out when asked for
+  /// first.
+  const MassProperties& massProperties() const;
 
   /// Axis-aligned bounds of the vertices that triangles use; min > max when there are none.
   const Vec3f& boundsMin() const { return boundsMin_; }
   const Vec3f& boundsMax() const { return boundsMax_; }
   /// The middle of the bounds, rounded to float: the origin of the *centred frame* in which boxes and float filters
-  /// work, so that their error follows the size of the mesh and not its distance from its own origin.
+  /// work, so that their error follows the size of the mesh and not its distance from its own origin. After vertices
+  /// have moved it is where it was before, unless that is far from the middle by now (centerAfterMove()).
   const Vec3f& center() const { return center_; }
   /// No vertex that a triangle uses is farther than this from center() (rounded up).
   float radius() const { return radius_; }
@@ -84,13 +87,14 @@ class TriMesh {
  private:
   friend struct TriMeshBuilder;
   friend struct TriMeshParts;
+  friend class VertexMotion;
   TriMesh() = default;
   std::vector<Vec3f> vertices_;
   std::vector<Triangle> triangles_;
   std::vector<std::uint8_t> degenerate_;
   Topology topology_;
   ValidationReport report_;
-  MassProperties mass_;
+  FirstUse<MassProperties> mass_;
   Vec3f boundsMin_{}, boundsMax_{}, center_{};
   float radius_ = 0;
   /// How many vertices the caller gave, and which of them each of vertices_ is (empty where that is the same number).
@@ -115,5 +119,9 @@ MeshResult buildTriMesh(const MeshInput& input, const RepairOptions& repair = {}
 /// the triangles in `vertices` are not looked at. Where repair merged vertices, the first of them moves the merged one.
 /// Topology is taken over when equal positions stay equal, else rebuilt.
 MeshResult moveVertices(const TriMesh& mesh, const MeshInput& vertices);
+
+/// New places for some vertices, checked as moveVertices() checks all of them. Of `input` only the vertices are read.
+/// Empty when they are refused, or when there are none: the report's error tells them apart.
+std::vector<Vec3f> readSomeVertices(const TriMesh& mesh, const MeshInput& input, ValidationReport& report);
 
 }  // namespace otg

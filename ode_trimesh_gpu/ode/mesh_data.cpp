@@ -25,10 +25,14 @@ bool rescaleOrEmpty(GeomObject& object, dxGpuTriMeshData* data) {
 }  // namespace
 }  // namespace otg
 
-int dxGpuTriMeshData::accept(otg::MeshResult&& result, std::shared_ptr<const otg::CollisionMesh> mesh) {
+int dxGpuTriMeshData::accept(otg::MeshResult&& result, std::shared_ptr<otg::CollisionMesh> mesh) {
   report_ = std::move(result.report);
   if (mesh == nullptr) return dGPUTRIMESH_ERROR_MESH;
   mesh_ = std::move(mesh);
+  return spread();
+}
+
+int dxGpuTriMeshData::spread() {
   useFlags.clear();
   ownFlags.clear();
   faceNormals.clear();
@@ -49,20 +53,58 @@ int dxGpuTriMeshData::accept(otg::MeshResult&& result, std::shared_ptr<const otg
 int dxGpuTriMeshData::build(const otg::MeshInput& input, const otg::RepairOptions& repair,
                             otg::BuildStrategy strategy) {
   otg::MeshResult result = otg::buildTriMesh(input, repair, otg::MeshOrder::kSpatial);
-  std::shared_ptr<const otg::CollisionMesh> mesh;
-  if (result.mesh != nullptr) mesh = std::make_shared<const otg::CollisionMesh>(result.mesh, strategy);
+  std::shared_ptr<otg::CollisionMesh> mesh;
+  if (result.mesh != nullptr) mesh = std::make_shared<otg::CollisionMesh>(result.mesh, strategy);
   return accept(std::move(result), std::move(mesh));
 }
 
 int dxGpuTriMeshData::moveVertices(const otg::MeshInput& vertices) {
   if (mesh_ == nullptr) return dGPUTRIMESH_ERROR_ARGUMENT;
   otg::MeshResult result = otg::moveVertices(mesh_->mesh(), vertices);
-  std::shared_ptr<const otg::CollisionMesh> mesh;
-  if (result.mesh != nullptr) mesh = std::make_shared<const otg::CollisionMesh>(result.mesh, *mesh_);
+  std::shared_ptr<otg::CollisionMesh> mesh;
+  if (result.mesh != nullptr) mesh = std::make_shared<otg::CollisionMesh>(result.mesh, *mesh_);
   return accept(std::move(result), std::move(mesh));
 }
 
-int dxGpuTriMeshData::take(std::shared_ptr<const otg::CollisionMesh> mesh, std::string error) {
+int dxGpuTriMeshData::moveSome(const otg::MeshInput& input, std::size_t first, const int* numbers) {
+  if (mesh_ == nullptr) return dGPUTRIMESH_ERROR_ARGUMENT;
+  const std::size_t all = mesh_->mesh().inputVertexCount();
+  if (numbers == nullptr && (first > all || input.vertexCount > all - first)) return dGPUTRIMESH_ERROR_ARGUMENT;
+  for (std::size_t i = 0; numbers != nullptr && i < input.vertexCount; ++i) {
+    if (numbers[i] < 0 || static_cast<std::size_t>(numbers[i]) >= all) return dGPUTRIMESH_ERROR_ARGUMENT;
+  }
+  otg::ValidationReport report;
+  const std::vector<otg::Vec3f> places = otg::readSomeVertices(mesh_->mesh(), input, report);
+  if (!report.error.empty()) return accept({nullptr, std::move(report)}, nullptr);
+  const auto numberOf = [&](std::size_t i) {
+    return numbers == nullptr ? first + i : static_cast<std::size_t>(numbers[i]);
+  };
+  // See CollisionMesh::moveSome() for the copy.
+  { const std::shared_ptr<const otg::CollisionMesh> ordered = mesh_; }
+  if (mesh_.use_count() == 1) {
+    std::vector<otg::MovedVertex> moved;
+    moved.reserve(places.size());
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const std::uint32_t own = mesh_->ownVertex(static_cast<std::uint32_t>(numberOf(i)));
+      if (own != otg::kNone) moved.push_back({own, places[i]});
+    }
+    if (mesh_->moveSome(moved)) {
+      report_ = mesh_->mesh().report();
+      return spread();
+    }
+  }
+  std::vector<otg::Vec3f> vertices(all);
+  for (std::uint32_t v = 0; v < mesh_->mesh().vertices().size(); ++v) {
+    vertices[mesh_->mesh().callerVertex(v)] = mesh_->mesh().vertices()[v];
+  }
+  for (std::size_t i = 0; i < places.size(); ++i) vertices[numberOf(i)] = places[i];
+  otg::MeshInput whole;
+  whole.vertices = vertices.data();
+  whole.vertexCount = vertices.size();
+  return moveVertices(whole);
+}
+
+int dxGpuTriMeshData::take(std::shared_ptr<otg::CollisionMesh> mesh, std::string error) {
   otg::MeshResult result;
   result.report.error = std::move(error);
   if (mesh != nullptr) result.report = mesh->mesh().report();

@@ -21,9 +21,10 @@ namespace otg {
 using MeshScale = std::array<float, 3>;
 }  // namespace otg
 
-/// Lives as long as the user's handle or any geom that uses it. The mesh itself is immutable; building again puts
-/// another one in its place. No function runs while another thread changes the object (the rule of the API), except
-/// that geoms may come and go in several threads at once: the mutex is for these.
+/// Lives as long as the user's handle or any geom that uses it. The mesh is shared as one that does not
+/// change; building again puts another one in its place, and vertices move in place only while nobody shares it. No
+/// function runs while another thread changes the object (the rule of the API), except that geoms may come and go in
+/// several threads at once: the mutex is for these.
 struct dxGpuTriMeshData {
  public:
   dxGpuTriMeshData() = default;
@@ -32,7 +33,7 @@ struct dxGpuTriMeshData {
 
   /// Null until a build has succeeded.
   const otg::CollisionMesh* mesh() const { return mesh_.get(); }
-  const std::shared_ptr<const otg::CollisionMesh>& meshPtr() const { return mesh_; }
+  std::shared_ptr<const otg::CollisionMesh> meshPtr() const { return mesh_; }
   /// Of the last build or update, successful or not.
   const otg::ValidationReport& report() const { return report_; }
 
@@ -41,8 +42,12 @@ struct dxGpuTriMeshData {
   /// Refits to moved vertices and takes over. Returns a status.
   int moveVertices(const otg::MeshInput& vertices);
 
+  /// Moves some vertices, in place where that can be done: number `first` and those that follow it, or where `numbers`
+  /// are given, as many of them as there are vertices, these. Returns a status.
+  int moveSome(const otg::MeshInput& vertices, std::size_t first, const int* numbers);
+
   /// Takes over a mesh that was made elsewhere; with none, `error` says why. Returns a status.
-  int take(std::shared_ptr<const otg::CollisionMesh> mesh, std::string error);
+  int take(std::shared_ptr<otg::CollisionMesh> mesh, std::string error);
 
   /// The mesh with scaled vertices, made once for all geoms that have it; mirrored ones face outward all the same. Null
   /// if a vertex leaves single precision. There must be a mesh. May throw std::bad_alloc.
@@ -65,9 +70,11 @@ struct dxGpuTriMeshData {
  private:
   ~dxGpuTriMeshData() = default;  ///< through releaseHandle() and detach() only
   /// Takes over a result; a refused one leaves the mesh as it is. Returns a status.
-  int accept(otg::MeshResult&& result, std::shared_ptr<const otg::CollisionMesh> mesh);
+  int accept(otg::MeshResult&& result, std::shared_ptr<otg::CollisionMesh> mesh);
+  /// What was derived from the mesh as it was goes; geoms take the new one. Returns a status.
+  int spread();
 
-  std::shared_ptr<const otg::CollisionMesh> mesh_;
+  std::shared_ptr<otg::CollisionMesh> mesh_;
   otg::ValidationReport report_;
   std::mutex scaledMutex_;
   std::map<otg::MeshScale, std::weak_ptr<const otg::CollisionMesh>> scaled_;  ///< of the present mesh

@@ -26,6 +26,13 @@ bool sameQuery(const Query& x, const Query& y) {
          sameBits(x.relativeVelocity, y.relativeVelocity);
 }
 
+/// Whether the mesh is the very one, with its vertices where they were. Addresses alone would not tell: another mesh
+/// may lie at the same one by now.
+bool isStill(const std::weak_ptr<const void>& then, const CollisionMesh& now) {
+  const std::weak_ptr<const void> lifetime = now.lifetime();
+  return !then.owner_before(lifetime) && !lifetime.owner_before(then);
+}
+
 /// What limitContacts would have left of these contacts. It breaks ties by the meshes' own numbers of triangles.
 std::vector<Contact> limited(const Query& query, std::span<const Contact> contacts, int capacity) {
   std::vector<Contact> all(contacts.begin(), contacts.end());
@@ -52,8 +59,8 @@ void PrefetchedPairs::clear() {
 void PrefetchedPairs::add(const PairTask& task, PairResult&& result) {
   const std::lock_guard lock(mutex_);
   Entry& entry = entries_[task.a().serial];
-  entry.a = task.sideA().sharedMesh();
-  entry.b = task.sideB().sharedMesh();
+  entry.a = task.job.query.a->lifetime();
+  entry.b = task.job.query.b->lifetime();
   entry.query = task.job.query;
   entry.query.history = nullptr;
   entry.remembers = task.remembers;
@@ -70,7 +77,9 @@ bool PrefetchedPairs::find(PairTask& task, int capacity, PairResult& result) {
   const auto it = entries_.find(task.a().serial);
   if (it == entries_.end()) return false;
   const Entry& entry = it->second;
-  if (entry.remembers != task.remembers || entry.stamp != task.stamp || !sameQuery(entry.query, task.job.query)) {
+  const Query& query = task.job.query;
+  if (entry.remembers != task.remembers || entry.stamp != task.stamp || !isStill(entry.a, *query.a) ||
+      !isStill(entry.b, *query.b) || !sameQuery(entry.query, query)) {
     return false;
   }
   const auto most = static_cast<std::size_t>(entry.query.options.maxContacts);
@@ -78,7 +87,7 @@ bool PrefetchedPairs::find(PairTask& task, int capacity, PairResult& result) {
     // A list that may have been cut already says nothing of a shorter one.
     if (entry.result.contacts.size() >= most) return false;
     result = entry.result;
-    keepContacts(result, limited(entry.query, entry.result.contacts, capacity));
+    keepContacts(result, limited(query, entry.result.contacts, capacity));
   } else {
     result = entry.result;
   }

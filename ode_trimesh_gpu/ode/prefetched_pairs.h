@@ -32,8 +32,8 @@ class PrefetchedPairs {
 
  private:
   struct Entry {
-    std::shared_ptr<const CollisionMesh> a, b;  ///< so that their addresses stay theirs
-    Query query;                                ///< without history
+    std::weak_ptr<const void> a, b;  ///< CollisionMesh::lifetime(): a mesh that has moved is another
+    Query query;                     ///< without history
     bool remembers = false;
     std::uint64_t stamp = 0;
     SolidHistory history;  ///< what the query left

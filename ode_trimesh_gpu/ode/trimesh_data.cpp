@@ -61,6 +61,23 @@ int update(dGpuTriMeshDataID g, MeshInput::Scalar scalar, const void* vertices, 
   });
 }
 
+int updateSome(dGpuTriMeshDataID g, MeshInput::Scalar scalar, const void* vertices, int stride, int first,
+               const int* numbers, int count) noexcept {
+  return guarded([&] {
+    MeshInput input;
+    if (g == nullptr || first < 0 || !setVertices(input, scalar, vertices, stride, count)) {
+      return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    }
+    return g->moveSome(input, static_cast<std::size_t>(first), numbers);
+  });
+}
+
+int updateList(dGpuTriMeshDataID g, MeshInput::Scalar scalar, const void* vertices, int stride, const int* numbers,
+               int count) noexcept {
+  if (numbers == nullptr && count > 0) return noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
+  return updateSome(g, scalar, vertices, stride, 0, numbers, count);
+}
+
 constexpr MeshInput::Scalar kRealScalar = sizeof(dReal) == 8 ? MeshInput::Scalar::kDouble : MeshInput::Scalar::kFloat;
 /// ODE's "simple" arrays are arrays of dVector3.
 constexpr int kVector3Stride = sizeof(dVector3);
@@ -160,4 +177,24 @@ int dGpuTriMeshDataUpdateVerticesDouble(dGpuTriMeshDataID g, const void* Vertice
 
 int dGpuTriMeshDataUpdate(dGpuTriMeshDataID g, const dReal* Vertices, int VertexCount) {
   return otg::update(g, otg::kRealScalar, Vertices, otg::kVector3Stride, VertexCount);
+}
+
+int dGpuTriMeshDataUpdateRangeSingle(dGpuTriMeshDataID g, const void* Vertices, int VertexStride, int First,
+                                     int Count) {
+  return otg::updateSome(g, otg::MeshInput::Scalar::kFloat, Vertices, VertexStride, First, nullptr, Count);
+}
+
+int dGpuTriMeshDataUpdateRangeDouble(dGpuTriMeshDataID g, const void* Vertices, int VertexStride, int First,
+                                     int Count) {
+  return otg::updateSome(g, otg::MeshInput::Scalar::kDouble, Vertices, VertexStride, First, nullptr, Count);
+}
+
+int dGpuTriMeshDataUpdateListSingle(dGpuTriMeshDataID g, const void* Vertices, int VertexStride, const int* Numbers,
+                                    int Count) {
+  return otg::updateList(g, otg::MeshInput::Scalar::kFloat, Vertices, VertexStride, Numbers, Count);
+}
+
+int dGpuTriMeshDataUpdateListDouble(dGpuTriMeshDataID g, const void* Vertices, int VertexStride, const int* Numbers,
+                                    int Count) {
+  return otg::updateList(g, otg::MeshInput::Scalar::kDouble, Vertices, VertexStride, Numbers, Count);
 }

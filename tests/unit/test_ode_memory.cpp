@@ -125,6 +125,22 @@ TEST_CASE("building, updating and creating without memory are errors and change 
           stated = stated && (status == dGPUTRIMESH_OK || status == dGPUTRIMESH_ERROR_MEMORY);
           return status == dGPUTRIMESH_OK;
         }) > 3);
+  const auto bytesOf = [&] {
+    std::vector<unsigned char> bytes(dGpuTriMeshDataCook(box.id, nullptr, 0));
+    dGpuTriMeshDataCook(box.id, bytes.data(), bytes.size());
+    return bytes;
+  };
+  const std::vector<unsigned char> before = bytesOf();
+  const Vec3f place = otgScale(sphere.vertices[7], 1.01f);
+  CHECK(failures([&] {
+          const int status = dGpuTriMeshDataUpdateRangeSingle(box.id, &place, 0, 7, 1);
+          const long rest = allowance;
+          allowance = -1;
+          unchanged = unchanged && (status == dGPUTRIMESH_OK) == (bytesOf() != before);
+          allowance = rest;
+          stated = stated && (status == dGPUTRIMESH_OK || status == dGPUTRIMESH_ERROR_MEMORY);
+          return status == dGPUTRIMESH_OK;
+        }) > 10);
   CHECK(failures([&] {
           const dGeomID created = dCreateGpuTriMesh(nullptr, box.id);
           if (created == nullptr) return false;

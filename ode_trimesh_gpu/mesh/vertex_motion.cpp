@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mesh/vertex_motion.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "mesh/containment.h"
+#include "mesh/inspection.h"
+#include "mesh/measure.h"
+#include "mesh/topology.h"
+
+namespace otg {
+namespace {
+
+/// As componentsWellWound() takes it for the rounding of any component's volume.
+constexpr double kRelativeRounding = 1e-14;
+
+double largestVolumeError(const Bounds& bounds, std::size_t triangles) {
+  const Vec3d corner = bounds.empty() ? Vec3d{0, 0, 0} : relativeTo(bounds.max, bounds.middle());
+  const double radius2 = otgDot(corner, corner);
+  return kRelativeRounding * 4 * radius2 * std::sqrt(radius2) * static_cast<double>(triangles);
+}
+
+std::vector<std::uint8_t> wellWound(const TriMesh& mesh, const Topology& topology) {
+  return componentsWellWound(topology, nestingDepths(topology, mesh.vertices(), mesh.triangles()), mesh.vertices(),
+                             mesh.triangles());
+}
+
+bool sameBits(const Vec3f& a, const Vec3f& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison): -0 is not 0 here
+}
+
+}  // namespace
+
+VertexMotion::VertexMotion(const TriMesh& mesh) {
+  const Topology& topology = mesh.topology();
+  const auto vertices = static_cast<std::uint32_t>(mesh.vertices().size());
+  const auto triangles = static_cast<std::uint32_t>(mesh.triangleCount());
+  if (!mesh.inputVertexOf_.empty()) {
+    ownVertex_.assign(mesh.inputVertexCount(), kNone);
+    for (std::uint32_t v = 0; v < vertices; ++v) ownVertex_[mesh.callerVertex(v)] = v;
+  }
+  firstUse_.assign(std::size_t{vertices} + 1, 0);
+  for (const Triangle& t : mesh.triangles())
+    for (const std::uint32_t v : t.v) ++firstUse_[v + 1];
+  for (std::uint32_t v = 0; v < vertices; ++v) firstUse_[v + 1] += firstUse_[v];
+  uses_.resize(3 * std::size_t{triangles});
+  std::vector<std::uint32_t> cursor(firstUse_.begin(), firstUse_.end() - 1);
+  for (std::uint32_t t = 0; t < triangles; ++t)
+    for (const std::uint32_t v : mesh.triangles()[t].v) uses_[cursor[v]++] = t;
+
+  head_.assign(std::bit_ceil(std::max<std::size_t>(16, vertices)), kNone);
+  next_.assign(vertices, kNone);
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    const std::uint32_t point = topology.weld[v];
+    if (point == v) {
+      enter(mesh, v);
+      continue;
+    }
+    if (ring_.empty()) {
+      ring_.resize(vertices);
+      for (std::uint32_t w = 0; w < vertices; ++w) ring_[w] = w;
+    }
+    ring_[v] = ring_[point];
+    ring_[point] = v;
+  }
+  blocks_.resize((vertices + kBlock - 1) / kBlock);
+  for (std::uint32_t b = 0; b < blocks_.size(); ++b) blocks_[b] = blockOf(mesh, b);
+
+  const std::size_t components = topology.componentCount();
+  volume6_.resize(components);
+  const bool each = components == 1 && std::find(topology.componentOf.begin(), topology.componentOf.end(), kNone) ==
+                                           topology.componentOf.end();
+  if (!each) {
+    componentFirst_.assign(components + 1, 0);
+    placeOf_.assign(triangles, kNone);
+    for (const std::uint32_t c : topology.componentOf)
+      if (c != kNone) ++componentFirst_[c + 1];
+    for (std::size_t c = 0; c < components; ++c) componentFirst_[c + 1] += componentFirst_[c];
+    byComponent_.resize(componentFirst_.back());
+    cursor.assign(componentFirst_.begin(), componentFirst_.end() - 1);
+    for (std::uint32_t t = 0; t < triangles; ++t) {
+      const std::uint32_t c = topology.componentOf[t];
+      if (c == kNone) continue;
+      placeOf_[t] = cursor[c] - componentFirst_[c];
+      byComponent_[cursor[c]++] = t;
+    }
+  }
+  for (std::uint32_t c = 0; c < components; ++c) {
+    const std::size_t first = firstOf(c), count = each ? triangles : componentFirst_[c + 1] - first;
+    volume6_[c].build(count, [&](std::size_t i) {
+      return volume6(mesh.vertices(), mesh.triangles()[each ? i : byComponent_[first + i]], mesh.center());
+    });
+  }
+  closedComponents_ =
+      static_cast<std::uint32_t>(std::count(topology.componentClosed.begin(), topology.componentClosed.end(), 1));
+  wellWound_ = wellWound(mesh, topology);
+  vertexMark_.assign(vertices, 0);
+  triangleMark_.assign(triangles, 0);
+  placeInMoves_.resize(vertices);
+}
+
+VertexMotion::Block VertexMotion::blockOf(const TriMesh& mesh, std::uint32_t block) const {
+  Block out;
+  const auto end = static_cast<std::uint32_t>(std::min<std::size_t>(mesh.vertices().size(), (block + 1) * kBlock));
+  for (std::uint32_t v = block * kBlock; v < end; ++v) {
+    if (!isUsed(v)) continue;
+    out.bounds.add(mesh.vertices()[v]);
+    out.radius2 = std::max(out.radius2, distance2(mesh.vertices()[v], mesh.center()));
+  }
+  return out;
+}
+
+void VertexMotion::enter(const TriMesh& mesh, std::uint32_t point) {
+  std::uint32_t& bucket = bucketOf(mesh.vertices()[point]);
+  next_[point] = bucket;
+  bucket = point;
+}
+
+void VertexMotion::leave(const TriMesh& mesh, std::uint32_t point) {
+  std::uint32_t* link = &bucketOf(mesh.vertices()[point]);
+  while (*link != point) link = &next_[*link];
+  *link = next_[point];
+}
+
+/// Whether another point lies where this one does.
+bool VertexMotion::occupied(const TriMesh& mesh, std::uint32_t point) const {
+  const Vec3f& p = mesh.vertices()[point];
+  for (std::uint32_t q = head_[hashPosition(p) & (head_.size() - 1)]; q != kNone; q = next_[q]) {
+    if (mesh.vertices()[q] == p) return true;
+  }
+  return false;
+}
+
+void VertexMotion::plan(const TriMesh& mesh, std::span<const MovedVertex> moved) {
+  if (++plan_ == 0) {
+    vertexMark_.assign(vertexMark_.size(), 0);
+    triangleMark_.assign(triangleMark_.size(), 0);
+    plan_ = 1;
+  }
+  moves_.clear();
+  triangles_.clear();
+  moves_.reserve(moved.size());
+  for (const MovedVertex& move : moved) {
+    if (vertexMark_[move.vertex] == plan_) {
+      moves_[placeInMoves_[move.vertex]].to = move.to;
+      continue;
+    }
+    vertexMark_[move.vertex] = plan_;
+    placeInMoves_[move.vertex] = static_cast<std::uint32_t>(moves_.size());
+    moves_.push_back(move);
+  }
+  std::erase_if(moves_, [&](const MovedVertex& move) { return sameBits(mesh.vertices()[move.vertex], move.to); });
+  before_.resize(moves_.size());
+  for (const MovedVertex& move : moves_) {
+    for (std::uint32_t i = firstUse_[move.vertex]; i < firstUse_[move.vertex + 1]; ++i) {
+      if (triangleMark_[uses_[i]] == plan_) continue;
+      triangleMark_[uses_[i]] = plan_;
+      triangles_.push_back(uses_[i]);
+    }
+  }
+}
+
+bool VertexMotion::move(TriMesh& mesh) {
+  std::vector<Vec3f>& vertices = mesh.vertices_;
+  for (std::size_t i = 0; i < moves_.size(); ++i) {
+    const std::uint32_t v = moves_[i].vertex;
+    if (mesh.topology_.weld[v] == v) leave(mesh, v);
+    before_[i] = vertices[v];
+    vertices[v] = moves_[i].to;
+  }
+  bool done = false;
+  try {
+    done = tryMove(mesh);
+  } catch (...) {
+    for (std::size_t i = 0; i < moves_.size(); ++i) vertices[moves_[i].vertex] = before_[i];
+    throw;
+  }
+  if (!done) {
+    for (std::size_t i = 0; i < moves_.size(); ++i) vertices[moves_[i].vertex] = before_[i];
+  }
+  return done;
+}
+
+/// Whether vertices that were one point still are, and no two points have met. Enters the moved points again.
+bool VertexMotion::keepsPoints(const TriMesh& mesh) {
+  const std::vector<std::uint32_t>& weld = mesh.topology_.weld;
+  for (const MovedVertex& move : moves_) {
+    const std::uint32_t point = weld[move.vertex];
+    if (!(mesh.vertices()[move.vertex] == mesh.vertices()[point])) return false;
+    if (point != move.vertex) continue;
+    if (!ring_.empty()) {
+      for (std::uint32_t v = ring_[point]; v != point; v = ring_[v]) {
+        if (!(mesh.vertices()[v] == mesh.vertices()[point])) return false;
+      }
+    }
+    if (occupied(mesh, point)) return false;
+    enter(mesh, point);
+  }
+  return true;
+}
+
+bool VertexMotion::keepsArea(const TriMesh& mesh) const {
+  return std::all_of(triangles_.begin(), triangles_.end(), [&](std::uint32_t t) {
+    return isDegenerateTriangle(mesh.vertices(), mesh.triangles()[t], mesh.center()) == mesh.isDegenerate(t);
+  });
+}
+
+/// The volumes of all components. False where one is so thin, or has turned in such a way, that the mesh is no longer
+/// what it was.
+bool VertexMotion::volumesAfter(const TriMesh& mesh, const Bounds& bounds, std::vector<double>& volumes) {
+  const Topology& topology = mesh.topology_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> terms;  // component, place in it
+  terms.reserve(triangles_.size());
+  for (const std::uint32_t t : triangles_) {
+    if (topology.componentOf[t] == kNone) continue;
+    terms.emplace_back(topology.componentOf[t], placeOf_.empty() ? t : placeOf_[t]);
+  }
+  if (volume6_.size() > 1) std::sort(terms.begin(), terms.end());
+  std::vector<std::uint32_t> changed;
+  for (std::size_t i = 0; i < terms.size();) {
+    const std::uint32_t c = terms[i].first;
+    changed.clear();
+    for (; i < terms.size() && terms[i].first == c; ++i) changed.push_back(terms[i].second);
+    volume6_[c].update(changed, [&](std::size_t place) {
+      const std::size_t t = byComponent_.empty() ? place : byComponent_[firstOf(c) + place];
+      return volume6(mesh.vertices(), mesh.triangles()[t], mesh.center());
+    });
+  }
+  const double error = largestVolumeError(bounds, mesh.triangleCount());
+  bool anyThin = false;
+  for (std::size_t c = 0; c < volume6_.size(); ++c) {
+    volumes[c] = volume6_[c].total() / 6;
+    anyThin = anyThin || std::abs(volumes[c]) <= error;
+  }
+  if (closedComponents_ == 0) return true;
+  if (closedComponents_ == 1 && !anyThin) {  // nothing to be nested in
+    for (std::size_t c = 0; c < volumes.size(); ++c) {
+      if ((topology.componentClosed[c] && volumes[c] > 0) != (wellWound_[c] != 0)) return false;
+    }
+    return true;
+  }
+  Topology now;
+  now.weld = topology.weld;
+  now.componentOf = topology.componentOf;
+  now.componentClosed = topology.componentClosed;
+  now.componentVolume = volumes;
+  return wellWound(mesh, now) == wellWound_;
+}
+
+bool VertexMotion::tryMove(TriMesh& mesh) {
+  if (!keepsPoints(mesh)) return false;
+  std::uint32_t last = kNone;
+  for (const MovedVertex& move : moves_) {
+    const std::uint32_t block = move.vertex / kBlock;
+    if (block != last) blocks_[block] = blockOf(mesh, block);  // all vertices are in their places by now
+    last = block;
+  }
+  Bounds bounds;
+  double radius2 = 0;
+  for (const Block& block : blocks_) {
+    if (block.bounds.empty()) continue;
+    bounds.add(block.bounds.min);
+    bounds.add(block.bounds.max);
+    radius2 = std::max(radius2, block.radius2);
+  }
+  if (!sameBits(centerAfterMove(bounds, mesh.center_), mesh.center_)) return false;
+  if (!keepsArea(mesh)) return false;
+  std::vector<double> volumes(volume6_.size());
+  if (!volumesAfter(mesh, bounds, volumes)) return false;
+  mesh.boundsMin_ = bounds.min;
+  mesh.boundsMax_ = bounds.max;
+  mesh.radius_ = radiusFrom(radius2);
+  mesh.topology_.componentVolume = std::move(volumes);
+  mesh.mass_.reset();
+  return true;
+}
+
+}  // namespace otg

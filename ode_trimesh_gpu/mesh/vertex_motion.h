@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Moving some vertices of a mesh in place, at a cost that follows their number.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mesh/block_sum.h"
+#include "mesh/bounds.h"
+#include "mesh/tri_mesh.h"
+
+namespace otg {
+
+/// A vertex, by the mesh's own number, and where it goes.
+struct MovedVertex {
+  std::uint32_t vertex;
+  Vec3f to;
+};
+
+/// What is known of one mesh beside itself so that few of its vertices can move without a look at all of them: which
+/// triangles use a vertex, which vertices lie where, and sums and bounds by parts. Made from the mesh, and kept in step
+/// with it by move(). Takes about 40 bytes for each triangle.
+class VertexMotion {
+ public:
+  explicit VertexMotion(const TriMesh& mesh);
+
+  /// First step: takes the moves over (a vertex that is named twice goes where it is sent last), and lists the
+  /// triangles that they change. The mesh is only read. May throw std::bad_alloc.
+  void plan(const TriMesh& mesh, std::span<const MovedVertex> moved);
+
+  /// Second step: makes the moves in place. The mesh is then, bit for bit, what moveVertices() with all vertices would
+  /// make of it. False where more changes than numbers of those triangles: vertices that were one point part, others
+  /// meet, a triangle loses or gains its area, a closed component turns inside out, the middle of the mesh wanders off.
+  /// Then the mesh is as it was, it takes moveVertices(), and this object is of no further use; also after an
+  /// exception.
+  bool move(TriMesh& mesh);
+
+  /// Of the last plan, each once: the triangles with a moved corner.
+  std::span<const std::uint32_t> triangles() const { return triangles_; }
+
+  /// The mesh's number of a vertex by the caller's; kNone for one that repair has merged into another.
+  std::uint32_t ownVertex(std::uint32_t ofCaller) const { return ownVertex_.empty() ? ofCaller : ownVertex_[ofCaller]; }
+
+ private:
+  static constexpr std::uint32_t kBlock = 32;
+  /// Of kBlock neighbouring vertices, those that triangles use.
+  struct Block {
+    Bounds bounds;
+    double radius2 = 0;
+  };
+  Block blockOf(const TriMesh& mesh, std::uint32_t block) const;
+  bool isUsed(std::uint32_t v) const { return firstUse_[v] != firstUse_[v + 1]; }
+  void enter(const TriMesh& mesh, std::uint32_t point);
+  void leave(const TriMesh& mesh, std::uint32_t point);
+  bool occupied(const TriMesh& mesh, std::uint32_t point) const;
+  std::uint32_t& bucketOf(const Vec3f& p) { return head_[hashPosition(p) & (head_.size() - 1)]; }
+  bool keepsPoints(const TriMesh& mesh);
+  bool keepsArea(const TriMesh& mesh) const;
+  bool tryMove(TriMesh& mesh);
+  bool volumesAfter(const TriMesh& mesh, const Bounds& bounds, std::vector<double>& volumes);
+  std::size_t firstOf(std::uint32_t component) const {
+    return componentFirst_.empty() ? 0 : componentFirst_[component];
+  }
+
+  std::vector<std::uint32_t> ownVertex_;        ///< by the caller's number; empty where that is the same number
+  std::vector<std::uint32_t> firstUse_, uses_;  ///< the triangles of vertex v: uses_[firstUse_[v]] ..
+  std::vector<std::uint32_t> head_, next_;      ///< welded vertices by the hash of their places
+  std::vector<std::uint32_t> ring_;             ///< the next vertex of the same point, round; empty if each is alone
+  std::vector<Block> blocks_;
+  /// Where there are several components: triangles by component (those of none left out), and the place of each.
+  std::vector<std::uint32_t> componentFirst_, byComponent_, placeOf_;
+  std::vector<KeptBlockSum> volume6_;    ///< of each component
+  std::vector<std::uint8_t> wellWound_;  ///< componentsWellWound()
+  std::uint32_t closedComponents_ = 0;
+
+  std::vector<MovedVertex> moves_;  ///< each vertex once
+  std::vector<Vec3f> before_;       ///< where they were
+  std::vector<std::uint32_t> triangles_;
+  std::vector<std::uint32_t> vertexMark_, triangleMark_;  ///< the number of the plan that last named it
+  std::vector<std::uint32_t> placeInMoves_;
+  std::uint32_t plan_ = 0;
+};
+
+}  // namespace otg
