@@ -57,14 +57,18 @@ OTG_GENERIC REAL OTG_NAME(otgLength)(OTG_VEC3 v) {
   return OTG_SQRT(OTG_NAME(otgDot)(v, v));
 }
 
-/// `defect` of m: sqrt(otgRotationDefectSquared). Centres are the meshes' own, radii as TriMesh::radius.
-OTG_GENERIC OTG_PAIR_BOUNDS OTG_NAME(otgPairBounds)(OTG_TRANSFORM m, REAL defect, OTG_VEC3 centerA, REAL radiusA,
-                                                    OTG_VEC3 centerB, REAL radiusB) {
+/// `defect` of m: sqrt(otgRotationDefectSquared). Origins of the centred frames are TriMesh::origin, radii as
+/// TriMesh::radius.
+OTG_GENERIC OTG_PAIR_BOUNDS OTG_NAME(otgPairBounds)(OTG_TRANSFORM m, REAL defect, OTG_VEC3 originA, REAL radiusA,
+                                                    OTG_VEC3 originB, REAL radiusB) {
   OTG_PAIR_BOUNDS out;
   const REAL floatUnit = OTG_REAL(0x1p-24), doubleUnit = OTG_REAL(0x1p-53);
   REAL rowNorm = 0, placement;
-  // The centred frames: x = v - center. Both the transform of B's centre and the difference are taken in double.
-  out.t = OTG_NAME(otgSub)(OTG_NAME(otgTransform)(m, centerB), centerA);
+  // The centred frames: x = v - origin. Both the transform of B's origin and the difference are taken in double.
+  out.t = OTG_NAME(otgSub)(OTG_NAME(otgTransform)(m, originB), originA);
+  // An origin may be a quarter of the radius from the middle that the radius is meant about.
+  radiusA *= OTG_REAL(1.25);
+  radiusB *= OTG_REAL(1.25);
   for (int i = 0; i < 3; ++i) {
     const OTG_VEC3 row = OTG_NAME(otgVec)(m.r[3 * i], m.r[3 * i + 1], m.r[3 * i + 2]);
     rowNorm = OTG_MAX(rowNorm, OTG_NAME(otgLength)(row));
@@ -80,7 +84,7 @@ OTG_GENERIC OTG_PAIR_BOUNDS OTG_NAME(otgPairBounds)(OTG_TRANSFORM m, REAL defect
   // not e_k |R_il| + ..; the singular values s of R differ from those of its cofactors by s2 s3 - s1, about half of
   // what E's eigenvalues add up to, so this is off by less than |e| |E| too (0.87, and 0.003 for the second order at
   // the largest defect). A box lies within the mesh's bounds, so |e| <= sqrt(3) radius: 2 > sqrt(3) covers both.
-  placement = 16 * doubleUnit * (OTG_NAME(otgLength)(centerA) + OTG_NAME(otgLength)(centerB) * rowNorm + out.scale);
+  placement = 16 * doubleUnit * (OTG_NAME(otgLength)(originA) + OTG_NAME(otgLength)(originB) * rowNorm + out.scale);
   out.eps = 32 * floatUnit * out.scale + 2 * defect * radiusB + placement + OTG_REAL(1e-37);
   // Triangles: centring rounds once (u r), the transform costs at most 8 u scale on top of R's and t's own rounding.
   out.delta = OTG_REAL(2.1) * (16 * floatUnit * out.scale + placement);

@@ -49,7 +49,7 @@ BinaryTree buildTree(const TriMesh& mesh, BuildStrategy strategy) {
       box.grow(set.boxes[i]);
       centers.grow(set.boxes[i].middle());
     }
-    enclose(box, mesh.center(), node);
+    enclose(box, mesh.origin(), node);
     if (set.size == 1) {
       node.child = static_cast<std::int32_t>(~set.triangles[0]);
       continue;

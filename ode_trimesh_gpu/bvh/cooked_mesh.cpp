@@ -180,7 +180,7 @@ void packNumbers(TriMeshParts& p, const BinaryTree& tree, Numbers& n) {
   for (const bool* fact : factsOf(p.report)) n.counts.push_back(*fact ? 1 : 0);
   n.counts.insert(n.counts.end(), {p.inputVertexCount, tree.depth, static_cast<std::uint64_t>(tree.strategy)});
   n.reals = {p.mass.volume, p.mass.area, p.radius};
-  for (const Vec3f* v : {&p.boundsMin, &p.boundsMax, &p.center}) n.reals.insert(n.reals.end(), {v->x, v->y, v->z});
+  for (const Vec3f* v : {&p.boundsMin, &p.boundsMax, &p.center, &p.origin}) n.reals.insert(n.reals.end(), {v->x, v->y, v->z});
   for (int i = 0; i < 3; ++i) n.reals.push_back(p.mass.centerOfMass[i]);
   for (int i = 0; i < 9; ++i) n.reals.push_back(p.mass.inertia(i / 3, i % 3));
 }
@@ -188,7 +188,7 @@ void packNumbers(TriMeshParts& p, const BinaryTree& tree, Numbers& n) {
 bool unpackNumbers(const Numbers& n, TriMeshParts& p, BinaryTree& tree) {
   const auto counts = countsOf(p.report);
   const auto facts = factsOf(p.report);
-  if (n.counts.size() != counts.size() + facts.size() + 3 || n.reals.size() != 24) return false;
+  if (n.counts.size() != counts.size() + facts.size() + 3 || n.reals.size() != 27) return false;
   auto next = n.counts.begin();
   for (std::size_t* count : counts) *count = static_cast<std::size_t>(*next++);
   for (bool* fact : facts) *fact = *next++ != 0;
@@ -200,7 +200,7 @@ bool unpackNumbers(const Numbers& n, TriMeshParts& p, BinaryTree& tree) {
   p.mass.volume = *real++;
   p.mass.area = *real++;
   p.radius = static_cast<float>(*real++);
-  for (Vec3f* v : {&p.boundsMin, &p.boundsMax, &p.center}) {
+  for (Vec3f* v : {&p.boundsMin, &p.boundsMax, &p.center, &p.origin}) {
     for (float* x : {&v->x, &v->y, &v->z}) *x = static_cast<float>(*real++);
   }
   for (int i = 0; i < 3; ++i) p.mass.centerOfMass[i] = *real++;

@@ -19,7 +19,7 @@
 
 namespace otg {
 
-inline constexpr std::uint32_t kCookedVersion = 1;
+inline constexpr std::uint32_t kCookedVersion = 2;
 
 /// Throws std::bad_alloc only.
 std::vector<unsigned char> cookMesh(const CollisionMesh& mesh);

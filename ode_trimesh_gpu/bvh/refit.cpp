@@ -16,7 +16,7 @@ void refitTree(BinaryTree& tree, const TriMesh& mesh) {
   const auto kept = [](const BvhNode& node) {
     return MeshBox{{node.center.x, node.center.y, node.center.z, 0}, {node.extent.x, node.extent.y, node.extent.z, 0}};
   };
-  const Vec3f origin = mesh.center();
+  const Vec3f origin = mesh.origin();
   for (std::size_t i = tree.nodes.size(); i-- > 0;) {
     BvhNode& node = tree.nodes[i];
     if (node.isLeaf()) {

@@ -19,7 +19,7 @@ enum class BuildStrategy {
 };
 
 /// One node of the standard binary tree, 32 bytes. Boxes are centre and half-extents in the mesh's centred frame
-/// (mesh coordinate minus TriMesh::center()), rounded outward: the box contains the exact triangle.
+/// (mesh coordinate minus TriMesh::origin()), rounded outward: the box contains the exact triangle.
 struct BvhNode {
   Vec3f center;
   Vec3f extent;

@@ -57,7 +57,7 @@ void TreeMotion::refit(BinaryTree& tree, const TriMesh& mesh) {
       box.grow(exactBox(tree, mesh, child + 1));
       inner_[(child - 1) / 2] = {{box.lo[0], box.lo[1], box.lo[2]}, {box.hi[0], box.hi[1], box.hi[2]}};
     }
-    enclose(box, mesh.center(), node);
+    enclose(box, mesh.origin(), node);
   }
 }
 

@@ -20,7 +20,7 @@ bool notNegative(float a, float b, float c, float d) {
 
 /// Whether the box in the centred frame contains the one in the mesh's own frame, in exact arithmetic.
 bool encloses(const TriMesh& mesh, const Vec3f& center, const Vec3f& extent, const MeshBox& box) {
-  const float o[3] = {mesh.center().x, mesh.center().y, mesh.center().z};
+  const float o[3] = {mesh.origin().x, mesh.origin().y, mesh.origin().z};
   const float c[3] = {center.x, center.y, center.z}, e[3] = {extent.x, extent.y, extent.z};
   for (int k = 0; k < 3; ++k) {
     if (!std::isfinite(c[k]) || !(e[k] >= 0)) return false;

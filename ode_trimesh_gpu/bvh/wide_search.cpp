@@ -39,7 +39,7 @@ double length(const Vec3d& v) {
 }
 
 Vec3d centred(const TriMesh& mesh, const Vec3d& p) {
-  return otgSub(p, Vec3d{mesh.center().x, mesh.center().y, mesh.center().z});
+  return otgSub(p, Vec3d{mesh.origin().x, mesh.origin().y, mesh.origin().z});
 }
 
 float clampedFloat(double x) {
@@ -90,7 +90,7 @@ BelowQuery::BelowQuery(const TriMesh& mesh, const Vec3d& normal, double offset) 
     n_[i] = static_cast<float>(n[i]);
     size_[i] = static_cast<float>(std::fabs(n[i]));
   }
-  const Vec3f& c = mesh.center();
+  const Vec3f& c = mesh.origin();
   const double shifted = offset - otgDot(normal, Vec3d{c.x, c.y, c.z});
   offset_ = clampedFloat(shifted + kSlack * (std::fabs(shifted) + double{mesh.radius()}) + 1e-14 * std::fabs(offset));
 }
@@ -155,7 +155,7 @@ unsigned BoxQuery::operator()(const WideNode& node) const {
 RayQuery::RayQuery(const TriMesh& mesh, const Vec3d& origin, const Vec3d& direction) {
   const Vec3d from = centred(mesh, origin);
   const double o[3] = {from.x, from.y, from.z}, d[3] = {direction.x, direction.y, direction.z};
-  const Vec3f &low = mesh.boundsMin(), &high = mesh.boundsMax(), &c = mesh.center();
+  const Vec3f &low = mesh.boundsMin(), &high = mesh.boundsMax(), &c = mesh.origin();
   const double lows[3] = {low.x, low.y, low.z}, highs[3] = {high.x, high.y, high.z}, middle[3] = {c.x, c.y, c.z};
   // Boxes are wider than their triangles by rounding; and by more where the ray comes from far away.
   const double wider = kSlack * double{mesh.radius()} + 1e-13 * (length(from) + length(origin));

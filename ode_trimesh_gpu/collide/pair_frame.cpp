@@ -35,7 +35,7 @@ PairFrame makePairFrame(const Query& query) {
   PairFrame frame{};
 
   const PairBounds<double> bounds =
-      otgPairBounds<double>(m, rotationDefect(m), asDouble(a.center()), a.radius(), asDouble(b.center()), b.radius());
+      otgPairBounds<double>(m, rotationDefect(m), asDouble(a.origin()), a.radius(), asDouble(b.origin()), b.radius());
   for (int i = 0; i < 9; ++i) {
     frame.boxes.r[i] = static_cast<float>(m.r[i]);
     frame.boxes.absR[i] = std::fabs(frame.boxes.r[i]);

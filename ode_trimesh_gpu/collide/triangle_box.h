@@ -31,7 +31,7 @@ class TriangleBoxTest {
 
  private:
   static void centred(const TriMesh& mesh, std::uint32_t triangle, Vec3f out[3]) {
-    for (int k = 0; k < 3; ++k) out[k] = otgSub(mesh.vertices()[mesh.triangles()[triangle].v[k]], mesh.center());
+    for (int k = 0; k < 3; ++k) out[k] = otgSub(mesh.vertices()[mesh.triangles()[triangle].v[k]], mesh.origin());
   }
   const Query& query_;
   const PairFrame& frame_;

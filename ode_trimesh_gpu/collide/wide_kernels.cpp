@@ -89,7 +89,7 @@ void filterTriangles(SimdLevel level, const Query& query, const PairFrame& frame
   intersecting.resize(candidates.size());
   undecided.resize(candidates.size());
   TriangleFilterArgs args{a.vertices().data(), b.vertices().data(), a.triangles().data(), b.triangles().data(),
-                          a.center(),          b.center(),          &frame.trianglesInA,  &frame.floatError,
+                          a.origin(),          b.origin(),          &frame.trianglesInA,  &frame.floatError,
                           candidates.data(),   candidates.size(),   intersecting.data(),  undecided.data()};
   switch (level) {
 #ifdef OTG_HAVE_X86_KERNELS

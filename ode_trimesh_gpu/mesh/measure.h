@@ -16,9 +16,10 @@ inline Vec3f middleAsFloat(const Bounds& bounds) {
   return {static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z)};
 }
 
-/// The centre of a mesh whose vertices have moved: the one that it had, as long as that is within a sixteenth of the
-/// size from the middle of the bounds. Boxes are relative to the centre: those that did not move stay as they are.
-inline Vec3f centerAfterMove(const Bounds& bounds, const Vec3f& before) {
+/// TriMesh::origin() after vertices have moved: where it was, as long as that is within a sixteenth of the size from
+/// the middle of the bounds, so that boxes that did not move stay as they are. That is within a quarter of the radius,
+/// as otgPairBounds takes for granted.
+inline Vec3f originAfterMove(const Bounds& bounds, const Vec3f& before) {
   const Vec3d middle = bounds.middle();
   const double size = std::max(
       {double{bounds.max.x} - bounds.min.x, double{bounds.max.y} - bounds.min.y, double{bounds.max.z} - bounds.min.z});

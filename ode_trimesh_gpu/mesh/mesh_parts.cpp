@@ -62,6 +62,7 @@ TriMeshParts TriMeshParts::of(const TriMesh& mesh) {
   parts.boundsMin = mesh.boundsMin_;
   parts.boundsMax = mesh.boundsMax_;
   parts.center = mesh.center_;
+  parts.origin = mesh.origin_;
   parts.radius = mesh.radius_;
   parts.inputVertexCount = mesh.inputVertexCount_;
   parts.inputVertexOf = mesh.inputVertexOf_;
@@ -79,7 +80,7 @@ std::string TriMeshParts::fault() const {
                      (callerTriangle.empty() || callerTriangle.size() == t);
   if (!sizes) return "arrays of sizes that do not match";
   // An empty mesh has no bounds, and the radius of the largest ones is rounded up to infinity.
-  if (!allFinite(vertices) || (t > 0 && !allFinite({boundsMin, boundsMax, center})) || !(radius >= 0)) {
+  if (!allFinite(vertices) || (t > 0 && !allFinite({boundsMin, boundsMax, center, origin})) || !(radius >= 0)) {
     return "a vertex or bound that is not finite";
   }
   const std::size_t edges = topology.edges.size();
@@ -109,6 +110,7 @@ std::shared_ptr<const TriMesh> TriMeshParts::assemble(TriMeshParts&& parts) {
   mesh->boundsMin_ = parts.boundsMin;
   mesh->boundsMax_ = parts.boundsMax;
   mesh->center_ = parts.center;
+  mesh->origin_ = parts.origin;
   mesh->radius_ = parts.radius;
   mesh->inputVertexCount_ = parts.inputVertexCount;
   mesh->inputVertexOf_ = std::move(parts.inputVertexOf);

@@ -18,7 +18,7 @@ struct TriMeshParts {
   Topology topology;
   ValidationReport report;
   MassProperties mass;
-  Vec3f boundsMin{}, boundsMax{}, center{};
+  Vec3f boundsMin{}, boundsMax{}, center{}, origin{};
   float radius = 0;
   std::size_t inputVertexCount = 0;
   std::vector<std::uint32_t> inputVertexOf, callerTriangle;  ///< triangleOfCaller is the inverse of callerTriangle

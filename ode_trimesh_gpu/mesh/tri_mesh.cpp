@@ -119,18 +119,19 @@ bool refused(ValidationReport& report) {
 struct TriMeshBuilder {
   static std::shared_ptr<TriMesh> create() { return std::shared_ptr<TriMesh>(new TriMesh); }
 
-  /// `before`: the centre that the mesh had, if it had one.
+  /// `before`: the origin that the mesh had, if it had one.
   static void measure(TriMesh& mesh, const Vec3f* before) {
     const Bounds bounds = boundsOf(mesh.vertices_, mesh.triangles_);
     mesh.boundsMin_ = bounds.min;
     mesh.boundsMax_ = bounds.max;
-    mesh.center_ = before == nullptr ? middleAsFloat(bounds) : centerAfterMove(bounds, *before);
+    mesh.center_ = middleAsFloat(bounds);
+    mesh.origin_ = before == nullptr ? mesh.center_ : originAfterMove(bounds, *before);
     double radius2 = 0;
     for (const Triangle& triangle : mesh.triangles_) {
       for (const std::uint32_t v : triangle.v) radius2 = std::max(radius2, distance2(mesh.vertices_[v], mesh.center_));
     }
     mesh.radius_ = radiusFrom(radius2);
-    mesh.degenerate_ = findDegenerate(mesh.vertices_, mesh.triangles_, mesh.center_);
+    mesh.degenerate_ = findDegenerate(mesh.vertices_, mesh.triangles_, mesh.origin_);
   }
 
   static MeshResult build(const MeshInput& input, const RepairOptions& repair, MeshOrder order) {
@@ -247,7 +248,7 @@ struct TriMeshBuilder {
       for (const std::uint32_t v : before.inputVertexOf_) mesh->vertices_.push_back(vertices[v]);
     }
     mesh->triangles_ = before.triangles_;
-    measure(*mesh, &before.center_);
+    measure(*mesh, &before.origin_);
     const bool samePoints = weldByPosition(mesh->vertices_) == before.topology_.weld;
     if (samePoints) {
       mesh->topology_ = before.topology_;
@@ -255,7 +256,7 @@ struct TriMeshBuilder {
       mesh->topology_ = buildTopology(mesh->vertices_, mesh->triangles_);
     }
     mesh->topology_.componentVolume =
-        componentVolumes(mesh->topology_, mesh->vertices_, mesh->triangles_, mesh->center_);
+        componentVolumes(mesh->topology_, mesh->vertices_, mesh->triangles_, mesh->origin_);
     if (samePoints && mesh->degenerate_ == before.degenerate_ && wellWound(*mesh) == wellWound(before)) {
       report = before.report_;
     } else {

@@ -77,12 +77,15 @@ class TriMesh {
   /// Axis-aligned bounds of the vertices that triangles use; min > max when there are none.
   const Vec3f& boundsMin() const { return boundsMin_; }
   const Vec3f& boundsMax() const { return boundsMax_; }
-  /// The middle of the bounds, rounded to float: the origin of the *centred frame* in which boxes and float filters
-  /// work, so that their error follows the size of the mesh and not its distance from its own origin. After vertices
-  /// have moved it is where it was before, unless that is far from the middle by now (centerAfterMove()).
+  /// The middle of the bounds, rounded to float.
   const Vec3f& center() const { return center_; }
   /// No vertex that a triangle uses is farther than this from center() (rounded up).
   float radius() const { return radius_; }
+  /// The origin of the *centred frame* in which boxes and float filters work, so that their error follows the size of
+  /// the mesh and not its distance from the origin of its own frame. It is center() when the mesh is built, and stays
+  /// there when vertices move, unless that is far from the middle by then (originAfterMove()). No contact depends on
+  /// it.
+  const Vec3f& origin() const { return origin_; }
 
  private:
   friend struct TriMeshBuilder;
@@ -95,7 +98,7 @@ class TriMesh {
   Topology topology_;
   ValidationReport report_;
   FirstUse<MassProperties> mass_;
-  Vec3f boundsMin_{}, boundsMax_{}, center_{};
+  Vec3f boundsMin_{}, boundsMax_{}, center_{}, origin_{};
   float radius_ = 0;
   /// How many vertices the caller gave, and which of them each of vertices_ is (empty where that is the same number).
   std::size_t inputVertexCount_ = 0;

@@ -92,7 +92,7 @@ VertexMotion::VertexMotion(const TriMesh& mesh) {
   for (std::uint32_t c = 0; c < components; ++c) {
     const std::size_t first = firstOf(c), count = each ? triangles : componentFirst_[c + 1] - first;
     volume6_[c].build(count, [&](std::size_t i) {
-      return volume6(mesh.vertices(), mesh.triangles()[each ? i : byComponent_[first + i]], mesh.center());
+      return volume6(mesh.vertices(), mesh.triangles()[each ? i : byComponent_[first + i]], mesh.origin());
     });
   }
   closedComponents_ =
@@ -103,15 +103,43 @@ VertexMotion::VertexMotion(const TriMesh& mesh) {
   placeInMoves_.resize(vertices);
 }
 
-VertexMotion::Block VertexMotion::blockOf(const TriMesh& mesh, std::uint32_t block) const {
-  Block out;
+Bounds VertexMotion::blockOf(const TriMesh& mesh, std::uint32_t block) const {
+  Bounds out;
   const auto end = static_cast<std::uint32_t>(std::min<std::size_t>(mesh.vertices().size(), (block + 1) * kBlock));
   for (std::uint32_t v = block * kBlock; v < end; ++v) {
-    if (!isUsed(v)) continue;
-    out.bounds.add(mesh.vertices()[v]);
-    out.radius2 = std::max(out.radius2, distance2(mesh.vertices()[v], mesh.center()));
+    if (isUsed(v)) out.add(mesh.vertices()[v]);
   }
   return out;
+}
+
+/// Of the vertices in use. Blocks that reach less far than what was found are not looked into.
+double VertexMotion::largestDistance2(const TriMesh& mesh, const Vec3f& center) const {
+  double largest = 0;
+  std::uint32_t farthest = 0;
+  const auto reach2 = [&](const Bounds& b) {
+    // The same operations as distance2() with coordinates that are no nearer: no less than it gives for any vertex.
+    const auto farther = [](float lo, float hi, float c) { return double{hi} - c > double{c} - lo ? hi : lo; };
+    return distance2(
+        {farther(b.min.x, b.max.x, center.x), farther(b.min.y, b.max.y, center.y), farther(b.min.z, b.max.z, center.z)},
+        center);
+  };
+  const auto look = [&](std::uint32_t block) {
+    const auto end = static_cast<std::uint32_t>(std::min<std::size_t>(mesh.vertices().size(), (block + 1) * kBlock));
+    for (std::uint32_t v = block * kBlock; v < end; ++v) {
+      if (isUsed(v)) largest = std::max(largest, distance2(mesh.vertices()[v], center));
+    }
+  };
+  double most = -1;
+  for (std::uint32_t b = 0; b < blocks_.size(); ++b) {
+    if (blocks_[b].empty() || reach2(blocks_[b]) <= most) continue;
+    most = reach2(blocks_[b]);
+    farthest = b;
+  }
+  if (most >= 0) look(farthest);
+  for (std::uint32_t b = 0; b < blocks_.size(); ++b) {
+    if (!blocks_[b].empty() && reach2(blocks_[b]) > largest) look(b);
+  }
+  return largest;
 }
 
 void VertexMotion::enter(const TriMesh& mesh, std::uint32_t point) {
@@ -205,7 +233,7 @@ bool VertexMotion::keepsPoints(const TriMesh& mesh) {
 
 bool VertexMotion::keepsArea(const TriMesh& mesh) const {
   return std::all_of(triangles_.begin(), triangles_.end(), [&](std::uint32_t t) {
-    return isDegenerateTriangle(mesh.vertices(), mesh.triangles()[t], mesh.center()) == mesh.isDegenerate(t);
+    return isDegenerateTriangle(mesh.vertices(), mesh.triangles()[t], mesh.origin()) == mesh.isDegenerate(t);
   });
 }
 
@@ -227,7 +255,7 @@ bool VertexMotion::volumesAfter(const TriMesh& mesh, const Bounds& bounds, std::
     for (; i < terms.size() && terms[i].first == c; ++i) changed.push_back(terms[i].second);
     volume6_[c].update(changed, [&](std::size_t place) {
       const std::size_t t = byComponent_.empty() ? place : byComponent_[firstOf(c) + place];
-      return volume6(mesh.vertices(), mesh.triangles()[t], mesh.center());
+      return volume6(mesh.vertices(), mesh.triangles()[t], mesh.origin());
     });
   }
   const double error = largestVolumeError(bounds, mesh.triangleCount());
@@ -260,20 +288,19 @@ bool VertexMotion::tryMove(TriMesh& mesh) {
     last = block;
   }
   Bounds bounds;
-  double radius2 = 0;
-  for (const Block& block : blocks_) {
-    if (block.bounds.empty()) continue;
-    bounds.add(block.bounds.min);
-    bounds.add(block.bounds.max);
-    radius2 = std::max(radius2, block.radius2);
+  for (const Bounds& block : blocks_) {
+    if (block.empty()) continue;
+    bounds.add(block.min);
+    bounds.add(block.max);
   }
-  if (!sameBits(centerAfterMove(bounds, mesh.center_), mesh.center_)) return false;
+  if (!sameBits(originAfterMove(bounds, mesh.origin_), mesh.origin_)) return false;
   if (!keepsArea(mesh)) return false;
   std::vector<double> volumes(volume6_.size());
   if (!volumesAfter(mesh, bounds, volumes)) return false;
   mesh.boundsMin_ = bounds.min;
   mesh.boundsMax_ = bounds.max;
-  mesh.radius_ = radiusFrom(radius2);
+  mesh.center_ = middleAsFloat(bounds);
+  mesh.radius_ = radiusFrom(largestDistance2(mesh, mesh.center_));
   mesh.topology_.componentVolume = std::move(volumes);
   mesh.mass_.reset();
   return true;

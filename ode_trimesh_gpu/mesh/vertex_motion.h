@@ -31,7 +31,8 @@ class VertexMotion {
 
   /// Second step: makes the moves in place. The mesh is then, bit for bit, what moveVertices() with all vertices would
   /// make of it. False where more changes than numbers of those triangles: vertices that were one point part, others
-  /// meet, a triangle loses or gains its area, a closed component turns inside out, the middle of the mesh wanders off.
+  /// meet, a triangle loses or gains its area, a closed component turns inside out, the middle of the mesh wanders off
+  /// from origin().
   /// Then the mesh is as it was, it takes moveVertices(), and this object is of no further use; also after an
   /// exception.
   bool move(TriMesh& mesh);
@@ -45,11 +46,7 @@ class VertexMotion {
  private:
   static constexpr std::uint32_t kBlock = 32;
   /// Of kBlock neighbouring vertices, those that triangles use.
-  struct Block {
-    Bounds bounds;
-    double radius2 = 0;
-  };
-  Block blockOf(const TriMesh& mesh, std::uint32_t block) const;
+  Bounds blockOf(const TriMesh& mesh, std::uint32_t block) const;
   bool isUsed(std::uint32_t v) const { return firstUse_[v] != firstUse_[v + 1]; }
   void enter(const TriMesh& mesh, std::uint32_t point);
   void leave(const TriMesh& mesh, std::uint32_t point);
@@ -58,6 +55,7 @@ class VertexMotion {
   bool keepsPoints(const TriMesh& mesh);
   bool keepsArea(const TriMesh& mesh) const;
   bool tryMove(TriMesh& mesh);
+  double largestDistance2(const TriMesh& mesh, const Vec3f& center) const;
   bool volumesAfter(const TriMesh& mesh, const Bounds& bounds, std::vector<double>& volumes);
   std::size_t firstOf(std::uint32_t component) const {
     return componentFirst_.empty() ? 0 : componentFirst_[component];
@@ -67,7 +65,7 @@ class VertexMotion {
   std::vector<std::uint32_t> firstUse_, uses_;  ///< the triangles of vertex v: uses_[firstUse_[v]] ..
   std::vector<std::uint32_t> head_, next_;      ///< welded vertices by the hash of their places
   std::vector<std::uint32_t> ring_;             ///< the next vertex of the same point, round; empty if each is alone
-  std::vector<Block> blocks_;
+  std::vector<Bounds> blocks_;
   /// Where there are several components: triangles by component (those of none left out), and the place of each.
   std::vector<std::uint32_t> componentFirst_, byComponent_, placeOf_;
   std::vector<KeptBlockSum> volume6_;    ///< of each component

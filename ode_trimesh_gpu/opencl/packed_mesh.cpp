@@ -99,7 +99,7 @@ PackedMesh packMesh(const CollisionMesh& mesh, MeshLayout layout, std::uint32_t 
     addEightWide(out, mesh, leafTriangles, cutOrder);
   }
   addRings(out, mesh.mesh());
-  out.place.center = mesh.mesh().center();
+  out.place.center = mesh.mesh().origin();
   out.place.radius = mesh.mesh().radius();
   out.place.triangles = static_cast<std::uint32_t>(mesh.mesh().triangleCount());
   if (layout == MeshLayout::kEightWide) addSolid(out, mesh);

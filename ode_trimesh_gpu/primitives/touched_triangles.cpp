@@ -16,7 +16,7 @@ template <class MayTouch, class Take>
 void visit(const CollisionMesh& tree, const MayTouch& mayTouch, const Take& take) {
   const std::vector<BvhNode>& nodes = tree.tree().nodes;
   if (nodes.empty()) return;
-  const Vec3f& c = tree.mesh().center();
+  const Vec3f& c = tree.mesh().origin();
   std::vector<std::uint32_t> stack{0};
   while (!stack.empty()) {
     const BvhNode& node = nodes[stack.back()];

@@ -29,7 +29,7 @@ void searchNear(const CollisionMesh& tree, const Vec3d& point, double& limit, co
   const std::vector<BvhNode>& nodes = tree.tree().nodes;
   if (nodes.empty()) return;
   const TriMesh& mesh = tree.mesh();
-  const Vec3d centred = otgSub(point, Vec3d{mesh.center().x, mesh.center().y, mesh.center().z});
+  const Vec3d centred = otgSub(point, Vec3d{mesh.origin().x, mesh.origin().y, mesh.origin().z});
   struct Item {
     std::uint32_t node;
     double distance2;

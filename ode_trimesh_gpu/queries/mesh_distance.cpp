@@ -24,8 +24,8 @@ BoxFrame<double> boxFrame(const Query& query) {
     frame.r[i] = query.bInA.r[i];
     frame.absR[i] = std::fabs(frame.r[i]);
   }
-  const Vec3d b = otgTransform(query.bInA, toDouble(query.b->mesh().center()));
-  frame.t = otgSub(b, toDouble(query.a->mesh().center()));
+  const Vec3d b = otgTransform(query.bInA, toDouble(query.b->mesh().origin()));
+  frame.t = otgSub(b, toDouble(query.a->mesh().origin()));
   return frame;
 }
 

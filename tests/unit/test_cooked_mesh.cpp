@@ -138,7 +138,7 @@ TEST_CASE("bytes that were changed, cut off, or are something else are refused")
   Bytes newer = bytes;
   newer[8] = kCookedVersion + 1;
   seal(newer);
-  CHECK(errorOf(newer) == "The cooked mesh is of version 2; this library reads version 1.");
+  CHECK(errorOf(newer) == "The cooked mesh is of version 3; this library reads version 2.");
   Bytes swapped = bytes;  // two vertices exchanged, four words of the checksum's own lane apart
   const auto vertices = swapped.begin() + static_cast<std::ptrdiff_t>(sectionsOf(bytes)[2] + 8);
   std::swap_ranges(vertices, vertices + 12, vertices + 96);

@@ -110,6 +110,8 @@ OTG_API void dGpuTriMeshDeviceInit(dGpuTriMeshDevice* device);
 
 /**
  * @brief How many devices are open, switched off or not.
+ * @returns 0 or more.
+ * @remarks From any thread and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshGetDeviceCount(void);

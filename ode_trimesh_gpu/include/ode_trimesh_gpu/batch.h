@@ -185,6 +185,8 @@ OTG_API int dGpuTriMeshSetThreadCount(int count);
 
 /**
  * @brief How many threads work on one batch.
+ * @returns 1 or more: what dGpuTriMeshSetThreadCount() was called with, or what 0 stands for.
+ * @remarks From any thread and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshGetThreadCount(void);

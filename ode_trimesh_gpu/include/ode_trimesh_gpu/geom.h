@@ -123,6 +123,7 @@ OTG_API int dGeomGpuTriMeshGetPoint(dGeomID g, int Index, dReal u, dReal v, dVec
 
 /**
  * @brief The mesh of the geom, by ODE's other name for it: dGeomGpuTriMeshGetData().
+ * @returns As there.
  * @ingroup gputrimesh
  */
 OTG_API dGpuTriMeshDataID dGeomGpuTriMeshGetTriMeshDataID(dGeomID g);
@@ -180,7 +181,9 @@ OTG_API int dGeomGpuTriMeshClearTCCache(dGeomID g);
 OTG_API int dGeomGpuTriMeshSetScale(dGeomID g, dReal x, dReal y, dReal z);
 
 /**
- * @brief The scale of the geom's mesh; 1, 1, 1 at first. The fourth number is set to 0.
+ * @brief The scale of the geom's mesh; 1, 1, 1 at first.
+ * @param g      a geom of this class
+ * @param scale  receives the factors along x, y and z of the mesh's frame; the fourth number is set to 0
  * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT or dGPUTRIMESH_ERROR_CLASS.
  * @remarks May be called from a near callback.
  * @ingroup gputrimesh

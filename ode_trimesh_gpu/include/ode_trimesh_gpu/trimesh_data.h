@@ -277,7 +277,10 @@ OTG_API int dGpuTriMeshDataUpdateListDouble(dGpuTriMeshDataID g, const void* Ver
 OTG_API int dGpuTriMeshDataGetReport(dGpuTriMeshDataID g, dGpuTriMeshReport* report);
 
 /**
- * @brief How many kinds of problem the last Build or Update found; 0 for a NULL object.
+ * @brief How many kinds of problem the last Build or Update found.
+ * @param g  the object
+ * @returns 0 or more; 0 for NULL.
+ * @remarks May be called from a near callback, but not while another thread changes the object.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshDataGetProblemCount(dGpuTriMeshDataID g);
@@ -294,13 +297,18 @@ OTG_API int dGpuTriMeshDataGetProblemCount(dGpuTriMeshDataID g);
 OTG_API int dGpuTriMeshDataGetProblem(dGpuTriMeshDataID g, int Index, dGpuTriMeshProblem* problem);
 
 /**
- * @brief How many kinds of repair the last Build did; 0 for a NULL object.
+ * @brief How many kinds of repair the last Build did.
+ * @param g  the object
+ * @returns 0 or more; 0 for NULL.
+ * @remarks May be called from a near callback, but not while another thread changes the object.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshDataGetRepairCount(dGpuTriMeshDataID g);
 
 /**
  * @brief One sentence on one kind of repair.
+ * @param g      the object
+ * @param Index  0 to dGpuTriMeshDataGetRepairCount() - 1
  * @returns A string that lives until the next Build or Update of the object, or its end; NULL for an index out of
  * range.
  * @ingroup gputrimesh
