@@ -37,14 +37,18 @@ constexpr Tier kTiers[] = {{"0.01-0.1", 0.01, 0.1}, {"0.1-0.5", 0.1, 0.5}};
 /// What one method got wrong in one family and tier.
 struct Tally {
   int poses = 0, missed = 0;
-  Errors contacts, normal, depth, depthOfSize, force, arm;
+  Errors contacts, normal, depth, depthOfSize, force, arm, way, wayError;
 };
 
 void judge(Tally& tally, const std::vector<PlainContact>& contacts, const ContactFamily& family,
-           const truth::Placement& placement, const truth::VolumeGradient& gradient) {
+           const truth::Placement& placement, const truth::VolumeGradient& gradient, double wayAlongGradient) {
   ++tally.poses;
   double deepest = 0;
-  for (const PlainContact& c : contacts) deepest = std::max(deepest, c.depth);
+  Vec3d out{0, 0, 0};
+  for (const PlainContact& c : contacts) {
+    if (c.depth > deepest) out = c.normal;
+    deepest = std::max(deepest, c.depth);
+  }
   if (!(deepest > 0)) {
     ++tally.missed;
     return;
@@ -62,6 +66,11 @@ void judge(Tally& tally, const std::vector<PlainContact>& contacts, const Contac
   const Wrench wrench = truth::wrenchOf(contacts, gradient.overlap.centroid);
   tally.force.add(truth::angleBetween(wrench.force, ideal.force));
   tally.arm.add(truth::armError(wrench, ideal) / family.size);
+  if (!placement.truth && wayAlongGradient > 0) {
+    const double way = truth::wayOut(family, placement.bInA, out);
+    tally.way.add(way / wayAlongGradient);
+    tally.wayError.add(std::fabs(deepest - way) / way);
+  }
 }
 
 void addQuantiles(Json& row, const std::string& name, const Errors& errors) {
@@ -111,7 +120,7 @@ void printErrors(const std::string& title, const Json& rows, const std::vector<s
 }
 
 struct Tables {
-  Json truth = Json::array(), wrench = Json::array(), reduction = Json::array();
+  Json truth = Json::array(), wrench = Json::array(), ways = Json::array(), reduction = Json::array();
 };
 
 void runFamily(const ContactFamily& family, const Tier& tier, const BenchContactsOptions& options, Tables& tables) {
@@ -128,8 +137,13 @@ void runFamily(const ContactFamily& family, const Tier& tier, const BenchContact
     const truth::Placement placement = family.place(random, overlap);
     hasTruth = placement.truth.has_value();
     const truth::VolumeGradient gradient = truth::volumeGradient(family.a->mesh(), family.b->mesh(), placement.bInA);
+    const Vec3d& push = gradient.push;
+    const double length = std::sqrt(otgDot(push, push));
+    const double wayAlongGradient =
+        hasTruth || !(length > 0) ? 0 : truth::wayOut(family, placement.bInA, otgScale(push, 1 / length));
     for (std::size_t k = 0; k < methods.size(); ++k) {
-      judge(tallies[k], methods[k].contacts(*family.a, *family.b, placement.bInA), family, placement, gradient);
+      judge(tallies[k], methods[k].contacts(*family.a, *family.b, placement.bInA), family, placement, gradient,
+            wayAlongGradient);
     }
     const auto full = solidContactsOf(*family.a, *family.b, placement.bInA, 0);
     const Wrench whole = truth::wrenchOf(full, gradient.overlap.centroid);
@@ -156,6 +170,11 @@ void runFamily(const ContactFamily& family, const Tier& tier, const BenchContact
     addQuantiles(row, "force_deg", tally.force);
     addQuantiles(row, "arm_size", tally.arm);
     tables.wrench.push_back(row);
+    if (hasTruth) continue;
+    row = head(family, tier, methods[k].name, tally);
+    addQuantiles(row, "way_share", tally.way);
+    addQuantiles(row, "way_error", tally.wayError);
+    tables.ways.push_back(row);
   }
   for (std::size_t k = 0; k < 2; ++k) {
     Json row;
@@ -203,7 +222,8 @@ int run(const BenchContactsOptions& options) {
   Json document;
   document["bench"] = "contacts";
   document["seed"] = options.seed;
-  document["tables"] = {{"truth", tables.truth}, {"wrench", tables.wrench}, {"reduction", tables.reduction}};
+  document["tables"] = {
+      {"truth", tables.truth}, {"wrench", tables.wrench}, {"ways", tables.ways}, {"reduction", tables.reduction}};
   if (options.bench.json) {
     printJson(document);
     return kOk;
@@ -215,6 +235,10 @@ int run(const BenchContactsOptions& options) {
   printErrors("Net wrench against the gradient of the overlap's volume", tables.wrench,
               {"bodies", "overlap", "method", "poses", "missed"},
               {{"force_deg", "force, degrees"}, {"arm_size", "line of action, of the size"}});
+  printErrors(
+      "Way out along the deepest contact's normal, as a part of the way along the gradient, and what its depth says",
+      tables.ways, {"bodies", "overlap", "method", "poses", "missed"},
+      {{"way_share", "way"}, {"way_error", "depth, of the way"}});
   printErrors("Few contacts against all of the model solid: net wrench", tables.reduction,
               {"bodies", "overlap", "places", "contacts", "of"},
               {{"force_deg", "force, degrees"}, {"arm_size", "line of action, of the size"}});

@@ -124,6 +124,21 @@ bool isPlain(const Row& row) {
   return std::any_of(runs.begin(), runs.end(), [&](const Case& c) { return describe(c) == describe(row.run); });
 }
 
+/// Half a height of the axis that makes what matters in the scene visible and no noise: what it allows to be gained.
+double meaningfulEnergy(const Scene& scene) {
+  double least = 1e-3;
+  for (const Limit& limit : scene.limits)
+    if (std::string(limit.measure) == "energy_gain") least = std::max(least, limit.value);
+  return least;
+}
+
+/// The same in all panels: colour by form, dashes by stepper, and the wide line below, since curves often coincide.
+std::string styleOf(const Case& run) {
+  const char* colour = run.form == Form::kNative ? "#b0b0b0" : run.form == Form::kStock ? "#d55e00" : "#0072b2";
+  return fmt::format("lc rgb '{}' lw {} dt {}", colour, run.form == Form::kNative ? 4 : 1.5,
+                     run.stepping.stepper == Stepper::kWorld ? "1" : "2");
+}
+
 }  // namespace
 
 std::string lineOf(const Row& row) {
@@ -243,20 +258,31 @@ std::string plotEnergies(const SuiteResult& suite, const std::string& file) {
   const std::string script = file + ".gnuplot";
   std::ofstream out(script);
   out << fmt::format("set terminal {} size {},{} font ',9'\nset output '{}'\n", png ? "pngcairo" : "svg dynamic",
-                     360 * columns, 260 * lines, file);
-  out << fmt::format("set multiplot layout {},{} title 'Energy above the start, J/kg'\n", lines, columns);
-  out << "set key top right samplen 1 font ',7'\nset xlabel 's'\nset grid\n";
-  for (const auto& [scene, rows] : panels) {
+                     360 * columns, 260 * lines + 40, file);
+  out << fmt::format("set multiplot layout {},{} title 'Energy above the start, J/kg, over time, s'\n", lines, columns);
+  out << "set key outside below center horizontal samplen 2 font ',8'\nset grid\nset format y '%.2g'\n";
+  for (auto& [scene, rows] : panels) {
+    std::stable_sort(rows.begin(), rows.end(), [](const Row* x, const Row* y) { return x->run.form < y->run.form; });
+    const double least = meaningfulEnergy(*scene);
+    double low = -least, high = least;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       out << fmt::format("$d{} << EOD\n", i);
-      for (const auto& [t, e] : thinned(rows[i]->result.energyHistory, 400))
+      for (const auto& [t, e] : thinned(rows[i]->result.energyHistory, 400)) {
         out << fmt::format("{:.4g} {:.6g}\n", t, e);
+        // What stock meshes throw about would flatten the others.
+        if (rows[i]->run.form != Form::kStock && std::isfinite(e)) {
+          low = std::min(low, e);
+          high = std::max(high, e);
+        }
+      }
       out << "EOD\n";
     }
-    out << fmt::format("set title '{}' noenhanced\nplot ", scene->name);
+    const double room = 0.05 * (high - low);
+    out << fmt::format("set title '{}' noenhanced\nset yrange [{:.6g}:{:.6g}]\nplot ", scene->name, low - room,
+                       high + room);
     for (std::size_t i = 0; i < rows.size(); ++i)
-      out << fmt::format("{}$d{} with lines title '{} {}' noenhanced", i ? ", " : "", i, formOf(rows[i]->run),
-                         describe(rows[i]->run));
+      out << fmt::format("{}$d{} with lines {} title '{} {}' noenhanced", i ? ", " : "", i, styleOf(rows[i]->run),
+                         nameOf(rows[i]->run.form), nameOf(rows[i]->run.stepping));
     out << "\n";
   }
   out << "unset multiplot\n";

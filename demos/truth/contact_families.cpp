@@ -351,4 +351,21 @@ ContactFamily meshFamily(const std::string& name, std::shared_ptr<const TriMesh>
   return f;
 }
 
+double wayOut(const ContactFamily& family, const Transformd& pose, const Vec3d& direction) {
+  Workspace workspace;
+  const auto meet = [&](double s) { return touch(family, moved(pose, otgScale(direction, -s)), workspace); };
+  // Beyond the extents there is nothing left to meet.
+  const double most = extentDepth(family.a->mesh(), family.b->mesh(), pose, direction), step = 0.01 * family.size;
+  double inside = 0, outside = step;
+  while (outside < most && meet(outside)) {
+    inside = outside;
+    outside += step;
+  }
+  while (outside - inside > 1e-6 * family.size) {
+    const double middle = 0.5 * (inside + outside);
+    (meet(middle) ? inside : outside) = middle;
+  }
+  return outside;
+}
+
 }  // namespace otg::truth

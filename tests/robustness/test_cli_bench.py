@@ -121,6 +121,7 @@ class Bench(CliTest):
             self.assertLessEqual(row["normal_deg_median"], row["normal_deg_max"])
         self.assertLess(solid[0]["normal_deg_max"], 5)
         self.assertEqual(len(result["tables"]["wrench"]), len(rows))
+        self.assertEqual(result["tables"]["ways"], [])
         self.assertEqual([row["places"] for row in result["tables"]["reduction"]], [64, 8, 64, 8])
         again = self.run_json("bench", "contacts", mesh, "--poses", "2", "--bodies", "spheres")
         self.assertEqual(again, result)
@@ -131,6 +132,11 @@ class Bench(CliTest):
         result = self.run_json("bench", "contacts", mesh, "--poses", "1", "--bodies", name)
         self.assertEqual(result["tables"]["truth"], [])
         self.assertTrue(result["tables"]["wrench"])
+        # How far the bodies must go to be apart: what the deepest contact says.
+        ways = [row for row in result["tables"]["ways"] if row["method"] == "solid, 64"]
+        self.assertEqual([row["overlap"] for row in ways], ["0.01-0.1", "0.1-0.5"])
+        self.assertLess(ways[0]["way_error_max"], 0.2)
+        self.assertGreater(ways[0]["way_share_max"], 0.2)
         self.assertIn("median", self.run_otg("bench", "contacts", mesh, "--poses", "1", "--bodies", name).stdout)
         self.assert_fails(2, "bench", "contacts", mesh, "--bodies", "elephants", says="elephants")
         self.assert_fails(1, "bench", "contacts", "missing.ply", says="missing.ply")
