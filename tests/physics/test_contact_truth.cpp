@@ -134,6 +134,52 @@ TEST_CASE("an edge in a face is pushed along the face's normal, whatever the ang
   CHECK(workspace.reduced[0].depth == Approx(0.002).epsilon(0.02));
 }
 
+TEST_CASE("a facetted ball stands on the vertices that are in the ground and on nothing else") {
+  // The surfaces also cross around each vertex. There is no depth there, and what says so brakes the ball when it
+  // rolls.
+  const scenes::MeshArrays arrays = scenes::makeSphere(0.5, 4);
+  const auto ball = std::make_shared<CollisionMesh>(scenes::build(arrays), BuildStrategy::kSah);
+  const auto ground =
+      std::make_shared<CollisionMesh>(scenes::build(scenes::makeBox({4, 4, 1}, 1)), BuildStrategy::kSah);
+  truth::Random random(14);
+  std::array<int, 4> seen{};
+  for (int i = 0; i < 60; ++i) {
+    Transformd pose = random.rotation();
+    const double sink = random.uniform(2e-5, 4e-4);
+    double lowest = 0;
+    for (const Vec3f& v : arrays.vertices) lowest = std::min(lowest, otgTransform(pose, Vec3d{v.x, v.y, v.z}).z);
+    pose.t = {0.013, -0.021, 0.5 - sink - lowest};
+    std::vector<Vec3d> below;
+    for (const Vec3f& v : arrays.vertices) {
+      const Vec3d p = otgTransform(pose, Vec3d{v.x, v.y, v.z});
+      // Much shallower ones may be left out.
+      if (p.z < 0.5 - 0.05 * sink) below.push_back(p);
+    }
+    Query query;
+    query.a = ground.get();
+    query.b = ball.get();
+    query.bInA = pose;
+    query.options.contacts = ContactModel::kSolid;
+    query.options.maxContacts = 64;
+    Workspace workspace;
+    collide(query, workspace);
+    std::size_t firm = 0;
+    for (const Contact& c : workspace.reduced) {
+      CAPTURE(i, sink, c.depth, c.feature);
+      CHECK(c.feature == ContactFeature::kVertexB);
+      firm += c.depth > 0.05 * sink;
+    }
+    CHECK(firm == below.size());
+    for (const Vec3d& p : below) {
+      CHECK(std::any_of(workspace.reduced.begin(), workspace.reduced.end(), [&](const Contact& c) {
+        return std::hypot(c.position.x - p.x, c.position.y - p.y) < 1e-6 && std::fabs(c.depth - (0.5 - p.z)) < 1e-6;
+      }));
+    }
+    ++seen[std::min(below.size(), seen.size() - 1)];
+  }
+  for (const int vertices : {1, 2, 3}) CHECK(seen[static_cast<std::size_t>(vertices)] > 0);
+}
+
 TEST_CASE("contacts lie in the middle of the overlap") {
   // A box in the top of another: the contacts' places are between the two faces, to rounding and not to some skin.
   const auto box = std::make_shared<CollisionMesh>(scenes::build(scenes::makeBox({1, 1, 1}, 1)), BuildStrategy::kSah);
