@@ -29,7 +29,8 @@ class ShapeRefiner final : public RegionRefiner {
     placed_.emplace(shape_, query_.bInA, origin_);
     settled_ = false;
     trusted_ = !direction.entangled && !direction.escaping && !region.contained && !region.bad;
-    if (!trusted_ || !patch_.read(meshes, all, region)) return false;
+    if (!trusted_) return false;
+    if (!patch_.read(meshes, all, region) && !patch_.readDense(meshes, all, region, *placed_)) return false;
     way_ = patch_.leave(*placed_, otgScale(unit(region.push), -1.0));
     if (!std::isfinite(way_.depth)) return false;
     settled_ = true;
@@ -51,7 +52,9 @@ class ShapeRefiner final : public RegionRefiner {
         addDeepest(contacts, first);
         if (onLine()) keepEnds(contacts, first);
       }
-    } else if (settled_ && (way_.overEdges || contacts.size() == first)) {
+    } else if (settled_ && (way_.overEdges || contacts.size() == first || patch_.isDense())) {
+      // Cells of many triangles tell depths less well than the planes of all.
+      for (auto it = begin; it != contacts.end(); ++it) it->depth = std::min(it->depth, way_.depth);
       addDeepest(contacts, first);
     }
     std::stable_sort(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(),

@@ -11,7 +11,6 @@ namespace otg {
 namespace {
 
 // More planes than these are no patch whose least way out is worth a search.
-constexpr std::uint32_t kMostPieces = 256;
 constexpr std::size_t kMostPlanes = 256;
 constexpr double kSamePlane = 1 - 1e-12;
 constexpr double kFlatEdge = 0.9999985;  // cosine of 0.1 degrees
@@ -21,19 +20,25 @@ constexpr int kArcSamples = 8, kArcSteps = 30;
 
 }  // namespace
 
-bool ConvexPatch::read(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region) {
-  planes_.clear();
-  edges_.clear();
-  points_.clear();
-  corners_.clear();
-  origin_ = all.origin;
-  if (region.cellBegin != region.cellEnd || region.pieceEnd - region.pieceBegin > kMostPieces) return false;
+double toleranceOf(const PlacedMeshes& meshes, const Region& region) {
   // Vertices are single precision numbers in A's frame: that is how flat a flat face is.
   const Vec3f& low = meshes.mesh(0).boundsMin();
   const Vec3f& high = meshes.mesh(0).boundsMax();
   const double reach = std::max(
       {std::fabs(low.x), std::fabs(low.y), std::fabs(low.z), std::fabs(high.x), std::fabs(high.y), std::fabs(high.z)});
-  tolerance_ = 4e-7 * reach + 1e-6 * region.diagonal + 0.02 * region.thickness;
+  return 4e-7 * reach + 1e-6 * region.diagonal + 0.02 * region.thickness;
+}
+
+bool ConvexPatch::read(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region) {
+  planes_.clear();
+  edges_.clear();
+  points_.clear();
+  corners_.clear();
+  dense_ = nullptr;
+  origin_ = all.origin;
+  if (region.cellBegin != region.cellEnd || region.pieceEnd - region.pieceBegin > ConvexPatch::kMostPieces)
+    return false;
+  tolerance_ = toleranceOf(meshes, region);
 
   std::vector<std::pair<std::uint32_t, std::uint32_t>> planeOf;  // triangle, plane
   for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
@@ -211,7 +216,18 @@ void ConvexPatch::tryEdge(const PlacedShape& shape, const Edge& edge, WayOut& be
   offerEdge(d, 1.0, std::fabs(otgDot(d, axis)) < 1e-3 ? axis : Vec3d{0, 0, 0});
 }
 
+Vec3d wayToRoundSide(const PlacedShape& shape, const Vec3d& point) {
+  Vec3d local = shape.toLocal(point);
+  if (shape.shape().kind == ConvexShape::Kind::kCapsule) {
+    local.z -= std::clamp(local.z, -shape.shape().length, shape.shape().length);
+  } else {
+    local.z = 0;
+  }
+  return unit(otgScale(shape.direction(local), -1.0));
+}
+
 WayOut ConvexPatch::leave(const PlacedShape& shape, const Vec3d& out) const {
+  if (isDense()) return leaveDense(shape, out);
   WayOut best;
   best.depth = std::numeric_limits<double>::infinity();
   const auto isOut = [&](const Vec3d& d) { return otgDot(d, out) >= 0; };
@@ -226,14 +242,7 @@ WayOut ConvexPatch::leave(const PlacedShape& shape, const Vec3d& out) const {
   for (const Edge& edge : edges_) tryEdge(shape, edge, best);
   if (shape.shape().isCurved()) {
     for (const Vec3d& corner : corners_) {
-      // Through the nearest point of the curved side.
-      Vec3d local = shape.toLocal(corner);
-      if (shape.shape().kind == ConvexShape::Kind::kCapsule) {
-        local.z -= std::clamp(local.z, -shape.shape().length, shape.shape().length);
-      } else {
-        local.z = 0;
-      }
-      const Vec3d d = unit(otgScale(shape.direction(local), -1.0));
+      const Vec3d d = wayToRoundSide(shape, corner);
       if (otgDot(d, d) > 0 && isOut(d) && isInCone(d, corner)) offer(shape, d, otgDot(d, corner), 1.0, best);
     }
   }

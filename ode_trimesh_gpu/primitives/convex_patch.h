@@ -42,17 +42,31 @@ struct WayOut {
   Vec3d alongShape{0, 0, 0};  ///< overEdges: direction of the shape's straight edge or side; zero: it meets at a point
 };
 
+/// Out of a curved shape from a point, through the nearest point of its round side; zero on the axis.
+Vec3d wayToRoundSide(const PlacedShape& shape, const Vec3d& point);
+/// How far in front of a plane of the patch a point of it may lie.
+double toleranceOf(const PlacedMeshes& meshes, const Region& region);
+
 class ConvexPatch {
  public:
+  /// A region of more pieces is a dense one.
+  static constexpr std::uint32_t kMostPieces = 256;
+
   /// Reads the surface of mesh A in the region. Returns whether it is convex: no point of the region lies in front of
   /// any of its planes, to within the rounding of its vertices.
   bool read(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region);
+
+  /// The same of a region that is described by cells, or has too many pieces: reads its triangles from the mesh. Those
+  /// whose corners are all outside of the shape count only if they are large.
+  bool readDense(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region, const PlacedShape& shape);
+  bool isDense() const { return dense_ != nullptr; }
 
   /// The least translation that takes the shape out of the half spaces behind the patch, over all directions in which
   /// the patch has a supporting plane: its faces, the arcs between the normals of two faces at an edge, and the cones
   /// at corners. For boxes and polyhedra these are the separating axes: normals of faces of either and products of
   /// edges; for curved shapes the least over an arc is searched for, and corners leave through the nearest point of the
-  /// surface. `out` says roughly where out is; zero if unknown.
+  /// surface. `out` says roughly where out is; zero if unknown. Of a dense patch only the edges and corners of the
+  /// faces with the shortest ways are tried.
   WayOut leave(const PlacedShape& shape, const Vec3d& out) const;
 
   /// A triangle of the patch.
@@ -72,6 +86,12 @@ class ConvexPatch {
   void readEdges(const PlacedMeshes& meshes, const std::vector<std::pair<std::uint32_t, std::uint32_t>>& planeOf);
   bool hasSupport(const Vec3d& d, double& height) const;
   bool isInCone(const Vec3d& d, const Vec3d& at) const;
+  bool isConvexDense() const;
+  std::uint32_t keptNumber(std::uint32_t triangle) const;
+  bool isWhole(std::uint32_t vertex) const;
+  bool isSupport(std::uint32_t vertex, const Vec3d& d) const;
+  void tryAround(const PlacedShape& shape, std::uint32_t triangle, const Vec3d& out, WayOut& best) const;
+  WayOut leaveDense(const PlacedShape& shape, const Vec3d& out) const;
   void offer(const PlacedShape& shape, const Vec3d& d, double height, double handicap, WayOut& best) const;
   void tryEdge(const PlacedShape& shape, const Edge& edge, WayOut& best) const;
 
@@ -82,6 +102,10 @@ class ConvexPatch {
   std::vector<Edge> edges_;
   std::vector<Vec3d> points_;   ///< of mesh A's surface in the region
   std::vector<Vec3d> corners_;  ///< those of them that are vertices
+  // Dense patches have a plane for each triangle instead.
+  const CollisionMesh* dense_ = nullptr;
+  std::vector<std::uint32_t> triangles_;  ///< ascending; triangle i has plane i
+  std::vector<std::uint32_t> vertices_;   ///< welded, of these triangles, ascending
 };
 
 }  // namespace otg
