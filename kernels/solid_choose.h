@@ -2,7 +2,7 @@
 // From the points of one region to its contacts, by one work-group; as collide/solid/region_contacts.cpp.
 #ifndef OTG_SOLID_CHOOSE_H
 #define OTG_SOLID_CHOOSE_H
-#include "solid_normals.h"
+#include "solid_thin.h"
 //
 #include "solid_rays.h"
 
@@ -39,14 +39,15 @@ OTG_INLINED void otgEstimate(const otg_solid_work* w) {
   OTG_SYNC;
   // The corners of an overlap are never flat points, as long as anything is not flat.
   const int skipFlat = s->isFlat && s->corners >= 3;
-  for (uint i = lane; i < w->pointCount; i += OTG_GROUP) {
-    __global otg_solid_point* p = w->points + i;
+  for (uint i = lane; i < w->candidates; i += OTG_GROUP) {
+    __global otg_solid_point* p = otgPointOf(w, i);
+    const uint number = (uint)(p - w->points);
     s->alive[i] = 0;
     if (skipFlat && p->flat) continue;
     const int kind = (int)p->kind;
     // Edges across each other hold each other where they are nearest, not in their middles.
-    const int onA = s->across != OTG_NOT_THERE && i == s->sharp[0][s->across / OTG_SOLID_MOST_STRETCHES];
-    const int onB = s->across != OTG_NOT_THERE && i == s->sharp[1][s->across % OTG_SOLID_MOST_STRETCHES];
+    const int onA = s->across != OTG_NOT_THERE && number == s->sharp[0][s->across / OTG_SOLID_MOST_STRETCHES];
+    const int onB = s->across != OTG_NOT_THERE && number == s->sharp[1][s->across % OTG_SOLID_MOST_STRETCHES];
     const otg_vec3_d at = onA   ? otgVec_d(s->places[0], s->places[1], s->places[2])
                           : onB ? otgVec_d(s->places[3], s->places[4], s->places[5])
                                 : otgLoad(p->position);
@@ -79,17 +80,24 @@ OTG_INLINED otg_vec3_d otgMiddleOf(__global const otg_solid_point* p) {
 /// The largest depth of those alive. All lanes call it.
 OTG_INLINED double otgDeepest(const otg_solid_work* w) {
   double most = 0;
-  for (uint i = get_local_id(0); i < w->pointCount; i += OTG_GROUP) {
+  for (uint i = get_local_id(0); i < w->candidates; i += OTG_GROUP) {
     if (w->s->alive[i]) most = otgMax_d(w->s->depth[i], most);
   }
   return otgLargestOf(w->s, most);
 }
 
 OTG_INLINED void otgDropShallow(const otg_solid_work* w, double least) {
-  for (uint i = get_local_id(0); i < w->pointCount; i += OTG_GROUP) {
-    if (w->s->depth[i] < otgLeastOfKind_d((int)w->points[i].kind, least)) w->s->alive[i] = 0;
+  for (uint i = get_local_id(0); i < w->candidates; i += OTG_GROUP) {
+    if (w->s->depth[i] < otgLeastOfKind_d((int)otgPointOf(w, i)->kind, least)) w->s->alive[i] = 0;
   }
   OTG_SYNC;
+}
+
+/// Moves the candidate at place k to the front. By one lane.
+OTG_INLINED void otgBringToFront(__local otg_solid_choice* s, uint k) {
+  const ushort taken = s->order[k];
+  for (; k > 0; --k) s->order[k] = s->order[k - 1];
+  s->order[0] = taken;
 }
 
 /// Drops what is shallow for its kind, then of points that lie together and agree in direction all but the first.
@@ -98,30 +106,34 @@ OTG_INLINED void otgFilterAndMerge(const otg_solid_work* w) {
   __local otg_solid_choice* s = w->s;
   const uint lane = get_local_id(0);
   uint count = 0, total;
-  otgDropShallow(w, 0.5 * otgDeepest(w));  // halfEdge the fractions: estimates err
+  otgDropShallow(w, 0.5 * otgDeepest(w));  // half the fractions: estimates err
   double highest = 0;
-  for (uint i = lane; i < w->pointCount; i += OTG_GROUP) {
+  for (uint i = lane; i < w->candidates; i += OTG_GROUP) {
     if (s->alive[i]) highest = otgMax_d(s->rank[i], highest);
   }
   highest = otgLargestOf(s, highest);
-  for (uint i = lane; i < w->pointCount; i += OTG_GROUP) {
+  if (lane == 0) s->highest = highest;
+  // The features by which ties are settled lie where spread comes later.
+  __local ulong* orders = (__local ulong*)s->spread;
+  for (uint i = lane; i < w->candidates; i += OTG_GROUP) {
+    s->step[i] = s->alive[i] ? otgRankStep_d(s->rank[i], highest) : INT_MAX;
     if (!s->alive[i]) continue;
-    s->step[i] = otgRankStep_d(s->rank[i], highest);
-    const otg_vec3_d middle = otgMiddleOf(w->points + i);
+    orders[i] = otgPointOf(w, i)->order;
+    const otg_vec3_d middle = otgMiddleOf(otgPointOf(w, i));
     s->x[i] = middle.x;  // in place of the points, which are not asked for any more
     s->y[i] = middle.y;
     s->z[i] = middle.z;
   }
   OTG_SYNC;
-  for (uint base = 0; base < w->pointCount; base += OTG_GROUP) {
+  for (uint base = 0; base < w->candidates; base += OTG_GROUP) {
     const uint i = base + lane;
-    const int isAlive = i < w->pointCount && s->alive[i];
+    const int isAlive = i < w->candidates && s->alive[i];
     if (isAlive) {
       const int step = s->step[i];
-      const ulong order = w->points[i].order;
+      const ulong order = orders[i];
       uint place = 0;
-      for (uint j = 0; j < w->pointCount; ++j) {
-        if (s->alive[j]) place += s->step[j] < step || (s->step[j] == step && w->points[j].order < order);
+      for (uint j = 0; j < w->candidates; ++j) {
+        place += s->step[j] < step || (s->step[j] == step && orders[j] < order);
       }
       s->order[place] = (ushort)i;
     }
@@ -134,9 +146,7 @@ OTG_INLINED void otgFilterAndMerge(const otg_solid_work* w) {
   if (lane == 0 && !s->isFlat && count > 0) {
     uint first = 0;
     while (first < count && !(s->rank[s->order[first]] >= highest)) ++first;
-    const ushort taken = s->order[first];
-    for (; first > 0; --first) s->order[first] = s->order[first - 1];
-    s->order[0] = taken;
+    otgBringToFront(s, first);
   }
   OTG_SYNC;
   const double reach = OTG_SOLID_MERGE_DISTANCE * w->diagonal;
@@ -144,13 +154,13 @@ OTG_INLINED void otgFilterAndMerge(const otg_solid_work* w) {
     const uint kept = s->order[k];
     if (s->alive[kept]) {
       const otg_vec3_d middle = otgVec_d(s->x[kept], s->y[kept], s->z[kept]);
-      const otg_vec3_d normal = otgLoad(w->points[kept].normal);
+      const otg_vec3_d normal = otgLoad(otgPointOf(w, kept)->normal);
       for (uint j = k + 1 + lane; j < count; j += OTG_GROUP) {
         const uint i = s->order[j];
         if (!s->alive[i]) continue;
         const otg_vec3_d d = otgSub_d(otgVec_d(s->x[i], s->y[i], s->z[i]), middle);
         if (otgDot_d(d, d) <= reach * reach &&
-            otgDot_d(otgLoad(w->points[i].normal), normal) >= OTG_SOLID_MERGE_COSINE) {
+            otgDot_d(otgLoad(otgPointOf(w, i)->normal), normal) >= OTG_SOLID_MERGE_COSINE) {
           s->alive[i] = 0;
         }
       }
@@ -172,48 +182,63 @@ OTG_INLINED void otgSpreadCandidates(const otg_solid_work* w, uint places) {
   __local otg_solid_choice* s = w->s;
   const uint lane = get_local_id(0), all = s->count, count = min(places, all);
   const double scale = w->diagonal > 0 ? 1 / (w->diagonal * w->diagonal) : 0;
-  const double deepest = otgDeepest(w);
-  for (uint j = lane; j < all; j += OTG_GROUP) s->spread[s->order[j]] = INFINITY;
+  double deepest = 0;
+  for (uint j = lane; j < all; j += OTG_GROUP) {
+    const uint c = s->order[j];
+    deepest = otgMax_d(s->depth[c], deepest);
+    s->spread[c] = INFINITY;
+    s->alive[c] = j > 0;  // not taken
+  }
+  deepest = otgLargestOf(s, deepest);
+  if (lane == 0 && count > 0) s->picked[0] = s->order[0];
   OTG_SYNC;
   for (uint i = 1; i < count; ++i) {
-    __global const otg_solid_point* last = w->points + s->order[i - 1];
+    __global const otg_solid_point* last = otgPointOf(w, s->picked[i - 1]);
     const otg_vec3_d at = otgLoad(last->at), normal = otgLoad(last->normal);
-    for (uint j = i + lane; j < all; j += OTG_GROUP) {
+    for (uint j = lane; j < all; j += OTG_GROUP) {
       const uint c = s->order[j];
-      const double apart = otgApart_d(otgLoad(w->points[c].at), otgLoad(w->points[c].normal), at, normal, scale);
-      s->spread[c] = otgMin_d(apart, s->spread[c]);
+      double worth = -1;
+      if (s->alive[c]) {
+        __global const otg_solid_point* p = otgPointOf(w, c);
+        const double apart = otgApart_d(otgLoad(p->at), otgLoad(p->normal), at, normal, scale);
+        s->spread[c] = otgMin_d(apart, s->spread[c]);
+        worth = otgWorth_d(s->spread[c], s->depth[c], deepest);
+      }
+      s->rank[j] = worth;
     }
     OTG_SYNC;
     if (lane == 0) {
-      uint best = i;
-      double most = otgWorth_d(s->spread[s->order[i]], s->depth[s->order[i]], deepest);
-      for (uint j = i + 1; j < all; ++j) {
-        const double worth = otgWorth_d(s->spread[s->order[j]], s->depth[s->order[j]], deepest);
-        if (worth > OTG_SOLID_FARTHER * most) {
+      uint best = 0;
+      double more = -1;
+      while (best + 1 < all && !(s->rank[best] >= 0)) ++best;
+      more = OTG_SOLID_FARTHER * s->rank[best];
+      for (uint j = best + 1; j < all; ++j) {
+        const double worth = s->rank[j];
+        if (worth > more) {
           best = j;
-          most = worth;
+          more = OTG_SOLID_FARTHER * worth;
         }
       }
-      const ushort taken = s->order[best];
-      for (uint j = best; j > i; --j) s->order[j] = s->order[j - 1];
-      s->order[i] = taken;
+      s->picked[i] = s->order[best];
+      s->alive[s->order[best]] = 0;
     }
     OTG_SYNC;
   }
+  for (uint i = lane; i < count; i += OTG_GROUP) s->order[i] = s->picked[i];
   if (lane == 0) s->count = count;
   OTG_SYNC;
 }
 
-/// Depths by rays, until two agree with their estimates and none has disagreed: then the others are believed.
-OTG_INLINED void otgMeasure(const otg_solid_work* w, __global const float4* meshes, const otg_device_mesh* placeA,
-                            const otg_device_mesh* placeB, const otg_solid_mesh* a, const otg_solid_mesh* b) {
+/// The ways out of the first `count` candidates, by rays. All lanes call it.
+OTG_INLINED void otgCastRays(const otg_solid_work* w, uint count, __global const float4* meshes,
+                             const otg_device_mesh* placeA, const otg_device_mesh* placeB, const otg_solid_mesh* a,
+                             const otg_solid_mesh* b) {
   __local otg_solid_choice* s = w->s;
-  const uint lane = get_local_id(0), count = s->count;
   const double far = 4 * (double)(placeA->radius + placeB->radius);
   const double skin = 1e-9 * (double)(placeA->radius < placeB->radius ? placeB->radius : placeA->radius);
   const otg_vec3_d origin = otgLoad(w->region->origin);
-  for (uint r = lane; r < 2 * count; r += OTG_GROUP) {
-    __global const otg_solid_point* p = w->points + s->order[r / 2];
+  for (uint r = get_local_id(0); r < 2 * count; r += OTG_GROUP) {
+    __global const otg_solid_point* p = otgPointOf(w, s->order[r / 2]);
     const otg_vec3_d from = otgAdd_d(otgLoad(p->probe), origin), normal = otgLoad(p->normal);
     const int isOut = r % 2 == 0;  // out of B, else back out of A
     const double way = otgExitDistance(meshes, isOut ? placeB : placeA, isOut ? b : a, from,
@@ -222,15 +247,104 @@ OTG_INLINED void otgMeasure(const otg_solid_work* w, __global const float4* mesh
     s->ways[r] = otgMax_d(way, 0);
   }
   OTG_SYNC;
+}
+
+/// Gives the candidate at place k the depth that the rays measured.
+OTG_INLINED double otgTakeDepth(const otg_solid_work* w, uint k) {
+  __local otg_solid_choice* s = w->s;
+  const uint c = s->order[k];
+  double out = s->ways[2 * k], back = s->ways[2 * k + 1];
+  const double depth = otgClampWays(otgPointOf(w, c)->limit, &out, &back);
+  s->depth[c] = depth;
+  otgPointOf(w, c)->shift = 0.5 * (out - back);
+  return depth;
+}
+
+#if OTG_SOLID_LARGE
+/// Where planes are gathered: of the candidates that estimates cannot tell apart the farthest in of either mesh are
+/// measured, and the deeper one is first; then the best by spread are measured, and the deepest of them is first.
+OTG_INLINED void otgMeasureGathered(const otg_solid_work* w, uint places, __global const float4* meshes,
+                                    const otg_device_mesh* placeA, const otg_device_mesh* placeB,
+                                    const otg_solid_mesh* a, const otg_solid_mesh* b) {
+  __local otg_solid_choice* s = w->s;
+  const uint lane = get_local_id(0), all = w->isGathered ? s->count : 0;
+  const double enough = (1 - OTG_SOLID_GATHERED_ERROR) * s->highest;
+  if (lane == 0) {
+    uint best[2];
+    for (uint mesh = 0; mesh < 2; ++mesh) {
+      best[mesh] = OTG_NOT_THERE;
+      double most = 0;
+      for (uint k = 0; k < all; ++k) {
+        __global const otg_solid_point* p = otgPointOf(w, s->order[k]);
+        if (p->mesh != mesh || s->rank[s->order[k]] < enough) continue;
+        const double hint = otgDepthHint(w, mesh, otgLoad(p->at));
+        if (best[mesh] != OTG_NOT_THERE && !(hint > most)) continue;
+        best[mesh] = k;
+        most = hint;
+      }
+    }
+    // The two to be measured, at the front in turn.
+    s->seeds = 0;
+    for (uint mesh = 0; mesh < 2; ++mesh) {
+      if (best[mesh] != OTG_NOT_THERE) s->picked[s->seeds++] = (ushort)best[mesh];
+    }
+  }
+  OTG_SYNC;
+  const uint seeds = w->isGathered ? s->seeds : 0;
+  uint deepest = OTG_NOT_THERE;
+  double most = 0;
+  for (uint k = 0; k < seeds; ++k) {
+    const uint place = s->picked[k];
+    const ushort first = s->order[0];
+    OTG_SYNC;
+    if (lane == 0) {
+      s->order[0] = s->order[place];
+      s->order[place] = first;
+    }
+    OTG_SYNC_ALL;
+    otgCastRays(w, 1, meshes, placeA, placeB, a, b);
+    if (lane == 0) {
+      const double depth = otgTakeDepth(w, 0);
+      if (deepest == OTG_NOT_THERE || depth > most) {
+        deepest = place;
+        most = depth;
+      }
+      s->order[place] = s->order[0];
+      s->order[0] = first;
+    }
+    OTG_SYNC_ALL;
+  }
+  if (lane == 0 && deepest != OTG_NOT_THERE) otgBringToFront(s, deepest);
+  OTG_SYNC_ALL;
+  if (!w->isGathered) return;
+  otgSpreadCandidates(w, OTG_SOLID_MEASURED_PER_CONTACT * places);
+  const uint count = s->count;
+  otgCastRays(w, count, meshes, placeA, placeB, a, b);
+  for (uint k = lane; k < count; k += OTG_GROUP) otgTakeDepth(w, k);
+  OTG_SYNC_ALL;
+  if (lane == 0) {
+    uint deep = 0;
+    for (uint k = 1; k < count; ++k) {
+      if (s->depth[s->order[deep]] < s->depth[s->order[k]]) deep = k;
+    }
+    otgBringToFront(s, deep);
+  }
+  OTG_SYNC;
+}
+#endif
+
+/// Depths by rays, until two agree with their estimates and none has disagreed: then the others are believed. Gathered
+/// planes are not believed, and all are measured before. What is shallow for its kind is dropped.
+OTG_INLINED void otgMeasure(const otg_solid_work* w, __global const float4* meshes, const otg_device_mesh* placeA,
+                            const otg_device_mesh* placeB, const otg_solid_mesh* a, const otg_solid_mesh* b) {
+  __local otg_solid_choice* s = w->s;
+  const uint lane = get_local_id(0), count = s->count;
+  otgCastRays(w, w->isGathered ? 0 : count, meshes, placeA, placeB, a, b);
   if (lane == 0) {
     int agree = 0, disagree = 0;
-    for (uint k = 0; k < count; ++k) {
-      const uint c = s->order[k];
-      double out = s->ways[2 * k], back = s->ways[2 * k + 1];
+    for (uint k = 0; k < count && !w->isGathered; ++k) {
       if (agree >= 2 && !disagree) break;
-      const double estimate = s->depth[c], depth = otgClampWays(w->points[c].limit, &out, &back);
-      s->depth[c] = depth;
-      w->points[c].shift = 0.5 * (out - back);
+      const double estimate = s->depth[s->order[k]], depth = otgTakeDepth(w, k);
       if (fabs(estimate - depth) <= OTG_SOLID_AGREES * (estimate < depth ? depth : estimate)) {
         ++agree;
       } else {
@@ -242,7 +356,7 @@ OTG_INLINED void otgMeasure(const otg_solid_work* w, __global const float4* mesh
     uint kept = 0;
     for (uint k = 0; k < count; ++k) {
       const uint c = s->order[k];
-      if (!(s->depth[c] < otgLeastOfKind_d((int)w->points[c].kind, deepest))) s->order[kept++] = (ushort)c;
+      if (!(s->depth[c] < otgLeastOfKind_d((int)otgPointOf(w, c)->kind, deepest))) s->order[kept++] = (ushort)c;
     }
     s->count = kept;
   }
@@ -286,11 +400,11 @@ OTG_INLINED void otgEmit(const otg_solid_work* w, uint number, __global otg_chos
   const otg_vec3_d origin = otgLoad(w->region->origin);
   for (uint k = get_local_id(0); k < count; k += OTG_GROUP) {
     const uint i = s->order[k];
-    __global const otg_solid_point* p = w->points + i;
+    __global const otg_solid_point* p = otgPointOf(w, i);
     uint place = 0;
     for (uint j = 0; j < count; ++j) {
       const uint c = s->order[j];
-      place += s->depth[c] > s->depth[i] || (s->depth[c] == s->depth[i] && w->points[c].order < p->order);
+      place += s->depth[c] > s->depth[i] || (s->depth[c] == s->depth[i] && otgPointOf(w, c)->order < p->order);
     }
     const otg_vec3_d normal = otgLoad(p->normal), probe = otgLoad(p->probe);
     __global otg_chosen_contact* c = out + place;

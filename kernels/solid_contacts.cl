@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Contacts of the regions that solidRegions left: one work-group for one pair. OTG_GROUP: size of work-groups;
-// OTG_SOLID_CONTACTS as in solid_normals.h.
+// OTG_SOLID_CONTACTS, _POINTS, _FACES and _LARGE as in solid_normals.h.
 #include "pair_record.h"
 //
 #include "solid_choose.h"
@@ -8,21 +8,15 @@
 #include "solid_deep.h"
 #include "solid_limit.h"
 
-/// Contacts of pair g: region by region, then as many as it has places. `lists` gets `room` places for each pair, in
-/// its callers' numbers of triangles; the counts of contacts go where placeContacts expects them.
-__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidContacts(
-    __global const float4* restrict meshes, __global const otg_batch_task* restrict tasks,
-    __global const otg_device_mesh* restrict places, __global const otg_pair_state* restrict states,
-    __global const otg_reduction* restrict reductions, __global uint* restrict counters, __global uchar* arena,
-    uint arenaUnits, __global const uint* restrict heads, __global otg_chosen_contact* restrict lists, uint room,
-    __global uchar* restrict results) {
-  __local otg_solid_choice choice;
-  __local otg_solid_choice* s = &choice;
-  const uint lane = get_local_id(0), number = get_group_id(0), pairs = get_num_groups(0);
-  __global const otg_batch_task* task = tasks + number;
+/// The contacts of one pair: region by region, then as many as it has places.
+OTG_INLINED void otgContactsOf(uint number, __local otg_solid_choice* s, __global const float4* meshes,
+                               __global const otg_batch_task* task, __global const otg_device_mesh* places,
+                               __global const otg_pair_state* states, __global const otg_reduction* reductions,
+                               __global uint* counters, __global uchar* arena, uint arenaUnits, uint head,
+                               __global otg_chosen_contact* list, uint room, uint pairs, __global uchar* results) {
+  const uint lane = get_local_id(0);
   __global uint* flag = (__global uint*)(results + OTG_RESULT_HEAD) + number;
   const otg_device_mesh placeA = places[task->meshA], placeB = places[task->meshB];
-  const int leftOut = (*flag & (OTG_PAIR_TO_HOST | OTG_PAIR_REFUSED | OTG_PAIR_SKIPPED)) != 0;
   const otg_solid_mesh a = otgSolidMesh(meshes, &placeA, task->bInA, 0);
   const otg_solid_mesh b = otgSolidMesh(meshes, &placeB, task->bInA, 1);
   const otg_reduction how = reductions[task->reduction];
@@ -30,7 +24,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidContac
   const double size = 2 * (double)(placeA.radius < placeB.radius ? placeA.radius : placeB.radius);
   uint chain[OTG_SOLID_REGIONS], regions = 0;
   // From the list, which runs backwards.
-  for (uint at = leftOut ? OTG_NOT_THERE : heads[number]; at != OTG_NOT_THERE && regions < OTG_SOLID_REGIONS;) {
+  for (uint at = head; at != OTG_NOT_THERE && regions < OTG_SOLID_REGIONS;) {
     chain[regions++] = at;
     at = ((__global const otg_solid_region*)(arena + (size_t)at * OTG_ARENA_UNIT))->next;
   }
@@ -61,18 +55,29 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidContac
     w.radius = otgNormalReach_d(areas, w.thickness);
     w.isFixed = 0;
     const int counts = !(w.diagonal < OTG_SOLID_LEAST_DIAGONAL * size || areas < OTG_SOLID_LEAST_AREA * size * size);
-    const int tooMany = w.region->pointCount > OTG_SOLID_MOST_POINTS || w.region->pieceCount > OTG_SOLID_DEEP_PIECES;
+#if OTG_SOLID_LARGE
+    const int tooMany = w.region->pointCount > 2 * OTG_SOLID_POINTS || w.region->pieceCount > OTG_SOLID_FACES ||
+                        w.region->faces == OTG_NOT_THERE;
+    w.faces = (__global otg_solid_face*)(arena + (size_t)(tooMany ? 0 : w.region->faces) * OTG_ARENA_UNIT);
+#else
+    const int tooMany = w.region->pointCount > OTG_SOLID_POINTS || w.region->pieceCount > OTG_SOLID_FACES;
+    w.faces = s->face;
+#endif
     w.pieceCount = counts && !tooMany ? w.region->pieceCount : 0;
     w.pointCount = counts && !tooMany ? w.region->pointCount : 0;
     if (lane == 0 && counts && tooMany) s->bad = 1;
     otgListPieces(&w);
     otgWeighPieces(&w);
+    otgThinRegion(&w);
     otgFindWayOut(&w, &a, &b, (double)(placeA.radius + placeB.radius));
     const int isDeep = w.thickness > OTG_SOLID_DEEP * w.diagonal || s->pairs > 0;
     if (lane == 0 && counts && isDeep && how.bins[1]) s->bad = 1;  // its direction is remembered
     otgEstimate(&w);
     otgFilterAndMerge(&w);
     if (lane == 0 && counts && s->count == 0) s->bad = 1;
+#if OTG_SOLID_LARGE
+    otgMeasureGathered(&w, most, meshes, &placeA, &placeB, &a, &b);
+#endif
     otgSpreadCandidates(&w, most);
     otgMeasure(&w, meshes, &placeA, &placeB, &a, &b);
     otgEmit(&w, index, found + s->contacts);
@@ -81,18 +86,34 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidContac
     OTG_SYNC_ALL;
   }
   const uint contacts = s->bad ? 0 : s->contacts;
-  if (lane == 0 && s->bad) *flag |= OTG_PAIR_TO_HOST | 32u << OTG_PAIR_WHY;
-  const uint kept = otgLimitContacts(s, found, contacts, min(how.places, room), meshes, &placeA, &placeB,
-                                     lists + (size_t)number * room);
-  if (lane == 0) {
-    ((__global uint*)results)[OTG_PLACE(pairs, number) + 1] = kept;
-    if (leftOut || s->bad) {
-      atomic_inc(counters + OTG_COUNT_FLAGGED);
-    } else {
-      atomic_add(counters + OTG_COUNT_INTERSECTING, states[number].intersecting);
-      atomic_add(counters + OTG_COUNT_CONTACTS, contacts);
-      atomic_add(counters + OTG_COUNT_REDUCED, kept);
-    }
+  const uint kept = otgLimitContacts(s, found, contacts, min(how.places, room), meshes, &placeA, &placeB, list);
+  if (lane != 0) return;
+  ((__global uint*)results)[OTG_PLACE(pairs, number) + 1] = kept;
+  if (s->bad) {
+    *flag |= OTG_PAIR_TO_HOST | OTG_SOLID_TOO_MANY << OTG_PAIR_WHY;
+    atomic_inc(counters + OTG_COUNT_FLAGGED);
+  } else {
+    atomic_add(counters + OTG_COUNT_INTERSECTING, states[number].intersecting);
+    atomic_add(counters + OTG_COUNT_CONTACTS, contacts);
+    atomic_add(counters + OTG_COUNT_REDUCED, kept);
+  }
+}
+
+/// Contacts of the pairs in the lists `first` to `end` of those that have regions. `kept` gets `room` places for each
+/// pair, in its callers' numbers of triangles; the counts of contacts go where placeContacts expects them.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidContacts(
+    __global const float4* restrict meshes, __global const otg_batch_task* restrict tasks,
+    __global const otg_device_mesh* restrict places, __global const otg_pair_state* restrict states,
+    __global const otg_reduction* restrict reductions, __global uint* restrict counters, __global uchar* arena,
+    uint arenaUnits, __global const uint* restrict heads, __global const uint* restrict lists, uint pairs, uint first,
+    uint end, __global otg_chosen_contact* restrict kept, uint room, __global uchar* restrict results) {
+  __local otg_solid_choice choice;
+  for (uint item = get_group_id(0);; item += get_num_groups(0)) {
+    const uint number = otgListed(counters, lists, pairs, 1, first, end, item);
+    if (number == OTG_NOT_THERE) return;
+    otgContactsOf(number, &choice, meshes, tasks + number, places, states, reductions, counters, arena, arenaUnits,
+                  heads[number], kept + (size_t)number * room, room, pairs, results);
+    OTG_SYNC_ALL;
   }
 }
 

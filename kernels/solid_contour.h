@@ -192,14 +192,21 @@ OTG_INLINED void otgTraceContour(__local otg_solid_scratch* s, uint hits, const 
         s->end[c] = crossing;
       }
     }
-    uint firsts = 3;
-    for (uint d = 0; d < c && firsts != 0; ++d) {
-      if (s->a[s->hit[d]] == s->a[i]) firsts &= ~1u;
-      if (s->b[s->hit[d]] == s->b[i]) firsts &= ~2u;
+    for (uint mesh = 0; mesh < 2; ++mesh) {
+      const uint triangle = mesh == 0 ? s->a[i] : s->b[i], bit = otgChordBit(mesh, triangle);
+      s->triangle[mesh][c] = triangle;
+      atomic_or(s->chordBits + bit / 32, 1u << bit % 32);
+    }
+  }
+  OTG_SYNC;
+  for (uint c = lane; c < chords; c += OTG_GROUP) {
+    const uint a = s->triangle[0][c], b = s->triangle[1][c];
+    uint firsts = c > 0 && s->triangle[0][c - 1] == a ? 2 : 3;  // chords are sorted by A's triangles
+    for (uint d = 0; d < c; ++d) {
+      if (s->triangle[1][d] == b) firsts &= ~2u;
     }
     s->firsts[c] = (uchar)firsts;
   }
-  OTG_SYNC;
   for (uint c = lane; c < crossings; c += OTG_GROUP) otgPlaceAlongEdge(s, crossings, c);
   OTG_SYNC;
   const uint tied = s->tied ? crossings : 0;

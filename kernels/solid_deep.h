@@ -3,12 +3,13 @@
 // collide/solid/escape.cpp, without a history.
 #ifndef OTG_SOLID_DEEP_H
 #define OTG_SOLID_DEEP_H
-#include "solid_normals.h"
+#include "solid_thin.h"
 
-/// Main directions, in the memory of candidates, which come later: seven numbers a cluster (first normal, sum, area).
-#define OTG_CLUSTER(s, mesh, c) (((mesh) == 0 ? (s)->depth : (s)->rank) + 7 * (c))
-#define OTG_DEEP_DIRECTION(s, k) ((s)->spread + 3 * (k))
-#define OTG_DEEP_EXTENT(s, k) (s)->spread[96 + (k)]
+/// Main directions, seven numbers a cluster (first normal, sum, area), and directions that are compared, with the
+/// region's extents along them.
+#define OTG_CLUSTER(s, c) ((s)->clusters + 7 * (c))
+#define OTG_DEEP_DIRECTION(s, k) ((s)->directions + 3 * (k))
+#define OTG_DEEP_EXTENT(s, k) (s)->extents[k]
 
 /// The two faces of the edge that a point is the middle of: outward normals.
 OTG_INLINED void otgFacesAt(const otg_solid_mesh* m, uint edge, otg_vec3_d* n0, otg_vec3_d* n1) {
@@ -93,18 +94,18 @@ OTG_INLINED void otgFindEdgePairs(const otg_solid_work* w, const otg_solid_mesh*
 /// from pieces in s->order, largest first. By one lane. Appends them to `count` directions.
 OTG_INLINED void otgGatherFaces(const otg_solid_work* w, uint mesh) {
   __local otg_solid_choice* s = w->s;
-  __local const ushort* order = s->order + mesh * OTG_SOLID_MOST_PLANES;
+  __local const ushort* order = s->order + (mesh == 0 ? 0 : s->listed[0]);
   uint clusters = 0;
   for (uint j = 0; j < s->listed[mesh]; ++j) {
     __global const otg_solid_piece* p = w->pieces + order[j];
     const otg_vec3_d normal = otgLoad(p->normal), n = mesh == 0 ? otgScale_d(normal, -1.0) : normal;
     uint c = 0;
     while (c < clusters) {
-      __local const double* x = OTG_CLUSTER(s, mesh, c);
+      __local const double* x = OTG_CLUSTER(s, c);
       if (x[0] * n.x + x[1] * n.y + x[2] * n.z >= OTG_SOLID_FACE_COSINE) break;
       ++c;
     }
-    __local double* x = OTG_CLUSTER(s, mesh, c);
+    __local double* x = OTG_CLUSTER(s, c);
     if (c == clusters) {
       if (clusters == OTG_SOLID_FACE_CLUSTERS) continue;
       ++clusters;
@@ -118,20 +119,20 @@ OTG_INLINED void otgGatherFaces(const otg_solid_work* w, uint mesh) {
     x[5] += n.z * p->area;
     x[6] += p->area;
   }
-  s->listedFaces[mesh] = clusters;
+  s->listedFaces = clusters;
 }
 
 /// Appends the clusters that have the most area. By one lane.
-OTG_INLINED void otgTakeFaces(const otg_solid_work* w, uint mesh, double least) {
+OTG_INLINED void otgTakeFaces(const otg_solid_work* w, double least) {
   __local otg_solid_choice* s = w->s;
   for (uint k = 0; k < OTG_SOLID_DEEP_FACES; ++k) {
     uint best = OTG_NOT_THERE;
-    for (uint c = 0; c < s->listedFaces[mesh]; ++c) {
-      const double area = OTG_CLUSTER(s, mesh, c)[6];
-      if (area > least && (best == OTG_NOT_THERE || area > OTG_CLUSTER(s, mesh, best)[6])) best = c;
+    for (uint c = 0; c < s->listedFaces; ++c) {
+      const double area = OTG_CLUSTER(s, c)[6];
+      if (area > least && (best == OTG_NOT_THERE || area > OTG_CLUSTER(s, best)[6])) best = c;
     }
     if (best == OTG_NOT_THERE) return;
-    __local double* x = OTG_CLUSTER(s, mesh, best);
+    __local double* x = OTG_CLUSTER(s, best);
     const otg_vec3_d d = otgUnit_d(otgVec_d(x[3], x[4], x[5]));
     x[6] = -1;  // taken
     __local double* out = OTG_DEEP_DIRECTION(s, s->count);
@@ -147,9 +148,10 @@ OTG_INLINED double otgWayOfPoint(const otg_solid_work* w, otg_vec3_d d, otg_vec3
   double exits[2];
   for (uint mesh = 0; mesh < 2; ++mesh) {
     double least = far;
-    for (uint j = 0; j < w->s->listed[mesh]; ++j) {
-      __local const otg_solid_face* face = otgFace(w, mesh, j);
-      const otg_vec3_d n = otgLocal(face->normal);
+    OTG_FACES const otg_solid_face* list = w->deep + (mesh == 0 ? 0 : w->s->listed[0]);
+    for (uint j = 0; j < w->s->deep[mesh]; ++j) {
+      OTG_FACES const otg_solid_face* face = list + j;
+      const otg_vec3_d n = otgOfFace(face->normal);
       const double cosine = mesh == 1 ? otgDot_d(n, d) : -otgDot_d(n, d);
       if (!(cosine > 0.05)) continue;
       least = otgMin_d(face->meanOffset / cosine - otgDot_d(otgScale_d(n, 1 / cosine), p), least);
@@ -169,9 +171,9 @@ OTG_INLINED void otgFindWayOut(otg_solid_work* w, const otg_solid_mesh* a, const
   const double areas = w->region->areaA + w->region->areaB;
   if (lane == 0) {
     s->count = 0;
-    s->listedFaces[0] = s->listedFaces[1] = 0;
-    if (isDeep && w->pieceCount > OTG_SOLID_DEEP_PIECES) s->bad = 1;  // the host gathers planes
+    s->listedFaces = 0;
   }
+  if (isDeep) otgGatherByNormal(w);
   for (uint mesh = 0; mesh < 2; ++mesh) {
     const uint count = isDeep ? s->listed[mesh] : 0;
     for (uint j = lane; j < count; j += OTG_GROUP) {
@@ -183,12 +185,8 @@ OTG_INLINED void otgFindWayOut(otg_solid_work* w, const otg_solid_mesh* a, const
         __global const otg_solid_piece* q = w->pieces + s->list[mesh][k];
         place += q->area > area || (q->area == area && q->triangle < triangle);
       }
-      s->order[mesh * OTG_SOLID_MOST_PLANES + place] = (ushort)i;
+      s->order[(mesh == 0 ? 0 : s->listed[0]) + place] = (ushort)i;
     }
-  }
-  OTG_SYNC;
-  for (uint mesh = lane; mesh < 2; mesh += OTG_GROUP) {
-    if (isDeep) otgGatherFaces(w, mesh);
   }
   OTG_SYNC;
   if (lane == 0 && isDeep) {
@@ -197,8 +195,10 @@ OTG_INLINED void otgFindWayOut(otg_solid_work* w, const otg_solid_mesh* a, const
     out[1] = w->mean.y;
     out[2] = w->mean.z;
     s->count = 1;
-    otgTakeFaces(w, 0, 0.01 * areas);
-    otgTakeFaces(w, 1, 0.01 * areas);
+    for (uint mesh = 0; mesh < 2; ++mesh) {
+      otgGatherFaces(w, mesh);
+      otgTakeFaces(w, 0.01 * areas);
+    }
     for (uint k = 0; k < s->pairs; ++k) {
       otg_vec3_d d, placeA, placeB;
       otgAcross(w, a, b, s->pairOf[k], isLump, &d, &placeA, &placeB);

@@ -28,11 +28,13 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidRecord
   }
 }
 
-/// A stretch of the list for each pair; and pairs that are not of two solids are left to the host.
+/// A stretch of the list for each pair, and a place among those that solidRegions does: larger ones first, of more than
+/// `smallHits` with larger limits. Pairs that are not of two solids are left to the host.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidPlaces(
     uint pairs, __global const otg_batch_task* restrict tasks, __global const otg_device_mesh* restrict places,
     __global const otg_reduction* restrict reductions, __global uint* restrict counters,
-    __global otg_pair_state* restrict states, __global uint* restrict chosen) {
+    __global otg_pair_state* restrict states, __global uint* restrict lists, uint smallHits,
+    __global uint* restrict chosen) {
   const uint i = get_global_id(0);
   if (i >= pairs) return;
   const uint solids = places[tasks[i].meshA].flags & places[tasks[i].meshB].flags & OTG_MESH_SOLID;
@@ -40,7 +42,16 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidPlaces
   if ((!solids && !isEmpty) || reductions[tasks[i].reduction].method != OTG_REDUCE_SOLID) {
     chosen[OTG_FLAGS + i] |= OTG_PAIR_TO_HOST;
   }
-  states[i].roots = atomic_add(counters + OTG_COUNT_PLACES, states[i].intersecting);
+  const uint hits = states[i].intersecting;
+  states[i].roots = atomic_add(counters + OTG_COUNT_PLACES, hits);
+  chosen[OTG_PLACE(pairs, i) + 1] = 0;
+  if (chosen[OTG_FLAGS + i] & OTG_PAIR_LEFT_OUT) {
+    atomic_inc(counters + OTG_COUNT_FLAGGED);
+  } else if (!isEmpty) {
+    const uint part = smallHits / (OTG_SOLID_BINS - OTG_SOLID_LARGE_BINS) + 1;
+    const uint bin = hits > 2 * smallHits ? 0 : hits > smallHits ? 1 : OTG_SOLID_BINS - 1 - hits / part;
+    otgList(counters, lists, pairs, 0, bin, i);
+  }
 }
 
 /// The hits into the pairs' stretches, in any order, with the ends of their chords.

@@ -119,7 +119,7 @@ OTG_INLINED void otgUniteRegions(__local otg_solid_scratch* s, const otg_solid_m
     // A contour that stays within one triangle whose corners are all inside hangs together with them.
     for (uint mesh = 0; mesh < 2; ++mesh) {
       const otg_solid_mesh* m = mesh == 0 ? meshA : meshB;
-      const uint4 corners = m->triangles[4 * (size_t)(mesh == 0 ? s->a[s->hit[c]] : s->b[s->hit[c]])];
+      const uint4 corners = m->triangles[4 * (size_t)s->triangle[mesh][c]];
       const uint x = otgFindInside(s, mesh, corners.x);
       if (x == OTG_NOT_THERE || otgFindInside(s, mesh, corners.y) == OTG_NOT_THERE ||
           otgFindInside(s, mesh, corners.z) == OTG_NOT_THERE) {

@@ -126,7 +126,24 @@ OTG_INLINED otg_vec3_d otgHigher(otg_vec3_d a, otg_vec3_d b) {
   return otgVec_d(a.x < b.x ? b.x : a.x, a.y < b.y ? b.y : a.y, a.z < b.z ? b.z : a.z);
 }
 
-/// How many of the lanes' counts come before this lane's; `total` is their sum. All lanes call it.
+/// Item `g` of the lists `first` to `end` of a stage, or OTG_NOT_THERE. `lists`: OTG_SOLID_BINS for each stage.
+OTG_INLINED uint otgListed(__global const uint* counters, __global const uint* lists, uint pairs, uint stage,
+                           uint first, uint end, uint g) {
+  for (uint bin = first; bin < end; ++bin) {
+    const uint count = counters[OTG_COUNT_SOLID + stage * OTG_SOLID_BINS + bin];
+    if (g < count) return lists[((size_t)stage * OTG_SOLID_BINS + bin) * pairs + g];
+    g -= count;
+  }
+  return OTG_NOT_THERE;
+}
+
+OTG_INLINED void otgList(__global uint* counters, __global uint* lists, uint pairs, uint stage, uint bin, uint pair) {
+  const uint place = atomic_inc(counters + OTG_COUNT_SOLID + stage * OTG_SOLID_BINS + bin);
+  lists[((size_t)stage * OTG_SOLID_BINS + bin) * pairs + place] = pair;
+}
+
+/// How many of the lanes' counts come before this lane's; `total` is their sum. `counts` lies at a multiple of 16
+/// bytes. All lanes call it.
 OTG_INLINED uint otgPlaceAmong(__local uint* counts, uint count, uint* total) {
 #if OTG_GROUP > 1
   const uint lane = get_local_id(0);
@@ -134,10 +151,11 @@ OTG_INLINED uint otgPlaceAmong(__local uint* counts, uint count, uint* total) {
   OTG_SYNC;
   counts[lane] = count;
   OTG_SYNC;
-  for (uint k = 0; k < OTG_GROUP; ++k) {
-    const uint c = counts[k];
-    if (k < lane) before += c;
-    sum += c;
+  __local const uint4* four = (__local const uint4*)counts;
+  for (uint k = 0; k < OTG_GROUP; k += 4) {
+    const uint4 c = four[k / 4];
+    before += (k < lane ? c.x : 0) + (k + 1 < lane ? c.y : 0) + (k + 2 < lane ? c.z : 0) + (k + 3 < lane ? c.w : 0);
+    sum += c.x + c.y + c.z + c.w;
   }
   *total = sum;
   return before;

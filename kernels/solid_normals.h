@@ -2,36 +2,47 @@
 // What is asked of the surface and the points of one region: ways out through planes, normals, extents. As
 // collide/solid/region_normals.cpp and surface_kernels_impl.h, with sums in the same order.
 //
-// OTG_SOLID_CONTACTS: the most contacts of one region.
+// OTG_SOLID_CONTACTS: the most contacts of one region; OTG_SOLID_POINTS and OTG_SOLID_FACES: the most points and
+// pieces. With OTG_SOLID_LARGE there may be twice as many points, of which so many are left when they are thinned, and
+// pieces lie in global memory.
 #ifndef OTG_SOLID_NORMALS_H
 #define OTG_SOLID_NORMALS_H
 #include "solid_mesh.h"
 
 #define OTG_SOLID_MOST_CONTACTS (OTG_SOLID_REGIONS * OTG_SOLID_CONTACTS)
-
-/// A piece as it is asked for again and again.
-typedef struct {
-  double normal[3], offset;  ///< the plane of its vector area
-  double meanOffset;         ///< the same by its area: for the way out of deep regions
-  double lo[3], hi[3];
-  double weighted[3], weightedArea;  ///< how it counts for normals
-} otg_solid_face;
+#define OTG_SOLID_DIRECTIONS (1 + 2 * OTG_SOLID_DEEP_FACES + OTG_SOLID_MOST_STRETCHES * OTG_SOLID_MOST_STRETCHES)
+#if OTG_SOLID_LARGE
+#define OTG_FACES __global
+#define OTG_SOLID_MEASURED (OTG_SOLID_MEASURED_PER_CONTACT * OTG_SOLID_CONTACTS)
+#else
+#define OTG_FACES __local
+#define OTG_SOLID_MEASURED OTG_SOLID_CONTACTS
+#endif
 
 /// What a work-group knows of the region that it works on, in local memory.
 typedef struct {
+  // By candidate: a point, or one of the points that are left.
+  double depth[OTG_SOLID_POINTS], rank[OTG_SOLID_POINTS], spread[OTG_SOLID_POINTS];
+  double x[OTG_SOLID_POINTS], y[OTG_SOLID_POINTS], z[OTG_SOLID_POINTS];  ///< where it is
+  int step[OTG_SOLID_POINTS];
+  uchar alive[OTG_SOLID_POINTS];
+  ushort order[OTG_SOLID_POINTS];  ///< candidates as they are ranked
+#if OTG_SOLID_LARGE
+  ushort pick[OTG_SOLID_POINTS];  ///< their points
   // By point.
-  double depth[OTG_SOLID_MOST_POINTS], rank[OTG_SOLID_MOST_POINTS], spread[OTG_SOLID_MOST_POINTS];
-  int step[OTG_SOLID_MOST_POINTS];
-  uchar alive[OTG_SOLID_MOST_POINTS];
-  ushort order[OTG_SOLID_MOST_POINTS];    ///< candidates as they are ranked
-  ushort list[2][OTG_SOLID_MOST_PLANES];  ///< pieces of A and of B
-  uint listed[2], listedFaces[2];
-  otg_solid_face face[OTG_SOLID_DEEP_PIECES];  ///< A's, then B's, in the order of the lists
-  double x[OTG_SOLID_MOST_POINTS], y[OTG_SOLID_MOST_POINTS], z[OTG_SOLID_MOST_POINTS];  ///< of points
-  double ways[2 * OTG_SOLID_CONTACTS];  ///< out of B and back out of A, by candidate
+  double hints[2 * OTG_SOLID_POINTS];
+  uint keys[2 * OTG_SOLID_POINTS];
+#else
+  otg_solid_face face[OTG_SOLID_FACES];  ///< A's, then B's, in the order of the lists
+#endif
+  ushort list[2][OTG_SOLID_FACES];  ///< pieces of A and of B
+  uint listed[2], planes[2], deep[2], listedFaces;
+  ushort picked[OTG_SOLID_MEASURED];
+  double ways[2 * OTG_SOLID_MEASURED];  ///< out of B and back out of A, by place in the order
+  double clusters[7 * OTG_SOLID_FACE_CLUSTERS], directions[3 * OTG_SOLID_DIRECTIONS], extents[OTG_SOLID_DIRECTIONS];
   double reduce[OTG_GROUP], sums[8];
-  uint counts[OTG_GROUP];
-  double weighted[3], shareOfB;
+  uint counts[OTG_GROUP] __attribute__((aligned(16)));
+  double weighted[3], shareOfB, highest;
   uint sharp[2][OTG_SOLID_MOST_STRETCHES], sharpCount[2];  ///< middles of sharp convex edges, ascending
   double places[6];  ///< where the two edges come nearest to each other, across which the normal points
   uint pairs, pairOf[OTG_SOLID_MOST_STRETCHES * OTG_SOLID_MOST_STRETCHES], across;
@@ -48,7 +59,10 @@ typedef struct {
   __global const otg_solid_region* region;
   __global otg_solid_piece* pieces;
   __global otg_solid_point* points;
-  uint pieceCount, pointCount;
+  /// Pieces; planes of ways out, which may stand for several; the same for deep regions. A's, then B's from listed[0].
+  OTG_FACES otg_solid_face *faces, *planes, *deep;
+  uint pieceCount, pointCount, candidates;
+  int isGathered;  ///< planes stand for several pieces
   double diagonal, thickness, coherence, radius;
   otg_vec3_d mean, fixed;
   int isFixed;  ///< `fixed` is the normal everywhere
@@ -64,11 +78,24 @@ OTG_INLINED double otgLargestOf(__local otg_solid_choice* s, double x) {
   return most;
 }
 
-OTG_INLINED __local otg_solid_face* otgFace(const otg_solid_work* w, uint mesh, uint j) {
-  return w->s->face + (mesh == 0 ? 0 : w->s->listed[0]) + j;
+OTG_INLINED OTG_FACES otg_solid_face* otgFace(const otg_solid_work* w, uint mesh, uint j) {
+  return w->faces + (mesh == 0 ? 0 : w->s->listed[0]) + j;
 }
 
-OTG_INLINED otg_vec3_d otgLocal(__local const double* p) {
+/// The point of a candidate.
+OTG_INLINED __global otg_solid_point* otgPointOf(const otg_solid_work* w, uint candidate) {
+#if OTG_SOLID_LARGE
+  return w->points + w->s->pick[candidate];
+#else
+  return w->points + candidate;
+#endif
+}
+
+OTG_INLINED otg_vec3_d otgOfFace(OTG_FACES const double* p) {
+  return otgVec_d(p[0], p[1], p[2]);
+}
+
+OTG_INLINED otg_vec3_d otgOf(__local const double* p) {
   return otgVec_d(p[0], p[1], p[2]);
 }
 
@@ -80,18 +107,18 @@ OTG_INLINED double otgSquaredDistance(otg_vec3_d x, otg_vec3_d lo, otg_vec3_d hi
 
 /// Way from a point along a unit direction through the nearest of a mesh's planes that faces along and has its part,
 /// enlarged by `slack` (with round corners or not), where it is met; `convex`: through the nearest that faces along.
-OTG_INLINED double otgWayOut(const otg_solid_work* w, uint mesh, otg_vec3_d from, otg_vec3_d d, double slack,
-                             int isRound, double* convex) {
+OTG_INLINED double otgWayOut(OTG_FACES const otg_solid_face* faces, uint count, otg_vec3_d from, otg_vec3_d d,
+                             double slack, int isRound, double* convex) {
   double nearest = INFINITY, any = INFINITY;
-  for (uint j = 0; j < w->s->listed[mesh]; ++j) {
-    __local const otg_solid_face* p = otgFace(w, mesh, j);
-    const otg_vec3_d n = otgLocal(p->normal);
+  for (uint j = 0; j < count; ++j) {
+    OTG_FACES const otg_solid_face* p = faces + j;
+    const otg_vec3_d n = otgOfFace(p->normal);
     const double cosine = otgDot_d(n, d);
     if (!(cosine > 0.05)) continue;
     const double way = otgMax_d((p->offset - otgDot_d(n, from)) / cosine, 0);
     any = otgMin_d(way, any);
     if (!(way < nearest)) continue;
-    const otg_vec3_d x = otgAdd_d(from, otgScale_d(d, way)), lo = otgLocal(p->lo), hi = otgLocal(p->hi);
+    const otg_vec3_d x = otgAdd_d(from, otgScale_d(d, way)), lo = otgOfFace(p->lo), hi = otgOfFace(p->hi);
     const int there = isRound ? otgSquaredDistance(x, lo, hi) <= slack * slack
                               : x.x >= lo.x - slack && x.x <= hi.x + slack && x.y >= lo.y - slack &&
                                     x.y <= hi.y + slack && x.z >= lo.z - slack && x.z <= hi.z + slack;
@@ -104,7 +131,8 @@ OTG_INLINED double otgWayOut(const otg_solid_work* w, uint mesh, otg_vec3_d from
 /// Nearest if there is one, else convex.
 OTG_INLINED double otgPlaneExit(const otg_solid_work* w, uint mesh, otg_vec3_d from, otg_vec3_d d) {
   double convex;
-  const double nearest = otgWayOut(w, mesh, from, d, OTG_SOLID_PIECE_SLACK * w->diagonal, 0, &convex);
+  const double nearest = otgWayOut(w->planes + (mesh == 0 ? 0 : w->s->listed[0]), w->s->planes[mesh], from, d,
+                                   OTG_SOLID_PIECE_SLACK * w->diagonal, 0, &convex);
   return isfinite(nearest) ? nearest : convex;
 }
 
@@ -112,7 +140,11 @@ OTG_INLINED double otgPlaneExit(const otg_solid_work* w, uint mesh, otg_vec3_d f
 OTG_INLINED double otgExtentAlong(const otg_solid_work* w, otg_vec3_d d) {
   double lo = INFINITY, hi = -INFINITY;
   for (uint i = 0; i < w->pointCount; ++i) {
+#if OTG_SOLID_LARGE
+    const double at = otgDot_d(otgLoad(w->points[i].position), d);
+#else
     const double at = otgDot_d(otgVec_d(w->s->x[i], w->s->y[i], w->s->z[i]), d);
+#endif
     lo = otgMin_d(at, lo);
     hi = otgMax_d(at, hi);
   }
@@ -127,8 +159,8 @@ OTG_INLINED otg_vec3_d otgAreasAbout(const otg_solid_work* w, uint mesh, otg_vec
   for (uint k = 0; k < 4; ++k) {
     double sx = 0, sy = 0, sz = 0, sa = 0;
     for (uint j = k; j < w->s->listed[mesh]; j += 4) {
-      __local const otg_solid_face* p = otgFace(w, mesh, j);
-      const double d = otgSquaredDistance(point, otgLocal(p->lo), otgLocal(p->hi));
+      OTG_FACES const otg_solid_face* p = otgFace(w, mesh, j);
+      const double d = otgSquaredDistance(point, otgOfFace(p->lo), otgOfFace(p->hi));
       const double near = otgMax_d(1 - d * inverse, 0), weight = near * near;
       sx += p->weighted[0] * weight;
       sy += p->weighted[1] * weight;
@@ -155,14 +187,14 @@ OTG_INLINED otg_vec3_d otgNormalAt(const otg_solid_work* w, otg_vec3_d point) {
   if (w->coherence > OTG_SOLID_CURVED) {
     const double part = (w->coherence - OTG_SOLID_CURVED) / (OTG_SOLID_STRAIGHT - OTG_SOLID_CURVED);
     const double share = part < 1 ? part : 1;
-    const otg_vec3_d weighted = otgVec_d(w->s->weighted[0], w->s->weighted[1], w->s->weighted[2]);
+    const otg_vec3_d weighted = otgOf(w->s->weighted);
     n = otgUnit_d(otgAdd_d(otgScale_d(weighted, share), otgScale_d(n, 1 - share)));
   }
   return isLump && otgDot_d(n, w->mean) < -0.2 ? w->mean : n;
 }
 
 /// Lists the pieces of either mesh and makes their planes. All lanes call it.
-OTG_INLINED void otgListPieces(const otg_solid_work* w) {
+OTG_INLINED void otgListPieces(otg_solid_work* w) {
   __local otg_solid_choice* s = w->s;
   const uint lane = get_local_id(0);
   uint running[2], total;
@@ -173,21 +205,22 @@ OTG_INLINED void otgListPieces(const otg_solid_work* w) {
     const uint mesh = isThere ? w->pieces[i].mesh : 2;
     for (uint m = 0; m < 2; ++m) {
       const uint place = running[m] + otgPlaceAmong(s->counts, mesh == m, &total);
-      if (mesh == m && place < OTG_SOLID_MOST_PLANES) s->list[m][place] = (ushort)i;
+      if (mesh == m) s->list[m][place] = (ushort)i;
       running[m] += total;
     }
   }
   if (lane == 0) {
     for (uint m = 0; m < 2; ++m) {
-      s->listed[m] = min(running[m], (uint)OTG_SOLID_MOST_PLANES);
-      if (running[m] > OTG_SOLID_MOST_PLANES) s->bad = 1;
+      s->listed[m] = running[m];
+      s->planes[m] = running[m];
+      s->deep[m] = running[m];
     }
   }
   OTG_SYNC;
   for (uint k = lane; k < s->listed[0] + s->listed[1]; k += OTG_GROUP) {
     const uint mesh = k >= s->listed[0], j = mesh ? k - s->listed[0] : k;
     __global const otg_solid_piece* p = w->pieces + s->list[mesh][j];
-    __local otg_solid_face* face = s->face + k;
+    OTG_FACES otg_solid_face* face = w->faces + k;
     const otg_vec3_d vector = otgLoad(p->vector);
     const double length = otgNorm_d(vector), offset = p->offset * length;
     for (int c = 0; c < 3; ++c) {
@@ -201,12 +234,17 @@ OTG_INLINED void otgListPieces(const otg_solid_work* w) {
     face->offset = length > 0 ? offset / length : 0;
     face->meanOffset = length > 0 ? p->offset * p->area / length : 0;
   }
+  w->planes = w->deep = w->faces;
+  w->candidates = w->pointCount;
+  w->isGathered = 0;
+#if !OTG_SOLID_LARGE
   for (uint i = lane; i < w->pointCount; i += OTG_GROUP) {
     s->x[i] = w->points[i].position[0];
     s->y[i] = w->points[i].position[1];
     s->z[i] = w->points[i].position[2];
   }
-  OTG_SYNC;
+#endif
+  OTG_SYNC_ALL;
 }
 
 /// What each piece says of where out is, by how near the other surface lies behind it. All lanes call it.
@@ -216,14 +254,15 @@ OTG_INLINED void otgWeighPieces(const otg_solid_work* w) {
   const int weighs = w->thickness > 0 && w->coherence < OTG_SOLID_FLAT;
   const uint faces = s->listed[0] + s->listed[1];
   for (uint k = lane; k < faces; k += OTG_GROUP) {
-    __local otg_solid_face* face = s->face + k;
+    OTG_FACES otg_solid_face* face = w->faces + k;
     double weight = 1;
     if (weighs) {
-      const otg_vec3_d n = otgLocal(face->normal);
-      const otg_vec3_d middle = otgScale_d(otgAdd_d(otgLocal(face->lo), otgLocal(face->hi)), 0.5);
+      const otg_vec3_d n = otgOfFace(face->normal);
+      const otg_vec3_d middle = otgScale_d(otgAdd_d(otgOfFace(face->lo), otgOfFace(face->hi)), 0.5);
       const otg_vec3_d from = otgAdd_d(middle, otgScale_d(n, face->offset - otgDot_d(n, middle)));
       double convex;
-      const double nearest = otgWayOut(w, k >= s->listed[0] ? 0 : 1, from, otgScale_d(n, -1.0),
+      const uint other = k >= s->listed[0] ? 0 : 1;
+      const double nearest = otgWayOut(otgFace(w, other, 0), s->listed[other], from, otgScale_d(n, -1.0),
                                        OTG_SOLID_PIECE_SLACK * w->diagonal, 1, &convex);
       const double way = nearest < w->diagonal ? nearest : w->diagonal < convex ? w->diagonal : convex;
       weight = otgDepthWeight_d(way, w->thickness);
@@ -236,12 +275,12 @@ OTG_INLINED void otgWeighPieces(const otg_solid_work* w) {
     face->weightedArea = weight * p->area;
     s->spread[k] = weight;
   }
-  OTG_SYNC;
+  OTG_SYNC_ALL;
   for (uint k = lane; k < 8; k += OTG_GROUP) {
     const uint mesh = k < 6 ? k / 3 : k - 6;
     double sum = 0;
     for (uint j = 0; j < s->listed[mesh]; ++j) {
-      __local const otg_solid_face* face = otgFace(w, mesh, j);
+      OTG_FACES const otg_solid_face* face = otgFace(w, mesh, j);
       sum += k < 6 ? face->weighted[k % 3] : face->weightedArea;
     }
     s->sums[k] = sum;
@@ -249,7 +288,7 @@ OTG_INLINED void otgWeighPieces(const otg_solid_work* w) {
   OTG_SYNC;
   const double cap = w->radius * w->radius;
   for (uint k = lane; k < faces; k += OTG_GROUP) {
-    __local otg_solid_face* face = s->face + k;
+    OTG_FACES otg_solid_face* face = w->faces + k;
     const uint mesh = k >= s->listed[0];
     __global const otg_solid_piece* p = w->pieces + (mesh ? s->list[1][k - s->listed[0]] : s->list[0][k]);
     // A large part counts no more than one of the size of the reach.

@@ -31,6 +31,7 @@ OTG_INLINED void otgClearScratch(__local otg_solid_scratch* s, uint bad) {
     s->side[i] = OTG_SIDE_UNKNOWN;
   }
   for (uint i = lane; i < 2 * OTG_SOLID_HITS; i += OTG_GROUP) s->edgeKey[i] = 0;
+  for (uint i = lane; i < OTG_CHORD_WORDS; i += OTG_GROUP) s->chordBits[i] = 0;
   for (uint i = lane; i < OTG_SOLID_HITS + OTG_SOLID_SLOTS; i += OTG_GROUP) s->parent[i] = i;
   for (uint i = lane; i < OTG_SOLID_REGIONS; i += OTG_GROUP) s->load[i] = 0;
   if (lane == 0) {
@@ -73,9 +74,41 @@ OTG_INLINED uint otgTakeArena(__local otg_solid_scratch* s, uint units, __global
   return begin <= arenaUnits && arenaUnits - begin >= units ? begin : OTG_NOT_THERE;
 }
 
-/// Surface and points of one region into the arena.
+/// Adds a term of each lane to the sums of vector areas of A and B, areas, and moment: in the order of the lanes, each
+/// sum by one of them. `what`: 1 for a piece of A, 2 of B, 0 for none. All lanes call it.
+OTG_INLINED void otgAddInOrder(__local otg_solid_scratch* s, uint what, otg_vec3_d vector, double area, double moment) {
+  const uint lane = get_local_id(0);
+  OTG_SYNC;
+  s->counts[lane] = what;
+  s->reduce[lane] = vector.x;
+  s->reduce[OTG_GROUP + lane] = vector.y;
+  s->reduce[2 * OTG_GROUP + lane] = vector.z;
+  s->reduce[3 * OTG_GROUP + lane] = area;
+  s->reduce[4 * OTG_GROUP + lane] = moment;
+  OTG_SYNC;
+  for (uint k = lane; k < 9; k += OTG_GROUP) {
+    __local const double* terms = s->reduce + (k < 6 ? k % 3 : k < 8 ? 3 : 4) * OTG_GROUP;
+    const uint wanted = k < 3 ? 1 : k < 6 ? 2 : k < 8 ? k - 5 : 0;
+    double sum = s->sums[k];
+    for (uint l = 0; l < OTG_GROUP; ++l) {
+      const uint there = s->counts[l];
+      const double more = sum + terms[l];
+      sum = there != 0 && (wanted == 0 || there == wanted) ? more : sum;
+    }
+    s->sums[k] = sum;
+  }
+}
+
+/// More points or pieces than these are for the kernel with the larger limits.
+typedef struct {
+  uint points, faces;
+} otg_solid_limits;
+
+/// Surface and points of one region into the arena. `head`: the last region; `size`: the points of the largest, or
+/// OTG_NOT_THERE if one is large.
 OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __global uchar* arena, uint arenaUnits,
-                                   __global uint* counters, __global uint* head, uint works) {
+                                   __global uint* counters, uint* head, uint works, otg_solid_limits limits,
+                                   uint* size) {
   __local otg_solid_scratch* s = pair->s;
   const uint lane = get_local_id(0), chords = works ? s->chords : 0, crossings = works ? s->crossings : 0;
   const uint vertices = works ? s->queued : 0;
@@ -122,26 +155,7 @@ OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __gl
     if (isPiece && room) {
       otgWritePiece(pieceList + place, mesh, triangle, normal, area, otgDot_d(normal, loop.corner), loop.lo, loop.hi);
     }
-    // Sums go on in the order of the pieces, each by one lane.
-    const otg_vec3_d vector = otgScale_d(normal, area);
-    OTG_SYNC;
-    s->counts[lane] = isPiece ? 1 + mesh : 0;
-    s->reduce[lane] = vector.x;
-    s->reduce[OTG_GROUP + lane] = vector.y;
-    s->reduce[2 * OTG_GROUP + lane] = vector.z;
-    s->reduce[3 * OTG_GROUP + lane] = area;
-    s->reduce[4 * OTG_GROUP + lane] = otgDot_d(normal, loop.corner) * area;
-    OTG_SYNC;
-    for (uint k = lane; k < 9; k += OTG_GROUP) {
-      __local const double* terms = s->reduce + (k < 6 ? k % 3 : k < 8 ? 3 : 4) * OTG_GROUP;
-      const uint wanted = k < 3 ? 1 : k < 6 ? 2 : k < 8 ? k - 5 : 0;
-      double sum = s->sums[k];
-      for (uint l = 0; l < OTG_GROUP; ++l) {
-        const uint what = s->counts[l];
-        if (what != 0 && (wanted == 0 || what == wanted)) sum += terms[l];
-      }
-      s->sums[k] = sum;
-    }
+    otgAddInOrder(s, isPiece ? 1 + mesh : 0, otgScale_d(normal, area), area, otgDot_d(normal, loop.corner) * area);
   }
   const uint boundary = pieces;
   for (uint base = 0; base < vertices; base += OTG_GROUP) {
@@ -189,17 +203,6 @@ OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __gl
   s->reduce[3 * OTG_GROUP + lane] = hi.x;
   s->reduce[4 * OTG_GROUP + lane] = hi.y;
   s->reduce[5 * OTG_GROUP + lane] = hi.z;
-  // The sums of what is wholly inside follow: vector areas of A and B, areas, moment.
-  for (uint k = lane; k < 9; k += OTG_GROUP) {
-    double sum = s->sums[k];
-    for (uint i = boundary; i < pieces; ++i) {
-      __global const otg_solid_piece* p = pieceList + i;
-      const uint mesh = k < 6 ? k / 3 : k - 6;
-      if (k < 8 && p->mesh != mesh) continue;
-      sum += k < 6 ? p->vector[k % 3] : k < 8 ? p->area : p->offset * p->area;
-    }
-    s->sums[k] = sum;
-  }
   OTG_SYNC;
   for (uint i = lane; i < 6; i += OTG_GROUP) {
     double x = s->reduce[i * OTG_GROUP];
@@ -207,12 +210,22 @@ OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __gl
       const double y = s->reduce[i * OTG_GROUP + k];
       x = i < 3 ? (y < x ? y : x) : (x < y ? y : x);
     }
-    s->reduce[i * OTG_GROUP] = x;
+    s->bound[i] = x;
   }
-  OTG_SYNC;
+  // The sums of what is wholly inside follow.
+  for (uint base = boundary; base < pieces; base += OTG_GROUP) {
+    const uint i = base + lane;
+    __global const otg_solid_piece* p = pieceList + i;
+    const int isPiece = i < pieces;
+    otgAddInOrder(s, isPiece ? 1 + p->mesh : 0, isPiece ? otgLoad(p->vector) : otgVec_d(0, 0, 0), isPiece ? p->area : 0,
+                  isPiece ? p->offset * p->area : 0);
+  }
+  const int isLarge = points > limits.points || pieces > limits.faces;
+  const uint faces = otgTakeArena(s, isLarge ? 3 * pieces * (sizeof(otg_solid_piece) / OTG_ARENA_UNIT) : 0, counters,
+                                  arenaUnits);  // a piece is not smaller than a face
   if (lane == 0 && room) {
-    lo = otgVec_d(s->reduce[0], s->reduce[OTG_GROUP], s->reduce[2 * OTG_GROUP]);
-    hi = otgVec_d(s->reduce[3 * OTG_GROUP], s->reduce[4 * OTG_GROUP], s->reduce[5 * OTG_GROUP]);
+    lo = otgVec_d(s->bound[0], s->bound[1], s->bound[2]);
+    hi = otgVec_d(s->bound[3], s->bound[4], s->bound[5]);
     const otg_vec3_d a = otgVec_d(s->sums[0], s->sums[1], s->sums[2]), b = otgVec_d(s->sums[3], s->sums[4], s->sums[5]);
     const otg_region_measure_d measure = otgMeasureRegion_d(a, b, s->sums[6], s->sums[7], s->sums[8], lo, hi);
     if (measure.bad || measure.coherence < OTG_SOLID_COHERENT) otgGiveUp(s, OTG_SOLID_ODD);
@@ -231,28 +244,27 @@ OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __gl
     out->points = begin + headUnits + pieceUnits;
     out->pointCount = points;
     out->next = *head;
-    *head = begin;
+    out->faces = faces;
+    *size = max(*size, isLarge ? OTG_NOT_THERE : points);
   }
+  if (room) *head = begin;
   OTG_SYNC_ALL;
 }
 
-/// Work-group g finds the regions of pair g. `heads`: the last region of each pair; they are linked backwards.
-__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidRegions(
-    __global const float4* restrict meshes, __global const otg_batch_task* restrict tasks,
-    __global const otg_device_mesh* restrict places, __global const otg_pair_state* restrict states,
-    __global const otg_solid_hit* restrict sorted, uint hitCapacity, __global uint* restrict counters,
-    __global uchar* arena, uint arenaUnits, __global uint* heads, __global uint* restrict chosen) {
-  __local otg_solid_scratch scratch;
-  __local otg_solid_scratch* s = &scratch;
-  const uint lane = get_local_id(0), number = get_group_id(0);
-  __global const otg_batch_task* task = tasks + number;
+/// Finds the regions of one pair. `heads`: the last region of each pair; they are linked backwards.
+OTG_INLINED void otgRegionsOf(uint number, __local otg_solid_scratch* s, __global const float4* meshes,
+                              __global const otg_batch_task* task, __global const otg_device_mesh* places,
+                              __global const otg_pair_state* state, __global const otg_solid_hit* sorted,
+                              uint hitCapacity, __global uint* counters, __global uchar* arena, uint arenaUnits,
+                              __global uint* heads, __global uint* lists, uint pairs, otg_solid_limits limits,
+                              __global uint* chosen) {
+  const uint lane = get_local_id(0);
   __global uint* flag = chosen + OTG_FLAGS + number;
   const otg_device_mesh placeA = places[task->meshA], placeB = places[task->meshB];
-  const int settled = (*flag & (OTG_PAIR_TO_HOST | OTG_PAIR_REFUSED | OTG_PAIR_SKIPPED)) != 0 ||
-                      placeA.triangles == 0 || placeB.triangles == 0;
+  const int settled = (*flag & OTG_PAIR_LEFT_OUT) != 0;  // by the kernel before
   const otg_solid_mesh a = otgSolidMesh(meshes, &placeA, task->bInA, 0);
   const otg_solid_mesh b = otgSolidMesh(meshes, &placeB, task->bInA, 1);
-  const uint found = settled ? 0 : states[number].intersecting, begin = states[number].roots;
+  const uint found = settled ? 0 : state->intersecting, begin = state->roots;
   const int fits = found <= OTG_SOLID_HITS && begin + found <= hitCapacity;
   const uint hits = fits ? found : 0;
   otgClearScratch(s, fits ? 0 : OTG_SOLID_TOO_MANY);
@@ -269,9 +281,41 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidRegion
   pair.a = &a;
   pair.b = &b;
   pair.origin = s->crossings > 0 ? otgVec_d(s->x[0], s->y[0], s->z[0]) : otgVec_d(0, 0, 0);
-  if (lane == 0) heads[number] = OTG_NOT_THERE;
+  uint head = OTG_NOT_THERE, size = 0;
   const uint regions = s->bad ? 0 : s->regions;
   OTG_SYNC_ALL;
-  for (uint r = 0; r < regions; ++r) otgDescribeRegion(&pair, r, arena, arenaUnits, counters, heads + number, 1);
-  if (lane == 0 && !settled && s->bad) *flag |= OTG_PAIR_TO_HOST | s->bad << OTG_PAIR_WHY;
+  for (uint r = 0; r < regions; ++r) {
+    otgDescribeRegion(&pair, r, arena, arenaUnits, counters, &head, 1, limits, &size);
+  }
+  if (lane != 0) return;
+  heads[number] = head;
+  if (settled || s->bad) {
+    if (!settled) *flag |= OTG_PAIR_TO_HOST | s->bad << OTG_PAIR_WHY;
+    atomic_inc(counters + OTG_COUNT_FLAGGED);
+  } else if (head == OTG_NOT_THERE) {
+    atomic_add(counters + OTG_COUNT_INTERSECTING, found);
+  } else {
+    const uint part = limits.points / (OTG_SOLID_BINS - OTG_SOLID_LARGE_BINS) + 1;
+    otgList(counters, lists, pairs, 1, size == OTG_NOT_THERE ? 1 : OTG_SOLID_BINS - 1 - size / part, number);
+  }
+}
+
+/// Finds the regions of the pairs in the lists `first` to `end`, a work-group for each pair or for several.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidRegions(
+    __global const float4* restrict meshes, __global const otg_batch_task* restrict tasks,
+    __global const otg_device_mesh* restrict places, __global const otg_pair_state* restrict states,
+    __global const otg_solid_hit* restrict sorted, uint hitCapacity, __global uint* restrict counters,
+    __global uchar* arena, uint arenaUnits, __global uint* heads, __global uint* restrict lists, uint pairs, uint first,
+    uint end, uint mostPoints, uint mostFaces, __global uint* restrict chosen) {
+  __local otg_solid_scratch scratch;
+  otg_solid_limits limits;
+  limits.points = mostPoints;
+  limits.faces = mostFaces;
+  for (uint item = get_group_id(0);; item += get_num_groups(0)) {
+    const uint number = otgListed(counters, lists, pairs, 0, first, end, item);
+    if (number == OTG_NOT_THERE) return;
+    otgRegionsOf(number, &scratch, meshes, tasks + number, places, states + number, sorted, hitCapacity, counters,
+                 arena, arenaUnits, heads, lists, pairs, limits, chosen);
+    OTG_SYNC;
+  }
 }

@@ -7,6 +7,7 @@
 #include "solid_mesh.h"
 
 #define OTG_SOLID_SLOTS (4 * OTG_SOLID_HITS)  ///< of the table of vertices; at most halfEdge are taken
+#define OTG_CHORD_WORDS 64
 #define OTG_NO_CROSSING 0xffffu
 #define OTG_MOST_ALONG 32  ///< crossings of one edge of which some lie close to each other
 
@@ -29,7 +30,9 @@ typedef struct {
   ushort region[OTG_SOLID_HITS];
   // By chord.
   ushort start[OTG_SOLID_HITS], end[OTG_SOLID_HITS], hit[OTG_SOLID_HITS];
-  uchar firsts[OTG_SOLID_HITS];  ///< 1: the first of A's triangle, 2: of B's
+  uint triangle[2][OTG_SOLID_HITS];  ///< of A and of B
+  uint chordBits[OTG_CHORD_WORDS];   ///< a hashed set of these triangles
+  uchar firsts[OTG_SOLID_HITS];      ///< 1: the first of A's triangle, 2: of B's
   // Tables.
   uint vertexKey[OTG_SOLID_SLOTS];                ///< (vertex << 1 | mesh) + 1, 0: free
   int vote[OTG_SOLID_SLOTS];                      ///< 1,024 for each vote, and 1 more for inside, 1 less for outside
@@ -40,10 +43,10 @@ typedef struct {
   ushort queue[2 * OTG_SOLID_HITS];               ///< slots of vertices inside, as they were reached
   ushort inside[2 * OTG_SOLID_HITS];              ///< the same by mesh and vertex
   ushort order[OTG_SOLID_HITS];                   ///< crossings by mesh, first of their edge, place along it
-  uint counts[OTG_GROUP];
+  uint counts[OTG_GROUP] __attribute__((aligned(16)));
   uint load[OTG_SOLID_REGIONS];
   double reduce[6 * OTG_GROUP];
-  double sums[9];
+  double sums[9], bound[6];
   uint bad, entered, queued, allocated, crossings, chords, regions, items, tied;
 } otg_solid_scratch;
 
@@ -54,6 +57,15 @@ OTG_INLINED void otgGiveUp(__local otg_solid_scratch* s, uint why) {
 OTG_INLINED uint otgHashWord(uint x) {
   x *= 0x9e3779b1u;
   return x ^ x >> 15;
+}
+
+/// Whether a triangle may have a chord; where not, it has none.
+OTG_INLINED uint otgChordBit(uint mesh, uint triangle) {
+  return otgHashWord(triangle << 1 | mesh) >> 8 & (32 * OTG_CHORD_WORDS - 1);
+}
+OTG_INLINED int otgMayHaveChord(__local const otg_solid_scratch* s, uint mesh, uint triangle) {
+  const uint bit = otgChordBit(mesh, triangle);
+  return s->chordBits[bit / 32] >> bit % 32 & 1;
 }
 
 /// The slot of a vertex, entered if it was not there (`isNew`); OTG_NOT_THERE when the table is full.

@@ -79,7 +79,7 @@ OTG_INLINED double otgClip(const otg_solid_pair* pair, const otg_solid_mesh* m, 
     }
   }
   for (uint c = s->chords; c-- > 0;) {
-    if ((mesh == 0 ? s->a[s->hit[c]] : s->b[s->hit[c]]) != triangle) continue;
+    if (s->triangle[mesh][c] != triangle) continue;
     if (otgRegionOf(pair, s->start[c]) != region) continue;
     const otg_vec3_d p = otgCrossingAt(pair, s->start[c]), q = otgCrossingAt(pair, s->end[c]);
     if (mesh == 0) {
@@ -127,7 +127,8 @@ OTG_INLINED ulong otgInteriorAt(const otg_solid_pair* pair, uint slot) {
       continue;
     }
     int clipped = 0;  // by a contour that stays within it
-    for (uint c = 0; c < s->chords; ++c) clipped |= (mesh == 0 ? s->a[s->hit[c]] : s->b[s->hit[c]]) == triangle;
+    const uint chords = otgMayHaveChord(s, mesh, triangle) ? s->chords : 0;
+    for (uint c = 0; c < chords; ++c) clipped |= s->triangle[mesh][c] == triangle;
     if (!clipped) interior |= 1ul << k;
   }
   return interior;

@@ -82,6 +82,11 @@ const std::map<std::string, std::uint32_t opencl::Tuning::*>& tuningKeys() {
                                                                       {"stackRoom", &Tuning::stackRoom},
                                                                       {"solidGroup", &Tuning::solidGroup},
                                                                       {"solidHits", &Tuning::solidHits},
+                                                                      {"solidSizes", &Tuning::solidSizes},
+                                                                      {"solidLargeGroup", &Tuning::solidLargeGroup},
+                                                                      {"solidPoints", &Tuning::solidPoints},
+                                                                      {"solidFaces", &Tuning::solidFaces},
+                                                                      {"solidLargeHits", &Tuning::solidLargeHits},
                                                                       {"solidRegisters", &Tuning::solidRegisters},
                                                                       {"arenaUnits", &Tuning::arenaUnits},
                                                                       {"recordsExpected", &Tuning::recordsExpected}};

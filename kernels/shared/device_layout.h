@@ -158,9 +158,10 @@ enum {
   OTG_COUNT_CONTACTS = 13,        ///< before reduction, of the same
   OTG_COUNT_REDUCED = 14,         ///< contacts in the end, of the same
   OTG_COUNT_FLAGGED = 15,         ///< pairs of a batch that are refused or left to the host
-  OTG_COUNT_CLASS = 16            ///< and up: pairs of a batch by size, the largest first
+  OTG_COUNT_CLASS = 16,           ///< and up: pairs of a batch by size, the largest first
+  OTG_COUNT_SOLID = 48            ///< and up: pairs of a batch of solids by OTG_SOLID_BINS, in two stages
 };
-#define OTG_COUNTERS 48
+#define OTG_COUNTERS 64
 #define OTG_CLASSES 32
 
 /// Bytes before the results: the first counters.

@@ -39,12 +39,21 @@ typedef struct {
   double unused[2];
 } otg_solid_point;
 
+/// A piece, or several of them, as a plane that is asked for again and again.
+typedef struct {
+  double normal[3], offset;  ///< the plane of its vector area
+  double meanOffset;         ///< the same by its area: for the way out of deep regions
+  double lo[3], hi[3];
+  double weighted[3], weightedArea;  ///< how it counts for normals
+} otg_solid_face;
+
 typedef struct {
   double origin[3], lo[3], hi[3], push[3];
   double areaA, areaB, volume, diagonal, thickness, coherence;
   otg_uint pieces, pieceCount, points, pointCount;  ///< places in the arena
   otg_uint next;                                    ///< region, or OTG_NOT_THERE
-  otg_uint unused[3];
+  otg_uint faces;                                   ///< of a large one: room for otg_solid_face, three a piece
+  otg_uint unused[2];
 } otg_solid_region;
 
 /// A pair of triangles that intersect, and how the chord in which they do ends.
@@ -54,6 +63,11 @@ typedef struct {
   otg_uint how[2];       ///< 1: the half-edge leaves the other mesh; 2: the chord starts here
   otg_uint unused[2];
 } otg_solid_hit;
+
+/// Pairs wait for either of the two large kernels in so many lists, the largest first. Those of the first lists are
+/// for the kernels with the larger limits, if there are two of each.
+#define OTG_SOLID_BINS 8
+#define OTG_SOLID_LARGE_BINS 2
 
 #define OTG_SOLID_REGIONS 8  ///< more regions than this in one pair are the host's
 

@@ -119,6 +119,17 @@ namespace otg {
 #define OTG_SOLID_MOST_POINTS 192
 #define OTG_SOLID_MOST_PLANES 96
 
+/// Cells of a region's diagonal in which the planes and the points of those are gathered.
+#define OTG_SOLID_PLANE_CELLS 12.0
+#define OTG_SOLID_POINT_CELLS 10.0
+/// Ranges of normals along a side of a cube, in which planes are gathered for deep regions.
+#define OTG_SOLID_NORMAL_CELLS 7.0
+
+/// Where planes stand for many triangles, which cannot tell a rim from the deepest place: estimates that differ by less
+/// say nothing, and so many candidates for each contact are measured by rays before the contacts are chosen.
+#define OTG_SOLID_GATHERED_ERROR 0.05
+#define OTG_SOLID_MEASURED_PER_CONTACT 3
+
 /// Kinds of points, as PointKind.
 #define OTG_POINT_VERTEX 0
 #define OTG_POINT_CROSSING 1

@@ -6,49 +6,80 @@
 #include <string>
 
 #include "shared/solid_layout.h"
+#include "shared/solid_model.h"
 
 namespace otg::opencl {
 
 namespace {
 
-/// Work-items for one pair. PoCL does not cope with barriers in kernels of this size.
-std::uint32_t groupFor(const Context& context, const Tuning& tuning) {
-  if (tuning.solidGroup != 0) return tuning.solidGroup;
-  return context.info().kind == DeviceKind::kCpu ? 1 : 64;
-}
-
 /// As many hits as there is local memory for: otg_solid_scratch with some to spare.
-std::uint32_t hitsFor(const Context& context, const Tuning& tuning) {
-  std::uint32_t hits = std::bit_floor(std::clamp(tuning.solidHits, 32u, 1024u));
-  const std::uint64_t lanes = 56 * std::uint64_t{groupFor(context, tuning)} + 1024;
-  while (hits > 32 && 160 * std::uint64_t{hits} + lanes > context.info().localMemory) hits /= 2;
+std::uint32_t hitsFor(const Context& context, std::uint32_t group, std::uint32_t wanted) {
+  std::uint32_t hits = std::bit_floor(std::clamp(wanted, 32u, 1024u));
+  while (hits > 32 && 168 * std::uint64_t{hits} + 56 * std::uint64_t{group} + 1024 > context.info().localMemory) {
+    hits /= 2;
+  }
   return hits;
 }
+
+/// Numbers that otg_solid_choice takes for what it is.
+constexpr std::uint32_t kMostPieces = OTG_SOLID_MOST_ELEMENTS, kMostCandidates = 512;
 
 }  // namespace
 
 SolidStage::SolidStage(Context& context, const Tuning& tuning)
     : context_(context),
       recordGroup_(tuning.recordGroup),
-      group_(groupFor(context, tuning)),
-      hits_(hitsFor(context, tuning)),
       registers_(context.info().registerLimit ? tuning.solidRegisters : 0),
       arenaWanted_(tuning.arenaUnits),
-      arena_(OTG_ARENA_UNIT) {}
+      arena_(OTG_ARENA_UNIT) {
+  // On CPUs a work-group is one work-item, and memory is memory: one size does for all. PoCL does not cope with
+  // barriers in kernels of this size.
+  const bool isCpu = context.info().kind == DeviceKind::kCpu;
+  const std::uint32_t sizes = tuning.solidSizes != 0 ? tuning.solidSizes : isCpu ? 1 : 2;
+  const std::uint32_t large = tuning.solidLargeGroup != 0 ? tuning.solidLargeGroup : isCpu ? 1 : 64;
+  const std::uint32_t small = tuning.solidGroup != 0 ? tuning.solidGroup : isCpu ? 1 : 32;
+  sizes_.push_back({large,
+                    hitsFor(context, large, tuning.solidLargeHits),
+                    kMostCandidates,
+                    kMostPieces,
+                    0,
+                    sizes == 1 ? std::uint32_t{OTG_SOLID_BINS} : std::uint32_t{OTG_SOLID_LARGE_BINS},
+                    std::size_t{context.info().computeUnits} * tuning.groupsPerUnit,
+                    {},
+                    {}});
+  if (sizes > 1) {
+    sizes_.push_back({small,
+                      hitsFor(context, small, tuning.solidHits),
+                      std::clamp(tuning.solidPoints, 40u, kMostCandidates),
+                      std::clamp(tuning.solidFaces, 16u, std::min(kMostPieces, tuning.solidPoints)),
+                      OTG_SOLID_LARGE_BINS,
+                      OTG_SOLID_BINS,
+                      0,
+                      {},
+                      {}});
+  }
+}
 
 /// Not before they are needed: they are large, and many have contacts of the other model only.
 void SolidStage::build() {
   if (write_) return;
   const std::string flat = "-DOTG_GROUP=" + std::to_string(recordGroup_) + " -DOTG_CONTACTS=0";
-  const std::string pair = "-DOTG_GROUP=" + std::to_string(group_) + " -DOTG_CONTACTS=0 -DOTG_SOLID_CONTACTS=16" +
-                           " -DOTG_SOLID_HITS=" + std::to_string(hits_) +
-                           (registers_ != 0 ? " -cl-nv-maxrregcount=" + std::to_string(registers_) : "");
   records_ = context_.makeKernel("solid_gather.cl", flat, "solidRecords");
   stretches_ = context_.makeKernel("solid_gather.cl", flat, "solidPlaces");
   scatter_ = context_.makeKernel("solid_gather.cl", flat, "solidScatter");
-  regions_ = context_.makeKernel("solid_regions.cl", pair, "solidRegions");
-  contacts_ = context_.makeKernel("solid_contacts.cl", pair, "solidContacts");
-  write_ = context_.makeKernel("solid_contacts.cl", pair, "solidWrite");
+  Kernel write;
+  for (Size& size : sizes_) {
+    const auto number = [](const char* name, std::uint32_t value) { return name + std::to_string(value); };
+    const std::string options = number("-DOTG_GROUP=", size.group) + " -DOTG_CONTACTS=0 -DOTG_SOLID_CONTACTS=16" +
+                                number(" -DOTG_SOLID_HITS=", size.hits) + number(" -DOTG_SOLID_POINTS=", size.points) +
+                                number(" -DOTG_SOLID_FACES=", size.faces) +
+                                number(" -DOTG_SOLID_LARGE=", &size == &sizes_[0] ? 1 : 0) +
+                                (registers_ != 0 ? number(" -cl-nv-maxrregcount=", registers_) : "");
+    size.regions = context_.makeKernel("solid_regions.cl", options, "solidRegions");
+    size.contacts = context_.makeKernel("solid_contacts.cl", options, "solidContacts");
+    if (!write) write = context_.makeKernel("solid_contacts.cl", options, "solidWrite");
+  }
+  write_ = std::move(write);
 }
 
 void SolidStage::reserve(std::uint32_t pairs, std::uint32_t hits, std::uint32_t places) {
@@ -58,7 +89,8 @@ void SolidStage::reserve(std::uint32_t pairs, std::uint32_t hits, std::uint32_t 
   sorted_.reserve(context_, hits);
   heads_.reserve(context_, pairs);
   arena_.reserve(context_, arenaWanted_);
-  lists_.reserve(context_, std::uint64_t{pairs} * room_);
+  lists_.reserve(context_, 2 * OTG_SOLID_BINS * std::uint64_t{pairs});
+  kept_.reserve(context_, std::uint64_t{pairs} * room_);
 }
 
 bool SolidStage::fits(std::uint32_t unitsWanted) {
@@ -72,24 +104,36 @@ void SolidStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& re
   Arguments(records_) << batch.pairs << batch.places << batch.tasks << batch.meshes << batch.counters << batch.hits
                       << batch.hitPlaces << batch.records << batch.states << chosen.get();
   launch(queue, records_, recordGroup_, batch.groups, 1, profile.next(Profile::kContacts));
+  const Size& last = sizes_.back();
   Arguments(stretches_) << batch.count << batch.tasks << batch.places << batch.reductions << batch.counters
-                        << batch.states << chosen.get();
+                        << batch.states << lists_.get() << last.hits << chosen.get();
   launch(queue, stretches_, recordGroup_, (batch.count + recordGroup_ - 1) / recordGroup_, 1,
          profile.next(Profile::kContacts));
   Arguments(scatter_) << batch.meshes << batch.tasks << batch.places << batch.counters << batch.records
                       << batch.hitPlaces << batch.states << sorted_.get() << chosen.get();
   launch(queue, scatter_, recordGroup_, batch.groups, 1, profile.next(Profile::kContacts));
-  Arguments(regions_) << batch.meshes << batch.tasks << batch.places << batch.states << sorted_.get()
-                      << sorted_.places() << batch.counters << arena_.get() << arena_.places() << heads_.get()
-                      << chosen.get();
-  launch(queue, regions_, group_, batch.count, 1, profile.next(Profile::kRegions));
-  Arguments(contacts_) << batch.meshes << batch.tasks << batch.places << batch.states << batch.reductions
-                       << batch.counters << arena_.get() << arena_.places() << heads_.get() << lists_.get() << room_
-                       << chosen.get();
-  launch(queue, contacts_, group_, batch.count, 1, profile.next(Profile::kSelect));
+  const auto groupsOf = [&](const Size& size) {
+    return size.groups == 0 ? std::size_t{batch.count} : std::min<std::size_t>(size.groups, batch.count);
+  };
+  // Larger regions have their pieces in global memory.
+  const std::uint32_t smallPoints = sizes_.size() > 1 ? last.points : 0,
+                      smallFaces = sizes_.size() > 1 ? last.faces : 0;
+  for (Size& size : sizes_) {
+    Arguments(size.regions) << batch.meshes << batch.tasks << batch.places << batch.states << sorted_.get()
+                            << sorted_.places() << batch.counters << arena_.get() << arena_.places() << heads_.get()
+                            << lists_.get() << batch.count << size.firstList << size.endList << smallPoints
+                            << smallFaces << chosen.get();
+    launch(queue, size.regions, size.group, groupsOf(size), 1, profile.next(Profile::kRegions));
+  }
+  for (Size& size : sizes_) {
+    Arguments(size.contacts) << batch.meshes << batch.tasks << batch.places << batch.states << batch.reductions
+                             << batch.counters << arena_.get() << arena_.places() << heads_.get() << lists_.get()
+                             << batch.count << size.firstList << size.endList << kept_.get() << room_ << chosen.get();
+    launch(queue, size.contacts, size.group, groupsOf(size), 1, profile.next(Profile::kSelect));
+  }
   reducer.enqueuePlaces(queue, batch.count, chosen, profile);
-  Arguments(write_) << batch.counters << lists_.get() << room_ << batch.count << chosen.get() << chosen.contactPlaces();
-  launch(queue, write_, group_, batch.groups, 1, profile.next(Profile::kChoose));
+  Arguments(write_) << batch.counters << kept_.get() << room_ << batch.count << chosen.get() << chosen.contactPlaces();
+  launch(queue, write_, sizes_[0].group, batch.groups, 1, profile.next(Profile::kChoose));
 }
 
 }  // namespace otg::opencl

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "opencl/reducer.h"
 #include "opencl/tuning.h"
@@ -33,12 +34,21 @@ class SolidStage {
                Profile& profile);
 
  private:
+  /// The two large kernels, for pairs up to some size.
+  struct Size {
+    std::uint32_t group, hits, points, faces;
+    std::uint32_t firstList, endList;  ///< of pairs that wait for them
+    std::size_t groups;  ///< most work-groups at once; 0: one for each pair
+    Kernel regions, contacts;
+  };
   void build();
   Context& context_;
-  const std::uint32_t recordGroup_, group_, hits_, registers_;
+  const std::uint32_t recordGroup_, registers_;
   std::uint32_t arenaWanted_, room_ = 0;
-  Kernel records_, stretches_, scatter_, regions_, contacts_, write_;
-  DeviceList sorted_{sizeof(otg_solid_hit)}, heads_{sizeof(otg_uint)}, arena_, lists_{sizeof(otg_chosen_contact)};
+  std::vector<Size> sizes_;  ///< the largest pairs first
+  Kernel records_, stretches_, scatter_, write_;
+  DeviceList sorted_{sizeof(otg_solid_hit)}, heads_{sizeof(otg_uint)}, arena_, lists_{sizeof(otg_uint)},
+      kept_{sizeof(otg_chosen_contact)};
 };
 
 }  // namespace otg::opencl

@@ -39,8 +39,13 @@ struct Tuning {
   bool reduce = true;          ///< find regions and reduce contacts on the device
   std::uint32_t recordsExpected = 512;  ///< read with the head of the results in the first query
   bool solid = true;                    ///< make contacts of the model `solid` on the device
-  std::uint32_t solidGroup = 0;         ///< work-items for one pair of solids of a batch; 0: 1 on CPUs, else 64
-  std::uint32_t solidHits = 128;  ///< intersecting pairs of triangles that such a pair may have there; a power of two
+  /// Pairs of solids of a batch are done by kernels with one size of lists in local memory, or with two; 0: one on
+  /// CPUs, else two. `solidGroup` work-items (0: 1 on CPUs, else 32) do a pair of at most `solidHits` intersecting
+  /// pairs of triangles (a power of two) and regions of at most `solidPoints` points and `solidFaces` pieces; others
+  /// are done by `solidLargeGroup` work-items (0: 1 on CPUs, else 64) if they have at most `solidLargeHits`, and else
+  /// by the host.
+  std::uint32_t solidSizes = 0, solidGroup = 0, solidLargeGroup = 0;
+  std::uint32_t solidHits = 64, solidPoints = 112, solidFaces = 64, solidLargeHits = 256;
   /// Registers that a work-item of their kernels may take where the device can be told so; 0: as many as it likes.
   std::uint32_t solidRegisters = 128;
   std::uint32_t arenaUnits = 1u << 18;  ///< of 16 bytes, for regions of a batch of solids; grows

@@ -152,7 +152,7 @@ TEST_CASE("a batch of solids does not depend on the sizes of lists and work-grou
   checkBatch(*backend, queries, expected);
   if (backend->device().doubles) CHECK(backend->counts().repeats > 0);
   tuning = {};
-  tuning.solidHits = 32;  // most are left to the host
+  tuning.solidLargeHits = 32;  // most are left to the host
   backend = openBackend(tuning);
   REQUIRE(backend);
   CHECK(checkBatch(*backend, queries, expected) < queries.size());

@@ -132,13 +132,12 @@ class WayOutByPlanes {
       if (std::fabs(v[k]) > std::fabs(v[axis])) axis = k;
     }
     const auto cell = [&](double x) {
-      return static_cast<std::uint32_t>((x / std::fabs(v[axis]) + 1) * (0.5 * kCellsPerSide));
+      return static_cast<std::uint32_t>((x / std::fabs(v[axis]) + 1) * (0.5 * OTG_SOLID_NORMAL_CELLS));
     };
     const std::uint32_t face = 2 * axis + (v[axis] < 0 ? 1 : 0);
     return face << 16 | cell(v[(axis + 1) % 3]) << 8 | cell(v[(axis + 2) % 3]);
   }
 
-  static constexpr double kCellsPerSide = 7;
   const OverlapRegions& all_;
   double far_;
   std::vector<Plane> planes_, ahead_;  ///< ahead_: scaled so that a plane's value is the way to it along d

@@ -25,11 +25,6 @@ struct Candidate {
   int step = 0;   ///< rank below the highest, in steps of OTG_SOLID_RANK_STEP
 };
 
-constexpr double kGatheredError = 0.05;
-// Where planes stand for many triangles, which cannot tell a rim from the deepest place, so many candidates for each
-// contact are measured by rays before the contacts are chosen.
-constexpr std::size_t kMeasuredPerContact = 3;
-
 ContactFeature featureOf(const SupportPoint& p) {
   switch (p.kind) {
     case PointKind::kVertex:
@@ -53,7 +48,7 @@ class RegionSolver {
     filterAndMerge();
     const auto most = static_cast<std::size_t>(task_.maxContacts);
     if (gathered_) {
-      chooseSpread(kMeasuredPerContact * most);
+      chooseSpread(OTG_SOLID_MEASURED_PER_CONTACT * most);
       for (Candidate& c : candidates_) measureByRays(c);
       bringDeepestFirst();
     }
@@ -85,7 +80,7 @@ class RegionSolver {
       std::uint32_t count = 0;
       for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) count += all_.pieces[i].mesh == m;
       FlatMap index;
-      const double cell = region_.diagonal / 12;
+      const double cell = region_.diagonal / OTG_SOLID_PLANE_CELLS;
       for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) {
         const Piece& p = all_.pieces[i];
         if (p.mesh != m) continue;
@@ -145,7 +140,7 @@ class RegionSolver {
       for (std::uint32_t i = region_.pointBegin; i < region_.pointEnd; ++i) chosen.push_back(i);
       return chosen;
     }
-    const double cell = region_.diagonal / 10;
+    const double cell = region_.diagonal / OTG_SOLID_POINT_CELLS;
     FlatMap index;
     for (std::uint32_t i = region_.pointBegin; i < region_.pointEnd; ++i) {
       const SupportPoint& p = all_.points[i];
@@ -281,7 +276,7 @@ class RegionSolver {
     if (!gathered_ || candidates_.empty()) return;
     // Estimates from gathered planes err by a few percent. Of those that they cannot tell apart the farthest in of
     // either mesh are measured, and the deeper one is first.
-    const double enough = (1 - kGatheredError) * highest;
+    const double enough = (1 - OTG_SOLID_GATHERED_ERROR) * highest;
     auto deepest = candidates_.end();
     for (const std::uint8_t m : {0, 1}) {
       auto best = candidates_.end();
