@@ -60,7 +60,15 @@ class BatchRun {
   using Clock = std::chrono::steady_clock;
 
   static double hostCost(const PairJob& job, const CostModel& costs, double work) {
-    return (contactsOnDevice(job) ? costs.hostPairwise : costs.hostSolid).of(work);
+    return costs.hostCost(!contactsOnDevice(job), work);
+  }
+  static double deviceCost(const PairJob& job, const CostModel& costs, double work) {
+    return costs.deviceCost(solidInBatch(job), work);
+  }
+  double launchCost(const CostModel& costs, const Indices& block) const {
+    const auto solids =
+        std::count_if(block.begin(), block.end(), [&](std::size_t i) { return solidInBatch(*jobs_[i]); });
+    return costs.launchCost(static_cast<std::size_t>(solids) < block.size(), solids > 0);
   }
 
   void deal() {
@@ -71,6 +79,8 @@ class BatchRun {
       return;
     }
     const CostModel& costs = devices_[0]->costs;
+    const bool knowSolids =
+        std::all_of(devices_.begin(), devices_.end(), [](const auto& d) { return d->costs.knowsSolids(); });
     Indices withDevice;  // one by one, with a device's help
     for (std::size_t i = 0; i < jobs_.size(); ++i) {
       const PairJob& job = *jobs_[i];
@@ -79,8 +89,8 @@ class BatchRun {
       if (!isOpen && place.middle != Place::kOpencl && place.near != Place::kOpencl) {
         hostBusy += hostCost(job, costs, expectedWork(job.query));
         singles_.push_back(i);
-      } else if (!isOpen && place.middle == place.near && solidInBatch(job)) {
-        bound.push_back(i);
+      } else if (place.middle == place.near && solidInBatch(job) && (!isOpen || knowSolids)) {
+        (isOpen ? open : bound).push_back(i);
       } else if (!contactsOnDevice(job) || place.middle != place.near) {
         const double work = expectedWork(job.query);
         hostBusy += hostCost(job, costs, work);
@@ -101,19 +111,22 @@ class BatchRun {
     std::vector<double> work;
     work.reserve(bound.size());
     for (const std::size_t i : bound) work.push_back(expectedWork(jobs_[i]->query));
+    std::vector<std::uint8_t> solid;
+    for (const std::size_t i : bound) solid.push_back(solidInBatch(*jobs_[i]) ? 1 : 0);
     division.work = work;
+    division.solid = solid;
     std::vector<CostModel> models;
     for (const auto& device : devices_) models.push_back(device->costs);
     std::size_t begin = 0;
     for (const std::size_t end : divide(division, models)) {
       DeviceSlot& slot = *devices_[blocks_.size()];
-      double expected = begin < end ? slot.costs.batchLaunch : 0;
-      for (std::size_t i = begin; i < end; ++i) expected += slot.costs.batchPair.of(work[i]);
+      blocks_.emplace_back(bound.begin() + static_cast<std::ptrdiff_t>(begin),
+                           bound.begin() + static_cast<std::ptrdiff_t>(end));
+      double expected = launchCost(slot.costs, blocks_.back());
+      for (std::size_t i = begin; i < end; ++i) expected += deviceCost(*jobs_[bound[i]], slot.costs, work[i]);
       slot.blockPairs = end - begin;
       slot.blockExpectedMs = 1e-3 * expected;
       slot.blockMs = 0;
-      blocks_.emplace_back(bound.begin() + static_cast<std::ptrdiff_t>(begin),
-                           bound.begin() + static_cast<std::ptrdiff_t>(end));
       begin = end;
     }
     open_.assign(bound.begin() + static_cast<std::ptrdiff_t>(begin), bound.end());
@@ -150,8 +163,8 @@ class BatchRun {
     runBlock(slot, block);
     try {
       // How much slower than expected the device was, and the CPU until now; not more than a little quicker.
-      double expected = slot.costs.batchLaunch;
-      for (const std::size_t i : block) expected += slot.costs.batchPair.of(expectedWork(jobs_[i]->query));
+      double expected = launchCost(slot.costs, block);
+      for (const std::size_t i : block) expected += deviceCost(*jobs_[i], slot.costs, expectedWork(jobs_[i]->query));
       const double slower = std::max(0.5, microseconds(begin) / std::max(expected, 1.0));
       while (!claimed_.empty() && !slot.isOff) {
         const Indices more = takeOver(slot, slower);
@@ -167,22 +180,22 @@ class BatchRun {
     const std::lock_guard lock(takeOver_);
     double all = 0, left = 0, forDevice = 0;
     for (std::size_t k = 0; k < open_.size(); ++k) {
-      const double cost = slot.costs.hostPairwise.of(openWork_[k]);
+      const double cost = hostCost(*jobs_[open_[k]], slot.costs, openWork_[k]);
       all += cost;
       if (claimed_[open_[k]].load(std::memory_order_relaxed)) continue;
       left += cost;
-      forDevice += slower * slot.costs.batchPair.of(openWork_[k]);
+      forDevice += slower * deviceCost(*jobs_[open_[k]], slot.costs, openWork_[k]);
     }
     const double done = all - left - takenCost_, elapsed = microseconds(start_);
     double host = (left + hostBusy_) / slot.costs.speedup(pool_.threadCount());
     // By the CPU's own pace, if it has had nothing else to do.
     if (hostBusy_ == 0 && done > 0) host = left * elapsed / done;
-    const double share = shareToTake({host, forDevice, slower * slot.costs.batchLaunch});
+    const double share = shareToTake({host, forDevice, slower * launchCost(slot.costs, open_)});
     Indices taken;
     double cost = 0;
     for (std::size_t k = open_.size(); k-- > 0 && cost < share * left;) {
       if (!claim(open_[k])) continue;
-      cost += slot.costs.hostPairwise.of(openWork_[k]);
+      cost += hostCost(*jobs_[open_[k]], slot.costs, openWork_[k]);
       taken.push_back(open_[k]);
     }
     takenCost_ += cost;

@@ -30,11 +30,26 @@ struct CostModel {
   Cost devicePairwise;     ///< the whole query of one pair
   double batchLaunch = 0;  ///< of a batch of `pairwise` queries, however small
   Cost batchPair;          ///< each pair of a batch that keeps the whole device busy
+  /// The same two for pairs of solids. Zero where they are not known: then solids that may be computed anywhere are the
+  /// CPU's.
+  double solidLaunch = 0;
+  Cost batchSolid;
   /// What `hostThreads` threads do at once, in units of what one does alone: they share memory and clock.
   double hostThreads = 1, hostSpeedup = 1;
   friend bool operator==(const CostModel&, const CostModel&) = default;
 
-  /// The same for any number of threads.
+  bool knowsSolids() const { return batchSolid.fixed + batchSolid.perTriangle > 0; }
+  /// A pair of a batch on the device, and on one thread of the CPU.
+  double deviceCost(bool solid, double work) const {
+    return (solid && knowsSolids() ? batchSolid : batchPair).of(work);
+  }
+  double hostCost(bool solid, double work) const { return (solid ? hostSolid : hostPairwise).of(work); }
+  /// What a batch of pairs of these models takes, however small.
+  double launchCost(bool anyPairwise, bool anySolid) const {
+    return (anyPairwise ? batchLaunch : 0) + (!anySolid ? 0 : knowsSolids() ? solidLaunch : batchLaunch);
+  }
+
+  /// hostSpeedup for any number of threads.
   double speedup(unsigned threads) const;
   /// All numbers are finite, none is negative, no pair is free, and more threads are not slower than one.
   bool isSane() const;

@@ -2,6 +2,7 @@
 // How a batch is dealt out.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -12,7 +13,8 @@ namespace otg {
 /// What is to be divided: pairs in a row, of which the first `bound` have to go to devices and the others may go to the
 /// CPU as well.
 struct Division {
-  std::span<const double> work;  ///< expectedWork of each pair
+  std::span<const double> work;         ///< expectedWork of each pair
+  std::span<const std::uint8_t> solid;  ///< 1 for pairs of solids; empty if there are none
   std::size_t bound = 0;
   double hostBusy = 0;  ///< microseconds that the CPU's threads need for what is theirs anyway
   unsigned threads = 1;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -91,6 +92,11 @@ class BatchAnswer {
   std::map<std::size_t, std::vector<Contact>> apart_;
 };
 
+/// Calls the work for consecutive parts of [0, count), on whatever threads it likes, and returns when all are done, as
+/// ThreadPool::run does; or throws what the work throws.
+using RunParts =
+    std::function<void(std::size_t count, const std::function<void(std::size_t begin, std::size_t end)>& work)>;
+
 /// Any number of threads. Every function gives what the host gives, byte for byte, whatever the device, its scheduling
 /// and the tuning. It returns false when the device failed and the host did all or part of the work (which is logged
 /// once and counted), and throws what the host throws.
@@ -129,10 +135,12 @@ class Backend {
   /// once; pairs of very large meshes by themselves). A query with a SolidHistory must not be there twice. Where all
   /// pairs may have contacts of the model `solid` the device makes those of pairs of solids, as a rule.
   /// With `times` in lanes of its own that take times. With `left` pairs that the device leaves to the host are listed
-  /// there (in any order), and have no contacts yet, instead of being done one after the other.
+  /// there (in any order), and have no contacts yet; else they are done by `onHost`, or, without that, one after the
+  /// other.
   bool collideBatch(std::span<const Query> queries, BatchAnswer& answer, StageTimes* times = nullptr,
                     std::vector<std::size_t>* left = nullptr);
-  bool collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTimes* times = nullptr);
+  bool collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTimes* times = nullptr,
+                    const RunParts& onHost = {});
   /// Whether the two meshes of each query have triangles that intersect: 1 or 0 (0 for a pose that is refused).
   bool intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer, StageTimes* times = nullptr);
   bool intersectBatch(const PairBatch& batch, std::vector<std::uint8_t>& answer, StageTimes* times = nullptr);
@@ -144,7 +152,8 @@ class Backend {
   template <class Source, class Finish>
   class Batch;
   template <class Source>
-  bool collideFrom(const Source& source, BatchAnswer& answer, StageTimes* times, std::vector<std::size_t>* left);
+  bool collideFrom(const Source& source, BatchAnswer& answer, StageTimes* times, std::vector<std::size_t>* left,
+                   const RunParts& onHost);
   template <class Source>
   bool intersectFrom(const Source& source, std::vector<std::uint8_t>& answer, StageTimes* times);
   bool collideIn(bool profile, const Query& query, Workspace& workspace, StageTimes& times);

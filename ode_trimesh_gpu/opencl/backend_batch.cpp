@@ -160,7 +160,7 @@ class PairSource {
 /// One call for many pairs: what is left to the device goes there in pieces. `Finish` says what is made of a pair:
 ///   chunk(begin, count, found)      the flags (and contacts) of a piece, before anything else is said of its pairs
 ///   refuse(i)                       a pose that cannot be worked with
-///   records(i, query, answer, which) the records of a pair that the host has to finish
+///   records(which, answer, query, recordsOf) pairs that the host has to finish: query(i), and places of its records
 ///   alone(i, query, onHost)         the pair is done without the batch; false if the device failed
 template <class Source, class Finish>
 class Backend::Batch {
@@ -346,10 +346,12 @@ class Backend::Batch {
     std::partial_sum(from.begin(), from.end(), from.begin());
     std::vector<std::uint32_t> next(from.begin(), from.end() - 1);
     for (std::uint32_t r = 0; r < answer.count; ++r) records[next[pairOfRecord(answer, r)]++] = r;
-    for (const std::size_t i : which) {
-      const std::size_t k = i - begin;
-      finish_.records(i, source_.query(i), answer, std::span(records).subspan(from[k], from[k + 1] - from[k]));
-    }
+    finish_.records(
+        which, answer, [&](std::size_t i) { return source_.query(i); },
+        [&](std::size_t i) {
+          const std::size_t k = i - begin;
+          return std::span<const std::uint32_t>(records).subspan(from[k], from[k + 1] - from[k]);
+        });
   }
 
   void addTimes(const Profile& profile) {
@@ -392,6 +394,7 @@ struct ContactFinish {
   BatchAnswer& answer;
   Workspace workspace{};
   std::vector<std::size_t>* left = nullptr;  ///< where pairs are listed that are the host's; null: they are done here
+  const RunParts* onHost = nullptr;          ///< by this, if it is there
 
   void chunk(std::size_t begin, std::size_t count, const BatchFound& found) {
     answer.addQueries(count);
@@ -409,13 +412,37 @@ struct ContactFinish {
 
   void refuse(std::size_t i) { answer.refused.push_back(i); }
 
-  void records(std::size_t i, const Query& query, const Answer& found, std::span<const std::uint32_t> which) {
-    const bool pairwise = !mayBeSolid(query);
-    ++answer.leftToHost;
+  template <class QueryOf, class RecordsOf>
+  void records(const std::vector<std::size_t>& which, const Answer& found, const QueryOf& queryOf,
+               const RecordsOf& recordsOf) {
+    answer.leftToHost += which.size();
     if (left) {
-      left->push_back(i);
-      return;
+      left->insert(left->end(), which.begin(), which.end());
+    } else if (onHost && which.size() > 1) {
+      struct Done {
+        std::vector<Contact> contacts;
+        CollideStats stats;
+      };
+      std::vector<Done> done(which.size());
+      (*onHost)(which.size(), [&](std::size_t begin, std::size_t end) {
+        Workspace own;
+        for (std::size_t k = begin; k < end; ++k) {
+          finishPair(queryOf(which[k]), found, recordsOf(which[k]), own);
+          done[k] = {own.reduced, own.stats};
+        }
+      });
+      for (std::size_t k = 0; k < which.size(); ++k) keep(which[k], done[k].stats, done[k].contacts);
+    } else {
+      for (const std::size_t i : which) {
+        finishPair(queryOf(i), found, recordsOf(i), workspace);
+        keep(i, workspace.stats, workspace.reduced);
+      }
     }
+  }
+
+  static void finishPair(const Query& query, const Answer& found, std::span<const std::uint32_t> which,
+                         Workspace& workspace) {
+    const bool pairwise = !mayBeSolid(query);
     workspace.stats = {};
     takeRecords(query, makePairFrame(query), found, which, pairwise, workspace);
     if (pairwise && found.hasContacts()) {
@@ -424,7 +451,6 @@ struct ContactFinish {
       collideIntersecting(query, workspace);
     }
     numberAsCaller(query, workspace);
-    keep(i);
   }
 
   bool alone(std::size_t i, const Query& query, bool onHost) {
@@ -439,13 +465,13 @@ struct ContactFinish {
       --queries;  // counted again there
       good = backend.collide(query, workspace);
     }
-    keep(i);
+    keep(i, workspace.stats, workspace.reduced);
     return good;
   }
 
-  void keep(std::size_t i) {
-    addStats(answer.stats, workspace.stats);
-    if (!workspace.reduced.empty()) answer.add(i, workspace.reduced);
+  void keep(std::size_t i, const CollideStats& stats, const std::vector<Contact>& contacts) {
+    addStats(answer.stats, stats);
+    if (!contacts.empty()) answer.add(i, contacts);
   }
 
   void end() { std::sort(answer.refused.begin(), answer.refused.end()); }
@@ -463,10 +489,16 @@ struct AnyFinish {
     for (std::size_t k = 0; k < count; ++k) answer[begin + k] = (found.flags[k] & OTG_PAIR_INTERSECTS) != 0;
   }
   void refuse(std::size_t) {}
-  void records(std::size_t i, const Query& query, const Answer& found, std::span<const std::uint32_t> which) {
-    const PairFrame frame = makePairFrame(query);
-    answer[i] = std::any_of(which.begin(), which.end(),
-                            [&](std::uint32_t r) { return recordIntersects(query, frame, found, r); });
+  template <class QueryOf, class RecordsOf>
+  void records(const std::vector<std::size_t>& which, const Answer& found, const QueryOf& queryOf,
+               const RecordsOf& recordsOf) {
+    for (const std::size_t i : which) {
+      const Query query = queryOf(i);
+      const PairFrame frame = makePairFrame(query);
+      const std::span<const std::uint32_t> some = recordsOf(i);
+      answer[i] = std::any_of(some.begin(), some.end(),
+                              [&](std::uint32_t r) { return recordIntersects(query, frame, found, r); });
+    }
   }
   bool alone(std::size_t i, const Query& query, bool onHost) {
     bool good = true;
@@ -516,14 +548,15 @@ std::size_t BatchAnswer::contactCount() const {
 }
 
 template <class Source>
-bool Backend::collideFrom(const Source& source, BatchAnswer& answer, StageTimes* times,
-                          std::vector<std::size_t>* left) {
+bool Backend::collideFrom(const Source& source, BatchAnswer& answer, StageTimes* times, std::vector<std::size_t>* left,
+                          const RunParts& onHost) {
   const Stopwatch total(times != nullptr);
   if (times) *times = {};
   state_->queries += source.size();
   answer.clear();
   ContactFinish finish{*this, state_->queries, answer};
   finish.left = left;
+  if (onHost) finish.onHost = &onHost;
   LanePool<BatchLane>& lanes = times ? state_->profiledBatches : state_->batches;
   const BatchWish wish = !state_->reduces()     ? BatchWish::kPairs
                          : source.anyPairwise   ? BatchWish::kContacts
@@ -552,11 +585,11 @@ bool Backend::intersectFrom(const Source& source, std::vector<std::uint8_t>& ans
 
 bool Backend::collideBatch(std::span<const Query> queries, BatchAnswer& answer, StageTimes* times,
                            std::vector<std::size_t>* left) {
-  return collideFrom(QuerySource(queries), answer, times, left);
+  return collideFrom(QuerySource(queries), answer, times, left, {});
 }
 
-bool Backend::collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTimes* times) {
-  return collideFrom(PairSource(batch), answer, times, nullptr);
+bool Backend::collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTimes* times, const RunParts& onHost) {
+  return collideFrom(PairSource(batch), answer, times, nullptr, onHost);
 }
 
 bool Backend::intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer, StageTimes* times) {

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Batches of solids: the device's contacts of the model `solid` are the host's, to the last bit.
+#include <algorithm>
+#include <thread>
+
 #include "opencl/call.h"
 #include "opencl/log.h"
 #include "support/mesh_samples.h"
@@ -156,6 +159,36 @@ TEST_CASE("a batch of solids does not depend on the sizes of lists and work-grou
   backend = openBackend(tuning);
   REQUIRE(backend);
   CHECK(checkBatch(*backend, queries, expected) < queries.size());
+  // Those by threads of the caller's.
+  std::vector<const CollisionMesh*> list;
+  std::vector<opencl::MeshPair> pairs;
+  for (const auto& mesh : meshes) list.push_back(mesh.get());
+  const auto number = [&](const CollisionMesh* mesh) {
+    return static_cast<std::uint32_t>(std::find(list.begin(), list.end(), mesh) - list.begin());
+  };
+  for (const Query& query : queries) pairs.push_back({number(query.a), number(query.b), query.bInA});
+  const opencl::PairBatch batch{list, pairs, queries[0].options};
+  std::size_t parts = 0;
+  opencl::BatchAnswer answer;
+  CHECK(backend->collideBatch(batch, answer, nullptr, [&](std::size_t count, const auto& work) {
+    std::vector<std::thread> threads;
+    for (std::size_t k = 0; k < 3; ++k) {
+      threads.emplace_back([&, k] { work(count * k / 3, count * (k + 1) / 3); });
+    }
+    for (std::thread& thread : threads) thread.join();
+    ++parts;
+  }));
+  CHECK(countWrong(answer, expected) == 0);
+  if (backend->device().doubles) CHECK(parts > 0);
+  // Two sizes of kernels, as devices with little local memory have them.
+  tuning = {};
+  tuning.solidSizes = 2;
+  tuning.solidHits = 32;
+  tuning.solidPoints = 60;
+  tuning.solidFaces = 40;
+  backend = openBackend(tuning);
+  REQUIRE(backend);
+  CHECK(checkBatch(*backend, queries, expected) == queries.size());
   tuning = {};
   tuning.solid = false;
   CHECK(checkBatch(*openBackend(tuning), queries, expected) == 0);

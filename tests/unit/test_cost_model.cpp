@@ -46,6 +46,37 @@ std::vector<double> times(const Division& division, const std::vector<CostModel>
 
 }  // namespace
 
+TEST_CASE("pairs of solids count by costs of their own") {
+  CostModel costs = model(100, 1);
+  costs.hostSolid = {100, 1};
+  costs.batchSolid = {100, 1};
+  std::vector<double> work(900, 0);
+  std::vector<std::uint8_t> solid(900, 1);
+  Division division;
+  division.work = work;
+  division.solid = solid;
+  // As quick here as there.
+  CHECK(divide(division, std::vector<CostModel>{costs})[0] == 450);
+  // The first 600 cost the device next to nothing.
+  std::fill(solid.begin(), solid.begin() + 600, std::uint8_t{0});
+  const std::size_t end = divide(division, std::vector<CostModel>{costs})[0];
+  CHECK(end > 740);
+  CHECK(end < 750);
+  // Not known: as others.
+  costs.batchSolid = {};
+  CHECK_FALSE(costs.knowsSolids());
+  CHECK(divide(division, std::vector<CostModel>{costs})[0] > 880);
+  // Either model has a launch.
+  costs.batchSolid = {1, 0};
+  costs.batchLaunch = 30;
+  costs.solidLaunch = 50;
+  CHECK(costs.launchCost(true, false) == 30);
+  CHECK(costs.launchCost(false, true) == 50);
+  CHECK(costs.launchCost(true, true) == 80);
+  costs.batchSolid = {-1, 0};
+  CHECK_FALSE(costs.isSane());
+}
+
 TEST_CASE("blocks of equal devices have equal cost") {
   Draw draw(1);
   std::vector<double> work(1000);
