@@ -63,8 +63,8 @@ OTG_INLINED void otgEstimate(const otg_solid_work* w) {
     otgStore(p->normal, normal);
     p->limit = limit;
     p->shift = 0.5 * (out - back);
-    s->depth[i] = depth;
-    s->rank[i] = otgRankOfKind_d(kind, out + back);
+    OTG_DEPTH(s)[i] = depth;
+    OTG_RANK(s)[i] = otgRankOfKind_d(kind, out + back);
     s->alive[i] = 1;
   }
   OTG_SYNC_ALL;
@@ -81,14 +81,14 @@ OTG_INLINED otg_vec3_d otgMiddleOf(__global const otg_solid_point* p) {
 OTG_INLINED double otgDeepest(const otg_solid_work* w) {
   double most = 0;
   for (uint i = get_local_id(0); i < w->candidates; i += OTG_GROUP) {
-    if (w->s->alive[i]) most = otgMax_d(w->s->depth[i], most);
+    if (w->s->alive[i]) most = otgMax_d(OTG_DEPTH(w->s)[i], most);
   }
   return otgLargestOf(w->s, most);
 }
 
 OTG_INLINED void otgDropShallow(const otg_solid_work* w, double least) {
   for (uint i = get_local_id(0); i < w->candidates; i += OTG_GROUP) {
-    if (w->s->depth[i] < otgLeastOfKind_d((int)otgPointOf(w, i)->kind, least)) w->s->alive[i] = 0;
+    if (OTG_DEPTH(w->s)[i] < otgLeastOfKind_d((int)otgPointOf(w, i)->kind, least)) w->s->alive[i] = 0;
   }
   OTG_SYNC;
 }
@@ -109,20 +109,20 @@ OTG_INLINED void otgFilterAndMerge(const otg_solid_work* w) {
   otgDropShallow(w, 0.5 * otgDeepest(w));  // half the fractions: estimates err
   double highest = 0;
   for (uint i = lane; i < w->candidates; i += OTG_GROUP) {
-    if (s->alive[i]) highest = otgMax_d(s->rank[i], highest);
+    if (s->alive[i]) highest = otgMax_d(OTG_RANK(s)[i], highest);
   }
   highest = otgLargestOf(s, highest);
   if (lane == 0) s->highest = highest;
   // The features by which ties are settled lie where spread comes later.
-  __local ulong* orders = (__local ulong*)s->spread;
+  __local ulong* orders = (__local ulong*)OTG_SPREAD(s);
   for (uint i = lane; i < w->candidates; i += OTG_GROUP) {
-    s->step[i] = s->alive[i] ? otgRankStep_d(s->rank[i], highest) : INT_MAX;
+    s->step[i] = s->alive[i] ? otgRankStep_d(OTG_RANK(s)[i], highest) : INT_MAX;
     if (!s->alive[i]) continue;
     orders[i] = otgPointOf(w, i)->order;
     const otg_vec3_d middle = otgMiddleOf(otgPointOf(w, i));
-    s->x[i] = middle.x;  // in place of the points, which are not asked for any more
-    s->y[i] = middle.y;
-    s->z[i] = middle.z;
+    OTG_X(s)[i] = middle.x;  // in place of the points, which are not asked for any more
+    OTG_Y(s)[i] = middle.y;
+    OTG_Z(s)[i] = middle.z;
   }
   OTG_SYNC;
   for (uint base = 0; base < w->candidates; base += OTG_GROUP) {
@@ -145,7 +145,7 @@ OTG_INLINED void otgFilterAndMerge(const otg_solid_work* w) {
   // it.
   if (lane == 0 && !s->isFlat && count > 0) {
     uint first = 0;
-    while (first < count && !(s->rank[s->order[first]] >= highest)) ++first;
+    while (first < count && !(OTG_RANK(s)[s->order[first]] >= highest)) ++first;
     otgBringToFront(s, first);
   }
   OTG_SYNC;
@@ -153,12 +153,12 @@ OTG_INLINED void otgFilterAndMerge(const otg_solid_work* w) {
   for (uint k = 0; k < count; ++k) {
     const uint kept = s->order[k];
     if (s->alive[kept]) {
-      const otg_vec3_d middle = otgVec_d(s->x[kept], s->y[kept], s->z[kept]);
+      const otg_vec3_d middle = otgVec_d(OTG_X(s)[kept], OTG_Y(s)[kept], OTG_Z(s)[kept]);
       const otg_vec3_d normal = otgLoad(otgPointOf(w, kept)->normal);
       for (uint j = k + 1 + lane; j < count; j += OTG_GROUP) {
         const uint i = s->order[j];
         if (!s->alive[i]) continue;
-        const otg_vec3_d d = otgSub_d(otgVec_d(s->x[i], s->y[i], s->z[i]), middle);
+        const otg_vec3_d d = otgSub_d(otgVec_d(OTG_X(s)[i], OTG_Y(s)[i], OTG_Z(s)[i]), middle);
         if (otgDot_d(d, d) <= reach * reach &&
             otgDot_d(otgLoad(otgPointOf(w, i)->normal), normal) >= OTG_SOLID_MERGE_COSINE) {
           s->alive[i] = 0;
@@ -185,8 +185,8 @@ OTG_INLINED void otgSpreadCandidates(const otg_solid_work* w, uint places) {
   double deepest = 0;
   for (uint j = lane; j < all; j += OTG_GROUP) {
     const uint c = s->order[j];
-    deepest = otgMax_d(s->depth[c], deepest);
-    s->spread[c] = INFINITY;
+    deepest = otgMax_d(OTG_DEPTH(s)[c], deepest);
+    OTG_SPREAD(s)[c] = INFINITY;
     s->alive[c] = j > 0;  // not taken
   }
   deepest = otgLargestOf(s, deepest);
@@ -201,19 +201,19 @@ OTG_INLINED void otgSpreadCandidates(const otg_solid_work* w, uint places) {
       if (s->alive[c]) {
         __global const otg_solid_point* p = otgPointOf(w, c);
         const double apart = otgApart_d(otgLoad(p->at), otgLoad(p->normal), at, normal, scale);
-        s->spread[c] = otgMin_d(apart, s->spread[c]);
-        worth = otgWorth_d(s->spread[c], s->depth[c], deepest);
+        OTG_SPREAD(s)[c] = otgMin_d(apart, OTG_SPREAD(s)[c]);
+        worth = otgWorth_d(OTG_SPREAD(s)[c], OTG_DEPTH(s)[c], deepest);
       }
-      s->rank[j] = worth;
+      OTG_RANK(s)[j] = worth;
     }
     OTG_SYNC;
     if (lane == 0) {
       uint best = 0;
       double more = -1;
-      while (best + 1 < all && !(s->rank[best] >= 0)) ++best;
-      more = OTG_SOLID_FARTHER * s->rank[best];
+      while (best + 1 < all && !(OTG_RANK(s)[best] >= 0)) ++best;
+      more = OTG_SOLID_FARTHER * OTG_RANK(s)[best];
       for (uint j = best + 1; j < all; ++j) {
-        const double worth = s->rank[j];
+        const double worth = OTG_RANK(s)[j];
         if (worth > more) {
           best = j;
           more = OTG_SOLID_FARTHER * worth;
@@ -255,7 +255,7 @@ OTG_INLINED double otgTakeDepth(const otg_solid_work* w, uint k) {
   const uint c = s->order[k];
   double out = s->ways[2 * k], back = s->ways[2 * k + 1];
   const double depth = otgClampWays(otgPointOf(w, c)->limit, &out, &back);
-  s->depth[c] = depth;
+  OTG_DEPTH(s)[c] = depth;
   otgPointOf(w, c)->shift = 0.5 * (out - back);
   return depth;
 }
@@ -276,7 +276,7 @@ OTG_INLINED void otgMeasureGathered(const otg_solid_work* w, uint places, __glob
       double most = 0;
       for (uint k = 0; k < all; ++k) {
         __global const otg_solid_point* p = otgPointOf(w, s->order[k]);
-        if (p->mesh != mesh || s->rank[s->order[k]] < enough) continue;
+        if (p->mesh != mesh || OTG_RANK(s)[s->order[k]] < enough) continue;
         const double hint = otgDepthHint(w, mesh, otgLoad(p->at));
         if (best[mesh] != OTG_NOT_THERE && !(hint > most)) continue;
         best[mesh] = k;
@@ -325,7 +325,7 @@ OTG_INLINED void otgMeasureGathered(const otg_solid_work* w, uint places, __glob
   if (lane == 0) {
     uint deep = 0;
     for (uint k = 1; k < count; ++k) {
-      if (s->depth[s->order[deep]] < s->depth[s->order[k]]) deep = k;
+      if (OTG_DEPTH(s)[s->order[deep]] < OTG_DEPTH(s)[s->order[k]]) deep = k;
     }
     otgBringToFront(s, deep);
   }
@@ -344,7 +344,7 @@ OTG_INLINED void otgMeasure(const otg_solid_work* w, __global const float4* mesh
     int agree = 0, disagree = 0;
     for (uint k = 0; k < count && !w->isGathered; ++k) {
       if (agree >= 2 && !disagree) break;
-      const double estimate = s->depth[s->order[k]], depth = otgTakeDepth(w, k);
+      const double estimate = OTG_DEPTH(s)[s->order[k]], depth = otgTakeDepth(w, k);
       if (fabs(estimate - depth) <= OTG_SOLID_AGREES * (estimate < depth ? depth : estimate)) {
         ++agree;
       } else {
@@ -352,11 +352,11 @@ OTG_INLINED void otgMeasure(const otg_solid_work* w, __global const float4* mesh
       }
     }
     double deepest = 0;
-    for (uint k = 0; k < count; ++k) deepest = otgMax_d(s->depth[s->order[k]], deepest);
+    for (uint k = 0; k < count; ++k) deepest = otgMax_d(OTG_DEPTH(s)[s->order[k]], deepest);
     uint kept = 0;
     for (uint k = 0; k < count; ++k) {
       const uint c = s->order[k];
-      if (!(s->depth[c] < otgLeastOfKind_d((int)otgPointOf(w, c)->kind, deepest))) s->order[kept++] = (ushort)c;
+      if (!(OTG_DEPTH(s)[c] < otgLeastOfKind_d((int)otgPointOf(w, c)->kind, deepest))) s->order[kept++] = (ushort)c;
     }
     s->count = kept;
   }
@@ -404,13 +404,14 @@ OTG_INLINED void otgEmit(const otg_solid_work* w, uint number, __global otg_chos
     uint place = 0;
     for (uint j = 0; j < count; ++j) {
       const uint c = s->order[j];
-      place += s->depth[c] > s->depth[i] || (s->depth[c] == s->depth[i] && otgPointOf(w, c)->order < p->order);
+      place += OTG_DEPTH(s)[c] > OTG_DEPTH(s)[i] ||
+               (OTG_DEPTH(s)[c] == OTG_DEPTH(s)[i] && otgPointOf(w, c)->order < p->order);
     }
     const otg_vec3_d normal = otgLoad(p->normal), probe = otgLoad(p->probe);
     __global otg_chosen_contact* c = out + place;
     otgStore(c->position, otgAdd_d(otgMiddleOf(p), origin));
     otgStore(c->normal, normal);
-    c->depth = s->depth[i];
+    c->depth = OTG_DEPTH(s)[i];
     c->triangleA = p->triangleA != OTG_NOT_THERE ? p->triangleA : otgFacing(w, 0, probe, normal);
     c->triangleB = p->triangleB != OTG_NOT_THERE ? p->triangleB : otgFacing(w, 1, probe, normal);
     c->region = number;

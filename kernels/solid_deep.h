@@ -5,12 +5,6 @@
 #define OTG_SOLID_DEEP_H
 #include "solid_thin.h"
 
-/// Main directions, seven numbers a cluster (first normal, sum, area), and directions that are compared, with the
-/// region's extents along them.
-#define OTG_CLUSTER(s, c) ((s)->clusters + 7 * (c))
-#define OTG_DEEP_DIRECTION(s, k) ((s)->directions + 3 * (k))
-#define OTG_DEEP_EXTENT(s, k) (s)->extents[k]
-
 /// The two faces of the edge that a point is the middle of: outward normals.
 OTG_INLINED void otgFacesAt(const otg_solid_mesh* m, uint edge, otg_vec3_d* n0, otg_vec3_d* n1) {
   const uint halfEdge = m->edges[edge].z;

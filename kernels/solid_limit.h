@@ -53,7 +53,7 @@ OTG_INLINED uint otgLimitContacts(__local otg_solid_choice* s, __global const ot
   for (uint i = lane; i < count; i += OTG_GROUP) {
     uint place = 0;
     for (uint j = 0; j < count; ++j) place += otgDeeper(found + j, found + i);
-    s->sorted[place] = (ushort)i;
+    OTG_SORTED(s)[place] = (ushort)i;
   }
   if (lane == 0) {
     for (int k = 0; k < 3; ++k) {
@@ -73,38 +73,38 @@ OTG_INLINED uint otgLimitContacts(__local otg_solid_choice* s, __global const ot
   }
   OTG_SYNC;
   for (uint i = lane; i < count; i += OTG_GROUP) {
-    __global const otg_chosen_contact* c = found + s->sorted[i];
+    __global const otg_chosen_contact* c = found + OTG_SORTED(s)[i];
     float low[3], high[3];
     int spot[6];
     for (int k = 0; k < 3; ++k) {
       low[k] = otgFromOrderedBits(s->low[k]);
       high[k] = otgFromOrderedBits(s->high[k]);
     }
-    s->nearest[i] = some > 0 ? 0xfffffffeu : OTG_SPOT_TAKEN;
+    OTG_NEAREST(s)[i] = some > 0 ? 0xfffffffeu : OTG_SPOT_TAKEN;
     if (some == 0) continue;
     otgSpreadPoint_d(otgLoad(c->position), otgLoad(c->normal), low, high, spot);
-    s->spot[i] =
-        (uint2)((uint)(spot[0] | spot[1] << 10 | spot[2] << 20), (uint)(spot[3] | spot[4] << 10 | spot[5] << 20));
+    OTG_SPOT(s)
+    [i] = (uint2)((uint)(spot[0] | spot[1] << 10 | spot[2] << 20), (uint)(spot[3] | spot[4] << 10 | spot[5] << 20));
   }
   OTG_SYNC;
   if (lane == 0) {  // the deepest of each region
     for (uint i = 0; i < some && s->seeds < places; ++i) {
-      const uint bit = 1u << found[s->sorted[i]].region;
+      const uint bit = 1u << found[OTG_SORTED(s)[i]].region;
       if (s->seen & bit) continue;
       s->seen |= bit;
-      s->nearest[i] = OTG_SPOT_TAKEN;
+      OTG_NEAREST(s)[i] = OTG_SPOT_TAKEN;
       ++s->seeds;
     }
   }
   OTG_SYNC;
   const uint seeds = s->seeds;
   for (uint i = lane; i < some; i += OTG_GROUP) {
-    if (s->nearest[i] == OTG_SPOT_TAKEN) continue;
+    if (OTG_NEAREST(s)[i] == OTG_SPOT_TAKEN) continue;
     uint nearest = 0xfffffffeu;
     for (uint j = 0; j < some; ++j) {
-      if (s->nearest[j] == OTG_SPOT_TAKEN) nearest = min(nearest, otgSpotDistance(s->spot[i], s->spot[j]));
+      if (OTG_NEAREST(s)[j] == OTG_SPOT_TAKEN) nearest = min(nearest, otgSpotDistance(OTG_SPOT(s)[i], OTG_SPOT(s)[j]));
     }
-    s->nearest[i] = nearest;
+    OTG_NEAREST(s)[i] = nearest;
   }
   OTG_SYNC;
   const uint rounds = some > 0 ? places - seeds : 0;
@@ -112,23 +112,25 @@ OTG_INLINED uint otgLimitContacts(__local otg_solid_choice* s, __global const ot
     if (lane == 0) {
       uint best = OTG_NOT_THERE;
       for (uint i = 0; i < some; ++i) {
-        if (s->nearest[i] != OTG_SPOT_TAKEN && (best == OTG_NOT_THERE || s->nearest[i] > s->nearest[best])) best = i;
+        if (OTG_NEAREST(s)[i] != OTG_SPOT_TAKEN && (best == OTG_NOT_THERE || OTG_NEAREST(s)[i] > OTG_NEAREST(s)[best]))
+          best = i;
       }
-      s->nearest[best] = OTG_SPOT_TAKEN;
+      OTG_NEAREST(s)[best] = OTG_SPOT_TAKEN;
       s->seeds = best;
     }
     OTG_SYNC;
-    const uint2 taken = s->spot[s->seeds];
+    const uint2 taken = OTG_SPOT(s)[s->seeds];
     for (uint i = lane; i < some; i += OTG_GROUP) {
-      if (s->nearest[i] != OTG_SPOT_TAKEN) s->nearest[i] = min(s->nearest[i], otgSpotDistance(s->spot[i], taken));
+      if (OTG_NEAREST(s)[i] != OTG_SPOT_TAKEN)
+        OTG_NEAREST(s)[i] = min(OTG_NEAREST(s)[i], otgSpotDistance(OTG_SPOT(s)[i], taken));
     }
     OTG_SYNC;
   }
   for (uint i = lane; i < count; i += OTG_GROUP) {
-    if (s->nearest[i] != OTG_SPOT_TAKEN) continue;
+    if (OTG_NEAREST(s)[i] != OTG_SPOT_TAKEN) continue;
     uint place = 0;
-    for (uint j = 0; j < i; ++j) place += s->nearest[j] == OTG_SPOT_TAKEN;
-    otg_chosen_contact c = found[s->sorted[i]];
+    for (uint j = 0; j < i; ++j) place += OTG_NEAREST(s)[j] == OTG_SPOT_TAKEN;
+    otg_chosen_contact c = found[OTG_SORTED(s)[i]];
     c.triangleA = as_uint(meshes[placeA->rings + c.triangleA].w);
     c.triangleB = as_uint(meshes[placeB->rings + c.triangleB].w);
     out[place] = c;

@@ -19,19 +19,39 @@
 #define OTG_SOLID_MEASURED OTG_SOLID_CONTACTS
 #endif
 
+// The same memory for what is never needed at the same time. By candidate: depth, rank, distance from those chosen,
+// place.
+#define OTG_DEPTH(s) ((s)->numbers)
+#define OTG_RANK(s) ((s)->numbers + OTG_SOLID_POINTS)
+#define OTG_SPREAD(s) ((s)->numbers + 2 * OTG_SOLID_POINTS)
+#define OTG_X(s) ((s)->numbers + 3 * OTG_SOLID_POINTS)
+#define OTG_Y(s) ((s)->numbers + 4 * OTG_SOLID_POINTS)
+#define OTG_Z(s) ((s)->numbers + 5 * OTG_SOLID_POINTS)
+// Main directions, seven numbers a cluster (first normal, sum, area), and directions that are compared, with the
+// region's extents along them. In place of depth, rank and distance.
+#define OTG_CLUSTER(s, c) ((s)->numbers + 7 * (c))
+#define OTG_DEEP_DIRECTION(s, k) ((s)->numbers + 7 * OTG_SOLID_FACE_CLUSTERS + 3 * (k))
+#define OTG_DEEP_EXTENT(s, k) (s)->numbers[7 * OTG_SOLID_FACE_CLUSTERS + 3 * OTG_SOLID_DIRECTIONS + (k)]
+#if 3 * OTG_SOLID_POINTS < 7 * OTG_SOLID_FACE_CLUSTERS + 4 * OTG_SOLID_DIRECTIONS
+#error "OTG_SOLID_POINTS is too small"
+#endif
+// By point, while they are thinned: how deep, and cell. In place of the same three.
+#define OTG_HINTS(s) ((s)->numbers)
+#define OTG_KEYS(s) ((__local uint*)((s)->numbers + 2 * OTG_SOLID_POINTS))
+// Of the pair, by contact: as in contact_choose.h. In place of all six.
+#define OTG_SPOT(s) ((__local uint2*)(s)->numbers)
+#define OTG_NEAREST(s) ((__local uint*)(OTG_SPOT(s) + OTG_SOLID_MOST_CONTACTS))
+#define OTG_SORTED(s) ((__local ushort*)(OTG_NEAREST(s) + OTG_SOLID_MOST_CONTACTS))
+
 /// What a work-group knows of the region that it works on, in local memory.
 typedef struct {
+  double numbers[6 * OTG_SOLID_POINTS];  ///< see OTG_DEPTH and what follows it
   // By candidate: a point, or one of the points that are left.
-  double depth[OTG_SOLID_POINTS], rank[OTG_SOLID_POINTS], spread[OTG_SOLID_POINTS];
-  double x[OTG_SOLID_POINTS], y[OTG_SOLID_POINTS], z[OTG_SOLID_POINTS];  ///< where it is
   int step[OTG_SOLID_POINTS];
   uchar alive[OTG_SOLID_POINTS];
   ushort order[OTG_SOLID_POINTS];  ///< candidates as they are ranked
 #if OTG_SOLID_LARGE
   ushort pick[OTG_SOLID_POINTS];  ///< their points
-  // By point.
-  double hints[2 * OTG_SOLID_POINTS];
-  uint keys[2 * OTG_SOLID_POINTS];
 #else
   otg_solid_face face[OTG_SOLID_FACES];  ///< A's, then B's, in the order of the lists
 #endif
@@ -39,7 +59,6 @@ typedef struct {
   uint listed[2], planes[2], deep[2], listedFaces;
   ushort picked[OTG_SOLID_MEASURED];
   double ways[2 * OTG_SOLID_MEASURED];  ///< out of B and back out of A, by place in the order
-  double clusters[7 * OTG_SOLID_FACE_CLUSTERS], directions[3 * OTG_SOLID_DIRECTIONS], extents[OTG_SOLID_DIRECTIONS];
   double reduce[OTG_GROUP], sums[8];
   uint counts[OTG_GROUP] __attribute__((aligned(16)));
   double weighted[3], shareOfB, highest;
@@ -47,10 +66,6 @@ typedef struct {
   double places[6];  ///< where the two edges come nearest to each other, across which the normal points
   uint pairs, pairOf[OTG_SOLID_MOST_STRETCHES * OTG_SOLID_MOST_STRETCHES], across;
   uint isFlat, corners, bad, count, contacts, allocated;
-  // Of the pair.
-  uint2 spot[OTG_SOLID_MOST_CONTACTS];  ///< as in contact_choose.h
-  uint nearest[OTG_SOLID_MOST_CONTACTS];
-  ushort sorted[OTG_SOLID_MOST_CONTACTS];
   uint low[3], high[3], seeds, seen;
 } otg_solid_choice;
 
@@ -143,7 +158,7 @@ OTG_INLINED double otgExtentAlong(const otg_solid_work* w, otg_vec3_d d) {
 #if OTG_SOLID_LARGE
     const double at = otgDot_d(otgLoad(w->points[i].position), d);
 #else
-    const double at = otgDot_d(otgVec_d(w->s->x[i], w->s->y[i], w->s->z[i]), d);
+    const double at = otgDot_d(otgVec_d(OTG_X(w->s)[i], OTG_Y(w->s)[i], OTG_Z(w->s)[i]), d);
 #endif
     lo = otgMin_d(at, lo);
     hi = otgMax_d(at, hi);
@@ -239,9 +254,9 @@ OTG_INLINED void otgListPieces(otg_solid_work* w) {
   w->isGathered = 0;
 #if !OTG_SOLID_LARGE
   for (uint i = lane; i < w->pointCount; i += OTG_GROUP) {
-    s->x[i] = w->points[i].position[0];
-    s->y[i] = w->points[i].position[1];
-    s->z[i] = w->points[i].position[2];
+    OTG_X(s)[i] = w->points[i].position[0];
+    OTG_Y(s)[i] = w->points[i].position[1];
+    OTG_Z(s)[i] = w->points[i].position[2];
   }
 #endif
   OTG_SYNC_ALL;
@@ -273,7 +288,7 @@ OTG_INLINED void otgWeighPieces(const otg_solid_work* w) {
     face->weighted[1] = p->vector[1] * weight;
     face->weighted[2] = p->vector[2] * weight;
     face->weightedArea = weight * p->area;
-    s->spread[k] = weight;
+    OTG_SPREAD(s)[k] = weight;
   }
   OTG_SYNC_ALL;
   for (uint k = lane; k < 8; k += OTG_GROUP) {
@@ -292,7 +307,7 @@ OTG_INLINED void otgWeighPieces(const otg_solid_work* w) {
     const uint mesh = k >= s->listed[0];
     __global const otg_solid_piece* p = w->pieces + (mesh ? s->list[1][k - s->listed[0]] : s->list[0][k]);
     // A large part counts no more than one of the size of the reach.
-    const double weight = s->spread[k] * (p->area > cap ? cap / p->area : 1.0);
+    const double weight = OTG_SPREAD(s)[k] * (p->area > cap ? cap / p->area : 1.0);
     const otg_vec3_d weighted = otgScale_d(otgLoad(p->vector), mesh == 0 ? -weight : weight);
     face->weighted[0] = weighted.x;
     face->weighted[1] = weighted.y;

@@ -97,8 +97,8 @@ OTG_INLINED double otgDepthHint(const otg_solid_work* w, uint mesh, otg_vec3_d p
 /// it.
 OTG_INLINED void otgThinPoints(otg_solid_work* w) {
   __local otg_solid_choice* s = w->s;
-  __local double* hints = s->hints;
-  __local uint* keys = s->keys;
+  __local double* hints = OTG_HINTS(s);
+  __local uint* keys = OTG_KEYS(s);
   const uint lane = get_local_id(0), count = w->pointCount;
   uint candidates = 0, total;
   const int thins = count > OTG_SOLID_MOST_POINTS;

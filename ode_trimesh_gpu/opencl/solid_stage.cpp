@@ -50,8 +50,8 @@ SolidStage::SolidStage(Context& context, const Tuning& tuning)
   if (sizes > 1) {
     sizes_.push_back({small,
                       hitsFor(context, small, tuning.solidHits),
-                      std::clamp(tuning.solidPoints, 40u, kMostCandidates),
-                      std::clamp(tuning.solidFaces, 16u, std::min(kMostPieces, tuning.solidPoints)),
+                      std::clamp(tuning.solidPoints, 96u, kMostCandidates),
+                      std::clamp(tuning.solidFaces, 16u, std::min(kMostPieces, std::max(tuning.solidPoints, 96u))),
                       OTG_SOLID_LARGE_BINS,
                       OTG_SOLID_BINS,
                       0,

@@ -184,7 +184,7 @@ TEST_CASE("a batch of solids does not depend on the sizes of lists and work-grou
   tuning = {};
   tuning.solidSizes = 2;
   tuning.solidHits = 32;
-  tuning.solidPoints = 60;
+  tuning.solidPoints = 96;
   tuning.solidFaces = 40;
   backend = openBackend(tuning);
   REQUIRE(backend);
