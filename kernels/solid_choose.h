@@ -137,7 +137,7 @@ OTG_INLINED void otgFilterAndMerge(const otg_solid_work* w) {
       }
       s->order[place] = (ushort)i;
     }
-    otgPlaceAmong(s->counts, isAlive, &total);
+    otgPlaceAmong(OTG_COUNTS(s), isAlive, &total);
     count += total;
   }
   OTG_SYNC;

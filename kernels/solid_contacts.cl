@@ -56,9 +56,19 @@ OTG_INLINED void otgContactsOf(uint number, __local otg_solid_choice* s, __globa
     w.isFixed = 0;
     const int counts = !(w.diagonal < OTG_SOLID_LEAST_DIAGONAL * size || areas < OTG_SOLID_LEAST_AREA * size * size);
 #if OTG_SOLID_LARGE
-    const int tooMany = w.region->pointCount > 2 * OTG_SOLID_POINTS || w.region->pieceCount > OTG_SOLID_FACES ||
-                        w.region->faces == OTG_NOT_THERE;
-    w.faces = (__global otg_solid_face*)(arena + (size_t)(tooMany ? 0 : w.region->faces) * OTG_ARENA_UNIT);
+    // Room for its planes, in three ways.
+    if (lane == 0) {
+      const uint units =
+          (3 * w.region->pieceCount * (uint)sizeof(otg_solid_face) + OTG_ARENA_UNIT - 1) / OTG_ARENA_UNIT;
+      s->allocated = atomic_add(counters + OTG_COUNT_ARENA, units);
+      if (!(s->allocated <= arenaUnits && arenaUnits - s->allocated >= units)) s->allocated = OTG_NOT_THERE;
+    }
+    OTG_SYNC;
+    const uint place = s->allocated;
+    OTG_SYNC;
+    const int tooMany =
+        w.region->pointCount > 2 * OTG_SOLID_POINTS || w.region->pieceCount > OTG_SOLID_FACES || place == OTG_NOT_THERE;
+    w.faces = (__global otg_solid_face*)(arena + (size_t)(tooMany ? 0 : place) * OTG_ARENA_UNIT);
 #else
     const int tooMany = w.region->pointCount > OTG_SOLID_POINTS || w.region->pieceCount > OTG_SOLID_FACES;
     w.faces = s->face;

@@ -165,9 +165,9 @@ OTG_INLINED void otgTraceContour(__local otg_solid_scratch* s, uint hits, const 
     uint owned = 0;
     OTG_SYNC;
     if (isChord) owned = (s->how[2 * i] >> 2 & 1) + (s->how[2 * i + 1] >> 2 & 1);
-    const uint place = running + otgPlaceAmong(s->counts, owned, &total);
+    const uint place = running + otgPlaceAmong(OTG_COUNTS(s), owned, &total);
     running += total;
-    const uint chord = chords + otgPlaceAmong(s->counts, isChord, &total);
+    const uint chord = chords + otgPlaceAmong(OTG_COUNTS(s), isChord, &total);
     chords += total;
     if (i < hits) s->place[i] = (ushort)place;
     if (isChord) s->hit[chord] = (ushort)i;

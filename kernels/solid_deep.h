@@ -63,7 +63,7 @@ OTG_INLINED void otgFindEdgePairs(const otg_solid_work* w, const otg_solid_mesh*
     const int isSharp = i < points && w->points[i].kind >= OTG_POINT_MIDDLE && w->points[i].sharp;
     const uint mesh = isSharp ? w->points[i].mesh : 2;
     for (uint m = 0; m < 2; ++m) {
-      const uint place = running[m] + otgPlaceAmong(s->counts, mesh == m, &total);
+      const uint place = running[m] + otgPlaceAmong(OTG_COUNTS(s), mesh == m, &total);
       if (mesh == m && place < OTG_SOLID_MOST_STRETCHES) s->sharp[m][place] = i;
       running[m] += total;
     }

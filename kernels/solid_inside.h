@@ -132,7 +132,7 @@ OTG_INLINED void otgUniteRegions(__local otg_solid_scratch* s, const otg_solid_m
   for (uint base = 0; base < crossings; base += OTG_GROUP) {
     const uint c = base + lane;
     const int isRoot = c < crossings && otgRootOf(s, c) == c;
-    const uint number = regions + otgPlaceAmong(s->counts, isRoot, &total);
+    const uint number = regions + otgPlaceAmong(OTG_COUNTS(s), isRoot, &total);
     if (isRoot) s->region[c] = (ushort)number;
     regions += total;
   }

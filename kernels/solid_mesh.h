@@ -142,6 +142,8 @@ OTG_INLINED void otgList(__global uint* counters, __global uint* lists, uint pai
   lists[((size_t)stage * OTG_SOLID_BINS + bin) * pairs + place] = pair;
 }
 
+#define OTG_COUNTS(s) ((__local uint*)(s)->counts)
+
 /// How many of the lanes' counts come before this lane's; `total` is their sum. `counts` lies at a multiple of 16
 /// bytes. All lanes call it.
 OTG_INLINED uint otgPlaceAmong(__local uint* counts, uint count, uint* total) {

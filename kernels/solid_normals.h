@@ -60,7 +60,7 @@ typedef struct {
   ushort picked[OTG_SOLID_MEASURED];
   double ways[2 * OTG_SOLID_MEASURED];  ///< out of B and back out of A, by place in the order
   double reduce[OTG_GROUP], sums[8];
-  uint counts[OTG_GROUP] __attribute__((aligned(16)));
+  uint4 counts[(OTG_GROUP + 3) / 4];  ///< a word for each lane: OTG_COUNTS
   double weighted[3], shareOfB, highest;
   uint sharp[2][OTG_SOLID_MOST_STRETCHES], sharpCount[2];  ///< middles of sharp convex edges, ascending
   double places[6];  ///< where the two edges come nearest to each other, across which the normal points
@@ -219,7 +219,7 @@ OTG_INLINED void otgListPieces(otg_solid_work* w) {
     const int isThere = i < w->pieceCount;
     const uint mesh = isThere ? w->pieces[i].mesh : 2;
     for (uint m = 0; m < 2; ++m) {
-      const uint place = running[m] + otgPlaceAmong(s->counts, mesh == m, &total);
+      const uint place = running[m] + otgPlaceAmong(OTG_COUNTS(s), mesh == m, &total);
       if (mesh == m) s->list[m][place] = (ushort)i;
       running[m] += total;
     }

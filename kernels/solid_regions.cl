@@ -79,7 +79,7 @@ OTG_INLINED uint otgTakeArena(__local otg_solid_scratch* s, uint units, __global
 OTG_INLINED void otgAddInOrder(__local otg_solid_scratch* s, uint what, otg_vec3_d vector, double area, double moment) {
   const uint lane = get_local_id(0);
   OTG_SYNC;
-  s->counts[lane] = what;
+  OTG_COUNTS(s)[lane] = what;
   s->reduce[lane] = vector.x;
   s->reduce[OTG_GROUP + lane] = vector.y;
   s->reduce[2 * OTG_GROUP + lane] = vector.z;
@@ -91,7 +91,7 @@ OTG_INLINED void otgAddInOrder(__local otg_solid_scratch* s, uint what, otg_vec3
     const uint wanted = k < 3 ? 1 : k < 6 ? 2 : k < 8 ? k - 5 : 0;
     double sum = s->sums[k];
     for (uint l = 0; l < OTG_GROUP; ++l) {
-      const uint there = s->counts[l];
+      const uint there = OTG_COUNTS(s)[l];
       const double more = sum + terms[l];
       sum = there != 0 && (wanted == 0 || there == wanted) ? more : sum;
     }
@@ -126,9 +126,9 @@ OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __gl
     ++mostPoints;
   }
   for (uint c = lane; c < crossings; c += OTG_GROUP) mostPoints += 3;
-  otgPlaceAmong(s->counts, most, &total);
+  otgPlaceAmong(OTG_COUNTS(s), most, &total);
   const uint pieceUnits = total * (sizeof(otg_solid_piece) / OTG_ARENA_UNIT);
-  otgPlaceAmong(s->counts, mostPoints, &total);
+  otgPlaceAmong(OTG_COUNTS(s), mostPoints, &total);
   const uint pointUnits = total * (sizeof(otg_solid_point) / OTG_ARENA_UNIT);
   const uint headUnits = works ? sizeof(otg_solid_region) / OTG_ARENA_UNIT : 0;
   const uint begin = otgTakeArena(s, headUnits + pieceUnits + pointUnits, counters, arenaUnits);
@@ -150,7 +150,7 @@ OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __gl
       area = otgClip(pair, m, triangle, region, &loop, &normal);
     }
     const int isPiece = area > 0;  // else nothing, or a sliver turned over
-    const uint place = pieces + otgPlaceAmong(s->counts, isPiece, &total);
+    const uint place = pieces + otgPlaceAmong(OTG_COUNTS(s), isPiece, &total);
     pieces += total;
     if (isPiece && room) {
       otgWritePiece(pieceList + place, mesh, triangle, normal, area, otgDot_d(normal, loop.corner), loop.lo, loop.hi);
@@ -164,10 +164,10 @@ OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __gl
     const ulong interior = isMine ? otgInteriorAt(pair, s->inside[i]) : 0;
     uint count = 0;
     for (ulong rest = interior; rest != 0; rest &= rest - 1) ++count;
-    const uint place = pieces + otgPlaceAmong(s->counts, count, &total);
+    const uint place = pieces + otgPlaceAmong(OTG_COUNTS(s), count, &total);
     pieces += total;
     if (count > 0 && room) otgWriteInterior(pair, s->inside[i], interior, pieceList + place);
-    const uint point = points + otgPlaceAmong(s->counts, isMine, &total);
+    const uint point = points + otgPlaceAmong(OTG_COUNTS(s), isMine, &total);
     points += total;
     if (isMine && room) otgWriteVertexPoint(pair, s->inside[i], pointList + point);
   }
@@ -175,13 +175,13 @@ OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __gl
   for (uint base = 0; base < crossings; base += OTG_GROUP) {
     const uint i = base + lane;
     const uint count = i < crossings ? otgStretchPoints(pair, s->order[i], region, 0) : 0;
-    const uint place = points + otgPlaceAmong(s->counts, count, &total);
+    const uint place = points + otgPlaceAmong(OTG_COUNTS(s), count, &total);
     points += total;
     if (count > 0 && room) otgStretchPoints(pair, s->order[i], region, pointList + place);
   }
   for (uint base = 0; base < chords; base += OTG_GROUP) {
     const uint c = base + lane;
-    otgPlaceAmong(s->counts, c < chords && otgRegionOf(pair, s->start[c]) == region, &total);
+    otgPlaceAmong(OTG_COUNTS(s), c < chords && otgRegionOf(pair, s->start[c]) == region, &total);
     load += total;
   }
   OTG_SYNC_ALL;
@@ -221,8 +221,7 @@ OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __gl
                   isPiece ? p->offset * p->area : 0);
   }
   const int isLarge = points > limits.points || pieces > limits.faces;
-  const uint faces = otgTakeArena(s, isLarge ? 3 * pieces * (sizeof(otg_solid_piece) / OTG_ARENA_UNIT) : 0, counters,
-                                  arenaUnits);  // a piece is not smaller than a face
+  OTG_SYNC;
   if (lane == 0 && room) {
     lo = otgVec_d(s->bound[0], s->bound[1], s->bound[2]);
     hi = otgVec_d(s->bound[3], s->bound[4], s->bound[5]);
@@ -244,7 +243,6 @@ OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __gl
     out->points = begin + headUnits + pieceUnits;
     out->pointCount = points;
     out->next = *head;
-    out->faces = faces;
     *size = max(*size, isLarge ? OTG_NOT_THERE : points);
   }
   if (room) *head = begin;

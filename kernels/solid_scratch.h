@@ -43,7 +43,7 @@ typedef struct {
   ushort queue[2 * OTG_SOLID_HITS];               ///< slots of vertices inside, as they were reached
   ushort inside[2 * OTG_SOLID_HITS];              ///< the same by mesh and vertex
   ushort order[OTG_SOLID_HITS];                   ///< crossings by mesh, first of their edge, place along it
-  uint counts[OTG_GROUP] __attribute__((aligned(16)));
+  uint4 counts[(OTG_GROUP + 3) / 4];              ///< a word for each lane: OTG_COUNTS
   uint load[OTG_SOLID_REGIONS];
   double reduce[6 * OTG_GROUP];
   double sums[9], bound[6];

@@ -71,7 +71,7 @@ OTG_INLINED uint otgGather(const otg_solid_work* w, uint mesh, int byNormal, OTG
     }
     const double length = otgNorm_d(vector);
     const int isPlane = isFirst && length > 0;
-    const uint place = planes + otgPlaceAmong(s->counts, isPlane, &total);
+    const uint place = planes + otgPlaceAmong(OTG_COUNTS(s), isPlane, &total);
     planes += total;
     if (!isPlane) continue;
     OTG_FACES otg_solid_face* face = out + place;
@@ -121,7 +121,7 @@ OTG_INLINED void otgThinPoints(otg_solid_work* w) {
         if (keys[j] == key && (hints[j] > hint || (hints[j] == hint && j < i))) stays = 0;
       }
     }
-    const uint place = candidates + otgPlaceAmong(s->counts, stays, &total);
+    const uint place = candidates + otgPlaceAmong(OTG_COUNTS(s), stays, &total);
     candidates += total;
     if (stays && place < OTG_SOLID_POINTS) s->pick[place] = (ushort)i;
   }

@@ -300,6 +300,29 @@ std::vector<Query> batchQueries(const std::vector<std::shared_ptr<const Collisio
   return queries;
 }
 
+/// Boxes upon each other, ten to a stack, as simulations begin and as solvers leave them: most of them aligned, some
+/// beside the middle, some turned, sunk in by a hundredth of a millimetre, a third of them trembling.
+std::vector<Query> stackQueries(const std::vector<std::shared_ptr<const CollisionMesh>>& boxes, int pairs) {
+  Random random(4);
+  std::vector<Query> queries;
+  for (int i = 0; i < pairs; ++i) {
+    Query query;
+    query.a = boxes[i % 10 == 0 ? boxes.size() - 1 : random.below(boxes.size() - 1)].get();
+    query.b = boxes[random.below(boxes.size() - 1)].get();
+    query.options.maxContacts = kBatchContacts;
+    query.bInA = i % 4 == 0 ? turn({0, 0, 1}, random.uniform(0, 3)) : Transformd{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {}};
+    if (i % 3 == 0) {
+      const Transformd shaken = turn(random.direction(), 1e-6);
+      query.bInA = i % 4 == 0 ? query.bInA : shaken;
+    }
+    const auto z = [](float x) { return static_cast<double>(x); };
+    query.bInA.t = {i % 2 != 0 ? random.uniform(-0.2, 0.2) : 0, 0,
+                    z(query.a->mesh().boundsMax().z) - z(query.b->mesh().boundsMin().z) - 1e-5};
+    queries.push_back(query);
+  }
+  return queries;
+}
+
 /// Every query by one of `threads` threads; the contacts of each.
 double collideOnThreads(const std::vector<Query>& queries, unsigned threads,
                         std::vector<std::vector<Contact>>& contacts) {
@@ -325,6 +348,7 @@ double collideOnThreads(const std::vector<Query>& queries, unsigned threads,
 
 /// A batch, and the same with poses that differ a little, so that no run repeats the one before.
 struct BatchVersions {
+  std::string of;  ///< which batch
   std::vector<std::shared_ptr<const CollisionMesh>> bodies;
   std::vector<const CollisionMesh*> meshes;
   std::vector<Query> queries;
@@ -333,12 +357,20 @@ struct BatchVersions {
   std::vector<std::vector<std::uint8_t>> intersects;
 };
 
-BatchVersions makeBatchVersions(const BenchOptions& options) {
+BatchVersions makeBatchVersions(const BenchOptions& options, bool stacks) {
   constexpr int kVersions = 8;
   BatchVersions scene;
-  scene.bodies = batchBodies();
+  if (stacks) {
+    scene.of = " of stacks";
+    for (const scenes::MeshArrays& box : {scenes::makeBox({1, 1, 1}, 1), scenes::makeBox({1, 0.8, 0.5}, 1),
+                                          scenes::makeBox({0.8, 0.8, 0.8}, 2), scenes::makeBox({20, 20, 1}, 1)}) {
+      scene.bodies.push_back(std::make_shared<CollisionMesh>(sortedInSpace(*scenes::build(box)), BuildStrategy::kSah));
+    }
+  } else {
+    scene.bodies = batchBodies();
+  }
   for (const auto& body : scene.bodies) scene.meshes.push_back(body.get());
-  scene.queries = batchQueries(scene.bodies, options.pairs);
+  scene.queries = stacks ? stackQueries(scene.bodies, options.pairs) : batchQueries(scene.bodies, options.pairs);
   for (Query& query : scene.queries) query.options.contacts = modelOf(options);
   Random random(3);
   for (int version = 0; version < kVersions; ++version) {
@@ -352,7 +384,11 @@ BatchVersions makeBatchVersions(const BenchOptions& options) {
                                           scene.meshes.begin());
       };
       Query moved = query;
-      if (version > 0) moved.bInA.t = otgAdd(query.bInA.t, otgScale(random.direction(), 1e-5));
+      if (stacks) {
+        moved.bInA.t.z -= 1e-7 * version;
+      } else if (version > 0) {
+        moved.bInA.t = otgAdd(query.bInA.t, otgScale(random.direction(), 1e-5));
+      }
       pairs.push_back({number(query.a), number(query.b), moved.bInA});
       collide(moved, workspace);
       whole.insert(whole.end(), workspace.reduced.begin(), workspace.reduced.end());
@@ -368,10 +404,14 @@ BatchVersions makeBatchVersions(const BenchOptions& options) {
 Json batchRow(const BatchVersions& scene, const char* work, const std::string& backend, unsigned threads,
               const std::vector<double>& times, const std::string& hash, bool same) {
   const double ms = median(times);
-  return {{"work", work},       {"pairs", scene.queries.size()},
-          {"backend", backend}, {"threads", threads},
-          {"ms", ms},           {"us_per_pair", 1e3 * ms / static_cast<double>(scene.queries.size())},
-          {"hash", hash},       {"answers", sameOrNot(same)}};
+  return {{"work", work + scene.of},
+          {"pairs", scene.queries.size()},
+          {"backend", backend},
+          {"threads", threads},
+          {"ms", ms},
+          {"us_per_pair", 1e3 * ms / static_cast<double>(scene.queries.size())},
+          {"hash", hash},
+          {"answers", sameOrNot(same)}};
 }
 
 Json cpuBatchRows(const BenchOptions& options, const BatchVersions& scene) {
@@ -462,8 +502,13 @@ int benchBatch(const BenchOptions& options) {
     }
   }
   progress(fmt::format("placing {} pairs", options.pairs));
-  const BatchVersions scene = makeBatchVersions(options);
-  Json single = Json::array(), batch = options.cpu ? cpuBatchRows(options, scene) : Json::array();
+  std::vector<BatchVersions> batches{makeBatchVersions(options, false)};
+  if (modelOf(options) == ContactModel::kSolid) batches.push_back(makeBatchVersions(options, true));
+  Json single = Json::array(), batch = Json::array();
+  for (const BatchVersions& scene : batches) {
+    if (!options.cpu) break;
+    for (const Json& row : cpuBatchRows(options, scene)) batch.push_back(row);
+  }
   std::string device;
   for (const TuningVariant& variant : variants) {
     const std::shared_ptr<opencl::Backend> backend = index < 0 ? nullptr : opencl::Backend::open(index, variant.tuning);
@@ -474,7 +519,9 @@ int benchBatch(const BenchOptions& options) {
       progress("note: no OpenCL device can be used; the tables have the CPU alone");
     }
     for (const SingleScene& one : singles) single.push_back(singleRow(one, variant, backend.get()));
-    if (backend) addDeviceBatchRows(options, scene, variant, *backend, batch);
+    for (const BatchVersions& scene : batches) {
+      if (backend) addDeviceBatchRows(options, scene, variant, *backend, batch);
+    }
     if (backend && backend->counts().onHost > 0) progress("note: the OpenCL device failed; the CPU did what it left");
   }
   printBench({{"bench", "batch"},

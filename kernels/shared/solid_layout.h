@@ -52,8 +52,7 @@ typedef struct {
   double areaA, areaB, volume, diagonal, thickness, coherence;
   otg_uint pieces, pieceCount, points, pointCount;  ///< places in the arena
   otg_uint next;                                    ///< region, or OTG_NOT_THERE
-  otg_uint faces;                                   ///< of a large one: room for otg_solid_face, three a piece
-  otg_uint unused[2];
+  otg_uint unused[3];
 } otg_solid_region;
 
 /// A pair of triangles that intersect, and how the chord in which they do ends.
