@@ -427,30 +427,17 @@ struct ContactFinish {
       (*onHost)(which.size(), [&](std::size_t begin, std::size_t end) {
         Workspace own;
         for (std::size_t k = begin; k < end; ++k) {
-          finishPair(queryOf(which[k]), found, recordsOf(which[k]), own);
+          collideFromRecords(queryOf(which[k]), found, recordsOf(which[k]), own);
           done[k] = {own.reduced, own.stats};
         }
       });
       for (std::size_t k = 0; k < which.size(); ++k) keep(which[k], done[k].stats, done[k].contacts);
     } else {
       for (const std::size_t i : which) {
-        finishPair(queryOf(i), found, recordsOf(i), workspace);
+        collideFromRecords(queryOf(i), found, recordsOf(i), workspace);
         keep(i, workspace.stats, workspace.reduced);
       }
     }
-  }
-
-  static void finishPair(const Query& query, const Answer& found, std::span<const std::uint32_t> which,
-                         Workspace& workspace) {
-    const bool pairwise = !mayBeSolid(query);
-    workspace.stats = {};
-    takeRecords(query, makePairFrame(query), found, which, pairwise, workspace);
-    if (pairwise && found.hasContacts()) {
-      reduceContacts(query, workspace);
-    } else {
-      collideIntersecting(query, workspace);
-    }
-    numberAsCaller(query, workspace);
   }
 
   bool alone(std::size_t i, const Query& query, bool onHost) {

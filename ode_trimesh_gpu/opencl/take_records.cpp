@@ -90,4 +90,17 @@ void takeRecords(const Query& query, const PairFrame& frame, const Answer& answe
   if (contacts && answer.hasContacts()) takeContacts(query, answer, entries, workspace);
 }
 
+void collideFromRecords(const Query& query, const Answer& answer, std::span<const std::uint32_t> which,
+                        Workspace& workspace) {
+  const bool pairwise = !mayBeSolid(query);
+  workspace.stats = {};
+  takeRecords(query, makePairFrame(query), answer, which, pairwise, workspace);
+  if (pairwise && answer.hasContacts()) {
+    reduceContacts(query, workspace);
+  } else {
+    collideIntersecting(query, workspace);
+  }
+  numberAsCaller(query, workspace);
+}
+
 }  // namespace otg::opencl

@@ -27,4 +27,8 @@ std::uint32_t pairOfRecord(const Answer& answer, std::uint32_t which);
 /// The counts of the device to statistics.
 void takeCounts(const Answer& answer, CollideStats& stats);
 
+/// What the host does of a pair of a batch that the device leaves to it: its contacts, as otg::collide leaves them.
+void collideFromRecords(const Query& query, const Answer& answer, std::span<const std::uint32_t> which,
+                        Workspace& workspace);
+
 }  // namespace otg::opencl
