@@ -18,17 +18,22 @@
 #define OTG_FAR 0x3fffffu
 #define OTG_TAKEN 0xffffffffu
 
+/// Room for them, a multiple of four.
+#define OTG_KEPT_ROOM ((OTG_KEPT + 3) / 4 * 4)
+
 typedef struct {
-  uint rank[OTG_KEPT];   ///< of each contact; later the seeds; later the ranks that were chosen, ascending
-  uint order[OTG_KEPT];  ///< contact of each rank
+  uint rank[OTG_KEPT_ROOM];   ///< of each contact; later the seeds; later the ranks that were chosen, ascending
+  uint order[OTG_KEPT_ROOM];  ///< contact of each rank; before there are ranks, upper halves of the depths
 } otg_ranks;
 
 /// Contacts in any order: what the caller fills in. Ranks go from the deepest on, ties by triangles.
 typedef struct {
-  ulong depth[OTG_KEPT];  ///< as the bits of a double, which order as its values do; later otg_spread
-  ulong ids[OTG_KEPT];    ///< triangles; later the same
-  uint hit[OTG_KEPT];     ///< place of the record
-  uint region[OTG_KEPT];  ///< number
+  /// Aligned so that four words are one read.
+  ulong depth[OTG_KEPT_ROOM]
+      __attribute__((aligned(16)));  ///< as the bits of a double, which order as its values do; later otg_spread
+  ulong ids[OTG_KEPT_ROOM];          ///< triangles; later the same
+  uint hit[OTG_KEPT_ROOM];           ///< place of the record
+  uint region[OTG_KEPT_ROOM];        ///< number
   otg_ranks ranks;
   uint taken[OTG_KEPT / 32 + 1];  ///< a bit for each rank
   uint slots[64];                 ///< of otgGroupMax
@@ -191,6 +196,27 @@ inline static void otgSpreadChoice(__global const otg_contact_record* records, u
   barrier(CLK_LOCAL_MEM_FENCE);
 }
 
+/// Adds to c->ranks.rank[i] how many of the contacts `from` to `to` - 1 (both multiples of 4) come before contact `i`.
+/// Upper halves of the depths, four at a time, as they are in c->ranks.order, tell nearly all; equal ones are compared
+/// whole.
+inline static void otgCountBefore(__local otg_choice* c, uint i, uint from, uint to) {
+  const uint mine = c->ranks.order[i];
+  uint before = 0, equal = 0;
+  for (uint j = from; j < to; j += 4) {
+    const uint4 other = *(__local const uint4*)(c->ranks.order + j);
+    before += (other.x > mine) + (other.y > mine) + (other.z > mine) + (other.w > mine);
+    equal += (other.x == mine) + (other.y == mine) + (other.z == mine) + (other.w == mine);
+  }
+  if (equal > (i >= from && i < to)) {  // more than itself
+    const ulong depth = c->depth[i], ids = c->ids[i];
+    for (uint j = from; j < to; ++j) {
+      if (c->ranks.order[j] != mine) continue;
+      before += c->depth[j] > depth || (c->depth[j] == depth && c->ids[j] < ids);
+    }
+  }
+  if (before) atomic_add(c->ranks.rank + i, before);
+}
+
 /// Chooses among the `count` contacts that were entered, of regions numbered below `regions`; both at most OTG_KEPT.
 /// c->ranks.rank[k] is the rank of the k-th that stays, deepest first; returns how many. All lanes of the group, with
 /// the same arguments, after a barrier.
@@ -198,7 +224,13 @@ inline static uint otgChoose(__global const otg_contact_record* records, uint co
                              __local otg_choice* c) {
   const uint lane = get_local_id(0);
   __local otg_spread* s = (__local otg_spread*)c->depth;
-  for (uint i = lane; i < count; i += OTG_GROUP) c->ranks.rank[i] = 0;
+  const uint padded = (count + 3) / 4 * 4;
+  for (uint i = lane; i < padded; i += OTG_GROUP) {
+    c->ranks.rank[i] = 0;
+    c->ranks.order[i] = i < count ? (uint)(c->depth[i] >> 32) : 0;
+    if (i >= count) c->depth[i] = 0;
+    if (i >= count) c->ids[i] = ~(ulong)0;
+  }
   for (uint i = lane; i < OTG_KEPT / 32 + 1; i += OTG_GROUP) c->taken[i] = 0;
   if (lane < 3) {
     c->low[lane] = 0xffffffffu;
@@ -209,14 +241,9 @@ inline static uint otgChoose(__global const otg_contact_record* records, uint co
   barrier(CLK_LOCAL_MEM_FENCE);
   // Ranks by counting. Few contacts: several lanes to one, each for a part of the others.
   const uint width = (count + 31) / 32 * 32, parts = width > 0 ? max(1u, OTG_GROUP / width) : 1;
-  const uint stretch = (count + parts - 1) / parts, from = parts > 1 ? lane / width * stretch : 0;
-  const uint to = min(from + stretch, count);
-  for (uint i = parts > 1 ? lane % width : lane; i<count; i += parts> 1 ? width : OTG_GROUP) {
-    const ulong depth = c->depth[i], ids = c->ids[i];
-    uint before = 0;
-    for (uint j = from; j < to; ++j) before += c->depth[j] > depth || (c->depth[j] == depth && c->ids[j] < ids);
-    if (before) atomic_add(c->ranks.rank + i, before);
-  }
+  const uint stretch = (padded / 4 + parts - 1) / parts * 4, from = min(parts > 1 ? lane / width * stretch : 0, padded);
+  const uint to = min(from + stretch, padded), step = parts > 1 ? width : OTG_GROUP;
+  for (uint i = parts > 1 ? lane % width : lane; i < count; i += step) otgCountBefore(c, i, from, to);
   barrier(CLK_LOCAL_MEM_FENCE);
   for (uint i = lane; i < count; i += OTG_GROUP) c->ranks.order[c->ranks.rank[i]] = i;
   barrier(CLK_LOCAL_MEM_FENCE);

@@ -59,14 +59,13 @@ inline static void otgUniteWith(__local otg_group_links* g, uint hit, uint a, ui
   }
 }
 
-/// Unites a hit with those of greater numbers whose triangles equal or share an edge with its own.
-inline static void otgUniteHit(__local otg_group_links* g, __global const uint* ringsA, __global const uint* ringsB,
-                               uint hit) {
+/// Unites a hit with those of greater numbers whose triangles equal or share an edge with its own: one of the fifteen
+/// shares of these.
+inline static void otgUniteShare(__local otg_group_links* g, __global const uint* ringsA, __global const uint* ringsB,
+                                 uint hit, uint share) {
   const uint2 own = g->key[hit];
-  for (uint share = 1; share < 16; ++share) {
-    const uint edgeA = share / 4, edgeB = share % 4;
-    OTG_FOR_NEIGHBOURS(ringsA, ringsB, own, edgeA, edgeB, otgUniteWith(g, hit, other.x, other.y));
-  }
+  const uint edgeA = share / 4, edgeB = share % 4;
+  OTG_FOR_NEIGHBOURS(ringsA, ringsB, own, edgeA, edgeB, otgUniteWith(g, hit, other.x, other.y));
 }
 
 inline static void otgEmptyTable(__local otg_group_links* g, uint count) {
@@ -88,8 +87,8 @@ inline static void otgGroupRegions(__local otg_group_links* g, __global const ot
     while (atomic_cmpxchg(table + slot, 0, i + 1) != 0) slot = (slot + 1) & (OTG_SLOTS - 1);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
-  for (uint i = lane; i < count; i += OTG_GROUP) {
-    if (g->key[i].x != OTG_NOT_THERE) otgUniteHit(g, ringsA, ringsB, i);
+  for (uint t = lane; t < 15 * count; t += OTG_GROUP) {
+    if (g->key[t / 15].x != OTG_NOT_THERE) otgUniteShare(g, ringsA, ringsB, t / 15, 1 + t % 15);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   for (uint i = lane; i < count; i += OTG_GROUP) {

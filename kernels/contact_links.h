@@ -288,14 +288,13 @@ inline static void otgEnterHit(const otg_links* l, __global otg_pair_state* stat
   for (int k = 0; k < 3; ++k) {
     const uint x = otgOrdered((float)r->position[k]);
 #if OTG_SINGLE
-    atomic_min(tally->low + k, x);
-    atomic_max(tally->high + k, x);
+    volatile __local uint *low = tally->low + k, *high = tally->high + k;
 #else
-    // Most do not widen the bounds, and reading is cheaper.
     volatile __global uint *low = state->low + k, *high = state->high + k;
+#endif
+    // Most do not widen the bounds, and reading is cheaper.
     if (x < *low) atomic_min(low, x);
     if (x > *high) atomic_max(high, x);
-#endif
   }
 #if OTG_SINGLE
   atomic_inc(&tally->contacts);

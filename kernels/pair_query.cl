@@ -9,25 +9,75 @@
 //
 #include "pair_state.h"
 
-#define OTG_CUT_TILE 16
+#define OTG_CUT_TILE 4
 
 /// A pair of nodes goes to the list of inner pairs or, if both are leaves, to that of pairs of leaves. Slots are taken
 /// once for a whole work-group: a global atomic for each item would cost more than the tests.
 typedef struct {
   uint inner, leaves;          // in this round
   uint innerBase, leavesBase;  // in the global lists
+  uint tests;                  // of boxes, in all rounds
 } otg_round;
 
+/// Opens both nodes of a pair: 64 lanes to it, lane (i, j) for child i of A's node and child j of B's. A leaf is its
+/// own only child. `there`: whether the 64 lanes have a pair. Counts in counters[level]. All lanes.
+inline static void otgOpenBoth(__global const float4* meshes, const otg_device_pair* pair, __local otg_round* round,
+                               uint2 nodes, int there, __global uint* counters, uint level, __global uint2* out,
+                               uint outCapacity, __global uint2* leaves, uint leafCapacity) {
+  const uint lane = get_local_id(0), i = lane % 64 / 8, j = lane % 8;
+  uint slot = 0;
+  int hit = 0, ended = 0;
+  uint2 pairOfLeaves = (uint2)(0, 0);
+  if (lane == 0) {
+    round->inner = 0;
+    round->leaves = 0;
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (there) {
+    otg_node a = otgLoadNode(meshes, pair->a.nodes, nodes.x), b = otgLoadNode(meshes, pair->b.nodes, nodes.y);
+    const uint na = a.count < 0 ? 1 : (uint)a.count, nb = b.count < 0 ? 1 : (uint)b.count;
+    if (lane % 64 == 0) atomic_add(&round->tests, na * nb);
+    if (i < na && j < nb) {
+      if (a.count > 0) {
+        nodes.x = (uint)a.first + i;
+        a = otgLoadNode(meshes, pair->a.nodes, nodes.x);
+      }
+      if (b.count > 0) {
+        nodes.y = (uint)b.first + j;
+        b = otgLoadNode(meshes, pair->b.nodes, nodes.y);
+      }
+      hit = otgOverlap(&pair->boxes, a.center, a.extent, otgMoveBox(&pair->boxes, b.center, b.extent));
+      ended = a.count < 0 && b.count < 0;
+      if (ended) pairOfLeaves = otgPairOfLeaves(&a, &b);
+    }
+  }
+  if (hit) slot = atomic_inc(ended ? &round->leaves : &round->inner);
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (lane == 0 && round->inner) round->innerBase = atomic_add(counters + level, round->inner);
+  if (lane == 32 && round->leaves) round->leavesBase = atomic_add(counters + OTG_COUNT_LEAVES, round->leaves);
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (hit && ended) {
+    slot += round->leavesBase;
+    if (slot < leafCapacity) leaves[slot] = pairOfLeaves;
+  } else if (hit) {
+    slot += round->innerBase;
+    if (slot < outCapacity) out[slot] = nodes;
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+}
+
 /// Cut against cut, and the beginning of a query. Dimension 0: nodes of A's cut. Dimension 1: tiles of OTG_CUT_TILE
-/// nodes of B's.
+/// nodes of B's. With `opens` each work-group goes on with the first level for the pairs that it found: few, because
+/// cuts are in shuffled order. `out` gets the pairs of the level, else of the cut.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairCut(
-    const otg_device_pair pair, __global const float4* restrict meshes, __global uint* restrict counters,
+    const otg_device_pair pair, __global const float4* restrict meshes, __global uint* restrict counters, uint opens,
     __global uint2* restrict out, uint outCapacity, __global uint2* restrict leaves, uint leafCapacity,
     __global otg_pair_state* restrict state, __global uint* restrict chosen, uint method) {
   __local otg_moved_box boxes[OTG_CUT_TILE];
   __local int2 nodesB[OTG_CUT_TILE];  // number, count
+  __local uint2 found[OTG_GROUP * OTG_CUT_TILE];
   __local otg_round round;
-  const uint lane = get_local_id(0), i = get_global_id(0);
+  const uint lane = get_local_id(0), i = get_global_id(0), pairsAtOnce = OTG_GROUP / 64;
   const uint firstB = get_group_id(1) * OTG_CUT_TILE;
   const uint tile = min((uint)OTG_CUT_TILE, pair.b.cutCount - firstB);
   uint mask = 0, inner = 0, ended = 0;
@@ -44,6 +94,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairCut(
   if (lane == 0) {
     round.inner = 0;
     round.leaves = 0;
+    round.tests = min((uint)OTG_GROUP, pair.a.cutCount - (uint)get_group_id(0) * OTG_GROUP) * tile;
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   if (i < pair.a.cutCount) {
@@ -61,85 +112,55 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairCut(
   if (inner) inner = atomic_add(&round.inner, inner);
   if (ended) ended = atomic_add(&round.leaves, ended);
   barrier(CLK_LOCAL_MEM_FENCE);
-  if (lane == 0) {
-    const uint width = min((uint)OTG_GROUP, pair.a.cutCount - (uint)get_group_id(0) * OTG_GROUP);
-    round.innerBase = atomic_add(counters + OTG_COUNT_LEVEL0, round.inner);
-    otgCount(counters + OTG_COUNT_BOX_TESTS, width * tile);
-  }
-  if (lane == 32) round.leavesBase = atomic_add(counters + OTG_COUNT_LEAVES, round.leaves);
+  const uint count = opens ? round.inner : 0;
+  if (lane == 0) round.innerBase = !opens && round.inner ? atomic_add(counters + OTG_COUNT_LEVEL0, round.inner) : 0;
+  if (lane == 32) round.leavesBase = round.leaves ? atomic_add(counters + OTG_COUNT_LEAVES, round.leaves) : 0;
   barrier(CLK_LOCAL_MEM_FENCE);
   inner += round.innerBase;
   ended += round.leavesBase;
   for (uint k = 0; k < tile; ++k) {
     if (!(mask >> k & 1)) continue;
+    const uint2 nodes = (uint2)(a.first, nodesB[k].x);
     if (a.count < 0 && nodesB[k].y < 0) {
-      const otg_node leafA = otgLoadNode(meshes, pair.a.nodes, a.first),
-                     leafB = otgLoadNode(meshes, pair.b.nodes, nodesB[k].x);
+      const otg_node leafA = otgLoadNode(meshes, pair.a.nodes, nodes.x),
+                     leafB = otgLoadNode(meshes, pair.b.nodes, nodes.y);
       if (ended < leafCapacity) leaves[ended] = otgPairOfLeaves(&leafA, &leafB);
       ++ended;
     } else {
-      if (inner < outCapacity) out[inner] = (uint2)(a.first, nodesB[k].x);
+      if (opens) {
+        found[inner] = nodes;
+      } else if (inner < outCapacity) {
+        out[inner] = nodes;
+      }
       ++inner;
     }
   }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (uint begin = 0; begin < count; begin += pairsAtOnce) {
+    const uint item = begin + lane / 64;
+    const int there = item < count;
+    otgOpenBoth(meshes, &pair, &round, there ? found[item] : (uint2)(0, 0), there, counters, OTG_COUNT_LEVEL1, out,
+                outCapacity, leaves, leafCapacity);
+  }
+  if (lane == 0) otgCount(counters + OTG_COUNT_BOX_TESTS, round.tests);
 }
 
-/// Opens both nodes of each pair of counters[level]: 64 lanes to a pair, lane (i, j) for child i of A's node and child
-/// j of B's. A leaf is its own only child.
+/// Opens both nodes of each pair of counters[level]: see otgOpenBoth.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairLevel(
     const otg_device_pair pair, __global const float4* restrict meshes, __global uint* restrict counters, uint level,
     __global const uint2* restrict in, uint inCapacity, __global uint2* restrict out, uint outCapacity,
     __global uint2* restrict leaves, uint leafCapacity) {
   __local otg_round round;
-  __local uint tests;
   const uint lane = get_local_id(0), pairsAtOnce = OTG_GROUP / 64;
   const uint count = min(counters[level], inCapacity);
-  if (lane == 0) tests = 0;
+  if (lane == 0) round.tests = 0;
   for (uint begin = get_group_id(0) * pairsAtOnce; begin < count; begin += get_num_groups(0) * pairsAtOnce) {
-    const uint item = begin + lane / 64, i = lane % 64 / 8, j = lane % 8;
-    uint slot = 0;
-    int hit = 0, ended = 0;
-    uint2 next = (uint2)(0, 0), pairOfLeaves = (uint2)(0, 0);
-    if (lane == 0) {
-      round.inner = 0;
-      round.leaves = 0;
-    }
-    barrier(CLK_LOCAL_MEM_FENCE);
-    if (item < count) {
-      const uint2 nodes = in[item];
-      otg_node a = otgLoadNode(meshes, pair.a.nodes, nodes.x), b = otgLoadNode(meshes, pair.b.nodes, nodes.y);
-      const uint na = a.count < 0 ? 1 : (uint)a.count, nb = b.count < 0 ? 1 : (uint)b.count;
-      if (lane % 64 == 0) atomic_add(&tests, na * nb);
-      if (i < na && j < nb) {
-        next = nodes;
-        if (a.count > 0) {
-          next.x = (uint)a.first + i;
-          a = otgLoadNode(meshes, pair.a.nodes, next.x);
-        }
-        if (b.count > 0) {
-          next.y = (uint)b.first + j;
-          b = otgLoadNode(meshes, pair.b.nodes, next.y);
-        }
-        hit = otgOverlap(&pair.boxes, a.center, a.extent, otgMoveBox(&pair.boxes, b.center, b.extent));
-        ended = a.count < 0 && b.count < 0;
-        if (ended) pairOfLeaves = otgPairOfLeaves(&a, &b);
-      }
-    }
-    if (hit) slot = atomic_inc(ended ? &round.leaves : &round.inner);
-    barrier(CLK_LOCAL_MEM_FENCE);
-    if (lane == 0 && round.inner) round.innerBase = atomic_add(counters + level + 1, round.inner);
-    if (lane == 32 && round.leaves) round.leavesBase = atomic_add(counters + OTG_COUNT_LEAVES, round.leaves);
-    barrier(CLK_LOCAL_MEM_FENCE);
-    if (hit && ended) {
-      slot += round.leavesBase;
-      if (slot < leafCapacity) leaves[slot] = pairOfLeaves;
-    } else if (hit) {
-      slot += round.innerBase;
-      if (slot < outCapacity) out[slot] = next;
-    }
-    barrier(CLK_LOCAL_MEM_FENCE);
+    const uint item = begin + lane / 64;
+    const int there = item < count;
+    otgOpenBoth(meshes, &pair, &round, there ? in[item] : (uint2)(0, 0), there, counters, level + 1, out, outCapacity,
+                leaves, leafCapacity);
   }
-  if (lane == 0 && tests) otgCount(counters + OTG_COUNT_BOX_TESTS, tests);
+  if (lane == 0 && round.tests) otgCount(counters + OTG_COUNT_BOX_TESTS, round.tests);
 }
 
 /// Tests triangles and lists those that may intersect.

@@ -8,7 +8,7 @@
 namespace otg::opencl {
 namespace {
 
-constexpr std::uint32_t kCutTile = 16;  // OTG_CUT_TILE of pair_query.cl
+constexpr std::uint32_t kCutTile = 4;  // OTG_CUT_TILE of pair_query.cl
 }  // namespace
 
 PairLane::PairLane(Context& context, MeshStore& meshes, const Tuning& tuning)
@@ -108,15 +108,17 @@ PairAnswer PairLane::runOn(const otg_device_pair& pair, const Query& query, cl_m
 /// From the cuts to the list of hits.
 void PairLane::enqueueWalk(const otg_device_pair& pair, cl_mem meshes, const otg_reduction& how) {
   const cl_mem counters = counters_.get(), leaves = leaves_.get();
-  Arguments(cut_) << pair << meshes << counters << level0_.get() << level0_.places() << leaves << leaves_.places()
+  const DeviceList* const lists[] = {&level0_, &level1_, &level2_};
+  const otg_uint levels =
+      std::uint64_t{pair.a.triangles} + pair.b.triangles < tuning_.levelTriangles ? 0 : std::min(tuning_.levels, 2u);
+  const otg_uint opened = std::min(levels, 1u);  // by the first kernel
+  const DeviceList& first = *lists[opened];
+  Arguments(cut_) << pair << meshes << counters << opened << first.get() << first.places() << leaves << leaves_.places()
                   << reducer_.states() << chosen_.get() << how.method;
   launch(queue_.get(), cut_, tuning_.group, (pair.a.cutCount + tuning_.group - 1) / tuning_.group,
          (pair.b.cutCount + kCutTile - 1) / kCutTile, profile_.next(Profile::kTop));
   if (tuning_.flushes & 1) clDo(OTG_CL(clFlush), queue_.get());
-  const DeviceList* const lists[] = {&level0_, &level1_, &level2_};
-  const otg_uint levels =
-      std::uint64_t{pair.a.triangles} + pair.b.triangles < tuning_.levelTriangles ? 0 : std::min(tuning_.levels, 2u);
-  for (otg_uint level = 0; level < levels; ++level) {
+  for (otg_uint level = opened; level < levels; ++level) {
     const DeviceList &in = *lists[level], &out = *lists[level + 1];
     Arguments(level_) << pair << meshes << counters << level << in.get() << in.places() << out.get() << out.places()
                       << leaves << leaves_.places();
@@ -152,7 +154,9 @@ void PairLane::enqueueRecords(const otg_device_pair& pair, const Transformd& bIn
   if (reduce) {
     arguments << reducer_.links() << reducer_.tables() << reducer_.tableSize() << reducer_.states() << chosen_.get();
   }
-  launch(queue_.get(), last, tuning_.recordGroup, groups_, 1, profile_.next(Profile::kContacts));
+  // No more work-groups than the device holds at once: this kernel takes many registers.
+  const std::size_t groups = std::max<std::size_t>(1, std::size_t{2} * context_.info().computeUnits);
+  launch(queue_.get(), last, tuning_.recordGroup, groups, 1, profile_.next(Profile::kContacts));
   if (!reduce) return;
   reducer_.enqueue(queue_.get(), meshes, counters_.get(), results_.get(), hits_.places(), 1, chosen_, groups_,
                    profile_);

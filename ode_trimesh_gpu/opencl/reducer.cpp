@@ -30,6 +30,10 @@ std::string warpOption(const Context& context) {
   return context.info().warps ? " -DOTG_WARP=1" : "";
 }
 
+std::string staysOption(const Context& context) {
+  return context.info().kind == DeviceKind::kCpu ? " -DOTG_STAYS=1" : " -DOTG_STAYS=0";
+}
+
 std::uint32_t hitsOfGroup(const Context& context, std::uint32_t wanted) {
   std::uint32_t hits = std::clamp(std::bit_ceil(wanted), 1u, 1024u);
   // otg_group_links with some to spare
@@ -39,7 +43,7 @@ std::uint32_t hitsOfGroup(const Context& context, std::uint32_t wanted) {
 
 std::string groupReduction(const Context& context, std::uint32_t group, std::uint32_t hits) {
   return "-DOTG_GROUP=" + std::to_string(group) + " -DOTG_KEPT=" + std::to_string(hits) + " -DOTG_CONTACTS=1" +
-         warpOption(context);
+         warpOption(context) + staysOption(context);
 }
 
 otg_reduction deviceReduction(const CollideOptions& options, bool byHost) {

@@ -16,6 +16,10 @@ namespace otg::opencl {
 /// Defines OTG_WARP of contact_choose.h where the device has what it takes.
 std::string warpOption(const Context& context);
 
+/// Defines OTG_STAYS: whether work-groups with nothing to do have to go through all barriers all the same. On CPUs
+/// barriers below a condition are not compiled as they should be, and cost nothing.
+std::string staysOption(const Context& context);
+
 /// Hits that one work-group keeps in local memory (contact_group.h): a power of two, `wanted` if the device can.
 std::uint32_t hitsOfGroup(const Context& context, std::uint32_t wanted);
 /// Options of a program for work-groups that do.
