@@ -154,7 +154,13 @@ class Finder {
     const double atA = otgDot(otgSub(a, start_), capsule_.direction), atB = atA + speed;
     for (const double end : {std::clamp(atA, 0.0, length_), std::clamp(atB, 0.0, length_)}) {
       const double s = std::clamp(otgDot(otgSub(axisPoint(end), a), d) / dd, 0.0, 1.0);
-      offerEdge(half, end, otgAdd(a, otgScale(d, s)));
+      const Vec3d on = otgAdd(a, otgScale(d, s)), toAxis = otgSub(axisPoint(end), on);
+      // Square to the axis it leans along the edge as the edge does along the axis; more is past the edge's own end,
+      // where the corner is what counts.
+      const double along = otgDot(toAxis, d), lean = std::max(0.0, dd - speed * speed) + 1e-9 * dd;
+      if (along * along > lean * otgDot(toAxis, toAxis)) continue;
+      const Vec3d across = otgSub(toAxis, otgScale(d, along / dd));
+      if (isMinimumOfEdge(tree_, half, on, across, rounding_)) offer(half, TrianglePart::kEdge0, end, toAxis);
     }
   }
 

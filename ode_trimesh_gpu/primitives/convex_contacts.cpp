@@ -5,10 +5,13 @@
 #include <cmath>
 #include <optional>
 
+#include "collide/reduction.h"
 #include "collide/solid/region_refiner.h"
 #include "collide/solid/vectors.h"
-#include "collide/stages.h"
+#include "collide/solid_contacts.h"
 #include "primitives/convex_patch.h"
+#include "primitives/sheet_block.h"
+#include "queries/surface_side.h"
 
 namespace otg {
 namespace {
@@ -180,14 +183,45 @@ class ShapeRefiner final : public RegionRefiner {
   WayOut way_;
 };
 
-}  // namespace
-
-void convexContacts(const Query& query, const ConvexShape& shape, Workspace& workspace) {
+/// Contacts of the model of two solids -> workspace.reduced, in the mesh's own numbers. False where there are none of
+/// it.
+bool regionContacts(const Query& query, const ConvexShape& shape, Workspace& workspace) {
   Query refined = query;
   ShapeRefiner refiner(refined, shape);
   refined.refiner = &refiner;
   findIntersectingPairs(refined, workspace);
-  collideIntersecting(refined, workspace);
+  if (query.options.contacts != ContactModel::kSolid || !solidContacts(refined, workspace)) return false;
+  workspace.reduced = limitContacts(workspace.contacts, query.options.maxContacts);
+  return true;
+}
+
+/// At the rim of a sheet, where the contour does not close: as with a solid that the sheet near the shape bounds.
+bool rimContacts(const Query& query, const ConvexShape& shape, Workspace& workspace) {
+  if (surfaceKind(query.a->mesh()) != SurfaceKind::kSheet) return false;
+  const Vec3f &low = shape.mesh->mesh().boundsMin(), &high = shape.mesh->mesh().boundsMax();
+  const Vec3d middle{0.5 * (double{low.x} + high.x), 0.5 * (double{low.y} + high.y), 0.5 * (double{low.z} + high.z)};
+  Transformd frame = query.bInA;
+  frame.t = otgTransform(frame, middle);
+  const Vec3d half{high.x - middle.x, high.y - middle.y, high.z - middle.z};
+  const double size = norm(half);
+  const SheetBlock block = sheetBlock(*query.a, frame, otgAdd(half, Vec3d{size, size, size}), 4 * size);
+  if (block.mesh == nullptr) return false;
+  Query filled = query;
+  filled.a = block.mesh.get();
+  if (!regionContacts(filled, shape, workspace)) return false;
+  for (Contact& contact : workspace.reduced) contact.triangleA = block.triangleOf[contact.triangleA];
+  return true;
+}
+
+}  // namespace
+
+void convexContacts(const Query& query, const ConvexShape& shape, Workspace& workspace) {
+  if (!regionContacts(query, shape, workspace) && !rimContacts(query, shape, workspace)) {
+    // What is left has no inside: pairs of triangles. A rim may have left the workspace with another mesh's pairs.
+    findIntersectingPairs(query, workspace);
+    pairwiseContacts(query, workspace);
+    reduceContacts(query, workspace);
+  }
   for (Contact& contact : workspace.reduced) contact.triangleB = kNone;
 }
 
