@@ -145,8 +145,9 @@ class Finder {
                               : nearest.b == b ? partOf(TrianglePart::kCorner0, half + 1)
                                                : partOf(TrianglePart::kEdge0, half);
     note(std::sqrt(nearest.distance2), at, nearest.b, half / 3, part);
-    if (isFlat) return;
+    // Of nearly flat edges, too: between the two faces' own ranges is a gap.
     if (nearest.b != a && nearest.b != b) offerEdge(half, at, nearest.b);
+    if (isFlat) return;
     const Vec3d d = otgSub(b, a);
     const double dd = otgDot(d, d), speed = otgDot(d, capsule_.direction);
     if (speed * speed < dd * (1 - kAlong * kAlong)) return;
@@ -172,8 +173,7 @@ class Finder {
   void corner(std::uint32_t half, std::uint32_t vertex, const Vec3d& on) {
     const double at = std::clamp(otgDot(otgSub(on, start_), capsule_.direction), 0.0, length_);
     const Vec3d toAxis = otgSub(axisPoint(at), on);
-    if (otgDot(toAxis, toAxis) >= capsule_.radius * capsule_.radius || tree_.adjacency().flatVertex[vertex] != 0)
-      return;
+    if (otgDot(toAxis, toAxis) >= capsule_.radius * capsule_.radius) return;
     if (isMinimumOfVertex(tree_, vertex, toAxis, rounding_)) offer(half, TrianglePart::kCorner0, at, toAxis);
   }
 

@@ -100,6 +100,47 @@ TEST_CASE("a sphere at a rim is pushed away from the nearest point of the rim, a
   dGeomDestroy(sphere);
 }
 
+TEST_CASE("a capsule at a rim is pushed away from what of the rim is nearest to its axis") {
+  const OdeSession session;
+  const Data data(makeSheet(1, 8));
+  const Geom sheet(data);
+  const dGeomID capsule = dCreateCapsule(nullptr, 0.3, 0.8);
+  Draw draw(3);
+  int touching = 0;
+  for (int i = 0; i < 1000; ++i) {
+    // Its axis along the rim (y), to within two degrees.
+    const double slope = draw.uniform(-0.035, 0.035);
+    const Vec3d p{1 + draw.uniform(-0.1, 0.35), draw.uniform(-0.3, 0.3), draw.uniform(0.05, 0.35)};
+    dMatrix3 r;
+    dRFromAxisAndAngle(r, 1, 0, 0, M_PI / 2 + slope);
+    dGeomSetRotation(capsule, r);
+    dGeomSetPosition(capsule, p.x, p.y, p.z);
+    const Vec3d axis{r[2], r[6], r[10]};
+    double least = 1;
+    for (const double end : {-0.4, 0.4}) {  // the sheet is flat: an end of the axis is nearest
+      const Vec3d q = otgAdd(p, otgScale(axis, end));
+      least = std::min(least, norm(otgSub(q, Vec3d{std::min(q.x, 1.0), q.y, 0})));
+    }
+    const auto contacts = test::collide(capsule, sheet.id);
+    REQUIRE(contacts.empty() == !(least < 0.3));
+    if (contacts.empty()) continue;
+    ++touching;
+    REQUIRE(std::abs(contacts[0].depth - (0.3 - least)) < 1e-7);
+    // The direction to the rim turns along an axis that is tilted, by more than 3 degrees where it is near.
+    REQUIRE(contacts.size() <= 9);
+    for (const dContactGeom& c : contacts) {
+      INFO("axis through " << p.x << " " << p.y << " " << p.z << " slope " << slope << ": normal " << c.normal[0] << " "
+                           << c.normal[1] << " " << c.normal[2] << " depth " << c.depth << " at " << c.pos[0] << " "
+                           << c.pos[1] << " " << c.pos[2]);
+      REQUIRE(c.normal[2] > 0);
+      REQUIRE(c.normal[0] > -1e-6);
+      REQUIRE(std::abs(c.normal[1]) < 0.05);
+    }
+  }
+  CHECK(touching > 300);
+  dGeomDestroy(capsule);
+}
+
 TEST_CASE("a sphere and a capsule that roll over a rim fall off as they do over the edge of a dBox") {
   const OdeSession session;
   Run ball{[](dSpaceID s) { return dCreateSphere(s, 0.3); }, {}, {1, 0.1, 0.3}, {1, 0, 0}, {0, 1 / 0.3, 0}};
