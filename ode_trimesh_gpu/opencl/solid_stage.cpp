@@ -50,8 +50,9 @@ SolidStage::SolidStage(Context& context, const Tuning& tuning)
   if (sizes > 1) {
     sizes_.push_back({small,
                       hitsFor(context, small, tuning.solidHits),
-                      std::clamp(tuning.solidPoints, 96u, kMostCandidates),
-                      std::clamp(tuning.solidFaces, 16u, std::min(kMostPieces, std::max(tuning.solidPoints, 96u))),
+                      // Only the large ones gather points and planes, as the host does from these numbers on.
+                      std::clamp<std::uint32_t>(tuning.solidPoints, 96, OTG_SOLID_MOST_POINTS),
+                      std::clamp<std::uint32_t>(tuning.solidFaces, 16, OTG_SOLID_MOST_PLANES),
                       OTG_SOLID_LARGE_BINS,
                       OTG_SOLID_BINS,
                       0,
