@@ -5,8 +5,10 @@
 //   8  "OTGHIST" and a zero byte
 //   4  version
 //   4  number of geoms, 4 number of pairs
-//   for each pair, oldest query first within its younger geom:
-//     4  place of the older geom, 4 of the younger one
+//   for each pair, oldest query first within the geom that remembers it:
+//     4  kind: 0 two meshes, 1 a mesh and a geom of ODE's own
+//     4  place of the other geom (of two meshes the older one), 4 of the mesh that remembers
+//     3 x 8  origin of the frame that the states are told in, in the other geom's own (ode/primitive_history.h)
 //     twice (before and current) a state: escape 3 x 8, escapeLeft 4, clampLeft 4, deepNormal 3 x 8, pose 12 x 8, 4
 //     hasPose
 //   8  FNV-1a of all that
@@ -15,17 +17,21 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <unordered_map>
 #include <vector>
 
-#include "ode/geom_class.h"
+#include "ode/mesh_side.h"
+#include "ode/primitive_history.h"
 #include "ode/status.h"
 
 namespace otg {
 namespace {
 
+enum : std::uint32_t { kTwoMeshes = 0, kWithOde = 1 };
+constexpr std::uint64_t kNobody = ~std::uint64_t{0};  ///< no serial number and no address
 constexpr char kMagic[8] = "OTGHIST";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 // Whoever adds to what is remembered must write it, too, and raise the version.
 static_assert(sizeof(SolidHistory::State) == 3 * 8 + 2 * 4 + 3 * 8 + 12 * 8 + 8);
 
@@ -111,67 +117,86 @@ class Reader {
   bool good_ = true;
 };
 
-/// Objects of the listed geoms, null for those that are not of our class. False for a list that is none.
-bool readList(const dGeomID* geoms, int count, std::vector<GeomObject*>& objects,
-              std::unordered_map<std::uint64_t, std::uint32_t>& placeOf) {
+/// What is listed. A mesh has an object, and is known to others by its serial number; other geoms by their addresses.
+struct Listed {
+  std::vector<std::shared_ptr<GeomObject>> objects;
+  std::vector<std::uint64_t> keys;  ///< 0 for NULL
+  std::unordered_map<std::uint64_t, std::uint32_t> placeOf;
+};
+
+/// False for a list that is none.
+bool readList(const dGeomID* geoms, int count, Listed& listed) {
   if (count < 0 || (count > 0 && geoms == nullptr)) return false;
   for (int i = 0; i < count; ++i) {
-    objects.push_back(objectOf(geoms[i]));
-    if (objects.back() == nullptr) continue;
-    if (!placeOf.try_emplace(objects.back()->serial, static_cast<std::uint32_t>(i)).second) return false;
+    listed.objects.push_back(geoms[i] == nullptr ? nullptr : settingsOf(geoms[i]));
+    const std::shared_ptr<GeomObject>& object = listed.objects.back();
+    // Serial numbers begin with 0.
+    listed.keys.push_back(geoms[i] == nullptr ? kNobody : object != nullptr ? object->serial : memoryKey(geoms[i]));
+    if (geoms[i] == nullptr) continue;
+    if (!listed.placeOf.try_emplace(listed.keys.back(), static_cast<std::uint32_t>(i)).second) return false;
   }
   return true;
 }
 
 struct SavedPair {
-  std::uint32_t older, younger;
-  SolidHistory history;
+  std::uint32_t other, mesh;
+  PairMemory::Remembered remembered;
 };
 
+/// Whether the mesh at one place can remember a pair of this kind with the geom at the other.
+bool isPair(const Listed& listed, std::uint32_t kind, std::uint32_t other, std::uint32_t mesh) {
+  const std::size_t count = listed.objects.size();
+  if (other >= count || mesh >= count || listed.objects[mesh] == nullptr || listed.keys[other] == kNobody) return false;
+  const GeomObject* const object = listed.objects[other].get();
+  return kind == kWithOde ? object == nullptr
+                          : kind == kTwoMeshes && object != nullptr && object->serial < listed.objects[mesh]->serial;
+}
+
 /// False if the bytes are not what was saved, or do not fit the geoms.
-bool parse(const unsigned char* bytes, std::size_t size, const std::vector<GeomObject*>& objects,
-           std::vector<SavedPair>& pairs) {
+bool parse(const unsigned char* bytes, std::size_t size, const Listed& listed, std::vector<SavedPair>& pairs) {
   if (bytes == nullptr || size < sizeof kMagic + 8 || std::memcmp(bytes, kMagic, sizeof kMagic) != 0) return false;
   Reader tail(bytes + size - 8, 8);
   if (tail.integer(8) != checksum(bytes, size - 8)) return false;
   Reader reader(bytes + sizeof kMagic, size - 8 - sizeof kMagic);
-  if (reader.integer(4) != kVersion || reader.integer(4) != objects.size()) return false;
+  if (reader.integer(4) != kVersion || reader.integer(4) != listed.objects.size()) return false;
   const std::uint64_t count = reader.integer(4);
   for (std::uint64_t i = 0; i < count && reader.good(); ++i) {
     SavedPair pair;
-    pair.older = static_cast<std::uint32_t>(reader.integer(4));
-    pair.younger = static_cast<std::uint32_t>(reader.integer(4));
-    pair.history.before = reader.state();
-    pair.history.current = reader.state();
-    pair.history.used = true;
-    if (pair.older >= objects.size() || pair.younger >= objects.size()) return false;
-    const GeomObject *older = objects[pair.older], *younger = objects[pair.younger];
-    if (older == nullptr || younger == nullptr || !(older->serial < younger->serial)) return false;
+    const auto kind = static_cast<std::uint32_t>(reader.integer(4));
+    pair.other = static_cast<std::uint32_t>(reader.integer(4));
+    pair.mesh = static_cast<std::uint32_t>(reader.integer(4));
+    if (!reader.good() || !isPair(listed, kind, pair.other, pair.mesh)) return false;
+    pair.remembered.key = listed.keys[pair.other];
+    pair.remembered.origin = reader.vector();
+    pair.remembered.history.before = reader.state();
+    pair.remembered.history.current = reader.state();
+    pair.remembered.history.used = true;
     pairs.push_back(pair);
   }
   return reader.good() && reader.atEnd();
 }
 
-std::vector<unsigned char> serialize(const std::vector<GeomObject*>& objects,
-                                     const std::unordered_map<std::uint64_t, std::uint32_t>& placeOf) {
+std::vector<unsigned char> serialize(const Listed& listed) {
   std::vector<SavedPair> pairs;
-  for (std::uint32_t i = 0; i < objects.size(); ++i) {
-    if (objects[i] == nullptr) continue;
-    for (const auto& [other, history] : objects[i]->memory.all()) {
-      const auto place = placeOf.find(other);
-      if (place != placeOf.end()) pairs.push_back({place->second, i, history});
+  for (std::uint32_t i = 0; i < listed.objects.size(); ++i) {
+    if (listed.objects[i] == nullptr) continue;
+    for (const PairMemory::Remembered& remembered : listed.objects[i]->memory.all()) {
+      const auto place = listed.placeOf.find(remembered.key);
+      if (place != listed.placeOf.end()) pairs.push_back({place->second, i, remembered});
     }
   }
   Writer writer;
   for (const char c : kMagic) writer.integer(static_cast<unsigned char>(c), 1);
   writer.integer(kVersion, 4);
-  writer.integer(objects.size(), 4);
+  writer.integer(listed.objects.size(), 4);
   writer.integer(pairs.size(), 4);
   for (const SavedPair& pair : pairs) {
-    writer.integer(pair.older, 4);
-    writer.integer(pair.younger, 4);
-    writer.state(pair.history.before);
-    writer.state(pair.history.current);
+    writer.integer(listed.objects[pair.other] == nullptr ? kWithOde : kTwoMeshes, 4);
+    writer.integer(pair.other, 4);
+    writer.integer(pair.mesh, 4);
+    writer.vector(pair.remembered.origin);
+    writer.state(pair.remembered.history.before);
+    writer.state(pair.remembered.history.current);
   }
   writer.integer(checksum(writer.bytes().data(), writer.bytes().size()), 8);
   return std::move(writer.bytes());
@@ -183,12 +208,11 @@ std::vector<unsigned char> serialize(const std::vector<GeomObject*>& objects,
 dsizeint dGpuTriMeshHistorySave(const dGeomID* geoms, int count, void* buffer, dsizeint capacity) {
   dsizeint needed = 0;
   otg::guarded([&] {
-    std::vector<otg::GeomObject*> objects;
-    std::unordered_map<std::uint64_t, std::uint32_t> placeOf;
-    if ((buffer == nullptr && capacity > 0) || !otg::readList(geoms, count, objects, placeOf)) {
+    otg::Listed listed;
+    if ((buffer == nullptr && capacity > 0) || !otg::readList(geoms, count, listed)) {
       return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
     }
-    const std::vector<unsigned char> bytes = otg::serialize(objects, placeOf);
+    const std::vector<unsigned char> bytes = otg::serialize(listed);
     if (bytes.size() <= capacity) std::memcpy(buffer, bytes.data(), bytes.size());
     needed = bytes.size();
     return static_cast<int>(dGPUTRIMESH_OK);
@@ -198,32 +222,29 @@ dsizeint dGpuTriMeshHistorySave(const dGeomID* geoms, int count, void* buffer, d
 
 int dGpuTriMeshHistoryLoad(const dGeomID* geoms, int count, const void* buffer, dsizeint size) {
   return otg::guarded([&] {
-    std::vector<otg::GeomObject*> objects;
-    std::unordered_map<std::uint64_t, std::uint32_t> placeOf;
+    otg::Listed listed;
     std::vector<otg::SavedPair> pairs;
-    if (!otg::readList(geoms, count, objects, placeOf) ||
-        !otg::parse(static_cast<const unsigned char*>(buffer), size, objects, pairs)) {
+    if (!otg::readList(geoms, count, listed) ||
+        !otg::parse(static_cast<const unsigned char*>(buffer), size, listed, pairs)) {
       return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
     }
     // Everything that may throw comes before the first change.
-    std::vector<otg::PairMemory::Histories> byGeom(objects.size());
+    std::vector<otg::PairMemory> prepared(listed.objects.size());
     for (const otg::SavedPair& pair : pairs) {
-      byGeom[pair.younger].emplace_back(objects[pair.older]->serial, pair.history);
+      prepared[pair.mesh].store(pair.remembered.key, pair.remembered.history, pair.remembered.origin);
     }
-    std::vector<otg::PairMemory> prepared(objects.size());
-    for (std::size_t i = 0; i < objects.size(); ++i) {
-      for (const auto& [other, history] : byGeom[i]) prepared[i].store(other, history);
-    }
-    for (std::size_t i = 0; i < objects.size(); ++i) {
-      if (objects[i] != nullptr) objects[i]->memory.swap(prepared[i]);
+    for (std::size_t i = 0; i < prepared.size(); ++i) {
+      if (listed.objects[i] != nullptr) listed.objects[i]->memory.swap(prepared[i]);
     }
     return static_cast<int>(dGPUTRIMESH_OK);
   });
 }
 
 int dGeomGpuTriMeshForgetHistory(dGeomID g) {
-  otg::GeomObject* const object = otg::objectOf(g);
-  if (object == nullptr) return otg::noteStatus(dGPUTRIMESH_ERROR_CLASS);
-  object->memory.clear();
-  return dGPUTRIMESH_OK;
+  return otg::guarded([&] {
+    const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
+    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
+    object->memory.clear();
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
 }

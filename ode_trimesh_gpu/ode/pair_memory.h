@@ -58,17 +58,24 @@ class PairMemory {
     const std::lock_guard lock(mutex_);
     pairs_.clear();
   }
-  using Histories = std::vector<std::pair<std::uint64_t, SolidHistory>>;
-  /// Everything, by the serial number of the other geom, the pair that was asked for longest ago first: storing them in
-  /// this order in an empty memory makes an equal one.
-  Histories all() {
+  struct Remembered {
+    std::uint64_t key;
+    SolidHistory history;
+    Vec3d origin{0, 0, 0};
+  };
+  /// Everything, the pair that was asked for longest ago first: storing them in this order in an empty memory makes an
+  /// equal one.
+  std::vector<Remembered> all() {
     const std::lock_guard lock(mutex_);
     std::vector<std::pair<std::uint64_t, std::uint64_t>> order;
     for (const auto& [other, entry] : pairs_) order.emplace_back(entry.stamp, other);
     std::sort(order.begin(), order.end());
-    Histories histories;
-    for (const auto& [stamp, other] : order) histories.emplace_back(other, pairs_.at(other).history);
-    return histories;
+    std::vector<Remembered> entries;
+    for (const auto& [stamp, other] : order) {
+      const Entry& entry = pairs_.at(other);
+      entries.push_back({other, entry.history, entry.origin});
+    }
+    return entries;
   }
   /// Exchanges what two memories hold. Throws nothing; the other one must be the caller's own.
   void swap(PairMemory& other) {

@@ -19,7 +19,8 @@ extern "C" {
  * creation (the order in a space changes as geoms move). What a pair remembers with a geom that is not listed is left
  * out. The bytes are the same on every machine and carry a version and a checksum.
  *
- * @param geoms     geoms in your order; NULL and geoms of other classes may be among them and are passed over
+ * @param geoms     geoms in your order: meshes, of this class or dTriMesh geoms that collide through this library, and
+ * the geoms of ODE's own (inside a dGeomTransform: the inner ones) that they meet. NULL is passed over
  * @param count     how many
  * @param buffer    receives the bytes; may be NULL when capacity is 0
  * @param capacity  its size in bytes
@@ -55,10 +56,10 @@ OTG_API int dGpuTriMeshHistoryLoad(const dGeomID* geoms, int count, const void* 
  * @brief Makes a geom forget all pairs that it remembers: as if none of them had been asked for before. Call it for
  *        geoms that are put somewhere else at will (a reset of the scene); poses far from the last ones are noticed
  *        without it.
- * @param g  a geom of this class
+ * @param g  a geom of this class, or a dTriMesh that dGpuTriMeshOverrideTriMesh() has collide through this library
  * @returns dGPUTRIMESH_OK or dGPUTRIMESH_ERROR_CLASS.
- * @remarks Not while another thread collides the geom. The pair is remembered by the geom created second: to make sure
- *          of a pair, call it for both.
+ * @remarks Not while another thread collides the geom. A pair of meshes is remembered by the geom created second: to make
+ *          sure of a pair, call it for both. One with a geom of ODE's own is remembered by the mesh.
  * @ingroup gputrimesh
  */
 OTG_API int dGeomGpuTriMeshForgetHistory(dGeomID g);
