@@ -77,6 +77,16 @@ bool prepare(PrimitiveTask& task, int& failure) {
   return rigid;
 }
 
+/// In the caller's numbers of triangles.
+void findContacts(PrimitiveTask& task, int most, std::vector<Contact>& out, int& failure) {
+  if (task.side.callbacks.asked() && dGeomGetClass(task.o2) != dRayClass) {
+    askedContacts(task, most, out, failure);
+    return;
+  }
+  primitiveContacts(task, most, out, failure);
+  for (Contact& c : out) c.triangleA = task.side.mesh->mesh().callerTriangle(c.triangleA);
+}
+
 int collidePrimitive(PrimitiveTask& task, dContactGeom* contact, int skip) {
   GeomStats& stats = task.side.object->stats;
   stats.queries.fetch_add(1, std::memory_order_relaxed);
@@ -86,14 +96,7 @@ int collidePrimitive(PrimitiveTask& task, dContactGeom* contact, int skip) {
     const WorkspaceLease lease;
     std::vector<Contact>& contacts = (*lease).contacts;
     contacts.clear();
-    if (!prepare(task, failure)) {
-      // nothing to be found
-    } else if (task.side.callbacks.asked() && dGeomGetClass(task.o2) != dRayClass) {
-      askedContacts(task, most, contacts, failure);
-    } else {
-      primitiveContacts(task, most, contacts, failure);
-      for (Contact& c : contacts) c.triangleA = task.side.mesh->mesh().callerTriangle(c.triangleA);
-    }
+    if (prepare(task, failure)) findContacts(task, most, contacts, failure);
     if (failure != dGPUTRIMESH_OK) {
       noteStatus(failure);
       stats.failedQueries.fetch_add(1, std::memory_order_relaxed);

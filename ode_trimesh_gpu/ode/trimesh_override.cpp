@@ -2,13 +2,16 @@
 // The C API by which ODE's dTriMesh geoms collide through this library.
 #include <ode/ode.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <iterator>
 
 #include "ode/class_registration.h"
 #include "ode/geom_class.h"
 #include "ode/mesh_collider.h"
 #include "ode/mesh_side.h"
+#include "ode/primitive_collider.h"
 #include "ode/status.h"
 #include "ode/trimesh_cache.h"
 #include "ode_trimesh_gpu/override.h"
@@ -21,20 +24,40 @@ struct {
   std::atomic<std::uint64_t> queries{0}, contacts{0};
 } sums;
 
-int collideTrimeshes(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip) noexcept {
-  const int count = collideMeshMesh(o1, o2, flags, contact, skip);
+template <dColliderFn* collide>
+int collideAndCount(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip) noexcept {
+  const int count = collide(o1, o2, flags, contact, skip);
   sums.queries.fetch_add(1, std::memory_order_relaxed);
   sums.contacts.fetch_add(static_cast<std::uint64_t>(count), std::memory_order_relaxed);
   return count;
+}
+
+/// ODE's own classes that a dTriMesh has a collider with.
+constexpr int kPartners[] = {dTriMeshClass, dSphereClass, dBoxClass,    dCapsuleClass,    dCylinderClass,
+                             dPlaneClass,   dRayClass,    dConvexClass, dHeightfieldClass};
+
+void overridePair(int geomClass) {
+  dSetColliderOverride(
+      dTriMeshClass, geomClass,
+      geomClass == dTriMeshClass ? &collideAndCount<&collideMeshMesh> : &collideAndCount<&collideMeshPrimitive>);
 }
 
 }  // namespace
 }  // namespace otg
 
 int dGpuTriMeshOverrideTriMesh(void) {
-  return otg::guarded([] {
+  return dGpuTriMeshOverrideTriMeshWith(dTriMeshClass);
+}
+
+int dGpuTriMeshOverrideTriMeshWith(int geomClass) {
+  return otg::guarded([&] {
+    const bool all = geomClass == dGPUTRIMESH_OVERRIDE_ALL;
+    if (!all && std::find(std::begin(otg::kPartners), std::end(otg::kPartners), geomClass) == std::end(otg::kPartners))
+      return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
     if (const int status = otg::checkOde()) return status;
-    dSetColliderOverride(dTriMeshClass, dTriMeshClass, &otg::collideTrimeshes);
+    for (const int partner : otg::kPartners) {
+      if (all || partner == geomClass) otg::overridePair(partner);
+    }
     return static_cast<int>(dGPUTRIMESH_OK);
   });
 }

@@ -9,11 +9,14 @@
 #include <dlfcn.h>
 #include <ode/ode.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 
+#include "ode/height_samples.h"
 #include "ode/mesh_side.h"
 #include "ode/trimesh_cache.h"
 #include "ode_trimesh_gpu/ode_trimesh_gpu.h"
@@ -70,10 +73,38 @@ void sayWhatWasDone() {
       static_cast<unsigned long long>(stats.builds), static_cast<unsigned long long>(stats.refits));
 }
 
+/// The classes that OTG_PRELOAD_PRIMITIVES names: "all", or names with commas between them. Names that are none are
+/// passed over, with a line if that is wanted.
+void takeOverPrimitives() {
+  static constexpr struct {
+    const char* name;
+    int geomClass;
+  } kNames[] = {
+      {"all", dGPUTRIMESH_OVERRIDE_ALL}, {"sphere", dSphereClass}, {"box", dBoxClass}, {"capsule", dCapsuleClass},
+      {"cylinder", dCylinderClass},      {"plane", dPlaneClass},   {"ray", dRayClass}, {"convex", dConvexClass},
+      {"heightfield", dHeightfieldClass}};
+  const char* const list = std::getenv("OTG_PRELOAD_PRIMITIVES");
+  if (list == nullptr) return;
+  for (const char* at = list; *at != '\0';) {
+    const std::size_t length = std::strcspn(at, ",");
+    const auto known = std::find_if(std::begin(kNames), std::end(kNames), [&](const auto& entry) {
+      return std::strlen(entry.name) == length && std::strncmp(entry.name, at, length) == 0;
+    });
+    if (known != std::end(kNames)) {
+      dGpuTriMeshOverrideTriMeshWith(known->geomClass);
+    } else if (length > 0 && isVerbose()) {
+      std::fprintf(stderr, "ode_trimesh_gpu: OTG_PRELOAD_PRIMITIVES knows no %.*s\n", static_cast<int>(length), at);
+    }
+    at += length;
+    if (*at == ',') ++at;
+  }
+}
+
 /// After every initialisation of ODE, which clears what was set before.
 void takeOver() {
   if (isSet("OTG_PRELOAD", "off")) return;
   const int status = dGpuTriMeshOverrideTriMesh();
+  takeOverPrimitives();
   static std::atomic<bool> first{true};
   if (first.exchange(false)) {
     chooseParams();
@@ -90,6 +121,30 @@ void takeOver() {
 void forgetAll() {
   otg::forgetTrimeshes();
   otg::clearTrimeshCache();
+  otg::forgetAllHeights();
+}
+
+/// What the heightfield was built from, for meshes to collide with.
+template <class Samples>
+void describe(dHeightfieldDataID data, int type, const Samples* heights, int copy, dReal width, dReal depth,
+              int widthSamples, int depthSamples, dReal scale, dReal offset, dReal thickness, int wrap,
+              dHeightfieldGetHeight* callback = nullptr, void* userData = nullptr) {
+  dGpuTriMeshHeightfield field;
+  dGpuTriMeshHeightfieldInit(&field);
+  field.type = type;
+  field.heights = heights;
+  field.copy = copy;
+  field.callback = callback;
+  field.user_data = userData;
+  field.width = width;
+  field.depth = depth;
+  field.width_samples = widthSamples;
+  field.depth_samples = depthSamples;
+  field.scale = scale;
+  field.offset = offset;
+  field.thickness = thickness;
+  field.wrap = wrap;
+  dGpuTriMeshHeightfieldDataDescribe(data, &field);
 }
 
 }  // namespace
@@ -180,4 +235,57 @@ OTG_INTERPOSED void dGeomTriMeshDataBuildSimple1(dTriMeshDataID g, const dReal* 
                                                  const dTriIndex* Indices, int IndexCount, const int* Normals) {
   OTG_NEXT(dGeomTriMeshDataBuildSimple1)(g, Vertices, VertexCount, Indices, IndexCount, Normals);
   otg::trimeshDataChanged(g);
+}
+
+OTG_INTERPOSED void dGeomHeightfieldDataDestroy(dHeightfieldDataID d) {
+  otg::forgetHeights(d);
+  OTG_NEXT(dGeomHeightfieldDataDestroy)(d);
+}
+
+OTG_INTERPOSED void dGeomHeightfieldDataBuildCallback(dHeightfieldDataID d, void* pUserData,
+                                                      dHeightfieldGetHeight* pCallback, dReal width, dReal depth,
+                                                      int widthSamples, int depthSamples, dReal scale, dReal offset,
+                                                      dReal thickness, int bWrap) {
+  OTG_NEXT(dGeomHeightfieldDataBuildCallback)
+  (d, pUserData, pCallback, width, depth, widthSamples, depthSamples, scale, offset, thickness, bWrap);
+  describe<void>(d, dGPUTRIMESH_HEIGHTS_CALLBACK, nullptr, 0, width, depth, widthSamples, depthSamples, scale, offset,
+                 thickness, bWrap, pCallback, pUserData);
+}
+
+OTG_INTERPOSED void dGeomHeightfieldDataBuildByte(dHeightfieldDataID d, const unsigned char* pHeightData,
+                                                  int bCopyHeightData, dReal width, dReal depth, int widthSamples,
+                                                  int depthSamples, dReal scale, dReal offset, dReal thickness,
+                                                  int bWrap) {
+  OTG_NEXT(dGeomHeightfieldDataBuildByte)
+  (d, pHeightData, bCopyHeightData, width, depth, widthSamples, depthSamples, scale, offset, thickness, bWrap);
+  describe(d, dGPUTRIMESH_HEIGHTS_BYTE, pHeightData, bCopyHeightData, width, depth, widthSamples, depthSamples, scale,
+           offset, thickness, bWrap);
+}
+
+OTG_INTERPOSED void dGeomHeightfieldDataBuildShort(dHeightfieldDataID d, const short* pHeightData, int bCopyHeightData,
+                                                   dReal width, dReal depth, int widthSamples, int depthSamples,
+                                                   dReal scale, dReal offset, dReal thickness, int bWrap) {
+  OTG_NEXT(dGeomHeightfieldDataBuildShort)
+  (d, pHeightData, bCopyHeightData, width, depth, widthSamples, depthSamples, scale, offset, thickness, bWrap);
+  describe(d, dGPUTRIMESH_HEIGHTS_SHORT, pHeightData, bCopyHeightData, width, depth, widthSamples, depthSamples, scale,
+           offset, thickness, bWrap);
+}
+
+OTG_INTERPOSED void dGeomHeightfieldDataBuildSingle(dHeightfieldDataID d, const float* pHeightData, int bCopyHeightData,
+                                                    dReal width, dReal depth, int widthSamples, int depthSamples,
+                                                    dReal scale, dReal offset, dReal thickness, int bWrap) {
+  OTG_NEXT(dGeomHeightfieldDataBuildSingle)
+  (d, pHeightData, bCopyHeightData, width, depth, widthSamples, depthSamples, scale, offset, thickness, bWrap);
+  describe(d, dGPUTRIMESH_HEIGHTS_SINGLE, pHeightData, bCopyHeightData, width, depth, widthSamples, depthSamples, scale,
+           offset, thickness, bWrap);
+}
+
+OTG_INTERPOSED void dGeomHeightfieldDataBuildDouble(dHeightfieldDataID d, const double* pHeightData,
+                                                    int bCopyHeightData, dReal width, dReal depth, int widthSamples,
+                                                    int depthSamples, dReal scale, dReal offset, dReal thickness,
+                                                    int bWrap) {
+  OTG_NEXT(dGeomHeightfieldDataBuildDouble)
+  (d, pHeightData, bCopyHeightData, width, depth, widthSamples, depthSamples, scale, offset, thickness, bWrap);
+  describe(d, dGPUTRIMESH_HEIGHTS_DOUBLE, pHeightData, bCopyHeightData, width, depth, widthSamples, depthSamples, scale,
+           offset, thickness, bWrap);
 }

@@ -18,6 +18,13 @@ if(TARGET ode_trimesh_gpu_preload AND TARGET demo_drop_in_stack AND NOT OTG_SANI
       "skipped: DART with its ODE collision detector is not installed (libdart-collision-ode-dev)")
     set_tests_properties(robustness.drop_in_dart PROPERTIES LABELS robustness SKIP_REGULAR_EXPRESSION "skipped:")
   endif()
+  # ODE's own shapes on a dTriMesh, these pairs taken over as well.
+  foreach(shape cylinder box)
+    add_test(NAME robustness.drop_in_wheel_${shape}
+      COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_drop_in_wheel.py"
+              "$<TARGET_FILE:ode_trimesh_gpu_preload>" "$<TARGET_FILE:demo_drop_in_wheel>" ${shape})
+    set_tests_properties(robustness.drop_in_wheel_${shape} PROPERTIES LABELS robustness TIMEOUT 600)
+  endforeach()
   # Debian's own interpreter, which Debian's module is for.
   otg_add_drop_in_test(pyode /usr/bin/python3 "${PROJECT_SOURCE_DIR}/demos/drop_in/pyode_stack.py" 5 400)
 endif()

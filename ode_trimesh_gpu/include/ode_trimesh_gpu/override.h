@@ -24,7 +24,8 @@ extern "C" {
  * Contacts are those of two geoms of this library's class with the same triangles (see dCreateGpuTriMesh()); sides are
  * ODE's numbers of triangles. dTriCallback, dTriArrayCallback and dTriTriMergeCallback of the geoms are called (see
  * callbacks.h), which ODE itself does not do for two meshes. Last transforms (dGeomTriMeshSetLastTransform()) give the
- * direction of motion of geoms that have no body. Boxes, rays and pairs with other classes stay ODE's.
+ * direction of motion of geoms that have no body. Pairs with other classes stay ODE's, unless
+ * dGpuTriMeshOverrideTriMeshWith() takes them over, too; so do the boxes of the geoms.
  *
  * Triangles are read through dGeomTriMeshGetTriangle(), once for each dTriMeshDataID, when one of its geoms collides
  * first. ODE tells nobody of changes: each time that a geom collides, the number of triangles and 32 of the triangles
@@ -48,6 +49,28 @@ extern "C" {
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshOverrideTriMesh(void);
+
+/**
+ * @brief All pairs that dGpuTriMeshOverrideTriMeshWith() knows.
+ * @ingroup gputrimesh
+ */
+enum { dGPUTRIMESH_OVERRIDE_ALL = -1 };
+
+/**
+ * @brief From here on, dTriMesh geoms collide through this library with geoms of one more of ODE's own classes.
+ *
+ * Contacts are those of a geom of this library's class with the same triangles: see docs/primitives.md for the method
+ * of each pair. Callbacks of the dTriMesh are asked as callbacks.h says, the ray callback for rays. What is said of
+ * dGpuTriMeshOverrideTriMesh() about data, threads, and the way back holds for these pairs as well.
+ * @param geomClass  dSphereClass, dBoxClass, dCapsuleClass, dCylinderClass, dPlaneClass, dRayClass, dConvexClass,
+ *                   dHeightfieldClass (see heightfield.h: its heights must be told), dTriMeshClass (this is what
+ *                   dGpuTriMeshOverrideTriMesh() does), or dGPUTRIMESH_OVERRIDE_ALL
+ * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_ODE, dGPUTRIMESH_ERROR_PRECISION,
+ *          dGPUTRIMESH_ERROR_MEMORY. It may be called any number of times.
+ * @remarks The thread rule of dGpuTriMeshInit().
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshOverrideTriMeshWith(int geomClass);
 
 /**
  * @brief Chooses how dTriMesh geoms collide: those that exist, and those to come.
@@ -110,7 +133,7 @@ OTG_API void dGpuTriMeshOverrideForgetGeom(dGeomID g);
  */
 typedef struct dGpuTriMeshOverrideStats {
   dsizeint size;    /**< sizeof(dGpuTriMeshOverrideStats) of your program; set by ...Init */
-  duint64 queries;  /**< pairs of them that collided */
+  duint64 queries;  /**< pairs that collided, with one another or with other classes */
   duint64 contacts; /**< that came of it */
   duint64 builds;   /**< meshes that were read and built */
   duint64 refits;   /**< meshes whose vertices had moved, read and refitted */
