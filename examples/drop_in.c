@@ -7,9 +7,10 @@ int main(void) {
   dGpuTriMeshParams params;
   dContactGeom contacts[16];
   dTriMeshDataID data;
-  dGeomID a, b;
+  dGeomID a, b, ball;
   EXPECT(dInitODE2(0));
-  EXPECT(dGpuTriMeshOverrideTriMesh() == dGPUTRIMESH_OK); /* the line */
+  EXPECT(dGpuTriMeshOverrideTriMesh() == dGPUTRIMESH_OK);                 /* the line */
+  EXPECT(dGpuTriMeshOverrideTriMeshWith(dSphereClass) == dGPUTRIMESH_OK); /* and one for pairs with dSphere */
 
   data = dGeomTriMeshDataCreate();
   dGeomTriMeshDataBuildSingle(data, kBoxVertices, sizeof kBoxVertices[0], 8, kBoxTriangles, 36,
@@ -29,6 +30,11 @@ int main(void) {
   dGpuTriMeshOverrideStatsInit(&stats);
   EXPECT(dGpuTriMeshOverrideGetStats(&stats) == dGPUTRIMESH_OK && stats.builds == 1 && stats.queries == 1);
   printf("%u contacts of dTriMesh geoms\n", (unsigned)stats.contacts);
+
+  ball = dCreateSphere(0, 0.5);
+  dGeomSetPosition(ball, 0, 0, -0.9);
+  EXPECT(dCollide(a, ball, 16, contacts, sizeof contacts[0]) == 1 && isNear(contacts[0].depth, 0.1));
+  dGeomDestroy(ball);
 
   dGpuTriMeshOverrideForgetGeom(a); /* frees what is kept, before their end */
   dGpuTriMeshOverrideForgetGeom(b);
