@@ -19,7 +19,8 @@ namespace {
 // A cylinder lies on its side up to this sine of its axis' slope, and stands on its end from this cosine on; in between
 // it stands on a point of its rim.
 constexpr double kOnSide = 0.2, kOnEnd = 0.98;
-constexpr double kSamePlace = 0.01;  // of the region's diagonal
+constexpr double kSamePlace = 0.01;       // of the region's diagonal
+constexpr double kFacetsStickOut = 0.05;  // of the radius: at most
 
 class ShapeRefiner final : public RegionRefiner {
  public:
@@ -48,9 +49,19 @@ class ShapeRefiner final : public RegionRefiner {
       return;
     }
     if (shape_.isCurved()) {
+      std::optional<Contact> deepest;
+      if (!settled_ && begin != contacts.end()) {
+        deepest = *std::max_element(begin, contacts.end(),
+                                    [](const Contact& x, const Contact& y) { return x.depth < y.depth; });
+      }
       contacts.erase(
           std::remove_if(begin, contacts.end(), [&](Contact& c) { return !(settled_ ? onPatch(c) : onSurface(c)); }),
           contacts.end());
+      // Where all ends lie beside the round shape, that may be for the facets, or for ways out that bend: a body that
+      // is deeper than facets stick out keeps what they say.
+      if (deepest && contacts.size() == first && deepest->depth > kFacetsStickOut * shape_.radius) {
+        contacts.push_back(*deepest);
+      }
       if (settled_) {
         addDeepest(contacts, first);
         if (onLine()) keepEnds(contacts, first);
