@@ -22,7 +22,7 @@ demo_packages=(libcgal-demo povray gnuplot-nox fonts-dejavu-core)
 # Collision libraries to compare with. Benchmarks leave out, with a message, those that are not installed.
 benchmarks_packages=(libfcl-dev libbullet-dev libembree-dev)
 # Programs that the preloadable library is shown with. Their demos are left out, with a message, where they are missing.
-drop_in_packages=(libdart-collision-ode-dev python3-pyode)
+drop_in_packages=(libdart-collision-ode-dev python3-pyode stormbaancoureur xvfb libxtst6)
 # Format and static checks of the sources.
 lint_packages=(clang-format clang-tidy git)
 

@@ -28,11 +28,7 @@ UncookedMesh loadCookedFile(const std::string& path) {
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   const File file(error ? nullptr : std::fopen(path.c_str(), "rb"));
   if (file == nullptr) return {nullptr, "The file cannot be read."};
-  std::setvbuf(file.get(), nullptr, _IONBF, 0);
-  const auto count = static_cast<std::size_t>(size);
-  const std::unique_ptr<unsigned char[]> bytes(new unsigned char[count]);
-  if (std::fread(bytes.get(), 1, count, file.get()) != count) return {nullptr, "The file cannot be read."};
-  return uncookMesh({bytes.get(), count});
+  return uncookFile(file.get(), size);
 }
 
 }  // namespace otg::cli

@@ -23,19 +23,31 @@ std::uint64_t readWord(const unsigned char* at) {
 }
 
 /// FNV-1a over words of 64 bits in four lanes, which a processor works on at once: a change of a single word changes
-/// its lane for sure, others do but for one chance in 2^64. `size` is a multiple of 8.
-std::uint64_t checksum(const unsigned char* bytes, std::size_t size) {
-  constexpr std::uint64_t kPrime = 0x100000001b3u;
-  std::uint64_t lane[4] = {0xcbf29ce484222325u, 1, 2, 3};
-  std::size_t i = 0;
-  for (; i + 32 <= size; i += 32) {
-    for (std::size_t k = 0; k < 4; ++k) lane[k] = (lane[k] ^ readWord(bytes + i + 8 * k)) * kPrime;
+/// its lane for sure, others do but for one chance in 2^64.
+class Checksum {
+ public:
+  /// `size` is a multiple of 8, and of 32 for all parts but the last.
+  void add(const unsigned char* bytes, std::size_t size) {
+    std::uint64_t lane[4] = {lane_[0], lane_[1], lane_[2], lane_[3]};
+    std::size_t i = 0;
+    for (; i + 32 <= size; i += 32) {
+      for (std::size_t k = 0; k < 4; ++k) lane[k] = (lane[k] ^ readWord(bytes + i + 8 * k)) * kPrime;
+    }
+    for (; i < size; i += 8) lane[0] = (lane[0] ^ readWord(bytes + i)) * kPrime;
+    std::copy(lane, lane + 4, lane_);
+    size_ += size;
   }
-  for (; i < size; i += 8) lane[0] = (lane[0] ^ readWord(bytes + i)) * kPrime;
-  std::uint64_t sum = size;
-  for (const std::uint64_t l : lane) sum = (std::rotl(sum, 23) ^ l) * kPrime;
-  return sum;
-}
+  std::uint64_t sum() const {
+    std::uint64_t sum = size_;
+    for (const std::uint64_t l : lane_) sum = (std::rotl(sum, 23) ^ l) * kPrime;
+    return sum;
+  }
+
+ private:
+  static constexpr std::uint64_t kPrime = 0x100000001b3u;
+  std::uint64_t lane_[4] = {0xcbf29ce484222325u, 1, 2, 3};
+  std::uint64_t size_ = 0;
+};
 
 /// Structures that consist of numbers of `word` bytes each.
 template <class T>
@@ -78,55 +90,152 @@ class Writer {
   std::vector<unsigned char> out_;
 };
 
-/// Reads what is there; good() turns false for good at the first thing that is not as it must be.
+/// Where bytes come from, piece by piece.
+class Pieces {
+ public:
+  static constexpr std::size_t kPiece = std::size_t{1} << 18;
+  Pieces() = default;
+  Pieces(const Pieces&) = delete;
+  Pieces& operator=(const Pieces&) = delete;
+  virtual ~Pieces() = default;
+  /// kPiece bytes, at the end what is left; they live until the next call. Empty when there are no more.
+  virtual std::span<const unsigned char> next() = 0;
+};
+
+class MemoryPieces : public Pieces {
+ public:
+  explicit MemoryPieces(std::span<const unsigned char> bytes) : left_(bytes) {}
+  std::span<const unsigned char> next() override {
+    const std::span<const unsigned char> piece = left_.first(std::min(kPiece, left_.size()));
+    left_ = left_.subspan(piece.size());
+    return piece;
+  }
+
+ private:
+  std::span<const unsigned char> left_;
+};
+
+class FilePieces : public Pieces {
+ public:
+  explicit FilePieces(std::FILE* file) : file_(file), buffer_(kPiece / sizeof(double)) {
+    std::setvbuf(file, nullptr, _IONBF, 0);  // straight into the buffer
+  }
+  std::span<const unsigned char> next() override {
+    auto* const to = reinterpret_cast<unsigned char*>(buffer_.data());
+    return {to, std::fread(to, 1, kPiece, file_)};
+  }
+
+ private:
+  std::FILE* file_;
+  std::vector<double> buffer_;  ///< aligned as all that is read from it
+};
+
+/// Reads what is there; good() turns false for good at the first thing that is not as it must be. Every byte that goes
+/// by is summed up.
 class Reader {
  public:
-  Reader(const unsigned char* bytes, std::size_t size) : at_(bytes), left_(size) {}
+  /// `size`: of all pieces together, a footer at the end included.
+  Reader(Pieces& pieces, std::uint64_t size) : pieces_(pieces), unread_(size), left_(size - kFooter) { refill(); }
   bool good() const { return good_; }
   bool atEnd() const { return left_ == 0; }
 
+  /// The next bytes; false when there are not so many.
+  bool copy(void* to, std::size_t size) {
+    if (!good_ || size > left_) return fail();
+    auto* out = static_cast<unsigned char*>(to);
+    left_ -= size;
+    while (size > 0) {
+      if (piece_.empty() && !refill()) return fail();
+      const std::size_t part = std::min(size, piece_.size());
+      std::memcpy(out, piece_.data(), part);
+      piece_ = piece_.subspan(part);
+      out += part;
+      size -= part;
+    }
+    return true;
+  }
+
   template <class T>
   void operator()(std::vector<T>& array) {
-    const std::span<const unsigned char> from = section(sizeof(T));
+    const std::size_t size = section(sizeof(T));
     if constexpr (std::endian::native == std::endian::little && std::is_trivially_copyable_v<T>) {
-      if (reinterpret_cast<std::uintptr_t>(from.data()) % alignof(T) == 0) {  // without zeroing it first
-        const T* const begin = reinterpret_cast<const T*>(from.data());
-        array.assign(begin, begin + from.size() / sizeof(T));
-        return;
+      array.reserve(size / sizeof(T));  // filled as it comes: nothing is set to zero first
+      for (std::size_t rest = size; rest > 0;) {
+        if (piece_.empty() && !refill()) {
+          fail();
+          return;
+        }
+        const std::size_t whole = std::min(rest, piece_.size()) / sizeof(T);
+        if (whole == 0 || reinterpret_cast<std::uintptr_t>(piece_.data()) % alignof(T) != 0) {
+          T one;
+          if (!copy(&one, sizeof(T))) return;
+          array.push_back(one);
+          rest -= sizeof(T);
+          continue;
+        }
+        const T* const begin = reinterpret_cast<const T*>(piece_.data());
+        array.insert(array.end(), begin, begin + whole);
+        piece_ = piece_.subspan(whole * sizeof(T));
+        left_ -= whole * sizeof(T);
+        rest -= whole * sizeof(T);
       }
+    } else {
+      array.resize(size / sizeof(T));
+      if (!copy(array.data(), size)) return;
+      swapWords(reinterpret_cast<unsigned char*>(array.data()), size, wordOf<T>());
     }
-    array.resize(from.size() / sizeof(T));
-    if (from.empty()) return;
-    std::memcpy(static_cast<void*>(array.data()), from.data(), from.size());
-    swapWords(reinterpret_cast<unsigned char*>(array.data()), from.size(), wordOf<T>());
+    skipPadding(size);
   }
   void operator()(std::string& text) {
-    const std::span<const unsigned char> from = section(1);
-    text.assign(reinterpret_cast<const char*>(from.data()), from.size());
+    text.resize(section(1));
+    if (copy(text.data(), text.size())) skipPadding(text.size());
   }
-  void fail() { good_ = false; }
+
+  /// Whether the checksum at the end is that of all bytes before it. Reads what is left.
+  bool isWhole() {
+    while (refill()) {
+    }
+    return unread_ == 0 && sum_.sum() == footer_;
+  }
 
  private:
-  std::span<const unsigned char> section(std::size_t element) {
-    if (!good_ || left_ < 8) {
-      good_ = false;
-      return {};
-    }
-    const std::uint64_t size = readWord(at_);
-    at_ += 8;
-    left_ -= 8;
+  bool fail() { return good_ = false; }
+
+  /// The size of a section that follows.
+  std::size_t section(std::size_t element) {
+    unsigned char word[8];
+    if (!copy(word, sizeof word)) return 0;
+    const std::uint64_t size = readWord(word);
     if (size > left_ || padded(static_cast<std::size_t>(size)) > left_ || size % element != 0) {
-      good_ = false;
-      return {};
+      fail();
+      return 0;
     }
-    const std::span<const unsigned char> found(at_, static_cast<std::size_t>(size));
-    at_ += padded(found.size());
-    left_ -= padded(found.size());
-    return found;
+    return static_cast<std::size_t>(size);
+  }
+  void skipPadding(std::size_t size) {
+    unsigned char nothing[8];
+    copy(nothing, padded(size) - size);
   }
 
-  const unsigned char* at_;
-  std::size_t left_;
+  bool refill() {
+    const std::span<const unsigned char> piece = unread_ > 0 ? pieces_.next() : std::span<const unsigned char>();
+    if (piece.empty() || piece.size() > unread_) return false;
+    // Pieces are whole words, but for those of a file that has shrunk since it was measured.
+    const std::uint64_t summed = unread_ - kFooter;
+    const auto part = static_cast<std::size_t>(std::min<std::uint64_t>(summed > unread_ ? 0 : summed, piece.size()));
+    sum_.add(piece.data(), part / 8 * 8);
+    if (part < piece.size() && piece.size() - part >= kFooter) footer_ = readWord(piece.data() + part);
+    unread_ -= piece.size();
+    piece_ = piece.first(part);
+    return true;
+  }
+
+  Pieces& pieces_;
+  std::span<const unsigned char> piece_;  ///< what is left of the present one
+  std::uint64_t unread_;                  ///< bytes that no piece has brought yet
+  std::uint64_t left_;                    ///< bytes before the footer that nobody has asked for yet
+  Checksum sum_;
+  std::uint64_t footer_ = 0;
   bool good_ = true;
 };
 
@@ -180,7 +289,8 @@ void packNumbers(TriMeshParts& p, const BinaryTree& tree, Numbers& n) {
   for (const bool* fact : factsOf(p.report)) n.counts.push_back(*fact ? 1 : 0);
   n.counts.insert(n.counts.end(), {p.inputVertexCount, tree.depth, static_cast<std::uint64_t>(tree.strategy)});
   n.reals = {p.mass.volume, p.mass.area, p.radius};
-  for (const Vec3f* v : {&p.boundsMin, &p.boundsMax, &p.center, &p.origin}) n.reals.insert(n.reals.end(), {v->x, v->y, v->z});
+  for (const Vec3f* v : {&p.boundsMin, &p.boundsMax, &p.center, &p.origin})
+    n.reals.insert(n.reals.end(), {v->x, v->y, v->z});
   for (int i = 0; i < 3; ++i) n.reals.push_back(p.mass.centerOfMass[i]);
   for (int i = 0; i < 9; ++i) n.reals.push_back(p.mass.inertia(i / 3, i % 3));
 }
@@ -319,32 +429,42 @@ std::vector<unsigned char> cookMesh(const CollisionMesh& mesh) {
   std::vector<unsigned char>& bytes = writer.bytes();
   const std::uint64_t length = bytes.size() + kFooter;
   for (std::size_t i = 0; i < 8; ++i) bytes[16 + i] = static_cast<unsigned char>(length >> (8 * i));
-  writer.number(checksum(bytes.data(), bytes.size()));
+  Checksum sum;
+  sum.add(bytes.data(), bytes.size());
+  writer.number(sum.sum());
   return std::move(bytes);
 }
 
-UncookedMesh uncookMesh(std::span<const unsigned char> bytes) {
-  if (bytes.size() < 8 || std::memcmp(bytes.data(), kMagic, 8) != 0) return refused("This is no cooked mesh.");
-  if (bytes.size() < kHeader + kFooter) return refused("The cooked mesh is cut off.");
-  const std::uint64_t version = readWord(bytes.data() + 8), length = readWord(bytes.data() + 16);
+namespace {
+
+UncookedMesh uncook(Pieces& pieces, std::uint64_t size) {
+  if (size < kHeader + kFooter || size % 8 != 0) {
+    const std::span<const unsigned char> first = pieces.next();
+    const bool ours = first.size() >= 8 && std::memcmp(first.data(), kMagic, 8) == 0;
+    return refused(ours ? "The cooked mesh is cut off." : "This is no cooked mesh.");
+  }
+  Reader reader(pieces, size);
+  unsigned char header[kHeader] = {};
+  if (!reader.copy(header, kHeader)) return refused("The cooked mesh is cut off.");
+  if (std::memcmp(header, kMagic, 8) != 0) return refused("This is no cooked mesh.");
+  const std::uint64_t version = readWord(header + 8), length = readWord(header + 16);
   if (version != kCookedVersion) {
     return refused("The cooked mesh is of version " + std::to_string(version) + "; this library reads version " +
                    std::to_string(kCookedVersion) + ".");
   }
-  if (length > bytes.size()) return refused("The cooked mesh is cut off.");
-  if (length != bytes.size() || length % 8 != 0) return refused("There is more than the cooked mesh.");
-  const std::size_t end = bytes.size() - kFooter;
-  if (checksum(bytes.data(), end) != readWord(bytes.data() + end)) return refused("The cooked mesh is damaged.");
+  if (length > size) return refused("The cooked mesh is cut off.");
+  if (length != size) return refused("There is more than the cooked mesh.");
 
   TriMeshParts parts;
   BinaryTree tree;
   Numbers numbers;
   std::vector<std::uint64_t> problems;
   std::string texts[3];
-  Reader reader(bytes.data() + kHeader, end - kHeader);
   visitParts(reader, numbers, parts, tree.nodes, problems, texts);
-  if (!reader.good() || !reader.atEnd() || !unpackNumbers(numbers, parts, tree) ||
-      !unpackProblems(problems, texts[0], parts.report)) {
+  // What was read so far was held against its own sizes only. It means something if the sum is right.
+  const bool read = reader.good() && reader.atEnd();
+  if (!reader.isWhole()) return refused("The cooked mesh is damaged.");
+  if (!read || !unpackNumbers(numbers, parts, tree) || !unpackProblems(problems, texts[0], parts.report)) {
     return refused("The cooked mesh is not what its version says.");
   }
   parts.report.repair.messages = split(texts[1]);
@@ -353,6 +473,18 @@ UncookedMesh uncookMesh(std::span<const unsigned char> bytes) {
   if (fault.empty()) fault = treeFault(tree, parts.triangles.size());
   if (!fault.empty()) return refused("The cooked mesh has " + fault + ".");
   return {std::make_shared<CollisionMesh>(TriMeshParts::assemble(std::move(parts)), std::move(tree)), {}};
+}
+
+}  // namespace
+
+UncookedMesh uncookMesh(std::span<const unsigned char> bytes) {
+  MemoryPieces pieces(bytes);
+  return uncook(pieces, bytes.size());
+}
+
+UncookedMesh uncookFile(std::FILE* file, std::uint64_t size) {
+  FilePieces pieces(file);
+  return uncook(pieces, size);
 }
 
 }  // namespace otg

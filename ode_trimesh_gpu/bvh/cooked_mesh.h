@@ -10,6 +10,8 @@
 // The sections in their order are those of visitParts() in cooked_mesh.cpp.
 #pragma once
 
+#include <cstdint>
+#include <cstdio>
 #include <memory>
 #include <span>
 #include <string>
@@ -32,5 +34,9 @@ struct UncookedMesh {
 /// Refuses bytes that are no cooked mesh, are of another version, are cut off or changed, or have numbers in them that
 /// point nowhere. Equal bytes when cooked again. Throws std::bad_alloc only.
 UncookedMesh uncookMesh(std::span<const unsigned char> bytes);
+
+/// The same from a file that is open for reading at its first byte and has `size` bytes. What cannot be read counts as
+/// cut off. Read in small pieces, each of which is still in the processor's cache when it is checked and put in place.
+UncookedMesh uncookFile(std::FILE* file, std::uint64_t size);
 
 }  // namespace otg

@@ -72,7 +72,7 @@ std::vector<dReal> normalsOf(const CollisionMesh& mesh) {
 }
 
 bool isBuilt(dGpuTriMeshDataID g) {
-  return g != nullptr && g->mesh() != nullptr;
+  return dxGpuTriMeshData::isLive(g) && g->mesh() != nullptr;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "ode_trimesh_gpu/cook.h"
 
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -23,22 +24,12 @@ struct CloseFile {
 };
 using File = std::unique_ptr<std::FILE, CloseFile>;
 
-/// Bytes that are not set to zero before they are read.
-struct Bytes {
-  std::unique_ptr<unsigned char[]> first;
-  std::size_t size = 0;
-};
-
-bool readFile(const char* path, Bytes& bytes) {
+/// Null if there is no such file; errno says why.
+File openFile(const char* path, std::uint64_t& size) {
   std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(path, error);  // says no to folders, which fopen does not
+  size = std::filesystem::file_size(path, error);  // says no to folders, which fopen does not
   if (error) errno = error.value();
-  const File file(error ? nullptr : std::fopen(path, "rb"));
-  if (file == nullptr) return false;
-  std::setvbuf(file.get(), nullptr, _IONBF, 0);
-  bytes.size = static_cast<std::size_t>(size);
-  bytes.first.reset(new unsigned char[bytes.size]);
-  return std::fread(bytes.first.get(), 1, bytes.size, file.get()) == bytes.size;
+  return File(error ? nullptr : std::fopen(path, "rb"));
 }
 
 bool writeFile(const std::string& path, const std::vector<unsigned char>& bytes) {
@@ -49,12 +40,7 @@ bool writeFile(const std::string& path, const std::vector<unsigned char>& bytes)
 }
 
 bool isBuilt(dGpuTriMeshDataID g) {
-  return g != nullptr && g->mesh() != nullptr;
-}
-
-int uncook(dGpuTriMeshDataID g, const unsigned char* bytes, std::size_t size) {
-  UncookedMesh uncooked = uncookMesh({bytes, size});
-  return g->take(std::move(uncooked.mesh), std::move(uncooked.error));
+  return dxGpuTriMeshData::isLive(g) && g->mesh() != nullptr;
 }
 
 }  // namespace
@@ -74,8 +60,9 @@ dsizeint dGpuTriMeshDataCook(dGpuTriMeshDataID g, void* buffer, dsizeint capacit
 
 int dGpuTriMeshDataUncook(dGpuTriMeshDataID g, const void* buffer, dsizeint size) {
   return otg::guarded([&] {
-    if (g == nullptr || buffer == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
-    return otg::uncook(g, static_cast<const unsigned char*>(buffer), size);
+    if (!dxGpuTriMeshData::isLive(g) || buffer == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    otg::UncookedMesh uncooked = otg::uncookMesh({static_cast<const unsigned char*>(buffer), size});
+    return g->take(std::move(uncooked.mesh), std::move(uncooked.error));
   });
 }
 
@@ -93,9 +80,12 @@ int dGpuTriMeshDataSave(dGpuTriMeshDataID g, const char* path) {
 
 int dGpuTriMeshDataLoad(dGpuTriMeshDataID g, const char* path) {
   return otg::guarded([&] {
-    if (g == nullptr || path == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
-    otg::Bytes bytes;
-    if (!otg::readFile(path, bytes)) return static_cast<int>(dGPUTRIMESH_ERROR_FILE);
-    return otg::uncook(g, bytes.first.get(), bytes.size);
+    if (!dxGpuTriMeshData::isLive(g) || path == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    std::uint64_t size = 0;
+    const otg::File file = otg::openFile(path, size);
+    if (file == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_FILE);
+    otg::UncookedMesh uncooked = otg::uncookFile(file.get(), size);
+    if (std::ferror(file.get()) != 0) return static_cast<int>(dGPUTRIMESH_ERROR_FILE);
+    return g->take(std::move(uncooked.mesh), std::move(uncooked.error));
   });
 }

@@ -124,6 +124,7 @@ dGeomID dCreateGpuTriMesh(dSpaceID space, dGpuTriMeshDataID data) {
   dGeomID geom = nullptr;
   otg::guarded([&] {
     if (const int status = otg::ensureRegistered()) return status;
+    if (data != nullptr && !dxGpuTriMeshData::isLive(data)) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
     const std::shared_ptr<otg::GeomObject> object(new otg::GeomObject);
     object->serial = otg::nextSerial();
     dGpuTriMeshParamsInit(&object->params);
@@ -152,6 +153,7 @@ int dGeomGpuTriMeshSetData(dGeomID g, dGpuTriMeshDataID data) {
     otg::GeomObject* const object = otg::objectOf(g);
     if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
     if (object->data != data) {
+      if (data != nullptr && !dxGpuTriMeshData::isLive(data)) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
       if (data != nullptr) data->attach(object->serial, g);
       int status = dGPUTRIMESH_ERROR_MEMORY;
       try {

@@ -74,12 +74,12 @@ int totalMass(dMass* m, dReal total, Fill fill) {
 }  // namespace otg
 
 int dMassSetGpuTriMeshData(dMass* m, dReal density, dGpuTriMeshDataID data) {
-  if (data == nullptr) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
+  if (!dxGpuTriMeshData::isLive(data)) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
   return otg::noteStatus(otg::massOfMesh(m, density, data->mesh()));
 }
 
 int dMassSetGpuTriMeshDataTotal(dMass* m, dReal total_mass, dGpuTriMeshDataID data) {
-  if (data == nullptr) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
+  if (!dxGpuTriMeshData::isLive(data)) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
   return otg::noteStatus(
       otg::totalMass(m, total_mass, [&](dMass* unit) { return otg::massOfMesh(unit, 1, data->mesh()); }));
 }

@@ -38,6 +38,18 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
   // A skip that makes elements overlap is an error of the caller's; the first element is there in any case.
   if (to.skip < static_cast<int>(sizeof(dContactGeom))) capacity = 1;
 
+  const DataUse use(side1.object->data, side2.object->data);
+  if (!use.good()) {
+    noteStatus(dGPUTRIMESH_ERROR_BUSY);
+    for (GeomObject* object : {side1.object, side2.object}) {
+      object->stats.queries.fetch_add(1, std::memory_order_relaxed);
+      object->stats.failedQueries.fetch_add(1, std::memory_order_relaxed);
+    }
+    return 0;
+  }
+  for (MeshSide* side : {&side1, &side2}) {
+    if (side->object->data != nullptr) side->mesh = side->object->mesh();  // it may have changed until it was held
+  }
   PairTask task;
   preparePair(std::move(side1), std::move(side2), task);
   const auto both = {task.side1.object, task.side2.object};

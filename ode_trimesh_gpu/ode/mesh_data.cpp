@@ -2,6 +2,7 @@
 // Building, refitting and the life of mesh data.
 #include "ode/mesh_data.h"
 
+#include <unordered_set>
 #include <utility>
 
 #include "ode/geom_class.h"
@@ -22,8 +23,59 @@ bool rescaleOrEmpty(GeomObject& object, dxGpuTriMeshData* data) {
   }
 }
 
+/// The handles that programs hold, so that one that was given up is told from one that was not.
+struct LiveHandles {
+  std::mutex mutex;
+  std::unordered_set<const dxGpuTriMeshData*> handles;
+};
+
+/// Never destroyed: programs may destroy data in the destructors of their own globals.
+LiveHandles& live() {
+  static LiveHandles* const instance = new LiveHandles;
+  return *instance;
+}
+
 }  // namespace
 }  // namespace otg
+
+dxGpuTriMeshData* dxGpuTriMeshData::create() {
+  const std::lock_guard lock(otg::live().mutex);
+  auto* const data = new dxGpuTriMeshData;
+  try {
+    otg::live().handles.insert(data);
+  } catch (...) {
+    delete data;
+    throw;
+  }
+  return data;
+}
+
+bool dxGpuTriMeshData::isLive(const dxGpuTriMeshData* data) noexcept {
+  if (data == nullptr) return false;
+  const std::lock_guard lock(otg::live().mutex);
+  return otg::live().handles.count(data) != 0;
+}
+
+bool dxGpuTriMeshData::beginUse() noexcept {
+  int uses = uses_.load(std::memory_order_relaxed);
+  while (uses >= 0) {
+    if (uses_.compare_exchange_weak(uses, uses + 1, std::memory_order_acquire, std::memory_order_relaxed)) return true;
+  }
+  return false;
+}
+
+void dxGpuTriMeshData::endUse() noexcept {
+  uses_.fetch_sub(1, std::memory_order_release);
+}
+
+bool dxGpuTriMeshData::beginChange() noexcept {
+  int none = 0;
+  return uses_.compare_exchange_strong(none, -1, std::memory_order_acquire, std::memory_order_relaxed);
+}
+
+void dxGpuTriMeshData::endChange() noexcept {
+  uses_.store(0, std::memory_order_release);
+}
 
 int dxGpuTriMeshData::accept(otg::MeshResult&& result, std::shared_ptr<otg::CollisionMesh> mesh) {
   report_ = std::move(result.report);
@@ -52,6 +104,8 @@ int dxGpuTriMeshData::spread() {
 
 int dxGpuTriMeshData::build(const otg::MeshInput& input, const otg::RepairOptions& repair,
                             otg::BuildStrategy strategy) {
+  const otg::DataChange change(this);
+  if (!change.good()) return dGPUTRIMESH_ERROR_BUSY;
   otg::MeshResult result = otg::buildTriMesh(input, repair, otg::MeshOrder::kSpatial);
   std::shared_ptr<otg::CollisionMesh> mesh;
   if (result.mesh != nullptr) mesh = std::make_shared<otg::CollisionMesh>(result.mesh, strategy);
@@ -59,6 +113,11 @@ int dxGpuTriMeshData::build(const otg::MeshInput& input, const otg::RepairOption
 }
 
 int dxGpuTriMeshData::moveVertices(const otg::MeshInput& vertices) {
+  const otg::DataChange change(this);
+  return change.good() ? moveAll(vertices) : dGPUTRIMESH_ERROR_BUSY;
+}
+
+int dxGpuTriMeshData::moveAll(const otg::MeshInput& vertices) {
   if (mesh_ == nullptr) return dGPUTRIMESH_ERROR_ARGUMENT;
   otg::MeshResult result = otg::moveVertices(mesh_->mesh(), vertices);
   std::shared_ptr<otg::CollisionMesh> mesh;
@@ -67,6 +126,8 @@ int dxGpuTriMeshData::moveVertices(const otg::MeshInput& vertices) {
 }
 
 int dxGpuTriMeshData::moveSome(const otg::MeshInput& input, std::size_t first, const int* numbers) {
+  const otg::DataChange change(this);
+  if (!change.good()) return dGPUTRIMESH_ERROR_BUSY;
   if (mesh_ == nullptr) return dGPUTRIMESH_ERROR_ARGUMENT;
   const std::size_t all = mesh_->mesh().inputVertexCount();
   if (numbers == nullptr && (first > all || input.vertexCount > all - first)) return dGPUTRIMESH_ERROR_ARGUMENT;
@@ -101,10 +162,12 @@ int dxGpuTriMeshData::moveSome(const otg::MeshInput& input, std::size_t first, c
   otg::MeshInput whole;
   whole.vertices = vertices.data();
   whole.vertexCount = vertices.size();
-  return moveVertices(whole);
+  return moveAll(whole);
 }
 
 int dxGpuTriMeshData::take(std::shared_ptr<otg::CollisionMesh> mesh, std::string error) {
+  const otg::DataChange change(this);
+  if (!change.good()) return dGPUTRIMESH_ERROR_BUSY;
   otg::MeshResult result;
   result.report.error = std::move(error);
   if (mesh != nullptr) result.report = mesh->mesh().report();
@@ -112,6 +175,10 @@ int dxGpuTriMeshData::take(std::shared_ptr<otg::CollisionMesh> mesh, std::string
 }
 
 void dxGpuTriMeshData::releaseHandle() noexcept {
+  {
+    const std::lock_guard lock(otg::live().mutex);
+    otg::live().handles.erase(this);
+  }
   bool unused = false;
   {
     const std::lock_guard lock(mutex_);

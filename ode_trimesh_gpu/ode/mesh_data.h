@@ -5,6 +5,7 @@
 #include <ode/common.h>
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -27,7 +28,8 @@ using MeshScale = std::array<float, 3>;
 /// several threads at once: the mutex is for these.
 struct dxGpuTriMeshData {
  public:
-  dxGpuTriMeshData() = default;
+  /// A new object, which isLive() knows. May throw std::bad_alloc.
+  static dxGpuTriMeshData* create();
   dxGpuTriMeshData(const dxGpuTriMeshData&) = delete;
   dxGpuTriMeshData& operator=(const dxGpuTriMeshData&) = delete;
 
@@ -53,6 +55,16 @@ struct dxGpuTriMeshData {
   /// if a vertex leaves single precision. There must be a mesh. May throw std::bad_alloc.
   std::shared_ptr<const otg::CollisionMesh> scaledMesh(const otg::MeshScale& scale);
 
+  /// Whether this is a handle that was created and is not given up yet. Any pointer may be asked about: it is not read.
+  static bool isLive(const dxGpuTriMeshData* data) noexcept;
+
+  /// Held by a collision while it reads the mesh, and by who changes the mesh: many of the one or one of the other.
+  /// False where the program breaks that rule; then nothing is held.
+  bool beginUse() noexcept;
+  void endUse() noexcept;
+  bool beginChange() noexcept;
+  void endChange() noexcept;
+
   /// The user's handle is given up.
   void releaseHandle() noexcept;
   /// False once the handle was given up.
@@ -68,7 +80,9 @@ struct dxGpuTriMeshData {
   std::vector<dReal> faceNormals;      ///< empty: not asked for yet
 
  private:
+  dxGpuTriMeshData() = default;
   ~dxGpuTriMeshData() = default;  ///< through releaseHandle() and detach() only
+  int moveAll(const otg::MeshInput& vertices);
   /// Takes over a result; a refused one leaves the mesh as it is. Returns a status.
   int accept(otg::MeshResult&& result, std::shared_ptr<otg::CollisionMesh> mesh);
   /// What was derived from the mesh as it was goes; geoms take the new one. Returns a status.
@@ -78,8 +92,56 @@ struct dxGpuTriMeshData {
   otg::ValidationReport report_;
   std::mutex scaledMutex_;
   std::map<otg::MeshScale, std::weak_ptr<const otg::CollisionMesh>> scaled_;  ///< of the present mesh
+  std::atomic<int> uses_{0};  ///< collisions that read the mesh, or -1 while it is changed
   mutable std::mutex mutex_;
   bool handle_ = true;
   /// In the order of creation, so that marking them as moved shuffles ODE's lists the same way in every run.
   std::map<std::uint64_t, dGeomID> users_;
 };
+
+namespace otg {
+
+/// A collision's hold on the meshes of two geoms; either may be null, and both may be one.
+class DataUse {
+ public:
+  DataUse(dxGpuTriMeshData* first, dxGpuTriMeshData* second) {
+    for (dxGpuTriMeshData* const data : {first, second}) {
+      if (data == nullptr) continue;
+      if (!data->beginUse()) {
+        good_ = false;
+        return;
+      }
+      held_[count_++] = data;
+    }
+  }
+  ~DataUse() {
+    while (count_ > 0) held_[--count_]->endUse();
+  }
+  DataUse(const DataUse&) = delete;
+  DataUse& operator=(const DataUse&) = delete;
+  /// False while another thread changes one of the meshes.
+  bool good() const { return good_; }
+
+ private:
+  dxGpuTriMeshData* held_[2] = {};
+  int count_ = 0;
+  bool good_ = true;
+};
+
+/// The hold of who changes a mesh.
+class DataChange {
+ public:
+  explicit DataChange(dxGpuTriMeshData* data) : held_(data->beginChange() ? data : nullptr) {}
+  ~DataChange() {
+    if (held_ != nullptr) held_->endChange();
+  }
+  DataChange(const DataChange&) = delete;
+  DataChange& operator=(const DataChange&) = delete;
+  /// False while a collision reads the mesh or another thread changes it.
+  bool good() const { return held_ != nullptr; }
+
+ private:
+  dxGpuTriMeshData* held_;
+};
+
+}  // namespace otg

@@ -91,6 +91,9 @@ int collidePrimitive(PrimitiveTask& task, dContactGeom* contact, int skip) {
   GeomStats& stats = task.side.object->stats;
   stats.queries.fetch_add(1, std::memory_order_relaxed);
   int failure = dGPUTRIMESH_OK;
+  const DataUse use(task.side.object->data, nullptr);
+  if (task.side.object->data != nullptr) task.side.mesh = use.good() ? task.side.object->mesh() : nullptr;
+  if (!use.good()) failure = dGPUTRIMESH_ERROR_BUSY;
   try {
     const int most = std::min(task.capacity, task.side.object->params.max_contacts);
     const WorkspaceLease lease;

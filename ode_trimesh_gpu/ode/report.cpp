@@ -69,7 +69,7 @@ const char* dGpuTriMeshProblemName(int kind) {
 
 int dGpuTriMeshDataGetReport(dGpuTriMeshDataID g, dGpuTriMeshReport* report) {
   using otg::toInt;
-  if (g == nullptr || !otg::isCurrentSize(report)) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
+  if (!dxGpuTriMeshData::isLive(g) || !otg::isCurrentSize(report)) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
   const otg::ValidationReport& from = g->report();
   dGpuTriMeshReportInit(report);
   report->accepted = from.accepted;
@@ -103,11 +103,12 @@ int dGpuTriMeshDataGetReport(dGpuTriMeshDataID g, dGpuTriMeshReport* report) {
 }
 
 int dGpuTriMeshDataGetProblemCount(dGpuTriMeshDataID g) {
-  return g == nullptr ? 0 : otg::toInt(g->report().problems.size());
+  return !dxGpuTriMeshData::isLive(g) ? 0 : otg::toInt(g->report().problems.size());
 }
 
 int dGpuTriMeshDataGetProblem(dGpuTriMeshDataID g, int Index, dGpuTriMeshProblem* problem) {
-  if (g == nullptr || !otg::isCurrentSize(problem) || Index < 0 || Index >= dGpuTriMeshDataGetProblemCount(g)) {
+  if (!dxGpuTriMeshData::isLive(g) || !otg::isCurrentSize(problem) || Index < 0 ||
+      Index >= dGpuTriMeshDataGetProblemCount(g)) {
     return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
   }
   const otg::Problem& from = g->report().problems[static_cast<std::size_t>(Index)];
@@ -124,7 +125,7 @@ int dGpuTriMeshDataGetProblem(dGpuTriMeshDataID g, int Index, dGpuTriMeshProblem
 }
 
 int dGpuTriMeshDataGetRepairCount(dGpuTriMeshDataID g) {
-  return g == nullptr ? 0 : otg::toInt(g->report().repair.messages.size());
+  return !dxGpuTriMeshData::isLive(g) ? 0 : otg::toInt(g->report().repair.messages.size());
 }
 
 const char* dGpuTriMeshDataGetRepair(dGpuTriMeshDataID g, int Index) {
@@ -136,5 +137,5 @@ const char* dGpuTriMeshDataGetRepair(dGpuTriMeshDataID g, int Index) {
 }
 
 const char* dGpuTriMeshDataGetErrorString(dGpuTriMeshDataID g) {
-  return g == nullptr ? dGpuTriMeshErrorString(dGPUTRIMESH_ERROR_ARGUMENT) : g->report().error.c_str();
+  return !dxGpuTriMeshData::isLive(g) ? dGpuTriMeshErrorString(dGPUTRIMESH_ERROR_ARGUMENT) : g->report().error.c_str();
 }

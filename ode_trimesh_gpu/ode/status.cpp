@@ -62,6 +62,8 @@ const char* dGpuTriMeshErrorString(int status) {
       return "the pose of a geom is not finite, or its rotation matrix scales, shears or mirrors";
     case dGPUTRIMESH_ERROR_FILE:
       return "a file can't be read or written";
+    case dGPUTRIMESH_ERROR_BUSY:
+      return "mesh data are changed while a collision uses them";
     case dGPUTRIMESH_ERROR_COOKED:
       return "the bytes are no cooked mesh of this version, or are damaged";
     default:

@@ -43,7 +43,7 @@ int build(dGpuTriMeshDataID g, MeshInput::Scalar scalar, const void* vertices, i
           BuildStrategy strategy = BuildStrategy::kSah) noexcept {
   return guarded([&] {
     MeshInput input;
-    if (g == nullptr || !setVertices(input, scalar, vertices, vertexStride, vertexCount) ||
+    if (!dxGpuTriMeshData::isLive(g) || !setVertices(input, scalar, vertices, vertexStride, vertexCount) ||
         !setTriangles(input, indices, indexCount, triStride)) {
       return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
     }
@@ -54,7 +54,7 @@ int build(dGpuTriMeshDataID g, MeshInput::Scalar scalar, const void* vertices, i
 int update(dGpuTriMeshDataID g, MeshInput::Scalar scalar, const void* vertices, int stride, int count) noexcept {
   return guarded([&] {
     MeshInput input;
-    if (g == nullptr || !setVertices(input, scalar, vertices, stride, count)) {
+    if (!dxGpuTriMeshData::isLive(g) || !setVertices(input, scalar, vertices, stride, count)) {
       return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
     }
     return g->moveVertices(input);
@@ -65,7 +65,7 @@ int updateSome(dGpuTriMeshDataID g, MeshInput::Scalar scalar, const void* vertic
                const int* numbers, int count) noexcept {
   return guarded([&] {
     MeshInput input;
-    if (g == nullptr || first < 0 || !setVertices(input, scalar, vertices, stride, count)) {
+    if (!dxGpuTriMeshData::isLive(g) || first < 0 || !setVertices(input, scalar, vertices, stride, count)) {
       return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
     }
     return g->moveSome(input, static_cast<std::size_t>(first), numbers);
@@ -88,14 +88,19 @@ constexpr int kVector3Stride = sizeof(dVector3);
 dGpuTriMeshDataID dGpuTriMeshDataCreate(void) {
   dxGpuTriMeshData* data = nullptr;
   otg::guarded([&] {
-    data = new dxGpuTriMeshData;
+    data = dxGpuTriMeshData::create();
     return static_cast<int>(dGPUTRIMESH_OK);
   });
   return data;
 }
 
 void dGpuTriMeshDataDestroy(dGpuTriMeshDataID g) {
-  if (g != nullptr) g->releaseHandle();
+  if (g == nullptr) return;
+  if (!dxGpuTriMeshData::isLive(g)) {
+    otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
+    return;
+  }
+  g->releaseHandle();
 }
 
 int dGpuTriMeshDataBuildSingle(dGpuTriMeshDataID g, const void* Vertices, int VertexStride, int VertexCount,

@@ -184,3 +184,71 @@ TEST_CASE("threads create, collide and destroy geoms of one mesh, and errors sta
   CHECK(empty == 0);
   CHECK(foreignErrors == 0);
 }
+
+TEST_CASE("threads collide one pair between partial updates of its mesh") {
+  const OdeSession session;
+  scenes::MeshArrays lump = scenes::makeLump(0.5, 3, 0.2, 4);
+  const Data ground(scenes::makeGround(6, 1, 12)), body(lump), same(lump);
+  const Geom floor(ground), first(body), second(same);
+  for (const Geom* g : {&first, &second}) {
+    dGeomSetPosition(g->id, 0.1, 0.2, 0.4);
+    dGpuTriMeshParams params;
+    dGpuTriMeshParamsInit(&params);
+    params.history = dGPUTRIMESH_HISTORY_OFF;  // threads take turns in remembering
+    dGeomGpuTriMeshSetParams(g->id, &params);
+  }
+  const auto count = static_cast<int>(lump.vertices.size());
+  for (int round = 0; round < 8; ++round) {
+    const int from = count / 8 * round;
+    for (int v = from; v < from + 10; ++v) lump.vertices[static_cast<std::size_t>(v)].z *= 1.02f;
+    REQUIRE(dGpuTriMeshDataUpdateRangeSingle(body.id, &lump.vertices[static_cast<std::size_t>(from)], 0, from, 10) ==
+            dGPUTRIMESH_OK);
+    REQUIRE(dGpuTriMeshDataUpdateVerticesSingle(same.id, lump.vertices.data(), 0, count) == dGPUTRIMESH_OK);
+    for (const dGeomID g : {floor.id, first.id, second.id}) settle(g);
+    std::vector<std::vector<dContactGeom>> found(kThreads);
+    runThreads([&](int i) {
+      for (int k = 0; k < 3; ++k) found[i] = test::collide(floor.id, first.id);
+    });
+    auto expected = test::collide(floor.id, second.id);
+    CHECK(!expected.empty());
+    for (dContactGeom& c : expected) c.g2 = first.id;
+    for (const auto& contacts : found) CHECK(sameContacts(contacts, expected));
+  }
+}
+
+TEST_CASE("threads load, update, collide and destroy meshes of their own") {
+  const OdeSession session;
+  const scenes::MeshArrays lump = scenes::makeLump(0.5, 3, 0.2, 4);
+  std::vector<unsigned char> bytes;
+  {
+    const Data data(lump);
+    bytes.resize(dGpuTriMeshDataCook(data.id, nullptr, 0));
+    REQUIRE(dGpuTriMeshDataCook(data.id, bytes.data(), bytes.size()) == bytes.size());
+  }
+  const auto work = [&](std::vector<dContactGeom>& found) {
+    const dGpuTriMeshDataID data = dGpuTriMeshDataCreate();
+    bool good = dGpuTriMeshDataUncook(data, bytes.data(), bytes.size()) == dGPUTRIMESH_OK;
+    std::vector<Vec3f> places(lump.vertices.begin() + 20, lump.vertices.begin() + 60);
+    for (Vec3f& p : places) p.x *= 1.01f;
+    const dGeomID a = dCreateGpuTriMesh(nullptr, data), b = dCreateGpuTriMesh(nullptr, data);
+    good = good && dGpuTriMeshDataUpdateRangeSingle(data, places.data(), 0, 20, 40) == dGPUTRIMESH_OK;
+    dGpuTriMeshDataDestroy(data);
+    dGeomSetPosition(b, 0.4, 0.3, 0.2);
+    found = good ? test::collide(a, b) : std::vector<dContactGeom>();
+    for (dContactGeom& c : found) c.g1 = c.g2 = nullptr;
+    dGeomDestroy(a);
+    dGeomDestroy(b);
+  };
+  std::vector<dContactGeom> expected;
+  work(expected);
+  CHECK(!expected.empty());
+  std::vector<std::vector<dContactGeom>> found(kThreads);
+  std::atomic<int> others{0};
+  runThreads([&](int i) {
+    for (int round = 0; round < 6; ++round) {
+      work(found[i]);
+      if (!sameContacts(found[i], expected)) ++others;
+    }
+  });
+  CHECK(others == 0);
+}

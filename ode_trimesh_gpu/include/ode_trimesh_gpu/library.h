@@ -38,8 +38,10 @@ extern "C" {
  * @par Errors
  * No function aborts, throws or prints because of a bad argument. Most return a status: dGPUTRIMESH_OK (zero), a
  * negative error, after which nothing has changed, or a positive remark. Functions that return a pointer return NULL,
- * and dGpuTriMeshGetError() says why. dCollide() has no place for an error: a pair that can't be collided gets no
- * contacts, is counted in `failed_queries` of dGpuTriMeshStats, and dGpuTriMeshGetError() says why.
+ * and dGpuTriMeshGetError() says why. Ids of mesh data that were destroyed
+ * are told from others, for as long as no new object has the same address; so are data that are changed while
+ * dCollide() uses them (dGPUTRIMESH_ERROR_BUSY). dCollide() has no place for an error: a pair that can't be collided
+ * gets no contacts, is counted in `failed_queries` of dGpuTriMeshStats, and dGpuTriMeshGetError() says why.
  */
 
 /**
@@ -65,8 +67,10 @@ enum {
   dGPUTRIMESH_ERROR_CLASS_COUNT = -9, /**< all of ODE's user classes are taken by others */
   dGPUTRIMESH_ERROR_POSE = -10,       /**< a geom's pose is not finite or not rigid: see dCreateGpuTriMesh() */
   dGPUTRIMESH_ERROR_FILE = -11,       /**< a file can't be read or written; errno says why */
-  dGPUTRIMESH_ERROR_COOKED = -12      /**< bytes that are no cooked mesh of this version, or are damaged; the data's
+  dGPUTRIMESH_ERROR_COOKED = -12,     /**< bytes that are no cooked mesh of this version, or are damaged; the data's
                                            error string says which */
+  dGPUTRIMESH_ERROR_BUSY = -13        /**< mesh data are changed while a collision uses them: by another thread, or by a
+                                           callback of that very collision. Told to the one that came second */
 };
 
 /**
@@ -114,7 +118,7 @@ OTG_API int dGpuTriMeshGetClass(void);
  * @brief The status of the last function of this library that failed on the calling thread.
  * @returns A negative status; dGPUTRIMESH_OK when none has failed since the thread began or since the last call of this
  *          function, which resets it. dCollide() of geoms of this class is among those functions: it leaves
- *          dGPUTRIMESH_ERROR_POSE or dGPUTRIMESH_ERROR_MEMORY.
+ *          dGPUTRIMESH_ERROR_POSE, dGPUTRIMESH_ERROR_BUSY or dGPUTRIMESH_ERROR_MEMORY.
  * @remarks May be called from any thread and from a near callback.
  * @ingroup gputrimesh
  */

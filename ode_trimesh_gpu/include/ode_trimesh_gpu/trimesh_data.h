@@ -34,7 +34,8 @@ OTG_API dGpuTriMeshDataID dGpuTriMeshDataCreate(void);
  *
  * After this the id must not be used, and dGeomGpuTriMeshGetData() of those geoms returns NULL. The mesh is freed with
  * the last of them.
- * @param g  the object; NULL does nothing
+ * @param g  the object; NULL does nothing. One that was given back already is left alone, with
+ *           dGPUTRIMESH_ERROR_ARGUMENT for dGpuTriMeshGetError()
  * @remarks May be called from a near callback.
  * @ingroup gputrimesh
  */

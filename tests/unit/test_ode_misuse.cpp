@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Misuse is reported: ids that are null or no longer alive, geoms of other classes, data that are changed while a
+// collision uses them.
+#include <atomic>
+#include <cmath>
+#include <thread>
+
+#include "support/catch.h"
+#include "support/ode_world.h"
+
+using namespace otg;
+using namespace otg::test;
+
+namespace {
+
+int lastError() {
+  return dGpuTriMeshGetError();
+}
+
+/// Calls every function that takes mesh data, and expects each to refuse it.
+void expectRefused(dGpuTriMeshDataID data) {
+  const scenes::MeshArrays box = scenes::makeBox({1, 1, 1});
+  const auto vertices = static_cast<int>(box.vertices.size()), indices = static_cast<int>(3 * box.triangles.size());
+  const std::vector<double> doubles(3 * box.vertices.size(), 0.5);
+  const std::vector<dReal> simple(4 * box.vertices.size(), dReal(0.5));
+  const std::vector<dTriIndex> wide(3 * box.triangles.size(), 0);
+  const int numbers[1] = {0};
+  const void *const v = box.vertices.data(), *const t = box.triangles.data();
+  constexpr int kRefused = dGPUTRIMESH_ERROR_ARGUMENT;
+  CHECK(dGpuTriMeshDataBuildSingle(data, v, 0, vertices, t, indices, 0) == kRefused);
+  CHECK(dGpuTriMeshDataBuildSingle1(data, v, 0, vertices, t, indices, 0, nullptr) == kRefused);
+  CHECK(dGpuTriMeshDataBuildDouble(data, doubles.data(), 0, vertices, t, indices, 0) == kRefused);
+  CHECK(dGpuTriMeshDataBuildDouble1(data, doubles.data(), 0, vertices, t, indices, 0, nullptr) == kRefused);
+  CHECK(dGpuTriMeshDataBuildSimple(data, simple.data(), vertices, wide.data(), indices) == kRefused);
+  CHECK(dGpuTriMeshDataBuildSimple1(data, simple.data(), vertices, wide.data(), indices, nullptr) == kRefused);
+  dGpuTriMeshBuildParams params;
+  dGpuTriMeshBuildParamsInit(&params);
+  CHECK(dGpuTriMeshDataBuild(data, &params) == kRefused);
+  CHECK(dGpuTriMeshDataUpdateVerticesSingle(data, v, 0, vertices) == kRefused);
+  CHECK(dGpuTriMeshDataUpdateVerticesDouble(data, doubles.data(), 0, vertices) == kRefused);
+  CHECK(dGpuTriMeshDataUpdate(data, simple.data(), vertices) == kRefused);
+  CHECK(dGpuTriMeshDataUpdateRangeSingle(data, v, 0, 0, 1) == kRefused);
+  CHECK(dGpuTriMeshDataUpdateRangeDouble(data, doubles.data(), 0, 0, 1) == kRefused);
+  CHECK(dGpuTriMeshDataUpdateListSingle(data, v, 0, numbers, 1) == kRefused);
+  CHECK(dGpuTriMeshDataUpdateListDouble(data, doubles.data(), 0, numbers, 1) == kRefused);
+  dGpuTriMeshReport report;
+  dGpuTriMeshReportInit(&report);
+  CHECK(dGpuTriMeshDataGetReport(data, &report) == kRefused);
+  CHECK(dGpuTriMeshDataGetProblemCount(data) == 0);
+  dGpuTriMeshProblem problem;
+  dGpuTriMeshProblemInit(&problem);
+  CHECK(dGpuTriMeshDataGetProblem(data, 0, &problem) == kRefused);
+  CHECK(dGpuTriMeshDataGetRepairCount(data) == 0);
+  CHECK(dGpuTriMeshDataGetRepair(data, 0) == nullptr);
+  CHECK(std::string(dGpuTriMeshDataGetErrorString(data)) != "");
+  CHECK(dGpuTriMeshDataPreprocess(data) == 0);
+  CHECK(dGpuTriMeshDataPreprocess2(data, 1u << dTRIDATAPREPROCESS_BUILD_CONCAVE_EDGES, nullptr) == 0);
+  CHECK(dGpuTriMeshDataSet(data, dTRIMESHDATA_USE_FLAGS, nullptr) == kRefused);
+  CHECK(dGpuTriMeshDataGet(data, dTRIMESHDATA_FACE_NORMALS) == nullptr);
+  CHECK(dGpuTriMeshDataGet2(data, dTRIMESHDATA_FACE_NORMALS, nullptr) == nullptr);
+  dReal angle = 0;
+  CHECK(dGpuTriMeshDataGetEdgeAngle(data, 0, 0, &angle) == kRefused);
+  unsigned char bytes[8] = {};
+  lastError();
+  CHECK(dGpuTriMeshDataCook(data, bytes, sizeof bytes) == 0);
+  CHECK(lastError() == kRefused);
+  CHECK(dGpuTriMeshDataUncook(data, bytes, sizeof bytes) == kRefused);
+  CHECK(dGpuTriMeshDataSave(data, "/nowhere") == kRefused);
+  CHECK(dGpuTriMeshDataLoad(data, "/nowhere") == kRefused);
+  dMass mass;
+  CHECK(dMassSetGpuTriMeshData(&mass, 1, data) == kRefused);
+  CHECK(dMassSetGpuTriMeshDataTotal(&mass, 1, data) == kRefused);
+}
+
+dGpuTriMeshDataID changedInside = nullptr;
+int statusInside = 0;
+int changeWhileAsked(dGeomID, dGeomID, int) {
+  const float place[3] = {5, 5, 5};
+  statusInside = dGpuTriMeshDataUpdateRangeSingle(changedInside, place, 0, 0, 1);
+  return 1;
+}
+
+}  // namespace
+
+TEST_CASE("null ids of mesh data, and ids that were given back, are refused by every function") {
+  const OdeSession session;
+  expectRefused(nullptr);
+  const dGpuTriMeshDataID gone = dGpuTriMeshDataCreate();
+  const Data box(scenes::makeBox({1, 1, 1}));
+  const dGeomID keeper = dCreateGpuTriMesh(nullptr, gone);  // the object lives on, so that no other gets its address
+  const Geom geom(box);
+  dGpuTriMeshDataDestroy(gone);
+  expectRefused(gone);
+  lastError();
+  dGpuTriMeshDataDestroy(gone);  // a second time
+  CHECK(lastError() == dGPUTRIMESH_ERROR_ARGUMENT);
+  CHECK(dCreateGpuTriMesh(nullptr, gone) == nullptr);
+  CHECK(lastError() == dGPUTRIMESH_ERROR_ARGUMENT);
+  CHECK(dGeomGpuTriMeshSetData(geom.id, gone) == dGPUTRIMESH_ERROR_ARGUMENT);
+  CHECK(dGeomGpuTriMeshGetData(geom.id) == box.id);
+  dGeomDestroy(keeper);
+  expectRefused(gone);  // freed by now
+}
+
+TEST_CASE("geoms of other classes and null geoms are refused") {
+  const OdeSession session;
+  const dGeomID sphere = dCreateSphere(nullptr, 1);
+  const Data box(scenes::makeBox({1, 1, 1}));
+  const Geom geom(box);
+  for (const dGeomID g : {sphere, static_cast<dGeomID>(nullptr)}) {
+    constexpr int kRefused = dGPUTRIMESH_ERROR_CLASS;
+    dGpuTriMeshParams params;
+    dGpuTriMeshParamsInit(&params);
+    dGpuTriMeshStats stats;
+    dGpuTriMeshStatsInit(&stats);
+    dVector3 v = {0, 0, 0, 0};
+    dMass mass;
+    dContactGeom contact;
+    dGpuTriMeshClosestPoint nearest;
+    dGpuTriMeshDistance apart;
+    CHECK(dGeomGpuTriMeshSetData(g, box.id) == kRefused);
+    CHECK(dGeomGpuTriMeshGetData(g) == nullptr);
+    CHECK(dGeomGpuTriMeshSetParams(g, &params) == kRefused);
+    CHECK(dGeomGpuTriMeshGetParams(g, &params) == kRefused);
+    CHECK(dGeomGpuTriMeshGetTriangleCount(g) == 0);
+    CHECK(dGeomGpuTriMeshGetTriangle(g, 0, &v, nullptr, nullptr) == kRefused);
+    CHECK(dGeomGpuTriMeshGetPoint(g, 0, 0, 0, v) == kRefused);
+    CHECK(dGeomGpuTriMeshSetScale(g, 1, 1, 1) == kRefused);
+    CHECK(dGeomGpuTriMeshGetScale(g, v) == kRefused);
+    CHECK(dGeomGpuTriMeshSetLastTransform(g, nullptr) == kRefused);
+    CHECK(dGeomGpuTriMeshGetLastTransform(g) == nullptr);
+    CHECK(dGeomGpuTriMeshEnableTC(g, dSphereClass, 1) == kRefused);
+    CHECK(dGeomGpuTriMeshClearTCCache(g) == kRefused);
+    CHECK(dGeomGpuTriMeshForgetHistory(g) == kRefused);
+    CHECK(dGeomGpuTriMeshGetStats(g, &stats) == kRefused);
+    CHECK(dGeomGpuTriMeshResetStats(g) == kRefused);
+    CHECK(dGeomGpuTriMeshSetCallback(g, nullptr) == kRefused);
+    CHECK(dGeomGpuTriMeshSetPairCallback(g, nullptr) == kRefused);
+    CHECK(dGeomGpuTriMeshSetBackend(g, dGPUTRIMESH_BACKEND_CPU) == kRefused);
+    CHECK(dMassSetGpuTriMesh(&mass, 1, g) == kRefused);
+    CHECK(dGpuTriMeshCollideEx(g, geom.id, 1, &contact, sizeof contact, nullptr, 0) == kRefused);
+    CHECK(dGeomGpuTriMeshClosestPoint(g, v, &nearest) == kRefused);
+    CHECK(dGpuTriMeshGetDistance(g, geom.id, 1, &apart) == kRefused);
+    CHECK(dGpuTriMeshOverlap(g, geom.id) == kRefused);
+    CHECK(dGpuTriMeshOverridePrepare(g) == kRefused);
+  }
+  dGeomDestroy(sphere);
+}
+
+TEST_CASE("a callback cannot change the mesh of the collision that asks it") {
+  const OdeSession session;
+  const Data box(scenes::makeBox({1, 1, 1})), other(scenes::makeBox({1, 1, 1}));
+  const Geom a(box), b(other);
+  dGeomSetPosition(b.id, 0.1, 0.2, 0.9);
+  changedInside = box.id;
+  statusInside = 1;
+  REQUIRE(dGeomGpuTriMeshSetCallback(a.id, &changeWhileAsked) == dGPUTRIMESH_OK);
+  CHECK(!test::collide(a.id, b.id).empty());
+  CHECK(statusInside == dGPUTRIMESH_ERROR_BUSY);
+  const dGeomID ball = dCreateSphere(nullptr, 0.5);
+  dGeomSetPosition(ball, 0, 0, 0.9);
+  statusInside = 1;
+  CHECK(!test::collide(a.id, ball).empty());
+  CHECK(statusInside == dGPUTRIMESH_ERROR_BUSY);
+  dGeomDestroy(ball);
+  const float place[3] = {-0.5f, -0.5f, -0.51f};
+  CHECK(dGpuTriMeshDataUpdateRangeSingle(box.id, place, 0, 0, 1) == dGPUTRIMESH_OK);  // afterwards it can
+}
+
+TEST_CASE("a mesh that one thread changes while another collides it: one of the two is told, and nothing breaks") {
+  const OdeSession session;
+  scenes::MeshArrays lump = scenes::makeLump(0.5, 4, 0.2, 4);
+  const Data ground(scenes::makeGround(6, 1, 12)), body(lump);
+  const Geom floor(ground), geom(body);
+  dGeomSetPosition(geom.id, 0.1, 0.2, 0.4);
+  dReal aabb[6];
+  for (const Geom* g : {&floor, &geom}) dGeomGetAABB(g->id, aabb);
+  std::atomic<bool> done{false};
+  std::atomic<int> busy{0}, changed{0}, told{0}, bad{0};
+  std::thread changer([&] {
+    for (int i = 0; i < 300; ++i) {
+      for (Vec3f& v : lump.vertices) v.z *= i % 2 == 0 ? 1.001f : 1 / 1.001f;
+      const int status =
+          dGpuTriMeshDataUpdateVerticesSingle(body.id, lump.vertices.data(), 0, static_cast<int>(lump.vertices.size()));
+      ++(status == dGPUTRIMESH_OK ? changed : status == dGPUTRIMESH_ERROR_BUSY ? busy : bad);
+    }
+    done = true;
+  });
+  int rounds = 0;
+  dGpuTriMeshGetError();
+  while (!done || rounds < 10) {
+    ++rounds;
+    const auto contacts = test::collide(floor.id, geom.id);
+    const int error = dGpuTriMeshGetError();
+    if (error == dGPUTRIMESH_ERROR_BUSY) ++told;
+    if (contacts.empty() != (error == dGPUTRIMESH_ERROR_BUSY)) ++bad;
+  }
+  changer.join();
+  INFO(busy << " updates and " << told << " collisions were told");
+  CHECK(bad == 0);
+  CHECK(changed + busy == 300);
+  CHECK(!test::collide(floor.id, geom.id).empty());
+}
