@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <thread>
+#include <vector>
 
 #include "support/catch.h"
 #include "support/ode_world.h"
@@ -73,10 +74,20 @@ void expectRefused(dGpuTriMeshDataID data) {
 }
 
 dGpuTriMeshDataID changedInside = nullptr;
-int statusInside = 0;
+std::vector<unsigned char> cookedInside;
+/// What every function that changes a mesh said.
+std::vector<int> statusInside;
 int changeWhileAsked(dGeomID, dGeomID, int) {
   const float place[3] = {5, 5, 5};
-  statusInside = dGpuTriMeshDataUpdateRangeSingle(changedInside, place, 0, 0, 1);
+  const scenes::MeshArrays box = scenes::makeBox({2, 2, 2});
+  const auto vertices = static_cast<int>(box.vertices.size()), indices = static_cast<int>(3 * box.triangles.size());
+  const dGpuTriMeshDataID data = changedInside;
+  statusInside = {
+      dGpuTriMeshDataUpdateRangeSingle(data, place, 0, 0, 1),
+      dGpuTriMeshDataUpdateVerticesSingle(data, box.vertices.data(), 0, vertices),
+      dGpuTriMeshDataBuildSingle(data, box.vertices.data(), 0, vertices, box.triangles.data(), indices, 0),
+      dGpuTriMeshDataUncook(data, cookedInside.data(), cookedInside.size()),
+  };
   return 1;
 }
 
@@ -152,16 +163,18 @@ TEST_CASE("a callback cannot change the mesh of the collision that asks it") {
   const Data box(scenes::makeBox({1, 1, 1})), other(scenes::makeBox({1, 1, 1}));
   const Geom a(box), b(other);
   dGeomSetPosition(b.id, 0.1, 0.2, 0.9);
+  const std::vector<int> allBusy(4, dGPUTRIMESH_ERROR_BUSY);
   changedInside = box.id;
-  statusInside = 1;
+  cookedInside.resize(dGpuTriMeshDataCook(other.id, nullptr, 0));
+  REQUIRE(dGpuTriMeshDataCook(other.id, cookedInside.data(), cookedInside.size()) == cookedInside.size());
   REQUIRE(dGeomGpuTriMeshSetCallback(a.id, &changeWhileAsked) == dGPUTRIMESH_OK);
   CHECK(!test::collide(a.id, b.id).empty());
-  CHECK(statusInside == dGPUTRIMESH_ERROR_BUSY);
+  CHECK(statusInside == allBusy);
   const dGeomID ball = dCreateSphere(nullptr, 0.5);
   dGeomSetPosition(ball, 0, 0, 0.9);
-  statusInside = 1;
+  statusInside.clear();
   CHECK(!test::collide(a.id, ball).empty());
-  CHECK(statusInside == dGPUTRIMESH_ERROR_BUSY);
+  CHECK(statusInside == allBusy);
   dGeomDestroy(ball);
   const float place[3] = {-0.5f, -0.5f, -0.51f};
   CHECK(dGpuTriMeshDataUpdateRangeSingle(box.id, place, 0, 0, 1) == dGPUTRIMESH_OK);  // afterwards it can
@@ -173,8 +186,10 @@ TEST_CASE("a mesh that one thread changes while another collides it: one of the 
   const Data ground(scenes::makeGround(6, 1, 12)), body(lump);
   const Geom floor(ground), geom(body);
   dGeomSetPosition(geom.id, 0.1, 0.2, 0.4);
+  const dGeomID ball = dCreateSphere(nullptr, 0.3);  // of ODE's own
+  dGeomSetPosition(ball, 0.1, 0.2, 0.9);
   dReal aabb[6];
-  for (const Geom* g : {&floor, &geom}) dGeomGetAABB(g->id, aabb);
+  for (const dGeomID g : {floor.id, geom.id, ball}) dGeomGetAABB(g, aabb);
   std::atomic<bool> done{false};
   std::atomic<int> busy{0}, changed{0}, told{0}, bad{0};
   std::thread changer([&] {
@@ -190,14 +205,18 @@ TEST_CASE("a mesh that one thread changes while another collides it: one of the 
   dGpuTriMeshGetError();
   while (!done || rounds < 10) {
     ++rounds;
-    const auto contacts = test::collide(floor.id, geom.id);
-    const int error = dGpuTriMeshGetError();
-    if (error == dGPUTRIMESH_ERROR_BUSY) ++told;
-    if (contacts.empty() != (error == dGPUTRIMESH_ERROR_BUSY)) ++bad;
+    for (const dGeomID other : {floor.id, ball}) {
+      const auto contacts = test::collide(other, geom.id);
+      const int error = dGpuTriMeshGetError();
+      if (error == dGPUTRIMESH_ERROR_BUSY) ++told;
+      if (contacts.empty() != (error == dGPUTRIMESH_ERROR_BUSY)) ++bad;
+    }
   }
   changer.join();
   INFO(busy << " updates and " << told << " collisions were told");
   CHECK(bad == 0);
   CHECK(changed + busy == 300);
   CHECK(!test::collide(floor.id, geom.id).empty());
+  CHECK(!test::collide(ball, geom.id).empty());
+  dGeomDestroy(ball);
 }
