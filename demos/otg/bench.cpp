@@ -39,6 +39,7 @@ void addBenchCommand(CLI::App& app, Action& action) {
   addBenchContacts(*bench, action);
   addBenchPrimitives(*bench, action);
   addBenchTerrain(*bench, action);
+  addBenchHeightfield(*bench, action);
   addBenchContours(*bench, action);
   addBenchPhysics(*bench, action);
 }

@@ -22,6 +22,8 @@ void addBenchContacts(CLI::App& bench, Action& action);
 void addBenchPrimitives(CLI::App& bench, Action& action);
 /// `otg bench terrain`: ODE's shapes on a large open mesh, beside a dTriMesh.
 void addBenchTerrain(CLI::App& bench, Action& action);
+/// `otg bench heightfield`: meshes on a heightfield, beside ODE's own bodies.
+void addBenchHeightfield(CLI::App& bench, Action& action);
 /// `otg bench contours`: random overlaps, and what the model `solid` could not work with.
 void addBenchContours(CLI::App& bench, Action& action);
 /// `otg bench physics`, which has options of its own: worlds of mesh bodies judged against limits.

@@ -6,9 +6,11 @@
 
 #include "collide/contact_id.h"
 #include "otg/bench_scene.h"
+#include "otg/collide_heightfield.h"
 #include "otg/levels_rows.h"
 #include "otg/pose.h"
 #include "otg/query_options.h"
+#include "scenes/height_grid_file.h"
 
 namespace otg::cli {
 namespace {
@@ -235,6 +237,10 @@ Json stepsOf(const opencl::LevelsTimes& times, double total) {
 }
 
 int runCollide(const CollideOptions& options) {
+  if (scenes::namesHeightGrid(options.query.fileB) || scenes::namesHeightGrid(options.query.fileA)) {
+    if (options.profile) throw UsageError("--profile is of two meshes");
+    return collideWithHeightfield(options.query, options.repeat, options.json);
+  }
   Query query;
   query.bInA = parsePose(options.query.pose);
   query.options = options.query.collideOptions();
@@ -363,7 +369,8 @@ int runCollide(const CollideOptions& options) {
 }  // namespace
 
 void addCollideCommand(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("collide", "Collide mesh A with mesh B: contacts, counters, times");
+  CLI::App* command = app.add_subcommand(
+      "collide", "Collide mesh A with mesh B, or with the heightfield B.json: contacts, counters, times");
   auto options = std::make_shared<CollideOptions>();
   options->query.addInputOptions(*command);
   options->query.addContactOptions(*command);

@@ -57,6 +57,7 @@ void bodyMass(const BodyDescription& body, dMass& mass, Vec3d& center) {
 
 std::shared_ptr<const TriMesh> surfaceOf(const BodyDescription& body) {
   if (body.mesh) return body.mesh;
+  if (body.heights) return build(sheetOf(*body.heights));
   const Vec3d& s = body.size;
   if (body.shape == ShapeKind::kBox) return build(makeBox(s));
   if (body.shape == ShapeKind::kSphere) return build(makeSphere(s.x, 3));

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "mesh/tri_mesh.h"
+#include "scenes/height_grid.h"
 
 namespace otg::scenes {
 
@@ -18,13 +19,14 @@ namespace otg::scenes {
 enum class Collider { kGpuTriMesh, kOdeTriMesh, kPrimitive };
 enum class Stepper { kWorld, kQuick };
 enum class SpaceKind { kSimple, kHash, kSap, kQuadTree };
-enum class ShapeKind { kMesh, kBox, kSphere, kCylinder, kCapsule };
+enum class ShapeKind { kMesh, kBox, kSphere, kCylinder, kCapsule, kHeightfield };
 
 struct BodyDescription {
   std::string name;
   ShapeKind shape = ShapeKind::kMesh;
   Collider collider = Collider::kGpuTriMesh;
-  std::shared_ptr<const TriMesh> mesh;  ///< set unless collider is kPrimitive
+  std::shared_ptr<const TriMesh> mesh;        ///< set unless collider is kPrimitive
+  std::shared_ptr<const HeightGrid> heights;  ///< of a heightfield, which is static
   /// Box: side lengths. Sphere: radius. Cylinder and capsule (along z): radius, height (without the caps).
   Vec3d size{};
   bool isStatic = false;

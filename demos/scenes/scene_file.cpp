@@ -8,13 +8,19 @@
 
 #include "mesh_io/mesh_file.h"
 #include "scenes/generated_meshes.h"
+#include "scenes/height_grid_file.h"
+#include "scenes/heightfield_geom.h"
 #include "scenes/json_reader.h"
 
 namespace otg::scenes {
 namespace {
 
 using nlohmann::json;
-using MeshTable = std::map<std::string, std::shared_ptr<const TriMesh>>;
+/// What bodies refer to by name.
+struct NamedShapes {
+  std::map<std::string, std::shared_ptr<const TriMesh>> meshes;
+  std::map<std::string, std::shared_ptr<const HeightGrid>> heightfields;
+};
 
 constexpr double kLargest = 1e9;  // metres; beyond it single precision has no use for a mesh
 constexpr double kSmallest = 1e-9;
@@ -123,20 +129,35 @@ std::shared_ptr<const TriMesh> readMesh(const json& value, const std::string& wh
   return result.mesh;
 }
 
-MeshTable readMeshes(const json& value, const std::string& source, const std::string& folder) {
-  if (!value.is_object()) throw SceneError(source + ": key 'meshes': must be an object of named meshes");
-  MeshTable table;
-  for (const auto& entry : value.items()) {
-    table[entry.key()] = readMesh(entry.value(), source + ": meshes." + entry.key(), folder);
+/// An object of named things, each read by `read(value, where)`.
+template <class Read>
+auto readTable(ObjectReader& reader, const char* key, const std::string& source, const Read& read) {
+  std::map<std::string, decltype(read(json(), source))> table;
+  const json* const value = reader.member(key);
+  if (value == nullptr) return table;
+  if (!value->is_object()) reader.fail(key, "must be an object whose members have names");
+  for (const auto& entry : value->items()) {
+    table[entry.key()] = read(entry.value(), source + ": " + key + "." + entry.key());
   }
   return table;
 }
 
-void readShape(ObjectReader& reader, const MeshTable& meshes, BodyDescription& body) {
+/// The one that the body names.
+template <class Table>
+auto named(ObjectReader& reader, const char* key, const Table& table) {
+  const std::string name = reader.text(key, "");
+  const auto found = table.find(name);
+  if (found == table.end()) reader.fail(key, std::string("there is no ") + key + " named '" + name + "'");
+  return found->second;
+}
+
+void readShape(ObjectReader& reader, const NamedShapes& shapesByName, BodyDescription& body) {
   int shapes = 0;
-  for (const char* key : {"mesh", "box", "sphere", "cylinder", "capsule"}) shapes += reader.has(key) ? 1 : 0;
+  for (const char* key : {"mesh", "heightfield", "box", "sphere", "cylinder", "capsule"})
+    shapes += reader.has(key) ? 1 : 0;
   if (shapes != 1) {
-    throw SceneError(reader.where() + ": needs exactly one of the keys mesh, box, sphere, cylinder, capsule");
+    throw SceneError(reader.where() +
+                     ": needs exactly one of the keys mesh, heightfield, box, sphere, cylinder, capsule");
   }
   const auto checkLengths = [&](const char* key, std::initializer_list<double> lengths) {
     for (const double x : lengths) {
@@ -145,10 +166,10 @@ void readShape(ObjectReader& reader, const MeshTable& meshes, BodyDescription& b
   };
   if (reader.has("mesh")) {
     body.shape = ShapeKind::kMesh;
-    const std::string name = reader.text("mesh", "");
-    const auto found = meshes.find(name);
-    if (found == meshes.end()) reader.fail("mesh", "there is no mesh named '" + name + "'");
-    body.mesh = found->second;
+    body.mesh = named(reader, "mesh", shapesByName.meshes);
+  } else if (reader.has("heightfield")) {
+    body.shape = ShapeKind::kHeightfield;
+    body.heights = named(reader, "heightfield", shapesByName.heightfields);
   } else if (reader.has("box")) {
     body.shape = ShapeKind::kBox;
     body.size = reader.vector("box", {});
@@ -174,6 +195,9 @@ void readShape(ObjectReader& reader, const MeshTable& meshes, BodyDescription& b
   if (body.shape != ShapeKind::kMesh && body.collider != Collider::kPrimitive) {
     if (body.shape == ShapeKind::kBox) {
       body.mesh = build(makeBox(body.size, reader.integer("divisions", 1, 1, 512)));
+    } else if (body.shape == ShapeKind::kHeightfield) {
+      if (body.heights->wraps) reader.fail("collider", "a field that wraps has no end, and a mesh has one");
+      body.mesh = build(sheetOf(*body.heights));
     } else if (body.shape == ShapeKind::kSphere) {
       body.mesh = build(makeSphere(body.size.x, reader.integer("level", 3, 0, 8)));
     } else if (body.shape == ShapeKind::kCylinder) {
@@ -184,18 +208,22 @@ void readShape(ObjectReader& reader, const MeshTable& meshes, BodyDescription& b
   }
 }
 
-BodyDescription readBody(const json& value, const std::string& where, const MeshTable& meshes) {
+BodyDescription readBody(const json& value, const std::string& where, const NamedShapes& shapes) {
   ObjectReader reader(value, where);
   BodyDescription body;
   body.name = reader.text("name", "");
   if (body.name.empty()) reader.fail("name", "is missing or empty");
-  readShape(reader, meshes, body);
+  readShape(reader, shapes, body);
   body.isStatic = reader.boolean("static", false);
+  if (body.heights && !body.isStatic) reader.fail("static", "a heightfield must be static");
   body.position = reader.vector("position", {0, 0, 0});
   if (const auto q = reader.numbers("rotation", 4)) {
     const double length = std::sqrt((*q)[0] * (*q)[0] + (*q)[1] * (*q)[1] + (*q)[2] * (*q)[2] + (*q)[3] * (*q)[3]);
     if (!(std::fabs(length - 1) <= 1e-3)) reader.fail("rotation", "must be a unit quaternion w, x, y, z");
     for (std::size_t i = 0; i < 4; ++i) body.rotation[i] = (*q)[i] / length;
+  }
+  if (body.heights && body.collider == Collider::kPrimitive && !isOfRightAngles(body.rotation)) {
+    reader.fail("rotation", "a heightfield can be turned by right angles only");
   }
   body.linearVelocity = reader.vector("linear_velocity", {0, 0, 0});
   body.angularVelocity = reader.vector("angular_velocity", {0, 0, 0});
@@ -273,12 +301,15 @@ SceneDescription parseScene(const std::string& text, const std::string& source, 
       scene.planes.push_back(readPlane((*planes)[i], source + ": planes[" + std::to_string(i) + "]"));
     }
   }
-  MeshTable meshes;
-  if (const json* table = reader.member("meshes")) meshes = readMeshes(*table, source, folder);
+  NamedShapes shapes;
+  shapes.meshes = readTable(reader, "meshes", source, [&folder](const json& value, const std::string& where) {
+    return readMesh(value, where, folder);
+  });
+  shapes.heightfields = readTable(reader, "heightfields", source, &readHeightGrid);
   const json* bodies = reader.member("bodies");
   if (bodies == nullptr || !bodies->is_array()) reader.fail("bodies", "is missing or not an array");
   for (std::size_t i = 0; i < bodies->size(); ++i) {
-    scene.bodies.push_back(readBody((*bodies)[i], source + ": bodies[" + std::to_string(i) + "]", meshes));
+    scene.bodies.push_back(readBody((*bodies)[i], source + ": bodies[" + std::to_string(i) + "]", shapes));
     for (std::size_t k = 0; k < i; ++k) {
       if (scene.bodies[k].name == scene.bodies[i].name) {
         throw SceneError(source + ": two bodies are named '" + scene.bodies[i].name + "'");

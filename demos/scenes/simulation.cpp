@@ -29,6 +29,7 @@ dSpaceID makeSpace(const SceneDescription& scene) {
       double reach = 1;
       for (const BodyDescription& body : scene.bodies) {
         double radius = body.size.x + body.size.y + body.size.z;
+        if (body.heights) radius = body.heights->sizeX + body.heights->sizeY;
         if (body.mesh) {
           const Vec3f c = body.mesh->center();
           radius = body.mesh->radius() + std::sqrt(double(otgDot(c, c)));
@@ -45,6 +46,14 @@ dSpaceID makeSpace(const SceneDescription& scene) {
       break;
   }
   return dHashSpaceCreate(nullptr);
+}
+
+Transformd poseOf(const BodyDescription& description) {
+  const dQuaternion q{description.rotation[0], description.rotation[1], description.rotation[2],
+                      description.rotation[3]};
+  dMatrix3 r;
+  dQtoR(q, r);
+  return {{r[0], r[1], r[2], r[4], r[5], r[6], r[8], r[9], r[10]}, description.position};
 }
 
 }  // namespace
@@ -105,6 +114,9 @@ dGeomID Simulation::makeGeom(const BodyDescription& description, Body& body) con
   const Vec3d& s = description.size;
   if (description.collider == Collider::kPrimitive) {
     switch (description.shape) {
+      case ShapeKind::kHeightfield:
+        body.heights = std::make_unique<HeightfieldData>(*description.heights);
+        return body.heights->makeGeom(space_, poseOf(description));
       case ShapeKind::kBox:
         return dCreateBox(space_, s.x, s.y, s.z);
       case ShapeKind::kSphere:
@@ -154,6 +166,7 @@ void Simulation::addBody(const BodyDescription& description) {
   dGeomSetData(body.geom, reinterpret_cast<void*>(bodies_.size()));
   dQuaternion q{description.rotation[0], description.rotation[1], description.rotation[2], description.rotation[3]};
   const Vec3d& p = description.position;
+  if (body.heights) return;
   if (description.isStatic) {
     dGeomSetPosition(body.geom, p.x, p.y, p.z);
     dGeomSetQuaternion(body.geom, q);
@@ -260,6 +273,7 @@ BodyState Simulation::state(std::size_t index) const {
   state.centerOfMass = state.position;
   dQuaternion q;
   dGeomGetQuaternion(body.geom, q);
+  if (body.heights) std::copy(scene_.bodies[index].rotation, scene_.bodies[index].rotation + 4, q);  // not ODE's axes
   std::copy(q, q + 4, state.rotation.begin());
   if (body.body != nullptr) {
     const dReal *c = dBodyGetPosition(body.body), *v = dBodyGetLinearVel(body.body), *w = dBodyGetAngularVel(body.body);

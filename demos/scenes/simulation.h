@@ -7,9 +7,11 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "scenes/heightfield_geom.h"
 #include "scenes/scene_description.h"
 
 namespace otg::scenes {
@@ -74,6 +76,7 @@ class Simulation {
     dGeomID geom = nullptr;
     dBodyID body = nullptr;  ///< null for a static body
     dTriMeshDataID odeData = nullptr;
+    std::unique_ptr<HeightfieldData> heights;
   };
   struct Destroy;
   static void nearCallback(void* self, dGeomID a, dGeomID b);

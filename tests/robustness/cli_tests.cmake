@@ -2,7 +2,7 @@
 # The program otg as its users meet it, and the mesh readers behind it.
 if(TARGET otg)
   find_package(Python3 REQUIRED COMPONENTS Interpreter)
-  foreach(subject check collide pairs batch simulate bench)
+  foreach(subject check collide pairs batch simulate heightfield bench)
     add_test(NAME robustness.cli_${subject}
       COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_cli_${subject}.py" "$<TARGET_FILE:otg>")
     set_tests_properties(robustness.cli_${subject} PROPERTIES LABELS robustness TIMEOUT 600)

@@ -25,6 +25,11 @@ if(TARGET ode_trimesh_gpu_preload AND TARGET demo_drop_in_stack AND NOT OTG_SANI
               "$<TARGET_FILE:ode_trimesh_gpu_preload>" "$<TARGET_FILE:demo_drop_in_wheel>" ${shape})
     set_tests_properties(robustness.drop_in_wheel_${shape} PROPERTIES LABELS robustness TIMEOUT 600)
   endforeach()
+  # Meshes on a heightfield, that pair taken over as well.
+  add_test(NAME robustness.drop_in_hills
+    COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_drop_in_hills.py"
+            "$<TARGET_FILE:ode_trimesh_gpu_preload>" "$<TARGET_FILE:demo_drop_in_hills>")
+  set_tests_properties(robustness.drop_in_hills PROPERTIES LABELS robustness TIMEOUT 600)
   # Debian's own interpreter, which Debian's module is for.
   otg_add_drop_in_test(pyode /usr/bin/python3 "${PROJECT_SOURCE_DIR}/demos/drop_in/pyode_stack.py" 5 400)
 endif()
