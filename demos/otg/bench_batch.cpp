@@ -277,26 +277,32 @@ std::vector<std::shared_ptr<const CollisionMesh>> batchBodies() {
 /// Three quarters of the pairs overlap by 2% of the distance at which they touch, one quarter is 0.4% apart.
 std::vector<Query> batchQueries(const std::vector<std::shared_ptr<const CollisionMesh>>& bodies, int pairs) {
   Random random(2);
-  Workspace workspace;
   std::vector<Query> queries;
+  std::vector<Vec3d> ways;
   for (int i = 0; i < pairs; ++i) {
     Query query;
     query.a = bodies[random.below(bodies.size())].get();
     query.b = bodies[random.below(bodies.size())].get();
     query.options.maxContacts = kBatchContacts;
-    const Transformd turned = turn(random.direction(), random.uniform(0, 3));
-    const Vec3d way = random.direction();
-    double inside = 0, outside = 2.5;
-    query.bInA = turned;
-    for (int step = 0; step < 11; ++step) {
-      const double middle = 0.5 * (inside + outside);
-      query.bInA.t = otgScale(way, middle);
-      findIntersectingPairs(query, workspace);
-      (workspace.intersecting.empty() ? outside : inside) = middle;
-    }
-    query.bInA.t = otgScale(way, outside * (i % 4 != 0 ? 0.98 : 1.004));
+    const double angle = random.uniform(0, 3);
+    query.bInA = turn(random.direction(), angle);
+    ways.push_back(random.direction());
     queries.push_back(query);
   }
+  ThreadPool(defaultThreadCount()).run(queries.size(), 16, [&](std::size_t begin, std::size_t end) {
+    Workspace workspace;
+    for (std::size_t i = begin; i < end; ++i) {
+      Query& query = queries[i];
+      double inside = 0, outside = 2.5;
+      for (int step = 0; step < 11; ++step) {
+        const double middle = 0.5 * (inside + outside);
+        query.bInA.t = otgScale(ways[i], middle);
+        findIntersectingPairs(query, workspace);
+        (workspace.intersecting.empty() ? outside : inside) = middle;
+      }
+      query.bInA.t = otgScale(ways[i], outside * (i % 4 != 0 ? 0.98 : 1.004));
+    }
+  });
   return queries;
 }
 
@@ -373,27 +379,36 @@ BatchVersions makeBatchVersions(const BenchOptions& options, bool stacks) {
   scene.queries = stacks ? stackQueries(scene.bodies, options.pairs) : batchQueries(scene.bodies, options.pairs);
   for (Query& query : scene.queries) query.options.contacts = modelOf(options);
   Random random(3);
+  ThreadPool pool(defaultThreadCount());
   for (int version = 0; version < kVersions; ++version) {
     std::vector<opencl::MeshPair> pairs;
-    std::vector<Contact> whole;
-    std::vector<std::uint8_t> intersects;
-    Workspace workspace;
     for (const Query& query : scene.queries) {
       const auto number = [&](const CollisionMesh* mesh) {
         return static_cast<std::uint32_t>(std::find(scene.meshes.begin(), scene.meshes.end(), mesh) -
                                           scene.meshes.begin());
       };
-      Query moved = query;
+      Transformd moved = query.bInA;
       if (stacks) {
-        moved.bInA.t.z -= 1e-7 * version;
+        moved.t.z -= 1e-7 * version;
       } else if (version > 0) {
-        moved.bInA.t = otgAdd(query.bInA.t, otgScale(random.direction(), 1e-5));
+        moved.t = otgAdd(moved.t, otgScale(random.direction(), 1e-5));
       }
-      pairs.push_back({number(query.a), number(query.b), moved.bInA});
-      collide(moved, workspace);
-      whole.insert(whole.end(), workspace.reduced.begin(), workspace.reduced.end());
-      intersects.push_back(!workspace.intersecting.empty());
+      pairs.push_back({number(query.a), number(query.b), moved});
     }
+    std::vector<std::vector<Contact>> contacts(pairs.size());
+    std::vector<std::uint8_t> intersects(pairs.size());
+    pool.run(pairs.size(), 16, [&](std::size_t begin, std::size_t end) {
+      Workspace workspace;
+      for (std::size_t i = begin; i < end; ++i) {
+        Query moved = scene.queries[i];
+        moved.bInA = pairs[i].bInA;
+        collide(moved, workspace);
+        contacts[i] = workspace.reduced;
+        intersects[i] = !workspace.intersecting.empty();
+      }
+    });
+    std::vector<Contact> whole;
+    for (const auto& some : contacts) whole.insert(whole.end(), some.begin(), some.end());
     scene.pairs.push_back(std::move(pairs));
     scene.hashes.push_back(hashOf(whole));
     scene.intersects.push_back(std::move(intersects));
