@@ -127,16 +127,31 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidContac
   }
 }
 
-/// The lists one after the other, behind the places that placeContacts made. The last kernel.
+/// The lists one after the other, behind the places that placeContacts made, and the records of pairs that are left to
+/// the host (of those whose hits lie side by side) in a list of their own. The last kernel.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidWrite(
     __global uint* restrict counters, __global const otg_chosen_contact* restrict lists, uint room, uint pairs,
-    __global uchar* restrict results, uint contactRoom) {
-  __local uint last;
+    __global uchar* restrict results, uint contactRoom, __global const otg_pair_state* restrict states,
+    __global const uchar* restrict records, uint hitCapacity, __global uchar* restrict left, uint leftRoom) {
+  __local uint last, begin;
   __global const uint* words = (__global const uint*)results;
   __global otg_chosen_contact* out = (__global otg_chosen_contact*)(results + OTG_RESULT_CONTACTS(pairs));
   for (size_t t = get_global_id(0); t < (size_t)pairs * room; t += get_global_size(0)) {
     const uint pair = (uint)(t / room), k = (uint)(t % room), place = words[OTG_PLACE(pairs, pair)] + k;
     if (k < words[OTG_PLACE(pairs, pair) + 1] && place < contactRoom) out[place] = lists[t];
+  }
+  __global const otg_record* from = (__global const otg_record*)(records + OTG_RESULT_HEAD);
+  __global otg_record* to = (__global otg_record*)(left + OTG_RESULT_HEAD);
+  for (uint pair = get_group_id(0); pair < pairs; pair += get_num_groups(0)) {
+    const uint flags = words[OTG_FLAGS + pair], first = states[pair].firstHit;
+    const int isLeft = (flags & (OTG_PAIR_TO_HOST | OTG_PAIR_NO_FRAME | OTG_PAIR_MANY)) == OTG_PAIR_TO_HOST;
+    const uint hits = isLeft && first < hitCapacity ? min(states[pair].hits, hitCapacity - first) : 0;
+    if (get_local_id(0) == 0 && hits > 0) begin = atomic_add(counters + OTG_COUNT_LEFT, hits);
+    OTG_SYNC;
+    for (uint k = get_local_id(0); k < hits; k += OTG_GROUP) {
+      if (begin + k < leftRoom) to[begin + k] = from[first + k];
+    }
+    OTG_SYNC;
   }
   otgFinish(counters, results, &last);
 }

@@ -150,6 +150,7 @@ enum {
   OTG_COUNT_PLACES = 3,           ///< in batches of solids: places in the list of hits by pair
   OTG_COUNT_HITS = 4,             ///< pairs of triangles that intersect or that single precision cannot decide
   OTG_COUNT_SEED_TICKET = 5,      ///< pairs of level 2 that work-groups of the tail have taken
+  OTG_COUNT_LEFT = 5,             ///< in batches of solids: records of pairs that are left to the host
   OTG_COUNT_DONE = 6,             ///< work-groups of the last kernel that are through
   OTG_COUNT_UNDECIDED = 7,        ///< of the hits: those that single precision cannot decide
   OTG_COUNT_BOX_TESTS = 8,        ///< and 9: low and high word

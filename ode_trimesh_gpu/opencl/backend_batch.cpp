@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <functional>
 #include <map>
+#include <memory>
 #include <numeric>
+#include <optional>
 
 #include "collide/solid_contacts.h"
 #include "collide/stages.h"
@@ -161,6 +162,7 @@ class PairSource {
 ///   chunk(begin, count, found)      the flags (and contacts) of a piece, before anything else is said of its pairs
 ///   refuse(i)                       a pose that cannot be worked with
 ///   records(which, answer, query, recordsOf) pairs that the host has to finish: query(i), and places of its records
+///                                   (there are none unless wantsRecords())
 ///   alone(i, query, onHost)         the pair is done without the batch; false if the device failed
 template <class Source, class Finish>
 class Backend::Batch {
@@ -207,51 +209,72 @@ class Backend::Batch {
     renumber_ = std::move(number);
   }
 
-  /// Pieces of `step` pairs: the others are begun while the device has the first.
+  /// A part of the batch in one submission.
+  struct Piece {
+    std::size_t begin, count;
+    std::unique_ptr<BatchLane> lane;  ///< none if it could not be begun
+    std::uint64_t repeats = 0;        ///< of the lane until then
+    std::vector<std::size_t> alone, large, refused;
+    std::optional<ClError> error;
+  };
+
+  /// Pieces of `step` pairs: all are begun before the first is waited for, so that the host finishes what the device
+  /// leaves of one while the device has the next.
   void submitFrom(std::size_t begin, std::size_t end, std::size_t step) {
-    const std::size_t count = std::min(step, end - begin);
-    bool begun = false;
-    const auto others = [&] {
-      if (begun) return;
-      begun = true;
-      if (begin + count < end) submitFrom(begin + count, end, step);
-    };
-    submit(begin, count, false, others);
-    others();  // in case it failed before
+    std::vector<Piece> pieces;
+    for (std::size_t at = begin; at < end; at += step) pieces.push_back(begun(at, std::min(step, end - at), false));
+    for (Piece& piece : pieces) finish(piece);
   }
 
-  /// `meanwhile` is called when the piece has been begun.
-  void submit(std::size_t begin, std::size_t count, bool part, const std::function<void()>& meanwhile) {
-    std::vector<std::size_t> alone, large, refused;
+  Piece begun(std::size_t begin, std::size_t count, bool part) {
+    Piece piece{begin, count, nullptr, 0, {}, {}, {}, std::nullopt};
     if (part) {
       narrow(begin, count);
     } else if (meshes_.size() != source_.meshes.size()) {
       meshes_ = source_.meshes;
       renumber_.clear();
     }
-    // Nothing of a piece is finished before its last call of OpenCL: a failure leaves all of it.
     try {
-      lanes_.with([&](BatchLane& lane) {
-        const Stopwatch watch(times_ != nullptr);
-        const std::span<otg_batch_task> tasks = lane.stage(count);
-        fill(begin, tasks, lane.stageFrames(), alone, large, refused);
-        if (times_) times_->fill += watch.ms();
-        lane.begin(meshes_, source_.reductions, wish_);
-        meanwhile();
-        const BatchFound found = lane.end();
-        if (times_) addTimes(lane.profile());
-        const Stopwatch collecting(times_ != nullptr);
-        collect(begin, count, lane, found, alone, refused);
-        if (times_) times_->host += collecting.ms();
-      });
+      piece.lane = lanes_.take();
+      piece.repeats = piece.lane->repeats();
+      const Stopwatch watch(times_ != nullptr);
+      const std::span<otg_batch_task> tasks = piece.lane->stage(count);
+      fill(begin, tasks, piece.lane->stageFrames(), piece);
+      if (times_) times_->fill += watch.ms();
+      piece.lane->begin(meshes_, source_.reductions, wish_);
     } catch (const ClError& error) {
+      piece.lane = nullptr;
+      piece.error = error;
+    }
+    return piece;
+  }
+
+  void finish(Piece& piece) {
+    const std::size_t begin = piece.begin, count = piece.count;
+    // Nothing of a piece is finished before its last call of OpenCL: a failure leaves all of it.
+    if (!piece.error) {
+      try {
+        const BatchFound found = piece.lane->end();
+        if (times_) addTimes(piece.lane->profile());
+        const Stopwatch collecting(times_ != nullptr);
+        collect(piece, found);
+        if (times_) times_->host += collecting.ms();
+        lanes_.keep(std::move(piece.lane), piece.repeats);
+      } catch (const ClError& error) {
+        piece.lane = nullptr;
+        piece.error = error;
+      }
+    }
+    if (piece.error) {
       // Meshes that do not fit at once may fit in two halves.
-      if (error.code() == CL_MEM_OBJECT_ALLOCATION_FAILURE && count > 1) {
-        submit(begin, count / 2, true, [] {});
-        submit(begin + count / 2, count - count / 2, true, [] {});
+      if (piece.error->code() == CL_MEM_OBJECT_ALLOCATION_FAILURE && count > 1) {
+        Piece first = begun(begin, count / 2, true);
+        finish(first);
+        Piece second = begun(begin + count / 2, count - count / 2, true);
+        finish(second);
         return;
       }
-      logError(error);
+      logError(*piece.error);
       good_ = false;
       finish_.chunk(begin, count, {});
       for (std::size_t i = begin; i < begin + count; ++i) {
@@ -265,12 +288,11 @@ class Backend::Batch {
       state_.onHost += count;
       return;
     }
-    for (const std::size_t i : alone) finish_.alone(i, source_.query(i), true);
-    for (const std::size_t i : large) good_ = finish_.alone(i, source_.query(i), false) && good_;
+    for (const std::size_t i : piece.alone) finish_.alone(i, source_.query(i), true);
+    for (const std::size_t i : piece.large) good_ = finish_.alone(i, source_.query(i), false) && good_;
   }
 
-  void fill(std::size_t begin, std::span<otg_batch_task> tasks, std::span<otg_batch_pair> frames,
-            std::vector<std::size_t>& alone, std::vector<std::size_t>& large, std::vector<std::size_t>& refused) {
+  void fill(std::size_t begin, std::span<otg_batch_task> tasks, std::span<otg_batch_pair> frames, Piece& piece) {
     for (std::size_t k = 0; k < tasks.size(); ++k) source_.fill(begin + k, tasks[k]);
     if (!renumber_.empty()) {
       for (otg_batch_task& task : tasks) {
@@ -283,7 +305,7 @@ class Backend::Batch {
         const CollisionMesh *a = meshes_[tasks[k].meshA], *b = meshes_[tasks[k].meshB];
         if (triangles(a) + triangles(b) <= state_.tuning.batchTriangles) continue;
         tasks[k].skip = 1;
-        (isRefused(source_.query(begin + k)) ? refused : large).push_back(begin + k);
+        (isRefused(source_.query(begin + k)) ? piece.refused : piece.large).push_back(begin + k);
       }
     }
     for (std::size_t k = 0; k < frames.size(); ++k) {
@@ -291,7 +313,7 @@ class Backend::Batch {
       const Query query = source_.query(begin + k);
       const PairFrame frame = makePairFrame(query);
       if (isRefused(query) || isIdleQuery(query, frame)) {
-        (isRefused(query) ? refused : alone).push_back(begin + k);
+        (isRefused(query) ? piece.refused : piece.alone).push_back(begin + k);
         tasks[k].skip = 1;
         continue;
       }
@@ -305,27 +327,34 @@ class Backend::Batch {
     }
   }
 
-  void collect(std::size_t begin, std::size_t count, BatchLane& lane, const BatchFound& found,
-               std::vector<std::size_t>& alone, std::vector<std::size_t>& refused) {
+  void collect(Piece& piece, const BatchFound& found) {
+    const std::size_t begin = piece.begin, count = piece.count;
     std::vector<std::size_t> fromRecords;
     const bool all = wish_ == BatchWish::kPairs;
+    bool scattered = false;
     if (all || wish_ == BatchWish::kAny || found.counters[OTG_COUNT_FLAGGED] > 0) {
       for (std::size_t k = 0; k < count; ++k) {
         const otg_uint flags = found.flags[k];
         if (flags & OTG_PAIR_REFUSED) {
-          refused.push_back(begin + k);
+          piece.refused.push_back(begin + k);
         } else if (flags & OTG_PAIR_NO_FRAME) {
-          alone.push_back(begin + k);
+          piece.alone.push_back(begin + k);
         } else if (flags & OTG_PAIR_SKIPPED) {
           continue;
         } else if (all || ((flags & OTG_PAIR_TO_HOST) && !(flags & OTG_PAIR_INTERSECTS))) {
           fromRecords.push_back(begin + k);
+          scattered = scattered || (flags & OTG_PAIR_MANY);
         }
       }
     }
-    if (!fromRecords.empty()) {
+    if (!fromRecords.empty() && !finish_.wantsRecords()) {
+      finish_.chunk(begin, count, found);
+      finish_.records(
+          fromRecords, Answer{}, [&](std::size_t i) { return source_.query(i); },
+          [](std::size_t) { return std::span<const std::uint32_t>(); });
+    } else if (!fromRecords.empty()) {
       // The counters and contacts of `found` stay where they are meanwhile.
-      const Answer answer = lane.records();
+      const Answer answer = scattered ? piece.lane->records() : piece.lane->recordsLeft();
       finish_.chunk(begin, count, found);
       dealOut(begin, count, answer, fromRecords);
     } else {
@@ -336,7 +365,7 @@ class Backend::Batch {
         if ((found.flags[k] & kNotDone) == 0) rememberPlain(source_.query(begin + k));
       }
     }
-    for (const std::size_t i : refused) finish_.refuse(i);
+    for (const std::size_t i : piece.refused) finish_.refuse(i);
   }
 
   /// Gives each of `which` its records.
@@ -411,6 +440,7 @@ struct ContactFinish {
   }
 
   void refuse(std::size_t i) { answer.refused.push_back(i); }
+  bool wantsRecords() const { return left == nullptr; }
 
   template <class QueryOf, class RecordsOf>
   void records(const std::vector<std::size_t>& which, const Answer& found, const QueryOf& queryOf,
@@ -476,6 +506,7 @@ struct AnyFinish {
     for (std::size_t k = 0; k < count; ++k) answer[begin + k] = (found.flags[k] & OTG_PAIR_INTERSECTS) != 0;
   }
   void refuse(std::size_t) {}
+  static bool wantsRecords() { return true; }
   template <class QueryOf, class RecordsOf>
   void records(const std::vector<std::size_t>& which, const Answer& found, const QueryOf& queryOf,
                const RecordsOf& recordsOf) {

@@ -35,13 +35,9 @@ class LanePool {
     std::unique_ptr<Lane> lane = take();
     const std::uint64_t before = lane->repeats();
     use(*lane);
-    repeats_ += lane->repeats() - before;
-    const std::lock_guard lock(mutex_);
-    idle_.push_back(std::move(lane));
+    keep(std::move(lane), before);
   }
-  std::uint64_t repeats() const { return repeats_; }
-
- private:
+  /// The same in two steps. A lane that is not kept is gone.
   std::unique_ptr<Lane> take() {
     {
       const std::lock_guard lock(mutex_);
@@ -53,7 +49,15 @@ class LanePool {
     }
     return std::make_unique<Lane>(context_, meshes_, tuning_);
   }
+  /// `before`: its repeats() when it was taken.
+  void keep(std::unique_ptr<Lane> lane, std::uint64_t before) {
+    repeats_ += lane->repeats() - before;
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(std::move(lane));
+  }
+  std::uint64_t repeats() const { return repeats_; }
 
+ private:
   Context& context_;
   MeshStore& meshes_;
   const Tuning tuning_;

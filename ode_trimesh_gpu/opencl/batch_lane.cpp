@@ -247,12 +247,19 @@ BatchFound BatchLane::endRun() {
 }
 
 Answer BatchLane::records() {
-  try {
-    return results_.readAll(context_, queue_.get(), contactRecords_, chosen_.counters(), nullptr);
-  } catch (...) {
-    clRelease(OTG_CL(clFinish), queue_.get());
-    throw;
+  const otg_uint* counters = chosen_.counters();
+  Answer answer;
+  guarded([&] { answer = results_.readAll(context_, queue_.get(), contactRecords_, counters); });
+  return answer;
+}
+
+Answer BatchLane::recordsLeft() {
+  Answer answer;
+  bool isThere = false;
+  if (wish_ == BatchWish::kSolid) {
+    guarded([&] { isThere = solid_.readLeft(queue_.get(), chosen_.counters(), answer); });
   }
+  return isThere ? answer : records();
 }
 
 }  // namespace otg::opencl

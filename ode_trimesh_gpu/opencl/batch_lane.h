@@ -59,6 +59,8 @@ class BatchLane {
   BatchFound end();
   /// All records of the last run. Throws ClError.
   Answer records();
+  /// Those of pairs with OTG_PAIR_TO_HOST at least, if none of them has OTG_PAIR_MANY. Throws ClError.
+  Answer recordsLeft();
 
   const Profile& profile() const { return profile_; }
   std::uint64_t repeats() const { return repeats_; }

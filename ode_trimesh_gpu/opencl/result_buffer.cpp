@@ -52,7 +52,11 @@ Answer ResultBuffer::readRest(Context& context, cl_command_queue queue, bool con
 
 Answer ResultBuffer::readAll(Context& context, cl_command_queue queue, bool contacts, const otg_uint* counters,
                              Profile* profile) {
-  const std::uint32_t count = counters[OTG_COUNT_HITS];
+  return readSome(context, queue, contacts, counters, counters[OTG_COUNT_HITS], profile);
+}
+
+Answer ResultBuffer::readSome(Context& context, cl_command_queue queue, bool contacts, const otg_uint* counters,
+                              std::uint32_t count, Profile* profile) {
   read(context, queue, OTG_RESULT_HEAD + count * recordSize(contacts), profile);
   return {counters, host_.data() + OTG_RESULT_HEAD, count, recordSize(contacts)};
 }

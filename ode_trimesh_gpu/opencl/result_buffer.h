@@ -31,14 +31,18 @@ class ResultBuffer {
 
   void reserve(Context& context, std::uint32_t records) { buffer_.reserve(context, records, OTG_RESULT_HEAD); }
   cl_mem get() const { return buffer_.get(); }
+  std::uint32_t places() const { return buffer_.places(); }
 
   /// Waits for the queue and reads the head and the expected number of records; the counters.
   const otg_uint* readHead(Context& context, cl_command_queue queue, bool contacts, Profile* profile = nullptr);
   /// After readHead: the records that were not read yet, if any.
   Answer readRest(Context& context, cl_command_queue queue, bool contacts, Profile* profile = nullptr);
-  /// All records where no kernel wrote the head: so many, with these counters.
+  /// All records where no kernel wrote the head: so many as these counters say,
   Answer readAll(Context& context, cl_command_queue queue, bool contacts, const otg_uint* counters,
                  Profile* profile = nullptr);
+  /// or so many.
+  Answer readSome(Context& context, cl_command_queue queue, bool contacts, const otg_uint* counters,
+                  std::uint32_t count, Profile* profile = nullptr);
 
  private:
   void read(Context& context, cl_command_queue queue, std::size_t bytes, Profile* profile);

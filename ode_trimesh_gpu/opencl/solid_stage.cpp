@@ -92,6 +92,13 @@ void SolidStage::reserve(std::uint32_t pairs, std::uint32_t hits, std::uint32_t 
   arena_.reserve(context_, arenaWanted_);
   lists_.reserve(context_, 2 * OTG_SOLID_BINS * std::uint64_t{pairs});
   kept_.reserve(context_, std::uint64_t{pairs} * room_);
+  left_.reserve(context_, hits);
+}
+
+bool SolidStage::readLeft(cl_command_queue queue, const otg_uint* counters, Answer& answer) {
+  if (counters[OTG_COUNT_LEFT] > left_.places()) return false;
+  answer = left_.readSome(context_, queue, false, counters, counters[OTG_COUNT_LEFT], nullptr);
+  return true;
 }
 
 bool SolidStage::fits(std::uint32_t unitsWanted) {
@@ -133,7 +140,8 @@ void SolidStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& re
     launch(queue, size.contacts, size.group, groupsOf(size), 1, profile.next(Profile::kSelect));
   }
   reducer.enqueuePlaces(queue, batch.count, chosen, profile);
-  Arguments(write_) << batch.counters << kept_.get() << room_ << batch.count << chosen.get() << chosen.contactPlaces();
+  Arguments(write_) << batch.counters << kept_.get() << room_ << batch.count << chosen.get() << chosen.contactPlaces()
+                    << batch.states << batch.records << batch.hitPlaces << left_.get() << left_.places();
   launch(queue, write_, sizes_[0].group, batch.groups, 1, profile.next(Profile::kChoose));
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "opencl/reducer.h"
+#include "opencl/result_buffer.h"
 #include "opencl/tuning.h"
 #include "shared/solid_layout.h"
 
@@ -29,6 +30,9 @@ class SolidStage {
     cl_mem records, states, reductions;
     std::size_t groups;
   };
+  /// After a batch: the records of the pairs that are left to the host, where each has its hits side by side. False if
+  /// there was no room for them: then all records have to be looked at.
+  bool readLeft(cl_command_queue queue, const otg_uint* counters, Answer& answer);
   /// Everything from the hits on. `chosen` gets the results; the last kernel ends the batch.
   void enqueue(cl_command_queue queue, const Batch& batch, Reducer& reducer, const ChosenBuffer& chosen,
                Profile& profile);
@@ -38,13 +42,14 @@ class SolidStage {
   struct Size {
     std::uint32_t group, hits, points, faces;
     std::uint32_t firstList, endList;  ///< of pairs that wait for them
-    std::size_t groups;  ///< most work-groups at once; 0: one for each pair
+    std::size_t groups;                ///< most work-groups at once; 0: one for each pair
     Kernel regions, contacts;
   };
   void build();
   Context& context_;
   const std::uint32_t recordGroup_, registers_;
   std::uint32_t arenaWanted_, room_ = 0;
+  ResultBuffer left_{0};
   std::vector<Size> sizes_;  ///< the largest pairs first
   Kernel records_, stretches_, scatter_, write_;
   DeviceList sorted_{sizeof(otg_solid_hit)}, heads_{sizeof(otg_uint)}, arena_, lists_{sizeof(otg_uint)},
