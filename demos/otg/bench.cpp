@@ -38,6 +38,7 @@ void addBenchCommand(CLI::App& app, Action& action) {
   add(*bench, "peers", "The whole query beside stock ODE and other libraries", &benchPeers, true, action);
   addBenchContacts(*bench, action);
   addBenchPrimitives(*bench, action);
+  addBenchTessellations(*bench, action);
   addBenchTerrain(*bench, action);
   addBenchHeightfield(*bench, action);
   addBenchContours(*bench, action);

@@ -20,6 +20,8 @@ int benchPeers(const BenchOptions& options);
 void addBenchContacts(CLI::App& bench, Action& action);
 /// `otg bench primitives`: meshes against ODE's shapes, beside ODE's own pairs.
 void addBenchPrimitives(CLI::App& bench, Action& action);
+/// `otg bench tessellations`: two meshes of convex bodies, against the bodies by formula.
+void addBenchTessellations(CLI::App& bench, Action& action);
 /// `otg bench terrain`: ODE's shapes on a large open mesh, beside a dTriMesh.
 void addBenchTerrain(CLI::App& bench, Action& action);
 /// `otg bench heightfield`: meshes on a heightfield, beside ODE's own bodies.

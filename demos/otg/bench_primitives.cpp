@@ -13,7 +13,7 @@
 #include "scenes/simulation.h"
 #include "truth/contact_errors.h"
 #include "truth/contact_families.h"
-#include "truth/convex_separation.h"
+#include "truth/tessellated_bodies.h"
 
 namespace otg::cli {
 namespace {
@@ -28,25 +28,6 @@ struct PrimitivesOptions {
 };
 
 /// One of the shapes that are compared, as a geom of ODE's.
-ConvexBody ball(double radius) {
-  ConvexBody body;
-  body.radius = radius;
-  return body;
-}
-ConvexBody box(const Vec3d& half) {
-  ConvexBody body;
-  body.kind = ConvexBody::Kind::kBox;
-  body.half = half;
-  return body;
-}
-ConvexBody round(ConvexBody::Kind kind, double radius, double length) {
-  ConvexBody body;
-  body.kind = kind;
-  body.radius = radius;
-  body.length = length;
-  return body;
-}
-
 dGeomID makeNative(const ConvexBody& body) {
   switch (body.kind) {
     case ConvexBody::Kind::kSphere:
@@ -56,6 +37,7 @@ dGeomID makeNative(const ConvexBody& body) {
     case ConvexBody::Kind::kCapsule:
       return dCreateCapsule(nullptr, body.radius, 2 * body.length);
     case ConvexBody::Kind::kCylinder:
+    case ConvexBody::Kind::kPolyhedron:
       break;
   }
   return dCreateCylinder(nullptr, body.radius, 2 * body.length);
@@ -170,14 +152,14 @@ Json runPair(Subject subject, Partner partner, const PrimitivesOptions& options)
 
 Json runAll(const PrimitivesOptions& options) {
   const scenes::OdeSession session;
-  const Subject subjects[] = {{"box", box({0.5, 0.35, 0.2}), scenes::makeBox({1, 0.7, 0.4}, 2)},
-                              {"sphere, 20,480 triangles", ball(0.5), scenes::makeSphere(0.5, 5)},
-                              {"cylinder, 512 triangles", round(ConvexBody::Kind::kCylinder, 0.3, 0.4),
-                               scenes::makeCylinder(0.3, 0.8, 128, 1)}};
-  const Partner partners[] = {{"sphere", ball(0.3)},
-                              {"box", box({0.25, 0.3, 0.35})},
-                              {"capsule", round(ConvexBody::Kind::kCapsule, 0.2, 0.3)},
-                              {"cylinder", round(ConvexBody::Kind::kCylinder, 0.2, 0.3)}};
+  const Subject subjects[] = {
+      {"box", truth::boxBody({0.5, 0.35, 0.2}), scenes::makeBox({1, 0.7, 0.4}, 2)},
+      {"sphere, 20,480 triangles", truth::ballBody(0.5), scenes::makeSphere(0.5, 5)},
+      {"cylinder, 512 triangles", truth::cylinderBody(0.3, 0.4), scenes::makeCylinder(0.3, 0.8, 128, 1)}};
+  const Partner partners[] = {{"sphere", truth::ballBody(0.3)},
+                              {"box", truth::boxBody({0.25, 0.3, 0.35})},
+                              {"capsule", truth::capsuleBody(0.2, 0.3)},
+                              {"cylinder", truth::cylinderBody(0.2, 0.3)}};
   Json rows = Json::array();
   for (const Subject& subject : subjects) {
     for (const Partner& partner : partners) {

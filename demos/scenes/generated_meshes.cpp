@@ -126,6 +126,24 @@ MeshArrays makeCylinder(double radius, double height, int segments, int stacks) 
   return builder.finish();
 }
 
+MeshArrays makeCapsule(double radius, double length, int segments, int rings) {
+  // Rings from the one below the upper pole down to the one above the lower pole; the equator is there twice.
+  const auto at = [&](int ring, int j) {
+    const bool upper = ring < rings;
+    const int fromPole = upper ? ring + 1 : 2 * rings - ring;
+    const double polar = kTwoPi / 4 * fromPole / rings, u = kTwoPi * (j % segments) / segments;
+    const double across = fromPole == rings ? 1.0 : std::sin(polar), along = fromPole == rings ? 0.0 : std::cos(polar);
+    const double z = 0.5 * length + radius * along;
+    return Vec3d{radius * across * std::cos(u), radius * across * std::sin(u), upper ? z : -z};
+  };
+  const double pole = 0.5 * length + radius;
+  MeshBuilder builder;
+  addTube(builder, 2 * rings - 1, segments, at);
+  addFan(builder, {0, 0, pole}, segments, [&](int j) { return at(0, j); });
+  addFan(builder, {0, 0, -pole}, segments, [&](int j) { return at(2 * rings - 1, segments - j); });
+  return builder.finish();
+}
+
 MeshArrays makeTetrahedron(Vec3d a, Vec3d b, Vec3d c, Vec3d d) {
   if (otgDot(otgCross(otgSub(b, a), otgSub(c, a)), otgSub(d, a)) < 0) std::swap(b, c);
   MeshBuilder builder;

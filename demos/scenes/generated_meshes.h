@@ -26,6 +26,9 @@ MeshArrays makeSphere(double radius, int level);
 MeshArrays makeTorus(double majorRadius, double minorRadius, int majorSegments, int minorSegments);
 /// Closed cylinder along z, centred.
 MeshArrays makeCylinder(double radius, double height, int segments, int stacks = 1);
+/// Closed capsule along z, centred: a cylinder of the given length with a half ball at either end, in `rings` rings of
+/// latitude each. Its vertices lie on the capsule.
+MeshArrays makeCapsule(double radius, double length, int segments, int rings);
 /// Regular tetrahedron-like solid with the given corners (orientation corrected).
 MeshArrays makeTetrahedron(Vec3d a, Vec3d b, Vec3d c, Vec3d d);
 /// Hemispherical bowl of the given wall thickness, opening towards +z: a closed solid.

@@ -60,6 +60,13 @@ PairMotion motionOf(const Query& query, const SolidHistory::State& state) {
   return motion;
 }
 
+/// By more than 60 degrees.
+bool hasTurnedFar(const Transformd& from, const Transformd& to) {
+  double trace = 0;  // of the rotation between the two: 1 + 2 cos
+  for (int i = 0; i < 9; ++i) trace += from.r[i] * to.r[i];
+  return trace < 2;
+}
+
 bool isSolid(const TriMesh& mesh) {
   return mesh.meshClass() == MeshClass::kSolid;
 }
@@ -94,7 +101,7 @@ SolidHistory::State stateBefore(const Query& query) {
     const Vec3d d = otgSub(middleOfB(query, state.pose), middleOfB(query, query.bInA));
     const double moved = std::sqrt(otgDot(d, d));
     if (moved > 0.05 * size) state.deepNormal = {0, 0, 0};
-    if (moved > 0.25 * size) state = {};
+    if (moved > 0.25 * size || hasTurnedFar(state.pose, query.bInA)) state = {};
   }
   return state;
 }

@@ -12,6 +12,7 @@ foreach(name misuse init data geom collide contact_data history threads memory b
 endforeach()
 
 target_link_libraries(test_ode_convex PRIVATE otg_truth)
+target_link_libraries(test_ode_shapes PRIVATE otg_truth)
 
 # Every public header alone, as C89 and as C++, twice in a row. ODE's own headers, which have // comments, are system
 # headers to the compiler and exempt.

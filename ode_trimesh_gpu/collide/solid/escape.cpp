@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "collide/solid/flat_map.h"
 #include "collide/solid/ray.h"
@@ -144,43 +145,111 @@ class WayOutByPlanes {
   std::vector<std::uint32_t> points_;
 };
 
-/// How far A must go along d until the overlap on the line through the region's middle is gone.
-double wayOut(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region, const Vec3d& d) {
-  const Vec3d middle = otgAdd(all.origin, otgScale(otgAdd(region.lo, region.hi), 0.5));
-  const double far = 4 * static_cast<double>(meshes.mesh(0).radius() + meshes.mesh(1).radius());
-  const double out = exitDistance(meshes, 1, middle, d, far, 0);
-  const double back = exitDistance(meshes, 0, middle, otgScale(d, -1.0), far, 0);
-  return std::max(out, 0.0) + std::max(back, 0.0);
-}
+/// How far A must go along d until nothing is left of the overlap on lines through the region: through its middle where
+/// one body is wholly inside the other, else through some of its points, too. Rays see both meshes whole, so a body
+/// that goes right through the other one is not taken for as short as what is in the other one.
+class WayOutByRays {
+ public:
+  WayOutByRays(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region)
+      : meshes_(meshes), far_(4 * static_cast<double>(meshes.mesh(0).radius() + meshes.mesh(1).radius())) {
+    const Vec3d middle = otgScale(otgAdd(region.lo, region.hi), 0.5);
+    origins_.push_back(otgAdd(all.origin, middle));
+    const std::uint32_t count = region.pointEnd - region.pointBegin;
+    const std::uint32_t chosen = std::min<std::uint32_t>(count, kPoints);
+    for (std::uint32_t i = 0; i < chosen; ++i) {
+      const std::uint32_t k = region.pointBegin + static_cast<std::uint32_t>(std::uint64_t{i} * count / chosen);
+      // From a little inside: the points themselves lie on the surfaces.
+      const Vec3d& p = all.points[k].position;
+      origins_.push_back(otgAdd(all.origin, otgAdd(p, otgScale(otgSub(middle, p), kInwards))));
+    }
+  }
+
+  /// Stops when the answer is at least `enough`.
+  double along(const Vec3d& d, double enough) const {
+    double most = 0;
+    for (const Vec3d& p : origins_) {
+      const double out = exitDistance(meshes_, 1, p, d, far_, 0);
+      const double back = exitDistance(meshes_, 0, p, otgScale(d, -1.0), far_, 0);
+      most = std::max(most, std::max(out, 0.0) + std::max(back, 0.0));
+      if (most >= enough) break;
+    }
+    return most;
+  }
+
+ private:
+  static constexpr std::uint32_t kPoints = 16;
+  static constexpr double kInwards = 0.02;
+  const PlacedMeshes& meshes_;
+  double far_;
+  std::vector<Vec3d> origins_;
+};
 
 /// The shortest way out among many directions, those that undo the approach made cheaper by up to half.
+class Escape {
+ public:
+  Escape(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region, const PairMotion& motion,
+         RegionExtent& extent)
+      : region_(region),
+        back_(motion.back),
+        extent_(extent),
+        isThin_(!region.contained && !otgIsLump(region.thickness, region.diagonal)),
+        rays_(meshes, all, region) {}
+
+  void offer(const Vec3d& d) {
+    if (!(otgDot(d, d) > 0)) return;
+    const double factor = 1 - 0.5 * std::max(0.0, otgDot(d, back_));
+    const double cost = factor * along(d, least_ / factor);
+    if (cost < least_) {
+      least_ = cost;
+      best_ = d;
+    }
+  }
+  /// Sideways from the best so far, by ever smaller steps.
+  void refine() {
+    if (isThin_) return;
+    for (const double step : {0.3, 0.15, 0.075}) {
+      const Vec3d d = best_;
+      const Vec3d s = unit(otgCross(d, std::fabs(d.x) < 0.8 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0})), t = otgCross(d, s);
+      for (int k = 0; k < 6; ++k) {
+        const double angle = k * std::numbers::pi / 3;
+        offer(unit(otgAdd(d, otgAdd(otgScale(s, step * std::cos(angle)), otgScale(t, step * std::sin(angle))))));
+      }
+    }
+  }
+  const Vec3d& best() const { return best_; }
+
+ private:
+  double along(const Vec3d& d, double enough) {
+    if (region_.contained) return rays_.along(d, enough);
+    // An extent does not tell d from -d; the push does, as far as there is one.
+    const double extent = extent_.along(d) * (otgDot(d, region_.push) < 0 ? 1.1 : 1.0);
+    return isThin_ || extent >= enough ? extent : std::max(extent, rays_.along(d, enough));
+  }
+
+  const Region& region_;
+  Vec3d back_;
+  RegionExtent& extent_;
+  bool isThin_;  ///< surfaces that run along each other all around, as those of a nut and its bolt: no side is out
+  WayOutByRays rays_;
+  double least_ = std::numeric_limits<double>::infinity();
+  Vec3d best_{0, 0, 1};
+};
+
 Vec3d escapeDirection(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region,
                       const PairMotion& motion, RegionExtent& extent) {
   if (otgDot(motion.escape, motion.escape) > 0) return motion.escape;
-  const Query& query = meshes.query();
-  const Vec3d& back = motion.back;
-  std::vector<Vec3d> directions = axes26();
-  for (const Vec3d& d : {unit(region.push), back}) {
-    if (otgDot(d, d) > 0) directions.push_back(d);
-  }
+  Escape escape(meshes, all, region, motion, extent);
+  for (const Vec3d& d : axes26()) escape.offer(d);
+  escape.offer(unit(region.push));
+  escape.offer(motion.back);
+  const double* r = meshes.query().bInA.r;
   for (int k = 0; k < 3; ++k) {
-    const Vec3d axis{query.bInA.r[k], query.bInA.r[3 + k], query.bInA.r[6 + k]};
-    directions.push_back(axis);
-    directions.push_back(otgScale(axis, -1.0));
+    const Vec3d axis{r[k], r[3 + k], r[6 + k]};
+    escape.offer(axis);
+    escape.offer(otgScale(axis, -1.0));
   }
-  double least = std::numeric_limits<double>::infinity();
-  Vec3d best = directions.front();
-  for (const Vec3d& d : directions) {
-    double cost = region.contained ? wayOut(meshes, all, region, d) : extent.along(d);
-    // An extent does not tell d from -d; the push does, as far as there is one.
-    if (!region.contained && otgDot(d, region.push) < 0) cost *= 1.1;
-    cost *= 1 - 0.5 * std::max(0.0, otgDot(d, back));
-    if (cost < least) {
-      least = cost;
-      best = d;
-    }
-  }
-  return best;
+  escape.refine();
+  return escape.best();
 }
 
 }  // namespace
