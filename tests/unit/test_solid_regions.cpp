@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Contours close, regions measure the overlap, and the push is the gradient of its volume: against closed forms and
 // finite differences.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -143,6 +144,51 @@ TEST_CASE("a large region is measured as exactly as a small one") {
   CHECK(area[1] == Approx(large.areaB).epsilon(1e-12));
   CHECK(moment / 3 == Approx(large.volume).epsilon(1e-6));
   CHECK(large.pieceEnd - large.pieceBegin < 2000);
+}
+
+TEST_CASE("the description of a large region does not depend on the order in which its surface was found") {
+  std::mt19937 random(3);
+  const CollisionMesh a(scenes::build(scenes::makeLump(1, 5, 0.3, 8)), BuildStrategy::kSah);
+  const CollisionMesh b(scenes::build(scenes::makeBox({1, 1, 1}, 30)), BuildStrategy::kSah);
+  for (int i = 0; i < 6; ++i) {
+    Overlap o(a, b, randomPose(random, 0.7));
+    bool isLarge = false;
+    for (const Region& r : o.regions.regions) isLarge = isLarge || r.cellEnd > r.cellBegin;
+    REQUIRE(isLarge);
+    InsideFlags shuffled = o.inside;
+    for (int m = 0; m < 2; ++m) {
+      for (const InsideFlags::Patch& patch : shuffled.patches[m]) {
+        std::vector<std::uint32_t> order(patch.vertexEnd - patch.vertexBegin);
+        for (std::uint32_t k = 0; k < order.size(); ++k) order[k] = patch.vertexBegin + k;
+        std::shuffle(order.begin(), order.end(), random);
+        for (std::uint32_t k = 0; k < order.size(); ++k) {
+          shuffled.vertices[m][patch.vertexBegin + k] = o.inside.vertices[m][order[k]];
+          shuffled.positions[m][patch.vertexBegin + k] = o.inside.positions[m][order[k]];
+        }
+        std::shuffle(shuffled.clusters[m].begin() + patch.clusterBegin, shuffled.clusters[m].begin() + patch.clusterEnd,
+                     random);
+      }
+    }
+    OverlapRegions again;
+    RegionBuilder().build(PlacedMeshes(o.query), o.contour, shuffled, again);
+    const auto same = [](const Vec3d& x, const Vec3d& y) { return x.x == y.x && x.y == y.y && x.z == y.z; };
+    REQUIRE(again.regions.size() == o.regions.regions.size());
+    REQUIRE(again.pieces.size() == o.regions.pieces.size());
+    REQUIRE(again.points.size() == o.regions.points.size());
+    for (std::size_t r = 0; r < again.regions.size(); ++r) {
+      const Region &x = again.regions[r], &y = o.regions.regions[r];
+      REQUIRE((same(x.push, y.push) && same(x.lo, y.lo) && same(x.hi, y.hi) && x.volume == y.volume));
+      REQUIRE((x.areaA == y.areaA && x.areaB == y.areaB && x.coherence == y.coherence));
+    }
+    for (std::size_t k = 0; k < again.pieces.size(); ++k) {
+      const Piece &x = again.pieces[k], &y = o.regions.pieces[k];
+      REQUIRE((x.triangle == y.triangle && same(x.vector, y.vector) && x.offset == y.offset && same(x.lo, y.lo)));
+    }
+    for (std::size_t k = 0; k < again.points.size(); ++k) {
+      const SupportPoint &x = again.points[k], &y = o.regions.points[k];
+      REQUIRE((x.feature == y.feature && x.ordinal == y.ordinal && same(x.position, y.position)));
+    }
+  }
 }
 
 TEST_CASE("the extent of a large region is exact in every direction") {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "collide/solid/vectors.h"
+
 namespace otg {
 
 RegionExtent::RegionExtent(const OverlapRegions& all, const Region& region) : all_(all), region_(region) {
@@ -25,6 +27,8 @@ double RegionExtent::ofCells(const Vec3d& d) {
   boxes_.ranges(d, lo_, hi_);
   const PlacedMeshes meshes(*all_.extents.query);
   const ExtentCells& extents = all_.extents;
+  // Boxes' ranges round, too: none is left out that may hold the farthest point, however they are cut.
+  const double slack = 1e-12 * (norm(region_.lo) + norm(region_.hi));
   double reach[2];
   for (int side = 0; side < 2; ++side) {
     double best = -std::numeric_limits<double>::infinity();
@@ -45,7 +49,7 @@ double RegionExtent::ofCells(const Vec3d& d) {
     }
     scan(first);
     for (std::size_t k = 0; k < hi_.size(); ++k) {
-      if (k != first && bound(k) > best) scan(k);
+      if (k != first && bound(k) > best - slack) scan(k);
     }
     reach[side] = best;
   }

@@ -10,38 +10,44 @@
 namespace otg {
 namespace {
 
-// Cells along the region's diagonal: finer than the reach of the local normals (a quarter of it).
-constexpr double kPieceGrid = 8, kPointGrid = 6, kExtentGrid = 8;
+constexpr double kExtentGrid = 8;
 
 }  // namespace
 
-void PieceCells::begin(const Region& region) {
-  grid_ = RegionGrid(region, kPieceGrid);
-  index_.reset(std::size_t{RegionGrid::kCells} * 16);
-  sums_.clear();
+void PieceCells::begin(const Region& region, const SurfaceUnits& units) {
+  grid_ = RegionGrid(region, OTG_PIECE_GRID);
+  units_ = units;
+  index_.reset(OTG_GRID_KEYS);
+  cells_.clear();
 }
 
-void PieceCells::finish(std::uint32_t region, std::vector<Piece>& out) {
-  for (const Sum& sum : sums_) {
-    const double length = norm(sum.vector);
-    // What was added and taken off again leaves rounding.
-    if (!(sum.area > 1e-9 * sum.gross) || !(length > 0)) continue;
-    out.push_back({region, sum.triangle, sum.mesh, otgScale(sum.vector, 1 / length), sum.vector, sum.area,
-                   sum.moment / length, sum.lo, sum.hi});
-  }
+const std::vector<PieceCells::Cell>& PieceCells::cells() {
+  std::sort(cells_.begin(), cells_.end(), [](const Cell& x, const Cell& y) { return x.key < y.key; });
+  return cells_;
 }
 
 void PointCells::begin(const Region& region, const Vec3d& up) {
-  grid_ = RegionGrid(region, kPointGrid);
+  grid_ = RegionGrid(region, OTG_POINT_GRID);
   up_ = up;
-  index_.reset(std::size_t{RegionGrid::kCells} * 16);
+  index_.reset(OTG_GRID_KEYS);
   chosen_.clear();
 }
 
 void PointCells::offer(const PointSeed& seed) {
   const std::uint32_t key = keyOf(seed.position, seed.kind, seed.mesh, seed.flat);
   const std::uint32_t known = index_.find(key);
-  if (known == EpochArray::kMissing || depth(seed) > depth(chosen_[known])) keep(key, known, seed);
+  if (known != EpochArray::kMissing) {
+    const PointSeed& other = chosen_[known].seed;
+    const double mine = depth(seed), theirs = depth(other);
+    const bool isBefore = seed.feature != other.feature ? seed.feature < other.feature : seed.ordinal < other.ordinal;
+    if (!(mine > theirs || (mine == theirs && isBefore))) return;
+  }
+  keep(key, known, seed);
+}
+
+const std::vector<PointCells::Chosen>& PointCells::chosen() {
+  std::sort(chosen_.begin(), chosen_.end(), [](const Chosen& x, const Chosen& y) { return x.key < y.key; });
+  return chosen_;
 }
 
 void addExtentCells(Region& region, const std::vector<Vec3d>& positions, std::vector<std::uint32_t>& scratch,

@@ -12,8 +12,14 @@
 #include "collide/solid/regions.h"
 #include "collide/solid/vectors.h"
 #include "mesh/adjacency.h"
+#include "shared/region_grid.h"
 
 namespace otg {
+
+/// Units in which the surface of a region is added up.
+struct SurfaceUnits {
+  double area = 1, moment = 1;  ///< in one
+};
 
 /// A grid of at most 8 x 8 x 8 cells over the bounds of a region.
 class RegionGrid {
@@ -23,65 +29,95 @@ class RegionGrid {
   /// Cells of the region's diagonal / perDiagonal (at most 8).
   RegionGrid(const Region& region, double perDiagonal)
       : lo_(region.lo), scale_(region.diagonal > 0 ? perDiagonal / region.diagonal : 0) {}
-  std::uint32_t cell(const Vec3d& p) const {
-    return along(p.x - lo_.x) | along(p.y - lo_.y) << 3 | along(p.z - lo_.z) << 6;
-  }
+  std::uint32_t cell(const Vec3d& p) const { return otgGridCell(p, lo_, scale_); }
 
  private:
-  std::uint32_t along(double x) const {
-    const double c = x * scale_;
-    return c > 0 ? std::min(7u, static_cast<std::uint32_t>(c)) : 0u;
-  }
   Vec3d lo_{};
   double scale_ = 0;
 };
 
-/// Sums surface by cell, mesh and main direction.
+/// Surface, added up in whole units: in any order the same.
+struct SurfaceSum {
+  otg_long vector[3] = {0, 0, 0};
+  otg_long area = 0, gross = 0, moment = 0;  ///< gross: of areas without their signs
+
+  void add(const Vec3d& v, double ofArea, double ofMoment, const SurfaceUnits& units) {
+    const otg_long more = otgInUnits(ofArea, units.area);
+    vector[0] = otgAddUnits(vector[0], otgInUnits(v.x, units.area));
+    vector[1] = otgAddUnits(vector[1], otgInUnits(v.y, units.area));
+    vector[2] = otgAddUnits(vector[2], otgInUnits(v.z, units.area));
+    area = otgAddUnits(area, more);
+    gross = otgAddUnits(gross, more < 0 ? -more : more);
+    moment = otgAddUnits(moment, otgInUnits(ofMoment, units.moment));
+  }
+  void add(const SurfaceSum& more) {
+    for (int k = 0; k < 3; ++k) vector[k] = otgAddUnits(vector[k], more.vector[k]);
+    area = otgAddUnits(area, more.area);
+    gross = otgAddUnits(gross, more.gross);
+    moment = otgAddUnits(moment, more.moment);
+  }
+  Vec3d vectorIn(const SurfaceUnits& units) const {
+    return {otgFromUnits(vector[0], units.area), otgFromUnits(vector[1], units.area),
+            otgFromUnits(vector[2], units.area)};
+  }
+};
+
+/// Sums surface by cell, mesh and main direction. In whatever order parts are added, the outcome is the same.
 class PieceCells {
  public:
-  void begin(const Region& region);
+  void begin(const Region& region, const SurfaceUnits& units);
   /// A part of the surface: where, how it faces, its vector area, area, sum of (normal . x) area, and its bounds.
-  /// Parts may be taken off again by negative sums with the same place and direction. triangle() names one of it.
-  template <class TriangleOf>
-  void add(int mesh, const Vec3d& place, const Vec3d& facing, const TriangleOf& triangle, const Vec3d& vector,
-           double area, double moment, const Vec3d& lo, const Vec3d& hi) {
-    const std::uint32_t key = grid_.cell(place) * 16 + mainDirection(facing) * 2 + static_cast<std::uint32_t>(mesh);
+  /// Parts may be taken off again by negative sums with the same place and direction. `name`: see ofTriangle and
+  /// ofVertex.
+  void add(int mesh, const Vec3d& place, const Vec3d& facing, std::uint32_t name, const Vec3d& vector, double area,
+           double moment, const Vec3d& lo, const Vec3d& hi) {
+    const std::uint32_t key = grid_.cell(place) * 16 + otgMainDirection(facing) * 2 + static_cast<std::uint32_t>(mesh);
     std::uint32_t i = index_.find(key);
     if (i == EpochArray::kMissing) {
-      i = static_cast<std::uint32_t>(sums_.size());
+      i = static_cast<std::uint32_t>(cells_.size());
       index_.set(key, i);
-      sums_.push_back({{0, 0, 0}, 0, 0, 0, lo, hi, triangle(), static_cast<std::uint8_t>(mesh)});
+      cells_.push_back({{}, lo, hi, key, name});
     }
-    Sum& sum = sums_[i];
-    sum.vector = otgAdd(sum.vector, vector);
-    sum.area += area;
-    sum.gross += std::fabs(area);
-    sum.moment += moment;
-    sum.lo = minimum(sum.lo, lo);
-    sum.hi = maximum(sum.hi, hi);
+    Cell& cell = cells_[i];
+    cell.sum.add(vector, area, moment, units_);
+    cell.lo = minimum(cell.lo, lo);
+    cell.hi = maximum(cell.hi, hi);
+    cell.name = std::min(cell.name, name);
   }
-  /// Appends one piece for each cell that holds any surface.
-  void finish(std::uint32_t region, std::vector<Piece>& out);
+  /// Names for parts; a cell is named by the smallest of them.
+  static std::uint32_t ofTriangle(std::uint32_t triangle) { return triangle; }
+  static std::uint32_t ofVertex(std::uint32_t vertex) { return vertex | OTG_NAME_OF_VERTEX; }
+
+  struct Cell {
+    SurfaceSum sum;
+    Vec3d lo, hi;
+    std::uint32_t key, name;
+    int mesh() const { return static_cast<int>(key & 1); }
+  };
+  /// All that hold anything, by key.
+  const std::vector<Cell>& cells();
 
  private:
-  struct Sum {
-    Vec3d vector;
-    double area, gross, moment;
-    Vec3d lo, hi;
-    std::uint32_t triangle;
-    std::uint8_t mesh;
-  };
-  /// 0 to 5: which axis a direction is nearest to, and in which sense.
-  static std::uint32_t mainDirection(const Vec3d& d) {
-    const double x = std::fabs(d.x), y = std::fabs(d.y), z = std::fabs(d.z);
-    if (x >= y && x >= z) return d.x < 0;
-    if (y >= z) return 2 + (d.y < 0);
-    return 4 + (d.z < 0);
-  }
   RegionGrid grid_;
+  SurfaceUnits units_;
   EpochArray index_;
-  std::vector<Sum> sums_;
+  std::vector<Cell> cells_;
 };
+
+/// The piece that stands for a cell, unless it holds rounding alone. `triangleOf(mesh, name)`: a triangle by its name.
+template <class TriangleOf>
+void addPieceOfCell(const PieceCells::Cell& cell, std::uint32_t region, const SurfaceUnits& units,
+                    const TriangleOf& triangleOf, std::vector<Piece>& out) {
+  const Vec3d vector = cell.sum.vectorIn(units);
+  const double area = otgFromUnits(cell.sum.area, units.area), gross = otgFromUnits(cell.sum.gross, units.area);
+  const double length = norm(vector);
+  // What was added and taken off again leaves rounding.
+  if (!(area > 1e-9 * gross) || !(length > 0)) return;
+  const Vec3d zero{0, 0, 0};  // -0 and 0 are one bound
+  out.push_back({region, triangleOf(cell.mesh(), cell.name), static_cast<std::uint8_t>(cell.mesh()),
+                 otgScale(vector, 1 / length), vector, area, otgFromUnits(cell.sum.moment, units.moment) / length,
+                 otgAdd(cell.lo, zero), otgAdd(cell.hi, zero)});
+}
 
 /// A candidate before it is worked out.
 struct PointSeed {
@@ -93,48 +129,56 @@ struct PointSeed {
   bool flat;
 };
 
-/// Keeps of each cell, mesh and kind, flat or not, the point that lies deepest as far as a mean direction can tell.
+/// Keeps of each cell, mesh and kind, flat or not, the point that lies deepest as far as a mean direction can tell; of
+/// those that lie equally deep the one of the smallest feature and ordinal. So the order of offers is of no account.
 class PointCells {
  public:
   /// `up`: in which A is pushed.
   void begin(const Region& region, const Vec3d& up);
   void offer(const PointSeed& seed);
   /// As if every vertex of a cluster lay in the middle of it: offers the deepest that is flat and the deepest that is
-  /// not. [lo, hi] are their bounds, vertex(i) is the position of number cluster.first <= i < end.
-  template <class Vertex, class IsFlat, class MakeSeed>
+  /// not. [lo, hi] are their bounds, vertex(i) is the position of number cluster.first <= i < end, name(i) the vertex.
+  template <class Vertex, class NameOf, class IsFlat, class MakeSeed>
   void offerDeepest(int mesh, const Vec3d& lo, const Vec3d& hi, const Adjacency::Cluster& cluster, std::uint32_t end,
-                    const Vertex& vertex, const IsFlat& isFlat, const MakeSeed& makeSeed) {
+                    const Vertex& vertex, const NameOf& name, const IsFlat& isFlat, const MakeSeed& makeSeed) {
     const Vec3d middle = otgScale(otgAdd(lo, hi), 0.5), half = otgScale(otgSub(hi, lo), 0.5);
     const std::uint32_t key[2] = {keyOf(middle, PointKind::kVertex, mesh, false),
                                   keyOf(middle, PointKind::kVertex, mesh, true)};
     const bool any[2] = {cluster.anyCorner, cluster.anyFlat};
-    std::uint32_t known[2] = {EpochArray::kMissing, EpochArray::kMissing};
+    std::uint32_t known[2] = {EpochArray::kMissing, EpochArray::kMissing}, named[2] = {kNone, kNone};
     double best[2] = {1e300, 1e300};  // what there is none of cannot win
     for (int flat = 0; flat < 2; ++flat) {
       if (!any[flat]) continue;
       known[flat] = index_.find(key[flat]);
-      best[flat] = known[flat] == EpochArray::kMissing ? -1e300 : depth(chosen_[known[flat]]);
+      best[flat] = -1e300;
+      if (known[flat] == EpochArray::kMissing) continue;
+      best[flat] = depth(chosen_[known[flat]].seed);
+      named[flat] = chosen_[known[flat]].seed.feature;
     }
-    const double sign = mesh == 0 ? -1 : 1, least = std::min(best[0], best[1]);
-    if (sign * otgDot(up_, middle) + std::fabs(up_.x) * half.x + std::fabs(up_.y) * half.y +
-            std::fabs(up_.z) * half.z <=
-        least) {
-      return;
-    }
+    const double sign = mesh == 0 ? -1 : 1;
+    const double reach = std::fabs(up_.x) * half.x + std::fabs(up_.y) * half.y + std::fabs(up_.z) * half.z;
+    // The bound rounds, too.
+    if (sign * otgDot(up_, middle) + reach + 1e-12 * (reach + norm(middle)) < std::min(best[0], best[1])) return;
     std::uint32_t deepest[2] = {end, end};
     for (std::uint32_t i = cluster.first; i < end; ++i) {
       const double d = sign * otgDot(up_, vertex(i));
-      if (!(d > std::min(best[0], best[1]))) continue;
+      if (!(d >= std::min(best[0], best[1]))) continue;
       const int flat = any[0] && (!any[1] || !isFlat(i)) ? 0 : 1;
-      if (!(d > best[flat])) continue;
+      if (!(d > best[flat] || (d == best[flat] && name(i) < named[flat]))) continue;
       best[flat] = d;
+      named[flat] = name(i);
       deepest[flat] = i;
     }
     for (int flat = 0; flat < 2; ++flat) {
       if (deepest[flat] < end) keep(key[flat], known[flat], makeSeed(deepest[flat]));
     }
   }
-  const std::vector<PointSeed>& chosen() const { return chosen_; }
+  struct Chosen {
+    std::uint32_t key;
+    PointSeed seed;
+  };
+  /// By key.
+  const std::vector<Chosen>& chosen();
 
  private:
   std::uint32_t keyOf(const Vec3d& place, PointKind kind, int mesh, bool flat) const {
@@ -143,17 +187,17 @@ class PointCells {
   }
   void keep(std::uint32_t key, std::uint32_t known, const PointSeed& seed) {
     if (known != EpochArray::kMissing) {
-      chosen_[known] = seed;
+      chosen_[known].seed = seed;
       return;
     }
     index_.set(key, static_cast<std::uint32_t>(chosen_.size()));
-    chosen_.push_back(seed);
+    chosen_.push_back({key, seed});
   }
   double depth(const PointSeed& s) const { return (s.mesh == 0 ? -1 : 1) * otgDot(up_, s.position); }
   RegionGrid grid_;
   Vec3d up_{};
   EpochArray index_;
-  std::vector<PointSeed> chosen_;
+  std::vector<Chosen> chosen_;
 };
 
 /// Counting sort of positions into the cells of a grid, with tight boxes.

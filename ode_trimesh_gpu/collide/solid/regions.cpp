@@ -70,6 +70,7 @@ struct RegionBuilder::Scratch {
   std::vector<Insider> insiders;
   std::vector<std::uint32_t> pieceBegin, correctionBegin, seedBegin, patchBegin, cellScratch;
   std::vector<Sums> sums;
+  std::vector<double> largest;  ///< by region: an area that none of its terms exceeds, or hardly
   std::vector<Vec3d> positions;
   EdgePieces::Storage edges;
   PieceCells pieceCells;
@@ -208,6 +209,7 @@ class Builder {
     out_.regions.assign(count, Region{});
     s_.sums.assign(count, Sums{});
     s_.load.assign(count, 0);
+    s_.largest.assign(count, 0);
     s_.patches.clear();
     for (int m = 0; m < 2; ++m) {
       for (std::uint32_t p = 0; p < inside_.patches[m].size(); ++p) {
@@ -217,7 +219,12 @@ class Builder {
       }
     }
     groupByRegion(s_.patches, count, s_.sortedPatches, s_.patchBegin);
-    for (const Chord& chord : contour_.chords) ++s_.load[s_.regionOf[chord.start]];
+    for (const Chord& chord : contour_.chords) {
+      const std::uint32_t region = s_.regionOf[chord.start];
+      ++s_.load[region];
+      s_.largest[region] = std::max(
+          {s_.largest[region], meshes_.adjacency(0).area[chord.triangleA], meshes_.adjacency(1).area[chord.triangleB]});
+    }
   }
 
   /// Triangles with a chord or a crossed edge, and their chords.
@@ -268,12 +275,16 @@ class Builder {
     for (const PatchRef& ref : s_.patches) {
       Region& region = out_.regions[ref.region];
       const InsideFlags::Patch& patch = inside_.patches[ref.mesh][ref.patch];
-      for (std::uint32_t i = patch.vertexBegin; i < patch.vertexEnd; ++i) {
-        include(region, relative(inside_.positions[ref.mesh][i]));
-      }
       const Adjacency& adjacency = meshes_.adjacency(ref.mesh);
+      double& largest = s_.largest[ref.region];
+      for (std::uint32_t i = patch.vertexBegin; i < patch.vertexEnd; ++i) {
+        if (i + kAhead < patch.vertexEnd) __builtin_prefetch(&adjacency.star[inside_.vertices[ref.mesh][i + kAhead]]);
+        include(region, relative(inside_.positions[ref.mesh][i]));
+        largest = std::max(largest, adjacency.star[inside_.vertices[ref.mesh][i]].area);
+      }
       for (std::uint32_t i = patch.clusterBegin; i < patch.clusterEnd; ++i) {
         const std::uint32_t c = inside_.clusters[ref.mesh][i];
+        largest = std::max(largest, adjacency.clusters[c].sum.area);
         const Box box = boxOf(ref.mesh, adjacency.clusters[c]);
         if (minimum(box.lo, region.lo) == region.lo && maximum(box.hi, region.hi) == region.hi) continue;
         for (std::uint32_t k = adjacency.clusters[c].first; k < adjacency.clusters[c + 1].first; ++k) {
@@ -281,7 +292,12 @@ class Builder {
         }
       }
     }
-    for (Region& region : out_.regions) region.diagonal = norm(otgSub(region.hi, region.lo));
+    const Vec3d zero{0, 0, 0};  // -0 and 0 are one bound
+    for (Region& region : out_.regions) {
+      region.lo = otgAdd(region.lo, zero);
+      region.hi = otgAdd(region.hi, zero);
+      region.diagonal = norm(otgSub(region.hi, region.lo));
+    }
   }
 
   /// Clips every boundary triangle, and notes what its inside corners' stars hold of it.
@@ -418,6 +434,18 @@ class Builder {
     }
   }
 
+  static SurfaceUnits unitsOf(std::uint32_t load, double largest, const Region& region) {
+    const otg_int count = otgTermBits(load), area = otgBitsOf(largest);
+    return {otgUnitsInOne(count, area), otgUnitsInOne(count, otgMomentBits(area, region.lo, region.hi))};
+  }
+
+  /// See PieceCells::ofTriangle and ofVertex.
+  std::uint32_t triangleNamed(int m, std::uint32_t name) const {
+    if ((name & OTG_NAME_OF_VERTEX) == 0) return name;
+    const Adjacency& adjacency = meshes_.adjacency(m);
+    return adjacency.halfEdges[adjacency.first[name & ~OTG_NAME_OF_VERTEX]] / 3;
+  }
+
   static bool isFlat(const Adjacency::Cluster& c) {
     return otgDot(c.sum.vector, c.sum.vector) >= kFlatCluster * c.sum.area * c.sum.area;
   }
@@ -433,31 +461,23 @@ class Builder {
   /// The interior by the stars of its vertices, everything gathered in cells.
   void describeLarge(std::uint32_t r) {
     Region& region = out_.regions[r];
-    Sums& sums = s_.sums[r];
     region.pieceBegin = static_cast<std::uint32_t>(out_.pieces.size());
     region.pointBegin = static_cast<std::uint32_t>(out_.points.size());
+    const SurfaceUnits units = unitsOf(s_.load[r], s_.largest[r], region);
     PieceCells& cells = s_.pieceCells;
-    cells.begin(region);
-    const auto add = [&](int m, const Vec3d& place, const Vec3d& facing, const auto& t, const Vec3d& vector,
-                         double area, double moment, const Vec3d& lo, const Vec3d& hi) {
-      addTo(sums, m, vector, area, moment);
-      cells.add(m, place, facing, t, vector, area, moment, lo, hi);
-    };
+    cells.begin(region, units);
     for (std::uint32_t i = s_.pieceBegin[r]; i < s_.pieceBegin[r + 1]; ++i) {
       const Piece& p = s_.pieces[i];
-      add(
-          p.mesh, otgScale(otgAdd(p.lo, p.hi), 0.5), p.normal, [&] { return p.triangle; }, p.vector, p.area,
-          p.offset * p.area, p.lo, p.hi);
+      cells.add(p.mesh, otgScale(otgAdd(p.lo, p.hi), 0.5), p.normal, PieceCells::ofTriangle(p.triangle), p.vector,
+                p.area, p.offset * p.area, p.lo, p.hi);
     }
     for (std::uint32_t i = s_.patchBegin[r]; i < s_.patchBegin[r + 1]; ++i) {
       const int m = s_.patches[i].mesh;
       const Adjacency& adjacency = meshes_.adjacency(m);
       const InsideFlags::Patch& patch = inside_.patches[m][s_.patches[i].patch];
-      const auto triangleAt = [&](std::uint32_t v) { return adjacency.halfEdges[adjacency.first[v]] / 3; };
       const auto addVertex = [&](std::uint32_t v, const Vec3d& x) {
         const Vec3d vector = meshes_.directionFromLocal(m, adjacency.star[v].vector);
-        add(
-            m, x, vector, [&] { return triangleAt(v); }, vector, adjacency.star[v].area, otgDot(vector, x), x, x);
+        cells.add(m, x, vector, PieceCells::ofVertex(v), vector, adjacency.star[v].area, otgDot(vector, x), x, x);
       };
       for (std::uint32_t k = patch.vertexBegin; k < patch.vertexEnd; ++k) {
         if (k + kAhead < patch.vertexEnd) __builtin_prefetch(&adjacency.star[inside_.vertices[m][k + kAhead]]);
@@ -476,21 +496,30 @@ class Builder {
         }
         const Vec3d vector = meshes_.directionFromLocal(m, cluster.sum.vector);
         const Box box = boxOf(m, cluster);
-        add(
-            m, otgScale(otgAdd(box.lo, box.hi), 0.5), vector,
-            [&] { return triangleAt(adjacency.clusterVertices[cluster.first]); }, vector, cluster.sum.area,
-            cluster.moment + otgDot(vector, shift), box.lo, box.hi);
+        cells.add(m, otgScale(otgAdd(box.lo, box.hi), 0.5), vector,
+                  PieceCells::ofVertex(adjacency.clusterVertices[cluster.first]), vector, cluster.sum.area,
+                  cluster.moment + otgDot(vector, shift), box.lo, box.hi);
       }
     }
     for (std::uint32_t i = s_.correctionBegin[r]; i < s_.correctionBegin[r + 1]; ++i) {
       const Correction& c = s_.corrections[i];
       const Adjacency& adjacency = meshes_.adjacency(c.mesh);
       const Vec3d& x = c.position;
-      add(
-          c.mesh, x, meshes_.directionFromLocal(c.mesh, adjacency.star[c.vertex].vector), [&] { return c.triangle; },
-          c.vector, c.area, otgDot(c.vector, x), x, x);
+      cells.add(c.mesh, x, meshes_.directionFromLocal(c.mesh, adjacency.star[c.vertex].vector),
+                PieceCells::ofTriangle(c.triangle), c.vector, c.area, otgDot(c.vector, x), x, x);
     }
-    cells.finish(r, out_.pieces);
+    SurfaceSum all[2];
+    for (const PieceCells::Cell& cell : cells.cells()) {
+      all[cell.mesh()].add(cell.sum);
+      addPieceOfCell(
+          cell, r, units, [&](int m, std::uint32_t name) { return triangleNamed(m, name); }, out_.pieces);
+    }
+    Sums& sums = s_.sums[r];
+    for (int m = 0; m < 2; ++m) {
+      sums.vector[m] = all[m].vectorIn(units);
+      sums.area[m] = otgFromUnits(all[m].area, units.area);
+    }
+    sums.moment = otgFromUnits(otgAddUnits(all[0].moment, all[1].moment), units.moment);
     region.pieceEnd = static_cast<std::uint32_t>(out_.pieces.size());
 
     PointCells& points = s_.pointCells;
@@ -514,6 +543,7 @@ class Builder {
         points.offerDeepest(
             m, box.lo, box.hi, adjacency.clusters[c], end,
             [&](std::uint32_t j) { return vertex(m, adjacency.clusterVertices[j]); },
+            [&](std::uint32_t j) { return adjacency.clusterVertices[j]; },
             [&](std::uint32_t j) { return isFlat(m, adjacency.clusterVertices[j]); },
             [&](std::uint32_t j) {
               return vertexSeed(r, m, adjacency.clusterVertices[j], vertex(m, adjacency.clusterVertices[j]));
@@ -524,7 +554,7 @@ class Builder {
       points.offer(s_.seeds[i]);
       if (s_.seeds[i].kind == PointKind::kCrossing) s_.positions.push_back(s_.seeds[i].position);
     }
-    for (const PointSeed& seed : points.chosen()) out_.points.push_back(supportPoint(seed));
+    for (const PointCells::Chosen& c : points.chosen()) out_.points.push_back(supportPoint(c.seed));
     region.pointEnd = static_cast<std::uint32_t>(out_.points.size());
     addExtentCells(region, s_.positions, s_.cellScratch, out_.extents);
   }
