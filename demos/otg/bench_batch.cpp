@@ -90,6 +90,7 @@ const std::map<std::string, std::uint32_t opencl::Tuning::*>& tuningKeys() {
                                                                       {"solidLargeHits", &Tuning::solidLargeHits},
                                                                       {"solidRegisters", &Tuning::solidRegisters},
                                                                       {"arenaUnits", &Tuning::arenaUnits},
+                                                                      {"overlapHits", &Tuning::overlapHits},
                                                                       {"recordsExpected", &Tuning::recordsExpected}};
   return keys;
 }

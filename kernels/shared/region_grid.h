@@ -21,6 +21,9 @@ typedef otg_vec3_d otg_grid_point;
 #define OTG_GRID_CELLS 512
 #define OTG_GRID_KEYS (16 * OTG_GRID_CELLS)
 
+/// A cluster counts as one part if its vector area is at least 0.9 (squared here) of its area.
+#define OTG_FLAT_CLUSTER 0.81
+
 /// Parts of a surface are named by triangle or, with this, by vertex.
 #define OTG_NAME_OF_VERTEX 0x80000000u
 

@@ -11,13 +11,21 @@ namespace otg {
 
 /// A solid of one component has a section behind its rings (otg_device_mesh), in units of 16 bytes:
 ///   the bounds, lowest corner and highest; in w the numbers of vertices and edges
-///   OTG_SOLID_SAMPLES places of vertices spread over it (see isContained in collide/solid/inside.cpp); in w how many
+///   OTG_SOLID_SAMPLES places of vertices spread over it (see isContained in collide/solid/inside.cpp); in w how many,
+///   then the unit at which the clusters begin, from the bounds on, and how many these are
 ///   four units a triangle: corners as welded vertices; its edges; its unit normal and its area in double
-///   one unit a vertex: where it is, and OTG_VERTEX_FLAT
+///   one unit a vertex: where it is; OTG_VERTEX_FLAT and the number of its cluster
 ///   one unit an edge: its ends a and b, a half-edge, and whether it is flat (all as Topology and Adjacency)
 ///   one word a vertex, and one more: the first of its outgoing half-edges in the list that follows; then that list;
 ///   from the next even word on the vertex at the other end of each of them and its edge
+///   OTG_CLUSTER_UNITS a cluster, and for one more that ends the last: bounds, with the first vertex and neighbour;
+///   vector area, area and moment in double (as Adjacency::Cluster)
+///   two units a vertex: its star in double
+///   one word for each vertex of the clusters, then one for each neighbour
 #define OTG_SOLID_SAMPLES 16
+#define OTG_SOLID_CLUSTERS_AT 3
+#define OTG_SOLID_CLUSTER_COUNT 4
+#define OTG_CLUSTER_UNITS 5
 #define OTG_SOLID_TRIANGLES (2 + OTG_SOLID_SAMPLES)
 #define OTG_VERTEX_FLAT 0x80000000u
 

@@ -8,6 +8,7 @@
 
 #include "collide/solid/contour.h"
 #include "collide/solid/escape.h"
+#include "collide/solid/found_overlap.h"
 #include "collide/solid/inside.h"
 #include "collide/solid/merge_regions.h"
 #include "collide/solid/region_contacts.h"
@@ -21,6 +22,7 @@ struct SolidScratch {
   InsideFlags inside;
   RegionBuilder builder;
   OverlapRegions regions;
+  SmallRegions small;
 };
 
 Workspace::Workspace() = default;
@@ -131,22 +133,10 @@ void rememberPlain(const Query& query) {
   keep(query, before, state);
 }
 
-bool solidContacts(const Query& query, Workspace& workspace) {
-  using Clock = std::chrono::steady_clock;
-  const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
-  workspace.contacts.clear();
-  const TriMesh &a = query.a->mesh(), &b = query.b->mesh();
-  const bool bothSolid = isSolid(a) && isSolid(b);
-  if (!bothSolid && !(isSolid(a) && isSheet(b)) && !(isSheet(a) && isSolid(b))) return false;
-  if (!workspace.solid) workspace.solid = std::make_unique<SolidScratch>();
-  SolidScratch& scratch = *workspace.solid;
-  const PlacedMeshes meshes(query);
-  traceContour(meshes, workspace.intersecting, scratch.contour);
-  if (!bothSolid && !isClosed(scratch.contour)) return false;
-  floodInside(meshes, scratch.contour, scratch.inside);
-  scratch.builder.build(meshes, scratch.contour, scratch.inside, scratch.regions);
-  addContained(meshes, scratch.inside, scratch.regions);
+namespace {
 
+/// From the regions of the overlap to contacts; keeps what the pair remembers.
+void contactsOfOverlap(const PlacedMeshes& meshes, const Query& query, SolidScratch& scratch, Workspace& workspace) {
   const double size = smallerSize(query);
   const SolidHistory::State before = stateBefore(query);
   SolidHistory::State state = before;
@@ -190,9 +180,39 @@ bool solidContacts(const Query& query, Workspace& workspace) {
   }
   keep(query, before, state);
   workspace.stats.contactsBeforeReduction = workspace.contacts.size();
+}
+
+}  // namespace
+
+bool solidContacts(const Query& query, Workspace& workspace) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
+  workspace.contacts.clear();
+  const TriMesh &a = query.a->mesh(), &b = query.b->mesh();
+  const bool bothSolid = isSolid(a) && isSolid(b);
+  if (!bothSolid && !(isSolid(a) && isSheet(b)) && !(isSheet(a) && isSolid(b))) return false;
+  if (!workspace.solid) workspace.solid = std::make_unique<SolidScratch>();
+  SolidScratch& scratch = *workspace.solid;
+  const PlacedMeshes meshes(query);
+  traceContour(meshes, workspace.intersecting, scratch.contour);
+  if (!bothSolid && !isClosed(scratch.contour)) return false;
+  floodInside(meshes, scratch.contour, scratch.inside);
+  scratch.builder.build(meshes, scratch.contour, scratch.inside, scratch.regions);
+  addContained(meshes, scratch.inside, scratch.regions);
+  contactsOfOverlap(meshes, query, scratch, workspace);
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   }
+  return true;
+}
+
+bool solidContactsOf(const Query& query, const FoundOverlap& found, Workspace& workspace) {
+  workspace.contacts.clear();
+  if (!workspace.solid) workspace.solid = std::make_unique<SolidScratch>();
+  SolidScratch& scratch = *workspace.solid;
+  const PlacedMeshes meshes(query);
+  if (!takeOverlap(meshes, found, scratch.small, scratch.regions)) return false;
+  contactsOfOverlap(meshes, query, scratch, workspace);
   return true;
 }
 

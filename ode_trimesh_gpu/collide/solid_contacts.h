@@ -13,6 +13,11 @@ namespace otg {
 /// contacts, for other meshes and where the contour does not close because it runs over the sheet's rim.
 bool solidContacts(const Query& query, Workspace& workspace);
 
+/// The same for two solids of one component each, whose overlap a device has described. False, and no contacts, where
+/// the host does not agree with the description.
+struct FoundOverlap;
+bool solidContactsOf(const Query& query, const FoundOverlap& found, Workspace& workspace);
+
 /// For those who compute the contacts of two solids elsewhere. Whether what the pair remembers changes nothing, as long
 /// as no region is deep, entangled or contained;
 bool isUnburdened(const Query& query);

@@ -39,6 +39,9 @@ bool Backend::collideProfiled(const Query& query, Workspace& workspace, StageTim
 bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, StageTimes& times) {
   const Stopwatch total(profile);
   const bool contacts = !mayBeSolid(query);
+  const PairWish wish = contacts                   ? PairWish::kContacts
+                        : query.refiner == nullptr ? PairWish::kOverlap
+                                                   : PairWish::kPairs;
   const PairFrame frame = makePairFrame(query);
   ++state_->queries;
   if (isRefused(query) || isIdleQuery(query, frame)) {
@@ -49,10 +52,15 @@ bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, 
     HostRest rest = HostRest::kNothing;
     StageTimes t;
     (profile ? state_->profiled : state_->pairs).with([&](PairLane& lane) {
-      const PairAnswer answer = lane.run(query, frame, contacts);
+      PairAnswer answer = lane.run(query, frame, wish);
       const Stopwatch host(profile);
-      rest = takeAnswer(query, frame, answer, contacts, workspace);
-      t.host = host.ms();
+      if (answer.described && takeDescribed(query, answer, workspace)) {
+        t.reduction = host.ms();
+      } else {
+        if (answer.described) answer.found = lane.records();
+        rest = takeAnswer(query, frame, answer, contacts, workspace);
+        t.host = host.ms();
+      }
       t.top = lane.profile().ms(Profile::kTop);
       t.levels = lane.profile().ms(Profile::kLevels);
       t.regions = lane.profile().ms(Profile::kRegions);
@@ -64,7 +72,7 @@ bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, 
     });
     const Stopwatch reduction(profile);
     finishAnswer(query, rest, workspace);
-    t.reduction = reduction.ms();
+    t.reduction += reduction.ms();
     t.total = total.ms();
     times = t;
     return true;
@@ -84,8 +92,9 @@ bool Backend::findIntersectingPairs(const Query& query, Workspace& workspace) {
     return true;
   }
   try {
-    state_->pairs.with(
-        [&](PairLane& lane) { takeAll(query, frame, lane.run(query, frame, false).found, false, workspace); });
+    state_->pairs.with([&](PairLane& lane) {
+      takeAll(query, frame, lane.run(query, frame, PairWish::kPairs).found, false, workspace);
+    });
     return true;
   } catch (const ClError& error) {
     logError(error);

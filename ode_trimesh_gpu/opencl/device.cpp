@@ -71,6 +71,7 @@ DeviceInfo describe(cl_platform_id platform, cl_device_id device) {
   const auto has = [&](const char* extension) { return extensions.find(extension) != std::string::npos; };
   info.doubles =
       has("cl_khr_fp64") && (number<cl_device_fp_config>(device, CL_DEVICE_DOUBLE_FP_CONFIG) & kIeee) == kIeee;
+  info.longAtomics = has("cl_khr_int64_base_atomics") && has("cl_khr_int64_extended_atomics");
   constexpr cl_device_info kComputeCapabilityMajor = 0x4000;  // CL_DEVICE_COMPUTE_CAPABILITY_MAJOR_NV
   info.warps = has("cl_nv_device_attribute_query") && number<cl_uint>(device, kComputeCapabilityMajor) >= 8;
   info.registerLimit = has("cl_nv_compiler_options");

@@ -14,8 +14,9 @@ struct DeviceInfo {
   int index = 0;  ///< place in the list of all devices: platforms in the loader's order, devices in the platform's
   std::string platform, name, vendor, version, driver;
   DeviceKind kind = DeviceKind::kOther;
-  bool available = false;  ///< can be used now, has a compiler, is little-endian
-  bool doubles = false;    ///< double arithmetic that rounds as IEEE 754 says, fma and denormals included
+  bool available = false;    ///< can be used now, has a compiler, is little-endian
+  bool doubles = false;      ///< double arithmetic that rounds as IEEE 754 says, fma and denormals included
+  bool longAtomics = false;  ///< 64-bit atomics: add, exchange, minimum and maximum
   bool warps =
       false;  ///< 32 work-items run in step and can ask for their maximum: NVIDIA's compute capability 8 and up
   bool registerLimit = false;  ///< the compiler takes a limit of registers (cl_nv_compiler_options)

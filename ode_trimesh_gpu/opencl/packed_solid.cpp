@@ -45,6 +45,20 @@ void addSamples(PackedMesh& out, const TriMesh& mesh, const Adjacency& adjacency
   }
 }
 
+void addClusters(PackedMesh& out, const Adjacency& adjacency) {
+  for (const Adjacency::Cluster& c : adjacency.clusters) {
+    out.units.push_back(unit(c.lo, c.first));
+    out.units.push_back(unit(c.hi, c.firstNeighbour));
+    const double numbers[6] = {c.sum.vector.x, c.sum.vector.y, c.sum.vector.z, c.sum.area, c.moment, 0};
+    addBytes(out, numbers, sizeof numbers);
+  }
+  static_assert(sizeof(Adjacency::Star) == 4 * sizeof(double));
+  addBytes(out, adjacency.star.data(), adjacency.star.size() * sizeof(Adjacency::Star));
+  std::vector<std::uint32_t> lists = adjacency.clusterVertices;
+  lists.insert(lists.end(), adjacency.clusterNeighbours.begin(), adjacency.clusterNeighbours.end());
+  addBytes(out, lists.data(), lists.size() * sizeof(std::uint32_t));
+}
+
 }  // namespace
 
 void addSolid(PackedMesh& out, const CollisionMesh& collisionMesh) {
@@ -53,6 +67,7 @@ void addSolid(PackedMesh& out, const CollisionMesh& collisionMesh) {
   if (mesh.meshClass() != MeshClass::kSolid || topology.componentCount() != 1 || hasTwoZeros(mesh)) return;
   const Adjacency& adjacency = collisionMesh.adjacency();
   out.place.flags |= OTG_MESH_SOLID;
+  const std::size_t begin = out.units.size();
   out.units.push_back(unit(mesh.boundsMin(), static_cast<std::uint32_t>(mesh.vertices().size())));
   out.units.push_back(unit(mesh.boundsMax(), static_cast<std::uint32_t>(topology.edgeCount())));
   addSamples(out, mesh, adjacency);
@@ -66,7 +81,8 @@ void addSolid(PackedMesh& out, const CollisionMesh& collisionMesh) {
     addBytes(out, numbers, sizeof numbers);
   }
   for (std::uint32_t v = 0; v < mesh.vertices().size(); ++v) {
-    out.units.push_back(unit(mesh.vertices()[v], adjacency.flatVertex[v] ? OTG_VERTEX_FLAT : 0));
+    const std::uint32_t cluster = adjacency.clusterOf[v] & ~OTG_VERTEX_FLAT;
+    out.units.push_back(unit(mesh.vertices()[v], cluster | (adjacency.flatVertex[v] ? OTG_VERTEX_FLAT : 0)));
   }
   for (std::uint32_t e = 0; e < topology.edgeCount(); ++e) {
     out.units.push_back(
@@ -78,6 +94,9 @@ void addSolid(PackedMesh& out, const CollisionMesh& collisionMesh) {
   spokes.resize((listed + 1) / 2 * 2);
   for (const Adjacency::Spoke& spoke : adjacency.spokes) spokes.insert(spokes.end(), {spoke.vertex, spoke.edge});
   addBytes(out, spokes.data(), spokes.size() * sizeof(std::uint32_t));
+  out.units[begin + OTG_SOLID_CLUSTERS_AT].w = static_cast<std::uint32_t>(out.units.size() - begin);
+  out.units[begin + OTG_SOLID_CLUSTER_COUNT].w = static_cast<std::uint32_t>(adjacency.clusters.size() - 1);
+  addClusters(out, adjacency);
 }
 
 }  // namespace otg::opencl

@@ -20,6 +20,7 @@ PairLane::PairLane(Context& context, MeshStore& meshes, const Tuning& tuning)
       results_(tuning.recordsExpected),
       chosen_(tuning.readMode, PinnedPool::make(context)),
       reducer_(context, tuning, true),
+      overlap_(context, tuning),
       profile_(tuning.profile) {
   const std::string walk =
       "-DOTG_GROUP=" + std::to_string(tuning.group) + " -DOTG_LEAF=" + std::to_string(meshes.leafTriangles());
@@ -47,14 +48,59 @@ PairLane::PairLane(Context& context, MeshStore& meshes, const Tuning& tuning)
   reducer_.reserveStates(1);
 }
 
-PairAnswer PairLane::run(const Query& query, const PairFrame& frame, bool contacts) {
+PairAnswer PairLane::run(const Query& query, const PairFrame& frame, PairWish wish) {
   const CollisionMesh* const both[] = {query.a, query.b};
   const MeshStore::Pinned pinned = meshes_.acquire(both);
   const otg_device_pair pair{deviceBoxes(frame), frame.floatError, pinned[0], pinned[1]};
   try {
-    return runOn(pair, query, pinned.buffer(), contacts && contacts_);
+    if (wish == PairWish::kOverlap && describes(pair)) return describe(pair, query, pinned.buffer());
+    return runOn(pair, query, pinned.buffer(), wish == PairWish::kContacts && contacts_);
   } catch (...) {
     // Kernels may still be reading the meshes, which are not pinned any longer in a moment.
+    clRelease(OTG_CL(clFinish), queue_.get());
+    throw;
+  }
+}
+
+/// Whether the device is to describe the overlap: as many hits are expected as last time.
+bool PairLane::describes(const otg_device_pair& pair) const {
+  if (!overlap_.works() || !(pair.a.flags & pair.b.flags & OTG_MESH_SOLID)) return false;
+  if (isFresh_) return std::uint64_t{pair.a.triangles} + pair.b.triangles >= tuning_.levelTriangles;
+  return lastHits_ > tuning_.overlapHits;
+}
+
+PairAnswer PairLane::describe(const otg_device_pair& pair, const Query& query, cl_mem meshes) {
+  const cl_command_queue queue = queue_.get();
+  const otg_reduction how = deviceReduction(query.options, true);
+  PairAnswer answer;
+  for (;; ++repeats_) {
+    results_.reserve(context_, hits_.places());
+    chosen_.reserve(context_, 1, 0);
+    const OverlapStage::Pair task{pair,        query.bInA,     *query.a,      *query.b, meshes, counters_.get(),
+                                  hits_.get(), hits_.places(), results_.get()};
+    overlap_.reserve(queue, task);
+    enqueueWalk(pair, meshes, how);
+    overlap_.enqueue(queue, task, groups_, profile_);
+    const otg_overlap_state* head = overlap_.readHead(queue, profile_);
+    lastHits_ = head->counters[OTG_COUNT_HITS];
+    isFresh_ = false;
+    const bool fits = overlap_.fits();
+    if (makeRoom(head->counters) || !fits) continue;
+    answer.overlap = overlap_.readRest(queue, profile_);
+    break;
+  }
+  const otg_overlap_state& head = *answer.overlap.head;
+  answer.found.counters = head.counters;
+  answer.described = head.counts[OTG_OVERLAP_WHY] == 0 && head.counts[OTG_OVERLAP_CHORDS] > 0;
+  if (!answer.described) answer.found = results_.readAll(context_, queue, false, head.counters, &profile_);
+  if (profile_.on()) profile_.collect();
+  return answer;
+}
+
+Answer PairLane::records() {
+  try {
+    return results_.readAll(context_, queue_.get(), false, overlap_.head()->counters, nullptr);
+  } catch (...) {
     clRelease(OTG_CL(clFinish), queue_.get());
     throw;
   }
@@ -81,6 +127,7 @@ PairAnswer PairLane::runOn(const otg_device_pair& pair, const Query& query, cl_m
     const otg_uint* counters = reduce ? chosen_.readHead(context_, queue, 1, true, &profile_)
                                       : results_.readHead(context_, queue, contacts, &profile_);
     lastHits_ = counters[OTG_COUNT_HITS];
+    isFresh_ = false;
     const bool many = few && (chosen_.flags()[0] & OTG_PAIR_MANY);
     if (makeRoom(counters)) {
       if (many) fillZero(queue, counters_.get(), OTG_COUNTERS * sizeof(otg_uint));

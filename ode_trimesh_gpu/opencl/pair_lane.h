@@ -7,6 +7,7 @@
 
 #include "collide/pair_frame.h"
 #include "opencl/mesh_store.h"
+#include "opencl/overlap_stage.h"
 #include "opencl/reducer.h"
 #include "opencl/result_buffer.h"
 #include "opencl/tuning.h"
@@ -18,6 +19,15 @@ struct PairAnswer {
   Answer found;          ///< the counters; the records unless the contacts are reduced
   bool reduced = false;  ///< `contacts` is the answer
   std::span<const Contact> contacts;
+  bool described = false;  ///< `overlap` is what was asked for, and `found` has no records
+  FoundOverlap overlap;
+};
+
+/// What is asked of a pair.
+enum class PairWish {
+  kPairs,     ///< the pairs of triangles that intersect
+  kContacts,  ///< contacts of the model `pairwise` where the device has doubles, reduced where that can be done there
+  kOverlap    ///< where there are many, the description of the overlap; else as kPairs
 };
 
 /// One thread at a time. After a ClError the lane is of no further use.
@@ -27,9 +37,10 @@ class PairLane {
   PairLane(const PairLane&) = delete;
   PairLane& operator=(const PairLane&) = delete;
 
-  /// Middle and near phase of one pair, its contacts if `contacts` and the device has doubles, and their reduction
-  /// where that can be done there. Throws ClError.
-  PairAnswer run(const Query& query, const PairFrame& frame, bool contacts);
+  /// Middle and near phase of one pair, and what else is wished. Throws ClError.
+  PairAnswer run(const Query& query, const PairFrame& frame, PairWish wish);
+  /// After an answer with `described`: the records. Throws ClError.
+  Answer records();
 
   /// Of the last query, if tuning.profile is set.
   const Profile& profile() const { return profile_; }
@@ -38,6 +49,8 @@ class PairLane {
 
  private:
   PairAnswer runOn(const otg_device_pair& pair, const Query& query, cl_mem meshes, bool contacts);
+  PairAnswer describe(const otg_device_pair& pair, const Query& query, cl_mem meshes);
+  bool describes(const otg_device_pair& pair) const;
   void enqueueWalk(const otg_device_pair& pair, cl_mem meshes, const otg_reduction& how);
   void enqueueFew(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes);
   void enqueueRecords(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, bool contacts, bool reduce);
@@ -55,8 +68,10 @@ class PairLane {
   ResultBuffer results_;
   ChosenBuffer chosen_;
   Reducer reducer_;
+  OverlapStage overlap_;
   Profile profile_;
   std::uint32_t fewHits_ = 0, lastHits_ = 0;
+  bool isFresh_ = true;  ///< no query yet that tells how many hits to expect
   std::uint64_t repeats_ = 0;
 };
 

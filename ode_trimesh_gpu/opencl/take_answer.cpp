@@ -4,6 +4,8 @@
 #include <numeric>
 #include <vector>
 
+#include "collide/reduction.h"
+#include "collide/solid_contacts.h"
 #include "collide/stages.h"
 #include "opencl/take_records.h"
 
@@ -31,6 +33,18 @@ void takeReduced(const PairAnswer& answer, Workspace& workspace) {
 }
 
 }  // namespace
+
+bool takeDescribed(const Query& query, const PairAnswer& answer, Workspace& workspace) {
+  workspace.candidates.clear();
+  workspace.intersecting.clear();
+  workspace.stats = {};
+  takeCounts(answer.found, workspace.stats);
+  workspace.stats.intersectingPairs = answer.overlap.head->counts[OTG_OVERLAP_INTERSECTING];
+  if (!solidContactsOf(query, answer.overlap, workspace)) return false;
+  workspace.reduced = limitContacts(workspace.contacts, query.options.maxContacts);
+  numberAsCaller(query, workspace);
+  return true;
+}
 
 HostRest takeAnswer(const Query& query, const PairFrame& frame, const PairAnswer& answer, bool contacts,
                     Workspace& workspace) {

@@ -20,6 +20,9 @@ enum class HostRest {
 HostRest takeAnswer(const Query& query, const PairFrame& frame, const PairAnswer& answer, bool contacts,
                     Workspace& workspace);
 
+/// The contacts of an answer with `described`. False where the host sees the overlap in another way.
+bool takeDescribed(const Query& query, const PairAnswer& answer, Workspace& workspace);
+
 /// Does the rest.
 void finishAnswer(const Query& query, HostRest rest, Workspace& workspace);
 

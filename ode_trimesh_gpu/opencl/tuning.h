@@ -39,6 +39,9 @@ struct Tuning {
   bool reduce = true;          ///< find regions and reduce contacts on the device
   std::uint32_t recordsExpected = 512;  ///< read with the head of the results in the first query
   bool solid = true;                    ///< make contacts of the model `solid` on the device
+  /// A single pair of solids is described on the device if the last one had more intersecting pairs of triangles than
+  /// this; the host makes its contacts from that. Otherwise the host does it from its intersecting pairs.
+  std::uint32_t overlapHits = 192;
   /// Pairs of solids of a batch are done by kernels with one size of lists in local memory, or with two; 0: one on
   /// CPUs, else two. `solidGroup` work-items (0: 1 on CPUs, else 32) do a pair of at most `solidHits` intersecting
   /// pairs of triangles (a power of two) and regions of at most `solidPoints` points and `solidFaces` pieces; others

@@ -26,6 +26,62 @@ const std::vector<PieceCells::Cell>& PieceCells::cells() {
   return cells_;
 }
 
+SurfaceUnits surfaceUnits(std::uint32_t load, double largest, const Region& region) {
+  const otg_int count = otgTermBits(load), area = otgBitsOf(largest);
+  return {otgUnitsInOne(count, area), otgUnitsInOne(count, otgMomentBits(area, region.lo, region.hi))};
+}
+
+void addPieceOfCell(const PlacedMeshes& meshes, const PieceCells::Cell& cell, std::uint32_t region,
+                    const SurfaceUnits& units, std::vector<Piece>& out) {
+  const Vec3d vector = cell.sum.vectorIn(units);
+  const double area = otgFromUnits(cell.sum.area, units.area), gross = otgFromUnits(cell.sum.gross, units.area);
+  const double length = norm(vector);
+  // What was added and taken off again leaves rounding.
+  if (!(area > 1e-9 * gross) || !(length > 0)) return;
+  std::uint32_t triangle = cell.name;
+  if ((cell.name & OTG_NAME_OF_VERTEX) != 0) {
+    const Adjacency& adjacency = meshes.adjacency(cell.mesh());
+    triangle = adjacency.halfEdges[adjacency.first[cell.name & ~OTG_NAME_OF_VERTEX]] / 3;
+  }
+  const Vec3d zero{0, 0, 0};  // -0 and 0 are one bound
+  out.push_back({region, triangle, static_cast<std::uint8_t>(cell.mesh()), otgScale(vector, 1 / length), vector, area,
+                 otgFromUnits(cell.sum.moment, units.moment) / length, otgAdd(cell.lo, zero), otgAdd(cell.hi, zero)});
+}
+
+void RegionSums::add(const PieceCells::Cell& cell, const SurfaceUnits& units) {
+  units_[cell.mesh()].add(cell.sum);
+  for (int m = 0; m < 2; ++m) {
+    vector_[m] = units_[m].vectorIn(units);
+    area_[m] = otgFromUnits(units_[m].area, units.area);
+  }
+  moment_ = otgFromUnits(otgAddUnits(units_[0].moment, units_[1].moment), units.moment);
+}
+
+void RegionSums::measure(Region& region) const {
+  const RegionMeasure<double> m =
+      otgMeasureRegion(vector_[0], vector_[1], area_[0], area_[1], moment_, region.lo, region.hi);
+  region.areaA = area_[0];
+  region.areaB = area_[1];
+  region.volume = m.volume;
+  region.push = m.push;
+  region.thickness = m.thickness;
+  region.coherence = m.coherence;
+  region.bad = m.bad != 0;
+}
+
+PartBox boxOfCluster(const PlacedMeshes& meshes, int m, const Adjacency::Cluster& cluster, const Vec3d& origin) {
+  const Vec3d lo{cluster.lo.x, cluster.lo.y, cluster.lo.z}, hi{cluster.hi.x, cluster.hi.y, cluster.hi.z};
+  if (m == 0) return {otgSub(lo, origin), otgSub(hi, origin)};
+  const Vec3d middle = otgSub(meshes.fromLocal(m, otgScale(otgAdd(lo, hi), 0.5)), origin);
+  const Vec3d half = otgScale(otgSub(hi, lo), 0.5);
+  const double* r = meshes.query().bInA.r;
+  const auto along = [&](int row) {
+    return std::fabs(r[3 * row]) * half.x + std::fabs(r[3 * row + 1]) * half.y + std::fabs(r[3 * row + 2]) * half.z;
+  };
+  const Vec3d reach{along(0), along(1), along(2)};
+  return {otgSub(middle, reach), otgAdd(middle, reach)};
+}
+
 void PointCells::begin(const Region& region, const Vec3d& up) {
   grid_ = RegionGrid(region, OTG_POINT_GRID);
   up_ = up;

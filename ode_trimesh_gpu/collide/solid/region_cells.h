@@ -104,20 +104,39 @@ class PieceCells {
   std::vector<Cell> cells_;
 };
 
-/// The piece that stands for a cell, unless it holds rounding alone. `triangleOf(mesh, name)`: a triangle by its name.
-template <class TriangleOf>
-void addPieceOfCell(const PieceCells::Cell& cell, std::uint32_t region, const SurfaceUnits& units,
-                    const TriangleOf& triangleOf, std::vector<Piece>& out) {
-  const Vec3d vector = cell.sum.vectorIn(units);
-  const double area = otgFromUnits(cell.sum.area, units.area), gross = otgFromUnits(cell.sum.gross, units.area);
-  const double length = norm(vector);
-  // What was added and taken off again leaves rounding.
-  if (!(area > 1e-9 * gross) || !(length > 0)) return;
-  const Vec3d zero{0, 0, 0};  // -0 and 0 are one bound
-  out.push_back({region, triangleOf(cell.mesh(), cell.name), static_cast<std::uint8_t>(cell.mesh()),
-                 otgScale(vector, 1 / length), vector, area, otgFromUnits(cell.sum.moment, units.moment) / length,
-                 otgAdd(cell.lo, zero), otgAdd(cell.hi, zero)});
-}
+/// The units for a region of so many vertices and chords, whose bounds are known. `largest`: an area that none of its
+/// parts exceeds, or hardly.
+SurfaceUnits surfaceUnits(std::uint32_t load, double largest, const Region& region);
+
+/// Appends the piece that stands for a cell, unless it holds rounding alone.
+void addPieceOfCell(const PlacedMeshes& meshes, const PieceCells::Cell& cell, std::uint32_t region,
+                    const SurfaceUnits& units, std::vector<Piece>& out);
+
+/// The surface of a region: of cells, or of pieces in an order that is always the same.
+class RegionSums {
+ public:
+  void add(int mesh, const Vec3d& vector, double area, double moment) {
+    vector_[mesh] = otgAdd(vector_[mesh], vector);
+    area_[mesh] += area;
+    moment_ += moment;
+  }
+  void add(const PieceCells::Cell& cell, const SurfaceUnits& units);
+  const Vec3d& vector(int mesh) const { return vector_[mesh]; }
+  /// What the sums say of the region whose bounds are known.
+  void measure(Region& region) const;
+
+ private:
+  Vec3d vector_[2] = {{0, 0, 0}, {0, 0, 0}};
+  double area_[2] = {0, 0};
+  double moment_ = 0;  ///< sum of (normal . x) area
+  SurfaceSum units_[2];
+};
+
+struct PartBox {
+  Vec3d lo, hi;
+};
+/// Encloses the vertices of a cluster, relative to the origin; not tight where B is turned.
+PartBox boxOfCluster(const PlacedMeshes& meshes, int mesh, const Adjacency::Cluster& cluster, const Vec3d& origin);
 
 /// A candidate before it is worked out.
 struct PointSeed {

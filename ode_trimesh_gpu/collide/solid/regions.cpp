@@ -38,12 +38,6 @@ struct PatchRef {
   std::uint8_t mesh;
 };
 
-struct Sums {
-  Vec3d vector[2];
-  double area[2];
-  double moment;  ///< sum of (normal . x) area
-};
-
 /// Stable counting sort by `region`. begin[r] .. begin[r + 1] are the items of region r.
 template <class T>
 void groupByRegion(std::vector<T>& items, std::size_t regions, std::vector<T>& sorted,
@@ -69,7 +63,7 @@ struct RegionBuilder::Scratch {
   std::vector<PatchRef> patches, sortedPatches;
   std::vector<Insider> insiders;
   std::vector<std::uint32_t> pieceBegin, correctionBegin, seedBegin, patchBegin, cellScratch;
-  std::vector<Sums> sums;
+  std::vector<RegionSums> sums;
   std::vector<double> largest;  ///< by region: an area that none of its terms exceeds, or hardly
   std::vector<Vec3d> positions;
   EdgePieces::Storage edges;
@@ -80,8 +74,6 @@ struct RegionBuilder::Scratch {
 namespace {
 
 constexpr std::uint32_t kInterior = 0xfffffffeu;
-/// A cluster counts as one piece if its vector area is at least 0.9 (squared here) of its area.
-constexpr double kFlatCluster = 0.81;
 /// How many items ahead memory is asked for.
 constexpr std::uint32_t kAhead = 8;
 
@@ -181,21 +173,8 @@ class Builder {
     }
   }
 
-  struct Box {
-    Vec3d lo, hi;
-  };
-  /// Encloses the vertices of a cluster; not tight where B is turned.
-  Box boxOf(int m, const Adjacency::Cluster& cluster) const {
-    const Vec3d lo{cluster.lo.x, cluster.lo.y, cluster.lo.z}, hi{cluster.hi.x, cluster.hi.y, cluster.hi.z};
-    if (m == 0) return {relative(lo), relative(hi)};
-    const Vec3d middle = relative(meshes_.fromLocal(m, otgScale(otgAdd(lo, hi), 0.5)));
-    const Vec3d half = otgScale(otgSub(hi, lo), 0.5);
-    const double* r = meshes_.query().bInA.r;
-    const auto along = [&](int row) {
-      return std::fabs(r[3 * row]) * half.x + std::fabs(r[3 * row + 1]) * half.y + std::fabs(r[3 * row + 2]) * half.z;
-    };
-    const Vec3d reach{along(0), along(1), along(2)};
-    return {otgSub(middle, reach), otgAdd(middle, reach)};
+  PartBox boxOf(int m, const Adjacency::Cluster& cluster) const {
+    return boxOfCluster(meshes_, m, cluster, out_.origin);
   }
 
   void numberRegions() {
@@ -207,7 +186,7 @@ class Builder {
       s_.regionOf[e] = s_.regionOf[root];
     }
     out_.regions.assign(count, Region{});
-    s_.sums.assign(count, Sums{});
+    s_.sums.assign(count, RegionSums{});
     s_.load.assign(count, 0);
     s_.largest.assign(count, 0);
     s_.patches.clear();
@@ -285,7 +264,7 @@ class Builder {
       for (std::uint32_t i = patch.clusterBegin; i < patch.clusterEnd; ++i) {
         const std::uint32_t c = inside_.clusters[ref.mesh][i];
         largest = std::max(largest, adjacency.clusters[c].sum.area);
-        const Box box = boxOf(ref.mesh, adjacency.clusters[c]);
+        const PartBox box = boxOf(ref.mesh, adjacency.clusters[c]);
         if (minimum(box.lo, region.lo) == region.lo && maximum(box.hi, region.hi) == region.hi) continue;
         for (std::uint32_t k = adjacency.clusters[c].first; k < adjacency.clusters[c + 1].first; ++k) {
           include(region, vertex(ref.mesh, adjacency.clusterVertices[k]));
@@ -383,12 +362,6 @@ class Builder {
     s_.pieces.push_back({region, t, static_cast<std::uint8_t>(m), n, otgScale(n, area), area, offset, lo, hi});
   }
 
-  static void addTo(Sums& sums, int m, const Vec3d& vector, double area, double moment) {
-    sums.vector[m] = otgAdd(sums.vector[m], vector);
-    sums.area[m] += area;
-    sums.moment += moment;
-  }
-
   /// Every piece and every point by itself.
   void describeSmall(std::uint32_t r) {
     Region& region = out_.regions[r];
@@ -430,24 +403,12 @@ class Builder {
     region.pointEnd = static_cast<std::uint32_t>(out_.points.size());
     for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
       const Piece& p = out_.pieces[i];
-      addTo(s_.sums[r], p.mesh, p.vector, p.area, p.offset * p.area);
+      s_.sums[r].add(p.mesh, p.vector, p.area, p.offset * p.area);
     }
   }
 
-  static SurfaceUnits unitsOf(std::uint32_t load, double largest, const Region& region) {
-    const otg_int count = otgTermBits(load), area = otgBitsOf(largest);
-    return {otgUnitsInOne(count, area), otgUnitsInOne(count, otgMomentBits(area, region.lo, region.hi))};
-  }
-
-  /// See PieceCells::ofTriangle and ofVertex.
-  std::uint32_t triangleNamed(int m, std::uint32_t name) const {
-    if ((name & OTG_NAME_OF_VERTEX) == 0) return name;
-    const Adjacency& adjacency = meshes_.adjacency(m);
-    return adjacency.halfEdges[adjacency.first[name & ~OTG_NAME_OF_VERTEX]] / 3;
-  }
-
   static bool isFlat(const Adjacency::Cluster& c) {
-    return otgDot(c.sum.vector, c.sum.vector) >= kFlatCluster * c.sum.area * c.sum.area;
+    return otgDot(c.sum.vector, c.sum.vector) >= OTG_FLAT_CLUSTER * c.sum.area * c.sum.area;
   }
 
   /// Of a cluster that will be looked at vertex by vertex; they lie next to each other, or nearly so.
@@ -463,7 +424,7 @@ class Builder {
     Region& region = out_.regions[r];
     region.pieceBegin = static_cast<std::uint32_t>(out_.pieces.size());
     region.pointBegin = static_cast<std::uint32_t>(out_.points.size());
-    const SurfaceUnits units = unitsOf(s_.load[r], s_.largest[r], region);
+    const SurfaceUnits units = surfaceUnits(s_.load[r], s_.largest[r], region);
     PieceCells& cells = s_.pieceCells;
     cells.begin(region, units);
     for (std::uint32_t i = s_.pieceBegin[r]; i < s_.pieceBegin[r + 1]; ++i) {
@@ -495,7 +456,7 @@ class Builder {
           continue;
         }
         const Vec3d vector = meshes_.directionFromLocal(m, cluster.sum.vector);
-        const Box box = boxOf(m, cluster);
+        const PartBox box = boxOf(m, cluster);
         cells.add(m, otgScale(otgAdd(box.lo, box.hi), 0.5), vector,
                   PieceCells::ofVertex(adjacency.clusterVertices[cluster.first]), vector, cluster.sum.area,
                   cluster.moment + otgDot(vector, shift), box.lo, box.hi);
@@ -508,22 +469,14 @@ class Builder {
       cells.add(c.mesh, x, meshes_.directionFromLocal(c.mesh, adjacency.star[c.vertex].vector),
                 PieceCells::ofTriangle(c.triangle), c.vector, c.area, otgDot(c.vector, x), x, x);
     }
-    SurfaceSum all[2];
     for (const PieceCells::Cell& cell : cells.cells()) {
-      all[cell.mesh()].add(cell.sum);
-      addPieceOfCell(
-          cell, r, units, [&](int m, std::uint32_t name) { return triangleNamed(m, name); }, out_.pieces);
+      s_.sums[r].add(cell, units);
+      addPieceOfCell(meshes_, cell, r, units, out_.pieces);
     }
-    Sums& sums = s_.sums[r];
-    for (int m = 0; m < 2; ++m) {
-      sums.vector[m] = all[m].vectorIn(units);
-      sums.area[m] = otgFromUnits(all[m].area, units.area);
-    }
-    sums.moment = otgFromUnits(otgAddUnits(all[0].moment, all[1].moment), units.moment);
     region.pieceEnd = static_cast<std::uint32_t>(out_.pieces.size());
 
     PointCells& points = s_.pointCells;
-    points.begin(region, unit(otgSub(sums.vector[1], sums.vector[0])));
+    points.begin(region, unit(otgSub(s_.sums[r].vector(1), s_.sums[r].vector(0))));
     region.cellBegin = static_cast<std::uint32_t>(out_.extents.cells.size());
     s_.positions.clear();
     for (std::uint32_t i = s_.patchBegin[r]; i < s_.patchBegin[r + 1]; ++i) {
@@ -538,7 +491,7 @@ class Builder {
       for (std::uint32_t k = patch.clusterBegin; k < patch.clusterEnd; ++k) {
         const std::uint32_t c = inside_.clusters[m][k];
         const std::uint32_t begin = adjacency.clusters[c].first, end = adjacency.clusters[c + 1].first;
-        const Box box = boxOf(m, adjacency.clusters[c]);
+        const PartBox box = boxOf(m, adjacency.clusters[c]);
         out_.extents.cells.push_back({box.lo, box.hi, begin, end, m});
         points.offerDeepest(
             m, box.lo, box.hi, adjacency.clusters[c], end,
@@ -594,19 +547,7 @@ class Builder {
 
   SupportPoint supportPoint(const PointSeed& seed) const { return otg::supportPoint(meshes_, contour_, seed); }
 
-  void measure(std::uint32_t r) {
-    Region& region = out_.regions[r];
-    const Sums& sums = s_.sums[r];
-    const RegionMeasure<double> m =
-        otgMeasureRegion(sums.vector[0], sums.vector[1], sums.area[0], sums.area[1], sums.moment, region.lo, region.hi);
-    region.areaA = sums.area[0];
-    region.areaB = sums.area[1];
-    region.volume = m.volume;
-    region.push = m.push;
-    region.thickness = m.thickness;
-    region.coherence = m.coherence;
-    region.bad = m.bad != 0;
-  }
+  void measure(std::uint32_t r) { s_.sums[r].measure(out_.regions[r]); }
 
   const PlacedMeshes& meshes_;
   const Contour& contour_;
@@ -623,7 +564,12 @@ RegionBuilder::~RegionBuilder() = default;
 
 void RegionBuilder::build(const PlacedMeshes& meshes, const Contour& contour, const InsideFlags& inside,
                           OverlapRegions& out) {
-  out.origin = contour.crossings.empty() ? Vec3d{0, 0, 0} : contour.crossings.front().point;
+  build(meshes, contour, inside, contour.crossings.empty() ? Vec3d{0, 0, 0} : contour.crossings.front().point, out);
+}
+
+void RegionBuilder::build(const PlacedMeshes& meshes, const Contour& contour, const InsideFlags& inside,
+                          const Vec3d& origin, OverlapRegions& out) {
+  out.origin = origin;
   Builder<Scratch>(meshes, contour, inside, *scratch_, out).run();
 }
 

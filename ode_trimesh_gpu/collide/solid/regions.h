@@ -93,6 +93,9 @@ class RegionBuilder {
   RegionBuilder(const RegionBuilder&) = delete;
   RegionBuilder& operator=(const RegionBuilder&) = delete;
   void build(const PlacedMeshes& meshes, const Contour& contour, const InsideFlags& inside, OverlapRegions& out);
+  /// The same for a part of a contour, relative to an origin that belongs to all of it.
+  void build(const PlacedMeshes& meshes, const Contour& contour, const InsideFlags& inside, const Vec3d& origin,
+             OverlapRegions& out);
 
  private:
   struct Scratch;

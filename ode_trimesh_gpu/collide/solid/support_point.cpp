@@ -6,6 +6,11 @@
 namespace otg {
 
 SupportPoint supportPoint(const PlacedMeshes& meshes, const Contour& contour, const PointSeed& seed) {
+  const bool isCrossing = seed.kind == PointKind::kCrossing;
+  return supportPoint(meshes, seed, isCrossing ? contour.crossings[seed.crossing].triangle : kNone);
+}
+
+SupportPoint supportPoint(const PlacedMeshes& meshes, const PointSeed& seed, std::uint32_t triangle) {
   const int m = seed.mesh;
   const TriMesh& mesh = meshes.mesh(m);
   const Adjacency& adjacency = meshes.adjacency(m);
@@ -35,9 +40,7 @@ SupportPoint supportPoint(const PlacedMeshes& meshes, const Contour& contour, co
     own = half / 3;
   }
   p.surfaceNormal = meshes.directionFromLocal(m, unit(normal));
-  if (seed.kind == PointKind::kCrossing) {
-    (m == 0 ? p.triangleB : p.triangleA) = contour.crossings[seed.crossing].triangle;
-  }
+  if (seed.kind == PointKind::kCrossing) (m == 0 ? p.triangleB : p.triangleA) = triangle;
   return p;
 }
 

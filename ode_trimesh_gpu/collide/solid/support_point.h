@@ -8,5 +8,7 @@ namespace otg {
 
 /// The candidate with what its surroundings in its mesh say of it.
 SupportPoint supportPoint(const PlacedMeshes& meshes, const Contour& contour, const PointSeed& seed);
+/// The same with the other mesh's triangle of a crossing.
+SupportPoint supportPoint(const PlacedMeshes& meshes, const PointSeed& seed, std::uint32_t triangle);
 
 }  // namespace otg

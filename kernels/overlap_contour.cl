@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One pair of solids: from hits to crossings and chords, in any order, and the sets that these are of.
+#define OTG_CONTACTS 0
+#include "pair_record.h"
+//
+#include "overlap_mesh.h"
+#include "solid_ends.h"
+
+/// The slot of a crossing, and whether it is new. There are more slots than there can be crossings.
+OTG_INLINED uint otgEnterCrossing(const otg_overlap* o, ulong key, int* isNew) {
+  uint hash = (uint)(key >> 32) * 0x9e3779b1u ^ (uint)key * 0x85ebca6bu;
+  hash ^= hash >> 15;
+  hash *= 0x2c1b3c6du;
+  for (uint slot = (hash ^ hash >> 13) & (o->sizes.slots - 1);; slot = (slot + 1) & (o->sizes.slots - 1)) {
+    const ulong before = atom_cmpxchg(&o->crossings[slot].key, 0ul, key);
+    *isNew = before == 0;
+    if (before == 0 || before == key) return slot;
+  }
+}
+
+/// Works a new crossing out: as Tracer::add in collide/solid/contour.cpp.
+OTG_INLINED void otgFillCrossing(const otg_overlap* o, uint slot, uint halfEdge, uint other, uint mesh, uint how) {
+  const otg_solid_mesh *mine = &o->mesh[mesh].solid, *theirs = &o->mesh[1 - mesh].solid;
+  __global otg_crossing* c = o->crossings + slot;
+  const uint edge = otgEdgeOf(mine, halfEdge);
+  const uint4 ends = mine->edges[edge];
+  const int forward = otgCornerOf(mine, halfEdge) == ends.x;
+  const otg_vec3_d p = otgVertexAt(mine, ends.x), q = otgVertexAt(mine, ends.y);
+  otg_vec3_d corners[3], drift;
+  otgCornersAt(theirs, other, corners);
+  const double t = otgHitPlane_d((int)mesh, p, q, corners, &drift);
+  c->t = t;
+  c->triangle = other;
+  otgStore(c->point, otgAdd_d(p, otgScale_d(otgSub_d(q, p), t)));
+  for (uint k = 0; k < 3; ++k) {
+    c->low[k] = ~0ul;
+    c->high[k] = 0;
+  }
+  c->first = ~0ul;
+  c->largest = 0;
+  c->load = 0;
+  c->exits = (how & 1) == (uint)forward;
+  c->link = atomic_xchg(otgEdgeMark(o, mesh, edge), slot + 1);
+}
+
+/// Decides every hit, finds the ends of its chord, and enters these as crossings. Writes the record of each hit, from
+/// which the host finishes the pair if need be. Every element becomes a set of its own.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapContour(
+    const otg_device_pair pair, const otg_transform_d bInA, const otg_overlap_sizes sizes,
+    __global const float4* restrict meshes, __global const uint* restrict counters,
+    __global const uint2* restrict found, uint hitCapacity, __global uchar* restrict results,
+    __global otg_overlap_state* restrict state, __global otg_crossing* restrict crossings,
+    __global uint* restrict slots, __global otg_overlap_hit* restrict hits, __global uint* restrict parents,
+    __global uint* restrict marks) {
+  const otg_overlap o = otgOverlapOf(meshes, &pair, bInA, &sizes, crossings, hits, parents, marks);
+  const uint count = min(counters[OTG_COUNT_HITS], hitCapacity);
+  __global otg_record* records = (__global otg_record*)(results + OTG_RESULT_HEAD);
+  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+    const uint2 hit = found[i];
+    const uint soupA = pair.a.soup + 3 * (hit.x & ~OTG_HIT_UNDECIDED), soupB = pair.b.soup + 3 * hit.y;
+    otgMakeRecord(meshes, soupA, soupB, (hit.x & OTG_HIT_UNDECIDED) != 0, bInA, 0, records + i);
+    otg_solid_hit ends;
+    ends.a = records[i].a;
+    ends.b = records[i].b;
+    int kind = records[i].kind;
+    if (kind == OTG_RECORD_OPEN) {
+      otg_vec3_d corners[6];
+      otgCornersInDouble(meshes, soupA, soupB, bInA, corners, corners + 3);
+      kind = otgDecideExactly(corners);
+      records[i].kind = kind;
+    }
+    otg_overlap_hit own;
+    own.a = kind == OTG_RECORD_HIT ? ends.a : OTG_NOT_THERE;
+    own.b = ends.b;
+    own.start = own.end = OTG_NOT_THERE;
+    own.link[0] = own.link[1] = 0;
+    if (kind == OTG_RECORD_HIT) {
+      const uint why = otgFindEnds(&o.mesh[0].solid, &o.mesh[1].solid, &ends);
+      if (why != 0) otgGiveUpOverlap(state, why);
+      atomic_inc(state->counts + OTG_OVERLAP_INTERSECTING);
+      if (why == 0 && ends.halfEdge[1] != OTG_NOT_THERE) {
+        for (uint k = 0; k < 2; ++k) {
+          const uint mesh = ends.halfEdge[k] & 1, halfEdge = ends.halfEdge[k] >> 1, other = mesh == 0 ? ends.b : ends.a;
+          const uint edge = otgEdgeOf(&o.mesh[mesh].solid, halfEdge);
+          int isNew;
+          const uint slot = otgEnterCrossing(&o, (ulong)((edge << 1 | mesh) + 1) << 32 | other, &isNew);
+          if (isNew) {
+            otgFillCrossing(&o, slot, halfEdge, other, mesh, ends.how[k]);
+            slots[atomic_inc(state->counts + OTG_OVERLAP_CROSSINGS)] = slot;
+          }
+          atomic_inc(&crossings[slot].seen);
+          if (ends.how[k] & 2) {
+            own.start = slot;
+          } else {
+            own.end = slot;
+          }
+        }
+        atomic_inc(state->counts + OTG_OVERLAP_CHORDS);
+        otgRaise(&state->first, ~((ulong)ends.a << 32 | ends.b));
+      }
+    } else if (kind == OTG_RECORD_OPEN) {
+      otgGiveUpOverlap(state, OTG_SOLID_INEXACT);
+    }
+    hits[i] = own;
+  }
+  for (uint e = get_global_id(0); e < sizes.elements; e += get_global_size(0)) parents[e] = e;
+}
+
+OTG_INLINED void otgVoteFor(const otg_overlap* o, uint mesh, uint vertex, int inside, uint slot) {
+  atomic_or(otgVotesOf(o, mesh, vertex), inside ? OTG_VOTE_IN : OTG_VOTE_OUT);
+  const uint cluster = otgClusterOf(&o->mesh[mesh], vertex);
+  if (cluster < o->mesh[mesh].clusterCount) *otgMixedMark(o, mesh, cluster) = 1;
+  if (inside) otgUniteElements(o, slot, otgVertexElement(o, mesh, vertex));
+}
+
+/// Where a crossing lies along its edge; the first and the last of an edge vote for its ends.
+OTG_INLINED uint otgPlaceCrossing(const otg_overlap* o, uint slot) {
+  __global otg_crossing* c = o->crossings + slot;
+  const uint mesh = otgMeshOf(c), edge = otgEdgeOfCrossing(c);
+  const double t = c->t;
+  uint rank = 0, previous = OTG_NOT_THERE, next = OTG_NOT_THERE, tied = 0;
+  double before = 0, after = 0;
+  for (uint d = *otgEdgeMark(o, mesh, edge); d != 0; d = o->crossings[d - 1].link) {
+    if (d - 1 == slot) continue;
+    const double u = o->crossings[d - 1].t;
+    tied |= fabs(u - t) <= OTG_SOLID_CLOSE_POINTS;
+    if (u < t) {
+      ++rank;
+      if (previous == OTG_NOT_THERE || u > before) {
+        previous = d - 1;
+        before = u;
+      }
+    } else if (next == OTG_NOT_THERE || u < after) {
+      next = d - 1;
+      after = u;
+    }
+  }
+  c->rank = rank;
+  c->previous = previous;
+  c->next = next;
+  const uint4 ends = o->mesh[mesh].solid.edges[edge];
+  if (previous == OTG_NOT_THERE) otgVoteFor(o, mesh, ends.x, c->exits != 0, slot);
+  if (next == OTG_NOT_THERE) otgVoteFor(o, mesh, ends.y, c->exits == 0, slot);
+  if (c->exits && previous != OTG_NOT_THERE) otgUniteElements(o, previous, slot);
+  const int alternates = previous == OTG_NOT_THERE || o->crossings[previous].exits != c->exits;
+  return (tied ? OTG_SOLID_TIE : 0) | (alternates && c->seen == 2 ? 0 : OTG_SOLID_BROKEN);
+}
+
+/// Puts crossings in order along their edges, and hits in lists by triangle; unites what hangs together by chords and
+/// by stretches inside. Empties the table of candidates, `depths`.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapEdges(
+    const otg_device_pair pair, const otg_transform_d bInA, const otg_overlap_sizes sizes,
+    __global const float4* restrict meshes, __global const uint* restrict counters, uint hitCapacity,
+    __global otg_overlap_state* restrict state, __global otg_crossing* restrict crossings,
+    __global const uint* restrict slots, __global otg_overlap_hit* restrict hits, __global uint* restrict parents,
+    __global uint* restrict marks, __global ulong* restrict depths) {
+  const otg_overlap o = otgOverlapOf(meshes, &pair, bInA, &sizes, crossings, hits, parents, marks);
+  const uint count = state->counts[OTG_OVERLAP_CROSSINGS], hitCount = min(counters[OTG_COUNT_HITS], hitCapacity);
+  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+    const uint why = otgPlaceCrossing(&o, slots[i]);
+    if (why != 0) otgGiveUpOverlap(state, why);
+  }
+  for (uint i = get_global_id(0); i < hitCount; i += get_global_size(0)) {
+    const otg_overlap_hit hit = hits[i];
+    if (hit.a == OTG_NOT_THERE || hit.start == OTG_NOT_THERE) continue;
+    otgUniteElements(&o, hit.start, hit.end);
+    for (uint mesh = 0; mesh < 2; ++mesh) {
+      hits[i].link[mesh] = atomic_xchg(otgTriangleMark(&o, mesh, mesh == 0 ? hit.a : hit.b), i + 1);
+    }
+  }
+  for (uint i = get_global_id(0); i < OTG_OVERLAP_REGIONS * OTG_GRID_KEYS; i += get_global_size(0)) depths[i] = 0;
+}

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One pair of solids while their overlap is described by many work-groups: the meshes, the elements that regions are
+// sets of, and what is inside. See shared/overlap_layout.h.
+//
+// OTG_GROUP: size of work-groups.
+#ifndef OTG_OVERLAP_MESH_H
+#define OTG_OVERLAP_MESH_H
+#include "solid_mesh.h"
+//
+#include "shared/overlap_layout.h"
+
+#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
+#pragma OPENCL EXTENSION cl_khr_int64_extended_atomics : enable
+
+/// Lanes that look at one cluster together: one to a vertex.
+#define OTG_CLUSTER_LANES 16
+
+typedef struct {
+  otg_solid_mesh solid;
+  __global const float4* clusters;  ///< OTG_CLUSTER_UNITS each
+  __global const uint *clusterVertices, *clusterNeighbours;
+  __global const double* stars;  ///< four a vertex: vector and area
+  uint clusterCount;
+  float radius;
+} otg_overlap_mesh;
+
+typedef struct {
+  otg_overlap_mesh mesh[2];
+  otg_overlap_sizes sizes;
+  __global otg_crossing* crossings;
+  __global otg_overlap_hit* hits;
+  __global uint *parents, *marks;
+} otg_overlap;
+
+OTG_INLINED otg_overlap_mesh otgOverlapMesh(__global const float4* meshes, const otg_device_mesh* place,
+                                            otg_transform_d bInA, int isB) {
+  otg_overlap_mesh m;
+  m.solid = otgSolidMesh(meshes, place, bInA, isB);
+  m.clusters = m.solid.bounds + as_uint(m.solid.bounds[OTG_SOLID_CLUSTERS_AT].w);
+  m.clusterCount = as_uint(m.solid.bounds[OTG_SOLID_CLUSTER_COUNT].w);
+  const uint vertices = as_uint(m.solid.bounds[0].w);
+  m.stars = (__global const double*)(m.clusters + OTG_CLUSTER_UNITS * (m.clusterCount + 1));
+  m.clusterVertices = (__global const uint*)(m.stars + 4 * (size_t)vertices);
+  m.clusterNeighbours = m.clusterVertices + as_uint(m.clusters[OTG_CLUSTER_UNITS * m.clusterCount].w);
+  m.radius = place->radius;
+  return m;
+}
+
+OTG_INLINED otg_overlap otgOverlapOf(__global const float4* meshes, const otg_device_pair* pair, otg_transform_d bInA,
+                                     const otg_overlap_sizes* sizes, __global otg_crossing* crossings,
+                                     __global otg_overlap_hit* hits, __global uint* parents, __global uint* marks) {
+  otg_overlap o;
+  o.mesh[0] = otgOverlapMesh(meshes, &pair->a, bInA, 0);
+  o.mesh[1] = otgOverlapMesh(meshes, &pair->b, bInA, 1);
+  o.sizes = *sizes;
+  o.crossings = crossings;
+  o.hits = hits;
+  o.parents = parents;
+  o.marks = marks;
+  return o;
+}
+
+OTG_INLINED uint otgFirstOf(const otg_overlap_mesh* m, uint cluster) {
+  return as_uint(m->clusters[OTG_CLUSTER_UNITS * cluster].w);
+}
+OTG_INLINED uint otgFirstNeighbourOf(const otg_overlap_mesh* m, uint cluster) {
+  return as_uint(m->clusters[OTG_CLUSTER_UNITS * cluster + 1].w);
+}
+OTG_INLINED uint otgClusterOf(const otg_overlap_mesh* m, uint vertex) {
+  return as_uint(m->solid.vertices[vertex].w) & ~OTG_VERTEX_FLAT;
+}
+OTG_INLINED int otgIsFlatVertex(const otg_overlap_mesh* m, uint vertex) {
+  return (as_uint(m->solid.vertices[vertex].w) & OTG_VERTEX_FLAT) != 0;
+}
+OTG_INLINED otg_vec3_d otgStarOf(const otg_overlap_mesh* m, uint vertex) {
+  return otgDirectionInA(&m->solid, otgLoad(m->stars + 4 * (size_t)vertex));
+}
+
+// Marks ---------------------------------------------------------------------------------------------------------------
+
+OTG_INLINED __global uint* otgMixedMark(const otg_overlap* o, uint mesh, uint cluster) {
+  return o->marks + o->sizes.mixedMarks[mesh] + cluster;
+}
+OTG_INLINED __global uint* otgVotesOf(const otg_overlap* o, uint mesh, uint vertex) {
+  return o->marks + o->sizes.voteMarks[mesh] + vertex;
+}
+OTG_INLINED __global uint* otgEdgeMark(const otg_overlap* o, uint mesh, uint edge) {
+  return o->marks + o->sizes.edgeMarks[mesh] + edge;
+}
+OTG_INLINED __global uint* otgTriangleMark(const otg_overlap* o, uint mesh, uint triangle) {
+  return o->marks + o->sizes.triangleMarks[mesh] + triangle;
+}
+
+OTG_INLINED uint otgMeshOf(__global const otg_crossing* c) {
+  return ((uint)(c->key >> 32) - 1) & 1;
+}
+OTG_INLINED uint otgEdgeOfCrossing(__global const otg_crossing* c) {
+  return ((uint)(c->key >> 32) - 1) >> 1;
+}
+
+// Sets ----------------------------------------------------------------------------------------------------------------
+
+OTG_INLINED uint otgRoot(const otg_overlap* o, uint e) {
+  volatile __global uint* parent = o->parents;
+  uint up = parent[e];
+  while (up != e) {
+    const uint next = parent[up];
+    if (next != up) parent[e] = next;
+    e = up;
+    up = next;
+  }
+  return e;
+}
+
+/// The smallest element names the set: a crossing, if there is one in it.
+OTG_INLINED void otgUniteElements(const otg_overlap* o, uint x, uint y) {
+  for (;;) {
+    x = otgRoot(o, x);
+    y = otgRoot(o, y);
+    if (x == y) return;
+    const uint low = min(x, y), high = max(x, y);
+    if (atomic_cmpxchg(o->parents + high, high, low) == high) return;
+  }
+}
+
+OTG_INLINED uint otgClusterElement(const otg_overlap* o, uint mesh, uint cluster) {
+  return o->sizes.clusters[mesh] + cluster;
+}
+OTG_INLINED uint otgVertexElement(const otg_overlap* o, uint mesh, uint vertex) {
+  return o->sizes.vertices[mesh] + vertex;
+}
+
+/// The root of the region that a vertex lies inside of the other mesh in, or OTG_NOT_THERE: when all is united, sets
+/// with a crossing in them are inside.
+OTG_INLINED uint otgRegionOfVertex(const otg_overlap* o, uint mesh, uint vertex) {
+  const uint cluster = otgClusterOf(&o->mesh[mesh], vertex);
+  if (cluster >= o->mesh[mesh].clusterCount) return OTG_NOT_THERE;
+  const uint e =
+      *otgMixedMark(o, mesh, cluster) ? otgVertexElement(o, mesh, vertex) : otgClusterElement(o, mesh, cluster);
+  const uint root = otgRoot(o, e);
+  return root < o->sizes.slots ? root : OTG_NOT_THERE;
+}
+
+// Ordered numbers -----------------------------------------------------------------------------------------------------
+
+/// Doubles as unsigned integers in the same order.
+OTG_INLINED ulong otgInOrder(double x) {
+  const ulong bits = as_ulong(x + 0.0);  // -0 and 0 are one
+  return bits >> 63 ? ~bits : bits | 0x8000000000000000ul;
+}
+OTG_INLINED double otgFromOrder(ulong x) {
+  return as_double(x >> 63 ? x & 0x7ffffffffffffffful : ~x);
+}
+
+/// As a rule somebody else was there already: that is looked at first.
+OTG_INLINED void otgRaise(__global ulong* to, ulong x) {
+  if (x > *(volatile __global ulong*)to) atom_max(to, x);
+}
+OTG_INLINED void otgLower64(__global ulong* to, ulong x) {
+  if (x < *(volatile __global ulong*)to) atom_min(to, x);
+}
+
+OTG_INLINED otg_vec3_d otgPointOfCrossing(const otg_overlap* o, uint slot, otg_vec3_d origin) {
+  return otgSub_d(otgLoad(o->crossings[slot].point), origin);
+}
+
+/// The inside stretch that a crossing ends (where the edge leaves the other mesh), or that begins at the last crossing:
+/// ends that are crossings, or OTG_NOT_THERE for the edge's own ends. 0 if it is another crossing's.
+OTG_INLINED int otgStretchOf(const otg_overlap* o, uint slot, uint* from, uint* to) {
+  __global const otg_crossing* c = o->crossings + slot;
+  if (c->exits) {
+    *to = slot;
+    *from = c->previous;
+    return 1;
+  }
+  *from = slot;
+  *to = OTG_NOT_THERE;
+  return c->next == OTG_NOT_THERE;
+}
+
+OTG_INLINED void otgGiveUpOverlap(__global otg_overlap_state* state, uint why) {
+  atomic_or(state->counts + OTG_OVERLAP_WHY, why);
+}
+
+#endif  // OTG_OVERLAP_MESH_H

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One pair of solids: the surface of its large regions, summed up in cells; as describeLarge in
+// collide/solid/regions.cpp.
+#include "overlap_grid.h"
+
+#define OTG_MOST_CHORDS 32  ///< of one triangle
+
+typedef struct {
+  const otg_overlap* o;
+  __local const otg_overlap_regions* regions;
+  __global otg_surface_cell* cells;
+  __global uint* cellList;
+  __global otg_overlap_state* state;
+} otg_surface;
+
+/// As PieceCells::add.
+OTG_INLINED void otgAddSurface(const otg_surface* s, uint r, uint mesh, otg_vec3_d place, otg_vec3_d facing, uint name,
+                               otg_vec3_d vector, double area, double moment, otg_vec3_d lo, otg_vec3_d hi) {
+  __local const otg_overlap_region* region = s->regions->region + r;
+  const uint key = otgGridCell(place, region->lo, region->pieceScale) * 16 + otgMainDirection(facing) * 2 + mesh;
+  const uint at = r * OTG_GRID_KEYS + key;
+  __global otg_surface_cell* c = s->cells + at;
+  const long units = otgInUnits(area, region->areaUnits);
+  atom_add(c->vector, otgInUnits(vector.x, region->areaUnits));
+  atom_add(c->vector + 1, otgInUnits(vector.y, region->areaUnits));
+  atom_add(c->vector + 2, otgInUnits(vector.z, region->areaUnits));
+  atom_add(&c->area, units);
+  atom_add(&c->gross, units < 0 ? -units : units);
+  atom_add(&c->moment, otgInUnits(moment, region->momentUnits));
+  otgRaise(c->low, ~otgInOrder(lo.x));
+  otgRaise(c->low + 1, ~otgInOrder(lo.y));
+  otgRaise(c->low + 2, ~otgInOrder(lo.z));
+  otgRaise(c->high, otgInOrder(hi.x));
+  otgRaise(c->high + 1, otgInOrder(hi.y));
+  otgRaise(c->high + 2, otgInOrder(hi.z));
+  if (~name > *(volatile __global uint*)&c->name) atomic_max(&c->name, ~name);
+  if (*(volatile __global uint*)&c->used == 0 && atomic_xchg(&c->used, 1) == 0) {
+    s->cellList[atomic_inc(s->state->counts + OTG_OVERLAP_CELLS)] = at;
+  }
+}
+
+OTG_INLINED void otgAddStar(const otg_surface* s, uint r, uint mesh, uint v) {
+  const otg_overlap_mesh* m = &s->o->mesh[mesh];
+  const otg_vec3_d x = otgSub_d(otgVertexAt(&m->solid, v), s->regions->origin), vector = otgStarOf(m, v);
+  otgAddSurface(s, r, mesh, x, vector, v | OTG_NAME_OF_VERTEX, vector, m->stars[4 * (size_t)v + 3], otgDot_d(vector, x),
+                x, x);
+}
+
+/// Half the sum of p x q over the directed boundary, and bounds.
+typedef struct {
+  otg_vec3_d corner, sum, lo, hi;
+  int any;
+} otg_outline;
+
+OTG_INLINED void otgAddToOutline(otg_outline* l, otg_vec3_d p, otg_vec3_d q) {
+  if (!l->any) {
+    l->lo = p;
+    l->hi = p;
+  }
+  l->any = 1;
+  l->sum = otgAdd_d(l->sum, otgCross_d(otgSub_d(p, l->corner), otgSub_d(q, l->corner)));
+  l->lo = otgLower(l->lo, otgLower(p, q));
+  l->hi = otgHigher(l->hi, otgHigher(p, q));
+}
+
+typedef struct {
+  uint triangle, mesh, chords;
+  uint vertex[3], edge[3], root[3];
+  otg_vec3_d at[3];
+  uint chord[OTG_MOST_CHORDS];  ///< hits, the largest first
+} otg_clipped;
+
+/// Its chords in the host's order: 0 if there are too many.
+OTG_INLINED int otgListChords(const otg_overlap* o, uint first, otg_clipped* t) {
+  uint count = 0;
+  for (uint h = first; h != 0; h = o->hits[h - 1].link[t->mesh]) {
+    if (count == OTG_MOST_CHORDS) return 0;
+    const uint other = t->mesh == 0 ? o->hits[h - 1].b : o->hits[h - 1].a;
+    uint place = count++;
+    for (; place > 0; --place) {
+      const uint before = t->chord[place - 1];
+      if ((t->mesh == 0 ? o->hits[before].b : o->hits[before].a) > other) break;
+      t->chord[place] = before;
+    }
+    t->chord[place] = h - 1;
+  }
+  t->chords = count;
+  return 1;
+}
+
+/// The outline of the part of a triangle that lies in the region of a root: as clipTriangle, in the same order.
+OTG_INLINED otg_outline otgOutlineOf(const otg_surface* s, const otg_clipped* t, uint root) {
+  const otg_overlap* o = s->o;
+  const otg_overlap_mesh* m = &o->mesh[t->mesh];
+  otg_outline outline;
+  outline.corner = t->at[0];
+  outline.sum = otgVec_d(0, 0, 0);
+  outline.lo = outline.hi = outline.corner;
+  outline.any = 0;
+  for (uint k = 0; k < 3; ++k) {
+    const uint next = k == 2 ? 0 : k + 1;
+    uint c = *otgEdgeMark(o, t->mesh, t->edge[k]);
+    if (c == 0) {
+      if (t->root[k] == root && t->root[next] != OTG_NOT_THERE) otgAddToOutline(&outline, t->at[k], t->at[next]);
+      continue;
+    }
+    const int forward = t->vertex[k] == m->solid.edges[t->edge[k]].x;
+    while (o->crossings[c - 1].rank != 0) c = o->crossings[c - 1].link;
+    for (uint slot = c - 1; slot != OTG_NOT_THERE; slot = o->crossings[slot].next) {
+      uint from, to;
+      if (!otgStretchOf(o, slot, &from, &to) || otgRoot(o, slot) != root) continue;
+      // The vertices at the ends of the edge are corners of the triangle.
+      const otg_vec3_d p =
+          from != OTG_NOT_THERE ? otgPointOfCrossing(o, from, s->regions->origin) : t->at[forward ? k : next];
+      const otg_vec3_d q =
+          to != OTG_NOT_THERE ? otgPointOfCrossing(o, to, s->regions->origin) : t->at[forward ? next : k];
+      if (forward) {
+        otgAddToOutline(&outline, p, q);
+      } else {
+        otgAddToOutline(&outline, q, p);
+      }
+    }
+  }
+  for (uint i = 0; i < t->chords; ++i) {
+    const otg_overlap_hit hit = o->hits[t->chord[i]];
+    if (otgRoot(o, hit.start) != root) continue;
+    const otg_vec3_d p = otgPointOfCrossing(o, hit.start, s->regions->origin);
+    const otg_vec3_d q = otgPointOfCrossing(o, hit.end, s->regions->origin);
+    if (t->mesh == 0) {
+      otgAddToOutline(&outline, p, q);
+    } else {
+      otgAddToOutline(&outline, q, p);
+    }
+  }
+  return outline;
+}
+
+/// The parts of one triangle in large regions, and what is taken off its corners' stars.
+OTG_INLINED void otgAddClipped(const otg_surface* s, uint mesh, uint triangle) {
+  const otg_overlap* o = s->o;
+  const otg_overlap_mesh* m = &o->mesh[mesh];
+  const uint4 corners = m->solid.triangles[4 * (size_t)triangle], edges = m->solid.triangles[4 * (size_t)triangle + 1];
+  otg_clipped t;
+  t.triangle = triangle;
+  t.mesh = mesh;
+  for (uint k = 0; k < 3; ++k) {
+    t.vertex[k] = otgOf3(corners, k);
+    t.edge[k] = otgOf3(edges, k);
+    t.root[k] = otgRegionOfVertex(o, mesh, t.vertex[k]);
+    t.at[k] = otgSub_d(otgVertexAt(&m->solid, t.vertex[k]), s->regions->origin);
+  }
+  if (!otgListChords(o, *otgTriangleMark(o, mesh, triangle), &t)) {
+    otgGiveUpOverlap(s->state, OTG_SOLID_TOO_MANY);
+    return;
+  }
+  const otg_vec3_d normal = otgDirectionInA(&m->solid, otgOwnNormal(&m->solid, triangle));
+  for (uint r = 0; r < s->regions->count; ++r) {
+    const uint root = s->regions->region[r].root;
+    int touches = 0;
+    for (uint k = 0; k < 3; ++k) touches |= t.root[k] == root;
+    for (uint i = 0; i < t.chords && !touches; ++i) touches = otgRoot(o, o->hits[t.chord[i]].start) == root;
+    if (!touches || !s->regions->region[r].isLarge) continue;
+    const otg_outline outline = otgOutlineOf(s, &t, root);
+    const double area = outline.any ? 0.5 * otgDot_d(outline.sum, normal) : 0;
+    if (area > 0) {  // else nothing, or a sliver turned over
+      otgAddSurface(s, r, mesh, otgScale_d(otgAdd_d(outline.lo, outline.hi), 0.5), normal, triangle,
+                    otgScale_d(normal, area), area, otgDot_d(normal, t.at[0]) * area, outline.lo, outline.hi);
+    }
+    const double third = -otgAreaOf(&m->solid, triangle) / 3;
+    for (uint k = 0; k < 3; ++k) {
+      if (t.root[k] != root) continue;
+      const otg_vec3_d vector = otgScale_d(normal, third);
+      otgAddSurface(s, r, mesh, t.at[k], otgStarOf(m, t.vertex[k]), triangle, vector, third, otgDot_d(vector, t.at[k]),
+                    t.at[k], t.at[k]);
+    }
+  }
+}
+
+/// A cluster that is inside: by one lane if it is flat, else by a lane for each vertex.
+OTG_INLINED void otgAddCluster(const otg_surface* s, uint r, uint mesh, uint cluster, uint lane) {
+  const otg_overlap_mesh* m = &s->o->mesh[mesh];
+  const otg_vec3_d origin = s->regions->origin;
+  __global const float4* c = m->clusters + OTG_CLUSTER_UNITS * cluster;
+  __global const double* sums = (__global const double*)(c + 2);
+  const otg_vec3_d own = otgLoad(sums);
+  const uint first = otgFirstOf(m, cluster), end = otgFirstOf(m, cluster + 1);
+  if (!(otgDot_d(own, own) >= OTG_FLAT_CLUSTER * sums[3] * sums[3])) {
+    for (uint k = first + lane; k < end; k += OTG_CLUSTER_LANES) otgAddStar(s, r, mesh, m->clusterVertices[k]);
+    return;
+  }
+  if (lane != 0) return;
+  const otg_vec3_d low = otgVec_d((double)c[0].x, (double)c[0].y, (double)c[0].z);
+  const otg_vec3_d high = otgVec_d((double)c[1].x, (double)c[1].y, (double)c[1].z);
+  const otg_vec3_d vector = otgDirectionInA(&m->solid, own), nothing = otgVec_d(0, 0, 0);
+  const otg_vec3_d shift = otgSub_d(otgInFrame(&m->solid, nothing), origin);
+  otg_vec3_d lo, hi;
+  otgBoxInA(m, low, high, origin, &lo, &hi);
+  otgAddSurface(s, r, mesh, otgScale_d(otgAdd_d(lo, hi), 0.5), vector, m->clusterVertices[first] | OTG_NAME_OF_VERTEX,
+                vector, sums[3], sums[4] + otgDot_d(vector, shift), lo, hi);
+}
+
+/// Sums the surface of large regions up, and lists the hits of small ones.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapSurface(
+    const otg_device_pair pair, const otg_transform_d bInA, const otg_overlap_sizes sizes,
+    __global const float4* restrict meshes, __global const uint* restrict counters, uint hitCapacity,
+    __global otg_overlap_state* restrict state, __global otg_crossing* restrict crossings,
+    __global otg_overlap_hit* restrict hits, __global uint* restrict parents, __global uint* restrict marks,
+    __global const otg_found_inside* restrict vertices, __global const otg_found_inside* restrict clusters,
+    __global otg_surface_cell* restrict cells, __global uint* restrict cellList,
+    __global otg_found_inside* restrict small) {
+  __local otg_overlap_regions regions;
+  const otg_overlap o = otgOverlapOf(meshes, &pair, bInA, &sizes, crossings, hits, parents, marks);
+  const uint hitCount = min(counters[OTG_COUNT_HITS], hitCapacity);
+  otgLoadRegions(&regions, state, crossings);
+  otg_surface s;
+  s.o = &o;
+  s.regions = &regions;
+  s.cells = cells;
+  s.cellList = cellList;
+  s.state = state;
+  for (uint i = get_global_id(0); i < 2 * hitCount; i += get_global_size(0)) {
+    const uint mesh = i & 1;
+    const otg_overlap_hit hit = hits[i >> 1];
+    if (hit.a == OTG_NOT_THERE || hit.start == OTG_NOT_THERE) continue;
+    if (mesh == 0) {
+      const uint r = otgNumberOf(&regions, otgRoot(&o, hit.start));
+      if (r != OTG_NOT_THERE && !regions.region[r].isLarge) {
+        const uint place = atomic_inc(state->counts + OTG_OVERLAP_SMALL);
+        if (place < OTG_OVERLAP_MOST_SMALL) {
+          small[place].what = hit.a;
+          small[place].region = hit.b;
+        }
+      }
+    }
+    const uint triangle = mesh == 0 ? hit.a : hit.b;
+    if (*otgTriangleMark(&o, mesh, triangle) == (i >> 1) + 1) otgAddClipped(&s, mesh, triangle);
+  }
+  const uint vertexCount = state->counts[OTG_OVERLAP_VERTICES];
+  for (uint i = get_global_id(0); i < vertexCount; i += get_global_size(0)) {
+    const uint r = otgNumberOf(&regions, vertices[i].region);
+    if (r == OTG_NOT_THERE || !regions.region[r].isLarge) continue;
+    otgAddStar(&s, r, vertices[i].what & 1, vertices[i].what >> 1);
+  }
+  const uint clusterCount = state->counts[OTG_OVERLAP_CLUSTERS], lane = get_global_id(0) % OTG_CLUSTER_LANES;
+  for (uint i = get_global_id(0) / OTG_CLUSTER_LANES; i < clusterCount; i += get_global_size(0) / OTG_CLUSTER_LANES) {
+    const uint r = otgNumberOf(&regions, clusters[i].region);
+    if (r == OTG_NOT_THERE || !regions.region[r].isLarge) continue;
+    otgAddCluster(&s, r, clusters[i].what & 1, clusters[i].what >> 1, lane);
+  }
+}

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "collide/solid/found_overlap.h"
+
+#include <algorithm>
+
+#include "collide/solid/region_cells.h"
+#include "collide/solid/support_point.h"
+#include "collide/solid/vectors.h"
+
+namespace otg {
+namespace {
+
+Vec3d vec(const double* p) {
+  return {p[0], p[1], p[2]};
+}
+
+class Taker {
+ public:
+  Taker(const PlacedMeshes& meshes, const FoundOverlap& found, SmallRegions& small, OverlapRegions& out)
+      : meshes_(meshes), found_(found), small_(small), out_(out) {}
+
+  bool run() {
+    const std::uint32_t count = found_.head->counts[OTG_OVERLAP_REGION_COUNT];
+    out_.origin = vec(found_.head->origin);
+    out_.regions.clear();
+    out_.pieces.clear();
+    out_.points.clear();
+    out_.extents.cells.clear();
+    out_.extents.positions.clear();
+    out_.extents.query = &meshes_.query();
+    out_.anomalies = 0;
+    std::vector<std::uint32_t> order(count);
+    for (std::uint32_t r = 0; r < count; ++r) order[r] = r;
+    std::sort(order.begin(), order.end(), [&](std::uint32_t x, std::uint32_t y) {
+      return found_.head->regions[x].first < found_.head->regions[y].first;
+    });
+    std::size_t smallOnes = 0, nextSmall = 0;
+    for (std::uint32_t r = 0; r < count; ++r) smallOnes += isSmall(r);
+    // Crossings of one edge are counted along it, those of all regions together.
+    if (smallOnes > 0 && (found_.head->counts[OTG_OVERLAP_SHARED] != 0 || !describeSmall(smallOnes))) return false;
+    for (const std::uint32_t r : order) isSmall(r) ? copySmall(nextSmall++) : takeLarge(r);
+    return true;
+  }
+
+ private:
+  bool isSmall(std::uint32_t r) const { return found_.head->regions[r].load <= kLargeRegion; }
+
+  bool describeSmall(std::size_t count) {
+    small_.hits.clear();
+    for (const otg_found_inside& hit : found_.small) small_.hits.push_back({hit.what, hit.region});
+    std::sort(small_.hits.begin(), small_.hits.end());
+    traceContour(meshes_, small_.hits, small_.contour);
+    floodInside(meshes_, small_.contour, small_.inside);
+    small_.builder.build(meshes_, small_.contour, small_.inside, out_.origin, small_.regions);
+    return small_.regions.regions.size() == count && small_.contour.anomalies == 0 && small_.inside.anomalies == 0 &&
+           small_.regions.anomalies == 0;
+  }
+
+  void copySmall(std::size_t which) {
+    const auto number = static_cast<std::uint32_t>(out_.regions.size());
+    Region region = small_.regions.regions[which];
+    const auto copy = [&](auto& from, auto& to, std::uint32_t& begin, std::uint32_t& end) {
+      const auto first = static_cast<std::uint32_t>(to.size());
+      to.insert(to.end(), from.begin() + begin, from.begin() + end);
+      for (std::size_t i = first; i < to.size(); ++i) to[i].region = number;
+      end = first + (end - begin);
+      begin = first;
+    };
+    copy(small_.regions.pieces, out_.pieces, region.pieceBegin, region.pieceEnd);
+    copy(small_.regions.points, out_.points, region.pointBegin, region.pointEnd);
+    region.cellBegin = region.cellEnd = static_cast<std::uint32_t>(out_.extents.cells.size());
+    out_.regions.push_back(region);
+  }
+
+  void takeLarge(std::uint32_t which) {
+    const otg_found_region& found = found_.head->regions[which];
+    const auto number = static_cast<std::uint32_t>(out_.regions.size());
+    Region region;
+    region.lo = vec(found.lo);
+    region.hi = vec(found.hi);
+    region.diagonal = norm(otgSub(region.hi, region.lo));
+    takePieces(which, number, surfaceUnits(found.load, found.largest, region), region);
+    takePoints(which, number, region);
+    takeExtents(which, region);
+    out_.regions.push_back(region);
+  }
+
+  void takePieces(std::uint32_t which, std::uint32_t number, const SurfaceUnits& units, Region& region) {
+    cells_.clear();
+    for (const otg_found_cell& cell : found_.cells) {
+      if (cell.key >> 16 == which) cells_.push_back(&cell);
+    }
+    std::sort(cells_.begin(), cells_.end(),
+              [](const otg_found_cell* x, const otg_found_cell* y) { return x->key < y->key; });
+    RegionSums sums;
+    region.pieceBegin = static_cast<std::uint32_t>(out_.pieces.size());
+    for (const otg_found_cell* found : cells_) {
+      PieceCells::Cell cell{{}, vec(found->lo), vec(found->hi), found->key & 0xffff, found->name};
+      std::copy_n(found->vector, 3, cell.sum.vector);
+      cell.sum.area = found->area;
+      cell.sum.gross = found->gross;
+      cell.sum.moment = found->moment;
+      sums.add(cell, units);
+      addPieceOfCell(meshes_, cell, number, units, out_.pieces);
+    }
+    region.pieceEnd = static_cast<std::uint32_t>(out_.pieces.size());
+    sums.measure(region);
+  }
+
+  void takePoints(std::uint32_t which, std::uint32_t number, Region& region) {
+    points_.clear();
+    for (const otg_found_point& point : found_.points) {
+      if (point.key >> 16 == which) points_.push_back(&point);
+    }
+    std::sort(points_.begin(), points_.end(), [](const otg_found_point* x, const otg_found_point* y) {
+      if (x->key != y->key) return x->key < y->key;
+      return x->feature != y->feature ? x->feature < y->feature : x->ordinal < y->ordinal;
+    });
+    region.pointBegin = static_cast<std::uint32_t>(out_.points.size());
+    std::uint32_t last = kNone;
+    for (const otg_found_point* p : points_) {
+      if (p->key == last) continue;  // as deep as the one before
+      last = p->key;
+      const PointSeed seed{vec(p->position),
+                           vec(p->span),
+                           number,
+                           p->feature,
+                           p->ordinal,
+                           kNone,
+                           static_cast<std::uint8_t>(p->key >> 1 & 1),
+                           static_cast<PointKind>(p->key >> 2 & 3),
+                           (p->key & 1) != 0};
+      out_.points.push_back(supportPoint(meshes_, seed, p->triangle));
+    }
+    region.pointEnd = static_cast<std::uint32_t>(out_.points.size());
+  }
+
+  void takeExtents(std::uint32_t which, Region& region) {
+    region.cellBegin = static_cast<std::uint32_t>(out_.extents.cells.size());
+    for (const otg_found_inside& inside : found_.clusters) {
+      if (inside.region != which) continue;
+      const int m = static_cast<int>(inside.what & 1);
+      const Adjacency::Cluster* cluster = &meshes_.adjacency(m).clusters[inside.what >> 1];
+      const PartBox box = boxOfCluster(meshes_, m, *cluster, out_.origin);
+      out_.extents.cells.push_back({box.lo, box.hi, cluster->first, cluster[1].first, m});
+    }
+    positions_.clear();
+    for (const otg_found_inside& inside : found_.vertices) {
+      if (inside.region != which) continue;
+      positions_.push_back(otgSub(meshes_.vertex(static_cast<int>(inside.what & 1), inside.what >> 1), out_.origin));
+    }
+    for (const otg_found_crossing& crossing : found_.crossings) {
+      if (crossing.region == which) positions_.push_back(vec(crossing.point));
+    }
+    addExtentCells(region, positions_, cellScratch_, out_.extents);
+  }
+
+  const PlacedMeshes& meshes_;
+  const FoundOverlap& found_;
+  SmallRegions& small_;
+  OverlapRegions& out_;
+  std::vector<const otg_found_cell*> cells_;
+  std::vector<const otg_found_point*> points_;
+  std::vector<Vec3d> positions_;
+  std::vector<std::uint32_t> cellScratch_;
+};
+
+}  // namespace
+
+bool takeOverlap(const PlacedMeshes& meshes, const FoundOverlap& found, SmallRegions& small, OverlapRegions& out) {
+  return Taker(meshes, found, small, out).run();
+}
+
+}  // namespace otg
