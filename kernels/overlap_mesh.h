@@ -12,9 +12,6 @@
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 #pragma OPENCL EXTENSION cl_khr_int64_extended_atomics : enable
 
-/// Lanes that look at one cluster together: one to a vertex.
-#define OTG_CLUSTER_LANES 16
-
 typedef struct {
   otg_solid_mesh solid;
   __global const float4* clusters;  ///< OTG_CLUSTER_UNITS each

@@ -10,6 +10,9 @@
 namespace otg {
 #endif
 
+/// Lanes that look at one cluster together: one to a vertex.
+#define OTG_CLUSTER_LANES 16
+
 #define OTG_OVERLAP_REGIONS 8  ///< more regions than this are the host's
 
 /// A crossing of an edge with a triangle of the other mesh, in a hash table. While `key` is 0 the slot is free.

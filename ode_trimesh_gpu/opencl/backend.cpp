@@ -54,7 +54,9 @@ bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, 
     (profile ? state_->profiled : state_->pairs).with([&](PairLane& lane) {
       PairAnswer answer = lane.run(query, frame, wish);
       const Stopwatch host(profile);
-      if (answer.described && takeDescribed(query, answer, workspace)) {
+      const bool done = answer.described && takeDescribed(query, answer, workspace);
+      if (answer.asked) ++(done ? state_->described : state_->describedInVain);
+      if (done) {
         t.reduction = host.ms();
       } else {
         if (answer.described) answer.found = lane.records();
@@ -108,6 +110,8 @@ BackendCounts Backend::counts() const {
   BackendCounts out;
   out.queries = state_->queries;
   out.onHost = state_->onHost;
+  out.described = state_->described;
+  out.describedInVain = state_->describedInVain;
   out.repeats = state_->pairs.repeats() + state_->batches.repeats() + state_->phases.repeats() +
                 state_->levels.repeats() + state_->profiledLevels.repeats();
   for (const MeshStore* store : {&state_->meshes, &state_->binaryMeshes}) {

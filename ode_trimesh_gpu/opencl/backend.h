@@ -21,6 +21,8 @@ struct BackendCounts {
   std::uint64_t queries = 0;  ///< pairs of meshes asked for, in batches or not
   std::uint64_t onHost = 0;   ///< of these, done by the host because a call failed
   std::uint64_t repeats = 0;  ///< runs in vain because a list was too short
+  /// Single pairs of solids whose overlap the device described; and those that it left to the host after all.
+  std::uint64_t described = 0, describedInVain = 0;
   std::uint64_t meshUploads = 0, meshEvictions = 0, meshBytes = 0;
   int programsFromSource = 0, programsFromCache = 0;
 };

@@ -76,7 +76,7 @@ struct Backend::State {
   SoupPlaces soupPlaces;
   MeshStore binaryMeshes;  ///< of the traversal `levels`, which is for comparing: beside the others
   LanePool<LevelsLane> levels, profiledLevels;
-  std::atomic<std::uint64_t> queries{0}, onHost{0};
+  std::atomic<std::uint64_t> queries{0}, onHost{0}, described{0}, describedInVain{0};
 
   State(const FoundDevice& device, const Tuning& how)
       : context(device, ProgramCache::standard(), how.doubles),

@@ -8,6 +8,8 @@
 namespace otg::opencl {
 namespace {
 
+/// With fewer hits the host is sooner done than seven kernels.
+constexpr std::uint32_t kLeastHits = 192;
 constexpr std::size_t kHead = sizeof(otg_overlap_state);
 
 /// Where the parts of the results begin, in units behind the head.
@@ -32,13 +34,19 @@ Parts partsOf(const otg_overlap_state& head) {
 
 OverlapStage::OverlapStage(Context& context, const Tuning& tuning)
     : context_(context),
-      group_(tuning.recordGroup),
-      works_(context.info().doubles && context.info().longAtomics && tuning.solid && tuning.reduce) {}
+      group_(tuning.overlapGroup),
+      registers_(context.info().registerLimit ? tuning.solidRegisters : 0),
+      mostGroups_(std::max<std::size_t>(1, std::size_t{context.info().computeUnits} * tuning.overlapGroupsPerUnit)),
+      leastHits_(tuning.overlapHits != 0 ? tuning.overlapHits : kLeastHits),
+      works_(context.info().doubles && context.info().longAtomics && tuning.solid && tuning.reduce &&
+             (tuning.overlapHits != 0 || context.info().kind != DeviceKind::kCpu)),
+      outWanted_(std::max(1u, tuning.overlapUnits)) {}
 
 /// Not before they are needed.
 void OverlapStage::build() {
   if (results_) return;
-  const std::string options = "-DOTG_GROUP=" + std::to_string(group_);
+  const std::string options = "-DOTG_GROUP=" + std::to_string(group_) +
+                              (registers_ != 0 ? " -cl-nv-maxrregcount=" + std::to_string(registers_) : "");
   contour_ = context_.makeKernel("overlap_contour.cl", options, "overlapContour");
   edges_ = context_.makeKernel("overlap_contour.cl", options, "overlapEdges");
   unite_ = context_.makeKernel("overlap_regions.cl", options, "overlapUnite");
@@ -101,7 +109,12 @@ void OverlapStage::reserve(cl_command_queue queue, const Pair& pair) {
   sizes_.outUnits = out_.places();
 }
 
-void OverlapStage::enqueue(cl_command_queue queue, const Pair& pair, std::size_t groups, Profile& profile) {
+void OverlapStage::enqueue(cl_command_queue queue, const Pair& pair, Profile& profile) {
+  // As many as have something to do. Each looks its meshes up first, which takes longer than a few more items.
+  const std::uint64_t clusters = sizes_.vertices[0] - sizes_.clusters[0];
+  const std::uint64_t items = std::max(
+      {clusters * OTG_CLUSTER_LANES, 2 * std::uint64_t{pair.hitsExpected}, std::uint64_t{sizes_.elements} / 4});
+  const std::size_t groups = std::clamp<std::size_t>(items / group_, 1, mostGroups_);
   const auto run = [&](const Kernel& kernel, Profile::Stage stage) {
     launch(queue, kernel, group_, groups, 1, profile.next(stage));
   };

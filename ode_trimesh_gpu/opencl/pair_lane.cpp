@@ -64,23 +64,24 @@ PairAnswer PairLane::run(const Query& query, const PairFrame& frame, PairWish wi
 
 /// Whether the device is to describe the overlap: as many hits are expected as last time.
 bool PairLane::describes(const otg_device_pair& pair) const {
-  if (!overlap_.works() || !(pair.a.flags & pair.b.flags & OTG_MESH_SOLID)) return false;
-  if (isFresh_) return std::uint64_t{pair.a.triangles} + pair.b.triangles >= tuning_.levelTriangles;
-  return lastHits_ > tuning_.overlapHits;
+  if (!(pair.a.flags & pair.b.flags & OTG_MESH_SOLID)) return false;
+  return isFresh_ ? overlap_.paysForTriangles(std::uint64_t{pair.a.triangles} + pair.b.triangles)
+                  : overlap_.pays(lastHits_);
 }
 
 PairAnswer PairLane::describe(const otg_device_pair& pair, const Query& query, cl_mem meshes) {
   const cl_command_queue queue = queue_.get();
   const otg_reduction how = deviceReduction(query.options, true);
   PairAnswer answer;
+  answer.asked = true;
   for (;; ++repeats_) {
     results_.reserve(context_, hits_.places());
     chosen_.reserve(context_, 1, 0);
-    const OverlapStage::Pair task{pair,        query.bInA,     *query.a,      *query.b, meshes, counters_.get(),
-                                  hits_.get(), hits_.places(), results_.get()};
+    const OverlapStage::Pair task{pair,        query.bInA,     *query.a,       *query.b, meshes, counters_.get(),
+                                  hits_.get(), hits_.places(), results_.get(), lastHits_};
     overlap_.reserve(queue, task);
     enqueueWalk(pair, meshes, how);
-    overlap_.enqueue(queue, task, groups_, profile_);
+    overlap_.enqueue(queue, task, profile_);
     const otg_overlap_state* head = overlap_.readHead(queue, profile_);
     lastHits_ = head->counters[OTG_COUNT_HITS];
     isFresh_ = false;

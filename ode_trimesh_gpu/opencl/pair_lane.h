@@ -19,6 +19,7 @@ struct PairAnswer {
   Answer found;          ///< the counters; the records unless the contacts are reduced
   bool reduced = false;  ///< `contacts` is the answer
   std::span<const Contact> contacts;
+  bool asked = false;      ///< for a description
   bool described = false;  ///< `overlap` is what was asked for, and `found` has no records
   FoundOverlap overlap;
 };

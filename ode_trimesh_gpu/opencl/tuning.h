@@ -39,9 +39,13 @@ struct Tuning {
   bool reduce = true;          ///< find regions and reduce contacts on the device
   std::uint32_t recordsExpected = 512;  ///< read with the head of the results in the first query
   bool solid = true;                    ///< make contacts of the model `solid` on the device
-  /// A single pair of solids is described on the device if the last one had more intersecting pairs of triangles than
-  /// this; the host makes its contacts from that. Otherwise the host does it from its intersecting pairs.
-  std::uint32_t overlapHits = 192;
+  /// The overlap of a single pair of solids is described on the device if the last query of the lane had at least so
+  /// many intersecting pairs of triangles, and the host makes the contacts from that; otherwise the host does both. 0:
+  /// 192, and never on CPUs.
+  std::uint32_t overlapHits = 0;
+  std::uint32_t overlapGroup = 128;        ///< work-items of a work-group of its kernels, a multiple of 64
+  std::uint32_t overlapGroupsPerUnit = 2;  ///< work-groups for each compute unit, at most: registers are what they lack
+  std::uint32_t overlapUnits = 1u << 16;   ///< of 16 bytes, for the description; grows
   /// Pairs of solids of a batch are done by kernels with one size of lists in local memory, or with two; 0: one on
   /// CPUs, else two. `solidGroup` work-items (0: 1 on CPUs, else 32) do a pair of at most `solidHits` intersecting
   /// pairs of triangles (a power of two) and regions of at most `solidPoints` points and `solidFaces` pieces; others

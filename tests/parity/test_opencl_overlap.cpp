@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Single pairs of solids whose overlap the device describes: the contacts are the host's, to the last bit.
+#include <atomic>
+#include <thread>
+
+#include "opencl/call.h"
+#include "opencl/log.h"
+#include "support/mesh_samples.h"
+#include "support/opencl.h"
+
+using namespace otg;
+using namespace otg::scenes;
+using namespace otg::test;
+
+namespace {
+
+using MeshList = std::vector<std::shared_ptr<const CollisionMesh>>;
+
+/// Fine enough for large regions, and some that are not.
+MeshList bodies() {
+  MeshList meshes;
+  for (const MeshArrays& arrays :
+       {makeLump(1, 5, 0.3, 8), makeBox({1, 1.2, 0.9}, 24), makeTorus(0.8, 0.3, 90, 40), makeSphere(0.9, 5),
+        makeGear(12, 0.9, 0.2, 0.3, 0.1), makeBowl(0.9, 0.15, 48, 16), makeBox({1, 1, 1}, 1)}) {
+    meshes.push_back(collisionMesh(arrays));
+  }
+  return meshes;
+}
+
+opencl::Tuning always() {
+  opencl::Tuning tuning;
+  tuning.overlapHits = 1;
+  return tuning;
+}
+
+std::vector<Query> overlaps(const MeshList& meshes, std::uint32_t seed, std::size_t count, double reach = 1.1) {
+  Draw draw(seed);
+  Workspace workspace;
+  std::vector<Query> queries;
+  const auto any = [&] { return draw.below(static_cast<std::uint32_t>(meshes.size())); };
+  while (queries.size() < count) {
+    const std::size_t a = any(), b = any();
+    Query query =
+        makeQuery(*meshes[a], *meshes[b],
+                  makePose(draw.direction(), draw.uniform(0, 3), otgScale(draw.direction(), draw.uniform(0.2, reach))));
+    findIntersectingPairs(query, workspace);
+    if (workspace.intersecting.empty()) continue;
+    query.options.contacts = ContactModel::kSolid;
+    query.options.maxContacts = static_cast<int>(4 + 20 * draw.below(4));
+    queries.push_back(query);
+  }
+  return queries;
+}
+
+std::vector<Workspace> onHost(const std::vector<Query>& queries) {
+  std::vector<Workspace> answers(queries.size());
+  for (std::size_t i = 0; i < queries.size(); ++i) collide(queries[i], answers[i]);
+  return answers;
+}
+
+/// How many pairs the device described.
+std::uint64_t checkAll(opencl::Backend& backend, const std::vector<Query>& queries,
+                       const std::vector<Workspace>& expected) {
+  const std::uint64_t before = backend.counts().described;
+  Workspace workspace;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    CHECK(backend.collide(queries[i], workspace));
+    checkSame(workspace, expected[i]);
+  }
+  CHECK(backend.counts().onHost == 0);
+  return backend.counts().described - before;
+}
+
+bool canDescribe(const opencl::Backend& backend) {
+  return backend.device().doubles && backend.device().longAtomics;
+}
+
+}  // namespace
+
+TEST_CASE("contacts from the device's description of an overlap are the host's") {
+  const MeshList meshes = bodies();
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  const std::vector<Query> queries = overlaps(meshes, 1, 90);
+  CHECK(checkAll(*backend, queries, onHost(queries)) >= 60);
+  // Again, and pairs alone and contacts of the other model in between: a query leaves nothing behind.
+  std::vector<Query> mixed = queries;
+  for (std::size_t i = 0; i < mixed.size(); i += 3) mixed[i].options.contacts = ContactModel::kPairwise;
+  checkAll(*backend, mixed, onHost(mixed));
+  CHECK(checkAll(*backend, queries, onHost(queries)) >= 60);
+}
+
+TEST_CASE("a mesh that overlaps itself is described") {
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  Draw draw(4);
+  const auto lump = collisionMesh(makeLump(1, 5, 0.3, 8)), box = collisionMesh(makeBox({1, 1, 1}, 20));
+  std::vector<Query> queries;
+  for (int i = 0; i < 24; ++i) {
+    const CollisionMesh& mesh = i % 2 != 0 ? *lump : *box;
+    // From all but the same place to a touch; boxes aligned now and then, so that crossings lie in one point.
+    const double angle = i % 6 == 0 ? 0 : draw.uniform(0, 0.4);
+    queries.push_back(makeQuery(mesh, mesh, makePose({0.36, 0.48, 0.8}, angle, otgScale(draw.direction(), 0.08 * i))));
+    if (i % 8 == 0) queries.back().bInA.t = {0, 0.25 * (i % 3), 0.999};
+    queries.back().options.contacts = ContactModel::kSolid;
+  }
+  CHECK(checkAll(*backend, queries, onHost(queries)) >= 8);
+}
+
+TEST_CASE("the description does not depend on the sizes of launches and lists") {
+  const MeshList meshes = bodies();
+  const std::vector<Query> queries = overlaps(meshes, 2, 12, 0.9);
+  const std::vector<Workspace> expected = onHost(queries);
+  std::vector<opencl::Tuning> tunings(5, always());
+  tunings[0].overlapGroup = 64;
+  tunings[0].leafTriangles = 4;
+  tunings[1].hitPlaces = 8;
+  tunings[1].pairPlaces = 4;
+  tunings[1].leafPlaces = 4;
+  tunings[2].overlapUnits = 1;
+  tunings[3].cutOrder = 7;
+  tunings[3].overlapGroupsPerUnit = 1;
+  tunings[3].overlapGroup = 256;
+  tunings[4].profile = true;
+  for (const opencl::Tuning& tuning : tunings) {
+    const auto backend = openBackend(tuning);
+    REQUIRE(backend);
+    if (!canDescribe(*backend)) return;
+    CHECK(checkAll(*backend, queries, expected) >= 6);
+    if (tuning.hitPlaces == 8 || tuning.overlapUnits == 1) CHECK(backend->counts().repeats > 0);
+    opencl::StageTimes times;
+    Workspace workspace;
+    CHECK(backend->collideProfiled(queries[0], workspace, times));
+    checkSame(workspace, expected[0]);
+    CHECK(times.total > 0);
+  }
+}
+
+TEST_CASE("what the device cannot describe the host does") {
+  MeshList meshes = bodies();
+  // A sheet, several components, an empty mesh, a tiny body inside the others.
+  meshes.push_back(collisionMesh(MeshArrays{}));
+  samples::Soup sheet;
+  for (int i = 0; i < 20; ++i) {
+    const float x = -1 + 0.1f * static_cast<float>(i);
+    sheet.add({x, -1, 0}, {x + 0.1f, -1, 0}, {x, 1, 0.1f});
+  }
+  meshes.push_back(std::make_shared<CollisionMesh>(sheet.build(), BuildStrategy::kSah));
+  MeshArrays two = makeBox({0.4, 0.4, 0.4}, 6);
+  const auto moved = static_cast<std::uint32_t>(two.vertices.size());
+  const MeshArrays box = two;
+  for (Vec3f v : box.vertices) two.vertices.push_back({v.x + 0.7f, v.y, v.z});
+  for (const Triangle& t : box.triangles) two.triangles.push_back({t.v[0] + moved, t.v[1] + moved, t.v[2] + moved});
+  meshes.push_back(collisionMesh(two));
+  meshes.push_back(collisionMesh(makeSphere(0.05, 1)));
+  std::vector<Query> queries;
+  for (std::size_t a = 0; a < meshes.size(); ++a) {
+    for (std::size_t b = 7; b < meshes.size(); ++b) {
+      queries.push_back(makeQuery(*meshes[a], *meshes[b], makePose({0.36, 0.48, 0.8}, 0.4, {0.3, 0.1, 0.2})));
+      queries.back().options.contacts = ContactModel::kSolid;
+    }
+  }
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  const std::vector<Workspace> expected = onHost(queries);
+  checkAll(*backend, queries, expected);
+  opencl::Tuning without = always();
+  without.doubles = false;
+  CHECK(checkAll(*openBackend(without), queries, expected) == 0);
+  meshes = bodies();
+  const std::vector<Query> plain = overlaps(meshes, 3, 8);
+  CHECK(checkAll(*openBackend(without), plain, onHost(plain)) == 0);
+  if (backend->device().kind == opencl::DeviceKind::kCpu) {
+    CHECK(checkAll(*openBackend(), plain, onHost(plain)) == 0);
+  }
+}
+
+TEST_CASE("pairs with a history are described as the host does them") {
+  const MeshList meshes = bodies();
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  std::vector<Query> queries = overlaps(meshes, 6, 10, 0.8), forHost = queries;
+  std::vector<SolidHistory> onDevice(queries.size()), host(queries.size());
+  Draw draw(7);
+  for (int step = 0; step < 6; ++step) {
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      queries[i].history = &onDevice[i];
+      forHost[i].history = &host[i];
+      queries[i].relativeVelocity = forHost[i].relativeVelocity = step % 2 != 0 ? draw.direction() : Vec3d{0, 0, 0};
+    }
+    checkAll(*backend, queries, onHost(forHost));
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      CHECK(onDevice[i].current.escape == host[i].current.escape);
+      CHECK(onDevice[i].current.clampLeft == host[i].current.clampLeft);
+      CHECK(onDevice[i].current.deepNormal == host[i].current.deepNormal);
+      if (step == 2) continue;  // the same pose again
+      queries[i].bInA.t = forHost[i].bInA.t = otgAdd(queries[i].bInA.t, otgScale(draw.direction(), 0.02));
+    }
+  }
+}
+
+TEST_CASE("threads describe overlaps at once") {
+  const MeshList meshes = bodies();
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  const std::vector<Query> queries = overlaps(meshes, 9, 16);
+  const std::vector<Workspace> expected = onHost(queries);
+  std::vector<std::thread> team;
+  std::atomic<int> wrong{0};
+  for (std::size_t t = 0; t < 4; ++t) {
+    team.emplace_back([&, t] {
+      Workspace workspace;
+      for (std::size_t i = 0; i < queries.size(); ++i) {
+        const std::size_t k = (i + 5 * t) % queries.size();
+        backend->collide(queries[k], workspace);
+        if (!sameBytes(workspace.reduced, expected[k].reduced)) ++wrong;
+      }
+    });
+  }
+  for (std::thread& thread : team) thread.join();
+  CHECK(wrong == 0);
+  CHECK(backend->counts().onHost == 0);
+}
+
+TEST_CASE("a described pair comes out the same whatever call fails") {
+  const MeshList meshes = bodies();
+  const std::vector<Query> queries = overlaps(meshes, 5, 2, 0.6);
+  const std::vector<Workspace> expected = onHost(queries);
+  opencl::setLogSink([](const std::string&) {});
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  checkAll(*backend, queries, expected);
+  const std::uint64_t before = opencl::FaultInjection::callCount();
+  checkAll(*backend, queries, expected);
+  const std::uint64_t calls = opencl::FaultInjection::callCount() - before;
+  CHECK(calls > 20);
+  Workspace workspace;
+  for (std::uint64_t n = 1; n <= calls + 60; ++n) {  // a lane that failed is made anew, which takes more calls
+    opencl::FaultInjection::failAt(n, CL_OUT_OF_RESOURCES);
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      backend->collide(queries[i], workspace);
+      REQUIRE(sameBytes(workspace.reduced, expected[i].reduced));
+    }
+    opencl::FaultInjection::failAt(0);
+  }
+  CHECK(backend->counts().onHost > 0);
+  opencl::setLogSink({});
+}
