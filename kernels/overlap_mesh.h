@@ -7,6 +7,9 @@
 #define OTG_OVERLAP_MESH_H
 #include "solid_mesh.h"
 //
+#define OTG_REAL_DOUBLE
+#include "shared/region_grid.h"
+#undef OTG_REAL_DOUBLE
 #include "shared/overlap_layout.h"
 
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable

@@ -3,7 +3,7 @@
 // host. Only with doubles and 64-bit atomics.
 #ifndef OTG_SHARED_OVERLAP_LAYOUT_H
 #define OTG_SHARED_OVERLAP_LAYOUT_H
-#include "shared/region_grid.h"
+#include "shared/fixed_sum.h"
 #include "shared/solid_layout.h"
 
 #ifndef __OPENCL_VERSION__

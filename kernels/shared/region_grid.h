@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How large regions of the contact model `solid` are laid out in cells: collide/solid/region_cells.h, and on devices
-// kernels/region_*. In OpenCL C only with doubles, and after shared/vec3.h for them.
-#ifndef OTG_SHARED_REGION_GRID_H
+// kernels/overlap_*. In OpenCL C only with OTG_REAL_DOUBLE; without it there is nothing in it.
+#if !defined(OTG_SHARED_REGION_GRID_H) && (!defined(__OPENCL_VERSION__) || defined(OTG_REAL_DOUBLE))
 #define OTG_SHARED_REGION_GRID_H
 #include "shared/fixed_sum.h"
+#include "shared/vec3.h"
 
 #ifndef __OPENCL_VERSION__
-#include "shared/vec3.h"
 namespace otg {
 using otg_grid_point = Vec3d;
 #else

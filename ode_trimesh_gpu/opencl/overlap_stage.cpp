@@ -5,6 +5,8 @@
 #include <bit>
 #include <string>
 
+#include "shared/region_grid.h"
+
 namespace otg::opencl {
 namespace {
 
