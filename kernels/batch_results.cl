@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The hits of a batch as records. OTG_GROUP is the size of work-groups, OTG_CONTACTS as in pair_record.h. OTG_ENTER: 1
-// to enter them into the tables of contact_reduce.cl.
+// to enter them into the tables of contact_reduce.cl. OTG_EXACT: 1 to decide in exact arithmetic what double arithmetic
+// leaves open (without contacts; needs doubles).
 #define OTG_SINGLE 0
 #include "contact_links.h"
+#if OTG_EXACT
+#include "solid_ends.h"
+#endif
 
 /// One record for each hit of the pairs that are not skipped, in the order of the list. `tasks` holds B in A's frame
 /// for each pair. The flags in `chosen` tell of each pair what its records say: OTG_PAIR_INTERSECTS (only without
@@ -36,6 +40,15 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchResult
 #endif
     otgMakeRecord(meshes, soupA + 3 * (hit.a & ~OTG_HIT_UNDECIDED), soupB + 3 * hit.b, (hit.a & OTG_HIT_UNDECIDED) != 0,
                   bInA, hit.pair, records + i);
+#if OTG_EXACT
+    // A pair that has a hit for certain needs no other.
+    if (records[i].kind == OTG_RECORD_OPEN && !(flags[hit.pair] & OTG_PAIR_INTERSECTS)) {
+      otg_vec3_d corners[6];
+      otgCornersInDouble(meshes, soupA + 3 * (hit.a & ~OTG_HIT_UNDECIDED), soupB + 3 * hit.b, bInA, corners,
+                         corners + 3);
+      records[i].kind = otgDecideExactly(corners);
+    }
+#endif
 #if OTG_ENTER
     otgEnterHit(&l, states, flags, i, 0);
 #elif !OTG_CONTACTS

@@ -1,73 +1,68 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From the points of one region to its contacts, by one work-group; as collide/solid/region_contacts.cpp.
+// From the candidates of one region to its contacts, by one work-group; as the second half of
+// collide/solid/region_contacts.cpp.
+//
+// OTG_SOLID_CONTACTS: the most contacts of one region; OTG_SOLID_POINTS: the most candidates. With OTG_SOLID_LARGE
+// planes may stand for several pieces.
 #ifndef OTG_SOLID_CHOOSE_H
 #define OTG_SOLID_CHOOSE_H
-#include "solid_thin.h"
+#include "solid_region.h"
 //
 #include "solid_rays.h"
 
-/// Clamps both ways and their sum, which is returned, to the region's extent along the normal.
-OTG_INLINED double otgClampWays(double limit, double* out, double* back) {
-  *out = otgMin_d(limit, *out);
-  *back = otgMin_d(limit, *back);
-  return otgMin_d(limit, *out + *back);
-}
+#define OTG_SOLID_MOST_CONTACTS (OTG_SOLID_REGIONS * OTG_SOLID_CONTACTS)
+#if OTG_SOLID_LARGE
+#define OTG_SOLID_MEASURED (OTG_SOLID_MEASURED_PER_CONTACT * OTG_SOLID_CONTACTS)
+#define OTG_FACING_PARTS 4
+#else
+#define OTG_SOLID_MEASURED OTG_SOLID_CONTACTS
+#define OTG_FACING_PARTS 2
+#endif
 
-/// Whether a middle of a stretch is hardly deeper than its ends are on average: then they hold it.
-OTG_INLINED int otgSaysNothingNew(const otg_solid_work* w, __global const otg_solid_point* p, otg_vec3_d probe,
-                                  otg_vec3_d normal, double limit, double depth) {
-  const double reach = otgReachOfEnds_d(p->reach, w->diagonal);
-  double ends = 0;
-  OTG_ROLLED
-  for (int side = -1; side <= 1; side += 2) {
-    const otg_vec3_d at = otgAdd_d(probe, otgScale_d(otgLoad(p->along), side * reach));
-    double out = otgPlaneExit(w, 1, at, normal), back = otgPlaneExit(w, 0, at, otgScale_d(normal, -1.0));
-    ends += 0.5 * otgClampWays(limit, &out, &back);
-  }
-  return depth <= OTG_SOLID_DEEPER_THAN_ENDS * ends;
-}
+// The same memory for what is never needed at the same time. By candidate: depth, rank, distance from those chosen,
+// place.
+#define OTG_DEPTH(s) ((s)->numbers)
+#define OTG_RANK(s) ((s)->numbers + OTG_SOLID_POINTS)
+#define OTG_SPREAD(s) ((s)->numbers + 2 * OTG_SOLID_POINTS)
+#define OTG_X(s) ((s)->numbers + 3 * OTG_SOLID_POINTS)
+#define OTG_Y(s) ((s)->numbers + 4 * OTG_SOLID_POINTS)
+#define OTG_Z(s) ((s)->numbers + 5 * OTG_SOLID_POINTS)
+// Of the pair, by contact: as in contact_choose.h. In place of all six.
+#define OTG_SPOT(s) ((__local uint2*)(s)->numbers)
+#define OTG_NEAREST(s) ((__local uint*)(OTG_SPOT(s) + OTG_SOLID_MOST_CONTACTS))
+#define OTG_SORTED(s) ((__local ushort*)(OTG_NEAREST(s) + OTG_SOLID_MOST_CONTACTS))
 
-/// Every point as a candidate: where it is measured, its normal, its estimated depth.
-OTG_INLINED void otgEstimate(const otg_solid_work* w) {
-  __local otg_solid_choice* s = w->s;
-  const uint lane = get_local_id(0);
-  if (lane == 0) s->corners = 0;
-  OTG_SYNC;
-  for (uint i = lane; i < w->pointCount; i += OTG_GROUP) {
-    if (!w->points[i].flat) atomic_inc(&s->corners);
-  }
-  OTG_SYNC;
-  // The corners of an overlap are never flat points, as long as anything is not flat.
-  const int skipFlat = s->isFlat && s->corners >= 3;
-  for (uint i = lane; i < w->candidates; i += OTG_GROUP) {
-    __global otg_solid_point* p = otgPointOf(w, i);
-    const uint number = (uint)(p - w->points);
-    s->alive[i] = 0;
-    if (skipFlat && p->flat) continue;
-    const int kind = (int)p->kind;
-    // Edges across each other hold each other where they are nearest, not in their middles.
-    const int onA = s->across != OTG_NOT_THERE && number == s->sharp[0][s->across / OTG_SOLID_MOST_STRETCHES];
-    const int onB = s->across != OTG_NOT_THERE && number == s->sharp[1][s->across % OTG_SOLID_MOST_STRETCHES];
-    const otg_vec3_d at = onA   ? otgVec_d(s->places[0], s->places[1], s->places[2])
-                          : onB ? otgVec_d(s->places[3], s->places[4], s->places[5])
-                                : otgLoad(p->position);
-    otgStore(p->at, at);
-    const otg_vec3_d probe =
-        otgProbe_d(at, otgLoad(p->along), p->reach, otgLoad(p->surfaceNormal), kind, w->diagonal, w->thickness);
-    const otg_vec3_d normal = otgNormalAt(w, probe);
-    const double limit = otgExtentAlong(w, normal);
-    double out = otgPlaneExit(w, 1, probe, normal), back = otgPlaneExit(w, 0, probe, otgScale_d(normal, -1.0));
-    const double depth = otgClampWays(limit, &out, &back);
-    if (kind >= OTG_POINT_MIDDLE && !onA && !onB && otgSaysNothingNew(w, p, probe, normal, limit, depth)) continue;
-    otgStore(p->probe, probe);
-    otgStore(p->normal, normal);
-    p->limit = limit;
-    p->shift = 0.5 * (out - back);
+/// Of a candidate while those that lie together are merged; 0: it is dropped.
+#define OTG_STAYS_OPEN 1
+#define OTG_STAYS 2
+
+/// What a work-group knows of the region that it works on, in local memory.
+typedef struct {
+  double numbers[6 * OTG_SOLID_POINTS];  ///< see OTG_DEPTH and what follows it
+  // By candidate: a point, or one of the points that are left.
+  int step[OTG_SOLID_POINTS];
+  uchar alive[OTG_SOLID_POINTS];
+  ushort order[OTG_SOLID_POINTS];  ///< candidates as they are ranked
+  ushort picked[OTG_SOLID_MEASURED];
+  double ways[2 * OTG_SOLID_MEASURED];  ///< out of B and back out of A, by place in the order
+  uint facing[OTG_FACING_PARTS * OTG_SOLID_CONTACTS];
+  double reduce[OTG_GROUP];
+  uint4 counts[(OTG_GROUP + 3) / 4];  ///< a word for each lane: OTG_COUNTS
+  double highest;
+  uint bad, count, contacts, allocated;
+  uint low[3], high[3], seeds, seen;
+} otg_solid_choice;
+
+/// What solidEstimate says of the candidates.
+OTG_INLINED void otgTakeEstimates(__local otg_solid_choice* s, const otg_solid_work* w) {
+  for (uint i = get_local_id(0); i < w->candidates; i += OTG_GROUP) {
+    __global const otg_solid_point* p = otgPointOf(w, i);
+    const double depth = p->depth;
     OTG_DEPTH(s)[i] = depth;
-    OTG_RANK(s)[i] = otgRankOfKind_d(kind, out + back);
-    s->alive[i] = 1;
+    OTG_RANK(s)[i] = p->rank;
+    s->alive[i] = depth >= 0;
   }
-  OTG_SYNC_ALL;
+  OTG_SYNC;
 }
 
 /// Where the contact would be: the middle of the overlap, beside the point and not beside the probe.
@@ -78,17 +73,17 @@ OTG_INLINED otg_vec3_d otgMiddleOf(__global const otg_solid_point* p) {
 }
 
 /// The largest depth of those alive. All lanes call it.
-OTG_INLINED double otgDeepest(const otg_solid_work* w) {
+OTG_INLINED double otgDeepest(__local otg_solid_choice* s, const otg_solid_work* w) {
   double most = 0;
   for (uint i = get_local_id(0); i < w->candidates; i += OTG_GROUP) {
-    if (w->s->alive[i]) most = otgMax_d(OTG_DEPTH(w->s)[i], most);
+    if (s->alive[i]) most = otgMax_d(OTG_DEPTH(s)[i], most);
   }
-  return otgLargestOf(w->s, most);
+  return otgLargestOf(s->reduce, most);
 }
 
-OTG_INLINED void otgDropShallow(const otg_solid_work* w, double least) {
+OTG_INLINED void otgDropShallow(__local otg_solid_choice* s, const otg_solid_work* w, double least) {
   for (uint i = get_local_id(0); i < w->candidates; i += OTG_GROUP) {
-    if (OTG_DEPTH(w->s)[i] < otgLeastOfKind_d((int)otgPointOf(w, i)->kind, least)) w->s->alive[i] = 0;
+    if (OTG_DEPTH(s)[i] < otgLeastOfKind_d((int)otgPointOf(w, i)->kind, least)) s->alive[i] = 0;
   }
   OTG_SYNC;
 }
@@ -102,16 +97,15 @@ OTG_INLINED void otgBringToFront(__local otg_solid_choice* s, uint k) {
 
 /// Drops what is shallow for its kind, then of points that lie together and agree in direction all but the first.
 /// s->order gets the others, s->count of them.
-OTG_INLINED void otgFilterAndMerge(const otg_solid_work* w) {
-  __local otg_solid_choice* s = w->s;
+OTG_INLINED void otgFilterAndMerge(__local otg_solid_choice* s, const otg_solid_work* w) {
   const uint lane = get_local_id(0);
   uint count = 0, total;
-  otgDropShallow(w, 0.5 * otgDeepest(w));  // half the fractions: estimates err
+  otgDropShallow(s, w, 0.5 * otgDeepest(s, w));  // half the fractions: estimates err
   double highest = 0;
   for (uint i = lane; i < w->candidates; i += OTG_GROUP) {
     if (s->alive[i]) highest = otgMax_d(OTG_RANK(s)[i], highest);
   }
-  highest = otgLargestOf(s, highest);
+  highest = otgLargestOf(s->reduce, highest);
   if (lane == 0) s->highest = highest;
   // The features by which ties are settled lie where spread comes later.
   __local ulong* orders = (__local ulong*)OTG_SPREAD(s);
@@ -143,28 +137,41 @@ OTG_INLINED void otgFilterAndMerge(const otg_solid_work* w) {
   OTG_SYNC;
   // Where the bodies are round the deepest is one point, and it is the first; where they are flat many tremble about
   // it.
-  if (lane == 0 && !s->isFlat && count > 0) {
+  if (lane == 0 && !w->isFlat && count > 0) {
     uint first = 0;
     while (first < count && !(OTG_RANK(s)[s->order[first]] >= highest)) ++first;
     otgBringToFront(s, first);
   }
   OTG_SYNC;
+  // Whether one stays is settled once it is for all before it that lie near it: in rounds, of which few are needed.
   const double reach = OTG_SOLID_MERGE_DISTANCE * w->diagonal;
-  for (uint k = 0; k < count; ++k) {
-    const uint kept = s->order[k];
-    if (s->alive[kept]) {
-      const otg_vec3_d middle = otgVec_d(OTG_X(s)[kept], OTG_Y(s)[kept], OTG_Z(s)[kept]);
-      const otg_vec3_d normal = otgLoad(otgPointOf(w, kept)->normal);
-      for (uint j = k + 1 + lane; j < count; j += OTG_GROUP) {
-        const uint i = s->order[j];
-        if (!s->alive[i]) continue;
-        const otg_vec3_d d = otgSub_d(otgVec_d(OTG_X(s)[i], OTG_Y(s)[i], OTG_Z(s)[i]), middle);
-        if (otgDot_d(d, d) <= reach * reach &&
-            otgDot_d(otgLoad(otgPointOf(w, i)->normal), normal) >= OTG_SOLID_MERGE_COSINE) {
-          s->alive[i] = 0;
+  for (int more = count > 0; more;) {
+    uint open = 0;
+    for (uint j = lane; j < count; j += OTG_GROUP) {
+      const uint i = s->order[j];
+      if (s->alive[i] != OTG_STAYS_OPEN) continue;
+      const otg_vec3_d middle = otgVec_d(OTG_X(s)[i], OTG_Y(s)[i], OTG_Z(s)[i]);
+      uchar stays = OTG_STAYS;
+      for (uint k = 0; k < j && stays != 0; ++k) {
+        const uint before = s->order[k];
+        const uchar other = s->alive[before];
+        if (other == 0) continue;
+        const otg_vec3_d d = otgSub_d(otgVec_d(OTG_X(s)[before], OTG_Y(s)[before], OTG_Z(s)[before]), middle);
+        if (!(otgDot_d(d, d) <= reach * reach)) continue;
+        if (!(otgDot_d(otgLoad(otgPointOf(w, i)->normal), otgLoad(otgPointOf(w, before)->normal)) >=
+              OTG_SOLID_MERGE_COSINE)) {
+          continue;
         }
+        stays = other == OTG_STAYS ? 0 : OTG_STAYS_OPEN;
+      }
+      if (stays == OTG_STAYS_OPEN) {
+        ++open;
+      } else {
+        s->alive[i] = stays;
       }
     }
+    otgPlaceAmong(OTG_COUNTS(s), open, &total);
+    more = total > 0;
     OTG_SYNC;
   }
   if (lane == 0) {
@@ -178,8 +185,7 @@ OTG_INLINED void otgFilterAndMerge(const otg_solid_work* w) {
 }
 
 /// The first, then again and again the one of most worth: farthest from those chosen, in position and normal, and deep.
-OTG_INLINED void otgSpreadCandidates(const otg_solid_work* w, uint places) {
-  __local otg_solid_choice* s = w->s;
+OTG_INLINED void otgSpreadCandidates(__local otg_solid_choice* s, const otg_solid_work* w, uint places) {
   const uint lane = get_local_id(0), all = s->count, count = min(places, all);
   const double scale = w->diagonal > 0 ? 1 / (w->diagonal * w->diagonal) : 0;
   double deepest = 0;
@@ -189,7 +195,7 @@ OTG_INLINED void otgSpreadCandidates(const otg_solid_work* w, uint places) {
     OTG_SPREAD(s)[c] = INFINITY;
     s->alive[c] = j > 0;  // not taken
   }
-  deepest = otgLargestOf(s, deepest);
+  deepest = otgLargestOf(s->reduce, deepest);
   if (lane == 0 && count > 0) s->picked[0] = s->order[0];
   OTG_SYNC;
   for (uint i = 1; i < count; ++i) {
@@ -230,19 +236,16 @@ OTG_INLINED void otgSpreadCandidates(const otg_solid_work* w, uint places) {
 }
 
 /// The ways out of the first `count` candidates, by rays. All lanes call it.
-OTG_INLINED void otgCastRays(const otg_solid_work* w, uint count, __global const float4* meshes,
-                             const otg_device_mesh* placeA, const otg_device_mesh* placeB, const otg_solid_mesh* a,
-                             const otg_solid_mesh* b) {
-  __local otg_solid_choice* s = w->s;
-  const double far = 4 * (double)(placeA->radius + placeB->radius);
-  const double skin = 1e-9 * (double)(placeA->radius < placeB->radius ? placeB->radius : placeA->radius);
+OTG_INLINED void otgCastRays(__local otg_solid_choice* s, const otg_solid_work* w, uint count,
+                             __global const float4* meshes, OTG_MESH* a, OTG_MESH* b) {
+  const double far = 4 * (double)(a->radius + b->radius);
+  const double skin = 1e-9 * (double)(a->radius < b->radius ? b->radius : a->radius);
   const otg_vec3_d origin = otgLoad(w->region->origin);
   for (uint r = get_local_id(0); r < 2 * count; r += OTG_GROUP) {
     __global const otg_solid_point* p = otgPointOf(w, s->order[r / 2]);
     const otg_vec3_d from = otgAdd_d(otgLoad(p->probe), origin), normal = otgLoad(p->normal);
     const int isOut = r % 2 == 0;  // out of B, else back out of A
-    const double way = otgExitDistance(meshes, isOut ? placeB : placeA, isOut ? b : a, from,
-                                       otgScale_d(normal, isOut ? 1.0 : -1.0), far, skin);
+    const double way = otgExitDistance(meshes, isOut ? b : a, from, otgScale_d(normal, isOut ? 1.0 : -1.0), far, skin);
     if (way == -2) s->bad = 1;
     s->ways[r] = otgMax_d(way, 0);
   }
@@ -250,8 +253,7 @@ OTG_INLINED void otgCastRays(const otg_solid_work* w, uint count, __global const
 }
 
 /// Gives the candidate at place k the depth that the rays measured.
-OTG_INLINED double otgTakeDepth(const otg_solid_work* w, uint k) {
-  __local otg_solid_choice* s = w->s;
+OTG_INLINED double otgTakeDepth(__local otg_solid_choice* s, const otg_solid_work* w, uint k) {
   const uint c = s->order[k];
   double out = s->ways[2 * k], back = s->ways[2 * k + 1];
   const double depth = otgClampWays(otgPointOf(w, c)->limit, &out, &back);
@@ -263,10 +265,8 @@ OTG_INLINED double otgTakeDepth(const otg_solid_work* w, uint k) {
 #if OTG_SOLID_LARGE
 /// Where planes are gathered: of the candidates that estimates cannot tell apart the farthest in of either mesh are
 /// measured, and the deeper one is first; then the best by spread are measured, and the deepest of them is first.
-OTG_INLINED void otgMeasureGathered(const otg_solid_work* w, uint places, __global const float4* meshes,
-                                    const otg_device_mesh* placeA, const otg_device_mesh* placeB,
-                                    const otg_solid_mesh* a, const otg_solid_mesh* b) {
-  __local otg_solid_choice* s = w->s;
+OTG_INLINED void otgMeasureGathered(__local otg_solid_choice* s, const otg_solid_work* w, uint places,
+                                    __global const float4* meshes, OTG_MESH* a, OTG_MESH* b) {
   const uint lane = get_local_id(0), all = w->isGathered ? s->count : 0;
   const double enough = (1 - OTG_SOLID_GATHERED_ERROR) * s->highest;
   if (lane == 0) {
@@ -302,9 +302,9 @@ OTG_INLINED void otgMeasureGathered(const otg_solid_work* w, uint places, __glob
       s->order[place] = first;
     }
     OTG_SYNC_ALL;
-    otgCastRays(w, 1, meshes, placeA, placeB, a, b);
+    otgCastRays(s, w, 1, meshes, a, b);
     if (lane == 0) {
-      const double depth = otgTakeDepth(w, 0);
+      const double depth = otgTakeDepth(s, w, 0);
       if (deepest == OTG_NOT_THERE || depth > most) {
         deepest = place;
         most = depth;
@@ -317,10 +317,10 @@ OTG_INLINED void otgMeasureGathered(const otg_solid_work* w, uint places, __glob
   if (lane == 0 && deepest != OTG_NOT_THERE) otgBringToFront(s, deepest);
   OTG_SYNC_ALL;
   if (!w->isGathered) return;
-  otgSpreadCandidates(w, OTG_SOLID_MEASURED_PER_CONTACT * places);
+  otgSpreadCandidates(s, w, OTG_SOLID_MEASURED_PER_CONTACT * places);
   const uint count = s->count;
-  otgCastRays(w, count, meshes, placeA, placeB, a, b);
-  for (uint k = lane; k < count; k += OTG_GROUP) otgTakeDepth(w, k);
+  otgCastRays(s, w, count, meshes, a, b);
+  for (uint k = lane; k < count; k += OTG_GROUP) otgTakeDepth(s, w, k);
   OTG_SYNC_ALL;
   if (lane == 0) {
     uint deep = 0;
@@ -335,16 +335,15 @@ OTG_INLINED void otgMeasureGathered(const otg_solid_work* w, uint places, __glob
 
 /// Depths by rays, until two agree with their estimates and none has disagreed: then the others are believed. Gathered
 /// planes are not believed, and all are measured before. What is shallow for its kind is dropped.
-OTG_INLINED void otgMeasure(const otg_solid_work* w, __global const float4* meshes, const otg_device_mesh* placeA,
-                            const otg_device_mesh* placeB, const otg_solid_mesh* a, const otg_solid_mesh* b) {
-  __local otg_solid_choice* s = w->s;
+OTG_INLINED void otgMeasure(__local otg_solid_choice* s, const otg_solid_work* w, __global const float4* meshes,
+                            OTG_MESH* a, OTG_MESH* b) {
   const uint lane = get_local_id(0), count = s->count;
-  otgCastRays(w, w->isGathered ? 0 : count, meshes, placeA, placeB, a, b);
+  otgCastRays(s, w, w->isGathered ? 0 : count, meshes, a, b);
   if (lane == 0) {
     int agree = 0, disagree = 0;
     for (uint k = 0; k < count && !w->isGathered; ++k) {
       if (agree >= 2 && !disagree) break;
-      const double estimate = OTG_DEPTH(s)[s->order[k]], depth = otgTakeDepth(w, k);
+      const double estimate = OTG_DEPTH(s)[s->order[k]], depth = otgTakeDepth(s, w, k);
       if (fabs(estimate - depth) <= OTG_SOLID_AGREES * (estimate < depth ? depth : estimate)) {
         ++agree;
       } else {
@@ -363,28 +362,37 @@ OTG_INLINED void otgMeasure(const otg_solid_work* w, __global const float4* mesh
   OTG_SYNC_ALL;
 }
 
-/// The piece of a mesh through which the contact's normal leaves: its plane is the nearest ahead.
-OTG_INLINED uint otgFacing(const otg_solid_work* w, uint mesh, otg_vec3_d probe, otg_vec3_d normal) {
+/// The piece of a mesh through which the contact's normal leaves, among pieces `begin` to `end`: its plane is the
+/// nearest ahead. `nearest`: how far; OTG_NOT_THERE if there is none.
+OTG_INLINED uint otgFacing(const otg_solid_work* w, uint mesh, uint begin, uint end, otg_vec3_d probe,
+                           otg_vec3_d normal, double* nearest) {
   const otg_vec3_d direction = mesh == 1 ? normal : otgScale_d(normal, -1.0);
-  double nearest = INFINITY;
-  uint triangle = OTG_NOT_THERE, any = 0;
-  for (uint j = 0; j < w->s->listed[mesh]; ++j) {
-    __global const otg_solid_piece* p = w->pieces + w->s->list[mesh][j];
+  double least = INFINITY;
+  uint triangle = OTG_NOT_THERE;
+  OTG_UNROLLED(2)
+  for (uint j = begin; j < end; ++j) {
+    __global const otg_solid_piece* p = w->pieces + j;
     const otg_vec3_d n = otgLoad(p->normal);
     const double cosine = otgDot_d(n, direction);
-    any = p->triangle;
-    if (cosine <= 0.05) continue;
+    const int isAhead = (p->mesh == mesh) & (cosine > 0.05);
     // Among planes equally far the piece whose box is nearest to the point.
     const double x = otgMax_d(otgMax_d(p->lo[0] - probe.x, 0), probe.x - p->hi[0]);
     const double y = otgMax_d(otgMax_d(p->lo[1] - probe.y, 0), probe.y - p->hi[1]);
     const double z = otgMax_d(otgMax_d(p->lo[2] - probe.z, 0), probe.z - p->hi[2]);
-    const double d = otgMax_d((p->offset - otgDot_d(n, probe)) / cosine, 0) + x + y + z;
-    if (d < nearest) {
-      nearest = d;
-      triangle = p->triangle;
-    }
+    const double d = otgMax_d((p->offset - otgDot_d(n, probe)) / (isAhead ? cosine : 1.0), 0) + x + y + z;
+    triangle = isAhead & (d < least) ? p->triangle : triangle;
+    least = isAhead & (d < least) ? d : least;
   }
-  return triangle == OTG_NOT_THERE ? any : triangle;
+  *nearest = least;
+  return triangle;
+}
+
+/// The triangle of a mesh's last piece, or 0.
+OTG_INLINED uint otgLastOf(const otg_solid_work* w, uint mesh) {
+  for (uint j = w->pieceCount; j-- > 0;) {
+    if (w->pieces[j].mesh == mesh) return w->pieces[j].triangle;
+  }
+  return 0;
 }
 
 /// ContactFeature of a point, and its flags.
@@ -394,26 +402,49 @@ OTG_INLINED uint otgFeatureOf(uint kind, uint mesh) {
 }
 
 /// Appends the region's contacts to `out`, deepest first.
-OTG_INLINED void otgEmit(const otg_solid_work* w, uint number, __global otg_chosen_contact* out) {
-  __local otg_solid_choice* s = w->s;
-  const uint count = s->count;
+OTG_INLINED void otgEmit(__local otg_solid_choice* s, const otg_solid_work* w, uint number,
+                         __global otg_chosen_contact* out) {
+  const uint lane = get_local_id(0), count = s->count;
   const otg_vec3_d origin = otgLoad(w->region->origin);
-  for (uint k = get_local_id(0); k < count; k += OTG_GROUP) {
+  // Several lanes to a contact look for the triangle that it has not from its feature.
+  for (uint item = lane; item < count * OTG_FACING_PARTS; item += OTG_GROUP) {
+    __global const otg_solid_point* p = otgPointOf(w, s->order[item / OTG_FACING_PARTS]);
+    const uint part = item % OTG_FACING_PARTS, step = (w->pieceCount + OTG_FACING_PARTS - 1) / OTG_FACING_PARTS;
+    const uint mesh = p->triangleA == OTG_NOT_THERE ? 0 : 1;
+    const int isWanted = p->triangleA == OTG_NOT_THERE || p->triangleB == OTG_NOT_THERE;
+    double nearest = INFINITY;
+    s->facing[item] = OTG_NOT_THERE;
+    if (isWanted) {
+      s->facing[item] = otgFacing(w, mesh, min(part * step, w->pieceCount), min((part + 1) * step, w->pieceCount),
+                                  otgLoad(p->probe), otgLoad(p->normal), &nearest);
+    }
+    s->ways[item] = nearest;
+  }
+  OTG_SYNC;
+  for (uint k = lane; k < count; k += OTG_GROUP) {
     const uint i = s->order[k];
     __global const otg_solid_point* p = otgPointOf(w, i);
-    uint place = 0;
+    uint place = 0, facing = OTG_NOT_THERE;
     for (uint j = 0; j < count; ++j) {
       const uint c = s->order[j];
       place += OTG_DEPTH(s)[c] > OTG_DEPTH(s)[i] ||
                (OTG_DEPTH(s)[c] == OTG_DEPTH(s)[i] && otgPointOf(w, c)->order < p->order);
     }
-    const otg_vec3_d normal = otgLoad(p->normal), probe = otgLoad(p->probe);
+    double nearest = INFINITY;
+    for (uint part = 0; part < OTG_FACING_PARTS; ++part) {
+      const uint item = k * OTG_FACING_PARTS + part;
+      if (s->facing[item] == OTG_NOT_THERE || !(s->ways[item] < nearest)) continue;
+      nearest = s->ways[item];
+      facing = s->facing[item];
+    }
+    if (facing == OTG_NOT_THERE) facing = otgLastOf(w, p->triangleA == OTG_NOT_THERE ? 0 : 1);
+    const otg_vec3_d normal = otgLoad(p->normal);
     __global otg_chosen_contact* c = out + place;
     otgStore(c->position, otgAdd_d(otgMiddleOf(p), origin));
     otgStore(c->normal, normal);
     c->depth = OTG_DEPTH(s)[i];
-    c->triangleA = p->triangleA != OTG_NOT_THERE ? p->triangleA : otgFacing(w, 0, probe, normal);
-    c->triangleB = p->triangleB != OTG_NOT_THERE ? p->triangleB : otgFacing(w, 1, probe, normal);
+    c->triangleA = p->triangleA != OTG_NOT_THERE ? p->triangleA : facing;
+    c->triangleB = p->triangleB != OTG_NOT_THERE ? p->triangleB : facing;
     c->region = number;
     c->feature = otgFeatureOf(p->kind, p->mesh);
     c->element = p->feature;

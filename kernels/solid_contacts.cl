@@ -1,27 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Contacts of the regions that solidRegions left: one work-group for one pair. OTG_GROUP: size of work-groups;
-// OTG_SOLID_CONTACTS, _POINTS, _FACES and _LARGE as in solid_normals.h.
+// Contacts of the regions whose candidates solidEstimate has looked at: one work-group for one pair. OTG_GROUP: size of
+// work-groups; OTG_SOLID_CONTACTS, _POINTS and _LARGE as in solid_choose.h.
+#define OTG_MESHES_LOCAL
 #include "pair_record.h"
 //
 #include "solid_choose.h"
-//
-#include "solid_deep.h"
 #include "solid_limit.h"
 
 /// The contacts of one pair: region by region, then as many as it has places.
-OTG_INLINED void otgContactsOf(uint number, __local otg_solid_choice* s, __global const float4* meshes,
-                               __global const otg_batch_task* task, __global const otg_device_mesh* places,
-                               __global const otg_pair_state* states, __global const otg_reduction* reductions,
-                               __global uint* counters, __global uchar* arena, uint arenaUnits, uint head,
-                               __global otg_chosen_contact* list, uint room, uint pairs, __global uchar* results) {
+OTG_INLINED void otgContactsOf(uint number, __local otg_solid_choice* s, __global const float4* meshes, OTG_MESH* a,
+                               OTG_MESH* b, __global const otg_batch_task* task, __global const otg_pair_state* states,
+                               __global const otg_reduction* reductions, __global uint* counters, __global uchar* arena,
+                               uint arenaUnits, uint head, __global otg_chosen_contact* list, uint room, uint pairs,
+                               __global uchar* results) {
   const uint lane = get_local_id(0);
   __global uint* flag = (__global uint*)(results + OTG_RESULT_HEAD) + number;
-  const otg_device_mesh placeA = places[task->meshA], placeB = places[task->meshB];
-  const otg_solid_mesh a = otgSolidMesh(meshes, &placeA, task->bInA, 0);
-  const otg_solid_mesh b = otgSolidMesh(meshes, &placeB, task->bInA, 1);
   const otg_reduction how = reductions[task->reduction];
   const uint most = min((uint)how.bins[0], (uint)OTG_SOLID_CONTACTS);
-  const double size = 2 * (double)(placeA.radius < placeB.radius ? placeA.radius : placeB.radius);
   uint chain[OTG_SOLID_REGIONS], regions = 0;
   // From the list, which runs backwards.
   for (uint at = head; at != OTG_NOT_THERE && regions < OTG_SOLID_REGIONS;) {
@@ -42,61 +37,28 @@ OTG_INLINED void otgContactsOf(uint number, __local otg_solid_choice* s, __globa
   OTG_SYNC;
   uint index = 0;
   for (uint r = regions; r-- > 0;) {
-    otg_solid_work w;
-    w.s = s;
-    w.region = (__global const otg_solid_region*)(arena + (size_t)chain[r] * OTG_ARENA_UNIT);
-    w.pieces = (__global otg_solid_piece*)(arena + (size_t)w.region->pieces * OTG_ARENA_UNIT);
-    w.points = (__global otg_solid_point*)(arena + (size_t)w.region->points * OTG_ARENA_UNIT);
-    w.diagonal = w.region->diagonal;
-    w.thickness = w.region->thickness;
-    w.coherence = w.region->coherence;
-    w.mean = otgUnit_d(otgLoad(w.region->push));
-    const double areas = w.region->areaA + w.region->areaB;
-    w.radius = otgNormalReach_d(areas, w.thickness);
-    w.isFixed = 0;
-    const int counts = !(w.diagonal < OTG_SOLID_LEAST_DIAGONAL * size || areas < OTG_SOLID_LEAST_AREA * size * size);
-#if OTG_SOLID_LARGE
-    // Room for its planes, in three ways.
+    const otg_solid_work w = otgGoOnWith(arena, chain[r]);
+    const uint flags = w.region->flags;
+    const int counts = (flags & OTG_REGION_COUNTS) != 0;
     if (lane == 0) {
-      const uint units =
-          (3 * w.region->pieceCount * (uint)sizeof(otg_solid_face) + OTG_ARENA_UNIT - 1) / OTG_ARENA_UNIT;
-      s->allocated = atomic_add(counters + OTG_COUNT_ARENA, units);
-      if (!(s->allocated <= arenaUnits && arenaUnits - s->allocated >= units)) s->allocated = OTG_NOT_THERE;
+      // The direction of a deep region is remembered.
+      if ((flags & OTG_REGION_BAD) || (counts && how.bins[1] && (flags & OTG_REGION_DEEP))) s->bad = 1;
     }
-    OTG_SYNC;
-    const uint place = s->allocated;
-    OTG_SYNC;
-    const int tooMany =
-        w.region->pointCount > 2 * OTG_SOLID_POINTS || w.region->pieceCount > OTG_SOLID_FACES || place == OTG_NOT_THERE;
-    w.faces = (__global otg_solid_face*)(arena + (size_t)(tooMany ? 0 : place) * OTG_ARENA_UNIT);
-#else
-    const int tooMany = w.region->pointCount > OTG_SOLID_POINTS || w.region->pieceCount > OTG_SOLID_FACES;
-    w.faces = s->face;
-#endif
-    w.pieceCount = counts && !tooMany ? w.region->pieceCount : 0;
-    w.pointCount = counts && !tooMany ? w.region->pointCount : 0;
-    if (lane == 0 && counts && tooMany) s->bad = 1;
-    otgListPieces(&w);
-    otgWeighPieces(&w);
-    otgThinRegion(&w);
-    otgFindWayOut(&w, &a, &b, (double)(placeA.radius + placeB.radius));
-    const int isDeep = w.thickness > OTG_SOLID_DEEP * w.diagonal || s->pairs > 0;
-    if (lane == 0 && counts && isDeep && how.bins[1]) s->bad = 1;  // its direction is remembered
-    otgEstimate(&w);
-    otgFilterAndMerge(&w);
+    otgTakeEstimates(s, &w);
+    otgFilterAndMerge(s, &w);
     if (lane == 0 && counts && s->count == 0) s->bad = 1;
 #if OTG_SOLID_LARGE
-    otgMeasureGathered(&w, most, meshes, &placeA, &placeB, &a, &b);
+    otgMeasureGathered(s, &w, most, meshes, a, b);
 #endif
-    otgSpreadCandidates(&w, most);
-    otgMeasure(&w, meshes, &placeA, &placeB, &a, &b);
-    otgEmit(&w, index, found + s->contacts);
+    otgSpreadCandidates(s, &w, most);
+    otgMeasure(s, &w, meshes, a, b);
+    otgEmit(s, &w, index, found + s->contacts);
     if (lane == 0) s->contacts += s->count;
     index += counts;
     OTG_SYNC_ALL;
   }
   const uint contacts = s->bad ? 0 : s->contacts;
-  const uint kept = otgLimitContacts(s, found, contacts, min(how.places, room), meshes, &placeA, &placeB, list);
+  const uint kept = otgLimitContacts(s, found, contacts, min(how.places, room), a, b, list);
   if (lane != 0) return;
   ((__global uint*)results)[OTG_PLACE(pairs, number) + 1] = kept;
   if (s->bad) {
@@ -118,11 +80,13 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidContac
     uint arenaUnits, __global const uint* restrict heads, __global const uint* restrict lists, uint pairs, uint first,
     uint end, __global otg_chosen_contact* restrict kept, uint room, __global uchar* restrict results) {
   __local otg_solid_choice choice;
+  __local otg_solid_mesh mesh[2];
   for (uint item = get_group_id(0);; item += get_num_groups(0)) {
     const uint number = otgListed(counters, lists, pairs, 1, first, end, item);
     if (number == OTG_NOT_THERE) return;
-    otgContactsOf(number, &choice, meshes, tasks + number, places, states, reductions, counters, arena, arenaUnits,
-                  heads[number], kept + (size_t)number * room, room, pairs, results);
+    otgTakeMeshes(mesh, meshes, tasks + number, places);
+    otgContactsOf(number, &choice, meshes, mesh, mesh + 1, tasks + number, states, reductions, counters, arena,
+                  arenaUnits, heads[number], kept + (size_t)number * room, room, pairs, results);
     OTG_SYNC_ALL;
   }
 }

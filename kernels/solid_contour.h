@@ -19,8 +19,7 @@ OTG_INLINED uint otgHitOf(__local const otg_solid_scratch* s, uint hits, uint a,
 }
 
 /// The other slot of the same crossing, in the hit of the triangle across the edge; or OTG_NOT_THERE.
-OTG_INLINED uint otgOtherSlot(__local otg_solid_scratch* s, uint hits, uint slot, const otg_solid_mesh* meshA,
-                              const otg_solid_mesh* meshB) {
+OTG_INLINED uint otgOtherSlot(__local otg_solid_scratch* s, uint hits, uint slot, OTG_MESH* meshA, OTG_MESH* meshB) {
   const uint hit = slot / 2, mesh = s->halfEdge[slot] & 1;
   const uint twin = mesh == 0 ? otgTwinOf(meshA, s->halfEdge[slot] >> 1) : otgTwinOf(meshB, s->halfEdge[slot] >> 1);
   const uint there = otgHitOf(s, hits, mesh == 0 ? twin / 3 : s->a[hit], mesh == 0 ? s->b[hit] : twin / 3);
@@ -36,8 +35,7 @@ OTG_INLINED uint otgOwnedBy(__local const otg_solid_scratch* s, uint slot) {
   return s->place[slot / 2] + (slot % 2 && (s->how[slot - 1] & 4) ? 1 : 0);
 }
 
-OTG_INLINED void otgMakeCrossing(__local otg_solid_scratch* s, uint slot, const otg_solid_mesh* mine,
-                                 const otg_solid_mesh* theirs) {
+OTG_INLINED void otgMakeCrossing(__local otg_solid_scratch* s, uint slot, OTG_MESH* mine, OTG_MESH* theirs) {
   const uint c = otgOwnedBy(s, slot), halfEdge = s->halfEdge[slot] >> 1, mesh = s->halfEdge[slot] & 1;
   const uint other = mesh == 0 ? s->b[slot / 2] : s->a[slot / 2], edge = otgEdgeOf(mine, halfEdge);
   const uint4 ends = mine->edges[edge];
@@ -82,10 +80,9 @@ OTG_INLINED void otgPlaceAlongEdge(__local otg_solid_scratch* s, uint crossings,
 }
 
 /// The change of t of a crossing as A moves.
-OTG_INLINED otg_vec3_d otgDriftOf(__local otg_solid_scratch* s, uint c, const otg_solid_mesh* meshA,
-                                  const otg_solid_mesh* meshB) {
+OTG_INLINED otg_vec3_d otgDriftOf(__local otg_solid_scratch* s, uint c, OTG_MESH* meshA, OTG_MESH* meshB) {
   const uint mesh = s->edge[c] & 1;
-  const otg_solid_mesh *mine = mesh == 0 ? meshA : meshB, *theirs = mesh == 0 ? meshB : meshA;
+  OTG_MESH *mine = mesh == 0 ? meshA : meshB, *theirs = mesh == 0 ? meshB : meshA;
   const uint4 ends = mine->edges[s->edge[c] >> 1];
   otg_vec3_d corners[3], drift;
   otgCornersAt(theirs, s->other[c], corners);
@@ -95,8 +92,7 @@ OTG_INLINED otg_vec3_d otgDriftOf(__local otg_solid_scratch* s, uint c, const ot
 
 /// Orders the crossings of the edge of which c has the smallest number as the host does where some lie in one point:
 /// Tracer::orderTies and Tracer::alternate.
-OTG_INLINED void otgOrderTies(__local otg_solid_scratch* s, uint crossings, uint c, const otg_solid_mesh* meshA,
-                              const otg_solid_mesh* meshB) {
+OTG_INLINED void otgOrderTies(__local otg_solid_scratch* s, uint crossings, uint c, OTG_MESH* meshA, OTG_MESH* meshB) {
   ushort along[OTG_MOST_ALONG];
   const uint edge = s->edge[c];
   uint count = 0;
@@ -146,8 +142,7 @@ OTG_INLINED void otgOrderTies(__local otg_solid_scratch* s, uint crossings, uint
 
 /// From the sorted hits and their ends: crossings, chords, and their order along edges. All lanes call it; where the
 /// pair is given up (s->bad) numbers may be wrong, but lie in their arrays.
-OTG_INLINED void otgTraceContour(__local otg_solid_scratch* s, uint hits, const otg_solid_mesh* meshA,
-                                 const otg_solid_mesh* meshB) {
+OTG_INLINED void otgTraceContour(__local otg_solid_scratch* s, uint hits, OTG_MESH* meshA, OTG_MESH* meshB) {
   const uint lane = get_local_id(0);
   uint running = 0, chords = 0, total;
   for (uint slot = lane; slot < 2 * hits; slot += OTG_GROUP) {

@@ -6,17 +6,18 @@
 #include "solid_thin.h"
 
 /// The two faces of the edge that a point is the middle of: outward normals.
-OTG_INLINED void otgFacesAt(const otg_solid_mesh* m, uint edge, otg_vec3_d* n0, otg_vec3_d* n1) {
+OTG_INLINED void otgFacesAt(OTG_MESH* m, uint edge, otg_vec3_d* n0, otg_vec3_d* n1) {
   const uint halfEdge = m->edges[edge].z;
   *n0 = otgDirectionInA(m, otgOwnNormal(m, halfEdge / 3));
   *n1 = otgDirectionInA(m, otgOwnNormal(m, otgTwinOf(m, halfEdge) / 3));
 }
 
 /// Whether the two faces of an edge are all that the region has of its mesh.
-OTG_INLINED int otgIsAll(const otg_solid_work* w, uint mesh, otg_vec3_d n0, otg_vec3_d n1) {
+OTG_INLINED int otgIsAll(__local const otg_solid_ways* s, const otg_solid_work* w, uint mesh, otg_vec3_d n0,
+                         otg_vec3_d n1) {
   double own = 0;
-  for (uint j = 0; j < w->s->listed[mesh]; ++j) {
-    __global const otg_solid_piece* p = w->pieces + w->s->list[mesh][j];
+  for (uint j = 0; j < otgFaceCount(w, mesh); ++j) {
+    __global const otg_solid_piece* p = w->pieces + s->list[mesh][j];
     const otg_vec3_d n = otgLoad(p->normal);
     if (otgDot_d(n, n0) >= OTG_SOLID_SAME_FACE || otgDot_d(n, n1) >= OTG_SOLID_SAME_FACE) own += p->area;
   }
@@ -24,10 +25,10 @@ OTG_INLINED int otgIsAll(const otg_solid_work* w, uint mesh, otg_vec3_d n0, otg_
 }
 
 /// An edge of A across an edge of B: as in edgePairs. Numbers of the pair: stretch of A, stretch of B.
-OTG_INLINED int otgAcross(const otg_solid_work* w, const otg_solid_mesh* a, const otg_solid_mesh* b, uint pair,
+OTG_INLINED int otgAcross(__local const otg_solid_ways* s, const otg_solid_work* w, OTG_MESH* a, OTG_MESH* b, uint pair,
                           int isDeep, otg_vec3_d* direction, otg_vec3_d* placeA, otg_vec3_d* placeB) {
-  __global const otg_solid_point* p = w->points + w->s->sharp[0][pair / OTG_SOLID_MOST_STRETCHES];
-  __global const otg_solid_point* q = w->points + w->s->sharp[1][pair % OTG_SOLID_MOST_STRETCHES];
+  __global const otg_solid_point* p = w->points + s->sharp[0][pair / OTG_SOLID_MOST_STRETCHES];
+  __global const otg_solid_point* q = w->points + s->sharp[1][pair % OTG_SOLID_MOST_STRETCHES];
   const otg_vec3_d alongA = otgLoad(p->along), alongB = otgLoad(q->along), across = otgCross_d(alongA, alongB);
   const otg_vec3_d middleA = otgLoad(p->position), middleB = otgLoad(q->position);
   const double sine = otgNorm_d(across);
@@ -35,7 +36,7 @@ OTG_INLINED int otgAcross(const otg_solid_work* w, const otg_solid_mesh* a, cons
   otgFacesAt(a, p->feature, &a0, &a1);
   otgFacesAt(b, q->feature, &b0, &b1);
   if (sine < OTG_SOLID_LEAST_SINE) return 0;
-  if (!isDeep && (!otgIsAll(w, 0, a0, a1) || !otgIsAll(w, 1, b0, b1))) return 0;
+  if (!isDeep && (!otgIsAll(s, w, 0, a0, a1) || !otgIsAll(s, w, 1, b0, b1))) return 0;
   otg_vec3_d d = otgScale_d(across, 1 / sine);
   if (otgDot_d(d, otgLoad(w->region->push)) < 0) d = otgScale_d(d, -1.0);
   if (!otgIsBetween_d(a0, a1, otgScale_d(d, -1.0)) || !otgIsBetween_d(b0, b1, d)) return 0;
@@ -51,9 +52,8 @@ OTG_INLINED int otgAcross(const otg_solid_work* w, const otg_solid_mesh* a, cons
 }
 
 /// s->pairs of edges across each other, in order. All lanes call it.
-OTG_INLINED void otgFindEdgePairs(const otg_solid_work* w, const otg_solid_mesh* a, const otg_solid_mesh* b,
+OTG_INLINED void otgFindEdgePairs(__local otg_solid_ways* s, const otg_solid_work* w, OTG_MESH* a, OTG_MESH* b,
                                   int isDeep) {
-  __local otg_solid_choice* s = w->s;
   const uint lane = get_local_id(0);
   const uint points = w->coherence < OTG_SOLID_ONE_FACE ? w->pointCount : 0;
   uint running[2], total;
@@ -69,28 +69,35 @@ OTG_INLINED void otgFindEdgePairs(const otg_solid_work* w, const otg_solid_mesh*
     }
   }
   OTG_SYNC;
-  if (lane == 0) {
-    s->pairs = 0;
-    s->across = OTG_NOT_THERE;
-    const int tooMany = running[0] > OTG_SOLID_MOST_STRETCHES || running[1] > OTG_SOLID_MOST_STRETCHES;
-    for (uint x = 0; x < running[0] && !tooMany; ++x) {
-      for (uint y = 0; y < running[1]; ++y) {
-        otg_vec3_d d, placeA, placeB;
-        const uint pair = x * OTG_SOLID_MOST_STRETCHES + y;
-        if (otgAcross(w, a, b, pair, isDeep, &d, &placeA, &placeB)) s->pairOf[s->pairs++] = pair;
-      }
+  const int tooMany = running[0] > OTG_SOLID_MOST_STRETCHES || running[1] > OTG_SOLID_MOST_STRETCHES;
+  const uint items = tooMany ? 0 : running[0] * running[1];
+  uint pairs = 0;
+  for (uint base = 0; base < items; base += OTG_GROUP) {
+    const uint item = base + lane;
+    uint pair = 0;
+    int isPair = 0;
+    if (item < items) {
+      otg_vec3_d d, placeA, placeB;
+      pair = item / running[1] * OTG_SOLID_MOST_STRETCHES + item % running[1];
+      isPair = otgAcross(s, w, a, b, pair, isDeep, &d, &placeA, &placeB);
     }
+    const uint place = pairs + otgPlaceAmong(OTG_COUNTS(s), isPair, &total);
+    if (isPair) s->pairOf[place] = pair;
+    pairs += total;
+  }
+  if (lane == 0) {
+    s->pairs = pairs;
+    s->across = OTG_NOT_THERE;
   }
   OTG_SYNC;
 }
 
 /// Up to OTG_SOLID_DEEP_FACES mean directions of the region's faces of one mesh, in the sense in which they push A,
 /// from pieces in s->order, largest first. By one lane. Appends them to `count` directions.
-OTG_INLINED void otgGatherFaces(const otg_solid_work* w, uint mesh) {
-  __local otg_solid_choice* s = w->s;
-  __local const ushort* order = s->order + (mesh == 0 ? 0 : s->listed[0]);
+OTG_INLINED void otgGatherFaces(__local otg_solid_ways* s, const otg_solid_work* w, uint mesh) {
+  __local const ushort* order = s->order + (mesh == 0 ? 0 : w->facesOfA);
   uint clusters = 0;
-  for (uint j = 0; j < s->listed[mesh]; ++j) {
+  for (uint j = 0; j < otgFaceCount(w, mesh); ++j) {
     __global const otg_solid_piece* p = w->pieces + order[j];
     const otg_vec3_d normal = otgLoad(p->normal), n = mesh == 0 ? otgScale_d(normal, -1.0) : normal;
     uint c = 0;
@@ -117,8 +124,7 @@ OTG_INLINED void otgGatherFaces(const otg_solid_work* w, uint mesh) {
 }
 
 /// Appends the clusters that have the most area. By one lane.
-OTG_INLINED void otgTakeFaces(const otg_solid_work* w, double least) {
-  __local otg_solid_choice* s = w->s;
+OTG_INLINED void otgTakeFaces(__local otg_solid_ways* s, double least) {
   for (uint k = 0; k < OTG_SOLID_DEEP_FACES; ++k) {
     uint best = OTG_NOT_THERE;
     for (uint c = 0; c < s->listedFaces; ++c) {
@@ -138,14 +144,15 @@ OTG_INLINED void otgTakeFaces(const otg_solid_work* w, double least) {
 }
 
 /// How far A must go along d until a point is out, by the planes of the region's pieces.
-OTG_INLINED double otgWayOfPoint(const otg_solid_work* w, otg_vec3_d d, otg_vec3_d p, double far) {
+OTG_INLINED double otgWayOfPoint(__local const otg_solid_ways* s, const otg_solid_work* w,
+                                 __global const otg_solid_face* deep, otg_vec3_d d, otg_vec3_d p, double far) {
   double exits[2];
   for (uint mesh = 0; mesh < 2; ++mesh) {
     double least = far;
-    OTG_FACES const otg_solid_face* list = w->deep + (mesh == 0 ? 0 : w->s->listed[0]);
-    for (uint j = 0; j < w->s->deep[mesh]; ++j) {
-      OTG_FACES const otg_solid_face* face = list + j;
-      const otg_vec3_d n = otgOfFace(face->normal);
+    __global const otg_solid_face* list = deep + (mesh == 0 ? 0 : w->facesOfA);
+    for (uint j = 0; j < s->deep[mesh]; ++j) {
+      __global const otg_solid_face* face = list + j;
+      const otg_vec3_d n = otgLoad(face->normal);
       const double cosine = mesh == 1 ? otgDot_d(n, d) : -otgDot_d(n, d);
       if (!(cosine > 0.05)) continue;
       least = otgMin_d(face->meanOffset / cosine - otgDot_d(otgScale_d(n, 1 / cosine), p), least);
@@ -155,21 +162,22 @@ OTG_INLINED double otgWayOfPoint(const otg_solid_work* w, otg_vec3_d d, otg_vec3
   return otgMax_d(exits[0], 0) + otgMax_d(exits[1], 0);
 }
 
-/// Sets w->fixed if a direction is a shorter way out than the mean one. All lanes call it.
-OTG_INLINED void otgFindWayOut(otg_solid_work* w, const otg_solid_mesh* a, const otg_solid_mesh* b, double far) {
-  __local otg_solid_choice* s = w->s;
+/// Sets w->fixed if a direction is a shorter way out than the mean one. All lanes call it. `room`: for planes.
+OTG_INLINED void otgFindWayOut(__local otg_solid_ways* s, otg_solid_work* w, OTG_MESH* a, OTG_MESH* b, double far,
+                               __global otg_solid_face* room) {
   const uint lane = get_local_id(0);
   const int isLump = w->thickness > OTG_SOLID_DEEP * w->diagonal;
-  otgFindEdgePairs(w, a, b, isLump);
+  otgFindEdgePairs(s, w, a, b, isLump);
   const int isDeep = (isLump || s->pairs > 0) && w->pieceCount > 0;
   const double areas = w->region->areaA + w->region->areaB;
   if (lane == 0) {
     s->count = 0;
     s->listedFaces = 0;
   }
-  if (isDeep) otgGatherByNormal(w);
+  __global const otg_solid_face* deep = w->faces;
+  if (isDeep) deep = otgGatherByNormal(s, w, room);
   for (uint mesh = 0; mesh < 2; ++mesh) {
-    const uint count = isDeep ? s->listed[mesh] : 0;
+    const uint count = isDeep ? otgFaceCount(w, mesh) : 0;
     for (uint j = lane; j < count; j += OTG_GROUP) {
       const uint i = s->list[mesh][j];
       const double area = w->pieces[i].area;
@@ -179,7 +187,7 @@ OTG_INLINED void otgFindWayOut(otg_solid_work* w, const otg_solid_mesh* a, const
         __global const otg_solid_piece* q = w->pieces + s->list[mesh][k];
         place += q->area > area || (q->area == area && q->triangle < triangle);
       }
-      s->order[(mesh == 0 ? 0 : s->listed[0]) + place] = (ushort)i;
+      s->order[(mesh == 0 ? 0 : w->facesOfA) + place] = (ushort)i;
     }
   }
   OTG_SYNC;
@@ -190,17 +198,18 @@ OTG_INLINED void otgFindWayOut(otg_solid_work* w, const otg_solid_mesh* a, const
     out[2] = w->mean.z;
     s->count = 1;
     for (uint mesh = 0; mesh < 2; ++mesh) {
-      otgGatherFaces(w, mesh);
-      otgTakeFaces(w, 0.01 * areas);
+      otgGatherFaces(s, w, mesh);
+      otgTakeFaces(s, 0.01 * areas);
     }
-    for (uint k = 0; k < s->pairs; ++k) {
-      otg_vec3_d d, placeA, placeB;
-      otgAcross(w, a, b, s->pairOf[k], isLump, &d, &placeA, &placeB);
-      out = OTG_DEEP_DIRECTION(s, s->count + k);
-      out[0] = d.x;
-      out[1] = d.y;
-      out[2] = d.z;
-    }
+  }
+  OTG_SYNC;
+  for (uint k = lane; k < (isDeep ? s->pairs : 0); k += OTG_GROUP) {
+    otg_vec3_d d, placeA, placeB;
+    otgAcross(s, w, a, b, s->pairOf[k], isLump, &d, &placeA, &placeB);
+    __local double* out = OTG_DEEP_DIRECTION(s, s->count + k);
+    out[0] = d.x;
+    out[1] = d.y;
+    out[2] = d.z;
   }
   OTG_SYNC;
   const uint faces = s->count, directions = isDeep ? faces + s->pairs : 0;
@@ -214,13 +223,13 @@ OTG_INLINED void otgFindWayOut(otg_solid_work* w, const otg_solid_mesh* a, const
     const otg_vec3_d d = otgVec_d(x[0], x[1], x[2]);
     double way = 0;
     for (uint i = lane * stride; i < w->pointCount; i += OTG_GROUP * stride) {
-      way = otgMax_d(otgWayOfPoint(w, d, otgLoad(w->points[i].position), far), way);
+      way = otgMax_d(otgWayOfPoint(s, w, deep, d, otgLoad(w->points[i].position), far), way);
     }
-    way = otgLargestOf(s, way);
-    if (lane == 0) s->ways[k] = way;
+    way = otgLargestOf(s->reduce, way);
+    if (lane == 0) OTG_DEEP_WAY(s, k) = way;
   }
   OTG_SYNC;
-  double least = directions > 0 ? OTG_SOLID_PUSH_SHARE * otgMax_d(s->ways[0], OTG_DEEP_EXTENT(s, 0)) : 0;
+  double least = directions > 0 ? OTG_SOLID_PUSH_SHARE * otgMax_d(OTG_DEEP_WAY(s, 0), OTG_DEEP_EXTENT(s, 0)) : 0;
   double factor = 1;
   for (uint k = 1; k < directions; ++k) {
     __local const double* x = OTG_DEEP_DIRECTION(s, k);
@@ -230,7 +239,7 @@ OTG_INLINED void otgFindWayOut(otg_solid_work* w, const otg_solid_mesh* a, const
     if (k == faces && !w->isFixed) factor = OTG_SOLID_ACROSS_SHARE;
     if (otgDot_d(d, w->mean) < OTG_SOLID_DEEP_AGAINST) continue;
     const double extent = OTG_DEEP_EXTENT(s, k), enough = least / factor;
-    const double cost = factor * (extent >= enough ? extent : otgMax_d(s->ways[k], extent));
+    const double cost = factor * (extent >= enough ? extent : otgMax_d(OTG_DEEP_WAY(s, k), extent));
     if (cost >= least) continue;
     least = cost;
     w->fixed = d;
@@ -238,17 +247,18 @@ OTG_INLINED void otgFindWayOut(otg_solid_work* w, const otg_solid_mesh* a, const
     if (k >= faces && lane == 0) s->across = s->pairOf[k - faces];
   }
   OTG_SYNC;
-  if (lane == 0 && s->across != OTG_NOT_THERE) {
-    otg_vec3_d d, placeA, placeB;
-    otgAcross(w, a, b, s->across, isLump, &d, &placeA, &placeB);
-    s->places[0] = placeA.x;
-    s->places[1] = placeA.y;
-    s->places[2] = placeA.z;
-    s->places[3] = placeB.x;
-    s->places[4] = placeB.y;
-    s->places[5] = placeB.z;
+  if (lane == 0) {
+    const uint across = s->across;
+    const int isThere = across != OTG_NOT_THERE;
+    w->region->acrossPoint[0] = isThere ? s->sharp[0][across / OTG_SOLID_MOST_STRETCHES] : OTG_NOT_THERE;
+    w->region->acrossPoint[1] = isThere ? s->sharp[1][across % OTG_SOLID_MOST_STRETCHES] : OTG_NOT_THERE;
+    if (isThere) {
+      otg_vec3_d d, placeA, placeB;
+      otgAcross(s, w, a, b, across, isLump, &d, &placeA, &placeB);
+      otgStore(w->region->across, placeA);
+      otgStore(w->region->across + 3, placeB);
+    }
   }
-  OTG_SYNC;
 }
 
 #endif  // OTG_SOLID_DEEP_H

@@ -42,7 +42,7 @@ OTG_INLINED int otgPasses(const otg_vec3_d* corners, uint mesh, uint k) {
 }
 
 /// The ends of a hit's chord, in the order in which the host finds them. Returns OTG_SOLID_*, or 0.
-OTG_INLINED uint otgFindEnds(const otg_solid_mesh* meshA, const otg_solid_mesh* meshB, otg_solid_hit* hit) {
+OTG_INLINED uint otgFindEnds(OTG_MESH* meshA, OTG_MESH* meshB, otg_solid_hit* hit) {
   otg_vec3_d corners[6];
   int side[6], closed = 0;
   uint found = 0, starts = 0;

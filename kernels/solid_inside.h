@@ -21,12 +21,11 @@ OTG_INLINED void otgQueue(__local otg_solid_scratch* s, uint slot) {
 }
 
 /// Goes from one vertex inside to its neighbours over edges that are not crossed.
-OTG_INLINED void otgFloodFrom(__local otg_solid_scratch* s, uint slot, const otg_solid_mesh* meshA,
-                              const otg_solid_mesh* meshB, float radiusA, float radiusB) {
+OTG_INLINED void otgFloodFrom(__local otg_solid_scratch* s, uint slot, OTG_MESH* meshA, OTG_MESH* meshB) {
   const uint mesh = (s->vertexKey[slot] - 1) & 1, v = (s->vertexKey[slot] - 1) >> 1;
-  const otg_solid_mesh* mine = mesh == 0 ? meshA : meshB;
+  OTG_MESH* mine = mesh == 0 ? meshA : meshB;
   const otg_vec3_d x = otgVertexAt(mine, v);
-  const int inBounds = mesh == 0 ? otgInBounds(meshB, radiusB, x) : otgInBounds(meshA, radiusA, x);
+  const int inBounds = otgInBounds(mesh == 0 ? meshB : meshA, x);
   const int isVoted = s->vote[slot] != 0;  // no other vertex has an edge that is crossed
   if (!inBounds) otgGiveUp(s, OTG_SOLID_BROKEN);
   for (uint k = mine->firstSpoke[v]; k < mine->firstSpoke[v + 1]; ++k) {
@@ -46,8 +45,7 @@ OTG_INLINED void otgFloodFrom(__local otg_solid_scratch* s, uint slot, const otg
   }
 }
 
-OTG_INLINED void otgFloodInside(__local otg_solid_scratch* s, const otg_solid_mesh* meshA, const otg_solid_mesh* meshB,
-                                float radiusA, float radiusB) {
+OTG_INLINED void otgFloodInside(__local otg_solid_scratch* s, OTG_MESH* meshA, OTG_MESH* meshB) {
   const uint lane = get_local_id(0), crossings = s->crossings;
   for (uint c = lane; c < crossings; c += OTG_GROUP) {
     const uint mesh = s->edge[c] & 1;
@@ -67,7 +65,7 @@ OTG_INLINED void otgFloodInside(__local otg_solid_scratch* s, const otg_solid_me
   uint from = 0, to = s->bad ? 0 : s->queued;
   OTG_SYNC;
   for (int more = to > from; more;) {
-    for (uint i = from + lane; i < to; i += OTG_GROUP) otgFloodFrom(s, s->queue[i], meshA, meshB, radiusA, radiusB);
+    for (uint i = from + lane; i < to; i += OTG_GROUP) otgFloodFrom(s, s->queue[i], meshA, meshB);
     OTG_SYNC;
     from = to;
     to = s->bad ? from : s->queued;
@@ -84,8 +82,7 @@ OTG_INLINED uint otgElementOf(__local const otg_solid_scratch* s, uint mesh, uin
 
 /// The ends of the stretch of an edge that a crossing ends (where it exits) or that begins at the last crossing. 0 if
 /// there is none.
-OTG_INLINED int otgStretchAt(__local const otg_solid_scratch* s, uint c, const otg_solid_mesh* mine, uint* from,
-                             uint* to) {
+OTG_INLINED int otgStretchAt(__local const otg_solid_scratch* s, uint c, OTG_MESH* mine, uint* from, uint* to) {
   const uint mesh = s->edge[c] & 1;
   if (s->exits[c]) {
     *to = c;
@@ -100,8 +97,7 @@ OTG_INLINED int otgStretchAt(__local const otg_solid_scratch* s, uint c, const o
 }
 
 /// Regions of crossings and vertices, numbered by their smallest crossing; vertices inside in order.
-OTG_INLINED void otgUniteRegions(__local otg_solid_scratch* s, const otg_solid_mesh* meshA,
-                                 const otg_solid_mesh* meshB) {
+OTG_INLINED void otgUniteRegions(__local otg_solid_scratch* s, OTG_MESH* meshA, OTG_MESH* meshB) {
   const uint lane = get_local_id(0), crossings = s->bad ? 0 : s->crossings, chords = s->bad ? 0 : s->chords;
   const uint vertices = s->bad ? 0 : s->queued;
   uint regions = 0, total;
@@ -118,7 +114,7 @@ OTG_INLINED void otgUniteRegions(__local otg_solid_scratch* s, const otg_solid_m
     otgJoin(s, s->start[c], s->end[c]);
     // A contour that stays within one triangle whose corners are all inside hangs together with them.
     for (uint mesh = 0; mesh < 2; ++mesh) {
-      const otg_solid_mesh* m = mesh == 0 ? meshA : meshB;
+      OTG_MESH* m = mesh == 0 ? meshA : meshB;
       const uint4 corners = m->triangles[4 * (size_t)s->triangle[mesh][c]];
       const uint x = otgFindInside(s, mesh, corners.x);
       if (x == OTG_NOT_THERE || otgFindInside(s, mesh, corners.y) == OTG_NOT_THERE ||
@@ -161,7 +157,12 @@ OTG_INLINED void otgUniteRegions(__local otg_solid_scratch* s, const otg_solid_m
       place += (other & 1) < (key & 1) || ((other & 1) == (key & 1) && other < key);
     }
     s->inside[place] = s->queue[i];
-    if (otgRootOf(s, OTG_SOLID_HITS + s->queue[i]) >= OTG_SOLID_HITS) otgGiveUp(s, OTG_SOLID_BROKEN);
+    const uint root = otgRootOf(s, OTG_SOLID_HITS + s->queue[i]);
+    if (root >= OTG_SOLID_HITS) {
+      otgGiveUp(s, OTG_SOLID_BROKEN);
+    } else {
+      s->vote[s->queue[i]] = s->region[root];
+    }
   }
   OTG_SYNC;
 }

@@ -2,7 +2,7 @@
 // The contacts of a pair of solids that stay when there are more than places, as collide/limit_contacts.cpp.
 #ifndef OTG_SOLID_LIMIT_H
 #define OTG_SOLID_LIMIT_H
-#include "solid_normals.h"
+#include "solid_choose.h"
 //
 #define OTG_REAL_DOUBLE
 #include "shared/contact_choice.h"
@@ -47,8 +47,7 @@ OTG_INLINED float otgFromOrderedBits(uint x) {
 /// Writes the contacts that stay, deepest first, with their triangles in their callers' numbers; how many they are. All
 /// lanes call it.
 OTG_INLINED uint otgLimitContacts(__local otg_solid_choice* s, __global const otg_chosen_contact* found, uint count,
-                                  uint places, __global const float4* meshes, const otg_device_mesh* placeA,
-                                  const otg_device_mesh* placeB, __global otg_chosen_contact* out) {
+                                  uint places, OTG_MESH* a, OTG_MESH* b, __global otg_chosen_contact* out) {
   const uint lane = get_local_id(0), kept = min(count, places), some = count > places ? count : 0;
   for (uint i = lane; i < count; i += OTG_GROUP) {
     uint place = 0;
@@ -131,8 +130,8 @@ OTG_INLINED uint otgLimitContacts(__local otg_solid_choice* s, __global const ot
     uint place = 0;
     for (uint j = 0; j < i; ++j) place += OTG_NEAREST(s)[j] == OTG_SPOT_TAKEN;
     otg_chosen_contact c = found[OTG_SORTED(s)[i]];
-    c.triangleA = as_uint(meshes[placeA->rings + c.triangleA].w);
-    c.triangleB = as_uint(meshes[placeB->rings + c.triangleB].w);
+    c.triangleA = a->rings[c.triangleA].w;
+    c.triangleB = b->rings[c.triangleB].w;
     out[place] = c;
   }
   return kept;

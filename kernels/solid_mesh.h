@@ -14,6 +14,8 @@
 
 /// Before loops of large bodies: what is unrolled into a kernel of this size does not fit the caches of instructions.
 #define OTG_ROLLED _Pragma("unroll 1")
+#define OTG_PRAGMA(x) _Pragma(#x)
+#define OTG_UNROLLED(n) OTG_PRAGMA(unroll n)
 
 /// Between lanes. A work-group of one lane needs none, and PoCL does not cope with so many of them.
 #if OTG_GROUP > 1
@@ -34,8 +36,18 @@ typedef struct {
   __global const uint2* neighbours;  ///< vertex and edge of each
   __global const uint4* rings;
   otg_transform_d pose;  ///< to A's frame
+  otg_pair_point center;
+  float radius;
+  uint nodes, soup;  ///< as otg_device_mesh
   int isB;
 } otg_solid_mesh;
+
+/// Where kernels of one work-group for a pair have its meshes: in local memory, which is nearer than that of a lane.
+#ifdef OTG_MESHES_LOCAL
+#define OTG_MESH __local const otg_solid_mesh
+#else
+#define OTG_MESH const otg_solid_mesh
+#endif
 
 OTG_INLINED otg_solid_mesh otgSolidMesh(__global const float4* meshes, const otg_device_mesh* place,
                                         otg_transform_d bInA, int isB) {
@@ -50,20 +62,24 @@ OTG_INLINED otg_solid_mesh otgSolidMesh(__global const float4* meshes, const otg
   const uint words = as_uint(m.bounds[0].w) + 1 + 3 * place->triangles;
   m.neighbours = (__global const uint2*)(m.firstSpoke + (words + 1) / 2 * 2);
   m.pose = bInA;
+  m.center = place->center;
+  m.radius = place->radius;
+  m.nodes = place->nodes;
+  m.soup = place->soup;
   m.isB = isB;
   return m;
 }
 
-OTG_INLINED otg_vec3_d otgInFrame(const otg_solid_mesh* m, otg_vec3_d x) {
+OTG_INLINED otg_vec3_d otgInFrame(OTG_MESH* m, otg_vec3_d x) {
   return m->isB ? otgTransform_d(m->pose, x) : x;
 }
 
-OTG_INLINED otg_vec3_d otgVertexAt(const otg_solid_mesh* m, uint v) {
+OTG_INLINED otg_vec3_d otgVertexAt(OTG_MESH* m, uint v) {
   const float4 p = m->vertices[v];
   return otgInFrame(m, otgVec_d((double)p.x, (double)p.y, (double)p.z));
 }
 
-OTG_INLINED void otgCornersAt(const otg_solid_mesh* m, uint triangle, otg_vec3_d* out) {
+OTG_INLINED void otgCornersAt(OTG_MESH* m, uint triangle, otg_vec3_d* out) {
   const uint4 v = m->triangles[4 * (size_t)triangle];
   out[0] = otgVertexAt(m, v.x);
   out[1] = otgVertexAt(m, v.y);
@@ -74,39 +90,39 @@ OTG_INLINED uint otgOf3(uint4 x, uint k) {
   return k == 0 ? x.x : k == 1 ? x.y : x.z;
 }
 
-OTG_INLINED uint otgCornerOf(const otg_solid_mesh* m, uint halfEdge) {
+OTG_INLINED uint otgCornerOf(OTG_MESH* m, uint halfEdge) {
   return otgOf3(m->triangles[4 * (size_t)(halfEdge / 3)], halfEdge % 3);
 }
-OTG_INLINED uint otgEdgeOf(const otg_solid_mesh* m, uint halfEdge) {
+OTG_INLINED uint otgEdgeOf(OTG_MESH* m, uint halfEdge) {
   return otgOf3(m->triangles[4 * (size_t)(halfEdge / 3) + 1], halfEdge % 3);
 }
-OTG_INLINED uint otgTwinOf(const otg_solid_mesh* m, uint halfEdge) {
+OTG_INLINED uint otgTwinOf(OTG_MESH* m, uint halfEdge) {
   return otgOf3(m->rings[halfEdge / 3], halfEdge % 3) & OTG_RING_HALF_EDGE;
 }
 
 /// In the mesh's own frame.
-OTG_INLINED otg_vec3_d otgOwnNormal(const otg_solid_mesh* m, uint triangle) {
+OTG_INLINED otg_vec3_d otgOwnNormal(OTG_MESH* m, uint triangle) {
   __global const double* n = (__global const double*)(m->triangles + 4 * (size_t)triangle + 2);
   return otgVec_d(n[0], n[1], n[2]);
 }
-OTG_INLINED double otgAreaOf(const otg_solid_mesh* m, uint triangle) {
+OTG_INLINED double otgAreaOf(OTG_MESH* m, uint triangle) {
   return ((__global const double*)(m->triangles + 4 * (size_t)triangle + 2))[3];
 }
-OTG_INLINED otg_vec3_d otgDirectionInA(const otg_solid_mesh* m, otg_vec3_d d) {
+OTG_INLINED otg_vec3_d otgDirectionInA(OTG_MESH* m, otg_vec3_d d) {
   return m->isB ? otgRotate_d(m->pose, d) : d;
 }
-OTG_INLINED otg_vec3_d otgDirectionToOwn(const otg_solid_mesh* m, otg_vec3_d d) {
+OTG_INLINED otg_vec3_d otgDirectionToOwn(OTG_MESH* m, otg_vec3_d d) {
   return m->isB ? otgRotateBack_d(m->pose, d) : d;
 }
-OTG_INLINED otg_vec3_d otgPointToOwn(const otg_solid_mesh* m, otg_vec3_d p) {
+OTG_INLINED otg_vec3_d otgPointToOwn(OTG_MESH* m, otg_vec3_d p) {
   return m->isB ? otgRotateBack_d(m->pose, otgSub_d(p, m->pose.t)) : p;
 }
 
 /// Is the point (in A's frame) in the mesh's bounds, a little enlarged?
-OTG_INLINED int otgInBounds(const otg_solid_mesh* m, float radius, otg_vec3_d p) {
+OTG_INLINED int otgInBounds(OTG_MESH* m, otg_vec3_d p) {
   const otg_vec3_d x = otgPointToOwn(m, p);
   const float4 lo = m->bounds[0], hi = m->bounds[1];
-  const double slack = 1e-9 * (double)radius;
+  const double slack = 1e-9 * (double)m->radius;
   return x.x >= (double)lo.x - slack && x.x <= (double)hi.x + slack && x.y >= (double)lo.y - slack &&
          x.y <= (double)hi.y + slack && x.z >= (double)lo.z - slack && x.z <= (double)hi.z + slack;
 }
@@ -166,5 +182,27 @@ OTG_INLINED uint otgPlaceAmong(__local uint* counts, uint count, uint* total) {
   return 0;
 #endif
 }
+
+/// The larger of a value of each lane and 0. All lanes call it.
+OTG_INLINED double otgLargestOf(__local double* reduce, double x) {
+  double most = 0;
+  OTG_SYNC;
+  reduce[get_local_id(0)] = x;
+  OTG_SYNC;
+  for (uint k = 0; k < OTG_GROUP; ++k) most = otgMax_d(reduce[k], most);
+  return most;
+}
+
+#ifdef OTG_MESHES_LOCAL
+/// A and B of a pair to `pair`. All lanes call it.
+OTG_INLINED void otgTakeMeshes(__local otg_solid_mesh* pair, __global const float4* meshes,
+                               __global const otg_batch_task* task, __global const otg_device_mesh* places) {
+  for (uint k = get_local_id(0); k < 2; k += OTG_GROUP) {
+    const otg_device_mesh place = places[k == 0 ? task->meshA : task->meshB];
+    pair[k] = otgSolidMesh(meshes, &place, task->bInA, (int)k);
+  }
+  OTG_SYNC;
+}
+#endif
 
 #endif  // OTG_SOLID_MESH_H

@@ -6,9 +6,8 @@
 
 #define OTG_RAY_STACK 96
 
-OTG_INLINED int otgRayMeetsSlab(double o, double d, double c, double e, double* near, double* far) {
+OTG_INLINED int otgRayMeetsSlab(double o, double d, double inverse, double c, double e, double* near, double* far) {
   if (d == 0) return !(fabs(o - c) > e);
-  const double inverse = 1 / d;
   double t0 = (c - e - o) * inverse, t1 = (c + e - o) * inverse;
   if (t0 > t1) {
     const double t = t0;
@@ -20,30 +19,32 @@ OTG_INLINED int otgRayMeetsSlab(double o, double d, double c, double e, double* 
   return !(*near > *far);
 }
 
-OTG_INLINED int otgRayMeetsBox(otg_vec3_d o, otg_vec3_d d, float4 center, float4 extent, double limit) {
+/// `inverse`: one by each component of the direction d.
+OTG_INLINED int otgRayMeetsBox(otg_vec3_d o, otg_vec3_d d, otg_vec3_d inverse, float4 center, float4 extent,
+                               double limit) {
   double near = 0, far = limit;
-  return otgRayMeetsSlab(o.x, d.x, (double)center.x, (double)extent.x, &near, &far) &&
-         otgRayMeetsSlab(o.y, d.y, (double)center.y, (double)extent.y, &near, &far) &&
-         otgRayMeetsSlab(o.z, d.z, (double)center.z, (double)extent.z, &near, &far);
+  return otgRayMeetsSlab(o.x, d.x, inverse.x, (double)center.x, (double)extent.x, &near, &far) &&
+         otgRayMeetsSlab(o.y, d.y, inverse.y, (double)center.y, (double)extent.y, &near, &far) &&
+         otgRayMeetsSlab(o.z, d.z, inverse.z, (double)center.z, (double)extent.z, &near, &far);
 }
 
 /// As exitDistance: 0 where the first surface that the ray meets is entered, -1 where it meets none, -2 where the tree
 /// is too deep.
-OTG_INLINED double otgExitDistance(__global const float4* meshes, const otg_device_mesh* place, const otg_solid_mesh* m,
-                                   otg_vec3_d from, otg_vec3_d along, double limit, double skin) {
+OTG_INLINED double otgExitDistance(__global const float4* meshes, OTG_MESH* m, otg_vec3_d from, otg_vec3_d along,
+                                   double limit, double skin) {
   const otg_vec3_d o = otgPointToOwn(m, from), d = otgDirectionToOwn(m, along);
-  const otg_vec3_d centred =
-      otgSub_d(o, otgVec_d((double)place->center.x, (double)place->center.y, (double)place->center.z));
+  const otg_vec3_d centred = otgSub_d(o, otgVec_d((double)m->center.x, (double)m->center.y, (double)m->center.z));
+  const otg_vec3_d inverse = otgVec_d(1 / d.x, 1 / d.y, 1 / d.z);
   uint stack[OTG_RAY_STACK];
   uint top = 1;
   double nearest = limit;
   int found = 0, leaves = 0;
   // Of a node all children are looked at together; those that the ray meets are stacked.
-  float4 center = meshes[place->nodes], extent = meshes[place->nodes + 1];
-  if (!otgRayMeetsBox(centred, d, center, extent, nearest)) return -1;
+  float4 center = meshes[m->nodes], extent = meshes[m->nodes + 1];
+  if (!otgRayMeetsBox(centred, d, inverse, center, extent, nearest)) return -1;
   stack[0] = 0;
   while (top > 0) {
-    const uint node = place->nodes + 2 * stack[--top];
+    const uint node = m->nodes + 2 * stack[--top];
     center = meshes[node];
     extent = meshes[node + 1];
     const int count = as_int(extent.w);
@@ -51,13 +52,13 @@ OTG_INLINED double otgExitDistance(__global const float4* meshes, const otg_devi
     if (count > 0) {
       if (top + (uint)count > OTG_RAY_STACK) return -2;
       for (uint k = 0; k < (uint)count; ++k) {
-        const uint child = place->nodes + 2 * (first + k);
-        if (otgRayMeetsBox(centred, d, meshes[child], meshes[child + 1], nearest)) stack[top++] = first + k;
+        const uint child = m->nodes + 2 * (first + k);
+        if (otgRayMeetsBox(centred, d, inverse, meshes[child], meshes[child + 1], nearest)) stack[top++] = first + k;
       }
       continue;
     }
     for (uint k = 0; k < (uint)-count; ++k) {
-      const uint soup = place->soup + 3 * (first + k);
+      const uint soup = m->soup + 3 * (first + k);
       const float4 u0 = meshes[soup], u1 = meshes[soup + 1], u2 = meshes[soup + 2];
       if (as_uint(u1.w) != 0) continue;  // no area
       const otg_vec3_d p0 = otgVec_d((double)u0.x, (double)u0.y, (double)u0.z);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The overlap regions of pairs of solids: one work-group for one pair. What is not plain (see OTG_SOLID_*) is flagged
 // for the host. OTG_GROUP: size of work-groups, 32 at least; OTG_SOLID_HITS as in solid_scratch.h.
+#define OTG_MESHES_LOCAL
 #include "solid_contour.h"
 //
 #include "solid_surface.h"
@@ -47,15 +48,14 @@ OTG_INLINED void otgClearScratch(__local otg_solid_scratch* s, uint bad) {
 }
 
 /// Whether all samples of `inner` are in the bounds of `outer`: it may be contained.
-OTG_INLINED void otgCheckContained(__local otg_solid_scratch* s, const otg_solid_mesh* inner,
-                                   const otg_solid_mesh* outer, float radius, int works) {
+OTG_INLINED void otgCheckContained(__local otg_solid_scratch* s, OTG_MESH* inner, OTG_MESH* outer, int works) {
   const uint lane = get_local_id(0);
   if (lane == 0) s->items = 0;
   OTG_SYNC;
   const uint samples = works ? as_uint(inner->bounds[2].w) : 0;
   for (uint i = lane; i < samples; i += OTG_GROUP) {
     const float4 p = inner->bounds[2 + i];
-    if (otgInBounds(outer, radius, otgInFrame(inner, otgVec_d((double)p.x, (double)p.y, (double)p.z)))) {
+    if (otgInBounds(outer, otgInFrame(inner, otgVec_d((double)p.x, (double)p.y, (double)p.z)))) {
       atomic_inc(&s->items);
     }
   }
@@ -144,7 +144,7 @@ OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __gl
     double area = 0;
     loop.corner = normal;
     uint triangle = 0;
-    const otg_solid_mesh* m = mesh ? pair->b : pair->a;
+    OTG_MESH* m = mesh ? pair->b : pair->a;
     if (item < 2 * chords && (s->firsts[c] >> mesh & 1)) {
       triangle = mesh ? s->b[s->hit[c]] : s->a[s->hit[c]];
       area = otgClip(pair, m, triangle, region, &loop, &normal);
@@ -250,34 +250,30 @@ OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __gl
 }
 
 /// Finds the regions of one pair. `heads`: the last region of each pair; they are linked backwards.
-OTG_INLINED void otgRegionsOf(uint number, __local otg_solid_scratch* s, __global const float4* meshes,
-                              __global const otg_batch_task* task, __global const otg_device_mesh* places,
+OTG_INLINED void otgRegionsOf(uint number, __local otg_solid_scratch* s, OTG_MESH* a, OTG_MESH* b,
                               __global const otg_pair_state* state, __global const otg_solid_hit* sorted,
                               uint hitCapacity, __global uint* counters, __global uchar* arena, uint arenaUnits,
                               __global uint* heads, __global uint* lists, uint pairs, otg_solid_limits limits,
                               __global uint* chosen) {
   const uint lane = get_local_id(0);
   __global uint* flag = chosen + OTG_FLAGS + number;
-  const otg_device_mesh placeA = places[task->meshA], placeB = places[task->meshB];
   const int settled = (*flag & OTG_PAIR_LEFT_OUT) != 0;  // by the kernel before
-  const otg_solid_mesh a = otgSolidMesh(meshes, &placeA, task->bInA, 0);
-  const otg_solid_mesh b = otgSolidMesh(meshes, &placeB, task->bInA, 1);
   const uint found = settled ? 0 : state->intersecting, begin = state->roots;
   const int fits = found <= OTG_SOLID_HITS && begin + found <= hitCapacity;
   const uint hits = fits ? found : 0;
   otgClearScratch(s, fits ? 0 : OTG_SOLID_TOO_MANY);
   otgSortHits(s, sorted + begin, hits);
   OTG_SYNC;
-  otgTraceContour(s, hits, &a, &b);
+  otgTraceContour(s, hits, a, b);
   const int mayContain = !settled && s->chords == 0 && !s->bad;
-  otgCheckContained(s, &a, &b, placeB.radius, mayContain);
-  otgCheckContained(s, &b, &a, placeA.radius, mayContain);
-  otgFloodInside(s, &a, &b, placeA.radius, placeB.radius);
-  otgUniteRegions(s, &a, &b);
+  otgCheckContained(s, a, b, mayContain);
+  otgCheckContained(s, b, a, mayContain);
+  otgFloodInside(s, a, b);
+  otgUniteRegions(s, a, b);
   otg_solid_pair pair;
   pair.s = s;
-  pair.a = &a;
-  pair.b = &b;
+  pair.a = a;
+  pair.b = b;
   pair.origin = s->crossings > 0 ? otgVec_d(s->x[0], s->y[0], s->z[0]) : otgVec_d(0, 0, 0);
   uint head = OTG_NOT_THERE, size = 0;
   const uint regions = s->bad ? 0 : s->regions;
@@ -306,14 +302,16 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidRegion
     __global uchar* arena, uint arenaUnits, __global uint* heads, __global uint* restrict lists, uint pairs, uint first,
     uint end, uint mostPoints, uint mostFaces, __global uint* restrict chosen) {
   __local otg_solid_scratch scratch;
+  __local otg_solid_mesh mesh[2];
   otg_solid_limits limits;
   limits.points = mostPoints;
   limits.faces = mostFaces;
   for (uint item = get_group_id(0);; item += get_num_groups(0)) {
     const uint number = otgListed(counters, lists, pairs, 0, first, end, item);
     if (number == OTG_NOT_THERE) return;
-    otgRegionsOf(number, &scratch, meshes, tasks + number, places, states + number, sorted, hitCapacity, counters,
-                 arena, arenaUnits, heads, lists, pairs, limits, chosen);
+    otgTakeMeshes(mesh, meshes, tasks + number, places);
+    otgRegionsOf(number, &scratch, mesh, mesh + 1, states + number, sorted, hitCapacity, counters, arena, arenaUnits,
+                 heads, lists, pairs, limits, chosen);
     OTG_SYNC;
   }
 }

@@ -34,9 +34,9 @@ typedef struct {
   uint chordBits[OTG_CHORD_WORDS];   ///< a hashed set of these triangles
   uchar firsts[OTG_SOLID_HITS];      ///< 1: the first of A's triangle, 2: of B's
   // Tables.
-  uint vertexKey[OTG_SOLID_SLOTS];                ///< (vertex << 1 | mesh) + 1, 0: free
-  int vote[OTG_SOLID_SLOTS];                      ///< 1,024 for each vote, and 1 more for inside, 1 less for outside
-  uchar side[OTG_SOLID_SLOTS];                    ///< OTG_SIDE_*
+  uint vertexKey[OTG_SOLID_SLOTS];  ///< (vertex << 1 | mesh) + 1, 0: free
+  int vote[OTG_SOLID_SLOTS];        ///< 1,024 for each vote, and 1 more for inside, 1 less for outside; then the region
+  uchar side[OTG_SOLID_SLOTS];      ///< OTG_SIDE_*
   uint edgeKey[2 * OTG_SOLID_HITS];               ///< (edge << 1 | mesh) + 1, 0: free
   ushort edgeFirst[2 * OTG_SOLID_HITS];           ///< the first crossing along it
   uint parent[OTG_SOLID_HITS + OTG_SOLID_SLOTS];  ///< sets of crossings, and vertices behind them

@@ -6,7 +6,7 @@
 
 typedef struct {
   __local otg_solid_scratch* s;
-  const otg_solid_mesh *a, *b;
+  OTG_MESH *a, *b;
   otg_vec3_d origin;
 } otg_solid_pair;
 
@@ -14,12 +14,12 @@ OTG_INLINED otg_vec3_d otgCrossingAt(const otg_solid_pair* p, uint c) {
   return otgSub_d(otgVec_d(p->s->x[c], p->s->y[c], p->s->z[c]), p->origin);
 }
 
-OTG_INLINED otg_vec3_d otgRelativeVertex(const otg_solid_pair* p, const otg_solid_mesh* m, uint v) {
+OTG_INLINED otg_vec3_d otgRelativeVertex(const otg_solid_pair* p, OTG_MESH* m, uint v) {
   return otgSub_d(otgVertexAt(m, v), p->origin);
 }
 
 OTG_INLINED uint otgRegionOf(const otg_solid_pair* p, uint element) {
-  return p->s->region[otgRootOf(p->s, element)];
+  return element < OTG_SOLID_HITS ? p->s->region[element] : (uint)p->s->vote[element - OTG_SOLID_HITS];
 }
 
 /// Half the sum of p x q over the directed boundary, and bounds.
@@ -40,53 +40,44 @@ OTG_INLINED void otgAddToLoop(otg_loop* l, otg_vec3_d p, otg_vec3_d q) {
 }
 
 /// The part of a triangle in a region; area 0 if there is none.
-OTG_INLINED double otgClip(const otg_solid_pair* pair, const otg_solid_mesh* m, uint triangle, uint region,
-                           otg_loop* loop, otg_vec3_d* normal) {
+OTG_INLINED double otgClip(const otg_solid_pair* pair, OTG_MESH* m, uint triangle, uint region, otg_loop* loop,
+                           otg_vec3_d* normal) {
   __local otg_solid_scratch* s = pair->s;
   const uint mesh = m->isB ? 1 : 0;
   const uint4 corners = m->triangles[4 * (size_t)triangle], edges = m->triangles[4 * (size_t)triangle + 1];
-  uint vertex[3], element[3];
-  otg_vec3_d at[3];
-  for (uint k = 0; k < 3; ++k) {
-    vertex[k] = otgOf3(corners, k);
-    element[k] = otgElementOf(s, mesh, vertex[k]);
-    at[k] = otgRelativeVertex(pair, m, vertex[k]);
-  }
-  loop->corner = at[0];
+  uint vertex = corners.x, element = otgElementOf(s, mesh, vertex);
+  otg_vec3_d at = otgRelativeVertex(pair, m, vertex);
+  loop->corner = at;
   loop->sum = otgVec_d(0, 0, 0);
   loop->any = 0;
+  OTG_ROLLED
   for (uint k = 0; k < 3; ++k) {
-    const uint next = k == 2 ? 0 : k + 1, edge = otgOf3(edges, k);
+    const uint edge = otgOf3(edges, k), nextVertex = otgOf3(corners, k == 2 ? 0 : k + 1);
+    const uint nextElement = otgElementOf(s, mesh, nextVertex);
+    const otg_vec3_d nextAt = otgRelativeVertex(pair, m, nextVertex);
     uint c = otgFirstAlong(s, edge << 1 | mesh);
-    if (c == OTG_NO_CROSSING) {
-      if (element[k] != OTG_NOT_THERE && element[next] != OTG_NOT_THERE && otgRegionOf(pair, element[k]) == region) {
-        otgAddToLoop(loop, at[k], at[next]);
-      }
-      continue;
+    if (c == OTG_NO_CROSSING && element != OTG_NOT_THERE && nextElement != OTG_NOT_THERE &&
+        otgRegionOf(pair, element) == region) {
+      otgAddToLoop(loop, at, nextAt);
     }
-    const int forward = vertex[k] == m->edges[edge].x;
+    const int forward = vertex == m->edges[edge].x;
     for (; c != OTG_NO_CROSSING; c = s->next[c]) {
       uint from, to;
       if (!otgStretchAt(s, c, m, &from, &to) || otgRegionOf(pair, from) != region) continue;
       // The vertices at the ends of the edge are corners of the triangle.
-      const otg_vec3_d p = from < OTG_SOLID_HITS ? otgCrossingAt(pair, from) : forward ? at[k] : at[next];
-      const otg_vec3_d q = to < OTG_SOLID_HITS ? otgCrossingAt(pair, to) : forward ? at[next] : at[k];
-      if (forward) {
-        otgAddToLoop(loop, p, q);
-      } else {
-        otgAddToLoop(loop, q, p);
-      }
+      const otg_vec3_d p = from < OTG_SOLID_HITS ? otgCrossingAt(pair, from) : forward ? at : nextAt;
+      const otg_vec3_d q = to < OTG_SOLID_HITS ? otgCrossingAt(pair, to) : forward ? nextAt : at;
+      otgAddToLoop(loop, forward ? p : q, forward ? q : p);
     }
+    vertex = nextVertex;
+    element = nextElement;
+    at = nextAt;
   }
   for (uint c = s->chords; c-- > 0;) {
     if (s->triangle[mesh][c] != triangle) continue;
     if (otgRegionOf(pair, s->start[c]) != region) continue;
     const otg_vec3_d p = otgCrossingAt(pair, s->start[c]), q = otgCrossingAt(pair, s->end[c]);
-    if (mesh == 0) {
-      otgAddToLoop(loop, p, q);
-    } else {
-      otgAddToLoop(loop, q, p);
-    }
+    otgAddToLoop(loop, mesh == 0 ? p : q, mesh == 0 ? q : p);
   }
   *normal = otgDirectionInA(m, otgOwnNormal(m, triangle));
   return loop->any ? 0.5 * otgDot_d(loop->sum, *normal) : 0;
@@ -109,7 +100,7 @@ OTG_INLINED void otgWritePiece(__global otg_solid_piece* out, uint mesh, uint tr
 OTG_INLINED ulong otgInteriorAt(const otg_solid_pair* pair, uint slot) {
   __local otg_solid_scratch* s = pair->s;
   const uint mesh = (s->vertexKey[slot] - 1) & 1, v = (s->vertexKey[slot] - 1) >> 1;
-  const otg_solid_mesh* m = mesh == 0 ? pair->a : pair->b;
+  OTG_MESH* m = mesh == 0 ? pair->a : pair->b;
   const uint first = m->firstSpoke[v], spokes = m->firstSpoke[v + 1] - first;
   ulong interior = 0;
   if (spokes > 64) otgGiveUp(s, OTG_SOLID_TOO_MANY);
@@ -137,7 +128,7 @@ OTG_INLINED ulong otgInteriorAt(const otg_solid_pair* pair, uint slot) {
 OTG_INLINED void otgWriteInterior(const otg_solid_pair* pair, uint slot, ulong interior,
                                   __global otg_solid_piece* out) {
   const uint mesh = (pair->s->vertexKey[slot] - 1) & 1, v = (pair->s->vertexKey[slot] - 1) >> 1;
-  const otg_solid_mesh* m = mesh == 0 ? pair->a : pair->b;
+  OTG_MESH* m = mesh == 0 ? pair->a : pair->b;
   for (uint k = m->firstSpoke[v]; interior != 0; ++k, interior >>= 1) {
     if (!(interior & 1)) continue;
     const uint triangle = m->spokes[k] / 3;
@@ -150,9 +141,9 @@ OTG_INLINED void otgWriteInterior(const otg_solid_pair* pair, uint slot, ulong i
   }
 }
 
-OTG_INLINED void otgWritePoint(__global otg_solid_point* out, const otg_solid_mesh* m, otg_vec3_d position,
-                               otg_vec3_d span, otg_vec3_d normal, uint kind, uint feature, uint ordinal, uint own,
-                               uint other, int flat) {
+OTG_INLINED void otgWritePoint(__global otg_solid_point* out, OTG_MESH* m, otg_vec3_d position, otg_vec3_d span,
+                               otg_vec3_d normal, uint kind, uint feature, uint ordinal, uint own, uint other,
+                               int flat) {
   const uint mesh = m->isB ? 1 : 0;
   otgStore(out->position, position);
   otgStore(out->along, otgUnit_d(span));
@@ -170,7 +161,7 @@ OTG_INLINED void otgWritePoint(__global otg_solid_point* out, const otg_solid_me
 
 OTG_INLINED void otgWriteVertexPoint(const otg_solid_pair* pair, uint slot, __global otg_solid_point* out) {
   const uint mesh = (pair->s->vertexKey[slot] - 1) & 1, v = (pair->s->vertexKey[slot] - 1) >> 1;
-  const otg_solid_mesh* m = mesh == 0 ? pair->a : pair->b;
+  OTG_MESH* m = mesh == 0 ? pair->a : pair->b;
   otg_vec3_d normal = otgVec_d(0, 0, 0);
   for (uint k = m->firstSpoke[v]; k < m->firstSpoke[v + 1]; ++k) {
     normal = otgAdd_d(normal, otgOwnNormal(m, m->spokes[k] / 3));
@@ -183,7 +174,7 @@ OTG_INLINED void otgWriteVertexPoint(const otg_solid_pair* pair, uint slot, __gl
 OTG_INLINED uint otgStretchPoints(const otg_solid_pair* pair, uint c, uint region, __global otg_solid_point* out) {
   __local otg_solid_scratch* s = pair->s;
   const uint mesh = s->edge[c] & 1, edge = s->edge[c] >> 1;
-  const otg_solid_mesh* m = mesh == 0 ? pair->a : pair->b;
+  OTG_MESH* m = mesh == 0 ? pair->a : pair->b;
   uint from, to, count = 0;
   if (!otgStretchAt(s, c, m, &from, &to) || otgRegionOf(pair, from) != region) return 0;
   const uint4 ends = m->edges[edge];
@@ -195,24 +186,24 @@ OTG_INLINED uint otgStretchPoints(const otg_solid_pair* pair, uint c, uint regio
   const otg_vec3_d d = otgSub_d(q, p);
   const uint stretch = s->exits[c] ? s->rank[c] / 2u : (s->rank[c] + 1u) / 2u, own = ends.z / 3;
   const otg_vec3_d normal = otgAdd_d(otgOwnNormal(m, own), otgOwnNormal(m, otgTwinOf(m, ends.z) / 3));
-  if (!fromVertex) {
-    otgWritePoint(out + count++, m, p, d, normal, OTG_POINT_CROSSING, edge, 2 * stretch, own, s->other[from], flat);
-  }
-  if (!toVertex) {
-    otgWritePoint(out + count++, m, q, otgScale_d(d, -1.0), normal, OTG_POINT_CROSSING, edge, 2 * stretch + 1, own,
-                  s->other[to], flat);
-  }
-  if (middle) {
-    // The face of `halfEdge` lies to its left.
-    const uint halfEdge = ends.z;
-    const int forward = otgCornerOf(m, halfEdge) == ends.x;
-    const otg_vec3_d along = otgSub_d(otgVertexAt(m, ends.y), otgVertexAt(m, ends.x));
-    out[count].sharp = otgIsSharpConvex_d(otgDirectionInA(m, otgOwnNormal(m, own)),
-                                          otgDirectionInA(m, otgOwnNormal(m, otgTwinOf(m, halfEdge) / 3)),
-                                          forward ? along : otgScale_d(along, -1.0));
-    otgWritePoint(out + count++, m, otgScale_d(otgAdd_d(p, q), 0.5), otgScale_d(d, 0.5), normal,
-                  fromVertex || toVertex ? OTG_POINT_MIDDLE : OTG_POINT_MIDDLE_OF_CONTOUR, edge, stretch, own,
-                  OTG_NOT_THERE, flat);
+  const int kind = fromVertex || toVertex ? OTG_POINT_MIDDLE : OTG_POINT_MIDDLE_OF_CONTOUR;
+  OTG_ROLLED
+  for (uint k = 0; k < 3; ++k) {  // its beginning, its end, its middle
+    if (k == 0 ? fromVertex : k == 1 ? toVertex : !middle) continue;
+    const otg_vec3_d at = k == 0 ? p : k == 1 ? q : otgScale_d(otgAdd_d(p, q), 0.5);
+    const otg_vec3_d span = k == 0 ? d : otgScale_d(d, k == 1 ? -1.0 : 0.5);
+    if (k == 2) {
+      // The face of `halfEdge` lies to its left.
+      const uint halfEdge = ends.z;
+      const int forward = otgCornerOf(m, halfEdge) == ends.x;
+      const otg_vec3_d along = otgSub_d(otgVertexAt(m, ends.y), otgVertexAt(m, ends.x));
+      out[count].sharp = otgIsSharpConvex_d(otgDirectionInA(m, otgOwnNormal(m, own)),
+                                            otgDirectionInA(m, otgOwnNormal(m, otgTwinOf(m, halfEdge) / 3)),
+                                            forward ? along : otgScale_d(along, -1.0));
+    }
+    otgWritePoint(out + count, m, at, span, normal, k == 2 ? kind : OTG_POINT_CROSSING, edge,
+                  k == 2 ? stretch : 2 * stretch + k, own, k == 2 ? OTG_NOT_THERE : s->other[k == 0 ? from : to], flat);
+    ++count;
   }
   return count;
 }

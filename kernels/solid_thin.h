@@ -42,10 +42,10 @@ OTG_INLINED uint otgKeyByNormal(otg_vec3_d n) {
 }
 
 /// Puts planes for the pieces of a mesh behind `out`: how many. All lanes call it.
-OTG_INLINED uint otgGather(const otg_solid_work* w, uint mesh, int byNormal, OTG_FACES otg_solid_face* out) {
-  __local otg_solid_choice* s = w->s;
-  __local uint* keys = (__local uint*)s->step;
-  const uint lane = get_local_id(0), count = s->listed[mesh];
+OTG_INLINED uint otgGather(__local otg_solid_ways* s, const otg_solid_work* w, uint mesh, int byNormal,
+                           __global otg_solid_face* out) {
+  __local uint* keys = s->keys;
+  const uint lane = get_local_id(0), count = otgFaceCount(w, mesh);
   uint planes = 0, total;
   OTG_SYNC;
   for (uint j = lane; j < count; j += OTG_GROUP) {
@@ -74,7 +74,7 @@ OTG_INLINED uint otgGather(const otg_solid_work* w, uint mesh, int byNormal, OTG
     const uint place = planes + otgPlaceAmong(OTG_COUNTS(s), isPlane, &total);
     planes += total;
     if (!isPlane) continue;
-    OTG_FACES otg_solid_face* face = out + place;
+    __global otg_solid_face* face = out + place;
     const otg_vec3_d n = otgScale_d(vector, 1 / length);
     for (uint k = 0; k < 3; ++k) {
       face->normal[k] = otgAlongAxis(n, k);
@@ -88,15 +88,9 @@ OTG_INLINED uint otgGather(const otg_solid_work* w, uint mesh, int byNormal, OTG
   return planes;
 }
 
-/// Larger for a point that lies deeper in the other mesh as far as the region's mean direction can tell.
-OTG_INLINED double otgDepthHint(const otg_solid_work* w, uint mesh, otg_vec3_d position) {
-  return (mesh == 0 ? -1 : 1) * otgDot_d(w->mean, position);
-}
-
 /// The candidates: all points, or of those in one cell, of one kind and mesh the one that lies deepest. All lanes call
 /// it.
-OTG_INLINED void otgThinPoints(otg_solid_work* w) {
-  __local otg_solid_choice* s = w->s;
+OTG_INLINED void otgThinPoints(__local otg_solid_ways* s, otg_solid_work* w) {
   __local double* hints = OTG_HINTS(s);
   __local uint* keys = OTG_KEYS(s);
   const uint lane = get_local_id(0), count = w->pointCount;
@@ -123,7 +117,7 @@ OTG_INLINED void otgThinPoints(otg_solid_work* w) {
     }
     const uint place = candidates + otgPlaceAmong(OTG_COUNTS(s), stays, &total);
     candidates += total;
-    if (stays && place < OTG_SOLID_POINTS) s->pick[place] = (ushort)i;
+    if (stays && place < OTG_SOLID_POINTS) w->picks[place] = (ushort)i;
   }
   if (lane == 0 && candidates > OTG_SOLID_POINTS) s->bad = 1;
   w->candidates = min(candidates, (uint)OTG_SOLID_POINTS);
@@ -132,41 +126,57 @@ OTG_INLINED void otgThinPoints(otg_solid_work* w) {
 
 #endif  // OTG_SOLID_LARGE
 
-/// Planes and candidates of a region that has many. All lanes call it.
-OTG_INLINED void otgThinRegion(otg_solid_work* w) {
+/// Planes and candidates of a region that has many. All lanes call it. `planes` and `picks`: room for them.
+OTG_INLINED void otgThinRegion(__local otg_solid_ways* s, otg_solid_work* w, __global otg_solid_face* planes,
+                               __global ushort* picks) {
 #if OTG_SOLID_LARGE
-  __local otg_solid_choice* s = w->s;
-  const uint pieces = w->pieceCount;
-  w->planes = w->faces + pieces;
+  w->planes = planes;
+  w->picks = picks;
   for (uint mesh = 0; mesh < 2; ++mesh) {
-    const uint count = s->listed[mesh], first = mesh == 0 ? 0 : s->listed[0];
-    uint planes = count;
+    const uint count = otgFaceCount(w, mesh), first = mesh == 0 ? 0 : w->facesOfA;
     if (count > OTG_SOLID_MOST_PLANES) {
-      planes = otgGather(w, mesh, 0, w->planes + first);
+      const uint gathered = otgGather(s, w, mesh, 0, planes + first);
+      if (mesh == 0) {
+        w->planesOfA = gathered;
+      } else {
+        w->planesOfB = gathered;
+      }
       w->isGathered = 1;
     } else {
-      for (uint j = get_local_id(0); j < count; j += OTG_GROUP) w->planes[first + j] = w->faces[first + j];
+      for (uint j = get_local_id(0); j < count; j += OTG_GROUP) planes[first + j] = w->faces[first + j];
     }
-    if (get_local_id(0) == 0) s->planes[mesh] = planes;
   }
   OTG_SYNC_ALL;
-  otgThinPoints(w);
+  otgThinPoints(s, w);
+#else
+  (void)s;
+  (void)w;
+  (void)planes;
+  (void)picks;
 #endif
 }
 
-/// Planes for the ways out of a deep region. All lanes call it.
-OTG_INLINED void otgGatherByNormal(otg_solid_work* w) {
+/// Planes for the ways out of a deep region, where there are many: A's, then B's from facesOfA on. All lanes call it.
+OTG_INLINED __global otg_solid_face* otgGatherByNormal(__local otg_solid_ways* s, const otg_solid_work* w,
+                                                       __global otg_solid_face* room) {
 #if OTG_SOLID_LARGE
-  if (w->pieceCount <= OTG_SOLID_DEEP_PIECES) return;
-  w->deep = w->faces + 2 * w->pieceCount;
-  for (uint mesh = 0; mesh < 2; ++mesh) {
-    const uint planes = otgGather(w, mesh, 1, w->deep + (mesh == 0 ? 0 : w->s->listed[0]));
-    if (get_local_id(0) == 0) w->s->deep[mesh] = planes;
+  if (w->pieceCount > OTG_SOLID_DEEP_PIECES) {
+    for (uint mesh = 0; mesh < 2; ++mesh) {
+      const uint planes = otgGather(s, w, mesh, 1, room + (mesh == 0 ? 0 : w->facesOfA));
+      if (get_local_id(0) == 0) s->deep[mesh] = planes;
+    }
+    OTG_SYNC;
+    return room;
+  }
+#else
+  (void)room;
+#endif
+  if (get_local_id(0) == 0) {
+    s->deep[0] = w->facesOfA;
+    s->deep[1] = w->facesOfB;
   }
   OTG_SYNC;
-#else
-  (void)w;
-#endif
+  return w->faces;
 }
 
 #endif  // OTG_SOLID_THIN_H

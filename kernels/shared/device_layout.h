@@ -147,7 +147,7 @@ enum {
   OTG_COUNT_LEVEL2 = 2,           ///< by the second level
   OTG_COUNT_ARENA = 2,            ///< in batches of solids: units of the arena
   OTG_COUNT_LEAVES = 3,           ///< pairs of leaves that these three found
-  OTG_COUNT_PLACES = 3,           ///< in batches of solids: places in the list of hits by pair
+  OTG_COUNT_CHUNKS = 3,           ///< in batches of solids: parts of the candidates for contacts
   OTG_COUNT_HITS = 4,             ///< pairs of triangles that intersect or that single precision cannot decide
   OTG_COUNT_SEED_TICKET = 5,      ///< pairs of level 2 that work-groups of the tail have taken
   OTG_COUNT_LEFT = 5,             ///< in batches of solids: records of pairs that are left to the host
@@ -160,9 +160,10 @@ enum {
   OTG_COUNT_REDUCED = 14,         ///< contacts in the end, of the same
   OTG_COUNT_FLAGGED = 15,         ///< pairs of a batch that are refused or left to the host
   OTG_COUNT_CLASS = 16,           ///< and up: pairs of a batch by size, the largest first
-  OTG_COUNT_SOLID = 48            ///< and up: pairs of a batch of solids by OTG_SOLID_BINS, in two stages
+  OTG_COUNT_SOLID = 48,           ///< and up: pairs of a batch of solids by OTG_SOLID_BINS, in two stages
+  OTG_COUNT_PLACES = 64           ///< in batches of solids: places in the list of hits by pair
 };
-#define OTG_COUNTERS 64
+#define OTG_COUNTERS 72
 #define OTG_CLASSES 32
 
 /// Bytes before the results: the first counters.

@@ -44,7 +44,7 @@ typedef struct {
   otg_uint kind, mesh, feature, ordinal, triangleA, triangleB;
   otg_uint flat;
   otg_uint sharp;  ///< of a middle: its edge is sharp and convex
-  double unused[2];
+  double depth, rank;  ///< of a candidate, as estimated; depth -1: it is none
 } otg_solid_point;
 
 /// A piece, or several of them, as a plane that is asked for again and again.
@@ -58,10 +58,29 @@ typedef struct {
 typedef struct {
   double origin[3], lo[3], hi[3], push[3];
   double areaA, areaB, volume, diagonal, thickness, coherence;
+  // What solidWays adds: directions, and the places where two edges that lie across each other are nearest.
+  double shareOfB, weighted[3], fixed[3], across[6];
   otg_uint pieces, pieceCount, points, pointCount;  ///< places in the arena
   otg_uint next;                                    ///< region, or OTG_NOT_THERE
-  otg_uint unused[3];
+  otg_uint faces, planes, picks;      ///< places in the arena; picks (ushort): OTG_NOT_THERE where all points stay
+  otg_uint faceCount[2], planeCount[2], candidates;
+  otg_uint acrossPoint[2];  ///< points of those two edges, or OTG_NOT_THERE
+  otg_uint flags;           ///< OTG_REGION_*
+  otg_uint unused[2];
 } otg_solid_region;
+
+enum {
+  OTG_REGION_COUNTS = 1,    ///< it is not too small to have contacts
+  OTG_REGION_FLAT = 2,      ///< one face holds it
+  OTG_REGION_FIXED = 4,     ///< `fixed` is the normal everywhere
+  OTG_REGION_DEEP = 8,
+  OTG_REGION_GATHERED = 16,  ///< planes stand for several pieces
+  OTG_REGION_CORNERS = 32,   ///< it has points that are not flat
+  OTG_REGION_BAD = 64        ///< the host has to do the pair
+};
+
+/// Candidates are looked at in parts of so many of one region: the region's place in the arena, and the first of them.
+#define OTG_SOLID_CHUNK 32
 
 /// A pair of triangles that intersect, and how the chord in which they do ends.
 typedef struct {
@@ -93,7 +112,7 @@ enum {
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(otg_solid_hit) == 32 && sizeof(otg_solid_piece) == 128 && sizeof(otg_solid_point) == 224 &&
-              sizeof(otg_solid_region) == 176);
+              sizeof(otg_solid_region) == 320);
 }  // namespace otg
 #endif
 #endif  // OTG_SHARED_SOLID_LAYOUT_H

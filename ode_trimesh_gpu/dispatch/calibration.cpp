@@ -180,7 +180,7 @@ std::optional<CostModel> measureCosts(opencl::Backend& backend) {
 }
 
 std::string costKey(const opencl::DeviceInfo& device) {
-  return "costs 3\n" + device.platform + "\n" + device.name + "\n" + device.version + "\n" + device.driver + "\n" +
+  return "costs 4\n" + device.platform + "\n" + device.name + "\n" + device.version + "\n" + device.driver + "\n" +
          (device.doubles ? "doubles" : "no doubles") + "\n" + processorName();
 }
 

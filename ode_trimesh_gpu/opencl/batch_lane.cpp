@@ -153,7 +153,15 @@ void BatchLane::enqueue(cl_mem meshes, BatchWish wish) {
     solid_.enqueue(queue, batch, reducer_, chosen_, profile_);
     return;
   }
-  Kernel& records = contactRecords_ ? records_ : pairs_;
+  // For yes or no nothing is left open; not built before it is asked for, because it is large.
+  const bool decides = wish == BatchWish::kAny && context_.info().doubles;
+  if (decides && !decided_) {
+    decided_ = context_.makeKernel("batch_results.cl",
+                                   "-DOTG_GROUP=" + std::to_string(tuning_.recordGroup) +
+                                       " -DOTG_CONTACTS=0 -DOTG_ENTER=0 -DOTG_EXACT=1",
+                                   "batchResults");
+  }
+  Kernel& records = contactRecords_ ? records_ : decides ? decided_ : pairs_;
   Arguments(records) << pairList_.get() << places_.get() << tasks_.get() << meshes << counters << hits_.get()
                      << hits_.places() << results_.get() << chosen_.get();
   launch(queue, records, tuning_.recordGroup, groups_, 1, profile_.next(Profile::kContacts));
@@ -225,7 +233,7 @@ BatchFound BatchLane::endRun() {
   for (;; ++repeats_) {
     counters = chosen_.endHead(queue);
     const otg_uint hits = counters[OTG_COUNT_HITS], contacts = hasContacts_ ? counters[OTG_COUNT_REDUCED] : 0;
-    const bool solidFits = wish_ != BatchWish::kSolid || solid_.fits(counters[OTG_COUNT_ARENA]);
+    const bool solidFits = wish_ != BatchWish::kSolid || solid_.fits(counters);
     if (hits <= hits_.places() && contacts <= contactPlaces_ && solidFits) break;
     if (hits > hits_.places()) hits_.reserve(context_, std::bit_ceil(std::uint64_t{hits}));
     if (contacts > contactPlaces_) contactPlaces_ = std::bit_ceil(contacts);

@@ -80,7 +80,7 @@ class BatchLane {
   const Tuning tuning_;
   const std::size_t groups_;
   QueueHandle queue_;
-  Kernel prepare_, walk_, pairs_, small_, medium_, records_, entered_;
+  Kernel prepare_, walk_, pairs_, decided_, small_, medium_, records_, entered_;
   BufferHandle counters_;
   PinnedBuffer staged_;
   std::uint32_t count_ = 0, stackSize_ = 0, smallHits_, mediumHits_;

@@ -31,6 +31,7 @@ SolidStage::SolidStage(Context& context, const Tuning& tuning)
       recordGroup_(tuning.recordGroup),
       registers_(context.info().registerLimit ? tuning.solidRegisters : 0),
       arenaWanted_(tuning.arenaUnits),
+      chunksWanted_(std::max(1u, tuning.arenaUnits / 64)),
       arena_(OTG_ARENA_UNIT) {
   // On CPUs a work-group is one work-item, and memory is memory: one size does for all. PoCL does not cope with
   // barriers in kernels of this size.
@@ -46,6 +47,7 @@ SolidStage::SolidStage(Context& context, const Tuning& tuning)
                     sizes == 1 ? std::uint32_t{OTG_SOLID_BINS} : std::uint32_t{OTG_SOLID_LARGE_BINS},
                     std::size_t{context.info().computeUnits} * tuning.groupsPerUnit,
                     {},
+                    {},
                     {}});
   if (sizes > 1) {
     sizes_.push_back({small,
@@ -57,8 +59,11 @@ SolidStage::SolidStage(Context& context, const Tuning& tuning)
                       OTG_SOLID_BINS,
                       0,
                       {},
+                      {},
                       {}});
   }
+  estimateGroup_ = isCpu ? 1 : OTG_SOLID_CHUNK;
+  estimateGroups_ = std::size_t{context.info().computeUnits} * (isCpu ? 4 : 32);
 }
 
 /// Not before they are needed: they are large, and many have contacts of the other model only.
@@ -77,9 +82,12 @@ void SolidStage::build() {
                                 number(" -DOTG_SOLID_LARGE=", &size == &sizes_[0] ? 1 : 0) +
                                 (registers_ != 0 ? number(" -cl-nv-maxrregcount=", registers_) : "");
     size.regions = context_.makeKernel("solid_regions.cl", options, "solidRegions");
+    size.ways = context_.makeKernel("solid_ways.cl", options, "solidWays");
     size.contacts = context_.makeKernel("solid_contacts.cl", options, "solidContacts");
     if (!write) write = context_.makeKernel("solid_contacts.cl", options, "solidWrite");
   }
+  estimate_ =
+      context_.makeKernel("solid_estimate.cl", "-DOTG_GROUP=" + std::to_string(estimateGroup_), "solidEstimate");
   write_ = std::move(write);
 }
 
@@ -90,6 +98,7 @@ void SolidStage::reserve(std::uint32_t pairs, std::uint32_t hits, std::uint32_t 
   sorted_.reserve(context_, hits);
   heads_.reserve(context_, pairs);
   arena_.reserve(context_, arenaWanted_);
+  chunks_.reserve(context_, chunksWanted_);
   lists_.reserve(context_, 2 * OTG_SOLID_BINS * std::uint64_t{pairs});
   kept_.reserve(context_, std::uint64_t{pairs} * room_);
   left_.reserve(context_, hits);
@@ -101,10 +110,14 @@ bool SolidStage::readLeft(cl_command_queue queue, const otg_uint* counters, Answ
   return true;
 }
 
-bool SolidStage::fits(std::uint32_t unitsWanted) {
-  if (unitsWanted <= arena_.places()) return true;
-  arenaWanted_ = static_cast<std::uint32_t>(std::bit_ceil(std::uint64_t{unitsWanted} + unitsWanted / 8));
-  return false;
+bool SolidStage::fits(const otg_uint* counters) {
+  const otg_uint units = counters[OTG_COUNT_ARENA], chunks = counters[OTG_COUNT_CHUNKS];
+  const auto enough = [](otg_uint wanted) {
+    return static_cast<std::uint32_t>(std::bit_ceil(std::uint64_t{wanted} + wanted / 8));
+  };
+  if (units > arena_.places()) arenaWanted_ = enough(units);
+  if (chunks > chunks_.places()) chunksWanted_ = enough(chunks);
+  return units <= arena_.places() && chunks <= chunks_.places();
 }
 
 void SolidStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& reducer, const ChosenBuffer& chosen,
@@ -133,6 +146,14 @@ void SolidStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& re
                             << smallFaces << chosen.get();
     launch(queue, size.regions, size.group, groupsOf(size), 1, profile.next(Profile::kRegions));
   }
+  for (Size& size : sizes_) {
+    Arguments(size.ways) << batch.meshes << batch.tasks << batch.places << batch.counters << arena_.get()
+                         << arena_.places() << heads_.get() << lists_.get() << batch.count << size.firstList
+                         << size.endList << chunks_.get() << chunks_.places();
+    launch(queue, size.ways, size.group, groupsOf(size), 1, profile.next(Profile::kSelect));
+  }
+  Arguments(estimate_) << chunks_.get() << chunks_.places() << batch.counters << arena_.get();
+  launch(queue, estimate_, estimateGroup_, estimateGroups_, 1, profile.next(Profile::kSelect));
   for (Size& size : sizes_) {
     Arguments(size.contacts) << batch.meshes << batch.tasks << batch.places << batch.states << batch.reductions
                              << batch.counters << arena_.get() << arena_.places() << heads_.get() << lists_.get()

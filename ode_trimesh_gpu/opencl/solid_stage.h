@@ -20,7 +20,7 @@ class SolidStage {
   /// Room for so many pairs, hits, and contacts of each pair.
   void reserve(std::uint32_t pairs, std::uint32_t hits, std::uint32_t places);
   /// Whether the last batch had room for what it found about regions; if not, the next one has.
-  bool fits(std::uint32_t unitsWanted);
+  bool fits(const otg_uint* counters);
 
   /// What a lane has of its batch when its pairs were walked.
   struct Batch {
@@ -38,22 +38,23 @@ class SolidStage {
                Profile& profile);
 
  private:
-  /// The two large kernels, for pairs up to some size.
+  /// The large kernels, for pairs up to some size.
   struct Size {
     std::uint32_t group, hits, points, faces;
     std::uint32_t firstList, endList;  ///< of pairs that wait for them
     std::size_t groups;                ///< most work-groups at once; 0: one for each pair
-    Kernel regions, contacts;
+    Kernel regions, ways, contacts;
   };
   void build();
   Context& context_;
   const std::uint32_t recordGroup_, registers_;
-  std::uint32_t arenaWanted_, room_ = 0;
+  std::uint32_t arenaWanted_, chunksWanted_, room_ = 0;
   ResultBuffer left_{0};
   std::vector<Size> sizes_;  ///< the largest pairs first
-  Kernel records_, stretches_, scatter_, write_;
+  Kernel records_, stretches_, scatter_, estimate_, write_;
+  std::size_t estimateGroup_, estimateGroups_;
   DeviceList sorted_{sizeof(otg_solid_hit)}, heads_{sizeof(otg_uint)}, arena_, lists_{sizeof(otg_uint)},
-      kept_{sizeof(otg_chosen_contact)};
+      chunks_{2 * sizeof(otg_uint)}, kept_{sizeof(otg_chosen_contact)};
 };
 
 }  // namespace otg::opencl

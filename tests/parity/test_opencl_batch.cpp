@@ -217,6 +217,38 @@ TEST_CASE("an empty batch and a batch of nothing to do") {
   checkBatch(*backend, queries, onHost(queries));
 }
 
+TEST_CASE("yes or no of boxes that touch is decided on the device") {
+  const MeshList meshes = {collisionMesh(makeBox({1, 1, 1}, 1)), collisionMesh(makeBox({1, 0.5, 0.75}, 2))};
+  Draw draw(6);
+  std::vector<Query> touching, apart;
+  for (int i = 0; i < 200; ++i) {
+    const CollisionMesh &a = *meshes[draw.below(2)], &b = *meshes[draw.below(2)];
+    const double height = static_cast<double>(a.mesh().boundsMax().z - b.mesh().boundsMin().z);
+    const double side = static_cast<double>(a.mesh().boundsMax().x - b.mesh().boundsMin().x);
+    // Upon each other, edge to edge, and above each other by the least that there is.
+    const double x = i % 3 == 0 ? side : 0, up = i % 4 == 0 ? 0x1p-52 : 0;
+    touching.push_back(makeQuery(a, b, makeMove({x, 0, height + up})));
+    apart.push_back(makeQuery(a, b, makeMove({x, 0, height + 0.1})));
+  }
+  const Expected expected = onHost(touching);
+  const auto yes = std::count(expected.intersects.begin(), expected.intersects.end(), 1);
+  CHECK(yes > 100);
+  CHECK(yes < 200);
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  std::vector<std::uint8_t> intersects;
+  const auto callsFor = [&](const std::vector<Query>& queries) {
+    CHECK(backend->intersectBatch(queries, intersects));
+    const std::uint64_t before = opencl::FaultInjection::callCount();
+    CHECK(backend->intersectBatch(queries, intersects));
+    return opencl::FaultInjection::callCount() - before;
+  };
+  const std::uint64_t callsForNothing = callsFor(apart), calls = callsFor(touching);
+  CHECK(intersects == expected.intersects);
+  // Nothing is read but the answers.
+  if (backend->device().doubles) CHECK(calls == callsForNothing);
+}
+
 TEST_CASE("a hundred thousand tiny pairs in one batch") {
   const MeshList meshes = {collisionMesh(makeTetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1})),
                            collisionMesh(makeBox({1, 1.5, 0.8}, 1))};
