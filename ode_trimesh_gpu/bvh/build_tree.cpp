@@ -32,7 +32,7 @@ BinaryTree buildTree(const TriMesh& mesh, BuildStrategy strategy) {
   // every free split peels off a few triangles. 28 levels is the most (kMaxTriangles), so kMaxTreeDepth holds.
   const std::uint32_t depthLimit = std::min(kMaxTreeDepth, 3 * levelsFor(n) + 8);
 
-  tree.nodes.resize(2 * std::size_t{n} - 1);
+  tree.nodes = std::vector<BvhNode>(2 * std::size_t{n} - 1);
   tree.nodes[0].parent = kNone;
   // Pairs of siblings are laid out in the order in which a walk that goes left first opens their parents.
   std::uint32_t used = 1;

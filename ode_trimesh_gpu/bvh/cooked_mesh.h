@@ -1,13 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A mesh with its tree, topology and report as bytes, and back.
-//
-// The format, all numbers little end first:
-//   8  "OTGMESH" and a zero byte
-//   4  version, 4 zero
-//   8  length of the whole in bytes
-//   sections, each: 8 its number of bytes, the bytes, zeros up to a multiple of 8
-//   8  checksum of all that
-// The sections in their order are those of visitParts() in cooked_mesh.cpp.
+// The container is that of cooked_bytes.h; the sections in their order are those of visitParts() in cooked_mesh.cpp.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +14,7 @@
 
 namespace otg {
 
-inline constexpr std::uint32_t kCookedVersion = 2;
+inline constexpr std::uint32_t kCookedVersion = 3;
 
 /// Throws std::bad_alloc only.
 std::vector<unsigned char> cookMesh(const CollisionMesh& mesh);

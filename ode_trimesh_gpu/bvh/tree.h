@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "mesh/array.h"
 #include "mesh/tri_mesh.h"
 
 namespace otg {
@@ -32,7 +33,7 @@ static_assert(sizeof(BvhNode) == 32);
 
 /// One triangle per leaf; 2 F - 1 nodes, node 0 is the root, children follow their parents. Empty for an empty mesh.
 struct BinaryTree {
-  std::vector<BvhNode> nodes;
+  Array<BvhNode> nodes;
   std::uint32_t depth = 0;  ///< nodes on the longest way from the root to a leaf, 0 when empty
   BuildStrategy strategy = BuildStrategy::kSah;
 };

@@ -38,6 +38,6 @@ void addProblem(ValidationReport& report, ProblemKind kind, std::size_t count, s
 
 /// Fills everything in `report` that is said about an accepted mesh except `repair`.
 void inspectMesh(std::span<const Vec3f> vertices, std::span<const Triangle> triangles, const Topology& topology,
-                 const std::vector<std::uint8_t>& degenerate, ValidationReport& report);
+                 std::span<const std::uint8_t> degenerate, ValidationReport& report);
 
 }  // namespace otg

@@ -2,14 +2,13 @@
 #include "mesh/mesh_parts.h"
 
 #include <algorithm>
-#include <cmath>
-
-#include "mesh/spatial_order.h"
+#include <bit>
+#include <iterator>
 
 namespace otg {
 namespace {
 
-/// Whether all numbers are below `limit` or, where that is allowed, kNone. Without a branch, so that it is done eight
+/// Whether all numbers are below `limit` or, where that is allowed, kNone. Without a branch, so that it is done several
 /// at a time.
 bool allBelow(const std::uint32_t* begin, std::size_t count, std::size_t limit, bool noneToo) {
   const auto most = static_cast<std::uint32_t>(std::min<std::size_t>(limit, kNone));
@@ -21,32 +20,20 @@ bool allBelow(const std::uint32_t* begin, std::size_t count, std::size_t limit, 
   }
   return bad == 0;
 }
-bool allBelow(const std::vector<std::uint32_t>& numbers, std::size_t limit, bool noneToo) {
-  return allBelow(numbers.data(), numbers.size(), limit, noneToo);
+bool allBelow(const Array<std::uint32_t>& numbers, std::size_t begin, std::size_t end, std::size_t limit,
+              bool noneToo) {
+  return allBelow(numbers.data() + begin, end - begin, limit, noneToo);
 }
 
-bool allFinite(const std::vector<Vec3f>& vertices) {
-  float sum = 0;  // of zeros; NaN once there is anything else
-  for (const Vec3f& v : vertices) sum += v.x * 0 + v.y * 0 + v.z * 0;
-  return sum == 0;
-}
-
-bool isPermutation(const std::vector<std::uint32_t>& numbers) {
-  std::vector<std::uint8_t> seen(numbers.size(), 0);
-  for (const std::uint32_t n : numbers) {
-    if (n >= seen.size() || seen[n] != 0) return false;
-    seen[n] = 1;
+/// An exponent of ones carries into the place of the sign.
+bool allFinite(const Vec3f* begin, std::size_t count) {
+  static_assert(sizeof(Vec3f) == 3 * sizeof(float));
+  const float* const numbers = count == 0 ? nullptr : &begin->x;
+  std::uint32_t carried = 0;
+  for (std::size_t i = 0; i < 3 * count; ++i) {
+    carried |= (std::bit_cast<std::uint32_t>(numbers[i]) & 0x7fffffffu) + 0x00800000u;
   }
-  return true;
-}
-
-bool twinsMatch(const Topology& topology) {
-  std::uint32_t bad = 0;
-  for (std::uint32_t h = 0; h < topology.twin.size(); ++h) {
-    const std::uint32_t twin = topology.twin[h];
-    if (twin != kNone) bad |= (topology.twin[twin] != h) | (topology.edgeOf[twin] != topology.edgeOf[h]) | (twin == h);
-  }
-  return bad == 0;
+  return carried >> 31 == 0;
 }
 
 }  // namespace
@@ -67,36 +54,8 @@ TriMeshParts TriMeshParts::of(const TriMesh& mesh) {
   parts.inputVertexCount = mesh.inputVertexCount_;
   parts.inputVertexOf = mesh.inputVertexOf_;
   parts.callerTriangle = mesh.callerTriangle_;
+  parts.triangleOfCaller = mesh.triangleOfCaller_;
   return parts;
-}
-
-std::string TriMeshParts::fault() const {
-  const std::size_t v = vertices.size(), t = triangles.size();
-  if (v > kMaxVertices || t > kMaxTriangles || inputVertexCount > kMaxVertices) return "too many vertices or triangles";
-  const bool sizes = degenerate.size() == t && topology.weld.size() == v && topology.edgeOf.size() == 3 * t &&
-                     topology.twin.size() == 3 * t && topology.componentOf.size() == t &&
-                     topology.componentVolume.size() == topology.componentClosed.size() &&
-                     (inputVertexOf.empty() ? inputVertexCount == v : inputVertexOf.size() == v) &&
-                     (callerTriangle.empty() || callerTriangle.size() == t);
-  if (!sizes) return "arrays of sizes that do not match";
-  // An empty mesh has no bounds, and the radius of the largest ones is rounded up to infinity.
-  if (!allFinite(vertices) || (t > 0 && !allFinite({boundsMin, boundsMax, center, origin})) || !(radius >= 0)) {
-    return "a vertex or bound that is not finite";
-  }
-  const std::size_t edges = topology.edges.size();
-  const bool inRange = allBelow(t == 0 ? nullptr : triangles[0].v, 3 * t, v, false) &&
-                       allBelow(topology.weld, v, false) && allBelow(topology.edgeOf, edges, true) &&
-                       allBelow(topology.twin, 3 * t, true) &&
-                       allBelow(edges == 0 ? nullptr : &topology.edges[0].a, 2 * edges, v, false) &&
-                       allBelow(topology.componentOf, topology.componentCount(), true) &&
-                       allBelow(inputVertexOf, inputVertexCount, false);
-  if (!inRange) return "a number out of range";
-  for (std::uint32_t i = 0; i < v; ++i) {
-    if (topology.weld[i] > i || topology.weld[topology.weld[i]] != topology.weld[i]) return "points that do not match";
-  }
-  if (!twinsMatch(topology)) return "neighbours that do not match";
-  if (!isPermutation(callerTriangle)) return "numbers of triangles that do not match";
-  return {};
 }
 
 std::shared_ptr<const TriMesh> TriMeshParts::assemble(TriMeshParts&& parts) {
@@ -114,9 +73,99 @@ std::shared_ptr<const TriMesh> TriMeshParts::assemble(TriMeshParts&& parts) {
   mesh->radius_ = parts.radius;
   mesh->inputVertexCount_ = parts.inputVertexCount;
   mesh->inputVertexOf_ = std::move(parts.inputVertexOf);
-  if (!parts.callerTriangle.empty()) mesh->triangleOfCaller_ = inverseOf(parts.callerTriangle);
   mesh->callerTriangle_ = std::move(parts.callerTriangle);
+  mesh->triangleOfCaller_ = std::move(parts.triangleOfCaller);
   return mesh;
+}
+
+TriMeshCheck::TriMeshCheck(const TriMeshParts& parts) : parts_(parts) {
+  const Topology& topology = parts.topology;
+  const std::size_t v = parts.vertices.size(), t = parts.triangles.size(), own = parts.inputVertexOf.size(),
+                    caller = parts.callerTriangle.size();
+  sizesMatch_ = v <= kMaxVertices && t <= kMaxTriangles && parts.degenerate.size() == t && topology.weld.size() == v &&
+                topology.edgeOf.size() == 3 * t && topology.twin.size() == 3 * t && topology.componentOf.size() == t &&
+                topology.componentVolume.size() == topology.componentClosed.size() && (own == 0 || own == v) &&
+                (caller == 0 || caller == t) && parts.triangleOfCaller.size() == caller;
+}
+
+void TriMeshCheck::vertices(std::size_t begin, std::size_t end) {
+  finite_ &= allFinite(parts_.vertices.data() + begin, end - begin);
+}
+
+void TriMeshCheck::triangles(std::size_t begin, std::size_t end) {
+  if (begin == end) return;
+  inRange_ &= allBelow(parts_.triangles[begin].v, 3 * (end - begin), parts_.vertices.size(), false);
+}
+
+/// Each vertex names one that is no later, and that names itself.
+void TriMeshCheck::weld(std::size_t begin, std::size_t end) {
+  const std::uint32_t* const weld = parts_.topology.weld.data();
+  std::uint32_t bad = 0;
+  for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+    const std::uint32_t point = std::min(weld[i], i);
+    bad |= (point ^ weld[i]) | (weld[point] ^ point);
+  }
+  pointsMatch_ &= bad == 0;
+}
+
+void TriMeshCheck::edgeOf(std::size_t begin, std::size_t end) {
+  inRange_ &= allBelow(parts_.topology.edgeOf, begin, end, parts_.topology.edges.size(), true);
+}
+
+/// Two half-edges that name each other are seen at the later of them. All is well if so many pairs are twice as many as
+/// name one: then each of these is in a pair, and what it names is in the array.
+void TriMeshCheck::twin(std::size_t begin, std::size_t end) {
+  const std::uint32_t *const twin = parts_.topology.twin.data(), *const edgeOf = parts_.topology.edgeOf.data();
+  std::uint32_t have = 0, pairs = 0;
+  for (std::size_t h = begin; h < end; ++h) have += twin[h] != kNone;
+  for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
+    const std::uint32_t earlier = std::min(twin[h], h);
+    pairs += (earlier < h) & (twin[earlier] == h) & (edgeOf[earlier] == edgeOf[h]);
+  }
+  haveTwin_ += have;
+  twinPairs_ += pairs;
+}
+
+void TriMeshCheck::edges(std::size_t begin, std::size_t end) {
+  if (begin == end) return;
+  inRange_ &= allBelow(&parts_.topology.edges[begin].a, 2 * (end - begin), parts_.vertices.size(), false);
+}
+
+void TriMeshCheck::componentOf(std::size_t begin, std::size_t end) {
+  inRange_ &= allBelow(parts_.topology.componentOf, begin, end, parts_.topology.componentCount(), true);
+}
+
+void TriMeshCheck::inputVertexOf(std::size_t begin, std::size_t end) {
+  inRange_ &= allBelow(parts_.inputVertexOf, begin, end, parts_.inputVertexCount, false);
+}
+
+void TriMeshCheck::callerTriangle(std::size_t begin, std::size_t end) {
+  numbersMatch_ &= allBelow(parts_.callerTriangle, begin, end, parts_.triangles.size(), false);
+}
+
+/// What names each of the numbers below its size is a permutation.
+void TriMeshCheck::triangleOfCaller(std::size_t begin, std::size_t end) {
+  const std::uint32_t *const own = parts_.triangleOfCaller.data(), *const caller = parts_.callerTriangle.data();
+  const std::size_t count = parts_.callerTriangle.size();
+  std::uint32_t bad = 0;
+  for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) bad |= caller[own[i] < count ? own[i] : 0] ^ i;
+  numbersMatch_ &= bad == 0 && allBelow(own + begin, end - begin, count, false);
+}
+
+std::string TriMeshCheck::fault() const {
+  const std::size_t v = parts_.vertices.size();
+  const bool counted =
+      parts_.inputVertexOf.empty() ? parts_.inputVertexCount == v : parts_.inputVertexCount <= kMaxVertices;
+  if (!sizesMatch_ || !counted) return "arrays of sizes that do not match";
+  // An empty mesh has no bounds, and the radius of the largest ones is rounded up to infinity.
+  const Vec3f places[] = {parts_.boundsMin, parts_.boundsMax, parts_.center, parts_.origin};
+  const bool bounded = parts_.triangles.empty() || allFinite(places, std::size(places));
+  if (!finite_ || !bounded || !(parts_.radius >= 0)) return "a vertex or bound that is not finite";
+  if (!inRange_) return "a number out of range";
+  if (!pointsMatch_) return "points that do not match";
+  if (haveTwin_ != 2 * twinPairs_) return "neighbours that do not match";
+  if (!numbersMatch_) return "numbers of triangles that do not match";
+  return {};
 }
 
 }  // namespace otg

@@ -2,6 +2,7 @@
 // A TriMesh taken apart, for what stores and restores one.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,25 +13,56 @@ namespace otg {
 
 /// All that a TriMesh is made of: see there.
 struct TriMeshParts {
-  std::vector<Vec3f> vertices;
-  std::vector<Triangle> triangles;
-  std::vector<std::uint8_t> degenerate;
+  Array<Vec3f> vertices;
+  Array<Triangle> triangles;
+  Array<std::uint8_t> degenerate;
   Topology topology;
   ValidationReport report;
   MassProperties mass;
   Vec3f boundsMin{}, boundsMax{}, center{}, origin{};
   float radius = 0;
   std::size_t inputVertexCount = 0;
-  std::vector<std::uint32_t> inputVertexOf, callerTriangle;  ///< triangleOfCaller is the inverse of callerTriangle
+  Array<std::uint32_t> inputVertexOf, callerTriangle, triangleOfCaller;
 
   /// Copies.
   static TriMeshParts of(const TriMesh& mesh);
-  /// What is wrong with the parts, in words: numbers that point nowhere, sizes that do not match, vertices that are not
-  /// finite. Empty when a mesh made of them can be worked with; that it is the mesh which it says it is (its normals,
-  /// its volume) is not checked.
-  std::string fault() const;
-  /// Of parts without fault.
+  /// Of parts without fault (TriMeshCheck).
   static std::shared_ptr<const TriMesh> assemble(TriMeshParts&& parts);
+};
+
+/// Finds out what is wrong with parts that come from elsewhere: numbers that point nowhere, sizes that do not match,
+/// vertices that are not finite. A mesh made of parts without fault can be worked with; that it is the mesh which it
+/// says it is (its normals, its volume) is not checked.
+///
+/// Arrays are looked at piece by piece, as they come in: each function is called for elements `begin` to `end` of the
+/// array of its name, in order and without gaps, and the arrays in the order of these functions. Whatever the elements
+/// are, nothing outside the arrays is read.
+class TriMeshCheck {
+ public:
+  /// The arrays of the parts have their sizes, but no elements yet. They stay where they are.
+  explicit TriMeshCheck(const TriMeshParts& parts);
+  /// False where the sizes do not match; the other functions must not be called then.
+  bool sizesMatch() const { return sizesMatch_; }
+
+  void vertices(std::size_t begin, std::size_t end);
+  void triangles(std::size_t begin, std::size_t end);
+  void weld(std::size_t begin, std::size_t end);
+  void edgeOf(std::size_t begin, std::size_t end);
+  void twin(std::size_t begin, std::size_t end);
+  void edges(std::size_t begin, std::size_t end);
+  void componentOf(std::size_t begin, std::size_t end);
+  void inputVertexOf(std::size_t begin, std::size_t end);
+  void callerTriangle(std::size_t begin, std::size_t end);
+  void triangleOfCaller(std::size_t begin, std::size_t end);
+
+  /// After all of them, and with the numbers of the parts filled in: in words, empty where nothing is wrong.
+  std::string fault() const;
+
+ private:
+  const TriMeshParts& parts_;
+  bool sizesMatch_ = false;
+  bool finite_ = true, inRange_ = true, pointsMatch_ = true, numbersMatch_ = true;
+  std::size_t haveTwin_ = 0, twinPairs_ = 0;
 };
 
 }  // namespace otg

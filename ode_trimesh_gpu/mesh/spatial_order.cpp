@@ -21,7 +21,7 @@ std::uint64_t spread(std::uint64_t x) {
 }
 
 template <class T>
-std::vector<T> permuted(const std::vector<T>& from, const std::vector<std::uint32_t>& order) {
+std::vector<T> permuted(const Array<T>& from, const std::vector<std::uint32_t>& order) {
   std::vector<T> to(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) to[i] = from[order[i]];
   return to;
@@ -86,7 +86,7 @@ Topology renumber(const Topology& topology, const SpatialOrder& order) {
   const std::vector<std::uint32_t> newTriangle = inverseOf(order.triangles);
   // The smallest new number among the vertices of one point.
   std::vector<std::uint32_t> smallest(order.vertices.size(), kNone);
-  out.weld.resize(order.vertices.size());
+  out.weld = std::vector<std::uint32_t>(order.vertices.size());
   for (std::uint32_t v = 0; v < order.vertices.size(); ++v) {
     std::uint32_t& first = smallest[topology.weld[order.vertices[v]]];
     first = std::min(first, v);
@@ -94,10 +94,11 @@ Topology renumber(const Topology& topology, const SpatialOrder& order) {
   }
   std::vector<std::uint32_t> newEdge(topology.edgeCount(), kNone), newComponent(topology.componentCount(), kNone);
   std::vector<std::uint32_t> components;
-  out.edgeOf.resize(topology.edgeOf.size());
-  out.twin.resize(topology.twin.size());
-  out.componentOf.resize(topology.componentOf.size());
-  out.edges.reserve(topology.edgeCount());
+  out.edgeOf = std::vector<std::uint32_t>(topology.edgeOf.size());
+  out.twin = std::vector<std::uint32_t>(topology.twin.size());
+  out.componentOf = std::vector<std::uint32_t>(topology.componentOf.size());
+  std::vector<Topology::Edge> edges;
+  edges.reserve(topology.edgeCount());
   for (std::uint32_t t = 0; t < order.triangles.size(); ++t) {
     const std::uint32_t old = order.triangles[t];
     for (std::uint32_t k = 0; k < 3; ++k) {
@@ -108,9 +109,9 @@ Topology renumber(const Topology& topology, const SpatialOrder& order) {
         continue;
       }
       if (newEdge[edge] == kNone) {
-        newEdge[edge] = static_cast<std::uint32_t>(out.edges.size());
+        newEdge[edge] = static_cast<std::uint32_t>(edges.size());
         const std::uint32_t a = smallest[topology.edges[edge].a], b = smallest[topology.edges[edge].b];
-        out.edges.push_back({std::min(a, b), std::max(a, b)});
+        edges.push_back({std::min(a, b), std::max(a, b)});
       }
       out.edgeOf[3 * t + k] = newEdge[edge];
     }
@@ -121,6 +122,7 @@ Topology renumber(const Topology& topology, const SpatialOrder& order) {
     }
     out.componentOf[t] = component == kNone ? kNone : newComponent[component];
   }
+  out.edges = std::move(edges);
   out.componentClosed = permuted(topology.componentClosed, components);
   out.componentVolume = permuted(topology.componentVolume, components);
   return out;

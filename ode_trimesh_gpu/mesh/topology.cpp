@@ -50,7 +50,7 @@ void sortBucket(BucketEntry* begin, BucketEntry* end) {
 }
 
 /// Welded corners.
-std::vector<Triangle> weldedTriangles(std::span<const Triangle> triangles, const std::vector<std::uint32_t>& weld) {
+std::vector<Triangle> weldedTriangles(std::span<const Triangle> triangles, std::span<const std::uint32_t> weld) {
   std::vector<Triangle> welded(triangles.begin(), triangles.end());
   for (Triangle& t : welded)
     for (std::uint32_t& v : t.v) v = weld[v];
@@ -100,8 +100,8 @@ Buckets fillBuckets(std::span<const Triangle> welded, std::size_t vertexCount) {
 /// Fills edgeOf, twin and edges and unites the triangles of each edge.
 void buildEdges(std::span<const Triangle> welded, std::size_t vertexCount, Topology& topology, UnionFind& components) {
   Buckets buckets = fillBuckets(welded, vertexCount);
-  topology.edgeOf.assign(3 * welded.size(), kNone);
-  topology.twin.assign(3 * welded.size(), kNone);
+  topology.edgeOf = std::vector<std::uint32_t>(3 * welded.size(), kNone);
+  topology.twin = std::vector<std::uint32_t>(3 * welded.size(), kNone);
   // Runs of equal entries are the edges. edgeOf first names the smallest half-edge of the run.
   std::size_t edgeCount = 0;
   for (std::size_t v = 0; v < vertexCount; ++v) {
@@ -119,7 +119,8 @@ void buildEdges(std::span<const Triangle> welded, std::size_t vertexCount, Topol
       run = next;
     }
   }
-  topology.edges.reserve(edgeCount);
+  std::vector<Topology::Edge> edges;
+  edges.reserve(edgeCount);
   std::uint32_t h = 0;
   for (std::uint32_t t = 0; t < welded.size(); ++t) {
     for (std::uint32_t k = 0; k < 3; ++k, ++h) {
@@ -127,30 +128,33 @@ void buildEdges(std::span<const Triangle> welded, std::size_t vertexCount, Topol
       if (first == kNone) continue;
       if (first == h) {
         const std::uint32_t a = welded[t].v[k], b = welded[t].v[k == 2 ? 0 : k + 1];
-        topology.edgeOf[h] = static_cast<std::uint32_t>(topology.edges.size());
-        topology.edges.push_back({std::min(a, b), std::max(a, b)});
+        topology.edgeOf[h] = static_cast<std::uint32_t>(edges.size());
+        edges.push_back({std::min(a, b), std::max(a, b)});
       } else {
         topology.edgeOf[h] = topology.edgeOf[first];  // smaller, so renumbered already
         components.unite(first / 3, t);
       }
     }
   }
+  topology.edges = std::move(edges);
 }
 
 void numberComponents(std::size_t triangleCount, Topology& topology, UnionFind& components) {
-  topology.componentOf.assign(triangleCount, kNone);
+  topology.componentOf = std::vector<std::uint32_t>(triangleCount, kNone);
+  std::vector<std::uint8_t> closed;
   for (std::uint32_t t = 0; t < triangleCount; ++t) {
     if (topology.edgeOf[3 * t] == kNone) continue;
     const std::uint32_t root = components.find(t);  // the smallest triangle, so it has its number already
     if (root == t) {
-      topology.componentOf[t] = static_cast<std::uint32_t>(topology.componentClosed.size());
-      topology.componentClosed.push_back(1);
+      topology.componentOf[t] = static_cast<std::uint32_t>(closed.size());
+      closed.push_back(1);
     } else {
       topology.componentOf[t] = topology.componentOf[root];
     }
     for (std::uint32_t k = 0; k < 3; ++k)
-      if (topology.twin[3 * t + k] == kNone) topology.componentClosed[topology.componentOf[t]] = 0;
+      if (topology.twin[3 * t + k] == kNone) closed[topology.componentOf[t]] = 0;
   }
+  topology.componentClosed = std::move(closed);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "mesh/array.h"
 #include "mesh/triangle.h"
 #include "shared/vec3.h"
 
@@ -17,24 +18,24 @@ inline constexpr std::uint32_t kNone = 0xffffffffu;
 struct Topology {
   /// For each vertex the smallest vertex with the same position (-0 equals +0): two vertices are one point of the
   /// surface exactly if their entries are equal.
-  std::vector<std::uint32_t> weld;
+  Array<std::uint32_t> weld;
   /// For each half-edge its undirected edge, numbered from 0 in the order of first appearance.
-  std::vector<std::uint32_t> edgeOf;
+  Array<std::uint32_t> edgeOf;
   /// For each half-edge the oppositely directed half-edge of the neighbouring triangle, or kNone where the edge is used
   /// once, more than twice, or twice in the same direction.
-  std::vector<std::uint32_t> twin;
+  Array<std::uint32_t> twin;
   /// For each edge its two welded end points, smaller first.
   struct Edge {
     std::uint32_t a, b;
   };
-  std::vector<Edge> edges;
+  Array<Edge> edges;
   /// For each triangle its connected component (through edges, however many triangles use them), numbered from 0 in the
   /// order of first appearance; kNone for a triangle that takes part in no edge.
-  std::vector<std::uint32_t> componentOf;
+  Array<std::uint32_t> componentOf;
   /// For each component: closed and consistently wound (every half-edge has a twin).
-  std::vector<std::uint8_t> componentClosed;
+  Array<std::uint8_t> componentClosed;
   /// Signed volume of each component about the mesh's centre, in units cubed.
-  std::vector<double> componentVolume;
+  Array<double> componentVolume;
   std::size_t edgeCount() const { return edges.size(); }
   std::size_t componentCount() const { return componentClosed.size(); }
 };

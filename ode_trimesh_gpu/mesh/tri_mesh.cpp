@@ -148,7 +148,9 @@ struct TriMeshBuilder {
 
     const std::shared_ptr<TriMesh> mesh = create();
     mesh->inputVertexCount_ = vertices.size();
-    repairMesh(repair, vertices, triangles, mesh->inputVertexOf_, report.repair);
+    std::vector<std::uint32_t> inputVertexOf;
+    repairMesh(repair, vertices, triangles, inputVertexOf, report.repair);
+    mesh->inputVertexOf_ = std::move(inputVertexOf);
     mesh->vertices_ = std::move(vertices);
     mesh->triangles_ = std::move(triangles);
     measure(*mesh, nullptr);
@@ -161,7 +163,7 @@ struct TriMeshBuilder {
   }
 
   static void sortInSpace(TriMesh& mesh) {
-    const SpatialOrder order = findSpatialOrder(mesh.vertices_, mesh.triangles_);
+    SpatialOrder order = findSpatialOrder(mesh.vertices_, mesh.triangles_);
     const std::vector<std::uint32_t> newVertex = inverseOf(order.vertices);
     std::vector<Vec3f> vertices(order.vertices.size());
     std::vector<std::uint32_t> inputVertexOf(order.vertices.size());
@@ -182,7 +184,7 @@ struct TriMeshBuilder {
     mesh.degenerate_ = std::move(degenerate);
     mesh.inputVertexOf_ = std::move(inputVertexOf);
     mesh.triangleOfCaller_ = inverseOf(order.triangles);
-    mesh.callerTriangle_ = order.triangles;
+    mesh.callerTriangle_ = std::move(order.triangles);
   }
 
   /// The numbers that components have when triangles come in the caller's order.
@@ -242,14 +244,15 @@ struct TriMeshBuilder {
     mesh->inputVertexOf_ = before.inputVertexOf_;
     mesh->callerTriangle_ = before.callerTriangle_;
     mesh->triangleOfCaller_ = before.triangleOfCaller_;
-    if (before.inputVertexOf_.empty()) {
-      mesh->vertices_ = std::move(vertices);
-    } else {
-      for (const std::uint32_t v : before.inputVertexOf_) mesh->vertices_.push_back(vertices[v]);
+    if (!before.inputVertexOf_.empty()) {
+      std::vector<Vec3f> own(before.inputVertexOf_.size());
+      for (std::size_t v = 0; v < own.size(); ++v) own[v] = vertices[before.inputVertexOf_[v]];
+      vertices = std::move(own);
     }
+    mesh->vertices_ = std::move(vertices);
     mesh->triangles_ = before.triangles_;
     measure(*mesh, &before.origin_);
-    const bool samePoints = weldByPosition(mesh->vertices_) == before.topology_.weld;
+    const bool samePoints = std::ranges::equal(weldByPosition(mesh->vertices_), before.topology_.weld);
     if (samePoints) {
       mesh->topology_ = before.topology_;
     } else {
@@ -257,7 +260,8 @@ struct TriMeshBuilder {
     }
     mesh->topology_.componentVolume =
         componentVolumes(mesh->topology_, mesh->vertices_, mesh->triangles_, mesh->origin_);
-    if (samePoints && mesh->degenerate_ == before.degenerate_ && wellWound(*mesh) == wellWound(before)) {
+    if (samePoints && std::ranges::equal(mesh->degenerate_, before.degenerate_) &&
+        wellWound(*mesh) == wellWound(before)) {
       report = before.report_;
     } else {
       report.repair = before.report_.repair;

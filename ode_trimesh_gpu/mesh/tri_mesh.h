@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "mesh/array.h"
 #include "mesh/first_use.h"
 #include "mesh/mass_properties.h"
 #include "mesh/topology.h"
@@ -92,9 +93,9 @@ class TriMesh {
   friend struct TriMeshParts;
   friend class VertexMotion;
   TriMesh() = default;
-  std::vector<Vec3f> vertices_;
-  std::vector<Triangle> triangles_;
-  std::vector<std::uint8_t> degenerate_;
+  Array<Vec3f> vertices_;
+  Array<Triangle> triangles_;
+  Array<std::uint8_t> degenerate_;
   Topology topology_;
   ValidationReport report_;
   FirstUse<MassProperties> mass_;
@@ -102,8 +103,8 @@ class TriMesh {
   float radius_ = 0;
   /// How many vertices the caller gave, and which of them each of vertices_ is (empty where that is the same number).
   std::size_t inputVertexCount_ = 0;
-  std::vector<std::uint32_t> inputVertexOf_;
-  std::vector<std::uint32_t> callerTriangle_, triangleOfCaller_;  ///< empty where numbers are the caller's
+  Array<std::uint32_t> inputVertexOf_;
+  Array<std::uint32_t> callerTriangle_, triangleOfCaller_;  ///< empty where numbers are the caller's
 };
 
 /// What buildTriMesh answers: a mesh, or none and a report whose problems say why (`report.error` in one line).

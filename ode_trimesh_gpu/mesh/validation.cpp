@@ -31,7 +31,7 @@ EdgeUse countEdgeUses(const Topology& topology) {
   return use;
 }
 
-std::size_t countFlags(const std::vector<std::uint8_t>& flags) {
+std::size_t countFlags(std::span<const std::uint8_t> flags) {
   return static_cast<std::size_t>(std::count(flags.begin(), flags.end(), 1));
 }
 
@@ -136,7 +136,7 @@ void addProblem(ValidationReport& report, ProblemKind kind, std::size_t count, s
 }
 
 void inspectMesh(std::span<const Vec3f> vertices, std::span<const Triangle> triangles, const Topology& topology,
-                 const std::vector<std::uint8_t>& degenerate, ValidationReport& report) {
+                 std::span<const std::uint8_t> degenerate, ValidationReport& report) {
   report.accepted = true;
   report.vertices = vertices.size();
   report.triangles = triangles.size();

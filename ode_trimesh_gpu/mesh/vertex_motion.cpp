@@ -193,7 +193,7 @@ void VertexMotion::plan(const TriMesh& mesh, std::span<const MovedVertex> moved)
 }
 
 bool VertexMotion::move(TriMesh& mesh) {
-  std::vector<Vec3f>& vertices = mesh.vertices_;
+  Array<Vec3f>& vertices = mesh.vertices_;
   for (std::size_t i = 0; i < moves_.size(); ++i) {
     const std::uint32_t v = moves_[i].vertex;
     if (mesh.topology_.weld[v] == v) leave(mesh, v);
@@ -215,7 +215,7 @@ bool VertexMotion::move(TriMesh& mesh) {
 
 /// Whether vertices that were one point still are, and no two points have met. Enters the moved points again.
 bool VertexMotion::keepsPoints(const TriMesh& mesh) {
-  const std::vector<std::uint32_t>& weld = mesh.topology_.weld;
+  const Array<std::uint32_t>& weld = mesh.topology_.weld;
   for (const MovedVertex& move : moves_) {
     const std::uint32_t point = weld[move.vertex];
     if (!(mesh.vertices()[move.vertex] == mesh.vertices()[point])) return false;
@@ -275,7 +275,7 @@ bool VertexMotion::volumesAfter(const TriMesh& mesh, const Bounds& bounds, std::
   now.weld = topology.weld;
   now.componentOf = topology.componentOf;
   now.componentClosed = topology.componentClosed;
-  now.componentVolume = volumes;
+  now.componentVolume = std::vector<double>(volumes);
   return wellWound(mesh, now) == wellWound_;
 }
 

@@ -20,7 +20,7 @@ MeshUnit words(std::uint32_t x, std::uint32_t y, std::uint32_t z, std::uint32_t 
 
 /// Whether vertices that are one point differ in the signs of zeros, which the host keeps apart.
 bool hasTwoZeros(const TriMesh& mesh) {
-  const std::vector<std::uint32_t>& weld = mesh.topology().weld;
+  const Array<std::uint32_t>& weld = mesh.topology().weld;
   for (std::size_t v = 0; v < weld.size(); ++v) {
     if (std::memcmp(&mesh.vertices()[v], &mesh.vertices()[weld[v]], sizeof(Vec3f)) != 0) return true;
   }

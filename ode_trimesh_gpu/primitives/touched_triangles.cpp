@@ -14,7 +14,7 @@ namespace {
 /// Calls `take` with each triangle whose box `mayTouch` (the box's middle and half extents in the mesh's frame).
 template <class MayTouch, class Take>
 void visit(const CollisionMesh& tree, const MayTouch& mayTouch, const Take& take) {
-  const std::vector<BvhNode>& nodes = tree.tree().nodes;
+  const Array<BvhNode>& nodes = tree.tree().nodes;
   if (nodes.empty()) return;
   const Vec3f& c = tree.mesh().origin();
   std::vector<std::uint32_t> stack{0};

@@ -26,7 +26,7 @@ SurfacePoint pointOn(const Vec3d& on, const Vec3d& p, TrianglePart part) {
 /// Calls visit(triangle point) for all that are not farther than limit, which visit may lower; near ones early.
 template <class Visit>
 void searchNear(const CollisionMesh& tree, const Vec3d& point, double& limit, const Visit& visit) {
-  const std::vector<BvhNode>& nodes = tree.tree().nodes;
+  const Array<BvhNode>& nodes = tree.tree().nodes;
   if (nodes.empty()) return;
   const TriMesh& mesh = tree.mesh();
   const Vec3d centred = otgSub(point, Vec3d{mesh.origin().x, mesh.origin().y, mesh.origin().z});

@@ -94,7 +94,7 @@ class Search {
 
   const Query& query_;
   BoxFrame<double> frame_;
-  const std::vector<BvhNode>&a_, &b_;
+  const Array<BvhNode>&a_, &b_;
   double limit_, slack_ = 0;
   std::vector<Item> stack_;
   MeshDistance best_;

@@ -19,7 +19,7 @@ double sizeOf(const Vec3f& e) {
 }  // namespace
 
 bool findMeeting(const Query& query, TrianglePair& meeting) {
-  const std::vector<BvhNode>&a = query.a->tree().nodes, &b = query.b->tree().nodes;
+  const Array<BvhNode>&a = query.a->tree().nodes, &b = query.b->tree().nodes;
   if (a.empty() || b.empty()) return false;
   const PairFrame frame = makePairFrame(query);
   if (!frame.finite) return false;

@@ -53,10 +53,10 @@ struct Damage {
 TEST_CASE("damage to a binary tree is found") {
   Damage d;
   REQUIRE(validateTree(d.tree, *d.mesh) == "");
-  std::vector<BvhNode>& nodes = d.tree.nodes;
+  Array<BvhNode>& nodes = d.tree.nodes;
   const std::uint32_t other = (nodes[d.leaf].triangle() + 1) % 320;
   SECTION("a node is missing") {
-    nodes.pop_back();
+    nodes = std::vector<BvhNode>(nodes.begin(), nodes.end() - 1);
     REQUIRE(says(validateTree(d.tree, *d.mesh), "wrong number of nodes"));
   }
   SECTION("a tree for another mesh") {
@@ -132,7 +132,7 @@ TEST_CASE("a tree that is too deep is found") {
   const MeshPtr mesh = soup.build();
   const auto n = static_cast<std::uint32_t>(mesh->triangleCount());
   BinaryTree tree;
-  tree.nodes.resize(2 * std::size_t{n} - 1);
+  tree.nodes = std::vector<BvhNode>(2 * std::size_t{n} - 1);
   tree.nodes[0].parent = kNone;
   for (std::uint32_t i = 0, at = 0; i + 1 < n; ++i) {
     const std::uint32_t child = 2 * i + 1;

@@ -33,28 +33,48 @@ void write64(Bytes& bytes, std::size_t at, std::uint64_t value) {
   for (std::size_t i = 0; i < 8; ++i) bytes[at + i] = static_cast<unsigned char>(value >> (8 * i));
 }
 
+std::uint64_t turned(std::uint64_t word, int by) {
+  return word << by | word >> (64 - by);
+}
+
 /// The checksum of the format, written down a second time.
 std::uint64_t checksumOf(const Bytes& bytes) {
-  std::uint64_t lane[4] = {0xcbf29ce484222325u, 1, 2, 3};
-  const std::size_t size = bytes.size() - 8, whole = size / 32 * 32;
-  for (std::size_t i = 0; i < size; i += 8) {
-    std::uint64_t& l = lane[i < whole ? i / 8 % 4 : 0];
-    l = (l ^ read64(bytes, i)) * 0x100000001b3u;
+  const auto mixed = [](std::uint64_t lane, std::uint64_t a, std::uint64_t b) {
+    return turned((turned(lane ^ a, 41) ^ b) * 0x9e3779b97f4a7c15u, 29);
+  };
+  std::uint64_t lane[8] = {1, 2, 3, 4, 5, 6, 7, 8};
+  const std::size_t size = bytes.size() - 8, whole = size / 128 * 128;
+  for (std::size_t i = 0; i < whole; i += 16) {
+    std::uint64_t& l = lane[i / 16 % 8];
+    l = mixed(l, read64(bytes, i), read64(bytes, i + 8));
   }
+  for (std::size_t i = whole; i < size; i += 8) lane[0] = mixed(lane[0], read64(bytes, i), 0);
   std::uint64_t sum = size;
-  for (const std::uint64_t l : lane) sum = ((sum << 23 | sum >> 41) ^ l) * 0x100000001b3u;
+  for (const std::uint64_t l : lane) sum = mixed(sum, l, 0);
   return sum;
 }
 void seal(Bytes& bytes) {
   write64(bytes, bytes.size() - 8, checksumOf(bytes));
 }
 
-/// Where the sections begin (at their lengths).
-std::vector<std::size_t> sectionsOf(const Bytes& bytes) {
-  std::vector<std::size_t> at;
-  for (std::size_t i = 24; i + 8 < bytes.size(); i += 8 + (read64(bytes, i) + 7) / 8 * 8) at.push_back(i);
-  return at;
+struct Section {
+  std::size_t entry;  ///< where its size is told
+  std::size_t at, size;
+};
+
+std::vector<Section> sectionsOf(const Bytes& bytes) {
+  std::vector<Section> sections;
+  const std::size_t count = read64(bytes, 24);
+  std::size_t at = 64 + (8 * count + 63) / 64 * 64;
+  for (std::size_t i = 0; i < count; ++i) {
+    sections.push_back({64 + 8 * i, at, read64(bytes, 64 + 8 * i)});
+    at += (sections.back().size + 63) / 64 * 64;
+  }
+  return sections;
 }
+
+/// Numbers of the sections, as cooked_mesh.cpp has them.
+constexpr std::size_t kCounts = 0, kVertices = 2, kTriangles = 3, kTwin = 7, kCallerTriangle = 13, kNodes = 15;
 
 std::string errorOf(const Bytes& bytes) {
   // From the heap and no longer than it says, so that the sanitizer sees every byte read beyond.
@@ -131,18 +151,33 @@ TEST_CASE("bytes that were changed, cut off, or are something else are refused")
     REQUIRE(!errorOf(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length))).empty());
   }
   Bytes longer = bytes;
-  longer.resize(bytes.size() + 8, 0);
+  longer.resize(bytes.size() + 64, 0);
   CHECK(errorOf(longer) == "There is more than the cooked mesh.");
   CHECK(errorOf({}) == "This is no cooked mesh.");
   CHECK(errorOf(Bytes(100, 'x')) == "This is no cooked mesh.");
   Bytes newer = bytes;
   newer[8] = kCookedVersion + 1;
   seal(newer);
-  CHECK(errorOf(newer) == "The cooked mesh is of version 3; this library reads version 2.");
-  Bytes swapped = bytes;  // two vertices exchanged, four words of the checksum's own lane apart
-  const auto vertices = swapped.begin() + static_cast<std::ptrdiff_t>(sectionsOf(bytes)[2] + 8);
-  std::swap_ranges(vertices, vertices + 12, vertices + 96);
+  CHECK(errorOf(newer) == "The cooked mesh is of version 4; this library reads version 3.");
+  Bytes older = bytes;  // of version 2, whose header was shorter
+  older[8] = 2;
+  CHECK(errorOf(older) == "The cooked mesh is of version 2; this library reads version 3.");
+  CHECK(errorOf(Bytes(older.begin(), older.begin() + 40)) == errorOf(older));
+  const std::size_t vertices = sectionsOf(bytes)[kVertices].at;
+  Bytes swapped = bytes;  // two pairs of words exchanged that the same lane takes up
+  std::swap_ranges(&swapped[vertices], &swapped[vertices] + 16, &swapped[vertices] + 128);
+  REQUIRE(swapped != bytes);
   CHECK(errorOf(swapped) == "The cooked mesh is damaged.");
+  // What a broken wire does: the same bit wrong in many words. Two highest bits must not make up for each other.
+  for (std::size_t bit = 0; bit < 64; ++bit) {
+    for (const std::size_t apart : {8u, 16u, 64u, 128u, 256u}) {
+      Bytes wired = bytes;
+      for (const std::size_t word : {vertices, vertices + apart}) {
+        wired[word + bit / 8] ^= static_cast<unsigned char>(1u << (bit % 8));
+      }
+      CHECK(errorOf(wired) == "The cooked mesh is damaged.");
+    }
+  }
 }
 
 TEST_CASE("numbers that point nowhere are refused, or do no harm, also under a checksum that is right") {
@@ -151,8 +186,8 @@ TEST_CASE("numbers that point nowhere are refused, or do no harm, also under a c
   const OdeSession session;
   const Bytes bytes = cookMesh(collisionMesh(scenes::makeLump(1, 1, 0.2, 3)));
   const Data box(scenes::makeBox({1, 1, 1}));
-  const std::vector<std::size_t> sections = sectionsOf(bytes);
-  REQUIRE(sections.size() == 19);
+  const std::vector<Section> sections = sectionsOf(bytes);
+  REQUIRE(sections.size() == 20);
   std::mt19937 random(77);
   int refused = 0, accepted = 0;
   const auto offer = [&](Bytes& hostile) {
@@ -173,19 +208,27 @@ TEST_CASE("numbers that point nowhere are refused, or do no harm, also under a c
     }
     dGpuTriMeshDataDestroy(data);
   };
-  for (const std::size_t section : sections) {
-    const std::size_t length = read64(bytes, section);
+  for (const std::size_t head : {8u, 16u, 24u, 32u, 56u}) {
+    for (const std::uint64_t wrong : {std::uint64_t{0}, std::uint64_t{19}, std::uint64_t{21}, std::uint64_t{1000},
+                                      std::uint64_t{bytes.size() - 64}, ~std::uint64_t{0}, std::uint64_t{1} << 61}) {
+      Bytes hostile = bytes;
+      write64(hostile, head, wrong);
+      offer(hostile);
+    }
+  }
+  for (const Section& section : sections) {
+    const std::size_t length = section.size;
     for (const std::uint64_t wrong :
          {std::uint64_t{0}, std::uint64_t(length + 1), std::uint64_t(length + 8), std::uint64_t(length / 2),
           std::uint64_t(bytes.size()), ~std::uint64_t{0}, std::uint64_t{1} << 40, ~std::uint64_t{0} - 6}) {
       Bytes hostile = bytes;
-      write64(hostile, section, wrong);
+      write64(hostile, section.entry, wrong);
       offer(hostile);
     }
     if (length == 0) continue;
     for (int round = 0; round < 60; ++round) {
       Bytes hostile = bytes;
-      const std::size_t at = section + 8 + random() % length / 4 * 4;
+      const std::size_t at = section.at + random() % length / 4 * 4;
       const std::uint32_t values[] = {0,
                                       1,
                                       0xffffffffu,
@@ -204,6 +247,88 @@ TEST_CASE("numbers that point nowhere are refused, or do no harm, also under a c
   }
   CHECK(refused > 500);
   CHECK(accepted > 20);  // such as another area in the report
+}
+
+TEST_CASE("what does not make a mesh is named, under a checksum that is right") {
+  const Bytes bytes = cookMesh(collisionMesh(scenes::makeLump(1, 1, 0.2, 3)));
+  const std::vector<Section> sections = sectionsOf(bytes);
+  // The first `size` bytes of two elements of a section are exchanged.
+  const auto exchanged = [&](std::size_t section, std::size_t a, std::size_t b, std::size_t size) {
+    Bytes changed = bytes;
+    unsigned char* const at = &changed[sections[section].at];
+    std::swap_ranges(at + a, at + a + size, at + b);
+    REQUIRE(changed != bytes);
+    seal(changed);
+    return errorOf(changed);
+  };
+  const auto with = [&](std::size_t section, std::size_t at, std::uint32_t value) {
+    Bytes changed = bytes;
+    for (std::size_t i = 0; i < 4; ++i)
+      changed[sections[section].at + at + i] = static_cast<unsigned char>(value >> (8 * i));
+    REQUIRE(changed != bytes);
+    seal(changed);
+    return errorOf(changed);
+  };
+  const auto nodes = sections[kNodes].size / 32;
+  CHECK(with(kVertices, 4, 0x7f800000u) == "The cooked mesh has a vertex or bound that is not finite.");
+  CHECK(with(kTriangles, 8, 0x00ffffffu) == "The cooked mesh has a number out of range.");
+  CHECK(exchanged(kTwin, 0, 40, 4) == "The cooked mesh has neighbours that do not match.");
+  CHECK(with(kTwin, 0, 0xffffffffu) == "The cooked mesh has neighbours that do not match.");
+  CHECK(with(kTwin, 0, 0x10000000u) == "The cooked mesh has neighbours that do not match.");
+  CHECK(exchanged(kCallerTriangle, 0, 4, 4) == "The cooked mesh has numbers of triangles that do not match.");
+  CHECK(with(kNodes, 28, 0) == "The cooked mesh has nodes that do not make a tree.");       // no root
+  CHECK(with(kNodes, 32 + 28, 1) == "The cooked mesh has nodes that do not make a tree.");  // its own parent
+  CHECK(with(kNodes, 32 * (nodes - 1) + 28, 0) == "The cooked mesh has nodes that do not make a tree.");  // adopted
+  CHECK(with(kNodes, 24, 3) == "The cooked mesh has nodes that do not make a tree.");
+  CHECK(with(kNodes, 24, 0xffffffffu) == "The cooked mesh has nodes that do not make a tree.");  // the root as a leaf
+  CHECK(with(kNodes, 32 * (nodes - 1) + 24, 0xfffffffeu) == "The cooked mesh has a triangle without a leaf.");
+  CHECK(with(kNodes, 32 * (nodes - 1) + 20, 0xff800000u) == "The cooked mesh has a box that is not finite.");
+  Bytes deep = bytes;
+  const std::size_t depth = sections[kCounts].at + sections[kCounts].size - 16;
+  write64(deep, depth, read64(deep, depth) - 1);
+  seal(deep);
+  CHECK(errorOf(deep) == "The cooked mesh has a tree of another depth.");
+}
+
+TEST_CASE("what happens to a file after it was loaded does not matter, and while it is read is noticed") {
+  const OdeSession session;
+  const Folder folder;
+  const Data ground(scenes::makeGround(4, 0.5, 8));
+  const scenes::MeshArrays lump = scenes::makeLump(0.5, 5, 0.2, 4);
+  const Data built(lump);
+  REQUIRE(dGpuTriMeshDataSave(built.id, folder.file().c_str()) == dGPUTRIMESH_OK);
+  const dGpuTriMeshDataID loaded = dGpuTriMeshDataCreate();
+  REQUIRE(dGpuTriMeshDataLoad(loaded, folder.file().c_str()) == dGPUTRIMESH_OK);
+  {
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(folder.file().c_str(), "r+b"), std::fclose);
+    REQUIRE(file != nullptr);
+    const Bytes noise(100000, 0x55);
+    REQUIRE(std::fwrite(noise.data(), 1, noise.size(), file.get()) == noise.size());
+    REQUIRE(std::fflush(file.get()) == 0);
+    REQUIRE(ftruncate(fileno(file.get()), 4096) == 0);
+  }
+  const Geom floor(ground), a(built);
+  const dGeomID b = dCreateGpuTriMesh(nullptr, loaded);
+  for (const dGeomID g : {a.id, b}) dGeomSetPosition(g, 0.1, 0.2, 0.4);
+  auto wanted = test::collide(floor.id, a.id);
+  REQUIRE(!wanted.empty());
+  for (dContactGeom& c : wanted) c.g2 = b;
+  CHECK(sameContacts(test::collide(floor.id, b), wanted));
+  dGeomDestroy(b);
+  CHECK(dGpuTriMeshDataLoad(loaded, folder.file().c_str()) == dGPUTRIMESH_ERROR_COOKED);
+  dGpuTriMeshDataDestroy(loaded);
+  // A file that loses its end after it was measured, here at every multiple of a prime.
+  const Bytes bytes = cookMesh(collisionMesh(lump));
+  for (std::size_t left = 0; left < bytes.size(); left += 4099) {
+    std::FILE* const file = std::fopen(folder.file().c_str(), "w+b");
+    REQUIRE(file != nullptr);
+    REQUIRE(std::fwrite(bytes.data(), 1, left, file) == left);
+    std::rewind(file);
+    const UncookedMesh uncooked = uncookFile(file, bytes.size());
+    std::fclose(file);
+    CHECK(uncooked.mesh == nullptr);
+    CHECK(uncooked.error == (left < 8 ? "This is no cooked mesh." : "The cooked mesh is cut off."));
+  }
 }
 
 TEST_CASE("a loaded mesh collides with the same contacts as the built one, and can be updated") {
