@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Arrays as callers have them: layouts, bad numbers, limits; and meshes whose vertices move.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -177,7 +178,7 @@ TEST_CASE("moved vertices keep the topology and renew everything measured") {
   const MeshResult moved = moveVertices(*sphere, twice.input());
   REQUIRE(moved.mesh);
   CHECK(moved.report.solid);
-  CHECK(moved.mesh->topology().twin == sphere->topology().twin);
+  CHECK(std::ranges::equal(moved.mesh->topology().twin, sphere->topology().twin));
   CHECK(moved.mesh->topology().componentVolume[0] == Approx(8 * sphere->topology().componentVolume[0]));
   CHECK(moved.mesh->massProperties().volume == Approx(8 * sphere->massProperties().volume));
   CHECK(moved.mesh->radius() == Approx(2 * sphere->radius()));

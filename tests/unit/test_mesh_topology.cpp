@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The invariants that Topology promises, on solids, shells and soups.
+#include <algorithm>
 #include <random>
 
 #include "scenes/generated_meshes.h"
@@ -57,7 +58,7 @@ void checkInvariants(const MeshArrays& mesh) {
     }
   }
   CHECK(good);
-  CHECK(closed == topology.componentClosed);
+  CHECK(std::ranges::equal(closed, topology.componentClosed));
 }
 
 }  // namespace
