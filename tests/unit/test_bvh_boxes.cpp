@@ -190,7 +190,7 @@ TEST_CASE("a quantised extent reaches over what the sum of its parts rounds away
   // Steps 2^-15 and 2^-19; the last centre is off its grid by four extent steps, which with an extent far below the
   // rounding of double must make five.
   BinaryTree tree;
-  tree.nodes.resize(3);
+  tree.nodes = std::vector<BvhNode>(3);
   tree.nodes[0] = {{0, 0, 0}, {0.1f, 0.1f, 0.1f}, 1, kNone};
   tree.nodes[1] = {{0.75f, 0.75f, 0.75f}, {0, 0, 0}, ~0, 0};
   const float off = 0.75f - 0x1p-17f;

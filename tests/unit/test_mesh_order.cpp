@@ -18,11 +18,11 @@ std::shared_ptr<const TriMesh> sorted(const MeshArrays& arrays, const RepairOpti
 }
 
 void checkSameTopology(const Topology& a, const Topology& b) {
-  CHECK(a.weld == b.weld);
-  CHECK(a.edgeOf == b.edgeOf);
-  CHECK(a.twin == b.twin);
-  CHECK(a.componentOf == b.componentOf);
-  CHECK(a.componentClosed == b.componentClosed);
+  CHECK(std::ranges::equal(a.weld, b.weld));
+  CHECK(std::ranges::equal(a.edgeOf, b.edgeOf));
+  CHECK(std::ranges::equal(a.twin, b.twin));
+  CHECK(std::ranges::equal(a.componentOf, b.componentOf));
+  CHECK(std::ranges::equal(a.componentClosed, b.componentClosed));
   REQUIRE(a.edges.size() == b.edges.size());
   bool same = true;
   for (std::size_t e = 0; e < a.edges.size(); ++e) same &= a.edges[e].a == b.edges[e].a && a.edges[e].b == b.edges[e].b;

@@ -92,6 +92,6 @@ TEST_CASE("components are told by edges and know their volume") {
   REQUIRE(topology.componentCount() == 2);
   CHECK(topology.componentVolume[0] == Approx(1));
   CHECK(topology.componentVolume[1] == Approx(8));
-  CHECK(topology.componentOf.front() == 0);
-  CHECK(topology.componentOf.back() == 1);
+  CHECK(topology.componentOf[0] == 0);
+  CHECK(topology.componentOf[topology.componentOf.size() - 1] == 1);
 }

@@ -101,7 +101,7 @@ TEST_CASE("closedness is judged on positions, not on vertex numbers") {
   zeros.vertices.push_back({0, 0, 0});
   zeros.vertices.push_back({-0.0f, 0, -0.0f});
   const MeshResult built = buildTriMesh(zeros.input());
-  CHECK(built.mesh->topology().weld.back() == zeros.vertices.size() - 2);
+  CHECK(built.mesh->topology().weld[zeros.vertices.size() - 1] == zeros.vertices.size() - 2);
 }
 
 TEST_CASE("a hole shows as boundary edges") {
