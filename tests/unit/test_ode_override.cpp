@@ -20,7 +20,12 @@ namespace {
 struct OdeMesh {
   scenes::MeshArrays arrays;
   dTriMeshDataID id = dGeomTriMeshDataCreate();
-  explicit OdeMesh(const scenes::MeshArrays& from) : arrays(from) { build(); }
+  explicit OdeMesh(const scenes::MeshArrays& from) : arrays(from) {
+    build();
+    // Data that a test before has destroyed may have had the same address and as many triangles: what is kept of them
+    // would be refitted, numbered inside as they were.
+    dGpuTriMeshOverrideForgetData(id);
+  }
   ~OdeMesh() { dGeomTriMeshDataDestroy(id); }
   OdeMesh(const OdeMesh&) = delete;
   OdeMesh& operator=(const OdeMesh&) = delete;
@@ -33,7 +38,9 @@ struct OdeMesh {
 
 struct OdeGeom {
   const dGeomID id;
-  explicit OdeGeom(const OdeMesh& mesh) : id(dCreateTriMesh(nullptr, mesh.id, nullptr, nullptr, nullptr)) {}
+  explicit OdeGeom(const OdeMesh& mesh) : id(dCreateTriMesh(nullptr, mesh.id, nullptr, nullptr, nullptr)) {
+    dGpuTriMeshOverrideForgetGeom(id);  // the one that was at this address
+  }
   ~OdeGeom() { dGeomDestroy(id); }
   OdeGeom(const OdeGeom&) = delete;
   OdeGeom& operator=(const OdeGeom&) = delete;
@@ -152,6 +159,7 @@ TEST_CASE("dTriMesh geoms get the contacts of our geoms, in both orders, from si
   const dTriMeshDataID simple = dGeomTriMeshDataCreate();
   dGeomTriMeshDataBuildSimple(simple, wide.data(), static_cast<int>(gear.arrays.vertices.size()), indices.data(),
                               static_cast<int>(indices.size()));
+  dGpuTriMeshOverrideForgetData(simple);
   const dGeomID c = dCreateTriMesh(nullptr, simple, nullptr, nullptr, nullptr);
   std::mt19937 random(11);
   int touching = 0;
@@ -180,8 +188,6 @@ TEST_CASE("a mesh is read once, refitted when its vertices move, and built when 
   const OdeSession session;
   REQUIRE(dGpuTriMeshOverrideTriMesh() == dGPUTRIMESH_OK);
   OdeMesh ground(scenes::makeGround(4, 0.5, 16)), ball(scenes::makeLump(0.5, 3, 0.1, 9));
-  // Data of an earlier test, destroyed since, may have had the same addresses and as many triangles.
-  for (const dTriMeshDataID data : {ground.id, ball.id}) dGpuTriMeshOverrideForgetData(data);
   const OdeGeom floor(ground), other(ball), twin(ball);
   settleOrder(floor.id, other.id);
   dGeomSetPosition(other.id, 0, 0, 0.45);
@@ -285,8 +291,6 @@ TEST_CASE("parameters and statistics of dTriMesh geoms") {
   REQUIRE(dGpuTriMeshOverrideTriMesh() == dGPUTRIMESH_OK);
   const OdeMesh ball(scenes::makeLump(0.5, 3, 0.1, 9));
   const OdeGeom a(ball), b(ball);
-  dGpuTriMeshOverrideForgetGeom(a.id);  // another geom may have been at this address
-  dGpuTriMeshOverrideForgetGeom(b.id);
   dGeomSetPosition(b.id, 0.2, 0.1, 0.8);
   dGpuTriMeshParams params, found;
   dGpuTriMeshParamsInit(&params);
