@@ -81,7 +81,7 @@ int dGpuTriMeshGetBackend(void) {
 }
 
 int dGeomGpuTriMeshSetBackend(dGeomID g, int backend) {
-  otg::GeomObject* const object = otg::objectOf(g);
+  otg::GeomObject* const object = otg::liveObjectOf(g);
   if (object == nullptr) return otg::noteStatus(dGPUTRIMESH_ERROR_CLASS);
   if (backend < dGPUTRIMESH_BACKEND_DEFAULT || backend > dGPUTRIMESH_BACKEND_OPENCL) {
     return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
@@ -93,7 +93,7 @@ int dGeomGpuTriMeshSetBackend(dGeomID g, int backend) {
 }
 
 int dGeomGpuTriMeshGetBackend(dGeomID g) {
-  const otg::GeomObject* const object = otg::objectOf(g);
+  const otg::GeomObject* const object = otg::liveObjectOf(g);
   return object == nullptr ? otg::noteStatus(dGPUTRIMESH_ERROR_CLASS) : object->params.backend;
 }
 

@@ -22,7 +22,7 @@ namespace {
 int checkPairs(const dGpuTriMeshPair* pairs, int count, int flags) {
   if (count < 0 || (pairs == nullptr && count > 0) || capacityOf(flags) == 0) return dGPUTRIMESH_ERROR_ARGUMENT;
   for (int i = 0; i < count; ++i) {
-    if (objectOf(pairs[i].o1) == nullptr || objectOf(pairs[i].o2) == nullptr) return dGPUTRIMESH_ERROR_CLASS;
+    if (liveObjectOf(pairs[i].o1) == nullptr || liveObjectOf(pairs[i].o2) == nullptr) return dGPUTRIMESH_ERROR_CLASS;
   }
   return dGPUTRIMESH_OK;
 }

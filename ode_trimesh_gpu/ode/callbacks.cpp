@@ -11,7 +11,7 @@ namespace {
 
 template <class Callback>
 int set(dGeomID g, Callback* GeomCallbacks::*which, Callback* callback) {
-  GeomObject* const object = objectOf(g);
+  GeomObject* const object = liveObjectOf(g);
   if (object == nullptr) return noteStatus(dGPUTRIMESH_ERROR_CLASS);
   object->callbacks.*which = callback;
   return dGPUTRIMESH_OK;
@@ -19,7 +19,7 @@ int set(dGeomID g, Callback* GeomCallbacks::*which, Callback* callback) {
 
 template <class Callback>
 Callback* get(dGeomID g, Callback* GeomCallbacks::*which) {
-  const GeomObject* const object = objectOf(g);
+  const GeomObject* const object = liveObjectOf(g);
   if (object == nullptr) noteStatus(dGPUTRIMESH_ERROR_CLASS);
   return object == nullptr ? nullptr : object->callbacks.*which;
 }

@@ -21,7 +21,7 @@ int check(const GeomObject* object, int geomClass) {
 }  // namespace otg
 
 int dGeomGpuTriMeshEnableTC(dGeomID g, int geomClass, int enable) {
-  otg::GeomObject* const object = otg::objectOf(g);
+  otg::GeomObject* const object = otg::liveObjectOf(g);
   if (const int status = otg::check(object, geomClass)) return otg::noteStatus(status);
   if (geomClass == otg::registeredClass()) {
     object->params.history = enable != 0 ? dGPUTRIMESH_HISTORY_ON : dGPUTRIMESH_HISTORY_OFF;
@@ -34,7 +34,7 @@ int dGeomGpuTriMeshEnableTC(dGeomID g, int geomClass, int enable) {
 }
 
 int dGeomGpuTriMeshIsTCEnabled(dGeomID g, int geomClass) {
-  const otg::GeomObject* const object = otg::objectOf(g);
+  const otg::GeomObject* const object = otg::liveObjectOf(g);
   if (const int status = otg::check(object, geomClass)) return otg::noteStatus(status);
   if (geomClass == otg::registeredClass()) return object->params.history == dGPUTRIMESH_HISTORY_ON ? 1 : 0;
   return (object->coherentClasses >> geomClass & 1u) != 0 ? 1 : 0;

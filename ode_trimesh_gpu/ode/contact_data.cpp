@@ -75,7 +75,8 @@ dGpuTriMeshContactData contactData(const Query& query, const Contact& contact, b
 
 int dGpuTriMeshCollideEx(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip,
                          dGpuTriMeshContactData* data, int data_skip) {
-  if (otg::objectOf(o1) == nullptr || otg::objectOf(o2) == nullptr) return otg::noteStatus(dGPUTRIMESH_ERROR_CLASS);
+  if (otg::liveObjectOf(o1) == nullptr || otg::liveObjectOf(o2) == nullptr)
+    return otg::noteStatus(dGPUTRIMESH_ERROR_CLASS);
   const bool hasPlace = contact != nullptr && (flags & 0xffff) != 0 && skip >= static_cast<int>(sizeof(dContactGeom));
   if (!hasPlace || (data != nullptr && data_skip < static_cast<int>(sizeof(dGpuTriMeshContactData)))) {
     return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);

@@ -39,8 +39,13 @@ bool writeFile(const std::string& path, const std::vector<unsigned char>& bytes)
   return std::fclose(file.release()) == 0 && written;
 }
 
-bool isBuilt(dGpuTriMeshDataID g) {
-  return dxGpuTriMeshData::isLive(g) && g->mesh() != nullptr;
+/// Calls with(mesh) while nobody changes it. Returns a status.
+template <class With>
+int withMesh(dGpuTriMeshDataID g, const With& with) {
+  if (!dxGpuTriMeshData::isLive(g)) return dGPUTRIMESH_ERROR_ARGUMENT;
+  const UseHold use(&g->uses);
+  if (!use.good()) return dGPUTRIMESH_ERROR_BUSY;
+  return g->mesh() == nullptr ? static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT) : with(*g->mesh());
 }
 
 }  // namespace
@@ -49,11 +54,13 @@ bool isBuilt(dGpuTriMeshDataID g) {
 dsizeint dGpuTriMeshDataCook(dGpuTriMeshDataID g, void* buffer, dsizeint capacity) {
   dsizeint size = 0;
   otg::guarded([&] {
-    if (!otg::isBuilt(g) || (buffer == nullptr && capacity > 0)) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
-    const std::vector<unsigned char> bytes = otg::cookMesh(*g->mesh());
-    size = bytes.size();
-    if (size <= capacity) std::memcpy(buffer, bytes.data(), size);
-    return static_cast<int>(dGPUTRIMESH_OK);
+    if (buffer == nullptr && capacity > 0) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    return otg::withMesh(g, [&](const otg::CollisionMesh& mesh) {
+      const std::vector<unsigned char> bytes = otg::cookMesh(mesh);
+      size = bytes.size();
+      if (size <= capacity) std::memcpy(buffer, bytes.data(), size);
+      return static_cast<int>(dGPUTRIMESH_OK);
+    });
   });
   return size;
 }
@@ -68,9 +75,15 @@ int dGpuTriMeshDataUncook(dGpuTriMeshDataID g, const void* buffer, dsizeint size
 
 int dGpuTriMeshDataSave(dGpuTriMeshDataID g, const char* path) {
   return otg::guarded([&] {
-    if (!otg::isBuilt(g) || path == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    if (path == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    std::vector<unsigned char> bytes;
+    const int status = otg::withMesh(g, [&](const otg::CollisionMesh& mesh) {
+      bytes = otg::cookMesh(mesh);
+      return static_cast<int>(dGPUTRIMESH_OK);
+    });
+    if (status != dGPUTRIMESH_OK) return status;
     const std::string partial = std::string(path) + ".partial";
-    if (!otg::writeFile(partial, otg::cookMesh(*g->mesh()))) {
+    if (!otg::writeFile(partial, bytes)) {
       std::remove(partial.c_str());
       return static_cast<int>(dGPUTRIMESH_ERROR_FILE);
     }

@@ -5,6 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
+#include <optional>
+#include <shared_mutex>
+#include <unordered_map>
 
 #include "collide/rotation_tolerance.h"
 #include "ode/class_registration.h"
@@ -17,6 +21,18 @@ namespace {
 
 GeomObject*& slotOf(dGeomID geom) {
   return *static_cast<GeomObject**>(dGeomGetClassData(geom));
+}
+
+/// All geoms of ours, so that one that was destroyed is told from one that was not.
+struct LiveGeoms {
+  std::shared_mutex mutex;
+  std::unordered_map<dGeomID, GeomObject*> objects;
+};
+
+/// Never destroyed: programs may destroy geoms in the destructors of their own globals.
+LiveGeoms& live() {
+  static LiveGeoms* const instance = new LiveGeoms;
+  return *instance;
 }
 
 /// To the dReal at or beyond x in the direction of `towards`, and never infinite.
@@ -51,6 +67,49 @@ int checkParams(const dGpuTriMeshParams* params) noexcept {
 
 GeomObject* objectOf(dGeomID geom) noexcept {
   return geom != nullptr && dGeomGetClass(geom) == registeredClass() ? slotOf(geom) : nullptr;
+}
+
+GeomObject* liveObjectOf(dGeomID geom) noexcept {
+  if (geom == nullptr) return nullptr;
+  const std::shared_lock lock(live().mutex);
+  const auto it = live().objects.find(geom);
+  return it == live().objects.end() ? nullptr : it->second;
+}
+
+GeomObject::~GeomObject() {
+  if (data != nullptr) data->detach(serial);
+}
+
+GeomUse::GeomUse(GeomObject* first, GeomObject* second) {
+  GeomObject* const objects[2] = {first, second};
+  for (int i = 0; i < 2; ++i) {
+    if (objects[i] == nullptr) continue;
+    if (!objects[i]->uses.beginUse()) {
+      good_ = false;
+      break;
+    }
+    // The data are what they are now: no one gives the geom others.
+    if (objects[i]->data != nullptr && !objects[i]->data->uses.beginUse()) {
+      objects[i]->uses.endUse();
+      good_ = false;
+      break;
+    }
+    held_[i] = objects[i]->shared_from_this();
+  }
+  if (!good_) release();
+}
+
+GeomUse::~GeomUse() {
+  release();
+}
+
+void GeomUse::release() noexcept {
+  for (std::shared_ptr<GeomObject>& object : held_) {
+    if (object == nullptr) continue;
+    if (object->data != nullptr) object->data->uses.endUse();
+    object->uses.endUse();
+    object = nullptr;
+  }
 }
 
 WorldPose readPose(dGeomID geom) noexcept {
@@ -112,10 +171,20 @@ void destroyObject(dGeomID geom) noexcept {
   // ODE calls this function only through our class record.
   GeomObject*& slot = slotOf(geom);
   if (slot == nullptr) return;
-  if (slot->data != nullptr) slot->data->detach(slot->serial);
-  slot->data = nullptr;
+  {
+    const std::unique_lock lock(live().mutex);
+    live().objects.erase(geom);
+  }
   const std::shared_ptr<GeomObject> last = std::move(slot->self);
   slot = nullptr;
+  if (last->uses.beginChange()) {
+    if (last->data != nullptr) last->data->detach(last->serial);
+    last->data = nullptr;
+    last->uses.endChange();
+  } else {  // the query under way goes on with what it has
+    if (last->data != nullptr) last->data->forgetGeom(last->serial);
+    noteStatus(dGPUTRIMESH_ERROR_BUSY);
+  }
 }
 
 }  // namespace otg
@@ -138,6 +207,13 @@ dGeomID dCreateGpuTriMesh(dSpaceID space, dGpuTriMeshDataID data) {
       }
       object->data = data;
     }
+    try {
+      const std::unique_lock lock(otg::live().mutex);
+      otg::live().objects.insert_or_assign(created, object.get());
+    } catch (...) {
+      dGeomDestroy(created);  // the object goes with its own data
+      throw;
+    }
     otg::slotOf(created) = object.get();
     object->self = object;
     geom = created;
@@ -150,21 +226,31 @@ dGeomID dCreateGpuTriMesh(dSpaceID space, dGpuTriMeshDataID data) {
 
 int dGeomGpuTriMeshSetData(dGeomID g, dGpuTriMeshDataID data) {
   return otg::guarded([&] {
-    otg::GeomObject* const object = otg::objectOf(g);
+    otg::GeomObject* const object = otg::liveObjectOf(g);
     if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
-    if (object->data != data) {
+    const otg::ChangeHold change(&object->uses);
+    if (!change.good()) return static_cast<int>(dGPUTRIMESH_ERROR_BUSY);
+    dxGpuTriMeshData* const before = object->data;
+    if (before != data) {
       if (data != nullptr && !dxGpuTriMeshData::isLive(data)) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+      // Neither may be about to give the geom a mesh of its own accord.
+      std::optional<otg::UseHold> useBefore(before == nullptr ? nullptr : &before->uses);
+      std::optional<otg::UseHold> use(data == nullptr ? nullptr : &data->uses);
+      if (!useBefore->good() || !use->good()) return static_cast<int>(dGPUTRIMESH_ERROR_BUSY);
       if (data != nullptr) data->attach(object->serial, g);
       int status = dGPUTRIMESH_ERROR_MEMORY;
       try {
         status = object->rescale(data, object->scale);
       } catch (const std::bad_alloc&) {
       }
-      if (dxGpuTriMeshData* const unused = status == dGPUTRIMESH_OK ? object->data : data) {
+      if (status == dGPUTRIMESH_OK) object->data = data;
+      if (dxGpuTriMeshData* const unused = status == dGPUTRIMESH_OK ? before : data) {
+        unused->forgetGeom(object->serial);
+        useBefore.reset();  // the object may go now
+        use.reset();
         unused->detach(object->serial);
       }
       if (status != dGPUTRIMESH_OK) return status;
-      object->data = data;
     }
     dGeomMoved(g);
     return static_cast<int>(dGPUTRIMESH_OK);
@@ -172,7 +258,7 @@ int dGeomGpuTriMeshSetData(dGeomID g, dGpuTriMeshDataID data) {
 }
 
 dGpuTriMeshDataID dGeomGpuTriMeshGetData(dGeomID g) {
-  const otg::GeomObject* const object = otg::objectOf(g);
+  const otg::GeomObject* const object = otg::liveObjectOf(g);
   if (object == nullptr) {
     otg::noteStatus(dGPUTRIMESH_ERROR_CLASS);
     return nullptr;

@@ -56,11 +56,18 @@ struct GeomObject : std::enable_shared_from_this<GeomObject> {
   GeomStats stats;
   PairMemory memory;  ///< of pairs in which this geom is mesh B (the younger one)
   PrefetchedPairs prefetched;
+  UseCount uses;                     ///< of queries that have the geom, and of who gives it other data or another scale
   std::shared_ptr<GeomObject> self;  ///< the geom's own share, until it is destroyed
 
   /// Of the data's vertices; `scaled` is the mesh that it makes of them, and null while it is 1, 1, 1.
   MeshScale scale{1, 1, 1};
   std::shared_ptr<const CollisionMesh> scaled;
+
+  GeomObject() = default;
+  /// After the geom was destroyed, and after the last query that had it.
+  ~GeomObject();
+  GeomObject(const GeomObject&) = delete;
+  GeomObject& operator=(const GeomObject&) = delete;
 
   /// Null when there is nothing to collide with.
   const CollisionMesh* mesh() const;
@@ -70,8 +77,29 @@ struct GeomObject : std::enable_shared_from_this<GeomObject> {
   int rescale(dxGpuTriMeshData* of, const MeshScale& by);
 };
 
-/// Null for geoms of other classes, for NULL, and for geoms of our class that dCreateGeom made.
+/// A query's hold on one or two geoms and the data of theirs: neither changes meanwhile, and objects and data live on
+/// should the geoms be destroyed. Objects may be null, and both may be one.
+class GeomUse {
+ public:
+  explicit GeomUse(GeomObject* first, GeomObject* second = nullptr);
+  ~GeomUse();
+  GeomUse(const GeomUse&) = delete;
+  GeomUse& operator=(const GeomUse&) = delete;
+  /// False while one of them is changed: dGPUTRIMESH_ERROR_BUSY. Then nothing is held.
+  bool good() const { return good_; }
+
+ private:
+  void release() noexcept;
+  std::shared_ptr<GeomObject> held_[2];
+  bool good_ = true;
+};
+
+/// Null for geoms of other classes, for NULL, and for geoms of our class that dCreateGeom made. For what ODE hands us,
+/// which is alive.
 GeomObject* objectOf(dGeomID geom) noexcept;
+/// For what a program hands us: any pointer may be asked about, it is not read. Null also for geoms that were destroyed
+/// (as long as no other geom of ours has got the address).
+GeomObject* liveObjectOf(dGeomID geom) noexcept;
 
 /// A geom's pose by value, as double: row-major rotation, position. ODE changes poses behind pointers during a call.
 struct WorldPose {

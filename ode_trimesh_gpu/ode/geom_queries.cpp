@@ -15,10 +15,15 @@ struct WorldTriangle {
 
 /// A status; `triangle` is set when it is dGPUTRIMESH_OK.
 int worldTriangle(dGeomID g, int index, WorldTriangle& triangle) {
-  const GeomObject* const object = objectOf(g);
+  GeomObject* const object = liveObjectOf(g);
   if (object == nullptr) return dGPUTRIMESH_ERROR_CLASS;
-  if (index < 0 || index >= dGeomGpuTriMeshGetTriangleCount(g)) return dGPUTRIMESH_ERROR_ARGUMENT;
-  const TriMesh& mesh = object->mesh()->mesh();
+  const GeomUse use(object);
+  if (!use.good()) return dGPUTRIMESH_ERROR_BUSY;
+  const CollisionMesh* const placed = object->mesh();
+  if (placed == nullptr || index < 0 || static_cast<std::size_t>(index) >= placed->mesh().triangleCount()) {
+    return dGPUTRIMESH_ERROR_ARGUMENT;
+  }
+  const TriMesh& mesh = placed->mesh();
   const WorldPose pose = readPose(g);
   const Triangle& t = mesh.triangles()[mesh.triangleOfCaller(static_cast<std::uint32_t>(index))];
   for (int k = 0; k < 3; ++k) {
@@ -39,8 +44,10 @@ void write(const Vec3d& from, dReal* to) {
 }  // namespace otg
 
 int dGeomGpuTriMeshGetTriangleCount(dGeomID g) {
-  const otg::GeomObject* const object = otg::objectOf(g);
-  const otg::CollisionMesh* const mesh = object == nullptr ? nullptr : object->mesh();
+  otg::GeomObject* const object = otg::liveObjectOf(g);
+  const otg::GeomUse use(object);
+  if (!use.good()) otg::noteStatus(dGPUTRIMESH_ERROR_BUSY);
+  const otg::CollisionMesh* const mesh = object == nullptr || !use.good() ? nullptr : object->mesh();
   return mesh == nullptr ? 0 : static_cast<int>(mesh->mesh().triangleCount());
 }
 

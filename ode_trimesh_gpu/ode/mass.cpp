@@ -38,10 +38,17 @@ int massOfMesh(dMass* m, dReal density, const CollisionMesh* mesh) {
   return mesh->mesh().meshClass() == MeshClass::kSolid ? dGPUTRIMESH_OK : dGPUTRIMESH_NOT_SOLID;
 }
 
+int massOfData(dMass* m, dReal density, dGpuTriMeshDataID data) {
+  const UseHold use(&data->uses);
+  return use.good() ? massOfMesh(m, density, data->mesh()) : dGPUTRIMESH_ERROR_BUSY;
+}
+
 /// In the frame of the geom's body, or of the world if it has none.
 int massOfGeom(dMass* m, dReal density, dGeomID g) {
-  const GeomObject* const object = objectOf(g);
+  GeomObject* const object = liveObjectOf(g);
   if (object == nullptr) return dGPUTRIMESH_ERROR_CLASS;
+  const GeomUse use(object);
+  if (!use.good()) return dGPUTRIMESH_ERROR_BUSY;
   dMass own;
   const int status = massOfMesh(m == nullptr ? nullptr : &own, density, object->mesh());
   if (status < 0) return status;
@@ -75,13 +82,12 @@ int totalMass(dMass* m, dReal total, Fill fill) {
 
 int dMassSetGpuTriMeshData(dMass* m, dReal density, dGpuTriMeshDataID data) {
   if (!dxGpuTriMeshData::isLive(data)) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
-  return otg::noteStatus(otg::massOfMesh(m, density, data->mesh()));
+  return otg::noteStatus(otg::massOfData(m, density, data));
 }
 
 int dMassSetGpuTriMeshDataTotal(dMass* m, dReal total_mass, dGpuTriMeshDataID data) {
   if (!dxGpuTriMeshData::isLive(data)) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
-  return otg::noteStatus(
-      otg::totalMass(m, total_mass, [&](dMass* unit) { return otg::massOfMesh(unit, 1, data->mesh()); }));
+  return otg::noteStatus(otg::totalMass(m, total_mass, [&](dMass* unit) { return otg::massOfData(unit, 1, data); }));
 }
 
 int dMassSetGpuTriMesh(dMass* m, dReal density, dGeomID g) {

@@ -38,7 +38,7 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
   // A skip that makes elements overlap is an error of the caller's; the first element is there in any case.
   if (to.skip < static_cast<int>(sizeof(dContactGeom))) capacity = 1;
 
-  const DataUse use(side1.object->data, side2.object->data);
+  const GeomUse use(side1.object, side2.object);
   if (!use.good()) {
     noteStatus(dGPUTRIMESH_ERROR_BUSY);
     for (GeomObject* object : {side1.object, side2.object}) {
@@ -47,9 +47,8 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
     }
     return 0;
   }
-  for (MeshSide* side : {&side1, &side2}) {
-    if (side->object->data != nullptr) side->mesh = side->object->mesh();  // it may have changed until it was held
-  }
+  side1.takeMesh();
+  side2.takeMesh();
   PairTask task;
   preparePair(std::move(side1), std::move(side2), task);
   const auto both = {task.side1.object, task.side2.object};

@@ -56,27 +56,6 @@ bool dxGpuTriMeshData::isLive(const dxGpuTriMeshData* data) noexcept {
   return otg::live().handles.count(data) != 0;
 }
 
-bool dxGpuTriMeshData::beginUse() noexcept {
-  int uses = uses_.load(std::memory_order_relaxed);
-  while (uses >= 0) {
-    if (uses_.compare_exchange_weak(uses, uses + 1, std::memory_order_acquire, std::memory_order_relaxed)) return true;
-  }
-  return false;
-}
-
-void dxGpuTriMeshData::endUse() noexcept {
-  uses_.fetch_sub(1, std::memory_order_release);
-}
-
-bool dxGpuTriMeshData::beginChange() noexcept {
-  int none = 0;
-  return uses_.compare_exchange_strong(none, -1, std::memory_order_acquire, std::memory_order_relaxed);
-}
-
-void dxGpuTriMeshData::endChange() noexcept {
-  uses_.store(0, std::memory_order_release);
-}
-
 int dxGpuTriMeshData::accept(otg::MeshResult&& result, std::shared_ptr<otg::CollisionMesh> mesh) {
   report_ = std::move(result.report);
   if (mesh == nullptr) return dGPUTRIMESH_ERROR_MESH;
@@ -95,6 +74,7 @@ int dxGpuTriMeshData::spread() {
   int status = dGPUTRIMESH_OK;
   const std::lock_guard lock(mutex_);
   for (const auto& [serial, geom] : users_) {
+    if (geom == nullptr) continue;
     otg::GeomObject* const object = otg::objectOf(geom);
     if (object != nullptr && !otg::rescaleOrEmpty(*object, this)) status = dGPUTRIMESH_ERROR_MEMORY;
     dGeomMoved(geom);
@@ -104,7 +84,7 @@ int dxGpuTriMeshData::spread() {
 
 int dxGpuTriMeshData::build(const otg::MeshInput& input, const otg::RepairOptions& repair,
                             otg::BuildStrategy strategy) {
-  const otg::DataChange change(this);
+  const otg::ChangeHold change(&uses);
   if (!change.good()) return dGPUTRIMESH_ERROR_BUSY;
   otg::MeshResult result = otg::buildTriMesh(input, repair, otg::MeshOrder::kSpatial);
   std::shared_ptr<otg::CollisionMesh> mesh;
@@ -113,7 +93,7 @@ int dxGpuTriMeshData::build(const otg::MeshInput& input, const otg::RepairOption
 }
 
 int dxGpuTriMeshData::moveVertices(const otg::MeshInput& vertices) {
-  const otg::DataChange change(this);
+  const otg::ChangeHold change(&uses);
   return change.good() ? moveAll(vertices) : dGPUTRIMESH_ERROR_BUSY;
 }
 
@@ -126,7 +106,7 @@ int dxGpuTriMeshData::moveAll(const otg::MeshInput& vertices) {
 }
 
 int dxGpuTriMeshData::moveSome(const otg::MeshInput& input, std::size_t first, const int* numbers) {
-  const otg::DataChange change(this);
+  const otg::ChangeHold change(&uses);
   if (!change.good()) return dGPUTRIMESH_ERROR_BUSY;
   if (mesh_ == nullptr) return dGPUTRIMESH_ERROR_ARGUMENT;
   const std::size_t all = mesh_->mesh().inputVertexCount();
@@ -166,7 +146,7 @@ int dxGpuTriMeshData::moveSome(const otg::MeshInput& input, std::size_t first, c
 }
 
 int dxGpuTriMeshData::take(std::shared_ptr<otg::CollisionMesh> mesh, std::string error) {
-  const otg::DataChange change(this);
+  const otg::ChangeHold change(&uses);
   if (!change.good()) return dGPUTRIMESH_ERROR_BUSY;
   otg::MeshResult result;
   result.report.error = std::move(error);
@@ -206,4 +186,9 @@ void dxGpuTriMeshData::detach(std::uint64_t serial) noexcept {
     unused = users_.empty() && !handle_;
   }
   if (unused) delete this;
+}
+
+void dxGpuTriMeshData::forgetGeom(std::uint64_t serial) noexcept {
+  const std::lock_guard lock(mutex_);
+  if (const auto it = users_.find(serial); it != users_.end()) it->second = nullptr;
 }

@@ -5,7 +5,6 @@
 #include <ode/common.h>
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -15,6 +14,7 @@
 
 #include "bvh/collision_mesh.h"
 #include "mesh/tri_mesh.h"
+#include "ode/use_count.h"
 #include "ode_trimesh_gpu/trimesh_data.h"
 
 namespace otg {
@@ -58,12 +58,8 @@ struct dxGpuTriMeshData {
   /// Whether this is a handle that was created and is not given up yet. Any pointer may be asked about: it is not read.
   static bool isLive(const dxGpuTriMeshData* data) noexcept;
 
-  /// Held by a collision while it reads the mesh, and by who changes the mesh: many of the one or one of the other.
-  /// False where the program breaks that rule; then nothing is held.
-  bool beginUse() noexcept;
-  void endUse() noexcept;
-  bool beginChange() noexcept;
-  void endChange() noexcept;
+  /// Of queries that read the mesh, and of who changes it.
+  otg::UseCount uses;
 
   /// The user's handle is given up.
   void releaseHandle() noexcept;
@@ -73,6 +69,8 @@ struct dxGpuTriMeshData {
   void attach(std::uint64_t serial, dGeomID geom);
   /// It stops using it; deletes the object if that was the last use.
   void detach(std::uint64_t serial) noexcept;
+  /// The geom is destroyed while a query has it: it counts until detach(), but is not looked at any more.
+  void forgetGeom(std::uint64_t serial) noexcept;
 
   /// Additional data as the C API has them, by callers' triangles; of the present mesh alone.
   std::vector<std::uint8_t> useFlags;  ///< set by the program; empty: it did not
@@ -92,56 +90,8 @@ struct dxGpuTriMeshData {
   otg::ValidationReport report_;
   std::mutex scaledMutex_;
   std::map<otg::MeshScale, std::weak_ptr<const otg::CollisionMesh>> scaled_;  ///< of the present mesh
-  std::atomic<int> uses_{0};  ///< collisions that read the mesh, or -1 while it is changed
   mutable std::mutex mutex_;
   bool handle_ = true;
   /// In the order of creation, so that marking them as moved shuffles ODE's lists the same way in every run.
   std::map<std::uint64_t, dGeomID> users_;
 };
-
-namespace otg {
-
-/// A collision's hold on the meshes of two geoms; either may be null, and both may be one.
-class DataUse {
- public:
-  DataUse(dxGpuTriMeshData* first, dxGpuTriMeshData* second) {
-    for (dxGpuTriMeshData* const data : {first, second}) {
-      if (data == nullptr) continue;
-      if (!data->beginUse()) {
-        good_ = false;
-        return;
-      }
-      held_[count_++] = data;
-    }
-  }
-  ~DataUse() {
-    while (count_ > 0) held_[--count_]->endUse();
-  }
-  DataUse(const DataUse&) = delete;
-  DataUse& operator=(const DataUse&) = delete;
-  /// False while another thread changes one of the meshes.
-  bool good() const { return good_; }
-
- private:
-  dxGpuTriMeshData* held_[2] = {};
-  int count_ = 0;
-  bool good_ = true;
-};
-
-/// The hold of who changes a mesh.
-class DataChange {
- public:
-  explicit DataChange(dxGpuTriMeshData* data) : held_(data->beginChange() ? data : nullptr) {}
-  ~DataChange() {
-    if (held_ != nullptr) held_->endChange();
-  }
-  DataChange(const DataChange&) = delete;
-  DataChange& operator=(const DataChange&) = delete;
-  /// False while a collision reads the mesh or another thread changes it.
-  bool good() const { return held_ != nullptr; }
-
- private:
-  dxGpuTriMeshData* held_;
-};
-
-}  // namespace otg

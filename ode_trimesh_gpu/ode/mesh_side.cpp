@@ -61,7 +61,7 @@ std::shared_ptr<GeomObject> objectOfTrimesh(dGeomID geom) {
 }
 
 std::shared_ptr<GeomObject> settingsOf(dGeomID geom) {
-  GeomObject* const object = objectOf(geom);
+  GeomObject* const object = liveObjectOf(geom);
   return object != nullptr ? object->shared_from_this() : objectOfTrimesh(geom);
 }
 
@@ -70,7 +70,6 @@ MeshSide meshSideOf(dGeomID geom) {
   side.geom = geom;
   side.object = objectOf(geom);
   if (side.object != nullptr) {
-    side.mesh = side.object->mesh();
     side.callbacks = side.object->callbacks;
     side.last = side.object->last;
     return side;

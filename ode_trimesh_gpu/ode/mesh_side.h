@@ -14,13 +14,17 @@ namespace otg {
 struct MeshSide {
   dGeomID geom = nullptr;
   GeomObject* object = nullptr;         ///< null: the geom is neither of our class nor a dTriMesh
-  const CollisionMesh* mesh = nullptr;  ///< null: nothing to collide with
+  const CollisionMesh* mesh = nullptr;  ///< null: nothing to collide with; see takeMesh()
   GeomCallbacks callbacks;
   LastTransform last;
   /// Of a dTriMesh, which may be destroyed or changed without our knowledge: shares of its object and mesh.
   std::shared_ptr<GeomObject> ownObject;
   std::shared_ptr<const CollisionMesh> ownMesh;
 
+  /// Of a geom of our class, once it is held (GeomUse): until then its mesh may be changed.
+  void takeMesh() {
+    if (object != nullptr && ownObject == nullptr) mesh = object->mesh();
+  }
   std::shared_ptr<const CollisionMesh> sharedMesh() const {
     return ownMesh != nullptr || object == nullptr ? ownMesh : object->sharedMesh();
   }

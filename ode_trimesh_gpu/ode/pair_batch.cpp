@@ -22,7 +22,18 @@ PairBatch::PairBatch(std::span<const dGpuTriMeshPair> pairs, int capacity, bool 
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (!isPairInOde(pairs[i].o1, pairs[i].o2)) continue;
     PairTask& task = tasks_[i];
-    preparePair(meshSideOf(pairs[i].o1), meshSideOf(pairs[i].o2), task);
+    MeshSide side1 = meshSideOf(pairs[i].o1), side2 = meshSideOf(pairs[i].o2);
+    // While it is prepared. After that the batch has shares of the meshes, which nobody changes then.
+    const GeomUse use(side1.object, side2.object);
+    if (use.good()) {
+      side1.takeMesh();
+      side2.takeMesh();
+      preparePair(std::move(side1), std::move(side2), task);
+    } else {
+      task.side1 = std::move(side1);
+      task.side2 = std::move(side2);
+      task.state = PairTask::State::kBusy;
+    }
     task.job.any = unimportant;
     if (capacity > 0) {
       CollideOptions& options = task.job.query.options;
@@ -71,7 +82,9 @@ void PairBatch::remember() {
     }
     if (task.state == PairTask::State::kNothing) continue;
     const PairResult& result = results_[i];
-    if (task.state == PairTask::State::kBadPose || result.outcome == PairResult::Outcome::kRefused) {
+    if (task.state == PairTask::State::kBusy) {
+      countFailure(task, dGPUTRIMESH_ERROR_BUSY);
+    } else if (task.state == PairTask::State::kBadPose || result.outcome == PairResult::Outcome::kRefused) {
       countFailure(task, dGPUTRIMESH_ERROR_POSE);
     } else if (result.outcome == PairResult::Outcome::kNoMemory) {
       countFailure(task, dGPUTRIMESH_ERROR_MEMORY);

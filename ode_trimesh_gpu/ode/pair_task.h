@@ -37,6 +37,7 @@ struct PairTask {
   enum class State {
     kNothing,  ///< they cannot touch: a geom without triangles, or far apart
     kBadPose,  ///< a pose is not finite or not rigid
+    kBusy,     ///< a geom or its data are changed by somebody else
     kReady     ///< `job` is to be done
   };
   MeshSide side1, side2;

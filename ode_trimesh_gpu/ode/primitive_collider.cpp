@@ -88,18 +88,21 @@ void findContacts(PrimitiveTask& task, int most, std::vector<Contact>& out, int&
 }
 
 int collidePrimitive(PrimitiveTask& task, dContactGeom* contact, int skip) {
+  const GeomUse use(task.side.object);
   GeomStats& stats = task.side.object->stats;
   stats.queries.fetch_add(1, std::memory_order_relaxed);
   int failure = dGPUTRIMESH_OK;
-  const DataUse use(task.side.object->data, nullptr);
-  if (task.side.object->data != nullptr) task.side.mesh = use.good() ? task.side.object->mesh() : nullptr;
-  if (!use.good()) failure = dGPUTRIMESH_ERROR_BUSY;
   try {
     const int most = std::min(task.capacity, task.side.object->params.max_contacts);
     const WorkspaceLease lease;
     std::vector<Contact>& contacts = (*lease).contacts;
     contacts.clear();
-    if (prepare(task, failure)) findContacts(task, most, contacts, failure);
+    if (use.good()) {
+      task.side.takeMesh();
+      if (prepare(task, failure)) findContacts(task, most, contacts, failure);
+    } else {
+      failure = dGPUTRIMESH_ERROR_BUSY;
+    }
     if (failure != dGPUTRIMESH_OK) {
       noteStatus(failure);
       stats.failedQueries.fetch_add(1, std::memory_order_relaxed);

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "dispatch/dispatcher.h"
 #include "ode/geom_class.h"
@@ -35,16 +36,18 @@ double length(const Vec3d& v) {
   return std::sqrt(otgDot(v, v));
 }
 
-/// A geom of our class where it is now.
+/// A geom of our class where it is now, held as long as this lives.
 struct Placed {
+  std::optional<GeomUse> use;
   const CollisionMesh* mesh = nullptr;  ///< null: no surface
   Transformd pose{};
 };
 
 /// Returns a status.
 int place(dGeomID g, Placed& out) {
-  const GeomObject* const object = objectOf(g);
+  GeomObject* const object = liveObjectOf(g);
   if (object == nullptr) return dGPUTRIMESH_ERROR_CLASS;
+  if (!out.use.emplace(object).good()) return dGPUTRIMESH_ERROR_BUSY;
   const WorldPose pose = readPose(g);
   if (!pose.rigid) return dGPUTRIMESH_ERROR_POSE;
   out.mesh = object->mesh();
@@ -101,9 +104,14 @@ bool inside(const Placed& placed, const dReal* point) {
   return isInside(*placed.mesh, p, nearest);
 }
 
-/// Two geoms as a query, mesh A being o1's. Returns a status; a null mesh in the query: a geom without a surface.
-int placePair(dGeomID o1, dGeomID o2, Query& query, Transformd& pose1) {
+/// Two geoms.
+struct PlacedPair {
   Placed first, second;
+};
+
+/// As a query, mesh A being o1's. Returns a status; a null mesh in the query: a geom without a surface.
+int placePair(dGeomID o1, dGeomID o2, PlacedPair& pair, Query& query, Transformd& pose1) {
+  auto& [first, second] = pair;
   for (const int status : {place(o1, first), place(o2, second)}) {
     if (status != dGPUTRIMESH_OK) return status;
   }
@@ -115,9 +123,10 @@ int placePair(dGeomID o1, dGeomID o2, Query& query, Transformd& pose1) {
 }
 
 int distanceOf(dGeomID o1, dGeomID o2, dReal limit, dGpuTriMeshDistance& out) {
+  PlacedPair pair;
   Query query;
   Transformd pose1;
-  if (const int status = placePair(o1, o2, query, pose1)) return status;
+  if (const int status = placePair(o1, o2, pair, query, pose1)) return status;
   MeshDistance found;
   if (query.a != nullptr && query.b != nullptr) found = meshDistance(query, static_cast<double>(limit));
   out = {};
@@ -134,9 +143,10 @@ int distanceOf(dGeomID o1, dGeomID o2, dReal limit, dGpuTriMeshDistance& out) {
 
 /// 1, 0 or a negative status.
 int overlapOf(dGeomID o1, dGeomID o2) {
+  PlacedPair pair;
   Query query;
   Transformd pose1;
-  if (const int status = placePair(o1, o2, query, pose1)) return status;
+  if (const int status = placePair(o1, o2, pair, query, pose1)) return status;
   return query.a != nullptr && query.b != nullptr && overlap(query) ? 1 : 0;
 }
 

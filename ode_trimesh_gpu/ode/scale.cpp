@@ -93,12 +93,15 @@ std::shared_ptr<const otg::CollisionMesh> dxGpuTriMeshData::scaledMesh(const otg
 
 int dGeomGpuTriMeshSetScale(dGeomID g, dReal x, dReal y, dReal z) {
   return otg::guarded([&] {
-    otg::GeomObject* const object = otg::objectOf(g);
+    otg::GeomObject* const object = otg::liveObjectOf(g);
     if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
     const otg::MeshScale scale = {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
     for (const float s : scale) {
       if (!std::isfinite(s) || s == 0) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
     }
+    const otg::ChangeHold change(&object->uses);
+    const otg::UseHold use(change.good() && object->data != nullptr ? &object->data->uses : nullptr);
+    if (!change.good() || !use.good()) return static_cast<int>(dGPUTRIMESH_ERROR_BUSY);
     if (const int status = object->rescale(object->data, scale)) return status;
     dGeomMoved(g);
     return static_cast<int>(dGPUTRIMESH_OK);
@@ -106,7 +109,7 @@ int dGeomGpuTriMeshSetScale(dGeomID g, dReal x, dReal y, dReal z) {
 }
 
 int dGeomGpuTriMeshGetScale(dGeomID g, dVector3 scale) {
-  const otg::GeomObject* const object = otg::objectOf(g);
+  const otg::GeomObject* const object = otg::liveObjectOf(g);
   if (object == nullptr) return otg::noteStatus(dGPUTRIMESH_ERROR_CLASS);
   if (scale == nullptr) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
   for (std::size_t k = 0; k < 3; ++k) scale[k] = static_cast<dReal>(object->scale[k]);

@@ -113,12 +113,14 @@ TEST_CASE("null ids of mesh data, and ids that were given back, are refused by e
   expectRefused(gone);  // freed by now
 }
 
-TEST_CASE("geoms of other classes and null geoms are refused") {
+TEST_CASE("geoms of other classes, null geoms and destroyed ones are refused") {
   const OdeSession session;
   const dGeomID sphere = dCreateSphere(nullptr, 1);
   const Data box(scenes::makeBox({1, 1, 1}));
   const Geom geom(box);
-  for (const dGeomID g : {sphere, static_cast<dGeomID>(nullptr)}) {
+  const dGeomID gone = dCreateGpuTriMesh(nullptr, box.id);
+  dGeomDestroy(gone);
+  for (const dGeomID g : {sphere, static_cast<dGeomID>(nullptr), gone}) {
     constexpr int kRefused = dGPUTRIMESH_ERROR_CLASS;
     dGpuTriMeshParams params;
     dGpuTriMeshParamsInit(&params);
@@ -131,20 +133,23 @@ TEST_CASE("geoms of other classes and null geoms are refused") {
     dGpuTriMeshDistance apart;
     CHECK(dGeomGpuTriMeshSetData(g, box.id) == kRefused);
     CHECK(dGeomGpuTriMeshGetData(g) == nullptr);
-    CHECK(dGeomGpuTriMeshSetParams(g, &params) == kRefused);
-    CHECK(dGeomGpuTriMeshGetParams(g, &params) == kRefused);
+    if (g != gone) {  // functions that take a dTriMesh as well have to look at the geom
+      CHECK(dGeomGpuTriMeshSetParams(g, &params) == kRefused);
+      CHECK(dGeomGpuTriMeshGetParams(g, &params) == kRefused);
+      CHECK(dGeomGpuTriMeshSetLastTransform(g, nullptr) == kRefused);
+      CHECK(dGeomGpuTriMeshGetLastTransform(g) == nullptr);
+      CHECK(dGeomGpuTriMeshClearTCCache(g) == kRefused);
+      CHECK(dGeomGpuTriMeshForgetHistory(g) == kRefused);
+      CHECK(dGeomGpuTriMeshGetStats(g, &stats) == kRefused);
+      CHECK(dGeomGpuTriMeshResetStats(g) == kRefused);
+      CHECK(dGpuTriMeshOverridePrepare(g) == kRefused);
+    }
     CHECK(dGeomGpuTriMeshGetTriangleCount(g) == 0);
     CHECK(dGeomGpuTriMeshGetTriangle(g, 0, &v, nullptr, nullptr) == kRefused);
     CHECK(dGeomGpuTriMeshGetPoint(g, 0, 0, 0, v) == kRefused);
     CHECK(dGeomGpuTriMeshSetScale(g, 1, 1, 1) == kRefused);
     CHECK(dGeomGpuTriMeshGetScale(g, v) == kRefused);
-    CHECK(dGeomGpuTriMeshSetLastTransform(g, nullptr) == kRefused);
-    CHECK(dGeomGpuTriMeshGetLastTransform(g) == nullptr);
     CHECK(dGeomGpuTriMeshEnableTC(g, dSphereClass, 1) == kRefused);
-    CHECK(dGeomGpuTriMeshClearTCCache(g) == kRefused);
-    CHECK(dGeomGpuTriMeshForgetHistory(g) == kRefused);
-    CHECK(dGeomGpuTriMeshGetStats(g, &stats) == kRefused);
-    CHECK(dGeomGpuTriMeshResetStats(g) == kRefused);
     CHECK(dGeomGpuTriMeshSetCallback(g, nullptr) == kRefused);
     CHECK(dGeomGpuTriMeshSetPairCallback(g, nullptr) == kRefused);
     CHECK(dGeomGpuTriMeshSetBackend(g, dGPUTRIMESH_BACKEND_CPU) == kRefused);
@@ -153,7 +158,16 @@ TEST_CASE("geoms of other classes and null geoms are refused") {
     CHECK(dGeomGpuTriMeshClosestPoint(g, v, &nearest) == kRefused);
     CHECK(dGpuTriMeshGetDistance(g, geom.id, 1, &apart) == kRefused);
     CHECK(dGpuTriMeshOverlap(g, geom.id) == kRefused);
-    CHECK(dGpuTriMeshOverridePrepare(g) == kRefused);
+    const dGpuTriMeshPair pair{geom.id, g};
+    int count = 0;
+    unsigned char answer = 0;
+    const dGpuTriMeshRay ray{{0, 0, 0, 0}, {0, 0, 1, 0}, 1};
+    dGpuTriMeshRayHit hit;
+    CHECK(dGpuTriMeshCollidePairs(&pair, 1, 1, &contact, sizeof contact, &count) == kRefused);
+    CHECK(dGpuTriMeshBatchSubmit(&pair, 1, 1) == nullptr);
+    CHECK(dGpuTriMeshOverlaps(&pair, 1, &answer) == kRefused);
+    CHECK(dGeomGpuTriMeshPointsInside(g, v, sizeof v, 1, &answer) == kRefused);
+    CHECK(dGeomGpuTriMeshCastRays(g, &ray, 1, 0, &hit) == kRefused);
   }
   dGeomDestroy(sphere);
 }
@@ -219,4 +233,151 @@ TEST_CASE("a mesh that one thread changes while another collides it: one of the 
   CHECK(!test::collide(floor.id, geom.id).empty());
   CHECK(!test::collide(ball, geom.id).empty());
   dGeomDestroy(ball);
+}
+
+namespace {
+
+dGeomID changedGeom = nullptr;
+dGpuTriMeshDataID otherData = nullptr;
+/// What functions that change a geom said, and then those that only read.
+std::vector<int> geomStatus, readStatus;
+int changeGeomWhileAsked(dGeomID, dGeomID, int) {
+  geomStatus = {dGeomGpuTriMeshSetData(changedGeom, otherData), dGeomGpuTriMeshSetData(changedGeom, nullptr),
+                dGeomGpuTriMeshSetScale(changedGeom, 2, 2, 2)};
+  dVector3 point = {0, 0, 0.2, 0};
+  dGpuTriMeshClosestPoint nearest;
+  dMass mass;
+  dVector3 corner;
+  readStatus = {dGeomGpuTriMeshClosestPoint(changedGeom, point, &nearest), dMassSetGpuTriMesh(&mass, 1, changedGeom),
+                dGeomGpuTriMeshGetTriangle(changedGeom, 0, &corner, nullptr, nullptr)};
+  return 1;
+}
+
+bool destroyed = false;
+int destroyWhileAsked(dGeomID, dGeomID, int) {
+  if (!destroyed) dGeomDestroy(changedGeom);
+  destroyed = true;
+  return 1;
+}
+
+}  // namespace
+
+TEST_CASE("a callback can neither give the geom that is collided other data nor scale it, but may read it") {
+  const OdeSession session;
+  const Data box(scenes::makeBox({1, 1, 1})), small(scenes::makeBox({0.5f, 0.5f, 0.5f}));
+  const Geom a(box), b(box);
+  dGeomSetPosition(b.id, 0.1, 0.2, 0.9);
+  const auto plain = test::collide(a.id, b.id);
+  const dGeomID ball = dCreateSphere(nullptr, 0.5);
+  dGeomSetPosition(ball, 0, 0, 0.9);
+  otherData = small.id;
+  for (const dGeomID changed : {a.id, b.id}) {
+    changedGeom = changed;
+    REQUIRE(dGeomGpuTriMeshSetCallback(changed, &changeGeomWhileAsked) == dGPUTRIMESH_OK);
+    for (const dGeomID other : {changed == a.id ? b.id : a.id, ball}) {
+      geomStatus.clear();
+      const auto contacts = test::collide(changed, other);
+      if (other != ball) CHECK(contacts.size() == plain.size());
+      CHECK(geomStatus == std::vector<int>(3, dGPUTRIMESH_ERROR_BUSY));
+      CHECK(readStatus == std::vector<int>(3, dGPUTRIMESH_OK));
+    }
+    REQUIRE(dGeomGpuTriMeshSetCallback(changed, nullptr) == dGPUTRIMESH_OK);
+    CHECK(dGeomGpuTriMeshGetData(changed) == box.id);
+    CHECK(dGeomGpuTriMeshSetScale(changed, 1, 1, 1) == dGPUTRIMESH_OK);  // afterwards it can
+  }
+  CHECK(dGeomGpuTriMeshSetData(b.id, small.id) == dGPUTRIMESH_OK);
+  dGeomDestroy(ball);
+}
+
+TEST_CASE("a geom that a callback destroys is gone after the query, which is told, and its data with it") {
+  const OdeSession session;
+  const Data box(scenes::makeBox({1, 1, 1}));
+  const Geom a(box);
+  for (const bool keepsHandle : {true, false}) {
+    const dGpuTriMeshDataID data = dGpuTriMeshDataCreate();
+    const scenes::MeshArrays lump = scenes::makeLump(0.5, 3, 0.2, 4);
+    REQUIRE(dGpuTriMeshDataBuildSingle(data, lump.vertices.data(), 0, static_cast<int>(lump.vertices.size()),
+                                       lump.triangles.data(), static_cast<int>(3 * lump.triangles.size()),
+                                       0) == dGPUTRIMESH_OK);
+    changedGeom = dCreateGpuTriMesh(nullptr, data);
+    if (!keepsHandle) dGpuTriMeshDataDestroy(data);  // the geom's is the last use
+    dGeomSetPosition(changedGeom, 0, 0, 0.9);
+    destroyed = false;
+    REQUIRE(dGeomGpuTriMeshSetCallback(a.id, &destroyWhileAsked) == dGPUTRIMESH_OK);
+    dGpuTriMeshGetError();
+    dContactGeom contacts[8];
+    dCollide(a.id, changedGeom, 8, contacts, sizeof(dContactGeom));
+    CHECK(destroyed);
+    CHECK(lastError() == dGPUTRIMESH_ERROR_BUSY);
+    CHECK(dGeomGpuTriMeshGetData(changedGeom) == nullptr);
+    REQUIRE(dGeomGpuTriMeshSetCallback(a.id, nullptr) == dGPUTRIMESH_OK);
+    if (keepsHandle) {
+      CHECK(dGpuTriMeshDataUpdateVerticesSingle(data, lump.vertices.data(), 0,
+                                                static_cast<int>(lump.vertices.size())) == dGPUTRIMESH_OK);
+      dGpuTriMeshDataDestroy(data);
+    }
+  }
+}
+
+TEST_CASE(
+    "queries of every kind and changes of the mesh, the data and the scale in two threads: one of the two is told") {
+  const OdeSession session;
+  scenes::MeshArrays lump = scenes::makeLump(0.5, 4, 0.2, 4);
+  const Data ground(scenes::makeGround(6, 1, 12)), body(lump), spare(scenes::makeLump(0.5, 3, 0.2, 5));
+  const Geom floor(ground), geom(body);
+  dGeomSetPosition(geom.id, 0.1, 0.2, 0.4);
+  dReal aabb[6];
+  for (const dGeomID g : {floor.id, geom.id}) dGeomGetAABB(g, aabb);
+  std::atomic<bool> done{false};
+  std::atomic<int> changed{0}, refusals{0}, bad{0};
+  const auto countChange = [&](int status) {
+    ++(status == dGPUTRIMESH_OK ? changed : status == dGPUTRIMESH_ERROR_BUSY ? refusals : bad);
+  };
+  std::thread changer([&] {
+    const auto vertices = static_cast<int>(lump.vertices.size());
+    for (int i = 0; i < 60; ++i) {
+      for (Vec3f& v : lump.vertices) v.z *= i % 2 == 0 ? 1.001f : 1 / 1.001f;
+      countChange(dGpuTriMeshDataUpdateVerticesSingle(body.id, lump.vertices.data(), 0, vertices));
+      countChange(dGpuTriMeshDataUpdateRangeSingle(body.id, lump.vertices.data(), 0, 0, 3));
+      countChange(dGeomGpuTriMeshSetData(geom.id, i % 2 == 0 ? spare.id : body.id));
+      countChange(dGeomGpuTriMeshSetScale(geom.id, 1, 1, i % 3 == 0 ? 1.5 : 1));
+    }
+    done = true;
+  });
+  const dGpuTriMeshPair pair{floor.id, geom.id};
+  const dReal points[8] = {0, 0, 0.3, 0, 0.2, 0.1, 5, 0};
+  const dGpuTriMeshRay ray{{0.1, 0.2, 5, 0}, {0, 0, -1, 0}, 10};
+  std::atomic<int> answered{0}, told{0};
+  const auto count = [&](int status) { ++(status >= 0 ? answered : status == dGPUTRIMESH_ERROR_BUSY ? told : bad); };
+  for (int rounds = 0; !done || rounds < 10; ++rounds) {
+    dGpuTriMeshClosestPoint nearest[2];
+    unsigned char inside[2], overlaps = 0;
+    dGpuTriMeshDistance apart;
+    dGpuTriMeshRayHit hit;
+    dMass mass;
+    dVector3 corner;
+    dContactGeom contacts[16];
+    int contactCount = 0;
+    count(dGeomGpuTriMeshClosestPoints(geom.id, points, 4 * sizeof(dReal), 2, nearest));
+    count(dGeomGpuTriMeshPointsInside(geom.id, points, 4 * sizeof(dReal), 2, inside));
+    count(dGpuTriMeshGetDistance(floor.id, geom.id, 1, &apart));
+    count(dGpuTriMeshOverlaps(&pair, 1, &overlaps));
+    count(dGeomGpuTriMeshCastRays(geom.id, &ray, 1, 0, &hit));
+    count(dMassSetGpuTriMesh(&mass, 1, geom.id));
+    count(dMassSetGpuTriMeshData(&mass, 1, body.id));
+    count(dGeomGpuTriMeshGetTriangle(geom.id, 7, &corner, nullptr, nullptr));
+    dGpuTriMeshGetError();
+    count(dGpuTriMeshDataCook(body.id, nullptr, 0) > 0 ? 0 : dGpuTriMeshGetError());
+    count(dGpuTriMeshCollidePairs(&pair, 1, 16, contacts, sizeof(dContactGeom), &contactCount) > 0 ? 0
+          : dGpuTriMeshGetError() == dGPUTRIMESH_ERROR_BUSY ? dGPUTRIMESH_ERROR_BUSY
+                                                            : dGPUTRIMESH_ERROR_ARGUMENT);
+    count(dCollide(floor.id, geom.id, 16, contacts, sizeof(dContactGeom)) > 0 ? 0
+          : dGpuTriMeshGetError() == dGPUTRIMESH_ERROR_BUSY                   ? dGPUTRIMESH_ERROR_BUSY
+                                                                              : dGPUTRIMESH_ERROR_ARGUMENT);
+  }
+  changer.join();
+  INFO(answered << " answered, " << told << " told; " << changed << " changed, " << refusals << " told");
+  CHECK(bad == 0);
+  CHECK(answered > 0);
+  CHECK(changed + refusals == 240);
 }

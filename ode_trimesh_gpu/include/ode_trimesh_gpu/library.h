@@ -38,10 +38,12 @@ extern "C" {
  * @par Errors
  * No function aborts, throws or prints because of a bad argument. Most return a status: dGPUTRIMESH_OK (zero), a
  * negative error, after which nothing has changed, or a positive remark. Functions that return a pointer return NULL,
- * and dGpuTriMeshGetError() says why. Ids of mesh data that were destroyed
- * are told from others, for as long as no new object has the same address; so are data that are changed while
- * dCollide() uses them (dGPUTRIMESH_ERROR_BUSY). dCollide() has no place for an error: a pair that can't be collided
- * gets no contacts, is counted in `failed_queries` of dGpuTriMeshStats, and dGpuTriMeshGetError() says why.
+ * and dGpuTriMeshGetError() says why. Ids of mesh data and of geoms of this class that were destroyed are told from
+ * others (dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_CLASS), for as long as no new object of this library has the
+ * same address; functions that take a dTriMesh as well can tell neither. Every function that reads or changes a mesh
+ * may also return dGPUTRIMESH_ERROR_BUSY. A geom that a callback destroys during a query is destroyed; the query goes
+ * on with what it has, and leaves dGPUTRIMESH_ERROR_BUSY. dCollide() has no place for an error: a pair that can't be
+ * collided gets no contacts, is counted in `failed_queries` of dGpuTriMeshStats, and dGpuTriMeshGetError() says why.
  */
 
 /**
@@ -69,8 +71,9 @@ enum {
   dGPUTRIMESH_ERROR_FILE = -11,       /**< a file can't be read or written; errno says why */
   dGPUTRIMESH_ERROR_COOKED = -12,     /**< bytes that are no cooked mesh of this version, or are damaged; the data's
                                            error string says which */
-  dGPUTRIMESH_ERROR_BUSY = -13        /**< mesh data are changed while a collision uses them: by another thread, or by a
-                                           callback of that very collision. Told to the one that came second */
+  dGPUTRIMESH_ERROR_BUSY = -13 /**< mesh data, or the data or scale of a geom, are changed while a query uses them:
+                                    by another thread, or by a callback of that very query. Told to the one that
+                                    came second, for which nothing is done */
 };
 
 /**
