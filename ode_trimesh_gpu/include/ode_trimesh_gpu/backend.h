@@ -33,6 +33,8 @@ OTG_API int dGpuTriMeshSetBackend(int backend);
 
 /**
  * @brief What dGpuTriMeshSetBackend() was called with last.
+ * @returns dGPUTRIMESH_BACKEND_..., dGPUTRIMESH_BACKEND_CPU before the first call.
+ * @remarks May be called from any thread and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshGetBackend(void);
@@ -50,7 +52,9 @@ OTG_API int dGeomGpuTriMeshSetBackend(dGeomID g, int backend);
 
 /**
  * @brief The `backend` of a geom's parameters.
+ * @param g  a geom of this class
  * @returns dGPUTRIMESH_BACKEND_..., or dGPUTRIMESH_ERROR_CLASS.
+ * @remarks May be called from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API int dGeomGpuTriMeshGetBackend(dGeomID g);
@@ -76,6 +80,7 @@ OTG_API int dGpuTriMeshOpenDevices(const int* indices, int count);
 /**
  * @brief Closes all devices, when the queries that use them are done. The CPU computes from here on. Not needed at the
  *        end of a program.
+ * @remarks From any thread and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API void dGpuTriMeshCloseDevices(void);
@@ -104,6 +109,8 @@ typedef struct dGpuTriMeshDevice {
 
 /**
  * @brief Sets the size and zeroes the rest. NULL does nothing.
+ * @param device  may be NULL
+ * @remarks Needs no ODE. May be called from any thread and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API void dGpuTriMeshDeviceInit(dGpuTriMeshDevice* device);

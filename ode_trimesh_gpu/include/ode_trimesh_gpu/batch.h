@@ -127,6 +127,7 @@ OTG_API dGpuTriMeshBatchID dGpuTriMeshBatchSubmit(const dGpuTriMeshPair* pairs, 
 /**
  * @brief Whether a batch is computed: whether dGpuTriMeshBatchWait() would return at once.
  * @returns 1 or 0; dGPUTRIMESH_ERROR_ARGUMENT for NULL.
+ * @remarks From any thread and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshBatchIsDone(dGpuTriMeshBatchID batch);
@@ -164,6 +165,7 @@ OTG_API int dGpuTriMeshBatchCollect(dGpuTriMeshBatchID batch, dContactGeom* cont
 /**
  * @brief Ends a batch; waits for it if it is not computed yet. NULL does nothing.
  * @remarks Every batch has to be destroyed before the program ends.
+ * @remarks By one thread, when no other one uses the batch any more.
  * @ingroup gputrimesh
  */
 OTG_API void dGpuTriMeshBatchDestroy(dGpuTriMeshBatchID batch);

@@ -52,7 +52,9 @@ typedef int dGpuTriMeshPairCallback(dGeomID own, dGeomID other, int own_triangle
 OTG_API int dGeomGpuTriMeshSetPairCallback(dGeomID g, dGpuTriMeshPairCallback* Callback);
 /**
  * @brief The callback for pairs of triangles.
+ * @param g  as in dGeomGpuTriMeshSetPairCallback()
  * @returns What was set; NULL for none and for geoms of other classes. This holds for the other Get functions as well.
+ * @remarks May be called from a near callback. So may the other Get functions of this header.
  * @ingroup gputrimesh
  */
 OTG_API dGpuTriMeshPairCallback* dGeomGpuTriMeshGetPairCallback(dGeomID g);
@@ -63,11 +65,15 @@ OTG_API dGpuTriMeshPairCallback* dGeomGpuTriMeshGetPairCallback(dGeomID g);
  * @param g         a geom of this class
  * @param Callback  NULL for none
  * @returns dGPUTRIMESH_OK or dGPUTRIMESH_ERROR_CLASS.
+ * @remarks Not while another thread collides the geom.
  * @ingroup gputrimesh
  */
 OTG_API int dGeomGpuTriMeshSetCallback(dGeomID g, dTriCallback* Callback);
 /**
  * @brief The callback for single triangles; the counterpart of dGeomTriMeshGetCallback().
+ * @param g  a geom of this class
+ * @returns What was set; NULL for none and for geoms of other classes.
+ * @remarks May be called from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API dTriCallback* dGeomGpuTriMeshGetCallback(dGeomID g);
@@ -79,11 +85,15 @@ OTG_API dTriCallback* dGeomGpuTriMeshGetCallback(dGeomID g);
  * @param g              a geom of this class
  * @param ArrayCallback  NULL for none. The array that it gets lives until it returns
  * @returns dGPUTRIMESH_OK or dGPUTRIMESH_ERROR_CLASS.
+ * @remarks Not while another thread collides the geom.
  * @ingroup gputrimesh
  */
 OTG_API int dGeomGpuTriMeshSetArrayCallback(dGeomID g, dTriArrayCallback* ArrayCallback);
 /**
  * @brief The callback for all triangles at once; the counterpart of dGeomTriMeshGetArrayCallback().
+ * @param g  a geom of this class
+ * @returns What was set; NULL for none and for geoms of other classes.
+ * @remarks May be called from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API dTriArrayCallback* dGeomGpuTriMeshGetArrayCallback(dGeomID g);
@@ -95,11 +105,15 @@ OTG_API dTriArrayCallback* dGeomGpuTriMeshGetArrayCallback(dGeomID g);
  * @param g         a geom of this class
  * @param Callback  NULL for none
  * @returns dGPUTRIMESH_OK or dGPUTRIMESH_ERROR_CLASS.
+ * @remarks Not while another thread collides the geom.
  * @ingroup gputrimesh
  */
 OTG_API int dGeomGpuTriMeshSetRayCallback(dGeomID g, dTriRayCallback* Callback);
 /**
  * @brief The callback for rays; the counterpart of dGeomTriMeshGetRayCallback().
+ * @param g  a geom of this class
+ * @returns What was set; NULL for none and for geoms of other classes.
+ * @remarks May be called from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API dTriRayCallback* dGeomGpuTriMeshGetRayCallback(dGeomID g);
@@ -115,11 +129,15 @@ OTG_API dTriRayCallback* dGeomGpuTriMeshGetRayCallback(dGeomID g);
  * @param g         a geom of this class
  * @param Callback  NULL for none: contacts have their own triangles
  * @returns dGPUTRIMESH_OK or dGPUTRIMESH_ERROR_CLASS.
+ * @remarks Not while another thread collides the geom.
  * @ingroup gputrimesh
  */
 OTG_API int dGeomGpuTriMeshSetTriMergeCallback(dGeomID g, dTriTriMergeCallback* Callback);
 /**
  * @brief The callback for merged triangles; the counterpart of dGeomTriMeshGetTriMergeCallback().
+ * @param g  a geom of this class
+ * @returns What was set; NULL for none and for geoms of other classes.
+ * @remarks May be called from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API dTriTriMergeCallback* dGeomGpuTriMeshGetTriMergeCallback(dGeomID g);

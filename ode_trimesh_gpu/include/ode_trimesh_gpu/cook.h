@@ -16,8 +16,8 @@ extern "C" {
  * @brief Writes a built mesh as bytes: vertices, triangles, topology, tree, mass and report. What is loaded from them
  *        collides with the same contacts, byte for byte.
  *
- * The bytes are the same on every machine. They carry a version, their length and a checksum. Flags of
- * dGpuTriMeshDataSet() are not among them.
+ * The bytes are the same on every machine, little end first. They carry a version, their length and a checksum; a
+ * library reads its own version alone. Flags of dGpuTriMeshDataSet() are not among them.
  * @param g         the object, built before
  * @param buffer    receives the bytes; may be NULL when capacity is 0
  * @param capacity  its size in bytes
@@ -34,7 +34,8 @@ OTG_API dsizeint dGpuTriMeshDataCook(dGpuTriMeshDataID g, void* buffer, dsizeint
  *
  * Bytes that are something else, of another version, cut off, changed, or that have numbers in them which point nowhere
  * are refused; dGpuTriMeshDataGetErrorString() says which. Geoms that use the object have the new mesh from now on, as
- * after a Build; after an error it keeps the mesh that it had.
+ * after a Build; after an error it keeps the mesh that it had. The bytes are read at least 20 times as fast as the mesh
+ * is built, but for meshes of a few thousand triangles in memory that is fresh from the system.
  * @param g       the object
  * @param buffer  the bytes; they need not outlive the call, nor be aligned
  * @param size    how many
@@ -52,12 +53,13 @@ OTG_API int dGpuTriMeshDataUncook(dGpuTriMeshDataID g, const void* buffer, dsize
  * @param path  in the encoding of fopen()
  * @returns dGPUTRIMESH_OK; dGPUTRIMESH_ERROR_ARGUMENT; dGPUTRIMESH_ERROR_FILE if it cannot be written: errno says why;
  *          dGPUTRIMESH_ERROR_MEMORY.
+ * @remarks May be called from a near callback, and from several threads for one object and different files.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshDataSave(dGpuTriMeshDataID g, const char* path);
 
 /**
- * @brief dGpuTriMeshDataUncook() from a file.
+ * @brief dGpuTriMeshDataUncook() from a file. It is read, not mapped: what happens to it afterwards does not matter.
  * @param g     the object
  * @param path  in the encoding of fopen()
  * @returns As dGpuTriMeshDataUncook(); dGPUTRIMESH_ERROR_FILE if the file cannot be read: errno says why.

@@ -89,6 +89,7 @@ OTG_API int dGeomGpuTriMeshGetParams(dGeomID g, dGpuTriMeshParams* params);
 
 /**
  * @brief The number of triangles of the geom's mesh.
+ * @param g  a geom of this class
  * @returns 0 for a geom without mesh and for a geom that is not of this class.
  * @remarks May be called from a near callback.
  * @ingroup gputrimesh
@@ -123,7 +124,9 @@ OTG_API int dGeomGpuTriMeshGetPoint(dGeomID g, int Index, dReal u, dReal v, dVec
 
 /**
  * @brief The mesh of the geom, by ODE's other name for it: dGeomGpuTriMeshGetData().
+ * @param g  a geom of this class
  * @returns As there.
+ * @remarks May be called from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API dGpuTriMeshDataID dGeomGpuTriMeshGetTriMeshDataID(dGeomID g);
@@ -145,7 +148,10 @@ OTG_API int dGeomGpuTriMeshEnableTC(dGeomID g, int geomClass, int enable);
 /**
  * @brief Whether temporal coherence is on for pairs with geoms of one class; the counterpart of
  *        dGeomTriMeshIsTCEnabled().
+ * @param g          a geom of this class
+ * @param geomClass  as in dGeomGpuTriMeshEnableTC()
  * @returns 1 or 0; dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_CLASS.
+ * @remarks May be called from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API int dGeomGpuTriMeshIsTCEnabled(dGeomID g, int geomClass);
@@ -209,8 +215,10 @@ OTG_API int dGeomGpuTriMeshSetLastTransform(dGeomID g, const dReal* last_trans);
 
 /**
  * @brief What dGeomGpuTriMeshSetLastTransform() was given.
+ * @param g  as in that function
  * @returns Sixteen numbers that live until the next call of that function for the geom, or its end; zeros before the
  *          first one. NULL for a geom of another class.
+ * @remarks May be called from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API const dReal* dGeomGpuTriMeshGetLastTransform(dGeomID g);

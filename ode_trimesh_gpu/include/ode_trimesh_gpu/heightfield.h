@@ -46,6 +46,8 @@ typedef struct dGpuTriMeshHeightfield {
 
 /**
  * @brief Zeroes the structure, sets its size, and the scale to 1. NULL does nothing.
+ * @param field  may be NULL
+ * @remarks Needs no ODE. May be called from any thread and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API void dGpuTriMeshHeightfieldInit(dGpuTriMeshHeightfield* field);
@@ -98,8 +100,20 @@ OTG_API void dGpuTriMeshHeightfieldDataForget(dHeightfieldDataID data);
 
 /**
  * @brief dGeomHeightfieldDataBuildCallback(), whose arguments these are, and dGpuTriMeshHeightfieldDataDescribe().
+ * @param d             data of ODE's, made by dGeomHeightfieldDataCreate()
+ * @param pUserData     handed to the callback
+ * @param pCallback     the height of a sample; called whenever a geom that has the data collides
+ * @param width         size along x of the field, in its frame
+ * @param depth         size along z
+ * @param widthSamples  samples along x, 2 or more
+ * @param depthSamples  samples along z, 2 or more
+ * @param scale         what heights are multiplied by before they are used
+ * @param offset        what is added to them then
+ * @param thickness     how far the solid goes down below the lowest height
+ * @param bWrap         other than 0: the field repeats itself for ever
  * @returns dGPUTRIMESH_OK; dGPUTRIMESH_ERROR_ARGUMENT for arguments at which ODE would abort, and then nothing is done;
  *          dGPUTRIMESH_ERROR_MEMORY. This holds for the other functions of this kind as well.
+ * @remarks Not while another thread collides geoms that have the data, and not from their near callbacks.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshHeightfieldDataBuildCallback(dHeightfieldDataID d, void* pUserData,
@@ -109,6 +123,10 @@ OTG_API int dGpuTriMeshHeightfieldDataBuildCallback(dHeightfieldDataID d, void* 
 /**
  * @brief dGeomHeightfieldDataBuildByte(), and dGpuTriMeshHeightfieldDataDescribe(). With `bCopyHeightData` the library
  *        keeps a copy of its own beside ODE's.
+ * @param d                as in dGpuTriMeshHeightfieldDataBuildCallback(), and so are the arguments after the copy
+ * @param pHeightData      widthSamples * depthSamples heights, row by row along x
+ * @param bCopyHeightData  0: the array is read where it is, and has to outlive the data
+ * @returns As dGpuTriMeshHeightfieldDataBuildCallback(), whose thread rule holds.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshHeightfieldDataBuildByte(dHeightfieldDataID d, const unsigned char* pHeightData,
@@ -117,6 +135,7 @@ OTG_API int dGpuTriMeshHeightfieldDataBuildByte(dHeightfieldDataID d, const unsi
                                                 int bWrap);
 /**
  * @brief dGeomHeightfieldDataBuildShort(), and dGpuTriMeshHeightfieldDataDescribe().
+ * @returns As dGpuTriMeshHeightfieldDataBuildByte(), whose arguments and thread rule hold.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshHeightfieldDataBuildShort(dHeightfieldDataID d, const short* pHeightData, int bCopyHeightData,
@@ -124,6 +143,7 @@ OTG_API int dGpuTriMeshHeightfieldDataBuildShort(dHeightfieldDataID d, const sho
                                                  dReal scale, dReal offset, dReal thickness, int bWrap);
 /**
  * @brief dGeomHeightfieldDataBuildSingle(), and dGpuTriMeshHeightfieldDataDescribe().
+ * @returns As dGpuTriMeshHeightfieldDataBuildByte(), whose arguments and thread rule hold.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshHeightfieldDataBuildSingle(dHeightfieldDataID d, const float* pHeightData, int bCopyHeightData,
@@ -131,6 +151,7 @@ OTG_API int dGpuTriMeshHeightfieldDataBuildSingle(dHeightfieldDataID d, const fl
                                                   dReal scale, dReal offset, dReal thickness, int bWrap);
 /**
  * @brief dGeomHeightfieldDataBuildDouble(), and dGpuTriMeshHeightfieldDataDescribe().
+ * @returns As dGpuTriMeshHeightfieldDataBuildByte(), whose arguments and thread rule hold.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshHeightfieldDataBuildDouble(dHeightfieldDataID d, const double* pHeightData, int bCopyHeightData,
@@ -139,6 +160,8 @@ OTG_API int dGpuTriMeshHeightfieldDataBuildDouble(dHeightfieldDataID d, const do
 
 /**
  * @brief dGpuTriMeshHeightfieldDataForget(), and dGeomHeightfieldDataDestroy(). NULL does nothing.
+ * @param d  data of ODE's that no geom has any more
+ * @remarks Not while another thread uses the data.
  * @ingroup gputrimesh
  */
 OTG_API void dGpuTriMeshHeightfieldDataDestroy(dHeightfieldDataID d);

@@ -131,6 +131,7 @@ OTG_API int dGpuTriMeshGetError(void);
  * @brief One sentence for a status.
  * @param status  any value; unknown ones get a sentence that says so
  * @returns A string that is never NULL and lives for ever.
+ * @remarks Needs no ODE. May be called from any thread and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API const char* dGpuTriMeshErrorString(int status);
@@ -140,6 +141,7 @@ OTG_API const char* dGpuTriMeshErrorString(int status);
  *
  * Tokens: `ode_trimesh_gpu`; `double_precision` or `single_precision`, which has to match the dReal of the program.
  * @returns A string that lives for ever.
+ * @remarks Needs no ODE. May be called from any thread and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API const char* dGpuTriMeshGetConfiguration(void);
@@ -148,6 +150,7 @@ OTG_API const char* dGpuTriMeshGetConfiguration(void);
  * @brief Whether one token is part of dGpuTriMeshGetConfiguration(), in the manner of dCheckConfiguration().
  * @param token  case matters
  * @returns 1 if it is, 0 if it is not or if token is NULL.
+ * @remarks Needs no ODE. May be called from any thread and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshCheckConfiguration(const char* token);

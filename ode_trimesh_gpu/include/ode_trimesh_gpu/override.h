@@ -88,6 +88,7 @@ OTG_API int dGpuTriMeshOverrideSetParams(const dGpuTriMeshParams* params);
  * @brief What dGpuTriMeshOverrideSetParams() set last.
  * @param params  `params->size` must be sizeof(dGpuTriMeshParams)
  * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT.
+ * @remarks From any thread and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshOverrideGetParams(dGpuTriMeshParams* params);
@@ -98,6 +99,7 @@ OTG_API int dGpuTriMeshOverrideGetParams(dGpuTriMeshParams* params);
  * @param g  a geom of dTriMeshClass
  * @returns dGPUTRIMESH_OK; dGPUTRIMESH_ERROR_CLASS; dGPUTRIMESH_ERROR_MESH if it has no data, no triangles or vertices
  *          that are not finite: such a mesh touches nothing; dGPUTRIMESH_ERROR_MEMORY.
+ * @remarks From any thread and from a near callback, but not while another thread changes the data of the geom.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshOverridePrepare(dGeomID g);
@@ -121,6 +123,7 @@ OTG_API void dGpuTriMeshOverrideForgetData(dTriMeshDataID data);
 /**
  * @brief Frees what is kept of a dTriMesh that is to be destroyed, or was: its parameters, statistics and history. NULL
  *        does nothing.
+ * @param g  of dTriMeshClass; it is not looked at, so that it may be gone already
  * @remarks From any thread and from a near callback, but not while another thread collides the geom.
  * @ingroup gputrimesh
  */
@@ -142,6 +145,8 @@ typedef struct dGpuTriMeshOverrideStats {
 
 /**
  * @brief Sets the size and zeroes the rest. NULL does nothing.
+ * @param stats  may be NULL
+ * @remarks Needs no ODE. May be called from any thread and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API void dGpuTriMeshOverrideStatsInit(dGpuTriMeshOverrideStats* stats);

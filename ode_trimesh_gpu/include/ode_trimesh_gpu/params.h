@@ -115,6 +115,8 @@ typedef struct dGpuTriMeshParams {
 
 /**
  * @brief Sets the size and the defaults. NULL does nothing.
+ * @param params  may be NULL
+ * @remarks Needs no ODE. May be called from any thread and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API void dGpuTriMeshParamsInit(dGpuTriMeshParams* params);

@@ -71,6 +71,7 @@ OTG_API int dGeomGpuTriMeshClosestPoints(dGeomID g, const dReal* points, int str
  * @param count   how many, 0 or more
  * @param inside  receives 1 or 0 for each
  * @returns The number of points inside, or a negative status as dGeomGpuTriMeshClosestPoints().
+ * @remarks From any number of threads at once, and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API int dGeomGpuTriMeshPointsInside(dGeomID g, const dReal* points, int stride, int count, unsigned char* inside);
@@ -133,6 +134,7 @@ OTG_API int dGpuTriMeshOverlap(dGeomID o1, dGeomID o2);
  * @param out    receives 1 or 0 for each
  * @returns The number of pairs that overlap, or a negative status: as dGpuTriMeshOverlap(), and
  *          dGPUTRIMESH_ERROR_ARGUMENT. After an error the answers are of no use.
+ * @remarks From any number of threads at once, and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshOverlaps(const dGpuTriMeshPair* pairs, int count, unsigned char* out);
@@ -186,6 +188,7 @@ enum {
  *          dGPUTRIMESH_ERROR_MEMORY; after an error the answers are of no use.
  * @remarks Source of the method: Moeller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997. A ray
  * cannot slip between two triangles of one edge.
+ * @remarks As dCollide(): from any number of threads at once, and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API int dGeomGpuTriMeshCastRays(dGeomID g, const dGpuTriMeshRay* rays, int count, int flags,

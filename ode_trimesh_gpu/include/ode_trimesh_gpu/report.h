@@ -79,19 +79,25 @@ typedef struct dGpuTriMeshReport {
 
 /**
  * @brief Sets the size and zeroes the rest. NULL does nothing.
+ * @param report  may be NULL
+ * @remarks Needs no ODE. May be called from any thread and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API void dGpuTriMeshReportInit(dGpuTriMeshReport* report);
 
 /**
  * @brief Sets the size and zeroes the rest. NULL does nothing.
+ * @param problem  may be NULL
+ * @remarks Needs no ODE. May be called from any thread and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API void dGpuTriMeshProblemInit(dGpuTriMeshProblem* problem);
 
 /**
  * @brief A short name such as "boundary edge" for a dGPUTRIMESH_PROBLEM_... value.
+ * @param kind  any value; unknown ones get a name that says so
  * @returns A string that is never NULL and lives for ever.
+ * @remarks Needs no ODE. May be called from any thread and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API const char* dGpuTriMeshProblemName(int kind);

@@ -36,6 +36,8 @@ typedef struct dGpuTriMeshStats {
 
 /**
  * @brief Sets the size and zeroes the rest. NULL does nothing.
+ * @param stats  may be NULL
+ * @remarks Needs no ODE. May be called from any thread and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API void dGpuTriMeshStatsInit(dGpuTriMeshStats* stats);

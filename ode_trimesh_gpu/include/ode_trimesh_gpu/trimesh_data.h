@@ -72,6 +72,8 @@ OTG_API int dGpuTriMeshDataBuildSingle(dGpuTriMeshDataID g, const void* Vertices
 /**
  * @brief The same with an argument for normals, so that calls of dGeomTriMeshDataBuildSingle1() need no change. They
  * are not read: this library computes the normals that it needs.
+ * @param Normals  may be NULL
+ * @returns As dGpuTriMeshDataBuildSingle(), whose other arguments, errors and thread rule hold.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshDataBuildSingle1(dGpuTriMeshDataID g, const void* Vertices, int VertexStride, int VertexCount,
@@ -80,6 +82,7 @@ OTG_API int dGpuTriMeshDataBuildSingle1(dGpuTriMeshDataID g, const void* Vertice
 /**
  * @brief Builds from double precision vertices, which are rounded to single precision once; otherwise as
  *        dGpuTriMeshDataBuildSingle(). A double that single precision can't hold is refused as infinite.
+ * @returns As dGpuTriMeshDataBuildSingle(), whose arguments, errors and thread rule hold.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshDataBuildDouble(dGpuTriMeshDataID g, const void* Vertices, int VertexStride, int VertexCount,
@@ -87,6 +90,8 @@ OTG_API int dGpuTriMeshDataBuildDouble(dGpuTriMeshDataID g, const void* Vertices
 
 /**
  * @brief The same with an argument for normals, which are not read.
+ * @param Normals  may be NULL
+ * @returns As dGpuTriMeshDataBuildDouble(), whose other arguments, errors and thread rule hold.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshDataBuildDouble1(dGpuTriMeshDataID g, const void* Vertices, int VertexStride, int VertexCount,
@@ -108,6 +113,8 @@ OTG_API int dGpuTriMeshDataBuildSimple(dGpuTriMeshDataID g, const dReal* Vertice
 
 /**
  * @brief The same with an argument for normals, which are not read.
+ * @param Normals  may be NULL
+ * @returns As dGpuTriMeshDataBuildSimple(), whose other arguments, errors and thread rule hold.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshDataBuildSimple1(dGpuTriMeshDataID g, const dReal* Vertices, int VertexCount,
@@ -162,13 +169,18 @@ typedef struct dGpuTriMeshBuildParams {
 
 /**
  * @brief Sets the size and the defaults: no arrays, no repair, the default tree. NULL does nothing.
+ * @param params  may be NULL
+ * @remarks Needs no ODE. May be called from any thread and from a near callback.
  * @ingroup gputrimesh
  */
 OTG_API void dGpuTriMeshBuildParamsInit(dGpuTriMeshBuildParams* params);
 
 /**
  * @brief Builds with options; otherwise as dGpuTriMeshDataBuildSingle().
+ * @param g       the object
+ * @param params  what to build from, and how; `params->size` must be sizeof(dGpuTriMeshBuildParams)
  * @returns As there; dGPUTRIMESH_ERROR_ARGUMENT also for a size or an option that this version does not know.
+ * @remarks As there.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshDataBuild(dGpuTriMeshDataID g, const dGpuTriMeshBuildParams* params);
@@ -196,6 +208,7 @@ OTG_API int dGpuTriMeshDataUpdateVerticesSingle(dGpuTriMeshDataID g, const void*
 
 /**
  * @brief The same from double precision.
+ * @returns As dGpuTriMeshDataUpdateVerticesSingle(), whose arguments, errors and thread rule hold.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshDataUpdateVerticesDouble(dGpuTriMeshDataID g, const void* Vertices, int VertexStride,
@@ -204,6 +217,7 @@ OTG_API int dGpuTriMeshDataUpdateVerticesDouble(dGpuTriMeshDataID g, const void*
 /**
  * @brief The same from an array of dVector3 (four dReal for each vertex), the counterpart of
  * dGpuTriMeshDataBuildSimple().
+ * @returns As dGpuTriMeshDataUpdateVerticesSingle(), whose arguments, errors and thread rule hold.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshDataUpdate(dGpuTriMeshDataID g, const dReal* Vertices, int VertexCount);
@@ -240,6 +254,7 @@ OTG_API int dGpuTriMeshDataUpdateRangeSingle(dGpuTriMeshDataID g, const void* Ve
 
 /**
  * @brief The same from double precision, rounded to single precision once.
+ * @returns As dGpuTriMeshDataUpdateRangeSingle(), whose arguments, errors and thread rule hold.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshDataUpdateRangeDouble(dGpuTriMeshDataID g, const void* Vertices, int VertexStride, int First,
@@ -262,6 +277,7 @@ OTG_API int dGpuTriMeshDataUpdateListSingle(dGpuTriMeshDataID g, const void* Ver
 
 /**
  * @brief The same from double precision, rounded to single precision once.
+ * @returns As dGpuTriMeshDataUpdateListSingle(), whose arguments, errors and thread rule hold.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshDataUpdateListDouble(dGpuTriMeshDataID g, const void* Vertices, int VertexStride,
@@ -293,6 +309,7 @@ OTG_API int dGpuTriMeshDataGetProblemCount(dGpuTriMeshDataID g);
  * @param problem  `problem->size` must be sizeof(dGpuTriMeshProblem): see dGpuTriMeshProblemInit(). Its message lives
  * until the next Build or Update of the object, or its end.
  * @returns dGPUTRIMESH_OK or dGPUTRIMESH_ERROR_ARGUMENT.
+ * @remarks May be called from a near callback, but not while another thread changes the object.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshDataGetProblem(dGpuTriMeshDataID g, int Index, dGpuTriMeshProblem* problem);
@@ -312,14 +329,17 @@ OTG_API int dGpuTriMeshDataGetRepairCount(dGpuTriMeshDataID g);
  * @param Index  0 to dGpuTriMeshDataGetRepairCount() - 1
  * @returns A string that lives until the next Build or Update of the object, or its end; NULL for an index out of
  * range.
+ * @remarks May be called from a near callback, but not while another thread changes the object.
  * @ingroup gputrimesh
  */
 OTG_API const char* dGpuTriMeshDataGetRepair(dGpuTriMeshDataID g, int Index);
 
 /**
  * @brief Why the last Build or Update of the object failed, in one sentence.
+ * @param g  the object
  * @returns A string that is never NULL, empty when the last one succeeded; it lives until the next one, or the end of
  * the object.
+ * @remarks May be called from a near callback, but not while another thread changes the object.
  * @ingroup gputrimesh
  */
 OTG_API const char* dGpuTriMeshDataGetErrorString(dGpuTriMeshDataID g);
@@ -347,6 +367,8 @@ OTG_API int dGpuTriMeshDataPreprocess2(dGpuTriMeshDataID g, unsigned int buildRe
 
 /**
  * @brief dGpuTriMeshDataPreprocess2() for the edges alone; the counterpart of dGeomTriMeshDataPreprocess().
+ * @param g  the object, built before
+ * @returns As dGpuTriMeshDataPreprocess2(), whose thread rule holds.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshDataPreprocess(dGpuTriMeshDataID g);
