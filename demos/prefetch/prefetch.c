@@ -2,7 +2,10 @@
 /* How to have the contacts of a whole space computed at once: the same world is stepped with plain near callbacks and
  * with dGpuTriMeshPrefetch() before them. The near callback is the same; the motion is, too, to the last bit.
  *
- *   demo_prefetch [BODIES] [STEPS]
+ *   demo_prefetch [BODIES] [STEPS] [meshes|shapes]
+ *
+ * Bodies are bumpy balls that are meshes, piled on a slab, or ODE's boxes, cylinders, capsules and spheres strewn over
+ * hills that are a mesh of 80,000 triangles.
  *
  * Prints milliseconds per step. Exit status 1 if the two runs differ. OTG_THREADS says how many threads prefetch (one
  * for each core without it), OTG_BACKEND=auto or opencl brings OpenCL devices in. */
@@ -81,6 +84,79 @@ static dGpuTriMeshDataID slab(void) {
   return data;
 }
 
+enum { kCells = 200 };
+static double heightAt(double x, double y) {
+  return 0.8 * sin(0.5 * x) * cos(0.4 * y) + 0.05 * sin(3 * x + 2 * y);
+}
+
+/* Hills of 50 x 50. */
+static dGpuTriMeshDataID hills(void) {
+  static float v[(kCells + 1) * (kCells + 1)][3];
+  static unsigned t[2 * kCells * kCells][3];
+  dGpuTriMeshDataID data = dGpuTriMeshDataCreate();
+  unsigned i, k;
+  for (k = 0; k <= kCells; ++k) {
+    for (i = 0; i <= kCells; ++i) {
+      float* const at = v[k * (kCells + 1) + i];
+      at[0] = 0.25f * ((float)i - kCells / 2);
+      at[1] = 0.25f * ((float)k - kCells / 2);
+      at[2] = (float)heightAt(at[0], at[1]);
+    }
+  }
+  for (k = 0; k < kCells; ++k) {
+    for (i = 0; i < kCells; ++i) {
+      const unsigned a = k * (kCells + 1) + i;
+      unsigned* const f = t[2 * (k * kCells + i)];
+      f[0] = a, f[1] = a + 1, f[2] = a + kCells + 2;
+      f[3] = a, f[4] = a + kCells + 2, f[5] = a + kCells + 1;
+    }
+  }
+  dGpuTriMeshDataBuildSingle(data, v, 0, (kCells + 1) * (kCells + 1), t, 6 * kCells * kCells, 0);
+  return data;
+}
+
+static dGeomID makeShape(dSpaceID space, int i, dMass* mass) {
+  switch (i % 4) {
+    case 0:
+      dMassSetBoxTotal(mass, 1, 0.7, 0.5, 0.4);
+      return dCreateBox(space, 0.7, 0.5, 0.4);
+    case 1:
+      dMassSetCylinderTotal(mass, 1, 3, 0.3, 0.5);
+      return dCreateCylinder(space, 0.3, 0.5);
+    case 2:
+      dMassSetCapsuleTotal(mass, 1, 3, 0.2, 0.5);
+      return dCreateCapsule(space, 0.2, 0.5);
+    default:
+      dMassSetSphereTotal(mass, 1, 0.3);
+      return dCreateSphere(space, 0.3);
+  }
+}
+
+static void makeShapeWorld(World* w, int bodies) {
+  dGpuTriMeshDataID ground = hills();
+  const int side = (int)ceil(sqrt(bodies));
+  int i;
+  w->world = dWorldCreate();
+  w->space = dHashSpaceCreate(0);
+  w->joints = dJointGroupCreate(0);
+  w->bodyCount = bodies;
+  w->bodies = malloc((size_t)bodies * sizeof(dBodyID));
+  dWorldSetGravity(w->world, 0, 0, -9.81);
+  dWorldSetContactMaxCorrectingVel(w->world, 1);
+  dCreateGpuTriMesh(w->space, ground);
+  for (i = 0; i < bodies; ++i) {
+    dMass mass;
+    dGeomID geom = makeShape(w->space, i, &mass);
+    const double x = 45.0 * ((i % side + 0.5) / side - 0.5), y = 45.0 * ((i / side + 0.5) / side - 0.5);
+    w->bodies[i] = dBodyCreate(w->world);
+    dBodySetMass(w->bodies[i], &mass);
+    dGeomSetBody(geom, w->bodies[i]);
+    dBodySetPosition(w->bodies[i], x, y, heightAt(x, y) + 0.5);
+    dBodySetAngularVel(w->bodies[i], 1, 0.1 * (i % 7), 0);
+  }
+  dGpuTriMeshDataDestroy(ground);
+}
+
 static void makeWorld(World* w, int bodies) {
   dGpuTriMeshDataID ball = bumpyBall(), ground = slab();
   int i;
@@ -143,11 +219,12 @@ static void destroyWorld(World* w) {
 
 int main(int argc, char** argv) {
   const int bodies = argc > 1 ? atoi(argv[1]) : 100, steps = argc > 2 ? atoi(argv[2]) : 100;
+  const int shapes = argc > 3 && strcmp(argv[3], "shapes") == 0;
   World plain, ahead;
   double plainMs, aheadMs;
   int i, differ = 0;
-  if (bodies <= 0 || steps <= 0) {
-    fprintf(stderr, "demo_prefetch [BODIES] [STEPS]\n");
+  if (bodies <= 0 || steps <= 0 || (argc > 3 && !shapes && strcmp(argv[3], "meshes") != 0)) {
+    fprintf(stderr, "demo_prefetch [BODIES] [STEPS] [meshes|shapes]\n");
     return 2;
   }
   dInitODE2(0);
@@ -155,8 +232,13 @@ int main(int argc, char** argv) {
     fprintf(stderr, "%s\n", dGpuTriMeshErrorString(dGpuTriMeshGetError()));
     return 1;
   }
-  makeWorld(&plain, bodies);
-  makeWorld(&ahead, bodies);
+  if (shapes) {
+    makeShapeWorld(&plain, bodies);
+    makeShapeWorld(&ahead, bodies);
+  } else {
+    makeWorld(&plain, bodies);
+    makeWorld(&ahead, bodies);
+  }
   plainMs = 1e3 * run(&plain, steps, 0) / steps;
   aheadMs = 1e3 * run(&ahead, steps, 1) / steps;
   for (i = 0; i < bodies; ++i) {

@@ -101,7 +101,7 @@ std::span<const Contact> convexGeomContacts(const PrimitiveTask& task, int most,
     }
     return workspace.reduced;
   }
-  const std::shared_ptr<const ConvexShape> shape = shapeOfGeom(task.o2);
+  const std::shared_ptr<const ConvexShape> shape = task.shape != nullptr ? task.shape : shapeOfGeom(task.o2);
   if (shape == nullptr) return {};
   Query query;
   query.a = task.side.mesh;

@@ -11,6 +11,7 @@
 #include "ode/mesh_data.h"
 #include "ode/pair_memory.h"
 #include "ode/prefetched_pairs.h"
+#include "ode/prefetched_shapes.h"
 #include "ode_trimesh_gpu/callbacks.h"
 #include "ode_trimesh_gpu/params.h"
 #include "ode_trimesh_gpu/stats.h"
@@ -56,8 +57,9 @@ struct GeomObject : std::enable_shared_from_this<GeomObject> {
   GeomStats stats;
   PairMemory memory;  ///< of pairs in which this geom is mesh B (the younger one)
   PrefetchedPairs prefetched;
-  UseCount uses;                     ///< of queries that have the geom, and of who gives it other data or another scale
-  std::shared_ptr<GeomObject> self;  ///< the geom's own share, until it is destroyed
+  UseCount uses;  ///< of queries that have the geom, and of who gives it other data or another scale
+  PrefetchedShapes prefetchedShapes;  ///< of pairs with geoms of ODE's own
+  std::shared_ptr<GeomObject> self;   ///< the geom's own share, until it is destroyed
 
   /// Of the data's vertices; `scaled` is the mesh that it makes of them, and null while it is 1, 1, 1.
   MeshScale scale{1, 1, 1};

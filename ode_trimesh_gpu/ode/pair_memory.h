@@ -34,6 +34,12 @@ class PairMemory {
     if (origin != nullptr) *origin = it->second.origin;
     return it->second.stamp;
   }
+  /// What recall() would return.
+  std::uint64_t stampOf(std::uint64_t other) {
+    const std::lock_guard lock(mutex_);
+    const auto it = pairs_.find(other);
+    return it == pairs_.end() ? 0 : it->second.stamp;
+  }
   /// `origin`: of the frame that the history is told in, in the other geom's own. Returns the stamp.
   std::uint64_t store(std::uint64_t other, const SolidHistory& history, const Vec3d& origin = {0, 0, 0}) {
     const std::lock_guard lock(mutex_);

@@ -8,6 +8,8 @@
 #include <tuple>
 
 #include "ode/pair_batch.h"
+#include "ode/primitive_history.h"
+#include "ode/shape_batch.h"
 #include "ode/status.h"
 
 namespace otg {
@@ -33,15 +35,25 @@ class Gatherer {
     }
   }
 
-  /// Every pair once, in the order in which it was found first.
-  std::vector<dGpuTriMeshPair> take() {
-    const auto key = [](const dGpuTriMeshPair& p) {
+  /// Pairs of two meshes, every one once, in the order in which it was found first.
+  std::vector<dGpuTriMeshPair> takeMeshes() {
+    return once(meshes_, [](const dGpuTriMeshPair& p) {
       const std::uint64_t x = objectOf(p.o1)->serial, y = objectOf(p.o2)->serial;
       return std::make_pair(std::min(x, y), std::max(x, y));
-    };
+    });
+  }
+  /// Pairs of a mesh, first, and a geom of ODE's.
+  std::vector<dGpuTriMeshPair> takeShapes() {
+    return once(shapes_,
+                [](const dGpuTriMeshPair& p) { return std::make_pair(objectOf(p.o1)->serial, memoryKey(p.o2)); });
+  }
+
+ private:
+  template <class Key>
+  static std::vector<dGpuTriMeshPair> once(const std::vector<dGpuTriMeshPair>& found, const Key& key) {
     std::vector<std::tuple<std::uint64_t, std::uint64_t, std::size_t>> order;
-    for (std::size_t i = 0; i < pairs_.size(); ++i) {
-      const auto [x, y] = key(pairs_[i]);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const auto [x, y] = key(found[i]);
       order.emplace_back(x, y, i);
     }
     std::sort(order.begin(), order.end());
@@ -52,21 +64,23 @@ class Gatherer {
     }
     std::sort(kept.begin(), kept.end());
     std::vector<dGpuTriMeshPair> pairs;
-    for (const std::size_t i : kept) pairs.push_back(pairs_[i]);
+    for (const std::size_t i : kept) pairs.push_back(found[i]);
     return pairs;
   }
 
- private:
   static void meet(void* self, dGeomID o1, dGeomID o2) {
     auto& gatherer = *static_cast<Gatherer*>(self);
     if (dGeomIsSpace(o1) || dGeomIsSpace(o2)) {
       dSpaceCollide2(o1, o2, self, &Gatherer::meet);
       return;
     }
-    if (gatherer.failed_ || objectOf(o1) == nullptr || objectOf(o2) == nullptr || !isPairInOde(o1, o2)) return;
+    const bool isMeshes = objectOf(o1) != nullptr && objectOf(o2) != nullptr;
+    const bool isShape = isShapePair(o1, o2), isOtherWay = !isShape && isShapePair(o2, o1);
+    if (gatherer.failed_ || !(isMeshes || isShape || isOtherWay) || !isPairInOde(o1, o2)) return;
     if (gatherer.filter_ != nullptr && gatherer.filter_(gatherer.data_, o1, o2) == 0) return;
     try {
-      gatherer.pairs_.push_back({o1, o2});
+      std::vector<dGpuTriMeshPair>& pairs = isMeshes ? gatherer.meshes_ : gatherer.shapes_;
+      pairs.push_back(isOtherWay ? dGpuTriMeshPair{o2, o1} : dGpuTriMeshPair{o1, o2});
     } catch (...) {  // not through ODE, which has its space locked
       gatherer.failed_ = true;
     }
@@ -76,13 +90,13 @@ class Gatherer {
   void* data_;
   bool failed_ = false;
   std::vector<dSpaceID> done_;
-  std::vector<dGpuTriMeshPair> pairs_;
+  std::vector<dGpuTriMeshPair> meshes_, shapes_;
 };
 
 int prefetch(std::span<const dSpaceID> spaces, dGpuTriMeshPairFilter* filter, void* data) {
   Gatherer gatherer(filter, data);
   for (const dSpaceID space : spaces) gatherer.addSpace(space);
-  std::vector<dGpuTriMeshPair> pairs = gatherer.take();
+  std::vector<dGpuTriMeshPair> pairs = gatherer.takeMeshes();
   // Who has callbacks is asked when the pair is collided, and not before.
   std::erase_if(pairs, [](const dGpuTriMeshPair& p) {
     return objectOf(p.o1)->callbacks.asked() || objectOf(p.o2)->callbacks.asked();
@@ -92,14 +106,14 @@ int prefetch(std::span<const dSpaceID> spaces, dGpuTriMeshPairFilter* filter, vo
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (const PairTask& task = batch.task(i); task.state == PairTask::State::kReady) task.b().prefetched.clear();
   }
-  int ready = 0;
+  std::size_t ready = prefetchShapes(gatherer.takeShapes());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const PairTask& task = batch.task(i);
     if (task.state != PairTask::State::kReady || batch.result(i).outcome != PairResult::Outcome::kDone) continue;
     task.b().prefetched.add(task, std::move(batch.result(i)));
-    if (ready < INT_MAX) ++ready;
+    ++ready;
   }
-  return ready;
+  return static_cast<int>(std::min<std::size_t>(ready, INT_MAX));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "ode/mesh_collider.h"
 #include "ode/pair_task.h"
 #include "ode/primitive_callbacks.h"
+#include "ode/primitive_history.h"
 #include "ode/status.h"
 #include "primitives/sphere_contacts.h"
 
@@ -57,10 +58,7 @@ void primitiveContacts(const PrimitiveTask& task, int most, std::vector<Contact>
   if (out.size() > static_cast<std::size_t>(most)) out = limitContacts(out, most);
 }
 
-namespace {
-
-/// False if the pair can have no contacts. A status in `failure` if that is because of a bad pose.
-bool prepare(PrimitiveTask& task, int& failure) {
+bool preparePrimitive(PrimitiveTask& task, int& failure) {
   if (task.side.mesh == nullptr || task.side.mesh->tree().nodes.empty()) return false;
   const WorldPose pose = readPose(task.o1);
   task.pose = pose.transform;
@@ -77,13 +75,36 @@ bool prepare(PrimitiveTask& task, int& failure) {
   return rigid;
 }
 
+namespace {
+
+/// What was computed ahead, if it was; in the mesh's own numbers.
+bool takePrefetched(PrimitiveTask& task, int most, std::vector<Contact>& out) {
+  PrefetchedShapes& ready = task.side.object->prefetchedShapes;
+  const int classOfOther = dGeomGetClass(task.o2);
+  if (ready.empty() || !isPrefetchedClass(classOfOther)) return false;
+  if (classOfOther == dConvexClass) task.shape = shapeOfGeom(task.o2);
+  const ShapeQuery query = shapeQuery(task);
+  const std::uint64_t key = memoryKey(task.o2);
+  DetachedHistory left;
+  if (!ready.find(key, query, most, out, left)) return false;
+  PairMemory& memory = task.side.object->memory;
+  if (left.isKept)
+    ready.seen(key, query.stamp, memory.store(key, left.history));
+  else {
+    memory.forget(key);
+    ready.seen(key, query.stamp, 0);
+  }
+  task.side.object->stats.prefetched.fetch_add(1, std::memory_order_relaxed);
+  return true;
+}
+
 /// In the caller's numbers of triangles.
 void findContacts(PrimitiveTask& task, int most, std::vector<Contact>& out, int& failure) {
   if (task.side.callbacks.asked() && dGeomGetClass(task.o2) != dRayClass) {
     askedContacts(task, most, out, failure);
     return;
   }
-  primitiveContacts(task, most, out, failure);
+  if (!takePrefetched(task, most, out)) primitiveContacts(task, most, out, failure);
   for (Contact& c : out) c.triangleA = task.side.mesh->mesh().callerTriangle(c.triangleA);
 }
 
@@ -99,7 +120,7 @@ int collidePrimitive(PrimitiveTask& task, dContactGeom* contact, int skip) {
     contacts.clear();
     if (use.good()) {
       task.side.takeMesh();
-      if (prepare(task, failure)) findContacts(task, most, contacts, failure);
+      if (preparePrimitive(task, failure)) findContacts(task, most, contacts, failure);
     } else {
       failure = dGPUTRIMESH_ERROR_BUSY;
     }

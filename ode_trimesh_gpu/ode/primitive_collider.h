@@ -16,11 +16,16 @@ int collideMeshPrimitive(dGeomID o1, dGeomID o2, int flags, dContactGeom* contac
 /// A mesh that is to collide with a geom of ODE's, at one moment.
 struct PrimitiveTask {
   dGeomID o1 = nullptr, o2 = nullptr;
-  MeshSide side;       ///< of o1, with its object and mesh
-  Transformd pose{};   ///< of the mesh in the world
-  Transformd other{};  ///< of o2 in the mesh's frame; unset for planes and rays
-  int capacity = 0;    ///< places for contacts
+  MeshSide side;                             ///< of o1, with its object and mesh
+  Transformd pose{};                         ///< of the mesh in the world
+  Transformd other{};                        ///< of o2 in the mesh's frame; unset for planes and rays
+  int capacity = 0;                          ///< places for contacts
+  std::shared_ptr<const ConvexShape> shape;  ///< of a convex, where it is known already
+  DetachedHistory* detached = nullptr;       ///< takes the place of the mesh's memory
 };
+
+/// Reads the poses. False if the pair can have no contacts; a status in `failure` if that is because of a bad pose.
+bool preparePrimitive(PrimitiveTask& task, int& failure);
 
 /// At most `most` contacts, in the mesh's frame, with the mesh's own triangle numbers. A status in `failure` if there
 /// are none because of an error. Callbacks are asked about rays alone. May throw std::bad_alloc.

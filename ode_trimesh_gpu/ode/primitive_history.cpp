@@ -27,14 +27,22 @@ PrimitiveHistory::PrimitiveHistory(const PrimitiveTask& task, const Vec3d& origi
     : memory_(task.side.object->memory),
       key_(memoryKey(task.o2)),
       origin_(origin),
-      remembers_(task.side.object->params.history == dGPUTRIMESH_HISTORY_ON) {
+      remembers_(task.side.object->params.history == dGPUTRIMESH_HISTORY_ON),
+      detached_(task.detached) {
   if (!remembers_) return;
+  if (detached_ != nullptr) {
+    history_ = detached_->history;
+    return;
+  }
   Vec3d then{0, 0, 0};
   if (memory_.recall(key_, history_, &then) != 0) moveOrigin(history_, then, origin_);
 }
 
 void PrimitiveHistory::keep(bool hasContacts) {
-  if (remembers_ && history_.used && hasContacts) {
+  const bool isKept = remembers_ && history_.used && hasContacts;
+  if (detached_ != nullptr) {
+    *detached_ = {history_, isKept};
+  } else if (isKept) {
     memory_.store(key_, history_, origin_);
   } else {
     memory_.forget(key_);
@@ -42,6 +50,10 @@ void PrimitiveHistory::keep(bool hasContacts) {
 }
 
 void forgetPrimitive(const PrimitiveTask& task) {
+  if (task.detached != nullptr) {
+    task.detached->isKept = false;
+    return;
+  }
   task.side.object->memory.forget(memoryKey(task.o2));
 }
 

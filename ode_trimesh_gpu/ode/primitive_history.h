@@ -26,6 +26,7 @@ class PrimitiveHistory {
   std::uint64_t key_;
   Vec3d origin_;
   bool remembers_;
+  DetachedHistory* detached_;
   SolidHistory history_;
 };
 

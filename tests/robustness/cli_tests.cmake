@@ -13,5 +13,6 @@ endif()
 # The demo programs, with little to do.
 if(TARGET demo_prefetch)
   add_test(NAME robustness.demo_prefetch COMMAND demo_prefetch 30 40)
-  set_tests_properties(robustness.demo_prefetch PROPERTIES LABELS robustness)
+  add_test(NAME robustness.demo_prefetch_shapes COMMAND demo_prefetch 60 40 shapes)
+  set_tests_properties(robustness.demo_prefetch robustness.demo_prefetch_shapes PROPERTIES LABELS robustness)
 endif()

@@ -24,8 +24,8 @@ typedef struct dGpuTriMeshPair {
 } dGpuTriMeshPair;
 
 /**
- * @brief Computes the contacts of all mesh pairs of a space at once, so that the near callbacks of the dSpaceCollide()
- *        that follows find them ready.
+ * @brief Computes the contacts of all pairs of a space that have a mesh at once, so that the near callbacks of the
+ *        dSpaceCollide() that follows find them ready.
  *
  *     dGpuTriMeshPrefetch(space);
  *     dSpaceCollide(space, data, &nearCallback);   -- as it is: its calls of dCollide() are quick now
@@ -36,7 +36,13 @@ typedef struct dGpuTriMeshPair {
  * Anything else is computed as if nothing had been prefetched. Either way the contacts are the same, byte for byte, and
  * so is what is remembered and counted, but for `prefetched` in dGpuTriMeshStats.
  *
- * With CONTACTS_UNIMPORTANT contacts are always computed: they are other ones.
+ * Pairs of a mesh with a sphere, box, capsule, cylinder, convex or plane are among them; their sizes count as the poses
+ * do. They are computed on the CPU, for as many contacts as the pair was last asked for, and where nothing has changed
+ * since the last prefetch (bodies at rest) what it computed is taken over. Rays are not, which are as quick as the look-
+ * up, nor are heightfields, whose heights a program may change without a word, nor geoms in a dGeomTransform. Meshes with
+ * callbacks for triangles are left to the near callback.
+ *
+ * With CONTACTS_UNIMPORTANT contacts of two meshes are always computed: they are other ones.
  *
  * @param space  its pairs are found by dSpaceCollide() with ODE's own rules (category and collide bits, enabled geoms,
  *               bodies), and those in spaces inside it as well

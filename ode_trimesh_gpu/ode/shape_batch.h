@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Many pairs of a mesh and a geom of ODE's own, computed ahead by all threads.
+#pragma once
+
+#include <span>
+
+#include "ode_trimesh_gpu/batch.h"
+
+namespace otg {
+
+/// Whether the pair is one of a mesh of our class, given first, and a geom that shapes are computed ahead for.
+bool isShapePair(dGeomID mesh, dGeomID other) noexcept;
+
+/// Computes the pairs, the mesh first in each, none of them twice, and leaves what they give with the meshes. Meshes
+/// with callbacks are left out: who has them is asked when the pair is collided. Returns how many pairs are ready.
+/// Nobody may change or collide the geoms meanwhile. May throw std::bad_alloc.
+std::size_t prefetchShapes(std::span<const dGpuTriMeshPair> pairs);
+
+}  // namespace otg
