@@ -2,6 +2,7 @@
 """otg simulate: results, files, determinism, the examples of the manual, and every kind of bad scene."""
 import csv
 import json
+import math
 import os
 import re
 import struct
@@ -90,6 +91,29 @@ class Simulate(CliTest):
                     continue
                 for value, expected in zip(got, (x, 0.13, 0.25)):
                     self.assertLess(abs(value - expected), 5e-3, (n, x, got))
+
+    def test_a_ball_of_facets_rolls_as_a_sphere_the_finer_they_are(self):
+        """A polygon of n sides that rolls without bouncing loses a share of its speed with each side, and with each turn
+        one that falls as 1/n: the ball loses no more than that, and half as much where the facets are half as long."""
+        speed, radius, steps = 3.0, 0.4, 960
+        lost = []
+        for level in (3, 4, 5):
+            document = self.run_json("simulate", self.scene({
+                "steps": steps, "dt": 1 / steps, "stepper": "world", "mu": 0.7, "planes": [{}], "bodies": [
+                    {"name": "ball", "sphere": radius, "collider": "gpu_trimesh", "level": level, "mass": 1,
+                     "position": [0, 0, radius], "linear_velocity": [speed, 0, 0],
+                     "angular_velocity": [0, speed / radius, 0]}]}))
+            ball = document["bodies"][0]
+            sides = 5 * 2 ** level
+            # Each side takes 1 - (5/7)(1 - cos(2 pi / n)) of the speed; there are n way / (2 pi r) of them.
+            way = ball["position"][0]
+            least = speed * (1 - 5 / 7 * (1 - math.cos(2 * math.pi / sides))) ** (sides * way / (2 * math.pi * radius))
+            self.assertGreater(ball["linear_velocity"][0], least, level)
+            self.assertLess(abs(ball["position"][1]), 0.01)
+            lost.append(speed - way)
+        for coarse, fine in zip(lost, lost[1:]):
+            self.assertLess(fine, 0.7 * coarse, lost)
+        self.assertLess(lost[-1], 0.03 * speed, lost)
 
     def test_same_scene_same_bytes(self):
         hashes = {self.run_json("simulate", self.scene(DROP))["hash"] for _ in range(2)}
