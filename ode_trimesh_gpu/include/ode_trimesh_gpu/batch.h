@@ -38,9 +38,9 @@ typedef struct dGpuTriMeshPair {
  *
  * Pairs of a mesh with a sphere, box, capsule, cylinder, convex or plane are among them; their sizes count as the poses
  * do. They are computed on the CPU, for as many contacts as the pair was last asked for, and where nothing has changed
- * since the last prefetch (bodies at rest) what it computed is taken over. Rays are not, which are as quick as the look-
- * up, nor are heightfields, whose heights a program may change without a word, nor geoms in a dGeomTransform. Meshes with
- * callbacks for triangles are left to the near callback.
+ * since the last prefetch (bodies at rest) what it computed is taken over. Not among them are rays, which are as quick
+ * as the look-up, heightfields, whose heights a program may change without a word, and geoms in a dGeomTransform.
+ * Meshes with callbacks for triangles are left to the near callback.
  *
  * With CONTACTS_UNIMPORTANT contacts of two meshes are always computed: they are other ones.
  *
