@@ -2,6 +2,7 @@
 #include "ode/shape_batch.h"
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 #include "dispatch/dispatcher.h"
@@ -15,6 +16,7 @@ namespace {
 /// A pair to be computed. The mesh's vertices stay where they are while they are shared.
 struct Job {
   PrimitiveTask task;
+  std::unique_ptr<GeomUse> use;  ///< of the mesh geom, until the contacts are there
   std::shared_ptr<const CollisionMesh> mesh;
   ShapeQuery query;
   DetachedHistory detached;
@@ -30,6 +32,9 @@ bool prepareJob(const dGpuTriMeshPair& pair, Job& job) {
   task.o1 = pair.o1;
   task.o2 = pair.o2;
   task.side = meshSideOf(pair.o1);
+  job.use = std::make_unique<GeomUse>(task.side.object);
+  if (!job.use->good()) return false;  // dCollide says so
+  task.side.takeMesh();
   job.mesh = task.side.sharedMesh();
   int failure = 0;
   if (!preparePrimitive(task, failure)) return false;
