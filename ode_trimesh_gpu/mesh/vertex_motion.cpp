@@ -24,11 +24,6 @@ double largestVolumeError(const Bounds& bounds, std::size_t triangles) {
   return kRelativeRounding * 4 * radius2 * std::sqrt(radius2) * static_cast<double>(triangles);
 }
 
-std::vector<std::uint8_t> wellWound(const TriMesh& mesh, const Topology& topology) {
-  return componentsWellWound(topology, nestingDepths(topology, mesh.vertices(), mesh.triangles()), mesh.vertices(),
-                             mesh.triangles());
-}
-
 bool sameBits(const Vec3f& a, const Vec3f& b) {
   return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison): -0 is not 0 here
 }
@@ -97,7 +92,7 @@ VertexMotion::VertexMotion(const TriMesh& mesh) {
   }
   closedComponents_ =
       static_cast<std::uint32_t>(std::count(topology.componentClosed.begin(), topology.componentClosed.end(), 1));
-  wellWound_ = wellWound(mesh, topology);
+  measureNesting(mesh, topology);
   vertexMark_.assign(vertices, 0);
   triangleMark_.assign(triangles, 0);
   placeInMoves_.resize(vertices);
@@ -265,7 +260,18 @@ bool VertexMotion::volumesAfter(const TriMesh& mesh, const Bounds& bounds, std::
     anyThin = anyThin || std::abs(volumes[c]) <= error;
   }
   if (closedComponents_ == 0) return true;
-  if (closedComponents_ == 1 && !anyThin) {  // nothing to be nested in
+  std::vector<std::uint32_t> moved;
+  for (const auto& [c, place] : terms) {
+    if (moved.empty() || moved.back() != c) moved.push_back(c);
+  }
+  if (closedComponents_ > 1) {
+    for (const std::uint32_t t : triangles_) {
+      const std::uint32_t c = topology.componentOf[t];
+      if (c == kNone) continue;
+      for (const std::uint32_t v : mesh.triangles()[t].v) reach_[c].add(mesh.vertices()[v]);
+    }
+  }
+  if (!anyThin && (closedComponents_ == 1 || staysApart(mesh, moved))) {  // nothing is nested in anything
     for (std::size_t c = 0; c < volumes.size(); ++c) {
       if ((topology.componentClosed[c] && volumes[c] > 0) != (wellWound_[c] != 0)) return false;
     }
@@ -276,7 +282,53 @@ bool VertexMotion::volumesAfter(const TriMesh& mesh, const Bounds& bounds, std::
   now.componentOf = topology.componentOf;
   now.componentClosed = topology.componentClosed;
   now.componentVolume = std::vector<double>(volumes);
-  return wellWound(mesh, now) == wellWound_;
+  const std::vector<std::uint8_t> before = std::move(wellWound_);
+  measureNesting(mesh, now);
+  return wellWound_ == before;
+}
+
+void VertexMotion::measureNesting(const TriMesh& mesh, const Topology& topology) {
+  const std::vector<std::uint32_t> depths = nestingDepths(topology, mesh.vertices(), mesh.triangles());
+  wellWound_ = componentsWellWound(topology, depths, mesh.vertices(), mesh.triangles());
+  apart_ = std::all_of(depths.begin(), depths.end(), [](std::uint32_t depth) { return depth == 0; });
+  if (closedComponents_ < 2) return;
+  reach_.assign(topology.componentCount(), Bounds());
+  farthest_.assign(topology.componentCount(), {});
+  for (std::size_t t = 0; t < mesh.triangleCount(); ++t) {
+    const std::uint32_t c = topology.componentOf[t];
+    if (c == kNone) continue;
+    for (const std::uint32_t v : mesh.triangles()[t].v) {
+      const Vec3f& p = mesh.vertices()[v];
+      const Bounds& b = reach_[c];
+      const bool beyond[6] = {p.x<b.min.x, p.y<b.min.y, p.z<b.min.z, p.x> b.max.x, p.y> b.max.y, p.z> b.max.z};
+      for (int k = 0; k < 6; ++k) {
+        if (beyond[k]) farthest_[c][k] = v;
+      }
+      reach_[c].add(p);
+    }
+  }
+}
+
+/// Whether no component lies in another one, given that none did: what lies in another one has all of its vertices in
+/// its bounds. False also where that would take long to find out.
+bool VertexMotion::staysApart(const TriMesh& mesh, std::span<const std::uint32_t> changed) const {
+  const std::size_t components = reach_.size();
+  if (!apart_ || changed.size() * components > mesh.triangleCount()) return false;
+  const auto mayLieIn = [&](std::uint32_t inner, const Bounds& outer) {
+    return std::all_of(farthest_[inner].begin(), farthest_[inner].end(), [&](std::uint32_t v) {
+      const Vec3f& p = mesh.vertices()[v];
+      return p.x >= outer.min.x && p.y >= outer.min.y && p.z >= outer.min.z && p.x <= outer.max.x &&
+             p.y <= outer.max.y && p.z <= outer.max.z;
+    });
+  };
+  const Array<std::uint8_t>& closed = mesh.topology().componentClosed;
+  for (const std::uint32_t c : changed) {
+    if (!closed[c]) continue;
+    for (std::uint32_t d = 0; d < components; ++d) {
+      if (d != c && closed[d] && (mayLieIn(c, reach_[d]) || mayLieIn(d, reach_[c]))) return false;
+    }
+  }
+  return true;
 }
 
 bool VertexMotion::tryMove(TriMesh& mesh) {

@@ -2,6 +2,7 @@
 // Moving some vertices of a mesh in place, at a cost that follows their number.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -57,6 +58,9 @@ class VertexMotion {
   bool tryMove(TriMesh& mesh);
   double largestDistance2(const TriMesh& mesh, const Vec3f& center) const;
   bool volumesAfter(const TriMesh& mesh, const Bounds& bounds, std::vector<double>& volumes);
+  /// For several closed components: which lie in which, and how far each reaches.
+  void measureNesting(const TriMesh& mesh, const Topology& topology);
+  bool staysApart(const TriMesh& mesh, std::span<const std::uint32_t> changed) const;
   std::size_t firstOf(std::uint32_t component) const {
     return componentFirst_.empty() ? 0 : componentFirst_[component];
   }
@@ -71,6 +75,11 @@ class VertexMotion {
   std::vector<KeptBlockSum> volume6_;    ///< of each component
   std::vector<std::uint8_t> wellWound_;  ///< componentsWellWound()
   std::uint32_t closedComponents_ = 0;
+  /// Of several closed components: whether none lies in another one, and of each the bounds, which only grow while
+  /// vertices move, and the vertices that reached farthest when it was measured.
+  bool apart_ = false;
+  std::vector<Bounds> reach_;
+  std::vector<std::array<std::uint32_t, 6>> farthest_;
 
   std::vector<MovedVertex> moves_;  ///< each vertex once
   std::vector<Vec3f> before_;       ///< where they were

@@ -365,3 +365,62 @@ TEST_CASE("contacts that were prefetched, and batches, are not those of a mesh t
   }
   dSpaceDestroy(space);
 }
+
+TEST_CASE("one of several closed parts moves about, into another one, through it and out again") {
+  // A ball, and small ones beside it.
+  constexpr std::uint32_t kParts = 6;
+  scenes::MeshArrays arrays = scenes::makeLump(1, 3, 0.1, 1);
+  std::vector<std::uint32_t> first{0, static_cast<std::uint32_t>(arrays.vertices.size())};
+  for (std::uint32_t part = 1; part < kParts; ++part) {
+    const scenes::MeshArrays small = scenes::makeLump(0.2, 2, 0.1, part);
+    for (Vec3f v : small.vertices) {
+      v.x += 3.0f * static_cast<float>(part);
+      arrays.vertices.push_back(v);
+    }
+    for (Triangle t : small.triangles) {
+      for (std::uint32_t& v : t.v) v += first.back();
+      arrays.triangles.push_back(t);
+    }
+    first.push_back(static_cast<std::uint32_t>(arrays.vertices.size()));
+  }
+  std::shared_ptr<CollisionMesh> mesh = makeMesh(arrays);
+  REQUIRE(mesh->mesh().topology().componentCount() == kParts);
+  REQUIRE(mesh->mesh().meshClass() == MeshClass::kSolid);
+  int inPlace = 0, anew = 0;
+  bool wasShell = false;
+  const auto movePart = [&](std::uint32_t part, const Vec3f& by) {
+    std::vector<MovedVertex> moved;
+    for (std::uint32_t v = 0; v < mesh->mesh().vertices().size(); ++v) {
+      const std::uint32_t caller = mesh->mesh().callerVertex(v);
+      if (caller < first[part] || caller >= first[part + 1]) continue;
+      const Vec3f& p = mesh->mesh().vertices()[v];
+      moved.push_back({v, {p.x + by.x, p.y + by.y, p.z + by.z}});
+    }
+    const std::shared_ptr<CollisionMesh> all = movedWhole(*mesh, moved);
+    const bool changesClass = all->mesh().meshClass() != mesh->mesh().meshClass();
+    if (mesh->moveSome(moved)) {
+      ++inPlace;
+      REQUIRE(!changesClass);
+      checkSame(*mesh, *all);
+    } else {
+      ++anew;
+      mesh = all;
+    }
+    wasShell = wasShell || mesh->mesh().meshClass() == MeshClass::kShell;
+  };
+  for (std::uint32_t part = 1; part < kParts; ++part) {
+    const float x = 3.0f * static_cast<float>(part);
+    movePart(part, {0, 0.01f, 0});
+    movePart(part, {-x + 1.0f, 0, 0});  // across the surface of the ball
+    movePart(part, {-0.9f, 0, 0});      // inside
+    movePart(part, {0.01f, 0, 0});      // and still inside
+    movePart(0, {0.05f, 0, 0});         // the ball around it
+    movePart(part, {x - 0.11f, 0, 0});  // out
+    movePart(part, {0, -0.01f, 0});
+    movePart(0, {-0.05f, 0, 0});
+  }
+  INFO(inPlace << " in place, " << anew << " anew");
+  CHECK(wasShell);  // two skins that face outward, one in the other, bound no solid
+  CHECK(inPlace >= 20);
+  CHECK(anew >= 10);
+}

@@ -234,8 +234,8 @@ OTG_API int dGpuTriMeshDataUpdate(dGpuTriMeshDataID g, const dReal* Vertices, in
  * It costs as much as moving all vertices where that is not enough: the tree has to be built anew (see
  * dGpuTriMeshDataUpdateVerticesSingle()), vertices that were at one place part or others meet, a triangle loses or
  * gains its area, the mesh turns inside out, its middle has wandered by a sixteenth of its size; also while a batch is
- * under way that uses the mesh. A mesh of several closed components is looked at whole, a geom with a scale has its
- * mesh made anew, and devices get the mesh anew.
+ * under way that uses the mesh. A mesh of several closed components is looked at whole where one lies in another one
+ * or comes near to it, a geom with a scale has its mesh made anew, and devices get the mesh anew.
  *
  * @param g             the object, built before. Numbers are those of the arrays that it was built from; where repair
  *                      merged vertices, the first of them moves the merged one and the others do nothing
