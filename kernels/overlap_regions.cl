@@ -132,7 +132,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegi
       if (root >= sizes.slots) continue;
       const otg_vec3_d p = otgVertexAt(&m->solid, v);
       otgInclude(crossings + root, p);
-      if (!otgInBounds(&o.mesh[1 - mesh].solid, o.mesh[1 - mesh].radius, p)) otgGiveUpOverlap(state, OTG_SOLID_BROKEN);
+      if (!otgInBounds(&o.mesh[1 - mesh].solid, p)) otgGiveUpOverlap(state, OTG_SOLID_BROKEN);
       if (!isMixed) continue;
       if (*otgVotesOf(&o, mesh, v) & OTG_VOTE_OUT) otgGiveUpOverlap(state, OTG_SOLID_BROKEN);
       otg_found_inside inside;
