@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "collide/contact_id.h"
+#include "collide/stages.h"
 #include "otg/bench_scene.h"
 #include "otg/collide_heightfield.h"
 #include "otg/levels_rows.h"
@@ -188,6 +189,15 @@ constexpr StageTexts kOnDevice = {"meshes stay on the device; poses go with the 
                                   "device: regions, bins, limit; CPU: what it left",
                                   "device: results to the CPU",
                                   "CPU: launches, waiting, order, exact decisions"};
+/// The model `solid`.
+StageTexts solidTexts() {
+  StageTexts texts = kOnDevice;
+  texts.contacts = "device: exact decisions, crossings and chords";
+  texts.reduction =
+      "device: regions, surface, candidates, where there are many hits; CPU: contacts from that, or from hits";
+  texts.readBack = "device: what it found, to the CPU";
+  return texts;
+}
 /// Of phases on different sides only the whole times are known.
 StageTexts mixedTexts(bool middleOnDevice, bool nearOnDevice) {
   StageTexts texts = kOnCpu;
@@ -313,8 +323,8 @@ int runCollide(const CollideOptions& options) {
   }
   if (options.profile) {
     const bool middleOnDevice = sideOf(place.middle) == "opencl", nearOnDevice = sideOf(place.near) == "opencl";
-    document["profile"] = profileOf(times, isLevels                         ? kByLevels
-                                           : backend                        ? kOnDevice
+    document["profile"] = profileOf(times, isLevels  ? kByLevels
+                                           : backend ? (mayBeSolid(query) ? solidTexts() : kOnDevice)
                                            : middleOnDevice || nearOnDevice ? mixedTexts(middleOnDevice, nearOnDevice)
                                                                             : kOnCpu);
     if (isLevels) document["levels"]["profile"] = stepsOf(report.times, median(times.total));
