@@ -108,7 +108,9 @@ std::optional<CostModel> measureCosts(opencl::Backend& backend) {
   }
   bool good = true;
   using Points = std::vector<std::pair<double, double>>;
-  Points hostPairs, hostPairwise, hostSolid, devicePairs, devicePairwise, batch, solid;
+  Points hostPairs, hostPairwise, hostSolid, devicePairs, devicePairwise, deviceSolid, batch, solid;
+  // Not on CPUs, whose threads are as quick without: kernels would be compiled for this alone.
+  const bool doesSolids = backend.device().kind != opencl::DeviceKind::kCpu && backend.device().doubles;
   std::vector<Query> small;
   Workspace workspace;
   opencl::BatchAnswer answer;
@@ -131,6 +133,7 @@ std::optional<CostModel> measureCosts(opencl::Backend& backend) {
       point(hostSolid, [&] { collide(asSolid, workspace); });
       point(devicePairs, [&] { good = backend.findIntersectingPairs(query, workspace) && good; });
       point(devicePairwise, [&] { good = backend.collide(query, workspace) && good; });
+      if (doesSolids) point(deviceSolid, [&] { good = backend.collide(asSolid, workspace) && good; });
       if (kSteps[i / 2] <= 18) small.push_back(query);
       if (!good) return std::nullopt;
     }
@@ -152,9 +155,8 @@ std::optional<CostModel> measureCosts(opencl::Backend& backend) {
   const double one = run({small[0]});
   measure(small, batch);
   if (!good) return std::nullopt;
-  // Not on CPUs, whose threads are as quick without: their kernels would be compiled for this alone.
   double oneSolid = 0;
-  if (backend.device().kind != opencl::DeviceKind::kCpu && backend.device().doubles) {
+  if (doesSolids) {
     std::vector<Query> solids = small;
     for (Query& query : solids) query.options.contacts = ContactModel::kSolid;
     oneSolid = run({solids[0]});
@@ -168,6 +170,7 @@ std::optional<CostModel> measureCosts(opencl::Backend& backend) {
   model.hostSolid = fitCost(hostSolid);
   model.devicePairs = fitCost(devicePairs);
   model.devicePairwise = fitCost(devicePairwise);
+  if (!deviceSolid.empty()) model.deviceSolid = fitCost(deviceSolid);
   model.batchPair = fitCost(batch);
   model.batchLaunch = one;
   if (!solid.empty()) {

@@ -8,7 +8,7 @@
 namespace otg {
 namespace {
 
-constexpr char kMagic[8] = {'o', 't', 'g', 'c', 'o', 's', 't', '3'};
+constexpr char kMagic[8] = {'o', 't', 'g', 'c', 'o', 's', 't', '4'};
 
 /// The part of a surface that lies in a part of its box: areas go with the square of lengths.
 double surfaceIn(const double part[3], const double whole[3]) {
@@ -50,6 +50,7 @@ bool CostModel::isSane() const {
   for (const Cost* cost : {&hostPairs, &hostPairwise, &hostSolid, &devicePairs, &devicePairwise, &batchPair}) {
     if (!good(cost->fixed) || !good(cost->perTriangle) || !(cost->fixed + cost->perTriangle > 0)) return false;
   }
+  if (!good(deviceSolid.fixed) || !good(deviceSolid.perTriangle)) return false;
   if (!good(batchSolid.fixed) || !good(batchSolid.perTriangle) || !good(solidLaunch)) return false;
   return good(batchLaunch) && good(hostThreads) && hostThreads >= 1 && good(hostSpeedup) && hostSpeedup >= 1;
 }
@@ -63,7 +64,7 @@ double CostModel::speedup(unsigned threads) const {
 }
 
 std::vector<unsigned char> toBytes(const CostModel& model) {
-  static_assert(sizeof(CostModel) == 18 * sizeof(double));
+  static_assert(sizeof(CostModel) == 20 * sizeof(double));
   std::vector<unsigned char> bytes(sizeof kMagic + sizeof model);
   std::memcpy(bytes.data(), kMagic, sizeof kMagic);
   std::memcpy(bytes.data() + sizeof kMagic, &model, sizeof model);

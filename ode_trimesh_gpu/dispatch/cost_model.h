@@ -23,11 +23,14 @@ struct Cost {
 };
 
 struct CostModel {
-  Cost hostPairs;          ///< middle and near phase on one thread
-  Cost hostPairwise;       ///< the whole query, model `pairwise`
-  Cost hostSolid;          ///< the same, model `solid`
-  Cost devicePairs;        ///< middle and near phase of one pair, from call to return
-  Cost devicePairwise;     ///< the whole query of one pair
+  Cost hostPairs;       ///< middle and near phase on one thread
+  Cost hostPairwise;    ///< the whole query, model `pairwise`
+  Cost hostSolid;       ///< the same, model `solid`
+  Cost devicePairs;     ///< middle and near phase of one pair, from call to return
+  Cost devicePairwise;  ///< the whole query of one pair
+  /// The same of a pair of solids, which the device describes where that pays. Zero where it is not known: then
+  /// devicePairs tells.
+  Cost deviceSolid;
   double batchLaunch = 0;  ///< of a batch of `pairwise` queries, however small
   Cost batchPair;          ///< each pair of a batch that keeps the whole device busy
   /// The same two for pairs of solids. Zero where they are not known: then solids that may be computed anywhere are the
@@ -38,6 +41,7 @@ struct CostModel {
   double hostThreads = 1, hostSpeedup = 1;
   friend bool operator==(const CostModel&, const CostModel&) = default;
 
+  bool knowsSolidPair() const { return deviceSolid.fixed + deviceSolid.perTriangle > 0; }
   bool knowsSolids() const { return batchSolid.fixed + batchSolid.perTriangle > 0; }
   /// A pair of a batch on the device, and on one thread of the CPU.
   double deviceCost(bool solid, double work) const {

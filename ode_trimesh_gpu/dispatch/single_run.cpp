@@ -18,6 +18,11 @@ class UnderWay {
   DeviceSlot& slot_;
 };
 
+/// Whether one call does all of a job, on the device as far as that can.
+bool allOnDevice(const PairJob& job) {
+  return !job.any && job.filter == nullptr;
+}
+
 }  // namespace
 
 Placement settled(Placement place) {
@@ -36,6 +41,9 @@ bool solidInBatch(const PairJob& job) {
 }
 
 bool isSoonerOnDevice(const PairJob& job, const CostModel& costs, double work) {
+  if (solidInBatch(job) && allOnDevice(job) && costs.knowsSolidPair()) {
+    return costs.deviceSolid.of(work) < costs.hostSolid.of(work);
+  }
   return contactsOnDevice(job) ? costs.devicePairwise.of(work) < costs.hostPairwise.of(work)
                                : costs.devicePairs.of(work) < costs.hostPairs.of(work);
 }
@@ -55,7 +63,7 @@ std::span<const Contact> collideOn(DeviceSlot& slot, const PairJob& job, Workspa
     slot.note(1, good);
     (good ? onDevice : deviceFailed) = true;
   };
-  if (middle && near && contactsOnDevice(job)) {
+  if (middle && near && allOnDevice(job)) {  // what only the host can is done there
     note(device.collide(job.query, workspace));
     return workspace.reduced;
   }

@@ -5,6 +5,7 @@
 
 #include "dispatch/cost_model.h"
 #include "dispatch/plan.h"
+#include "dispatch/single_run.h"
 #include "scenes/generated_meshes.h"
 #include "support/catch.h"
 #include "support/contact_samples.h"
@@ -214,6 +215,29 @@ TEST_CASE("a batch like the calibration's is divided by what the device does whe
   const std::size_t end = divide(division, std::vector<CostModel>{costs})[0];
   CHECK(end > 8800);
   CHECK(end < 9100);
+}
+
+TEST_CASE("one pair of solids goes where it is expected to be done sooner") {
+  const CollisionMesh solid(scenes::build(scenes::makeBox({1, 1, 1}, 2)), BuildStrategy::kSah);
+  PairJob job;
+  job.query.a = job.query.b = &solid;
+  job.query.options.contacts = ContactModel::kSolid;
+  CostModel costs = model(10, 100);
+  costs.hostSolid = {100, 1};
+  // As long as nothing is known of solids, the pairs of triangles tell.
+  CHECK_FALSE(isSoonerOnDevice(job, costs, 1000));
+  costs.deviceSolid = {500, 0.1};
+  CHECK(costs.isSane());
+  CHECK_FALSE(isSoonerOnDevice(job, costs, 100));
+  CHECK(isSoonerOnDevice(job, costs, 1000));
+  job.any = true;  // the host's contacts
+  CHECK_FALSE(isSoonerOnDevice(job, costs, 1000));
+  job.any = false;
+  job.query.options.contacts = ContactModel::kPairwise;
+  CHECK_FALSE(isSoonerOnDevice(job, costs, 1000));
+  CHECK(costModelFrom(toBytes(costs)) == costs);
+  costs.deviceSolid.fixed = -1;
+  CHECK_FALSE(costs.isSane());
 }
 
 TEST_CASE("the line through measured times") {
