@@ -362,6 +362,69 @@ TEST_CASE("rays hit what all triangles tried one by one say, closest first, with
   dGeomDestroy(ray);
 }
 
+TEST_CASE("arrays of rays with each flag hit what all triangles tried one by one say, whatever the number of threads") {
+  const OdeSession session;
+  std::mt19937 random(12);
+  Draw draw(13);
+  constexpr int kRays = 300;
+  for (const Case& c : cases()) {
+    const Data data(c.mesh);
+    const Geom geom(data);
+    setRandomPose(geom.id, random, 2);
+    const std::vector<Corners> mesh = trianglesOf(geom.id);
+    const Vec3d middle = toVec(dGeomGetPosition(geom.id));
+    std::vector<dGpuTriMeshRay> rays(kRays);
+    for (int i = 0; i < kRays; ++i) {
+      const Vec3d origin = otgAdd(middle, draw.inBox(i % 3 == 0 ? 0.3 : 2)), way = draw.direction();
+      const Vec3d towards = otgSub(otgAdd(middle, draw.inBox(0.5)), origin);
+      const Vec3d d = i % 2 == 0 ? way : towards;
+      rays[static_cast<std::size_t>(i)] = {
+          {origin.x, origin.y, origin.z, 0}, {d.x, d.y, d.z, 0}, i % 5 == 0 ? dInfinity : 1.5};
+    }
+    std::size_t culled = 0;
+    for (const int flags :
+         {0, dGPUTRIMESH_RAY_CULL_BACK + 0, dGPUTRIMESH_RAY_ANY + 0, dGPUTRIMESH_RAY_CULL_BACK | dGPUTRIMESH_RAY_ANY}) {
+      std::vector<dGpuTriMeshRayHit> hits(kRays), again(kRays);
+      dGpuTriMeshSetThreadCount(1);
+      const int found = dGeomGpuTriMeshCastRays(geom.id, rays.data(), kRays, flags, hits.data());
+      dGpuTriMeshSetThreadCount(3);
+      REQUIRE(dGeomGpuTriMeshCastRays(geom.id, rays.data(), kRays, flags, again.data()) == found);
+      dGpuTriMeshSetThreadCount(0);
+      int expectedHits = 0;
+      for (std::size_t i = 0; i < kRays; ++i) {
+        INFO(c.name << " ray " << i << " flags " << flags);
+        REQUIRE(std::memcmp(&hits[i], &again[i], sizeof hits[i]) == 0);
+        const Vec3d origin = toVec(rays[i].start);
+        const Vec3d d = otgScale(toVec(rays[i].direction), 1 / norm(toVec(rays[i].direction)));
+        std::vector<Corners> met = mesh;
+        if ((flags & dGPUTRIMESH_RAY_CULL_BACK) != 0) {
+          culled += std::erase_if(
+              met, [&](const Corners& t) { return otgDot(otgCross(otgSub(t[1], t[0]), otgSub(t[2], t[0])), d) >= 0; });
+        }
+        std::vector<double> expected = rayThrough(met, origin, d);
+        std::erase_if(expected, [&](double x) { return x > rays[i].length; });
+        if (expected.empty()) {
+          REQUIRE(hits[i].triangle == -1);
+          continue;
+        }
+        ++expectedHits;
+        REQUIRE(hits[i].triangle >= 0);
+        const bool any = (flags & dGPUTRIMESH_RAY_ANY) != 0;
+        const bool isThere = std::any_of(expected.begin(), any ? expected.end() : expected.begin() + 1,
+                                         [&](double x) { return std::abs(x - hits[i].distance) < 1e-9; });
+        REQUIRE(isThere);
+        const Corners& t = mesh[static_cast<std::size_t>(hits[i].triangle)];
+        REQUIRE(pointToTriangle(toVec(hits[i].pos), t) < 1e-9);
+        REQUIRE((otgDot(otgCross(otgSub(t[1], t[0]), otgSub(t[2], t[0])), d) > 0) == (hits[i].back != 0));
+        REQUIRE(otgDot(toVec(hits[i].normal), d) < 0);
+      }
+      REQUIRE(found == expectedHits);
+      REQUIRE(expectedHits > 20);
+    }
+    CHECK(culled > 0);
+  }
+}
+
 TEST_CASE("a ray through edges and corners of a surface hits it once") {
   const OdeSession session;
   const Data data(scenes::makeBox({2, 2, 2}, 4));
