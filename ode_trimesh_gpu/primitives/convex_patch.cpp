@@ -191,6 +191,11 @@ void ConvexPatch::tryEdge(const PlacedShape& shape, const Edge& edge, WayOut& be
     depths[i] = depthAt(static_cast<double>(i) / kArcSamples);
     if (depths[i] < depths[least]) least = i;
   }
+  // The way changes by no more than the shape's farthest point is away, for each radian: between the samples it cannot
+  // become shorter than the shortest so far.
+  const double reach =
+      norm(otgSub(shape.fromLocal({0, 0, 0}), edge.point)) + shape.shape().radius + shape.shape().length;
+  if (depths[least] - reach * angle * (0.5 / kArcSamples) * (1 + 1e-6) >= best.depth) return;
   double low = std::max(0, least - 1), high = std::min(kArcSamples, least + 1);
   low /= kArcSamples;
   high /= kArcSamples;
