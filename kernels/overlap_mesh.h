@@ -21,7 +21,6 @@ typedef struct {
   __global const uint *clusterVertices, *clusterNeighbours;
   __global const double* stars;  ///< four a vertex: vector and area
   uint clusterCount;
-  float radius;
 } otg_overlap_mesh;
 
 typedef struct {
@@ -42,7 +41,6 @@ OTG_INLINED otg_overlap_mesh otgOverlapMesh(__global const float4* meshes, const
   m.stars = (__global const double*)(m.clusters + OTG_CLUSTER_UNITS * (m.clusterCount + 1));
   m.clusterVertices = (__global const uint*)(m.stars + 4 * (size_t)vertices);
   m.clusterNeighbours = m.clusterVertices + as_uint(m.clusters[OTG_CLUSTER_UNITS * m.clusterCount].w);
-  m.radius = place->radius;
   return m;
 }
 

@@ -11,7 +11,7 @@ namespace otg::opencl {
 namespace {
 
 /// With fewer hits the host is sooner done than seven kernels.
-constexpr std::uint32_t kLeastHits = 512;
+constexpr std::uint32_t kLeastHits = 1024;
 constexpr std::size_t kHead = sizeof(otg_overlap_state);
 
 /// Where the parts of the results begin, in units behind the head.
