@@ -84,7 +84,7 @@ inline static uint otgHashPair(uint pair, uint a, uint b) {
   return h ^ h >> 12;
 }
 
-/// The smallest hit of the region, shortening the way for others.
+/// The root of the region, shortening the way for others.
 inline static uint otgFind(const otg_links* l, uint hit) {
   volatile __global uint* parent = l->links;  // OTG_LINK_PARENT
   uint up = parent[hit];
@@ -97,20 +97,25 @@ inline static uint otgFind(const otg_links* l, uint hit) {
   return hit;
 }
 
-/// Roots are hung below roots of smaller pairs of triangles only, so the root of a region is its smallest pair, in
-/// whatever order that happens.
+/// Roots are hung below roots of smaller keys, which are as good as random: neighbours have numbers one after the other
+/// along a contour, and would make ways to roots as long as it.
+inline static uint otgRootKey(uint hit) {
+  return hit * 0x9e3779b1u;
+}
+
 inline static void otgUnite(const otg_links* l, uint x, uint y) {
   for (;;) {
     x = otgFind(l, x);
     y = otgFind(l, y);
     if (x == y) return;
-    const int xFirst = otgLess(otgTrianglesOf(l->records + x), otgTrianglesOf(l->records + y));
+    const int xFirst = otgRootKey(x) < otgRootKey(y);
     const uint low = xFirst ? x : y, high = xFirst ? y : x;
     if (atomic_cmpxchg(otgLink(l, OTG_LINK_PARENT, high), high, low) == high) return;
   }
 }
 
-/// Unites a hit with the one of these triangles of the same pair of meshes, if there is one.
+/// Unites a hit with the one of these triangles of the same pair of meshes, if there is one. They are greater than the
+/// hit's own.
 inline static void otgUniteWithHit(const otg_links* l, uint hit, uint pair, uint2 triangles) {
   const uint hash = otgHashPair(pair, triangles.x, triangles.y);
   for (uint slot = hash & l->mask;; slot = (slot + 1) & l->mask) {
@@ -120,9 +125,28 @@ inline static void otgUniteWithHit(const otg_links* l, uint hit, uint pair, uint
     const uint other = (entry & l->mask) - 1;
     const uint2 found = otgTrianglesOf(l->records + other);
     if (found.x != triangles.x || found.y != triangles.y || l->records[other].pair != pair) continue;
+    *otgLink(l, OTG_LINK_LATER, other) = 1;
     otgUnite(l, hit, other);
     return;
   }
+}
+
+/// The smallest pair of triangles of each region, by whose order regions are numbered: among the hits that have no
+/// smaller neighbour, of which there are few. When all have been asked, the root has it (plus one).
+inline static void otgBidForFirst(const otg_links* l, uint hit, uint root) {
+  if (*otgLink(l, OTG_LINK_LATER, hit)) return;
+  __global uint* first = otgLink(l, OTG_LINK_FIRST, root);
+  for (uint entry = 0;;) {
+    const uint before = atomic_cmpxchg(first, entry, hit + 1);
+    if (before == entry || otgLess(otgTrianglesOf(l->records + before - 1), otgTrianglesOf(l->records + hit))) return;
+    entry = before;
+  }
+}
+
+/// When all have bid.
+inline static ulong otgRegionOf(const otg_links* l, uint root) {
+  const uint2 triangles = otgTrianglesOf(l->records + *otgLink(l, OTG_LINK_FIRST, root) - 1);
+  return (ulong)triangles.x << 32 | triangles.y;
 }
 
 /// What the ring of edges says of edge `edge` - 1 of a triangle: the next half-edge of the same edge, and OTG_RING_TWIN
@@ -274,6 +298,8 @@ inline static void otgEnterHit(const otg_links* l, __global otg_pair_state* stat
   __global otg_pair_state* state = states + r->pair;
   *otgLink(l, OTG_LINK_PARENT, hit) = hit;
   *otgLink(l, OTG_LINK_MARK, hit) = 0;
+  *otgLink(l, OTG_LINK_LATER, hit) = 0;
+  *otgLink(l, OTG_LINK_FIRST, hit) = 0;
   if (r->kind == OTG_RECORD_OPEN) atomic_or(flags + r->pair, OTG_PAIR_TO_HOST);
   if (!otgIntersects(r->kind)) return;
   const uint hash = otgHashPair(r->pair, r->a, r->b);

@@ -51,9 +51,12 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void selectConta
   otgEmptyTables(l.pairTable, l.binTable, l.mask, get_global_id(0), get_global_size(0));
   for (uint hit = get_global_id(0); hit < count; hit += get_global_size(0)) {
     const uint pair = l.records[hit].pair;
-    if (!otgIsContact(l.records[hit].kind) || (results[OTG_FLAGS + pair] & OTG_PAIR_LEFT_OUT)) continue;
+    const int kind = l.records[hit].kind;
+    if (!otgIntersects(kind) || (results[OTG_FLAGS + pair] & OTG_PAIR_LEFT_OUT)) continue;
     __global otg_pair_state* state = states + pair;
     const uint root = otgFind(&l, hit);
+    otgBidForFirst(&l, hit, root);
+    if (!otgIsContact(kind)) continue;
     volatile __global uint* mark = otgLink(&l, OTG_LINK_MARK, root);
     if (*mark == 0 && atomic_xchg(mark, 1) == 0) {
       const uint place = atomic_inc(&state->roots);
@@ -73,12 +76,12 @@ inline static uint otgEnterKept(const otg_links* l, __global const uint* kept, u
                                 __local uint* entered) {
   const uint lane = get_local_id(0);
   if (lane == 0) *entered = 0;
-  for (uint i = lane; i < regions; i += OTG_GROUP) c->ids[i] = otgIdsOf(otgTrianglesOf(l->records + roots[i]));
+  for (uint i = lane; i < regions; i += OTG_GROUP) c->ids[i] = otgRegionOf(l, roots[i]);
   barrier(CLK_LOCAL_MEM_FENCE);
   for (uint i = lane; i < count; i += OTG_GROUP) {
     const uint hit = kept[i];
     if (binned && l->binBest[*otgLink(l, OTG_LINK_BIN_SLOT, hit)] != hit + 1) continue;
-    const ulong mine = otgIdsOf(otgTrianglesOf(l->records + otgFind(l, hit)));
+    const ulong mine = otgRegionOf(l, otgFind(l, hit));
     uint region = 0;
     for (uint j = 0; j < regions; ++j) region += c->ids[j] < mine;
     const uint place = atomic_inc(entered);

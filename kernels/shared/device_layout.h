@@ -124,11 +124,13 @@ enum {
 
 /// What the choice needs to know of each hit, one array after the other, each as long as the list of hits.
 enum {
-  OTG_LINK_PARENT = 0,    ///< union-find over hits of one region; the root is the smallest pair of triangles
+  OTG_LINK_PARENT = 0,    ///< union-find over hits of one region
   OTG_LINK_MARK = 1,      ///< of a root: 1 if the region is in the list of regions with contacts
   OTG_LINK_BIN_SLOT = 2,  ///< of a contact: the slot of its bin
   OTG_LINK_SCORE = 3,     ///< of a contact: the upper half of its score in the bin, plus one
-  OTG_LINKS = 4
+  OTG_LINK_LATER = 4,     ///< 1: the region has a smaller pair of triangles than this one
+  OTG_LINK_FIRST = 5,     ///< of a root: the hit of the region's smallest pair of triangles, plus one
+  OTG_LINKS = 6
 };
 #define OTG_NOT_THERE 0xffffffffu
 
