@@ -51,17 +51,6 @@ inline static ulong otgIdsOf(uint2 triangles) {
   return (ulong)triangles.x << 32 | triangles.y;
 }
 
-inline static uint otgSquared(uint x, uint y) {
-  const int d = (int)x - (int)y;
-  return (uint)(d * d);
-}
-
-inline static uint otgDistance(uint2 p, uint2 q) {
-  return otgSquared(p.x & 0x3ff, q.x & 0x3ff) + otgSquared(p.x >> 10 & 0x3ff, q.x >> 10 & 0x3ff) +
-         otgSquared(p.x >> 20, q.x >> 20) + otgSquared(p.y & 0x3ff, q.y & 0x3ff) +
-         otgSquared(p.y >> 10 & 0x3ff, q.y >> 10 & 0x3ff) + otgSquared(p.y >> 20, q.y >> 20);
-}
-
 /// Contact `i` of the choice: the record's place, its region, and what its rank depends on.
 inline static void otgEnterChoice(__local otg_choice* c, uint i, __global const otg_contact_record* records, uint hit,
                                   uint region) {
@@ -80,15 +69,31 @@ inline static uint otgWarpMax(uint x) {
 }
 #endif
 
-/// The largest `x` of the work-group. Two barriers between this and the next one but one.
-inline static uint otgGroupMax(__local otg_choice* c, uint round, uint x) {
+/// Work-items that look for the farthest contact: few, so that they need not wait long for each other, where not all
+/// have to come to a barrier.
+#if OTG_WARP && OTG_GROUP > 128
+#define OTG_SEEKERS 128
+#else
+#define OTG_SEEKERS OTG_GROUP
+#endif
+
+/// The largest `x` of the seekers, of which all call it.
+inline static uint otgLargest(__local otg_choice* c, uint round, uint x) {
 #if OTG_WARP
-  const uint lane = get_local_id(0), warps = (OTG_GROUP + 31) / 32;
+  const uint lane = get_local_id(0), warps = (OTG_SEEKERS + 31) / 32;
   __local uint* slots = c->slots + round % 2 * 32;
   x = otgWarpMax(x);
-  if (lane % 32 == 0) slots[lane / 32] = x;
-  barrier(CLK_LOCAL_MEM_FENCE);
-  return otgWarpMax(lane % 32 < warps ? slots[lane % 32] : 0);
+  if (warps > 1) {
+    if (lane % 32 == 0) slots[lane / 32] = x;
+#if OTG_SEEKERS < OTG_GROUP
+    __asm__ volatile("bar.sync 1, %0;" ::"n"(OTG_SEEKERS) : "memory");
+#else
+    barrier(CLK_LOCAL_MEM_FENCE);
+#endif
+    x = slots[0];
+    for (uint i = 1; i < warps; ++i) x = max(x, slots[i]);
+  }
+  return x;
 #else
   // The maximum of a round is cleared while that of the round before is read.
   if (x) atomic_max(c->slots + round % 3, x);
@@ -99,44 +104,89 @@ inline static uint otgGroupMax(__local otg_choice* c, uint round, uint x) {
 }
 
 /// Ranks that one lane accounts for.
-#define OTG_OWN ((OTG_KEPT + OTG_GROUP - 1) / OTG_GROUP)
+#define OTG_OWN ((OTG_KEPT + OTG_SEEKERS - 1) / OTG_SEEKERS)
 
-/// Accounts for a chosen contact at `p`; the farthest of the lane's others.
-inline static uint otgSpreadFrom(uint* nearest, const uint* pointX, const uint* pointY, uint2 p, uint taken) {
+/// Points as floats, which are faster than integers: coordinates from -512 to 511, so that all sums of products that
+/// make a squared distance are whole numbers below 2^24, and exact. 2^23 is added to distances, so that their last bits
+/// are the number.
+#define OTG_BIAS 8388608.0f
+
+/// Coordinates of a point of the grid; returns its squared length.
+inline static float otgSpreadCoordinates(uint2 p, float* x) {
+  const uint bits[6] = {p.x & 0x3ff, p.x >> 10 & 0x3ff, p.x >> 20, p.y & 0x3ff, p.y >> 10 & 0x3ff, p.y >> 20};
+  float length = 0;
+  for (int k = 0; k < 6; ++k) {
+    x[k] = as_float(bits[k] | 0x4b000000u) - (OTG_BIAS + 512);
+    length = fma(x[k], x[k], length);
+  }
+  return length;
+}
+
+/// Accounts for the chosen contact `taken` at `p`; the farthest of the lane's others, of which it has `own`. What a
+/// lane knows of each: -2 times its coordinates (`x`, six each), its squared length and the squared distance to the
+/// nearest chosen contact, both with OTG_BIAS, and what goes below that in the word of which the largest is looked for.
+inline static uint otgSpreadFrom(const float* x, const float* length, float* nearest, uint* key, uint own, uint2 p,
+                                 uint taken) {
+  float q[6];
+  const float lengthOfTaken = otgSpreadCoordinates(p, q);
   uint best = 0;
-  for (int k = 0; k < OTG_OWN; ++k) {
-    const uint i = get_local_id(0) + k * OTG_GROUP;
-    if (i == taken) nearest[k] = OTG_TAKEN;
-    if (nearest[k] == OTG_TAKEN) continue;
-    nearest[k] = min(nearest[k], otgDistance((uint2)(pointX[k], pointY[k]), p));
-    best = max(best, nearest[k] << OTG_RANK_BITS | (OTG_RANK_MASK - i));
+#pragma unroll
+  for (uint k = 0; k < own; ++k) {
+    const float positions = fma(x[6 * k], q[0], fma(x[6 * k + 1], q[1], x[6 * k + 2] * q[2]));
+    const float normals = fma(x[6 * k + 3], q[3], fma(x[6 * k + 4], q[4], x[6 * k + 5] * q[5]));
+    const float distance = length[k] + lengthOfTaken + (positions + normals);
+    nearest[k] = distance < nearest[k] ? distance : nearest[k];
+    if (get_local_id(0) + k * OTG_SEEKERS == taken) key[k] = 0;
+    best = max(best, (as_uint(nearest[k]) << OTG_RANK_BITS) + key[k]);
   }
   return best;
 }
 
-/// The seeds (c->ranks.rank), then always the farthest: ranks that are chosen are OTG_TAKEN in the end. One barrier a
-/// round; what a lane needs to know of its ranks stays in registers.
-inline static void otgTakeFarthest(__local otg_choice* c, __local otg_spread* s, uint count, uint places, uint seeds) {
+/// See otgTakeFarthest. `own`: ranks of each lane, a constant.
+inline static void otgTakeWith(__local otg_choice* c, __local otg_spread* s, uint count, uint places, uint seeds,
+                               uint own) {
   const uint lane = get_local_id(0);
-  uint nearest[OTG_OWN];
-  uint pointX[OTG_OWN], pointY[OTG_OWN];
-  for (int k = 0; k < OTG_OWN; ++k) {
-    const uint i = lane + k * OTG_GROUP;
-    nearest[k] = i < count ? s->nearest[i] : OTG_TAKEN;
-    pointX[k] = i < count ? s->point[i].x : 0;
-    pointY[k] = i < count ? s->point[i].y : 0;
+  float x[6 * OTG_OWN], length[OTG_OWN], nearest[OTG_OWN];
+  uint key[OTG_OWN], best = 0;
+#pragma unroll
+  for (uint k = 0; k < own; ++k) {
+    const uint i = lane + k * OTG_SEEKERS;
+    const int there = i < count && s->nearest[i] != OTG_TAKEN;
+    float p[6];
+    length[k] = otgSpreadCoordinates(there ? s->point[i] : (uint2)(0, 0), p) + OTG_BIAS;
+    for (int j = 0; j < 6; ++j) x[6 * k + j] = -2 * p[j];
+    nearest[k] = there ? OTG_BIAS + OTG_FAR : OTG_BIAS;
+    // All zeros if it is not there. One that is may be as near and have the last rank; it is the only one left then.
+    key[k] = there ? OTG_RANK_MASK - i : 0;
   }
-  uint best = 0;
   for (uint round = 0; round < min(seeds, places); ++round) {
-    best = otgSpreadFrom(nearest, pointX, pointY, s->point[c->ranks.rank[round]], c->ranks.rank[round]);
+    best = otgSpreadFrom(x, length, nearest, key, own, s->point[c->ranks.rank[round]], c->ranks.rank[round]);
   }
   for (uint round = seeds; round < places; ++round) {
-    const uint taken = OTG_RANK_MASK - (otgGroupMax(c, round, best) & OTG_RANK_MASK);
-    best = otgSpreadFrom(nearest, pointX, pointY, s->point[taken], taken);
+    const uint taken = OTG_RANK_MASK - (otgLargest(c, round, best) & OTG_RANK_MASK);
+    best = otgSpreadFrom(x, length, nearest, key, own, s->point[taken], taken);
+    if (lane == 0) s->nearest[taken] = OTG_TAKEN;
   }
-  for (int k = 0; k < OTG_OWN; ++k) {
-    if (lane + k * OTG_GROUP < count) s->nearest[lane + k * OTG_GROUP] = nearest[k];
+}
+
+/// The seeds (c->ranks.rank), then always the farthest: ranks that are chosen are OTG_TAKEN in the end. One barrier a
+/// round; what a lane needs to know of its ranks stays in registers, of which there are as few as the count allows.
+inline static void otgTakeFarthest(__local otg_choice* c, __local otg_spread* s, uint count, uint places, uint seeds) {
+#if OTG_WARP
+  // Others have nothing to do here; the work-group meets again at a barrier behind this.
+  if (get_local_id(0) >= OTG_SEEKERS) return;
+  if (count <= OTG_SEEKERS) {
+    otgTakeWith(c, s, count, places, seeds, 1);
+  } else if (count <= 2 * OTG_SEEKERS) {
+    otgTakeWith(c, s, count, places, seeds, OTG_OWN < 2 ? OTG_OWN : 2);
+  } else if (count <= 4 * OTG_SEEKERS) {
+    otgTakeWith(c, s, count, places, seeds, OTG_OWN < 4 ? OTG_OWN : 4);
+  } else {
+    otgTakeWith(c, s, count, places, seeds, OTG_OWN);
   }
+#else
+  otgTakeWith(c, s, count, places, seeds, OTG_OWN);
+#endif
 }
 
 /// Bits of c->taken below that of rank `i`.
