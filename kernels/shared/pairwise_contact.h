@@ -57,12 +57,17 @@ OTG_GENERIC OTG_VEC3 OTG_NAME(otgUnitNormal)(const OTG_VEC3* p) {
 /// along the line. Writes the ends with their points.
 OTG_GENERIC void OTG_NAME(otgPlaneInterval)(const OTG_VEC3* p, const REAL* s, OTG_VEC3 line, REAL* lo, REAL* hi,
                                             OTG_VEC3* atLo, OTG_VEC3* atHi) {
-  int count = 0, nearest = 0;
+  int count = 0;
+  OTG_VEC3 nearest = p[0];  // not its number: devices keep corners in registers only if all indices are constants
+  REAL least = OTG_ABS(s[0]);
   for (int k = 0; k < 3; ++k) {
     int j = (k + 1) % 3, have = 0;
     OTG_VEC3 x = p[k];
     REAL c;
-    if (OTG_ABS(s[k]) < OTG_ABS(s[nearest])) nearest = k;
+    if (OTG_ABS(s[k]) < least) {
+      nearest = x;
+      least = OTG_ABS(s[k]);
+    }
     if (s[k] == 0) {
       have = 1;
     } else if ((s[k] > 0 && s[j] < 0) || (s[k] < 0 && s[j] > 0)) {
@@ -82,16 +87,19 @@ OTG_GENERIC void OTG_NAME(otgPlaneInterval)(const OTG_VEC3* p, const REAL* s, OT
     ++count;
   }
   if (count == 0) {  // only rounding can do that to a triangle that meets the plane: its nearest corner touches
-    *lo = *hi = OTG_NAME(otgDot)(p[nearest], line);
-    *atLo = *atHi = p[nearest];
+    *lo = *hi = OTG_NAME(otgDot)(nearest, line);
+    *atLo = *atHi = nearest;
   }
 }
 
 /// Mean of the corners of the overlap of two triangles in (nearly) one plane: A clipped by the three sides of B.
-OTG_GENERIC OTG_VEC3 OTG_NAME(otgCoplanarPoint)(const OTG_VEC3* a, const OTG_VEC3* b, OTG_VEC3 normalB) {
-  OTG_VEC3 poly[9], next[9], sum;
+OTG_GENERIC OTG_VEC3 OTG_NAME(otgCoplanarPoint)(const OTG_VEC3* a, const OTG_VEC3* cornersB, OTG_VEC3 normalB) {
+  OTG_VEC3 poly[9], next[9], b[3], sum;  // `b`: a copy, so that the caller's corners can stay in registers
   int n = 3;
-  for (int k = 0; k < 3; ++k) poly[k] = a[k];
+  for (int k = 0; k < 3; ++k) {
+    poly[k] = a[k];
+    b[k] = cornersB[k];
+  }
   for (int side = 0; side < 3; ++side) {
     OTG_VEC3 inward = OTG_NAME(otgCross)(normalB, OTG_NAME(otgSub)(b[(side + 1) % 3], b[side]));
     int m = 0, best = 0;

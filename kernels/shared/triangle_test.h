@@ -65,12 +65,13 @@ OTG_GENERIC int OTG_NAME(otgTrianglesFilter)(OTG_FILTER_ERROR e, const OTG_VEC3*
   // other two so that this corner sees the other triangle from the positive side.
   ia = (pa == 1 || pa == 6) ? 0 : (pa == 2 || pa == 5) ? 1 : 2;
   ib = (pb == 1 || pb == 6) ? 0 : (pb == 2 || pb == 5) ? 1 : 2;
-  p1 = a[ia];
-  q1 = a[(ia + 1) % 3];
-  r1 = a[(ia + 2) % 3];
-  p2 = b[ib];
-  q2 = b[(ib + 1) % 3];
-  r2 = b[(ib + 2) % 3];
+  // No places that are only known when it runs: they would keep the corners out of a device's registers.
+  p1 = ia == 0 ? a[0] : ia == 1 ? a[1] : a[2];
+  q1 = ia == 0 ? a[1] : ia == 1 ? a[2] : a[0];
+  r1 = ia == 0 ? a[2] : ia == 1 ? a[0] : a[1];
+  p2 = ib == 0 ? b[0] : ib == 1 ? b[1] : b[2];
+  q2 = ib == 0 ? b[1] : ib == 1 ? b[2] : b[0];
+  r2 = ib == 0 ? b[2] : ib == 1 ? b[0] : b[1];
   if (!(pa >> ia & 1)) {  // p1 below B's plane: turn B over
     OTG_VEC3 swap = q2;
     q2 = r2;
