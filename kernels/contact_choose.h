@@ -35,8 +35,8 @@ typedef struct {
   uint hit[OTG_KEPT_ROOM];           ///< place of the record
   uint region[OTG_KEPT_ROOM];        ///< number
   otg_ranks ranks;
-  uint taken[OTG_KEPT / 32 + 1];  ///< a bit for each rank
-  uint slots[64];                 ///< of otgGroupMax
+  uint taken[OTG_KEPT / 32 + 1];                ///< a bit for each rank
+  uint slots[64] __attribute__((aligned(16)));  ///< of otgLargest
   uint low[3], high[3], seeds;
 } otg_choice;
 
@@ -90,8 +90,13 @@ inline static uint otgLargest(__local otg_choice* c, uint round, uint x) {
 #else
     barrier(CLK_LOCAL_MEM_FENCE);
 #endif
+#if OTG_SEEKERS == 128
+    const uint4 all = *(__local const uint4*)slots;
+    x = max(max(all.x, all.y), max(all.z, all.w));
+#else
     x = slots[0];
     for (uint i = 1; i < warps; ++i) x = max(x, slots[i]);
+#endif
   }
   return x;
 #else
@@ -175,15 +180,17 @@ inline static void otgTakeFarthest(__local otg_choice* c, __local otg_spread* s,
 #if OTG_WARP
   // Others have nothing to do here; the work-group meets again at a barrier behind this.
   if (get_local_id(0) >= OTG_SEEKERS) return;
-  if (count <= OTG_SEEKERS) {
-    otgTakeWith(c, s, count, places, seeds, 1);
-  } else if (count <= 2 * OTG_SEEKERS) {
-    otgTakeWith(c, s, count, places, seeds, OTG_OWN < 2 ? OTG_OWN : 2);
-  } else if (count <= 4 * OTG_SEEKERS) {
-    otgTakeWith(c, s, count, places, seeds, OTG_OWN < 4 ? OTG_OWN : 4);
-  } else {
-    otgTakeWith(c, s, count, places, seeds, OTG_OWN);
-  }
+  const uint needed = (count + OTG_SEEKERS - 1) / OTG_SEEKERS;
+  if (needed <= 1) otgTakeWith(c, s, count, places, seeds, 1);
+#if OTG_OWN > 1
+  if (needed == 2) otgTakeWith(c, s, count, places, seeds, 2);
+#endif
+#if OTG_OWN > 2
+  if (needed == 3 || needed == 4) otgTakeWith(c, s, count, places, seeds, OTG_OWN < 4 ? OTG_OWN : 4);
+#endif
+#if OTG_OWN > 4
+  if (needed > 4) otgTakeWith(c, s, count, places, seeds, OTG_OWN);
+#endif
 #else
   otgTakeWith(c, s, count, places, seeds, OTG_OWN);
 #endif

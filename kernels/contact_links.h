@@ -22,6 +22,7 @@ typedef struct {
   __global uint* binScore;   ///< the highest score of a bin: its upper half, plus one
   __global uint* binBest;    ///< a hit plus one: the best of the bin, of those whose score is that
   uint capacity, mask;
+  uint bins;  ///< not 0: so many bins, each with the slot of its number; else they are hashed
 } otg_links;
 
 inline static __global uint* otgLink(const otg_links* l, uint what, uint hit) {
@@ -45,6 +46,7 @@ inline static otg_links otgLinksOf(__global const uint* counters, __global uchar
   l.binScore = tables + 2 * (size_t)tableSize;
   l.binBest = tables + 3 * (size_t)tableSize;
   l.capacity = capacity;
+  l.bins = 0;
   l.mask = otgTableMask(min(counters[OTG_COUNT_HITS], capacity));
   return l;
 }
@@ -103,14 +105,20 @@ inline static uint otgRootKey(uint hit) {
   return hit * 0x9e3779b1u;
 }
 
+/// Goes up from both at once, always the one whose parent has the greater key, which is hung below the other's parent
+/// on the way (the union-find of Rem). A parent's key is never greater than its child's.
 inline static void otgUnite(const otg_links* l, uint x, uint y) {
+  volatile __global uint* parent = l->links;  // OTG_LINK_PARENT
   for (;;) {
-    x = otgFind(l, x);
-    y = otgFind(l, y);
-    if (x == y) return;
-    const int xFirst = otgRootKey(x) < otgRootKey(y);
-    const uint low = xFirst ? x : y, high = xFirst ? y : x;
-    if (atomic_cmpxchg(otgLink(l, OTG_LINK_PARENT, high), high, low) == high) return;
+    const uint upX = parent[x], upY = parent[y];
+    if (upX == upY) return;
+    const int xGoes = otgRootKey(upX) > otgRootKey(upY);
+    const uint from = xGoes ? x : y, up = xGoes ? upX : upY, to = xGoes ? upY : upX;
+    const int hung = atomic_cmpxchg(parent + from, up, to) == up;
+    if (up == from && hung) return;
+    if (up == from) continue;  // no root any more
+    x = up;
+    y = to;
   }
 }
 
@@ -212,13 +220,31 @@ inline static ulong otgBinOfHit(const otg_links* l, __global const otg_pair_stat
   return otgBinOf_d(otgPositionOf(l->records + hit), otgNormalOf(l->records + hit), low, high, how->bins, score);
 }
 
-/// Finds the slot of the hit's bin, which is that of whoever came first, and raises the bin's score.
+/// Slots of a pair's bins: as many as there are bins if a table has as many, else 0.
+inline static uint otgBinsOf(const otg_reduction* how, uint tableSize) {
+  ulong bins = 1;
+  for (int k = 0; k < 6; ++k) bins *= (ulong)clamp(how->bins[k], 1, OTG_MAX_BINS);
+  return bins <= tableSize ? (uint)bins : 0;
+}
+
+/// Finds the slot of the hit's bin, which is that of whoever came first or of the bin's number, and raises the bin's
+/// score.
 inline static void otgEnterBin(const otg_links* l, __global const otg_pair_state* state, const otg_reduction* how,
                                uint hit, uint pair) {
   double score;
   const ulong bin = otgBinOfHit(l, state, how, hit, &score);
   const uint hash = otgHashPair(pair, (uint)(bin >> 32), (uint)bin), mine = (hash & ~l->mask) | (hit + 1);
   const uint upper = (uint)(as_ulong(score) >> 32) + 1;  // scores are not negative: in the order of their bits
+  if (l->bins) {
+    uint slot = 0;
+    for (int k = 0; k < 6; ++k) {
+      slot = slot * (uint)clamp(how->bins[k], 1, OTG_MAX_BINS) + ((uint)(bin >> (6 * (5 - k))) & (OTG_MAX_BINS - 1));
+    }
+    if (upper > *(volatile __global uint*)(l->binScore + slot)) atomic_max(l->binScore + slot, upper);
+    *otgLink(l, OTG_LINK_BIN_SLOT, hit) = slot;
+    *otgLink(l, OTG_LINK_SCORE, hit) = upper;
+    return;
+  }
   for (uint slot = hash & l->mask;; slot = (slot + 1) & l->mask) {
     uint entry = l->binTable[slot];
     if (entry == 0) entry = atomic_cmpxchg(l->binTable + slot, 0, mine);

@@ -17,8 +17,12 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void uniteContac
     __global uint* links, __global uint* tables, uint tableSize, uint capacity,
     __global const otg_pair_state* restrict states, __global const otg_reduction* restrict reductions,
     __global const uint* restrict results) {
-  const otg_links l = otgLinksOf(counters, records, links, tables, tableSize, capacity);
+  otg_links l = otgLinksOf(counters, records, links, tables, tableSize, capacity);
   const size_t count = min(counters[OTG_COUNT_HITS], capacity);
+#if OTG_SINGLE
+  const otg_reduction first = reductions[0];
+  l.bins = otgBinsOf(&first, tableSize);
+#endif
   for (size_t t = get_global_id(0); t < 16 * count; t += get_global_size(0)) {
     const int bins = t < count;
     const uint hit = (uint)(bins ? t : (t - count) / 15), share = bins ? 0 : 1 + (uint)((t - count) % 15);
@@ -98,14 +102,14 @@ inline static uint otgEnterKept(const otg_links* l, __global const uint* kept, u
   return all;
 }
 
-/// Work-group g chooses for pair g. `results`: the head, the pairs' flags, places and counts, contacts. What does not
-/// fit into the lists is left to the host.
+/// Work-group g chooses for pair g. `results` and `answer`: the head, the pairs' flags, places and counts, contacts.
+/// They may be the same; what the host reads of a single pair goes to `answer`, which may be the host's memory, and of
+/// a batch to `results`. What does not fit into the lists is left to the host.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void chooseContacts(
     __global const float4* restrict meshes, __global uint* restrict counters, __global uchar* restrict records,
-    __global uint* links, __global uint* tables, uint tableSize, uint capacity,
-    __global otg_pair_state* restrict states, __global const otg_reduction* restrict reductions,
-    __global const uint* restrict kept, __global const uint* restrict roots, __global uint2* restrict chosen,
-    uint chosenRoom, __global uint* restrict results) {
+    __global uint* links, __global uint* tables, uint tableSize, uint capacity, __global otg_pair_state* states,
+    __global const otg_reduction* restrict reductions, __global uint* kept, __global uint* roots,
+    __global uint2* restrict chosen, uint chosenRoom, __global uint* results, __global uint* answer) {
   __local otg_choice choice;
   __local uint entered;
   const uint lane = get_local_id(0), pair = get_group_id(0), pairs = get_num_groups(0);
@@ -122,9 +126,9 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void chooseConta
   const int tooMany = !leftOut && (unlisted || all > OTG_KEPT);
   const uint count = otgChoose(l.records, tooMany ? 0 : all, tooMany ? 0 : regions, how.places, &choice);
   if (lane == 0) {
-    if (tooMany) results[OTG_FLAGS + pair] = flags | OTG_PAIR_TO_HOST;
-    results[OTG_PLACE(pairs, pair)] = 0;
-    results[OTG_PLACE(pairs, pair) + 1] = count;
+    answer[OTG_FLAGS + pair] = flags | (tooMany ? OTG_PAIR_TO_HOST : 0);
+    answer[OTG_PLACE(pairs, pair)] = 0;
+    answer[OTG_PLACE(pairs, pair) + 1] = count;
     if (leftOut || tooMany) {
       if (!(flags & OTG_PAIR_SKIPPED)) atomic_inc(counters + OTG_COUNT_FLAGGED);
     } else if (state->intersecting) {
@@ -135,14 +139,15 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void chooseConta
   }
 #if OTG_SINGLE
   otgWriteChoice(&choice, count, l.records, meshes, state->ringsA, state->ringsB,
-                 (__global otg_chosen_contact*)((__global uchar*)results + OTG_RESULT_CONTACTS(1)));
+                 (__global otg_chosen_contact*)((__global uchar*)answer + OTG_RESULT_CONTACTS(1)));
   // Every bin that was used has one of these. Those that did not fit into the list are not known.
   for (uint i = lane; i < state->kept && !unlisted; i += OTG_GROUP) {
     const uint slot = *otgLink(&l, OTG_LINK_BIN_SLOT, kept[i]);
     if (how.method == OTG_REDUCE_BINNING) l.binScore[slot] = l.binBest[slot] = 0;
   }
-  otgEmptyTables(l.binScore, l.binBest, unlisted ? l.mask : 0, lane, OTG_GROUP);
-  otgFinishPair(counters, results, 1);
+  const uint bins = unlisted ? otgBinsOf(&how, tableSize) : 0;
+  otgEmptyTables(l.binScore, l.binBest, unlisted ? max(l.mask, bins ? (bins - 1) | 3 : 0) : 0, lane, OTG_GROUP);
+  otgFinishPair(counters, answer, 1);
 #else
   for (uint k = lane; k < count; k += OTG_GROUP) {
     const uint i = choice.ranks.order[choice.ranks.rank[k]];

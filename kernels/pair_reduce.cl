@@ -10,8 +10,8 @@
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairReduce(
     const otg_device_pair pair, const OTG_POSE bInA, __global const float4* restrict meshes,
     __global uint* restrict counters, __global const uint2* restrict hits, uint hitCapacity,
-    __global uchar* restrict results, __global const otg_reduction* restrict reductions,
-    __global uint* restrict chosen) {
+    __global uchar* restrict results, __global const otg_reduction* restrict reductions, __global const uint* chosen,
+    __global uint* answer) {
   __local otg_group_links g;
   const uint lane = get_local_id(0), found = counters[OTG_COUNT_HITS], flags = chosen[OTG_FLAGS];
   const int many = found > min((uint)OTG_KEPT, hitCapacity);
@@ -32,9 +32,9 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairReduce(
   const otg_reduction how = reductions[0];
   const uint stay = otgGroupContacts(&g, records, toHost ? 0 : count, meshes, pair.a.rings, pair.b.rings, &how);
   if (lane == 0) {
-    chosen[OTG_FLAGS] = flags | (toHost ? OTG_PAIR_TO_HOST : 0) | (many ? OTG_PAIR_MANY : 0);
-    chosen[OTG_PLACE(1, 0)] = 0;
-    chosen[OTG_PLACE(1, 0) + 1] = stay;
+    answer[OTG_FLAGS] = flags | (toHost ? OTG_PAIR_TO_HOST : 0) | (many ? OTG_PAIR_MANY : 0);
+    answer[OTG_PLACE(1, 0)] = 0;
+    answer[OTG_PLACE(1, 0) + 1] = stay;
     if (!toHost) {
       counters[OTG_COUNT_INTERSECTING] = g.intersecting;
       counters[OTG_COUNT_CONTACTS] = g.contacts;
@@ -42,6 +42,6 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairReduce(
     }
   }
   otgWriteChoice(&g.choice, stay, records, meshes, pair.a.rings, pair.b.rings,
-                 (__global otg_chosen_contact*)((__global uchar*)chosen + OTG_RESULT_CONTACTS(1)));
-  otgFinishPair(counters, chosen, !many);
+                 (__global otg_chosen_contact*)((__global uchar*)answer + OTG_RESULT_CONTACTS(1)));
+  otgFinishPair(counters, answer, !many);
 }

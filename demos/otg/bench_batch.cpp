@@ -69,7 +69,7 @@ const std::map<std::string, std::uint32_t opencl::Tuning::*>& tuningKeys() {
       {"keptPlaces", &Tuning::keptPlaces},
       {"batchKeptPlaces", &Tuning::batchKeptPlaces},
       {"contactPlaces", &Tuning::contactPlaces},
-      {"readMode", &Tuning::readMode},
+      {"hostAnswers", &Tuning::hostAnswers},
       {"flushes", &Tuning::flushes},
       {"levels", &Tuning::levels},
       {"levelTriangles", &Tuning::levelTriangles},

@@ -39,7 +39,8 @@ namespace otg::opencl {
   F(clGetEventProfilingInfo)   \
   F(clReleaseEvent)            \
   F(clFlush)                   \
-  F(clFinish)
+  F(clFinish)                  \
+  F(clGetExtensionFunctionAddressForPlatform)
 
 struct Api {
 #define OTG_CL_MEMBER(name) decltype(&::name) name;

@@ -15,8 +15,8 @@ BatchLane::BatchLane(Context& context, MeshStore& meshes, const Tuning& tuning)
       groups_(std::max<std::size_t>(1, std::size_t{context.info().computeUnits} * tuning.groupsPerUnit)),
       queue_(context.makeQueue(tuning.profile)),
       results_(tuning.recordsExpected),
-      chosen_(tuning.readMode, PinnedPool::make(context)),
-      chosenOfMany_(0, PinnedPool::make(context)),
+      chosen_(PinnedPool::make(context)),
+      chosenOfMany_(PinnedPool::make(context)),
       contactPlaces_(std::max(1u, tuning.contactPlaces)),
       reducer_(context, tuning, false),
       profile_(tuning.profile),
@@ -199,8 +199,8 @@ void BatchLane::runMany(cl_mem meshes, BatchFound& found) {
                       << hits_.places() << results_.get() << chosenOfMany_.get() << reducer_.links()
                       << reducer_.tables() << reducer_.tableSize() << reducer_.states();
   launch(queue, entered_, tuning_.recordGroup, groups_, 1, profile_.next(Profile::kContacts));
-  reducer_.enqueue(queue, meshes, counters_.get(), results_.get(), hits_.places(), count_, chosenOfMany_, groups_,
-                   profile_);
+  reducer_.enqueue(queue, meshes, counters_.get(), results_.get(), hits_.places(), count_, chosenOfMany_,
+                   chosenOfMany_.get(), groups_, profile_);
   const otg_uint made = chosenOfMany_.readHead(context_, queue, count_, true, &profile_)[OTG_COUNT_REDUCED];
   BatchFound::Contacts more;
   more.contacts = chosenOfMany_.readRest(context_, queue, made, &profile_).data();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "opencl/context.h"
 
+#include <bit>
+
 namespace otg::opencl {
 
 Context::Context(const FoundDevice& device, ProgramCache cache, bool doubles) : device_(device) {
@@ -9,6 +11,10 @@ Context::Context(const FoundDevice& device, ProgramCache cache, bool doubles) : 
                                               reinterpret_cast<cl_context_properties>(device.platform), 0};
   context_ = ContextHandle(
       clMake(OTG_CL(clCreateContext), properties, cl_uint{1}, &device_.device, nullptr, static_cast<void*>(nullptr)));
+  if (device_.info.hostBuffers) {
+    createHostBuffer_ = std::bit_cast<decltype(createHostBuffer_)>(
+        api()->clGetExtensionFunctionAddressForPlatform(device.platform, "clCreateBufferNV"));
+  }
   programs_ = std::make_unique<Programs>(context_.get(), device_, std::move(cache));
 }
 
@@ -20,6 +26,13 @@ QueueHandle Context::makeQueue(bool profiling) const {
 BufferHandle Context::makeBuffer(cl_mem_flags flags, std::size_t bytes) const {
   ++buffersMade_;
   return BufferHandle(clMake(OTG_CL(clCreateBuffer), context_.get(), flags, bytes, static_cast<void*>(nullptr)));
+}
+
+BufferHandle Context::makeHostBuffer(std::size_t bytes) const {
+  constexpr cl_bitfield kInHostMemory = 1;  // CL_MEM_LOCATION_HOST_NV
+  ++buffersMade_;
+  return BufferHandle(clMake("clCreateBufferNV", createHostBuffer_, context_.get(), cl_mem_flags{CL_MEM_READ_WRITE},
+                             kInHostMemory, bytes, static_cast<void*>(nullptr)));
 }
 
 Kernel Context::makeKernel(const std::string& program, const std::string& options, const char* kernel) {

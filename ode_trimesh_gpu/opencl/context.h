@@ -28,11 +28,17 @@ class Context {
   /// How many buffers were made so far: as long as that stays the same, a buffer's handle means the same buffer.
   std::uint64_t buffersMade() const { return buffersMade_; }
   BufferHandle makeBuffer(cl_mem_flags flags, std::size_t bytes) const;
+  /// In the host's memory, to be mapped once and for all: kernels write to it over the bus, and the host sees that when
+  /// the queue has been waited for. Only with hostBuffers().
+  BufferHandle makeHostBuffer(std::size_t bytes) const;
+  bool hostBuffers() const { return createHostBuffer_ != nullptr; }
   Kernel makeKernel(const std::string& program, const std::string& options, const char* kernel);
 
  private:
   FoundDevice device_;
   ContextHandle context_;
+  /// clCreateBufferNV: as clCreateBuffer, with flags of its own behind the usual ones.
+  cl_mem (*createHostBuffer_)(cl_context, cl_mem_flags, cl_bitfield, std::size_t, void*, cl_int*) = nullptr;
   std::unique_ptr<Programs> programs_;
   mutable std::atomic<std::uint64_t> buffersMade_{0};
 };

@@ -74,6 +74,7 @@ DeviceInfo describe(cl_platform_id platform, cl_device_id device) {
   info.longAtomics = has("cl_khr_int64_base_atomics") && has("cl_khr_int64_extended_atomics");
   constexpr cl_device_info kComputeCapabilityMajor = 0x4000;  // CL_DEVICE_COMPUTE_CAPABILITY_MAJOR_NV
   info.warps = has("cl_nv_device_attribute_query") && number<cl_uint>(device, kComputeCapabilityMajor) >= 8;
+  info.hostBuffers = has("cl_nv_create_buffer");
   info.registerLimit = has("cl_nv_compiler_options");
   info.computeUnits = number<cl_uint>(device, CL_DEVICE_MAX_COMPUTE_UNITS);
   info.globalMemory = number<cl_ulong>(device, CL_DEVICE_GLOBAL_MEM_SIZE);

@@ -19,6 +19,7 @@ struct DeviceInfo {
   bool longAtomics = false;  ///< 64-bit atomics: add, exchange, minimum and maximum
   bool warps =
       false;  ///< 32 work-items run in step and can ask for their maximum: NVIDIA's compute capability 8 and up
+  bool hostBuffers = false;    ///< kernels can write to the host's memory (cl_nv_create_buffer)
   bool registerLimit = false;  ///< the compiler takes a limit of registers (cl_nv_compiler_options)
   std::uint32_t computeUnits = 0;
   std::uint64_t globalMemory = 0, largestAllocation = 0, localMemory = 0;  ///< bytes

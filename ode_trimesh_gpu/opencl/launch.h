@@ -91,20 +91,6 @@ inline void readBlocking(cl_command_queue queue, cl_mem from, std::size_t bytes,
        static_cast<const cl_event*>(nullptr), event);
 }
 
-/// The same, asking for the event again and again instead of leaving the wait to the driver.
-inline void readPolling(cl_command_queue queue, cl_mem from, std::size_t bytes, void* to) {
-  cl_event made = nullptr;
-  clDo(OTG_CL(clEnqueueReadBuffer), queue, from, cl_bool{CL_FALSE}, std::size_t{0}, bytes, to, cl_uint{0},
-       static_cast<const cl_event*>(nullptr), &made);
-  const EventHandle event(made);
-  clDo(OTG_CL(clFlush), queue);
-  for (cl_int status = CL_QUEUED; status != CL_COMPLETE;) {
-    clDo(OTG_CL(clGetEventInfo), event.get(), cl_event_info{CL_EVENT_COMMAND_EXECUTION_STATUS}, sizeof status,
-         static_cast<void*>(&status), static_cast<std::size_t*>(nullptr));
-    if (status < 0) throw ClError("clEnqueueReadBuffer", status);
-  }
-}
-
 /// Does not wait: `from` has to stay as it is until something later in the queue was waited for.
 inline void writeLater(cl_command_queue queue, cl_mem to, std::size_t bytes, const void* from,
                        cl_event* event = nullptr, std::size_t offset = 0) {

@@ -70,7 +70,7 @@ LevelsLane::LevelsLane(Context& context, MeshStore& meshes, const Tuning& tuning
       sumOfOne_(context, groupFor(context, tuning), PrefixSum::Of::kUint),
       sumOfTwo_(context, groupFor(context, tuning), PrefixSum::Of::kUint2),
       results_(tuning.recordsExpected),
-      chosen_(tuning.readMode, PinnedPool::make(context)),
+      chosen_(PinnedPool::make(context)),
       reducer_(context, tuning, true),
       profile_(tuning.profile) {
   const std::string walk = "-DOTG_GROUP=" + std::to_string(group_) + " -DOTG_LEAF=1";
@@ -303,7 +303,8 @@ void LevelsLane::enqueueNear(const otg_device_pair& pair, const Query& query, cl
   launch(queue, kernels.rest, fused ? group_ : tuning_.recordGroup, groups_, 1,
          profile_.next(fused ? Profile::kRegions : Profile::kContacts));
   if (!reduce) return;
-  reducer_.enqueue(queue, meshes, counters, results_.get(), hits_.places(), 1, chosen_, groups_, profile_);
+  reducer_.enqueue(queue, meshes, counters, results_.get(), hits_.places(), 1, chosen_,
+                   chosen_.beginAnswer(context_, queue, tuning_.hostAnswers), groups_, profile_);
 }
 
 }  // namespace otg::opencl

@@ -18,7 +18,7 @@ PairLane::PairLane(Context& context, MeshStore& meshes, const Tuning& tuning)
       groups_(std::max<std::size_t>(1, std::size_t{context.info().computeUnits} * tuning.groupsPerUnit)),
       queue_(context.makeQueue(tuning.profile)),
       results_(tuning.recordsExpected),
-      chosen_(tuning.readMode, PinnedPool::make(context)),
+      chosen_(PinnedPool::make(context)),
       reducer_(context, tuning, true),
       overlap_(context, tuning),
       profile_(tuning.profile) {
@@ -182,8 +182,9 @@ void PairLane::enqueueWalk(const otg_device_pair& pair, cl_mem meshes, const otg
 
 /// Everything else, where there are few hits.
 void PairLane::enqueueFew(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes) {
+  const cl_mem answer = chosen_.beginAnswer(context_, queue_.get(), tuning_.hostAnswers);
   Arguments(few_) << pair << bInA << meshes << counters_.get() << hits_.get() << hits_.places() << results_.get()
-                  << reducer_.reductions() << chosen_.get();
+                  << reducer_.reductions() << chosen_.get() << answer;
   launch(queue_.get(), few_, tuning_.fewGroup, 1, 1, profile_.next(Profile::kChoose));
 }
 
@@ -206,8 +207,8 @@ void PairLane::enqueueRecords(const otg_device_pair& pair, const Transformd& bIn
   const std::size_t groups = std::max<std::size_t>(1, std::size_t{2} * context_.info().computeUnits);
   launch(queue_.get(), last, tuning_.recordGroup, groups, 1, profile_.next(Profile::kContacts));
   if (!reduce) return;
-  reducer_.enqueue(queue_.get(), meshes, counters_.get(), results_.get(), hits_.places(), 1, chosen_, groups_,
-                   profile_);
+  reducer_.enqueue(queue_.get(), meshes, counters_.get(), results_.get(), hits_.places(), 1, chosen_,
+                   chosen_.beginAnswer(context_, queue_.get(), tuning_.hostAnswers), groups_, profile_);
 }
 
 /// After a run: false if every list was long enough, else they have grown.

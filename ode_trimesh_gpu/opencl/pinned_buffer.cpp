@@ -18,13 +18,14 @@ void PinnedBuffer::unmap() noexcept {
   data_ = nullptr;
 }
 
-void PinnedBuffer::reserve(Context& context, cl_command_queue queue, std::size_t bytes) {
+void PinnedBuffer::reserve(Context& context, cl_command_queue queue, std::size_t bytes, bool forKernels) {
   if (bytes <= size_) return;
   unmap();
   size_ = 0;
   queue_ = queue;
   const std::size_t wanted = std::bit_ceil(std::max<std::size_t>(bytes, 4096));
-  buffer_ = context.makeBuffer(CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, wanted);
+  buffer_ = forKernels && context.hostBuffers() ? context.makeHostBuffer(wanted)
+                                                : context.makeBuffer(CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, wanted);
   data_ = static_cast<std::byte*>(clMake(OTG_CL(clEnqueueMapBuffer), queue, buffer_.get(), cl_bool{CL_TRUE},
                                          cl_map_flags{CL_MAP_READ | CL_MAP_WRITE}, std::size_t{0}, wanted, cl_uint{0},
                                          static_cast<const cl_event*>(nullptr), static_cast<cl_event*>(nullptr)));

@@ -20,7 +20,9 @@ class PinnedBuffer {
   ~PinnedBuffer();
 
   /// Room for `bytes`; what was there is lost if it has to grow. `queue` has to live as long as this.
-  void reserve(Context& context, cl_command_queue queue, std::size_t bytes);
+  /// `forKernels`: in the host's memory also for kernels, where the device can (Context::hostBuffers).
+  void reserve(Context& context, cl_command_queue queue, std::size_t bytes, bool forKernels = false);
+  cl_mem get() const { return buffer_.get(); }
   std::byte* data() const { return data_; }
   std::size_t size() const { return size_; }
 

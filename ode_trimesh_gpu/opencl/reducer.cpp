@@ -137,7 +137,8 @@ void Reducer::send(cl_command_queue queue, std::span<const otg_reduction> reduct
 }
 
 void Reducer::enqueue(cl_command_queue queue, cl_mem meshes, cl_mem counters, cl_mem records, std::uint32_t hits,
-                      std::uint32_t pairs, const ChosenBuffer& chosen, std::size_t groups, Profile& profile) {
+                      std::uint32_t pairs, const ChosenBuffer& chosen, cl_mem answer, std::size_t groups,
+                      Profile& profile) {
   const cl_mem links = links_.get(), tables = tables_.get(), states = states_.get(), reductions = reductions_.get();
   Arguments(unite_) << meshes << counters << records << links << tables << tableSize_ << hits << states << reductions
                     << chosen.get();
@@ -146,7 +147,7 @@ void Reducer::enqueue(cl_command_queue queue, cl_mem meshes, cl_mem counters, cl
                      << chosen.get() << kept_.get() << roots_.get();
   launch(queue, select_, recordGroup_, groups, 1, profile.next(Profile::kSelect));
   Arguments(choose_) << meshes << counters << records << links << tables << tableSize_ << hits << states << reductions
-                     << kept_.get() << roots_.get() << lists_.get() << room_ << chosen.get();
+                     << kept_.get() << roots_.get() << lists_.get() << room_ << chosen.get() << answer;
   launch(queue, choose_, chooseGroup_, pairs, 1, profile.next(Profile::kChoose));
   if (single_) return;
   enqueuePlaces(queue, pairs, chosen, profile);

@@ -53,9 +53,10 @@ class Reducer {
   cl_mem reductions() const { return reductions_.get(); }
   std::uint32_t tableSize() const { return tableSize_; }
 
-  /// Everything after the records are there and the hits are in their tables. `chosen` gets the results.
+  /// Everything after the records are there and the hits are in their tables. `chosen` gets the results, those of a
+  /// single pair `answer` (ChosenBuffer::beginAnswer).
   void enqueue(cl_command_queue queue, cl_mem meshes, cl_mem counters, cl_mem records, std::uint32_t hits,
-               std::uint32_t pairs, const ChosenBuffer& chosen, std::size_t groups, Profile& profile);
+               std::uint32_t pairs, const ChosenBuffer& chosen, cl_mem answer, std::size_t groups, Profile& profile);
 
   /// Of a batch: turns the counts of contacts that follow the flags in `chosen` into places.
   void enqueuePlaces(cl_command_queue queue, std::uint32_t pairs, const ChosenBuffer& chosen, Profile& profile);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstddef>
+#include <cstring>
 #include <type_traits>
 
 namespace otg::opencl {
@@ -73,13 +74,37 @@ void ChosenBuffer::makeRoom(Context& context, std::size_t bytes) {
 }
 
 void ChosenBuffer::read(Context& context, cl_command_queue queue, std::size_t bytes, Profile* profile) {
+  if (answers_ && endAnswer(queue)) return;
   makeRoom(context, bytes);
-  if (readMode_ == 2 && !(profile && profile->on())) {
-    readPolling(queue, buffer_.get(), bytes, host_->data());
-    return;
+  readBlocking(queue, answers_ ? answer_.get() : buffer_.get(), bytes, host_->data(),
+               profile ? profile->next(Profile::kReadBack) : nullptr);
+  head_ = host_->data();
+}
+
+cl_mem ChosenBuffer::beginAnswer(Context& context, cl_command_queue queue, std::uint32_t mode) {
+  answers_ = !blind_ && (mode >= 2 || (mode == 1 && context.hostBuffers()));
+  answerMode_ = mode;
+  if (!answers_) return buffer_.get();
+  answer_.reserve(context, queue, OTG_RESULT_CONTACTS(std::size_t{1}) + contactPlaces_ * sizeof(Contact), true);
+  // Flags that no kernel writes, to see that one did.
+  constexpr otg_uint kNothing = ~0u;
+  std::memcpy(answer_.data() + OTG_RESULT_HEAD, &kNothing, sizeof kNothing);
+  return answer_.get();
+}
+
+/// Waits for the queue. False if the host does not see what the last kernel wrote: it has to be read then, and from now
+/// on all answers are.
+bool ChosenBuffer::endAnswer(cl_command_queue queue) {
+  clDo(OTG_CL(clFinish), queue);
+  otg_uint flags = 0;
+  std::memcpy(&flags, answer_.data() + OTG_RESULT_HEAD, sizeof flags);
+  if (flags != ~0u && answerMode_ != 3) {
+    head_ = answer_.data();
+    have_ = contactPlaces_;
+    return true;
   }
-  if (readMode_ == 1) clDo(OTG_CL(clFinish), queue);
-  readBlocking(queue, buffer_.get(), bytes, host_->data(), profile ? profile->next(Profile::kReadBack) : nullptr);
+  blind_ = true;
+  return false;
 }
 
 std::size_t ChosenBuffer::headBytes(std::uint32_t pairs, bool contacts) {
@@ -107,6 +132,7 @@ void ChosenBuffer::beginHead(Context& context, cl_command_queue queue, std::uint
 
 const otg_uint* ChosenBuffer::endHead(cl_command_queue queue) {
   clDo(OTG_CL(clFinish), queue);
+  head_ = host_->data();
   return counters();
 }
 
@@ -115,7 +141,7 @@ std::span<const Contact> ChosenBuffer::readRest(Context& context, cl_command_que
   const std::size_t begin = OTG_RESULT_CONTACTS(std::size_t{pairs_});
   if (count > have_) read(context, queue, begin + count * sizeof(Contact), profile);
   expected_ = std::max(64u, count + count / 8);
-  return {reinterpret_cast<const Contact*>(host_->data() + begin), count};
+  return {reinterpret_cast<const Contact*>(head_ + begin), count};
 }
 
 }  // namespace otg::opencl

@@ -55,10 +55,13 @@ class ResultBuffer {
 class ChosenBuffer {
  public:
   /// Reads into buffers of `pool`.
-  ChosenBuffer(std::uint32_t readMode, std::shared_ptr<PinnedPool> pool)
-      : readMode_(readMode), pool_(std::move(pool)) {}
+  explicit ChosenBuffer(std::shared_ptr<PinnedPool> pool) : pool_(std::move(pool)) {}
   void reserve(Context& context, std::uint32_t pairs, std::uint32_t contacts);
   cl_mem get() const { return buffer_.get(); }
+
+  /// For one pair: `mode` as Tuning::hostAnswers. Before the last kernel of a query is enqueued: where it has to write,
+  /// which is get() or memory of the host; readHead() finds it there.
+  cl_mem beginAnswer(Context& context, cl_command_queue queue, std::uint32_t mode);
   std::uint32_t contactPlaces() const { return contactPlaces_; }
 
   /// Waits for the queue and reads the head, what belongs to each pair, and as many contacts as were there last time.
@@ -71,7 +74,7 @@ class ChosenBuffer {
   /// After readHead: the contacts that were not read yet, if any. `count` is at most contactPlaces().
   std::span<const Contact> readRest(Context& context, cl_command_queue queue, std::uint32_t count,
                                     Profile* profile = nullptr);
-  const otg_uint* counters() const { return reinterpret_cast<const otg_uint*>(host_->data()); }
+  const otg_uint* counters() const { return reinterpret_cast<const otg_uint*>(head_); }
   const otg_uint* flags() const { return counters() + OTG_FLAGS; }
   /// Two words a pair: place and number of its contacts.
   const otg_uint* places() const { return flags() + pairs_; }
@@ -79,13 +82,17 @@ class ChosenBuffer {
   std::shared_ptr<const void> memory() const { return host_; }
 
  private:
+  bool endAnswer(cl_command_queue queue);
   void makeRoom(Context& context, std::size_t bytes);
   std::size_t headBytes(std::uint32_t pairs, bool contacts);
   void read(Context& context, cl_command_queue queue, std::size_t bytes, Profile* profile);
-  const std::uint32_t readMode_;
   const std::shared_ptr<PinnedPool> pool_;
+  PinnedBuffer answer_;  // where kernels write to directly
+  bool answers_ = false, blind_ = false;
+  std::uint32_t answerMode_ = 0;
   DeviceList buffer_{1};
   std::shared_ptr<PinnedBuffer> host_;
+  const std::byte* head_ = nullptr;  // of host_ or answer_
   std::uint32_t pairs_ = 0, contactPlaces_ = 0, expected_ = 64, have_ = 0;
 };
 
