@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Mesh geoms with ODE's plane and sphere: against the analytic pair, mirrored, at edges, and in a stepping world.
+#include <algorithm>
 #include <cmath>
 
 #include "support/catch.h"
@@ -272,4 +273,88 @@ TEST_CASE("a box mesh rests on a plane and slides down a slope as dBox does") {
   const Vec3d slid = run(true, slope, 0.3), nativeSlid = run(false, slope, 0.3);
   CHECK(norm(nativeSlid) > 1);
   CHECK(norm(otgSub(slid, nativeSlid)) < 0.005 * norm(nativeSlid));
+}
+
+namespace {
+
+/// Through the plane x = 0.
+Vec3d mirror(const Vec3d& v) {
+  return {-v.x, v.y, v.z};
+}
+scenes::MeshArrays mirror(scenes::MeshArrays mesh) {
+  for (Vec3f& v : mesh.vertices) v.x = -v.x;
+  for (Triangle& t : mesh.triangles) std::swap(t.v[1], t.v[2]);
+  return mesh;
+}
+Transformd mirror(Transformd pose) {
+  for (const int i : {1, 2, 3, 6}) pose.r[i] = -pose.r[i];
+  pose.t.x = -pose.t.x;
+  return pose;
+}
+void setPose(dGeomID g, const Transformd& pose) {
+  dMatrix3 r{};
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) r[4 * row + column] = pose.r[3 * row + column];
+  }
+  dGeomSetRotation(g, r);
+  dGeomSetPosition(g, pose.t.x, pose.t.y, pose.t.z);
+}
+
+/// Whether every contact of the one list is the image of one of the other.
+bool areImages(const std::vector<dContactGeom>& contacts, const std::vector<dContactGeom>& images, double tolerance) {
+  if (contacts.size() != images.size()) return false;
+  return std::all_of(contacts.begin(), contacts.end(), [&](const dContactGeom& c) {
+    return std::any_of(images.begin(), images.end(), [&](const dContactGeom& d) {
+      return norm(otgSub(mirror(toVec(c.pos)), toVec(d.pos))) < tolerance &&
+             norm(otgSub(mirror(toVec(c.normal)), toVec(d.normal))) < tolerance &&
+             std::abs(c.depth - d.depth) < tolerance;
+    });
+  });
+}
+
+}  // namespace
+
+TEST_CASE("mirrored planes and rays have mirrored contacts, and exchanged geoms negated ones") {
+  const OdeSession session;
+  const scenes::MeshArrays lump = scenes::makeLump(0.5, 1, 0.3, 3);
+  const Data data(lump), mirroredData(mirror(lump));
+  const Geom mesh(data), image(mirroredData);
+  const dGeomID plane = dCreatePlane(nullptr, 0, 0, 1, 0), otherPlane = dCreatePlane(nullptr, 0, 0, 1, 0);
+  const dGeomID ray = dCreateRay(nullptr, 3), otherRay = dCreateRay(nullptr, 3);
+  Draw draw(11);
+  int touching = 0, whole = 0, hits = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Transformd pose = makePose(draw.direction(), draw.uniform(-3, 3), draw.inBox(0.45));
+    setPose(mesh.id, pose);
+    setPose(image.id, mirror(pose));
+    const Vec3d n = draw.direction(), m = mirror(n);
+    const double offset = draw.uniform(-0.8, 0.4);
+    dGeomPlaneSetParams(plane, n.x, n.y, n.z, offset);
+    dGeomPlaneSetParams(otherPlane, m.x, m.y, m.z, offset);
+    const auto below = test::collide(mesh.id, plane);
+    const auto there = test::collide(image.id, otherPlane);
+    INFO("pose " << i);
+    // Where more than 16 are below, those kept depend on the numbers of vertices, which are other ones in the image:
+    // the first of them is any that is within 2 % of the deepest.
+    const bool isWhole = below.size() < 16;
+    whole += isWhole && !below.empty() ? 1 : 0;
+    REQUIRE(below.size() == there.size());
+    CHECK((!isWhole || areImages(below, there, 1e-6)));
+    CHECK(std::abs(deepest(below) - deepest(there)) <= 0.02 / 0.98 * deepest(below) + 1e-6);
+    REQUIRE(sameContacts(test::collide(plane, mesh.id), mirrored(below)));
+    touching += below.empty() ? 0 : 1;
+
+    const Vec3d from = draw.inBox(1.2), along = otgSub(draw.inBox(0.5), from), turned = mirror(along);
+    dGeomRaySet(ray, from.x, from.y, from.z, along.x, along.y, along.z);
+    dGeomRaySet(otherRay, -from.x, from.y, from.z, turned.x, turned.y, turned.z);
+    const auto seen = test::collide(mesh.id, ray), seenThere = test::collide(image.id, otherRay);
+    REQUIRE(areImages(seen, seenThere, 1e-6));
+    REQUIRE(sameContacts(test::collide(ray, mesh.id), mirrored(seen)));
+    for (std::size_t k = 0; k < seen.size(); ++k) CHECK(seen[k].side1 == seenThere[k].side1);
+    hits += seen.empty() ? 0 : 1;
+  }
+  CHECK(touching > 300);
+  CHECK(whole > 150);
+  CHECK(hits > 200);
+  for (const dGeomID geom : {plane, otherPlane, ray, otherRay}) dGeomDestroy(geom);
 }
