@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One pair of solids: the surface of its large regions, summed up in cells; as describeLarge in
 // collide/solid/regions.cpp.
+#include "outline.h"
 #include "overlap_grid.h"
 
 #define OTG_MOST_CHORDS 32  ///< of one triangle
@@ -46,23 +47,6 @@ OTG_INLINED void otgAddStar(const otg_surface* s, uint r, uint mesh, uint v) {
                 x, x);
 }
 
-/// Half the sum of p x q over the directed boundary, and bounds.
-typedef struct {
-  otg_vec3_d corner, sum, lo, hi;
-  int any;
-} otg_outline;
-
-OTG_INLINED void otgAddToOutline(otg_outline* l, otg_vec3_d p, otg_vec3_d q) {
-  if (!l->any) {
-    l->lo = p;
-    l->hi = p;
-  }
-  l->any = 1;
-  l->sum = otgAdd_d(l->sum, otgCross_d(otgSub_d(p, l->corner), otgSub_d(q, l->corner)));
-  l->lo = otgLower(l->lo, otgLower(p, q));
-  l->hi = otgHigher(l->hi, otgHigher(p, q));
-}
-
 typedef struct {
   uint triangle, mesh, chords;
   uint vertex[3], edge[3], root[3];
@@ -92,11 +76,7 @@ OTG_INLINED int otgListChords(const otg_overlap* o, uint first, otg_clipped* t) 
 OTG_INLINED otg_outline otgOutlineOf(const otg_surface* s, const otg_clipped* t, uint root) {
   const otg_overlap* o = s->o;
   const otg_overlap_mesh* m = &o->mesh[t->mesh];
-  otg_outline outline;
-  outline.corner = t->at[0];
-  outline.sum = otgVec_d(0, 0, 0);
-  outline.lo = outline.hi = outline.corner;
-  outline.any = 0;
+  otg_outline outline = otgOutlineFrom(t->at[0]);
   for (uint k = 0; k < 3; ++k) {
     const uint next = k == 2 ? 0 : k + 1;
     uint c = *otgEdgeMark(o, t->mesh, t->edge[k]);

@@ -139,7 +139,7 @@ OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __gl
       (__global otg_solid_point*)((__global uchar*)pieceList + (size_t)pieceUnits * OTG_ARENA_UNIT);
   for (uint base = 0; base < 2 * chords; base += OTG_GROUP) {
     const uint item = base + lane, mesh = item >= chords, c = mesh ? item - chords : item;
-    otg_loop loop;
+    otg_outline loop;
     otg_vec3_d normal = otgVec_d(0, 0, 0);
     double area = 0;
     loop.corner = normal;

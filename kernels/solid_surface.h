@@ -2,6 +2,7 @@
 // The clipped surface and the points of one region, by one work-group; as collide/solid/regions.cpp, in the same order.
 #ifndef OTG_SOLID_SURFACE_H
 #define OTG_SOLID_SURFACE_H
+#include "outline.h"
 #include "solid_inside.h"
 
 typedef struct {
@@ -22,34 +23,15 @@ OTG_INLINED uint otgRegionOf(const otg_solid_pair* p, uint element) {
   return element < OTG_SOLID_HITS ? p->s->region[element] : (uint)p->s->vote[element - OTG_SOLID_HITS];
 }
 
-/// Half the sum of p x q over the directed boundary, and bounds.
-typedef struct {
-  otg_vec3_d corner, sum, lo, hi;
-  int any;
-} otg_loop;
-
-OTG_INLINED void otgAddToLoop(otg_loop* l, otg_vec3_d p, otg_vec3_d q) {
-  if (!l->any) {
-    l->lo = p;
-    l->hi = p;
-  }
-  l->any = 1;
-  l->sum = otgAdd_d(l->sum, otgCross_d(otgSub_d(p, l->corner), otgSub_d(q, l->corner)));
-  l->lo = otgLower(l->lo, otgLower(p, q));
-  l->hi = otgHigher(l->hi, otgHigher(p, q));
-}
-
 /// The part of a triangle in a region; area 0 if there is none.
-OTG_INLINED double otgClip(const otg_solid_pair* pair, OTG_MESH* m, uint triangle, uint region, otg_loop* loop,
+OTG_INLINED double otgClip(const otg_solid_pair* pair, OTG_MESH* m, uint triangle, uint region, otg_outline* loop,
                            otg_vec3_d* normal) {
   __local otg_solid_scratch* s = pair->s;
   const uint mesh = m->isB ? 1 : 0;
   const uint4 corners = m->triangles[4 * (size_t)triangle], edges = m->triangles[4 * (size_t)triangle + 1];
   uint vertex = corners.x, element = otgElementOf(s, mesh, vertex);
   otg_vec3_d at = otgRelativeVertex(pair, m, vertex);
-  loop->corner = at;
-  loop->sum = otgVec_d(0, 0, 0);
-  loop->any = 0;
+  *loop = otgOutlineFrom(at);
   OTG_ROLLED
   for (uint k = 0; k < 3; ++k) {
     const uint edge = otgOf3(edges, k), nextVertex = otgOf3(corners, k == 2 ? 0 : k + 1);
@@ -58,7 +40,7 @@ OTG_INLINED double otgClip(const otg_solid_pair* pair, OTG_MESH* m, uint triangl
     uint c = otgFirstAlong(s, edge << 1 | mesh);
     if (c == OTG_NO_CROSSING && element != OTG_NOT_THERE && nextElement != OTG_NOT_THERE &&
         otgRegionOf(pair, element) == region) {
-      otgAddToLoop(loop, at, nextAt);
+      otgAddToOutline(loop, at, nextAt);
     }
     const int forward = vertex == m->edges[edge].x;
     for (; c != OTG_NO_CROSSING; c = s->next[c]) {
@@ -67,7 +49,7 @@ OTG_INLINED double otgClip(const otg_solid_pair* pair, OTG_MESH* m, uint triangl
       // The vertices at the ends of the edge are corners of the triangle.
       const otg_vec3_d p = from < OTG_SOLID_HITS ? otgCrossingAt(pair, from) : forward ? at : nextAt;
       const otg_vec3_d q = to < OTG_SOLID_HITS ? otgCrossingAt(pair, to) : forward ? nextAt : at;
-      otgAddToLoop(loop, forward ? p : q, forward ? q : p);
+      otgAddToOutline(loop, forward ? p : q, forward ? q : p);
     }
     vertex = nextVertex;
     element = nextElement;
@@ -77,7 +59,7 @@ OTG_INLINED double otgClip(const otg_solid_pair* pair, OTG_MESH* m, uint triangl
     if (s->triangle[mesh][c] != triangle) continue;
     if (otgRegionOf(pair, s->start[c]) != region) continue;
     const otg_vec3_d p = otgCrossingAt(pair, s->start[c]), q = otgCrossingAt(pair, s->end[c]);
-    otgAddToLoop(loop, mesh == 0 ? p : q, mesh == 0 ? q : p);
+    otgAddToOutline(loop, mesh == 0 ? p : q, mesh == 0 ? q : p);
   }
   *normal = otgDirectionInA(m, otgOwnNormal(m, triangle));
   return loop->any ? 0.5 * otgDot_d(loop->sum, *normal) : 0;
