@@ -132,10 +132,8 @@ static dGeomID makeShape(dSpaceID space, int i, dMass* mass) {
   }
 }
 
-static void makeShapeWorld(World* w, int bodies) {
-  dGpuTriMeshDataID ground = hills();
-  const int side = (int)ceil(sqrt(bodies));
-  int i;
+/* A world with room for that many bodies, and a ground. The ground's geom keeps the mesh. */
+static void makeGround(World* w, int bodies, dGpuTriMeshDataID ground) {
   w->world = dWorldCreate();
   w->space = dHashSpaceCreate(0);
   w->joints = dJointGroupCreate(0);
@@ -144,6 +142,14 @@ static void makeShapeWorld(World* w, int bodies) {
   dWorldSetGravity(w->world, 0, 0, -9.81);
   dWorldSetContactMaxCorrectingVel(w->world, 1);
   dCreateGpuTriMesh(w->space, ground);
+  dGpuTriMeshDataDestroy(ground);
+}
+
+static void makeShapeWorld(World* w, int bodies) {
+  dGpuTriMeshDataID ground = hills();
+  const int side = (int)ceil(sqrt(bodies));
+  int i;
+  makeGround(w, bodies, ground);
   for (i = 0; i < bodies; ++i) {
     dMass mass;
     dGeomID geom = makeShape(w->space, i, &mass);
@@ -154,20 +160,12 @@ static void makeShapeWorld(World* w, int bodies) {
     dBodySetPosition(w->bodies[i], x, y, heightAt(x, y) + 0.5);
     dBodySetAngularVel(w->bodies[i], 1, 0.1 * (i % 7), 0);
   }
-  dGpuTriMeshDataDestroy(ground);
 }
 
 static void makeWorld(World* w, int bodies) {
   dGpuTriMeshDataID ball = bumpyBall(), ground = slab();
   int i;
-  w->world = dWorldCreate();
-  w->space = dHashSpaceCreate(0);
-  w->joints = dJointGroupCreate(0);
-  w->bodyCount = bodies;
-  w->bodies = malloc((size_t)bodies * sizeof(dBodyID));
-  dWorldSetGravity(w->world, 0, 0, -9.81);
-  dWorldSetContactMaxCorrectingVel(w->world, 1);
-  dCreateGpuTriMesh(w->space, ground);
+  makeGround(w, bodies, ground);
   for (i = 0; i < bodies; ++i) {
     dMass mass;
     dGeomID geom = dCreateGpuTriMesh(w->space, ball);
@@ -178,8 +176,7 @@ static void makeWorld(World* w, int bodies) {
     dBodySetPosition(w->bodies[i], 0.87 * (i % 5 - 2) + 0.01 * (i % 7), 0.87 * (i / 5 % 5 - 2) + 0.01 * (i % 3),
                      0.5 + 0.85 * (i / 25));
   }
-  dGpuTriMeshDataDestroy(ball); /* the geoms keep the meshes */
-  dGpuTriMeshDataDestroy(ground);
+  dGpuTriMeshDataDestroy(ball); /* the geoms keep the mesh */
 }
 
 static void nearCallback(void* data, dGeomID o1, dGeomID o2) {
