@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "otg/bench.h"
+#include "otg/error_quantiles.h"
 #include "scenes/simulation.h"
 #include "truth/contact_families.h"
 
@@ -73,11 +74,9 @@ void judge(Tally& tally, const std::vector<PlainContact>& contacts, const Contac
   }
 }
 
+/// Median, 95th percentile and largest.
 void addQuantiles(Json& row, const std::string& name, const Errors& errors) {
-  const auto value = [&](double part) { return errors.count() == 0 ? Json() : Json(errors.quantile(part)); };
-  row[name + "_median"] = value(0.5);
-  row[name + "_p95"] = value(0.95);
-  row[name + "_max"] = value(1);
+  addErrorQuantiles(row, name, errors, 95);
 }
 
 Json head(const ContactFamily& family, const Tier& tier, const std::string& method, const Tally& tally) {

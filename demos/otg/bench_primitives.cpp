@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "otg/bench.h"
+#include "otg/error_quantiles.h"
 #include "scenes/generated_meshes.h"
 #include "scenes/simulation.h"
 #include "truth/contact_errors.h"
@@ -77,13 +78,6 @@ Transformd randomPose(truth::Random& random, double reach) {
   return pose;
 }
 
-void addPairQuantiles(Json& row, const std::string& name, const Errors& errors) {
-  const auto value = [&](double part) { return errors.count() == 0 ? Json() : Json(errors.quantile(part)); };
-  row[name + "_median"] = value(0.5);
-  row[name + "_p99"] = value(0.99);
-  row[name + "_max"] = value(1);
-}
-
 /// Overlaps up to a tenth of the mesh's size: what worlds see, where nothing is deep in anything.
 constexpr double kSize = 1, kLeast = 0.001, kMost = 0.1;
 
@@ -140,11 +134,11 @@ Json runPair(Subject subject, Partner partner, const PrimitivesOptions& options)
   row["poses"] = poses;
   row["missed"] = missed;
   row["missed_by_ode"] = nativeMissed;
-  addPairQuantiles(row, "angle_to_ode", angle);
-  addPairQuantiles(row, "depth_to_ode", depth);
-  addPairQuantiles(row, "longer_way_out", excess);
-  addPairQuantiles(row, "depth_along_normal", own);
-  addPairQuantiles(row, "longer_way_out_of_ode", nativeExcess);
+  addErrorQuantiles(row, "angle_to_ode", angle);
+  addErrorQuantiles(row, "depth_to_ode", depth);
+  addErrorQuantiles(row, "longer_way_out", excess);
+  addErrorQuantiles(row, "depth_along_normal", own);
+  addErrorQuantiles(row, "longer_way_out_of_ode", nativeExcess);
   for (const dGeomID geom : {mesh, native, other}) dGeomDestroy(geom);
   dGpuTriMeshDataDestroy(data);
   return row;
@@ -169,16 +163,6 @@ Json runAll(const PrimitivesOptions& options) {
   return rows;
 }
 
-std::string quantilesInWords(const Json& row, const std::string& name) {
-  std::string words;
-  for (const char* part : {"_median", "_p99", "_max"}) {
-    const Json& value = row[name + part];
-    if (value.is_null()) return "-";
-    words += (words.empty() ? "" : " / ") + fmt::format("{:.2g}", value.get<double>());
-  }
-  return words;
-}
-
 int benchPrimitives(const PrimitivesOptions& options) {
   const Json rows = runAll(options);
   if (options.json) {
@@ -197,7 +181,7 @@ int benchPrimitives(const PrimitivesOptions& options) {
     std::vector<std::string>& line = lines.emplace_back();
     for (const char* key : {"mesh", "shape"}) line.push_back(row[key].get<std::string>());
     for (const char* key : {"poses", "missed", "missed_by_ode"}) line.push_back(std::to_string(row[key].get<int>()));
-    for (const auto& [key, words] : columns) line.push_back(quantilesInWords(row, key));
+    for (const auto& [key, words] : columns) line.push_back(errorQuantilesInWords(row, key));
   }
   fmt::print("Deepest contacts of overlaps of 0.001 to 0.1 (median / 99 % / largest; lengths in the world's unit)\n");
   printTable(heads, lines);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "otg/bench.h"
+#include "otg/error_quantiles.h"
 #include "truth/tessellated_bodies.h"
 
 namespace otg::cli {
@@ -15,13 +16,6 @@ struct TessellationOptions {
   truth::TessellatedRange range;
   double worst = 180;
 };
-
-void addQuantilesOf(Json& row, const std::string& name, const truth::Errors& errors) {
-  const auto value = [&](double part) { return errors.count() == 0 ? Json() : Json(errors.quantile(part)); };
-  row[name + "_median"] = value(0.5);
-  row[name + "_p99"] = value(0.99);
-  row[name + "_max"] = value(1);
-}
 
 void tellWorst(const truth::TessellatedPose& pose, const Contact& deepest, double degrees) {
   const double off = truth::angleBetween(otgScale(deepest.normal, -1.0), pose.ways.direction);
@@ -45,21 +39,11 @@ Json runPair(const truth::TessellatedBody& a, const truth::TessellatedBody& b, c
   row["poses"] = errors.poses;
   row["missed"] = errors.missed;
   row["ambiguous"] = errors.ambiguous;
-  addQuantilesOf(row, "degrees", errors.degrees);
-  addQuantilesOf(row, "depth", errors.depth);
-  addQuantilesOf(row, "longer", errors.longer);
-  addQuantilesOf(row, "depth_beside", errors.depthBeside);
+  addErrorQuantiles(row, "degrees", errors.degrees);
+  addErrorQuantiles(row, "depth", errors.depth);
+  addErrorQuantiles(row, "longer", errors.longer);
+  addErrorQuantiles(row, "depth_beside", errors.depthBeside);
   return row;
-}
-
-std::string threeInWords(const Json& row, const std::string& name) {
-  std::string words;
-  for (const char* part : {"_median", "_p99", "_max"}) {
-    const Json& value = row[name + part];
-    if (value.is_null()) return "-";
-    words += (words.empty() ? "" : " / ") + fmt::format("{:.2g}", value.get<double>());
-  }
-  return words;
 }
 
 int benchTessellations(const TessellationOptions& options) {
@@ -81,7 +65,8 @@ int benchTessellations(const TessellationOptions& options) {
     std::vector<std::string>& line = lines.emplace_back();
     for (const char* key : {"a", "b"}) line.push_back(row[key].get<std::string>());
     for (const char* key : {"missed", "ambiguous"}) line.push_back(std::to_string(row[key].get<int>()));
-    for (const char* key : {"degrees", "depth", "longer", "depth_beside"}) line.push_back(threeInWords(row, key));
+    for (const char* key : {"degrees", "depth", "longer", "depth_beside"})
+      line.push_back(errorQuantilesInWords(row, key));
   }
   fmt::print("Deepest contacts of two meshes, {} overlaps of {} to {} (median / 99 % / largest)\n", options.range.poses,
              options.range.least, options.range.most);
