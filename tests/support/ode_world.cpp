@@ -93,6 +93,27 @@ std::vector<dContactGeom> collide(dGeomID o1, dGeomID o2, int capacity, unsigned
   return contacts;
 }
 
+std::vector<unsigned char> stateOf(const std::vector<dGeomID>& geoms) {
+  std::vector<unsigned char> all;
+  const auto add = [&](const dReal* values, int count) {
+    const auto* begin = reinterpret_cast<const unsigned char*>(values);
+    all.insert(all.end(), begin, begin + static_cast<std::size_t>(count) * sizeof(dReal));
+  };
+  for (const dGeomID geom : geoms) {
+    const dBodyID body = dGeomGetBody(geom);
+    if (body == nullptr) continue;
+    add(dBodyGetPosition(body), 3);
+    add(dBodyGetQuaternion(body), 4);
+    add(dBodyGetLinearVel(body), 3);
+    add(dBodyGetAngularVel(body), 3);
+  }
+  const int count = static_cast<int>(geoms.size());
+  std::vector<unsigned char> history(dGpuTriMeshHistorySave(geoms.data(), count, nullptr, 0));
+  dGpuTriMeshHistorySave(geoms.data(), count, history.data(), history.size());
+  all.insert(all.end(), history.begin(), history.end());
+  return all;
+}
+
 bool sameContact(const dContactGeom& a, const dContactGeom& b) {
   return std::equal(a.pos, a.pos + 4, b.pos) && std::equal(a.normal, a.normal + 4, b.normal) && a.depth == b.depth &&
          a.g1 == b.g1 && a.g2 == b.g2 && a.side1 == b.side1 && a.side2 == b.side2;

@@ -52,6 +52,10 @@ void usePairwise(dGeomID geom);
 /// dCollide into an array of its own.
 std::vector<dContactGeom> collide(dGeomID o1, dGeomID o2, int capacity = 4096, unsigned extraFlags = 0);
 
+/// Positions, rotations and velocities of the geoms' bodies, and what the geoms remember: everything that a step
+/// depends on.
+std::vector<unsigned char> stateOf(const std::vector<dGeomID>& geoms);
+
 /// Equal in every byte that dContactGeom's members have, geoms included.
 bool sameContact(const dContactGeom& a, const dContactGeom& b);
 bool sameContacts(const std::vector<dContactGeom>& a, const std::vector<dContactGeom>& b);

@@ -97,24 +97,7 @@ void PileWorld::step(int count, const std::function<void()>& before) {
 }
 
 std::vector<unsigned char> PileWorld::bytes() const {
-  std::vector<unsigned char> all;
-  const auto add = [&](const dReal* values, int count) {
-    const auto* begin = reinterpret_cast<const unsigned char*>(values);
-    all.insert(all.end(), begin, begin + static_cast<std::size_t>(count) * sizeof(dReal));
-  };
-  for (const dGeomID geom : geoms_) {
-    const dBodyID body = dGeomGetBody(geom);
-    if (body == nullptr) continue;
-    add(dBodyGetPosition(body), 3);
-    add(dBodyGetQuaternion(body), 4);
-    add(dBodyGetLinearVel(body), 3);
-    add(dBodyGetAngularVel(body), 3);
-  }
-  const int count = static_cast<int>(geoms_.size());
-  std::vector<unsigned char> history(dGpuTriMeshHistorySave(geoms_.data(), count, nullptr, 0));
-  dGpuTriMeshHistorySave(geoms_.data(), count, history.data(), history.size());
-  all.insert(all.end(), history.begin(), history.end());
-  return all;
+  return stateOf(geoms_);
 }
 
 dGpuTriMeshStats PileWorld::stats() const {

@@ -126,23 +126,8 @@ class ShapeWorld {
   }
   /// Everything that a step depends on, and the contacts so far.
   std::vector<unsigned char> bytes() {
-    std::vector<unsigned char> all = contacts_;
-    const auto add = [&](const dReal* values, std::size_t count) {
-      const auto* begin = reinterpret_cast<const unsigned char*>(values);
-      all.insert(all.end(), begin, begin + count * sizeof(dReal));
-    };
-    for (const dGeomID geom : geoms_) {
-      const dBodyID body = dGeomGetBody(geom);
-      if (body == nullptr) continue;
-      add(dBodyGetPosition(body), 3);
-      add(dBodyGetQuaternion(body), 4);
-      add(dBodyGetLinearVel(body), 3);
-      add(dBodyGetAngularVel(body), 3);
-    }
-    const int count = static_cast<int>(geoms_.size());
-    std::vector<unsigned char> history(dGpuTriMeshHistorySave(geoms_.data(), count, nullptr, 0));
-    dGpuTriMeshHistorySave(geoms_.data(), count, history.data(), history.size());
-    all.insert(all.end(), history.begin(), history.end());
+    std::vector<unsigned char> all = contacts_, state = stateOf(geoms_);
+    all.insert(all.end(), state.begin(), state.end());
     return all;
   }
   dGpuTriMeshStats groundStats() const { return statsOf(geoms_[0]); }
