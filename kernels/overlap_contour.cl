@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One pair of solids: from hits to crossings and chords, in any order, and the sets that these are of.
+// Pairs of solids: from hits to crossings and chords, in any order, and the sets that these are of.
 #define OTG_CONTACTS 0
 #include "pair_record.h"
 //
@@ -7,7 +7,7 @@
 #include "solid_ends.h"
 
 /// The slot of a crossing, and whether it is new. There are more slots than there can be crossings.
-OTG_INLINED uint otgEnterCrossing(const otg_overlap* o, ulong key, int* isNew) {
+OTG_INLINED uint otgEnterCrossing(OTG_OVERLAP* o, ulong key, int* isNew) {
   uint hash = (uint)(key >> 32) * 0x9e3779b1u ^ (uint)key * 0x85ebca6bu;
   hash ^= hash >> 15;
   hash *= 0x2c1b3c6du;
@@ -19,8 +19,8 @@ OTG_INLINED uint otgEnterCrossing(const otg_overlap* o, ulong key, int* isNew) {
 }
 
 /// Works a new crossing out: as Tracer::add in collide/solid/contour.cpp.
-OTG_INLINED void otgFillCrossing(const otg_overlap* o, uint slot, uint halfEdge, uint other, uint mesh, uint how) {
-  const otg_solid_mesh *mine = &o->mesh[mesh].solid, *theirs = &o->mesh[1 - mesh].solid;
+OTG_INLINED void otgFillCrossing(OTG_OVERLAP* o, uint slot, uint halfEdge, uint other, uint mesh, uint how) {
+  OTG_MESH *mine = &o->mesh[mesh].solid, *theirs = &o->mesh[1 - mesh].solid;
   __global otg_crossing* c = o->crossings + slot;
   const uint edge = otgEdgeOf(mine, halfEdge);
   const uint4 ends = mine->edges[edge];
@@ -43,21 +43,66 @@ OTG_INLINED void otgFillCrossing(const otg_overlap* o, uint slot, uint halfEdge,
   c->link = atomic_xchg(otgEdgeMark(o, mesh, edge), slot + 1);
 }
 
-/// Decides every hit, finds the ends of its chord, and enters these as crossings. Writes the record of each hit, from
-/// which the host finishes the pair if need be. Every element becomes a set of its own.
+/// Enters the ends of the chord of hit `i` as crossings; `why` as otgFindEnds.
+OTG_INLINED void otgEnterHit(OTG_OVERLAP* o, uint i, const otg_solid_hit* ends, uint why,
+                             __global otg_overlap_state* state) {
+  otg_overlap_hit own;
+  own.a = ends->a;
+  own.b = ends->b;
+  own.start = own.end = OTG_NOT_THERE;
+  own.link[0] = own.link[1] = 0;
+  if (why != 0) otgGiveUpOverlap(state, why);
+  atomic_inc(state->counts + OTG_OVERLAP_INTERSECTING);
+  if (why == 0 && ends->halfEdge[1] != OTG_NOT_THERE) {
+    for (uint k = 0; k < 2; ++k) {
+      const uint mesh = ends->halfEdge[k] & 1, halfEdge = ends->halfEdge[k] >> 1;
+      const uint other = mesh == 0 ? ends->b : ends->a, edge = otgEdgeOf(&o->mesh[mesh].solid, halfEdge);
+      int isNew;
+      const uint slot = otgEnterCrossing(o, (ulong)((edge << 1 | mesh) + 1) << 32 | other, &isNew);
+      if (isNew) {
+        otgFillCrossing(o, slot, halfEdge, other, mesh, ends->how[k]);
+        o->slots[atomic_inc(state->counts + OTG_OVERLAP_CROSSINGS)] = slot;
+      }
+      atomic_inc(&o->crossings[slot].seen);
+      if (ends->how[k] & 2) {
+        own.start = slot;
+      } else {
+        own.end = slot;
+      }
+    }
+    atomic_inc(state->counts + OTG_OVERLAP_CHORDS);
+    otgRaise(&state->first, ~((ulong)ends->a << 32 | ends->b));
+  }
+  o->hits[i] = own;
+}
+
+/// Every element becomes a set of its own.
+OTG_INLINED void otgBeginSets(OTG_OVERLAP* o) {
+  for (uint e = get_global_id(0); e < o->sizes.elements; e += get_global_size(0)) o->parents[e] = e;
+}
+
+/// One pair alone, `single`: decides every hit, finds the ends of its chord, and enters these as crossings. Writes the
+/// record of each hit, from which the host finishes the pair if need be, and the table of the one pair.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapContour(
-    const otg_device_pair pair, const otg_transform_d bInA, const otg_overlap_sizes sizes,
-    __global const float4* restrict meshes, __global const uint* restrict counters,
+    const otg_overlap_pair single, __global const float4* restrict meshes, __global const uint* restrict counters,
     __global const uint2* restrict found, uint hitCapacity, __global uchar* restrict results,
-    __global otg_overlap_state* restrict state, __global otg_crossing* restrict crossings,
-    __global uint* restrict slots, __global otg_overlap_hit* restrict hits, __global uint* restrict parents,
-    __global uint* restrict marks) {
-  const otg_overlap o = otgOverlapOf(meshes, &pair, bInA, &sizes, crossings, hits, parents, marks);
-  const uint count = min(counters[OTG_COUNT_HITS], hitCapacity);
+    __global otg_overlap_pair* restrict pairs, __global otg_overlap_state* restrict state,
+    __global otg_crossing* restrict crossings, __global uint* restrict slots, __global otg_overlap_hit* restrict hits,
+    __global uint* restrict parents, __global uint* restrict marks) {
+  __local otg_overlap o;
+  const uint lane = get_local_id(0), count = min(counters[OTG_COUNT_HITS], hitCapacity);
+  if (lane < 2) otgSetOverlap(&o, lane, meshes, &single, otgArrays(crossings, slots, hits, parents, marks, 0, 0));
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (get_global_id(0) == 0) {
+    pairs[0] = single;
+    pairs[0].hits = count;
+  }
+  const uint placeA = o.mesh[0].solid.soup, placeB = o.mesh[1].solid.soup;
+  const otg_transform_d bInA = o.mesh[1].solid.pose;
   __global otg_record* records = (__global otg_record*)(results + OTG_RESULT_HEAD);
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const uint2 hit = found[i];
-    const uint soupA = pair.a.soup + 3 * (hit.x & ~OTG_HIT_UNDECIDED), soupB = pair.b.soup + 3 * hit.y;
+    const uint soupA = placeA + 3 * (hit.x & ~OTG_HIT_UNDECIDED), soupB = placeB + 3 * hit.y;
     otgMakeRecord(meshes, soupA, soupB, (hit.x & OTG_HIT_UNDECIDED) != 0, bInA, 0, records + i);
     otg_solid_hit ends;
     ends.a = records[i].a;
@@ -69,44 +114,66 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapCont
       kind = otgDecideExactly(corners);
       records[i].kind = kind;
     }
-    otg_overlap_hit own;
-    own.a = kind == OTG_RECORD_HIT ? ends.a : OTG_NOT_THERE;
-    own.b = ends.b;
-    own.start = own.end = OTG_NOT_THERE;
-    own.link[0] = own.link[1] = 0;
     if (kind == OTG_RECORD_HIT) {
       const uint why = otgFindEnds(&o.mesh[0].solid, &o.mesh[1].solid, &ends);
-      if (why != 0) otgGiveUpOverlap(state, why);
-      atomic_inc(state->counts + OTG_OVERLAP_INTERSECTING);
-      if (why == 0 && ends.halfEdge[1] != OTG_NOT_THERE) {
-        for (uint k = 0; k < 2; ++k) {
-          const uint mesh = ends.halfEdge[k] & 1, halfEdge = ends.halfEdge[k] >> 1, other = mesh == 0 ? ends.b : ends.a;
-          const uint edge = otgEdgeOf(&o.mesh[mesh].solid, halfEdge);
-          int isNew;
-          const uint slot = otgEnterCrossing(&o, (ulong)((edge << 1 | mesh) + 1) << 32 | other, &isNew);
-          if (isNew) {
-            otgFillCrossing(&o, slot, halfEdge, other, mesh, ends.how[k]);
-            slots[atomic_inc(state->counts + OTG_OVERLAP_CROSSINGS)] = slot;
-          }
-          atomic_inc(&crossings[slot].seen);
-          if (ends.how[k] & 2) {
-            own.start = slot;
-          } else {
-            own.end = slot;
-          }
-        }
-        atomic_inc(state->counts + OTG_OVERLAP_CHORDS);
-        otgRaise(&state->first, ~((ulong)ends.a << 32 | ends.b));
-      }
-    } else if (kind == OTG_RECORD_OPEN) {
-      otgGiveUpOverlap(state, OTG_SOLID_INEXACT);
+      otgEnterHit(&o, i, &ends, why, state);
+    } else {
+      if (kind == OTG_RECORD_OPEN) otgGiveUpOverlap(state, OTG_SOLID_INEXACT);
+      o.hits[i].a = OTG_NOT_THERE;
     }
-    hits[i] = own;
   }
-  for (uint e = get_global_id(0); e < sizes.elements; e += get_global_size(0)) parents[e] = e;
+  otgBeginSets(&o);
 }
 
-OTG_INLINED void otgVoteFor(const otg_overlap* o, uint mesh, uint vertex, int inside, uint slot) {
+/// Pairs of a batch: the table of those that are listed in `tasks`.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapTake(
+    uint count, __global const otg_listed_overlap* restrict tasks, __global const otg_batch_task* restrict batch,
+    __global const otg_device_mesh* restrict places, __global const float4* restrict meshes,
+    __global const otg_pair_state* restrict states, __global otg_overlap_pair* restrict pairs) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  const otg_listed_overlap task = tasks[i];
+  otg_overlap_pair pair;
+  otg_overlap_counts counts[2];
+  pair.bInA = batch[task.number].bInA;
+  pair.mesh[0] = places[batch[task.number].meshA];
+  pair.mesh[1] = places[batch[task.number].meshB];
+  for (uint k = 0; k < 2; ++k) {
+    __global const float4* bounds = meshes + pair.mesh[k].rings + pair.mesh[k].triangles;
+    counts[k].clusters = as_uint(bounds[OTG_SOLID_CLUSTER_COUNT].w);
+    counts[k].vertices = as_uint(bounds[0].w);
+    counts[k].edges = as_uint(bounds[1].w);
+    counts[k].triangles = pair.mesh[k].triangles;
+  }
+  pair.sizes = otgOverlapSizes(otgSlotsFor(task.hits), counts[0], counts[1]);
+  pair.number = task.number;
+  pair.hits = task.hits;
+  pair.firstHit = states[task.number].roots;
+  pair.firstSlot = task.firstSlot;
+  pair.firstInside = task.firstInside;
+  pair.firstElement = task.firstSlot + task.firstInside;
+  pair.firstMark = task.firstMark;
+  pair.unused = 0;
+  pairs[i] = pair;
+}
+
+/// Pairs of a batch: enters the ends of the chords that solidScatter found as crossings.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapEnter(
+    __global const otg_overlap_pair* restrict pairs, __global const float4* restrict meshes,
+    __global const otg_solid_hit* restrict found, __global otg_overlap_state* restrict states,
+    __global otg_crossing* restrict crossings, __global uint* restrict slots, __global otg_overlap_hit* restrict hits,
+    __global uint* restrict parents, __global uint* restrict marks) {
+  __local otg_overlap o;
+  otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, hits, parents, marks, 0, 0));
+  __global const otg_solid_hit* own = found + pairs[get_group_id(1)].firstHit;
+  for (uint i = get_global_id(0); i < o.hitCount; i += get_global_size(0)) {
+    const otg_solid_hit ends = own[i];
+    otgEnterHit(&o, i, &ends, 0, states + get_group_id(1));
+  }
+  otgBeginSets(&o);
+}
+
+OTG_INLINED void otgVoteFor(OTG_OVERLAP* o, uint mesh, uint vertex, int inside, uint slot) {
   atomic_or(otgVotesOf(o, mesh, vertex), inside ? OTG_VOTE_IN : OTG_VOTE_OUT);
   const uint cluster = otgClusterOf(&o->mesh[mesh], vertex);
   if (cluster < o->mesh[mesh].clusterCount) *otgMixedMark(o, mesh, cluster) = 1;
@@ -114,7 +181,7 @@ OTG_INLINED void otgVoteFor(const otg_overlap* o, uint mesh, uint vertex, int in
 }
 
 /// Where a crossing lies along its edge; the first and the last of an edge vote for its ends.
-OTG_INLINED uint otgPlaceCrossing(const otg_overlap* o, uint slot) {
+OTG_INLINED uint otgPlaceCrossing(OTG_OVERLAP* o, uint slot) {
   __global otg_crossing* c = o->crossings + slot;
   const uint mesh = otgMeshOf(c), edge = otgEdgeOfCrossing(c);
   const double t = c->t;
@@ -147,26 +214,25 @@ OTG_INLINED uint otgPlaceCrossing(const otg_overlap* o, uint slot) {
 }
 
 /// Puts crossings in order along their edges, and hits in lists by triangle; unites what hangs together by chords and
-/// by stretches inside. Empties the table of candidates, `depths`.
+/// by stretches inside.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapEdges(
-    const otg_device_pair pair, const otg_transform_d bInA, const otg_overlap_sizes sizes,
-    __global const float4* restrict meshes, __global const uint* restrict counters, uint hitCapacity,
-    __global otg_overlap_state* restrict state, __global otg_crossing* restrict crossings,
-    __global const uint* restrict slots, __global otg_overlap_hit* restrict hits, __global uint* restrict parents,
-    __global uint* restrict marks, __global ulong* restrict depths) {
-  const otg_overlap o = otgOverlapOf(meshes, &pair, bInA, &sizes, crossings, hits, parents, marks);
-  const uint count = state->counts[OTG_OVERLAP_CROSSINGS], hitCount = min(counters[OTG_COUNT_HITS], hitCapacity);
+    __global const otg_overlap_pair* restrict pairs, __global const float4* restrict meshes,
+    __global otg_overlap_state* restrict states, __global otg_crossing* restrict crossings, __global uint* slots,
+    __global otg_overlap_hit* restrict hits, __global uint* restrict parents, __global uint* restrict marks) {
+  __local otg_overlap o;
+  __global otg_overlap_state* state = states + get_group_id(1);
+  otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, hits, parents, marks, 0, 0));
+  const uint count = state->counts[OTG_OVERLAP_CROSSINGS];
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-    const uint why = otgPlaceCrossing(&o, slots[i]);
+    const uint why = otgPlaceCrossing(&o, o.slots[i]);
     if (why != 0) otgGiveUpOverlap(state, why);
   }
-  for (uint i = get_global_id(0); i < hitCount; i += get_global_size(0)) {
-    const otg_overlap_hit hit = hits[i];
+  for (uint i = get_global_id(0); i < o.hitCount; i += get_global_size(0)) {
+    const otg_overlap_hit hit = o.hits[i];
     if (hit.a == OTG_NOT_THERE || hit.start == OTG_NOT_THERE) continue;
     otgUniteElements(&o, hit.start, hit.end);
     for (uint mesh = 0; mesh < 2; ++mesh) {
-      hits[i].link[mesh] = atomic_xchg(otgTriangleMark(&o, mesh, mesh == 0 ? hit.a : hit.b), i + 1);
+      o.hits[i].link[mesh] = atomic_xchg(otgTriangleMark(&o, mesh, mesh == 0 ? hit.a : hit.b), i + 1);
     }
   }
-  for (uint i = get_global_id(0); i < OTG_OVERLAP_REGIONS * OTG_GRID_KEYS; i += get_global_size(0)) depths[i] = 0;
 }

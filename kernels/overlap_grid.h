@@ -5,7 +5,9 @@
 #include "overlap_mesh.h"
 
 typedef struct {
-  uint root, isLarge;
+  uint root;
+  uint isLarge;  ///< described by cells, for which there is room
+  uint places;   ///< then: where its own begin in the tables of cells and depths
   otg_vec3_d lo, hi, up;
   double pieceScale, pointScale;  ///< cells for one unit of length
   double areaUnits, momentUnits;  ///< units in one
@@ -17,9 +19,14 @@ typedef struct {
   uint count;
 } otg_overlap_regions;
 
-/// All lanes call it.
+/// Whether there are tables for the large regions of a pair.
+OTG_INLINED int otgHasTables(__global const otg_overlap_state* state, uint tableRoom) {
+  return state->firstTable <= tableRoom && tableRoom - state->firstTable >= state->tables;
+}
+
+/// All lanes call it. `tableRoom`: tables that there are.
 OTG_INLINED void otgLoadRegions(__local otg_overlap_regions* l, __global const otg_overlap_state* state,
-                                __global const otg_crossing* crossings) {
+                                __global const otg_crossing* crossings, uint tableRoom) {
   const uint lane = get_local_id(0), count = min(state->counts[OTG_OVERLAP_REGION_COUNT], (uint)OTG_OVERLAP_REGIONS);
   const otg_vec3_d origin = otgLoad(state->origin), zero = otgVec_d(0, 0, 0);
   if (lane < count) {
@@ -32,7 +39,10 @@ OTG_INLINED void otgLoadRegions(__local otg_overlap_regions* l, __global const o
     const double diagonal = otgNorm_d(otgSub_d(hi, lo));
     const int terms = otgTermBits(c->load), area = otgBitsOf(as_double(c->largest));
     r->root = root;
-    r->isLarge = c->load > OTG_SOLID_LARGE_REGION;
+    r->isLarge = c->load > OTG_SOLID_LARGE_REGION && otgHasTables(state, tableRoom);
+    uint before = 0;
+    for (uint k = 0; k < lane; ++k) before += crossings[state->roots[k]].load > OTG_SOLID_LARGE_REGION;
+    r->places = (state->firstTable + before) * OTG_GRID_KEYS;
     r->lo = lo;
     r->hi = hi;
     r->up = otgLoad(state->up[lane]);
@@ -57,7 +67,7 @@ OTG_INLINED uint otgNumberOf(__local const otg_overlap_regions* l, uint root) {
 }
 
 /// Encloses a box of the mesh's own frame; relative to the origin.
-OTG_INLINED void otgBoxInA(const otg_overlap_mesh* m, otg_vec3_d low, otg_vec3_d high, otg_vec3_d origin,
+OTG_INLINED void otgBoxInA(__local const otg_overlap_mesh* m, otg_vec3_d low, otg_vec3_d high, otg_vec3_d origin,
                            otg_vec3_d* lo, otg_vec3_d* hi) {
   if (!m->solid.isB) {
     *lo = otgSub_d(low, origin);
@@ -66,7 +76,7 @@ OTG_INLINED void otgBoxInA(const otg_overlap_mesh* m, otg_vec3_d low, otg_vec3_d
   }
   const otg_vec3_d middle = otgSub_d(otgInFrame(&m->solid, otgScale_d(otgAdd_d(low, high), 0.5)), origin);
   const otg_vec3_d halved = otgScale_d(otgSub_d(high, low), 0.5);
-  const double* r = m->solid.pose.r;
+  __local const double* r = m->solid.pose.r;
   const otg_vec3_d reach = otgVec_d(fabs(r[0]) * halved.x + fabs(r[1]) * halved.y + fabs(r[2]) * halved.z,
                                     fabs(r[3]) * halved.x + fabs(r[4]) * halved.y + fabs(r[5]) * halved.z,
                                     fabs(r[6]) * halved.x + fabs(r[7]) * halved.y + fabs(r[8]) * halved.z);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One pair of solids while their overlap is described by many work-groups: the meshes, the elements that regions are
-// sets of, and what is inside. See shared/overlap_layout.h.
+// A pair of solids while their overlap is described by one or many work-groups: the meshes, the elements that regions
+// are sets of, and what is inside. See shared/overlap_layout.h.
 //
 // OTG_GROUP: size of work-groups.
 #ifndef OTG_OVERLAP_MESH_H
 #define OTG_OVERLAP_MESH_H
+#define OTG_MESHES_LOCAL
 #include "solid_mesh.h"
 //
 #define OTG_REAL_DOUBLE
@@ -23,13 +24,43 @@ typedef struct {
   uint clusterCount;
 } otg_overlap_mesh;
 
+/// A pair with its own parts of the arrays of all pairs: in local memory.
 typedef struct {
   otg_overlap_mesh mesh[2];
   otg_overlap_sizes sizes;
+  uint hitCount;
   __global otg_crossing* crossings;
+  __global uint* slots;  ///< of crossings
   __global otg_overlap_hit* hits;
   __global uint *parents, *marks;
+  __global otg_found_inside *clusters, *vertices;  ///< that are inside
+  __global otg_found_inside* small;                ///< hits of small regions
 } otg_overlap;
+#define OTG_OVERLAP __local const otg_overlap
+
+/// The arrays of all pairs.
+typedef struct {
+  __global otg_crossing* crossings;
+  __global uint* slots;
+  __global otg_overlap_hit* hits;
+  __global uint *parents, *marks;
+  __global otg_found_inside *inside, *small;
+} otg_overlap_arrays;
+
+/// Those that a kernel does not look at are 0.
+OTG_INLINED otg_overlap_arrays otgArrays(__global otg_crossing* crossings, __global uint* slots,
+                                         __global otg_overlap_hit* hits, __global uint* parents, __global uint* marks,
+                                         __global otg_found_inside* inside, __global otg_found_inside* small) {
+  otg_overlap_arrays a;
+  a.crossings = crossings;
+  a.slots = slots;
+  a.hits = hits;
+  a.parents = parents;
+  a.marks = marks;
+  a.inside = inside;
+  a.small = small;
+  return a;
+}
 
 OTG_INLINED otg_overlap_mesh otgOverlapMesh(__global const float4* meshes, const otg_device_mesh* place,
                                             otg_transform_d bInA, int isB) {
@@ -44,48 +75,74 @@ OTG_INLINED otg_overlap_mesh otgOverlapMesh(__global const float4* meshes, const
   return m;
 }
 
-OTG_INLINED otg_overlap otgOverlapOf(__global const float4* meshes, const otg_device_pair* pair, otg_transform_d bInA,
-                                     const otg_overlap_sizes* sizes, __global otg_crossing* crossings,
-                                     __global otg_overlap_hit* hits, __global uint* parents, __global uint* marks) {
-  otg_overlap o;
-  o.mesh[0] = otgOverlapMesh(meshes, &pair->a, bInA, 0);
-  o.mesh[1] = otgOverlapMesh(meshes, &pair->b, bInA, 1);
-  o.sizes = *sizes;
-  o.crossings = crossings;
-  o.hits = hits;
-  o.parents = parents;
-  o.marks = marks;
-  return o;
+/// Sets one of the meshes and what is the pair's; lanes 0 and 1 call it.
+OTG_INLINED void otgSetOverlap(__local otg_overlap* o, uint which, __global const float4* meshes,
+                               const otg_overlap_pair* pair, otg_overlap_arrays arrays) {
+  const otg_device_mesh place = which == 0 ? pair->mesh[0] : pair->mesh[1];
+  o->mesh[which] = otgOverlapMesh(meshes, &place, pair->bInA, (int)which);
+  if (which != 0) return;
+  o->sizes = pair->sizes;
+  o->hitCount = pair->hits;
+  o->crossings = arrays.crossings + pair->firstSlot;
+  o->slots = arrays.slots + pair->firstSlot;
+  o->hits = arrays.hits + pair->firstHit;
+  o->parents = arrays.parents + pair->firstElement;
+  o->marks = arrays.marks + pair->firstMark;
+  o->clusters = arrays.inside + pair->firstInside;
+  o->vertices = o->clusters + (pair->sizes.vertices[0] - pair->sizes.clusters[0]);
+  o->small = arrays.small + pair->firstHit;
 }
 
-OTG_INLINED uint otgFirstOf(const otg_overlap_mesh* m, uint cluster) {
+/// The pair of the work-group. All lanes call it.
+OTG_INLINED void otgTakePair(__local otg_overlap* o, __global const float4* meshes,
+                             __global const otg_overlap_pair* pairs, otg_overlap_arrays arrays) {
+  for (uint k = get_local_id(0); k < 2; k += OTG_GROUP) {
+    const otg_overlap_pair pair = pairs[get_group_id(1)];
+    otgSetOverlap(o, k, meshes, &pair, arrays);
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+}
+
+/// Whether a work-group is the last of its pair at a counter, and has seen what the others did. All lanes call it.
+OTG_INLINED int otgIsLast(__global uint* counter, __local uint* last) {
+  barrier(CLK_GLOBAL_MEM_FENCE);
+  if (get_local_id(0) == 0) {
+    mem_fence(CLK_GLOBAL_MEM_FENCE);
+    *last = atomic_inc(counter) == get_num_groups(0) - 1;
+    mem_fence(CLK_GLOBAL_MEM_FENCE);
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  return *last != 0;
+}
+
+OTG_INLINED uint otgFirstOf(__local const otg_overlap_mesh* m, uint cluster) {
   return as_uint(m->clusters[OTG_CLUSTER_UNITS * cluster].w);
 }
-OTG_INLINED uint otgFirstNeighbourOf(const otg_overlap_mesh* m, uint cluster) {
+OTG_INLINED uint otgFirstNeighbourOf(__local const otg_overlap_mesh* m, uint cluster) {
   return as_uint(m->clusters[OTG_CLUSTER_UNITS * cluster + 1].w);
 }
-OTG_INLINED uint otgClusterOf(const otg_overlap_mesh* m, uint vertex) {
+OTG_INLINED uint otgClusterOf(__local const otg_overlap_mesh* m, uint vertex) {
   return as_uint(m->solid.vertices[vertex].w) & ~OTG_VERTEX_FLAT;
 }
-OTG_INLINED int otgIsFlatVertex(const otg_overlap_mesh* m, uint vertex) {
+OTG_INLINED int otgIsFlatVertex(__local const otg_overlap_mesh* m, uint vertex) {
   return (as_uint(m->solid.vertices[vertex].w) & OTG_VERTEX_FLAT) != 0;
 }
-OTG_INLINED otg_vec3_d otgStarOf(const otg_overlap_mesh* m, uint vertex) {
+OTG_INLINED otg_vec3_d otgStarOf(__local const otg_overlap_mesh* m, uint vertex) {
   return otgDirectionInA(&m->solid, otgLoad(m->stars + 4 * (size_t)vertex));
 }
 
 // Marks ---------------------------------------------------------------------------------------------------------------
 
-OTG_INLINED __global uint* otgMixedMark(const otg_overlap* o, uint mesh, uint cluster) {
+OTG_INLINED __global uint* otgMixedMark(OTG_OVERLAP* o, uint mesh, uint cluster) {
   return o->marks + o->sizes.mixedMarks[mesh] + cluster;
 }
-OTG_INLINED __global uint* otgVotesOf(const otg_overlap* o, uint mesh, uint vertex) {
+OTG_INLINED __global uint* otgVotesOf(OTG_OVERLAP* o, uint mesh, uint vertex) {
   return o->marks + o->sizes.voteMarks[mesh] + vertex;
 }
-OTG_INLINED __global uint* otgEdgeMark(const otg_overlap* o, uint mesh, uint edge) {
+OTG_INLINED __global uint* otgEdgeMark(OTG_OVERLAP* o, uint mesh, uint edge) {
   return o->marks + o->sizes.edgeMarks[mesh] + edge;
 }
-OTG_INLINED __global uint* otgTriangleMark(const otg_overlap* o, uint mesh, uint triangle) {
+OTG_INLINED __global uint* otgTriangleMark(OTG_OVERLAP* o, uint mesh, uint triangle) {
   return o->marks + o->sizes.triangleMarks[mesh] + triangle;
 }
 
@@ -98,7 +155,7 @@ OTG_INLINED uint otgEdgeOfCrossing(__global const otg_crossing* c) {
 
 // Sets ----------------------------------------------------------------------------------------------------------------
 
-OTG_INLINED uint otgRoot(const otg_overlap* o, uint e) {
+OTG_INLINED uint otgRoot(OTG_OVERLAP* o, uint e) {
   volatile __global uint* parent = o->parents;
   uint up = parent[e];
   while (up != e) {
@@ -111,7 +168,7 @@ OTG_INLINED uint otgRoot(const otg_overlap* o, uint e) {
 }
 
 /// The smallest element names the set: a crossing, if there is one in it.
-OTG_INLINED void otgUniteElements(const otg_overlap* o, uint x, uint y) {
+OTG_INLINED void otgUniteElements(OTG_OVERLAP* o, uint x, uint y) {
   for (;;) {
     x = otgRoot(o, x);
     y = otgRoot(o, y);
@@ -121,16 +178,16 @@ OTG_INLINED void otgUniteElements(const otg_overlap* o, uint x, uint y) {
   }
 }
 
-OTG_INLINED uint otgClusterElement(const otg_overlap* o, uint mesh, uint cluster) {
+OTG_INLINED uint otgClusterElement(OTG_OVERLAP* o, uint mesh, uint cluster) {
   return o->sizes.clusters[mesh] + cluster;
 }
-OTG_INLINED uint otgVertexElement(const otg_overlap* o, uint mesh, uint vertex) {
+OTG_INLINED uint otgVertexElement(OTG_OVERLAP* o, uint mesh, uint vertex) {
   return o->sizes.vertices[mesh] + vertex;
 }
 
 /// The root of the region that a vertex lies inside of the other mesh in, or OTG_NOT_THERE: when all is united, sets
 /// with a crossing in them are inside.
-OTG_INLINED uint otgRegionOfVertex(const otg_overlap* o, uint mesh, uint vertex) {
+OTG_INLINED uint otgRegionOfVertex(OTG_OVERLAP* o, uint mesh, uint vertex) {
   const uint cluster = otgClusterOf(&o->mesh[mesh], vertex);
   if (cluster >= o->mesh[mesh].clusterCount) return OTG_NOT_THERE;
   const uint e =
@@ -158,13 +215,13 @@ OTG_INLINED void otgLower64(__global ulong* to, ulong x) {
   if (x < *(volatile __global ulong*)to) atom_min(to, x);
 }
 
-OTG_INLINED otg_vec3_d otgPointOfCrossing(const otg_overlap* o, uint slot, otg_vec3_d origin) {
+OTG_INLINED otg_vec3_d otgPointOfCrossing(OTG_OVERLAP* o, uint slot, otg_vec3_d origin) {
   return otgSub_d(otgLoad(o->crossings[slot].point), origin);
 }
 
 /// The inside stretch that a crossing ends (where the edge leaves the other mesh), or that begins at the last crossing:
 /// ends that are crossings, or OTG_NOT_THERE for the edge's own ends. 0 if it is another crossing's.
-OTG_INLINED int otgStretchOf(const otg_overlap* o, uint slot, uint* from, uint* to) {
+OTG_INLINED int otgStretchOf(OTG_OVERLAP* o, uint slot, uint* from, uint* to) {
   __global const otg_crossing* c = o->crossings + slot;
   if (c->exits) {
     *to = slot;

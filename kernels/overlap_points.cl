@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One pair of solids: the candidate points of its large regions, the deepest of each kind in a cell, as PointCells; and
+// Pairs of solids: the candidate points of its large regions, the deepest of each kind in a cell, as PointCells; and
 // the results.
 #include "overlap_grid.h"
 
 typedef struct {
-  const otg_overlap* o;
+  OTG_OVERLAP* o;
   __local const otg_overlap_regions* regions;
   __global otg_overlap_state* state;
   __global ulong* depths;
@@ -17,10 +17,13 @@ OTG_INLINED void otgOffer(const otg_offers* s, uint r, otg_vec3_d place, uint ki
                           uint ordinal, otg_vec3_d position, otg_vec3_d span, uint triangle) {
   __local const otg_overlap_region* region = s->regions->region + r;
   const uint key = otgGridCell(place, region->lo, region->pointScale) * 16 + kind * 4 + mesh * 2 + (flat ? 1 : 0);
-  __global ulong* deepest = s->depths + r * OTG_GRID_KEYS + key;
+  __global ulong* deepest = s->depths + region->places + key;
   const ulong depth = otgInOrder((mesh == 0 ? -1 : 1) * otgDot_d(region->up, position));
   if (s->out == 0) {
-    otgRaise(deepest, depth);
+    // Each key has one candidate that was there first, and others that are as deep as the deepest so far.
+    ulong before = *(volatile __global ulong*)deepest;
+    if (depth > before) before = atom_max(deepest, depth);
+    if (before == 0 || before == depth) atomic_inc(s->state->counts + OTG_OVERLAP_MOST_POINTS);
     return;
   }
   if (*deepest != depth) return;
@@ -35,6 +38,13 @@ OTG_INLINED void otgOffer(const otg_offers* s, uint r, otg_vec3_d place, uint ki
   p->triangle = triangle;
 }
 
+/// Where the parts of a pair's results begin, once all but the points are counted.
+OTG_INLINED otg_overlap_parts otgPartsOfState(__global const otg_overlap_state* state) {
+  return otgPartsOf(state->counts[OTG_OVERLAP_CELLS], state->counts[OTG_OVERLAP_VERTICES],
+                    state->counts[OTG_OVERLAP_CLUSTERS], state->counts[OTG_OVERLAP_CROSSINGS],
+                    state->counts[OTG_OVERLAP_SMALL]);
+}
+
 OTG_INLINED void otgOfferVertex(const otg_offers* s, uint r, uint mesh, uint v, otg_vec3_d x, otg_vec3_d place) {
   otgOffer(s, r, place, OTG_POINT_VERTEX, mesh, otgIsFlatVertex(&s->o->mesh[mesh], v), v, 0, x, otgVec_d(0, 0, 0),
            OTG_NOT_THERE);
@@ -42,11 +52,11 @@ OTG_INLINED void otgOfferVertex(const otg_offers* s, uint r, uint mesh, uint v, 
 
 /// The ends of the stretch at a crossing, as far as they are crossings, and its middle, as seedContourPoints.
 OTG_INLINED void otgOfferStretch(const otg_offers* s, uint r, uint slot) {
-  const otg_overlap* o = s->o;
+  OTG_OVERLAP* o = s->o;
   __global const otg_crossing* c = o->crossings + slot;
   const otg_vec3_d origin = s->regions->origin;
   const uint mesh = otgMeshOf(c), edge = otgEdgeOfCrossing(c);
-  const otg_solid_mesh* m = &o->mesh[mesh].solid;
+  OTG_MESH* m = &o->mesh[mesh].solid;
   uint from, to;
   if (!otgStretchOf(o, slot, &from, &to)) return;
   const uint4 ends = m->edges[edge];
@@ -69,27 +79,27 @@ OTG_INLINED void otgOfferStretch(const otg_offers* s, uint r, uint slot) {
 }
 
 /// Offers all candidates of large regions.
-OTG_INLINED void otgOfferAll(const otg_offers* s, __global const uint* slots, __global const otg_found_inside* vertices,
-                             __global const otg_found_inside* clusters) {
-  const otg_overlap* o = s->o;
+OTG_INLINED void otgOfferAll(const otg_offers* s) {
+  OTG_OVERLAP* o = s->o;
   const uint count = s->state->counts[OTG_OVERLAP_CROSSINGS];
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-    const uint r = otgNumberOf(s->regions, otgRoot(o, slots[i]));
-    if (r != OTG_NOT_THERE && s->regions->region[r].isLarge) otgOfferStretch(s, r, slots[i]);
+    const uint r = otgNumberOf(s->regions, otgRoot(o, o->slots[i]));
+    if (r != OTG_NOT_THERE && s->regions->region[r].isLarge) otgOfferStretch(s, r, o->slots[i]);
   }
   const uint vertexCount = s->state->counts[OTG_OVERLAP_VERTICES];
   for (uint i = get_global_id(0); i < vertexCount; i += get_global_size(0)) {
-    const uint r = otgNumberOf(s->regions, vertices[i].region), mesh = vertices[i].what & 1, v = vertices[i].what >> 1;
+    const uint r = otgNumberOf(s->regions, o->vertices[i].region), mesh = o->vertices[i].what & 1,
+               v = o->vertices[i].what >> 1;
     if (r == OTG_NOT_THERE || !s->regions->region[r].isLarge) continue;
     const otg_vec3_d x = otgSub_d(otgVertexAt(&o->mesh[mesh].solid, v), s->regions->origin);
     otgOfferVertex(s, r, mesh, v, x, x);
   }
   const uint clusterCount = s->state->counts[OTG_OVERLAP_CLUSTERS], lane = get_global_id(0) % OTG_CLUSTER_LANES;
   for (uint i = get_global_id(0) / OTG_CLUSTER_LANES; i < clusterCount; i += get_global_size(0) / OTG_CLUSTER_LANES) {
-    const uint r = otgNumberOf(s->regions, clusters[i].region), mesh = clusters[i].what & 1;
-    const uint cluster = clusters[i].what >> 1;
+    const uint r = otgNumberOf(s->regions, o->clusters[i].region), mesh = o->clusters[i].what & 1;
+    const uint cluster = o->clusters[i].what >> 1;
     if (r == OTG_NOT_THERE || !s->regions->region[r].isLarge) continue;
-    const otg_overlap_mesh* m = &o->mesh[mesh];
+    __local const otg_overlap_mesh* m = &o->mesh[mesh];
     __global const float4* c = m->clusters + OTG_CLUSTER_UNITS * cluster;
     otg_vec3_d lo, hi;
     otgBoxInA(m, otgVec_d((double)c[0].x, (double)c[0].y, (double)c[0].z),
@@ -103,28 +113,30 @@ OTG_INLINED void otgOfferAll(const otg_offers* s, __global const uint* slots, __
 }
 
 /// Sums up what the cells of each region say of where out is, and finds how deep the deepest candidate of each kind in
-/// each cell is. Every work-group adds all cells up: they are few.
+/// each cell is. Every work-group adds all cells of its pair up: they are few. The last one of a pair takes the room
+/// for its results.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapDepths(
-    const otg_device_pair pair, const otg_transform_d bInA, const otg_overlap_sizes sizes,
-    __global const float4* restrict meshes, __global otg_overlap_state* restrict state,
-    __global otg_crossing* restrict crossings, __global const uint* restrict slots, __global uint* restrict parents,
-    __global const otg_found_inside* restrict vertices, __global const otg_found_inside* restrict clusters,
-    __global const otg_surface_cell* restrict cells, __global const uint* restrict cellList,
-    __global ulong* restrict depths) {
+    __global const otg_overlap_pair* restrict pairs, __global const float4* restrict meshes,
+    __global otg_overlap_state* restrict states, __global otg_overlap_totals* restrict totals,
+    __global otg_crossing* restrict crossings, __global uint* restrict slots, __global uint* restrict parents,
+    __global otg_found_inside* restrict inside, __global const otg_surface_cell* restrict cells,
+    __global const uint* restrict cellList, __global ulong* restrict depths, uint tableRoom) {
+  __local otg_overlap o;
   __local otg_overlap_regions regions;
   __local long sums[OTG_OVERLAP_REGIONS][3];
-  const otg_overlap o = otgOverlapOf(meshes, &pair, bInA, &sizes, crossings, 0, parents, 0);
+  __local uint last;
+  __global otg_overlap_state* state = states + get_group_id(1);
+  otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, 0, parents, 0, inside, 0));
   const uint lane = get_local_id(0), cellCount = state->counts[OTG_OVERLAP_CELLS];
-  otgLoadRegions(&regions, state, crossings);
+  otgLoadRegions(&regions, state, o.crossings, tableRoom);
   for (uint i = lane; i < 3 * OTG_OVERLAP_REGIONS; i += OTG_GROUP) sums[i / 3][i % 3] = 0;
   barrier(CLK_LOCAL_MEM_FENCE);
   // B's surface counts, and A's against it.
+  __global const uint* list = cellList + (size_t)state->firstTable * OTG_GRID_KEYS;
   for (uint i = lane; i < cellCount; i += OTG_GROUP) {
-    const uint at = cellList[i], r = at / OTG_GRID_KEYS;
-    for (uint k = 0; k < 3; ++k) {
-      const long x = cells[at].vector[k];
-      atom_add(&sums[r][k], at & 1 ? x : -x);
-    }
+    const uint r = list[i] >> 16;
+    __global const otg_surface_cell* c = cells + regions.region[r].places + (list[i] & 0xffff);
+    for (uint k = 0; k < 3; ++k) atom_add(&sums[r][k], list[i] & 1 ? c->vector[k] : -c->vector[k]);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   if (lane < regions.count) {
@@ -142,45 +154,50 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapDept
   s.depths = depths;
   s.out = 0;
   s.room = 0;
-  otgOfferAll(&s, slots, vertices, clusters);
+  otgOfferAll(&s);
+  if (!otgIsLast(state->counts + OTG_OVERLAP_RATED, &last) || lane != 0) return;
+  const uint most = *(volatile __global uint*)(state->counts + OTG_OVERLAP_MOST_POINTS);
+  state->units = otgPartsOfState(state).points + otgUnitsOf(most, sizeof(otg_found_point));
+  state->firstUnit = atomic_add(&totals->units, state->units);
 }
 
-/// Writes the results and empties everything for the next query. The last kernel: its last work-group writes the head.
+/// Writes the results and empties everything for the next query. The last kernel: the last work-group of a pair writes
+/// the pair's head, that of the last pair the totals. `counters`, if there are any, are those of one pair alone, which
+/// end with it, too.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResults(
-    const otg_device_pair pair, const otg_transform_d bInA, const otg_overlap_sizes sizes,
-    __global const float4* restrict meshes, __global uint* restrict counters, uint hitCapacity,
-    __global otg_overlap_state* restrict state, __global otg_crossing* restrict crossings,
-    __global const uint* restrict slots, __global otg_overlap_hit* restrict hits, __global uint* restrict parents,
-    __global uint* restrict marks, __global const otg_found_inside* restrict vertices,
-    __global const otg_found_inside* restrict clusters, __global otg_surface_cell* restrict cells,
-    __global const uint* restrict cellList, __global const otg_found_inside* restrict small,
-    __global ulong* restrict depths, __global uchar* restrict out) {
+    __global const otg_overlap_pair* restrict pairs, __global const float4* restrict meshes,
+    __global otg_overlap_state* restrict states, __global otg_overlap_totals* restrict totals,
+    __global otg_crossing* restrict crossings, __global uint* restrict slots, __global otg_overlap_hit* restrict hits,
+    __global uint* restrict parents, __global uint* restrict marks, __global otg_found_inside* restrict inside,
+    __global otg_surface_cell* restrict cells, __global const uint* restrict cellList,
+    __global otg_found_inside* restrict small, __global ulong* restrict depths, uint tableRoom,
+    __global uchar* restrict out, uint unitRoom, __global uint* restrict counters) {
+  __local otg_overlap o;
   __local otg_overlap_regions regions;
   __local uint last;
-  const otg_overlap o = otgOverlapOf(meshes, &pair, bInA, &sizes, crossings, hits, parents, marks);
-  const uint lane = get_local_id(0), hitCount = min(counters[OTG_COUNT_HITS], hitCapacity);
+  __global otg_overlap_state* state = states + get_group_id(1);
+  otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, hits, parents, marks, inside, small));
+  const uint lane = get_local_id(0);
   const uint crossingCount = state->counts[OTG_OVERLAP_CROSSINGS], cellCount = state->counts[OTG_OVERLAP_CELLS];
   const uint vertexCount = state->counts[OTG_OVERLAP_VERTICES], clusterCount = state->counts[OTG_OVERLAP_CLUSTERS];
-  const uint smallCount = min(state->counts[OTG_OVERLAP_SMALL], (uint)OTG_OVERLAP_MOST_SMALL);
-  const uint atVertices = otgUnitsOf(cellCount, sizeof(otg_found_cell));
-  const uint atClusters = atVertices + otgUnitsOf(vertexCount, sizeof(otg_found_inside));
-  const uint atCrossings = atClusters + otgUnitsOf(clusterCount, sizeof(otg_found_inside));
-  const uint atSmall = atCrossings + otgUnitsOf(crossingCount, sizeof(otg_found_crossing));
-  const uint atPoints = atSmall + otgUnitsOf(smallCount, sizeof(otg_found_inside));
-  const int fits = atPoints <= sizes.outUnits;
-  __global uchar* body = out + sizeof(otg_overlap_state);
-  otgLoadRegions(&regions, state, crossings);
-  otg_offers s;
-  s.o = &o;
-  s.regions = &regions;
-  s.state = state;
-  s.depths = depths;
-  s.out = (__global otg_found_point*)(body + (size_t)atPoints * 16 * fits);
-  s.room = fits ? (sizes.outUnits - atPoints) / (sizeof(otg_found_point) / 16) : 0;
-  otgOfferAll(&s, slots, vertices, clusters);
+  const uint smallCount = state->counts[OTG_OVERLAP_SMALL];
+  const otg_overlap_parts parts = otgPartsOfState(state);
+  const int fits = state->firstUnit <= unitRoom && unitRoom - state->firstUnit >= state->units;
+  __global uchar* body = out + OTG_OVERLAP_HEAD(get_num_groups(1)) + (fits ? (size_t)state->firstUnit * 16 : 0);
+  otgLoadRegions(&regions, state, o.crossings, tableRoom);
+  if (fits) {
+    otg_offers s;
+    s.o = &o;
+    s.regions = &regions;
+    s.state = state;
+    s.depths = depths;
+    s.out = (__global otg_found_point*)(body + (size_t)parts.points * 16);
+    s.room = state->counts[OTG_OVERLAP_MOST_POINTS];
+    otgOfferAll(&s);
+  }
+  __global const uint* list = cellList + (size_t)state->firstTable * OTG_GRID_KEYS;
   for (uint i = get_global_id(0); i < cellCount; i += get_global_size(0)) {
-    const uint at = cellList[i];
-    __global otg_surface_cell* c = cells + at;
+    __global otg_surface_cell* c = cells + regions.region[list[i] >> 16].places + (list[i] & 0xffff);
     if (fits) {
       __global otg_found_cell* f = (__global otg_found_cell*)body + i;
       for (uint k = 0; k < 3; ++k) {
@@ -192,7 +209,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
       f->gross = c->gross;
       f->moment = c->moment;
       f->name = ~c->name;
-      f->key = at % OTG_GRID_KEYS | at / OTG_GRID_KEYS << 16;
+      f->key = list[i];
     }
     for (uint k = 0; k < 3; ++k) {
       c->vector[k] = 0;
@@ -206,23 +223,23 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
     c->used = 0;
   }
   for (uint i = get_global_id(0); i < vertexCount && fits; i += get_global_size(0)) {
-    otg_found_inside inside = vertices[i];
-    inside.region = otgNumberOf(&regions, inside.region);
-    ((__global otg_found_inside*)(body + (size_t)atVertices * 16))[i] = inside;
+    otg_found_inside found = o.vertices[i];
+    found.region = otgNumberOf(&regions, found.region);
+    ((__global otg_found_inside*)(body + (size_t)parts.vertices * 16))[i] = found;
   }
   for (uint i = get_global_id(0); i < clusterCount && fits; i += get_global_size(0)) {
-    otg_found_inside inside = clusters[i];
-    inside.region = otgNumberOf(&regions, inside.region);
-    ((__global otg_found_inside*)(body + (size_t)atClusters * 16))[i] = inside;
+    otg_found_inside found = o.clusters[i];
+    found.region = otgNumberOf(&regions, found.region);
+    ((__global otg_found_inside*)(body + (size_t)parts.clusters * 16))[i] = found;
   }
   for (uint i = get_global_id(0); i < smallCount && fits; i += get_global_size(0)) {
-    ((__global otg_found_inside*)(body + (size_t)atSmall * 16))[i] = small[i];
+    ((__global otg_found_inside*)(body + (size_t)parts.small * 16))[i] = o.small[i];
   }
   for (uint i = get_global_id(0); i < crossingCount; i += get_global_size(0)) {
-    const uint slot = slots[i];
-    __global otg_crossing* c = crossings + slot;
+    const uint slot = o.slots[i];
+    __global otg_crossing* c = o.crossings + slot;
     if (fits) {
-      __global otg_found_crossing* f = (__global otg_found_crossing*)(body + (size_t)atCrossings * 16) + i;
+      __global otg_found_crossing* f = (__global otg_found_crossing*)(body + (size_t)parts.crossings * 16) + i;
       otgStore(f->point, otgPointOfCrossing(&o, slot, regions.origin));
       f->region = otgNumberOf(&regions, otgRoot(&o, slot));
     }
@@ -238,33 +255,47 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
       if (cluster < o.mesh[mesh].clusterCount) *otgMixedMark(&o, mesh, cluster) = 0;
     }
   }
-  for (uint i = get_global_id(0); i < hitCount; i += get_global_size(0)) {
-    if (hits[i].a == OTG_NOT_THERE || hits[i].start == OTG_NOT_THERE) continue;
-    *otgTriangleMark(&o, 0, hits[i].a) = 0;
-    *otgTriangleMark(&o, 1, hits[i].b) = 0;
+  for (uint i = get_global_id(0); i < o.hitCount; i += get_global_size(0)) {
+    if (o.hits[i].a == OTG_NOT_THERE || o.hits[i].start == OTG_NOT_THERE) continue;
+    *otgTriangleMark(&o, 0, o.hits[i].a) = 0;
+    *otgTriangleMark(&o, 1, o.hits[i].b) = 0;
   }
-  barrier(CLK_GLOBAL_MEM_FENCE);
-  if (lane == 0) last = atomic_inc(state->counts + OTG_OVERLAP_DONE) == get_num_groups(0) - 1;
-  barrier(CLK_LOCAL_MEM_FENCE);
-  if (!last) return;
-  __global otg_overlap_state* head = (__global otg_overlap_state*)out;
+  if (!otgIsLast(state->counts + OTG_OVERLAP_DONE, &last)) return;
+  __global otg_overlap_state* head = (__global otg_overlap_state*)(out + sizeof(otg_overlap_totals)) + get_group_id(1);
   if (lane < regions.count) {
     __global otg_found_region* f = head->regions + lane;
-    __global const otg_crossing* c = crossings + regions.region[lane].root;
+    __global const otg_crossing* c = o.crossings + regions.region[lane].root;
     f->first = c->first;
     otgStore(f->lo, regions.region[lane].lo);
     otgStore(f->hi, regions.region[lane].hi);
     f->largest = as_double(c->largest);
     f->load = c->load;
+    f->pair = get_group_id(1);
   }
   for (uint i = lane; i < OTG_OVERLAP_COUNTS; i += OTG_GROUP) {
-    head->counts[i] = state->counts[i];
+    head->counts[i] = *(volatile __global uint*)(state->counts + i);
     state->counts[i] = 0;
   }
-  for (uint i = lane; i < OTG_COUNTERS; i += OTG_GROUP) {
+  if (lane < 3) head->origin[lane] = state->origin[lane];
+  if (lane == 0) {
+    head->firstTable = state->firstTable;
+    head->tables = state->tables;
+    head->firstUnit = state->firstUnit;
+    head->units = state->units;
+    state->first = 0;
+  }
+  barrier(CLK_GLOBAL_MEM_FENCE);
+  if (lane == 0) last = atomic_inc(&totals->done) == get_num_groups(1) - 1;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (!last) return;
+  for (uint i = lane; i < OTG_COUNTERS && counters != 0; i += OTG_GROUP) {
     if (i < OTG_COUNTERS_READ) head->counters[i] = counters[i];
     counters[i] = 0;
   }
-  if (lane < 3) head->origin[lane] = state->origin[lane];
-  if (lane == 0) state->first = 0;
+  if (lane == 0) {
+    *(__global otg_overlap_totals*)out = *totals;
+    totals->tables = 0;
+    totals->units = 0;
+    totals->done = 0;
+  }
 }

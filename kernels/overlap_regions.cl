@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One pair of solids: which vertices are inside, and the regions that these and crossings belong to.
+// Pairs of solids: which vertices are inside, and the regions that these and crossings belong to.
 #include "overlap_mesh.h"
 
 /// Unites what hangs together over edges that are not crossed: whole clusters, and the vertices of those that have a
 /// crossed edge. OTG_CLUSTER_LANES to a cluster.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapUnite(
-    const otg_device_pair pair, const otg_transform_d bInA, const otg_overlap_sizes sizes,
-    __global const float4* restrict meshes, __global otg_crossing* restrict crossings, __global uint* restrict parents,
-    __global uint* restrict marks) {
-  const otg_overlap o = otgOverlapOf(meshes, &pair, bInA, &sizes, crossings, 0, parents, marks);
+    __global const otg_overlap_pair* restrict pairs, __global const float4* restrict meshes,
+    __global uint* restrict parents, __global uint* restrict marks) {
+  __local otg_overlap o;
+  otgTakePair(&o, meshes, pairs, otgArrays(0, 0, 0, parents, marks, 0, 0));
   const uint lane = get_global_id(0) % OTG_CLUSTER_LANES;
   const uint all = o.mesh[0].clusterCount + o.mesh[1].clusterCount;
   for (uint i = get_global_id(0) / OTG_CLUSTER_LANES; i < all; i += get_global_size(0) / OTG_CLUSTER_LANES) {
     const uint mesh = i >= o.mesh[0].clusterCount, cluster = mesh ? i - o.mesh[0].clusterCount : i;
-    const otg_overlap_mesh* m = &o.mesh[mesh];
+    __local const otg_overlap_mesh* m = &o.mesh[mesh];
     const uint first = otgFirstOf(m, cluster), end = otgFirstOf(m, cluster + 1);
     const int isMixed = *otgMixedMark(&o, mesh, cluster) != 0;
     const uint own = otgClusterElement(&o, mesh, cluster);
@@ -53,21 +53,23 @@ OTG_INLINED void otgInclude(__global otg_crossing* root, otg_vec3_d p) {
   otgRaise(root->high + 2, z);
 }
 
-/// Lists what is inside, and measures regions: bounds, load, largest part.
+/// Lists what is inside, and measures regions: bounds, load, largest part. The last work-group of a pair takes the
+/// tables of its large regions.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegions(
-    const otg_device_pair pair, const otg_transform_d bInA, const otg_overlap_sizes sizes,
-    __global const float4* restrict meshes, __global const uint* restrict counters, uint hitCapacity,
-    __global otg_overlap_state* restrict state, __global otg_crossing* restrict crossings,
-    __global const uint* restrict slots, __global otg_overlap_hit* restrict hits, __global uint* restrict parents,
-    __global uint* restrict marks, __global otg_found_inside* restrict vertices,
-    __global otg_found_inside* restrict clusters) {
-  const otg_overlap o = otgOverlapOf(meshes, &pair, bInA, &sizes, crossings, hits, parents, marks);
-  const uint count = state->counts[OTG_OVERLAP_CROSSINGS], hitCount = min(counters[OTG_COUNT_HITS], hitCapacity);
+    __global const otg_overlap_pair* restrict pairs, __global const float4* restrict meshes,
+    __global otg_overlap_state* restrict states, __global otg_overlap_totals* restrict totals,
+    __global otg_crossing* restrict crossings, __global uint* restrict slots, __global otg_overlap_hit* restrict hits,
+    __global uint* restrict parents, __global uint* restrict marks, __global otg_found_inside* restrict inside) {
+  __local otg_overlap o;
+  __local uint last;
+  __global otg_overlap_state* state = states + get_group_id(1);
+  otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, hits, parents, marks, inside, 0));
+  const uint count = state->counts[OTG_OVERLAP_CROSSINGS];
   const ulong firstChord = ~state->first;
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-    const uint slot = slots[i], root = otgRoot(&o, slot);
-    const uint previous = crossings[slot].previous;
-    otgInclude(crossings + root, otgLoad(crossings[slot].point));
+    const uint slot = o.slots[i], root = otgRoot(&o, slot);
+    const uint previous = o.crossings[slot].previous;
+    otgInclude(o.crossings + root, otgLoad(o.crossings[slot].point));
     if (previous != OTG_NOT_THERE && otgRoot(&o, previous) != root) state->counts[OTG_OVERLAP_SHARED] = 1;
     if (root != slot) continue;
     const uint place = atomic_inc(state->counts + OTG_OVERLAP_REGION_COUNT);
@@ -77,17 +79,17 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegi
       otgGiveUpOverlap(state, OTG_SOLID_TOO_MANY);
     }
   }
-  for (uint i = get_global_id(0); i < hitCount; i += get_global_size(0)) {
-    const otg_overlap_hit hit = hits[i];
+  for (uint i = get_global_id(0); i < o.hitCount; i += get_global_size(0)) {
+    const otg_overlap_hit hit = o.hits[i];
     if (hit.a == OTG_NOT_THERE || hit.start == OTG_NOT_THERE) continue;
     const uint root = otgRoot(&o, hit.start);
     const ulong key = (ulong)hit.a << 32 | hit.b;
-    otgLower64(&crossings[root].first, key);
-    atomic_inc(&crossings[root].load);
+    otgLower64(&o.crossings[root].first, key);
+    atomic_inc(&o.crossings[root].load);
     for (uint mesh = 0; mesh < 2; ++mesh) {
-      const otg_solid_mesh* m = &o.mesh[mesh].solid;
+      OTG_MESH* m = &o.mesh[mesh].solid;
       const uint triangle = mesh == 0 ? hit.a : hit.b;
-      otgRaise(&crossings[root].largest, as_ulong(otgAreaOf(m, triangle)));
+      otgRaise(&o.crossings[root].largest, as_ulong(otgAreaOf(m, triangle)));
       // A contour that stays within one triangle whose corners are all inside hangs together with them.
       const uint4 corners = m->triangles[4 * (size_t)triangle];
       const uint x = otgRegionOfVertex(&o, mesh, corners.x);
@@ -103,44 +105,54 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegi
       const uint mesh = item % 2, triangle = mesh == 0 ? hit.a : hit.b;
       const uint edge = otgEdgeOf(&o.mesh[mesh].solid, 3 * triangle + item / 2);
       const ulong wanted = (ulong)((edge << 1 | mesh) + 1) << 32 | (mesh == 0 ? hit.b : hit.a);
-      if (crossings[hit.start].key == wanted) first = hit.start;
-      if (crossings[hit.end].key == wanted) first = hit.end;
+      if (o.crossings[hit.start].key == wanted) first = hit.start;
+      if (o.crossings[hit.end].key == wanted) first = hit.end;
     }
-    if (first != OTG_NOT_THERE) otgStore(state->origin, otgLoad(crossings[first].point));
+    if (first != OTG_NOT_THERE) otgStore(state->origin, otgLoad(o.crossings[first].point));
   }
   const uint lane = get_global_id(0) % OTG_CLUSTER_LANES;
   const uint all = o.mesh[0].clusterCount + o.mesh[1].clusterCount;
   for (uint i = get_global_id(0) / OTG_CLUSTER_LANES; i < all; i += get_global_size(0) / OTG_CLUSTER_LANES) {
     const uint mesh = i >= o.mesh[0].clusterCount, cluster = mesh ? i - o.mesh[0].clusterCount : i;
-    const otg_overlap_mesh* m = &o.mesh[mesh];
+    __local const otg_overlap_mesh* m = &o.mesh[mesh];
     const int isMixed = *otgMixedMark(&o, mesh, cluster) != 0;
     const uint ofCluster = isMixed ? OTG_NOT_THERE : otgRoot(&o, otgClusterElement(&o, mesh, cluster));
-    if (!isMixed && ofCluster >= sizes.slots) continue;
+    if (!isMixed && ofCluster >= o.sizes.slots) continue;
     const uint first = otgFirstOf(m, cluster), end = otgFirstOf(m, cluster + 1);
     if (!isMixed && lane == 0) {
-      otg_found_inside inside;
-      inside.what = cluster << 1 | mesh;
-      inside.region = ofCluster;
-      clusters[atomic_inc(state->counts + OTG_OVERLAP_CLUSTERS)] = inside;
-      atomic_add(&crossings[ofCluster].load, end - first);
+      otg_found_inside found;
+      found.what = cluster << 1 | mesh;
+      found.region = ofCluster;
+      o.clusters[atomic_inc(state->counts + OTG_OVERLAP_CLUSTERS)] = found;
+      atomic_add(&o.crossings[ofCluster].load, end - first);
       const double area = ((__global const double*)(m->clusters + OTG_CLUSTER_UNITS * cluster + 2))[3];
-      otgRaise(&crossings[ofCluster].largest, as_ulong(area));
+      otgRaise(&o.crossings[ofCluster].largest, as_ulong(area));
     }
     for (uint k = first + lane; k < end; k += OTG_CLUSTER_LANES) {
       const uint v = m->clusterVertices[k];
       const uint root = isMixed ? otgRoot(&o, otgVertexElement(&o, mesh, v)) : ofCluster;
-      if (root >= sizes.slots) continue;
+      if (root >= o.sizes.slots) continue;
       const otg_vec3_d p = otgVertexAt(&m->solid, v);
-      otgInclude(crossings + root, p);
+      otgInclude(o.crossings + root, p);
       if (!otgInBounds(&o.mesh[1 - mesh].solid, p)) otgGiveUpOverlap(state, OTG_SOLID_BROKEN);
       if (!isMixed) continue;
       if (*otgVotesOf(&o, mesh, v) & OTG_VOTE_OUT) otgGiveUpOverlap(state, OTG_SOLID_BROKEN);
-      otg_found_inside inside;
-      inside.what = v << 1 | mesh;
-      inside.region = root;
-      vertices[atomic_inc(state->counts + OTG_OVERLAP_VERTICES)] = inside;
-      atomic_inc(&crossings[root].load);
-      otgRaise(&crossings[root].largest, as_ulong(m->stars[4 * (size_t)v + 3]));
+      otg_found_inside found;
+      found.what = v << 1 | mesh;
+      found.region = root;
+      o.vertices[atomic_inc(state->counts + OTG_OVERLAP_VERTICES)] = found;
+      atomic_inc(&o.crossings[root].load);
+      otgRaise(&o.crossings[root].largest, as_ulong(m->stars[4 * (size_t)v + 3]));
     }
   }
+  if (!otgIsLast(state->counts + OTG_OVERLAP_MEASURED, &last) || get_local_id(0) != 0) return;
+  const uint regions =
+      min(*(volatile __global uint*)(state->counts + OTG_OVERLAP_REGION_COUNT), (uint)OTG_OVERLAP_REGIONS);
+  uint tables = 0;
+  for (uint r = 0; r < regions; ++r) {
+    const uint root = *(volatile __global uint*)(state->roots + r);
+    tables += *(volatile __global uint*)&o.crossings[root].load > OTG_SOLID_LARGE_REGION;
+  }
+  state->tables = tables;
+  state->firstTable = tables > 0 ? atomic_add(&totals->tables, tables) : 0;
 }

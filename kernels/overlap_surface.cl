@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One pair of solids: the surface of its large regions, summed up in cells; as describeLarge in
+// Pairs of solids: the surface of their large regions, summed up in cells; as describeLarge in
 // collide/solid/regions.cpp.
-#include "outline.h"
 #include "overlap_grid.h"
+//
+#include "outline.h"
 
 #define OTG_MOST_CHORDS 32  ///< of one triangle
 
 typedef struct {
-  const otg_overlap* o;
+  OTG_OVERLAP* o;
   __local const otg_overlap_regions* regions;
   __global otg_surface_cell* cells;
-  __global uint* cellList;
+  __global uint* cellList;  ///< the pair's
   __global otg_overlap_state* state;
 } otg_surface;
 
@@ -19,7 +20,7 @@ OTG_INLINED void otgAddSurface(const otg_surface* s, uint r, uint mesh, otg_vec3
                                otg_vec3_d vector, double area, double moment, otg_vec3_d lo, otg_vec3_d hi) {
   __local const otg_overlap_region* region = s->regions->region + r;
   const uint key = otgGridCell(place, region->lo, region->pieceScale) * 16 + otgMainDirection(facing) * 2 + mesh;
-  const uint at = r * OTG_GRID_KEYS + key;
+  const uint at = region->places + key;
   __global otg_surface_cell* c = s->cells + at;
   const long units = otgInUnits(area, region->areaUnits);
   atom_add(c->vector, otgInUnits(vector.x, region->areaUnits));
@@ -36,12 +37,12 @@ OTG_INLINED void otgAddSurface(const otg_surface* s, uint r, uint mesh, otg_vec3
   otgRaise(c->high + 2, otgInOrder(hi.z));
   if (~name > *(volatile __global uint*)&c->name) atomic_max(&c->name, ~name);
   if (*(volatile __global uint*)&c->used == 0 && atomic_xchg(&c->used, 1) == 0) {
-    s->cellList[atomic_inc(s->state->counts + OTG_OVERLAP_CELLS)] = at;
+    s->cellList[atomic_inc(s->state->counts + OTG_OVERLAP_CELLS)] = r << 16 | key;
   }
 }
 
 OTG_INLINED void otgAddStar(const otg_surface* s, uint r, uint mesh, uint v) {
-  const otg_overlap_mesh* m = &s->o->mesh[mesh];
+  __local const otg_overlap_mesh* m = &s->o->mesh[mesh];
   const otg_vec3_d x = otgSub_d(otgVertexAt(&m->solid, v), s->regions->origin), vector = otgStarOf(m, v);
   otgAddSurface(s, r, mesh, x, vector, v | OTG_NAME_OF_VERTEX, vector, m->stars[4 * (size_t)v + 3], otgDot_d(vector, x),
                 x, x);
@@ -55,7 +56,7 @@ typedef struct {
 } otg_clipped;
 
 /// Its chords in the host's order: 0 if there are too many.
-OTG_INLINED int otgListChords(const otg_overlap* o, uint first, otg_clipped* t) {
+OTG_INLINED int otgListChords(OTG_OVERLAP* o, uint first, otg_clipped* t) {
   uint count = 0;
   for (uint h = first; h != 0; h = o->hits[h - 1].link[t->mesh]) {
     if (count == OTG_MOST_CHORDS) return 0;
@@ -74,8 +75,8 @@ OTG_INLINED int otgListChords(const otg_overlap* o, uint first, otg_clipped* t) 
 
 /// The outline of the part of a triangle that lies in the region of a root: as clipTriangle, in the same order.
 OTG_INLINED otg_outline otgOutlineOf(const otg_surface* s, const otg_clipped* t, uint root) {
-  const otg_overlap* o = s->o;
-  const otg_overlap_mesh* m = &o->mesh[t->mesh];
+  OTG_OVERLAP* o = s->o;
+  __local const otg_overlap_mesh* m = &o->mesh[t->mesh];
   otg_outline outline = otgOutlineFrom(t->at[0]);
   for (uint k = 0; k < 3; ++k) {
     const uint next = k == 2 ? 0 : k + 1;
@@ -117,8 +118,8 @@ OTG_INLINED otg_outline otgOutlineOf(const otg_surface* s, const otg_clipped* t,
 
 /// The parts of one triangle in large regions, and what is taken off its corners' stars.
 OTG_INLINED void otgAddClipped(const otg_surface* s, uint mesh, uint triangle) {
-  const otg_overlap* o = s->o;
-  const otg_overlap_mesh* m = &o->mesh[mesh];
+  OTG_OVERLAP* o = s->o;
+  __local const otg_overlap_mesh* m = &o->mesh[mesh];
   const uint4 corners = m->solid.triangles[4 * (size_t)triangle], edges = m->solid.triangles[4 * (size_t)triangle + 1];
   otg_clipped t;
   t.triangle = triangle;
@@ -158,7 +159,7 @@ OTG_INLINED void otgAddClipped(const otg_surface* s, uint mesh, uint triangle) {
 
 /// A cluster that is inside: by one lane if it is flat, else by a lane for each vertex.
 OTG_INLINED void otgAddCluster(const otg_surface* s, uint r, uint mesh, uint cluster, uint lane) {
-  const otg_overlap_mesh* m = &s->o->mesh[mesh];
+  __local const otg_overlap_mesh* m = &s->o->mesh[mesh];
   const otg_vec3_d origin = s->regions->origin;
   __global const float4* c = m->clusters + OTG_CLUSTER_UNITS * cluster;
   __global const double* sums = (__global const double*)(c + 2);
@@ -179,37 +180,38 @@ OTG_INLINED void otgAddCluster(const otg_surface* s, uint r, uint mesh, uint clu
                 vector, sums[3], sums[4] + otgDot_d(vector, shift), lo, hi);
 }
 
-/// Sums the surface of large regions up, and lists the hits of small ones.
+/// Sums the surface of large regions up, and lists the hits of small ones. Empties the tables of candidates, `depths`.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapSurface(
-    const otg_device_pair pair, const otg_transform_d bInA, const otg_overlap_sizes sizes,
-    __global const float4* restrict meshes, __global const uint* restrict counters, uint hitCapacity,
-    __global otg_overlap_state* restrict state, __global otg_crossing* restrict crossings,
+    __global const otg_overlap_pair* restrict pairs, __global const float4* restrict meshes,
+    __global otg_overlap_state* restrict states, __global otg_crossing* restrict crossings,
     __global otg_overlap_hit* restrict hits, __global uint* restrict parents, __global uint* restrict marks,
-    __global const otg_found_inside* restrict vertices, __global const otg_found_inside* restrict clusters,
-    __global otg_surface_cell* restrict cells, __global uint* restrict cellList,
-    __global otg_found_inside* restrict small) {
+    __global otg_found_inside* restrict inside, __global otg_surface_cell* restrict cells,
+    __global uint* restrict cellList, __global otg_found_inside* restrict small, __global ulong* restrict depths,
+    uint tableRoom) {
+  __local otg_overlap o;
   __local otg_overlap_regions regions;
-  const otg_overlap o = otgOverlapOf(meshes, &pair, bInA, &sizes, crossings, hits, parents, marks);
-  const uint hitCount = min(counters[OTG_COUNT_HITS], hitCapacity);
-  otgLoadRegions(&regions, state, crossings);
+  __global otg_overlap_state* state = states + get_group_id(1);
+  otgTakePair(&o, meshes, pairs, otgArrays(crossings, 0, hits, parents, marks, inside, small));
+  otgLoadRegions(&regions, state, o.crossings, tableRoom);
+  const size_t places = (size_t)state->firstTable * OTG_GRID_KEYS;
   otg_surface s;
   s.o = &o;
   s.regions = &regions;
   s.cells = cells;
-  s.cellList = cellList;
+  s.cellList = cellList + places;
   s.state = state;
-  for (uint i = get_global_id(0); i < 2 * hitCount; i += get_global_size(0)) {
+  const uint keys = otgHasTables(state, tableRoom) ? state->tables * OTG_GRID_KEYS : 0;
+  for (uint i = get_global_id(0); i < keys; i += get_global_size(0)) depths[places + i] = 0;
+  for (uint i = get_global_id(0); i < 2 * o.hitCount; i += get_global_size(0)) {
     const uint mesh = i & 1;
-    const otg_overlap_hit hit = hits[i >> 1];
+    const otg_overlap_hit hit = o.hits[i >> 1];
     if (hit.a == OTG_NOT_THERE || hit.start == OTG_NOT_THERE) continue;
     if (mesh == 0) {
       const uint r = otgNumberOf(&regions, otgRoot(&o, hit.start));
       if (r != OTG_NOT_THERE && !regions.region[r].isLarge) {
-        const uint place = atomic_inc(state->counts + OTG_OVERLAP_SMALL);
-        if (place < OTG_OVERLAP_MOST_SMALL) {
-          small[place].what = hit.a;
-          small[place].region = hit.b;
-        }
+        __global otg_found_inside* to = o.small + atomic_inc(state->counts + OTG_OVERLAP_SMALL);
+        to->what = hit.a;
+        to->region = hit.b;
       }
     }
     const uint triangle = mesh == 0 ? hit.a : hit.b;
@@ -217,14 +219,14 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapSurf
   }
   const uint vertexCount = state->counts[OTG_OVERLAP_VERTICES];
   for (uint i = get_global_id(0); i < vertexCount; i += get_global_size(0)) {
-    const uint r = otgNumberOf(&regions, vertices[i].region);
+    const uint r = otgNumberOf(&regions, o.vertices[i].region);
     if (r == OTG_NOT_THERE || !regions.region[r].isLarge) continue;
-    otgAddStar(&s, r, vertices[i].what & 1, vertices[i].what >> 1);
+    otgAddStar(&s, r, o.vertices[i].what & 1, o.vertices[i].what >> 1);
   }
   const uint clusterCount = state->counts[OTG_OVERLAP_CLUSTERS], lane = get_global_id(0) % OTG_CLUSTER_LANES;
   for (uint i = get_global_id(0) / OTG_CLUSTER_LANES; i < clusterCount; i += get_global_size(0) / OTG_CLUSTER_LANES) {
-    const uint r = otgNumberOf(&regions, clusters[i].region);
+    const uint r = otgNumberOf(&regions, o.clusters[i].region);
     if (r == OTG_NOT_THERE || !regions.region[r].isLarge) continue;
-    otgAddCluster(&s, r, clusters[i].what & 1, clusters[i].what >> 1, lane);
+    otgAddCluster(&s, r, o.clusters[i].what & 1, o.clusters[i].what >> 1, lane);
   }
 }

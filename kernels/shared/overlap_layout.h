@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The overlap of one pair of solids on a device (kernels/overlap_*): what its kernels leave for each other and for the
+// The overlap of pairs of solids on a device (kernels/overlap_*): what its kernels leave for each other and for the
 // host. Only with doubles and 64-bit atomics.
 #ifndef OTG_SHARED_OVERLAP_LAYOUT_H
 #define OTG_SHARED_OVERLAP_LAYOUT_H
@@ -37,7 +37,8 @@ typedef struct {
   otg_uint a, b, start, end, link[2];
 } otg_overlap_hit;
 
-/// Where the arrays by element and by mesh begin. Elements are slots of crossings, then clusters, then vertices.
+/// Where the arrays of one pair by element and by mesh begin, in its parts of the arrays. Elements are slots of
+/// crossings, then clusters, then vertices.
 typedef struct {
   otg_uint slots;        ///< of the table of crossings: a power of two
   otg_uint clusters[2];  ///< elements
@@ -46,8 +47,71 @@ typedef struct {
   // In the array of marks, which is 0 between queries: by edge the first crossing of its list (slot + 1), by triangle
   // the first hit of its list (number + 1), by vertex its votes, by cluster whether an edge of it is crossed.
   otg_uint edgeMarks[2], triangleMarks[2], voteMarks[2], mixedMarks[2];
-  otg_uint cellPlaces, outUnits;  ///< room for cells, and of the results behind the head, in units of 16 bytes
+  otg_uint marks;  ///< all
 } otg_overlap_sizes;
+
+/// Slots for the crossings of so many hits: each has two at most.
+OTG_INLINE otg_uint otgSlotsFor(otg_uint hits) {
+  otg_uint slots = 2;
+  while (slots < 2 * hits) slots *= 2;
+  return slots;
+}
+
+/// What is counted of a mesh: how many of each it has.
+typedef struct {
+  otg_uint clusters, vertices, edges, triangles;
+} otg_overlap_counts;
+
+OTG_INLINE otg_overlap_sizes otgOverlapSizes(otg_uint slots, otg_overlap_counts a, otg_overlap_counts b) {
+  otg_overlap_sizes s;
+  s.slots = slots;
+  s.clusters[0] = slots;
+  s.clusters[1] = s.clusters[0] + a.clusters;
+  s.vertices[0] = s.clusters[1] + b.clusters;
+  s.vertices[1] = s.vertices[0] + a.vertices;
+  s.elements = s.vertices[1] + b.vertices;
+  s.mixedMarks[0] = 0;
+  s.mixedMarks[1] = a.clusters;
+  s.voteMarks[0] = s.mixedMarks[1] + b.clusters;
+  s.edgeMarks[0] = s.voteMarks[0] + a.vertices;
+  s.triangleMarks[0] = s.edgeMarks[0] + a.edges;
+  s.voteMarks[1] = s.triangleMarks[0] + a.triangles;
+  s.edgeMarks[1] = s.voteMarks[1] + b.vertices;
+  s.triangleMarks[1] = s.edgeMarks[1] + b.edges;
+  s.marks = s.triangleMarks[1] + b.triangles;
+  return s;
+}
+
+/// One pair that is described, in the table of pairs. What its kernels number (hits, elements, marks) is numbered
+/// within the pair; its parts of the arrays of all pairs begin at `first...`. Pairs are the second dimension of
+/// launches.
+typedef struct {
+  otg_task_pose bInA;
+  otg_device_mesh mesh[2];
+  otg_overlap_sizes sizes;
+  otg_uint number;        ///< of the pair in its batch; 0 for one alone
+  otg_uint hits;          ///< how many
+  otg_uint firstHit;      ///< of the lists by hit
+  otg_uint firstSlot;     ///< of crossings
+  otg_uint firstElement;  ///< of the sets
+  otg_uint firstMark;
+  otg_uint
+      firstInside;  ///< of the list of what is inside: clusters, then vertices, with room for all of the two meshes
+  otg_uint unused;
+} otg_overlap_pair;
+
+/// What the host says of a pair of a batch that is to be described; the rest of its entry in the table follows.
+typedef struct {
+  otg_uint number, hits, firstSlot, firstInside, firstMark;
+} otg_listed_overlap;
+
+/// Of all pairs of a submission. All zero when it begins.
+typedef struct {
+  otg_uint tables;  ///< of large regions: OTG_GRID_KEYS places each, in the arrays of cells and of depths
+  otg_uint units;   ///< of the results, of 16 bytes
+  otg_uint done;    ///< pairs that are through
+  otg_uint unused;
+} otg_overlap_totals;
 
 /// Votes of a vertex: whether there is one for inside, and one for outside.
 #define OTG_VOTE_IN 1u
@@ -86,12 +150,13 @@ typedef struct {
   otg_uint what, region;
 } otg_found_inside;
 
-/// What is known of a region. Regions are numbered in any order; `first` tells theirs.
+/// What is known of a region. Regions of a pair are numbered in any order; `first` tells theirs.
 typedef struct {
   otg_ulong first;      ///< triangles of its smallest chord
   double lo[3], hi[3];  ///< relative to the origin
   double largest;
-  otg_uint load, unused;
+  otg_uint load;
+  otg_uint pair;  ///< its place in the table of pairs
 } otg_found_region;
 
 enum {
@@ -104,33 +169,56 @@ enum {
   OTG_OVERLAP_CELLS = 6,
   OTG_OVERLAP_SMALL = 7,  ///< hits of small regions
   OTG_OVERLAP_POINTS = 8,
-  OTG_OVERLAP_WHY = 9,      ///< OTG_SOLID_*: the host has to do the pair
-  OTG_OVERLAP_DONE = 10,    ///< work-groups of the last kernel that are through
-  OTG_OVERLAP_SHARED = 11,  ///< 1: an edge is crossed in two regions
+  OTG_OVERLAP_WHY = 9,           ///< OTG_SOLID_*: the host has to do the pair
+  OTG_OVERLAP_DONE = 10,         ///< work-groups of the last kernel that are through
+  OTG_OVERLAP_SHARED = 11,       ///< 1: an edge is crossed in two regions
+  OTG_OVERLAP_MOST_POINTS = 12,  ///< so many candidates will be the deepest of their key, at most
+  OTG_OVERLAP_MEASURED = 13,     ///< work-groups that are through with measuring regions
+  OTG_OVERLAP_RATED = 14,        ///< and with the depths of candidates
   OTG_OVERLAP_COUNTS = 16
 };
-#define OTG_OVERLAP_MOST_SMALL (OTG_OVERLAP_REGIONS * OTG_SOLID_LARGE_REGION)
 
-/// The state of one query, and the head of its results. All zero when it begins.
+/// The state of one pair, and the head of its results. All zero when it begins.
 typedef struct {
   otg_uint counts[OTG_OVERLAP_COUNTS];
   otg_uint counters[OTG_COUNTERS_READ];  ///< in the results: the first counters of the query
   otg_ulong first;                       ///< triangles of the smallest chord, inverted
   double origin[3];
+  otg_uint firstTable, tables;  ///< of its large regions, one after the other as these are numbered
+  otg_uint firstUnit, units;    ///< of its results
   otg_uint roots[OTG_OVERLAP_REGIONS];
   double up[OTG_OVERLAP_REGIONS][3];              ///< in which A is pushed, as far as the regions' surfaces tell
   otg_found_region regions[OTG_OVERLAP_REGIONS];  ///< in the results
 } otg_overlap_state;
 
-/// The results: the state, cells, vertices, clusters, crossings, hits of small regions, points. Each begins at a
-/// multiple of 16 bytes.
+/// The results: the totals, the states of all pairs, and where a pair's own begin (firstUnit) its cells, vertices,
+/// clusters, crossings, hits of small regions, points. Each begins at a multiple of 16 bytes.
 OTG_INLINE otg_uint otgUnitsOf(otg_uint count, otg_uint size) {
   return (count * size + 15) / 16;
+}
+#define OTG_OVERLAP_HEAD(pairs) (sizeof(otg_overlap_totals) + (pairs) * sizeof(otg_overlap_state))
+
+/// Where the parts of a pair's results begin, from its first unit on.
+typedef struct {
+  otg_uint vertices, clusters, crossings, small, points;
+} otg_overlap_parts;
+
+OTG_INLINE otg_overlap_parts otgPartsOf(otg_uint cells, otg_uint vertices, otg_uint clusters, otg_uint crossings,
+                                        otg_uint small) {
+  otg_overlap_parts p;
+  p.vertices = otgUnitsOf(cells, sizeof(otg_found_cell));
+  p.clusters = p.vertices + otgUnitsOf(vertices, sizeof(otg_found_inside));
+  p.crossings = p.clusters + otgUnitsOf(clusters, sizeof(otg_found_inside));
+  p.small = p.crossings + otgUnitsOf(crossings, sizeof(otg_found_crossing));
+  p.points = p.small + otgUnitsOf(small, sizeof(otg_found_inside));
+  return p;
 }
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(otg_crossing) % 8 == 0 && sizeof(otg_overlap_hit) == 24 && sizeof(otg_overlap_state) % 16 == 0);
 static_assert(sizeof(otg_surface_cell) == 104 && sizeof(otg_found_cell) == 112 && sizeof(otg_found_point) == 64);
+static_assert(sizeof(otg_overlap_totals) == 16 && sizeof(otg_listed_overlap) == 20 &&
+              sizeof(otg_overlap_pair) % 8 == 0);
 static_assert(sizeof(otg_found_crossing) == 32 && sizeof(otg_found_inside) == 8 && sizeof(otg_found_region) == 72);
 }  // namespace otg
 #endif

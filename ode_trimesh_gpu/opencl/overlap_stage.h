@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The lists and kernels by which the overlap of one pair of solids is described, by many work-groups.
+// The lists and kernels by which the overlaps of pairs of solids are described: of one pair by many work-groups, or of
+// many pairs.
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "collide/solid/found_overlap.h"
 #include "opencl/launch.h"
 #include "opencl/pinned_buffer.h"
 #include "opencl/tuning.h"
 #include "shared/overlap_layout.h"
+#include "shared/region_grid.h"
 
 namespace otg::opencl {
 
@@ -16,14 +19,14 @@ namespace otg::opencl {
 class OverlapStage {
  public:
   OverlapStage(Context& context, const Tuning& tuning);
-  /// Whether the device can.
-  bool works() const { return works_; }
-  /// Whether it is worth it for a pair that is expected to have so many hits, or of which only the number of triangles
-  /// is known.
+  /// Whether the device can, and is to.
+  static bool works(const DeviceInfo& device, const Tuning& tuning);
+  /// Whether it is worth it for a pair alone that is expected to have so many hits, or of which only the number of
+  /// triangles is known.
   bool pays(std::uint32_t hits) const { return works_ && hits >= leastHits_; }
   bool paysForTriangles(std::uint64_t triangles) const { return works_ && triangles / 100 >= leastHits_; }
 
-  /// What a lane has of its pair when the trees were walked.
+  /// What a lane has of its one pair when the trees were walked.
   struct Pair {
     const otg_device_pair& pair;
     const Transformd& bInA;
@@ -37,32 +40,55 @@ class OverlapStage {
   void reserve(cl_command_queue queue, const Pair& pair);
   /// Everything from the hits on. The last kernel ends the query.
   void enqueue(cl_command_queue queue, const Pair& pair, Profile& profile);
-  /// Waits for the queue: the head of the results, good until the next reading.
-  const otg_overlap_state* readHead(cl_command_queue queue, Profile& profile);
-  const otg_overlap_state* head() const { return reinterpret_cast<const otg_overlap_state*>(host_.data()); }
-  /// After readHead: whether there was room for the results; if not, there will be for the next run.
-  bool fits();
-  /// After that: all of the results, good until the next query.
-  FoundOverlap readRest(cl_command_queue queue, Profile& profile);
+
+  /// What a lane has of its batch of solids when solidScatter has gathered the hits of each pair; and which pairs are
+  /// to be described, with how many hits each. Meshes by pair: A, B.
+  struct Batch {
+    cl_mem meshes, tasks, places, states, hits;
+    std::uint32_t hitPlaces;
+    std::span<const otg_listed_overlap> pairs;  ///< `number` and `hits` are set
+    std::span<const CollisionMesh* const> bodies;
+  };
+  void reserve(cl_command_queue queue, const Batch& batch);
+  void enqueue(cl_command_queue queue, const Batch& batch, Profile& profile);
+
+  /// Begins to read the results, as far as can be foreseen, behind what is in the queue.
+  void beginHead(cl_command_queue queue, Profile& profile);
+  /// Waits for the queue. Whether there was room for everything; if not, there will be for the next run.
+  bool endHead(cl_command_queue queue);
+  /// After that, until the next reading: the state of one of the pairs, as its kernels left it.
+  const otg_overlap_state& head(std::uint32_t pair = 0) const;
+  /// After endHead: reads what was not read yet.
+  void readRest(cl_command_queue queue, Profile& profile);
+  /// After that: what was found of a pair, good until the next reading.
+  FoundOverlap found(std::uint32_t pair = 0) const;
 
  private:
+  struct Sizes {
+    std::uint64_t slots, inside, marks, hits;  ///< of all pairs
+    std::uint32_t pairs, tables;
+  };
   void build();
-  void read(cl_command_queue queue, std::size_t bytes, Profile& profile);
+  void reserve(cl_command_queue queue, const Sizes& sizes);
+  void enqueueRest(cl_command_queue queue, cl_mem meshes, cl_mem counters, std::size_t groups, Profile& profile);
+  std::size_t headBytes() const { return OTG_OVERLAP_HEAD(std::size_t{count_}); }
   Context& context_;
   const std::uint32_t group_, registers_;
   const std::size_t mostGroups_;
   std::uint32_t leastHits_;
   bool works_;
-  Kernel contour_, edges_, unite_, regions_, surface_, depths_, results_;
-  otg_overlap_sizes sizes_{};
-  BufferHandle state_;
-  DeviceList crossings_{sizeof(otg_crossing)}, slots_{sizeof(otg_uint)}, hits_{sizeof(otg_overlap_hit)},
-      parents_{sizeof(otg_uint)}, marks_{sizeof(otg_uint)}, vertices_{sizeof(otg_found_inside)},
-      clusters_{sizeof(otg_found_inside)}, cells_{sizeof(otg_surface_cell)}, cellList_{sizeof(otg_uint)},
-      small_{sizeof(otg_found_inside)}, depthTable_{sizeof(otg_ulong)}, out_{16};
-  PinnedBuffer host_;
-  std::uint32_t outWanted_, expected_ = 1u << 12;  ///< units behind the head
-  std::size_t have_ = 0;                           ///< bytes read
+  Kernel contour_, take_, enter_, edges_, unite_, regions_, surface_, depths_, results_;
+  std::uint32_t count_ = 1;  ///< pairs
+  BufferHandle totals_;
+  DeviceList tasks_{sizeof(otg_listed_overlap)}, pairs_{sizeof(otg_overlap_pair)}, states_{sizeof(otg_overlap_state)},
+      crossings_{sizeof(otg_crossing)}, slots_{sizeof(otg_uint)}, hits_{sizeof(otg_overlap_hit)},
+      parents_{sizeof(otg_uint)}, marks_{sizeof(otg_uint)}, inside_{sizeof(otg_found_inside)},
+      cells_{OTG_GRID_KEYS * sizeof(otg_surface_cell)}, cellList_{OTG_GRID_KEYS * sizeof(otg_uint)},
+      small_{sizeof(otg_found_inside)}, depthTable_{OTG_GRID_KEYS * sizeof(otg_ulong)}, out_{16};
+  PinnedBuffer staged_, host_;
+  std::uint32_t outWanted_, tablesWanted_ = OTG_OVERLAP_REGIONS;
+  std::uint32_t expected_ = 1u << 12;  ///< units behind the head
+  std::size_t have_ = 0;               ///< bytes read
 };
 
 }  // namespace otg::opencl

@@ -82,12 +82,14 @@ PairAnswer PairLane::describe(const otg_device_pair& pair, const Query& query, c
     overlap_.reserve(queue, task);
     enqueueWalk(pair, meshes, how);
     overlap_.enqueue(queue, task, profile_);
-    const otg_overlap_state* head = overlap_.readHead(queue, profile_);
-    lastHits_ = head->counters[OTG_COUNT_HITS];
+    overlap_.beginHead(queue, profile_);
+    const bool fits = overlap_.endHead(queue);
+    const otg_uint* counters = overlap_.head().counters;
+    lastHits_ = counters[OTG_COUNT_HITS];
     isFresh_ = false;
-    const bool fits = overlap_.fits();
-    if (makeRoom(head->counters) || !fits) continue;
-    answer.overlap = overlap_.readRest(queue, profile_);
+    if (makeRoom(counters) || !fits) continue;
+    overlap_.readRest(queue, profile_);
+    answer.overlap = overlap_.found();
     break;
   }
   const otg_overlap_state& head = *answer.overlap.head;
@@ -100,7 +102,7 @@ PairAnswer PairLane::describe(const otg_device_pair& pair, const Query& query, c
 
 Answer PairLane::records() {
   try {
-    return results_.readAll(context_, queue_.get(), false, overlap_.head()->counters, nullptr);
+    return results_.readAll(context_, queue_.get(), false, overlap_.head().counters, nullptr);
   } catch (...) {
     clRelease(OTG_CL(clFinish), queue_.get());
     throw;
