@@ -4,6 +4,14 @@
 
 static int asked, listed, pairs;
 
+/* What each triangle of the box is made of: the faces are two triangles each, in the order of kBoxTriangles. */
+enum { kWood, kIce };
+static const int materials[12] = {kWood, kWood, kIce, kIce, kWood, kWood, kWood, kWood, kWood, kWood, kWood, kWood};
+static int notIce(dGeomID own, dGeomID other, int ownTriangle, int otherTriangle) {
+  (void)own, (void)other, (void)otherTriangle;
+  return materials[ownTriangle] != kIce; /* 0: this pair of triangles does not collide */
+}
+
 static int oneTriangle(dGeomID mesh, dGeomID other, int triangle) {
   (void)mesh, (void)other, (void)triangle;
   ++asked;
@@ -44,6 +52,24 @@ int main(void) {
   EXPECT(dCollide(a, b, 16, contacts, sizeof contacts[0]) > 0);
   EXPECT(asked > 0 && listed > 0 && pairs > 0);
   printf("asked about %d triangles and %d pairs\n", asked, pairs);
+
+  /* The other box lies on the top of a, which is ice. Contacts say which triangles they are of, so that a program can
+     read the friction there; a pair callback that rejects the ice leaves no contact on it. */
+  {
+    dGeomID lid = dCreateGpuTriMesh(0, data);
+    int i, count, onIce = 0;
+    dGeomSetPosition(lid, 0.2, 0.1, 0.99);
+    EXPECT(dGeomGpuTriMeshSetPairCallback(a, 0) == dGPUTRIMESH_OK);
+    count = dCollide(a, lid, 16, contacts, sizeof contacts[0]);
+    for (i = 0; i < count; ++i) onIce += materials[contacts[i].side1] == kIce;
+    printf("%d of %d contacts are on ice\n", onIce, count);
+    EXPECT(onIce > 0);
+    EXPECT(dGeomGpuTriMeshSetPairCallback(a, &notIce) == dGPUTRIMESH_OK);
+    count = dCollide(a, lid, 16, contacts, sizeof contacts[0]);
+    for (i = 0; i < count; ++i) EXPECT(materials[contacts[i].side1] != kIce);
+    EXPECT(dGeomGpuTriMeshSetPairCallback(a, &twoTriangles) == dGPUTRIMESH_OK);
+    dGeomDestroy(lid);
+  }
 
   ray = dCreateRay(0, 5);
   dGeomRaySet(ray, 0, 0, 3, 0, 0, -1);

@@ -7,7 +7,8 @@
 int main(void) {
   const dGpuTriMeshDataID data = makeBox();
   const unsigned char* flags;
-  unsigned char mine[12];
+  unsigned char mine[12], *buffer = 0;
+  int length = 0;
   const dReal* normals;
   dsizeint size = 0;
   dReal angle = 0;
@@ -19,6 +20,9 @@ int main(void) {
   EXPECT(dGpuTriMeshDataSet(data, dTRIMESHDATA_USE_FLAGS, mine) == dGPUTRIMESH_OK);
   flags = (const unsigned char*)dGpuTriMeshDataGet(data, dTRIMESHDATA_USE_FLAGS);
   EXPECT(flags[11] == dMESHDATAUSE_EDGE1);
+  dGpuTriMeshDataSetBuffer(data, mine); /* by ODE's older names */
+  dGpuTriMeshDataGetBuffer(data, &buffer, &length);
+  EXPECT(length == 12 && buffer[11] == dMESHDATAUSE_EDGE1);
   normals = (const dReal*)dGpuTriMeshDataGet(data, dTRIMESHDATA_FACE_NORMALS);
   EXPECT(isNear(normals[2], -1)); /* the first triangle is of the bottom */
   EXPECT(dGpuTriMeshDataGetEdgeAngle(data, 0, 2, &angle) == dGPUTRIMESH_OK);
