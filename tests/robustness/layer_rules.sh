@@ -26,16 +26,17 @@ check() {
   local inc='^[[:space:]]*#[[:space:]]*include[[:space:]]*[<"]'
   local lib=ode_trimesh_gpu
   # ode_trimesh_gpu/ is the public interface, which belongs to ode/.
-  rule "only ode/ knows ODE" "${inc}(ode|ode_trimesh_gpu)/" $lib/mesh $lib/bvh $lib/collide $lib/opencl $lib/dispatch kernels
-  rule "only opencl/ knows OpenCL" "${inc}(CL|OpenCL)/" $lib/mesh $lib/bvh $lib/collide $lib/dispatch $lib/ode $lib/include kernels
-  rule "mesh/ is below every other layer" "${inc}(bvh|collide|opencl|dispatch)/" $lib/mesh
-  rule "bvh/ is below collide/" "${inc}(collide|opencl|dispatch)/" $lib/bvh
-  rule "collide/ is below opencl/" "${inc}(opencl|dispatch)/" $lib/collide
+  rule "only ode/ knows ODE" "${inc}(ode|ode_trimesh_gpu)/" $lib/mesh $lib/bvh $lib/collide $lib/primitives $lib/queries $lib/opencl $lib/dispatch kernels
+  rule "only opencl/ knows OpenCL" "${inc}(CL|OpenCL)/" $lib/mesh $lib/bvh $lib/collide $lib/primitives $lib/queries $lib/dispatch $lib/ode $lib/include kernels
+  rule "mesh/ is below every other layer" "${inc}(bvh|collide|primitives|queries|opencl|dispatch)/" $lib/mesh
+  rule "bvh/ is below collide/" "${inc}(collide|primitives|queries|opencl|dispatch)/" $lib/bvh
+  rule "collide/ is below opencl/" "${inc}(primitives|queries|opencl|dispatch)/" $lib/collide
+  rule "primitives/ and queries/ know collide/ and what is below" "${inc}(opencl|dispatch)/" $lib/primitives $lib/queries
   rule "opencl/ is below dispatch/" "${inc}dispatch/" $lib/opencl
-  rule "the public headers need nothing of the inside" "${inc}(mesh|bvh|collide|opencl|dispatch|shared)/" $lib/include
-  rule "shared formulas include shared formulas only" "${inc}(mesh|bvh|collide|opencl|dispatch|Eigen)/" kernels
+  rule "the public headers need nothing of the inside" "${inc}(mesh|bvh|collide|primitives|queries|opencl|dispatch|shared)/" $lib/include
+  rule "shared formulas include shared formulas only" "${inc}(mesh|bvh|collide|primitives|queries|opencl|dispatch|Eigen)/" kernels
   rule "includes name a layer, not a way through the file system" "${inc}[^>\"]*\.\./" "${folders[@]}"
-  rule "the library does not print" '\b(printf|fprintf|puts|perror)[[:space:]]*\(|std::(cout|cerr|clog)\b' $lib/mesh $lib/bvh $lib/collide $lib/dispatch
+  rule "the library does not print" '\b(printf|fprintf|puts|perror)[[:space:]]*\(|std::(cout|cerr|clog)\b' $lib/mesh $lib/bvh $lib/collide $lib/primitives $lib/queries $lib/dispatch
   rule "the library does not end the process" '\b(std::)?(abort|exit|_exit|quick_exit)[[:space:]]*\(' $lib
   local file lines
   while read -r file; do
@@ -66,6 +67,8 @@ self_test() {
   expect "$dir" cl_in_ode ode_trimesh_gpu/ode/a.cpp "$spdx#include <CL/opencl.hpp>\n"
   expect "$dir" upwards ode_trimesh_gpu/mesh/a.h "$spdx#include \"collide/query.h\"\n"
   expect "$dir" bvh_upwards ode_trimesh_gpu/bvh/a.h "$spdx#include \"collide/query.h\"\n"
+  expect "$dir" queries_upwards ode_trimesh_gpu/queries/a.cpp "$spdx#include \"opencl/backend.h\"\n"
+  expect "$dir" ode_in_primitives ode_trimesh_gpu/primitives/a.cpp "$spdx#include <ode/ode.h>\n"
   expect "$dir" opencl_upwards ode_trimesh_gpu/opencl/a.cpp "$spdx#include \"dispatch/dispatcher.h\"\n"
   expect "$dir" public_inside ode_trimesh_gpu/include/ode_trimesh_gpu/a.h "$spdx#include \"mesh/tri_mesh.h\"\n"
   expect "$dir" kernel_host kernels/shared/a.h "$spdx#include \"mesh/tri_mesh.h\"\n"
