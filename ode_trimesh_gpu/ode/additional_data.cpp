@@ -136,6 +136,18 @@ const void* dGpuTriMeshDataGet(dGpuTriMeshDataID g, int data_id) {
   return dGpuTriMeshDataGet2(g, data_id, nullptr);
 }
 
+void dGpuTriMeshDataGetBuffer(dGpuTriMeshDataID g, unsigned char** buf, int* bufLen) {
+  dsizeint size = 0;
+  const void* const flags = dGpuTriMeshDataGet2(g, dTRIMESHDATA_USE_FLAGS, &size);
+  // ODE's signature: what it gives out is not const.
+  if (buf != nullptr) *buf = static_cast<unsigned char*>(const_cast<void*>(flags));
+  if (bufLen != nullptr) *bufLen = static_cast<int>(size);
+}
+
+void dGpuTriMeshDataSetBuffer(dGpuTriMeshDataID g, unsigned char* buf) {
+  dGpuTriMeshDataSet(g, dTRIMESHDATA_USE_FLAGS, buf);
+}
+
 int dGpuTriMeshDataGetEdgeAngle(dGpuTriMeshDataID g, int Triangle, int Edge, dReal* angle) {
   return otg::guarded([&] {
     if (!otg::isBuilt(g) || angle == nullptr || Triangle < 0 || Edge < 0 || Edge > 2 ||

@@ -18,26 +18,35 @@ int check(const GeomObject* object, int geomClass) {
 }
 
 }  // namespace
+
+bool GeomObject::remembersWith(int geomClass) const {
+  if (params.history != dGPUTRIMESH_HISTORY_ON) return false;
+  return geomClass == registeredClass() || (coherentClasses >> geomClass & 1u) != 0;
+}
+
 }  // namespace otg
 
 int dGeomGpuTriMeshEnableTC(dGeomID g, int geomClass, int enable) {
-  otg::GeomObject* const object = otg::liveObjectOf(g);
-  if (const int status = otg::check(object, geomClass)) return otg::noteStatus(status);
-  if (geomClass == otg::registeredClass()) {
-    object->params.history = enable != 0 ? dGPUTRIMESH_HISTORY_ON : dGPUTRIMESH_HISTORY_OFF;
-  } else if (enable != 0) {
-    object->coherentClasses |= 1u << geomClass;
-  } else {
-    object->coherentClasses &= ~(1u << geomClass);
-  }
-  return dGPUTRIMESH_OK;
+  return otg::guarded([&] {
+    const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
+    if (const int status = otg::check(object.get(), geomClass)) return status;
+    if (geomClass == otg::registeredClass()) {
+      object->params.history = enable != 0 ? dGPUTRIMESH_HISTORY_ON : dGPUTRIMESH_HISTORY_OFF;
+    } else if (enable != 0) {
+      object->coherentClasses |= 1u << geomClass;
+    } else {
+      object->coherentClasses &= ~(1u << geomClass);
+    }
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
 }
 
 int dGeomGpuTriMeshIsTCEnabled(dGeomID g, int geomClass) {
-  const otg::GeomObject* const object = otg::liveObjectOf(g);
-  if (const int status = otg::check(object, geomClass)) return otg::noteStatus(status);
-  if (geomClass == otg::registeredClass()) return object->params.history == dGPUTRIMESH_HISTORY_ON ? 1 : 0;
-  return (object->coherentClasses >> geomClass & 1u) != 0 ? 1 : 0;
+  return otg::guarded([&] {
+    const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
+    if (const int status = otg::check(object.get(), geomClass)) return status;
+    return object->remembersWith(geomClass) ? 1 : 0;
+  });
 }
 
 int dGeomGpuTriMeshClearTCCache(dGeomID g) {

@@ -52,7 +52,8 @@ struct GeomObject : std::enable_shared_from_this<GeomObject> {
   dGpuTriMeshParams params{};        ///< always valid
   GeomCallbacks callbacks;
   LastTransform last;
-  std::uint32_t coherentClasses = 0;        ///< bits of classes of ODE's for which the switch is on
+  /// Bits of classes other than ours: with which of them pairs are remembered, if params.history says that any are.
+  std::uint32_t coherentClasses = ~0u;
   std::atomic<std::uint64_t> clearedAt{0};  ///< no stamp of memory up to this one counts any more
   GeomStats stats;
   PairMemory memory;  ///< of pairs in which this geom is mesh B (the younger one)
@@ -71,6 +72,8 @@ struct GeomObject : std::enable_shared_from_this<GeomObject> {
   GeomObject(const GeomObject&) = delete;
   GeomObject& operator=(const GeomObject&) = delete;
 
+  /// Whether anything is remembered of pairs with geoms of a class, ours or ODE's.
+  bool remembersWith(int geomClass) const;
   /// Null when there is nothing to collide with.
   const CollisionMesh* mesh() const;
   std::shared_ptr<const CollisionMesh> sharedMesh() const;

@@ -66,10 +66,6 @@ Vec3d relativeVelocity(const Side& a, const Side& b) {
   return std::isfinite(v.x + v.y + v.z) ? v : Vec3d{0, 0, 0};
 }
 
-bool remembers(const dGpuTriMeshParams& params) {
-  return params.history == dGPUTRIMESH_HISTORY_ON;
-}
-
 void count(GeomStats& to, const PairCounts& from, std::size_t contacts) {
   const auto add = [](std::atomic<std::uint64_t>& sum, std::uint64_t n) {
     if (n != 0) sum.fetch_add(n, std::memory_order_relaxed);
@@ -226,7 +222,8 @@ void preparePair(MeshSide&& from1, MeshSide&& from2, PairTask& task) noexcept {
   query.options = pairOptions(objectA.params, objectB.params);
   task.job.place = pairPlacement(objectA.params, objectB.params, dispatcher().placement());
   query.relativeVelocity = relativeVelocity(a, b);
-  task.remembers = remembers(objectA.params) && remembers(objectB.params);
+  task.remembers =
+      objectA.remembersWith(dGeomGetClass(b.side.geom)) && objectB.remembersWith(dGeomGetClass(a.side.geom));
   task.history = {};
   task.stamp = 0;
   query.history = nullptr;

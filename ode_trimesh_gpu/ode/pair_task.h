@@ -47,7 +47,7 @@ struct PairTask {
   PairJob job;              ///< maxContacts is what the geoms allow; job.query.history points to `history` or is null
   SolidHistory history;     ///< what is remembered of the pair, and what the query makes of it
   std::uint64_t stamp = 0;  ///< of what was remembered, 0 for nothing
-  bool remembers = false;   ///< both geoms have history on
+  bool remembers = false;   ///< both geoms remember pairs with the other's class
 
   PairTask() = default;
   PairTask(const PairTask&) = delete;  // job points into the object

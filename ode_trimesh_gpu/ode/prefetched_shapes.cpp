@@ -87,7 +87,7 @@ ShapeQuery shapeQuery(const PrimitiveTask& task) {
   }
   query.options = pairOptions(object.params, object.params);
   query.mesh = task.side.mesh->lifetime();
-  query.remembers = object.params.history == dGPUTRIMESH_HISTORY_ON;
+  query.remembers = object.remembersWith(query.geomClass);
   if (query.remembers) query.stamp = task.side.object->memory.stampOf(memoryKey(task.o2));
   return query;
 }

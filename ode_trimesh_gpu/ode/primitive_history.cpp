@@ -27,7 +27,7 @@ PrimitiveHistory::PrimitiveHistory(const PrimitiveTask& task, const Vec3d& origi
     : memory_(task.side.object->memory),
       key_(memoryKey(task.o2)),
       origin_(origin),
-      remembers_(task.side.object->params.history == dGPUTRIMESH_HISTORY_ON),
+      remembers_(task.side.object->remembersWith(dGeomGetClass(task.o2))),
       detached_(task.detached) {
   if (!remembers_) return;
   if (detached_ != nullptr) {

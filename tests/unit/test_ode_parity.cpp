@@ -241,6 +241,18 @@ TEST_CASE("angles of edges, edges to use, normals") {
   const unsigned char own[12] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
   REQUIRE(dGpuTriMeshDataSet(cavity.id, dTRIMESHDATA_USE_FLAGS, own) == dGPUTRIMESH_OK);
   CHECK(static_cast<const unsigned char*>(dGpuTriMeshDataGet(cavity.id, dTRIMESHDATA_USE_FLAGS))[11] == 12);
+  unsigned char* buffer = nullptr;
+  int bytes = 0;
+  dGpuTriMeshDataGetBuffer(cavity.id, &buffer, &bytes);
+  REQUIRE(bytes == 12);
+  CHECK(buffer[11] == 12);
+  unsigned char others[12] = {12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1};
+  dGpuTriMeshDataSetBuffer(cavity.id, others);
+  others[11] = 0;  // it was copied
+  dGpuTriMeshDataGetBuffer(cavity.id, &buffer, nullptr);
+  CHECK(buffer[11] == 1);
+  dGpuTriMeshDataGetBuffer(nullptr, &buffer, &bytes);
+  CHECK((buffer == nullptr && bytes == 0));
   REQUIRE(dGpuTriMeshDataSet(cavity.id, dTRIMESHDATA_USE_FLAGS, nullptr) == dGPUTRIMESH_OK);
   CHECK(static_cast<const unsigned char*>(dGpuTriMeshDataGet(cavity.id, dTRIMESHDATA_USE_FLAGS))[11] == 0);
   // Normals, in the order of the caller's triangles.
@@ -384,11 +396,16 @@ TEST_CASE("temporal coherence by ODE's names") {
   CHECK(dGeomGpuTriMeshGetTriMeshDataID(a.id) == large.id);
   const int own = dGpuTriMeshGetClass();
   CHECK(dGeomGpuTriMeshIsTCEnabled(a.id, own) == 1);
-  CHECK(dGeomGpuTriMeshIsTCEnabled(a.id, dSphereClass) == 0);
-  CHECK(dGeomGpuTriMeshEnableTC(a.id, dSphereClass, 1) == dGPUTRIMESH_OK);
-  CHECK(dGeomGpuTriMeshIsTCEnabled(a.id, dSphereClass) == 1);
+  CHECK(dGeomGpuTriMeshIsTCEnabled(a.id, dBoxClass) == 1);
+  CHECK(dGeomGpuTriMeshEnableTC(a.id, dBoxClass, 0) == dGPUTRIMESH_OK);
+  CHECK(dGeomGpuTriMeshIsTCEnabled(a.id, dBoxClass) == 0);
+  CHECK(dGeomGpuTriMeshIsTCEnabled(a.id, dCapsuleClass) == 1);
+  CHECK(dGeomGpuTriMeshIsTCEnabled(a.id, own) == 1);
+  CHECK(dGeomGpuTriMeshEnableTC(a.id, dBoxClass, 1) == dGPUTRIMESH_OK);
+  CHECK(dGeomGpuTriMeshIsTCEnabled(a.id, dBoxClass) == 1);
   CHECK(dGeomGpuTriMeshEnableTC(a.id, own, 0) == dGPUTRIMESH_OK);
   CHECK(dGeomGpuTriMeshIsTCEnabled(a.id, own) == 0);
+  CHECK(dGeomGpuTriMeshIsTCEnabled(a.id, dBoxClass) == 0);  // nothing is remembered at all
   CHECK(dGeomGpuTriMeshEnableTC(a.id, own, 1) == dGPUTRIMESH_OK);
   CHECK(dGeomGpuTriMeshEnableTC(a.id, -1, 1) == dGPUTRIMESH_ERROR_ARGUMENT);
   CHECK(dGeomGpuTriMeshIsTCEnabled(nullptr, own) == dGPUTRIMESH_ERROR_CLASS);
@@ -407,4 +424,28 @@ TEST_CASE("temporal coherence by ODE's names") {
     dGeomGpuTriMeshClearTCCache(told);
   }
   CHECK(dGeomGpuTriMeshClearTCCache(nullptr) == dGPUTRIMESH_ERROR_CLASS);
+}
+
+TEST_CASE("temporal coherence with a class of ODE's") {
+  const OdeSession session;
+  const Data large(scenes::makeBox({1, 1, 1}));
+  const Geom mesh(large);
+  const dWorldID world = dWorldCreate();
+  const dBodyID body = dBodyCreate(world);
+  const dGeomID box = dCreateBox(nullptr, 0.4, 0.4, 0.4);
+  dGeomSetBody(box, body);
+  // The box came in along x and keeps leaving along x when it is at rest, if that is remembered: the nearest way is z.
+  for (const int enabled : {1, 0, 1}) {
+    REQUIRE(dGeomGpuTriMeshEnableTC(mesh.id, dBoxClass, enabled) == dGPUTRIMESH_OK);
+    dBodySetPosition(body, 0.02, 0, 0.03);
+    dBodySetLinearVel(body, -1, 0, 0);
+    CHECK(std::abs(test::collide(mesh.id, box)[0].normal[0]) > 0.9);
+    dBodySetPosition(body, 0.0201, 0, 0.03);
+    dBodySetLinearVel(body, 0, 0, 0);
+    CHECK(std::abs(test::collide(mesh.id, box)[0].normal[enabled != 0 ? 0 : 2]) > 0.9);
+    CHECK(dGeomGpuTriMeshClearTCCache(mesh.id) == dGPUTRIMESH_OK);
+    CHECK(std::abs(test::collide(mesh.id, box)[0].normal[2]) > 0.9);
+  }
+  dGeomDestroy(box);
+  dWorldDestroy(world);
 }

@@ -26,7 +26,8 @@ extern "C" {
  * - when there are more contacts than places, the deepest of every separate region of contact are kept, then those most
  *   spread out; with CONTACTS_UNIMPORTANT the first ones found, without reduction.
  *
- * With geoms of other classes it has no contacts in this version.
+ * It collides with ODE's own classes as well: spheres, boxes, capsules, cylinders, planes, rays, convex geoms,
+ * heightfields and dTriMesh, bare or inside a dGeomTransform; docs/primitives.md has the method of each pair.
  *
  * Its pose has to be rigid: R^T R may differ from the identity by at most 1e-3 (root of the sum of the squares of all
  * nine differences), and R may not mirror. ODE's own rotations, in single precision too, and long products of them are
@@ -51,7 +52,9 @@ OTG_API dGeomID dCreateGpuTriMesh(dSpaceID space, dGpuTriMeshDataID data);
  * @brief Gives the geom another mesh and marks it as moved.
  * @param g     a geom of this class
  * @param data  the mesh; may be NULL, as in dCreateGpuTriMesh()
- * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_MEMORY or dGPUTRIMESH_ERROR_CLASS.
+ * @returns dGPUTRIMESH_OK; dGPUTRIMESH_ERROR_CLASS; dGPUTRIMESH_ERROR_ARGUMENT if the data were destroyed;
+ *          dGPUTRIMESH_ERROR_MESH if the geom has a scale that the mesh cannot take; dGPUTRIMESH_ERROR_MEMORY. After an
+ *          error the geom has the mesh that it had.
  * @remarks Not from a near callback of the geom's space.
  * @ingroup gputrimesh
  */
@@ -134,12 +137,16 @@ OTG_API dGpuTriMeshDataID dGeomGpuTriMeshGetTriMeshDataID(dGeomID g);
 /**
  * @brief Switches temporal coherence for pairs with geoms of one class; the counterpart of dGeomTriMeshEnableTC().
  *
- * For this library's own class that is dGpuTriMeshParams::history, which is on at first. With other classes nothing is
- * remembered from step to step: the switch is kept and changes nothing.
- * @param g          a geom of this class
+ * For this library's own class that is dGpuTriMeshParams::history, which is on at first; while it is off nothing is
+ * remembered of any pair. Each of ODE's classes has a switch beside it, on at first as well, which says whether the
+ * geom remembers its pairs with geoms of that class. It guides how deep boxes, capsules, cylinders, convex geoms,
+ * heightfields and dTriMesh leave (see dGPUTRIMESH_HISTORY_ON); with spheres, planes and rays there is nothing to
+ * remember.
+ * @param g          a geom of this class, or a dTriMesh that collides through this library
  * @param geomClass  dGpuTriMeshGetClass(), or a class of ODE's (dSphereClass, ...)
  * @param enable     0 or not
- * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT for a number that is no class, dGPUTRIMESH_ERROR_CLASS.
+ * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT for a number that is no class, dGPUTRIMESH_ERROR_CLASS,
+ *          dGPUTRIMESH_ERROR_MEMORY.
  * @remarks Not while another thread collides the geom.
  * @ingroup gputrimesh
  */
@@ -148,9 +155,10 @@ OTG_API int dGeomGpuTriMeshEnableTC(dGeomID g, int geomClass, int enable);
 /**
  * @brief Whether temporal coherence is on for pairs with geoms of one class; the counterpart of
  *        dGeomTriMeshIsTCEnabled().
- * @param g          a geom of this class
+ * @param g          a geom of this class, or a dTriMesh that collides through this library
  * @param geomClass  as in dGeomGpuTriMeshEnableTC()
- * @returns 1 or 0; dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_CLASS.
+ * @returns 1 or 0 (with every class, while dGpuTriMeshParams::history is off); dGPUTRIMESH_ERROR_ARGUMENT,
+ *          dGPUTRIMESH_ERROR_CLASS, dGPUTRIMESH_ERROR_MEMORY.
  * @remarks May be called from a near callback.
  * @ingroup gputrimesh
  */

@@ -353,7 +353,8 @@ OTG_API const char* dGpuTriMeshDataGetErrorString(dGpuTriMeshDataID g);
  * that are flat to within 0.1 degrees and concave ones are not used. With `1U << dTRIDATAPREPROCESS_BUILD_FACE_ANGLES`:
  * nothing has to be worked out, dGpuTriMeshDataGetEdgeAngle() is always there.
  *
- * A later Build or Update of the object drops the flags. Contacts between meshes do not depend on them.
+ * A later Build or Update of the object drops the flags. They are there to be read: no contacts depend on them, because
+ * the contact models need no help against edges that do not matter.
  * @param g                  the object, built before
  * @param buildRequestFlags  as above, added up
  * @param requestExtraData   not read: angles are not rounded to bytes. May be NULL
@@ -408,6 +409,29 @@ OTG_API const void* dGpuTriMeshDataGet(dGpuTriMeshDataID g, int data_id);
  * @ingroup gputrimesh
  */
 OTG_API const void* dGpuTriMeshDataGet2(dGpuTriMeshDataID g, int data_id, dsizeint* pout_size);
+
+/**
+ * @brief The flags of edges and vertices as a buffer; the counterpart of dGeomTriMeshDataGetBuffer(), which ODE advises
+ *        against: dGpuTriMeshDataGet2() with dTRIMESHDATA_USE_FLAGS gives the same.
+ * @param g       the object, built before
+ * @param buf     receives the array, NULL before dGpuTriMeshDataPreprocess() or dGpuTriMeshDataSet(); it lives as
+ * there. It is not to be written to. May be NULL
+ * @param bufLen  receives its size in bytes. May be NULL
+ * @remarks Not while another thread uses the object. With an object that is not built NULL and 0, and
+ *          dGPUTRIMESH_ERROR_ARGUMENT for dGpuTriMeshGetError().
+ * @ingroup gputrimesh
+ */
+OTG_API void dGpuTriMeshDataGetBuffer(dGpuTriMeshDataID g, unsigned char** buf, int* bufLen);
+
+/**
+ * @brief Sets the flags of edges and vertices; the counterpart of dGeomTriMeshDataSetBuffer(), which ODE advises
+ *        against: dGpuTriMeshDataSet() with dTRIMESHDATA_USE_FLAGS does the same.
+ * @param g    the object, built before
+ * @param buf  one byte for each triangle, copied; NULL goes back to what dGpuTriMeshDataPreprocess() works out
+ * @remarks Not while another thread uses the object. dGpuTriMeshGetError() tells of errors.
+ * @ingroup gputrimesh
+ */
+OTG_API void dGpuTriMeshDataSetBuffer(dGpuTriMeshDataID g, unsigned char* buf);
 
 /**
  * @brief The angle by which the surface turns at an edge: what dTRIDATAPREPROCESS_BUILD_FACE_ANGLES is for in ODE.
