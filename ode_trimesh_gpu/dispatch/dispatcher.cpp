@@ -33,7 +33,9 @@ std::size_t Dispatcher::open(std::span<const int> indices, const opencl::Tuning&
   const opencl::ProgramCache cache = opencl::ProgramCache::standard();
   for (const int index : indices) {
     auto slot = std::make_shared<DeviceSlot>();
-    slot->backend = opencl::Backend::open(index, tuning);
+    opencl::Tuning how = tuning;
+    if (how.memoryBudget == 0) how.memoryBudget = meshMemory_;
+    slot->backend = opencl::Backend::open(index, how);
     if (!slot->backend) continue;
     const std::optional<CostModel> costs = costsOf(*slot->backend, cache);
     if (!costs) {

@@ -3,6 +3,7 @@
 #include "ode_trimesh_gpu/backend.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdlib>
 #include <cstring>
 #include <string_view>
@@ -10,6 +11,7 @@
 
 #include "dispatch/dispatcher.h"
 #include "ode/geom_class.h"
+#include "ode/mesh_side.h"
 #include "ode/status.h"
 #include "opencl/device_info.h"
 
@@ -45,6 +47,13 @@ Place placeOf(int backend) {
 }  // namespace
 
 void chooseBackendOfEnvironment() noexcept {
+  if (const char* const memory = std::getenv("OTG_DEVICE_MEMORY"); memory != nullptr) {
+    std::uint64_t bytes = 0;
+    const char* const end = memory + std::strlen(memory);
+    if (const auto [rest, error] = std::from_chars(memory, end, bytes); error == std::errc() && rest == end) {
+      dGpuTriMeshSetDeviceMemory(bytes);
+    }
+  }
   const char* const wish = std::getenv("OTG_BACKEND");
   if (wish == nullptr) return;
   const std::string_view word(wish);
@@ -81,20 +90,24 @@ int dGpuTriMeshGetBackend(void) {
 }
 
 int dGeomGpuTriMeshSetBackend(dGeomID g, int backend) {
-  otg::GeomObject* const object = otg::liveObjectOf(g);
-  if (object == nullptr) return otg::noteStatus(dGPUTRIMESH_ERROR_CLASS);
-  if (backend < dGPUTRIMESH_BACKEND_DEFAULT || backend > dGPUTRIMESH_BACKEND_OPENCL) {
-    return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
-  }
-  object->params.backend = backend;
-  object->params.middle_phase = object->params.near_phase = dGPUTRIMESH_BACKEND_DEFAULT;
-  const bool inVain = backend == dGPUTRIMESH_BACKEND_OPENCL && !otg::dispatcher().hasDevices();
-  return inVain ? dGPUTRIMESH_NO_DEVICE : dGPUTRIMESH_OK;
+  return otg::guarded([&] {
+    const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
+    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
+    if (backend < dGPUTRIMESH_BACKEND_DEFAULT || backend > dGPUTRIMESH_BACKEND_OPENCL) {
+      return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    }
+    object->params.backend = backend;
+    object->params.middle_phase = object->params.near_phase = dGPUTRIMESH_BACKEND_DEFAULT;
+    const bool inVain = backend == dGPUTRIMESH_BACKEND_OPENCL && !otg::dispatcher().hasDevices();
+    return static_cast<int>(inVain ? dGPUTRIMESH_NO_DEVICE : dGPUTRIMESH_OK);
+  });
 }
 
 int dGeomGpuTriMeshGetBackend(dGeomID g) {
-  const otg::GeomObject* const object = otg::liveObjectOf(g);
-  return object == nullptr ? otg::noteStatus(dGPUTRIMESH_ERROR_CLASS) : object->params.backend;
+  return otg::guarded([&] {
+    const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
+    return object == nullptr ? static_cast<int>(dGPUTRIMESH_ERROR_CLASS) : object->params.backend;
+  });
 }
 
 int dGpuTriMeshOpenDevices(const int* indices, int count) {
@@ -109,6 +122,14 @@ int dGpuTriMeshOpenDevices(const int* indices, int count) {
     }
     return static_cast<int>(otg::dispatcher().open(which));
   });
+}
+
+void dGpuTriMeshSetDeviceMemory(duint64 bytes) {
+  otg::dispatcher().setMeshMemory(bytes);
+}
+
+duint64 dGpuTriMeshGetDeviceMemory(void) {
+  return otg::dispatcher().meshMemory();
 }
 
 void dGpuTriMeshCloseDevices(void) {

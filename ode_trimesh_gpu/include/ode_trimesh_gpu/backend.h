@@ -33,7 +33,7 @@ OTG_API int dGpuTriMeshSetBackend(int backend);
 
 /**
  * @brief What dGpuTriMeshSetBackend() was called with last.
- * @returns dGPUTRIMESH_BACKEND_..., dGPUTRIMESH_BACKEND_CPU before the first call.
+ * @returns dGPUTRIMESH_BACKEND_..., dGPUTRIMESH_BACKEND_AUTO before the first call.
  * @remarks May be called from any thread and from a near callback.
  * @ingroup gputrimesh
  */
@@ -41,10 +41,10 @@ OTG_API int dGpuTriMeshGetBackend(void);
 
 /**
  * @brief Chooses for one geom: sets dGpuTriMeshParams::backend, and the choices for single phases back to it.
- * @param g        a geom of this class
+ * @param g        a geom of this class, or a dTriMesh that collides through this library
  * @param backend  dGPUTRIMESH_BACKEND_...
  * @returns dGPUTRIMESH_OK; dGPUTRIMESH_NO_DEVICE as dGpuTriMeshSetBackend(), but nothing is opened;
- *          dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_CLASS.
+ *          dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_CLASS, dGPUTRIMESH_ERROR_MEMORY.
  * @remarks May be called from a near callback, but not while another thread collides the geom.
  * @ingroup gputrimesh
  */
@@ -52,8 +52,8 @@ OTG_API int dGeomGpuTriMeshSetBackend(dGeomID g, int backend);
 
 /**
  * @brief The `backend` of a geom's parameters.
- * @param g  a geom of this class
- * @returns dGPUTRIMESH_BACKEND_..., or dGPUTRIMESH_ERROR_CLASS.
+ * @param g  a geom of this class, or a dTriMesh that collides through this library
+ * @returns dGPUTRIMESH_BACKEND_..., or dGPUTRIMESH_ERROR_CLASS, dGPUTRIMESH_ERROR_MEMORY.
  * @remarks May be called from a near callback.
  * @ingroup gputrimesh
  */
@@ -76,6 +76,29 @@ OTG_API int dGeomGpuTriMeshGetBackend(dGeomID g);
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshOpenDevices(const int* indices, int count);
+
+/**
+ * @brief Limits the memory that meshes may take on each device.
+ *
+ * A mesh is sent to a device when it collides there first and stays until others need its room: then those go whose
+ * last use is longest ago, to be sent again when they are needed. A query or batch whose meshes do not fit at once is
+ * done in parts, or by the CPU. Lists and results of queries come on top.
+ *
+ * @param bytes  0 for half of the device's memory, which is the default. The environment variable OTG_DEVICE_MEMORY (a
+ *               number of bytes) has the first dGpuTriMeshInit() call this function
+ * @remarks From any thread. It holds for devices that are opened afterwards; those that are open keep their limit.
+ * @sa dGpuTriMeshGetDevice(), which tells of uploads, evictions and bytes
+ * @ingroup gputrimesh
+ */
+OTG_API void dGpuTriMeshSetDeviceMemory(duint64 bytes);
+
+/**
+ * @brief What dGpuTriMeshSetDeviceMemory() was called with last.
+ * @returns Bytes, 0 before the first call.
+ * @remarks May be called from any thread and from a near callback.
+ * @ingroup gputrimesh
+ */
+OTG_API duint64 dGpuTriMeshGetDeviceMemory(void);
 
 /**
  * @brief Closes all devices, when the queries that use them are done. The CPU computes from here on. Not needed at the

@@ -75,8 +75,9 @@ OTG_API int dGpuTriMeshOverrideTriMeshWith(int geomClass);
 /**
  * @brief Chooses how dTriMesh geoms collide: those that exist, and those to come.
  *
- * dGeomGpuTriMeshSetParams() and its like also take a dTriMesh, after dGpuTriMeshOverrideTriMesh(), for choices of its
- * own.
+ * After dGpuTriMeshOverrideTriMesh() a dTriMesh may also have choices of its own: dGeomGpuTriMeshSetParams(),
+ * dGeomGpuTriMeshSetBackend(), dGeomGpuTriMeshEnableTC(), dGeomGpuTriMeshSetLastTransform(), the functions of
+ * callbacks.h, stats.h and history.h take one.
  * @param params  as in dGeomGpuTriMeshSetParams()
  * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT.
  * @remarks Not while another thread collides.

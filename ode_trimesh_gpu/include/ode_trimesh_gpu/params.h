@@ -110,7 +110,8 @@ typedef struct dGpuTriMeshParams {
   int backend;             /**< dGPUTRIMESH_BACKEND_...; default DEFAULT */
   int middle_phase;        /**< the search alone: dGPUTRIMESH_BACKEND_..., DEFAULT (default) for what `backend` says */
   int near_phase; /**< the tests of triangles alone: the same. The contacts of PAIRWISE are made by a device if both
-                     phases run there, those of SOLID by the CPU */
+                     phases run there, those of SOLID as
+                     docs/opencl.md says: in batches by a device, too, else in part */
 } dGpuTriMeshParams;
 
 /**

@@ -13,14 +13,16 @@ extern "C" {
 
 /**
  * @brief Sums over the collisions of a geom since it was created or its statistics were reset. A collision of two geoms
- * of this class counts for both.
+ * of this class counts for both. Of collisions with geoms of ODE's own only queries, failed_queries, contacts and
+ * prefetched are counted.
  * @ingroup gputrimesh
  */
 typedef struct dGpuTriMeshStats {
   dsizeint size;           /**< sizeof(dGpuTriMeshStats) of your program; set by ...Init */
   duint64 queries;         /**< times that dCollide() came to this geom, and pairs of it in arrays of pairs */
-  duint64 failed_queries;  /**< of these, answered with no contacts because a pose was not finite or not rigid, or for
-                              want  of memory; dGpuTriMeshGetError() of the thread says which */
+  duint64 failed_queries;  /**< of these, answered with no contacts because a pose was not finite or not rigid, a mesh
+                              was being changed, a heightfield's heights are not known, or memory was short;
+                              dGpuTriMeshGetError() of the thread says which */
   duint64 box_tests;       /**< pairs of boxes compared */
   duint64 candidate_pairs; /**< pairs of triangles whose boxes overlap */
   duint64 intersecting_pairs; /**< of these, the ones that intersect or touch */
