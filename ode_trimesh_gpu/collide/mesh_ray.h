@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "bvh/wide_search.h"
+#include "shared/point_test.h"
 
 namespace otg {
 
@@ -17,9 +18,6 @@ struct MeshRay {
 /// Calls hit(triangle, distance, leaving) for every triangle that the ray meets at most `limit` away, near parts
 /// of the tree first; `limit` may be lowered meanwhile. `leaving`: the triangle faces along the ray. Distances are in
 /// lengths of the direction. Degenerate triangles are passed over.
-///
-/// Moeller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", JGT 2(1), 1997. Edges count as inside, by a
-/// hair more than rounding, so that a ray through an edge cannot slip between two triangles.
 template <class Hit>
 void forEachRayHit(const CollisionMesh& tree, const MeshRay& ray, double& limit, const Hit& hit) {
   const std::vector<WideNode>& nodes = tree.wide().nodes;
@@ -34,19 +32,9 @@ void forEachRayHit(const CollisionMesh& tree, const MeshRay& ray, double& limit,
       const Vec3f& v = mesh.vertices()[mesh.triangles()[t].v[k]];
       p[k] = {v.x, v.y, v.z};
     }
-    const Vec3d e1 = otgSub(p[1], p[0]), e2 = otgSub(p[2], p[0]);
-    const Vec3d h = otgCross(ray.direction, e2);
-    const double det = otgDot(e1, h);
-    if (det == 0) return;
-    const Vec3d s = otgSub(ray.origin, p[0]);
-    const double u = otgDot(s, h) / det;
-    const Vec3d q = otgCross(s, e1);
-    const double v = otgDot(ray.direction, q) / det;
-    constexpr double kHair = 1e-9;
-    if (u < -kHair || v < -kHair || u + v > 1 + kHair) return;
-    const double distance = otgDot(e2, q) / det;
-    // det = -(direction . normal): negative when the triangle faces along the ray.
-    if (distance >= 0 && distance <= limit) hit(t, distance, det < 0);
+    double distance = 0;
+    const int meets = otgRayMeetsTriangle(ray.origin, ray.direction, p[0], p[1], p[2], &distance);
+    if (meets != 0 && distance >= 0 && distance <= limit) hit(t, distance, meets == 2);
   };
   struct Item {
     std::int32_t node;

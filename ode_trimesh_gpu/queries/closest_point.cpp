@@ -6,37 +6,38 @@
 
 #include "bvh/wide_search.h"
 #include "collide/solid/vectors.h"
+#include "shared/point_test.h"
 
 namespace otg {
 namespace {
 
-/// The squared distance of a point (centred frame) from a node's box, made smaller by more than its rounding.
-double boxDistance2(const BvhNode& node, const Vec3d& p) {
-  const double x = std::max(0.0, std::fabs(p.x - node.center.x) - node.extent.x);
-  const double y = std::max(0.0, std::fabs(p.y - node.center.y) - node.extent.y);
-  const double z = std::max(0.0, std::fabs(p.z - node.center.z) - node.extent.z);
-  return (x * x + y * y + z * z) * (1 - 1e-14);
+static_assert(static_cast<int>(TrianglePart::kFace) == OTG_PART_FACE &&
+              static_cast<int>(TrianglePart::kEdge0) == OTG_PART_EDGE &&
+              static_cast<int>(TrianglePart::kCorner0) == OTG_PART_CORNER);
+
+Vec3d asDouble(const Vec3f& v) {
+  return {v.x, v.y, v.z};
 }
 
-SurfacePoint pointOn(const Vec3d& on, const Vec3d& p, TrianglePart part) {
-  const Vec3d d = otgSub(p, on);
-  return {on, std::sqrt(otgDot(d, d)), kNone, part};
-}
-
-/// Calls visit(triangle point) for all that are not farther than limit, which visit may lower; near ones early.
+/// Calls visit(triangle point, search distance) for all whose search distance is not above limit, which visit may
+/// lower; near ones early.
 template <class Visit>
 void searchNear(const CollisionMesh& tree, const Vec3d& point, double& limit, const Visit& visit) {
   const Array<BvhNode>& nodes = tree.tree().nodes;
   if (nodes.empty()) return;
   const TriMesh& mesh = tree.mesh();
-  const Vec3d centred = otgSub(point, Vec3d{mesh.origin().x, mesh.origin().y, mesh.origin().z});
+  const Vec3d centred = otgSub(point, asDouble(mesh.origin()));
+  const double slack = otgSearchSlack(centred, asDouble(nodes[0].center), asDouble(nodes[0].extent));
+  const auto boxDistance2 = [&](const BvhNode& node) {
+    return otgBoxDistance2(asDouble(node.center), asDouble(node.extent), centred, slack);
+  };
   struct Item {
     std::uint32_t node;
     double distance2;
   };
   Item stack[kMaxTreeDepth + 2];
   int top = 0;
-  stack[top++] = {0, boxDistance2(nodes[0], centred)};
+  stack[top++] = {0, boxDistance2(nodes[0])};
   while (top > 0) {
     const Item item = stack[--top];
     if (item.distance2 > limit * limit) continue;
@@ -48,11 +49,13 @@ void searchNear(const CollisionMesh& tree, const Vec3d& point, double& limit, co
       cornersOf(mesh, t, corners);
       SurfacePoint found = closestOnTriangle(corners, point);
       found.triangle = t;
-      if (found.distance <= limit) visit(found);
+      if (!(found.distance <= limit)) continue;
+      const double search = otgSearchDistance(corners[0], corners[1], corners[2], point, found.distance);
+      if (search <= limit) visit(found, search);
       continue;
     }
     const auto child = static_cast<std::uint32_t>(node.child);
-    Item first{child, boxDistance2(nodes[child], centred)}, second{child + 1, boxDistance2(nodes[child + 1], centred)};
+    Item first{child, boxDistance2(nodes[child])}, second{child + 1, boxDistance2(nodes[child + 1])};
     if (second.distance2 < first.distance2) std::swap(first, second);
     stack[top++] = second;
     stack[top++] = first;
@@ -76,41 +79,27 @@ Vec3d faceNormal(const TriMesh& mesh, std::uint32_t triangle) {
 }
 
 SurfacePoint closestOnTriangle(const Vec3d corners[3], const Vec3d& p) {
-  const Vec3d &a = corners[0], &b = corners[1], &c = corners[2];
-  const Vec3d ab = otgSub(b, a), ac = otgSub(c, a), ap = otgSub(p, a);
-  const double d1 = otgDot(ab, ap), d2 = otgDot(ac, ap);
-  if (d1 <= 0 && d2 <= 0) return pointOn(a, p, TrianglePart::kCorner0);
-  const Vec3d bp = otgSub(p, b);
-  const double d3 = otgDot(ab, bp), d4 = otgDot(ac, bp);
-  if (d3 >= 0 && d4 <= d3) return pointOn(b, p, TrianglePart::kCorner1);
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) {
-    return pointOn(otgAdd(a, otgScale(ab, d1 / (d1 - d3))), p, TrianglePart::kEdge0);
-  }
-  const Vec3d cp = otgSub(p, c);
-  const double d5 = otgDot(ab, cp), d6 = otgDot(ac, cp);
-  if (d6 >= 0 && d5 <= d6) return pointOn(c, p, TrianglePart::kCorner2);
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) {
-    return pointOn(otgAdd(a, otgScale(ac, d2 / (d2 - d6))), p, TrianglePart::kEdge2);
-  }
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return pointOn(otgAdd(b, otgScale(otgSub(c, b), w)), p, TrianglePart::kEdge1);
-  }
-  // Inside: along the normal, which keeps the point in the plane where the barycentric form loses it by cancellation.
-  const Vec3d n = otgCross(ab, ac);
-  const double height = otgDot(ap, n) / otgDot(n, n);
-  return pointOn(otgSub(p, otgScale(n, height)), p, TrianglePart::kFace);
+  SurfacePoint found;
+  found.part = static_cast<TrianglePart>(otgNearestOnTriangle(corners[0], corners[1], corners[2], p, &found.point));
+  found.distance = otgDistance(p, found.point);
+  return found;
+}
+
+SurfacePoint pointOnTriangle(const TriMesh& mesh, std::uint32_t triangle, const Vec3d& point) {
+  Vec3d corners[3];
+  cornersOf(mesh, triangle, corners);
+  SurfacePoint found = closestOnTriangle(corners, point);
+  found.triangle = triangle;
+  return found;
 }
 
 SurfacePoint closestPoint(const CollisionMesh& mesh, const Vec3d& point, double limit) {
   SurfacePoint best;
-  searchNear(mesh, point, limit, [&](const SurfacePoint& found) {
-    if (found.distance < best.distance || (found.distance == best.distance && found.triangle < best.triangle)) {
+  double least = std::numeric_limits<double>::infinity();
+  searchNear(mesh, point, limit, [&](const SurfacePoint& found, double search) {
+    if (search < least || (search == least && found.triangle < best.triangle)) {
       best = found;
-      limit = found.distance;
+      limit = least = search;
     }
   });
   return best;
@@ -121,10 +110,7 @@ void trianglesWithin(const CollisionMesh& mesh, const Vec3d& point, double radiu
   out.clear();
   searchWide(mesh.wide(), BallQuery(mesh.mesh(), point, radius), [&](std::uint32_t t) {
     if (mesh.mesh().isDegenerate(t)) return;
-    Vec3d corners[3];
-    cornersOf(mesh.mesh(), t, corners);
-    SurfacePoint found = closestOnTriangle(corners, point);
-    found.triangle = t;
+    const SurfacePoint found = pointOnTriangle(mesh.mesh(), t, point);
     if (found.distance <= radius) out.push_back(found);
   });
 }

@@ -24,8 +24,11 @@ struct SurfacePoint {
 
 /// The nearest point of one triangle. Source: C. Ericson, Real-Time Collision Detection (2005), 5.1.5.
 SurfacePoint closestOnTriangle(const Vec3d corners[3], const Vec3d& point);
+/// The same of a triangle of a mesh.
+SurfacePoint pointOnTriangle(const TriMesh& mesh, std::uint32_t triangle, const Vec3d& point);
 
-/// The nearest point of the mesh if it is at most `limit` away; of equally near triangles the smallest number.
+/// The nearest point of the mesh if it is at most `limit` away; of equally near triangles the smallest number. A
+/// triangle counts as no nearer than its box is (otgSearchDistance), so that the answer is that of every tree.
 SurfacePoint closestPoint(const CollisionMesh& mesh, const Vec3d& point,
                           double limit = std::numeric_limits<double>::infinity());
 
