@@ -41,6 +41,7 @@ void addBenchCommand(CLI::App& app, Action& action) {
   addBenchTessellations(*bench, action);
   addBenchTerrain(*bench, action);
   addBenchHeightfield(*bench, action);
+  addBenchQueries(*bench, action);
   addBenchContours(*bench, action);
   addBenchPhysics(*bench, action);
 }

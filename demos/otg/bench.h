@@ -26,6 +26,8 @@ void addBenchTessellations(CLI::App& bench, Action& action);
 void addBenchTerrain(CLI::App& bench, Action& action);
 /// `otg bench heightfield`: meshes on a heightfield, beside ODE's own bodies.
 void addBenchHeightfield(CLI::App& bench, Action& action);
+/// `otg bench queries`: arrays of points against a mesh.
+void addBenchQueries(CLI::App& bench, Action& action);
 /// `otg bench contours`: random overlaps, and what the model `solid` could not work with.
 void addBenchContours(CLI::App& bench, Action& action);
 /// `otg bench physics`, which has options of its own: worlds of mesh bodies judged against limits.

@@ -12,6 +12,7 @@
 
 #include "dispatch/thread_pool.h"
 #include "dispatch/workspace_lease.h"
+#include "queries/surface_side.h"
 
 namespace otg {
 namespace {
@@ -60,6 +61,12 @@ double timeOf(int repeat, Work&& work) {
   return least;
 }
 
+/// So that the compiler does not leave out what leads to the number.
+void keep(double sum) {
+  volatile double kept = sum;
+  static_cast<void>(kept);
+}
+
 struct Parallel {
   double threads = 1, speedup = 1;
 };
@@ -86,6 +93,75 @@ Parallel measureThreads(const std::vector<Query>& queries) {
   });
   return {static_cast<double>(threads),
           std::clamp(static_cast<double>(rounds) * alone / together, 1.0, static_cast<double>(threads))};
+}
+
+/// Points in a box twice as large as the mesh, of which an eighth lie where the mesh is.
+std::vector<Vec3d> pointsAround(std::size_t count) {
+  std::vector<Vec3d> points(count);
+  std::uint64_t state = 1;
+  const auto next = [&] {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    return 4 * (static_cast<double>(state >> 11) * 0x1p-53 - 0.5);
+  };
+  for (Vec3d& p : points) p = {next(), next(), next()};
+  return points;
+}
+
+/// What the model says of arrays of points. False if the device fails.
+bool measurePoints(opencl::Backend& backend, std::span<const std::shared_ptr<const CollisionMesh>> meshes,
+                   CostModel& model) {
+  // So many that the device is busy; the host does some of them.
+  const std::size_t most = backend.device().kind == opencl::DeviceKind::kCpu ? 1u << 12 : 1u << 18;
+  constexpr std::size_t kOnHost = 512, kFew = 64;
+  constexpr int kRepeat = 3;
+  const std::vector<Vec3d> points = pointsAround(most);
+  const auto perPoint = [](double time, std::size_t count) { return time / static_cast<double>(count); };
+  bool good = true;
+  double finish = 0;
+  std::vector<std::pair<double, double>> launch, hostNearest, hostInside, deviceNearest, deviceInside;
+  for (const auto& mesh : meshes) {
+    const double work = pointWork(mesh->mesh());
+    const auto onDevice = [&](opencl::PointWish wish, std::size_t count) {
+      const auto fill = [&](std::size_t begin, std::size_t end, Vec3d* to) {
+        std::copy(points.data() + begin, points.data() + end, to);
+      };
+      const auto take = [](std::size_t, std::size_t, const Vec3d*, const otg_uint*) {};
+      const auto once = [&] { good = backend.askPoints(*mesh, wish, count, fill, take) == count && good; };
+      once();  // memory, uploads
+      return timeOf(kRepeat, once);
+    };
+    const double few = onDevice({true, true}, kFew);
+    const double nearest = onDevice({true, false}, most), inside = onDevice({false, true}, most);
+    if (!good) return false;
+    launch.emplace_back(work, few);
+    deviceNearest.emplace_back(work, perPoint(std::max(nearest - few, 0.1 * nearest), most));
+    deviceInside.emplace_back(work, perPoint(std::max(inside - few, 0.1 * inside), most));
+    double sum = 0;
+    const auto onHost = [&](const auto& one) {
+      const double time = timeOf(kRepeat, [&] {
+        for (std::size_t i = 0; i < kOnHost; ++i) one(i);
+      });
+      return perPoint(time, kOnHost);
+    };
+    std::vector<SurfacePoint> nearestOf(kOnHost);
+    const double search = onHost([&](std::size_t i) { nearestOf[i] = closestPoint(*mesh, points[i]); });
+    const double rest = onHost([&](std::size_t i) {
+      const SurfacePoint found = pointOnTriangle(mesh->mesh(), nearestOf[i].triangle, points[i]);
+      sum += outwardNormal(*mesh, found).x;
+    });
+    hostNearest.emplace_back(work, search + rest);
+    finish = std::max(finish, rest);
+    hostInside.emplace_back(work,
+                            onHost([&](std::size_t i) { sum += isInside(*mesh, points[i], nearestOf[i]) ? 1 : 0; }));
+    keep(sum);
+  }
+  model.pointLaunch = fitCost(launch);
+  model.pointFinish = finish;
+  model.hostNearest = fitCost(hostNearest);
+  model.hostInside = fitCost(hostInside);
+  model.deviceNearest = fitCost(deviceNearest);
+  model.deviceInside = fitCost(deviceInside);
+  return true;
 }
 
 std::string processorName() {
@@ -177,13 +253,18 @@ std::optional<CostModel> measureCosts(opencl::Backend& backend) {
     model.batchSolid = fitCost(solid);
     model.solidLaunch = oneSolid;
   }
+  if (backend.answersPoints()) {
+    std::vector<std::shared_ptr<const CollisionMesh>> some;
+    for (std::size_t i = 0; i < meshes.size(); i += 2) some.push_back(meshes[i]);
+    if (!measurePoints(backend, some, model)) return std::nullopt;
+  }
   model.hostThreads = parallel.threads;
   model.hostSpeedup = parallel.speedup;
   return good && model.isSane() ? std::optional(model) : std::nullopt;
 }
 
 std::string costKey(const opencl::DeviceInfo& device) {
-  return "costs 4\n" + device.platform + "\n" + device.name + "\n" + device.version + "\n" + device.driver + "\n" +
+  return "costs 5\n" + device.platform + "\n" + device.name + "\n" + device.version + "\n" + device.driver + "\n" +
          (device.doubles ? "doubles" : "no doubles") + "\n" + processorName();
 }
 

@@ -8,7 +8,7 @@
 namespace otg {
 namespace {
 
-constexpr char kMagic[8] = {'o', 't', 'g', 'c', 'o', 's', 't', '4'};
+constexpr char kMagic[8] = {'o', 't', 'g', 'c', 'o', 's', 't', '5'};
 
 /// The part of a surface that lies in a part of its box: areas go with the square of lengths.
 double surfaceIn(const double part[3], const double whole[3]) {
@@ -45,6 +45,10 @@ double expectedWork(const Query& query) {
   return std::isfinite(work) ? work : 0;
 }
 
+double pointWork(const TriMesh& mesh) {
+  return std::log2(1.0 + static_cast<double>(mesh.triangleCount()));
+}
+
 bool CostModel::isSane() const {
   const auto good = [](double x) { return std::isfinite(x) && x >= 0 && x < 1e9; };
   for (const Cost* cost : {&hostPairs, &hostPairwise, &hostSolid, &devicePairs, &devicePairwise, &batchPair}) {
@@ -52,6 +56,10 @@ bool CostModel::isSane() const {
   }
   if (!good(deviceSolid.fixed) || !good(deviceSolid.perTriangle)) return false;
   if (!good(batchSolid.fixed) || !good(batchSolid.perTriangle) || !good(solidLaunch)) return false;
+  for (const Cost* cost : {&hostNearest, &hostInside, &deviceNearest, &deviceInside, &pointLaunch}) {
+    if (!good(cost->fixed) || !good(cost->perTriangle)) return false;
+  }
+  if (!good(pointFinish)) return false;
   return good(batchLaunch) && good(hostThreads) && hostThreads >= 1 && good(hostSpeedup) && hostSpeedup >= 1;
 }
 
@@ -64,7 +72,7 @@ double CostModel::speedup(unsigned threads) const {
 }
 
 std::vector<unsigned char> toBytes(const CostModel& model) {
-  static_assert(sizeof(CostModel) == 20 * sizeof(double));
+  static_assert(sizeof(CostModel) == 31 * sizeof(double));
   std::vector<unsigned char> bytes(sizeof kMagic + sizeof model);
   std::memcpy(bytes.data(), kMagic, sizeof kMagic);
   std::memcpy(bytes.data() + sizeof kMagic, &model, sizeof model);

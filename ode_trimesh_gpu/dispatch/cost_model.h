@@ -15,6 +15,9 @@ namespace otg {
 /// Costs less than a microsecond.
 double expectedWork(const Query& query);
 
+/// What the time of a point against a mesh follows: how deep the mesh's trees are.
+double pointWork(const TriMesh& mesh);
+
 /// A time that grows with the expected work, in microseconds.
 struct Cost {
   double fixed = 0, perTriangle = 0;
@@ -37,12 +40,18 @@ struct CostModel {
   /// CPU's.
   double solidLaunch = 0;
   Cost batchSolid;
+  /// One of many points against a mesh, by pointWork: its nearest triangle with the normal there, and whether it lies
+  /// inside, on one thread of the CPU and on the device; and what an array takes there however small, which is as long
+  /// as the longest search. Zero where they are not known: then points that may be asked about anywhere are the CPU's.
+  Cost hostNearest, hostInside, deviceNearest, deviceInside, pointLaunch;
+  double pointFinish = 0;  ///< what one thread has to do for each nearest triangle that the device has found
   /// What `hostThreads` threads do at once, in units of what one does alone: they share memory and clock.
   double hostThreads = 1, hostSpeedup = 1;
   friend bool operator==(const CostModel&, const CostModel&) = default;
 
   bool knowsSolidPair() const { return deviceSolid.fixed + deviceSolid.perTriangle > 0; }
   bool knowsSolids() const { return batchSolid.fixed + batchSolid.perTriangle > 0; }
+  bool knowsPoints() const { return pointLaunch.fixed + pointLaunch.perTriangle > 0; }
   /// A pair of a batch on the device, and on one thread of the CPU.
   double deviceCost(bool solid, double work) const {
     return (solid && knowsSolids() ? batchSolid : batchPair).of(work);

@@ -78,14 +78,17 @@ Dispatcher::Slots Dispatcher::usableDevices() const {
   return slots;
 }
 
+DeviceSlot& Dispatcher::leastBusy(const Slots& slots) {
+  return **std::min_element(slots.begin(), slots.end(), [](const auto& x, const auto& y) {
+    return x->underWay.load(std::memory_order_relaxed) < y->underWay.load(std::memory_order_relaxed);
+  });
+}
+
 std::span<const Contact> Dispatcher::collide(const PairJob& job, Workspace& workspace, Ran& ran) {
   if (!hasDevices() || job.place == Placement{Place::kCpu, Place::kCpu}) return collideOnHost(job, workspace);
   const Slots slots = usableDevices();
   if (slots.empty()) return collideOnHost(job, workspace);
-  DeviceSlot& slot = **std::min_element(slots.begin(), slots.end(), [](const auto& x, const auto& y) {
-    return x->underWay.load(std::memory_order_relaxed) < y->underWay.load(std::memory_order_relaxed);
-  });
-  return collideOn(slot, job, workspace, ran.onDevice, ran.deviceFailed);
+  return collideOn(leastBusy(slots), job, workspace, ran.onDevice, ran.deviceFailed);
 }
 
 void Dispatcher::run(std::size_t count, std::size_t grain, const ThreadPool::Work& work) {
@@ -94,6 +97,23 @@ void Dispatcher::run(std::size_t count, std::size_t grain, const ThreadPool::Wor
     return;
   }
   pool()->run(count, grain, work);
+}
+
+void Dispatcher::askPoints(const PointJob& job, std::size_t count, const PointSource& source, const PointSink& sink) {
+  if (count == 0) return;
+  const std::shared_ptr<ThreadPool> threads = pool();
+  if (hasDevices() && job.place != Place::kCpu) {
+    Slots slots = usableDevices();
+    std::erase_if(slots, [&](const auto& slot) { return !pointsOnDevice(job, *slot); });
+    if (!slots.empty()) {
+      DeviceSlot& slot = leastBusy(slots);
+      if (job.place == Place::kOpencl || arePointsSoonerOnDevice(job, count, slot.costs, threads->threadCount())) {
+        askOnDevice(slot, *threads, job, count, source, sink);
+        return;
+      }
+    }
+  }
+  askOnHost(*threads, job, 0, count, source, sink);
 }
 
 PairCounts Dispatcher::collideBatch(std::span<const PairJob* const> jobs, std::span<PairResult> results) {

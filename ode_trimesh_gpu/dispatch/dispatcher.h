@@ -11,6 +11,7 @@
 
 #include "dispatch/device_slot.h"
 #include "dispatch/pair_job.h"
+#include "dispatch/point_run.h"
 #include "dispatch/thread_pool.h"
 
 namespace otg {
@@ -62,6 +63,10 @@ class Dispatcher {
   /// ThreadPool::run on the threads of batches.
   void run(std::size_t count, std::size_t grain, const ThreadPool::Work& work);
 
+  /// Every point of an array, each with the answer that it has by itself, on the CPU or, where the job and the costs
+  /// say so, with the device that has the least to do.
+  void askPoints(const PointJob& job, std::size_t count, const PointSource& source, const PointSink& sink);
+
   /// Every job, each with the result that it has by itself. `results` has as many elements. Returns the counts of all
   /// jobs together, those that a device has for a batch only among them. Throws std::bad_alloc, after which the results
   /// are of no use; want of memory for a single pair is an outcome of that pair.
@@ -71,6 +76,7 @@ class Dispatcher {
   using Slots = std::vector<std::shared_ptr<DeviceSlot>>;
   std::shared_ptr<ThreadPool> pool();
   Slots usableDevices() const;
+  static DeviceSlot& leastBusy(const Slots& slots);
 
   mutable std::mutex mutex_;
   std::atomic<Placement> place_{Placement{}};

@@ -2,14 +2,17 @@
 // The C API of nearest points, distances, overlap and rays.
 #include "ode_trimesh_gpu/queries.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
 #include <optional>
 
 #include "dispatch/dispatcher.h"
+#include "dispatch/single_run.h"
 #include "ode/geom_class.h"
 #include "ode/mesh_collider.h"
+#include "ode/pair_task.h"
 #include "ode/status.h"
 #include "queries/mesh_distance.h"
 #include "queries/mesh_overlap.h"
@@ -19,7 +22,7 @@
 namespace otg {
 namespace {
 
-constexpr std::size_t kPointsAtOnce = 64, kPairsAtOnce = 1;
+constexpr std::size_t kRaysAtOnce = 64, kPairsAtOnce = 1;
 
 void write(const Vec3d& from, dReal* to) {
   to[0] = static_cast<dReal>(from.x);
@@ -39,6 +42,7 @@ double length(const Vec3d& v) {
 /// A geom of our class where it is now, held as long as this lives.
 struct Placed {
   std::optional<GeomUse> use;
+  Place place = Place::kAuto;           ///< of arrays
   const CollisionMesh* mesh = nullptr;  ///< null: no surface
   Transformd pose{};
 };
@@ -53,6 +57,7 @@ int place(dGeomID g, Placed& out) {
   out.mesh = object->mesh();
   if (out.mesh != nullptr && out.mesh->tree().nodes.empty()) out.mesh = nullptr;
   out.pose = pose.transform;
+  out.place = settled(pairPlacement(object->params, object->params, dispatcher().placement())).middle;
   return dGPUTRIMESH_OK;
 }
 
@@ -78,30 +83,33 @@ int checkPoints(const dReal* points, int stride, int count, const void* out, Poi
   return dGPUTRIMESH_OK;
 }
 
-void closest(const Placed& placed, const dReal* point, dGpuTriMeshClosestPoint& out) {
+void withoutSurface(dGpuTriMeshClosestPoint& out) {
   out = {};
   out.distance = std::numeric_limits<dReal>::infinity();
   out.triangle = -1;
-  if (placed.mesh == nullptr) return;
-  const Vec3d p = toMesh(placed, point);
-  const SurfacePoint nearest = closestPoint(*placed.mesh, p);
+}
+
+void closest(const Placed& placed, const PointAnswer& answer, dGpuTriMeshClosestPoint& out) {
+  withoutSurface(out);
+  const SurfacePoint& nearest = answer.nearest;
   if (nearest.triangle == kNone) return;
   write(otgTransform(placed.pose, nearest.point), out.pos);
   const Vec3d normal = otgRotate(placed.pose, outwardNormal(*placed.mesh, nearest));
   write(otgScale(normal, 1 / length(normal)), out.normal);
-  out.distance = static_cast<dReal>(isInside(*placed.mesh, p, nearest) ? -nearest.distance : nearest.distance);
+  out.distance = static_cast<dReal>(answer.inside ? -nearest.distance : nearest.distance);
   out.triangle = static_cast<int>(placed.mesh->mesh().callerTriangle(nearest.triangle));
 }
 
-bool inside(const Placed& placed, const dReal* point) {
-  if (placed.mesh == nullptr) return false;
-  const Vec3d p = toMesh(placed, point);
-  const SurfaceKind kind = surfaceKind(placed.mesh->mesh());
-  if (kind == SurfaceKind::kShell) return false;
-  SurfacePoint nearest;
-  nearest.triangle = 0;  // a solid's rays do not ask for it
-  if (kind == SurfaceKind::kSheet) nearest = closestPoint(*placed.mesh, p);
-  return isInside(*placed.mesh, p, nearest);
+/// Asks about points of a geom with a surface.
+template <class Sink>
+void askPoints(const Placed& placed, const Points& from, int count, bool nearest, const Sink& sink) {
+  const PointJob job{placed.mesh, nearest, true, placed.place};
+  const auto source = [&](std::size_t begin, std::size_t end, Vec3d* to) {
+    for (std::size_t i = begin; i < end; ++i) to[i - begin] = toMesh(placed, from[i]);
+  };
+  dispatcher().askPoints(
+      job, static_cast<std::size_t>(count), source,
+      [&](std::size_t begin, std::size_t end, const Vec3d*, const PointAnswer* answers) { sink(begin, end, answers); });
 }
 
 /// Two geoms.
@@ -209,7 +217,19 @@ bool castOne(const Placed& placed, const dGpuTriMeshRay& ray, int flags, std::ve
 }  // namespace otg
 
 int dGeomGpuTriMeshClosestPoint(dGeomID g, const dVector3 point, dGpuTriMeshClosestPoint* out) {
-  return dGeomGpuTriMeshClosestPoints(g, point, sizeof(dVector3), 1, out);
+  return otg::guarded([&] {
+    otg::Placed placed;
+    otg::Points from{};
+    if (const int status = otg::place(g, placed)) return status;
+    if (const int status = otg::checkPoints(point, sizeof(dVector3), 1, out, from)) return status;
+    if (placed.mesh == nullptr) {
+      otg::withoutSurface(*out);
+    } else {
+      otg::closest(placed, otg::answerPoint({placed.mesh, true, true, otg::Place::kCpu}, otg::toMesh(placed, point)),
+                   *out);
+    }
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
 }
 
 int dGeomGpuTriMeshClosestPoints(dGeomID g, const dReal* points, int stride, int count, dGpuTriMeshClosestPoint* out) {
@@ -218,9 +238,14 @@ int dGeomGpuTriMeshClosestPoints(dGeomID g, const dReal* points, int stride, int
     otg::Points from{};
     if (const int status = otg::place(g, placed)) return status;
     if (const int status = otg::checkPoints(points, stride, count, out, from)) return status;
-    otg::dispatcher().run(static_cast<std::size_t>(count), otg::kPointsAtOnce, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) otg::closest(placed, from[i], out[i]);
-    });
+    if (placed.mesh == nullptr) {
+      for (int i = 0; i < count; ++i) otg::withoutSurface(out[i]);
+    } else {
+      otg::askPoints(placed, from, count, true,
+                     [&](std::size_t begin, std::size_t end, const otg::PointAnswer* answers) {
+                       for (std::size_t i = begin; i < end; ++i) otg::closest(placed, answers[i - begin], out[i]);
+                     });
+    }
     return static_cast<int>(dGPUTRIMESH_OK);
   });
 }
@@ -232,12 +257,19 @@ int dGeomGpuTriMeshPointsInside(dGeomID g, const dReal* points, int stride, int 
     if (const int status = otg::place(g, placed)) return status;
     if (const int status = otg::checkPoints(points, stride, count, inside, from)) return status;
     std::atomic<int> found{0};
-    otg::dispatcher().run(static_cast<std::size_t>(count), otg::kPointsAtOnce, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        inside[i] = otg::inside(placed, from[i]) ? 1 : 0;
-        found += inside[i];
-      }
-    });
+    if (placed.mesh == nullptr || otg::surfaceKind(placed.mesh->mesh()) == otg::SurfaceKind::kShell) {
+      std::fill_n(inside, count, static_cast<unsigned char>(0));
+      return 0;
+    }
+    otg::askPoints(placed, from, count, false,
+                   [&](std::size_t begin, std::size_t end, const otg::PointAnswer* answers) {
+                     int some = 0;
+                     for (std::size_t i = begin; i < end; ++i) {
+                       inside[i] = answers[i - begin].inside ? 1 : 0;
+                       some += inside[i];
+                     }
+                     found += some;
+                   });
     return found.load();
   });
 }
@@ -283,7 +315,7 @@ int dGeomGpuTriMeshCastRays(dGeomID g, const dGpuTriMeshRay* rays, int count, in
       if (!otg::isUsable(rays[i])) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
     }
     std::atomic<int> found{0};
-    otg::dispatcher().run(static_cast<std::size_t>(count), otg::kPointsAtOnce, [&](std::size_t begin, std::size_t end) {
+    otg::dispatcher().run(static_cast<std::size_t>(count), otg::kRaysAtOnce, [&](std::size_t begin, std::size_t end) {
       std::vector<otg::RayHit> scratch;
       for (std::size_t i = begin; i < end; ++i) {
         if (otg::castOne(placed, rays[i], flags, scratch, hits[i])) ++found;

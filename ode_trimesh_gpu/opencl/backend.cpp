@@ -112,6 +112,8 @@ BackendCounts Backend::counts() const {
   out.onHost = state_->onHost;
   out.described = state_->described;
   out.describedInVain = state_->describedInVain;
+  out.points = state_->pointsAsked;
+  out.pointsOnHost = state_->pointsOnHost;
   out.repeats = state_->pairs.repeats() + state_->batches.repeats() + state_->phases.repeats() +
                 state_->levels.repeats() + state_->profiledLevels.repeats();
   for (const MeshStore* store : {&state_->meshes, &state_->binaryMeshes}) {

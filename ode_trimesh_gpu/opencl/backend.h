@@ -14,8 +14,14 @@
 #include "opencl/device_info.h"
 #include "opencl/levels.h"
 #include "opencl/tuning.h"
+#include "shared/point_layout.h"
 
 namespace otg::opencl {
+
+struct PointWish {
+  bool nearest = false;  ///< the nearest triangle
+  bool inside = false;   ///< of a solid: whether the point lies in it
+};
 
 struct BackendCounts {
   std::uint64_t queries = 0;  ///< pairs of meshes asked for, in batches or not
@@ -25,6 +31,8 @@ struct BackendCounts {
   std::uint64_t described = 0, describedInVain = 0;
   std::uint64_t meshUploads = 0, meshEvictions = 0, meshBytes = 0;
   int programsFromSource = 0, programsFromCache = 0;
+  /// Points asked about; and those that were left to the caller because a call failed.
+  std::uint64_t points = 0, pointsOnHost = 0;
 };
 
 /// Where the time of one query or batch went, in milliseconds. Those from `write` to `readBack` are the device's clock,
@@ -99,6 +107,12 @@ class BatchAnswer {
 using RunParts =
     std::function<void(std::size_t count, const std::function<void(std::size_t begin, std::size_t end)>& work)>;
 
+/// Points begin to end - 1 of an array, in the frame of the mesh -> to[0] and up.
+using FillPoints = std::function<void(std::size_t begin, std::size_t end, Vec3d* to)>;
+/// The same points with a word for each: shared/point_layout.h. Both arrays begin with point `begin`.
+using TakePoints =
+    std::function<void(std::size_t begin, std::size_t end, const Vec3d* points, const otg_uint* answers)>;
+
 /// Any number of threads. Every function gives what the host gives, byte for byte, whatever the device, its scheduling
 /// and the tuning. It returns false when the device failed and the host did all or part of the work (which is logged
 /// once and counted), and throws what the host throws.
@@ -146,6 +160,14 @@ class Backend {
   /// Whether the two meshes of each query have triangles that intersect: 1 or 0 (0 for a pose that is refused).
   bool intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer, StageTimes* times = nullptr);
   bool intersectBatch(const PairBatch& batch, std::vector<std::uint8_t>& answer, StageTimes* times = nullptr);
+
+  /// Whether the device can answer points (it has doubles).
+  bool answersPoints() const;
+  /// Asks about `count` points and hands the answers over in pieces, in their order, on the calling thread. The mesh
+  /// has triangles; `wish.inside` is for solids. Returns how many were answered, from the first one on: fewer than
+  /// `count` when a call failed (which is logged once and counted). Throws what `fill` and `take` throw.
+  std::size_t askPoints(const CollisionMesh& mesh, PointWish wish, std::size_t count, const FillPoints& fill,
+                        const TakePoints& take);
 
   BackendCounts counts() const;
 

@@ -15,6 +15,7 @@
 #include "opencl/log.h"
 #include "opencl/pair_lane.h"
 #include "opencl/phase_lane.h"
+#include "opencl/point_lane.h"
 
 namespace otg::opencl {
 
@@ -73,10 +74,12 @@ struct Backend::State {
   LanePool<PairLane> pairs, profiled;
   LanePool<BatchLane> batches, profiledBatches;
   LanePool<PhaseLane> phases;
+  LanePool<PointLane> points;
   SoupPlaces soupPlaces;
   MeshStore binaryMeshes;  ///< of the traversal `levels`, which is for comparing: beside the others
   LanePool<LevelsLane> levels, profiledLevels;
   std::atomic<std::uint64_t> queries{0}, onHost{0}, described{0}, describedInVain{0};
+  std::atomic<std::uint64_t> pointsAsked{0}, pointsOnHost{0};
 
   State(const FoundDevice& device, const Tuning& how)
       : context(device, ProgramCache::standard(), how.doubles),
@@ -88,6 +91,7 @@ struct Backend::State {
         batches(context, meshes, tuning),
         profiledBatches(context, meshes, withProfile(how)),
         phases(context, meshes, tuning),
+        points(context, meshes, tuning),
         soupPlaces(how.leafTriangles),
         binaryMeshes(context, how.memoryBudget != 0 ? how.memoryBudget : device.info.globalMemory / 4, 1,
                      MeshLayout::kBinary),
@@ -95,6 +99,7 @@ struct Backend::State {
         profiledLevels(context, binaryMeshes, withProfile(how)) {
     pairs.prepare();
     batches.prepare();
+    if (context.info().doubles) points.prepare();
   }
   /// Whether contacts are reduced on the device.
   bool reduces() const { return context.info().doubles && tuning.reduce; }

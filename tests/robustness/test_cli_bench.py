@@ -46,6 +46,19 @@ class Bench(CliTest):
         for row in tables["levels_shares"]:
             self.assertAlmostEqual(sum(v for k, v in row.items() if k.endswith("_percent")), 100, delta=2)
 
+    def test_queries(self):
+        document = self.run_json("bench", "queries", self.mesh(), "--repeat", "1", "--points", "10,3000", "--alone", "10")
+        rows = document["tables"]["points"]
+        self.assertEqual(len(rows), 2 * 2 * 2)
+        self.assertEqual({row["answers"] for row in rows}, {"same"})
+        self.assertEqual({row["one_thread_ms"] is None for row in rows if row["count"] == 3000}, {True})
+        self.assertEqual(len({row["hash"] for row in rows}), 8)
+        if self.run_json("devices")["used"] is None:
+            self.assertEqual({row["device_ms"] for row in rows}, {None})
+            return
+        self.assertGreater(min(row["device_ms"] for row in rows), 0)
+        self.assertGreater(sum(document["costs_us"]["launch"].values()), 0)
+
     def test_scenes(self):
         found = {}
         for scene in ("touch", "deep", "deep10", "nearmiss"):

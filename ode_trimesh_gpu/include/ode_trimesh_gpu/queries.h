@@ -14,9 +14,11 @@ extern "C" {
 #endif
 
 /* What holds for all functions of this header: positions and directions are in the world, lengths in its unit; meshes
- * are where their geoms are at the moment of the call. They compute on the CPU in double precision on the mesh's
- * vertices, which are single precision numbers in the mesh's frame. They only read, so that any number of threads may
- * call them at once, from near callbacks too. Functions that take arrays share the work among the threads that
+ * are where their geoms are at the moment of the call. They compute in double precision on the mesh's
+ * vertices, which are single precision numbers in the mesh's frame; on the CPU, but for arrays of points, which go
+ * where the geom's parameters, else dGpuTriMeshSetBackend(), say (`auto`: where they are expected to be answered
+ * sooner) and have the same answers there, byte for byte. They only read, so that any number of threads may call them
+ * at once, from near callbacks too. Functions that take arrays share the work among the threads that
  * dGpuTriMeshSetThreadCount() allows; what they answer does not depend on it. Structures that are filled need no
  * preparation. Triangles are numbered as in dGeomGpuTriMeshGetTriangle(). A geom without mesh has no surface. */
 
@@ -34,7 +36,7 @@ typedef struct dGpuTriMeshClosestPoint {
 } dGpuTriMeshClosestPoint;
 
 /**
- * @brief Nearest point of the surface and signed distance of a point.
+ * @brief Nearest point of the surface and signed distance of a point. Always on the CPU.
  *
  * The search goes through the tree, nearer boxes first. The sign is the parity of crossings along rays for a solid, the
  * side of the angle-weighted normal for a sheet (Baerentzen and Aanaes, 2005); beyond a sheet's rim the distance is
@@ -50,7 +52,8 @@ typedef struct dGpuTriMeshClosestPoint {
 OTG_API int dGeomGpuTriMeshClosestPoint(dGeomID g, const dVector3 point, dGpuTriMeshClosestPoint* out);
 
 /**
- * @brief dGeomGpuTriMeshClosestPoint() for an array of points.
+ * @brief dGeomGpuTriMeshClosestPoint() for an array of points, on the CPU's threads or with an OpenCL device
+ *        (dGeomGpuTriMeshSetBackend()).
  * @param g       a geom of this class
  * @param points  x, y, z of each
  * @param stride  bytes from one point to the next, at least three dReal; sizeof(dVector3) for an array of these
@@ -65,6 +68,7 @@ OTG_API int dGeomGpuTriMeshClosestPoints(dGeomID g, const dReal* points, int str
 /**
  * @brief Which of an array of points lie inside a solid mesh, or behind a sheet: where the distance of
  *        dGeomGpuTriMeshClosestPoint() would be negative. Points on the surface may be taken for either.
+ *        Where they are answered: as with dGeomGpuTriMeshClosestPoints().
  * @param g       a geom of this class
  * @param points  x, y, z of each
  * @param stride  bytes from one point to the next, at least three dReal
