@@ -12,6 +12,7 @@
 
 #include "dispatch/thread_pool.h"
 #include "dispatch/workspace_lease.h"
+#include "queries/mesh_overlap.h"
 #include "queries/surface_side.h"
 
 namespace otg {
@@ -164,6 +165,29 @@ bool measurePoints(opencl::Backend& backend, std::span<const std::shared_ptr<con
   return true;
 }
 
+/// What the model says of yes or no, from these pairs and as many of each as keep the device busy. False if it fails.
+bool measureOverlaps(opencl::Backend& backend, const std::vector<Query>& some, std::size_t pairs, CostModel& model) {
+  constexpr int kRepeat = 3;
+  bool good = true;
+  std::vector<std::uint8_t> answer;
+  const auto run = [&](const std::vector<Query>& queries) {
+    good = backend.intersectBatch(queries, answer) && good;  // memory, uploads
+    return timeOf(kRepeat, [&] { good = backend.intersectBatch(queries, answer) && good; });
+  };
+  std::vector<std::pair<double, double>> host, device;
+  for (const Query& query : some) {
+    const double work = expectedWork(query);
+    const double once = run(std::vector<Query>(pairs, query)), twice = run(std::vector<Query>(2 * pairs, query));
+    device.emplace_back(work, std::max(twice - once, 0.1 * twice) / static_cast<double>(pairs));
+    host.emplace_back(work, timeOf(kRepeat, [&] { keep(overlap(query) ? 1 : 0); }));
+    if (!good) return false;
+  }
+  model.overlapLaunch = run({some[0]});
+  model.batchOverlap = fitCost(device);
+  model.hostOverlap = fitCost(host);
+  return good;
+}
+
 std::string processorName() {
   std::ifstream info("/proc/cpuinfo");
   for (std::string line; std::getline(info, line);) {
@@ -253,6 +277,7 @@ std::optional<CostModel> measureCosts(opencl::Backend& backend) {
     model.batchSolid = fitCost(solid);
     model.solidLaunch = oneSolid;
   }
+  if (!measureOverlaps(backend, small, pairs, model)) return std::nullopt;
   if (backend.answersPoints()) {
     std::vector<std::shared_ptr<const CollisionMesh>> some;
     for (std::size_t i = 0; i < meshes.size(); i += 2) some.push_back(meshes[i]);
@@ -264,7 +289,7 @@ std::optional<CostModel> measureCosts(opencl::Backend& backend) {
 }
 
 std::string costKey(const opencl::DeviceInfo& device) {
-  return "costs 5\n" + device.platform + "\n" + device.name + "\n" + device.version + "\n" + device.driver + "\n" +
+  return "costs 6\n" + device.platform + "\n" + device.name + "\n" + device.version + "\n" + device.driver + "\n" +
          (device.doubles ? "doubles" : "no doubles") + "\n" + processorName();
 }
 

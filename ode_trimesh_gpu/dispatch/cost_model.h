@@ -45,12 +45,18 @@ struct CostModel {
   /// as the longest search. Zero where they are not known: then points that may be asked about anywhere are the CPU's.
   Cost hostNearest, hostInside, deviceNearest, deviceInside, pointLaunch;
   double pointFinish = 0;  ///< what one thread has to do for each nearest triangle that the device has found
+  /// Whether the meshes of a pair overlap: one of many pairs, on one thread of the CPU and on the device; and what a
+  /// batch takes there however small. Zero where they are not known: then pairs that may be asked about anywhere are
+  /// the CPU's.
+  Cost hostOverlap, batchOverlap;
+  double overlapLaunch = 0;
   /// What `hostThreads` threads do at once, in units of what one does alone: they share memory and clock.
   double hostThreads = 1, hostSpeedup = 1;
   friend bool operator==(const CostModel&, const CostModel&) = default;
 
   bool knowsSolidPair() const { return deviceSolid.fixed + deviceSolid.perTriangle > 0; }
   bool knowsSolids() const { return batchSolid.fixed + batchSolid.perTriangle > 0; }
+  bool knowsOverlaps() const { return overlapLaunch > 0; }
   bool knowsPoints() const { return pointLaunch.fixed + pointLaunch.perTriangle > 0; }
   /// A pair of a batch on the device, and on one thread of the CPU.
   double deviceCost(bool solid, double work) const {

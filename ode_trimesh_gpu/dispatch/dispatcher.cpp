@@ -116,6 +116,10 @@ void Dispatcher::askPoints(const PointJob& job, std::size_t count, const PointSo
   askOnHost(*threads, job, 0, count, source, sink);
 }
 
+void Dispatcher::askOverlaps(std::span<const OverlapJob> jobs, std::span<std::uint8_t> answers) {
+  runOverlaps(*pool(), usableDevices(), jobs, answers);
+}
+
 PairCounts Dispatcher::collideBatch(std::span<const PairJob* const> jobs, std::span<PairResult> results) {
   return runBatch(*pool(), usableDevices(), jobs, results, takesOver_);
 }

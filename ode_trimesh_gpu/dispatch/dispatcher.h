@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "dispatch/device_slot.h"
+#include "dispatch/overlap_run.h"
 #include "dispatch/pair_job.h"
 #include "dispatch/point_run.h"
 #include "dispatch/thread_pool.h"
@@ -66,6 +67,9 @@ class Dispatcher {
   /// Every point of an array, each with the answer that it has by itself, on the CPU or, where the job and the costs
   /// say so, with the device that has the least to do.
   void askPoints(const PointJob& job, std::size_t count, const PointSource& source, const PointSink& sink);
+
+  /// Whether the meshes of each pair overlap: see runOverlaps.
+  void askOverlaps(std::span<const OverlapJob> jobs, std::span<std::uint8_t> answers);
 
   /// Every job, each with the result that it has by itself. `results` has as many elements. Returns the counts of all
   /// jobs together, those that a device has for a batch only among them. Throws std::bad_alloc, after which the results

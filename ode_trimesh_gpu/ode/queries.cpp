@@ -22,7 +22,7 @@
 namespace otg {
 namespace {
 
-constexpr std::size_t kRaysAtOnce = 64, kPairsAtOnce = 1;
+constexpr std::size_t kRaysAtOnce = 64, kPairsAtOnce = 1, kPlacedAtOnce = 64;
 
 void write(const Vec3d& from, dReal* to) {
   to[0] = static_cast<dReal>(from.x);
@@ -115,6 +115,13 @@ void askPoints(const Placed& placed, const Points& from, int count, bool nearest
 /// Two geoms.
 struct PlacedPair {
   Placed first, second;
+  /// Of two that differ the CPU wins over devices, and both over open.
+  Place place() const {
+    for (const Place which : {Place::kCpu, Place::kOpencl}) {
+      if (first.place == which || second.place == which) return which;
+    }
+    return Place::kAuto;
+  }
 };
 
 /// As a query, mesh A being o1's. Returns a status; a null mesh in the query: a geom without a surface.
@@ -164,9 +171,9 @@ int checkPairs(const dGpuTriMeshPair* pairs, int count, const void* out) {
 
 /// Calls one(i) for each pair, by all threads; returns the first status that is an error, else the sum of the others.
 template <class One>
-int forPairs(int count, const One& one) {
+int forPairs(int count, std::size_t atOnce, const One& one) {
   std::atomic<int> error{dGPUTRIMESH_OK}, sum{0};
-  dispatcher().run(static_cast<std::size_t>(count), kPairsAtOnce, [&](std::size_t begin, std::size_t end) {
+  dispatcher().run(static_cast<std::size_t>(count), atOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const int answer = one(i);
       int none = dGPUTRIMESH_OK;
@@ -283,7 +290,7 @@ int dGpuTriMeshGetDistances(const dGpuTriMeshPair* pairs, int count, dReal limit
   return otg::guarded([&] {
     if (const int status = otg::checkPairs(pairs, count, out)) return status;
     if (!(limit >= 0)) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
-    return otg::forPairs(count,
+    return otg::forPairs(count, otg::kPairsAtOnce,
                          [&](std::size_t i) { return otg::distanceOf(pairs[i].o1, pairs[i].o2, limit, out[i]); });
   });
 }
@@ -295,11 +302,18 @@ int dGpuTriMeshOverlap(dGeomID o1, dGeomID o2) {
 int dGpuTriMeshOverlaps(const dGpuTriMeshPair* pairs, int count, unsigned char* out) {
   return otg::guarded([&] {
     if (const int status = otg::checkPairs(pairs, count, out)) return status;
-    return otg::forPairs(count, [&](std::size_t i) {
-      const int answer = otg::overlapOf(pairs[i].o1, pairs[i].o2);
-      out[i] = answer == 1 ? 1 : 0;
-      return answer;
+    const auto size = static_cast<std::size_t>(count);
+    std::vector<otg::PlacedPair> placed(size);  // held until all have their answers
+    std::vector<otg::OverlapJob> jobs(size);
+    const int status = otg::forPairs(count, otg::kPlacedAtOnce, [&](std::size_t i) {
+      otg::Transformd pose1;
+      if (const int bad = otg::placePair(pairs[i].o1, pairs[i].o2, placed[i], jobs[i].query, pose1)) return bad;
+      jobs[i].place = placed[i].place();
+      return static_cast<int>(dGPUTRIMESH_OK);
     });
+    if (status < 0) return status;
+    otg::dispatcher().askOverlaps(jobs, {out, size});
+    return static_cast<int>(std::count(out, out + count, 1));
   });
 }
 

@@ -15,11 +15,11 @@ extern "C" {
 
 /* What holds for all functions of this header: positions and directions are in the world, lengths in its unit; meshes
  * are where their geoms are at the moment of the call. They compute in double precision on the mesh's
- * vertices, which are single precision numbers in the mesh's frame; on the CPU, but for arrays of points, which go
- * where the geom's parameters, else dGpuTriMeshSetBackend(), say (`auto`: where they are expected to be answered
- * sooner) and have the same answers there, byte for byte. They only read, so that any number of threads may call them
- * at once, from near callbacks too. Functions that take arrays share the work among the threads that
- * dGpuTriMeshSetThreadCount() allows; what they answer does not depend on it. Structures that are filled need no
+ * vertices, which are single precision numbers in the mesh's frame; on the CPU, but for arrays of points and of pairs
+ * that may overlap, which go where the geoms' parameters, else dGpuTriMeshSetBackend(), say (`auto`: where they are
+ * expected to be answered sooner) and have the same answers there, byte for byte. They only read, so that any number of
+ * threads may call them at once, from near callbacks too. Functions that take arrays share the work among the threads
+ * that dGpuTriMeshSetThreadCount() allows; what they answer does not depend on it. Structures that are filled need no
  * preparation. Triangles are numbered as in dGeomGpuTriMeshGetTriangle(). A geom without mesh has no surface. */
 
 /**
@@ -138,7 +138,9 @@ OTG_API int dGpuTriMeshOverlap(dGeomID o1, dGeomID o2);
  * @param out    receives 1 or 0 for each
  * @returns The number of pairs that overlap, or a negative status: as dGpuTriMeshOverlap(), and
  *          dGPUTRIMESH_ERROR_ARGUMENT. After an error the answers are of no use.
- * @remarks From any number of threads at once, and from a near callback.
+ * @remarks From any number of threads at once, and from a near callback. On devices: of two geoms with different
+ * choices the CPU wins over devices, and both over `auto`. Whether a part of one mesh lies inside the other one, which
+ * is asked where no triangles meet, is found out by the CPU's threads.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshOverlaps(const dGpuTriMeshPair* pairs, int count, unsigned char* out);

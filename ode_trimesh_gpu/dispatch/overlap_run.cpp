@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "dispatch/overlap_run.h"
+
+#include <exception>
+#include <system_error>
+#include <thread>
+
+#include "queries/mesh_overlap.h"
+
+namespace otg {
+namespace {
+
+using Indices = std::vector<std::size_t>;
+
+constexpr std::size_t kPairsAtOnce = 1;
+
+bool hasTriangles(const Query& query) {
+  const auto any = [](const CollisionMesh* mesh) { return mesh != nullptr && !mesh->tree().nodes.empty(); };
+  return any(query.a) && any(query.b);
+}
+
+/// The device's part of some jobs, and what the CPU's threads add to it.
+void askDevice(DeviceSlot& slot, ThreadPool& pool, std::span<const OverlapJob> jobs, std::span<const std::size_t> which,
+               std::span<std::uint8_t> answers) {
+  std::vector<Query> queries;
+  queries.reserve(which.size());
+  for (const std::size_t i : which) queries.push_back(jobs[i].query);
+  std::vector<std::uint8_t> intersect;
+  const bool good = slot.backend->intersectBatch(queries, intersect);
+  slot.note(which.size(), good);
+  pool.run(which.size(), kPairsAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      Vec3d vertex{};
+      answers[which[k]] = intersect[k] != 0 || containedVertex(queries[k], vertex) ? 1 : 0;
+    }
+  });
+}
+
+}  // namespace
+
+bool areOverlapsSoonerOnDevice(double work, std::size_t pairs, const CostModel& costs, std::size_t devices,
+                               unsigned threads) {
+  if (!costs.knowsOverlaps()) return false;
+  const auto of = [&](const Cost& cost) { return cost.fixed * static_cast<double>(pairs) + cost.perTriangle * work; };
+  return costs.overlapLaunch + of(costs.batchOverlap) / static_cast<double>(devices) <
+         of(costs.hostOverlap) / costs.speedup(threads);
+}
+
+void runOverlaps(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>>& devices,
+                 std::span<const OverlapJob> jobs, std::span<std::uint8_t> answers) {
+  Indices bound, open, host;
+  double openWork = 0;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    answers[i] = 0;
+    if (!hasTriangles(jobs[i].query)) continue;
+    const Place place = devices.empty() ? Place::kCpu : jobs[i].place;
+    if (place == Place::kAuto) openWork += expectedWork(jobs[i].query);
+    (place == Place::kCpu ? host : place == Place::kOpencl ? bound : open).push_back(i);
+  }
+  const bool sooner = !open.empty() && areOverlapsSoonerOnDevice(openWork, open.size(), devices[0]->costs,
+                                                                 devices.size(), pool.threadCount());
+  Indices& target = sooner ? bound : host;
+  target.insert(target.end(), open.begin(), open.end());
+  // Rows of equal cost, one for each device.
+  double all = 0;
+  for (const std::size_t i : bound) all += devices[0]->costs.batchOverlap.of(expectedWork(jobs[i].query)) + 1e-9;
+  std::vector<std::thread> threads;
+  std::vector<std::exception_ptr> errors(devices.size());
+  const std::span<const std::size_t> row(bound);
+  const auto ask = [&](std::size_t d, std::span<const std::size_t> part) {
+    try {
+      askDevice(*devices[d], pool, jobs, part, answers);
+    } catch (...) {
+      errors[d] = std::current_exception();
+    }
+  };
+  double done = 0;
+  std::size_t begin = 0;
+  for (std::size_t d = 0; d < devices.size() && begin < row.size(); ++d) {
+    std::size_t end = begin;
+    const double share = all * static_cast<double>(d + 1) / static_cast<double>(devices.size());
+    while (end < row.size() && (done < share || d + 1 == devices.size())) {
+      done += devices[0]->costs.batchOverlap.of(expectedWork(jobs[row[end]].query)) + 1e-9;
+      ++end;
+    }
+    const std::span<const std::size_t> part = row.subspan(begin, end - begin);
+    begin = end;
+    if (part.empty()) continue;
+    try {
+      threads.emplace_back([&ask, d, part] { ask(d, part); });
+    } catch (const std::system_error&) {  // no thread to be had
+      ask(d, part);
+    }
+  }
+  try {
+    pool.run(host.size(), kPairsAtOnce, [&](std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) answers[host[k]] = overlap(jobs[host[k]].query) ? 1 : 0;
+    });
+  } catch (...) {
+    for (std::thread& thread : threads) thread.join();
+    throw;
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const std::exception_ptr& error : errors) {
+    if (error) std::rethrow_exception(error);
+  }
+}
+
+}  // namespace otg
