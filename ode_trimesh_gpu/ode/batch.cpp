@@ -14,15 +14,22 @@
 #include "dispatch/dispatcher.h"
 #include "ode/pair_batch.h"
 #include "ode/status.h"
+#include "ode/trimesh_override.h"
 
 namespace otg {
 namespace {
+
+/// Geoms of our class, and once they are overridden dTriMeshes, which are read.
+bool isMesh(dGeomID geom) {
+  if (liveObjectOf(geom) != nullptr) return true;
+  return geom != nullptr && isTrimeshOverridden(dTriMeshClass) && dGeomGetClass(geom) == dTriMeshClass;
+}
 
 /// dGPUTRIMESH_OK, or why these arguments will not do.
 int checkPairs(const dGpuTriMeshPair* pairs, int count, int flags) {
   if (count < 0 || (pairs == nullptr && count > 0) || capacityOf(flags) == 0) return dGPUTRIMESH_ERROR_ARGUMENT;
   for (int i = 0; i < count; ++i) {
-    if (liveObjectOf(pairs[i].o1) == nullptr || liveObjectOf(pairs[i].o2) == nullptr) return dGPUTRIMESH_ERROR_CLASS;
+    if (!isMesh(pairs[i].o1) || !isMesh(pairs[i].o2)) return dGPUTRIMESH_ERROR_CLASS;
   }
   return dGPUTRIMESH_OK;
 }

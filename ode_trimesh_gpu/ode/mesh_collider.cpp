@@ -21,7 +21,8 @@ int collideMeshMesh(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, in
 
 int collideMeshes(dGeomID o1, dGeomID o2, int flags, const ContactArray& to) noexcept {
   try {
-    return collideSides(meshSideOf(o1), meshSideOf(o2), flags, to);
+    MeshSide side1 = meshSideOf(o1);  // first: so two dTriMeshes that are new get their places in the order of geoms
+    return collideSides(std::move(side1), meshSideOf(o2), flags, to);
   } catch (...) {  // a dTriMesh whose mesh could not be made for want of memory
     noteStatus(dGPUTRIMESH_ERROR_MEMORY);
     return 0;

@@ -65,6 +65,21 @@ std::shared_ptr<GeomObject> settingsOf(dGeomID geom) {
   return object != nullptr ? object->shared_from_this() : objectOfTrimesh(geom);
 }
 
+GeomObject* meshObjectOf(dGeomID geom) {
+  GeomObject* const object = objectOf(geom);
+  return object != nullptr ? object : objectOfTrimesh(geom).get();
+}
+
+GeomCallbacks callbacksOf(dGeomID geom, const GeomObject& object) {
+  GeomCallbacks callbacks = object.callbacks;
+  if (dGeomGetClass(geom) != dTriMeshClass) return callbacks;
+  callbacks.triangle = dGeomTriMeshGetCallback(geom);
+  callbacks.triangles = dGeomTriMeshGetArrayCallback(geom);
+  callbacks.ray = dGeomTriMeshGetRayCallback(geom);
+  callbacks.merge = dGeomTriMeshGetTriMergeCallback(geom);
+  return callbacks;
+}
+
 MeshSide meshSideOf(dGeomID geom) {
   MeshSide side;
   side.geom = geom;
@@ -79,11 +94,7 @@ MeshSide meshSideOf(dGeomID geom) {
   if (side.object == nullptr) return side;
   side.ownMesh = meshOfTrimesh(geom);
   side.mesh = side.ownMesh.get();
-  side.callbacks = side.object->callbacks;
-  side.callbacks.triangle = dGeomTriMeshGetCallback(geom);
-  side.callbacks.triangles = dGeomTriMeshGetArrayCallback(geom);
-  side.callbacks.ray = dGeomTriMeshGetRayCallback(geom);
-  side.callbacks.merge = dGeomTriMeshGetTriMergeCallback(geom);
+  side.callbacks = callbacksOf(geom, *side.object);
   side.last = side.object->last.isSet ? side.object->last : lastTransformOf(dGeomTriMeshGetLastTransform(geom));
   return side;
 }

@@ -35,6 +35,13 @@ struct MeshSide {
 /// callbacks and last transform through ODE. May throw std::bad_alloc.
 MeshSide meshSideOf(dGeomID geom);
 
+/// The object of a geom that is alive, of our class or a dTriMesh, which gets one; null for others. It lives as long as
+/// the geom, of a dTriMesh until forgetTrimesh(). May throw std::bad_alloc.
+GeomObject* meshObjectOf(dGeomID geom);
+
+/// What is to be asked about the triangles of a geom with that object: a dTriMesh's own callbacks are among them.
+GeomCallbacks callbacksOf(dGeomID geom, const GeomObject& object);
+
 /// The object of a dTriMesh; null for geoms of other classes. May throw std::bad_alloc.
 std::shared_ptr<GeomObject> objectOfTrimesh(dGeomID geom);
 

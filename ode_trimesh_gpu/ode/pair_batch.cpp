@@ -8,6 +8,7 @@
 #include "dispatch/workspace_lease.h"
 #include "ode/pair_callbacks.h"
 #include "ode/status.h"
+#include "ode/trimesh_override.h"
 
 namespace otg {
 
@@ -80,8 +81,9 @@ void PairBatch::remember() {
     for (GeomObject* object : {task.side1.object, task.side2.object}) {
       object->stats.queries.fetch_add(1, std::memory_order_relaxed);
     }
-    if (task.state == PairTask::State::kNothing) continue;
     const PairResult& result = results_[i];
+    if (task.side1.ownObject != nullptr && task.side2.ownObject != nullptr) countTrimesh(result.contacts.size());
+    if (task.state == PairTask::State::kNothing) continue;
     if (task.state == PairTask::State::kBusy) {
       countFailure(task, dGPUTRIMESH_ERROR_BUSY);
     } else if (task.state == PairTask::State::kBadPose || result.outcome == PairResult::Outcome::kRefused) {

@@ -14,8 +14,8 @@ namespace otg {
 /// Geoms may move and be destroyed, and their meshes be rebuilt, while run() is at work.
 class PairBatch {
  public:
-  /// Reads the geoms, all of which are of our class. With `capacity` 0 each pair has as many contacts as its geoms
-  /// allow. Throws std::bad_alloc.
+  /// Reads the geoms, which are of our class or dTriMeshes. With `capacity` 0 each pair has as many contacts as its
+  /// geoms allow. Throws std::bad_alloc.
   PairBatch(std::span<const dGpuTriMeshPair> pairs, int capacity, bool unimportant);
   /// Computes. Any thread, once. Throws std::bad_alloc.
   void run();

@@ -11,11 +11,12 @@
 #include "ode/primitive_history.h"
 #include "ode/shape_batch.h"
 #include "ode/status.h"
+#include "ode/trimesh_override.h"
 
 namespace otg {
 namespace {
 
-/// Finds the pairs of geoms of our class as programs do whose near callback follows ODE's manual: a space that meets
+/// Finds the pairs that have a mesh as programs do whose near callback follows ODE's manual: a space that meets
 /// something is collided with it, and the geoms of a space among themselves.
 class Gatherer {
  public:
@@ -36,26 +37,19 @@ class Gatherer {
   }
 
   /// Pairs of two meshes, every one once, in the order in which it was found first.
-  std::vector<dGpuTriMeshPair> takeMeshes() {
-    return once(meshes_, [](const dGpuTriMeshPair& p) {
-      const std::uint64_t x = objectOf(p.o1)->serial, y = objectOf(p.o2)->serial;
-      return std::make_pair(std::min(x, y), std::max(x, y));
-    });
-  }
+  std::vector<dGpuTriMeshPair> takeMeshes() { return once(meshes_); }
   /// Pairs of a mesh, first, and a geom of ODE's.
-  std::vector<dGpuTriMeshPair> takeShapes() {
-    return once(shapes_,
-                [](const dGpuTriMeshPair& p) { return std::make_pair(objectOf(p.o1)->serial, memoryKey(p.o2)); });
-  }
+  std::vector<dGpuTriMeshPair> takeShapes() { return once(shapes_); }
 
  private:
-  template <class Key>
-  static std::vector<dGpuTriMeshPair> once(const std::vector<dGpuTriMeshPair>& found, const Key& key) {
+  struct Found {
+    dGpuTriMeshPair pair;
+    std::uint64_t x, y;  ///< equal for equal pairs
+  };
+
+  static std::vector<dGpuTriMeshPair> once(const std::vector<Found>& found) {
     std::vector<std::tuple<std::uint64_t, std::uint64_t, std::size_t>> order;
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      const auto [x, y] = key(found[i]);
-      order.emplace_back(x, y, i);
-    }
+    for (std::size_t i = 0; i < found.size(); ++i) order.emplace_back(found[i].x, found[i].y, i);
     std::sort(order.begin(), order.end());
     std::vector<std::size_t> kept;
     for (std::size_t k = 0; k < order.size(); ++k) {
@@ -64,7 +58,7 @@ class Gatherer {
     }
     std::sort(kept.begin(), kept.end());
     std::vector<dGpuTriMeshPair> pairs;
-    for (const std::size_t i : kept) pairs.push_back(found[i]);
+    for (const std::size_t i : kept) pairs.push_back(found[i].pair);
     return pairs;
   }
 
@@ -74,33 +68,44 @@ class Gatherer {
       dSpaceCollide2(o1, o2, self, &Gatherer::meet);
       return;
     }
-    const bool isMeshes = objectOf(o1) != nullptr && objectOf(o2) != nullptr;
+    const bool isMeshes = isMeshFor(o1, o2) && isMeshFor(o2, o1);
     const bool isShape = isShapePair(o1, o2), isOtherWay = !isShape && isShapePair(o2, o1);
     if (gatherer.failed_ || !(isMeshes || isShape || isOtherWay) || !isPairInOde(o1, o2)) return;
     if (gatherer.filter_ != nullptr && gatherer.filter_(gatherer.data_, o1, o2) == 0) return;
     try {
-      std::vector<dGpuTriMeshPair>& pairs = isMeshes ? gatherer.meshes_ : gatherer.shapes_;
-      pairs.push_back(isOtherWay ? dGpuTriMeshPair{o2, o1} : dGpuTriMeshPair{o1, o2});
+      if (isMeshes)
+        gatherer.addMeshes(o1, o2);
+      else
+        gatherer.addShape(isShape ? o1 : o2, isShape ? o2 : o1);
     } catch (...) {  // not through ODE, which has its space locked
       gatherer.failed_ = true;
     }
+  }
+
+  /// Who has callbacks is asked when the pair is collided, and not before. A dTriMesh that is new gets its place in the
+  /// order of geoms, as if it collided now.
+  void addMeshes(dGeomID o1, dGeomID o2) {
+    const GeomObject& first = *meshObjectOf(o1);
+    const GeomObject& second = *meshObjectOf(o2);
+    if (callbacksOf(o1, first).asked() || callbacksOf(o2, second).asked()) return;
+    meshes_.push_back({{o1, o2}, std::min(first.serial, second.serial), std::max(first.serial, second.serial)});
+  }
+  void addShape(dGeomID mesh, dGeomID other) {
+    const GeomObject& object = *meshObjectOf(mesh);
+    if (!callbacksOf(mesh, object).asked()) shapes_.push_back({{mesh, other}, object.serial, memoryKey(other)});
   }
 
   dGpuTriMeshPairFilter* filter_;
   void* data_;
   bool failed_ = false;
   std::vector<dSpaceID> done_;
-  std::vector<dGpuTriMeshPair> meshes_, shapes_;
+  std::vector<Found> meshes_, shapes_;
 };
 
 int prefetch(std::span<const dSpaceID> spaces, dGpuTriMeshPairFilter* filter, void* data) {
   Gatherer gatherer(filter, data);
   for (const dSpaceID space : spaces) gatherer.addSpace(space);
-  std::vector<dGpuTriMeshPair> pairs = gatherer.takeMeshes();
-  // Who has callbacks is asked when the pair is collided, and not before.
-  std::erase_if(pairs, [](const dGpuTriMeshPair& p) {
-    return objectOf(p.o1)->callbacks.asked() || objectOf(p.o2)->callbacks.asked();
-  });
+  const std::vector<dGpuTriMeshPair> pairs = gatherer.takeMeshes();
   PairBatch batch(pairs, 0, false);
   batch.run();
   for (std::size_t i = 0; i < pairs.size(); ++i) {

@@ -9,6 +9,7 @@
 #include "ode/convex_collider.h"
 #include "ode/primitive_collider.h"
 #include "ode/primitive_history.h"
+#include "ode/trimesh_override.h"
 
 namespace otg {
 namespace {
@@ -65,13 +66,12 @@ constexpr std::size_t kPairsAtOnce = 4, kManyPairs = 256;
 }  // namespace
 
 bool isShapePair(dGeomID mesh, dGeomID other) noexcept {
-  const GeomObject* const object = objectOf(mesh);
-  return object != nullptr && !object->callbacks.asked() && isPrefetchedClass(dGeomGetClass(other));
+  return isPrefetchedClass(dGeomGetClass(other)) && isMeshFor(mesh, other);
 }
 
 std::size_t prefetchShapes(std::span<const dGpuTriMeshPair> pairs) {
   std::vector<GeomObject*> meshes;
-  for (const dGpuTriMeshPair& pair : pairs) meshes.push_back(objectOf(pair.o1));
+  for (const dGpuTriMeshPair& pair : pairs) meshes.push_back(meshObjectOf(pair.o1));
   std::sort(meshes.begin(), meshes.end());
   meshes.erase(std::unique(meshes.begin(), meshes.end()), meshes.end());
   for (GeomObject* mesh : meshes) mesh->prefetchedShapes.beginRound();

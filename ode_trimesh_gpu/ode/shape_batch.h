@@ -8,12 +8,12 @@
 
 namespace otg {
 
-/// Whether the pair is one of a mesh of our class, given first, and a geom that shapes are computed ahead for.
+/// Whether the pair is one of a mesh, given first (isMeshFor()), and a geom that contacts are computed ahead for.
 bool isShapePair(dGeomID mesh, dGeomID other) noexcept;
 
-/// Computes the pairs, the mesh first in each, none of them twice, and leaves what they give with the meshes. Meshes
-/// with callbacks are left out: who has them is asked when the pair is collided. Returns how many pairs are ready.
-/// Nobody may change or collide the geoms meanwhile. May throw std::bad_alloc.
+/// Computes the pairs, the mesh first in each, none of them twice, and leaves what they give with the meshes, which
+/// have no callbacks. Returns how many pairs are ready. Nobody may change or collide the geoms meanwhile. May throw
+/// std::bad_alloc.
 std::size_t prefetchShapes(std::span<const dGpuTriMeshPair> pairs);
 
 }  // namespace otg

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The C API by which ODE's dTriMesh geoms collide through this library.
+#include "ode/trimesh_override.h"
+
 #include <ode/ode.h>
 
 #include <algorithm>
@@ -24,11 +26,13 @@ struct {
   std::atomic<std::uint64_t> queries{0}, contacts{0};
 } sums;
 
+/// Bits of classes.
+std::atomic<std::uint32_t> overridden{0};
+
 template <dColliderFn* collide>
 int collideAndCount(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip) noexcept {
   const int count = collide(o1, o2, flags, contact, skip);
-  sums.queries.fetch_add(1, std::memory_order_relaxed);
-  sums.contacts.fetch_add(static_cast<std::uint64_t>(count), std::memory_order_relaxed);
+  countTrimesh(static_cast<std::size_t>(count));
   return count;
 }
 
@@ -40,9 +44,26 @@ void overridePair(int geomClass) {
   dSetColliderOverride(
       dTriMeshClass, geomClass,
       geomClass == dTriMeshClass ? &collideAndCount<&collideMeshMesh> : &collideAndCount<&collideMeshPrimitive>);
+  overridden.fetch_or(std::uint32_t{1} << geomClass, std::memory_order_release);
 }
 
 }  // namespace
+
+bool isTrimeshOverridden(int geomClass) noexcept {
+  return geomClass < dFirstSpaceClass && (overridden.load(std::memory_order_acquire) >> geomClass & 1) != 0;
+}
+
+bool isMeshFor(dGeomID geom, dGeomID other) noexcept {
+  if (objectOf(geom) != nullptr) return true;
+  return dGeomGetClass(geom) == dTriMeshClass &&
+         (objectOf(other) != nullptr || isTrimeshOverridden(dGeomGetClass(other)));
+}
+
+void countTrimesh(std::size_t contacts) noexcept {
+  sums.queries.fetch_add(1, std::memory_order_relaxed);
+  sums.contacts.fetch_add(contacts, std::memory_order_relaxed);
+}
+
 }  // namespace otg
 
 int dGpuTriMeshOverrideTriMesh(void) {

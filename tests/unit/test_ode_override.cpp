@@ -9,42 +9,13 @@
 
 #include "ode/trimesh_cache.h"
 #include "support/catch.h"
+#include "support/ode_trimesh.h"
 #include "support/ode_world.h"
 
 using namespace otg;
 using namespace otg::test;
 
 namespace {
-
-/// Data of ODE's with the arrays that they point to.
-struct OdeMesh {
-  scenes::MeshArrays arrays;
-  dTriMeshDataID id = dGeomTriMeshDataCreate();
-  explicit OdeMesh(const scenes::MeshArrays& from) : arrays(from) {
-    build();
-    // Data that a test before has destroyed may have had the same address and as many triangles: what is kept of them
-    // would be refitted, numbered inside as they were.
-    dGpuTriMeshOverrideForgetData(id);
-  }
-  ~OdeMesh() { dGeomTriMeshDataDestroy(id); }
-  OdeMesh(const OdeMesh&) = delete;
-  OdeMesh& operator=(const OdeMesh&) = delete;
-  void build() {
-    dGeomTriMeshDataBuildSingle(id, arrays.vertices.data(), sizeof(Vec3f), static_cast<int>(arrays.vertices.size()),
-                                arrays.triangles.data(), static_cast<int>(3 * arrays.triangles.size()),
-                                sizeof(Triangle));
-  }
-};
-
-struct OdeGeom {
-  const dGeomID id;
-  explicit OdeGeom(const OdeMesh& mesh) : id(dCreateTriMesh(nullptr, mesh.id, nullptr, nullptr, nullptr)) {
-    dGpuTriMeshOverrideForgetGeom(id);  // the one that was at this address
-  }
-  ~OdeGeom() { dGeomDestroy(id); }
-  OdeGeom(const OdeGeom&) = delete;
-  OdeGeom& operator=(const OdeGeom&) = delete;
-};
 
 struct Counts {
   dGpuTriMeshOverrideStats stats;

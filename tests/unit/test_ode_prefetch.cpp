@@ -2,6 +2,7 @@
 // Prefetching: a world that prefetches goes on with the same bytes as one that does not, and dCollide takes what is
 // ready only where it is what it would compute.
 #include "support/catch.h"
+#include "support/ode_trimesh.h"
 #include "support/pile_world.h"
 
 using namespace otg;
@@ -251,4 +252,34 @@ TEST_CASE("which pairs are prefetched, and what is refused") {
   CHECK(dGpuTriMeshPrefetchSpaces(nullptr, 1, nullptr, nullptr) == dGPUTRIMESH_ERROR_ARGUMENT);
   CHECK(dGpuTriMeshGetError() == dGPUTRIMESH_ERROR_ARGUMENT);
   CHECK(dGpuTriMeshPrefetchSpaces(nullptr, 0, nullptr, nullptr) == 0);
+}
+
+// Nothing in this file is taken over, which lasts as long as the process.
+TEST_CASE("of dTriMeshes that were not taken over, only pairs with a mesh of this library are computed ahead") {
+  const OdeSession session;
+  const OdeMesh lump(scenes::makeLump(0.5, 3, 0.4, 4)), box(scenes::makeBox({1, 0.8, 0.6}, 2));
+  const Data data(scenes::makeBox({1, 1, 1}, 2));
+  const dSpaceID space = dSimpleSpaceCreate(nullptr);
+  const dGeomID a = dCreateTriMesh(space, lump.id, nullptr, nullptr, nullptr);
+  const dGeomID b = dCreateTriMesh(space, box.id, nullptr, nullptr, nullptr);
+  dCreateSphere(space, 0.5);
+  dGeomSetPosition(b, 0.3, 0.2, 0.45);
+  CHECK(dGpuTriMeshPrefetch(space) == 0);
+  const dGeomID own = dCreateGpuTriMesh(space, data.id);
+  dGeomSetPosition(own, 0.2, -0.1, 0.4);
+  CHECK(dGpuTriMeshPrefetch(space) == 3);
+  const auto ready = test::collide(own, a);
+  CHECK(statsOf(own).prefetched == 1);
+  CHECK(!ready.empty());
+  dGpuTriMeshOverrideForgetGeom(a);
+  CHECK(sameContacts(test::collide(own, a), ready));
+  CHECK(statsOf(own).prefetched == 1);
+  // Arrays know dTriMeshes only when they are taken over.
+  const dGpuTriMeshPair pairs[] = {{own, a}};
+  dContactGeom contacts[4];
+  int count = 0;
+  CHECK(dGpuTriMeshCollidePairs(pairs, 1, 4, contacts, sizeof(dContactGeom), &count) == dGPUTRIMESH_ERROR_CLASS);
+  CHECK(dGpuTriMeshBatchSubmit(pairs, 1, 4) == nullptr);
+  for (const dGeomID g : {a, b}) dGpuTriMeshOverrideForgetGeom(g);
+  dSpaceDestroy(space);
 }

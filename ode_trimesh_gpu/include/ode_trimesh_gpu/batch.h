@@ -15,7 +15,7 @@ extern "C" {
 #endif
 
 /**
- * @brief Two geoms of this class.
+ * @brief Two geoms of this class, or dTriMesh geoms that collide through it: see dGpuTriMeshCollidePairs().
  * @ingroup gputrimesh
  */
 typedef struct dGpuTriMeshPair {
@@ -41,6 +41,13 @@ typedef struct dGpuTriMeshPair {
  * since the last prefetch (bodies at rest) what it computed is taken over. Not among them are rays, which are as quick
  * as the look-up, heightfields, whose heights a program may change without a word, and geoms in a dGeomTransform.
  * Meshes with callbacks for triangles are left to the near callback.
+ *
+ * A dTriMesh of ODE's is a mesh here in the pairs in which dCollide() comes to this library: with a geom of this class,
+ * and with what dGpuTriMeshOverrideTriMesh() and dGpuTriMeshOverrideTriMeshWith() have taken over. (After dCloseODE()
+ * those pairs are ODE's own again, of which this function is not told: it computes them in vain until they are taken
+ * over anew.) A prefetch looks for changes of its data as a collision does, so that small ones are found sooner. Two of
+ * which neither has collided get their order here, as from dGpuTriMeshOverridePrepare(); the near callback has to take
+ * its pairs in the order of dSpaceCollide(), or the geoms to be prepared, for contacts that are the same byte for byte.
  *
  * With CONTACTS_UNIMPORTANT contacts of two meshes are always computed: they are other ones.
  *
@@ -84,7 +91,10 @@ OTG_API int dGpuTriMeshPrefetchSpaces(const dSpaceID* spaces, int count, dGpuTri
  * What is remembered of pairs and counted is as after these calls in the order of the array. A pair may be listed more
  * than once. Two geoms of one body, and a geom with itself, have no contacts, as in dCollide().
  *
- * @param pairs          geoms of this class
+ * Once dGpuTriMeshOverrideTriMesh() was called, dTriMesh geoms may be among them. From then on pointers to geoms that
+ * were destroyed are no longer told from others: they must not be there.
+ *
+ * @param pairs          geoms of this class, and dTriMesh geoms as said above
  * @param count          how many pairs
  * @param flags          as in dCollide(): the lower 16 bits are the number N of places for each pair, at least 1;
  *                       CONTACTS_UNIMPORTANT may be added
@@ -92,8 +102,8 @@ OTG_API int dGpuTriMeshPrefetchSpaces(const dSpaceID* spaces, int count, dGpuTri
  *                       places in all
  * @param skip           bytes from one place to the next, at least sizeof(dContactGeom)
  * @param contact_count  receives the number of contacts of each pair; `count` elements
- * @returns The number of contacts in all; dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_CLASS if a geom is not of this
- *          class, dGPUTRIMESH_ERROR_MEMORY: then nothing was written or counted. A single pair that cannot be collided
+ * @returns The number of contacts in all; dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_CLASS if a geom is none of
+ *          these, dGPUTRIMESH_ERROR_MEMORY: then nothing was written or counted. A single pair that cannot be collided
  *          (see dGpuTriMeshStats) has no contacts, and dGpuTriMeshGetError() says why.
  * @remarks As dCollide(): from any number of threads at once, and from a near callback. The threads of the library call
  *          no function of ODE.
@@ -119,7 +129,8 @@ typedef struct dxGpuTriMeshBatch* dGpuTriMeshBatchID;
  *     dGpuTriMeshBatchDestroy(batch);
  *
  * Poses, velocities, parameters and what is remembered of the pairs are those of the moment of this call, and so are
- * the contacts. The geoms remember and count the collision when it is collected.
+ * the contacts. The geoms remember and count the collision when it is collected. A dTriMesh and its data may be
+ * destroyed meanwhile, too.
  *
  * @param pairs  as in dGpuTriMeshCollidePairs(); copied
  * @param count  how many
