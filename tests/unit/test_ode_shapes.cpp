@@ -5,8 +5,10 @@
 #include <cmath>
 #include <functional>
 
+#include "scenes/convex_geom.h"
 #include "support/catch.h"
 #include "support/draw.h"
+#include "support/ode_trimesh.h"
 #include "support/ode_world.h"
 #include "truth/tessellated_bodies.h"
 
@@ -157,12 +159,27 @@ TEST_CASE("a pair that is mirrored has mirrored contacts, with each shape, and e
   const scenes::MeshArrays lump = scenes::makeLump(0.5, 3, 0.3, 3);
   const Data data(lump), mirroredData(mirror(lump));
   const Geom mesh(data), image(mirroredData);
+  // Two shapes that are not their own images.
+  scenes::MeshArrays skew = scenes::makeSphere(0.35, 0);
+  for (Vec3f& v : skew.vertices) v = {v.x + 0.3f * v.y, 0.8f * v.y, 0.6f * v.z + 0.1f * v.x};
+  const scenes::ConvexData polyhedron(skew), polyhedronImage(mirror(skew));
+  const OdeMesh native(scenes::makeLump(0.35, 2, 0.3, 9)), nativeImage(mirror(native.arrays));
+  struct Images {
+    const char* name;
+    std::function<dGeomID()> make, makeImage;
+  };
+  std::vector<Images> all;
+  for (const Shape& shape : shapes()) all.push_back({shape.name, shape.make, shape.make});
+  all.push_back(
+      {"convex", [&] { return polyhedron.makeGeom(nullptr); }, [&] { return polyhedronImage.makeGeom(nullptr); }});
+  all.push_back({"dTriMesh", [&] { return dCreateTriMesh(nullptr, native.id, nullptr, nullptr, nullptr); },
+                 [&] { return dCreateTriMesh(nullptr, nativeImage.id, nullptr, nullptr, nullptr); }});
   Draw draw(5);
-  for (const Shape& shape : shapes()) {
-    const dGeomID first = shape.make(), second = shape.make();
-    // The distances of spheres and capsules know nothing of the mesh's order. Boxes and cylinders are met through a
-    // mesh of their own, whose diagonals are not mirrored with it: where the surface is not convex, other places are
-    // chosen.
+  for (const Images& shape : all) {
+    const dGeomID first = shape.make(), second = shape.makeImage();
+    // The distances of spheres and capsules know nothing of the mesh's order. The others are met as meshes, of which
+    // those of boxes and cylinders have diagonals that are not mirrored with them: where the surface is not convex,
+    // other places are chosen.
     const int kind = dGeomGetClass(first);
     std::vector<double> depths, angles;
     int exact = 0;
@@ -173,6 +190,8 @@ TEST_CASE("a pair that is mirrored has mirrored contacts, with each shape, and e
       setPose(first, poseOfShape);
       setPose(image.id, mirror(poseOfMesh));
       setPose(second, mirror(poseOfShape));
+      for (const dGeomID g : {mesh.id, image.id}) dGeomGpuTriMeshForgetHistory(g);
+      for (const dGeomID g : {first, second}) dGpuTriMeshOverrideForgetGeom(g);  // each pose is one of its own
       const auto contacts = test::collide(mesh.id, first), images = test::collide(image.id, second);
       REQUIRE(sameContacts(test::collide(first, mesh.id), test::mirrored(contacts)));
       INFO(shape.name << " pose " << i);
