@@ -58,6 +58,33 @@ MeshArrays sheetOf(const HeightGrid& grid) {
   return sheet;
 }
 
+MeshArrays solidOf(const HeightGrid& grid, double depth) {
+  MeshArrays solid = sheetOf(grid);
+  const auto below = static_cast<std::uint32_t>(solid.vertices.size());
+  const std::size_t surface = solid.triangles.size();
+  for (std::uint32_t v = 0; v < below; ++v) {
+    solid.vertices.push_back({solid.vertices[v].x, solid.vertices[v].y, static_cast<float>(-depth)});
+  }
+  for (std::size_t t = 0; t < surface; ++t) {
+    const Triangle& top = solid.triangles[t];
+    solid.triangles.push_back({{top.v[0] + below, top.v[2] + below, top.v[1] + below}});
+  }
+  const auto wall = [&](std::uint32_t u, std::uint32_t v) {  // the surface lies on the left of u to v, seen from above
+    solid.triangles.push_back({{v, u, u + below}});
+    solid.triangles.push_back({{v, u + below, v + below}});
+  };
+  const auto columns = static_cast<std::uint32_t>(grid.columns), rows = static_cast<std::uint32_t>(grid.rows);
+  for (std::uint32_t i = 0; i + 1 < columns; ++i) {
+    wall(i, i + 1);
+    wall((rows - 1) * columns + i + 1, (rows - 1) * columns + i);
+  }
+  for (std::uint32_t j = 0; j + 1 < rows; ++j) {
+    wall((j + 1) * columns, j * columns);
+    wall((j + 1) * columns - 1, (j + 2) * columns - 1);
+  }
+  return solid;
+}
+
 std::vector<float> fieldSamples(const HeightGrid& grid) {
   std::vector<float> samples;
   samples.reserve(grid.heights.size());

@@ -31,6 +31,9 @@ void setRoughHeights(HeightGrid& grid, double height, double length, std::uint32
 /// The surface as an open mesh of the triangles that ODE's collider cuts the field into (see fieldSamples()).
 MeshArrays sheetOf(const HeightGrid& grid);
 
+/// The same with walls and a bottom, which is flat and `depth` below z = 0: closed.
+MeshArrays solidOf(const HeightGrid& grid, double depth);
+
 /// The samples in ODE's order, whose heights are along y: with its x axis where ours is and its y axis along our z, its
 /// z axis points against our y.
 std::vector<float> fieldSamples(const HeightGrid& grid);
