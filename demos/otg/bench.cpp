@@ -27,7 +27,8 @@ void printBench(const Json& document, bool json) {
 }
 
 void addBenchCommand(CLI::App& app, Action& action) {
-  CLI::App* bench = app.add_subcommand("bench", "Measure; all times are milliseconds of one thread, medians");
+  CLI::App* bench =
+      app.add_subcommand("bench", "Measure; times are milliseconds of one thread, medians, where nothing else is said");
   bench->require_subcommand(1);
   add(*bench, "thesis", "The published tables: each step of the query; traversals, descent rules, build strategies",
       &benchThesis, true, action);
@@ -36,6 +37,7 @@ void addBenchCommand(CLI::App& app, Action& action) {
   add(*bench, "build", "Time to validate meshes and to build, derive and refit their trees", &benchBuild, false,
       action);
   add(*bench, "peers", "The whole query beside stock ODE and other libraries", &benchPeers, true, action);
+  addBenchThreads(*bench, action);
   addBenchContacts(*bench, action);
   addBenchPrimitives(*bench, action);
   addBenchTessellations(*bench, action);

@@ -16,6 +16,8 @@ int benchBuild(const BenchOptions& options);
 /// The whole query beside other collision libraries, stock ODE first.
 int benchPeers(const BenchOptions& options);
 
+/// `otg bench threads`: queries from several threads at once, and batches worked on by several threads.
+void addBenchThreads(CLI::App& bench, Action& action);
 /// `otg bench contacts`: single queries against the truth.
 void addBenchContacts(CLI::App& bench, Action& action);
 /// `otg bench primitives`: meshes against ODE's shapes, beside ODE's own pairs.

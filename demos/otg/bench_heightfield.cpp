@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "otg/bench.h"
+#include "otg/contact_hash.h"
 #include "scenes/height_grid.h"
 #include "scenes/heightfield_geom.h"
 #include "scenes/simulation.h"
@@ -49,10 +50,7 @@ class FieldRun {
     const double time =
         microseconds([&] { count = dCollide(body, field_, kFieldPlaces, contacts, sizeof(dContactGeom)); });
     hash_.add(count);
-    for (int i = 0; i < count; ++i) {
-      for (int k = 0; k < 3; ++k) hash_.add(contacts[i].pos[k]), hash_.add(contacts[i].normal[k]);
-      hash_.add(contacts[i].depth);
-    }
+    for (int i = 0; i < count; ++i) addToHash(hash_, contacts[i]);
     lastCount_ = count;
     return time;
   }

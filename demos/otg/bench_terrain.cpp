@@ -9,6 +9,7 @@
 #include <functional>
 
 #include "otg/bench.h"
+#include "otg/contact_hash.h"
 #include "scenes/generated_meshes.h"
 #include "scenes/simulation.h"
 #include "truth/contact_families.h"
@@ -101,13 +102,8 @@ void ask(dGeomID terrain, dGeomID shape, int repeat, TerrainRun& run) {
   run.contacts += static_cast<std::uint64_t>(count);
   run.hash.add(count);
   for (int i = 0; i < count; ++i) {
-    const dContactGeom& c = contacts[i];
-    for (int k = 0; k < 3; ++k) {
-      run.hash.add(c.pos[k]);
-      run.hash.add(c.normal[k]);
-    }
-    run.hash.add(c.depth);
-    run.hash.add(c.side1);
+    addToHash(run.hash, contacts[i]);
+    run.hash.add(contacts[i].side1);
   }
 }
 

@@ -83,6 +83,33 @@ class Bench(CliTest):
             self.assertEqual({row["backend"] for row in tables["batch"]}, {"cpu", "opencl"})
             self.assertTrue(all("opencl_ms" in row for row in tables["single"]))
 
+    def test_threads(self):
+        """Each kind of work with each number of threads: the contacts that one thread finds."""
+        document = self.run_json("bench", "threads", self.mesh(), "--repeat", "2", "--pairs", "24", "--threads", "3,2,3")
+        rows = document["tables"]["threads"]
+        self.assertEqual([(row["work"], row["threads"]) for row in rows],
+                         list(itertools.product(("same pair", "different pairs", "batch"), (1, 2, 3))))
+        hashes = {}
+        for row in rows:
+            self.assertEqual((row["answers"], row["queries"]), ("same", 24))
+            self.assertGreater(row["ms"], 0)
+            self.assertAlmostEqual(row["queries_per_second"] * row["ms"], 24e3, delta=1)
+            self.assertEqual(row["call_us"] is None, row["work"] == "batch")
+            if row["threads"] == 1:
+                self.assertEqual(row["speed_up"], 1)
+            hashes.setdefault(row["work"], set()).add(row["hash"])
+        self.assertEqual({work: len(found) for work, found in hashes.items()}, dict.fromkeys(hashes, 1))
+        # A batch has the contacts that its pairs have by themselves.
+        self.assertEqual(hashes["different pairs"], hashes["batch"])
+        self.assertNotEqual(hashes["different pairs"], hashes["same pair"])
+        pairwise = self.run_json("bench", "threads", self.mesh(), "--repeat", "1", "--pairs", "3", "--threads", "1",
+                                 "--contacts", "pairwise", "--scene", "deep")["tables"]["threads"]
+        self.assertEqual([row["threads"] for row in pairwise], [1, 1, 1])
+        self.assertNotIn(pairwise[0]["hash"], hashes["same pair"])
+        cores = self.run_json("bench", "threads", self.mesh(), "--repeat", "1", "--pairs", "2")
+        self.assertEqual(max(row["threads"] for row in cores["tables"]["threads"]), cores["cores"])
+        self.assert_fails(2, "bench", "threads", self.mesh(), "--threads", "0")
+
     def test_build(self):
         rows = self.run_json("bench", "build", self.mesh(), "--repeat", "1")["tables"]["build"]
         self.assertEqual([row["build"] for row in rows], ["mean", "sah"])

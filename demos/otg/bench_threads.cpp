@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `otg bench threads`: dCollide() called from several threads at once, and batches worked on by several threads.
+#include <fmt/format.h>
+#include <ode/ode.h>
+#include <ode_trimesh_gpu/ode_trimesh_gpu.h>
+
+#include <algorithm>
+#include <atomic>
+#include <barrier>
+#include <chrono>
+#include <thread>
+
+#include "otg/bench.h"
+#include "otg/contact_hash.h"
+#include "scenes/simulation.h"
+#include "truth/contact_families.h"
+
+namespace otg::cli {
+namespace {
+
+constexpr int kCallPlaces = 64;
+constexpr int kThreadRounds = 5;
+
+struct ThreadsOptions {
+  BenchOptions bench;
+  std::vector<unsigned> threads;  ///< empty: 1, 2, 4, ... and as many as there are cores
+  std::string contacts = "solid";
+};
+
+std::vector<unsigned> threadCounts(const ThreadsOptions& options) {
+  std::vector<unsigned> counts = options.threads;
+  if (counts.empty()) {
+    const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+    for (unsigned n = 2; n < cores; n *= 2) counts.push_back(n);
+    counts.push_back(cores);
+  }
+  counts.push_back(1);  // what the others are compared with
+  std::sort(counts.begin(), counts.end());
+  counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
+  return counts;
+}
+
+void poseGeom(dGeomID geom, const Transformd& pose) {
+  dMatrix3 r{};
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) r[4 * row + column] = pose.r[3 * row + column];
+  }
+  dGeomSetRotation(geom, r);
+  dGeomSetPosition(geom, pose.t.x, pose.t.y, pose.t.z);
+}
+
+/// GeomPairs of geoms of one mesh, each pair in a pose of its own that differs a little from the scene's.
+class GeomPairs {
+ public:
+  GeomPairs(const ThreadsOptions& options, const BenchMesh& entry) {
+    const TriMesh& mesh = *entry.mesh;
+    data_ = dGpuTriMeshDataCreate();
+    if (dGpuTriMeshDataBuildSingle(data_, mesh.vertices().data(), sizeof(Vec3f),
+                                   static_cast<int>(mesh.vertices().size()), mesh.triangles().data(),
+                                   static_cast<int>(3 * mesh.triangleCount()), sizeof(Triangle)) != dGPUTRIMESH_OK) {
+      throw InputError(entry.name + ": the library refuses this mesh");
+    }
+    dGpuTriMeshParams params;
+    dGpuTriMeshParamsInit(&params);
+    params.contact_model = options.contacts == "solid" ? dGPUTRIMESH_CONTACTS_SOLID : dGPUTRIMESH_CONTACTS_PAIRWISE;
+    params.backend = dGPUTRIMESH_BACKEND_CPU;
+    const Transformd scene = benchPose(options.bench, CollisionMesh(entry.mesh, BuildStrategy::kSah));
+    truth::Random random(1);
+    for (int i = 0; i < options.bench.pairs; ++i) {
+      dGpuTriMeshPair& pair = all.emplace_back();
+      for (dGeomID* geom : {&pair.o1, &pair.o2}) {
+        *geom = dCreateGpuTriMesh(nullptr, data_);
+        dGeomGpuTriMeshSetParams(*geom, &params);
+      }
+      Transformd pose = scene;
+      pose.t = otgAdd(pose.t, otgScale(random.direction(), 1e-4 * static_cast<double>(mesh.radius())));
+      poseGeom(pair.o2, pose);
+      for (const dGeomID geom : {pair.o1, pair.o2}) {  // ODE works out poses and boxes on demand, in one thread
+        dReal box[6];
+        dGeomGetAABB(geom, box);
+      }
+    }
+  }
+  ~GeomPairs() {
+    for (const dGpuTriMeshPair& pair : all) {
+      dGeomDestroy(pair.o1);
+      dGeomDestroy(pair.o2);
+    }
+    dGpuTriMeshDataDestroy(data_);
+  }
+  GeomPairs(const GeomPairs&) = delete;
+  GeomPairs& operator=(const GeomPairs&) = delete;
+  std::vector<dGpuTriMeshPair> all;
+
+ private:
+  dGpuTriMeshDataID data_ = nullptr;
+};
+
+/// The contacts of every query of a run, each with as many places.
+struct CallAnswers {
+  std::vector<dContactGeom> contacts;
+  std::vector<int> counts;
+  std::vector<double> callUs;  ///< of each query by itself
+
+  explicit CallAnswers(std::size_t queries) : contacts(queries * kCallPlaces), counts(queries), callUs(queries) {}
+  std::string hash() const {
+    Fnv1a hash;
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      hash.add(counts[i]);
+      for (int k = 0; k < counts[i]; ++k) {
+        const dContactGeom& contact = contacts[i * kCallPlaces + static_cast<std::size_t>(k)];
+        addToHash(hash, contact);
+        hash.add(contact.side1);
+        hash.add(contact.side2);
+      }
+    }
+    return hash.hex();
+  }
+};
+
+/// Every query by one of `threads` threads that run already. Milliseconds from when they are let go to the last one's
+/// end.
+double callOnThreads(const std::vector<dGpuTriMeshPair>& pairs, unsigned threads, CallAnswers& answers) {
+  using Clock = std::chrono::steady_clock;
+  std::atomic<std::size_t> next{0};
+  std::barrier<> together(static_cast<std::ptrdiff_t>(threads) + 1);
+  std::vector<std::thread> team;
+  for (unsigned t = 0; t < threads; ++t) {
+    team.emplace_back([&] {
+      dAllocateODEDataForThread(dAllocateMaskAll);
+      together.arrive_and_wait();
+      for (std::size_t i = next.fetch_add(1); i < pairs.size(); i = next.fetch_add(1)) {
+        const auto begin = Clock::now();
+        answers.counts[i] =
+            dCollide(pairs[i].o1, pairs[i].o2, kCallPlaces, &answers.contacts[i * kCallPlaces], sizeof(dContactGeom));
+        answers.callUs[i] = std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
+      }
+      together.arrive_and_wait();
+    });
+  }
+  together.arrive_and_wait();
+  const double ms = timeOnce([&] { together.arrive_and_wait(); });
+  for (std::thread& thread : team) thread.join();
+  return ms;
+}
+
+double collideAsBatch(const std::vector<dGpuTriMeshPair>& pairs, unsigned threads, CallAnswers& answers) {
+  dGpuTriMeshSetThreadCount(static_cast<int>(threads));
+  int status = 0;
+  const double ms = timeOnce([&] {
+    status = dGpuTriMeshCollidePairs(pairs.data(), static_cast<int>(pairs.size()), kCallPlaces, answers.contacts.data(),
+                                     sizeof(dContactGeom), answers.counts.data());
+  });
+  if (status < 0) throw std::runtime_error(dGpuTriMeshErrorString(status));
+  return ms;
+}
+
+/// One kind of work with one number of threads.
+struct TeamWork {
+  const char* name;
+  double (*run)(const std::vector<dGpuTriMeshPair>&, unsigned, CallAnswers&);
+  const std::vector<dGpuTriMeshPair>* pairs;
+  unsigned threads;
+  std::vector<double> ms, callUs;
+  std::string hash;
+  bool alwaysSame = true;
+
+  void measure() {
+    CallAnswers answers(pairs->size());
+    ms.push_back(run(*pairs, threads, answers));
+    callUs.push_back(median(answers.callUs));
+    const std::string found = answers.hash();
+    alwaysSame = alwaysSame && (hash.empty() || hash == found);
+    hash = found;
+  }
+};
+
+Json teamRow(const BenchMesh& entry, const TeamWork& work, const TeamWork& alone) {
+  const double ms = median(work.ms), queries = static_cast<double>(work.pairs->size());
+  const bool isCall = work.run == &callOnThreads;
+  return {{"mesh", entry.name},
+          {"triangles", entry.mesh->triangleCount()},
+          {"work", work.name},
+          {"threads", work.threads},
+          {"queries", work.pairs->size()},
+          {"ms", ms},
+          {"queries_per_second", ms > 0 ? 1e3 * queries / ms : 0.0},
+          {"call_us", isCall ? Json(median(work.callUs)) : Json()},
+          {"speed_up", ms > 0 ? median(alone.ms) / ms : 0.0},
+          {"hash", work.hash},
+          {"answers", work.alwaysSame && work.hash == alone.hash ? "same" : "DIFFERENT"}};
+}
+
+int benchThreads(const ThreadsOptions& options) {
+  const scenes::OdeSession session;
+  const std::vector<unsigned> counts = threadCounts(options);
+  Json rows = Json::array();
+  for (const BenchMesh& entry : benchMeshes(options.bench)) {
+    progress(fmt::format("{}: {} triangles", entry.name, entry.mesh->triangleCount()));
+    const GeomPairs pairs(options, entry);
+    const std::vector<dGpuTriMeshPair> samePair(pairs.all.size(), pairs.all.front());
+    std::vector<TeamWork> works;
+    for (const auto& [name, run, list] :
+         {std::tuple{"same pair", &callOnThreads, &samePair}, std::tuple{"different pairs", &callOnThreads, &pairs.all},
+          std::tuple{"batch", &collideAsBatch, &pairs.all}}) {
+      for (const unsigned threads : counts) works.push_back({name, run, list, threads, {}, {}, {}});
+    }
+    CallAnswers memory(pairs.all.size());
+    callOnThreads(pairs.all, counts.back(), memory);  // memory, and what is remembered of each pair
+    // In turns, so that a busy moment of the machine hits all of them.
+    const int rounds = options.bench.repeat > 0 ? options.bench.repeat : kThreadRounds;
+    for (int round = 0; round < rounds; ++round) {
+      for (TeamWork& work : works) work.measure();
+    }
+    for (std::size_t i = 0; i < works.size(); ++i) {
+      rows.push_back(teamRow(entry, works[i], works[i - i % counts.size()]));
+    }
+  }
+  dGpuTriMeshSetThreadCount(0);
+  printBench({{"bench", "threads"},
+              {"scene", options.bench.scene},
+              {"contacts", options.contacts},
+              {"cores", std::thread::hardware_concurrency()},
+              {"tables", {{"threads", rows}}}},
+             options.bench.json);
+  return kOk;
+}
+
+}  // namespace
+
+void addBenchThreads(CLI::App& bench, Action& action) {
+  CLI::App* command = bench.add_subcommand(
+      "threads", "Queries from several threads at once, of one pair and of different ones, and batches");
+  auto options = std::make_shared<ThreadsOptions>();
+  options->bench.pairs = 256;
+  options->bench.addTo(*command, true);
+  command->add_option("--threads", options->threads, "How many threads (default: 1, 2, 4, ... and one for each core)")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 1024));
+  command->add_option("--pairs", options->bench.pairs, "GeomPairs of geoms, and queries of one pair")
+      ->check(CLI::Range(1, 100000));
+  command->add_option("--contacts", options->contacts, "Contact model")->check(CLI::IsMember({"pairwise", "solid"}));
+  command->callback([options, &action] { action = [options] { return benchThreads(*options); }; });
+}
+
+}  // namespace otg::cli
