@@ -105,7 +105,7 @@ void LevelsBench::addScene(int repeat, const std::string& name, const std::strin
     const opencl::LevelsTimes middle = medianOf(times);
     row = key;
     row["levels_ms"] = levels.ms;
-    for (const LevelsStage& stage : stagesOf(middle, levels.ms)) {
+    for (const QueryStage& stage : stagesOf(middle, levels.ms)) {
       row[fmt::format("{}_percent", stage.name)] = stage.percent;
     }
     shares_.push_back(row);

@@ -20,6 +20,8 @@ class LevelsBench {
            const std::vector<std::shared_ptr<const CollisionMesh>>& meshes);
   /// levels, levels_shares, levels_per_depth; none without a device.
   void addTablesTo(Json& document) const;
+  /// The default device; null without one.
+  opencl::Backend* backend() const { return backend_.get(); }
 
  private:
   void addScene(int repeat, const std::string& name, const std::string& scene, const CollisionMesh& mesh,

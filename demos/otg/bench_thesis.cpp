@@ -8,6 +8,7 @@
 #include "otg/bench.h"
 #include "otg/bench_levels.h"
 #include "otg/query_options.h"
+#include "otg/query_profile.h"
 
 namespace otg::cli {
 namespace {
@@ -19,25 +20,8 @@ constexpr DescentRule kDescents[] = {DescentRule::kFirstTreeFirst, DescentRule::
 /// Without --repeat, the combinations of one mesh take about this long together, if 3 to 50 rounds do.
 constexpr double kCombinationsMs = 10000;
 
-struct Measured {
-  double middle = 0, near = 0, contacts = 0, reduction = 0, total = 0;
-};
-
-Measured measure(const Query& query, Workspace& workspace, int repeat) {
-  std::vector<double> middle, near, contacts, reduction;
-  collide(query, workspace);  // memory, and layouts that are made on first use
-  const std::vector<double> total = repeatTimes(repeat, [&] {
-    const double ms = timeOnce([&] { collide(query, workspace); });
-    middle.push_back(workspace.stats.middleMs);
-    near.push_back(workspace.stats.nearMs);
-    contacts.push_back(workspace.stats.contactsMs);
-    reduction.push_back(workspace.stats.reductionMs);
-    return ms;
-  });
-  return {median(middle), median(near), median(contacts), median(reduction), median(total)};
-}
-
-Json pipelineRow(const std::string& name, const CollisionMesh& mesh, const Workspace& workspace, const Measured& time) {
+Json pipelineRow(const std::string& name, const CollisionMesh& mesh, const Workspace& workspace,
+                 const QueryTimes& times) {
   const CollideStats& stats = workspace.stats;
   Json row;
   row["mesh"] = name;
@@ -49,19 +33,57 @@ Json pipelineRow(const std::string& name, const CollisionMesh& mesh, const Works
   row["intersecting_pairs"] = stats.intersectingPairs;
   row["contacts_before_reduction"] = stats.contactsBeforeReduction;
   row["contacts"] = workspace.reduced.size();
-  row["middle_ms"] = time.middle;
-  row["near_ms"] = time.near;
-  row["contacts_ms"] = time.contacts;
-  row["reduction_ms"] = time.reduction;
-  row["total_ms"] = time.total;
-  const double sum = time.middle + time.near + time.contacts + time.reduction;
+  const double middle = median(times.main), near = median(times.near), contacts = median(times.contacts);
+  const double reduction = median(times.reduction);
+  row["middle_ms"] = middle;
+  row["near_ms"] = near;
+  row["contacts_ms"] = contacts;
+  row["reduction_ms"] = reduction;
+  row["total_ms"] = median(times.total);
+  const double sum = middle + near + contacts + reduction;
   const auto percent = [&](double ms) { return sum > 0 ? 100 * ms / sum : 0.0; };
-  row["middle_percent"] = percent(time.middle);
-  row["near_percent"] = percent(time.near);
-  row["contacts_percent"] = percent(time.contacts);
-  row["reduction_percent"] = percent(time.reduction);
+  row["middle_percent"] = percent(middle);
+  row["near_percent"] = percent(near);
+  row["contacts_percent"] = percent(contacts);
+  row["reduction_percent"] = percent(reduction);
   row["hash"] = hashOf(workspace.reduced);
   return row;
+}
+
+/// The whole query, stage by stage as `collide --profile` shows it.
+Json profileRow(const std::string& name, const Query& query, const Workspace& workspace, const QueryTimes& times) {
+  Json row = {{"mesh", name},
+              {"triangles", query.a->mesh().triangleCount()},
+              {"build", nameOf(query.a->tree().strategy)},
+              {"contacts", query.options.contacts == ContactModel::kSolid ? "solid" : "pairwise"},
+              {"backend", "cpu"},
+              {"total_ms", median(times.total)}};
+  const std::vector<QueryStage> stages = stagesOf(times);
+  const auto key = [](const QueryStage& stage, const char* unit) {
+    std::string text = fmt::format("{}_{}", stage.name, unit);
+    std::replace(text.begin(), text.end(), '-', '_');
+    return text;
+  };
+  for (const QueryStage& stage : stages) row[key(stage, "ms")] = stage.ms;
+  for (const QueryStage& stage : stages) row[key(stage, "percent")] = stage.percent;
+  row["hash"] = hashOf(workspace.reduced);
+  row["answers"] = "same";
+  return row;
+}
+
+/// The same by the device's own traversal, after the row of the CPU with which it is compared. Nothing without a
+/// device.
+void addDeviceProfile(const std::string& name, const Query& query, opencl::Backend* backend, int repeat, Json& rows) {
+  if (backend == nullptr) return;
+  Workspace workspace;
+  const std::uint64_t failed = backend->counts().onHost;
+  const QueryTimes times = measureQuery(*backend, query, workspace, repeat);
+  Json row = profileRow(name, query, workspace, times);
+  row["backend"] = "opencl";
+  row["answers"] = backend->counts().onHost > failed    ? "device failed"
+                   : row["hash"] == rows.back()["hash"] ? "same"
+                                                        : "DIFFERENT";
+  rows.push_back(row);
 }
 
 std::string hashOfPairs(const std::vector<TrianglePair>& pairs) {
@@ -137,7 +159,7 @@ Json combinationRow(const std::string& name, const Combination& combination) {
 }  // namespace
 
 int benchThesis(const BenchOptions& options) {
-  Json pipeline = Json::array(), depths = Json::array(), combinations = Json::array();
+  Json pipeline = Json::array(), profile = Json::array(), depths = Json::array(), combinations = Json::array();
   Workspace workspace;
   LevelsBench levels;
   for (const BenchMesh& entry : benchMeshes(options)) {
@@ -154,8 +176,15 @@ int benchThesis(const BenchOptions& options) {
     for (const auto& mesh : meshes) {
       query.a = query.b = mesh.get();
       query.options.countPerDepth = false;
-      const Measured whole = measure(query, workspace, options.repeat);
+      const QueryTimes whole = measureQuery(query, workspace, options.repeat);
       pipeline.push_back(pipelineRow(entry.name, *mesh, workspace, whole));
+      profile.push_back(profileRow(entry.name, query, workspace, whole));
+      addDeviceProfile(entry.name, query, levels.backend(), options.repeat, profile);
+      Query solid = query;
+      solid.options.contacts = ContactModel::kSolid;
+      const QueryTimes asSolid = measureQuery(solid, workspace, options.repeat);
+      profile.push_back(profileRow(entry.name, solid, workspace, asSolid));
+      addDeviceProfile(entry.name, solid, levels.backend(), options.repeat, profile);
       query.options.countPerDepth = true;
       collide(query, workspace);
       for (std::size_t depth = 0; depth < workspace.stats.boxTestsPerDepth.size(); ++depth) {
@@ -171,10 +200,13 @@ int benchThesis(const BenchOptions& options) {
     }
     levels.add(options, entry.name, meshes);
   }
-  Json document = {
-      {"bench", "thesis"},
-      {"scene", options.scene},
-      {"tables", {{"pipeline", pipeline}, {"box_tests_per_depth", depths}, {"combinations", combinations}}}};
+  Json document = {{"bench", "thesis"},
+                   {"scene", options.scene},
+                   {"tables",
+                    {{"pipeline", pipeline},
+                     {"profile", profile},
+                     {"box_tests_per_depth", depths},
+                     {"combinations", combinations}}}};
   levels.addTablesTo(document);
   printBench(document, options.json);
   return kOk;

@@ -11,6 +11,7 @@
 #include "otg/levels_rows.h"
 #include "otg/pose.h"
 #include "otg/query_options.h"
+#include "otg/query_profile.h"
 #include "scenes/height_grid_file.h"
 
 namespace otg::cli {
@@ -84,52 +85,10 @@ Json describe(const Contact& contact, const Query& query) {
           {"id", fmt::format("{:016x}", contactId(contact))}};
 }
 
-/// Times of the stages, of several queries each.
-struct Times {
-  std::vector<double> upload, top, main, near, contacts, readBack, host, reduction, total;
-  std::vector<double> profiled;  ///< totals of the runs that the stages are from, where these are others
-  double uploadOnce = 0;         ///< of both meshes, in the first query
-};
-
-Times measure(const Query& query, Workspace& workspace, int repeat) {
-  Times times;
-  collide(query, workspace);  // warm-up: memory is allocated, layouts other than the standard one are made
-  for (int i = 0; i < repeat; ++i) {
-    times.total.push_back(timeOnce([&] { collide(query, workspace); }));
-    times.main.push_back(workspace.stats.middleMs);
-    times.near.push_back(workspace.stats.nearMs);
-    times.contacts.push_back(workspace.stats.contactsMs);
-    times.reduction.push_back(workspace.stats.reductionMs);
-  }
-  return times;
-}
-
-/// The whole is timed without taking times of its stages, which costs some; these in further runs.
-Times measure(opencl::Backend& backend, const Query& query, Workspace& workspace, int repeat) {
-  Times times;
-  opencl::StageTimes stages;
-  const double first = timeOnce([&] { backend.collide(query, workspace); });
-  times.uploadOnce = std::max(0.0, first - timeOnce([&] { backend.collide(query, workspace); }));
-  backend.collideProfiled(query, workspace, stages);
-  for (int i = 0; i < repeat; ++i) {
-    times.total.push_back(timeOnce([&] { backend.collide(query, workspace); }));
-    backend.collideProfiled(query, workspace, stages);
-    times.profiled.push_back(stages.total);
-    times.top.push_back(stages.top);
-    times.main.push_back(stages.levels + stages.main);
-    times.upload.push_back(stages.write);
-    times.contacts.push_back(stages.contacts);
-    times.readBack.push_back(stages.readBack);
-    times.host.push_back(stages.host);
-    times.reduction.push_back(stages.regions + stages.select + stages.choose + stages.reduction);
-  }
-  return times;
-}
-
-/// The traversal `levels`: likewise. `report` is that of the last run, with medians of the times.
-Times measure(opencl::Backend& backend, const Query& query, Workspace& workspace, int repeat,
-              const opencl::LevelsOptions& how, opencl::LevelsReport& report) {
-  Times times;
+/// As measureQuery(), by the traversal `levels`. `report` is that of the last run, with medians of the times.
+QueryTimes measure(opencl::Backend& backend, const Query& query, Workspace& workspace, int repeat,
+                   const opencl::LevelsOptions& how, opencl::LevelsReport& report) {
+  QueryTimes times;
   std::vector<opencl::LevelsTimes> all;
   const auto run = [&] { backend.collideByLevels(query, workspace, how); };
   const double first = timeOnce(run);
@@ -155,8 +114,8 @@ Times measure(opencl::Backend& backend, const Query& query, Workspace& workspace
 }
 
 /// Phases on different sides, or wherever it is expected to be sooner.
-Times measure(Dispatcher& dispatcher, const PairJob& job, Workspace& workspace, int repeat, Dispatcher::Ran& ran) {
-  Times times;
+QueryTimes measure(Dispatcher& dispatcher, const PairJob& job, Workspace& workspace, int repeat, Dispatcher::Ran& ran) {
+  QueryTimes times;
   dispatcher.collide(job, workspace, ran);
   for (int i = 0; i < repeat; ++i) {
     ran = {};
@@ -169,78 +128,10 @@ Times measure(Dispatcher& dispatcher, const PairJob& job, Workspace& workspace, 
   return times;
 }
 
-/// What the stages of --profile stand for, where a query runs.
-struct StageTexts {
-  const char *upload, *top, *main, *near, *contacts, *reduction, *readBack, *host;
-};
-constexpr StageTexts kOnCpu = {"nothing is sent",
-                               "nothing: the middle phase begins at the roots",
-                               "middle phase: which triangles may meet",
-                               "near phase: which of them do",
-                               "positions, normals and depths",
-                               "of the contacts of pairwise, the few that were asked for",
-                               "nothing is read back",
-                               "what lies between the stages"};
-constexpr StageTexts kOnDevice = {"meshes stay on the device; poses go with the launches",
-                                  "device: where the traversal begins",
-                                  "device: the rest of the traversal, with the float filter of the near phase",
-                                  "in main and contacts",
-                                  "device: decisions in double, and contacts",
-                                  "device: regions, bins, limit; CPU: what it left",
-                                  "device: results to the CPU",
-                                  "CPU: launches, waiting, order, exact decisions"};
-/// The model `solid`.
-StageTexts solidTexts() {
-  StageTexts texts = kOnDevice;
-  texts.contacts = "device: exact decisions, crossings and chords";
-  texts.reduction =
-      "device: regions, surface, candidates, where there are many hits; CPU: contacts from that, or from hits";
-  texts.readBack = "device: what it found, to the CPU";
-  return texts;
-}
-/// Of phases on different sides only the whole times are known.
-StageTexts mixedTexts(bool middleOnDevice, bool nearOnDevice) {
-  StageTexts texts = kOnCpu;
-  texts.upload = texts.readBack = "in the times of the phases";
-  texts.main = middleOnDevice ? "middle phase, on the device" : "middle phase, on the CPU";
-  texts.near = nearOnDevice ? "near phase, on the device" : "near phase, on the CPU";
-  return texts;
-}
-constexpr StageTexts kByLevels = {"to the device: the nodes to start from; trees and triangles with --send-trees",
-                                  "device: the pairs of nodes to start from",
-                                  "device: the traversal, level by level; its steps are below",
-                                  "device: triangles, and contacts unless --split-near",
-                                  "device: decisions in double, and contacts, with --split-near",
-                                  "device: regions, bins, limit; CPU: what it left",
-                                  "device: lengths of lists after each level; results",
-                                  "CPU: launches, waiting, order, exact decisions"};
-
-/// What --profile shows: every stage, its share, and where it runs. Host is what is left of the queries that take no
-/// times.
-Json profileOf(const Times& times, const StageTexts& texts) {
-  const double total = median(times.total);
-  Json rows = Json::array();
-  double known = 0;
-  const auto add = [&](const char* stage, double ms, const char* what) {
-    known += ms;
-    rows.push_back({{"stage", stage}, {"ms", ms}, {"percent", 0.0}, {"what", what}});
-  };
-  add("upload", median(times.upload), texts.upload);
-  add("top", median(times.top), texts.top);
-  add("main", median(times.main), texts.main);
-  add("near", median(times.near), texts.near);
-  add("contacts", median(times.contacts), texts.contacts);
-  add("reduction", median(times.reduction), texts.reduction);
-  add("read-back", median(times.readBack), texts.readBack);
-  add("host", std::max(0.0, total - known), texts.host);
-  for (Json& row : rows) row["percent"] = known > 0 ? 100 * row["ms"].get<double>() / known : 0.0;
-  return rows;
-}
-
 /// The steps of the traversal `levels`.
 Json stepsOf(const opencl::LevelsTimes& times, double total) {
   Json rows = Json::array();
-  for (const LevelsStage& stage : stagesOf(times, total)) {
+  for (const QueryStage& stage : stagesOf(times, total)) {
     rows.push_back({{"step", stage.name}, {"ms", stage.ms}, {"percent", stage.percent}});
   }
   return rows;
@@ -267,10 +158,10 @@ int runCollide(const CollideOptions& options) {
   const bool isLevels = options.query.isLevels();
   const opencl::LevelsOptions how = options.query.levelsOptions();
   opencl::LevelsReport report;
-  const Times times = isLevels     ? measure(*backend, query, workspace, options.repeat, how, report)
-                      : backend    ? measure(*backend, query, workspace, options.repeat)
-                      : dispatcher ? measure(*dispatcher, {query, false, place}, workspace, options.repeat, ran)
-                                   : measure(query, workspace, options.repeat);
+  const QueryTimes times = isLevels     ? measure(*backend, query, workspace, options.repeat, how, report)
+                           : backend    ? measureQuery(*backend, query, workspace, options.repeat)
+                           : dispatcher ? measure(*dispatcher, {query, false, place}, workspace, options.repeat, ran)
+                                        : measureQuery(query, workspace, options.repeat);
   if (backend) ran.deviceFailed = backend->counts().onHost > 0;
   const CollideStats& stats = workspace.stats;
 
@@ -323,10 +214,11 @@ int runCollide(const CollideOptions& options) {
   }
   if (options.profile) {
     const bool middleOnDevice = sideOf(place.middle) == "opencl", nearOnDevice = sideOf(place.near) == "opencl";
-    document["profile"] = profileOf(times, isLevels  ? kByLevels
-                                           : backend ? (mayBeSolid(query) ? solidTexts() : kOnDevice)
-                                           : middleOnDevice || nearOnDevice ? mixedTexts(middleOnDevice, nearOnDevice)
-                                                                            : kOnCpu);
+    document["profile"] =
+        profileRows(times, isLevels                         ? kStagesByLevels
+                           : backend                        ? (mayBeSolid(query) ? solidStageTexts() : kStagesOnDevice)
+                           : middleOnDevice || nearOnDevice ? mixedStageTexts(middleOnDevice, nearOnDevice)
+                                                            : kStagesOnCpu);
     if (isLevels) document["levels"]["profile"] = stepsOf(report.times, median(times.total));
     if (backend) {
       document["profiled_ms"] = median(times.profiled);

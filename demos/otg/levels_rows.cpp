@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "otg/levels_rows.h"
 
-#include <algorithm>
-
 namespace otg::cli {
 
 opencl::LevelsTimes medianOf(const std::vector<opencl::LevelsTimes>& times) {
@@ -17,24 +15,19 @@ opencl::LevelsTimes medianOf(const std::vector<opencl::LevelsTimes>& times) {
   return out;
 }
 
-std::vector<LevelsStage> stagesOf(const opencl::LevelsTimes& t, double total) {
-  std::vector<LevelsStage> stages = {{"upload", t.upload, 0},
-                                     {"start", t.start, 0},
-                                     {"test", t.test, 0},
-                                     {"scan", t.scan, 0},
-                                     {"compaction", t.compaction, 0},
-                                     {"split", t.split, 0},
-                                     {"spawn", t.spawn, 0},
-                                     {"near", t.near, 0},
-                                     {"contacts", t.contacts, 0},
-                                     {"reduction", t.regions + t.choose + t.reduction, 0},
-                                     {"read_back", t.readBack, 0}};
-  double known = 0;
-  for (const LevelsStage& stage : stages) known += stage.ms;
-  stages.push_back({"host", std::max(0.0, total - known), 0});
-  const double whole = std::max(total, known);
-  for (LevelsStage& stage : stages) stage.percent = whole > 0 ? 100 * stage.ms / whole : 0;
-  return stages;
+std::vector<QueryStage> stagesOf(const opencl::LevelsTimes& t, double total) {
+  return withHost({{"upload", t.upload, 0},
+                   {"start", t.start, 0},
+                   {"test", t.test, 0},
+                   {"scan", t.scan, 0},
+                   {"compaction", t.compaction, 0},
+                   {"split", t.split, 0},
+                   {"spawn", t.spawn, 0},
+                   {"near", t.near, 0},
+                   {"contacts", t.contacts, 0},
+                   {"reduction", t.regions + t.choose + t.reduction, 0},
+                   {"read_back", t.readBack, 0}},
+                  total);
 }
 
 Json depthRows(const std::vector<opencl::LevelsStep>& steps, const Json& before) {

@@ -5,20 +5,15 @@
 #include <vector>
 
 #include "opencl/levels.h"
-#include "otg/command.h"
+#include "otg/query_profile.h"
 
 namespace otg::cli {
 
 /// Each time by itself.
 opencl::LevelsTimes medianOf(const std::vector<opencl::LevelsTimes>& times);
 
-/// A step of a query by name.
-struct LevelsStage {
-  const char* name;
-  double ms, percent;
-};
 /// In the order in which they run. `total`: milliseconds of a query that takes no times; host is what is left of it.
-std::vector<LevelsStage> stagesOf(const opencl::LevelsTimes& times, double total);
+std::vector<QueryStage> stagesOf(const opencl::LevelsTimes& times, double total);
 
 /// Rows of {depth, box_tests, overlapping, leaf_pairs, spawned}, each after what `before` holds.
 Json depthRows(const std::vector<opencl::LevelsStep>& steps, const Json& before = Json::object());

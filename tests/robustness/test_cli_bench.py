@@ -21,6 +21,7 @@ class Bench(CliTest):
         for row in tables["pipeline"]:
             depths = [r["box_tests"] for r in tables["box_tests_per_depth"] if r["build"] == row["build"]]
             self.assertEqual(sum(depths), row["box_tests"])
+        self.check_profile(tables["profile"])
         rows = tables["combinations"]
         self.assertEqual(len({(r["build"], r["traversal"], r["descent"]) for r in rows}), len(rows))
         self.assertEqual({r["traversal"] for r in rows}, {"standard", "quantized", "noleaf", "wide"})
@@ -58,6 +59,23 @@ class Bench(CliTest):
             return
         self.assertGreater(min(row["device_ms"] for row in rows), 0)
         self.assertGreater(sum(document["costs_us"]["launch"].values()), 0)
+
+    def check_profile(self, rows):
+        """Every stage by name, their shares, and on a device the contacts that the CPU has."""
+        stages = "upload top main near contacts reduction read_back host".split()
+        sides = ["cpu"] if self.run_json("devices")["used"] is None else ["cpu", "opencl"]
+        self.assertEqual([(r["build"], r["contacts"], r["backend"]) for r in rows],
+                         list(itertools.product(("mean", "sah"), ("pairwise", "solid"), sides)))
+        for row in rows:
+            self.assertEqual([key for key in row if key.endswith("_percent")], [s + "_percent" for s in stages])
+            self.assertAlmostEqual(sum(row[s + "_percent"] for s in stages), 100, places=6)
+            self.assertGreaterEqual(sum(row[s + "_ms"] for s in stages), 0.999999 * row["total_ms"])
+            for stage in ("main", "contacts"):
+                self.assertGreater(row[stage + "_ms"], 0, row)
+            self.assertEqual(row["read_back_ms"] > 0, row["backend"] == "opencl")
+            self.assertEqual(row["answers"], "same")
+        for model in ("pairwise", "solid"):
+            self.assertEqual(len({r["hash"] for r in rows if r["contacts"] == model}), 1)
 
     def test_scenes(self):
         found = {}
