@@ -262,8 +262,8 @@ Json singleRow(const SingleScene& single, const TuningVariant& variant, opencl::
   return row;
 }
 
-/// Bodies of radius about 1 and 200 to 6,000 triangles.
-std::vector<std::shared_ptr<const CollisionMesh>> batchBodies() {
+/// Bodies of radius about 1 and 200 to 6,000 triangles, those of files last.
+std::vector<std::shared_ptr<const CollisionMesh>> batchBodies(const std::vector<BenchMesh>& files) {
   std::vector<scenes::MeshArrays> arrays = {scenes::makeSphere(0.9, 2),
                                             scenes::makeTorus(0.7, 0.25, 24, 12),
                                             scenes::makeCylinder(0.5, 1.4, 64, 6),
@@ -273,9 +273,11 @@ std::vector<std::shared_ptr<const CollisionMesh>> batchBodies() {
   for (std::uint32_t seed = 1; seed <= 6; ++seed) arrays.push_back(scenes::makeLump(0.9, 3, 0.25, seed));
   for (std::uint32_t seed = 7; seed <= 10; ++seed) arrays.push_back(scenes::makeLump(0.9, 4, 0.25, seed));
   std::vector<std::shared_ptr<const CollisionMesh>> bodies;
-  for (const scenes::MeshArrays& a : arrays) {
-    bodies.push_back(std::make_shared<CollisionMesh>(sortedInSpace(*scenes::build(a)), BuildStrategy::kSah));
-  }
+  const auto add = [&](const TriMesh& mesh) {
+    bodies.push_back(std::make_shared<CollisionMesh>(sortedInSpace(mesh), BuildStrategy::kSah));
+  };
+  for (const scenes::MeshArrays& a : arrays) add(*scenes::build(a));
+  for (const BenchMesh& file : files) add(*file.mesh);
   return bodies;
 }
 
@@ -378,7 +380,9 @@ BatchVersions makeBatchVersions(const BenchOptions& options, bool stacks) {
       scene.bodies.push_back(std::make_shared<CollisionMesh>(sortedInSpace(*scenes::build(box)), BuildStrategy::kSah));
     }
   } else {
-    scene.bodies = batchBodies();
+    const std::vector<BenchMesh> files = bodyMeshes(options);
+    scene.bodies = batchBodies(files);
+    for (const BenchMesh& file : files) scene.of += (scene.of.empty() ? " of generated bodies, " : ", ") + file.name;
   }
   for (const auto& body : scene.bodies) scene.meshes.push_back(body.get());
   scene.queries = stacks ? stackQueries(scene.bodies, options.pairs) : batchQueries(scene.bodies, options.pairs);

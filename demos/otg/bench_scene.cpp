@@ -105,6 +105,8 @@ void BenchOptions::addTo(CLI::App& command, bool withScene) {
         ->delimiter(',')
         ->check(CLI::IsMember({"touch", "deep", "deep10", "nearmiss", "none"}));
     command.add_option("--contacts", contacts, "Contact model")->check(CLI::IsMember({"pairwise", "solid"}));
+    command.add_option("--body-files", bodyFiles,
+                       "Mesh files of 200 to 6,000 triangles, scaled to radius 1, beside the generated bodies");
     command.add_flag("!--no-cpu", cpu, "Leave out the CPU (answers are compared all the same)");
     command.add_option("--tune", tune, "KEY=VALUE of the OpenCL launches; KEY=V1,V2,... repeats all for each value");
   }
@@ -129,6 +131,31 @@ std::vector<BenchMesh> benchMeshes(const BenchOptions& options) {
     return a.mesh->triangleCount() > b.mesh->triangleCount();
   });
   return meshes;
+}
+
+std::vector<BenchMesh> bodyMeshes(const BenchOptions& options) {
+  constexpr std::size_t kLeast = 200, kMost = 6000;
+  std::vector<BenchMesh> bodies;
+  for (const std::string& file : options.bodyFiles) {
+    const std::shared_ptr<const TriMesh> mesh = mesh_io::loadTriMesh(file);
+    if (mesh->triangleCount() < kLeast || mesh->triangleCount() > kMost) {
+      progress(fmt::format("note: {} has {} triangles and is left out; bodies have {} to {}", file,
+                           mesh->triangleCount(), kLeast, kMost));
+      continue;
+    }
+    scenes::MeshArrays arrays;
+    arrays.triangles.assign(mesh->triangles().begin(), mesh->triangles().end());
+    const Vec3f center = mesh->center();
+    const float scale = 1 / mesh->radius();
+    for (const Vec3f& v : mesh->vertices()) {
+      arrays.vertices.push_back({scale * (v.x - center.x), scale * (v.y - center.y), scale * (v.z - center.z)});
+    }
+    bodies.push_back({fs::path(file).stem().string(), scenes::build(arrays)});
+  }
+  if (bodies.empty() && !options.bodyFiles.empty()) {
+    throw InputError(fmt::format("--body-files: none of the files has {} to {} triangles", kLeast, kMost));
+  }
+  return bodies;
 }
 
 std::shared_ptr<const TriMesh> sortedInSpace(const TriMesh& mesh) {

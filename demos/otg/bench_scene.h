@@ -20,8 +20,9 @@ struct BenchOptions {
   std::vector<std::string>
       scenes;       ///< of `bench batch`, and of the traversal `levels` in `bench thesis`; empty: default
   bool cpu = true;  ///< of `bench batch`
-  std::string contacts = "pairwise";  ///< of `bench batch`
-  std::vector<std::string> tune;      ///< of `bench batch`
+  std::string contacts = "pairwise";   ///< of `bench batch`
+  std::vector<std::string> tune;       ///< of `bench batch`
+  std::vector<std::string> bodyFiles;  ///< of `bench batch`: further bodies
   bool json = false;
 
   void addTo(CLI::App& command, bool withScene);
@@ -35,6 +36,10 @@ struct BenchMesh {
 /// The files of the command line; without any, the armadillo* of the folder that OTG_MESH_DIR names; without that,
 /// lumps. Largest first.
 std::vector<BenchMesh> benchMeshes(const BenchOptions& options);
+
+/// The files of --body-files as bodies of a batch: moved to the origin and scaled to radius 1. Those that do not have
+/// 200 to 6,000 triangles are left out, with a note; throws InputError if that leaves none.
+std::vector<BenchMesh> bodyMeshes(const BenchOptions& options);
 
 /// The same mesh as the geom class builds it: sorted in space. Files are read as they are, which is what other
 /// libraries get.

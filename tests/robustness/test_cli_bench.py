@@ -101,6 +101,30 @@ class Bench(CliTest):
             self.assertEqual({row["backend"] for row in tables["batch"]}, {"cpu", "opencl"})
             self.assertTrue(all("opencl_ms" in row for row in tables["single"]))
 
+    def test_batch_bodies(self):
+        """Files of 200 to 6,000 triangles join the generated bodies, whatever their size and place; the rest do not."""
+        def batch(*arguments):
+            return self.run_json("bench", "batch", "--scenes", "none", "--repeat", "1", "--pairs", "60", *arguments)
+        vertices, triangles = lump(14)
+        self.write("far.ply", ply([(50 * x + 1000, 50 * y, 50 * z) for x, y, z in vertices], triangles))
+        self.write("small.ply", ply([(0.01 * x, 0.01 * y, 0.01 * z) for x, y, z in vertices], triangles))
+        self.write("few.ply", ply(*lump(4)))
+        plain = batch()["tables"]["batch"]
+        rows = batch("--body-files", "far.ply", "small.ply", "few.ply")["tables"]["batch"]
+        of = " of generated bodies, far, small"
+        self.assertEqual([row["work"] for row in rows], [row["work"] + of for row in plain])
+        self.assertNotEqual(rows[0]["hash"], plain[0]["hash"])
+        self.assertEqual({row["answers"] for row in rows}, {"same"})
+        # Their size and place do not count: far and small are one body.
+        twin = batch("--body-files", "small.ply", "small.ply")["tables"]["batch"]
+        on_device = [row for row in twin if row["work"].startswith("yes")]
+        self.assertEqual([row["hash"] for row in on_device],
+                         [row["hash"] for row in rows if row["work"].startswith("yes")])
+        said = self.run_otg("bench", "batch", "--scenes", "none", "--repeat", "1", "--pairs", "3", "--no-cpu", "--body-files",
+                            "far.ply", "few.ply").stderr
+        self.assertIn("few.ply has 48 triangles and is left out", said)
+        self.assert_fails(1, "bench", "batch", "--scenes", "none", "--body-files", "few.ply", says="200 to 6000")
+
     def test_threads(self):
         """Each kind of work with each number of threads: the contacts that one thread finds."""
         document = self.run_json("bench", "threads", self.mesh(), "--repeat", "2", "--pairs", "24", "--threads", "3,2,3")
