@@ -152,6 +152,59 @@ class Bench(CliTest):
         self.assertEqual(max(row["threads"] for row in cores["tables"]["threads"]), cores["cores"])
         self.assert_fails(2, "bench", "threads", self.mesh(), "--threads", "0")
 
+    def check_quantiles(self, row, names):
+        for name in names.split():
+            self.assertLessEqual(row[name + "_median"], row[name + "_p99"])
+            self.assertLessEqual(row[name + "_p99"], row[name + "_max"])
+            self.assertGreaterEqual(row[name + "_median"], 0)
+
+    def test_primitives(self):
+        rows = self.run_json("bench", "primitives", "--poses", "40")["tables"]["pairs"]
+        self.assertEqual([(row["mesh"].split(",")[0], row["shape"]) for row in rows],
+                         list(itertools.product(("box", "sphere", "cylinder"), ("sphere", "box", "capsule", "cylinder"))))
+        for row in rows:
+            self.assertEqual((row["poses"], row["missed"]), (40, 0), row)
+            self.check_quantiles(row, "angle_to_ode depth_to_ode longer_way_out depth_along_normal longer_way_out_of_ode")
+        # Balls have one way out: any other normal would be a wrong one.
+        self.assertLess(rows[4]["angle_to_ode_max"], 1)
+        self.assertEqual(rows, self.run_json("bench", "primitives", "--poses", "40")["tables"]["pairs"])
+
+    def test_tessellations(self):
+        arguments = ("bench", "tessellations", "--poses", "15")
+        rows = self.run_json(*arguments)["tables"]["pairs"]
+        self.assertEqual(len({(row["a"], row["b"]) for row in rows}), 25)
+        for row in rows:
+            self.assertEqual((row["poses"], row["missed"]), (15, 0), row)
+            self.check_quantiles(row, "depth longer depth_beside")
+        one = self.run_json(*arguments, "--first", rows[0]["a"], "--second", rows[0]["b"])["tables"]["pairs"]
+        self.assertEqual(one, rows[:1])
+
+    def test_terrain(self):
+        arguments = ("bench", "terrain", "--poses", "4", "--repeat", "1", "--cells", "60")
+        document = self.run_json(*arguments)
+        self.assertEqual(document["triangles"], 2 * 60 * 60)
+        rows = document["tables"]["shapes"]
+        self.assertEqual([row["shape"] for row in rows], ["sphere", "box", "box, lying", "capsule", "cylinder",
+                                                          "cylinder, standing", "plane", "ray"])
+        for row in rows:
+            self.assertTrue(row["us"] > 0 and row["us_of_dtrimesh"] > 0)
+            if row["shape"] not in ("plane", "ray"):  # those may pass the valleys and the rim
+                self.assertGreaterEqual(row["contacts"], 1, row)
+        again = self.run_json(*arguments, "--shape", "box")["tables"]["shapes"]
+        self.assertEqual([row["hash"] for row in again], [rows[1]["hash"]])
+
+    def test_heightfield(self):
+        document = self.run_json("bench", "heightfield", "--samples", "128", "--repeat", "3", "--steps", "3")
+        rows = document["tables"]["bodies"]
+        self.assertEqual([(row["size_m"], row["mesh"]) for row in rows],
+                         list(itertools.product((0.5, 8, 32), ("box", "ball"))))
+        for row in rows:
+            self.assertGreater(row["contacts"], 0, row)
+            self.assertTrue(0 < row["above_us"] and 0 < row["at_rest_us"] and 0 < row["moving_us"])
+        build = document["tables"]["build"][0]
+        self.assertEqual((build["samples"], document["samples"]), (128 * 128, [128, 128]))
+        self.assertGreater(build["build_ms"], 0)
+
     def test_build(self):
         rows = self.run_json("bench", "build", self.mesh(), "--repeat", "1")["tables"]["build"]
         self.assertEqual([row["build"] for row in rows], ["mean", "sah"])
