@@ -150,19 +150,28 @@ int runCollide(const CollideOptions& options) {
   query.a = pair.a.get();
   query.b = pair.b.get();
   Workspace workspace;
-  const Placement place = options.query.placement();
-  const std::shared_ptr<opencl::Backend> backend = options.query.openBackend();
-  const bool isMixed = !backend && place != Placement{Place::kCpu, Place::kCpu};
-  const std::unique_ptr<Dispatcher> dispatcher = isMixed ? options.query.openDispatcher() : nullptr;
-  Dispatcher::Ran ran{backend != nullptr, backend && backend->counts().onHost > 0};
-  const bool isLevels = options.query.isLevels();
+  constexpr Placement kCpu{Place::kCpu, Place::kCpu}, kDevice{Place::kOpencl, Place::kOpencl};
+  Placement place = options.query.placement();
+  std::shared_ptr<opencl::Backend> backend = options.query.openBackend();
+  const std::unique_ptr<Dispatcher> dispatcher =
+      place != kCpu && place != kDevice ? options.query.openDispatcher() : nullptr;
+  // Without a device it is the CPU, by its own traversal.
+  if (!backend && (!dispatcher || !dispatcher->hasDevices())) place = kCpu;
+  Dispatcher::Ran ran{backend != nullptr, false};
+  bool isLevels = options.query.isLevels() && backend;
   const opencl::LevelsOptions how = options.query.levelsOptions();
   opencl::LevelsReport report;
-  const QueryTimes times = isLevels     ? measure(*backend, query, workspace, options.repeat, how, report)
-                           : backend    ? measureQuery(*backend, query, workspace, options.repeat)
-                           : dispatcher ? measure(*dispatcher, {query, false, place}, workspace, options.repeat, ran)
-                                        : measureQuery(query, workspace, options.repeat);
+  QueryTimes times = isLevels     ? measure(*backend, query, workspace, options.repeat, how, report)
+                     : backend    ? measureQuery(*backend, query, workspace, options.repeat)
+                     : dispatcher ? measure(*dispatcher, {query, false, place}, workspace, options.repeat, ran)
+                                  : measureQuery(query, workspace, options.repeat);
   if (backend) ran.deviceFailed = backend->counts().onHost > 0;
+  if (backend && backend->counts().onHost == backend->counts().queries) {  // nothing was done there
+    backend.reset();
+    ran.onDevice = isLevels = false;
+    times = measureQuery(query, workspace, options.repeat);
+  }
+  if (!ran.onDevice) place = kCpu;
   const CollideStats& stats = workspace.stats;
 
   Json document;

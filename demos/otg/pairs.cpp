@@ -39,8 +39,11 @@ int runPairs(const PairsOptions& options) {
   query.b = pair.b.get();
   Workspace workspace;
   query.options.contacts = ContactModel::kPairwise;
-  if (options.query.isLevels()) {
-    options.query.openBackend()->findPairsByLevels(query, workspace, options.query.levelsOptions());
+  const std::shared_ptr<opencl::Backend> levels = options.query.isLevels() ? options.query.openBackend() : nullptr;
+  if (levels) {
+    levels->findPairsByLevels(query, workspace, options.query.levelsOptions());
+  } else if (options.query.isLevels()) {  // without a device
+    findIntersectingPairs(query, workspace);
   } else {
     // The pairs are left in the workspace by a query for any contacts, wherever its phases run.
     const std::unique_ptr<Dispatcher> dispatcher = options.query.openDispatcher();

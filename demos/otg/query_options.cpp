@@ -173,15 +173,20 @@ std::vector<int> QueryOptions::deviceNumbers() const {
   }
   const int index = opencl::defaultDevice(all);
   if (index >= 0) return {index};
-  if (placement() == Placement{}) return {};  // auto can do without
-  throw InputError("no OpenCL device can be used; `otg devices` lists what there is");
+  if (placement() != Placement{}) {  // auto can do without
+    progress("note: no OpenCL device can be used (`otg devices` lists what there is); the CPU computes");
+  }
+  return {};
 }
 
 std::shared_ptr<opencl::Backend> QueryOptions::openBackend() const {
   if (placement() != Placement{Place::kOpencl, Place::kOpencl}) return nullptr;
-  const int index = deviceNumbers().front();
-  std::shared_ptr<opencl::Backend> opened = opencl::Backend::open(index);
-  if (!opened) throw InputError("the OpenCL device " + std::to_string(index) + " cannot be used");
+  const std::vector<int> numbers = deviceNumbers();
+  if (numbers.empty()) return nullptr;
+  std::shared_ptr<opencl::Backend> opened = opencl::Backend::open(numbers[0]);
+  if (!opened) {
+    progress("note: the OpenCL device " + std::to_string(numbers[0]) + " cannot be used; the CPU computes");
+  }
   return opened;
 }
 
@@ -189,7 +194,11 @@ std::unique_ptr<Dispatcher> QueryOptions::openDispatcher() const {
   auto dispatcher = std::make_unique<Dispatcher>();
   dispatcher->setThreadCount(static_cast<unsigned>(threads));
   const std::vector<int> numbers = deviceNumbers();
-  if (dispatcher->open(numbers) < numbers.size()) throw InputError("an OpenCL device cannot be used");
+  const std::size_t opened = dispatcher->open(numbers);
+  if (opened < numbers.size()) {
+    progress(opened == 0 ? "note: no OpenCL device can be used; the CPU computes"
+                         : "note: an OpenCL device cannot be used; the others and the CPU compute");
+  }
   return dispatcher;
 }
 

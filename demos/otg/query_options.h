@@ -46,11 +46,13 @@ struct QueryOptions {
   /// Whether the published traversal is to run on a device.
   bool isLevels() const { return midphase == "levels"; }
   opencl::LevelsOptions levelsOptions() const;
-  /// The devices that were asked for, none for the CPU alone. Throws InputError when one cannot be had.
+  /// The devices that were asked for; none for the CPU alone, and, with a note, where there is none. Throws InputError
+  /// for the number of a device that does not exist.
   std::vector<int> deviceNumbers() const;
-  /// The first of them, where both phases are to run on it; null for the CPU.
+  /// The first of them, where both phases are to run on it; null for the CPU, and, with a note, when it cannot be
+  /// opened.
   std::shared_ptr<opencl::Backend> openBackend() const;
-  /// With these devices and threads.
+  /// With these threads and with those of these devices that can be opened.
   std::unique_ptr<Dispatcher> openDispatcher() const;
 };
 

@@ -157,6 +157,17 @@ Run runSteps(Simulation& simulation, int steps, double dt, const SimulateOptions
   return run;
 }
 
+/// Whether an OpenCL device computed anything.
+bool devicesHelped() {
+  bool any = false;
+  for (int i = 0; i < dGpuTriMeshGetDeviceCount(); ++i) {
+    dGpuTriMeshDevice device;
+    dGpuTriMeshDeviceInit(&device);
+    if (dGpuTriMeshGetDevice(i, &device) == dGPUTRIMESH_OK) any = any || device.queries > device.failed_queries;
+  }
+  return any;
+}
+
 Json describe(const Simulation& simulation, const Run& run, double dt, const scenes::Energy& start) {
   Json document;
   std::vector<int> contacts;
@@ -197,6 +208,7 @@ Json describe(const Simulation& simulation, const Run& run, double dt, const sce
                                   {"center_of_mass", toJson(state.centerOfMass)},
                                   {"static", simulation.description(i).isStatic}});
   }
+  document["backend"] = devicesHelped() ? "opencl" : "cpu";
   document["hash"] = run.hash.hex();
   return document;
 }
@@ -234,7 +246,7 @@ int simulate(const SimulateOptions& options) {
                         : options.backend == "auto" ? dGPUTRIMESH_BACKEND_AUTO
                                                     : dGPUTRIMESH_BACKEND_CPU;
     if (dGpuTriMeshSetBackend(backend) == dGPUTRIMESH_NO_DEVICE) {
-      throw InputError("no OpenCL device can be used; `otg devices` lists what there is");
+      progress("note: no OpenCL device can be used (`otg devices` lists what there is); the CPU computes");
     }
   }
   dGpuTriMeshSetThreadCount(options.threads);

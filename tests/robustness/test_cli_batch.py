@@ -89,6 +89,16 @@ class Batch(CliTest):
             with open(self.path("some")) as some, open(self.path("same")) as same:
                 self.assertEqual(some.read(), same.read())
 
+    def test_without_a_device(self):
+        scene = self.writeScene()
+        expected = self.run_json("batch", scene)
+        result = self.run_otg("batch", scene, "--backend", "opencl", "--json", env={"OTG_OPENCL_DEVICE": "none"})
+        found = json.loads(result.stdout)
+        for key in ("hash", "per_pair_contacts", "backend", "device"):
+            self.assertEqual(found[key], expected[key])
+        self.assertEqual((result.stderr.count("\n"), "no OpenCL device" in result.stderr), (1, True), result.stderr)
+        self.assert_fails(1, "batch", scene, "--backend", "opencl", "--device", "0,99", says="99")
+
     def test_bad_scenes(self):
         for changes, says in (({"meshes": 3}, "meshes"), ({"pairs": {}}, "pairs"), ({"bodies": []}, "bodies"),
                               ({"meshes": ["none.ply"]}, "none.ply"), ({"meshes": [1]}, "paths"),

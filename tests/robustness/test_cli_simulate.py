@@ -41,7 +41,16 @@ class Simulate(CliTest):
         if self.run_json("devices")["used"] is not None:
             runs += [["--backend", "opencl"], ["--backend", "opencl", "--prefetch"]]
         for options in runs:
-            self.assertEqual(self.run_json("simulate", path, *options)["hash"], plain["hash"], options)
+            document = self.run_json("simulate", path, *options)
+            self.assertEqual(document["hash"], plain["hash"], options)
+            if "opencl" in options:
+                self.assertEqual(document["backend"], "opencl", options)
+        # Without a device the CPU does it all, and says so.
+        nothing = self.run_otg("simulate", path, "--backend", "opencl", "--json", env={"OTG_OPENCL_DEVICE": "none"})
+        document = json.loads(nothing.stdout)
+        self.assertEqual((document["hash"], document["backend"]), (plain["hash"], plain["backend"]))
+        self.assertEqual(document["backend"], "cpu")
+        self.assertEqual(nothing.stderr.count("no OpenCL device"), 1, nothing.stderr)
 
     def test_free_fall(self):
         """Symplectic Euler by hand; the mesh's centre of mass is off its origin, which must make no difference."""
