@@ -124,7 +124,7 @@ int runBatch(const BatchOptions& options) {
     devices.push_back({{"index", slot->backend->device().index},
                        {"name", slot->backend->device().name},
                        {"block_pairs", slot->blockPairs.load()},
-                       {"expected_ms", slot->blockExpectedMs.load()},
+                       {"expected_ms", slot->knowsCosts ? Json(slot->blockExpectedMs.load()) : Json()},
                        {"ms", slot->blockMs.load()}});
   }
   if (onDevice < jobs.size() || jobs.empty()) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "otg/query_options.h"
 
+#include <algorithm>
 #include <chrono>
+#include <functional>
 
 #include "dispatch/single_run.h"
 #include "mesh_io/mesh_file.h"
@@ -40,6 +42,13 @@ const char* nameIn(const Named<T> (&table)[N], T value) {
     if (value == entry.value) return entry.name;
   }
   return "?";
+}
+
+/// One command uses few of the kernels.
+opencl::Tuning whenUsed() {
+  opencl::Tuning tuning;
+  tuning.warmUp = false;
+  return tuning;
 }
 
 }  // namespace
@@ -183,7 +192,7 @@ std::shared_ptr<opencl::Backend> QueryOptions::openBackend() const {
   if (placement() != Placement{Place::kOpencl, Place::kOpencl}) return nullptr;
   const std::vector<int> numbers = deviceNumbers();
   if (numbers.empty()) return nullptr;
-  std::shared_ptr<opencl::Backend> opened = opencl::Backend::open(numbers[0]);
+  std::shared_ptr<opencl::Backend> opened = opencl::Backend::open(numbers[0], whenUsed());
   if (!opened) {
     progress("note: the OpenCL device " + std::to_string(numbers[0]) + " cannot be used; the CPU computes");
   }
@@ -194,7 +203,10 @@ std::unique_ptr<Dispatcher> QueryOptions::openDispatcher() const {
   auto dispatcher = std::make_unique<Dispatcher>();
   dispatcher->setThreadCount(static_cast<unsigned>(threads));
   const std::vector<int> numbers = deviceNumbers();
-  const std::size_t opened = dispatcher->open(numbers);
+  // Where pairs go is given, and blocks for equal devices can be told without costs.
+  const bool areEqual = std::adjacent_find(numbers.begin(), numbers.end(), std::not_equal_to<>()) == numbers.end();
+  const Costs costs = placement() != Placement{} && areEqual ? Costs::kIfStored : Costs::kMeasured;
+  const std::size_t opened = dispatcher->open(numbers, whenUsed(), costs);
   if (opened < numbers.size()) {
     progress(opened == 0 ? "note: no OpenCL device can be used; the CPU computes"
                          : "note: an OpenCL device cannot be used; the others and the CPU compute");

@@ -50,9 +50,10 @@ struct QueryOptions {
   /// for the number of a device that does not exist.
   std::vector<int> deviceNumbers() const;
   /// The first of them, where both phases are to run on it; null for the CPU, and, with a note, when it cannot be
-  /// opened.
+  /// opened. Kernels are built when they are first used.
   std::shared_ptr<opencl::Backend> openBackend() const;
-  /// With these threads and with those of these devices that can be opened.
+  /// With these threads and with those of these devices that can be opened. Costs are measured if something depends on
+  /// them.
   std::unique_ptr<Dispatcher> openDispatcher() const;
 };
 

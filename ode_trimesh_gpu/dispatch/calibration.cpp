@@ -293,13 +293,15 @@ std::string costKey(const opencl::DeviceInfo& device) {
          (device.doubles ? "doubles" : "no doubles") + "\n" + processorName();
 }
 
+std::optional<CostModel> storedCosts(const opencl::DeviceInfo& device, const opencl::ProgramCache& cache) {
+  const std::optional<opencl::Bytes> stored = cache.load(costKey(device));
+  return stored ? costModelFrom(*stored) : std::nullopt;
+}
+
 std::optional<CostModel> costsOf(opencl::Backend& backend, const opencl::ProgramCache& cache) {
-  const std::string key = costKey(backend.device());
-  if (const std::optional<opencl::Bytes> stored = cache.load(key)) {
-    if (const std::optional<CostModel> model = costModelFrom(*stored)) return model;
-  }
+  if (const std::optional<CostModel> model = storedCosts(backend.device(), cache)) return model;
   const std::optional<CostModel> model = measureCosts(backend);
-  if (model) cache.store(key, toBytes(*model));
+  if (model) cache.store(costKey(backend.device()), toBytes(*model));
   return model;
 }
 

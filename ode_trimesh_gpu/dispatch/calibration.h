@@ -15,6 +15,9 @@ std::optional<CostModel> measureCosts(opencl::Backend& backend);
 /// What a model of this device beside this CPU is stored under.
 std::string costKey(const opencl::DeviceInfo& device);
 
+/// The stored model of the device. Nothing if there is none, or if it is damaged.
+std::optional<CostModel> storedCosts(const opencl::DeviceInfo& device, const opencl::ProgramCache& cache);
+
 /// The stored model of the device, or one that is measured now and stored. A damaged file counts as none and is
 /// replaced. Nothing if the device fails.
 std::optional<CostModel> costsOf(opencl::Backend& backend, const opencl::ProgramCache& cache);

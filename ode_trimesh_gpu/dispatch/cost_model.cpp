@@ -72,6 +72,16 @@ double CostModel::speedup(unsigned threads) const {
   return 1 + part * (hostSpeedup - 1);
 }
 
+CostModel assumedCosts() {
+  constexpr Cost kPair{2, 0.01};  // of 200 triangles
+  CostModel model;
+  for (Cost* const cost : {&model.hostPairs, &model.hostPairwise, &model.hostSolid, &model.devicePairs,
+                           &model.devicePairwise, &model.deviceSolid, &model.batchPair, &model.batchSolid}) {
+    *cost = kPair;
+  }
+  return model;
+}
+
 std::vector<unsigned char> toBytes(const CostModel& model) {
   static_assert(sizeof(CostModel) == 36 * sizeof(double));
   std::vector<unsigned char> bytes(sizeof kMagic + sizeof model);

@@ -74,6 +74,10 @@ struct CostModel {
   bool isSane() const;
 };
 
+/// Of a device that nothing was measured of: a pair costs as much as some hundred triangles of its expected work, and
+/// no less than on the CPU. Enough to cut a batch into blocks of equal cost for devices of one kind.
+CostModel assumedCosts();
+
 /// As bytes, to be stored; and back. Nothing for bytes that are not of this version or not sane.
 std::vector<unsigned char> toBytes(const CostModel& model);
 std::optional<CostModel> costModelFrom(const std::vector<unsigned char>& bytes);

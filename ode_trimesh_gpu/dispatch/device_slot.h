@@ -17,7 +17,8 @@ struct DeviceSlot {
   static constexpr int kMostFailures = 3;
 
   std::shared_ptr<opencl::Backend> backend;
-  CostModel costs;
+  CostModel costs = assumedCosts();
+  bool knowsCosts = false;          ///< whether they were measured
   std::atomic<int> underWay{0};     ///< single queries at the moment
   std::atomic<int> failedInRow{0};  ///< calls
   std::atomic<bool> isOff{false};

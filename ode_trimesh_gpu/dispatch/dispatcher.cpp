@@ -28,7 +28,7 @@ std::shared_ptr<ThreadPool> Dispatcher::pool() {
   return pool_;
 }
 
-std::size_t Dispatcher::open(std::span<const int> indices, const opencl::Tuning& tuning) {
+std::size_t Dispatcher::open(std::span<const int> indices, const opencl::Tuning& tuning, Costs wish) {
   Slots slots;
   const opencl::ProgramCache cache = opencl::ProgramCache::standard();
   for (const int index : indices) {
@@ -37,13 +37,15 @@ std::size_t Dispatcher::open(std::span<const int> indices, const opencl::Tuning&
     if (how.memoryBudget == 0) how.memoryBudget = meshMemory_;
     slot->backend = opencl::Backend::open(index, how);
     if (!slot->backend) continue;
-    const std::optional<CostModel> costs = costsOf(*slot->backend, cache);
-    if (!costs) {
+    const std::optional<CostModel> costs =
+        wish == Costs::kMeasured ? costsOf(*slot->backend, cache) : storedCosts(slot->backend->device(), cache);
+    if (!costs && wish == Costs::kMeasured) {
       opencl::logLine("OpenCL device " + std::to_string(index) +
                       " failed while its costs were measured; it is not used");
       continue;
     }
-    slot->costs = *costs;
+    if (costs) slot->costs = *costs;
+    slot->knowsCosts = costs.has_value();
     slots.push_back(std::move(slot));
   }
   const std::size_t count = slots.size();

@@ -17,6 +17,10 @@
 
 namespace otg {
 
+/// Whether opening a device measures its costs if they are not known. Without costs, pairs that may be computed
+/// anywhere are the CPU's, and devices of different kinds get equal blocks of a batch.
+enum class Costs { kMeasured, kIfStored };
+
 /// Any number of threads.
 class Dispatcher {
  public:
@@ -44,7 +48,7 @@ class Dispatcher {
   /// Opens these devices (numbers of opencl::listDevices(); one may be there several times, each with a context of its
   /// own) in place of those that were open, and measures their costs if they are not known. Devices that cannot be
   /// opened, or that fail meanwhile, are left out, which is logged. Returns how many are open. Throws std::bad_alloc.
-  std::size_t open(std::span<const int> indices, const opencl::Tuning& tuning = {});
+  std::size_t open(std::span<const int> indices, const opencl::Tuning& tuning = {}, Costs costs = Costs::kMeasured);
   void close() { setDevices({}); }
   /// Lets go of the devices without closing them: for the end of the process, when a driver may be gone already.
   void abandon() noexcept;

@@ -118,7 +118,8 @@ using TakePoints =
 /// once and counted), and throws what the host throws.
 class Backend {
  public:
-  /// Opens device `index` of listDevices() and builds the programs. Null when that fails, which is logged.
+  /// Opens device `index` of listDevices() and, for Tuning::warmUp, builds the programs. Null when that fails, which is
+  /// logged.
   static std::shared_ptr<Backend> open(int index, const Tuning& tuning = {});
   ~Backend();
   Backend(const Backend&) = delete;

@@ -97,6 +97,7 @@ struct Backend::State {
                      MeshLayout::kBinary),
         levels(context, binaryMeshes, tuning),
         profiledLevels(context, binaryMeshes, withProfile(how)) {
+    if (!how.warmUp) return;
     pairs.prepare();
     batches.prepare();
     if (context.info().doubles) points.prepare();

@@ -41,6 +41,7 @@ struct Tuning {
   std::uint32_t flushes = 0;  ///< clFlush: 1 after the first launch of a query, 2 after the traversal, 3 after both
   bool reduce = true;         ///< find regions and reduce contacts on the device
   std::uint32_t recordsExpected = 512;  ///< read with the head of the results in the first query
+  bool warmUp = true;                   ///< build the usual kernels when the device is opened, not at first use
   bool solid = true;                    ///< make contacts of the model `solid` on the device
   /// The overlap of a single pair of solids is described on the device if the last query of the lane had at least so
   /// many intersecting pairs of triangles, and the host makes the contacts from that; otherwise the host does both. 0:
