@@ -5,14 +5,14 @@
 #define OTG_SINGLE 0
 #include "contact_group.h"
 
-/// Work-group g takes pair g or, with `listed`, the g-th of `list`: of those with `least` to OTG_KEPT hits. Writes
-/// their records and contacts; a pair's contacts lie side by side at the place that `chosen` says. With `last` this is
-/// the last kernel.
+/// Work-group g takes pair g or, with `listed`, the g-th of `list`: of those with `least` to OTG_KEPT hits, and with
+/// the flag `only`, if that is not 0. Writes their records and contacts; a pair's contacts lie side by side at the
+/// place that `chosen` says. With `last` this is the last kernel.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchReduce(
     __global const float4* restrict meshes, __global uint* restrict counters, uint hitCapacity,
     __global const uchar* restrict results, __global const otg_pair_state* restrict states,
     __global const otg_reduction* restrict reductions, __global const uint* restrict list, uint listed, uint least,
-    __global uint* restrict chosen, uint pairCount, uint contactRoom, uint last) {
+    __global uint* restrict chosen, uint pairCount, uint contactRoom, uint only, uint last) {
   __local otg_group_links g;
   __local uint place, isLast;
   const uint lane = get_local_id(0);
@@ -21,8 +21,10 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchReduce
   const uint pair = number != OTG_NOT_THERE ? number : 0;
   const uint flags = chosen[OTG_FLAGS + pair];
   const uint found = states[pair].hits, begin = states[pair].firstHit;
-  const int isMine = number != OTG_NOT_THERE && !(flags & (OTG_PAIR_REFUSED | OTG_PAIR_SKIPPED)) && found >= least &&
-                     found <= OTG_KEPT && begin + found <= hitCapacity;
+  const int isAsked =
+      only == 0 ? !(flags & (OTG_PAIR_REFUSED | OTG_PAIR_SKIPPED)) : (flags & (only | OTG_PAIR_LEFT_OUT)) == only;
+  const int isMine =
+      number != OTG_NOT_THERE && isAsked && found >= least && found <= OTG_KEPT && begin + found <= hitCapacity;
   const uint count = isMine ? found : 0;
   __global const otg_contact_record* records = (__global const otg_contact_record*)(results + OTG_RESULT_HEAD) + begin;
   const uint ringsA = states[pair].ringsA, ringsB = states[pair].ringsB;
@@ -36,7 +38,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchReduce
     barrier(CLK_LOCAL_MEM_FENCE);
     const int toHost = isMine && (g.open || (flags & OTG_PAIR_TO_HOST));
     const uint some = toHost ? 0 : count;
-    const otg_reduction how = reductions[states[pair].reduction];
+    const otg_reduction how = reductions[isMine ? states[pair].reduction : 0];
     const uint stay = otgGroupContacts(&g, records, some, meshes, ringsA, ringsB, &how);
     if (lane == 0) {
       place = 0;

@@ -91,7 +91,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidContac
   }
 }
 
-/// The lists one after the other, behind the places that placeContacts made, and the records of pairs that are left to
+/// The lists one after the other, in the places that placeContacts made, and the records of pairs that are left to
 /// the host (of those whose hits lie side by side) in a list of their own. The last kernel.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidWrite(
     __global uint* restrict counters, __global const otg_chosen_contact* restrict lists, uint room, uint pairs,
@@ -102,6 +102,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidWrite(
   __global otg_chosen_contact* out = (__global otg_chosen_contact*)(results + OTG_RESULT_CONTACTS(pairs));
   for (size_t t = get_global_id(0); t < (size_t)pairs * room; t += get_global_size(0)) {
     const uint pair = (uint)(t / room), k = (uint)(t % room), place = words[OTG_PLACE(pairs, pair)] + k;
+    if (words[OTG_FLAGS + pair] & OTG_PAIR_PAIRWISE) continue;  // batchReduce has written them
     if (k < words[OTG_PLACE(pairs, pair) + 1] && place < contactRoom) out[place] = lists[t];
   }
   __global const otg_record* from = (__global const otg_record*)(records + OTG_RESULT_HEAD);

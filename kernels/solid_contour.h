@@ -22,6 +22,7 @@ OTG_INLINED uint otgHitOf(__local const otg_solid_scratch* s, uint hits, uint a,
 OTG_INLINED uint otgOtherSlot(__local otg_solid_scratch* s, uint hits, uint slot, OTG_MESH* meshA, OTG_MESH* meshB) {
   const uint hit = slot / 2, mesh = s->halfEdge[slot] & 1;
   const uint twin = mesh == 0 ? otgTwinOf(meshA, s->halfEdge[slot] >> 1) : otgTwinOf(meshB, s->halfEdge[slot] >> 1);
+  if (twin == s->halfEdge[slot] >> 1) return OTG_NOT_THERE;  // the rim of a sheet
   const uint there = otgHitOf(s, hits, mesh == 0 ? twin / 3 : s->a[hit], mesh == 0 ? s->b[hit] : twin / 3);
   if (there == OTG_NOT_THERE) return OTG_NOT_THERE;
   for (uint k = 0; k < 2; ++k) {
@@ -141,14 +142,15 @@ OTG_INLINED void otgOrderTies(__local otg_solid_scratch* s, uint crossings, uint
 }
 
 /// From the sorted hits and their ends: crossings, chords, and their order along edges. All lanes call it; where the
-/// pair is given up (s->bad) numbers may be wrong, but lie in their arrays.
+/// pair is given up (s->bad) numbers may be wrong, but lie in their arrays. s->bad is OTG_SOLID_BROKEN alone where the
+/// contour does not close, as that of a sheet whose rim the other body touches.
 OTG_INLINED void otgTraceContour(__local otg_solid_scratch* s, uint hits, OTG_MESH* meshA, OTG_MESH* meshB) {
   const uint lane = get_local_id(0);
   uint running = 0, chords = 0, total;
   for (uint slot = lane; slot < 2 * hits; slot += OTG_GROUP) {
     if (s->halfEdge[slot] == OTG_NOT_THERE) continue;
     const uint other = otgOtherSlot(s, hits, slot, meshA, meshB);
-    if (other == OTG_NOT_THERE) {
+    if (other == OTG_NOT_THERE || !((s->how[slot] ^ s->how[other]) & 2)) {
       otgGiveUp(s, OTG_SOLID_BROKEN);
     } else if (slot < other) {
       s->how[slot] |= 4;
@@ -191,6 +193,7 @@ OTG_INLINED void otgTraceContour(__local otg_solid_scratch* s, uint hits, OTG_ME
       const uint triangle = mesh == 0 ? s->a[i] : s->b[i], bit = otgChordBit(mesh, triangle);
       s->triangle[mesh][c] = triangle;
       atomic_or(s->chordBits + bit / 32, 1u << bit % 32);
+      otgMarkPart(s, mesh, mesh == 0 ? meshA : meshB, triangle);
     }
   }
   OTG_SYNC;

@@ -29,7 +29,8 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidRecord
 }
 
 /// A stretch of the list for each pair, and a place among those that solidRegions does: larger ones first, of more than
-/// `smallHits` with larger limits. Pairs that are not of two solids are left to the host.
+/// `smallHits` with larger limits. Pairs that are not of two solids, or of a solid and a sheet, get contacts of the
+/// model `pairwise`.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidPlaces(
     uint pairs, __global const otg_batch_task* restrict tasks, __global const otg_device_mesh* restrict places,
     __global const otg_reduction* restrict reductions, __global uint* restrict counters,
@@ -37,17 +38,23 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidPlaces
     __global uint* restrict chosen) {
   const uint i = get_global_id(0);
   if (i >= pairs) return;
-  const uint solids = places[tasks[i].meshA].flags & places[tasks[i].meshB].flags & OTG_MESH_SOLID;
+  const uint a = places[tasks[i].meshA].flags, b = places[tasks[i].meshB].flags;
+  const uint classes = OTG_MESH_CLOSED | OTG_MESH_SHEET;
   const int isEmpty = places[tasks[i].meshA].triangles == 0 || places[tasks[i].meshB].triangles == 0;
-  if ((!solids && !isEmpty) || reductions[tasks[i].reduction].method != OTG_REDUCE_SOLID) {
-    chosen[OTG_FLAGS + i] |= OTG_PAIR_TO_HOST;
-  }
+  const otg_reduction how = reductions[tasks[i].reduction];
+  const int isAsked = how.method == OTG_REDUCE_SOLID;
+  const int isSolid = isAsked && (a & classes) && (b & classes) && ((a | b) & OTG_MESH_CLOSED);
+  states[i].reduction = isAsked ? (uint)how.bins[2] - 1 : tasks[i].reduction;  // of the model `pairwise`
+  uint flags = chosen[OTG_FLAGS + i];
+  if (isSolid && !(a & b & OTG_MESH_LISTED)) flags |= OTG_PAIR_TO_HOST;
+  if (!isSolid && !isEmpty && !(flags & OTG_PAIR_LEFT_OUT)) flags |= otgPairwiseFlags(states + i, flags);
+  chosen[OTG_FLAGS + i] = flags;
   const uint hits = states[i].intersecting;
   states[i].roots = atomic_add(counters + OTG_COUNT_PLACES, hits);
   chosen[OTG_PLACE(pairs, i) + 1] = 0;
-  if (chosen[OTG_FLAGS + i] & OTG_PAIR_LEFT_OUT) {
+  if (flags & OTG_PAIR_LEFT_OUT) {
     atomic_inc(counters + OTG_COUNT_FLAGGED);
-  } else if (!isEmpty) {
+  } else if (!isEmpty && isSolid) {
     const uint part = smallHits / (OTG_SOLID_BINS - OTG_SOLID_LARGE_BINS) + 1;
     const uint bin = hits > 2 * smallHits ? 0 : hits > smallHits ? 1 : OTG_SOLID_BINS - 1 - hits / part;
     otgList(counters, lists, pairs, 0, bin, i);
@@ -65,7 +72,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidScatte
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const otg_record r = records[i];
     __global uint* flag = chosen + OTG_FLAGS + r.pair;
-    if (r.kind != OTG_RECORD_HIT || (*flag & OTG_PAIR_LEFT_OUT)) continue;
+    if (r.kind != OTG_RECORD_HIT || (*flag & (OTG_PAIR_LEFT_OUT | OTG_PAIR_PAIRWISE))) continue;
     __global const otg_batch_task* task = tasks + r.pair;
     const otg_device_mesh placeA = places[task->meshA], placeB = places[task->meshB];
     const otg_solid_mesh a = otgSolidMesh(meshes, &placeA, task->bInA, 0);
@@ -74,7 +81,9 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidScatte
     hit.a = r.a;
     hit.b = r.b;
     const uint why = otgFindEnds(&a, &b, &hit);
-    if (why != 0) atomic_or(flag, OTG_PAIR_TO_HOST | why << OTG_PAIR_WHY);
+    // A sheet has contacts of the model `pairwise` where its contour with the other mesh does not close.
+    const int isOpen = ((placeA.flags | placeB.flags) & OTG_MESH_SHEET) && why == OTG_SOLID_BROKEN;
+    if (why != 0) atomic_or(flag, isOpen ? OTG_PAIR_PAIRWISE : OTG_PAIR_TO_HOST | why << OTG_PAIR_WHY);
     list[states[r.pair].roots + atomic_inc(&states[r.pair].kept)] = hit;
   }
 }

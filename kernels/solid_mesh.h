@@ -38,7 +38,7 @@ typedef struct {
   otg_transform_d pose;  ///< to A's frame
   otg_pair_point center;
   float radius;
-  uint nodes, soup;  ///< as otg_device_mesh
+  uint nodes, soup, flags;  ///< as otg_device_mesh
   int isB;
 } otg_solid_mesh;
 
@@ -66,6 +66,7 @@ OTG_INLINED otg_solid_mesh otgSolidMesh(__global const float4* meshes, const otg
   m.radius = place->radius;
   m.nodes = place->nodes;
   m.soup = place->soup;
+  m.flags = place->flags;
   m.isB = isB;
   return m;
 }
@@ -118,8 +119,9 @@ OTG_INLINED otg_vec3_d otgPointToOwn(OTG_MESH* m, otg_vec3_d p) {
   return m->isB ? otgRotateBack_d(m->pose, otgSub_d(p, m->pose.t)) : p;
 }
 
-/// Is the point (in A's frame) in the mesh's bounds, a little enlarged?
+/// Is the point (in A's frame) in the mesh's bounds, a little enlarged? Behind a sheet there is no end.
 OTG_INLINED int otgInBounds(OTG_MESH* m, otg_vec3_d p) {
+  if (m->flags & OTG_MESH_SHEET) return 1;
   const otg_vec3_d x = otgPointToOwn(m, p);
   const float4 lo = m->bounds[0], hi = m->bounds[1];
   const double slack = 1e-9 * (double)m->radius;
@@ -156,6 +158,13 @@ OTG_INLINED uint otgListed(__global const uint* counters, __global const uint* l
 OTG_INLINED void otgList(__global uint* counters, __global uint* lists, uint pairs, uint stage, uint bin, uint pair) {
   const uint place = atomic_inc(counters + OTG_COUNT_SOLID + stage * OTG_SOLID_BINS + bin);
   lists[((size_t)stage * OTG_SOLID_BINS + bin) * pairs + place] = pair;
+}
+
+/// Flags of a pair of a batch of solids that gets contacts of the model `pairwise`, of which solidPairwise can make
+/// those that lie side by side.
+OTG_INLINED uint otgPairwiseFlags(__global const otg_pair_state* state, uint flags) {
+  const int byHost = state->reduction == OTG_NOT_THERE || (flags & OTG_PAIR_MANY);
+  return byHost ? OTG_PAIR_PAIRWISE | OTG_PAIR_TO_HOST : OTG_PAIR_PAIRWISE;
 }
 
 #define OTG_COUNTS(s) ((__local uint*)(s)->counts)

@@ -34,7 +34,7 @@ OTG_INLINED void otgClearScratch(__local otg_solid_scratch* s, uint bad) {
   for (uint i = lane; i < 2 * OTG_SOLID_HITS; i += OTG_GROUP) s->edgeKey[i] = 0;
   for (uint i = lane; i < OTG_CHORD_WORDS; i += OTG_GROUP) s->chordBits[i] = 0;
   for (uint i = lane; i < OTG_SOLID_HITS + OTG_SOLID_SLOTS; i += OTG_GROUP) s->parent[i] = i;
-  for (uint i = lane; i < OTG_SOLID_REGIONS; i += OTG_GROUP) s->load[i] = 0;
+  for (uint i = lane; i < 2 * OTG_SOLID_MOST_PARTS / 32; i += OTG_GROUP) s->crossedParts[i % 2][i / 2] = 0;
   if (lane == 0) {
     s->bad = bad;
     s->tied = 0;
@@ -47,21 +47,26 @@ OTG_INLINED void otgClearScratch(__local otg_solid_scratch* s, uint bad) {
   OTG_SYNC;
 }
 
-/// Whether all samples of `inner` are in the bounds of `outer`: it may be contained.
+/// Whether a closed component of `inner` that has no chord may be contained in `outer`, a solid: where all its samples
+/// are in the bounds of that.
 OTG_INLINED void otgCheckContained(__local otg_solid_scratch* s, OTG_MESH* inner, OTG_MESH* outer, int works) {
   const uint lane = get_local_id(0);
-  if (lane == 0) s->items = 0;
-  OTG_SYNC;
-  const uint samples = works ? as_uint(inner->bounds[2].w) : 0;
-  for (uint i = lane; i < samples; i += OTG_GROUP) {
-    const float4 p = inner->bounds[2 + i];
-    if (otgInBounds(outer, otgInFrame(inner, otgVec_d((double)p.x, (double)p.y, (double)p.z)))) {
-      atomic_inc(&s->items);
+  const uint parts = works && (outer->flags & OTG_MESH_CLOSED) ? as_uint(inner->bounds[OTG_SOLID_PART_COUNT].w) : 0;
+  __global const float4* list = inner->bounds + as_uint(inner->bounds[OTG_SOLID_PARTS_AT].w);
+  for (uint part = 0; part < parts; ++part, list += OTG_SOLID_SAMPLES) {
+    const uint samples = otgIsCrossed(s, inner, part) ? 0 : as_uint(list[0].w);
+    if (lane == 0) s->items = 0;
+    OTG_SYNC;
+    for (uint i = lane; i < samples; i += OTG_GROUP) {
+      const float4 p = list[i];
+      if (otgInBounds(outer, otgInFrame(inner, otgVec_d((double)p.x, (double)p.y, (double)p.z)))) {
+        atomic_inc(&s->items);
+      }
     }
+    OTG_SYNC;
+    if (lane == 0 && samples > 0 && s->items == samples) otgGiveUp(s, OTG_SOLID_CONTAINED);
+    OTG_SYNC;
   }
-  OTG_SYNC;
-  if (lane == 0 && works && s->items == samples) otgGiveUp(s, OTG_SOLID_CONTAINED);
-  OTG_SYNC;
 }
 
 /// `units` of the arena for the work-group: its first unit, or OTG_NOT_THERE if there is no room.
@@ -257,7 +262,7 @@ OTG_INLINED void otgRegionsOf(uint number, __local otg_solid_scratch* s, OTG_MES
                               __global uint* chosen) {
   const uint lane = get_local_id(0);
   __global uint* flag = chosen + OTG_FLAGS + number;
-  const int settled = (*flag & OTG_PAIR_LEFT_OUT) != 0;  // by the kernel before
+  const int settled = (*flag & (OTG_PAIR_LEFT_OUT | OTG_PAIR_PAIRWISE)) != 0;  // by the kernel before
   const uint found = settled ? 0 : state->intersecting, begin = state->roots;
   const int fits = found <= OTG_SOLID_HITS && begin + found <= hitCapacity;
   const uint hits = fits ? found : 0;
@@ -265,7 +270,8 @@ OTG_INLINED void otgRegionsOf(uint number, __local otg_solid_scratch* s, OTG_MES
   otgSortHits(s, sorted + begin, hits);
   OTG_SYNC;
   otgTraceContour(s, hits, a, b);
-  const int mayContain = !settled && s->chords == 0 && !s->bad;
+  const int isOpen = ((a->flags | b->flags) & OTG_MESH_SHEET) && s->bad == OTG_SOLID_BROKEN;
+  const int mayContain = !settled && !s->bad;
   otgCheckContained(s, a, b, mayContain);
   otgCheckContained(s, b, a, mayContain);
   otgFloodInside(s, a, b);
@@ -284,8 +290,12 @@ OTG_INLINED void otgRegionsOf(uint number, __local otg_solid_scratch* s, OTG_MES
   if (lane != 0) return;
   heads[number] = head;
   if (settled || s->bad) {
-    if (!settled) *flag |= OTG_PAIR_TO_HOST | s->bad << OTG_PAIR_WHY;
-    atomic_inc(counters + OTG_COUNT_FLAGGED);
+    if (isOpen || (*flag & OTG_PAIR_PAIRWISE)) {
+      *flag |= otgPairwiseFlags(state, *flag);
+    } else if (!settled) {
+      *flag |= OTG_PAIR_TO_HOST | s->bad << OTG_PAIR_WHY;
+    }
+    if (*flag & OTG_PAIR_LEFT_OUT) atomic_inc(counters + OTG_COUNT_FLAGGED);
   } else if (head == OTG_NOT_THERE) {
     atomic_add(counters + OTG_COUNT_INTERSECTING, found);
   } else {

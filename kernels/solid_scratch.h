@@ -37,14 +37,14 @@ typedef struct {
   uint vertexKey[OTG_SOLID_SLOTS];  ///< (vertex << 1 | mesh) + 1, 0: free
   int vote[OTG_SOLID_SLOTS];        ///< 1,024 for each vote, and 1 more for inside, 1 less for outside; then the region
   uchar side[OTG_SOLID_SLOTS];      ///< OTG_SIDE_*
-  uint edgeKey[2 * OTG_SOLID_HITS];               ///< (edge << 1 | mesh) + 1, 0: free
-  ushort edgeFirst[2 * OTG_SOLID_HITS];           ///< the first crossing along it
-  uint parent[OTG_SOLID_HITS + OTG_SOLID_SLOTS];  ///< sets of crossings, and vertices behind them
-  ushort queue[2 * OTG_SOLID_HITS];               ///< slots of vertices inside, as they were reached
-  ushort inside[2 * OTG_SOLID_HITS];              ///< the same by mesh and vertex
-  ushort order[OTG_SOLID_HITS];                   ///< crossings by mesh, first of their edge, place along it
-  uint4 counts[(OTG_GROUP + 3) / 4];              ///< a word for each lane: OTG_COUNTS
-  uint load[OTG_SOLID_REGIONS];
+  uint edgeKey[2 * OTG_SOLID_HITS];                 ///< (edge << 1 | mesh) + 1, 0: free
+  ushort edgeFirst[2 * OTG_SOLID_HITS];             ///< the first crossing along it
+  uint parent[OTG_SOLID_HITS + OTG_SOLID_SLOTS];    ///< sets of crossings, and vertices behind them
+  ushort queue[2 * OTG_SOLID_HITS];                 ///< slots of vertices inside, as they were reached
+  ushort inside[2 * OTG_SOLID_HITS];                ///< the same by mesh and vertex
+  ushort order[OTG_SOLID_HITS];                     ///< crossings by mesh, first of their edge, place along it
+  uint4 counts[(OTG_GROUP + 3) / 4];                ///< a word for each lane: OTG_COUNTS
+  uint crossedParts[2][OTG_SOLID_MOST_PARTS / 32];  ///< of A and B: closed components with a chord, a bit each
   double reduce[6 * OTG_GROUP];
   double sums[9], bound[6];
   uint bad, entered, queued, allocated, crossings, chords, regions, items, tied;
@@ -52,6 +52,17 @@ typedef struct {
 
 OTG_INLINED void otgGiveUp(__local otg_solid_scratch* s, uint why) {
   atomic_or(&s->bad, why);
+}
+
+/// Notes that the closed component of a triangle, if it is in one, has a chord.
+OTG_INLINED void otgMarkPart(__local otg_solid_scratch* s, uint mesh, OTG_MESH* m, uint triangle) {
+  if (m->flags & OTG_MESH_SOLID) return;  // it is the only one: see otgIsCrossed
+  const uint part = m->triangles[4 * (size_t)triangle].w;
+  if (part != OTG_NOT_THERE) atomic_or(s->crossedParts[mesh] + part / 32, 1u << part % 32);
+}
+OTG_INLINED int otgIsCrossed(__local const otg_solid_scratch* s, OTG_MESH* m, uint part) {
+  if (m->flags & OTG_MESH_SOLID) return s->chords > 0;
+  return s->crossedParts[m->isB ? 1 : 0][part / 32] >> part % 32 & 1;
 }
 
 OTG_INLINED uint otgHashWord(uint x) {

@@ -13,43 +13,14 @@
 #include "dispatch/thread_pool.h"
 #include "opencl/backend.h"
 #include "otg/bench.h"
+#include "otg/bench_batch_scenes.h"
 #include "otg/query_options.h"
-#include "scenes/generated_meshes.h"
 
 namespace otg::cli {
 namespace {
 
-constexpr int kBatchContacts = 16, kSingleContacts = 64;
+constexpr int kSingleContacts = 64;
 constexpr int kRepeat = 100;
-
-/// A generator whose values are the same everywhere.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  double uniform(double low, double high) {
-    state_ = state_ * 6364136223846793005u + 1442695040888963407u;
-    return low + (high - low) * static_cast<double>(state_ >> 11) * 0x1p-53;
-  }
-  std::size_t below(std::size_t n) { return static_cast<std::size_t>(uniform(0, static_cast<double>(n))); }
-  Vec3d direction() {
-    for (;;) {
-      const Vec3d v{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
-      const double squared = otgDot(v, v);
-      if (squared > 0.01 && squared < 1) return otgScale(v, 1 / std::sqrt(squared));
-    }
-  }
-
- private:
-  std::uint64_t state_;
-};
-
-Transformd turn(const Vec3d& axis, double angle) {
-  const double c = std::cos(angle), s = std::sin(angle), k = 1 - c;
-  const double x = axis.x, y = axis.y, z = axis.z;
-  return {{c + x * x * k, x * y * k - z * s, x * z * k + y * s, y * x * k + z * s, c + y * y * k, y * z * k - x * s,
-           z * x * k - y * s, z * y * k + x * s, c + z * z * k},
-          {0, 0, 0}};
-}
 
 /// What --tune can set.
 const std::map<std::string, std::uint32_t opencl::Tuning::*>& tuningKeys() {
@@ -262,80 +233,6 @@ Json singleRow(const SingleScene& single, const TuningVariant& variant, opencl::
   return row;
 }
 
-/// Bodies of radius about 1 and 200 to 6,000 triangles, those of files last.
-std::vector<std::shared_ptr<const CollisionMesh>> batchBodies(const std::vector<BenchMesh>& files) {
-  std::vector<scenes::MeshArrays> arrays = {scenes::makeSphere(0.9, 2),
-                                            scenes::makeTorus(0.7, 0.25, 24, 12),
-                                            scenes::makeCylinder(0.5, 1.4, 64, 6),
-                                            scenes::makeGear(20, 0.9, 0.2, 0.4, 0.2),
-                                            scenes::makeBox({1, 1.2, 1.4}, 6),
-                                            scenes::makeBowl(0.9, 0.15, 24, 8)};
-  for (std::uint32_t seed = 1; seed <= 6; ++seed) arrays.push_back(scenes::makeLump(0.9, 3, 0.25, seed));
-  for (std::uint32_t seed = 7; seed <= 10; ++seed) arrays.push_back(scenes::makeLump(0.9, 4, 0.25, seed));
-  std::vector<std::shared_ptr<const CollisionMesh>> bodies;
-  const auto add = [&](const TriMesh& mesh) {
-    bodies.push_back(std::make_shared<CollisionMesh>(sortedInSpace(mesh), BuildStrategy::kSah));
-  };
-  for (const scenes::MeshArrays& a : arrays) add(*scenes::build(a));
-  for (const BenchMesh& file : files) add(*file.mesh);
-  return bodies;
-}
-
-/// Three quarters of the pairs overlap by 2% of the distance at which they touch, one quarter is 0.4% apart.
-std::vector<Query> batchQueries(const std::vector<std::shared_ptr<const CollisionMesh>>& bodies, int pairs) {
-  Random random(2);
-  std::vector<Query> queries;
-  std::vector<Vec3d> ways;
-  for (int i = 0; i < pairs; ++i) {
-    Query query;
-    query.a = bodies[random.below(bodies.size())].get();
-    query.b = bodies[random.below(bodies.size())].get();
-    query.options.maxContacts = kBatchContacts;
-    const double angle = random.uniform(0, 3);
-    query.bInA = turn(random.direction(), angle);
-    ways.push_back(random.direction());
-    queries.push_back(query);
-  }
-  ThreadPool(defaultThreadCount()).run(queries.size(), 16, [&](std::size_t begin, std::size_t end) {
-    Workspace workspace;
-    for (std::size_t i = begin; i < end; ++i) {
-      Query& query = queries[i];
-      double inside = 0, outside = 2.5;
-      for (int step = 0; step < 11; ++step) {
-        const double middle = 0.5 * (inside + outside);
-        query.bInA.t = otgScale(ways[i], middle);
-        findIntersectingPairs(query, workspace);
-        (workspace.intersecting.empty() ? outside : inside) = middle;
-      }
-      query.bInA.t = otgScale(ways[i], outside * (i % 4 != 0 ? 0.98 : 1.004));
-    }
-  });
-  return queries;
-}
-
-/// Boxes upon each other, ten to a stack, as simulations begin and as solvers leave them: most of them aligned, some
-/// beside the middle, some turned, sunk in by a hundredth of a millimetre, a third of them trembling.
-std::vector<Query> stackQueries(const std::vector<std::shared_ptr<const CollisionMesh>>& boxes, int pairs) {
-  Random random(4);
-  std::vector<Query> queries;
-  for (int i = 0; i < pairs; ++i) {
-    Query query;
-    query.a = boxes[i % 10 == 0 ? boxes.size() - 1 : random.below(boxes.size() - 1)].get();
-    query.b = boxes[random.below(boxes.size() - 1)].get();
-    query.options.maxContacts = kBatchContacts;
-    query.bInA = i % 4 == 0 ? turn({0, 0, 1}, random.uniform(0, 3)) : Transformd{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {}};
-    if (i % 3 == 0) {
-      const Transformd shaken = turn(random.direction(), 1e-6);
-      query.bInA = i % 4 == 0 ? query.bInA : shaken;
-    }
-    const auto z = [](float x) { return static_cast<double>(x); };
-    query.bInA.t = {i % 2 != 0 ? random.uniform(-0.2, 0.2) : 0, 0,
-                    z(query.a->mesh().boundsMax().z) - z(query.b->mesh().boundsMin().z) - 1e-5};
-    queries.push_back(query);
-  }
-  return queries;
-}
-
 /// Every query by one of `threads` threads; the contacts of each.
 double collideOnThreads(const std::vector<Query>& queries, unsigned threads,
                         std::vector<std::vector<Contact>>& contacts) {
@@ -370,22 +267,27 @@ struct BatchVersions {
   std::vector<std::vector<std::uint8_t>> intersects;
 };
 
-BatchVersions makeBatchVersions(const BenchOptions& options, bool stacks) {
+BatchVersions makeBatchVersions(const BenchOptions& options, const std::string& batch) {
   constexpr int kVersions = 8;
   BatchVersions scene;
+  const bool stacks = batch == "stacks";
   if (stacks) {
     scene.of = " of stacks";
-    for (const scenes::MeshArrays& box : {scenes::makeBox({1, 1, 1}, 1), scenes::makeBox({1, 0.8, 0.5}, 1),
-                                          scenes::makeBox({0.8, 0.8, 0.8}, 2), scenes::makeBox({20, 20, 1}, 1)}) {
-      scene.bodies.push_back(std::make_shared<CollisionMesh>(sortedInSpace(*scenes::build(box)), BuildStrategy::kSah));
-    }
+    scene.bodies = stackBodies();
+    scene.queries = stackQueries(scene.bodies, options.pairs);
+  } else if (batch == "terrain") {
+    scene.of = " on a terrain";
+    scene.bodies = terrainBodies();
+    scene.queries = terrainQueries(scene.bodies, options.pairs);
   } else {
-    const std::vector<BenchMesh> files = bodyMeshes(options);
-    scene.bodies = batchBodies(files);
-    for (const BenchMesh& file : files) scene.of += (scene.of.empty() ? " of generated bodies, " : ", ") + file.name;
+    scene.bodies = batchBodies();
+    for (const BenchMesh& file : bodyMeshes(options)) {
+      scene.bodies.push_back(std::make_shared<CollisionMesh>(sortedInSpace(*file.mesh), BuildStrategy::kSah));
+      scene.of += (scene.of.empty() ? " of generated bodies, " : ", ") + file.name;
+    }
+    scene.queries = batchQueries(scene.bodies, options.pairs);
   }
   for (const auto& body : scene.bodies) scene.meshes.push_back(body.get());
-  scene.queries = stacks ? stackQueries(scene.bodies, options.pairs) : batchQueries(scene.bodies, options.pairs);
   for (Query& query : scene.queries) query.options.contacts = modelOf(options);
   Random random(3);
   ThreadPool pool(defaultThreadCount());
@@ -526,8 +428,11 @@ int benchBatch(const BenchOptions& options) {
     }
   }
   progress(fmt::format("placing {} pairs", options.pairs));
-  std::vector<BatchVersions> batches{makeBatchVersions(options, false)};
-  if (modelOf(options) == ContactModel::kSolid) batches.push_back(makeBatchVersions(options, true));
+  std::vector<std::string> names = options.batches;
+  if (names.empty()) names = {"bodies"};
+  if (options.batches.empty() && modelOf(options) == ContactModel::kSolid) names.emplace_back("stacks");
+  std::vector<BatchVersions> batches;
+  for (const std::string& name : names) batches.push_back(makeBatchVersions(options, name));
   Json single = Json::array(), batch = Json::array();
   for (const BatchVersions& scene : batches) {
     if (!options.cpu) break;

@@ -100,6 +100,12 @@ void BenchOptions::addTo(CLI::App& command, bool withScene) {
   if (command.get_name() == "batch") {
     scenes = {"touch", "deep", "deep10", "nearmiss"};
     command.add_option("--pairs", pairs, "Pairs in the batch")->check(CLI::Range(1, 1000000));
+    command
+        .add_option("--bodies", batches,
+                    "Batches: of bodies, of boxes in stacks, of bodies on a terrain (default: bodies, and for the "
+                    "model 'solid' stacks)")
+        ->delimiter(',')
+        ->check(CLI::IsMember({"bodies", "stacks", "terrain"}));
     command.add_option("--poses", poses, "JSON file with a pose matrix for each scene (default: computed)");
     command.add_option("--scenes", scenes, "How the mesh and its copy lie; 'none' for the batch alone")
         ->delimiter(',')

@@ -15,8 +15,9 @@ struct BenchOptions {
   std::vector<std::string> files;
   std::string scene = "touch";
   std::string poses;
-  int repeat = 0;     ///< 0: as many as fit into a fraction of a second, 3 to 50
-  int pairs = 10000;  ///< of `bench batch`
+  int repeat = 0;                    ///< 0: as many as fit into a fraction of a second, 3 to 50
+  int pairs = 10000;                 ///< of `bench batch`
+  std::vector<std::string> batches;  ///< of `bench batch`; empty: bodies, and for the model `solid` stacks
   std::vector<std::string>
       scenes;       ///< of `bench batch`, and of the traversal `levels` in `bench thesis`; empty: default
   bool cpu = true;  ///< of `bench batch`

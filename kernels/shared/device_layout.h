@@ -45,6 +45,10 @@ typedef struct {
 #define OTG_MESH_TANGLED 1
 /// A solid of one component, with a section for the model `solid` behind its rings (solid_layout.h).
 #define OTG_MESH_SOLID 2
+/// A solid (MeshClass::kSolid); a sheet (isSheet in collide/solid_contacts.h); either, with such a section.
+#define OTG_MESH_CLOSED 4
+#define OTG_MESH_SHEET 8
+#define OTG_MESH_LISTED 16
 #define OTG_MOST_ON_EDGE 16
 
 /// Everything that kernels need to know about one pair of meshes in single precision.
@@ -94,7 +98,8 @@ enum {
   OTG_REDUCE_BINNING = 1,  ///< one for each bin
   OTG_REDUCE_BY_HOST = 2,  ///< only the host can
   OTG_REDUCE_SOLID = 3     ///< contacts of the model `solid`, bins[0] at most from each region; bins[1]: deep ones are
-                           ///< the host's
+                           ///< the host's; bins[2]: one more than the place in the table of how those of the model
+                           ///< `pairwise` are chosen, should the pair get these; 0: by the host
 };
 
 /// What is known of a pair while its contacts are chosen.
@@ -116,7 +121,8 @@ enum {
   OTG_PAIR_NO_FRAME = 4,    ///< too large for single precision: the host has to do all of it (with OTG_PAIR_TO_HOST)
   OTG_PAIR_INTERSECTS = 8,  ///< some pair of triangles does for certain
   OTG_PAIR_SKIPPED = 16,    ///< as otg_batch_task
-  OTG_PAIR_MANY = 32        ///< has more hits than one work-group keeps
+  OTG_PAIR_MANY = 32,       ///< has more hits than one work-group keeps
+  OTG_PAIR_PAIRWISE = 64    ///< in a batch of solids: gets contacts of the model `pairwise`
 };
 #define OTG_PAIR_LEFT_OUT (OTG_PAIR_REFUSED | OTG_PAIR_TO_HOST | OTG_PAIR_SKIPPED)
 /// From this bit on: why the model `solid` left a pair to the host (kernels/solid_scratch.h).

@@ -9,11 +9,13 @@
 namespace otg {
 #endif
 
-/// A solid of one component has a section behind its rings (otg_device_mesh), in units of 16 bytes:
+/// A solid or a sheet has a section behind its rings (otg_device_mesh), in units of 16 bytes:
 ///   the bounds, lowest corner and highest; in w the numbers of vertices and edges
 ///   OTG_SOLID_SAMPLES places of vertices spread over it (see isContained in collide/solid/inside.cpp); in w how many,
-///   then the unit at which the clusters begin, from the bounds on, and how many these are
-///   four units a triangle: corners as welded vertices; its edges; its unit normal and its area in double
+///   then the unit at which the clusters begin, from the bounds on, and how many these are; then where the samples of
+///   its closed components begin (those of the only one: here), and how many components these are
+///   four units a triangle: corners as welded vertices, and the number of its closed component or OTG_NOT_THERE; its
+///   edges; its unit normal and its area in double
 ///   one unit a vertex: where it is; OTG_VERTEX_FLAT and the number of its cluster
 ///   one unit an edge: its ends a and b, a half-edge, and whether it is flat (all as Topology and Adjacency)
 ///   one word a vertex, and one more: the first of its outgoing half-edges in the list that follows; then that list;
@@ -22,9 +24,13 @@ namespace otg {
 ///   vector area, area and moment in double (as Adjacency::Cluster)
 ///   two units a vertex: its star in double
 ///   one word for each vertex of the clusters, then one for each neighbour
+///   OTG_SOLID_SAMPLES units for each closed component, as above, where there are others beside it
 #define OTG_SOLID_SAMPLES 16
 #define OTG_SOLID_CLUSTERS_AT 3
 #define OTG_SOLID_CLUSTER_COUNT 4
+#define OTG_SOLID_PARTS_AT 5
+#define OTG_SOLID_PART_COUNT 6
+#define OTG_SOLID_MOST_PARTS 64  ///< meshes of more closed components have no section
 #define OTG_CLUSTER_UNITS 5
 #define OTG_SOLID_TRIANGLES (2 + OTG_SOLID_SAMPLES)
 #define OTG_VERTEX_FLAT 0x80000000u
@@ -43,7 +49,7 @@ typedef struct {
   otg_ulong order;                                  ///< kind, mesh, feature, ordinal: ties are settled by it
   otg_uint kind, mesh, feature, ordinal, triangleA, triangleB;
   otg_uint flat;
-  otg_uint sharp;  ///< of a middle: its edge is sharp and convex
+  otg_uint sharp;      ///< of a middle: its edge is sharp and convex
   double depth, rank;  ///< of a candidate, as estimated; depth -1: it is none
 } otg_solid_point;
 
@@ -62,7 +68,7 @@ typedef struct {
   double shareOfB, weighted[3], fixed[3], across[6];
   otg_uint pieces, pieceCount, points, pointCount;  ///< places in the arena
   otg_uint next;                                    ///< region, or OTG_NOT_THERE
-  otg_uint faces, planes, picks;      ///< places in the arena; picks (ushort): OTG_NOT_THERE where all points stay
+  otg_uint faces, planes, picks;  ///< places in the arena; picks (ushort): OTG_NOT_THERE where all points stay
   otg_uint faceCount[2], planeCount[2], candidates;
   otg_uint acrossPoint[2];  ///< points of those two edges, or OTG_NOT_THERE
   otg_uint flags;           ///< OTG_REGION_*
@@ -70,9 +76,9 @@ typedef struct {
 } otg_solid_region;
 
 enum {
-  OTG_REGION_COUNTS = 1,    ///< it is not too small to have contacts
-  OTG_REGION_FLAT = 2,      ///< one face holds it
-  OTG_REGION_FIXED = 4,     ///< `fixed` is the normal everywhere
+  OTG_REGION_COUNTS = 1,  ///< it is not too small to have contacts
+  OTG_REGION_FLAT = 2,    ///< one face holds it
+  OTG_REGION_FIXED = 4,   ///< `fixed` is the normal everywhere
   OTG_REGION_DEEP = 8,
   OTG_REGION_GATHERED = 16,  ///< planes stand for several pieces
   OTG_REGION_CORNERS = 32,   ///< it has points that are not flat

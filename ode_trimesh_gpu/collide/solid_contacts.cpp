@@ -72,10 +72,6 @@ bool hasTurnedFar(const Transformd& from, const Transformd& to) {
 bool isSolid(const TriMesh& mesh) {
   return mesh.meshClass() == MeshClass::kSolid;
 }
-bool isSheet(const TriMesh& mesh) {
-  return !isSolid(mesh) && mesh.triangleCount() > 0 && mesh.report().inconsistentEdges == 0 &&
-         mesh.report().nonManifoldEdges == 0;
-}
 
 /// Every crossing begins one chord and ends one.
 bool isClosed(const Contour& contour) {
@@ -119,12 +115,21 @@ void keep(const Query& query, const SolidHistory::State& before, SolidHistory::S
 
 }  // namespace
 
+bool isSheet(const TriMesh& mesh) {
+  return !isSolid(mesh) && mesh.triangleCount() > 0 && mesh.report().inconsistentEdges == 0 &&
+         mesh.report().nonManifoldEdges == 0;
+}
+
+bool haveSolidContacts(const TriMesh& a, const TriMesh& b) {
+  return (isSolid(a) && (isSolid(b) || isSheet(b))) || (isSheet(a) && isSolid(b));
+}
+
 bool isUnburdened(const Query& query) {
   return query.history == nullptr || stateBefore(query).clampLeft <= 1;
 }
 
 void rememberPlain(const Query& query) {
-  if (!query.history || !isSolid(query.a->mesh()) || !isSolid(query.b->mesh())) return;
+  if (!query.history || !haveSolidContacts(query.a->mesh(), query.b->mesh())) return;
   const SolidHistory::State before = stateBefore(query);
   SolidHistory::State state = before;
   state.escapeLeft = std::max(0, state.escapeLeft - 1);
@@ -190,7 +195,7 @@ bool solidContacts(const Query& query, Workspace& workspace) {
   workspace.contacts.clear();
   const TriMesh &a = query.a->mesh(), &b = query.b->mesh();
   const bool bothSolid = isSolid(a) && isSolid(b);
-  if (!bothSolid && !(isSolid(a) && isSheet(b)) && !(isSheet(a) && isSolid(b))) return false;
+  if (!haveSolidContacts(a, b)) return false;
   if (!workspace.solid) workspace.solid = std::make_unique<SolidScratch>();
   SolidScratch& scratch = *workspace.solid;
   const PlacedMeshes meshes(query);

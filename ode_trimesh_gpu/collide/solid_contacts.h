@@ -18,7 +18,13 @@ bool solidContacts(const Query& query, Workspace& workspace);
 struct FoundOverlap;
 bool solidContactsOf(const Query& query, const FoundOverlap& found, Workspace& workspace);
 
-/// For those who compute the contacts of two solids elsewhere. Whether what the pair remembers changes nothing, as long
+/// Whether a mesh is a sheet in that sense;
+bool isSheet(const TriMesh& mesh);
+/// and whether two meshes have contacts of the model `solid`, as long as their contour closes: two solids, or a solid
+/// with a sheet.
+bool haveSolidContacts(const TriMesh& a, const TriMesh& b);
+
+/// For those who compute such contacts elsewhere. Whether what the pair remembers changes nothing, as long
 /// as no region is deep, entangled or contained;
 bool isUnburdened(const Query& query);
 /// and what such a query leaves in query.history, if there is one.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "dispatch/single_run.h"
 
+#include "collide/solid_contacts.h"
 #include "collide/stages.h"
 
 namespace otg {
@@ -36,12 +37,13 @@ bool contactsOnDevice(const PairJob& job) {
 }
 
 bool solidInBatch(const PairJob& job) {
-  const auto isSolid = [](const CollisionMesh* mesh) { return mesh->mesh().meshClass() == MeshClass::kSolid; };
-  return !job.any && job.query.options.contacts == ContactModel::kSolid && isSolid(job.query.a) && isSolid(job.query.b);
+  return !job.any && job.query.options.contacts == ContactModel::kSolid &&
+         haveSolidContacts(job.query.a->mesh(), job.query.b->mesh());
 }
 
 bool isSoonerOnDevice(const PairJob& job, const CostModel& costs, double work) {
-  if (solidInBatch(job) && allOnDevice(job) && costs.knowsSolidPair()) {
+  const auto isSolid = [](const CollisionMesh* mesh) { return mesh->mesh().meshClass() == MeshClass::kSolid; };
+  if (solidInBatch(job) && isSolid(job.query.a) && isSolid(job.query.b) && allOnDevice(job) && costs.knowsSolidPair()) {
     return costs.deviceSolid.of(work) < costs.hostSolid.of(work);
   }
   return contactsOnDevice(job) ? costs.devicePairwise.of(work) < costs.hostPairwise.of(work)

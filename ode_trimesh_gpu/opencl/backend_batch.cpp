@@ -11,153 +11,11 @@
 #include "collide/solid_contacts.h"
 #include "collide/stages.h"
 #include "opencl/backend_state.h"
+#include "opencl/batch_source.h"
 #include "opencl/stopwatch.h"
 #include "opencl/take_records.h"
 
 namespace otg::opencl {
-namespace {
-
-/// Numbers for meshes in the order of first appearance: open addressing, because it is asked twice for each pair.
-class MeshNumbers {
- public:
-  explicit MeshNumbers(std::vector<const CollisionMesh*>& meshes) : meshes_(meshes), slots_(256, 0) {}
-
-  std::uint32_t operator()(const CollisionMesh* mesh) {
-    if (2 * meshes_.size() >= slots_.size()) grow();
-    std::uint32_t& slot = slots_[find(mesh)];
-    if (slot == 0) {
-      meshes_.push_back(mesh);
-      slot = static_cast<std::uint32_t>(meshes_.size());
-    }
-    return slot - 1;
-  }
-
- private:
-  std::size_t find(const CollisionMesh* mesh) const {
-    const std::size_t mask = slots_.size() - 1;
-    const auto bits = static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(mesh));
-    std::size_t at = (bits * 0x9e3779b97f4a7c15u) >> 40 & mask;
-    while (slots_[at] != 0 && meshes_[slots_[at] - 1] != mesh) at = (at + 1) & mask;
-    return at;
-  }
-  void grow() {
-    slots_.assign(2 * slots_.size(), 0);
-    for (std::uint32_t i = 0; i < meshes_.size(); ++i) slots_[find(meshes_[i])] = i + 1;
-  }
-  std::vector<const CollisionMesh*>& meshes_;
-  std::vector<std::uint32_t> slots_;  ///< number plus one, 0: free
-};
-
-bool sameReduction(const CollideOptions& x, const CollideOptions& y) {
-  return x.reduction.method == y.reduction.method && x.reduction.bins == y.reduction.bins &&
-         x.maxContacts == y.maxContacts && x.solid == y.solid;
-}
-
-/// Where contacts of both models are asked for, those of `solid` are made by the host.
-void leaveSolidsToHost(std::vector<otg_reduction>& reductions) {
-  for (otg_reduction& how : reductions) {
-    if (how.method == OTG_REDUCE_SOLID) how.method = OTG_REDUCE_BY_HOST;
-  }
-}
-
-}  // namespace
-
-/// Queries as a caller has them, each with options of its own.
-class QuerySource {
- public:
-  explicit QuerySource(std::span<const Query> queries) : queries_(queries) {
-    MeshNumbers number(meshes);
-    const CollideOptions* last = nullptr;
-    bool lastSolid = false, lastHistory = false, lastBurdened = false;
-    heads_.reserve(queries.size());
-    for (const Query& query : queries) {
-      const bool solid = mayBeSolid(query), history = solid && query.history != nullptr;
-      const bool burdened = history && !isUnburdened(query);
-      if (last == nullptr || solid != lastSolid || history != lastHistory || burdened != lastBurdened ||
-          !sameReduction(*last, query.options)) {
-        const otg_reduction how =
-            solid ? solidReduction(query.options, burdened, history) : deviceReduction(query.options, false);
-        current_ = 0;
-        while (current_ < reductions.size() && std::memcmp(&reductions[current_], &how, sizeof how) != 0) ++current_;
-        if (current_ == reductions.size()) reductions.push_back(how);
-        last = &query.options;
-        lastSolid = solid;
-        lastHistory = history;
-        lastBurdened = burdened;
-      }
-      heads_.push_back({number(query.a), number(query.b), current_});
-      anyPairwise = anyPairwise || !solid;
-      anyHistory = anyHistory || history;
-    }
-    if (anyPairwise) leaveSolidsToHost(reductions);
-  }
-
-  std::vector<const CollisionMesh*> meshes;
-  std::vector<otg_reduction> reductions;
-  bool anyPairwise = false, anyHistory = false;
-
-  std::size_t size() const { return queries_.size(); }
-  Query query(std::size_t i) const { return queries_[i]; }
-  void fill(std::size_t i, otg_batch_task& task) const {
-    task.bInA = queries_[i].bInA;
-    task.meshA = heads_[i].meshA;
-    task.meshB = heads_[i].meshB;
-    task.reduction = heads_[i].reduction;
-    task.skip = 0;
-  }
-
- private:
-  struct Head {
-    std::uint32_t meshA, meshB, reduction;
-  };
-  std::span<const Query> queries_;
-  std::vector<Head> heads_;
-  std::uint32_t current_ = 0;
-};
-
-/// Pairs of meshes that are numbered already, with the same options for all.
-class PairSource {
- public:
-  explicit PairSource(const PairBatch& batch) : meshes(batch.meshes.begin(), batch.meshes.end()), batch_(batch) {
-    // Some of the pairs may have contacts of the model `solid`, some not: see mayBeSolid.
-    solid_ = batch.options.contacts == ContactModel::kSolid;
-    reductions.push_back(deviceReduction(batch.options, false));
-    if (solid_) reductions.push_back(solidReduction(batch.options, false, false));
-    for (const CollisionMesh* mesh : meshes) isSolid_.push_back(mesh->mesh().meshClass() == MeshClass::kSolid);
-    anyPairwise = !solid_ || std::count(isSolid_.begin(), isSolid_.end(), false) > 0;
-    if (anyPairwise) leaveSolidsToHost(reductions);
-  }
-
-  std::vector<const CollisionMesh*> meshes;
-  std::vector<otg_reduction> reductions;
-  bool anyPairwise = false;
-  static constexpr bool anyHistory = false;
-
-  std::size_t size() const { return batch_.pairs.size(); }
-  Query query(std::size_t i) const {
-    const MeshPair& pair = batch_.pairs[i];
-    Query query;
-    query.a = meshes[pair.a];
-    query.b = meshes[pair.b];
-    query.bInA = pair.bInA;
-    query.options = batch_.options;
-    return query;
-  }
-  void fill(std::size_t i, otg_batch_task& task) const {
-    const MeshPair& pair = batch_.pairs[i];
-    task.bInA = pair.bInA;
-    task.meshA = pair.a;
-    task.meshB = pair.b;
-    task.reduction = solid_ && (isSolid_[pair.a] || isSolid_[pair.b]) ? 1 : 0;
-    task.skip = 0;
-  }
-
- private:
-  const PairBatch& batch_;
-  bool solid_ = false;
-  std::vector<bool> isSolid_;
-};
-
 /// One call for many pairs: what is left to the device goes there in pieces. `Finish` says what is made of a pair:
 ///   chunk(begin, count, found)      the flags (and contacts) of a piece, before anything else is said of its pairs
 ///   refuse(i)                       a pose that cannot be worked with
@@ -362,7 +220,7 @@ class Backend::Batch {
     }
     if (wish_ == BatchWish::kSolid && source_.anyHistory) {
       for (std::size_t k = 0; k < count; ++k) {
-        if ((found.flags[k] & kNotDone) == 0) rememberPlain(source_.query(begin + k));
+        if ((found.flags[k] & (kNotDone | OTG_PAIR_PAIRWISE)) == 0) rememberPlain(source_.query(begin + k));
       }
     }
     for (const std::size_t i : piece.refused) finish_.refuse(i);
@@ -544,10 +402,10 @@ bool Backend::collideFrom(const Source& source, BatchAnswer& answer, StageTimes*
   finish.left = left;
   if (onHost) finish.onHost = &onHost;
   LanePool<BatchLane>& lanes = times ? state_->profiledBatches : state_->batches;
-  const BatchWish wish = !state_->reduces()     ? BatchWish::kPairs
-                         : source.anyPairwise   ? BatchWish::kContacts
-                         : state_->tuning.solid ? BatchWish::kSolid
-                                                : BatchWish::kPairs;
+  const BatchWish wish = !state_->reduces()                        ? BatchWish::kPairs
+                         : source.anySolid && state_->tuning.solid ? BatchWish::kSolid
+                         : source.anyPairwise                      ? BatchWish::kContacts
+                                                                   : BatchWish::kPairs;
   Batch<Source, ContactFinish> batch(*state_, source, wish, finish, lanes);
   const bool good = batch.run(times);
   finish.end();
@@ -571,19 +429,19 @@ bool Backend::intersectFrom(const Source& source, std::vector<std::uint8_t>& ans
 
 bool Backend::collideBatch(std::span<const Query> queries, BatchAnswer& answer, StageTimes* times,
                            std::vector<std::size_t>* left) {
-  return collideFrom(QuerySource(queries), answer, times, left, {});
+  return collideFrom(QuerySource(queries, state_->tuning.solid), answer, times, left, {});
 }
 
 bool Backend::collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTimes* times, const RunParts& onHost) {
-  return collideFrom(PairSource(batch), answer, times, nullptr, onHost);
+  return collideFrom(PairSource(batch, state_->tuning.solid), answer, times, nullptr, onHost);
 }
 
 bool Backend::intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer, StageTimes* times) {
-  return intersectFrom(QuerySource(queries), answer, times);
+  return intersectFrom(QuerySource(queries, state_->tuning.solid), answer, times);
 }
 
 bool Backend::intersectBatch(const PairBatch& batch, std::vector<std::uint8_t>& answer, StageTimes* times) {
-  return intersectFrom(PairSource(batch), answer, times);
+  return intersectFrom(PairSource(batch, state_->tuning.solid), answer, times);
 }
 
 }  // namespace otg::opencl

@@ -84,6 +84,14 @@ void BatchLane::begin(std::span<const CollisionMesh* const> meshes, std::span<co
   hasContacts_ = contactRecords_ || wish == BatchWish::kSolid;
   mostPlaces_ = 1;
   for (const otg_reduction& how : reductions) mostPlaces_ = std::max(mostPlaces_, how.places);
+  // Only what is neither a solid nor one with a solid has contacts of the other model in a batch of solids.
+  anyPairwise_ =
+      wish == BatchWish::kSolid &&
+      (std::any_of(full.begin(), full.end(),
+                   [](const CollisionMesh* mesh) { return mesh->mesh().meshClass() != MeshClass::kSolid; }) ||
+       std::any_of(reductions.begin(), reductions.end(), [](const otg_reduction& how) {
+         return how.method != OTG_REDUCE_SOLID && how.method != OTG_REDUCE_BY_HOST;
+       }));
   underWay_ = true;
   guarded([&] {
     send(meshes, reductions);
@@ -151,31 +159,36 @@ void BatchLane::enqueue(cl_mem meshes, BatchWish wish) {
         count_,      meshes,         counters,       tasks_.get(),      pairList_.get(),       places_.get(),
         hits_.get(), hits_.places(), results_.get(), reducer_.states(), reducer_.reductions(), groups_};
     solid_.enqueue(queue, batch, reducer_, chosen_, profile_);
+    if (anyPairwise_) {
+      solid_.enqueuePairwise(queue, batch, chosen_, profile_);
+      enqueueReduction(meshes, solid_.pairwiseRecords(), OTG_PAIR_PAIRWISE);
+    }
+    solid_.enqueueWrite(queue, batch, chosen_, profile_);
     return;
   }
   // For yes or no nothing is left open; not built before it is asked for, because it is large.
   const bool decides = wish == BatchWish::kAny && context_.info().doubles;
   if (decides && !decided_) {
-    decided_ = context_.makeKernel("batch_results.cl",
-                                   "-DOTG_GROUP=" + std::to_string(tuning_.recordGroup) +
-                                       " -DOTG_CONTACTS=0 -DOTG_ENTER=0 -DOTG_EXACT=1",
-                                   "batchResults");
+    decided_ = context_.makeKernel(
+        "batch_results.cl",
+        "-DOTG_GROUP=" + std::to_string(tuning_.recordGroup) + " -DOTG_CONTACTS=0 -DOTG_ENTER=0 -DOTG_EXACT=1",
+        "batchResults");
   }
   Kernel& records = contactRecords_ ? records_ : decides ? decided_ : pairs_;
   Arguments(records) << pairList_.get() << places_.get() << tasks_.get() << meshes << counters << hits_.get()
                      << hits_.places() << results_.get() << chosen_.get();
   launch(queue, records, tuning_.recordGroup, groups_, 1, profile_.next(Profile::kContacts));
-  if (contactRecords_) enqueueReduction(meshes);
+  if (contactRecords_) enqueueReduction(meshes, results_.get(), 0);
 }
 
-/// The contacts of all pairs but those with many hits.
-void BatchLane::enqueueReduction(cl_mem meshes) {
+/// The contacts of all pairs but those with many hits, or of those with the flag `only`.
+void BatchLane::enqueueReduction(cl_mem meshes, cl_mem records, otg_uint only) {
   for (const bool medium : {false, true}) {
     Kernel& kernel = medium ? medium_ : small_;
-    const otg_uint isMedium = medium ? 1 : 0, least = medium ? smallHits_ + 1 : 0;
-    Arguments(kernel) << meshes << counters_.get() << hits_.places() << results_.get() << reducer_.states()
+    const otg_uint isMedium = medium ? 1 : 0, least = medium ? smallHits_ + 1 : 0, last = only == 0 ? isMedium : 0;
+    Arguments(kernel) << meshes << counters_.get() << hits_.places() << records << reducer_.states()
                       << reducer_.reductions() << list_.get() << isMedium << least << chosen_.get() << count_
-                      << chosen_.contactPlaces() << isMedium;
+                      << chosen_.contactPlaces() << only << last;
     launch(queue_.get(), kernel, medium ? tuning_.mediumGroup : tuning_.smallGroup, count_, 1,
            profile_.next(medium ? Profile::kChoose : Profile::kRegions));
   }
@@ -221,7 +234,7 @@ void BatchLane::runMany(cl_mem meshes, BatchFound& found) {
 
 void BatchLane::beginRun() {
   results_.reserve(context_, hits_.places());
-  if (wish_ == BatchWish::kSolid) solid_.reserve(count_, hits_.places(), mostPlaces_);
+  if (wish_ == BatchWish::kSolid) solid_.reserve(count_, hits_.places(), mostPlaces_, anyPairwise_);
   chosen_.reserve(context_, std::bit_ceil(count_), hasContacts_ ? contactPlaces_ : 0);
   enqueue(pinned_.buffer(), wish_);
   chosen_.beginHead(context_, queue_.get(), count_, hasContacts_, &profile_);

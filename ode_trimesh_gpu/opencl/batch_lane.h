@@ -72,7 +72,7 @@ class BatchLane {
   void guarded(Run&& run);
   void send(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions);
   void enqueue(cl_mem meshes, BatchWish wish);
-  void enqueueReduction(cl_mem meshes);
+  void enqueueReduction(cl_mem meshes, cl_mem records, otg_uint only);
   void runMany(cl_mem meshes, BatchFound& found);
 
   Context& context_;
@@ -100,6 +100,7 @@ class BatchLane {
   BatchWish wish_ = BatchWish::kAny;
   otg_uint mostPlaces_ = 1;  ///< of its reductions
   bool contactRecords_ = false, hasContacts_ = false, underWay_ = false;
+  bool anyPairwise_ = false;  ///< of a batch of solids: some pair may have contacts of the model `pairwise`
   std::uint64_t repeats_ = 0;
 };
 

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstring>
 
+#include "collide/solid_contacts.h"
 #include "shared/solid_layout.h"
 
 namespace otg::opencl {
@@ -35,12 +36,13 @@ void addBytes(PackedMesh& out, const void* bytes, std::size_t size) {
 }
 
 /// The same vertices as isContained in collide/solid/inside.cpp.
-void addSamples(PackedMesh& out, const TriMesh& mesh, const Adjacency& adjacency) {
-  const auto triangles = static_cast<std::uint32_t>(adjacency.componentTriangles.size());
+void addSamples(PackedMesh& out, const TriMesh& mesh, const Adjacency& adjacency, std::uint32_t component) {
+  const std::uint32_t first = adjacency.componentFirst[component];
+  const std::uint32_t triangles = adjacency.componentFirst[component + 1] - first;
   const std::uint32_t samples = std::min<std::uint32_t>(triangles, OTG_SOLID_SAMPLES);
   for (std::uint32_t i = 0; i < OTG_SOLID_SAMPLES; ++i) {
     const std::uint32_t at = i < samples ? static_cast<std::uint32_t>(std::uint64_t{i} * triangles / samples) : 0;
-    const std::uint32_t v = mesh.triangles()[adjacency.componentTriangles[at]].v[i % 3];
+    const std::uint32_t v = mesh.triangles()[adjacency.componentTriangles[first + at]].v[i % 3];
     out.units.push_back(unit(mesh.vertices()[v], samples));
   }
 }
@@ -64,17 +66,29 @@ void addClusters(PackedMesh& out, const Adjacency& adjacency) {
 void addSolid(PackedMesh& out, const CollisionMesh& collisionMesh) {
   const TriMesh& mesh = collisionMesh.mesh();
   const Topology& topology = mesh.topology();
-  if (mesh.meshClass() != MeshClass::kSolid || topology.componentCount() != 1 || hasTwoZeros(mesh)) return;
+  const bool isSolid = mesh.meshClass() == MeshClass::kSolid;
+  if (!isSolid && !isSheet(mesh)) return;
+  out.place.flags |= isSolid ? OTG_MESH_CLOSED : OTG_MESH_SHEET;
   const Adjacency& adjacency = collisionMesh.adjacency();
-  out.place.flags |= OTG_MESH_SOLID;
+  std::vector<std::uint32_t> closed, numberOf(topology.componentCount(), OTG_NOT_THERE);
+  for (std::uint32_t c = 0; c < topology.componentCount(); ++c) {
+    if (!topology.componentClosed[c] || adjacency.componentVertex[c] == kNone) continue;
+    numberOf[c] = static_cast<std::uint32_t>(closed.size());
+    closed.push_back(c);
+  }
+  if (numberOf.empty() || closed.size() > OTG_SOLID_MOST_PARTS || hasTwoZeros(mesh)) return;
+  const bool isOne = isSolid && topology.componentCount() == 1;
+  out.place.flags |= isOne ? OTG_MESH_SOLID | OTG_MESH_LISTED : OTG_MESH_LISTED;
   const std::size_t begin = out.units.size();
   out.units.push_back(unit(mesh.boundsMin(), static_cast<std::uint32_t>(mesh.vertices().size())));
   out.units.push_back(unit(mesh.boundsMax(), static_cast<std::uint32_t>(topology.edgeCount())));
-  addSamples(out, mesh, adjacency);
+  addSamples(out, mesh, adjacency, 0);
   for (std::uint32_t t = 0; t < mesh.triangleCount(); ++t) {
     const auto& v = mesh.triangles()[t].v;
     const std::uint32_t* edge = topology.edgeOf.data() + 3 * std::size_t{t};
-    out.units.push_back(words(topology.weld[v[0]], topology.weld[v[1]], topology.weld[v[2]], 0));
+    const std::uint32_t component = topology.componentOf[t];
+    const std::uint32_t part = component == kNone ? OTG_NOT_THERE : numberOf[component];
+    out.units.push_back(words(topology.weld[v[0]], topology.weld[v[1]], topology.weld[v[2]], part));
     out.units.push_back(words(edge[0], edge[1], edge[2], 0));
     const Vec3d& n = adjacency.normal[t];
     const double numbers[4] = {n.x, n.y, n.z, adjacency.area[t]};
@@ -97,6 +111,11 @@ void addSolid(PackedMesh& out, const CollisionMesh& collisionMesh) {
   out.units[begin + OTG_SOLID_CLUSTERS_AT].w = static_cast<std::uint32_t>(out.units.size() - begin);
   out.units[begin + OTG_SOLID_CLUSTER_COUNT].w = static_cast<std::uint32_t>(adjacency.clusters.size() - 1);
   addClusters(out, adjacency);
+  out.units[begin + OTG_SOLID_PARTS_AT].w = isOne ? 2 : static_cast<std::uint32_t>(out.units.size() - begin);
+  out.units[begin + OTG_SOLID_PART_COUNT].w = static_cast<std::uint32_t>(closed.size());
+  for (const std::uint32_t c : closed) {
+    if (!isOne) addSamples(out, mesh, adjacency, c);
+  }
 }
 
 }  // namespace otg::opencl

@@ -6,8 +6,8 @@
 
 namespace otg::opencl {
 
-/// Appends the section that shared/solid_layout.h describes, and sets OTG_MESH_SOLID, if the mesh is a solid of one
-/// component. The rings come right before it.
+/// Sets OTG_MESH_CLOSED or OTG_MESH_SHEET of solids and sheets, and appends the section that shared/solid_layout.h
+/// describes (OTG_MESH_LISTED, OTG_MESH_SOLID) unless the mesh is too odd for devices. The rings come right before it.
 void addSolid(PackedMesh& out, const CollisionMesh& collisionMesh);
 
 }  // namespace otg::opencl

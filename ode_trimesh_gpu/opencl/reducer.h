@@ -28,8 +28,9 @@ std::string groupReduction(const Context& context, std::uint32_t group, std::uin
 /// How the device chooses contacts that are asked for in this way.
 otg_reduction deviceReduction(const CollideOptions& options, bool byHost);
 /// The same for the model `solid`. `remembers`: the pair has a history, which holds what only the host knows of deep
-/// regions.
-otg_reduction solidReduction(const CollideOptions& options, bool byHost, bool remembers);
+/// regions. `pairwise`: one more than the place of deviceReduction() in the table, or 0 where the pair is of two
+/// solids.
+otg_reduction solidReduction(const CollideOptions& options, bool byHost, bool remembers, std::uint32_t pairwise);
 
 /// Part of one lane. Functions throw ClError.
 class Reducer {

@@ -91,8 +91,15 @@ void SolidStage::build() {
   write_ = std::move(write);
 }
 
-void SolidStage::reserve(std::uint32_t pairs, std::uint32_t hits, std::uint32_t places) {
+void SolidStage::reserve(std::uint32_t pairs, std::uint32_t hits, std::uint32_t places, bool anyPairwise) {
   build();
+  if (anyPairwise) {
+    if (!pairwise_) {
+      pairwise_ = context_.makeKernel(
+          "solid_pairwise.cl", "-DOTG_GROUP=" + std::to_string(recordGroup_) + " -DOTG_CONTACTS=1", "solidPairwise");
+    }
+    pairwiseRecords_.reserve(context_, hits);
+  }
   pairs = std::bit_ceil(pairs);
   room_ = places;
   sorted_.reserve(context_, hits);
@@ -161,6 +168,17 @@ void SolidStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& re
     launch(queue, size.contacts, size.group, groupsOf(size), 1, profile.next(Profile::kSelect));
   }
   reducer.enqueuePlaces(queue, batch.count, chosen, profile);
+}
+
+void SolidStage::enqueuePairwise(cl_command_queue queue, const Batch& batch, const ChosenBuffer& chosen,
+                                 Profile& profile) {
+  Arguments(pairwise_) << batch.pairs << batch.places << batch.tasks << batch.meshes << batch.counters << batch.hits
+                       << batch.hitPlaces << batch.records << pairwiseRecords_.get() << chosen.get();
+  launch(queue, pairwise_, recordGroup_, batch.groups, 1, profile.next(Profile::kContacts));
+}
+
+void SolidStage::enqueueWrite(cl_command_queue queue, const Batch& batch, const ChosenBuffer& chosen,
+                              Profile& profile) {
   Arguments(write_) << batch.counters << kept_.get() << room_ << batch.count << chosen.get() << chosen.contactPlaces()
                     << batch.states << batch.records << batch.hitPlaces << left_.get() << left_.places();
   launch(queue, write_, sizes_[0].group, batch.groups, 1, profile.next(Profile::kChoose));

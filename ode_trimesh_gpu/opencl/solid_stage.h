@@ -17,8 +17,8 @@ class SolidStage {
  public:
   SolidStage(Context& context, const Tuning& tuning);
 
-  /// Room for so many pairs, hits, and contacts of each pair.
-  void reserve(std::uint32_t pairs, std::uint32_t hits, std::uint32_t places);
+  /// Room for so many pairs, hits, and contacts of each pair. `anyPairwise`: for enqueuePairwise(), too.
+  void reserve(std::uint32_t pairs, std::uint32_t hits, std::uint32_t places, bool anyPairwise);
   /// Whether the last batch had room for what it found about regions; if not, the next one has.
   bool fits(const otg_uint* counters);
 
@@ -33,9 +33,14 @@ class SolidStage {
   /// After a batch: the records of the pairs that are left to the host, where each has its hits side by side. False if
   /// there was no room for them: then all records have to be looked at.
   bool readLeft(cl_command_queue queue, const otg_uint* counters, Answer& answer);
-  /// Everything from the hits on. `chosen` gets the results; the last kernel ends the batch.
+  /// Everything from the hits on, up to lists of contacts and their places in `chosen`.
   void enqueue(cl_command_queue queue, const Batch& batch, Reducer& reducer, const ChosenBuffer& chosen,
                Profile& profile);
+  /// Between the two: the records, with contacts, of the pairs with OTG_PAIR_PAIRWISE.
+  void enqueuePairwise(cl_command_queue queue, const Batch& batch, const ChosenBuffer& chosen, Profile& profile);
+  cl_mem pairwiseRecords() const { return pairwiseRecords_.get(); }
+  /// `chosen` gets the results; the last kernel, which ends the batch.
+  void enqueueWrite(cl_command_queue queue, const Batch& batch, const ChosenBuffer& chosen, Profile& profile);
 
  private:
   /// The large kernels, for pairs up to some size.
@@ -49,9 +54,9 @@ class SolidStage {
   Context& context_;
   const std::uint32_t recordGroup_, registers_;
   std::uint32_t arenaWanted_, chunksWanted_, room_ = 0;
-  ResultBuffer left_{0};
+  ResultBuffer left_{0}, pairwiseRecords_{0};
   std::vector<Size> sizes_;  ///< the largest pairs first
-  Kernel records_, stretches_, scatter_, estimate_, write_;
+  Kernel records_, stretches_, scatter_, estimate_, write_, pairwise_;
   std::size_t estimateGroup_, estimateGroups_;
   DeviceList sorted_{sizeof(otg_solid_hit)}, heads_{sizeof(otg_uint)}, arena_, lists_{sizeof(otg_uint)},
       chunks_{2 * sizeof(otg_uint)}, kept_{sizeof(otg_chosen_contact)};

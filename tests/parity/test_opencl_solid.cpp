@@ -6,15 +6,13 @@
 #include "opencl/call.h"
 #include "opencl/log.h"
 #include "support/mesh_samples.h"
-#include "support/opencl.h"
+#include "support/solid_batches.h"
 
 using namespace otg;
 using namespace otg::scenes;
 using namespace otg::test;
 
 namespace {
-
-using MeshList = std::vector<std::shared_ptr<const CollisionMesh>>;
 
 MeshList solids() {
   MeshList meshes;
@@ -54,38 +52,6 @@ std::vector<Query> touching(const MeshList& meshes, std::uint32_t seed, std::siz
     queries.push_back(query);
   }
   return queries;
-}
-
-std::vector<std::vector<Contact>> onHost(const std::vector<Query>& queries) {
-  std::vector<std::vector<Contact>> contacts;
-  Workspace workspace;
-  for (const Query& query : queries) {
-    collide(query, workspace);
-    contacts.push_back(workspace.reduced);
-  }
-  return contacts;
-}
-
-bool same(const SolidHistory::State& x, const SolidHistory::State& y) {
-  return x.escape == y.escape && x.escapeLeft == y.escapeLeft && x.clampLeft == y.clampLeft &&
-         x.deepNormal == y.deepNormal && x.hasPose == y.hasPose && x.pose.t == y.pose.t;
-}
-
-std::size_t countWrong(const opencl::BatchAnswer& answer, const std::vector<std::vector<Contact>>& expected) {
-  std::size_t wrong = 0;
-  for (std::size_t i = 0; i < expected.size(); ++i) wrong += sameBytes(answer.of(i), expected[i]) ? 0 : 1;
-  return wrong;
-}
-
-/// Runs the batch; how many pairs the device finished by itself.
-std::size_t checkBatch(opencl::Backend& backend, const std::vector<Query>& queries,
-                       const std::vector<std::vector<Contact>>& expected) {
-  opencl::BatchAnswer answer;
-  CHECK(backend.collideBatch(queries, answer));
-  REQUIRE(answer.size() == queries.size());
-  CHECK(countWrong(answer, expected) == 0);
-  CHECK(backend.counts().onHost == 0);
-  return queries.size() - answer.leftToHost;
 }
 
 }  // namespace

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where the pairs of a batch come from.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include "collide/solid_contacts.h"
+#include "collide/stages.h"
+#include "opencl/backend.h"
+#include "opencl/reducer.h"
+#include "shared/device_layout.h"
+
+namespace otg::opencl {
+
+/// Numbers for meshes in the order of first appearance: open addressing, because it is asked twice for each pair.
+class MeshNumbers {
+ public:
+  explicit MeshNumbers(std::vector<const CollisionMesh*>& meshes) : meshes_(meshes), slots_(256, 0) {}
+
+  std::uint32_t operator()(const CollisionMesh* mesh) {
+    if (2 * meshes_.size() >= slots_.size()) grow();
+    std::uint32_t& slot = slots_[find(mesh)];
+    if (slot == 0) {
+      meshes_.push_back(mesh);
+      slot = static_cast<std::uint32_t>(meshes_.size());
+    }
+    return slot - 1;
+  }
+
+ private:
+  std::size_t find(const CollisionMesh* mesh) const {
+    const std::size_t mask = slots_.size() - 1;
+    const auto bits = static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(mesh));
+    std::size_t at = (bits * 0x9e3779b97f4a7c15u) >> 40 & mask;
+    while (slots_[at] != 0 && meshes_[slots_[at] - 1] != mesh) at = (at + 1) & mask;
+    return at;
+  }
+  void grow() {
+    slots_.assign(2 * slots_.size(), 0);
+    for (std::uint32_t i = 0; i < meshes_.size(); ++i) slots_[find(meshes_[i])] = i + 1;
+  }
+  std::vector<const CollisionMesh*>& meshes_;
+  std::vector<std::uint32_t> slots_;  ///< number plus one, 0: free
+};
+
+inline bool sameReduction(const CollideOptions& x, const CollideOptions& y) {
+  return x.reduction.method == y.reduction.method && x.reduction.bins == y.reduction.bins &&
+         x.maxContacts == y.maxContacts && x.solid == y.solid;
+}
+
+/// How contacts of either model are chosen, for a pair that may have contacts of the model `solid`.
+struct SolidReductions {
+  std::vector<otg_reduction>& table;
+  std::uint32_t find(const otg_reduction& how) {
+    std::uint32_t at = 0;
+    while (at < table.size() && std::memcmp(&table[at], &how, sizeof how) != 0) ++at;
+    if (at == table.size()) table.push_back(how);
+    return at;
+  }
+  /// `mixed`: not both are solids. `byHost`: as solidReduction.
+  std::uint32_t solid(const CollideOptions& options, bool mixed, bool byHost, bool remembers) {
+    const otg_reduction other = deviceReduction(options, false);
+    const bool works = mixed && other.method != OTG_REDUCE_BY_HOST;
+    return find(solidReduction(options, byHost, remembers, works ? 1 + find(other) : 0));
+  }
+};
+
+inline bool isSolid(const CollisionMesh* mesh) {
+  return mesh->mesh().meshClass() == MeshClass::kSolid;
+}
+
+/// Queries as a caller has them, each with options of its own.
+class QuerySource {
+ public:
+  /// Pairs that may have contacts of the model `solid` are left to the host unless the device `makesSolids`.
+  QuerySource(std::span<const Query> queries, bool makesSolids) : queries_(queries) {
+    struct Kind {
+      bool solid, mixed, history, burdened;
+      bool operator==(const Kind&) const = default;
+    };
+    MeshNumbers number(meshes);
+    const CollideOptions* last = nullptr;
+    Kind lastKind{};
+    heads_.reserve(queries.size());
+    for (const Query& query : queries) {
+      Kind kind{};
+      kind.solid = mayBeSolid(query);
+      kind.mixed = kind.solid && !(isSolid(query.a) && isSolid(query.b));
+      kind.history = kind.solid && query.history != nullptr;
+      kind.burdened = kind.history && !isUnburdened(query);
+      if (last == nullptr || !(kind == lastKind) || !sameReduction(*last, query.options)) {
+        SolidReductions all{reductions};
+        current_ = kind.solid ? all.solid(query.options, kind.mixed, kind.burdened || !makesSolids, kind.history)
+                              : all.find(deviceReduction(query.options, false));
+        last = &query.options;
+        lastKind = kind;
+      }
+      heads_.push_back({number(query.a), number(query.b), current_});
+      anyPairwise = anyPairwise || !kind.solid;
+      anySolid = anySolid || kind.solid;
+      anyHistory = anyHistory || kind.history;
+    }
+  }
+
+  std::vector<const CollisionMesh*> meshes;
+  std::vector<otg_reduction> reductions;
+  bool anyPairwise = false, anySolid = false, anyHistory = false;
+
+  std::size_t size() const { return queries_.size(); }
+  Query query(std::size_t i) const { return queries_[i]; }
+  void fill(std::size_t i, otg_batch_task& task) const {
+    task.bInA = queries_[i].bInA;
+    task.meshA = heads_[i].meshA;
+    task.meshB = heads_[i].meshB;
+    task.reduction = heads_[i].reduction;
+    task.skip = 0;
+  }
+
+ private:
+  struct Head {
+    std::uint32_t meshA, meshB, reduction;
+  };
+  std::span<const Query> queries_;
+  std::vector<Head> heads_;
+  std::uint32_t current_ = 0;
+};
+
+/// Pairs of meshes that are numbered already, with the same options for all.
+class PairSource {
+ public:
+  /// `makesSolids`: as QuerySource.
+  PairSource(const PairBatch& batch, bool makesSolids)
+      : meshes(batch.meshes.begin(), batch.meshes.end()), batch_(batch) {
+    // Some of the pairs may have contacts of the model `solid`, some not: see mayBeSolid.
+    const bool asked = batch.options.contacts == ContactModel::kSolid;
+    for (const CollisionMesh* mesh : meshes) isSolid_.push_back(asked && isSolid(mesh) ? 1 : 0);
+    const auto solids = std::count(isSolid_.begin(), isSolid_.end(), 1);
+    const bool allSolid = static_cast<std::size_t>(solids) == meshes.size();
+    anySolid = solids > 0;
+    anyPairwise = !allSolid;
+    SolidReductions all{reductions};
+    if (anyPairwise) pairwise_ = all.find(deviceReduction(batch.options, false));
+    if (anySolid) solid_ = all.solid(batch.options, !allSolid, !makesSolids, false);
+  }
+
+  std::vector<const CollisionMesh*> meshes;
+  std::vector<otg_reduction> reductions;
+  bool anyPairwise = false, anySolid = false;
+  static constexpr bool anyHistory = false;
+
+  std::size_t size() const { return batch_.pairs.size(); }
+  Query query(std::size_t i) const {
+    const MeshPair& pair = batch_.pairs[i];
+    Query query;
+    query.a = meshes[pair.a];
+    query.b = meshes[pair.b];
+    query.bInA = pair.bInA;
+    query.options = batch_.options;
+    return query;
+  }
+  void fill(std::size_t i, otg_batch_task& task) const {
+    const MeshPair& pair = batch_.pairs[i];
+    task.bInA = pair.bInA;
+    task.meshA = pair.a;
+    task.meshB = pair.b;
+    task.reduction = isSolid_[pair.a] != 0 || isSolid_[pair.b] != 0 ? solid_ : pairwise_;
+    task.skip = 0;
+  }
+
+ private:
+  const PairBatch& batch_;
+  std::uint32_t solid_ = 0, pairwise_ = 0;  ///< reductions
+  std::vector<std::uint8_t> isSolid_;       ///< and contacts of the model `solid` are asked for
+};
+
+}  // namespace otg::opencl
