@@ -358,3 +358,88 @@ TEST_CASE("batches that mix solids, sheets and other meshes") {
     checkBatch(*openBackend(tuning), queries, expected);
   }
 }
+
+TEST_CASE("bodies of several components") {
+  const auto at = [](const MeshArrays& mesh, const Vec3d& move) { return transformed(mesh, makeMove(move)); };
+  const auto stool = [&] {
+    std::vector<MeshArrays> parts{at(makeBox({1.6, 1.2, 0.2}, 2), {0, 0, 0.5})};
+    for (const double x : {-0.6, 0.6}) {
+      for (const double y : {-0.4, 0.4}) parts.push_back(at(makeCylinder(0.1, 0.7, 12), {x, y, 0}));
+    }
+    return merge(parts);
+  };
+  std::vector<MeshArrays> pebbles;
+  for (int i = 0; i < 8; ++i) {
+    pebbles.push_back(at(makeSphere(0.3, 1), {0.7 * (i % 2), 0.7 * (i / 2 % 2), 0.7 * (i / 4)}));
+  }
+  MeshList compounds;
+  for (const MeshArrays& arrays : {merge({at(makeSphere(0.5, 2), {-1, 0, 0}), at(makeLump(0.6, 3, 0.2, 3), {1, 0, 0})}),
+                                   stool(), merge(pebbles)}) {
+    compounds.push_back(collisionMesh(arrays));
+    REQUIRE(compounds.back()->mesh().meshClass() == MeshClass::kSolid);
+    REQUIRE(compounds.back()->mesh().topology().componentCount() > 1);
+  }
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  const MeshPtr sheet = collisionMesh(terrain(12, 30, 0.3));
+  const std::vector<Query> ground = lying(*sheet, compounds, 15, 90, 4, -0.01, 0.05);
+  std::vector<std::vector<Contact>> expected = onHost(ground);
+  CHECK(countModel(expected, false) > 60);
+  CHECK(leftOf(*backend, ground, expected) <= 5);
+  MeshList all = compounds;
+  for (const MeshPtr& body : bodies()) all.push_back(body);
+  const std::vector<Query> each = touching(all, 16, 200, -0.01, 0.06);
+  expected = onHost(each);
+  CHECK(countModel(expected, false) > 130);
+  CHECK(leftOf(*backend, each, expected) < 60);  // those with a component in the bounds of the other body
+  const std::vector<Query> deep = touching(all, 17, 100, 0.1, 0.5);
+  CHECK(leftOf(*backend, deep, onHost(deep)) < 70);
+}
+
+TEST_CASE("what components lie inside another body, and sheets of several") {
+  const auto at = [](const MeshArrays& mesh, const Vec3d& move) { return transformed(mesh, makeMove(move)); };
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  const bool doubles = backend->device().doubles;
+  const MeshPtr ball = collisionMesh(makeSphere(1, 3));
+  const MeshPtr two = collisionMesh(merge({makeSphere(0.2, 1), at(makeBox({1, 1, 1}, 2), {1.4, 0, 0})}));
+  const auto run = [&](const std::vector<Query>& queries, std::size_t left) {
+    const auto expected = onHost(queries);
+    CHECK(leftOf(*backend, queries, expected) == (doubles ? left : 0));
+    return expected;
+  };
+  // One component crosses the ball and the other is inside it, or far away.
+  const Transformd here = makeMove({0, 0, 0});
+  const auto inside = run({solidQuery(*ball, *two, here), solidQuery(*two, *ball, here)}, 2);
+  for (const auto& contacts : inside) {
+    CHECK(std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.flags & kContactContained; }));
+  }
+  run({solidQuery(*ball, *two, makeMove({-2.8, 0, 0})), solidQuery(*two, *ball, makeMove({2.8, 0, 0}))}, 0);
+  // Behind a sheet nothing is inside: a component may lie there whole.
+  const MeshPtr sheet = collisionMesh(terrain(8, 16, 0.2));
+  const MeshPtr pair =
+      collisionMesh(merge({at(makeSphere(0.4, 2), {0, 0, 0.35}), at(makeSphere(0.3, 2), {1, 0, -0.9})}));
+  run({solidQuery(*sheet, *pair, here), solidQuery(*pair, *sheet, here)}, 0);
+  // Two islands and a rock between them in one mesh: a sheet with a closed component.
+  const MeshPtr islands =
+      collisionMesh(merge({at(terrain(4, 10, 0.2), {-4, 0, 0}), at(terrain(4, 10, 0.2, 2), {4, 0, 0}),
+                           makeSphere(0.8, 2), at(makeSphere(0.1, 1), {0, 0, 5})}));
+  REQUIRE(islands->mesh().meshClass() == MeshClass::kShell);
+  const MeshList all = bodies();
+  std::vector<Query> queries;
+  for (const double x : {-4.0, 0.0, 4.0}) {
+    for (const MeshPtr& body : all) {
+      Transformd pose = makePose({0.48, 0.6, 0.64}, 0.7, {x, 0.1, 0});
+      queries.push_back(solidQuery(*islands, *body, loweredOn(*islands, *body, pose, 0.02, 1)));
+    }
+  }
+  const auto expected = run(queries, 0);
+  CHECK(countModel(expected, false) > 15);
+  // The small ball is a component of the sheet inside a solid; the solid's own are never inside the sheet.
+  run({solidQuery(*islands, *ball, makeMove({0, 0, 5})), solidQuery(*ball, *islands, makeMove({0, 0, -5}))}, 2);
+  // More components than a device keeps.
+  std::vector<MeshArrays> many;
+  for (int i = 0; i < 70; ++i) many.push_back(at(makeBox({0.1, 0.1, 0.1}), {0.2 * (i % 10), 0.2 * (i / 10), 0}));
+  const MeshPtr grid = collisionMesh(merge(many));
+  run({solidQuery(*grid, *ball, makeMove({0.3, 0.2, 1})), solidQuery(*sheet, *grid, makeMove({0, 0, 0.05}))}, 2);
+}

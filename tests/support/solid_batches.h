@@ -2,11 +2,44 @@
 // What tests of batches of the model `solid` share.
 #pragma once
 
+#include <vector>
+
+#include "support/draw.h"
 #include "support/opencl.h"
 
 namespace otg::test {
 
 using MeshList = std::vector<std::shared_ptr<const CollisionMesh>>;
+
+/// Pairs that overlap by `depth` of the distance at which they come apart.
+inline std::vector<Query> touching(const MeshList& meshes, std::uint32_t seed, std::size_t count, double least,
+                                   double most) {
+  Draw draw(seed);
+  Workspace workspace;
+  std::vector<Query> queries;
+  const auto any = [&]() -> const CollisionMesh& {
+    return *meshes[draw.below(static_cast<std::uint32_t>(meshes.size()))];
+  };
+  while (queries.size() < count) {
+    const CollisionMesh& a = any();
+    const CollisionMesh& b = any();
+    const Vec3d turn = draw.direction(), way = draw.direction();
+    const double angle = draw.uniform(0, 3);
+    double inside = 0, outside = 3;
+    Query query = makeQuery(a, b, makePose(turn, angle, {0, 0, 0}));
+    for (int step = 0; step < 10; ++step) {
+      const double middle = 0.5 * (inside + outside);
+      query.bInA.t = otgScale(way, middle);
+      findIntersectingPairs(query, workspace);
+      (workspace.intersecting.empty() ? outside : inside) = middle;
+    }
+    query.bInA.t = otgScale(way, outside * (1 - draw.uniform(least, most)));
+    query.options.contacts = ContactModel::kSolid;
+    query.options.maxContacts = 16;
+    queries.push_back(query);
+  }
+  return queries;
+}
 
 inline std::vector<std::vector<Contact>> onHost(const std::vector<Query>& queries) {
   std::vector<std::vector<Contact>> contacts;
