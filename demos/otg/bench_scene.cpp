@@ -12,6 +12,7 @@
 
 #include "collide/query.h"
 #include "mesh_io/mesh_file.h"
+#include "otg/input_file.h"
 #include "otg/pose.h"
 #include "scenes/generated_meshes.h"
 
@@ -125,7 +126,7 @@ std::vector<BenchMesh> benchMeshes(const BenchOptions& options) {
   std::vector<BenchMesh> meshes;
   for (const std::string& file : files) {
     progress("reading " + file);
-    meshes.push_back({fs::path(file).stem().string(), mesh_io::loadTriMesh(file)});
+    meshes.push_back({fs::path(file).stem().string(), mesh_io::loadTriMesh(findInput(file))});
     if (meshes.back().mesh->triangleCount() == 0) throw InputError(file + ": the mesh has no triangles");
   }
   if (files.empty()) {
@@ -143,7 +144,7 @@ std::vector<BenchMesh> bodyMeshes(const BenchOptions& options) {
   constexpr std::size_t kLeast = 200, kMost = 6000;
   std::vector<BenchMesh> bodies;
   for (const std::string& file : options.bodyFiles) {
-    const std::shared_ptr<const TriMesh> mesh = mesh_io::loadTriMesh(file);
+    const std::shared_ptr<const TriMesh> mesh = mesh_io::loadTriMesh(findInput(file));
     if (mesh->triangleCount() < kLeast || mesh->triangleCount() > kMost) {
       progress(fmt::format("note: {} has {} triangles and is left out; bodies have {} to {}", file,
                            mesh->triangleCount(), kLeast, kMost));

@@ -5,6 +5,7 @@
 #include "mesh_io/mesh_file.h"
 #include "otg/command.h"
 #include "otg/cooked_file.h"
+#include "otg/input_file.h"
 
 namespace otg::cli {
 namespace {
@@ -119,7 +120,7 @@ int check(const CheckOptions& options) {
           result.report.error = cooked.error;
         }
       } else {
-        input = mesh_io::loadMeshFile(file);
+        input = mesh_io::loadMeshFile(findInput(file));
         result = buildTriMesh(input.input(), options.repair ? RepairOptions::all() : RepairOptions{});
       }
       if (!result.mesh) {

@@ -8,6 +8,7 @@
 #include <chrono>
 
 #include "mesh_io/mesh_file.h"
+#include "otg/input_file.h"
 #include "otg/pose.h"
 #include "scenes/height_grid_file.h"
 #include "scenes/heightfield_geom.h"
@@ -26,7 +27,7 @@ using MeshData = std::unique_ptr<dxGpuTriMeshData, MeshDataDestroy>;
 using Geom = std::unique_ptr<dxGeom, GeomDestroy>;
 
 MeshData loadMesh(const std::string& path) {
-  const mesh_io::MeshFile file = mesh_io::loadMeshFile(path);
+  const mesh_io::MeshFile file = mesh_io::loadMeshFile(findInput(path));
   MeshData data(dGpuTriMeshDataCreate());
   const int status = dGpuTriMeshDataBuildDouble(data.get(), file.vertices.data(), sizeof(Vec3d),
                                                 static_cast<int>(file.vertices.size()), file.triangles.data(),

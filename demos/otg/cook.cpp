@@ -15,6 +15,7 @@
 #include "mesh_io/mesh_file.h"
 #include "otg/command.h"
 #include "otg/cooked_file.h"
+#include "otg/input_file.h"
 
 namespace otg::cli {
 namespace {
@@ -55,7 +56,7 @@ double freshTimeMs(const std::function<void()>& work) {
 }
 
 int cook(const CookOptions& options) {
-  const mesh_io::MeshFile input = mesh_io::loadMeshFile(options.mesh);
+  const mesh_io::MeshFile input = mesh_io::loadMeshFile(findInput(options.mesh));
   std::shared_ptr<const CollisionMesh> mesh;
   const auto build = [&] {
     const MeshResult result =

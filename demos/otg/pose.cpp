@@ -14,6 +14,7 @@
 #include "collide/rotation_tolerance.h"
 #include "mesh_io/text.h"
 #include "otg/command.h"
+#include "otg/input_file.h"
 
 namespace otg::cli {
 namespace {
@@ -132,8 +133,12 @@ Transformd poseFromMatrix(const double* values, const std::string& source) {
 }
 
 Transformd parsePose(const std::string& text) {
-  std::error_code ignored;
-  if (std::filesystem::is_regular_file(text, ignored)) return poseFromFile(text, "");
+  const auto fileOf = [](const std::string& path) {
+    std::error_code ignored;
+    const std::string found = findInput(path);
+    return std::filesystem::is_regular_file(found, ignored) ? found : std::string();
+  };
+  if (const std::string file = fileOf(text); !file.empty()) return poseFromFile(file, "");
   const auto numbers = parseNumbers(text);
   if (numbers && numbers->size() == 7) return poseFromQuaternion(*numbers, text);
   if (numbers || text.find(',') != std::string::npos) {
@@ -141,8 +146,9 @@ Transformd parsePose(const std::string& text) {
                                  numbers ? fmt::format(", found {}", numbers->size()) : std::string()));
   }
   const std::size_t mark = text.rfind('#');
-  if (mark != std::string::npos && std::filesystem::is_regular_file(text.substr(0, mark), ignored)) {
-    return poseFromFile(text.substr(0, mark), text.substr(mark + 1));
+  if (mark != std::string::npos) {
+    const std::string file = fileOf(text.substr(0, mark));
+    if (!file.empty()) return poseFromFile(file, text.substr(mark + 1));
   }
   if (text.find_first_of("./#") != std::string::npos) throw InputError(text + ": no such pose file");
   throw UsageError(fmt::format("--pose {}: expected tx,ty,tz,qw,qx,qy,qz or a file with a 4x4 matrix", text));

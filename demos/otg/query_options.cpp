@@ -7,6 +7,7 @@
 
 #include "dispatch/single_run.h"
 #include "mesh_io/mesh_file.h"
+#include "otg/input_file.h"
 
 namespace otg::cli {
 namespace {
@@ -221,8 +222,9 @@ BuildStrategy QueryOptions::buildStrategy() const {
 LoadedPair loadPair(const QueryOptions& options, int repeat) {
   using Clock = std::chrono::steady_clock;
   const bool same = options.fileA == options.fileB;
-  const std::shared_ptr<const TriMesh> a = mesh_io::loadTriMesh(options.fileA, {}, MeshOrder::kSpatial);
-  const std::shared_ptr<const TriMesh> b = same ? a : mesh_io::loadTriMesh(options.fileB, {}, MeshOrder::kSpatial);
+  const std::shared_ptr<const TriMesh> a = mesh_io::loadTriMesh(findInput(options.fileA), {}, MeshOrder::kSpatial);
+  const std::shared_ptr<const TriMesh> b =
+      same ? a : mesh_io::loadTriMesh(findInput(options.fileB), {}, MeshOrder::kSpatial);
   LoadedPair pair;
   std::vector<double> times;
   for (int i = 0; i < repeat; ++i) {

@@ -336,6 +336,18 @@ class Bench(CliTest):
         rows = self.run_json("bench", "build", "--repeat", "1", env={"OTG_MESH_DIR": self.folder})["tables"]["build"]
         self.assertEqual([row["mesh"] for row in rows[::2]], ["armadillo_large", "armadillo_small"])
         self.assertIn("lump", self.run_otg("bench", "build", self.mesh(), "--repeat", "1").stdout)
+        # What is not found as given is looked for there, poses too; what is found is not.
+        os.mkdir(self.path("folder"))
+        self.write("folder/inner.ply", ply(*lump(6)))
+        self.write("folder/other.ply", ply(*lump(6)))
+        self.write("folder/poses.json", json.dumps({"touch": {"T": [1, 0, 0, 1.5, 0, 1, 0, 0.1, 0, 0, 1, 0.1, 0, 0, 0, 1]}}))
+        there = {"OTG_MESH_DIR": self.path("folder")}
+        document = self.run_json("collide", "inner.ply", "other.ply", "--pose", "poses.json#touch", env=there)
+        self.assertGreater(len(document["contacts"]), 0)
+        self.assertEqual(self.run_json("check", "inner.ply", env=there)["triangles"], 120)
+        rows = self.run_json("bench", "build", "inner.ply", "other.ply", "--repeat", "1", env=there)["tables"]["build"]
+        self.assertEqual([(row["mesh"], row["triangles"]) for row in rows[::2]], [("other", 528), ("inner", 120)])
+        self.assert_fails(1, "check", "inner.ply", says="inner.ply")
 
     def test_bad_input(self):
         self.assert_fails(1, "bench", "build", "missing.ply", says="missing.ply")
