@@ -39,6 +39,7 @@ OTG_INLINED void otgFillCrossing(OTG_OVERLAP* o, uint slot, uint halfEdge, uint 
   c->first = ~0ul;
   c->largest = 0;
   c->load = 0;
+  c->table = 0;
   c->exits = (how & 1) == (uint)forward;
   c->link = atomic_xchg(otgEdgeMark(o, mesh, edge), slot + 1);
 }

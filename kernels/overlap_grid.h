@@ -6,8 +6,8 @@
 
 typedef struct {
   uint root;
-  uint isLarge;  ///< described by cells, for which there is room
-  uint places;   ///< then: where its own begin in the tables of cells and depths
+  uint isLarge;   ///< described by cells, for which there is room
+  size_t places;  ///< then: where its own begin in the tables of cells, their lists, and depths
   otg_vec3_d lo, hi, up;
   double pieceScale, pointScale;  ///< cells for one unit of length
   double areaUnits, momentUnits;  ///< units in one
@@ -18,11 +18,6 @@ typedef struct {
   otg_vec3_d origin;
   uint count;
 } otg_overlap_regions;
-
-/// Whether there are tables for the large regions of a pair.
-OTG_INLINED int otgHasTables(__global const otg_overlap_state* state, uint tableRoom) {
-  return state->firstTable <= tableRoom && tableRoom - state->firstTable >= state->tables;
-}
 
 /// All lanes call it. `tableRoom`: tables that there are.
 OTG_INLINED void otgLoadRegions(__local otg_overlap_regions* l, __global const otg_overlap_state* state,
@@ -39,10 +34,8 @@ OTG_INLINED void otgLoadRegions(__local otg_overlap_regions* l, __global const o
     const double diagonal = otgNorm_d(otgSub_d(hi, lo));
     const int terms = otgTermBits(c->load), area = otgBitsOf(as_double(c->largest));
     r->root = root;
-    r->isLarge = c->load > OTG_SOLID_LARGE_REGION && otgHasTables(state, tableRoom);
-    uint before = 0;
-    for (uint k = 0; k < lane; ++k) before += crossings[state->roots[k]].load > OTG_SOLID_LARGE_REGION;
-    r->places = (state->firstTable + before) * OTG_GRID_KEYS;
+    r->isLarge = c->load > OTG_SOLID_LARGE_REGION && c->table < tableRoom;
+    r->places = (size_t)c->table * OTG_GRID_KEYS;
     r->lo = lo;
     r->hi = hi;
     r->up = otgLoad(state->up[lane]);

@@ -103,14 +103,10 @@ OTG_INLINED void otgTakePair(__local otg_overlap* o, __global const float4* mesh
   barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-/// Whether a work-group is the last of its pair at a counter, and has seen what the others did. All lanes call it.
+/// Whether a work-group is the last of its pair at a counter. All lanes call it.
 OTG_INLINED int otgIsLast(__global uint* counter, __local uint* last) {
   barrier(CLK_GLOBAL_MEM_FENCE);
-  if (get_local_id(0) == 0) {
-    mem_fence(CLK_GLOBAL_MEM_FENCE);
-    *last = atomic_inc(counter) == get_num_groups(0) - 1;
-    mem_fence(CLK_GLOBAL_MEM_FENCE);
-  }
+  if (get_local_id(0) == 0) *last = atomic_inc(counter) == get_num_groups(0) - 1;
   barrier(CLK_LOCAL_MEM_FENCE);
   return *last != 0;
 }

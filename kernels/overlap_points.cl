@@ -38,11 +38,16 @@ OTG_INLINED void otgOffer(const otg_offers* s, uint r, otg_vec3_d place, uint ki
   p->triangle = triangle;
 }
 
+OTG_INLINED uint otgCellCount(__global const otg_overlap_state* state) {
+  uint cells = 0;
+  for (uint r = 0; r < OTG_OVERLAP_REGIONS; ++r) cells += state->cells[r];
+  return cells;
+}
+
 /// Where the parts of a pair's results begin, once all but the points are counted.
 OTG_INLINED otg_overlap_parts otgPartsOfState(__global const otg_overlap_state* state) {
-  return otgPartsOf(state->counts[OTG_OVERLAP_CELLS], state->counts[OTG_OVERLAP_VERTICES],
-                    state->counts[OTG_OVERLAP_CLUSTERS], state->counts[OTG_OVERLAP_CROSSINGS],
-                    state->counts[OTG_OVERLAP_SMALL]);
+  return otgPartsOf(otgCellCount(state), state->counts[OTG_OVERLAP_VERTICES], state->counts[OTG_OVERLAP_CLUSTERS],
+                    state->counts[OTG_OVERLAP_CROSSINGS], state->counts[OTG_OVERLAP_SMALL]);
 }
 
 OTG_INLINED void otgOfferVertex(const otg_offers* s, uint r, uint mesh, uint v, otg_vec3_d x, otg_vec3_d place) {
@@ -117,26 +122,28 @@ OTG_INLINED void otgOfferAll(const otg_offers* s) {
 /// for its results.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapDepths(
     __global const otg_overlap_pair* restrict pairs, __global const float4* restrict meshes,
-    __global otg_overlap_state* restrict states, __global otg_overlap_totals* restrict totals,
-    __global otg_crossing* restrict crossings, __global uint* restrict slots, __global uint* restrict parents,
-    __global otg_found_inside* restrict inside, __global const otg_surface_cell* restrict cells,
-    __global const uint* restrict cellList, __global ulong* restrict depths, uint tableRoom) {
+    __global otg_overlap_state* restrict states, __global otg_crossing* restrict crossings,
+    __global uint* restrict slots, __global uint* restrict parents, __global otg_found_inside* restrict inside,
+    __global const otg_surface_cell* restrict cells, __global const uint* restrict cellList,
+    __global ulong* restrict depths, uint tableRoom) {
   __local otg_overlap o;
   __local otg_overlap_regions regions;
   __local long sums[OTG_OVERLAP_REGIONS][3];
-  __local uint last;
   __global otg_overlap_state* state = states + get_group_id(1);
   otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, 0, parents, 0, inside, 0));
-  const uint lane = get_local_id(0), cellCount = state->counts[OTG_OVERLAP_CELLS];
+  const uint lane = get_local_id(0);
   otgLoadRegions(&regions, state, o.crossings, tableRoom);
   for (uint i = lane; i < 3 * OTG_OVERLAP_REGIONS; i += OTG_GROUP) sums[i / 3][i % 3] = 0;
   barrier(CLK_LOCAL_MEM_FENCE);
   // B's surface counts, and A's against it.
-  __global const uint* list = cellList + (size_t)state->firstTable * OTG_GRID_KEYS;
-  for (uint i = lane; i < cellCount; i += OTG_GROUP) {
-    const uint r = list[i] >> 16;
-    __global const otg_surface_cell* c = cells + regions.region[r].places + (list[i] & 0xffff);
-    for (uint k = 0; k < 3; ++k) atom_add(&sums[r][k], list[i] & 1 ? c->vector[k] : -c->vector[k]);
+  for (uint r = 0; r < regions.count; ++r) {
+    __global const uint* list = cellList + regions.region[r].places;
+    const uint count = state->cells[r];
+    for (uint i = lane; i < count; i += OTG_GROUP) {
+      const uint key = list[i] & 0xffff;
+      __global const otg_surface_cell* c = cells + regions.region[r].places + key;
+      for (uint k = 0; k < 3; ++k) atom_add(&sums[r][k], key & 1 ? c->vector[k] : -c->vector[k]);
+    }
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   if (lane < regions.count) {
@@ -155,10 +162,18 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapDept
   s.out = 0;
   s.room = 0;
   otgOfferAll(&s);
-  if (!otgIsLast(state->counts + OTG_OVERLAP_RATED, &last) || lane != 0) return;
-  const uint most = *(volatile __global uint*)(state->counts + OTG_OVERLAP_MOST_POINTS);
-  state->units = otgPartsOfState(state).points + otgUnitsOf(most, sizeof(otg_found_point));
-  state->firstUnit = atomic_add(&totals->units, state->units);
+}
+
+/// Units that the results of a pair take.
+OTG_INLINED uint otgUnitsOfState(__global const otg_overlap_state* state) {
+  return otgPartsOfState(state).points + otgUnitsOf(state->counts[OTG_OVERLAP_MOST_POINTS], sizeof(otg_found_point));
+}
+
+/// Takes the room for the results of each pair of a batch. Those of one pair alone begin at 0.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapPlaces(
+    uint count, __global otg_overlap_state* restrict states, __global otg_overlap_totals* restrict totals) {
+  const uint i = get_global_id(0);
+  if (i < count) states[i].firstUnit = atomic_add(&totals->units, otgUnitsOfState(states + i));
 }
 
 /// Writes the results and empties everything for the next query. The last kernel: the last work-group of a pair writes
@@ -177,13 +192,13 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
   __local uint last;
   __global otg_overlap_state* state = states + get_group_id(1);
   otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, hits, parents, marks, inside, small));
-  const uint lane = get_local_id(0);
-  const uint crossingCount = state->counts[OTG_OVERLAP_CROSSINGS], cellCount = state->counts[OTG_OVERLAP_CELLS];
+  const uint lane = get_local_id(0), crossingCount = state->counts[OTG_OVERLAP_CROSSINGS];
   const uint vertexCount = state->counts[OTG_OVERLAP_VERTICES], clusterCount = state->counts[OTG_OVERLAP_CLUSTERS];
   const uint smallCount = state->counts[OTG_OVERLAP_SMALL];
   const otg_overlap_parts parts = otgPartsOfState(state);
-  const int fits = state->firstUnit <= unitRoom && unitRoom - state->firstUnit >= state->units;
-  __global uchar* body = out + OTG_OVERLAP_HEAD(get_num_groups(1)) + (fits ? (size_t)state->firstUnit * 16 : 0);
+  const uint first = state->firstUnit, units = otgUnitsOfState(state);
+  const int fits = first <= unitRoom && unitRoom - first >= units;
+  __global uchar* body = out + OTG_OVERLAP_HEAD(get_num_groups(1)) + (fits ? (size_t)first * 16 : 0);
   otgLoadRegions(&regions, state, o.crossings, tableRoom);
   if (fits) {
     otg_offers s;
@@ -195,32 +210,37 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
     s.room = state->counts[OTG_OVERLAP_MOST_POINTS];
     otgOfferAll(&s);
   }
-  __global const uint* list = cellList + (size_t)state->firstTable * OTG_GRID_KEYS;
-  for (uint i = get_global_id(0); i < cellCount; i += get_global_size(0)) {
-    __global otg_surface_cell* c = cells + regions.region[list[i] >> 16].places + (list[i] & 0xffff);
-    if (fits) {
-      __global otg_found_cell* f = (__global otg_found_cell*)body + i;
-      for (uint k = 0; k < 3; ++k) {
-        f->vector[k] = c->vector[k];
-        f->lo[k] = otgFromOrder(~c->low[k]);
-        f->hi[k] = otgFromOrder(c->high[k]);
+  uint cellCount = 0;
+  for (uint r = 0; r < regions.count; ++r) {
+    __global const uint* list = cellList + regions.region[r].places;
+    const uint own = state->cells[r];
+    for (uint i = get_global_id(0); i < own; i += get_global_size(0)) {
+      __global otg_surface_cell* c = cells + regions.region[r].places + (list[i] & 0xffff);
+      if (fits) {
+        __global otg_found_cell* f = (__global otg_found_cell*)body + cellCount + i;
+        for (uint k = 0; k < 3; ++k) {
+          f->vector[k] = c->vector[k];
+          f->lo[k] = otgFromOrder(~c->low[k]);
+          f->hi[k] = otgFromOrder(c->high[k]);
+        }
+        f->area = c->area;
+        f->gross = c->gross;
+        f->moment = c->moment;
+        f->name = ~c->name;
+        f->key = list[i];
       }
-      f->area = c->area;
-      f->gross = c->gross;
-      f->moment = c->moment;
-      f->name = ~c->name;
-      f->key = list[i];
+      for (uint k = 0; k < 3; ++k) {
+        c->vector[k] = 0;
+        c->low[k] = 0;
+        c->high[k] = 0;
+      }
+      c->area = 0;
+      c->gross = 0;
+      c->moment = 0;
+      c->name = 0;
+      c->used = 0;
     }
-    for (uint k = 0; k < 3; ++k) {
-      c->vector[k] = 0;
-      c->low[k] = 0;
-      c->high[k] = 0;
-    }
-    c->area = 0;
-    c->gross = 0;
-    c->moment = 0;
-    c->name = 0;
-    c->used = 0;
+    cellCount += own;
   }
   for (uint i = get_global_id(0); i < vertexCount && fits; i += get_global_size(0)) {
     otg_found_inside found = o.vertices[i];
@@ -273,16 +293,15 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
     f->pair = get_group_id(1);
   }
   for (uint i = lane; i < OTG_OVERLAP_COUNTS; i += OTG_GROUP) {
-    head->counts[i] = *(volatile __global uint*)(state->counts + i);
+    head->counts[i] = i == OTG_OVERLAP_CELLS ? cellCount : *(volatile __global uint*)(state->counts + i);
     state->counts[i] = 0;
   }
+  for (uint r = lane; r < OTG_OVERLAP_REGIONS; r += OTG_GROUP) state->cells[r] = 0;
   if (lane < 3) head->origin[lane] = state->origin[lane];
   if (lane == 0) {
-    head->firstTable = state->firstTable;
-    head->tables = state->tables;
-    head->firstUnit = state->firstUnit;
-    head->units = state->units;
+    head->firstUnit = first;
     state->first = 0;
+    state->firstUnit = 0;
   }
   barrier(CLK_GLOBAL_MEM_FENCE);
   if (lane == 0) last = atomic_inc(&totals->done) == get_num_groups(1) - 1;
@@ -294,6 +313,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
   }
   if (lane == 0) {
     *(__global otg_overlap_totals*)out = *totals;
+    if (get_num_groups(1) == 1) ((__global otg_overlap_totals*)out)->units = first + units;
     totals->tables = 0;
     totals->units = 0;
     totals->done = 0;

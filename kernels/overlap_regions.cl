@@ -53,15 +53,21 @@ OTG_INLINED void otgInclude(__global otg_crossing* root, otg_vec3_d p) {
   otgRaise(root->high + 2, z);
 }
 
-/// Lists what is inside, and measures regions: bounds, load, largest part. The last work-group of a pair takes the
-/// tables of its large regions.
+/// Adds vertices or chords to a region. Whoever makes it a large one takes its table.
+OTG_INLINED void otgLoadRegion(__global otg_crossing* root, uint more, __global otg_overlap_totals* totals) {
+  const uint before = atomic_add(&root->load, more);
+  if (before <= OTG_SOLID_LARGE_REGION && before + more > OTG_SOLID_LARGE_REGION) {
+    root->table = atomic_inc(&totals->tables);
+  }
+}
+
+/// Lists what is inside, and measures regions: bounds, load, largest part.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegions(
     __global const otg_overlap_pair* restrict pairs, __global const float4* restrict meshes,
     __global otg_overlap_state* restrict states, __global otg_overlap_totals* restrict totals,
     __global otg_crossing* restrict crossings, __global uint* restrict slots, __global otg_overlap_hit* restrict hits,
     __global uint* restrict parents, __global uint* restrict marks, __global otg_found_inside* restrict inside) {
   __local otg_overlap o;
-  __local uint last;
   __global otg_overlap_state* state = states + get_group_id(1);
   otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, hits, parents, marks, inside, 0));
   const uint count = state->counts[OTG_OVERLAP_CROSSINGS];
@@ -85,7 +91,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegi
     const uint root = otgRoot(&o, hit.start);
     const ulong key = (ulong)hit.a << 32 | hit.b;
     otgLower64(&o.crossings[root].first, key);
-    atomic_inc(&o.crossings[root].load);
+    otgLoadRegion(o.crossings + root, 1, totals);
     for (uint mesh = 0; mesh < 2; ++mesh) {
       OTG_MESH* m = &o.mesh[mesh].solid;
       const uint triangle = mesh == 0 ? hit.a : hit.b;
@@ -124,7 +130,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegi
       found.what = cluster << 1 | mesh;
       found.region = ofCluster;
       o.clusters[atomic_inc(state->counts + OTG_OVERLAP_CLUSTERS)] = found;
-      atomic_add(&o.crossings[ofCluster].load, end - first);
+      otgLoadRegion(o.crossings + ofCluster, end - first, totals);
       const double area = ((__global const double*)(m->clusters + OTG_CLUSTER_UNITS * cluster + 2))[3];
       otgRaise(&o.crossings[ofCluster].largest, as_ulong(area));
     }
@@ -141,18 +147,8 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegi
       found.what = v << 1 | mesh;
       found.region = root;
       o.vertices[atomic_inc(state->counts + OTG_OVERLAP_VERTICES)] = found;
-      atomic_inc(&o.crossings[root].load);
+      otgLoadRegion(o.crossings + root, 1, totals);
       otgRaise(&o.crossings[root].largest, as_ulong(m->stars[4 * (size_t)v + 3]));
     }
   }
-  if (!otgIsLast(state->counts + OTG_OVERLAP_MEASURED, &last) || get_local_id(0) != 0) return;
-  const uint regions =
-      min(*(volatile __global uint*)(state->counts + OTG_OVERLAP_REGION_COUNT), (uint)OTG_OVERLAP_REGIONS);
-  uint tables = 0;
-  for (uint r = 0; r < regions; ++r) {
-    const uint root = *(volatile __global uint*)(state->roots + r);
-    tables += *(volatile __global uint*)&o.crossings[root].load > OTG_SOLID_LARGE_REGION;
-  }
-  state->tables = tables;
-  state->firstTable = tables > 0 ? atomic_add(&totals->tables, tables) : 0;
 }

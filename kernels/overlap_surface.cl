@@ -11,7 +11,7 @@ typedef struct {
   OTG_OVERLAP* o;
   __local const otg_overlap_regions* regions;
   __global otg_surface_cell* cells;
-  __global uint* cellList;  ///< the pair's
+  __global uint* cellList;
   __global otg_overlap_state* state;
 } otg_surface;
 
@@ -20,7 +20,7 @@ OTG_INLINED void otgAddSurface(const otg_surface* s, uint r, uint mesh, otg_vec3
                                otg_vec3_d vector, double area, double moment, otg_vec3_d lo, otg_vec3_d hi) {
   __local const otg_overlap_region* region = s->regions->region + r;
   const uint key = otgGridCell(place, region->lo, region->pieceScale) * 16 + otgMainDirection(facing) * 2 + mesh;
-  const uint at = region->places + key;
+  const size_t at = region->places + key;
   __global otg_surface_cell* c = s->cells + at;
   const long units = otgInUnits(area, region->areaUnits);
   atom_add(c->vector, otgInUnits(vector.x, region->areaUnits));
@@ -37,7 +37,7 @@ OTG_INLINED void otgAddSurface(const otg_surface* s, uint r, uint mesh, otg_vec3
   otgRaise(c->high + 2, otgInOrder(hi.z));
   if (~name > *(volatile __global uint*)&c->name) atomic_max(&c->name, ~name);
   if (*(volatile __global uint*)&c->used == 0 && atomic_xchg(&c->used, 1) == 0) {
-    s->cellList[atomic_inc(s->state->counts + OTG_OVERLAP_CELLS)] = r << 16 | key;
+    s->cellList[region->places + atomic_inc(s->state->cells + r)] = r << 16 | key;
   }
 }
 
@@ -193,15 +193,16 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapSurf
   __global otg_overlap_state* state = states + get_group_id(1);
   otgTakePair(&o, meshes, pairs, otgArrays(crossings, 0, hits, parents, marks, inside, small));
   otgLoadRegions(&regions, state, o.crossings, tableRoom);
-  const size_t places = (size_t)state->firstTable * OTG_GRID_KEYS;
   otg_surface s;
   s.o = &o;
   s.regions = &regions;
   s.cells = cells;
-  s.cellList = cellList + places;
+  s.cellList = cellList;
   s.state = state;
-  const uint keys = otgHasTables(state, tableRoom) ? state->tables * OTG_GRID_KEYS : 0;
-  for (uint i = get_global_id(0); i < keys; i += get_global_size(0)) depths[places + i] = 0;
+  for (uint r = 0; r < regions.count; ++r) {
+    const uint keys = regions.region[r].isLarge ? OTG_GRID_KEYS : 0;
+    for (uint i = get_global_id(0); i < keys; i += get_global_size(0)) depths[regions.region[r].places + i] = 0;
+  }
   for (uint i = get_global_id(0); i < 2 * o.hitCount; i += get_global_size(0)) {
     const uint mesh = i & 1;
     const otg_overlap_hit hit = o.hits[i >> 1];

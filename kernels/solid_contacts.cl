@@ -92,13 +92,14 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidContac
 }
 
 /// The lists one after the other, in the places that placeContacts made, and the records of pairs that are left to
-/// the host (of those whose hits lie side by side) in a list of their own. The last kernel.
+/// the host (of those whose hits lie side by side) in a list of their own. The place of such a pair becomes its number
+/// of intersecting pairs of triangles. The last kernel.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidWrite(
     __global uint* restrict counters, __global const otg_chosen_contact* restrict lists, uint room, uint pairs,
-    __global uchar* restrict results, uint contactRoom, __global const otg_pair_state* restrict states,
+    __global uchar* results, uint contactRoom, __global const otg_pair_state* restrict states,
     __global const uchar* restrict records, uint hitCapacity, __global uchar* restrict left, uint leftRoom) {
   __local uint last, begin;
-  __global const uint* words = (__global const uint*)results;
+  __global uint* words = (__global uint*)results;
   __global otg_chosen_contact* out = (__global otg_chosen_contact*)(results + OTG_RESULT_CONTACTS(pairs));
   for (size_t t = get_global_id(0); t < (size_t)pairs * room; t += get_global_size(0)) {
     const uint pair = (uint)(t / room), k = (uint)(t % room), place = words[OTG_PLACE(pairs, pair)] + k;
@@ -111,6 +112,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidWrite(
     const uint flags = words[OTG_FLAGS + pair], first = states[pair].firstHit;
     const int isLeft = (flags & (OTG_PAIR_TO_HOST | OTG_PAIR_NO_FRAME | OTG_PAIR_MANY)) == OTG_PAIR_TO_HOST;
     const uint hits = isLeft && first < hitCapacity ? min(states[pair].hits, hitCapacity - first) : 0;
+    if (get_local_id(0) == 0 && (flags & OTG_PAIR_TO_HOST)) words[OTG_PLACE(pairs, pair)] = states[pair].intersecting;
     if (get_local_id(0) == 0 && hits > 0) begin = atomic_add(counters + OTG_COUNT_LEFT, hits);
     OTG_SYNC;
     for (uint k = get_local_id(0); k < hits; k += OTG_GROUP) {

@@ -16,7 +16,7 @@ OTG_INLINED void otgQueue(__local otg_solid_scratch* s, uint slot) {
   if (place < 2 * OTG_SOLID_HITS) {
     s->queue[place] = (ushort)slot;
   } else {
-    otgGiveUp(s, OTG_SOLID_TOO_MANY);
+    otgGiveUp(s, OTG_SOLID_TOO_MANY | OTG_SOLID_BY_CELLS);
   }
 }
 

@@ -194,7 +194,7 @@ OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __gl
     pieces = 0;
     points = 0;
   }
-  if (load > OTG_SOLID_LARGE_REGION && lane == 0) otgGiveUp(s, OTG_SOLID_ODD);
+  if (load > OTG_SOLID_LARGE_REGION && lane == 0) otgGiveUp(s, OTG_SOLID_ODD | OTG_SOLID_BY_CELLS);
   // Bounds: every crossing and every vertex is among the points.
   otg_vec3_d lo = otgVec_d(INFINITY, INFINITY, INFINITY), hi = otgVec_d(-INFINITY, -INFINITY, -INFINITY);
   for (uint i = lane; i < points; i += OTG_GROUP) {
@@ -266,7 +266,7 @@ OTG_INLINED void otgRegionsOf(uint number, __local otg_solid_scratch* s, OTG_MES
   const uint found = settled ? 0 : state->intersecting, begin = state->roots;
   const int fits = found <= OTG_SOLID_HITS && begin + found <= hitCapacity;
   const uint hits = fits ? found : 0;
-  otgClearScratch(s, fits ? 0 : OTG_SOLID_TOO_MANY);
+  otgClearScratch(s, fits ? 0 : OTG_SOLID_TOO_MANY | OTG_SOLID_BY_CELLS);
   otgSortHits(s, sorted + begin, hits);
   OTG_SYNC;
   otgTraceContour(s, hits, a, b);
@@ -293,7 +293,9 @@ OTG_INLINED void otgRegionsOf(uint number, __local otg_solid_scratch* s, OTG_MES
     if (isOpen || (*flag & OTG_PAIR_PAIRWISE)) {
       *flag |= otgPairwiseFlags(state, *flag);
     } else if (!settled) {
-      *flag |= OTG_PAIR_TO_HOST | s->bad << OTG_PAIR_WHY;
+      // Overlaps of other meshes than solids of one component are not described.
+      const uint bad = a->flags & b->flags & OTG_MESH_SOLID ? s->bad : s->bad & ~(uint)OTG_SOLID_BY_CELLS;
+      *flag |= OTG_PAIR_TO_HOST | bad << OTG_PAIR_WHY;
     }
     if (*flag & OTG_PAIR_LEFT_OUT) atomic_inc(counters + OTG_COUNT_FLAGGED);
   } else if (head == OTG_NOT_THERE) {

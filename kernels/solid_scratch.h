@@ -88,7 +88,7 @@ OTG_INLINED uint otgEnterVertex(__local otg_solid_scratch* s, uint mesh, uint v,
     if (seen == key) return slot;
     if (seen != 0) continue;
     if (s->entered >= 2 * OTG_SOLID_HITS) {
-      otgGiveUp(s, OTG_SOLID_TOO_MANY);
+      otgGiveUp(s, OTG_SOLID_TOO_MANY | OTG_SOLID_BY_CELLS);
       return OTG_NOT_THERE;
     }
     const uint before = atomic_cmpxchg(s->vertexKey + slot, 0, key);

@@ -66,6 +66,8 @@ const std::map<std::string, std::uint32_t opencl::Tuning::*>& tuningKeys() {
       {"overlapUnits", &Tuning::overlapUnits},
       {"overlapGroup", &Tuning::overlapGroup},
       {"overlapGroupsPerUnit", &Tuning::overlapGroupsPerUnit},
+      {"leastOverlaps", &Tuning::leastOverlaps},
+      {"overlapPairs", &Tuning::overlapPairs},
       {"recordsExpected", &Tuning::recordsExpected}};
   return keys;
 }
@@ -279,6 +281,10 @@ BatchVersions makeBatchVersions(const BenchOptions& options, const std::string& 
     scene.of = " on a terrain";
     scene.bodies = terrainBodies();
     scene.queries = terrainQueries(scene.bodies, options.pairs);
+  } else if (batch == "overlaps") {
+    scene.of = " of large overlaps";
+    scene.bodies = overlapBodies();
+    scene.queries = batchQueries(scene.bodies, options.pairs, 0.8);
   } else {
     scene.bodies = batchBodies();
     for (const BenchMesh& file : bodyMeshes(options)) {

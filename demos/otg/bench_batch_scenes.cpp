@@ -25,10 +25,10 @@ BodyList built(const std::vector<scenes::MeshArrays>& arrays) {
   return bodies;
 }
 
-/// Puts every pair where `place(i, height)` says, with the height at which it comes apart times 0.98, or 1.004 for one
-/// in four. Heights are looked for from 0 to `most`.
+/// Puts every pair where `place(i, height)` says, with the height at which it comes apart times `nearer`, or 1.004 for
+/// one in four. Heights are looked for from 0 to `most`.
 template <class Place>
-void bringTogether(std::vector<Query>& queries, double most, const Place& place) {
+void bringTogether(std::vector<Query>& queries, double most, double nearer, const Place& place) {
   ThreadPool(defaultThreadCount()).run(queries.size(), 16, [&](std::size_t begin, std::size_t end) {
     Workspace workspace;
     for (std::size_t i = begin; i < end; ++i) {
@@ -40,7 +40,7 @@ void bringTogether(std::vector<Query>& queries, double most, const Place& place)
         findIntersectingPairs(query, workspace);
         (workspace.intersecting.empty() ? outside : inside) = middle;
       }
-      query.bInA.t = place(i, outside * (i % 4 != 0 ? 0.98 : 1.004));
+      query.bInA.t = place(i, outside * (i % 4 != 0 ? nearer : 1.004));
     }
   });
 }
@@ -59,7 +59,13 @@ BodyList batchBodies() {
   return built(arrays);
 }
 
-std::vector<Query> batchQueries(const BodyList& bodies, int pairs) {
+BodyList overlapBodies() {
+  std::vector<scenes::MeshArrays> arrays;
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) arrays.push_back(scenes::makeLump(0.9, 4, 0.25, seed));
+  return built(arrays);
+}
+
+std::vector<Query> batchQueries(const BodyList& bodies, int pairs, double nearer) {
   Random random(2);
   std::vector<Query> queries;
   std::vector<Vec3d> ways;
@@ -73,7 +79,7 @@ std::vector<Query> batchQueries(const BodyList& bodies, int pairs) {
     ways.push_back(random.direction());
     queries.push_back(query);
   }
-  bringTogether(queries, 2.5, [&](std::size_t i, double apart) { return otgScale(ways[i], apart); });
+  bringTogether(queries, 2.5, nearer, [&](std::size_t i, double apart) { return otgScale(ways[i], apart); });
   return queries;
 }
 
@@ -129,7 +135,9 @@ std::vector<Query> terrainQueries(const BodyList& bodies, int pairs) {
     queries.push_back(query);
   }
   // Heights are from 1 m below the terrain's middle.
-  bringTogether(queries, 4, [&](std::size_t i, double height) { return Vec3d{places[i].x, places[i].y, height - 1}; });
+  bringTogether(queries, 4, 0.98, [&](std::size_t i, double height) {
+    return Vec3d{places[i].x, places[i].y, height - 1};
+  });
   return queries;
 }
 

@@ -39,8 +39,12 @@ inline constexpr int kBatchContacts = 16;
 
 /// Bodies of radius about 1 and 200 to 6,000 triangles,
 BodyList batchBodies();
-/// and `pairs` of them: three quarters overlap by 2% of the distance at which they touch, one quarter is 0.4% apart.
-std::vector<Query> batchQueries(const BodyList& bodies, int pairs);
+/// and `pairs` of them: three quarters are at `nearer` times the distance at which they touch, one quarter is 0.4%
+/// apart.
+std::vector<Query> batchQueries(const BodyList& bodies, int pairs, double nearer = 0.98);
+
+/// Bodies of 5,120 triangles, whose overlaps at 0.8 of that distance have regions that are described by cells.
+BodyList overlapBodies();
 
 /// Boxes of 12 to 48 triangles,
 BodyList stackBodies();

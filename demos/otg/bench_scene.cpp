@@ -103,10 +103,10 @@ void BenchOptions::addTo(CLI::App& command, bool withScene) {
     command.add_option("--pairs", pairs, "Pairs in the batch")->check(CLI::Range(1, 1000000));
     command
         .add_option("--bodies", batches,
-                    "Batches: of bodies, of boxes in stacks, of bodies on a terrain (default: bodies, and for the "
-                    "model 'solid' stacks)")
+                    "Batches: of bodies, of boxes in stacks, of bodies on a terrain, of bodies with large overlaps "
+                    "(default: bodies, and for the model 'solid' stacks)")
         ->delimiter(',')
-        ->check(CLI::IsMember({"bodies", "stacks", "terrain"}));
+        ->check(CLI::IsMember({"bodies", "stacks", "terrain", "overlaps"}));
     command.add_option("--poses", poses, "JSON file with a pose matrix for each scene (default: computed)");
     command.add_option("--scenes", scenes, "How the mesh and its copy lie; 'none' for the batch alone")
         ->delimiter(',')

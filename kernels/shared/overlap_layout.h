@@ -29,6 +29,8 @@ typedef struct {
   otg_uint previous, next;  ///< along the edge: slot or OTG_NOT_THERE
   otg_uint rank;            ///< along the edge
   otg_uint triangle;
+  otg_uint table;  ///< of the region whose root this crossing is, once it is large
+  otg_uint unused;
 } otg_crossing;
 
 /// Of a hit: its triangles, or OTG_NOT_THERE if they are apart; the crossings in which its chord starts and ends, or
@@ -166,15 +168,13 @@ enum {
   OTG_OVERLAP_REGION_COUNT = 3,
   OTG_OVERLAP_VERTICES = 4,  ///< inside, in clusters with a crossed edge
   OTG_OVERLAP_CLUSTERS = 5,  ///< inside, the others
-  OTG_OVERLAP_CELLS = 6,
-  OTG_OVERLAP_SMALL = 7,  ///< hits of small regions
+  OTG_OVERLAP_CELLS = 6,     ///< in the results: all
+  OTG_OVERLAP_SMALL = 7,     ///< hits of small regions
   OTG_OVERLAP_POINTS = 8,
   OTG_OVERLAP_WHY = 9,           ///< OTG_SOLID_*: the host has to do the pair
   OTG_OVERLAP_DONE = 10,         ///< work-groups of the last kernel that are through
   OTG_OVERLAP_SHARED = 11,       ///< 1: an edge is crossed in two regions
   OTG_OVERLAP_MOST_POINTS = 12,  ///< so many candidates will be the deepest of their key, at most
-  OTG_OVERLAP_MEASURED = 13,     ///< work-groups that are through with measuring regions
-  OTG_OVERLAP_RATED = 14,        ///< and with the depths of candidates
   OTG_OVERLAP_COUNTS = 16
 };
 
@@ -184,9 +184,9 @@ typedef struct {
   otg_uint counters[OTG_COUNTERS_READ];  ///< in the results: the first counters of the query
   otg_ulong first;                       ///< triangles of the smallest chord, inverted
   double origin[3];
-  otg_uint firstTable, tables;  ///< of its large regions, one after the other as these are numbered
-  otg_uint firstUnit, units;    ///< of its results
+  otg_uint firstUnit, unused[3];  ///< of its results
   otg_uint roots[OTG_OVERLAP_REGIONS];
+  otg_uint cells[OTG_OVERLAP_REGIONS];            ///< of large regions: how many there are
   double up[OTG_OVERLAP_REGIONS][3];              ///< in which A is pushed, as far as the regions' surfaces tell
   otg_found_region regions[OTG_OVERLAP_REGIONS];  ///< in the results
 } otg_overlap_state;

@@ -113,7 +113,8 @@ enum {
   OTG_SOLID_BROKEN = 4,     ///< crossings or votes contradict each other
   OTG_SOLID_CONTAINED = 8,  ///< a body may be inside the other
   OTG_SOLID_TIE = 16,       ///< too many crossings of one edge to be put in order
-  OTG_SOLID_ODD = 32        ///< a region that is bad, entangled or large
+  OTG_SOLID_ODD = 32,       ///< a region that is bad, entangled or large
+  OTG_SOLID_BY_CELLS = 64   ///< besides: of a size for kernels/overlap_*
 };
 
 #ifndef __OPENCL_VERSION__

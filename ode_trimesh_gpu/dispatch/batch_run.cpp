@@ -235,7 +235,10 @@ class BatchRun {
       const auto shared = std::make_shared<opencl::BatchAnswer>();
       opencl::BatchAnswer& answer = *shared;
       Indices left;
-      const bool good = slot.backend->collideBatch(queries, answer, nullptr, solid ? &left : nullptr);
+      const opencl::RunParts onHost = [&](std::size_t count, const ThreadPool::Work& work) {
+        pool_.run(count, 1, work);
+      };
+      const bool good = slot.backend->collideBatch(queries, answer, nullptr, solid ? &left : nullptr, onHost);
       slot.note(block.size(), good);
       for (std::size_t k = 0; k < block.size(); ++k) {
         PairResult& result = results_[block[k]];
@@ -248,6 +251,7 @@ class BatchRun {
         k = block[k];
         results_[k].onDevice = false;
       }
+      for (const std::size_t k : answer.byHost) results_[block[k]].onDevice = false;
       leave(left);
       {
         const std::lock_guard lock(mutex_);

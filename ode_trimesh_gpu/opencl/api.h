@@ -35,6 +35,7 @@ namespace otg::opencl {
   F(clEnqueueMapBuffer)        \
   F(clEnqueueUnmapMemObject)   \
   F(clEnqueueNDRangeKernel)    \
+  F(clWaitForEvents)           \
   F(clGetEventInfo)            \
   F(clGetEventProfilingInfo)   \
   F(clReleaseEvent)            \

@@ -6,6 +6,7 @@
 #include "opencl/backend_state.h"
 #include "opencl/stopwatch.h"
 #include "opencl/take_answer.h"
+#include "opencl/take_records.h"
 
 namespace otg::opencl {
 Backend::Backend(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -54,7 +55,8 @@ bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, 
     (profile ? state_->profiled : state_->pairs).with([&](PairLane& lane) {
       PairAnswer answer = lane.run(query, frame, wish);
       const Stopwatch host(profile);
-      const bool done = answer.described && takeDescribed(query, answer, workspace);
+      const bool done = answer.described && takeDescribed(query, answer.overlap, workspace);
+      if (done) takeCounts(answer.found, workspace.stats);
       if (answer.asked) ++(done ? state_->described : state_->describedInVain);
       if (done) {
         t.reduction = host.ms();
@@ -114,8 +116,8 @@ BackendCounts Backend::counts() const {
   out.describedInVain = state_->describedInVain;
   out.points = state_->pointsAsked;
   out.pointsOnHost = state_->pointsOnHost;
-  out.repeats = state_->pairs.repeats() + state_->batches.repeats() + state_->phases.repeats() +
-                state_->levels.repeats() + state_->profiledLevels.repeats();
+  out.repeats = state_->pairs.repeats() + state_->batches.repeats() + state_->overlaps.repeats() +
+                state_->phases.repeats() + state_->levels.repeats() + state_->profiledLevels.repeats();
   for (const MeshStore* store : {&state_->meshes, &state_->binaryMeshes}) {
     const MeshStore::Counts meshes = store->counts();
     out.meshUploads += meshes.uploads;

@@ -27,7 +27,8 @@ struct BackendCounts {
   std::uint64_t queries = 0;  ///< pairs of meshes asked for, in batches or not
   std::uint64_t onHost = 0;   ///< of these, done by the host because a call failed
   std::uint64_t repeats = 0;  ///< runs in vain because a list was too short
-  /// Single pairs of solids whose overlap the device described; and those that it left to the host after all.
+  /// Pairs of solids whose overlap the device described, alone or in batches; and those that it left to the host after
+  /// all.
   std::uint64_t described = 0, describedInVain = 0;
   std::uint64_t meshUploads = 0, meshEvictions = 0, meshBytes = 0;
   int programsFromSource = 0, programsFromCache = 0;
@@ -74,6 +75,7 @@ class BatchAnswer {
   std::vector<std::size_t> refused;  ///< ascending: queries whose pose otg::collide refuses; they have no contacts
   CollideStats stats;                ///< sums
   std::size_t leftToHost = 0;        ///< pairs that the device left to the host, other than by failing
+  std::vector<std::size_t> byHost;   ///< of these, those that the host did while the device was at work
 
   std::size_t size() const { return size_; }  ///< queries
   /// The contacts of query `i`.
@@ -153,9 +155,9 @@ class Backend {
   /// pairs may have contacts of the model `solid` the device makes those of pairs of solids, as a rule.
   /// With `times` in lanes of its own that take times. With `left` pairs that the device leaves to the host are listed
   /// there (in any order), and have no contacts yet; else they are done by `onHost`, or, without that, one after the
-  /// other.
+  /// other. So are contacts of pairs whose overlaps the device describes.
   bool collideBatch(std::span<const Query> queries, BatchAnswer& answer, StageTimes* times = nullptr,
-                    std::vector<std::size_t>* left = nullptr);
+                    std::vector<std::size_t>* left = nullptr, const RunParts& onHost = {});
   bool collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTimes* times = nullptr,
                     const RunParts& onHost = {});
   /// Whether the two meshes of each query have triangles that intersect: 1 or 0 (0 for a pose that is refused).

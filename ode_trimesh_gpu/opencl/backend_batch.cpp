@@ -1,32 +1,39 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Many pairs in one submission.
 #include <algorithm>
-#include <bit>
-#include <cstring>
-#include <map>
 #include <memory>
 #include <numeric>
 #include <optional>
 
 #include "collide/solid_contacts.h"
-#include "collide/stages.h"
 #include "opencl/backend_state.h"
+#include "opencl/batch_finish.h"
 #include "opencl/batch_source.h"
+#include "opencl/overlap_queue.h"
 #include "opencl/stopwatch.h"
-#include "opencl/take_records.h"
 
 namespace otg::opencl {
+
 /// One call for many pairs: what is left to the device goes there in pieces. `Finish` says what is made of a pair:
 ///   chunk(begin, count, found)      the flags (and contacts) of a piece, before anything else is said of its pairs
 ///   refuse(i)                       a pose that cannot be worked with
 ///   records(which, answer, query, recordsOf) pairs that the host has to finish: query(i), and places of its records
 ///                                   (there are none unless wantsRecords())
+///   described(which, query, found)  pairs whose overlaps are described, and for each of them the description; those
+///                                   for which it is of no use are returned (if kTakesDescriptions)
 ///   alone(i, query, onHost)         the pair is done without the batch; false if the device failed
 template <class Source, class Finish>
 class Backend::Batch {
  public:
-  Batch(State& state, const Source& source, BatchWish wish, Finish& finish, LanePool<BatchLane>& lanes)
-      : state_(state), source_(source), wish_(wish), finish_(finish), lanes_(lanes) {
+  Batch(State& state, const Source& source, BatchWish wish, Finish& finish, bool profile)
+      : state_(state),
+        source_(source),
+        wish_(wish),
+        finish_(finish),
+        lanes_(profile ? state.profiledBatches : state.batches),
+        describes_(Finish::kTakesDescriptions && wish == BatchWish::kSolid &&
+                   OverlapStage::works(state.context.info(), state.tuning)),
+        overlaps_(profile ? state.profiledOverlaps : state.overlaps, state.tuning.overlapPairs) {
     std::uint64_t largest = 0;
     for (const CollisionMesh* mesh : source.meshes) largest = std::max(largest, triangles(mesh));
     anyLarge_ = 2 * largest > state.tuning.batchTriangles;
@@ -70,10 +77,20 @@ class Backend::Batch {
   /// A part of the batch in one submission.
   struct Piece {
     std::size_t begin, count;
-    std::unique_ptr<BatchLane> lane;  ///< none if it could not be begun
-    std::uint64_t repeats = 0;        ///< of the lane until then
-    std::vector<std::size_t> alone, large, refused;
-    std::optional<ClError> error;
+    bool soon = false;                  ///< the lane tells early what it leaves to the host
+    std::unique_ptr<BatchLane> lane{};  ///< none if it could not be begun
+    std::uint64_t repeats = 0;          ///< of the lane until then
+    std::vector<std::size_t> alone{}, large{}, refused{};
+    std::optional<ClError> error{};
+  };
+
+  /// A part that has ended but for pairs that are being described.
+  struct Holder {
+    std::unique_ptr<BatchLane> lane;
+    std::uint64_t repeats;
+    std::size_t begin, count;
+    bool scattered;
+    std::vector<std::size_t> inVain;  ///< pairs that were not described
   };
 
   /// Pieces of `step` pairs: all are begun before the first is waited for, so that the host finishes what the device
@@ -82,10 +99,11 @@ class Backend::Batch {
     std::vector<Piece> pieces;
     for (std::size_t at = begin; at < end; at += step) pieces.push_back(begun(at, std::min(step, end - at), false));
     for (Piece& piece : pieces) finish(piece);
+    finishOverlaps();
   }
 
   Piece begun(std::size_t begin, std::size_t count, bool part) {
-    Piece piece{begin, count, nullptr, 0, {}, {}, {}, std::nullopt};
+    Piece piece{begin, count};
     if (part) {
       narrow(begin, count);
     } else if (meshes_.size() != source_.meshes.size()) {
@@ -99,7 +117,12 @@ class Backend::Batch {
       const std::span<otg_batch_task> tasks = piece.lane->stage(count);
       fill(begin, tasks, piece.lane->stageFrames(), piece);
       if (times_) times_->fill += watch.ms();
-      piece.lane->begin(meshes_, source_.reductions, wish_);
+      piece.soon = asksSoon();
+      if (piece.soon) {
+        piece.lane->beginWithFlags(meshes_, source_.reductions);
+      } else {
+        piece.lane->begin(meshes_, source_.reductions, wish_);
+      }
     } catch (const ClError& error) {
       piece.lane = nullptr;
       piece.error = error;
@@ -112,12 +135,13 @@ class Backend::Batch {
     // Nothing of a piece is finished before its last call of OpenCL: a failure leaves all of it.
     if (!piece.error) {
       try {
+        const Meanwhile meanwhile = workMeanwhile(piece);
         const BatchFound found = piece.lane->end();
         if (times_) addTimes(piece.lane->profile());
         const Stopwatch collecting(times_ != nullptr);
-        collect(piece, found);
+        collect(piece, found, meanwhile);
         if (times_) times_->host += collecting.ms();
-        lanes_.keep(std::move(piece.lane), piece.repeats);
+        if (piece.lane) letGo(std::move(piece.lane), piece.repeats);
       } catch (const ClError& error) {
         piece.lane = nullptr;
         piece.error = error;
@@ -126,8 +150,10 @@ class Backend::Batch {
     if (piece.error) {
       // Meshes that do not fit at once may fit in two halves.
       if (piece.error->code() == CL_MEM_OBJECT_ALLOCATION_FAILURE && count > 1) {
+        finishOverlaps();  // they have meshes pinned
         Piece first = begun(begin, count / 2, true);
         finish(first);
+        finishOverlaps();
         Piece second = begun(begin + count / 2, count - count / 2, true);
         finish(second);
         return;
@@ -185,9 +211,45 @@ class Backend::Batch {
     }
   }
 
-  void collect(Piece& piece, const BatchFound& found) {
+  /// Pairs of a piece that the device will leave, ascending, and what the host made of them.
+  struct Meanwhile {
+    std::vector<std::size_t> which;
+    std::vector<ContactFinish::Done> done;
+  };
+
+  /// Histories would be asked twice for pairs that the device does after all.
+  bool asksSoon() const {
+    if constexpr (Finish::kTakesDescriptions) {
+      return wish_ == BatchWish::kSolid && finish_.hasThreads() && !source_.anyHistory;
+    }
+    return false;
+  }
+
+  /// Some pairs that are left to the host as soon as that is known. Where they are many, their records are waited for,
+  /// which tell the host what intersects; or they are described.
+  Meanwhile workMeanwhile(Piece& piece) {
+    Meanwhile meanwhile;
+    if constexpr (Finish::kTakesDescriptions) {
+      if (!piece.soon) return meanwhile;
+      const otg_uint* flags = piece.lane->soonFlags();
+      std::size_t forOverlaps = 0;
+      for (std::size_t k = 0; k < piece.count; ++k) {
+        if ((flags[k] & kNotDone) != OTG_PAIR_TO_HOST) continue;
+        meanwhile.which.push_back(piece.begin + k);
+        forOverlaps += describes_ && isForOverlaps(flags[k]);
+      }
+      if (meanwhile.which.size() > kMostMeanwhile || forOverlaps >= state_.tuning.leastOverlaps) return {};
+      meanwhile.done = finish_.meanwhile(meanwhile.which, [&](std::size_t i) { return source_.query(i); });
+    }
+    return meanwhile;
+  }
+  static constexpr std::size_t kMostMeanwhile = 64;
+
+  void collect(Piece& piece, const BatchFound& found, const Meanwhile& meanwhile) {
     const std::size_t begin = piece.begin, count = piece.count;
-    std::vector<std::size_t> fromRecords;
+    std::vector<std::size_t> fromRecords, fromMeanwhile;
+    std::size_t next = 0;  // of those
+    OverlapJob job;
     const bool all = wish_ == BatchWish::kPairs;
     bool scattered = false;
     if (all || wish_ == BatchWish::kAny || found.counters[OTG_COUNT_FLAGGED] > 0) {
@@ -200,23 +262,45 @@ class Backend::Batch {
         } else if (flags & OTG_PAIR_SKIPPED) {
           continue;
         } else if (all || ((flags & OTG_PAIR_TO_HOST) && !(flags & OTG_PAIR_INTERSECTS))) {
-          fromRecords.push_back(begin + k);
+          while (next < meanwhile.which.size() && meanwhile.which[next] < begin + k) ++next;
+          if (next < meanwhile.which.size() && meanwhile.which[next] == begin + k) {
+            fromMeanwhile.push_back(next);
+            continue;
+          }
+          if (describes_ && isForOverlaps(flags)) {
+            const Query query = source_.query(begin + k);
+            job.add(begin + k, {static_cast<otg_uint>(k), found.contacts[0].places[2 * k], 0, 0, 0}, query.a, query.b);
+          } else {
+            fromRecords.push_back(begin + k);
+          }
           scattered = scattered || (flags & OTG_PAIR_MANY);
         }
       }
     }
-    if (!fromRecords.empty() && !finish_.wantsRecords()) {
-      finish_.chunk(begin, count, found);
-      finish_.records(
-          fromRecords, Answer{}, [&](std::size_t i) { return source_.query(i); },
-          [](std::size_t) { return std::span<const std::uint32_t>(); });
-    } else if (!fromRecords.empty()) {
-      // The counters and contacts of `found` stay where they are meanwhile.
-      const Answer answer = scattered ? piece.lane->records() : piece.lane->recordsLeft();
-      finish_.chunk(begin, count, found);
+    // A few are sooner done by the host.
+    if (job.which.size() < state_.tuning.leastOverlaps) {
+      fromRecords.insert(fromRecords.end(), job.which.begin(), job.which.end());
+      job.which.clear();
+    }
+    BatchLane& lane = *piece.lane;
+    const bool wantsRecords = !fromRecords.empty() && finish_.wantsRecords();
+    Answer answer;
+    // The counters and contacts of `found` stay where they are meanwhile.
+    if (wantsRecords) answer = scattered ? lane.records() : lane.recordsLeft();
+    if (!job.which.empty()) {
+      job.holder = holders_.size();
+      job.batch = &lane;
+      holders_.push_back({std::move(piece.lane), piece.repeats, begin, count, scattered, {}});
+      overlaps_.add(job);
+    }
+    finish_.chunk(begin, count, found);
+    if constexpr (Finish::kTakesDescriptions) {
+      for (const std::size_t k : fromMeanwhile) finish_.keepLeft(meanwhile.which[k], meanwhile.done[k]);
+    }
+    if (wantsRecords) {
       dealOut(begin, count, answer, fromRecords);
-    } else {
-      finish_.chunk(begin, count, found);
+    } else if (!fromRecords.empty()) {
+      leave(fromRecords);
     }
     if (wish_ == BatchWish::kSolid && source_.anyHistory) {
       for (std::size_t k = 0; k < count; ++k) {
@@ -224,6 +308,87 @@ class Backend::Batch {
       }
     }
     for (const std::size_t i : piece.refused) finish_.refuse(i);
+  }
+
+  /// Whether the host would describe an overlap by cells, and nothing else is in the way.
+  static bool isForOverlaps(otg_uint flags) {
+    const otg_uint why = flags >> OTG_PAIR_WHY;
+    return (why & OTG_SOLID_BY_CELLS) &&
+           !(why & (OTG_SOLID_INEXACT | OTG_SOLID_BROKEN | OTG_SOLID_CONTAINED | OTG_SOLID_TIE));
+  }
+
+  void letGo(std::unique_ptr<BatchLane> lane, std::uint64_t repeats) {
+    lane->letGo();
+    lanes_.keep(std::move(lane), repeats);
+  }
+
+  /// Contacts of all pairs that are being described. Then their lanes are free.
+  void finishOverlaps() {
+    if constexpr (Finish::kTakesDescriptions) {
+      overlaps_.finish([&](OverlapJob& job) { finishOverlap(job); });
+      for (Holder& holder : holders_) {
+        if (!holder.inVain.empty()) finishInVain(holder);
+        if (holder.lane) letGo(std::move(holder.lane), holder.repeats);
+      }
+      holders_.clear();
+    }
+  }
+
+  void finishOverlap(OverlapJob& job) {
+    if (job.error) {
+      failed(*job.error, job.which);
+      return;
+    }
+    const Stopwatch making(times_ != nullptr);
+    if (times_) addTimes(job.lane->profile());
+    Holder& holder = holders_[job.holder];
+    std::vector<std::size_t> which;
+    std::vector<std::uint32_t> places;
+    for (std::uint32_t k = 0; k < job.which.size(); ++k) {
+      if (job.lane->isDescribed(k)) {
+        which.push_back(job.which[k]);
+        places.push_back(k);
+      } else {
+        holder.inVain.push_back(job.which[k]);
+      }
+    }
+    const std::vector<std::size_t> bad = finish_.described(
+        which, [&](std::size_t i) { return source_.query(i); },
+        [&](std::size_t k) { return job.lane->found(places[k]); });
+    holder.inVain.insert(holder.inVain.end(), bad.begin(), bad.end());
+    state_.described += which.size() - bad.size();
+    if (times_) times_->host += making.ms();
+  }
+
+  /// Pairs of a batch that has ended, from their records.
+  void finishInVain(Holder& holder) {
+    state_.describedInVain += holder.inVain.size();
+    if (!finish_.wantsRecords()) {
+      leave(holder.inVain);
+      return;
+    }
+    try {
+      const Answer answer = holder.scattered ? holder.lane->records() : holder.lane->recordsLeft();
+      dealOut(holder.begin, holder.count, answer, holder.inVain);
+    } catch (const ClError& error) {
+      holder.lane = nullptr;
+      failed(error, holder.inVain);
+    }
+  }
+
+  /// The device failed before these pairs were done.
+  void failed(const ClError& error, const std::vector<std::size_t>& which) {
+    logError(error);
+    good_ = false;
+    for (const std::size_t i : which) finish_.alone(i, source_.query(i), true);
+    state_.onHost += which.size();
+  }
+
+  /// To the host, which wants no records.
+  void leave(const std::vector<std::size_t>& which) {
+    finish_.records(
+        which, Answer{}, [&](std::size_t i) { return source_.query(i); },
+        [](std::size_t) { return std::span<const std::uint32_t>(); });
   }
 
   /// Gives each of `which` its records.
@@ -257,139 +422,14 @@ class Backend::Batch {
   const BatchWish wish_;
   Finish& finish_;
   LanePool<BatchLane>& lanes_;
+  const bool describes_;
+  std::vector<Holder> holders_;
+  OverlapQueue overlaps_;
   bool good_ = true, anyLarge_ = false;
   std::vector<const CollisionMesh*> meshes_;  ///< of the submission under way
   std::vector<std::uint32_t> renumber_;       ///< from the source's numbers to these; empty: the same
   StageTimes* times_ = nullptr;
 };
-
-namespace {
-
-void addStats(CollideStats& sums, const CollideStats& s) {
-  sums.boxTests += s.boxTests;
-  sums.candidatePairs += s.candidatePairs;
-  sums.decidedByDouble += s.decidedByDouble;
-  sums.intersectingPairs += s.intersectingPairs;
-  sums.decidedExactly += s.decidedExactly;
-  sums.contactsBeforeReduction += s.contactsBeforeReduction;
-}
-
-/// Contacts of pairs, most of them where the device put them.
-struct ContactFinish {
-  Backend& backend;
-  std::atomic<std::uint64_t>& queries;
-  BatchAnswer& answer;
-  Workspace workspace{};
-  std::vector<std::size_t>* left = nullptr;  ///< where pairs are listed that are the host's; null: they are done here
-  const RunParts* onHost = nullptr;          ///< by this, if it is there
-
-  void chunk(std::size_t begin, std::size_t count, const BatchFound& found) {
-    answer.addQueries(count);
-    for (const BatchFound::Contacts& part : found.contacts) {
-      answer.addPart(begin, count, part.places, part.contacts, part.memory);
-    }
-    if (found.counters == nullptr) return;
-    CollideStats device;
-    const Answer counted{found.counters, nullptr, 0, 0};
-    takeCounts(counted, device);
-    device.intersectingPairs = found.counters[OTG_COUNT_INTERSECTING];
-    device.contactsBeforeReduction = found.counters[OTG_COUNT_CONTACTS];
-    addStats(answer.stats, device);
-  }
-
-  void refuse(std::size_t i) { answer.refused.push_back(i); }
-  bool wantsRecords() const { return left == nullptr; }
-
-  template <class QueryOf, class RecordsOf>
-  void records(const std::vector<std::size_t>& which, const Answer& found, const QueryOf& queryOf,
-               const RecordsOf& recordsOf) {
-    answer.leftToHost += which.size();
-    if (left) {
-      left->insert(left->end(), which.begin(), which.end());
-    } else if (onHost && which.size() > 1) {
-      struct Done {
-        std::vector<Contact> contacts;
-        CollideStats stats;
-      };
-      std::vector<Done> done(which.size());
-      (*onHost)(which.size(), [&](std::size_t begin, std::size_t end) {
-        Workspace own;
-        for (std::size_t k = begin; k < end; ++k) {
-          collideFromRecords(queryOf(which[k]), found, recordsOf(which[k]), own);
-          done[k] = {own.reduced, own.stats};
-        }
-      });
-      for (std::size_t k = 0; k < which.size(); ++k) keep(which[k], done[k].stats, done[k].contacts);
-    } else {
-      for (const std::size_t i : which) {
-        collideFromRecords(queryOf(i), found, recordsOf(i), workspace);
-        keep(i, workspace.stats, workspace.reduced);
-      }
-    }
-  }
-
-  bool alone(std::size_t i, const Query& query, bool onHost) {
-    bool good = true;
-    if (onHost && left) {
-      left->push_back(i);
-      return true;
-    }
-    if (onHost) {
-      collide(query, workspace);
-    } else {
-      --queries;  // counted again there
-      good = backend.collide(query, workspace);
-    }
-    keep(i, workspace.stats, workspace.reduced);
-    return good;
-  }
-
-  void keep(std::size_t i, const CollideStats& stats, const std::vector<Contact>& contacts) {
-    addStats(answer.stats, stats);
-    if (!contacts.empty()) answer.add(i, contacts);
-  }
-
-  void end() { std::sort(answer.refused.begin(), answer.refused.end()); }
-};
-
-/// Yes or no.
-struct AnyFinish {
-  Backend& backend;
-  std::atomic<std::uint64_t>& queries;
-  std::vector<std::uint8_t>& answer;
-  Workspace workspace{};
-
-  void chunk(std::size_t begin, std::size_t count, const BatchFound& found) {
-    if (found.flags == nullptr) return;
-    for (std::size_t k = 0; k < count; ++k) answer[begin + k] = (found.flags[k] & OTG_PAIR_INTERSECTS) != 0;
-  }
-  void refuse(std::size_t) {}
-  static bool wantsRecords() { return true; }
-  template <class QueryOf, class RecordsOf>
-  void records(const std::vector<std::size_t>& which, const Answer& found, const QueryOf& queryOf,
-               const RecordsOf& recordsOf) {
-    for (const std::size_t i : which) {
-      const Query query = queryOf(i);
-      const PairFrame frame = makePairFrame(query);
-      const std::span<const std::uint32_t> some = recordsOf(i);
-      answer[i] = std::any_of(some.begin(), some.end(),
-                              [&](std::uint32_t r) { return recordIntersects(query, frame, found, r); });
-    }
-  }
-  bool alone(std::size_t i, const Query& query, bool onHost) {
-    bool good = true;
-    if (onHost) {
-      findIntersectingPairs(query, workspace);
-    } else {
-      --queries;  // counted again there
-      good = backend.findIntersectingPairs(query, workspace);
-    }
-    answer[i] = !workspace.intersecting.empty();
-    return good;
-  }
-};
-
-}  // namespace
 
 template <class Source>
 bool Backend::collideFrom(const Source& source, BatchAnswer& answer, StageTimes* times, std::vector<std::size_t>* left,
@@ -401,12 +441,11 @@ bool Backend::collideFrom(const Source& source, BatchAnswer& answer, StageTimes*
   ContactFinish finish{*this, state_->queries, answer};
   finish.left = left;
   if (onHost) finish.onHost = &onHost;
-  LanePool<BatchLane>& lanes = times ? state_->profiledBatches : state_->batches;
   const BatchWish wish = !state_->reduces()                        ? BatchWish::kPairs
                          : source.anySolid && state_->tuning.solid ? BatchWish::kSolid
                          : source.anyPairwise                      ? BatchWish::kContacts
                                                                    : BatchWish::kPairs;
-  Batch<Source, ContactFinish> batch(*state_, source, wish, finish, lanes);
+  Batch<Source, ContactFinish> batch(*state_, source, wish, finish, times != nullptr);
   const bool good = batch.run(times);
   finish.end();
   if (times) times->total = total.ms();
@@ -420,16 +459,15 @@ bool Backend::intersectFrom(const Source& source, std::vector<std::uint8_t>& ans
   state_->queries += source.size();
   answer.assign(source.size(), 0);
   AnyFinish finish{*this, state_->queries, answer};
-  LanePool<BatchLane>& lanes = times ? state_->profiledBatches : state_->batches;
-  Batch<Source, AnyFinish> batch(*state_, source, BatchWish::kAny, finish, lanes);
+  Batch<Source, AnyFinish> batch(*state_, source, BatchWish::kAny, finish, times != nullptr);
   const bool good = batch.run(times);
   if (times) times->total = total.ms();
   return good;
 }
 
 bool Backend::collideBatch(std::span<const Query> queries, BatchAnswer& answer, StageTimes* times,
-                           std::vector<std::size_t>* left) {
-  return collideFrom(QuerySource(queries, state_->tuning.solid), answer, times, left, {});
+                           std::vector<std::size_t>* left, const RunParts& onHost) {
+  return collideFrom(QuerySource(queries, state_->tuning.solid), answer, times, left, onHost);
 }
 
 bool Backend::collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTimes* times, const RunParts& onHost) {

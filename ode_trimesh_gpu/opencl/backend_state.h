@@ -13,6 +13,7 @@
 #include "opencl/batch_lane.h"
 #include "opencl/levels_lane.h"
 #include "opencl/log.h"
+#include "opencl/overlap_lane.h"
 #include "opencl/pair_lane.h"
 #include "opencl/phase_lane.h"
 #include "opencl/point_lane.h"
@@ -73,6 +74,7 @@ struct Backend::State {
   MeshStore meshes;
   LanePool<PairLane> pairs, profiled;
   LanePool<BatchLane> batches, profiledBatches;
+  LanePool<OverlapLane> overlaps, profiledOverlaps;
   LanePool<PhaseLane> phases;
   LanePool<PointLane> points;
   SoupPlaces soupPlaces;
@@ -90,6 +92,8 @@ struct Backend::State {
         profiled(context, meshes, withProfile(how)),
         batches(context, meshes, tuning),
         profiledBatches(context, meshes, withProfile(how)),
+        overlaps(context, meshes, tuning),
+        profiledOverlaps(context, meshes, withProfile(how)),
         phases(context, meshes, tuning),
         points(context, meshes, tuning),
         soupPlaces(how.leafTriangles),

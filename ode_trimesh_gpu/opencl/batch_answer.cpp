@@ -10,6 +10,7 @@ void BatchAnswer::clear() {
   apart_.clear();
   refused.clear();
   leftToHost = 0;
+  byHost.clear();
   stats = {};
 }
 

@@ -99,10 +99,23 @@ void BatchLane::begin(std::span<const CollisionMesh* const> meshes, std::span<co
   });
 }
 
+void BatchLane::beginWithFlags(std::span<const CollisionMesh* const> meshes,
+                               std::span<const otg_reduction> reductions) {
+  wantsFlags_ = true;
+  begin(meshes, reductions, BatchWish::kSolid);
+}
+
+const otg_uint* BatchLane::soonFlags() {
+  guarded([&] {
+    const cl_event event = flagged_.get();
+    clDo(OTG_CL(clWaitForEvents), cl_uint{1}, static_cast<const cl_event*>(&event));
+  });
+  return reinterpret_cast<const otg_uint*>(flags_.data());
+}
+
 BatchFound BatchLane::end() {
   BatchFound found;
   guarded([&] { found = endRun(); });
-  pinned_ = {};
   underWay_ = false;
   return found;
 }
@@ -155,10 +168,25 @@ void BatchLane::enqueue(cl_mem meshes, BatchWish wish) {
   launch(queue, walk_, tuning_.batchGroup, count_, 1, profile_.next(Profile::kMain));
   if (tuning_.flushes & 2) clDo(OTG_CL(clFlush), queue);
   if (wish == BatchWish::kSolid) {
-    const SolidStage::Batch batch{
-        count_,      meshes,         counters,       tasks_.get(),      pairList_.get(),       places_.get(),
-        hits_.get(), hits_.places(), results_.get(), reducer_.states(), reducer_.reductions(), groups_};
+    cl_event flagged = nullptr;
+    if (wantsFlags_) flags_.reserve(context_, queue, count_ * sizeof(otg_uint));
+    const SolidStage::Batch batch{count_,
+                                  meshes,
+                                  counters,
+                                  tasks_.get(),
+                                  pairList_.get(),
+                                  places_.get(),
+                                  hits_.get(),
+                                  hits_.places(),
+                                  results_.get(),
+                                  reducer_.states(),
+                                  reducer_.reductions(),
+                                  groups_,
+                                  wantsFlags_ ? flags_.data() : nullptr,
+                                  &flagged};
     solid_.enqueue(queue, batch, reducer_, chosen_, profile_);
+    flagged_ = EventHandle(flagged);
+    wantsFlags_ = false;  // not when a list was too short
     if (anyPairwise_) {
       solid_.enqueuePairwise(queue, batch, chosen_, profile_);
       enqueueReduction(meshes, solid_.pairwiseRecords(), OTG_PAIR_PAIRWISE);
@@ -272,6 +300,17 @@ Answer BatchLane::records() {
   Answer answer;
   guarded([&] { answer = results_.readAll(context_, queue_.get(), contactRecords_, counters); });
   return answer;
+}
+
+OverlapStage::Batch BatchLane::solids() const {
+  return {pinned_.buffer(),
+          tasks_.get(),
+          places_.get(),
+          reducer_.states(),
+          solid_.hits().get(),
+          solid_.hits().places(),
+          {},
+          {}};
 }
 
 Answer BatchLane::recordsLeft() {

@@ -9,6 +9,7 @@
 
 #include "collide/pair_frame.h"
 #include "opencl/mesh_store.h"
+#include "opencl/overlap_stage.h"
 #include "opencl/reducer.h"
 #include "opencl/result_buffer.h"
 #include "opencl/solid_stage.h"
@@ -54,13 +55,21 @@ class BatchLane {
   /// Begins with middle and near phase of the staged pairs in one submission, and what else is wished. Tasks name
   /// meshes by their places in `meshes` (empty ones too), and reductions. Throws ClError.
   void begin(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions, BatchWish wish);
-  /// Waits for it. With OTG_PAIR_TO_HOST but without OTG_PAIR_NO_FRAME a pair has to be finished from its records.
-  /// Throws ClError.
+  /// The same for a batch of solids of which soonFlags() is to be asked before end().
+  void beginWithFlags(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions);
+  /// Waits until the regions of a batch of solids are known: the flags of its pairs as they are then. A pair that is
+  /// left to the host stays so, unless a list was too short. Throws ClError.
+  const otg_uint* soonFlags();
+  /// Waits for it; the meshes stay pinned. With OTG_PAIR_TO_HOST but without OTG_PAIR_NO_FRAME a pair has to be
+  /// finished from its records. Throws ClError.
   BatchFound end();
   /// All records of the last run. Throws ClError.
   Answer records();
   /// Those of pairs with OTG_PAIR_TO_HOST at least, if none of them has OTG_PAIR_MANY. Throws ClError.
   Answer recordsLeft();
+  /// What there is to describe the overlaps of pairs of a batch of solids from, as long as the meshes are pinned.
+  OverlapStage::Batch solids() const;
+  void letGo() { pinned_ = {}; }
 
   const Profile& profile() const { return profile_; }
   std::uint64_t repeats() const { return repeats_; }
@@ -101,6 +110,9 @@ class BatchLane {
   otg_uint mostPlaces_ = 1;  ///< of its reductions
   bool contactRecords_ = false, hasContacts_ = false, underWay_ = false;
   bool anyPairwise_ = false;  ///< of a batch of solids: some pair may have contacts of the model `pairwise`
+  PinnedBuffer flags_;        ///< for soonFlags()
+  bool wantsFlags_ = false;
+  EventHandle flagged_;
   std::uint64_t repeats_ = 0;
 };
 

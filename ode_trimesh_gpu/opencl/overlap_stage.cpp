@@ -51,6 +51,7 @@ void OverlapStage::build() {
   regions_ = context_.makeKernel("overlap_regions.cl", options, "overlapRegions");
   surface_ = context_.makeKernel("overlap_surface.cl", options, "overlapSurface");
   depths_ = context_.makeKernel("overlap_points.cl", options, "overlapDepths");
+  unitPlaces_ = context_.makeKernel("overlap_points.cl", options, "overlapPlaces");
   results_ = context_.makeKernel("overlap_points.cl", options, "overlapResults");
 }
 
@@ -159,9 +160,13 @@ void OverlapStage::enqueueRest(cl_command_queue queue, cl_mem meshes, cl_mem cou
   Arguments(surface_) << pairs << meshes << states << crossings << hits << parents << marks << inside << cells
                       << cellList << small << depthTable << tableRoom;
   run(surface_, Profile::kSelect);
-  Arguments(depths_) << pairs << meshes << states << totals << crossings << slots << parents << inside << cells
-                     << cellList << depthTable << tableRoom;
+  Arguments(depths_) << pairs << meshes << states << crossings << slots << parents << inside << cells << cellList
+                     << depthTable << tableRoom;
   run(depths_, Profile::kChoose);
+  if (counters == nullptr) {
+    Arguments(unitPlaces_) << count_ << states << totals;
+    launch(queue, unitPlaces_, group_, (count_ + group_ - 1) / group_, 1, profile.next(Profile::kChoose));
+  }
   const auto unitRoom = static_cast<cl_uint>(out_.places() - headBytes() / 16);
   Arguments(results_) << pairs << meshes << states << totals << crossings << slots << hits << parents << marks << inside
                       << cells << cellList << small << depthTable << tableRoom << out_.get() << unitRoom << counters;

@@ -77,7 +77,7 @@ class OverlapStage {
   const std::size_t mostGroups_;
   std::uint32_t leastHits_;
   bool works_;
-  Kernel contour_, take_, enter_, edges_, unite_, regions_, surface_, depths_, results_;
+  Kernel contour_, take_, enter_, edges_, unite_, regions_, surface_, depths_, unitPlaces_, results_;
   std::uint32_t count_ = 1;  ///< pairs
   BufferHandle totals_;
   DeviceList tasks_{sizeof(otg_listed_overlap)}, pairs_{sizeof(otg_overlap_pair)}, states_{sizeof(otg_overlap_state)},

@@ -153,6 +153,11 @@ void SolidStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& re
                             << smallFaces << chosen.get();
     launch(queue, size.regions, size.group, groupsOf(size), 1, profile.next(Profile::kRegions));
   }
+  if (batch.flags != nullptr) {
+    clDo(OTG_CL(clEnqueueReadBuffer), queue, chosen.get(), cl_bool{CL_FALSE}, std::size_t{OTG_RESULT_HEAD},
+         batch.count * sizeof(otg_uint), static_cast<void*>(batch.flags), cl_uint{0},
+         static_cast<const cl_event*>(nullptr), batch.flagged);
+  }
   for (Size& size : sizes_) {
     Arguments(size.ways) << batch.meshes << batch.tasks << batch.places << batch.counters << arena_.get()
                          << arena_.places() << heads_.get() << lists_.get() << batch.count << size.firstList

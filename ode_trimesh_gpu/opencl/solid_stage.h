@@ -2,6 +2,7 @@
 // The lists and kernels by which a batch of pairs of solids gets its contacts.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -29,10 +30,14 @@ class SolidStage {
     std::uint32_t hitPlaces;
     cl_mem records, states, reductions;
     std::size_t groups;
+    std::byte* flags;   ///< gets the flags of the pairs, as far as their regions tell; may be null
+    cl_event* flagged;  ///< then: when they are there
   };
   /// After a batch: the records of the pairs that are left to the host, where each has its hits side by side. False if
   /// there was no room for them: then all records have to be looked at.
   bool readLeft(cl_command_queue queue, const otg_uint* counters, Answer& answer);
+  /// The hits of each pair with the ends of their chords, in stretches of which otg_pair_state tells.
+  const DeviceList& hits() const { return sorted_; }
   /// Everything from the hits on, up to lists of contacts and their places in `chosen`.
   void enqueue(cl_command_queue queue, const Batch& batch, Reducer& reducer, const ChosenBuffer& chosen,
                Profile& profile);

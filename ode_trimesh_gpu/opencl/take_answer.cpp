@@ -34,13 +34,12 @@ void takeReduced(const PairAnswer& answer, Workspace& workspace) {
 
 }  // namespace
 
-bool takeDescribed(const Query& query, const PairAnswer& answer, Workspace& workspace) {
+bool takeDescribed(const Query& query, const FoundOverlap& overlap, Workspace& workspace) {
   workspace.candidates.clear();
   workspace.intersecting.clear();
   workspace.stats = {};
-  takeCounts(answer.found, workspace.stats);
-  workspace.stats.intersectingPairs = answer.overlap.head->counts[OTG_OVERLAP_INTERSECTING];
-  if (!solidContactsOf(query, answer.overlap, workspace)) return false;
+  workspace.stats.intersectingPairs = overlap.head->counts[OTG_OVERLAP_INTERSECTING];
+  if (!solidContactsOf(query, overlap, workspace)) return false;
   workspace.reduced = limitContacts(workspace.contacts, query.options.maxContacts);
   numberAsCaller(query, workspace);
   return true;

@@ -21,7 +21,7 @@ HostRest takeAnswer(const Query& query, const PairFrame& frame, const PairAnswer
                     Workspace& workspace);
 
 /// The contacts of an answer with `described`. False where the host sees the overlap in another way.
-bool takeDescribed(const Query& query, const PairAnswer& answer, Workspace& workspace);
+bool takeDescribed(const Query& query, const FoundOverlap& overlap, Workspace& workspace);
 
 /// Does the rest.
 void finishAnswer(const Query& query, HostRest rest, Workspace& workspace);

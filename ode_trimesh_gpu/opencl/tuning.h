@@ -50,6 +50,9 @@ struct Tuning {
   std::uint32_t overlapGroup = 128;        ///< work-items of a work-group of its kernels, a multiple of 64
   std::uint32_t overlapGroupsPerUnit = 2;  ///< work-groups for each compute unit, at most: registers are what they lack
   std::uint32_t overlapUnits = 1u << 16;   ///< of 16 bytes, for the description; grows
+  /// Pairs of a batch of solids whose regions are too large for its own kernels are described, too, if there are so
+  /// many of them (where single pairs are described at all); `overlapPairs` at a time.
+  std::uint32_t leastOverlaps = 64, overlapPairs = 1024;
   /// Pairs of solids of a batch are done by kernels with one size of lists in local memory, or with two; 0: one on
   /// CPUs, else two. `solidGroup` work-items (0: 1 on CPUs, else 32) do a pair of at most `solidHits` intersecting
   /// pairs of triangles (a power of two) and regions of at most `solidPoints` points and `solidFaces` pieces; others

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Single pairs of solids whose overlap the device describes: the contacts are the host's, to the last bit.
+// Pairs of solids whose overlap the device describes, alone and in batches: the contacts are the host's, to the last
+// bit.
+#include <algorithm>
 #include <atomic>
 #include <thread>
 
@@ -246,6 +248,229 @@ TEST_CASE("a described pair comes out the same whatever call fails") {
       REQUIRE(sameBytes(workspace.reduced, expected[i].reduced));
     }
     opencl::FaultInjection::failAt(0);
+  }
+  CHECK(backend->counts().onHost > 0);
+  opencl::setLogSink({});
+}
+
+// Batches -------------------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Pairs of a batch with more than 32 intersecting pairs of triangles are too large for its own kernels, and described.
+opencl::Tuning describing() {
+  opencl::Tuning tuning = always();
+  tuning.solidLargeHits = 32;
+  tuning.leastOverlaps = 1;
+  return tuning;
+}
+
+std::vector<std::vector<Contact>> contactsOnHost(const std::vector<Query>& queries) {
+  std::vector<std::vector<Contact>> contacts;
+  for (const Workspace& workspace : onHost(queries)) contacts.push_back(workspace.reduced);
+  return contacts;
+}
+
+std::size_t countWrong(const opencl::BatchAnswer& answer, const std::vector<std::vector<Contact>>& expected) {
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < expected.size(); ++i) wrong += sameBytes(answer.of(i), expected[i]) ? 0 : 1;
+  return wrong;
+}
+
+/// How many pairs the device described.
+std::uint64_t checkBatch(opencl::Backend& backend, const std::vector<Query>& queries,
+                         const std::vector<std::vector<Contact>>& expected) {
+  const std::uint64_t before = backend.counts().described;
+  opencl::BatchAnswer answer;
+  CHECK(backend.collideBatch(queries, answer));
+  REQUIRE(answer.size() == queries.size());
+  CHECK(countWrong(answer, expected) == 0);
+  CHECK(backend.counts().onHost == 0);
+  return backend.counts().described - before;
+}
+
+/// Pairs of small bodies, which batches do by themselves, between pairs of large ones; some apart.
+std::vector<Query> mixed(const MeshList& large, const MeshList& small, std::uint32_t seed, std::size_t count) {
+  std::vector<Query> queries = overlaps(large, seed, count / 2, 0.9);
+  Draw draw(seed + 100);
+  while (queries.size() < count) {
+    const auto any = [&] { return draw.below(static_cast<std::uint32_t>(small.size())); };
+    const std::size_t a = any(), b = any();
+    Query query =
+        makeQuery(*small[a], *small[b],
+                  makePose(draw.direction(), draw.uniform(0, 3), otgScale(draw.direction(), draw.uniform(0.5, 2))));
+    query.options.contacts = ContactModel::kSolid;
+    query.options.maxContacts = 16;
+    queries.insert(queries.begin() + draw.below(static_cast<std::uint32_t>(queries.size())), query);
+  }
+  return queries;
+}
+
+MeshList smallBodies() {
+  MeshList meshes;
+  for (const MeshArrays& arrays : {makeTetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}),
+                                   makeBox({1, 1.5, 0.8}, 1), makeSphere(0.8, 1), makeCylinder(0.5, 1.4, 12, 1)}) {
+    meshes.push_back(collisionMesh(arrays));
+  }
+  return meshes;
+}
+
+}  // namespace
+
+TEST_CASE("large pairs of a batch of solids are described, and the others are not disturbed") {
+  const MeshList meshes = bodies(), small = smallBodies();
+  const auto backend = openBackend(describing());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  const std::vector<Query> queries = mixed(meshes, small, 11, 80);
+  const std::vector<std::vector<Contact>> expected = contactsOnHost(queries);
+  CHECK(checkBatch(*backend, queries, expected) >= 25);
+  CHECK(backend->counts().describedInVain < 20);
+  // Again, and single pairs and a batch without any in between.
+  const std::vector<Query> others = overlaps(meshes, 12, 3, 0.8);
+  checkAll(*backend, others, onHost(others));
+  const std::vector<Query> none(queries.begin(), queries.begin() + 1);
+  checkBatch(*backend, none, contactsOnHost(none));
+  CHECK(checkBatch(*backend, queries, expected) >= 25);
+  // By threads of the caller's, with a list of what is left, and with times.
+  opencl::BatchAnswer answer;
+  std::vector<std::size_t> left;
+  opencl::StageTimes times;
+  std::atomic<std::size_t> shared{0};
+  const opencl::RunParts threads = [&](std::size_t count, const auto& work) {
+    std::vector<std::thread> team;
+    for (std::size_t k = 0; k < 3; ++k) team.emplace_back([&, k] { work(count * k / 3, count * (k + 1) / 3); });
+    for (std::thread& thread : team) thread.join();
+    shared += count;
+  };
+  CHECK(backend->collideBatch(queries, answer, &times, &left, threads));
+  CHECK(shared >= 25);
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const bool isLeft = std::find(left.begin(), left.end(), i) != left.end();
+    wrong += sameBytes(answer.of(i), isLeft ? std::vector<Contact>() : expected[i]) ? 0 : 1;
+  }
+  CHECK(wrong == 0);
+  CHECK(left.size() < 25);
+  CHECK(times.host > 0);
+}
+
+TEST_CASE("what cannot be described in a batch is done by itself") {
+  MeshList meshes = bodies();
+  // Boxes in aligned poses, whose crossings lie in one point; two components; a body inside another.
+  const auto box = meshes[1], grid = collisionMesh(makeBox({1, 1, 1}, 20));
+  MeshArrays two = makeBox({0.4, 0.4, 0.4}, 12);
+  const auto moved = static_cast<std::uint32_t>(two.vertices.size());
+  const MeshArrays one = two;
+  for (Vec3f v : one.vertices) two.vertices.push_back({v.x + 0.7f, v.y, v.z});
+  for (const Triangle& t : one.triangles) two.triangles.push_back({t.v[0] + moved, t.v[1] + moved, t.v[2] + moved});
+  const auto pairOfBoxes = collisionMesh(two), tiny = collisionMesh(makeSphere(0.05, 1));
+  std::vector<Query> queries = overlaps(meshes, 21, 12, 0.8);
+  const auto add = [&](const CollisionMesh& a, const CollisionMesh& b, const Transformd& bInA) {
+    queries.push_back(makeQuery(a, b, bInA));
+    queries.back().options.contacts = ContactModel::kSolid;
+    queries.back().options.maxContacts = 12;
+  };
+  const Transformd aligned{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0.25, 0.5, 0.999}};
+  for (int i = 0; i < 4; ++i) {
+    add(*grid, *grid, aligned);
+    add(*grid, *box, {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0.1 * i, 0, 0.9}});
+    add(*meshes[0], *pairOfBoxes, makePose({0, 0, 1}, 0.3 * i, {0.8, 0.1, 0}));
+    add(*meshes[0], *tiny, makePose({0, 0, 1}, 0.3 * i, {0.1, 0.1, 0}));
+    add(*meshes[0], *meshes[0], makePose({0, 1, 0}, 0.3 * i, {0.9, 0.1, 0}));
+  }
+  for (Query& query : queries) query.options.maxContacts = 12;
+  const auto backend = openBackend(describing());
+  REQUIRE(backend);
+  const std::vector<std::vector<Contact>> expected = contactsOnHost(queries);
+  const std::uint64_t described = checkBatch(*backend, queries, expected);
+  if (!canDescribe(*backend)) return;
+  CHECK(described >= 8);
+  CHECK(backend->counts().describedInVain > 0);
+  // Fewer than are worth it, and where it is switched off.
+  opencl::Tuning tuning = describing();
+  tuning.leastOverlaps = 1000;
+  CHECK(checkBatch(*openBackend(tuning), queries, expected) == 0);
+  tuning = describing();
+  tuning.doubles = false;
+  CHECK(checkBatch(*openBackend(tuning), queries, expected) == 0);
+}
+
+TEST_CASE("descriptions of a batch do not depend on the sizes of lists and pieces") {
+  const MeshList meshes = bodies(), small = smallBodies();
+  const std::vector<Query> queries = mixed(meshes, small, 31, 60);
+  const std::vector<std::vector<Contact>> expected = contactsOnHost(queries);
+  std::vector<opencl::Tuning> tunings(5, describing());
+  tunings[0].overlapUnits = 1;
+  tunings[0].hitPlaces = 1;
+  tunings[1].overlapPairs = 1;
+  tunings[2].overlapPairs = 7;
+  tunings[2].overlapGroup = 64;
+  tunings[2].leastPiece = 16;            // several pieces of the batch
+  tunings[3].overlapGroupsPerUnit = 64;  // several work-groups for a pair
+  tunings[4].memoryBudget = 16u << 20;    // not all meshes at once
+  std::uint64_t described = 0;
+  for (const opencl::Tuning& tuning : tunings) {
+    const auto backend = openBackend(tuning);
+    REQUIRE(backend);
+    if (!canDescribe(*backend)) return;
+    const std::uint64_t now = checkBatch(*backend, queries, expected);
+    CHECK(now >= 15);
+    if (described != 0) CHECK(now == described);
+    described = now;
+    if (tuning.overlapUnits == 1) CHECK(backend->counts().repeats > 1);
+    CHECK(checkBatch(*backend, queries, expected) == described);
+  }
+}
+
+TEST_CASE("pairs of a batch that are described have the histories of the host") {
+  const MeshList meshes = bodies(), small = smallBodies();
+  const auto backend = openBackend(describing());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  std::vector<Query> queries = mixed(meshes, small, 41, 20), forHost = queries;
+  std::vector<SolidHistory> onDevice(queries.size()), host(queries.size());
+  Draw draw(42);
+  for (int step = 0; step < 5; ++step) {
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      queries[i].history = &onDevice[i];
+      forHost[i].history = &host[i];
+      queries[i].relativeVelocity = forHost[i].relativeVelocity = step % 2 != 0 ? draw.direction() : Vec3d{0, 0, 0};
+    }
+    CHECK(checkBatch(*backend, queries, contactsOnHost(forHost)) > 0);
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      CHECK(onDevice[i].current.escape == host[i].current.escape);
+      CHECK(onDevice[i].current.clampLeft == host[i].current.clampLeft);
+      CHECK(onDevice[i].current.deepNormal == host[i].current.deepNormal);
+      if (step == 2) continue;  // the same pose again
+      queries[i].bInA.t = forHost[i].bInA.t = otgAdd(queries[i].bInA.t, otgScale(draw.direction(), 0.02));
+    }
+  }
+}
+
+TEST_CASE("a batch with described pairs comes out the same whatever call fails") {
+  const MeshList meshes = bodies(), small = smallBodies();
+  const std::vector<Query> queries = mixed(meshes, small, 51, 10);
+  const std::vector<std::vector<Contact>> expected = contactsOnHost(queries);
+  opencl::setLogSink([](const std::string&) {});
+  opencl::Tuning tuning = describing();
+  tuning.overlapPairs = 3;
+  const auto backend = openBackend(tuning);
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  checkBatch(*backend, queries, expected);
+  const std::uint64_t before = opencl::FaultInjection::callCount();
+  CHECK(checkBatch(*backend, queries, expected) > 0);
+  const std::uint64_t calls = opencl::FaultInjection::callCount() - before;
+  CHECK(calls > 60);
+  for (const int code : {CL_OUT_OF_RESOURCES, CL_MEM_OBJECT_ALLOCATION_FAILURE}) {
+    for (std::uint64_t n = 1; n <= calls + 100; n += code == CL_OUT_OF_RESOURCES ? 1 : 7) {
+      opencl::FaultInjection::failAt(n, code);
+      opencl::BatchAnswer answer;
+      backend->collideBatch(queries, answer);
+      REQUIRE(countWrong(answer, expected) == 0);
+      opencl::FaultInjection::failAt(0);
+    }
   }
   CHECK(backend->counts().onHost > 0);
   opencl::setLogSink({});

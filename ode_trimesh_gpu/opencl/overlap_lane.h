@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What describing the overlaps of some pairs of a batch at a time needs on a device.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "opencl/batch_lane.h"
+#include "opencl/overlap_stage.h"
+
+namespace otg::opencl {
+
+/// One thread at a time. After a ClError the lane is of no further use.
+class OverlapLane {
+ public:
+  OverlapLane(Context& context, MeshStore& meshes, const Tuning& tuning);
+  OverlapLane(const OverlapLane&) = delete;
+  OverlapLane& operator=(const OverlapLane&) = delete;
+  ~OverlapLane();
+
+  /// Begins with pairs of a batch that has ended and is not let go before end(): `pairs` tells their numbers and their
+  /// hits, `bodies` the meshes A and B of each. Both have to stay. Throws ClError.
+  void begin(const BatchLane& batch, std::span<const otg_listed_overlap> pairs,
+             std::span<const CollisionMesh* const> bodies);
+  /// Waits for it. Throws ClError.
+  void end();
+  /// After that, until the next begin: whether a pair was described; if so, the description.
+  bool isDescribed(std::uint32_t pair) const;
+  FoundOverlap found(std::uint32_t pair) const { return stage_.found(pair); }
+
+  const Profile& profile() const { return profile_; }
+  std::uint64_t repeats() const { return repeats_; }
+
+ private:
+  template <class Run>
+  void guarded(Run&& run);
+  void beginRun();
+  QueueHandle queue_;
+  OverlapStage stage_;
+  OverlapStage::Batch batch_{};
+  Profile profile_;
+  bool underWay_ = false;
+  std::uint64_t repeats_ = 0;
+};
+
+}  // namespace otg::opencl
