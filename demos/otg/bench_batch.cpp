@@ -68,6 +68,7 @@ const std::map<std::string, std::uint32_t opencl::Tuning::*>& tuningKeys() {
       {"overlapGroupsPerUnit", &Tuning::overlapGroupsPerUnit},
       {"leastOverlaps", &Tuning::leastOverlaps},
       {"overlapPairs", &Tuning::overlapPairs},
+      {"meanwhile", &Tuning::meanwhile},
       {"recordsExpected", &Tuning::recordsExpected}};
   return keys;
 }

@@ -220,7 +220,7 @@ class Backend::Batch {
   /// Histories would be asked twice for pairs that the device does after all.
   bool asksSoon() const {
     if constexpr (Finish::kTakesDescriptions) {
-      return wish_ == BatchWish::kSolid && finish_.hasThreads() && !source_.anyHistory;
+      return wish_ == BatchWish::kSolid && finish_.hasThreads() && !source_.anyHistory && state_.tuning.meanwhile > 0;
     }
     return false;
   }
@@ -238,12 +238,11 @@ class Backend::Batch {
         meanwhile.which.push_back(piece.begin + k);
         forOverlaps += describes_ && isForOverlaps(flags[k]);
       }
-      if (meanwhile.which.size() > kMostMeanwhile || forOverlaps >= state_.tuning.leastOverlaps) return {};
+      if (meanwhile.which.size() > state_.tuning.meanwhile || forOverlaps >= state_.tuning.leastOverlaps) return {};
       meanwhile.done = finish_.meanwhile(meanwhile.which, [&](std::size_t i) { return source_.query(i); });
     }
     return meanwhile;
   }
-  static constexpr std::size_t kMostMeanwhile = 64;
 
   void collect(Piece& piece, const BatchFound& found, const Meanwhile& meanwhile) {
     const std::size_t begin = piece.begin, count = piece.count;

@@ -53,6 +53,9 @@ struct Tuning {
   /// Pairs of a batch of solids whose regions are too large for its own kernels are described, too, if there are so
   /// many of them (where single pairs are described at all); `overlapPairs` at a time.
   std::uint32_t leastOverlaps = 64, overlapPairs = 1024;
+  /// Where a piece of a batch of solids leaves at most so many pairs to the host, its caller's threads do them while the
+  /// device is at work on the others.
+  std::uint32_t meanwhile = 64;
   /// Pairs of solids of a batch are done by kernels with one size of lists in local memory, or with two; 0: one on
   /// CPUs, else two. `solidGroup` work-items (0: 1 on CPUs, else 32) do a pair of at most `solidHits` intersecting
   /// pairs of triangles (a power of two) and regions of at most `solidPoints` points and `solidFaces` pieces; others

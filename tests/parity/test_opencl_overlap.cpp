@@ -396,6 +396,38 @@ TEST_CASE("what cannot be described in a batch is done by itself") {
   CHECK(checkBatch(*openBackend(tuning), queries, expected) == 0);
 }
 
+TEST_CASE("a few large pairs of a batch are done by the host while the device does the others") {
+  const MeshList meshes = bodies(), small = smallBodies();
+  const std::vector<Query> queries = mixed(meshes, small, 61, 40);
+  const std::vector<std::vector<Contact>> expected = contactsOnHost(queries);
+  std::atomic<std::size_t> shared{0};
+  const opencl::RunParts threads = [&](std::size_t count, const auto& work) {
+    std::vector<std::thread> team;
+    for (std::size_t k = 0; k < 3; ++k) team.emplace_back([&, k] { work(count * k / 3, count * (k + 1) / 3); });
+    for (std::thread& thread : team) thread.join();
+    shared += count;
+  };
+  for (const std::uint32_t most : {0u, 1000u}) {
+    opencl::Tuning tuning = describing();
+    tuning.leastOverlaps = 1000;
+    tuning.meanwhile = most;
+    tuning.leastPiece = 10;  // four pieces
+    const auto backend = openBackend(tuning);
+    REQUIRE(backend);
+    for (int run = 0; run < 2; ++run) {
+      shared = 0;
+      opencl::BatchAnswer answer;
+      CHECK(backend->collideBatch(queries, answer, nullptr, nullptr, threads));
+      CHECK(countWrong(answer, expected) == 0);
+      CHECK(backend->counts().onHost == 0);
+      CHECK(shared >= 5);
+      if (!backend->device().doubles) continue;
+      CHECK((most == 0 ? answer.byHost.empty() : answer.byHost.size() >= 5));
+      CHECK(answer.byHost.size() <= answer.leftToHost);
+    }
+  }
+}
+
 TEST_CASE("descriptions of a batch do not depend on the sizes of lists and pieces") {
   const MeshList meshes = bodies(), small = smallBodies();
   const std::vector<Query> queries = mixed(meshes, small, 31, 60);
@@ -408,7 +440,7 @@ TEST_CASE("descriptions of a batch do not depend on the sizes of lists and piece
   tunings[2].overlapGroup = 64;
   tunings[2].leastPiece = 16;            // several pieces of the batch
   tunings[3].overlapGroupsPerUnit = 64;  // several work-groups for a pair
-  tunings[4].memoryBudget = 16u << 20;    // not all meshes at once
+  tunings[4].memoryBudget = 16u << 20;   // not all meshes at once
   std::uint64_t described = 0;
   for (const opencl::Tuning& tuning : tunings) {
     const auto backend = openBackend(tuning);
