@@ -191,7 +191,7 @@ OTG_INLINED uint otgPlaceCrossing(OTG_OVERLAP* o, uint slot) {
   for (uint d = *otgEdgeMark(o, mesh, edge); d != 0; d = o->crossings[d - 1].link) {
     if (d - 1 == slot) continue;
     const double u = o->crossings[d - 1].t;
-    tied |= fabs(u - t) <= OTG_SOLID_CLOSE_POINTS;
+    tied |= !(fabs(u - t) > OTG_SOLID_CLOSE_POINTS);  // of a place that is no number as well
     if (u < t) {
       ++rank;
       if (previous == OTG_NOT_THERE || u > before) {

@@ -193,6 +193,9 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapSurf
   __global otg_overlap_state* state = states + get_group_id(1);
   otgTakePair(&o, meshes, pairs, otgArrays(crossings, 0, hits, parents, marks, inside, small));
   otgLoadRegions(&regions, state, o.crossings, tableRoom);
+  // Where crossings lie in one point they are each other's next ones. That pair was given up; its surface is not asked
+  // for, and following its edges would not end.
+  const int works = state->counts[OTG_OVERLAP_WHY] == 0;
   otg_surface s;
   s.o = &o;
   s.regions = &regions;
@@ -216,8 +219,9 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapSurf
       }
     }
     const uint triangle = mesh == 0 ? hit.a : hit.b;
-    if (*otgTriangleMark(&o, mesh, triangle) == (i >> 1) + 1) otgAddClipped(&s, mesh, triangle);
+    if (works && *otgTriangleMark(&o, mesh, triangle) == (i >> 1) + 1) otgAddClipped(&s, mesh, triangle);
   }
+  if (!works) return;
   const uint vertexCount = state->counts[OTG_OVERLAP_VERTICES];
   for (uint i = get_global_id(0); i < vertexCount; i += get_global_size(0)) {
     const uint r = otgNumberOf(&regions, o.vertices[i].region);

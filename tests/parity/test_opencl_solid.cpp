@@ -166,6 +166,13 @@ TEST_CASE("what the device cannot do of a batch of solids the host does") {
   const auto backend = openBackend();
   REQUIRE(backend);
   checkBatch(*backend, queries, onHost(queries));
+  // Those that are given up for crossings in one point, among pairs whose overlaps are described.
+  opencl::Tuning describing;
+  describing.overlapHits = 1;
+  describing.leastOverlaps = 1;
+  const auto other = openBackend(describing);
+  REQUIRE(other);
+  checkBatch(*other, queries, onHost(queries));
   // Some with an option that only the host knows.
   for (std::size_t i = 0; i < queries.size(); i += 5) queries[i].options.solid.regionMerge = 0.05;
   checkBatch(*backend, queries, onHost(queries));
