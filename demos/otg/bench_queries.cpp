@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `otg bench queries`: arrays of points against one mesh through the C API, the CPU beside an OpenCL device.
+// `otg bench queries`: arrays of points against one mesh, and of pairs of meshes that overlap or not, through the C
+// API, the CPU beside an OpenCL device.
 #include <fmt/format.h>
 #include <ode/ode.h>
 #include <ode_trimesh_gpu/ode_trimesh_gpu.h>
@@ -9,6 +10,8 @@
 
 #include "dispatch/dispatcher.h"
 #include "otg/bench.h"
+#include "otg/bench_geoms.h"
+#include "otg/bench_overlaps.h"
 #include "otg/query_options.h"
 #include "scenes/simulation.h"
 #include "truth/contact_families.h"
@@ -19,6 +22,7 @@ namespace {
 struct QueriesOptions {
   BenchOptions scene;
   std::vector<int> counts{1000, 10000, 100000, 1000000};
+  std::vector<int> pairs{100, 1000, 10000};
   std::vector<int> devices;
   int alone = 100000;  ///< most points that one thread does
   std::uint32_t seed = 1;
@@ -66,17 +70,6 @@ std::vector<dReal> drawPoints(const TriMesh& mesh, bool near, int count, truth::
   return points;
 }
 
-/// Calls that devices have had.
-std::uint64_t deviceCalls() {
-  std::uint64_t calls = 0;
-  for (int i = 0; i < dGpuTriMeshGetDeviceCount(); ++i) {
-    dGpuTriMeshDevice device;
-    dGpuTriMeshDeviceInit(&device);
-    if (dGpuTriMeshGetDevice(i, &device) == dGPUTRIMESH_OK) calls += device.calls;
-  }
-  return calls;
-}
-
 /// What the device takes without what the CPU makes of its answers.
 double rawTime(const CollisionMesh& mesh, const std::vector<dReal>& points, int count, bool nearest, int repeat) {
   const auto slots = dispatcher().devices();
@@ -112,10 +105,7 @@ int benchQueries(const QueriesOptions& options) {
   for (const BenchMesh& mesh : benchMeshes(options.scene)) {
     const auto sorted = sortedInSpace(*mesh.mesh);
     const CollisionMesh tree(sorted, BuildStrategy::kSah);
-    const dGpuTriMeshDataID data = dGpuTriMeshDataCreate();
-    dGpuTriMeshDataBuildSingle(data, mesh.mesh->vertices().data(), sizeof(Vec3f),
-                               static_cast<int>(mesh.mesh->vertices().size()), mesh.mesh->triangles().data(),
-                               static_cast<int>(3 * mesh.mesh->triangleCount()), sizeof(Triangle));
+    const dGpuTriMeshDataID data = meshData(*mesh.mesh, mesh.name);
     const dGeomID geom = dCreateGpuTriMesh(nullptr, data);
     for (const Ask& ask : asks()) {
       for (const bool near : {false, true}) {
@@ -168,23 +158,22 @@ int benchQueries(const QueriesOptions& options) {
     dGpuTriMeshDataDestroy(data);
   }
   dGpuTriMeshSetThreadCount(0);
+  const Json overlaps = overlapRows(options.scene, options.pairs, repeat, opened > 0);
   Json costs;
   if (opened > 0) {
     const CostModel& model = slots.front()->costs;
     const auto line = [](const Cost& cost) { return Json{{"fixed", cost.fixed}, {"per_level", cost.perTriangle}}; };
-    costs = {{"host_nearest", line(model.hostNearest)},
-             {"host_inside", line(model.hostInside)},
-             {"device_nearest", line(model.deviceNearest)},
-             {"device_inside", line(model.deviceInside)},
-             {"launch", line(model.pointLaunch)},
-             {"finish", model.pointFinish},
-             {"speedup", model.hostSpeedup}};
+    costs = {{"host_nearest", line(model.hostNearest)},     {"host_inside", line(model.hostInside)},
+             {"device_nearest", line(model.deviceNearest)}, {"device_inside", line(model.deviceInside)},
+             {"launch", line(model.pointLaunch)},           {"finish", model.pointFinish},
+             {"host_overlap", line(model.hostOverlap)},     {"device_overlap", line(model.batchOverlap)},
+             {"overlap_launch", model.overlapLaunch},       {"speedup", model.hostSpeedup}};
   }
   const Json document{{"bench", "queries"},
                       {"device", device},
                       {"threads", threads},
                       {"costs_us", costs},
-                      {"tables", {{"points", rows}}}};
+                      {"tables", {{"points", rows}, {"overlaps", overlaps}}}};
   printBench(document, options.scene.json);
   return 0;
 }
@@ -192,11 +181,14 @@ int benchQueries(const QueriesOptions& options) {
 }  // namespace
 
 void addBenchQueries(CLI::App& bench, Action& action) {
-  CLI::App* command =
-      bench.add_subcommand("queries", "Arrays of points against a mesh, an OpenCL device beside the CPU");
+  CLI::App* command = bench.add_subcommand(
+      "queries", "Arrays of points against a mesh, and of pairs of meshes, an OpenCL device beside the CPU");
   auto options = std::make_shared<QueriesOptions>();
   options->scene.addTo(*command, false);
   command->add_option("--points", options->counts, "How many")->delimiter(',')->check(CLI::Range(1, 100000000));
+  command->add_option("--pairs", options->pairs, "How many pairs of meshes")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 10000000));
   command->add_option("--device", options->devices, "Number of the device, as `otg devices` has it")->delimiter(',');
   command->add_option("--alone", options->alone, "Most points that are also given to one thread");
   command->add_option("--piece", options->tuning.pointPiece, "Points of a piece at most")

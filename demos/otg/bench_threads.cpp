@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "otg/bench.h"
+#include "otg/bench_geoms.h"
 #include "otg/contact_hash.h"
 #include "scenes/simulation.h"
 #include "truth/contact_families.h"
@@ -40,26 +41,11 @@ std::vector<unsigned> threadCounts(const ThreadsOptions& options) {
   return counts;
 }
 
-void poseGeom(dGeomID geom, const Transformd& pose) {
-  dMatrix3 r{};
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) r[4 * row + column] = pose.r[3 * row + column];
-  }
-  dGeomSetRotation(geom, r);
-  dGeomSetPosition(geom, pose.t.x, pose.t.y, pose.t.z);
-}
-
 /// GeomPairs of geoms of one mesh, each pair in a pose of its own that differs a little from the scene's.
 class GeomPairs {
  public:
   GeomPairs(const ThreadsOptions& options, const BenchMesh& entry) {
-    const TriMesh& mesh = *entry.mesh;
-    data_ = dGpuTriMeshDataCreate();
-    if (dGpuTriMeshDataBuildSingle(data_, mesh.vertices().data(), sizeof(Vec3f),
-                                   static_cast<int>(mesh.vertices().size()), mesh.triangles().data(),
-                                   static_cast<int>(3 * mesh.triangleCount()), sizeof(Triangle)) != dGPUTRIMESH_OK) {
-      throw InputError(entry.name + ": the library refuses this mesh");
-    }
+    data_ = meshData(*entry.mesh, entry.name);
     dGpuTriMeshParams params;
     dGpuTriMeshParamsInit(&params);
     params.contact_model = options.contacts == "solid" ? dGPUTRIMESH_CONTACTS_SOLID : dGPUTRIMESH_CONTACTS_PAIRWISE;
@@ -73,7 +59,7 @@ class GeomPairs {
         dGeomGpuTriMeshSetParams(*geom, &params);
       }
       Transformd pose = scene;
-      pose.t = otgAdd(pose.t, otgScale(random.direction(), 1e-4 * static_cast<double>(mesh.radius())));
+      pose.t = otgAdd(pose.t, otgScale(random.direction(), 1e-4 * static_cast<double>(entry.mesh->radius())));
       poseGeom(pair.o2, pose);
       for (const dGeomID geom : {pair.o1, pair.o2}) {  // ODE works out poses and boxes on demand, in one thread
         dReal box[6];

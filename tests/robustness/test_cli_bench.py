@@ -48,16 +48,23 @@ class Bench(CliTest):
             self.assertAlmostEqual(sum(v for k, v in row.items() if k.endswith("_percent")), 100, delta=2)
 
     def test_queries(self):
-        document = self.run_json("bench", "queries", self.mesh(), "--repeat", "1", "--points", "10,3000", "--alone", "10")
+        document = self.run_json("bench", "queries", self.mesh(), "--repeat", "1", "--points", "10,3000", "--alone", "10",
+                                 "--pairs", "50,200")
+        overlaps = document["tables"]["overlaps"]
+        self.assertEqual([(row["work"].split()[-1], row["pairs"]) for row in overlaps],
+                         list(itertools.product(("bodies", "touch", "nearmiss"), (50, 200))))
+        self.assertEqual({row["answers"] for row in overlaps}, {"same"})
+        self.assertEqual([row["overlapping"] for row in overlaps][2:], [50, 200, 0, 0])
+        self.assertTrue(all(0 < row["overlapping"] < row["pairs"] for row in overlaps[:2]), overlaps)
         rows = document["tables"]["points"]
         self.assertEqual(len(rows), 2 * 2 * 2)
         self.assertEqual({row["answers"] for row in rows}, {"same"})
         self.assertEqual({row["one_thread_ms"] is None for row in rows if row["count"] == 3000}, {True})
         self.assertEqual(len({row["hash"] for row in rows}), 8)
         if self.run_json("devices")["used"] is None:
-            self.assertEqual({row["device_ms"] for row in rows}, {None})
+            self.assertEqual({row["device_ms"] for row in rows + overlaps}, {None})
             return
-        self.assertGreater(min(row["device_ms"] for row in rows), 0)
+        self.assertGreater(min(row["device_ms"] for row in rows + overlaps), 0)
         self.assertGreater(sum(document["costs_us"]["launch"].values()), 0)
 
     def check_profile(self, rows):
