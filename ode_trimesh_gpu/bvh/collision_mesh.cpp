@@ -14,6 +14,7 @@ struct CollisionMesh::Motion {
   std::optional<TreeMotion> tree;
   std::optional<WidePlaces> wide;      ///< of the wide tree that is there
   std::optional<NoLeafPlaces> noLeaf;  ///< of the no-leaf tree that is there
+  std::shared_ptr<const char> alive;   ///< from beginMove() to the end of the move: the lifetime after it
 };
 
 CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> mesh, BuildStrategy strategy)
@@ -51,7 +52,7 @@ const Adjacency& CollisionMesh::adjacency() const {
 }
 
 CollisionMesh::Motion& CollisionMesh::motion() {
-  if (motion_ == nullptr) motion_.reset(new Motion{VertexMotion(*mesh_), {}, {}, {}});
+  if (motion_ == nullptr) motion_.reset(new Motion{VertexMotion(*mesh_), {}, {}, {}, {}});
   return *motion_;
 }
 
@@ -60,6 +61,12 @@ std::uint32_t CollisionMesh::ownVertex(std::uint32_t ofCaller) {
 }
 
 bool CollisionMesh::moveSome(std::span<const MovedVertex> moved) {
+  if (!beginMove(moved)) return false;
+  finishMove();
+  return true;
+}
+
+bool CollisionMesh::beginMove(std::span<const MovedVertex> moved) {
   // A count of one is for good: only the holder could make another. The copy that is dropped at once orders what the
   // last of the others did with the mesh before what is done to it here.
   { const std::shared_ptr<const TriMesh> ordered = mesh_; }
@@ -75,19 +82,28 @@ bool CollisionMesh::moveSome(std::span<const MovedVertex> moved) {
     if (noLeaf_.made() != nullptr && !m.noLeaf) m.noLeaf = noLeafPlaces(tree_);
     m.vertices.plan(*mesh_, moved);
     m.tree->plan(tree_, m.vertices.triangles());
-    auto alive = std::make_shared<const char>('\0');
+    m.alive = std::make_shared<const char>('\0');
     if (builtCost_ == 0) builtCost_ = sahCost(tree_);
     // Every mesh is made as an object that is not const (TriMeshBuilder, TriMeshParts); shared it is const.
     if (!m.vertices.move(const_cast<TriMesh&>(*mesh_))) {
       motion_.reset();
       return false;
     }
-    alive_ = std::move(alive);
   } catch (...) {
     motion_.reset();
     throw;
   }
+  return true;
+}
+
+void CollisionMesh::undoMove() noexcept {
+  motion_->vertices.undo(const_cast<TriMesh&>(*mesh_));
+  motion_.reset();
+}
+
+void CollisionMesh::finishMove() noexcept {
   Motion& m = *motion_;
+  alive_ = std::move(m.alive);
   m.tree->refit(tree_, *mesh_);
   const std::span<const std::uint32_t> nodes = m.tree->nodes();
   if (WideTree* const wide = wide_.made()) refitLayout(*wide, *m.wide, tree_, nodes);
@@ -103,11 +119,10 @@ bool CollisionMesh::moveSome(std::span<const MovedVertex> moved) {
     }
   }
   rebuildIfWorn();
-  return true;
 }
 
 /// Builds the tree anew if refitting has made it too bad. For want of memory it stays as it is, which is right if slow.
-void CollisionMesh::rebuildIfWorn() {
+void CollisionMesh::rebuildIfWorn() noexcept {
   if (motion_->tree->cost(tree_) <= kRebuildCost * builtCost_) return;
   try {
     tree_ = buildTree(*mesh_, tree_.strategy);

@@ -36,6 +36,12 @@ class CollisionMesh {
   /// False, and nothing has changed, where that cannot be done (VertexMotion::move()) or somebody else holds the mesh.
   /// Throws std::bad_alloc, and nothing has changed.
   bool moveSome(std::span<const MovedVertex> moved);
+  /// moveSome() in two steps, for meshes that move together or not at all. What beginMove() answers and throws is that
+  /// of moveSome(); after true the vertices are in their new places, all else is not, and one of the others has to
+  /// follow.
+  bool beginMove(std::span<const MovedVertex> moved);
+  void finishMove() noexcept;
+  void undoMove() noexcept;
   /// The mesh's own number of a vertex; kNone for one that repair has merged into another. Not const for the same
   /// reason as moveSome(), which it prepares.
   std::uint32_t ownVertex(std::uint32_t ofCaller);
@@ -59,7 +65,7 @@ class CollisionMesh {
  private:
   struct Motion;
   Motion& motion();
-  void rebuildIfWorn();
+  void rebuildIfWorn() noexcept;
 
   std::shared_ptr<const TriMesh> mesh_;
   BinaryTree tree_;

@@ -159,6 +159,33 @@ void numberComponents(std::size_t triangleCount, Topology& topology, UnionFind& 
 
 }  // namespace
 
+Topology turnedTopology(const Topology& topology) {
+  // The half-edge between two corners is the first of a turned triangle where it was the last.
+  const auto turned = [](std::uint32_t h) { return 3 * (h / 3) + 2 - h % 3; };
+  const std::size_t halfEdges = topology.edgeOf.size();
+  std::vector<std::uint32_t> edgeOf(halfEdges, kNone), twin(halfEdges, kNone), number(topology.edgeCount(), kNone);
+  std::vector<Topology::Edge> edges;
+  edges.reserve(topology.edgeCount());
+  for (std::uint32_t h = 0; h < halfEdges; ++h) {
+    const std::uint32_t edge = topology.edgeOf[turned(h)], other = topology.twin[turned(h)];
+    if (other != kNone) twin[h] = turned(other);
+    if (edge == kNone) continue;
+    if (number[edge] == kNone) {
+      number[edge] = static_cast<std::uint32_t>(edges.size());
+      edges.push_back(topology.edges[edge]);
+    }
+    edgeOf[h] = number[edge];
+  }
+  Topology result;
+  result.weld = topology.weld;
+  result.edgeOf = std::move(edgeOf);
+  result.twin = std::move(twin);
+  result.edges = std::move(edges);
+  result.componentOf = topology.componentOf;
+  result.componentClosed = topology.componentClosed;
+  return result;
+}
+
 std::vector<std::uint32_t> weldByPosition(std::span<const Vec3f> vertices) {
   std::vector<std::uint32_t> weld(vertices.size());
   // Open addressing at most half full. Vertices enter in ascending order, so a slot holds the smallest one.

@@ -44,6 +44,10 @@ struct Topology {
 /// edgeOf = kNone). Linear time, except for vertices with many edges, whose edges are sorted.
 Topology buildTopology(std::span<const Vec3f> vertices, std::span<const Triangle> triangles);
 
+/// Of the same triangles turned round, corners (a, b, c) to (a, c, b), with vertices in places that are equal where
+/// they were equal: as buildTopology() makes it, but for the volumes, which are left empty.
+Topology turnedTopology(const Topology& topology);
+
 /// Mixes the bits of a position; equal positions (-0 equals +0) get equal hashes.
 std::uint64_t hashPosition(const Vec3f& p);
 

@@ -225,7 +225,7 @@ struct TriMeshBuilder {
                                mesh.vertices_, mesh.triangles_);
   }
 
-  static MeshResult move(const TriMesh& before, const MeshInput& input) {
+  static MeshResult move(const TriMesh& before, const MeshInput& input, bool turned) {
     MeshResult result;
     ValidationReport& report = result.report;
     report.vertices = input.vertexCount;
@@ -251,10 +251,13 @@ struct TriMeshBuilder {
     }
     mesh->vertices_ = std::move(vertices);
     mesh->triangles_ = before.triangles_;
+    if (turned) {
+      for (Triangle& t : mesh->triangles_) std::swap(t.v[1], t.v[2]);
+    }
     measure(*mesh, &before.origin_);
     const bool samePoints = std::ranges::equal(weldByPosition(mesh->vertices_), before.topology_.weld);
     if (samePoints) {
-      mesh->topology_ = before.topology_;
+      mesh->topology_ = turned ? turnedTopology(before.topology_) : before.topology_;
     } else {
       mesh->topology_ = buildTopology(mesh->vertices_, mesh->triangles_);
     }
@@ -291,8 +294,8 @@ const MassProperties& TriMesh::massProperties() const {
   return mass_.get([this] { return computeMassProperties(vertices_, triangles_); });
 }
 
-MeshResult moveVertices(const TriMesh& mesh, const MeshInput& vertices) {
-  return TriMeshBuilder::move(mesh, vertices);
+MeshResult moveVertices(const TriMesh& mesh, const MeshInput& vertices, bool turned) {
+  return TriMeshBuilder::move(mesh, vertices, turned);
 }
 
 }  // namespace otg

@@ -121,8 +121,9 @@ MeshResult buildTriMesh(const MeshInput& input, const RepairOptions& repair = {}
 
 /// The same triangles with moved vertices: as many, in the same order, as `mesh` was built from (refused otherwise);
 /// the triangles in `vertices` are not looked at. Where repair merged vertices, the first of them moves the merged one.
-/// Topology is taken over when equal positions stay equal, else rebuilt.
-MeshResult moveVertices(const TriMesh& mesh, const MeshInput& vertices);
+/// Topology is taken over when equal positions stay equal, else rebuilt. `turned`: with the triangles turned round,
+/// corners (a, b, c) to (a, c, b), as a mirror image needs them to face the way that they did.
+MeshResult moveVertices(const TriMesh& mesh, const MeshInput& vertices, bool turned = false);
 
 /// New places for some vertices, checked as moveVertices() checks all of them. Of `input` only the vertices are read.
 /// Empty when they are refused, or when there are none: the report's error tells them apart.

@@ -208,6 +208,16 @@ bool VertexMotion::move(TriMesh& mesh) {
   return done;
 }
 
+void VertexMotion::undo(TriMesh& mesh) noexcept {
+  for (std::size_t i = 0; i < moves_.size(); ++i) mesh.vertices_[moves_[i].vertex] = before_[i];
+  mesh.boundsMin_ = measuresBefore_.boundsMin;
+  mesh.boundsMax_ = measuresBefore_.boundsMax;
+  mesh.center_ = measuresBefore_.center;
+  mesh.radius_ = measuresBefore_.radius;
+  mesh.topology_.componentVolume = std::move(measuresBefore_.componentVolume);
+  mesh.mass_.reset();
+}
+
 /// Whether vertices that were one point still are, and no two points have met. Enters the moved points again.
 bool VertexMotion::keepsPoints(const TriMesh& mesh) {
   const Array<std::uint32_t>& weld = mesh.topology_.weld;
@@ -349,6 +359,8 @@ bool VertexMotion::tryMove(TriMesh& mesh) {
   if (!keepsArea(mesh)) return false;
   std::vector<double> volumes(volume6_.size());
   if (!volumesAfter(mesh, bounds, volumes)) return false;
+  measuresBefore_ = {mesh.boundsMin_, mesh.boundsMax_, mesh.center_, mesh.radius_,
+                     std::move(mesh.topology_.componentVolume)};
   mesh.boundsMin_ = bounds.min;
   mesh.boundsMax_ = bounds.max;
   mesh.center_ = middleAsFloat(bounds);

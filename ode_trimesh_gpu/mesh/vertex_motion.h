@@ -38,6 +38,9 @@ class VertexMotion {
   /// exception.
   bool move(TriMesh& mesh);
 
+  /// After move() has succeeded: the mesh is as it was before. This object is of no further use.
+  void undo(TriMesh& mesh) noexcept;
+
   /// Of the last plan, each once: the triangles with a moved corner.
   std::span<const std::uint32_t> triangles() const { return triangles_; }
 
@@ -46,6 +49,11 @@ class VertexMotion {
 
  private:
   static constexpr std::uint32_t kBlock = 32;
+  struct Measures {
+    Vec3f boundsMin{}, boundsMax{}, center{};
+    float radius = 0;
+    Array<double> componentVolume;
+  };
   /// Of kBlock neighbouring vertices, those that triangles use.
   Bounds blockOf(const TriMesh& mesh, std::uint32_t block) const;
   bool isUsed(std::uint32_t v) const { return firstUse_[v] != firstUse_[v + 1]; }
@@ -83,6 +91,7 @@ class VertexMotion {
 
   std::vector<MovedVertex> moves_;  ///< each vertex once
   std::vector<Vec3f> before_;       ///< where they were
+  Measures measuresBefore_;         ///< what the last move() has changed beside them
   std::vector<std::uint32_t> triangles_;
   std::vector<std::uint32_t> vertexMark_, triangleMark_;  ///< the number of the plan that last named it
   std::vector<std::uint32_t> placeInMoves_;

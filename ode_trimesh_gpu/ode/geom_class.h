@@ -64,7 +64,7 @@ struct GeomObject : std::enable_shared_from_this<GeomObject> {
 
   /// Of the data's vertices; `scaled` is the mesh that it makes of them, and null while it is 1, 1, 1.
   MeshScale scale{1, 1, 1};
-  std::shared_ptr<const CollisionMesh> scaled;
+  std::shared_ptr<CollisionMesh> scaled;
 
   GeomObject() = default;
   /// After the geom was destroyed, and after the last query that had it.

@@ -11,18 +11,6 @@
 namespace otg {
 namespace {
 
-/// A geom whose scale the new vertices don't bear is left without a mesh: nothing to collide with is better than the
-/// wrong thing. False for want of memory.
-bool rescaleOrEmpty(GeomObject& object, dxGpuTriMeshData* data) {
-  object.scaled = nullptr;
-  try {
-    object.rescale(data, object.scale);
-    return true;
-  } catch (...) {
-    return false;
-  }
-}
-
 /// The handles that programs hold, so that one that was given up is told from one that was not.
 struct LiveHandles {
   std::mutex mutex;
@@ -57,29 +45,35 @@ bool dxGpuTriMeshData::isLive(const dxGpuTriMeshData* data) noexcept {
 }
 
 int dxGpuTriMeshData::accept(otg::MeshResult&& result, std::shared_ptr<otg::CollisionMesh> mesh) {
-  report_ = std::move(result.report);
-  if (mesh == nullptr) return dGPUTRIMESH_ERROR_MESH;
+  if (mesh == nullptr) {
+    report_ = std::move(result.report);
+    return dGPUTRIMESH_ERROR_MESH;
+  }
+  ScaledMeshes scaled = scaledFrom(*mesh);
   mesh_ = std::move(mesh);
-  return spread();
+  commit(std::move(result.report), std::move(scaled));
+  return dGPUTRIMESH_OK;
 }
 
-int dxGpuTriMeshData::spread() {
+void dxGpuTriMeshData::commit(otg::ValidationReport&& report, ScaledMeshes&& scaled) {
+  report_ = std::move(report);
   useFlags.clear();
   ownFlags.clear();
   faceNormals.clear();
   {
     const std::lock_guard lock(scaledMutex_);
-    scaled_.clear();
+    scaled_ = std::move(scaled.known);
   }
-  int status = dGPUTRIMESH_OK;
   const std::lock_guard lock(mutex_);
   for (const auto& [serial, geom] : users_) {
     if (geom == nullptr) continue;
     otg::GeomObject* const object = otg::objectOf(geom);
-    if (object != nullptr && !otg::rescaleOrEmpty(*object, this)) status = dGPUTRIMESH_ERROR_MEMORY;
+    if (object != nullptr) {
+      const auto mesh = scaled.meshes.find(object->scale);
+      object->scaled = mesh == scaled.meshes.end() ? nullptr : mesh->second;
+    }
     dGeomMoved(geom);
   }
-  return status;
 }
 
 int dxGpuTriMeshData::build(const otg::MeshInput& input, const otg::RepairOptions& repair,
@@ -120,20 +114,11 @@ int dxGpuTriMeshData::moveSome(const otg::MeshInput& input, std::size_t first, c
   const auto numberOf = [&](std::size_t i) {
     return numbers == nullptr ? first + i : static_cast<std::size_t>(numbers[i]);
   };
-  // See CollisionMesh::moveSome() for the copy.
-  { const std::shared_ptr<const otg::CollisionMesh> ordered = mesh_; }
-  if (mesh_.use_count() == 1) {
-    std::vector<otg::MovedVertex> moved;
-    moved.reserve(places.size());
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      const std::uint32_t own = mesh_->ownVertex(static_cast<std::uint32_t>(numberOf(i)));
-      if (own != otg::kNone) moved.push_back({own, places[i]});
-    }
-    if (mesh_->moveSome(moved)) {
-      report_ = mesh_->mesh().report();
-      return spread();
-    }
+  std::vector<PlacedVertex> placed(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    placed[i] = {static_cast<std::uint32_t>(numberOf(i)), places[i]};
   }
+  if (moveInPlace(placed)) return dGPUTRIMESH_OK;
   std::vector<otg::Vec3f> vertices(all);
   for (std::uint32_t v = 0; v < mesh_->mesh().vertices().size(); ++v) {
     vertices[mesh_->mesh().callerVertex(v)] = mesh_->mesh().vertices()[v];

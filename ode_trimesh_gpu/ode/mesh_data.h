@@ -53,7 +53,7 @@ struct dxGpuTriMeshData {
 
   /// The mesh with scaled vertices, made once for all geoms that have it; mirrored ones face outward all the same. Null
   /// if a vertex leaves single precision. There must be a mesh. May throw std::bad_alloc.
-  std::shared_ptr<const otg::CollisionMesh> scaledMesh(const otg::MeshScale& scale);
+  std::shared_ptr<otg::CollisionMesh> scaledMesh(const otg::MeshScale& scale);
 
   /// Whether this is a handle that was created and is not given up yet. Any pointer may be asked about: it is not read.
   static bool isLive(const dxGpuTriMeshData* data) noexcept;
@@ -83,13 +83,41 @@ struct dxGpuTriMeshData {
   int moveAll(const otg::MeshInput& vertices);
   /// Takes over a result; a refused one leaves the mesh as it is. Returns a status.
   int accept(otg::MeshResult&& result, std::shared_ptr<otg::CollisionMesh> mesh);
-  /// What was derived from the mesh as it was goes; geoms take the new one. Returns a status.
-  int spread();
+  struct ScaledMeshes {
+    std::map<otg::MeshScale, std::shared_ptr<otg::CollisionMesh>> meshes;  ///< null where the scale cannot be borne
+    std::map<otg::MeshScale, std::weak_ptr<otg::CollisionMesh>> known;
+    void add(const otg::MeshScale& scale, const std::shared_ptr<otg::CollisionMesh>& mesh) {
+      meshes.emplace(scale, mesh);
+      known.emplace(scale, mesh);
+    }
+  };
+  struct ScaleInUse {
+    std::shared_ptr<otg::CollisionMesh> mesh;  ///< null where the scale cannot be borne
+    long geoms = 0;                            ///< how many have it
+  };
+  using ScalesInUse = std::map<otg::MeshScale, ScaleInUse>;
+  /// Of the geoms, other than 1, 1, 1.
+  ScalesInUse scalesInUse() const;
+  /// For all of them. May throw std::bad_alloc.
+  ScaledMeshes scaledFrom(const otg::CollisionMesh& mesh) const;
+  /// The last step of a change, to which all others lead without changing anything: takes over the mesh's report, drops
+  /// what was derived from the mesh as it was, and gives geoms the meshes of their scales. A geom whose scale the
+  /// vertices do not bear is left without a mesh: nothing to collide with is better than the wrong thing.
+  void commit(otg::ValidationReport&& report, ScaledMeshes&& scaled);
+  /// A vertex, by the caller's number, and where it goes.
+  struct PlacedVertex {
+    std::uint32_t vertex;
+    otg::Vec3f to;
+  };
+  /// Moves vertices of the mesh in place, and those of the scaled meshes, which are made anew where that cannot be
+  /// done. False, and nothing has changed, where the mesh itself does not move in place. Throws std::bad_alloc, and
+  /// nothing has changed.
+  bool moveInPlace(const std::vector<PlacedVertex>& placed);
 
   std::shared_ptr<otg::CollisionMesh> mesh_;
   otg::ValidationReport report_;
   std::mutex scaledMutex_;
-  std::map<otg::MeshScale, std::weak_ptr<const otg::CollisionMesh>> scaled_;  ///< of the present mesh
+  std::map<otg::MeshScale, std::weak_ptr<otg::CollisionMesh>> scaled_;  ///< of the present mesh
   mutable std::mutex mutex_;
   bool handle_ = true;
   /// In the order of creation, so that marking them as moved shuffles ODE's lists the same way in every run.

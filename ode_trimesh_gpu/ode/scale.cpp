@@ -5,7 +5,9 @@
 // same data and the same scale.
 #include <array>
 #include <cmath>
-#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "ode/geom_class.h"
 #include "ode/mesh_data.h"
@@ -15,51 +17,59 @@
 namespace otg {
 namespace {
 
-/// Vertices as the caller numbers them (repair may have left some out: they are zero and no triangle uses them).
-std::vector<Vec3f> scaledVertices(const TriMesh& mesh, const MeshScale& scale) {
-  std::vector<Vec3f> vertices(mesh.inputVertexCount());
-  for (std::uint32_t v = 0; v < mesh.vertices().size(); ++v) {
-    const Vec3f& p = mesh.vertices()[v];
-    vertices[mesh.callerVertex(v)] = {p.x * scale[0], p.y * scale[1], p.z * scale[2]};
-  }
-  return vertices;
+Vec3f scaledPoint(const Vec3f& p, const MeshScale& scale) {
+  return {p.x * scale[0], p.y * scale[1], p.z * scale[2]};
 }
 
-MeshInput inputOf(const std::vector<Vec3f>& vertices) {
+/// Null if a vertex is no finite float any more. A mirrored mesh has its triangles in the same order as any other.
+std::shared_ptr<CollisionMesh> makeScaled(const CollisionMesh& from, const MeshScale& scale) {
+  const TriMesh& mesh = from.mesh();
+  // As the caller numbers them (repair may have left some out: they are zero and no triangle uses them).
+  std::vector<Vec3f> vertices(mesh.inputVertexCount());
+  for (std::uint32_t v = 0; v < mesh.vertices().size(); ++v) {
+    vertices[mesh.callerVertex(v)] = scaledPoint(mesh.vertices()[v], scale);
+  }
   MeshInput input;
   input.vertices = vertices.data();
   input.vertexCount = vertices.size();
-  return input;
-}
-
-/// Null if a vertex is no finite float any more.
-std::shared_ptr<const CollisionMesh> makeScaled(const CollisionMesh& from, const MeshScale& scale) {
-  const TriMesh& mesh = from.mesh();
-  const std::vector<Vec3f> vertices = scaledVertices(mesh, scale);
-  if (scale[0] * scale[1] * scale[2] > 0) {
-    const MeshResult moved = moveVertices(mesh, inputOf(vertices));
-    return moved.mesh == nullptr ? nullptr : std::make_shared<const CollisionMesh>(moved.mesh, from);
-  }
-  std::vector<Triangle> triangles(mesh.triangleCount());
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    const Triangle& own = mesh.triangles()[mesh.triangleOfCaller(t)];
-    triangles[t] = {{mesh.callerVertex(own.v[0]), mesh.callerVertex(own.v[2]), mesh.callerVertex(own.v[1])}};
-  }
-  MeshInput input = inputOf(vertices);
-  input.indices = triangles.data();
-  input.triangleCount = triangles.size();
-  const MeshResult built = buildTriMesh(input, {}, MeshOrder::kSpatial);
-  return built.mesh == nullptr ? nullptr : std::make_shared<const CollisionMesh>(built.mesh, from.tree().strategy);
+  const bool mirrored = (scale[0] < 0) ^ (scale[1] < 0) ^ (scale[2] < 0);
+  const MeshResult moved = moveVertices(mesh, input, mirrored);
+  return moved.mesh == nullptr ? nullptr : std::make_shared<CollisionMesh>(moved.mesh, from);
 }
 
 bool isOne(const MeshScale& scale) {
   return scale == MeshScale{1, 1, 1};
 }
 
+/// Moves of several meshes, undone together unless they are finished.
+class MovesTogether {
+ public:
+  MovesTogether() = default;
+  ~MovesTogether() {
+    for (CollisionMesh* const mesh : begun_) mesh->undoMove();
+  }
+  MovesTogether(const MovesTogether&) = delete;
+  MovesTogether& operator=(const MovesTogether&) = delete;
+  /// CollisionMesh::beginMove().
+  bool begin(CollisionMesh& mesh, std::span<const MovedVertex> moved) {
+    begun_.reserve(begun_.size() + 1);
+    if (!mesh.beginMove(moved)) return false;
+    begun_.push_back(&mesh);
+    return true;
+  }
+  void finish() noexcept {
+    for (CollisionMesh* const mesh : begun_) mesh->finishMove();
+    begun_.clear();
+  }
+
+ private:
+  std::vector<CollisionMesh*> begun_;
+};
+
 }  // namespace
 
 int GeomObject::rescale(dxGpuTriMeshData* of, const MeshScale& by) {
-  std::shared_ptr<const CollisionMesh> made;
+  std::shared_ptr<CollisionMesh> made;
   if (!isOne(by) && of != nullptr && of->mesh() != nullptr) {
     made = of->scaledMesh(by);
     if (made == nullptr) return dGPUTRIMESH_ERROR_MESH;
@@ -79,16 +89,69 @@ std::shared_ptr<const CollisionMesh> GeomObject::sharedMesh() const {
 
 }  // namespace otg
 
-std::shared_ptr<const otg::CollisionMesh> dxGpuTriMeshData::scaledMesh(const otg::MeshScale& scale) {
+std::shared_ptr<otg::CollisionMesh> dxGpuTriMeshData::scaledMesh(const otg::MeshScale& scale) {
   const std::lock_guard lock(scaledMutex_);
-  std::weak_ptr<const otg::CollisionMesh>& known = scaled_[scale];
-  std::shared_ptr<const otg::CollisionMesh> mesh = known.lock();
+  std::weak_ptr<otg::CollisionMesh>& known = scaled_[scale];
+  std::shared_ptr<otg::CollisionMesh> mesh = known.lock();
   if (mesh == nullptr) {
     mesh = otg::makeScaled(*mesh_, scale);
     known = mesh;
   }
   std::erase_if(scaled_, [](const auto& entry) { return entry.second.expired(); });
   return mesh;
+}
+
+dxGpuTriMeshData::ScalesInUse dxGpuTriMeshData::scalesInUse() const {
+  ScalesInUse scales;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [serial, geom] : users_) {
+    const otg::GeomObject* const object = geom == nullptr ? nullptr : otg::objectOf(geom);
+    if (object == nullptr || otg::isOne(object->scale)) continue;
+    ScaleInUse& scale = scales[object->scale];
+    scale.mesh = object->scaled;
+    ++scale.geoms;
+  }
+  return scales;
+}
+
+dxGpuTriMeshData::ScaledMeshes dxGpuTriMeshData::scaledFrom(const otg::CollisionMesh& mesh) const {
+  ScaledMeshes made;
+  for (const auto& [scale, now] : scalesInUse()) made.add(scale, otg::makeScaled(mesh, scale));
+  return made;
+}
+
+bool dxGpuTriMeshData::moveInPlace(const std::vector<PlacedVertex>& placed) {
+  // See CollisionMesh::beginMove() for the copy.
+  { const std::shared_ptr<const otg::CollisionMesh> ordered = mesh_; }
+  if (mesh_.use_count() != 1) return false;
+  std::vector<otg::MovedVertex> moved;
+  /// Whether all places are finite numbers at a scale; `moved` then has those of a mesh with that scale.
+  const auto takeMoves = [&](otg::CollisionMesh& mesh, const otg::MeshScale& scale) {
+    moved.clear();
+    moved.reserve(placed.size());
+    for (const PlacedVertex& p : placed) {
+      const std::uint32_t own = mesh.ownVertex(p.vertex);
+      const otg::Vec3f to = otg::scaledPoint(p.to, scale);
+      if (!(std::isfinite(to.x) && std::isfinite(to.y) && std::isfinite(to.z))) return false;
+      if (own != otg::kNone) moved.push_back({own, to});
+    }
+    return true;
+  };
+  otg::MovesTogether moves;
+  takeMoves(*mesh_, {1, 1, 1});
+  if (!moves.begin(*mesh_, moved)) return false;
+  otg::ValidationReport report = mesh_->mesh().report();
+  ScaledMeshes next;
+  for (const auto& [scale, now] : scalesInUse()) {
+    // Nobody but the geoms may hold it: a batch in the background goes on with the mesh that it was given.
+    { const std::shared_ptr<const otg::CollisionMesh> ordered = now.mesh; }
+    const bool alone = now.mesh != nullptr && now.mesh.use_count() == now.geoms + 1;
+    const bool inPlace = alone && takeMoves(*now.mesh, scale) && moves.begin(*now.mesh, moved);
+    next.add(scale, inPlace ? now.mesh : otg::makeScaled(*mesh_, scale));
+  }
+  moves.finish();
+  commit(std::move(report), std::move(next));
+  return true;
 }
 
 int dGeomGpuTriMeshSetScale(dGeomID g, dReal x, dReal y, dReal z) {

@@ -59,6 +59,17 @@ void checkInvariants(const MeshArrays& mesh) {
   }
   CHECK(good);
   CHECK(std::ranges::equal(closed, topology.componentClosed));
+
+  MeshArrays turned = mesh;
+  for (Triangle& t : turned.triangles) std::swap(t.v[1], t.v[2]);
+  const Topology own = buildTopology(turned.vertices, turned.triangles), derived = turnedTopology(topology);
+  CHECK(std::ranges::equal(derived.weld, own.weld));
+  CHECK(std::ranges::equal(derived.edgeOf, own.edgeOf));
+  CHECK(std::ranges::equal(derived.twin, own.twin));
+  CHECK(std::ranges::equal(derived.edges, own.edges,
+                           [](const auto& a, const auto& b) { return a.a == b.a && a.b == b.b; }));
+  CHECK(std::ranges::equal(derived.componentOf, own.componentOf));
+  CHECK(std::ranges::equal(derived.componentClosed, own.componentClosed));
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <cstdlib>
 #include <new>
 
+#include "bvh/cooked_mesh.h"
+#include "ode/geom_class.h"
 #include "support/catch.h"
 #include "support/ode_world.h"
 
@@ -156,4 +158,64 @@ TEST_CASE("building, updating and creating without memory are errors and change 
         }) == 2);  // the object, and its place among those that are alive
   CHECK(stated);
   CHECK(unchanged);
+}
+
+TEST_CASE("without memory no vertex moves, neither of the data's mesh nor of a scaled one") {
+  const OdeSession session;
+  const scenes::MeshArrays sphere = scenes::makeSphere(1, 1);
+  const int count = static_cast<int>(sphere.vertices.size());
+  const Data data(sphere);
+  const Geom plain(data), stretched(data), mirrored(data), unborne(data);
+  REQUIRE(dGeomGpuTriMeshSetScale(stretched.id, 2, 1, 0.5) == dGPUTRIMESH_OK);
+  REQUIRE(dGeomGpuTriMeshSetScale(mirrored.id, -1, 1, 1.5) == dGPUTRIMESH_OK);
+  REQUIRE(dGeomGpuTriMeshSetScale(unborne.id, 3e38, 1, 1) == dGPUTRIMESH_OK);
+  const auto bytesOf = [&] {
+    std::vector<std::vector<unsigned char>> bytes;
+    for (const dGeomID g : {plain.id, stretched.id, mirrored.id, unborne.id}) {
+      const CollisionMesh* const mesh = objectOf(g)->mesh();
+      bytes.push_back(mesh == nullptr ? std::vector<unsigned char>() : cookMesh(*mesh));
+    }
+    return bytes;
+  };
+  const auto failuresOf = [&](auto&& change) {
+    const auto before = bytesOf();
+    bool whole = true;
+    const int failed = failures([&] {
+      const int status = change();
+      const long rest = allowance;
+      allowance = -1;
+      const auto now = bytesOf();
+      // All of them or none.
+      for (std::size_t i = 0; i < now.size(); ++i) whole = whole && (now[i] != before[i]) == (status == dGPUTRIMESH_OK);
+      allowance = rest;
+      whole = whole && (status == dGPUTRIMESH_OK || status == dGPUTRIMESH_ERROR_MEMORY);
+      return status == dGPUTRIMESH_OK;
+    });
+    CHECK(whole);
+    return failed;
+  };
+  float by = 1;
+  int vertex = 7;
+  const auto moveOne = [&] {
+    const Vec3f place = otgScale(sphere.vertices[static_cast<std::size_t>(vertex)], by);
+    return dGpuTriMeshDataUpdateRangeSingle(data.id, &place, 0, vertex, 1);
+  };
+  by = 1.01f;
+  CHECK(failuresOf(moveOne) > 30);
+  by = 1.02f;
+  CHECK(failuresOf(moveOne) > 3);  // all is prepared by now
+  // One that somebody else holds is made anew, in between.
+  std::shared_ptr<const CollisionMesh> held = objectOf(stretched.id)->sharedMesh();
+  by = 0.99f;
+  CHECK(failuresOf(moveOne) > 10);
+  CHECK(objectOf(stretched.id)->mesh() != held.get());
+  held = nullptr;
+  // All at once, as far as a scale that cannot be borne any more, and back.
+  std::vector<Vec3f> all = sphere.vertices;
+  const auto moveAll = [&] { return dGpuTriMeshDataUpdateVerticesSingle(data.id, all.data(), 0, count); };
+  for (const float factor : {2.f, 0.75f}) {
+    for (std::size_t v = 0; v < all.size(); ++v) all[v] = otgScale(sphere.vertices[v], factor);
+    CHECK(failuresOf(moveAll) > 10);
+    CHECK((objectOf(unborne.id)->mesh() == nullptr) == (factor > 1));
+  }
 }

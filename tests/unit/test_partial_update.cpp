@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Moving some vertices in place: the mesh, its tree and what is derived from it are those of moving all, to the last
 // bit.
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <random>
 
 #include "bvh/cooked_mesh.h"
+#include "ode/geom_class.h"
 #include "support/catch.h"
 #include "support/mesh_samples.h"
 #include "support/ode_world.h"
@@ -423,4 +425,89 @@ TEST_CASE("one of several closed parts moves about, into another one, through it
   CHECK(wasShell);  // two skins that face outward, one in the other, bound no solid
   CHECK(inPlace >= 20);
   CHECK(anew >= 10);
+}
+
+TEST_CASE("meshes of geoms with a scale move in place, too, and give the contacts of moving all vertices") {
+  const OdeSession session;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  const scenes::MeshArrays lump = scenes::makeLump(1, 3, 0.15, 11);
+  const auto count = static_cast<int>(lump.vertices.size());
+  const Data some(lump), all(lump), floor(scenes::makeBox({4, 4, 1}));
+  const Geom ground(floor);
+  const std::array<double, 3> scales[] = {{1, 1, 1}, {2, 0.5, 1}, {2, 0.5, 1}, {-1, 1, 1.25}, {-1, -2, -1}};
+  std::vector<dGeomID> movedSome, movedAll;
+  for (const auto& s : scales) {
+    for (const auto& [data, geoms] : {std::pair{&some, &movedSome}, {&all, &movedAll}}) {
+      const dGeomID g = dCreateGpuTriMesh(nullptr, data->id);
+      REQUIRE(dGeomGpuTriMeshSetScale(g, s[0], s[1], s[2]) == dGPUTRIMESH_OK);
+      geoms->push_back(g);
+    }
+  }
+  const auto meshOf = [](dGeomID g) { return objectOf(g)->mesh(); };
+  CHECK(meshOf(movedSome[1]) == meshOf(movedSome[2]));
+  std::vector<Vec3f> now = lump.vertices;
+  std::shared_ptr<const CollisionMesh> held;
+  std::size_t seen = 0;
+  for (int step = 0; step < 12; ++step) {
+    std::vector<int> numbers;
+    std::vector<Vec3f> places;
+    for (int i = 0; i < 30; ++i) {
+      const int v = static_cast<int>(random() % static_cast<unsigned>(count));
+      Vec3f& p = now[static_cast<std::size_t>(v)];
+      p = {p.x + 0.01f * unit(random), p.y + 0.01f * unit(random), p.z + 0.01f * unit(random)};
+      numbers.push_back(v);
+      places.push_back(p);
+    }
+    if (step == 6) held = objectOf(movedSome[3])->sharedMesh();
+    std::vector<const CollisionMesh*> before;
+    for (const dGeomID g : movedSome) before.push_back(meshOf(g));
+    const std::vector<unsigned char> heldBefore = held == nullptr ? std::vector<unsigned char>{} : cookMesh(*held);
+    REQUIRE(dGpuTriMeshDataUpdateListSingle(some.id, places.data(), 0, numbers.data(), 30) == dGPUTRIMESH_OK);
+    REQUIRE(dGpuTriMeshDataUpdateVerticesSingle(all.id, now.data(), 0, count) == dGPUTRIMESH_OK);
+    for (std::size_t i = 0; i < movedSome.size(); ++i) {
+      INFO("step " << step << " geom " << i);
+      // One that somebody else holds goes on as it was, and the geom gets another.
+      CHECK((meshOf(movedSome[i]) == before[i]) == !(step == 6 && i == 3));
+      const dGeomID a = movedSome[i], b = movedAll[i];
+      dReal boxA[6], boxB[6];
+      dGeomGetAABB(a, boxA);
+      dGeomGetAABB(b, boxB);
+      CHECK(std::memcmp(boxA, boxB, sizeof boxA) == 0);
+      for (const double z : {1.2, 1.45}) {
+        for (const dGeomID g : {a, b}) dGeomSetPosition(g, 0.1, 0.2, z);
+        const auto given = test::collide(ground.id, a);
+        auto wanted = test::collide(ground.id, b);
+        for (dContactGeom& c : wanted) c.g2 = a;
+        REQUIRE(sameContacts(given, wanted));
+        seen += given.size();
+      }
+      dGpuTriMeshClosestPoint pointA, pointB;
+      const dVector3 at = {0.4, -0.3, 3, 0};
+      REQUIRE(dGeomGpuTriMeshClosestPoint(a, at, &pointA) == dGPUTRIMESH_OK);
+      REQUIRE(dGeomGpuTriMeshClosestPoint(b, at, &pointB) == dGPUTRIMESH_OK);
+      CHECK(std::memcmp(pointA.pos, pointB.pos, sizeof pointA.pos) == 0);
+      CHECK(pointA.triangle == pointB.triangle);
+    }
+    if (held != nullptr) CHECK((cookMesh(*held) == heldBefore));
+    if (step == 8) held = nullptr;
+  }
+  CHECK(seen > 100);
+  // A scale that a moved vertex does not bear leaves its geom without a mesh, until vertices come that it bears.
+  int outermost = 0;
+  for (int v = 0; v < count; ++v) {
+    const auto reach = [&](int i) { return std::abs(now[static_cast<std::size_t>(i)].x); };
+    if (reach(v) > reach(outermost)) outermost = v;
+  }
+  const Vec3f there = now[static_cast<std::size_t>(outermost)];
+  const Vec3f beyond{1.03f * there.x, there.y, there.z};
+  REQUIRE(dGeomGpuTriMeshSetScale(movedSome[1], 3.35e38 / std::abs(there.x), 1, 1) == dGPUTRIMESH_OK);
+  const CollisionMesh* const base = meshOf(movedSome[0]);
+  REQUIRE(dGpuTriMeshDataUpdateListSingle(some.id, &beyond, 0, &outermost, 1) == dGPUTRIMESH_OK);
+  CHECK(meshOf(movedSome[0]) == base);
+  CHECK(meshOf(movedSome[1]) == nullptr);
+  REQUIRE(dGpuTriMeshDataUpdateListSingle(some.id, &there, 0, &outermost, 1) == dGPUTRIMESH_OK);
+  CHECK(meshOf(movedSome[1]) != nullptr);
+  for (const dGeomID g : movedSome) dGeomDestroy(g);
+  for (const dGeomID g : movedAll) dGeomDestroy(g);
 }

@@ -188,8 +188,8 @@ OTG_API int dGeomGpuTriMeshClearTCCache(dGeomID g);
  * @param z  along z
  * @returns dGPUTRIMESH_OK; dGPUTRIMESH_ERROR_ARGUMENT; dGPUTRIMESH_ERROR_CLASS; dGPUTRIMESH_ERROR_MESH if a vertex
  * would not be a finite number of single precision; dGPUTRIMESH_ERROR_MEMORY.
- * @remarks Takes about as long as an update of all vertices the first time, with a mirror as long as a build. Not from
- * a near callback of the geom's space.
+ * @remarks Takes about as long as an update of all vertices the first time. Not from a near callback of the geom's
+ * space.
  * @ingroup gputrimesh
  */
 OTG_API int dGeomGpuTriMeshSetScale(dGeomID g, dReal x, dReal y, dReal z);
