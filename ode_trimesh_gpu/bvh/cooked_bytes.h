@@ -39,9 +39,10 @@ constexpr std::size_t wordOf() {
 
 class CookedWriter {
  public:
-  /// Not copied before finish().
-  template <class T>
-  void add(const Array<T>& array) {
+  /// An Array or a SharedArray. Not copied before finish().
+  template <class Elements>
+  void add(const Elements& array) {
+    using T = typename Elements::value_type;
     sections_.push_back({array.data(), array.size() * sizeof(T), wordOf<T>()});
   }
   std::vector<unsigned char> finish(std::uint32_t version) const;
@@ -88,18 +89,20 @@ class CookedReader {
   std::string open(ByteSource& source, std::uint64_t size, std::uint32_t version);
   std::size_t sections() const { return sections_.size(); }
   /// Sets the array to where section `number` will be. False where that has no whole number of elements.
-  template <class T>
-  bool place(std::size_t number, Array<T>& array) const {
+  template <class Elements>
+  bool place(std::size_t number, Elements& array) const {
+    using T = typename Elements::value_type;
     static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= kAlignment);
     const std::span<unsigned char> bytes = sections_[number];
     if (bytes.size() % sizeof(T) != 0) return false;
-    array = Array<T>(block_, reinterpret_cast<T*>(bytes.data()), bytes.size() / sizeof(T));
+    array = Elements(block_, reinterpret_cast<T*>(bytes.data()), bytes.size() / sizeof(T));
     return true;
   }
   /// Reads a section, those before it having been read, and calls look(begin, end) for the elements that have come in
   /// since the last call.
-  template <class T, class Look>
-  void read(std::size_t number, const Array<T>& array, Look&& look) {
+  template <class Elements, class Look>
+  void read(std::size_t number, const Elements& array, Look&& look) {
+    using T = typename Elements::value_type;
     for (std::size_t end = 0; end < array.size();) {
       const std::size_t have = std::min<std::size_t>(array.size(), available(number) / sizeof(T));
       if (have > end) {

@@ -34,7 +34,8 @@ void addToStar(Adjacency::Star& star, const Vec3d& areaVector2) {
 }
 
 /// Bounds and sums of a cluster's vertices.
-void measureCluster(const TriMesh& mesh, std::uint32_t id, std::uint32_t end, Adjacency& out) {
+void measureCluster(const TriMesh& mesh, std::uint32_t id, Adjacency& out) {
+  const std::uint32_t end = out.clusters[id + 1].first;
   Adjacency::Cluster& cluster = out.clusters[id];
   cluster.lo = cluster.hi = mesh.vertices()[out.clusterVertices[cluster.first]];
   cluster.sum = {{0, 0, 0}, 0};
@@ -92,79 +93,116 @@ struct SharpEdges {
 };
 
 /// Breadth first from each vertex that is left, in order: with vertices sorted in space the sets come out compact.
-void gatherClusters(const TriMesh& mesh, Adjacency& out) {
-  const auto vertices = static_cast<std::uint32_t>(mesh.vertices().size());
-  out.clusterOf.assign(vertices, kNone);
-  out.clusterVertices.reserve(vertices);
-  std::vector<std::uint32_t>& members = out.clusterVertices;
+void gatherClusters(std::uint32_t vertices, AdjacencyLinks& out) {
+  std::vector<AdjacencyLinks::ClusterLists> lists;
+  std::vector<std::uint32_t> clusterOf(vertices, kNone), members, neighbours;
+  members.reserve(vertices);
   for (std::uint32_t seed = 0; seed < vertices; ++seed) {
-    if (out.clusterOf[seed] != kNone || out.first[seed] == out.first[seed + 1]) continue;
-    const auto id = static_cast<std::uint32_t>(out.clusters.size());
+    if (clusterOf[seed] != kNone || out.first[seed] == out.first[seed + 1]) continue;
+    const auto id = static_cast<std::uint32_t>(lists.size());
     const auto begin = static_cast<std::uint32_t>(members.size());
-    Adjacency::Cluster cluster{};
-    cluster.first = begin;
-    out.clusters.push_back(cluster);
+    lists.push_back({begin, 0});
     members.push_back(seed);
-    out.clusterOf[seed] = id;
+    clusterOf[seed] = id;
     for (std::size_t i = begin; i < members.size(); ++i) {
       for (std::uint32_t h = out.first[members[i]]; h < out.first[members[i] + 1]; ++h) {
         const std::uint32_t w = out.spokes[h].vertex;
-        if (members.size() - begin == Adjacency::kClusterSize) break;
-        if (out.clusterOf[w] != kNone || out.first[w] == out.first[w + 1]) continue;
-        out.clusterOf[w] = id;
+        if (members.size() - begin == AdjacencyLinks::kClusterSize) break;
+        if (clusterOf[w] != kNone || out.first[w] == out.first[w + 1]) continue;
+        clusterOf[w] = id;
         members.push_back(w);
       }
     }
-    measureCluster(mesh, id, static_cast<std::uint32_t>(members.size()), out);
   }
-  Adjacency::Cluster end{};
-  end.first = static_cast<std::uint32_t>(members.size());
-  out.clusters.push_back(end);
-  std::vector<std::uint32_t> seen(out.clusters.size(), kNone);
-  for (std::uint32_t c = 0; c + 1 < out.clusters.size(); ++c) {
-    out.clusters[c].firstNeighbour = static_cast<std::uint32_t>(out.clusterNeighbours.size());
+  lists.push_back({static_cast<std::uint32_t>(members.size()), 0});
+  std::vector<std::uint32_t> seen(lists.size(), kNone);
+  for (std::uint32_t c = 0; c + 1 < lists.size(); ++c) {
+    lists[c].firstNeighbour = static_cast<std::uint32_t>(neighbours.size());
     seen[c] = c;
-    for (std::uint32_t i = out.clusters[c].first; i < out.clusters[c + 1].first; ++i) {
+    for (std::uint32_t i = lists[c].first; i < lists[c + 1].first; ++i) {
       for (std::uint32_t h = out.first[members[i]]; h < out.first[members[i] + 1]; ++h) {
-        const std::uint32_t d = out.clusterOf[out.spokes[h].vertex];
+        const std::uint32_t d = clusterOf[out.spokes[h].vertex];
         if (d == kNone || seen[d] == c) continue;
         seen[d] = c;
-        out.clusterNeighbours.push_back(d);
+        neighbours.push_back(d);
       }
     }
   }
-  out.clusters.back().firstNeighbour = static_cast<std::uint32_t>(out.clusterNeighbours.size());
+  lists.back().firstNeighbour = static_cast<std::uint32_t>(neighbours.size());
+  members.shrink_to_fit();
+  neighbours.shrink_to_fit();
+  lists.shrink_to_fit();
+  out.clusterLists = std::move(lists);
+  out.clusterOf = std::move(clusterOf);
+  out.clusterVertices = std::move(members);
+  out.clusterNeighbours = std::move(neighbours);
+}
+
+AdjacencyLinks link(const TriMesh& mesh) {
+  AdjacencyLinks out;
+  const Topology& topology = mesh.topology();
+  const auto triangles = mesh.triangles();
+  const auto vertices = static_cast<std::uint32_t>(mesh.vertices().size());
+  const auto n = static_cast<std::uint32_t>(triangles.size());
+
+  std::vector<std::uint32_t> first(std::size_t{vertices} + 1, 0);
+  const auto originOf = [&](std::uint32_t h) { return topology.weld[triangles[h / 3].v[h % 3]]; };
+  for (std::uint32_t h = 0; h < 3 * n; ++h) {
+    if (topology.edgeOf[h] != kNone) ++first[originOf(h) + 1];
+  }
+  for (std::size_t v = 0; v < vertices; ++v) first[v + 1] += first[v];
+  std::vector<std::uint32_t> halfEdges(first.back());
+  std::vector<std::uint32_t> cursor(first.begin(), first.end() - 1);
+  std::vector<AdjacencyLinks::Spoke> spokes(halfEdges.size());
+  for (std::uint32_t h = 0; h < 3 * n; ++h) {
+    if (topology.edgeOf[h] == kNone) continue;
+    const std::uint32_t at = cursor[originOf(h)]++;
+    halfEdges[at] = h;
+    spokes[at] = {originOf(h - h % 3 + (h % 3 + 1) % 3), topology.edgeOf[h]};
+  }
+  std::vector<std::uint32_t> halfEdgeOf(topology.edgeCount());
+  for (std::uint32_t h = 3 * n; h-- > 0;) {
+    if (topology.edgeOf[h] != kNone) halfEdgeOf[topology.edgeOf[h]] = h;
+  }
+  out.first = std::move(first);
+  out.halfEdges = std::move(halfEdges);
+  out.spokes = std::move(spokes);
+  out.halfEdgeOf = std::move(halfEdgeOf);
+  gatherClusters(vertices, out);
+
+  const std::size_t components = topology.componentCount();
+  std::vector<std::uint32_t> componentVertex(components, kNone), componentFirst(components + 1, 0);
+  for (std::uint32_t t = 0; t < n; ++t) {
+    if (topology.componentOf[t] == kNone) continue;
+    ++componentFirst[topology.componentOf[t] + 1];
+  }
+  for (std::size_t c = 0; c < components; ++c) componentFirst[c + 1] += componentFirst[c];
+  std::vector<std::uint32_t> componentTriangles(componentFirst.back());
+  cursor.assign(componentFirst.begin(), componentFirst.end() - 1);
+  for (std::uint32_t t = 0; t < n; ++t) {
+    const std::uint32_t c = topology.componentOf[t];
+    if (c == kNone) continue;
+    componentTriangles[cursor[c]++] = t;
+    if (componentVertex[c] == kNone) componentVertex[c] = topology.weld[triangles[t].v[0]];
+  }
+  out.componentVertex = std::move(componentVertex);
+  out.componentFirst = std::move(componentFirst);
+  out.componentTriangles = std::move(componentTriangles);
+  return out;
 }
 
 }  // namespace
 
+const AdjacencyLinks& TriMesh::adjacencyLinks() const {
+  return links_->get([this] { return link(*this); });
+}
+
 Adjacency buildAdjacency(const TriMesh& mesh) {
-  Adjacency out;
+  Adjacency out{mesh.adjacencyLinks(), {}, {}, {}, {}, {}, {}};
   const Topology& topology = mesh.topology();
   const auto triangles = mesh.triangles();
   const auto vertices = mesh.vertices();
   const auto n = static_cast<std::uint32_t>(triangles.size());
-
-  out.first.assign(vertices.size() + 1, 0);
-  const auto originOf = [&](std::uint32_t h) { return topology.weld[triangles[h / 3].v[h % 3]]; };
-  for (std::uint32_t h = 0; h < 3 * n; ++h) {
-    if (topology.edgeOf[h] != kNone) ++out.first[originOf(h) + 1];
-  }
-  for (std::size_t v = 0; v < vertices.size(); ++v) out.first[v + 1] += out.first[v];
-  out.halfEdges.resize(out.first.back());
-  std::vector<std::uint32_t> cursor(out.first.begin(), out.first.end() - 1);
-  out.spokes.resize(out.halfEdges.size());
-  for (std::uint32_t h = 0; h < 3 * n; ++h) {
-    if (topology.edgeOf[h] == kNone) continue;
-    const std::uint32_t at = cursor[originOf(h)]++;
-    out.halfEdges[at] = h;
-    out.spokes[at] = {originOf(h - h % 3 + (h % 3 + 1) % 3), topology.edgeOf[h]};
-  }
-
-  out.halfEdgeOf.resize(topology.edgeCount());
-  for (std::uint32_t h = 3 * n; h-- > 0;) {
-    if (topology.edgeOf[h] != kNone) out.halfEdgeOf[topology.edgeOf[h]] = h;
-  }
 
   out.normal.resize(n);
   out.area.resize(n);
@@ -175,7 +213,12 @@ Adjacency buildAdjacency(const TriMesh& mesh) {
     for (const std::uint32_t corner : triangles[t].v) addToStar(out.star[topology.weld[corner]], c);
   }
 
-  gatherClusters(mesh, out);
+  out.clusters.resize(out.clusterLists.size(), Adjacency::Cluster{});
+  for (std::size_t c = 0; c < out.clusters.size(); ++c) {
+    out.clusters[c].first = out.clusterLists[c].first;
+    out.clusters[c].firstNeighbour = out.clusterLists[c].firstNeighbour;
+  }
+  for (std::uint32_t c = 0; c + 1 < out.clusters.size(); ++c) measureCluster(mesh, c, out);
 
   out.flatEdge.assign(topology.edgeCount(), 0);
   for (std::uint32_t h = 0; h < 3 * n; ++h) {
@@ -193,23 +236,6 @@ Adjacency buildAdjacency(const TriMesh& mesh) {
   for (std::size_t v = 0; v < vertices.size(); ++v) out.flatVertex[v] = sharp[v].flat();
 
   for (std::uint32_t c = 0; c + 1 < out.clusters.size(); ++c) markCluster(c, out);
-
-  const std::size_t components = topology.componentCount();
-  out.componentVertex.assign(components, kNone);
-  out.componentFirst.assign(components + 1, 0);
-  for (std::uint32_t t = 0; t < n; ++t) {
-    if (topology.componentOf[t] == kNone) continue;
-    ++out.componentFirst[topology.componentOf[t] + 1];
-  }
-  for (std::size_t c = 0; c < components; ++c) out.componentFirst[c + 1] += out.componentFirst[c];
-  out.componentTriangles.resize(out.componentFirst.back());
-  cursor.assign(out.componentFirst.begin(), out.componentFirst.end() - 1);
-  for (std::uint32_t t = 0; t < n; ++t) {
-    const std::uint32_t c = topology.componentOf[t];
-    if (c == kNone) continue;
-    out.componentTriangles[cursor[c]++] = t;
-    if (out.componentVertex[c] == kNone) out.componentVertex[c] = topology.weld[triangles[t].v[0]];
-  }
   return out;
 }
 
@@ -251,7 +277,7 @@ void updateAdjacency(Adjacency& adjacency, const TriMesh& mesh, std::span<const 
   }
   once(clusters);
   for (const std::uint32_t c : clusters) {
-    measureCluster(mesh, c, adjacency.clusters[c + 1].first, adjacency);
+    measureCluster(mesh, c, adjacency);
     markCluster(c, adjacency);
   }
 }

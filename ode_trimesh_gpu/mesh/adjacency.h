@@ -10,17 +10,33 @@
 
 namespace otg {
 
-struct Adjacency {
+/// The part that depends on triangles and topology alone, and is shared by meshes that have the same (TriMesh).
+struct AdjacencyLinks {
   /// Outgoing half-edges of each welded vertex: halfEdges[first[v]] .. halfEdges[first[v + 1] - 1], ascending. Empty
   /// for vertices that are welded to a smaller one.
-  std::vector<std::uint32_t> first, halfEdges;
+  SharedArray<std::uint32_t> first, halfEdges;
   /// The welded vertex at the other end of each of `halfEdges`, and its edge.
   struct Spoke {
     std::uint32_t vertex, edge;
   };
-  std::vector<Spoke> spokes;
+  SharedArray<Spoke> spokes;
   /// One half-edge of each edge.
-  std::vector<std::uint32_t> halfEdgeOf;
+  SharedArray<std::uint32_t> halfEdgeOf;
+  /// Small sets of vertices that hang together through edges; each used welded vertex is in one. What holds for all of
+  /// a set is found out once. One more ends the last.
+  struct ClusterLists {
+    std::uint32_t first;           ///< its vertices: clusterVertices[first] .. up to the next one's first
+    std::uint32_t firstNeighbour;  ///< likewise in clusterNeighbours: the clusters that its vertices have edges to
+  };
+  static constexpr std::uint32_t kClusterSize = 16;
+  SharedArray<ClusterLists> clusterLists;
+  SharedArray<std::uint32_t> clusterOf;  ///< by vertex; kNone for vertices without a half-edge
+  SharedArray<std::uint32_t> clusterVertices, clusterNeighbours;
+  /// One vertex (welded) of each component, and the component's triangles: triangles[componentFirst[c]] ..
+  SharedArray<std::uint32_t> componentVertex, componentFirst, componentTriangles;
+};
+
+struct Adjacency : AdjacencyLinks {
   /// Unit normal of each triangle; zero for degenerate ones.
   std::vector<Vec3d> normal;
   /// Area of each triangle; zero for degenerate ones.
@@ -32,28 +48,21 @@ struct Adjacency {
     double area;
   };
   std::vector<Star> star;
-  /// Small sets of vertices that hang together through edges; each used welded vertex is in one. What holds for all of
-  /// a set is found out once.
+  /// What holds for all vertices of a cluster.
   struct Cluster {
-    Vec3f lo, hi;                  ///< bounds of its vertices
-    std::uint32_t first;           ///< its vertices: clusterVertices[first] .. up to the next one's first
-    std::uint32_t firstNeighbour;  ///< likewise in clusterNeighbours: the clusters that its vertices have edges to
-    Star sum;                      ///< of its vertices' stars
-    double moment;                 ///< sum of star . vertex
-    bool anyFlat, anyCorner;       ///< whether any of its vertices has flatVertex, and whether any has not
+    Vec3f lo, hi;                         ///< bounds of its vertices
+    std::uint32_t first, firstNeighbour;  ///< as in clusterLists
+    Star sum;                             ///< of its vertices' stars
+    double moment;                        ///< sum of star . vertex
+    bool anyFlat, anyCorner;              ///< whether any of its vertices has flatVertex, and whether any has not
   };
-  static constexpr std::uint32_t kClusterSize = 16;
-  std::vector<Cluster> clusters;         ///< and one more that ends the last
-  std::vector<std::uint32_t> clusterOf;  ///< by vertex; kNone for vertices without a half-edge
-  std::vector<std::uint32_t> clusterVertices, clusterNeighbours;
+  std::vector<Cluster> clusters;  ///< and one more that ends the last
   /// 1 for edges whose two triangles lie in one plane to within kFlatDegrees: nothing can rest on them.
   std::vector<std::uint8_t> flatEdge;
   static constexpr double kFlatDegrees = 0.1;
   /// 1 for welded vertices in the middle of a flat face or of a straight edge (to within kFlatDegrees): they are there
   /// only because of the tessellation.
   std::vector<std::uint8_t> flatVertex;
-  /// One vertex (welded) of each component, and the component's triangles: triangles[componentFirst[c]] ..
-  std::vector<std::uint32_t> componentVertex, componentFirst, componentTriangles;
 };
 
 Adjacency buildAdjacency(const TriMesh& mesh);

@@ -5,6 +5,8 @@
 #include <bit>
 #include <iterator>
 
+#include "mesh/adjacency.h"
+
 namespace otg {
 namespace {
 
@@ -20,7 +22,7 @@ bool allBelow(const std::uint32_t* begin, std::size_t count, std::size_t limit, 
   }
   return bad == 0;
 }
-bool allBelow(const Array<std::uint32_t>& numbers, std::size_t begin, std::size_t end, std::size_t limit,
+bool allBelow(const SharedArray<std::uint32_t>& numbers, std::size_t begin, std::size_t end, std::size_t limit,
               bool noneToo) {
   return allBelow(numbers.data() + begin, end - begin, limit, noneToo);
 }
@@ -60,6 +62,7 @@ TriMeshParts TriMeshParts::of(const TriMesh& mesh) {
 
 std::shared_ptr<const TriMesh> TriMeshParts::assemble(TriMeshParts&& parts) {
   const std::shared_ptr<TriMesh> mesh(new TriMesh);
+  mesh->links_ = std::make_shared<FirstUse<AdjacencyLinks>>();
   mesh->vertices_ = std::move(parts.vertices);
   mesh->triangles_ = std::move(parts.triangles);
   mesh->degenerate_ = std::move(parts.degenerate);

@@ -14,17 +14,17 @@ namespace otg {
 /// All that a TriMesh is made of: see there.
 struct TriMeshParts {
   Array<Vec3f> vertices;
-  Array<Triangle> triangles;
-  Array<std::uint8_t> degenerate;
+  SharedArray<Triangle> triangles;
+  SharedArray<std::uint8_t> degenerate;
   Topology topology;
   ValidationReport report;
   MassProperties mass;
   Vec3f boundsMin{}, boundsMax{}, center{}, origin{};
   float radius = 0;
   std::size_t inputVertexCount = 0;
-  Array<std::uint32_t> inputVertexOf, callerTriangle, triangleOfCaller;
+  SharedArray<std::uint32_t> inputVertexOf, callerTriangle, triangleOfCaller;
 
-  /// Copies.
+  /// Copies what no other mesh shares.
   static TriMeshParts of(const TriMesh& mesh);
   /// Of parts without fault (TriMeshCheck).
   static std::shared_ptr<const TriMesh> assemble(TriMeshParts&& parts);

@@ -21,7 +21,7 @@ std::uint64_t spread(std::uint64_t x) {
 }
 
 template <class T>
-std::vector<T> permuted(const Array<T>& from, const std::vector<std::uint32_t>& order) {
+std::vector<T> permuted(std::span<const T> from, const std::vector<std::uint32_t>& order) {
   std::vector<T> to(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) to[i] = from[order[i]];
   return to;
@@ -86,26 +86,25 @@ Topology renumber(const Topology& topology, const SpatialOrder& order) {
   const std::vector<std::uint32_t> newTriangle = inverseOf(order.triangles);
   // The smallest new number among the vertices of one point.
   std::vector<std::uint32_t> smallest(order.vertices.size(), kNone);
-  out.weld = std::vector<std::uint32_t>(order.vertices.size());
+  std::vector<std::uint32_t> weld(order.vertices.size());
   for (std::uint32_t v = 0; v < order.vertices.size(); ++v) {
     std::uint32_t& first = smallest[topology.weld[order.vertices[v]]];
     first = std::min(first, v);
-    out.weld[v] = first;
+    weld[v] = first;
   }
   std::vector<std::uint32_t> newEdge(topology.edgeCount(), kNone), newComponent(topology.componentCount(), kNone);
   std::vector<std::uint32_t> components;
-  out.edgeOf = std::vector<std::uint32_t>(topology.edgeOf.size());
-  out.twin = std::vector<std::uint32_t>(topology.twin.size());
-  out.componentOf = std::vector<std::uint32_t>(topology.componentOf.size());
+  std::vector<std::uint32_t> edgeOf(topology.edgeOf.size()), twins(topology.twin.size());
+  std::vector<std::uint32_t> componentOf(topology.componentOf.size());
   std::vector<Topology::Edge> edges;
   edges.reserve(topology.edgeCount());
   for (std::uint32_t t = 0; t < order.triangles.size(); ++t) {
     const std::uint32_t old = order.triangles[t];
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t edge = topology.edgeOf[3 * old + k], twin = topology.twin[3 * old + k];
-      out.twin[3 * t + k] = twin == kNone ? kNone : 3 * newTriangle[twin / 3] + twin % 3;
+      twins[3 * t + k] = twin == kNone ? kNone : 3 * newTriangle[twin / 3] + twin % 3;
       if (edge == kNone) {
-        out.edgeOf[3 * t + k] = kNone;
+        edgeOf[3 * t + k] = kNone;
         continue;
       }
       if (newEdge[edge] == kNone) {
@@ -113,18 +112,22 @@ Topology renumber(const Topology& topology, const SpatialOrder& order) {
         const std::uint32_t a = smallest[topology.edges[edge].a], b = smallest[topology.edges[edge].b];
         edges.push_back({std::min(a, b), std::max(a, b)});
       }
-      out.edgeOf[3 * t + k] = newEdge[edge];
+      edgeOf[3 * t + k] = newEdge[edge];
     }
     const std::uint32_t component = topology.componentOf[old];
     if (component != kNone && newComponent[component] == kNone) {
       newComponent[component] = static_cast<std::uint32_t>(components.size());
       components.push_back(component);
     }
-    out.componentOf[t] = component == kNone ? kNone : newComponent[component];
+    componentOf[t] = component == kNone ? kNone : newComponent[component];
   }
+  out.weld = std::move(weld);
+  out.edgeOf = std::move(edgeOf);
+  out.twin = std::move(twins);
   out.edges = std::move(edges);
-  out.componentClosed = permuted(topology.componentClosed, components);
-  out.componentVolume = permuted(topology.componentVolume, components);
+  out.componentOf = std::move(componentOf);
+  out.componentClosed = permuted(std::span<const std::uint8_t>(topology.componentClosed), components);
+  out.componentVolume = permuted(std::span<const double>(topology.componentVolume), components);
   return out;
 }
 

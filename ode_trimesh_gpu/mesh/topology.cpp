@@ -100,8 +100,7 @@ Buckets fillBuckets(std::span<const Triangle> welded, std::size_t vertexCount) {
 /// Fills edgeOf, twin and edges and unites the triangles of each edge.
 void buildEdges(std::span<const Triangle> welded, std::size_t vertexCount, Topology& topology, UnionFind& components) {
   Buckets buckets = fillBuckets(welded, vertexCount);
-  topology.edgeOf = std::vector<std::uint32_t>(3 * welded.size(), kNone);
-  topology.twin = std::vector<std::uint32_t>(3 * welded.size(), kNone);
+  std::vector<std::uint32_t> edgeOf(3 * welded.size(), kNone), twin(3 * welded.size(), kNone);
   // Runs of equal entries are the edges. edgeOf first names the smallest half-edge of the run.
   std::size_t edgeCount = 0;
   for (std::size_t v = 0; v < vertexCount; ++v) {
@@ -111,10 +110,10 @@ void buildEdges(std::span<const Triangle> welded, std::size_t vertexCount, Topol
     sortBucket(begin, end);
     for (BucketEntry* run = begin; run < end; ++edgeCount) {
       BucketEntry* next = run;
-      for (; next < end && next->larger == run->larger; ++next) topology.edgeOf[next->halfEdge()] = run->halfEdge();
+      for (; next < end && next->larger == run->larger; ++next) edgeOf[next->halfEdge()] = run->halfEdge();
       if (next - run == 2 && ((run[0].code ^ run[1].code) & 1) != 0) {
-        topology.twin[run[0].halfEdge()] = run[1].halfEdge();
-        topology.twin[run[1].halfEdge()] = run[0].halfEdge();
+        twin[run[0].halfEdge()] = run[1].halfEdge();
+        twin[run[1].halfEdge()] = run[0].halfEdge();
       }
       run = next;
     }
@@ -124,36 +123,39 @@ void buildEdges(std::span<const Triangle> welded, std::size_t vertexCount, Topol
   std::uint32_t h = 0;
   for (std::uint32_t t = 0; t < welded.size(); ++t) {
     for (std::uint32_t k = 0; k < 3; ++k, ++h) {
-      const std::uint32_t first = topology.edgeOf[h];
+      const std::uint32_t first = edgeOf[h];
       if (first == kNone) continue;
       if (first == h) {
         const std::uint32_t a = welded[t].v[k], b = welded[t].v[k == 2 ? 0 : k + 1];
-        topology.edgeOf[h] = static_cast<std::uint32_t>(edges.size());
+        edgeOf[h] = static_cast<std::uint32_t>(edges.size());
         edges.push_back({std::min(a, b), std::max(a, b)});
       } else {
-        topology.edgeOf[h] = topology.edgeOf[first];  // smaller, so renumbered already
+        edgeOf[h] = edgeOf[first];  // smaller, so renumbered already
         components.unite(first / 3, t);
       }
     }
   }
+  topology.edgeOf = std::move(edgeOf);
+  topology.twin = std::move(twin);
   topology.edges = std::move(edges);
 }
 
 void numberComponents(std::size_t triangleCount, Topology& topology, UnionFind& components) {
-  topology.componentOf = std::vector<std::uint32_t>(triangleCount, kNone);
+  std::vector<std::uint32_t> componentOf(triangleCount, kNone);
   std::vector<std::uint8_t> closed;
   for (std::uint32_t t = 0; t < triangleCount; ++t) {
     if (topology.edgeOf[3 * t] == kNone) continue;
     const std::uint32_t root = components.find(t);  // the smallest triangle, so it has its number already
     if (root == t) {
-      topology.componentOf[t] = static_cast<std::uint32_t>(closed.size());
+      componentOf[t] = static_cast<std::uint32_t>(closed.size());
       closed.push_back(1);
     } else {
-      topology.componentOf[t] = topology.componentOf[root];
+      componentOf[t] = componentOf[root];
     }
     for (std::uint32_t k = 0; k < 3; ++k)
-      if (topology.twin[3 * t + k] == kNone) closed[topology.componentOf[t]] = 0;
+      if (topology.twin[3 * t + k] == kNone) closed[componentOf[t]] = 0;
   }
+  topology.componentOf = std::move(componentOf);
   topology.componentClosed = std::move(closed);
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mesh/array.h"
+#include "mesh/shared_array.h"
 #include "mesh/triangle.h"
 #include "shared/vec3.h"
 
@@ -14,26 +15,27 @@ namespace otg {
 
 inline constexpr std::uint32_t kNone = 0xffffffffu;
 
-/// Half-edge 3 t + k runs from corner k to corner (k + 1) % 3 of triangle t.
+/// Half-edge 3 t + k runs from corner k to corner (k + 1) % 3 of triangle t. All but the volumes depends on which
+/// vertices are one point alone, and is shared by meshes that differ in the places of their vertices only.
 struct Topology {
   /// For each vertex the smallest vertex with the same position (-0 equals +0): two vertices are one point of the
   /// surface exactly if their entries are equal.
-  Array<std::uint32_t> weld;
+  SharedArray<std::uint32_t> weld;
   /// For each half-edge its undirected edge, numbered from 0 in the order of first appearance.
-  Array<std::uint32_t> edgeOf;
+  SharedArray<std::uint32_t> edgeOf;
   /// For each half-edge the oppositely directed half-edge of the neighbouring triangle, or kNone where the edge is used
   /// once, more than twice, or twice in the same direction.
-  Array<std::uint32_t> twin;
+  SharedArray<std::uint32_t> twin;
   /// For each edge its two welded end points, smaller first.
   struct Edge {
     std::uint32_t a, b;
   };
-  Array<Edge> edges;
+  SharedArray<Edge> edges;
   /// For each triangle its connected component (through edges, however many triangles use them), numbered from 0 in the
   /// order of first appearance; kNone for a triangle that takes part in no edge.
-  Array<std::uint32_t> componentOf;
+  SharedArray<std::uint32_t> componentOf;
   /// For each component: closed and consistently wound (every half-edge has a twin).
-  Array<std::uint8_t> componentClosed;
+  SharedArray<std::uint8_t> componentClosed;
   /// Signed volume of each component about the mesh's centre, in units cubed.
   Array<double> componentVolume;
   std::size_t edgeCount() const { return edges.size(); }

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 
+#include "mesh/adjacency.h"
 #include "mesh/bounds.h"
 #include "mesh/containment.h"
 #include "mesh/inspection.h"
@@ -117,7 +118,11 @@ bool refused(ValidationReport& report) {
 
 /// Fills a TriMesh, whose members only it can reach.
 struct TriMeshBuilder {
-  static std::shared_ptr<TriMesh> create() { return std::shared_ptr<TriMesh>(new TriMesh); }
+  static std::shared_ptr<TriMesh> create() {
+    std::shared_ptr<TriMesh> mesh(new TriMesh);
+    mesh->links_ = std::make_shared<FirstUse<AdjacencyLinks>>();
+    return mesh;
+  }
 
   /// `before`: the origin that the mesh had, if it had one.
   static void measure(TriMesh& mesh, const Vec3f* before) {
@@ -252,19 +257,23 @@ struct TriMeshBuilder {
     mesh->vertices_ = std::move(vertices);
     mesh->triangles_ = before.triangles_;
     if (turned) {
-      for (Triangle& t : mesh->triangles_) std::swap(t.v[1], t.v[2]);
+      std::vector<Triangle> triangles(before.triangles_.begin(), before.triangles_.end());
+      for (Triangle& t : triangles) std::swap(t.v[1], t.v[2]);
+      mesh->triangles_ = std::move(triangles);
     }
     measure(*mesh, &before.origin_);
     const bool samePoints = std::ranges::equal(weldByPosition(mesh->vertices_), before.topology_.weld);
     if (samePoints) {
       mesh->topology_ = turned ? turnedTopology(before.topology_) : before.topology_;
+      if (!turned) mesh->links_ = before.links_;
     } else {
       mesh->topology_ = buildTopology(mesh->vertices_, mesh->triangles_);
     }
     mesh->topology_.componentVolume =
         componentVolumes(mesh->topology_, mesh->vertices_, mesh->triangles_, mesh->origin_);
-    if (samePoints && std::ranges::equal(mesh->degenerate_, before.degenerate_) &&
-        wellWound(*mesh) == wellWound(before)) {
+    const bool sameAreas = std::ranges::equal(mesh->degenerate_, before.degenerate_);
+    if (sameAreas) mesh->degenerate_ = before.degenerate_;
+    if (samePoints && sameAreas && wellWound(*mesh) == wellWound(before)) {
       report = before.report_;
     } else {
       report.repair = before.report_.repair;

@@ -12,6 +12,7 @@
 #include "mesh/array.h"
 #include "mesh/first_use.h"
 #include "mesh/mass_properties.h"
+#include "mesh/shared_array.h"
 #include "mesh/topology.h"
 #include "mesh/validation.h"
 #include "shared/vec3.h"
@@ -48,6 +49,8 @@ enum class MeshOrder { kInput, kSpatial };
 /// Anything else is a shell.
 enum class MeshClass { kSolid, kShell };
 
+struct AdjacencyLinks;
+
 class TriMesh {
  public:
   /// Vertices in the mesh's own frame, as the caller gave them (after repair, if any was asked for).
@@ -69,6 +72,8 @@ class TriMesh {
 
   /// Edges, neighbours, components on vertices welded by position.
   const Topology& topology() const { return topology_; }
+  /// Made when asked for first, by this mesh or one that shares it. May throw std::bad_alloc.
+  const AdjacencyLinks& adjacencyLinks() const;
   const ValidationReport& report() const { return report_; }
   MeshClass meshClass() const { return report_.solid ? MeshClass::kSolid : MeshClass::kShell; }
   /// Of the polyhedron at density 1; only meaningful for solids (signed sums for shells). Worked out when asked for
@@ -94,17 +99,19 @@ class TriMesh {
   friend class VertexMotion;
   TriMesh() = default;
   Array<Vec3f> vertices_;
-  Array<Triangle> triangles_;
-  Array<std::uint8_t> degenerate_;
+  /// What does not depend on the places of vertices is shared by meshes that were made of one another.
+  SharedArray<Triangle> triangles_;
+  SharedArray<std::uint8_t> degenerate_;
   Topology topology_;
+  std::shared_ptr<FirstUse<AdjacencyLinks>> links_;  ///< of these triangles and this topology
   ValidationReport report_;
   FirstUse<MassProperties> mass_;
   Vec3f boundsMin_{}, boundsMax_{}, center_{}, origin_{};
   float radius_ = 0;
   /// How many vertices the caller gave, and which of them each of vertices_ is (empty where that is the same number).
   std::size_t inputVertexCount_ = 0;
-  Array<std::uint32_t> inputVertexOf_;
-  Array<std::uint32_t> callerTriangle_, triangleOfCaller_;  ///< empty where numbers are the caller's
+  SharedArray<std::uint32_t> inputVertexOf_;
+  SharedArray<std::uint32_t> callerTriangle_, triangleOfCaller_;  ///< empty where numbers are the caller's
 };
 
 /// What buildTriMesh answers: a mesh, or none and a report whose problems say why (`report.error` in one line).

@@ -220,7 +220,7 @@ void VertexMotion::undo(TriMesh& mesh) noexcept {
 
 /// Whether vertices that were one point still are, and no two points have met. Enters the moved points again.
 bool VertexMotion::keepsPoints(const TriMesh& mesh) {
-  const Array<std::uint32_t>& weld = mesh.topology_.weld;
+  const SharedArray<std::uint32_t>& weld = mesh.topology_.weld;
   for (const MovedVertex& move : moves_) {
     const std::uint32_t point = weld[move.vertex];
     if (!(mesh.vertices()[move.vertex] == mesh.vertices()[point])) return false;
@@ -331,7 +331,7 @@ bool VertexMotion::staysApart(const TriMesh& mesh, std::span<const std::uint32_t
              p.y <= outer.max.y && p.z <= outer.max.z;
     });
   };
-  const Array<std::uint8_t>& closed = mesh.topology().componentClosed;
+  const SharedArray<std::uint8_t>& closed = mesh.topology().componentClosed;
   for (const std::uint32_t c : changed) {
     if (!closed[c]) continue;
     for (std::uint32_t d = 0; d < components; ++d) {

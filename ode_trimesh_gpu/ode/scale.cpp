@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Scaled geoms. Boxes could be scaled while a tree is walked, but what triangles do is decided by vertices in single
-// precision: every stage, and every device, would have to round a scaled vertex in the same way, and a mirrored mesh
-// has its half-edges the other way round. So a scaled mesh is a mesh of its own, made once for all geoms that have the
-// same data and the same scale.
+// precision: every stage, and every device, would have to round a scaled vertex in the same way. So a scaled mesh has
+// vertices, boxes and normals of its own, made once for all geoms that have the same data and the same scale, and
+// shares with the data's mesh all that depends on triangles alone.
 #include <array>
 #include <cmath>
 #include <span>
@@ -21,8 +21,14 @@ Vec3f scaledPoint(const Vec3f& p, const MeshScale& scale) {
   return {p.x * scale[0], p.y * scale[1], p.z * scale[2]};
 }
 
-/// Null if a vertex is no finite float any more. A mirrored mesh has its triangles in the same order as any other.
-std::shared_ptr<CollisionMesh> makeScaled(const CollisionMesh& from, const MeshScale& scale) {
+bool mirrors(const MeshScale& scale) {
+  return ((scale[0] < 0) != (scale[1] < 0)) != (scale[2] < 0);
+}
+
+/// Null if a vertex is no finite float any more. Shares with `from` what does not depend on the places of vertices; a
+/// mirrored mesh, which has its triangles in the same order but turned round, with another one of these, if there is.
+std::shared_ptr<CollisionMesh> makeScaled(const CollisionMesh& from, const MeshScale& scale,
+                                          const CollisionMesh* mirrored) {
   const TriMesh& mesh = from.mesh();
   // As the caller numbers them (repair may have left some out: they are zero and no triangle uses them).
   std::vector<Vec3f> vertices(mesh.inputVertexCount());
@@ -32,13 +38,30 @@ std::shared_ptr<CollisionMesh> makeScaled(const CollisionMesh& from, const MeshS
   MeshInput input;
   input.vertices = vertices.data();
   input.vertexCount = vertices.size();
-  const bool mirrored = (scale[0] < 0) ^ (scale[1] < 0) ^ (scale[2] < 0);
-  const MeshResult moved = moveVertices(mesh, input, mirrored);
+  const MeshResult moved = mirrors(scale) && mirrored != nullptr ? moveVertices(mirrored->mesh(), input)
+                                                                 : moveVertices(mesh, input, mirrors(scale));
   return moved.mesh == nullptr ? nullptr : std::make_shared<CollisionMesh>(moved.mesh, from);
 }
 
 bool isOne(const MeshScale& scale) {
   return scale == MeshScale{1, 1, 1};
+}
+
+std::shared_ptr<CollisionMesh> heldOf(const std::shared_ptr<CollisionMesh>& mesh) {
+  return mesh;
+}
+std::shared_ptr<CollisionMesh> heldOf(const std::weak_ptr<CollisionMesh>& mesh) {
+  return mesh.lock();
+}
+
+/// Any mesh with mirrored vertices; null if there is none.
+template <class Meshes>
+std::shared_ptr<CollisionMesh> anyMirrored(const Meshes& meshes) {
+  for (const auto& [scale, entry] : meshes) {
+    if (!mirrors(scale)) continue;
+    if (std::shared_ptr<CollisionMesh> mesh = heldOf(entry)) return mesh;
+  }
+  return nullptr;
 }
 
 /// Moves of several meshes, undone together unless they are finished.
@@ -94,7 +117,7 @@ std::shared_ptr<otg::CollisionMesh> dxGpuTriMeshData::scaledMesh(const otg::Mesh
   std::weak_ptr<otg::CollisionMesh>& known = scaled_[scale];
   std::shared_ptr<otg::CollisionMesh> mesh = known.lock();
   if (mesh == nullptr) {
-    mesh = otg::makeScaled(*mesh_, scale);
+    mesh = otg::makeScaled(*mesh_, scale, otg::anyMirrored(scaled_).get());
     known = mesh;
   }
   std::erase_if(scaled_, [](const auto& entry) { return entry.second.expired(); });
@@ -116,7 +139,9 @@ dxGpuTriMeshData::ScalesInUse dxGpuTriMeshData::scalesInUse() const {
 
 dxGpuTriMeshData::ScaledMeshes dxGpuTriMeshData::scaledFrom(const otg::CollisionMesh& mesh) const {
   ScaledMeshes made;
-  for (const auto& [scale, now] : scalesInUse()) made.add(scale, otg::makeScaled(mesh, scale));
+  for (const auto& [scale, now] : scalesInUse()) {
+    made.add(scale, otg::makeScaled(mesh, scale, otg::anyMirrored(made.meshes).get()));
+  }
   return made;
 }
 
@@ -147,7 +172,7 @@ bool dxGpuTriMeshData::moveInPlace(const std::vector<PlacedVertex>& placed) {
     { const std::shared_ptr<const otg::CollisionMesh> ordered = now.mesh; }
     const bool alone = now.mesh != nullptr && now.mesh.use_count() == now.geoms + 1;
     const bool inPlace = alone && takeMoves(*now.mesh, scale) && moves.begin(*now.mesh, moved);
-    next.add(scale, inPlace ? now.mesh : otg::makeScaled(*mesh_, scale));
+    next.add(scale, inPlace ? now.mesh : otg::makeScaled(*mesh_, scale, otg::anyMirrored(next.meshes).get()));
   }
   moves.finish();
   commit(std::move(report), std::move(next));

@@ -21,7 +21,7 @@ MeshUnit words(std::uint32_t x, std::uint32_t y, std::uint32_t z, std::uint32_t 
 
 /// Whether vertices that are one point differ in the signs of zeros, which the host keeps apart.
 bool hasTwoZeros(const TriMesh& mesh) {
-  const Array<std::uint32_t>& weld = mesh.topology().weld;
+  const SharedArray<std::uint32_t>& weld = mesh.topology().weld;
   for (std::size_t v = 0; v < weld.size(); ++v) {
     if (std::memcmp(&mesh.vertices()[v], &mesh.vertices()[weld[v]], sizeof(Vec3f)) != 0) return true;
   }
@@ -56,7 +56,7 @@ void addClusters(PackedMesh& out, const Adjacency& adjacency) {
   }
   static_assert(sizeof(Adjacency::Star) == 4 * sizeof(double));
   addBytes(out, adjacency.star.data(), adjacency.star.size() * sizeof(Adjacency::Star));
-  std::vector<std::uint32_t> lists = adjacency.clusterVertices;
+  std::vector<std::uint32_t> lists(adjacency.clusterVertices.begin(), adjacency.clusterVertices.end());
   lists.insert(lists.end(), adjacency.clusterNeighbours.begin(), adjacency.clusterNeighbours.end());
   addBytes(out, lists.data(), lists.size() * sizeof(std::uint32_t));
 }
@@ -102,7 +102,7 @@ void addSolid(PackedMesh& out, const CollisionMesh& collisionMesh) {
     out.units.push_back(
         words(topology.edges[e].a, topology.edges[e].b, adjacency.halfEdgeOf[e], adjacency.flatEdge[e]));
   }
-  std::vector<std::uint32_t> spokes = adjacency.first;
+  std::vector<std::uint32_t> spokes(adjacency.first.begin(), adjacency.first.end());
   spokes.insert(spokes.end(), adjacency.halfEdges.begin(), adjacency.halfEdges.end());
   const std::size_t listed = adjacency.first.size() + 3 * mesh.triangleCount();
   spokes.resize((listed + 1) / 2 * 2);

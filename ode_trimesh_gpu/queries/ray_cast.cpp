@@ -9,7 +9,7 @@ namespace otg {
 namespace {
 
 bool shareACorner(const TriMesh& mesh, std::uint32_t s, std::uint32_t t) {
-  const Array<std::uint32_t>& weld = mesh.topology().weld;
+  const SharedArray<std::uint32_t>& weld = mesh.topology().weld;
   for (const std::uint32_t v : mesh.triangles()[s].v) {
     for (const std::uint32_t w : mesh.triangles()[t].v) {
       if (weld[v] == weld[w]) return true;

@@ -18,7 +18,7 @@ int cornerOfPart(TrianglePart part) {
 }
 
 bool isOnRim(const TriMesh& mesh, const Adjacency& adjacency, const SurfacePoint& at) {
-  const Array<std::uint32_t>& twin = mesh.topology().twin;
+  const SharedArray<std::uint32_t>& twin = mesh.topology().twin;
   if (at.part == TrianglePart::kFace) return false;
   if (at.part <= TrianglePart::kEdge2) return twin[3 * at.triangle + edgeOfPart(at.part)] == kNone;
   const std::uint32_t v = mesh.topology().weld[mesh.triangles()[at.triangle].v[cornerOfPart(at.part)]];

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Want of memory at every single allocation: a status or no contacts, never an exception, and all is well afterwards.
+#include <malloc.h>
+
 #include <cstdlib>
 #include <new>
 
@@ -11,16 +13,22 @@
 namespace {
 /// Allocations of this thread that still succeed; negative: all of them.
 thread_local long allowance = -1;
+/// Bytes that this thread has allocated and not freed.
+thread_local long live = 0;
 
 void* allocate(std::size_t size) {
   if (allowance == 0) throw std::bad_alloc();
   if (allowance > 0) --allowance;
-  if (void* const p = std::malloc(size == 0 ? 1 : size)) return p;
+  if (void* const p = std::malloc(size == 0 ? 1 : size)) {
+    live += static_cast<long>(malloc_usable_size(p));
+    return p;
+  }
   throw std::bad_alloc();
 }
 
 /// Not inlined: a compiler that does so, and not with the function above, sees free() called on what new gave.
 [[gnu::noinline]] void release(void* p) noexcept {
+  live -= static_cast<long>(malloc_usable_size(p));
   std::free(p);
 }
 }  // namespace
@@ -218,4 +226,48 @@ TEST_CASE("without memory no vertex moves, neither of the data's mesh nor of a s
     CHECK(failuresOf(moveAll) > 10);
     CHECK((objectOf(unborne.id)->mesh() == nullptr) == (factor > 1));
   }
+}
+
+TEST_CASE("a scaled mesh takes memory for what its scale changes alone") {
+  const OdeSession session;
+  const scenes::MeshArrays torus = scenes::makeTorus(2, 0.5, 128, 64);
+  const auto triangles = static_cast<double>(torus.triangles.size());
+  std::vector<dGeomID> geoms;
+  /// Bytes a triangle of one more geom: of its mesh and tree, and with what the contact models look at.
+  const auto cost = [&](dGpuTriMeshDataID data, const MeshScale& s) {
+    const long before = live;
+    geoms.push_back(dCreateGpuTriMesh(nullptr, data));
+    REQUIRE(dGeomGpuTriMeshSetScale(geoms.back(), s[0], s[1], s[2]) == dGPUTRIMESH_OK);
+    const long made = live;
+    const CollisionMesh& mesh = *objectOf(geoms.back())->mesh();
+    mesh.adjacency();
+    return std::pair{static_cast<double>(made - before) / triangles, static_cast<double>(live - before) / triangles};
+  };
+  const long none = live;
+  {
+    const Data data(torus);
+    const double built = static_cast<double>(live - none) / triangles;
+    const auto own = cost(data.id, {1, 1, 1});
+    INFO("own " << built << ", collided " << built + own.second);
+    CHECK(built > 130);
+    CHECK(built + own.second > 230);
+    for (const MeshScale& scale : {MeshScale{2, 1, 1}, MeshScale{-1, 1, 1}, MeshScale{1, -2, 1}, MeshScale{2, 1, 1}}) {
+      const auto [made, used] = cost(data.id, scale);
+      INFO(scale[0] << " " << scale[1] << ": " << made << ", " << used);
+      const bool known = geoms.size() == 5, firstMirrored = geoms.size() == 3;
+      CHECK(made < (known ? 1 : firstMirrored ? 120 : 72));
+      CHECK(used < (known ? 1 : firstMirrored ? 230 : 130));
+    }
+    const TriMesh &plain = objectOf(geoms[0])->mesh()->mesh(), &scaled = objectOf(geoms[1])->mesh()->mesh();
+    CHECK(plain.triangles().data() == scaled.triangles().data());
+    CHECK(plain.topology().twin.data() == scaled.topology().twin.data());
+    CHECK(&plain.adjacencyLinks() == &scaled.adjacencyLinks());
+    CHECK(plain.vertices().data() != scaled.vertices().data());
+    // Of two mirrors, the second shares with the first.
+    CHECK(objectOf(geoms[2])->mesh()->mesh().triangles().data() ==
+          objectOf(geoms[3])->mesh()->mesh().triangles().data());
+    CHECK(objectOf(geoms[1])->mesh() == objectOf(geoms[4])->mesh());
+    for (const dGeomID g : geoms) dGeomDestroy(g);
+  }
+  CHECK(live - none < 4096);
 }

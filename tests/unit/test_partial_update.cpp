@@ -17,8 +17,9 @@ using namespace otg::test;
 
 namespace {
 
-template <class T>
-bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
+template <class Elements>
+bool sameBytes(const Elements& a, const Elements& b) {
+  using T = typename Elements::value_type;
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 

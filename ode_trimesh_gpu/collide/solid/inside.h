@@ -37,7 +37,7 @@ struct InsideFlags {
 
   // Filled by the flood.
   static constexpr std::uint32_t kOutside = 0xfffffffeu;
-  const std::vector<std::uint32_t>* clusterOf[2] = {nullptr, nullptr};
+  const SharedArray<std::uint32_t>* clusterOf[2] = {nullptr, nullptr};
   /// Patch, or kOutside when visited and found outside, of vertices and of clusters.
   EpochArray vertexPatch[2], clusterPatch[2];
   EpochArray mixed;  ///< clusters that hold an end of a crossed edge

@@ -177,11 +177,12 @@ OTG_API int dGeomGpuTriMeshClearTCCache(dGeomID g);
 /**
  * @brief Scales the geom's mesh along the axes of the mesh's frame, and marks the geom as moved.
  *
- * The scaled mesh is made once for all geoms that have the same data and the same scale, and freed with the last of
- * them. A negative factor mirrors; with one or three of them triangles are turned round, so that they face outward as
- * before: dGeomGpuTriMeshGetTriangle() and dGeomGpuTriMeshGetPoint() then have second and third corner exchanged. Box,
- * mass, queries and contacts are those of the scaled mesh; numbers of triangles and vertices stay. The scale stays when
- * the geom gets other data, or its data other vertices.
+ * Vertices, boxes and normals are made anew, once for all geoms that have the same data and the same scale, and freed
+ * with the last of them; all else is shared with the data. A negative factor mirrors; with one or three of them
+ * triangles are turned round, so that they face outward as before: dGeomGpuTriMeshGetTriangle() and
+ * dGeomGpuTriMeshGetPoint() then have second and third corner exchanged. Box, mass, queries and contacts are those of
+ * the scaled mesh; numbers of triangles and vertices stay. The scale stays when the geom gets other data, or its data
+ * other vertices.
  * @param g  a geom of this class
  * @param x  factor along x, finite and not 0, as y and z; rounded to single precision
  * @param y  along y
