@@ -15,6 +15,26 @@ OTG_INLINED uint otgTakeUnits(__local otg_solid_ways* s, uint units, __global ui
   return begin <= arenaUnits && arenaUnits - begin >= units ? begin : OTG_NOT_THERE;
 }
 
+/// Whether a region is a thin contact with a wedge beside it: as in collide/solid/region_contacts.cpp. All lanes call
+/// it.
+OTG_INLINED int otgHasWedge(__local otg_solid_ways* s, const otg_solid_work* w) {
+  if (w->isGathered || w->isFixed || w->coherence >= OTG_SOLID_FLAT) return 0;
+  double end[2];  // the lowest with its sign changed, and the highest
+  for (uint side = 0; side < 2; ++side) {
+    double most = -INFINITY;
+    for (uint i = get_local_id(0); i < w->pointCount; i += OTG_GROUP) {
+      const double at = otgDot_d(otgLoad(w->points[i].position), w->mean);
+      most = otgMax_d(side == 0 ? -at : at, most);
+    }
+    OTG_SYNC;
+    s->reduce[get_local_id(0)] = most;
+    OTG_SYNC;
+    for (uint k = 0; k < OTG_GROUP; ++k) most = otgMax_d(s->reduce[k], most);
+    end[side] = most;
+  }
+  return otgIsUneven_d(end[1] + end[0], w->thickness);
+}
+
 /// One region. `size`: of the smaller mesh; `far`: longer than any way out.
 OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a, OTG_MESH* b, double size, double far,
                                  __global uint* counters, __global uchar* arena, uint arenaUnits,
@@ -50,6 +70,8 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
   for (uint i = lane; i < w.pointCount; i += OTG_GROUP) {
     if (!w.points[i].flat) atomic_inc(&s->corners);
   }
+  // Uneven ones are rare, and the host looks at their faces one by one.
+  const int isLeft = otgHasWedge(s, &w);
   OTG_SYNC;
   const uint parts = (w.candidates + OTG_SOLID_CHUNK - 1) / OTG_SOLID_CHUNK;
   if (lane == 0) {
@@ -64,7 +86,7 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
     // Without room for its parts its candidates stay as they are: none is looked at, and the batch is run again.
     s->allocated = parts > 0 ? atomic_add(counters + OTG_COUNT_CHUNKS, parts) : 0;
     const int fits = s->allocated <= chunkRoom && chunkRoom - s->allocated >= parts;
-    if (counts && (!works || !fits || s->bad)) flags |= OTG_REGION_BAD;
+    if (counts && (!works || !fits || s->bad || isLeft)) flags |= OTG_REGION_BAD;
     r->flags = flags;
     r->shareOfB = s->shareOfB;
     for (uint k = 0; k < 3; ++k) r->weighted[k] = s->weighted[k];

@@ -72,6 +72,13 @@ namespace otg {
 #define OTG_SOLID_DEEP_PIECES 128
 #define OTG_SOLID_DEEP_POINTS 48
 
+/// A region that reaches so many thicknesses along its push is uneven: a thin contact and beside it a wedge, as of a
+/// box that slides over a concave kink. There a point leaves through the nearest triangle of the other mesh where that
+/// way is shorter by the second. What is within the third (in diagonals) of a triangle is on it.
+#define OTG_SOLID_UNEVEN 16.0
+#define OTG_SOLID_SHORTER 0.9
+#define OTG_SOLID_ON_EDGE 1e-9
+
 // Two edges across each other (collide/solid/edge_pair.h) -------------------------------------------------------------
 
 /// From this coherence on a face says where out is.
@@ -215,6 +222,11 @@ OTG_GENERIC REAL OTG_NAME(otgNormalReach)(REAL areas, REAL thickness) {
 /// Thick for its extent, so that it has one side where it comes out; a sheet may run around a rim.
 OTG_GENERIC otg_int OTG_NAME(otgIsLump)(REAL thickness, REAL diagonal) {
   return thickness > OTG_REAL(0.05) * diagonal;
+}
+
+/// Whether a region that reaches so far along its push is far deeper at one place than it is on the whole.
+OTG_GENERIC otg_int OTG_NAME(otgIsUneven)(REAL extent, REAL thickness) {
+  return extent > OTG_REAL(OTG_SOLID_UNEVEN) * thickness;
 }
 
 /// x, but no less than `low` and no more than `high`.

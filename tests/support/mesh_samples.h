@@ -24,7 +24,7 @@ class Soup {
  public:
   void add(Vec3f a, Vec3f b, Vec3f c) {
     const auto first = static_cast<std::uint32_t>(arrays_.vertices.size());
-    arrays_.vertices.insert(arrays_.vertices.end(), {a, b, c});
+    for (const Vec3f& corner : {a, b, c}) arrays_.vertices.push_back(corner);
     arrays_.triangles.push_back({{first, first + 1, first + 2}});
   }
   /// A right triangle of the given size with its corner at p.
@@ -48,6 +48,32 @@ inline MeshPtr randomSoup(std::uint32_t seed, int triangles, float spread, float
     soup.add(near(at, size), near(at, size), near(at, size));
   }
   return soup.build();
+}
+
+/// A closed prism, z up, whose surface falls from x = -size / 2 and from x = size / 2 to a concave kink at x = 0.
+inline scenes::MeshArrays makeValley(double leftRise, double rightRise, double size, double below) {
+  scenes::MeshArrays mesh;
+  const auto half = static_cast<float>(size / 2), bottom = static_cast<float>(-below);
+  for (const float y : {-half, half}) {
+    for (const float x : {-half, 0.0f, half}) {
+      const double rise = x > 0 ? rightRise : leftRise;
+      mesh.vertices.push_back({x, y, static_cast<float>(rise * std::fabs(double{x}))});
+    }
+    for (const float x : {-half, 0.0f, half}) mesh.vertices.push_back({x, y, bottom});
+  }
+  const auto quad = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+    mesh.triangles.push_back({{a, b, c}});
+    mesh.triangles.push_back({{a, c, d}});
+  };
+  for (const std::uint32_t i : {0u, 1u}) {
+    quad(i, i + 1, i + 7, i + 6);       // the surface
+    quad(i + 3, i + 9, i + 10, i + 4);  // the bottom
+    quad(i + 3, i + 4, i + 1, i);       // the front
+    quad(i + 9, i + 6, i + 7, i + 10);  // the back
+  }
+  quad(0, 6, 9, 3);
+  quad(2, 5, 11, 8);
+  return mesh;
 }
 
 /// Closed bodies as users have them, a soup, and the smallest meshes.

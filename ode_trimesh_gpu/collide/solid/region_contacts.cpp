@@ -44,6 +44,7 @@ class RegionSolver {
     gathered_ = region_.cellEnd > region_.cellBegin;
     center_ = centroid();
     collectPlanes();
+    hasWedge_ = !gathered_ && hasWedge(region_, task_.normals, task_.extent);
     collectCandidates();
     filterAndMerge();
     const auto most = static_cast<std::size_t>(task_.maxContacts);
@@ -202,13 +203,69 @@ class RegionSolver {
   }
 
   void estimate(Candidate& c) {
-    c.normal = task_.normals.at(c.probe);
-    double out = planeExit(1, c.probe, c.normal);
-    double back = planeExit(0, c.probe, otgScale(c.normal, -1.0));
+    estimateAlong(c, task_.normals.at(c.probe));
+    if (!hasWedge_) return;
+    Candidate through = c;
+    const Vec3d normal = throughNearestFace(c);
+    if (otgDot(normal, c.normal) < OTG_SOLID_DEEP_AGAINST) return;
+    estimateAlong(through, normal);
+    if (through.depth < OTG_SOLID_SHORTER * c.depth) c = through;
+  }
+
+  void estimateAlong(Candidate& c, const Vec3d& normal) {
+    const Vec3d against = otgScale(normal, -1.0);
+    double out = hasWedge_ ? triangleExit(1, c.probe, normal) : planeExit(1, c.probe, normal);
+    double back = hasWedge_ ? triangleExit(0, c.probe, against) : planeExit(0, c.probe, against);
+    c.normal = normal;
     c.depth = clampToLimit(c.normal, out, back);
     c.shift = 0.5 * (out - back);
     // By what the planes say, not by the limit, to which whole patches of a thick region are cut.
     c.rank = otgRankOfKind(static_cast<int>(c.point->kind), out + back);
+  }
+
+  /// Whether a point in a piece's plane is in its triangle, edges included.
+  bool isInTriangle(const Piece& p, const Vec3d& x) const {
+    const TriMesh& mesh = task_.meshes.mesh(p.mesh);
+    Vec3d corner[3];
+    for (int k = 0; k < 3; ++k) {
+      corner[k] = otgSub(task_.meshes.vertex(p.mesh, mesh.triangles()[p.triangle].v[k]), all_.origin);
+    }
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d along = otgSub(corner[(k + 1) % 3], corner[k]);
+      if (otgDot(otgCross(along, otgSub(x, corner[k])), p.normal) < -OTG_SOLID_ON_EDGE * region_.diagonal * norm(along))
+        return false;
+    }
+    return true;
+  }
+
+  /// As planeExit, through the region's triangles and not through what encloses their parts.
+  double triangleExit(int m, const Vec3d& from, const Vec3d& direction) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) {
+      const Piece& p = all_.pieces[i];
+      const double cosine = otgDot(p.normal, direction);
+      if (p.mesh != m || !(cosine > 0.05)) continue;
+      const double way = std::max(0.0, (p.offset - otgDot(p.normal, from)) / cosine);
+      if (way < nearest && isInTriangle(p, otgAdd(from, otgScale(direction, way)))) nearest = way;
+    }
+    return std::isfinite(nearest) ? nearest : planeExit(m, from, direction);
+  }
+
+  /// Through which a point of one mesh is soonest out of the other: the normal of the nearest triangle that has the
+  /// point behind it, in the sense in which it pushes A; zero if there is none.
+  Vec3d throughNearestFace(const Candidate& c) const {
+    const std::uint8_t other = 1 - c.point->mesh;
+    double nearest = std::numeric_limits<double>::infinity();
+    Vec3d normal{0, 0, 0};
+    for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) {
+      const Piece& p = all_.pieces[i];
+      const double way = p.offset - otgDot(p.normal, c.probe);
+      if (p.mesh != other || !(way >= -OTG_SOLID_ON_EDGE * region_.diagonal && way < nearest)) continue;
+      if (!isInTriangle(p, otgAdd(c.probe, otgScale(p.normal, way)))) continue;
+      nearest = way;
+      normal = otgScale(p.normal, other == 1 ? 1.0 : -1.0);
+    }
+    return normal;
   }
 
   /// Whether a middle of a stretch is hardly deeper than its ends are on average: then they hold it.
@@ -419,11 +476,17 @@ class RegionSolver {
   Vec3d center_{};
   PlaneSet surface_[2];
   bool gathered_ = false;  ///< planes stand for several pieces each
+  bool hasWedge_ = false;  ///< points may leave through a triangle beside the main direction
   std::vector<Candidate> candidates_;
   SupportPoint fallback_{}, onPair_[2];
 };
 
 }  // namespace
+
+bool hasWedge(const Region& region, const RegionNormals& normals, RegionExtent& extent) {
+  if (normals.isFixed() || region.coherence >= OTG_SOLID_FLAT || region.coherence < OTG_SOLID_COHERENT) return false;
+  return otgIsUneven(extent.along(normals.mean()), region.thickness) != 0;
+}
 
 void contactsOfRegion(const RegionTask& task, std::vector<Contact>& out) {
   RegionSolver(task).run(out);

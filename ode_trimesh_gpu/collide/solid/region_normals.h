@@ -19,6 +19,7 @@ class RegionNormals {
 
   /// Serve this direction everywhere instead.
   void fix(const Vec3d& direction) { fixed_ = direction; }
+  bool isFixed() const { return fixed_.has_value(); }
   /// What to answer where the two surfaces contradict each other in an incoherent region.
   void setEscape(const Vec3d& direction) { escape_ = direction; }
 
