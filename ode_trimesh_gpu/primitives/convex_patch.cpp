@@ -117,8 +117,9 @@ bool ConvexPatch::isInCone(const Vec3d& d, const Vec3d& at) const {
       const double nn = otgDot(n, n);
       if (!(nn > 1e-12)) continue;
       const double u = otgDot(otgCross(d, active[j]), n) / nn, v = otgDot(otgCross(active[i], d), n) / nn;
-      if (u < -kRounding || v < -kRounding) continue;
-      if (std::fabs(otgDot(n, d)) <= kRounding * std::sqrt(nn)) return true;
+      const bool isBetween = u >= -kRounding && v >= -kRounding;
+      if (isBetween && std::fabs(otgDot(n, d)) <= kRounding * std::sqrt(nn)) return true;
+      // Beside the two may still be between the three: the third has a part along these.
       for (std::size_t k = 0; k < j; ++k) {
         const double det = otgDot(n, active[k]);
         if (std::fabs(det) < 1e-9) continue;

@@ -6,13 +6,14 @@ target_link_libraries(otg_test_ode_world PUBLIC otg_scenes PRIVATE otg_flags)
 
 find_package(Threads REQUIRED)
 foreach(name misuse init data geom collide contact_data history threads memory batch prefetch prefetch_shapes override parity queries
-             primitives convex rims shapes mirrored kink heightfield primitive_callbacks override_primitives
+             primitives convex convex_mesh rims shapes mirrored kink heightfield primitive_callbacks override_primitives
              override_batch)
   otg_add_test(ode_${name} unit
     SOURCES test_ode_${name}.cpp $<TARGET_OBJECTS:otg_test_ode_world> LIBRARIES otg_scenes Threads::Threads)
 endforeach()
 
 target_link_libraries(test_ode_convex PRIVATE otg_truth)
+target_link_libraries(test_ode_convex_mesh PRIVATE otg_truth)
 target_link_libraries(test_ode_shapes PRIVATE otg_truth)
 
 # Every public header alone, as C89 and as C++, twice in a row. ODE's own headers, which have // comments, are system
