@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "otg/bench.h"
 #include "otg/error_quantiles.h"
@@ -89,6 +90,22 @@ DeepestContact collideDeepest(dGeomID a, dGeomID b) {
   return deepest;
 }
 
+bool PoseCounts::add(bool isOurs, bool isOdes) {
+  ++poses;
+  if (!isOurs) ++missed;
+  if (!isOdes) ++missedByOde;
+  return isOurs && isOdes;
+}
+
+Json makeRow(Json words, const PoseCounts& counts, const std::vector<std::pair<const char*, const Errors*>>& errors) {
+  Json row = std::move(words);
+  row["poses"] = counts.poses;
+  row["missed"] = counts.missed;
+  row["missed_by_ode"] = counts.missedByOde;
+  for (const auto& [name, values] : errors) addErrorQuantiles(row, name, *values);
+  return row;
+}
+
 namespace {
 
 Json runPair(TessellatedBody subject, TessellatedBody partner, const PrimitivesOptions& options) {
@@ -96,8 +113,8 @@ Json runPair(TessellatedBody subject, TessellatedBody partner, const PrimitivesO
   const NativeGeom native(subject.body, subject.mesh), other(partner.body, partner.mesh);
   truth::Random random(options.seed);
   Errors angle, depth, excess, own, nativeExcess;
-  int poses = 0, missed = 0, nativeMissed = 0;
-  for (int tries = 0; poses < options.poses && tries < 400 * options.poses; ++tries) {
+  PoseCounts counts;
+  for (int tries = 0; counts.poses < options.poses && tries < 400 * options.poses; ++tries) {
     subject.body.pose = drawnPose(random, 0.6);
     partner.body.pose = drawnPose(random, 0.6);
     placeGeom(other.id(), partner.body.pose);
@@ -110,32 +127,22 @@ Json runPair(TessellatedBody subject, TessellatedBody partner, const PrimitivesO
     if ((ours.count > 0 ? ours.depth : theirs.depth) > 2 * kMostOverlap) continue;
     const double least = truth::leastSeparation(subject.body, partner.body);
     if (least < kLeastOverlap || least > kMostOverlap) continue;
-    ++poses;
-    if (theirs.count == 0) ++nativeMissed;
-    if (ours.count == 0) {
-      ++missed;
-      continue;
-    }
+    const bool isBoth = counts.add(ours.count > 0, theirs.count > 0);
+    if (ours.count == 0) continue;
     const double along = separation(subject.body, partner.body, otgScale(ours.normal, -1.0));
     excess.add(std::max(0.0, along - least));
     own.add(std::fabs(ours.depth - along));
-    if (theirs.count == 0) continue;
+    if (!isBoth) continue;
     nativeExcess.add(std::max(0.0, separation(subject.body, partner.body, otgScale(theirs.normal, -1.0)) - least));
     angle.add(truth::angleBetween(ours.normal, theirs.normal));
     depth.add(std::fabs(ours.depth - theirs.depth));
   }
-  Json row;
-  row["mesh"] = subject.name;
-  row["shape"] = partner.name;
-  row["poses"] = poses;
-  row["missed"] = missed;
-  row["missed_by_ode"] = nativeMissed;
-  addErrorQuantiles(row, "angle_to_ode", angle);
-  addErrorQuantiles(row, "depth_to_ode", depth);
-  addErrorQuantiles(row, "longer_way_out", excess);
-  addErrorQuantiles(row, "depth_along_normal", own);
-  addErrorQuantiles(row, "longer_way_out_of_ode", nativeExcess);
-  return row;
+  return makeRow({{"mesh", subject.name}, {"shape", partner.name}}, counts,
+                 {{"angle_to_ode", &angle},
+                  {"depth_to_ode", &depth},
+                  {"longer_way_out", &excess},
+                  {"depth_along_normal", &own},
+                  {"longer_way_out_of_ode", &nativeExcess}});
 }
 
 Json comparePairs(const PrimitivesOptions& options) {

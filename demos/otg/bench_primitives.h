@@ -7,11 +7,13 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "otg/command.h"
 #include "scenes/convex_geom.h"
 #include "scenes/generated_meshes.h"
+#include "truth/contact_errors.h"
 #include "truth/contact_families.h"
 #include "truth/tessellated_bodies.h"
 
@@ -65,6 +67,16 @@ struct DeepestContact {
   Vec3d position{0, 0, 0}, normal{0, 0, 0};
 };
 DeepestContact collideDeepest(dGeomID a, dGeomID b);
+
+/// How many poses were compared, and how many of them one of the two sides says nothing of.
+struct PoseCounts {
+  int poses = 0, missed = 0, missedByOde = 0;
+  /// Counts a pose; returns whether both sides say something.
+  bool add(bool isOurs, bool isOdes);
+};
+/// A row of a table: `words`, the counts, and the quantiles of errors by name.
+Json makeRow(Json words, const PoseCounts& counts,
+             const std::vector<std::pair<const char*, const truth::Errors*>>& errors);
 
 /// Overlaps up to a tenth of the mesh's size: what worlds see, where nothing is deep in anything.
 inline constexpr double kLeastOverlap = 0.001, kMostOverlap = 0.1;

@@ -23,8 +23,8 @@ Json planeRow(TessellatedBody subject, const PrimitivesOptions& options) {
   const dGeomID plane = dCreatePlane(nullptr, 0, 0, 1, 0);
   truth::Random random(options.seed);
   Errors angle, toOde, depth, ofOde;
-  int poses = 0, missed = 0, missedByOde = 0;
-  while (poses < options.poses) {
+  PoseCounts counts;
+  while (counts.poses < options.poses) {
     subject.body.pose = drawnPose(random, 2);
     const Vec3d n = random.direction();
     // How deep the body is to lie in it.
@@ -33,30 +33,16 @@ Json planeRow(TessellatedBody subject, const PrimitivesOptions& options) {
     dGeomPlaneSetParams(plane, n.x, n.y, n.z, offset);
     for (const dGeomID geom : {mesh.id(), native.id()}) placeGeom(geom, subject.body.pose);
     const DeepestContact ours = collideDeepest(mesh.id(), plane), theirs = collideDeepest(native.id(), plane);
-    ++poses;
-    if (theirs.count == 0)
-      ++missedByOde;
-    else
-      ofOde.add(std::fabs(theirs.depth - overlap));
-    if (ours.count == 0) {
-      ++missed;
-      continue;
-    }
+    const bool isBoth = counts.add(ours.count > 0, theirs.count > 0);
+    if (theirs.count > 0) ofOde.add(std::fabs(theirs.depth - overlap));
+    if (ours.count == 0) continue;
     angle.add(truth::angleBetween(ours.normal, n));
     depth.add(std::fabs(ours.depth - overlap));
-    if (theirs.count != 0) toOde.add(std::fabs(ours.depth - theirs.depth));
+    if (isBoth) toOde.add(std::fabs(ours.depth - theirs.depth));
   }
   dGeomDestroy(plane);
-  Json row;
-  row["mesh"] = subject.name;
-  row["poses"] = poses;
-  row["missed"] = missed;
-  row["missed_by_ode"] = missedByOde;
-  addErrorQuantiles(row, "angle", angle);
-  addErrorQuantiles(row, "depth_to_ode", toOde);
-  addErrorQuantiles(row, "depth", depth);
-  addErrorQuantiles(row, "depth_of_ode", ofOde);
-  return row;
+  return makeRow({{"mesh", subject.name}}, counts,
+                 {{"angle", &angle}, {"depth_to_ode", &toOde}, {"depth", &depth}, {"depth_of_ode", &ofOde}});
 }
 
 Json rayRow(const TessellatedBody& subject, const PrimitivesOptions& options) {
@@ -66,8 +52,8 @@ Json rayRow(const TessellatedBody& subject, const PrimitivesOptions& options) {
   dGeomRaySetClosestHit(ray, 1);
   truth::Random random(options.seed);
   Errors angle, distance;
-  int hits = 0, missed = 0, missedByOde = 0;
-  while (hits < options.poses) {
+  PoseCounts counts;
+  while (counts.poses < options.poses) {
     const Transformd pose = drawnPose(random, 0.3);
     for (const dGeomID geom : {mesh.id(), native.id()}) placeGeom(geom, pose);
     const Vec3d from = otgScale(random.direction(), 2.0);
@@ -76,23 +62,12 @@ Json rayRow(const TessellatedBody& subject, const PrimitivesOptions& options) {
     dGeomRaySet(ray, from.x, from.y, from.z, along.x, along.y, along.z);
     const DeepestContact ours = collideDeepest(mesh.id(), ray), theirs = collideDeepest(native.id(), ray);
     if (ours.count == 0 && theirs.count == 0) continue;
-    ++hits;
-    if (ours.count == 0 || theirs.count == 0) {
-      ++(ours.count == 0 ? missed : missedByOde);
-      continue;
-    }
+    if (!counts.add(ours.count > 0, theirs.count > 0)) continue;
     angle.add(truth::angleBetween(ours.normal, theirs.normal));
     distance.add(std::fabs(ours.depth - theirs.depth));
   }
   dGeomDestroy(ray);
-  Json row;
-  row["mesh"] = subject.name;
-  row["poses"] = hits;
-  row["missed"] = missed;
-  row["missed_by_ode"] = missedByOde;
-  addErrorQuantiles(row, "angle_to_ode", angle);
-  addErrorQuantiles(row, "distance_to_ode", distance);
-  return row;
+  return makeRow({{"mesh", subject.name}}, counts, {{"angle_to_ode", &angle}, {"distance_to_ode", &distance}});
 }
 
 /// Contacts of a mesh with another geom, and with a mesh of the same triangles.

@@ -40,6 +40,9 @@ class ConvexData {
                          static_cast<unsigned>(points_.size() / 3), polygons_.data());
   }
 
+  /// Its corners, three numbers each. ODE is not told when they are changed in place.
+  dReal* points() { return points_.data(); }
+
  private:
   std::vector<dReal> planes_, points_;
   std::vector<unsigned int> polygons_;

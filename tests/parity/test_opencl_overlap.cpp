@@ -77,6 +77,30 @@ bool canDescribe(const opencl::Backend& backend) {
   return backend.device().doubles && backend.device().longAtomics;
 }
 
+/// Gives the queries histories and moves them from step to step. `check` gets them, and the same ones with histories
+/// for the host; the histories of both sides have to stay the same.
+template <class Check>
+void checkHistories(std::vector<Query> queries, std::uint32_t seed, int steps, const Check& check) {
+  std::vector<Query> forHost = queries;
+  std::vector<SolidHistory> onDevice(queries.size()), host(queries.size());
+  Draw draw(seed);
+  for (int step = 0; step < steps; ++step) {
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      queries[i].history = &onDevice[i];
+      forHost[i].history = &host[i];
+      queries[i].relativeVelocity = forHost[i].relativeVelocity = step % 2 != 0 ? draw.direction() : Vec3d{0, 0, 0};
+    }
+    check(queries, forHost);
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      CHECK(onDevice[i].current.escape == host[i].current.escape);
+      CHECK(onDevice[i].current.clampLeft == host[i].current.clampLeft);
+      CHECK(onDevice[i].current.deepNormal == host[i].current.deepNormal);
+      if (step == 2) continue;  // the same pose again
+      queries[i].bInA.t = forHost[i].bInA.t = otgAdd(queries[i].bInA.t, otgScale(draw.direction(), 0.02));
+    }
+  }
+}
+
 }  // namespace
 
 TEST_CASE("contacts from the device's description of an overlap are the host's") {
@@ -184,24 +208,8 @@ TEST_CASE("pairs with a history are described as the host does them") {
   const auto backend = openBackend(always());
   REQUIRE(backend);
   if (!canDescribe(*backend)) return;
-  std::vector<Query> queries = overlaps(meshes, 6, 10, 0.8), forHost = queries;
-  std::vector<SolidHistory> onDevice(queries.size()), host(queries.size());
-  Draw draw(7);
-  for (int step = 0; step < 6; ++step) {
-    for (std::size_t i = 0; i < queries.size(); ++i) {
-      queries[i].history = &onDevice[i];
-      forHost[i].history = &host[i];
-      queries[i].relativeVelocity = forHost[i].relativeVelocity = step % 2 != 0 ? draw.direction() : Vec3d{0, 0, 0};
-    }
-    checkAll(*backend, queries, onHost(forHost));
-    for (std::size_t i = 0; i < queries.size(); ++i) {
-      CHECK(onDevice[i].current.escape == host[i].current.escape);
-      CHECK(onDevice[i].current.clampLeft == host[i].current.clampLeft);
-      CHECK(onDevice[i].current.deepNormal == host[i].current.deepNormal);
-      if (step == 2) continue;  // the same pose again
-      queries[i].bInA.t = forHost[i].bInA.t = otgAdd(queries[i].bInA.t, otgScale(draw.direction(), 0.02));
-    }
-  }
+  checkHistories(overlaps(meshes, 6, 10, 0.8), 7, 6,
+                 [&](const auto& queries, const auto& forHost) { checkAll(*backend, queries, onHost(forHost)); });
 }
 
 TEST_CASE("threads describe overlaps at once") {
@@ -460,24 +468,9 @@ TEST_CASE("pairs of a batch that are described have the histories of the host") 
   const auto backend = openBackend(describing());
   REQUIRE(backend);
   if (!canDescribe(*backend)) return;
-  std::vector<Query> queries = mixed(meshes, small, 41, 20), forHost = queries;
-  std::vector<SolidHistory> onDevice(queries.size()), host(queries.size());
-  Draw draw(42);
-  for (int step = 0; step < 5; ++step) {
-    for (std::size_t i = 0; i < queries.size(); ++i) {
-      queries[i].history = &onDevice[i];
-      forHost[i].history = &host[i];
-      queries[i].relativeVelocity = forHost[i].relativeVelocity = step % 2 != 0 ? draw.direction() : Vec3d{0, 0, 0};
-    }
+  checkHistories(mixed(meshes, small, 41, 20), 42, 5, [&](const auto& queries, const auto& forHost) {
     CHECK(checkBatch(*backend, queries, contactsOnHost(forHost)) > 0);
-    for (std::size_t i = 0; i < queries.size(); ++i) {
-      CHECK(onDevice[i].current.escape == host[i].current.escape);
-      CHECK(onDevice[i].current.clampLeft == host[i].current.clampLeft);
-      CHECK(onDevice[i].current.deepNormal == host[i].current.deepNormal);
-      if (step == 2) continue;  // the same pose again
-      queries[i].bInA.t = forHost[i].bInA.t = otgAdd(queries[i].bInA.t, otgScale(draw.direction(), 0.02));
-    }
-  }
+  });
 }
 
 TEST_CASE("a batch with described pairs comes out the same whatever call fails") {

@@ -145,6 +145,34 @@ void randomRotation(dMatrix3 r, std::mt19937& random) {
   dQtoR(q, r);
 }
 
+void setPose(dGeomID geom, const Transformd& pose) {
+  dMatrix3 r{};
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) r[4 * row + column] = pose.r[3 * row + column];
+  }
+  dGeomSetRotation(geom, r);
+  dGeomSetPosition(geom, pose.t.x, pose.t.y, pose.t.z);
+}
+
+std::vector<dContactGeom> joinContacts(dWorldID world, dJointGroupID joints, dGeomID o1, dGeomID o2, int places) {
+  std::vector<dContactGeom> contacts = collide(o1, o2, places);
+  for (const dContactGeom& geom : contacts) {
+    dContact contact{};
+    contact.surface.mode = dContactApprox1;
+    contact.surface.mu = 0.5;
+    contact.geom = geom;
+    dJointAttach(dJointCreateContact(world, joints, &contact), dGeomGetBody(o1), dGeomGetBody(o2));
+  }
+  return contacts;
+}
+
+void appendPositions(const std::vector<dContactGeom>& contacts, std::vector<unsigned char>& bytes) {
+  for (const dContactGeom& geom : contacts) {
+    const auto* begin = reinterpret_cast<const unsigned char*>(geom.pos);
+    bytes.insert(bytes.end(), begin, begin + 3 * sizeof(dReal));
+  }
+}
+
 void setRandomPose(dGeomID geom, std::mt19937& random, double reach) {
   dMatrix3 r;
   randomRotation(r, random);

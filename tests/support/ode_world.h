@@ -67,6 +67,12 @@ std::vector<dContactGeom> mirrored(const std::vector<dContactGeom>& contacts);
 void setRandomPose(dGeomID geom, std::mt19937& random, double reach);
 /// A random rotation matrix in ODE's layout.
 void randomRotation(dMatrix3 r, std::mt19937& random);
+void setPose(dGeomID geom, const Transformd& pose);
+
+/// What a near callback does: dCollide with so many places, and a joint with friction for each contact. Returns these.
+std::vector<dContactGeom> joinContacts(dWorldID world, dJointGroupID joints, dGeomID o1, dGeomID o2, int places);
+/// Appends the bytes of the contacts' positions, to compare worlds by.
+void appendPositions(const std::vector<dContactGeom>& contacts, std::vector<unsigned char>& bytes);
 
 /// What is wrong with a pairwise contact of two mesh geoms, in words, or "". From the public getters alone: the
 /// position lies on both triangles, and moving g1's triangle along the normal by the depth brings one of the triangles

@@ -76,14 +76,8 @@ void PileWorld::near(void* self, dGeomID o1, dGeomID o2) {
     return;
   }
   ++world.collisions_;
-  for (const dContactGeom& geom : test::collide(o1, o2, world.choices_.places)) {
-    ++world.contacts_;
-    dContact contact{};
-    contact.surface.mode = dContactApprox1;
-    contact.surface.mu = 0.5;
-    contact.geom = geom;
-    dJointAttach(dJointCreateContact(world.world_, world.joints_, &contact), dGeomGetBody(o1), dGeomGetBody(o2));
-  }
+  const auto contacts = joinContacts(world.world_, world.joints_, o1, o2, world.choices_.places);
+  world.contacts_ += static_cast<int>(contacts.size());
 }
 
 void PileWorld::step(int count, const std::function<void()>& before) {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <thread>
 
+#include "scenes/convex_geom.h"
 #include "support/catch.h"
 #include "support/draw.h"
 #include "support/ode_trimesh.h"
@@ -236,17 +237,8 @@ TEST_CASE("cylinder, capsule and box rest, slide and roll on a tessellated groun
 
 TEST_CASE("a dConvex and a box of the same size have the same contacts with a mesh, at any pose") {
   const OdeSession session;
-  // A box as polygons: ODE keeps pointers to these arrays.
-  const dReal planes[24] = {1, 0, 0, 0.25, -1, 0, 0, 0.25, 0, 1, 0, 0.3, 0, -1, 0, 0.3, 0, 0, 1, 0.35, 0, 0, -1, 0.35};
-  dReal points[24];
-  for (int i = 0; i < 8; ++i) {
-    points[3 * i] = i & 1 ? 0.25 : -0.25;
-    points[3 * i + 1] = i & 2 ? 0.3 : -0.3;
-    points[3 * i + 2] = i & 4 ? 0.35 : -0.35;
-  }
-  const unsigned int polygons[30] = {4, 1, 3, 7, 5, 4, 0, 4, 6, 2, 4, 2, 6, 7, 3,
-                                     4, 0, 1, 5, 4, 4, 4, 5, 7, 6, 4, 0, 2, 3, 1};
-  const dGeomID convex = dCreateConvex(nullptr, planes, 6, points, 8, polygons);
+  const scenes::ConvexData polygons(scenes::makeBox({0.5, 0.6, 0.7}));
+  const dGeomID convex = polygons.makeGeom(nullptr);
   const dGeomID box = dCreateBox(nullptr, 0.5, 0.6, 0.7);
   const Data data(scenes::makeLump(0.5, 3, 0.3, 3));
   const Geom mesh(data);

@@ -7,6 +7,7 @@
 
 #include "support/catch.h"
 #include "support/draw.h"
+#include "support/mirror.h"
 #include "support/ode_world.h"
 
 using namespace otg;
@@ -14,46 +15,8 @@ using namespace otg::test;
 
 namespace {
 
-/// Through the plane x = z, or through x = 0.
-enum class Mirror { kDiagonal, kAcross };
-
-Vec3d image(Mirror mirror, const Vec3d& v) {
-  return mirror == Mirror::kDiagonal ? Vec3d{v.z, v.y, v.x} : Vec3d{-v.x, v.y, v.z};
-}
 Vec3d imageOf(Mirror mirror, const dReal* v) {
   return image(mirror, Vec3d{v[0], v[1], v[2]});
-}
-scenes::MeshArrays image(Mirror mirror, scenes::MeshArrays mesh) {
-  for (Vec3f& v : mesh.vertices) {
-    if (mirror == Mirror::kDiagonal) {
-      std::swap(v.x, v.z);
-    } else {
-      v.x = -v.x;
-    }
-  }
-  for (Triangle& t : mesh.triangles) std::swap(t.v[1], t.v[2]);
-  return mesh;
-}
-/// S R S, S t: what maps the mirrored local frame to the mirrored world.
-Transformd image(Mirror mirror, const Transformd& pose) {
-  Transformd result{{}, image(mirror, pose.t)};
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      result.r[3 * row + column] = mirror == Mirror::kDiagonal
-                                       ? pose.r[3 * (2 - row) + 2 - column]
-                                       : pose.r[3 * row + column] * ((row == 0) == (column == 0) ? 1 : -1);
-    }
-  }
-  return result;
-}
-
-void setPose(dGeomID g, const Transformd& pose) {
-  dMatrix3 r{};
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) r[4 * row + column] = pose.r[3 * row + column];
-  }
-  dGeomSetRotation(g, r);
-  dGeomSetPosition(g, pose.t.x, pose.t.y, pose.t.z);
 }
 
 using Heights = std::function<double(double, double)>;

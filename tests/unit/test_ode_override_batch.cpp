@@ -93,15 +93,7 @@ class MixedWorld {
   }
   static void near(void* self, dGeomID o1, dGeomID o2) {
     auto& world = *static_cast<MixedWorld*>(self);
-    for (const dContactGeom& geom : test::collide(o1, o2, 24)) {
-      const auto* begin = reinterpret_cast<const unsigned char*>(geom.pos);
-      world.contacts_.insert(world.contacts_.end(), begin, begin + 3 * sizeof(dReal));
-      dContact contact{};
-      contact.surface.mode = dContactApprox1;
-      contact.surface.mu = 0.5;
-      contact.geom = geom;
-      dJointAttach(dJointCreateContact(world.world_, world.joints_, &contact), dGeomGetBody(o1), dGeomGetBody(o2));
-    }
+    appendPositions(joinContacts(world.world_, world.joints_, o1, o2, 24), world.contacts_);
   }
   OdeMesh ground_{scenes::makeGround(8, 1, 8)}, lump_{scenes::makeLump(0.4, 2, 0.3, 2)};
   OdeMesh box_{scenes::makeBox({0.5, 0.4, 0.6}, 2)};

@@ -6,6 +6,7 @@
 #include <limits>
 #include <thread>
 
+#include "scenes/convex_geom.h"
 #include "support/catch.h"
 #include "support/ode_world.h"
 
@@ -14,25 +15,14 @@ using namespace otg::test;
 
 namespace {
 
-/// A tetrahedron's corners and planes, for dCreateConvex.
-struct Tetrahedron {
-  dReal points[12] = {0.5, 0.5, 0.5, -0.5, -0.5, 0.5, -0.5, 0.5, -0.5, 0.5, -0.5, -0.5};
-  dReal planes[16] = {};
-  unsigned polygons[16] = {3, 0, 2, 1, 3, 0, 3, 2, 3, 0, 1, 3, 3, 1, 2, 3};
-  Tetrahedron() {
-    const dReal s = std::sqrt(dReal{1} / 3);
-    const dReal normals[4][3] = {{-1, 1, 1}, {1, 1, -1}, {1, -1, 1}, {-1, -1, -1}};
-    for (int i = 0; i < 4; ++i) {
-      for (int k = 0; k < 3; ++k) planes[4 * i + k] = s * normals[i][k];
-      planes[4 * i + 3] = s * dReal{0.5};
-    }
-  }
-};
+scenes::MeshArrays tetrahedron() {
+  return scenes::makeTetrahedron({0.5, 0.5, 0.5}, {-0.5, -0.5, 0.5}, {-0.5, 0.5, -0.5}, {0.5, -0.5, -0.5});
+}
 
 enum class Kind { kSphere, kBox, kCapsule, kCylinder, kConvex, kPlane };
 constexpr Kind kKinds[] = {Kind::kSphere, Kind::kBox, Kind::kCapsule, Kind::kCylinder, Kind::kConvex, Kind::kPlane};
 
-dGeomID makeShape(Kind kind, dSpaceID space, Tetrahedron& convex) {
+dGeomID makeShape(Kind kind, dSpaceID space, const scenes::ConvexData& convex) {
   switch (kind) {
     case Kind::kSphere:
       return dCreateSphere(space, 0.3);
@@ -43,7 +33,7 @@ dGeomID makeShape(Kind kind, dSpaceID space, Tetrahedron& convex) {
     case Kind::kCylinder:
       return dCreateCylinder(space, 0.25, 0.4);
     case Kind::kConvex:
-      return dCreateConvex(space, convex.planes, 4, convex.points, 4, convex.polygons);
+      return convex.makeGeom(space);
     default:
       return dCreatePlane(space, 0, 0, 1, -1.2);
   }
@@ -142,18 +132,10 @@ class ShapeWorld {
       return;
     }
     ++world.collisions_;
-    for (const dContactGeom& geom : test::collide(o1, o2, world.choices_.places)) {
-      const auto* begin = reinterpret_cast<const unsigned char*>(geom.pos);
-      world.contacts_.insert(world.contacts_.end(), begin, begin + 3 * sizeof(dReal));
-      dContact contact{};
-      contact.surface.mode = dContactApprox1;
-      contact.surface.mu = 0.5;
-      contact.geom = geom;
-      dJointAttach(dJointCreateContact(world.world_, world.joints_, &contact), dGeomGetBody(o1), dGeomGetBody(o2));
-    }
+    appendPositions(joinContacts(world.world_, world.joints_, o1, o2, world.choices_.places), world.contacts_);
   }
   Choices choices_;
-  Tetrahedron convex_;
+  scenes::ConvexData convex_{tetrahedron()};
   Data ground_{hills()}, lump_{scenes::makeLump(0.4, 2, 0.3, 2)}, box_{scenes::makeBox({0.5, 0.4, 0.6}, 2)};
   dWorldID world_ = dWorldCreate();
   dSpaceID space_ = nullptr, inner_ = nullptr;
@@ -166,7 +148,7 @@ class ShapeWorld {
 /// A mesh and a shape in a space, and a second such pair that nobody prefetches.
 struct Twins {
   Data lump{scenes::makeLump(0.5, 3, 0.4, 4)};
-  Tetrahedron convex;
+  scenes::ConvexData convex{tetrahedron()};
   dSpaceID space = dSimpleSpaceCreate(nullptr);
   dWorldID world = dWorldCreate();
   Kind kind;
@@ -296,7 +278,7 @@ TEST_CASE("whatever differs from a prefetched shape is computed") {
       if (kind == Kind::kCylinder) dGeomCylinderSetParams(pair.shape[i], 0.26, 0.4);
       if (kind == Kind::kPlane) dGeomPlaneSetParams(pair.shape[i], 0, 1, 0, -0.2);
     });
-    if (kind == Kind::kConvex) pair.convex.points[0] += 0.01;  // in place, which ODE is not told
+    if (kind == Kind::kConvex) pair.convex.points()[0] += 0.01;  // in place, which ODE is not told
     CHECK(!pair.taken());
     prefetch();
     CHECK(pair.taken());
@@ -405,7 +387,7 @@ TEST_CASE("threads find prefetched shapes of one mesh") {
   const Data ground(hills());
   const dSpaceID space = dSimpleSpaceCreate(nullptr);
   const dGeomID mesh = dCreateGpuTriMesh(space, ground.id);
-  Tetrahedron convex;
+  scenes::ConvexData convex{tetrahedron()};
   std::vector<dGeomID> shapes;
   std::mt19937 random(3);
   for (int i = 0; i < 60; ++i) {

@@ -5,6 +5,7 @@
 
 #include "support/catch.h"
 #include "support/draw.h"
+#include "support/mirror.h"
 #include "support/ode_world.h"
 #include "support/step_world.h"
 
@@ -276,29 +277,6 @@ TEST_CASE("a box mesh rests on a plane and slides down a slope as dBox does") {
 }
 
 namespace {
-
-/// Through the plane x = 0.
-Vec3d mirror(const Vec3d& v) {
-  return {-v.x, v.y, v.z};
-}
-scenes::MeshArrays mirror(scenes::MeshArrays mesh) {
-  for (Vec3f& v : mesh.vertices) v.x = -v.x;
-  for (Triangle& t : mesh.triangles) std::swap(t.v[1], t.v[2]);
-  return mesh;
-}
-Transformd mirror(Transformd pose) {
-  for (const int i : {1, 2, 3, 6}) pose.r[i] = -pose.r[i];
-  pose.t.x = -pose.t.x;
-  return pose;
-}
-void setPose(dGeomID g, const Transformd& pose) {
-  dMatrix3 r{};
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) r[4 * row + column] = pose.r[3 * row + column];
-  }
-  dGeomSetRotation(g, r);
-  dGeomSetPosition(g, pose.t.x, pose.t.y, pose.t.z);
-}
 
 /// Whether every contact of the one list is the image of one of the other.
 bool areImages(const std::vector<dContactGeom>& contacts, const std::vector<dContactGeom>& images, double tolerance) {

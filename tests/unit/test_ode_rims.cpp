@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 
+#include "scenes/convex_geom.h"
 #include "support/catch.h"
 #include "support/draw.h"
 #include "support/ode_world.h"
@@ -249,15 +250,7 @@ TEST_CASE("a mesh box comes to rest on planes with negative offsets where a dBox
 
 TEST_CASE("a sphere and a convex rest and slide on a mesh as they do on a plane") {
   const OdeSession session;
-  const dReal planes[24] = {1, 0, 0, 0.3, -1, 0, 0, 0.3, 0, 1, 0, 0.25, 0, -1, 0, 0.25, 0, 0, 1, 0.2, 0, 0, -1, 0.2};
-  dReal points[24];
-  for (int i = 0; i < 8; ++i) {
-    points[3 * i] = i & 1 ? 0.3 : -0.3;
-    points[3 * i + 1] = i & 2 ? 0.25 : -0.25;
-    points[3 * i + 2] = i & 4 ? 0.2 : -0.2;
-  }
-  const unsigned int polygons[30] = {4, 1, 3, 7, 5, 4, 0, 4, 6, 2, 4, 2, 6, 7, 3,
-                                     4, 0, 1, 5, 4, 4, 4, 5, 7, 6, 4, 0, 2, 3, 1};
+  const scenes::ConvexData polygons(scenes::makeBox({0.6, 0.5, 0.4}));
   dMass sphereMass, boxMass;
   dMassSetSphereTotal(&sphereMass, 1, 0.2);
   dMassSetBoxTotal(&boxMass, 1, 0.6, 0.5, 0.4);
@@ -269,8 +262,7 @@ TEST_CASE("a sphere and a convex rest and slide on a mesh as they do on a plane"
       dCreateGpuTriMesh(world.space(), sheet.id);
     else
       dCreatePlane(world.space(), 0, 0, 1, 0);
-    const dGeomID geom =
-        convex ? dCreateConvex(world.space(), planes, 6, points, 8, polygons) : dCreateSphere(world.space(), 0.2);
+    const dGeomID geom = convex ? polygons.makeGeom(world.space()) : dCreateSphere(world.space(), 0.2);
     const dBodyID body = world.addBody(geom, convex ? boxMass : sphereMass);
     dBodySetPosition(body, -3, 0.07, 0.2);
     dBodySetLinearVel(body, speed, 0, 0);

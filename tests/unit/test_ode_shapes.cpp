@@ -8,6 +8,7 @@
 #include "scenes/convex_geom.h"
 #include "support/catch.h"
 #include "support/draw.h"
+#include "support/mirror.h"
 #include "support/ode_trimesh.h"
 #include "support/ode_world.h"
 #include "truth/tessellated_bodies.h"
@@ -51,14 +52,6 @@ Transformd poseOf(dGeomID g) {
   return {{r[0], r[1], r[2], r[4], r[5], r[6], r[8], r[9], r[10]}, {t[0], t[1], t[2]}};
 }
 
-void setPose(dGeomID g, const Transformd& pose) {
-  dMatrix3 r{};
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) r[4 * row + column] = pose.r[3 * row + column];
-  }
-  dGeomSetRotation(g, r);
-  dGeomSetPosition(g, pose.t.x, pose.t.y, pose.t.z);
-}
 void copyPose(dGeomID from, dGeomID to) {
   dGeomSetRotation(to, dGeomGetRotation(from));
   const dReal* p = dGeomGetPosition(from);
@@ -68,22 +61,6 @@ void copyPose(dGeomID from, dGeomID to) {
 double quantile(std::vector<double> values, double part) {
   std::sort(values.begin(), values.end());
   return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
-}
-
-/// Through the plane x = 0.
-Vec3d mirror(const Vec3d& v) {
-  return {-v.x, v.y, v.z};
-}
-scenes::MeshArrays mirror(scenes::MeshArrays mesh) {
-  for (Vec3f& v : mesh.vertices) v.x = -v.x;
-  for (Triangle& t : mesh.triangles) std::swap(t.v[1], t.v[2]);
-  return mesh;
-}
-/// S R S, S t: what maps the mirrored local frame to the mirrored world.
-Transformd mirror(Transformd pose) {
-  for (const int i : {1, 2, 3, 6}) pose.r[i] = -pose.r[i];
-  pose.t = mirror(pose.t);
-  return pose;
 }
 
 }  // namespace
