@@ -10,11 +10,15 @@
 #include <thread>
 
 #include "collide/query.h"
+#include "dispatch/dispatcher.h"
 #include "dispatch/thread_pool.h"
 #include "opencl/backend.h"
 #include "otg/bench.h"
 #include "otg/bench_batch_scenes.h"
+#include "otg/bench_geoms.h"
+#include "otg/contact_hash.h"
 #include "otg/query_options.h"
+#include "scenes/simulation.h"
 
 namespace otg::cli {
 namespace {
@@ -418,6 +422,49 @@ void addDeviceBatchRows(const BenchOptions& options, const BatchVersions& scene,
   rows.push_back(row);
 }
 
+/// What programs get, from geoms of ODE to arrays of dContactGeom, and whether pairs overlap: by all threads of the
+/// CPU, and on the device with them.
+void addApiRows(const BenchOptions& options, const BatchVersions& scene, bool withDevice, Json& rows) {
+  const scenes::OdeSession session;
+  const int repeat = options.repeat > 0 ? options.repeat : kRepeat;
+  const GeomPairs pairs(scene.queries);
+  std::vector<dContactGeom> contacts(scene.queries.size() * kBatchContacts);
+  std::vector<int> counts(scene.queries.size());
+  std::vector<unsigned char> yes(scene.queries.size());
+  const auto collidePairs = [&] {
+    dGpuTriMeshCollidePairs(pairs.all().data(), pairs.count(), kBatchContacts, contacts.data(), sizeof(dContactGeom),
+                            counts.data());
+  };
+  const auto hashContacts = [&] {
+    Fnv1a hash;
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      for (int k = 0; k < counts[i]; ++k) addToHash(hash, contacts[i * kBatchContacts + static_cast<std::size_t>(k)]);
+    }
+    return hash.hex();
+  };
+  const auto ask = [&] { dGpuTriMeshOverlaps(pairs.all().data(), pairs.count(), yes.data()); };
+  const auto hashYes = [&] {
+    Fnv1a hash;
+    hash.add(yes.data(), yes.size());
+    return hash.hex();
+  };
+  const auto add = [&](const char* work, const auto& run, const auto& hash) {
+    std::string expected;
+    for (const bool onDevice : {false, true}) {
+      if (onDevice ? !withDevice : !options.cpu) continue;
+      pairs.setBackend(onDevice ? dGPUTRIMESH_BACKEND_OPENCL : dGPUTRIMESH_BACKEND_CPU);
+      run();
+      if (expected.empty()) expected = hash();
+      const bool same = expected == hash();
+      std::vector<double> times;
+      for (int i = 0; i < repeat; ++i) times.push_back(timeOnce(run));
+      rows.push_back(batchRow(scene, work, onDevice ? "opencl" : "cpu", defaultThreadCount(), times, hash(), same));
+    }
+  };
+  add("dGpuTriMeshCollidePairs()", collidePairs, hashContacts);
+  add("dGpuTriMeshOverlaps()", ask, hashYes);
+}
+
 }  // namespace
 
 int benchBatch(const BenchOptions& options) {
@@ -460,6 +507,8 @@ int benchBatch(const BenchOptions& options) {
     }
     if (backend && backend->counts().onHost > 0) progress("note: the OpenCL device failed; the CPU did what it left");
   }
+  const bool opened = index >= 0 && dispatcher().open(std::vector<int>{index}, variants.back().tuning) > 0;
+  for (const BatchVersions& scene : batches) addApiRows(options, scene, opened, batch);
   printBench({{"bench", "batch"},
               {"device", device.empty() ? Json() : Json(device)},
               {"tables", {{"single", single}, {"batch", batch}}}},

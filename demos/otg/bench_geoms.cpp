@@ -25,6 +25,45 @@ void poseGeom(dGeomID geom, const Transformd& pose) {
   dGeomSetPosition(geom, pose.t.x, pose.t.y, pose.t.z);
 }
 
+GeomPairs::GeomPairs(const std::vector<Query>& queries) {
+  dGpuTriMeshParams params;
+  dGpuTriMeshParamsInit(&params);
+  const auto geomOf = [&](const CollisionMesh& mesh) {
+    const auto [found, isNew] = data_.try_emplace(&mesh, nullptr);
+    if (isNew) found->second = meshData(mesh.mesh(), "a mesh of this benchmark");
+    const dGeomID geom = dCreateGpuTriMesh(nullptr, found->second);
+    dGeomGpuTriMeshSetParams(geom, &params);
+    return geom;
+  };
+  for (const Query& query : queries) {
+    params.contact_model =
+        query.options.contacts == ContactModel::kSolid ? dGPUTRIMESH_CONTACTS_SOLID : dGPUTRIMESH_CONTACTS_PAIRWISE;
+    params.max_contacts = query.options.maxContacts;
+    const dGpuTriMeshPair pair{geomOf(*query.a), geomOf(*query.b)};
+    poseGeom(pair.o2, query.bInA);
+    for (const dGeomID geom : {pair.o1, pair.o2}) {  // ODE works out poses and boxes on demand, in one thread
+      dReal box[6];
+      dGeomGetAABB(geom, box);
+    }
+    pairs_.push_back(pair);
+  }
+}
+
+GeomPairs::~GeomPairs() {
+  for (const dGpuTriMeshPair& pair : pairs_) {
+    dGeomDestroy(pair.o1);
+    dGeomDestroy(pair.o2);
+  }
+  for (const auto& [mesh, data] : data_) dGpuTriMeshDataDestroy(data);
+}
+
+void GeomPairs::setBackend(int backend) const {
+  for (const dGpuTriMeshPair& pair : pairs_) {
+    dGeomGpuTriMeshSetBackend(pair.o1, backend);
+    dGeomGpuTriMeshSetBackend(pair.o2, backend);
+  }
+}
+
 std::uint64_t deviceCalls() {
   std::uint64_t calls = 0;
   for (int i = 0; i < dGpuTriMeshGetDeviceCount(); ++i) {

@@ -6,9 +6,11 @@
 #include <ode_trimesh_gpu/ode_trimesh_gpu.h>
 
 #include <cstdint>
+#include <map>
 #include <string>
+#include <vector>
 
-#include "mesh/tri_mesh.h"
+#include "collide/query.h"
 
 namespace otg::cli {
 
@@ -16,6 +18,24 @@ namespace otg::cli {
 dGpuTriMeshDataID meshData(const TriMesh& mesh, const std::string& name);
 
 void poseGeom(dGeomID geom, const Transformd& pose);
+
+/// Queries as pairs of geoms, two for each, of meshes that they share.
+class GeomPairs {
+ public:
+  /// Contact model and number of contacts are the queries' own. Throws InputError where the library refuses a mesh.
+  explicit GeomPairs(const std::vector<Query>& queries);
+  ~GeomPairs();
+  GeomPairs(const GeomPairs&) = delete;
+  GeomPairs& operator=(const GeomPairs&) = delete;
+
+  void setBackend(int backend) const;
+  const std::vector<dGpuTriMeshPair>& all() const { return pairs_; }
+  int count() const { return static_cast<int>(pairs_.size()); }
+
+ private:
+  std::map<const CollisionMesh*, dGpuTriMeshDataID> data_;
+  std::vector<dGpuTriMeshPair> pairs_;
+};
 
 /// Calls that devices have had so far.
 std::uint64_t deviceCalls();

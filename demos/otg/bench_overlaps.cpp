@@ -10,52 +10,8 @@
 namespace otg::cli {
 namespace {
 
-/// Pairs of meshes as geoms, two for each pair; meshes are shared.
-class OverlapPairs {
- public:
-  explicit OverlapPairs(const std::vector<Query>& queries) {
-    for (const Query& query : queries) {
-      dGpuTriMeshPair& pair = pairs_.emplace_back();
-      pair.o1 = dCreateGpuTriMesh(nullptr, data(*query.a));
-      pair.o2 = dCreateGpuTriMesh(nullptr, data(*query.b));
-      poseGeom(pair.o2, query.bInA);
-    }
-  }
-  ~OverlapPairs() {
-    for (const dGpuTriMeshPair& pair : pairs_) {
-      dGeomDestroy(pair.o1);
-      dGeomDestroy(pair.o2);
-    }
-    for (const auto& [mesh, id] : data_) dGpuTriMeshDataDestroy(id);
-  }
-  OverlapPairs(const OverlapPairs&) = delete;
-  OverlapPairs& operator=(const OverlapPairs&) = delete;
-
-  void setBackend(int backend) const {
-    for (const dGpuTriMeshPair& pair : pairs_) {
-      dGeomGpuTriMeshSetBackend(pair.o1, backend);
-      dGeomGpuTriMeshSetBackend(pair.o2, backend);
-    }
-  }
-  /// How many overlap.
-  int ask(std::vector<unsigned char>& answers) const {
-    answers.resize(pairs_.size());
-    return dGpuTriMeshOverlaps(pairs_.data(), static_cast<int>(pairs_.size()), answers.data());
-  }
-
- private:
-  dGpuTriMeshDataID data(const CollisionMesh& mesh) {
-    const auto [found, isNew] = data_.try_emplace(&mesh, nullptr);
-    if (isNew) found->second = meshData(mesh.mesh(), "a mesh of this benchmark");
-    return found->second;
-  }
-
-  std::map<const CollisionMesh*, dGpuTriMeshDataID> data_;
-  std::vector<dGpuTriMeshPair> pairs_;
-};
-
 Json overlapRow(const std::string& work, const std::vector<Query>& queries, int repeat, bool withDevices) {
-  const OverlapPairs pairs(queries);
+  const GeomPairs pairs(queries);
   std::vector<unsigned char> expected, answers;
   int overlapping = 0;
   bool same = true;
@@ -63,10 +19,12 @@ Json overlapRow(const std::string& work, const std::vector<Query>& queries, int 
   const auto timed = [&](int backend, int threads) {
     pairs.setBackend(backend);
     dGpuTriMeshSetThreadCount(threads);
-    overlapping = pairs.ask(answers);
+    answers.resize(queries.size());
+    const auto ask = [&] { overlapping = dGpuTriMeshOverlaps(pairs.all().data(), pairs.count(), answers.data()); };
+    ask();
     if (expected.empty()) expected = answers;
     same = same && answers == expected;
-    return median(repeatTimes(repeat, [&] { return timeOnce([&] { pairs.ask(answers); }); }));
+    return median(repeatTimes(repeat, [&] { return timeOnce(ask); }));
   };
   const double one = timed(dGPUTRIMESH_BACKEND_CPU, 1), all = timed(dGPUTRIMESH_BACKEND_CPU, 0);
   const Json device = withDevices ? Json(timed(dGPUTRIMESH_BACKEND_OPENCL, 0)) : Json();

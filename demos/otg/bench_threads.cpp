@@ -41,46 +41,22 @@ std::vector<unsigned> threadCounts(const ThreadsOptions& options) {
   return counts;
 }
 
-/// GeomPairs of geoms of one mesh, each pair in a pose of its own that differs a little from the scene's.
-class GeomPairs {
- public:
-  GeomPairs(const ThreadsOptions& options, const BenchMesh& entry) {
-    data_ = meshData(*entry.mesh, entry.name);
-    dGpuTriMeshParams params;
-    dGpuTriMeshParamsInit(&params);
-    params.contact_model = options.contacts == "solid" ? dGPUTRIMESH_CONTACTS_SOLID : dGPUTRIMESH_CONTACTS_PAIRWISE;
-    params.backend = dGPUTRIMESH_BACKEND_CPU;
-    const Transformd scene = benchPose(options.bench, CollisionMesh(entry.mesh, BuildStrategy::kSah));
-    truth::Random random(1);
-    for (int i = 0; i < options.bench.pairs; ++i) {
-      dGpuTriMeshPair& pair = all.emplace_back();
-      for (dGeomID* geom : {&pair.o1, &pair.o2}) {
-        *geom = dCreateGpuTriMesh(nullptr, data_);
-        dGeomGpuTriMeshSetParams(*geom, &params);
-      }
-      Transformd pose = scene;
-      pose.t = otgAdd(pose.t, otgScale(random.direction(), 1e-4 * static_cast<double>(entry.mesh->radius())));
-      poseGeom(pair.o2, pose);
-      for (const dGeomID geom : {pair.o1, pair.o2}) {  // ODE works out poses and boxes on demand, in one thread
-        dReal box[6];
-        dGeomGetAABB(geom, box);
-      }
-    }
+/// The mesh with its copy, in each query in a pose of its own that differs a little from the scene's.
+std::vector<Query> nearbyQueries(const ThreadsOptions& options, const CollisionMesh& mesh) {
+  Query query;
+  query.a = query.b = &mesh;
+  query.options.contacts = options.contacts == "solid" ? ContactModel::kSolid : ContactModel::kPairwise;
+  query.options.maxContacts = kCallPlaces;
+  const Transformd scene = benchPose(options.bench, mesh);
+  truth::Random random(1);
+  std::vector<Query> queries;
+  for (int i = 0; i < options.bench.pairs; ++i) {
+    query.bInA = scene;
+    query.bInA.t = otgAdd(scene.t, otgScale(random.direction(), 1e-4 * static_cast<double>(mesh.mesh().radius())));
+    queries.push_back(query);
   }
-  ~GeomPairs() {
-    for (const dGpuTriMeshPair& pair : all) {
-      dGeomDestroy(pair.o1);
-      dGeomDestroy(pair.o2);
-    }
-    dGpuTriMeshDataDestroy(data_);
-  }
-  GeomPairs(const GeomPairs&) = delete;
-  GeomPairs& operator=(const GeomPairs&) = delete;
-  std::vector<dGpuTriMeshPair> all;
-
- private:
-  dGpuTriMeshDataID data_ = nullptr;
-};
+  return queries;
+}
 
 /// The contacts of every query of a run, each with as many places.
 struct CallAnswers {
@@ -184,16 +160,18 @@ int benchThreads(const ThreadsOptions& options) {
   Json rows = Json::array();
   for (const BenchMesh& entry : benchMeshes(options.bench)) {
     progress(fmt::format("{}: {} triangles", entry.name, entry.mesh->triangleCount()));
-    const GeomPairs pairs(options, entry);
-    const std::vector<dGpuTriMeshPair> samePair(pairs.all.size(), pairs.all.front());
+    const CollisionMesh mesh(entry.mesh, BuildStrategy::kSah);
+    const GeomPairs pairs(nearbyQueries(options, mesh));
+    pairs.setBackend(dGPUTRIMESH_BACKEND_CPU);
+    const std::vector<dGpuTriMeshPair> samePair(pairs.all().size(), pairs.all().front());
     std::vector<TeamWork> works;
-    for (const auto& [name, run, list] :
-         {std::tuple{"same pair", &callOnThreads, &samePair}, std::tuple{"different pairs", &callOnThreads, &pairs.all},
-          std::tuple{"batch", &collideAsBatch, &pairs.all}}) {
+    for (const auto& [name, run, list] : {std::tuple{"same pair", &callOnThreads, &samePair},
+                                          std::tuple{"different pairs", &callOnThreads, &pairs.all()},
+                                          std::tuple{"batch", &collideAsBatch, &pairs.all()}}) {
       for (const unsigned threads : counts) works.push_back({name, run, list, threads, {}, {}, {}});
     }
-    CallAnswers memory(pairs.all.size());
-    callOnThreads(pairs.all, counts.back(), memory);  // memory, and what is remembered of each pair
+    CallAnswers memory(pairs.all().size());
+    callOnThreads(pairs.all(), counts.back(), memory);  // memory, and what is remembered of each pair
     // In turns, so that a busy moment of the machine hits all of them.
     const int rounds = options.bench.repeat > 0 ? options.bench.repeat : kThreadRounds;
     for (int round = 0; round < rounds; ++round) {
@@ -224,7 +202,7 @@ void addBenchThreads(CLI::App& bench, Action& action) {
   command->add_option("--threads", options->threads, "How many threads (default: 1, 2, 4, ... and one for each core)")
       ->delimiter(',')
       ->check(CLI::Range(1, 1024));
-  command->add_option("--pairs", options->bench.pairs, "GeomPairs of geoms, and queries of one pair")
+  command->add_option("--pairs", options->bench.pairs, "Pairs of geoms, and queries of one pair")
       ->check(CLI::Range(1, 100000));
   command->add_option("--contacts", options->contacts, "Contact model")->check(CLI::IsMember({"pairwise", "solid"}));
   command->callback([options, &action] { action = [options] { return benchThreads(*options); }; });

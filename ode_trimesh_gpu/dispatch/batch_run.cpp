@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <system_error>
 #include <thread>
@@ -56,19 +57,31 @@ class BatchRun {
   }
 
  private:
+  static constexpr std::size_t kReadAtOnce = 128;
   using Indices = std::vector<std::size_t>;
   using Clock = std::chrono::steady_clock;
 
   static double hostCost(const PairJob& job, const CostModel& costs, double work) {
     return costs.hostCost(!contactsOnDevice(job), work);
   }
-  static double deviceCost(const PairJob& job, const CostModel& costs, double work) {
-    return costs.deviceCost(solidInBatch(job), work);
+  double deviceCost(std::size_t i, const CostModel& costs) const {
+    return costs.deviceCost(solids_[i] != 0, works_[i]);
   }
   double launchCost(const CostModel& costs, const Indices& block) const {
-    const auto solids =
-        std::count_if(block.begin(), block.end(), [&](std::size_t i) { return solidInBatch(*jobs_[i]); });
+    const auto solids = std::count_if(block.begin(), block.end(), [&](std::size_t i) { return solids_[i] != 0; });
     return costs.launchCost(static_cast<std::size_t>(solids) < block.size(), solids > 0);
+  }
+
+  /// What every job costs, and whether a batch has it as a pair of solids.
+  void measure() {
+    works_.resize(jobs_.size());
+    solids_.resize(jobs_.size());
+    pool_.run(jobs_.size(), kReadAtOnce, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        works_[i] = expectedWork(jobs_[i]->query);
+        solids_[i] = solidInBatch(*jobs_[i]) ? 1 : 0;
+      }
+    });
   }
 
   void deal() {
@@ -78,6 +91,7 @@ class BatchRun {
       for (std::size_t i = 0; i < jobs_.size(); ++i) singles_.push_back(i);
       return;
     }
+    measure();
     const CostModel& costs = devices_[0]->costs;
     const bool knowSolids =
         std::all_of(devices_.begin(), devices_.end(), [](const auto& d) { return d->costs.knowsSolids(); });
@@ -87,12 +101,12 @@ class BatchRun {
       const Placement place = settled(job.place);
       const bool isOpen = place.middle == Place::kAuto;
       if (!isOpen && place.middle != Place::kOpencl && place.near != Place::kOpencl) {
-        hostBusy += hostCost(job, costs, expectedWork(job.query));
+        hostBusy += hostCost(job, costs, works_[i]);
         singles_.push_back(i);
-      } else if (place.middle == place.near && solidInBatch(job) && (!isOpen || knowSolids)) {
+      } else if (place.middle == place.near && solids_[i] != 0 && (!isOpen || knowSolids)) {
         (isOpen ? open : bound).push_back(i);
       } else if (!contactsOnDevice(job) || place.middle != place.near) {
-        const double work = expectedWork(job.query);
+        const double work = works_[i];
         hostBusy += hostCost(job, costs, work);
         if (!isOpen || isSoonerOnDevice(job, costs, work)) withDevice.push_back(i);
         singles_.push_back(i);
@@ -110,9 +124,9 @@ class BatchRun {
     bound.insert(bound.end(), open.begin(), open.end());
     std::vector<double> work;
     work.reserve(bound.size());
-    for (const std::size_t i : bound) work.push_back(expectedWork(jobs_[i]->query));
+    for (const std::size_t i : bound) work.push_back(works_[i]);
     std::vector<std::uint8_t> solid;
-    for (const std::size_t i : bound) solid.push_back(solidInBatch(*jobs_[i]) ? 1 : 0);
+    for (const std::size_t i : bound) solid.push_back(solids_[i]);
     division.work = work;
     division.solid = solid;
     std::vector<CostModel> models;
@@ -123,14 +137,13 @@ class BatchRun {
       blocks_.emplace_back(bound.begin() + static_cast<std::ptrdiff_t>(begin),
                            bound.begin() + static_cast<std::ptrdiff_t>(end));
       double expected = launchCost(slot.costs, blocks_.back());
-      for (std::size_t i = begin; i < end; ++i) expected += deviceCost(*jobs_[bound[i]], slot.costs, work[i]);
+      for (std::size_t i = begin; i < end; ++i) expected += deviceCost(bound[i], slot.costs);
       slot.blockPairs = end - begin;
       slot.blockExpectedMs = 1e-3 * expected;
       slot.blockMs = 0;
       begin = end;
     }
     open_.assign(bound.begin() + static_cast<std::ptrdiff_t>(begin), bound.end());
-    openWork_.assign(work.begin() + static_cast<std::ptrdiff_t>(begin), work.end());
     singles_.insert(singles_.end(), open_.begin(), open_.end());
     if (takesOver_ && !open_.empty()) claimed_ = std::vector<std::atomic<bool>>(jobs_.size());
     hostBusy_ = hostBusy;
@@ -164,7 +177,7 @@ class BatchRun {
     try {
       // How much slower than expected the device was, and the CPU until now; not more than a little quicker.
       double expected = launchCost(slot.costs, block);
-      for (const std::size_t i : block) expected += deviceCost(*jobs_[i], slot.costs, expectedWork(jobs_[i]->query));
+      for (const std::size_t i : block) expected += deviceCost(i, slot.costs);
       const double slower = std::max(0.5, microseconds(begin) / std::max(expected, 1.0));
       while (!claimed_.empty() && !slot.isOff) {
         const Indices more = takeOver(slot, slower);
@@ -180,11 +193,11 @@ class BatchRun {
     const std::lock_guard lock(takeOver_);
     double all = 0, left = 0, forDevice = 0;
     for (std::size_t k = 0; k < open_.size(); ++k) {
-      const double cost = hostCost(*jobs_[open_[k]], slot.costs, openWork_[k]);
+      const double cost = hostCost(*jobs_[open_[k]], slot.costs, works_[open_[k]]);
       all += cost;
       if (claimed_[open_[k]].load(std::memory_order_relaxed)) continue;
       left += cost;
-      forDevice += slower * deviceCost(*jobs_[open_[k]], slot.costs, openWork_[k]);
+      forDevice += slower * deviceCost(open_[k], slot.costs);
     }
     const double done = all - left - takenCost_, elapsed = microseconds(start_);
     double host = (left + hostBusy_) / slot.costs.speedup(pool_.threadCount());
@@ -195,7 +208,7 @@ class BatchRun {
     double cost = 0;
     for (std::size_t k = open_.size(); k-- > 0 && cost < share * left;) {
       if (!claim(open_[k])) continue;
-      cost += hostCost(*jobs_[open_[k]], slot.costs, openWork_[k]);
+      cost += hostCost(*jobs_[open_[k]], slot.costs, works_[open_[k]]);
       taken.push_back(open_[k]);
     }
     takenCost_ += cost;
@@ -210,7 +223,7 @@ class BatchRun {
   void runBlock(DeviceSlot& slot, const Indices& block) noexcept {
     Indices models[2];
     try {
-      for (const std::size_t i : block) models[solidInBatch(*jobs_[i]) ? 1 : 0].push_back(i);
+      for (const std::size_t i : block) models[solids_[i]].push_back(i);
     } catch (...) {
       for (const std::size_t i : block) results_[i].outcome = PairResult::Outcome::kNoMemory;
       return;
@@ -229,9 +242,10 @@ class BatchRun {
         leave(block);
         return;
       }
-      std::vector<Query> queries;
-      queries.reserve(block.size());
-      for (const std::size_t i : block) queries.push_back(jobs_[i]->query);
+      std::vector<Query> queries(block.size());
+      pool_.run(block.size(), kReadAtOnce, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) queries[k] = jobs_[block[k]]->query;
+      });
       const auto shared = std::make_shared<opencl::BatchAnswer>();
       opencl::BatchAnswer& answer = *shared;
       Indices left;
@@ -275,9 +289,10 @@ class BatchRun {
   const std::span<PairResult> results_;
   const bool takesOver_;
   Indices singles_;
-  std::vector<Indices> blocks_;  ///< one for each device
-  Indices open_;                 ///< of the singles: those that a device may take over
-  std::vector<double> openWork_;
+  std::vector<Indices> blocks_;             ///< one for each device
+  Indices open_;                            ///< of the singles: those that a device may take over
+  std::vector<double> works_;               ///< expectedWork of every job
+  std::vector<std::uint8_t> solids_;        ///< solidInBatch of every job
   std::vector<std::atomic<bool>> claimed_;  ///< by job; empty if nobody takes over
   std::mutex takeOver_;
   double hostBusy_ = 0, takenCost_ = 0;

@@ -12,7 +12,7 @@ namespace {
 
 using Indices = std::vector<std::size_t>;
 
-constexpr std::size_t kPairsAtOnce = 1;
+constexpr std::size_t kPairsAtOnce = 1, kInsideAtOnce = 32;
 
 bool hasTriangles(const Query& query) {
   const auto any = [](const CollisionMesh* mesh) { return mesh != nullptr && !mesh->tree().nodes.empty(); };
@@ -22,13 +22,14 @@ bool hasTriangles(const Query& query) {
 /// The device's part of some jobs, and what the CPU's threads add to it.
 void askDevice(DeviceSlot& slot, ThreadPool& pool, std::span<const OverlapJob> jobs, std::span<const std::size_t> which,
                std::span<std::uint8_t> answers) {
-  std::vector<Query> queries;
-  queries.reserve(which.size());
-  for (const std::size_t i : which) queries.push_back(jobs[i].query);
+  std::vector<Query> queries(which.size());
+  pool.run(which.size(), kInsideAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) queries[k] = jobs[which[k]].query;
+  });
   std::vector<std::uint8_t> intersect;
   const bool good = slot.backend->intersectBatch(queries, intersect);
   slot.note(which.size(), good);
-  pool.run(which.size(), kPairsAtOnce, [&](std::size_t begin, std::size_t end) {
+  pool.run(which.size(), kInsideAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       Vec3d vertex{};
       answers[which[k]] = intersect[k] != 0 || containedVertex(queries[k], vertex) ? 1 : 0;

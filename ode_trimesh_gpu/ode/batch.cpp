@@ -5,11 +5,13 @@
 #include <ode/collision.h>
 
 #include <algorithm>
+#include <atomic>
 #include <climits>
 #include <condition_variable>
 #include <mutex>
 #include <system_error>
 #include <thread>
+#include <vector>
 
 #include "dispatch/dispatcher.h"
 #include "ode/pair_batch.h"
@@ -19,19 +21,26 @@
 namespace otg {
 namespace {
 
+constexpr std::size_t kCheckedAtOnce = 256;
+
 /// Geoms of our class, and once they are overridden dTriMeshes, which are read.
-bool isMesh(dGeomID geom) {
-  if (liveObjectOf(geom) != nullptr) return true;
-  return geom != nullptr && isTrimeshOverridden(dTriMeshClass) && dGeomGetClass(geom) == dTriMeshClass;
+bool isMesh(dGeomID geom, const LiveObjects& live, bool overridden) {
+  if (live.of(geom) != nullptr) return true;
+  return overridden && geom != nullptr && dGeomGetClass(geom) == dTriMeshClass;
 }
 
 /// dGPUTRIMESH_OK, or why these arguments will not do.
 int checkPairs(const dGpuTriMeshPair* pairs, int count, int flags) {
   if (count < 0 || (pairs == nullptr && count > 0) || capacityOf(flags) == 0) return dGPUTRIMESH_ERROR_ARGUMENT;
-  for (int i = 0; i < count; ++i) {
-    if (!isMesh(pairs[i].o1) || !isMesh(pairs[i].o2)) return dGPUTRIMESH_ERROR_CLASS;
-  }
-  return dGPUTRIMESH_OK;
+  const bool overridden = isTrimeshOverridden(dTriMeshClass);
+  std::atomic<bool> good{true};
+  dispatcher().run(static_cast<std::size_t>(count), kCheckedAtOnce, [&](std::size_t begin, std::size_t end) {
+    const LiveObjects live;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!isMesh(pairs[i].o1, live, overridden) || !isMesh(pairs[i].o2, live, overridden)) good = false;
+    }
+  });
+  return good ? dGPUTRIMESH_OK : dGPUTRIMESH_ERROR_CLASS;
 }
 
 std::span<const dGpuTriMeshPair> asSpan(const dGpuTriMeshPair* pairs, int count) {
@@ -107,11 +116,13 @@ int dGpuTriMeshCollidePairs(const dGpuTriMeshPair* pairs, int count, int flags, 
     batch.remember();
     const std::size_t step = static_cast<std::size_t>(otg::capacityOf(flags)) * static_cast<std::size_t>(skip);
     char* const begin = reinterpret_cast<char*>(contact);
-    for (std::size_t i = 0; i < batch.pairCount(); ++i) {
-      const std::span<const otg::Contact> contacts = batch.result(i).contacts;
-      contact_count[i] = otg::toInt(contacts.size());
-      otg::writeContacts(batch.task(i), contacts, {reinterpret_cast<dContactGeom*>(begin + i * step), skip});
-    }
+    batch.forParts([&](std::size_t from, std::size_t to) {
+      for (std::size_t i = from; i < to; ++i) {
+        const std::span<const otg::Contact> contacts = batch.result(i).contacts;
+        contact_count[i] = otg::toInt(contacts.size());
+        otg::writeContacts(batch.task(i), contacts, {reinterpret_cast<dContactGeom*>(begin + i * step), skip});
+      }
+    });
     return otg::toInt(batch.contactCount());
   });
 }
@@ -148,17 +159,19 @@ int dGpuTriMeshBatchCollect(dGpuTriMeshBatchID batch, dContactGeom* contact, int
     if (pairs.contactCount() > 0 && !hasPlace) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
     if (!batch->remembered) pairs.remember();
     batch->remembered = true;
-    std::size_t at = 0;
+    std::vector<std::size_t> starts(pairs.pairCount() + 1, 0);
+    for (std::size_t i = 0; i < pairs.pairCount(); ++i) starts[i + 1] = starts[i] + pairs.result(i).contacts.size();
     char *place = reinterpret_cast<char*>(contact), *dataPlace = reinterpret_cast<char*>(data);
-    for (std::size_t i = 0; i < pairs.pairCount(); ++i) {
-      if (first != nullptr) first[i] = otg::toInt(at);
-      const std::span<const otg::Contact> contacts = pairs.result(i).contacts;
-      const std::size_t dataAt = dataPlace == nullptr ? 0 : at * static_cast<std::size_t>(data_skip);
-      otg::writeContacts(pairs.task(i), contacts,
-                         {reinterpret_cast<dContactGeom*>(place + at * static_cast<std::size_t>(skip)), skip,
-                          reinterpret_cast<dGpuTriMeshContactData*>(dataPlace + dataAt), data_skip});
-      at += contacts.size();
-    }
+    pairs.forParts([&](std::size_t from, std::size_t to) {
+      for (std::size_t i = from; i < to; ++i) {
+        const std::size_t at = starts[i], dataAt = data == nullptr ? 0 : at * static_cast<std::size_t>(data_skip);
+        if (first != nullptr) first[i] = otg::toInt(at);
+        otg::writeContacts(pairs.task(i), pairs.result(i).contacts,
+                           {reinterpret_cast<dContactGeom*>(place + at * static_cast<std::size_t>(skip)), skip,
+                            reinterpret_cast<dGpuTriMeshContactData*>(dataPlace + dataAt), data_skip});
+      }
+    });
+    const std::size_t at = starts.back();
     if (first != nullptr) first[pairs.pairCount()] = otg::toInt(at);
     return otg::toInt(at);
   });

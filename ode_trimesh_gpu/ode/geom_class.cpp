@@ -70,8 +70,12 @@ GeomObject* objectOf(dGeomID geom) noexcept {
 }
 
 GeomObject* liveObjectOf(dGeomID geom) noexcept {
-  if (geom == nullptr) return nullptr;
-  const std::shared_lock lock(live().mutex);
+  return geom == nullptr ? nullptr : LiveObjects().of(geom);
+}
+
+LiveObjects::LiveObjects() : lock_(live().mutex) {}
+
+GeomObject* LiveObjects::of(dGeomID geom) const noexcept {
   const auto it = live().objects.find(geom);
   return it == live().objects.end() ? nullptr : it->second;
 }
@@ -113,6 +117,10 @@ void GeomUse::release() noexcept {
 }
 
 WorldPose readPose(dGeomID geom) noexcept {
+  // Of a geom with an offset ODE works out the pose when it is asked for, in the geom: several threads may ask.
+  static std::mutex offsets;
+  std::unique_lock lock(offsets, std::defer_lock);
+  if (dGeomIsOffset(geom)) lock.lock();
   const dReal* const x = dGeomGetPosition(geom);
   const dReal* const r = dGeomGetRotation(geom);
   WorldPose pose{};

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <shared_mutex>
 
 #include "ode/mesh_data.h"
 #include "ode/pair_memory.h"
@@ -105,6 +106,16 @@ GeomObject* objectOf(dGeomID geom) noexcept;
 /// For what a program hands us: any pointer may be asked about, it is not read. Null also for geoms that were destroyed
 /// (as long as no other geom of ours has got the address).
 GeomObject* liveObjectOf(dGeomID geom) noexcept;
+/// For many of them: liveObjectOf() under one lock, which keeps them alive as long as this lives. Not for long, and no
+/// geom of ours may be created or destroyed by the thread meanwhile.
+class LiveObjects {
+ public:
+  LiveObjects();
+  GeomObject* of(dGeomID geom) const noexcept;
+
+ private:
+  std::shared_lock<std::shared_mutex> lock_;
+};
 
 /// A geom's pose by value, as double: row-major rotation, position. ODE changes poses behind pointers during a call.
 struct WorldPose {

@@ -22,7 +22,7 @@
 namespace otg {
 namespace {
 
-constexpr std::size_t kRaysAtOnce = 64, kPairsAtOnce = 1, kPlacedAtOnce = 64;
+constexpr std::size_t kRaysAtOnce = 64, kPairsAtOnce = 1, kOverlapsAtOnce = 8, kPlacedAtOnce = 64;
 
 void write(const Vec3d& from, dReal* to) {
   to[0] = static_cast<dReal>(from.x);
@@ -47,9 +47,8 @@ struct Placed {
   Transformd pose{};
 };
 
-/// Returns a status.
-int place(dGeomID g, Placed& out) {
-  GeomObject* const object = liveObjectOf(g);
+/// Returns a status. `object` is the geom's, null for geoms of other classes.
+int place(dGeomID g, GeomObject* object, Placed& out) {
   if (object == nullptr) return dGPUTRIMESH_ERROR_CLASS;
   if (!out.use.emplace(object).good()) return dGPUTRIMESH_ERROR_BUSY;
   const WorldPose pose = readPose(g);
@@ -59,6 +58,10 @@ int place(dGeomID g, Placed& out) {
   out.pose = pose.transform;
   out.place = settled(pairPlacement(object->params, object->params, dispatcher().placement())).middle;
   return dGPUTRIMESH_OK;
+}
+
+int place(dGeomID g, Placed& out) {
+  return place(g, liveObjectOf(g), out);
 }
 
 Vec3d toMesh(const Placed& placed, const dReal* p) {
@@ -125,9 +128,9 @@ struct PlacedPair {
 };
 
 /// As a query, mesh A being o1's. Returns a status; a null mesh in the query: a geom without a surface.
-int placePair(dGeomID o1, dGeomID o2, PlacedPair& pair, Query& query, Transformd& pose1) {
+int placePair(dGeomID o1, dGeomID o2, const LiveObjects& live, PlacedPair& pair, Query& query, Transformd& pose1) {
   auto& [first, second] = pair;
-  for (const int status : {place(o1, first), place(o2, second)}) {
+  for (const int status : {place(o1, live.of(o1), first), place(o2, live.of(o2), second)}) {
     if (status != dGPUTRIMESH_OK) return status;
   }
   query.a = first.mesh;
@@ -141,7 +144,7 @@ int distanceOf(dGeomID o1, dGeomID o2, dReal limit, dGpuTriMeshDistance& out) {
   PlacedPair pair;
   Query query;
   Transformd pose1;
-  if (const int status = placePair(o1, o2, pair, query, pose1)) return status;
+  if (const int status = placePair(o1, o2, LiveObjects(), pair, query, pose1)) return status;
   MeshDistance found;
   if (query.a != nullptr && query.b != nullptr) found = meshDistance(query, static_cast<double>(limit));
   out = {};
@@ -161,7 +164,7 @@ int overlapOf(dGeomID o1, dGeomID o2) {
   PlacedPair pair;
   Query query;
   Transformd pose1;
-  if (const int status = placePair(o1, o2, pair, query, pose1)) return status;
+  if (const int status = placePair(o1, o2, LiveObjects(), pair, query, pose1)) return status;
   return query.a != nullptr && query.b != nullptr && overlap(query) ? 1 : 0;
 }
 
@@ -169,21 +172,34 @@ int checkPairs(const dGpuTriMeshPair* pairs, int count, const void* out) {
   return count < 0 || (count > 0 && (pairs == nullptr || out == nullptr)) ? dGPUTRIMESH_ERROR_ARGUMENT : dGPUTRIMESH_OK;
 }
 
-/// Calls one(i) for each pair, by all threads; returns the first status that is an error, else the sum of the others.
-template <class One>
-int forPairs(int count, std::size_t atOnce, const One& one) {
+/// Calls some(begin, end) for parts of the pairs, by all threads; returns the first status that is an error, else the
+/// sum of the others.
+template <class Some>
+int forParts(int count, std::size_t atOnce, const Some& some) {
   std::atomic<int> error{dGPUTRIMESH_OK}, sum{0};
   dispatcher().run(static_cast<std::size_t>(count), atOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const int answer = one(i);
-      int none = dGPUTRIMESH_OK;
-      if (answer < 0)
-        error.compare_exchange_strong(none, answer);
-      else
-        sum += answer;
-    }
+    const int answer = some(begin, end);
+    int none = dGPUTRIMESH_OK;
+    if (answer < 0)
+      error.compare_exchange_strong(none, answer);
+    else
+      sum += answer;
   });
   return error != dGPUTRIMESH_OK ? error : sum;
+}
+
+/// The same with one(i) for each pair.
+template <class One>
+int forPairs(int count, std::size_t atOnce, const One& one) {
+  return forParts(count, atOnce, [&](std::size_t begin, std::size_t end) {
+    int sum = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const int answer = one(i);
+      if (answer < 0) return answer;
+      sum += answer;
+    }
+    return sum;
+  });
 }
 
 bool isUsable(const dGpuTriMeshRay& ray) {
@@ -302,18 +318,34 @@ int dGpuTriMeshOverlap(dGeomID o1, dGeomID o2) {
 int dGpuTriMeshOverlaps(const dGpuTriMeshPair* pairs, int count, unsigned char* out) {
   return otg::guarded([&] {
     if (const int status = otg::checkPairs(pairs, count, out)) return status;
+    if (!otg::dispatcher().hasDevices()) {
+      return otg::forPairs(count, otg::kOverlapsAtOnce, [&](std::size_t i) {
+        const int answer = otg::overlapOf(pairs[i].o1, pairs[i].o2);
+        if (answer >= 0) out[i] = static_cast<unsigned char>(answer);
+        return answer;
+      });
+    }
     const auto size = static_cast<std::size_t>(count);
     std::vector<otg::PlacedPair> placed(size);  // held until all have their answers
     std::vector<otg::OverlapJob> jobs(size);
-    const int status = otg::forPairs(count, otg::kPlacedAtOnce, [&](std::size_t i) {
+    const int status = otg::forParts(count, otg::kPlacedAtOnce, [&](std::size_t begin, std::size_t end) {
+      const otg::LiveObjects live;
       otg::Transformd pose1;
-      if (const int bad = otg::placePair(pairs[i].o1, pairs[i].o2, placed[i], jobs[i].query, pose1)) return bad;
-      jobs[i].place = placed[i].place();
+      for (std::size_t i = begin; i < end; ++i) {
+        if (const int bad = otg::placePair(pairs[i].o1, pairs[i].o2, live, placed[i], jobs[i].query, pose1)) return bad;
+        jobs[i].place = placed[i].place();
+      }
       return static_cast<int>(dGPUTRIMESH_OK);
     });
     if (status < 0) return status;
     otg::dispatcher().askOverlaps(jobs, {out, size});
-    return static_cast<int>(std::count(out, out + count, 1));
+    return otg::forParts(count, otg::kPlacedAtOnce, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        placed[i].first.use.reset();
+        placed[i].second.use.reset();
+      }
+      return static_cast<int>(std::count(out + begin, out + end, 1));
+    });
   });
 }
 
