@@ -36,7 +36,8 @@ class Backend::Batch {
         overlaps_(profile ? state.profiledOverlaps : state.overlaps, state.tuning.overlapPairs) {
     std::uint64_t largest = 0;
     for (const CollisionMesh* mesh : source.meshes) largest = std::max(largest, triangles(mesh));
-    anyLarge_ = 2 * largest > state.tuning.batchTriangles;
+    // Whether large meshes intersect is as a rule soon known, and it takes many of them to keep the device busy.
+    anyLarge_ = wish != BatchWish::kAny && 2 * largest > state.tuning.batchTriangles;
   }
 
   /// False if the device failed.
