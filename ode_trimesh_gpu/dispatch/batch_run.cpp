@@ -46,7 +46,7 @@ class BatchRun {
       throw;
     }
     for (std::thread& thread : threads) thread.join();
-    if (!leftOver_.empty()) {  // of a device that was switched off meanwhile, or what it leaves to the CPU
+    if (!leftOver_.empty()) {  // of a device that was switched off meanwhile
       singles_ = std::move(leftOver_);
       claimed_.clear();
       runSingles();
@@ -231,12 +231,12 @@ class BatchRun {
     const auto start = Clock::now();
     const bool first = slot.blockMs == 0;  // not what it takes over
     for (const Indices& some : models) {
-      if (!some.empty()) runModel(slot, some, &some == &models[1]);
+      if (!some.empty()) runModel(slot, some);
     }
     if (first) slot.blockMs = 1e-3 * microseconds(start);
   }
 
-  void runModel(DeviceSlot& slot, const Indices& block, bool solid) noexcept {
+  void runModel(DeviceSlot& slot, const Indices& block) noexcept {
     try {
       if (slot.isOff) {
         leave(block);
@@ -248,11 +248,10 @@ class BatchRun {
       });
       const auto shared = std::make_shared<opencl::BatchAnswer>();
       opencl::BatchAnswer& answer = *shared;
-      Indices left;
       const opencl::RunParts onHost = [&](std::size_t count, const ThreadPool::Work& work) {
         pool_.run(count, 1, work);
       };
-      const bool good = slot.backend->collideBatch(queries, answer, nullptr, solid ? &left : nullptr, onHost);
+      const bool good = slot.backend->collideBatch(queries, answer, nullptr, onHost);
       slot.note(block.size(), good);
       for (std::size_t k = 0; k < block.size(); ++k) {
         PairResult& result = results_[block[k]];
@@ -261,12 +260,7 @@ class BatchRun {
         result.onDevice = good;
         result.deviceFailed = !good;
       }
-      for (std::size_t& k : left) {
-        k = block[k];
-        results_[k].onDevice = false;
-      }
       for (const std::size_t k : answer.byHost) results_[block[k]].onDevice = false;
-      leave(left);
       {
         const std::lock_guard lock(mutex_);
         blockCounts_ += PairCounts(answer.stats);

@@ -12,7 +12,7 @@ namespace {
 
 using Indices = std::vector<std::size_t>;
 
-constexpr std::size_t kPairsAtOnce = 1, kInsideAtOnce = 32;
+constexpr std::size_t kPairsAtOnce = 1, kInsideAtOnce = 32, kReadAtOnce = 128;
 
 bool hasTriangles(const Query& query) {
   const auto any = [](const CollisionMesh* mesh) { return mesh != nullptr && !mesh->tree().nodes.empty(); };
@@ -49,22 +49,35 @@ bool areOverlapsSoonerOnDevice(double work, std::size_t pairs, const CostModel& 
 
 void runOverlaps(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>>& devices,
                  std::span<const OverlapJob> jobs, std::span<std::uint8_t> answers) {
+  // By all threads: jobs are many and lie far apart.
+  enum class Kind : std::uint8_t { kEmpty, kHost, kBound, kOpen };
+  std::vector<Kind> kinds(jobs.size(), Kind::kEmpty);
+  std::vector<double> works(jobs.size(), 0);  // where something depends on it
+  pool.run(jobs.size(), kReadAtOnce, [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) {
+      answers[i] = 0;
+      if (!hasTriangles(jobs[i].query)) continue;
+      const Place place = devices.empty() ? Place::kCpu : jobs[i].place;
+      kinds[i] = place == Place::kCpu ? Kind::kHost : place == Place::kOpencl ? Kind::kBound : Kind::kOpen;
+      const bool matters = kinds[i] == Kind::kOpen || devices.size() > 1;
+      if (kinds[i] != Kind::kHost && matters) works[i] = expectedWork(jobs[i].query);
+    }
+  });
   Indices bound, open, host;
   double openWork = 0;
   for (std::size_t i = 0; i < jobs.size(); ++i) {
-    answers[i] = 0;
-    if (!hasTriangles(jobs[i].query)) continue;
-    const Place place = devices.empty() ? Place::kCpu : jobs[i].place;
-    if (place == Place::kAuto) openWork += expectedWork(jobs[i].query);
-    (place == Place::kCpu ? host : place == Place::kOpencl ? bound : open).push_back(i);
+    if (kinds[i] == Kind::kEmpty) continue;
+    (kinds[i] == Kind::kHost ? host : kinds[i] == Kind::kBound ? bound : open).push_back(i);
+    if (kinds[i] == Kind::kOpen) openWork += works[i];
   }
   const bool sooner = !open.empty() && areOverlapsSoonerOnDevice(openWork, open.size(), devices[0]->costs,
                                                                  devices.size(), pool.threadCount());
   Indices& target = sooner ? bound : host;
   target.insert(target.end(), open.begin(), open.end());
   // Rows of equal cost, one for each device.
+  const auto cost = [&](std::size_t i) { return devices[0]->costs.batchOverlap.of(works[i]) + 1e-9; };
   double all = 0;
-  for (const std::size_t i : bound) all += devices[0]->costs.batchOverlap.of(expectedWork(jobs[i].query)) + 1e-9;
+  for (const std::size_t i : bound) all += cost(i);
   std::vector<std::thread> threads;
   std::vector<std::exception_ptr> errors(devices.size());
   const std::span<const std::size_t> row(bound);
@@ -81,7 +94,7 @@ void runOverlaps(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>
     std::size_t end = begin;
     const double share = all * static_cast<double>(d + 1) / static_cast<double>(devices.size());
     while (end < row.size() && (done < share || d + 1 == devices.size())) {
-      done += devices[0]->costs.batchOverlap.of(expectedWork(jobs[row[end]].query)) + 1e-9;
+      done += cost(row[end]);
       ++end;
     }
     const std::span<const std::size_t> part = row.subspan(begin, end - begin);

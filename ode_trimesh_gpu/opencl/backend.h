@@ -75,7 +75,7 @@ class BatchAnswer {
   std::vector<std::size_t> refused;  ///< ascending: queries whose pose otg::collide refuses; they have no contacts
   CollideStats stats;                ///< sums
   std::size_t leftToHost = 0;        ///< pairs that the device left to the host, other than by failing
-  std::vector<std::size_t> byHost;   ///< of these, those that the host did while the device was at work
+  std::vector<std::size_t> byHost;   ///< of these, those in which the device had no part
 
   std::size_t size() const { return size_; }  ///< queries
   /// The contacts of query `i`.
@@ -153,11 +153,10 @@ class Backend {
   /// otg::collide for every query, in one submission (several if there are very many or their meshes do not fit at
   /// once; pairs of very large meshes by themselves). A query with a SolidHistory must not be there twice. Where all
   /// pairs may have contacts of the model `solid` the device makes those of pairs of solids, as a rule.
-  /// With `times` in lanes of its own that take times. With `left` pairs that the device leaves to the host are listed
-  /// there (in any order), and have no contacts yet; else they are done by `onHost`, or, without that, one after the
-  /// other. So are contacts of pairs whose overlaps the device describes.
+  /// With `times` in lanes of its own that take times. Pairs that the device leaves to the host, and contacts of pairs
+  /// whose overlaps it describes, are done by `onHost`, or, without that, one after the other.
   bool collideBatch(std::span<const Query> queries, BatchAnswer& answer, StageTimes* times = nullptr,
-                    std::vector<std::size_t>* left = nullptr, const RunParts& onHost = {});
+                    const RunParts& onHost = {});
   bool collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTimes* times = nullptr,
                     const RunParts& onHost = {});
   /// Whether the two meshes of each query have triangles that intersect: 1 or 0 (0 for a pose that is refused).
@@ -179,8 +178,7 @@ class Backend {
   template <class Source, class Finish>
   class Batch;
   template <class Source>
-  bool collideFrom(const Source& source, BatchAnswer& answer, StageTimes* times, std::vector<std::size_t>* left,
-                   const RunParts& onHost);
+  bool collideFrom(const Source& source, BatchAnswer& answer, StageTimes* times, const RunParts& onHost);
   template <class Source>
   bool intersectFrom(const Source& source, std::vector<std::uint8_t>& answer, StageTimes* times);
   bool collideIn(bool profile, const Query& query, Workspace& workspace, StageTimes& times);

@@ -18,10 +18,10 @@ namespace otg::opencl {
 ///   chunk(begin, count, found)      the flags (and contacts) of a piece, before anything else is said of its pairs
 ///   refuse(i)                       a pose that cannot be worked with
 ///   records(which, answer, query, recordsOf) pairs that the host has to finish: query(i), and places of its records
-///                                   (there are none unless wantsRecords())
 ///   described(which, query, found)  pairs whose overlaps are described, and for each of them the description; those
 ///                                   for which it is of no use are returned (if kTakesDescriptions)
-///   alone(i, query, onHost)         the pair is done without the batch; false if the device failed
+///   alone(i, query)                 the pair is done without the batch; false if the device failed
+///   withoutDevice(which, query)     pairs that the device has no part in
 template <class Source, class Finish>
 class Backend::Batch {
  public:
@@ -162,19 +162,20 @@ class Backend::Batch {
       logError(*piece.error);
       good_ = false;
       finish_.chunk(begin, count, {});
+      std::vector<std::size_t> good;
       for (std::size_t i = begin; i < begin + count; ++i) {
-        const Query query = source_.query(i);
-        if (isRefused(query)) {
+        if (isRefused(source_.query(i))) {
           finish_.refuse(i);
         } else {
-          finish_.alone(i, query, true);
+          good.push_back(i);
         }
       }
+      withoutDevice(good);
       state_.onHost += count;
       return;
     }
-    for (const std::size_t i : piece.alone) finish_.alone(i, source_.query(i), true);
-    for (const std::size_t i : piece.large) good_ = finish_.alone(i, source_.query(i), false) && good_;
+    withoutDevice(piece.alone);
+    for (const std::size_t i : piece.large) good_ = finish_.alone(i, source_.query(i)) && good_;
   }
 
   void fill(std::size_t begin, std::span<otg_batch_task> tasks, std::span<otg_batch_pair> frames, Piece& piece) {
@@ -283,10 +284,9 @@ class Backend::Batch {
       job.which.clear();
     }
     BatchLane& lane = *piece.lane;
-    const bool wantsRecords = !fromRecords.empty() && finish_.wantsRecords();
     Answer answer;
     // The counters and contacts of `found` stay where they are meanwhile.
-    if (wantsRecords) answer = scattered ? lane.records() : lane.recordsLeft();
+    if (!fromRecords.empty()) answer = scattered ? lane.records() : lane.recordsLeft();
     if (!job.which.empty()) {
       job.holder = holders_.size();
       job.batch = &lane;
@@ -297,11 +297,7 @@ class Backend::Batch {
     if constexpr (Finish::kTakesDescriptions) {
       for (const std::size_t k : fromMeanwhile) finish_.keepLeft(meanwhile.which[k], meanwhile.done[k]);
     }
-    if (wantsRecords) {
-      dealOut(begin, count, answer, fromRecords);
-    } else if (!fromRecords.empty()) {
-      leave(fromRecords);
-    }
+    if (!fromRecords.empty()) dealOut(begin, count, answer, fromRecords);
     if (wish_ == BatchWish::kSolid && source_.anyHistory) {
       for (std::size_t k = 0; k < count; ++k) {
         if ((found.flags[k] & (kNotDone | OTG_PAIR_PAIRWISE)) == 0) rememberPlain(source_.query(begin + k));
@@ -363,10 +359,6 @@ class Backend::Batch {
   /// Pairs of a batch that has ended, from their records.
   void finishInVain(Holder& holder) {
     state_.describedInVain += holder.inVain.size();
-    if (!finish_.wantsRecords()) {
-      leave(holder.inVain);
-      return;
-    }
     try {
       const Answer answer = holder.scattered ? holder.lane->records() : holder.lane->recordsLeft();
       dealOut(holder.begin, holder.count, answer, holder.inVain);
@@ -380,15 +372,12 @@ class Backend::Batch {
   void failed(const ClError& error, const std::vector<std::size_t>& which) {
     logError(error);
     good_ = false;
-    for (const std::size_t i : which) finish_.alone(i, source_.query(i), true);
+    withoutDevice(which);
     state_.onHost += which.size();
   }
 
-  /// To the host, which wants no records.
-  void leave(const std::vector<std::size_t>& which) {
-    finish_.records(
-        which, Answer{}, [&](std::size_t i) { return source_.query(i); },
-        [](std::size_t) { return std::span<const std::uint32_t>(); });
+  void withoutDevice(const std::vector<std::size_t>& which) {
+    if (!which.empty()) finish_.withoutDevice(which, [&](std::size_t i) { return source_.query(i); });
   }
 
   /// Gives each of `which` its records.
@@ -432,14 +421,12 @@ class Backend::Batch {
 };
 
 template <class Source>
-bool Backend::collideFrom(const Source& source, BatchAnswer& answer, StageTimes* times, std::vector<std::size_t>* left,
-                          const RunParts& onHost) {
+bool Backend::collideFrom(const Source& source, BatchAnswer& answer, StageTimes* times, const RunParts& onHost) {
   const Stopwatch total(times != nullptr);
   if (times) *times = {};
   state_->queries += source.size();
   answer.clear();
   ContactFinish finish{*this, state_->queries, answer};
-  finish.left = left;
   if (onHost) finish.onHost = &onHost;
   const BatchWish wish = !state_->reduces()                        ? BatchWish::kPairs
                          : source.anySolid && state_->tuning.solid ? BatchWish::kSolid
@@ -466,12 +453,12 @@ bool Backend::intersectFrom(const Source& source, std::vector<std::uint8_t>& ans
 }
 
 bool Backend::collideBatch(std::span<const Query> queries, BatchAnswer& answer, StageTimes* times,
-                           std::vector<std::size_t>* left, const RunParts& onHost) {
-  return collideFrom(QuerySource(queries, state_->tuning.solid), answer, times, left, onHost);
+                           const RunParts& onHost) {
+  return collideFrom(QuerySource(queries, state_->tuning.solid), answer, times, onHost);
 }
 
 bool Backend::collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTimes* times, const RunParts& onHost) {
-  return collideFrom(PairSource(batch, state_->tuning.solid), answer, times, nullptr, onHost);
+  return collideFrom(PairSource(batch, state_->tuning.solid), answer, times, onHost);
 }
 
 bool Backend::intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer, StageTimes* times) {

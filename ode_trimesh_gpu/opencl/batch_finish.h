@@ -34,8 +34,7 @@ struct ContactFinish {
   std::atomic<std::uint64_t>& queries;
   BatchAnswer& answer;
   Workspace workspace{};
-  std::vector<std::size_t>* left = nullptr;  ///< where pairs are listed that are the host's; null: they are done here
-  const RunParts* onHost = nullptr;          ///< by this, if it is there
+  const RunParts* onHost = nullptr;  ///< does what is the host's, if it is there
 
   void chunk(std::size_t begin, std::size_t count, const BatchFound& found) {
     answer.addQueries(count);
@@ -52,16 +51,11 @@ struct ContactFinish {
   }
 
   void refuse(std::size_t i) { answer.refused.push_back(i); }
-  bool wantsRecords() const { return left == nullptr; }
 
   template <class QueryOf, class RecordsOf>
   void records(const std::vector<std::size_t>& which, const Answer& found, const QueryOf& queryOf,
                const RecordsOf& recordsOf) {
     answer.leftToHost += which.size();
-    if (left) {
-      left->insert(left->end(), which.begin(), which.end());
-      return;
-    }
     share(which, [&](std::size_t k, Workspace& own) {
       collideFromRecords(queryOf(which[k]), found, recordsOf(which[k]), own);
       return true;
@@ -99,20 +93,19 @@ struct ContactFinish {
                  [&](std::size_t k, Workspace& own) { return takeDescribed(queryOf(which[k]), foundOf(k), own); });
   }
 
-  bool alone(std::size_t i, const Query& query, bool onHost) {
-    bool good = true;
-    if (onHost && left) {
-      left->push_back(i);
-      return true;
-    }
-    if (onHost) {
-      collide(query, workspace);
-    } else {
-      --queries;  // counted again there
-      good = backend.collide(query, workspace);
-    }
+  bool alone(std::size_t i, const Query& query) {
+    --queries;  // counted again there
+    const bool good = backend.collide(query, workspace);
     keep(i, workspace.stats, workspace.reduced);
     return good;
+  }
+  template <class QueryOf>
+  void withoutDevice(const std::vector<std::size_t>& which, const QueryOf& queryOf) {
+    share(which, [&](std::size_t k, Workspace& own) {
+      collide(queryOf(which[k]), own);
+      return true;
+    });
+    answer.byHost.insert(answer.byHost.end(), which.begin(), which.end());
   }
 
   void keep(std::size_t i, const CollideStats& stats, const std::vector<Contact>& contacts) {
@@ -182,7 +175,6 @@ struct AnyFinish {
     for (std::size_t k = 0; k < count; ++k) answer[begin + k] = (found.flags[k] & OTG_PAIR_INTERSECTS) != 0;
   }
   void refuse(std::size_t) {}
-  static bool wantsRecords() { return true; }
   static constexpr bool kTakesDescriptions = false;
   template <class QueryOf, class RecordsOf>
   void records(const std::vector<std::size_t>& which, const Answer& found, const QueryOf& queryOf,
@@ -195,16 +187,18 @@ struct AnyFinish {
                               [&](std::uint32_t r) { return recordIntersects(query, frame, found, r); });
     }
   }
-  bool alone(std::size_t i, const Query& query, bool onHost) {
-    bool good = true;
-    if (onHost) {
-      findIntersectingPairs(query, workspace);
-    } else {
-      --queries;  // counted again there
-      good = backend.findIntersectingPairs(query, workspace);
-    }
+  bool alone(std::size_t i, const Query& query) {
+    --queries;  // counted again there
+    const bool good = backend.findIntersectingPairs(query, workspace);
     answer[i] = !workspace.intersecting.empty();
     return good;
+  }
+  template <class QueryOf>
+  void withoutDevice(const std::vector<std::size_t>& which, const QueryOf& queryOf) {
+    for (const std::size_t i : which) {
+      findIntersectingPairs(queryOf(i), workspace);
+      answer[i] = !workspace.intersecting.empty();
+    }
   }
 };
 
