@@ -70,6 +70,11 @@ void PairBatch::forParts(const ThreadPool::Work& work) const {
   dispatcher().run(count_, kBlock, work);
 }
 
+void PairBatch::Block::hold(const MeshSide& side) {
+  const auto isHeld = [&](const auto& mesh) { return mesh.get() == side.mesh; };
+  if (std::none_of(meshes.begin(), meshes.end(), isHeld)) meshes.push_back(side.sharedMesh());
+}
+
 PairBatch::Kind PairBatch::read(std::size_t i, const dGpuTriMeshPair& pair, int capacity, bool unimportant,
                                 bool mayAsk) {
   if (!isPairInOde(pair.o1, pair.o2)) return Kind::kNone;
@@ -94,10 +99,12 @@ PairBatch::Kind PairBatch::read(std::size_t i, const dGpuTriMeshPair& pair, int 
     CollideOptions& options = task.job.query.options;
     options.maxContacts = std::min(options.maxContacts, capacity);
   }
-  std::shared_ptr<const void>* alive = &blocks_[i / kBlock]->alive[4 * (i % kBlock)];
-  for (const MeshSide* side : {&task.side1, &task.side2}) {
-    *alive++ = side->object->shared_from_this();
-    if (task.state == PairTask::State::kReady) *alive++ = side->sharedMesh();
+  Block& block = *blocks_[i / kBlock];
+  block.objects[2 * (i % kBlock)] = task.side1.object->shared_from_this();
+  block.objects[2 * (i % kBlock) + 1] = task.side2.object->shared_from_this();
+  if (task.state == PairTask::State::kReady) {
+    block.hold(task.side1);
+    block.hold(task.side2);
   }
   owners_[i] = static_cast<std::uint8_t>(std::max(task.side1.object->serial, task.side2.object->serial) % kOwners);
   if (task.state != PairTask::State::kReady) return Kind::kNone;

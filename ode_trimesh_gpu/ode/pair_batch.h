@@ -47,7 +47,10 @@ class PairBatch {
   struct Block {
     PairTask tasks[kBlock];
     PairResult results[kBlock];
-    std::shared_ptr<const void> alive[4 * kBlock];  ///< what the tasks point to
+    std::shared_ptr<const GeomObject> objects[2 * kBlock];  ///< what the tasks point to
+    /// Each once: counting shares of a few meshes in thousands of pairs keeps threads waiting for each other.
+    std::vector<std::shared_ptr<const CollisionMesh>> meshes;
+    void hold(const MeshSide& side);
   };
   enum class Kind : std::uint8_t { kNone, kJob, kAsks, kLater };
 
