@@ -105,6 +105,10 @@ class Bench(CliTest):
         self.assertEqual(len({row["hash"] for row in tables["batch"] if row["work"] == "contacts"}), 1)
         for row in tables["single"] + tables["batch"]:
             self.assertEqual(row.get("answers", "same"), "same")
+        of = {work: {row["hash"] for row in tables["batch"] if row["work"] == work}
+              for work in ("yes_or_no", "dGpuTriMeshOverlaps()", "dGpuTriMeshCollidePairs()")}
+        self.assertEqual([len(found) for found in of.values()][1:], [1, 1])
+        self.assertLessEqual(of["yes_or_no"], of["dGpuTriMeshOverlaps()"])
         if self.run_json("devices")["used"] is not None:
             self.assertEqual({row["backend"] for row in tables["batch"]}, {"cpu", "opencl"})
             self.assertTrue(all("opencl_ms" in row for row in tables["single"]))
