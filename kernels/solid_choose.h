@@ -3,7 +3,8 @@
 // collide/solid/region_contacts.cpp.
 //
 // OTG_SOLID_CONTACTS: the most contacts of one region; OTG_SOLID_POINTS: the most candidates. With OTG_SOLID_LARGE
-// planes may stand for several pieces.
+// planes may stand for several pieces. With OTG_RAYS_KNOWN all candidates were measured: their depths and shifts lie in
+// place of `along`. OTG_GROUP is a power of two.
 #ifndef OTG_SOLID_CHOOSE_H
 #define OTG_SOLID_CHOOSE_H
 #include "solid_region.h"
@@ -47,8 +48,10 @@ typedef struct {
   double ways[2 * OTG_SOLID_MEASURED];  ///< out of B and back out of A, by place in the order
   uint facing[OTG_FACING_PARTS * OTG_SOLID_CONTACTS];
   double reduce[OTG_GROUP];
+  uint places[OTG_GROUP];
   uint4 counts[(OTG_GROUP + 3) / 4];  ///< a word for each lane: OTG_COUNTS
   double highest;
+  uint next[3];
   uint bad, count, contacts, allocated;
   uint low[3], high[3], seeds, seen;
 } otg_solid_choice;
@@ -85,6 +88,47 @@ OTG_INLINED void otgDropShallow(__local otg_solid_choice* s, const otg_solid_wor
   for (uint i = get_local_id(0); i < w->candidates; i += OTG_GROUP) {
     if (OTG_DEPTH(s)[i] < otgLeastOfKind_d((int)otgPointOf(w, i)->kind, least)) s->alive[i] = 0;
   }
+  OTG_SYNC;
+}
+
+/// The place at which the largest value is, the first of several, among those that lanes have; OTG_NOT_THERE where all
+/// have that. All lanes call it.
+OTG_INLINED uint otgFirstOfLargest(__local otg_solid_choice* s, double value, uint place) {
+  const uint lane = get_local_id(0);
+  OTG_SYNC;
+  s->reduce[lane] = value;
+  s->places[lane] = place;
+  OTG_SYNC;
+  for (uint half_ = OTG_GROUP / 2; half_ > 0; half_ /= 2) {
+    if (lane < half_) {
+      const uint mine = s->places[lane], other = s->places[lane + half_];
+      const double x = s->reduce[lane], y = s->reduce[lane + half_];
+      if (other != OTG_NOT_THERE && (mine == OTG_NOT_THERE || y > x || (y == x && other < mine))) {
+        s->reduce[lane] = y;
+        s->places[lane] = other;
+      }
+    }
+    OTG_SYNC;
+  }
+  return s->places[0];
+}
+
+/// Of the candidates in order, s->count of them, keeps those that `stays` for each lane's own says. All lanes call it,
+/// for lane, lane + OTG_GROUP and so on.
+OTG_INLINED void otgKeepInOrder(__local otg_solid_choice* s, uint count) {
+  const uint lane = get_local_id(0);
+  uint kept = 0, total;
+  for (uint base = 0; base < count; base += OTG_GROUP) {
+    const uint k = base + lane;
+    const ushort c = k < count ? s->order[k] : 0;
+    const int stays = k < count && s->alive[c];
+    const uint place = kept + otgPlaceAmong(OTG_COUNTS(s), stays, &total);
+    // Places are not behind those that are read, and these lanes have read theirs.
+    if (stays) s->order[place] = c;
+    kept += total;
+  }
+  OTG_SYNC;
+  if (lane == 0) s->count = kept;
   OTG_SYNC;
 }
 
@@ -140,7 +184,7 @@ OTG_INLINED void otgFilterAndMerge(__local otg_solid_choice* s, const otg_solid_
   if (lane == 0 && !w->isFlat && count > 0) {
     uint first = 0;
     while (first < count && !(OTG_RANK(s)[s->order[first]] >= highest)) ++first;
-    otgBringToFront(s, first);
+    if (first < count) otgBringToFront(s, first);
   }
   OTG_SYNC;
   // Whether one stays is settled once it is for all before it that lie near it: in rounds, of which few are needed.
@@ -174,14 +218,7 @@ OTG_INLINED void otgFilterAndMerge(__local otg_solid_choice* s, const otg_solid_
     more = total > 0;
     OTG_SYNC;
   }
-  if (lane == 0) {
-    uint kept = 0;
-    for (uint k = 0; k < count; ++k) {
-      if (s->alive[s->order[k]]) s->order[kept++] = s->order[k];
-    }
-    s->count = kept;
-  }
-  OTG_SYNC;
+  otgKeepInOrder(s, count);
 }
 
 /// The first, then again and again the one of most worth: farthest from those chosen, in position and normal, and deep.
@@ -196,8 +233,12 @@ OTG_INLINED void otgSpreadCandidates(__local otg_solid_choice* s, const otg_soli
     s->alive[c] = j > 0;  // not taken
   }
   deepest = otgLargestOf(s->reduce, deepest);
-  if (lane == 0 && count > 0) s->picked[0] = s->order[0];
+  if (lane == 0) {
+    if (count > 0) s->picked[0] = s->order[0];
+    s->next[0] = OTG_NOT_THERE;
+  }
   OTG_SYNC;
+  uint round = 0;
   for (uint i = 1; i < count; ++i) {
     __global const otg_solid_point* last = otgPointOf(w, s->picked[i - 1]);
     const otg_vec3_d at = otgLoad(last->at), normal = otgLoad(last->normal);
@@ -213,18 +254,29 @@ OTG_INLINED void otgSpreadCandidates(__local otg_solid_choice* s, const otg_soli
       OTG_RANK(s)[j] = worth;
     }
     OTG_SYNC;
-    if (lane == 0) {
-      uint best = 0;
-      double more = -1;
-      while (best + 1 < all && !(OTG_RANK(s)[best] >= 0)) ++best;
-      more = OTG_SOLID_FARTHER * OTG_RANK(s)[best];
-      for (uint j = best + 1; j < all; ++j) {
+    // The first that is not taken, then always the first behind it that is worth that much more: each looked for by all
+    // lanes. A word is made ready for the next time while that of the last time may still be read.
+    uint best = OTG_NOT_THERE;
+    double more = 0;
+    for (int goesOn = 1; goesOn; ++round) {
+      if (lane == 0) s->next[(round + 1) % 3] = OTG_NOT_THERE;
+      const uint from = best == OTG_NOT_THERE ? 0 : best + 1;
+      for (uint j = from + (lane + OTG_GROUP - from % OTG_GROUP) % OTG_GROUP; j < all; j += OTG_GROUP) {
         const double worth = OTG_RANK(s)[j];
-        if (worth > more) {
-          best = j;
-          more = OTG_SOLID_FARTHER * worth;
-        }
+        if (best == OTG_NOT_THERE ? worth < 0 : !(worth > more)) continue;
+        atomic_min(s->next + round % 3, j);
+        break;
       }
+      OTG_SYNC;
+      const uint next = s->next[round % 3];
+      goesOn = next != OTG_NOT_THERE;
+      if (goesOn) {
+        best = next;
+        more = OTG_SOLID_FARTHER * OTG_RANK(s)[best];
+      }
+    }
+    OTG_SYNC;
+    if (lane == 0) {
       s->picked[i] = s->order[best];
       s->alive[s->order[best]] = 0;
     }
@@ -235,6 +287,20 @@ OTG_INLINED void otgSpreadCandidates(__local otg_solid_choice* s, const otg_soli
   OTG_SYNC;
 }
 
+#ifdef OTG_RAYS_KNOWN
+OTG_INLINED void otgCastRays(__local otg_solid_choice* s, const otg_solid_work* w, uint count,
+                             __global const float4* meshes, OTG_MESH* a, OTG_MESH* b) {
+  (void)s, (void)w, (void)count, (void)meshes, (void)a, (void)b;
+}
+
+/// Gives the candidate at place k the depth that was measured.
+OTG_INLINED double otgTakeDepth(__local otg_solid_choice* s, const otg_solid_work* w, uint k) {
+  const uint c = s->order[k];
+  __global otg_solid_point* p = otgPointOf(w, c);
+  p->shift = p->along[1];
+  return OTG_DEPTH(s)[c] = p->along[0];
+}
+#else
 /// The ways out of the first `count` candidates, by rays. All lanes call it.
 OTG_INLINED void otgCastRays(__local otg_solid_choice* s, const otg_solid_work* w, uint count,
                              __global const float4* meshes, OTG_MESH* a, OTG_MESH* b) {
@@ -261,6 +327,7 @@ OTG_INLINED double otgTakeDepth(__local otg_solid_choice* s, const otg_solid_wor
   otgPointOf(w, c)->shift = 0.5 * (out - back);
   return depth;
 }
+#endif
 
 #if OTG_SOLID_LARGE
 /// Where planes are gathered: of the candidates that estimates cannot tell apart the farthest in of either mesh are
@@ -269,25 +336,21 @@ OTG_INLINED void otgMeasureGathered(__local otg_solid_choice* s, const otg_solid
                                     __global const float4* meshes, OTG_MESH* a, OTG_MESH* b) {
   const uint lane = get_local_id(0), all = w->isGathered ? s->count : 0;
   const double enough = (1 - OTG_SOLID_GATHERED_ERROR) * s->highest;
-  if (lane == 0) {
-    uint best[2];
-    for (uint mesh = 0; mesh < 2; ++mesh) {
-      best[mesh] = OTG_NOT_THERE;
-      double most = 0;
-      for (uint k = 0; k < all; ++k) {
-        __global const otg_solid_point* p = otgPointOf(w, s->order[k]);
-        if (p->mesh != mesh || OTG_RANK(s)[s->order[k]] < enough) continue;
-        const double hint = otgDepthHint(w, mesh, otgLoad(p->at));
-        if (best[mesh] != OTG_NOT_THERE && !(hint > most)) continue;
-        best[mesh] = k;
-        most = hint;
-      }
+  if (lane == 0) s->seeds = 0;
+  for (uint mesh = 0; mesh < 2; ++mesh) {
+    uint best = OTG_NOT_THERE;
+    double most = 0;
+    for (uint k = lane; k < all; k += OTG_GROUP) {
+      __global const otg_solid_point* p = otgPointOf(w, s->order[k]);
+      if (p->mesh != mesh || OTG_RANK(s)[s->order[k]] < enough) continue;
+      const double hint = otgDepthHint(w, mesh, otgLoad(p->at));
+      if (best != OTG_NOT_THERE && !(hint > most)) continue;
+      best = k;
+      most = hint;
     }
+    best = otgFirstOfLargest(s, most, best);
     // The two to be measured, at the front in turn.
-    s->seeds = 0;
-    for (uint mesh = 0; mesh < 2; ++mesh) {
-      if (best[mesh] != OTG_NOT_THERE) s->picked[s->seeds++] = (ushort)best[mesh];
-    }
+    if (lane == 0 && best != OTG_NOT_THERE) s->picked[s->seeds++] = (ushort)best;
   }
   OTG_SYNC;
   const uint seeds = w->isGathered ? s->seeds : 0;
@@ -320,15 +383,17 @@ OTG_INLINED void otgMeasureGathered(__local otg_solid_choice* s, const otg_solid
   otgSpreadCandidates(s, w, OTG_SOLID_MEASURED_PER_CONTACT * places);
   const uint count = s->count;
   otgCastRays(s, w, count, meshes, a, b);
-  for (uint k = lane; k < count; k += OTG_GROUP) otgTakeDepth(s, w, k);
-  OTG_SYNC_ALL;
-  if (lane == 0) {
-    uint deep = 0;
-    for (uint k = 1; k < count; ++k) {
-      if (OTG_DEPTH(s)[s->order[deep]] < OTG_DEPTH(s)[s->order[k]]) deep = k;
-    }
-    otgBringToFront(s, deep);
+  uint deep = OTG_NOT_THERE;
+  double depth = 0;
+  for (uint k = lane; k < count; k += OTG_GROUP) {
+    const double own = otgTakeDepth(s, w, k);
+    if (deep != OTG_NOT_THERE && !(own > depth)) continue;
+    deep = k;
+    depth = own;
   }
+  OTG_SYNC_ALL;
+  deep = otgFirstOfLargest(s, depth, deep);
+  if (lane == 0 && count > 0) otgBringToFront(s, deep);
   OTG_SYNC;
 }
 #endif
@@ -350,16 +415,17 @@ OTG_INLINED void otgMeasure(__local otg_solid_choice* s, const otg_solid_work* w
         disagree = 1;
       }
     }
-    double deepest = 0;
-    for (uint k = 0; k < count; ++k) deepest = otgMax_d(OTG_DEPTH(s)[s->order[k]], deepest);
-    uint kept = 0;
-    for (uint k = 0; k < count; ++k) {
-      const uint c = s->order[k];
-      if (!(OTG_DEPTH(s)[c] < otgLeastOfKind_d((int)otgPointOf(w, c)->kind, deepest))) s->order[kept++] = (ushort)c;
-    }
-    s->count = kept;
   }
   OTG_SYNC_ALL;
+  double deepest = 0;
+  for (uint k = lane; k < count; k += OTG_GROUP) deepest = otgMax_d(OTG_DEPTH(s)[s->order[k]], deepest);
+  deepest = otgLargestOf(s->reduce, deepest);
+  for (uint k = lane; k < count; k += OTG_GROUP) {
+    const uint c = s->order[k];
+    s->alive[c] = !(OTG_DEPTH(s)[c] < otgLeastOfKind_d((int)otgPointOf(w, c)->kind, deepest));
+  }
+  OTG_SYNC;
+  otgKeepInOrder(s, count);
 }
 
 /// The piece of a mesh through which the contact's normal leaves, among pieces `begin` to `end`: its plane is the

@@ -92,35 +92,73 @@ OTG_INLINED void otgFindEdgePairs(__local otg_solid_ways* s, const otg_solid_wor
   OTG_SYNC;
 }
 
-/// Up to OTG_SOLID_DEEP_FACES mean directions of the region's faces of one mesh, in the sense in which they push A,
-/// from pieces in s->order, largest first. By one lane. Appends them to `count` directions.
-OTG_INLINED void otgGatherFaces(__local otg_solid_ways* s, const otg_solid_work* w, uint mesh) {
-  __local const ushort* order = s->order + (mesh == 0 ? 0 : w->facesOfA);
-  uint clusters = 0;
-  for (uint j = 0; j < otgFaceCount(w, mesh); ++j) {
-    __global const otg_solid_piece* p = w->pieces + order[j];
-    const otg_vec3_d normal = otgLoad(p->normal), n = mesh == 0 ? otgScale_d(normal, -1.0) : normal;
-    uint c = 0;
-    while (c < clusters) {
-      __local const double* x = OTG_CLUSTER(s, c);
-      if (x[0] * n.x + x[1] * n.y + x[2] * n.z >= OTG_SOLID_FACE_COSINE) break;
-      ++c;
+/// Sorts the pieces of a mesh into s->order, the largest first; equal ones by triangle, then as they are listed, so
+/// that no two have one place and none is left as it was. All lanes call it.
+OTG_INLINED void otgSortFaces(__local otg_solid_ways* s, const otg_solid_work* w, uint mesh, int isDeep) {
+  const uint count = isDeep ? otgFaceCount(w, mesh) : 0;
+  for (uint j = get_local_id(0); j < count; j += OTG_GROUP) {
+    const uint i = s->list[mesh][j];
+    const double area = w->pieces[i].area;
+    const uint triangle = w->pieces[i].triangle;
+    uint place = 0;
+    for (uint k = 0; k < count; ++k) {
+      __global const otg_solid_piece* q = w->pieces + s->list[mesh][k];
+      place += q->area > area || (q->area == area && (q->triangle < triangle || (q->triangle == triangle && k < j)));
     }
-    __local double* x = OTG_CLUSTER(s, c);
-    if (c == clusters) {
-      if (clusters == OTG_SOLID_FACE_CLUSTERS) continue;
-      ++clusters;
-      x[0] = n.x;
-      x[1] = n.y;
-      x[2] = n.z;
-      x[3] = x[4] = x[5] = x[6] = 0;
-    }
-    x[3] += n.x * p->area;
-    x[4] += n.y * p->area;
-    x[5] += n.z * p->area;
-    x[6] += p->area;
+    s->order[(mesh == 0 ? 0 : w->facesOfA) + place] = (ushort)i;
   }
-  s->listedFaces = clusters;
+}
+
+/// The normal of a piece, in the sense in which it pushes A.
+OTG_INLINED otg_vec3_d otgPushOf(__global const otg_solid_piece* p, uint mesh) {
+  const otg_vec3_d normal = otgLoad(p->normal);
+  return mesh == 0 ? otgScale_d(normal, -1.0) : normal;
+}
+
+/// Main directions of the region's faces of one mesh, from pieces in s->order, largest first: one that belongs to no
+/// cluster yet begins one, to which all those after it belong whose normals are like its own. Sums go by piece in that
+/// order. All lanes call it; `isDeep`: if not, there are none.
+OTG_INLINED void otgGatherFaces(__local otg_solid_ways* s, const otg_solid_work* w, uint mesh, int isDeep) {
+  __local const ushort* order = s->order + (mesh == 0 ? 0 : w->facesOfA);
+  const uint lane = get_local_id(0), count = isDeep ? otgFaceCount(w, mesh) : 0;
+  uint clusters = 0;
+  for (uint j = lane; j < count; j += OTG_GROUP) s->label[j] = OTG_SOLID_FACE_CLUSTERS;
+  for (int more = 1; more;) {
+    OTG_SYNC;
+    if (lane == 0) s->first = OTG_NOT_THERE;
+    OTG_SYNC;
+    for (uint j = lane; j < count; j += OTG_GROUP) {
+      if (s->label[j] != OTG_SOLID_FACE_CLUSTERS) continue;
+      atomic_min(&s->first, j);
+      break;
+    }
+    OTG_SYNC;
+    const uint first = s->first;
+    more = first != OTG_NOT_THERE && clusters < OTG_SOLID_FACE_CLUSTERS;
+    if (more) {
+      const otg_vec3_d of = otgPushOf(w->pieces + order[first], mesh);
+      for (uint j = lane; j < count; j += OTG_GROUP) {
+        if (s->label[j] != OTG_SOLID_FACE_CLUSTERS) continue;
+        const otg_vec3_d n = otgPushOf(w->pieces + order[j], mesh);
+        if (j == first || otgDot_d(of, n) >= OTG_SOLID_FACE_COSINE) s->label[j] = (uchar)clusters;
+      }
+      ++clusters;
+    }
+  }
+  OTG_SYNC;
+  for (uint t = lane; t < 4 * clusters; t += OTG_GROUP) {
+    const uint cluster = t / 4, k = t % 4;
+    double sum = 0;
+    for (uint j = 0; j < count; ++j) {
+      if (s->label[j] != cluster) continue;
+      __global const otg_solid_piece* p = w->pieces + order[j];
+      const otg_vec3_d n = otgPushOf(p, mesh);
+      sum += k == 3 ? p->area : (k == 0 ? n.x : k == 1 ? n.y : n.z) * p->area;
+    }
+    OTG_CLUSTER(s, cluster)[k] = sum;
+  }
+  if (lane == 0) s->listedFaces = clusters;
+  OTG_SYNC;
 }
 
 /// Appends the clusters that have the most area. By one lane.
@@ -128,19 +166,30 @@ OTG_INLINED void otgTakeFaces(__local otg_solid_ways* s, double least) {
   for (uint k = 0; k < OTG_SOLID_DEEP_FACES; ++k) {
     uint best = OTG_NOT_THERE;
     for (uint c = 0; c < s->listedFaces; ++c) {
-      const double area = OTG_CLUSTER(s, c)[6];
-      if (area > least && (best == OTG_NOT_THERE || area > OTG_CLUSTER(s, best)[6])) best = c;
+      const double area = OTG_CLUSTER(s, c)[3];
+      if (area > least && (best == OTG_NOT_THERE || area > OTG_CLUSTER(s, best)[3])) best = c;
     }
     if (best == OTG_NOT_THERE) return;
     __local double* x = OTG_CLUSTER(s, best);
-    const otg_vec3_d d = otgUnit_d(otgVec_d(x[3], x[4], x[5]));
-    x[6] = -1;  // taken
+    const otg_vec3_d d = otgUnit_d(otgVec_d(x[0], x[1], x[2]));
+    x[3] = -1;  // taken
     __local double* out = OTG_DEEP_DIRECTION(s, s->count);
     out[0] = d.x;
     out[1] = d.y;
     out[2] = d.z;
     ++s->count;
   }
+}
+
+/// A plane that lies ahead along d, scaled so that its value is the way to it. 0 if it does not.
+OTG_INLINED int otgIsAhead(__global const otg_solid_face* face, uint mesh, otg_vec3_d d, otg_vec3_d* n,
+                           double* offset) {
+  const otg_vec3_d normal = otgLoad(face->normal);
+  const double cosine = mesh == 1 ? otgDot_d(normal, d) : -otgDot_d(normal, d);
+  if (!(cosine > 0.05)) return 0;
+  *n = otgScale_d(normal, 1 / cosine);
+  *offset = face->meanOffset / cosine;
+  return 1;
 }
 
 /// How far A must go along d until a point is out, by the planes of the region's pieces.
@@ -151,11 +200,9 @@ OTG_INLINED double otgWayOfPoint(__local const otg_solid_ways* s, const otg_soli
     double least = far;
     __global const otg_solid_face* list = deep + (mesh == 0 ? 0 : w->facesOfA);
     for (uint j = 0; j < s->deep[mesh]; ++j) {
-      __global const otg_solid_face* face = list + j;
-      const otg_vec3_d n = otgLoad(face->normal);
-      const double cosine = mesh == 1 ? otgDot_d(n, d) : -otgDot_d(n, d);
-      if (!(cosine > 0.05)) continue;
-      least = otgMin_d(face->meanOffset / cosine - otgDot_d(otgScale_d(n, 1 / cosine), p), least);
+      otg_vec3_d n;
+      double offset;
+      if (otgIsAhead(list + j, mesh, d, &n, &offset)) least = otgMin_d(offset - otgDot_d(n, p), least);
     }
     exits[mesh] = least;
   }
@@ -176,20 +223,7 @@ OTG_INLINED void otgFindWayOut(__local otg_solid_ways* s, otg_solid_work* w, OTG
   }
   __global const otg_solid_face* deep = w->faces;
   if (isDeep) deep = otgGatherByNormal(s, w, room);
-  for (uint mesh = 0; mesh < 2; ++mesh) {
-    const uint count = isDeep ? otgFaceCount(w, mesh) : 0;
-    for (uint j = lane; j < count; j += OTG_GROUP) {
-      const uint i = s->list[mesh][j];
-      const double area = w->pieces[i].area;
-      const uint triangle = w->pieces[i].triangle;
-      uint place = 0;
-      for (uint k = 0; k < count; ++k) {
-        __global const otg_solid_piece* q = w->pieces + s->list[mesh][k];
-        place += q->area > area || (q->area == area && q->triangle < triangle);
-      }
-      s->order[(mesh == 0 ? 0 : w->facesOfA) + place] = (ushort)i;
-    }
-  }
+  for (uint mesh = 0; mesh < 2; ++mesh) otgSortFaces(s, w, mesh, isDeep);
   OTG_SYNC;
   if (lane == 0 && isDeep) {
     __local double* out = OTG_DEEP_DIRECTION(s, 0);
@@ -197,12 +231,12 @@ OTG_INLINED void otgFindWayOut(__local otg_solid_ways* s, otg_solid_work* w, OTG
     out[1] = w->mean.y;
     out[2] = w->mean.z;
     s->count = 1;
-    for (uint mesh = 0; mesh < 2; ++mesh) {
-      otgGatherFaces(s, w, mesh);
-      otgTakeFaces(s, 0.01 * areas);
-    }
   }
-  OTG_SYNC;
+  for (uint mesh = 0; mesh < 2; ++mesh) {
+    otgGatherFaces(s, w, mesh, isDeep);
+    if (lane == 0 && isDeep) otgTakeFaces(s, 0.01 * areas);
+    OTG_SYNC;
+  }
   for (uint k = lane; k < (isDeep ? s->pairs : 0); k += OTG_GROUP) {
     otg_vec3_d d, placeA, placeB;
     otgAcross(s, w, a, b, s->pairOf[k], isLump, &d, &placeA, &placeB);

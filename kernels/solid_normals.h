@@ -12,13 +12,13 @@
 
 // The same memory for what is never needed at the same time. By piece: how it counts.
 #define OTG_WEIGHT(s) ((s)->numbers)
-// Main directions, seven numbers a cluster (first normal, sum, area), and directions that are compared, with the
+// Main directions, four numbers a cluster (sum, area), and directions that are compared, with the
 // region's extents along them and the ways out.
-#define OTG_CLUSTER(s, c) ((s)->numbers + 7 * (c))
-#define OTG_DEEP_DIRECTION(s, k) ((s)->numbers + 7 * OTG_SOLID_FACE_CLUSTERS + 3 * (k))
-#define OTG_DEEP_EXTENT(s, k) (s)->numbers[7 * OTG_SOLID_FACE_CLUSTERS + 3 * OTG_SOLID_DIRECTIONS + (k)]
-#define OTG_DEEP_WAY(s, k) (s)->numbers[7 * OTG_SOLID_FACE_CLUSTERS + 4 * OTG_SOLID_DIRECTIONS + (k)]
-#define OTG_DEEP_NUMBERS (7 * OTG_SOLID_FACE_CLUSTERS + 5 * OTG_SOLID_DIRECTIONS)
+#define OTG_CLUSTER(s, c) ((s)->numbers + 4 * (c))
+#define OTG_DEEP_DIRECTION(s, k) ((s)->numbers + 4 * OTG_SOLID_FACE_CLUSTERS + 3 * (k))
+#define OTG_DEEP_EXTENT(s, k) (s)->numbers[4 * OTG_SOLID_FACE_CLUSTERS + 3 * OTG_SOLID_DIRECTIONS + (k)]
+#define OTG_DEEP_WAY(s, k) (s)->numbers[4 * OTG_SOLID_FACE_CLUSTERS + 4 * OTG_SOLID_DIRECTIONS + (k)]
+#define OTG_DEEP_NUMBERS (4 * OTG_SOLID_FACE_CLUSTERS + 5 * OTG_SOLID_DIRECTIONS)
 #if OTG_SOLID_LARGE
 // By point, while they are thinned: how deep, and cell.
 #define OTG_HINTS(s) ((s)->numbers)
@@ -39,16 +39,27 @@ typedef struct {
 #endif
   ushort list[2][OTG_SOLID_FACES];  ///< pieces of A and of B
   ushort order[OTG_SOLID_FACES];    ///< A's by area, then B's
+  uchar label[OTG_SOLID_FACES];     ///< clusters of these
   double reduce[OTG_GROUP], sums[8];
   uint4 counts[(OTG_GROUP + 3) / 4];  ///< a word for each lane: OTG_COUNTS
   double weighted[3], shareOfB;
   uint sharp[2][OTG_SOLID_MOST_STRETCHES];  ///< middles of sharp convex edges, ascending
-  uint planes[2], deep[2], listedFaces, bad;
+  uint planes[2], deep[2], listedFaces, first, bad;
   uint pairs, pairOf[OTG_SOLID_MOST_STRETCHES * OTG_SOLID_MOST_STRETCHES], across;
   uint isFlat, corners, count, allocated;
 } otg_solid_ways;
 
-/// Lists the pieces of either mesh and makes their planes. All lanes call it.
+/// The plane of a piece, or of several: of their vector area, and the sum of offsets times its length.
+OTG_INLINED void otgSetPlane(__global otg_solid_face* face, otg_vec3_d vector, double offset, otg_vec3_d lo,
+                             otg_vec3_d hi) {
+  const double length = otgNorm_d(vector);
+  otgStore(face->lo, lo);
+  otgStore(face->hi, hi);
+  otgStore(face->normal, length > 0 ? otgScale_d(vector, 1 / length) : otgVec_d(0, 0, 0));
+  face->offset = length > 0 ? offset / length : 0;
+}
+
+/// Lists the pieces of either mesh. All lanes call it.
 OTG_INLINED void otgListPieces(__local otg_solid_ways* s, otg_solid_work* w) {
   const uint lane = get_local_id(0);
   uint running[2], total;
@@ -66,27 +77,67 @@ OTG_INLINED void otgListPieces(__local otg_solid_ways* s, otg_solid_work* w) {
   w->facesOfA = w->planesOfA = running[0];
   w->facesOfB = w->planesOfB = running[1];
   OTG_SYNC;
-  for (uint k = lane; k < running[0] + running[1]; k += OTG_GROUP) {
-    const uint mesh = k >= running[0], j = mesh ? k - running[0] : k;
-    __global const otg_solid_piece* p = w->pieces + s->list[mesh][j];
+}
+
+/// The planes of all pieces, which are listed. All lanes call it.
+OTG_INLINED void otgMakePlanes(__local otg_solid_ways* s, otg_solid_work* w) {
+  for (uint k = get_local_id(0); k < w->facesOfA + w->facesOfB; k += OTG_GROUP) {
+    __global const otg_solid_piece* p = w->pieces + (k >= w->facesOfA ? s->list[1][k - w->facesOfA] : s->list[0][k]);
     __global otg_solid_face* face = w->faces + k;
     const otg_vec3_d vector = otgLoad(p->vector);
-    const double length = otgNorm_d(vector), offset = p->offset * length;
-    for (int c = 0; c < 3; ++c) {
-      face->lo[c] = p->lo[c];
-      face->hi[c] = p->hi[c];
-    }
-    const otg_vec3_d n = length > 0 ? otgScale_d(vector, 1 / length) : otgVec_d(0, 0, 0);
-    face->normal[0] = n.x;
-    face->normal[1] = n.y;
-    face->normal[2] = n.z;
-    face->offset = length > 0 ? offset / length : 0;
+    const double length = otgNorm_d(vector);
+    otgSetPlane(face, vector, p->offset * length, otgLoad(p->lo), otgLoad(p->hi));
     face->meanOffset = length > 0 ? p->offset * p->area / length : 0;
   }
   w->planes = w->faces;
   w->candidates = w->pointCount;
   w->isGathered = 0;
   OTG_SYNC_ALL;
+}
+
+/// Where the way back from a plane begins: on it, in its middle.
+OTG_INLINED otg_vec3_d otgMiddleOfPlane(__global const otg_solid_face* face) {
+  const otg_vec3_d n = otgLoad(face->normal);
+  const otg_vec3_d middle = otgScale_d(otgAdd_d(otgLoad(face->lo), otgLoad(face->hi)), 0.5);
+  return otgAdd_d(middle, otgScale_d(n, face->offset - otgDot_d(n, middle)));
+}
+
+/// What a piece says of where out is, from the ways back from it.
+OTG_INLINED double otgWeightOfWays(const otg_solid_work* w, double nearest, double convex) {
+  const double way = nearest < w->diagonal ? nearest : w->diagonal < convex ? w->diagonal : convex;
+  return otgDepthWeight_d(way, w->thickness);
+}
+
+/// How a face counts for normals, from its own vector and area: a large one counts no more than one of the size of the
+/// reach.
+OTG_INLINED void otgSetWeighted(const otg_solid_work* w, __global otg_solid_face* face, uint mesh, otg_vec3_d vector,
+                                double area, double ownWeight) {
+  const double cap = w->radius * w->radius, weight = ownWeight * (area > cap ? cap / area : 1.0);
+  otgStore(face->weighted, otgScale_d(vector, mesh == 0 ? -weight : weight));
+  face->weightedArea = weight * area;
+}
+
+/// What the sums of weighted vectors of A and of B, and of areas, say of the region. By one lane. `weighs`: whether
+/// there are weights.
+OTG_INLINED void otgSettleSides(__local const double* sums, const otg_solid_work* w, int weighs, __local double* out,
+                                __local double* shareOfB, __local uint* isFlat) {
+  const otg_vec3_d a = otgVec_d(sums[0], sums[1], sums[2]), b = otgVec_d(sums[3], sums[4], sums[5]);
+  const double coherenceA = sums[6] > 0 ? otgNorm_d(a) / sums[6] : 0;
+  const double coherenceB = sums[7] > 0 ? otgNorm_d(b) / sums[7] : 0;
+  const double coherence = coherenceA < coherenceB ? coherenceB : coherenceA;
+  otg_vec3_d weighted = w->mean;
+  *shareOfB = 0.5;
+  if (weighs) {
+    const otg_vec3_d ofA = otgScale_d(otgUnit_d(a), -1.0), ofB = otgUnit_d(b);
+    const double share = otgShareOfB_d(ofA, ofB, w->mean, coherenceA, coherenceB);
+    const otg_vec3_d chosen = otgUnit_d(otgAdd_d(otgScale_d(ofA, 1 - share), otgScale_d(ofB, share)));
+    *shareOfB = share;
+    if (otgDot_d(chosen, chosen) > 0) weighted = chosen;
+  }
+  out[0] = weighted.x;
+  out[1] = weighted.y;
+  out[2] = weighted.z;
+  *isFlat = w->coherence >= OTG_SOLID_FLAT || (weighs && coherence >= OTG_SOLID_CURVED);
 }
 
 /// What each piece says of where out is, by how near the other surface lies behind it. All lanes call it.
@@ -98,15 +149,12 @@ OTG_INLINED void otgWeighPieces(__local otg_solid_ways* s, const otg_solid_work*
     __global otg_solid_face* face = w->faces + k;
     double weight = 1;
     if (weighs) {
-      const otg_vec3_d n = otgLoad(face->normal);
-      const otg_vec3_d middle = otgScale_d(otgAdd_d(otgLoad(face->lo), otgLoad(face->hi)), 0.5);
-      const otg_vec3_d from = otgAdd_d(middle, otgScale_d(n, face->offset - otgDot_d(n, middle)));
       double convex;
       const uint other = k >= w->facesOfA ? 0 : 1;
-      const double nearest = otgWayOut(otgFace(w, other, 0), otgFaceCount(w, other), from, otgScale_d(n, -1.0),
-                                       OTG_SOLID_PIECE_SLACK * w->diagonal, 1, &convex);
-      const double way = nearest < w->diagonal ? nearest : w->diagonal < convex ? w->diagonal : convex;
-      weight = otgDepthWeight_d(way, w->thickness);
+      const double nearest =
+          otgWayOut(otgFace(w, other, 0), otgFaceCount(w, other), otgMiddleOfPlane(face),
+                    otgScale_d(otgLoad(face->normal), -1.0), OTG_SOLID_PIECE_SLACK * w->diagonal, 1, &convex);
+      weight = otgWeightOfWays(w, nearest, convex);
     }
     __global const otg_solid_piece* p = w->pieces + (k >= w->facesOfA ? s->list[1][k - w->facesOfA] : s->list[0][k]);
     // Terms of the sums, for a moment.
@@ -128,38 +176,12 @@ OTG_INLINED void otgWeighPieces(__local otg_solid_ways* s, const otg_solid_work*
     s->sums[k] = sum;
   }
   OTG_SYNC;
-  const double cap = w->radius * w->radius;
   for (uint k = lane; k < faces; k += OTG_GROUP) {
-    __global otg_solid_face* face = w->faces + k;
     const uint mesh = k >= w->facesOfA;
     __global const otg_solid_piece* p = w->pieces + (mesh ? s->list[1][k - w->facesOfA] : s->list[0][k]);
-    // A large part counts no more than one of the size of the reach.
-    const double weight = OTG_WEIGHT(s)[k] * (p->area > cap ? cap / p->area : 1.0);
-    const otg_vec3_d weighted = otgScale_d(otgLoad(p->vector), mesh == 0 ? -weight : weight);
-    face->weighted[0] = weighted.x;
-    face->weighted[1] = weighted.y;
-    face->weighted[2] = weighted.z;
-    face->weightedArea = weight * p->area;
+    otgSetWeighted(w, w->faces + k, mesh, otgLoad(p->vector), p->area, OTG_WEIGHT(s)[k]);
   }
-  if (lane == 0) {
-    const otg_vec3_d a = otgVec_d(s->sums[0], s->sums[1], s->sums[2]), b = otgVec_d(s->sums[3], s->sums[4], s->sums[5]);
-    const double coherenceA = s->sums[6] > 0 ? otgNorm_d(a) / s->sums[6] : 0;
-    const double coherenceB = s->sums[7] > 0 ? otgNorm_d(b) / s->sums[7] : 0;
-    const double coherence = coherenceA < coherenceB ? coherenceB : coherenceA;
-    otg_vec3_d weighted = w->mean;
-    s->shareOfB = 0.5;
-    if (weighs) {
-      const otg_vec3_d ofA = otgScale_d(otgUnit_d(a), -1.0), ofB = otgUnit_d(b);
-      const double share = otgShareOfB_d(ofA, ofB, w->mean, coherenceA, coherenceB);
-      const otg_vec3_d chosen = otgUnit_d(otgAdd_d(otgScale_d(ofA, 1 - share), otgScale_d(ofB, share)));
-      s->shareOfB = share;
-      if (otgDot_d(chosen, chosen) > 0) weighted = chosen;
-    }
-    s->weighted[0] = weighted.x;
-    s->weighted[1] = weighted.y;
-    s->weighted[2] = weighted.z;
-    s->isFlat = w->coherence >= OTG_SOLID_FLAT || (weighs && coherence >= OTG_SOLID_CURVED);
-  }
+  if (lane == 0) otgSettleSides(s->sums, w, weighs, s->weighted, &s->shareOfB, &s->isFlat);
   OTG_SYNC_ALL;
 }
 

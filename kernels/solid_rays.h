@@ -28,6 +28,25 @@ OTG_INLINED int otgRayMeetsBox(otg_vec3_d o, otg_vec3_d d, otg_vec3_d inverse, f
          otgRayMeetsSlab(o.z, d.z, inverse.z, (double)center.z, (double)extent.z, &near, &far);
 }
 
+/// Where the ray meets a triangle that has an area: 1, how far, and whether it leaves the solid there.
+OTG_INLINED int otgRayMeetsTriangle(__global const float4* meshes, uint soup, otg_vec3_d o, otg_vec3_d d,
+                                    double* distance, int* leaving) {
+  const float4 u0 = meshes[soup], u1 = meshes[soup + 1], u2 = meshes[soup + 2];
+  if (as_uint(u1.w) != 0) return 0;  // no area
+  const otg_vec3_d p0 = otgVec_d((double)u0.x, (double)u0.y, (double)u0.z);
+  const otg_vec3_d e1 = otgSub_d(otgVec_d((double)u1.x, (double)u1.y, (double)u1.z), p0);
+  const otg_vec3_d e2 = otgSub_d(otgVec_d((double)u2.x, (double)u2.y, (double)u2.z), p0);
+  const otg_vec3_d h = otgCross_d(d, e2);
+  const double det = otgDot_d(e1, h);
+  if (det == 0) return 0;
+  const otg_vec3_d s = otgSub_d(o, p0), r = otgCross_d(s, e1);
+  const double x = otgDot_d(s, h) / det, y = otgDot_d(d, r) / det;
+  if (x < -1e-9 || y < -1e-9 || x + y > 1 + 1e-9) return 0;
+  *distance = otgDot_d(e2, r) / det;
+  *leaving = det < 0;
+  return 1;
+}
+
 /// As exitDistance: 0 where the first surface that the ray meets is entered, -1 where it meets none, -2 where the tree
 /// is too deep.
 OTG_INLINED double otgExitDistance(__global const float4* meshes, OTG_MESH* m, otg_vec3_d from, otg_vec3_d along,
@@ -58,20 +77,9 @@ OTG_INLINED double otgExitDistance(__global const float4* meshes, OTG_MESH* m, o
       continue;
     }
     for (uint k = 0; k < (uint)-count; ++k) {
-      const uint soup = m->soup + 3 * (first + k);
-      const float4 u0 = meshes[soup], u1 = meshes[soup + 1], u2 = meshes[soup + 2];
-      if (as_uint(u1.w) != 0) continue;  // no area
-      const otg_vec3_d p0 = otgVec_d((double)u0.x, (double)u0.y, (double)u0.z);
-      const otg_vec3_d e1 = otgSub_d(otgVec_d((double)u1.x, (double)u1.y, (double)u1.z), p0);
-      const otg_vec3_d e2 = otgSub_d(otgVec_d((double)u2.x, (double)u2.y, (double)u2.z), p0);
-      const otg_vec3_d h = otgCross_d(d, e2);
-      const double det = otgDot_d(e1, h);
-      if (det == 0) continue;
-      const otg_vec3_d s = otgSub_d(o, p0), r = otgCross_d(s, e1);
-      const double x = otgDot_d(s, h) / det, y = otgDot_d(d, r) / det;
-      if (x < -1e-9 || y < -1e-9 || x + y > 1 + 1e-9) continue;
-      const double distance = otgDot_d(e2, r) / det;
-      const int leaving = det < 0;
+      double distance;
+      int leaving;
+      if (!otgRayMeetsTriangle(meshes, m->soup + 3 * (first + k), o, d, &distance, &leaving)) continue;
       if (!(distance >= 0 && distance <= nearest)) continue;
       if (!leaving && distance <= skin) continue;
       if (found && distance == nearest && leaves) continue;  // an edge that both sides share: leaving wins

@@ -16,7 +16,9 @@ typedef struct {
   uint pieceCount, pointCount, candidates, facesOfA, facesOfB, planesOfA, planesOfB;
   int isGathered, isFlat, isFixed;
   double diagonal, thickness, coherence, radius, shareOfB;
+  otg_vec3_d lo;                     ///< of its bounds
   otg_vec3_d mean, weighted, fixed;  ///< `fixed`: the normal everywhere if isFixed
+  otg_vec3_d fallback;               ///< where the surfaces do not say where out is
 } otg_solid_work;
 
 /// What solidRegions knows of the region at a place in the arena.
@@ -30,7 +32,9 @@ OTG_INLINED otg_solid_work otgWorkOn(__global uchar* arena, uint place) {
   w.diagonal = w.region->diagonal;
   w.thickness = w.region->thickness;
   w.coherence = w.region->coherence;
+  w.lo = otgLoad(w.region->lo);
   w.mean = otgUnit_d(otgLoad(w.region->push));
+  w.fallback = w.mean;
   w.radius = otgNormalReach_d(w.region->areaA + w.region->areaB, w.thickness);
   return w;
 }
@@ -118,6 +122,17 @@ OTG_INLINED double otgExtentAlong(const otg_solid_work* w, otg_vec3_d d) {
   return hi - lo;
 }
 
+/// Adds what a face says of the normal at a point: vector and area.
+OTG_INLINED void otgAddArea(__global const otg_solid_face* p, int isThere, otg_vec3_d point, double inverse, double* x,
+                            double* y, double* z, double* a) {
+  const double d = otgSquaredDistance(point, otgLoad(p->lo), otgLoad(p->hi));
+  const double near = isThere ? otgMax_d(1 - d * inverse, 0) : 0, weight = near * near;
+  *x += p->weighted[0] * weight;
+  *y += p->weighted[1] * weight;
+  *z += p->weighted[2] * weight;
+  *a += p->weightedArea * weight;
+}
+
 /// Sum of a mesh's weighted areas about a point, in the order of the host: four sums in turn.
 OTG_INLINED otg_vec3_d otgAreasAbout(const otg_solid_work* w, uint mesh, otg_vec3_d point, double* area) {
   const double inverse = 1 / (w->radius * w->radius);
@@ -127,34 +142,35 @@ OTG_INLINED otg_vec3_d otgAreasAbout(const otg_solid_work* w, uint mesh, otg_vec
   for (uint base = 0; base < count; base += 4) {
     OTG_UNROLLED(4)
     for (uint k = 0; k < 4; ++k) {
-      __global const otg_solid_face* p = otgFace(w, mesh, base + k < count ? base + k : base);
-      const double d = otgSquaredDistance(point, otgLoad(p->lo), otgLoad(p->hi));
-      const double near = base + k < count ? otgMax_d(1 - d * inverse, 0) : 0, weight = near * near;
-      x[k] += p->weighted[0] * weight;
-      y[k] += p->weighted[1] * weight;
-      z[k] += p->weighted[2] * weight;
-      a[k] += p->weightedArea * weight;
+      const int isThere = base + k < count;
+      otgAddArea(otgFace(w, mesh, isThere ? base + k : base), isThere, point, inverse, x + k, y + k, z + k, a + k);
     }
   }
   *area = (a[0] + a[1]) + (a[2] + a[3]);
   return otgVec_d((x[0] + x[1]) + (x[2] + x[3]), (y[0] + y[1]) + (y[2] + y[3]), (z[0] + z[1]) + (z[2] + z[3]));
 }
 
-OTG_INLINED otg_vec3_d otgNormalAt(const otg_solid_work* w, otg_vec3_d point) {
-  if (w->isFixed) return w->fixed;
-  if (w->coherence >= OTG_SOLID_FLAT) return w->mean;
+/// Where not all of a region has one normal: that of a point from the areas about it.
+OTG_INLINED otg_vec3_d otgNormalOfAreas(const otg_solid_work* w, otg_vec3_d a, double areaA, otg_vec3_d b,
+                                        double areaB) {
   const int isLump = otgIsLump_d(w->thickness, w->diagonal);
-  double areaA, areaB;
-  const otg_vec3_d a = otgAreasAbout(w, 0, point, &areaA), b = otgAreasAbout(w, 1, point, &areaB);
   otg_vec3_d n = otgLocalNormal_d(a, areaA, b, areaB, w->shareOfB, isLump);
-  if (!(otgDot_d(n, n) > 0)) n = w->mean;
+  if (!(otgDot_d(n, n) > 0)) n = w->fallback;
   if (w->coherence > OTG_SOLID_CURVED) {
     const double part = (w->coherence - OTG_SOLID_CURVED) / (OTG_SOLID_STRAIGHT - OTG_SOLID_CURVED);
     const double share = part < 1 ? part : 1;
     const otg_vec3_d weighted = w->weighted;
     n = otgUnit_d(otgAdd_d(otgScale_d(weighted, share), otgScale_d(n, 1 - share)));
   }
-  return isLump && otgDot_d(n, w->mean) < -0.2 ? w->mean : n;
+  return isLump && w->coherence >= OTG_SOLID_COHERENT && otgDot_d(n, w->mean) < -0.2 ? w->mean : n;
+}
+
+OTG_INLINED otg_vec3_d otgNormalAt(const otg_solid_work* w, otg_vec3_d point) {
+  if (w->isFixed) return w->fixed;
+  if (w->coherence >= OTG_SOLID_FLAT) return w->mean;
+  double areaA, areaB;
+  const otg_vec3_d a = otgAreasAbout(w, 0, point, &areaA), b = otgAreasAbout(w, 1, point, &areaB);
+  return otgNormalOfAreas(w, a, areaA, b, areaB);
 }
 
 /// Larger for a point that lies deeper in the other mesh as far as the region's mean direction can tell.

@@ -4,6 +4,8 @@
 #define OTG_SOLID_SURFACE_H
 #include "outline.h"
 #include "solid_inside.h"
+//
+#include "solid_point.h"
 
 typedef struct {
   __local otg_solid_scratch* s;
@@ -123,33 +125,11 @@ OTG_INLINED void otgWriteInterior(const otg_solid_pair* pair, uint slot, ulong i
   }
 }
 
-OTG_INLINED void otgWritePoint(__global otg_solid_point* out, OTG_MESH* m, otg_vec3_d position, otg_vec3_d span,
-                               otg_vec3_d normal, uint kind, uint feature, uint ordinal, uint own, uint other,
-                               int flat) {
-  const uint mesh = m->isB ? 1 : 0;
-  otgStore(out->position, position);
-  otgStore(out->along, otgUnit_d(span));
-  out->reach = otgNorm_d(span);
-  otgStore(out->surfaceNormal, otgDirectionInA(m, otgUnit_d(normal)));
-  out->kind = kind;
-  out->mesh = mesh;
-  out->feature = feature;
-  out->ordinal = ordinal;
-  out->triangleA = mesh == 0 ? own : other;
-  out->triangleB = mesh == 0 ? other : own;
-  out->flat = flat ? 1 : 0;
-  out->order = (ulong)kind << 62 | (ulong)mesh << 61 | (ulong)feature << 29 | min(ordinal, 0x1fffffffu);
-}
-
 OTG_INLINED void otgWriteVertexPoint(const otg_solid_pair* pair, uint slot, __global otg_solid_point* out) {
   const uint mesh = (pair->s->vertexKey[slot] - 1) & 1, v = (pair->s->vertexKey[slot] - 1) >> 1;
   OTG_MESH* m = mesh == 0 ? pair->a : pair->b;
-  otg_vec3_d normal = otgVec_d(0, 0, 0);
-  for (uint k = m->firstSpoke[v]; k < m->firstSpoke[v + 1]; ++k) {
-    normal = otgAdd_d(normal, otgOwnNormal(m, m->spokes[k] / 3));
-  }
-  otgWritePoint(out, m, otgRelativeVertex(pair, m, v), otgVec_d(0, 0, 0), normal, OTG_POINT_VERTEX, v, 0,
-                m->spokes[m->firstSpoke[v]] / 3, OTG_NOT_THERE, (as_uint(m->vertices[v].w) & OTG_VERTEX_FLAT) != 0);
+  otgWritePoint(out, m, otgRelativeVertex(pair, m, v), otgVec_d(0, 0, 0), otgNormalOfVertex(m, v), OTG_POINT_VERTEX, v,
+                0, m->spokes[m->firstSpoke[v]] / 3, OTG_NOT_THERE, (as_uint(m->vertices[v].w) & OTG_VERTEX_FLAT) != 0);
 }
 
 /// The points of the stretch at a crossing: how many, and writes them unless `out` is null.
@@ -167,7 +147,7 @@ OTG_INLINED uint otgStretchPoints(const otg_solid_pair* pair, uint c, uint regio
   const otg_vec3_d q = toVertex ? otgRelativeVertex(pair, m, ends.y) : otgCrossingAt(pair, to);
   const otg_vec3_d d = otgSub_d(q, p);
   const uint stretch = s->exits[c] ? s->rank[c] / 2u : (s->rank[c] + 1u) / 2u, own = ends.z / 3;
-  const otg_vec3_d normal = otgAdd_d(otgOwnNormal(m, own), otgOwnNormal(m, otgTwinOf(m, ends.z) / 3));
+  const otg_vec3_d normal = otgNormalOfEdge(m, ends.z);
   const int kind = fromVertex || toVertex ? OTG_POINT_MIDDLE : OTG_POINT_MIDDLE_OF_CONTOUR;
   OTG_ROLLED
   for (uint k = 0; k < 3; ++k) {  // its beginning, its end, its middle

@@ -28,7 +28,7 @@ OTG_INLINED uint otgCellOf(otg_vec3_d x, otg_vec3_d lo, double cell) {
 OTG_INLINED uint otgKeyByPlace(const otg_solid_work* w, __global const otg_solid_piece* p) {
   const otg_vec3_d n = otgLoad(p->normal), middle = otgScale_d(otgAdd_d(otgLoad(p->lo), otgLoad(p->hi)), 0.5);
   const uint axis = otgMainAxis(n);
-  return otgCellOf(middle, otgLoad(w->region->lo), w->diagonal / OTG_SOLID_PLANE_CELLS) |
+  return otgCellOf(middle, w->lo, w->diagonal / OTG_SOLID_PLANE_CELLS) |
          (2 * axis + (otgAlongAxis(n, axis) < 0 ? 1 : 0)) << 24;
 }
 
@@ -102,7 +102,7 @@ OTG_INLINED void otgThinPoints(__local otg_solid_ways* s, otg_solid_work* w) {
     __global const otg_solid_point* p = w->points + i;
     const otg_vec3_d x = otgLoad(p->position);
     hints[i] = otgDepthHint(w, p->mesh, x);
-    keys[i] = thins ? otgCellOf(x, otgLoad(w->region->lo), cell) | p->kind << 24 | p->mesh << 28 : i;
+    keys[i] = thins ? otgCellOf(x, w->lo, cell) | p->kind << 24 | p->mesh << 28 : i;
   }
   OTG_SYNC;
   for (uint base = 0; base < count; base += OTG_GROUP) {

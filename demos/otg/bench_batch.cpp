@@ -69,6 +69,8 @@ const std::map<std::string, std::uint32_t opencl::Tuning::*>& tuningKeys() {
       {"overlapHits", &Tuning::overlapHits},
       {"overlapUnits", &Tuning::overlapUnits},
       {"overlapGroup", &Tuning::overlapGroup},
+      {"overlapContacts", &Tuning::overlapContacts},
+      {"overlapLanes", &Tuning::overlapLanes},
       {"overlapGroupsPerUnit", &Tuning::overlapGroupsPerUnit},
       {"leastOverlaps", &Tuning::leastOverlaps},
       {"overlapPairs", &Tuning::overlapPairs},
@@ -135,12 +137,21 @@ class StageMedians {
   void addTo(Json& row) const {
     using opencl::StageTimes;
     static constexpr std::pair<const char*, double StageTimes::*> kStages[] = {
-        {"fill_ms", &StageTimes::fill},       {"write_ms", &StageTimes::write},
-        {"top_ms", &StageTimes::top},         {"levels_ms", &StageTimes::levels},
-        {"main_ms", &StageTimes::main},       {"contacts_ms", &StageTimes::contacts},
-        {"regions_ms", &StageTimes::regions}, {"select_ms", &StageTimes::select},
-        {"choose_ms", &StageTimes::choose},   {"read_back_ms", &StageTimes::readBack},
-        {"host_ms", &StageTimes::host},       {"reduction_ms", &StageTimes::reduction},
+        {"fill_ms", &StageTimes::fill},
+        {"write_ms", &StageTimes::write},
+        {"top_ms", &StageTimes::top},
+        {"levels_ms", &StageTimes::levels},
+        {"main_ms", &StageTimes::main},
+        {"contacts_ms", &StageTimes::contacts},
+        {"regions_ms", &StageTimes::regions},
+        {"select_ms", &StageTimes::select},
+        {"weigh_ms", &StageTimes::weigh},
+        {"ways_ms", &StageTimes::ways},
+        {"candidates_ms", &StageTimes::candidates},
+        {"choose_ms", &StageTimes::choose},
+        {"read_back_ms", &StageTimes::readBack},
+        {"host_ms", &StageTimes::host},
+        {"reduction_ms", &StageTimes::reduction},
         {"profiled_ms", &StageTimes::total}};
     for (const auto& [name, member] : kStages) {
       std::vector<double> values;

@@ -140,51 +140,96 @@ void rememberPlain(const Query& query) {
 
 namespace {
 
-/// From the regions of the overlap to contacts; keeps what the pair remembers.
-void contactsOfOverlap(const PlacedMeshes& meshes, const Query& query, SolidScratch& scratch, Workspace& workspace) {
-  const double size = smallerSize(query);
-  const SolidHistory::State before = stateBefore(query);
-  SolidHistory::State state = before;
-  const PairMotion motion = motionOf(query, state);
+/// From the regions of the overlap to contacts, one region after the other; keeps what the pair remembers.
+class PairContacts {
+ public:
+  PairContacts(const PlacedMeshes& meshes, const Query& query, Workspace& workspace)
+      : meshes_(meshes),
+        query_(query),
+        workspace_(workspace),
+        size_(smallerSize(query)),
+        before_(stateBefore(query)),
+        state_(before_),
+        motion_(motionOf(query, before_)) {
+    state_.escapeLeft = std::max(0, state_.escapeLeft - 1);
+    state_.deepNormal = {0, 0, 0};
+  }
 
-  bool entangled = false;
-  state.escapeLeft = std::max(0, state.escapeLeft - 1);
-  state.deepNormal = {0, 0, 0};
-  std::uint32_t number = 0;
-  for (const Region& region : scratch.regions.regions) {
-    if (region.diagonal < OTG_SOLID_LEAST_DIAGONAL * size ||
-        region.areaA + region.areaB < OTG_SOLID_LEAST_AREA * size * size)
-      continue;
-    RegionNormals normals(scratch.regions, region);
-    RegionExtent extent(scratch.regions, region);
-    const RegionDirection direction = directRegion(meshes, scratch.regions, region, motion, normals, extent);
-    entangled = entangled || direction.entangled;
-    if (direction.escaping && state.escapeLeft == 0) {
-      state.escape = otgRotateBack(query.bInA, direction.direction);
-      state.escapeLeft = SolidHistory::kEscapeQueries;
+  void add(const OverlapRegions& all, const Region& region) {
+    if (region.diagonal < OTG_SOLID_LEAST_DIAGONAL * size_ ||
+        region.areaA + region.areaB < OTG_SOLID_LEAST_AREA * size_ * size_)
+      return;
+    RegionNormals normals(all, region);
+    RegionExtent extent(all, region);
+    const RegionDirection direction = directRegion(meshes_, all, region, motion_, normals, extent);
+    remember(direction);
+    const double extra = direction.escaping ? motion_.step : 0;
+    const std::size_t first = workspace_.contacts.size();
+    const bool settled = query_.refiner && query_.refiner->direct(meshes_, all, region, direction, normals);
+    contactsOfRegion({meshes_, all, region, number_++, normals, extent, query_.options.solid.contactsPerRegion, extra,
+                      direction.edges && !settled ? &*direction.edges : nullptr},
+                     workspace_.contacts);
+    if (query_.refiner) query_.refiner->refine(workspace_.contacts, first);
+  }
+
+  /// A region whose contacts were made elsewhere.
+  void add(const otg_found_contacts& region, std::span<const Contact> contacts) {
+    if ((region.status & OTG_FOUND_COUNTS) == 0) return;
+    RegionDirection direction;
+    direction.entangled = (region.status & OTG_FOUND_ENTANGLED) != 0;
+    direction.escaping = (region.status & OTG_FOUND_ESCAPING) != 0;
+    direction.deep = (region.status & OTG_FOUND_DEEP) != 0;
+    direction.direction = {region.direction[0], region.direction[1], region.direction[2]};
+    remember(direction);
+    for (const Contact& contact : contacts) {
+      workspace_.contacts.push_back(contact);
+      workspace_.contacts.back().region = number_;
     }
-    if (direction.deep) state.deepNormal = otgRotateBack(query.bInA, direction.direction);
-    const double extra = direction.escaping ? motion.step : 0;
-    const std::size_t first = workspace.contacts.size();
-    const bool settled = query.refiner && query.refiner->direct(meshes, scratch.regions, region, direction, normals);
-    contactsOfRegion({meshes, scratch.regions, region, number++, normals, extent, query.options.solid.contactsPerRegion,
-                      extra, direction.edges && !settled ? &*direction.edges : nullptr},
-                     workspace.contacts);
-    if (query.refiner) query.refiner->refine(workspace.contacts, first);
+    ++number_;
   }
-  if (query.options.solid.regionMerge > 0) {
-    mergeRegions(query.options.solid.regionMerge, query.options.solid.contactsPerRegion, workspace.contacts);
-  }
-  state.clampLeft = entangled ? SolidHistory::kClampQueries : std::max(0, state.clampLeft - 1);
-  if (state.clampLeft > 0) {
-    const double most = std::max(0.02 * size, 2 * motion.step);
-    for (Contact& contact : workspace.contacts) {
-      if (contact.depth > most) contact.flags |= kContactClamped;
-      contact.depth = std::min(contact.depth, most);
+
+  void finish() {
+    if (query_.options.solid.regionMerge > 0) {
+      mergeRegions(query_.options.solid.regionMerge, query_.options.solid.contactsPerRegion, workspace_.contacts);
     }
+    state_.clampLeft = entangled_ ? SolidHistory::kClampQueries : std::max(0, state_.clampLeft - 1);
+    if (state_.clampLeft > 0) {
+      const double most = std::max(0.02 * size_, 2 * motion_.step);
+      for (Contact& contact : workspace_.contacts) {
+        if (contact.depth > most) contact.flags |= kContactClamped;
+        contact.depth = std::min(contact.depth, most);
+      }
+    }
+    keep(query_, before_, state_);
+    workspace_.stats.contactsBeforeReduction = workspace_.contacts.size();
   }
-  keep(query, before, state);
-  workspace.stats.contactsBeforeReduction = workspace.contacts.size();
+
+ private:
+  void remember(const RegionDirection& direction) {
+    entangled_ = entangled_ || direction.entangled;
+    if (direction.escaping && state_.escapeLeft == 0) {
+      state_.escape = otgRotateBack(query_.bInA, direction.direction);
+      state_.escapeLeft = SolidHistory::kEscapeQueries;
+    }
+    if (direction.deep) state_.deepNormal = otgRotateBack(query_.bInA, direction.direction);
+  }
+
+  const PlacedMeshes& meshes_;
+  const Query& query_;
+  Workspace& workspace_;
+  const double size_;
+  const SolidHistory::State before_;
+  SolidHistory::State state_;
+  const PairMotion motion_;
+  bool entangled_ = false;
+  std::uint32_t number_ = 0;
+};
+
+void contactsOfOverlap(const PlacedMeshes& meshes, const Query& query, const OverlapRegions& regions,
+                       Workspace& workspace) {
+  PairContacts contacts(meshes, query, workspace);
+  for (const Region& region : regions.regions) contacts.add(regions, region);
+  contacts.finish();
 }
 
 }  // namespace
@@ -204,7 +249,7 @@ bool solidContacts(const Query& query, Workspace& workspace) {
   floodInside(meshes, scratch.contour, scratch.inside);
   scratch.builder.build(meshes, scratch.contour, scratch.inside, scratch.regions);
   addContained(meshes, scratch.inside, scratch.regions);
-  contactsOfOverlap(meshes, query, scratch, workspace);
+  contactsOfOverlap(meshes, query, scratch.regions, workspace);
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   }
@@ -217,7 +262,37 @@ bool solidContactsOf(const Query& query, const FoundOverlap& found, Workspace& w
   SolidScratch& scratch = *workspace.solid;
   const PlacedMeshes meshes(query);
   if (!takeOverlap(meshes, found, scratch.small, scratch.regions)) return false;
-  contactsOfOverlap(meshes, query, scratch, workspace);
+  contactsOfOverlap(meshes, query, scratch.regions, workspace);
+  return true;
+}
+
+PairMotion motionBefore(const Query& query) {
+  return motionOf(query, stateBefore(query));
+}
+
+bool solidContactsOf(const Query& query, const FoundContacts& found, Workspace& workspace) {
+  workspace.contacts.clear();
+  if (!workspace.solid) workspace.solid = std::make_unique<SolidScratch>();
+  SmallRegions& small = workspace.solid->small;
+  const otg_overlap_state& state = found.head->state;
+  const std::vector<std::uint32_t> order = regionsInOrder(state);
+  for (const std::uint32_t r : order) {
+    const bool isDone = (found.head->regions[r].status & (OTG_FOUND_DONE | OTG_FOUND_COUNTS)) != OTG_FOUND_COUNTS;
+    if (!isSmallRegion(state.regions[r]) && !isDone) return false;
+  }
+  const PlacedMeshes meshes(query);
+  if (!describeSmall(meshes, state, found.small, small)) return false;
+  PairContacts contacts(meshes, query, workspace);
+  std::size_t nextSmall = 0;
+  for (const std::uint32_t r : order) {
+    if (isSmallRegion(state.regions[r])) {
+      contacts.add(small.regions, small.regions.regions[nextSmall++]);
+    } else {
+      const otg_found_contacts& region = found.head->regions[r];
+      contacts.add(region, found.contacts.subspan(std::size_t{found.most} * r, region.count));
+    }
+  }
+  contacts.finish();
   return true;
 }
 

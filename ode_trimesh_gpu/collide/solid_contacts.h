@@ -18,6 +18,14 @@ bool solidContacts(const Query& query, Workspace& workspace);
 struct FoundOverlap;
 bool solidContactsOf(const Query& query, const FoundOverlap& found, Workspace& workspace);
 
+/// The same where the device has made the contacts of the large regions, too, for motionBefore(query): those of small
+/// ones are made here, in their places. False, and nothing remembered, also where a region was left out.
+struct FoundContacts;
+bool solidContactsOf(const Query& query, const FoundContacts& found, Workspace& workspace);
+/// What the pair's motion and history say before the query.
+struct PairMotion;
+PairMotion motionBefore(const Query& query);
+
 /// Whether a mesh is a sheet in that sense;
 bool isSheet(const TriMesh& mesh);
 /// and whether two meshes have contacts of the model `solid`, as long as their contour closes: two solids, or a solid

@@ -55,7 +55,12 @@ bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, 
     (profile ? state_->profiled : state_->pairs).with([&](PairLane& lane) {
       PairAnswer answer = lane.run(query, frame, wish);
       const Stopwatch host(profile);
-      const bool done = answer.described && takeDescribed(query, answer.overlap, workspace);
+      bool done = answer.made && takeMade(query, answer.contactsOfRegions, workspace);
+      if (answer.made) ++(done ? state_->contactsMade : state_->contactsLeft);
+      if (!done && answer.described) {
+        if (answer.made) answer.overlap = lane.description();
+        done = takeDescribed(query, answer.overlap, workspace);
+      }
       if (done) takeCounts(answer.found, workspace.stats);
       if (answer.asked) ++(done ? state_->described : state_->describedInVain);
       if (done) {
@@ -72,6 +77,9 @@ bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, 
       t.choose = lane.profile().ms(Profile::kChoose);
       t.main = lane.profile().ms(Profile::kMain);
       t.contacts = lane.profile().ms(Profile::kContacts);
+      t.weigh = lane.profile().ms(Profile::kWeigh);
+      t.ways = lane.profile().ms(Profile::kWays);
+      t.candidates = lane.profile().ms(Profile::kCandidates);
       t.readBack = lane.profile().ms(Profile::kReadBack);
     });
     const Stopwatch reduction(profile);
@@ -114,6 +122,8 @@ BackendCounts Backend::counts() const {
   out.onHost = state_->onHost;
   out.described = state_->described;
   out.describedInVain = state_->describedInVain;
+  out.contactsMade = state_->contactsMade;
+  out.contactsLeft = state_->contactsLeft;
   out.points = state_->pointsAsked;
   out.pointsOnHost = state_->pointsOnHost;
   out.repeats = state_->pairs.repeats() + state_->batches.repeats() + state_->overlaps.repeats() +

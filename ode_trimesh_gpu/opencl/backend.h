@@ -30,6 +30,8 @@ struct BackendCounts {
   /// Pairs of solids whose overlap the device described, alone or in batches; and those that it left to the host after
   /// all.
   std::uint64_t described = 0, describedInVain = 0;
+  /// Of those described, those whose contacts of large regions the device made; and those that it left to the host.
+  std::uint64_t contactsMade = 0, contactsLeft = 0;
   std::uint64_t meshUploads = 0, meshEvictions = 0, meshBytes = 0;
   int programsFromSource = 0, programsFromCache = 0;
   /// Points asked about; and those that were left to the caller because a call failed.
@@ -39,19 +41,22 @@ struct BackendCounts {
 /// Where the time of one query or batch went, in milliseconds. Those from `write` to `readBack` are the device's clock,
 /// each with what the device takes to begin and end a kernel.
 struct StageTimes {
-  double fill = 0;       ///< poses to memory that the device reads (batches)
-  double write = 0;      ///< poses to the device (batches)
-  double top = 0;        ///< cut against cut; for a batch: frames from poses
-  double levels = 0;     ///< both nodes opened, two levels
-  double main = 0;       ///< the rest of the traversal, with the float filter of the near phase in it
-  double contacts = 0;   ///< decisions in double, and contacts
-  double regions = 0;    ///< regions of contact, and bins
-  double select = 0;     ///< the best of the bins, listed
-  double choose = 0;     ///< the limit, and results in order
-  double readBack = 0;   ///< of the results
-  double host = 0;       ///< what the device left: decisions in exact arithmetic, order, regions; and copying
-  double reduction = 0;  ///< on the host; with the contacts where the host makes them
-  double total = 0;      ///< from call to return, with launches and what lies between stages
+  double fill = 0;        ///< poses to memory that the device reads (batches)
+  double write = 0;       ///< poses to the device (batches)
+  double top = 0;         ///< cut against cut; for a batch: frames from poses
+  double levels = 0;      ///< both nodes opened, two levels
+  double main = 0;        ///< the rest of the traversal, with the float filter of the near phase in it
+  double contacts = 0;    ///< decisions in double, and contacts
+  double regions = 0;     ///< regions of contact, and bins
+  double select = 0;      ///< the best of the bins, listed
+  double choose = 0;      ///< the limit, and results in order
+  double weigh = 0;       ///< large regions: pieces, points, and what they say
+  double ways = 0;        ///< the ways out of these
+  double candidates = 0;  ///< and their candidates
+  double readBack = 0;    ///< of the results
+  double host = 0;        ///< what the device left: decisions in exact arithmetic, order, regions; and copying
+  double reduction = 0;   ///< on the host; with the contacts where the host makes them
+  double total = 0;       ///< from call to return, with launches and what lies between stages
 };
 
 /// Two meshes by their places in a list, and where B is in A's frame (as Query::bInA).

@@ -80,7 +80,7 @@ struct Backend::State {
   SoupPlaces soupPlaces;
   MeshStore binaryMeshes;  ///< of the traversal `levels`, which is for comparing: beside the others
   LanePool<LevelsLane> levels, profiledLevels;
-  std::atomic<std::uint64_t> queries{0}, onHost{0}, described{0}, describedInVain{0};
+  std::atomic<std::uint64_t> queries{0}, onHost{0}, described{0}, describedInVain{0}, contactsMade{0}, contactsLeft{0};
   std::atomic<std::uint64_t> pointsAsked{0}, pointsOnHost{0};
 
   State(const FoundDevice& device, const Tuning& how)

@@ -35,6 +35,7 @@ class Profile {
   enum Stage {
     // clang-format off
     kWrite, kTop, kLevels, kMain, kContacts, kRegions, kSelect, kChoose, kReadBack,
+    kWeigh, kWays, kCandidates,  // of large regions
     kTest, kScan, kCompact, kSplit, kSpawn, kNear,  // of the traversal `levels`
     kStages
     // clang-format on

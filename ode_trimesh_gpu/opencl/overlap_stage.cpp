@@ -149,7 +149,6 @@ void OverlapStage::enqueueRest(cl_command_queue queue, cl_mem meshes, cl_mem cou
                slots = slots_.get(), hits = hits_.get(), parents = parents_.get(), marks = marks_.get(),
                inside = inside_.get(), cells = cells_.get(), cellList = cellList_.get(), small = small_.get(),
                depthTable = depthTable_.get();
-  const cl_uint tableRoom = cells_.places();
   Arguments(edges_) << pairs << meshes << states << crossings << slots << hits << parents << marks;
   run(edges_, Profile::kRegions);
   Arguments(unite_) << pairs << meshes << parents << marks;
@@ -158,18 +157,18 @@ void OverlapStage::enqueueRest(cl_command_queue queue, cl_mem meshes, cl_mem cou
                       << inside;
   run(regions_, Profile::kRegions);
   Arguments(surface_) << pairs << meshes << states << crossings << hits << parents << marks << inside << cells
-                      << cellList << small << depthTable << tableRoom;
+                      << cellList << small << depthTable << tableRoom();
   run(surface_, Profile::kSelect);
   Arguments(depths_) << pairs << meshes << states << crossings << slots << parents << inside << cells << cellList
-                     << depthTable << tableRoom;
+                     << depthTable << tableRoom();
   run(depths_, Profile::kChoose);
   if (counters == nullptr) {
     Arguments(unitPlaces_) << count_ << states << totals;
     launch(queue, unitPlaces_, group_, (count_ + group_ - 1) / group_, 1, profile.next(Profile::kChoose));
   }
-  const auto unitRoom = static_cast<cl_uint>(out_.places() - headBytes() / 16);
   Arguments(results_) << pairs << meshes << states << totals << crossings << slots << hits << parents << marks << inside
-                      << cells << cellList << small << depthTable << tableRoom << out_.get() << unitRoom << counters;
+                      << cells << cellList << small << depthTable << tableRoom() << out_.get() << unitRoom()
+                      << counters;
   run(results_, Profile::kChoose);
 }
 
@@ -184,11 +183,14 @@ void OverlapStage::beginHead(cl_command_queue queue, Profile& profile) {
 
 bool OverlapStage::endHead(cl_command_queue queue) {
   clDo(OTG_CL(clFinish), queue);
-  const auto& totals = *reinterpret_cast<const otg_overlap_totals*>(host_.data());
+  return fits(*reinterpret_cast<const otg_overlap_totals*>(host_.data()));
+}
+
+bool OverlapStage::fits(const otg_overlap_totals& totals) {
   const auto enough = [](otg_uint wanted) {
     return static_cast<std::uint32_t>(std::bit_ceil(std::uint64_t{wanted} + wanted / 8));
   };
-  const bool unitsFit = totals.units <= out_.places() - headBytes() / 16, tablesFit = totals.tables <= cells_.places();
+  const bool unitsFit = totals.units <= unitRoom(), tablesFit = totals.tables <= tableRoom();
   if (!unitsFit) outWanted_ = enough(totals.units);
   if (!tablesFit) tablesWanted_ = enough(totals.tables);
   return unitsFit && tablesFit;

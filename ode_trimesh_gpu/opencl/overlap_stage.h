@@ -58,6 +58,14 @@ class OverlapStage {
   bool endHead(cl_command_queue queue);
   /// After that, until the next reading: the state of one of the pairs, as its kernels left it.
   const otg_overlap_state& head(std::uint32_t pair = 0) const;
+  /// On the device: the table of pairs, and the results with room for so many units behind the heads and so many tables
+  /// of large regions.
+  cl_mem pairs() const { return pairs_.get(); }
+  cl_mem results() const { return out_.get(); }
+  std::uint32_t unitRoom() const { return static_cast<std::uint32_t>(out_.places() - headBytes() / 16); }
+  std::uint32_t tableRoom() const { return cells_.places(); }
+  /// As endHead says, where somebody else has read the totals.
+  bool fits(const otg_overlap_totals& totals);
   /// After endHead: reads what was not read yet.
   void readRest(cl_command_queue queue, Profile& profile);
   /// After that: what was found of a pair, good until the next reading.

@@ -21,6 +21,7 @@ PairLane::PairLane(Context& context, MeshStore& meshes, const Tuning& tuning)
       chosen_(PinnedPool::make(context)),
       reducer_(context, tuning, true),
       overlap_(context, tuning),
+      overlapContacts_(context, tuning),
       profile_(tuning.profile) {
   const std::string walk =
       "-DOTG_GROUP=" + std::to_string(tuning.group) + " -DOTG_LEAF=" + std::to_string(meshes.leafTriangles());
@@ -74,6 +75,7 @@ PairAnswer PairLane::describe(const otg_device_pair& pair, const Query& query, c
   const otg_reduction how = deviceReduction(query.options, true);
   PairAnswer answer;
   answer.asked = true;
+  const otg_overlap_state* head = nullptr;
   for (;; ++repeats_) {
     results_.reserve(context_, hits_.places());
     chosen_.reserve(context_, 1, 0);
@@ -82,22 +84,55 @@ PairAnswer PairLane::describe(const otg_device_pair& pair, const Query& query, c
     overlap_.reserve(queue, task);
     enqueueWalk(pair, meshes, how);
     overlap_.enqueue(queue, task, profile_);
-    overlap_.beginHead(queue, profile_);
-    const bool fits = overlap_.endHead(queue);
-    const otg_uint* counters = overlap_.head().counters;
-    lastHits_ = counters[OTG_COUNT_HITS];
+    const bool makes = overlapContacts_.works(query);
+    const OverlapContacts::Pair described{
+        query, meshes, overlap_.pairs(), overlap_.results(), overlap_.unitRoom(), overlap_.tableRoom()};
+    bool fits = true;
+    if (makes) {
+      overlapContacts_.enqueue(queue, described, profile_);
+      answer.contactsOfRegions = overlapContacts_.read(queue, profile_);
+      head = &answer.contactsOfRegions.head->state;
+      fits = overlap_.fits(answer.contactsOfRegions.head->totals);
+    } else {
+      overlap_.beginHead(queue, profile_);
+      fits = overlap_.endHead(queue);
+      head = &overlap_.head();
+    }
+    lastHits_ = head->counters[OTG_COUNT_HITS];
     isFresh_ = false;
-    if (makeRoom(counters) || !fits) continue;
-    overlap_.readRest(queue, profile_);
-    answer.overlap = overlap_.found();
+    if (makeRoom(head->counters) || !fits) continue;
+    answer.described = head->counts[OTG_OVERLAP_WHY] == 0 && head->counts[OTG_OVERLAP_CHORDS] > 0;
+    answer.made = makes && answer.described;
+    while (answer.made && overlapContacts_.isIncomplete()) {
+      ++repeats_;
+      overlapContacts_.enqueue(queue, described, profile_);
+      answer.contactsOfRegions = overlapContacts_.read(queue, profile_);
+      head = &answer.contactsOfRegions.head->state;
+    }
+    if (!makes) {
+      overlap_.readRest(queue, profile_);
+      answer.overlap = overlap_.found();
+      head = answer.overlap.head;
+    }
     break;
   }
-  const otg_overlap_state& head = *answer.overlap.head;
-  answer.found.counters = head.counters;
-  answer.described = head.counts[OTG_OVERLAP_WHY] == 0 && head.counts[OTG_OVERLAP_CHORDS] > 0;
-  if (!answer.described) answer.found = results_.readAll(context_, queue, false, head.counters, &profile_);
+  answer.found.counters = head->counters;
+  if (!answer.described) answer.found = results_.readAll(context_, queue, false, head->counters, &profile_);
   if (profile_.on()) profile_.collect();
   return answer;
+}
+
+FoundOverlap PairLane::description() {
+  try {
+    overlap_.beginHead(queue_.get(), profile_);
+    overlap_.endHead(queue_.get());
+    overlap_.readRest(queue_.get(), profile_);
+    if (profile_.on()) profile_.collect();
+    return overlap_.found();
+  } catch (...) {
+    clRelease(OTG_CL(clFinish), queue_.get());
+    throw;
+  }
 }
 
 Answer PairLane::records() {

@@ -7,6 +7,7 @@
 
 #include "collide/pair_frame.h"
 #include "opencl/mesh_store.h"
+#include "opencl/overlap_contacts.h"
 #include "opencl/overlap_stage.h"
 #include "opencl/reducer.h"
 #include "opencl/result_buffer.h"
@@ -22,6 +23,8 @@ struct PairAnswer {
   bool asked = false;      ///< for a description
   bool described = false;  ///< `overlap` is what was asked for, and `found` has no records
   FoundOverlap overlap;
+  bool made = false;  ///< described, but in place of `overlap` are the contacts of its large regions
+  FoundContacts contactsOfRegions;
 };
 
 /// What is asked of a pair.
@@ -42,6 +45,8 @@ class PairLane {
   PairAnswer run(const Query& query, const PairFrame& frame, PairWish wish);
   /// After an answer with `described`: the records. Throws ClError.
   Answer records();
+  /// After an answer with `made`: the description. Throws ClError.
+  FoundOverlap description();
 
   /// Of the last query, if tuning.profile is set.
   const Profile& profile() const { return profile_; }
@@ -70,6 +75,7 @@ class PairLane {
   ChosenBuffer chosen_;
   Reducer reducer_;
   OverlapStage overlap_;
+  OverlapContacts overlapContacts_;
   Profile profile_;
   std::uint32_t fewHits_ = 0, lastHits_ = 0;
   bool isFresh_ = true;  ///< no query yet that tells how many hits to expect

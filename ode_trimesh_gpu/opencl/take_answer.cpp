@@ -34,15 +34,28 @@ void takeReduced(const PairAnswer& answer, Workspace& workspace) {
 
 }  // namespace
 
-bool takeDescribed(const Query& query, const FoundOverlap& overlap, Workspace& workspace) {
+namespace {
+
+template <class Found>
+bool takeSolid(const Query& query, const otg_overlap_state& head, const Found& found, Workspace& workspace) {
   workspace.candidates.clear();
   workspace.intersecting.clear();
   workspace.stats = {};
-  workspace.stats.intersectingPairs = overlap.head->counts[OTG_OVERLAP_INTERSECTING];
-  if (!solidContactsOf(query, overlap, workspace)) return false;
+  workspace.stats.intersectingPairs = head.counts[OTG_OVERLAP_INTERSECTING];
+  if (!solidContactsOf(query, found, workspace)) return false;
   workspace.reduced = limitContacts(workspace.contacts, query.options.maxContacts);
   numberAsCaller(query, workspace);
   return true;
+}
+
+}  // namespace
+
+bool takeDescribed(const Query& query, const FoundOverlap& overlap, Workspace& workspace) {
+  return takeSolid(query, *overlap.head, overlap, workspace);
+}
+
+bool takeMade(const Query& query, const FoundContacts& found, Workspace& workspace) {
+  return takeSolid(query, found.head->state, found, workspace);
 }
 
 HostRest takeAnswer(const Query& query, const PairFrame& frame, const PairAnswer& answer, bool contacts,

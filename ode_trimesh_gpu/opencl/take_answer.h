@@ -20,8 +20,11 @@ enum class HostRest {
 HostRest takeAnswer(const Query& query, const PairFrame& frame, const PairAnswer& answer, bool contacts,
                     Workspace& workspace);
 
-/// The contacts of an answer with `described`. False where the host sees the overlap in another way.
+/// The contacts of a pair from what is known of its overlap. False where the host sees it in another way.
 bool takeDescribed(const Query& query, const FoundOverlap& overlap, Workspace& workspace);
+
+/// The same where the device has made those of the large regions. False where it left some of them to the host.
+bool takeMade(const Query& query, const FoundContacts& found, Workspace& workspace);
 
 /// Does the rest.
 void finishAnswer(const Query& query, HostRest rest, Workspace& workspace);

@@ -2,7 +2,9 @@
 // Pairs of solids whose overlap the device describes, alone and in batches: the contacts are the host's, to the last
 // bit.
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cmath>
 #include <thread>
 
 #include "opencl/call.h"
@@ -66,6 +68,7 @@ std::uint64_t checkAll(opencl::Backend& backend, const std::vector<Query>& queri
   const std::uint64_t before = backend.counts().described;
   Workspace workspace;
   for (std::size_t i = 0; i < queries.size(); ++i) {
+    INFO("query " << i);
     CHECK(backend.collide(queries[i], workspace));
     checkSame(workspace, expected[i]);
   }
@@ -93,7 +96,9 @@ void checkHistories(std::vector<Query> queries, std::uint32_t seed, int steps, c
     check(queries, forHost);
     for (std::size_t i = 0; i < queries.size(); ++i) {
       CHECK(onDevice[i].current.escape == host[i].current.escape);
+      CHECK(onDevice[i].current.escapeLeft == host[i].current.escapeLeft);
       CHECK(onDevice[i].current.clampLeft == host[i].current.clampLeft);
+      CHECK(onDevice[i].before.deepNormal == host[i].before.deepNormal);
       CHECK(onDevice[i].current.deepNormal == host[i].current.deepNormal);
       if (step == 2) continue;  // the same pose again
       queries[i].bInA.t = forHost[i].bInA.t = otgAdd(queries[i].bInA.t, otgScale(draw.direction(), 0.02));
@@ -110,11 +115,72 @@ TEST_CASE("contacts from the device's description of an overlap are the host's")
   if (!canDescribe(*backend)) return;
   const std::vector<Query> queries = overlaps(meshes, 1, 90);
   CHECK(checkAll(*backend, queries, onHost(queries)) >= 60);
+  CHECK(backend->counts().contactsMade >= 50);
+  CHECK(backend->counts().contactsLeft <= 2);
   // Again, and pairs alone and contacts of the other model in between: a query leaves nothing behind.
   std::vector<Query> mixed = queries;
   for (std::size_t i = 0; i < mixed.size(); i += 3) mixed[i].options.contacts = ContactModel::kPairwise;
   checkAll(*backend, mixed, onHost(mixed));
   CHECK(checkAll(*backend, queries, onHost(queries)) >= 60);
+}
+
+TEST_CASE("contacts of large regions are made on the device as on the host") {
+  const MeshList meshes = bodies();
+  std::vector<Query> queries = overlaps(meshes, 21, 40);
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    SolidOptions& solid = queries[i].options.solid;
+    solid.contactsPerRegion = std::array{1, 3, 16, 64, 2}[i % 5];
+    if (i % 4 == 3) solid.regionMerge = 0.2;
+    if (i % 3 == 0) queries[i].relativeVelocity = {0.3, -0.5, 0.1 * static_cast<double>(i % 7)};
+  }
+  const std::vector<Workspace> expected = onHost(queries);
+  opencl::Tuning tuning = always();
+  SECTION("by the host") {
+    tuning.overlapContacts = 0;
+  }
+  SECTION("with much room") {
+    tuning.overlapArena = 1u << 22;
+  }
+  SECTION("with the usual room") {}
+  SECTION("with too little room") {
+    tuning.overlapArena = 1;
+  }
+  SECTION("by few lanes") {
+    tuning.overlapLanes = 8;
+  }
+  const auto backend = openBackend(tuning);
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  // PoCL takes minutes to compile these kernels for work-groups of more than one lane.
+  if (tuning.overlapLanes != 0 && backend->device().kind == opencl::DeviceKind::kCpu) return;
+  CHECK(checkAll(*backend, queries, expected) >= 25);
+  const opencl::BackendCounts counts = backend->counts();
+  CHECK((tuning.overlapContacts == 0 ? counts.contactsMade == 0 : counts.contactsMade >= 25));
+  CHECK(counts.contactsLeft <= 1);
+  if (tuning.overlapArena == 1) CHECK(counts.repeats > 0);
+}
+
+TEST_CASE("thin contacts with a wedge beside them are the host's") {
+  // Boxes that slide over a concave kink. Of small regions the host makes the contacts, and gives the wedge its own way
+  // out; of large ones pieces are gathered, on either side, and there is no wedge.
+  const MeshList meshes = {
+      collisionMesh(samples::makeValley(0.5, 0.5, 8, 4)), collisionMesh(samples::makeValley(1, 0.3, 8, 4)),
+      collisionMesh(makeBox({0.6, 0.6, 0.6}, 3)), collisionMesh(makeBox({0.6, 0.6, 0.6}, 20))};
+  Draw draw(9);
+  std::vector<Query> queries;
+  for (int i = 0; i < 40; ++i) {
+    const double angle = std::atan(i % 2 == 0 ? 0.5 : 0.3), sine = std::sin(angle), cosine = std::cos(angle);
+    const double along = 0.3 - std::pow(10, draw.uniform(-7, -1)), up = 0.3 - std::pow(10, draw.uniform(-6, -2));
+    const Vec3d place = {along * cosine - up * sine, draw.uniform(-1, 1), along * sine + up * cosine};
+    queries.push_back(makeQuery(*meshes[i % 2], *meshes[2 + i / 2 % 2], makePose({0, -1, 0}, angle, place)));
+    queries.back().options.contacts = ContactModel::kSolid;
+    queries.back().options.maxContacts = 16;
+  }
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  CHECK(checkAll(*backend, queries, onHost(queries)) >= 20);
+  CHECK(backend->counts().contactsMade >= 20);
 }
 
 TEST_CASE("a mesh that overlaps itself is described") {

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "collide/solid/flat_map.h"
 #include "collide/solid/ray.h"
 #include "collide/solid/region_contacts.h"
 #include "collide/solid/vectors.h"
+#include "shared/escape_turns.h"
 
 namespace otg {
 namespace {
@@ -40,7 +40,9 @@ std::vector<Vec3d> faceDirections(const OverlapRegions& all, const Region& regio
   }
   std::sort(order.begin(), order.end(), [&](std::uint32_t x, std::uint32_t y) {
     const Piece &p = all.pieces[x], &q = all.pieces[y];
-    return p.area != q.area ? p.area > q.area : p.triangle < q.triangle;
+    if (p.area != q.area) return p.area > q.area;
+    // Regular meshes have equal pieces, and those of two vertices may go by one triangle.
+    return p.triangle != q.triangle ? p.triangle < q.triangle : x < y;
   });
   std::vector<Cluster> clusters;
   for (const std::uint32_t i : order) {
@@ -160,7 +162,7 @@ class WayOutByRays {
       const std::uint32_t k = region.pointBegin + static_cast<std::uint32_t>(std::uint64_t{i} * count / chosen);
       // From a little inside: the points themselves lie on the surfaces.
       const Vec3d& p = all.points[k].position;
-      origins_.push_back(otgAdd(all.origin, otgAdd(p, otgScale(otgSub(middle, p), kInwards))));
+      origins_.push_back(otgAdd(all.origin, otgAdd(p, otgScale(otgSub(middle, p), OTG_ESCAPE_INWARDS))));
     }
   }
 
@@ -177,8 +179,7 @@ class WayOutByRays {
   }
 
  private:
-  static constexpr std::uint32_t kPoints = 16;
-  static constexpr double kInwards = 0.02;
+  static constexpr std::uint32_t kPoints = OTG_ESCAPE_ORIGINS - 1;
   const PlacedMeshes& meshes_;
   double far_;
   std::vector<Vec3d> origins_;
@@ -207,12 +208,11 @@ class Escape {
   /// Sideways from the best so far, by ever smaller steps.
   void refine() {
     if (isThin_) return;
-    for (const double step : {0.3, 0.15, 0.075}) {
+    for (const double step : kEscapeSteps) {
       const Vec3d d = best_;
       const Vec3d s = unit(otgCross(d, std::fabs(d.x) < 0.8 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0})), t = otgCross(d, s);
-      for (int k = 0; k < 6; ++k) {
-        const double angle = k * std::numbers::pi / 3;
-        offer(unit(otgAdd(d, otgAdd(otgScale(s, step * std::cos(angle)), otgScale(t, step * std::sin(angle))))));
+      for (int k = 0; k < OTG_ESCAPE_SIDES; ++k) {
+        offer(unit(otgAdd(d, otgAdd(otgScale(s, step * kEscapeCosines[k]), otgScale(t, step * kEscapeSines[k])))));
       }
     }
   }

@@ -20,7 +20,6 @@ class Taker {
       : meshes_(meshes), found_(found), small_(small), out_(out) {}
 
   bool run() {
-    const std::uint32_t count = found_.head->counts[OTG_OVERLAP_REGION_COUNT];
     out_.origin = vec(found_.head->origin);
     out_.regions.clear();
     out_.pieces.clear();
@@ -29,33 +28,15 @@ class Taker {
     out_.extents.positions.clear();
     out_.extents.query = &meshes_.query();
     out_.anomalies = 0;
-    std::vector<std::uint32_t> order(count);
-    for (std::uint32_t r = 0; r < count; ++r) order[r] = r;
-    std::sort(order.begin(), order.end(), [&](std::uint32_t x, std::uint32_t y) {
-      return found_.head->regions[x].first < found_.head->regions[y].first;
-    });
-    std::size_t smallOnes = 0, nextSmall = 0;
-    for (std::uint32_t r = 0; r < count; ++r) smallOnes += isSmall(r);
-    // Crossings of one edge are counted along it, those of all regions together.
-    if (smallOnes > 0 && (found_.head->counts[OTG_OVERLAP_SHARED] != 0 || !describeSmall(smallOnes))) return false;
-    for (const std::uint32_t r : order) isSmall(r) ? copySmall(nextSmall++) : takeLarge(r);
+    if (!describeSmall(meshes_, *found_.head, found_.small, small_)) return false;
+    std::size_t nextSmall = 0;
+    for (const std::uint32_t r : regionsInOrder(*found_.head)) {
+      isSmallRegion(found_.head->regions[r]) ? copySmall(nextSmall++) : takeLarge(r);
+    }
     return true;
   }
 
  private:
-  bool isSmall(std::uint32_t r) const { return found_.head->regions[r].load <= kLargeRegion; }
-
-  bool describeSmall(std::size_t count) {
-    small_.hits.clear();
-    for (const otg_found_inside& hit : found_.small) small_.hits.push_back({hit.what, hit.region});
-    std::sort(small_.hits.begin(), small_.hits.end());
-    traceContour(meshes_, small_.hits, small_.contour);
-    floodInside(meshes_, small_.contour, small_.inside);
-    small_.builder.build(meshes_, small_.contour, small_.inside, out_.origin, small_.regions);
-    return small_.regions.regions.size() == count && small_.contour.anomalies == 0 && small_.inside.anomalies == 0 &&
-           small_.regions.anomalies == 0;
-  }
-
   void copySmall(std::size_t which) {
     const auto number = static_cast<std::uint32_t>(out_.regions.size());
     Region region = small_.regions.regions[which];
@@ -166,6 +147,32 @@ class Taker {
 };
 
 }  // namespace
+
+std::vector<std::uint32_t> regionsInOrder(const otg_overlap_state& head) {
+  std::vector<std::uint32_t> order(head.counts[OTG_OVERLAP_REGION_COUNT]);
+  for (std::uint32_t r = 0; r < order.size(); ++r) order[r] = r;
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t x, std::uint32_t y) { return head.regions[x].first < head.regions[y].first; });
+  return order;
+}
+
+bool describeSmall(const PlacedMeshes& meshes, const otg_overlap_state& head, std::span<const otg_found_inside> hits,
+                   SmallRegions& small) {
+  std::size_t count = 0;
+  for (std::uint32_t r = 0; r < head.counts[OTG_OVERLAP_REGION_COUNT]; ++r) count += isSmallRegion(head.regions[r]);
+  small.regions.regions.clear();
+  if (count == 0) return true;
+  // Crossings of one edge are counted along it, those of all regions together.
+  if (head.counts[OTG_OVERLAP_SHARED] != 0) return false;
+  small.hits.clear();
+  for (const otg_found_inside& hit : hits) small.hits.push_back({hit.what, hit.region});
+  std::sort(small.hits.begin(), small.hits.end());
+  traceContour(meshes, small.hits, small.contour);
+  floodInside(meshes, small.contour, small.inside);
+  small.builder.build(meshes, small.contour, small.inside, vec(head.origin), small.regions);
+  return small.regions.regions.size() == count && small.contour.anomalies == 0 && small.inside.anomalies == 0 &&
+         small.regions.anomalies == 0;
+}
 
 bool takeOverlap(const PlacedMeshes& meshes, const FoundOverlap& found, SmallRegions& small, OverlapRegions& out) {
   return Taker(meshes, found, small, out).run();

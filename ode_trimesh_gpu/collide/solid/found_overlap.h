@@ -4,10 +4,11 @@
 
 #include <span>
 
+#include "collide/query.h"
 #include "collide/solid/contour.h"
 #include "collide/solid/inside.h"
 #include "collide/solid/regions.h"
-#include "shared/overlap_layout.h"
+#include "shared/overlap_contacts_layout.h"
 
 namespace otg {
 
@@ -29,6 +30,25 @@ struct SmallRegions {
   OverlapRegions regions;
   std::vector<TrianglePair> hits;
 };
+
+/// The contacts that a device made of the large regions (kernels/overlap_choose.cl). Views of its results.
+struct FoundContacts {
+  const otg_contacts_head* head = nullptr;
+  std::span<const Contact> contacts;  ///< `most` places for each region, in the meshes' own numbers of triangles
+  std::uint32_t most = 0;
+  std::span<const otg_found_inside> small;  ///< hits of small regions
+};
+
+/// Regions of a description in the host's order.
+std::vector<std::uint32_t> regionsInOrder(const otg_overlap_state& head);
+inline bool isSmallRegion(const otg_found_region& region) {
+  return region.load <= kLargeRegion;
+}
+
+/// Describes the small regions from their hits. False if they are not as many as the device counted, or not for
+/// themselves.
+bool describeSmall(const PlacedMeshes& meshes, const otg_overlap_state& head, std::span<const otg_found_inside> hits,
+                   SmallRegions& small);
 
 /// What RegionBuilder makes of the same pair. False if the two disagree about the number of regions.
 bool takeOverlap(const PlacedMeshes& meshes, const FoundOverlap& found, SmallRegions& small, OverlapRegions& out);
