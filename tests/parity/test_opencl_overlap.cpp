@@ -163,9 +163,9 @@ TEST_CASE("contacts of large regions are made on the device as on the host") {
 TEST_CASE("thin contacts with a wedge beside them are the host's") {
   // Boxes that slide over a concave kink. Of small regions the host makes the contacts, and gives the wedge its own way
   // out; of large ones pieces are gathered, on either side, and there is no wedge.
-  const MeshList meshes = {
-      collisionMesh(samples::makeValley(0.5, 0.5, 8, 4)), collisionMesh(samples::makeValley(1, 0.3, 8, 4)),
-      collisionMesh(makeBox({0.6, 0.6, 0.6}, 3)), collisionMesh(makeBox({0.6, 0.6, 0.6}, 20))};
+  const MeshList meshes = {collisionMesh(samples::makeValley(0.5, 0.5, 8, 4)),
+                           collisionMesh(samples::makeValley(1, 0.3, 8, 4)), collisionMesh(makeBox({0.6, 0.6, 0.6}, 3)),
+                           collisionMesh(makeBox({0.6, 0.6, 0.6}, 20))};
   Draw draw(9);
   std::vector<Query> queries;
   for (int i = 0; i < 40; ++i) {
