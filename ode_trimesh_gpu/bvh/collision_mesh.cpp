@@ -118,14 +118,43 @@ void CollisionMesh::finishMove() noexcept {
       adjacency_.reset();  // to be built when it is asked for
     }
   }
+  logMove(m.vertices.triangles());
   rebuildIfWorn();
+}
+
+void CollisionMesh::logMove(std::span<const std::uint32_t> triangles) noexcept {
+  ++log_.moves;
+  const std::size_t most = mesh_->triangleCount() / kLoggedShare;
+  try {
+    while (!log_.counts.empty() && log_.triangles.size() + triangles.size() > most) {
+      log_.triangles.erase(log_.triangles.begin(),
+                           log_.triangles.begin() + static_cast<std::ptrdiff_t>(log_.counts.front()));
+      log_.counts.pop_front();
+    }
+    if (triangles.size() > most) return;
+    log_.triangles.insert(log_.triangles.end(), triangles.begin(), triangles.end());
+    log_.counts.push_back(triangles.size());
+  } catch (const std::bad_alloc&) {
+    log_.triangles.clear();
+    log_.counts.clear();
+  }
+}
+
+std::optional<std::vector<std::uint32_t>> CollisionMesh::changedSince(std::uint64_t moves) const {
+  const std::uint64_t since = log_.moves - moves;
+  if (moves > log_.moves || since > log_.counts.size()) return std::nullopt;
+  std::size_t count = 0;
+  for (std::uint64_t i = 1; i <= since; ++i) count += log_.counts[log_.counts.size() - i];
+  return std::vector<std::uint32_t>(log_.triangles.end() - static_cast<std::ptrdiff_t>(count), log_.triangles.end());
 }
 
 /// Builds the tree anew if refitting has made it too bad. For want of memory it stays as it is, which is right if slow.
 void CollisionMesh::rebuildIfWorn() noexcept {
   if (motion_->tree->cost(tree_) <= kRebuildCost * builtCost_) return;
   try {
+    auto structure = std::make_shared<const char>('\0');
     tree_ = buildTree(*mesh_, tree_.strategy);
+    structure_ = std::move(structure);
   } catch (const std::bad_alloc&) {
     return;
   }

@@ -2,8 +2,12 @@
 // A mesh with its trees: what a collision query takes.
 #pragma once
 
+#include <cstdint>
+#include <deque>
 #include <memory>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "bvh/layouts.h"
 #include "bvh/tree.h"
@@ -58,6 +62,17 @@ class CollisionMesh {
   /// from it.
   std::weak_ptr<const void> lifetime() const { return alive_; }
 
+  /// Expires with this object, too, and when the tree is built anew, but not when vertices move: for copies of the mesh
+  /// that follow its moves.
+  std::weak_ptr<const void> structure() const { return structure_; }
+  /// How often vertices have moved.
+  std::uint64_t moves() const { return log_.moves; }
+  /// The triangles that have changed since there were `moves` moves, some of them perhaps repeatedly. Empty where that
+  /// is not known any more: of the last moves so many are known as have changed a kLoggedShare-th of all triangles.
+  /// Throws std::bad_alloc.
+  std::optional<std::vector<std::uint32_t>> changedSince(std::uint64_t moves) const;
+  static constexpr std::size_t kLoggedShare = 8;
+
   /// A refitted tree may cost this many times what the built one did (sahCost), which queries take about as much
   /// longer.
   static constexpr double kRebuildCost = 1.5;
@@ -66,6 +81,7 @@ class CollisionMesh {
   struct Motion;
   Motion& motion();
   void rebuildIfWorn() noexcept;
+  void logMove(std::span<const std::uint32_t> triangles) noexcept;
 
   std::shared_ptr<const TriMesh> mesh_;
   BinaryTree tree_;
@@ -75,6 +91,14 @@ class CollisionMesh {
   FirstUse<WideTree> wide_;
   FirstUse<Adjacency> adjacency_;
   std::unique_ptr<Motion> motion_;  ///< made by moveSome()
+  /// What changedSince() answers from: the last `counts.size()` of all moves, each with so many of `triangles`.
+  struct MoveLog {
+    std::uint64_t moves = 0;
+    std::deque<std::size_t> counts;
+    std::deque<std::uint32_t> triangles;
+  };
+  MoveLog log_;
+  std::shared_ptr<const char> structure_ = std::make_shared<const char>('\0');
   std::shared_ptr<const char> alive_ = std::make_shared<const char>('\0');
 };
 

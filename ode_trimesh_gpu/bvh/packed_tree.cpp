@@ -24,8 +24,8 @@ std::vector<std::uint32_t> countTriangles(const BinaryTree& tree) {
 
 class Packer {
  public:
-  Packer(const BinaryTree& tree, std::uint32_t leafTriangles)
-      : tree_(tree), leafTriangles_(leafTriangles), counts_(countTriangles(tree)) {}
+  Packer(const BinaryTree& tree, std::uint32_t leafTriangles, std::vector<std::uint32_t>* binaryNodes)
+      : tree_(tree), leafTriangles_(leafTriangles), binaryNodes_(binaryNodes), counts_(countTriangles(tree)) {}
 
   PackedTree run() {
     out_.triangles.reserve((tree_.nodes.size() + 1) / 2);
@@ -35,6 +35,10 @@ class Packer {
       const Task task = stack.back();
       stack.pop_back();
       out_.depth = std::max(out_.depth, task.depth);
+      if (binaryNodes_ != nullptr) {
+        binaryNodes_->resize(out_.nodes.size());
+        (*binaryNodes_)[task.packed] = static_cast<std::uint32_t>(task.binary);
+      }
       out_.nodes[task.packed].center = tree_.nodes[task.binary].center;
       out_.nodes[task.packed].extent = tree_.nodes[task.binary].extent;
       if (endsAt(task.binary)) {
@@ -101,6 +105,7 @@ class Packer {
 
   const BinaryTree& tree_;
   const std::uint32_t leafTriangles_;
+  std::vector<std::uint32_t>* const binaryNodes_;
   const std::vector<std::uint32_t> counts_;
   std::vector<std::int32_t> leafStack_;
   PackedTree out_;
@@ -141,9 +146,11 @@ std::vector<std::uint32_t> makeCut(const PackedTree& tree) {
 
 }  // namespace
 
-PackedTree makePackedTree(const BinaryTree& tree, std::uint32_t leafTriangles) {
+PackedTree makePackedTree(const BinaryTree& tree, std::uint32_t leafTriangles,
+                          std::vector<std::uint32_t>* binaryNodes) {
+  if (binaryNodes != nullptr) binaryNodes->clear();
   if (tree.nodes.empty()) return {};
-  PackedTree packed = Packer(tree, leafTriangles).run();
+  PackedTree packed = Packer(tree, leafTriangles, binaryNodes).run();
   packed.cut = makeCut(packed);
   return packed;
 }

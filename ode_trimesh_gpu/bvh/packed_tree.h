@@ -34,8 +34,10 @@ struct PackedTree {
 };
 
 /// Opens each node's largest inner child until there are eight. Boxes are those of the binary tree, bit for bit.
-/// `leafTriangles`: 1 to 16.
-PackedTree makePackedTree(const BinaryTree& tree, std::uint32_t leafTriangles);
+/// `leafTriangles`: 1 to 16. `binaryNodes`, if asked for, receives for each node the one of the binary tree that it has
+/// the box of.
+PackedTree makePackedTree(const BinaryTree& tree, std::uint32_t leafTriangles,
+                          std::vector<std::uint32_t>* binaryNodes = nullptr);
 
 /// Empty when every box contains its subtree's triangles, and leaves and cut hold every triangle once.
 std::string validateLayout(const PackedTree& tree, const TriMesh& mesh);

@@ -170,6 +170,8 @@ int dGpuTriMeshGetDevice(int Index, dGpuTriMeshDevice* device) {
     device->calls = slot.calls;
     device->failed_calls = slot.failedCalls;
     device->mesh_uploads = counts.meshUploads;
+    device->mesh_updates = counts.meshUpdates;
+    device->mesh_bytes_sent = counts.meshBytesSent;
     device->mesh_evictions = counts.meshEvictions;
     device->mesh_bytes = counts.meshBytes;
     return static_cast<int>(dGPUTRIMESH_OK);

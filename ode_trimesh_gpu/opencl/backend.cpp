@@ -131,6 +131,8 @@ BackendCounts Backend::counts() const {
   for (const MeshStore* store : {&state_->meshes, &state_->binaryMeshes}) {
     const MeshStore::Counts meshes = store->counts();
     out.meshUploads += meshes.uploads;
+    out.meshUpdates += meshes.updates;
+    out.meshBytesSent += meshes.bytesUploaded;
     out.meshEvictions += meshes.evictions;
     out.meshBytes += meshes.bytesUsed;
   }

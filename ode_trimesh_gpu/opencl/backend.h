@@ -32,7 +32,9 @@ struct BackendCounts {
   std::uint64_t described = 0, describedInVain = 0;
   /// Of those described, those whose contacts of large regions the device made; and those that it left to the host.
   std::uint64_t contactsMade = 0, contactsLeft = 0;
-  std::uint64_t meshUploads = 0, meshEvictions = 0, meshBytes = 0;
+  /// Meshes sent whole, changes sent of meshes that were there, meshes that made room; bytes of the first two; bytes
+  /// that meshes take now.
+  std::uint64_t meshUploads = 0, meshUpdates = 0, meshEvictions = 0, meshBytesSent = 0, meshBytes = 0;
   int programsFromSource = 0, programsFromCache = 0;
   /// Points asked about; and those that were left to the caller because a call failed.
   std::uint64_t points = 0, pointsOnHost = 0;

@@ -102,6 +102,7 @@ struct Backend::State {
         levels(context, binaryMeshes, tuning),
         profiledLevels(context, binaryMeshes, withProfile(how)) {
     if (!how.warmUp) return;
+    meshes.prepare();
     pairs.prepare();
     batches.prepare();
     if (context.info().doubles) points.prepare();

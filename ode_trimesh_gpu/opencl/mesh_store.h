@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Meshes resident on a device: uploaded once, evicted least recently used first.
+// Meshes resident on a device: uploaded once, evicted least recently used first; where vertices move, followed.
 #pragma once
 
 #include <atomic>
@@ -13,7 +13,8 @@
 #include "bvh/collision_mesh.h"
 #include "collide/pair_frame.h"
 #include "opencl/context.h"
-#include "opencl/packed_mesh.h"
+#include "opencl/launch.h"
+#include "opencl/packed_motion.h"
 
 namespace otg::opencl {
 
@@ -34,11 +35,16 @@ class MeshStore {
   MeshStore(Context& context, std::uint64_t budget, std::uint32_t leafTriangles,
             MeshLayout layout = MeshLayout::kEightWide, std::uint32_t cutOrder = 0);
 
+  /// Makes the kernel that updates need, which the first of them would do. Throws ClError.
+  void prepare();
+
   struct Resident {
     otg_device_mesh place{};
     std::uint32_t begin = 0, units = 0;  ///< of 16 bytes
     std::atomic<int> pins{0};
     std::uint64_t lastUse = 0;
+    std::uint64_t moves = 0;                     ///< CollisionMesh::moves() of what lies there
+    std::shared_ptr<const PackedPlaces> places;  ///< of a mesh that has moved
   };
 
   /// Meshes that stay where they are as long as this lives.
@@ -63,19 +69,24 @@ class MeshStore {
     std::vector<std::shared_ptr<Resident>> meshes_;
   };
 
-  /// Uploads what is not there. Throws ClError, with CL_MEM_OBJECT_ALLOCATION_FAILURE when the budget cannot hold these
-  /// meshes beside the ones that are pinned; nothing is pinned then.
+  /// Uploads what is not there, and what has changed of what is. Throws ClError, with CL_MEM_OBJECT_ALLOCATION_FAILURE
+  /// when the budget cannot hold these meshes beside the ones that are pinned; nothing is pinned then.
   Pinned acquire(std::span<const CollisionMesh* const> meshes);
 
   struct Counts {
-    std::uint64_t uploads = 0, evictions = 0, bytesUploaded = 0;
+    /// Whole meshes that were sent, changes of resident ones, meshes that made room; bytes of the first two.
+    std::uint64_t uploads = 0, updates = 0, evictions = 0, bytesUploaded = 0;
     std::uint64_t bytesUsed = 0, bytesHeld = 0;  ///< by meshes now; by the buffer
   };
   Counts counts() const;
   std::uint32_t leafTriangles() const { return leafTriangles_; }
 
  private:
-  void upload(const PackedMesh& packed, Resident& resident);
+  using Residents = std::map<std::weak_ptr<const void>, std::shared_ptr<Resident>, std::owner_less<>>;
+  void upload(const CollisionMesh& mesh, Resident& resident);
+  bool update(const CollisionMesh& mesh, Resident& resident);
+  void send(const PackedChanges& changes, std::uint32_t begin);
+  Residents::iterator drop(Residents::iterator it);
   std::uint32_t allocate(std::uint32_t units);
   bool findGap(std::uint32_t units, std::uint32_t& begin) const;
   bool grow(std::uint32_t units);
@@ -89,10 +100,14 @@ class MeshStore {
   mutable std::mutex mutex_;
   QueueHandle queue_;
   std::shared_ptr<const BufferHandle> buffer_;
-  std::uint32_t capacity_ = 0;  ///< units of the buffer
-  /// By CollisionMesh::lifetime(): the key of a mesh that is gone is never another's.
-  std::map<std::weak_ptr<const void>, std::shared_ptr<Resident>, std::owner_less<>> residents_;
-  std::map<std::uint32_t, std::uint32_t> taken_;  ///< begin to end, in units
+  std::uint32_t capacity_ = 0;         ///< units of the buffer
+  Kernel scatter_;                     ///< made by prepare() or the first update
+  DeviceList sent_{sizeof(MeshUnit)};  ///< changes on their way
+  std::vector<MeshUnit> sending_;
+  /// By CollisionMesh::structure(): the key of a mesh that is gone is never another's.
+  Residents residents_;
+  std::vector<std::shared_ptr<Resident>> outdated_;  ///< of meshes that have moved while these were pinned
+  std::map<std::uint32_t, std::uint32_t> taken_;     ///< begin to end, in units
   std::uint64_t clock_ = 0;
   Counts counts_;
 };

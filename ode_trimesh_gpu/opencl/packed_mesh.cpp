@@ -7,27 +7,25 @@
 #include <utility>
 
 #include "bvh/packed_tree.h"
+#include "opencl/packed_motion.h"
 #include "opencl/packed_solid.h"
 
 namespace otg::opencl {
 namespace {
 
 void addNode(PackedMesh& out, Vec3f center, std::uint32_t first, Vec3f extent, std::int32_t count) {
-  out.units.push_back({center.x, center.y, center.z, first});
-  out.units.push_back({extent.x, extent.y, extent.z, static_cast<std::uint32_t>(count)});
+  out.units.push_back(nodeCenter(center, first));
+  out.units.push_back(nodeExtent(extent, count));
 }
 
 void addTriangle(PackedMesh& out, const TriMesh& mesh, std::uint32_t triangle) {
-  const std::uint32_t w[3] = {triangle, mesh.isDegenerate(triangle) ? 1u : 0u, 0u};
-  for (int k = 0; k < 3; ++k) {
-    const Vec3f& v = mesh.vertices()[mesh.triangles()[triangle].v[k]];
-    out.units.push_back({v.x, v.y, v.z, w[k]});
-  }
+  for (std::uint32_t k = 0; k < 3; ++k) out.units.push_back(triangleCorner(mesh, triangle, k));
 }
 
 /// Nodes, triangles and cut.
-void addEightWide(PackedMesh& out, const CollisionMesh& mesh, std::uint32_t leafTriangles, std::uint32_t cutOrder) {
-  PackedTree tree = makePackedTree(mesh.tree(), leafTriangles);
+PackedTree addEightWide(PackedMesh& out, const CollisionMesh& mesh, std::uint32_t leafTriangles, std::uint32_t cutOrder,
+                        std::vector<std::uint32_t>* binaryNodes) {
+  PackedTree tree = makePackedTree(mesh.tree(), leafTriangles, binaryNodes);
   if (cutOrder != 0) std::shuffle(tree.cut.begin(), tree.cut.end(), std::mt19937(cutOrder));
   out.units.reserve(2 * tree.nodes.size() + 4 * tree.triangles.size() + 2 * tree.cut.size());
   for (const PackedNode& n : tree.nodes) {
@@ -41,6 +39,7 @@ void addEightWide(PackedMesh& out, const CollisionMesh& mesh, std::uint32_t leaf
     addNode(out, tree.nodes[node].center, node, tree.nodes[node].extent, tree.nodes[node].count);
   }
   out.place.depth = tree.depth;
+  return tree;
 }
 
 /// Nodes and triangles. A leaf's first is its triangle, whose place in the soup is its number.
@@ -82,6 +81,20 @@ void addRings(PackedMesh& out, const TriMesh& mesh) {
 
 }  // namespace
 
+MeshUnit nodeCenter(const Vec3f& center, std::uint32_t first) {
+  return {center.x, center.y, center.z, first};
+}
+
+MeshUnit nodeExtent(const Vec3f& extent, std::int32_t count) {
+  return {extent.x, extent.y, extent.z, static_cast<std::uint32_t>(count)};
+}
+
+MeshUnit triangleCorner(const TriMesh& mesh, std::uint32_t triangle, std::uint32_t corner) {
+  const std::uint32_t w[3] = {triangle, mesh.isDegenerate(triangle) ? 1u : 0u, 0u};
+  const Vec3f& v = mesh.vertices()[mesh.triangles()[triangle].v[corner]];
+  return {v.x, v.y, v.z, w[corner]};
+}
+
 otg_device_mesh PackedMesh::placeAt(std::uint32_t begin) const {
   otg_device_mesh moved = place;
   moved.nodes += begin;
@@ -91,18 +104,24 @@ otg_device_mesh PackedMesh::placeAt(std::uint32_t begin) const {
   return moved;
 }
 
-PackedMesh packMesh(const CollisionMesh& mesh, MeshLayout layout, std::uint32_t leafTriangles, std::uint32_t cutOrder) {
+PackedMesh packMesh(const CollisionMesh& mesh, MeshLayout layout, std::uint32_t leafTriangles, std::uint32_t cutOrder,
+                    std::shared_ptr<const PackedPlaces>* places) {
   PackedMesh out;
+  PackedTree tree;
+  std::vector<std::uint32_t> binaryNodes;
   if (layout == MeshLayout::kBinary) {
     addBinary(out, mesh);
   } else {
-    addEightWide(out, mesh, leafTriangles, cutOrder);
+    tree = addEightWide(out, mesh, leafTriangles, cutOrder, places == nullptr ? nullptr : &binaryNodes);
   }
   addRings(out, mesh.mesh());
   out.place.center = mesh.mesh().origin();
   out.place.radius = mesh.mesh().radius();
   out.place.triangles = static_cast<std::uint32_t>(mesh.mesh().triangleCount());
-  if (layout == MeshLayout::kEightWide) addSolid(out, mesh);
+  if (layout == MeshLayout::kEightWide) {
+    addSolid(out, mesh);
+    if (places != nullptr) *places = std::make_shared<PackedPlaces>(tree, binaryNodes, out);
+  }
   return out;
 }
 

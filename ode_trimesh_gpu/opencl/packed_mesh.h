@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "bvh/collision_mesh.h"
@@ -29,8 +30,16 @@ struct PackedMesh {
   otg_device_mesh placeAt(std::uint32_t begin) const;
 };
 
-/// For kEightWide: `leafTriangles`, the most triangles of a leaf; `cutOrder` as in Tuning.
+class PackedPlaces;
+
+/// For kEightWide: `leafTriangles`, the most triangles of a leaf; `cutOrder` as in Tuning; `places`, if asked for,
+/// receives what is needed to send changes of the mesh later.
 PackedMesh packMesh(const CollisionMesh& mesh, MeshLayout layout, std::uint32_t leafTriangles,
-                    std::uint32_t cutOrder = 0);
+                    std::uint32_t cutOrder = 0, std::shared_ptr<const PackedPlaces>* places = nullptr);
+
+/// The two units of a node; the three of a triangle, one for each corner.
+MeshUnit nodeCenter(const Vec3f& center, std::uint32_t first);
+MeshUnit nodeExtent(const Vec3f& extent, std::int32_t count);
+MeshUnit triangleCorner(const TriMesh& mesh, std::uint32_t triangle, std::uint32_t corner);
 
 }  // namespace otg::opencl

@@ -87,7 +87,7 @@ OTG_API int dGpuTriMeshOpenDevices(const int* indices, int count);
  * @param bytes  0 for half of the device's memory, which is the default. The environment variable OTG_DEVICE_MEMORY (a
  *               number of bytes) has the first dGpuTriMeshInit() call this function
  * @remarks From any thread. It holds for devices that are opened afterwards; those that are open keep their limit.
- * @sa dGpuTriMeshGetDevice(), which tells of uploads, evictions and bytes
+ * @sa dGpuTriMeshGetDevice(), which tells of uploads, updates, evictions and bytes
  * @ingroup gputrimesh
  */
 OTG_API void dGpuTriMeshSetDeviceMemory(duint64 bytes);
@@ -117,17 +117,19 @@ OTG_API void dGpuTriMeshCloseDevices(void);
  * @ingroup gputrimesh
  */
 typedef struct dGpuTriMeshDevice {
-  dsizeint size;          /**< sizeof(dGpuTriMeshDevice) of your program; set by ...Init */
-  int index;              /**< its number in the list of all devices */
-  int switched_off;       /**< 1 after too many failures in a row */
-  char name[128];         /**< cut if it is longer */
-  duint64 queries;        /**< pairs that it was given */
-  duint64 failed_queries; /**< of these, in calls that failed */
-  duint64 calls;          /**< single queries and batches */
-  duint64 failed_calls;   /**< of these, those that failed */
-  duint64 mesh_uploads;   /**< meshes that were sent there */
-  duint64 mesh_evictions; /**< of these, those that had to make room for others */
-  duint64 mesh_bytes;     /**< that meshes take there now */
+  dsizeint size;           /**< sizeof(dGpuTriMeshDevice) of your program; set by ...Init */
+  int index;               /**< its number in the list of all devices */
+  int switched_off;        /**< 1 after too many failures in a row */
+  char name[128];          /**< cut if it is longer */
+  duint64 queries;         /**< pairs that it was given */
+  duint64 failed_queries;  /**< of these, in calls that failed */
+  duint64 calls;           /**< single queries and batches */
+  duint64 failed_calls;    /**< of these, those that failed */
+  duint64 mesh_uploads;    /**< meshes that were sent there */
+  duint64 mesh_updates;    /**< changes of meshes that were sent there, of vertices that had moved */
+  duint64 mesh_evictions;  /**< meshes that had to make room for others */
+  duint64 mesh_bytes_sent; /**< of mesh_uploads and mesh_updates together */
+  duint64 mesh_bytes;      /**< that meshes take there now */
 } dGpuTriMeshDevice;
 
 /**

@@ -235,7 +235,8 @@ OTG_API int dGpuTriMeshDataUpdate(dGpuTriMeshDataID g, const dReal* Vertices, in
  * dGpuTriMeshDataUpdateVerticesSingle()), vertices that were at one place part or others meet, a triangle loses or
  * gains its area, the mesh turns inside out, its middle has wandered by a sixteenth of its size; also while a batch is
  * under way that uses the mesh. A mesh of several closed components is looked at whole where one lies in another one
- * or comes near to it, and devices get the mesh anew. The meshes of geoms with a scale follow in the same way.
+ * or comes near to it. The meshes of geoms with a scale follow in the same way. Devices are sent what has changed when
+ * they need it next (docs/opencl.md says when they are sent the whole mesh).
  *
  * @param g             the object, built before. Numbers are those of the arrays that it was built from; where repair
  *                      merged vertices, the first of them moves the merged one and the others do nothing
