@@ -315,27 +315,42 @@ OTG_INLINED void otgArenaPoints(__local otg_arena_scratch* s, __local otg_solid_
   }
 }
 
-/// `task`: the pair, which goes to `tasks` for the kernels that follow. The arena is free from unit `begin` on.
+/// Lists the places of the large regions of all pairs, as far as there is room.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapList(
+    __global const otg_overlap_task* restrict tasks, __global const uchar* restrict out, __global uint* restrict places,
+    uint room, __global otg_overlap_progress* restrict progress) {
+  const uint place = get_global_id(0);
+  if (place >= tasks->pairs * OTG_OVERLAP_REGIONS) return;
+  const otg_found_lists l = otgListsFor(out, tasks, place);
+  if (!otgIsLargeRegion(&l)) return;
+  const uint slot = atomic_inc(&progress->slots);
+  if (slot < room) places[slot] = place;
+}
+
+/// `task`: of a single pair, which goes to `tasks` for the kernels that follow; of several it says what holds for all.
+/// `places`: of the regions, by slot; null: they are the slots. The arena is free from unit `begin` on.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapArena(
     const otg_overlap_task task, __global const otg_overlap_pair* restrict pairs,
-    __global const float4* restrict meshes, __global const uchar* restrict out,
+    __global const float4* restrict meshes, __global const uchar* restrict out, __global const uint* restrict places,
     __global otg_overlap_task* restrict tasks, __global uchar* arena, uint begin, uint arenaUnits,
     __global otg_overlap_progress* restrict progress) {
   __local otg_arena_scratch scratch;
   __local otg_solid_ways ways;
   __local otg_overlap_mesh mesh[2];
   const uint lane = get_local_id(0), slot = get_group_id(0) / 2, isPoints = get_group_id(0) % 2;
-  const otg_found_lists l = otgListsOf(out, task.pairs, task.unitRoom, task.tableRoom, slot);
-  const uint regions = min(l.head->counts[OTG_OVERLAP_REGION_COUNT], (uint)OTG_OVERLAP_REGIONS);
-  const int works = l.works && l.region < regions && l.head->regions[l.region].load > OTG_SOLID_LARGE_REGION;
+  const int isListed = places == 0 || slot < progress->slots;
+  const uint place = !isListed ? 0 : places == 0 ? slot : places[slot];
+  const otg_found_lists l = otgListsOf(out, task.pairs, task.unitRoom, task.tableRoom, place);
+  const int works = isListed && otgIsLargeRegion(&l);
   const uint cells = works ? l.head->counts[OTG_OVERLAP_CELLS] : 0;
   const uint points = works ? l.head->counts[OTG_OVERLAP_POINTS] : 0;
-  if (get_group_id(0) == 0 && lane == 0) tasks[0] = task;
+  if (places == 0 && get_group_id(0) == 0 && lane == 0) tasks[0] = task;
+  if (!isPoints && lane == 0) otgRegionAt(arena, slot)->place = works ? place : OTG_NOT_THERE;
   if (!works) {
     if (lane == 0) otgRegionAt(arena, slot)->status = 0;
     return;
   }
-  otgMeshesOf(meshes, pairs, slot, mesh);
+  otgMeshesOf(meshes, pairs, place, mesh);
   const float radius = otgMin_f(mesh[0].solid.radius, mesh[1].solid.radius);
   const otg_arena_region r = otgMeasureCells(&scratch, &l, cells, 2 * (double)radius);
   if (isPoints) {

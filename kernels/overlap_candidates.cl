@@ -180,11 +180,12 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapCand
   const uint slot = get_group_id(1);
   __global otg_region_work* r = otgRegionAt(arena, slot);
   if (!otgIsWorked(r, &isWorked)) return;
-  __global const otg_overlap_task* task = tasks + slot / OTG_OVERLAP_REGIONS;
+  const uint place = r->place;
+  __global const otg_overlap_task* task = tasks + place / OTG_OVERLAP_REGIONS;
   otg_solid_work w = otgWorkOf(arena, slot);
   if (get_group_id(0) >= w.candidates || (!turns && otgSeeks(r, task) && !otgIsThin(&w))) return;
-  const otg_found_lists l = otgListsFor(out, tasks, slot);
-  otgMeshesOf(meshes, pairs, slot, mesh);
+  const otg_found_lists l = otgListsFor(out, tasks, place);
+  otgMeshesOf(meshes, pairs, place, mesh);
   const otg_vec3_d direction = otgSettleDirection(&scratch, r, task, mesh, &w);
   if (get_group_id(0) == 0 && get_local_id(0) == 0) otgStore(r->direction, direction);
   const double extra = r->status & OTG_FOUND_ESCAPING ? task->motion.step : 0;

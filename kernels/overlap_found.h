@@ -24,12 +24,12 @@ typedef struct {
   int works;    ///< there is a description, and it is whole
 } otg_found_lists;
 
-/// `slot`: the place of a region; see otg_overlap_task.
+/// `place`: of a region; see otg_overlap_task. It is not its slot in the arena.
 OTG_INLINED otg_found_lists otgListsOf(__global const uchar* out, uint pairs, uint unitRoom, uint tableRoom,
-                                       uint slot) {
+                                       uint place) {
   otg_found_lists l;
-  l.head = (__global const otg_overlap_state*)(out + sizeof(otg_overlap_totals)) + slot / OTG_OVERLAP_REGIONS;
-  l.region = slot % OTG_OVERLAP_REGIONS;
+  l.head = (__global const otg_overlap_state*)(out + sizeof(otg_overlap_totals)) + place / OTG_OVERLAP_REGIONS;
+  l.region = place % OTG_OVERLAP_REGIONS;
   __global const uint* counts = l.head->counts;
   const otg_overlap_parts p =
       otgPartsOf(counts[OTG_OVERLAP_CELLS], counts[OTG_OVERLAP_VERTICES], counts[OTG_OVERLAP_CLUSTERS],
@@ -47,8 +47,13 @@ OTG_INLINED otg_found_lists otgListsOf(__global const uchar* out, uint pairs, ui
   l.points = (__global const otg_found_point*)(body + (size_t)p.points * 16);
   return l;
 }
-OTG_INLINED otg_found_lists otgListsFor(__global const uchar* out, __global const otg_overlap_task* tasks, uint slot) {
-  return otgListsOf(out, tasks->pairs, tasks->unitRoom, tasks->tableRoom, slot);
+OTG_INLINED otg_found_lists otgListsFor(__global const uchar* out, __global const otg_overlap_task* tasks, uint place) {
+  return otgListsOf(out, tasks->pairs, tasks->unitRoom, tasks->tableRoom, place);
+}
+/// Whether the region is there, and is described by cells.
+OTG_INLINED int otgIsLargeRegion(const otg_found_lists* l) {
+  return l->works && l->region < min(l->head->counts[OTG_OVERLAP_REGION_COUNT], (uint)OTG_OVERLAP_REGIONS) &&
+         l->head->regions[l->region].load > OTG_SOLID_LARGE_REGION;
 }
 
 OTG_INLINED __global otg_region_work* otgRegionAt(__global uchar* arena, uint slot) {
@@ -73,9 +78,9 @@ OTG_INLINED int otgIsWorked(__global const otg_region_work* r, __local int* answ
 }
 
 /// The meshes of a region's pair. All lanes call it.
-OTG_INLINED void otgMeshesOf(__global const float4* meshes, __global const otg_overlap_pair* pairs, uint slot,
+OTG_INLINED void otgMeshesOf(__global const float4* meshes, __global const otg_overlap_pair* pairs, uint place,
                              __local otg_overlap_mesh* mesh) {
-  __global const otg_overlap_pair* pair = pairs + slot / OTG_OVERLAP_REGIONS;
+  __global const otg_overlap_pair* pair = pairs + place / OTG_OVERLAP_REGIONS;
   for (uint k = get_local_id(0); k < 2; k += OTG_GROUP) {
     const otg_device_mesh place = pair->mesh[k];
     mesh[k] = otgOverlapMesh(meshes, &place, pair->bInA, (int)k);

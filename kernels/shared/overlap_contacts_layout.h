@@ -28,7 +28,7 @@ typedef struct {
 } otg_overlap_motion;
 
 /// What is asked of one pair, beside its entry in the table of pairs. Its regions are OTG_OVERLAP_REGIONS places, from
-/// the first on that belong to its number. By value: what holds for all pairs, too.
+/// the first on that belong to its number. What holds for all pairs, too.
 typedef struct {
   otg_overlap_motion motion;
   otg_uint most;                 ///< contacts of one region
@@ -48,7 +48,7 @@ typedef struct {
   otg_uint mainCount[2];
   otg_uint deepPlanes, deepCount[2];  ///< place in the arena; A's, then B's from the number of A's pieces on
   otg_uint pieceCount[2];
-  otg_uint unusedToo;
+  otg_uint place;       ///< OTG_OVERLAP_REGIONS for each pair; OTG_NOT_THERE: none
   otg_uint status;      ///< OTG_FOUND_*, as far as pieces tell
   otg_uint pointFlags;  ///< OTG_REGION_CORNERS, OTG_REGION_BAD
   otg_uint unused[4];
@@ -67,24 +67,32 @@ enum {
 typedef struct {
   double direction[3];  ///< as RegionDirection
   otg_uint status, count;
+  otg_uint first, unused;  ///< of its contacts
 } otg_found_contacts;
 
-/// Counters of one query, zero when it begins.
+/// Counters of one submission, zero when it begins.
 typedef struct {
   otg_uint arenaUnits;  ///< behind the regions
-  otg_uint unused[3];
+  otg_uint slots;       ///< large regions that were listed, of several pairs
+  otg_uint small;       ///< hits of small regions
+  otg_uint done;        ///< pairs that are through
 } otg_overlap_progress;
 
-/// The head of the results. Behind it `most` contacts for each region, then the hits of small regions.
+/// The results: this, then for each pair its head, then the contacts of regions, so many places for each; and then the
+/// hits of small regions.
 typedef struct {
   otg_overlap_totals totals;
+  otg_overlap_progress progress;
+} otg_contacts_sums;
+typedef struct {
   otg_overlap_state state;
   otg_found_contacts regions[OTG_OVERLAP_REGIONS];
-  otg_overlap_progress progress;
+  otg_uint small, firstSmall, unused[2];
 } otg_contacts_head;
+#define OTG_CONTACTS_HEADS(pairs) (sizeof(otg_contacts_sums) + (pairs) * sizeof(otg_contacts_head))
 
 #ifndef __OPENCL_VERSION__
-static_assert(sizeof(otg_overlap_task) == 96 && sizeof(otg_region_work) % 16 == 0 && sizeof(otg_found_contacts) == 32 &&
+static_assert(sizeof(otg_overlap_task) == 96 && sizeof(otg_region_work) % 16 == 0 && sizeof(otg_found_contacts) == 40 &&
               OTG_OVERLAP_MAIN_FACES == OTG_SOLID_DEEP_FACES && OTG_WAY_DIRECTIONS >= 2 + 2 * OTG_SOLID_DEEP_FACES &&
               sizeof(otg_contacts_head) % 16 == 0);
 }  // namespace otg

@@ -289,7 +289,7 @@ bool solidContactsOf(const Query& query, const FoundContacts& found, Workspace& 
       contacts.add(small.regions, small.regions.regions[nextSmall++]);
     } else {
       const otg_found_contacts& region = found.head->regions[r];
-      contacts.add(region, found.contacts.subspan(std::size_t{found.most} * r, region.count));
+      contacts.add(region, found.contacts.subspan(region.first, region.count));
     }
   }
   contacts.finish();

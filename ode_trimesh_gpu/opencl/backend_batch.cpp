@@ -252,7 +252,7 @@ class Backend::Batch {
     std::size_t next = 0;  // of those
     OverlapJob job;
     const bool all = wish_ == BatchWish::kPairs;
-    bool scattered = false;
+    bool scattered = false, makes = true;  // contacts from descriptions
     if (all || wish_ == BatchWish::kAny || found.counters[OTG_COUNT_FLAGGED] > 0) {
       for (std::size_t k = 0; k < count; ++k) {
         const otg_uint flags = found.flags[k];
@@ -271,6 +271,7 @@ class Backend::Batch {
           if (describes_ && isForOverlaps(flags)) {
             const Query query = source_.query(begin + k);
             job.add(begin + k, {static_cast<otg_uint>(k), found.contacts[0].places[2 * k], 0, 0, 0}, query.a, query.b);
+            makes = makes && OverlapContacts::works(query, state_.tuning);
           } else {
             fromRecords.push_back(begin + k);
           }
@@ -290,6 +291,9 @@ class Backend::Batch {
     if (!job.which.empty()) {
       job.holder = holders_.size();
       job.batch = &lane;
+      if (makes) {
+        for (const std::size_t i : job.which) job.tasks.push_back(overlapTask(source_.query(i)));
+      }
       holders_.push_back({std::move(piece.lane), piece.repeats, begin, count, scattered, {}});
       overlaps_.add(job);
     }
@@ -348,11 +352,37 @@ class Backend::Batch {
         holder.inVain.push_back(job.which[k]);
       }
     }
-    const std::vector<std::size_t> bad = finish_.described(
-        which, [&](std::size_t i) { return source_.query(i); },
-        [&](std::size_t k) { return job.lane->found(places[k]); });
+    const auto queryOf = [&](std::size_t i) { return source_.query(i); };
+    const std::size_t all = which.size();
+    if (job.lane->hasContacts()) {
+      const std::vector<std::size_t> bad =
+          finish_.made(which, queryOf, [&](std::size_t k) { return job.lane->contacts(places[k]); });
+      state_.contactsMade += which.size() - bad.size();
+      state_.contactsLeft += bad.size();
+      // Both ascend.
+      std::vector<std::uint32_t> rest;
+      for (std::size_t k = 0, next = 0; next < bad.size(); ++k) {
+        if (which[k] != bad[next]) continue;
+        rest.push_back(places[k]);
+        ++next;
+      }
+      which = bad;
+      places = rest;
+    }
+    std::vector<std::size_t> bad;
+    if (!which.empty()) {
+      try {
+        if (job.lane->hasContacts()) job.lane->readDescriptions();
+      } catch (const ClError& error) {
+        job.lane = nullptr;
+        failed(error, which);
+        state_.described += all - which.size();
+        return;
+      }
+      bad = finish_.described(which, queryOf, [&](std::size_t k) { return job.lane->found(places[k]); });
+    }
     holder.inVain.insert(holder.inVain.end(), bad.begin(), bad.end());
-    state_.described += which.size() - bad.size();
+    state_.described += all - bad.size();
     if (times_) times_->host += making.ms();
   }
 
@@ -403,6 +433,9 @@ class Backend::Batch {
     times_->regions += profile.ms(Profile::kRegions);
     times_->select += profile.ms(Profile::kSelect);
     times_->choose += profile.ms(Profile::kChoose);
+    times_->weigh += profile.ms(Profile::kWeigh);
+    times_->ways += profile.ms(Profile::kWays);
+    times_->candidates += profile.ms(Profile::kCandidates);
     times_->readBack += profile.ms(Profile::kReadBack);
   }
 

@@ -93,6 +93,12 @@ struct ContactFinish {
                  [&](std::size_t k, Workspace& own) { return takeDescribed(queryOf(which[k]), foundOf(k), own); });
   }
 
+  /// The same where contacts of large regions are made; and those that were left.
+  template <class QueryOf, class FoundOf>
+  std::vector<std::size_t> made(const std::vector<std::size_t>& which, const QueryOf& queryOf, const FoundOf& foundOf) {
+    return share(which, [&](std::size_t k, Workspace& own) { return takeMade(queryOf(which[k]), foundOf(k), own); });
+  }
+
   bool alone(std::size_t i, const Query& query) {
     --queries;  // counted again there
     const bool good = backend.collide(query, workspace);

@@ -4,7 +4,10 @@
 namespace otg::opencl {
 
 OverlapLane::OverlapLane(Context& context, MeshStore&, const Tuning& tuning)
-    : queue_(context.makeQueue(tuning.profile)), stage_(context, tuning), profile_(tuning.profile) {}
+    : queue_(context.makeQueue(tuning.profile)),
+      stage_(context, tuning),
+      contacts_(context, tuning),
+      profile_(tuning.profile) {}
 
 OverlapLane::~OverlapLane() {
   if (underWay_) clRelease(OTG_CL(clFinish), queue_.get());  // end() was not reached
@@ -25,29 +28,62 @@ void OverlapLane::guarded(Run&& run) {
 void OverlapLane::beginRun() {
   stage_.reserve(queue_.get(), batch_);
   stage_.enqueue(queue_.get(), batch_, profile_);
-  stage_.beginHead(queue_.get(), profile_);
+  if (hasContacts()) {
+    beginContacts();
+  } else {
+    stage_.beginHead(queue_.get(), profile_);
+  }
+}
+
+void OverlapLane::beginContacts() {
+  contacts_.enqueue(queue_.get(),
+                    {tasks_, batch_.meshes, stage_.pairs(), stage_.results(), stage_.unitRoom(), stage_.tableRoom()},
+                    profile_);
+  contacts_.beginHead(queue_.get(), profile_);
 }
 
 void OverlapLane::begin(const BatchLane& batch, std::span<const otg_listed_overlap> pairs,
-                        std::span<const CollisionMesh* const> bodies) {
+                        std::span<const CollisionMesh* const> bodies, std::span<const otg_overlap_task> tasks) {
   batch_ = batch.solids();
   batch_.pairs = pairs;
   batch_.bodies = bodies;
+  tasks_ = tasks;
   underWay_ = true;
   guarded([&] { beginRun(); });
 }
 
 void OverlapLane::end() {
   guarded([&] {
-    for (; !stage_.endHead(queue_.get()); ++repeats_) beginRun();
-    stage_.readRest(queue_.get(), profile_);
+    if (hasContacts()) {
+      for (contacts_.endHead(queue_.get()); !stage_.fits(contacts_.totals()); ++repeats_) {
+        beginRun();
+        contacts_.endHead(queue_.get());
+      }
+      for (; contacts_.isIncomplete(); ++repeats_) {
+        beginContacts();
+        contacts_.endHead(queue_.get());
+      }
+      contacts_.readRest(queue_.get(), profile_);
+    } else {
+      for (; !stage_.endHead(queue_.get()); ++repeats_) beginRun();
+      stage_.readRest(queue_.get(), profile_);
+    }
     if (profile_.on()) profile_.collect();
   });
   underWay_ = false;
 }
 
+void OverlapLane::readDescriptions() {
+  guarded([&] {
+    stage_.beginHead(queue_.get(), profile_);
+    stage_.endHead(queue_.get());
+    stage_.readRest(queue_.get(), profile_);
+    if (profile_.on()) profile_.collect();
+  });
+}
+
 bool OverlapLane::isDescribed(std::uint32_t pair) const {
-  const otg_uint* counts = stage_.head(pair).counts;
+  const otg_uint* counts = (hasContacts() ? contacts_.head(pair).state : stage_.head(pair)).counts;
   return counts[OTG_OVERLAP_WHY] == 0 && counts[OTG_OVERLAP_CHORDS] > 0;
 }
 

@@ -20,6 +20,7 @@ struct OverlapJob {
   std::vector<std::size_t> which;            ///< the caller's numbers of the pairs
   std::vector<otg_listed_overlap> pairs;     ///< of each: number in the batch, and hits
   std::vector<const CollisionMesh*> bodies;  ///< of each: A and B
+  std::vector<otg_overlap_task> tasks{};     ///< of each, if its contacts are to be made, too
   std::unique_ptr<OverlapLane> lane{};       ///< once it is begun
   std::uint64_t repeats = 0;                 ///< of the lane until then
   std::optional<ClError> error{};            ///< why it was not, or why it did not end
@@ -34,6 +35,7 @@ struct OverlapJob {
     OverlapJob some{holder, batch, {}, {}, {}};
     for (std::size_t k = begin; k < std::min(begin + count, which.size()); ++k) {
       some.add(which[k], pairs[k], bodies[2 * k], bodies[2 * k + 1]);
+      if (!tasks.empty()) some.tasks.push_back(tasks[k]);
     }
     return some;
   }
@@ -75,7 +77,7 @@ class OverlapQueue {
     try {
       job.lane = lanes_.take();
       job.repeats = job.lane->repeats();
-      job.lane->begin(*job.batch, job.pairs, job.bodies);
+      job.lane->begin(*job.batch, job.pairs, job.bodies, job.tasks);
     } catch (const ClError& error) {
       job.lane = nullptr;
       job.error = error;

@@ -84,15 +84,20 @@ PairAnswer PairLane::describe(const otg_device_pair& pair, const Query& query, c
     overlap_.reserve(queue, task);
     enqueueWalk(pair, meshes, how);
     overlap_.enqueue(queue, task, profile_);
-    const bool makes = overlapContacts_.works(query);
-    const OverlapContacts::Pair described{
-        query, meshes, overlap_.pairs(), overlap_.results(), overlap_.unitRoom(), overlap_.tableRoom()};
+    const bool makes = OverlapContacts::works(query, tuning_);
+    const otg_overlap_task asked = makes ? overlapTask(query) : otg_overlap_task{};
+    const OverlapContacts::Pairs described{
+        {&asked, 1}, meshes, overlap_.pairs(), overlap_.results(), overlap_.unitRoom(), overlap_.tableRoom()};
+    const auto make = [&] {
+      overlapContacts_.enqueue(queue, described, profile_);
+      overlapContacts_.beginHead(queue, profile_);
+      overlapContacts_.endHead(queue);
+      head = &overlapContacts_.head().state;
+    };
     bool fits = true;
     if (makes) {
-      overlapContacts_.enqueue(queue, described, profile_);
-      answer.contactsOfRegions = overlapContacts_.read(queue, profile_);
-      head = &answer.contactsOfRegions.head->state;
-      fits = overlap_.fits(answer.contactsOfRegions.head->totals);
+      make();
+      fits = overlap_.fits(overlapContacts_.totals());
     } else {
       overlap_.beginHead(queue, profile_);
       fits = overlap_.endHead(queue);
@@ -103,11 +108,10 @@ PairAnswer PairLane::describe(const otg_device_pair& pair, const Query& query, c
     if (makeRoom(head->counters) || !fits) continue;
     answer.described = head->counts[OTG_OVERLAP_WHY] == 0 && head->counts[OTG_OVERLAP_CHORDS] > 0;
     answer.made = makes && answer.described;
-    while (answer.made && overlapContacts_.isIncomplete()) {
-      ++repeats_;
-      overlapContacts_.enqueue(queue, described, profile_);
-      answer.contactsOfRegions = overlapContacts_.read(queue, profile_);
-      head = &answer.contactsOfRegions.head->state;
+    for (; answer.made && overlapContacts_.isIncomplete(); ++repeats_) make();
+    if (answer.made) {
+      overlapContacts_.readRest(queue, profile_);
+      answer.contactsOfRegions = overlapContacts_.found();
     }
     if (!makes) {
       overlap_.readRest(queue, profile_);

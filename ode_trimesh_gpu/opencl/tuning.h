@@ -53,8 +53,8 @@ struct Tuning {
   /// Pairs of a batch of solids whose regions are too large for its own kernels are described, too, if there are so
   /// many of them (where single pairs are described at all); `overlapPairs` at a time.
   std::uint32_t leastOverlaps = 64, overlapPairs = 1024;
-  /// 1: contacts of large regions of such a pair are made on the device, too; 0: the host makes them. Work-items of a
-  /// work-group of those kernels, a power of two (0: 1 on CPUs, else what each is best with), and units of 16 bytes
+  /// 1: contacts of large regions of described pairs are made on the device, too; 0: the host makes them. Work-items of
+  /// a work-group of those kernels, a power of two (0: 1 on CPUs, else what each is best with), and units of 16 bytes
   /// for their arena, which grows.
   std::uint32_t overlapContacts = 1, overlapLanes = 0, overlapArena = 1u << 16;
   /// Where a piece of a batch of solids leaves at most so many pairs to the host, its caller's threads do them while

@@ -400,6 +400,8 @@ TEST_CASE("large pairs of a batch of solids are described, and the others are no
   const std::vector<std::vector<Contact>> expected = contactsOnHost(queries);
   CHECK(checkBatch(*backend, queries, expected) >= 25);
   CHECK(backend->counts().describedInVain < 20);
+  CHECK(backend->counts().contactsMade >= 25);
+  CHECK(backend->counts().contactsLeft <= 2);
   // Again, and single pairs and a batch without any in between.
   const std::vector<Query> others = overlaps(meshes, 12, 3, 0.8);
   checkAll(*backend, others, onHost(others));
@@ -503,7 +505,7 @@ TEST_CASE("descriptions of a batch do not depend on the sizes of lists and piece
   const MeshList meshes = bodies(), small = smallBodies();
   const std::vector<Query> queries = mixed(meshes, small, 31, 60);
   const std::vector<std::vector<Contact>> expected = contactsOnHost(queries);
-  std::vector<opencl::Tuning> tunings(5, describing());
+  std::vector<opencl::Tuning> tunings(7, describing());
   tunings[0].overlapUnits = 1;
   tunings[0].hitPlaces = 1;
   tunings[1].overlapPairs = 1;
@@ -512,6 +514,8 @@ TEST_CASE("descriptions of a batch do not depend on the sizes of lists and piece
   tunings[2].leastPiece = 16;            // several pieces of the batch
   tunings[3].overlapGroupsPerUnit = 64;  // several work-groups for a pair
   tunings[4].memoryBudget = 16u << 20;   // not all meshes at once
+  tunings[5].overlapContacts = 0;        // the host makes all contacts from descriptions
+  tunings[6].overlapArena = 1;           // no room for regions at first
   std::uint64_t described = 0;
   for (const opencl::Tuning& tuning : tunings) {
     const auto backend = openBackend(tuning);
@@ -522,6 +526,8 @@ TEST_CASE("descriptions of a batch do not depend on the sizes of lists and piece
     if (described != 0) CHECK(now == described);
     described = now;
     if (tuning.overlapUnits == 1) CHECK(backend->counts().repeats > 1);
+    if (tuning.overlapArena == 1) CHECK(backend->counts().repeats > 0);
+    CHECK((backend->counts().contactsMade > 0) == (tuning.overlapContacts != 0));
     CHECK(checkBatch(*backend, queries, expected) == described);
   }
 }

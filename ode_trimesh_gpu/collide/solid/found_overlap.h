@@ -34,8 +34,7 @@ struct SmallRegions {
 /// The contacts that a device made of the large regions (kernels/overlap_choose.cl). Views of its results.
 struct FoundContacts {
   const otg_contacts_head* head = nullptr;
-  std::span<const Contact> contacts;  ///< `most` places for each region, in the meshes' own numbers of triangles
-  std::uint32_t most = 0;
+  std::span<const Contact> contacts;  ///< those that regions' `first` numbers, in the meshes' own numbers of triangles
   std::span<const otg_found_inside> small;  ///< hits of small regions
 };
 
