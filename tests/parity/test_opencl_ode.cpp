@@ -2,6 +2,7 @@
 // Devices through the C API: worlds, arrays of pairs and single calls have the bytes that they have on the CPU.
 #include <cstring>
 #include <fstream>
+#include <random>
 
 #include "opencl/call.h"
 #include "opencl/device_info.h"
@@ -136,6 +137,44 @@ TEST_CASE("a device that fails in the middle of a simulation changes nothing but
     }
     opencl::FaultInjection::failAt(0);
   }
+}
+
+TEST_CASE("vertices that move are sent to devices by themselves, of a mesh and of its scaled ones") {
+  const OdeSession session;
+  const scenes::MeshArrays lump = scenes::makeLump(1, 4, 0.2, 3);
+  const Data data(lump), other(scenes::makeBox({1, 1, 1}, 3));
+  const Geom plain(data), stretched(data), mirrored(data), box(other);
+  REQUIRE(dGeomGpuTriMeshSetScale(stretched.id, 1.2, 1, 0.9) == dGPUTRIMESH_OK);
+  REQUIRE(dGeomGpuTriMeshSetScale(mirrored.id, -1, 1, 1) == dGPUTRIMESH_OK);
+  const Devices devices(2);
+  for (const dGeomID g : {plain.id, stretched.id, mirrored.id, box.id}) {
+    dGpuTriMeshParams params;
+    dGpuTriMeshParamsInit(&params);
+    params.history = dGPUTRIMESH_HISTORY_OFF;
+    CHECK(dGeomGpuTriMeshSetParams(g, &params) == dGPUTRIMESH_OK);
+  }
+  dGeomSetPosition(box.id, 0.9, 0.5, 0.4);
+  std::mt19937 random(4);
+  std::vector<Vec3f> now = lump.vertices;
+  duint64 uploads = 0;
+  for (int step = 0; step < 8; ++step) {
+    INFO("step " << step);
+    const int vertex = static_cast<int>(random() % now.size());
+    Vec3f& p = now[static_cast<std::size_t>(vertex)];
+    p = otgScale(p, 1.001f);
+    REQUIRE(dGpuTriMeshDataUpdateListSingle(data.id, &p, 0, &vertex, 1) == dGPUTRIMESH_OK);
+    for (const dGeomID g : {plain.id, stretched.id, mirrored.id}) {
+      CHECK(dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_CPU) == dGPUTRIMESH_OK);
+      const auto expected = test::collide(g, box.id);
+      CHECK(!expected.empty());
+      CHECK(dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_OPENCL) == dGPUTRIMESH_OK);
+      for (int i = 0; i < 2; ++i) CHECK(sameContacts(test::collide(g, box.id), expected));
+    }
+    if (step == 2) uploads = devices[0].mesh_uploads + devices[1].mesh_uploads;
+  }
+  CHECK(devices[0].mesh_uploads + devices[1].mesh_uploads == uploads);
+  CHECK(devices[0].mesh_updates + devices[1].mesh_updates >= 3 * 5);
+  CHECK(devices[0].mesh_bytes_sent + devices[1].mesh_bytes_sent > 0);
 }
 
 TEST_CASE("the choice of a geom, and of two that differ") {
