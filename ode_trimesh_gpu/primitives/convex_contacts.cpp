@@ -30,6 +30,8 @@ class ShapeRefiner final : public RegionRefiner {
               const RegionDirection& direction, RegionNormals& normals) override {
     origin_ = all.origin;
     diagonal_ = region.diagonal;
+    low_ = region.lo;
+    high_ = region.hi;
     placed_.emplace(shape_, query_.bInA, origin_);
     settled_ = false;
     trusted_ = !direction.entangled && !direction.escaping && !region.contained && !region.bad;
@@ -155,7 +157,12 @@ class ShapeRefiner final : public RegionRefiner {
     }
     const Vec3d d = way_.direction;
     deepest.normal = otgScale(d, -1.0);
-    place(deepest, otgAdd(rearPoint(), otgScale(d, 0.5 * way_.depth)), way_.depth);
+    // Where the edges' lines are nearest may be beyond the edges' ends, and the last corner to leave beside the mesh.
+    const Vec3d middle = otgAdd(rearPoint(), otgScale(d, 0.5 * way_.depth));
+    place(deepest,
+          {std::clamp(middle.x, low_.x, high_.x), std::clamp(middle.y, low_.y, high_.y),
+           std::clamp(middle.z, low_.z, high_.z)},
+          way_.depth);
     contacts.erase(std::remove_if(begin, contacts.end(),
                                   [&](const Contact& c) {
                                     return norm(otgSub(c.position, deepest.position)) < kSamePlace * diagonal_;
@@ -190,6 +197,7 @@ class ShapeRefiner final : public RegionRefiner {
   ConvexPatch patch_;
   Vec3d origin_{};
   double diagonal_ = 0;
+  Vec3d low_{}, high_{};  ///< of the region
   bool trusted_ = false, settled_ = false;
   WayOut way_;
 };

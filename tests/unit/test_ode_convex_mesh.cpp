@@ -89,12 +89,13 @@ struct Placed {
     }
   }
 
-  bool holds(const Vec3d& p) const {
-    for (std::size_t i = 0; i < normals.size(); ++i) {
-      if (otgDot(normals[i], p) > offsets[i] + 1e-9) return false;
-    }
-    return true;
+  /// How far a point is in front of the face that it is most in front of; negative inside.
+  double outside(const Vec3d& p) const {
+    double most = -std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < normals.size(); ++i) most = std::max(most, otgDot(normals[i], p) - offsets[i]);
+    return most;
   }
+  bool holds(const Vec3d& p) const { return outside(p) <= 1e-9; }
   /// How far a point inside is from the surface along d.
   double exit(const Vec3d& p, const Vec3d& d) const {
     double least = std::numeric_limits<double>::infinity();
@@ -212,6 +213,9 @@ TEST_CASE("a dConvex leaves the mesh of a convex body, its own among them, by th
         const Vec3d out = otgScale(toVec(c.normal), -1.0);
         const double along = wayAlong(a, b, out), chord = longestChord(a, b, out);
         INFO("depth " << c.depth << " along " << along << " least " << least << " chord " << chord);
+        for (const dContactGeom& x : ours) {  // in the overlap, or beside it by less than they are deep
+          CHECK(std::max(a.outside(toVec(x.pos)), b.outside(toVec(x.pos))) < x.depth);
+        }
         // No way is much shorter: a pair of edges must be better than a face by 5 %, as in dBoxBox. The depth is that
         // of the overlap, which is that way where the corner that is last to leave is in it.
         CHECK(along < 1.05 * least + 1e-6);
