@@ -101,6 +101,8 @@ class Backend::Batch {
     for (std::size_t at = begin; at < end; at += step) pieces.push_back(begun(at, std::min(step, end - at), false));
     for (Piece& piece : pieces) finish(piece);
     finishOverlaps();
+    withoutDevice(later_);
+    later_.clear();
   }
 
   Piece begun(std::size_t begin, std::size_t count, bool part) {
@@ -284,6 +286,7 @@ class Backend::Batch {
       fromRecords.insert(fromRecords.end(), job.which.begin(), job.which.end());
       job.which.clear();
     }
+    putOff(fromRecords);
     BatchLane& lane = *piece.lane;
     Answer answer;
     // The counters and contacts of `found` stay where they are meanwhile.
@@ -308,6 +311,17 @@ class Backend::Batch {
       }
     }
     for (const std::size_t i : piece.refused) finish_.refuse(i);
+  }
+
+  /// A few pairs with histories, which are not worked on meanwhile, wait for those of the other pieces: one after the
+  /// other pieces would each wait for the slowest of theirs.
+  void putOff(std::vector<std::size_t>& few) {
+    if constexpr (Finish::kTakesDescriptions) {
+      if (!source_.anyHistory || !finish_.hasThreads() || few.size() > state_.tuning.meanwhile) return;
+      finish_.putOff(few.size());
+      later_.insert(later_.end(), few.begin(), few.end());
+      few.clear();
+    }
   }
 
   /// Whether the host would describe an overlap by cells, and nothing else is in the way.
@@ -448,6 +462,7 @@ class Backend::Batch {
   std::vector<Holder> holders_;
   OverlapQueue overlaps_;
   bool good_ = true, anyLarge_ = false;
+  std::vector<std::size_t> later_;            ///< pairs for the host when all pieces are done
   std::vector<const CollisionMesh*> meshes_;  ///< of the submission under way
   std::vector<std::uint32_t> renumber_;       ///< from the source's numbers to these; empty: the same
   StageTimes* times_ = nullptr;

@@ -64,6 +64,8 @@ struct ContactFinish {
 
   /// Whether there are threads that have nothing to do while the device is at work.
   bool hasThreads() const { return onHost != nullptr; }
+  /// So many of the host's pairs are for withoutDevice() at the end.
+  void putOff(std::size_t count) { answer.leftToHost += count; }
   /// What the host makes of a pair.
   struct Done {
     bool good = false;
