@@ -110,6 +110,11 @@ class ShapeRefiner final : public RegionRefiner {
     c.position = otgAdd(middle, origin_);
     c.depth = depth;
   }
+  /// Within the region's bounds: where the lines of two edges are nearest may be beyond the edges' ends, and the line
+  /// of a round side that is last to leave a face beside that face.
+  Vec3d inRegion(const Vec3d& p) const {
+    return {std::clamp(p.x, low_.x, high_.x), std::clamp(p.y, low_.y, high_.y), std::clamp(p.z, low_.z, high_.z)};
+  }
 
   /// With the direction fixed: place and depth on the round shape and the patch's planes.
   bool onPatch(Contact& c) const {
@@ -118,7 +123,7 @@ class ShapeRefiner final : public RegionRefiner {
     if (!(ahead > 0) || !std::isfinite(ahead)) return false;
     const double behind = std::max(0.0, placed_->exitDistance(p, otgScale(d, -1.0)));
     const double depth = std::min(ahead + behind, way_.depth);
-    place(c, otgAdd(p, otgScale(d, 0.5 * (ahead - behind))), depth);
+    place(c, inRegion(otgAdd(p, otgScale(d, 0.5 * (ahead - behind)))), depth);
     return true;
   }
 
@@ -157,12 +162,7 @@ class ShapeRefiner final : public RegionRefiner {
     }
     const Vec3d d = way_.direction;
     deepest.normal = otgScale(d, -1.0);
-    // Where the edges' lines are nearest may be beyond the edges' ends, and the last corner to leave beside the mesh.
-    const Vec3d middle = otgAdd(rearPoint(), otgScale(d, 0.5 * way_.depth));
-    place(deepest,
-          {std::clamp(middle.x, low_.x, high_.x), std::clamp(middle.y, low_.y, high_.y),
-           std::clamp(middle.z, low_.z, high_.z)},
-          way_.depth);
+    place(deepest, inRegion(otgAdd(rearPoint(), otgScale(d, 0.5 * way_.depth))), way_.depth);
     contacts.erase(std::remove_if(begin, contacts.end(),
                                   [&](const Contact& c) {
                                     return norm(otgSub(c.position, deepest.position)) < kSamePlace * diagonal_;

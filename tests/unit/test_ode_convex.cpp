@@ -117,10 +117,8 @@ TEST_CASE("a box mesh meets box, capsule and cylinder as the box would: the leas
       const bool accurate = c->depth < along + 1e-6 && c->depth > 0.95 * along - 1e-6 && along < 1.05 * least + 1e-6;
       inaccurate += accurate ? 0 : 1;
       for (const dContactGeom& x : ours) {
-        // In the overlap, or beside it by less than they are deep. (A cylinder's may be farther: docs/primitives.md.)
-        if (dGeomGetClass(other) != dCylinderClass) {
-          REQUIRE(std::max(outside(bodyOf(box), toVec(x.pos)), outside(bodyOf(other), toVec(x.pos))) < x.depth);
-        }
+        // In the overlap, or beside it by less than they are deep.
+        REQUIRE(std::max(outside(bodyOf(box), toVec(x.pos)), outside(bodyOf(other), toVec(x.pos))) < x.depth);
         REQUIRE(x.side1 >= 0);
         REQUIRE(x.side2 == -1);
         REQUIRE(std::abs(norm(toVec(x.normal)) - 1) < 1e-12);
