@@ -9,9 +9,8 @@
 namespace otg::opencl {
 namespace {
 
-/// With fewer hits the host is sooner done: than seven kernels and its contacts from what they say, or than those and
-/// five more that make the contacts.
-constexpr std::uint32_t kLeastHits = 1024, kLeastForContacts = 512;
+/// With fewer hits the host is sooner done than the kernels, part of whose work is in vain.
+constexpr std::uint32_t kLeastHits = 1024;
 
 otg_overlap_counts countsOf(const CollisionMesh& mesh) {
   return {
@@ -30,9 +29,7 @@ OverlapStage::OverlapStage(Context& context, const Tuning& tuning)
       group_(tuning.overlapGroup),
       registers_(context.info().registerLimit ? tuning.solidRegisters : 0),
       mostGroups_(std::max<std::size_t>(1, std::size_t{context.info().computeUnits} * tuning.overlapGroupsPerUnit)),
-      leastHits_(tuning.overlapHits != 0       ? tuning.overlapHits
-                 : tuning.overlapContacts != 0 ? kLeastForContacts
-                                               : kLeastHits),
+      leastHits_(tuning.overlapHits != 0 ? tuning.overlapHits : kLeastHits),
       works_(works(context.info(), tuning)),
       outWanted_(std::max(1u, tuning.overlapUnits)) {}
 
