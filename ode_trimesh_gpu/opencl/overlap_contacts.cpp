@@ -21,7 +21,8 @@ constexpr std::uint32_t kWeighGroups = 22;
 /// Work-groups for one region: a line of each direction, or a few directions; candidates.
 constexpr std::size_t kEscapeGroups = OTG_ESCAPE_DIRECTIONS * (1 + OTG_ESCAPE_ORIGINS) + 1, kDeepGroups = 16;
 constexpr std::size_t kTurnGroups = OTG_ESCAPE_SIDES * (1 + OTG_ESCAPE_ORIGINS), kCandidateGroups = 256;
-/// The same where there are many pairs.
+/// The same where there are many pairs, and the size of work-groups there: others have something to do while one waits.
+constexpr std::uint32_t kLanesOfMany = 32;
 constexpr std::size_t kWaysOfMany = 16, kCandidatesOfMany = 64;
 /// And on CPUs, where a work-group is one lane and a launch that is empty costs something for each.
 constexpr std::size_t kCpuGroups = 4;
@@ -45,9 +46,10 @@ otg_overlap_task overlapTask(const Query& query) {
   return task;
 }
 
-OverlapContacts::OverlapContacts(Context& context, const Tuning& tuning)
+OverlapContacts::OverlapContacts(Context& context, const Tuning& tuning, bool many)
     : context_(context),
       isCpu_(context.info().kind == DeviceKind::kCpu),
+      forMany_(many),
       lanes_(tuning.overlapLanes),
       registers_(context.info().registerLimit ? tuning.solidRegisters : 0),
       arenaWanted_(std::max(1u, tuning.overlapArena)),
@@ -57,7 +59,7 @@ OverlapContacts::OverlapContacts(Context& context, const Tuning& tuning)
 void OverlapContacts::build() {
   if (choose_.kernel) return;
   const auto make = [&](const char* file, std::uint32_t lanes, const char* name) {
-    const std::uint32_t group = lanes_ != 0 ? lanes_ : isCpu_ ? 1 : lanes;
+    const std::uint32_t group = lanes_ != 0 ? lanes_ : isCpu_ ? 1 : forMany_ ? kLanesOfMany : lanes;
     const std::string options = "-DOTG_GROUP=" + std::to_string(group) +
                                 " -DOTG_WEIGH_GROUPS=" + std::to_string(kWeighGroups) +
                                 (registers_ != 0 ? " -cl-nv-maxrregcount=" + std::to_string(registers_) : "");

@@ -19,7 +19,8 @@ otg_overlap_task overlapTask(const Query& query);
 /// Part of one lane. Functions throw ClError.
 class OverlapContacts {
  public:
-  OverlapContacts(Context& context, const Tuning& tuning);
+  /// `many`: for pairs of batches.
+  OverlapContacts(Context& context, const Tuning& tuning, bool many);
   /// Whether contacts of a query with these options can be made on the device.
   static bool works(const Query& query, const Tuning& tuning) {
     return tuning.overlapContacts != 0 && query.refiner == nullptr &&
@@ -58,7 +59,7 @@ class OverlapContacts {
   std::size_t headBytes() const { return OTG_CONTACTS_HEADS(std::size_t{count_}); }
   std::size_t smallAt() const { return headBytes() + std::size_t{slots_} * stride_ * sizeof(otg_chosen_contact); }
   Context& context_;
-  const bool isCpu_;
+  const bool isCpu_, forMany_;
   const std::uint32_t lanes_, registers_;
   std::uint32_t arenaWanted_, slotsWanted_ = 0, smallWanted_;
   // Of the last run: pairs, regions in the arena, places for the contacts of one, and for hits of small regions.

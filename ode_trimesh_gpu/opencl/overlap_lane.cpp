@@ -6,7 +6,7 @@ namespace otg::opencl {
 OverlapLane::OverlapLane(Context& context, MeshStore&, const Tuning& tuning)
     : queue_(context.makeQueue(tuning.profile)),
       stage_(context, tuning),
-      contacts_(context, tuning),
+      contacts_(context, tuning, true),
       profile_(tuning.profile) {}
 
 OverlapLane::~OverlapLane() {

@@ -21,7 +21,7 @@ PairLane::PairLane(Context& context, MeshStore& meshes, const Tuning& tuning)
       chosen_(PinnedPool::make(context)),
       reducer_(context, tuning, true),
       overlap_(context, tuning),
-      overlapContacts_(context, tuning),
+      overlapContacts_(context, tuning, false),
       profile_(tuning.profile) {
   const std::string walk =
       "-DOTG_GROUP=" + std::to_string(tuning.group) + " -DOTG_LEAF=" + std::to_string(meshes.leafTriangles());
