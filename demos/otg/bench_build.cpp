@@ -4,6 +4,7 @@
 
 #include "bvh/collision_mesh.h"
 #include "otg/bench.h"
+#include "otg/bench_moves.h"
 #include "otg/query_options.h"
 
 namespace otg::cli {
@@ -123,7 +124,8 @@ int benchBuild(const BenchOptions& options) {
     }
     updates.push_back(updateRow(entry, options.repeat));
   }
-  printBench({{"bench", "build"}, {"tables", {{"build", rows}, {"update", updates}}}}, options.json);
+  printBench({{"bench", "build"}, {"tables", {{"build", rows}, {"update", updates}, {"sent", sentRows(options)}}}},
+             options.json);
   return kOk;
 }
 

@@ -64,14 +64,14 @@ void GeomPairs::setBackend(int backend) const {
   }
 }
 
-std::uint64_t deviceCalls() {
-  std::uint64_t calls = 0;
+std::uint64_t deviceSum(duint64 dGpuTriMeshDevice::*member) {
+  std::uint64_t sum = 0;
   for (int i = 0; i < dGpuTriMeshGetDeviceCount(); ++i) {
     dGpuTriMeshDevice device;
     dGpuTriMeshDeviceInit(&device);
-    if (dGpuTriMeshGetDevice(i, &device) == dGPUTRIMESH_OK) calls += device.calls;
+    if (dGpuTriMeshGetDevice(i, &device) == dGPUTRIMESH_OK) sum += device.*member;
   }
-  return calls;
+  return sum;
 }
 
 }  // namespace otg::cli

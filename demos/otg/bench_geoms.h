@@ -37,7 +37,7 @@ class GeomPairs {
   std::vector<dGpuTriMeshPair> pairs_;
 };
 
-/// Calls that devices have had so far.
-std::uint64_t deviceCalls();
+/// What all devices have counted so far, e.g. of `calls`.
+std::uint64_t deviceSum(duint64 dGpuTriMeshDevice::*member);
 
 }  // namespace otg::cli

@@ -28,7 +28,7 @@ Json overlapRow(const std::string& work, const std::vector<Query>& queries, int 
   };
   const double one = timed(dGPUTRIMESH_BACKEND_CPU, 1), all = timed(dGPUTRIMESH_BACKEND_CPU, 0);
   const Json device = withDevices ? Json(timed(dGPUTRIMESH_BACKEND_OPENCL, 0)) : Json();
-  const std::uint64_t before = deviceCalls();
+  const std::uint64_t before = deviceSum(&dGpuTriMeshDevice::calls);
   const double automatic = timed(dGPUTRIMESH_BACKEND_AUTO, 0);
   Fnv1a hash;
   hash.add(expected.data(), expected.size());
@@ -40,7 +40,7 @@ Json overlapRow(const std::string& work, const std::vector<Query>& queries, int 
           {"device_ms", device},
           {"auto_ms", automatic},
           {"times_all_threads", withDevices ? Json(all / device.get<double>()) : Json()},
-          {"auto", deviceCalls() > before ? "opencl" : "cpu"},
+          {"auto", deviceSum(&dGpuTriMeshDevice::calls) > before ? "opencl" : "cpu"},
           {"answers", same ? "same" : "DIFFERENT"},
           {"hash", hash.hex()}};
 }

@@ -128,7 +128,7 @@ int benchQueries(const QueriesOptions& options) {
           const double one = count <= options.alone ? timed(dGPUTRIMESH_BACKEND_CPU, 1, 3) : NAN;
           const double all = timed(dGPUTRIMESH_BACKEND_CPU, 0, repeat);
           const double onDevice = opened > 0 ? timed(dGPUTRIMESH_BACKEND_OPENCL, 0, repeat) : NAN;
-          const std::uint64_t before = deviceCalls();
+          const std::uint64_t before = deviceSum(&dGpuTriMeshDevice::calls);
           dGeomGpuTriMeshSetBackend(geom, dGPUTRIMESH_BACKEND_AUTO);
           ask.run(geom, points, count, answers);
           same = same && answers == expected;
@@ -148,7 +148,7 @@ int benchQueries(const QueriesOptions& options) {
                {"all_threads_per_s", 1e3 * count / all},
                {"device_per_s", numberOrNull(1e3 * count / onDevice)},
                {"times_all_threads", numberOrNull(all / onDevice)},
-               {"auto", deviceCalls() > before ? "opencl" : "cpu"},
+               {"auto", deviceSum(&dGpuTriMeshDevice::calls) > before ? "opencl" : "cpu"},
                {"answers", same ? "same" : "DIFFERENT"},
                {"hash", hash.hex()}});
         }

@@ -260,10 +260,19 @@ class Bench(CliTest):
         self.assertGreater(build["build_ms"], 0)
 
     def test_build(self):
-        rows = self.run_json("bench", "build", self.mesh(), "--repeat", "1")["tables"]["build"]
+        tables = self.run_json("bench", "build", self.mesh(), "--repeat", "2")["tables"]
+        rows = tables["build"]
         self.assertEqual([row["build"] for row in rows], ["mean", "sah"])
         for row in rows:
             self.assertEqual(row["nodes"], 2 * row["triangles"] - 1)
+        if self.run_json("devices")["used"] is None:
+            self.assertEqual(tables["sent"], [])
+            return
+        sent = {row["moved"]: row for row in tables["sent"]}
+        self.assertEqual(list(sent), ["nothing", "one", "side by side", "all over", "all"])
+        self.assertEqual([row["whole"] for row in sent.values()], [False] * 4 + [True])
+        self.assertEqual(sent["nothing"]["bytes_sent"], 0)
+        self.assertTrue(0 < sent["one"]["bytes_sent"] <= sent["side by side"]["bytes_sent"] < sent["all"]["bytes_sent"])
 
     def test_peers(self):
         result = self.run_otg_either("bench", "peers", self.mesh(), "--repeat", "1", "--json")
