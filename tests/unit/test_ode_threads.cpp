@@ -9,10 +9,11 @@
 
 #if defined(__SANITIZE_THREAD__)
 // ODE hands the memory of a destroyed geom's pose from one thread to the next through an atomic exchange. Its library
-// is not compiled for ThreadSanitizer, which therefore sees the memory change hands but not why that is safe.
+// is not compiled for ThreadSanitizer, which therefore sees the memory change hands but not why that is safe: it tells
+// of the thread that destroyed the geom, or of the one that had the memory allocated for its own.
 extern "C" __attribute__((visibility("default"))) const char* __tsan_default_suppressions();
 extern "C" const char* __tsan_default_suppressions() {
-  return "race:dxGeom::~dxGeom\n";
+  return "race:dxGeom::~dxGeom\nrace:dxGeom::dxGeom\n";
 }
 #endif
 
