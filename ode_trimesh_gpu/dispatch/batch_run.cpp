@@ -99,19 +99,18 @@ class BatchRun {
     for (std::size_t i = 0; i < jobs_.size(); ++i) {
       const PairJob& job = *jobs_[i];
       const Placement place = settled(job.place);
-      const bool isOpen = place.middle == Place::kAuto;
+      const bool isOpen = place.middle == Place::kAuto, isTogether = place.middle == place.near;
+      const bool inBatch = isTogether && (contactsOnDevice(job) || (solids_[i] != 0 && (!isOpen || knowSolids)));
       if (!isOpen && place.middle != Place::kOpencl && place.near != Place::kOpencl) {
         hostBusy += hostCost(job, costs, works_[i]);
         singles_.push_back(i);
-      } else if (place.middle == place.near && solids_[i] != 0 && (!isOpen || knowSolids)) {
+      } else if (inBatch) {
         (isOpen ? open : bound).push_back(i);
-      } else if (!contactsOnDevice(job) || place.middle != place.near) {
+      } else {
         const double work = works_[i];
         hostBusy += hostCost(job, costs, work);
         if (!isOpen || isSoonerOnDevice(job, costs, work)) withDevice.push_back(i);
         singles_.push_back(i);
-      } else {
-        (isOpen ? open : bound).push_back(i);
       }
     }
     for (std::size_t k = 0; k < withDevice.size(); ++k) {

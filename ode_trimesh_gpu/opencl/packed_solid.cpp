@@ -2,6 +2,7 @@
 #include "opencl/packed_solid.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 
@@ -21,7 +22,9 @@ MeshUnit words(std::uint32_t x, std::uint32_t y, std::uint32_t z, std::uint32_t 
 
 /// Whether a vertex and the first one of its point differ in the signs of zeros, which the host keeps apart.
 bool hasTwoZeros(const TriMesh& mesh, std::uint32_t v) {
-  return std::memcmp(&mesh.vertices()[v], &mesh.vertices()[mesh.topology().weld[v]], sizeof(Vec3f)) != 0;
+  using Bits = std::array<std::uint32_t, 3>;
+  const auto bits = [&](std::uint32_t i) { return std::bit_cast<Bits>(mesh.vertices()[i]); };
+  return bits(v) != bits(mesh.topology().weld[v]);
 }
 bool hasTwoZeros(const TriMesh& mesh) {
   for (std::uint32_t v = 0; v < mesh.vertices().size(); ++v) {
