@@ -20,7 +20,8 @@ namespace otg::opencl {
 ///   records(which, answer, query, recordsOf) pairs that the host has to finish: query(i), and places of its records
 ///   described(which, query, found)  pairs whose overlaps are described, and for each of them the description; those
 ///                                   for which it is of no use are returned (if kTakesDescriptions)
-///   alone(i, query)                 the pair is done without the batch; false if the device failed
+///   alone(i, query)                 a pair too large for one work-group is done without the batch (if kLargeAlone);
+///                                   false if the device failed
 ///   withoutDevice(which, query)     pairs that the device has no part in
 template <class Source, class Finish>
 class Backend::Batch {
@@ -36,8 +37,7 @@ class Backend::Batch {
         overlaps_(profile ? state.profiledOverlaps : state.overlaps, state.tuning.overlapPairs) {
     std::uint64_t largest = 0;
     for (const CollisionMesh* mesh : source.meshes) largest = std::max(largest, triangles(mesh));
-    // Whether large meshes intersect is as a rule soon known, and it takes many of them to keep the device busy.
-    anyLarge_ = wish != BatchWish::kAny && 2 * largest > state.tuning.batchTriangles;
+    anyLarge_ = Finish::kLargeAlone && 2 * largest > state.tuning.batchTriangles;
   }
 
   /// False if the device failed.
@@ -177,7 +177,9 @@ class Backend::Batch {
       return;
     }
     withoutDevice(piece.alone);
-    for (const std::size_t i : piece.large) good_ = finish_.alone(i, source_.query(i)) && good_;
+    if constexpr (Finish::kLargeAlone) {
+      for (const std::size_t i : piece.large) good_ = finish_.alone(i, source_.query(i)) && good_;
+    }
   }
 
   void fill(std::size_t begin, std::span<otg_batch_task> tasks, std::span<otg_batch_pair> frames, Piece& piece) {
@@ -493,7 +495,7 @@ bool Backend::intersectFrom(const Source& source, std::vector<std::uint8_t>& ans
   if (times) *times = {};
   state_->queries += source.size();
   answer.assign(source.size(), 0);
-  AnyFinish finish{*this, state_->queries, answer};
+  AnyFinish finish{answer};
   Batch<Source, AnyFinish> batch(*state_, source, BatchWish::kAny, finish, times != nullptr);
   const bool good = batch.run(times);
   if (times) times->total = total.ms();

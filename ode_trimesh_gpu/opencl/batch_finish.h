@@ -87,6 +87,7 @@ struct ContactFinish {
   }
 
   static constexpr bool kTakesDescriptions = true;
+  static constexpr bool kLargeAlone = true;
   /// Those that the host sees in another way than the device.
   template <class QueryOf, class FoundOf>
   std::vector<std::size_t> described(const std::vector<std::size_t>& which, const QueryOf& queryOf,
@@ -173,8 +174,6 @@ struct ContactFinish {
 
 /// Yes or no.
 struct AnyFinish {
-  Backend& backend;
-  std::atomic<std::uint64_t>& queries;
   std::vector<std::uint8_t>& answer;
   Workspace workspace{};
 
@@ -184,6 +183,8 @@ struct AnyFinish {
   }
   void refuse(std::size_t) {}
   static constexpr bool kTakesDescriptions = false;
+  /// Whether large meshes intersect is as a rule soon known, and it takes many of them to keep the device busy.
+  static constexpr bool kLargeAlone = false;
   template <class QueryOf, class RecordsOf>
   void records(const std::vector<std::size_t>& which, const Answer& found, const QueryOf& queryOf,
                const RecordsOf& recordsOf) {
@@ -194,12 +195,6 @@ struct AnyFinish {
       answer[i] = std::any_of(some.begin(), some.end(),
                               [&](std::uint32_t r) { return recordIntersects(query, frame, found, r); });
     }
-  }
-  bool alone(std::size_t i, const Query& query) {
-    --queries;  // counted again there
-    const bool good = backend.findIntersectingPairs(query, workspace);
-    answer[i] = !workspace.intersecting.empty();
-    return good;
   }
   template <class QueryOf>
   void withoutDevice(const std::vector<std::size_t>& which, const QueryOf& queryOf) {

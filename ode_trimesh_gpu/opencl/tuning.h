@@ -18,7 +18,7 @@ struct Tuning {
   /// A batch is done in so many pieces, each begun before the one before is waited for, as long as these have
   /// `leastPiece` pairs.
   std::uint32_t pieces = 4, leastPiece = 2048;
-  std::uint64_t batchTriangles = 200000;  ///< a pair with more triangles is not left to one work-group
+  std::uint64_t batchTriangles = 200000;  ///< contacts of larger pairs are not left to one work-group
   /// Places in the lists between kernels. A list that is too short grows, and the query is run again.
   std::uint32_t pairPlaces = 1u << 16, leafPlaces = 1u << 16, hitPlaces = 1u << 14;
   std::uint32_t stackRoom = 512;    ///< pairs that a work-group stacks before it goes on with one at a time, 16 or more
@@ -58,7 +58,7 @@ struct Tuning {
   /// for their arena, which grows.
   std::uint32_t overlapContacts = 1, overlapLanes = 0, overlapArena = 1u << 16;
   /// Where a piece of a batch of solids leaves at most so many pairs to the host, its caller's threads do them while
-  /// the device is at work on the others.
+  /// the device is at work on the others; if pairs have histories, after all pieces.
   std::uint32_t meanwhile = 64;
   /// Pairs of solids of a batch are done by kernels with one size of lists in local memory, or with two; 0: one on
   /// CPUs, else two. `solidGroup` work-items (0: 1 on CPUs, else 32) do a pair of at most `solidHits` intersecting
