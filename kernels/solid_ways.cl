@@ -44,7 +44,9 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
   const double areas = w.region->areaA + w.region->areaB;
   const int counts = !(w.diagonal < OTG_SOLID_LEAST_DIAGONAL * size || areas < OTG_SOLID_LEAST_AREA * size * size);
   const uint most = OTG_SOLID_POINTS;
-  const int tooMany = w.pointCount > (OTG_SOLID_LARGE ? 2 : 1) * most || w.pieceCount > OTG_SOLID_FACES;
+  // The host makes faces of very many pieces, where it asks them at all.
+  const int gathers = w.pieceCount > OTG_SOLID_MOST_ELEMENTS && w.coherence < OTG_SOLID_FLAT;
+  const int tooMany = w.pointCount > (OTG_SOLID_LARGE ? 2 : 1) * most || w.pieceCount > OTG_SOLID_FACES || gathers;
   // Planes of pieces, and with large limits those of several, in two ways, and which points are left.
   const uint planes = w.pieceCount * (uint)sizeof(otg_solid_face);
   const uint picks = (min(w.pointCount, most) * (uint)sizeof(ushort) + OTG_ARENA_UNIT - 1) / OTG_ARENA_UNIT;

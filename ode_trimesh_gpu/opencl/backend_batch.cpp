@@ -4,6 +4,7 @@
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <unordered_map>
 
 #include "collide/solid_contacts.h"
 #include "opencl/backend_state.h"
@@ -15,6 +16,8 @@
 namespace otg::opencl {
 
 /// One call for many pairs: what is left to the device goes there in pieces. `Finish` says what is made of a pair:
+///   meanwhile(which, query)         what the host makes of pairs that the device will leave, while it is at work
+///   keepLeft(i, done)               one of these
 ///   chunk(begin, count, found)      the flags (and contacts) of a piece, before anything else is said of its pairs
 ///   refuse(i)                       a pose that cannot be worked with
 ///   records(which, answer, query, recordsOf) pairs that the host has to finish: query(i), and places of its records
@@ -99,6 +102,7 @@ class Backend::Batch {
   void submitFrom(std::size_t begin, std::size_t end, std::size_t step) {
     std::vector<Piece> pieces;
     for (std::size_t at = begin; at < end; at += step) pieces.push_back(begun(at, std::min(step, end - at), false));
+    workMeanwhile(pieces);
     for (Piece& piece : pieces) finish(piece);
     finishOverlaps();
     withoutDevice(later_);
@@ -138,11 +142,10 @@ class Backend::Batch {
     // Nothing of a piece is finished before its last call of OpenCL: a failure leaves all of it.
     if (!piece.error) {
       try {
-        const Meanwhile meanwhile = workMeanwhile(piece);
         const BatchFound found = piece.lane->end();
         if (times_) addTimes(piece.lane->profile());
         const Stopwatch collecting(times_ != nullptr);
-        collect(piece, found, meanwhile);
+        collect(piece, found);
         if (times_) times_->host += collecting.ms();
         if (piece.lane) letGo(std::move(piece.lane), piece.repeats);
       } catch (const ClError& error) {
@@ -154,11 +157,9 @@ class Backend::Batch {
       // Meshes that do not fit at once may fit in two halves.
       if (piece.error->code() == CL_MEM_OBJECT_ALLOCATION_FAILURE && count > 1) {
         finishOverlaps();  // they have meshes pinned
-        Piece first = begun(begin, count / 2, true);
-        finish(first);
+        finishHalf(begin, count / 2);
         finishOverlaps();
-        Piece second = begun(begin + count / 2, count - count / 2, true);
-        finish(second);
+        finishHalf(begin + count / 2, count - count / 2);
         return;
       }
       logError(*piece.error);
@@ -168,7 +169,7 @@ class Backend::Batch {
       for (std::size_t i = begin; i < begin + count; ++i) {
         if (isRefused(source_.query(i))) {
           finish_.refuse(i);
-        } else {
+        } else if (!keptMeanwhile(i)) {
           good.push_back(i);
         }
       }
@@ -180,6 +181,12 @@ class Backend::Batch {
     if constexpr (Finish::kLargeAlone) {
       for (const std::size_t i : piece.large) good_ = finish_.alone(i, source_.query(i)) && good_;
     }
+  }
+
+  void finishHalf(std::size_t begin, std::size_t count) {
+    Piece piece = begun(begin, count, true);
+    workMeanwhile({&piece, 1});
+    finish(piece);
   }
 
   void fill(std::size_t begin, std::span<otg_batch_task> tasks, std::span<otg_batch_pair> frames, Piece& piece) {
@@ -217,43 +224,56 @@ class Backend::Batch {
     }
   }
 
-  /// Pairs of a piece that the device will leave, ascending, and what the host made of them.
-  struct Meanwhile {
-    std::vector<std::size_t> which;
-    std::vector<ContactFinish::Done> done;
-  };
-
-  /// Histories would be asked twice for pairs that the device does after all.
   bool asksSoon() const {
     if constexpr (Finish::kTakesDescriptions) {
-      return wish_ == BatchWish::kSolid && finish_.hasThreads() && !source_.anyHistory && state_.tuning.meanwhile > 0;
+      return wish_ == BatchWish::kSolid && finish_.hasThreads() && state_.tuning.meanwhile > 0;
     }
     return false;
   }
 
-  /// Some pairs that are left to the host as soon as that is known. Where they are many, their records are waited for,
-  /// which tell the host what intersects; or they are described.
-  Meanwhile workMeanwhile(Piece& piece) {
-    Meanwhile meanwhile;
+  /// Some pairs that are left to the host as soon as that is known, of all pieces at once. Where they are many, their
+  /// records are waited for, which tell the host what intersects; or they are described.
+  void workMeanwhile(std::span<Piece> pieces) {
     if constexpr (Finish::kTakesDescriptions) {
-      if (!piece.soon) return meanwhile;
-      const otg_uint* flags = piece.lane->soonFlags();
-      std::size_t forOverlaps = 0;
-      for (std::size_t k = 0; k < piece.count; ++k) {
-        if ((flags[k] & kNotDone) != OTG_PAIR_TO_HOST) continue;
-        meanwhile.which.push_back(piece.begin + k);
-        forOverlaps += describes_ && isForOverlaps(flags[k]);
+      std::vector<std::size_t> which;
+      for (Piece& piece : pieces) {
+        if (!piece.soon || piece.error) continue;
+        try {
+          const otg_uint* flags = piece.lane->soonFlags();
+          const std::size_t before = which.size();
+          std::size_t forOverlaps = 0, left = 0;
+          for (std::size_t k = 0; k < piece.count; ++k) {
+            if ((flags[k] & kNotDone) != OTG_PAIR_TO_HOST) continue;
+            ++left;
+            forOverlaps += describes_ && isForOverlaps(flags[k]);
+            if (!done_.contains(piece.begin + k)) which.push_back(piece.begin + k);
+          }
+          if (left > state_.tuning.meanwhile || forOverlaps >= state_.tuning.leastOverlaps) which.resize(before);
+        } catch (const ClError& error) {
+          piece.lane = nullptr;
+          piece.error = error;
+        }
       }
-      if (meanwhile.which.size() > state_.tuning.meanwhile || forOverlaps >= state_.tuning.leastOverlaps) return {};
-      meanwhile.done = finish_.meanwhile(meanwhile.which, [&](std::size_t i) { return source_.query(i); });
+      if (which.empty()) return;
+      auto done = finish_.meanwhile(which, [&](std::size_t i) { return source_.query(i); });
+      for (std::size_t k = 0; k < which.size(); ++k) done_.emplace(which[k], std::move(done[k]));
     }
-    return meanwhile;
   }
 
-  void collect(Piece& piece, const BatchFound& found, const Meanwhile& meanwhile) {
+  /// Whether the host has done pair `i` already, which is kept then.
+  bool keptMeanwhile(std::size_t i) {
+    if constexpr (Finish::kTakesDescriptions) {
+      const auto found = done_.find(i);
+      if (found == done_.end()) return false;
+      finish_.keepLeft(i, found->second);
+      return true;
+    }
+    return false;
+  }
+
+  void collect(Piece& piece, const BatchFound& found) {
     const std::size_t begin = piece.begin, count = piece.count;
     std::vector<std::size_t> fromRecords, fromMeanwhile;
-    std::size_t next = 0;  // of those
     OverlapJob job;
     const bool all = wish_ == BatchWish::kPairs;
     bool scattered = false, makes = true;  // contacts from descriptions
@@ -267,9 +287,8 @@ class Backend::Batch {
         } else if (flags & OTG_PAIR_SKIPPED) {
           continue;
         } else if (all || ((flags & OTG_PAIR_TO_HOST) && !(flags & OTG_PAIR_INTERSECTS))) {
-          while (next < meanwhile.which.size() && meanwhile.which[next] < begin + k) ++next;
-          if (next < meanwhile.which.size() && meanwhile.which[next] == begin + k) {
-            fromMeanwhile.push_back(next);
+          if (done_.contains(begin + k)) {
+            fromMeanwhile.push_back(begin + k);
             continue;
           }
           if (describes_ && isForOverlaps(flags)) {
@@ -303,23 +322,26 @@ class Backend::Batch {
       overlaps_.add(job);
     }
     finish_.chunk(begin, count, found);
-    if constexpr (Finish::kTakesDescriptions) {
-      for (const std::size_t k : fromMeanwhile) finish_.keepLeft(meanwhile.which[k], meanwhile.done[k]);
-    }
+    for (const std::size_t i : fromMeanwhile) keptMeanwhile(i);
     if (!fromRecords.empty()) dealOut(begin, count, answer, fromRecords);
-    if (wish_ == BatchWish::kSolid && source_.anyHistory) {
-      for (std::size_t k = 0; k < count; ++k) {
-        if ((found.flags[k] & (kNotDone | OTG_PAIR_PAIRWISE)) == 0) rememberPlain(source_.query(begin + k));
+    if constexpr (Finish::kTakesDescriptions) {
+      if (wish_ == BatchWish::kSolid && source_.anyHistory) {
+        finish_.inParts(count, [&](std::size_t from, std::size_t to) {
+          for (std::size_t k = from; k < to; ++k) {
+            if ((found.flags[k] & (kNotDone | OTG_PAIR_PAIRWISE)) == 0) rememberPlain(source_.query(begin + k));
+          }
+        });
       }
     }
     for (const std::size_t i : piece.refused) finish_.refuse(i);
   }
 
-  /// A few pairs with histories, which are not worked on meanwhile, wait for those of the other pieces: one after the
-  /// other pieces would each wait for the slowest of theirs.
+  /// A few pairs of solids, of which the device said late that it leaves them, wait for those of the other pieces: one
+  /// after the other pieces would each wait for the slowest of theirs. Those of the other model are quickly made from
+  /// records.
   void putOff(std::vector<std::size_t>& few) {
     if constexpr (Finish::kTakesDescriptions) {
-      if (!source_.anyHistory || !finish_.hasThreads() || few.size() > state_.tuning.meanwhile) return;
+      if (wish_ != BatchWish::kSolid || !finish_.hasThreads() || few.size() > state_.tuning.meanwhile) return;
       finish_.putOff(few.size());
       later_.insert(later_.end(), few.begin(), few.end());
       few.clear();
@@ -464,9 +486,10 @@ class Backend::Batch {
   std::vector<Holder> holders_;
   OverlapQueue overlaps_;
   bool good_ = true, anyLarge_ = false;
-  std::vector<std::size_t> later_;            ///< pairs for the host when all pieces are done
-  std::vector<const CollisionMesh*> meshes_;  ///< of the submission under way
-  std::vector<std::uint32_t> renumber_;       ///< from the source's numbers to these; empty: the same
+  std::vector<std::size_t> later_;                             ///< pairs for the host when all pieces are done
+  std::unordered_map<std::size_t, ContactFinish::Done> done_;  ///< by the host, while the device is at work
+  std::vector<const CollisionMesh*> meshes_;                   ///< of the submission under way
+  std::vector<std::uint32_t> renumber_;                        ///< from the source's numbers to these; empty: the same
   StageTimes* times_ = nullptr;
 };
 
@@ -504,7 +527,7 @@ bool Backend::intersectFrom(const Source& source, std::vector<std::uint8_t>& ans
 
 bool Backend::collideBatch(std::span<const Query> queries, BatchAnswer& answer, StageTimes* times,
                            const RunParts& onHost) {
-  return collideFrom(QuerySource(queries, state_->tuning.solid), answer, times, onHost);
+  return collideFrom(QuerySource(queries, state_->tuning.solid, onHost), answer, times, onHost);
 }
 
 bool Backend::collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTimes* times, const RunParts& onHost) {

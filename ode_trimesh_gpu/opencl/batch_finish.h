@@ -14,6 +14,7 @@
 #include "collide/stages.h"
 #include "opencl/backend.h"
 #include "opencl/batch_lane.h"
+#include "opencl/run_parts.h"
 #include "opencl/take_answer.h"
 #include "opencl/take_records.h"
 
@@ -115,6 +116,12 @@ struct ContactFinish {
       return true;
     });
     answer.byHost.insert(answer.byHost.end(), which.begin(), which.end());
+  }
+
+  /// work(begin, end) for parts of `count` pairs with little to do for each.
+  template <class Work>
+  void inParts(std::size_t count, const Work& work) const {
+    runParts(onHost, count, work);
   }
 
   void keep(std::size_t i, const CollideStats& stats, const std::vector<Contact>& contacts) {

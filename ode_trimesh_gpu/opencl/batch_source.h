@@ -14,6 +14,7 @@
 #include "collide/stages.h"
 #include "opencl/backend.h"
 #include "opencl/reducer.h"
+#include "opencl/run_parts.h"
 #include "shared/device_layout.h"
 
 namespace otg::opencl {
@@ -78,22 +79,20 @@ inline bool isSolid(const CollisionMesh* mesh) {
 /// Queries as a caller has them, each with options of its own.
 class QuerySource {
  public:
-  /// Pairs that may have contacts of the model `solid` are left to the host unless the device `makesSolids`.
-  QuerySource(std::span<const Query> queries, bool makesSolids) : queries_(queries) {
-    struct Kind {
-      bool solid, mixed, history, burdened;
-      bool operator==(const Kind&) const = default;
-    };
+  /// Pairs that may have contacts of the model `solid` are left to the host unless the device `makesSolids`. `onHost`:
+  /// threads that help; may be empty.
+  QuerySource(std::span<const Query> queries, bool makesSolids, const RunParts& onHost = {}) : queries_(queries) {
+    std::vector<Kind> kinds(queries.size());  // what asks each pair's history
+    runParts(onHost ? &onHost : nullptr, queries.size(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) kinds[i] = kindOf(queries[i]);
+    });
     MeshNumbers number(meshes);
     const CollideOptions* last = nullptr;
     Kind lastKind{};
     heads_.reserve(queries.size());
-    for (const Query& query : queries) {
-      Kind kind{};
-      kind.solid = mayBeSolid(query);
-      kind.mixed = kind.solid && !(isSolid(query.a) && isSolid(query.b));
-      kind.history = kind.solid && query.history != nullptr;
-      kind.burdened = kind.history && !isUnburdened(query);
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      const Query& query = queries[i];
+      const Kind kind = kinds[i];
       if (last == nullptr || !(kind == lastKind) || !sameReduction(*last, query.options)) {
         SolidReductions all{reductions};
         current_ = kind.solid ? all.solid(query.options, kind.mixed, kind.burdened || !makesSolids, kind.history)
@@ -123,6 +122,19 @@ class QuerySource {
   }
 
  private:
+  struct Kind {
+    bool solid, mixed, history, burdened;
+    bool operator==(const Kind&) const = default;
+  };
+  static Kind kindOf(const Query& query) {
+    Kind kind{};
+    kind.solid = mayBeSolid(query);
+    kind.mixed = kind.solid && !(isSolid(query.a) && isSolid(query.b));
+    kind.history = kind.solid && query.history != nullptr;
+    kind.burdened = kind.history && !isUnburdened(query);
+    return kind;
+  }
+
   struct Head {
     std::uint32_t meshA, meshB, reduction;
   };

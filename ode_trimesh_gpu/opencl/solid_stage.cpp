@@ -22,7 +22,7 @@ std::uint32_t hitsFor(const Context& context, std::uint32_t group, std::uint32_t
 }
 
 /// Numbers that otg_solid_choice takes for what it is.
-constexpr std::uint32_t kMostPieces = OTG_SOLID_MOST_ELEMENTS, kMostCandidates = 512;
+constexpr std::uint32_t kMostPieces = 512, kMostCandidates = 512;
 
 }  // namespace
 

@@ -501,6 +501,48 @@ TEST_CASE("a few large pairs of a batch are done by the host while the device do
   }
 }
 
+TEST_CASE("pairs that the host does while the device is at work have the histories of the host, whatever call fails") {
+  const MeshList meshes = bodies(), small = smallBodies();
+  const opencl::RunParts threads = [](std::size_t count, const auto& work) {
+    std::vector<std::thread> team;
+    for (std::size_t k = 0; k < 3; ++k) team.emplace_back([&, k] { work(count * k / 3, count * (k + 1) / 3); });
+    for (std::thread& thread : team) thread.join();
+  };
+  opencl::setLogSink([](const std::string&) {});
+  opencl::Tuning tuning = describing();
+  tuning.leastOverlaps = 1000;
+  tuning.leastPiece = 5;
+  const auto backend = openBackend(tuning);
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  std::uint64_t calls = 0;
+  std::size_t byHost = 0;
+  checkHistories(mixed(meshes, small, 71, 20), 72, 5, [&](const auto& queries, const auto& forHost) {
+    const std::uint64_t before = opencl::FaultInjection::callCount();
+    opencl::BatchAnswer answer;
+    CHECK(backend->collideBatch(queries, answer, nullptr, threads));
+    CHECK(countWrong(answer, contactsOnHost(forHost)) == 0);
+    byHost += answer.byHost.size();
+    calls = opencl::FaultInjection::callCount() - before;
+  });
+  CHECK(byHost > 20);
+  CHECK(calls > 60);
+  Draw draw(73);
+  for (const int code : {CL_OUT_OF_RESOURCES, CL_MEM_OBJECT_ALLOCATION_FAILURE}) {
+    for (int round = 0; round < 8; ++round) {
+      checkHistories(mixed(meshes, small, 71, 20), 74, 4, [&](const auto& queries, const auto& forHost) {
+        opencl::FaultInjection::failAt(1 + draw.below(static_cast<std::uint32_t>(calls)), code);
+        opencl::BatchAnswer answer;
+        backend->collideBatch(queries, answer, nullptr, threads);
+        opencl::FaultInjection::failAt(0);
+        CHECK(countWrong(answer, contactsOnHost(forHost)) == 0);
+      });
+    }
+  }
+  CHECK(backend->counts().onHost > 0);
+  opencl::setLogSink({});
+}
+
 TEST_CASE("descriptions of a batch do not depend on the sizes of lists and pieces") {
   const MeshList meshes = bodies(), small = smallBodies();
   const std::vector<Query> queries = mixed(meshes, small, 31, 60);

@@ -92,6 +92,40 @@ TEST_CASE("boxes upon each other are the device's") {
   CHECK(done > 380);
 }
 
+TEST_CASE("of regions of very many pieces the flat ones are the device's") {
+  const auto fine = collisionMesh(makeBox({1, 1, 1}, 11)), coarse = collisionMesh(makeBox({3, 3, 3}, 1));
+  const auto ball = collisionMesh(makeSphere(0.8, 3));
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  if (!backend->device().doubles) return;
+  // A face of 242 triangles lies in another body, little deep. Of lenses as large the host makes faces of the pieces.
+  Draw draw(10);
+  std::vector<Query> flat, round;
+  const auto add = [](std::vector<Query>& queries, const CollisionMesh& a, const CollisionMesh& b,
+                      const Transformd& pose) {
+    queries.push_back(makeQuery(a, b, pose));
+    queries.back().options.contacts = ContactModel::kSolid;
+    queries.back().options.maxContacts = 16;
+  };
+  for (int i = 0; i < 40; ++i) {
+    const double depth = std::pow(10, draw.uniform(-5, -2.5));
+    add(flat, *coarse, *fine,
+        makePose({0, 0, 1}, draw.uniform(0.1, 1.4), {draw.uniform(-0.5, 0.5), draw.uniform(-0.5, 0.5), 2 - depth}));
+    add(round, *ball, *ball,
+        makePose(draw.direction(), draw.uniform(0, 3), otgScale(draw.direction(), draw.uniform(1.25, 1.35))));
+  }
+  std::size_t most = 0;
+  Workspace workspace;
+  for (const Query& query : flat) {
+    collide(query, workspace);
+    for (const Contact& contact : workspace.reduced) CHECK(contact.coherence >= OTG_SOLID_FLAT);
+    most = std::max(most, workspace.intersecting.size());
+  }
+  CHECK(most <= opencl::Tuning{}.solidLargeHits);
+  CHECK(checkBatch(*backend, flat, onHost(flat)) == flat.size());
+  CHECK(checkBatch(*backend, round, onHost(round)) < round.size());
+}
+
 TEST_CASE("of boxes in a valley the device leaves those to the host that have a wedge beside a thin contact") {
   const MeshList meshes = {collisionMesh(samples::makeValley(0.5, 0.5, 8, 4)),
                            collisionMesh(samples::makeValley(1, 0.3, 8, 4)), collisionMesh(makeBox({0.6, 0.6, 0.6}, 1)),

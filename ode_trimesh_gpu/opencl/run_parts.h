@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The host's own work on the pairs of a batch, by the threads that a caller lends.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include "opencl/backend.h"
+
+namespace otg::opencl {
+
+/// work(begin, end) for parts of [0, count) that are worth a thread's while, by `threads` if there are any.
+template <class Work>
+void runParts(const RunParts* threads, std::size_t count, const Work& work) {
+  constexpr std::size_t kPart = 256;
+  if (threads == nullptr || count <= kPart) {
+    work(std::size_t{0}, count);
+    return;
+  }
+  (*threads)((count + kPart - 1) / kPart,
+             [&](std::size_t begin, std::size_t end) { work(begin * kPart, std::min(end * kPart, count)); });
+}
+
+}  // namespace otg::opencl
