@@ -151,12 +151,19 @@ OTG_GENERIC int OTG_NAME(otgRayMeetsRange)(REAL o, REAL d, REAL inverse, REAL lo
   return !(*near > *far);
 }
 
-/// Whether a ray passes a box, lo to hi, at 0 or later.
+/// Whether a ray passes a box, lo to hi, at 0 or later; `near`: where it enters it, at the earliest 0.
+OTG_GENERIC int OTG_NAME(otgRayEntersBox)(OTG_VEC3 o, OTG_VEC3 d, OTG_VEC3 inverse, OTG_VEC3 lo, OTG_VEC3 hi,
+                                          REAL* near) {
+  REAL far = OTG_REAL(INFINITY);
+  *near = 0;
+  return OTG_NAME(otgRayMeetsRange)(o.x, d.x, inverse.x, lo.x, hi.x, near, &far) &&
+         OTG_NAME(otgRayMeetsRange)(o.y, d.y, inverse.y, lo.y, hi.y, near, &far) &&
+         OTG_NAME(otgRayMeetsRange)(o.z, d.z, inverse.z, lo.z, hi.z, near, &far);
+}
+
 OTG_GENERIC int OTG_NAME(otgRayPassesBox)(OTG_VEC3 o, OTG_VEC3 d, OTG_VEC3 inverse, OTG_VEC3 lo, OTG_VEC3 hi) {
-  REAL near = 0, far = OTG_REAL(INFINITY);
-  return OTG_NAME(otgRayMeetsRange)(o.x, d.x, inverse.x, lo.x, hi.x, &near, &far) &&
-         OTG_NAME(otgRayMeetsRange)(o.y, d.y, inverse.y, lo.y, hi.y, &near, &far) &&
-         OTG_NAME(otgRayMeetsRange)(o.z, d.z, inverse.z, lo.z, hi.z, &near, &far);
+  REAL near;
+  return OTG_NAME(otgRayEntersBox)(o, d, inverse, lo, hi, &near);
 }
 
 /// The same for the box of a triangle made wider by `reach`.
@@ -165,6 +172,32 @@ OTG_GENERIC int OTG_NAME(otgRayPassesTriangleBox)(OTG_VEC3 o, OTG_VEC3 d, OTG_VE
   const OTG_VEC3 wider = OTG_NAME(otgVec)(reach, reach, reach);
   return OTG_NAME(otgRayPassesBox)(o, d, inverse, OTG_NAME(otgSub)(OTG_NAME(otgLowest3)(a, b, c), wider),
                                    OTG_NAME(otgAdd)(OTG_NAME(otgHighest3)(a, b, c), wider));
+}
+
+/// A ray's direction as tests of boxes have it. Parts so small that no ray gets through a mesh's reach along them are
+/// 0: with their inverses, times would be infinite.
+OTG_GENERIC OTG_VEC3 OTG_NAME(otgRayAlong)(OTG_VEC3 d) {
+  const REAL least = OTG_REAL(1e-30);
+  return OTG_NAME(otgVec)(OTG_ABS(d.x) < least ? 0 : d.x, OTG_ABS(d.y) < least ? 0 : d.y,
+                          OTG_ABS(d.z) < least ? 0 : d.z);
+}
+
+/// Whether a triangle counts as hit, by itself: 0 if not, 1 from the front, 2 from behind. `at`: where, in lengths of
+/// the direction; no earlier than where the ray enters the triangle's box, wider by `reach` (otgRayReach), so that a
+/// search that passes over boxes which begin later than a hit passes over no triangle that counts as nearer. `along`
+/// and `inverse`: otgRayAlong of d, and 1 / its parts.
+OTG_GENERIC int OTG_NAME(otgRayHitsTriangle)(OTG_VEC3 o, OTG_VEC3 d, OTG_VEC3 along, OTG_VEC3 inverse, OTG_VEC3 a,
+                                             OTG_VEC3 b, OTG_VEC3 c, REAL reach, REAL* at) {
+  const OTG_VEC3 wider = OTG_NAME(otgVec)(reach, reach, reach);
+  REAL near;
+  const int meets = OTG_NAME(otgRayMeetsTriangle)(o, d, a, b, c, at);
+  if (meets == 0 || !(*at >= 0) ||
+      !OTG_NAME(otgRayEntersBox)(o, along, inverse, OTG_NAME(otgSub)(OTG_NAME(otgLowest3)(a, b, c), wider),
+                                 OTG_NAME(otgAdd)(OTG_NAME(otgHighest3)(a, b, c), wider), &near)) {
+    return 0;
+  }
+  *at = OTG_MAX(*at, near);
+  return *at < OTG_REAL(INFINITY) ? meets : 0;
 }
 
 /// Unit vectors of the rays whose crossings tell inside from outside. No rational directions: rays along axes run

@@ -10,6 +10,7 @@ otg_add_test(rotation_tolerance unit SOURCES test_rotation_tolerance.cpp LIBRARI
 otg_add_test(contact_ids unit SOURCES test_contact_ids.cpp LIBRARIES otg_scenes)
 otg_add_test(solid_regions unit SOURCES test_solid_regions.cpp LIBRARIES otg_scenes)
 otg_add_test(solid_sheet unit SOURCES test_solid_sheet.cpp LIBRARIES otg_scenes)
+otg_add_test(ray_cast unit SOURCES test_ray_cast.cpp LIBRARIES otg_scenes otg_queries)
 
 # No file that is compiled for a newer instruction set leaves functions that the linker could choose for all.
 if(CMAKE_EXECUTABLE_FORMAT STREQUAL "ELF" AND CMAKE_NM)

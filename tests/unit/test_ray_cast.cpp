@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rays against a mesh by its tree, and against every triangle tried one by one.
+#include <algorithm>
+#include <cmath>
+
+#include "support/catch.h"
+#include "support/ray_samples.h"
+
+using namespace otg;
+using namespace otg::samples;
+
+namespace {
+
+/// Nearest first, ties by triangle.
+std::vector<RayHit> oneByOne(const TriMesh& mesh, const LongRay& ray, bool cullBack) {
+  const TriangleRay alone(mesh, ray.ray);
+  std::vector<RayHit> hits;
+  for (std::uint32_t t = 0; t < mesh.triangleCount(); ++t) {
+    RayHit hit;
+    if (mesh.isDegenerate(t) || !alone.hits(t, hit)) continue;
+    if (hit.distance <= ray.length && !(cullBack && hit.back)) hits.push_back(hit);
+  }
+  std::sort(hits.begin(), hits.end(), [](const RayHit& x, const RayHit& y) {
+    return std::pair(x.distance, x.triangle) < std::pair(y.distance, y.triangle);
+  });
+  return hits;
+}
+
+}  // namespace
+
+TEST_CASE("the hit of a ray is that of all triangles tried one by one, whatever the tree") {
+  std::size_t hit = 0, missed = 0, tied = 0;
+  for (const auto& [name, mesh] : meshesToHit()) {
+    const CollisionMesh sah(mesh, BuildStrategy::kSah), mean(mesh, BuildStrategy::kMeanSplit);
+    const std::size_t count = mesh->triangleCount() > 50000 ? 16 : mesh->triangleCount() > 4000 ? 200 : 1600;
+    std::size_t number = 0, wrong = 0;
+    for (const LongRay& ray : raysFor(*mesh, 5, count)) {
+      for (const bool cullBack : {false, true}) {
+        const std::vector<RayHit> expected = oneByOne(*mesh, ray, cullBack);
+        ++(expected.empty() ? missed : hit);
+        tied += expected.size() > 1 && expected[0].distance == expected[1].distance ? 1 : 0;
+        RayCast cast{ray.ray, ray.length, RayMode::kClosest, cullBack, {}};
+        const RayHit first = expected.empty() ? RayHit() : expected[0];
+        for (const CollisionMesh* tree : {&sah, &mean}) {
+          INFO(name << ", ray " << number << (cullBack ? ", culled" : ""));
+          cast.mode = RayMode::kClosest;
+          if (castForOne(*tree, cast) == first) continue;
+          ++wrong;
+          CHECK(castForOne(*tree, cast).triangle == first.triangle);
+          CHECK(castForOne(*tree, cast).distance == first.distance);
+        }
+        cast.mode = RayMode::kAny;
+        const RayHit any = castForOne(sah, cast);
+        CHECK((expected.empty() ? any.triangle == kNone
+                                : std::find(expected.begin(), expected.end(), any) != expected.end()));
+        cast.mode = RayMode::kAll;
+        std::vector<RayHit> all, again;
+        castRay(sah, cast, all);
+        castRay(mean, cast, again);
+        CHECK(all == again);
+        CHECK(all.empty() == expected.empty());
+        if (!all.empty()) CHECK(all[0].distance == first.distance);
+      }
+      ++number;
+      REQUIRE(wrong < 5);
+    }
+  }
+  CHECK(hit > 5000);
+  CHECK(missed > 5000);
+  CHECK(tied > 1000);
+}
+
+TEST_CASE("a ray that grazes a triangle hits it no earlier than where it comes near it") {
+  test::Draw draw(3);
+  int hits = 0, wild = 0;
+  for (int i = 0; i < 300; ++i) {
+    Soup soup;
+    const auto corner = [&] {
+      const Vec3d p = draw.inBox(1);
+      return Vec3f{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+    };
+    soup.add(corner(), corner(), corner());
+    const auto mesh = soup.build();
+    if (mesh->isDegenerate(0)) continue;
+    Vec3d p[3];
+    cornersOf(*mesh, 0, p);
+    for (int k = 0; k < 100; ++k) {
+      // In the triangle's plane to within rounding, from outside of it.
+      const Vec3d e = otgSub(p[1], p[0]), f = otgSub(p[2], p[0]);
+      const Vec3d target = otgAdd(p[0], otgAdd(otgScale(e, draw.uniform(0, 0.5)), otgScale(f, draw.uniform(0, 0.5))));
+      Vec3d d = otgAdd(otgScale(e, draw.uniform(-1, 1)), otgScale(f, draw.uniform(-1, 1)));
+      d = otgScale(d, 1 / std::sqrt(otgDot(d, d)));
+      const MeshRay ray{otgSub(target, otgScale(d, draw.uniform(4, 9))), d};
+      double crossing = 0;
+      if (otgRayMeetsTriangle(ray.origin, d, p[0], p[1], p[2], &crossing) != 0 && crossing >= 0) {
+        wild += std::fabs(crossing - std::sqrt(otgDot(otgSub(target, ray.origin), otgSub(target, ray.origin)))) > 4;
+      }
+      RayHit hit;
+      if (!TriangleRay(*mesh, ray).hits(0, hit)) continue;
+      ++hits;
+      // Before its box is where the ray still has to get to it along some axis.
+      const Vec3d at = otgAdd(ray.origin, otgScale(d, hit.distance));
+      const Vec3d lo = otgLowest3(p[0], p[1], p[2]), hi = otgHighest3(p[0], p[1], p[2]);
+      const double room = 1e-5;
+      const bool before = (d.x > 0 ? at.x < lo.x - room : at.x > hi.x + room) ||
+                          (d.y > 0 ? at.y < lo.y - room : at.y > hi.y + room) ||
+                          (d.z > 0 ? at.z < lo.z - room : at.z > hi.z + room);
+      REQUIRE_FALSE(before);
+    }
+  }
+  CHECK(hits > 1000);
+  CHECK(wild > 100);
+}
