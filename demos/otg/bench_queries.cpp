@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `otg bench queries`: arrays of points against one mesh, and of pairs of meshes that overlap or not, through the C
-// API, the CPU beside an OpenCL device.
+// `otg bench queries`: arrays of points and of rays against one mesh, and of pairs of meshes that overlap or not,
+// through the C API, the CPU beside an OpenCL device.
 #include <fmt/format.h>
 #include <ode/ode.h>
 #include <ode_trimesh_gpu/ode_trimesh_gpu.h>
@@ -12,6 +12,7 @@
 #include "otg/bench.h"
 #include "otg/bench_geoms.h"
 #include "otg/bench_overlaps.h"
+#include "otg/bench_rays.h"
 #include "otg/query_options.h"
 #include "scenes/simulation.h"
 #include "truth/contact_families.h"
@@ -22,9 +23,10 @@ namespace {
 struct QueriesOptions {
   BenchOptions scene;
   std::vector<int> counts{1000, 10000, 100000, 1000000};
+  std::vector<int> rays{1000, 10000, 100000, 1000000};
   std::vector<int> pairs{100, 1000, 10000};
   std::vector<int> devices;
-  int alone = 100000;  ///< most points that one thread does
+  int alone = 100000;  ///< most points or rays that one thread does
   std::uint32_t seed = 1;
   opencl::Tuning tuning;
 };
@@ -158,22 +160,32 @@ int benchQueries(const QueriesOptions& options) {
     dGpuTriMeshDataDestroy(data);
   }
   dGpuTriMeshSetThreadCount(0);
+  const Json rays = rayRows(options.scene, options.rays, options.alone, repeat, opened > 0);
   const Json overlaps = overlapRows(options.scene, options.pairs, repeat, opened > 0);
   Json costs;
   if (opened > 0) {
     const CostModel& model = slots.front()->costs;
     const auto line = [](const Cost& cost) { return Json{{"fixed", cost.fixed}, {"per_level", cost.perTriangle}}; };
-    costs = {{"host_nearest", line(model.hostNearest)},     {"host_inside", line(model.hostInside)},
-             {"device_nearest", line(model.deviceNearest)}, {"device_inside", line(model.deviceInside)},
-             {"launch", line(model.pointLaunch)},           {"finish", model.pointFinish},
-             {"host_overlap", line(model.hostOverlap)},     {"device_overlap", line(model.batchOverlap)},
-             {"overlap_launch", model.overlapLaunch},       {"speedup", model.hostSpeedup}};
+    costs = {{"host_nearest", line(model.hostNearest)},
+             {"host_inside", line(model.hostInside)},
+             {"device_nearest", line(model.deviceNearest)},
+             {"device_inside", line(model.deviceInside)},
+             {"launch", line(model.pointLaunch)},
+             {"finish", model.pointFinish},
+             {"host_overlap", line(model.hostOverlap)},
+             {"device_overlap", line(model.batchOverlap)},
+             {"host_ray", line(model.hostRay)},
+             {"device_ray", line(model.deviceRay)},
+             {"ray_launch", line(model.rayLaunch)},
+             {"ray_finish", model.rayFinish},
+             {"overlap_launch", model.overlapLaunch},
+             {"speedup", model.hostSpeedup}};
   }
   const Json document{{"bench", "queries"},
                       {"device", device},
                       {"threads", threads},
                       {"costs_us", costs},
-                      {"tables", {{"points", rows}, {"overlaps", overlaps}}}};
+                      {"tables", {{"points", rows}, {"rays", rays}, {"overlaps", overlaps}}}};
   printBench(document, options.scene.json);
   return 0;
 }
@@ -182,15 +194,17 @@ int benchQueries(const QueriesOptions& options) {
 
 void addBenchQueries(CLI::App& bench, Action& action) {
   CLI::App* command = bench.add_subcommand(
-      "queries", "Arrays of points against a mesh, and of pairs of meshes, an OpenCL device beside the CPU");
+      "queries",
+      "Arrays of points and of rays against a mesh, and of pairs of meshes, an OpenCL device beside the CPU");
   auto options = std::make_shared<QueriesOptions>();
   options->scene.addTo(*command, false);
   command->add_option("--points", options->counts, "How many")->delimiter(',')->check(CLI::Range(1, 100000000));
+  command->add_option("--rays", options->rays, "How many rays")->delimiter(',')->check(CLI::Range(1, 100000000));
   command->add_option("--pairs", options->pairs, "How many pairs of meshes")
       ->delimiter(',')
       ->check(CLI::Range(1, 10000000));
   command->add_option("--device", options->devices, "Number of the device, as `otg devices` has it")->delimiter(',');
-  command->add_option("--alone", options->alone, "Most points that are also given to one thread");
+  command->add_option("--alone", options->alone, "Most points or rays that are also given to one thread");
   command->add_option("--piece", options->tuning.pointPiece, "Points of a piece at most")
       ->check(CLI::Range(1, 1 << 30));
   command->add_option("--group", options->tuning.pointGroup, "Work-items of a work-group")->check(CLI::Range(1, 1024));

@@ -15,6 +15,12 @@ struct MeshRay {
   Vec3d origin, direction;
 };
 
+/// One that ends.
+struct LongRay {
+  MeshRay ray;
+  double length = 0;  ///< in lengths of the direction; may be infinite
+};
+
 /// Calls hit(triangle, distance, leaving) for every triangle that the ray meets at most `limit` away, near parts
 /// of the tree first; `limit` may be lowered meanwhile. `leaving`: the triangle faces along the ray. Distances are in
 /// lengths of the direction. Degenerate triangles are passed over.

@@ -7,9 +7,11 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <numbers>
 
+#include "dispatch/ray_run.h"
 #include "dispatch/thread_pool.h"
 #include "dispatch/workspace_lease.h"
 #include "queries/mesh_overlap.h"
@@ -165,6 +167,76 @@ bool measurePoints(opencl::Backend& backend, std::span<const std::shared_ptr<con
   return true;
 }
 
+/// Rays from around a mesh to somewhere near it, of which about a half hit it.
+std::vector<LongRay> raysTowards(const TriMesh& mesh, std::size_t count) {
+  const std::vector<Vec3d> points = pointsAround(2 * count);
+  std::vector<LongRay> rays(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3d& from = points[2 * i];
+    const Vec3d way = otgSub(otgScale(points[2 * i + 1], 0.5 * double{mesh.radius()}), from);
+    const double length = std::sqrt(otgDot(way, way));
+    rays[i] = {{from, length > 0 ? otgScale(way, 1 / length) : Vec3d{0, 0, 1}},
+               std::numeric_limits<double>::infinity()};
+  }
+  return rays;
+}
+
+/// What the model says of arrays of rays. False if the device fails.
+bool measureRays(opencl::Backend& backend, std::span<const std::shared_ptr<const CollisionMesh>> meshes,
+                 CostModel& model) {
+  // As for points; more of them on the host, where they take less time.
+  const std::size_t most = backend.device().kind == opencl::DeviceKind::kCpu ? 1u << 12 : 1u << 18;
+  constexpr std::size_t kOnHost = 2048, kFew = 64;
+  constexpr int kRepeat = 3;
+  ThreadPool pool(defaultThreadCount());
+  bool good = true;
+  double finish = 0;
+  std::vector<std::pair<double, double>> launch, host, device;
+  for (const auto& mesh : meshes) {
+    const double work = pointWork(mesh->mesh());
+    const std::vector<LongRay> rays = raysTowards(mesh->mesh(), most);
+    const auto onDevice = [&](std::size_t count) {
+      // By all threads, as in use: one alone takes longer to copy rays than the device to cast them.
+      const auto fill = [&](std::size_t begin, std::size_t end, LongRay* to) {
+        pool.run(end - begin, 4096, [&](std::size_t b, std::size_t e) {
+          std::copy(rays.data() + begin + b, rays.data() + begin + e, to + b);
+        });
+      };
+      const auto take = [](std::size_t, std::size_t, const LongRay*, const otg_uint*) {};
+      const auto once = [&] { good = backend.castRays(*mesh, false, count, fill, take) == count && good; };
+      once();  // memory, uploads
+      return timeOf(kRepeat, once);
+    };
+    const double few = onDevice(kFew), all = onDevice(most);
+    if (!good) return false;
+    launch.emplace_back(work, few);
+    device.emplace_back(work, std::max(all - few, 0.1 * all) / static_cast<double>(most));
+    double sum = 0;
+    std::vector<RayHit> hits(kOnHost);
+    const auto onHost = [&](const auto& one) {
+      const double time = timeOf(kRepeat, [&] {
+        for (std::size_t i = 0; i < kOnHost; ++i) one(i);
+      });
+      return time / static_cast<double>(kOnHost);
+    };
+    const RayJob job{mesh.get(), false, Place::kCpu};
+    const double search = onHost([&](std::size_t i) { hits[i] = answerRay(job, rays[i]); });
+    const double again = onHost([&](std::size_t i) {
+      RayHit hit;
+      if (hits[i].triangle != kNone) TriangleRay(mesh->mesh(), rays[i].ray).hits(hits[i].triangle, hit);
+      sum += hit.distance;
+    });
+    keep(sum);
+    host.emplace_back(work, search);
+    finish = std::max(finish, again);
+  }
+  model.rayLaunch = fitCost(launch);
+  model.hostRay = fitCost(host);
+  model.deviceRay = fitCost(device);
+  model.rayFinish = finish;
+  return true;
+}
+
 /// What the model says of yes or no, from these pairs and as many of each as keep the device busy. False if it fails.
 bool measureOverlaps(opencl::Backend& backend, const std::vector<Query>& some, std::size_t pairs, CostModel& model) {
   constexpr int kRepeat = 3;
@@ -294,10 +366,10 @@ std::optional<CostModel> measureCosts(opencl::Backend& backend) {
     model.solidLaunch = oneSolid;
   }
   if (!measureOverlaps(backend, small, pairs, model)) return std::nullopt;
-  if (backend.answersPoints()) {
+  if (backend.answersArrays()) {
     std::vector<std::shared_ptr<const CollisionMesh>> some;
     for (std::size_t i = 0; i < meshes.size(); i += 2) some.push_back(meshes[i]);
-    if (!measurePoints(backend, some, model)) return std::nullopt;
+    if (!measurePoints(backend, some, model) || !measureRays(backend, some, model)) return std::nullopt;
   }
   model.hostThreads = parallel.threads;
   model.hostSpeedup = parallel.speedup;
@@ -305,7 +377,7 @@ std::optional<CostModel> measureCosts(opencl::Backend& backend) {
 }
 
 std::string costKey(const opencl::DeviceInfo& device) {
-  return "costs 7\n" + device.platform + "\n" + device.name + "\n" + device.version + "\n" + device.driver + "\n" +
+  return "costs 8\n" + device.platform + "\n" + device.name + "\n" + device.version + "\n" + device.driver + "\n" +
          (device.doubles ? "doubles" : "no doubles") + "\n" + processorName();
 }
 

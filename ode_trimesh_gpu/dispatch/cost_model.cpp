@@ -8,7 +8,7 @@
 namespace otg {
 namespace {
 
-constexpr char kMagic[8] = {'o', 't', 'g', 'c', 'o', 's', 't', '6'};
+constexpr char kMagic[8] = {'o', 't', 'g', 'c', 'o', 's', 't', '7'};
 
 /// The part of a surface that lies in a part of its box: areas go with the square of lengths.
 double surfaceIn(const double part[3], const double whole[3]) {
@@ -56,11 +56,11 @@ bool CostModel::isSane() const {
   }
   if (!good(deviceSolid.fixed) || !good(deviceSolid.perTriangle)) return false;
   if (!good(batchSolid.fixed) || !good(batchSolid.perTriangle) || !good(solidLaunch)) return false;
-  for (const Cost* cost :
-       {&hostNearest, &hostInside, &deviceNearest, &deviceInside, &pointLaunch, &hostOverlap, &batchOverlap}) {
+  for (const Cost* cost : {&hostNearest, &hostInside, &deviceNearest, &deviceInside, &pointLaunch, &hostRay, &deviceRay,
+                           &rayLaunch, &hostOverlap, &batchOverlap}) {
     if (!good(cost->fixed) || !good(cost->perTriangle)) return false;
   }
-  if (!good(pointFinish) || !good(overlapLaunch)) return false;
+  if (!good(pointFinish) || !good(rayFinish) || !good(overlapLaunch)) return false;
   return good(batchLaunch) && good(hostThreads) && hostThreads >= 1 && good(hostSpeedup) && hostSpeedup >= 1;
 }
 
@@ -83,7 +83,7 @@ CostModel assumedCosts() {
 }
 
 std::vector<unsigned char> toBytes(const CostModel& model) {
-  static_assert(sizeof(CostModel) == 36 * sizeof(double));
+  static_assert(sizeof(CostModel) == 43 * sizeof(double));
   std::vector<unsigned char> bytes(sizeof kMagic + sizeof model);
   std::memcpy(bytes.data(), kMagic, sizeof kMagic);
   std::memcpy(bytes.data() + sizeof kMagic, &model, sizeof model);

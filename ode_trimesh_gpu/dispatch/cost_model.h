@@ -15,7 +15,7 @@ namespace otg {
 /// Costs less than a microsecond.
 double expectedWork(const Query& query);
 
-/// What the time of a point against a mesh follows: how deep the mesh's trees are.
+/// What the time of a point or ray against a mesh follows: how deep the mesh's trees are.
 double pointWork(const TriMesh& mesh);
 
 /// A time that grows with the expected work, in microseconds.
@@ -45,6 +45,9 @@ struct CostModel {
   /// as the longest search. Zero where they are not known: then points that may be asked about anywhere are the CPU's.
   Cost hostNearest, hostInside, deviceNearest, deviceInside, pointLaunch;
   double pointFinish = 0;  ///< what one thread has to do for each nearest triangle that the device has found
+  /// The same of rays.
+  Cost hostRay, deviceRay, rayLaunch;
+  double rayFinish = 0;
   /// Whether the meshes of a pair overlap: one of many pairs, on one thread of the CPU and on the device; and what a
   /// batch takes there however small. Zero where they are not known: then pairs that may be asked about anywhere are
   /// the CPU's.
@@ -58,6 +61,7 @@ struct CostModel {
   bool knowsSolids() const { return batchSolid.fixed + batchSolid.perTriangle > 0; }
   bool knowsOverlaps() const { return overlapLaunch > 0; }
   bool knowsPoints() const { return pointLaunch.fixed + pointLaunch.perTriangle > 0; }
+  bool knowsRays() const { return rayLaunch.fixed + rayLaunch.perTriangle > 0; }
   /// A pair of a batch on the device, and on one thread of the CPU.
   double deviceCost(bool solid, double work) const {
     return (solid && knowsSolids() ? batchSolid : batchPair).of(work);

@@ -80,8 +80,8 @@ Dispatcher::Slots Dispatcher::usableDevices() const {
   return slots;
 }
 
-DeviceSlot& Dispatcher::leastBusy(const Slots& slots) {
-  return **std::min_element(slots.begin(), slots.end(), [](const auto& x, const auto& y) {
+const std::shared_ptr<DeviceSlot>& Dispatcher::leastBusy(const Slots& slots) {
+  return *std::min_element(slots.begin(), slots.end(), [](const auto& x, const auto& y) {
     return x->underWay.load(std::memory_order_relaxed) < y->underWay.load(std::memory_order_relaxed);
   });
 }
@@ -90,7 +90,7 @@ std::span<const Contact> Dispatcher::collide(const PairJob& job, Workspace& work
   if (!hasDevices() || job.place == Placement{Place::kCpu, Place::kCpu}) return collideOnHost(job, workspace);
   const Slots slots = usableDevices();
   if (slots.empty()) return collideOnHost(job, workspace);
-  return collideOn(leastBusy(slots), job, workspace, ran.onDevice, ran.deviceFailed);
+  return collideOn(*leastBusy(slots), job, workspace, ran.onDevice, ran.deviceFailed);
 }
 
 void Dispatcher::run(std::size_t count, std::size_t grain, const ThreadPool::Work& work) {
@@ -101,21 +101,40 @@ void Dispatcher::run(std::size_t count, std::size_t grain, const ThreadPool::Wor
   pool()->run(count, grain, work);
 }
 
+std::shared_ptr<DeviceSlot> Dispatcher::slotForArray(Place place, const std::function<bool(const DeviceSlot&)>& isAble,
+                                                     const std::function<bool(const CostModel&)>& isSooner) {
+  if (!hasDevices() || place == Place::kCpu) return nullptr;
+  Slots slots = usableDevices();
+  std::erase_if(slots, [&](const auto& slot) { return !isAble(*slot); });
+  if (slots.empty()) return nullptr;
+  const std::shared_ptr<DeviceSlot>& slot = leastBusy(slots);
+  return place == Place::kOpencl || isSooner(slot->costs) ? slot : nullptr;
+}
+
 void Dispatcher::askPoints(const PointJob& job, std::size_t count, const PointSource& source, const PointSink& sink) {
   if (count == 0) return;
   const std::shared_ptr<ThreadPool> threads = pool();
-  if (hasDevices() && job.place != Place::kCpu) {
-    Slots slots = usableDevices();
-    std::erase_if(slots, [&](const auto& slot) { return !pointsOnDevice(job, *slot); });
-    if (!slots.empty()) {
-      DeviceSlot& slot = leastBusy(slots);
-      if (job.place == Place::kOpencl || arePointsSoonerOnDevice(job, count, slot.costs, threads->threadCount())) {
-        askOnDevice(slot, *threads, job, count, source, sink);
-        return;
-      }
-    }
+  const auto slot = slotForArray(
+      job.place, [&](const DeviceSlot& one) { return pointsOnDevice(job, one); },
+      [&](const CostModel& costs) { return arePointsSoonerOnDevice(job, count, costs, threads->threadCount()); });
+  if (slot) {
+    askOnDevice(*slot, *threads, job, count, source, sink);
+  } else {
+    askOnHost(*threads, job, 0, count, source, sink);
   }
-  askOnHost(*threads, job, 0, count, source, sink);
+}
+
+void Dispatcher::castRays(const RayJob& job, std::size_t count, const RaySource& source, const RaySink& sink) {
+  if (count == 0) return;
+  const std::shared_ptr<ThreadPool> threads = pool();
+  const auto slot = slotForArray(job.place, raysOnDevice, [&](const CostModel& costs) {
+    return areRaysSoonerOnDevice(job, count, costs, threads->threadCount());
+  });
+  if (slot) {
+    castOnDevice(*slot, *threads, job, count, source, sink);
+  } else {
+    castOnHost(*threads, job, 0, count, source, sink);
+  }
 }
 
 void Dispatcher::askOverlaps(std::span<const OverlapJob> jobs, std::span<std::uint8_t> answers) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -13,6 +14,7 @@
 #include "dispatch/overlap_run.h"
 #include "dispatch/pair_job.h"
 #include "dispatch/point_run.h"
+#include "dispatch/ray_run.h"
 #include "dispatch/thread_pool.h"
 
 namespace otg {
@@ -71,6 +73,8 @@ class Dispatcher {
   /// Every point of an array, each with the answer that it has by itself, on the CPU or, where the job and the costs
   /// say so, with the device that has the least to do.
   void askPoints(const PointJob& job, std::size_t count, const PointSource& source, const PointSink& sink);
+  /// The same for rays.
+  void castRays(const RayJob& job, std::size_t count, const RaySource& source, const RaySink& sink);
 
   /// Whether the meshes of each pair overlap: see runOverlaps.
   void askOverlaps(std::span<const OverlapJob> jobs, std::span<std::uint8_t> answers);
@@ -84,7 +88,10 @@ class Dispatcher {
   using Slots = std::vector<std::shared_ptr<DeviceSlot>>;
   std::shared_ptr<ThreadPool> pool();
   Slots usableDevices() const;
-  static DeviceSlot& leastBusy(const Slots& slots);
+  static const std::shared_ptr<DeviceSlot>& leastBusy(const Slots& slots);
+  /// The device that has the least to do, where the place of an array and the costs say so; else null.
+  std::shared_ptr<DeviceSlot> slotForArray(Place place, const std::function<bool(const DeviceSlot&)>& isAble,
+                                           const std::function<bool(const CostModel&)>& isSooner);
 
   mutable std::mutex mutex_;
   std::atomic<Placement> place_{Placement{}};

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "dispatch/point_run.h"
 
-#include <algorithm>
-
 #include "queries/surface_side.h"
 
 namespace otg {
@@ -49,48 +47,24 @@ PointAnswer answerPoint(const PointJob& job, const Vec3d& point) {
 
 void askOnHost(ThreadPool& pool, const PointJob& job, std::size_t first, std::size_t count, const PointSource& source,
                const PointSink& sink) {
-  pool.run(count, kPointsAtOnce, [&](std::size_t begin, std::size_t end) {
-    Vec3d points[kPointsAtOnce];
-    PointAnswer answers[kPointsAtOnce];
-    for (std::size_t from = begin; from < end; from += kPointsAtOnce) {
-      const std::size_t to = std::min(end, from + kPointsAtOnce);
-      source(first + from, first + to, points);
-      for (std::size_t i = from; i < to; ++i) answers[i - from] = answerPoint(job, points[i - from]);
-      sink(first + from, first + to, points, answers);
-    }
-  });
+  answerOnHost<Vec3d, PointAnswer>(pool, first, count, source, sink,
+                                   [&](const Vec3d& point) { return answerPoint(job, point); });
 }
 
 void askOnDevice(DeviceSlot& slot, ThreadPool& pool, const PointJob& job, std::size_t count, const PointSource& source,
                  const PointSink& sink) {
   const opencl::PointWish wish = wishOf(job);
-  constexpr std::size_t kPart = 1024;  // of a thread
-  const auto fill = [&](std::size_t begin, std::size_t end, Vec3d* to) {
-    pool.run(end - begin, kPart, [&](std::size_t b, std::size_t e) { source(begin + b, begin + e, to + b); });
+  const auto ask = [&](const opencl::FillPoints& fill, const opencl::TakePoints& take) {
+    return slot.backend->askPoints(*job.mesh, wish, count, fill, take);
   };
-  const auto take = [&](std::size_t begin, std::size_t end, const Vec3d* points, const otg_uint* words) {
-    pool.run(end - begin, kPart, [&](std::size_t b, std::size_t e) {
-      PointAnswer answers[kPointsAtOnce];
-      for (std::size_t from = b; from < e; from += kPointsAtOnce) {
-        const std::size_t to = std::min(e, from + kPointsAtOnce);
-        for (std::size_t i = from; i < to; ++i) answers[i - from] = answerFrom(job, wish, points[i], words[i]);
-        sink(begin + from, begin + to, points + from, answers);
-      }
-    });
-  };
-  slot.underWay.fetch_add(1, std::memory_order_relaxed);
-  struct Done {
-    DeviceSlot& slot;
-    ~Done() { slot.underWay.fetch_sub(1, std::memory_order_relaxed); }
-  } const done{slot};
-  const std::size_t answered = slot.backend->askPoints(*job.mesh, wish, count, fill, take);
-  slot.note(0, answered == count);
-  if (answered < count) askOnHost(pool, job, answered, count - answered, source, sink);
+  const auto answer = [&](const Vec3d& point, otg_uint word) { return answerFrom(job, wish, point, word); };
+  const std::size_t done = answerWithDevice<Vec3d, PointAnswer>(slot, pool, count, source, sink, ask, answer);
+  if (done < count) askOnHost(pool, job, done, count - done, source, sink);
 }
 
 bool pointsOnDevice(const PointJob& job, const DeviceSlot& slot) {
   const opencl::PointWish wish = wishOf(job);
-  return !slot.isOff && slot.backend->answersPoints() && (wish.nearest || wish.inside);
+  return !slot.isOff && slot.backend->answersArrays() && (wish.nearest || wish.inside);
 }
 
 bool arePointsSoonerOnDevice(const PointJob& job, std::size_t count, const CostModel& costs, unsigned threads) {

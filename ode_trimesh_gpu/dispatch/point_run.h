@@ -3,11 +3,9 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 
-#include "dispatch/device_slot.h"
+#include "dispatch/array_run.h"
 #include "dispatch/pair_job.h"
-#include "dispatch/thread_pool.h"
 #include "queries/closest_point.h"
 
 namespace otg {
@@ -25,17 +23,11 @@ struct PointAnswer {
   bool inside = false;
 };
 
-/// Points begin to end - 1, in the frame of the mesh -> to[0] and up. Called by any thread.
-using PointSource = std::function<void(std::size_t begin, std::size_t end, Vec3d* to)>;
-/// The same points with their answers. Called by any thread, once for each point.
-using PointSink =
-    std::function<void(std::size_t begin, std::size_t end, const Vec3d* points, const PointAnswer* answers)>;
+using PointSource = ArraySource<Vec3d>;
+using PointSink = ArraySink<Vec3d, PointAnswer>;
 
 /// One point, on the calling thread.
 PointAnswer answerPoint(const PointJob& job, const Vec3d& point);
-
-/// Points that one thread takes at a time.
-inline constexpr std::size_t kPointsAtOnce = 64;
 
 /// All points on the CPU, by the pool's threads, from number `first` on.
 void askOnHost(ThreadPool& pool, const PointJob& job, std::size_t first, std::size_t count, const PointSource& source,

@@ -22,7 +22,7 @@
 namespace otg {
 namespace {
 
-constexpr std::size_t kRaysAtOnce = 64, kPairsAtOnce = 1, kOverlapsAtOnce = 8, kPlacedAtOnce = 64;
+constexpr std::size_t kPairsAtOnce = 1, kOverlapsAtOnce = 8, kPlacedAtOnce = 64, kCheckedAtOnce = 4096;
 
 void write(const Vec3d& from, dReal* to) {
   to[0] = static_cast<dReal>(from.x);
@@ -68,6 +68,18 @@ Vec3d toMesh(const Placed& placed, const dReal* p) {
   return otgRotateBack(placed.pose, otgSub(Vec3d{p[0], p[1], p[2]}, placed.pose.t));
 }
 
+/// Whether all of an array are good, by all threads: reading a large one takes as long as answering it.
+template <class Good>
+bool areAll(int count, const Good& good) {
+  std::atomic<bool> all{true};
+  dispatcher().run(static_cast<std::size_t>(count), kCheckedAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!good(i)) all = false;
+    }
+  });
+  return all;
+}
+
 /// Points of a caller, checked.
 struct Points {
   const char* first;
@@ -79,11 +91,11 @@ int checkPoints(const dReal* points, int stride, int count, const void* out, Poi
   if (count < 0 || stride < static_cast<int>(3 * sizeof(dReal))) return dGPUTRIMESH_ERROR_ARGUMENT;
   if (count > 0 && (points == nullptr || out == nullptr)) return dGPUTRIMESH_ERROR_ARGUMENT;
   to = {reinterpret_cast<const char*>(points), static_cast<std::size_t>(stride)};
-  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+  const auto isGood = [&](std::size_t i) {
     const dReal* const p = to[i];
-    if (!isFinite({p[0], p[1], p[2]})) return dGPUTRIMESH_ERROR_ARGUMENT;
-  }
-  return dGPUTRIMESH_OK;
+    return isFinite({p[0], p[1], p[2]});
+  };
+  return areAll(count, isGood) ? dGPUTRIMESH_OK : dGPUTRIMESH_ERROR_ARGUMENT;
 }
 
 void withoutSurface(dGpuTriMeshClosestPoint& out) {
@@ -209,24 +221,23 @@ bool isUsable(const dGpuTriMeshRay& ray) {
   return isFinite(start) && std::isfinite(l) && l > 0 && ray.length >= 0;
 }
 
-/// Whether it hits.
-bool castOne(const Placed& placed, const dGpuTriMeshRay& ray, int flags, std::vector<RayHit>& scratch,
-             dGpuTriMeshRayHit& out) {
+LongRay rayToMesh(const Placed& placed, const dGpuTriMeshRay& ray) {
+  const Vec3d direction{ray.direction[0], ray.direction[1], ray.direction[2]};
+  return {{toMesh(placed, ray.start), otgRotateBack(placed.pose, otgScale(direction, 1 / length(direction)))},
+          static_cast<double>(ray.length)};
+}
+
+void withoutHit(dGpuTriMeshRayHit& out) {
   out = {};
   out.distance = std::numeric_limits<dReal>::infinity();
   out.triangle = -1;
-  if (placed.mesh == nullptr) return false;
-  const Vec3d direction{ray.direction[0], ray.direction[1], ray.direction[2]};
-  RayCast cast;
-  cast.ray.origin = toMesh(placed, ray.start);
-  cast.ray.direction = otgRotateBack(placed.pose, otgScale(direction, 1 / length(direction)));
-  cast.length = static_cast<double>(ray.length);
-  cast.cullBack = (flags & dGPUTRIMESH_RAY_CULL_BACK) != 0;
-  if ((flags & dGPUTRIMESH_RAY_ANY) != 0) cast.mode = RayMode::kAny;
-  castRay(*placed.mesh, cast, scratch);
-  if (scratch.empty()) return false;
-  const RayHit& hit = scratch.front();
-  const Vec3d point = otgAdd(cast.ray.origin, otgScale(cast.ray.direction, hit.distance));
+}
+
+/// Whether there is one.
+bool writeHit(const Placed& placed, const MeshRay& ray, const RayHit& hit, dGpuTriMeshRayHit& out) {
+  withoutHit(out);
+  if (hit.triangle == kNone) return false;
+  const Vec3d point = otgAdd(ray.origin, otgScale(ray.direction, hit.distance));
   const Vec3d face = otgRotate(placed.pose, faceNormal(placed.mesh->mesh(), hit.triangle));
   write(otgTransform(placed.pose, point), out.pos);
   write(otgScale(face, (hit.back ? -1 : 1) / length(face)), out.normal);
@@ -234,6 +245,26 @@ bool castOne(const Placed& placed, const dGpuTriMeshRay& ray, int flags, std::ve
   out.triangle = static_cast<int>(placed.mesh->mesh().callerTriangle(hit.triangle));
   out.back = hit.back ? 1 : 0;
   return true;
+}
+
+/// Casts rays at a geom with a surface; returns how many hit. "Any hit" is the closest one: looking no further saves
+/// next to nothing, and which one was found first would depend on who looked.
+int castAll(const Placed& placed, const dGpuTriMeshRay* rays, int count, int flags, dGpuTriMeshRayHit* hits) {
+  const RayJob job{placed.mesh, (flags & dGPUTRIMESH_RAY_CULL_BACK) != 0, placed.place};
+  std::atomic<int> found{0};
+  dispatcher().castRays(
+      job, static_cast<std::size_t>(count),
+      [&](std::size_t begin, std::size_t end, LongRay* to) {
+        for (std::size_t i = begin; i < end; ++i) to[i - begin] = rayToMesh(placed, rays[i]);
+      },
+      [&](std::size_t begin, std::size_t end, const LongRay* cast, const RayHit* answers) {
+        int some = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+          some += writeHit(placed, cast[i - begin].ray, answers[i - begin], hits[i]) ? 1 : 0;
+        }
+        found += some;
+      });
+  return found;
 }
 
 }  // namespace
@@ -357,16 +388,13 @@ int dGeomGpuTriMeshCastRays(dGeomID g, const dGpuTriMeshRay* rays, int count, in
     if (count < 0 || (flags & ~kKnown) != 0 || (count > 0 && (rays == nullptr || hits == nullptr))) {
       return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
     }
-    for (int i = 0; i < count; ++i) {
-      if (!otg::isUsable(rays[i])) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    if (!otg::areAll(count, [&](std::size_t i) { return otg::isUsable(rays[i]); })) {
+      return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
     }
-    std::atomic<int> found{0};
-    otg::dispatcher().run(static_cast<std::size_t>(count), otg::kRaysAtOnce, [&](std::size_t begin, std::size_t end) {
-      std::vector<otg::RayHit> scratch;
-      for (std::size_t i = begin; i < end; ++i) {
-        if (otg::castOne(placed, rays[i], flags, scratch, hits[i])) ++found;
-      }
-    });
-    return found.load();
+    if (placed.mesh == nullptr) {
+      std::for_each_n(hits, count, otg::withoutHit);
+      return 0;
+    }
+    return otg::castAll(placed, rays, count, flags, hits);
   });
 }

@@ -126,6 +126,8 @@ BackendCounts Backend::counts() const {
   out.contactsLeft = state_->contactsLeft;
   out.points = state_->pointsAsked;
   out.pointsOnHost = state_->pointsOnHost;
+  out.rays = state_->raysCast;
+  out.raysOnHost = state_->raysOnHost;
   out.repeats = state_->pairs.repeats() + state_->batches.repeats() + state_->overlaps.repeats() +
                 state_->phases.repeats() + state_->levels.repeats() + state_->profiledLevels.repeats();
   for (const MeshStore* store : {&state_->meshes, &state_->binaryMeshes}) {

@@ -10,11 +10,13 @@
 #include <span>
 #include <vector>
 
+#include "collide/mesh_ray.h"
 #include "collide/query.h"
 #include "opencl/device_info.h"
 #include "opencl/levels.h"
 #include "opencl/tuning.h"
 #include "shared/point_layout.h"
+#include "shared/ray_layout.h"
 
 namespace otg::opencl {
 
@@ -36,8 +38,8 @@ struct BackendCounts {
   /// that meshes take now.
   std::uint64_t meshUploads = 0, meshUpdates = 0, meshEvictions = 0, meshBytesSent = 0, meshBytes = 0;
   int programsFromSource = 0, programsFromCache = 0;
-  /// Points asked about; and those that were left to the caller because a call failed.
-  std::uint64_t points = 0, pointsOnHost = 0;
+  /// Points asked about and rays cast; of either, those that were left to the caller because a call failed.
+  std::uint64_t points = 0, pointsOnHost = 0, rays = 0, raysOnHost = 0;
 };
 
 /// Where the time of one query or batch went, in milliseconds. Those from `write` to `readBack` are the device's clock,
@@ -121,6 +123,9 @@ using FillPoints = std::function<void(std::size_t begin, std::size_t end, Vec3d*
 /// The same points with a word for each: shared/point_layout.h. Both arrays begin with point `begin`.
 using TakePoints =
     std::function<void(std::size_t begin, std::size_t end, const Vec3d* points, const otg_uint* answers)>;
+/// The same two of rays, in the frame of the mesh; words of shared/ray_layout.h.
+using FillRays = std::function<void(std::size_t begin, std::size_t end, LongRay* to)>;
+using TakeRays = std::function<void(std::size_t begin, std::size_t end, const LongRay* rays, const otg_uint* answers)>;
 
 /// Any number of threads. Every function gives what the host gives, byte for byte, whatever the device, its scheduling
 /// and the tuning. It returns false when the device failed and the host did all or part of the work (which is logged
@@ -170,13 +175,16 @@ class Backend {
   bool intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer, StageTimes* times = nullptr);
   bool intersectBatch(const PairBatch& batch, std::vector<std::uint8_t>& answer, StageTimes* times = nullptr);
 
-  /// Whether the device can answer points (it has doubles).
-  bool answersPoints() const;
+  /// Whether the device can answer points and rays (it has doubles).
+  bool answersArrays() const;
   /// Asks about `count` points and hands the answers over in pieces, in their order, on the calling thread. The mesh
   /// has triangles; `wish.inside` is for solids. Returns how many were answered, from the first one on: fewer than
   /// `count` when a call failed (which is logged once and counted). Throws what `fill` and `take` throw.
   std::size_t askPoints(const CollisionMesh& mesh, PointWish wish, std::size_t count, const FillPoints& fill,
                         const TakePoints& take);
+  /// The same for rays: the triangle that each hits first; with `cullBack` those hit from behind do not count.
+  std::size_t castRays(const CollisionMesh& mesh, bool cullBack, std::size_t count, const FillRays& fill,
+                       const TakeRays& take);
 
   BackendCounts counts() const;
 

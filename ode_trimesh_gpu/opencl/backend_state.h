@@ -17,6 +17,7 @@
 #include "opencl/pair_lane.h"
 #include "opencl/phase_lane.h"
 #include "opencl/point_lane.h"
+#include "opencl/ray_lane.h"
 
 namespace otg::opencl {
 
@@ -77,11 +78,12 @@ struct Backend::State {
   LanePool<OverlapLane> overlaps, profiledOverlaps;
   LanePool<PhaseLane> phases;
   LanePool<PointLane> points;
+  LanePool<RayLane> rays;
   SoupPlaces soupPlaces;
   MeshStore binaryMeshes;  ///< of the traversal `levels`, which is for comparing: beside the others
   LanePool<LevelsLane> levels, profiledLevels;
   std::atomic<std::uint64_t> queries{0}, onHost{0}, described{0}, describedInVain{0}, contactsMade{0}, contactsLeft{0};
-  std::atomic<std::uint64_t> pointsAsked{0}, pointsOnHost{0};
+  std::atomic<std::uint64_t> pointsAsked{0}, pointsOnHost{0}, raysCast{0}, raysOnHost{0};
 
   State(const FoundDevice& device, const Tuning& how)
       : context(device, ProgramCache::standard(), how.doubles),
@@ -96,6 +98,7 @@ struct Backend::State {
         profiledOverlaps(context, meshes, withProfile(how)),
         phases(context, meshes, tuning),
         points(context, meshes, tuning),
+        rays(context, meshes, tuning),
         soupPlaces(how.leafTriangles),
         binaryMeshes(context, how.memoryBudget != 0 ? how.memoryBudget : device.info.globalMemory / 4, 1,
                      MeshLayout::kBinary),
@@ -105,7 +108,9 @@ struct Backend::State {
     meshes.prepare();
     pairs.prepare();
     batches.prepare();
-    if (context.info().doubles) points.prepare();
+    if (!context.info().doubles) return;
+    points.prepare();
+    rays.prepare();
   }
   /// Whether contacts are reduced on the device.
   bool reduces() const { return context.info().doubles && tuning.reduce; }

@@ -7,10 +7,8 @@
 #include <span>
 
 #include "opencl/backend.h"
-#include "opencl/launch.h"
-#include "opencl/mesh_store.h"
-#include "opencl/pinned_buffer.h"
 #include "opencl/tuning.h"
+#include "opencl/word_array.h"
 
 namespace otg::opencl {
 
@@ -19,33 +17,21 @@ class PointLane {
  public:
   /// The device has doubles.
   PointLane(Context& context, MeshStore& meshes, const Tuning& tuning);
-  ~PointLane() { wait(); }
-  PointLane(const PointLane&) = delete;
-  PointLane& operator=(const PointLane&) = delete;
 
   /// Room for so many points in the host's memory. Throws ClError.
-  std::span<Vec3d> makeRoom(std::size_t count);
+  Vec3d* makeRoom(std::size_t count) { return static_cast<Vec3d*>(array_.makeRoom(count)); }
   /// Sends the points that were written there; does not wait. Throws ClError.
   void begin(const CollisionMesh& mesh, PointWish wish);
   /// Waits for a word for each of them (shared/point_layout.h). Throws ClError.
-  std::span<const otg_uint> end();
+  std::span<const otg_uint> end() { return array_.end(); }
   /// The points that were sent last.
-  std::span<const Vec3d> points() const { return {reinterpret_cast<const Vec3d*>(sent_.data()), count_}; }
+  const Vec3d* items() const { return static_cast<const Vec3d*>(array_.items()); }
 
   std::uint64_t repeats() const { return 0; }
 
  private:
-  void wait() noexcept;
-  Context& context_;
-  MeshStore& meshes_;
-  const std::size_t group_;
-  QueueHandle queue_;
   Kernel nearest_, inside_;
-  DeviceList points_{sizeof(Vec3d)}, answers_{sizeof(otg_uint)};
-  PinnedBuffer sent_, received_;
-  MeshStore::Pinned mesh_;
-  std::size_t count_ = 0;
-  bool underWay_ = false;
+  WordArray array_;  ///< goes first, when what is under way is done
 };
 
 }  // namespace otg::opencl

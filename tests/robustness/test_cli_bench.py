@@ -49,22 +49,29 @@ class Bench(CliTest):
 
     def test_queries(self):
         document = self.run_json("bench", "queries", self.mesh(), "--repeat", "1", "--points", "10,3000", "--alone", "10",
-                                 "--pairs", "50,200")
+                                 "--rays", "10,3000", "--pairs", "50,200")
         overlaps = document["tables"]["overlaps"]
         self.assertEqual([(row["work"].split()[-1], row["pairs"]) for row in overlaps],
                          list(itertools.product(("bodies", "touch", "nearmiss"), (50, 200))))
         self.assertEqual({row["answers"] for row in overlaps}, {"same"})
         self.assertEqual([row["overlapping"] for row in overlaps][2:], [50, 200, 0, 0])
         self.assertTrue(all(0 < row["overlapping"] < row["pairs"] for row in overlaps[:2]), overlaps)
+        rays = document["tables"]["rays"]
+        self.assertEqual([(row["rays"], row["count"]) for row in rays], list(itertools.product(("camera", "around"), (10, 3000))))
+        self.assertEqual({row["answers"] for row in rays}, {"same"})
+        self.assertTrue(all(0 < row["hits"] < row["count"] for row in rays), rays)
+        self.assertEqual([row["one_thread_ms"] is None for row in rays], [False, True] * 2)
         rows = document["tables"]["points"]
         self.assertEqual(len(rows), 2 * 2 * 2)
         self.assertEqual({row["answers"] for row in rows}, {"same"})
         self.assertEqual({row["one_thread_ms"] is None for row in rows if row["count"] == 3000}, {True})
         self.assertEqual(len({row["hash"] for row in rows}), 8)
         if self.run_json("devices")["used"] is None:
-            self.assertEqual({row["device_ms"] for row in rows + overlaps}, {None})
+            self.assertEqual({row["device_ms"] for row in rows + rays + overlaps}, {None})
             return
-        self.assertGreater(min(row["device_ms"] for row in rows + overlaps), 0)
+        self.assertGreater(min(row["device_ms"] for row in rows + rays + overlaps), 0)
+        self.assertGreater(min(row["device_alone_ms"] for row in rays), 0)
+        self.assertGreater(sum(document["costs_us"]["ray_launch"].values()), 0)
         self.assertGreater(sum(document["costs_us"]["launch"].values()), 0)
 
     def check_profile(self, rows):

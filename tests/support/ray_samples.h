@@ -14,11 +14,6 @@
 
 namespace otg::samples {
 
-struct LongRay {
-  MeshRay ray;
-  double length;
-};
-
 /// From anywhere to anywhere; through faces, edges, corners, and along them; along axes, nearly too; from the surface
 /// itself, from far away, and from beyond all measure; some of them with an end.
 inline std::vector<LongRay> raysFor(const TriMesh& mesh, std::uint32_t seed, std::size_t count) {

@@ -15,8 +15,8 @@ extern "C" {
 
 /* What holds for all functions of this header: positions and directions are in the world, lengths in its unit; meshes
  * are where their geoms are at the moment of the call. They compute in double precision on the mesh's
- * vertices, which are single precision numbers in the mesh's frame; on the CPU, but for arrays of points and of pairs
- * that may overlap, which go where the geoms' parameters, else dGpuTriMeshSetBackend(), say (`auto`: where they are
+ * vertices, which are single precision numbers in the mesh's frame; on the CPU, but for arrays of points, of rays, and
+ * of pairs that may overlap, which go where the geoms' parameters, else dGpuTriMeshSetBackend(), say (`auto`: where they are
  * expected to be answered sooner) and have the same answers there, byte for byte. They only read, so that any number of
  * threads may call them at once, from near callbacks too. Functions that take arrays share the work among the threads
  * that dGpuTriMeshSetThreadCount() allows; what they answer does not depend on it. Structures that are filled need no
@@ -173,17 +173,19 @@ typedef struct dGpuTriMeshRayHit {
  */
 enum {
   dGPUTRIMESH_RAY_CULL_BACK = 1, /**< triangles hit from behind do not count */
-  dGPUTRIMESH_RAY_ANY = 2        /**< any hit will do, the first one found: for questions of sight */
+  dGPUTRIMESH_RAY_ANY = 2        /**< any hit will do: for questions of sight. Which one you get is open; today the
+                                    closest one, as that takes hardly longer and is the same wherever it is computed */
 };
 
 /**
- * @brief Casts an array of rays at a mesh; each has the closest hit as its answer.
+ * @brief Casts an array of rays at a mesh, on the CPU's threads or with an OpenCL device (dGeomGpuTriMeshSetBackend());
+ *        each has the closest hit as its answer.
  *
  * For single rays in a world use ODE's own: dCreateRay() and dCollide(). What they answer with a mesh of this class:
  * contacts sorted by distance (`depth`), closest first, the triangle in `side1` or `side2`, a normal that faces the
  * ray's start if the ray is the first geom of the call. dGeomRaySetClosestHit() leaves the closest one alone,
  * dGeomRaySetFirstContact() any one, dGeomRaySetBackfaceCull() drops those from behind. A ray through an edge or a
- * corner hits one of its triangles.
+ * corner hits one of its triangles. The array asks no ray callback.
  * @param g      a geom of this class
  * @param rays   the rays
  * @param count  how many, 0 or more
@@ -193,7 +195,9 @@ enum {
  * finite, has no direction or a negative length), dGPUTRIMESH_ERROR_CLASS, dGPUTRIMESH_ERROR_POSE or
  *          dGPUTRIMESH_ERROR_MEMORY; after an error the answers are of no use.
  * @remarks Source of the method: Moeller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997. A ray
- * cannot slip between two triangles of one edge.
+ * cannot slip between two triangles of one edge. Of triangles that are hit at the same distance the answer has the one
+ * that comes first in the library's own order; it does not depend on the tree. One that the ray grazes, whose crossing
+ * is anywhere by rounding, counts as hit no earlier than where the ray enters its box.
  * @remarks As dCollide(): from any number of threads at once, and from a near callback.
  * @ingroup gputrimesh
  */
