@@ -77,9 +77,12 @@ OTG_INLINED void otgEnterHit(OTG_OVERLAP* o, uint i, const otg_solid_hit* ends, 
   o->hits[i] = own;
 }
 
-/// Every element becomes a set of its own.
+/// Every element becomes a set of its own, without votes.
 OTG_INLINED void otgBeginSets(OTG_OVERLAP* o) {
-  for (uint e = get_global_id(0); e < o->sizes.elements; e += get_global_size(0)) o->parents[e] = e;
+  for (uint e = get_global_id(0); e < o->sizes.elements; e += get_global_size(0)) {
+    o->parents[e] = e;
+    if (e >= o->sizes.slots) o->balances[e - o->sizes.slots] = 0;
+  }
 }
 
 /// One pair alone, `single`: decides every hit, finds the ends of its chord, and enters these as crossings. Writes the
@@ -89,10 +92,12 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapCont
     __global const uint2* restrict found, uint hitCapacity, __global uchar* restrict results,
     __global otg_overlap_pair* restrict pairs, __global otg_overlap_state* restrict state,
     __global otg_crossing* restrict crossings, __global uint* restrict slots, __global otg_overlap_hit* restrict hits,
-    __global uint* restrict parents, __global uint* restrict marks) {
+    __global uint* restrict parents, __global uint* restrict marks, __global int* restrict balances) {
   __local otg_overlap o;
   const uint lane = get_local_id(0), count = min(counters[OTG_COUNT_HITS], hitCapacity);
-  if (lane < 2) otgSetOverlap(&o, lane, meshes, &single, otgArrays(crossings, slots, hits, parents, marks, 0, 0));
+  if (lane < 2) {
+    otgSetOverlap(&o, lane, meshes, &single, otgArrays(crossings, slots, hits, parents, marks, balances, 0, 0));
+  }
   barrier(CLK_LOCAL_MEM_FENCE);
   if (get_global_id(0) == 0) {
     pairs[0] = single;
@@ -163,9 +168,9 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapEnte
     __global const otg_overlap_pair* restrict pairs, __global const float4* restrict meshes,
     __global const otg_solid_hit* restrict found, __global otg_overlap_state* restrict states,
     __global otg_crossing* restrict crossings, __global uint* restrict slots, __global otg_overlap_hit* restrict hits,
-    __global uint* restrict parents, __global uint* restrict marks) {
+    __global uint* restrict parents, __global uint* restrict marks, __global int* restrict balances) {
   __local otg_overlap o;
-  otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, hits, parents, marks, 0, 0));
+  otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, hits, parents, marks, balances, 0, 0));
   __global const otg_solid_hit* own = found + pairs[get_group_id(1)].firstHit;
   for (uint i = get_global_id(0); i < o.hitCount; i += get_global_size(0)) {
     const otg_solid_hit ends = own[i];
@@ -174,55 +179,54 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapEnte
   otgBeginSets(&o);
 }
 
-OTG_INLINED void otgVoteFor(OTG_OVERLAP* o, uint mesh, uint vertex, int inside, uint slot) {
-  atomic_or(otgVotesOf(o, mesh, vertex), inside ? OTG_VOTE_IN : OTG_VOTE_OUT);
+OTG_INLINED void otgMix(OTG_OVERLAP* o, uint mesh, uint vertex) {
   const uint cluster = otgClusterOf(&o->mesh[mesh], vertex);
   if (cluster < o->mesh[mesh].clusterCount) *otgMixedMark(o, mesh, cluster) = 1;
-  if (inside) otgUniteElements(o, slot, otgVertexElement(o, mesh, vertex));
 }
 
-/// Where a crossing lies along its edge; the first and the last of an edge vote for its ends.
+/// Where a crossing lies along its edge. Those at the same place go by triangle, until overlapUnite puts them in order.
 OTG_INLINED uint otgPlaceCrossing(OTG_OVERLAP* o, uint slot) {
   __global otg_crossing* c = o->crossings + slot;
-  const uint mesh = otgMeshOf(c), edge = otgEdgeOfCrossing(c);
+  const uint mesh = otgMeshOf(c), edge = otgEdgeOfCrossing(c), triangle = c->triangle;
   const double t = c->t;
-  uint rank = 0, previous = OTG_NOT_THERE, next = OTG_NOT_THERE, tied = 0;
+  uint rank = 0, previous = OTG_NOT_THERE, next = OTG_NOT_THERE, triangleBefore = 0, triangleAfter = 0;
   double before = 0, after = 0;
   for (uint d = *otgEdgeMark(o, mesh, edge); d != 0; d = o->crossings[d - 1].link) {
     if (d - 1 == slot) continue;
     const double u = o->crossings[d - 1].t;
-    tied |= !(fabs(u - t) > OTG_SOLID_CLOSE_POINTS);  // of a place that is no number as well
-    if (u < t) {
+    const uint other = o->crossings[d - 1].triangle;
+    if (u < t || (u == t && other < triangle)) {
       ++rank;
-      if (previous == OTG_NOT_THERE || u > before) {
+      if (previous == OTG_NOT_THERE || u > before || (u == before && other > triangleBefore)) {
         previous = d - 1;
         before = u;
+        triangleBefore = other;
       }
-    } else if (next == OTG_NOT_THERE || u < after) {
+    } else if (next == OTG_NOT_THERE || u < after || (u == after && other < triangleAfter)) {
       next = d - 1;
       after = u;
+      triangleAfter = other;
     }
   }
   c->rank = rank;
   c->previous = previous;
   c->next = next;
+  c->stretch = OTG_NOT_THERE;
   const uint4 ends = o->mesh[mesh].solid.edges[edge];
-  if (previous == OTG_NOT_THERE) otgVoteFor(o, mesh, ends.x, c->exits != 0, slot);
-  if (next == OTG_NOT_THERE) otgVoteFor(o, mesh, ends.y, c->exits == 0, slot);
-  if (c->exits && previous != OTG_NOT_THERE) otgUniteElements(o, previous, slot);
-  const int alternates = previous == OTG_NOT_THERE || o->crossings[previous].exits != c->exits;
-  return (tied ? OTG_SOLID_TIE : 0) | (alternates && c->seen == 2 ? 0 : OTG_SOLID_BROKEN);
+  if (previous == OTG_NOT_THERE) otgMix(o, mesh, ends.x);
+  if (next == OTG_NOT_THERE) otgMix(o, mesh, ends.y);
+  return (t == t ? 0 : OTG_SOLID_TIE) |
+         (c->seen == 2 ? 0 : OTG_SOLID_BROKEN);  // a place that is no number has no order
 }
 
-/// Puts crossings in order along their edges, and hits in lists by triangle; unites what hangs together by chords and
-/// by stretches inside.
+/// Puts crossings in order along their edges, and hits in lists by triangle; unites what hangs together by chords.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapEdges(
     __global const otg_overlap_pair* restrict pairs, __global const float4* restrict meshes,
     __global otg_overlap_state* restrict states, __global otg_crossing* restrict crossings, __global uint* slots,
     __global otg_overlap_hit* restrict hits, __global uint* restrict parents, __global uint* restrict marks) {
   __local otg_overlap o;
   __global otg_overlap_state* state = states + get_group_id(1);
-  otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, hits, parents, marks, 0, 0));
+  otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, hits, parents, marks, 0, 0, 0));
   const uint count = state->counts[OTG_OVERLAP_CROSSINGS];
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const uint why = otgPlaceCrossing(&o, o.slots[i]);

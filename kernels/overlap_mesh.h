@@ -16,6 +16,8 @@
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 #pragma OPENCL EXTENSION cl_khr_int64_extended_atomics : enable
 
+#define OTG_MOST_TIED 32  ///< crossings of one edge of which some lie in one point
+
 typedef struct {
   otg_solid_mesh solid;
   __global const float4* clusters;  ///< OTG_CLUSTER_UNITS each
@@ -33,6 +35,7 @@ typedef struct {
   __global uint* slots;  ///< of crossings
   __global otg_overlap_hit* hits;
   __global uint *parents, *marks;
+  __global int* balances;                          ///< of the sets of vertices: votes for inside less votes for outside
   __global otg_found_inside *clusters, *vertices;  ///< that are inside
   __global otg_found_inside* small;                ///< hits of small regions
 } otg_overlap;
@@ -44,19 +47,22 @@ typedef struct {
   __global uint* slots;
   __global otg_overlap_hit* hits;
   __global uint *parents, *marks;
+  __global int* balances;
   __global otg_found_inside *inside, *small;
 } otg_overlap_arrays;
 
 /// Those that a kernel does not look at are 0.
 OTG_INLINED otg_overlap_arrays otgArrays(__global otg_crossing* crossings, __global uint* slots,
                                          __global otg_overlap_hit* hits, __global uint* parents, __global uint* marks,
-                                         __global otg_found_inside* inside, __global otg_found_inside* small) {
+                                         __global int* balances, __global otg_found_inside* inside,
+                                         __global otg_found_inside* small) {
   otg_overlap_arrays a;
   a.crossings = crossings;
   a.slots = slots;
   a.hits = hits;
   a.parents = parents;
   a.marks = marks;
+  a.balances = balances;
   a.inside = inside;
   a.small = small;
   return a;
@@ -88,6 +94,7 @@ OTG_INLINED void otgSetOverlap(__local otg_overlap* o, uint which, __global cons
   o->hits = arrays.hits + pair->firstHit;
   o->parents = arrays.parents + pair->firstElement;
   o->marks = arrays.marks + pair->firstMark;
+  o->balances = arrays.balances + pair->firstInside;
   o->clusters = arrays.inside + pair->firstInside;
   o->vertices = o->clusters + (pair->sizes.vertices[0] - pair->sizes.clusters[0]);
   o->small = arrays.small + pair->firstHit;
@@ -131,9 +138,6 @@ OTG_INLINED otg_vec3_d otgStarOf(__local const otg_overlap_mesh* m, uint vertex)
 
 OTG_INLINED __global uint* otgMixedMark(OTG_OVERLAP* o, uint mesh, uint cluster) {
   return o->marks + o->sizes.mixedMarks[mesh] + cluster;
-}
-OTG_INLINED __global uint* otgVotesOf(OTG_OVERLAP* o, uint mesh, uint vertex) {
-  return o->marks + o->sizes.voteMarks[mesh] + vertex;
 }
 OTG_INLINED __global uint* otgEdgeMark(OTG_OVERLAP* o, uint mesh, uint edge) {
   return o->marks + o->sizes.edgeMarks[mesh] + edge;
@@ -181,14 +185,24 @@ OTG_INLINED uint otgVertexElement(OTG_OVERLAP* o, uint mesh, uint vertex) {
   return o->sizes.vertices[mesh] + vertex;
 }
 
+/// The element that a vertex is: itself where its cluster has a crossed edge, else the cluster.
+OTG_INLINED uint otgElementOf(OTG_OVERLAP* o, uint mesh, uint vertex) {
+  const uint cluster = otgClusterOf(&o->mesh[mesh], vertex);
+  const int byItself = cluster >= o->mesh[mesh].clusterCount || *otgMixedMark(o, mesh, cluster) != 0;
+  return byItself ? otgVertexElement(o, mesh, vertex) : otgClusterElement(o, mesh, cluster);
+}
+
+/// When votes are counted: whether most of those of the vertices that hang together with this one say inside. Others
+/// may be uniting such a set with a crossing.
+OTG_INLINED int otgIsVotedInside(OTG_OVERLAP* o, uint mesh, uint vertex) {
+  const uint root = otgRoot(o, otgElementOf(o, mesh, vertex));
+  return root < o->sizes.slots || o->balances[root - o->sizes.slots] > 0;
+}
+
 /// The root of the region that a vertex lies inside of the other mesh in, or OTG_NOT_THERE: when all is united, sets
 /// with a crossing in them are inside.
 OTG_INLINED uint otgRegionOfVertex(OTG_OVERLAP* o, uint mesh, uint vertex) {
-  const uint cluster = otgClusterOf(&o->mesh[mesh], vertex);
-  if (cluster >= o->mesh[mesh].clusterCount) return OTG_NOT_THERE;
-  const uint e =
-      *otgMixedMark(o, mesh, cluster) ? otgVertexElement(o, mesh, vertex) : otgClusterElement(o, mesh, cluster);
-  const uint root = otgRoot(o, e);
+  const uint root = otgRoot(o, otgElementOf(o, mesh, vertex));
   return root < o->sizes.slots ? root : OTG_NOT_THERE;
 }
 
@@ -216,17 +230,20 @@ OTG_INLINED otg_vec3_d otgPointOfCrossing(OTG_OVERLAP* o, uint slot, otg_vec3_d 
 }
 
 /// The inside stretch that a crossing ends (where the edge leaves the other mesh), or that begins at the last crossing:
-/// ends that are crossings, or OTG_NOT_THERE for the edge's own ends. 0 if it is another crossing's.
+/// ends that are crossings, or OTG_NOT_THERE for the edge's own ends. 0 if there is none, or it is another crossing's.
 OTG_INLINED int otgStretchOf(OTG_OVERLAP* o, uint slot, uint* from, uint* to) {
   __global const otg_crossing* c = o->crossings + slot;
-  if (c->exits) {
-    *to = slot;
-    *from = c->previous;
-    return 1;
-  }
-  *from = slot;
-  *to = OTG_NOT_THERE;
-  return c->next == OTG_NOT_THERE;
+  *from = c->exits ? c->previous : slot;
+  *to = c->exits ? slot : OTG_NOT_THERE;
+  return c->stretch != OTG_NOT_THERE;
+}
+
+/// Whether a stretch inside begins or ends at a crossing. Where crossings or votes contradict each other some have
+/// none.
+OTG_INLINED int otgEndsStretch(OTG_OVERLAP* o, uint slot) {
+  __global const otg_crossing* c = o->crossings + slot;
+  const uint named = c->exits || c->next == OTG_NOT_THERE ? slot : c->next;
+  return (named == slot || o->crossings[named].exits) && o->crossings[named].stretch != OTG_NOT_THERE;
 }
 
 OTG_INLINED void otgGiveUpOverlap(__global otg_overlap_state* state, uint why) {

@@ -69,7 +69,7 @@ OTG_INLINED void otgOfferStretch(const otg_offers* s, uint r, uint slot) {
   const otg_vec3_d p = fromVertex ? otgSub_d(otgVertexAt(m, ends.x), origin) : otgPointOfCrossing(o, from, origin);
   const otg_vec3_d q = toVertex ? otgSub_d(otgVertexAt(m, ends.y), origin) : otgPointOfCrossing(o, to, origin);
   const otg_vec3_d d = otgSub_d(q, p);
-  const uint stretch = c->exits ? c->rank / 2 : (c->rank + 1) / 2;
+  const uint stretch = c->stretch;
   if (!fromVertex) {
     otgOffer(s, r, p, OTG_POINT_CROSSING, mesh, flat, edge, 2 * stretch, p, d, o->crossings[from].triangle);
   }
@@ -130,7 +130,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapDept
   __local otg_overlap_regions regions;
   __local long sums[OTG_OVERLAP_REGIONS][3];
   __global otg_overlap_state* state = states + get_group_id(1);
-  otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, 0, parents, 0, inside, 0));
+  otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, 0, parents, 0, 0, inside, 0));
   const uint lane = get_local_id(0);
   otgLoadRegions(&regions, state, o.crossings, tableRoom);
   for (uint i = lane; i < 3 * OTG_OVERLAP_REGIONS; i += OTG_GROUP) sums[i / 3][i % 3] = 0;
@@ -191,10 +191,10 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
   __local otg_overlap_regions regions;
   __local uint last;
   __global otg_overlap_state* state = states + get_group_id(1);
-  otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, hits, parents, marks, inside, small));
+  otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, hits, parents, marks, 0, inside, small));
   const uint lane = get_local_id(0), crossingCount = state->counts[OTG_OVERLAP_CROSSINGS];
   const uint vertexCount = state->counts[OTG_OVERLAP_VERTICES], clusterCount = state->counts[OTG_OVERLAP_CLUSTERS];
-  const uint smallCount = state->counts[OTG_OVERLAP_SMALL];
+  const uint smallCount = min(state->counts[OTG_OVERLAP_SMALL], o.hitCount);  // more: the pair was given up
   const otg_overlap_parts parts = otgPartsOfState(state);
   const uint first = state->firstUnit, units = otgUnitsOfState(state);
   const int fits = first <= unitRoom && unitRoom - first >= units;
@@ -261,7 +261,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
     if (fits) {
       __global otg_found_crossing* f = (__global otg_found_crossing*)(body + (size_t)parts.crossings * 16) + i;
       otgStore(f->point, otgPointOfCrossing(&o, slot, regions.origin));
-      f->region = otgNumberOf(&regions, otgRoot(&o, slot));
+      f->region = otgEndsStretch(&o, slot) ? otgNumberOf(&regions, otgRoot(&o, slot)) : OTG_NOT_THERE;
     }
     // Nobody else looks at these of this crossing.
     const uint mesh = otgMeshOf(c), edge = otgEdgeOfCrossing(c);
@@ -271,7 +271,6 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
     *otgEdgeMark(&o, mesh, edge) = 0;
     for (uint k = 0; k < 2; ++k) {
       const uint v = k == 0 ? ends.x : ends.y, cluster = otgClusterOf(&o.mesh[mesh], v);
-      *otgVotesOf(&o, mesh, v) = 0;
       if (cluster < o.mesh[mesh].clusterCount) *otgMixedMark(&o, mesh, cluster) = 0;
     }
   }

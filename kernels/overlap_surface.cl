@@ -180,21 +180,113 @@ OTG_INLINED void otgAddCluster(const otg_surface* s, uint r, uint mesh, uint clu
                 vector, sums[3], sums[4] + otgDot_d(vector, shift), lo, hi);
 }
 
+/// There is room for as many as there are hits.
+OTG_INLINED void otgListSmall(const otg_surface* s, otg_found_inside found) {
+  const uint at = atomic_inc(s->state->counts + OTG_OVERLAP_SMALL);
+  if (at < s->o->hitCount) {
+    s->o->small[at] = found;
+  } else {
+    otgGiveUpOverlap(s->state, OTG_SOLID_TOO_MANY);
+  }
+}
+
+/// Whether the region of a root is left to the host, which describes all such regions from their hits alone.
+OTG_INLINED int otgIsSmall(const otg_surface* s, uint root) {
+  const uint r = otgNumberOf(s->regions, root);
+  return r != OTG_NOT_THERE && !s->regions->region[r].isLarge;
+}
+
+/// What the host cannot know of the triangle of B of a hit of a small region: where among clipped triangles it comes.
+OTG_INLINED void otgNoteTriangle(const otg_surface* s, otg_overlap_hit hit) {
+  OTG_OVERLAP* o = s->o;
+  uint first[2] = {OTG_NOT_THERE, OTG_NOT_THERE};  // in large regions, in small ones
+  for (uint h = *otgTriangleMark(o, 1, hit.b); h != 0; h = o->hits[h - 1].link[1]) {
+    const otg_overlap_hit other = o->hits[h - 1];
+    const int isSmall = otgIsSmall(s, otgRoot(o, other.start));
+    first[0] = isSmall ? first[0] : min(first[0], other.a);
+    first[1] = isSmall ? min(first[1], other.a) : first[1];
+  }
+  if (hit.a != first[1] || first[0] > first[1]) return;
+  otg_found_inside found;
+  found.what = hit.b;
+  found.region = OTG_FOUND_TRIANGLE | first[0];
+  otgListSmall(s, found);
+}
+
+/// Whether the host, from hits of small regions alone, comes to the same about the end of an edge as from all.
+/// `inside`: what the crossing next to it says, of a region that `isSmall`.
+OTG_INLINED int otgVotesAlone(const otg_surface* s, uint mesh, uint vertex, int inside, int isSmall) {
+  const uint root = otgRegionOfVertex(s->o, mesh, vertex);
+  if (root == OTG_NOT_THERE) return !(inside && isSmall);  // it was outvoted, perhaps by crossings of large regions
+  return isSmall || !otgIsSmall(s, root);
+}
+
+/// What the host cannot know of an edge that is crossed in small regions and in large ones: how many stretches of large
+/// ones lie before one of a small one, and where among edges it comes. 0 if it cannot describe the small ones by
+/// themselves, because it would join crossings of theirs between which there are others.
+OTG_INLINED int otgNoteBehind(const otg_surface* s, uint slot) {
+  OTG_OVERLAP* o = s->o;
+  __global const otg_crossing* all = o->crossings;
+  __global const otg_crossing* c = all + slot;
+  const int isSmall = otgIsSmall(s, otgRoot(o, slot));
+  const uint mesh = otgMeshOf(c), edge = otgEdgeOfCrossing(c);
+  const uint4 ends = o->mesh[mesh].solid.edges[edge];
+  int alone = 1, tied = 0;
+  if (c->previous == OTG_NOT_THERE) alone &= otgVotesAlone(s, mesh, ends.x, c->exits != 0, isSmall);
+  if (c->next == OTG_NOT_THERE) alone &= otgVotesAlone(s, mesh, ends.y, c->exits == 0, isSmall);
+  if (!isSmall) return alone;
+  uint others = 0, behind = 0, triangle = OTG_NOT_THERE;
+  int isFirst = 1;
+  for (uint side = 0; side < 2; ++side) {
+    const uint first = side == 0 ? c->previous : c->next;
+    uint nearest = OTG_NOT_THERE;
+    double last = c->t;
+    for (uint d = first; d != OTG_NOT_THERE; d = side == 0 ? all[d].previous : all[d].next) {
+      tied |= fabs(all[d].t - last) <= OTG_MOST_TIED * OTG_SOLID_CLOSE_POINTS;
+      last = all[d].t;
+      if (!otgIsSmall(s, otgRoot(o, d))) {
+        ++others;
+        triangle = min(triangle, all[d].triangle);
+        behind += side == 0 && all[d].stretch != OTG_NOT_THERE;
+      } else if (nearest == OTG_NOT_THERE) {
+        nearest = d;
+      }
+    }
+    if (side == 0) isFirst = nearest == OTG_NOT_THERE;
+    // A stretch may lie on this side of it, which the host would begin with the nearest crossing of a small region.
+    if (first != nearest && (c->exits != 0) == (side == 0)) {
+      alone &= nearest != OTG_NOT_THERE && all[nearest].exits == c->exits;
+    }
+  }
+  if (others == 0) return alone;
+  otg_found_inside found;
+  found.what = edge << 1 | mesh;
+  if (isFirst) {
+    found.region = OTG_FOUND_EDGE | triangle;
+    otgListSmall(s, found);
+  }
+  alone &= !tied;  // those of large regions may have a part in the order
+  if (behind == 0 || c->stretch == OTG_NOT_THERE) return alone;
+  found.region = OTG_FOUND_BEHIND | (c->stretch - behind) << OTG_BEHIND_BITS | behind;
+  otgListSmall(s, found);
+  return alone && c->stretch >> OTG_BEHIND_BITS == 0;  // so many are the host's
+}
+
 /// Sums the surface of large regions up, and lists the hits of small ones. Empties the tables of candidates, `depths`.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapSurface(
     __global const otg_overlap_pair* restrict pairs, __global const float4* restrict meshes,
     __global otg_overlap_state* restrict states, __global otg_crossing* restrict crossings,
-    __global otg_overlap_hit* restrict hits, __global uint* restrict parents, __global uint* restrict marks,
-    __global otg_found_inside* restrict inside, __global otg_surface_cell* restrict cells,
-    __global uint* restrict cellList, __global otg_found_inside* restrict small, __global ulong* restrict depths,
-    uint tableRoom) {
+    __global uint* restrict slots, __global otg_overlap_hit* restrict hits, __global uint* restrict parents,
+    __global uint* restrict marks, __global otg_found_inside* restrict inside,
+    __global otg_surface_cell* restrict cells, __global uint* restrict cellList,
+    __global otg_found_inside* restrict small, __global ulong* restrict depths, uint tableRoom) {
   __local otg_overlap o;
   __local otg_overlap_regions regions;
   __global otg_overlap_state* state = states + get_group_id(1);
-  otgTakePair(&o, meshes, pairs, otgArrays(crossings, 0, hits, parents, marks, inside, small));
+  otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, hits, parents, marks, 0, inside, small));
   otgLoadRegions(&regions, state, o.crossings, tableRoom);
-  // Where crossings lie in one point they are each other's next ones. That pair was given up; its surface is not asked
-  // for, and following its edges would not end.
+  // Where a crossing lies nowhere its edge has no order. That pair was given up; its surface is not asked for, and
+  // following its edges would not end.
   const int works = state->counts[OTG_OVERLAP_WHY] == 0;
   otg_surface s;
   s.o = &o;
@@ -213,15 +305,27 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapSurf
     if (mesh == 0) {
       const uint r = otgNumberOf(&regions, otgRoot(&o, hit.start));
       if (r != OTG_NOT_THERE && !regions.region[r].isLarge) {
-        __global otg_found_inside* to = o.small + atomic_inc(state->counts + OTG_OVERLAP_SMALL);
-        to->what = hit.a;
-        to->region = hit.b;
+        otg_found_inside found;
+        found.what = hit.a;
+        found.region = hit.b;
+        otgListSmall(&s, found);
+        otgNoteTriangle(&s, hit);
       }
     }
     const uint triangle = mesh == 0 ? hit.a : hit.b;
     if (works && *otgTriangleMark(&o, mesh, triangle) == (i >> 1) + 1) otgAddClipped(&s, mesh, triangle);
   }
   if (!works) return;
+  int anySmall = 0, anyLarge = 0;
+  for (uint r = 0; r < regions.count; ++r) {
+    anySmall |= !regions.region[r].isLarge;
+    anyLarge |= regions.region[r].isLarge != 0;
+  }
+  const int isMixed = anySmall && anyLarge && (state->counts[OTG_OVERLAP_SHARED] || state->counts[OTG_OVERLAP_AT_ODDS]);
+  const uint crossingCount = isMixed ? state->counts[OTG_OVERLAP_CROSSINGS] : 0;
+  for (uint i = get_global_id(0); i < crossingCount; i += get_global_size(0)) {
+    if (!otgNoteBehind(&s, o.slots[i])) otgGiveUpOverlap(state, OTG_SOLID_BROKEN);
+  }
   const uint vertexCount = state->counts[OTG_OVERLAP_VERTICES];
   for (uint i = get_global_id(0); i < vertexCount; i += get_global_size(0)) {
     const uint r = otgNumberOf(&regions, o.vertices[i].region);

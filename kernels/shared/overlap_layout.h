@@ -30,7 +30,9 @@ typedef struct {
   otg_uint rank;            ///< along the edge
   otg_uint triangle;
   otg_uint table;  ///< of the region whose root this crossing is, once it is large
-  otg_uint unused;
+  /// The number along the edge of the stretch inside that this crossing ends (where the edge leaves the other mesh), or
+  /// that begins at the last one; or OTG_NOT_THERE.
+  otg_uint stretch;
 } otg_crossing;
 
 /// Of a hit: its triangles, or OTG_NOT_THERE if they are apart; the crossings in which its chord starts and ends, or
@@ -47,8 +49,8 @@ typedef struct {
   otg_uint vertices[2];
   otg_uint elements;  ///< all
   // In the array of marks, which is 0 between queries: by edge the first crossing of its list (slot + 1), by triangle
-  // the first hit of its list (number + 1), by vertex its votes, by cluster whether an edge of it is crossed.
-  otg_uint edgeMarks[2], triangleMarks[2], voteMarks[2], mixedMarks[2];
+  // the first hit of its list (number + 1), by cluster whether an edge of it is crossed.
+  otg_uint edgeMarks[2], triangleMarks[2], mixedMarks[2];
   otg_uint marks;  ///< all
 } otg_overlap_sizes;
 
@@ -74,11 +76,9 @@ OTG_INLINE otg_overlap_sizes otgOverlapSizes(otg_uint slots, otg_overlap_counts 
   s.elements = s.vertices[1] + b.vertices;
   s.mixedMarks[0] = 0;
   s.mixedMarks[1] = a.clusters;
-  s.voteMarks[0] = s.mixedMarks[1] + b.clusters;
-  s.edgeMarks[0] = s.voteMarks[0] + a.vertices;
+  s.edgeMarks[0] = s.mixedMarks[1] + b.clusters;
   s.triangleMarks[0] = s.edgeMarks[0] + a.edges;
-  s.voteMarks[1] = s.triangleMarks[0] + a.triangles;
-  s.edgeMarks[1] = s.voteMarks[1] + b.vertices;
+  s.edgeMarks[1] = s.triangleMarks[0] + a.triangles;
   s.triangleMarks[1] = s.edgeMarks[1] + b.edges;
   s.marks = s.triangleMarks[1] + b.triangles;
   return s;
@@ -97,8 +97,9 @@ typedef struct {
   otg_uint firstSlot;     ///< of crossings
   otg_uint firstElement;  ///< of the sets
   otg_uint firstMark;
-  otg_uint
-      firstInside;  ///< of the list of what is inside: clusters, then vertices, with room for all of the two meshes
+  /// Of the list of what is inside: clusters, then vertices, with room for all of the two meshes; and of the sums of
+  /// votes, one for each element that is no crossing.
+  otg_uint firstInside;
   otg_uint unused;
 } otg_overlap_pair;
 
@@ -114,10 +115,6 @@ typedef struct {
   otg_uint done;    ///< pairs that are through
   otg_uint unused;
 } otg_overlap_totals;
-
-/// Votes of a vertex: whether there is one for inside, and one for outside.
-#define OTG_VOTE_IN 1u
-#define OTG_VOTE_OUT 2u
 
 /// Sums of the surface in one cell of a region's grid: zero where there is none.
 typedef struct {
@@ -147,10 +144,21 @@ typedef struct {
   otg_uint region, unused;
 } otg_found_crossing;
 
-/// A vertex (number << 1 | mesh) or cluster that is inside; or the triangles of a hit of a small region.
+/// A vertex (number << 1 | mesh) or cluster that is inside. Or what the host describes small regions from: the
+/// triangles of a hit; and of edges and triangles that are crossed in large regions as well, with these bits in
+/// `region`,
+///   OTG_FOUND_TRIANGLE: a triangle of B; the first of A's that meet it in large regions
+///   OTG_FOUND_BEHIND: edge << 1 | mesh; number << OTG_BEHIND_BITS | others of a stretch, its number among those of
+///   small regions, and behind how many of large ones it lies OTG_FOUND_EDGE: edge << 1 | mesh; the first of the
+///   triangles that cross it in large regions
 typedef struct {
   otg_uint what, region;
 } otg_found_inside;
+#define OTG_FOUND_KIND 0xc0000000u
+#define OTG_FOUND_TRIANGLE 0x40000000u
+#define OTG_FOUND_BEHIND 0x80000000u
+#define OTG_FOUND_EDGE 0xc0000000u
+#define OTG_BEHIND_BITS 15
 
 /// What is known of a region. Regions of a pair are numbered in any order; `first` tells theirs.
 typedef struct {
@@ -169,12 +177,13 @@ enum {
   OTG_OVERLAP_VERTICES = 4,  ///< inside, in clusters with a crossed edge
   OTG_OVERLAP_CLUSTERS = 5,  ///< inside, the others
   OTG_OVERLAP_CELLS = 6,     ///< in the results: all
-  OTG_OVERLAP_SMALL = 7,     ///< hits of small regions
+  OTG_OVERLAP_SMALL = 7,     ///< hits of small regions, and what else the host needs of these
   OTG_OVERLAP_POINTS = 8,
   OTG_OVERLAP_WHY = 9,           ///< OTG_SOLID_*: the host has to do the pair
   OTG_OVERLAP_DONE = 10,         ///< work-groups of the last kernel that are through
   OTG_OVERLAP_SHARED = 11,       ///< 1: an edge is crossed in two regions
   OTG_OVERLAP_MOST_POINTS = 12,  ///< so many candidates will be the deepest of their key, at most
+  OTG_OVERLAP_AT_ODDS = 13,      ///< 1: crossings of an edge or votes contradict each other
   OTG_OVERLAP_COUNTS = 16
 };
 

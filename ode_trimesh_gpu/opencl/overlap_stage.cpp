@@ -48,6 +48,8 @@ void OverlapStage::build() {
   enter_ = context_.makeKernel("overlap_contour.cl", options, "overlapEnter");
   edges_ = context_.makeKernel("overlap_contour.cl", options, "overlapEdges");
   unite_ = context_.makeKernel("overlap_regions.cl", options, "overlapUnite");
+  votes_ = context_.makeKernel("overlap_regions.cl", options, "overlapVotes");
+  join_ = context_.makeKernel("overlap_regions.cl", options, "overlapJoin");
   regions_ = context_.makeKernel("overlap_regions.cl", options, "overlapRegions");
   surface_ = context_.makeKernel("overlap_surface.cl", options, "overlapSurface");
   depths_ = context_.makeKernel("overlap_points.cl", options, "overlapDepths");
@@ -76,6 +78,7 @@ void OverlapStage::reserve(cl_command_queue queue, const Sizes& sizes) {
   hits_.reserve(context_, sizes.hits);
   small_.reserve(context_, sizes.hits);
   some(parents_, sizes.slots + sizes.inside);
+  some(balances_, sizes.inside);
   some(inside_, sizes.inside);
   emptied(marks_, sizes.marks, sizeof(otg_uint));
   const std::uint32_t tables = std::max(sizes.tables, tablesWanted_);
@@ -104,7 +107,7 @@ void OverlapStage::enqueue(cl_command_queue queue, const Pair& pair, Profile& pr
   const std::size_t groups = std::clamp<std::size_t>(items / group_, 1, mostGroups_);
   Arguments(contour_) << single << pair.meshes << pair.counters << pair.hits << pair.hitPlaces << pair.records
                       << pairs_.get() << states_.get() << crossings_.get() << slots_.get() << hits_.get()
-                      << parents_.get() << marks_.get();
+                      << parents_.get() << marks_.get() << balances_.get();
   launch(queue, contour_, group_, groups, 1, profile.next(Profile::kContacts));
   enqueueRest(queue, pair.meshes, pair.counters, groups, profile);
 }
@@ -134,7 +137,7 @@ void OverlapStage::enqueue(cl_command_queue queue, const Batch& batch, Profile& 
   launch(queue, take_, group_, (count_ + group_ - 1) / group_, 1, profile.next(Profile::kWrite));
   const std::size_t groups = std::clamp<std::size_t>(mostGroups_ / count_, 1, 32);
   Arguments(enter_) << pairs_.get() << batch.meshes << batch.hits << states_.get() << crossings_.get() << slots_.get()
-                    << hits_.get() << parents_.get() << marks_.get();
+                    << hits_.get() << parents_.get() << marks_.get() << balances_.get();
   launch(queue, enter_, group_, groups, count_, profile.next(Profile::kContacts));
   enqueueRest(queue, batch.meshes, nullptr, groups, profile);
 }
@@ -147,16 +150,20 @@ void OverlapStage::enqueueRest(cl_command_queue queue, cl_mem meshes, cl_mem cou
   };
   const cl_mem pairs = pairs_.get(), states = states_.get(), totals = totals_.get(), crossings = crossings_.get(),
                slots = slots_.get(), hits = hits_.get(), parents = parents_.get(), marks = marks_.get(),
-               inside = inside_.get(), cells = cells_.get(), cellList = cellList_.get(), small = small_.get(),
-               depthTable = depthTable_.get();
+               balances = balances_.get(), inside = inside_.get(), cells = cells_.get(), cellList = cellList_.get(),
+               small = small_.get(), depthTable = depthTable_.get();
   Arguments(edges_) << pairs << meshes << states << crossings << slots << hits << parents << marks;
   run(edges_, Profile::kRegions);
-  Arguments(unite_) << pairs << meshes << parents << marks;
+  Arguments(unite_) << pairs << meshes << states << crossings << slots << parents << marks;
   run(unite_, Profile::kRegions);
+  Arguments(votes_) << pairs << meshes << states << crossings << slots << parents << marks << balances;
+  run(votes_, Profile::kRegions);
+  Arguments(join_) << pairs << meshes << states << crossings << slots << hits << parents << marks << balances;
+  run(join_, Profile::kRegions);
   Arguments(regions_) << pairs << meshes << states << totals << crossings << slots << hits << parents << marks
                       << inside;
   run(regions_, Profile::kRegions);
-  Arguments(surface_) << pairs << meshes << states << crossings << hits << parents << marks << inside << cells
+  Arguments(surface_) << pairs << meshes << states << crossings << slots << hits << parents << marks << inside << cells
                       << cellList << small << depthTable << tableRoom();
   run(surface_, Profile::kSelect);
   Arguments(depths_) << pairs << meshes << states << crossings << slots << parents << inside << cells << cellList

@@ -85,12 +85,13 @@ class OverlapStage {
   const std::size_t mostGroups_;
   std::uint32_t leastHits_;
   bool works_;
-  Kernel contour_, take_, enter_, edges_, unite_, regions_, surface_, depths_, unitPlaces_, results_;
+  Kernel contour_, take_, enter_, edges_, unite_, votes_, join_, regions_, surface_, depths_, unitPlaces_, results_;
   std::uint32_t count_ = 1;  ///< pairs
   BufferHandle totals_;
   DeviceList tasks_{sizeof(otg_listed_overlap)}, pairs_{sizeof(otg_overlap_pair)}, states_{sizeof(otg_overlap_state)},
       crossings_{sizeof(otg_crossing)}, slots_{sizeof(otg_uint)}, hits_{sizeof(otg_overlap_hit)},
-      parents_{sizeof(otg_uint)}, marks_{sizeof(otg_uint)}, inside_{sizeof(otg_found_inside)},
+      parents_{sizeof(otg_uint)}, marks_{sizeof(otg_uint)}, balances_{sizeof(otg_int)},
+      inside_{sizeof(otg_found_inside)},
       cells_{OTG_GRID_KEYS * sizeof(otg_surface_cell)}, cellList_{OTG_GRID_KEYS * sizeof(otg_uint)},
       small_{sizeof(otg_found_inside)}, depthTable_{OTG_GRID_KEYS * sizeof(otg_ulong)}, out_{16};
   PinnedBuffer staged_, host_;

@@ -7,6 +7,9 @@
 #include <cmath>
 #include <thread>
 
+#include "collide/solid/contour.h"
+#include "collide/solid/inside.h"
+#include "collide/solid/regions.h"
 #include "opencl/call.h"
 #include "opencl/log.h"
 #include "support/mesh_samples.h"
@@ -63,8 +66,7 @@ std::vector<Workspace> onHost(const std::vector<Query>& queries) {
 }
 
 /// How many pairs the device described.
-std::uint64_t checkAll(opencl::Backend& backend, const std::vector<Query>& queries,
-                       const std::vector<Workspace>& expected) {
+std::uint64_t checkAll(opencl::Backend& backend, std::span<const Query> queries, std::span<const Workspace> expected) {
   const std::uint64_t before = backend.counts().described;
   Workspace workspace;
   for (std::size_t i = 0; i < queries.size(); ++i) {
@@ -199,6 +201,111 @@ TEST_CASE("a mesh that overlaps itself is described") {
     queries.back().options.contacts = ContactModel::kSolid;
   }
   CHECK(checkAll(*backend, queries, onHost(queries)) >= 8);
+}
+
+namespace {
+
+/// Its vertices moved about, so that the surface folds over itself in many places.
+MeshArrays crumpled(MeshArrays arrays, float by, std::uint32_t seed) {
+  Draw draw(seed);
+  for (Vec3f& v : arrays.vertices) {
+    const Vec3d d = otgScale(draw.direction(), draw.uniform(0, static_cast<double>(by)));
+    v = {v.x + static_cast<float>(d.x), v.y + static_cast<float>(d.y), v.z + static_cast<float>(d.z)};
+  }
+  return arrays;
+}
+
+/// Closed surfaces that go through themselves: in a lens about the axis, and here and there.
+MeshList tangled() {
+  MeshList meshes;
+  for (const MeshArrays& arrays :
+       {makeTorus(0.4, 0.5, 60, 40), crumpled(makeSphere(0.9, 4), 0.06f, 1), crumpled(makeLump(1, 5, 0.3, 8), 0.05f, 2),
+        crumpled(makeBox({1, 1.2, 0.9}, 16), 0.04f, 3)}) {
+    meshes.push_back(collisionMesh(arrays));
+  }
+  return meshes;
+}
+
+/// What contradicts itself in a pair, as the host finds it.
+struct AtOdds {
+  bool crossings = false, votes = false, stretches = false;
+  bool any() const { return crossings || votes || stretches; }
+};
+AtOdds atOdds(const Query& query) {
+  Workspace workspace;
+  Contour contour;
+  InsideFlags inside;
+  RegionBuilder builder;
+  OverlapRegions regions;
+  const PlacedMeshes meshes(query);
+  findIntersectingPairs(query, workspace);
+  std::sort(workspace.intersecting.begin(), workspace.intersecting.end());
+  traceContour(meshes, workspace.intersecting, contour);
+  floodInside(meshes, contour, inside);
+  builder.build(meshes, contour, inside, regions);
+  return {contour.anomalies > 0, inside.anomalies > 0, regions.anomalies > 0};
+}
+
+}  // namespace
+
+TEST_CASE("overlaps of meshes that intersect themselves are described") {
+  const MeshList meshes = tangled();
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  std::vector<Query> queries;
+  for (const auto& mesh : meshes) {
+    const std::vector<Query> own = overlaps({mesh}, 31, 50, 1.3);
+    queries.insert(queries.end(), own.begin(), own.end());
+  }
+  const std::vector<Workspace> expected = onHost(queries);
+  std::size_t described = 0, crossings = 0, votes = 0, stretches = 0, inVain = 0;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const AtOdds odds = atOdds(queries[i]);
+    const std::uint64_t now = checkAll(*backend, {&queries[i], 1}, {&expected[i], 1});
+    described += now;
+    crossings += now * (odds.crossings ? 1 : 0);
+    votes += now * (odds.votes ? 1 : 0);
+    stretches += now * (odds.stretches ? 1 : 0);
+    inVain += (1 - now) * (odds.any() ? 1 : 0);
+  }
+  CHECK(described >= 140);
+  CHECK(crossings >= 25);
+  CHECK(votes >= 20);
+  CHECK(stretches >= 30);
+  CHECK(backend->counts().contactsMade >= 140);
+  // As many votes for inside as for outside in one place, say.
+  CHECK(inVain > 0);
+  opencl::Tuning tuning = always();
+  tuning.solidLargeHits = 32;
+  tuning.leastOverlaps = 1;
+  const auto other = openBackend(tuning);
+  opencl::BatchAnswer answer;
+  CHECK(other->collideBatch(queries, answer));
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < queries.size(); ++i) wrong += sameBytes(answer.of(i), expected[i].reduced) ? 0 : 1;
+  CHECK(wrong == 0);
+  CHECK(other->counts().described >= 130);
+}
+
+TEST_CASE("overlaps of aligned boxes are described, whose crossings lie in one point") {
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  const auto box = collisionMesh(makeBox({1, 1, 1}, 20)), other = collisionMesh(makeBox({0.8, 1, 0.6}, 16));
+  Draw draw(6);
+  std::vector<Query> queries;
+  for (int i = 0; i < 60; ++i) {
+    const auto along = [&] {
+      return i % 3 == 0 ? draw.uniform(-0.5, 0.5) : 0.05 * (static_cast<int>(draw.below(20)) - 10);
+    };
+    Transformd bInA{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {along(), along(), i % 2 != 0 ? 0.9 : 0.7}};
+    if (i % 4 == 1) bInA = {{0, -1, 0, 1, 0, 0, 0, 0, 1}, bInA.t};
+    if (i % 5 == 0) bInA.t.z += 0.099;
+    queries.push_back(makeQuery(*box, i % 2 != 0 ? *box : *other, bInA));
+    queries.back().options.contacts = ContactModel::kSolid;
+  }
+  CHECK(checkAll(*backend, queries, onHost(queries)) == queries.size());
 }
 
 TEST_CASE("the description does not depend on the sizes of launches and lists") {

@@ -2,6 +2,8 @@
 #include "collide/solid/found_overlap.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "collide/solid/region_cells.h"
 #include "collide/solid/support_point.h"
@@ -156,22 +158,134 @@ std::vector<std::uint32_t> regionsInOrder(const otg_overlap_state& head) {
   return order;
 }
 
+namespace {
+
+/// Edges and triangles of small regions that are crossed in large ones, too. They come in the order in which they are
+/// met in all regions together; and stretches inside are counted along an edge, those of all regions.
+class SharedParts {
+ public:
+  SharedParts(const PlacedMeshes& meshes, SmallRegions& small) : meshes_(meshes), small_(small) {
+    std::sort(small_.shared.begin(), small_.shared.end(), before);
+  }
+
+  /// Before regions are made of the contour:
+  void orderEdges() {
+    if (!any(OTG_FOUND_EDGE)) return;
+    for (int m = 0; m < 2; ++m) {
+      std::vector<std::uint32_t>& edges = small_.contour.crossedEdges[m];
+      std::sort(edges.begin(), edges.end(),
+                [&](std::uint32_t x, std::uint32_t y) { return placeOfEdge(m, x) < placeOfEdge(m, y); });
+    }
+  }
+  /// and of the regions:
+  void countStretches() {
+    if (!any(OTG_FOUND_BEHIND)) return;
+    for (SupportPoint& point : small_.regions.points) {
+      if (point.kind != PointKind::kVertex) countOthers(point);
+    }
+  }
+  void orderPieces() {
+    if (!any(OTG_FOUND_TRIANGLE)) return;
+    meet_[0].clear();
+    meet_[1].clear();
+    for (const Chord& chord : small_.contour.chords) {
+      meet_[0].emplace_back(chord.triangleA, 0);
+      meet_[1].emplace_back(chord.triangleB, chord.triangleA);
+    }
+    for (const otg_found_inside& shared : small_.shared) {
+      if (kindOf(shared) == OTG_FOUND_TRIANGLE) meet_[1].emplace_back(shared.what, shared.region & ~OTG_FOUND_KIND);
+    }
+    for (auto& list : meet_) std::sort(list.begin(), list.end());
+    for (Region& region : small_.regions.regions) {
+      const auto begin = small_.regions.pieces.begin() + region.pieceBegin;
+      const auto end = small_.regions.pieces.begin() + region.pieceEnd;
+      std::stable_sort(begin, end, [&](const Piece& x, const Piece& y) { return placeOf(x) < placeOf(y); });
+      RegionSums sums;
+      std::for_each(begin, end, [&](const Piece& p) { sums.add(p.mesh, p.vector, p.area, p.offset * p.area); });
+      sums.measure(region);
+    }
+  }
+
+ private:
+  static otg_uint kindOf(const otg_found_inside& shared) { return shared.region & OTG_FOUND_KIND; }
+  static bool before(const otg_found_inside& x, const otg_found_inside& y) {
+    return x.what != y.what ? x.what < y.what : x.region < y.region;
+  }
+  bool any(otg_uint kind) const {
+    return std::any_of(small_.shared.begin(), small_.shared.end(),
+                       [&](const otg_found_inside& shared) { return kindOf(shared) == kind; });
+  }
+  /// The first entry of an edge from `region` on, or null.
+  const otg_found_inside* find(int m, std::uint32_t edge, otg_uint region) const {
+    const otg_found_inside wanted{edge << 1 | static_cast<otg_uint>(m), region};
+    const auto found = std::lower_bound(small_.shared.begin(), small_.shared.end(), wanted, before);
+    return found != small_.shared.end() && found->what == wanted.what ? &*found : nullptr;
+  }
+
+  void countOthers(SupportPoint& point) const {
+    const bool isEnd = point.kind == PointKind::kCrossing;  // of which a stretch has two
+    const otg_uint first = OTG_FOUND_BEHIND | (isEnd ? point.ordinal / 2 : point.ordinal) << OTG_BEHIND_BITS;
+    const otg_found_inside* const found = find(point.mesh, point.feature, first);
+    if (found == nullptr || found->region >> OTG_BEHIND_BITS != first >> OTG_BEHIND_BITS) return;
+    const otg_uint others = found->region & ((1u << OTG_BEHIND_BITS) - 1);
+    point.ordinal += isEnd ? 2 * others : others;
+  }
+
+  /// Where an edge is met: the first pair of triangles, and which of its own triangle's edges it is.
+  std::array<std::uint32_t, 3> placeOfEdge(int m, std::uint32_t edge) const {
+    const std::uint32_t half = meshes_.adjacency(m).halfEdgeOf[edge];
+    const std::uint32_t first = std::min(half, meshes_.mesh(m).topology().twin[half]);
+    const Contour& contour = small_.contour;
+    std::uint32_t triangle = kNone;
+    const Contour::Range range = contour.on(m, edge);
+    for (std::uint32_t i = range.begin; i < range.end; ++i) {
+      triangle = std::min(triangle, contour.crossings[contour.alongEdge[i]].triangle);
+    }
+    const otg_found_inside* const shared = find(m, edge, OTG_FOUND_EDGE);
+    if (shared) triangle = std::min(triangle, shared->region & ~OTG_FOUND_KIND);
+    return {m == 0 ? first / 3 : triangle, m == 0 ? triangle : first / 3, first % 3};
+  }
+
+  /// Clipped triangles of A, then those of B as A's triangles meet them, then whole ones.
+  std::array<std::uint32_t, 3> placeOf(const Piece& piece) const {
+    const auto& list = meet_[piece.mesh];
+    const auto met =
+        std::lower_bound(list.begin(), list.end(), std::pair<std::uint32_t, std::uint32_t>{piece.triangle, 0});
+    if (met == list.end() || met->first != piece.triangle) return {2, 0, 0};
+    return {piece.mesh, met->second, piece.mesh == 0 ? 0 : piece.triangle};
+  }
+
+  const PlacedMeshes& meshes_;
+  SmallRegions& small_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> meet_[2];  ///< clipped triangles, with A's that meet them
+};
+
+}  // namespace
+
 bool describeSmall(const PlacedMeshes& meshes, const otg_overlap_state& head, std::span<const otg_found_inside> hits,
                    SmallRegions& small) {
   std::size_t count = 0;
   for (std::uint32_t r = 0; r < head.counts[OTG_OVERLAP_REGION_COUNT]; ++r) count += isSmallRegion(head.regions[r]);
   small.regions.regions.clear();
   if (count == 0) return true;
-  // Crossings of one edge are counted along it, those of all regions together.
-  if (head.counts[OTG_OVERLAP_SHARED] != 0) return false;
   small.hits.clear();
-  for (const otg_found_inside& hit : hits) small.hits.push_back({hit.what, hit.region});
+  small.shared.clear();
+  for (const otg_found_inside& hit : hits) {
+    if ((hit.region & OTG_FOUND_KIND) != 0) {
+      small.shared.push_back(hit);
+    } else {
+      small.hits.push_back({hit.what, hit.region});
+    }
+  }
   std::sort(small.hits.begin(), small.hits.end());
+  SharedParts shared(meshes, small);
   traceContour(meshes, small.hits, small.contour);
+  shared.orderEdges();
   floodInside(meshes, small.contour, small.inside);
   small.builder.build(meshes, small.contour, small.inside, vec(head.origin), small.regions);
-  return small.regions.regions.size() == count && small.contour.anomalies == 0 && small.inside.anomalies == 0 &&
-         small.regions.anomalies == 0;
+  shared.countStretches();
+  shared.orderPieces();
+  return small.regions.regions.size() == count;
 }
 
 bool takeOverlap(const PlacedMeshes& meshes, const FoundOverlap& found, SmallRegions& small, OverlapRegions& out) {

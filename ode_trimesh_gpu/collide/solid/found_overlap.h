@@ -29,6 +29,7 @@ struct SmallRegions {
   RegionBuilder builder;
   OverlapRegions regions;
   std::vector<TrianglePair> hits;
+  std::vector<otg_found_inside> shared;  ///< edges and triangles that are crossed in large regions, too
 };
 
 /// The contacts that a device made of the large regions (kernels/overlap_choose.cl). Views of its results.
