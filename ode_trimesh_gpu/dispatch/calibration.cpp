@@ -20,37 +20,6 @@
 namespace otg {
 namespace {
 
-/// A bumpy sphere of 8 * steps^2 triangles.
-std::shared_ptr<const CollisionMesh> bumpySphere(int steps, double phase) {
-  const int rings = 2 * steps, sectors = 2 * steps;
-  std::vector<Vec3f> vertices;
-  std::vector<Triangle> triangles;
-  for (int i = 0; i <= rings; ++i) {
-    const double theta = std::numbers::pi * i / rings;
-    for (int k = 0; k < sectors; ++k) {
-      const double phi = 2 * std::numbers::pi * k / sectors;
-      const double r = 1 + 0.1 * std::sin(3 * phi + phase) * std::pow(std::sin(theta), 3);
-      vertices.push_back({static_cast<float>(r * std::sin(theta) * std::cos(phi)),
-                          static_cast<float>(r * std::sin(theta) * std::sin(phi)),
-                          static_cast<float>(r * std::cos(theta))});
-    }
-  }
-  const auto at = [&](int i, int k) { return static_cast<std::uint32_t>(i * sectors + k % sectors); };
-  for (int i = 0; i < rings; ++i) {
-    for (int k = 0; k < sectors; ++k) {
-      triangles.push_back({{at(i, k), at(i + 1, k), at(i + 1, k + 1)}});
-      triangles.push_back({{at(i, k), at(i + 1, k + 1), at(i, k + 1)}});
-    }
-  }
-  MeshInput input;
-  input.vertices = vertices.data();
-  input.vertexCount = vertices.size();
-  input.indices = triangles.data();
-  input.triangleCount = triangles.size();
-  const MeshResult result = buildTriMesh(input, RepairOptions::all(), MeshOrder::kSpatial);
-  return std::make_shared<const CollisionMesh>(result.mesh, BuildStrategy::kSah);
-}
-
 /// Microseconds: the least of a few runs, which is what the work takes when nothing else is in the way.
 template <class Work>
 double timeOf(int repeat, Work&& work) {
@@ -286,17 +255,49 @@ std::string processorName() {
 
 }  // namespace
 
+std::shared_ptr<const CollisionMesh> calibrationBody(int steps, double phase) {
+  const int rings = 2 * steps, sectors = 2 * steps;
+  std::vector<Vec3f> vertices;
+  std::vector<Triangle> triangles;
+  for (int i = 0; i <= rings; ++i) {
+    const double theta = std::numbers::pi * i / rings;
+    const double sine = i % rings == 0 ? 0 : std::sin(theta);  // else the surface does not close at one of the poles
+    for (int k = 0; k < sectors; ++k) {
+      const double phi = 2 * std::numbers::pi * k / sectors;
+      const double r = 1 + 0.1 * std::sin(3 * phi + phase) * std::pow(sine, 3);
+      // The zero added: vertices at one place that differ in the signs of zeros make a pair the host's.
+      vertices.push_back({static_cast<float>(r * sine * std::cos(phi) + 0.0),
+                          static_cast<float>(r * sine * std::sin(phi) + 0.0), static_cast<float>(r * std::cos(theta))});
+    }
+  }
+  const auto at = [&](int i, int k) { return static_cast<std::uint32_t>(i * sectors + k % sectors); };
+  for (int i = 0; i < rings; ++i) {
+    for (int k = 0; k < sectors; ++k) {
+      triangles.push_back({{at(i, k), at(i + 1, k), at(i + 1, k + 1)}});
+      triangles.push_back({{at(i, k), at(i + 1, k + 1), at(i, k + 1)}});
+    }
+  }
+  MeshInput input;
+  input.vertices = vertices.data();
+  input.vertexCount = vertices.size();
+  input.indices = triangles.data();
+  input.triangleCount = triangles.size();
+  const MeshResult result = buildTriMesh(input, RepairOptions::all(), MeshOrder::kSpatial);
+  return std::make_shared<const CollisionMesh>(result.mesh, BuildStrategy::kSah);
+}
+
 std::optional<CostModel> measureCosts(opencl::Backend& backend) {
   constexpr std::array kSteps = {2, 6, 18, 50};
   constexpr std::array kDistances = {1.97, 1.8, 1.4};
   constexpr int kRepeat = 3;
   std::vector<std::shared_ptr<const CollisionMesh>> meshes;
   for (const int steps : kSteps) {
-    for (const double phase : {0.0, 1.0}) meshes.push_back(bumpySphere(steps, phase));
+    for (const double phase : {0.0, 1.0}) meshes.push_back(calibrationBody(steps, phase));
   }
   bool good = true;
   using Points = std::vector<std::pair<double, double>>;
-  Points hostPairs, hostPairwise, hostSolid, devicePairs, devicePairwise, deviceSolid, batch, solid;
+  Points hostPairs, hostPairwise, hostSolid, devicePairs, devicePairwise, deviceSolid, batch;
+  std::vector<SolidTime> solid;
   // Not on CPUs, whose threads are as quick without: kernels would be compiled for this alone.
   const bool doesSolids = backend.device().kind != opencl::DeviceKind::kCpu && backend.device().doubles;
   std::vector<Query> small;
@@ -333,38 +334,48 @@ std::optional<CostModel> measureCosts(opencl::Backend& backend) {
     good = backend.collideBatch(queries, answer) && good;
     return timeOf(kRepeat, [&] { good = backend.collideBatch(queries, answer) && good; });
   };
-  const auto measure = [&](const std::vector<Query>& some, Points& to) {
-    for (const Query& query : some) {
-      const double once = run(std::vector<Query>(pairs, query)), twice = run(std::vector<Query>(2 * pairs, query));
-      to.emplace_back(expectedWork(query), std::max(twice - once, 0.1 * twice) / static_cast<double>(pairs));
-      if (!good) return;
-    }
+  const auto timeOfOne = [&](const Query& query, std::size_t count) {
+    const double once = run(std::vector<Query>(count, query)), twice = run(std::vector<Query>(2 * count, query));
+    return std::max(twice - once, 0.1 * twice) / static_cast<double>(count);
   };
   const double one = run({small[0]});
-  measure(small, batch);
-  if (!good) return std::nullopt;
+  for (const Query& query : small) {
+    batch.emplace_back(expectedWork(query), timeOfOne(query, pairs));
+    if (!good) return std::nullopt;
+  }
   double oneSolid = 0;
   if (doesSolids) {
+    // Some of which the overlaps are so large that they are described; fewer of these keep the device as busy.
+    constexpr int kLargeSteps = 36;
+    const auto largeA = calibrationBody(kLargeSteps, 0), largeB = calibrationBody(kLargeSteps, 1);
     std::vector<Query> solids = small;
+    for (std::size_t i = 0; i < kDistances.size(); ++i) {
+      solids.push_back(small[i]);
+      solids.back().a = largeA.get();
+      solids.back().b = largeB.get();
+    }
     for (Query& query : solids) query.options.contacts = ContactModel::kSolid;
     oneSolid = run({solids[0]});
-    measure(solids, solid);
-    if (!good) return std::nullopt;
+    for (const Query& query : solids) {
+      const bool isLarge = query.a == largeA.get();
+      const std::uint64_t before = backend.counts().described;
+      const double time = timeOfOne(query, isLarge ? std::max<std::size_t>(pairs / 4, 64) : pairs);
+      if (!good) return std::nullopt;
+      if (answer.leftToHost > 0) continue;  // by this thread alone, which is not what batches meet
+      solid.push_back({expectedWork(query), time, backend.counts().described > before});
+    }
   }
   const Parallel parallel = measureThreads(small);
   CostModel model;
   model.hostPairs = fitCost(hostPairs);
   model.hostPairwise = fitCost(hostPairwise);
-  model.hostSolid = fitCost(hostSolid);
   model.devicePairs = fitCost(devicePairs);
   model.devicePairwise = fitCost(devicePairwise);
   if (!deviceSolid.empty()) model.deviceSolid = fitCost(deviceSolid);
   model.batchPair = fitCost(batch);
   model.batchLaunch = one;
-  if (!solid.empty()) {
-    model.batchSolid = fitCost(solid);
-    model.solidLaunch = oneSolid;
-  }
+  fitSolids(solid, hostSolid, model);
+  if (!solid.empty()) model.solidLaunch = oneSolid;
   if (!measureOverlaps(backend, small, pairs, model)) return std::nullopt;
   if (backend.answersArrays()) {
     std::vector<std::shared_ptr<const CollisionMesh>> some;

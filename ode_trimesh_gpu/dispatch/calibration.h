@@ -8,6 +8,9 @@
 
 namespace otg {
 
+/// A bumpy sphere of 8 * steps^2 triangles, a solid: what is timed.
+std::shared_ptr<const CollisionMesh> calibrationBody(int steps, double phase);
+
 /// Times generated pairs of meshes on the calling thread and on the device; takes some tenths of a second. Nothing if
 /// the device fails meanwhile. Throws std::bad_alloc.
 std::optional<CostModel> measureCosts(opencl::Backend& backend);

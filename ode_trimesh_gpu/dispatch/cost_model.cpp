@@ -4,20 +4,37 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 namespace otg {
 namespace {
 
 constexpr char kMagic[8] = {'o', 't', 'g', 'c', 'o', 's', 't', '7'};
 
-/// The part of a surface that lies in a part of its box: areas go with the square of lengths.
-double surfaceIn(const double part[3], const double whole[3]) {
-  double fraction = 1;
+/// The part of its box that lies in a part of it.
+double shareOfBox(const double part[3], const double whole[3]) {
+  double share = 1;
   for (int k = 0; k < 3; ++k) {
     if (part[k] <= 0) return 0;
-    if (whole[k] > 0) fraction *= std::min(1.0, part[k] / whole[k]);
+    if (whole[k] > 0) share *= std::min(1.0, part[k] / whole[k]);
   }
-  return std::cbrt(fraction * fraction);
+  return share;
+}
+
+/// The part of a ball of radius `own` that lies in one of radius `other`, whose middle is so far away.
+double shareOfBall(double own, double other, double distance) {
+  const double depth = own + other - distance;
+  if (!(depth > 0)) return 0;
+  if (!(own > 0)) return 1;
+  const double apart = own - other;
+  if (distance <= std::fabs(apart)) return apart <= 0 ? 1 : std::pow(other / own, 3);
+  const double lens = depth * depth * (distance * (distance + 2 * (own + other)) - 3 * apart * apart) / (16 * distance);
+  return std::min(1.0, lens / (own * own * own));
+}
+
+/// The part of a surface in a part of its box or ball: areas go with the square of lengths.
+double surfaceIn(double share) {
+  return std::cbrt(share * share);
 }
 
 }  // namespace
@@ -40,8 +57,14 @@ double expectedWork(const Query& query) {
     sizeA[row] = highA[row] - lowA[row];
     sizeB[row] = 2 * half;
   }
-  const double work = static_cast<double>(a.triangleCount()) * surfaceIn(part, sizeA) +
-                      static_cast<double>(b.triangleCount()) * surfaceIn(part, sizeB);
+  const Vec3f &middleA = a.center(), &middleB = b.center();
+  const Vec3d apart =
+      otgSub(otgTransform(query.bInA, Vec3d{middleB.x, middleB.y, middleB.z}), Vec3d{middleA.x, middleA.y, middleA.z});
+  const double radiusA = a.radius(), radiusB = b.radius(), distance = std::sqrt(otgDot(apart, apart));
+  const double shareA = std::min(shareOfBox(part, sizeA), shareOfBall(radiusA, radiusB, distance));
+  const double shareB = std::min(shareOfBox(part, sizeB), shareOfBall(radiusB, radiusA, distance));
+  const double work = static_cast<double>(a.triangleCount()) * surfaceIn(shareA) +
+                      static_cast<double>(b.triangleCount()) * surfaceIn(shareB);
   return std::isfinite(work) ? work : 0;
 }
 
@@ -56,8 +79,14 @@ bool CostModel::isSane() const {
   }
   if (!good(deviceSolid.fixed) || !good(deviceSolid.perTriangle)) return false;
   if (!good(batchSolid.fixed) || !good(batchSolid.perTriangle) || !good(solidLaunch)) return false;
-  for (const Cost* cost : {&hostNearest, &hostInside, &deviceNearest, &deviceInside, &pointLaunch, &hostRay, &deviceRay,
-                           &rayLaunch, &hostOverlap, &batchOverlap}) {
+  for (const Cost* cost : {&batchLarge, &hostLarge}) {
+    if (!good(cost->fixed) || !good(cost->perTriangle)) return false;
+    if (largeWork > 0 && !(cost->fixed + cost->perTriangle > 0)) return false;
+  }
+  if (!good(largeWork)) return false;
+  for (const Cost* cost :
+       {&hostNearest, &hostInside, &deviceNearest, &deviceInside, &pointLaunch, &hostOverlap, &batchOverlap}) {
+>>>>>>> a991d23 (Time solids as solids, and give large overlaps of a batch a line of their own)
     if (!good(cost->fixed) || !good(cost->perTriangle)) return false;
   }
   if (!good(pointFinish) || !good(rayFinish) || !good(overlapLaunch)) return false;
@@ -83,7 +112,7 @@ CostModel assumedCosts() {
 }
 
 std::vector<unsigned char> toBytes(const CostModel& model) {
-  static_assert(sizeof(CostModel) == 43 * sizeof(double));
+  static_assert(sizeof(CostModel) == 48 * sizeof(double));
   std::vector<unsigned char> bytes(sizeof kMagic + sizeof model);
   std::memcpy(bytes.data(), kMagic, sizeof kMagic);
   std::memcpy(bytes.data() + sizeof kMagic, &model, sizeof model);
@@ -97,6 +126,39 @@ std::optional<CostModel> costModelFrom(const std::vector<unsigned char>& bytes) 
   }
   std::memcpy(&model, bytes.data() + sizeof kMagic, sizeof model);
   return model.isSane() ? std::optional(model) : std::nullopt;
+}
+
+void fitSolids(const std::vector<SolidTime>& measured, const std::vector<std::pair<double, double>>& onHost,
+               CostModel& model) {
+  std::vector<SolidTime> sorted = measured;
+  std::sort(sorted.begin(), sorted.end(), [](const SolidTime& x, const SolidTime& y) { return x.work < y.work; });
+  // Between which two: those before count as not described, those from there on as described.
+  std::size_t wrong = static_cast<std::size_t>(
+      std::count_if(sorted.begin(), sorted.end(), [](const SolidTime& t) { return !t.described; }));
+  std::size_t fewest = wrong, first = 0;
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    wrong = sorted[i].described ? wrong + 1 : wrong - 1;
+    const bool isEnd = i + 1 == sorted.size() || sorted[i + 1].work > sorted[i].work;
+    if (isEnd && wrong < fewest) {
+      fewest = wrong;
+      first = i + 1;
+    }
+  }
+  std::vector<std::pair<double, double>> lines[2], hostLines[2];
+  for (std::size_t i = 0; i < sorted.size(); ++i) lines[i < first ? 0 : 1].emplace_back(sorted[i].work, sorted[i].time);
+  const bool split = !lines[0].empty() && !lines[1].empty();
+  const double between = split ? std::sqrt(std::max(sorted[first - 1].work, 1.0) * sorted[first].work) : 0;
+  for (const auto& point : onHost) hostLines[split && point.first >= between ? 1 : 0].push_back(point);
+  const bool both = split && !hostLines[0].empty() && !hostLines[1].empty();
+  if (split && !both) {
+    lines[0].insert(lines[0].end(), lines[1].begin(), lines[1].end());
+    hostLines[0] = onHost;
+  }
+  model.batchSolid = fitCost(lines[0].empty() ? lines[1] : lines[0]);
+  model.hostSolid = fitCost(hostLines[0]);
+  model.batchLarge = both ? fitCost(lines[1]) : Cost{};
+  model.hostLarge = both ? fitCost(hostLines[1]) : Cost{};
+  model.largeWork = both ? between : 0;
 }
 
 Cost fitCost(const std::vector<std::pair<double, double>>& measured) {

@@ -11,8 +11,8 @@
 
 namespace otg {
 
-/// Triangles of both meshes that lie where their boxes overlap, as far as boxes tell: what the time of a query follows.
-/// Costs less than a microsecond.
+/// Triangles of both meshes that lie where their boxes overlap, and the balls around them, as far as these tell: what
+/// the time of a query follows. Costs less than a microsecond.
 double expectedWork(const Query& query);
 
 /// What the time of a point or ray against a mesh follows: how deep the mesh's trees are.
@@ -40,6 +40,11 @@ struct CostModel {
   /// CPU's.
   double solidLaunch = 0;
   Cost batchSolid;
+  /// The same of pairs of solids with so much work or more, whose overlaps are so large that the device describes them,
+  /// as a rule; and what these take on one thread of the CPU. largeWork is zero where that is not known, or makes no
+  /// difference.
+  Cost batchLarge, hostLarge;
+  double largeWork = 0;
   /// One of many points against a mesh, by pointWork: its nearest triangle with the normal there, and whether it lies
   /// inside, on one thread of the CPU and on the device; and what an array takes there however small, which is as long
   /// as the longest search. Zero where they are not known: then points that may be asked about anywhere are the CPU's.
@@ -64,9 +69,12 @@ struct CostModel {
   bool knowsRays() const { return rayLaunch.fixed + rayLaunch.perTriangle > 0; }
   /// A pair of a batch on the device, and on one thread of the CPU.
   double deviceCost(bool solid, double work) const {
-    return (solid && knowsSolids() ? batchSolid : batchPair).of(work);
+    return (!solid || !knowsSolids() ? batchPair : isLarge(work) ? batchLarge : batchSolid).of(work);
   }
-  double hostCost(bool solid, double work) const { return (solid ? hostSolid : hostPairwise).of(work); }
+  double hostCost(bool solid, double work) const {
+    return (!solid ? hostPairwise : isLarge(work) ? hostLarge : hostSolid).of(work);
+  }
+  bool isLarge(double work) const { return largeWork > 0 && work >= largeWork; }
   /// What a batch of pairs of these models takes, however small.
   double launchCost(bool anyPairwise, bool anySolid) const {
     return (anyPairwise ? batchLaunch : 0) + (!anySolid ? 0 : knowsSolids() ? solidLaunch : batchLaunch);
@@ -85,6 +93,17 @@ CostModel assumedCosts();
 /// As bytes, to be stored; and back. Nothing for bytes that are not of this version or not sane.
 std::vector<unsigned char> toBytes(const CostModel& model);
 std::optional<CostModel> costModelFrom(const std::vector<unsigned char>& bytes);
+
+/// Of pairs of solids: the expected work, the time, and whether the device described the overlap.
+struct SolidTime {
+  double work, time;
+  bool described;
+};
+/// Sets batchSolid, batchLarge and largeWork: two lines, for less and for more work than lies between those that were
+/// described and those that were not; one where only one kind was measured. Where both kinds mix, as few as can be are
+/// on the wrong side. With that hostSolid and hostLarge, from (work, time) on the CPU.
+void fitSolids(const std::vector<SolidTime>& measured, const std::vector<std::pair<double, double>>& onHost,
+               CostModel& model);
 
 /// The line with the least sum of squared relative errors through (work, time), with neither number negative.
 Cost fitCost(const std::vector<std::pair<double, double>>& measured);

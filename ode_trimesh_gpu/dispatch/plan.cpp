@@ -7,50 +7,47 @@
 namespace otg {
 namespace {
 
-/// Sums over pairs from the first one on, for either model: of their work, and how many they are.
-class WorkSums {
+/// Sums over pairs from the first one on, for each device and for one thread of the CPU.
+class CostSums {
  public:
-  explicit WorkSums(const Division& division) : size_(division.work.size()) {
-    for (Sums& sums : sums_) {
-      sums.work.assign(size_ + 1, 0);
-      sums.count.assign(size_ + 1, 0);
+  CostSums(const Division& division, std::span<const CostModel> devices) : size_(division.work.size()) {
+    const auto sumsOf = [&](const auto& cost) {
+      std::vector<double> sums(size_ + 1, 0);
+      for (std::size_t i = 0; i < size_; ++i) sums[i + 1] = sums[i] + cost(isSolid(division, i), division.work[i]);
+      return sums;
+    };
+    bool any[2] = {false, false};  // of either model
+    for (std::size_t i = 0; i < size_; ++i) any[isSolid(division, i) ? 1 : 0] = true;
+    for (std::size_t d = 0; d < devices.size(); ++d) {
+      const CostModel& device = devices[d];
+      launch_.push_back(device.launchCost(any[0], any[1]));
+      sums_.push_back(d > 0 && devices[d] == devices[d - 1] ? sums_.back() : sumsOf([&](bool solid, double work) {
+        return device.deviceCost(solid, work);
+      }));
     }
-    for (std::size_t i = 0; i < size_; ++i) {
-      const bool solid = !division.solid.empty() && division.solid[i] != 0;
-      for (int m = 0; m < 2; ++m) {
-        const bool counts = solid == (m == 1);
-        sums_[m].work[i + 1] = sums_[m].work[i] + (counts ? division.work[i] : 0);
-        sums_[m].count[i + 1] = sums_[m].count[i] + (counts ? 1 : 0);
-      }
-    }
+    host_ = sumsOf([&](bool solid, double work) { return devices[0].hostCost(solid, work); });
   }
   std::size_t size() const { return size_; }
+  std::size_t devices() const { return sums_.size(); }
   /// Without the launch.
-  double onDevice(const CostModel& device, std::size_t begin, std::size_t end) const {
-    return cost(sums_[0], device.batchPair, begin, end) +
-           cost(sums_[1], device.knowsSolids() ? device.batchSolid : device.batchPair, begin, end);
+  double onDevice(std::size_t device, std::size_t begin, std::size_t end) const {
+    return sums_[device][end] - sums_[device][begin];
   }
-  double onHost(const CostModel& costs, std::size_t begin, std::size_t end) const {
-    return cost(sums_[0], costs.hostPairwise, begin, end) + cost(sums_[1], costs.hostSolid, begin, end);
-  }
+  double onHost(std::size_t begin, std::size_t end) const { return host_[end] - host_[begin]; }
   /// Of a batch of all of them.
-  double launch(const CostModel& device) const {
-    return device.launchCost(sums_[0].count[size_] > 0, sums_[1].count[size_] > 0);
-  }
+  double launch(std::size_t device) const { return launch_[device]; }
 
  private:
-  struct Sums {
-    std::vector<double> work, count;
-  };
-  static double cost(const Sums& sums, const Cost& each, std::size_t begin, std::size_t end) {
-    return each.fixed * (sums.count[end] - sums.count[begin]) + each.perTriangle * (sums.work[end] - sums.work[begin]);
+  static bool isSolid(const Division& division, std::size_t i) {
+    return !division.solid.empty() && division.solid[i] != 0;
   }
   std::size_t size_;
-  Sums sums_[2];
+  std::vector<std::vector<double>> sums_;
+  std::vector<double> launch_, host_;
 };
 
 /// The last end, from `begin` on, for which a device is done in time; `begin` if there is none.
-std::size_t lastEnd(const WorkSums& sums, const CostModel& device, std::size_t begin, double time) {
+std::size_t lastEnd(const CostSums& sums, std::size_t device, std::size_t begin, double time) {
   std::size_t low = begin, high = sums.size();
   while (low < high) {
     const std::size_t middle = low + (high - low + 1) / 2;
@@ -64,14 +61,16 @@ std::size_t lastEnd(const WorkSums& sums, const CostModel& device, std::size_t b
 }
 
 /// The blocks when every device does as much as it can in `time`.
-std::vector<std::size_t> fill(const WorkSums& sums, std::span<const CostModel> devices, double time) {
+std::vector<std::size_t> fill(const CostSums& sums, double time) {
   std::vector<std::size_t> ends;
-  for (const CostModel& device : devices) ends.push_back(lastEnd(sums, device, ends.empty() ? 0 : ends.back(), time));
+  for (std::size_t d = 0; d < sums.devices(); ++d) {
+    ends.push_back(lastEnd(sums, d, ends.empty() ? 0 : ends.back(), time));
+  }
   return ends;
 }
 
 /// The first begin, up to `end`, for which a device is done in time.
-std::size_t firstBegin(const WorkSums& sums, const CostModel& device, std::size_t end, double time) {
+std::size_t firstBegin(const CostSums& sums, std::size_t device, std::size_t end, double time) {
   std::size_t low = 0, high = end;
   while (low < high) {
     const std::size_t middle = low + (high - low) / 2;
@@ -86,23 +85,21 @@ std::size_t firstBegin(const WorkSums& sums, const CostModel& device, std::size_
 
 /// Blocks that end where those of fill() do, and in the same time, but as equal as they can be: of few pairs the first
 /// devices would take all.
-std::vector<std::size_t> even(const WorkSums& sums, std::span<const CostModel> devices, double time) {
-  std::vector<std::size_t> ends = fill(sums, devices, time);
+std::vector<std::size_t> even(const CostSums& sums, double time) {
+  const std::size_t devices = sums.devices();
+  std::vector<std::size_t> ends = fill(sums, time);
   const std::size_t last = ends.back();
-  std::vector<std::size_t> least(devices.size(), last);  // what the devices behind cannot do
-  for (std::size_t d = devices.size() - 1; d > 0; --d) least[d - 1] = firstBegin(sums, devices[d], least[d], time);
+  std::vector<std::size_t> least(devices, last);  // what the devices behind cannot do
+  for (std::size_t d = devices - 1; d > 0; --d) least[d - 1] = firstBegin(sums, d, least[d], time);
   std::size_t begin = 0;
-  for (std::size_t d = 0; d < devices.size(); ++d) {
-    const CostModel& device = devices[d];
-    const double share =
-        sums.onDevice(device, begin, last) / static_cast<double>(devices.size() - d) + sums.launch(device);
-    std::size_t end = std::min(lastEnd(sums, device, begin, share), last);
+  for (std::size_t d = 0; d < devices; ++d) {
+    const double share = sums.onDevice(d, begin, last) / static_cast<double>(devices - d) + sums.launch(d);
+    std::size_t end = std::min(lastEnd(sums, d, begin, share), last);
     // The nearest to an equal share.
-    if (end < last &&
-        share - sums.launch(device) - sums.onDevice(device, begin, end) > 0.5 * sums.onDevice(device, end, end + 1)) {
+    if (end < last && share - sums.launch(d) - sums.onDevice(d, begin, end) > 0.5 * sums.onDevice(d, end, end + 1)) {
       ++end;
     }
-    const std::size_t most = std::min(lastEnd(sums, device, begin, time), last);
+    const std::size_t most = std::min(lastEnd(sums, d, begin, time), last);
     ends[d] = std::clamp(end, std::min(std::max(least[d], begin), most), most);
     begin = ends[d];
   }
@@ -113,24 +110,25 @@ std::vector<std::size_t> even(const WorkSums& sums, std::span<const CostModel> d
 
 std::vector<std::size_t> divide(const Division& division, std::span<const CostModel> devices) {
   if (devices.empty()) return {};
-  const WorkSums sums(division);
+  const CostSums sums(division, devices);
   const auto hostTime = [&](std::size_t begin) {
     // Pairs are not cut: the last one begun keeps one thread for itself.
-    return (division.hostBusy + sums.onHost(devices[0], begin, sums.size())) / devices[0].speedup(division.threads);
+    return (division.hostBusy + sums.onHost(begin, sums.size())) / devices[0].speedup(division.threads);
   };
   const auto fits = [&](const std::vector<std::size_t>& ends, double time) {
     return ends.back() >= division.bound && (ends.back() == sums.size() || hostTime(ends.back()) <= time);
   };
   double high = 1;
-  for (const CostModel& device : devices)
-    high = std::max(high, sums.launch(device) + sums.onDevice(device, 0, sums.size()));
+  for (std::size_t d = 0; d < devices.size(); ++d) {
+    high = std::max(high, sums.launch(d) + sums.onDevice(d, 0, sums.size()));
+  }
   high = 2 * std::max(high, hostTime(0)) + 1;
   double low = 0;
   for (int i = 0; i < 60 && high - low > 1e-6 * high; ++i) {
     const double middle = 0.5 * (low + high);
-    (fits(fill(sums, devices, middle), middle) ? high : low) = middle;
+    (fits(fill(sums, middle), middle) ? high : low) = middle;
   }
-  return even(sums, devices, high);
+  return even(sums, high);
 }
 
 double shareToTake(const Leftover& leftover) {

@@ -44,7 +44,7 @@ bool solidInBatch(const PairJob& job) {
 bool isSoonerOnDevice(const PairJob& job, const CostModel& costs, double work) {
   const auto isSolid = [](const CollisionMesh* mesh) { return mesh->mesh().meshClass() == MeshClass::kSolid; };
   if (solidInBatch(job) && isSolid(job.query.a) && isSolid(job.query.b) && allOnDevice(job) && costs.knowsSolidPair()) {
-    return costs.deviceSolid.of(work) < costs.hostSolid.of(work);
+    return costs.deviceSolid.of(work) < costs.hostCost(true, work);
   }
   return contactsOnDevice(job) ? costs.devicePairwise.of(work) < costs.hostPairwise.of(work)
                                : costs.devicePairs.of(work) < costs.hostPairs.of(work);

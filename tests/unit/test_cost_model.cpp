@@ -2,7 +2,9 @@
 // What the cost model says, and how a batch is divided by it.
 #include <cmath>
 #include <numeric>
+#include <utility>
 
+#include "dispatch/calibration.h"
 #include "dispatch/cost_model.h"
 #include "dispatch/plan.h"
 #include "dispatch/single_run.h"
@@ -76,6 +78,97 @@ TEST_CASE("pairs of solids count by costs of their own") {
   CHECK(costs.launchCost(true, true) == 80);
   costs.batchSolid = {-1, 0};
   CHECK_FALSE(costs.isSane());
+}
+
+TEST_CASE("large overlaps of solids count by a line of their own") {
+  CostModel costs = model(100, 1);
+  costs.batchSolid = {1, 0};
+  costs.batchLarge = {10, 0.001};
+  costs.hostLarge = {1280, 0};
+  costs.largeWork = 1000;
+  CHECK(costs.isSane());
+  CHECK(costs.deviceCost(true, 999) == 1);
+  CHECK(costs.deviceCost(true, 2000) == 12);
+  CHECK(costs.deviceCost(false, 2000) == costs.batchPair.of(2000));
+  CHECK(costs.hostCost(true, 999) == costs.hostSolid.of(999));
+  CHECK(costs.hostCost(true, 1000) == 1280);
+  CHECK(costs.hostCost(false, 2000) == costs.hostPairwise.of(2000));
+  CHECK(costModelFrom(toBytes(costs)) == costs);
+  // 6,000 small pairs and 4,000 large ones, 12 times as dear: two devices get blocks of equal cost.
+  std::vector<double> work(10000, 100);
+  std::fill(work.begin() + 6000, work.end(), 2000);
+  const std::vector<std::uint8_t> solid(work.size(), 1);
+  Division division;
+  division.work = work;
+  division.solid = solid;
+  division.bound = work.size();
+  const std::vector<std::size_t> ends = divide(division, std::vector<CostModel>{costs, costs});
+  CHECK(ends == std::vector<std::size_t>{7750, 10000});  // 6,000 + 21,000, and 27,000
+  // Where a device of another kind does not know them, they are as the others to it.
+  CostModel other = costs;
+  other.largeWork = 0;
+  const std::vector<std::size_t> unlike = divide(division, std::vector<CostModel>{costs, other});
+  CHECK(unlike.back() == work.size());
+  CHECK(unlike[0] == 5000);
+  // A part of the open ones for the CPU, at 20 us each of its 64 threads.
+  division.bound = 0;
+  division.threads = 64;
+  const std::size_t end = divide(division, std::vector<CostModel>{costs})[0];
+  CHECK(end > 8300);  // 6,000 + 12 x = 20 (4,000 - x)
+  CHECK(end < 8320);
+  for (Cost* const cost : {&costs.batchLarge, &costs.hostLarge}) {
+    CHECK(costs.isSane());
+    const Cost kept = std::exchange(*cost, {});
+    CHECK_FALSE(costs.isSane());
+    *cost = kept;
+  }
+  costs.largeWork = NAN;
+  CHECK_FALSE(costs.isSane());
+}
+
+TEST_CASE("two lines through the measured times of pairs of solids") {
+  CostModel costs = model(1, 1);
+  std::vector<std::pair<double, double>> host = {{100, 20}, {400, 80}, {1000, 300}, {5000, 700}};
+  const auto fit = [&](const std::vector<SolidTime>& measured) { fitSolids(measured, host, costs); };
+  fit({{2500, 30, true}, {100, 2, false}, {400, 5, false}, {1600, 21, true}});
+  CHECK(costs.batchSolid.of(200) == Approx(3));
+  CHECK(costs.batchLarge.of(3400) == Approx(39));
+  CHECK(costs.largeWork == Approx(800));
+  CHECK(costs.hostSolid.of(200) == Approx(40));
+  CHECK(costs.hostLarge.of(3000) == Approx(500));
+  // None described, or all of them.
+  fit({{100, 2, false}, {400, 5, false}});
+  CHECK(costs.batchSolid.of(200) == Approx(3));
+  CHECK(costs.largeWork == 0);
+  CHECK(costs.batchLarge == Cost{});
+  CHECK(costs.hostLarge == Cost{});
+  CHECK(costs.hostSolid == fitCost(host));
+  fit({{100, 2, true}, {400, 5, true}});
+  CHECK(costs.batchSolid.of(200) == Approx(3));
+  CHECK(costs.largeWork == 0);
+  // Some on the wrong side, two with the same work.
+  fit({{100, 1, false},
+       {300, 1, true},
+       {400, 1, false},
+       {450, 1, false},
+       {900, 9, true},
+       {900, 9, true},
+       {999, 9, false}});
+  CHECK(costs.largeWork == Approx(std::sqrt(450.0 * 900)));
+  CHECK(costs.batchSolid.of(450) == Approx(1));
+  CHECK(costs.batchLarge.of(900) == Approx(9));
+  fit({{0, 1, false}, {40000, 2, true}});
+  CHECK(costs.largeWork == Approx(200));
+  fit({});
+  CHECK(costs.largeWork == 0);
+  CHECK_FALSE(costs.knowsSolids());
+  CHECK(costs.hostSolid == fitCost(host));
+  // The CPU has been timed with large ones only.
+  host = {{1000, 300}, {5000, 700}};
+  fit({{100, 2, false}, {400, 5, false}, {1600, 17, true}});
+  CHECK(costs.largeWork == 0);
+  CHECK(costs.batchSolid.of(1000) == Approx(11));
+  CHECK(costs.hostSolid.of(3000) == Approx(500));
 }
 
 TEST_CASE("blocks of equal devices have equal cost") {
@@ -283,6 +376,21 @@ TEST_CASE("a model survives its bytes, and other bytes are none") {
   }
 }
 
+TEST_CASE("the bodies that are timed are solids") {
+  for (const int steps : {2, 6, 18, 36, 50}) {
+    for (const double phase : {0.0, 1.0}) {
+      const auto body = calibrationBody(steps, phase);
+      CHECK(body->mesh().meshClass() == MeshClass::kSolid);
+      CHECK(body->mesh().triangleCount() == static_cast<std::size_t>(8 * steps * steps - 4 * steps));
+      // Else devices leave it to the CPU.
+      const auto isNegativeZero = [](float x) { return x == 0 && std::signbit(x); };
+      for (const Vec3f& v : body->mesh().vertices()) {
+        CHECK_FALSE((isNegativeZero(v.x) || isNegativeZero(v.y) || isNegativeZero(v.z)));
+      }
+    }
+  }
+}
+
 TEST_CASE("the expected work grows with the overlap and with the number of triangles") {
   const auto mesh = [](int level) {
     return std::make_shared<CollisionMesh>(scenes::build(scenes::makeSphere(1, level)), BuildStrategy::kSah);
@@ -302,4 +410,21 @@ TEST_CASE("the expected work grows with the overlap and with the number of trian
   CHECK(work(*fine, *fine, 0) == Approx(2.0 * static_cast<double>(fine->mesh().triangleCount())));
   CHECK(work(*coarse, *fine, 1.7) == Approx(work(*fine, *coarse, -1.7)).epsilon(1e-6));
   CHECK(work(*fine, *fine, NAN) == 0);
+  // Balls that hardly touch across the corners of their boxes, or not at all.
+  Query query;
+  query.a = query.b = fine.get();
+  const auto across = [&](double distance) {
+    query.bInA = makeMove({distance / std::sqrt(3.0), distance / std::sqrt(3.0), distance / std::sqrt(3.0)});
+    return expectedWork(query);
+  };
+  CHECK(across(2.01) == 0);
+  CHECK(across(1.95) > 0);
+  CHECK(across(1.95) < 0.2 * work(*fine, *fine, 0));
+  CHECK(across(1.0) > 3 * across(1.95));
+  // A small one within a large one: all of it, and as much of the other as its box says at most.
+  const CollisionMesh large(scenes::build(scenes::makeSphere(10, 4)), BuildStrategy::kSah);
+  const double triangles = static_cast<double>(coarse->mesh().triangleCount());
+  CHECK(work(large, *coarse, 2) >= triangles);
+  CHECK(work(large, *coarse, 2) < 1.1 * triangles + 0.02 * static_cast<double>(large.mesh().triangleCount()));
+  CHECK(work(*coarse, large, -2) == Approx(work(large, *coarse, 2)).epsilon(1e-6));
 }
