@@ -5,6 +5,7 @@
 #include "bvh/collision_mesh.h"
 #include "otg/bench.h"
 #include "otg/bench_moves.h"
+#include "otg/bench_scales.h"
 #include "otg/query_options.h"
 
 namespace otg::cli {
@@ -124,7 +125,10 @@ int benchBuild(const BenchOptions& options) {
     }
     updates.push_back(updateRow(entry, options.repeat));
   }
-  printBench({{"bench", "build"}, {"tables", {{"build", rows}, {"update", updates}, {"sent", sentRows(options)}}}},
+  printBench({{"bench", "build"}, {"tables", {{"build", rows},
+                {"update", updates},
+                {"scale", scaleRows(options)},
+                {"sent", sentRows(options)}}}},
              options.json);
   return kOk;
 }

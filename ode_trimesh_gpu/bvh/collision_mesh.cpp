@@ -2,49 +2,77 @@
 // A mesh with its trees.
 #include "bvh/collision_mesh.h"
 
-#include <optional>
+#include <new>
+#include <utility>
 
-#include "bvh/tree_motion.h"
+#include "bvh/image_boxes.h"
 
 namespace otg {
+namespace {
 
-/// All that moveSome() keeps between calls.
+std::shared_ptr<MeshTrees> refitted(const TriMesh& moved, const MeshTrees& before) {
+  BinaryTree tree = before.tree();
+  refitTree(tree, moved);
+  const double builtCost = before.builtCost();
+  if (sahCost(tree) <= MeshTrees::kRebuildCost * builtCost) {
+    return std::make_shared<MeshTrees>(std::move(tree), builtCost);
+  }
+  return std::make_shared<MeshTrees>(buildTree(moved, tree.strategy));
+}
+
+/// Nobody but the caller has it, and what the last of the others did is done: a count of one is for good, since only
+/// the holder could make another, and the copy that is dropped at once orders what went on elsewhere before what is
+/// going to be done here.
+template <class T>
+bool heldBy(const std::shared_ptr<T>& object, long holders) {
+  { const std::shared_ptr<T> ordered = object; }
+  return object.use_count() <= holders;
+}
+
+}  // namespace
+
+/// All that moveSome() keeps between calls, but for the trees' part.
 struct CollisionMesh::Motion {
   VertexMotion vertices;
-  std::optional<TreeMotion> tree;
-  std::optional<WidePlaces> wide;      ///< of the wide tree that is there
-  std::optional<NoLeafPlaces> noLeaf;  ///< of the no-leaf tree that is there
-  std::shared_ptr<const char> alive;   ///< from beginMove() to the end of the move: the lifetime after it
+  // From the beginning of a move to its end:
+  std::shared_ptr<const char> alive;      ///< the lifetime after it
+  std::shared_ptr<const char> structure;  ///< the structure after it, where the tree is built anew
+  std::shared_ptr<MeshTrees> before;      ///< trees that others go on with; null where they are still this mesh's
+  const CollisionMesh* of = nullptr;      ///< followMove()
+  bool rebuilt = false;                   ///< of the last move: whether the tree was built anew
 };
 
 CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> mesh, BuildStrategy strategy)
-    : mesh_(std::move(mesh)), tree_(buildTree(*mesh_, strategy)) {}
+    : mesh_(std::move(mesh)), trees_(std::make_shared<MeshTrees>(buildTree(*mesh_, strategy))) {}
 
 CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> moved, const CollisionMesh& before)
-    : mesh_(std::move(moved)), tree_(before.tree_) {
-  refitTree(tree_, *mesh_);
-  builtCost_ = before.builtCost_ > 0 ? before.builtCost_ : sahCost(before.tree_);
-  if (sahCost(tree_) > kRebuildCost * builtCost_) {
-    tree_ = buildTree(*mesh_, tree_.strategy);
-    builtCost_ = 0;
+    : mesh_(std::move(moved)), trees_(refitted(*mesh_, *before.trees_)) {}
+
+CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> image, const CollisionMesh& of, const Vec3f& factors)
+    : mesh_(std::move(image)), trees_(of.trees_), imageBoxes_(makeBoxScale(of.mesh(), *mesh_, factors)),
+      factors_(factors) {
+  if (stretchesTooMuch(factors) || (imageBoxes_ && imageIsWorn())) {
+    trees_ = std::make_shared<MeshTrees>(buildTree(*mesh_, of.tree().strategy));
+    imageBoxes_.reset();
+  } else if (!imageBoxes_) {
+    trees_ = refitted(*mesh_, *of.trees_);
   }
 }
 
 CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> mesh, BinaryTree&& tree)
-    : mesh_(std::move(mesh)), tree_(std::move(tree)) {}
+    : mesh_(std::move(mesh)), trees_(std::make_shared<MeshTrees>(std::move(tree))) {}
 
 CollisionMesh::~CollisionMesh() = default;
 
-const QuantizedTree& CollisionMesh::quantized() const {
-  return quantized_.get([this] { return quantizeTree(tree_); });
-}
-
-const NoLeafTree& CollisionMesh::noLeaf() const {
-  return noLeaf_.get([this] { return makeNoLeafTree(tree_); });
-}
-
-const WideTree& CollisionMesh::wide() const {
-  return wide_.get([this] { return makeWideTree(tree_); });
+BinaryTree CollisionMesh::ownBoxes() const {
+  BinaryTree tree = trees_->tree();
+  if (!imageBoxes_) return tree;
+  for (BvhNode& node : tree.nodes) {
+    const BoxOf box = scaledBox(*imageBoxes_, node.center, node.extent);
+    node.center = box.center;
+    node.extent = box.extent;
+  }
+  return tree;
 }
 
 const Adjacency& CollisionMesh::adjacency() const {
@@ -52,7 +80,7 @@ const Adjacency& CollisionMesh::adjacency() const {
 }
 
 CollisionMesh::Motion& CollisionMesh::motion() {
-  if (motion_ == nullptr) motion_.reset(new Motion{VertexMotion(*mesh_), {}, {}, {}, {}});
+  if (motion_ == nullptr) motion_.reset(new Motion{VertexMotion(*mesh_), {}, {}, {}});
   return *motion_;
 }
 
@@ -66,51 +94,64 @@ bool CollisionMesh::moveSome(std::span<const MovedVertex> moved) {
   return true;
 }
 
-bool CollisionMesh::beginMove(std::span<const MovedVertex> moved) {
-  // A count of one is for good: only the holder could make another. The copy that is dropped at once orders what the
-  // last of the others did with the mesh before what is done to it here.
-  { const std::shared_ptr<const TriMesh> ordered = mesh_; }
-  if (mesh_.use_count() != 1) return false;
+bool CollisionMesh::beginMove(std::span<const MovedVertex> moved, long images) {
+  if (!heldBy(mesh_, 1)) return false;
+  // The trees are changed when all has come out well; until then the others', if there are any, stay this mesh's.
+  std::shared_ptr<MeshTrees> trees = trees_;
+  try {
+    if (!heldBy(trees_, 2 + images)) trees = std::make_shared<MeshTrees>(BinaryTree(trees_->tree()), trees_->builtCost());
+    Motion& m = motion();
+    m.vertices.plan(*mesh_, moved);
+    trees->planMove(*mesh_, m.vertices.triangles());
+    m.alive = std::make_shared<const char>('\0');
+    m.structure = std::make_shared<const char>('\0');
+    // Every mesh is made as an object that is not const (TriMeshBuilder, TriMeshParts); shared it is const.
+    if (!m.vertices.move(const_cast<TriMesh&>(*mesh_))) {
+      trees->dropMotion();
+      motion_.reset();
+      return false;
+    }
+    m.of = nullptr;
+  } catch (...) {
+    trees->dropMotion();
+    motion_.reset();
+    throw;
+  }
+  if (trees != trees_) motion_->before = std::exchange(trees_, std::move(trees));
+  return true;
+}
+
+bool CollisionMesh::followMove(const CollisionMesh& of, std::span<const MovedVertex> moved) {
+  if (!heldBy(mesh_, 1)) return false;
   try {
     Motion& m = motion();
-    if (!m.tree) m.tree.emplace(tree_, *mesh_);
-    if (wide_.made() != nullptr && !m.wide) {
-      WidePlaces places;
-      wide_.set(makeWideTree(tree_, &places.lane));
-      m.wide = std::move(places);
-    }
-    if (noLeaf_.made() != nullptr && !m.noLeaf) m.noLeaf = noLeafPlaces(tree_);
     m.vertices.plan(*mesh_, moved);
-    m.tree->plan(tree_, m.vertices.triangles());
     m.alive = std::make_shared<const char>('\0');
-    if (builtCost_ == 0) builtCost_ = sahCost(tree_);
-    // Every mesh is made as an object that is not const (TriMeshBuilder, TriMeshParts); shared it is const.
+    m.structure = std::make_shared<const char>('\0');
     if (!m.vertices.move(const_cast<TriMesh&>(*mesh_))) {
       motion_.reset();
       return false;
     }
+    m.of = &of;
   } catch (...) {
     motion_.reset();
     throw;
   }
-  return true;
+  if (makeBoxScale(of.mesh(), *mesh_, factors_)) return true;
+  undoMove();
+  return false;
 }
 
 void CollisionMesh::undoMove() noexcept {
   motion_->vertices.undo(const_cast<TriMesh&>(*mesh_));
+  if (motion_->of == nullptr) trees_->dropMotion();
+  if (motion_->before != nullptr) trees_ = std::move(motion_->before);
   motion_.reset();
 }
 
 void CollisionMesh::finishMove() noexcept {
   Motion& m = *motion_;
   alive_ = std::move(m.alive);
-  m.tree->refit(tree_, *mesh_);
-  const std::span<const std::uint32_t> nodes = m.tree->nodes();
-  if (WideTree* const wide = wide_.made()) refitLayout(*wide, *m.wide, tree_, nodes);
-  if (NoLeafTree* const noLeaf = noLeaf_.made()) refitLayout(*noLeaf, *m.noLeaf, tree_, nodes);
-  if (QuantizedTree* const quantized = quantized_.made()) {
-    if (!refitLayout(*quantized, tree_, nodes)) quantized_.reset();
-  }
   if (Adjacency* const adjacency = adjacency_.made()) {
     try {
       updateAdjacency(*adjacency, *mesh_, m.vertices.triangles());
@@ -118,8 +159,51 @@ void CollisionMesh::finishMove() noexcept {
       adjacency_.reset();  // to be built when it is asked for
     }
   }
+  if (m.of != nullptr) {
+    finishFollowing();
+  } else {
+    finishOwnMove();
+  }
+}
+
+void CollisionMesh::finishOwnMove() noexcept {
+  Motion& m = *motion_;
+  m.before.reset();
+  trees_->refit(*mesh_);
   logMove(m.vertices.triangles());
-  rebuildIfWorn();
+  m.rebuilt = trees_->rebuildIfWorn(*mesh_);
+  if (m.rebuilt) structure_ = std::move(m.structure);
+}
+
+void CollisionMesh::finishFollowing() noexcept {
+  Motion& m = *motion_;
+  const CollisionMesh& of = *std::exchange(m.of, nullptr);
+  trees_ = of.trees_;
+  // All whose boxes are others now: more than this mesh's own where a place has been rounded to what it was.
+  const std::span<const std::uint32_t> triangles = of.motion_->vertices.triangles();
+  logMove(triangles);
+  movedSinceLook_ += triangles.size();
+  if (of.motion_->rebuilt) structure_ = std::move(m.structure);
+  if (!of.motion_->rebuilt && movedSinceLook_ < mesh_->triangleCount()) return;
+  movedSinceLook_ = 0;
+  if (imageIsWorn()) takeOwnTree();
+}
+
+/// Whether the boxes of an image, in the trees that it shares, are too bad. Takes a look at all of them.
+bool CollisionMesh::imageIsWorn() const {
+  return sahCost(trees_->tree(), *imageBoxes_) > kRebuildCost * trees_->builtCost();
+}
+
+/// For want of memory all stays as it is, which is right if slow.
+void CollisionMesh::takeOwnTree() noexcept {
+  try {
+    auto structure = std::make_shared<const char>('\0');
+    trees_ = std::make_shared<MeshTrees>(buildTree(*mesh_, trees_->tree().strategy));
+    imageBoxes_.reset();
+    structure_ = std::move(structure);
+  } catch (const std::bad_alloc&) {
+    return;
+  }
 }
 
 void CollisionMesh::logMove(std::span<const std::uint32_t> triangles) noexcept {
@@ -146,25 +230,6 @@ std::optional<std::vector<std::uint32_t>> CollisionMesh::changedSince(std::uint6
   std::size_t count = 0;
   for (std::uint64_t i = 1; i <= since; ++i) count += log_.counts[log_.counts.size() - i];
   return std::vector<std::uint32_t>(log_.triangles.end() - static_cast<std::ptrdiff_t>(count), log_.triangles.end());
-}
-
-/// Builds the tree anew if refitting has made it too bad. For want of memory it stays as it is, which is right if slow.
-void CollisionMesh::rebuildIfWorn() noexcept {
-  if (motion_->tree->cost(tree_) <= kRebuildCost * builtCost_) return;
-  try {
-    auto structure = std::make_shared<const char>('\0');
-    tree_ = buildTree(*mesh_, tree_.strategy);
-    structure_ = std::move(structure);
-  } catch (const std::bad_alloc&) {
-    return;
-  }
-  builtCost_ = 0;
-  quantized_.reset();
-  noLeaf_.reset();
-  wide_.reset();
-  motion_->tree.reset();
-  motion_->wide.reset();
-  motion_->noLeaf.reset();
 }
 
 }  // namespace otg

@@ -9,9 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "bvh/layouts.h"
-#include "bvh/tree.h"
-#include "bvh/wide_tree.h"
+#include "bvh/box_scale.h"
+#include "bvh/mesh_trees.h"
 #include "mesh/adjacency.h"
 #include "mesh/first_use.h"
 #include "mesh/vertex_motion.h"
@@ -19,13 +18,19 @@
 namespace otg {
 
 /// Safe to share between threads; layouts other than the standard one are made once, on first use (thread-safe).
-/// Immutable after construction, but for moveSome().
+/// Immutable after construction, but for moveSome(). Several may have the same trees, as said at the constructors.
 class CollisionMesh {
  public:
   CollisionMesh(std::shared_ptr<const TriMesh> mesh, BuildStrategy strategy);
   /// The same tree topology refitted to moved vertices; built anew where refitting would leave boxes that overlap much
   /// more (kRebuildCost) than those of the last build.
   CollisionMesh(std::shared_ptr<const TriMesh> moved, const CollisionMesh& before);
+  /// A scaled image of another mesh: the same triangles (perhaps turned round), vertices times `factors`, which are
+  /// finite and not 0, rounded to float. It has the trees of the other one, whose boxes are scaled when they are looked
+  /// at (boxScale()); trees of its own where that cannot be done (makeBoxScale()), where the factors differ too much
+  /// (stretchesTooMuch()), and where those boxes would overlap much more (kRebuildCost) than the other one's did when
+  /// its tree was built.
+  CollisionMesh(std::shared_ptr<const TriMesh> image, const CollisionMesh& of, const Vec3f& factors);
   /// With a tree that was built before, for this very mesh.
   CollisionMesh(std::shared_ptr<const TriMesh> mesh, BinaryTree&& tree);
   ~CollisionMesh();
@@ -35,15 +40,20 @@ class CollisionMesh {
   /// Moves some vertices in place. The mesh, its tree, its layouts and its adjacency are then what moveVertices() and
   /// the constructor for moved vertices would make of all of them (a wide tree may open other nodes), at a cost that
   /// follows the number of `moved`; the first time, and where the tree has to be built anew, that of a build. `moved`
-  /// are the mesh's own numbers. Only for the one that holds both this object and its mesh alone.
+  /// are the mesh's own numbers. Only for the one that holds both this object and its mesh alone, and not for an image
+  /// with the trees of another mesh. Other images of this mesh keep boxes as they were.
   ///
   /// False, and nothing has changed, where that cannot be done (VertexMotion::move()) or somebody else holds the mesh.
   /// Throws std::bad_alloc, and nothing has changed.
   bool moveSome(std::span<const MovedVertex> moved);
   /// moveSome() in two steps, for meshes that move together or not at all. What beginMove() answers and throws is that
   /// of moveSome(); after true the vertices are in their new places, all else is not, and one of the others has to
-  /// follow.
-  bool beginMove(std::span<const MovedVertex> moved);
+  /// follow. `images`: how many images have the trees of this mesh and are going to move with it (followMove()), or not
+  /// to be used any more. Where that is not all who have them, this mesh and the images that follow go on with a copy.
+  bool beginMove(std::span<const MovedVertex> moved, long images = 0);
+  /// The same for an image with the trees of `of`, whose own move has begun with the same vertices. Its finishMove()
+  /// comes after that of `of`, its undoMove() before or after.
+  bool followMove(const CollisionMesh& of, std::span<const MovedVertex> moved);
   void finishMove() noexcept;
   void undoMove() noexcept;
   /// The mesh's own number of a vertex; kNone for one that repair has merged into another. Not const for the same
@@ -52,10 +62,22 @@ class CollisionMesh {
 
   const TriMesh& mesh() const { return *mesh_; }
   const std::shared_ptr<const TriMesh>& meshPtr() const { return mesh_; }
-  const BinaryTree& tree() const { return tree_; }
-  const QuantizedTree& quantized() const;
-  const NoLeafTree& noLeaf() const;
-  const WideTree& wide() const;
+  /// Boxes of these are to be taken through boxScale().
+  const BinaryTree& tree() const { return trees_->tree(); }
+  const QuantizedTree& quantized() const { return trees_->quantized(); }
+  const NoLeafTree& noLeaf() const { return trees_->noLeaf(); }
+  const WideTree& wide() const { return trees_->wide(); }
+  /// Null where the boxes of the trees are those of this mesh.
+  const BoxScale<float>* boxScale() const { return imageBoxes_ ? &*imageBoxes_ : nullptr; }
+  /// The same, for those who multiply anyway.
+  const BoxScale<float>& anyBoxScale() const { return imageBoxes_ ? *imageBoxes_ : kSameBoxes; }
+  /// A copy of the tree with this mesh's boxes.
+  BinaryTree ownBoxes() const;
+  /// Calls `use` with a tree that has this mesh's boxes: tree() where it has them, else a copy.
+  template <class Use>
+  decltype(auto) withOwnBoxes(const Use& use) const {
+    return imageBoxes_ ? use(static_cast<const BinaryTree&>(ownBoxes())) : use(tree());
+  }
   const Adjacency& adjacency() const;
 
   /// Expires with this object, whatever else holds the mesh, and when vertices move: for caches of what was derived
@@ -73,22 +95,22 @@ class CollisionMesh {
   std::optional<std::vector<std::uint32_t>> changedSince(std::uint64_t moves) const;
   static constexpr std::size_t kLoggedShare = 8;
 
-  /// A refitted tree may cost this many times what the built one did (sahCost), which queries take about as much
-  /// longer.
-  static constexpr double kRebuildCost = 1.5;
+  static constexpr double kRebuildCost = MeshTrees::kRebuildCost;
 
  private:
   struct Motion;
   Motion& motion();
-  void rebuildIfWorn() noexcept;
+  void finishOwnMove() noexcept;
+  void finishFollowing() noexcept;
+  bool imageIsWorn() const;
+  void takeOwnTree() noexcept;
   void logMove(std::span<const std::uint32_t> triangles) noexcept;
 
   std::shared_ptr<const TriMesh> mesh_;
-  BinaryTree tree_;
-  double builtCost_ = 0;  ///< of a refitted tree: sahCost when it was built
-  FirstUse<QuantizedTree> quantized_;
-  FirstUse<NoLeafTree> noLeaf_;
-  FirstUse<WideTree> wide_;
+  std::shared_ptr<MeshTrees> trees_;
+  std::optional<BoxScale<float>> imageBoxes_;  ///< of an image that has the trees of another mesh
+  Vec3f factors_{1, 1, 1};                     ///< of such an image
+  std::size_t movedSinceLook_ = 0;             ///< triangles of such an image, since imageIsWorn() was asked
   FirstUse<Adjacency> adjacency_;
   std::unique_ptr<Motion> motion_;  ///< made by moveSome()
   /// What changedSince() answers from: the last `counts.size()` of all moves, each with so many of `triangles`.

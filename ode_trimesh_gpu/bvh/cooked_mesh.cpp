@@ -253,7 +253,7 @@ UncookedMesh refused(const std::string& why) {
 std::vector<unsigned char> cookMesh(const CollisionMesh& mesh) {
   Parts p;
   p.mesh = TriMeshParts::of(mesh.mesh());
-  p.tree = mesh.tree();
+  p.tree = mesh.ownBoxes();
   packNumbers(p.mesh, p.tree, p.numbers);
   packProblems(p.mesh.report, p.problems, p.texts[0]);
   p.texts[1] = joined(p.mesh.report.repair.messages);

@@ -9,11 +9,14 @@ namespace otg {
 
 inline constexpr int kWideArity = 8;
 
-/// Boxes in the mesh's centred frame, child k in lane k. Lanes from `count` on hold an inverted box that overlaps
-/// nothing.
-struct alignas(64) WideNode {
+struct alignas(64) WideBoxes {
   float centerX[kWideArity], centerY[kWideArity], centerZ[kWideArity];
   float extentX[kWideArity], extentY[kWideArity], extentZ[kWideArity];
+};
+
+/// Boxes in the mesh's centred frame, child k in lane k. Lanes from `count` on hold an inverted box that overlaps
+/// nothing.
+struct WideNode : WideBoxes {
   std::int32_t child[kWideArity];  ///< >= 0: a node that follows this one; < 0: ~triangle
   std::int32_t count;              ///< children in use, 1 to 8
 };

@@ -21,6 +21,27 @@ constexpr double kSlack = 4e-6;
   Floats into;               \
   std::memcpy(&into, from, sizeof into)
 
+/// The lanes from k on of the boxes of `node`: cx, cy, cz and ex, ey, ez. In functions with kScaled and scale_, which
+/// the boxes are taken through: scaledBox() of as many at once.
+#define OTG_LOAD_BOXES                                                     \
+  OTG_LOAD(cx, node.centerX + k);                                          \
+  OTG_LOAD(cy, node.centerY + k);                                          \
+  OTG_LOAD(cz, node.centerZ + k);                                          \
+  OTG_LOAD(ex, node.extentX + k);                                          \
+  OTG_LOAD(ey, node.extentY + k);                                          \
+  OTG_LOAD(ez, node.extentZ + k);                                          \
+  if constexpr (kScaled) {                                                 \
+    const BoxScale<float>& s = *scale_;                                    \
+    const Floats none = {};                                                \
+    cx = s.factor.x * cx + s.shift.x;                                      \
+    cy = s.factor.y * cy + s.shift.y;                                      \
+    cz = s.factor.z * cz + s.shift.z;                                      \
+    ex = s.growth.x * ex + (s.slope * (cx > none ? cx : -cx) + s.pad.x);   \
+    ey = s.growth.y * ey + (s.slope * (cy > none ? cy : -cy) + s.pad.y);   \
+    ez = s.growth.z * ez + (s.slope * (cz > none ? cz : -cz) + s.pad.z);   \
+  }                                                                        \
+  static_assert(true)
+
 /// Bits of lanes whose comparison is true.
 inline unsigned bitsOf(const Ints& m) {
 #if defined(__SSE__)
@@ -53,7 +74,8 @@ unsigned used(const WideNode& node) {
 
 }  // namespace
 
-BallQuery::BallQuery(const TriMesh& mesh, const Vec3d& center, double radius) {
+BallQuery::BallQuery(const CollisionMesh& tree, const Vec3d& center, double radius) : scale_(tree.boxScale()) {
+  const TriMesh& mesh = tree.mesh();
   const Vec3d c = centred(mesh, center);
   x_ = clampedFloat(c.x);
   y_ = clampedFloat(c.y);
@@ -63,14 +85,14 @@ BallQuery::BallQuery(const TriMesh& mesh, const Vec3d& center, double radius) {
 }
 
 unsigned BallQuery::operator()(const WideNode& node) const {
+  return scale_ == nullptr ? test<false>(node) : test<true>(node);
+}
+
+template <bool kScaled>
+unsigned BallQuery::test(const WideNode& node) const {
   unsigned bits = 0;
   for (int k = 0; k < kWideArity; k += kLanes) {
-    OTG_LOAD(cx, node.centerX + k);
-    OTG_LOAD(cy, node.centerY + k);
-    OTG_LOAD(cz, node.centerZ + k);
-    OTG_LOAD(ex, node.extentX + k);
-    OTG_LOAD(ey, node.extentY + k);
-    OTG_LOAD(ez, node.extentZ + k);
+    OTG_LOAD_BOXES;
     const Floats zero = {};
     Floats dx = cx - x_, dy = cy - y_, dz = cz - z_;
     dx = (dx > zero ? dx : -dx) - ex;
@@ -84,7 +106,8 @@ unsigned BallQuery::operator()(const WideNode& node) const {
   return bits & used(node);
 }
 
-BelowQuery::BelowQuery(const TriMesh& mesh, const Vec3d& normal, double offset) {
+BelowQuery::BelowQuery(const CollisionMesh& tree, const Vec3d& normal, double offset) : scale_(tree.boxScale()) {
+  const TriMesh& mesh = tree.mesh();
   const double n[3] = {normal.x, normal.y, normal.z};
   for (int i = 0; i < 3; ++i) {
     n_[i] = static_cast<float>(n[i]);
@@ -96,21 +119,22 @@ BelowQuery::BelowQuery(const TriMesh& mesh, const Vec3d& normal, double offset) 
 }
 
 unsigned BelowQuery::operator()(const WideNode& node) const {
+  return scale_ == nullptr ? test<false>(node) : test<true>(node);
+}
+
+template <bool kScaled>
+unsigned BelowQuery::test(const WideNode& node) const {
   unsigned bits = 0;
   for (int k = 0; k < kWideArity; k += kLanes) {
-    OTG_LOAD(cx, node.centerX + k);
-    OTG_LOAD(cy, node.centerY + k);
-    OTG_LOAD(cz, node.centerZ + k);
-    OTG_LOAD(ex, node.extentX + k);
-    OTG_LOAD(ey, node.extentY + k);
-    OTG_LOAD(ez, node.extentZ + k);
+    OTG_LOAD_BOXES;
     const Floats lowest = (n_[0] * cx + n_[1] * cy + n_[2] * cz) - (size_[0] * ex + size_[1] * ey + size_[2] * ez);
     bits |= bitsOf(lowest <= Floats{} + offset_) << k;
   }
   return bits & used(node);
 }
 
-BoxQuery::BoxQuery(const TriMesh& mesh, const Transformd& toMesh, const Vec3d& half) {
+BoxQuery::BoxQuery(const CollisionMesh& tree, const Transformd& toMesh, const Vec3d& half) : scale_(tree.boxScale()) {
+  const TriMesh& mesh = tree.mesh();
   const Vec3d c = centred(mesh, toMesh.t);
   const double slack = kSlack * (length(c) + double{mesh.radius()} + length(half));
   const double middle[3] = {c.x, c.y, c.z}, h[3] = {half.x, half.y, half.z};
@@ -128,18 +152,16 @@ BoxQuery::BoxQuery(const TriMesh& mesh, const Transformd& toMesh, const Vec3d& h
 }
 
 unsigned BoxQuery::operator()(const WideNode& node) const {
+  return scale_ == nullptr ? test<false>(node) : test<true>(node);
+}
+
+template <bool kScaled>
+unsigned BoxQuery::test(const WideNode& node) const {
   unsigned bits = 0;
   for (int k = 0; k < kWideArity; k += kLanes) {
-    OTG_LOAD(dx, node.centerX + k);
-    OTG_LOAD(dy, node.centerY + k);
-    OTG_LOAD(dz, node.centerZ + k);
-    OTG_LOAD(ex, node.extentX + k);
-    OTG_LOAD(ey, node.extentY + k);
-    OTG_LOAD(ez, node.extentZ + k);
+    OTG_LOAD_BOXES;
     const Floats zero = {};
-    dx = dx - center_[0];
-    dy = dy - center_[1];
-    dz = dz - center_[2];
+    const Floats dx = cx - center_[0], dy = cy - center_[1], dz = cz - center_[2];
     Ints near = ((dx > zero ? dx : -dx) <= ex + inMesh_[0]) & ((dy > zero ? dy : -dy) <= ey + inMesh_[1]) &
                 ((dz > zero ? dz : -dz) <= ez + inMesh_[2]);
     for (int j = 0; j < 3; ++j) {
@@ -152,7 +174,8 @@ unsigned BoxQuery::operator()(const WideNode& node) const {
   return bits & used(node);
 }
 
-RayQuery::RayQuery(const TriMesh& mesh, const Vec3d& origin, const Vec3d& direction) {
+RayQuery::RayQuery(const CollisionMesh& tree, const Vec3d& origin, const Vec3d& direction) : scale_(tree.boxScale()) {
+  const TriMesh& mesh = tree.mesh();
   const Vec3d from = centred(mesh, origin);
   const double o[3] = {from.x, from.y, from.z}, d[3] = {direction.x, direction.y, direction.z};
   const Vec3f &low = mesh.boundsMin(), &high = mesh.boundsMax(), &c = mesh.origin();
@@ -186,17 +209,17 @@ RayQuery::RayQuery(const TriMesh& mesh, const Vec3d& origin, const Vec3d& direct
 }
 
 unsigned RayQuery::children(const WideNode& node, double limit, float near[kWideArity]) const {
+  return scale_ == nullptr ? test<false>(node, limit, near) : test<true>(node, limit, near);
+}
+
+template <bool kScaled>
+unsigned RayQuery::test(const WideNode& node, double limit, float near[kWideArity]) const {
   // Roundings of a slab's times, all relative.
   constexpr float kLater = 1 + 2e-6f, kEarlier = 1 - 2e-6f;
   const float last = clampedFloat(std::max(0.0, (limit - start_) + slack_)) * kLater;
   unsigned bits = 0;
   for (int k = 0; k < kWideArity; k += kLanes) {
-    OTG_LOAD(cx, node.centerX + k);
-    OTG_LOAD(cy, node.centerY + k);
-    OTG_LOAD(cz, node.centerZ + k);
-    OTG_LOAD(ex, node.extentX + k);
-    OTG_LOAD(ey, node.extentY + k);
-    OTG_LOAD(ez, node.extentZ + k);
+    OTG_LOAD_BOXES;
     const Floats zero = {};
     const Floats dx = cx - o_[0], dy = cy - o_[1], dz = cz - o_[2];
     const Floats wx = ex + wider_, wy = ey + wider_, wz = ez + wider_;

@@ -13,31 +13,43 @@ namespace otg {
 /// All points within a distance. The centre is in the mesh's frame.
 class BallQuery {
  public:
-  BallQuery(const TriMesh& mesh, const Vec3d& center, double radius);
+  BallQuery(const CollisionMesh& tree, const Vec3d& center, double radius);
   /// Bit k is set if the box of child k may have a point in the ball.
   unsigned operator()(const WideNode& node) const;
 
  private:
+  template <bool kScaled>
+  unsigned test(const WideNode& node) const;
+
+  const BoxScale<float>* scale_;  ///< CollisionMesh::boxScale()
   float x_, y_, z_, reach2_;
 };
 
 /// All points with normal . x <= offset, in the mesh's frame; the normal has length 1.
 class BelowQuery {
  public:
-  BelowQuery(const TriMesh& mesh, const Vec3d& normal, double offset);
+  BelowQuery(const CollisionMesh& tree, const Vec3d& normal, double offset);
   unsigned operator()(const WideNode& node) const;
 
  private:
+  template <bool kScaled>
+  unsigned test(const WideNode& node) const;
+
+  const BoxScale<float>* scale_;
   float n_[3], size_[3], offset_;
 };
 
 /// All points of a box that is turned. `toMesh` takes its frame, in which it is centred, to the mesh's.
 class BoxQuery {
  public:
-  BoxQuery(const TriMesh& mesh, const Transformd& toMesh, const Vec3d& half);
+  BoxQuery(const CollisionMesh& tree, const Transformd& toMesh, const Vec3d& half);
   unsigned operator()(const WideNode& node) const;
 
  private:
+  template <bool kScaled>
+  unsigned test(const WideNode& node) const;
+
+  const BoxScale<float>* scale_;
   float r_[9], size_[9];  ///< the box's axes as columns, and their components' sizes
   float center_[3], half_[3], inMesh_[3];
 };
@@ -45,7 +57,7 @@ class BoxQuery {
 /// Points origin + t direction, t >= 0, in the mesh's frame.
 class RayQuery {
  public:
-  RayQuery(const TriMesh& mesh, const Vec3d& origin, const Vec3d& direction);
+  RayQuery(const CollisionMesh& tree, const Vec3d& origin, const Vec3d& direction);
   /// False if the ray misses the mesh as a whole.
   bool meets() const { return meets_; }
   /// Bit k is set if the ray may meet the box of child k at a t up to `limit`; near[k] is where it enters, at the
@@ -55,6 +67,10 @@ class RayQuery {
   bool isBefore(float near, double limit) const { return double{near} <= (limit - start_) + slack_; }
 
  private:
+  template <bool kScaled>
+  unsigned test(const WideNode& node, double limit, float near[kWideArity]) const;
+
+  const BoxScale<float>* scale_;
   float o_[3], inverse_[3], wider_;
   double start_ = 0;  ///< t where single precision takes over: where the ray enters the mesh's bounds
   double slack_ = 0;

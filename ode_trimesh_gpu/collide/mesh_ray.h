@@ -29,7 +29,7 @@ void forEachRayHit(const CollisionMesh& tree, const MeshRay& ray, double& limit,
   const std::vector<WideNode>& nodes = tree.wide().nodes;
   if (nodes.empty()) return;
   const TriMesh& mesh = tree.mesh();
-  const RayQuery query(mesh, ray.origin, ray.direction);
+  const RayQuery query(tree, ray.origin, ray.direction);
   if (!query.meets()) return;
   const auto test = [&](std::uint32_t t) {
     if (mesh.isDegenerate(t)) return;

@@ -12,24 +12,26 @@
 namespace otg {
 namespace {
 
-struct Box {
-  Vec3f center, extent;
-};
+using Box = BoxOf;
 
 /// Uniform view of a tree: a reference is >= 0 for an inner node and ~triangle for a leaf.
+template <class Boxes>
 struct StandardView {
   const BinaryTree& tree;
+  Boxes boxes;
   std::size_t size() const { return tree.nodes.size(); }
   std::int32_t root() const { return 0; }
   bool isLeaf(std::int32_t n) const { return tree.nodes[n].isLeaf(); }
   std::uint32_t triangle(std::int32_t n) const { return tree.nodes[n].triangle(); }
   std::int32_t left(std::int32_t n) const { return tree.nodes[n].child; }
   std::int32_t right(std::int32_t n) const { return tree.nodes[n].child + 1; }
-  Box box(std::int32_t n) const { return {tree.nodes[n].center, tree.nodes[n].extent}; }
+  Box box(std::int32_t n) const { return boxes(tree.nodes[n].center, tree.nodes[n].extent); }
 };
 
+template <class Boxes>
 struct QuantizedView {
   const QuantizedTree& tree;
+  Boxes boxes;
   std::size_t size() const { return tree.nodes.size(); }
   std::int32_t root() const { return 0; }
   bool isLeaf(std::int32_t n) const { return tree.nodes[n].child < 0; }
@@ -38,8 +40,9 @@ struct QuantizedView {
   std::int32_t right(std::int32_t n) const { return tree.nodes[n].child + 1; }
   Box box(std::int32_t n) const {
     const QuantizedNode& q = tree.nodes[n];
-    return {{q.center[0] * tree.centerStep.x, q.center[1] * tree.centerStep.y, q.center[2] * tree.centerStep.z},
-            {q.extent[0] * tree.extentStep.x, q.extent[1] * tree.extentStep.y, q.extent[2] * tree.extentStep.z}};
+    return boxes(
+        Vec3f{q.center[0] * tree.centerStep.x, q.center[1] * tree.centerStep.y, q.center[2] * tree.centerStep.z},
+        Vec3f{q.extent[0] * tree.extentStep.x, q.extent[1] * tree.extentStep.y, q.extent[2] * tree.extentStep.z});
   }
 };
 
@@ -128,7 +131,9 @@ void traverseBoxed(const View& a, const View& b, const BoxPairTest& test, Descen
 }
 
 /// Trees whose leaves are bare triangles: box against box, triangle against box, and pairs of triangles as candidates.
-void traverseNoLeaf(const Query& query, const PairFrame& frame, Counter count, std::vector<TrianglePair>& out) {
+template <class Boxes>
+void traverseNoLeaf(const Query& query, const PairFrame& frame, const Boxes& boxesA, const Boxes& boxesB, Counter count,
+                    std::vector<TrianglePair>& out) {
   const NoLeafTree& a = query.a->noLeaf();
   const NoLeafTree& b = query.b->noLeaf();
   const DescentRule rule = query.options.middle.descent;
@@ -150,7 +155,7 @@ void traverseNoLeaf(const Query& query, const PairFrame& frame, Counter count, s
     const auto depth = static_cast<std::uint16_t>(item.depth + 1);
     if (!leafA && !leafB) {
       const NoLeafNode &na = a.nodes[item.a], &nb = b.nodes[item.b];
-      const Box boxA{na.center, na.extent}, boxB{nb.center, nb.extent};
+      const Box boxA = boxesA(na.center, na.extent), boxB = boxesB(nb.center, nb.extent);
       count.boxTest(item.depth);
       if (boxes.apart(boxA, boxB)) continue;
       if (rule == DescentRule::kBoth) {
@@ -166,11 +171,13 @@ void traverseNoLeaf(const Query& query, const PairFrame& frame, Counter count, s
     } else if (leafA) {
       const NoLeafNode& nb = b.nodes[item.b];
       count.triangleBoxTest();
-      if (triangles.apartA(static_cast<std::uint32_t>(~item.a), nb.center, nb.extent)) continue;
+      const Box box = boxesB(nb.center, nb.extent);
+      if (triangles.apartA(static_cast<std::uint32_t>(~item.a), box.center, box.extent)) continue;
     } else {
       const NoLeafNode& na = a.nodes[item.a];
       count.triangleBoxTest();
-      if (triangles.apartB(static_cast<std::uint32_t>(~item.b), na.center, na.extent)) continue;
+      const Box box = boxesA(na.center, na.extent);
+      if (triangles.apartB(static_cast<std::uint32_t>(~item.b), box.center, box.extent)) continue;
     }
     if (descendA) {
       stack.push_back({a.nodes[item.a].left, item.b, depth, false});
@@ -179,6 +186,24 @@ void traverseNoLeaf(const Query& query, const PairFrame& frame, Counter count, s
       stack.push_back({item.a, b.nodes[item.b].left, depth, true});
       stack.push_back({item.a, b.nodes[item.b].right, depth, true});
     }
+  }
+}
+
+/// With the boxes of both meshes.
+template <class Boxes>
+void traverse(const Query& query, const PairFrame& frame, const Boxes& boxesA, const Boxes& boxesB, Counter count,
+              std::vector<TrianglePair>& out) {
+  const MiddleOptions& options = query.options.middle;
+  const BoxPairTest test(frame.boxes, options.axes);
+  if (options.traversal == Traversal::kQuantized) {
+    using View = QuantizedView<Boxes>;
+    traverseBoxed(View{query.a->quantized(), boxesA}, View{query.b->quantized(), boxesB}, test, options.descent, count,
+                  out);
+  } else if (options.traversal == Traversal::kNoLeaf) {
+    traverseNoLeaf(query, frame, boxesA, boxesB, count, out);
+  } else {
+    using View = StandardView<Boxes>;
+    traverseBoxed(View{query.a->tree(), boxesA}, View{query.b->tree(), boxesB}, test, options.descent, count, out);
   }
 }
 
@@ -198,24 +223,13 @@ void middlePhase(const Query& query, Workspace& workspace) {
   if (query.a->mesh().triangleCount() == 0 || query.b->mesh().triangleCount() == 0) return;
   const PairFrame frame = makePairFrame(query);
   if (!frame.finite) return;
-  const MiddleOptions& options = query.options.middle;
-  const BoxPairTest test(frame.boxes, options.axes);
   const Counter count(stats, query.options.countPerDepth);
-  switch (options.traversal) {
-    case Traversal::kQuantized:
-      traverseBoxed(QuantizedView{query.a->quantized()}, QuantizedView{query.b->quantized()}, test, options.descent,
-                    count, workspace.candidates);
-      break;
-    case Traversal::kNoLeaf:
-      traverseNoLeaf(query, frame, count, workspace.candidates);
-      break;
-    case Traversal::kWide:
-      traverseWide(bestSimdLevel(), query, frame, workspace.candidates, stats);
-      break;
-    case Traversal::kStandard:
-      traverseBoxed(StandardView{query.a->tree()}, StandardView{query.b->tree()}, test, options.descent, count,
-                    workspace.candidates);
-      break;
+  if (query.options.middle.traversal == Traversal::kWide) {
+    traverseWide(bestSimdLevel(), query, frame, workspace.candidates, stats);
+  } else {
+    withBoxes(query.a->boxScale(), query.b->boxScale(), [&](const auto& boxesA, const auto& boxesB) {
+      traverse(query, frame, boxesA, boxesB, count, workspace.candidates);
+    });
   }
   stats.candidatePairs = workspace.candidates.size();
   if (query.options.timings) stats.middleMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();

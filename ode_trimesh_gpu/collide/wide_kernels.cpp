@@ -17,8 +17,9 @@ void growPairs(PairSink& sink) {
   sink.capacity = pairs.size();
 }
 
-WideSide rootOf(const WideTree& tree) {
-  return {tree.rootCenter, tree.rootExtent, 0, std::numeric_limits<float>::infinity()};
+WideSide rootOf(const WideTree& tree, const BoxScale<float>& scale) {
+  const BoxOf box = scaledBox(scale, tree.rootCenter, tree.rootExtent);
+  return {box.center, box.extent, 0, std::numeric_limits<float>::infinity()};
 }
 
 }  // namespace
@@ -51,13 +52,17 @@ void traverseWide(SimdLevel level, const Query& query, const PairFrame& frame, s
   const WideTree& b = query.b->wide();
   // Every step pops one item and pushes at most eight, one level further down in one of the trees.
   std::vector<WideItem> stack(kWideArity * (std::size_t{a.depth} + b.depth) + 1);
-  stack[0] = {rootOf(a), rootOf(b), 0};
+  const BoxScale<float>&scaleA = query.a->anyBoxScale(), &scaleB = query.b->anyBoxScale();
+  stack[0] = {rootOf(a, scaleA), rootOf(b, scaleB), 0};
   if (query.options.countPerDepth) stats.boxTestsPerDepth.assign(std::size_t{a.depth} + b.depth, 0);
   out.resize(out.capacity());
   PairSink sink{out.data(), 0, out.size(), growPairs, &out};
   WideTraversalArgs args{&frame.boxes,
                          a.nodes.data(),
                          b.nodes.data(),
+                         scaleA,
+                         scaleB,
+                         query.a->boxScale() != nullptr || query.b->boxScale() != nullptr,
                          stack.data(),
                          query.options.middle.descent,
                          query.options.middle.axes > 6,

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "bvh/box_scale.h"
 #include "bvh/wide_node.h"
 #include "collide/traversal.h"
 #include "mesh/triangle.h"
@@ -37,6 +38,8 @@ struct WideTraversalArgs {
   const BoxFrame<float>* frame;
   const WideNode* nodesA;
   const WideNode* nodesB;
+  BoxScale<float> scaleA, scaleB;  ///< of the nodes' boxes
+  bool scaled;                     ///< whether any of these is not kSameBoxes
   WideItem* stack;  ///< holds the root pair; room for kWideArity * (depth A + depth B) + 1 items
   DescentRule rule;
   bool edges;                    ///< test the nine edge axes too

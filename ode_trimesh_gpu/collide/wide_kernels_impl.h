@@ -19,18 +19,38 @@ inline SimdVec loadVec(const float* x, const float* y, const float* z) {
   return {SimdReal::load(x), SimdReal::load(y), SimdReal::load(z)};
 }
 
-inline WideSide sideOf(const WideNode& n, int k) {
-  const Vec3f e{n.extentX[k], n.extentY[k], n.extentZ[k]};
-  return {{n.centerX[k], n.centerY[k], n.centerZ[k]}, e, n.child[k], e.x * e.y + e.y * e.z + e.z * e.x};
+[[gnu::always_inline]] inline WideSide sideOf(const WideBoxes& boxes, std::int32_t child, int k) {
+  const Vec3f e{boxes.extentX[k], boxes.extentY[k], boxes.extentZ[k]};
+  return {{boxes.centerX[k], boxes.centerY[k], boxes.centerZ[k]}, e, child, e.x * e.y + e.y * e.z + e.z * e.x};
 }
 
-/// Lanes of `node` (a node of A if kOpenA, else of B) whose boxes overlap the other side's box.
+inline BoxScale<SimdReal> spread(const BoxScale<float>& s) {
+  return {spread(s.factor), spread(s.shift), spread(s.growth), spread(s.pad), SimdReal(s.slope)};
+}
+
+[[gnu::always_inline]] inline void store(float* to, const SimdReal& x) {
+  std::memcpy(to, &x.v, sizeof x.v);
+}
+
+/// Eight boxes at once through the scale.
+[[gnu::always_inline]] inline void scaleBoxes(const BoxScale<SimdReal>& scale, const WideBoxes& boxes, WideBoxes& out) {
+  const SimdVec center = scaledCenter(scale, loadVec(boxes.centerX, boxes.centerY, boxes.centerZ));
+  const SimdVec extent = scaledExtent(scale, loadVec(boxes.extentX, boxes.extentY, boxes.extentZ), center);
+  store(out.centerX, center.x);
+  store(out.centerY, center.y);
+  store(out.centerZ, center.z);
+  store(out.extentX, extent.x);
+  store(out.extentY, extent.y);
+  store(out.extentZ, extent.z);
+}
+
+/// Lanes of a node with `count` children (a node of A if kOpenA, else of B) whose boxes overlap the other side's box.
 template <bool kOpenA>
-inline unsigned overlapBits(const BoxFrame<SimdReal>& simd, const BoxFrame<float>& frame, const WideNode& node,
-                            const WideSide& other, bool edges) {
-  const SimdVec center = loadVec(node.centerX, node.centerY, node.centerZ);
-  const SimdVec extent = loadVec(node.extentX, node.extentY, node.extentZ);
-  const unsigned used = (1u << node.count) - 1;
+[[gnu::always_inline]] inline unsigned overlapBits(const BoxFrame<SimdReal>& simd, const BoxFrame<float>& frame, const WideBoxes& boxes,
+                            std::int32_t count, const WideSide& other, bool edges) {
+  const SimdVec center = loadVec(boxes.centerX, boxes.centerY, boxes.centerZ);
+  const SimdVec extent = loadVec(boxes.extentX, boxes.extentY, boxes.extentZ);
+  const unsigned used = (1u << count) - 1;
   SimdVec d, extentA, extentB;
   if constexpr (kOpenA) {
     d = otgSub(spread(otgBoxCenterInA(frame, other.center)), center);
@@ -51,7 +71,9 @@ inline unsigned overlapBits(const BoxFrame<SimdReal>& simd, const BoxFrame<float
   return used & ~apart;
 }
 
-void traverseWide(WideTraversalArgs& args) {
+/// kScaled: boxes are taken through the scales.
+template <bool kScaled>
+inline void traverseBoxes(WideTraversalArgs& args) {
   const BoxFrame<float>& frame = *args.frame;
   BoxFrame<SimdReal> simd;
   for (int i = 0; i < 9; ++i) {
@@ -60,6 +82,12 @@ void traverseWide(WideTraversalArgs& args) {
   }
   simd.t = spread(frame.t);
   simd.eps = frame.eps;
+  [[maybe_unused]] BoxScale<SimdReal> scaleA, scaleB;
+  [[maybe_unused]] WideBoxes scaled;
+  if constexpr (kScaled) {
+    scaleA = spread(args.scaleA);
+    scaleB = spread(args.scaleB);
+  }
   PairSink& out = *args.out;
   std::uint64_t boxTests = 0;
   // The last of the pairs that a step finds goes on at once, without the way through the stack's memory.
@@ -76,8 +104,10 @@ void traverseWide(WideTraversalArgs& args) {
       }
     }
     const WideNode& node = openA ? args.nodesA[item.a.ref] : args.nodesB[item.b.ref];
-    unsigned bits = openA ? overlapBits<true>(simd, frame, node, item.b, args.edges)
-                          : overlapBits<false>(simd, frame, node, item.a, args.edges);
+    if constexpr (kScaled) scaleBoxes(openA ? scaleA : scaleB, node, scaled);
+    const WideBoxes& boxes = kScaled ? scaled : static_cast<const WideBoxes&>(node);
+    unsigned bits = openA ? overlapBits<true>(simd, frame, boxes, node.count, item.b, args.edges)
+                          : overlapBits<false>(simd, frame, boxes, node.count, item.a, args.edges);
     boxTests += static_cast<std::uint64_t>(node.count);
     if (args.testsPerDepth) args.testsPerDepth[item.depth] += static_cast<std::uint64_t>(node.count);
     const std::int32_t other = openA ? item.b.ref : item.a.ref;
@@ -95,14 +125,14 @@ void traverseWide(WideTraversalArgs& args) {
       if (child >= 0) __builtin_prefetch(openA ? args.nodesA + child : args.nodesB + child);
       if (last >= 0) {
         WideItem& next = args.stack[top++];
-        next.a = openA ? sideOf(node, last) : item.a;
-        next.b = openA ? item.b : sideOf(node, last);
+        next.a = openA ? sideOf(boxes, node.child[last], last) : item.a;
+        next.b = openA ? item.b : sideOf(boxes, node.child[last], last);
         next.depth = item.depth + 1;
       }
       last = k;
     }
     if (last >= 0) {
-      (openA ? item.a : item.b) = sideOf(node, last);
+      (openA ? item.a : item.b) = sideOf(boxes, node.child[last], last);
       ++item.depth;
     } else if (top > 0) {
       item = args.stack[--top];
@@ -111,6 +141,14 @@ void traverseWide(WideTraversalArgs& args) {
     }
   }
   args.boxTests = boxTests;
+}
+
+void traverseWide(WideTraversalArgs& args) {
+  if (args.scaled) {
+    traverseBoxes<true>(args);
+  } else {
+    traverseBoxes<false>(args);
+  }
 }
 
 using SimdMask = SimdReal::Ints;

@@ -9,7 +9,7 @@
 namespace otg {
 namespace {
 
-constexpr char kMagic[8] = {'o', 't', 'g', 'c', 'o', 's', 't', '7'};
+constexpr char kMagic[8] = {'o', 't', 'g', 'c', 'o', 's', 't', '8'};
 
 /// The part of its box that lies in a part of it.
 double shareOfBox(const double part[3], const double whole[3]) {
@@ -84,9 +84,8 @@ bool CostModel::isSane() const {
     if (largeWork > 0 && !(cost->fixed + cost->perTriangle > 0)) return false;
   }
   if (!good(largeWork)) return false;
-  for (const Cost* cost :
-       {&hostNearest, &hostInside, &deviceNearest, &deviceInside, &pointLaunch, &hostOverlap, &batchOverlap}) {
->>>>>>> a991d23 (Time solids as solids, and give large overlaps of a batch a line of their own)
+  for (const Cost* cost : {&hostNearest, &hostInside, &deviceNearest, &deviceInside, &pointLaunch, &hostRay, &deviceRay,
+                           &rayLaunch, &hostOverlap, &batchOverlap}) {
     if (!good(cost->fixed) || !good(cost->perTriangle)) return false;
   }
   if (!good(pointFinish) || !good(rayFinish) || !good(overlapLaunch)) return false;

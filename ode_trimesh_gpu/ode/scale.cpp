@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scaled geoms. Boxes could be scaled while a tree is walked, but what triangles do is decided by vertices in single
-// precision: every stage, and every device, would have to round a scaled vertex in the same way. So a scaled mesh has
-// vertices, boxes and normals of its own, made once for all geoms that have the same data and the same scale, and
-// shares with the data's mesh all that depends on triangles alone.
+// Scaled geoms. What triangles do is decided by vertices in single precision: every stage, and every device, would have
+// to round a scaled vertex in the same way. So a scaled mesh has vertices and normals of its own, made once for all
+// geoms that have the same data and the same scale. It shares with the data's mesh all that depends on triangles alone,
+// and the trees: boxes are scaled while a tree is walked (bvh/box_scale.h).
 #include <array>
 #include <cmath>
 #include <span>
@@ -40,7 +40,7 @@ std::shared_ptr<CollisionMesh> makeScaled(const CollisionMesh& from, const MeshS
   input.vertexCount = vertices.size();
   const MeshResult moved = mirrors(scale) && mirrored != nullptr ? moveVertices(mirrored->mesh(), input)
                                                                  : moveVertices(mesh, input, mirrors(scale));
-  return moved.mesh == nullptr ? nullptr : std::make_shared<CollisionMesh>(moved.mesh, from);
+  return moved.mesh == nullptr ? nullptr : std::make_shared<CollisionMesh>(moved.mesh, from, Vec3f{scale[0], scale[1], scale[2]});
 }
 
 bool isOne(const MeshScale& scale) {
@@ -74,10 +74,18 @@ class MovesTogether {
   MovesTogether(const MovesTogether&) = delete;
   MovesTogether& operator=(const MovesTogether&) = delete;
   /// CollisionMesh::beginMove().
-  bool begin(CollisionMesh& mesh, std::span<const MovedVertex> moved) {
+  bool begin(CollisionMesh& mesh, std::span<const MovedVertex> moved, long images) {
     begun_.reserve(begun_.size() + 1);
-    if (!mesh.beginMove(moved)) return false;
+    if (!mesh.beginMove(moved, images)) return false;
     begun_.push_back(&mesh);
+    return true;
+  }
+  /// Of an image of a mesh that has begun.
+  bool beginImage(CollisionMesh& image, const CollisionMesh& of, std::span<const MovedVertex> moved) {
+    if (image.boxScale() == nullptr) return begin(image, moved, 0);
+    begun_.reserve(begun_.size() + 1);
+    if (!image.followMove(of, moved)) return false;
+    begun_.push_back(&image);
     return true;
   }
   void finish() noexcept {
@@ -162,16 +170,21 @@ bool dxGpuTriMeshData::moveInPlace(const std::vector<PlacedVertex>& placed) {
     }
     return true;
   };
+  const ScalesInUse scales = scalesInUse();
+  // Nobody but the geoms may hold an image: a batch in the background goes on with the mesh that it was given.
+  const auto isAlone = [](const ScaleInUse& now) {
+    { const std::shared_ptr<const otg::CollisionMesh> ordered = now.mesh; }
+    return now.mesh != nullptr && now.mesh.use_count() == now.geoms + 1;
+  };
+  long images = 0;
+  for (const auto& [scale, now] : scales) images += isAlone(now) && now.mesh->boxScale() != nullptr ? 1 : 0;
   otg::MovesTogether moves;
   takeMoves(*mesh_, {1, 1, 1});
-  if (!moves.begin(*mesh_, moved)) return false;
+  if (!moves.begin(*mesh_, moved, images)) return false;
   otg::ValidationReport report = mesh_->mesh().report();
   ScaledMeshes next;
-  for (const auto& [scale, now] : scalesInUse()) {
-    // Nobody but the geoms may hold it: a batch in the background goes on with the mesh that it was given.
-    { const std::shared_ptr<const otg::CollisionMesh> ordered = now.mesh; }
-    const bool alone = now.mesh != nullptr && now.mesh.use_count() == now.geoms + 1;
-    const bool inPlace = alone && takeMoves(*now.mesh, scale) && moves.begin(*now.mesh, moved);
+  for (const auto& [scale, now] : scales) {
+    const bool inPlace = isAlone(now) && takeMoves(*now.mesh, scale) && moves.beginImage(*now.mesh, *mesh_, moved);
     next.add(scale, inPlace ? now.mesh : otg::makeScaled(*mesh_, scale, otg::anyMirrored(next.meshes).get()));
   }
   moves.finish();

@@ -25,7 +25,8 @@ void addTriangle(PackedMesh& out, const TriMesh& mesh, std::uint32_t triangle) {
 /// Nodes, triangles and cut.
 PackedTree addEightWide(PackedMesh& out, const CollisionMesh& mesh, std::uint32_t leafTriangles, std::uint32_t cutOrder,
                         std::vector<std::uint32_t>* binaryNodes) {
-  PackedTree tree = makePackedTree(mesh.tree(), leafTriangles, binaryNodes);
+  PackedTree tree = mesh.withOwnBoxes(
+      [&](const BinaryTree& binary) { return makePackedTree(binary, leafTriangles, binaryNodes); });
   if (cutOrder != 0) std::shuffle(tree.cut.begin(), tree.cut.end(), std::mt19937(cutOrder));
   out.units.reserve(2 * tree.nodes.size() + 4 * tree.triangles.size() + 2 * tree.cut.size());
   for (const PackedNode& n : tree.nodes) {
@@ -43,8 +44,7 @@ PackedTree addEightWide(PackedMesh& out, const CollisionMesh& mesh, std::uint32_
 }
 
 /// Nodes and triangles. A leaf's first is its triangle, whose place in the soup is its number.
-void addBinary(PackedMesh& out, const CollisionMesh& mesh) {
-  const BinaryTree& tree = mesh.tree();
+void addBinary(PackedMesh& out, const CollisionMesh& mesh, const BinaryTree& tree) {
   const auto triangles = static_cast<std::uint32_t>(mesh.mesh().triangleCount());
   out.units.reserve(2 * tree.nodes.size() + 4 * std::size_t{triangles});
   for (const BvhNode& n : tree.nodes) {
@@ -110,7 +110,7 @@ PackedMesh packMesh(const CollisionMesh& mesh, MeshLayout layout, std::uint32_t 
   PackedTree tree;
   std::vector<std::uint32_t> binaryNodes;
   if (layout == MeshLayout::kBinary) {
-    addBinary(out, mesh);
+    mesh.withOwnBoxes([&](const BinaryTree& binary) { addBinary(out, mesh, binary); });
   } else {
     tree = addEightWide(out, mesh, leafTriangles, cutOrder, places == nullptr ? nullptr : &binaryNodes);
   }

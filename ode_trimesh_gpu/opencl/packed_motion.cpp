@@ -38,6 +38,7 @@ PackedPlaces::PackedPlaces(const PackedTree& tree, std::span<const std::uint32_t
 
 void PackedPlaces::addNodes(const CollisionMesh& mesh, std::span<const std::uint32_t> triangles,
                             PackedChanges& out) const {
+  const BoxScale<float>* const scale = mesh.boxScale();
   // Up from the leaves, each level once; a node that is above leaves of different depths comes more often.
   std::vector<std::uint32_t> level, all;
   for (const std::uint32_t t : triangles) level.push_back(leafOf_[t]);
@@ -50,7 +51,9 @@ void PackedPlaces::addNodes(const CollisionMesh& mesh, std::span<const std::uint
   sortUnique(all);
   for (const std::uint32_t i : all) {
     const Node& node = nodes_[i];
-    const BvhNode& box = mesh.tree().nodes[node.binary];
+    const BvhNode& binary = mesh.tree().nodes[node.binary];
+    const BoxOf box = scale == nullptr ? BoxOf{binary.center, binary.extent}
+                                       : scaledBox(*scale, binary.center, binary.extent);
     out.add(place_.nodes + 2 * i, nodeCenter(box.center, node.first));
     out.add(place_.nodes + 2 * i + 1, nodeExtent(box.extent, node.count));
     const auto cut = std::lower_bound(cut_.begin(), cut_.end(), std::pair{i, 0u});

@@ -26,7 +26,8 @@ std::shared_ptr<const SoupPlaces::Places> SoupPlaces::of(const CollisionMesh& me
     const std::lock_guard lock(mutex_);
     if (const auto known = places_.find(alive); known != places_.end()) return known->second;
   }
-  const PackedTree tree = makePackedTree(mesh.tree(), leafTriangles_);
+  const PackedTree tree =
+      mesh.withOwnBoxes([&](const BinaryTree& binary) { return makePackedTree(binary, leafTriangles_); });
   auto places = std::make_shared<Places>(tree.triangles.size());
   for (std::size_t i = 0; i < tree.triangles.size(); ++i) (*places)[tree.triangles[i]] = static_cast<std::uint32_t>(i);
   const std::lock_guard lock(mutex_);

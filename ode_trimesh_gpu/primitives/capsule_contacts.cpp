@@ -45,7 +45,7 @@ class Finder {
 
   /// False if the axis meets the surface or lies inside.
   bool run() {
-    searchWide(tree_.wide(), BoxQuery(mesh_, boxFrame(), boxHalf()), [&](std::uint32_t t) {
+    searchWide(tree_.wide(), BoxQuery(tree_, boxFrame(), boxHalf()), [&](std::uint32_t t) {
       if (!mesh_.isDegenerate(t)) triangle(t);
     });
     if (crosses_ || nearest_.distance <= rounding_) return false;

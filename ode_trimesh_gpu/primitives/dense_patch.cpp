@@ -37,7 +37,7 @@ bool ConvexPatch::readDense(const PlacedMeshes& meshes, const OverlapRegions& al
   dense_ = &meshes.tree(0);
   const TriMesh& mesh = dense_->mesh();
   Transformd frame{{1, 0, 0, 0, 1, 0, 0, 0, 1}, otgAdd(origin_, otgScale(otgAdd(region.lo, region.hi), 0.5))};
-  searchWide(dense_->wide(), BoxQuery(mesh, frame, otgScale(otgSub(region.hi, region.lo), 0.5)), [&](std::uint32_t t) {
+  searchWide(dense_->wide(), BoxQuery(*dense_, frame, otgScale(otgSub(region.hi, region.lo), 0.5)), [&](std::uint32_t t) {
     if (mesh.isDegenerate(t) || triangles_.size() > kMostTriangles) return;
     Vec3d p[3];
     bool isInside = false;

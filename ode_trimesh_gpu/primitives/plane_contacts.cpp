@@ -30,7 +30,7 @@ std::vector<Below> verticesBelow(const CollisionMesh& tree, const HalfSpace& pla
   const TriMesh& mesh = tree.mesh();
   std::vector<Below> found;
   std::vector<std::uint32_t> triangles;
-  searchWide(tree.wide(), BelowQuery(mesh, plane.normal, plane.offset), [&](std::uint32_t t) {
+  searchWide(tree.wide(), BelowQuery(tree, plane.normal, plane.offset), [&](std::uint32_t t) {
     if (!mesh.isDegenerate(t)) triangles.push_back(t);
   });
   if (triangles.empty()) return found;

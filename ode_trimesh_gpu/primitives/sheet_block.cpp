@@ -14,7 +14,7 @@ constexpr double kSteepest = 0.1;  // cosine between a triangle's normal and the
 
 std::vector<std::uint32_t> trianglesNear(const CollisionMesh& sheet, const Transformd& frame, const Vec3d& half) {
   std::vector<std::uint32_t> near;
-  searchWide(sheet.wide(), BoxQuery(sheet.mesh(), frame, half), [&](std::uint32_t t) {
+  searchWide(sheet.wide(), BoxQuery(sheet, frame, half), [&](std::uint32_t t) {
     if (!sheet.mesh().isDegenerate(t)) near.push_back(t);
   });
   std::sort(near.begin(), near.end());

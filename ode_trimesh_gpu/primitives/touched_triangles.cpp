@@ -17,12 +17,15 @@ void visit(const CollisionMesh& tree, const MayTouch& mayTouch, const Take& take
   const Array<BvhNode>& nodes = tree.tree().nodes;
   if (nodes.empty()) return;
   const Vec3f& c = tree.mesh().origin();
+  const BoxScale<float>* const scale = tree.boxScale();
   std::vector<std::uint32_t> stack{0};
   while (!stack.empty()) {
     const BvhNode& node = nodes[stack.back()];
     stack.pop_back();
-    const Vec3d middle{double{node.center.x} + c.x, double{node.center.y} + c.y, double{node.center.z} + c.z};
-    if (!mayTouch(middle, Vec3d{node.extent.x, node.extent.y, node.extent.z})) continue;
+    const BoxOf box =
+        scale == nullptr ? BoxOf{node.center, node.extent} : scaledBox(*scale, node.center, node.extent);
+    const Vec3d middle{double{box.center.x} + c.x, double{box.center.y} + c.y, double{box.center.z} + c.z};
+    if (!mayTouch(middle, Vec3d{box.extent.x, box.extent.y, box.extent.z})) continue;
     if (!node.isLeaf()) {
       stack.push_back(static_cast<std::uint32_t>(node.child));
       stack.push_back(static_cast<std::uint32_t>(node.child + 1));

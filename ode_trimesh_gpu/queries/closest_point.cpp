@@ -21,15 +21,17 @@ Vec3d asDouble(const Vec3f& v) {
 
 /// Calls visit(triangle point, search distance) for all whose search distance is not above limit, which visit may
 /// lower; near ones early.
-template <class Visit>
-void searchNear(const CollisionMesh& tree, const Vec3d& point, double& limit, const Visit& visit) {
+template <class Boxes, class Visit>
+void searchNear(const CollisionMesh& tree, const Boxes& boxes, const Vec3d& point, double& limit, const Visit& visit) {
   const Array<BvhNode>& nodes = tree.tree().nodes;
   if (nodes.empty()) return;
   const TriMesh& mesh = tree.mesh();
   const Vec3d centred = otgSub(point, asDouble(mesh.origin()));
-  const double slack = otgSearchSlack(centred, asDouble(nodes[0].center), asDouble(nodes[0].extent));
+  const BoxOf root = boxes(nodes[0].center, nodes[0].extent);
+  const double slack = otgSearchSlack(centred, asDouble(root.center), asDouble(root.extent));
   const auto boxDistance2 = [&](const BvhNode& node) {
-    return otgBoxDistance2(asDouble(node.center), asDouble(node.extent), centred, slack);
+    const BoxOf box = boxes(node.center, node.extent);
+    return otgBoxDistance2(asDouble(box.center), asDouble(box.extent), centred, slack);
   };
   struct Item {
     std::uint32_t node;
@@ -96,19 +98,20 @@ SurfacePoint pointOnTriangle(const TriMesh& mesh, std::uint32_t triangle, const 
 SurfacePoint closestPoint(const CollisionMesh& mesh, const Vec3d& point, double limit) {
   SurfacePoint best;
   double least = std::numeric_limits<double>::infinity();
-  searchNear(mesh, point, limit, [&](const SurfacePoint& found, double search) {
+  const auto take = [&](const SurfacePoint& found, double search) {
     if (search < least || (search == least && found.triangle < best.triangle)) {
       best = found;
       limit = least = search;
     }
-  });
+  };
+  withBoxes(mesh.boxScale(), [&](const auto& boxes) { searchNear(mesh, boxes, point, limit, take); });
   return best;
 }
 
 void trianglesWithin(const CollisionMesh& mesh, const Vec3d& point, double radius,
                      std::pmr::vector<SurfacePoint>& out) {
   out.clear();
-  searchWide(mesh.wide(), BallQuery(mesh.mesh(), point, radius), [&](std::uint32_t t) {
+  searchWide(mesh.wide(), BallQuery(mesh, point, radius), [&](std::uint32_t t) {
     if (mesh.mesh().isDegenerate(t)) return;
     const SurfacePoint found = pointOnTriangle(mesh.mesh(), t, point);
     if (found.distance <= radius) out.push_back(found);

@@ -29,10 +29,17 @@ BoxFrame<double> boxFrame(const Query& query) {
   return frame;
 }
 
+template <class Boxes>
 class Search {
  public:
-  Search(const Query& query, double limit)
-      : query_(query), frame_(boxFrame(query)), a_(query.a->tree().nodes), b_(query.b->tree().nodes), limit_(limit) {
+  Search(const Query& query, const Boxes& boxesA, const Boxes& boxesB, double limit)
+      : query_(query),
+        frame_(boxFrame(query)),
+        a_(query.a->tree().nodes),
+        b_(query.b->tree().nodes),
+        boxesA_(boxesA),
+        boxesB_(boxesB),
+        limit_(limit) {
     // A pose is a rotation to within a tolerance only; the gap along B's axes is off by that much at most.
     const double reach = norm(frame_.t) + double{query.a->mesh().radius()} + double{query.b->mesh().radius()};
     slack_ = (2 * rotationDefect(query.bInA) + 1e-12) * reach;
@@ -49,7 +56,7 @@ class Search {
         visit(x.triangle(), y.triangle());
         continue;
       }
-      const bool openA = y.isLeaf() || (!x.isLeaf() && size(x) >= size(y));
+      const bool openA = y.isLeaf() || (!x.isLeaf() && size(boxA(item.a)) >= size(boxB(item.b)));
       Item children[2];
       for (int side = 0; side < 2; ++side) {
         const std::uint32_t i = openA ? static_cast<std::uint32_t>(x.child + side) : item.a;
@@ -70,11 +77,14 @@ class Search {
     double gap;
   };
   static double norm(const Vec3d& v) { return std::sqrt(otgDot(v, v)); }
-  static double size(const BvhNode& node) { return std::max({node.extent.x, node.extent.y, node.extent.z}); }
+  static double size(const BoxOf& box) { return std::max({box.extent.x, box.extent.y, box.extent.z}); }
+  BoxOf boxA(std::uint32_t i) const { return boxesA_(a_[i].center, a_[i].extent); }
+  BoxOf boxB(std::uint32_t i) const { return boxesB_(b_[i].center, b_[i].extent); }
   /// Not more than the distance of the boxes.
   double gap(std::uint32_t i, std::uint32_t j) const {
-    const Vec3d centerA = toDouble(a_[i].center), extentA = toDouble(a_[i].extent), extentB = toDouble(b_[j].extent);
-    const Vec3d d = otgSub(otgBoxCenterInA(frame_, toDouble(b_[j].center)), centerA);
+    const BoxOf a = boxA(i), b = boxB(j);
+    const Vec3d centerA = toDouble(a.center), extentA = toDouble(a.extent), extentB = toDouble(b.extent);
+    const Vec3d d = otgSub(otgBoxCenterInA(frame_, toDouble(b.center)), centerA);
     const double gapA = otgBoxGapA(d, extentA, otgBoxExtentInA(frame_, extentB));
     return std::max(gapA, otgBoxGapB(frame_, d, extentA, extentB)) - slack_;
   }
@@ -95,6 +105,7 @@ class Search {
   const Query& query_;
   BoxFrame<double> frame_;
   const Array<BvhNode>&a_, &b_;
+  const Boxes boxesA_, boxesB_;
   double limit_, slack_ = 0;
   std::vector<Item> stack_;
   MeshDistance best_;
@@ -115,7 +126,9 @@ MeshDistance meshDistance(const Query& query, double limit) {
   }
   Vec3d vertex{};
   if (containedVertex(query, vertex)) return {true, 0, vertex, vertex, kNone, kNone};
-  return Search(query, limit).run();
+  return withBoxes(query.a->boxScale(), query.b->boxScale(), [&](const auto& boxesA, const auto& boxesB) {
+    return Search(query, boxesA, boxesB, limit).run();
+  });
 }
 
 }  // namespace otg

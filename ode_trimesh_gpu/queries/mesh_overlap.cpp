@@ -16,14 +16,14 @@ double sizeOf(const Vec3f& e) {
   return double{e.x} * e.y + double{e.y} * e.z + double{e.z} * e.x;
 }
 
-}  // namespace
-
-bool findMeeting(const Query& query, TrianglePair& meeting) {
+/// findMeeting() with the boxes of both meshes.
+template <class Boxes>
+bool findMeetingIn(const Query& query, const Boxes& boxesA, const Boxes& boxesB, TrianglePair& meeting) {
   const Array<BvhNode>&a = query.a->tree().nodes, &b = query.b->tree().nodes;
   if (a.empty() || b.empty()) return false;
   const PairFrame frame = makePairFrame(query);
   if (!frame.finite) return false;
-  const auto apart = [&](const BvhNode& x, const BvhNode& y) {
+  const auto apart = [&](const BoxOf& x, const BoxOf& y) {
     const Vec3f d = otgSub(otgBoxCenterInA(frame.boxes, y.center), x.center);
     return otgBoxGapA(d, x.extent, otgBoxExtentInA(frame.boxes, y.extent)) > frame.boxes.eps ||
            otgBoxGapB(frame.boxes, d, x.extent, y.extent) > frame.boxes.eps;
@@ -34,7 +34,8 @@ bool findMeeting(const Query& query, TrianglePair& meeting) {
     const auto [i, j] = stack.back();
     stack.pop_back();
     const BvhNode &x = a[i], &y = b[j];
-    if (apart(x, y)) continue;
+    const BoxOf boxX = boxesA(x.center, x.extent), boxY = boxesB(y.center, y.extent);
+    if (apart(boxX, boxY)) continue;
     if (x.isLeaf() && y.isLeaf()) {
       const TrianglePair pair{x.triangle(), y.triangle()};
       if (query.a->mesh().isDegenerate(pair.a) || query.b->mesh().isDegenerate(pair.b)) continue;
@@ -42,13 +43,21 @@ bool findMeeting(const Query& query, TrianglePair& meeting) {
         meeting = pair;
         return true;
       }
-    } else if (y.isLeaf() || (!x.isLeaf() && sizeOf(x.extent) >= sizeOf(y.extent))) {
+    } else if (y.isLeaf() || (!x.isLeaf() && sizeOf(boxX.extent) >= sizeOf(boxY.extent))) {
       for (const int side : {1, 0}) stack.emplace_back(static_cast<std::uint32_t>(x.child + side), j);
     } else {
       for (const int side : {1, 0}) stack.emplace_back(i, static_cast<std::uint32_t>(y.child + side));
     }
   }
   return false;
+}
+
+}  // namespace
+
+bool findMeeting(const Query& query, TrianglePair& meeting) {
+  return withBoxes(query.a->boxScale(), query.b->boxScale(), [&](const auto& boxesA, const auto& boxesB) {
+    return findMeetingIn(query, boxesA, boxesB, meeting);
+  });
 }
 
 bool containedVertex(const Query& query, Vec3d& vertex) {
