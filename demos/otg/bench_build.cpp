@@ -125,11 +125,10 @@ int benchBuild(const BenchOptions& options) {
     }
     updates.push_back(updateRow(entry, options.repeat));
   }
-  printBench({{"bench", "build"}, {"tables", {{"build", rows},
-                {"update", updates},
-                {"scale", scaleRows(options)},
-                {"sent", sentRows(options)}}}},
-             options.json);
+  printBench(
+      {{"bench", "build"},
+       {"tables", {{"build", rows}, {"update", updates}, {"scale", scaleRows(options)}, {"sent", sentRows(options)}}}},
+      options.json);
   return kOk;
 }
 

@@ -83,9 +83,8 @@ PairTimes timePairs(const CollisionMesh& mesh, const Transformd& pose, int repea
   const double ms =
       median(repeatTimes(repeat, [&] { return timeOnce([&] { findIntersectingPairs(query, workspace); }); }));
   std::vector<TrianglePair> pairs = workspace.intersecting;
-  std::sort(pairs.begin(), pairs.end(), [](const TrianglePair& x, const TrianglePair& y) {
-    return x.a != y.a ? x.a < y.a : x.b < y.b;
-  });
+  std::sort(pairs.begin(), pairs.end(),
+            [](const TrianglePair& x, const TrianglePair& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
   Fnv1a hash;
   hash.add(pairs.data(), pairs.size() * sizeof(TrianglePair));
   return {ms, hash.hex()};
@@ -115,8 +114,8 @@ Json scaleRows(const BenchOptions& options) {
     const char* what;
     std::array<double, 3> scale;
   };
-  constexpr Case kCases[] = {{"scaled", {2, 1, 0.5}},  {"again", {2, 1, 0.5}}, {"first mirrored", {-1, 1, 1}},
-                             {"mirrored", {1, -2, 1}}, {"scaled", {1, 1, 4}},  {"scaled", {1, 1, 16}},
+  constexpr Case kCases[] = {{"scaled", {2, 1, 0.5}},  {"again", {2, 1, 0.5}},  {"first mirrored", {-1, 1, 1}},
+                             {"mirrored", {1, -2, 1}}, {"scaled", {1, 1, 4}},   {"scaled", {1, 1, 16}},
                              {"scaled", {4, 1, 0.25}}, {"scaled", {10, 1, 0.1}}};
   for (const BenchMesh& entry : benchMeshes(options)) {
     progress(fmt::format("{}: scales", entry.name));
@@ -143,8 +142,7 @@ Json scaleRows(const BenchOptions& options) {
       const double built = heldBytes() - none;
       const ScaledGeom own(data, {1, 1, 1});
       collideOnce(own.geom(), box);
-      addQueryTimes(*own.mesh(), options,
-                    add("built", {1, 1, 1}, *own.mesh(), built, heldBytes() - none, buildMs));
+      addQueryTimes(*own.mesh(), options, add("built", {1, 1, 1}, *own.mesh(), built, heldBytes() - none, buildMs));
       std::vector<std::unique_ptr<ScaledGeom>> kept;
       for (const Case& c : kCases) {
         auto geom = std::make_unique<ScaledGeom>(data, c.scale);

@@ -73,9 +73,9 @@ decltype(auto) withBoxes(const BoxScale<float>* scale, const Walk& walk) {
 }
 template <class Walk>
 decltype(auto) withBoxes(const BoxScale<float>* a, const BoxScale<float>* b, const Walk& walk) {
-  return a == nullptr && b == nullptr ? walk(BoxesAsTheyAre{}, BoxesAsTheyAre{})
-                                      : walk(BoxesScaled{a == nullptr ? kSameBoxes : *a},
-                                             BoxesScaled{b == nullptr ? kSameBoxes : *b});
+  return a == nullptr && b == nullptr
+             ? walk(BoxesAsTheyAre{}, BoxesAsTheyAre{})
+             : walk(BoxesScaled{a == nullptr ? kSameBoxes : *a}, BoxesScaled{b == nullptr ? kSameBoxes : *b});
 }
 
 }  // namespace otg

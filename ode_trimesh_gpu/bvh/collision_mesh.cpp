@@ -49,7 +49,9 @@ CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> moved, const Collisi
     : mesh_(std::move(moved)), trees_(refitted(*mesh_, *before.trees_)) {}
 
 CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> image, const CollisionMesh& of, const Vec3f& factors)
-    : mesh_(std::move(image)), trees_(of.trees_), imageBoxes_(makeBoxScale(of.mesh(), *mesh_, factors)),
+    : mesh_(std::move(image)),
+      trees_(of.trees_),
+      imageBoxes_(makeBoxScale(of.mesh(), *mesh_, factors)),
       factors_(factors) {
   if (stretchesTooMuch(factors) || (imageBoxes_ && imageIsWorn())) {
     trees_ = std::make_shared<MeshTrees>(buildTree(*mesh_, of.tree().strategy));
@@ -99,7 +101,8 @@ bool CollisionMesh::beginMove(std::span<const MovedVertex> moved, long images) {
   // The trees are changed when all has come out well; until then the others', if there are any, stay this mesh's.
   std::shared_ptr<MeshTrees> trees = trees_;
   try {
-    if (!heldBy(trees_, 2 + images)) trees = std::make_shared<MeshTrees>(BinaryTree(trees_->tree()), trees_->builtCost());
+    if (!heldBy(trees_, 2 + images))
+      trees = std::make_shared<MeshTrees>(BinaryTree(trees_->tree()), trees_->builtCost());
     Motion& m = motion();
     m.vertices.plan(*mesh_, moved);
     trees->planMove(*mesh_, m.vertices.triangles());

@@ -37,8 +37,8 @@ bool makeAxis(float factor, float origin, float imageOrigin, float low, float hi
   axis.shift = static_cast<float>(exact);
   axis.growth = roundedUp(size * (1 + 8 * kUnit));
   const double lost = std::fabs(exact - axis.shift) + 0x1p-50 * (std::fabs(moved) + std::fabs(double{imageOrigin}));
-  axis.pad =
-      roundedUp((1 + 8 * kUnit) * (lost + kUnit * (std::fabs(moved) + 2.01 * std::fabs(double{axis.shift})) + kUnderflow));
+  axis.pad = roundedUp((1 + 8 * kUnit) *
+                       (lost + kUnit * (std::fabs(moved) + 2.01 * std::fabs(double{axis.shift})) + kUnderflow));
   return true;
 }
 

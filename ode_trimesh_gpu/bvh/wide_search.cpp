@@ -23,23 +23,23 @@ constexpr double kSlack = 4e-6;
 
 /// The lanes from k on of the boxes of `node`: cx, cy, cz and ex, ey, ez. In functions with kScaled and scale_, which
 /// the boxes are taken through: scaledBox() of as many at once.
-#define OTG_LOAD_BOXES                                                     \
-  OTG_LOAD(cx, node.centerX + k);                                          \
-  OTG_LOAD(cy, node.centerY + k);                                          \
-  OTG_LOAD(cz, node.centerZ + k);                                          \
-  OTG_LOAD(ex, node.extentX + k);                                          \
-  OTG_LOAD(ey, node.extentY + k);                                          \
-  OTG_LOAD(ez, node.extentZ + k);                                          \
-  if constexpr (kScaled) {                                                 \
-    const BoxScale<float>& s = *scale_;                                    \
-    const Floats none = {};                                                \
-    cx = s.factor.x * cx + s.shift.x;                                      \
-    cy = s.factor.y * cy + s.shift.y;                                      \
-    cz = s.factor.z * cz + s.shift.z;                                      \
-    ex = s.growth.x * ex + (s.slope * (cx > none ? cx : -cx) + s.pad.x);   \
-    ey = s.growth.y * ey + (s.slope * (cy > none ? cy : -cy) + s.pad.y);   \
-    ez = s.growth.z * ez + (s.slope * (cz > none ? cz : -cz) + s.pad.z);   \
-  }                                                                        \
+#define OTG_LOAD_BOXES                                                   \
+  OTG_LOAD(cx, node.centerX + k);                                        \
+  OTG_LOAD(cy, node.centerY + k);                                        \
+  OTG_LOAD(cz, node.centerZ + k);                                        \
+  OTG_LOAD(ex, node.extentX + k);                                        \
+  OTG_LOAD(ey, node.extentY + k);                                        \
+  OTG_LOAD(ez, node.extentZ + k);                                        \
+  if constexpr (kScaled) {                                               \
+    const BoxScale<float>& s = *scale_;                                  \
+    const Floats none = {};                                              \
+    cx = s.factor.x * cx + s.shift.x;                                    \
+    cy = s.factor.y * cy + s.shift.y;                                    \
+    cz = s.factor.z * cz + s.shift.z;                                    \
+    ex = s.growth.x * ex + (s.slope * (cx > none ? cx : -cx) + s.pad.x); \
+    ey = s.growth.y * ey + (s.slope * (cy > none ? cy : -cy) + s.pad.y); \
+    ez = s.growth.z * ez + (s.slope * (cz > none ? cz : -cz) + s.pad.z); \
+  }                                                                      \
   static_assert(true)
 
 /// Bits of lanes whose comparison is true.

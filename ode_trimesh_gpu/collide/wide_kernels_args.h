@@ -40,7 +40,7 @@ struct WideTraversalArgs {
   const WideNode* nodesB;
   BoxScale<float> scaleA, scaleB;  ///< of the nodes' boxes
   bool scaled;                     ///< whether any of these is not kSameBoxes
-  WideItem* stack;  ///< holds the root pair; room for kWideArity * (depth A + depth B) + 1 items
+  WideItem* stack;                 ///< holds the root pair; room for kWideArity * (depth A + depth B) + 1 items
   DescentRule rule;
   bool edges;                    ///< test the nine edge axes too
   std::uint64_t boxTests;        ///< out

@@ -46,8 +46,9 @@ inline BoxScale<SimdReal> spread(const BoxScale<float>& s) {
 
 /// Lanes of a node with `count` children (a node of A if kOpenA, else of B) whose boxes overlap the other side's box.
 template <bool kOpenA>
-[[gnu::always_inline]] inline unsigned overlapBits(const BoxFrame<SimdReal>& simd, const BoxFrame<float>& frame, const WideBoxes& boxes,
-                            std::int32_t count, const WideSide& other, bool edges) {
+[[gnu::always_inline]] inline unsigned overlapBits(const BoxFrame<SimdReal>& simd, const BoxFrame<float>& frame,
+                                                   const WideBoxes& boxes, std::int32_t count, const WideSide& other,
+                                                   bool edges) {
   const SimdVec center = loadVec(boxes.centerX, boxes.centerY, boxes.centerZ);
   const SimdVec extent = loadVec(boxes.extentX, boxes.extentY, boxes.extentZ);
   const unsigned used = (1u << count) - 1;

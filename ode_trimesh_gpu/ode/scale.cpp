@@ -40,7 +40,8 @@ std::shared_ptr<CollisionMesh> makeScaled(const CollisionMesh& from, const MeshS
   input.vertexCount = vertices.size();
   const MeshResult moved = mirrors(scale) && mirrored != nullptr ? moveVertices(mirrored->mesh(), input)
                                                                  : moveVertices(mesh, input, mirrors(scale));
-  return moved.mesh == nullptr ? nullptr : std::make_shared<CollisionMesh>(moved.mesh, from, Vec3f{scale[0], scale[1], scale[2]});
+  return moved.mesh == nullptr ? nullptr
+                               : std::make_shared<CollisionMesh>(moved.mesh, from, Vec3f{scale[0], scale[1], scale[2]});
 }
 
 bool isOne(const MeshScale& scale) {

@@ -25,8 +25,8 @@ void addTriangle(PackedMesh& out, const TriMesh& mesh, std::uint32_t triangle) {
 /// Nodes, triangles and cut.
 PackedTree addEightWide(PackedMesh& out, const CollisionMesh& mesh, std::uint32_t leafTriangles, std::uint32_t cutOrder,
                         std::vector<std::uint32_t>* binaryNodes) {
-  PackedTree tree = mesh.withOwnBoxes(
-      [&](const BinaryTree& binary) { return makePackedTree(binary, leafTriangles, binaryNodes); });
+  PackedTree tree =
+      mesh.withOwnBoxes([&](const BinaryTree& binary) { return makePackedTree(binary, leafTriangles, binaryNodes); });
   if (cutOrder != 0) std::shuffle(tree.cut.begin(), tree.cut.end(), std::mt19937(cutOrder));
   out.units.reserve(2 * tree.nodes.size() + 4 * tree.triangles.size() + 2 * tree.cut.size());
   for (const PackedNode& n : tree.nodes) {

@@ -52,8 +52,8 @@ void PackedPlaces::addNodes(const CollisionMesh& mesh, std::span<const std::uint
   for (const std::uint32_t i : all) {
     const Node& node = nodes_[i];
     const BvhNode& binary = mesh.tree().nodes[node.binary];
-    const BoxOf box = scale == nullptr ? BoxOf{binary.center, binary.extent}
-                                       : scaledBox(*scale, binary.center, binary.extent);
+    const BoxOf box =
+        scale == nullptr ? BoxOf{binary.center, binary.extent} : scaledBox(*scale, binary.center, binary.extent);
     out.add(place_.nodes + 2 * i, nodeCenter(box.center, node.first));
     out.add(place_.nodes + 2 * i + 1, nodeExtent(box.extent, node.count));
     const auto cut = std::lower_bound(cut_.begin(), cut_.end(), std::pair{i, 0u});

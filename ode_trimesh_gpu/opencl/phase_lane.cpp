@@ -81,9 +81,8 @@ void PhaseLane::walk(const otg_device_pair& pair, cl_mem meshes, std::vector<Tri
     for (;; ++repeats_) {
       fillZero(queue, counters_.get(), sizeof counters);
       Arguments(middle_) << pair << meshes << counters_.get() << in_.get() << count << out_.get() << out_.places()
-                               << found_.get() << found_.places();
-      launch(queue, middle_, kGroup,
-             std::min<std::size_t>(groups_, (8 * std::size_t{count} + kGroup - 1) / kGroup));
+                         << found_.get() << found_.places();
+      launch(queue, middle_, kGroup, std::min<std::size_t>(groups_, (8 * std::size_t{count} + kGroup - 1) / kGroup));
       readBlocking(queue, counters_.get(), sizeof counters, &counters);
       if (counters.out <= out_.places() && counters.found <= found_.places()) break;
       out_.reserve(context_, std::bit_ceil(std::uint64_t{counters.out}));

@@ -37,18 +37,19 @@ bool ConvexPatch::readDense(const PlacedMeshes& meshes, const OverlapRegions& al
   dense_ = &meshes.tree(0);
   const TriMesh& mesh = dense_->mesh();
   Transformd frame{{1, 0, 0, 0, 1, 0, 0, 0, 1}, otgAdd(origin_, otgScale(otgAdd(region.lo, region.hi), 0.5))};
-  searchWide(dense_->wide(), BoxQuery(*dense_, frame, otgScale(otgSub(region.hi, region.lo), 0.5)), [&](std::uint32_t t) {
-    if (mesh.isDegenerate(t) || triangles_.size() > kMostTriangles) return;
-    Vec3d p[3];
-    bool isInside = false;
-    double longest = 0;
-    for (int k = 0; k < 3; ++k) p[k] = otgSub(vertexOf(mesh, mesh.triangles()[t].v[k]), origin_);
-    for (int k = 0; k < 3; ++k) {
-      isInside = isInside || shape.exitDistance(p[k], {0, 0, 1}) >= 0;
-      longest = std::max(longest, norm(otgSub(p[(k + 1) % 3], p[k])));
-    }
-    if (isInside || longest > kLargeTriangle * region.diagonal) triangles_.push_back(t);
-  });
+  searchWide(dense_->wide(), BoxQuery(*dense_, frame, otgScale(otgSub(region.hi, region.lo), 0.5)),
+             [&](std::uint32_t t) {
+               if (mesh.isDegenerate(t) || triangles_.size() > kMostTriangles) return;
+               Vec3d p[3];
+               bool isInside = false;
+               double longest = 0;
+               for (int k = 0; k < 3; ++k) p[k] = otgSub(vertexOf(mesh, mesh.triangles()[t].v[k]), origin_);
+               for (int k = 0; k < 3; ++k) {
+                 isInside = isInside || shape.exitDistance(p[k], {0, 0, 1}) >= 0;
+                 longest = std::max(longest, norm(otgSub(p[(k + 1) % 3], p[k])));
+               }
+               if (isInside || longest > kLargeTriangle * region.diagonal) triangles_.push_back(t);
+             });
   if (triangles_.empty() || triangles_.size() > kMostTriangles) {
     dense_ = nullptr;
     return false;

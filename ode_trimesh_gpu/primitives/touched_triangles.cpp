@@ -22,8 +22,7 @@ void visit(const CollisionMesh& tree, const MayTouch& mayTouch, const Take& take
   while (!stack.empty()) {
     const BvhNode& node = nodes[stack.back()];
     stack.pop_back();
-    const BoxOf box =
-        scale == nullptr ? BoxOf{node.center, node.extent} : scaledBox(*scale, node.center, node.extent);
+    const BoxOf box = scale == nullptr ? BoxOf{node.center, node.extent} : scaledBox(*scale, node.center, node.extent);
     const Vec3d middle{double{box.center.x} + c.x, double{box.center.y} + c.y, double{box.center.z} + c.z};
     if (!mayTouch(middle, Vec3d{box.extent.x, box.extent.y, box.extent.z})) continue;
     if (!node.isLeaf()) {

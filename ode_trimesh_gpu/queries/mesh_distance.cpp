@@ -126,9 +126,8 @@ MeshDistance meshDistance(const Query& query, double limit) {
   }
   Vec3d vertex{};
   if (containedVertex(query, vertex)) return {true, 0, vertex, vertex, kNone, kNone};
-  return withBoxes(query.a->boxScale(), query.b->boxScale(), [&](const auto& boxesA, const auto& boxesB) {
-    return Search(query, boxesA, boxesB, limit).run();
-  });
+  return withBoxes(query.a->boxScale(), query.b->boxScale(),
+                   [&](const auto& boxesA, const auto& boxesB) { return Search(query, boxesA, boxesB, limit).run(); });
 }
 
 }  // namespace otg

@@ -272,6 +272,14 @@ class Bench(CliTest):
         self.assertEqual([row["build"] for row in rows], ["mean", "sah"])
         for row in rows:
             self.assertEqual(row["nodes"], 2 * row["triangles"] - 1)
+        scales = tables["scale"]
+        self.assertEqual([row["what"] for row in scales],
+                         ["built", "scaled", "again", "first mirrored", "mirrored", "scaled", "scaled", "scaled", "scaled"])
+        self.assertEqual([row["tree"] for row in scales], ["own"] + ["shared"] * 7 + ["own"])
+        self.assertEqual({row["answers"] for row in scales}, {"same"})
+        for row in scales:
+            self.assertTrue(0 <= row["bytes_per_triangle"] <= row["collided_bytes_per_triangle"] < 1000, row)
+            self.assertTrue(row["set_ms"] > 0 and row["pairs_ms"] > 0, row)
         if self.run_json("devices")["used"] is None:
             self.assertEqual(tables["sent"], [])
             return
