@@ -56,12 +56,17 @@ template <class REAL>
 
 /// How walks of a tree take its boxes: those that are given one of these are compiled for each.
 struct BoxesAsTheyAre {
-  [[gnu::always_inline]] BoxOf operator()(const Vec3f& center, const Vec3f& extent) const { return {center, extent}; }
+  /// Of anything with a centre and an extent.
+  template <class Node>
+  [[gnu::always_inline]] const Node& operator()(const Node& node) const {
+    return node;
+  }
 };
 struct BoxesScaled {
   BoxScale<float> scale;
-  [[gnu::always_inline]] BoxOf operator()(const Vec3f& center, const Vec3f& extent) const {
-    return scaledBox(scale, center, extent);
+  template <class Node>
+  [[gnu::always_inline]] BoxOf operator()(const Node& node) const {
+    return scaledBox(scale, node.center, node.extent);
   }
 };
 

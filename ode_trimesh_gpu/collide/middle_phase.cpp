@@ -25,7 +25,10 @@ struct StandardView {
   std::uint32_t triangle(std::int32_t n) const { return tree.nodes[n].triangle(); }
   std::int32_t left(std::int32_t n) const { return tree.nodes[n].child; }
   std::int32_t right(std::int32_t n) const { return tree.nodes[n].child + 1; }
-  Box box(std::int32_t n) const { return boxes(tree.nodes[n].center, tree.nodes[n].extent); }
+  Box box(std::int32_t n) const {
+    const auto& box = boxes(tree.nodes[n]);
+    return {box.center, box.extent};
+  }
 };
 
 template <class Boxes>
@@ -41,8 +44,8 @@ struct QuantizedView {
   Box box(std::int32_t n) const {
     const QuantizedNode& q = tree.nodes[n];
     return boxes(
-        Vec3f{q.center[0] * tree.centerStep.x, q.center[1] * tree.centerStep.y, q.center[2] * tree.centerStep.z},
-        Vec3f{q.extent[0] * tree.extentStep.x, q.extent[1] * tree.extentStep.y, q.extent[2] * tree.extentStep.z});
+        Box{{q.center[0] * tree.centerStep.x, q.center[1] * tree.centerStep.y, q.center[2] * tree.centerStep.z},
+            {q.extent[0] * tree.extentStep.x, q.extent[1] * tree.extentStep.y, q.extent[2] * tree.extentStep.z}});
   }
 };
 
@@ -155,7 +158,9 @@ void traverseNoLeaf(const Query& query, const PairFrame& frame, const Boxes& box
     const auto depth = static_cast<std::uint16_t>(item.depth + 1);
     if (!leafA && !leafB) {
       const NoLeafNode &na = a.nodes[item.a], &nb = b.nodes[item.b];
-      const Box boxA = boxesA(na.center, na.extent), boxB = boxesB(nb.center, nb.extent);
+      const auto& placedA = boxesA(na);
+      const auto& placedB = boxesB(nb);
+      const Box boxA{placedA.center, placedA.extent}, boxB{placedB.center, placedB.extent};
       count.boxTest(item.depth);
       if (boxes.apart(boxA, boxB)) continue;
       if (rule == DescentRule::kBoth) {
@@ -171,12 +176,12 @@ void traverseNoLeaf(const Query& query, const PairFrame& frame, const Boxes& box
     } else if (leafA) {
       const NoLeafNode& nb = b.nodes[item.b];
       count.triangleBoxTest();
-      const Box box = boxesB(nb.center, nb.extent);
+      const auto& box = boxesB(nb);
       if (triangles.apartA(static_cast<std::uint32_t>(~item.a), box.center, box.extent)) continue;
     } else {
       const NoLeafNode& na = a.nodes[item.a];
       count.triangleBoxTest();
-      const Box box = boxesA(na.center, na.extent);
+      const auto& box = boxesA(na);
       if (triangles.apartB(static_cast<std::uint32_t>(~item.b), box.center, box.extent)) continue;
     }
     if (descendA) {

@@ -27,10 +27,10 @@ void searchNear(const CollisionMesh& tree, const Boxes& boxes, const Vec3d& poin
   if (nodes.empty()) return;
   const TriMesh& mesh = tree.mesh();
   const Vec3d centred = otgSub(point, asDouble(mesh.origin()));
-  const BoxOf root = boxes(nodes[0].center, nodes[0].extent);
+  const auto& root = boxes(nodes[0]);
   const double slack = otgSearchSlack(centred, asDouble(root.center), asDouble(root.extent));
   const auto boxDistance2 = [&](const BvhNode& node) {
-    const BoxOf box = boxes(node.center, node.extent);
+    const auto& box = boxes(node);
     return otgBoxDistance2(asDouble(box.center), asDouble(box.extent), centred, slack);
   };
   struct Item {

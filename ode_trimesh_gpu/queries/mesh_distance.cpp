@@ -56,7 +56,7 @@ class Search {
         visit(x.triangle(), y.triangle());
         continue;
       }
-      const bool openA = y.isLeaf() || (!x.isLeaf() && size(boxA(item.a)) >= size(boxB(item.b)));
+      const bool openA = y.isLeaf() || (!x.isLeaf() && size(boxesA_(x)) >= size(boxesB_(y)));
       Item children[2];
       for (int side = 0; side < 2; ++side) {
         const std::uint32_t i = openA ? static_cast<std::uint32_t>(x.child + side) : item.a;
@@ -77,12 +77,14 @@ class Search {
     double gap;
   };
   static double norm(const Vec3d& v) { return std::sqrt(otgDot(v, v)); }
-  static double size(const BoxOf& box) { return std::max({box.extent.x, box.extent.y, box.extent.z}); }
-  BoxOf boxA(std::uint32_t i) const { return boxesA_(a_[i].center, a_[i].extent); }
-  BoxOf boxB(std::uint32_t i) const { return boxesB_(b_[i].center, b_[i].extent); }
+  template <class Box>
+  static double size(const Box& box) {
+    return std::max({box.extent.x, box.extent.y, box.extent.z});
+  }
   /// Not more than the distance of the boxes.
   double gap(std::uint32_t i, std::uint32_t j) const {
-    const BoxOf a = boxA(i), b = boxB(j);
+    const auto& a = boxesA_(a_[i]);
+    const auto& b = boxesB_(b_[j]);
     const Vec3d centerA = toDouble(a.center), extentA = toDouble(a.extent), extentB = toDouble(b.extent);
     const Vec3d d = otgSub(otgBoxCenterInA(frame_, toDouble(b.center)), centerA);
     const double gapA = otgBoxGapA(d, extentA, otgBoxExtentInA(frame_, extentB));

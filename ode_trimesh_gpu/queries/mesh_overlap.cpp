@@ -23,7 +23,7 @@ bool findMeetingIn(const Query& query, const Boxes& boxesA, const Boxes& boxesB,
   if (a.empty() || b.empty()) return false;
   const PairFrame frame = makePairFrame(query);
   if (!frame.finite) return false;
-  const auto apart = [&](const BoxOf& x, const BoxOf& y) {
+  const auto apart = [&](const auto& x, const auto& y) {
     const Vec3f d = otgSub(otgBoxCenterInA(frame.boxes, y.center), x.center);
     return otgBoxGapA(d, x.extent, otgBoxExtentInA(frame.boxes, y.extent)) > frame.boxes.eps ||
            otgBoxGapB(frame.boxes, d, x.extent, y.extent) > frame.boxes.eps;
@@ -34,7 +34,8 @@ bool findMeetingIn(const Query& query, const Boxes& boxesA, const Boxes& boxesB,
     const auto [i, j] = stack.back();
     stack.pop_back();
     const BvhNode &x = a[i], &y = b[j];
-    const BoxOf boxX = boxesA(x.center, x.extent), boxY = boxesB(y.center, y.extent);
+    const auto& boxX = boxesA(x);
+    const auto& boxY = boxesB(y);
     if (apart(boxX, boxY)) continue;
     if (x.isLeaf() && y.isLeaf()) {
       const TrianglePair pair{x.triangle(), y.triangle()};

@@ -177,20 +177,21 @@ OTG_API int dGeomGpuTriMeshClearTCCache(dGeomID g);
 /**
  * @brief Scales the geom's mesh along the axes of the mesh's frame, and marks the geom as moved.
  *
- * Vertices, boxes and normals are made anew, once for all geoms that have the same data and the same scale, and freed
- * with the last of them; all else is shared with the data. A negative factor mirrors; with one or three of them
- * triangles are turned round, so that they face outward as before: dGeomGpuTriMeshGetTriangle() and
- * dGeomGpuTriMeshGetPoint() then have second and third corner exchanged. Box, mass, queries and contacts are those of
- * the scaled mesh; numbers of triangles and vertices stay. The scale stays when the geom gets other data, or its data
- * other vertices.
+ * Vertices and normals are made anew, once for all geoms that have the same data and the same scale, and freed with the
+ * last of them. All else is shared with the data: the tree, too, as long as no factor is more than 16 times another.
+ * Beyond that, and near the ends of single precision, the mesh gets a tree of its own, which takes longer to make and
+ * less to search. A negative factor mirrors; with one or three of them triangles are turned round, so that they face
+ * outward as before: dGeomGpuTriMeshGetTriangle() and dGeomGpuTriMeshGetPoint() then have second and third corner
+ * exchanged. Box, mass, queries and contacts are those of the scaled mesh; numbers of triangles and vertices stay. The
+ * scale stays when the geom gets other data, or its data other vertices.
  * @param g  a geom of this class
  * @param x  factor along x, finite and not 0, as y and z; rounded to single precision
  * @param y  along y
  * @param z  along z
  * @returns dGPUTRIMESH_OK; dGPUTRIMESH_ERROR_ARGUMENT; dGPUTRIMESH_ERROR_CLASS; dGPUTRIMESH_ERROR_MESH if a vertex
  * would not be a finite number of single precision; dGPUTRIMESH_ERROR_MEMORY.
- * @remarks Takes about as long as an update of all vertices the first time. Not from a near callback of the geom's
- * space.
+ * @remarks The first time takes less than an update of all vertices; with a tree of its own, as long as building that
+ * takes on top. Not from a near callback of the geom's space.
  * @ingroup gputrimesh
  */
 OTG_API int dGeomGpuTriMeshSetScale(dGeomID g, dReal x, dReal y, dReal z);
