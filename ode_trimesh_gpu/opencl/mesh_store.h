@@ -62,6 +62,8 @@ class MeshStore {
     }
     cl_mem buffer() const { return buffer_->get(); }
     const otg_device_mesh& operator[](std::size_t i) const { return meshes_[i]->place; }
+    /// Null for a mesh that had not moved when it was packed: it lies there as packMesh() would put it.
+    const PackedPlaces* places(std::size_t i) const { return meshes_[i]->places.get(); }
 
    private:
     friend class MeshStore;

@@ -26,6 +26,9 @@ class PackedPlaces {
   /// that the tree opens the nodes that it did. Empty where the mesh has to be packed anew. Throws std::bad_alloc.
   std::optional<PackedChanges> changesOf(const CollisionMesh& mesh, std::vector<std::uint32_t>&& triangles) const;
 
+  /// By number: the places of triangles in the soup.
+  const std::vector<std::uint32_t>& soup() const { return soupOf_; }
+
  private:
   struct Node {
     std::uint32_t binary, parent, first;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bvh/packed_tree.h"
+#include "opencl/packed_motion.h"
 
 namespace otg::opencl {
 namespace {
@@ -54,7 +55,7 @@ void PhaseLane::onMeshes(const Query& query, const PairFrame& frame, Run&& run) 
   const MeshStore::Pinned pinned = meshes_.acquire(both);
   const otg_device_pair pair{deviceBoxes(frame), frame.floatError, pinned[0], pinned[1]};
   try {
-    run(pair, pinned.buffer());
+    run(pair, pinned);
   } catch (...) {
     // Kernels may still be reading the meshes, which are not pinned any longer in a moment.
     clRelease(OTG_CL(clFinish), queue_.get());
@@ -66,7 +67,9 @@ void PhaseLane::findCandidates(const Query& query, const PairFrame& frame, std::
                                std::uint64_t& boxTests) {
   candidates.clear();
   boxTests = 0;
-  onMeshes(query, frame, [&](const otg_device_pair& pair, cl_mem meshes) { walk(pair, meshes, candidates, boxTests); });
+  onMeshes(query, frame, [&](const otg_device_pair& pair, const MeshStore::Pinned& meshes) {
+    walk(pair, meshes.buffer(), candidates, boxTests);
+  });
 }
 
 void PhaseLane::walk(const otg_device_pair& pair, cl_mem meshes, std::vector<TrianglePair>& candidates,
@@ -103,12 +106,19 @@ void PhaseLane::walk(const otg_device_pair& pair, cl_mem meshes, std::vector<Tri
 std::span<const otg_pair_record> PhaseLane::decide(const Query& query, const PairFrame& frame, SoupPlaces& places,
                                                    std::span<const TrianglePair> candidates) {
   if (candidates.empty()) return {};
-  const std::shared_ptr<const SoupPlaces::Places> a = places.of(*query.a), b = places.of(*query.b);
-  pairs_.clear();
-  pairs_.reserve(candidates.size());
-  for (const TrianglePair& pair : candidates) pairs_.push_back(cl_uint2{{(*a)[pair.a], (*b)[pair.b]}});
-  onMeshes(query, frame,
-           [&](const otg_device_pair& pair, cl_mem meshes) { test(pair, query.bInA, meshes, candidates.size()); });
+  onMeshes(query, frame, [&](const otg_device_pair& pair, const MeshStore::Pinned& meshes) {
+    std::shared_ptr<const SoupPlaces::Places> made[2];
+    const auto placesOf = [&](const CollisionMesh& mesh, std::size_t i) -> const SoupPlaces::Places& {
+      if (const PackedPlaces* const packed = meshes.places(i)) return packed->soup();
+      made[i] = places.of(mesh);
+      return *made[i];
+    };
+    const SoupPlaces::Places &a = placesOf(*query.a, 0), &b = placesOf(*query.b, 1);
+    pairs_.clear();
+    pairs_.reserve(candidates.size());
+    for (const TrianglePair& candidate : candidates) pairs_.push_back(cl_uint2{{a[candidate.a], b[candidate.b]}});
+    test(pair, query.bInA, meshes.buffer(), candidates.size());
+  });
   return records_;
 }
 

@@ -15,7 +15,9 @@
 
 namespace otg::opencl {
 
-/// Where the triangles of meshes lie in the soups on the device: the host knows them by number. Any thread.
+/// Where the triangles of meshes that have not moved lie in the soups on the device: the host knows them by number.
+/// (Packing a mesh that has moved may give an order other than that of the copy that has followed its moves, which has
+/// PackedPlaces.) Any thread.
 class SoupPlaces {
  public:
   explicit SoupPlaces(std::uint32_t leafTriangles) : leafTriangles_(leafTriangles) {}

@@ -246,6 +246,41 @@ TEST_CASE("meshes that move between queries have the host's contacts, on devices
   CHECK(sent(1, true).first < mesh / 200);
 }
 
+TEST_CASE(
+    "the near phase alone tests the triangles that are named, also where moved nodes would be packed in another "
+    "order") {
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  const auto ball = movable(makeSphere(1, 3)), other = movable(makeTorus(1, 0.3, 31, 17));
+  const std::vector<Vec3f> rest(ball->mesh().vertices().begin(), ball->mesh().vertices().end());
+  std::size_t met = 0;
+  const auto check = [&](double by) {
+    const Query query = makeQuery(*ball, *other, makePose({0.48, 0.6, 0.64}, 0.7, {by, 0.4, 0.1}));
+    Workspace host, device;
+    middlePhase(query, host);
+    device.candidates = host.candidates;
+    nearPhase(query, host);
+    REQUIRE(backend->decideCandidates(query, device));
+    REQUIRE(device.intersecting == host.intersecting);
+    met += host.intersecting.size();
+  };
+  check(0.8);
+  // A few vertices at a time, until the ball is another body; each time little enough to be sent as a change.
+  const auto count = static_cast<std::uint32_t>(rest.size());
+  const std::uint64_t uploads = backend->counts().meshUploads;
+  for (std::uint32_t first = 0; first < count; first += 8) {
+    std::vector<MovedVertex> moved;
+    for (std::uint32_t v = first; v < std::min(count, first + 8); ++v) {
+      const Vec3f& p = rest[v];
+      moved.push_back({v, {p.x * (1 + 0.3f * std::sin(5 * p.y)), p.y * (1 - 0.3f * std::sin(4 * p.x)), p.z}});
+    }
+    REQUIRE(ball->moveSome(moved));
+    check(0.8);
+  }
+  CHECK(backend->counts().meshUploads == uploads + 1);  // with the first move
+  CHECK(met > 1000);
+}
+
 TEST_CASE("whichever call fails while a change is sent, the contacts are the same") {
   opencl::forgetFailures();
   opencl::setLogSink([](const std::string&) {});
