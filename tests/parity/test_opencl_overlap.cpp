@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pairs of solids whose overlap the device describes, alone and in batches: the contacts are the host's, to the last
-// bit.
+// Pairs of solids whose overlap the device describes: the contacts are the host's, to the last bit.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -12,103 +11,11 @@
 #include "collide/solid/regions.h"
 #include "opencl/call.h"
 #include "opencl/log.h"
-#include "support/mesh_samples.h"
-#include "support/opencl.h"
+#include "support/large_overlaps.h"
 
 using namespace otg;
 using namespace otg::scenes;
 using namespace otg::test;
-
-namespace {
-
-using MeshList = std::vector<std::shared_ptr<const CollisionMesh>>;
-
-/// Fine enough for large regions, and some that are not.
-MeshList bodies() {
-  MeshList meshes;
-  for (const MeshArrays& arrays :
-       {makeLump(1, 5, 0.3, 8), makeBox({1, 1.2, 0.9}, 24), makeTorus(0.8, 0.3, 90, 40), makeSphere(0.9, 5),
-        makeGear(12, 0.9, 0.2, 0.3, 0.1), makeBowl(0.9, 0.15, 48, 16), makeBox({1, 1, 1}, 1)}) {
-    meshes.push_back(collisionMesh(arrays));
-  }
-  return meshes;
-}
-
-opencl::Tuning always() {
-  opencl::Tuning tuning;
-  tuning.overlapHits = 1;
-  return tuning;
-}
-
-std::vector<Query> overlaps(const MeshList& meshes, std::uint32_t seed, std::size_t count, double reach = 1.1) {
-  Draw draw(seed);
-  Workspace workspace;
-  std::vector<Query> queries;
-  const auto any = [&] { return draw.below(static_cast<std::uint32_t>(meshes.size())); };
-  while (queries.size() < count) {
-    const std::size_t a = any(), b = any();
-    Query query =
-        makeQuery(*meshes[a], *meshes[b],
-                  makePose(draw.direction(), draw.uniform(0, 3), otgScale(draw.direction(), draw.uniform(0.2, reach))));
-    findIntersectingPairs(query, workspace);
-    if (workspace.intersecting.empty()) continue;
-    query.options.contacts = ContactModel::kSolid;
-    query.options.maxContacts = static_cast<int>(4 + 20 * draw.below(4));
-    queries.push_back(query);
-  }
-  return queries;
-}
-
-std::vector<Workspace> onHost(const std::vector<Query>& queries) {
-  std::vector<Workspace> answers(queries.size());
-  for (std::size_t i = 0; i < queries.size(); ++i) collide(queries[i], answers[i]);
-  return answers;
-}
-
-/// How many pairs the device described.
-std::uint64_t checkAll(opencl::Backend& backend, std::span<const Query> queries, std::span<const Workspace> expected) {
-  const std::uint64_t before = backend.counts().described;
-  Workspace workspace;
-  for (std::size_t i = 0; i < queries.size(); ++i) {
-    INFO("query " << i);
-    CHECK(backend.collide(queries[i], workspace));
-    checkSame(workspace, expected[i]);
-  }
-  CHECK(backend.counts().onHost == 0);
-  return backend.counts().described - before;
-}
-
-bool canDescribe(const opencl::Backend& backend) {
-  return backend.device().doubles && backend.device().longAtomics;
-}
-
-/// Gives the queries histories and moves them from step to step. `check` gets them, and the same ones with histories
-/// for the host; the histories of both sides have to stay the same.
-template <class Check>
-void checkHistories(std::vector<Query> queries, std::uint32_t seed, int steps, const Check& check) {
-  std::vector<Query> forHost = queries;
-  std::vector<SolidHistory> onDevice(queries.size()), host(queries.size());
-  Draw draw(seed);
-  for (int step = 0; step < steps; ++step) {
-    for (std::size_t i = 0; i < queries.size(); ++i) {
-      queries[i].history = &onDevice[i];
-      forHost[i].history = &host[i];
-      queries[i].relativeVelocity = forHost[i].relativeVelocity = step % 2 != 0 ? draw.direction() : Vec3d{0, 0, 0};
-    }
-    check(queries, forHost);
-    for (std::size_t i = 0; i < queries.size(); ++i) {
-      CHECK(onDevice[i].current.escape == host[i].current.escape);
-      CHECK(onDevice[i].current.escapeLeft == host[i].current.escapeLeft);
-      CHECK(onDevice[i].current.clampLeft == host[i].current.clampLeft);
-      CHECK(onDevice[i].before.deepNormal == host[i].before.deepNormal);
-      CHECK(onDevice[i].current.deepNormal == host[i].current.deepNormal);
-      if (step == 2) continue;  // the same pose again
-      queries[i].bInA.t = forHost[i].bInA.t = otgAdd(queries[i].bInA.t, otgScale(draw.direction(), 0.02));
-    }
-  }
-}
-
-}  // namespace
 
 TEST_CASE("contacts from the device's description of an overlap are the host's") {
   const MeshList meshes = bodies();
@@ -116,14 +23,14 @@ TEST_CASE("contacts from the device's description of an overlap are the host's")
   REQUIRE(backend);
   if (!canDescribe(*backend)) return;
   const std::vector<Query> queries = overlaps(meshes, 1, 90);
-  CHECK(checkAll(*backend, queries, onHost(queries)) >= 60);
+  CHECK(checkAll(*backend, queries, answersOnHost(queries)) >= 60);
   CHECK(backend->counts().contactsMade >= 50);
   CHECK(backend->counts().contactsLeft <= 2);
   // Again, and pairs alone and contacts of the other model in between: a query leaves nothing behind.
   std::vector<Query> mixed = queries;
   for (std::size_t i = 0; i < mixed.size(); i += 3) mixed[i].options.contacts = ContactModel::kPairwise;
-  checkAll(*backend, mixed, onHost(mixed));
-  CHECK(checkAll(*backend, queries, onHost(queries)) >= 60);
+  checkAll(*backend, mixed, answersOnHost(mixed));
+  CHECK(checkAll(*backend, queries, answersOnHost(queries)) >= 60);
 }
 
 TEST_CASE("contacts of large regions are made on the device as on the host") {
@@ -135,7 +42,7 @@ TEST_CASE("contacts of large regions are made on the device as on the host") {
     if (i % 4 == 3) solid.regionMerge = 0.2;
     if (i % 3 == 0) queries[i].relativeVelocity = {0.3, -0.5, 0.1 * static_cast<double>(i % 7)};
   }
-  const std::vector<Workspace> expected = onHost(queries);
+  const std::vector<Workspace> expected = answersOnHost(queries);
   opencl::Tuning tuning = always();
   SECTION("by the host") {
     tuning.overlapContacts = 0;
@@ -181,7 +88,7 @@ TEST_CASE("thin contacts with a wedge beside them are the host's") {
   const auto backend = openBackend(always());
   REQUIRE(backend);
   if (!canDescribe(*backend)) return;
-  CHECK(checkAll(*backend, queries, onHost(queries)) >= 20);
+  CHECK(checkAll(*backend, queries, answersOnHost(queries)) >= 20);
   CHECK(backend->counts().contactsMade >= 20);
 }
 
@@ -200,7 +107,7 @@ TEST_CASE("a mesh that overlaps itself is described") {
     if (i % 8 == 0) queries.back().bInA.t = {0, 0.25 * (i % 3), 0.999};
     queries.back().options.contacts = ContactModel::kSolid;
   }
-  CHECK(checkAll(*backend, queries, onHost(queries)) >= 8);
+  CHECK(checkAll(*backend, queries, answersOnHost(queries)) >= 8);
 }
 
 namespace {
@@ -258,7 +165,7 @@ TEST_CASE("overlaps of meshes that intersect themselves are described") {
     const std::vector<Query> own = overlaps({mesh}, 31, 50, 1.3);
     queries.insert(queries.end(), own.begin(), own.end());
   }
-  const std::vector<Workspace> expected = onHost(queries);
+  const std::vector<Workspace> expected = answersOnHost(queries);
   std::size_t described = 0, crossings = 0, votes = 0, stretches = 0, inVain = 0;
   for (std::size_t i = 0; i < queries.size(); ++i) {
     const AtOdds odds = atOdds(queries[i]);
@@ -305,13 +212,13 @@ TEST_CASE("overlaps of aligned boxes are described, whose crossings lie in one p
     queries.push_back(makeQuery(*box, i % 2 != 0 ? *box : *other, bInA));
     queries.back().options.contacts = ContactModel::kSolid;
   }
-  CHECK(checkAll(*backend, queries, onHost(queries)) == queries.size());
+  CHECK(checkAll(*backend, queries, answersOnHost(queries)) == queries.size());
 }
 
 TEST_CASE("the description does not depend on the sizes of launches and lists") {
   const MeshList meshes = bodies();
   const std::vector<Query> queries = overlaps(meshes, 2, 12, 0.9);
-  const std::vector<Workspace> expected = onHost(queries);
+  const std::vector<Workspace> expected = answersOnHost(queries);
   std::vector<opencl::Tuning> tunings(5, always());
   tunings[0].overlapGroup = 64;
   tunings[0].leafTriangles = 4;
@@ -363,16 +270,16 @@ TEST_CASE("what the device cannot describe the host does") {
   }
   const auto backend = openBackend(always());
   REQUIRE(backend);
-  const std::vector<Workspace> expected = onHost(queries);
+  const std::vector<Workspace> expected = answersOnHost(queries);
   checkAll(*backend, queries, expected);
   opencl::Tuning without = always();
   without.doubles = false;
   CHECK(checkAll(*openBackend(without), queries, expected) == 0);
   meshes = bodies();
   const std::vector<Query> plain = overlaps(meshes, 3, 8);
-  CHECK(checkAll(*openBackend(without), plain, onHost(plain)) == 0);
+  CHECK(checkAll(*openBackend(without), plain, answersOnHost(plain)) == 0);
   if (backend->device().kind == opencl::DeviceKind::kCpu) {
-    CHECK(checkAll(*openBackend(), plain, onHost(plain)) == 0);
+    CHECK(checkAll(*openBackend(), plain, answersOnHost(plain)) == 0);
   }
 }
 
@@ -381,8 +288,9 @@ TEST_CASE("pairs with a history are described as the host does them") {
   const auto backend = openBackend(always());
   REQUIRE(backend);
   if (!canDescribe(*backend)) return;
-  checkHistories(overlaps(meshes, 6, 10, 0.8), 7, 6,
-                 [&](const auto& queries, const auto& forHost) { checkAll(*backend, queries, onHost(forHost)); });
+  checkHistories(overlaps(meshes, 6, 10, 0.8), 7, 6, [&](const auto& queries, const auto& forHost) {
+    checkAll(*backend, queries, answersOnHost(forHost));
+  });
 }
 
 TEST_CASE("threads describe overlaps at once") {
@@ -391,7 +299,7 @@ TEST_CASE("threads describe overlaps at once") {
   REQUIRE(backend);
   if (!canDescribe(*backend)) return;
   const std::vector<Query> queries = overlaps(meshes, 9, 16);
-  const std::vector<Workspace> expected = onHost(queries);
+  const std::vector<Workspace> expected = answersOnHost(queries);
   std::vector<std::thread> team;
   std::atomic<int> wrong{0};
   for (std::size_t t = 0; t < 4; ++t) {
@@ -412,7 +320,7 @@ TEST_CASE("threads describe overlaps at once") {
 TEST_CASE("a described pair comes out the same whatever call fails") {
   const MeshList meshes = bodies();
   const std::vector<Query> queries = overlaps(meshes, 5, 2, 0.6);
-  const std::vector<Workspace> expected = onHost(queries);
+  const std::vector<Workspace> expected = answersOnHost(queries);
   opencl::setLogSink([](const std::string&) {});
   const auto backend = openBackend(always());
   REQUIRE(backend);
@@ -429,291 +337,6 @@ TEST_CASE("a described pair comes out the same whatever call fails") {
       REQUIRE(sameBytes(workspace.reduced, expected[i].reduced));
     }
     opencl::FaultInjection::failAt(0);
-  }
-  CHECK(backend->counts().onHost > 0);
-  opencl::setLogSink({});
-}
-
-// Batches -------------------------------------------------------------------------------------------------------------
-
-namespace {
-
-/// Pairs of a batch with more than 32 intersecting pairs of triangles are too large for its own kernels, and described.
-opencl::Tuning describing() {
-  opencl::Tuning tuning = always();
-  tuning.solidLargeHits = 32;
-  tuning.leastOverlaps = 1;
-  return tuning;
-}
-
-std::vector<std::vector<Contact>> contactsOnHost(const std::vector<Query>& queries) {
-  std::vector<std::vector<Contact>> contacts;
-  for (const Workspace& workspace : onHost(queries)) contacts.push_back(workspace.reduced);
-  return contacts;
-}
-
-std::size_t countWrong(const opencl::BatchAnswer& answer, const std::vector<std::vector<Contact>>& expected) {
-  std::size_t wrong = 0;
-  for (std::size_t i = 0; i < expected.size(); ++i) wrong += sameBytes(answer.of(i), expected[i]) ? 0 : 1;
-  return wrong;
-}
-
-/// How many pairs the device described.
-std::uint64_t checkBatch(opencl::Backend& backend, const std::vector<Query>& queries,
-                         const std::vector<std::vector<Contact>>& expected) {
-  const std::uint64_t before = backend.counts().described;
-  opencl::BatchAnswer answer;
-  CHECK(backend.collideBatch(queries, answer));
-  REQUIRE(answer.size() == queries.size());
-  CHECK(countWrong(answer, expected) == 0);
-  CHECK(backend.counts().onHost == 0);
-  return backend.counts().described - before;
-}
-
-/// Pairs of small bodies, which batches do by themselves, between pairs of large ones; some apart.
-std::vector<Query> mixed(const MeshList& large, const MeshList& small, std::uint32_t seed, std::size_t count) {
-  std::vector<Query> queries = overlaps(large, seed, count / 2, 0.9);
-  Draw draw(seed + 100);
-  while (queries.size() < count) {
-    const auto any = [&] { return draw.below(static_cast<std::uint32_t>(small.size())); };
-    const std::size_t a = any(), b = any();
-    Query query =
-        makeQuery(*small[a], *small[b],
-                  makePose(draw.direction(), draw.uniform(0, 3), otgScale(draw.direction(), draw.uniform(0.5, 2))));
-    query.options.contacts = ContactModel::kSolid;
-    query.options.maxContacts = 16;
-    queries.insert(queries.begin() + draw.below(static_cast<std::uint32_t>(queries.size())), query);
-  }
-  return queries;
-}
-
-MeshList smallBodies() {
-  MeshList meshes;
-  for (const MeshArrays& arrays : {makeTetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}),
-                                   makeBox({1, 1.5, 0.8}, 1), makeSphere(0.8, 1), makeCylinder(0.5, 1.4, 12, 1)}) {
-    meshes.push_back(collisionMesh(arrays));
-  }
-  return meshes;
-}
-
-}  // namespace
-
-TEST_CASE("large pairs of a batch of solids are described, and the others are not disturbed") {
-  const MeshList meshes = bodies(), small = smallBodies();
-  const auto backend = openBackend(describing());
-  REQUIRE(backend);
-  if (!canDescribe(*backend)) return;
-  const std::vector<Query> queries = mixed(meshes, small, 11, 80);
-  const std::vector<std::vector<Contact>> expected = contactsOnHost(queries);
-  CHECK(checkBatch(*backend, queries, expected) >= 25);
-  CHECK(backend->counts().describedInVain < 20);
-  CHECK(backend->counts().contactsMade >= 25);
-  CHECK(backend->counts().contactsLeft <= 2);
-  // Again, and single pairs and a batch without any in between.
-  const std::vector<Query> others = overlaps(meshes, 12, 3, 0.8);
-  checkAll(*backend, others, onHost(others));
-  const std::vector<Query> none(queries.begin(), queries.begin() + 1);
-  checkBatch(*backend, none, contactsOnHost(none));
-  CHECK(checkBatch(*backend, queries, expected) >= 25);
-  // By threads of the caller's, and with times.
-  opencl::BatchAnswer answer;
-  opencl::StageTimes times;
-  std::atomic<std::size_t> shared{0};
-  const opencl::RunParts threads = [&](std::size_t count, const auto& work) {
-    std::vector<std::thread> team;
-    for (std::size_t k = 0; k < 3; ++k) team.emplace_back([&, k] { work(count * k / 3, count * (k + 1) / 3); });
-    for (std::thread& thread : team) thread.join();
-    shared += count;
-  };
-  CHECK(backend->collideBatch(queries, answer, &times, threads));
-  CHECK(shared >= 25);
-  std::size_t wrong = 0;
-  for (std::size_t i = 0; i < queries.size(); ++i) {
-    wrong += sameBytes(answer.of(i), expected[i]) ? 0 : 1;
-  }
-  CHECK(wrong == 0);
-  CHECK(times.host > 0);
-}
-
-TEST_CASE("what cannot be described in a batch is done by itself") {
-  MeshList meshes = bodies();
-  // Boxes in aligned poses, whose crossings lie in one point; two components; a body inside another.
-  const auto box = meshes[1], grid = collisionMesh(makeBox({1, 1, 1}, 20));
-  MeshArrays two = makeBox({0.4, 0.4, 0.4}, 12);
-  const auto moved = static_cast<std::uint32_t>(two.vertices.size());
-  const MeshArrays one = two;
-  for (Vec3f v : one.vertices) two.vertices.push_back({v.x + 0.7f, v.y, v.z});
-  for (const Triangle& t : one.triangles) two.triangles.push_back({t.v[0] + moved, t.v[1] + moved, t.v[2] + moved});
-  const auto pairOfBoxes = collisionMesh(two), tiny = collisionMesh(makeSphere(0.05, 1));
-  std::vector<Query> queries = overlaps(meshes, 21, 12, 0.8);
-  const auto add = [&](const CollisionMesh& a, const CollisionMesh& b, const Transformd& bInA) {
-    queries.push_back(makeQuery(a, b, bInA));
-    queries.back().options.contacts = ContactModel::kSolid;
-    queries.back().options.maxContacts = 12;
-  };
-  const Transformd aligned{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0.25, 0.5, 0.999}};
-  for (int i = 0; i < 4; ++i) {
-    add(*grid, *grid, aligned);
-    add(*grid, *box, {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0.1 * i, 0, 0.9}});
-    add(*meshes[0], *pairOfBoxes, makePose({0, 0, 1}, 0.3 * i, {0.8, 0.1, 0}));
-    add(*meshes[0], *tiny, makePose({0, 0, 1}, 0.3 * i, {0.1, 0.1, 0}));
-    add(*meshes[0], *meshes[0], makePose({0, 1, 0}, 0.3 * i, {0.9, 0.1, 0}));
-  }
-  for (Query& query : queries) query.options.maxContacts = 12;
-  const auto backend = openBackend(describing());
-  REQUIRE(backend);
-  const std::vector<std::vector<Contact>> expected = contactsOnHost(queries);
-  const std::uint64_t described = checkBatch(*backend, queries, expected);
-  if (!canDescribe(*backend)) return;
-  CHECK(described >= 8);
-  CHECK(backend->counts().describedInVain > 0);
-  // Fewer than are worth it, and where it is switched off.
-  opencl::Tuning tuning = describing();
-  tuning.leastOverlaps = 1000;
-  CHECK(checkBatch(*openBackend(tuning), queries, expected) == 0);
-  tuning = describing();
-  tuning.doubles = false;
-  CHECK(checkBatch(*openBackend(tuning), queries, expected) == 0);
-}
-
-TEST_CASE("a few large pairs of a batch are done by the host while the device does the others") {
-  const MeshList meshes = bodies(), small = smallBodies();
-  const std::vector<Query> queries = mixed(meshes, small, 61, 40);
-  const std::vector<std::vector<Contact>> expected = contactsOnHost(queries);
-  std::atomic<std::size_t> shared{0};
-  const opencl::RunParts threads = [&](std::size_t count, const auto& work) {
-    std::vector<std::thread> team;
-    for (std::size_t k = 0; k < 3; ++k) team.emplace_back([&, k] { work(count * k / 3, count * (k + 1) / 3); });
-    for (std::thread& thread : team) thread.join();
-    shared += count;
-  };
-  for (const std::uint32_t most : {0u, 1000u}) {
-    opencl::Tuning tuning = describing();
-    tuning.leastOverlaps = 1000;
-    tuning.meanwhile = most;
-    tuning.leastPiece = 10;  // four pieces
-    const auto backend = openBackend(tuning);
-    REQUIRE(backend);
-    for (int run = 0; run < 2; ++run) {
-      shared = 0;
-      opencl::BatchAnswer answer;
-      CHECK(backend->collideBatch(queries, answer, nullptr, threads));
-      CHECK(countWrong(answer, expected) == 0);
-      CHECK(backend->counts().onHost == 0);
-      CHECK(shared >= 5);
-      if (!backend->device().doubles) continue;
-      CHECK((most == 0 ? answer.byHost.empty() : answer.byHost.size() >= 5));
-      CHECK(answer.byHost.size() <= answer.leftToHost);
-    }
-  }
-}
-
-TEST_CASE("pairs that the host does while the device is at work have the histories of the host, whatever call fails") {
-  const MeshList meshes = bodies(), small = smallBodies();
-  const opencl::RunParts threads = [](std::size_t count, const auto& work) {
-    std::vector<std::thread> team;
-    for (std::size_t k = 0; k < 3; ++k) team.emplace_back([&, k] { work(count * k / 3, count * (k + 1) / 3); });
-    for (std::thread& thread : team) thread.join();
-  };
-  opencl::setLogSink([](const std::string&) {});
-  opencl::Tuning tuning = describing();
-  tuning.leastOverlaps = 1000;
-  tuning.leastPiece = 5;
-  const auto backend = openBackend(tuning);
-  REQUIRE(backend);
-  if (!canDescribe(*backend)) return;
-  std::uint64_t calls = 0;
-  std::size_t byHost = 0;
-  checkHistories(mixed(meshes, small, 71, 20), 72, 5, [&](const auto& queries, const auto& forHost) {
-    const std::uint64_t before = opencl::FaultInjection::callCount();
-    opencl::BatchAnswer answer;
-    CHECK(backend->collideBatch(queries, answer, nullptr, threads));
-    CHECK(countWrong(answer, contactsOnHost(forHost)) == 0);
-    byHost += answer.byHost.size();
-    calls = opencl::FaultInjection::callCount() - before;
-  });
-  CHECK(byHost > 20);
-  CHECK(calls > 60);
-  Draw draw(73);
-  for (const int code : {CL_OUT_OF_RESOURCES, CL_MEM_OBJECT_ALLOCATION_FAILURE}) {
-    for (int round = 0; round < 8; ++round) {
-      checkHistories(mixed(meshes, small, 71, 20), 74, 4, [&](const auto& queries, const auto& forHost) {
-        opencl::FaultInjection::failAt(1 + draw.below(static_cast<std::uint32_t>(calls)), code);
-        opencl::BatchAnswer answer;
-        backend->collideBatch(queries, answer, nullptr, threads);
-        opencl::FaultInjection::failAt(0);
-        CHECK(countWrong(answer, contactsOnHost(forHost)) == 0);
-      });
-    }
-  }
-  CHECK(backend->counts().onHost > 0);
-  opencl::setLogSink({});
-}
-
-TEST_CASE("descriptions of a batch do not depend on the sizes of lists and pieces") {
-  const MeshList meshes = bodies(), small = smallBodies();
-  const std::vector<Query> queries = mixed(meshes, small, 31, 60);
-  const std::vector<std::vector<Contact>> expected = contactsOnHost(queries);
-  std::vector<opencl::Tuning> tunings(7, describing());
-  tunings[0].overlapUnits = 1;
-  tunings[0].hitPlaces = 1;
-  tunings[1].overlapPairs = 1;
-  tunings[2].overlapPairs = 7;
-  tunings[2].overlapGroup = 64;
-  tunings[2].leastPiece = 16;            // several pieces of the batch
-  tunings[3].overlapGroupsPerUnit = 64;  // several work-groups for a pair
-  tunings[4].memoryBudget = 16u << 20;   // not all meshes at once
-  tunings[5].overlapContacts = 0;        // the host makes all contacts from descriptions
-  tunings[6].overlapArena = 1;           // no room for regions at first
-  std::uint64_t described = 0;
-  for (const opencl::Tuning& tuning : tunings) {
-    const auto backend = openBackend(tuning);
-    REQUIRE(backend);
-    if (!canDescribe(*backend)) return;
-    const std::uint64_t now = checkBatch(*backend, queries, expected);
-    CHECK(now >= 15);
-    if (described != 0) CHECK(now == described);
-    described = now;
-    if (tuning.overlapUnits == 1) CHECK(backend->counts().repeats > 1);
-    if (tuning.overlapArena == 1) CHECK(backend->counts().repeats > 0);
-    CHECK((backend->counts().contactsMade > 0) == (tuning.overlapContacts != 0));
-    CHECK(checkBatch(*backend, queries, expected) == described);
-  }
-}
-
-TEST_CASE("pairs of a batch that are described have the histories of the host") {
-  const MeshList meshes = bodies(), small = smallBodies();
-  const auto backend = openBackend(describing());
-  REQUIRE(backend);
-  if (!canDescribe(*backend)) return;
-  checkHistories(mixed(meshes, small, 41, 20), 42, 5, [&](const auto& queries, const auto& forHost) {
-    CHECK(checkBatch(*backend, queries, contactsOnHost(forHost)) > 0);
-  });
-}
-
-TEST_CASE("a batch with described pairs comes out the same whatever call fails") {
-  const MeshList meshes = bodies(), small = smallBodies();
-  const std::vector<Query> queries = mixed(meshes, small, 51, 10);
-  const std::vector<std::vector<Contact>> expected = contactsOnHost(queries);
-  opencl::setLogSink([](const std::string&) {});
-  opencl::Tuning tuning = describing();
-  tuning.overlapPairs = 3;
-  const auto backend = openBackend(tuning);
-  REQUIRE(backend);
-  if (!canDescribe(*backend)) return;
-  checkBatch(*backend, queries, expected);
-  const std::uint64_t before = opencl::FaultInjection::callCount();
-  CHECK(checkBatch(*backend, queries, expected) > 0);
-  const std::uint64_t calls = opencl::FaultInjection::callCount() - before;
-  CHECK(calls > 60);
-  for (const int code : {CL_OUT_OF_RESOURCES, CL_MEM_OBJECT_ALLOCATION_FAILURE}) {
-    for (std::uint64_t n = 1; n <= calls + 100; n += code == CL_OUT_OF_RESOURCES ? 1 : 7) {
-      opencl::FaultInjection::failAt(n, code);
-      opencl::BatchAnswer answer;
-      backend->collideBatch(queries, answer);
-      REQUIRE(countWrong(answer, expected) == 0);
-      opencl::FaultInjection::failAt(0);
-    }
   }
   CHECK(backend->counts().onHost > 0);
   opencl::setLogSink({});

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What tests of pairs share whose overlap a device describes, alone and in batches.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "support/mesh_samples.h"
+#include "support/solid_batches.h"
+
+namespace otg::test {
+
+/// Fine enough for large regions, and some that are not.
+inline MeshList bodies() {
+  using namespace scenes;
+  MeshList meshes;
+  for (const MeshArrays& arrays :
+       {makeLump(1, 5, 0.3, 8), makeBox({1, 1.2, 0.9}, 24), makeTorus(0.8, 0.3, 90, 40), makeSphere(0.9, 5),
+        makeGear(12, 0.9, 0.2, 0.3, 0.1), makeBowl(0.9, 0.15, 48, 16), makeBox({1, 1, 1}, 1)}) {
+    meshes.push_back(collisionMesh(arrays));
+  }
+  return meshes;
+}
+
+inline opencl::Tuning always() {
+  opencl::Tuning tuning;
+  tuning.overlapHits = 1;
+  return tuning;
+}
+
+inline std::vector<Query> overlaps(const MeshList& meshes, std::uint32_t seed, std::size_t count, double reach = 1.1) {
+  Draw draw(seed);
+  Workspace workspace;
+  std::vector<Query> queries;
+  const auto any = [&] { return draw.below(static_cast<std::uint32_t>(meshes.size())); };
+  while (queries.size() < count) {
+    const std::size_t a = any(), b = any();
+    Query query =
+        makeQuery(*meshes[a], *meshes[b],
+                  makePose(draw.direction(), draw.uniform(0, 3), otgScale(draw.direction(), draw.uniform(0.2, reach))));
+    findIntersectingPairs(query, workspace);
+    if (workspace.intersecting.empty()) continue;
+    query.options.contacts = ContactModel::kSolid;
+    query.options.maxContacts = static_cast<int>(4 + 20 * draw.below(4));
+    queries.push_back(query);
+  }
+  return queries;
+}
+
+inline std::vector<Workspace> answersOnHost(const std::vector<Query>& queries) {
+  std::vector<Workspace> answers(queries.size());
+  for (std::size_t i = 0; i < queries.size(); ++i) collide(queries[i], answers[i]);
+  return answers;
+}
+
+/// How many pairs the device described.
+inline std::uint64_t checkAll(opencl::Backend& backend, std::span<const Query> queries,
+                              std::span<const Workspace> expected) {
+  const std::uint64_t before = backend.counts().described;
+  Workspace workspace;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    INFO("query " << i);
+    CHECK(backend.collide(queries[i], workspace));
+    checkSame(workspace, expected[i]);
+  }
+  CHECK(backend.counts().onHost == 0);
+  return backend.counts().described - before;
+}
+
+inline bool canDescribe(const opencl::Backend& backend) {
+  return backend.device().doubles && backend.device().longAtomics;
+}
+
+/// Gives the queries histories and moves them from step to step. `check` gets them, and the same ones with histories
+/// for the host; the histories of both sides have to stay the same.
+template <class Check>
+void checkHistories(std::vector<Query> queries, std::uint32_t seed, int steps, const Check& check) {
+  std::vector<Query> forHost = queries;
+  std::vector<SolidHistory> onDevice(queries.size()), host(queries.size());
+  Draw draw(seed);
+  for (int step = 0; step < steps; ++step) {
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      queries[i].history = &onDevice[i];
+      forHost[i].history = &host[i];
+      queries[i].relativeVelocity = forHost[i].relativeVelocity = step % 2 != 0 ? draw.direction() : Vec3d{0, 0, 0};
+    }
+    check(queries, forHost);
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      CHECK(onDevice[i].current.escape == host[i].current.escape);
+      CHECK(onDevice[i].current.escapeLeft == host[i].current.escapeLeft);
+      CHECK(onDevice[i].current.clampLeft == host[i].current.clampLeft);
+      CHECK(onDevice[i].before.deepNormal == host[i].before.deepNormal);
+      CHECK(onDevice[i].current.deepNormal == host[i].current.deepNormal);
+      if (step == 2) continue;  // the same pose again
+      queries[i].bInA.t = forHost[i].bInA.t = otgAdd(queries[i].bInA.t, otgScale(draw.direction(), 0.02));
+    }
+  }
+}
+
+}  // namespace otg::test
