@@ -84,7 +84,7 @@ OTG_INLINED uint otgBestDeep(__global const otg_region_work* r, __global const o
   const int hasLast = otgHasLast(task);
   OTG_SYNC;
   for (uint k = get_local_id(0); k < count; k += OTG_GROUP) {
-    const double factor = k == 0 ? OTG_SOLID_PUSH_SHARE : k == 1 && hasLast ? 0.85 : 1.0;
+    const double factor = k == 0 ? OTG_SOLID_PUSH_SHARE : k == 1 && hasLast ? OTG_SOLID_LAST_SHARE : 1.0;
     const int isAgainst = otgDot_d(otgDeepDirection(r, task, w, k), w->mean) < OTG_SOLID_DEEP_AGAINST;
     costs[k] = k > 0 && isAgainst ? INFINITY : factor * otgMax_d(as_double(r->ways[k]), r->extents[k]);
   }

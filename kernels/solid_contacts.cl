@@ -7,12 +7,13 @@
 #include "solid_choose.h"
 #include "solid_limit.h"
 
-/// The contacts of one pair: region by region, then as many as it has places.
+/// The contacts of one pair: region by region, then as many as it has places. `direction`: null, or gets that of the
+/// last deep region, or zero.
 OTG_INLINED void otgContactsOf(uint number, __local otg_solid_choice* s, __global const float4* meshes, OTG_MESH* a,
                                OTG_MESH* b, __global const otg_batch_task* task, __global const otg_pair_state* states,
                                __global const otg_reduction* reductions, __global uint* counters, __global uchar* arena,
-                               uint arenaUnits, uint head, __global otg_chosen_contact* list, uint room, uint pairs,
-                               __global uchar* results) {
+                               uint arenaUnits, uint head, __global otg_chosen_contact* list, uint room,
+                               __global double* direction, uint pairs, __global uchar* results) {
   const uint lane = get_local_id(0);
   __global uint* flag = (__global uint*)(results + OTG_RESULT_HEAD) + number;
   const otg_reduction how = reductions[task->reduction];
@@ -34,15 +35,16 @@ OTG_INLINED void otgContactsOf(uint number, __local otg_solid_choice* s, __globa
   if (s->allocated == OTG_NOT_THERE) regions = 0;  // the host gives the arena more room and asks again
   __global otg_chosen_contact* found =
       (__global otg_chosen_contact*)(arena + (size_t)(regions > 0 ? s->allocated : 0) * OTG_ARENA_UNIT);
+  if (lane == 0 && direction != 0) otgStore(direction, otgVec_d(0, 0, 0));
   OTG_SYNC;
   uint index = 0;
   for (uint r = regions; r-- > 0;) {
     const otg_solid_work w = otgGoOnWith(arena, chain[r]);
     const uint flags = w.region->flags;
     const int counts = (flags & OTG_REGION_COUNTS) != 0;
-    if (lane == 0) {
-      // The direction of a deep region is remembered.
-      if ((flags & OTG_REGION_BAD) || (counts && how.bins[1] && (flags & OTG_REGION_DEEP))) s->bad = 1;
+    if (lane == 0 && (flags & OTG_REGION_BAD)) s->bad = 1;
+    if (lane == 0 && direction != 0 && counts && (flags & OTG_REGION_DEEP)) {
+      otgStore(direction, w.isFixed ? w.fixed : w.mean);
     }
     otgTakeEstimates(s, &w);
     otgFilterAndMerge(s, &w);
@@ -72,13 +74,15 @@ OTG_INLINED void otgContactsOf(uint number, __local otg_solid_choice* s, __globa
 }
 
 /// Contacts of the pairs in the lists `first` to `end` of those that have regions. `kept` gets `room` places for each
-/// pair, in its callers' numbers of triangles; the counts of contacts go where placeContacts expects them.
+/// pair, in its callers' numbers of triangles; the counts of contacts go where placeContacts expects them. If pairs
+/// `remember`, `directions` get the directions of their last deep regions, or zero.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidContacts(
     __global const float4* restrict meshes, __global const otg_batch_task* restrict tasks,
     __global const otg_device_mesh* restrict places, __global const otg_pair_state* restrict states,
     __global const otg_reduction* restrict reductions, __global uint* restrict counters, __global uchar* arena,
     uint arenaUnits, __global const uint* restrict heads, __global const uint* restrict lists, uint pairs, uint first,
-    uint end, __global otg_chosen_contact* restrict kept, uint room, __global uchar* restrict results) {
+    uint end, __global otg_chosen_contact* restrict kept, uint room, __global double* restrict directions,
+    uint remembers, __global uchar* restrict results) {
   __local otg_solid_choice choice;
   __local otg_solid_mesh mesh[2];
   for (uint item = get_group_id(0);; item += get_num_groups(0)) {
@@ -86,7 +90,8 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidContac
     if (number == OTG_NOT_THERE) return;
     otgTakeMeshes(mesh, meshes, tasks + number, places);
     otgContactsOf(number, &choice, meshes, mesh, mesh + 1, tasks + number, states, reductions, counters, arena,
-                  arenaUnits, heads[number], kept + (size_t)number * room, room, pairs, results);
+                  arenaUnits, heads[number], kept + (size_t)number * room, room,
+                  remembers ? directions + 3 * (size_t)number : 0, pairs, results);
     OTG_SYNC_ALL;
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The way out of a deep region: the shortest among the push and the main face directions; as directRegion in
-// collide/solid/escape.cpp, without a history.
+// The way out of a deep region: the shortest among the push, the last one and the main face directions; as directRegion in
+// collide/solid/escape.cpp, where no region is entangled.
 #ifndef OTG_SOLID_DEEP_H
 #define OTG_SOLID_DEEP_H
 #include "solid_thin.h"
@@ -209,13 +209,14 @@ OTG_INLINED double otgWayOfPoint(__local const otg_solid_ways* s, const otg_soli
   return otgMax_d(exits[0], 0) + otgMax_d(exits[1], 0);
 }
 
-/// Sets w->fixed if a direction is a shorter way out than the mean one. All lanes call it. `room`: for planes.
+/// Sets w->fixed if a direction is a shorter way out than the mean one. All lanes call it. `last`: the direction of the
+/// pair's last deep region, or zero. `room`: for planes.
 OTG_INLINED void otgFindWayOut(__local otg_solid_ways* s, otg_solid_work* w, OTG_MESH* a, OTG_MESH* b, double far,
-                               __global otg_solid_face* room) {
+                               otg_vec3_d last, __global otg_solid_face* room) {
   const uint lane = get_local_id(0);
   const int isLump = w->thickness > OTG_SOLID_DEEP * w->diagonal;
   otgFindEdgePairs(s, w, a, b, isLump);
-  const int isDeep = (isLump || s->pairs > 0) && w->pieceCount > 0;
+  const int isDeep = (isLump || s->pairs > 0) && w->pieceCount > 0, hasLast = otgDot_d(last, last) > 0;
   const double areas = w->region->areaA + w->region->areaB;
   if (lane == 0) {
     s->count = 0;
@@ -230,7 +231,12 @@ OTG_INLINED void otgFindWayOut(__local otg_solid_ways* s, otg_solid_work* w, OTG
     out[0] = w->mean.x;
     out[1] = w->mean.y;
     out[2] = w->mean.z;
-    s->count = 1;
+    if (hasLast) {
+      out[3] = last.x;
+      out[4] = last.y;
+      out[5] = last.z;
+    }
+    s->count = hasLast ? 2 : 1;
   }
   for (uint mesh = 0; mesh < 2; ++mesh) {
     otgGatherFaces(s, w, mesh, isDeep);
@@ -272,8 +278,9 @@ OTG_INLINED void otgFindWayOut(__local otg_solid_ways* s, otg_solid_work* w, OTG
     // towards the mean.
     if (k == faces && !w->isFixed) factor = OTG_SOLID_ACROSS_SHARE;
     if (otgDot_d(d, w->mean) < OTG_SOLID_DEEP_AGAINST) continue;
-    const double extent = OTG_DEEP_EXTENT(s, k), enough = least / factor;
-    const double cost = factor * (extent >= enough ? extent : otgMax_d(OTG_DEEP_WAY(s, k), extent));
+    const double share = hasLast && k == 1 ? OTG_SOLID_LAST_SHARE : factor;
+    const double extent = OTG_DEEP_EXTENT(s, k), enough = least / share;
+    const double cost = share * (extent >= enough ? extent : otgMax_d(OTG_DEEP_WAY(s, k), extent));
     if (cost >= least) continue;
     least = cost;
     w->fixed = d;

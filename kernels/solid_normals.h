@@ -8,7 +8,7 @@
 #define OTG_SOLID_NORMALS_H
 #include "solid_region.h"
 
-#define OTG_SOLID_DIRECTIONS (1 + 2 * OTG_SOLID_DEEP_FACES + OTG_SOLID_MOST_STRETCHES * OTG_SOLID_MOST_STRETCHES)
+#define OTG_SOLID_DIRECTIONS (2 + 2 * OTG_SOLID_DEEP_FACES + OTG_SOLID_MOST_STRETCHES * OTG_SOLID_MOST_STRETCHES)
 
 // The same memory for what is never needed at the same time. By piece: how it counts.
 #define OTG_WEIGHT(s) ((s)->numbers)

@@ -35,9 +35,9 @@ OTG_INLINED int otgHasWedge(__local otg_solid_ways* s, const otg_solid_work* w) 
   return otgIsUneven_d(end[1] + end[0], w->thickness);
 }
 
-/// One region. `size`: of the smaller mesh; `far`: longer than any way out.
+/// One region. `size`: of the smaller mesh; `far`: longer than any way out; `last`: as otgFindWayOut.
 OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a, OTG_MESH* b, double size, double far,
-                                 __global uint* counters, __global uchar* arena, uint arenaUnits,
+                                 otg_vec3_d last, __global uint* counters, __global uchar* arena, uint arenaUnits,
                                  __global uint2* chunks, uint chunkRoom) {
   const uint lane = get_local_id(0);
   otg_solid_work w = otgWorkOn(arena, at);
@@ -69,7 +69,7 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
   otgWeighPieces(s, &w);
   const size_t plane = (size_t)planeUnits * OTG_ARENA_UNIT;
   otgThinRegion(s, &w, (__global otg_solid_face*)(room + plane), (__global ushort*)(room + 3 * plane));
-  otgFindWayOut(s, &w, a, b, far, (__global otg_solid_face*)(room + 2 * plane));
+  otgFindWayOut(s, &w, a, b, far, last, (__global otg_solid_face*)(room + 2 * plane));
   for (uint i = lane; i < w.pointCount; i += OTG_GROUP) {
     if (!w.points[i].flat) atomic_inc(&s->corners);
   }
@@ -111,12 +111,14 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
 }
 
 /// The regions of the pairs in the lists `first` to `end` of those that have any. `chunks`: candidates, in parts, for
-/// solidEstimate.
+/// solidEstimate. `directions`: what each pair remembers, if it `remembers`: the direction of its last deep region, or
+/// zero.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidWays(
     __global const float4* restrict meshes, __global const otg_batch_task* restrict tasks,
     __global const otg_device_mesh* restrict places, __global uint* restrict counters, __global uchar* arena,
     uint arenaUnits, __global const uint* restrict heads, __global const uint* restrict lists, uint pairs, uint first,
-    uint end, __global uint2* restrict chunks, uint chunkRoom) {
+    uint end, __global uint2* restrict chunks, uint chunkRoom, __global const double* restrict directions,
+    uint remembers) {
   __local otg_solid_ways ways;
   __local otg_solid_mesh mesh[2];
   for (uint item = get_group_id(0);; item += get_num_groups(0)) {
@@ -124,11 +126,12 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidWays(
     if (number == OTG_NOT_THERE) return;
     otgTakeMeshes(mesh, meshes, tasks + number, places);
     const double size = 2 * (double)(mesh[0].radius < mesh[1].radius ? mesh[0].radius : mesh[1].radius);
+    const otg_vec3_d last = remembers ? otgLoad(directions + 3 * (size_t)number) : otgVec_d(0, 0, 0);
     uint at = heads[number];
     for (uint r = 0; at != OTG_NOT_THERE && r < OTG_SOLID_REGIONS; ++r) {
       const uint next = ((__global const otg_solid_region*)(arena + (size_t)at * OTG_ARENA_UNIT))->next;
-      otgWaysOfRegion(&ways, at, mesh, mesh + 1, size, (double)(mesh[0].radius + mesh[1].radius), counters, arena,
-                      arenaUnits, chunks, chunkRoom);
+      otgWaysOfRegion(&ways, at, mesh, mesh + 1, size, (double)(mesh[0].radius + mesh[1].radius), last, counters,
+                      arena, arenaUnits, chunks, chunkRoom);
       at = next;
     }
     OTG_SYNC;

@@ -97,9 +97,9 @@ enum {
   OTG_REDUCE_NONE = 0,     ///< all contacts
   OTG_REDUCE_BINNING = 1,  ///< one for each bin
   OTG_REDUCE_BY_HOST = 2,  ///< only the host can
-  OTG_REDUCE_SOLID = 3     ///< contacts of the model `solid`, bins[0] at most from each region; bins[1]: deep ones are
-                           ///< the host's; bins[2]: one more than the place in the table of how those of the model
-                           ///< `pairwise` are chosen, should the pair get these; 0: by the host
+  OTG_REDUCE_SOLID = 3     ///< contacts of the model `solid`, bins[0] at most from each region; bins[2]: one more than
+                           ///< the place in the table of how those of the model `pairwise` are chosen, should the pair
+                           ///< get these; 0: by the host
 };
 
 /// What is known of a pair while its contacts are chosen.

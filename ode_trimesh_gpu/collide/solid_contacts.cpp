@@ -128,12 +128,16 @@ bool isUnburdened(const Query& query) {
   return query.history == nullptr || stateBefore(query).clampLeft <= 1;
 }
 
-void rememberPlain(const Query& query) {
+Vec3d deepDirectionBefore(const Query& query) {
+  return query.history == nullptr ? Vec3d{0, 0, 0} : otgRotate(query.bInA, stateBefore(query).deepNormal);
+}
+
+void rememberPlain(const Query& query, const Vec3d& deep) {
   if (!query.history || !haveSolidContacts(query.a->mesh(), query.b->mesh())) return;
   const SolidHistory::State before = stateBefore(query);
   SolidHistory::State state = before;
   state.escapeLeft = std::max(0, state.escapeLeft - 1);
-  state.deepNormal = {0, 0, 0};
+  state.deepNormal = otgDot(deep, deep) > 0 ? otgRotateBack(query.bInA, deep) : Vec3d{0, 0, 0};
   state.clampLeft = std::max(0, state.clampLeft - 1);
   keep(query, before, state);
 }

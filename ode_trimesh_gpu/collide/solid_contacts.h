@@ -33,9 +33,12 @@ bool isSheet(const TriMesh& mesh);
 bool haveSolidContacts(const TriMesh& a, const TriMesh& b);
 
 /// For those who compute such contacts elsewhere. Whether what the pair remembers changes nothing, as long
-/// as no region is deep, entangled or contained;
+/// as no region is entangled or contained, but for the direction of its last deep region;
 bool isUnburdened(const Query& query);
-/// and what such a query leaves in query.history, if there is one.
-void rememberPlain(const Query& query);
+/// which is this, in A's frame, or zero;
+Vec3d deepDirectionBefore(const Query& query);
+/// and what such a query leaves in query.history, if there is one. `deep`: the direction of its own last deep region,
+/// or zero.
+void rememberPlain(const Query& query, const Vec3d& deep);
 
 }  // namespace otg

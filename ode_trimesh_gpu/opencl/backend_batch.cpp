@@ -123,6 +123,7 @@ class Backend::Batch {
       const Stopwatch watch(times_ != nullptr);
       const std::span<otg_batch_task> tasks = piece.lane->stage(count);
       fill(begin, tasks, piece.lane->stageFrames(), piece);
+      fillDirections(begin, *piece.lane);
       if (times_) times_->fill += watch.ms();
       piece.soon = asksSoon();
       if (piece.soon) {
@@ -221,6 +222,17 @@ class Backend::Batch {
       frames[k].delta = frame.floatError.delta;
       frames[k].meshA = tasks[k].meshA;
       frames[k].meshB = tasks[k].meshB;
+    }
+  }
+
+  /// What pairs remember of their last deep regions.
+  void fillDirections(std::size_t begin, BatchLane& lane) {
+    if constexpr (Finish::kTakesDescriptions) {
+      if (wish_ != BatchWish::kSolid || !source_.anyHistory) return;
+      const std::span<Vec3d> directions = lane.stageDirections();
+      finish_.inParts(directions.size(), [&](std::size_t from, std::size_t to) {
+        for (std::size_t k = from; k < to; ++k) directions[k] = deepDirectionBefore(source_.query(begin + k));
+      });
     }
   }
 
@@ -328,7 +340,9 @@ class Backend::Batch {
       if (wish_ == BatchWish::kSolid && source_.anyHistory) {
         finish_.inParts(count, [&](std::size_t from, std::size_t to) {
           for (std::size_t k = from; k < to; ++k) {
-            if ((found.flags[k] & (kNotDone | OTG_PAIR_PAIRWISE)) == 0) rememberPlain(source_.query(begin + k));
+            if ((found.flags[k] & (kNotDone | OTG_PAIR_PAIRWISE)) != 0) continue;
+            const bool hasContacts = found.contacts[0].places[2 * k + 1] > 0;
+            rememberPlain(source_.query(begin + k), hasContacts ? found.directions[k] : Vec3d{0, 0, 0});
           }
         });
       }

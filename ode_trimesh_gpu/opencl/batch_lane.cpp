@@ -47,11 +47,21 @@ std::span<otg_batch_task> BatchLane::stage(std::size_t count) {
   staged_.reserve(context_, queue_.get(), std::max<std::size_t>(1, count) * sizeof(otg_batch_task));
   count_ = static_cast<std::uint32_t>(count);
   if (!context_.info().doubles) frames_.assign(count, {});
+  remembers_ = false;
   return {reinterpret_cast<otg_batch_task*>(staged_.data()), count};
 }
 
 std::span<otg_batch_pair> BatchLane::stageFrames() {
   return frames_;
+}
+
+std::span<Vec3d> BatchLane::stageDirections() {
+  static_assert(sizeof(Vec3d) == 3 * sizeof(double));
+  const std::size_t bytes = std::max<std::size_t>(1, count_) * sizeof(Vec3d);
+  directionsBefore_.reserve(context_, queue_.get(), bytes);
+  directions_.reserve(context_, queue_.get(), bytes);
+  remembers_ = true;
+  return {reinterpret_cast<Vec3d*>(directionsBefore_.data()), count_};
 }
 
 BatchLane::~BatchLane() {
@@ -183,7 +193,9 @@ void BatchLane::enqueue(cl_mem meshes, BatchWish wish) {
                                   reducer_.reductions(),
                                   groups_,
                                   wantsFlags_ ? flags_.data() : nullptr,
-                                  &flagged};
+                                  &flagged,
+                                  remembers_ ? directionsBefore_.data() : nullptr,
+                                  remembers_ ? directions_.data() : nullptr};
     solid_.enqueue(queue, batch, reducer_, chosen_, profile_);
     flagged_ = EventHandle(flagged);
     wantsFlags_ = false;  // not when a list was too short
@@ -290,6 +302,7 @@ BatchFound BatchLane::endRun() {
   }
   found.counters = chosen_.counters();  // only now: reading the rest may have moved the memory
   found.flags = chosen_.flags();
+  if (remembers_) found.directions = reinterpret_cast<const Vec3d*>(directions_.data());
   if (contactRecords_ && found.counters[OTG_COUNT_MANY] > 0) runMany(pinned_.buffer(), found);
   if (profile_.on()) profile_.collect();
   return found;

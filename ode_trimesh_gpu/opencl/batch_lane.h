@@ -36,6 +36,8 @@ struct BatchFound {
     std::shared_ptr<const void> memory;  ///< keeps them as they are for as long as it is shared
   };
   std::vector<Contacts> contacts;  ///< a pair has its contacts in one of them at most
+  /// Where pairs remember: the direction of the last deep region of each pair with contacts, or zero. Frame A.
+  const Vec3d* directions = nullptr;
 };
 
 /// One thread at a time. After a ClError the lane is of no further use.
@@ -50,6 +52,8 @@ class BatchLane {
   std::span<otg_batch_task> stage(std::size_t count);
   /// Frames of the same pairs, which the host has to make for a device without doubles (else empty).
   std::span<otg_batch_pair> stageFrames();
+  /// The same, for a batch of solids that remember: the direction of each pair's last deep region, or zero. Frame A.
+  std::span<Vec3d> stageDirections();
   bool makesContacts() const { return static_cast<bool>(small_); }
 
   /// Begins with middle and near phase of the staged pairs in one submission, and what else is wished. Tasks name
@@ -113,6 +117,8 @@ class BatchLane {
   PinnedBuffer flags_;        ///< for soonFlags()
   bool wantsFlags_ = false;
   EventHandle flagged_;
+  PinnedBuffer directionsBefore_, directions_;
+  bool remembers_ = false;
   std::uint64_t repeats_ = 0;
 };
 

@@ -65,10 +65,10 @@ struct SolidReductions {
     return at;
   }
   /// `mixed`: not both are solids. `byHost`: as solidReduction.
-  std::uint32_t solid(const CollideOptions& options, bool mixed, bool byHost, bool remembers) {
+  std::uint32_t solid(const CollideOptions& options, bool mixed, bool byHost) {
     const otg_reduction other = deviceReduction(options, false);
     const bool works = mixed && other.method != OTG_REDUCE_BY_HOST;
-    return find(solidReduction(options, byHost, remembers, works ? 1 + find(other) : 0));
+    return find(solidReduction(options, byHost, works ? 1 + find(other) : 0));
   }
 };
 
@@ -95,7 +95,7 @@ class QuerySource {
       const Kind kind = kinds[i];
       if (last == nullptr || !(kind == lastKind) || !sameReduction(*last, query.options)) {
         SolidReductions all{reductions};
-        current_ = kind.solid ? all.solid(query.options, kind.mixed, kind.burdened || !makesSolids, kind.history)
+        current_ = kind.solid ? all.solid(query.options, kind.mixed, kind.burdened || !makesSolids)
                               : all.find(deviceReduction(query.options, false));
         last = &query.options;
         lastKind = kind;
@@ -158,7 +158,7 @@ class PairSource {
     anyPairwise = !allSolid;
     SolidReductions all{reductions};
     if (anyPairwise) pairwise_ = all.find(deviceReduction(batch.options, false));
-    if (anySolid) solid_ = all.solid(batch.options, !allSolid, !makesSolids, false);
+    if (anySolid) solid_ = all.solid(batch.options, !allSolid, !makesSolids);
   }
 
   std::vector<const CollisionMesh*> meshes;

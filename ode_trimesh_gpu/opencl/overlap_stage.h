@@ -91,9 +91,9 @@ class OverlapStage {
   DeviceList tasks_{sizeof(otg_listed_overlap)}, pairs_{sizeof(otg_overlap_pair)}, states_{sizeof(otg_overlap_state)},
       crossings_{sizeof(otg_crossing)}, slots_{sizeof(otg_uint)}, hits_{sizeof(otg_overlap_hit)},
       parents_{sizeof(otg_uint)}, marks_{sizeof(otg_uint)}, balances_{sizeof(otg_int)},
-      inside_{sizeof(otg_found_inside)},
-      cells_{OTG_GRID_KEYS * sizeof(otg_surface_cell)}, cellList_{OTG_GRID_KEYS * sizeof(otg_uint)},
-      small_{sizeof(otg_found_inside)}, depthTable_{OTG_GRID_KEYS * sizeof(otg_ulong)}, out_{16};
+      inside_{sizeof(otg_found_inside)}, cells_{OTG_GRID_KEYS * sizeof(otg_surface_cell)},
+      cellList_{OTG_GRID_KEYS * sizeof(otg_uint)}, small_{sizeof(otg_found_inside)},
+      depthTable_{OTG_GRID_KEYS * sizeof(otg_ulong)}, out_{16};
   PinnedBuffer staged_, host_;
   std::uint32_t outWanted_, tablesWanted_ = OTG_OVERLAP_REGIONS;
   std::uint32_t expected_ = 1u << 12;  ///< units behind the head

@@ -68,7 +68,7 @@ otg_reduction deviceReduction(const CollideOptions& options, bool byHost) {
   return out;
 }
 
-otg_reduction solidReduction(const CollideOptions& options, bool byHost, bool remembers, std::uint32_t pairwise) {
+otg_reduction solidReduction(const CollideOptions& options, bool byHost, std::uint32_t pairwise) {
   const int each = options.solid.contactsPerRegion;
   const bool plain = each >= 1 && each <= kMostContactsOfRegion && !(options.solid.regionMerge > 0);
   otg_reduction out = deviceReduction(options, true);
@@ -76,7 +76,6 @@ otg_reduction solidReduction(const CollideOptions& options, bool byHost, bool re
   out = {};
   out.method = OTG_REDUCE_SOLID;
   out.bins[0] = each;
-  out.bins[1] = remembers ? 1 : 0;
   out.bins[2] = static_cast<otg_int>(pairwise);
   out.places = static_cast<otg_uint>(options.maxContacts);
   return out;

@@ -30,7 +30,7 @@ otg_reduction deviceReduction(const CollideOptions& options, bool byHost);
 /// The same for the model `solid`. `remembers`: the pair has a history, which holds what only the host knows of deep
 /// regions. `pairwise`: one more than the place of deviceReduction() in the table, or 0 where the pair is of two
 /// solids.
-otg_reduction solidReduction(const CollideOptions& options, bool byHost, bool remembers, std::uint32_t pairwise);
+otg_reduction solidReduction(const CollideOptions& options, bool byHost, std::uint32_t pairwise);
 
 /// Part of one lane. Functions throw ClError.
 class Reducer {

@@ -108,6 +108,7 @@ void SolidStage::reserve(std::uint32_t pairs, std::uint32_t hits, std::uint32_t 
   chunks_.reserve(context_, chunksWanted_);
   lists_.reserve(context_, 2 * OTG_SOLID_BINS * std::uint64_t{pairs});
   kept_.reserve(context_, std::uint64_t{pairs} * room_);
+  directions_.reserve(context_, pairs);
   left_.reserve(context_, hits);
 }
 
@@ -158,10 +159,13 @@ void SolidStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& re
          batch.count * sizeof(otg_uint), static_cast<void*>(batch.flags), cl_uint{0},
          static_cast<const cl_event*>(nullptr), batch.flagged);
   }
+  const otg_uint remembers = batch.directions != nullptr ? 1 : 0;
+  const std::size_t directionBytes = batch.count * 3 * sizeof(double);
+  if (remembers) writeLater(queue, directions_.get(), directionBytes, batch.directionsBefore);
   for (Size& size : sizes_) {
     Arguments(size.ways) << batch.meshes << batch.tasks << batch.places << batch.counters << arena_.get()
                          << arena_.places() << heads_.get() << lists_.get() << batch.count << size.firstList
-                         << size.endList << chunks_.get() << chunks_.places();
+                         << size.endList << chunks_.get() << chunks_.places() << directions_.get() << remembers;
     launch(queue, size.ways, size.group, groupsOf(size), 1, profile.next(Profile::kSelect));
   }
   Arguments(estimate_) << chunks_.get() << chunks_.places() << batch.counters << arena_.get();
@@ -169,8 +173,14 @@ void SolidStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& re
   for (Size& size : sizes_) {
     Arguments(size.contacts) << batch.meshes << batch.tasks << batch.places << batch.states << batch.reductions
                              << batch.counters << arena_.get() << arena_.places() << heads_.get() << lists_.get()
-                             << batch.count << size.firstList << size.endList << kept_.get() << room_ << chosen.get();
+                             << batch.count << size.firstList << size.endList << kept_.get() << room_
+                             << directions_.get() << remembers << chosen.get();
     launch(queue, size.contacts, size.group, groupsOf(size), 1, profile.next(Profile::kSelect));
+  }
+  if (remembers) {
+    clDo(OTG_CL(clEnqueueReadBuffer), queue, directions_.get(), cl_bool{CL_FALSE}, std::size_t{0}, directionBytes,
+         static_cast<void*>(batch.directions), cl_uint{0}, static_cast<const cl_event*>(nullptr),
+         profile.next(Profile::kReadBack));
   }
   reducer.enqueuePlaces(queue, batch.count, chosen, profile);
 }

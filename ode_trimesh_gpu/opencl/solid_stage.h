@@ -32,6 +32,10 @@ class SolidStage {
     std::size_t groups;
     std::byte* flags;   ///< gets the flags of the pairs, as far as their regions tell; may be null
     cl_event* flagged;  ///< then: when they are there
+    /// Directions of deep regions, three doubles a pair: those of the last query, and where those of this one go; both
+    /// may be null.
+    const std::byte* directionsBefore;
+    std::byte* directions;
   };
   /// After a batch: the records of the pairs that are left to the host, where each has its hits side by side. False if
   /// there was no room for them: then all records have to be looked at.
@@ -64,7 +68,7 @@ class SolidStage {
   Kernel records_, stretches_, scatter_, estimate_, write_, pairwise_;
   std::size_t estimateGroup_, estimateGroups_;
   DeviceList sorted_{sizeof(otg_solid_hit)}, heads_{sizeof(otg_uint)}, arena_, lists_{sizeof(otg_uint)},
-      chunks_{2 * sizeof(otg_uint)}, kept_{sizeof(otg_chosen_contact)};
+      chunks_{2 * sizeof(otg_uint)}, kept_{sizeof(otg_chosen_contact)}, directions_{3 * sizeof(double)};
 };
 
 }  // namespace otg::opencl

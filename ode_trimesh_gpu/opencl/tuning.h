@@ -73,8 +73,8 @@ struct Tuning {
   /// Work-items of a work-group of the traversal `levels`, and how many numbers its prefix sums take at once; 4 at
   /// least.
   std::uint32_t levelsGroup = 256;
-  /// Points or rays of an array are sent in pieces of so many at most, in two or more if these have `leastPointPiece` of
-  /// them; `pointGroup` work-items of a work-group.
+  /// Points or rays of an array are sent in pieces of so many at most, in two or more if these have `leastPointPiece`
+  /// of them; `pointGroup` work-items of a work-group.
   std::uint32_t pointPiece = 1u << 18, leastPointPiece = 1u << 15, pointGroup = 64;
   std::uint64_t memoryBudget =
       0;  ///< bytes for meshes; 0: half of the device's memory. `levels`: as much again, or a quarter

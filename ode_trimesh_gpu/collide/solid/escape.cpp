@@ -343,7 +343,7 @@ RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& a
       normals.fix(d);
       return true;
     };
-    if (otgDot(motion.deepNormal, motion.deepNormal) > 0) offer(motion.deepNormal, 0.85);
+    if (otgDot(motion.deepNormal, motion.deepNormal) > 0) offer(motion.deepNormal, OTG_SOLID_LAST_SHARE);
     for (int m = 0; m < 2; ++m) {
       for (const Vec3d& d : faceDirections(all, region, m)) offer(d, 1.0);
     }
