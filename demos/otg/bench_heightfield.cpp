@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `otg bench heightfield`: meshes of a box and of a ball on a large heightfield, at rest, moving and above it, and the
-// same body of ODE's own; also building the field.
+// same body of ODE's own; also building the field, and a box that slides over a kink.
 #include <fmt/format.h>
 #include <ode_trimesh_gpu/ode_trimesh_gpu.h>
 
@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "otg/bench.h"
+#include "otg/bench_kink.h"
 #include "otg/contact_hash.h"
 #include "scenes/height_grid.h"
 #include "scenes/heightfield_geom.h"
@@ -166,7 +167,7 @@ int benchHeightfield(const FieldOptions& options) {
       {{{"samples", grid.columns * grid.rows}, {"build_ms", median(ours)}, {"build_ms_of_ode", median(stock)}}});
   printBench({{"bench", "heightfield"},
               {"samples", {grid.columns, grid.rows}},
-              {"tables", {{"bodies", bodies}, {"build", build}}}},
+              {"tables", {{"bodies", bodies}, {"build", build}, {"kink", kinkRows()}}}},
              options.json);
   return 0;
 }

@@ -25,7 +25,8 @@ std::shared_ptr<MeshTrees> refitted(const TriMesh& moved, const MeshTrees& befor
 /// going to be done here.
 template <class T>
 bool heldBy(const std::shared_ptr<T>& object, long holders) {
-  { const std::shared_ptr<T> ordered = object; }
+  std::shared_ptr<T> ordered = object;
+  ordered.reset();
   return object.use_count() <= holders;
 }
 

@@ -265,6 +265,11 @@ class Bench(CliTest):
         build = document["tables"]["build"][0]
         self.assertEqual((build["samples"], document["samples"]), (128 * 128, [128, 128]))
         self.assertGreater(build["build_ms"], 0)
+        *kinks, of_all = document["tables"]["kink"]
+        self.assertEqual(([row["slides"] for row in kinks], of_all["slides"]), ([4] * 12, 48))
+        for row in kinks:
+            self.assertTrue(1e-5 < row["depth_of_own_mm"] < 20 and 1e-5 < row["depth_mm"] < 40, row)
+        self.assertLess(of_all["depth_mm"], 2 * of_all["depth_of_own_mm"])
 
     def test_build(self):
         tables = self.run_json("bench", "build", self.mesh(), "--repeat", "2")["tables"]
