@@ -7,6 +7,7 @@
 #include "otg/bench_moves.h"
 #include "otg/bench_scales.h"
 #include "otg/query_options.h"
+#include "scenes/generated_meshes.h"
 
 namespace otg::cli {
 namespace {
@@ -96,6 +97,21 @@ Json updateRow(const BenchMesh& entry, int repeat) {
   return row;
 }
 
+/// Many closed parts, none of which may come to lie in another one.
+BenchMesh spheresInARow() {
+  constexpr std::uint32_t kSpheres = 20;
+  const scenes::MeshArrays sphere = scenes::makeSphere(1, 4);
+  scenes::MeshArrays row;
+  for (std::uint32_t i = 0; i < kSpheres; ++i) {
+    const auto first = static_cast<std::uint32_t>(row.vertices.size());
+    for (const Vec3f& v : sphere.vertices) row.vertices.push_back({v.x + 3 * static_cast<float>(i), v.y, v.z});
+    for (const Triangle& t : sphere.triangles) {
+      row.triangles.push_back({{t.v[0] + first, t.v[1] + first, t.v[2] + first}});
+    }
+  }
+  return {"20 spheres in a row", scenes::build(row)};
+}
+
 }  // namespace
 
 int benchBuild(const BenchOptions& options) {
@@ -125,6 +141,7 @@ int benchBuild(const BenchOptions& options) {
     }
     updates.push_back(updateRow(entry, options.repeat));
   }
+  updates.push_back(updateRow(spheresInARow(), options.repeat));
   printBench(
       {{"bench", "build"},
        {"tables", {{"build", rows}, {"update", updates}, {"scale", scaleRows(options)}, {"sent", sentRows(options)}}}},
