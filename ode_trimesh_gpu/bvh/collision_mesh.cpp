@@ -82,8 +82,12 @@ const Adjacency& CollisionMesh::adjacency() const {
   return adjacency_.get([this] { return buildAdjacency(*mesh_); });
 }
 
-CollisionMesh::Motion& CollisionMesh::motion() {
-  if (motion_ == nullptr) motion_.reset(new Motion{VertexMotion(*mesh_), {}, {}, {}});
+/// `of`: of an image, the mesh whose move it follows.
+CollisionMesh::Motion& CollisionMesh::motion(const CollisionMesh* of) {
+  if (motion_ == nullptr) {
+    const VertexMotion* const like = of == nullptr ? nullptr : &of->motion_->vertices;
+    motion_.reset(new Motion{VertexMotion(*mesh_, like), {}, {}, {}});
+  }
   return *motion_;
 }
 
@@ -128,7 +132,7 @@ bool CollisionMesh::beginMove(std::span<const MovedVertex> moved, long images) {
 bool CollisionMesh::followMove(const CollisionMesh& of, std::span<const MovedVertex> moved) {
   if (!heldBy(mesh_, 1)) return false;
   try {
-    Motion& m = motion();
+    Motion& m = motion(&of);
     m.vertices.plan(*mesh_, moved);
     m.alive = std::make_shared<const char>('\0');
     m.structure = std::make_shared<const char>('\0');

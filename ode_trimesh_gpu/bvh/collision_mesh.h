@@ -99,7 +99,7 @@ class CollisionMesh {
 
  private:
   struct Motion;
-  Motion& motion();
+  Motion& motion(const CollisionMesh* of = nullptr);
   void finishOwnMove() noexcept;
   void finishFollowing() noexcept;
   bool imageIsWorn() const;

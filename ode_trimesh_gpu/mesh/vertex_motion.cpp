@@ -30,64 +30,84 @@ bool sameBits(const Vec3f& a, const Vec3f& b) {
 
 }  // namespace
 
-VertexMotion::VertexMotion(const TriMesh& mesh) {
+std::shared_ptr<const VertexMotion::Links> VertexMotion::linksOf(const TriMesh& mesh) {
   const Topology& topology = mesh.topology();
   const auto vertices = static_cast<std::uint32_t>(mesh.vertices().size());
   const auto triangles = static_cast<std::uint32_t>(mesh.triangleCount());
+  auto links = std::make_shared<Links>();
+  links->weld = topology.weld;
+  links->componentOf = topology.componentOf;
   if (!mesh.inputVertexOf_.empty()) {
-    ownVertex_.assign(mesh.inputVertexCount(), kNone);
-    for (std::uint32_t v = 0; v < vertices; ++v) ownVertex_[mesh.callerVertex(v)] = v;
+    links->ownVertex.assign(mesh.inputVertexCount(), kNone);
+    for (std::uint32_t v = 0; v < vertices; ++v) links->ownVertex[mesh.callerVertex(v)] = v;
   }
-  firstUse_.assign(std::size_t{vertices} + 1, 0);
+  std::vector<std::uint32_t>& firstUse = links->firstUse;
+  firstUse.assign(std::size_t{vertices} + 1, 0);
   for (const Triangle& t : mesh.triangles())
-    for (const std::uint32_t v : t.v) ++firstUse_[v + 1];
-  for (std::uint32_t v = 0; v < vertices; ++v) firstUse_[v + 1] += firstUse_[v];
-  uses_.resize(3 * std::size_t{triangles});
-  std::vector<std::uint32_t> cursor(firstUse_.begin(), firstUse_.end() - 1);
+    for (const std::uint32_t v : t.v) ++firstUse[v + 1];
+  for (std::uint32_t v = 0; v < vertices; ++v) firstUse[v + 1] += firstUse[v];
+  links->uses.resize(3 * std::size_t{triangles});
+  std::vector<std::uint32_t> cursor(firstUse.begin(), firstUse.end() - 1);
   for (std::uint32_t t = 0; t < triangles; ++t)
-    for (const std::uint32_t v : mesh.triangles()[t].v) uses_[cursor[v]++] = t;
+    for (const std::uint32_t v : mesh.triangles()[t].v) links->uses[cursor[v]++] = t;
+
+  std::vector<std::uint32_t>& ring = links->ring;
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    const std::uint32_t point = topology.weld[v];
+    if (point == v) continue;
+    if (ring.empty()) {
+      ring.resize(vertices);
+      for (std::uint32_t w = 0; w < vertices; ++w) ring[w] = w;
+    }
+    ring[v] = ring[point];
+    ring[point] = v;
+  }
+
+  const std::size_t components = topology.componentCount();
+  const bool each = components == 1 && std::find(topology.componentOf.begin(), topology.componentOf.end(), kNone) ==
+                                           topology.componentOf.end();
+  if (each) return links;
+  std::vector<std::uint32_t>& componentFirst = links->componentFirst;
+  componentFirst.assign(components + 1, 0);
+  links->placeOf.assign(triangles, kNone);
+  for (const std::uint32_t c : topology.componentOf)
+    if (c != kNone) ++componentFirst[c + 1];
+  for (std::size_t c = 0; c < components; ++c) componentFirst[c + 1] += componentFirst[c];
+  links->byComponent.resize(componentFirst.back());
+  cursor.assign(componentFirst.begin(), componentFirst.end() - 1);
+  for (std::uint32_t t = 0; t < triangles; ++t) {
+    const std::uint32_t c = topology.componentOf[t];
+    if (c == kNone) continue;
+    links->placeOf[t] = cursor[c] - componentFirst[c];
+    links->byComponent[cursor[c]++] = t;
+  }
+  return links;
+}
+
+VertexMotion::VertexMotion(const TriMesh& mesh, const VertexMotion* like) {
+  const Topology& topology = mesh.topology();
+  const auto vertices = static_cast<std::uint32_t>(mesh.vertices().size());
+  const auto triangles = static_cast<std::uint32_t>(mesh.triangleCount());
+  const bool shares = like != nullptr && like->links_->weld.data() == topology.weld.data() &&
+                      like->links_->componentOf.data() == topology.componentOf.data();
+  links_ = shares ? like->links_ : linksOf(mesh);
 
   head_.assign(std::bit_ceil(std::max<std::size_t>(16, vertices)), kNone);
   next_.assign(vertices, kNone);
   for (std::uint32_t v = 0; v < vertices; ++v) {
-    const std::uint32_t point = topology.weld[v];
-    if (point == v) {
-      enter(mesh, v);
-      continue;
-    }
-    if (ring_.empty()) {
-      ring_.resize(vertices);
-      for (std::uint32_t w = 0; w < vertices; ++w) ring_[w] = w;
-    }
-    ring_[v] = ring_[point];
-    ring_[point] = v;
+    if (topology.weld[v] == v) enter(mesh, v);
   }
   blocks_.resize((vertices + kBlock - 1) / kBlock);
   for (std::uint32_t b = 0; b < blocks_.size(); ++b) blocks_[b] = blockOf(mesh, b);
 
   const std::size_t components = topology.componentCount();
   volume6_.resize(components);
-  const bool each = components == 1 && std::find(topology.componentOf.begin(), topology.componentOf.end(), kNone) ==
-                                           topology.componentOf.end();
-  if (!each) {
-    componentFirst_.assign(components + 1, 0);
-    placeOf_.assign(triangles, kNone);
-    for (const std::uint32_t c : topology.componentOf)
-      if (c != kNone) ++componentFirst_[c + 1];
-    for (std::size_t c = 0; c < components; ++c) componentFirst_[c + 1] += componentFirst_[c];
-    byComponent_.resize(componentFirst_.back());
-    cursor.assign(componentFirst_.begin(), componentFirst_.end() - 1);
-    for (std::uint32_t t = 0; t < triangles; ++t) {
-      const std::uint32_t c = topology.componentOf[t];
-      if (c == kNone) continue;
-      placeOf_[t] = cursor[c] - componentFirst_[c];
-      byComponent_[cursor[c]++] = t;
-    }
-  }
+  const std::vector<std::uint32_t>& byComponent = links_->byComponent;
+  const bool each = links_->componentFirst.empty();
   for (std::uint32_t c = 0; c < components; ++c) {
-    const std::size_t first = firstOf(c), count = each ? triangles : componentFirst_[c + 1] - first;
+    const std::size_t first = firstOf(c), count = each ? triangles : links_->componentFirst[c + 1] - first;
     volume6_[c].build(count, [&](std::size_t i) {
-      return volume6(mesh.vertices(), mesh.triangles()[each ? i : byComponent_[first + i]], mesh.origin());
+      return volume6(mesh.vertices(), mesh.triangles()[each ? i : byComponent[first + i]], mesh.origin());
     });
   }
   closedComponents_ =
@@ -179,10 +199,10 @@ void VertexMotion::plan(const TriMesh& mesh, std::span<const MovedVertex> moved)
   std::erase_if(moves_, [&](const MovedVertex& move) { return sameBits(mesh.vertices()[move.vertex], move.to); });
   before_.resize(moves_.size());
   for (const MovedVertex& move : moves_) {
-    for (std::uint32_t i = firstUse_[move.vertex]; i < firstUse_[move.vertex + 1]; ++i) {
-      if (triangleMark_[uses_[i]] == plan_) continue;
-      triangleMark_[uses_[i]] = plan_;
-      triangles_.push_back(uses_[i]);
+    for (std::uint32_t i = links_->firstUse[move.vertex]; i < links_->firstUse[move.vertex + 1]; ++i) {
+      if (triangleMark_[links_->uses[i]] == plan_) continue;
+      triangleMark_[links_->uses[i]] = plan_;
+      triangles_.push_back(links_->uses[i]);
     }
   }
 }
@@ -225,8 +245,8 @@ bool VertexMotion::keepsPoints(const TriMesh& mesh) {
     const std::uint32_t point = weld[move.vertex];
     if (!(mesh.vertices()[move.vertex] == mesh.vertices()[point])) return false;
     if (point != move.vertex) continue;
-    if (!ring_.empty()) {
-      for (std::uint32_t v = ring_[point]; v != point; v = ring_[v]) {
+    if (!links_->ring.empty()) {
+      for (std::uint32_t v = links_->ring[point]; v != point; v = links_->ring[v]) {
         if (!(mesh.vertices()[v] == mesh.vertices()[point])) return false;
       }
     }
@@ -250,7 +270,7 @@ bool VertexMotion::volumesAfter(const TriMesh& mesh, const Bounds& bounds, std::
   terms.reserve(triangles_.size());
   for (const std::uint32_t t : triangles_) {
     if (topology.componentOf[t] == kNone) continue;
-    terms.emplace_back(topology.componentOf[t], placeOf_.empty() ? t : placeOf_[t]);
+    terms.emplace_back(topology.componentOf[t], links_->placeOf.empty() ? t : links_->placeOf[t]);
   }
   if (volume6_.size() > 1) std::sort(terms.begin(), terms.end());
   std::vector<std::uint32_t> changed;
@@ -259,7 +279,7 @@ bool VertexMotion::volumesAfter(const TriMesh& mesh, const Bounds& bounds, std::
     changed.clear();
     for (; i < terms.size() && terms[i].first == c; ++i) changed.push_back(terms[i].second);
     volume6_[c].update(changed, [&](std::size_t place) {
-      const std::size_t t = byComponent_.empty() ? place : byComponent_[firstOf(c) + place];
+      const std::size_t t = links_->byComponent.empty() ? place : links_->byComponent[firstOf(c) + place];
       return volume6(mesh.vertices(), mesh.triangles()[t], mesh.origin());
     });
   }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -21,10 +22,12 @@ struct MovedVertex {
 
 /// What is known of one mesh beside itself so that few of its vertices can move without a look at all of them: which
 /// triangles use a vertex, which vertices lie where, and sums and bounds by parts. Made from the mesh, and kept in step
-/// with it by move(). Takes about 40 bytes for each triangle.
+/// with it by move(). Takes about 40 bytes for each triangle, 15 less where a part is another's.
 class VertexMotion {
  public:
-  explicit VertexMotion(const TriMesh& mesh);
+  /// `like`, if there is one: that of a mesh which may have the same points and triangles in other places, or turned
+  /// round; what does not depend on places is shared with it then.
+  explicit VertexMotion(const TriMesh& mesh, const VertexMotion* like = nullptr);
 
   /// First step: takes the moves over (a vertex that is named twice goes where it is sent last), and lists the
   /// triangles that they change. The mesh is only read. May throw std::bad_alloc.
@@ -45,7 +48,9 @@ class VertexMotion {
   std::span<const std::uint32_t> triangles() const { return triangles_; }
 
   /// The mesh's number of a vertex by the caller's; kNone for one that repair has merged into another.
-  std::uint32_t ownVertex(std::uint32_t ofCaller) const { return ownVertex_.empty() ? ofCaller : ownVertex_[ofCaller]; }
+  std::uint32_t ownVertex(std::uint32_t ofCaller) const {
+    return links_->ownVertex.empty() ? ofCaller : links_->ownVertex[ofCaller];
+  }
 
  private:
   static constexpr std::uint32_t kBlock = 32;
@@ -54,9 +59,19 @@ class VertexMotion {
     float radius = 0;
     Array<double> componentVolume;
   };
+  /// What depends on triangles, and on which vertices are one point, alone.
+  struct Links {
+    SharedArray<std::uint32_t> weld, componentOf;  ///< those of the mesh's topology
+    std::vector<std::uint32_t> ownVertex;          ///< by the caller's number; empty where that is the same number
+    std::vector<std::uint32_t> firstUse, uses;     ///< the triangles of vertex v: uses[firstUse[v]] ..
+    std::vector<std::uint32_t> ring;               ///< the next vertex of the same point, round; empty if each is alone
+    /// Where there are several components: triangles by component (those of none left out), and the place of each.
+    std::vector<std::uint32_t> componentFirst, byComponent, placeOf;
+  };
+  static std::shared_ptr<const Links> linksOf(const TriMesh& mesh);
   /// Of kBlock neighbouring vertices, those that triangles use.
   Bounds blockOf(const TriMesh& mesh, std::uint32_t block) const;
-  bool isUsed(std::uint32_t v) const { return firstUse_[v] != firstUse_[v + 1]; }
+  bool isUsed(std::uint32_t v) const { return links_->firstUse[v] != links_->firstUse[v + 1]; }
   void enter(const TriMesh& mesh, std::uint32_t point);
   void leave(const TriMesh& mesh, std::uint32_t point);
   bool occupied(const TriMesh& mesh, std::uint32_t point) const;
@@ -70,16 +85,12 @@ class VertexMotion {
   void measureNesting(const TriMesh& mesh, const Topology& topology);
   bool staysApart(const TriMesh& mesh, std::span<const std::uint32_t> changed) const;
   std::size_t firstOf(std::uint32_t component) const {
-    return componentFirst_.empty() ? 0 : componentFirst_[component];
+    return links_->componentFirst.empty() ? 0 : links_->componentFirst[component];
   }
 
-  std::vector<std::uint32_t> ownVertex_;        ///< by the caller's number; empty where that is the same number
-  std::vector<std::uint32_t> firstUse_, uses_;  ///< the triangles of vertex v: uses_[firstUse_[v]] ..
-  std::vector<std::uint32_t> head_, next_;      ///< welded vertices by the hash of their places
-  std::vector<std::uint32_t> ring_;             ///< the next vertex of the same point, round; empty if each is alone
+  std::shared_ptr<const Links> links_;
+  std::vector<std::uint32_t> head_, next_;  ///< welded vertices by the hash of their places
   std::vector<Bounds> blocks_;
-  /// Where there are several components: triangles by component (those of none left out), and the place of each.
-  std::vector<std::uint32_t> componentFirst_, byComponent_, placeOf_;
   std::vector<KeptBlockSum> volume6_;    ///< of each component
   std::vector<std::uint8_t> wellWound_;  ///< componentsWellWound()
   std::uint32_t closedComponents_ = 0;

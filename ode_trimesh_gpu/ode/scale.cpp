@@ -159,12 +159,13 @@ bool dxGpuTriMeshData::moveInPlace(const std::vector<PlacedVertex>& placed) {
   { const std::shared_ptr<const otg::CollisionMesh> ordered = mesh_; }
   if (mesh_.use_count() != 1) return false;
   std::vector<otg::MovedVertex> moved;
-  /// Whether all places are finite numbers at a scale; `moved` then has those of a mesh with that scale.
-  const auto takeMoves = [&](otg::CollisionMesh& mesh, const otg::MeshScale& scale) {
+  /// Whether all places are finite numbers at a scale; `moved` then has those of a mesh with that scale, whose vertices
+  /// have the same numbers.
+  const auto takeMoves = [&](const otg::MeshScale& scale) {
     moved.clear();
     moved.reserve(placed.size());
     for (const PlacedVertex& p : placed) {
-      const std::uint32_t own = mesh.ownVertex(p.vertex);
+      const std::uint32_t own = mesh_->ownVertex(p.vertex);
       const otg::Vec3f to = otg::scaledPoint(p.to, scale);
       if (!(std::isfinite(to.x) && std::isfinite(to.y) && std::isfinite(to.z))) return false;
       if (own != otg::kNone) moved.push_back({own, to});
@@ -180,12 +181,12 @@ bool dxGpuTriMeshData::moveInPlace(const std::vector<PlacedVertex>& placed) {
   long images = 0;
   for (const auto& [scale, now] : scales) images += isAlone(now) && now.mesh->boxScale() != nullptr ? 1 : 0;
   otg::MovesTogether moves;
-  takeMoves(*mesh_, {1, 1, 1});
+  takeMoves({1, 1, 1});
   if (!moves.begin(*mesh_, moved, images)) return false;
   otg::ValidationReport report = mesh_->mesh().report();
   ScaledMeshes next;
   for (const auto& [scale, now] : scales) {
-    const bool inPlace = isAlone(now) && takeMoves(*now.mesh, scale) && moves.beginImage(*now.mesh, *mesh_, moved);
+    const bool inPlace = isAlone(now) && takeMoves(scale) && moves.beginImage(*now.mesh, *mesh_, moved);
     next.add(scale, inPlace ? now.mesh : otg::makeScaled(*mesh_, scale, otg::anyMirrored(next.meshes).get()));
   }
   moves.finish();

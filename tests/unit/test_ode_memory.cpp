@@ -282,6 +282,14 @@ TEST_CASE("a scaled mesh takes memory for what its scale changes alone") {
       CHECK(&objectOf(geoms[i])->mesh()->tree() == &objectOf(geoms[0])->mesh()->tree());
     }
     CHECK(&objectOf(geoms[5])->mesh()->tree() != &objectOf(geoms[0])->mesh()->tree());
+    // What moves of some vertices need beside a mesh: of images less, which share the greater part of it.
+    const long beforeMove = live;
+    const Vec3f place = otgScale(torus.vertices[5], 1.0001f);
+    REQUIRE(dGpuTriMeshDataUpdateRangeSingle(data.id, &place, 0, 5, 1) == dGPUTRIMESH_OK);
+    const double moved = static_cast<double>(live - beforeMove) / triangles;
+    INFO("moved " << moved);
+    CHECK(moved > 100);
+    CHECK(moved < 90 + 3 * 15 + 75);  // the data's own, three images, one with a tree of its own
     // Of two mirrors, the second shares with the first.
     CHECK(objectOf(geoms[2])->mesh()->mesh().triangles().data() ==
           objectOf(geoms[3])->mesh()->mesh().triangles().data());

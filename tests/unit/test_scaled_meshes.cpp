@@ -401,3 +401,35 @@ TEST_CASE("images follow the moves of their mesh, also when its tree is built an
   CHECK(copied >= 4);
   INFO(own);
 }
+
+TEST_CASE("an image in which points have met by rounding knows so when one of them moves") {
+  // Triangles with corners a step of float apart, where steps of the image are twice as long.
+  Soup soup;
+  for (int i = 0; i < 40; ++i) {
+    const float x = 1.85f + 0.001f * static_cast<float>(i), y = 0.1f * static_cast<float>(i);
+    const float next = std::nextafter(x, 2.0f);
+    soup.add({x, y, 0}, {1, y, 0}, {1, y + 0.05f, 1});
+    soup.add({next, y, 0}, {1, y + 0.05f, -1}, {1, y, -2});
+  }
+  const MeshPtr arrays = soup.build();
+  const Vec3f by{1.1f, 1, 1};
+  int met = 0;
+  for (std::uint32_t v = 0; v < arrays->vertices().size(); v += 6) {
+    auto mesh =
+        std::make_unique<CollisionMesh>(scenes::build({{arrays->vertices().begin(), arrays->vertices().end()},
+                                                       {arrays->triangles().begin(), arrays->triangles().end()}}),
+                                        BuildStrategy::kSah);
+    auto image = std::make_unique<CollisionMesh>(scaledMesh(mesh->mesh(), by), *mesh, by);
+    REQUIRE(image->boxScale() != nullptr);
+    const bool meet = image->mesh().vertices()[v] == image->mesh().vertices()[v + 3];
+    met += meet;
+    const Vec3f& at = mesh->mesh().vertices()[v];
+    const Vec3f to{at.x, at.y + 0.01f, at.z};
+    REQUIRE(mesh->beginMove(std::vector<MovedVertex>{{v, to}}, 1));
+    CHECK(image->followMove(*mesh, std::vector<MovedVertex>{{v, {to.x * by.x, to.y, to.z}}}) == !meet);
+    mesh->finishMove();
+    if (!meet) image->finishMove();
+  }
+  CHECK(met > 5);
+  CHECK(met < 35);
+}
