@@ -114,8 +114,12 @@ enum {
   OTG_SOLID_CONTAINED = 8,  ///< a body may be inside the other
   OTG_SOLID_TIE = 16,       ///< too many crossings of one edge to be put in order
   OTG_SOLID_ODD = 32,       ///< a region that is bad, entangled or large
-  OTG_SOLID_BY_CELLS = 64   ///< besides: of a size for kernels/overlap_*
+  OTG_SOLID_BY_CELLS = 64,  ///< besides: of a size for kernels/overlap_*
+  OTG_SOLID_AT_ODDS = 128   ///< besides: perhaps of that size, and what is broken these can tell
 };
+
+/// With fewer hits a pair that is at odds is hardly of that size.
+#define OTG_SOLID_ODD_HITS 96
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(otg_solid_hit) == 32 && sizeof(otg_solid_piece) == 128 && sizeof(otg_solid_point) == 224 &&

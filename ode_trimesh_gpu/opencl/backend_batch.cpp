@@ -362,11 +362,11 @@ class Backend::Batch {
     }
   }
 
-  /// Whether the host would describe an overlap by cells, and nothing else is in the way.
+  /// Whether the host would describe an overlap by cells, or perhaps, and nothing else is in the way.
   static bool isForOverlaps(otg_uint flags) {
     const otg_uint why = flags >> OTG_PAIR_WHY;
-    return (why & OTG_SOLID_BY_CELLS) &&
-           !(why & (OTG_SOLID_INEXACT | OTG_SOLID_BROKEN | OTG_SOLID_CONTAINED | OTG_SOLID_TIE));
+    if (why & (OTG_SOLID_INEXACT | OTG_SOLID_CONTAINED | OTG_SOLID_TIE)) return false;
+    return (why & OTG_SOLID_AT_ODDS) || ((why & OTG_SOLID_BY_CELLS) && !(why & OTG_SOLID_BROKEN));
   }
 
   void letGo(std::unique_ptr<BatchLane> lane, std::uint64_t repeats) {
