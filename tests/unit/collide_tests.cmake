@@ -9,6 +9,7 @@ otg_add_test(surface_kernels unit SOURCES test_surface_kernels.cpp)
 otg_add_test(rotation_tolerance unit SOURCES test_rotation_tolerance.cpp LIBRARIES otg_scenes)
 otg_add_test(contact_ids unit SOURCES test_contact_ids.cpp LIBRARIES otg_scenes)
 otg_add_test(solid_regions unit SOURCES test_solid_regions.cpp LIBRARIES otg_scenes)
+otg_add_test(small_regions unit SOURCES test_small_regions.cpp LIBRARIES otg_scenes)
 otg_add_test(solid_sheet unit SOURCES test_solid_sheet.cpp LIBRARIES otg_scenes)
 otg_add_test(ray_cast unit SOURCES test_ray_cast.cpp LIBRARIES otg_scenes otg_queries)
 
