@@ -5,6 +5,7 @@
 
 #include "opencl/call.h"
 #include "opencl/log.h"
+#include "shared/solid_layout.h"
 #include "support/large_overlaps.h"
 
 using namespace otg;
@@ -137,6 +138,29 @@ TEST_CASE("what cannot be described in a batch is done by itself") {
   tuning = describing();
   tuning.doubles = false;
   CHECK(checkDescribed(*openBackend(tuning), queries, expected) == 0);
+}
+
+TEST_CASE("pairs of a batch whose own kernels find them at odds are described") {
+  const auto mesh = collisionMesh(crumpled(makeLump(1, 4, 0.3, 8), 0.1f, 4));
+  std::vector<Query> queries;
+  Workspace workspace;
+  for (const Query& query : overlaps({mesh}, 41, 150, 2.2)) {
+    findIntersectingPairs(query, workspace);
+    const std::size_t hits = workspace.intersecting.size();
+    if (hits >= OTG_SOLID_ODD_HITS && hits <= opencl::Tuning{}.solidLargeHits && atOdds(query).any())
+      queries.push_back(query);
+  }
+  REQUIRE(queries.size() >= 8);
+  opencl::Tuning tuning = always();
+  tuning.leastOverlaps = 1;
+  const auto backend = openBackend(tuning);
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  opencl::BatchAnswer answer;
+  CHECK(backend->collideBatch(queries, answer));
+  CHECK(countWrong(answer, onHost(queries)) == 0);
+  CHECK(backend->counts().described >= queries.size() - 2);
+  CHECK(answer.leftToHost <= 2);
 }
 
 TEST_CASE("a few large pairs of a batch are done by the host while the device does the others") {

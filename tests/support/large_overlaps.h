@@ -2,10 +2,14 @@
 // What tests of pairs share whose overlap a device describes, alone and in batches.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "collide/solid/contour.h"
+#include "collide/solid/inside.h"
+#include "collide/solid/regions.h"
 #include "support/mesh_samples.h"
 #include "support/solid_batches.h"
 
@@ -66,6 +70,36 @@ inline std::uint64_t checkAll(opencl::Backend& backend, std::span<const Query> q
   }
   CHECK(backend.counts().onHost == 0);
   return backend.counts().described - before;
+}
+
+/// Its vertices moved about, so that the surface folds over itself in many places.
+inline scenes::MeshArrays crumpled(scenes::MeshArrays arrays, float by, std::uint32_t seed) {
+  Draw draw(seed);
+  for (Vec3f& v : arrays.vertices) {
+    const Vec3d d = otgScale(draw.direction(), draw.uniform(0, static_cast<double>(by)));
+    v = {v.x + static_cast<float>(d.x), v.y + static_cast<float>(d.y), v.z + static_cast<float>(d.z)};
+  }
+  return arrays;
+}
+
+/// What contradicts itself in a pair, as the host finds it.
+struct AtOdds {
+  bool crossings = false, votes = false, stretches = false;
+  bool any() const { return crossings || votes || stretches; }
+};
+inline AtOdds atOdds(const Query& query) {
+  Workspace workspace;
+  Contour contour;
+  InsideFlags inside;
+  RegionBuilder builder;
+  OverlapRegions regions;
+  const PlacedMeshes meshes(query);
+  findIntersectingPairs(query, workspace);
+  std::sort(workspace.intersecting.begin(), workspace.intersecting.end());
+  traceContour(meshes, workspace.intersecting, contour);
+  floodInside(meshes, contour, inside);
+  builder.build(meshes, contour, inside, regions);
+  return {contour.anomalies > 0, inside.anomalies > 0, regions.anomalies > 0};
 }
 
 inline bool canDescribe(const opencl::Backend& backend) {
