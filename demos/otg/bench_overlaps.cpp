@@ -2,7 +2,8 @@
 #include "otg/bench_overlaps.h"
 
 #include <algorithm>
-#include <map>
+#include <cmath>
+#include <functional>
 
 #include "otg/bench_batch_scenes.h"
 #include "otg/bench_geoms.h"
@@ -10,7 +11,25 @@
 namespace otg::cli {
 namespace {
 
-Json overlapRow(const std::string& work, const std::vector<Query>& queries, int repeat, bool withDevices) {
+/// Asks about all pairs; returns how many overlap. `answers` gets the bytes of what was answered.
+using AskPairs = std::function<int(const GeomPairs& pairs, std::vector<unsigned char>& answers)>;
+
+int askOverlaps(const GeomPairs& pairs, std::vector<unsigned char>& answers) {
+  answers.resize(static_cast<std::size_t>(pairs.count()));
+  return dGpuTriMeshOverlaps(pairs.all().data(), pairs.count(), answers.data());
+}
+
+int askDistances(const GeomPairs& pairs, std::vector<unsigned char>& answers) {
+  const auto count = static_cast<std::size_t>(pairs.count());
+  answers.resize(count * sizeof(dGpuTriMeshDistance));
+  auto* const distances = reinterpret_cast<dGpuTriMeshDistance*>(answers.data());
+  if (dGpuTriMeshGetDistances(pairs.all().data(), pairs.count(), dInfinity, distances) != dGPUTRIMESH_OK) return -1;
+  return static_cast<int>(
+      std::count_if(distances, distances + count, [](const dGpuTriMeshDistance& one) { return one.distance == 0; }));
+}
+
+Json pairRow(const AskPairs& askPairs, const std::string& work, const std::vector<Query>& queries, int repeat,
+             bool withDevices) {
   const GeomPairs pairs(queries);
   std::vector<unsigned char> expected, answers;
   int overlapping = 0;
@@ -19,8 +38,7 @@ Json overlapRow(const std::string& work, const std::vector<Query>& queries, int 
   const auto timed = [&](int backend, int threads) {
     pairs.setBackend(backend);
     dGpuTriMeshSetThreadCount(threads);
-    answers.resize(queries.size());
-    const auto ask = [&] { overlapping = dGpuTriMeshOverlaps(pairs.all().data(), pairs.count(), answers.data()); };
+    const auto ask = [&] { overlapping = askPairs(pairs, answers); };
     ask();
     if (expected.empty()) expected = answers;
     same = same && answers == expected;
@@ -45,35 +63,46 @@ Json overlapRow(const std::string& work, const std::vector<Query>& queries, int 
           {"hash", hash.hex()}};
 }
 
-}  // namespace
-
-Json overlapRows(const BenchOptions& options, const std::vector<int>& pairCounts, int repeat, bool withDevices) {
+Json pairRows(const AskPairs& ask, const std::vector<std::pair<const char*, double>>& scenes,
+              const BenchOptions& options, const std::vector<int>& pairCounts, int repeat, bool withDevices) {
   Json rows = Json::array();
   const BodyList bodies = batchBodies();
   for (const int count : pairCounts) {
-    rows.push_back(overlapRow("bodies", batchQueries(bodies, count), repeat, withDevices));
+    rows.push_back(pairRow(ask, "bodies", batchQueries(bodies, count), repeat, withDevices));
   }
   for (const BenchMesh& entry : benchMeshes(options)) {
     const CollisionMesh mesh(sortedInSpace(*entry.mesh), BuildStrategy::kSah);
-    for (const char* scene : {"touch", "nearmiss"}) {
+    const double radius = static_cast<double>(mesh.mesh().radius());
+    for (const auto& [scene, further] : scenes) {
       BenchOptions posed = options;
-      posed.scene = scene;
+      posed.scene = further > 0 ? "nearmiss" : scene;
       Query query;
       query.a = query.b = &mesh;
       query.bInA = benchPose(posed, mesh);
+      const double apart = std::sqrt(otgDot(query.bInA.t, query.bInA.t));
+      query.bInA.t = otgScale(query.bInA.t, 1 + further * radius / apart);
       for (const int count : pairCounts) {
         Random random(1);
         std::vector<Query> queries(static_cast<std::size_t>(count), query);
         for (Query& one : queries) {
-          one.bInA.t =
-              otgAdd(one.bInA.t, otgScale(random.direction(), 1e-4 * static_cast<double>(mesh.mesh().radius())));
+          one.bInA.t = otgAdd(one.bInA.t, otgScale(random.direction(), 1e-4 * radius));
         }
-        rows.push_back(overlapRow(entry.name + " " + scene, queries, repeat, withDevices));
+        rows.push_back(pairRow(ask, entry.name + " " + scene, queries, repeat, withDevices));
       }
     }
   }
   dGpuTriMeshSetThreadCount(0);
   return rows;
+}
+
+}  // namespace
+
+Json overlapRows(const BenchOptions& options, const std::vector<int>& pairCounts, int repeat, bool withDevices) {
+  return pairRows(askOverlaps, {{"touch", 0}, {"nearmiss", 0}}, options, pairCounts, repeat, withDevices);
+}
+
+Json distanceRows(const BenchOptions& options, const std::vector<int>& pairCounts, int repeat, bool withDevices) {
+  return pairRows(askDistances, {{"nearmiss", 0}, {"apart", 0.5}}, options, pairCounts, repeat, withDevices);
 }
 
 }  // namespace otg::cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The table `overlaps` of `otg bench queries`.
+// The tables `overlaps` and `distances` of `otg bench queries`.
 #pragma once
 
 #include <vector>
@@ -12,5 +12,8 @@ namespace otg::cli {
 /// they touch and where they nearly do, a little elsewhere in each pair. On one thread of the CPU, on all, and on the
 /// devices that are open; `auto` says which of them that choice takes.
 Json overlapRows(const BenchOptions& options, const std::vector<int>& pairCounts, int repeat, bool withDevices);
+
+/// The same of dGpuTriMeshGetDistances(), with meshes that nearly touch and meshes half a radius further apart.
+Json distanceRows(const BenchOptions& options, const std::vector<int>& pairCounts, int repeat, bool withDevices);
 
 }  // namespace otg::cli

@@ -162,6 +162,7 @@ int benchQueries(const QueriesOptions& options) {
   dGpuTriMeshSetThreadCount(0);
   const Json rays = rayRows(options.scene, options.rays, options.alone, repeat, opened > 0);
   const Json overlaps = overlapRows(options.scene, options.pairs, repeat, opened > 0);
+  const Json distances = distanceRows(options.scene, options.pairs, repeat, opened > 0);
   Json costs;
   if (opened > 0) {
     const CostModel& model = slots.front()->costs;
@@ -185,7 +186,7 @@ int benchQueries(const QueriesOptions& options) {
                       {"device", device},
                       {"threads", threads},
                       {"costs_us", costs},
-                      {"tables", {{"points", rows}, {"rays", rays}, {"overlaps", overlaps}}}};
+                      {"tables", {{"points", rows}, {"rays", rays}, {"overlaps", overlaps}, {"distances", distances}}}};
   printBench(document, options.scene.json);
   return 0;
 }

@@ -72,6 +72,32 @@ OTG_GENERIC REAL OTG_NAME(otgBoxGapB)(OTG_BOX_FRAME f, OTG_VEC3 d, OTG_VEC3 exte
   return OTG_MAX(OTG_MAX(gx, gy), gz);
 }
 
+/// The length of a vector's positive parts, squared.
+OTG_GENERIC REAL OTG_NAME(otgGapLength2)(REAL x, REAL y, REAL z) {
+  const REAL gx = OTG_MAX(x, OTG_REAL(0)), gy = OTG_MAX(y, OTG_REAL(0)), gz = OTG_MAX(z, OTG_REAL(0));
+  return gx * gx + gy * gy + gz * gz;
+}
+
+/// Squared, no more than the distance of two boxes: the gaps along the three axes of either box together, which are at
+/// right angles, and the gap along the line of centres. Arguments as above.
+OTG_GENERIC REAL OTG_NAME(otgBoxDistance2Below)(OTG_BOX_FRAME f, OTG_VEC3 d, OTG_VEC3 extentA, OTG_VEC3 extentB) {
+  const OTG_VEC3 bInA = OTG_NAME(otgBoxExtentInA)(f, extentB);
+  const OTG_VEC3 dB = OTG_NAME(otgVec)(OTG_ABS(d.x * f.r[0] + d.y * f.r[3] + d.z * f.r[6]),
+                                       OTG_ABS(d.x * f.r[1] + d.y * f.r[4] + d.z * f.r[7]),
+                                       OTG_ABS(d.x * f.r[2] + d.y * f.r[5] + d.z * f.r[8]));
+  const OTG_VEC3 dA = OTG_NAME(otgVec)(OTG_ABS(d.x), OTG_ABS(d.y), OTG_ABS(d.z));
+  const REAL a2 =
+      OTG_NAME(otgGapLength2)(dA.x - (extentA.x + bInA.x), dA.y - (extentA.y + bInA.y), dA.z - (extentA.z + bInA.z));
+  const REAL b2 = OTG_NAME(otgGapLength2)(
+      dB.x - (extentB.x + (extentA.x * f.absR[0] + extentA.y * f.absR[3] + extentA.z * f.absR[6])),
+      dB.y - (extentB.y + (extentA.x * f.absR[1] + extentA.y * f.absR[4] + extentA.z * f.absR[7])),
+      dB.z - (extentB.z + (extentA.x * f.absR[2] + extentA.y * f.absR[5] + extentA.z * f.absR[8])));
+  const REAL d2 = OTG_NAME(otgDot)(d, d);
+  const REAL along = OTG_MAX(d2 - (OTG_NAME(otgDot)(dA, extentA) + OTG_NAME(otgDot)(dB, extentB)), OTG_REAL(0));
+  const REAL c2 = d2 > 0 ? along * along / d2 : d2;
+  return OTG_MAX(OTG_MAX(a2, b2), c2);
+}
+
 /// Gap along the cross product of A's axis i and B's axis j, times the length of that product (which needs no
 /// normalising: the error term bounds the unscaled gap).
 OTG_GENERIC REAL OTG_NAME(otgBoxGapEdge)(OTG_BOX_FRAME f, OTG_VEC3 d, OTG_VEC3 extentA, OTG_VEC3 extentB, int i,

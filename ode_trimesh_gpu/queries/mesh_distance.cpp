@@ -40,9 +40,10 @@ class Search {
         boxesA_(boxesA),
         boxesB_(boxesB),
         limit_(limit) {
-    // A pose is a rotation to within a tolerance only; the gap along B's axes is off by that much at most.
+    // A pose is a rotation to within a tolerance only; the gap along B's axes is off by that much at most, and
+    // distances of triangles are by OTG_ON_TRIANGLE.
     const double reach = norm(frame_.t) + double{query.a->mesh().radius()} + double{query.b->mesh().radius()};
-    slack_ = (2 * rotationDefect(query.bInA) + 1e-12) * reach;
+    slack_ = (2 * rotationDefect(query.bInA) + 1e-12 + 4 * OTG_ON_TRIANGLE) * reach;
   }
 
   MeshDistance run() {
@@ -81,27 +82,43 @@ class Search {
   static double size(const Box& box) {
     return std::max({box.extent.x, box.extent.y, box.extent.z});
   }
-  /// Not more than the distance of the boxes.
+  /// Not more than the distance of what is in the boxes. Of boxes that overlap it is less where they do so more.
   double gap(std::uint32_t i, std::uint32_t j) const {
     const auto& a = boxesA_(a_[i]);
     const auto& b = boxesB_(b_[j]);
     const Vec3d centerA = toDouble(a.center), extentA = toDouble(a.extent), extentB = toDouble(b.extent);
     const Vec3d d = otgSub(otgBoxCenterInA(frame_, toDouble(b.center)), centerA);
+    const double along = otgDot(way_, d) - (otgDot(wayA_, extentA) + otgDot(wayB_, extentB)) - slack_;
+    if (along > limit_) return along;
+    const double distance2 = otgBoxDistance2Below(frame_, d, extentA, extentB);
+    if (distance2 > 0) return std::sqrt(distance2) - slack_;
     const double gapA = otgBoxGapA(d, extentA, otgBoxExtentInA(frame_, extentB));
     return std::max(gapA, otgBoxGapB(frame_, d, extentA, extentB)) - slack_;
+  }
+  /// Whether two triangles are so far apart along the way that they cannot be nearer than the limit.
+  bool areApart(const Vec3d a[3], const Vec3d b[3]) const {
+    const double most = std::max({otgDot(way_, a[0]), otgDot(way_, a[1]), otgDot(way_, a[2])});
+    const double least = std::min({otgDot(way_, b[0]), otgDot(way_, b[1]), otgDot(way_, b[2])});
+    return least - most - slack_ > limit_;
   }
   void visit(std::uint32_t s, std::uint32_t t) {
     if (query_.a->mesh().isDegenerate(s) || query_.b->mesh().isDegenerate(t)) return;
     Vec3d a[3], b[3];
     cornersOfA(query_.a->mesh(), s, a);
     cornersOfB(query_.b->mesh(), query_.bInA, t, b);
+    if (areApart(a, b)) return;
     const PointPair found = closestOnTriangles(a, b);
     const double distance = std::sqrt(found.distance2);
-    if (distance > limit_) return;
+    if (!(distance <= limit_)) return;
     const bool earlier = s != best_.triangleA ? s < best_.triangleA : t < best_.triangleB;
     if (best_.found && distance == best_.distance && !earlier) return;
     best_ = {true, distance, found.a, found.b, s, t};
     limit_ = distance;
+    if (!(distance > 0)) return;
+    way_ = otgScale(otgSub(found.b, found.a), 1 / distance);
+    const Vec3d inB = otgRotateBack(query_.bInA, way_);
+    wayA_ = {std::fabs(way_.x), std::fabs(way_.y), std::fabs(way_.z)};
+    wayB_ = {std::fabs(inB.x), std::fabs(inB.y), std::fabs(inB.z)};
   }
 
   const Query& query_;
@@ -109,6 +126,9 @@ class Search {
   const Array<BvhNode>&a_, &b_;
   const Boxes boxesA_, boxesB_;
   double limit_, slack_ = 0;
+  /// From the nearest points so far, a unit vector: the direction along which what is not nearer is soonest seen to be
+  /// apart. Sizes of its parts in either frame.
+  Vec3d way_{}, wayA_{}, wayB_{};
   std::vector<Item> stack_;
   MeshDistance best_;
 };

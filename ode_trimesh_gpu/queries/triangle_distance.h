@@ -2,14 +2,11 @@
 // The distance of two triangles that do not intersect.
 #pragma once
 
-#include "shared/vec3.h"
+#include "shared/triangle_distance.h"
 
 namespace otg {
 
-struct PointPair {
-  Vec3d a, b;
-  double distance2;
-};
+using PointPair = NearestPair<double>;
 
 /// The nearest points of two segments, of length zero too. Source: C. Ericson, Real-Time Collision Detection (2005),
 /// 5.1.9.

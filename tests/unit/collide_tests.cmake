@@ -12,6 +12,7 @@ otg_add_test(solid_regions unit SOURCES test_solid_regions.cpp LIBRARIES otg_sce
 otg_add_test(small_regions unit SOURCES test_small_regions.cpp LIBRARIES otg_scenes)
 otg_add_test(solid_sheet unit SOURCES test_solid_sheet.cpp LIBRARIES otg_scenes)
 otg_add_test(ray_cast unit SOURCES test_ray_cast.cpp LIBRARIES otg_scenes otg_queries)
+otg_add_test(mesh_distance unit SOURCES test_mesh_distance.cpp LIBRARIES otg_scenes otg_queries)
 
 # No file that is compiled for a newer instruction set leaves functions that the linker could choose for all.
 if(CMAKE_EXECUTABLE_FORMAT STREQUAL "ELF" AND CMAKE_NM)
