@@ -11,6 +11,7 @@
 #include <memory>
 #include <numbers>
 
+#include "dispatch/distance_run.h"
 #include "dispatch/ray_run.h"
 #include "dispatch/thread_pool.h"
 #include "dispatch/workspace_lease.h"
@@ -245,6 +246,50 @@ bool measureOverlaps(opencl::Backend& backend, const std::vector<Query>& some, s
   return good;
 }
 
+/// What the model says of distances, from these pairs moved apart. False if the device fails.
+bool measureDistances(opencl::Backend& backend, const std::vector<Query>& some, std::size_t pairs, CostModel& model) {
+  constexpr int kRepeat = 2;
+  constexpr std::size_t kOnHost = 4;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  ThreadPool pool(defaultThreadCount());
+  const opencl::RunParts parts = [&](std::size_t count, const std::function<void(std::size_t, std::size_t)>& work) {
+    pool.run(count, 32, work);
+  };
+  bool good = true;
+  const auto jittered = [](const Query& query, std::size_t count) {
+    std::vector<Query> all(count, query);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double angle = 2.4 * static_cast<double>(i);  // the golden angle: no two alike
+      all[i].bInA.t = otgScale(query.bInA.t, 1.5);
+      all[i].bInA.t.x += 0.1 * std::cos(angle);
+      all[i].bInA.t.y += 0.1 * std::sin(angle);
+    }
+    return all;
+  };
+  const auto run = [&](const std::vector<Query>& queries) {
+    std::vector<TrianglePair> nearest(queries.size());
+    const auto once = [&] {
+      good = backend.nearestTriangles(queries, kInfinity, nearest, parts) == queries.size() && good;
+    };
+    once();  // memory, uploads
+    return timeOf(kRepeat, once);
+  };
+  std::vector<std::pair<double, double>> host, device;
+  for (const Query& query : some) {
+    const double once = run(jittered(query, pairs)), twice = run(jittered(query, 2 * pairs));
+    device.emplace_back(distanceWork(query), std::max(twice - once, 0.1 * twice) / static_cast<double>(pairs));
+    const double time = timeOf(kRepeat, [&] {
+      for (const Query& one : jittered(query, kOnHost)) keep(distanceApart(one, kInfinity).distance);
+    });
+    host.emplace_back(distanceWork(query), time / static_cast<double>(kOnHost));
+    if (!good) return false;
+  }
+  model.distanceLaunch = run(jittered(some[0], 1));
+  model.batchDistance = fitCost(device);
+  model.hostDistance = fitCost(host);
+  return good;
+}
+
 std::string processorName() {
   std::ifstream info("/proc/cpuinfo");
   for (std::string line; std::getline(info, line);) {
@@ -381,6 +426,9 @@ std::optional<CostModel> measureCosts(opencl::Backend& backend) {
     std::vector<std::shared_ptr<const CollisionMesh>> some;
     for (std::size_t i = 0; i < meshes.size(); i += 2) some.push_back(meshes[i]);
     if (!measurePoints(backend, some, model) || !measureRays(backend, some, model)) return std::nullopt;
+    std::vector<Query> apart;
+    for (std::size_t i = 0; i < small.size(); i += kDistances.size()) apart.push_back(small[i]);
+    if (!measureDistances(backend, apart, doesSolids ? pairs : 16, model)) return std::nullopt;
   }
   model.hostThreads = parallel.threads;
   model.hostSpeedup = parallel.speedup;

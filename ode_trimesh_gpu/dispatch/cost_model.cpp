@@ -85,10 +85,10 @@ bool CostModel::isSane() const {
   }
   if (!good(largeWork)) return false;
   for (const Cost* cost : {&hostNearest, &hostInside, &deviceNearest, &deviceInside, &pointLaunch, &hostRay, &deviceRay,
-                           &rayLaunch, &hostOverlap, &batchOverlap}) {
+                           &rayLaunch, &hostOverlap, &batchOverlap, &hostDistance, &batchDistance}) {
     if (!good(cost->fixed) || !good(cost->perTriangle)) return false;
   }
-  if (!good(pointFinish) || !good(rayFinish) || !good(overlapLaunch)) return false;
+  if (!good(pointFinish) || !good(rayFinish) || !good(overlapLaunch) || !good(distanceLaunch)) return false;
   return good(batchLaunch) && good(hostThreads) && hostThreads >= 1 && good(hostSpeedup) && hostSpeedup >= 1;
 }
 

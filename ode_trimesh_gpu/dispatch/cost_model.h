@@ -58,6 +58,9 @@ struct CostModel {
   /// the CPU's.
   Cost hostOverlap, batchOverlap;
   double overlapLaunch = 0;
+  /// How far the meshes of a pair are apart, by distanceWork: likewise.
+  Cost hostDistance, batchDistance;
+  double distanceLaunch = 0;
   /// What `hostThreads` threads do at once, in units of what one does alone: they share memory and clock.
   double hostThreads = 1, hostSpeedup = 1;
   friend bool operator==(const CostModel&, const CostModel&) = default;
@@ -66,6 +69,7 @@ struct CostModel {
   bool knowsSolids() const { return batchSolid.fixed + batchSolid.perTriangle > 0; }
   bool knowsOverlaps() const { return overlapLaunch > 0; }
   bool knowsPoints() const { return pointLaunch.fixed + pointLaunch.perTriangle > 0; }
+  bool knowsDistances() const { return distanceLaunch > 0; }
   bool knowsRays() const { return rayLaunch.fixed + rayLaunch.perTriangle > 0; }
   /// A pair of a batch on the device, and on one thread of the CPU.
   double deviceCost(bool solid, double work) const {

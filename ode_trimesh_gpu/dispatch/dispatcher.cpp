@@ -141,6 +141,13 @@ void Dispatcher::askOverlaps(std::span<const OverlapJob> jobs, std::span<std::ui
   runOverlaps(*pool(), usableDevices(), jobs, answers);
 }
 
+void Dispatcher::askDistances(std::span<const OverlapJob> jobs, double limit, std::span<MeshDistance> answers) {
+  Slots slots = usableDevices();
+  std::erase_if(slots, [](const auto& slot) { return !slot->backend->answersArrays(); });
+  DeviceSlot* const slot = slots.empty() ? nullptr : leastBusy(slots).get();
+  runDistances(*pool(), slot, jobs, limit, answers);
+}
+
 PairCounts Dispatcher::collideBatch(std::span<const PairJob* const> jobs, std::span<PairResult> results) {
   return runBatch(*pool(), usableDevices(), jobs, results, takesOver_);
 }

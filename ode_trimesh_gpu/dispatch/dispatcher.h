@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "dispatch/device_slot.h"
+#include "dispatch/distance_run.h"
 #include "dispatch/overlap_run.h"
 #include "dispatch/pair_job.h"
 #include "dispatch/point_run.h"
@@ -78,6 +79,9 @@ class Dispatcher {
 
   /// Whether the meshes of each pair overlap: see runOverlaps.
   void askOverlaps(std::span<const OverlapJob> jobs, std::span<std::uint8_t> answers);
+
+  /// How far the meshes of each pair are apart: see runDistances; with the device that has the least to do.
+  void askDistances(std::span<const OverlapJob> jobs, double limit, std::span<MeshDistance> answers);
 
   /// Every job, each with the result that it has by itself. `results` has as many elements. Returns the counts of all
   /// jobs together, those that a device has for a batch only among them. Throws std::bad_alloc, after which the results

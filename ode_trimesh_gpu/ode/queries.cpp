@@ -152,6 +152,18 @@ int placePair(dGeomID o1, dGeomID o2, const LiveObjects& live, PlacedPair& pair,
   return dGPUTRIMESH_OK;
 }
 
+void writeDistance(const Query& query, const Transformd& pose1, const MeshDistance& found, dGpuTriMeshDistance& out) {
+  out = {};
+  out.distance = std::numeric_limits<dReal>::infinity();
+  out.triangle1 = out.triangle2 = -1;
+  if (!found.found) return;
+  out.distance = static_cast<dReal>(found.distance);
+  write(otgTransform(pose1, found.pointA), out.pos1);
+  write(otgTransform(pose1, found.pointB), out.pos2);
+  if (found.triangleA != kNone) out.triangle1 = static_cast<int>(query.a->mesh().callerTriangle(found.triangleA));
+  if (found.triangleB != kNone) out.triangle2 = static_cast<int>(query.b->mesh().callerTriangle(found.triangleB));
+}
+
 int distanceOf(dGeomID o1, dGeomID o2, dReal limit, dGpuTriMeshDistance& out) {
   PlacedPair pair;
   Query query;
@@ -159,15 +171,7 @@ int distanceOf(dGeomID o1, dGeomID o2, dReal limit, dGpuTriMeshDistance& out) {
   if (const int status = placePair(o1, o2, LiveObjects(), pair, query, pose1)) return status;
   MeshDistance found;
   if (query.a != nullptr && query.b != nullptr) found = meshDistance(query, static_cast<double>(limit));
-  out = {};
-  out.distance = std::numeric_limits<dReal>::infinity();
-  out.triangle1 = out.triangle2 = -1;
-  if (!found.found) return dGPUTRIMESH_OK;
-  out.distance = static_cast<dReal>(found.distance);
-  write(otgTransform(pose1, found.pointA), out.pos1);
-  write(otgTransform(pose1, found.pointB), out.pos2);
-  if (found.triangleA != kNone) out.triangle1 = static_cast<int>(query.a->mesh().callerTriangle(found.triangleA));
-  if (found.triangleB != kNone) out.triangle2 = static_cast<int>(query.b->mesh().callerTriangle(found.triangleB));
+  writeDistance(query, pose1, found, out);
   return dGPUTRIMESH_OK;
 }
 
@@ -213,6 +217,45 @@ int forPairs(int count, std::size_t atOnce, const One& one) {
     return sum;
   });
 }
+
+/// Pairs of an array as jobs, held as long as this lives or until they are let go.
+class PlacedPairs {
+ public:
+  PlacedPairs(const dGpuTriMeshPair* pairs, int count)
+      : placed_(static_cast<std::size_t>(count)), jobs_(placed_.size()), poses_(placed_.size()) {
+    status_ = forParts(count, kPlacedAtOnce, [&](std::size_t begin, std::size_t end) {
+      const LiveObjects live;
+      for (std::size_t i = begin; i < end; ++i) {
+        const int bad = placePair(pairs[i].o1, pairs[i].o2, live, placed_[i], jobs_[i].query, poses_[i]);
+        if (bad != dGPUTRIMESH_OK) return bad;
+        jobs_[i].place = placed_[i].place();
+      }
+      return static_cast<int>(dGPUTRIMESH_OK);
+    });
+  }
+  /// By all threads: each geom is let go of by itself.
+  void letGo() {
+    forParts(static_cast<int>(placed_.size()), kPlacedAtOnce, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        placed_[i].first.use.reset();
+        placed_[i].second.use.reset();
+      }
+      return 0;
+    });
+  }
+  PlacedPairs(const PlacedPairs&) = delete;
+  PlacedPairs& operator=(const PlacedPairs&) = delete;
+  int status() const { return status_; }
+  const std::vector<OverlapJob>& jobs() const { return jobs_; }
+  /// Of the first geom of pair `i`.
+  const Transformd& pose(std::size_t i) const { return poses_[i]; }
+
+ private:
+  std::vector<PlacedPair> placed_;
+  std::vector<OverlapJob> jobs_;
+  std::vector<Transformd> poses_;
+  int status_ = dGPUTRIMESH_OK;
+};
 
 bool isUsable(const dGpuTriMeshRay& ray) {
   const Vec3d start{ray.start[0], ray.start[1], ray.start[2]};
@@ -337,8 +380,22 @@ int dGpuTriMeshGetDistances(const dGpuTriMeshPair* pairs, int count, dReal limit
   return otg::guarded([&] {
     if (const int status = otg::checkPairs(pairs, count, out)) return status;
     if (!(limit >= 0)) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
-    return otg::forPairs(count, otg::kPairsAtOnce,
-                         [&](std::size_t i) { return otg::distanceOf(pairs[i].o1, pairs[i].o2, limit, out[i]); });
+    if (count < 2 || !otg::dispatcher().hasDevices()) {
+      return otg::forPairs(count, otg::kPairsAtOnce,
+                           [&](std::size_t i) { return otg::distanceOf(pairs[i].o1, pairs[i].o2, limit, out[i]); });
+    }
+    otg::PlacedPairs placed(pairs, count);
+    if (placed.status() < 0) return placed.status();
+    std::vector<otg::MeshDistance> found(static_cast<std::size_t>(count));
+    otg::dispatcher().askDistances(placed.jobs(), static_cast<double>(limit), found);
+    otg::forParts(count, otg::kPlacedAtOnce, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        otg::writeDistance(placed.jobs()[i].query, placed.pose(i), found[i], out[i]);
+      }
+      return static_cast<int>(dGPUTRIMESH_OK);
+    });
+    placed.letGo();
+    return static_cast<int>(dGPUTRIMESH_OK);
   });
 }
 
@@ -356,25 +413,12 @@ int dGpuTriMeshOverlaps(const dGpuTriMeshPair* pairs, int count, unsigned char* 
         return answer;
       });
     }
+    otg::PlacedPairs placed(pairs, count);
+    if (placed.status() < 0) return placed.status();
     const auto size = static_cast<std::size_t>(count);
-    std::vector<otg::PlacedPair> placed(size);  // held until all have their answers
-    std::vector<otg::OverlapJob> jobs(size);
-    const int status = otg::forParts(count, otg::kPlacedAtOnce, [&](std::size_t begin, std::size_t end) {
-      const otg::LiveObjects live;
-      otg::Transformd pose1;
-      for (std::size_t i = begin; i < end; ++i) {
-        if (const int bad = otg::placePair(pairs[i].o1, pairs[i].o2, live, placed[i], jobs[i].query, pose1)) return bad;
-        jobs[i].place = placed[i].place();
-      }
-      return static_cast<int>(dGPUTRIMESH_OK);
-    });
-    if (status < 0) return status;
-    otg::dispatcher().askOverlaps(jobs, {out, size});
+    otg::dispatcher().askOverlaps(placed.jobs(), {out, size});
+    placed.letGo();
     return otg::forParts(count, otg::kPlacedAtOnce, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        placed[i].first.use.reset();
-        placed[i].second.use.reset();
-      }
       return static_cast<int>(std::count(out + begin, out + end, 1));
     });
   });

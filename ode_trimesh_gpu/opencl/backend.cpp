@@ -128,6 +128,8 @@ BackendCounts Backend::counts() const {
   out.pointsOnHost = state_->pointsOnHost;
   out.rays = state_->raysCast;
   out.raysOnHost = state_->raysOnHost;
+  out.distances = state_->distancesAsked;
+  out.distancesOnHost = state_->distancesOnHost;
   out.repeats = state_->pairs.repeats() + state_->batches.repeats() + state_->overlaps.repeats() +
                 state_->phases.repeats() + state_->levels.repeats() + state_->profiledLevels.repeats();
   for (const MeshStore* store : {&state_->meshes, &state_->binaryMeshes}) {

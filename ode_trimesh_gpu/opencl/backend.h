@@ -12,6 +12,7 @@
 
 #include "collide/mesh_ray.h"
 #include "collide/query.h"
+#include "collide/traversal.h"
 #include "opencl/device_info.h"
 #include "opencl/levels.h"
 #include "opencl/tuning.h"
@@ -40,6 +41,8 @@ struct BackendCounts {
   int programsFromSource = 0, programsFromCache = 0;
   /// Points asked about and rays cast; of either, those that were left to the caller because a call failed.
   std::uint64_t points = 0, pointsOnHost = 0, rays = 0, raysOnHost = 0;
+  /// The same of pairs whose nearest triangles were asked for.
+  std::uint64_t distances = 0, distancesOnHost = 0;
 };
 
 /// Where the time of one query or batch went, in milliseconds. Those from `write` to `readBack` are the device's clock,
@@ -185,6 +188,13 @@ class Backend {
   /// The same for rays: the triangle that each hits first; with `cullBack` those hit from behind do not count.
   std::size_t castRays(const CollisionMesh& mesh, bool cullBack, std::size_t count, const FillRays& fill,
                        const TakeRays& take);
+  /// The nearest triangles of pairs of meshes that are apart and have triangles: as otg::distanceApart finds them,
+  /// {kNone, kNone} where nothing is within the limit, kLeftToHost where the device cannot tell. `run` puts the pairs
+  /// together. Only where answersArrays(). Returns how many have their answers, from the first one on: fewer than all
+  /// when a call failed (which is logged once and counted). Throws what `run` throws.
+  std::size_t nearestTriangles(std::span<const Query> queries, double limit, std::span<TrianglePair> answers,
+                               const RunParts& run);
+  static constexpr TrianglePair kLeftToHost{kNone - 1, kNone - 1};
 
   BackendCounts counts() const;
 

@@ -11,6 +11,7 @@
 #include "collide/rotation_tolerance.h"
 #include "opencl/backend.h"
 #include "opencl/batch_lane.h"
+#include "opencl/distance_lane.h"
 #include "opencl/levels_lane.h"
 #include "opencl/log.h"
 #include "opencl/overlap_lane.h"
@@ -79,11 +80,13 @@ struct Backend::State {
   LanePool<PhaseLane> phases;
   LanePool<PointLane> points;
   LanePool<RayLane> rays;
+  LanePool<DistanceLane> distances;
   SoupPlaces soupPlaces;
   MeshStore binaryMeshes;  ///< of the traversal `levels`, which is for comparing: beside the others
   LanePool<LevelsLane> levels, profiledLevels;
   std::atomic<std::uint64_t> queries{0}, onHost{0}, described{0}, describedInVain{0}, contactsMade{0}, contactsLeft{0};
-  std::atomic<std::uint64_t> pointsAsked{0}, pointsOnHost{0}, raysCast{0}, raysOnHost{0};
+  std::atomic<std::uint64_t> pointsAsked{0}, pointsOnHost{0}, raysCast{0}, raysOnHost{0}, distancesAsked{0},
+      distancesOnHost{0};
 
   State(const FoundDevice& device, const Tuning& how)
       : context(device, ProgramCache::standard(), how.doubles),
@@ -99,6 +102,7 @@ struct Backend::State {
         phases(context, meshes, tuning),
         points(context, meshes, tuning),
         rays(context, meshes, tuning),
+        distances(context, meshes, tuning),
         soupPlaces(how.leafTriangles),
         binaryMeshes(context, how.memoryBudget != 0 ? how.memoryBudget : device.info.globalMemory / 4, 1,
                      MeshLayout::kBinary),

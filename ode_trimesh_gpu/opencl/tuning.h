@@ -76,6 +76,8 @@ struct Tuning {
   /// Points or rays of an array are sent in pieces of so many at most, in two or more if these have `leastPointPiece`
   /// of them; `pointGroup` work-items of a work-group.
   std::uint32_t pointPiece = 1u << 18, leastPointPiece = 1u << 15, pointGroup = 64;
+  /// Pairs of one submission whose distances are asked for.
+  std::uint32_t distancePairs = 1u << 14;
   std::uint64_t memoryBudget =
       0;  ///< bytes for meshes; 0: half of the device's memory. `levels`: as much again, or a quarter
   std::uint32_t cutOrder = 0;  ///< not 0: cuts in another order than PackedTree has them

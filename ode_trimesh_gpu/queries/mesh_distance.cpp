@@ -146,10 +146,29 @@ MeshDistance meshDistance(const Query& query, double limit) {
     const Vec3d point = commonPoint(a, b);
     return {true, 0, point, point, meeting.a, meeting.b};
   }
+  MeshDistance inside;
+  return contains(query, inside) ? inside : distanceApart(query, limit);
+}
+
+bool contains(const Query& query, MeshDistance& answer) {
   Vec3d vertex{};
-  if (containedVertex(query, vertex)) return {true, 0, vertex, vertex, kNone, kNone};
+  if (!containedVertex(query, vertex)) return false;
+  answer = {true, 0, vertex, vertex, kNone, kNone};
+  return true;
+}
+
+MeshDistance distanceApart(const Query& query, double limit) {
   return withBoxes(query.a->boxScale(), query.b->boxScale(),
                    [&](const auto& boxesA, const auto& boxesB) { return Search(query, boxesA, boxesB, limit).run(); });
+}
+
+MeshDistance distanceOfTriangles(const Query& query, const TrianglePair& nearest) {
+  if (nearest.a == kNone) return {};
+  Vec3d a[3], b[3];
+  cornersOfA(query.a->mesh(), nearest.a, a);
+  cornersOfB(query.b->mesh(), query.bInA, nearest.b, b);
+  const PointPair found = closestOnTriangles(a, b);
+  return {true, std::sqrt(found.distance2), found.a, found.b, nearest.a, nearest.b};
 }
 
 }  // namespace otg

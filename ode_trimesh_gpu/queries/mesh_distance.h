@@ -3,6 +3,7 @@
 #pragma once
 
 #include "collide/query.h"
+#include "collide/traversal.h"
 
 namespace otg {
 
@@ -19,5 +20,13 @@ struct MeshDistance {
 /// (mesh_overlap.h). Of the query only a, b and bInA are read. Nothing farther than `limit` is looked for. Throws as
 /// middlePhase does.
 MeshDistance meshDistance(const Query& query, double limit);
+
+/// The parts of it, for poses that are rotations and meshes with triangles. Whether a part of one mesh lies inside the
+/// other one, where no triangles meet; if so, the answer.
+bool contains(const Query& query, MeshDistance& answer);
+/// The search alone, for meshes that do not overlap.
+MeshDistance distanceApart(const Query& query, double limit);
+/// What that says of the nearest triangles when it has found them; kNone for none.
+MeshDistance distanceOfTriangles(const Query& query, const TrianglePair& nearest);
 
 }  // namespace otg

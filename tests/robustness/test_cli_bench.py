@@ -56,6 +56,12 @@ class Bench(CliTest):
         self.assertEqual({row["answers"] for row in overlaps}, {"same"})
         self.assertEqual([row["overlapping"] for row in overlaps][2:], [50, 200, 0, 0])
         self.assertTrue(all(0 < row["overlapping"] < row["pairs"] for row in overlaps[:2]), overlaps)
+        distances = document["tables"]["distances"]
+        self.assertEqual([(row["work"].split()[-1], row["pairs"]) for row in distances],
+                         list(itertools.product(("bodies", "nearmiss", "apart"), (50, 200))))
+        self.assertEqual({row["answers"] for row in distances}, {"same"})
+        self.assertTrue(all(0 < row["overlapping"] < row["pairs"] for row in distances[:2]), distances)
+        self.assertEqual([row["overlapping"] for row in distances][2:], [0, 0, 0, 0])
         rays = document["tables"]["rays"]
         self.assertEqual([(row["rays"], row["count"]) for row in rays], list(itertools.product(("camera", "around"), (10, 3000))))
         self.assertEqual({row["answers"] for row in rays}, {"same"})
@@ -67,11 +73,12 @@ class Bench(CliTest):
         self.assertEqual({row["one_thread_ms"] is None for row in rows if row["count"] == 3000}, {True})
         self.assertEqual(len({row["hash"] for row in rows}), 8)
         if self.run_json("devices")["used"] is None:
-            self.assertEqual({row["device_ms"] for row in rows + rays + overlaps}, {None})
+            self.assertEqual({row["device_ms"] for row in rows + rays + overlaps + distances}, {None})
             return
-        self.assertGreater(min(row["device_ms"] for row in rows + rays + overlaps), 0)
+        self.assertGreater(min(row["device_ms"] for row in rows + rays + overlaps + distances), 0)
         self.assertGreater(min(row["device_alone_ms"] for row in rays), 0)
         self.assertGreater(sum(document["costs_us"]["ray_launch"].values()), 0)
+        self.assertGreater(document["costs_us"]["distance_launch"], 0)
         self.assertGreater(sum(document["costs_us"]["launch"].values()), 0)
 
     def check_profile(self, rows):

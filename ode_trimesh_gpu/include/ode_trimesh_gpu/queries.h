@@ -16,11 +16,12 @@ extern "C" {
 /* What holds for all functions of this header: positions and directions are in the world, lengths in its unit; meshes
  * are where their geoms are at the moment of the call. They compute in double precision on the mesh's
  * vertices, which are single precision numbers in the mesh's frame; on the CPU, but for arrays of points, of rays, and
- * of pairs that may overlap, which go where the geoms' parameters, else dGpuTriMeshSetBackend(), say (`auto`: where they are
- * expected to be answered sooner) and have the same answers there, byte for byte. They only read, so that any number of
- * threads may call them at once, from near callbacks too. Functions that take arrays share the work among the threads
- * that dGpuTriMeshSetThreadCount() allows; what they answer does not depend on it. Structures that are filled need no
- * preparation. Triangles are numbered as in dGeomGpuTriMeshGetTriangle(). A geom without mesh has no surface. */
+ * of pairs (whether they overlap, how far they are apart), which go where the geoms' parameters, else
+ * dGpuTriMeshSetBackend(), say (`auto`: where they are expected to be answered sooner) and have the same answers there,
+ * byte for byte. They only read, so that any number of threads may call them at once, from near callbacks too.
+ * Functions that take arrays share the work among the threads that dGpuTriMeshSetThreadCount() allows; what they answer
+ * does not depend on it. Structures that are filled need no preparation. Triangles are numbered as in
+ * dGeomGpuTriMeshGetTriangle(). A geom without mesh has no surface. */
 
 /**
  * @brief The point of a mesh's surface that is nearest to a given point.
@@ -94,10 +95,11 @@ typedef struct dGpuTriMeshDistance {
 } dGpuTriMeshDistance;
 
 /**
- * @brief The distance of two meshes with the points that have it.
+ * @brief The distance of two meshes with the points that have it. Always on the CPU.
  *
  * Overlap is told exactly; distances of those apart are right to rounding (branch and bound over both trees; nearest
- * points of triangles after Ericson, 2005).
+ * points of triangles after Ericson, 2005). Of triangles that are equally near the answer has those that come first in
+ * the library's own order, o1's before o2's.
  * @param o1     a geom of this class
  * @param o2     another one
  * @param limit  nothing farther apart is looked for, which is quicker; dInfinity for no limit
@@ -110,12 +112,13 @@ typedef struct dGpuTriMeshDistance {
 OTG_API int dGpuTriMeshGetDistance(dGeomID o1, dGeomID o2, dReal limit, dGpuTriMeshDistance* out);
 
 /**
- * @brief dGpuTriMeshGetDistance() for an array of pairs.
+ * @brief dGpuTriMeshGetDistance() for an array of pairs, on the CPU's threads or with an OpenCL device.
  * @param pairs  geoms of this class
  * @param count  how many pairs, 0 or more
  * @param limit  for all of them
  * @param out    receives as many answers
  * @returns As dGpuTriMeshGetDistance(); after an error the answers are of no use.
+ * @remarks On devices: of two geoms with different choices the CPU wins over devices, and both over `auto`.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshGetDistances(const dGpuTriMeshPair* pairs, int count, dReal limit, dGpuTriMeshDistance* out);

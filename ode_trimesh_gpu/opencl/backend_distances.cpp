@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The nearest triangles of many pairs on the device.
+#include <algorithm>
+#include <cmath>
+
+#include "opencl/backend_state.h"
+#include "opencl/batch_source.h"
+
+namespace otg::opencl {
+namespace {
+
+/// What the device needs to know of a pair but for its meshes. False if it is the host's.
+bool fillDistance(const Query& query, double limit, otg_distance_task& task) {
+  const PairFrame frame = makePairFrame(query);
+  std::copy(std::begin(query.bInA.r), std::end(query.bInA.r), task.r);
+  task.t[0] = query.bInA.t.x;
+  task.t[1] = query.bInA.t.y;
+  task.t[2] = query.bInA.t.z;
+  task.boxes = deviceBoxes(frame);
+  // Three gaps together are off by less than twice what one may be (PairBounds), which is many times what distances of
+  // triangles may be.
+  task.boxes.eps *= 4;
+  const Vec3f& t = task.boxes.t;
+  const double reach = std::sqrt(double{t.x} * t.x + double{t.y} * t.y + double{t.z} * t.z) +
+                       double{query.a->mesh().radius()} + double{query.b->mesh().radius()};
+  const bool isOfUse = frame.finite && reach > OTG_DISTANCE_LEAST && reach < OTG_DISTANCE_MOST;
+  task.limit = isOfUse ? limit : -1;
+  return isOfUse;
+}
+
+}  // namespace
+
+std::size_t Backend::nearestTriangles(std::span<const Query> queries, double limit, std::span<TrianglePair> answers,
+                                      const RunParts& run) {
+  state_->distancesAsked += queries.size();
+  std::size_t done = 0, most = std::max(1u, state_->tuning.distancePairs);
+  while (done < queries.size()) {
+    const std::span<const Query> some = queries.subspan(done, std::min(most, queries.size() - done));
+    try {
+      state_->distances.with([&](DistanceLane& lane) {
+        const std::span<otg_distance_task> tasks = lane.stage(some.size());
+        std::vector<const CollisionMesh*> meshes;
+        MeshNumbers numbers(meshes);
+        for (std::size_t i = 0; i < some.size(); ++i) {
+          tasks[i].meshA = numbers(some[i].a);
+          tasks[i].meshB = numbers(some[i].b);
+        }
+        std::vector<std::uint8_t> isHosts(some.size());
+        run(some.size(), [&](std::size_t begin, std::size_t end) {
+          for (std::size_t i = begin; i < end; ++i) isHosts[i] = fillDistance(some[i], limit, tasks[i]) ? 0 : 1;
+        });
+        const std::span<const otg_uint> words = lane.run(meshes);
+        static_assert(OTG_DISTANCE_NOTHING == kNone);
+        for (std::size_t i = 0; i < some.size(); ++i) {
+          answers[done + i] = isHosts[i] ? kLeftToHost : TrianglePair{words[2 * i], words[2 * i + 1]};
+        }
+      });
+      done += some.size();
+    } catch (const ClError& error) {
+      // Perhaps their meshes do not fit at once.
+      if (error.code() == CL_MEM_OBJECT_ALLOCATION_FAILURE && some.size() > 1) {
+        most = (some.size() + 1) / 2;
+        continue;
+      }
+      logError(error);
+      state_->distancesOnHost += queries.size() - done;
+      break;
+    }
+  }
+  return done;
+}
+
+}  // namespace otg::opencl
