@@ -87,10 +87,11 @@ void runDistances(ThreadPool& pool, DeviceSlot* slot, std::span<const OverlapJob
     (isHosts ? host : jobs[i].place == Place::kOpencl ? bound : open).push_back(i);
     if (!isHosts && jobs[i].place != Place::kOpencl) work += distanceWork(jobs[i].query);
   }
-  const bool sooner = !open.empty() && areDistancesSoonerOnDevice(work, open.size(), slot->costs, pool.threadCount());
+  const bool sooner = slot != nullptr && !open.empty() &&
+                      areDistancesSoonerOnDevice(work, open.size(), slot->costs, pool.threadCount());
   std::vector<std::size_t>& target = sooner ? bound : host;
   target.insert(target.end(), open.begin(), open.end());
-  if (!bound.empty()) measureOnDevice(*slot, pool, jobs, bound, limit, answers);
+  if (slot != nullptr && !bound.empty()) measureOnDevice(*slot, pool, jobs, bound, limit, answers);
   measureOnHost(pool, jobs, host, limit, answers);
 }
 
