@@ -111,7 +111,7 @@ CostModel assumedCosts() {
 }
 
 std::vector<unsigned char> toBytes(const CostModel& model) {
-  static_assert(sizeof(CostModel) == 48 * sizeof(double));
+  static_assert(sizeof(CostModel) == 53 * sizeof(double));
   std::vector<unsigned char> bytes(sizeof kMagic + sizeof model);
   std::memcpy(bytes.data(), kMagic, sizeof kMagic);
   std::memcpy(bytes.data() + sizeof kMagic, &model, sizeof model);

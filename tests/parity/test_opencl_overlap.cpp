@@ -211,7 +211,7 @@ TEST_CASE("small regions on triangles and edges that large ones cross, too, come
     queries.back().options.maxContacts = 200;
     queries.back().options.solid.contactsPerRegion = 64;
   }
-  CHECK(checkAll(*backend, queries, onHost(queries)) >= 300);
+  CHECK(checkAll(*backend, queries, answersOnHost(queries)) >= 300);
 }
 
 TEST_CASE("overlaps of aligned boxes are described, whose crossings lie in one point") {
