@@ -401,13 +401,16 @@ std::optional<CostModel> measureCosts(opencl::Backend& backend) {
     }
     for (Query& query : solids) query.options.contacts = ContactModel::kSolid;
     oneSolid = run({solids[0]});
+    constexpr std::size_t kFewSolids = 64;  // as many as are described
     for (const Query& query : solids) {
-      const bool isLarge = query.a == largeA.get();
       const std::uint64_t before = backend.counts().described;
-      const double time = timeOfOne(query, isLarge ? std::max<std::size_t>(pairs / 4, 64) : pairs);
+      good = backend.collideBatch(std::vector<Query>(kFewSolids, query), answer) && good;
       if (!good) return std::nullopt;
-      if (answer.leftToHost > 0) continue;  // by this thread alone, which is not what batches meet
-      solid.push_back({expectedWork(query), time, backend.counts().described > before});
+      if (answer.leftToHost > 0) continue;  // by this thread alone, which is not what batches meet, and takes seconds
+      const bool described = backend.counts().described > before;
+      const double time = timeOfOne(query, described ? std::max(pairs / 4, kFewSolids) : pairs);
+      if (!good) return std::nullopt;
+      solid.push_back({expectedWork(query), time, described});
     }
   }
   const Parallel parallel = measureThreads(small);
