@@ -63,6 +63,26 @@ LevelsOptions optionsNumber(std::size_t i) {
 
 }  // namespace
 
+TEST_CASE("scaled images that share their mesh's trees have the host's pairs and contacts by every traversal") {
+  const CollisionMesh lump(build(makeLump(1, 3, 0.2, 1)), BuildStrategy::kSah);
+  const CollisionMesh torus(build(makeTorus(1, 0.3, 31, 17)), BuildStrategy::kSah);
+  std::size_t i = 0, contacts = 0;
+  for (const Vec3f by : {Vec3f{1.4f, 0.7f, 1}, Vec3f{-1, 1.1f, 0.6f}, Vec3f{0.9f, 0.9f, 3}}) {
+    INFO("times " << by.x << " " << by.y << " " << by.z);
+    const CollisionMesh image(samples::scaledMesh(lump.mesh(), by), lump, by);
+    REQUIRE(image.boxScale() != nullptr);
+    for (const auto& [a, b] : {std::pair{&image, &torus}, {&torus, &image}, {&image, &image}}) {
+      const Query query = makeQuery(*a, *b, makePose({0.48, 0.6, 0.64}, 0.7, {0.9, 0.4, 0.1}));
+      checkParity(shared(), query);
+      Workspace host;
+      collide(query, host);
+      for (int k = 0; k < 3; ++k) check(shared(), query, optionsNumber(i++), host);
+      contacts += host.reduced.size();
+    }
+  }
+  CHECK(contacts > 50);
+}
+
 TEST_CASE("prefix sums of any length are those of a loop") {
   opencl::Context context(opencl::findDevices().at(0), opencl::ProgramCache::standard());
   const opencl::QueueHandle queue = context.makeQueue(false);

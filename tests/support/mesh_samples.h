@@ -50,6 +50,19 @@ inline MeshPtr randomSoup(std::uint32_t seed, int triangles, float spread, float
   return soup.build();
 }
 
+/// The mesh with its vertices times the factors, facing as it did. Null if one is no finite float any more.
+inline MeshPtr scaledMesh(const TriMesh& mesh, const Vec3f& by) {
+  std::vector<Vec3f> vertices(mesh.inputVertexCount());
+  for (std::uint32_t v = 0; v < mesh.vertices().size(); ++v) {
+    const Vec3f& p = mesh.vertices()[v];
+    vertices[mesh.callerVertex(v)] = {p.x * by.x, p.y * by.y, p.z * by.z};
+  }
+  MeshInput input;
+  input.vertices = vertices.data();
+  input.vertexCount = vertices.size();
+  return moveVertices(mesh, input, ((by.x < 0) != (by.y < 0)) != (by.z < 0)).mesh;
+}
+
 /// A closed prism, z up, whose surface falls from x = -size / 2 and from x = size / 2 to a concave kink at x = 0.
 inline scenes::MeshArrays makeValley(double leftRise, double rightRise, double size, double below) {
   scenes::MeshArrays mesh;

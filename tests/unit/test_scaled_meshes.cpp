@@ -20,19 +20,6 @@ using namespace otg::samples;
 
 namespace {
 
-/// Null if a vertex is no finite float any more.
-MeshPtr scaledMesh(const TriMesh& mesh, const Vec3f& by) {
-  std::vector<Vec3f> vertices(mesh.inputVertexCount());
-  for (std::uint32_t v = 0; v < mesh.vertices().size(); ++v) {
-    const Vec3f& p = mesh.vertices()[v];
-    vertices[mesh.callerVertex(v)] = {p.x * by.x, p.y * by.y, p.z * by.z};
-  }
-  MeshInput input;
-  input.vertices = vertices.data();
-  input.vertexCount = vertices.size();
-  return moveVertices(mesh, input, ((by.x < 0) != (by.y < 0)) != (by.z < 0)).mesh;
-}
-
 /// With a tree of its own, and the same numbers of triangles.
 std::unique_ptr<CollisionMesh> builtFrom(const TriMesh& mesh) {
   MeshInput input;
