@@ -49,6 +49,37 @@ TEST_CASE("layouts are made once however many threads ask first") {
   }
 }
 
+TEST_CASE("images of a mesh are made, and ask for the layouts that they share, in several threads at once") {
+  constexpr int kThreads = 6, kRounds = 20;
+  const MeshPtr mesh = scenes::build(scenes::makeTorus(1, 0.3, 40, 20));
+  for (int round = 0; round < kRounds; ++round) {
+    const CollisionMesh shared(mesh, BuildStrategy::kSah);
+    std::atomic<int> waiting{kThreads};
+    std::vector<std::unique_ptr<CollisionMesh>> images(kThreads);
+    std::vector<std::thread> threads;
+    for (std::size_t i = 0; i < kThreads; ++i) {
+      threads.emplace_back([&, i] {
+        const Vec3f by{i % 2 == 0 ? 1.0f : -1.0f, 1 + static_cast<float>(i), 2};
+        const MeshPtr image = scaledMesh(*mesh, by);
+        --waiting;
+        while (waiting > 0) std::this_thread::yield();
+        images[i] = std::make_unique<CollisionMesh>(image, shared, by);
+        images[i]->wide();
+        images[i]->noLeaf();
+        images[i]->quantized();
+        images[i]->adjacency();
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+    for (const auto& image : images) {
+      REQUIRE(image->boxScale() != nullptr);
+      REQUIRE(&image->wide() == &shared.wide());
+      REQUIRE(&image->noLeaf() == &shared.noLeaf());
+      REQUIRE(&image->quantized() == &shared.quantized());
+    }
+  }
+}
+
 TEST_CASE("a refitted mesh makes its own layouts") {
   const MeshPtr mesh = scenes::build(scenes::makeSphere(1, 2));
   const CollisionMesh before(mesh, BuildStrategy::kSah);
