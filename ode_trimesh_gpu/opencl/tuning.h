@@ -48,7 +48,7 @@ struct Tuning {
   /// never on CPUs.
   std::uint32_t overlapHits = 0;
   std::uint32_t overlapGroup = 128;        ///< work-items of a work-group of its kernels, a multiple of 64
-  std::uint32_t overlapGroupsPerUnit = 2;  ///< work-groups for each compute unit, at most: registers are what they lack
+  std::uint32_t overlapGroupsPerUnit = 4;  ///< work-groups for each compute unit, at most: registers are what they lack
   std::uint32_t overlapUnits = 1u << 16;   ///< of 16 bytes, for the description; grows
   /// Pairs of a batch of solids whose regions are too large for its own kernels are described, too, if there are so
   /// many of them (where single pairs are described at all); `overlapPairs` at a time.

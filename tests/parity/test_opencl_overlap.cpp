@@ -188,32 +188,6 @@ TEST_CASE("small regions on triangles and edges that large ones cross, too, come
   CHECK(checkAll(*backend, queries, answersOnHost(queries)) >= 300);
 }
 
-TEST_CASE("small regions on triangles and edges that large ones cross, too, come out as with these") {
-  // A coarse box, a little aslant, on hills of different heights.
-  const auto hills = [](double x, double y) { return (0.3 + 0.08 * x) * std::sin(3 * x) * std::cos(2.5 * y); };
-  const auto ground = collisionMesh(makeGround(4, 1, 64, hills)), box = collisionMesh(makeBox({1.8, 1.8, 0.5}, 2));
-  const auto backend = openBackend(always());
-  REQUIRE(backend);
-  if (!canDescribe(*backend)) return;
-  Draw draw(3);
-  std::vector<Query> queries;
-  for (int i = 0; i < 500; ++i) {
-    const Transformd pose = makePose(draw.direction(), draw.uniform(0, 0.2),
-                                     {draw.uniform(-1, 1), draw.uniform(-1, 1), draw.uniform(0.3, 0.55)});
-    queries.push_back(makeQuery(*ground, *box, pose));
-    if (i % 2 != 0) {
-      const Transformd back{
-          {pose.r[0], pose.r[3], pose.r[6], pose.r[1], pose.r[4], pose.r[7], pose.r[2], pose.r[5], pose.r[8]},
-          otgScale(otgRotateBack(pose, pose.t), -1.0)};
-      queries.back() = makeQuery(*box, *ground, back);
-    }
-    queries.back().options.contacts = ContactModel::kSolid;
-    queries.back().options.maxContacts = 200;
-    queries.back().options.solid.contactsPerRegion = 64;
-  }
-  CHECK(checkAll(*backend, queries, answersOnHost(queries)) >= 300);
-}
-
 TEST_CASE("overlaps of aligned boxes are described, whose crossings lie in one point") {
   const auto backend = openBackend(always());
   REQUIRE(backend);
