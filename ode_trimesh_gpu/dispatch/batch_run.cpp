@@ -248,7 +248,7 @@ class BatchRun {
       const auto shared = std::make_shared<opencl::BatchAnswer>();
       opencl::BatchAnswer& answer = *shared;
       const opencl::RunParts onHost = [&](std::size_t count, const ThreadPool::Work& work) {
-        pool_.run(count, 1, work);
+        pool_.run(count, 1, work, true);  // the device waits for it, and for pairs of the CPU nobody does
       };
       const bool good = slot.backend->collideBatch(queries, answer, nullptr, onHost);
       slot.note(block.size(), good);

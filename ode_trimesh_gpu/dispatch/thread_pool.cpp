@@ -14,22 +14,34 @@ namespace otg {
 struct ThreadPool::Job {
   const Work& work;
   const std::size_t count, grain;
+  std::atomic<int>* const urgent;   ///< null: it is not
+  std::atomic<bool> counted{true};  ///< among those, as long as there are parts that nobody has begun
   std::atomic<std::size_t> next{0};
   int helpers = 0;  // under the pool's mutex
   std::exception_ptr error;
   std::condition_variable left;
 
-  Job(const Work& doing, std::size_t items, std::size_t part) : work(doing), count(items), grain(part) {}
+  Job(const Work& doing, std::size_t items, std::size_t part, std::atomic<int>* urgentCalls)
+      : work(doing), count(items), grain(part), urgent(urgentCalls) {
+    if (urgent) ++*urgent;
+  }
+  ~Job() { end(); }
+  void end() {
+    if (urgent && counted.exchange(false)) --*urgent;
+  }
   bool hasMore() const { return next.load(std::memory_order_relaxed) < count; }
-  /// Does parts until there are none left.
-  void take(std::mutex& mutex) {
-    for (;;) {
+  /// Does parts until there are none left, or until there is an urgent call, if others are `urgentCalls` for the
+  /// thread.
+  void take(std::mutex& mutex, const std::atomic<int>* urgentCalls) {
+    while (urgentCalls == nullptr || *urgentCalls == 0) {
       const std::size_t begin = next.fetch_add(grain, std::memory_order_relaxed);
       if (begin >= count) return;
+      if (begin + grain >= count) end();
       try {
         work(begin, std::min(count, begin + grain));
       } catch (...) {
         next.store(count, std::memory_order_relaxed);
+        end();
         const std::lock_guard lock(mutex);
         if (!error) error = std::current_exception();
       }
@@ -65,24 +77,25 @@ void ThreadPool::help() {
     }
     ++job.helpers;
     lock.unlock();
-    job.take(mutex_);
+    job.take(mutex_, job.urgent ? nullptr : &urgent_);
     lock.lock();
     if (--job.helpers == 0) job.left.notify_all();
   }
 }
 
-void ThreadPool::run(std::size_t count, std::size_t grain, const Work& work) {
+void ThreadPool::run(std::size_t count, std::size_t grain, const Work& work, bool urgent) {
   if (count == 0) return;
-  Job job(work, count, std::max<std::size_t>(grain, 1));
-  const bool shared = !threads_.empty() && count > job.grain;
+  grain = std::max<std::size_t>(grain, 1);
+  const bool shared = !threads_.empty() && count > grain;
+  Job job(work, count, grain, urgent && shared ? &urgent_ : nullptr);
   if (shared) {
     {
       const std::lock_guard lock(mutex_);
-      jobs_.push_back(&job);
+      urgent ? jobs_.push_front(&job) : jobs_.push_back(&job);
     }
     wake_.notify_all();
   }
-  job.take(mutex_);
+  job.take(mutex_, nullptr);
   if (shared) {
     std::unique_lock lock(mutex_);
     jobs_.erase(std::remove(jobs_.begin(), jobs_.end(), &job), jobs_.end());

@@ -2,6 +2,7 @@
 // Threads that share the items of a call with its caller.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -29,8 +30,9 @@ class ThreadPool {
   using Work = std::function<void(std::size_t begin, std::size_t end)>;
   /// Calls work for consecutive parts of [0, count), `grain` items each but the last one, and returns when all are
   /// done. Which thread does which part, and when, is open. The first exception out of `work` is thrown again here;
-  /// parts that were not begun by then are left out.
-  void run(std::size_t count, std::size_t grain, const Work& work);
+  /// parts that were not begun by then are left out. `urgent`: threads that help with other calls leave these after the
+  /// part that they are at.
+  void run(std::size_t count, std::size_t grain, const Work& work, bool urgent = false);
 
  private:
   struct Job;
@@ -38,7 +40,8 @@ class ThreadPool {
 
   std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<Job*> jobs_;  ///< with parts that nobody has begun
+  std::deque<Job*> jobs_;       ///< with parts that nobody has begun; urgent ones first
+  std::atomic<int> urgent_{0};  ///< calls that have such parts
   bool stop_ = false;
   std::vector<std::thread> threads_;
 };

@@ -66,6 +66,48 @@ TEST_CASE("several threads work at the same time") {
   CHECK(here == 3);
 }
 
+TEST_CASE("threads that help leave a call for an urgent one") {
+  struct Stop {};
+  ThreadPool pool(3);
+  std::atomic<int> begun{0};
+  std::atomic<long> others{0};
+  std::atomic<bool> done{false};
+  // Goes on until the urgent call is done, which needs two threads at once; its caller is one of them.
+  const auto other = [&](std::size_t, std::size_t) {
+    if (done) throw Stop();
+    ++others;
+    std::this_thread::yield();
+  };
+  std::thread caller([&] {
+    try {
+      pool.run(std::size_t{1} << 40, 1, other);
+    } catch (const Stop&) {
+    }
+  });
+  while (others < 1000) std::this_thread::yield();
+  std::atomic<int> together{0};
+  pool.run(
+      2, 1,
+      [&](std::size_t, std::size_t) {
+        ++begun;
+        const long before = others;
+        while (begun < 2 && others < before + 3000000) std::this_thread::yield();
+        if (begun == 2) ++together;
+      },
+      true);
+  done = true;
+  caller.join();
+  CHECK(together == 2);
+  // And come back to it: all of both calls is done.
+  std::atomic<std::size_t> sum{0};
+  std::thread both([&] { pool.run(5000, 1, [&](std::size_t begin, std::size_t) { sum += begin; }); });
+  for (int i = 0; i < 50; ++i)
+    pool.run(
+        20, 3, [&](std::size_t begin, std::size_t end) { sum += end - begin; }, true);
+  both.join();
+  CHECK(sum == 5000u * 4999u / 2 + 1000);
+}
+
 TEST_CASE("an exception comes back to the caller, and the pool goes on") {
   for (const unsigned threads : {1u, 4u}) {
     ThreadPool pool(threads);
