@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 #include <system_error>
 #include <thread>
@@ -84,6 +85,24 @@ class BatchRun {
     });
   }
 
+  static std::vector<CostModel> modelsOf(const std::vector<std::shared_ptr<DeviceSlot>>& devices) {
+    std::vector<CostModel> models;
+    for (const auto& device : devices) models.push_back(device->costs);
+    return models;
+  }
+
+  /// Moves open pairs of solids with large overlaps to those that are bound to devices, if all of them are best there.
+  void bindLarge(const std::vector<CostModel>& models, Indices& open, Indices& bound) const {
+    const auto isLarge = [&](std::size_t i) { return solids_[i] != 0 && models[0].isLarge(works_[i]); };
+    std::vector<double> large;
+    for (const std::size_t i : open) {
+      if (isLarge(i)) large.push_back(works_[i]);
+    }
+    if (!largeOnDevices(large, models, pool_.threadCount())) return;
+    std::copy_if(open.begin(), open.end(), std::back_inserter(bound), isLarge);
+    std::erase_if(open, isLarge);
+  }
+
   void deal() {
     Indices bound, open;  // to devices; to devices or the CPU
     double hostBusy = 0;
@@ -113,6 +132,8 @@ class BatchRun {
         singles_.push_back(i);
       }
     }
+    const std::vector<CostModel> models = modelsOf(devices_);
+    bindLarge(models, open, bound);
     for (std::size_t k = 0; k < withDevice.size(); ++k) {
       slotOf_[withDevice[k]] = devices_[k * devices_.size() / withDevice.size()].get();
     }
@@ -128,8 +149,6 @@ class BatchRun {
     for (const std::size_t i : bound) solid.push_back(solids_[i]);
     division.work = work;
     division.solid = solid;
-    std::vector<CostModel> models;
-    for (const auto& device : devices_) models.push_back(device->costs);
     std::size_t begin = 0;
     for (const std::size_t end : divide(division, models)) {
       DeviceSlot& slot = *devices_[blocks_.size()];

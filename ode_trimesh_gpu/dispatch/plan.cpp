@@ -108,6 +108,18 @@ std::vector<std::size_t> even(const CostSums& sums, double time) {
 
 }  // namespace
 
+bool largeOnDevices(std::span<const double> work, std::span<const CostModel> devices, unsigned threads) {
+  if (work.empty() || devices.empty()) return false;
+  double rate = 0, onHost = 0;  // of all devices: parts of the whole in a microsecond
+  for (const CostModel& device : devices) {
+    double all = device.launchCost(false, true);
+    for (const double one : work) all += device.deviceCost(true, one);
+    rate += 1 / std::max(all, 1e-9);
+  }
+  for (const double one : work) onHost += devices[0].hostCost(true, one);
+  return 1 / rate < onHost / devices[0].speedup(threads);
+}
+
 std::vector<std::size_t> divide(const Division& division, std::span<const CostModel> devices) {
   if (devices.empty()) return {};
   const CostSums sums(division, devices);

@@ -20,6 +20,11 @@ struct Division {
   unsigned threads = 1;
 };
 
+/// Whether all pairs of solids with large overlaps, `work` each, go to devices. Devices that describe overlaps have the
+/// CPU's threads finish them, which are missed if these have such pairs of their own meanwhile: so the pairs are not
+/// divided, and go where all of them are sooner done.
+bool largeOnDevices(std::span<const double> work, std::span<const CostModel> devices, unsigned threads);
+
 /// Ends of the devices' blocks: device d gets the pairs from the end of the block before it (0) to ends[d], the CPU
 /// what is left. Chosen so that all are expected to be done at the same time; blocks of devices with equal models have
 /// equal cost, and with as many pairs as devices or more none is left out. With the same arguments it gives the same

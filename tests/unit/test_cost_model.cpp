@@ -126,6 +126,32 @@ TEST_CASE("large overlaps of solids count by a line of their own") {
   CHECK_FALSE(costs.isSane());
 }
 
+TEST_CASE("large overlaps of solids are not divided between devices and the CPU") {
+  CostModel costs = model(100, 1);
+  costs.batchSolid = {1, 0};
+  costs.batchLarge = {10, 0};
+  costs.hostLarge = {100, 0};
+  costs.largeWork = 1000;
+  costs.solidLaunch = 500;
+  costs.hostThreads = 16;
+  costs.hostSpeedup = 16;
+  const std::vector<double> many(1000, 2000), few(10, 2000);
+  CHECK_FALSE(largeOnDevices({}, std::vector<CostModel>{costs}, 1));
+  CHECK_FALSE(largeOnDevices(many, {}, 1));
+  // 10,500 us there; by one thread 100,000, by eight 12,500, by sixteen 6,250.
+  CHECK(largeOnDevices(many, std::vector<CostModel>{costs}, 1));
+  CHECK(largeOnDevices(many, std::vector<CostModel>{costs}, 8));
+  CHECK_FALSE(largeOnDevices(many, std::vector<CostModel>{costs}, 16));
+  // Two devices have half each, and one of them alone may be so slow that it is no help.
+  CHECK(largeOnDevices(many, std::vector<CostModel>{costs, costs}, 16));
+  CostModel slow = costs;
+  slow.batchLarge = {1000, 0};
+  CHECK_FALSE(largeOnDevices(many, std::vector<CostModel>{costs, slow}, 16));
+  // A launch is not worth while for a few.
+  CHECK(largeOnDevices(few, std::vector<CostModel>{costs}, 1));
+  CHECK_FALSE(largeOnDevices(few, std::vector<CostModel>{costs}, 2));
+}
+
 TEST_CASE("two lines through the measured times of pairs of solids") {
   CostModel costs = model(1, 1);
   std::vector<std::pair<double, double>> host = {{100, 20}, {400, 80}, {1000, 300}, {5000, 700}};
