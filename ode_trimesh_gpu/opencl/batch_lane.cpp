@@ -178,7 +178,6 @@ void BatchLane::enqueue(cl_mem meshes, BatchWish wish) {
   launch(queue, walk_, tuning_.batchGroup, count_, 1, profile_.next(Profile::kMain));
   if (tuning_.flushes & 2) clDo(OTG_CL(clFlush), queue);
   if (wish == BatchWish::kSolid) {
-    cl_event flagged = nullptr;
     if (wantsFlags_) flags_.reserve(context_, queue, count_ * sizeof(otg_uint));
     const SolidStage::Batch batch{count_,
                                   meshes,
@@ -193,11 +192,10 @@ void BatchLane::enqueue(cl_mem meshes, BatchWish wish) {
                                   reducer_.reductions(),
                                   groups_,
                                   wantsFlags_ ? flags_.data() : nullptr,
-                                  &flagged,
+                                  &flagged_,
                                   remembers_ ? directionsBefore_.data() : nullptr,
                                   remembers_ ? directions_.data() : nullptr};
     solid_.enqueue(queue, batch, reducer_, chosen_, profile_);
-    flagged_ = EventHandle(flagged);
     wantsFlags_ = false;  // not when a list was too short
     if (anyPairwise_) {
       solid_.enqueuePairwise(queue, batch, chosen_, profile_);

@@ -155,9 +155,11 @@ void SolidStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& re
     launch(queue, size.regions, size.group, groupsOf(size), 1, profile.next(Profile::kRegions));
   }
   if (batch.flags != nullptr) {
+    cl_event flagged = nullptr;
     clDo(OTG_CL(clEnqueueReadBuffer), queue, chosen.get(), cl_bool{CL_FALSE}, std::size_t{OTG_RESULT_HEAD},
          batch.count * sizeof(otg_uint), static_cast<void*>(batch.flags), cl_uint{0},
-         static_cast<const cl_event*>(nullptr), batch.flagged);
+         static_cast<const cl_event*>(nullptr), &flagged);
+    *batch.flagged = EventHandle(flagged);  // at once: a later call may fail
   }
   const otg_uint remembers = batch.directions != nullptr ? 1 : 0;
   const std::size_t directionBytes = batch.count * 3 * sizeof(double);

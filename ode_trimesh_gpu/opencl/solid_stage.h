@@ -30,8 +30,8 @@ class SolidStage {
     std::uint32_t hitPlaces;
     cl_mem records, states, reductions;
     std::size_t groups;
-    std::byte* flags;   ///< gets the flags of the pairs, as far as their regions tell; may be null
-    cl_event* flagged;  ///< then: when they are there
+    std::byte* flags;      ///< gets the flags of the pairs, as far as their regions tell; may be null
+    EventHandle* flagged;  ///< then: when they are there
     /// Directions of deep regions, three doubles a pair: those of the last query, and where those of this one go; both
     /// may be null.
     const std::byte* directionsBefore;
