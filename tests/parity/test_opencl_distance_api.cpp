@@ -5,6 +5,7 @@
 
 #include "opencl/device_info.h"
 #include "support/catch.h"
+#include "support/ode_devices.h"
 #include "support/ode_world.h"
 
 using namespace otg;
@@ -27,14 +28,6 @@ Distances measure(const std::vector<dGpuTriMeshPair>& pairs, dReal limit) {
   std::memset(static_cast<void*>(out.all.data()), 0xcd, out.all.size() * sizeof out.all[0]);
   out.status = dGpuTriMeshGetDistances(pairs.data(), static_cast<int>(pairs.size()), limit, out.all.data());
   return out;
-}
-
-std::uint64_t deviceCalls() {
-  dGpuTriMeshDevice device;
-  dGpuTriMeshDeviceInit(&device);
-  CHECK(dGpuTriMeshGetDevice(0, &device) == dGPUTRIMESH_OK);
-  CHECK(device.failed_calls == 0);
-  return device.calls;
 }
 
 }  // namespace

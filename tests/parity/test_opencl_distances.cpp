@@ -5,14 +5,12 @@
 #include <thread>
 
 #include "dispatch/dispatcher.h"
-#include "opencl/call.h"
-#include "opencl/log.h"
 #include "support/distance_samples.h"
+#include "support/failing_calls.h"
 #include "support/opencl.h"
 
 using namespace otg;
 using namespace otg::test;
-using opencl::FaultInjection;
 
 namespace {
 
@@ -34,13 +32,6 @@ Bits bitsOf(const MeshDistance& d) {
           d.triangleA,
           d.triangleB,
           d.found};
-}
-
-std::shared_ptr<DeviceSlot> openSlot(const opencl::Tuning& tuning = {}) {
-  auto slot = std::make_shared<DeviceSlot>();
-  slot->backend = openBackend(tuning);
-  REQUIRE(slot->backend);
-  return slot;
 }
 
 /// Trees are kept as long as this lives.
@@ -195,39 +186,9 @@ TEST_CASE("whichever call fails, the distances are the same") {
     for (int i = 0; i < times; ++i) sum += differences(onDevice(slot, pool, own, kInfinity), expected);
     return sum;
   };
-  std::uint64_t calls = 0;
-  {
-    const auto slot = openSlot(tuning);
-    const std::uint64_t before = FaultInjection::callCount();
-    CHECK(differ(*slot, 2) == 0);
-    calls = FaultInjection::callCount() - before;
-  }
-  CHECK(calls > 50);
-  std::vector<std::string> lines;
-  opencl::forgetFailures();
-  opencl::setLogSink([&](const std::string& line) { lines.push_back(line); });
-  std::uint64_t failed = 0, onHost = 0;
-  for (const cl_int code : {CL_OUT_OF_RESOURCES, CL_MEM_OBJECT_ALLOCATION_FAILURE}) {
-    for (const std::uint64_t more : {std::uint64_t{0}, std::uint64_t{1000000}}) {  // one call, or all from there on
-      const auto slot = openSlot(tuning);
-      for (std::uint64_t n = 1; n <= calls; ++n) {
-        INFO("call " << n << " fails with " << code << (more > 0 ? " and all after it" : ""));
-        FaultInjection::failAt(n, code, more);
-        REQUIRE(differ(*slot, 2) == 0);
-        FaultInjection::failAt(0);
-        slot->isOff = false;
-        REQUIRE(differ(*slot, 1) == 0);  // the backend is as good as new
-        REQUIRE(slot->failedInRow == 0);
-      }
-      failed += slot->failedCalls;
-      onHost += slot->backend->counts().distancesOnHost;
-    }
-  }
-  opencl::setLogSink({});
-  CHECK(failed > 100);
-  CHECK(onHost > 500);
-  CHECK(lines.size() > 3);
-  for (const std::string& line : lines) CHECK(line.find("ode_trimesh_gpu: ") == 0);
+  const auto taken = [](const DeviceSlot& slot) { return slot.backend->counts().distancesOnHost; };
+  const FailedCalls sums = checkFailingCalls(tuning, 50, differ, taken);
+  CHECK(sums.onHost > 500);
 }
 
 TEST_CASE("several threads ask at once, about meshes that do not fit together") {
@@ -236,13 +197,15 @@ TEST_CASE("several threads ask at once, about meshes that do not fit together") 
   const auto slot = openSlot(tuning);
   ThreadPool pool(2);
   std::atomic<std::size_t> wrong{0};
+  std::vector<Pairs> all(3);  // longer than threads live: what is gone makes room without being evicted
   std::vector<std::thread> threads;
   for (std::uint32_t t = 0; t < 3; ++t) {
     threads.emplace_back([&, t] {
       std::vector<samples::NamedMesh> some;
       for (std::uint32_t i = 0; i < 4; ++i)
         some.push_back({"", scenes::build(scenes::makeLump(1, 3, 0.2, 10 + 7 * t + i))});
-      const Pairs own = allPairs(some, 4);
+      all[t] = allPairs(some, 4);
+      const Pairs& own = all[t];
       const std::vector<Bits> expected = oneByOne(own, kInfinity), device = onDevice(*slot, pool, own, kInfinity);
       for (std::size_t k = 0; k < expected.size(); ++k) wrong += device[k] == expected[k] ? 0 : 1;
     });

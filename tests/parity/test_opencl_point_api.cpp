@@ -5,6 +5,7 @@
 
 #include "opencl/device_info.h"
 #include "support/catch.h"
+#include "support/ode_devices.h"
 #include "support/ode_world.h"
 
 using namespace otg;
@@ -44,14 +45,6 @@ Answers ask(dGeomID geom, const std::vector<Particle>& points) {
   CHECK(dGeomGpuTriMeshClosestPoints(geom, points[0].x, sizeof(Particle), count, out.closest.data()) == dGPUTRIMESH_OK);
   out.count = dGeomGpuTriMeshPointsInside(geom, points[0].x, sizeof(Particle), count, out.inside.data());
   return out;
-}
-
-std::uint64_t deviceCalls() {
-  dGpuTriMeshDevice device;
-  dGpuTriMeshDeviceInit(&device);
-  CHECK(dGpuTriMeshGetDevice(0, &device) == dGPUTRIMESH_OK);
-  CHECK(device.failed_calls == 0);
-  return device.calls;
 }
 
 }  // namespace

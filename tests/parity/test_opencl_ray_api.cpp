@@ -5,6 +5,7 @@
 
 #include "opencl/device_info.h"
 #include "support/catch.h"
+#include "support/ode_devices.h"
 #include "support/ode_world.h"
 
 using namespace otg;
@@ -46,14 +47,6 @@ Hits cast(dGeomID geom, const std::vector<dGpuTriMeshRay>& rays, int flags) {
   std::memset(static_cast<void*>(out.hits.data()), 0xcd, out.hits.size() * sizeof out.hits[0]);
   out.count = dGeomGpuTriMeshCastRays(geom, rays.data(), static_cast<int>(rays.size()), flags, out.hits.data());
   return out;
-}
-
-std::uint64_t deviceCalls() {
-  dGpuTriMeshDevice device;
-  dGpuTriMeshDeviceInit(&device);
-  CHECK(dGpuTriMeshGetDevice(0, &device) == dGPUTRIMESH_OK);
-  CHECK(device.failed_calls == 0);
-  return device.calls;
 }
 
 constexpr int kFlags[] = {0, dGPUTRIMESH_RAY_CULL_BACK, dGPUTRIMESH_RAY_ANY,

@@ -6,14 +6,13 @@
 #include <thread>
 
 #include "dispatch/dispatcher.h"
-#include "opencl/call.h"
 #include "opencl/log.h"
+#include "support/failing_calls.h"
 #include "support/opencl.h"
 #include "support/ray_samples.h"
 
 using namespace otg;
 using namespace otg::test;
-using opencl::FaultInjection;
 using samples::raysFor;
 
 namespace {
@@ -28,13 +27,6 @@ struct Bits {
 
 Bits bitsOf(const RayHit& hit) {
   return {std::bit_cast<std::uint64_t>(hit.distance), hit.triangle, hit.back};
-}
-
-std::shared_ptr<DeviceSlot> openSlot(const opencl::Tuning& tuning = {}) {
-  auto slot = std::make_shared<DeviceSlot>();
-  slot->backend = openBackend(tuning);
-  REQUIRE(slot->backend);
-  return slot;
 }
 
 /// Answers of all rays, and that each ray was answered once.
@@ -189,40 +181,10 @@ TEST_CASE("whichever call fails, the hits are the same") {
     }
     return sum;
   };
-  std::uint64_t calls = 0;
-  {
-    const auto slot = openSlot(tuning);
-    const std::uint64_t before = FaultInjection::callCount();
-    CHECK(differ(*slot, 2) == 0);
-    calls = FaultInjection::callCount() - before;
-  }
-  CHECK(calls > 30);
-  std::vector<std::string> lines;
-  opencl::forgetFailures();
-  opencl::setLogSink([&](const std::string& line) { lines.push_back(line); });
-  std::uint64_t failed = 0, onHost = 0;
-  for (const cl_int code : {CL_OUT_OF_RESOURCES, CL_MEM_OBJECT_ALLOCATION_FAILURE}) {
-    for (const std::uint64_t more : {std::uint64_t{0}, std::uint64_t{1000000}}) {  // one call, or all from there on
-      const auto slot = openSlot(tuning);
-      for (std::uint64_t n = 1; n <= calls; ++n) {
-        INFO("call " << n << " fails with " << code << (more > 0 ? " and all after it" : ""));
-        FaultInjection::failAt(n, code, more);
-        REQUIRE(differ(*slot, 2) == 0);
-        FaultInjection::failAt(0);
-        slot->isOff = false;
-        REQUIRE(differ(*slot, 1) == 0);  // the backend is as good as new
-        REQUIRE(slot->failedInRow == 0);
-      }
-      failed += slot->failedCalls;
-      onHost += slot->backend->counts().raysOnHost;
-    }
-  }
-  opencl::setLogSink({});
-  CHECK(failed > 100);
-  CHECK(onHost > 100 * 150);
-  CHECK(onHost < failed * rays.size());  // pieces that were answered before are not cast again
-  CHECK(lines.size() > 3);
-  for (const std::string& line : lines) CHECK(line.find("ode_trimesh_gpu: ") == 0);
+  const auto taken = [](const DeviceSlot& slot) { return slot.backend->counts().raysOnHost; };
+  const FailedCalls sums = checkFailingCalls(tuning, 30, differ, taken);
+  CHECK(sums.onHost > 100 * 150);
+  CHECK(sums.onHost < sums.failed * rays.size());  // pieces that were answered before are not cast again
 }
 
 TEST_CASE("several threads cast at once, at meshes that have to make room for each other") {
