@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The way out of a deep region: the shortest among the push, the last one and the main face directions; as directRegion in
-// collide/solid/escape.cpp, where no region is entangled.
+// The way out of a deep region: the shortest among the push, the last one and the main face directions; as directRegion
+// in collide/solid/escape.cpp, where no region is entangled.
 #ifndef OTG_SOLID_DEEP_H
 #define OTG_SOLID_DEEP_H
 #include "solid_thin.h"

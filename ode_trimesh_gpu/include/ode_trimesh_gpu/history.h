@@ -58,8 +58,8 @@ OTG_API int dGpuTriMeshHistoryLoad(const dGeomID* geoms, int count, const void* 
  *        without it.
  * @param g  a geom of this class, or a dTriMesh that dGpuTriMeshOverrideTriMesh() has collide through this library
  * @returns dGPUTRIMESH_OK or dGPUTRIMESH_ERROR_CLASS.
- * @remarks Not while another thread collides the geom. A pair of meshes is remembered by the geom created second: to make
- *          sure of a pair, call it for both. One with a geom of ODE's own is remembered by the mesh.
+ * @remarks Not while another thread collides the geom. A pair of meshes is remembered by the geom created second: to
+ *          make sure of a pair, call it for both. One with a geom of ODE's own is remembered by the mesh.
  * @ingroup gputrimesh
  */
 OTG_API int dGeomGpuTriMeshForgetHistory(dGeomID g);
