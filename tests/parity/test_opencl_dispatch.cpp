@@ -173,18 +173,28 @@ TEST_CASE("one to four devices give what the CPU gives, for every placement") {
 
 namespace {
 
-void checkDivision(ContactModel model) {
+/// 600 pairs of two lumps. They live as long as this.
+struct Lumps {
   const MeshList meshes = {collisionMesh(makeLump(0.9, 3, 0.2, 1)), collisionMesh(makeLump(0.9, 2, 0.2, 2))};
-  Draw draw(5);
-  std::vector<PairJob> jobs(600);
+  std::vector<PairJob> jobs = std::vector<PairJob>(600);
   std::vector<const PairJob*> list;
-  for (PairJob& job : jobs) {
-    job.query = makeQuery(*meshes[draw.below(2)], *meshes[draw.below(2)],
-                          makePose(draw.direction(), draw.uniform(0, 3), draw.inBox(1)));
-    job.query.options.maxContacts = 8;
-    job.query.options.contacts = model;
-    list.push_back(&job);
+
+  explicit Lumps(ContactModel model) {
+    Draw draw(5);
+    for (PairJob& job : jobs) {
+      job.query = makeQuery(*meshes[draw.below(2)], *meshes[draw.below(2)],
+                            makePose(draw.direction(), draw.uniform(0, 3), draw.inBox(1)));
+      job.query.options.maxContacts = 8;
+      job.query.options.contacts = model;
+      list.push_back(&job);
+    }
   }
+};
+
+void checkDivision(ContactModel model) {
+  const Lumps lumps(model);
+  const std::vector<PairJob>& jobs = lumps.jobs;
+  const std::vector<const PairJob*>& list = lumps.list;
   std::vector<PairResult> expected(jobs.size());
   Dispatcher host;
   host.collideBatch(list, expected);
@@ -223,6 +233,27 @@ TEST_CASE("devices get blocks of equal cost, and a batch is divided between them
 
 TEST_CASE("batches of solids are divided, too, where their costs are known") {
   checkDivision(ContactModel::kSolid);
+}
+
+TEST_CASE("large overlaps of solids go all to devices where these are sooner done with them") {
+  const Lumps lumps(ContactModel::kSolid);
+  Dispatcher dispatcher;
+  REQUIRE(open(dispatcher, 1) == 1);
+  dispatcher.setTakeOver(false);
+  dispatcher.setThreadCount(1);
+  DeviceSlot& slot = *dispatcher.devices()[0];
+  for (const double dearer : {1.5, 0.5}) {  // on the CPU than on the device
+    CostModel costs = costsFor(0.5);
+    costs.batchLarge = costs.batchSolid;
+    costs.hostLarge = {dearer * costs.batchLarge.fixed, dearer * costs.batchLarge.perTriangle};
+    costs.largeWork = 1e-9;  // all of them
+    slot.costs = costs;
+    std::vector<PairResult> found(lumps.jobs.size());
+    dispatcher.collideBatch(lumps.list, found);
+    INFO(slot.blockPairs);
+    CHECK((slot.blockPairs > 590) == (dearer > 1));
+    CHECK(slot.blockPairs > 100);
+  }
 }
 
 TEST_CASE("single queries go where they are told, or where it is sooner") {
