@@ -13,8 +13,8 @@
 #include "solid_deep.h"
 
 #define OTG_WEIGH_FIXED 6
-#if OTG_GROUP >= 8
-#define OTG_WEIGH_PARTS 8
+#if OTG_GROUP >= 16
+#define OTG_WEIGH_PARTS 16
 #else
 #define OTG_WEIGH_PARTS 1
 #endif

@@ -7,218 +7,85 @@
 // place of `along`. OTG_GROUP is a power of two.
 #ifndef OTG_SOLID_CHOOSE_H
 #define OTG_SOLID_CHOOSE_H
-#include "solid_region.h"
+#include "solid_merge.h"
 //
 #include "solid_rays.h"
 
-#define OTG_SOLID_MOST_CONTACTS (OTG_SOLID_REGIONS * OTG_SOLID_CONTACTS)
-#if OTG_SOLID_LARGE
-#define OTG_SOLID_MEASURED (OTG_SOLID_MEASURED_PER_CONTACT * OTG_SOLID_CONTACTS)
-#define OTG_FACING_PARTS 4
-#else
-#define OTG_SOLID_MEASURED OTG_SOLID_CONTACTS
-#define OTG_FACING_PARTS 2
+#if OTG_WARP && OTG_GROUP >= 32
+/// Bits of the lanes of the warp for which x holds; the value of one lane for all. All lanes of the warp call it.
+OTG_INLINED uint otgBallot(int x) {
+  uint bits;
+  __asm__ volatile("{ .reg .pred p; setp.ne.s32 p, %1, 0; vote.sync.ballot.b32 %0, p, 0xffffffff; }"
+                   : "=r"(bits)
+                   : "r"(x));
+  return bits;
+}
+OTG_INLINED double otgOfLane(double x, uint lane) {
+  const uint2 own = as_uint2(x);
+  uint2 its;
+  __asm__ volatile("shfl.sync.idx.b32 %0, %1, %2, 0x1f, 0xffffffff;" : "=r"(its.x) : "r"(own.x), "r"(lane));
+  __asm__ volatile("shfl.sync.idx.b32 %0, %1, %2, 0x1f, 0xffffffff;" : "=r"(its.y) : "r"(own.y), "r"(lane));
+  return as_double(its);
+}
 #endif
 
-// The same memory for what is never needed at the same time. By candidate: depth, rank, distance from those chosen,
-// place.
-#define OTG_DEPTH(s) ((s)->numbers)
-#define OTG_RANK(s) ((s)->numbers + OTG_SOLID_POINTS)
-#define OTG_SPREAD(s) ((s)->numbers + 2 * OTG_SOLID_POINTS)
-#define OTG_X(s) ((s)->numbers + 3 * OTG_SOLID_POINTS)
-#define OTG_Y(s) ((s)->numbers + 4 * OTG_SOLID_POINTS)
-#define OTG_Z(s) ((s)->numbers + 5 * OTG_SOLID_POINTS)
-// Of the pair, by contact: as in contact_choose.h. In place of all six.
-#define OTG_SPOT(s) ((__local uint2*)(s)->numbers)
-#define OTG_NEAREST(s) ((__local uint*)(OTG_SPOT(s) + OTG_SOLID_MOST_CONTACTS))
-#define OTG_SORTED(s) ((__local ushort*)(OTG_NEAREST(s) + OTG_SOLID_MOST_CONTACTS))
-
-/// Of a candidate while those that lie together are merged; 0: it is dropped.
-#define OTG_STAYS_OPEN 1
-#define OTG_STAYS 2
-
-/// What a work-group knows of the region that it works on, in local memory.
-typedef struct {
-  double numbers[6 * OTG_SOLID_POINTS];  ///< see OTG_DEPTH and what follows it
-  // By candidate: a point, or one of the points that are left.
-  int step[OTG_SOLID_POINTS];
-  uchar alive[OTG_SOLID_POINTS];
-  ushort order[OTG_SOLID_POINTS];  ///< candidates as they are ranked
-  ushort picked[OTG_SOLID_MEASURED];
-  double ways[2 * OTG_SOLID_MEASURED];  ///< out of B and back out of A, by place in the order
-  uint facing[OTG_FACING_PARTS * OTG_SOLID_CONTACTS];
-  double reduce[OTG_GROUP];
-  uint places[OTG_GROUP];
-  uint4 counts[(OTG_GROUP + 3) / 4];  ///< a word for each lane: OTG_COUNTS
-  double highest;
-  uint next[3];
-  uint bad, count, contacts, allocated;
-  uint low[3], high[3], seeds, seen;
-} otg_solid_choice;
-
-/// What solidEstimate says of the candidates.
-OTG_INLINED void otgTakeEstimates(__local otg_solid_choice* s, const otg_solid_work* w) {
-  for (uint i = get_local_id(0); i < w->candidates; i += OTG_GROUP) {
-    __global const otg_solid_point* p = otgPointOf(w, i);
-    const double depth = p->depth;
-    OTG_DEPTH(s)[i] = depth;
-    OTG_RANK(s)[i] = p->rank;
-    s->alive[i] = depth >= 0;
-  }
-  OTG_SYNC;
-}
-
-/// Where the contact would be: the middle of the overlap, beside the point and not beside the probe.
-OTG_INLINED otg_vec3_d otgMiddleOf(__global const otg_solid_point* p) {
-  const otg_vec3_d at = otgLoad(p->at), normal = otgLoad(p->normal);
-  const double moved = otgDot_d(otgSub_d(otgLoad(p->probe), at), normal);
-  return otgAdd_d(at, otgScale_d(normal, moved + p->shift));
-}
-
-/// The largest depth of those alive. All lanes call it.
-OTG_INLINED double otgDeepest(__local otg_solid_choice* s, const otg_solid_work* w) {
-  double most = 0;
-  for (uint i = get_local_id(0); i < w->candidates; i += OTG_GROUP) {
-    if (s->alive[i]) most = otgMax_d(OTG_DEPTH(s)[i], most);
-  }
-  return otgLargestOf(s->reduce, most);
-}
-
-OTG_INLINED void otgDropShallow(__local otg_solid_choice* s, const otg_solid_work* w, double least) {
-  for (uint i = get_local_id(0); i < w->candidates; i += OTG_GROUP) {
-    if (OTG_DEPTH(s)[i] < otgLeastOfKind_d((int)otgPointOf(w, i)->kind, least)) s->alive[i] = 0;
-  }
-  OTG_SYNC;
-}
-
-/// The place at which the largest value is, the first of several, among those that lanes have; OTG_NOT_THERE where all
-/// have that. All lanes call it.
-OTG_INLINED uint otgFirstOfLargest(__local otg_solid_choice* s, double value, uint place) {
+/// Of the candidates that are not taken (the others have a worth below 0) the first, then always the first behind it
+/// that is worth that much more than it: the place of the last one. All lanes call it. `round`: of those that look.
+OTG_INLINED uint otgMostWorth(__local otg_solid_choice* s, uint all, uint* round) {
   const uint lane = get_local_id(0);
   OTG_SYNC;
-  s->reduce[lane] = value;
-  s->places[lane] = place;
-  OTG_SYNC;
-  for (uint half_ = OTG_GROUP / 2; half_ > 0; half_ /= 2) {
-    if (lane < half_) {
-      const uint mine = s->places[lane], other = s->places[lane + half_];
-      const double x = s->reduce[lane], y = s->reduce[lane + half_];
-      if (other != OTG_NOT_THERE && (mine == OTG_NOT_THERE || y > x || (y == x && other < mine))) {
-        s->reduce[lane] = y;
-        s->places[lane] = other;
+#if OTG_WARP && OTG_GROUP >= 32
+  // By one warp, 32 at a time: nobody waits at a barrier for what is a chain of comparisons.
+  if (lane < 32) {
+    uint best = OTG_NOT_THERE;
+    double more = 0;
+    for (uint base = 0; base < all; base += 32) {
+      const double worth = base + lane < all ? OTG_RANK(s)[base + lane] : -1;
+      uint better = otgBallot(best == OTG_NOT_THERE ? !(worth < 0) : worth > more);
+      while (better != 0) {
+        const uint first = otgLowestBit(better);
+        best = base + first;
+        more = OTG_SOLID_FARTHER * otgOfLane(worth, first);
+        better = otgBallot(worth > more) & ~((2u << first) - 1);
       }
+    }
+    if (lane == 0) s->next[0] = best;
+  }
+  OTG_SYNC;
+  return s->next[0];
+#else
+  // The first that is not taken, then always the first behind it that is worth that much more: each looked for by all
+  // lanes. A word is made ready for the next time while that of the last time may still be read.
+  uint best = OTG_NOT_THERE;
+  double more = 0;
+  for (int goesOn = 1; goesOn; ++*round) {
+    if (lane == 0) s->next[(*round + 1) % 3] = OTG_NOT_THERE;
+    const uint from = best == OTG_NOT_THERE ? 0 : best + 1;
+    for (uint j = from + (lane + OTG_GROUP - from % OTG_GROUP) % OTG_GROUP; j < all; j += OTG_GROUP) {
+      const double worth = OTG_RANK(s)[j];
+      if (best == OTG_NOT_THERE ? worth < 0 : !(worth > more)) continue;
+      atomic_min(s->next + *round % 3, j);
+      break;
     }
     OTG_SYNC;
-  }
-  return s->places[0];
-}
-
-/// Of the candidates in order, s->count of them, keeps those that `stays` for each lane's own says. All lanes call it,
-/// for lane, lane + OTG_GROUP and so on.
-OTG_INLINED void otgKeepInOrder(__local otg_solid_choice* s, uint count) {
-  const uint lane = get_local_id(0);
-  uint kept = 0, total;
-  for (uint base = 0; base < count; base += OTG_GROUP) {
-    const uint k = base + lane;
-    const ushort c = k < count ? s->order[k] : 0;
-    const int stays = k < count && s->alive[c];
-    const uint place = kept + otgPlaceAmong(OTG_COUNTS(s), stays, &total);
-    // Places are not behind those that are read, and these lanes have read theirs.
-    if (stays) s->order[place] = c;
-    kept += total;
-  }
-  OTG_SYNC;
-  if (lane == 0) s->count = kept;
-  OTG_SYNC;
-}
-
-/// Moves the candidate at place k to the front. By one lane.
-OTG_INLINED void otgBringToFront(__local otg_solid_choice* s, uint k) {
-  const ushort taken = s->order[k];
-  for (; k > 0; --k) s->order[k] = s->order[k - 1];
-  s->order[0] = taken;
-}
-
-/// Drops what is shallow for its kind, then of points that lie together and agree in direction all but the first.
-/// s->order gets the others, s->count of them.
-OTG_INLINED void otgFilterAndMerge(__local otg_solid_choice* s, const otg_solid_work* w) {
-  const uint lane = get_local_id(0);
-  uint count = 0, total;
-  otgDropShallow(s, w, 0.5 * otgDeepest(s, w));  // half the fractions: estimates err
-  double highest = 0;
-  for (uint i = lane; i < w->candidates; i += OTG_GROUP) {
-    if (s->alive[i]) highest = otgMax_d(OTG_RANK(s)[i], highest);
-  }
-  highest = otgLargestOf(s->reduce, highest);
-  if (lane == 0) s->highest = highest;
-  // The features by which ties are settled lie where spread comes later.
-  __local ulong* orders = (__local ulong*)OTG_SPREAD(s);
-  for (uint i = lane; i < w->candidates; i += OTG_GROUP) {
-    s->step[i] = s->alive[i] ? otgRankStep_d(OTG_RANK(s)[i], highest) : INT_MAX;
-    if (!s->alive[i]) continue;
-    orders[i] = otgPointOf(w, i)->order;
-    const otg_vec3_d middle = otgMiddleOf(otgPointOf(w, i));
-    OTG_X(s)[i] = middle.x;  // in place of the points, which are not asked for any more
-    OTG_Y(s)[i] = middle.y;
-    OTG_Z(s)[i] = middle.z;
-  }
-  OTG_SYNC;
-  for (uint base = 0; base < w->candidates; base += OTG_GROUP) {
-    const uint i = base + lane;
-    const int isAlive = i < w->candidates && s->alive[i];
-    if (isAlive) {
-      const int step = s->step[i];
-      const ulong order = orders[i];
-      uint place = 0;
-      for (uint j = 0; j < w->candidates; ++j) {
-        place += s->step[j] < step || (s->step[j] == step && orders[j] < order);
-      }
-      s->order[place] = (ushort)i;
+    const uint next = s->next[*round % 3];
+    goesOn = next != OTG_NOT_THERE;
+    if (goesOn) {
+      best = next;
+      more = OTG_SOLID_FARTHER * OTG_RANK(s)[best];
     }
-    otgPlaceAmong(OTG_COUNTS(s), isAlive, &total);
-    count += total;
   }
-  OTG_SYNC;
-  // Where the bodies are round the deepest is one point, and it is the first; where they are flat many tremble about
-  // it.
-  if (lane == 0 && !w->isFlat && count > 0) {
-    uint first = 0;
-    while (first < count && !(OTG_RANK(s)[s->order[first]] >= highest)) ++first;
-    if (first < count) otgBringToFront(s, first);
-  }
-  OTG_SYNC;
-  // Whether one stays is settled once it is for all before it that lie near it: in rounds, of which few are needed.
-  const double reach = OTG_SOLID_MERGE_DISTANCE * w->diagonal;
-  for (int more = count > 0; more;) {
-    uint open = 0;
-    for (uint j = lane; j < count; j += OTG_GROUP) {
-      const uint i = s->order[j];
-      if (s->alive[i] != OTG_STAYS_OPEN) continue;
-      const otg_vec3_d middle = otgVec_d(OTG_X(s)[i], OTG_Y(s)[i], OTG_Z(s)[i]);
-      uchar stays = OTG_STAYS;
-      for (uint k = 0; k < j && stays != 0; ++k) {
-        const uint before = s->order[k];
-        const uchar other = s->alive[before];
-        if (other == 0) continue;
-        const otg_vec3_d d = otgSub_d(otgVec_d(OTG_X(s)[before], OTG_Y(s)[before], OTG_Z(s)[before]), middle);
-        if (!(otgDot_d(d, d) <= reach * reach)) continue;
-        if (!(otgDot_d(otgLoad(otgPointOf(w, i)->normal), otgLoad(otgPointOf(w, before)->normal)) >=
-              OTG_SOLID_MERGE_COSINE)) {
-          continue;
-        }
-        stays = other == OTG_STAYS ? 0 : OTG_STAYS_OPEN;
-      }
-      if (stays == OTG_STAYS_OPEN) {
-        ++open;
-      } else {
-        s->alive[i] = stays;
-      }
-    }
-    otgPlaceAmong(OTG_COUNTS(s), open, &total);
-    more = total > 0;
-    OTG_SYNC;
-  }
-  otgKeepInOrder(s, count);
+  return best;
+#endif
+}
+
+/// Where a candidate is, while they are spread.
+OTG_INLINED otg_vec3_d otgPlaceOf(__local const otg_solid_choice* s, const otg_solid_work* w, uint c) {
+#ifdef OTG_RAYS_KNOWN
+  return otgVec_d(OTG_X(s)[c], OTG_Y(s)[c], OTG_Z(s)[c]);
+#else
+  return otgLoad(otgPointOf(w, c)->at);
+#endif
 }
 
 /// The first, then again and again the one of most worth: farthest from those chosen, in position and normal, and deep.
@@ -231,6 +98,12 @@ OTG_INLINED void otgSpreadCandidates(__local otg_solid_choice* s, const otg_soli
     deepest = otgMax_d(OTG_DEPTH(s)[c], deepest);
     OTG_SPREAD(s)[c] = INFINITY;
     s->alive[c] = j > 0;  // not taken
+#ifdef OTG_RAYS_KNOWN
+    const otg_vec3_d at = otgLoad(otgPointOf(w, c)->at);
+    OTG_X(s)[c] = at.x;
+    OTG_Y(s)[c] = at.y;
+    OTG_Z(s)[c] = at.z;
+#endif
   }
   deepest = otgLargestOf(s->reduce, deepest);
   if (lane == 0) {
@@ -240,41 +113,19 @@ OTG_INLINED void otgSpreadCandidates(__local otg_solid_choice* s, const otg_soli
   OTG_SYNC;
   uint round = 0;
   for (uint i = 1; i < count; ++i) {
-    __global const otg_solid_point* last = otgPointOf(w, s->picked[i - 1]);
-    const otg_vec3_d at = otgLoad(last->at), normal = otgLoad(last->normal);
+    const uint last = s->picked[i - 1];
+    const otg_vec3_d at = otgPlaceOf(s, w, last), normal = otgNormalOf(s, w, last);
     for (uint j = lane; j < all; j += OTG_GROUP) {
       const uint c = s->order[j];
       double worth = -1;
       if (s->alive[c]) {
-        __global const otg_solid_point* p = otgPointOf(w, c);
-        const double apart = otgApart_d(otgLoad(p->at), otgLoad(p->normal), at, normal, scale);
+        const double apart = otgApart_d(otgPlaceOf(s, w, c), otgNormalOf(s, w, c), at, normal, scale);
         OTG_SPREAD(s)[c] = otgMin_d(apart, OTG_SPREAD(s)[c]);
         worth = otgWorth_d(OTG_SPREAD(s)[c], OTG_DEPTH(s)[c], deepest);
       }
       OTG_RANK(s)[j] = worth;
     }
-    OTG_SYNC;
-    // The first that is not taken, then always the first behind it that is worth that much more: each looked for by all
-    // lanes. A word is made ready for the next time while that of the last time may still be read.
-    uint best = OTG_NOT_THERE;
-    double more = 0;
-    for (int goesOn = 1; goesOn; ++round) {
-      if (lane == 0) s->next[(round + 1) % 3] = OTG_NOT_THERE;
-      const uint from = best == OTG_NOT_THERE ? 0 : best + 1;
-      for (uint j = from + (lane + OTG_GROUP - from % OTG_GROUP) % OTG_GROUP; j < all; j += OTG_GROUP) {
-        const double worth = OTG_RANK(s)[j];
-        if (best == OTG_NOT_THERE ? worth < 0 : !(worth > more)) continue;
-        atomic_min(s->next + round % 3, j);
-        break;
-      }
-      OTG_SYNC;
-      const uint next = s->next[round % 3];
-      goesOn = next != OTG_NOT_THERE;
-      if (goesOn) {
-        best = next;
-        more = OTG_SOLID_FARTHER * OTG_RANK(s)[best];
-      }
-    }
+    const uint best = otgMostWorth(s, all, &round);
     OTG_SYNC;
     if (lane == 0) {
       s->picked[i] = s->order[best];
@@ -473,9 +324,10 @@ OTG_INLINED void otgEmit(__local otg_solid_choice* s, const otg_solid_work* w, u
   const uint lane = get_local_id(0), count = s->count;
   const otg_vec3_d origin = otgLoad(w->region->origin);
   // Several lanes to a contact look for the triangle that it has not from its feature.
-  for (uint item = lane; item < count * OTG_FACING_PARTS; item += OTG_GROUP) {
-    __global const otg_solid_point* p = otgPointOf(w, s->order[item / OTG_FACING_PARTS]);
-    const uint part = item % OTG_FACING_PARTS, step = (w->pieceCount + OTG_FACING_PARTS - 1) / OTG_FACING_PARTS;
+  const uint parts = OTG_FACING_PARTS * OTG_SOLID_CONTACTS / max(count, 1u);
+  for (uint item = lane; item < count * parts; item += OTG_GROUP) {
+    __global const otg_solid_point* p = otgPointOf(w, s->order[item / parts]);
+    const uint part = item % parts, step = (w->pieceCount + parts - 1) / parts;
     const uint mesh = p->triangleA == OTG_NOT_THERE ? 0 : 1;
     const int isWanted = p->triangleA == OTG_NOT_THERE || p->triangleB == OTG_NOT_THERE;
     double nearest = INFINITY;
@@ -497,8 +349,8 @@ OTG_INLINED void otgEmit(__local otg_solid_choice* s, const otg_solid_work* w, u
                (OTG_DEPTH(s)[c] == OTG_DEPTH(s)[i] && otgPointOf(w, c)->order < p->order);
     }
     double nearest = INFINITY;
-    for (uint part = 0; part < OTG_FACING_PARTS; ++part) {
-      const uint item = k * OTG_FACING_PARTS + part;
+    for (uint part = 0; part < parts; ++part) {
+      const uint item = k * parts + part;
       if (s->facing[item] == OTG_NOT_THERE || !(s->ways[item] < nearest)) continue;
       nearest = s->ways[item];
       facing = s->facing[item];

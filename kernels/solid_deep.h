@@ -95,17 +95,25 @@ OTG_INLINED void otgFindEdgePairs(__local otg_solid_ways* s, const otg_solid_wor
 /// Sorts the pieces of a mesh into s->order, the largest first; equal ones by triangle, then as they are listed, so
 /// that no two have one place and none is left as it was. All lanes call it.
 OTG_INLINED void otgSortFaces(__local otg_solid_ways* s, const otg_solid_work* w, uint mesh, int isDeep) {
-  const uint count = isDeep ? otgFaceCount(w, mesh) : 0;
-  for (uint j = get_local_id(0); j < count; j += OTG_GROUP) {
-    const uint i = s->list[mesh][j];
-    const double area = w->pieces[i].area;
-    const uint triangle = w->pieces[i].triangle;
-    uint place = 0;
+  __local double* areas = s->numbers;  // where nothing lies yet
+  const uint lane = get_local_id(0), count = isDeep ? otgFaceCount(w, mesh) : 0;
+  OTG_SYNC;
+  for (uint j = lane; j < count; j += OTG_GROUP) areas[j] = w->pieces[s->list[mesh][j]].area;
+  OTG_SYNC;
+  for (uint j = lane; j < count; j += OTG_GROUP) {
+    const double area = areas[j];
+    uint place = 0, ties = 0;
+    OTG_UNROLLED(8)
     for (uint k = 0; k < count; ++k) {
-      __global const otg_solid_piece* q = w->pieces + s->list[mesh][k];
-      place += q->area > area || (q->area == area && (q->triangle < triangle || (q->triangle == triangle && k < j)));
+      place += areas[k] > area;
+      ties += areas[k] == area;
     }
-    s->order[(mesh == 0 ? 0 : w->facesOfA) + place] = (ushort)i;
+    for (uint k = 0; k < (ties > 1 ? count : 0); ++k) {
+      if (areas[k] != area) continue;
+      const uint own = w->pieces[s->list[mesh][j]].triangle, other = w->pieces[s->list[mesh][k]].triangle;
+      place += other < own || (other == own && k < j);
+    }
+    s->order[(mesh == 0 ? 0 : w->facesOfA) + place] = s->list[mesh][j];
   }
 }
 
@@ -123,6 +131,8 @@ OTG_INLINED void otgGatherFaces(__local otg_solid_ways* s, const otg_solid_work*
   const uint lane = get_local_id(0), count = isDeep ? otgFaceCount(w, mesh) : 0;
   uint clusters = 0;
   for (uint j = lane; j < count; j += OTG_GROUP) s->label[j] = OTG_SOLID_FACE_CLUSTERS;
+  // Each lane knows the normal of its first piece by heart.
+  const otg_vec3_d mine = lane < count ? otgPushOf(w->pieces + order[lane], mesh) : otgVec_d(0, 0, 0);
   for (int more = 1; more;) {
     OTG_SYNC;
     if (lane == 0) s->first = OTG_NOT_THERE;
@@ -136,10 +146,17 @@ OTG_INLINED void otgGatherFaces(__local otg_solid_ways* s, const otg_solid_work*
     const uint first = s->first;
     more = first != OTG_NOT_THERE && clusters < OTG_SOLID_FACE_CLUSTERS;
     if (more) {
-      const otg_vec3_d of = otgPushOf(w->pieces + order[first], mesh);
+      if (first % OTG_GROUP == lane) {
+        const otg_vec3_d n = first == lane ? mine : otgPushOf(w->pieces + order[first], mesh);
+        s->sums[0] = n.x;
+        s->sums[1] = n.y;
+        s->sums[2] = n.z;
+      }
+      OTG_SYNC;
+      const otg_vec3_d of = otgVec_d(s->sums[0], s->sums[1], s->sums[2]);
       for (uint j = lane; j < count; j += OTG_GROUP) {
         if (s->label[j] != OTG_SOLID_FACE_CLUSTERS) continue;
-        const otg_vec3_d n = otgPushOf(w->pieces + order[j], mesh);
+        const otg_vec3_d n = j == lane ? mine : otgPushOf(w->pieces + order[j], mesh);
         if (j == first || otgDot_d(of, n) >= OTG_SOLID_FACE_COSINE) s->label[j] = (uchar)clusters;
       }
       ++clusters;
@@ -149,11 +166,13 @@ OTG_INLINED void otgGatherFaces(__local otg_solid_ways* s, const otg_solid_work*
   for (uint t = lane; t < 4 * clusters; t += OTG_GROUP) {
     const uint cluster = t / 4, k = t % 4;
     double sum = 0;
+    // All are read, so that no read waits for a label; 0 changes no sum that began with 0.
+    OTG_UNROLLED(8)
     for (uint j = 0; j < count; ++j) {
-      if (s->label[j] != cluster) continue;
       __global const otg_solid_piece* p = w->pieces + order[j];
       const otg_vec3_d n = otgPushOf(p, mesh);
-      sum += k == 3 ? p->area : (k == 0 ? n.x : k == 1 ? n.y : n.z) * p->area;
+      const double term = k == 3 ? p->area : (k == 0 ? n.x : k == 1 ? n.y : n.z) * p->area;
+      sum += s->label[j] == cluster ? term : 0.0;
     }
     OTG_CLUSTER(s, cluster)[k] = sum;
   }

@@ -169,6 +169,11 @@ OTG_INLINED uint otgPairwiseFlags(__global const otg_pair_state* state, uint fla
 
 #define OTG_COUNTS(s) ((__local uint*)(s)->counts)
 
+/// The place of the lowest bit that is set.
+OTG_INLINED uint otgLowestBit(uint bits) {
+  return 31 - clz(bits & -bits);
+}
+
 /// How many of the lanes' counts come before this lane's; `total` is their sum. `counts` lies at a multiple of 16
 /// bytes. All lanes call it.
 OTG_INLINED uint otgPlaceAmong(__local uint* counts, uint count, uint* total) {
@@ -194,12 +199,24 @@ OTG_INLINED uint otgPlaceAmong(__local uint* counts, uint count, uint* total) {
 
 /// The larger of a value of each lane and 0. All lanes call it.
 OTG_INLINED double otgLargestOf(__local double* reduce, double x) {
+#if OTG_GROUP > 64
+  const uint lane = get_local_id(0);
+  OTG_SYNC;
+  reduce[lane] = otgMax_d(x, 0);
+  OTG_SYNC;
+  for (uint half_ = OTG_GROUP / 2; half_ > 0; half_ /= 2) {
+    if (lane < half_) reduce[lane] = otgMax_d(reduce[lane + half_], reduce[lane]);
+    OTG_SYNC;
+  }
+  return reduce[0];
+#else
   double most = 0;
   OTG_SYNC;
   reduce[get_local_id(0)] = x;
   OTG_SYNC;
   for (uint k = 0; k < OTG_GROUP; ++k) most = otgMax_d(reduce[k], most);
   return most;
+#endif
 }
 
 #ifdef OTG_MESHES_LOCAL

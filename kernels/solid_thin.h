@@ -41,6 +41,14 @@ OTG_INLINED uint otgKeyByNormal(otg_vec3_d n) {
   return (2 * axis + (longest < 0 ? 1 : 0)) << 16 | u << 8 | v;
 }
 
+/// Which of up to 32 keys are the same as one, a bit each: compared together, so that no read waits for another one.
+OTG_INLINED uint otgSameKeys(__local const uint* keys, uint count, uint key) {
+  uint same = 0;
+  OTG_UNROLLED(8)
+  for (uint k = 0; k < count; ++k) same |= (uint)(keys[k] == key) << k;
+  return same;
+}
+
 /// Puts planes for the pieces of a mesh behind `out`: how many. All lanes call it.
 OTG_INLINED uint otgGather(__local otg_solid_ways* s, const otg_solid_work* w, uint mesh, int byNormal,
                            __global otg_solid_face* out) {
@@ -55,19 +63,21 @@ OTG_INLINED uint otgGather(__local otg_solid_ways* s, const otg_solid_work* w, u
   OTG_SYNC;
   for (uint base = 0; base < count; base += OTG_GROUP) {
     const uint j = base + lane, key = j < count ? keys[j] : 0;
-    uint before = 0;
-    while (before < j && j < count && keys[before] != key) ++before;
-    const int isFirst = j < count && before == j;
+    int isFirst = j < count;
     otg_vec3_d vector = otgVec_d(0, 0, 0), lo = vector, hi = vector;
     double offset = 0;
-    for (uint k = j; isFirst && k < count; ++k) {
-      if (keys[k] != key) continue;
-      __global const otg_solid_piece* p = w->pieces + s->list[mesh][k];
-      const otg_vec3_d own = otgLoad(p->vector);
-      lo = k == j ? otgLoad(p->lo) : otgLower(lo, otgLoad(p->lo));
-      hi = k == j ? otgLoad(p->hi) : otgHigher(hi, otgLoad(p->hi));
-      vector = otgAdd_d(vector, byNormal ? otgScale_d(otgLoad(p->normal), p->area) : own);
-      offset += p->offset * (byNormal ? p->area : otgNorm_d(own));
+    for (uint from = 0; from < count && isFirst; from += 32) {
+      for (uint same = otgSameKeys(keys + from, min(count - from, 32u), key); same != 0 && isFirst; same &= same - 1) {
+        const uint k = from + otgLowestBit(same);
+        isFirst = k >= j;
+        if (!isFirst) continue;
+        __global const otg_solid_piece* p = w->pieces + s->list[mesh][k];
+        const otg_vec3_d own = otgLoad(p->vector);
+        lo = k == j ? otgLoad(p->lo) : otgLower(lo, otgLoad(p->lo));
+        hi = k == j ? otgLoad(p->hi) : otgHigher(hi, otgLoad(p->hi));
+        vector = otgAdd_d(vector, byNormal ? otgScale_d(otgLoad(p->normal), p->area) : own);
+        offset += p->offset * (byNormal ? p->area : otgNorm_d(own));
+      }
     }
     const double length = otgNorm_d(vector);
     const int isPlane = isFirst && length > 0;
@@ -111,8 +121,11 @@ OTG_INLINED void otgThinPoints(__local otg_solid_ways* s, otg_solid_work* w) {
     if (stays && thins) {
       const uint key = keys[i];
       const double hint = hints[i];
-      for (uint j = 0; j < count; ++j) {
-        if (keys[j] == key && (hints[j] > hint || (hints[j] == hint && j < i))) stays = 0;
+      for (uint from = 0; from < count && stays; from += 32) {
+        for (uint same = otgSameKeys(keys + from, min(count - from, 32u), key); same != 0; same &= same - 1) {
+          const uint j = from + otgLowestBit(same);
+          if (hints[j] > hint || (hints[j] == hint && j < i)) stays = 0;
+        }
       }
     }
     const uint place = candidates + otgPlaceAmong(OTG_COUNTS(s), stays, &total);

@@ -80,6 +80,7 @@ void SolidStage::build() {
                                 number(" -DOTG_SOLID_HITS=", size.hits) + number(" -DOTG_SOLID_POINTS=", size.points) +
                                 number(" -DOTG_SOLID_FACES=", size.faces) +
                                 number(" -DOTG_SOLID_LARGE=", &size == &sizes_[0] ? 1 : 0) +
+                                warpOption(context_) +
                                 (registers_ != 0 ? number(" -cl-nv-maxrregcount=", registers_) : "");
     size.regions = context_.makeKernel("solid_regions.cl", options, "solidRegions");
     size.ways = context_.makeKernel("solid_ways.cl", options, "solidWays");
