@@ -44,16 +44,35 @@ OTG_INLINED void otgFillCrossing(OTG_OVERLAP* o, uint slot, uint halfEdge, uint 
   c->link = atomic_xchg(otgEdgeMark(o, mesh, edge), slot + 1);
 }
 
+/// What a lane has entered.
+typedef struct {
+  uint intersecting, chords;
+  ulong first;  ///< triangles of the smallest chord, inverted
+} otg_entered;
+
+/// Adds up what lanes have entered. All lanes call it. `sums`: room for two.
+OTG_INLINED void otgCountEntered(const otg_entered* e, __local uint* sums, __global otg_overlap_state* state) {
+  const uint lane = get_local_id(0);
+  if (lane < 2) sums[lane] = 0;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (e->intersecting) atomic_add(sums, e->intersecting);
+  if (e->chords) atomic_add(sums + 1, e->chords);
+  if (e->first) otgRaise(&state->first, e->first);
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (lane == 0 && sums[0]) atomic_add(state->counts + OTG_OVERLAP_INTERSECTING, sums[0]);
+  if (lane == 0 && sums[1]) atomic_add(state->counts + OTG_OVERLAP_CHORDS, sums[1]);
+}
+
 /// Enters the ends of the chord of hit `i` as crossings; `why` as otgFindEnds.
 OTG_INLINED void otgEnterHit(OTG_OVERLAP* o, uint i, const otg_solid_hit* ends, uint why,
-                             __global otg_overlap_state* state) {
+                             __global otg_overlap_state* state, otg_entered* entered) {
   otg_overlap_hit own;
   own.a = ends->a;
   own.b = ends->b;
   own.start = own.end = OTG_NOT_THERE;
   own.link[0] = own.link[1] = 0;
   if (why != 0) otgGiveUpOverlap(state, why);
-  atomic_inc(state->counts + OTG_OVERLAP_INTERSECTING);
+  ++entered->intersecting;
   if (why == 0 && ends->halfEdge[1] != OTG_NOT_THERE) {
     for (uint k = 0; k < 2; ++k) {
       const uint mesh = ends->halfEdge[k] & 1, halfEdge = ends->halfEdge[k] >> 1;
@@ -71,8 +90,8 @@ OTG_INLINED void otgEnterHit(OTG_OVERLAP* o, uint i, const otg_solid_hit* ends, 
         own.end = slot;
       }
     }
-    atomic_inc(state->counts + OTG_OVERLAP_CHORDS);
-    otgRaise(&state->first, ~((ulong)ends->a << 32 | ends->b));
+    ++entered->chords;
+    entered->first = max(entered->first, ~((ulong)ends->a << 32 | ends->b));
   }
   o->hits[i] = own;
 }
@@ -94,6 +113,8 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapCont
     __global otg_crossing* restrict crossings, __global uint* restrict slots, __global otg_overlap_hit* restrict hits,
     __global uint* restrict parents, __global uint* restrict marks, __global int* restrict balances) {
   __local otg_overlap o;
+  __local uint sums[2];
+  otg_entered entered = {0, 0, 0};
   const uint lane = get_local_id(0), count = min(counters[OTG_COUNT_HITS], hitCapacity);
   if (lane < 2) {
     otgSetOverlap(&o, lane, meshes, &single, otgArrays(crossings, slots, hits, parents, marks, balances, 0, 0));
@@ -122,12 +143,13 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapCont
     }
     if (kind == OTG_RECORD_HIT) {
       const uint why = otgFindEnds(&o.mesh[0].solid, &o.mesh[1].solid, &ends);
-      otgEnterHit(&o, i, &ends, why, state);
+      otgEnterHit(&o, i, &ends, why, state, &entered);
     } else {
       if (kind == OTG_RECORD_OPEN) otgGiveUpOverlap(state, OTG_SOLID_INEXACT);
       o.hits[i].a = OTG_NOT_THERE;
     }
   }
+  otgCountEntered(&entered, sums, state);
   otgBeginSets(&o);
 }
 
@@ -170,22 +192,30 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapEnte
     __global otg_crossing* restrict crossings, __global uint* restrict slots, __global otg_overlap_hit* restrict hits,
     __global uint* restrict parents, __global uint* restrict marks, __global int* restrict balances) {
   __local otg_overlap o;
+  __local uint sums[2];
+  otg_entered entered = {0, 0, 0};
   otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, hits, parents, marks, balances, 0, 0));
   __global const otg_solid_hit* own = found + pairs[get_group_id(1)].firstHit;
   for (uint i = get_global_id(0); i < o.hitCount; i += get_global_size(0)) {
     const otg_solid_hit ends = own[i];
-    otgEnterHit(&o, i, &ends, 0, states + get_group_id(1));
+    otgEnterHit(&o, i, &ends, 0, states + get_group_id(1), &entered);
   }
+  otgCountEntered(&entered, sums, states + get_group_id(1));
   otgBeginSets(&o);
 }
 
-OTG_INLINED void otgMix(OTG_OVERLAP* o, uint mesh, uint vertex) {
+/// Marks and lists the cluster of a vertex as one with a crossed edge. The list lies where what is inside will be
+/// listed.
+OTG_INLINED void otgMix(OTG_OVERLAP* o, uint mesh, uint vertex, __global otg_overlap_state* state) {
   const uint cluster = otgClusterOf(&o->mesh[mesh], vertex);
-  if (cluster < o->mesh[mesh].clusterCount) *otgMixedMark(o, mesh, cluster) = 1;
+  if (cluster >= o->mesh[mesh].clusterCount) return;
+  __global uint* mark = otgMixedMark(o, mesh, cluster);
+  if (*mark != 0 || atomic_xchg(mark, 1) != 0) return;
+  o->clusters[atomic_inc(state->counts + OTG_OVERLAP_MIXED)].what = cluster << 1 | mesh;
 }
 
 /// Where a crossing lies along its edge. Those at the same place go by triangle, until overlapUnite puts them in order.
-OTG_INLINED uint otgPlaceCrossing(OTG_OVERLAP* o, uint slot) {
+OTG_INLINED uint otgPlaceCrossing(OTG_OVERLAP* o, uint slot, __global otg_overlap_state* state) {
   __global otg_crossing* c = o->crossings + slot;
   const uint mesh = otgMeshOf(c), edge = otgEdgeOfCrossing(c), triangle = c->triangle;
   const double t = c->t;
@@ -213,8 +243,8 @@ OTG_INLINED uint otgPlaceCrossing(OTG_OVERLAP* o, uint slot) {
   c->next = next;
   c->stretch = OTG_NOT_THERE;
   const uint4 ends = o->mesh[mesh].solid.edges[edge];
-  if (previous == OTG_NOT_THERE) otgMix(o, mesh, ends.x);
-  if (next == OTG_NOT_THERE) otgMix(o, mesh, ends.y);
+  if (previous == OTG_NOT_THERE) otgMix(o, mesh, ends.x, state);
+  if (next == OTG_NOT_THERE) otgMix(o, mesh, ends.y, state);
   return (t == t ? 0 : OTG_SOLID_TIE) |
          (c->seen == 2 ? 0 : OTG_SOLID_BROKEN);  // a place that is no number has no order
 }
@@ -223,16 +253,17 @@ OTG_INLINED uint otgPlaceCrossing(OTG_OVERLAP* o, uint slot) {
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapEdges(
     __global const otg_overlap_pair* restrict pairs, __global const float4* restrict meshes,
     __global otg_overlap_state* restrict states, __global otg_crossing* restrict crossings, __global uint* slots,
-    __global otg_overlap_hit* restrict hits, __global uint* restrict parents, __global uint* restrict marks) {
+    __global otg_overlap_hit* restrict hits, __global uint* restrict parents, __global uint* restrict marks,
+    __global otg_found_inside* restrict inside) {
   __local otg_overlap o;
   __global otg_overlap_state* state = states + get_group_id(1);
-  otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, hits, parents, marks, 0, 0, 0));
+  otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, hits, parents, marks, 0, inside, 0));
   const uint count = state->counts[OTG_OVERLAP_CROSSINGS];
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-    const uint why = otgPlaceCrossing(&o, o.slots[i]);
+    const uint why = otgPlaceCrossing(&o, o.slots[i], state);
     if (why != 0) otgGiveUpOverlap(state, why);
   }
-  for (uint i = get_global_id(0); i < o.hitCount; i += get_global_size(0)) {
+  for (uint i = otgIdFromTheEnd(); i < o.hitCount; i += get_global_size(0)) {
     const otg_overlap_hit hit = o.hits[i];
     if (hit.a == OTG_NOT_THERE || hit.start == OTG_NOT_THERE) continue;
     otgUniteElements(&o, hit.start, hit.end);

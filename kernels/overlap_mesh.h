@@ -110,6 +110,31 @@ OTG_INLINED void otgTakePair(__local otg_overlap* o, __global const float4* mesh
   barrier(CLK_LOCAL_MEM_FENCE);
 }
 
+/// Sums of what lanes have, of whole numbers; OTG_GROUP is a power of two. All lanes call it. The sums lie in room[0],
+/// room[OTG_GROUP] and so on, until somebody writes there.
+OTG_INLINED void otgSumLanes(__local long* room, const long* own, uint sums) {
+  const uint lane = get_local_id(0);
+  OTG_SYNC;
+  for (uint k = 0; k < sums; ++k) room[k * OTG_GROUP + lane] = own[k];
+  OTG_SYNC;
+  for (uint half_ = OTG_GROUP / 2; half_ > 0; half_ /= 2) {
+    if (lane < half_) {
+      for (uint k = 0; k < sums; ++k) room[k * OTG_GROUP + lane] += room[k * OTG_GROUP + lane + half_];
+    }
+    OTG_SYNC;
+  }
+}
+
+/// For the second loop of a kernel, so that lanes that had nothing to do in the first one begin it.
+OTG_INLINED uint otgIdFromTheEnd(void) {
+  return get_global_size(0) - 1 - get_global_id(0);
+}
+
+/// For the third one.
+OTG_INLINED uint otgIdFromHalf(void) {
+  return (get_global_id(0) + get_global_size(0) / 2 / OTG_CLUSTER_LANES * OTG_CLUSTER_LANES) % get_global_size(0);
+}
+
 /// Whether a work-group is the last of its pair at a counter. All lanes call it.
 OTG_INLINED int otgIsLast(__global uint* counter, __local uint* last) {
   barrier(CLK_GLOBAL_MEM_FENCE);
@@ -167,14 +192,36 @@ OTG_INLINED uint otgRoot(OTG_OVERLAP* o, uint e) {
   return e;
 }
 
-/// The smallest element names the set: a crossing, if there is one in it.
+/// The same without making ways shorter: where roots are written meanwhile, which that would undo.
+OTG_INLINED uint otgFindRoot(OTG_OVERLAP* o, uint e) {
+  volatile __global const uint* parent = o->parents;
+  for (uint up = parent[e]; up != e; up = parent[e]) e = up;
+  return e;
+}
+
+/// The smallest element names the set: a crossing, if there is one in it. By Rem's algorithm, concurrently: goes up
+/// from whichever of the two has the greater parent, until both have one parent, and seldom has to go all the way. See
+/// Patwary, Blair and Manne, "Experiments on Union-Find Algorithms for the Disjoint-Set Data Structure", 2010.
 OTG_INLINED void otgUniteElements(OTG_OVERLAP* o, uint x, uint y) {
-  for (;;) {
-    x = otgRoot(o, x);
-    y = otgRoot(o, y);
-    if (x == y) return;
-    const uint low = min(x, y), high = max(x, y);
-    if (atomic_cmpxchg(o->parents + high, high, low) == high) return;
+  volatile __global uint* parent = o->parents;
+  uint aboveX = parent[x], aboveY = parent[y];
+  while (aboveX != aboveY) {
+    if (aboveX < aboveY) {
+      const uint element = x, above = aboveX;
+      x = y;
+      aboveX = aboveY;
+      y = element;
+      aboveY = above;
+    }
+    if (aboveX == x) {  // a root
+      aboveX = atomic_cmpxchg(o->parents + x, x, aboveY);
+      if (aboveX == x) return;
+    } else {
+      const uint next = parent[aboveX];
+      if (next != aboveX) parent[x] = next;
+      x = aboveX;
+      aboveX = next;
+    }
   }
 }
 
@@ -199,10 +246,18 @@ OTG_INLINED int otgIsVotedInside(OTG_OVERLAP* o, uint mesh, uint vertex) {
   return root < o->sizes.slots || o->balances[root - o->sizes.slots] > 0;
 }
 
+// Behind overlapRegions, which has made parents of crossings and of vertices inside roots: one read, which nothing has
+// to wait for.
+
+/// The root of the region that a crossing is in.
+OTG_INLINED uint otgRegionOf(OTG_OVERLAP* o, uint slot) {
+  return o->parents[slot];
+}
+
 /// The root of the region that a vertex lies inside of the other mesh in, or OTG_NOT_THERE: when all is united, sets
-/// with a crossing in them are inside.
+/// with a crossing in them are inside. The vertices of others are still sets of their own.
 OTG_INLINED uint otgRegionOfVertex(OTG_OVERLAP* o, uint mesh, uint vertex) {
-  const uint root = otgRoot(o, otgElementOf(o, mesh, vertex));
+  const uint root = o->parents[otgVertexElement(o, mesh, vertex)];
   return root < o->sizes.slots ? root : OTG_NOT_THERE;
 }
 
@@ -220,9 +275,6 @@ OTG_INLINED double otgFromOrder(ulong x) {
 /// As a rule somebody else was there already: that is looked at first.
 OTG_INLINED void otgRaise(__global ulong* to, ulong x) {
   if (x > *(volatile __global ulong*)to) atom_max(to, x);
-}
-OTG_INLINED void otgLower64(__global ulong* to, ulong x) {
-  if (x < *(volatile __global ulong*)to) atom_min(to, x);
 }
 
 OTG_INLINED otg_vec3_d otgPointOfCrossing(OTG_OVERLAP* o, uint slot, otg_vec3_d origin) {

@@ -88,11 +88,11 @@ OTG_INLINED void otgOfferAll(const otg_offers* s) {
   OTG_OVERLAP* o = s->o;
   const uint count = s->state->counts[OTG_OVERLAP_CROSSINGS];
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-    const uint r = otgNumberOf(s->regions, otgRoot(o, o->slots[i]));
+    const uint r = otgNumberOf(s->regions, otgRegionOf(o, o->slots[i]));
     if (r != OTG_NOT_THERE && s->regions->region[r].isLarge) otgOfferStretch(s, r, o->slots[i]);
   }
   const uint vertexCount = s->state->counts[OTG_OVERLAP_VERTICES];
-  for (uint i = get_global_id(0); i < vertexCount; i += get_global_size(0)) {
+  for (uint i = otgIdFromTheEnd(); i < vertexCount; i += get_global_size(0)) {
     const uint r = otgNumberOf(s->regions, o->vertices[i].region), mesh = o->vertices[i].what & 1,
                v = o->vertices[i].what >> 1;
     if (r == OTG_NOT_THERE || !s->regions->region[r].isLarge) continue;
@@ -100,7 +100,7 @@ OTG_INLINED void otgOfferAll(const otg_offers* s) {
     otgOfferVertex(s, r, mesh, v, x, x);
   }
   const uint clusterCount = s->state->counts[OTG_OVERLAP_CLUSTERS], lane = get_global_id(0) % OTG_CLUSTER_LANES;
-  for (uint i = get_global_id(0) / OTG_CLUSTER_LANES; i < clusterCount; i += get_global_size(0) / OTG_CLUSTER_LANES) {
+  for (uint i = otgIdFromHalf() / OTG_CLUSTER_LANES; i < clusterCount; i += get_global_size(0) / OTG_CLUSTER_LANES) {
     const uint r = otgNumberOf(s->regions, o->clusters[i].region), mesh = o->clusters[i].what & 1;
     const uint cluster = o->clusters[i].what >> 1;
     if (r == OTG_NOT_THERE || !s->regions->region[r].isLarge) continue;
@@ -128,30 +128,30 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapDept
     __global ulong* restrict depths, uint tableRoom) {
   __local otg_overlap o;
   __local otg_overlap_regions regions;
-  __local long sums[OTG_OVERLAP_REGIONS][3];
+  __local long sums[3 * OTG_GROUP];
   __global otg_overlap_state* state = states + get_group_id(1);
   otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, 0, parents, 0, 0, inside, 0));
   const uint lane = get_local_id(0);
   otgLoadRegions(&regions, state, o.crossings, tableRoom);
-  for (uint i = lane; i < 3 * OTG_OVERLAP_REGIONS; i += OTG_GROUP) sums[i / 3][i % 3] = 0;
-  barrier(CLK_LOCAL_MEM_FENCE);
   // B's surface counts, and A's against it.
   for (uint r = 0; r < regions.count; ++r) {
     __global const uint* list = cellList + regions.region[r].places;
     const uint count = state->cells[r];
+    long own[3] = {0, 0, 0};
+    OTG_UNROLLED(2)
     for (uint i = lane; i < count; i += OTG_GROUP) {
       const uint key = list[i] & 0xffff;
       __global const otg_surface_cell* c = cells + regions.region[r].places + key;
-      for (uint k = 0; k < 3; ++k) atom_add(&sums[r][k], key & 1 ? c->vector[k] : -c->vector[k]);
+      for (uint k = 0; k < 3; ++k) own[k] += key & 1 ? c->vector[k] : -c->vector[k];
     }
-  }
-  barrier(CLK_LOCAL_MEM_FENCE);
-  if (lane < regions.count) {
-    const double units = regions.region[lane].areaUnits;
-    const otg_vec3_d up = otgUnit_d(otgVec_d(otgFromUnits(sums[lane][0], units), otgFromUnits(sums[lane][1], units),
-                                             otgFromUnits(sums[lane][2], units)));
-    regions.region[lane].up = up;
-    if (get_group_id(0) == 0) otgStore(state->up[lane], up);
+    otgSumLanes(sums, own, 3);
+    if (lane == 0) {
+      const double units = regions.region[r].areaUnits;
+      const otg_vec3_d up = otgUnit_d(otgVec_d(otgFromUnits(sums[0], units), otgFromUnits(sums[OTG_GROUP], units),
+                                               otgFromUnits(sums[2 * OTG_GROUP], units)));
+      regions.region[r].up = up;
+      if (get_group_id(0) == 0) otgStore(state->up[r], up);
+    }
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   otg_offers s;
@@ -261,7 +261,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
     if (fits) {
       __global otg_found_crossing* f = (__global otg_found_crossing*)(body + (size_t)parts.crossings * 16) + i;
       otgStore(f->point, otgPointOfCrossing(&o, slot, regions.origin));
-      f->region = otgEndsStretch(&o, slot) ? otgNumberOf(&regions, otgRoot(&o, slot)) : OTG_NOT_THERE;
+      f->region = otgEndsStretch(&o, slot) ? otgNumberOf(&regions, otgRegionOf(&o, slot)) : OTG_NOT_THERE;
     }
     // Nobody else looks at these of this crossing.
     const uint mesh = otgMeshOf(c), edge = otgEdgeOfCrossing(c);

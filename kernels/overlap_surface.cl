@@ -22,6 +22,13 @@ OTG_INLINED void otgAddSurface(const otg_surface* s, uint r, uint mesh, otg_vec3
   const uint key = otgGridCell(place, region->lo, region->pieceScale) * 16 + otgMainDirection(facing) * 2 + mesh;
   const size_t at = region->places + key;
   __global otg_surface_cell* c = s->cells + at;
+  const ulong bounds[6] = {~otgInOrder(lo.x), ~otgInOrder(lo.y), ~otgInOrder(lo.z),
+                           otgInOrder(hi.x),  otgInOrder(hi.y),  otgInOrder(hi.z)};
+  // As a rule somebody else was there already. That is looked at first, and all at once.
+  ulong known[6];
+  OTG_UNROLLED(6)
+  for (uint k = 0; k < 6; ++k) known[k] = *(volatile __global ulong*)(k < 3 ? c->low + k : c->high + (k - 3));
+  const uint knownName = *(volatile __global uint*)&c->name, isUsed = *(volatile __global uint*)&c->used;
   const long units = otgInUnits(area, region->areaUnits);
   atom_add(c->vector, otgInUnits(vector.x, region->areaUnits));
   atom_add(c->vector + 1, otgInUnits(vector.y, region->areaUnits));
@@ -29,14 +36,12 @@ OTG_INLINED void otgAddSurface(const otg_surface* s, uint r, uint mesh, otg_vec3
   atom_add(&c->area, units);
   atom_add(&c->gross, units < 0 ? -units : units);
   atom_add(&c->moment, otgInUnits(moment, region->momentUnits));
-  otgRaise(c->low, ~otgInOrder(lo.x));
-  otgRaise(c->low + 1, ~otgInOrder(lo.y));
-  otgRaise(c->low + 2, ~otgInOrder(lo.z));
-  otgRaise(c->high, otgInOrder(hi.x));
-  otgRaise(c->high + 1, otgInOrder(hi.y));
-  otgRaise(c->high + 2, otgInOrder(hi.z));
-  if (~name > *(volatile __global uint*)&c->name) atomic_max(&c->name, ~name);
-  if (*(volatile __global uint*)&c->used == 0 && atomic_xchg(&c->used, 1) == 0) {
+  OTG_UNROLLED(6)
+  for (uint k = 0; k < 6; ++k) {
+    if (bounds[k] > known[k]) atom_max(k < 3 ? c->low + k : c->high + (k - 3), bounds[k]);
+  }
+  if (~name > knownName) atomic_max(&c->name, ~name);
+  if (isUsed == 0 && atomic_xchg(&c->used, 1) == 0) {
     s->cellList[region->places + atomic_inc(s->state->cells + r)] = r << 16 | key;
   }
 }
@@ -48,27 +53,37 @@ OTG_INLINED void otgAddStar(const otg_surface* s, uint r, uint mesh, uint v) {
                 x, x);
 }
 
+/// A triangle on the contour: what its outlines are made of. All is read before the first outline, so that reads do not
+/// wait for each other.
 typedef struct {
   uint triangle, mesh, chords;
-  uint vertex[3], edge[3], root[3];
+  uint vertex[3], root[3];
+  uint first[3];  ///< crossing of the edge, or OTG_NOT_THERE
+  int forward[3];
   otg_vec3_d at[3];
-  uint chord[OTG_MOST_CHORDS];  ///< hits, the largest first
+  // Of each chord, in the host's order, the triangle of the other mesh, the largest first; and what the chord is.
+  uint other[OTG_MOST_CHORDS], start[OTG_MOST_CHORDS], end[OTG_MOST_CHORDS], region[OTG_MOST_CHORDS];
 } otg_clipped;
 
-/// Its chords in the host's order: 0 if there are too many.
+/// Its chords: 0 if there are too many.
 OTG_INLINED int otgListChords(OTG_OVERLAP* o, uint first, otg_clipped* t) {
   uint count = 0;
-  for (uint h = first; h != 0; h = o->hits[h - 1].link[t->mesh]) {
+  for (uint h = first; h != 0;) {
+    const otg_overlap_hit hit = o->hits[h - 1];
     if (count == OTG_MOST_CHORDS) return 0;
-    const uint other = t->mesh == 0 ? o->hits[h - 1].b : o->hits[h - 1].a;
+    const uint other = t->mesh == 0 ? hit.b : hit.a;
     uint place = count++;
-    for (; place > 0; --place) {
-      const uint before = t->chord[place - 1];
-      if ((t->mesh == 0 ? o->hits[before].b : o->hits[before].a) > other) break;
-      t->chord[place] = before;
+    for (; place > 0 && t->other[place - 1] <= other; --place) {
+      t->other[place] = t->other[place - 1];
+      t->start[place] = t->start[place - 1];
+      t->end[place] = t->end[place - 1];
     }
-    t->chord[place] = h - 1;
+    t->other[place] = other;
+    t->start[place] = hit.start;
+    t->end[place] = hit.end;
+    h = hit.link[t->mesh];
   }
+  for (uint i = 0; i < count; ++i) t->region[i] = otgRegionOf(o, t->start[i]);
   t->chords = count;
   return 1;
 }
@@ -76,37 +91,36 @@ OTG_INLINED int otgListChords(OTG_OVERLAP* o, uint first, otg_clipped* t) {
 /// The outline of the part of a triangle that lies in the region of a root: as clipTriangle, in the same order.
 OTG_INLINED otg_outline otgOutlineOf(const otg_surface* s, const otg_clipped* t, uint root) {
   OTG_OVERLAP* o = s->o;
-  __local const otg_overlap_mesh* m = &o->mesh[t->mesh];
   otg_outline outline = otgOutlineFrom(t->at[0]);
   for (uint k = 0; k < 3; ++k) {
     const uint next = k == 2 ? 0 : k + 1;
-    uint c = *otgEdgeMark(o, t->mesh, t->edge[k]);
-    if (c == 0) {
+    const int forward = t->forward[k];
+    if (t->first[k] == OTG_NOT_THERE) {
       if (t->root[k] == root && t->root[next] != OTG_NOT_THERE) otgAddToOutline(&outline, t->at[k], t->at[next]);
       continue;
     }
-    const int forward = t->vertex[k] == m->solid.edges[t->edge[k]].x;
-    while (o->crossings[c - 1].rank != 0) c = o->crossings[c - 1].link;
-    for (uint slot = c - 1; slot != OTG_NOT_THERE; slot = o->crossings[slot].next) {
+    for (uint slot = t->first[k]; slot != OTG_NOT_THERE;) {
+      const uint following = o->crossings[slot].next, region = otgRegionOf(o, slot);
       uint from, to;
-      if (!otgStretchOf(o, slot, &from, &to) || otgRoot(o, slot) != root) continue;
-      // The vertices at the ends of the edge are corners of the triangle.
-      const otg_vec3_d p =
-          from != OTG_NOT_THERE ? otgPointOfCrossing(o, from, s->regions->origin) : t->at[forward ? k : next];
-      const otg_vec3_d q =
-          to != OTG_NOT_THERE ? otgPointOfCrossing(o, to, s->regions->origin) : t->at[forward ? next : k];
-      if (forward) {
-        otgAddToOutline(&outline, p, q);
-      } else {
-        otgAddToOutline(&outline, q, p);
+      if (otgStretchOf(o, slot, &from, &to) && region == root) {
+        // The vertices at the ends of the edge are corners of the triangle.
+        const otg_vec3_d p =
+            from != OTG_NOT_THERE ? otgPointOfCrossing(o, from, s->regions->origin) : t->at[forward ? k : next];
+        const otg_vec3_d q =
+            to != OTG_NOT_THERE ? otgPointOfCrossing(o, to, s->regions->origin) : t->at[forward ? next : k];
+        if (forward) {
+          otgAddToOutline(&outline, p, q);
+        } else {
+          otgAddToOutline(&outline, q, p);
+        }
       }
+      slot = following;
     }
   }
   for (uint i = 0; i < t->chords; ++i) {
-    const otg_overlap_hit hit = o->hits[t->chord[i]];
-    if (otgRoot(o, hit.start) != root) continue;
-    const otg_vec3_d p = otgPointOfCrossing(o, hit.start, s->regions->origin);
-    const otg_vec3_d q = otgPointOfCrossing(o, hit.end, s->regions->origin);
+    if (t->region[i] != root) continue;
+    const otg_vec3_d p = otgPointOfCrossing(o, t->start[i], s->regions->origin);
+    const otg_vec3_d q = otgPointOfCrossing(o, t->end[i], s->regions->origin);
     if (t->mesh == 0) {
       otgAddToOutline(&outline, p, q);
     } else {
@@ -116,21 +130,31 @@ OTG_INLINED otg_outline otgOutlineOf(const otg_surface* s, const otg_clipped* t,
   return outline;
 }
 
-/// The parts of one triangle in large regions, and what is taken off its corners' stars.
-OTG_INLINED void otgAddClipped(const otg_surface* s, uint mesh, uint triangle) {
+/// The parts of one triangle in large regions, and what is taken off its corners' stars. `hit`: the first of its list.
+OTG_INLINED void otgAddClipped(const otg_surface* s, uint mesh, uint triangle, uint hit) {
   OTG_OVERLAP* o = s->o;
   __local const otg_overlap_mesh* m = &o->mesh[mesh];
   const uint4 corners = m->solid.triangles[4 * (size_t)triangle], edges = m->solid.triangles[4 * (size_t)triangle + 1];
   otg_clipped t;
+  uint begins[3];
   t.triangle = triangle;
   t.mesh = mesh;
+  OTG_UNROLLED(3)
   for (uint k = 0; k < 3; ++k) {
+    const uint edge = otgOf3(edges, k);
     t.vertex[k] = otgOf3(corners, k);
-    t.edge[k] = otgOf3(edges, k);
+    begins[k] = m->solid.edges[edge].x;
+    t.first[k] = *otgEdgeMark(o, mesh, edge);
     t.root[k] = otgRegionOfVertex(o, mesh, t.vertex[k]);
     t.at[k] = otgSub_d(otgVertexAt(&m->solid, t.vertex[k]), s->regions->origin);
   }
-  if (!otgListChords(o, *otgTriangleMark(o, mesh, triangle), &t)) {
+  for (uint k = 0; k < 3; ++k) {
+    t.forward[k] = t.vertex[k] == begins[k];
+    uint c = t.first[k];
+    while (c != 0 && o->crossings[c - 1].rank != 0) c = o->crossings[c - 1].link;
+    t.first[k] = c - 1;  // OTG_NOT_THERE of 0
+  }
+  if (!otgListChords(o, hit, &t)) {
     otgGiveUpOverlap(s->state, OTG_SOLID_TOO_MANY);
     return;
   }
@@ -139,7 +163,7 @@ OTG_INLINED void otgAddClipped(const otg_surface* s, uint mesh, uint triangle) {
     const uint root = s->regions->region[r].root;
     int touches = 0;
     for (uint k = 0; k < 3; ++k) touches |= t.root[k] == root;
-    for (uint i = 0; i < t.chords && !touches; ++i) touches = otgRoot(o, o->hits[t.chord[i]].start) == root;
+    for (uint i = 0; i < t.chords && !touches; ++i) touches = t.region[i] == root;
     if (!touches || !s->regions->region[r].isLarge) continue;
     const otg_outline outline = otgOutlineOf(s, &t, root);
     const double area = outline.any ? 0.5 * otgDot_d(outline.sum, normal) : 0;
@@ -202,7 +226,7 @@ OTG_INLINED void otgNoteTriangle(const otg_surface* s, otg_overlap_hit hit) {
   uint first[2] = {OTG_NOT_THERE, OTG_NOT_THERE};  // in large regions, in small ones
   for (uint h = *otgTriangleMark(o, 1, hit.b); h != 0; h = o->hits[h - 1].link[1]) {
     const otg_overlap_hit other = o->hits[h - 1];
-    const int isSmall = otgIsSmall(s, otgRoot(o, other.start));
+    const int isSmall = otgIsSmall(s, otgRegionOf(o, other.start));
     first[0] = isSmall ? first[0] : min(first[0], other.a);
     first[1] = isSmall ? min(first[1], other.a) : first[1];
   }
@@ -228,7 +252,7 @@ OTG_INLINED int otgNoteBehind(const otg_surface* s, uint slot) {
   OTG_OVERLAP* o = s->o;
   __global const otg_crossing* all = o->crossings;
   __global const otg_crossing* c = all + slot;
-  const int isSmall = otgIsSmall(s, otgRoot(o, slot));
+  const int isSmall = otgIsSmall(s, otgRegionOf(o, slot));
   const uint mesh = otgMeshOf(c), edge = otgEdgeOfCrossing(c);
   const uint4 ends = o->mesh[mesh].solid.edges[edge];
   int alone = 1, tied = 0;
@@ -244,7 +268,7 @@ OTG_INLINED int otgNoteBehind(const otg_surface* s, uint slot) {
     for (uint d = first; d != OTG_NOT_THERE; d = side == 0 ? all[d].previous : all[d].next) {
       tied |= fabs(all[d].t - last) <= OTG_MOST_TIED * OTG_SOLID_CLOSE_POINTS;
       last = all[d].t;
-      if (!otgIsSmall(s, otgRoot(o, d))) {
+      if (!otgIsSmall(s, otgRegionOf(o, d))) {
         ++others;
         triangle = min(triangle, all[d].triangle);
         behind += side == 0 && all[d].stretch != OTG_NOT_THERE;
@@ -303,7 +327,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapSurf
     const otg_overlap_hit hit = o.hits[i >> 1];
     if (hit.a == OTG_NOT_THERE || hit.start == OTG_NOT_THERE) continue;
     if (mesh == 0) {
-      const uint r = otgNumberOf(&regions, otgRoot(&o, hit.start));
+      const uint r = otgNumberOf(&regions, otgRegionOf(&o, hit.start));
       if (r != OTG_NOT_THERE && !regions.region[r].isLarge) {
         otg_found_inside found;
         found.what = hit.a;
@@ -313,7 +337,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapSurf
       }
     }
     const uint triangle = mesh == 0 ? hit.a : hit.b;
-    if (works && *otgTriangleMark(&o, mesh, triangle) == (i >> 1) + 1) otgAddClipped(&s, mesh, triangle);
+    if (works && *otgTriangleMark(&o, mesh, triangle) == (i >> 1) + 1) otgAddClipped(&s, mesh, triangle, (i >> 1) + 1);
   }
   if (!works) return;
   int anySmall = 0, anyLarge = 0;
@@ -327,13 +351,13 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapSurf
     if (!otgNoteBehind(&s, o.slots[i])) otgGiveUpOverlap(state, OTG_SOLID_BROKEN);
   }
   const uint vertexCount = state->counts[OTG_OVERLAP_VERTICES];
-  for (uint i = get_global_id(0); i < vertexCount; i += get_global_size(0)) {
+  for (uint i = otgIdFromTheEnd(); i < vertexCount; i += get_global_size(0)) {
     const uint r = otgNumberOf(&regions, o.vertices[i].region);
     if (r == OTG_NOT_THERE || !regions.region[r].isLarge) continue;
     otgAddStar(&s, r, o.vertices[i].what & 1, o.vertices[i].what >> 1);
   }
   const uint clusterCount = state->counts[OTG_OVERLAP_CLUSTERS], lane = get_global_id(0) % OTG_CLUSTER_LANES;
-  for (uint i = get_global_id(0) / OTG_CLUSTER_LANES; i < clusterCount; i += get_global_size(0) / OTG_CLUSTER_LANES) {
+  for (uint i = otgIdFromHalf() / OTG_CLUSTER_LANES; i < clusterCount; i += get_global_size(0) / OTG_CLUSTER_LANES) {
     const uint r = otgNumberOf(&regions, o.clusters[i].region);
     if (r == OTG_NOT_THERE || !regions.region[r].isLarge) continue;
     otgAddCluster(&s, r, o.clusters[i].what & 1, o.clusters[i].what >> 1, lane);

@@ -184,6 +184,7 @@ enum {
   OTG_OVERLAP_SHARED = 11,       ///< 1: an edge is crossed in two regions
   OTG_OVERLAP_MOST_POINTS = 12,  ///< so many candidates will be the deepest of their key, at most
   OTG_OVERLAP_AT_ODDS = 13,      ///< 1: crossings of an edge or votes contradict each other
+  OTG_OVERLAP_MIXED = 14,        ///< clusters with a crossed edge
   OTG_OVERLAP_COUNTS = 16
 };
 

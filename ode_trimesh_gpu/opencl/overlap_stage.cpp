@@ -152,10 +152,11 @@ void OverlapStage::enqueueRest(cl_command_queue queue, cl_mem meshes, cl_mem cou
                slots = slots_.get(), hits = hits_.get(), parents = parents_.get(), marks = marks_.get(),
                balances = balances_.get(), inside = inside_.get(), cells = cells_.get(), cellList = cellList_.get(),
                small = small_.get(), depthTable = depthTable_.get();
-  Arguments(edges_) << pairs << meshes << states << crossings << slots << hits << parents << marks;
+  Arguments(edges_) << pairs << meshes << states << crossings << slots << hits << parents << marks << inside;
   run(edges_, Profile::kRegions);
-  Arguments(unite_) << pairs << meshes << states << crossings << slots << parents << marks;
-  run(unite_, Profile::kRegions);
+  // It has few registers, and most to wait for.
+  Arguments(unite_) << pairs << meshes << states << crossings << slots << parents << marks << inside;
+  launch(queue, unite_, group_, 2 * groups, count_, profile.next(Profile::kRegions));
   Arguments(votes_) << pairs << meshes << states << crossings << slots << parents << marks << balances;
   run(votes_, Profile::kRegions);
   Arguments(join_) << pairs << meshes << states << crossings << slots << hits << parents << marks << balances;
