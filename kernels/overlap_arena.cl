@@ -17,6 +17,7 @@
 /// In local memory.
 typedef struct {
   long sums[10];               ///< vectors of A's and of B's pieces, areas, moments
+  long room[5 * OTG_GROUP];    ///< for five of them at once
   uint bits[OTG_KEY_WORDS];    ///< keys that are there
   uint twice[OTG_KEY_WORDS];   ///< and those that are there more than once
   uint before[OTG_KEY_WORDS];  ///< keys in the words before
@@ -61,7 +62,7 @@ OTG_INLINED otg_arena_region otgMeasureCells(__local otg_arena_scratch* s, const
   const uint lane = get_local_id(0);
   __global const otg_found_region* found = l->head->regions + l->region;
   otg_arena_region r;
-  for (uint k = lane; k < 10; k += OTG_GROUP) s->sums[k] = 0;
+  long own[10] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
   for (uint k = lane; k < OTG_KEY_WORDS; k += OTG_GROUP) s->bits[k] = s->twice[k] = 0;
   if (lane == 0) s->corners = 0;
   OTG_SYNC;
@@ -69,9 +70,18 @@ OTG_INLINED otg_arena_region otgMeasureCells(__local otg_arena_scratch* s, const
     __global const otg_found_cell* c = l->cells + i;
     const uint mesh = c->key & 1;
     if (c->key >> 16 != l->region) continue;
-    for (uint k = 0; k < 3; ++k) atom_add(s->sums + 3 * mesh + k, c->vector[k]);
-    atom_add(s->sums + 6 + mesh, c->area);
-    atom_add(s->sums + 8 + mesh, c->moment);
+    for (uint k = 0; k < 3; ++k) {
+      own[k] += mesh == 0 ? c->vector[k] : 0;
+      own[3 + k] += mesh == 1 ? c->vector[k] : 0;
+    }
+    for (uint m = 0; m < 2; ++m) {
+      own[6 + m] += mesh == m ? c->area : 0;
+      own[8 + m] += mesh == m ? c->moment : 0;
+    }
+  }
+  for (uint k = 0; k < 10; k += 5) {
+    otgSumLanes(s->room, own + k, 5);
+    for (uint i = lane; i < 5; i += OTG_GROUP) s->sums[k + i] = s->room[i * OTG_GROUP];
   }
   OTG_SYNC;
   const int terms = otgTermBits(found->load), area = otgBitsOf(found->largest);
@@ -130,20 +140,27 @@ OTG_INLINED void otgGatherElements(__local otg_solid_ways* s, otg_solid_work* w)
     for (uint base = 0; base < count; base += OTG_GROUP) {
       const uint j = base + lane;
       const ulong key = j < count ? keys[j] : 0;
-      uint before = 0;
-      while (before < j && j < count && keys[before] != key) ++before;
-      const int isFirst = j < count && before == j;
+      int isFirst = j < count;
       otg_vec3_d vector = otgVec_d(0, 0, 0), lo = vector, hi = vector;
       double area = 0, offset = 0;
-      for (uint k = j; isFirst && k < count; ++k) {
-        if (keys[k] != key) continue;
-        __global const otg_solid_piece* p = w->pieces + s->list[mesh][k];
-        const otg_vec3_d own = otgLoad(p->vector);
-        lo = k == j ? otgLoad(p->lo) : otgLower(lo, otgLoad(p->lo));
-        hi = k == j ? otgLoad(p->hi) : otgHigher(hi, otgLoad(p->hi));
-        vector = k == j ? own : otgAdd_d(vector, own);
-        area = k == j ? p->area : area + p->area;
-        offset = k == j ? p->offset * otgNorm_d(own) : offset + p->offset * otgNorm_d(own);
+      // Keys are compared 32 at a time, as in otgSameKeys.
+      for (uint from = 0; from < count && isFirst; from += 32) {
+        const uint here = min(count - from, 32u);
+        uint same = 0;
+        OTG_UNROLLED(8)
+        for (uint k = 0; k < here; ++k) same |= (uint)(keys[from + k] == key) << k;
+        for (; same != 0 && isFirst; same &= same - 1) {
+          const uint k = from + otgLowestBit(same);
+          isFirst = k >= j;
+          if (!isFirst) continue;
+          __global const otg_solid_piece* p = w->pieces + s->list[mesh][k];
+          const otg_vec3_d own = otgLoad(p->vector);
+          lo = k == j ? otgLoad(p->lo) : otgLower(lo, otgLoad(p->lo));
+          hi = k == j ? otgLoad(p->hi) : otgHigher(hi, otgLoad(p->hi));
+          vector = k == j ? own : otgAdd_d(vector, own);
+          area = k == j ? p->area : area + p->area;
+          offset = k == j ? p->offset * otgNorm_d(own) : offset + p->offset * otgNorm_d(own);
+        }
       }
       const uint place = faces[mesh] + otgPlaceAmong(OTG_COUNTS(s), isFirst, &total);
       faces[mesh] += total;
@@ -218,7 +235,10 @@ OTG_INLINED void otgArenaPieces(__local otg_arena_scratch* s, __local otg_solid_
     work->deepCount[0] = work->deepCount[1] = 0;
     work->mainCount[0] = work->mainCount[1] = 0;
   }
-  for (uint k = lane; k < OTG_WAY_DIRECTIONS; k += OTG_GROUP) work->ways[k] = 0;
+  for (uint k = lane; k < OTG_WAY_DIRECTIONS; k += OTG_GROUP) {
+    work->highest[k] = work->lowest[k] = 0;
+    work->ways[k] = 0;
+  }
   OTG_SYNC_ALL;
   otg_solid_work w = otgWorkOn(arena, slot * OTG_WORK_UNITS);
   w.faces = (__global otg_solid_face*)(arena + (size_t)out->faces * OTG_ARENA_UNIT);

@@ -19,15 +19,18 @@ typedef struct {
   double ways[6];                       ///< by place and mesh
 } otg_candidate_scratch;
 
-/// The direction that holds everywhere, or where the surfaces do not say any. All lanes call it.
+/// The direction that holds everywhere, or where the surfaces do not say any. `known`: its number, if how far the
+/// region reaches along it has been measured, or OTG_NOT_THERE. All lanes call it.
 OTG_INLINED otg_vec3_d otgSettleDirection(__local otg_candidate_scratch* s, __global const otg_region_work* r,
-                                          __global const otg_overlap_task* task, OTG_PAIR_MESH* mesh,
-                                          otg_solid_work* w) {
+                                          __global const otg_overlap_task* task, OTG_PAIR_MESH* mesh, otg_solid_work* w,
+                                          uint* known) {
   w->isFixed = 0;
+  *known = OTG_NOT_THERE;
   if (r->status & OTG_FOUND_ESCAPING) {
     const uint count = otgIsThin(w) ? OTG_ESCAPE_DIRECTIONS : OTG_WAY_DIRECTIONS;
-    const otg_vec3_d d =
-        otgSeeks(r, task) ? otgBestEscape(r, task, mesh, w, count, s->costs) : otgNumbers(task->motion.escape);
+    const int seeks = otgSeeks(r, task);
+    if (seeks) *known = otgBestEscape(r, task, mesh, w, count, s->costs);
+    const otg_vec3_d d = seeks ? otgEscapeAlong(r, task, mesh, w, *known) : otgNumbers(task->motion.escape);
     w->isFixed = !otgIsThin(w);
     w->fixed = w->fallback = d;
     return d;
@@ -35,6 +38,7 @@ OTG_INLINED otg_vec3_d otgSettleDirection(__local otg_candidate_scratch* s, __gl
   if (!(r->status & OTG_FOUND_DEEP)) return otgVec_d(0, 0, 0);
   const uint best = otgBestDeep(r, task, w, s->costs);
   w->isFixed = best > 0;
+  *known = best;
   w->fixed = otgDeepDirection(r, task, w, best);
   return w->fixed;
 }
@@ -115,7 +119,7 @@ OTG_INLINED double otgClampTo(double ofPoints, double limit, double* out, double
 
 OTG_INLINED void otgLookAtCandidate(__local otg_candidate_scratch* s, __global const float4* meshes,
                                     const otg_found_lists* l, OTG_PAIR_MESH* mesh, const otg_solid_work* w,
-                                    __global otg_region_work* r, double extra, uint number) {
+                                    __global otg_region_work* r, double extra, uint known, uint number) {
   __global otg_solid_point* p = otgPointOf(w, number);
   const uint lane = get_local_id(0);
   const int kind = (int)p->kind;
@@ -143,7 +147,12 @@ OTG_INLINED void otgLookAtCandidate(__local otg_candidate_scratch* s, __global c
   rays[1] = otgMax_d(rays[1], 0);
   int exceeds = !(rays[0] + rays[1] <= ofPoints);
   for (uint k = 0; k < (isMiddle ? 3u : 1u); ++k) exceeds |= !(s->ways[2 * k] + s->ways[2 * k + 1] <= ofPoints);
-  const double limit = exceeds ? otgExtentOfRegion(&s->extent, l, mesh, normal) + extra : ofPoints;
+  double limit = ofPoints;
+  if (exceeds && w->isFixed && known != OTG_NOT_THERE) {
+    limit = otgKnownExtent(r, known) + extra;
+  } else if (exceeds) {
+    limit = otgExtentOfRegion(&s->extent, l, mesh, normal) + extra;
+  }
   if (lane == 0) {
     double out = s->ways[1], back = s->ways[0], ends = 0;
     double depth = otgClampTo(ofPoints, limit, &out, &back);
@@ -186,11 +195,12 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapCand
   if (get_group_id(0) >= w.candidates || (!turns && otgSeeks(r, task) && !otgIsThin(&w))) return;
   const otg_found_lists l = otgListsFor(out, tasks, place);
   otgMeshesOf(meshes, pairs, place, mesh);
-  const otg_vec3_d direction = otgSettleDirection(&scratch, r, task, mesh, &w);
+  uint known;
+  const otg_vec3_d direction = otgSettleDirection(&scratch, r, task, mesh, &w, &known);
   if (get_group_id(0) == 0 && get_local_id(0) == 0) otgStore(r->direction, direction);
   const double extra = r->status & OTG_FOUND_ESCAPING ? task->motion.step : 0;
   for (uint number = get_group_id(0); number < w.candidates; number += get_num_groups(0)) {
-    otgLookAtCandidate(&scratch, meshes, &l, mesh, &w, r, extra, number);
+    otgLookAtCandidate(&scratch, meshes, &l, mesh, &w, r, extra, known, number);
     OTG_SYNC;
   }
 }

@@ -8,6 +8,11 @@ OTG_INLINED otg_vec3_d otgNumbers(__global const double* x) {
   return otgVec_d(x[0], x[1], x[2]);
 }
 
+/// How far the region reaches along direction k, once that is known.
+OTG_INLINED double otgKnownExtent(__global const otg_region_work* r, uint k) {
+  return otgFromOrder(r->highest[k]) - otgFromOrder(~r->lowest[k]);
+}
+
 /// Surfaces that run along each other all around: no side is out.
 OTG_INLINED int otgIsThin(const otg_solid_work* w) {
   return !otgIsLump_d(w->thickness, w->diagonal);
@@ -35,16 +40,17 @@ OTG_INLINED otg_vec3_d otgEscapeDirection(__global const otg_region_work* r, __g
   return (k & 1) ? otgScale_d(d, -1.0) : d;
 }
 
-/// The best of the first `count` directions of an escape. `costs`: a number for each. All lanes call it.
-OTG_INLINED otg_vec3_d otgBestEscape(__global const otg_region_work* r, __global const otg_overlap_task* task,
-                                     OTG_PAIR_MESH* mesh, const otg_solid_work* w, uint count, __local double* costs) {
+/// The best of the first `count` directions of an escape, OTG_NOT_THERE if there is none. `costs`: a number for each.
+/// All lanes call it.
+OTG_INLINED uint otgBestEscape(__global const otg_region_work* r, __global const otg_overlap_task* task,
+                               OTG_PAIR_MESH* mesh, const otg_solid_work* w, uint count, __local double* costs) {
   const otg_vec3_d back = otgNumbers(task->motion.back), push = otgLoad(r->region.push);
   OTG_SYNC;
   for (uint k = get_local_id(0); k < count; k += OTG_GROUP) {
     const otg_vec3_d d = otgEscapeDirection(r, task, mesh, w, k);
     const double factor = 1 - 0.5 * otgMax_d(otgDot_d(d, back), 0.0);
     // An extent does not tell d from -d; the push does, as far as there is one.
-    const double extent = r->extents[k] * (otgDot_d(d, push) < 0 ? 1.1 : 1.0);
+    const double extent = otgKnownExtent(r, k) * (otgDot_d(d, push) < 0 ? 1.1 : 1.0);
     const double way = otgIsThin(w) ? extent : otgMax_d(as_double(r->ways[k]), extent);
     costs[k] = otgDot_d(d, d) > 0 ? factor * way : INFINITY;
   }
@@ -57,6 +63,10 @@ OTG_INLINED otg_vec3_d otgBestEscape(__global const otg_region_work* r, __global
     least = cost;
     best = k;
   }
+  return best;
+}
+OTG_INLINED otg_vec3_d otgEscapeAlong(__global const otg_region_work* r, __global const otg_overlap_task* task,
+                                      OTG_PAIR_MESH* mesh, const otg_solid_work* w, uint best) {
   return best == OTG_NOT_THERE ? otgVec_d(0, 0, 1) : otgEscapeDirection(r, task, mesh, w, best);
 }
 
@@ -86,7 +96,7 @@ OTG_INLINED uint otgBestDeep(__global const otg_region_work* r, __global const o
   for (uint k = get_local_id(0); k < count; k += OTG_GROUP) {
     const double factor = k == 0 ? OTG_SOLID_PUSH_SHARE : k == 1 && hasLast ? OTG_SOLID_LAST_SHARE : 1.0;
     const int isAgainst = otgDot_d(otgDeepDirection(r, task, w, k), w->mean) < OTG_SOLID_DEEP_AGAINST;
-    costs[k] = k > 0 && isAgainst ? INFINITY : factor * otgMax_d(as_double(r->ways[k]), r->extents[k]);
+    costs[k] = k > 0 && isAgainst ? INFINITY : factor * otgMax_d(as_double(r->ways[k]), otgKnownExtent(r, k));
   }
   OTG_SYNC;
   double least = costs[0];

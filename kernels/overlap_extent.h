@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far a large region reaches along a direction: all its vertices and crossings, by one work-group. As
+// How far a large region reaches along a direction: all its vertices and crossings, by one or several work-groups. As
 // collide/solid/extent.cpp: clusters of vertices are looked at only where their bounds reach farther than what is
 // known.
 #ifndef OTG_OVERLAP_EXTENT_H
 #define OTG_OVERLAP_EXTENT_H
 #include "overlap_found.h"
 
+#define OTG_EXTENT_AHEAD 4   ///< vertices or crossings that a lane reads at once
 #define OTG_EXTENT_LIST 128  ///< clusters that reach farthest, to be looked at by all lanes
 
 typedef struct {
@@ -57,41 +58,54 @@ OTG_INLINED void otgBoundsOfCluster(OTG_PAIR_MESH* m, uint cluster, otg_vec3_d o
   *low = middle - reach;
 }
 
-/// All lanes call it.
-OTG_INLINED double otgExtentOfRegion(__local otg_extent_scratch* s, const otg_found_lists* l, OTG_PAIR_MESH* mesh,
-                                     otg_vec3_d d) {
-  const uint lane = get_local_id(0), crossings = l->head->counts[OTG_OVERLAP_CROSSINGS];
+/// The highest and the lowest along d of one of several parts of what there is, in the first places of s->high and
+/// s->low. All lanes call it.
+OTG_INLINED void otgSpanOfPart(__local otg_extent_scratch* s, const otg_found_lists* l, OTG_PAIR_MESH* mesh,
+                               otg_vec3_d d, uint part, uint parts) {
+  const uint lane = get_local_id(0), first = part * OTG_GROUP + lane, step = parts * OTG_GROUP;
+  const uint crossings = l->head->counts[OTG_OVERLAP_CROSSINGS];
   const uint vertices = l->head->counts[OTG_OVERLAP_VERTICES], clusters = l->head->counts[OTG_OVERLAP_CLUSTERS];
   const otg_vec3_d origin = otgLoad(l->head->origin);
   double high = -INFINITY, low = INFINITY, top, bottom;
-  OTG_UNROLLED(4)
-  for (uint i = lane; i < crossings; i += OTG_GROUP) {
-    __global const otg_found_crossing* c = l->crossings + i;
-    const double x = otgDot_d(otgLoad(c->point), d);
-    if (c->region == l->region) otgStretchSpan(x, &high, &low);
+  // Several are read before the first of them is looked at: a lane waits for memory once for all of them.
+  for (uint from = first; from < crossings; from += OTG_EXTENT_AHEAD * step) {
+    otg_found_crossing c[OTG_EXTENT_AHEAD];
+    OTG_UNROLLED(OTG_EXTENT_AHEAD)
+    for (uint k = 0; k < OTG_EXTENT_AHEAD; ++k) c[k] = l->crossings[min(from + k * step, crossings - 1)];
+    OTG_UNROLLED(OTG_EXTENT_AHEAD)
+    for (uint k = 0; k < OTG_EXTENT_AHEAD; ++k) {
+      const double x = otgDot_d(otgVec_d(c[k].point[0], c[k].point[1], c[k].point[2]), d);
+      if (c[k].region == l->region) otgStretchSpan(x, &high, &low);
+    }
   }
-  for (uint i = lane; i < vertices; i += OTG_GROUP) {
-    const otg_found_inside inside = l->vertices[i];
-    if (inside.region != l->region) continue;
-    const otg_vec3_d x = otgVertexAt(&mesh[inside.what & 1].solid, inside.what >> 1);
-    otgStretchSpan(otgDot_d(otgSub_d(x, origin), d), &high, &low);
+  for (uint from = first; from < vertices; from += OTG_EXTENT_AHEAD * step) {
+    otg_found_inside inside[OTG_EXTENT_AHEAD];
+    float4 at[OTG_EXTENT_AHEAD];
+    OTG_UNROLLED(OTG_EXTENT_AHEAD)
+    for (uint k = 0; k < OTG_EXTENT_AHEAD; ++k) inside[k] = l->vertices[min(from + k * step, vertices - 1)];
+    OTG_UNROLLED(OTG_EXTENT_AHEAD)
+    for (uint k = 0; k < OTG_EXTENT_AHEAD; ++k) at[k] = mesh[inside[k].what & 1].solid.vertices[inside[k].what >> 1];
+    OTG_UNROLLED(OTG_EXTENT_AHEAD)
+    for (uint k = 0; k < OTG_EXTENT_AHEAD; ++k) {
+      const otg_vec3_d p =
+          otgInFrame(&mesh[inside[k].what & 1].solid, otgVec_d((double)at[k].x, (double)at[k].y, (double)at[k].z));
+      const double x = otgDot_d(otgSub_d(p, origin), d);
+      if (inside[k].region == l->region) otgStretchSpan(x, &high, &low);
+    }
   }
   // The cluster that reaches farthest for each lane and side first.
   uint farthest[2];
   double most = -INFINITY, least = INFINITY;
   farthest[0] = farthest[1] = OTG_NOT_THERE;
-  for (uint i = lane; i < clusters; i += OTG_GROUP) {
+  OTG_UNROLLED(4)
+  for (uint i = first; i < clusters; i += step) {
     const otg_found_inside inside = l->clusters[i];
-    if (inside.region != l->region) continue;
+    const int isOwn = inside.region == l->region;
     otgBoundsOfCluster(mesh + (inside.what & 1), inside.what >> 1, origin, d, &top, &bottom);
-    if (top > most) {
-      most = top;
-      farthest[0] = inside.what;
-    }
-    if (bottom < least) {
-      least = bottom;
-      farthest[1] = inside.what;
-    }
+    farthest[0] = isOwn & (top > most) ? inside.what : farthest[0];
+    most = isOwn & (top > most) ? top : most;
+    farthest[1] = isOwn & (bottom < least) ? inside.what : farthest[1];
+    least = isOwn & (bottom < least) ? bottom : least;
   }
   otgSpanOfLanes(s, most, least);
   const double highest = s->high[0], lowest = s->low[0];
@@ -116,11 +130,11 @@ OTG_INLINED double otgExtentOfRegion(__local otg_extent_scratch* s, const otg_fo
   const double radii = (double)(mesh[0].solid.radius + mesh[1].solid.radius);
   const double slack = 1e-9 * (radii + otgNorm_d(origin) + otgNorm_d(mesh[1].solid.pose.t));
   double ownHigh = high, ownLow = low;
-  for (uint i = lane; i < clusters; i += OTG_GROUP) {
+  OTG_UNROLLED(4)
+  for (uint i = first; i < clusters; i += step) {
     const otg_found_inside inside = l->clusters[i];
-    if (inside.region != l->region) continue;
     otgBoundsOfCluster(mesh + (inside.what & 1), inside.what >> 1, origin, d, &top, &bottom);
-    if (!(top > high - slack) && !(bottom < low + slack)) continue;
+    if (inside.region != l->region || (!(top > high - slack) && !(bottom < low + slack))) continue;
     const uint place = atomic_inc(&s->listed);
     if (place < OTG_EXTENT_LIST) {
       s->list[place] = inside.what;
@@ -141,6 +155,12 @@ OTG_INLINED double otgExtentOfRegion(__local otg_extent_scratch* s, const otg_fo
   }
 #endif
   otgSpanOfLanes(s, ownHigh, ownLow);
+}
+
+/// By one work-group. All lanes call it.
+OTG_INLINED double otgExtentOfRegion(__local otg_extent_scratch* s, const otg_found_lists* l, OTG_PAIR_MESH* mesh,
+                                     otg_vec3_d d) {
+  otgSpanOfPart(s, l, mesh, d, 0, 1);
   const double extent = s->high[0] - s->low[0];
   OTG_SYNC;
   return extent;

@@ -14,11 +14,15 @@
 #include "solid_deep.h"
 
 #define OTG_AHEAD_PLACES 256
+#define OTG_EXTENT_PARTS 16      ///< in which an extent is measured, at most
+#define OTG_EXTENT_LEAST 4       ///< vertices for each lane that make a part worth while
+#define OTG_GROUPS_FOR_PARTS 32  ///< where there are fewer work-groups for a region, each measures whole extents
 
 typedef struct {
   otg_extent_scratch extent;
   otg_ray_scratch rays;
   double reduce[OTG_GROUP], costs[OTG_WAY_DIRECTIONS], sums[8], weighted[3], shareOfB;
+  double terms[8][OTG_GROUP];         ///< of the sums
   double ahead[OTG_AHEAD_PLACES][4];  ///< planes, scaled along a direction
   uint isFlat;
 } otg_ways_scratch;
@@ -27,16 +31,26 @@ typedef struct {
 OTG_INLINED void otgFinishWeights(__local otg_ways_scratch* s, const otg_solid_work* w, __global otg_region_work* r) {
   const uint lane = get_local_id(0), faces = w->facesOfA + w->facesOfB;
   const int weighs = w->thickness > 0 && w->coherence < OTG_SOLID_FLAT;
-  for (uint k = lane; k < 8; k += OTG_GROUP) {
-    const uint mesh = k < 6 ? k / 3 : k - 6, count = otgFaceCount(w, mesh);
-    double sum = 0;
-    OTG_UNROLLED(8)
-    for (uint j = 0; j < count; ++j) {
-      __global const otg_solid_face* face = otgFace(w, mesh, j);
+  for (uint k = lane; k < 8; k += OTG_GROUP) s->sums[k] = 0;
+  // What is added up is read by all lanes; then a lane has each sum.
+  for (uint base = 0; base < faces; base += OTG_GROUP) {
+    OTG_SYNC;
+    if (base + lane < faces) {
+      __global const otg_solid_face* face = w->faces + base + lane;
       const double weight = face->meanOffset;
-      sum += k < 6 ? face->weighted[k % 3] * weight : weight * face->weightedArea;
+      const uint mesh = base + lane >= w->facesOfA;
+      for (uint k = 0; k < 3; ++k) s->terms[3 * mesh + k][lane] = face->weighted[k] * weight;
+      s->terms[6 + mesh][lane] = weight * face->weightedArea;
     }
-    s->sums[k] = sum;
+    OTG_SYNC;
+    for (uint k = lane; k < 8; k += OTG_GROUP) {
+      const uint mesh = k < 6 ? k / 3 : k - 6, end = mesh == 0 ? w->facesOfA : faces;
+      const uint first = mesh == 0 ? base : max(base, w->facesOfA), stop = min(base + OTG_GROUP, end);
+      double sum = s->sums[k];
+      OTG_UNROLLED(8)
+      for (uint j = first; j < stop; ++j) sum += s->terms[k][j - base];
+      s->sums[k] = sum;
+    }
   }
   OTG_SYNC_ALL;
   for (uint k = lane; k < faces; k += OTG_GROUP) {
@@ -92,17 +106,35 @@ OTG_INLINED double otgWayByPlanes(__local otg_ways_scratch* s, const otg_solid_w
   return otgLargestOf(s->reduce, most);
 }
 
-/// The extent along direction k, or one of the lines along which the way is measured. All lanes call it.
+/// In how many parts extents of a region are measured.
+OTG_INLINED uint otgExtentParts(const otg_found_lists* l) {
+  if (get_num_groups(0) < OTG_GROUPS_FOR_PARTS) return 1;
+  __global const uint* counts = l->head->counts;
+  const uint all = counts[OTG_OVERLAP_CROSSINGS] + counts[OTG_OVERLAP_VERTICES] + 2 * counts[OTG_OVERLAP_CLUSTERS];
+  return clamp(all / (OTG_EXTENT_LEAST * OTG_GROUP), 1u, (uint)OTG_EXTENT_PARTS);
+}
+
+/// A part of the extent along direction k. All lanes call it.
+OTG_INLINED void otgMeasureExtent(__local otg_ways_scratch* s, const otg_found_lists* l, OTG_PAIR_MESH* mesh,
+                                  __global otg_region_work* r, uint k, otg_vec3_d d, uint part, uint parts) {
+  otgSpanOfPart(&s->extent, l, mesh, d, part, parts);
+  if (get_local_id(0) == 0) {
+    atom_max(r->highest + k, otgInOrder(s->extent.high[0]));
+    atom_max(r->lowest + k, ~otgInOrder(s->extent.low[0]));
+  }
+  OTG_SYNC;
+}
+
+/// A part of the extent along direction k, or one of the lines along which the way is measured. All lanes call it.
 OTG_INLINED void otgMeasureEscape(__local otg_ways_scratch* s, __global const float4* meshes, const otg_found_lists* l,
                                   OTG_PAIR_MESH* mesh, const otg_solid_work* w, __global otg_region_work* r, uint k,
-                                  uint line, otg_vec3_d d) {
+                                  uint line, uint parts, otg_vec3_d d) {
   const int isThere = otgDot_d(d, d) > 0;
-  if (line == 0) {
-    const double extent = isThere ? otgExtentOfRegion(&s->extent, l, mesh, d) : 0;
-    if (get_local_id(0) == 0) r->extents[k] = extent;
+  if (line < parts) {
+    if (isThere) otgMeasureExtent(s, l, mesh, r, k, d, line, parts);
     return;
   }
-  const uint origin = line - 1, chosen = min(w->pointCount, (uint)OTG_ESCAPE_ORIGINS - 1);
+  const uint origin = line - parts, chosen = min(w->pointCount, (uint)OTG_ESCAPE_ORIGINS - 1);
   if (!isThere || otgIsThin(w) || origin > chosen) return;
   const otg_vec3_d middle = otgScale_d(otgAdd_d(w->lo, otgLoad(w->region->hi)), 0.5);
   otg_vec3_d from = middle;
@@ -134,28 +166,25 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapWays
   const otg_found_lists l = otgListsFor(out, tasks, place);
   otgMeshesOf(meshes, pairs, place, mesh);
   const int seeks = otgSeeks(r, task), isDeep = (r->status & OTG_FOUND_DEEP) != 0;
-  const uint lines = seeks ? 1 + OTG_ESCAPE_ORIGINS : 1;
-  const uint items = 1 + (seeks ? OTG_ESCAPE_DIRECTIONS * lines : isDeep ? otgDeepDirections(r, task) : 0);
+  const uint parts = otgExtentParts(&l), lines = parts + (seeks ? OTG_ESCAPE_ORIGINS : 1);
+  const uint items = 1 + lines * (seeks ? OTG_ESCAPE_DIRECTIONS : isDeep ? otgDeepDirections(r, task) : 0);
   for (uint item = get_group_id(0); item < items; item += get_num_groups(0)) {
     if (item == 0) {
       otgFinishWeights(&scratch, &w, r);
       OTG_SYNC_ALL;
       continue;
     }
-    const uint k = (item - 1) / lines;
+    const uint k = (item - 1) / lines, line = (item - 1) % lines;
+    const otg_vec3_d d = seeks ? otgEscapeDirection(r, task, mesh, &w, k) : otgDeepDirection(r, task, &w, k);
     if (seeks) {
-      otgMeasureEscape(&scratch, meshes, &l, mesh, &w, r, k, (item - 1) % lines,
-                       otgEscapeDirection(r, task, mesh, &w, k));
+      otgMeasureEscape(&scratch, meshes, &l, mesh, &w, r, k, line, parts, d);
+    } else if (line < parts) {
+      otgMeasureExtent(&scratch, &l, mesh, r, k, d, line, parts);
     } else {
-      const otg_vec3_d d = otgDeepDirection(r, task, &w, k);
-      const double extent = otgExtentOfRegion(&scratch.extent, &l, mesh, d);
       const double far = (double)(mesh[0].solid.radius + mesh[1].solid.radius);
       const double way = otgWayByPlanes(
           &scratch, &w, (__global const otg_solid_face*)(arena + (size_t)r->deepPlanes * OTG_ARENA_UNIT), r, d, far);
-      if (get_local_id(0) == 0) {
-        r->extents[k] = extent;
-        r->ways[k] = as_ulong(way);
-      }
+      if (get_local_id(0) == 0) r->ways[k] = as_ulong(way);
     }
     OTG_SYNC;
   }
@@ -178,8 +207,10 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapTurn
   if (!otgSeeks(r, task) || otgIsThin(&w)) return;
   const otg_found_lists l = otgListsFor(out, tasks, place);
   otgMeshesOf(meshes, pairs, place, mesh);
-  const uint first = OTG_ESCAPE_DIRECTIONS + turn * OTG_ESCAPE_SIDES, lines = 1 + OTG_ESCAPE_ORIGINS;
-  const otg_vec3_d d = otgBestEscape(r, task, mesh, &w, first, scratch.costs);
+  const uint first = OTG_ESCAPE_DIRECTIONS + turn * OTG_ESCAPE_SIDES;
+  const uint parts = otgExtentParts(&l), lines = parts + OTG_ESCAPE_ORIGINS;
+  const uint best = otgBestEscape(r, task, mesh, &w, first, scratch.costs);
+  const otg_vec3_d d = otgEscapeAlong(r, task, mesh, &w, best);
   const otg_vec3_d s = otgUnit_d(otgCross_d(d, fabs(d.x) < 0.8 ? otgVec_d(1, 0, 0) : otgVec_d(0, 1, 0)));
   const otg_vec3_d t = otgCross_d(d, s);
   for (uint item = get_group_id(0); item < OTG_ESCAPE_SIDES * lines; item += get_num_groups(0)) {
@@ -188,7 +219,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapTurn
     const otg_vec3_d turned = otgUnit_d(
         otgAdd_d(d, otgAdd_d(otgScale_d(s, step * kEscapeCosines[side]), otgScale_d(t, step * kEscapeSines[side]))));
     if (line == 0 && get_local_id(0) == 0) otgStore(r->turned[k - OTG_ESCAPE_DIRECTIONS], turned);
-    otgMeasureEscape(&scratch, meshes, &l, mesh, &w, r, k, line, turned);
+    otgMeasureEscape(&scratch, meshes, &l, mesh, &w, r, k, line, parts, turned);
     OTG_SYNC;
   }
 }

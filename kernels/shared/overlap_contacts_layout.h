@@ -42,9 +42,10 @@ typedef struct {
   otg_solid_region region;
   double mainDirections[2][OTG_OVERLAP_MAIN_FACES][3];    ///< of the faces of a deep region
   double turned[OTG_ESCAPE_TURNS * OTG_ESCAPE_SIDES][3];  ///< directions around the best
-  double extents[OTG_WAY_DIRECTIONS];                     ///< along each direction
-  otg_ulong ways[OTG_WAY_DIRECTIONS];                     ///< bits of a double that is not negative
-  double direction[3];                                    ///< the way out of a deep or entangled region
+  /// The highest and the lowest along each direction, as ordered numbers, the latter inverted.
+  otg_ulong highest[OTG_WAY_DIRECTIONS], lowest[OTG_WAY_DIRECTIONS];
+  otg_ulong ways[OTG_WAY_DIRECTIONS];  ///< bits of a double that is not negative
+  double direction[3];                 ///< the way out of a deep or entangled region
   otg_uint mainCount[2];
   otg_uint deepPlanes, deepCount[2];  ///< place in the arena; A's, then B's from the number of A's pieces on
   otg_uint pieceCount[2];

@@ -8,6 +8,7 @@
 
 #include "collide/solid/escape.h"
 #include "collide/solid_contacts.h"
+#include "opencl/reducer.h"
 
 namespace otg::opencl {
 namespace {
@@ -16,11 +17,12 @@ constexpr std::uint32_t kRegions = OTG_OVERLAP_REGIONS;
 /// Hits of small regions of a pair, and how many of them are read with the head.
 constexpr std::uint32_t kMostSmall = kRegions * OTG_SOLID_LARGE_REGION, kSmallAhead = OTG_SOLID_LARGE_REGION;
 constexpr std::uint32_t kUnitsOfRegion = sizeof(otg_region_work) / OTG_ARENA_UNIT;
-/// Work-groups of overlapWeigh for one region: six with tasks of their own, the others weigh faces.
-constexpr std::uint32_t kWeighGroups = 22;
-/// Work-groups for one region: a line of each direction, or a few directions; candidates.
-constexpr std::size_t kEscapeGroups = OTG_ESCAPE_DIRECTIONS * (1 + OTG_ESCAPE_ORIGINS) + 1, kDeepGroups = 16;
-constexpr std::size_t kTurnGroups = OTG_ESCAPE_SIDES * (1 + OTG_ESCAPE_ORIGINS), kCandidateGroups = 256;
+/// Work-groups of overlapWeigh for one region: six with tasks of their own, the others weigh faces. And of many pairs.
+constexpr std::uint32_t kWeighGroups = 54, kWeighOfMany = 22;
+/// Work-groups for one region: a line of each direction, or a part of its extent, or a few directions; candidates.
+constexpr std::size_t kExtentGroups = 16, kDeepGroups = 64, kCandidateGroups = 256;
+constexpr std::size_t kEscapeGroups = OTG_ESCAPE_DIRECTIONS * (kExtentGroups + OTG_ESCAPE_ORIGINS) + 1;
+constexpr std::size_t kTurnGroups = OTG_ESCAPE_SIDES * (kExtentGroups + OTG_ESCAPE_ORIGINS);
 /// The same where there are many pairs, and the size of work-groups there: others have something to do while one waits.
 constexpr std::uint32_t kLanesOfMany = 32;
 constexpr std::size_t kWaysOfMany = 16, kCandidatesOfMany = 64;
@@ -51,6 +53,7 @@ OverlapContacts::OverlapContacts(Context& context, const Tuning& tuning, bool ma
       isCpu_(context.info().kind == DeviceKind::kCpu),
       forMany_(many),
       lanes_(tuning.overlapLanes),
+      weighGroups_(many || isCpu_ ? kWeighOfMany : kWeighGroups),
       registers_(context.info().registerLimit ? tuning.solidRegisters : 0),
       arenaWanted_(std::max(1u, tuning.overlapArena)),
       smallWanted_(kMostSmall) {}
@@ -61,7 +64,8 @@ void OverlapContacts::build() {
   const auto make = [&](const char* file, std::uint32_t lanes, const char* name) {
     const std::uint32_t group = lanes_ != 0 ? lanes_ : isCpu_ ? 1 : forMany_ ? kLanesOfMany : lanes;
     const std::string options = "-DOTG_GROUP=" + std::to_string(group) +
-                                " -DOTG_WEIGH_GROUPS=" + std::to_string(kWeighGroups) +
+                                warpOption(context_) +
+                                " -DOTG_WEIGH_GROUPS=" + std::to_string(weighGroups_) +
                                 (registers_ != 0 ? " -cl-nv-maxrregcount=" + std::to_string(registers_) : "");
     return Made{context_.makeKernel(file, options, name), group};
   };
@@ -123,7 +127,7 @@ void OverlapContacts::enqueue(cl_command_queue queue, const Pairs& pairs, Profil
                            << tasks_.get() << space_.get() << begin << space_.places() << progress_.get();
   run(arena_, std::size_t{2} * slots_, 1, Profile::kWeigh);
   Arguments(weigh_.kernel) << space_.get();
-  run(weigh_, std::size_t{kWeighGroups} * slots_, 1, Profile::kWeigh);
+  run(weigh_, std::size_t{weighGroups_} * slots_, 1, Profile::kWeigh);
   Arguments(ways_.kernel) << pairs.pairs << pairs.meshes << tasks_.get() << pairs.description << space_.get();
   const std::size_t forWays = many ? kWaysOfMany : turns ? kEscapeGroups : kDeepGroups;
   run(ways_, isCpu_ ? kCpuGroups : forWays, slots_, Profile::kWays);
