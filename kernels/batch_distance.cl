@@ -133,7 +133,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchDistan
       const uint2 pair = leaves[test / (OTG_LEAF * OTG_LEAF)];
       const uint i = test % (OTG_LEAF * OTG_LEAF) / OTG_LEAF, j = test % OTG_LEAF;
       if (i > (pair.x & 7) || j > (pair.y & 7)) continue;
-      if (leafGaps[test / (OTG_LEAF * OTG_LEAF)] > as_float(limitBits)) continue;
+      if (leafGaps[test / (OTG_LEAF * OTG_LEAF)] > as_float(limitBits)) continue;  // unordered
       __global const float4* soupA = meshes + meshA.soup + 3 * ((pair.x >> 3) + i);
       __global const float4* soupB = meshes + meshB.soup + 3 * ((pair.y >> 3) + j);
       const float4 u0 = soupA[0], u1 = soupA[1], u2 = soupA[2], v0 = soupB[0], v1 = soupB[1], v2 = soupB[2];

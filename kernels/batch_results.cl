@@ -31,7 +31,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchResult
 #endif
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const otg_batch_hit hit = hits[i];
-    if (flags[hit.pair] & OTG_PAIR_SKIPPED) continue;
+    if (flags[hit.pair] & OTG_PAIR_SKIPPED) continue;  // unordered
     const uint soupA = places[pairs[hit.pair].meshA].soup, soupB = places[pairs[hit.pair].meshB].soup;
 #ifdef OTG_WITH_DOUBLE
     const OTG_POSE bInA = tasks[hit.pair].bInA;

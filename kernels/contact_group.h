@@ -138,12 +138,12 @@ inline static void otgGroupBins(__local otg_group_links* g, __global const otg_c
     if (!otgIsContact(records[i].kind)) continue;
     const ulong bin = bins[i], score = scores[i];
     uint slot = otgHashPair(0, (uint)(bin >> 32), (uint)bin) & (OTG_SLOTS - 1);
-    for (uint entry = table[slot];;) {
+    for (uint entry = table[slot];;) {  // unordered
       if (entry != 0) {
         const uint other = entry - 1;
         if (bins[other] != bin) {
           slot = (slot + 1) & (OTG_SLOTS - 1);
-          entry = table[slot];
+          entry = table[slot];  // unordered
           continue;
         }
         if (scores[other] > score || (scores[other] == score && otgLess(g->key[other], g->key[i]))) break;

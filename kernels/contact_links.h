@@ -246,7 +246,7 @@ inline static void otgEnterBin(const otg_links* l, __global const otg_pair_state
     return;
   }
   for (uint slot = hash & l->mask;; slot = (slot + 1) & l->mask) {
-    uint entry = l->binTable[slot];
+    uint entry = l->binTable[slot];  // unordered
     if (entry == 0) entry = atomic_cmpxchg(l->binTable + slot, 0, mine);
     if (entry != 0) {
       const uint other = (entry & l->mask) - 1;

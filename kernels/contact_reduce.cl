@@ -126,7 +126,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void chooseConta
   const int tooMany = !leftOut && (unlisted || all > OTG_KEPT);
   const uint count = otgChoose(l.records, tooMany ? 0 : all, tooMany ? 0 : regions, how.places, &choice);
   if (lane == 0) {
-    answer[OTG_FLAGS + pair] = flags | (tooMany ? OTG_PAIR_TO_HOST : 0);
+    answer[OTG_FLAGS + pair] = flags | (tooMany ? OTG_PAIR_TO_HOST : 0);  // unordered: all lanes have read it
     answer[OTG_PLACE(pairs, pair)] = 0;
     answer[OTG_PLACE(pairs, pair) + 1] = count;
     if (leftOut || tooMany) {

@@ -326,8 +326,8 @@ OTG_INLINED void otgArenaPoints(__local otg_arena_scratch* s, __local otg_solid_
   otgThinPoints(ways, &w);
   const uint candidates = r->counts ? w.candidates : 0;
   if (lane == 0) {
-    out->points = first;
-    out->pointCount = count;
+    out->points = first;      // unordered: the pieces do not ask
+    out->pointCount = count;  // unordered: the pieces do not ask
     out->picks = first + pointUnits * room;
     out->candidates = candidates;
     work->pointFlags =

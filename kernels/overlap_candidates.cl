@@ -172,8 +172,8 @@ OTG_INLINED void otgLookAtCandidate(__local otg_candidate_scratch* s, __global c
     p->depth = depth;
     out = rays[0];
     back = rays[1];
-    p->along[0] = otgClampTo(ofPoints, limit, &out, &back);  // see OTG_RAYS_KNOWN
-    p->along[1] = 0.5 * (out - back);
+    p->along[0] = otgClampTo(ofPoints, limit, &out, &back);  // unordered, too; see OTG_RAYS_KNOWN
+    p->along[1] = 0.5 * (out - back);                        // unordered: all lanes have read it
     if (!works) atomic_or(&r->pointFlags, OTG_REGION_BAD);
   }
 }

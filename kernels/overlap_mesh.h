@@ -139,7 +139,7 @@ OTG_INLINED uint otgIdFromHalf(void) {
 OTG_INLINED int otgIsLast(__global uint* counter, __local uint* last) {
   barrier(CLK_GLOBAL_MEM_FENCE);
   if (get_local_id(0) == 0) *last = atomic_inc(counter) == get_num_groups(0) - 1;
-  barrier(CLK_LOCAL_MEM_FENCE);
+  barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
   return *last != 0;
 }
 

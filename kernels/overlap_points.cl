@@ -150,7 +150,12 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapDept
       const otg_vec3_d up = otgUnit_d(otgVec_d(otgFromUnits(sums[0], units), otgFromUnits(sums[OTG_GROUP], units),
                                                otgFromUnits(sums[2 * OTG_GROUP], units)));
       regions.region[r].up = up;
-      if (get_group_id(0) == 0) otgStore(state->up[r], up);
+      // Other work-groups load it meanwhile, and do not ask for it.
+      if (get_group_id(0) == 0) {
+        state->up[r][0] = up.x;  // unordered
+        state->up[r][1] = up.y;  // unordered
+        state->up[r][2] = up.z;  // unordered
+      }
     }
   }
   barrier(CLK_LOCAL_MEM_FENCE);
@@ -293,28 +298,28 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
   }
   for (uint i = lane; i < OTG_OVERLAP_COUNTS; i += OTG_GROUP) {
     head->counts[i] = i == OTG_OVERLAP_CELLS ? cellCount : *(volatile __global uint*)(state->counts + i);
-    state->counts[i] = 0;
+    state->counts[i] = 0;  // unordered: by the last
   }
-  for (uint r = lane; r < OTG_OVERLAP_REGIONS; r += OTG_GROUP) state->cells[r] = 0;
+  for (uint r = lane; r < OTG_OVERLAP_REGIONS; r += OTG_GROUP) state->cells[r] = 0;  // unordered: by the last
   if (lane < 3) head->origin[lane] = state->origin[lane];
   if (lane == 0) {
     head->firstUnit = first;
     state->first = 0;
-    state->firstUnit = 0;
+    state->firstUnit = 0;  // unordered: by the last
   }
-  barrier(CLK_GLOBAL_MEM_FENCE);
+  barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
   if (lane == 0) last = atomic_inc(&totals->done) == get_num_groups(1) - 1;
-  barrier(CLK_LOCAL_MEM_FENCE);
+  barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
   if (!last) return;
   for (uint i = lane; i < OTG_COUNTERS && counters != 0; i += OTG_GROUP) {
     if (i < OTG_COUNTERS_READ) head->counters[i] = counters[i];
     counters[i] = 0;
   }
   if (lane == 0) {
-    *(__global otg_overlap_totals*)out = *totals;
+    *(__global otg_overlap_totals*)out = *totals;  // unordered: by the last
     if (get_num_groups(1) == 1) ((__global otg_overlap_totals*)out)->units = first + units;
     totals->tables = 0;
     totals->units = 0;
-    totals->done = 0;
+    totals->done = 0;  // unordered: by the last
   }
 }

@@ -56,7 +56,7 @@ OTG_INLINED void otgOpenForRay(__local otg_ray_scratch* s, __global const float4
     if (!otgRayMeetsTriangle(meshes, m->soup + 3 * (entry.x + k), o, d, &distance, &leaving)) continue;
     if (!(distance >= 0) || (!leaving && distance <= skin)) continue;
     const ulong bits = as_ulong(distance + 0.0);  // -0 and 0 are one
-    if (bits > s->nearest[ray]) continue;
+    if (bits > s->nearest[ray]) continue;         // unordered
     atom_min(leaving ? s->leaves + ray : s->enters + ray, bits);
     atom_min(s->nearest + ray, bits);
   }

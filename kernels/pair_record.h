@@ -78,11 +78,11 @@ inline static void otgFinish(__global uint* counters, __global uchar* results, _
   const uint lane = get_local_id(0);
   barrier(CLK_GLOBAL_MEM_FENCE);
   if (lane == 0) *last = atomic_inc(counters + OTG_COUNT_DONE) == get_num_groups(0) - 1;
-  barrier(CLK_LOCAL_MEM_FENCE);
+  barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
   if (!*last) return;
   for (uint i = lane; i < OTG_COUNTERS; i += get_local_size(0)) {
-    if (i < OTG_RESULT_HEAD / sizeof(uint)) ((__global uint*)results)[i] = counters[i];
-    counters[i] = 0;
+    if (i < OTG_RESULT_HEAD / sizeof(uint)) ((__global uint*)results)[i] = counters[i];  // unordered: by the last
+    counters[i] = 0;                                                                     // unordered: by the last
   }
 }
 

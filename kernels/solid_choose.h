@@ -175,7 +175,7 @@ OTG_INLINED double otgTakeDepth(__local otg_solid_choice* s, const otg_solid_wor
   double out = s->ways[2 * k], back = s->ways[2 * k + 1];
   const double depth = otgClampWays(otgPointOf(w, c)->limit, &out, &back);
   OTG_DEPTH(s)[c] = depth;
-  otgPointOf(w, c)->shift = 0.5 * (out - back);
+  otgPointOf(w, c)->shift = 0.5 * (out - back);  // unordered: all lanes have read it
   return depth;
 }
 #endif

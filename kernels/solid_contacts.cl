@@ -107,8 +107,10 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidWrite(
   __global uint* words = (__global uint*)results;
   __global otg_chosen_contact* out = (__global otg_chosen_contact*)(results + OTG_RESULT_CONTACTS(pairs));
   for (size_t t = get_global_id(0); t < (size_t)pairs * room; t += get_global_size(0)) {
-    const uint pair = (uint)(t / room), k = (uint)(t % room), place = words[OTG_PLACE(pairs, pair)] + k;
-    if (words[OTG_FLAGS + pair] & OTG_PAIR_PAIRWISE) continue;  // batchReduce has written them
+    const uint pair = (uint)(t / room), k = (uint)(t % room);
+    // Others are written by batchReduce, or have none; places of the latter are written over below.
+    if (words[OTG_FLAGS + pair] & (OTG_PAIR_PAIRWISE | OTG_PAIR_TO_HOST)) continue;
+    const uint place = words[OTG_PLACE(pairs, pair)] + k;
     if (k < words[OTG_PLACE(pairs, pair) + 1] && place < contactRoom) out[place] = lists[t];
   }
   __global const otg_record* from = (__global const otg_record*)(records + OTG_RESULT_HEAD);

@@ -150,7 +150,7 @@ OTG_INLINED void otgTraceContour(__local otg_solid_scratch* s, uint hits, OTG_ME
   for (uint slot = lane; slot < 2 * hits; slot += OTG_GROUP) {
     if (s->halfEdge[slot] == OTG_NOT_THERE) continue;
     const uint other = otgOtherSlot(s, hits, slot, meshA, meshB);
-    if (other == OTG_NOT_THERE || !((s->how[slot] ^ s->how[other]) & 2)) {
+    if (other == OTG_NOT_THERE || !((s->how[slot] ^ s->how[other]) & 2)) {  // unordered: this bit stays
       otgGiveUp(s, OTG_SOLID_BROKEN);
     } else if (slot < other) {
       s->how[slot] |= 4;

@@ -38,7 +38,7 @@ OTG_INLINED void otgFloodFrom(__local otg_solid_scratch* s, uint slot, OTG_MESH*
     if (isNew) {
       s->side[there] = OTG_SIDE_INSIDE;
       otgQueue(s, there);
-    } else if (s->side[there] == OTG_SIDE_OUTSIDE) {
+    } else if (s->side[there] == OTG_SIDE_OUTSIDE) {  // unordered: nobody makes it that here
       otgGiveUp(s, OTG_SOLID_BROKEN);
     }
     otgJoin(s, OTG_SOLID_HITS + slot, OTG_SOLID_HITS + there);

@@ -42,14 +42,15 @@ OTG_INLINED int otgSettle(__local const otg_solid_choice* s, const otg_solid_wor
     uint near = 0;
     OTG_UNROLLED(4)
     for (uint k = 0; k < here; ++k) {
+      const int isThere = s->step[from + k] != 0;  // unordered
       const otg_vec3_d d = otgSub_d(otgVec_d(OTG_X(s)[from + k], OTG_Y(s)[from + k], OTG_Z(s)[from + k]), middle);
-      near |= (uint)((otgDot_d(d, d) <= reach * reach) & (s->step[from + k] != 0)) << k;
+      near |= (uint)((otgDot_d(d, d) <= reach * reach) & isThere) << k;
     }
     for (; near != 0 && stays != 0; near &= near - 1) {
       const uint k = from + otgLowestBit(near);
       const otg_vec3_d own = otgNormalOf(s, w, s->order[j]), other = otgNormalOf(s, w, s->order[k]);
       if (!(otgDot_d(own, other) >= OTG_SOLID_MERGE_COSINE)) continue;
-      stays = s->step[k] == OTG_STAYS ? 0 : OTG_STAYS_OPEN;
+      stays = s->step[k] == OTG_STAYS ? 0 : OTG_STAYS_OPEN;  // unordered
     }
   }
   return stays;

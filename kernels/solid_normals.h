@@ -171,7 +171,7 @@ OTG_INLINED void otgWeighPieces(__local otg_solid_ways* s, const otg_solid_work*
     OTG_UNROLLED(4)
     for (uint j = 0; j < otgFaceCount(w, mesh); ++j) {
       __global const otg_solid_face* face = otgFace(w, mesh, j);
-      sum += k < 6 ? face->weighted[k % 3] : face->weightedArea;
+      sum += k < 6 ? face->weighted[k % 3] : face->weightedArea;  // unordered: before they are written
     }
     s->sums[k] = sum;
   }

@@ -84,10 +84,10 @@ OTG_INLINED uint otgEnterVertex(__local otg_solid_scratch* s, uint mesh, uint v,
   const uint key = (v << 1 | mesh) + 1;
   *isNew = 0;
   for (uint slot = otgHashWord(key) & (OTG_SOLID_SLOTS - 1);; slot = (slot + 1) & (OTG_SOLID_SLOTS - 1)) {
-    const uint seen = s->vertexKey[slot];
+    const uint seen = s->vertexKey[slot];  // unordered
     if (seen == key) return slot;
     if (seen != 0) continue;
-    if (s->entered >= 2 * OTG_SOLID_HITS) {
+    if (s->entered >= 2 * OTG_SOLID_HITS) {  // unordered
       otgGiveUp(s, OTG_SOLID_TOO_MANY | OTG_SOLID_BY_CELLS);
       return OTG_NOT_THERE;
     }
