@@ -15,8 +15,8 @@ build_packages=(
   libassimp-dev libcli11-dev nlohmann-json3-dev libfmt-dev libtinygltf-dev
   catch2 python3 libcgal-dev opencl-c-headers ocl-icd-opencl-dev opencl-clhpp-headers
 )
-# An OpenCL device that every machine has, and real meshes.
-tests_packages=(pocl-opencl-icd libcgal-demo)
+# An OpenCL device that every machine has, one that is simulated, and real meshes.
+tests_packages=(pocl-opencl-icd oclgrind libcgal-demo)
 # Real meshes; a ray tracer, a plotter and its font, none of which needs a display.
 demo_packages=(libcgal-demo povray gnuplot-nox fonts-dejavu-core)
 # Collision libraries to compare with. Benchmarks leave out, with a message, those that are not installed.
