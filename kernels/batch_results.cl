@@ -5,17 +5,19 @@
 #define OTG_SINGLE 0
 #include "contact_links.h"
 #if OTG_EXACT
-#include "solid_ends.h"
+#include "exact_decision.h"
 #endif
 
 /// One record for each hit of the pairs that are not skipped, in the order of the list. `tasks` holds B in A's frame
 /// for each pair. The flags in `chosen` tell of each pair what its records say: OTG_PAIR_INTERSECTS (only without
-/// contacts), or OTG_PAIR_TO_HOST when one is open. Without contacts this is the last kernel.
+/// contacts), or OTG_PAIR_TO_HOST when one is open (without contacts, or with OTG_ENTER; not with `decides`). With
+/// contacts open hits are counted, and with `decides` kernel batchDecide follows. Without contacts this is the last
+/// kernel.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchResults(
     __global const otg_batch_pair* restrict pairs, __global const otg_device_mesh* restrict places,
     __global const otg_batch_task* restrict tasks, __global const float4* restrict meshes,
     __global uint* restrict counters, __global const otg_batch_hit* restrict hits, uint hitCapacity,
-    __global uchar* restrict results, __global uint* restrict chosen
+    __global uchar* restrict results, __global uint* restrict chosen, uint decides
 #if OTG_ENTER
     ,
     __global uint* links, __global uint* tables, uint tableSize, __global otg_pair_state* restrict states
@@ -28,6 +30,11 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchResult
   const otg_links l = otgLinksOf(counters, results, links, tables, tableSize, hitCapacity);
 #elif !OTG_CONTACTS
   __local uint last;
+#endif
+#if OTG_CONTACTS
+  __local uint open;
+  if (get_local_id(0) == 0) open = 0;
+  barrier(CLK_LOCAL_MEM_FENCE);
 #endif
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const otg_batch_hit hit = hits[i];
@@ -42,15 +49,15 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchResult
                   bInA, hit.pair, records + i);
 #if OTG_EXACT
     // A pair that has a hit for certain needs no other.
-    if (records[i].kind == OTG_RECORD_OPEN && !(flags[hit.pair] & OTG_PAIR_INTERSECTS)) {
-      otg_vec3_d corners[6];
-      otgCornersInDouble(meshes, soupA + 3 * (hit.a & ~OTG_HIT_UNDECIDED), soupB + 3 * hit.b, bInA, corners,
-                         corners + 3);
-      records[i].kind = otgDecideExactly(corners);
+    if (!(flags[hit.pair] & OTG_PAIR_INTERSECTS)) {
+      otgDecideRecord(meshes, soupA + 3 * (hit.a & ~OTG_HIT_UNDECIDED), soupB + 3 * hit.b, bInA, hit.pair, records + i);
     }
 #endif
+#if OTG_CONTACTS
+    if (records[i].kind == OTG_RECORD_OPEN && !(flags[hit.pair] & OTG_PAIR_TO_HOST)) atomic_inc(&open);
+#endif
 #if OTG_ENTER
-    otgEnterHit(&l, states, flags, i, 0);
+    otgEnterHit(&l, states, flags, i, decides ? 0 : OTG_PAIR_TO_HOST, 0);
 #elif !OTG_CONTACTS
     const uint flag = records[i].kind == OTG_RECORD_OPEN ? OTG_PAIR_TO_HOST : OTG_PAIR_INTERSECTS;
     if (records[i].kind != OTG_RECORD_APART && !(flags[hit.pair] & flag) &&
@@ -59,7 +66,10 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchResult
     }
 #endif
   }
-#if !OTG_CONTACTS
+#if OTG_CONTACTS
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (get_local_id(0) == 0 && open > 0) atomic_add(counters + OTG_COUNT_OPEN_OF_BATCH, open);
+#else
   otgFinish(counters, (__global uchar*)chosen, &last);
 #endif
 }

@@ -200,7 +200,7 @@ inline static void otgGroupHit(__local otg_group_links* g, uint i, __global cons
                                otg_lane_tally* tally) {
   const int kind = r->kind;
   g->key[i] = otgIntersects(kind) ? otgTrianglesOf(r) : OTG_NO_KEY;
-  if (kind == OTG_RECORD_OPEN) g->open = 1;
+  if (kind == OTG_RECORD_OPEN) atomic_inc(&g->open);
   if (otgIntersects(kind)) atomic_inc(&g->intersecting);
   if (!otgIsContact(kind)) return;
   ++tally->contacts;

@@ -317,16 +317,17 @@ inline static void otgEndTally(__global otg_pair_state* state, __local otg_tally
 }
 
 /// After a hit's record was written: a root of its own, findable by its triangles, and counted. With OTG_SINGLE in
-/// `tally`, which the kernel adds to the state.
+/// `tally`, which the kernel adds to the state. A pair with a hit that is open gets the flag `openFlag`; once it is
+/// decided, such a hit may be entered again.
 inline static void otgEnterHit(const otg_links* l, __global otg_pair_state* states, __global uint* flags, uint hit,
-                               __local otg_tally* tally) {
+                               uint openFlag, __local otg_tally* tally) {
   __global const otg_contact_record* r = l->records + hit;
   __global otg_pair_state* state = states + r->pair;
   *otgLink(l, OTG_LINK_PARENT, hit) = hit;
   *otgLink(l, OTG_LINK_MARK, hit) = 0;
   *otgLink(l, OTG_LINK_LATER, hit) = 0;
   *otgLink(l, OTG_LINK_FIRST, hit) = 0;
-  if (r->kind == OTG_RECORD_OPEN) atomic_or(flags + r->pair, OTG_PAIR_TO_HOST);
+  if (r->kind == OTG_RECORD_OPEN && openFlag != 0) atomic_or(flags + r->pair, openFlag);
   if (!otgIntersects(r->kind)) return;
   const uint hash = otgHashPair(r->pair, r->a, r->b);
   uint slot = hash & l->mask;

@@ -130,7 +130,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void chooseConta
     answer[OTG_PLACE(pairs, pair)] = 0;
     answer[OTG_PLACE(pairs, pair) + 1] = count;
     if (leftOut || tooMany) {
-      if (!(flags & OTG_PAIR_SKIPPED)) atomic_inc(counters + OTG_COUNT_FLAGGED);
+      if (!OTG_SINGLE && !(flags & OTG_PAIR_SKIPPED)) atomic_inc(counters + OTG_COUNT_FLAGGED);
     } else if (state->intersecting) {
       atomic_add(counters + OTG_COUNT_INTERSECTING, state->intersecting);
       atomic_add(counters + OTG_COUNT_CONTACTS, state->contacts);

@@ -2,7 +2,7 @@
 // The near phase after the published traversal: pairs of leaves with one triangle each.
 //
 // OTG_GROUP: work-items of a work-group. OTG_LEAF is 1. OTG_CONTACTS as in pair_record.h. OTG_FUSED: 1 as published,
-// one kernel that tests and makes the contact; 0 to list hits, of which pairResults makes contacts. OTG_REDUCE: 1 if
+// one kernel that tests and makes the contact; 0 to list hits, of which pairResults makes contacts. OTG_ENTER: 1 if
 // contacts are reduced on the device.
 #define OTG_SINGLE 1
 #include "contact_links.h"
@@ -38,19 +38,19 @@ OTG_LEVELS_KERNEL void levelsNear(const otg_device_pair pair, const OTG_POSE bIn
 
 /// After levelsNear, which cannot know how large the tables have to be: what pairResults does after making a record.
 OTG_LEVELS_KERNEL void levelsEnter(__global uint* restrict counters, __global uchar* restrict results, uint hitCapacity
-#if OTG_REDUCE
+#if OTG_ENTER
                                    ,
                                    __global uint* links, __global uint* tables, uint tableSize,
                                    __global otg_pair_state* restrict state, __global uint* restrict chosen
 #endif
 ) {
-#if OTG_REDUCE
+#if OTG_ENTER
   __local otg_tally tally;
   const uint count = min(counters[OTG_COUNT_HITS], hitCapacity);
   const otg_links l = otgLinksOf(counters, results, links, tables, tableSize, hitCapacity);
   otgBeginTally(&tally);
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-    otgEnterHit(&l, state, chosen + OTG_FLAGS, i, &tally);
+    otgEnterHit(&l, state, chosen + OTG_FLAGS, i, OTG_PAIR_TO_HOST, &tally);
   }
   otgEndTally(state, &tally);
 #else

@@ -1,32 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is asked of one pair of triangles of two solids, exactly: whether they meet, and where their chord ends; as
-// collide/near_phase.cpp and collide/solid/contour.cpp.
+// What is asked of one pair of triangles of two solids, exactly, beside whether they meet: where their chord ends; as
+// collide/solid/contour.cpp.
 #ifndef OTG_SOLID_ENDS_H
 #define OTG_SOLID_ENDS_H
+#include "exact_decision.h"
 #include "solid_mesh.h"
 //
 #include "shared/sos.h"
-
-/// Whether what is asked of six points can be told exactly.
-OTG_INLINED int otgIsExactHere(const otg_vec3_d* p) {
-  int good = 1;
-  OTG_ROLLED
-  for (int i = 1; i < 6; ++i) {
-    OTG_ROLLED
-    for (int j = 0; j < i; ++j) {
-      const otg_vec3_d d = otgSub_d(p[i], p[j]);
-      good = good && otgIsExactDistance(d.x) && otgIsExactDistance(d.y) && otgIsExactDistance(d.z);
-    }
-  }
-  return good;
-}
-
-/// OTG_RECORD_HIT or OTG_RECORD_APART, or OTG_RECORD_OPEN. Corners of A's triangle, then of B's.
-OTG_INLINED int otgDecideExactly(const otg_vec3_d* corners) {
-  if (!otgIsExactHere(corners)) return OTG_RECORD_OPEN;
-  if (otgIsWithoutArea(&corners[3].x)) return OTG_RECORD_APART;
-  return otgTrianglesMeetExact(&corners[0].x, &corners[3].x) ? OTG_RECORD_HIT : OTG_RECORD_APART;
-}
 
 /// Does the line of edge k of one triangle pass through the other?
 OTG_INLINED int otgPasses(const otg_vec3_d* corners, uint mesh, uint k) {

@@ -17,12 +17,8 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidRecord
     const uint soupA = places[pairs[hit.pair].meshA].soup, soupB = places[pairs[hit.pair].meshB].soup;
     otgMakeRecord(meshes, soupA + 3 * (hit.a & ~OTG_HIT_UNDECIDED), soupB + 3 * hit.b, (hit.a & OTG_HIT_UNDECIDED) != 0,
                   tasks[hit.pair].bInA, hit.pair, records + i);
-    if (records[i].kind == OTG_RECORD_OPEN) {
-      otg_vec3_d corners[6];
-      otgCornersInDouble(meshes, soupA + 3 * (hit.a & ~OTG_HIT_UNDECIDED), soupB + 3 * hit.b, tasks[hit.pair].bInA,
-                         corners, corners + 3);
-      records[i].kind = otgDecideExactly(corners);
-    }
+    otgDecideRecord(meshes, soupA + 3 * (hit.a & ~OTG_HIT_UNDECIDED), soupB + 3 * hit.b, tasks[hit.pair].bInA, hit.pair,
+                    records + i);
     if (records[i].kind == OTG_RECORD_OPEN) atomic_or(chosen + OTG_FLAGS + hit.pair, OTG_PAIR_TO_HOST);
     if (records[i].kind == OTG_RECORD_HIT) atomic_inc(&states[hit.pair].intersecting);
   }

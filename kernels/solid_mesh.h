@@ -2,6 +2,7 @@
 // A mesh as the contact model `solid` sees it: see shared/solid_layout.h.
 #ifndef OTG_SOLID_MESH_H
 #define OTG_SOLID_MESH_H
+#include "inlined.h"
 #include "pair_walk.h"
 //
 #define OTG_REAL_DOUBLE
@@ -9,16 +10,6 @@
 #undef OTG_REAL_DOUBLE
 #include "shared/solid_layout.h"
 
-/// The compiler of PoCL 3.1 crashes when it is to weigh whether inlining these is worth it. OTG_NOT_INLINED: for a
-/// simulator that does not know what its compiler leaves behind where it has inlined.
-#ifdef OTG_NOT_INLINED
-#define OTG_INLINED inline static
-#else
-#define OTG_INLINED inline static __attribute__((always_inline))
-#endif
-
-/// Before loops of large bodies: what is unrolled into a kernel of this size does not fit the caches of instructions.
-#define OTG_ROLLED _Pragma("unroll 1")
 #define OTG_PRAGMA(x) _Pragma(#x)
 #define OTG_UNROLLED(n) OTG_PRAGMA(unroll n)
 

@@ -153,6 +153,7 @@ enum {
   OTG_COUNT_LEVEL1 = 1,           ///< by the first level
   OTG_COUNT_MANY = 1,             ///< of a batch: pairs with OTG_PAIR_MANY
   OTG_COUNT_LEVEL2 = 2,           ///< by the second level
+  OTG_COUNT_OPEN_OF_BATCH = 2,    ///< in batches with contacts of the model `pairwise`: as OTG_COUNT_OPEN
   OTG_COUNT_ARENA = 2,            ///< in batches of solids: units of the arena
   OTG_COUNT_LEAVES = 3,           ///< pairs of leaves that these three found
   OTG_COUNT_CHUNKS = 3,           ///< in batches of solids: parts of the candidates for contacts
@@ -166,6 +167,7 @@ enum {
   OTG_COUNT_INTERSECTING = 12,    ///< pairs of triangles, of the pairs of meshes that the device finished
   OTG_COUNT_CONTACTS = 13,        ///< before reduction, of the same
   OTG_COUNT_REDUCED = 14,         ///< contacts in the end, of the same
+  OTG_COUNT_OPEN = 15,            ///< of one pair of meshes: hits that double arithmetic leaves open
   OTG_COUNT_FLAGGED = 15,         ///< pairs of a batch that are refused or left to the host
   OTG_COUNT_CLASS = 16,           ///< and up: pairs of a batch by size, the largest first
   OTG_COUNT_SOLID = 48,           ///< and up: pairs of a batch of solids by OTG_SOLID_BINS, in two stages
@@ -196,7 +198,7 @@ enum {
   OTG_RECORD_COPLANAR = 3,
   OTG_RECORD_APART = 4,  ///< they do not intersect
   OTG_RECORD_HIT = 5,    ///< they intersect, and no contact was made
-  OTG_RECORD_OPEN = 6    ///< undecided: the host decides
+  OTG_RECORD_OPEN = 6    ///< undecided: exact arithmetic decides, the host's if not the device's
 };
 
 typedef struct {

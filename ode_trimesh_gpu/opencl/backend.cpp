@@ -67,7 +67,10 @@ bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, 
         t.reduction = host.ms();
       } else {
         if (answer.described) answer.found = lane.records();
-        rest = takeAnswer(query, frame, answer, contacts, workspace);
+        const Taken taken = takeAnswer(query, frame, answer, contacts, workspace);
+        rest = taken.rest;
+        state_->leftToHost += answer.left ? 1 : 0;
+        state_->decidedOnHost += taken.decidedExactly;
         t.host = host.ms();
       }
       t.top = lane.profile().ms(Profile::kTop);
@@ -105,7 +108,7 @@ bool Backend::findIntersectingPairs(const Query& query, Workspace& workspace) {
   }
   try {
     state_->pairs.with([&](PairLane& lane) {
-      takeAll(query, frame, lane.run(query, frame, PairWish::kPairs).found, false, workspace);
+      state_->decidedOnHost += takeAll(query, frame, lane.run(query, frame, PairWish::kPairs).found, false, workspace);
     });
     return true;
   } catch (const ClError& error) {
@@ -120,6 +123,8 @@ BackendCounts Backend::counts() const {
   BackendCounts out;
   out.queries = state_->queries;
   out.onHost = state_->onHost;
+  out.leftToHost = state_->leftToHost;
+  out.decidedOnHost = state_->decidedOnHost;
   out.described = state_->described;
   out.describedInVain = state_->describedInVain;
   out.contactsMade = state_->contactsMade;

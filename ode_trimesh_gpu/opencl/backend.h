@@ -30,6 +30,9 @@ struct BackendCounts {
   std::uint64_t queries = 0;  ///< pairs of meshes asked for, in batches or not
   std::uint64_t onHost = 0;   ///< of these, done by the host because a call failed
   std::uint64_t repeats = 0;  ///< runs in vain because a list was too short
+  /// Single pairs whose contacts of the model `pairwise` the host finished although the device was to; and pairs of
+  /// triangles of any single pairs that the host decided in exact arithmetic.
+  std::uint64_t leftToHost = 0, decidedOnHost = 0;
   /// Pairs of solids whose overlap the device described, alone or in batches; and those that it left to the host after
   /// all.
   std::uint64_t described = 0, describedInVain = 0;

@@ -55,7 +55,7 @@ bool Backend::collideByLevels(const Query& query, Workspace& workspace, const Le
     (profile ? state_->profiledLevels : state_->levels).with([&](LevelsLane& lane) {
       const PairAnswer answer = lane.run(query, frame, contacts, how);
       const Stopwatch host(profile);
-      rest = takeAnswer(query, frame, answer, contacts, workspace);
+      rest = takeAnswer(query, frame, answer, contacts, workspace).rest;
       takeReport(lane, found);
       takeStepCounts(found.steps, workspace.stats);
       found.times.host = host.ms();

@@ -84,7 +84,8 @@ struct Backend::State {
   SoupPlaces soupPlaces;
   MeshStore binaryMeshes;  ///< of the traversal `levels`, which is for comparing: beside the others
   LanePool<LevelsLane> levels, profiledLevels;
-  std::atomic<std::uint64_t> queries{0}, onHost{0}, described{0}, describedInVain{0}, contactsMade{0}, contactsLeft{0};
+  std::atomic<std::uint64_t> queries{0}, onHost{0}, leftToHost{0}, decidedOnHost{0}, described{0}, describedInVain{0},
+      contactsMade{0}, contactsLeft{0};
   std::atomic<std::uint64_t> pointsAsked{0}, pointsOnHost{0}, raysCast{0}, raysOnHost{0}, distancesAsked{0},
       distancesOnHost{0};
 

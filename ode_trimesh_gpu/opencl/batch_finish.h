@@ -48,6 +48,7 @@ struct ContactFinish {
     takeCounts(counted, device);
     device.intersectingPairs = found.counters[OTG_COUNT_INTERSECTING];
     device.contactsBeforeReduction = found.counters[OTG_COUNT_CONTACTS];
+    device.decidedExactly = found.decidedExactly;
     addStats(answer.stats, device);
   }
 

@@ -204,7 +204,7 @@ void BatchLane::enqueue(cl_mem meshes, BatchWish wish) {
     solid_.enqueueWrite(queue, batch, chosen_, profile_);
     return;
   }
-  // For yes or no nothing is left open; not built before it is asked for, because it is large.
+  // For yes or no nothing is left open.
   const bool decides = wish == BatchWish::kAny && context_.info().doubles;
   if (decides && !decided_) {
     decided_ = context_.makeKernel(
@@ -212,11 +212,33 @@ void BatchLane::enqueue(cl_mem meshes, BatchWish wish) {
         "-DOTG_GROUP=" + std::to_string(tuning_.recordGroup) + " -DOTG_CONTACTS=0 -DOTG_ENTER=0 -DOTG_EXACT=1",
         "batchResults");
   }
-  Kernel& records = contactRecords_ ? records_ : decides ? decided_ : pairs_;
-  Arguments(records) << pairList_.get() << places_.get() << tasks_.get() << meshes << counters << hits_.get()
-                     << hits_.places() << results_.get() << chosen_.get();
-  launch(queue, records, tuning_.recordGroup, groups_, 1, profile_.next(Profile::kContacts));
+  const otg_uint decidesNext = contactRecords_ && exact_.isExpected() ? 1 : 0;
+  enqueueRecords(meshes, contactRecords_ ? records_ : decides ? decided_ : pairs_, &decidesNext, chosen_, false);
+  if (decidesNext) enqueueRecords(meshes, deciding(false), nullptr, chosen_, false);
   if (contactRecords_) enqueueReduction(meshes, results_.get(), 0);
+}
+
+/// By a kernel that makes records, or, without `decides`, decides open ones. `enter`: into the reducer's tables.
+void BatchLane::enqueueRecords(cl_mem meshes, Kernel& kernel, const otg_uint* decides, const ChosenBuffer& chosen,
+                               bool enter) {
+  Arguments arguments(kernel);
+  arguments << pairList_.get() << places_.get() << tasks_.get() << meshes << counters_.get() << hits_.get()
+            << hits_.places() << results_.get() << chosen.get();
+  if (decides) arguments << *decides;
+  if (enter) arguments << reducer_.links() << reducer_.tables() << reducer_.tableSize() << reducer_.states();
+  launch(queue_.get(), kernel, tuning_.recordGroup, groups_, 1, profile_.next(Profile::kContacts));
+}
+
+/// The kernel that decides what double arithmetic leaves open.
+Kernel& BatchLane::deciding(bool enter) {
+  Kernel& kernel = enter ? decideEntered_ : decide_;
+  if (!kernel) {
+    kernel = context_.makeKernel("decide_open.cl",
+                                 "-DOTG_SINGLE=0 -DOTG_GROUP=" + std::to_string(tuning_.recordGroup) +
+                                     " -DOTG_CONTACTS=1 -DOTG_ENTER=" + (enter ? "1" : "0"),
+                                 "batchDecide");
+  }
+  return kernel;
 }
 
 /// The contacts of all pairs but those with many hits, or of those with the flag `only`.
@@ -246,10 +268,9 @@ void BatchLane::runMany(cl_mem meshes, BatchFound& found) {
   chosenOfMany_.reserve(context_, std::bit_ceil(count_), found.counters[OTG_COUNT_MANY] * reducer_.contactsOfPair());
   writeLater(queue, counters_.get(), sizeof countersOfMany_, countersOfMany_);
   writeLater(queue, chosenOfMany_.get(), count_ * sizeof(otg_uint), flagsOfMany_.data(), nullptr, OTG_RESULT_HEAD);
-  Arguments(entered_) << pairList_.get() << places_.get() << tasks_.get() << meshes << counters_.get() << hits_.get()
-                      << hits_.places() << results_.get() << chosenOfMany_.get() << reducer_.links()
-                      << reducer_.tables() << reducer_.tableSize() << reducer_.states();
-  launch(queue, entered_, tuning_.recordGroup, groups_, 1, profile_.next(Profile::kContacts));
+  const otg_uint decides = found.counters[OTG_COUNT_OPEN_OF_BATCH] > 0 ? 1 : 0;
+  enqueueRecords(meshes, entered_, &decides, chosenOfMany_, true);
+  if (decides) enqueueRecords(meshes, deciding(true), nullptr, chosenOfMany_, true);
   reducer_.enqueue(queue, meshes, counters_.get(), results_.get(), hits_.places(), count_, chosenOfMany_,
                    chosenOfMany_.get(), groups_, profile_);
   const otg_uint made = chosenOfMany_.readHead(context_, queue, count_, true, &profile_)[OTG_COUNT_REDUCED];
@@ -281,13 +302,17 @@ void BatchLane::beginRun() {
 BatchFound BatchLane::endRun() {
   const cl_command_queue queue = queue_.get();
   const otg_uint* counters = nullptr;
-  for (;; ++repeats_) {
+  for (;;) {
     counters = chosen_.endHead(queue);
     const otg_uint hits = counters[OTG_COUNT_HITS], contacts = hasContacts_ ? counters[OTG_COUNT_REDUCED] : 0;
     const bool solidFits = wish_ != BatchWish::kSolid || solid_.fits(counters);
-    if (hits <= hits_.places() && contacts <= contactPlaces_ && solidFits) break;
+    const bool fits = hits <= hits_.places() && contacts <= contactPlaces_ && solidFits;
+    const bool open = contactRecords_ && counters[OTG_COUNT_OPEN_OF_BATCH] > 0, again = open && !exact_.isExpected();
+    if (contactRecords_ && (fits || open)) exact_.take(open);
+    if (fits && !again) break;
     if (hits > hits_.places()) hits_.reserve(context_, std::bit_ceil(std::uint64_t{hits}));
     if (contacts > contactPlaces_) contactPlaces_ = std::bit_ceil(contacts);
+    if (!fits) ++repeats_;
     beginRun();
   }
   BatchFound found;
@@ -298,6 +323,7 @@ BatchFound BatchLane::endRun() {
     most.memory = chosen_.memory();
     found.contacts.push_back(std::move(most));
   }
+  if (contactRecords_) found.decidedExactly = counters[OTG_COUNT_OPEN_OF_BATCH];
   found.counters = chosen_.counters();  // only now: reading the rest may have moved the memory
   found.flags = chosen_.flags();
   if (remembers_) found.directions = reinterpret_cast<const Vec3d*>(directions_.data());

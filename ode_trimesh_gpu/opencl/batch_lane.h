@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "collide/pair_frame.h"
+#include "opencl/exact_need.h"
 #include "opencl/mesh_store.h"
 #include "opencl/overlap_stage.h"
 #include "opencl/reducer.h"
@@ -35,7 +36,8 @@ struct BatchFound {
     const Contact* contacts = nullptr;
     std::shared_ptr<const void> memory;  ///< keeps them as they are for as long as it is shared
   };
-  std::vector<Contacts> contacts;  ///< a pair has its contacts in one of them at most
+  std::vector<Contacts> contacts;    ///< a pair has its contacts in one of them at most
+  std::uint64_t decidedExactly = 0;  ///< pairs of triangles, where contacts of the model `pairwise` are wished
   /// Where pairs remember: the direction of the last deep region of each pair with contacts, or zero. Frame A.
   const Vec3d* directions = nullptr;
 };
@@ -87,13 +89,18 @@ class BatchLane {
   void enqueue(cl_mem meshes, BatchWish wish);
   void enqueueReduction(cl_mem meshes, cl_mem records, otg_uint only);
   void runMany(cl_mem meshes, BatchFound& found);
+  void enqueueRecords(cl_mem meshes, Kernel& kernel, const otg_uint* decides, const ChosenBuffer& chosen, bool enter);
+  Kernel& deciding(bool enter);
 
   Context& context_;
   MeshStore& meshes_;
   const Tuning tuning_;
   const std::size_t groups_;
   QueueHandle queue_;
-  Kernel prepare_, walk_, pairs_, decided_, small_, medium_, records_, entered_;
+  Kernel prepare_, walk_, pairs_, small_, medium_, records_, entered_;
+  // In exact arithmetic; not built before they are asked for, because they are large.
+  Kernel decided_, decide_, decideEntered_;
+  ExactNeed exact_;
   BufferHandle counters_;
   PinnedBuffer staged_;
   std::uint32_t count_ = 0, stackSize_ = 0, smallHits_, mediumHits_;

@@ -35,7 +35,7 @@ void appendNodesAt(const BinaryTree& tree, std::uint32_t depth, std::vector<cl_u
 }
 
 std::string contactOptions(bool contacts, bool reduce) {
-  return std::string(" -DOTG_CONTACTS=") + (contacts ? "1" : "0") + " -DOTG_REDUCE=" + (reduce ? "1" : "0");
+  return std::string(" -DOTG_CONTACTS=") + (contacts ? "1" : "0") + " -DOTG_ENTER=" + (reduce ? "1" : "0");
 }
 
 /// Of levels_near.cl.
@@ -296,7 +296,7 @@ void LevelsLane::enqueueNear(const otg_device_pair& pair, const Query& query, cl
   } else {
     near << pair << meshes << counters << leaves_.get() << leafCount_ << hits << hits_.places();
     addPose(rest);
-    rest << meshes << counters << hits << hits_.places() << results_.get();
+    rest << meshes << counters << hits << hits_.places() << results_.get() << otg_uint{0};
   }
   addTables(rest);
   launch(queue, kernels.near, group_, groups, 1, profile_.next(Profile::kNear));

@@ -27,7 +27,7 @@ PairLane::PairLane(Context& context, MeshStore& meshes, const Tuning& tuning)
       "-DOTG_GROUP=" + std::to_string(tuning.group) + " -DOTG_LEAF=" + std::to_string(meshes.leafTriangles());
   const auto results = [&](int makes, int reduces) {
     return "-DOTG_GROUP=" + std::to_string(tuning.recordGroup) + " -DOTG_CONTACTS=" + std::to_string(makes) +
-           " -DOTG_REDUCE=" + std::to_string(reduces);
+           " -DOTG_ENTER=" + std::to_string(reduces);
   };
   cut_ = context.makeKernel("pair_query.cl", walk, "pairCut");
   level_ = context.makeKernel("pair_query.cl", walk, "pairLevel");
@@ -38,7 +38,8 @@ PairLane::PairLane(Context& context, MeshStore& meshes, const Tuning& tuning)
     if (reducer_.works()) {
       entered_ = context.makeKernel("pair_results.cl", results(1, 1), "pairResults");
       fewHits_ = hitsOfGroup(context, tuning.fewHits);
-      few_ = context.makeKernel("pair_reduce.cl", groupReduction(context, tuning.fewGroup, fewHits_), "pairReduce");
+      few_ = context.makeKernel("pair_reduce.cl", groupReduction(context, tuning.fewGroup, fewHits_) + " -DOTG_EXACT=0",
+                                "pairReduce");
     }
   }
   counters_ = context.makeBuffer(CL_MEM_READ_WRITE, OTG_COUNTERS * sizeof(otg_uint));
@@ -154,8 +155,9 @@ PairAnswer PairLane::runOn(const otg_device_pair& pair, const Query& query, cl_m
   const bool reduce = how.method != OTG_REDUCE_BY_HOST && !((pair.a.flags | pair.b.flags) & OTG_MESH_TANGLED);
   PairAnswer answer;
   if (reduce) reducer_.send(queue, {&how, 1});
-  for (;; ++repeats_) {
-    // As many as last time, as a rule.
+  for (;;) {
+    // As last time, as a rule.
+    const bool decides = exact_.isExpected();
     const bool few = reduce && lastHits_ <= fewHits_;
     results_.reserve(context_, hits_.places());
     if (reduce) reducer_.reserve(queue, 1, hits_.places(), how.places);
@@ -173,16 +175,22 @@ PairAnswer PairLane::runOn(const otg_device_pair& pair, const Query& query, cl_m
     const bool many = few && (chosen_.flags()[0] & OTG_PAIR_MANY);
     if (makeRoom(counters)) {
       if (many) fillZero(queue, counters_.get(), OTG_COUNTERS * sizeof(otg_uint));
+      ++repeats_;
       continue;
     }
     if (many) {
       enqueueRecords(pair, query.bInA, meshes, contacts, reduce);
       counters = chosen_.readHead(context_, queue, 1, true, &profile_);
     }
+    const bool open = counters[OTG_COUNT_OPEN] > 0;
+    exact_.take(open);
+    // Where the host has the records in any case it decides what was not expected to be open.
+    if (open && reduce && !decides) continue;
     if (!reduce) {
       answer.found = results_.readRest(context_, queue, contacts, &profile_);
     } else if (chosen_.flags()[0] & OTG_PAIR_TO_HOST) {
       answer.found = results_.readAll(context_, queue, contacts, counters, &profile_);
+      answer.left = true;
     } else {
       answer.contacts = chosen_.readRest(context_, queue, chosen_.places()[1], &profile_);
       answer.found.counters = chosen_.counters();
@@ -224,16 +232,44 @@ void PairLane::enqueueWalk(const otg_device_pair& pair, cl_mem meshes, const otg
 /// Everything else, where there are few hits.
 void PairLane::enqueueFew(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes) {
   const cl_mem answer = chosen_.beginAnswer(context_, queue_.get(), tuning_.hostAnswers);
-  Arguments(few_) << pair << bInA << meshes << counters_.get() << hits_.get() << hits_.places() << results_.get()
-                  << reducer_.reductions() << chosen_.get() << answer;
-  launch(queue_.get(), few_, tuning_.fewGroup, 1, 1, profile_.next(Profile::kChoose));
+  if (exact_.isExpected() && !fewDecided_) {
+    fewDecided_ = context_.makeKernel(
+        "pair_reduce.cl", groupReduction(context_, tuning_.fewGroup, fewHits_) + " -DOTG_EXACT=1", "pairReduce");
+  }
+  Kernel& kernel = exact_.isExpected() ? fewDecided_ : few_;
+  Arguments(kernel) << pair << bInA << meshes << counters_.get() << hits_.get() << hits_.places() << results_.get()
+                    << reducer_.reductions() << chosen_.get() << answer;
+  launch(queue_.get(), kernel, tuning_.fewGroup, 1, 1, profile_.next(Profile::kChoose));
+}
+
+/// The kernel that decides what double arithmetic leaves open.
+Kernel& PairLane::deciding(bool contacts, bool reduce) {
+  Kernel& kernel = reduce ? decideEntered_ : contacts ? decideContacts_ : decidePairs_;
+  if (!kernel) {
+    kernel =
+        context_.makeKernel("decide_open.cl",
+                            "-DOTG_SINGLE=1 -DOTG_GROUP=" + std::to_string(tuning_.recordGroup) +
+                                " -DOTG_CONTACTS=" + (contacts ? "1" : "0") + " -DOTG_ENTER=" + (reduce ? "1" : "0"),
+                            "pairDecide");
+  }
+  return kernel;
 }
 
 /// Records of all hits, and with `reduce` the contacts.
 void PairLane::enqueueRecords(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, bool contacts,
                               bool reduce) {
-  Kernel& last = reduce ? entered_ : contacts ? contacts_ : pairs_;
-  Arguments arguments(last);
+  const otg_uint decides = exact_.isExpected() ? 1 : 0;
+  enqueueRecordsBy(reduce ? entered_ : contacts ? contacts_ : pairs_, pair, bInA, meshes, &decides, reduce);
+  if (decides) enqueueRecordsBy(deciding(contacts, reduce), pair, bInA, meshes, nullptr, reduce);
+  if (!reduce) return;
+  reducer_.enqueue(queue_.get(), meshes, counters_.get(), results_.get(), hits_.places(), 1, chosen_,
+                   chosen_.beginAnswer(context_, queue_.get(), tuning_.hostAnswers), groups_, profile_);
+}
+
+/// A kernel that makes records, or, without `decides`, decides open ones.
+void PairLane::enqueueRecordsBy(Kernel& kernel, const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes,
+                                const otg_uint* decides, bool reduce) {
+  Arguments arguments(kernel);
   arguments << pair;
   if (context_.info().doubles) {
     arguments << bInA;
@@ -241,15 +277,13 @@ void PairLane::enqueueRecords(const otg_device_pair& pair, const Transformd& bIn
     arguments << cl_int{0};
   }
   arguments << meshes << counters_.get() << hits_.get() << hits_.places() << results_.get();
+  if (decides) arguments << *decides;
   if (reduce) {
     arguments << reducer_.links() << reducer_.tables() << reducer_.tableSize() << reducer_.states() << chosen_.get();
   }
-  // No more work-groups than the device holds at once: this kernel takes many registers.
+  // No more work-groups than the device holds at once: these kernels take many registers.
   const std::size_t groups = std::max<std::size_t>(1, std::size_t{2} * context_.info().computeUnits);
-  launch(queue_.get(), last, tuning_.recordGroup, groups, 1, profile_.next(Profile::kContacts));
-  if (!reduce) return;
-  reducer_.enqueue(queue_.get(), meshes, counters_.get(), results_.get(), hits_.places(), 1, chosen_,
-                   chosen_.beginAnswer(context_, queue_.get(), tuning_.hostAnswers), groups_, profile_);
+  launch(queue_.get(), kernel, tuning_.recordGroup, groups, 1, profile_.next(Profile::kContacts));
 }
 
 /// After a run: false if every list was long enough, else they have grown.

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "collide/pair_frame.h"
+#include "opencl/exact_need.h"
 #include "opencl/mesh_store.h"
 #include "opencl/overlap_contacts.h"
 #include "opencl/overlap_stage.h"
@@ -19,6 +20,7 @@ namespace otg::opencl {
 struct PairAnswer {
   Answer found;          ///< the counters; the records unless the contacts are reduced
   bool reduced = false;  ///< `contacts` is the answer
+  bool left = false;     ///< it was to be, but the host has to finish the pair
   std::span<const Contact> contacts;
   bool asked = false;      ///< for a description
   bool described = false;  ///< `overlap` is what was asked for, and `found` has no records
@@ -60,6 +62,9 @@ class PairLane {
   void enqueueWalk(const otg_device_pair& pair, cl_mem meshes, const otg_reduction& how);
   void enqueueFew(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes);
   void enqueueRecords(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, bool contacts, bool reduce);
+  void enqueueRecordsBy(Kernel& kernel, const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes,
+                        const otg_uint* decides, bool reduce);
+  Kernel& deciding(bool contacts, bool reduce);
   bool makeRoom(const otg_uint* counters);
 
   Context& context_;
@@ -68,6 +73,9 @@ class PairLane {
   const std::size_t groups_;
   QueueHandle queue_;
   Kernel cut_, level_, tail_, pairs_, contacts_, entered_, few_;
+  // In exact arithmetic; not built before they are asked for, because they are large.
+  Kernel fewDecided_, decidePairs_, decideContacts_, decideEntered_;
+  ExactNeed exact_;
   BufferHandle counters_;
   DeviceList level0_{sizeof(cl_uint2)}, level1_{sizeof(cl_uint2)}, level2_{sizeof(cl_uint2)}, leaves_{sizeof(cl_uint2)},
       hits_{sizeof(cl_uint2)};

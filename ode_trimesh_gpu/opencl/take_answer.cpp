@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "opencl/take_answer.h"
 
+#include <algorithm>
 #include <numeric>
 #include <vector>
 
@@ -11,12 +12,15 @@
 
 namespace otg::opencl {
 
-void takeAll(const Query& query, const PairFrame& frame, const Answer& answer, bool contacts, Workspace& workspace) {
+std::uint64_t takeAll(const Query& query, const PairFrame& frame, const Answer& answer, bool contacts,
+                      Workspace& workspace) {
   std::vector<std::uint32_t> all(answer.count);
   std::iota(all.begin(), all.end(), 0u);
   workspace.stats = {};
   takeCounts(answer, workspace.stats);
-  takeRecords(query, frame, answer, all, contacts, workspace);
+  const std::uint64_t byHost = takeRecords(query, frame, answer, all, contacts, workspace);
+  workspace.stats.decidedExactly = std::max<std::uint64_t>(byHost, answer.counters[OTG_COUNT_OPEN]);
+  return byHost;
 }
 
 namespace {
@@ -30,6 +34,7 @@ void takeReduced(const PairAnswer& answer, Workspace& workspace) {
   takeCounts(answer.found, workspace.stats);
   workspace.stats.intersectingPairs = answer.found.counters[OTG_COUNT_INTERSECTING];
   workspace.stats.contactsBeforeReduction = answer.found.counters[OTG_COUNT_CONTACTS];
+  workspace.stats.decidedExactly = answer.found.counters[OTG_COUNT_OPEN];
 }
 
 }  // namespace
@@ -58,14 +63,14 @@ bool takeMade(const Query& query, const FoundContacts& found, Workspace& workspa
   return takeSolid(query, found.head->state, found, workspace);
 }
 
-HostRest takeAnswer(const Query& query, const PairFrame& frame, const PairAnswer& answer, bool contacts,
-                    Workspace& workspace) {
+Taken takeAnswer(const Query& query, const PairFrame& frame, const PairAnswer& answer, bool contacts,
+                 Workspace& workspace) {
   if (answer.reduced) {
     takeReduced(answer, workspace);
-    return HostRest::kNothing;
+    return {};
   }
-  takeAll(query, frame, answer.found, contacts, workspace);
-  return contacts && answer.found.hasContacts() ? HostRest::kReduction : HostRest::kContacts;
+  const std::uint64_t decided = takeAll(query, frame, answer.found, contacts, workspace);
+  return {contacts && answer.found.hasContacts() ? HostRest::kReduction : HostRest::kContacts, decided};
 }
 
 void finishAnswer(const Query& query, HostRest rest, Workspace& workspace) {

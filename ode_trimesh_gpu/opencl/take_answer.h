@@ -7,7 +7,8 @@
 namespace otg::opencl {
 
 /// takeRecords for an answer to one query.
-void takeAll(const Query& query, const PairFrame& frame, const Answer& answer, bool contacts, Workspace& workspace);
+std::uint64_t takeAll(const Query& query, const PairFrame& frame, const Answer& answer, bool contacts,
+                      Workspace& workspace);
 
 /// What the host still has to do when it has an answer.
 enum class HostRest {
@@ -16,9 +17,13 @@ enum class HostRest {
   kContacts    ///< it has found the triangles that intersect
 };
 
-/// What the device found, into the workspace.
-HostRest takeAnswer(const Query& query, const PairFrame& frame, const PairAnswer& answer, bool contacts,
-                    Workspace& workspace);
+/// What the device found, into the workspace; and how many pairs of triangles the host decided in exact arithmetic.
+struct Taken {
+  HostRest rest = HostRest::kNothing;
+  std::uint64_t decidedExactly = 0;
+};
+Taken takeAnswer(const Query& query, const PairFrame& frame, const PairAnswer& answer, bool contacts,
+                 Workspace& workspace);
 
 /// The contacts of a pair from what is known of its overlap. False where the host sees it in another way.
 bool takeDescribed(const Query& query, const FoundOverlap& overlap, Workspace& workspace);

@@ -68,8 +68,8 @@ void takeCounts(const Answer& answer, CollideStats& stats) {
   stats.decidedByDouble = answer.counters[OTG_COUNT_UNDECIDED];
 }
 
-void takeRecords(const Query& query, const PairFrame& frame, const Answer& answer, std::span<const std::uint32_t> which,
-                 bool contacts, Workspace& workspace) {
+std::uint64_t takeRecords(const Query& query, const PairFrame& frame, const Answer& answer,
+                          std::span<const std::uint32_t> which, bool contacts, Workspace& workspace) {
   std::vector<Entry> entries;
   entries.reserve(which.size());
   CollideStats byHost;
@@ -88,6 +88,7 @@ void takeRecords(const Query& query, const PairFrame& frame, const Answer& answe
   workspace.stats.intersectingPairs = entries.size();
   workspace.stats.decidedExactly = byHost.decidedExactly;
   if (contacts && answer.hasContacts()) takeContacts(query, answer, entries, workspace);
+  return byHost.decidedExactly;
 }
 
 void collideFromRecords(const Query& query, const Answer& answer, std::span<const std::uint32_t> which,

@@ -14,9 +14,9 @@ namespace otg::opencl {
 /// The records `which` of the answer, all of one query, to workspace.intersecting and, if they hold contacts and
 /// `contacts`, to workspace.contacts with their regions. The host decides what the device left open. The order of
 /// records, which depends on how work-groups were scheduled, leaves no trace. Sets the counts of these two stages in
-/// workspace.stats.
-void takeRecords(const Query& query, const PairFrame& frame, const Answer& answer, std::span<const std::uint32_t> which,
-                 bool contacts, Workspace& workspace);
+/// workspace.stats. Returns how many pairs of triangles the host decided in exact arithmetic.
+std::uint64_t takeRecords(const Query& query, const PairFrame& frame, const Answer& answer,
+                          std::span<const std::uint32_t> which, bool contacts, Workspace& workspace);
 
 /// Whether the record says that its pair intersects.
 bool recordIntersects(const Query& query, const PairFrame& frame, const Answer& answer, std::uint32_t which);

@@ -10,6 +10,7 @@
 #include "opencl/log.h"
 #include "support/mesh_samples.h"
 #include "support/opencl.h"
+#include "support/opencl_scenes.h"
 
 using namespace otg;
 using namespace otg::scenes;
@@ -250,6 +251,93 @@ TEST_CASE("yes or no of boxes that touch is decided on the device") {
   if (backend->device().doubles) CHECK(calls == callsForNothing);
 }
 
+namespace {
+
+/// Boxes that touch, with contacts of the model `pairwise`: most of what intersects is left open by double arithmetic.
+std::vector<Query> touchingBoxes(const MeshList& boxes, int poses) {
+  std::vector<Query> queries;
+  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+    for (std::uint32_t j = 0; j < boxes.size(); ++j) {
+      for (const Transformd& pose : touchingPoses(*boxes[i], *boxes[j], 100 + 8 * i + j, poses)) {
+        queries.push_back(makeQuery(*boxes[i], *boxes[j], pose));
+        queries.back().options.maxContacts = 16;
+        if (queries.size() % 7 == 0) queries.back().options.reduction.method = Reduction::kNone;
+      }
+    }
+  }
+  return queries;
+}
+
+MeshList boxesOfManySizes() {
+  return {collisionMesh(makeBox({1, 1, 1}, 1)), collisionMesh(makeBox({1, 0.5, 0.75}, 2)),
+          collisionMesh(makeBox({0.7, 0.9, 0.3}, 5)), collisionMesh(makeBox({1, 1, 1}, 8))};
+}
+
+}  // namespace
+
+TEST_CASE("no contacts of boxes that touch are left to the host") {
+  const MeshList boxes = boxesOfManySizes();
+  const std::vector<Query> queries = touchingBoxes(boxes, 25);
+  const Expected expected = onHost(queries);
+  CHECK(std::count(expected.intersects.begin(), expected.intersects.end(), 1) > 200);
+  const auto check = [&](const opencl::Tuning& tuning) {
+    INFO("small " << tuning.smallHits << " medium " << tuning.mediumHits << " pieces " << tuning.pieces);
+    const auto backend = openBackend(tuning);
+    REQUIRE(backend);
+    if (!backend->device().doubles) return;
+    for (int round = 0; round < 3; ++round) {
+      checkBatch(*backend, queries, expected);
+      opencl::BatchAnswer answer;
+      CHECK(backend->collideBatch(queries, answer));
+      CHECK(answer.leftToHost == 0);
+      CHECK(answer.stats.decidedExactly > 4000);
+    }
+  };
+  opencl::Tuning tuning;
+  tuning.hitPlaces = 1u << 18;
+  tuning.batchKeptPlaces = 1024;  // without binning some have more contacts than usual
+  check(tuning);
+  tuning.smallHits = 4;  // some pairs are done by one work-group of either size, and some in a second submission
+  tuning.mediumHits = 32;
+  tuning.recordGroup = 64;
+  check(tuning);
+  tuning.pieces = 3;
+  tuning.leastPiece = 50;
+  tuning.hitPlaces = 1;
+  check(tuning);
+}
+
+TEST_CASE("what a device cannot decide is the host's") {
+  const MeshList boxes = boxesOfManySizes();
+  // Plates whose planes are so near each other that products of the distances underflow, among others.
+  const auto plate = collisionMesh(makeGround(1, 0, 2));
+  std::vector<Query> queries = touchingBoxes(boxes, 2);
+  const std::size_t boxQueries = queries.size();
+  for (const double gap : {1e-80, 0.0, 1e-75, 1e-20}) {
+    queries.push_back(makeQuery(*plate, *plate, makeMove({0.1, 0.2, gap})));
+  }
+  const Expected expected = onHost(queries);
+  opencl::Tuning tuning;
+  for (const bool doubles : {true, false}) {
+    tuning.doubles = doubles;
+    tuning.mediumHits = 32;
+    const auto backend = openBackend(tuning);
+    REQUIRE(backend);
+    for (int round = 0; round < 2; ++round) {
+      opencl::BatchAnswer answer;
+      CHECK(backend->collideBatch(queries, answer));
+      std::size_t wrong = 0;
+      for (std::size_t i = 0; i < queries.size(); ++i) wrong += sameBytes(answer.of(i), expected.contacts[i]) ? 0 : 1;
+      CHECK(wrong == 0);
+      if (backend->device().doubles) {
+        CHECK(answer.leftToHost == 2);
+      } else {
+        CHECK(answer.leftToHost > boxQueries / 2);
+      }
+    }
+  }
+}
+
 TEST_CASE("a hundred thousand tiny pairs in one batch") {
   const MeshList meshes = {collisionMesh(makeTetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1})),
                            collisionMesh(makeBox({1, 1.5, 0.8}, 1))};
@@ -295,6 +383,36 @@ TEST_CASE("whichever call of a batch fails, the contacts are the same") {
     }
   }
   checkBatch(*backend, queries, expected);
+  CHECK(backend->counts().onHost > 0);
+  opencl::setLogSink({});
+}
+
+TEST_CASE("whichever call of a batch of boxes that touch fails, the contacts are the same") {
+  const MeshList boxes = boxesOfManySizes();
+  const std::vector<Query> queries = touchingBoxes(boxes, 2);
+  const Expected expected = onHost(queries);
+  opencl::setLogSink([](const std::string&) {});
+  opencl::Tuning tuning;
+  tuning.mediumHits = 32;
+  const auto backend = openBackend(tuning);
+  REQUIRE(backend);
+  opencl::BatchAnswer answer;
+  const auto wrong = [&] {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < queries.size(); ++i) count += sameBytes(answer.of(i), expected.contacts[i]) ? 0 : 1;
+    return count;
+  };
+  const std::uint64_t before = opencl::FaultInjection::callCount();
+  CHECK(backend->collideBatch(queries, answer));
+  const std::uint64_t calls = opencl::FaultInjection::callCount() - before;
+  for (std::uint64_t n = 1; n <= calls + 60; ++n) {  // a lane that failed is made anew
+    opencl::FaultInjection::failAt(n, CL_OUT_OF_RESOURCES);
+    backend->collideBatch(queries, answer);
+    opencl::FaultInjection::failAt(0);
+    REQUIRE(wrong() == 0);
+  }
+  CHECK(backend->collideBatch(queries, answer));
+  CHECK(wrong() == 0);
   CHECK(backend->counts().onHost > 0);
   opencl::setLogSink({});
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "opencl/call.h"
+#include "opencl/log.h"
 #include "support/mesh_samples.h"
 #include "support/opencl.h"
 #include "support/opencl_scenes.h"
@@ -235,6 +237,157 @@ TEST_CASE("the answer does not depend on the sizes of launches, leaves and lists
   check(tuning, false);
   tuning.recordsExpected = 1;
   check(tuning, false);
+}
+
+namespace {
+
+/// Boxes of few and of many triangles that touch, and a little plate upon a large one: where all or some of what
+/// intersects is left open by double arithmetic.
+struct TouchingBoxes {
+  std::shared_ptr<const CollisionMesh> boxes[4] = {
+      collisionMesh(makeBox({1, 1, 1}, 1)), collisionMesh(makeBox({1, 0.5, 0.75}, 2)),
+      collisionMesh(makeBox({0.7, 0.9, 0.3}, 5)), collisionMesh(makeBox({1, 1, 1}, 8))};
+  std::vector<Query> queries;
+  std::vector<Workspace> expected;
+
+  explicit TouchingBoxes(int poses, Reduction reduction = Reduction::kBinning) {
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      for (std::uint32_t j = 0; j < 4; ++j) {
+        for (const Transformd& pose : touchingPoses(*boxes[i], *boxes[j], 4 * i + j, poses)) {
+          queries.push_back(makeQuery(*boxes[i], *boxes[j], pose));
+          queries.back().options.maxContacts = 16;
+          queries.back().options.reduction.method = reduction;
+          expected.emplace_back();
+          collide(queries.back(), expected.back());
+        }
+      }
+    }
+  }
+
+  /// The number of pairs with triangles that only exact arithmetic could decide.
+  std::size_t check(opencl::Backend& backend) const {
+    std::size_t exact = 0, wrong = 0;
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      Workspace device;
+      CHECK(backend.collide(queries[i], device));
+      wrong += sameBytes(device.reduced, expected[i].reduced) ? 0 : 1;
+      wrong += device.stats.intersectingPairs == expected[i].stats.intersectingPairs ? 0 : 1;
+      wrong += device.stats.contactsBeforeReduction == expected[i].stats.contactsBeforeReduction ? 0 : 1;
+      exact += device.stats.decidedExactly > 0 ? 1 : 0;
+    }
+    CHECK(wrong == 0);
+    return exact;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("boxes that touch are decided on the device") {
+  const TouchingBoxes scene(24), all(6, Reduction::kNone);
+  std::size_t touching = 0, apart = 0;
+  for (const Workspace& workspace : scene.expected) {
+    (workspace.intersecting.empty() ? apart : touching) += 1;
+    touching += workspace.intersecting.size() > 64 ? 1 : 0;
+  }
+  CHECK(touching > 250);
+  CHECK(apart > 20);
+  const auto check = [&](const opencl::Tuning& tuning) {
+    INFO("few " << tuning.fewHits << " record group " << tuning.recordGroup << " hits " << tuning.hitPlaces);
+    const auto backend = openBackend(tuning);
+    REQUIRE(backend);
+    if (!backend->device().doubles) return;
+    for (int round = 0; round < 2; ++round) {
+      CHECK(scene.check(*backend) > scene.queries.size() / 2);
+      all.check(*backend);
+    }
+    CHECK(backend->counts().leftToHost == 0);
+    CHECK(backend->counts().decidedOnHost == 0);
+    CHECK(backend->counts().onHost == 0);
+  };
+  check({});
+  opencl::Tuning tuning;
+  tuning.fewHits = 1;  // records by many work-groups
+  tuning.recordGroup = 64;
+  check(tuning);
+  tuning.fewHits = 512;  // by one, or by one in vain
+  tuning.fewGroup = 32;
+  tuning.hitPlaces = 1;
+  check(tuning);
+}
+
+TEST_CASE("what exact arithmetic has decided once the device decides where the host makes contacts") {
+  const TouchingBoxes scene(8);
+  opencl::Tuning tuning;
+  tuning.reduce = false;
+  tuning.recordsExpected = 7;
+  const auto backend = openBackend(tuning);
+  REQUIRE(backend);
+  if (!backend->device().doubles) return;
+  scene.check(*backend);
+  // The first one is a surprise.
+  const std::uint64_t first = backend->counts().decidedOnHost;
+  CHECK(first > 0);
+  CHECK(first < 100);
+  scene.check(*backend);
+  CHECK(backend->counts().decidedOnHost == first);
+  // Pairs alone.
+  for (std::size_t i = 0; i < scene.queries.size(); ++i) {
+    Workspace device;
+    CHECK(backend->findIntersectingPairs(scene.queries[i], device));
+    CHECK((device.intersecting == scene.expected[i].intersecting));
+  }
+  CHECK(backend->counts().decidedOnHost == first);
+  CHECK(backend->counts().leftToHost == 0);
+}
+
+TEST_CASE("without doubles the host decides what is open, and where even exact arithmetic has no range") {
+  const TouchingBoxes scene(4);
+  opencl::Tuning tuning;
+  tuning.doubles = false;
+  const auto single = openBackend(tuning);
+  REQUIRE(single);
+  scene.check(*single);
+  CHECK(single->counts().decidedOnHost > 0);
+  // Plates whose planes are so near each other that products of the distances underflow.
+  const auto plate = collisionMesh(makeGround(1, 0, 2));
+  for (const std::uint32_t few : {1u, 64u}) {
+    tuning = {};
+    tuning.fewHits = few;
+    const auto backend = openBackend(tuning);
+    REQUIRE(backend);
+    if (!backend->device().doubles) return;
+    for (int round = 0; round < 3; ++round) {
+      checkParity(*backend, makeQuery(*plate, *plate, makeMove({0.1, 0.2, 1e-80})));
+      checkParity(*backend, makeQuery(*plate, *plate, makeMove({0.1, 0.2, 0})));
+    }
+    CHECK(backend->counts().leftToHost == 3);
+    CHECK(backend->counts().decidedOnHost > 0);
+  }
+}
+
+TEST_CASE("whichever call fails, boxes that touch have the same contacts") {
+  const TouchingBoxes scene(1);
+  opencl::setLogSink([](const std::string&) {});
+  for (const std::uint32_t few : {1u, 64u}) {
+    opencl::Tuning tuning;
+    tuning.fewHits = few;
+    const auto backend = openBackend(tuning);
+    REQUIRE(backend);
+    scene.check(*backend);
+    for (std::uint64_t n = 1; n <= 160; ++n) {
+      opencl::FaultInjection::failAt(n, CL_OUT_OF_RESOURCES);
+      std::size_t wrong = 0;
+      for (std::size_t i = n % 5; i < scene.queries.size(); i += 5) {
+        Workspace device;
+        backend->collide(scene.queries[i], device);
+        wrong += sameBytes(device.reduced, scene.expected[i].reduced) ? 0 : 1;
+      }
+      opencl::FaultInjection::failAt(0);
+      REQUIRE(wrong == 0);
+    }
+    CHECK(backend->counts().onHost > 50);
+  }
+  opencl::setLogSink({});
 }
 
 TEST_CASE("a pose that the host refuses is refused") {
