@@ -63,6 +63,15 @@ OTG_INLINED void otgCountEntered(const otg_entered* e, __local uint* sums, __glo
   if (lane == 0 && sums[1]) atomic_add(state->counts + OTG_OVERLAP_CHORDS, sums[1]);
 }
 
+/// Notes that the closed component of a triangle, if it is in one, has a chord.
+OTG_INLINED void otgMarkPart(OTG_MESH* m, uint triangle, __global uint* parts) {
+  if (m->flags & OTG_MESH_SOLID) return;  // it is the only one
+  const uint part = m->triangles[4 * (size_t)triangle].w;
+  if (part == OTG_NOT_THERE) return;
+  volatile __global uint* word = parts + part / 32;
+  if (!(*word >> part % 32 & 1)) atomic_or(word, 1u << part % 32);
+}
+
 /// Enters the ends of the chord of hit `i` as crossings; `why` as otgFindEnds.
 OTG_INLINED void otgEnterHit(OTG_OVERLAP* o, uint i, const otg_solid_hit* ends, uint why,
                              __global otg_overlap_state* state, otg_entered* entered) {
@@ -92,6 +101,8 @@ OTG_INLINED void otgEnterHit(OTG_OVERLAP* o, uint i, const otg_solid_hit* ends, 
     }
     ++entered->chords;
     entered->first = max(entered->first, ~((ulong)ends->a << 32 | ends->b));
+    otgMarkPart(&o->mesh[0].solid, ends->a, state->crossedParts[0]);
+    otgMarkPart(&o->mesh[1].solid, ends->b, state->crossedParts[1]);
   }
   o->hits[i] = own;
 }

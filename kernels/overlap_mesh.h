@@ -167,6 +167,11 @@ OTG_INLINED __global uint* otgMixedMark(OTG_OVERLAP* o, uint mesh, uint cluster)
 OTG_INLINED __global uint* otgEdgeMark(OTG_OVERLAP* o, uint mesh, uint edge) {
   return o->marks + o->sizes.edgeMarks[mesh] + edge;
 }
+/// Whether what hangs together over an edge is to be united by this end of it. An edge of a sheet's rim leads from one
+/// of its ends only; of other edges the smaller one does it.
+OTG_INLINED int otgUnitesFrom(__local const otg_overlap_mesh* m, uint from, uint to) {
+  return from < to || (m->solid.flags & OTG_MESH_SHEET) != 0;
+}
 OTG_INLINED __global uint* otgTriangleMark(OTG_OVERLAP* o, uint mesh, uint triangle) {
   return o->marks + o->sizes.triangleMarks[mesh] + triangle;
 }

@@ -306,6 +306,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
     head->firstUnit = first;
     state->first = 0;
     state->firstUnit = 0;  // unordered: by the last
+    for (uint k = 0; k < OTG_SOLID_MOST_PARTS / 32; ++k) state->crossedParts[0][k] = state->crossedParts[1][k] = 0;
   }
   barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
   if (lane == 0) last = atomic_inc(&totals->done) == get_num_groups(1) - 1;

@@ -68,13 +68,13 @@ OTG_INLINED uint otgOrderEdge(OTG_OVERLAP* o, uint slot) {
 }
 
 /// Unites a vertex of a cluster with a crossed edge with the neighbour at a spoke. Edges between two such clusters are
-/// seen from both ends.
+/// seen from both ends, but for those of a sheet's rim.
 OTG_INLINED void otgUniteAlong(OTG_OVERLAP* o, uint mesh, uint v, uint spoke) {
   __local const otg_overlap_mesh* m = &o->mesh[mesh];
   const uint2 to = m->solid.neighbours[spoke];
   const uint cluster = otgClusterOf(m, to.x);
   const int isMixed = *otgMixedMark(o, mesh, cluster) != 0;
-  if (*otgEdgeMark(o, mesh, to.y) != 0 || (isMixed && to.x < v)) return;
+  if (*otgEdgeMark(o, mesh, to.y) != 0 || (isMixed && !otgUnitesFrom(m, v, to.x))) return;
   const uint other = isMixed ? otgVertexElement(o, mesh, to.x) : otgClusterElement(o, mesh, cluster);
   otgUniteElements(o, otgVertexElement(o, mesh, v), other);
 }
@@ -107,12 +107,22 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapUnit
   for (uint i = otgIdFromHalf() / OTG_CLUSTER_LANES; i < all; i += get_global_size(0) / OTG_CLUSTER_LANES) {
     const uint mesh = i >= o.mesh[0].clusterCount, cluster = mesh ? i - o.mesh[0].clusterCount : i;
     __local const otg_overlap_mesh* m = &o.mesh[mesh];
-    const uint stop = otgFirstNeighbourOf(m, cluster + 1);
+    const uint stop = otgFirstNeighbourOf(m, cluster + 1), own = otgClusterElement(&o, mesh, cluster);
     if (*otgMixedMark(&o, mesh, cluster) != 0) continue;
     for (uint k = otgFirstNeighbourOf(m, cluster) + lane; k < stop; k += OTG_CLUSTER_LANES) {
       const uint other = m->clusterNeighbours[k];
-      if (other < cluster || *otgMixedMark(&o, mesh, other) != 0) continue;  // from there
-      otgUniteElements(&o, otgClusterElement(&o, mesh, cluster), otgClusterElement(&o, mesh, other));
+      if (!otgUnitesFrom(m, cluster, other) || *otgMixedMark(&o, mesh, other) != 0) continue;  // from there
+      otgUniteElements(&o, own, otgClusterElement(&o, mesh, other));
+    }
+    // Of a sheet the other end may not know of an edge: see otgUnitesFrom.
+    const uint end = m->solid.flags & OTG_MESH_SHEET ? otgFirstOf(m, cluster + 1) : 0;
+    for (uint k = otgFirstOf(m, cluster) + lane; k < end; k += OTG_CLUSTER_LANES) {
+      const uint v = m->clusterVertices[k];
+      for (uint h = m->solid.firstSpoke[v]; h < m->solid.firstSpoke[v + 1]; ++h) {
+        const uint to = m->solid.neighbours[h].x;
+        if (*otgMixedMark(&o, mesh, otgClusterOf(m, to)) == 0) continue;
+        otgUniteElements(&o, own, otgVertexElement(&o, mesh, to));
+      }
     }
   }
   // A place that is no number has no order. The pair was given up where there is one.
@@ -350,6 +360,29 @@ OTG_INLINED uint otgPlaceInList(__local otg_share_scratch* l, uint count, __glob
   return l->first[which] + before;
 }
 
+/// Gives a pair up in which a closed component without a chord may lie wholly inside the other mesh, a solid: where all
+/// its samples are in the bounds of that. And one with a sheet that is at odds: its contour may not close.
+OTG_INLINED void otgCheckParts(OTG_OVERLAP* o, __global otg_overlap_state* state) {
+  const uint isSheet = (o->mesh[0].solid.flags | o->mesh[1].solid.flags) & OTG_MESH_SHEET;
+  if (isSheet && state->counts[OTG_OVERLAP_AT_ODDS] != 0) otgGiveUpOverlap(state, OTG_SOLID_BROKEN);
+  for (uint mesh = 0; mesh < 2; ++mesh) {
+    OTG_MESH *inner = &o->mesh[mesh].solid, *outer = &o->mesh[1 - mesh].solid;
+    if ((inner->flags & OTG_MESH_SOLID) || !(outer->flags & OTG_MESH_CLOSED)) continue;
+    const uint parts = as_uint(inner->bounds[OTG_SOLID_PART_COUNT].w);
+    __global const float4* lists = inner->bounds + as_uint(inner->bounds[OTG_SOLID_PARTS_AT].w);
+    for (uint part = get_global_id(0); part < parts; part += get_global_size(0)) {
+      __global const float4* list = lists + OTG_SOLID_SAMPLES * part;
+      const uint samples = state->crossedParts[mesh][part / 32] >> part % 32 & 1 ? 0 : as_uint(list[0].w);
+      uint within = 0;
+      for (; within < samples; ++within) {
+        const float4 p = list[within];
+        if (!otgInBounds(outer, otgInFrame(inner, otgVec_d((double)p.x, (double)p.y, (double)p.z)))) break;
+      }
+      if (samples > 0 && within == samples) otgGiveUpOverlap(state, OTG_SOLID_CONTAINED);
+    }
+  }
+}
+
 /// Lists what is inside, and measures regions: bounds, load, largest part. From here on parents of crossings and of
 /// vertices are roots (otgRegionOf, otgRegionOfVertex).
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegions(
@@ -365,6 +398,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegi
   otgClearShare(&share, OTG_NOT_THERE);
   const uint count = state->counts[OTG_OVERLAP_CROSSINGS];
   const ulong firstChord = ~state->first;
+  otgCheckParts(&o, state);
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const uint slot = o.slots[i], root = otgFindRoot(&o, slot);
     const uint previous = o.crossings[slot].previous;

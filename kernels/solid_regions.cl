@@ -293,10 +293,10 @@ OTG_INLINED void otgRegionsOf(uint number, __local otg_solid_scratch* s, OTG_MES
     if (isOpen || (*flag & OTG_PAIR_PAIRWISE)) {
       *flag |= otgPairwiseFlags(state, *flag);
     } else if (!settled) {
-      // Overlaps of other meshes than solids of one component are not described.
-      const int describes = (a->flags & b->flags & OTG_MESH_SOLID) != 0;
-      uint bad = describes ? s->bad : s->bad & ~(uint)OTG_SOLID_BY_CELLS;
-      if (describes && (bad & OTG_SOLID_BROKEN) && found >= OTG_SOLID_ODD_HITS) bad |= OTG_SOLID_AT_ODDS;
+      // Where a sheet is at odds its contour may not close, and it is not described.
+      const int isSheet = ((a->flags | b->flags) & OTG_MESH_SHEET) != 0;
+      uint bad = s->bad;
+      if (!isSheet && (bad & OTG_SOLID_BROKEN) && found >= OTG_SOLID_ODD_HITS) bad |= OTG_SOLID_AT_ODDS;
       *flag |= OTG_PAIR_TO_HOST | bad << OTG_PAIR_WHY;
     }
     if (*flag & OTG_PAIR_LEFT_OUT) atomic_inc(counters + OTG_COUNT_FLAGGED);

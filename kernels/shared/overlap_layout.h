@@ -195,6 +195,8 @@ typedef struct {
   otg_ulong first;                       ///< triangles of the smallest chord, inverted
   double origin[3];
   otg_uint firstUnit, unused[3];  ///< of its results
+  /// By mesh, a bit for each of its closed components: set if it has a chord. Not of solids of one component.
+  otg_uint crossedParts[2][OTG_SOLID_MOST_PARTS / 32];
   otg_uint roots[OTG_OVERLAP_REGIONS];
   otg_uint cells[OTG_OVERLAP_REGIONS];            ///< of large regions: how many there are
   double up[OTG_OVERLAP_REGIONS][3];              ///< in which A is pushed, as far as the regions' surfaces tell

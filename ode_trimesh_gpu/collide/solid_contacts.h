@@ -13,8 +13,8 @@ namespace otg {
 /// contacts, for other meshes and where the contour does not close because it runs over the sheet's rim.
 bool solidContacts(const Query& query, Workspace& workspace);
 
-/// The same for two solids of one component each, whose overlap a device has described. False, and no contacts, where
-/// the host does not agree with the description.
+/// The same where a device has described the overlap: of meshes without components wholly inside the other, whose
+/// contour closes. False, and no contacts, where the host does not agree with the description.
 struct FoundOverlap;
 bool solidContactsOf(const Query& query, const FoundOverlap& found, Workspace& workspace);
 

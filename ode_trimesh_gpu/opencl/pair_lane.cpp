@@ -66,7 +66,10 @@ PairAnswer PairLane::run(const Query& query, const PairFrame& frame, PairWish wi
 
 /// Whether the device is to describe the overlap: as many hits are expected as last time.
 bool PairLane::describes(const otg_device_pair& pair) const {
-  if (!(pair.a.flags & pair.b.flags & OTG_MESH_SOLID)) return false;
+  // Two solids, or a solid and a sheet.
+  if (!(pair.a.flags & pair.b.flags & OTG_MESH_LISTED) || !((pair.a.flags | pair.b.flags) & OTG_MESH_CLOSED)) {
+    return false;
+  }
   return isFresh_ ? overlap_.paysForTriangles(std::uint64_t{pair.a.triangles} + pair.b.triangles)
                   : overlap_.pays(lastHits_);
 }

@@ -5,38 +5,15 @@
 #include <thread>
 
 #include "collide/stages.h"
-#include "scenes/height_grid.h"
 #include "support/draw.h"
 #include "support/mesh_samples.h"
-#include "support/solid_batches.h"
+#include "support/sheet_scenes.h"
 
 using namespace otg;
 using namespace otg::scenes;
 using namespace otg::test;
 
 namespace {
-
-using MeshPtr = std::shared_ptr<const CollisionMesh>;
-
-/// A square terrain with its middle at the origin, of 2 cells^2 triangles that face up.
-MeshArrays terrain(double size, int cells, double rough, std::uint32_t seed = 1) {
-  HeightGrid grid;
-  grid.sizeX = grid.sizeY = size;
-  grid.columns = grid.rows = cells + 1;
-  if (rough > 0) {
-    setRoughHeights(grid, rough, 0.3 * size, seed);
-  } else {
-    setHeights(grid, [](double, double) { return 0.0; });
-  }
-  return sheetOf(grid);
-}
-
-MeshArrays scaled(MeshArrays mesh, Vec3d by) {
-  for (Vec3f& v : mesh.vertices) {
-    v = {static_cast<float>(v.x * by.x), static_cast<float>(v.y * by.y), static_cast<float>(v.z * by.z)};
-  }
-  return mesh;
-}
 
 MeshList bodies(double scale = 1) {
   MeshList meshes;
@@ -46,55 +23,6 @@ MeshList bodies(double scale = 1) {
     meshes.push_back(collisionMesh(scaled(arrays, {scale, scale, scale})));
   }
   return meshes;
-}
-
-Transformd inverse(const Transformd& t) {
-  const double* r = t.r;
-  Transformd out{{r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]}, {0, 0, 0}};
-  out.t = otgScale(otgRotate(out, t.t), -1.0);
-  return out;
-}
-
-Query solidQuery(const CollisionMesh& a, const CollisionMesh& b, const Transformd& bInA) {
-  Query query = makeQuery(a, b, bInA);
-  query.options.contacts = ContactModel::kSolid;
-  query.options.maxContacts = 16;
-  return query;
-}
-
-/// The body lowered (along z, or raised where the sheet faces down) until it is `depth` deep in the sheet.
-Transformd loweredOn(const CollisionMesh& sheet, const CollisionMesh& body, Transformd pose, double depth,
-                     double sign) {
-  Workspace workspace;
-  const auto size = 2 * static_cast<double>(body.mesh().radius());
-  double apart = 2 * size;
-  for (double step = 0.5 * size; step > 1e-6 * size;) {
-    pose.t.z = sign * (apart - step);
-    findIntersectingPairs(makeQuery(sheet, body, pose), workspace);
-    if (workspace.intersecting.empty() && apart > -2 * size) {
-      apart -= step;
-    } else {
-      step *= 0.5;
-    }
-  }
-  pose.t.z = sign * (apart - depth * size);
-  return pose;
-}
-
-/// Bodies at random places of a sheet, within `reach` of its middle, both ways round; `least` to `most` of their size
-/// deep.
-std::vector<Query> lying(const CollisionMesh& sheet, const MeshList& all, std::uint32_t seed, std::size_t count,
-                         double reach, double least, double most, double sign = 1) {
-  Draw draw(seed);
-  std::vector<Query> queries;
-  while (queries.size() < count) {
-    const CollisionMesh& body = *all[draw.below(static_cast<std::uint32_t>(all.size()))];
-    Transformd pose = makePose(draw.direction(), draw.uniform(0, 6), {0, 0, 0});
-    pose.t = {draw.uniform(-reach, reach), draw.uniform(-reach, reach), 0};
-    pose = loweredOn(sheet, body, pose, draw.uniform(least, most), sign);
-    queries.push_back(queries.size() % 2 == 0 ? solidQuery(sheet, body, pose) : solidQuery(body, sheet, inverse(pose)));
-  }
-  return queries;
 }
 
 std::size_t countModel(const std::vector<std::vector<Contact>>& contacts, bool pairwise) {

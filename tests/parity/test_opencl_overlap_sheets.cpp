@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Pairs with a sheet, or with bodies of several components, whose overlap the device describes: the contacts are the
+// host's, to the last bit.
+#include <algorithm>
+#include <cmath>
+
+#include "support/large_overlaps.h"
+#include "support/sheet_scenes.h"
+
+using namespace otg;
+using namespace otg::scenes;
+using namespace otg::test;
+
+namespace {
+
+MeshArrays at(const MeshArrays& mesh, const Vec3d& move) {
+  return transformed(mesh, makeMove(move));
+}
+
+/// The same surface with its inside outside.
+MeshArrays turnedOver(MeshArrays mesh) {
+  for (Triangle& t : mesh.triangles) std::swap(t.v[1], t.v[2]);
+  return mesh;
+}
+
+/// Bodies side by side, shells within shells, a stool, and small ones in between.
+MeshList compounds() {
+  std::vector<MeshArrays> stool{at(makeBox({1.6, 1.2, 0.2}, 16), {0, 0, 0.5})}, pebbles;
+  for (const double x : {-0.6, 0.6}) {
+    for (const double y : {-0.4, 0.4}) stool.push_back(at(makeCylinder(0.1, 0.7, 24, 12), {x, y, 0}));
+  }
+  for (int i = 0; i < 8; ++i) {
+    pebbles.push_back(at(makeSphere(0.3, 3), {0.7 * (i % 2), 0.7 * (i / 2 % 2), 0.7 * (i / 4)}));
+  }
+  MeshList meshes;
+  for (const MeshArrays& arrays :
+       {merge({at(makeSphere(0.5, 4), {-0.8, 0, 0}), at(makeLump(0.6, 4, 0.2, 3), {0.8, 0, 0})}), merge(stool),
+        merge(pebbles), merge({makeSphere(1, 4), turnedOver(makeSphere(0.8, 4)), makeSphere(0.4, 4)})}) {
+    meshes.push_back(collisionMesh(arrays));
+    REQUIRE(meshes.back()->mesh().meshClass() == MeshClass::kSolid);
+    REQUIRE(meshes.back()->mesh().topology().componentCount() > 1);
+  }
+  return meshes;
+}
+
+bool hasContained(const Workspace& workspace) {
+  return std::any_of(workspace.reduced.begin(), workspace.reduced.end(),
+                     [](const Contact& c) { return (c.flags & kContactContained) != 0; });
+}
+
+bool isPairwise(const Workspace& workspace) {
+  return !workspace.reduced.empty() && workspace.reduced[0].coherence == -1;
+}
+
+std::size_t count(const std::vector<Workspace>& all, bool (*what)(const Workspace&)) {
+  return static_cast<std::size_t>(std::count_if(all.begin(), all.end(), what));
+}
+
+/// How many of these pairs the device describes, and makes the contacts of.
+struct Described {
+  std::uint64_t all, made;
+};
+Described checkPairs(opencl::Backend& backend, std::span<const Query> queries, std::span<const Workspace> expected) {
+  const std::uint64_t made = backend.counts().contactsMade;
+  const std::uint64_t all = checkAll(backend, queries, expected);
+  return {all, backend.counts().contactsMade - made};
+}
+
+/// The same in a batch, in which all pairs are too large for its own kernels.
+std::uint64_t describedInBatch(const std::vector<Query>& queries, const std::vector<Workspace>& expected) {
+  opencl::Tuning tuning = always();
+  tuning.solidLargeHits = 32;
+  tuning.leastOverlaps = 1;
+  const auto backend = openBackend(tuning);
+  REQUIRE(backend);
+  std::size_t wrong = 0;
+  for (int round = 0; round < 2; ++round) {
+    opencl::BatchAnswer answer;
+    CHECK(backend->collideBatch(queries, answer));
+    for (std::size_t i = 0; i < queries.size(); ++i) wrong += sameBytes(answer.of(i), expected[i].reduced) ? 0 : 1;
+  }
+  CHECK(wrong == 0);
+  CHECK(backend->counts().onHost == 0);
+  return backend->counts().described / 2;
+}
+
+}  // namespace
+
+TEST_CASE("overlaps of bodies of several components are described") {
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  const MeshList some = compounds();
+  MeshList all = some;
+  for (const MeshPtr& body : bodies()) all.push_back(body);
+  std::vector<Query> queries = overlaps(all, 51, 120, 1.6);
+  std::erase_if(queries, [&](const Query& query) {
+    return std::none_of(some.begin(), some.end(),
+                        [&](const MeshPtr& mesh) { return mesh.get() == query.a || mesh.get() == query.b; });
+  });
+  const std::vector<Workspace> expected = answersOnHost(queries);
+  CHECK(queries.size() > 60);
+  CHECK(count(expected, hasContained) >= 5);
+  for (int round = 0; round < 2; ++round) {
+    const Described described = checkPairs(*backend, queries, expected);
+    CHECK(described.all > 35);
+    CHECK(described.made > 35);
+  }
+  CHECK(describedInBatch(queries, expected) > 30);
+}
+
+TEST_CASE("a component that lies wholly inside another body is left to the host with its pair") {
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  const MeshPtr ball = collisionMesh(makeSphere(1, 4));
+  // The box crosses the ball. The small one is inside it, or far away; as the first component or the last.
+  for (const bool first : {false, true}) {
+    const MeshArrays small = makeSphere(0.2, 2), box = at(makeBox({1, 1, 1}, 12), {1.4, 0, 0});
+    const MeshPtr two = collisionMesh(first ? merge({small, box}) : merge({box, small}));
+    const auto both = [&](const Vec3d& move) {
+      return std::vector<Query>{solidQuery(*ball, *two, makeMove(move)),
+                                solidQuery(*two, *ball, makeMove(otgScale(move, -1.0)))};
+    };
+    const std::vector<Query> inside = both({0, 0, 0}), away = both({-2.8, 0, 0});
+    const std::vector<Workspace> expected = answersOnHost(inside);
+    CHECK(count(expected, hasContained) == 2);
+    CHECK(checkAll(*backend, inside, expected) == 0);
+    CHECK(checkAll(*backend, away, answersOnHost(away)) == 2);
+    CHECK(checkAll(*backend, inside, expected) == 0);
+    CHECK(describedInBatch(inside, expected) == 0);
+    CHECK(describedInBatch(away, answersOnHost(away)) == 2);
+  }
+}
+
+TEST_CASE("overlaps of bodies with sheets are described") {
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  const MeshArrays ground = terrain(6, 150, 0.4);
+  MeshList all = bodies();
+  for (const MeshPtr& body : compounds()) all.push_back(body);
+  const MeshPtr up = collisionMesh(ground), down = collisionMesh(scaled(ground, {-1, 1, 1}));
+  for (const double sign : {1.0, -1.0}) {
+    std::vector<Query> queries = lying(sign > 0 ? *up : *down, all, 52, 60, 1, 0.01, 0.3, sign);
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      queries[i].options.maxContacts = static_cast<int>(4 + 20 * (i % 3));
+      queries[i].options.solid.contactsPerRegion = std::array{3, 16, 64}[i % 3];
+    }
+    const std::vector<Workspace> expected = answersOnHost(queries);
+    CHECK(count(expected, isPairwise) == 0);
+    for (int round = 0; round < 2; ++round) {
+      const Described described = checkPairs(*backend, queries, expected);
+      CHECK(described.all > 45);
+      CHECK(described.made > 45);
+    }
+    CHECK(describedInBatch(queries, expected) > 35);
+  }
+}
+
+TEST_CASE("where a sheet's contour does not close the host makes contacts of pairs") {
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  const MeshPtr sheet = collisionMesh(terrain(2.6, 50, 0.2));
+  const MeshList all = bodies();
+  const std::vector<Query> queries = lying(*sheet, all, 53, 60, 1.2, 0.01, 0.3);
+  const std::vector<Workspace> expected = answersOnHost(queries);
+  const std::size_t open = count(expected, isPairwise);
+  CHECK(open > 20);
+  CHECK(open < 50);
+  CHECK(checkAll(*backend, queries, expected) <= queries.size() - open);
+  describedInBatch(queries, expected);
+  // Islands that cross themselves here and there are at odds, and their contour does not close either.
+  const MeshPtr folded = collisionMesh(crumpled(terrain(4, 40, 0.2), 0.12f, 5));
+  const std::vector<Query> onFolds = lying(*folded, all, 54, 40, 0.8, 0.01, 0.3);
+  const std::vector<Workspace> expectedOnFolds = answersOnHost(onFolds);
+  CHECK(count(expectedOnFolds, isPairwise) > 10);
+  checkAll(*backend, onFolds, expectedOnFolds);
+  describedInBatch(onFolds, expectedOnFolds);
+}
+
+TEST_CASE("a sheet's rim may lie inside the other body") {
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  // Domes whose tops are outside. Rims lead in one direction only, and how their vertices are numbered differs with
+  // where they lie.
+  std::vector<Query> queries;
+  MeshList domes;
+  Draw draw(55);
+  const MeshPtr box = collisionMesh(makeBox({3, 3, 1}, 8));
+  for (int i = 0; i < 48; ++i) {
+    HeightGrid grid;
+    grid.sizeX = grid.sizeY = 2;
+    grid.columns = 3 + static_cast<int>(draw.below(30));
+    grid.rows = 3 + static_cast<int>(draw.below(30));
+    const double low = draw.uniform(-0.3, 0.2), x = draw.uniform(-0.4, 0.4), y = draw.uniform(-0.4, 0.4);
+    setHeights(grid,
+               [&](double u, double v) { return low + 0.9 * std::exp(-4 * ((u - x) * (u - x) + (v - y) * (v - y))); });
+    MeshArrays dome = sheetOf(grid);
+    if (i % 3 == 1) dome = turnedOver(dome);
+    if (i % 3 == 2) dome = transformed(dome, makeQuarterTurn(draw.below(24), {0, 0, 0}));
+    // Vertices in another order.
+    const auto vertices = static_cast<std::uint32_t>(dome.vertices.size());
+    if (i % 2 != 0) {
+      std::vector<std::uint32_t> to(vertices);
+      for (std::uint32_t v = 0; v < vertices; ++v) to[v] = v;
+      for (std::uint32_t v = vertices; v-- > 1;) std::swap(to[v], to[draw.below(v + 1)]);
+      const std::vector<Vec3f> before = dome.vertices;
+      for (std::uint32_t v = 0; v < vertices; ++v) dome.vertices[to[v]] = before[v];
+      for (Triangle& t : dome.triangles) {
+        for (std::uint32_t& v : t.v) v = to[v];
+      }
+    }
+    domes.push_back(collisionMesh(dome));
+  }
+  for (std::size_t i = 0; i < domes.size(); ++i) {
+    // The pose in which the dome stands upright in the box, whichever way it was turned.
+    for (unsigned turn = 0; turn < 24; ++turn) {
+      Query query = solidQuery(*box, *domes[i], makeQuarterTurn(turn, {0, 0, 0}));
+      Workspace workspace;
+      collide(query, workspace);
+      if (workspace.intersecting.empty() || isPairwise(workspace)) continue;
+      queries.push_back(i % 2 == 0 ? query : solidQuery(*domes[i], *box, inverse(query.bInA)));
+      break;
+    }
+  }
+  CHECK(queries.size() > 35);
+  const std::vector<Workspace> expected = answersOnHost(queries);
+  CHECK(count(expected, isPairwise) == 0);
+  CHECK(checkAll(*backend, queries, expected) > 30);
+  describedInBatch(queries, expected);
+}
+
+TEST_CASE("histories of pairs with sheets and several components are what the host would have left") {
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  const MeshPtr sheet = collisionMesh(terrain(6, 100, 0.4));
+  MeshList all = bodies();
+  for (const MeshPtr& body : compounds()) all.push_back(body);
+  checkHistories(lying(*sheet, all, 56, 16, 1, 0.02, 0.4), 8, 5, [&](const auto& queries, const auto& forHost) {
+    checkAll(*backend, queries, answersOnHost(forHost));
+  });
+  CHECK(backend->counts().described > 40);
+}
