@@ -80,7 +80,7 @@ OTG_INLINED void otgEnterHit(OTG_OVERLAP* o, uint i, const otg_solid_hit* ends, 
   own.b = ends->b;
   own.start = own.end = OTG_NOT_THERE;
   own.link[0] = own.link[1] = 0;
-  if (why != 0) otgGiveUpOverlap(state, why);
+  if (why != 0) otgGiveUpOverlap(state, why | otgIsOpen(o, why));
   ++entered->intersecting;
   if (why == 0 && ends->halfEdge[1] != OTG_NOT_THERE) {
     for (uint k = 0; k < 2; ++k) {
@@ -272,7 +272,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapEdge
   const uint count = state->counts[OTG_OVERLAP_CROSSINGS];
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const uint why = otgPlaceCrossing(&o, o.slots[i], state);
-    if (why != 0) otgGiveUpOverlap(state, why);
+    if (why != 0) otgGiveUpOverlap(state, why | otgIsOpen(&o, why));
   }
   for (uint i = otgIdFromTheEnd(); i < o.hitCount; i += get_global_size(0)) {
     const otg_overlap_hit hit = o.hits[i];

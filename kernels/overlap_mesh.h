@@ -307,4 +307,10 @@ OTG_INLINED void otgGiveUpOverlap(__global otg_overlap_state* state, uint why) {
   atomic_or(state->counts + OTG_OVERLAP_WHY, why);
 }
 
+/// OTG_SOLID_OPEN if that is why a hit or a crossing contradicts itself.
+OTG_INLINED uint otgIsOpen(OTG_OVERLAP* o, uint why) {
+  const uint isSheet = (o->mesh[0].solid.flags | o->mesh[1].solid.flags) & OTG_MESH_SHEET;
+  return isSheet && (why & OTG_SOLID_BROKEN) ? OTG_SOLID_OPEN : 0;
+}
+
 #endif  // OTG_OVERLAP_MESH_H

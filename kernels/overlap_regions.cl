@@ -177,6 +177,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapVote
       otgVoteFor(&o, &votes, mesh, ends.x, c->exits != 0);
     } else if (o.crossings[previous].exits == c->exits) {
       state->counts[OTG_OVERLAP_AT_ODDS] = 1;
+      if (otgIsOpen(&o, OTG_SOLID_BROKEN)) otgGiveUpOverlap(state, OTG_SOLID_BROKEN | OTG_SOLID_OPEN);
     } else if (c->exits) {
       otgUniteElements(&o, previous, slot);
     }

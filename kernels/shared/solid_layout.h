@@ -115,7 +115,8 @@ enum {
   OTG_SOLID_TIE = 16,       ///< too many crossings of one edge to be put in order
   OTG_SOLID_ODD = 32,       ///< a region that is bad, entangled or large
   OTG_SOLID_BY_CELLS = 64,  ///< besides: of a size for kernels/overlap_*
-  OTG_SOLID_AT_ODDS = 128   ///< besides: perhaps of that size, and what is broken these can tell
+  OTG_SOLID_AT_ODDS = 128,  ///< besides: perhaps of that size, and what is broken these can tell
+  OTG_SOLID_OPEN = 256      ///< besides, where nothing is inexact: a contour with a sheet does not close
 };
 
 /// With fewer hits a pair that is at odds is hardly of that size.

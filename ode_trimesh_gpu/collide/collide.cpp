@@ -15,8 +15,7 @@ void findIntersectingPairs(const Query& query, Workspace& workspace) {
 }
 
 bool mayBeSolid(const Query& query) {
-  return query.options.contacts == ContactModel::kSolid &&
-         (query.a->mesh().meshClass() == MeshClass::kSolid || query.b->mesh().meshClass() == MeshClass::kSolid);
+  return query.options.contacts == ContactModel::kSolid && haveSolidContacts(query.a->mesh(), query.b->mesh());
 }
 
 void collideIntersecting(const Query& query, Workspace& workspace) {

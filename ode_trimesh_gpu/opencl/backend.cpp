@@ -67,7 +67,7 @@ bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, 
         t.reduction = host.ms();
       } else {
         if (answer.described) answer.found = lane.records();
-        const Taken taken = takeAnswer(query, frame, answer, contacts, workspace);
+        const Taken taken = takeAnswer(query, frame, answer, contacts || answer.pairwise, workspace);
         rest = taken.rest;
         state_->leftToHost += answer.left ? 1 : 0;
         state_->decidedOnHost += taken.decidedExactly;

@@ -148,9 +148,9 @@ class Backend {
   const DeviceInfo& device() const;
 
   /// As otg::collide. Everything for the model `pairwise` on the device (where it has no doubles, or finds more than it
-  /// has room for: middle and near phase), the model `solid` and the reduction `cone` on the host. Only
-  /// workspace.reduced and workspace.stats are set for certain; stats.candidatePairs counts pairs of triangles that
-  /// were tested.
+  /// has room for: middle and near phase), and for the model `solid` as far as the overlap is described; the rest of
+  /// that model and the reduction `cone` on the host. Only workspace.reduced and workspace.stats are set for certain;
+  /// stats.candidatePairs counts pairs of triangles that were tested.
   bool collide(const Query& query, Workspace& workspace);
   /// The same in lanes of its own that take times; `times` is unchanged where the host did all.
   bool collideProfiled(const Query& query, Workspace& workspace, StageTimes& times);

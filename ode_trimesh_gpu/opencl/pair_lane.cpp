@@ -55,7 +55,13 @@ PairAnswer PairLane::run(const Query& query, const PairFrame& frame, PairWish wi
   const MeshStore::Pinned pinned = meshes_.acquire(both);
   const otg_device_pair pair{deviceBoxes(frame), frame.floatError, pinned[0], pinned[1]};
   try {
-    if (wish == PairWish::kOverlap && describes(pair)) return describe(pair, query, pinned.buffer());
+    if (wish == PairWish::kOverlap && describes(pair)) {
+      PairAnswer described = describe(pair, query, pinned.buffer());
+      if (!described.pairwise) return described;
+      PairAnswer answer = runOn(pair, query, pinned.buffer(), static_cast<bool>(contacts_));
+      answer.asked = answer.pairwise = true;
+      return answer;
+    }
     return runOn(pair, query, pinned.buffer(), wish == PairWish::kContacts && contacts_);
   } catch (...) {
     // Kernels may still be reading the meshes, which are not pinned any longer in a moment.
@@ -110,7 +116,10 @@ PairAnswer PairLane::describe(const otg_device_pair& pair, const Query& query, c
     lastHits_ = head->counters[OTG_COUNT_HITS];
     isFresh_ = false;
     if (makeRoom(head->counters) || !fits) continue;
-    answer.described = head->counts[OTG_OVERLAP_WHY] == 0 && head->counts[OTG_OVERLAP_CHORDS] > 0;
+    const otg_uint why = head->counts[OTG_OVERLAP_WHY];
+    answer.described = why == 0 && head->counts[OTG_OVERLAP_CHORDS] > 0;
+    // Where some chords are not known others' ends seem open.
+    answer.pairwise = (why & OTG_SOLID_OPEN) && !(why & OTG_SOLID_INEXACT);
     answer.made = makes && answer.described;
     for (; answer.made && overlapContacts_.isIncomplete(); ++repeats_) make();
     if (answer.made) {
@@ -125,7 +134,8 @@ PairAnswer PairLane::describe(const otg_device_pair& pair, const Query& query, c
     break;
   }
   answer.found.counters = head->counters;
-  if (!answer.described) answer.found = results_.readAll(context_, queue, false, head->counters, &profile_);
+  if (!answer.described && !answer.pairwise)
+    answer.found = results_.readAll(context_, queue, false, head->counters, &profile_);
   if (profile_.on()) profile_.collect();
   return answer;
 }
