@@ -173,11 +173,16 @@ class Backend {
   /// pairs may have contacts of the model `solid` the device makes those of pairs of solids, as a rule.
   /// With `times` in lanes of its own that take times. Pairs that the device leaves to the host, and contacts of pairs
   /// whose overlaps it describes, are done by `onHost`, or, without that, one after the other.
+  bool collideBatch(std::span<const Query* const> queries, BatchAnswer& answer, StageTimes* times = nullptr,
+                    const RunParts& onHost = {});
   bool collideBatch(std::span<const Query> queries, BatchAnswer& answer, StageTimes* times = nullptr,
                     const RunParts& onHost = {});
   bool collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTimes* times = nullptr,
                     const RunParts& onHost = {});
   /// Whether the two meshes of each query have triangles that intersect: 1 or 0 (0 for a pose that is refused).
+  /// `onHost` helps to fill in what is sent.
+  bool intersectBatch(std::span<const Query* const> queries, std::vector<std::uint8_t>& answer,
+                      StageTimes* times = nullptr, const RunParts& onHost = {});
   bool intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer, StageTimes* times = nullptr);
   bool intersectBatch(const PairBatch& batch, std::vector<std::uint8_t>& answer, StageTimes* times = nullptr);
 
@@ -208,7 +213,8 @@ class Backend {
   template <class Source>
   bool collideFrom(const Source& source, BatchAnswer& answer, StageTimes* times, const RunParts& onHost);
   template <class Source>
-  bool intersectFrom(const Source& source, std::vector<std::uint8_t>& answer, StageTimes* times);
+  bool intersectFrom(const Source& source, std::vector<std::uint8_t>& answer, StageTimes* times,
+                     const RunParts& onHost);
   bool collideIn(bool profile, const Query& query, Workspace& workspace, StageTimes& times);
   explicit Backend(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;

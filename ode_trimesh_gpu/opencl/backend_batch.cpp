@@ -191,7 +191,14 @@ class Backend::Batch {
   }
 
   void fill(std::size_t begin, std::span<otg_batch_task> tasks, std::span<otg_batch_pair> frames, Piece& piece) {
-    for (std::size_t k = 0; k < tasks.size(); ++k) source_.fill(begin + k, tasks[k]);
+    const auto copy = [&](std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) source_.fill(begin + k, tasks[k]);
+    };
+    if constexpr (Source::kIsScattered) {
+      finish_.inParts(tasks.size(), copy);
+    } else {
+      copy(0, tasks.size());
+    }
     if (!renumber_.empty()) {
       for (otg_batch_task& task : tasks) {
         task.meshA = renumber_[task.meshA];
@@ -527,33 +534,45 @@ bool Backend::collideFrom(const Source& source, BatchAnswer& answer, StageTimes*
 }
 
 template <class Source>
-bool Backend::intersectFrom(const Source& source, std::vector<std::uint8_t>& answer, StageTimes* times) {
+bool Backend::intersectFrom(const Source& source, std::vector<std::uint8_t>& answer, StageTimes* times,
+                            const RunParts& onHost) {
   const Stopwatch total(times != nullptr);
   if (times) *times = {};
   state_->queries += source.size();
   answer.assign(source.size(), 0);
   AnyFinish finish{answer};
+  if (onHost) finish.onHost = &onHost;
   Batch<Source, AnyFinish> batch(*state_, source, BatchWish::kAny, finish, times != nullptr);
   const bool good = batch.run(times);
   if (times) times->total = total.ms();
   return good;
 }
 
+bool Backend::collideBatch(std::span<const Query* const> queries, BatchAnswer& answer, StageTimes* times,
+                           const RunParts& onHost) {
+  return collideFrom(QuerySource(QueryList(queries), state_->tuning.solid, onHost), answer, times, onHost);
+}
+
 bool Backend::collideBatch(std::span<const Query> queries, BatchAnswer& answer, StageTimes* times,
                            const RunParts& onHost) {
-  return collideFrom(QuerySource(queries, state_->tuning.solid, onHost), answer, times, onHost);
+  return collideFrom(QuerySource(QueryList(queries), state_->tuning.solid, onHost), answer, times, onHost);
 }
 
 bool Backend::collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTimes* times, const RunParts& onHost) {
   return collideFrom(PairSource(batch, state_->tuning.solid), answer, times, onHost);
 }
 
+bool Backend::intersectBatch(std::span<const Query* const> queries, std::vector<std::uint8_t>& answer,
+                             StageTimes* times, const RunParts& onHost) {
+  return intersectFrom(QuerySource(QueryList(queries), state_->tuning.solid, onHost), answer, times, onHost);
+}
+
 bool Backend::intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer, StageTimes* times) {
-  return intersectFrom(QuerySource(queries, state_->tuning.solid), answer, times);
+  return intersectFrom(QuerySource(QueryList(queries), state_->tuning.solid), answer, times, {});
 }
 
 bool Backend::intersectBatch(const PairBatch& batch, std::vector<std::uint8_t>& answer, StageTimes* times) {
-  return intersectFrom(PairSource(batch, state_->tuning.solid), answer, times);
+  return intersectFrom(PairSource(batch, state_->tuning.solid), answer, times, {});
 }
 
 }  // namespace otg::opencl

@@ -184,12 +184,18 @@ struct ContactFinish {
 struct AnyFinish {
   std::vector<std::uint8_t>& answer;
   Workspace workspace{};
+  const RunParts* onHost = nullptr;  ///< helps to fill in what is sent, if it is there
 
   void chunk(std::size_t begin, std::size_t count, const BatchFound& found) {
     if (found.flags == nullptr) return;
     for (std::size_t k = 0; k < count; ++k) answer[begin + k] = (found.flags[k] & OTG_PAIR_INTERSECTS) != 0;
   }
   void refuse(std::size_t) {}
+  /// work(begin, end) for parts of `count` pairs with little to do for each.
+  template <class Work>
+  void inParts(std::size_t count, const Work& work) const {
+    runParts(onHost, count, work);
+  }
   static constexpr bool kTakesDescriptions = false;
   /// Whether large meshes intersect is as a rule soon known, and it takes many of them to keep the device busy.
   static constexpr bool kLargeAlone = false;

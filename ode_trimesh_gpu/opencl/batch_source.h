@@ -76,48 +76,59 @@ inline bool isSolid(const CollisionMesh* mesh) {
   return mesh->mesh().meshClass() == MeshClass::kSolid;
 }
 
-/// Queries as a caller has them, each with options of its own.
+/// Queries as a caller has them: side by side, or each somewhere.
+class QueryList {
+ public:
+  explicit QueryList(std::span<const Query> queries) : first_(queries.data()), size_(queries.size()) {}
+  explicit QueryList(std::span<const Query* const> queries) : pointers_(queries.data()), size_(queries.size()) {}
+  std::size_t size() const { return size_; }
+  const Query& operator[](std::size_t i) const { return pointers_ != nullptr ? *pointers_[i] : first_[i]; }
+
+ private:
+  const Query* first_ = nullptr;
+  const Query* const* pointers_ = nullptr;
+  std::size_t size_;
+};
+
+/// Such queries, each with options of its own. They are looked at in parts, each of which numbers meshes and reductions
+/// for itself; these are then numbered for all, in the order of their first appearance.
 class QuerySource {
  public:
   /// Pairs that may have contacts of the model `solid` are left to the host unless the device `makesSolids`. `onHost`:
   /// threads that help; may be empty.
-  QuerySource(std::span<const Query> queries, bool makesSolids, const RunParts& onHost = {}) : queries_(queries) {
-    std::vector<Kind> kinds(queries.size());  // what asks each pair's history
+  QuerySource(const QueryList& queries, bool makesSolids, const RunParts& onHost = {})
+      : queries_(queries), heads_(queries.size()), parts_((queries.size() + kPart - 1) / kPart) {
     runParts(onHost ? &onHost : nullptr, queries.size(), [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) kinds[i] = kindOf(queries[i]);
+      for (std::size_t at = begin; at < end; at += kPart) look(at, std::min(at + kPart, end));
     });
     MeshNumbers number(meshes);
-    const CollideOptions* last = nullptr;
-    Kind lastKind{};
-    heads_.reserve(queries.size());
-    for (std::size_t i = 0; i < queries.size(); ++i) {
-      const Query& query = queries[i];
-      const Kind kind = kinds[i];
-      if (last == nullptr || !(kind == lastKind) || !sameReduction(*last, query.options)) {
-        SolidReductions all{reductions};
-        current_ = kind.solid ? all.solid(query.options, kind.mixed, kind.burdened || !makesSolids)
-                              : all.find(deviceReduction(query.options, false));
-        last = &query.options;
-        lastKind = kind;
+    SolidReductions all{reductions};
+    for (Part& part : parts_) {
+      for (const CollisionMesh* mesh : part.meshes) part.meshNumbers.push_back(number(mesh));
+      for (const auto& [options, kind] : part.reductions) {
+        part.reductionNumbers.push_back(kind.solid ? all.solid(*options, kind.mixed, kind.burdened || !makesSolids)
+                                                   : all.find(deviceReduction(*options, false)));
+        anyPairwise = anyPairwise || !kind.solid;
+        anySolid = anySolid || kind.solid;
+        anyHistory = anyHistory || kind.history;
       }
-      heads_.push_back({number(query.a), number(query.b), current_});
-      anyPairwise = anyPairwise || !kind.solid;
-      anySolid = anySolid || kind.solid;
-      anyHistory = anyHistory || kind.history;
     }
   }
 
   std::vector<const CollisionMesh*> meshes;
   std::vector<otg_reduction> reductions;
   bool anyPairwise = false, anySolid = false, anyHistory = false;
+  static constexpr bool kIsScattered = true;  ///< what fill() reads lies all over the memory
 
   std::size_t size() const { return queries_.size(); }
   Query query(std::size_t i) const { return queries_[i]; }
   void fill(std::size_t i, otg_batch_task& task) const {
+    const Head& head = heads_[i];
+    const Part& part = parts_[i / kPart];
     task.bInA = queries_[i].bInA;
-    task.meshA = heads_[i].meshA;
-    task.meshB = heads_[i].meshB;
-    task.reduction = heads_[i].reduction;
+    task.meshA = part.meshNumbers[head.meshA];
+    task.meshB = part.meshNumbers[head.meshB];
+    task.reduction = part.reductionNumbers[head.reduction];
     task.skip = 0;
   }
 
@@ -126,6 +137,20 @@ class QuerySource {
     bool solid, mixed, history, burdened;
     bool operator==(const Kind&) const = default;
   };
+  /// Numbers of the query's part.
+  struct Head {
+    std::uint32_t meshA, meshB, reduction;
+  };
+  struct Reduction {
+    const CollideOptions* options;
+    Kind kind;
+  };
+  struct Part {
+    std::vector<const CollisionMesh*> meshes;
+    std::vector<Reduction> reductions;                         ///< no two in a row alike
+    std::vector<std::uint32_t> meshNumbers, reductionNumbers;  ///< of all queries
+  };
+
   static Kind kindOf(const Query& query) {
     Kind kind{};
     kind.solid = mayBeSolid(query);
@@ -135,12 +160,25 @@ class QuerySource {
     return kind;
   }
 
-  struct Head {
-    std::uint32_t meshA, meshB, reduction;
-  };
-  std::span<const Query> queries_;
+  /// One part.
+  void look(std::size_t begin, std::size_t end) {
+    Part& part = parts_[begin / kPart];
+    MeshNumbers number(part.meshes);
+    for (std::size_t i = begin; i < end; ++i) {
+      const Query& query = queries_[i];
+      const Kind kind = kindOf(query);
+      const Reduction* const last = part.reductions.empty() ? nullptr : &part.reductions.back();
+      if (last == nullptr || !(kind == last->kind) || !sameReduction(*last->options, query.options)) {
+        part.reductions.push_back({&query.options, kind});
+      }
+      const auto reduction = static_cast<std::uint32_t>(part.reductions.size() - 1);
+      heads_[i] = {number(query.a), number(query.b), reduction};
+    }
+  }
+
+  QueryList queries_;
   std::vector<Head> heads_;
-  std::uint32_t current_ = 0;
+  std::vector<Part> parts_;
 };
 
 /// Pairs of meshes that are numbered already, with the same options for all.
@@ -164,7 +202,7 @@ class PairSource {
   std::vector<const CollisionMesh*> meshes;
   std::vector<otg_reduction> reductions;
   bool anyPairwise = false, anySolid = false;
-  static constexpr bool anyHistory = false;
+  static constexpr bool anyHistory = false, kIsScattered = false;
 
   std::size_t size() const { return batch_.pairs.size(); }
   Query query(std::size_t i) const {

@@ -9,10 +9,11 @@
 
 namespace otg::opencl {
 
-/// work(begin, end) for parts of [0, count) that are worth a thread's while, by `threads` if there are any.
+constexpr std::size_t kPart = 256;  ///< items that are worth a thread's while
+
+/// work(begin, end) for parts of [0, count) that begin at multiples of kPart, by `threads` if there are any.
 template <class Work>
 void runParts(const RunParts* threads, std::size_t count, const Work& work) {
-  constexpr std::size_t kPart = 256;
   if (threads == nullptr || count <= kPart) {
     work(std::size_t{0}, count);
     return;
