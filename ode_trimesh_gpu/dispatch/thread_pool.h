@@ -14,7 +14,9 @@
 namespace otg {
 
 /// Any number of threads may call run() at once, from within work too: a caller works on its own items, so that no call
-/// ever waits for a thread that has none to give.
+/// ever waits for a thread that has none to give. Who has to wait looks for a while before it sleeps, because calls
+/// often follow each other at once and waking threads takes longer than small ones do; not where there are more threads
+/// than cores.
 class ThreadPool {
  public:
   /// `threads`: how many work on one call at most, the caller among them; 0 is taken for 1. Fewer where the system
@@ -38,11 +40,16 @@ class ThreadPool {
   struct Job;
   void help();
 
+  void setJobs(std::size_t count) { queued_.store(count, std::memory_order_release); }
+
   std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<Job*> jobs_;       ///< with parts that nobody has begun; urgent ones first
-  std::atomic<int> urgent_{0};  ///< calls that have such parts
+  std::deque<Job*> jobs_;               ///< with parts that nobody has begun; urgent ones first
+  std::atomic<std::size_t> queued_{0};  ///< as many as jobs_ has, for who looks without the mutex
+  std::size_t asleep_ = 0;              ///< threads that wait for wake_
+  std::atomic<int> urgent_{0};          ///< calls that have such parts
   bool stop_ = false;
+  const bool looks_;  ///< before it sleeps
   std::vector<std::thread> threads_;
 };
 

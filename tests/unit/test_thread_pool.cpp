@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The thread pool: every item once, from several callers and from within, and exceptions that come back.
 #include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <memory>
 #include <stdexcept>
@@ -64,6 +65,24 @@ TEST_CASE("several threads work at the same time") {
     while (here < 3) std::this_thread::yield();
   });
   CHECK(here == 3);
+}
+
+TEST_CASE("as many threads are woken as there are parts, however long they have slept") {
+  for (const unsigned threads : {2u, 3u, 8u}) {
+    ThreadPool pool(threads);
+    for (const int milliseconds : {0, 0, 1, 5}) {
+      for (unsigned parts = 2; parts <= threads; ++parts) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+        std::atomic<unsigned> here{0};
+        // Each part waits for all others.
+        pool.run(parts, 1, [&](std::size_t, std::size_t) {
+          ++here;
+          while (here < parts) std::this_thread::yield();
+        });
+        CHECK(here == parts);
+      }
+    }
+  }
 }
 
 TEST_CASE("threads that help leave a call for an urgent one") {
