@@ -100,10 +100,10 @@ int runBatch(const BatchOptions& options) {
   std::vector<const PairJob*> list;
   for (const PairJob& job : jobs) list.push_back(&job);
   std::vector<PairResult> results;
-  PairCounts counts;
+  BatchEnd end;
   const auto run = [&] {
     results.assign(jobs.size(), {});
-    counts = dispatcher->collideBatch(list, results);
+    end = dispatcher->collideBatch(list, results);
   };
   run();  // warm-up: meshes are uploaded, lists find their sizes
   std::vector<double> total;
@@ -136,8 +136,8 @@ int runBatch(const BatchOptions& options) {
   const Json document = {{"pairs", scene.queries.size()},
                          {"meshes", scene.meshes.size()},
                          {"total_contacts", contacts.size()},
-                         {"intersecting_pairs", counts.intersectingPairs},
-                         {"contacts_before_reduction", counts.contactsBeforeReduction},
+                         {"intersecting_pairs", end.counts.intersectingPairs},
+                         {"contacts_before_reduction", end.counts.contactsBeforeReduction},
                          {"timings_ms", {{"total", median(total)}}},
                          {"per_pair_contacts", perPair},
                          {"backend", onDevice == 0             ? "cpu"

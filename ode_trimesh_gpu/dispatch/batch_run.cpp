@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <iterator>
 #include <memory>
+#include <numeric>
 #include <system_error>
 #include <thread>
 
@@ -19,27 +20,30 @@ namespace {
 /// One batch.
 class BatchRun {
  public:
-  BatchRun(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>>& devices,
-           std::span<const PairJob* const> jobs, std::span<PairResult> results, bool takesOver)
-      : pool_(pool),
-        devices_(devices),
-        jobs_(jobs),
-        results_(results),
-        takesOver_(takesOver),
-        slotOf_(jobs.size(), nullptr) {}
+  BatchRun(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>>& devices, std::span<const PairWork> pairs,
+           bool takesOver)
+      : pool_(pool), devices_(devices), pairs_(pairs), takesOver_(takesOver) {}
 
-  PairCounts run() {
+  BatchEnd run() {
     deal();
     std::vector<std::thread> threads;
     start_ = Clock::now();
     for (std::size_t d = 0; d < blocks_.size(); ++d) {
+      devices_[d]->blockPairs = blocks_[d].size();
+      devices_[d]->blockMs = 0;
       if (blocks_[d].empty()) continue;
+      if (blocks_[d].size() == pairs_.size()) {  // nobody else has anything to do
+        devices_[d]->blockExpectedMs = 1e-3 * expectedOfAll_;
+        runDevice(*devices_[d], blocks_[d]);
+        continue;
+      }
       try {
         threads.emplace_back([this, d] { runDevice(*devices_[d], blocks_[d]); });
       } catch (const std::system_error&) {  // no thread to be had: this one does it before its own work
         runBlock(*devices_[d], blocks_[d]);
       }
     }
+    noteExpected();
     try {
       runSingles();
     } catch (...) {
@@ -52,9 +56,7 @@ class BatchRun {
       claimed_.clear();
       runSingles();
     }
-    PairCounts sums = blockCounts_;
-    for (const PairResult& result : results_) sums += result.counts;
-    return sums;
+    return std::move(end_);
   }
 
  private:
@@ -73,16 +75,59 @@ class BatchRun {
     return costs.launchCost(static_cast<std::size_t>(solids) < block.size(), solids > 0);
   }
 
-  /// What every job costs, and whether a batch has it as a pair of solids.
+  /// Who may do a job.
+  enum class Kind : std::uint8_t {
+    kHost,
+    kWithDevice,  ///< the host, one by one, with a device's help
+    kBound,       ///< devices
+    kOpen         ///< devices or the host
+  };
+
+  /// What every job costs, whether a batch has it as a pair of solids, and who may do it: by all threads, because pairs
+  /// are many and lie far apart.
   void measure() {
-    works_.resize(jobs_.size());
-    solids_.resize(jobs_.size());
-    pool_.run(jobs_.size(), kReadAtOnce, [&](std::size_t begin, std::size_t end) {
+    works_.resize(pairs_.size());
+    solids_.resize(pairs_.size());
+    kinds_.resize(pairs_.size());
+    struct Part {  // their sums are added up in one order
+      double hostBusy = 0, onDevice = 0;
+      bool any[2] = {false, false};  ///< of either model
+    };
+    std::vector<Part> parts((pairs_.size() + kReadAtOnce - 1) / kReadAtOnce);
+    const CostModel& costs = devices_[0]->costs;
+    const bool knowSolids =
+        std::all_of(devices_.begin(), devices_.end(), [](const auto& d) { return d->costs.knowsSolids(); });
+    pool_.run(pairs_.size(), kReadAtOnce, [&](std::size_t begin, std::size_t end) {
+      Part part;
       for (std::size_t i = begin; i < end; ++i) {
-        works_[i] = expectedWork(jobs_[i]->query);
-        solids_[i] = solidInBatch(*jobs_[i]) ? 1 : 0;
+        const PairJob& job = *pairs_[i].job;
+        works_[i] = expectedWork(job.query);
+        solids_[i] = solidInBatch(job) ? 1 : 0;
+        kinds_[i] = kindOf(job, works_[i], solids_[i] != 0, costs, knowSolids);
+        part.any[solids_[i]] = true;
+        part.onDevice += deviceCost(i, costs);
+        if (kinds_[i] == Kind::kHost || kinds_[i] == Kind::kWithDevice) {
+          part.hostBusy += hostCost(job, costs, works_[i]);
+        }
       }
+      parts[begin / kReadAtOnce] = part;
     });
+    Part all;
+    for (const Part& part : parts) {
+      all.hostBusy += part.hostBusy;
+      all.onDevice += part.onDevice;
+      for (const int model : {0, 1}) all.any[model] = all.any[model] || part.any[model];
+    }
+    hostBusy_ = all.hostBusy;
+    expectedOfAll_ = costs.launchCost(all.any[0], all.any[1]) + all.onDevice;
+  }
+  static Kind kindOf(const PairJob& job, double work, bool solid, const CostModel& costs, bool knowSolids) {
+    const Placement place = settled(job.place);
+    const bool isOpen = place.middle == Place::kAuto, isTogether = place.middle == place.near;
+    const bool inBatch = isTogether && (contactsOnDevice(job) || (solid && (!isOpen || knowSolids)));
+    if (!isOpen && place.middle != Place::kOpencl && place.near != Place::kOpencl) return Kind::kHost;
+    if (inBatch) return isOpen ? Kind::kOpen : Kind::kBound;
+    return !isOpen || isSoonerOnDevice(job, costs, work) ? Kind::kWithDevice : Kind::kHost;
   }
 
   static std::vector<CostModel> modelsOf(const std::vector<std::shared_ptr<DeviceSlot>>& devices) {
@@ -104,67 +149,77 @@ class BatchRun {
   }
 
   void deal() {
-    Indices bound, open;  // to devices; to devices or the CPU
-    double hostBusy = 0;
     if (devices_.empty()) {
-      for (std::size_t i = 0; i < jobs_.size(); ++i) singles_.push_back(i);
+      singles_.resize(pairs_.size());
+      std::iota(singles_.begin(), singles_.end(), std::size_t{0});
       return;
     }
     measure();
-    const CostModel& costs = devices_[0]->costs;
-    const bool knowSolids =
-        std::all_of(devices_.begin(), devices_.end(), [](const auto& d) { return d->costs.knowsSolids(); });
-    Indices withDevice;  // one by one, with a device's help
-    for (std::size_t i = 0; i < jobs_.size(); ++i) {
-      const PairJob& job = *jobs_[i];
-      const Placement place = settled(job.place);
-      const bool isOpen = place.middle == Place::kAuto, isTogether = place.middle == place.near;
-      const bool inBatch = isTogether && (contactsOnDevice(job) || (solids_[i] != 0 && (!isOpen || knowSolids)));
-      if (!isOpen && place.middle != Place::kOpencl && place.near != Place::kOpencl) {
-        hostBusy += hostCost(job, costs, works_[i]);
-        singles_.push_back(i);
-      } else if (inBatch) {
-        (isOpen ? open : bound).push_back(i);
-      } else {
-        const double work = works_[i];
-        hostBusy += hostCost(job, costs, work);
-        if (!isOpen || isSoonerOnDevice(job, costs, work)) withDevice.push_back(i);
-        singles_.push_back(i);
+    Indices bound, open, withDevice;
+    bound.reserve(pairs_.size());
+    for (std::size_t i = 0; i < pairs_.size(); ++i) {
+      switch (kinds_[i]) {
+        case Kind::kBound:
+          bound.push_back(i);
+          break;
+        case Kind::kOpen:
+          open.push_back(i);
+          break;
+        case Kind::kWithDevice:
+          withDevice.push_back(i);
+          [[fallthrough]];
+        case Kind::kHost:
+          singles_.push_back(i);
       }
     }
     const std::vector<CostModel> models = modelsOf(devices_);
     bindLarge(models, open, bound);
+    if (!withDevice.empty()) slotOf_.resize(pairs_.size(), nullptr);
     for (std::size_t k = 0; k < withDevice.size(); ++k) {
       slotOf_[withDevice[k]] = devices_[k * devices_.size() / withDevice.size()].get();
     }
+    if (open.empty() && devices_.size() == 1) {
+      blocks_.push_back(std::move(bound));
+      return;
+    }
     Division division;
     division.bound = bound.size();
-    division.hostBusy = hostBusy;
+    division.hostBusy = hostBusy_;
     division.threads = pool_.threadCount();
     bound.insert(bound.end(), open.begin(), open.end());
     std::vector<double> work;
     work.reserve(bound.size());
     for (const std::size_t i : bound) work.push_back(works_[i]);
     std::vector<std::uint8_t> solid;
+    solid.reserve(bound.size());
     for (const std::size_t i : bound) solid.push_back(solids_[i]);
     division.work = work;
     division.solid = solid;
     std::size_t begin = 0;
     for (const std::size_t end : divide(division, models)) {
-      DeviceSlot& slot = *devices_[blocks_.size()];
       blocks_.emplace_back(bound.begin() + static_cast<std::ptrdiff_t>(begin),
                            bound.begin() + static_cast<std::ptrdiff_t>(end));
-      double expected = launchCost(slot.costs, blocks_.back());
-      for (std::size_t i = begin; i < end; ++i) expected += deviceCost(bound[i], slot.costs);
-      slot.blockPairs = end - begin;
-      slot.blockExpectedMs = 1e-3 * expected;
-      slot.blockMs = 0;
       begin = end;
     }
     open_.assign(bound.begin() + static_cast<std::ptrdiff_t>(begin), bound.end());
     singles_.insert(singles_.end(), open_.begin(), open_.end());
-    if (takesOver_ && !open_.empty()) claimed_ = std::vector<std::atomic<bool>>(jobs_.size());
-    hostBusy_ = hostBusy;
+    if (takesOver_ && !open_.empty()) claimed_ = std::vector<std::atomic<bool>>(pairs_.size());
+  }
+
+  /// What a device's block is expected to take, in microseconds.
+  double expectedOf(const DeviceSlot& slot, const Indices& block) const {
+    double expected = launchCost(slot.costs, block);
+    for (const std::size_t i : block) expected += deviceCost(i, slot.costs);
+    return expected;
+  }
+
+  /// For who asks about devices, while they are at work.
+  void noteExpected() const {
+    for (std::size_t d = 0; d < blocks_.size(); ++d) {
+      if (blocks_[d].size() < pairs_.size()) {
+        devices_[d]->blockExpectedMs = 1e-3 * expectedOf(*devices_[d], blocks_[d]);
+      }
+    }
   }
 
   /// Whether the caller is the one to do job `i`: the first that asks is.
@@ -172,12 +227,12 @@ class BatchRun {
 
   /// By the pool's threads, one pair at a time.
   void runSingles() {
-    runByPool(pool_, jobs_, singles_, [this](std::size_t i, Workspace& workspace) {
+    runByPool(pool_, pairs_, singles_, [this](std::size_t i, Workspace& workspace) {
       if (!claim(i)) return;
-      const PairJob& job = *jobs_[i];
-      PairResult& result = results_[i];
+      const PairJob& job = *pairs_[i].job;
+      PairResult& result = *pairs_[i].result;
       keepOutcome(result, workspace, [&] {
-        if (slotOf_[i] == nullptr) return collideOnHost(job, workspace);
+        if (slotOf_.empty() || slotOf_[i] == nullptr) return collideOnHost(job, workspace);
         if (job.place == Placement{}) {  // it was found to be sooner there
           PairJob placed = job;
           placed.place = {Place::kOpencl, Place::kOpencl};
@@ -186,18 +241,21 @@ class BatchRun {
         return collideOn(*slotOf_[i], job, workspace, result.onDevice, result.deviceFailed);
       });
     });
+    PairCounts sums;
+    for (const std::size_t i : singles_) sums += pairs_[i].result->counts;
+    const std::lock_guard lock(mutex_);
+    end_.counts += sums;
   }
 
   /// A device's block, and then what it takes over from the CPU.
   void runDevice(DeviceSlot& slot, const Indices& block) noexcept {
     const auto begin = Clock::now();
     runBlock(slot, block);
+    if (claimed_.empty()) return;
     try {
       // How much slower than expected the device was, and the CPU until now; not more than a little quicker.
-      double expected = launchCost(slot.costs, block);
-      for (const std::size_t i : block) expected += deviceCost(i, slot.costs);
-      const double slower = std::max(0.5, microseconds(begin) / std::max(expected, 1.0));
-      while (!claimed_.empty() && !slot.isOff) {
+      const double slower = std::max(0.5, microseconds(begin) / std::max(expectedOf(slot, block), 1.0));
+      while (!slot.isOff) {
         const Indices more = takeOver(slot, slower);
         if (more.empty()) return;
         runBlock(slot, more);
@@ -211,7 +269,7 @@ class BatchRun {
     const std::lock_guard lock(takeOver_);
     double all = 0, left = 0, forDevice = 0;
     for (std::size_t k = 0; k < open_.size(); ++k) {
-      const double cost = hostCost(*jobs_[open_[k]], slot.costs, works_[open_[k]]);
+      const double cost = hostCost(*pairs_[open_[k]].job, slot.costs, works_[open_[k]]);
       all += cost;
       if (claimed_[open_[k]].load(std::memory_order_relaxed)) continue;
       left += cost;
@@ -226,7 +284,7 @@ class BatchRun {
     double cost = 0;
     for (std::size_t k = open_.size(); k-- > 0 && cost < share * left;) {
       if (!claim(open_[k])) continue;
-      cost += hostCost(*jobs_[open_[k]], slot.costs, works_[open_[k]]);
+      cost += hostCost(*pairs_[open_[k]].job, slot.costs, works_[open_[k]]);
       taken.push_back(open_[k]);
     }
     takenCost_ += cost;
@@ -239,17 +297,20 @@ class BatchRun {
 
   /// Pairs that a device does, in one call for each model.
   void runBlock(DeviceSlot& slot, const Indices& block) noexcept {
-    Indices models[2];
-    try {
-      for (const std::size_t i : block) models[solids_[i]].push_back(i);
-    } catch (...) {
-      for (const std::size_t i : block) results_[i].outcome = PairResult::Outcome::kNoMemory;
-      return;
-    }
     const auto start = Clock::now();
     const bool first = slot.blockMs == 0;  // not what it takes over
-    for (const Indices& some : models) {
-      if (!some.empty()) runModel(slot, some);
+    const auto solids = std::count_if(block.begin(), block.end(), [&](std::size_t i) { return solids_[i] != 0; });
+    if (solids == 0 || static_cast<std::size_t>(solids) == block.size()) {
+      runModel(slot, block);
+    } else {
+      Indices models[2];
+      try {
+        for (const std::size_t i : block) models[solids_[i]].push_back(i);
+      } catch (...) {
+        for (const std::size_t i : block) pairs_[i].result->outcome = PairResult::Outcome::kNoMemory;
+        return;
+      }
+      for (const Indices& some : models) runModel(slot, some);
     }
     if (first) slot.blockMs = 1e-3 * microseconds(start);
   }
@@ -260,10 +321,9 @@ class BatchRun {
         leave(block);
         return;
       }
-      std::vector<Query> queries(block.size());
-      pool_.run(block.size(), kReadAtOnce, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) queries[k] = jobs_[block[k]]->query;
-      });
+      std::vector<const Query*> queries;
+      queries.reserve(block.size());
+      for (const std::size_t i : block) queries.push_back(&pairs_[i].job->query);
       const auto shared = std::make_shared<opencl::BatchAnswer>();
       opencl::BatchAnswer& answer = *shared;
       const opencl::RunParts onHost = [&](std::size_t count, const ThreadPool::Work& work) {
@@ -271,21 +331,23 @@ class BatchRun {
       };
       const bool good = slot.backend->collideBatch(queries, answer, nullptr, onHost);
       slot.note(block.size(), good);
-      for (std::size_t k = 0; k < block.size(); ++k) {
-        PairResult& result = results_[block[k]];
-        result.contacts = answer.of(k);
-        result.memory = shared;
-        result.onDevice = good;
-        result.deviceFailed = !good;
-      }
-      for (const std::size_t k : answer.byHost) results_[block[k]].onDevice = false;
       {
         const std::lock_guard lock(mutex_);
-        blockCounts_ += PairCounts(answer.stats);
+        end_.memory.push_back(shared);
+        end_.counts += PairCounts(answer.stats);
       }
-      for (const std::size_t k : answer.refused) results_[block[k]].outcome = PairResult::Outcome::kRefused;
+      pool_.run(block.size(), kReadAtOnce, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+          PairResult& result = *pairs_[block[k]].result;
+          result.contacts = answer.of(k);
+          result.onDevice = good;
+          result.deviceFailed = !good;
+        }
+      });
+      for (const std::size_t k : answer.byHost) pairs_[block[k]].result->onDevice = false;
+      for (const std::size_t k : answer.refused) pairs_[block[k]].result->outcome = PairResult::Outcome::kRefused;
     } catch (...) {
-      for (const std::size_t i : block) results_[i].outcome = PairResult::Outcome::kNoMemory;
+      for (const std::size_t i : block) pairs_[i].result->outcome = PairResult::Outcome::kNoMemory;
     }
   }
 
@@ -297,29 +359,30 @@ class BatchRun {
 
   ThreadPool& pool_;
   const std::vector<std::shared_ptr<DeviceSlot>>& devices_;
-  const std::span<const PairJob* const> jobs_;
-  const std::span<PairResult> results_;
+  const std::span<const PairWork> pairs_;
   const bool takesOver_;
   Indices singles_;
   std::vector<Indices> blocks_;             ///< one for each device
   Indices open_;                            ///< of the singles: those that a device may take over
   std::vector<double> works_;               ///< expectedWork of every job
   std::vector<std::uint8_t> solids_;        ///< solidInBatch of every job
+  std::vector<Kind> kinds_;                 ///< of every job, if there are devices
   std::vector<std::atomic<bool>> claimed_;  ///< by job; empty if nobody takes over
   std::mutex takeOver_;
   double hostBusy_ = 0, takenCost_ = 0;
+  double expectedOfAll_ = 0;  ///< microseconds on the first device by itself
   Clock::time_point start_;
-  std::vector<DeviceSlot*> slotOf_;  ///< of singles that a device helps with
+  std::vector<DeviceSlot*> slotOf_;  ///< by job, of singles that a device helps with; empty if it helps with none
   std::mutex mutex_;
   Indices leftOver_;
-  PairCounts blockCounts_;
+  BatchEnd end_;
 };
 
 }  // namespace
 
-PairCounts runBatch(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>>& devices,
-                    std::span<const PairJob* const> jobs, std::span<PairResult> results, bool takesOver) {
-  return BatchRun(pool, devices, jobs, results, takesOver).run();
+BatchEnd runBatch(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>>& devices,
+                  std::span<const PairWork> work, bool takesOver) {
+  return BatchRun(pool, devices, work, takesOver).run();
 }
 
 }  // namespace otg

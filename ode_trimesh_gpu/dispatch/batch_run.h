@@ -13,9 +13,9 @@
 namespace otg {
 
 /// Deals the jobs out and runs them: one host thread for each device, the pool's for the rest. With `takesOver` a
-/// device that is done before the CPU takes over a part of what the CPU has not begun. Returns the counts of all
-/// together. Throws std::bad_alloc.
-PairCounts runBatch(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>>& devices,
-                    std::span<const PairJob* const> jobs, std::span<PairResult> results, bool takesOver = true);
+/// device that is done before the CPU takes over a part of what the CPU has not begun. Results are empty before. Throws
+/// std::bad_alloc.
+[[nodiscard]] BatchEnd runBatch(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>>& devices,
+                                std::span<const PairWork> work, bool takesOver = true);
 
 }  // namespace otg

@@ -148,8 +148,15 @@ void Dispatcher::askDistances(std::span<const OverlapJob> jobs, double limit, st
   runDistances(*pool(), slot, jobs, limit, answers);
 }
 
-PairCounts Dispatcher::collideBatch(std::span<const PairJob* const> jobs, std::span<PairResult> results) {
-  return runBatch(*pool(), usableDevices(), jobs, results, takesOver_);
+BatchEnd Dispatcher::collideBatch(std::span<const PairWork> work) {
+  return runBatch(*pool(), usableDevices(), work, takesOver_);
+}
+
+BatchEnd Dispatcher::collideBatch(std::span<const PairJob* const> jobs, std::span<PairResult> results) {
+  std::vector<PairWork> work;
+  work.reserve(jobs.size());
+  for (std::size_t i = 0; i < jobs.size(); ++i) work.push_back({jobs[i], &results[i]});
+  return collideBatch(work);
 }
 
 Dispatcher& dispatcher() {

@@ -83,10 +83,12 @@ class Dispatcher {
   /// How far the meshes of each pair are apart: see runDistances; with the device that has the least to do.
   void askDistances(std::span<const OverlapJob> jobs, double limit, std::span<MeshDistance> answers);
 
-  /// Every job, each with the result that it has by itself. `results` has as many elements. Returns the counts of all
-  /// jobs together, those that a device has for a batch only among them. Throws std::bad_alloc, after which the results
-  /// are of no use; want of memory for a single pair is an outcome of that pair.
-  PairCounts collideBatch(std::span<const PairJob* const> jobs, std::span<PairResult> results);
+  /// Every job, each with the result that it has by itself, in place of one that is empty. The counts have those that a
+  /// device has for a batch only among them. Throws std::bad_alloc, after which the results are of no use; want of
+  /// memory for a single pair is an outcome of that pair.
+  [[nodiscard]] BatchEnd collideBatch(std::span<const PairWork> work);
+  /// The same; as many jobs as results.
+  [[nodiscard]] BatchEnd collideBatch(std::span<const PairJob* const> jobs, std::span<PairResult> results);
 
  private:
   using Slots = std::vector<std::shared_ptr<DeviceSlot>>;

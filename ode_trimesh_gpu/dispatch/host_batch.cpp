@@ -2,6 +2,7 @@
 #include "dispatch/host_batch.h"
 
 #include <algorithm>
+#include <numeric>
 #include <vector>
 
 #include "collide/stages.h"
@@ -11,7 +12,7 @@ namespace otg {
 namespace {
 
 /// Items that a thread takes at once: one, unless there are so many that taking them costs.
-constexpr std::size_t kManyPairs = 4096, kPairsAtOnce = 8;
+constexpr std::size_t kManyPairs = 4096, kPairsAtOnce = 8, kReadAtOnce = 128;
 /// A pair that has this many times the mean is begun before the others, so that it is not what all wait for in the end.
 constexpr std::size_t kLarge = 8;
 
@@ -56,13 +57,19 @@ std::span<const Contact> collideOnHost(const PairJob& job, Workspace& workspace)
   return contactsOnHost(job, workspace);
 }
 
-void runByPool(ThreadPool& pool, std::span<const PairJob* const> jobs, std::span<const std::size_t> which,
+void runByPool(ThreadPool& pool, std::span<const PairWork> work, std::span<const std::size_t> which,
                const std::function<void(std::size_t i, Workspace& workspace)>& one) {
-  std::vector<std::size_t> order(which.begin(), which.end());
-  std::size_t all = 0;
-  for (const std::size_t i : order) all += workOf(jobs[i]->query);
-  std::stable_partition(order.begin(), order.end(),
-                        [&](std::size_t i) { return workOf(jobs[i]->query) * order.size() > kLarge * all; });
+  if (which.empty()) return;
+  std::vector<std::size_t> sizes(which.size());  // by all threads: pairs lie far apart
+  pool.run(which.size(), kReadAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) sizes[k] = workOf(work[which[k]].job->query);
+  });
+  const std::size_t all = std::accumulate(sizes.begin(), sizes.end(), std::size_t{0});
+  std::vector<std::size_t> order, others;
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    (sizes[k] * which.size() > kLarge * all ? order : others).push_back(which[k]);
+  }
+  order.insert(order.end(), others.begin(), others.end());
   pool.run(order.size(), order.size() < kManyPairs ? 1 : kPairsAtOnce, [&](std::size_t begin, std::size_t end) {
     const WorkspaceLease lease;
     for (std::size_t k = begin; k < end; ++k) one(order[k], *lease);

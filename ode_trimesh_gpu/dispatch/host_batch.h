@@ -20,17 +20,16 @@ std::span<const Contact> collideOnHost(const PairJob& job, Workspace& workspace)
 /// The same from workspace.intersecting: for pairs whose first two phases were done elsewhere.
 std::span<const Contact> contactsOnHost(const PairJob& job, Workspace& workspace);
 
-/// Calls one(i, workspace) for the jobs i of `which`, by the pool's threads, each thread with a workspace of its own.
-/// The results of the jobs do not depend on the number of threads. `jobs` tells which are large.
-void runByPool(ThreadPool& pool, std::span<const PairJob* const> jobs, std::span<const std::size_t> which,
+/// Calls one(i, workspace) for the pairs i of `which`, by the pool's threads, each thread with a workspace of its own.
+/// The results do not depend on the number of threads. The jobs of `work` tell which are large.
+void runByPool(ThreadPool& pool, std::span<const PairWork> work, std::span<const std::size_t> which,
                const std::function<void(std::size_t i, Workspace& workspace)>& one);
 
 /// Runs `finish`, which gives the contacts of one job, and keeps them or what it throws in the result.
 template <class Finish>
 void keepOutcome(PairResult& result, const Workspace& workspace, Finish&& finish) {
   try {
-    const std::span<const Contact> contacts = finish();
-    keepContacts(result, {contacts.begin(), contacts.end()});
+    keepContacts(result, finish());
     result.counts = PairCounts(workspace.stats);
     result.outcome = PairResult::Outcome::kDone;
   } catch (const std::invalid_argument&) {

@@ -67,18 +67,33 @@ struct PairCounts {
 
 struct PairResult {
   std::span<const Contact> contacts;   ///< as otg::collide leaves them in Workspace::reduced
-  std::shared_ptr<const void> memory;  ///< what they lie in
+  std::shared_ptr<const void> memory;  ///< what they lie in; null for none, and where they lie in a batch's memory
   PairCounts counts;                   ///< of what a device did in a batch only what it counts for each pair
   enum class Outcome : std::uint8_t { kDone, kRefused, kNoMemory } outcome = Outcome::kDone;
   bool onDevice = false;      ///< a device did its middle phase, near phase or both
   bool deviceFailed = false;  ///< one was to, and failed: the CPU did it
 };
 
-/// Gives the result contacts of its own.
-inline void keepContacts(PairResult& result, std::vector<Contact>&& contacts) {
-  const auto own = std::make_shared<const std::vector<Contact>>(std::move(contacts));
-  result.contacts = *own;
-  result.memory = own;
+/// A job of a batch, and where its result goes.
+struct PairWork {
+  const PairJob* job;
+  PairResult* result;
+};
+
+/// What a batch leaves besides its results.
+struct BatchEnd {
+  PairCounts counts;  ///< of all jobs together
+  /// What contacts of results lie in that have no memory of their own: one share of it for all of them, because
+  /// counting thousands of shares keeps threads waiting for each other. To be kept as long as they are read.
+  std::vector<std::shared_ptr<const void>> memory;
+};
+
+/// Gives the result contacts of its own: copies of these, which may be those that it has.
+inline void keepContacts(PairResult& result, std::span<const Contact> contacts) {
+  std::shared_ptr<const std::vector<Contact>> own;
+  if (!contacts.empty()) own = std::make_shared<const std::vector<Contact>>(contacts.begin(), contacts.end());
+  result.contacts = own ? std::span<const Contact>(*own) : std::span<const Contact>();
+  result.memory = std::move(own);
 }
 
 }  // namespace otg

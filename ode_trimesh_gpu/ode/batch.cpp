@@ -5,9 +5,9 @@
 #include <ode/collision.h>
 
 #include <algorithm>
-#include <atomic>
 #include <climits>
 #include <condition_variable>
+#include <memory>
 #include <mutex>
 #include <system_error>
 #include <thread>
@@ -16,31 +16,18 @@
 #include "dispatch/dispatcher.h"
 #include "ode/pair_batch.h"
 #include "ode/status.h"
-#include "ode/trimesh_override.h"
 
 namespace otg {
 namespace {
 
-constexpr std::size_t kCheckedAtOnce = 256;
-
-/// Geoms of our class, and once they are overridden dTriMeshes, which are read.
-bool isMesh(dGeomID geom, const LiveObjects& live, bool overridden) {
-  if (live.of(geom) != nullptr) return true;
-  return overridden && geom != nullptr && dGeomGetClass(geom) == dTriMeshClass;
+/// dGPUTRIMESH_OK, or why these arguments will not do. Geoms are not looked at.
+int checkPairs(const dGpuTriMeshPair* pairs, int count, int flags) {
+  return count < 0 || (pairs == nullptr && count > 0) || capacityOf(flags) == 0 ? dGPUTRIMESH_ERROR_ARGUMENT
+                                                                                : dGPUTRIMESH_OK;
 }
 
-/// dGPUTRIMESH_OK, or why these arguments will not do.
-int checkPairs(const dGpuTriMeshPair* pairs, int count, int flags) {
-  if (count < 0 || (pairs == nullptr && count > 0) || capacityOf(flags) == 0) return dGPUTRIMESH_ERROR_ARGUMENT;
-  const bool overridden = isTrimeshOverridden(dTriMeshClass);
-  std::atomic<bool> good{true};
-  dispatcher().run(static_cast<std::size_t>(count), kCheckedAtOnce, [&](std::size_t begin, std::size_t end) {
-    const LiveObjects live;
-    for (std::size_t i = begin; i < end; ++i) {
-      if (!isMesh(pairs[i].o1, live, overridden) || !isMesh(pairs[i].o2, live, overridden)) good = false;
-    }
-  });
-  return good ? dGPUTRIMESH_OK : dGPUTRIMESH_ERROR_CLASS;
+PairBatchWish wishOf(int flags) {
+  return {capacityOf(flags), isUnimportant(flags)};
 }
 
 std::span<const dGpuTriMeshPair> asSpan(const dGpuTriMeshPair* pairs, int count) {
@@ -59,8 +46,8 @@ struct dxGpuTriMeshBatch {
   otg::PairBatch batch;
   bool remembered = false;
 
-  dxGpuTriMeshBatch(std::span<const dGpuTriMeshPair> pairs, int capacity, bool unimportant)
-      : batch(pairs, capacity, unimportant) {
+  dxGpuTriMeshBatch(std::span<const dGpuTriMeshPair> pairs, const otg::PairBatchWish& wish) : batch(pairs, wish) {
+    if (!batch.areMeshes()) return;
     try {
       thread_ = std::thread([this] { compute(); });
     } catch (const std::system_error&) {  // no thread to be had: now, then
@@ -111,12 +98,12 @@ int dGpuTriMeshCollidePairs(const dGpuTriMeshPair* pairs, int count, int flags, 
     if (const int status = otg::checkPairs(pairs, count, flags)) return status;
     const bool hasPlace = contact != nullptr && contact_count != nullptr && skip >= int{sizeof(dContactGeom)};
     if (count > 0 && !hasPlace) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
-    otg::PairBatch batch(otg::asSpan(pairs, count), otg::capacityOf(flags), otg::isUnimportant(flags));
+    otg::PairBatch batch(otg::asSpan(pairs, count), otg::wishOf(flags));
+    if (!batch.areMeshes()) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
     batch.run();
-    batch.remember();
     const std::size_t step = static_cast<std::size_t>(otg::capacityOf(flags)) * static_cast<std::size_t>(skip);
     char* const begin = reinterpret_cast<char*>(contact);
-    batch.forParts([&](std::size_t from, std::size_t to) {
+    batch.remember([&](std::size_t from, std::size_t to) {
       for (std::size_t i = from; i < to; ++i) {
         const std::span<const otg::Contact> contacts = batch.result(i).contacts;
         contact_count[i] = otg::toInt(contacts.size());
@@ -131,7 +118,9 @@ dGpuTriMeshBatchID dGpuTriMeshBatchSubmit(const dGpuTriMeshPair* pairs, int coun
   dGpuTriMeshBatchID batch = nullptr;
   otg::guarded([&] {
     if (const int status = otg::checkPairs(pairs, count, flags)) return status;
-    batch = new dxGpuTriMeshBatch(otg::asSpan(pairs, count), otg::capacityOf(flags), otg::isUnimportant(flags));
+    auto made = std::make_unique<dxGpuTriMeshBatch>(otg::asSpan(pairs, count), otg::wishOf(flags));
+    if (!made->batch.areMeshes()) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
+    batch = made.release();
     return static_cast<int>(dGPUTRIMESH_OK);
   });
   return batch;
@@ -159,19 +148,19 @@ int dGpuTriMeshBatchCollect(dGpuTriMeshBatchID batch, dContactGeom* contact, int
     if (pairs.contactCount() > 0 && !hasPlace) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
     if (!batch->remembered) pairs.remember();
     batch->remembered = true;
-    std::vector<std::size_t> starts(pairs.pairCount() + 1, 0);
-    for (std::size_t i = 0; i < pairs.pairCount(); ++i) starts[i + 1] = starts[i] + pairs.result(i).contacts.size();
     char *place = reinterpret_cast<char*>(contact), *dataPlace = reinterpret_cast<char*>(data);
     pairs.forParts([&](std::size_t from, std::size_t to) {
+      std::size_t at = pairs.contactsBefore(from);
       for (std::size_t i = from; i < to; ++i) {
-        const std::size_t at = starts[i], dataAt = data == nullptr ? 0 : at * static_cast<std::size_t>(data_skip);
+        const std::size_t dataAt = data == nullptr ? 0 : at * static_cast<std::size_t>(data_skip);
         if (first != nullptr) first[i] = otg::toInt(at);
         otg::writeContacts(pairs.task(i), pairs.result(i).contacts,
                            {reinterpret_cast<dContactGeom*>(place + at * static_cast<std::size_t>(skip)), skip,
                             reinterpret_cast<dGpuTriMeshContactData*>(dataPlace + dataAt), data_skip});
+        at += pairs.result(i).contacts.size();
       }
     });
-    const std::size_t at = starts.back();
+    const std::size_t at = pairs.contactCount();
     if (first != nullptr) first[pairs.pairCount()] = otg::toInt(at);
     return otg::toInt(at);
   });

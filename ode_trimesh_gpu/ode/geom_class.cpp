@@ -8,10 +8,10 @@
 #include <mutex>
 #include <optional>
 #include <shared_mutex>
-#include <unordered_map>
 
 #include "collide/rotation_tolerance.h"
 #include "ode/class_registration.h"
+#include "ode/geom_table.h"
 #include "ode/mesh_side.h"
 #include "ode/status.h"
 #include "ode_trimesh_gpu/geom.h"
@@ -26,7 +26,7 @@ GeomObject*& slotOf(dGeomID geom) {
 /// All geoms of ours, so that one that was destroyed is told from one that was not.
 struct LiveGeoms {
   std::shared_mutex mutex;
-  std::unordered_map<dGeomID, GeomObject*> objects;
+  GeomTable objects;
 };
 
 /// Never destroyed: programs may destroy geoms in the destructors of their own globals.
@@ -76,8 +76,11 @@ GeomObject* liveObjectOf(dGeomID geom) noexcept {
 LiveObjects::LiveObjects() : lock_(live().mutex) {}
 
 GeomObject* LiveObjects::of(dGeomID geom) const noexcept {
-  const auto it = live().objects.find(geom);
-  return it == live().objects.end() ? nullptr : it->second;
+  return live().objects.find(geom);
+}
+
+void LiveObjects::fetch(dGeomID geom) const noexcept {
+  live().objects.fetch(geom);
 }
 
 GeomObject::~GeomObject() {
@@ -202,7 +205,7 @@ dGeomID dCreateGpuTriMesh(dSpaceID space, dGpuTriMeshDataID data) {
   otg::guarded([&] {
     if (const int status = otg::ensureRegistered()) return status;
     if (data != nullptr && !dxGpuTriMeshData::isLive(data)) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
-    const std::shared_ptr<otg::GeomObject> object(new otg::GeomObject);
+    const auto object = std::make_shared<otg::GeomObject>();  // its counts lie beside what is read of it
     object->serial = otg::nextSerial();
     dGpuTriMeshParamsInit(&object->params);
     const dGeomID created = dCreateGeom(otg::registeredClass());
@@ -217,7 +220,7 @@ dGeomID dCreateGpuTriMesh(dSpaceID space, dGpuTriMeshDataID data) {
     }
     try {
       const std::unique_lock lock(otg::live().mutex);
-      otg::live().objects.insert_or_assign(created, object.get());
+      otg::live().objects.insertOrAssign(created, object.get());
     } catch (...) {
       dGeomDestroy(created);  // the object goes with its own data
       throw;

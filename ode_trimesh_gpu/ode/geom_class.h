@@ -50,22 +50,23 @@ struct GeomObject : std::enable_shared_from_this<GeomObject> {
   /// the call, and in the same program it must not depend on addresses either.
   std::uint64_t serial = 0;
   dxGpuTriMeshData* data = nullptr;  ///< attached to; may be null
-  dGpuTriMeshParams params{};        ///< always valid
-  GeomCallbacks callbacks;
-  LastTransform last;
-  /// Bits of classes other than ours: with which of them pairs are remembered, if params.history says that any are.
-  std::uint32_t coherentClasses = ~0u;
-  std::atomic<std::uint64_t> clearedAt{0};  ///< no stamp of memory up to this one counts any more
-  GeomStats stats;
-  PairMemory memory;  ///< of pairs in which this geom is mesh B (the younger one)
-  PrefetchedPairs prefetched;
-  UseCount uses;  ///< of queries that have the geom, and of who gives it other data or another scale
-  PrefetchedShapes prefetchedShapes;  ///< of pairs with geoms of ODE's own
-  std::shared_ptr<GeomObject> self;   ///< the geom's own share, until it is destroyed
-
+  UseCount uses;                     ///< of queries that have the geom, and of who gives it other data or another scale
   /// Of the data's vertices; `scaled` is the mesh that it makes of them, and null while it is 1, 1, 1.
   MeshScale scale{1, 1, 1};
   std::shared_ptr<CollisionMesh> scaled;
+  GeomCallbacks callbacks;
+  /// Bits of classes other than ours: with which of them pairs are remembered, if params.history says that any are.
+  std::uint32_t coherentClasses = ~0u;
+  dGpuTriMeshParams params{};               ///< always valid
+  std::atomic<std::uint64_t> clearedAt{0};  ///< no stamp of memory up to this one counts any more
+  PairMemory memory;                        ///< of pairs in which this geom is mesh B (the younger one)
+  LastTransform last;
+  /// About so many bytes, from the first one on, are read of a geom of each pair.
+  static constexpr std::size_t kReadBytes = 320;
+  GeomStats stats;
+  PrefetchedPairs prefetched;
+  PrefetchedShapes prefetchedShapes;  ///< of pairs with geoms of ODE's own
+  std::shared_ptr<GeomObject> self;   ///< the geom's own share, until it is destroyed
 
   GeomObject() = default;
   /// After the geom was destroyed, and after the last query that had it.
@@ -112,6 +113,8 @@ class LiveObjects {
  public:
   LiveObjects();
   GeomObject* of(dGeomID geom) const noexcept;
+  /// Asks the processor for what of() reads.
+  void fetch(dGeomID geom) const noexcept;
 
  private:
   std::shared_lock<std::shared_mutex> lock_;

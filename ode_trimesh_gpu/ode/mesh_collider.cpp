@@ -50,6 +50,8 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
   }
   side1.takeMesh();
   side2.takeMesh();
+  const GeomCallbacks callbacks1 = side1.callbacks, callbacks2 = side2.callbacks;
+  const bool asks = callbacks1.asked() || callbacks2.asked();
   PairTask task;
   preparePair(std::move(side1), std::move(side2), task);
   const auto both = {task.side1.object, task.side2.object};
@@ -60,9 +62,10 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
     return 0;
   }
   try {
+    SolidHistory history;
+    if (needsHistory(task)) recallPair(task, history);
     task.job.any = isUnimportant(flags);
     PrefetchedPairs& ready = task.b().prefetched;
-    const bool asks = task.asks();
     if (!task.job.any && !asks && !ready.empty()) {
       PairResult result;
       if (ready.find(task, capacity, result)) {
@@ -78,7 +81,7 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
     CollideOptions& options = task.job.query.options;
     options.maxContacts = std::min(options.maxContacts, capacity);
     std::optional<PairCallbacks> callbacks;
-    if (asks) task.job.filter = &callbacks.emplace(task);
+    if (asks) task.job.filter = &callbacks.emplace(task, callbacks1, callbacks2);
     const WorkspaceLease lease;
     Workspace& workspace = *lease;
     Dispatcher::Ran ran;

@@ -86,7 +86,6 @@ MeshSide meshSideOf(dGeomID geom) {
   side.object = objectOf(geom);
   if (side.object != nullptr) {
     side.callbacks = side.object->callbacks;
-    side.last = side.object->last;
     return side;
   }
   side.ownObject = objectOfTrimesh(geom);
@@ -95,8 +94,17 @@ MeshSide meshSideOf(dGeomID geom) {
   side.ownMesh = meshOfTrimesh(geom);
   side.mesh = side.ownMesh.get();
   side.callbacks = callbacksOf(geom, *side.object);
-  side.last = side.object->last.isSet ? side.object->last : lastTransformOf(dGeomTriMeshGetLastTransform(geom));
   return side;
+}
+
+bool hasLastTransform(const MeshGeom& side) noexcept {
+  if (side.object->last.isSet) return true;
+  return side.ownObject != nullptr && lastTransformOf(dGeomTriMeshGetLastTransform(side.geom)).isSet;
+}
+
+Transformd lastPoseOf(const MeshGeom& side) noexcept {
+  if (side.object->last.isSet) return side.object->last.pose;
+  return lastTransformOf(dGeomTriMeshGetLastTransform(side.geom)).pose;
 }
 
 void forgetTrimesh(dGeomID geom) noexcept {

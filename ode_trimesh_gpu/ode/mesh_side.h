@@ -10,16 +10,14 @@
 
 namespace otg {
 
-/// A geom with all that a query needs of it, at one moment.
-struct MeshSide {
+/// A geom and its mesh at one moment: what is kept of a side as long as its query is under way.
+struct MeshGeom {
   dGeomID geom = nullptr;
   GeomObject* object = nullptr;         ///< null: the geom is neither of our class nor a dTriMesh
   const CollisionMesh* mesh = nullptr;  ///< null: nothing to collide with; see takeMesh()
-  GeomCallbacks callbacks;
-  LastTransform last;
   /// Of a dTriMesh, which may be destroyed or changed without our knowledge: shares of its object and mesh.
-  std::shared_ptr<GeomObject> ownObject;
-  std::shared_ptr<const CollisionMesh> ownMesh;
+  std::shared_ptr<GeomObject> ownObject{};
+  std::shared_ptr<const CollisionMesh> ownMesh{};
 
   /// Of a geom of our class, once it is held (GeomUse): until then its mesh may be changed.
   void takeMesh() {
@@ -30,9 +28,14 @@ struct MeshSide {
   }
 };
 
+/// With what the program wants to be asked about the geom's triangles, at the same moment.
+struct MeshSide : MeshGeom {
+  GeomCallbacks callbacks;
+};
+
 /// For geoms of our class as objectOf(). A dTriMesh gets an object when it is asked for first, which its serial number,
 /// its parameters and what is remembered of its pairs belong to; its mesh is read through trimesh_cache.h, its
-/// callbacks and last transform through ODE. May throw std::bad_alloc.
+/// callbacks through ODE. May throw std::bad_alloc.
 MeshSide meshSideOf(dGeomID geom);
 
 /// The object of a geom that is alive, of our class or a dTriMesh, which gets one; null for others. It lives as long as
@@ -56,6 +59,11 @@ void forgetTrimeshes() noexcept;
 /// What a dTriMesh gets when it is asked for first.
 void setTrimeshParams(const dGpuTriMeshParams& params) noexcept;
 dGpuTriMeshParams trimeshParams() noexcept;
+
+/// Whether the program has told where the geom, alive and with an object, was a step before.
+bool hasLastTransform(const MeshGeom& side) noexcept;
+/// Where, if it has.
+Transformd lastPoseOf(const MeshGeom& side) noexcept;
 
 /// The pose in ODE's dMatrix4: a rotation's columns, then the position, each as four numbers.
 LastTransform lastTransformOf(const dReal* matrix) noexcept;

@@ -2,6 +2,7 @@
 // Many pairs of geoms, read at one moment, computed at once, and told of later.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -12,16 +13,26 @@
 
 namespace otg {
 
+/// What is asked of all pairs of a batch.
+struct PairBatchWish {
+  int capacity = 0;          ///< contacts of a pair at most; 0: as many as its geoms allow
+  bool unimportant = false;  ///< ODE's CONTACTS_UNIMPORTANT
+  /// Whether the geoms are known to be alive and meshes, of our class or dTriMeshes; else that is found out.
+  bool known = false;
+};
+
 /// Geoms may move and be destroyed, and their meshes be rebuilt, while run() is at work. The dispatcher's threads help
 /// with all of it.
 class PairBatch {
  public:
-  /// Reads the geoms, which are of our class or dTriMeshes. With `capacity` 0 each pair has as many contacts as its
-  /// geoms allow. Throws std::bad_alloc.
-  PairBatch(std::span<const dGpuTriMeshPair> pairs, int capacity, bool unimportant);
+  /// Reads the geoms. Throws std::bad_alloc.
+  PairBatch(std::span<const dGpuTriMeshPair> pairs, const PairBatchWish& wish);
   ~PairBatch();
   PairBatch(const PairBatch&) = delete;
   PairBatch& operator=(const PairBatch&) = delete;
+
+  /// False if one of the geoms is no mesh. Then nothing was changed, and nothing else is to be called.
+  bool areMeshes() const { return areMeshes_; }
 
   /// Computes. Any thread, once. Throws std::bad_alloc.
   void run();
@@ -31,12 +42,24 @@ class PairBatch {
   /// After run(); empty for a pair with nothing to do.
   PairResult& result(std::size_t i) { return blocks_[i / kBlock]->results[i % kBlock]; }
   const PairResult& result(std::size_t i) const { return blocks_[i / kBlock]->results[i % kBlock]; }
-  /// After run().
-  std::size_t contactCount() const { return contactCount_; }
+  /// After run(). Stays when pairs are let go.
+  std::size_t contactCount() const { return firsts_.back(); }
+  /// After run(): how many contacts the pairs have that come before those of the part that pair `i` is the first of, as
+  /// forParts() gives it.
+  std::size_t contactsBefore(std::size_t i) const { return firsts_[i / kBlock]; }
 
   /// What the collision of each pair leaves with its geoms, as if they had collided in the order of the pairs. Once.
   /// Throws std::bad_alloc.
-  void remember();
+  void remember() {
+    rememberHistories();
+    count({});
+  }
+  /// The same; and each part of the pairs is given to `write`, as forParts() does, and then let go of, after which it
+  /// can't be asked about any more.
+  void remember(const ThreadPool::Work& write) {
+    rememberHistories();
+    count(write);
+  }
 
   /// Calls work(begin, end) for parts of the pairs, by the dispatcher's threads.
   void forParts(const ThreadPool::Work& work) const;
@@ -48,18 +71,38 @@ class PairBatch {
     PairTask tasks[kBlock];
     PairResult results[kBlock];
     std::shared_ptr<const GeomObject> objects[2 * kBlock];  ///< what the tasks point to
-    /// Each once: counting shares of a few meshes in thousands of pairs keeps threads waiting for each other.
+    /// Few of them twice: counting shares of a few meshes in thousands of pairs keeps threads waiting for each other.
     std::vector<std::shared_ptr<const CollisionMesh>> meshes;
-    void hold(const MeshSide& side);
+    std::unique_ptr<SolidHistory[]> histories;  ///< of the tasks; null if none has one
   };
   enum class Kind : std::uint8_t { kNone, kJob, kAsks, kLater };
+  static constexpr std::uint8_t kNobody = 255;
+  struct Found {
+    bool areMeshes = true, areAllJobs = true, anyLater = false;
+  };
 
-  Kind read(std::size_t i, const dGpuTriMeshPair& pair, int capacity, bool unimportant, bool mayAsk);
+  /// Any thread.
+  Found readPart(std::size_t begin, std::span<const dGpuTriMeshPair> pairs);
+  static void takeBusy(MeshGeom&& side1, MeshGeom&& side2, PairTask& task);
+  /// What a task gets once its geoms were read.
+  void finishReading(std::size_t i);
+  /// The caller's thread, which asks the program's callbacks.
+  Kind readLater(std::size_t i, const dGpuTriMeshPair& pair);
+  /// By whose memory, if the collision of pair `i` changes anything there: pairs of one memory have one number.
+  std::uint8_t ownerOf(std::size_t i) const;
+  void rememberHistories();
+  void count(const ThreadPool::Work& write);
 
-  std::size_t count_, contactCount_ = 0;
+  std::size_t count_;
+  PairBatchWish wish_;
+  bool areMeshes_ = true;
   std::vector<std::unique_ptr<Block>> blocks_;
   std::vector<Kind> kinds_;
-  std::vector<std::uint8_t> owners_;  ///< pairs of one memory have one number here
+  std::vector<PairWork> work_;        ///< of those that are jobs
+  std::vector<std::uint8_t> owners_;  ///< ownerOf()
+  bool anyOwner_ = false;             ///< other than kNobody
+  std::vector<std::size_t> firsts_;   ///< number of the first contact of each block, and of all contacts
+  BatchEnd end_;
 };
 
 /// Whether ODE would ask about them: not one geom, not two of one body.

@@ -17,35 +17,37 @@ double distance2(const Contact& x, const Contact& y) {
 }  // namespace
 
 bool PairCallbacks::mayCollide(bool ofA, std::uint32_t triangle) {
-  const MeshSide &own = ofA ? task_.sideA() : task_.sideB(), &other = ofA ? task_.sideB() : task_.sideA();
-  if (own.callbacks.triangle == nullptr) return true;
+  const MeshGeom &own = ofA ? task_.sideA() : task_.sideB(), &other = ofA ? task_.sideB() : task_.sideA();
+  dTriCallback* const callback = (ofA ? ofA_ : ofB_).triangle;
+  if (callback == nullptr) return true;
   const auto [it, isNew] = (ofA ? answerA_ : answerB_).try_emplace(triangle, true);
-  if (isNew) it->second = own.callbacks.triangle(own.geom, other.geom, static_cast<int>(triangle)) != 0;
+  if (isNew) it->second = callback(own.geom, other.geom, static_cast<int>(triangle)) != 0;
   return it->second;
 }
 
 bool PairCallbacks::mayCollide(std::uint32_t triangleA, std::uint32_t triangleB) {
   if (!mayCollide(true, triangleA) || !mayCollide(false, triangleB)) return false;
-  const MeshSide &a = task_.sideA(), &b = task_.sideB();
-  if (a.callbacks.pair == nullptr && b.callbacks.pair == nullptr) return true;
+  const MeshGeom &a = task_.sideA(), &b = task_.sideB();
+  if (ofA_.pair == nullptr && ofB_.pair == nullptr) return true;
   const auto [it, isNew] = answer_.try_emplace({triangleA, triangleB}, true);
   if (isNew) {
     const int ta = static_cast<int>(triangleA), tb = static_cast<int>(triangleB);
-    it->second = (a.callbacks.pair == nullptr || a.callbacks.pair(a.geom, b.geom, ta, tb) != 0) &&
-                 (b.callbacks.pair == nullptr || b.callbacks.pair(b.geom, a.geom, tb, ta) != 0);
+    it->second = (ofA_.pair == nullptr || ofA_.pair(a.geom, b.geom, ta, tb) != 0) &&
+                 (ofB_.pair == nullptr || ofB_.pair(b.geom, a.geom, tb, ta) != 0);
   }
   return it->second;
 }
 
 void PairCallbacks::tellTriangles(const std::vector<Numbers>& pairs) {
   for (const bool ofA : {true, false}) {
-    const MeshSide &own = ofA ? task_.sideA() : task_.sideB(), &other = ofA ? task_.sideB() : task_.sideA();
-    if (own.callbacks.triangles == nullptr) continue;
+    const MeshGeom &own = ofA ? task_.sideA() : task_.sideB(), &other = ofA ? task_.sideB() : task_.sideA();
+    dTriArrayCallback* const callback = (ofA ? ofA_ : ofB_).triangles;
+    if (callback == nullptr) continue;
     std::vector<int> triangles;
     for (const Numbers& pair : pairs) triangles.push_back(static_cast<int>(ofA ? pair.first : pair.second));
     std::sort(triangles.begin(), triangles.end());
     triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
-    own.callbacks.triangles(own.geom, other.geom, triangles.data(), static_cast<int>(triangles.size()));
+    callback(own.geom, other.geom, triangles.data(), static_cast<int>(triangles.size()));
   }
 }
 
@@ -71,19 +73,20 @@ void PairCallbacks::finish(const Query& query, Workspace& workspace) {
   // A mesh inside another one touches none of its triangles; its contacts name the nearest ones all the same.
   std::erase_if(workspace.reduced, [&](const Contact& c) { return !mayCollide(c.triangleA, c.triangleB); });
   for (const bool ofA : {true, false}) {
-    const MeshSide& side = ofA ? task_.sideA() : task_.sideB();
-    if (side.callbacks.merge == nullptr || workspace.reduced.empty()) continue;
+    dTriTriMergeCallback* const merge = (ofA ? ofA_ : ofB_).merge;
+    if (merge == nullptr || workspace.reduced.empty()) continue;
     std::vector<Contact> all = workspace.contacts;
     for (Contact& c : all) {
       c.triangleA = query.a->mesh().callerTriangle(c.triangleA);
       c.triangleB = query.b->mesh().callerTriangle(c.triangleB);
     }
-    mergeNumbers(side, ofA, all, workspace.reduced);
+    mergeNumbers(merge, (ofA ? task_.sideA() : task_.sideB()).geom, ofA, all, workspace.reduced);
   }
 }
 
 /// A contact that was left out is stood for by the nearest one that was kept, of its own region if there is one.
-void mergeNumbers(const MeshSide& side, bool ofA, const std::vector<Contact>& all, std::vector<Contact>& kept) {
+void mergeNumbers(dTriTriMergeCallback* merge, dGeomID geom, bool ofA, const std::vector<Contact>& all,
+                  std::vector<Contact>& kept) {
   const auto triangle = [ofA](const Contact& c) { return ofA ? c.triangleA : c.triangleB; };
   std::vector<std::set<std::uint32_t>> standsFor(kept.size());
   for (const Contact& c : all) {
@@ -97,7 +100,7 @@ void mergeNumbers(const MeshSide& side, bool ofA, const std::vector<Contact>& al
   for (std::size_t i = 0; i < kept.size(); ++i) {
     int number = static_cast<int>(triangle(kept[i]));
     for (const std::uint32_t other : standsFor[i]) {
-      number = side.callbacks.merge(side.geom, number, static_cast<int>(other));
+      number = merge(geom, number, static_cast<int>(other));
     }
     (ofA ? kept[i].triangleA : kept[i].triangleB) = static_cast<std::uint32_t>(number);
   }

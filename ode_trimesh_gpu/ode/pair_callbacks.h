@@ -15,7 +15,9 @@ namespace otg {
 /// depends on the meshes and poses alone.
 class PairCallbacks final : public PairFilter {
  public:
-  explicit PairCallbacks(const PairTask& task) : task_(task) {}
+  /// `of1` and `of2`: of the task's sides.
+  PairCallbacks(const PairTask& task, const GeomCallbacks& of1, const GeomCallbacks& of2)
+      : task_(task), ofA_(task.first ? of1 : of2), ofB_(task.first ? of2 : of1) {}
   bool dropPairs(const Query& query, Workspace& workspace) override;
   void finish(const Query& query, Workspace& workspace) override;
 
@@ -26,12 +28,14 @@ class PairCallbacks final : public PairFilter {
   void tellTriangles(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs);
 
   const PairTask& task_;
+  const GeomCallbacks ofA_, ofB_;
   std::map<std::uint32_t, bool> answerA_, answerB_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, bool> answer_;
 };
 
-/// Has the geom of mesh A, or of B, give each kept contact the number that stands for it and for those of `all` that it
-/// stands for: the nearest ones, of its own region if there are any there. Triangles are the caller's.
-void mergeNumbers(const MeshSide& side, bool ofA, const std::vector<Contact>& all, std::vector<Contact>& kept);
+/// Has `merge`, of the geom of mesh A or of B, give each kept contact the number that stands for it and for those of
+/// `all` that it stands for: the nearest ones, of its own region if there are any there. Triangles are the caller's.
+void mergeNumbers(dTriTriMergeCallback* merge, dGeomID geom, bool ofA, const std::vector<Contact>& all,
+                  std::vector<Contact>& kept);
 
 }  // namespace otg

@@ -27,6 +27,7 @@ class PairMemory {
   /// stamp: a number that no other history that was ever stored in this process has, growing from one to the next; 0 if
   /// nothing is known.
   std::uint64_t recall(std::uint64_t other, SolidHistory& history, Vec3d* origin = nullptr) {
+    if (empty()) return 0;
     const std::lock_guard lock(mutex_);
     const auto it = pairs_.find(other);
     if (it == pairs_.end()) return 0;
@@ -36,6 +37,7 @@ class PairMemory {
   }
   /// What recall() would return.
   std::uint64_t stampOf(std::uint64_t other) {
+    if (empty()) return 0;
     const std::lock_guard lock(mutex_);
     const auto it = pairs_.find(other);
     return it == pairs_.end() ? 0 : it->second.stamp;
@@ -52,18 +54,24 @@ class PairMemory {
     }
     const std::uint64_t stamp = clock().fetch_add(1, std::memory_order_relaxed) + 1;
     pairs_[other] = {history, stamp, origin};
+    count_.store(pairs_.size(), std::memory_order_release);
     return stamp;
   }
   /// The latest stamp of all.
   static std::uint64_t now() { return clock().load(std::memory_order_relaxed); }
   void forget(std::uint64_t other) {
+    if (empty()) return;
     const std::lock_guard lock(mutex_);
     pairs_.erase(other);
+    count_.store(pairs_.size(), std::memory_order_release);
   }
   void clear() {
     const std::lock_guard lock(mutex_);
     pairs_.clear();
+    count_.store(0, std::memory_order_release);
   }
+  /// Whether nothing is known of any pair: most geoms of a batch are asked, and need no lock for that.
+  bool empty() const { return count_.load(std::memory_order_acquire) == 0; }
   struct Remembered {
     std::uint64_t key;
     SolidHistory history;
@@ -87,6 +95,8 @@ class PairMemory {
   void swap(PairMemory& other) {
     const std::lock_guard lock(mutex_);
     pairs_.swap(other.pairs_);
+    other.count_.store(other.pairs_.size(), std::memory_order_release);
+    count_.store(pairs_.size(), std::memory_order_release);
   }
 
  private:
@@ -99,6 +109,7 @@ class PairMemory {
     std::uint64_t stamp = 0;
     Vec3d origin{0, 0, 0};
   };
+  std::atomic<std::size_t> count_{0};  ///< of pairs_
   std::mutex mutex_;
   std::map<std::uint64_t, Entry> pairs_;
 };

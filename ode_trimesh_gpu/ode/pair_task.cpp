@@ -38,7 +38,7 @@ bool isFarApart(const CollisionMesh& a, const CollisionMesh& b, const Transformd
 }
 
 struct Side {
-  const MeshSide& side;
+  const MeshGeom& side;
   WorldPose pose;
 };
 
@@ -46,23 +46,24 @@ struct Side {
 /// Where the program tells by last transforms how its geoms have moved, it is what they moved since then: only the
 /// direction is used.
 Vec3d relativeVelocity(const Side& a, const Side& b) {
+  const bool lastOfA = hasLastTransform(a.side), lastOfB = hasLastTransform(b.side);
+  const dBodyID bodyA = dGeomGetBody(a.side.geom), bodyB = dGeomGetBody(b.side.geom);
+  if (!lastOfA && !lastOfB && bodyA == nullptr && bodyB == nullptr) return {0, 0, 0};
   const Vec3f& c = b.side.mesh->mesh().center();
   const Vec3d point = otgTransform(b.pose.transform, Vec3d{c.x, c.y, c.z});
-  const auto isTold = [](const Side& s) { return s.side.last.isSet || dGeomGetBody(s.side.geom) == nullptr; };
-  const bool told = (a.side.last.isSet || b.side.last.isSet) && isTold(a) && isTold(b);
-  const auto velocityAt = [&](const Side& s) {
+  const bool told = (lastOfA || lastOfB) && (lastOfA || bodyA == nullptr) && (lastOfB || bodyB == nullptr);
+  const auto velocityAt = [&](const Side& s, bool hasLast, dBodyID body) {
     if (told) {
-      if (!s.side.last.isSet) return Vec3d{0, 0, 0};
+      if (!hasLast) return Vec3d{0, 0, 0};
       const Vec3d own = otgRotateBack(s.pose.transform, otgSub(point, s.pose.transform.t));
-      return otgSub(point, otgTransform(s.side.last.pose, own));
+      return otgSub(point, otgTransform(lastPoseOf(s.side), own));
     }
-    const dBodyID body = dGeomGetBody(s.side.geom);
     if (body == nullptr) return Vec3d{0, 0, 0};
     dVector3 v;
     dBodyGetPointVel(body, static_cast<dReal>(point.x), static_cast<dReal>(point.y), static_cast<dReal>(point.z), v);
     return Vec3d{v[0], v[1], v[2]};
   };
-  const Vec3d v = otgRotateBack(a.pose.transform, otgSub(velocityAt(a), velocityAt(b)));
+  const Vec3d v = otgRotateBack(a.pose.transform, otgSub(velocityAt(a, lastOfA, bodyA), velocityAt(b, lastOfB, bodyB)));
   return std::isfinite(v.x + v.y + v.z) ? v : Vec3d{0, 0, 0};
 }
 
@@ -196,7 +197,7 @@ Placement pairPlacement(const dGpuTriMeshParams& first, const dGpuTriMeshParams&
       both(one(first.near_phase, first.backend, process.near), one(second.near_phase, second.backend, process.near))};
 }
 
-void preparePair(MeshSide&& from1, MeshSide&& from2, PairTask& task) noexcept {
+void preparePair(MeshGeom&& from1, MeshGeom&& from2, PairTask& task) noexcept {
   task.side1 = std::move(from1);
   task.side2 = std::move(from2);
   task.state = PairTask::State::kNothing;
@@ -224,27 +225,35 @@ void preparePair(MeshSide&& from1, MeshSide&& from2, PairTask& task) noexcept {
   query.relativeVelocity = relativeVelocity(a, b);
   task.remembers =
       objectA.remembersWith(dGeomGetClass(b.side.geom)) && objectB.remembersWith(dGeomGetClass(a.side.geom));
-  task.history = {};
   task.stamp = 0;
   query.history = nullptr;
-  if (task.remembers) {
-    task.stamp = objectB.memory.recall(objectA.serial, task.history);
-    if (task.stamp <= objectA.clearedAt) {  // A was told to forget, and it is B that remembers
-      task.history = {};
-      task.stamp = 0;
-    }
-    query.history = &task.history;
-  }
   task.state = PairTask::State::kReady;
+}
+
+bool needsHistory(const PairTask& task) {
+  if (task.state != PairTask::State::kReady || !task.remembers) return false;
+  // The other model makes nothing of it, but leaves what is there as it finds it.
+  return task.job.query.options.contacts == ContactModel::kSolid || task.b().memory.stampOf(task.a().serial) != 0;
+}
+
+void recallPair(PairTask& task, SolidHistory& history) {
+  history = {};
+  task.stamp = task.b().memory.recall(task.a().serial, history);
+  if (task.stamp <= task.a().clearedAt) {  // A was told to forget, and it is B that remembers
+    history = {};
+    task.stamp = 0;
+  }
+  task.job.query.history = &history;
 }
 
 std::uint64_t rememberPair(const PairTask& task, bool hasContacts) {
   GeomObject &a = task.a(), &b = task.b();
-  if (!task.remembers || (task.history.used && !hasContacts)) {
+  const SolidHistory* const history = task.usedHistory();
+  if (!task.remembers || (history != nullptr && !hasContacts)) {
     b.memory.forget(a.serial);
     return 0;
   }
-  return task.history.used ? b.memory.store(a.serial, task.history) : task.stamp;
+  return history != nullptr ? b.memory.store(a.serial, *history) : task.stamp;
 }
 
 void countPair(const PairTask& task, const PairCounts& counts, std::size_t contacts, bool onDevice,
@@ -253,6 +262,15 @@ void countPair(const PairTask& task, const PairCounts& counts, std::size_t conta
     count(object->stats, counts, contacts);
     if (onDevice) object->stats.onDevice.fetch_add(1, std::memory_order_relaxed);
     if (deviceFailed) object->stats.deviceFailures.fetch_add(1, std::memory_order_relaxed);
+  }
+}
+
+void fetchStats(const PairTask& task) noexcept {
+  for (const GeomObject* object : {task.side1.object, task.side2.object}) {
+    if (object == nullptr) continue;
+    constexpr int kToWrite = 1;
+    __builtin_prefetch(&object->stats, kToWrite);
+    __builtin_prefetch(&object->stats.deviceFailures, kToWrite);
   }
 }
 

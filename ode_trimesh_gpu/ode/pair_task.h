@@ -40,25 +40,27 @@ struct PairTask {
     kBusy,     ///< a geom or its data are changed by somebody else
     kReady     ///< `job` is to be done
   };
-  MeshSide side1, side2;
+  MeshGeom side1, side2;
   State state = State::kNothing;
   bool first = false;       ///< mesh A is o1's
   Transformd poseOfA{};     ///< A's frame to the world
-  PairJob job;              ///< maxContacts is what the geoms allow; job.query.history points to `history` or is null
-  SolidHistory history;     ///< what is remembered of the pair, and what the query makes of it
+  PairJob job;              ///< maxContacts is what the geoms allow; job.query.history: see recallPair()
   std::uint64_t stamp = 0;  ///< of what was remembered, 0 for nothing
   bool remembers = false;   ///< both geoms remember pairs with the other's class
 
   PairTask() = default;
-  PairTask(const PairTask&) = delete;  // job points into the object
+  PairTask(const PairTask&) = delete;
   PairTask& operator=(const PairTask&) = delete;
 
-  const MeshSide& sideA() const { return first ? side1 : side2; }
-  const MeshSide& sideB() const { return first ? side2 : side1; }
+  const MeshGeom& sideA() const { return first ? side1 : side2; }
+  const MeshGeom& sideB() const { return first ? side2 : side1; }
   GeomObject& a() const { return *sideA().object; }
   GeomObject& b() const { return *sideB().object; }
-  /// Whether the program wants to be asked about triangles of this pair.
-  bool asks() const { return side1.callbacks.asked() || side2.callbacks.asked(); }
+  /// What the query has made of what is remembered; null if nothing.
+  const SolidHistory* usedHistory() const {
+    const SolidHistory* const history = job.query.history;
+    return history != nullptr && history->used ? history : nullptr;
+  }
 };
 
 /// The lower 16 bits of the flags of dCollide: the number of places (ODE's own name for it is private). The flags as a
@@ -71,15 +73,22 @@ bool isUnimportant(int flags);
 /// Where the phases of a pair run: as both geoms want it, or else as the process does.
 Placement pairPlacement(const dGpuTriMeshParams& first, const dGpuTriMeshParams& second, Placement process);
 
-/// Reads poses, velocities, parameters and history of two geoms; sets everything but what depends on the call: `any`
-/// and `filter`.
-void preparePair(MeshSide&& side1, MeshSide&& side2, PairTask& task) noexcept;
+/// Reads poses, velocities and parameters of two geoms; sets everything but the history and what depends on the call:
+/// `any` and `filter`.
+void preparePair(MeshGeom&& side1, MeshGeom&& side2, PairTask& task) noexcept;
+
+/// Whether a prepared pair has to be given a history by recallPair().
+bool needsHistory(const PairTask& task);
+/// What is remembered of the pair, which the query goes on with: the object has to live as long as the task is used.
+void recallPair(PairTask& task, SolidHistory& history);
 
 /// What every collision leaves with its geoms, of contacts found or not: the history and the statistics. Returns the
 /// stamp of what is remembered now, 0 for nothing. May throw std::bad_alloc.
 std::uint64_t rememberPair(const PairTask& task, bool hasContacts);
 void countPair(const PairTask& task, const PairCounts& counts, std::size_t contacts, bool onDevice,
                bool deviceFailed) noexcept;
+/// Asks the processor for the statistics that countPair() changes.
+void fetchStats(const PairTask& task) noexcept;
 /// A query that found nothing because it failed; the status becomes the thread's last error.
 void countFailure(const PairTask& task, int status) noexcept;
 

@@ -106,7 +106,7 @@ int prefetch(std::span<const dSpaceID> spaces, dGpuTriMeshPairFilter* filter, vo
   Gatherer gatherer(filter, data);
   for (const dSpaceID space : spaces) gatherer.addSpace(space);
   const std::vector<dGpuTriMeshPair> pairs = gatherer.takeMeshes();
-  PairBatch batch(pairs, 0, false);
+  PairBatch batch(pairs, {.known = true});
   batch.run();
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (const PairTask& task = batch.task(i); task.state == PairTask::State::kReady) task.b().prefetched.clear();

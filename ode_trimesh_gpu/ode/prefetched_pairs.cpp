@@ -65,10 +65,10 @@ void PrefetchedPairs::add(const PairTask& task, PairResult&& result) {
   entry.query.history = nullptr;
   entry.remembers = task.remembers;
   entry.stamp = task.stamp;
-  entry.history = task.history;
+  entry.history = task.job.query.history != nullptr ? *task.job.query.history : SolidHistory{};
   entry.result = std::move(result);
   // A copy: these may lie in a whole batch's memory, and stay here for long.
-  keepContacts(entry.result, {entry.result.contacts.begin(), entry.result.contacts.end()});
+  keepContacts(entry.result, entry.result.contacts);
   count_.store(entries_.size(), std::memory_order_release);
 }
 
@@ -91,7 +91,7 @@ bool PrefetchedPairs::find(PairTask& task, int capacity, PairResult& result) {
   } else {
     result = entry.result;
   }
-  task.history = entry.history;
+  if (query.history != nullptr) *query.history = entry.history;
   return true;
 }
 

@@ -94,7 +94,8 @@ void askedContacts(PrimitiveTask& task, int most, std::vector<Contact>& out, int
   for (std::vector<Contact>* contacts : {&all, &out}) {
     for (Contact& c : *contacts) c.triangleA = whole.callerTriangle(c.triangleA);
   }
-  if (task.side.callbacks.merge != nullptr && !out.empty()) mergeNumbers(task.side, true, all, out);
+  if (task.side.callbacks.merge != nullptr && !out.empty())
+    mergeNumbers(task.side.callbacks.merge, task.side.geom, true, all, out);
 }
 
 }  // namespace otg

@@ -114,10 +114,11 @@ struct Batch {
   }
   std::vector<PairResult> run(Dispatcher& dispatcher) {
     std::vector<PairResult> found(jobs.size());
-    dispatcher.collideBatch(start(), found);
+    end = dispatcher.collideBatch(start(), found);
     check(found);
     return found;
   }
+  BatchEnd end;  ///< of the last run: what contacts lie in
 };
 
 std::size_t open(Dispatcher& dispatcher, std::size_t count, const opencl::Tuning& tuning = {}) {
@@ -197,7 +198,7 @@ void checkDivision(ContactModel model) {
   const std::vector<const PairJob*>& list = lumps.list;
   std::vector<PairResult> expected(jobs.size());
   Dispatcher host;
-  host.collideBatch(list, expected);
+  const BatchEnd ofHost = host.collideBatch(list, expected);
   for (std::size_t count = 1; count <= 4; ++count) {
     Dispatcher dispatcher;
     REQUIRE(open(dispatcher, count) == count);
@@ -205,7 +206,7 @@ void checkDivision(ContactModel model) {
     dispatcher.setThreadCount(1);
     for (const auto& slot : dispatcher.devices()) slot->costs = costsFor(0.5);
     std::vector<PairResult> found(jobs.size());
-    dispatcher.collideBatch(list, found);
+    const BatchEnd end = dispatcher.collideBatch(list, found);
     std::size_t wrong = 0, onDevice = 0;
     for (std::size_t i = 0; i < jobs.size(); ++i) {
       wrong += sameBytes(found[i].contacts, expected[i].contacts) ? 0 : 1;
@@ -249,7 +250,7 @@ TEST_CASE("large overlaps of solids go all to devices where these are sooner don
     costs.largeWork = 1e-9;  // all of them
     slot.costs = costs;
     std::vector<PairResult> found(lumps.jobs.size());
-    dispatcher.collideBatch(lumps.list, found);
+    const BatchEnd end = dispatcher.collideBatch(lumps.list, found);
     INFO(slot.blockPairs);
     CHECK((slot.blockPairs > 590) == (dearer > 1));
     CHECK(slot.blockPairs > 100);
@@ -386,7 +387,7 @@ TEST_CASE("several threads submit batches and single queries at once") {
       Batch& batch = batches[t];
       for (int round = 0; round < 2; ++round) {
         std::vector<PairResult> found(batch.jobs.size());
-        dispatcher.collideBatch(batch.start(), found);
+        const BatchEnd end = dispatcher.collideBatch(batch.start(), found);
         for (std::size_t i = 0; i < found.size(); ++i) {
           if (!sameBytes(found[i].contacts, batch.expected[i].contacts)) ++wrong;
         }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Arrays of pairs, at once and in the background: each pair has what dCollide gives it.
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <memory>
@@ -182,6 +183,29 @@ TEST_CASE("a skip, and geoms that have nothing to do with each other") {
   dWorldDestroy(world);
 }
 
+TEST_CASE("pairs that fail are counted, and the others of an array have their contacts") {
+  const OdeSession session;
+  const auto spoil = [](const Heap& heap) {
+    const dMatrix3 stretched = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0};
+    dGeomSetRotation(heap.geoms[9], stretched);
+    dGeomGpuTriMeshSetCallback(heap.geoms[4], [](dGeomID, dGeomID, int triangle) { return triangle % 3 != 0 ? 1 : 0; });
+    dGeomGpuTriMeshSetData(heap.geoms[6], nullptr);
+  };
+  const Heap x(17), y(17);
+  spoil(x);
+  spoil(y);
+  for (int round = 0; round < 2; ++round) {
+    const Lists expected = oneByOne(x.pairs(), 8, 0);
+    CHECK(dGpuTriMeshGetError() == dGPUTRIMESH_ERROR_POSE);
+    CHECK(dGpuTriMeshBatchWait(nullptr) == dGPUTRIMESH_ERROR_ARGUMENT);  // another error than that
+    const Lists found = asArray(y.pairs(), 8, 0);
+    CHECK(dGpuTriMeshGetError() == dGPUTRIMESH_ERROR_POSE);
+    CHECK(sameLists(named(expected, x), named(found, y)));
+    CHECK(x.history() == y.history());
+    CHECK(x.stats() == y.stats());
+  }
+}
+
 TEST_CASE("arguments that are refused change nothing") {
   const OdeSession session;
   const Heap heap(1, 2);
@@ -202,6 +226,17 @@ TEST_CASE("arguments that are refused change nothing") {
   refuse(dGPUTRIMESH_ERROR_ARGUMENT, dGpuTriMeshCollidePairs(&good, 1, 4, contacts, size - 1, counts));
   refuse(dGPUTRIMESH_ERROR_ARGUMENT, dGpuTriMeshCollidePairs(&good, 1, 4, contacts, size, nullptr));
   CHECK(counts[0] == -5);
+  // Wherever in a large array the geom is, and whether it is read by the time it is found.
+  for (const std::size_t at : {std::size_t{0}, std::size_t{63}, std::size_t{64}, std::size_t{1000}}) {
+    std::vector<dGpuTriMeshPair> many(1001, good);
+    many[at].o1 = sphere;
+    std::vector<dContactGeom> places(many.size());
+    std::vector<int> ofEach(many.size(), -5);
+    const int count = static_cast<int>(many.size());
+    refuse(dGPUTRIMESH_ERROR_CLASS, dGpuTriMeshCollidePairs(many.data(), count, 1, places.data(), size, ofEach.data()));
+    CHECK(std::count(ofEach.begin(), ofEach.end(), -5) == count);
+    CHECK(dGpuTriMeshBatchSubmit(many.data(), count, 1) == nullptr);
+  }
   CHECK(dGpuTriMeshCollidePairs(nullptr, 0, 4, nullptr, 0, nullptr) == 0);
   CHECK(dGpuTriMeshBatchSubmit(bad, 2, 4) == nullptr);
   CHECK(dGpuTriMeshGetError() == dGPUTRIMESH_ERROR_CLASS);
