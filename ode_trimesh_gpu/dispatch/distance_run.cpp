@@ -8,9 +8,9 @@
 namespace otg {
 namespace {
 
-bool hasSurfaces(const Query& query) {
+bool hasSurfaces(const opencl::PosedMeshes& pair) {
   const auto any = [](const CollisionMesh* mesh) { return mesh != nullptr && !mesh->tree().nodes.empty(); };
-  return any(query.a) && any(query.b);
+  return any(pair.a) && any(pair.b);
 }
 
 }  // namespace
@@ -23,8 +23,8 @@ void measureOnHost(ThreadPool& pool, std::span<const OverlapJob> jobs, std::span
                    std::span<MeshDistance> answers) {
   pool.run(which.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      const Query& query = jobs[which[k]].query;
-      answers[which[k]] = hasSurfaces(query) ? meshDistance(query, limit) : MeshDistance();
+      const opencl::PosedMeshes& pair = jobs[which[k]].pair;
+      answers[which[k]] = hasSurfaces(pair) ? meshDistance(opencl::queryOf(pair), limit) : MeshDistance();
     }
   });
 }
@@ -34,7 +34,7 @@ void measureOnDevice(DeviceSlot& slot, ThreadPool& pool, std::span<const Overlap
   constexpr std::size_t kPart = 32;  // of a thread
   std::vector<Query> queries(which.size());
   pool.run(which.size(), kPart, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) queries[k] = jobs[which[k]].query;
+    for (std::size_t k = begin; k < end; ++k) queries[k] = opencl::queryOf(jobs[which[k]].pair);
   });
   std::vector<std::uint8_t> meet;
   bool good = slot.backend->intersectBatch(queries, meet);
@@ -83,9 +83,9 @@ void runDistances(ThreadPool& pool, DeviceSlot* slot, std::span<const OverlapJob
   std::vector<std::size_t> bound, open, host;
   double work = 0;
   for (std::size_t i = 0; i < jobs.size(); ++i) {
-    const bool isHosts = slot == nullptr || jobs[i].place == Place::kCpu || !hasSurfaces(jobs[i].query);
+    const bool isHosts = slot == nullptr || jobs[i].place == Place::kCpu || !hasSurfaces(jobs[i].pair);
     (isHosts ? host : jobs[i].place == Place::kOpencl ? bound : open).push_back(i);
-    if (!isHosts && jobs[i].place != Place::kOpencl) work += distanceWork(jobs[i].query);
+    if (!isHosts && jobs[i].place != Place::kOpencl) work += distanceWork(opencl::queryOf(jobs[i].pair));
   }
   const bool sooner = slot != nullptr && !open.empty() &&
                       areDistancesSoonerOnDevice(work, open.size(), slot->costs, pool.threadCount());

@@ -12,27 +12,31 @@ namespace {
 
 using Indices = std::vector<std::size_t>;
 
-constexpr std::size_t kPairsAtOnce = 1, kInsideAtOnce = 32, kReadAtOnce = 128;
+/// Items that a thread takes at once: one, unless there are so many that taking them costs.
+constexpr std::size_t kManyPairs = 1024, kPairsAtOnce = 8;
+constexpr std::size_t kInsideAtOnce = 32, kReadAtOnce = 128;
 
-bool hasTriangles(const Query& query) {
+bool hasTriangles(const opencl::PosedMeshes& pair) {
   const auto any = [](const CollisionMesh* mesh) { return mesh != nullptr && !mesh->tree().nodes.empty(); };
-  return any(query.a) && any(query.b);
+  return any(pair.a) && any(pair.b);
 }
 
 /// The device's part of some jobs, and what the CPU's threads add to it.
 void askDevice(DeviceSlot& slot, ThreadPool& pool, std::span<const OverlapJob> jobs, std::span<const std::size_t> which,
                std::span<std::uint8_t> answers) {
-  std::vector<Query> queries(which.size());
-  pool.run(which.size(), kInsideAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) queries[k] = jobs[which[k]].query;
-  });
+  std::vector<const opencl::PosedMeshes*> pairs;
+  pairs.reserve(which.size());
+  for (const std::size_t i : which) pairs.push_back(&jobs[i].pair);
+  const opencl::RunParts onHost = [&](std::size_t count, const ThreadPool::Work& work) {
+    pool.run(count, 1, work, true);  // the device waits for it
+  };
   std::vector<std::uint8_t> intersect;
-  const bool good = slot.backend->intersectBatch(queries, intersect);
+  const bool good = slot.backend->intersectBatch(pairs, intersect, nullptr, onHost);
   slot.note(which.size(), good);
   pool.run(which.size(), kInsideAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       Vec3d vertex{};
-      answers[which[k]] = intersect[k] != 0 || containedVertex(queries[k], vertex) ? 1 : 0;
+      answers[which[k]] = intersect[k] != 0 || containedVertex(opencl::queryOf(*pairs[k]), vertex) ? 1 : 0;
     }
   });
 }
@@ -56,11 +60,11 @@ void runOverlaps(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>
   pool.run(jobs.size(), kReadAtOnce, [&](std::size_t from, std::size_t to) {
     for (std::size_t i = from; i < to; ++i) {
       answers[i] = 0;
-      if (!hasTriangles(jobs[i].query)) continue;
+      if (!hasTriangles(jobs[i].pair)) continue;
       const Place place = devices.empty() ? Place::kCpu : jobs[i].place;
       kinds[i] = place == Place::kCpu ? Kind::kHost : place == Place::kOpencl ? Kind::kBound : Kind::kOpen;
       const bool matters = kinds[i] == Kind::kOpen || devices.size() > 1;
-      if (kinds[i] != Kind::kHost && matters) works[i] = expectedWork(jobs[i].query);
+      if (kinds[i] != Kind::kHost && matters) works[i] = expectedWork(opencl::queryOf(jobs[i].pair));
     }
   });
   Indices bound, open, host;
@@ -77,7 +81,7 @@ void runOverlaps(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>
   // Rows of equal cost, one for each device.
   const auto cost = [&](std::size_t i) { return devices[0]->costs.batchOverlap.of(works[i]) + 1e-9; };
   double all = 0;
-  for (const std::size_t i : bound) all += cost(i);
+  for (const std::size_t i : bound) all += devices.size() > 1 ? cost(i) : 0;
   std::vector<std::thread> threads;
   std::vector<std::exception_ptr> errors(devices.size());
   const std::span<const std::size_t> row(bound);
@@ -91,15 +95,16 @@ void runOverlaps(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>
   double done = 0;
   std::size_t begin = 0;
   for (std::size_t d = 0; d < devices.size() && begin < row.size(); ++d) {
-    std::size_t end = begin;
+    std::size_t end = d + 1 == devices.size() ? row.size() : begin;
     const double share = all * static_cast<double>(d + 1) / static_cast<double>(devices.size());
-    while (end < row.size() && (done < share || d + 1 == devices.size())) {
-      done += cost(row[end]);
-      ++end;
-    }
+    for (; end < row.size() && done < share; ++end) done += cost(row[end]);
     const std::span<const std::size_t> part = row.subspan(begin, end - begin);
     begin = end;
     if (part.empty()) continue;
+    if (host.empty() && end == row.size()) {  // there is nothing else to be done meanwhile
+      ask(d, part);
+      continue;
+    }
     try {
       threads.emplace_back([&ask, d, part] { ask(d, part); });
     } catch (const std::system_error&) {  // no thread to be had
@@ -107,8 +112,8 @@ void runOverlaps(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>
     }
   }
   try {
-    pool.run(host.size(), kPairsAtOnce, [&](std::size_t from, std::size_t to) {
-      for (std::size_t k = from; k < to; ++k) answers[host[k]] = overlap(jobs[host[k]].query) ? 1 : 0;
+    pool.run(host.size(), host.size() < kManyPairs ? 1 : kPairsAtOnce, [&](std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) answers[host[k]] = overlap(opencl::queryOf(jobs[host[k]].pair)) ? 1 : 0;
     });
   } catch (...) {
     for (std::thread& thread : threads) thread.join();

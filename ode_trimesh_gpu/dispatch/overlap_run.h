@@ -13,9 +13,10 @@
 
 namespace otg {
 
+/// Nothing is set at first: arrays of them are filled in by many threads.
 struct OverlapJob {
-  Query query;  ///< a, b and bInA, which is rigid; a mesh without triangles overlaps nothing
-  Place place = Place::kAuto;
+  opencl::PosedMeshes pair;  ///< bInA is rigid; null, or a mesh without triangles, overlaps nothing
+  Place place;
 };
 
 /// 1 or 0 for each job, as otg::overlap says. Devices find out whether triangles intersect; whether a part of one mesh

@@ -176,8 +176,8 @@ void PairBatch::finishReading(std::size_t i) {
   block.objects[2 * k + 1] = task.side2.object->shared_from_this();
   if (task.state != PairTask::State::kReady) return;
   if (needsHistory(task)) {
-    if (block.histories == nullptr) block.histories = std::make_unique<SolidHistory[]>(kBlock);
-    recallPair(task, block.histories[k]);
+    if (block.histories.empty()) block.histories.reserve(kBlock);
+    recallPair(task, block.histories.emplace_back());
   }
   task.job.any = wish_.unimportant;
   if (wish_.capacity > 0) {

@@ -73,7 +73,7 @@ class PairBatch {
     std::shared_ptr<const GeomObject> objects[2 * kBlock];  ///< what the tasks point to
     /// Few of them twice: counting shares of a few meshes in thousands of pairs keeps threads waiting for each other.
     std::vector<std::shared_ptr<const CollisionMesh>> meshes;
-    std::unique_ptr<SolidHistory[]> histories;  ///< of the tasks; null if none has one
+    std::vector<SolidHistory> histories;  ///< of tasks, which point to them: room for all is made at once
   };
   enum class Kind : std::uint8_t { kNone, kJob, kAsks, kLater };
   static constexpr std::uint8_t kNobody = 255;

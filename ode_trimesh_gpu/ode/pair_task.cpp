@@ -237,7 +237,6 @@ bool needsHistory(const PairTask& task) {
 }
 
 void recallPair(PairTask& task, SolidHistory& history) {
-  history = {};
   task.stamp = task.b().memory.recall(task.a().serial, history);
   if (task.stamp <= task.a().clearedAt) {  // A was told to forget, and it is B that remembers
     history = {};

@@ -79,7 +79,8 @@ void preparePair(MeshGeom&& side1, MeshGeom&& side2, PairTask& task) noexcept;
 
 /// Whether a prepared pair has to be given a history by recallPair().
 bool needsHistory(const PairTask& task);
-/// What is remembered of the pair, which the query goes on with: the object has to live as long as the task is used.
+/// What is remembered of the pair, which the query goes on with, in place of nothing: the object has to live as long as
+/// the task is used.
 void recallPair(PairTask& task, SolidHistory& history);
 
 /// What every collision leaves with its geoms, of contacts found or not: the history and the statistics. Returns the

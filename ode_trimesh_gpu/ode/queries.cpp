@@ -6,11 +6,15 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "dispatch/dispatcher.h"
 #include "dispatch/single_run.h"
 #include "ode/geom_class.h"
+#include "ode/geom_part.h"
 #include "ode/mesh_collider.h"
 #include "ode/pair_task.h"
 #include "ode/status.h"
@@ -22,7 +26,7 @@
 namespace otg {
 namespace {
 
-constexpr std::size_t kPairsAtOnce = 1, kOverlapsAtOnce = 8, kPlacedAtOnce = 64, kCheckedAtOnce = 4096;
+constexpr std::size_t kPairsAtOnce = 1, kPlacedAtOnce = 64, kCheckedAtOnce = 4096;
 
 void write(const Vec3d& from, dReal* to) {
   to[0] = static_cast<dReal>(from.x);
@@ -47,16 +51,34 @@ struct Placed {
   Transformd pose{};
 };
 
+/// The mesh of an object that is held; null: no surface.
+const CollisionMesh* surfaceOf(const GeomObject& object) {
+  const CollisionMesh* const mesh = object.mesh();
+  return mesh == nullptr || mesh->tree().nodes.empty() ? nullptr : mesh;
+}
+
+/// Where arrays are computed that are asked of a geom.
+Place placeOf(const GeomObject& object) {
+  return settled(pairPlacement(object.params, object.params, dispatcher().placement())).middle;
+}
+
+/// Of two that differ the CPU wins over devices, and both over open.
+Place both(Place first, Place second) {
+  for (const Place which : {Place::kCpu, Place::kOpencl}) {
+    if (first == which || second == which) return which;
+  }
+  return Place::kAuto;
+}
+
 /// Returns a status. `object` is the geom's, null for geoms of other classes.
 int place(dGeomID g, GeomObject* object, Placed& out) {
   if (object == nullptr) return dGPUTRIMESH_ERROR_CLASS;
   if (!out.use.emplace(object).good()) return dGPUTRIMESH_ERROR_BUSY;
   const WorldPose pose = readPose(g);
   if (!pose.rigid) return dGPUTRIMESH_ERROR_POSE;
-  out.mesh = object->mesh();
-  if (out.mesh != nullptr && out.mesh->tree().nodes.empty()) out.mesh = nullptr;
+  out.mesh = surfaceOf(*object);
   out.pose = pose.transform;
-  out.place = settled(pairPlacement(object->params, object->params, dispatcher().placement())).middle;
+  out.place = placeOf(*object);
   return dGPUTRIMESH_OK;
 }
 
@@ -130,13 +152,6 @@ void askPoints(const Placed& placed, const Points& from, int count, bool nearest
 /// Two geoms.
 struct PlacedPair {
   Placed first, second;
-  /// Of two that differ the CPU wins over devices, and both over open.
-  Place place() const {
-    for (const Place which : {Place::kCpu, Place::kOpencl}) {
-      if (first.place == which || second.place == which) return which;
-    }
-    return Place::kAuto;
-  }
 };
 
 /// As a query, mesh A being o1's. Returns a status; a null mesh in the query: a geom without a surface.
@@ -218,42 +233,60 @@ int forPairs(int count, std::size_t atOnce, const One& one) {
   });
 }
 
-/// Pairs of an array as jobs, held as long as this lives or until they are let go.
+/// Pairs of an array as jobs, at the moment when they are read. The meshes are shared as long as this lives.
 class PlacedPairs {
  public:
-  PlacedPairs(const dGpuTriMeshPair* pairs, int count)
-      : placed_(static_cast<std::size_t>(count)), jobs_(placed_.size()), poses_(placed_.size()) {
+  PlacedPairs(const dGpuTriMeshPair* pairs, int count, bool withPoses)
+      : count_(static_cast<std::size_t>(count)),
+        jobs_(std::make_unique_for_overwrite<OverlapJob[]>(count_)),
+        poses_(withPoses ? std::make_unique_for_overwrite<Transformd[]>(count_) : nullptr),
+        meshes_((count_ + kPlacedAtOnce - 1) / kPlacedAtOnce) {
     status_ = forParts(count, kPlacedAtOnce, [&](std::size_t begin, std::size_t end) {
-      const LiveObjects live;
-      for (std::size_t i = begin; i < end; ++i) {
-        const int bad = placePair(pairs[i].o1, pairs[i].o2, live, placed_[i], jobs_[i].query, poses_[i]);
-        if (bad != dGPUTRIMESH_OK) return bad;
-        jobs_[i].place = placed_[i].place();
-      }
-      return static_cast<int>(dGPUTRIMESH_OK);
-    });
-  }
-  /// By all threads: each geom is let go of by itself.
-  void letGo() {
-    forParts(static_cast<int>(placed_.size()), kPlacedAtOnce, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        placed_[i].first.use.reset();
-        placed_[i].second.use.reset();
-      }
-      return 0;
+      return placePart(begin, {pairs + begin, end - begin});
     });
   }
   PlacedPairs(const PlacedPairs&) = delete;
   PlacedPairs& operator=(const PlacedPairs&) = delete;
   int status() const { return status_; }
-  const std::vector<OverlapJob>& jobs() const { return jobs_; }
-  /// Of the first geom of pair `i`.
+  std::span<const OverlapJob> jobs() const { return {jobs_.get(), count_}; }
+  /// Of the first geom of pair `i`, if poses were asked for.
   const Transformd& pose(std::size_t i) const { return poses_[i]; }
 
  private:
-  std::vector<PlacedPair> placed_;
-  std::vector<OverlapJob> jobs_;
-  std::vector<Transformd> poses_;
+  int placePart(std::size_t begin, std::span<const dGpuTriMeshPair> pairs) {
+    GeomPart part(pairs, false);
+    constexpr std::size_t kAhead = 4;
+    for (std::size_t k = 0; k < kAhead; ++k) part.fetchPoses(k);
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      part.fetchPoses(k + kAhead);
+      GeomObject *const object1 = part.object1(k), *const object2 = part.object2(k);
+      if (object1 == nullptr || object2 == nullptr) return dGPUTRIMESH_ERROR_CLASS;
+      if (!part.hold(k)) return dGPUTRIMESH_ERROR_BUSY;
+      const WorldPose pose1 = readPose(pairs[k].o1), pose2 = readPose(pairs[k].o2);
+      if (!pose1.rigid || !pose2.rigid) return dGPUTRIMESH_ERROR_POSE;
+      OverlapJob& job = jobs_[begin + k];
+      std::vector<std::shared_ptr<const CollisionMesh>>& meshes = meshes_[begin / kPlacedAtOnce];
+      job.pair.a = share(part, *object1, meshes);
+      job.pair.b = share(part, *object2, meshes);
+      job.pair.bInA = relativePose(pose1.transform, pose2.transform);
+      job.place = both(placeOf(*object1), placeOf(*object2));
+      if (poses_ != nullptr) poses_[begin + k] = pose1.transform;
+    }
+    return dGPUTRIMESH_OK;
+  }
+  /// Null for a geom without a surface.
+  static const CollisionMesh* share(GeomPart& part, const GeomObject& object,
+                                    std::vector<std::shared_ptr<const CollisionMesh>>& meshes) {
+    const CollisionMesh* const mesh = surfaceOf(object);
+    if (mesh != nullptr) part.share(object, mesh, meshes);
+    return mesh;
+  }
+  static_assert(kPlacedAtOnce <= GeomPart::kMost);
+
+  std::size_t count_;
+  std::unique_ptr<OverlapJob[]> jobs_;
+  std::unique_ptr<Transformd[]> poses_;
+  std::vector<std::vector<std::shared_ptr<const CollisionMesh>>> meshes_;  ///< of each part
   int status_ = dGPUTRIMESH_OK;
 };
 
@@ -384,17 +417,16 @@ int dGpuTriMeshGetDistances(const dGpuTriMeshPair* pairs, int count, dReal limit
       return otg::forPairs(count, otg::kPairsAtOnce,
                            [&](std::size_t i) { return otg::distanceOf(pairs[i].o1, pairs[i].o2, limit, out[i]); });
     }
-    otg::PlacedPairs placed(pairs, count);
+    const otg::PlacedPairs placed(pairs, count, true);
     if (placed.status() < 0) return placed.status();
     std::vector<otg::MeshDistance> found(static_cast<std::size_t>(count));
     otg::dispatcher().askDistances(placed.jobs(), static_cast<double>(limit), found);
     otg::forParts(count, otg::kPlacedAtOnce, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        otg::writeDistance(placed.jobs()[i].query, placed.pose(i), found[i], out[i]);
+        otg::writeDistance(otg::opencl::queryOf(placed.jobs()[i].pair), placed.pose(i), found[i], out[i]);
       }
       return static_cast<int>(dGPUTRIMESH_OK);
     });
-    placed.letGo();
     return static_cast<int>(dGPUTRIMESH_OK);
   });
 }
@@ -406,21 +438,15 @@ int dGpuTriMeshOverlap(dGeomID o1, dGeomID o2) {
 int dGpuTriMeshOverlaps(const dGpuTriMeshPair* pairs, int count, unsigned char* out) {
   return otg::guarded([&] {
     if (const int status = otg::checkPairs(pairs, count, out)) return status;
-    if (!otg::dispatcher().hasDevices()) {
-      return otg::forPairs(count, otg::kOverlapsAtOnce, [&](std::size_t i) {
-        const int answer = otg::overlapOf(pairs[i].o1, pairs[i].o2);
-        if (answer >= 0) out[i] = static_cast<unsigned char>(answer);
-        return answer;
-      });
+    if (count == 1) {
+      const int answer = otg::overlapOf(pairs->o1, pairs->o2);
+      if (answer >= 0) *out = static_cast<unsigned char>(answer);
+      return answer;
     }
-    otg::PlacedPairs placed(pairs, count);
+    const otg::PlacedPairs placed(pairs, count, false);
     if (placed.status() < 0) return placed.status();
-    const auto size = static_cast<std::size_t>(count);
-    otg::dispatcher().askOverlaps(placed.jobs(), {out, size});
-    placed.letGo();
-    return otg::forParts(count, otg::kPlacedAtOnce, [&](std::size_t begin, std::size_t end) {
-      return static_cast<int>(std::count(out + begin, out + end, 1));
-    });
+    otg::dispatcher().askOverlaps(placed.jobs(), {out, static_cast<std::size_t>(count)});
+    return static_cast<int>(std::count(out, out + count, 1));
   });
 }
 

@@ -75,6 +75,21 @@ struct MeshPair {
   Transformd bInA{};
 };
 
+/// Two meshes, and B in A's frame as Query::bInA: as much of a query as it takes to ask whether they meet. Nothing is
+/// set at first.
+struct PosedMeshes {
+  const CollisionMesh* a;
+  const CollisionMesh* b;
+  Transformd bInA;
+};
+inline Query queryOf(const PosedMeshes& pair) {
+  Query query;
+  query.a = pair.a;
+  query.b = pair.b;
+  query.bInA = pair.bInA;
+  return query;
+}
+
 /// Many pairs of few meshes, all with the same options: what is sent for a pair is its MeshPair, and no more is read
 /// here. No relative velocities, no histories.
 struct PairBatch {
@@ -181,7 +196,7 @@ class Backend {
                     const RunParts& onHost = {});
   /// Whether the two meshes of each query have triangles that intersect: 1 or 0 (0 for a pose that is refused).
   /// `onHost` helps to fill in what is sent.
-  bool intersectBatch(std::span<const Query* const> queries, std::vector<std::uint8_t>& answer,
+  bool intersectBatch(std::span<const PosedMeshes* const> pairs, std::vector<std::uint8_t>& answer,
                       StageTimes* times = nullptr, const RunParts& onHost = {});
   bool intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer, StageTimes* times = nullptr);
   bool intersectBatch(const PairBatch& batch, std::vector<std::uint8_t>& answer, StageTimes* times = nullptr);

@@ -562,9 +562,9 @@ bool Backend::collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTim
   return collideFrom(PairSource(batch, state_->tuning.solid), answer, times, onHost);
 }
 
-bool Backend::intersectBatch(std::span<const Query* const> queries, std::vector<std::uint8_t>& answer,
+bool Backend::intersectBatch(std::span<const PosedMeshes* const> pairs, std::vector<std::uint8_t>& answer,
                              StageTimes* times, const RunParts& onHost) {
-  return intersectFrom(QuerySource(QueryList(queries), state_->tuning.solid, onHost), answer, times, onHost);
+  return intersectFrom(PosedSource(pairs, onHost), answer, times, onHost);
 }
 
 bool Backend::intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer, StageTimes* times) {

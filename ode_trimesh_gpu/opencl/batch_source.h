@@ -90,6 +90,28 @@ class QueryList {
   std::size_t size_;
 };
 
+/// The meshes of pairs that one thread looks at side by side.
+struct PartMeshes {
+  std::vector<const CollisionMesh*> own;  ///< in the order of their first appearance in the part
+  std::vector<std::uint32_t> numbers;     ///< of these, among the meshes of all parts
+};
+
+/// Numbers the meshes of all parts in the order of their first appearance.
+inline void numberMeshes(std::span<PartMeshes> parts, std::vector<const CollisionMesh*>& meshes) {
+  MeshNumbers number(meshes);
+  for (PartMeshes& part : parts) {
+    for (const CollisionMesh* mesh : part.own) part.numbers.push_back(number(mesh));
+  }
+}
+
+/// Calls look(begin, end) for parts of kPart of `count` pairs, by threads if there are any.
+template <class Look>
+void lookByParts(const RunParts& onHost, std::size_t count, const Look& look) {
+  runParts(onHost ? &onHost : nullptr, count, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t at = begin; at < end; at += kPart) look(at, std::min(at + kPart, end));
+  });
+}
+
 /// Such queries, each with options of its own. They are looked at in parts, each of which numbers meshes and reductions
 /// for itself; these are then numbered for all, in the order of their first appearance.
 class QuerySource {
@@ -97,14 +119,11 @@ class QuerySource {
   /// Pairs that may have contacts of the model `solid` are left to the host unless the device `makesSolids`. `onHost`:
   /// threads that help; may be empty.
   QuerySource(const QueryList& queries, bool makesSolids, const RunParts& onHost = {})
-      : queries_(queries), heads_(queries.size()), parts_((queries.size() + kPart - 1) / kPart) {
-    runParts(onHost ? &onHost : nullptr, queries.size(), [&](std::size_t begin, std::size_t end) {
-      for (std::size_t at = begin; at < end; at += kPart) look(at, std::min(at + kPart, end));
-    });
-    MeshNumbers number(meshes);
+      : queries_(queries), heads_(queries.size()), parts_(partsOf(queries.size())), meshes_(parts_.size()) {
+    lookByParts(onHost, queries.size(), [this](std::size_t begin, std::size_t end) { look(begin, end); });
+    numberMeshes(meshes_, meshes);
     SolidReductions all{reductions};
     for (Part& part : parts_) {
-      for (const CollisionMesh* mesh : part.meshes) part.meshNumbers.push_back(number(mesh));
       for (const auto& [options, kind] : part.reductions) {
         part.reductionNumbers.push_back(kind.solid ? all.solid(*options, kind.mixed, kind.burdened || !makesSolids)
                                                    : all.find(deviceReduction(*options, false)));
@@ -124,11 +143,11 @@ class QuerySource {
   Query query(std::size_t i) const { return queries_[i]; }
   void fill(std::size_t i, otg_batch_task& task) const {
     const Head& head = heads_[i];
-    const Part& part = parts_[i / kPart];
+    const std::vector<std::uint32_t>& numbers = meshes_[i / kPart].numbers;
     task.bInA = queries_[i].bInA;
-    task.meshA = part.meshNumbers[head.meshA];
-    task.meshB = part.meshNumbers[head.meshB];
-    task.reduction = part.reductionNumbers[head.reduction];
+    task.meshA = numbers[head.meshA];
+    task.meshB = numbers[head.meshB];
+    task.reduction = parts_[i / kPart].reductionNumbers[head.reduction];
     task.skip = 0;
   }
 
@@ -146,9 +165,8 @@ class QuerySource {
     Kind kind;
   };
   struct Part {
-    std::vector<const CollisionMesh*> meshes;
-    std::vector<Reduction> reductions;                         ///< no two in a row alike
-    std::vector<std::uint32_t> meshNumbers, reductionNumbers;  ///< of all queries
+    std::vector<Reduction> reductions;            ///< no two in a row alike
+    std::vector<std::uint32_t> reductionNumbers;  ///< of these, among those of all parts
   };
 
   static Kind kindOf(const Query& query) {
@@ -163,7 +181,7 @@ class QuerySource {
   /// One part.
   void look(std::size_t begin, std::size_t end) {
     Part& part = parts_[begin / kPart];
-    MeshNumbers number(part.meshes);
+    MeshNumbers number(meshes_[begin / kPart].own);
     for (std::size_t i = begin; i < end; ++i) {
       const Query& query = queries_[i];
       const Kind kind = kindOf(query);
@@ -179,6 +197,45 @@ class QuerySource {
   QueryList queries_;
   std::vector<Head> heads_;
   std::vector<Part> parts_;
+  std::vector<PartMeshes> meshes_;  ///< of each part
+};
+
+/// Pairs of which nothing is asked but whether they meet.
+class PosedSource {
+ public:
+  /// `onHost`: threads that help; may be empty.
+  explicit PosedSource(std::span<const PosedMeshes* const> pairs, const RunParts& onHost)
+      : pairs_(pairs), heads_(pairs.size()), meshes_(partsOf(pairs.size())) {
+    lookByParts(onHost, pairs.size(), [this](std::size_t begin, std::size_t end) {
+      MeshNumbers number(meshes_[begin / kPart].own);
+      for (std::size_t i = begin; i < end; ++i) heads_[i] = {number(pairs_[i]->a), number(pairs_[i]->b)};
+    });
+    numberMeshes(meshes_, meshes);
+    reductions.push_back(deviceReduction(CollideOptions(), false));
+  }
+
+  std::vector<const CollisionMesh*> meshes;
+  std::vector<otg_reduction> reductions;
+  static constexpr bool anyPairwise = true, anySolid = false, anyHistory = false, kIsScattered = true;
+
+  std::size_t size() const { return pairs_.size(); }
+  Query query(std::size_t i) const { return queryOf(*pairs_[i]); }
+  void fill(std::size_t i, otg_batch_task& task) const {
+    const std::vector<std::uint32_t>& numbers = meshes_[i / kPart].numbers;
+    task.bInA = pairs_[i]->bInA;
+    task.meshA = numbers[heads_[i].meshA];
+    task.meshB = numbers[heads_[i].meshB];
+    task.reduction = 0;
+    task.skip = 0;
+  }
+
+ private:
+  struct Head {  ///< numbers of the pair's part
+    std::uint32_t meshA, meshB;
+  };
+  std::span<const PosedMeshes* const> pairs_;
+  std::vector<Head> heads_;
+  std::vector<PartMeshes> meshes_;  ///< of each part
 };
 
 /// Pairs of meshes that are numbered already, with the same options for all.

@@ -10,6 +10,9 @@
 namespace otg::opencl {
 
 constexpr std::size_t kPart = 256;  ///< items that are worth a thread's while
+constexpr std::size_t partsOf(std::size_t count) {
+  return (count + kPart - 1) / kPart;
+}
 
 /// work(begin, end) for parts of [0, count) that begin at multiples of kPart, by `threads` if there are any.
 template <class Work>
@@ -18,7 +21,7 @@ void runParts(const RunParts* threads, std::size_t count, const Work& work) {
     work(std::size_t{0}, count);
     return;
   }
-  (*threads)((count + kPart - 1) / kPart,
+  (*threads)(partsOf(count),
              [&](std::size_t begin, std::size_t end) { work(begin * kPart, std::min(end * kPart, count)); });
 }
 

@@ -48,8 +48,8 @@ Pairs allPairs(const std::vector<samples::NamedMesh>& meshes, int poses, BuildSt
   for (const auto& a : all.meshes) {
     for (const auto& b : all.meshes) {
       for (int i = 0; i < poses; ++i) {
-        all.jobs.push_back(
-            {makeQuery(*a, *b, samples::poseForDistance(a->mesh(), b->mesh(), draw, i)), Place::kOpencl});
+        const Transformd pose = samples::poseForDistance(a->mesh(), b->mesh(), draw, i);
+        all.jobs.push_back({{a.get(), b.get(), pose}, Place::kOpencl});
       }
     }
   }
@@ -72,7 +72,7 @@ std::vector<Bits> onDevice(DeviceSlot& slot, ThreadPool& pool, const Pairs& pair
 
 std::vector<Bits> oneByOne(const Pairs& pairs, double limit) {
   std::vector<Bits> bits;
-  for (const OverlapJob& job : pairs.jobs) bits.push_back(bitsOf(meshDistance(job.query, limit)));
+  for (const OverlapJob& job : pairs.jobs) bits.push_back(bitsOf(meshDistance(opencl::queryOf(job.pair), limit)));
   return bits;
 }
 
@@ -146,11 +146,11 @@ TEST_CASE("sizes beyond single precision are the CPU's") {
     pairs.meshes.push_back(collisionMesh(arrays));
     const auto& mesh = *pairs.meshes.back();
     const double apart = 3 * static_cast<double>(size);
-    pairs.jobs.push_back({makeQuery(mesh, mesh, makePose({0, 0, 1}, 0.3, {apart, apart, 0})), Place::kOpencl});
+    pairs.jobs.push_back({{&mesh, &mesh, makePose({0, 0, 1}, 0.3, {apart, apart, 0})}, Place::kOpencl});
   }
   for (const double far : {1e9, 1e17, 1e30}) {
     const auto& mesh = *pairs.meshes[2];
-    pairs.jobs.push_back({makeQuery(mesh, mesh, makePose({0, 0, 1}, 0.3, {far, 0, far})), Place::kOpencl});
+    pairs.jobs.push_back({{&mesh, &mesh, makePose({0, 0, 1}, 0.3, {far, 0, far})}, Place::kOpencl});
   }
   CHECK(differences(onDevice(*slot, pool, pairs, kInfinity), oneByOne(pairs, kInfinity)) == 0);
   CHECK(slot->failedCalls == 0);
@@ -162,8 +162,8 @@ TEST_CASE("no pairs, and pairs that all overlap") {
   CHECK(onDevice(*slot, pool, {}, kInfinity).empty());
   Pairs inside;
   inside.meshes = {collisionMesh(scenes::makeLump(1, 2, 0.1, 3)), collisionMesh(scenes::makeLump(0.3, 2, 0.1, 3))};
-  inside.jobs.push_back({makeQuery(*inside.meshes[0], *inside.meshes[1], {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {}}), {}});
-  inside.jobs.push_back({makeQuery(*inside.meshes[0], *inside.meshes[0], makePose({0, 0, 1}, 0.1, {0.1, 0, 0})), {}});
+  inside.jobs.push_back({{inside.meshes[0].get(), inside.meshes[1].get(), {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {}}}, {}});
+  inside.jobs.push_back({{inside.meshes[0].get(), inside.meshes[0].get(), makePose({0, 0, 1}, 0.1, {0.1, 0, 0})}, {}});
   const std::vector<Bits> device = onDevice(*slot, pool, inside, kInfinity);
   CHECK(differences(device, oneByOne(inside, kInfinity)) == 0);
   CHECK(device[0].triangleA == kNone);
@@ -226,8 +226,8 @@ TEST_CASE("distances are asked for where that is expected to be done sooner, and
   const auto slot = openSlot();
   dispatcher.setDevices({slot});
   std::vector<Bits> expected = oneByOne(pairs, kInfinity);
-  pairs.jobs.push_back({makeQuery(*pairs.meshes[0], *empty.meshes[0], makePose({0, 0, 1}, 0, {2, 0, 0})), {}});
-  pairs.jobs.push_back({Query(), {}});  // geoms without meshes
+  pairs.jobs.push_back({{pairs.meshes[0].get(), empty.meshes[0].get(), makePose({0, 0, 1}, 0, {2, 0, 0})}, {}});
+  pairs.jobs.push_back({});  // geoms without meshes
   expected.resize(pairs.jobs.size(), bitsOf({}));
   const auto run = [&](Place place) {
     const std::uint64_t before = slot->backend->counts().distances;
