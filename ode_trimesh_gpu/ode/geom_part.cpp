@@ -13,6 +13,7 @@ constexpr std::size_t kLine = 64;  ///< bytes that memory is fetched in
 void fetch(const void* from, std::size_t bytes) noexcept {
   const char* const first = static_cast<const char*>(from);
   for (std::size_t at = 0; at < bytes; at += kLine) __builtin_prefetch(first + at);
+  __builtin_prefetch(first + bytes - 1);
 }
 
 /// A place in a table of so many, a power of two.

@@ -4,8 +4,9 @@
 #include <ode/collision_space.h>
 
 #include <algorithm>
+#include <atomic>
+#include <bit>
 #include <climits>
-#include <tuple>
 
 #include "ode/pair_batch.h"
 #include "ode/primitive_history.h"
@@ -48,17 +49,23 @@ class Gatherer {
   };
 
   static std::vector<dGpuTriMeshPair> once(const std::vector<Found>& found) {
-    std::vector<std::tuple<std::uint64_t, std::uint64_t, std::size_t>> order;
-    for (std::size_t i = 0; i < found.size(); ++i) order.emplace_back(found[i].x, found[i].y, i);
-    std::sort(order.begin(), order.end());
-    std::vector<std::size_t> kept;
-    for (std::size_t k = 0; k < order.size(); ++k) {
-      const auto& [x, y, i] = order[k];
-      if (k == 0 || std::get<0>(order[k - 1]) != x || std::get<1>(order[k - 1]) != y) kept.push_back(i);
-    }
-    std::sort(kept.begin(), kept.end());
+    // Open addressing: a number of `found` plus one, 0 for nothing; at least half of them are nothing.
+    std::vector<std::uint32_t> places(std::bit_ceil(2 * found.size() + 1), 0);
+    const auto isNew = [&](std::size_t i) {
+      const Found& one = found[i];
+      std::size_t at = ((one.x * 0x9e3779b97f4a7c15u + one.y) * 0xff51afd7ed558ccdu >> 20) & (places.size() - 1);
+      for (; places[at] != 0; at = (at + 1) & (places.size() - 1)) {
+        const Found& other = found[places[at] - 1];
+        if (other.x == one.x && other.y == one.y) return false;
+      }
+      places[at] = static_cast<std::uint32_t>(i + 1);
+      return true;
+    };
     std::vector<dGpuTriMeshPair> pairs;
-    for (const std::size_t i : kept) pairs.push_back(found[i].pair);
+    pairs.reserve(found.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (isNew(i)) pairs.push_back(found[i].pair);
+    }
     return pairs;
   }
 
@@ -108,16 +115,23 @@ int prefetch(std::span<const dSpaceID> spaces, dGpuTriMeshPairFilter* filter, vo
   const std::vector<dGpuTriMeshPair> pairs = gatherer.takeMeshes();
   PairBatch batch(pairs, {.known = true});
   batch.run();
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    if (const PairTask& task = batch.task(i); task.state == PairTask::State::kReady) task.b().prefetched.clear();
-  }
-  std::size_t ready = prefetchShapes(gatherer.takeShapes());
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const PairTask& task = batch.task(i);
-    if (task.state != PairTask::State::kReady || batch.result(i).outcome != PairResult::Outcome::kDone) continue;
-    task.b().prefetched.add(task, std::move(batch.result(i)));
-    ++ready;
-  }
+  // Every geom forgets all that it has before any gets something new.
+  batch.forParts([&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (const PairTask& task = batch.task(i); task.state == PairTask::State::kReady) task.b().prefetched.clear();
+    }
+  });
+  std::atomic<std::size_t> ready = prefetchShapes(gatherer.takeShapes());
+  batch.forParts([&](std::size_t begin, std::size_t end) {
+    std::size_t added = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const PairTask& task = batch.task(i);
+      if (task.state != PairTask::State::kReady || batch.result(i).outcome != PairResult::Outcome::kDone) continue;
+      task.b().prefetched.add(task, std::move(batch.result(i)));
+      ++added;
+    }
+    ready += added;
+  });
   return static_cast<int>(std::min<std::size_t>(ready, INT_MAX));
 }
 

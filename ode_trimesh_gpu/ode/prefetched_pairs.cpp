@@ -51,12 +51,18 @@ std::vector<Contact> limited(const Query& query, std::span<const Contact> contac
 }  // namespace
 
 void PrefetchedPairs::clear() {
+  if (empty()) return;
   const std::lock_guard lock(mutex_);
   entries_.clear();
   count_.store(0, std::memory_order_release);
 }
 
 void PrefetchedPairs::add(const PairTask& task, PairResult&& result) {
+  // All that may throw comes before the first change. A copy of the contacts: they may lie in a whole batch's memory,
+  // which goes away or is not to stay for long.
+  keepContacts(result, result.contacts);
+  const SolidHistory* const history = task.job.query.history;
+  auto left = history == nullptr ? nullptr : std::make_unique<const SolidHistory>(*history);
   const std::lock_guard lock(mutex_);
   Entry& entry = entries_[task.a().serial];
   entry.a = task.job.query.a->lifetime();
@@ -65,10 +71,8 @@ void PrefetchedPairs::add(const PairTask& task, PairResult&& result) {
   entry.query.history = nullptr;
   entry.remembers = task.remembers;
   entry.stamp = task.stamp;
-  entry.history = task.job.query.history != nullptr ? *task.job.query.history : SolidHistory{};
+  entry.history = std::move(left);
   entry.result = std::move(result);
-  // A copy: these may lie in a whole batch's memory, and stay here for long.
-  keepContacts(entry.result, entry.result.contacts);
   count_.store(entries_.size(), std::memory_order_release);
 }
 
@@ -91,7 +95,7 @@ bool PrefetchedPairs::find(PairTask& task, int capacity, PairResult& result) {
   } else {
     result = entry.result;
   }
-  if (query.history != nullptr) *query.history = entry.history;
+  if (query.history != nullptr) *query.history = entry.history != nullptr ? *entry.history : SolidHistory{};
   return true;
 }
 

@@ -36,7 +36,7 @@ class PrefetchedPairs {
     Query query;                     ///< without history
     bool remembers = false;
     std::uint64_t stamp = 0;
-    SolidHistory history;  ///< what the query left
+    std::unique_ptr<const SolidHistory> history;  ///< what the query left; null if it had none
     PairResult result;
   };
   std::mutex mutex_;
