@@ -14,6 +14,7 @@
 #include "dispatch/thread_pool.h"
 #include "opencl/backend.h"
 #include "otg/bench.h"
+#include "otg/bench_api_steps.h"
 #include "otg/bench_batch_scenes.h"
 #include "otg/bench_geoms.h"
 #include "otg/contact_hash.h"
@@ -434,8 +435,8 @@ void addDeviceBatchRows(const BenchOptions& options, const BatchVersions& scene,
 }
 
 /// What programs get, from geoms of ODE to arrays of dContactGeom, and whether pairs overlap: by all threads of the
-/// CPU, and on the device with them.
-void addApiRows(const BenchOptions& options, const BatchVersions& scene, bool withDevice, Json& rows) {
+/// CPU, and on the device with them. `steps`: where the time of these calls goes.
+void addApiRows(const BenchOptions& options, const BatchVersions& scene, bool withDevice, Json& rows, Json& steps) {
   const scenes::OdeSession session;
   const int repeat = options.repeat > 0 ? options.repeat : kRepeat;
   const GeomPairs pairs(scene.queries);
@@ -459,7 +460,7 @@ void addApiRows(const BenchOptions& options, const BatchVersions& scene, bool wi
     hash.add(yes.data(), yes.size());
     return hash.hex();
   };
-  const auto add = [&](const char* work, const auto& run, const auto& hash) {
+  const auto add = [&](const char* work, const auto& run, const auto& hash, const auto& addSteps) {
     std::string expected;
     for (const bool onDevice : {false, true}) {
       if (onDevice ? !withDevice : !options.cpu) continue;
@@ -470,10 +471,15 @@ void addApiRows(const BenchOptions& options, const BatchVersions& scene, bool wi
       std::vector<double> times;
       for (int i = 0; i < repeat; ++i) times.push_back(timeOnce(run));
       rows.push_back(batchRow(scene, work, onDevice ? "opencl" : "cpu", defaultThreadCount(), times, hash(), same));
+      addSteps(onDevice);
     }
   };
-  add("dGpuTriMeshCollidePairs()", collidePairs, hashContacts);
-  add("dGpuTriMeshOverlaps()", ask, hashYes);
+  add("dGpuTriMeshCollidePairs()", collidePairs, hashContacts, [&](bool onDevice) {
+    Json row = {{"work", rows.back()["work"]}, {"backend", rows.back()["backend"]}, {"threads", defaultThreadCount()}};
+    row.update(collideSteps(pairs.all(), kBatchContacts, repeat, onDevice));
+    steps.push_back(row);
+  });
+  add("dGpuTriMeshOverlaps()", ask, hashYes, [](bool) {});
 }
 
 }  // namespace
@@ -498,7 +504,7 @@ int benchBatch(const BenchOptions& options) {
   if (options.batches.empty() && modelOf(options) == ContactModel::kSolid) names.emplace_back("stacks");
   std::vector<BatchVersions> batches;
   for (const std::string& name : names) batches.push_back(makeBatchVersions(options, name));
-  Json single = Json::array(), batch = Json::array();
+  Json single = Json::array(), batch = Json::array(), steps = Json::array();
   for (const BatchVersions& scene : batches) {
     if (!options.cpu) break;
     for (const Json& row : cpuBatchRows(options, scene)) batch.push_back(row);
@@ -519,10 +525,10 @@ int benchBatch(const BenchOptions& options) {
     if (backend && backend->counts().onHost > 0) progress("note: the OpenCL device failed; the CPU did what it left");
   }
   const bool opened = index >= 0 && dispatcher().open(std::vector<int>{index}, variants.back().tuning) > 0;
-  for (const BatchVersions& scene : batches) addApiRows(options, scene, opened, batch);
+  for (const BatchVersions& scene : batches) addApiRows(options, scene, opened, batch, steps);
   printBench({{"bench", "batch"},
               {"device", device.empty() ? Json() : Json(device)},
-              {"tables", {{"single", single}, {"batch", batch}}}},
+              {"tables", {{"single", single}, {"batch", batch}, {"steps", steps}}}},
              options.json);
   return kOk;
 }

@@ -5,7 +5,6 @@
 #include <ode/collision.h>
 
 #include <algorithm>
-#include <climits>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -32,10 +31,6 @@ PairBatchWish wishOf(int flags) {
 
 std::span<const dGpuTriMeshPair> asSpan(const dGpuTriMeshPair* pairs, int count) {
   return {pairs, static_cast<std::size_t>(count)};
-}
-
-int toInt(std::size_t n) {
-  return static_cast<int>(std::min<std::size_t>(n, INT_MAX));
 }
 
 }  // namespace
@@ -101,15 +96,7 @@ int dGpuTriMeshCollidePairs(const dGpuTriMeshPair* pairs, int count, int flags, 
     otg::PairBatch batch(otg::asSpan(pairs, count), otg::wishOf(flags));
     if (!batch.areMeshes()) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
     batch.run();
-    const std::size_t step = static_cast<std::size_t>(otg::capacityOf(flags)) * static_cast<std::size_t>(skip);
-    char* const begin = reinterpret_cast<char*>(contact);
-    batch.remember([&](std::size_t from, std::size_t to) {
-      for (std::size_t i = from; i < to; ++i) {
-        const std::span<const otg::Contact> contacts = batch.result(i).contacts;
-        contact_count[i] = otg::toInt(contacts.size());
-        otg::writeContacts(batch.task(i), contacts, {reinterpret_cast<dContactGeom*>(begin + i * step), skip});
-      }
-    });
+    otg::rememberInto(batch, {otg::capacityOf(flags), contact, skip, contact_count});
     return otg::toInt(batch.contactCount());
   });
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <climits>
 #include <numeric>
 
 #include "dispatch/dispatcher.h"
@@ -20,6 +21,22 @@ namespace otg {
 bool isPairInOde(dGeomID o1, dGeomID o2) {
   const dBodyID body = dGeomGetBody(o1);
   return o1 != o2 && (body == nullptr || body != dGeomGetBody(o2));
+}
+
+int toInt(std::size_t count) {
+  return static_cast<int>(std::min<std::size_t>(count, INT_MAX));
+}
+
+void rememberInto(PairBatch& batch, const PairArrays& to) {
+  const std::size_t step = static_cast<std::size_t>(to.places) * static_cast<std::size_t>(to.skip);
+  char* const first = reinterpret_cast<char*>(to.contact);
+  batch.remember([&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::span<const Contact> contacts = batch.result(i).contacts;
+      to.counts[i] = toInt(contacts.size());
+      writeContacts(batch.task(i), contacts, {reinterpret_cast<dContactGeom*>(first + i * step), to.skip});
+    }
+  });
 }
 
 namespace {

@@ -105,6 +105,20 @@ class PairBatch {
   BatchEnd end_;
 };
 
+/// Where the contacts of an array go: those of pair i from place i * `places` on, and how many they are.
+struct PairArrays {
+  int places = 0;  ///< of each pair, no fewer than its contacts
+  dContactGeom* contact = nullptr;
+  int skip = 0;  ///< bytes from one place to the next
+  int* counts = nullptr;
+};
+
+/// PairBatch::remember(), which lets go of all pairs, and their contacts as ODE's.
+void rememberInto(PairBatch& batch, const PairArrays& to);
+
+/// A number of contacts as the C API has it: no more than fit.
+int toInt(std::size_t count);
+
 /// Whether ODE would ask about them: not one geom, not two of one body.
 bool isPairInOde(dGeomID o1, dGeomID o2);
 

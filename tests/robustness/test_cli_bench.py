@@ -126,6 +126,12 @@ class Bench(CliTest):
         if self.run_json("devices")["used"] is not None:
             self.assertEqual({row["backend"] for row in tables["batch"]}, {"cpu", "opencl"})
             self.assertTrue(all("opencl_ms" in row for row in tables["single"]))
+        self.assertEqual([row["backend"] for row in tables["steps"]],
+                         [row["backend"] for row in tables["batch"] if row["work"] == "dGpuTriMeshCollidePairs()"])
+        for row in tables["steps"]:
+            self.assertTrue(all(row[step] > 0 for step in ("geoms_read_ms", "computed_ms", "contacts_written_ms")), row)
+            self.assertEqual(row["device_ms"] is not None, row["backend"] == "opencl")
+            self.assertTrue(row["device_ms"] is None or 0 < row["device_ms"] < row["computed_ms"], row)
 
     def test_batch_bodies(self):
         """Files of 200 to 6,000 triangles join the generated bodies, whatever their size and place; the rest do not."""
