@@ -323,8 +323,8 @@ BatchFound BatchLane::endRun() {
     most.memory = chosen_.memory();
     found.contacts.push_back(std::move(most));
   }
-  if (contactRecords_) found.decidedExactly = counters[OTG_COUNT_OPEN_OF_BATCH];
   found.counters = chosen_.counters();  // only now: reading the rest may have moved the memory
+  if (contactRecords_) found.decidedExactly = found.counters[OTG_COUNT_OPEN_OF_BATCH];
   found.flags = chosen_.flags();
   if (remembers_) found.directions = reinterpret_cast<const Vec3d*>(directions_.data());
   if (contactRecords_ && found.counters[OTG_COUNT_MANY] > 0) runMany(pinned_.buffer(), found);
