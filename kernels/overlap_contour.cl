@@ -221,7 +221,8 @@ OTG_INLINED void otgMix(OTG_OVERLAP* o, uint mesh, uint vertex, __global otg_ove
   const uint cluster = otgClusterOf(&o->mesh[mesh], vertex);
   if (cluster >= o->mesh[mesh].clusterCount) return;
   __global uint* mark = otgMixedMark(o, mesh, cluster);
-  if (*mark != 0 || atomic_xchg(mark, 1) != 0) return;
+  if (*mark != 0) return;  // unordered
+  if (atomic_xchg(mark, 1) != 0) return;
   o->clusters[atomic_inc(state->counts + OTG_OVERLAP_MIXED)].what = cluster << 1 | mesh;
 }
 

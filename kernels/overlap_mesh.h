@@ -204,6 +204,10 @@ OTG_INLINED uint otgFindRoot(OTG_OVERLAP* o, uint e) {
   return e;
 }
 
+OTG_INLINED void otgSetRoot(OTG_OVERLAP* o, uint e, uint root) {
+  *(volatile __global uint*)(o->parents + e) = root;
+}
+
 /// The smallest element names the set: a crossing, if there is one in it. By Rem's algorithm, concurrently: goes up
 /// from whichever of the two has the greater parent, until both have one parent, and seldom has to go all the way. See
 /// Patwary, Blair and Manne, "Experiments on Union-Find Algorithms for the Disjoint-Set Data Structure", 2010.

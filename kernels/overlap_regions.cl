@@ -403,7 +403,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegi
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const uint slot = o.slots[i], root = otgFindRoot(&o, slot);
     const uint previous = o.crossings[slot].previous;
-    o.parents[slot] = root;
+    otgSetRoot(&o, slot, root);
     otgTurnTo(&o, &share, root, totals);
     otgInclude(&share, otgLoad(o.crossings[slot].point));
     if (previous != OTG_NOT_THERE && otgFindRoot(&o, previous) != root) state->counts[OTG_OVERLAP_SHARED] = 1;
@@ -451,7 +451,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegi
     if (!isMixed && ofCluster >= o.sizes.slots) continue;
     const uint first = otgFirstOf(m, cluster), end = otgFirstOf(m, cluster + 1);
     if (!isMixed && lane == 0) {
-      o.parents[element] = ofCluster;
+      otgSetRoot(&o, element, ofCluster);
       ++clusterCount;
       otgTurnTo(&o, &share, ofCluster, totals);
       share.load += end - first;
@@ -462,7 +462,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegi
       const uint v = m->clusterVertices[k];
       const uint root = isMixed ? otgFindRoot(&o, otgVertexElement(&o, mesh, v)) : ofCluster;
       if (root >= o.sizes.slots) continue;
-      o.parents[otgVertexElement(&o, mesh, v)] = root;
+      otgSetRoot(&o, otgVertexElement(&o, mesh, v), root);
       const otg_vec3_d p = otgVertexAt(&m->solid, v);
       otgTurnTo(&o, &share, root, totals);
       otgInclude(&share, p);

@@ -92,14 +92,14 @@ TEST_CASE("pairs have the host's distances on the simulated device") {
   for (int i = 0; i < 8; ++i) {
     const CollisionMesh& a = *meshes[draw.below(static_cast<std::uint32_t>(meshes.size()))];
     const CollisionMesh& b = *meshes[draw.below(static_cast<std::uint32_t>(meshes.size()))];
-    jobs.push_back({makeQuery(a, b, samples::poseForDistance(a.mesh(), b.mesh(), draw, i)), Place::kOpencl});
+    jobs.push_back({{&a, &b, samples::poseForDistance(a.mesh(), b.mesh(), draw, i)}, Place::kOpencl});
     which.push_back(which.size());
   }
   std::vector<MeshDistance> answers(jobs.size());
   measureOnDevice(slot, pool, jobs, which, kInfinity, answers);
   CHECK(slot.failedCalls == 0);
   for (std::size_t i = 0; i < jobs.size(); ++i) {
-    const MeshDistance &x = answers[i], y = meshDistance(jobs[i].query, kInfinity);
+    const MeshDistance &x = answers[i], y = meshDistance(queryOf(jobs[i].pair), kInfinity);
     CHECK(x.found == y.found);
     CHECK(bits(x.distance) == bits(y.distance));
     CHECK(x.triangleA == y.triangleA);
