@@ -361,29 +361,6 @@ OTG_INLINED uint otgPlaceInList(__local otg_share_scratch* l, uint count, __glob
   return l->first[which] + before;
 }
 
-/// Gives a pair up in which a closed component without a chord may lie wholly inside the other mesh, a solid: where all
-/// its samples are in the bounds of that. And one with a sheet that is at odds: its contour may not close.
-OTG_INLINED void otgCheckParts(OTG_OVERLAP* o, __global otg_overlap_state* state) {
-  const uint isSheet = (o->mesh[0].solid.flags | o->mesh[1].solid.flags) & OTG_MESH_SHEET;
-  if (isSheet && state->counts[OTG_OVERLAP_AT_ODDS] != 0) otgGiveUpOverlap(state, OTG_SOLID_BROKEN);
-  for (uint mesh = 0; mesh < 2; ++mesh) {
-    OTG_MESH *inner = &o->mesh[mesh].solid, *outer = &o->mesh[1 - mesh].solid;
-    if ((inner->flags & OTG_MESH_SOLID) || !(outer->flags & OTG_MESH_CLOSED)) continue;
-    const uint parts = as_uint(inner->bounds[OTG_SOLID_PART_COUNT].w);
-    __global const float4* lists = inner->bounds + as_uint(inner->bounds[OTG_SOLID_PARTS_AT].w);
-    for (uint part = get_global_id(0); part < parts; part += get_global_size(0)) {
-      __global const float4* list = lists + OTG_SOLID_SAMPLES * part;
-      const uint samples = state->crossedParts[mesh][part / 32] >> part % 32 & 1 ? 0 : as_uint(list[0].w);
-      uint within = 0;
-      for (; within < samples; ++within) {
-        const float4 p = list[within];
-        if (!otgInBounds(outer, otgInFrame(inner, otgVec_d((double)p.x, (double)p.y, (double)p.z)))) break;
-      }
-      if (samples > 0 && within == samples) otgGiveUpOverlap(state, OTG_SOLID_CONTAINED);
-    }
-  }
-}
-
 /// Lists what is inside, and measures regions: bounds, load, largest part. From here on parents of crossings and of
 /// vertices are roots (otgRegionOf, otgRegionOfVertex).
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegions(
@@ -399,7 +376,10 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegi
   otgClearShare(&share, OTG_NOT_THERE);
   const uint count = state->counts[OTG_OVERLAP_CROSSINGS];
   const ulong firstChord = ~state->first;
-  otgCheckParts(&o, state);
+  // Where votes are at odds the contour of a sheet may be open.
+  if (state->counts[OTG_OVERLAP_AT_ODDS] != 0 && otgIsOpen(&o, OTG_SOLID_BROKEN)) {
+    otgGiveUpOverlap(state, OTG_SOLID_BROKEN);
+  }
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const uint slot = o.slots[i], root = otgFindRoot(&o, slot);
     const uint previous = o.crossings[slot].previous;

@@ -2,18 +2,9 @@
 // Arrays of points against one mesh, a work-item to a point: the nearest triangle, and on which side of a solid the
 // point lies. As queries/closest_point.cpp and pointInMesh() in collide/solid/ray.cpp, through the eight-wide tree.
 // Needs doubles. OTG_GROUP is the size of work-groups.
-#define OTG_REAL_FLOAT
-#include "shared/point_layout.h"
-#undef OTG_REAL_FLOAT
-#define OTG_REAL_DOUBLE
-#include "shared/point_test.h"
-#undef OTG_REAL_DOUBLE
+#include "point_inside.h"
 
 #define OTG_POINT_KERNEL __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1)))
-
-inline static otg_vec3_d otgPointOf(float4 v) {
-  return otgVec_d((double)v.x, (double)v.y, (double)v.z);
-}
 
 inline static otg_vec3_d otgPointAt(__global const double* points, uint i) {
   __global const double* p = points + 3 * (size_t)i;
@@ -95,48 +86,6 @@ OTG_POINT_KERNEL void nearestPoints(const otg_device_mesh place, __global const 
   answers[i] = best;
 }
 
-/// How often a ray leaves the mesh more than it enters it; with 1 in `deep` where the tree is too deep.
-inline static int otgCrossings(const otg_device_mesh* place, __global const float4* restrict meshes, otg_vec3_d o,
-                               otg_vec3_d centred, otg_vec3_d d, double reach, int* deep) {
-  __global const float4* nodes = meshes + place->nodes;
-  const otg_vec3_d inverse = otgVec_d(1 / d.x, 1 / d.y, 1 / d.z);
-  const otg_vec3_d wider = otgVec_d(2 * reach, 2 * reach, 2 * reach);
-  uint stack[OTG_POINT_STACK];
-  uint top = 1;
-  int balance = 0;
-  stack[0] = 0;
-  while (top > 0) {
-    const uint node = 2 * stack[--top];
-    const uint first = as_uint(nodes[node].w);
-    const int children = as_int(nodes[node + 1].w);
-    if (children > 0) {
-      if (top + (uint)children > OTG_POINT_STACK) {
-        *deep = 1;
-        return 0;
-      }
-      for (uint k = 0; k < (uint)children; ++k) {
-        const otg_vec3_d center = otgPointOf(nodes[2 * (first + k)]);
-        const otg_vec3_d extent = otgAdd_d(otgPointOf(nodes[2 * (first + k) + 1]), wider);
-        if (otgRayPassesBox_d(centred, d, inverse, otgSub_d(center, extent), otgAdd_d(center, extent))) {
-          stack[top++] = first + k;
-        }
-      }
-      continue;
-    }
-    for (uint k = 0; k < (uint)-children; ++k) {
-      __global const float4* soup = meshes + place->soup + 3 * (first + k);
-      const float4 u0 = soup[0], u1 = soup[1], u2 = soup[2];
-      if (as_uint(u1.w) != 0) continue;  // no area
-      const otg_vec3_d a = otgPointOf(u0), b = otgPointOf(u1), c = otgPointOf(u2);
-      double at = 0;
-      const int meets = otgRayMeetsTriangle_d(o, d, a, b, c, &at);
-      if (meets == 0 || !(at >= 0) || !otgRayPassesTriangleBox_d(o, d, inverse, a, b, c, reach)) continue;
-      balance += meets == 2 ? 1 : -1;
-    }
-  }
-  return balance;
-}
-
 typedef struct {
   double lo[3], hi[3];
 } otg_point_bounds;
@@ -153,16 +102,10 @@ OTG_POINT_KERNEL void insidePoints(const otg_device_mesh place, __global const f
   if (answer == OTG_POINT_OPEN) return;
   if (p.x >= bounds.lo[0] && p.y >= bounds.lo[1] && p.z >= bounds.lo[2] && p.x <= bounds.hi[0] &&
       p.y <= bounds.hi[1] && p.z <= bounds.hi[2]) {
-    const otg_vec3_d origin = otgVec_d((double)place.center.x, (double)place.center.y, (double)place.center.z);
-    const otg_vec3_d centred = otgSub_d(p, origin);
-    const double reach = otgRayReach_d((double)place.radius, centred, origin);
-    int votes = 0, deep = 0;
-    for (int k = 0; k < 3 && votes != 2 && votes != -2; ++k) {
-      votes += otgCrossings(&place, meshes, p, centred, otgParityDirection_d(k), reach, &deep) > 0 ? 1 : -1;
-    }
-    if (deep) {
+    const int side = otgIsPointInside(meshes, place.nodes, place.soup, place.center, place.radius, p, 1);
+    if (side < 0) {
       answer = OTG_POINT_OPEN;
-    } else if (votes > 0) {
+    } else if (side > 0) {
       answer |= OTG_POINT_INSIDE;
     }
   }

@@ -18,6 +18,11 @@ otg_overlap_counts countsOf(const CollisionMesh& mesh) {
       static_cast<otg_uint>(mesh.mesh().topology().edgeCount()), static_cast<otg_uint>(mesh.mesh().triangleCount())};
 }
 
+/// Whether it is another mesh than a solid of one component.
+bool hasParts(const CollisionMesh* mesh) {
+  return mesh->mesh().meshClass() != MeshClass::kSolid || mesh->mesh().topology().componentCount() != 1;
+}
+
 std::uint64_t insideOf(const otg_overlap_sizes& sizes) {
   return sizes.elements - sizes.slots;
 }
@@ -47,6 +52,7 @@ void OverlapStage::build() {
   take_ = context_.makeKernel("overlap_contour.cl", options, "overlapTake");
   enter_ = context_.makeKernel("overlap_contour.cl", options, "overlapEnter");
   edges_ = context_.makeKernel("overlap_contour.cl", options, "overlapEdges");
+  contained_ = context_.makeKernel("overlap_contained.cl", options, "overlapContained");
   unite_ = context_.makeKernel("overlap_regions.cl", options, "overlapUnite");
   votes_ = context_.makeKernel("overlap_regions.cl", options, "overlapVotes");
   join_ = context_.makeKernel("overlap_regions.cl", options, "overlapJoin");
@@ -109,10 +115,12 @@ void OverlapStage::enqueue(cl_command_queue queue, const Pair& pair, Profile& pr
                       << pairs_.get() << states_.get() << crossings_.get() << slots_.get() << hits_.get()
                       << parents_.get() << marks_.get() << balances_.get();
   launch(queue, contour_, group_, groups, 1, profile.next(Profile::kContacts));
+  anyParts_ = !(single.mesh[0].flags & single.mesh[1].flags & OTG_MESH_SOLID);
   enqueueRest(queue, pair.meshes, pair.counters, groups, profile);
 }
 
 void OverlapStage::reserve(cl_command_queue queue, const Batch& batch) {
+  anyParts_ = std::any_of(batch.bodies.begin(), batch.bodies.end(), hasParts);
   Sizes sizes{0, 0, 0, batch.hitPlaces, static_cast<std::uint32_t>(batch.pairs.size()), 0};
   staged_.reserve(context_, queue, batch.pairs.size() * sizeof(otg_listed_overlap));
   auto* const tasks = reinterpret_cast<otg_listed_overlap*>(staged_.data());
@@ -154,6 +162,10 @@ void OverlapStage::enqueueRest(cl_command_queue queue, cl_mem meshes, cl_mem cou
                small = small_.get(), depthTable = depthTable_.get();
   Arguments(edges_) << pairs << meshes << states << crossings << slots << hits << parents << marks << inside;
   run(edges_, Profile::kRegions);
+  if (anyParts_) {
+    Arguments(contained_) << pairs << meshes << states;
+    launch(queue, contained_, group_, 1, count_, profile.next(Profile::kRegions));
+  }
   // It has few registers, and most to wait for.
   Arguments(unite_) << pairs << meshes << states << crossings << slots << parents << marks << inside;
   launch(queue, unite_, group_, 2 * groups, count_, profile.next(Profile::kRegions));

@@ -85,7 +85,9 @@ class OverlapStage {
   const std::size_t mostGroups_;
   std::uint32_t leastHits_;
   bool works_;
-  Kernel contour_, take_, enter_, edges_, unite_, votes_, join_, regions_, surface_, depths_, unitPlaces_, results_;
+  bool anyParts_ = false;  ///< a mesh is no solid of one component
+  Kernel contour_, take_, enter_, edges_, contained_, unite_, votes_, join_, regions_, surface_, depths_, unitPlaces_,
+      results_;
   std::uint32_t count_ = 1;  ///< pairs
   BufferHandle totals_;
   DeviceList tasks_{sizeof(otg_listed_overlap)}, pairs_{sizeof(otg_overlap_pair)}, states_{sizeof(otg_overlap_state)},
