@@ -66,9 +66,11 @@ Described checkPairs(opencl::Backend& backend, std::span<const Query> queries, s
   return {all, backend.counts().contactsMade - made};
 }
 
-/// The same in a batch, in which all pairs are too large for its own kernels.
+/// The same in a batch, in which pairs with more than 32 intersecting triangles are too large for its own kernels,
+/// whatever the device.
 std::uint64_t describedInBatch(const std::vector<Query>& queries, const std::vector<Workspace>& expected) {
   opencl::Tuning tuning = always();
+  tuning.solidSizes = 1;
   tuning.solidLargeHits = 32;
   tuning.leastOverlaps = 1;
   const auto backend = openBackend(tuning);
@@ -174,7 +176,7 @@ TEST_CASE("overlaps of bodies with sheets are described") {
       CHECK(described.all > 45);
       CHECK(described.made > 45);
     }
-    CHECK(describedInBatch(queries, expected) > 35);
+    CHECK(describedInBatch(queries, expected) > 30);
   }
 }
 
