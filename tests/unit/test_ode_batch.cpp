@@ -206,6 +206,40 @@ TEST_CASE("pairs that fail are counted, and the others of an array have their co
   }
 }
 
+TEST_CASE("what is remembered of a pair goes with its contacts, whatever model has them, or when it is unwanted") {
+  const OdeSession session;
+  for (const bool array : {false, true}) {
+    INFO((array ? "an array" : "one by one"));
+    Heap heap(1, 0);
+    // Boxes of 1 x 0.7 x 0.5.
+    for (int i = 0; i < 2; ++i) heap.geoms.push_back(dCreateGpuTriMesh(nullptr, heap.data[1]->id));
+    const std::size_t nothing = heap.history().size();
+    const dGpuTriMeshPair pair{heap.geoms[0], heap.geoms[1]};
+    const auto collide = [&](dReal height) {
+      dGeomSetPosition(pair.o2, 0.1, 0.2, height);
+      const Lists lists = array ? asArray({pair}, 8, 0) : oneByOne({pair}, 8, 0);
+      return !lists[0].empty();
+    };
+    const dReal touching = 0.45, near = 0.55;
+    CHECK(collide(touching));
+    CHECK(heap.history().size() > nothing);
+    usePairwise(pair.o1);
+    CHECK(collide(touching));
+    CHECK(heap.history().size() > nothing);
+    CHECK(!collide(near));
+    CHECK(heap.history().size() == nothing);
+    dGpuTriMeshParams params;
+    dGpuTriMeshParamsInit(&params);
+    CHECK(dGeomGpuTriMeshSetParams(pair.o1, &params) == dGPUTRIMESH_OK);
+    CHECK(collide(touching));
+    CHECK(heap.history().size() > nothing);
+    params.history = dGPUTRIMESH_HISTORY_OFF;
+    CHECK(dGeomGpuTriMeshSetParams(pair.o1, &params) == dGPUTRIMESH_OK);
+    CHECK(collide(touching));
+    CHECK(heap.history().size() == nothing);
+  }
+}
+
 TEST_CASE("arguments that are refused change nothing") {
   const OdeSession session;
   const Heap heap(1, 2);
