@@ -140,7 +140,7 @@ class QuerySource {
   static constexpr bool kIsScattered = true;  ///< what fill() reads lies all over the memory
 
   std::size_t size() const { return queries_.size(); }
-  Query query(std::size_t i) const { return queries_[i]; }
+  const Query& query(std::size_t i) const { return queries_[i]; }
   void fill(std::size_t i, otg_batch_task& task) const {
     const Head& head = heads_[i];
     const std::vector<std::uint32_t>& numbers = meshes_[i / kPart].numbers;
