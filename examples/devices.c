@@ -15,7 +15,13 @@ int main(void) {
   dGeomSetPosition(b, 0.1, 0.2, 0.9);
   count = dCollide(a, b, 16, here, sizeof here[0]);
 
-  status = dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_OPENCL); /* opens the default device */
+  status = dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_AUTO); /* opens the default device in the background */
+  EXPECT(status == dGPUTRIMESH_OK);
+  EXPECT(dCollide(a, b, 16, there, sizeof there[0]) == count); /* here or there: the same contacts */
+  status = dGpuTriMeshWaitForDevices(-1);
+  EXPECT(status == dGPUTRIMESH_OK || status == dGPUTRIMESH_NO_DEVICE);
+
+  status = dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_OPENCL); /* would open it before it returns */
   EXPECT(status == dGPUTRIMESH_OK || status == dGPUTRIMESH_NO_DEVICE);
   EXPECT(dGpuTriMeshGetBackend() == dGPUTRIMESH_BACKEND_OPENCL);
   EXPECT(dCollide(a, b, 16, there, sizeof there[0]) == count);

@@ -245,7 +245,9 @@ int simulate(const SimulateOptions& options) {
     const int backend = options.backend == "opencl" ? dGPUTRIMESH_BACKEND_OPENCL
                         : options.backend == "auto" ? dGPUTRIMESH_BACKEND_AUTO
                                                     : dGPUTRIMESH_BACKEND_CPU;
-    if (dGpuTriMeshSetBackend(backend) == dGPUTRIMESH_NO_DEVICE) {
+    const int status = dGpuTriMeshSetBackend(backend);
+    dGpuTriMeshWaitForDevices(-1);  // who computes is told, and is not to depend on when the device is ready
+    if (status == dGPUTRIMESH_NO_DEVICE) {
       progress("note: no OpenCL device can be used (`otg devices` lists what there is); the CPU computes");
     }
   }

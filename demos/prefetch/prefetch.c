@@ -229,6 +229,7 @@ int main(int argc, char** argv) {
     fprintf(stderr, "%s\n", dGpuTriMeshErrorString(dGpuTriMeshGetError()));
     return 1;
   }
+  dGpuTriMeshWaitForDevices(-1); /* what is measured is not to depend on when a device is ready */
   if (shapes) {
     makeShapeWorld(&plain, bodies);
     makeShapeWorld(&ahead, bodies);

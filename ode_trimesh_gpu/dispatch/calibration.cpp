@@ -13,8 +13,10 @@
 
 #include "dispatch/distance_run.h"
 #include "dispatch/ray_run.h"
+#include "dispatch/rehearsal.h"
 #include "dispatch/thread_pool.h"
 #include "dispatch/workspace_lease.h"
+#include "opencl/stop.h"
 #include "queries/mesh_overlap.h"
 #include "queries/surface_side.h"
 
@@ -26,6 +28,7 @@ template <class Work>
 double timeOf(int repeat, Work&& work) {
   using Clock = std::chrono::steady_clock;
   double least = 1e30;
+  opencl::checkStop();
   for (int i = 0; i < repeat; ++i) {
     const auto start = Clock::now();
     work();
@@ -344,7 +347,7 @@ std::optional<CostModel> measureCosts(opencl::Backend& backend) {
   Points hostPairs, hostPairwise, hostSolid, devicePairs, devicePairwise, deviceSolid, batch;
   std::vector<SolidTime> solid;
   // Not on CPUs, whose threads are as quick without: kernels would be compiled for this alone.
-  const bool doesSolids = backend.device().kind != opencl::DeviceKind::kCpu && backend.device().doubles;
+  const bool doesSolids = mayDoSolids(backend);
   std::vector<Query> small;
   Workspace workspace;
   opencl::BatchAnswer answer;

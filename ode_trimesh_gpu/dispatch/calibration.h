@@ -12,7 +12,7 @@ namespace otg {
 std::shared_ptr<const CollisionMesh> calibrationBody(int steps, double phase);
 
 /// Times generated pairs of meshes on the calling thread and on the device; takes some tenths of a second. Nothing if
-/// the device fails meanwhile. Throws std::bad_alloc.
+/// the device fails meanwhile. Throws std::bad_alloc, and opencl::Stopped on a thread that is told to stop.
 std::optional<CostModel> measureCosts(opencl::Backend& backend);
 
 /// What a model of this device beside this CPU is stored under.

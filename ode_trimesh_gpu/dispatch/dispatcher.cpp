@@ -1,14 +1,39 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "dispatch/dispatcher.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdlib>
+#include <exception>
+#include <system_error>
 
 #include "dispatch/batch_run.h"
 #include "dispatch/calibration.h"
+#include "dispatch/rehearsal.h"
 #include "dispatch/single_run.h"
 #include "opencl/log.h"
+#include "opencl/stop.h"
 
 namespace otg {
+namespace {
+
+/// In the main thread, whose own objects are destroyed before all else when the process ends: before what drivers and
+/// their compilers do at its end, some of which is only registered while they compile.
+struct EndOfMainThread {
+  EndOfMainThread() = default;
+  ~EndOfMainThread() { dispatcher().stopOpening(); }
+  EndOfMainThread(const EndOfMainThread&) = delete;
+  EndOfMainThread& operator=(const EndOfMainThread&) = delete;
+};
+
+}  // namespace
+
+void watchEndOfProcess() {
+  if (getpid() != gettid()) return;
+  thread_local const EndOfMainThread end;
+  static_cast<void>(end);
+}
 
 void Dispatcher::setThreadCount(unsigned threads) {
   std::shared_ptr<ThreadPool> before;  // its threads end outside of the lock
@@ -28,7 +53,7 @@ std::shared_ptr<ThreadPool> Dispatcher::pool() {
   return pool_;
 }
 
-std::size_t Dispatcher::open(std::span<const int> indices, const opencl::Tuning& tuning, Costs wish) {
+Dispatcher::Slots Dispatcher::openAll(std::span<const int> indices, const opencl::Tuning& tuning, Costs wish) const {
   Slots slots;
   const opencl::ProgramCache cache = opencl::ProgramCache::standard();
   for (const int index : indices) {
@@ -37,24 +62,93 @@ std::size_t Dispatcher::open(std::span<const int> indices, const opencl::Tuning&
     if (how.memoryBudget == 0) how.memoryBudget = meshMemory_;
     slot->backend = opencl::Backend::open(index, how);
     if (!slot->backend) continue;
-    const std::optional<CostModel> costs =
-        wish == Costs::kMeasured ? costsOf(*slot->backend, cache) : storedCosts(slot->backend->device(), cache);
-    if (!costs && wish == Costs::kMeasured) {
-      opencl::logLine("OpenCL device " + std::to_string(index) +
-                      " failed while its costs were measured; it is not used");
-      continue;
+    std::optional<CostModel> costs = storedCosts(slot->backend->device(), cache);
+    if (wish == Costs::kMeasured) {
+      // All programs are built before something is measured, and also where that is known: no query is to wait for it.
+      const bool good = rehearse(*slot->backend);
+      if (good && !costs) costs = costsOf(*slot->backend, cache);
+      if (!good || !costs) {
+        opencl::logLine("OpenCL device " + std::to_string(index) +
+                        " failed while it was tried and its costs were measured; it is not used");
+        continue;
+      }
     }
     if (costs) slot->costs = *costs;
     slot->knowsCosts = costs.has_value();
     slots.push_back(std::move(slot));
   }
+  return slots;
+}
+
+std::size_t Dispatcher::open(std::span<const int> indices, const opencl::Tuning& tuning, Costs wish) {
+  Slots slots = openAll(indices, tuning, wish);
   const std::size_t count = slots.size();
   setDevices(std::move(slots));
   return count;
 }
 
+void Dispatcher::setOpeningHook(std::function<void()> hook) {
+  const std::lock_guard lock(mutex_);
+  openingHook_ = std::move(hook);
+}
+
+void Dispatcher::openLater(std::function<std::vector<int>()> which) {
+  watchEndOfProcess();
+  const auto dropped = std::make_shared<std::atomic<bool>>(false);
+  {
+    const std::lock_guard lock(mutex_);
+    if (opening_ && !opener_.wait(std::chrono::milliseconds(0))) return;
+    opening_ = dropped;
+  }
+  try {
+    opener_.run([this, dropped, which] { openNow(dropped, which); });
+  } catch (const std::system_error&) {  // no thread to be had
+    openNow(dropped, which);
+  }
+}
+
+void Dispatcher::openNow(const Flag& dropped, const std::function<std::vector<int>()>& which) {
+  Slots slots;
+  try {
+    std::function<void()> hook;
+    {
+      const std::lock_guard lock(mutex_);
+      hook = openingHook_;
+    }
+    if (hook) hook();
+    // Where the process is ended by another thread than the main one, this does what watchEndOfProcess() does, but for
+    // what compilers register later.
+    const opencl::StopScope scope(*dropped, [this] {
+      if (this == &dispatcher()) static_cast<void>(std::atexit([] { dispatcher().stopOpening(); }));
+    });
+    opencl::checkStop();
+    slots = openAll(which(), {}, Costs::kMeasured);
+  } catch (const opencl::Stopped&) {
+    slots.clear();
+  } catch (const std::exception& error) {
+    slots.clear();
+    opencl::logLine(std::string("no device was opened: ") + error.what());
+  }
+  const std::lock_guard lock(mutex_);
+  if (*dropped || opening_ != dropped) return;  // closed outside of the lock
+  opening_.reset();
+  devices_.swap(slots);
+  hasDevices_.store(!devices_.empty(), std::memory_order_release);
+}
+
+void Dispatcher::stopOpening() noexcept {
+  {
+    const std::lock_guard lock(mutex_);
+    if (opening_) *opening_ = true;
+    opening_.reset();
+  }
+  opener_.join();
+}
+
 void Dispatcher::setDevices(Slots devices) {
   const std::lock_guard lock(mutex_);
+  if (opening_) *opening_ = true;
+  opening_.reset();
   devices_.swap(devices);
   hasDevices_.store(!devices_.empty(), std::memory_order_release);
 }
@@ -161,7 +255,10 @@ BatchEnd Dispatcher::collideBatch(std::span<const PairJob* const> jobs, std::spa
 
 Dispatcher& dispatcher() {
   struct Instance : Dispatcher {
-    ~Instance() { abandon(); }
+    ~Instance() {
+      stopOpening();
+      abandon();
+    }
   };
   static Instance instance;
   return instance;

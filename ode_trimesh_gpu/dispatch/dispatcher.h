@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -10,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "dispatch/background_thread.h"
 #include "dispatch/device_slot.h"
 #include "dispatch/distance_run.h"
 #include "dispatch/overlap_run.h"
@@ -28,6 +30,7 @@ enum class Costs { kMeasured, kIfStored };
 class Dispatcher {
  public:
   Dispatcher() = default;
+  ~Dispatcher() { stopOpening(); }
   Dispatcher(const Dispatcher&) = delete;
   Dispatcher& operator=(const Dispatcher&) = delete;
 
@@ -52,11 +55,21 @@ class Dispatcher {
   /// own) in place of those that were open, and measures their costs if they are not known. Devices that cannot be
   /// opened, or that fail meanwhile, are left out, which is logged. Returns how many are open. Throws std::bad_alloc.
   std::size_t open(std::span<const int> indices, const opencl::Tuning& tuning = {}, Costs costs = Costs::kMeasured);
+  /// The same for the devices that `which` names, on a thread of its own: all is built and measured there, and until
+  /// then this dispatcher has the devices that it has. Nothing if devices are being opened already. What is opened is
+  /// dropped if devices are opened, set or closed meanwhile.
+  void openLater(std::function<std::vector<int>()> which);
+  /// Waits until no devices are being opened on that thread, for so long at most; whether that is so.
+  bool waitForOpening(std::chrono::milliseconds most) { return opener_.wait(most); }
+  /// Has that thread stop, and waits for that: until the program that it builds is built.
+  void stopOpening() noexcept;
+  /// Tests: called by that thread before anything else.
+  void setOpeningHook(std::function<void()> hook);
   void close() { setDevices({}); }
   /// Lets go of the devices without closing them: for the end of the process, when a driver may be gone already.
   void abandon() noexcept;
   bool hasDevices() const { return hasDevices_.load(std::memory_order_acquire); }
-  /// The open ones, switched off or not.
+  /// The open ones, switched off or not. None that are being opened.
   std::vector<std::shared_ptr<DeviceSlot>> devices() const;
   /// Takes over devices that were opened elsewhere.
   void setDevices(std::vector<std::shared_ptr<DeviceSlot>> devices);
@@ -95,6 +108,9 @@ class Dispatcher {
   std::shared_ptr<ThreadPool> pool();
   Slots usableDevices() const;
   static const std::shared_ptr<DeviceSlot>& leastBusy(const Slots& slots);
+  Slots openAll(std::span<const int> indices, const opencl::Tuning& tuning, Costs costs) const;
+  using Flag = std::shared_ptr<std::atomic<bool>>;
+  void openNow(const Flag& dropped, const std::function<std::vector<int>()>& which);
   /// The device that has the least to do, where the place of an array and the costs say so; else null.
   std::shared_ptr<DeviceSlot> slotForArray(Place place, const std::function<bool(const DeviceSlot&)>& isAble,
                                            const std::function<bool(const CostModel&)>& isSooner);
@@ -106,9 +122,16 @@ class Dispatcher {
   Slots devices_;
   std::atomic<bool> hasDevices_{false}, takesOver_{true};
   std::atomic<std::uint64_t> meshMemory_{0};
+  Flag opening_;  ///< of what is being opened; set when it is dropped
+  std::function<void()> openingHook_;
+  BackgroundThread opener_;
 };
 
 /// The one of the process.
 Dispatcher& dispatcher();
+
+/// Called by the main thread at some time, it has the end of the process wait for what dispatcher() opens in the
+/// background. By other threads: nothing.
+void watchEndOfProcess();
 
 }  // namespace otg

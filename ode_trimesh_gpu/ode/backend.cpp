@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <string_view>
@@ -44,6 +45,14 @@ Place placeOf(int backend) {
   }
 }
 
+/// Whether no device is being opened in the background, after so many milliseconds at most; less than 0: any number.
+bool waitForOpening(int milliseconds) {
+  constexpr std::chrono::hours kLong(24);
+  bool done = dispatcher().waitForOpening(std::chrono::milliseconds(std::max(milliseconds, 0)));
+  while (!done && milliseconds < 0) done = dispatcher().waitForOpening(kLong);
+  return done;
+}
+
 }  // namespace
 
 void chooseBackendOfEnvironment() noexcept {
@@ -71,7 +80,11 @@ int dGpuTriMeshSetBackend(int backend) {
     }
     otg::Dispatcher& dispatcher = otg::dispatcher();
     const otg::Place place = otg::placeOf(backend);
-    if (place != otg::Place::kCpu && !dispatcher.hasDevices()) dispatcher.open(otg::defaultDevices());
+    if (place == otg::Place::kAuto && !dispatcher.hasDevices()) dispatcher.openLater(otg::defaultDevices);
+    if (place == otg::Place::kOpencl) {
+      otg::waitForOpening(-1);
+      if (!dispatcher.hasDevices()) dispatcher.open(otg::defaultDevices());
+    }
     dispatcher.setPlacement({place, place});
     const bool inVain = place == otg::Place::kOpencl && !dispatcher.hasDevices();
     return static_cast<int>(inVain ? dGPUTRIMESH_NO_DEVICE : dGPUTRIMESH_OK);
@@ -121,6 +134,14 @@ int dGpuTriMeshOpenDevices(const int* indices, int count) {
       return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
     }
     return static_cast<int>(otg::dispatcher().open(which));
+  });
+}
+
+int dGpuTriMeshWaitForDevices(int milliseconds) {
+  return otg::guarded([&] {
+    const bool done = otg::waitForOpening(milliseconds);
+    if (otg::dispatcher().hasDevices()) return static_cast<int>(dGPUTRIMESH_OK);
+    return static_cast<int>(done ? dGPUTRIMESH_NO_DEVICE : dGPUTRIMESH_OPENING);
   });
 }
 

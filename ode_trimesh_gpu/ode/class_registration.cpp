@@ -15,6 +15,7 @@
 #include <memory>
 #include <mutex>
 
+#include "dispatch/dispatcher.h"
 #include "dispatch/workspace_lease.h"
 #include "ode/geom_class.h"
 #include "ode/mesh_collider.h"
@@ -156,6 +157,7 @@ int registerClass() {
 
 void chooseBackendOnce() {
   static std::once_flag chosen;
+  watchEndOfProcess();
   std::call_once(chosen, [] { chooseBackendOfEnvironment(); });
 }
 
@@ -217,6 +219,7 @@ int dGpuTriMeshInit(void) {
 
 void dGpuTriMeshClose(void) {
   otg::freeThreadWorkspaces();
+  otg::dispatcher().stopOpening();
 }
 
 int dGpuTriMeshGetClass(void) {

@@ -40,6 +40,8 @@ const char* dGpuTriMeshErrorString(int status) {
       return "done, but the mesh is open or wound inconsistently and has no proper inside";
     case dGPUTRIMESH_NO_DEVICE:
       return "done, but no OpenCL device can be used, so that the CPU computes";
+    case dGPUTRIMESH_OPENING:
+      return "done, but a device is still being opened, so that the CPU computes";
     case dGPUTRIMESH_ERROR_ARGUMENT:
       return "an argument is null, negative or out of range";
     case dGPUTRIMESH_ERROR_MESH:

@@ -4,6 +4,7 @@
 
 #include "collide/stages.h"
 #include "opencl/backend_state.h"
+#include "opencl/stop.h"
 #include "opencl/stopwatch.h"
 #include "opencl/take_answer.h"
 #include "opencl/take_records.h"
@@ -14,7 +15,9 @@ Backend::~Backend() = default;
 
 std::shared_ptr<Backend> Backend::open(int index, const Tuning& tuning) {
   try {
-    for (const FoundDevice& device : findDevices()) {
+    const std::vector<FoundDevice> devices = findDevices();
+    tellLoaded();
+    for (const FoundDevice& device : devices) {
       if (device.info.index != index || !device.info.available) continue;
       return std::shared_ptr<Backend>(new Backend(std::make_unique<State>(device, tuning)));
     }

@@ -153,8 +153,8 @@ using TakeRays = std::function<void(std::size_t begin, std::size_t end, const Lo
 /// once and counted), and throws what the host throws.
 class Backend {
  public:
-  /// Opens device `index` of listDevices() and, for Tuning::warmUp, builds the programs. Null when that fails, which is
-  /// logged.
+  /// Opens device `index` of listDevices() and, for Tuning::warmUp, builds the usual programs. Null when that fails,
+  /// which is logged. This and every query throw Stopped on a thread that is told to stop: see stop.h.
   static std::shared_ptr<Backend> open(int index, const Tuning& tuning = {});
   ~Backend();
   Backend(const Backend&) = delete;

@@ -19,6 +19,7 @@
 #include "opencl/phase_lane.h"
 #include "opencl/point_lane.h"
 #include "opencl/ray_lane.h"
+#include "opencl/stop.h"
 
 namespace otg::opencl {
 
@@ -109,6 +110,10 @@ struct Backend::State {
                      MeshLayout::kBinary),
         levels(context, binaryMeshes, tuning),
         profiledLevels(context, binaryMeshes, withProfile(how)) {
+    if (isStoppable()) {
+      context.programs().loadCompiler();
+      tellLoaded();
+    }
     if (!how.warmUp) return;
     meshes.prepare();
     pairs.prepare();

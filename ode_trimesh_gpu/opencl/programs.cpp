@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "opencl/kernel_source.h"
+#include "opencl/stop.h"
 
 namespace otg::opencl {
 namespace {
@@ -22,10 +23,15 @@ Programs::Programs(cl_context context, const FoundDevice& device, ProgramCache c
                  device.info.driver),
       doubles_(device.info.doubles) {}
 
+void Programs::loadCompiler() {
+  fromSource("__kernel void nothing(__global uint* word) { *word = 0; }\n", kStandard);
+}
+
 cl_program Programs::get(const std::string& name, const std::string& options) {
   const std::lock_guard lock(mutex_);
   ProgramHandle& program = built_[{name, options}];
   if (program) return program.get();
+  checkStop();
   std::string source;
   try {
     source = kernelSource(name);

@@ -16,20 +16,39 @@ extern "C" {
  * @brief Says where the queries of all geoms are computed that have no choice of their own
  *        (dGpuTriMeshParams::backend), and opens the default device if that needs one and none is open.
  *
- * Opening a device is the slow part: kernels are built and the costs of queries measured, the first time for some
- * seconds. Both are kept on disk (OTG_CACHE_DIR, else XDG_CACHE_HOME or ~/.cache). No other function opens devices but
- * dGpuTriMeshOpenDevices(), so that no dCollide() waits for it.
+ * Opening a device is the slow part: all kernels are built and the costs of queries measured, the first time on a
+ * machine for some tens of seconds. Both are kept on disk (OTG_CACHE_DIR, else XDG_CACHE_HOME or ~/.cache). No other
+ * function opens devices but dGpuTriMeshOpenDevices(), and no query builds kernels, so that no dCollide() waits for it.
+ *
+ * AUTO opens in the background and returns at once: the CPU computes until the device is ready, with the same contacts,
+ * and dGpuTriMeshWaitForDevices() waits for it. OPENCL opens before it returns, and waits for a device that is being
+ * opened in the background. A program that ends meanwhile waits for the kernel that is being built.
  *
  * Before the first call it is AUTO with no device open, which is the CPU. The environment variable OTG_BACKEND (auto,
  * cpu or opencl) has the first dGpuTriMeshInit() call this function.
  *
  * @param backend  dGPUTRIMESH_BACKEND_AUTO, CPU or OPENCL
  * @returns dGPUTRIMESH_OK; dGPUTRIMESH_NO_DEVICE if OPENCL was asked for and no device can be used: the choice holds,
- *          and the CPU computes until one is open; dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_MEMORY.
+ *          and the CPU computes until one is open; dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_MEMORY. Never
+ *          dGPUTRIMESH_NO_DEVICE for AUTO; what goes wrong in the background is told on stderr, once
  * @remarks From any thread, also while others collide.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshSetBackend(int backend);
+
+/**
+ * @brief Waits until a device that dGpuTriMeshSetBackend() opens in the background is ready.
+ *
+ * For programs that would rather begin later than compute their first steps on the CPU alone, or that measure; and to
+ * ask, with 0, whether devices are ready.
+ *
+ * @param milliseconds  how long at most; 0 not at all, less than 0 for as long as it takes
+ * @returns dGPUTRIMESH_OK if a device is open; dGPUTRIMESH_OPENING if one is still being opened; dGPUTRIMESH_NO_DEVICE
+ *          if none is, because none was asked for or none can be used; dGPUTRIMESH_ERROR_MEMORY.
+ * @remarks From any thread and from a near callback.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshWaitForDevices(int milliseconds);
 
 /**
  * @brief What dGpuTriMeshSetBackend() was called with last.
@@ -73,6 +92,7 @@ OTG_API int dGeomGpuTriMeshGetBackend(dGeomID g);
  * @returns How many are open now, 0 or more (one that cannot be opened is left out, and a line on stderr says why);
  *          dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_MEMORY.
  * @remarks From any thread; queries under way finish on the devices that they have. Slow: see dGpuTriMeshSetBackend().
+ *          What is being opened in the background is dropped.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshOpenDevices(const int* indices, int count);
@@ -102,7 +122,7 @@ OTG_API duint64 dGpuTriMeshGetDeviceMemory(void);
 
 /**
  * @brief Closes all devices, when the queries that use them are done. The CPU computes from here on. Not needed at the
- *        end of a program.
+ *        end of a program. What is being opened in the background is dropped; that is not waited for.
  * @remarks From any thread and from a near callback.
  * @ingroup gputrimesh
  */
@@ -141,7 +161,7 @@ typedef struct dGpuTriMeshDevice {
 OTG_API void dGpuTriMeshDeviceInit(dGpuTriMeshDevice* device);
 
 /**
- * @brief How many devices are open, switched off or not.
+ * @brief How many devices are open, switched off or not; without those that are being opened in the background.
  * @returns 0 or more.
  * @remarks From any thread and from a near callback.
  * @ingroup gputrimesh

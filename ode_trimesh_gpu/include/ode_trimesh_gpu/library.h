@@ -56,6 +56,7 @@ enum {
   /* Done, but: */
   dGPUTRIMESH_NOT_SOLID = 1, /**< the mesh is open or wound inconsistently, so that its volume is a signed sum only */
   dGPUTRIMESH_NO_DEVICE = 2, /**< no OpenCL device is open, so that the CPU computes until there is one */
+  dGPUTRIMESH_OPENING = 3,   /**< a device is being opened in the background; the CPU computes meanwhile */
 
   /* Not done, because: */
   dGPUTRIMESH_ERROR_ARGUMENT = -1, /**< a null pointer, a negative count or stride, an index or option out of range */
@@ -99,7 +100,8 @@ enum {
 OTG_API int dGpuTriMeshInit(void);
 
 /**
- * @brief Ends the use of the library: frees the scratch memory that the calling thread keeps between collisions.
+ * @brief Ends the use of the library: frees the scratch memory that the calling thread keeps between collisions, and
+ *        ends the opening of devices in the background, for which it waits until the kernel at hand is built.
  *
  * Call it before or after dCloseODE(), or not at all; other threads free theirs when they end. Geoms and data that
  * still exist stay valid, and dGpuTriMeshInit() may be called again. ODE can't unregister a class, so the class stays

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Telling a thread that opens a device to stop. A driver's compiler cannot be interrupted, so the thread looks between
+// the programs that it builds.
+#pragma once
+
+#include <atomic>
+#include <exception>
+#include <functional>
+
+namespace otg::opencl {
+
+/// What building throws on a thread that was told to stop. No failure: nothing is logged.
+class Stopped : public std::exception {
+ public:
+  const char* what() const noexcept override { return "told to stop"; }
+};
+
+/// While it lives, the thread that made it looks at a flag before each program that it builds.
+class StopScope {
+ public:
+  /// `loaded` is called once drivers are there, and again once their compiler is: what they have to do at the end of
+  /// the process is registered then.
+  StopScope(const std::atomic<bool>& flag, std::function<void()> loaded);
+  ~StopScope();
+  StopScope(const StopScope&) = delete;
+  StopScope& operator=(const StopScope&) = delete;
+
+ private:
+  friend void checkStop();
+  friend bool isStoppable();
+  friend void tellLoaded();
+  const std::atomic<bool>& flag_;
+  std::function<void()> loaded_;
+};
+
+/// Throws Stopped if the calling thread was told to stop.
+void checkStop();
+/// Whether the calling thread is in a StopScope.
+bool isStoppable();
+/// Calls what the scope of the calling thread was given, if it is in one.
+void tellLoaded();
+
+}  // namespace otg::opencl
