@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "dispatch/calibration.h"
 
+#include <time.h>
+
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -45,7 +48,15 @@ void keep(double sum) {
 
 struct Parallel {
   double threads = 1, speedup = 1;
+  bool isDisturbed = false;  ///< other threads took the processors for more than a tenth of the time
 };
+
+/// Seconds that the calling thread was at work.
+double processorTime() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
 
 /// How much more all threads do than one.
 Parallel measureThreads(const std::vector<Query>& queries) {
@@ -59,16 +70,23 @@ Parallel measureThreads(const std::vector<Query>& queries) {
   // So much work that starting the threads does not count: some milliseconds for each.
   const std::size_t rounds =
       threads * std::clamp<std::size_t>(static_cast<std::size_t>(3000 / std::max(alone, 1.0)), 1, 1000);
+  using Clock = std::chrono::steady_clock;
+  std::atomic<double> atWork{0}, taken{0};  // seconds, of all threads
   const double together = timeOf(2, [&] {
     pool.run(rounds, 1, [&](std::size_t begin, std::size_t end) {
+      const auto start = Clock::now();
+      const double before = processorTime();
       const WorkspaceLease lease;
       for (std::size_t i = begin; i < end; ++i) {
         for (const Query& query : queries) collide(query, *lease);
       }
+      atWork += processorTime() - before;
+      taken += std::chrono::duration<double>(Clock::now() - start).count();
     });
   });
   return {static_cast<double>(threads),
-          std::clamp(static_cast<double>(rounds) * alone / together, 1.0, static_cast<double>(threads))};
+          std::clamp(static_cast<double>(rounds) * alone / together, 1.0, static_cast<double>(threads)),
+          atWork < 0.9 * taken};
 }
 
 /// Points in a box twice as large as the mesh, of which an eighth lie where the mesh is.
@@ -334,7 +352,7 @@ std::shared_ptr<const CollisionMesh> calibrationBody(int steps, double phase) {
   return std::make_shared<const CollisionMesh>(result.mesh, BuildStrategy::kSah);
 }
 
-std::optional<CostModel> measureCosts(opencl::Backend& backend) {
+std::optional<CostModel> measureCosts(opencl::Backend& backend, bool* isDisturbed) {
   constexpr std::array kSteps = {2, 6, 18, 50};
   constexpr std::array kDistances = {1.97, 1.8, 1.4};
   constexpr int kRepeat = 3;
@@ -438,6 +456,7 @@ std::optional<CostModel> measureCosts(opencl::Backend& backend) {
   }
   model.hostThreads = parallel.threads;
   model.hostSpeedup = parallel.speedup;
+  if (isDisturbed != nullptr) *isDisturbed = parallel.isDisturbed;
   return good && model.isSane() ? std::optional(model) : std::nullopt;
 }
 
@@ -451,10 +470,11 @@ std::optional<CostModel> storedCosts(const opencl::DeviceInfo& device, const ope
   return stored ? costModelFrom(*stored) : std::nullopt;
 }
 
-std::optional<CostModel> costsOf(opencl::Backend& backend, const opencl::ProgramCache& cache) {
+std::optional<CostModel> costsOf(opencl::Backend& backend, const opencl::ProgramCache& cache, KeptCosts kept) {
   if (const std::optional<CostModel> model = storedCosts(backend.device(), cache)) return model;
-  const std::optional<CostModel> model = measureCosts(backend);
-  if (model) cache.store(costKey(backend.device()), toBytes(*model));
+  bool isDisturbed = false;
+  const std::optional<CostModel> model = measureCosts(backend, &isDisturbed);
+  if (model && (kept == KeptCosts::kAll || !isDisturbed)) cache.store(costKey(backend.device()), toBytes(*model));
   return model;
 }
 

@@ -53,7 +53,8 @@ std::shared_ptr<ThreadPool> Dispatcher::pool() {
   return pool_;
 }
 
-Dispatcher::Slots Dispatcher::openAll(std::span<const int> indices, const opencl::Tuning& tuning, Costs wish) const {
+Dispatcher::Slots Dispatcher::openAll(std::span<const int> indices, const opencl::Tuning& tuning, Costs wish,
+                                      KeptCosts kept) const {
   Slots slots;
   const opencl::ProgramCache cache = opencl::ProgramCache::standard();
   for (const int index : indices) {
@@ -66,7 +67,7 @@ Dispatcher::Slots Dispatcher::openAll(std::span<const int> indices, const opencl
     if (wish == Costs::kMeasured) {
       // All programs are built before something is measured, and also where that is known: no query is to wait for it.
       const bool good = rehearse(*slot->backend);
-      if (good && !costs) costs = costsOf(*slot->backend, cache);
+      if (good && !costs) costs = costsOf(*slot->backend, cache, kept);
       if (!good || !costs) {
         opencl::logLine("OpenCL device " + std::to_string(index) +
                         " failed while it was tried and its costs were measured; it is not used");
@@ -81,7 +82,7 @@ Dispatcher::Slots Dispatcher::openAll(std::span<const int> indices, const opencl
 }
 
 std::size_t Dispatcher::open(std::span<const int> indices, const opencl::Tuning& tuning, Costs wish) {
-  Slots slots = openAll(indices, tuning, wish);
+  Slots slots = openAll(indices, tuning, wish, KeptCosts::kAll);
   const std::size_t count = slots.size();
   setDevices(std::move(slots));
   return count;
@@ -122,7 +123,7 @@ void Dispatcher::openNow(const Flag& dropped, const std::function<std::vector<in
       if (this == &dispatcher()) static_cast<void>(std::atexit([] { dispatcher().stopOpening(); }));
     });
     opencl::checkStop();
-    slots = openAll(which(), {}, Costs::kMeasured);
+    slots = openAll(which(), {}, Costs::kMeasured, KeptCosts::kUndisturbed);
   } catch (const opencl::Stopped&) {
     slots.clear();
   } catch (const std::exception& error) {

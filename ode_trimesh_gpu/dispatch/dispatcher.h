@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "dispatch/background_thread.h"
+#include "dispatch/calibration.h"
 #include "dispatch/device_slot.h"
 #include "dispatch/distance_run.h"
 #include "dispatch/overlap_run.h"
@@ -108,7 +109,7 @@ class Dispatcher {
   std::shared_ptr<ThreadPool> pool();
   Slots usableDevices() const;
   static const std::shared_ptr<DeviceSlot>& leastBusy(const Slots& slots);
-  Slots openAll(std::span<const int> indices, const opencl::Tuning& tuning, Costs costs) const;
+  Slots openAll(std::span<const int> indices, const opencl::Tuning& tuning, Costs costs, KeptCosts kept) const;
   using Flag = std::shared_ptr<std::atomic<bool>>;
   void openNow(const Flag& dropped, const std::function<std::vector<int>()>& which);
   /// The device that has the least to do, where the place of an array and the costs say so; else null.

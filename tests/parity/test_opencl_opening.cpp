@@ -11,9 +11,11 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdlib>
+#include <filesystem>
 #include <mutex>
 #include <thread>
 
+#include "dispatch/calibration.h"
 #include "dispatch/dispatcher.h"
 #include "dispatch/rehearsal.h"
 #include "opencl/call.h"
@@ -46,7 +48,7 @@ class Gate {
       std::unique_lock lock(mutex_);
       isThere_ = true;
       changed_.notify_all();
-      changed_.wait_for(lock, std::chrono::seconds(20), [this] { return isOpen_; });
+      changed_.wait_for(lock, std::chrono::seconds(10), [this] { return isOpen_; });
     });
   }
   ~Gate() {
@@ -200,6 +202,37 @@ TEST_CASE("what fails in the background is told once, and leaves the CPU") {
     CHECK(!told.empty());
     for (std::size_t i = 0; i < told.size(); ++i) CHECK(std::count(told.begin(), told.end(), told[i]) == 1);
   }
+}
+
+TEST_CASE("costs that were measured while the program was at work are not kept") {
+  if (defaultThreadCount() < 2) return;  // seen where several threads are timed
+  const OdeSession session;
+  const std::vector<opencl::DeviceInfo> devices = opencl::listDevices();
+  const opencl::DeviceInfo& device = devices[static_cast<std::size_t>(opencl::defaultDevice(devices))];
+  const std::string file = opencl::ProgramCache::standard().pathOf(costKey(device));
+  std::filesystem::remove(file);
+  {
+    Gate gate;
+    gate.open();
+    std::atomic<bool> stop{false};
+    std::vector<std::thread> busy;
+    for (unsigned i = 0; i < 4 * defaultThreadCount(); ++i) {
+      busy.emplace_back([&] {
+        while (!stop) {
+        }
+      });
+    }
+    CHECK(dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_AUTO) == dGPUTRIMESH_OK);
+    CHECK(dGpuTriMeshWaitForDevices(-1) == dGPUTRIMESH_OK);
+    stop = true;
+    for (std::thread& thread : busy) thread.join();
+    CHECK(!std::filesystem::exists(file));
+    CHECK(dispatcher().devices()[0]->knowsCosts);
+  }
+  const int index = device.index;
+  REQUIRE(dGpuTriMeshOpenDevices(&index, 1) == 1);  // these are
+  CHECK(std::filesystem::exists(file));
+  dGpuTriMeshCloseDevices();
 }
 
 TEST_CASE("a thread that is told to stop begins no program more, which is no failure") {
