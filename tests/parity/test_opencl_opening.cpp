@@ -135,12 +135,16 @@ TEST_CASE("opencl waits for the device that is being opened") {
   Gate gate;
   CHECK(dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_AUTO) == dGPUTRIMESH_OK);
   gate.waitForOpener();
+  const std::uint64_t before = FaultInjection::callCount();
+  std::uint64_t whileHeld = 1;
   std::thread later([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    whileHeld = FaultInjection::callCount() - before;
     gate.open();
   });
   CHECK(dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_OPENCL) == dGPUTRIMESH_OK);
   later.join();
+  CHECK(whileHeld == 0);  // it opened none of its own
   CHECK(dGpuTriMeshWaitForDevices(0) == dGPUTRIMESH_OK);
   CHECK(dGpuTriMeshGetDeviceCount() == 1);
 }
