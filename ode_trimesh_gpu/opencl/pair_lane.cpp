@@ -118,8 +118,8 @@ PairAnswer PairLane::describe(const otg_device_pair& pair, const Query& query, c
     if (makeRoom(head->counters) || !fits) continue;
     const otg_uint why = head->counts[OTG_OVERLAP_WHY];
     answer.described = why == 0 && head->counts[OTG_OVERLAP_CHORDS] > 0;
-    // Where some chords are not known others' ends seem open.
-    answer.pairwise = (why & OTG_SOLID_OPEN) && !(why & OTG_SOLID_INEXACT);
+    // Where some chords are not known others' ends seem open, and so do edges that were not put in order.
+    answer.pairwise = (why & OTG_SOLID_OPEN) && !(why & (OTG_SOLID_INEXACT | OTG_SOLID_TIE));
     answer.made = makes && answer.described;
     for (; answer.made && overlapContacts_.isIncomplete(); ++repeats_) make();
     if (answer.made) {

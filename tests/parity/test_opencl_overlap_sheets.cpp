@@ -227,6 +227,33 @@ TEST_CASE("where a sheet's contour does not close the device makes contacts of p
   describedInBatch(onFolds, expectedOnFolds);
 }
 
+TEST_CASE("an edge with too many crossings in one point is the host's, and not taken for an open contour") {
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  // Two triangles, whose common edge runs through all of a row of boxes that touch.
+  MeshArrays sheet;
+  sheet.vertices = {{-5, 0, 0}, {128, 0, 0}, {20, 60, 0}, {20, -60, 0}};
+  sheet.triangles = {Triangle{{0, 1, 2}}, Triangle{{1, 0, 3}}};
+  const MeshPtr a = collisionMesh(sheet);
+  MeshList rows;
+  std::vector<Query> queries;
+  for (const int boxes : {15, 19, 31}) {
+    std::vector<MeshArrays> row;
+    for (int j = 0; j < boxes; ++j) {
+      const int i = j * 7 % boxes;  // those that touch do not follow each other
+      const double half = 0.4 + 0.01 * (i % 5);
+      row.push_back(at(makeBox({1, 2 * half, 2 * half}, 1), {i + 0.5, 0.003 * i + 0.0625, 0.01}));
+    }
+    rows.push_back(collisionMesh(merge(row)));
+    queries.push_back(solidQuery(*a, *rows.back(), makeMove({0, 0, 0})));
+    queries.back().options.maxContacts = 1000;
+  }
+  const std::vector<Workspace> expected = answersOnHost(queries);
+  CHECK(count(expected, isPairwise) == 0);
+  CHECK(checkAll(*backend, queries, expected) < queries.size());
+}
+
 TEST_CASE("a sheet's rim may lie inside the other body") {
   const auto backend = openBackend(always());
   REQUIRE(backend);
