@@ -18,6 +18,9 @@
 namespace otg {
 namespace {
 
+/// The one dispatcher is gone. Programs may let go of batches in the destructors of their own globals after that.
+std::atomic<bool> hasEnded{false};
+
 /// In the main thread, whose own objects are destroyed before all else when the process ends: before what drivers and
 /// their compilers do at its end, some of which is only registered while they compile.
 struct EndOfMainThread {
@@ -137,13 +140,16 @@ void Dispatcher::openNow(const Flag& dropped, const std::function<std::vector<in
   hasDevices_.store(!devices_.empty(), std::memory_order_release);
 }
 
-void Dispatcher::stopOpening() noexcept {
+bool Dispatcher::stopOpening() noexcept {
+  bool wasOpening = false;
   {
     const std::lock_guard lock(mutex_);
+    wasOpening = opening_ != nullptr;
     if (opening_) *opening_ = true;
     opening_.reset();
   }
   opener_.join();
+  return wasOpening;
 }
 
 void Dispatcher::setDevices(Slots devices) {
@@ -189,7 +195,7 @@ std::span<const Contact> Dispatcher::collide(const PairJob& job, Workspace& work
 }
 
 void Dispatcher::run(std::size_t count, std::size_t grain, const ThreadPool::Work& work) {
-  if (count <= grain) {  // no need of threads
+  if (count <= grain || hasEnded.load(std::memory_order_acquire)) {  // no need of threads, or none any more
     if (count > 0) work(0, count);
     return;
   }
@@ -259,6 +265,7 @@ Dispatcher& dispatcher() {
     ~Instance() {
       stopOpening();
       abandon();
+      hasEnded.store(true, std::memory_order_release);
     }
   };
   static Instance instance;

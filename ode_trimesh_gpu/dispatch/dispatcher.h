@@ -62,8 +62,9 @@ class Dispatcher {
   void openLater(std::function<std::vector<int>()> which);
   /// Waits until no devices are being opened on that thread, for so long at most; whether that is so.
   bool waitForOpening(std::chrono::milliseconds most) { return opener_.wait(most); }
-  /// Has that thread stop, and waits for that: until the program that it builds is built.
-  void stopOpening() noexcept;
+  /// Has that thread stop, and waits for that: until the program that it builds is built. Whether there was something
+  /// to stop.
+  bool stopOpening() noexcept;
   /// Tests: called by that thread before anything else.
   void setOpeningHook(std::function<void()> hook);
   void close() { setDevices({}); }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -26,6 +27,59 @@ struct Bodies {
     return query;
   }
 };
+
+std::shared_ptr<const CollisionMesh> meshOf(const std::vector<Vec3f>& vertices,
+                                            const std::vector<Triangle>& triangles) {
+  MeshInput input;
+  input.vertices = vertices.data();
+  input.vertexCount = vertices.size();
+  input.indices = triangles.data();
+  input.triangleCount = triangles.size();
+  return std::make_shared<const CollisionMesh>(buildTriMesh(input).mesh, BuildStrategy::kSah);
+}
+
+/// Meshes that leave to double arithmetic what it cannot decide, and one that is no solid.
+struct FlatThings {
+  std::shared_ptr<const CollisionMesh> wedge =
+      meshOf({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{{0, 2, 1}}, {{0, 1, 3}}, {{1, 2, 3}}, {{0, 3, 2}}});
+  std::shared_ptr<const CollisionMesh> sheet =
+      meshOf({{-9, -9, 0}, {9, -9, 0}, {9, 9, 0}, {-9, 9, 0}}, {{{0, 1, 2}}, {{0, 2, 3}}});
+};
+
+/// One upon the other: `a` and `b` where they were made.
+Query inPlace(const CollisionMesh& a, const CollisionMesh& b, ContactModel contacts) {
+  Query query;
+  query.a = &a;
+  query.b = &b;
+  query.bInA = Transformd{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {}};
+  query.options.contacts = contacts;
+  query.options.maxContacts = 64;
+  return query;
+}
+
+/// Exact arithmetic: with few open hits and with many, contacts and pairs alone; in batches, too. And a sheet.
+bool rehearseFlat(opencl::Backend& backend, const Bodies& small, bool solids) {
+  const FlatThings flat;
+  Workspace workspace;
+  opencl::BatchAnswer answer;
+  const Query few = inPlace(*flat.wedge, *flat.wedge, ContactModel::kPairwise);
+  const Query many = inPlace(*small.a, *small.a, ContactModel::kPairwise);
+  Query asCone = few;
+  asCone.options.reduction.method = Reduction::kCone;
+  bool good = true;
+  for (const Query* query : std::initializer_list<const Query*>{&few, &many, &asCone}) {
+    opencl::checkStop();
+    good = backend.collide(*query, workspace) && good;
+  }
+  // A lane's first query with open hits has the host decide them.
+  for (int i = 0; i < 2; ++i) good = backend.findIntersectingPairs(few, workspace) && good;
+  opencl::checkStop();
+  good = backend.collideBatch(std::vector<Query>{few, many, few}, answer) && good;
+  if (!solids) return good;
+  opencl::checkStop();
+  return backend.collideBatch(std::vector<Query>(2, inPlace(*small.a, *flat.sheet, ContactModel::kSolid)), answer) &&
+         good;
+}
 
 /// Pairs alone, with few hits and with many; twice, because a query goes by what the last one found.
 bool rehearsePairs(opencl::Backend& backend, const Bodies& small, const Bodies& large, bool solids) {
@@ -92,7 +146,7 @@ bool rehearse(opencl::Backend& backend) {
   const Bodies small(6), large(36);
   const bool solids = mayDoSolids(backend);
   return rehearsePairs(backend, small, large, solids) && rehearseBatches(backend, small, large, solids) &&
-         (!backend.answersArrays() || rehearseArrays(backend, small));
+         rehearseFlat(backend, small, solids) && (!backend.answersArrays() || rehearseArrays(backend, small));
 }
 
 }  // namespace otg

@@ -21,6 +21,7 @@
 #include "ode/mesh_collider.h"
 #include "ode/primitive_collider.h"
 #include "ode/status.h"
+#include "ode_trimesh_gpu/backend.h"
 
 namespace otg {
 namespace {
@@ -155,6 +156,8 @@ int registerClass() {
   return dGPUTRIMESH_OK;
 }
 
+std::atomic<bool> openingDropped{false};  ///< of a device for `auto`, by dGpuTriMeshClose()
+
 void chooseBackendOnce() {
   static std::once_flag chosen;
   watchEndOfProcess();
@@ -214,12 +217,17 @@ int ensureRegistered() noexcept {
 }  // namespace otg
 
 int dGpuTriMeshInit(void) {
-  return otg::ensureRegistered() == dGPUTRIMESH_OK ? 1 : 0;
+  if (otg::ensureRegistered() != dGPUTRIMESH_OK) return 0;
+  // What Close has dropped is begun again, unless something else was asked for meanwhile.
+  if (otg::openingDropped.exchange(false) && dGpuTriMeshGetBackend() == dGPUTRIMESH_BACKEND_AUTO) {
+    dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_AUTO);
+  }
+  return 1;
 }
 
 void dGpuTriMeshClose(void) {
   otg::freeThreadWorkspaces();
-  otg::dispatcher().stopOpening();
+  if (otg::dispatcher().stopOpening()) otg::openingDropped = true;
 }
 
 int dGpuTriMeshGetClass(void) {

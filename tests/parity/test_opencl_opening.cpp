@@ -185,6 +185,17 @@ TEST_CASE("what is being opened is dropped when devices are closed or others are
     dGpuTriMeshClose();  // waits for the opener
     CHECK(dGpuTriMeshWaitForDevices(0) == dGPUTRIMESH_NO_DEVICE);
     later.join();
+    // Initialised again it goes on with what was asked for.
+    CHECK(dGpuTriMeshInit() == 1);
+    CHECK(dGpuTriMeshGetBackend() == dGPUTRIMESH_BACKEND_AUTO);
+    CHECK(dGpuTriMeshWaitForDevices(-1) == dGPUTRIMESH_OK);
+  }
+  SECTION("the library is closed, and something else is asked for before it is initialised again") {
+    gate.open();
+    dGpuTriMeshClose();
+    CHECK(dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_CPU) == dGPUTRIMESH_OK);
+    CHECK(dGpuTriMeshInit() == 1);
+    CHECK(dGpuTriMeshWaitForDevices(0) == dGPUTRIMESH_NO_DEVICE);
   }
   CHECK(lines.get().empty());
 }
@@ -276,8 +287,15 @@ TEST_CASE("no query builds programs once a device was rehearsed") {
     queries.push_back(makeQuery(*lump, *other, makePose({0.48, 0.6, 0.64}, 0.7, {distance, 0.1, 0.1})));
     queries.push_back(makeQuery(*lump, *box, makePose({0.48, 0.6, 0.64}, 0.7, {distance, 0.1, 0.1})));
   }
+  // Faces in one plane, of few triangles and of many.
+  const auto boxes = collisionMesh(makeBox({1, 1, 1}, 12));
+  for (const auto& mesh : {box, boxes}) {
+    queries.push_back(makeQuery(*mesh, *mesh, makePose({0, 0, 1}, 0, {0.25, 0.5, 1})));
+    queries.push_back(queries.back());
+    queries.back().options.reduction.method = Reduction::kCone;
+  }
   if (mayDoSolids(*backend)) {
-    const std::size_t count = queries.size();
+    const auto count = queries.size();
     for (std::size_t i = 0; i < count; ++i) {
       queries.push_back(queries[i]);
       queries.back().options.contacts = ContactModel::kSolid;

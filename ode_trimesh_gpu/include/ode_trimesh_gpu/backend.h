@@ -23,6 +23,7 @@ extern "C" {
  * AUTO opens in the background and returns at once: the CPU computes until the device is ready, with the same contacts,
  * and dGpuTriMeshWaitForDevices() waits for it. OPENCL opens before it returns, and waits for a device that is being
  * opened in the background. A program that ends meanwhile waits for the kernel that is being built.
+ * A child process made by fork() meanwhile has to do with the CPU: drivers may have been locked when it was made.
  *
  * Before the first call it is AUTO with no device open, which is the CPU. The environment variable OTG_BACKEND (auto,
  * cpu or opencl) has the first dGpuTriMeshInit() call this function.

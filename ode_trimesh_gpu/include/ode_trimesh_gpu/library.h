@@ -104,8 +104,8 @@ OTG_API int dGpuTriMeshInit(void);
  *        ends the opening of devices in the background, for which it waits until the kernel at hand is built.
  *
  * Call it before or after dCloseODE(), or not at all; other threads free theirs when they end. Geoms and data that
- * still exist stay valid, and dGpuTriMeshInit() may be called again. ODE can't unregister a class, so the class stays
- * registered until dCloseODE().
+ * still exist stay valid, and dGpuTriMeshInit() may be called again, which goes on with opening a device for
+ * dGPUTRIMESH_BACKEND_AUTO. ODE can't unregister a class, so the class stays registered until dCloseODE().
  * @ingroup gputrimesh
  */
 OTG_API void dGpuTriMeshClose(void);
