@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The nearest triangles of many pairs on the device.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "opencl/backend_state.h"
 #include "opencl/batch_source.h"
 
 namespace otg::opencl {
 namespace {
+
+constexpr std::size_t kMostWaits = 2000;  ///< for memory, a millisecond each
 
 /// What the device needs to know of a pair but for its meshes. False if it is the host's.
 bool fillDistance(const Query& query, double limit, otg_distance_task& task) {
@@ -33,7 +37,7 @@ bool fillDistance(const Query& query, double limit, otg_distance_task& task) {
 std::size_t Backend::nearestTriangles(std::span<const Query> queries, double limit, std::span<TrianglePair> answers,
                                       const RunParts& run) {
   state_->distancesAsked += queries.size();
-  std::size_t done = 0, most = std::max(1u, state_->tuning.distancePairs);
+  std::size_t done = 0, most = std::max(1u, state_->tuning.distancePairs), waits = 0;
   while (done < queries.size()) {
     const std::span<const Query> some = queries.subspan(done, std::min(most, queries.size() - done));
     try {
@@ -60,6 +64,12 @@ std::size_t Backend::nearestTriangles(std::span<const Query> queries, double lim
       // Perhaps their meshes do not fit at once.
       if (error.code() == CL_MEM_OBJECT_ALLOCATION_FAILURE && some.size() > 1) {
         most = (some.size() + 1) / 2;
+        continue;
+      }
+      // This call holds no meshes now; others that do are done soon.
+      if (dynamic_cast<const MemoryInUse*>(&error) != nullptr && waits < kMostWaits) {
+        ++waits;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
         continue;
       }
       logError(error);

@@ -24,6 +24,11 @@ class ClError : public std::runtime_error {
   cl_int code_;
 };
 
+/// There is no room for meshes, because queries of others use those that take it.
+struct MemoryInUse : ClError {
+  using ClError::ClError;
+};
+
 /// Test hook: what makes calls fail. Process-wide.
 struct FaultInjection {
   /// The `nth` call from now on (1 is the next) and `more` after it fail with `code`; 0 turns it off. Calls that

@@ -146,7 +146,8 @@ std::uint32_t MeshStore::allocate(std::uint32_t units) {
   while (evictOne()) {
     if (findGap(units, begin)) return begin;
   }
-  throw ClError("clCreateBuffer", CL_MEM_OBJECT_ALLOCATION_FAILURE, "the memory budget is used up by meshes in use");
+  throw MemoryInUse("clCreateBuffer", CL_MEM_OBJECT_ALLOCATION_FAILURE,
+                    "the memory budget is used up by meshes in use");
 }
 
 bool MeshStore::findGap(std::uint32_t units, std::uint32_t& begin) const {
