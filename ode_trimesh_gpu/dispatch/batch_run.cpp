@@ -27,6 +27,7 @@ class BatchRun {
   BatchEnd run() {
     deal();
     std::vector<std::thread> threads;
+    threads.reserve(blocks_.size());  // else what runs out of memory would leave threads behind
     start_ = Clock::now();
     for (std::size_t d = 0; d < blocks_.size(); ++d) {
       devices_[d]->blockPairs = blocks_[d].size();

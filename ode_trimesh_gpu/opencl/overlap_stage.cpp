@@ -10,7 +10,7 @@ namespace otg::opencl {
 namespace {
 
 /// With fewer hits the host is sooner done than the kernels, part of whose work is in vain.
-constexpr std::uint32_t kLeastHits = 512;
+constexpr std::uint32_t kLeastHits = 256;
 
 otg_overlap_counts countsOf(const CollisionMesh& mesh) {
   return {

@@ -44,7 +44,7 @@ struct Tuning {
   bool warmUp = true;                   ///< build the usual kernels when the device is opened, not at first use
   bool solid = true;                    ///< make contacts of the model `solid` on the device
   /// The overlap of a single pair of solids is described on the device if the last query of the lane had at least so
-  /// many intersecting pairs of triangles; otherwise the host makes the contacts from these. 0: 512, and
+  /// many intersecting pairs of triangles; otherwise the host makes the contacts from these. 0: 256, and
   /// never on CPUs.
   std::uint32_t overlapHits = 0;
   std::uint32_t overlapGroup = 128;        ///< work-items of a work-group of its kernels, a multiple of 64
