@@ -9,7 +9,7 @@
 namespace otg {
 namespace {
 
-constexpr char kMagic[8] = {'o', 't', 'g', 'c', 'o', 's', 't', '8'};
+constexpr char kMagic[8] = {'o', 't', 'g', 'c', 'o', 's', 't', '9'};
 
 /// The part of its box that lies in a part of it.
 double shareOfBox(const double part[3], const double whole[3]) {
