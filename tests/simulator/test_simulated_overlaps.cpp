@@ -21,18 +21,8 @@ opencl::Tuning describing() {
 
 /// Whether the host describes a region of the overlap by cells.
 bool isLarge(const Query& query) {
-  Workspace workspace;
-  Contour contour;
-  InsideFlags inside;
-  RegionBuilder builder;
-  OverlapRegions regions;
-  const PlacedMeshes meshes(query);
-  findIntersectingPairs(query, workspace);
-  std::sort(workspace.intersecting.begin(), workspace.intersecting.end());
-  traceContour(meshes, workspace.intersecting, contour);
-  floodInside(meshes, contour, inside);
-  builder.build(meshes, contour, inside, regions);
-  return std::any_of(regions.regions.begin(), regions.regions.end(),
+  const HostOverlap found(query);
+  return std::any_of(found.regions.regions.begin(), found.regions.regions.end(),
                      [](const Region& region) { return region.cellEnd > region.cellBegin; });
 }
 

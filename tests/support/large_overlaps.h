@@ -82,24 +82,31 @@ inline scenes::MeshArrays crumpled(scenes::MeshArrays arrays, float by, std::uin
   return arrays;
 }
 
+/// The overlap of a pair as the host finds it.
+struct HostOverlap {
+  Contour contour;
+  InsideFlags inside;
+  OverlapRegions regions;
+  explicit HostOverlap(const Query& query) {
+    Workspace workspace;
+    RegionBuilder builder;
+    const PlacedMeshes meshes(query);
+    findIntersectingPairs(query, workspace);
+    std::sort(workspace.intersecting.begin(), workspace.intersecting.end());
+    traceContour(meshes, workspace.intersecting, contour);
+    floodInside(meshes, contour, inside);
+    builder.build(meshes, contour, inside, regions);
+  }
+};
+
 /// What contradicts itself in a pair, as the host finds it.
 struct AtOdds {
   bool crossings = false, votes = false, stretches = false;
   bool any() const { return crossings || votes || stretches; }
 };
 inline AtOdds atOdds(const Query& query) {
-  Workspace workspace;
-  Contour contour;
-  InsideFlags inside;
-  RegionBuilder builder;
-  OverlapRegions regions;
-  const PlacedMeshes meshes(query);
-  findIntersectingPairs(query, workspace);
-  std::sort(workspace.intersecting.begin(), workspace.intersecting.end());
-  traceContour(meshes, workspace.intersecting, contour);
-  floodInside(meshes, contour, inside);
-  builder.build(meshes, contour, inside, regions);
-  return {contour.anomalies > 0, inside.anomalies > 0, regions.anomalies > 0};
+  const HostOverlap found(query);
+  return {found.contour.anomalies > 0, found.inside.anomalies > 0, found.regions.anomalies > 0};
 }
 
 inline bool canDescribe(const opencl::Backend& backend) {
