@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Many pairs in one submission.
 #include <algorithm>
+#include <chrono>
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <thread>
 #include <unordered_map>
 
 #include "collide/solid_contacts.h"
@@ -57,6 +59,7 @@ class Backend::Batch {
   }
 
  private:
+  static constexpr std::size_t kMostWaits = 500;  ///< of a batch, for memory, a millisecond each
   static constexpr otg_uint kNotDone = OTG_PAIR_REFUSED | OTG_PAIR_TO_HOST | OTG_PAIR_NO_FRAME | OTG_PAIR_SKIPPED;
   static std::uint64_t triangles(const CollisionMesh* mesh) { return mesh->mesh().triangleCount(); }
 
@@ -82,6 +85,7 @@ class Backend::Batch {
   struct Piece {
     std::size_t begin, count;
     bool soon = false;                  ///< the lane tells early what it leaves to the host
+    bool lacksMemory = false;           ///< that others' queries take
     std::unique_ptr<BatchLane> lane{};  ///< none if it could not be begun
     std::uint64_t repeats = 0;          ///< of the lane until then
     std::vector<std::size_t> alone{}, large{}, refused{};
@@ -134,6 +138,7 @@ class Backend::Batch {
     } catch (const ClError& error) {
       piece.lane = nullptr;
       piece.error = error;
+      piece.lacksMemory = dynamic_cast<const MemoryInUse*>(&error) != nullptr;
     }
     return piece;
   }
@@ -186,6 +191,11 @@ class Backend::Batch {
 
   void finishHalf(std::size_t begin, std::size_t count) {
     Piece piece = begun(begin, count, true);
+    // Others are done soon; but the memory may be this batch's own.
+    for (; count == 1 && piece.lacksMemory && waits_ < kMostWaits; ++waits_) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      piece = begun(begin, count, true);
+    }
     workMeanwhile({&piece, 1});
     finish(piece);
   }
@@ -510,7 +520,8 @@ class Backend::Batch {
   std::vector<std::size_t> later_;                             ///< pairs for the host when all pieces are done
   std::unordered_map<std::size_t, ContactFinish::Done> done_;  ///< by the host, while the device is at work
   std::vector<const CollisionMesh*> meshes_;                   ///< of the submission under way
-  std::vector<std::uint32_t> renumber_;                        ///< from the source's numbers to these; empty: the same
+  std::size_t waits_ = 0;
+  std::vector<std::uint32_t> renumber_;  ///< from the source's numbers to these; empty: the same
   StageTimes* times_ = nullptr;
 };
 
