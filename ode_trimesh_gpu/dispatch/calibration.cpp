@@ -321,6 +321,17 @@ std::string processorName() {
 
 }  // namespace
 
+std::shared_ptr<const CollisionMesh> calibrationMesh(const std::vector<Vec3f>& vertices,
+                                                     const std::vector<Triangle>& triangles) {
+  MeshInput input;
+  input.vertices = vertices.data();
+  input.vertexCount = vertices.size();
+  input.indices = triangles.data();
+  input.triangleCount = triangles.size();
+  const MeshResult result = buildTriMesh(input, RepairOptions::all(), MeshOrder::kSpatial);
+  return std::make_shared<const CollisionMesh>(result.mesh, BuildStrategy::kSah);
+}
+
 std::shared_ptr<const CollisionMesh> calibrationBody(int steps, double phase) {
   const int rings = 2 * steps, sectors = 2 * steps;
   std::vector<Vec3f> vertices;
@@ -343,13 +354,7 @@ std::shared_ptr<const CollisionMesh> calibrationBody(int steps, double phase) {
       triangles.push_back({{at(i, k), at(i + 1, k + 1), at(i, k + 1)}});
     }
   }
-  MeshInput input;
-  input.vertices = vertices.data();
-  input.vertexCount = vertices.size();
-  input.indices = triangles.data();
-  input.triangleCount = triangles.size();
-  const MeshResult result = buildTriMesh(input, RepairOptions::all(), MeshOrder::kSpatial);
-  return std::make_shared<const CollisionMesh>(result.mesh, BuildStrategy::kSah);
+  return calibrationMesh(vertices, triangles);
 }
 
 std::optional<CostModel> measureCosts(opencl::Backend& backend, bool* isDisturbed) {

@@ -8,6 +8,10 @@
 
 namespace otg {
 
+/// What devices are tried and timed with.
+std::shared_ptr<const CollisionMesh> calibrationMesh(const std::vector<Vec3f>& vertices,
+                                                     const std::vector<Triangle>& triangles);
+
 /// A bumpy sphere of 8 * steps^2 triangles, a solid: what is timed.
 std::shared_ptr<const CollisionMesh> calibrationBody(int steps, double phase);
 

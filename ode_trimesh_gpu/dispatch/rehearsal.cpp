@@ -28,22 +28,12 @@ struct Bodies {
   }
 };
 
-std::shared_ptr<const CollisionMesh> meshOf(const std::vector<Vec3f>& vertices,
-                                            const std::vector<Triangle>& triangles) {
-  MeshInput input;
-  input.vertices = vertices.data();
-  input.vertexCount = vertices.size();
-  input.indices = triangles.data();
-  input.triangleCount = triangles.size();
-  return std::make_shared<const CollisionMesh>(buildTriMesh(input).mesh, BuildStrategy::kSah);
-}
-
 /// Meshes that leave to double arithmetic what it cannot decide, and one that is no solid.
 struct FlatThings {
-  std::shared_ptr<const CollisionMesh> wedge =
-      meshOf({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{{0, 2, 1}}, {{0, 1, 3}}, {{1, 2, 3}}, {{0, 3, 2}}});
+  std::shared_ptr<const CollisionMesh> wedge = calibrationMesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                                                               {{{0, 2, 1}}, {{0, 1, 3}}, {{1, 2, 3}}, {{0, 3, 2}}});
   std::shared_ptr<const CollisionMesh> sheet =
-      meshOf({{-9, -9, 0}, {9, -9, 0}, {9, 9, 0}, {-9, 9, 0}}, {{{0, 1, 2}}, {{0, 2, 3}}});
+      calibrationMesh({{-9, -9, 0}, {9, -9, 0}, {9, 9, 0}, {-9, 9, 0}}, {{{0, 1, 2}}, {{0, 2, 3}}});
 };
 
 /// One upon the other: `a` and `b` where they were made.
