@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "bvh/tree_motion.h"
-#include "shared/expansion.h"
+#include "shared/math/expansion.h"
 
 namespace otg {
 namespace {

@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
+#include "base/block_sum.h"
 #include "bvh/layouts.h"
 #include "bvh/mesh_box.h"
 #include "bvh/tree.h"
 #include "bvh/wide_tree.h"
-#include "mesh/block_sum.h"
 
 namespace otg {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bvh/collision_mesh.h"
-#include "collide/solid/solid_options.h"
+#include "collide/solid_options.h"
 #include "collide/traversal.h"
 
 namespace otg {

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "mesh/array.h"
-#include "mesh/shared_array.h"
-#include "mesh/triangle.h"
-#include "shared/vec3.h"
+#include "base/array.h"
+#include "base/shared_array.h"
+#include "base/triangle.h"
+#include "shared/math/vec3.h"
 
 namespace otg {
 

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <limits>
 
+#include "base/bounds.h"
 #include "mesh/adjacency.h"
-#include "mesh/bounds.h"
 #include "mesh/containment.h"
 #include "mesh/inspection.h"
 #include "mesh/measure.h"

@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "mesh/array.h"
-#include "mesh/first_use.h"
+#include "base/array.h"
+#include "base/first_use.h"
+#include "base/shared_array.h"
 #include "mesh/mass_properties.h"
-#include "mesh/shared_array.h"
 #include "mesh/topology.h"
 #include "mesh/validation.h"
-#include "shared/vec3.h"
+#include "shared/math/vec3.h"
 
 namespace otg {
 

@@ -4,10 +4,10 @@
 
 #include "collide/stages.h"
 #include "opencl/backend_state.h"
-#include "opencl/stop.h"
-#include "opencl/stopwatch.h"
-#include "opencl/take_answer.h"
-#include "opencl/take_records.h"
+#include "opencl/lanes/take_answer.h"
+#include "opencl/results/take_records.h"
+#include "opencl/runtime/stop.h"
+#include "opencl/runtime/stopwatch.h"
 
 namespace otg::opencl {
 Backend::Backend(std::unique_ptr<State> state) : state_(std::move(state)) {}

@@ -13,11 +13,11 @@
 #include "collide/mesh_ray.h"
 #include "collide/query.h"
 #include "collide/traversal.h"
-#include "opencl/device_info.h"
-#include "opencl/levels.h"
+#include "opencl/published/levels.h"
+#include "opencl/runtime/device_info.h"
 #include "opencl/tuning.h"
-#include "shared/point_layout.h"
-#include "shared/ray_layout.h"
+#include "shared/layout/point_layout.h"
+#include "shared/layout/ray_layout.h"
 
 namespace otg::opencl {
 
@@ -141,10 +141,10 @@ using RunParts =
 
 /// Points begin to end - 1 of an array, in the frame of the mesh -> to[0] and up.
 using FillPoints = std::function<void(std::size_t begin, std::size_t end, Vec3d* to)>;
-/// The same points with a word for each: shared/point_layout.h. Both arrays begin with point `begin`.
+/// The same points with a word for each: shared/layout/point_layout.h. Both arrays begin with point `begin`.
 using TakePoints =
     std::function<void(std::size_t begin, std::size_t end, const Vec3d* points, const otg_uint* answers)>;
-/// The same two of rays, in the frame of the mesh; words of shared/ray_layout.h.
+/// The same two of rays, in the frame of the mesh; words of shared/layout/ray_layout.h.
 using FillRays = std::function<void(std::size_t begin, std::size_t end, LongRay* to)>;
 using TakeRays = std::function<void(std::size_t begin, std::size_t end, const LongRay* rays, const otg_uint* answers)>;
 

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "opencl/backend_state.h"
-#include "opencl/batch_source.h"
+#include "opencl/batch/batch_source.h"
 
 namespace otg::opencl {
 namespace {

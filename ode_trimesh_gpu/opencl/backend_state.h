@@ -10,16 +10,16 @@
 
 #include "collide/rotation_tolerance.h"
 #include "opencl/backend.h"
-#include "opencl/batch_lane.h"
-#include "opencl/distance_lane.h"
-#include "opencl/levels_lane.h"
-#include "opencl/log.h"
-#include "opencl/overlap_lane.h"
-#include "opencl/pair_lane.h"
-#include "opencl/phase_lane.h"
-#include "opencl/point_lane.h"
-#include "opencl/ray_lane.h"
-#include "opencl/stop.h"
+#include "opencl/lanes/batch_lane.h"
+#include "opencl/lanes/distance_lane.h"
+#include "opencl/lanes/overlap_lane.h"
+#include "opencl/lanes/pair_lane.h"
+#include "opencl/lanes/point_lane.h"
+#include "opencl/lanes/ray_lane.h"
+#include "opencl/published/levels_lane.h"
+#include "opencl/published/phase_lane.h"
+#include "opencl/runtime/log.h"
+#include "opencl/runtime/stop.h"
 
 namespace otg::opencl {
 

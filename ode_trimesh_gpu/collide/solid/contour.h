@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The curves in which two surfaces cross: every crossing of an edge of one with a triangle of the other, and the chords
-// that join them within pairs of triangles. Combinatorially exact (shared/sos.h); coordinates are in double, in A's
-// frame.
+// that join them within pairs of triangles. Combinatorially exact (shared/math/sos.h); coordinates are in double, in
+// A's frame.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "base/epoch_array.h"
 #include "collide/query.h"
-#include "collide/solid/epoch_array.h"
 
 namespace otg {
 

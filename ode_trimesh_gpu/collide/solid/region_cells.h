@@ -8,11 +8,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "collide/solid/epoch_array.h"
+#include "base/epoch_array.h"
+#include "base/vectors.h"
 #include "collide/solid/regions.h"
-#include "collide/solid/vectors.h"
 #include "mesh/adjacency.h"
-#include "shared/region_grid.h"
+#include "shared/contacts/region_grid.h"
 
 namespace otg {
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "collide/solid/flat_map.h"
-#include "collide/solid/ray.h"
-#include "collide/solid/surface_kernels.h"
-#include "collide/solid/vectors.h"
+#include "base/flat_map.h"
+#include "base/vectors.h"
+#include "collide/inside_test.h"
+#include "collide/simd/surface_kernels.h"
 
 namespace otg {
 namespace {

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/vectors.h"
 #include "collide/solid/edge_pieces.h"
 #include "collide/solid/region_cells.h"
 #include "collide/solid/support_point.h"
-#include "collide/solid/vectors.h"
 
 namespace otg {
 namespace {

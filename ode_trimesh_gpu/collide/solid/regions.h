@@ -12,7 +12,7 @@
 
 #include "collide/solid/contour.h"
 #include "collide/solid/inside.h"
-#include "shared/solid_model.h"
+#include "shared/contacts/solid_model.h"
 
 namespace otg {
 
