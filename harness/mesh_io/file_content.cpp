@@ -5,6 +5,8 @@
 #include <bit>
 #include <unordered_map>
 
+#include "base/hash.h"
+
 namespace otg::mesh_io {
 namespace {
 
@@ -12,8 +14,7 @@ struct PositionHash {
   std::size_t operator()(const std::array<std::uint64_t, 3>& key) const {
     std::uint64_t h = 0;
     for (const std::uint64_t part : key) {
-      h = (h ^ part) * 0x9e3779b97f4a7c15u;
-      h ^= h >> 32;
+      h = otg::spreadBits(h ^ part);
     }
     return h;
   }

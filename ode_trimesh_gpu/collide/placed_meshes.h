@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "base/vectors.h"
 #include "collide/query.h"
 
 namespace otg {
@@ -31,9 +32,7 @@ class PlacedMeshes {
     return m == 0 ? n : otgRotate(query_.bInA, n);
   }
   /// A's frame to the frame of mesh m and back.
-  Vec3d toLocal(int m, const Vec3d& p) const {
-    return m == 0 ? p : otgRotateBack(query_.bInA, otgSub(p, query_.bInA.t));
-  }
+  Vec3d toLocal(int m, const Vec3d& p) const { return m == 0 ? p : otgRotateBack(query_.bInA, p - query_.bInA.t); }
   Vec3d fromLocal(int m, const Vec3d& p) const { return m == 0 ? p : otgTransform(query_.bInA, p); }
   Vec3d directionToLocal(int m, const Vec3d& d) const { return m == 0 ? d : otgRotateBack(query_.bInA, d); }
   Vec3d directionFromLocal(int m, const Vec3d& d) const { return m == 0 ? d : otgRotate(query_.bInA, d); }

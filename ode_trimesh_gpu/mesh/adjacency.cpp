@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/vectors.h"
+
 namespace otg {
 namespace {
 
@@ -15,22 +17,22 @@ Vec3d areaVector2(const TriMesh& mesh, std::uint32_t triangle) {
     const Vec3f& v = mesh.vertices()[mesh.triangles()[triangle].v[k]];
     p[k] = {v.x, v.y, v.z};
   }
-  return otgCross(otgSub(p[1], p[0]), otgSub(p[2], p[0]));
+  return otgCross(p[1] - p[0], p[2] - p[0]);
 }
 
 /// Normal and area; returns areaVector2(), or zero for a triangle that has none.
 Vec3d measureTriangle(const TriMesh& mesh, std::uint32_t t, Adjacency& out) {
   const Vec3d c = areaVector2(mesh, t);
-  const double length = std::sqrt(otgDot(c, c));
+  const double length = norm(c);
   const bool sound = length > 0 && !mesh.isDegenerate(t);
-  out.normal[t] = sound ? otgScale(c, 1 / length) : Vec3d{0, 0, 0};
+  out.normal[t] = sound ? c * (1 / length) : Vec3d{0, 0, 0};
   out.area[t] = sound ? length / 2 : 0;
   return sound ? c : Vec3d{0, 0, 0};
 }
 
 void addToStar(Adjacency::Star& star, const Vec3d& areaVector2) {
-  star.vector = otgAdd(star.vector, otgScale(areaVector2, 1.0 / 6));
-  star.area += std::sqrt(otgDot(areaVector2, areaVector2)) / 6;
+  star.vector = star.vector + areaVector2 * (1.0 / 6);
+  star.area += norm(areaVector2) / 6;
 }
 
 /// Bounds and sums of a cluster's vertices.
@@ -45,7 +47,7 @@ void measureCluster(const TriMesh& mesh, std::uint32_t id, Adjacency& out) {
     const Vec3f& p = mesh.vertices()[v];
     cluster.lo = {std::min(cluster.lo.x, p.x), std::min(cluster.lo.y, p.y), std::min(cluster.lo.z, p.z)};
     cluster.hi = {std::max(cluster.hi.x, p.x), std::max(cluster.hi.y, p.y), std::max(cluster.hi.z, p.z)};
-    cluster.sum.vector = otgAdd(cluster.sum.vector, out.star[v].vector);
+    cluster.sum.vector = cluster.sum.vector + out.star[v].vector;
     cluster.sum.area += out.star[v].area;
     cluster.moment += otgDot(out.star[v].vector, Vec3d{p.x, p.y, p.z});
   }
@@ -72,7 +74,7 @@ bool isFlat(const Topology& topology, std::uint32_t h, const Adjacency& out) {
   if (twin == kNone || topology.edgeOf[h] == kNone) return false;
   const Vec3d &a = out.normal[h / 3], &b = out.normal[twin / 3];
   const Vec3d c = otgCross(a, b);
-  return otgDot(a, b) > 0 && std::sqrt(otgDot(c, c)) < flatSine();
+  return otgDot(a, b) > 0 && norm(c) < flatSine();
 }
 
 /// The sharp edges of a vertex. It lies in a flat face or on a straight edge if it has none, or two that run on.
@@ -82,11 +84,11 @@ struct SharpEdges {
   bool straight = false;     ///< the second is opposite to it
   void add(const TriMesh& mesh, std::uint32_t from, std::uint32_t to) {
     const Vec3f &p = mesh.vertices()[from], &q = mesh.vertices()[to];
-    const Vec3d d = otgSub(Vec3d{q.x, q.y, q.z}, Vec3d{p.x, p.y, p.z});
-    const double length = std::sqrt(otgDot(d, d));
-    const Vec3d away = length > 0 ? otgScale(d, 1 / length) : Vec3d{0, 0, 0};
+    const Vec3d d = Vec3d{q.x, q.y, q.z} - Vec3d{p.x, p.y, p.z};
+    const double length = norm(d);
+    const Vec3d away = length > 0 ? d * (1 / length) : Vec3d{0, 0, 0};
     const Vec3d c = otgCross(direction, away);
-    straight = count == 1 && otgDot(direction, away) < 0 && std::sqrt(otgDot(c, c)) < flatSine();
+    straight = count == 1 && otgDot(direction, away) < 0 && norm(c) < flatSine();
     if (count++ == 0) direction = away;
   }
   bool flat() const { return count == 0 || straight; }

@@ -62,9 +62,8 @@ class CellsBuilder {
       }
       const Vec3d vector = w_.meshes.directionFromLocal(m, cluster.sum.vector);
       const PartBox box = w_.boxOf(m, cluster);
-      cells.add(m, otgScale(otgAdd(box.lo, box.hi), 0.5), vector,
-                PieceCells::ofVertex(adjacency.clusterVertices[cluster.first]), vector, cluster.sum.area,
-                cluster.moment + otgDot(vector, shift), box.lo, box.hi);
+      cells.add(m, (box.lo + box.hi) * 0.5, vector, PieceCells::ofVertex(adjacency.clusterVertices[cluster.first]),
+                vector, cluster.sum.area, cluster.moment + otgDot(vector, shift), box.lo, box.hi);
     }
   }
 
@@ -75,8 +74,8 @@ class CellsBuilder {
     cells.begin(region, units);
     for (std::uint32_t i = s_.pieceBegin[r]; i < s_.pieceBegin[r + 1]; ++i) {
       const Piece& p = s_.pieces[i];
-      cells.add(p.mesh, otgScale(otgAdd(p.lo, p.hi), 0.5), p.normal, PieceCells::ofTriangle(p.triangle), p.vector,
-                p.area, p.offset * p.area, p.lo, p.hi);
+      cells.add(p.mesh, (p.lo + p.hi) * 0.5, p.normal, PieceCells::ofTriangle(p.triangle), p.vector, p.area,
+                p.offset * p.area, p.lo, p.hi);
     }
     for (std::uint32_t i = s_.patchBegin[r]; i < s_.patchBegin[r + 1]; ++i) addStars(s_.patches[i], cells);
     for (std::uint32_t i = s_.correctionBegin[r]; i < s_.correctionBegin[r + 1]; ++i) {
@@ -120,7 +119,7 @@ class CellsBuilder {
   void addPoints(std::uint32_t r) {
     Region& region = w_.out.regions[r];
     PointCells& points = s_.pointCells;
-    points.begin(region, unit(otgSub(s_.sums[r].vector(1), s_.sums[r].vector(0))));
+    points.begin(region, unit(s_.sums[r].vector(1) - s_.sums[r].vector(0)));
     region.cellBegin = static_cast<std::uint32_t>(w_.out.extents.cells.size());
     s_.positions.clear();
     for (std::uint32_t i = s_.patchBegin[r]; i < s_.patchBegin[r + 1]; ++i) offerVertices(r, s_.patches[i], points);

@@ -27,8 +27,8 @@ class Clipper {
         for (const Corner& c : corners) {
           if (c.element == kNone || !w_.isLarge(s_.regionOf[c.element])) continue;
           const double area = -w_.meshes.adjacency(m).area[t] / 3;
-          s_.corrections.push_back({s_.regionOf[c.element], c.vertex, t, static_cast<std::uint8_t>(m), c.position,
-                                    otgScale(normal, area), area});
+          s_.corrections.push_back(
+              {s_.regionOf[c.element], c.vertex, t, static_cast<std::uint8_t>(m), c.position, normal * area, area});
         }
       }
     }
@@ -59,7 +59,7 @@ class Clipper {
         loops.push_back({region, {0, 0, 0}, p, p});
         loop = &loops.back();
       }
-      loop->sum = otgAdd(loop->sum, otgCross(otgSub(p, corner), otgSub(q, corner)));
+      loop->sum = loop->sum + otgCross(p - corner, q - corner);
       loop->lo = minimum(loop->lo, minimum(p, q));
       loop->hi = maximum(loop->hi, maximum(p, q));
     };
@@ -91,7 +91,7 @@ class Clipper {
 
   void addPiece(std::uint32_t region, int m, std::uint32_t t, const Vec3d& n, double area, double offset,
                 const Vec3d& lo, const Vec3d& hi) {
-    s_.pieces.push_back({region, t, static_cast<std::uint8_t>(m), n, otgScale(n, area), area, offset, lo, hi});
+    s_.pieces.push_back({region, t, static_cast<std::uint8_t>(m), n, n * area, area, offset, lo, hi});
   }
 
   RegionWork& w_;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/union_find.h"
 #include "collide/solid/contour.h"
 #include "collide/solid/edge_pieces.h"
 #include "collide/solid/inside.h"
@@ -42,7 +43,8 @@ struct RegionLoop {
 
 /// Memory that is kept from one overlap to the next.
 struct RegionScratch {
-  std::vector<std::uint32_t> parent, regionOf, load;
+  UnionFind sets;  ///< of elements
+  std::vector<std::uint32_t> regionOf, load;
   EpochArray boundary[2];  ///< triangle -> index into boundaryTriangles, or kInterior once it has been taken
   std::vector<std::uint32_t> boundaryTriangles[2], chordHead[2], chordNext[2];
   std::vector<RegionLoop> loops;

@@ -41,25 +41,12 @@ class Builder {
   }
 
  private:
-  std::uint32_t find(std::uint32_t e) {
-    while (s_.parent[e] != e) {
-      s_.parent[e] = s_.parent[s_.parent[e]];
-      e = s_.parent[e];
-    }
-    return e;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a != b) s_.parent[std::max(a, b)] = std::min(a, b);  // the smallest element names the set
-  }
   void unite() {
-    s_.parent.resize(w_.edges.count());
-    for (std::uint32_t e = 0; e < w_.edges.count(); ++e) s_.parent[e] = e;
-    for (const Chord& chord : w_.contour.chords) join(chord.start, chord.end);
+    s_.sets.reset(w_.edges.count());
+    for (const Chord& chord : w_.contour.chords) s_.sets.unite(chord.start, chord.end);
     for (int m = 0; m < 2; ++m) {
       for (const std::uint32_t edge : w_.contour.crossedEdges[m]) {
-        for (const EdgePiece& p : w_.edges.on(m, edge)) join(p.fromElement, p.toElement);
+        for (const EdgePiece& p : w_.edges.on(m, edge)) s_.sets.unite(p.fromElement, p.toElement);
       }
       // A contour that stays within one triangle whose corners are all inside hangs together with them.
       const TriMesh& mesh = w_.meshes.mesh(m);
@@ -67,7 +54,7 @@ class Builder {
         const Triangle& t = mesh.triangles()[m == 0 ? chord.triangleA : chord.triangleB];
         std::uint32_t corner[3];
         for (int k = 0; k < 3; ++k) corner[k] = w_.edges.vertexElement(m, mesh.topology().weld[t.v[k]]);
-        if (corner[0] != kNone && corner[1] != kNone && corner[2] != kNone) join(chord.start, corner[0]);
+        if (corner[0] != kNone && corner[1] != kNone && corner[2] != kNone) s_.sets.unite(chord.start, corner[0]);
       }
     }
   }
@@ -87,7 +74,7 @@ class Builder {
     s_.regionOf.assign(w_.edges.count(), kNone);
     std::uint32_t count = 0;
     for (std::uint32_t e = 0; e < w_.edges.count(); ++e) {
-      const std::uint32_t root = find(e);
+      const std::uint32_t root = s_.sets.find(e);
       if (s_.regionOf[root] == kNone) s_.regionOf[root] = count++;
       s_.regionOf[e] = s_.regionOf[root];
     }
@@ -180,9 +167,9 @@ class Builder {
     }
     const Vec3d zero{0, 0, 0};  // -0 and 0 are one bound
     for (Region& region : w_.out.regions) {
-      region.lo = otgAdd(region.lo, zero);
-      region.hi = otgAdd(region.hi, zero);
-      region.diagonal = norm(otgSub(region.hi, region.lo));
+      region.lo = region.lo + zero;
+      region.hi = region.hi + zero;
+      region.diagonal = norm(region.hi - region.lo);
     }
   }
 
@@ -216,8 +203,8 @@ class Builder {
         const Vec3d p = w_.vertex(m, triangle.v[0]), q = w_.vertex(m, triangle.v[1]), s = w_.vertex(m, triangle.v[2]);
         const Vec3d n = w_.meshes.normal(m, t);
         const double area = adjacency.area[t];
-        w_.out.pieces.push_back({r, t, insider.mesh, n, otgScale(n, area), area, otgDot(n, p),
-                                 minimum(p, minimum(q, s)), maximum(p, maximum(q, s))});
+        w_.out.pieces.push_back({r, t, insider.mesh, n, n * area, area, otgDot(n, p), minimum(p, minimum(q, s)),
+                                 maximum(p, maximum(q, s))});
       }
     }
     for (std::uint32_t i = s_.seedBegin[r]; i < s_.seedBegin[r + 1]; ++i) {
@@ -240,7 +227,7 @@ class Builder {
       for (const std::uint32_t edge : w_.contour.crossedEdges[m]) {
         std::uint32_t stretch = 0;
         for (const EdgePiece& piece : w_.edges.on(m, edge)) {
-          const Vec3d d = otgSub(piece.to, piece.from);
+          const Vec3d d = piece.to - piece.from;
           const std::uint32_t k = stretch++;
           const auto seed = [&](const Vec3d& at, const Vec3d& span, std::uint32_t c, PointKind kind,
                                 std::uint32_t ordinal) {
@@ -248,9 +235,9 @@ class Builder {
                                 static_cast<std::uint8_t>(m), kind, adjacency.flatEdge[edge] != 0});
           };
           if (!piece.fromVertex) seed(piece.from, d, piece.fromElement, PointKind::kCrossing, 2 * k);
-          if (!piece.toVertex) seed(piece.to, otgScale(d, -1.0), piece.toElement, PointKind::kCrossing, 2 * k + 1);
+          if (!piece.toVertex) seed(piece.to, d * -1.0, piece.toElement, PointKind::kCrossing, 2 * k + 1);
           if (adjacency.flatEdge[edge] || (piece.fromVertex && piece.toVertex)) continue;
-          seed(otgScale(otgAdd(piece.from, piece.to), 0.5), otgScale(d, 0.5), kNone,
+          seed((piece.from + piece.to) * 0.5, d * 0.5, kNone,
                piece.fromVertex || piece.toVertex ? PointKind::kMiddle : PointKind::kMiddleOfContour, k);
         }
       }

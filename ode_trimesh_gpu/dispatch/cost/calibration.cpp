@@ -14,6 +14,7 @@
 #include <memory>
 #include <numbers>
 
+#include "base/vectors.h"
 #include "dispatch/cost/calibration_mesh.h"
 #include "dispatch/cost/rehearsal.h"
 #include "dispatch/distance_run.h"
@@ -166,7 +167,7 @@ std::vector<LongRay> raysTowards(const TriMesh& mesh, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3d& from = points[2 * i];
     const Vec3d way = otgSub(otgScale(points[2 * i + 1], 0.5 * double{mesh.radius()}), from);
-    const double length = std::sqrt(otgDot(way, way));
+    const double length = norm(way);
     rays[i] = {{from, length > 0 ? otgScale(way, 1 / length) : Vec3d{0, 0, 1}},
                std::numeric_limits<double>::infinity()};
   }

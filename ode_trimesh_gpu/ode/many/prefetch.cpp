@@ -8,6 +8,7 @@
 #include <bit>
 #include <climits>
 
+#include "base/hash.h"
 #include "ode/base/status.h"
 #include "ode/geom/trimesh_pairs.h"
 #include "ode/many/pair_batch.h"
@@ -54,7 +55,7 @@ class Gatherer {
     std::vector<std::uint32_t> places(std::bit_ceil(2 * found.size() + 1), 0);
     const auto isNew = [&](std::size_t i) {
       const Found& one = found[i];
-      std::size_t at = ((one.x * 0x9e3779b97f4a7c15u + one.y) * 0xff51afd7ed558ccdu >> 20) & (places.size() - 1);
+      std::size_t at = spreadBits(spreadBits(one.x) ^ one.y) & (places.size() - 1);
       for (; places[at] != 0; at = (at + 1) & (places.size() - 1)) {
         const Found& other = found[places[at] - 1];
         if (other.x == one.x && other.y == one.y) return false;
