@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "collide/shell/shell_contacts.h"
 #include "collide/solid/contour.h"
 #include "collide/solid/escape.h"
 #include "collide/solid/found_overlap.h"
@@ -85,7 +86,8 @@ bool isClosed(const Contour& contour) {
   return std::all_of(ends.begin(), ends.end(), [](std::uint8_t e) { return e == 3; });
 }
 
-/// What a query starts from.
+}  // namespace
+
 SolidHistory::State stateBefore(const Query& query) {
   SolidHistory::State state;
   if (query.history && query.history->used) {
@@ -104,7 +106,7 @@ SolidHistory::State stateBefore(const Query& query) {
   return state;
 }
 
-void keep(const Query& query, const SolidHistory::State& before, SolidHistory::State state) {
+void keepState(const Query& query, const SolidHistory::State& before, SolidHistory::State state) {
   if (!query.history) return;
   state.pose = query.bInA;
   state.hasPose = true;
@@ -112,8 +114,6 @@ void keep(const Query& query, const SolidHistory::State& before, SolidHistory::S
   query.history->current = state;
   query.history->used = true;
 }
-
-}  // namespace
 
 bool isSheet(const TriMesh& mesh) {
   return !isSolid(mesh) && mesh.triangleCount() > 0 && mesh.report().inconsistentEdges == 0 &&
@@ -139,7 +139,7 @@ void rememberPlain(const Query& query, const Vec3d& deep) {
   state.escapeLeft = std::max(0, state.escapeLeft - 1);
   state.deepNormal = otgDot(deep, deep) > 0 ? otgRotateBack(query.bInA, deep) : Vec3d{0, 0, 0};
   state.clampLeft = std::max(0, state.clampLeft - 1);
-  keep(query, before, state);
+  keepState(query, before, state);
 }
 
 namespace {
@@ -204,7 +204,7 @@ class PairContacts {
         contact.depth = std::min(contact.depth, most);
       }
     }
-    keep(query_, before_, state_);
+    keepState(query_, before_, state_);
     workspace_.stats.contactsBeforeReduction = workspace_.contacts.size();
   }
 

@@ -32,6 +32,11 @@ bool isSheet(const TriMesh& mesh);
 /// with a sheet.
 bool haveSolidContacts(const TriMesh& a, const TriMesh& b);
 
+/// What a query starts from: what the pair remembers, as far as it still holds;
+SolidHistory::State stateBefore(const Query& query);
+/// and what it leaves, both in query.history, if there is one.
+void keepState(const Query& query, const SolidHistory::State& before, SolidHistory::State state);
+
 /// For those who compute such contacts elsewhere. Whether what the pair remembers changes nothing, as long
 /// as no region is entangled or contained, but for the direction of its last deep region;
 bool isUnburdened(const Query& query);

@@ -8,6 +8,7 @@
 #include <thread>
 #include <unordered_map>
 
+#include "collide/shell/shell_roles.h"
 #include "collide/solid_contacts.h"
 #include "opencl/backend_state.h"
 #include "opencl/batch_finish.h"
@@ -43,6 +44,8 @@ class Backend::Batch {
     std::uint64_t largest = 0;
     for (const CollisionMesh* mesh : source.meshes) largest = std::max(largest, triangles(mesh));
     anyLarge_ = Finish::kLargeAlone && 2 * largest > state.tuning.batchTriangles;
+    const auto isShell = [](const CollisionMesh* mesh) { return mesh->mesh().meshClass() != MeshClass::kSolid; };
+    anyShells_ = Finish::kTakesDescriptions && std::any_of(source.meshes.begin(), source.meshes.end(), isShell);
   }
 
   /// False if the device failed.
@@ -221,6 +224,14 @@ class Backend::Batch {
         if (triangles(a) + triangles(b) <= state_.tuning.batchTriangles) continue;
         tasks[k].skip = 1;
         (isRefused(source_.query(begin + k)) ? piece.refused : piece.large).push_back(begin + k);
+      }
+    }
+    if (anyShells_) {
+      for (std::size_t k = 0; k < tasks.size(); ++k) {
+        const Query query = source_.query(begin + k);
+        if (tasks[k].skip || !areShells(query)) continue;
+        tasks[k].skip = 1;
+        (isRefused(query) ? piece.refused : piece.alone).push_back(begin + k);
       }
     }
     for (std::size_t k = 0; k < frames.size(); ++k) {
@@ -516,7 +527,7 @@ class Backend::Batch {
   const bool describes_;
   std::vector<Holder> holders_;
   OverlapQueue overlaps_;
-  bool good_ = true, anyLarge_ = false;
+  bool good_ = true, anyLarge_ = false, anyShells_ = false;
   std::vector<std::size_t> later_;                             ///< pairs for the host when all pieces are done
   std::unordered_map<std::size_t, ContactFinish::Done> done_;  ///< by the host, while the device is at work
   std::vector<const CollisionMesh*> meshes_;                   ///< of the submission under way
