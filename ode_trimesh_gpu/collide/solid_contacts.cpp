@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "collide/shell/shell_approach.h"
 #include "collide/shell/shell_contacts.h"
 #include "collide/solid/contour.h"
 #include "collide/solid/escape.h"
@@ -132,13 +133,14 @@ Vec3d deepDirectionBefore(const Query& query) {
   return query.history == nullptr ? Vec3d{0, 0, 0} : otgRotate(query.bInA, stateBefore(query).deepNormal);
 }
 
-void rememberPlain(const Query& query, const Vec3d& deep) {
+void rememberPlain(const Query& query, bool hasContacts, const Vec3d& deep) {
   if (!query.history || !haveSolidContacts(query.a->mesh(), query.b->mesh())) return;
   const SolidHistory::State before = stateBefore(query);
   SolidHistory::State state = before;
   state.escapeLeft = std::max(0, state.escapeLeft - 1);
   state.deepNormal = otgDot(deep, deep) > 0 ? otgRotateBack(query.bInA, deep) : Vec3d{0, 0, 0};
   state.clampLeft = std::max(0, state.clampLeft - 1);
+  if (!hasContacts) state.side = sideBehind(query, state.side);
   keepState(query, before, state);
 }
 
@@ -204,6 +206,7 @@ class PairContacts {
         contact.depth = std::min(contact.depth, most);
       }
     }
+    if (workspace_.contacts.empty() && query_.history) state_.side = sideBehind(query_, state_.side);
     keepState(query_, before_, state_);
     workspace_.stats.contactsBeforeReduction = workspace_.contacts.size();
   }

@@ -44,6 +44,6 @@ bool isUnburdened(const Query& query);
 Vec3d deepDirectionBefore(const Query& query);
 /// and what such a query leaves in query.history, if there is one. `deep`: the direction of its own last deep region,
 /// or zero.
-void rememberPlain(const Query& query, const Vec3d& deep);
+void rememberPlain(const Query& query, bool hasContacts, const Vec3d& deep);
 
 }  // namespace otg

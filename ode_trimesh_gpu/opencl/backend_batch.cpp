@@ -370,7 +370,7 @@ class Backend::Batch {
           for (std::size_t k = from; k < to; ++k) {
             if ((found.flags[k] & (kNotDone | OTG_PAIR_PAIRWISE)) != 0) continue;
             const bool hasContacts = found.contacts[0].places[2 * k + 1] > 0;
-            rememberPlain(source_.query(begin + k), hasContacts ? found.directions[k] : Vec3d{0, 0, 0});
+            rememberPlain(source_.query(begin + k), hasContacts, hasContacts ? found.directions[k] : Vec3d{0, 0, 0});
           }
         });
       }

@@ -114,9 +114,7 @@ struct ShellDrop {
 struct ShellEnd {
   Vec3d position{}, velocity{}, spin{};
   double fastest = 0;  ///< of all steps
-  bool isStill(double speed) const {
-    return std::sqrt(otgDot(velocity, velocity)) < speed && std::sqrt(otgDot(spin, spin)) < 2 * speed;
-  }
+  double moved = 0;    ///< in the last half second
 };
 
 inline ShellEnd letGo(const ShellData& ground, const ShellDrop& drop, GeomForm form, int steps, double mu = 1) {
@@ -141,7 +139,10 @@ inline ShellEnd letGo(const ShellData& ground, const ShellDrop& drop, GeomForm f
     world.step(1);
     end.velocity = toVec(dBodyGetLinearVel(body));
     end.fastest = std::max(end.fastest, std::sqrt(otgDot(end.velocity, end.velocity)));
+    if (i == steps - 100) end.position = toVec(dBodyGetPosition(body));
   }
+  const Vec3d moved = otgSub(toVec(dBodyGetPosition(body)), end.position);
+  end.moved = std::sqrt(otgDot(moved, moved));
   end.position = toVec(dBodyGetPosition(body));
   end.spin = toVec(dBodyGetAngularVel(body));
   return end;

@@ -127,6 +127,11 @@ ShellState ShellApproach::besideSheet(bool meets) {
   }
   const GroundDepth& depth = sample.depth;
   const int now = sideOfApart(sample);
+  if (roles_.visitor->mesh().meshClass() == MeshClass::kSolid) {
+    // Contacts of solids need no memory, but where they would be drawn to the front.
+    if (!depth.isBeside) side_ = std::min(now, 0);
+    return ShellState::kApart;
+  }
   const bool isBefore = side_ != 0;
   if (!isBefore) {
     side_ = now;
@@ -203,12 +208,29 @@ void ShellApproach::finish(ShellState state, bool hasContacts, const Vec3d& sum,
   if (state == ShellState::kThrough && !hasContacts) {  // too far behind to have come from there
     side_ = roles_.kind == GroundKind::kSheet ? -side_ : 0;
   }
+  if (roles_.kind == GroundKind::kSheet && roles_.visitor->mesh().meshClass() == MeshClass::kSolid) {
+    side_ = std::min(side_, 0);
+  }
   if (roles_.kind == GroundKind::kShell && state == ShellState::kMeeting && norm(sum) > 0) {
     const Vec3d over = otgAdd(roles_.middle(), otgScale(unit(sum), kFrontHeight * roles_.size));
     if (!crosses(front_, over)) front_ = over;
   }
   after.side = side_;
   after.front = roles_.kind == GroundKind::kShell && side_ != 0 ? front_ : Vec3d{0, 0, 0};
+}
+
+int sideBehind(const Query& query, int before) {
+  const TriMesh &a = query.a->mesh(), &b = query.b->mesh();
+  if (a.meshClass() == b.meshClass() || areShells(a, b)) return before;
+  const ShellRoles roles = shellRoles(query);
+  GroundSides sides;
+  std::vector<double> crossings;
+  SolidHistory::State state;
+  state.side = before;
+  ShellApproach approach(query, roles, state, sides, crossings);
+  approach.decide(false);
+  approach.finish(ShellState::kApart, false, {0, 0, 0}, state);
+  return state.side;
 }
 
 }  // namespace otg

@@ -62,4 +62,8 @@ class ShellApproach {
   Vec3d front_{};
 };
 
+/// Of a pair without contacts of a solid and a larger sheet, before it gets any: -1 if the solid is behind the sheet,
+/// where contacts of solids would draw it through; else 0. Of other pairs what was there before.
+int sideBehind(const Query& query, int before);
+
 }  // namespace otg

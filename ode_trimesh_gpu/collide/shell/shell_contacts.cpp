@@ -15,7 +15,7 @@ namespace otg {
 namespace {
 
 // In radii of the visitor.
-constexpr double kDeepest = 0.04;   ///< no contact is deeper
+constexpr double kDeepest = 0.06;   ///< no contact is deeper
 constexpr double kThroughMost = 0.2;  ///< how far behind a ground without an inside a visitor may be that is through
 
 constexpr double kShallow = 0.02;          ///< of the deepest corner of a clipped triangle: others say nothing

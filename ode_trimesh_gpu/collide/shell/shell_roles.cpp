@@ -37,7 +37,10 @@ bool areShells(const TriMesh& a, const TriMesh& b) {
 }
 
 bool areShells(const Query& query) {
-  return query.options.contacts == ContactModel::kSolid && areShells(query.a->mesh(), query.b->mesh());
+  if (query.options.contacts != ContactModel::kSolid) return false;
+  const TriMesh &a = query.a->mesh(), &b = query.b->mesh();
+  if (a.meshClass() == MeshClass::kSolid && b.meshClass() == MeshClass::kSolid) return false;
+  return areShells(a, b) || stateBefore(query).side < 0;
 }
 
 ShellRoles shellRoles(const Query& query) {

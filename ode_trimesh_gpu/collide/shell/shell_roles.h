@@ -38,7 +38,8 @@ bool isGround(const TriMesh& a, const TriMesh& b);
 /// Whether such a pair gets contacts of shells from the start: the visitor is no solid, or the two have no contacts
 /// of solids at all. Of the rest a pair of a solid and a sheet gets them where the solid touches the sheet's rim.
 bool areShells(const TriMesh& a, const TriMesh& b);
-/// The same, where the query asks for it.
+/// Whether the query's contacts are those of shells from the start: also of a solid that has come to a sheet from
+/// behind (sideBehind()).
 bool areShells(const Query& query);
 
 ShellRoles shellRoles(const Query& query);
