@@ -100,6 +100,7 @@ TEST_CASE("bodies come to rest on grounds that are hardly larger than they are")
       all.still += count.still;
       all.all += count.all;
     }
-    std::printf("%s as ground: %d of %d\n", nameOf(kind), all.still, all.all);
+    // Some slide off, as a plate does that lies half over an edge.
+    CHECK(all.still + 1 >= all.all);
   }
 }

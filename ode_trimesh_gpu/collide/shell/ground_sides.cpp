@@ -63,11 +63,15 @@ int GroundSides::sideOf(std::uint32_t triangle) {
     p[k] = {v.x, v.y, v.z};
   }
   Vec3d from;
-  otgNearestOnTriangle(p[0], p[1], p[2], front_, &from);
+  const Vec3d middle = otgScale(otgAdd(otgAdd(p[0], p[1]), p[2]), 1.0 / 3);
+  // Near the front point little comes in between; but off the edges, where neighbours are met as well.
+  if (otgNearestOnTriangle(p[0], p[1], p[2], front_, &from) != OTG_PART_FACE) {
+    from = otgAdd(from, otgScale(otgSub(middle, from), 0.25));
+  }
   Vec3d along = otgSub(front_, from);
   const auto lies = [&] { return otgDot(along, n) / std::max(norm(along), slack_); };
-  if (std::fabs(lies()) < 0.01) {  // seen from the edge: its middle tells more
-    from = otgScale(otgAdd(otgAdd(p[0], p[1]), p[2]), 1.0 / 3);
+  if (std::fabs(lies()) < 0.01) {  // seen from the edge
+    from = middle;
     along = otgSub(front_, from);
   }
   const int facing = lies() < 0 ? -1 : 1;
