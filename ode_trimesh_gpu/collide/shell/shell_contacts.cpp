@@ -18,6 +18,8 @@ namespace {
 constexpr double kDeepest = 0.06;   ///< no contact is deeper
 constexpr double kThroughMost = 0.2;  ///< how far behind a ground without an inside a visitor may be that is through
 
+constexpr double kShorter = 0.5;  ///< of one way, for the other to be taken
+constexpr double kPastRim = 2;    ///< times as deep as the rim
 constexpr double kShallow = 0.02;          ///< of the deepest corner of a clipped triangle: others say nothing
 constexpr std::size_t kMostVertices = 4096;  ///< beyond those of triangles that intersect
 
@@ -44,6 +46,8 @@ class ShellContacts {
       }
     }
     for (const TrianglePair& pair : scratch_.pairs) addClipped(pair);
+    const double rim = shortestWayOfRim();
+    std::erase_if(scratch_.contacts, [&](const Contact& c) { return c.depth > kPastRim * rim; });
   }
 
   void ofThrough() {
@@ -108,6 +112,7 @@ class ShellContacts {
       heights[i] = std::max(0.0, otgDot(front, otgSub(of[0], clipped.corners[std::size_t(i)].point)));
       most = std::max(most, heights[i]);
     }
+    if (isRim(pair.b) && addRim(pair, corners, of, most)) return;
     for (int i = 0; i < clipped.count; ++i) {
       const ClippedTriangle::Corner& corner = clipped.corners[std::size_t(i)];
       if (!corner.isCut || (most > surface_.slack() && heights[i] < kShallow * most)) continue;
@@ -123,7 +128,95 @@ class ShellContacts {
     }
   }
 
+  /// Where the rim of the ground sticks through the visitor, how far in the direction in which it is least: others lead
+  /// past it. Infinity where it does not.
+  double shortestWayOfRim() const {
+    constexpr double kAlike = 0.9;
+    struct Way {
+      Vec3d normal;
+      double depth;
+    };
+    std::vector<Way> ways;
+    for (const Contact& c : scratch_.contacts) {
+      if (c.feature != ContactFeature::kFaceA) continue;
+      const auto same = std::find_if(ways.begin(), ways.end(),
+                                     [&](const Way& way) { return otgDot(way.normal, c.normal) > kAlike; });
+      if (same == ways.end()) {
+        ways.push_back({c.normal, c.depth});
+      } else {
+        same->depth = std::max(same->depth, c.depth);
+      }
+    }
+    double least = std::numeric_limits<double>::infinity();
+    for (const Way& way : ways) least = std::min(least, way.depth);
+    return least;
+  }
+
+  /// Whether a triangle has an edge at the rim of a vessel: a sheet with walls around, as a box without lid. Visitors
+  /// lie on such a rim; on others, as the seams of a terrain in pieces, they lie by the faces beside it.
+  bool isRim(std::uint32_t triangle) {
+    if (!isVessel()) return false;
+    const SharedArray<std::uint32_t>& twin = surface_.mesh().topology().twin;
+    const std::size_t first = 3 * std::size_t{triangle};
+    return twin[first] == kNone || twin[first + 1] == kNone || twin[first + 2] == kNone;
+  }
+
+  bool isVessel() {
+    constexpr double kVessel = 0.7;  // of all areas, what faces one way
+    if (vessel_ < 0) {
+      Vec3d sum{0, 0, 0};
+      double area = 0;
+      if (roles_.kind == GroundKind::kSheet && !roles_.isTerrain) {
+        const std::vector<Adjacency::Cluster>& clusters = roles_.ground->adjacency().clusters;
+        for (std::size_t i = 0; i + 1 < clusters.size(); ++i) {  // the last ends the others
+          sum = otgAdd(sum, clusters[i].sum.vector);
+          area += clusters[i].sum.area;
+        }
+      }
+      vessel_ = norm(sum) < kVessel * area ? 1 : 0;
+    }
+    return vessel_ > 0;
+  }
+
+  /// Contacts where the ground's triangle `of` sticks through the visitor's by less than the visitor's is behind the
+  /// ground. False if it does not.
+  bool addRim(const TrianglePair& pair, const Vec3d corners[3], const Vec3d of[3], double behind) {
+    Vec3d front = otgRotate(roles_.visitorInGround, links_.normal[pair.a]);
+    double least = kShorter * behind;
+    ClippedTriangle tip;
+    Vec3d way{};
+    for (const double side : {1.0, -1.0}) {
+      const Vec3d normal = otgScale(front, side);
+      const ClippedTriangle through = clipBehind(of, corners, normal);
+      double most = 0;
+      for (int i = 0; i < through.count; ++i) {
+        most = std::max(most, otgDot(normal, otgSub(corners[0], through.corners[std::size_t(i)].point)));
+      }
+      if (!(most > surface_.slack()) || most >= least) continue;
+      least = most;
+      tip = through;
+      way = otgScale(normal, -1.0);
+    }
+    if (tip.count == 0) return false;
+    for (int i = 0; i < tip.count; ++i) {
+      const Vec3d& point = tip.corners[std::size_t(i)].point;
+      const double height = otgDot(way, otgSub(point, corners[0]));
+      if (height < kShorter * least) continue;
+      Contact contact{};
+      contact.position = point;
+      contact.normal = way;
+      contact.depth = height;
+      contact.triangleA = pair.a;
+      contact.triangleB = pair.b;
+      contact.feature = ContactFeature::kFaceA;
+      contact.ordinal = static_cast<std::uint32_t>(ClippedTriangle::kMost + i);
+      scratch_.contacts.push_back(contact);
+    }
+    return true;
+  }
+
   bool refine(Contact& c) const {
+    if (c.feature == ContactFeature::kFaceA) return true;
     if (c.depth <= surface_.slack()) {
       c.depth = 0;
       return true;
@@ -142,6 +235,7 @@ class ShellContacts {
   const GroundSurface& surface_;
   ShellScratch& scratch_;
   const Adjacency& links_;
+  int vessel_ = -1;  ///< isVessel(), once it was asked
 };
 
 void reduce(const CollideOptions& options, const ShellContacts& maker, std::vector<Contact>& contacts) {
@@ -155,7 +249,9 @@ void reduce(const CollideOptions& options, const ShellContacts& maker, std::vect
 Contact placed(const Query& query, const ShellRoles& roles, Contact c) {
   if (roles.groundIsA) {
     std::swap(c.triangleA, c.triangleB);
-    c.feature = c.feature == ContactFeature::kVertexA ? ContactFeature::kVertexB : ContactFeature::kFaceA;
+    c.feature = c.feature == ContactFeature::kVertexA ? ContactFeature::kVertexB
+                : c.feature == ContactFeature::kFaceA ? ContactFeature::kFaceB
+                                                      : ContactFeature::kFaceA;
     c.normal = otgScale(c.normal, -1.0);
   } else {
     c.position = otgTransform(query.bInA, c.position);
