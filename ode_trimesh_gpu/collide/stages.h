@@ -17,7 +17,7 @@ bool contactOfPair(const Query& query, const TrianglePair& pair, Contact& contac
 /// The feature of a contact of one of the kinds of pairwise_contact.h.
 ContactFeature featureOf(int contactKind);
 
-/// Whether the contacts of the query are those of `pairwise`. If not, they come from the overlap of solids or of shells.
+/// Whether the contacts of the query are those of `pairwise`. If not, they are those of solids or of shells.
 bool isPairwise(const Query& query);
 
 /// Everything after the near phase: workspace.intersecting -> workspace.reduced, with the meshes' own triangle numbers.

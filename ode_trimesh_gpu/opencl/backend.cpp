@@ -44,9 +44,9 @@ bool Backend::collideProfiled(const Query& query, Workspace& workspace, StageTim
 bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, StageTimes& times) {
   const Stopwatch total(profile);
   const bool contacts = isPairwise(query);
-  const PairWish wish = contacts                                          ? PairWish::kContacts
+  const PairWish wish = contacts                                        ? PairWish::kContacts
                         : query.refiner == nullptr && !areShells(query) ? PairWish::kOverlap
-                                                                          : PairWish::kPairs;
+                                                                        : PairWish::kPairs;
   const PairFrame frame = makePairFrame(query);
   ++state_->queries;
   if (isRefused(query) || isIdleQuery(query, frame)) {

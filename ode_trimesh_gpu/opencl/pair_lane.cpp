@@ -126,8 +126,7 @@ PairAnswer PairLane::describe(const otg_device_pair& pair, const Query& query, c
     break;
   }
   answer.found.counters = head->counters;
-  if (!answer.described)
-    answer.found = results_.readAll(context_, queue, false, head->counters, &profile_);
+  if (!answer.described) answer.found = results_.readAll(context_, queue, false, head->counters, &profile_);
   if (profile_.on()) profile_.collect();
   return answer;
 }

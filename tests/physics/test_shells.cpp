@@ -116,7 +116,8 @@ TEST_CASE("shells slide down a slope as far as formulas say, whatever the tessel
         ShellDrop drop;
         drop.size = {0.8, 0.6, 0.4};
         drop.body = makeBody(kind, drop.size);
-        const bool isFlat = drop.body.triangles.size() != 12 && kind != ShellBody::kOpenBox && kind != ShellBody::kDoubled;
+        const bool isFlat =
+            drop.body.triangles.size() != 12 && kind != ShellBody::kOpenBox && kind != ShellBody::kDoubled;
         const double up = isFlat ? 0.0005 : 0.2005;
         drop.pose = makePose({0, 1, 0}, kAngle, {std::sin(kAngle) * up, 0, std::cos(kAngle) * up});
         const ShellEnd end = letGo(slope, drop, GeomForm::kOurs, 400, mu);
@@ -210,7 +211,8 @@ struct Gain {
 };
 
 /// Bodies that fall and slide on terrains: what energy they gain from one step to the next.
-Gain gainOn(const std::vector<scenes::MeshArrays>& pieces, const scenes::MeshArrays& whole, ShellBody kind, int bodies) {
+Gain gainOn(const std::vector<scenes::MeshArrays>& pieces, const scenes::MeshArrays& whole, ShellBody kind,
+            int bodies) {
   std::vector<std::unique_ptr<Data>> data;
   for (const scenes::MeshArrays& piece : pieces) data.push_back(std::make_unique<Data>(piece));
   Draw draw(3);

@@ -51,12 +51,12 @@ inline scenes::MeshArrays withoutLid(scenes::MeshArrays mesh, float height) {
 
 /// What is dropped.
 enum class ShellBody { kQuad, kFineSheet, kTwoSidedQuad, kOpenBox, kMisoriented, kDoubled, kClosedBox };
-inline constexpr std::array kShellBodies = {ShellBody::kQuad,    ShellBody::kFineSheet,   ShellBody::kTwoSidedQuad,
-                                            ShellBody::kOpenBox, ShellBody::kMisoriented, ShellBody::kDoubled,
+inline constexpr std::array kShellBodies = {ShellBody::kQuad,     ShellBody::kFineSheet,   ShellBody::kTwoSidedQuad,
+                                            ShellBody::kOpenBox,  ShellBody::kMisoriented, ShellBody::kDoubled,
                                             ShellBody::kClosedBox};
 inline const char* nameOf(ShellBody body) {
-  constexpr const char* kNames[] = {"quad",         "fine sheet", "two-sided quad", "box without lid",
-                                    "misoriented",  "doubled",    "closed box"};
+  constexpr const char* kNames[] = {"quad",        "fine sheet", "two-sided quad", "box without lid",
+                                    "misoriented", "doubled",    "closed box"};
   return kNames[static_cast<int>(body)];
 }
 /// Of sides `size`; sheets have two of them.
@@ -106,7 +106,7 @@ class ShellData {
 /// A body above a ground, let go.
 struct ShellDrop {
   scenes::MeshArrays body;
-  Vec3d size{};      ///< sides of the body, whose mass is that of a box
+  Vec3d size{};  ///< sides of the body, whose mass is that of a box
   Transformd pose{};
   Vec3d velocity{0, 0, 0}, spin{0, 0, 0};
 };
@@ -150,7 +150,8 @@ inline ShellEnd letGo(const ShellData& ground, const ShellDrop& drop, GeomForm f
 
 /// A body with random sides, turned at random, whose lowest vertex is `clearance` over the highest vertex of the ground
 /// that lies below it.
-inline ShellDrop randomDrop(ShellBody kind, const scenes::MeshArrays& ground, double reach, double clearance, Draw& draw) {
+inline ShellDrop randomDrop(ShellBody kind, const scenes::MeshArrays& ground, double reach, double clearance,
+                            Draw& draw) {
   ShellDrop drop;
   drop.size = {draw.uniform(0.4, 1.2), draw.uniform(0.4, 1.2), draw.uniform(0.3, 0.8)};
   drop.body = makeBody(kind, drop.size);

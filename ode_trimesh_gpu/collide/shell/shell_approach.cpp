@@ -11,10 +11,10 @@ namespace otg {
 namespace {
 
 // In radii of the visitor.
-constexpr double kFar = 2.5;         ///< from a sheet or shell that nothing is remembered of
-constexpr double kFlush = 0.05;      ///< nearer than that a point tells no side
+constexpr double kFar = 2.5;           ///< from a sheet or shell that nothing is remembered of
+constexpr double kFlush = 0.05;        ///< nearer than that a point tells no side
 constexpr double kJustThrough = 0.05;  ///< at the first query
-constexpr double kFrontHeight = 0.5;  ///< of the front point over the visitor's middle
+constexpr double kFrontHeight = 0.5;   ///< of the front point over the visitor's middle
 
 constexpr int kSamples = 4;
 
@@ -136,8 +136,8 @@ ShellState ShellApproach::besideSheet(bool meets) {
   if (!isBefore) {
     side_ = now;
     // The first query comes a step too late: it has just passed the surface, and goes on.
-    const bool isLate = roles_.isTerrain && now < 0 && -depth.height < kJustThrough * roles_.size &&
-                        otgDot(velocity_, depth.out) < 0;
+    const bool isLate =
+        roles_.isTerrain && now < 0 && -depth.height < kJustThrough * roles_.size && otgDot(velocity_, depth.out) < 0;
     if (!isLate) return ShellState::kApart;
     side_ = 1;
   }

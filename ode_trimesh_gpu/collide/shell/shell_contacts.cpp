@@ -15,12 +15,12 @@ namespace otg {
 namespace {
 
 // In radii of the visitor.
-constexpr double kDeepest = 0.06;   ///< no contact is deeper
+constexpr double kDeepest = 0.06;     ///< no contact is deeper
 constexpr double kThroughMost = 0.2;  ///< how far behind a ground without an inside a visitor may be that is through
 
-constexpr double kShorter = 0.5;  ///< of one way, for the other to be taken
-constexpr double kPastRim = 2;    ///< times as deep as the rim
-constexpr double kShallow = 0.02;          ///< of the deepest corner of a clipped triangle: others say nothing
+constexpr double kShorter = 0.5;             ///< of one way, for the other to be taken
+constexpr double kPastRim = 2;               ///< times as deep as the rim
+constexpr double kShallow = 0.02;            ///< of the deepest corner of a clipped triangle: others say nothing
 constexpr std::size_t kMostVertices = 4096;  ///< beyond those of triangles that intersect
 
 /// Contacts of one pair, with A for the visitor and B for the ground.
@@ -139,8 +139,8 @@ class ShellContacts {
     std::vector<Way> ways;
     for (const Contact& c : scratch_.contacts) {
       if (c.feature != ContactFeature::kFaceA) continue;
-      const auto same = std::find_if(ways.begin(), ways.end(),
-                                     [&](const Way& way) { return otgDot(way.normal, c.normal) > kAlike; });
+      const auto same =
+          std::find_if(ways.begin(), ways.end(), [&](const Way& way) { return otgDot(way.normal, c.normal) > kAlike; });
       if (same == ways.end()) {
         ways.push_back({c.normal, c.depth});
       } else {
