@@ -226,7 +226,7 @@ int runCollide(const CollideOptions& options) {
     const bool middleOnDevice = sideOf(place.middle) == "opencl", nearOnDevice = sideOf(place.near) == "opencl";
     document["profile"] =
         profileRows(times, isLevels                         ? kStagesByLevels
-                           : backend                        ? (mayBeSolid(query) ? solidStageTexts() : kStagesOnDevice)
+                           : backend                        ? (!isPairwise(query) ? solidStageTexts() : kStagesOnDevice)
                            : middleOnDevice || nearOnDevice ? mixedStageTexts(middleOnDevice, nearOnDevice)
                                                             : kStagesOnCpu);
     if (isLevels) document["levels"]["profile"] = stepsOf(report.times, median(times.total));

@@ -4,6 +4,8 @@
 
 #include "collide/pairwise/reduction.h"
 #include "collide/query.h"
+#include "collide/shell/shell_contacts.h"
+#include "collide/shell/shell_roles.h"
 #include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
 
@@ -14,17 +16,19 @@ void findIntersectingPairs(const Query& query, Workspace& workspace) {
   nearPhase(query, workspace);
 }
 
-bool mayBeSolid(const Query& query) {
-  return query.options.contacts == ContactModel::kSolid && haveSolidContacts(query.a->mesh(), query.b->mesh());
+bool isPairwise(const Query& query) {
+  return query.options.contacts == ContactModel::kPairwise;
 }
 
 void collideIntersecting(const Query& query, Workspace& workspace) {
-  if (query.options.contacts == ContactModel::kSolid && solidContacts(query, workspace)) {
+  if (isPairwise(query)) {
+    pairwiseContacts(query, workspace);
+    reduceContacts(query, workspace);
+  } else if (!areShells(query) && solidContacts(query, workspace)) {
     workspace.reduced = limitContacts(workspace.contacts, query.options.maxContacts);
-    return;
+  } else {
+    shellContacts(query, workspace);
   }
-  pairwiseContacts(query, workspace);
-  reduceContacts(query, workspace);
 }
 
 std::vector<TrianglePair> pairsOfCaller(const Query& query, const std::vector<TrianglePair>& pairs) {

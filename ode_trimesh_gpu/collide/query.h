@@ -109,6 +109,7 @@ struct Query {
 
 /// Scratch memory and results; reuse it between queries to save allocations. One thread at a time.
 struct SolidScratch;
+struct ShellScratch;
 struct Workspace {
   Workspace();
   ~Workspace();
@@ -121,6 +122,7 @@ struct Workspace {
   std::vector<Contact> reduced;            ///< the answer
   CollideStats stats;
   std::unique_ptr<SolidScratch> solid;
+  std::unique_ptr<ShellScratch> shell;
 };
 
 /// The pairs of triangles whose boxes overlap (a superset of the intersecting ones) -> workspace.candidates. Throws

@@ -25,6 +25,10 @@ struct SolidHistory {
     Vec3d deepNormal{0, 0, 0};  ///< unit, in B's frame: the direction of the last deep region; zero when out of contact
     Transformd pose{};          ///< of B in A at the last query
     bool hasPose = false;
+    /// Of a pair with a shell, 0 if nothing is known (shell/shell_approach.h): on which side of a sheet the visitor is,
+    /// +1 where its normals lead, or -1; of another ground +1, and `front` is a point in front of it, in its own frame.
+    int side = 0;
+    Vec3d front{0, 0, 0};
   };
   State before;   ///< what the last query started from
   State current;  ///< what it left

@@ -17,8 +17,8 @@ bool contactOfPair(const Query& query, const TrianglePair& pair, Contact& contac
 /// The feature of a contact of one of the kinds of pairwise_contact.h.
 ContactFeature featureOf(int contactKind);
 
-/// Whether the contacts of the query may come from the model `solid`. If not, they are those of `pairwise`.
-bool mayBeSolid(const Query& query);
+/// Whether the contacts of the query are those of `pairwise`. If not, they are those of solids or of shells.
+bool isPairwise(const Query& query);
 
 /// Everything after the near phase: workspace.intersecting -> workspace.reduced, with the meshes' own triangle numbers.
 void collideIntersecting(const Query& query, Workspace& workspace);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "dispatch/single_run.h"
 
+#include "collide/shell/shell_roles.h"
 #include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
 
@@ -33,12 +34,11 @@ Placement settled(Placement place) {
 }
 
 bool contactsOnDevice(const PairJob& job) {
-  return !job.any && job.filter == nullptr && !mayBeSolid(job.query);
+  return !job.any && job.filter == nullptr && isPairwise(job.query);
 }
 
 bool solidInBatch(const PairJob& job) {
-  return !job.any && job.query.options.contacts == ContactModel::kSolid &&
-         haveSolidContacts(job.query.a->mesh(), job.query.b->mesh());
+  return !job.any && !isPairwise(job.query) && !areShells(job.query);
 }
 
 bool isSoonerOnDevice(const PairJob& job, const CostModel& costs, double work) {

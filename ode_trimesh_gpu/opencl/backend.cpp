@@ -2,6 +2,7 @@
 // Opening a device, and queries of one pair.
 #include "opencl/backend.h"
 
+#include "collide/shell/shell_roles.h"
 #include "collide/stages.h"
 #include "opencl/backend_state.h"
 #include "opencl/lanes/take_answer.h"
@@ -42,10 +43,10 @@ bool Backend::collideProfiled(const Query& query, Workspace& workspace, StageTim
 
 bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, StageTimes& times) {
   const Stopwatch total(profile);
-  const bool contacts = !mayBeSolid(query);
-  const PairWish wish = contacts                   ? PairWish::kContacts
-                        : query.refiner == nullptr ? PairWish::kOverlap
-                                                   : PairWish::kPairs;
+  const bool contacts = isPairwise(query);
+  const PairWish wish = contacts                                        ? PairWish::kContacts
+                        : query.refiner == nullptr && !areShells(query) ? PairWish::kOverlap
+                                                                        : PairWish::kPairs;
   const PairFrame frame = makePairFrame(query);
   ++state_->queries;
   if (isRefused(query) || isIdleQuery(query, frame)) {
@@ -70,7 +71,7 @@ bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, 
         t.reduction = host.ms();
       } else {
         if (answer.described) answer.found = lane.records();
-        const Taken taken = takeAnswer(query, frame, answer, contacts || answer.pairwise, workspace);
+        const Taken taken = takeAnswer(query, frame, answer, contacts, workspace);
         rest = taken.rest;
         state_->leftToHost += answer.left ? 1 : 0;
         state_->decidedOnHost += taken.decidedExactly;

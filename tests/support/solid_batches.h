@@ -53,7 +53,8 @@ inline std::vector<std::vector<Contact>> onHost(const std::vector<Query>& querie
 
 inline bool same(const SolidHistory::State& x, const SolidHistory::State& y) {
   return x.escape == y.escape && x.escapeLeft == y.escapeLeft && x.clampLeft == y.clampLeft &&
-         x.deepNormal == y.deepNormal && x.hasPose == y.hasPose && x.pose.t == y.pose.t;
+         x.deepNormal == y.deepNormal && x.hasPose == y.hasPose && x.pose.t == y.pose.t && x.side == y.side &&
+         x.front == y.front;
 }
 
 inline std::size_t countWrong(const opencl::BatchAnswer& answer, const std::vector<std::vector<Contact>>& expected) {

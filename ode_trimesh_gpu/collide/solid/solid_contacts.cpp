@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 
 #include "base/vectors.h"
+#include "collide/pair_history.h"
+#include "collide/shell/shell_approach.h"
+#include "collide/shell/shell_contacts.h"
 #include "collide/solid/contour.h"
 #include "collide/solid/escape.h"
 #include "collide/solid/found_overlap.h"
@@ -33,21 +35,6 @@ Workspace& Workspace::operator=(Workspace&&) noexcept = default;
 
 namespace {
 
-/// Where B's middle lies in A's frame: relative motion is measured there.
-Vec3d middleOfB(const Query& query, const Transformd& bInA) {
-  const Vec3f& c = query.b->mesh().center();
-  return otgTransform(bInA, Vec3d{c.x, c.y, c.z});
-}
-
-double smallerSize(const Query& query) {
-  return 2 * static_cast<double>(std::min(query.a->mesh().radius(), query.b->mesh().radius()));
-}
-
-bool samePose(const Transformd& a, const Transformd& b) {
-  // By their bits, -0 and 0 apart: the same bytes are promised for the same bytes.
-  return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison)
-}
-
 PairMotion motionOf(const Query& query, const SolidHistory::State& state) {
   PairMotion motion;
   Vec3d approach = query.relativeVelocity;
@@ -63,17 +50,6 @@ PairMotion motionOf(const Query& query, const SolidHistory::State& state) {
   return motion;
 }
 
-/// By more than 60 degrees.
-bool hasTurnedFar(const Transformd& from, const Transformd& to) {
-  double trace = 0;  // of the rotation between the two: 1 + 2 cos
-  for (int i = 0; i < 9; ++i) trace += from.r[i] * to.r[i];
-  return trace < 2;
-}
-
-bool isSolid(const TriMesh& mesh) {
-  return mesh.meshClass() == MeshClass::kSolid;
-}
-
 /// Every crossing begins one chord and ends one.
 bool isClosed(const Contour& contour) {
   if (contour.anomalies > 0) return false;
@@ -86,44 +62,7 @@ bool isClosed(const Contour& contour) {
   return std::all_of(ends.begin(), ends.end(), [](std::uint8_t e) { return e == 3; });
 }
 
-/// What a query starts from.
-SolidHistory::State stateBefore(const Query& query) {
-  SolidHistory::State state;
-  if (query.history && query.history->used) {
-    const bool again = samePose(query.history->current.pose, query.bInA);
-    state = again ? query.history->before : query.history->current;
-  }
-  if (state.hasPose) {
-    // A pair that jumped was put there, it did not move: what it did before says nothing. The direction of a deep
-    // overlap is worth keeping only while the overlap is nearly the same.
-    const double size = smallerSize(query);
-    const Vec3d d = otgSub(middleOfB(query, state.pose), middleOfB(query, query.bInA));
-    const double moved = norm(d);
-    if (moved > 0.05 * size) state.deepNormal = {0, 0, 0};
-    if (moved > 0.25 * size || hasTurnedFar(state.pose, query.bInA)) state = {};
-  }
-  return state;
-}
-
-void keep(const Query& query, const SolidHistory::State& before, SolidHistory::State state) {
-  if (!query.history) return;
-  state.pose = query.bInA;
-  state.hasPose = true;
-  query.history->before = before;
-  query.history->current = state;
-  query.history->used = true;
-}
-
 }  // namespace
-
-bool isSheet(const TriMesh& mesh) {
-  return !isSolid(mesh) && mesh.triangleCount() > 0 && mesh.report().inconsistentEdges == 0 &&
-         mesh.report().nonManifoldEdges == 0;
-}
-
-bool haveSolidContacts(const TriMesh& a, const TriMesh& b) {
-  return (isSolid(a) && (isSolid(b) || isSheet(b))) || (isSheet(a) && isSolid(b));
-}
 
 bool isUnburdened(const Query& query) {
   return query.history == nullptr || stateBefore(query).clampLeft <= 1;
@@ -133,14 +72,15 @@ Vec3d deepDirectionBefore(const Query& query) {
   return query.history == nullptr ? Vec3d{0, 0, 0} : otgRotate(query.bInA, stateBefore(query).deepNormal);
 }
 
-void rememberPlain(const Query& query, const Vec3d& deep) {
+void rememberPlain(const Query& query, bool hasContacts, const Vec3d& deep) {
   if (!query.history || !haveSolidContacts(query.a->mesh(), query.b->mesh())) return;
   const SolidHistory::State before = stateBefore(query);
   SolidHistory::State state = before;
   state.escapeLeft = std::max(0, state.escapeLeft - 1);
   state.deepNormal = otgDot(deep, deep) > 0 ? otgRotateBack(query.bInA, deep) : Vec3d{0, 0, 0};
   state.clampLeft = std::max(0, state.clampLeft - 1);
-  keep(query, before, state);
+  if (!hasContacts) state.side = sideBehind(query, state.side);
+  keepState(query, before, state);
 }
 
 namespace {
@@ -205,7 +145,8 @@ class PairContacts {
         contact.depth = std::min(contact.depth, most);
       }
     }
-    keep(query_, before_, state_);
+    if (workspace_.contacts.empty() && query_.history) state_.side = sideBehind(query_, state_.side);
+    keepState(query_, before_, state_);
     workspace_.stats.contactsBeforeReduction = workspace_.contacts.size();
   }
 

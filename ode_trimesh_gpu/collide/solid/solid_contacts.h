@@ -26,12 +26,6 @@ bool solidContactsOf(const Query& query, const FoundContacts& found, Workspace& 
 struct PairMotion;
 PairMotion motionBefore(const Query& query);
 
-/// Whether a mesh is a sheet in that sense;
-bool isSheet(const TriMesh& mesh);
-/// and whether two meshes have contacts of the model `solid`, as long as their contour closes: two solids, or a solid
-/// with a sheet.
-bool haveSolidContacts(const TriMesh& a, const TriMesh& b);
-
 /// For those who compute such contacts elsewhere. Whether what the pair remembers changes nothing, as long
 /// as no region is entangled or contained, but for the direction of its last deep region;
 bool isUnburdened(const Query& query);
@@ -39,6 +33,6 @@ bool isUnburdened(const Query& query);
 Vec3d deepDirectionBefore(const Query& query);
 /// and what such a query leaves in query.history, if there is one. `deep`: the direction of its own last deep region,
 /// or zero.
-void rememberPlain(const Query& query, const Vec3d& deep);
+void rememberPlain(const Query& query, bool hasContacts, const Vec3d& deep);
 
 }  // namespace otg

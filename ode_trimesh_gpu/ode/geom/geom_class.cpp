@@ -145,6 +145,17 @@ WorldPose withRigidity(WorldPose pose) noexcept {
   return pose;
 }
 
+/// How far beyond its mesh a geom's box reaches. A shell has no inside by which a body that lies on it is found, and a
+/// flat one no height: the two must be asked about before and while they touch. What a body moves in a step is not
+/// known here. Where triangles are many the surface is seldom flat, and neighbours would be asked in vain.
+double shellMargin(const GeomObject& object, const TriMesh& mesh) {
+  constexpr double kMost = 0.05, kFewTriangles = 64;  // of the radius
+  const bool isPairwise = object.params.contact_model == dGPUTRIMESH_CONTACTS_PAIRWISE;
+  if (isPairwise || mesh.meshClass() == MeshClass::kSolid) return 0;
+  const double few = std::sqrt(kFewTriangles / std::max(kFewTriangles, static_cast<double>(mesh.triangleCount())));
+  return kMost * few * static_cast<double>(mesh.radius());
+}
+
 void computeAabb(dGeomID geom, dReal aabb[6]) noexcept {
   // Never dGeomGetAABB here: the box is marked bad until we return, and it would call us again.
   const WorldPose pose = readPose(geom);
@@ -162,6 +173,7 @@ void computeAabb(dGeomID geom, dReal aabb[6]) noexcept {
   const Vec3f& high = mesh->mesh().boundsMax();
   const double lows[3] = {low.x, low.y, low.z};
   const double highs[3] = {high.x, high.y, high.z};
+  const double margin = shellMargin(*object, mesh->mesh());
   for (int row = 0; row < 3; ++row) {
     double least = position[row], most = position[row], magnitude = std::abs(position[row]);
     for (int column = 0; column < 3; ++column) {
@@ -173,8 +185,8 @@ void computeAabb(dGeomID geom, dReal aabb[6]) noexcept {
     }
     // Contacts are computed in a mesh's frame and carried to the world in double: sixteen roundings cover both ways.
     const double slack = 16 * std::numeric_limits<double>::epsilon() * magnitude;
-    aabb[2 * row] = roundOutward(least - slack, -1);
-    aabb[2 * row + 1] = roundOutward(most + slack, 1);
+    aabb[2 * row] = roundOutward(least - slack - margin, -1);
+    aabb[2 * row + 1] = roundOutward(most + slack + margin, 1);
   }
 }
 

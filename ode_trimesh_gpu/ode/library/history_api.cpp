@@ -10,7 +10,7 @@
 //     4  place of the other geom (of two meshes the older one), 4 of the mesh that remembers
 //     3 x 8  origin of the frame that the states are told in, in the other geom's own (ode/shapes/primitive_history.h)
 //     twice (before and current) a state: escape 3 x 8, escapeLeft 4, clampLeft 4, deepNormal 3 x 8, pose 12 x 8, 4
-//     hasPose
+//     hasPose, side 4, front 3 x 8
 //   8  FNV-1a of all that
 #include "ode_trimesh_gpu/history.h"
 
@@ -32,9 +32,9 @@ namespace {
 enum : std::uint32_t { kTwoMeshes = 0, kWithOde = 1 };
 constexpr std::uint64_t kNobody = ~std::uint64_t{0};  ///< no serial number and no address
 constexpr char kMagic[8] = "OTGHIST";
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 // Whoever adds to what is remembered must write it, too, and raise the version.
-static_assert(sizeof(SolidHistory::State) == 3 * 8 + 2 * 4 + 3 * 8 + 12 * 8 + 8);
+static_assert(sizeof(SolidHistory::State) == 3 * 8 + 2 * 4 + 3 * 8 + 12 * 8 + 8 + 3 * 8);
 
 class Writer {
  public:
@@ -53,6 +53,8 @@ class Writer {
     for (const double r : s.pose.r) number(r);
     vector(s.pose.t);
     integer(s.hasPose ? 1 : 0, 4);
+    integer(static_cast<std::uint32_t>(s.side + 1), 4);
+    vector(s.front);
   }
   std::vector<unsigned char>& bytes() { return out_; }
 
@@ -103,6 +105,8 @@ class Reader {
     for (double& r : s.pose.r) r = number();
     s.pose.t = vector();
     s.hasPose = count(1) == 1;
+    s.side = count(2) - 1;
+    s.front = vector();
     return s;
   }
 

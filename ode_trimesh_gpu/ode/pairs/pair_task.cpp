@@ -148,7 +148,7 @@ CollideOptions pairOptions(const dGpuTriMeshParams& first, const dGpuTriMeshPara
       break;
   }
   options.middle.axes = first.box_axes;
-  // AUTO gives way to the other's choice; it stands for `solid`, which falls back to `pairwise` for shells by itself.
+  // AUTO gives way to the other's choice; it stands for `solid`, which has shells beside solids.
   const bool pairwise =
       first.contact_model == dGPUTRIMESH_CONTACTS_PAIRWISE || second.contact_model == dGPUTRIMESH_CONTACTS_PAIRWISE;
   options.contacts = pairwise ? ContactModel::kPairwise : ContactModel::kSolid;
@@ -246,7 +246,9 @@ void recallPair(PairTask& task, SolidHistory& history) {
 std::uint64_t rememberPair(const PairTask& task, bool hasContacts) {
   GeomObject &a = task.a(), &b = task.b();
   const SolidHistory* const history = task.usedHistory();
-  if (!task.remembers || (history != nullptr && !hasContacts)) {
+  // From which side a body comes to a shell is known only while the two are apart.
+  const bool isOver = history != nullptr && !hasContacts && history->current.side == 0;
+  if (!task.remembers || isOver) {
     b.memory.forget(a.serial);
     return 0;
   }

@@ -8,6 +8,7 @@
 #include <thread>
 #include <unordered_map>
 
+#include "collide/shell/shell_roles.h"
 #include "collide/solid/solid_contacts.h"
 #include "opencl/backend.h"
 #include "opencl/backend_state.h"
@@ -44,6 +45,8 @@ class Backend::Batch {
     std::uint64_t largest = 0;
     for (const CollisionMesh* mesh : source.meshes) largest = std::max(largest, triangles(mesh));
     anyLarge_ = Finish::kLargeAlone && 2 * largest > state.tuning.batchTriangles;
+    const auto isShell = [](const CollisionMesh* mesh) { return mesh->mesh().meshClass() != MeshClass::kSolid; };
+    anyShells_ = Finish::kTakesDescriptions && std::any_of(source.meshes.begin(), source.meshes.end(), isShell);
   }
 
   /// False if the device failed.
@@ -224,6 +227,14 @@ class Backend::Batch {
         (isRefused(source_.query(begin + k)) ? piece.refused : piece.large).push_back(begin + k);
       }
     }
+    if (anyShells_) {
+      for (std::size_t k = 0; k < tasks.size(); ++k) {
+        const Query query = source_.query(begin + k);
+        if (tasks[k].skip || !areShells(query)) continue;
+        tasks[k].skip = 1;
+        (isRefused(query) ? piece.refused : piece.alone).push_back(begin + k);
+      }
+    }
     for (std::size_t k = 0; k < frames.size(); ++k) {
       if (tasks[k].skip) continue;
       const Query query = source_.query(begin + k);
@@ -360,7 +371,7 @@ class Backend::Batch {
           for (std::size_t k = from; k < to; ++k) {
             if ((found.flags[k] & (kNotDone | OTG_PAIR_PAIRWISE)) != 0) continue;
             const bool hasContacts = found.contacts[0].places[2 * k + 1] > 0;
-            rememberPlain(source_.query(begin + k), hasContacts ? found.directions[k] : Vec3d{0, 0, 0});
+            rememberPlain(source_.query(begin + k), hasContacts, hasContacts ? found.directions[k] : Vec3d{0, 0, 0});
           }
         });
       }
@@ -517,7 +528,7 @@ class Backend::Batch {
   const bool describes_;
   std::vector<Holder> holders_;
   OverlapQueue overlaps_;
-  bool good_ = true, anyLarge_ = false;
+  bool good_ = true, anyLarge_ = false, anyShells_ = false;
   std::vector<std::size_t> later_;                             ///< pairs for the host when all pieces are done
   std::unordered_map<std::size_t, ContactFinish::Done> done_;  ///< by the host, while the device is at work
   std::vector<const CollisionMesh*> meshes_;                   ///< of the submission under way

@@ -65,12 +65,8 @@ struct SolidReductions {
     if (at == table.size()) table.push_back(how);
     return at;
   }
-  /// `mixed`: not both are solids. `byHost`: as solidReduction.
-  std::uint32_t solid(const CollideOptions& options, bool mixed, bool byHost) {
-    const otg_reduction other = deviceReduction(options, false);
-    const bool works = mixed && other.method != OTG_REDUCE_BY_HOST;
-    return find(solidReduction(options, byHost, works ? 1 + find(other) : 0));
-  }
+  /// `byHost`: as solidReduction. Where the contour does not close the host makes the contacts of shells.
+  std::uint32_t solid(const CollideOptions& options, bool byHost) { return find(solidReduction(options, byHost, 0)); }
 };
 
 inline bool isSolid(const CollisionMesh* mesh) {
@@ -126,7 +122,7 @@ class QuerySource {
     SolidReductions all{reductions};
     for (Part& part : parts_) {
       for (const auto& [options, kind] : part.reductions) {
-        part.reductionNumbers.push_back(kind.solid ? all.solid(*options, kind.mixed, kind.burdened || !makesSolids)
+        part.reductionNumbers.push_back(kind.solid ? all.solid(*options, kind.burdened || !makesSolids)
                                                    : all.find(deviceReduction(*options, false)));
         anyPairwise = anyPairwise || !kind.solid;
         anySolid = anySolid || kind.solid;
@@ -154,7 +150,7 @@ class QuerySource {
 
  private:
   struct Kind {
-    bool solid, mixed, history, burdened;
+    bool solid, history, burdened;
     bool operator==(const Kind&) const = default;
   };
   /// Numbers of the query's part.
@@ -172,8 +168,7 @@ class QuerySource {
 
   static Kind kindOf(const Query& query) {
     Kind kind{};
-    kind.solid = mayBeSolid(query);
-    kind.mixed = kind.solid && !(isSolid(query.a) && isSolid(query.b));
+    kind.solid = !isPairwise(query);
     kind.history = kind.solid && query.history != nullptr;
     kind.burdened = kind.history && !isUnburdened(query);
     return kind;
@@ -245,7 +240,7 @@ class PairSource {
   /// `makesSolids`: as QuerySource.
   PairSource(const PairBatch& batch, bool makesSolids)
       : meshes(batch.meshes.begin(), batch.meshes.end()), batch_(batch) {
-    // Some of the pairs may have contacts of the model `solid`, some not: see mayBeSolid.
+    // Some of the pairs may have contacts of solids, some not: see areShells.
     const bool asked = batch.options.contacts == ContactModel::kSolid;
     for (const CollisionMesh* mesh : meshes) isSolid_.push_back(asked && isSolid(mesh) ? 1 : 0);
     const auto solids = std::count(isSolid_.begin(), isSolid_.end(), 1);
@@ -254,7 +249,7 @@ class PairSource {
     anyPairwise = !allSolid;
     SolidReductions all{reductions};
     if (anyPairwise) pairwise_ = all.find(deviceReduction(batch.options, false));
-    if (anySolid) solid_ = all.solid(batch.options, !allSolid, !makesSolids);
+    if (anySolid) solid_ = all.solid(batch.options, !makesSolids);
   }
 
   std::vector<const CollisionMesh*> meshes;

@@ -55,13 +55,7 @@ PairAnswer PairLane::run(const Query& query, const PairFrame& frame, PairWish wi
   const MeshStore::Pinned pinned = meshes_.acquire(both);
   const otg_device_pair pair{deviceBoxes(frame), frame.floatError, pinned[0], pinned[1]};
   try {
-    if (wish == PairWish::kOverlap && describes(pair)) {
-      PairAnswer described = describe(pair, query, pinned.buffer());
-      if (!described.pairwise) return described;
-      PairAnswer answer = runOn(pair, query, pinned.buffer(), static_cast<bool>(contacts_));
-      answer.asked = answer.pairwise = true;
-      return answer;
-    }
+    if (wish == PairWish::kOverlap && describes(pair)) return describe(pair, query, pinned.buffer());
     return runOn(pair, query, pinned.buffer(), wish == PairWish::kContacts && contacts_);
   } catch (...) {
     // Kernels may still be reading the meshes, which are not pinned any longer in a moment.
@@ -118,8 +112,6 @@ PairAnswer PairLane::describe(const otg_device_pair& pair, const Query& query, c
     if (makeRoom(head->counters) || !fits) continue;
     const otg_uint why = head->counts[OTG_OVERLAP_WHY];
     answer.described = why == 0 && head->counts[OTG_OVERLAP_CHORDS] > 0;
-    // Where some chords are not known others' ends seem open, and so do edges that were not put in order.
-    answer.pairwise = (why & OTG_SOLID_OPEN) && !(why & (OTG_SOLID_INEXACT | OTG_SOLID_TIE));
     answer.made = makes && answer.described;
     for (; answer.made && overlapContacts_.isIncomplete(); ++repeats_) make();
     if (answer.made) {
@@ -134,8 +126,7 @@ PairAnswer PairLane::describe(const otg_device_pair& pair, const Query& query, c
     break;
   }
   answer.found.counters = head->counters;
-  if (!answer.described && !answer.pairwise)
-    answer.found = results_.readAll(context_, queue, false, head->counters, &profile_);
+  if (!answer.described) answer.found = results_.readAll(context_, queue, false, head->counters, &profile_);
   if (profile_.on()) profile_.collect();
   return answer;
 }

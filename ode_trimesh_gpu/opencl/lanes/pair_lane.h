@@ -24,7 +24,6 @@ struct PairAnswer {
   std::span<const Contact> contacts;
   bool asked = false;      ///< for a description
   bool described = false;  ///< `overlap` is what was asked for, and `found` has no records
-  bool pairwise = false;   ///< its contour does not close: all else is as if contacts had been asked for
   FoundOverlap overlap;
   bool made = false;  ///< described, but in place of `overlap` are the contacts of its large regions
   FoundContacts contactsOfRegions;

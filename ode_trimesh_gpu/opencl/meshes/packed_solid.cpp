@@ -6,7 +6,7 @@
 #include <bit>
 #include <cstring>
 
-#include "collide/solid/solid_contacts.h"
+#include "collide/pair_history.h"
 #include "shared/layout/solid_layout.h"
 
 namespace otg::opencl {

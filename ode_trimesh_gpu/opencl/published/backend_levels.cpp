@@ -42,7 +42,7 @@ void takeStepCounts(const std::vector<LevelsStep>& steps, CollideStats& stats) {
 bool Backend::collideByLevels(const Query& query, Workspace& workspace, const LevelsOptions& how, LevelsReport* report,
                               bool profile) {
   const Stopwatch total(profile);
-  const bool contacts = !mayBeSolid(query);
+  const bool contacts = isPairwise(query);
   const PairFrame frame = makePairFrame(query);
   ++state_->queries;
   if (report) *report = {};

@@ -93,7 +93,7 @@ std::uint64_t takeRecords(const Query& query, const PairFrame& frame, const Answ
 
 void collideFromRecords(const Query& query, const Answer& answer, std::span<const std::uint32_t> which,
                         Workspace& workspace) {
-  const bool pairwise = !mayBeSolid(query);
+  const bool pairwise = isPairwise(query);
   workspace.stats = {};
   takeRecords(query, makePairFrame(query), answer, which, pairwise, workspace);
   if (pairwise && answer.hasContacts()) {
