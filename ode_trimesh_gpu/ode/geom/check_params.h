@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Which choices of parameters are good.
 #pragma once
 
 #include "ode_trimesh_gpu/params.h"

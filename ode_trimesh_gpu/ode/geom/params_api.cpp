@@ -2,14 +2,9 @@
 #include "ode_trimesh_gpu/params.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
 #include "collide/solid_options.h"
-#include "ode/base/status.h"
-#include "ode/geom/check_params.h"
-#include "ode/geom/mesh_side.h"
-#include "ode_trimesh_gpu/geom.h"
 
 void dGpuTriMeshParamsInit(dGpuTriMeshParams* params) {
   if (params == nullptr) return;
@@ -25,24 +20,4 @@ void dGpuTriMeshParamsInit(dGpuTriMeshParams* params) {
   params->contacts_per_region = otg::SolidOptions{}.contactsPerRegion;
   params->history = dGPUTRIMESH_HISTORY_ON;
   params->region_merge = static_cast<dReal>(otg::SolidOptions{}.regionMerge);
-}
-
-int dGeomGpuTriMeshSetParams(dGeomID g, const dGpuTriMeshParams* params) {
-  return otg::guarded([&] {
-    const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
-    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
-    if (const int status = otg::checkParams(params)) return status;
-    object->params = *params;
-    return static_cast<int>(dGPUTRIMESH_OK);
-  });
-}
-
-int dGeomGpuTriMeshGetParams(dGeomID g, dGpuTriMeshParams* params) {
-  return otg::guarded([&] {
-    const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
-    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
-    if (!otg::isCurrentSize(params)) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
-    *params = object->params;
-    return static_cast<int>(dGPUTRIMESH_OK);
-  });
 }

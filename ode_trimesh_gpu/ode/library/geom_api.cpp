@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The C API of a geom: creation, data, scale, triangles, and temporal coherence by ODE's names.
+// The C API of a geom: creation, data, parameters, scale, triangles, and temporal coherence by ODE's names.
 #include "ode_trimesh_gpu/geom.h"
 
 #include <ode/collision.h>
@@ -11,6 +11,7 @@
 
 #include "ode/base/status.h"
 #include "ode/data/mesh_data.h"
+#include "ode/geom/check_params.h"
 #include "ode/geom/class_number.h"
 #include "ode/geom/geom_class.h"
 #include "ode/geom/mesh_side.h"
@@ -155,6 +156,26 @@ const dReal* dGeomGpuTriMeshGetLastTransform(dGeomID g) {
     return static_cast<int>(dGPUTRIMESH_OK);
   });
   return matrix;
+}
+
+int dGeomGpuTriMeshSetParams(dGeomID g, const dGpuTriMeshParams* params) {
+  return otg::guarded([&] {
+    const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
+    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
+    if (const int status = otg::checkParams(params)) return status;
+    object->params = *params;
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
+}
+
+int dGeomGpuTriMeshGetParams(dGeomID g, dGpuTriMeshParams* params) {
+  return otg::guarded([&] {
+    const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
+    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
+    if (!otg::isCurrentSize(params)) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
+    *params = object->params;
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
 }
 
 int dGeomGpuTriMeshSetScale(dGeomID g, dReal x, dReal y, dReal z) {
