@@ -142,8 +142,13 @@ void addPair(const Sheet& a, const Sheet& b, bool moments, Sums& sums) {
   const int sign = a.sign * b.sign;
   integrate(clip(common, [&](const Polygon::Corner& c) { return b.height(c.x, c.y) - a.height(c.x, c.y); }), a, sign,
             moments, sums);
-  integrate(clip(common, [&](const Polygon::Corner& c) { return a.height(c.x, c.y) - b.height(c.x, c.y); }), b, sign,
-            moments, sums);
+  const auto aAboveB = [&](const Polygon::Corner& c) { return a.height(c.x, c.y) - b.height(c.x, c.y); };
+  // Where both lie in one plane the part above holds all of them, and what was just added is all that there is.
+  if (std::all_of(common.corner.begin(), common.corner.begin() + common.count,
+                  [&](const Polygon::Corner& c) { return aAboveB(c) == 0; })) {
+    return;
+  }
+  integrate(clip(common, aAboveB), b, sign, moments, sums);
 }
 
 /// A's sheets by the cells of a square grid that they touch.
