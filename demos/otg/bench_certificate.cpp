@@ -27,7 +27,8 @@ std::string inDigits(double x) {
 std::string reasonOf(const Verdict& v) {
   if (v.certificate.none) return "no contacts";
   if (v.certificate.infeasible) return "no translation satisfies all";
-  if (!v.certified()) return fmt::format("{:.3g} of the overlap left", v.certificate.left);
+  if (!v.certified())
+    return fmt::format("{:.3g} of the overlap left, {:.3g} of the way", v.certificate.left, v.certificate.leftWay);
   return fmt::format("{:.3g} times the shortest", v.length);
 }
 
@@ -52,11 +53,14 @@ Json rowOf(const std::string& name, const FamilyVerdict& v) {
   row["none"] = v.none;
   row["infeasible"] = v.infeasible;
   row["left"] = v.left;
+  row["left_way"] = v.leftWay;
   row["too_long"] = v.tooLong;
   addErrorQuantiles(row, "length", v.length, 95);
   addErrorQuantiles(row, "tilt", v.tilt, 95);
   row["too_deep"] = v.tooDeep;
+  row["longer"] = v.longer;
   row["order"] = v.order;
+  row["order_much"] = v.orderMuch;
   row["call"] = v.call;
   row["update"] = v.update;
   row["worst"] = v.worst.number;
@@ -78,13 +82,13 @@ void printFamilies(const Json& rows) {
       return words;
     };
     lines.push_back({row["family"].get<std::string>(), number("members"), number("none"), number("infeasible"),
-                     number("left"), number("too_long"), quantiles("length"), quantiles("tilt"), number("too_deep"),
-                     number("order"), number("call"), number("update"),
-                     number("worst") + ": " + row["worst_is"].get<std::string>()});
+                     number("left"), number("left_way"), number("too_long"), number("longer"), quantiles("length"),
+                     quantiles("tilt"), number("too_deep"), number("order"), number("order_much"), number("call"),
+                     number("update"), number("worst") + ": " + row["worst_is"].get<std::string>()});
   }
   fmt::print("Certificates (lengths over the shortest and tilts: median / 95 % / largest)\n");
-  printTable({"family", "members", "none", "infeasible", "left", "> 3", "length, of the shortest", "tilt, degrees",
-              "too deep", "order", "call", "update", "the worst member"},
+  printTable({"family", "members", "none", "infeasible", "left", "left way", "> 3", "> 1.5", "length, of the shortest",
+              "tilt, degrees", "too deep", "order", "much", "call", "update", "the worst member"},
              lines);
 }
 
@@ -109,8 +113,7 @@ void printMember(const CertificateFamily& family, const CertificateOptions& opti
              verdict.certificate.length,
              inWords(inA(otgScale(verdict.certificate.asked, 1 / std::max(verdict.certificate.length, 1e-300)))),
              verdict.tilt, verdict.orderMatters, verdict.callMatters, verdict.updateMatters);
-  const std::vector<JudgedContact> contacts =
-      truth::contactsInOde(member->a, member->b, {.places = options.places});
+  const std::vector<JudgedContact> contacts = truth::contactsInOde(member->a, member->b, {.places = options.places});
   const auto deep = truth::tooDeep(member->plainA, member->plainB, contacts, member->grain());
   std::vector<std::vector<std::string>> lines;
   for (std::size_t i = 0; i < contacts.size(); ++i) {

@@ -8,10 +8,10 @@
 namespace otg::cli {
 
 struct CertificateOptions {
-  int members = 50;     ///< of each family
-  int first = 0;        ///< number of the first
-  std::string family;   ///< only this one; empty: all
-  int member = -1;      ///< instead of a table: all of this one
+  int members = 50;    ///< of each family
+  int first = 0;       ///< number of the first
+  std::string family;  ///< only this one; empty: all
+  int member = -1;     ///< instead of a table: all of this one
   int places = 64;
   std::uint32_t seed = 1;
   bool json = false;

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <limits>
 
+#include "truth/separation_search.h"
 #include "truth/triangle_distance.h"
 
 namespace otg::truth {
 namespace {
 
-constexpr double kTooDeep = 3;      ///< times the distance to the surface to leave
-constexpr double kFacing = 0.5;     ///< cosine between the way out and normals of the surface to leave
-constexpr double kNormal = 1e-9;
+constexpr double kTooDeep = 3;   ///< times the distance to the surface to leave
+constexpr double kFacing = 0.5;  ///< cosine between the way out and normals of the surface to leave
 
 double norm(const Vec3d& v) {
   return std::sqrt(otgDot(v, v));
@@ -36,25 +36,27 @@ double distanceToFacing(const PairBody& body, const Vec3d& point, const Vec3d& w
   return least;
 }
 
-/// How much farther along the same way the bodies come apart, as a part of it; at most 1.
-double growthUntilApart(PairOracle& oracle, const Vec3d& translation) {
-  double inside = 0, outside = 1;
-  if (oracle.overlapped(otgScale(translation, 2.0))) return 1;
-  while (outside - inside > 1e-3) {
-    const double middle = 0.5 * (inside + outside);
-    (oracle.overlapped(otgScale(translation, 1 + middle)) ? inside : outside) = middle;
-  }
-  return outside;
-}
+/// The pair after a first translation.
+class MovedOracle : public PairOracle {
+ public:
+  MovedOracle(PairOracle& whole, const Vec3d& by) : whole_(whole), by_(by) {}
+  bool overlapped(const Vec3d& translation) override { return whole_.overlapped(otgAdd(by_, translation)); }
+  std::optional<double> volume(const Vec3d& translation) override { return whole_.volume(otgAdd(by_, translation)); }
+  std::vector<Vec3d> faceDirections() override { return whole_.faceDirections(); }
 
-bool same(const JudgedContact& x, const JudgedContact& y, double tolerance) {
+ private:
+  PairOracle& whole_;
+  Vec3d by_;
+};
+
+bool same(const JudgedContact& x, const JudgedContact& y, double tolerance, double ofNormals) {
   return norm(otgSub(x.position, y.position)) <= tolerance && std::fabs(x.depth - y.depth) <= tolerance &&
-         norm(otgSub(x.normal, y.normal)) <= kNormal;
+         norm(otgSub(x.normal, y.normal)) <= ofNormals;
 }
 
 }  // namespace
 
-Certificate certify(PairOracle& oracle, const std::vector<JudgedContact>& contacts) {
+Certificate certify(PairOracle& oracle, double shortest, const std::vector<JudgedContact>& contacts) {
   Certificate result;
   result.none = contacts.empty();
   if (result.none) return result;
@@ -66,11 +68,14 @@ Certificate certify(PairOracle& oracle, const std::vector<JudgedContact>& contac
   result.asked = *t;
   result.length = norm(*t);
   if (!oracle.overlapped(*t)) {
-    result.left = 0;
+    result.left = result.leftWay = 0;
     return result;
   }
+  MovedOracle rest(oracle, *t);
+  const std::optional<Vec3d> way = shortestSeparation(rest, 0.005 * shortest, shortest, {*t});
+  result.leftWay = way ? std::min(norm(*way) / shortest, 1.0) : 1.0;
   const std::optional<double> before = oracle.volume({0, 0, 0});
-  result.left = before ? *oracle.volume(*t) / *before : growthUntilApart(oracle, *t);
+  result.left = before ? *oracle.volume(*t) / *before : result.leftWay;
   return result;
 }
 
@@ -92,12 +97,13 @@ std::vector<std::size_t> tooDeep(const PairBody& a, const PairBody& b, const std
   return found;
 }
 
-int unmatched(const std::vector<JudgedContact>& x, const std::vector<JudgedContact>& y, double tolerance) {
+int unmatched(const std::vector<JudgedContact>& x, const std::vector<JudgedContact>& y, double tolerance,
+              double ofNormals) {
   int count = 0;
   std::vector<bool> taken(y.size(), false);
   for (const JudgedContact& c : x) {
     std::size_t k = 0;
-    while (k < y.size() && (taken[k] || !same(c, y[k], tolerance))) ++k;
+    while (k < y.size() && (taken[k] || !same(c, y[k], tolerance, ofNormals))) ++k;
     if (k < y.size()) {
       taken[k] = true;
     } else {

@@ -21,13 +21,14 @@ struct Certificate {
   bool none = false;        ///< no contacts
   bool infeasible = false;  ///< no translation satisfies all of them
   Vec3d asked{0, 0, 0};     ///< the shortest translation that satisfies all
-  /// Part of the overlap that is left after it: of the volume, or where that is not to be had of the way out.
+  double length = 0;        ///< |asked|
+  double leftWay = 1;       ///< after it: the shortest translation that separates, over what it was
+  /// Part of the overlap that is left after it: of the volume, or where that is not to be had of the way.
   double left = 1;
-  double length = 0;  ///< |asked|
 };
 
-/// The bodies overlap. `grain` is what counts as touching, as the oracle has it.
-Certificate certify(PairOracle& oracle, const std::vector<JudgedContact>& contacts);
+/// The bodies overlap; `shortest` is the length of the shortest translation that separates them.
+Certificate certify(PairOracle& oracle, double shortest, const std::vector<JudgedContact>& contacts);
 
 /// Contacts deeper than three times the distance from their deepest point to the surface that they leave.
 ///
@@ -39,7 +40,8 @@ std::vector<std::size_t> tooDeep(const PairBody& a, const PairBody& b, const std
                                  double grain);
 
 /// The number of contacts of either list without a partner in the other that is within `tolerance` in place and depth
-/// (lengths) and within 1e-9 in the normal.
-int unmatched(const std::vector<JudgedContact>& x, const std::vector<JudgedContact>& y, double tolerance);
+/// (lengths) and within `ofNormals` in the normal.
+int unmatched(const std::vector<JudgedContact>& x, const std::vector<JudgedContact>& y, double tolerance,
+              double ofNormals);
 
 }  // namespace otg::truth

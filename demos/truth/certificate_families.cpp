@@ -173,7 +173,10 @@ bool drawBowl(Random& random, PairDraft& draft) {
   const double side = random.uniform(0.2, 0.5);
   const int kind = random.below(3);
   const Vec3d sides{side, side * random.uniform(0.7, 1.3), side * random.uniform(0.7, 1.3)};
-  draft.mover = makeMover(random, kind == 0 ? MoverKind::kBox : kind == 1 ? MoverKind::kSphere : MoverKind::kCylinder,
+  draft.mover = makeMover(random,
+                          kind == 0   ? MoverKind::kBox
+                          : kind == 1 ? MoverKind::kSphere
+                                      : MoverKind::kCylinder,
                           false, sides);
   draft.mover.pose = random.rotation();
   draft.mover.pose.t = {random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), -0.1};
@@ -194,8 +197,7 @@ bool drawGears(Random& random, PairDraft& draft) {
     mesh = product(turnAbout(axis, std::pow(10.0, random.uniform(-5, -2.5))), mesh);
   }
   draft.mover.pose = mesh;
-  draft.mover.pose.t = {2 + random.uniform(0.005, 0.3 * tooth), random.uniform(-0.01, 0.01),
-                        random.uniform(-0.1, 0.1)};
+  draft.mover.pose.t = {2 + random.uniform(0.005, 0.3 * tooth), random.uniform(-0.01, 0.01), random.uniform(-0.1, 0.1)};
   draft.what = fmt::format("{} teeth", teeth);
   const double angle = random.uniform(-0.6, 0.6);
   return pushIn(random, draft, Vec3d{-std::cos(angle), std::sin(angle), 0}, 0.3);
@@ -305,7 +307,8 @@ CertificateMember finished(Random& random, PairDraft draft) {
   member.b = member.plainB;
   if (subdivision < 2) {
     for (PairBody* body : {&member.a, &member.b}) {
-      if (!body->shape && (subdivision == 0 || body == &member.a)) body->mesh = subdivided(body->mesh, partsFor(body->mesh));
+      if (!body->shape && (subdivision == 0 || body == &member.a))
+        body->mesh = subdivided(body->mesh, partsFor(body->mesh));
     }
     draft.what += subdivision == 0 ? ", subdivided" : ", A subdivided";
   }
@@ -371,7 +374,7 @@ std::optional<CertificateMember> certificateMember(const CertificateFamily& fami
     const double known = depth * extentOf(mover.mesh).x / plainSide;
     const auto oracle = makeOracle(member.plainA, member.plainB, 1e-3 * known);
     if (!oracle->overlapped({0, 0, 0})) continue;
-    const std::optional<Vec3d> shortest = shortestSeparation(*oracle, 0.3 * known, {});
+    const std::optional<Vec3d> shortest = shortestSeparation(*oracle, 0.3 * known, 10 * known, {});
     if (!shortest) continue;
     const double part = norm(*shortest) / member.size;
     if (part < kLeastOverlap || part > kMostOverlap) continue;

@@ -8,8 +8,8 @@
 namespace otg::truth {
 namespace {
 
-/// In units of the smaller body.
-constexpr double kSamePlace = 1e-9;
+/// Places and depths in units of the smaller body, and normals.
+constexpr double kSame = 1e-9, kNearlySame = 1e-3;
 
 double norm(const Vec3d& v) {
   return std::sqrt(otgDot(v, v));
@@ -29,18 +29,19 @@ Verdict judge(const CertificateMember& member, int number, int places) {
   verdict.number = number;
   const GeomChoices choices{.places = places};
   const std::vector<JudgedContact> contacts = contactsInOde(member.a, member.b, choices);
-  const auto other = [&](bool GeomChoices::* choice) {
+  const auto differ = [&](bool GeomChoices::*choice, double tolerance) {
     GeomChoices changed = choices;
     changed.*choice = true;
-    return unmatched(contacts, contactsInOde(member.a, member.b, changed), kSamePlace * member.size) > 0;
+    return unmatched(contacts, contactsInOde(member.a, member.b, changed), tolerance * member.size, tolerance) > 0;
   };
   verdict.contacts = static_cast<int>(contacts.size());
-  verdict.orderMatters = other(&GeomChoices::secondFirst);
-  verdict.callMatters = other(&GeomChoices::reversedCall);
-  verdict.updateMatters = other(&GeomChoices::byUpdate);
+  verdict.orderMatters = differ(&GeomChoices::secondFirst, kSame);
+  verdict.orderMuch = verdict.orderMatters && differ(&GeomChoices::secondFirst, kNearlySame);
+  verdict.callMatters = differ(&GeomChoices::reversedCall, kSame);
+  verdict.updateMatters = differ(&GeomChoices::byUpdate, kSame);
   verdict.tooDeep = static_cast<int>(tooDeep(member.plainA, member.plainB, contacts, member.grain()).size());
   const auto oracle = makeOracle(member.a, member.b, member.grain());
-  verdict.certificate = certify(*oracle, contacts);
+  verdict.certificate = certify(*oracle, norm(member.shortest), contacts);
   if (!verdict.certified()) return verdict;
   const auto plain = makeOracle(member.plainA, member.plainB, member.grain());
   const Vec3d shortest = shorterSeparation(*plain, member.shortest, verdict.certificate.asked);
@@ -55,14 +56,17 @@ void add(FamilyVerdict& family, const Verdict& verdict) {
   family.none += certificate.none;
   family.infeasible += certificate.infeasible;
   if (!certificate.none && !certificate.infeasible && !verdict.certified()) ++family.left;
+  family.leftWay += !certificate.none && !certificate.infeasible && certificate.leftWay > kMostLeft;
   family.tooDeep += verdict.tooDeep > 0;
   family.order += verdict.orderMatters;
+  family.orderMuch += verdict.orderMuch;
   family.call += verdict.callMatters;
   family.update += verdict.updateMatters;
   if (verdict.certified()) {
     family.length.add(verdict.length);
     family.tilt.add(verdict.tilt);
     family.tooLong += verdict.length > kMostLength;
+    family.longer += verdict.length > kGoodLength;
   }
   if (!verdict.certified() || verdict.length > kMostLength || verdict.tooDeep > 0) {
     family.numbers.push_back(verdict.number);

@@ -129,7 +129,8 @@ Host room(Random& random) {
   }
   const bool open = random.below(2) == 0;  // a skylight; else the hollow is closed
   Host host;
-  host.mesh = cellUnion(lines, [&](int i, int j, int k) { return !(i == 1 && j == 1 && (k == 1 || (open && k == 2))); });
+  host.mesh =
+      cellUnion(lines, [&](int i, int j, int k) { return !(i == 1 && j == 1 && (k == 1 || (open && k == 2))); });
   addCorners(host, lines, open ? std::vector{0} : std::vector{0, 1});
   return host;
 }
@@ -152,8 +153,8 @@ Host slot(Random& random) {
   const double w = random.uniform(0.8, 1.2), h = random.uniform(0.5, 1), floor = random.uniform(0.1, 0.2),
                depth = random.uniform(0.5, 1), wide = random.uniform(0.2, 0.35), s = wide / 2;
   Host host;
-  host.mesh = extruded({{-w / 2, 0}, {w / 2, 0}, {w / 2, h}, {s, h}, {s, floor}, {-s, floor}, {-s, h}, {-w / 2, h}},
-                       depth);
+  host.mesh =
+      extruded({{-w / 2, 0}, {w / 2, 0}, {w / 2, h}, {s, h}, {s, floor}, {-s, floor}, {-s, h}, {-w / 2, h}}, depth);
   const double clearance = wide * std::pow(10.0, random.uniform(-4, -1.3));
   for (const double side : {1.0, -1.0}) {
     Nest nest = nestOf({{{0, 1, 0}, floor}, {{side, 0, 0}, -s}}, {alongZ(depth)});
@@ -193,8 +194,14 @@ Host wedgeSlot(Random& random) {
   const double lean = random.uniform(0.1, 0.7), bottom = random.uniform(0.02, 0.2) / 2, deep = random.uniform(0.3, 0.6),
                depth = random.uniform(0.5, 1), floor = 0.15, s = bottom + deep * std::tan(lean), w = s + 0.2;
   Host host;
-  host.mesh = extruded({{-w, 0}, {w, 0}, {w, floor + deep}, {s, floor + deep}, {bottom, floor}, {-bottom, floor},
-                        {-s, floor + deep}, {-w, floor + deep}},
+  host.mesh = extruded({{-w, 0},
+                        {w, 0},
+                        {w, floor + deep},
+                        {s, floor + deep},
+                        {bottom, floor},
+                        {-bottom, floor},
+                        {-s, floor + deep},
+                        {-w, floor + deep}},
                        depth);
   const double c = std::cos(lean), q = std::sin(lean);
   const Wall left{{c, q, 0}, -bottom * c + floor * q}, right{{-c, q, 0}, -bottom * c + floor * q};

@@ -105,8 +105,7 @@ std::vector<JudgedContact> contactsInOde(const PairBody& a, const PairBody& b, c
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     const dContactGeom& c = found[i];
     const double sign = choices.reversedCall ? -1 : 1;
-    const bool exempt =
-        meshes && (data[i].flags & (dGPUTRIMESH_CONTACT_CONTAINED | dGPUTRIMESH_CONTACT_CLAMPED)) != 0;
+    const bool exempt = meshes && (data[i].flags & (dGPUTRIMESH_CONTACT_CONTAINED | dGPUTRIMESH_CONTACT_CLAMPED)) != 0;
     contacts.push_back({{c.pos[0], c.pos[1], c.pos[2]},
                         {sign * c.normal[0], sign * c.normal[1], sign * c.normal[2]},
                         c.depth,

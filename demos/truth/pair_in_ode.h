@@ -9,9 +9,9 @@
 namespace otg::truth {
 
 struct GeomChoices {
-  bool secondFirst = false;  ///< the geom of B is created before that of A
-  bool byUpdate = false;     ///< meshes are built from other vertices and moved to theirs
-  bool reversedCall = false; ///< dCollide(B, A), the answer turned round
+  bool secondFirst = false;   ///< the geom of B is created before that of A
+  bool byUpdate = false;      ///< meshes are built from other vertices and moved to theirs
+  bool reversedCall = false;  ///< dCollide(B, A), the answer turned round
   int places = 64;
 };
 

@@ -28,7 +28,7 @@ class MeshOracle : public PairOracle {
     whole_ = overlapOf(a_.mesh(), b_.mesh(), bInA_).volume;
     // What rounding of the sums may leave, by the bodies' size.
     const double size = static_cast<double>(std::min(a_.mesh().radius(), b_.mesh().radius()));
-    noise_ = 1e-14 * size * size * size;
+    noise_ = 1e-17 * size * size * size;
   }
 
   bool overlapped(const Vec3d& translation) override {
@@ -94,7 +94,7 @@ class MeshOracle : public PairOracle {
     if (!(length > 0)) return false;
     for (std::size_t k = 0; k < 3; ++k) heights[k] = otgDot(n, otgSub(t[k], s[0])) / length;
     const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
-    return *low < -grain_ && *high > grain_;
+    return *low<-grain_&& * high> grain_;
   }
   /// Where a triangle meets the plane in which the heights vanish, along an axis.
   static std::pair<double, double> stretch(const Corners& t, const std::array<double, 3>& heights, const Vec3d& axis) {
@@ -113,8 +113,8 @@ class MeshOracle : public PairOracle {
   bool crosses(const Corners& s, const Corners& t) const {
     std::array<double, 3> ofT{}, ofS{};
     if (!reachesThrough(t, s, ofT) || !reachesThrough(s, t, ofS)) return false;
-    const Vec3d axis = otgCross(otgCross(otgSub(s[1], s[0]), otgSub(s[2], s[0])),
-                                otgCross(otgSub(t[1], t[0]), otgSub(t[2], t[0])));
+    const Vec3d axis =
+        otgCross(otgCross(otgSub(s[1], s[0]), otgSub(s[2], s[0])), otgCross(otgSub(t[1], t[0]), otgSub(t[2], t[0])));
     if (!(norm(axis) > 0)) return false;
     const Vec3d unit = otgScale(axis, 1 / norm(axis));
     const auto [s0, s1] = stretch(s, ofS, unit);

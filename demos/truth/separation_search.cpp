@@ -45,8 +45,8 @@ class Search {
     return true;
   }
 
-  bool begin(const std::vector<Vec3d>& directions, double guess) {
-    for (double length = guess; length < 31 * guess; length *= 1.5) {
+  bool begin(const std::vector<Vec3d>& directions, double guess, double most) {
+    for (double length = guess; length < 1.5 * most; length *= 1.5) {
       for (const Vec3d& d : directions) {
         if (!apart(d, length)) continue;
         length_ = length;
@@ -89,11 +89,12 @@ class Search {
 
 }  // namespace
 
-std::optional<Vec3d> shortestSeparation(PairOracle& oracle, double guess, const std::vector<Vec3d>& starts) {
+std::optional<Vec3d> shortestSeparation(PairOracle& oracle, double guess, double most,
+                                        const std::vector<Vec3d>& starts) {
   if (!oracle.overlapped({0, 0, 0})) return Vec3d{0, 0, 0};
   const std::vector<Vec3d> directions = directionsFor(oracle, starts);
   Search search(oracle);
-  if (!search.begin(directions, guess)) return {};
+  if (!search.begin(directions, guess, most)) return {};
   for (int round = 0; round < 3; ++round) {
     const double before = search.length();
     for (const Vec3d& d : directions) search.improve(d, 0.98);
@@ -111,7 +112,7 @@ Vec3d shorterSeparation(PairOracle& oracle, const Vec3d& known, const Vec3d& dir
   const double length = norm(known);
   if (!(norm(direction) > 0) || !(length > 0)) return known;
   if (oracle.overlapped(otgScale(direction, 0.99 * length / norm(direction)))) return known;
-  const std::optional<Vec3d> again = shortestSeparation(oracle, 0.1 * length, {direction, known});
+  const std::optional<Vec3d> again = shortestSeparation(oracle, 0.1 * length, 2 * length, {direction, known});
   return again && norm(*again) < length ? *again : known;
 }
 

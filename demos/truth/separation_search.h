@@ -10,10 +10,11 @@
 namespace otg::truth {
 
 /// `guess` is the length to begin with, at least some thousandth of the answer. `starts` are directions that may be
-/// good, beside many over the sphere and those of the faces that meet. None where nothing up to 30 guesses separates.
+/// good, beside many over the sphere and those of the faces that meet. None where nothing up to `most` separates.
 /// The result does separate; directions that are not near a better one are missed only where they are rarer than one
 /// in sixty.
-std::optional<Vec3d> shortestSeparation(PairOracle& oracle, double guess, const std::vector<Vec3d>& starts);
+std::optional<Vec3d> shortestSeparation(PairOracle& oracle, double guess, double most,
+                                        const std::vector<Vec3d>& starts);
 
 /// The same where a translation that separates is known already: begins again if `direction` is a better one.
 Vec3d shorterSeparation(PairOracle& oracle, const Vec3d& known, const Vec3d& direction);

@@ -73,8 +73,8 @@ bool ShapeOracle::meets(const Corners& t) const {
     case ConvexBody::Kind::kCapsule:
       return distanceToTriangle({0, 0, -shape_.length}, {0, 0, shape_.length}, t) < shape_.radius - grain_;
     case ConvexBody::Kind::kCylinder: {
-      const Polygon part = cut(cut({t[0], t[1], t[2]}, {0, 0, 1}, shape_.length - grain_), {0, 0, -1},
-                               shape_.length - grain_);
+      const Polygon part =
+          cut(cut({t[0], t[1], t[2]}, {0, 0, 1}, shape_.length - grain_), {0, 0, -1}, shape_.length - grain_);
       return part.size() >= 3 && distanceFromAxis(part) < shape_.radius - grain_;
     }
     default: {

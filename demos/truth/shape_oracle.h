@@ -19,10 +19,10 @@ class ShapeOracle : public PairOracle {
   bool meets(const Corners& inShape) const;
 
   ConvexBody shape_;
-  std::vector<double> offsets_;      ///< of a polyhedron's faces
+  std::vector<double> offsets_;  ///< of a polyhedron's faces
   Transformd shapePose_;
-  std::vector<Corners> triangles_;   ///< in the shape's frame
-  double bound_ = 0;                 ///< radius of the shape about its origin
+  std::vector<Corners> triangles_;  ///< in the shape's frame
+  double bound_ = 0;                ///< radius of the shape about its origin
   double meshMoves_, grain_;
 };
 

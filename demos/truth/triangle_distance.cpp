@@ -33,7 +33,8 @@ double distanceToTriangle(const Vec3d& p, const Corners& t) {
   const Vec3d n = otgCross(otgSub(t[1], t[0]), otgSub(t[2], t[0]));
   const double length = norm(n);
   if (length > 0 && within(p, t, n)) return std::fabs(otgDot(n, otgSub(p, t[0]))) / length;
-  return std::min({distanceToSegment(p, t[0], t[1]), distanceToSegment(p, t[1], t[2]), distanceToSegment(p, t[2], t[0])});
+  return std::min(
+      {distanceToSegment(p, t[0], t[1]), distanceToSegment(p, t[1], t[2]), distanceToSegment(p, t[2], t[0])});
 }
 
 double distanceOfSegments(const Vec3d& p0, const Vec3d& p1, const Vec3d& q0, const Vec3d& q1) {
