@@ -34,7 +34,8 @@ Certificate certify(PairOracle& oracle, double shortest, const std::vector<Judge
 ///
 /// The deepest point of A is half the depth below the contact's place, which is in the middle of the overlap, and
 /// that of B half above. The surface to leave are the other body's triangles that face the way out to within 60
-/// degrees: others, as the side of a block over whose edge a body hangs, may be as near as they like. Depths up to
+/// degrees: others, as the side of a block over whose edge a body hangs, may be as near as they like (with them, nearly
+/// every resting body has such a contact). Depths up to
 /// `grain` are rounding.
 std::vector<std::size_t> tooDeep(const PairBody& a, const PairBody& b, const std::vector<JudgedContact>& contacts,
                                  double grain);
