@@ -2,6 +2,7 @@
 #include "otg/bench_certificate.h"
 
 #include <fmt/format.h>
+#include <ode_trimesh_gpu/ode_trimesh_gpu.h>
 
 #include <algorithm>
 #include <cmath>
@@ -32,6 +33,10 @@ std::string reasonOf(const Verdict& v) {
   return fmt::format("{:.3g} times the shortest", v.length);
 }
 
+truth::GeomChoices choicesOf(const CertificateOptions& options) {
+  return {.places = options.places, .asTriMesh = options.form != "own"};
+}
+
 FamilyVerdict judgeFamily(const CertificateFamily& family, const CertificateOptions& options) {
   FamilyVerdict verdict;
   for (int i = options.first; i < options.first + options.members; ++i) {
@@ -40,7 +45,7 @@ FamilyVerdict judgeFamily(const CertificateFamily& family, const CertificateOpti
       ++verdict.notDrawn;
       continue;
     }
-    add(verdict, truth::judge(*member, i, options.places));
+    add(verdict, truth::judge(*member, i, choicesOf(options)));
   }
   return verdict;
 }
@@ -100,7 +105,7 @@ std::string inWords(const Vec3d& v) {
 void printMember(const CertificateFamily& family, const CertificateOptions& options) {
   const std::optional<CertificateMember> member = certificateMember(family, options.seed, options.member);
   if (!member) throw UsageError("no draw of this number gives a pair in shallow overlap");
-  const Verdict verdict = truth::judge(*member, options.member, options.places);
+  const Verdict verdict = truth::judge(*member, options.member, choicesOf(options));
   const auto& frame = member->a.pose;
   const auto inA = [&](const Vec3d& v) { return otgRotateBack(frame, v); };
   const auto length = [](const Vec3d& v) { return std::sqrt(otgDot(v, v)); };
@@ -113,7 +118,7 @@ void printMember(const CertificateFamily& family, const CertificateOptions& opti
              verdict.certificate.length,
              inWords(inA(otgScale(verdict.certificate.asked, 1 / std::max(verdict.certificate.length, 1e-300)))),
              verdict.tilt, verdict.orderMatters, verdict.callMatters, verdict.updateMatters);
-  const std::vector<JudgedContact> contacts = truth::contactsInOde(member->a, member->b, {.places = options.places});
+  const std::vector<JudgedContact> contacts = truth::contactsInOde(member->a, member->b, choicesOf(options));
   const auto deep = truth::tooDeep(member->plainA, member->plainB, contacts, member->grain());
   std::vector<std::vector<std::string>> lines;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -138,6 +143,9 @@ std::vector<CertificateFamily> chosen(const CertificateOptions& options) {
 
 int benchCertificate(const CertificateOptions& options) {
   const scenes::OdeSession session;
+  if (options.form == "override" && dGpuTriMeshOverrideTriMeshWith(dGPUTRIMESH_OVERRIDE_ALL) != dGPUTRIMESH_OK) {
+    throw InputError("the library cannot take over dTriMesh geoms");
+  }
   const std::vector<CertificateFamily> families = chosen(options);
   if (options.member >= 0) {
     if (families.size() != 1) throw UsageError("--member goes with --family");
@@ -153,6 +161,7 @@ int benchCertificate(const CertificateOptions& options) {
     Json document;
     document["bench"] = "contacts";
     document["seed"] = options.seed;
+    document["form"] = options.form;
     document["tables"] = {{"certificate", rows}};
     printJson(document);
   } else {

@@ -13,6 +13,7 @@ struct CertificateOptions {
   std::string family;  ///< only this one; empty: all
   int member = -1;     ///< instead of a table: all of this one
   int places = 64;
+  std::string form = "own";  ///< own: the library's geoms; override, stock: dTriMesh with and without the library
   std::uint32_t seed = 1;
   bool json = false;
 };

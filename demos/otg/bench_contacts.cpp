@@ -280,6 +280,8 @@ void addBenchContacts(CLI::App& bench, Action& action) {
   add("--member", options->certificates.member, "Instead of a table: this pair of the family, with its contacts")
       ->check(CLI::Range(0, 1000000000));
   add("--places", options->certificates.places, "Most contacts of a pair")->check(CLI::Range(1, 65535));
+  add("--form", options->certificates.form, "Of the meshes: geoms of this library, dTriMesh taken over by it, or stock")
+      ->check(CLI::IsMember({"own", "override", "stock"}));
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

@@ -24,10 +24,9 @@ double Verdict::badness() const {
   return length;
 }
 
-Verdict judge(const CertificateMember& member, int number, int places) {
+Verdict judge(const CertificateMember& member, int number, const GeomChoices& choices) {
   Verdict verdict;
   verdict.number = number;
-  const GeomChoices choices{.places = places};
   const std::vector<JudgedContact> contacts = contactsInOde(member.a, member.b, choices);
   const auto differ = [&](bool GeomChoices::*choice, double tolerance) {
     GeomChoices changed = choices;

@@ -32,7 +32,7 @@ struct Verdict {
 };
 
 /// ODE and the geom class must be initialised.
-Verdict judge(const CertificateMember& member, int number, int places);
+Verdict judge(const CertificateMember& member, int number, const GeomChoices& choices);
 
 struct FamilyVerdict {
   int members = 0, notDrawn = 0;

@@ -4,6 +4,7 @@
 #include <ode/ode.h>
 #include <ode_trimesh_gpu/ode_trimesh_gpu.h>
 
+#include <algorithm>
 #include <memory>
 #include <stdexcept>
 
@@ -14,11 +15,13 @@ namespace {
 
 class BodyInOde {
  public:
-  BodyInOde(const PairBody& body, bool byUpdate) {
+  BodyInOde(const PairBody& body, const GeomChoices& choices) {
     if (body.shape) {
       makeShape(*body.shape, body.mesh);
+    } else if (choices.asTriMesh) {
+      makeTriMesh(body.mesh, choices.byUpdate);
     } else {
-      makeMesh(body.mesh, byUpdate);
+      makeMesh(body.mesh, choices.byUpdate);
     }
     dMatrix3 r{};
     for (int row = 0; row < 3; ++row) {
@@ -28,7 +31,12 @@ class BodyInOde {
     dGeomSetPosition(geom_, body.pose.t.x, body.pose.t.y, body.pose.t.z);
   }
   ~BodyInOde() {
+    if (triMeshData_) dGpuTriMeshOverrideForgetGeom(geom_);
     if (geom_) dGeomDestroy(geom_);
+    if (triMeshData_) {
+      dGpuTriMeshOverrideForgetData(triMeshData_);
+      dGeomTriMeshDataDestroy(triMeshData_);
+    }
     if (data_) dGpuTriMeshDataDestroy(data_);
   }
   BodyInOde(const BodyInOde&) = delete;
@@ -38,14 +46,30 @@ class BodyInOde {
   bool isMesh() const { return data_ != nullptr; }
 
  private:
+  /// A closed solid that faces outward still, and that sorts otherwise along a curve through space.
+  static std::vector<Vec3f> before(const std::vector<Vec3f>& vertices) {
+    std::vector<Vec3f> others = vertices;
+    for (Vec3f& v : others) v = {0.4F * v.x - 0.9F * v.y, 0.9F * v.x + 0.4F * v.y, 2 * v.z};
+    return others;
+  }
+  void makeTriMesh(const scenes::MeshArrays& mesh, bool byUpdate) {
+    arrays_ = mesh;  // ODE keeps pointers
+    if (byUpdate) arrays_.vertices = before(mesh.vertices);
+    triMeshData_ = dGeomTriMeshDataCreate();
+    dGeomTriMeshDataBuildSingle(triMeshData_, arrays_.vertices.data(), sizeof(Vec3f),
+                                static_cast<int>(arrays_.vertices.size()), arrays_.triangles.data(),
+                                static_cast<int>(3 * arrays_.triangles.size()), sizeof(Triangle));
+    geom_ = dCreateTriMesh(nullptr, triMeshData_, nullptr, nullptr, nullptr);
+    if (!byUpdate) return;
+    dGpuTriMeshOverridePrepare(geom_);  // else the library would not read the first vertices at all
+    std::copy(mesh.vertices.begin(), mesh.vertices.end(), arrays_.vertices.begin());
+    dGeomTriMeshDataUpdate(triMeshData_);
+    dGpuTriMeshOverrideDataChanged(triMeshData_);
+  }
   void makeMesh(const scenes::MeshArrays& mesh, bool byUpdate) {
     data_ = dGpuTriMeshDataCreate();
-    std::vector<Vec3f> vertices = mesh.vertices;
+    const std::vector<Vec3f> vertices = byUpdate ? before(mesh.vertices) : mesh.vertices;
     const int count = static_cast<int>(vertices.size());
-    if (byUpdate) {
-      // A closed solid that faces outward still, and that sorts otherwise along a curve through space.
-      for (Vec3f& v : vertices) v = {0.4F * v.x - 0.9F * v.y, 0.9F * v.x + 0.4F * v.y, 2 * v.z};
-    }
     int status = dGpuTriMeshDataBuildSingle(data_, vertices.data(), sizeof(Vec3f), count, mesh.triangles.data(),
                                             static_cast<int>(3 * mesh.triangles.size()), sizeof(Triangle));
     if (status == dGPUTRIMESH_OK && byUpdate) {
@@ -81,6 +105,8 @@ class BodyInOde {
   }
 
   dGpuTriMeshDataID data_ = nullptr;
+  dTriMeshDataID triMeshData_ = nullptr;
+  scenes::MeshArrays arrays_;
   std::unique_ptr<scenes::ConvexData> convex_;
   dGeomID geom_ = nullptr;
 };
@@ -89,9 +115,9 @@ class BodyInOde {
 
 std::vector<JudgedContact> contactsInOde(const PairBody& a, const PairBody& b, const GeomChoices& choices) {
   std::unique_ptr<BodyInOde> first, second;
-  if (choices.secondFirst) second = std::make_unique<BodyInOde>(b, choices.byUpdate);
-  first = std::make_unique<BodyInOde>(a, choices.byUpdate);
-  if (!second) second = std::make_unique<BodyInOde>(b, choices.byUpdate);
+  if (choices.secondFirst) second = std::make_unique<BodyInOde>(b, choices);
+  first = std::make_unique<BodyInOde>(a, choices);
+  if (!second) second = std::make_unique<BodyInOde>(b, choices);
   dGeomID o1 = first->geom(), o2 = second->geom();
   if (choices.reversedCall) std::swap(o1, o2);
   std::vector<dContactGeom> found(static_cast<std::size_t>(choices.places));

@@ -13,6 +13,7 @@ struct GeomChoices {
   bool byUpdate = false;      ///< meshes are built from other vertices and moved to theirs
   bool reversedCall = false;  ///< dCollide(B, A), the answer turned round
   int places = 64;
+  bool asTriMesh = false;  ///< meshes are ODE's dTriMesh: stock ODE's contacts, or with the override the library's
 };
 
 /// ODE and the geom class must be initialised. Throws std::runtime_error where the library refuses a mesh.

@@ -259,7 +259,7 @@ TEST_CASE("what contacts ask for separates random pairs in shallow overlap") {
     FamilyVerdict found;
     for (int i = 0; i < kMembers; ++i) {
       const std::optional<CertificateMember> member = certificateMember(family, 1, i);
-      if (member) add(found, judge(*member, i, 64));
+      if (member) add(found, judge(*member, i, {}));
     }
     INFO(family.name << ": the worst is member " << found.worst.number);
     CHECK(found.members == kMembers);
