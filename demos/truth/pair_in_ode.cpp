@@ -59,6 +59,8 @@ class BodyInOde {
     dGeomTriMeshDataBuildSingle(triMeshData_, arrays_.vertices.data(), sizeof(Vec3f),
                                 static_cast<int>(arrays_.vertices.size()), arrays_.triangles.data(),
                                 static_cast<int>(3 * arrays_.triangles.size()), sizeof(Triangle));
+    // What stock ODE asks for where it collides convex shapes.
+    dGeomTriMeshDataPreprocess2(triMeshData_, 1U << dTRIDATAPREPROCESS_BUILD_FACE_ANGLES, nullptr);
     geom_ = dCreateTriMesh(nullptr, triMeshData_, nullptr, nullptr, nullptr);
     if (!byUpdate) return;
     dGpuTriMeshOverridePrepare(geom_);  // else the library would not read the first vertices at all
