@@ -4,46 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
-#include <set>
 #include <stdexcept>
 
+#include "scenes/concave_meshes.h"
 #include "scenes/mesh_builder.h"
 
 namespace otg::truth {
 namespace {
-
-double turn(const Point2& a, const Point2& b, const Point2& c) {
-  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-}
-
-bool inTriangle(const Point2& p, const Point2& a, const Point2& b, const Point2& c) {
-  return turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
-}
-
-/// Triangles of a simple polygon, counter-clockwise.
-std::vector<std::array<std::size_t, 3>> ears(const std::vector<Point2>& outline) {
-  std::vector<std::array<std::size_t, 3>> triangles;
-  std::vector<std::size_t> left(outline.size());
-  std::iota(left.begin(), left.end(), std::size_t{0});
-  while (left.size() > 3) {
-    const std::size_t n = left.size();
-    std::size_t cut = n;
-    for (std::size_t i = 0; i < n && cut == n; ++i) {
-      const std::size_t p = left[(i + n - 1) % n], q = left[i], r = left[(i + 1) % n];
-      if (turn(outline[p], outline[q], outline[r]) <= 0) continue;
-      const bool free = std::none_of(left.begin(), left.end(), [&](std::size_t k) {
-        return k != p && k != q && k != r && inTriangle(outline[k], outline[p], outline[q], outline[r]);
-      });
-      if (free) cut = i;
-    }
-    if (cut == n) throw std::logic_error("the outline is not a simple polygon");
-    triangles.push_back({left[(cut + n - 1) % n], left[cut], left[(cut + 1) % n]});
-    left.erase(left.begin() + static_cast<std::ptrdiff_t>(cut));
-  }
-  triangles.push_back({left[0], left[1], left[2]});
-  return triangles;
-}
 
 /// Which cells of a cube are solid, with a rim of empty ones.
 class Cells {
@@ -106,19 +73,9 @@ bool manifold(const std::array<int, 3>& count, const Filled& filled) {
 }  // namespace
 
 scenes::MeshArrays extruded(const std::vector<Point2>& outline, double depth) {
-  scenes::MeshBuilder builder;
-  const auto at = [&](std::size_t i, double z) {
-    return Vec3d{outline[i % outline.size()].x, outline[i % outline.size()].y, z};
-  };
-  const double top = depth / 2, bottom = -depth / 2;
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    builder.quad(at(i, bottom), at(i + 1, bottom), at(i + 1, top), at(i, top));
-  }
-  for (const auto& [a, b, c] : ears(outline)) {
-    builder.triangle(at(a, top), at(b, top), at(c, top));
-    builder.triangle(at(c, bottom), at(b, bottom), at(a, bottom));
-  }
-  return builder.finish();
+  std::vector<scenes::ProfilePoint> polygon;
+  for (const Point2& p : outline) polygon.emplace_back(p.x, p.y);
+  return scenes::transformed(scenes::makeProfile(polygon, depth), {{1, 0, 0, 0, 0, 1, 0, -1, 0}, {0, 0, 0}});
 }
 
 scenes::MeshArrays cellUnion(const Lines& lines, const std::function<bool(int, int, int)>& filled) {
@@ -189,31 +146,6 @@ scenes::MeshArrays dentedBox(Random& random, const Vec3d& size, int n, double am
     *p[axis] += static_cast<float>(random.uniform(-amplitude, amplitude));
   }
   return mesh;
-}
-
-scenes::MeshArrays subdivided(const scenes::MeshArrays& mesh, int parts) {
-  scenes::MeshBuilder builder;
-  for (const Triangle& t : mesh.triangles) {
-    // By the numbers of the corners, so that both neighbours of an edge get the same points.
-    const auto at = [&](int a, int b, int c) {
-      std::array<std::pair<std::uint32_t, int>, 3> weights{{{t.v[0], a}, {t.v[1], b}, {t.v[2], c}}};
-      std::sort(weights.begin(), weights.end());
-      Vec3d sum{0, 0, 0};
-      for (const auto& [vertex, weight] : weights) {
-        const Vec3f& v = mesh.vertices[vertex];
-        sum = otgAdd(sum, otgScale(Vec3d{v.x, v.y, v.z}, static_cast<double>(weight)));
-      }
-      return Vec3d{sum.x / parts, sum.y / parts, sum.z / parts};
-    };
-    for (int i = 0; i < parts; ++i) {
-      for (int j = 0; i + j < parts; ++j) {
-        const int k = parts - i - j;
-        builder.triangle(at(k, i, j), at(k - 1, i + 1, j), at(k - 1, i, j + 1));
-        if (k >= 2) builder.triangle(at(k - 1, i + 1, j), at(k - 2, i + 1, j + 1), at(k - 1, i, j + 1));
-      }
-    }
-  }
-  return builder.finish();
 }
 
 scenes::MeshArrays scaled(const scenes::MeshArrays& mesh, double factor) {

@@ -14,7 +14,7 @@ struct Point2 {
   double x, y;
 };
 
-/// A simple polygon, counter-clockwise, as a prism along z from -depth / 2 to depth / 2. Its caps are cut by ears.
+/// A simple polygon, counter-clockwise, as a prism along z from -depth / 2 to depth / 2.
 scenes::MeshArrays extruded(const std::vector<Point2>& outline, double depth);
 
 /// Cells of a grid with the given lines; `filled(i, j, k)` tells which of them are solid. Faces between solid and empty
@@ -28,9 +28,6 @@ scenes::MeshArrays randomCells(Random& random, int cellsPerSide, double size, do
 
 /// A box of n x n cells a side whose inner vertices are moved in or out by up to `amplitude`.
 scenes::MeshArrays dentedBox(Random& random, const Vec3d& size, int n, double amplitude);
-
-/// Every edge cut into `parts`, every triangle into parts^2. The same solid but for the rounding of new vertices.
-scenes::MeshArrays subdivided(const scenes::MeshArrays& mesh, int parts);
 
 scenes::MeshArrays scaled(const scenes::MeshArrays& mesh, double factor);
 

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "collide/query.h"
+#include "scenes/concave_meshes.h"
 #include "truth/certificate_bodies.h"
 #include "truth/nests.h"
 #include "truth/separation_search.h"
@@ -266,8 +267,9 @@ bool drawCells(Random& random, PairDraft& draft) {
   return pushFromOutside(random, draft);
 }
 
-int partsFor(const scenes::MeshArrays& mesh) {
-  return mesh.triangles.size() <= 200 ? 4 : mesh.triangles.size() <= 2000 ? 2 : 1;
+/// Halvings of the edges.
+int levelsFor(const scenes::MeshArrays& mesh) {
+  return mesh.triangles.size() <= 200 ? 2 : mesh.triangles.size() <= 2000 ? 1 : 0;
 }
 
 /// Subdivides, scales, turns and moves a pair, and gives either body the part of A.
@@ -308,7 +310,7 @@ CertificateMember finished(Random& random, PairDraft draft) {
   if (subdivision < 2) {
     for (PairBody* body : {&member.a, &member.b}) {
       if (!body->shape && (subdivision == 0 || body == &member.a))
-        body->mesh = subdivided(body->mesh, partsFor(body->mesh));
+        body->mesh = scenes::subdivided(body->mesh, levelsFor(body->mesh));
     }
     draft.what += subdivision == 0 ? ", subdivided" : ", A subdivided";
   }

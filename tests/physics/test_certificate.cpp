@@ -85,48 +85,46 @@ struct Limits {
   int update = 0;       ///< or on whether the vertices came by an update
 };
 
-constexpr int kMembers = 20;
+constexpr int kMembers = 30;
 
 /// What does not hold yet, as it is today. These numbers may only shrink; a family without any leaves the list.
 constexpr Limits kKnownFailing[] = {
-    // The wall of an inner corner pushed along the floor's normal; ends of settled edges without contact.
-    {.family = "L", .tooDeep = 1, .order = 9, .update = 1},
+    // Two walls of which one is left over or asked for twice; which contacts are made depends on the order of creation.
+    {.family = "L", .tooDeep = 1, .order = 15, .update = 2},
     // As L.
-    {.family = "U", .order = 9, .update = 2},
+    {.family = "U", .order = 13, .update = 1},
     // As L; subdivided: directions between floor and wall.
-    {.family = "T", .tooLong = 1, .longer = 3, .tooDeep = 2, .order = 11, .update = 3},
-    // Three walls: one without contact, or depths of the whole body's height.
-    {.family = "room", .uncertified = 3, .tooLong = 1, .longer = 3, .tooDeep = 2, .order = 6, .update = 1},
+    {.family = "T", .uncertified = 1, .tooDeep = 1, .order = 11, .update = 2},
+    // Three walls: one without contact.
+    {.family = "room", .uncertified = 2, .order = 10, .update = 3},
     // As room.
-    {.family = "tray", .uncertified = 1, .tooLong = 1, .longer = 4, .tooDeep = 4, .order = 11, .update = 4},
-    // As L, with the other wall near.
-    {.family = "slot", .uncertified = 1, .longer = 2, .tooDeep = 2, .order = 9, .update = 3},
+    {.family = "tray", .longer = 2, .tooDeep = 2, .order = 17, .update = 5},
     // As L.
-    {.family = "step", .tooDeep = 2, .order = 10, .update = 2},
-    // The wall's contact along the other wall, a whole body deep, and no contact on that one.
-    {.family = "wedge", .uncertified = 2, .order = 9},
+    {.family = "slot", .longer = 2, .tooDeep = 1, .order = 12, .update = 2},
     // As L.
-    {.family = "vblock", .tooDeep = 2, .order = 11},
-    // As L; regions of many triangles have directions between floor and wall.
-    {.family = "bin", .uncertified = 1, .tooLong = 1, .tooDeep = 2, .order = 10, .update = 2},
+    {.family = "step", .tooDeep = 1, .order = 17, .update = 2},
+    // Two directions that no translation satisfies; a contact that leaves through the body.
+    {.family = "wedge", .uncertified = 2, .order = 13, .update = 1},
+    // As L.
+    {.family = "vblock", .tooDeep = 3, .order = 16, .update = 1},
+    // As L.
+    {.family = "bin", .order = 11, .update = 6},
     // The wall's contact along the axis, out over the wall's top.
-    {.family = "cylinder", .tooLong = 5, .longer = 6, .tooDeep = 3, .order = 8, .update = 2},
-    // Contacts depend on the order of creation.
-    {.family = "gears", .order = 11},
+    {.family = "cylinder", .tooLong = 4, .longer = 5, .tooDeep = 2, .order = 12, .update = 6},
+    // The order of creation changes depths.
+    {.family = "gears", .order = 15},
     // Edges across each other have contacts at their ends only, half as deep as the overlap.
-    {.family = "screw", .uncertified = 6, .tooDeep = 12, .order = 6},
-    // Contacts depend on the order of creation.
-    {.family = "bowl", .order = 3},
+    {.family = "screw", .uncertified = 9, .tooDeep = 19, .order = 11, .update = 1},
+    // As gears.
+    {.family = "bowl", .order = 4},
     // As screw.
-    {.family = "dented", .uncertified = 3, .tooDeep = 3, .order = 7},
-    // Contacts depend on the order of creation.
-    {.family = "cells", .order = 12},
-    // A contact of several depends on the triangles' numbers.
-    {.family = "dBox", .update = 2},
+    {.family = "dented", .uncertified = 5, .tooDeep = 5, .order = 9},
+    // As gears.
+    {.family = "cells", .order = 15},
+    // A wall without contact, or no contact at all.
+    {.family = "dCylinder", .uncertified = 5},
     // A wall without contact.
-    {.family = "dCylinder", .uncertified = 2},
-    // A wall without contact.
-    {.family = "dConvex", .uncertified = 7, .tooDeep = 4},
+    {.family = "dConvex", .uncertified = 8, .tooDeep = 3},
 };
 
 }  // namespace
