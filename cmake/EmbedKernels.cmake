@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Script: writes OUTPUT, a C++ source with the text of every file of KERNELS (paths below FOLDER, separated by "|").
 string(REPLACE "|" ";" files "${KERNELS}")
-set(source "// Made by cmake/EmbedKernels.cmake from kernels/.\n#include \"opencl/kernel_source.h\"\n\nnamespace otg::opencl {\n")
+set(source "// Made by cmake/EmbedKernels.cmake from kernels/.\n#include \"opencl/runtime/kernel_source.h\"\n\nnamespace otg::opencl {\n")
 string(APPEND source "const KernelFile kKernelFiles[] = {\n")
 foreach(file IN LISTS files)
   file(READ "${FOLDER}/${file}" text)

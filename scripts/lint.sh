@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Checks the sources without running them: clang-format on all of them, clang-tidy (the checks of .clang-tidy) on the
-# library, the demos and the benchmarks. Made for the versions of Debian 12, 14 both. Takes ten minutes of two cores, so
+# library, the harness, the benchmarks and the demos. Made for the versions of Debian 12, 14 both. Takes ten minutes of two cores, so
 # no test runs it.
 #
 #   scripts/lint.sh                   everything
@@ -18,7 +18,7 @@ if [ $# -gt 0 ]; then
   tidied=("$@")
 else
   mapfile -t formatted < <(git ls-files '*.c' '*.cpp' '*.h' '*.hpp')
-  mapfile -t tidied < <(git ls-files 'ode_trimesh_gpu/*.cpp' 'demos/*.cpp' 'benchmarks/*.cpp')
+  mapfile -t tidied < <(git ls-files 'ode_trimesh_gpu/*.cpp' 'harness/*.cpp' 'benchmarks/*.cpp' 'demos/*.cpp')
 fi
 
 status=0

@@ -7,10 +7,11 @@
 #include <memory>
 #include <new>
 
+#include "cli/pose.h"
+#include "cli/query_options.h"
+#include "cli/times.h"
 #include "mesh_io/mesh_file.h"
-#include "otg/bench_scene.h"
-#include "otg/pose.h"
-#include "otg/query_options.h"
+#include "otg/commands.h"
 
 namespace otg::cli {
 namespace {

@@ -2,10 +2,10 @@
 // `otg check MESH...`: loads and validates meshes.
 #include <fmt/format.h>
 
+#include "cli/cooked_file.h"
+#include "cli/input_file.h"
 #include "mesh_io/mesh_file.h"
-#include "otg/command.h"
-#include "otg/cooked_file.h"
-#include "otg/input_file.h"
+#include "otg/commands.h"
 
 namespace otg::cli {
 namespace {

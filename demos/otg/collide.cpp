@@ -4,14 +4,15 @@
 
 #include <algorithm>
 
+#include "cli/levels_rows.h"
+#include "cli/pose.h"
+#include "cli/query_options.h"
+#include "cli/query_profile.h"
+#include "cli/times.h"
 #include "collide/contact_id.h"
 #include "collide/stages.h"
-#include "otg/bench_scene.h"
 #include "otg/collide_heightfield.h"
-#include "otg/levels_rows.h"
-#include "otg/pose.h"
-#include "otg/query_options.h"
-#include "otg/query_profile.h"
+#include "otg/commands.h"
 #include "scenes/height_grid_file.h"
 
 namespace otg::cli {

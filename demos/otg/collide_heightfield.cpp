@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <chrono>
 
+#include "cli/input_file.h"
+#include "cli/pose.h"
 #include "mesh_io/mesh_file.h"
-#include "otg/input_file.h"
-#include "otg/pose.h"
 #include "scenes/height_grid_file.h"
 #include "scenes/heightfield_geom.h"
 #include "scenes/simulation.h"

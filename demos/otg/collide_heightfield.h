@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "otg/query_options.h"
+#include "cli/query_options.h"
 
 namespace otg::cli {
 

@@ -12,10 +12,10 @@
 #include <stdexcept>
 
 #include "bvh/cooked_mesh.h"
+#include "cli/cooked_file.h"
+#include "cli/input_file.h"
 #include "mesh_io/mesh_file.h"
-#include "otg/command.h"
-#include "otg/cooked_file.h"
-#include "otg/input_file.h"
+#include "otg/commands.h"
 
 namespace otg::cli {
 namespace {

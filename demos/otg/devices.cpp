@@ -4,9 +4,9 @@
 
 #include <cstdlib>
 
-#include "opencl/device_info.h"
-#include "otg/command.h"
-#include "otg/query_options.h"
+#include "cli/query_options.h"
+#include "opencl/runtime/device_info.h"
+#include "otg/commands.h"
 #include "scenes/opencl_drivers.h"
 
 namespace otg::cli {

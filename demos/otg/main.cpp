@@ -5,7 +5,8 @@
 #include <new>
 
 #include "mesh_io/mesh_file.h"
-#include "otg/command.h"
+#include "otg/commands.h"
+#include "otg_bench/bench.h"
 
 namespace {
 

@@ -4,8 +4,9 @@
 
 #include <cstdio>
 
-#include "otg/pose.h"
-#include "otg/query_options.h"
+#include "cli/pose.h"
+#include "cli/query_options.h"
+#include "otg/commands.h"
 
 namespace otg::cli {
 namespace {

@@ -10,7 +10,7 @@
 #include <memory>
 #include <numeric>
 
-#include "otg/command.h"
+#include "otg/commands.h"
 #include "scenes/gltf_animation.h"
 #include "scenes/povray_scene.h"
 #include "scenes/simulation.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Boxes of a scaled image of a mesh, from those of the mesh: what lets all images share its trees.
-// Plain formulas, always inlined: see collide/wide_kernels.h for who must not see more.
+// Plain formulas, always inlined: see collide/simd/wide_kernels.h for who must not see more.
 #pragma once
 
-#include "shared/vec3.h"
+#include "shared/math/vec3.h"
 
 namespace otg {
 

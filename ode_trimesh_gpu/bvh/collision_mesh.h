@@ -9,10 +9,10 @@
 #include <span>
 #include <vector>
 
+#include "base/first_use.h"
 #include "bvh/box_scale.h"
 #include "bvh/mesh_trees.h"
 #include "mesh/adjacency.h"
-#include "mesh/first_use.h"
 #include "mesh/vertex_motion.h"
 
 namespace otg {

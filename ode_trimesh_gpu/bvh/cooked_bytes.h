@@ -20,7 +20,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "mesh/array.h"
+#include "base/array.h"
 
 namespace otg {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "mesh/block_sum.h"
+#include "base/block_sum.h"
 
 namespace otg {
 namespace {

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bvh/tree_motion.h"
-#include "shared/expansion.h"
+#include "shared/math/expansion.h"
 
 namespace otg {
 namespace {

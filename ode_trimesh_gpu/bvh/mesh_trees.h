@@ -5,11 +5,11 @@
 #include <optional>
 #include <span>
 
+#include "base/first_use.h"
 #include "bvh/layouts.h"
 #include "bvh/tree.h"
 #include "bvh/tree_motion.h"
 #include "bvh/wide_tree.h"
-#include "mesh/first_use.h"
 
 namespace otg {
 

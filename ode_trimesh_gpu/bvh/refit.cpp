@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Boxes of a binary tree from the leaves up, and how good they are.
+#include "base/block_sum.h"
 #include "bvh/mesh_box.h"
-#include "mesh/block_sum.h"
 
 namespace otg {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "mesh/array.h"
+#include "base/array.h"
 #include "mesh/tri_mesh.h"
 
 namespace otg {

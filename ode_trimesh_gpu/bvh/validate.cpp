@@ -6,7 +6,7 @@
 #include "bvh/mesh_box.h"
 #include "bvh/packed_tree.h"
 #include "bvh/wide_tree.h"
-#include "shared/expansion.h"
+#include "shared/math/expansion.h"
 
 namespace otg {
 namespace {

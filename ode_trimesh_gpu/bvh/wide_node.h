@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One node of the eight-way tree. Plain data, in a header of its own: see collide/wide_kernels.h for who must not see
-// more.
+// One node of the eight-way tree. Plain data, in a header of its own: see collide/simd/wide_kernels.h for who must not
+// see more.
 #pragma once
 
 #include <cstdint>

@@ -2,9 +2,9 @@
 // The pipeline on the host, stage after stage.
 #include <algorithm>
 
+#include "collide/pairwise/reduction.h"
 #include "collide/query.h"
-#include "collide/reduction.h"
-#include "collide/solid_contacts.h"
+#include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
 
 namespace otg {

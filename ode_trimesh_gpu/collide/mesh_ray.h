@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "bvh/wide_search.h"
-#include "shared/point_test.h"
+#include "shared/tests/point_test.h"
 
 namespace otg {
 

@@ -5,9 +5,9 @@
 #include "collide/pair_frame.h"
 #include "collide/query.h"
 #include "collide/rotation_tolerance.h"
+#include "collide/simd/wide_kernels.h"
 #include "collide/triangle_box.h"
-#include "collide/wide_kernels.h"
-#include "shared/box_test.h"
+#include "shared/tests/box_test.h"
 
 namespace otg {
 namespace {

@@ -5,10 +5,10 @@
 
 #include "collide/pair_frame.h"
 #include "collide/query.h"
+#include "collide/simd/wide_kernels.h"
 #include "collide/stages.h"
-#include "collide/wide_kernels.h"
-#include "shared/triangle_exact.h"
-#include "shared/triangle_test.h"
+#include "shared/tests/triangle_exact.h"
+#include "shared/tests/triangle_test.h"
 
 namespace otg {
 

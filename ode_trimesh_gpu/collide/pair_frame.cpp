@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "collide/rotation_tolerance.h"
-#include "shared/pair_bounds.h"
+#include "shared/tests/pair_bounds.h"
 
 namespace otg {
 namespace {

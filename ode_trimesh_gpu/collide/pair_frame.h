@@ -4,8 +4,8 @@
 #pragma once
 
 #include "collide/query.h"
-#include "shared/box_test.h"
-#include "shared/plane_test.h"
+#include "shared/tests/box_test.h"
+#include "shared/tests/plane_test.h"
 
 namespace otg {
 

@@ -9,7 +9,7 @@
 
 namespace otg {
 
-/// Bounds of the contacts' positions rounded to single precision (see shared/contact_choice.h).
+/// Bounds of the contacts' positions rounded to single precision (see shared/contacts/contact_choice.h).
 struct PositionBounds {
   float low[3], high[3];
 

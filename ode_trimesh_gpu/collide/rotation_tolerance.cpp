@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "shared/pair_bounds.h"
+#include "shared/tests/pair_bounds.h"
 
 namespace otg {
 

@@ -3,8 +3,8 @@
 // widen by its defect times the mesh's radius: harmless where the defect is rounding, ruinous where it is a scale.
 #pragma once
 
-#include "shared/pair_bounds.h"
-#include "shared/vec3.h"
+#include "shared/math/vec3.h"
+#include "shared/tests/pair_bounds.h"
 
 namespace otg {
 

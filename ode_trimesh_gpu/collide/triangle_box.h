@@ -3,7 +3,7 @@
 #pragma once
 
 #include "collide/pair_frame.h"
-#include "shared/triangle_box.h"
+#include "shared/tests/triangle_box.h"
 
 namespace otg {
 

@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "dispatch/device_slot.h"
-#include "dispatch/thread_pool.h"
+#include "dispatch/threads/thread_pool.h"
 
 namespace otg {
 

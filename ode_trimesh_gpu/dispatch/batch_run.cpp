@@ -11,7 +11,7 @@
 #include <system_error>
 #include <thread>
 
-#include "dispatch/plan.h"
+#include "dispatch/cost/plan.h"
 #include "dispatch/single_run.h"
 
 namespace otg {

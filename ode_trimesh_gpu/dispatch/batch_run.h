@@ -8,7 +8,7 @@
 
 #include "dispatch/device_slot.h"
 #include "dispatch/pair_job.h"
-#include "dispatch/thread_pool.h"
+#include "dispatch/threads/thread_pool.h"
 
 namespace otg {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "opencl/log.h"
+#include "opencl/runtime/log.h"
 
 namespace otg {
 

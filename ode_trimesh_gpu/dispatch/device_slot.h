@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "dispatch/cost_model.h"
+#include "dispatch/cost/cost_model.h"
 #include "opencl/backend.h"
 
 namespace otg {

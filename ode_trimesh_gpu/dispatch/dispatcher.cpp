@@ -9,11 +9,11 @@
 #include <system_error>
 
 #include "dispatch/batch_run.h"
-#include "dispatch/calibration.h"
-#include "dispatch/rehearsal.h"
+#include "dispatch/cost/calibration.h"
+#include "dispatch/cost/rehearsal.h"
 #include "dispatch/single_run.h"
-#include "opencl/log.h"
-#include "opencl/stop.h"
+#include "opencl/runtime/log.h"
+#include "opencl/runtime/stop.h"
 
 namespace otg {
 namespace {

@@ -11,15 +11,15 @@
 #include <string>
 #include <vector>
 
-#include "dispatch/background_thread.h"
-#include "dispatch/calibration.h"
+#include "dispatch/cost/calibration.h"
 #include "dispatch/device_slot.h"
 #include "dispatch/distance_run.h"
 #include "dispatch/overlap_run.h"
 #include "dispatch/pair_job.h"
 #include "dispatch/point_run.h"
 #include "dispatch/ray_run.h"
-#include "dispatch/thread_pool.h"
+#include "dispatch/threads/background_thread.h"
+#include "dispatch/threads/thread_pool.h"
 
 namespace otg {
 

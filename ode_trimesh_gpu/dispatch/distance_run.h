@@ -6,7 +6,7 @@
 
 #include "dispatch/device_slot.h"
 #include "dispatch/overlap_run.h"
-#include "dispatch/thread_pool.h"
+#include "dispatch/threads/thread_pool.h"
 #include "queries/mesh_distance.h"
 
 namespace otg {

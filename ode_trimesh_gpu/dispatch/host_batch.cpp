@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "collide/stages.h"
-#include "dispatch/workspace_lease.h"
+#include "dispatch/threads/workspace_lease.h"
 
 namespace otg {
 namespace {

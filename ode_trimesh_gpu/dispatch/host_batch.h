@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "dispatch/pair_job.h"
-#include "dispatch/thread_pool.h"
+#include "dispatch/threads/thread_pool.h"
 
 namespace otg {
 

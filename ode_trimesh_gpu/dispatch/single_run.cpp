@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "dispatch/single_run.h"
 
-#include "collide/solid_contacts.h"
+#include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
 
 namespace otg {

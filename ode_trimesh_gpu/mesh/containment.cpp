@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "mesh/bounds.h"
+#include "base/bounds.h"
 
 namespace otg {
 namespace {

@@ -7,8 +7,8 @@
 #include <bit>
 #include <cmath>
 
-#include "mesh/bounds.h"
-#include "mesh/union_find.h"
+#include "base/bounds.h"
+#include "base/union_find.h"
 
 namespace otg {
 namespace {

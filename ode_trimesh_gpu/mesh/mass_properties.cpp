@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "mesh/bounds.h"
+#include "base/bounds.h"
 
 namespace otg {
 

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "mesh/topology.h"
-#include "shared/vec3.h"
+#include "shared/math/vec3.h"
 
 namespace otg {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "mesh/bounds.h"
+#include "base/bounds.h"
 
 namespace otg {
 

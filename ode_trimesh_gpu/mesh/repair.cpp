@@ -6,7 +6,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "mesh/bounds.h"
+#include "base/bounds.h"
 #include "mesh/containment.h"
 #include "mesh/inspection.h"
 

@@ -6,10 +6,9 @@
 #include <bit>
 #include <utility>
 
-#include "mesh/block_sum.h"
+#include "base/block_sum.h"
+#include "base/union_find.h"
 #include "mesh/measure.h"
-#include "mesh/union_find.h"
-#include "mesh/validation.h"
 
 namespace otg {
 

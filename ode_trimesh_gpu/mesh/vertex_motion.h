@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "mesh/block_sum.h"
-#include "mesh/bounds.h"
+#include "base/block_sum.h"
+#include "base/bounds.h"
 #include "mesh/tri_mesh.h"
 
 namespace otg {

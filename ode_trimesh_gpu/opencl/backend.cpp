@@ -4,13 +4,13 @@
 
 #include "collide/stages.h"
 #include "opencl/backend_state.h"
-#include "opencl/stop.h"
-#include "opencl/stopwatch.h"
-#include "opencl/take_answer.h"
-#include "opencl/take_records.h"
+#include "opencl/lanes/take_answer.h"
+#include "opencl/results/take_records.h"
+#include "opencl/runtime/stop.h"
+#include "opencl/runtime/stopwatch.h"
 
 namespace otg::opencl {
-Backend::Backend(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Backend::Backend(std::unique_ptr<BackendState> state) : state_(std::move(state)) {}
 Backend::~Backend() = default;
 
 std::shared_ptr<Backend> Backend::open(int index, const Tuning& tuning) {
@@ -19,7 +19,7 @@ std::shared_ptr<Backend> Backend::open(int index, const Tuning& tuning) {
     tellLoaded();
     for (const FoundDevice& device : devices) {
       if (device.info.index != index || !device.info.available) continue;
-      return std::shared_ptr<Backend>(new Backend(std::make_unique<State>(device, tuning)));
+      return std::shared_ptr<Backend>(new Backend(std::make_unique<BackendState>(device, tuning)));
     }
   } catch (const ClError& error) {
     logError(error);

@@ -5,8 +5,9 @@
 #include <cmath>
 #include <thread>
 
+#include "opencl/backend.h"
 #include "opencl/backend_state.h"
-#include "opencl/batch_source.h"
+#include "opencl/batch/batch_source.h"
 
 namespace otg::opencl {
 namespace {

@@ -86,7 +86,7 @@ struct Tuning {
 };
 
 /// Pairs of nodes in the stack of a work-group: room for what one pair may still lead to is kept free beside the rest
-/// (pairTail in kernels/pair_query.cl). `depths`: of both trees together.
+/// (pairTail in kernels/walk/pair_query.cl). `depths`: of both trees together.
 constexpr std::uint32_t stackSizeFor(const Tuning& tuning, std::uint32_t depths) {
   return tuning.stackRoom + 8 * depths + 8;
 }

@@ -7,9 +7,9 @@
 #include <limits>
 #include <memory_resource>
 
+#include "base/vectors.h"
 #include "bvh/wide_search.h"
-#include "collide/solid/ray.h"
-#include "collide/solid/vectors.h"
+#include "collide/inside_test.h"
 #include "queries/local_minimum.h"
 #include "queries/surface_side.h"
 #include "queries/triangle_distance.h"

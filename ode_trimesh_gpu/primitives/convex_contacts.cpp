@@ -5,10 +5,10 @@
 #include <cmath>
 #include <optional>
 
-#include "collide/reduction.h"
+#include "base/vectors.h"
+#include "collide/pairwise/reduction.h"
 #include "collide/solid/region_refiner.h"
-#include "collide/solid/vectors.h"
-#include "collide/solid_contacts.h"
+#include "collide/solid/solid_contacts.h"
 #include "primitives/convex_patch.h"
 #include "primitives/sheet_block.h"
 #include "queries/surface_side.h"

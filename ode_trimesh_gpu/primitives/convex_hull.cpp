@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "collide/solid/vectors.h"
+#include "base/vectors.h"
 
 namespace otg {
 namespace {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "shared/vec3.h"
+#include "shared/math/vec3.h"
 
 namespace otg {
 

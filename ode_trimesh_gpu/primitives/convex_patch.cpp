@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "collide/solid/vectors.h"
+#include "base/vectors.h"
 
 namespace otg {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/vectors.h"
 #include "bvh/wide_search.h"
-#include "collide/solid/vectors.h"
 #include "primitives/convex_patch.h"
 
 namespace otg {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include "base/flat_map.h"
+#include "base/union_find.h"
+#include "base/vectors.h"
 #include "bvh/wide_search.h"
-#include "collide/solid/flat_map.h"
-#include "collide/solid/vectors.h"
-#include "mesh/union_find.h"
 
 namespace otg {
 namespace {

@@ -6,7 +6,7 @@
 #include <map>
 #include <mutex>
 
-#include "collide/solid/vectors.h"
+#include "base/vectors.h"
 #include "primitives/convex_hull.h"
 #include "primitives/convex_shape.h"
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <map>
 
+#include "base/vectors.h"
 #include "bvh/wide_search.h"
-#include "collide/solid/vectors.h"
 
 namespace otg {
 namespace {

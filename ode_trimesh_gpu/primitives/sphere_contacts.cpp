@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <memory_resource>
 
-#include "collide/solid/vectors.h"
+#include "base/vectors.h"
 #include "queries/local_minimum.h"
 #include "queries/surface_side.h"
 

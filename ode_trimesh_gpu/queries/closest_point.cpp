@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/vectors.h"
 #include "bvh/wide_search.h"
-#include "collide/solid/vectors.h"
-#include "shared/point_test.h"
+#include "shared/tests/point_test.h"
 
 namespace otg {
 namespace {

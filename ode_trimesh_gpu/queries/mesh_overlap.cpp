@@ -3,10 +3,10 @@
 
 #include <vector>
 
+#include "collide/inside_test.h"
 #include "collide/pair_frame.h"
 #include "collide/rotation_tolerance.h"
 #include "collide/solid/contour.h"
-#include "collide/solid/ray.h"
 #include "collide/stages.h"
 
 namespace otg {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collide/solid/ray.h"
-#include "collide/solid/vectors.h"
+#include "base/vectors.h"
+#include "collide/inside_test.h"
 
 namespace otg {
 namespace {

@@ -2,7 +2,7 @@
 // The distance of two triangles that do not intersect.
 #pragma once
 
-#include "shared/triangle_distance.h"
+#include "shared/tests/triangle_distance.h"
 
 namespace otg {
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "collide/pairwise/reduction.h"
 #include "collide/query.h"
-#include "collide/reduction.h"
 #include "scenes/generated_meshes.h"
 #include "support/catch.h"
 #include "support/draw.h"

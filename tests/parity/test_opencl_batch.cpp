@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "opencl/call.h"
-#include "opencl/log.h"
+#include "opencl/runtime/call.h"
+#include "opencl/runtime/log.h"
 #include "support/mesh_samples.h"
 #include "support/opencl.h"
 #include "support/opencl_scenes.h"

@@ -7,11 +7,11 @@
 #include <fstream>
 #include <thread>
 
-#include "dispatch/calibration.h"
+#include "dispatch/cost/calibration.h"
 #include "dispatch/dispatcher.h"
 #include "dispatch/host_batch.h"
-#include "opencl/call.h"
-#include "opencl/log.h"
+#include "opencl/runtime/call.h"
+#include "opencl/runtime/log.h"
 #include "support/mesh_samples.h"
 #include "support/opencl.h"
 

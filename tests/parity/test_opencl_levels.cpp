@@ -3,10 +3,10 @@
 // the lengths of prefix sums.
 #include <set>
 
-#include "opencl/call.h"
-#include "opencl/context.h"
-#include "opencl/log.h"
-#include "opencl/prefix_sum.h"
+#include "opencl/published/prefix_sum.h"
+#include "opencl/runtime/call.h"
+#include "opencl/runtime/context.h"
+#include "opencl/runtime/log.h"
 #include "support/mesh_samples.h"
 #include "support/opencl.h"
 #include "support/opencl_scenes.h"

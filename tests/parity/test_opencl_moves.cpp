@@ -5,9 +5,10 @@
 #include <cstring>
 #include <thread>
 
-#include "opencl/call.h"
-#include "opencl/log.h"
-#include "opencl/packed_motion.h"
+#include "opencl/meshes/pack_mesh.h"
+#include "opencl/meshes/packed_motion.h"
+#include "opencl/runtime/call.h"
+#include "opencl/runtime/log.h"
 #include "scenes/height_grid.h"
 #include "support/solid_batches.h"
 

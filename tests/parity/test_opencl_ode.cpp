@@ -4,9 +4,9 @@
 #include <fstream>
 #include <random>
 
-#include "opencl/call.h"
-#include "opencl/device_info.h"
-#include "opencl/log.h"
+#include "opencl/runtime/call.h"
+#include "opencl/runtime/device_info.h"
+#include "opencl/runtime/log.h"
 #include "support/catch.h"
 #include "support/pile_world.h"
 

@@ -15,13 +15,13 @@
 #include <mutex>
 #include <thread>
 
-#include "dispatch/calibration.h"
+#include "dispatch/cost/calibration.h"
+#include "dispatch/cost/rehearsal.h"
 #include "dispatch/dispatcher.h"
-#include "dispatch/rehearsal.h"
-#include "opencl/call.h"
-#include "opencl/device_info.h"
-#include "opencl/log.h"
-#include "opencl/stop.h"
+#include "opencl/runtime/call.h"
+#include "opencl/runtime/device_info.h"
+#include "opencl/runtime/log.h"
+#include "opencl/runtime/stop.h"
 #include "support/opencl.h"
 #include "support/pile_world.h"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <thread>
 
-#include "opencl/call.h"
-#include "opencl/log.h"
+#include "opencl/runtime/call.h"
+#include "opencl/runtime/log.h"
 #include "support/large_overlaps.h"
 
 using namespace otg;

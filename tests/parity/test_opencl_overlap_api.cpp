@@ -4,8 +4,8 @@
 #include <memory>
 #include <random>
 
-#include "opencl/call.h"
-#include "opencl/device_info.h"
+#include "opencl/runtime/call.h"
+#include "opencl/runtime/device_info.h"
 #include "support/catch.h"
 #include "support/ode_world.h"
 

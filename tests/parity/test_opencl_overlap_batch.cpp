@@ -3,9 +3,9 @@
 #include <atomic>
 #include <thread>
 
-#include "opencl/call.h"
-#include "opencl/log.h"
-#include "shared/solid_layout.h"
+#include "opencl/runtime/call.h"
+#include "opencl/runtime/log.h"
+#include "shared/layout/solid_layout.h"
 #include "support/large_overlaps.h"
 
 using namespace otg;

@@ -3,7 +3,7 @@
 #include <cstring>
 #include <random>
 
-#include "opencl/device_info.h"
+#include "opencl/runtime/device_info.h"
 #include "support/catch.h"
 #include "support/ode_devices.h"
 #include "support/ode_world.h"

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "dispatch/dispatcher.h"
-#include "opencl/log.h"
+#include "opencl/runtime/log.h"
 #include "queries/surface_side.h"
 #include "support/failing_calls.h"
 #include "support/mesh_samples.h"

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "dispatch/dispatcher.h"
-#include "opencl/log.h"
+#include "opencl/runtime/log.h"
 #include "support/failing_calls.h"
 #include "support/opencl.h"
 #include "support/ray_samples.h"

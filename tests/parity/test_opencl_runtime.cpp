@@ -8,12 +8,13 @@
 #include <set>
 #include <thread>
 
-#include "opencl/call.h"
-#include "opencl/context.h"
-#include "opencl/kernel_source.h"
-#include "opencl/log.h"
-#include "opencl/mesh_store.h"
-#include "opencl/program_cache.h"
+#include "opencl/meshes/mesh_store.h"
+#include "opencl/meshes/pack_mesh.h"
+#include "opencl/runtime/call.h"
+#include "opencl/runtime/context.h"
+#include "opencl/runtime/kernel_source.h"
+#include "opencl/runtime/log.h"
+#include "opencl/runtime/program_cache.h"
 #include "support/opencl.h"
 
 using namespace otg;
@@ -85,10 +86,10 @@ TEST_CASE("devices are numbered, described and chosen by the environment") {
 }
 
 TEST_CASE("a kernel's text has its includes in it, and a missing file is an error") {
-  const std::string source = opencl::kernelSource("pair_query.cl");
+  const std::string source = opencl::kernelSource("walk/pair_query.cl");
   CHECK(source.find("otgBoxGapA") != std::string::npos);
   CHECK(source.find("\n#include \"") == std::string::npos);
-  CHECK(source.find("#line 1 \"shared/box_test.h\"") != std::string::npos);
+  CHECK(source.find("#line 1 \"shared/tests/box_test.h\"") != std::string::npos);
   CHECK_THROWS_AS(opencl::kernelSource("no_such.cl"), std::runtime_error);
 }
 

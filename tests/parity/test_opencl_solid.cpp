@@ -5,8 +5,8 @@
 
 #include "collide/solid/region_contacts.h"
 #include "collide/solid/region_refiner.h"
-#include "opencl/call.h"
-#include "opencl/log.h"
+#include "opencl/runtime/call.h"
+#include "opencl/runtime/log.h"
 #include "support/mesh_samples.h"
 #include "support/solid_batches.h"
 

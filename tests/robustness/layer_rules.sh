@@ -12,7 +12,7 @@ kMaxLines=600
 check() {
   local root=$1 folders=() folder
   cd "$root"
-  for folder in ode_trimesh_gpu kernels demos tests benchmarks; do
+  for folder in ode_trimesh_gpu kernels harness benchmarks demos tests examples; do
     [ ! -d "$folder" ] || folders+=("$folder")
   done
   list_sources() { find "${folders[@]}" -type f \( -name '*.h' -o -name '*.hpp' -o -name '*.c' -o -name '*.cpp' -o -name '*.cl' -o -name '*.inc' \); }
@@ -26,17 +26,22 @@ check() {
   local inc='^[[:space:]]*#[[:space:]]*include[[:space:]]*[<"]'
   local lib=ode_trimesh_gpu
   # ode_trimesh_gpu/ is the public interface, which belongs to ode/.
-  rule "only ode/ knows ODE" "${inc}(ode|ode_trimesh_gpu)/" $lib/mesh $lib/bvh $lib/collide $lib/primitives $lib/queries $lib/opencl $lib/dispatch kernels
-  rule "only opencl/ knows OpenCL" "${inc}(CL|OpenCL)/" $lib/mesh $lib/bvh $lib/collide $lib/primitives $lib/queries $lib/dispatch $lib/ode $lib/include kernels
-  rule "mesh/ is below every other layer" "${inc}(bvh|collide|primitives|queries|opencl|dispatch)/" $lib/mesh
+  rule "only ode/ knows ODE" "${inc}(ode|ode_trimesh_gpu)/" $lib/base $lib/mesh $lib/bvh $lib/collide $lib/primitives $lib/queries $lib/opencl $lib/dispatch kernels
+  rule "only opencl/ knows OpenCL" "${inc}(CL|OpenCL)/" $lib/base $lib/mesh $lib/bvh $lib/collide $lib/primitives $lib/queries $lib/dispatch $lib/ode $lib/include kernels
+  rule "base/ is below every other layer" "${inc}(mesh|bvh|collide|primitives|queries|opencl|dispatch)/" $lib/base
+  rule "mesh/ is below all but base/" "${inc}(bvh|collide|primitives|queries|opencl|dispatch)/" $lib/mesh
   rule "bvh/ is below collide/" "${inc}(collide|primitives|queries|opencl|dispatch)/" $lib/bvh
   rule "collide/ is below opencl/" "${inc}(primitives|queries|opencl|dispatch)/" $lib/collide
   rule "primitives/ and queries/ know collide/ and what is below" "${inc}(opencl|dispatch)/" $lib/primitives $lib/queries
   rule "opencl/ is below dispatch/" "${inc}dispatch/" $lib/opencl
-  rule "the public headers need nothing of the inside" "${inc}(mesh|bvh|collide|primitives|queries|opencl|dispatch|shared)/" $lib/include
-  rule "shared formulas include shared formulas only" "${inc}(mesh|bvh|collide|primitives|queries|opencl|dispatch|Eigen)/" kernels
+  rule "the public headers need nothing of the inside" "${inc}(base|mesh|bvh|collide|primitives|queries|opencl|dispatch|shared)/" $lib/include
+  rule "kernels include kernels and shared formulas only" "${inc}(base|mesh|bvh|collide|primitives|opencl|dispatch|Eigen)/" kernels
+  rule "shared formulas include shared formulas only" "${inc%\[*}\"([^s]|s[^h])" kernels/shared
+  rule "nothing below it includes opencl/published/" "${inc}opencl/published/" $lib/opencl/{runtime,meshes,results,solid,lanes,batch}
+  rule "harness/ is below benchmarks, demos and tests" "${inc}(otg_bench|physics|peers|otg|support|oracle|simulator)/" harness
+  rule "benchmarks/ are below demos and tests" "${inc}(otg|support|oracle|simulator)/" benchmarks
   rule "includes name a layer, not a way through the file system" "${inc}[^>\"]*\.\./" "${folders[@]}"
-  rule "the library does not print" '\b(printf|fprintf|puts|perror)[[:space:]]*\(|std::(cout|cerr|clog)\b' $lib/mesh $lib/bvh $lib/collide $lib/primitives $lib/queries $lib/dispatch
+  rule "the library does not print" '\b(printf|fprintf|puts|perror)[[:space:]]*\(|std::(cout|cerr|clog)\b' $lib/base $lib/mesh $lib/bvh $lib/collide $lib/primitives $lib/queries $lib/dispatch
   rule "the library does not end the process" '\b(std::)?(abort|exit|_exit|quick_exit)[[:space:]]*\(' $lib
   local file lines
   while read -r file; do
@@ -72,6 +77,11 @@ self_test() {
   expect "$dir" opencl_upwards ode_trimesh_gpu/opencl/a.cpp "$spdx#include \"dispatch/dispatcher.h\"\n"
   expect "$dir" public_inside ode_trimesh_gpu/include/ode_trimesh_gpu/a.h "$spdx#include \"mesh/tri_mesh.h\"\n"
   expect "$dir" kernel_host kernels/shared/a.h "$spdx#include \"mesh/tri_mesh.h\"\n"
+  expect "$dir" base_upwards ode_trimesh_gpu/base/a.h "$spdx#include \"mesh/tri_mesh.h\"\n"
+  expect "$dir" kernel_in_shared kernels/shared/math/a.h "$spdx#include \"walk/pair_walk.h\"\n"
+  expect "$dir" published ode_trimesh_gpu/opencl/lanes/a.h "$spdx#include \"opencl/published/levels.h\"\n"
+  expect "$dir" harness_upwards harness/scenes/a.h "$spdx#include \"physics/scene.h\"\n"
+  expect "$dir" benchmarks_upwards benchmarks/physics/a.cpp "$spdx#include \"otg/commands.h\"\n"
   expect "$dir" dotdot tests/unit/a.cpp "$spdx#include \"../support/catch.h\"\n"
   expect "$dir" prints ode_trimesh_gpu/collide/a.cpp "${spdx}void f() { std::cerr << 1; }\n"
   expect "$dir" exits ode_trimesh_gpu/ode/a.cpp "${spdx}void f() { std::abort(); }\n"

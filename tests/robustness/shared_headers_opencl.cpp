@@ -37,13 +37,15 @@ std::vector<cl::Device> allDevices() {
   return devices;
 }
 
-/// The headers that a program includes, in alphabetical order; generic_begin.h and generic_end.h are brackets for
-/// others.
+/// The headers that a program includes, as FOLDER/NAME.h and in alphabetical order; generic_begin.h and generic_end.h
+/// are brackets for others.
 std::vector<std::string> sharedHeaders() {
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(OTG_KERNEL_DIR "/shared")) {
-    const std::string name = entry.path().filename().string();
-    if (entry.path().extension() == ".h" && name.rfind("generic_", 0) != 0) names.push_back(name);
+  const std::filesystem::path root = OTG_KERNEL_DIR "/shared";
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
+    const std::filesystem::path& path = entry.path();
+    const bool bracket = path.filename().string().rfind("generic_", 0) == 0;
+    if (path.extension() == ".h" && !bracket) names.push_back(path.lexically_relative(root).generic_string());
   }
   std::sort(names.begin(), names.end());
   return names;

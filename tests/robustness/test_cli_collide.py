@@ -4,6 +4,7 @@ import itertools
 import json
 import math
 import os
+import pathlib
 
 import cli_support
 from cli_support import CliTest, lump, ply
@@ -155,9 +156,10 @@ class Collide(CliTest):
         if self.run_json("devices")["used"] is None:
             self.skipTest("no OpenCL device")
         sources = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "kernels")
-        for kernel in os.listdir(sources):
-            if kernel.endswith(".cl"):
-                self.write(kernel, "this is no kernel\n")
+        for kernel in pathlib.Path(sources).rglob("*.cl"):
+            name = kernel.relative_to(sources)
+            os.makedirs(self.path(str(name.parent)), exist_ok=True)
+            self.write(str(name), "this is no kernel\n")
         mesh = self.write("lump.ply", ply(*lump(10)))
         scene = self.write("scene.json", json.dumps({"meshes": [mesh], "pairs": [[0, 0, "1.5,0.1,0.3,0.8,0.6,0,0"]] * 3}))
         broken = {"OTG_KERNEL_DIR": self.folder, "OTG_CACHE_DIR": self.path("cache")}

@@ -14,8 +14,8 @@
 #include <iterator>
 #include <string>
 
-#include "opencl/context.h"
-#include "opencl/launch.h"
+#include "opencl/runtime/context.h"
+#include "opencl/runtime/launch.h"
 #include "simulator/simulator_reports.h"
 #include "support/catch_runner.h"
 

@@ -4,7 +4,7 @@
 #include <regex>
 #include <sstream>
 
-#include "opencl/kernel_source.h"
+#include "opencl/runtime/kernel_source.h"
 
 namespace otg::test {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Pairs of meshes, alone and in batches, on a simulated device: the contacts of the model `pairwise` are the host's.
 #include "collide/stages.h"
-#include "opencl/levels.h"
+#include "opencl/published/levels.h"
 #include "simulator/simulated_device.h"
 #include "support/solid_batches.h"
 

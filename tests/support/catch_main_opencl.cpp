@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "opencl/device_info.h"
+#include "opencl/runtime/device_info.h"
 #include "scenes/opencl_drivers.h"
 #include "support/catch_runner.h"
 

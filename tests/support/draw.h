@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <random>
 
-#include "shared/vec3.h"
+#include "shared/math/vec3.h"
 
 namespace otg::test {
 

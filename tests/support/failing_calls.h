@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "dispatch/device_slot.h"
-#include "opencl/call.h"
-#include "opencl/log.h"
+#include "opencl/runtime/call.h"
+#include "opencl/runtime/log.h"
 #include "support/opencl.h"
 
 namespace otg::test {

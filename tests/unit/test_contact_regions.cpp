@@ -6,7 +6,7 @@
 #include <numeric>
 #include <set>
 
-#include "collide/contact_regions.h"
+#include "collide/pairwise/contact_regions.h"
 #include "support/catch.h"
 #include "support/contact_samples.h"
 

@@ -4,9 +4,10 @@
 #include <numeric>
 #include <utility>
 
-#include "dispatch/calibration.h"
-#include "dispatch/cost_model.h"
-#include "dispatch/plan.h"
+#include "dispatch/cost/calibration.h"
+#include "dispatch/cost/calibration_mesh.h"
+#include "dispatch/cost/cost_model.h"
+#include "dispatch/cost/plan.h"
 #include "dispatch/single_run.h"
 #include "scenes/generated_meshes.h"
 #include "support/catch.h"

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "ode/geom_table.h"
+#include "ode/base/geom_table.h"
 #include "support/catch.h"
 
 using namespace otg;

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "collide/contact_order.h"
-#include "collide/reduction.h"
+#include "collide/pairwise/reduction.h"
 #include "support/catch.h"
 #include "support/contact_samples.h"
 

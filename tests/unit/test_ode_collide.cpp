@@ -6,7 +6,7 @@
 #include <cstring>
 #include <limits>
 
-#include "ode/mesh_collider.h"
+#include "ode/pairs/mesh_collider.h"
 #include "support/catch.h"
 #include "support/ode_world.h"
 

@@ -2,7 +2,7 @@
 // Registration with ODE: too early, twice, after ODE was closed, beside other classes, with the wrong precision.
 #include <cstring>
 
-#include "ode/class_registration.h"
+#include "ode/library/class_registration.h"
 #include "support/catch.h"
 #include "support/ode_world.h"
 

@@ -7,7 +7,7 @@
 #include <new>
 
 #include "bvh/cooked_mesh.h"
-#include "ode/geom_class.h"
+#include "ode/geom/geom_class.h"
 #include "support/catch.h"
 #include "support/ode_world.h"
 

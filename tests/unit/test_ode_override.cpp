@@ -7,7 +7,7 @@
 #include <memory>
 #include <set>
 
-#include "ode/trimesh_cache.h"
+#include "ode/data/trimesh_cache.h"
 #include "support/catch.h"
 #include "support/ode_trimesh.h"
 #include "support/ode_world.h"

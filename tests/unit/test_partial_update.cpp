@@ -7,7 +7,7 @@
 #include <random>
 
 #include "bvh/cooked_mesh.h"
-#include "ode/geom_class.h"
+#include "ode/geom/geom_class.h"
 #include "support/catch.h"
 #include "support/mesh_samples.h"
 #include "support/ode_world.h"

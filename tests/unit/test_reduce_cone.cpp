@@ -3,8 +3,8 @@
 #include <Eigen/Dense>
 
 #include "collide/contact_order.h"
-#include "collide/reduction.h"
-#include "collide/wrench_cone.h"
+#include "collide/pairwise/reduction.h"
+#include "collide/pairwise/wrench_cone.h"
 #include "support/catch.h"
 #include "support/contact_samples.h"
 

@@ -8,7 +8,7 @@
 #include "bvh/collision_mesh.h"
 #include "bvh/image_boxes.h"
 #include "collide/mesh_ray.h"
-#include "collide/wide_kernels.h"
+#include "collide/simd/wide_kernels.h"
 #include "queries/closest_point.h"
 #include "queries/mesh_distance.h"
 #include "queries/mesh_overlap.h"

@@ -6,11 +6,11 @@
 #include <numbers>
 #include <random>
 
+#include "base/vectors.h"
 #include "collide/solid/contour.h"
 #include "collide/solid/extent.h"
 #include "collide/solid/inside.h"
 #include "collide/solid/regions.h"
-#include "collide/solid/vectors.h"
 #include "scenes/generated_meshes.h"
 #include "support/catch.h"
 

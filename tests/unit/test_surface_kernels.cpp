@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "collide/solid/surface_kernels.h"
+#include "collide/simd/surface_kernels.h"
 #include "support/catch.h"
 
 using namespace otg;

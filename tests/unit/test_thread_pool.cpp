@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "dispatch/thread_pool.h"
+#include "dispatch/threads/thread_pool.h"
 #include "support/catch.h"
 
 using otg::ThreadPool;

@@ -3,8 +3,8 @@
 #include <array>
 #include <random>
 
-#include "shared/triangle_exact.h"
-#include "shared/triangle_test.h"
+#include "shared/tests/triangle_exact.h"
+#include "shared/tests/triangle_test.h"
 #include "support/catch.h"
 
 using namespace otg;

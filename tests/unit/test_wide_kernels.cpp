@@ -3,9 +3,9 @@
 #include <cmath>
 #include <set>
 
-#include "collide/wide_kernels.h"
+#include "collide/simd/wide_kernels.h"
 #include "scenes/generated_meshes.h"
-#include "shared/triangle_test.h"
+#include "shared/tests/triangle_test.h"
 #include "support/catch.h"
 
 using namespace otg;

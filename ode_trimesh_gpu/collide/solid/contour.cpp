@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "shared/solid_model.h"
-#include "shared/sos.h"
+#include "shared/contacts/solid_model.h"
+#include "shared/tests/sos.h"
 
 namespace otg {
 namespace {

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <limits>
 
-#include "collide/solid/flat_map.h"
-#include "collide/solid/ray.h"
+#include "base/flat_map.h"
+#include "base/vectors.h"
+#include "collide/inside_test.h"
 #include "collide/solid/region_contacts.h"
-#include "collide/solid/vectors.h"
-#include "shared/escape_turns.h"
+#include "shared/contacts/escape_turns.h"
 
 namespace otg {
 namespace {

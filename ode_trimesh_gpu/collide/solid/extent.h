@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "collide/simd/surface_kernels.h"
 #include "collide/solid/regions.h"
-#include "collide/solid/surface_kernels.h"
 
 namespace otg {
 

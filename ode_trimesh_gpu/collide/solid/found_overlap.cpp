@@ -5,9 +5,9 @@
 #include <array>
 #include <utility>
 
+#include "base/vectors.h"
 #include "collide/solid/region_cells.h"
 #include "collide/solid/support_point.h"
-#include "collide/solid/vectors.h"
 
 namespace otg {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The overlap of two solids as a device describes it (kernels/overlap_*), taken to the regions of the host.
+// The overlap of two solids as a device describes it (kernels/solid/large/), taken to the regions of the host.
 #pragma once
 
 #include <span>
@@ -8,7 +8,7 @@
 #include "collide/solid/contour.h"
 #include "collide/solid/inside.h"
 #include "collide/solid/regions.h"
-#include "shared/overlap_contacts_layout.h"
+#include "shared/layout/overlap_contacts_layout.h"
 
 namespace otg {
 
@@ -32,7 +32,7 @@ struct SmallRegions {
   std::vector<otg_found_inside> shared;  ///< edges and triangles that are crossed in large regions, too
 };
 
-/// The contacts that a device made of the large regions (kernels/overlap_choose.cl). Views of its results.
+/// The contacts that a device made of the large regions (kernels/solid/large/choose.cl). Views of its results.
 struct FoundContacts {
   const otg_contacts_head* head = nullptr;
   std::span<const Contact> contacts;  ///< those that regions' `first` numbers, in the meshes' own numbers of triangles

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collide/solid/ray.h"
+#include "collide/inside_test.h"
 
 namespace otg {
 namespace {

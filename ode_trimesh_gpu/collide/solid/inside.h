@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/epoch_array.h"
 #include "collide/solid/contour.h"
-#include "collide/solid/epoch_array.h"
 
 namespace otg {
 

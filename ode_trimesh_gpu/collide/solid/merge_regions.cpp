@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "collide/reduction.h"
+#include "collide/pairwise/reduction.h"
 
 namespace otg {
 namespace {

@@ -8,11 +8,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "collide/solid/epoch_array.h"
-#include "collide/solid/regions.h"
-#include "collide/solid/vectors.h"
+#include "base/epoch_array.h"
+#include "base/vectors.h"
+#include "collide/placed_meshes.h"
+#include "collide/solid/overlap_regions.h"
 #include "mesh/adjacency.h"
-#include "shared/region_grid.h"
+#include "shared/contacts/region_grid.h"
 
 namespace otg {
 

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <limits>
 
-#include "collide/solid/flat_map.h"
-#include "collide/solid/ray.h"
+#include "base/flat_map.h"
+#include "base/vectors.h"
+#include "collide/inside_test.h"
+#include "collide/simd/surface_kernels.h"
 #include "collide/solid/region_triangles.h"
-#include "collide/solid/surface_kernels.h"
-#include "collide/solid/vectors.h"
 
 namespace otg {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collide/solid/flat_map.h"
-#include "collide/solid/vectors.h"
+#include "base/flat_map.h"
+#include "base/vectors.h"
 
 namespace otg {
 namespace {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "collide/simd/surface_kernels.h"
 #include "collide/solid/regions.h"
-#include "collide/solid/surface_kernels.h"
 
 namespace otg {
 

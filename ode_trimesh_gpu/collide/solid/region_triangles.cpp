@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "collide/solid/vectors.h"
+#include "base/vectors.h"
 
 namespace otg {
 

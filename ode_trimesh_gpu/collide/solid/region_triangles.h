@@ -5,7 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "collide/solid/regions.h"
+#include "collide/placed_meshes.h"
+#include "collide/solid/overlap_regions.h"
 
 namespace otg {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "collide/solid/support_point.h"
 
-#include "collide/solid/vectors.h"
+#include "base/vectors.h"
 
 namespace otg {
 

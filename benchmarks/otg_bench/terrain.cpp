@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `otg bench terrain`: ODE's shapes on a large open mesh, as a mesh geom and as a dTriMesh, in the same poses.
+#include <fmt/format.h>
+#include <ode/ode.h>
+#include <ode_trimesh_gpu/ode_trimesh_gpu.h>
+
+#include <chrono>
+#include <cmath>
+#include <functional>
+
+#include "cli/contact_hash.h"
+#include "otg_bench/bench.h"
+#include "scenes/generated_meshes.h"
+#include "scenes/simulation.h"
+#include "truth/contact_families.h"
+
+namespace otg::cli {
+namespace {
+
+struct TerrainOptions {
+  bool json = false;
+  int poses = 200, repeat = 5, cells = 400;
+  double cell = 0.25, overlap = 0.02;
+  std::uint32_t seed = 1;
+  std::string shape;
+};
+
+double heightAt(double x, double y) {
+  return std::sin(0.31 * x) * std::cos(0.23 * y) + 0.1 * std::sin(1.7 * x + 1) * std::cos(1.3 * y);
+}
+
+scenes::MeshArrays makeTerrain(int cells, double cell) {
+  scenes::MeshArrays out;
+  for (int y = 0; y <= cells; ++y) {
+    for (int x = 0; x <= cells; ++x) {
+      const double px = cell * (x - 0.5 * cells), py = cell * (y - 0.5 * cells);
+      out.vertices.push_back({static_cast<float>(px), static_cast<float>(py), static_cast<float>(heightAt(px, py))});
+    }
+  }
+  const auto n = static_cast<std::uint32_t>(cells) + 1;
+  for (std::uint32_t y = 0; y + 1 < n; ++y) {
+    for (std::uint32_t x = 0; x + 1 < n; ++x) {
+      const std::uint32_t v = n * y + x;
+      out.triangles.push_back({{v, v + 1, v + n + 1}});
+      out.triangles.push_back({{v, v + n + 1, v + n}});
+    }
+  }
+  return out;
+}
+
+/// The terrain as a geom of ours and as one of ODE's.
+class Terrain {
+ public:
+  explicit Terrain(const TerrainOptions& options) : arrays_(makeTerrain(options.cells, options.cell)) {
+    const MeshInput in = arrays_.input();
+    data_ = dGpuTriMeshDataCreate();
+    dGpuTriMeshDataBuildSingle(data_, in.vertices, sizeof(Vec3f), static_cast<int>(in.vertexCount), in.indices,
+                               static_cast<int>(3 * in.triangleCount), sizeof(Triangle));
+    stockData_ = dGeomTriMeshDataCreate();
+    dGeomTriMeshDataBuildSingle(stockData_, in.vertices, sizeof(Vec3f), static_cast<int>(in.vertexCount), in.indices,
+                                static_cast<int>(3 * in.triangleCount), sizeof(Triangle));
+    ours = dCreateGpuTriMesh(nullptr, data_);
+    stock = dCreateTriMesh(nullptr, stockData_, nullptr, nullptr, nullptr);
+  }
+  ~Terrain() {
+    dGeomDestroy(ours);
+    dGeomDestroy(stock);
+    dGpuTriMeshDataDestroy(data_);
+    dGeomTriMeshDataDestroy(stockData_);
+  }
+  Terrain(const Terrain&) = delete;
+  Terrain& operator=(const Terrain&) = delete;
+  int triangles() const { return static_cast<int>(arrays_.triangles.size()); }
+  dGeomID ours, stock;
+
+ private:
+  scenes::MeshArrays arrays_;
+  dGpuTriMeshDataID data_;
+  dTriMeshDataID stockData_;
+};
+
+constexpr int kPlaces = 64;
+
+/// Contacts of one of the terrains with one shape, over all poses.
+struct TerrainRun {
+  std::vector<double> times;
+  std::uint64_t contacts = 0;
+  Fnv1a hash;
+};
+
+void ask(dGeomID terrain, dGeomID shape, int repeat, TerrainRun& run) {
+  dContactGeom contacts[kPlaces];
+  std::vector<double> times;
+  int count = 0;
+  for (int i = 0; i <= repeat; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    count = dCollide(terrain, shape, kPlaces, contacts, sizeof(dContactGeom));
+    const auto end = std::chrono::steady_clock::now();
+    if (i > 0) times.push_back(std::chrono::duration<double, std::micro>(end - start).count());
+  }
+  run.times.push_back(median(times));
+  run.contacts += static_cast<std::uint64_t>(count);
+  run.hash.add(count);
+  for (int i = 0; i < count; ++i) {
+    addToHash(run.hash, contacts[i]);
+    run.hash.add(contacts[i].side1);
+  }
+}
+
+struct Shape {
+  const char* name;
+  std::function<dGeomID()> make;
+  /// Puts it where it meets the terrain.
+  std::function<void(const Terrain&, dGeomID, truth::Random&)> place;
+};
+
+bool touches(const Terrain& terrain, dGeomID shape) {
+  dContactGeom contact;
+  return dCollide(terrain.stock, shape, 1, &contact, sizeof contact) > 0;
+}
+
+/// Turned anyhow, above a random place, as low as ODE says that it touches, then by the overlap lower.
+void lower(const TerrainOptions& options, const Terrain& terrain, dGeomID shape, truth::Random& random, bool turned) {
+  const double reach = 0.45 * options.cells * options.cell;
+  const Transformd turn = random.rotation();
+  dMatrix3 r;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) r[4 * row + column] = turned ? turn.r[3 * row + column] : row == column;
+    r[4 * row + 3] = 0;
+  }
+  dGeomSetRotation(shape, r);
+  const double x = random.uniform(-reach, reach), y = random.uniform(-reach, reach);
+  double low = heightAt(x, y), high = low + 2;
+  while (high - low > 1e-4) {
+    const double middle = 0.5 * (low + high);
+    dGeomSetPosition(shape, x, y, middle);
+    (touches(terrain, shape) ? low : high) = middle;
+  }
+  dGeomSetPosition(shape, x, y, low - options.overlap);
+}
+
+std::vector<Shape> shapesOf(const TerrainOptions& options) {
+  const auto solid = [&options](const Terrain& t, dGeomID g, truth::Random& r) { lower(options, t, g, r, true); };
+  const auto flat = [&options](const Terrain& t, dGeomID g, truth::Random& r) { lower(options, t, g, r, false); };
+  const auto plane = [](const Terrain&, dGeomID g, truth::Random& random) {
+    // A plane that the lowest valleys reach through.
+    const Vec3d n = random.direction();
+    const Vec3d up{0.002 * n.x, 0.002 * n.y, 1};
+    const double scale = 1 / std::sqrt(otgDot(up, up));
+    dGeomPlaneSetParams(g, scale * up.x, scale * up.y, scale * up.z, random.uniform(-1.1, -1));
+  };
+  const auto ray = [&options](const Terrain&, dGeomID g, truth::Random& random) {
+    const double reach = 0.45 * options.cells * options.cell;
+    dGeomRaySetClosestHit(g, 1);
+    dGeomRaySet(g, random.uniform(-reach, reach), random.uniform(-reach, reach), 3, random.uniform(-1, 1),
+                random.uniform(-1, 1), -1);
+  };
+  return {{"sphere", [] { return dCreateSphere(nullptr, 0.5); }, solid},
+          {"box", [] { return dCreateBox(nullptr, 1, 0.7, 0.4); }, solid},
+          {"box, lying", [] { return dCreateBox(nullptr, 1, 0.7, 0.4); }, flat},
+          {"capsule", [] { return dCreateCapsule(nullptr, 0.3, 0.6); }, solid},
+          {"cylinder", [] { return dCreateCylinder(nullptr, 0.3, 0.8); }, solid},
+          {"cylinder, standing", [] { return dCreateCylinder(nullptr, 0.3, 0.8); }, flat},
+          {"plane", [] { return dCreatePlane(nullptr, 0, 0, 1, 0); }, plane},
+          {"ray", [] { return dCreateRay(nullptr, 10); }, ray}};
+}
+
+Json runShape(const Terrain& terrain, const Shape& shape, const TerrainOptions& options) {
+  truth::Random random(options.seed);
+  const dGeomID geom = shape.make();
+  TerrainRun ours, stock;
+  for (int i = 0; i < options.poses; ++i) {
+    shape.place(terrain, geom, random);
+    ask(terrain.ours, geom, options.repeat, ours);
+    ask(terrain.stock, geom, options.repeat, stock);
+  }
+  dGeomDestroy(geom);
+  const double mine = median(ours.times), theirs = median(stock.times);
+  return {{"shape", shape.name},
+          {"us", mine},
+          {"us_of_dtrimesh", theirs},
+          {"times", mine / theirs},
+          {"contacts", static_cast<double>(ours.contacts) / options.poses},
+          {"contacts_of_dtrimesh", static_cast<double>(stock.contacts) / options.poses},
+          {"hash", ours.hash.hex()}};
+}
+
+int benchTerrain(const TerrainOptions& options) {
+  const scenes::OdeSession session;
+  const Terrain terrain(options);
+  Json rows = Json::array();
+  for (const Shape& shape : shapesOf(options)) {
+    if (options.shape.empty() || options.shape == shape.name) rows.push_back(runShape(terrain, shape, options));
+  }
+  const std::string title = fmt::format("Shapes on a terrain of {} triangles, cells of {}: microseconds, contacts",
+                                        terrain.triangles(), options.cell);
+  if (options.json) {
+    printJson({{"bench", "terrain"}, {"triangles", terrain.triangles()}, {"tables", {{"shapes", rows}}}});
+  } else {
+    printTable(title, rows);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void addBenchTerrain(CLI::App& bench, Action& action) {
+  CLI::App* command = bench.add_subcommand("terrain", "ODE's shapes on a large open mesh, beside a dTriMesh");
+  auto options = std::make_shared<TerrainOptions>();
+  command->add_flag("--json", options->json, "One JSON document on stdout");
+  command->add_option("--poses", options->poses, "Poses of each shape")->check(CLI::Range(1, 100000));
+  command->add_option("--repeat", options->repeat, "Queries at each pose, of which the median counts")
+      ->check(CLI::Range(1, 1000000));
+  command->add_option("--cells", options->cells, "Squares along each side, of two triangles each")
+      ->check(CLI::Range(1, 4000));
+  command->add_option("--cell", options->cell, "Side of a square; shapes are about 1 large")
+      ->check(CLI::Range(1e-3, 1e3));
+  command->add_option("--overlap", options->overlap, "How deep shapes are in the terrain")->check(CLI::Range(0.0, 1.0));
+  command->add_option("--shape", options->shape, "This one alone");
+  command->add_option("--seed", options->seed, "Of the random numbers");
+  command->callback([options, &action] { action = [options] { return benchTerrain(*options); }; });
+}
+
+}  // namespace otg::cli

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The published traversal: one level of both binary trees in each iteration. Boxes of all pairs of nodes are tested,
+// pairs that overlap are moved together, pairs of leaves are split out, and the rest spawn four pairs of children (both
+// nodes inner) or two (one is a leaf). Places come from prefix sums, so lists have the same order in every run.
+//
+// OTG_GROUP: work-items of a work-group; each has one pair of nodes. OTG_LEAF is 1.
+#include "walk/pair_walk.h"
+
+#define OTG_LEVELS_KERNEL __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1)))
+
+/// Every node of A's start list with every node of B's. `starts`: A's list, then B's.
+OTG_LEVELS_KERNEL void levelsBegin(__global const uint* restrict starts, uint countA, uint countB,
+                                   __global uint2* restrict pairs) {
+  const uint i = get_global_id(0);
+  if (i < countA * countB) pairs[i] = (uint2)(starts[i / countB], starts[countA + i % countB]);
+}
+
+/// 1 for each pair of nodes whose boxes overlap, else 0.
+OTG_LEVELS_KERNEL void levelsTest(const otg_device_pair pair, __global const float4* restrict meshes,
+                                  __global const uint2* restrict pairs, uint count, __global uint* restrict overlaps) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  const otg_node a = otgLoadNode(meshes, pair.a.nodes, pairs[i].x);
+  const otg_node b = otgLoadNode(meshes, pair.b.nodes, pairs[i].y);
+  overlaps[i] = otgOverlap(&pair.boxes, a.center, a.extent, otgMoveBox(&pair.boxes, b.center, b.extent)) ? 1u : 0u;
+}
+
+/// Moves the pairs that overlap together. `places`: the prefix sums of `overlaps`; `total`: their sum. `weights` gets
+/// for each pair that is kept how many pairs of leaves and how many pairs of children come of it, and 0 for the rest of
+/// its `count` places.
+OTG_LEVELS_KERNEL void levelsCompact(__global const float4* restrict meshes, uint nodesA, uint nodesB,
+                                     __global const uint2* restrict pairs, uint count,
+                                     __global const uint* restrict overlaps, __global const uint* restrict places,
+                                     __global const uint* restrict total, __global uint2* restrict kept,
+                                     __global uint2* restrict weights) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  if (i >= *total) weights[i] = (uint2)(0, 0);
+  if (!overlaps[i]) return;
+  const uint2 nodes = pairs[i];
+  const int innerA = otgLoadNode(meshes, nodesA, nodes.x).count > 0;
+  const int innerB = otgLoadNode(meshes, nodesB, nodes.y).count > 0;
+  kept[places[i]] = nodes;
+  weights[places[i]] = innerA || innerB ? (uint2)(0, innerA && innerB ? 4 : 2) : (uint2)(1, 0);
+}
+
+/// Pairs of leaves go to `leaves` from place `begin` on, as the places of their triangles. `places`: the prefix sums of
+/// `weights`. Places beyond the capacity are not written: the host gives the list more room and asks again.
+OTG_LEVELS_KERNEL void levelsSplit(__global const float4* restrict meshes, uint nodesA, uint nodesB,
+                                   __global const uint2* restrict kept, __global const uint2* restrict weights,
+                                   __global const uint2* restrict places, uint count, uint begin,
+                                   __global uint2* restrict leaves, uint leafCapacity) {
+  const uint i = get_global_id(0);
+  if (i >= count || !weights[i].x) return;
+  const uint place = begin + places[i].x;
+  if (place >= leafCapacity) return;
+  leaves[place] =
+      (uint2)((uint)otgLoadNode(meshes, nodesA, kept[i].x).first, (uint)otgLoadNode(meshes, nodesB, kept[i].y).first);
+}
+
+/// The pairs of children of all others go to `next`. Capacity as above.
+OTG_LEVELS_KERNEL void levelsSpawn(__global const float4* restrict meshes, uint nodesA, uint nodesB,
+                                   __global const uint2* restrict kept, __global const uint2* restrict weights,
+                                   __global const uint2* restrict places, uint count, __global uint2* restrict next,
+                                   uint nextCapacity) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  const uint children = weights[i].y;
+  if (!children) return;
+  const uint2 nodes = kept[i];
+  const otg_node a = otgLoadNode(meshes, nodesA, nodes.x), b = otgLoadNode(meshes, nodesB, nodes.y);
+  for (uint k = 0; k < children; ++k) {
+    const uint place = places[i].y + k;
+    const uint ofA = children == 4 ? k / 2 : k, ofB = children == 4 ? k % 2 : k;
+    if (place >= nextCapacity) return;
+    next[place] = (uint2)(a.count > 0 ? (uint)a.first + ofA : nodes.x, b.count > 0 ? (uint)b.first + ofB : nodes.y);
+  }
+}

@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The way out of a deep region: the shortest among the push, the last one and the main face directions; as directRegion
+// in collide/solid/escape.cpp, where no region is entangled.
+#ifndef OTG_SOLID_DEEP_H
+#define OTG_SOLID_DEEP_H
+#include "solid/thin.h"
+
+/// The two faces of the edge that a point is the middle of: outward normals.
+OTG_INLINED void otgFacesAt(OTG_MESH* m, uint edge, otg_vec3_d* n0, otg_vec3_d* n1) {
+  const uint halfEdge = m->edges[edge].z;
+  *n0 = otgDirectionInA(m, otgOwnNormal(m, halfEdge / 3));
+  *n1 = otgDirectionInA(m, otgOwnNormal(m, otgTwinOf(m, halfEdge) / 3));
+}
+
+/// Whether the two faces of an edge are all that the region has of its mesh.
+OTG_INLINED int otgIsAll(__local const otg_solid_ways* s, const otg_solid_work* w, uint mesh, otg_vec3_d n0,
+                         otg_vec3_d n1) {
+  double own = 0;
+  for (uint j = 0; j < otgFaceCount(w, mesh); ++j) {
+    __global const otg_solid_piece* p = w->pieces + s->list[mesh][j];
+    const otg_vec3_d n = otgLoad(p->normal);
+    if (otgDot_d(n, n0) >= OTG_SOLID_SAME_FACE || otgDot_d(n, n1) >= OTG_SOLID_SAME_FACE) own += p->area;
+  }
+  return own >= OTG_SOLID_FACE_SHARE * (mesh == 0 ? w->region->areaA : w->region->areaB);
+}
+
+/// An edge of A across an edge of B: as in edgePairs. Numbers of the pair: stretch of A, stretch of B.
+OTG_INLINED int otgAcross(__local const otg_solid_ways* s, const otg_solid_work* w, OTG_MESH* a, OTG_MESH* b, uint pair,
+                          int isDeep, otg_vec3_d* direction, otg_vec3_d* placeA, otg_vec3_d* placeB) {
+  __global const otg_solid_point* p = w->points + s->sharp[0][pair / OTG_SOLID_MOST_STRETCHES];
+  __global const otg_solid_point* q = w->points + s->sharp[1][pair % OTG_SOLID_MOST_STRETCHES];
+  const otg_vec3_d alongA = otgLoad(p->along), alongB = otgLoad(q->along), across = otgCross_d(alongA, alongB);
+  const otg_vec3_d middleA = otgLoad(p->position), middleB = otgLoad(q->position);
+  const double sine = otgNorm_d(across);
+  otg_vec3_d a0, a1, b0, b1;
+  otgFacesAt(a, p->feature, &a0, &a1);
+  otgFacesAt(b, q->feature, &b0, &b1);
+  if (sine < OTG_SOLID_LEAST_SINE) return 0;
+  if (!isDeep && (!otgIsAll(s, w, 0, a0, a1) || !otgIsAll(s, w, 1, b0, b1))) return 0;
+  otg_vec3_d d = otgScale_d(across, 1 / sine);
+  if (otgDot_d(d, otgLoad(w->region->push)) < 0) d = otgScale_d(d, -1.0);
+  if (!otgIsBetween_d(a0, a1, otgScale_d(d, -1.0)) || !otgIsBetween_d(b0, b1, d)) return 0;
+  // Nearest points of the two lines, within the stretches.
+  const otg_vec3_d apart = otgSub_d(middleB, middleA);
+  const double u = otgDot_d(otgCross_d(apart, alongB), across) / (sine * sine);
+  const double v = otgDot_d(otgCross_d(apart, alongA), across) / (sine * sine);
+  if (fabs(u) > p->reach || fabs(v) > q->reach) return 0;
+  *direction = d;
+  *placeA = otgAdd_d(middleA, otgScale_d(alongA, u));
+  *placeB = otgAdd_d(middleB, otgScale_d(alongB, v));
+  return 1;
+}
+
+/// s->pairs of edges across each other, in order. All lanes call it.
+OTG_INLINED void otgFindEdgePairs(__local otg_solid_ways* s, const otg_solid_work* w, OTG_MESH* a, OTG_MESH* b,
+                                  int isDeep) {
+  const uint lane = get_local_id(0);
+  const uint points = w->coherence < OTG_SOLID_ONE_FACE ? w->pointCount : 0;
+  uint running[2], total;
+  running[0] = running[1] = 0;
+  for (uint base = 0; base < points; base += OTG_GROUP) {
+    const uint i = base + lane;
+    const int isSharp = i < points && w->points[i].kind >= OTG_POINT_MIDDLE && w->points[i].sharp;
+    const uint mesh = isSharp ? w->points[i].mesh : 2;
+    for (uint m = 0; m < 2; ++m) {
+      const uint place = running[m] + otgPlaceAmong(OTG_COUNTS(s), mesh == m, &total);
+      if (mesh == m && place < OTG_SOLID_MOST_STRETCHES) s->sharp[m][place] = i;
+      running[m] += total;
+    }
+  }
+  OTG_SYNC;
+  const int tooMany = running[0] > OTG_SOLID_MOST_STRETCHES || running[1] > OTG_SOLID_MOST_STRETCHES;
+  const uint items = tooMany ? 0 : running[0] * running[1];
+  uint pairs = 0;
+  for (uint base = 0; base < items; base += OTG_GROUP) {
+    const uint item = base + lane;
+    uint pair = 0;
+    int isPair = 0;
+    if (item < items) {
+      otg_vec3_d d, placeA, placeB;
+      pair = item / running[1] * OTG_SOLID_MOST_STRETCHES + item % running[1];
+      isPair = otgAcross(s, w, a, b, pair, isDeep, &d, &placeA, &placeB);
+    }
+    const uint place = pairs + otgPlaceAmong(OTG_COUNTS(s), isPair, &total);
+    if (isPair) s->pairOf[place] = pair;
+    pairs += total;
+  }
+  if (lane == 0) {
+    s->pairs = pairs;
+    s->across = OTG_NOT_THERE;
+  }
+  OTG_SYNC;
+}
+
+/// Sorts the pieces of a mesh into s->order, the largest first; equal ones by triangle, then as they are listed, so
+/// that no two have one place and none is left as it was. All lanes call it.
+OTG_INLINED void otgSortFaces(__local otg_solid_ways* s, const otg_solid_work* w, uint mesh, int isDeep) {
+  __local double* areas = s->numbers;  // where nothing lies yet
+  const uint lane = get_local_id(0), count = isDeep ? otgFaceCount(w, mesh) : 0;
+  OTG_SYNC;
+  for (uint j = lane; j < count; j += OTG_GROUP) areas[j] = w->pieces[s->list[mesh][j]].area;
+  OTG_SYNC;
+  for (uint j = lane; j < count; j += OTG_GROUP) {
+    const double area = areas[j];
+    uint place = 0, ties = 0;
+    OTG_UNROLLED(8)
+    for (uint k = 0; k < count; ++k) {
+      place += areas[k] > area;
+      ties += areas[k] == area;
+    }
+    for (uint k = 0; k < (ties > 1 ? count : 0); ++k) {
+      if (areas[k] != area) continue;
+      const uint own = w->pieces[s->list[mesh][j]].triangle, other = w->pieces[s->list[mesh][k]].triangle;
+      place += other < own || (other == own && k < j);
+    }
+    s->order[(mesh == 0 ? 0 : w->facesOfA) + place] = s->list[mesh][j];
+  }
+}
+
+/// The normal of a piece, in the sense in which it pushes A.
+OTG_INLINED otg_vec3_d otgPushOf(__global const otg_solid_piece* p, uint mesh) {
+  const otg_vec3_d normal = otgLoad(p->normal);
+  return mesh == 0 ? otgScale_d(normal, -1.0) : normal;
+}
+
+/// Main directions of the region's faces of one mesh, from pieces in s->order, largest first: one that belongs to no
+/// cluster yet begins one, to which all those after it belong whose normals are like its own. Sums go by piece in that
+/// order. All lanes call it; `isDeep`: if not, there are none.
+OTG_INLINED void otgGatherFaces(__local otg_solid_ways* s, const otg_solid_work* w, uint mesh, int isDeep) {
+  __local const ushort* order = s->order + (mesh == 0 ? 0 : w->facesOfA);
+  const uint lane = get_local_id(0), count = isDeep ? otgFaceCount(w, mesh) : 0;
+  uint clusters = 0;
+  for (uint j = lane; j < count; j += OTG_GROUP) s->label[j] = OTG_SOLID_FACE_CLUSTERS;
+  // Each lane knows the normal of its first piece by heart.
+  const otg_vec3_d mine = lane < count ? otgPushOf(w->pieces + order[lane], mesh) : otgVec_d(0, 0, 0);
+  for (int more = 1; more;) {
+    OTG_SYNC;
+    if (lane == 0) s->first = OTG_NOT_THERE;
+    OTG_SYNC;
+    for (uint j = lane; j < count; j += OTG_GROUP) {
+      if (s->label[j] != OTG_SOLID_FACE_CLUSTERS) continue;
+      atomic_min(&s->first, j);
+      break;
+    }
+    OTG_SYNC;
+    const uint first = s->first;
+    more = first != OTG_NOT_THERE && clusters < OTG_SOLID_FACE_CLUSTERS;
+    if (more) {
+      if (first % OTG_GROUP == lane) {
+        const otg_vec3_d n = first == lane ? mine : otgPushOf(w->pieces + order[first], mesh);
+        s->sums[0] = n.x;
+        s->sums[1] = n.y;
+        s->sums[2] = n.z;
+      }
+      OTG_SYNC;
+      const otg_vec3_d of = otgVec_d(s->sums[0], s->sums[1], s->sums[2]);
+      for (uint j = lane; j < count; j += OTG_GROUP) {
+        if (s->label[j] != OTG_SOLID_FACE_CLUSTERS) continue;
+        const otg_vec3_d n = j == lane ? mine : otgPushOf(w->pieces + order[j], mesh);
+        if (j == first || otgDot_d(of, n) >= OTG_SOLID_FACE_COSINE) s->label[j] = (uchar)clusters;
+      }
+      ++clusters;
+    }
+  }
+  OTG_SYNC;
+  for (uint t = lane; t < 4 * clusters; t += OTG_GROUP) {
+    const uint cluster = t / 4, k = t % 4;
+    double sum = 0;
+    // All are read, so that no read waits for a label; 0 changes no sum that began with 0.
+    OTG_UNROLLED(8)
+    for (uint j = 0; j < count; ++j) {
+      __global const otg_solid_piece* p = w->pieces + order[j];
+      const otg_vec3_d n = otgPushOf(p, mesh);
+      const double term = k == 3 ? p->area : (k == 0 ? n.x : k == 1 ? n.y : n.z) * p->area;
+      sum += s->label[j] == cluster ? term : 0.0;
+    }
+    OTG_CLUSTER(s, cluster)[k] = sum;
+  }
+  if (lane == 0) s->listedFaces = clusters;
+  OTG_SYNC;
+}
+
+/// Appends the clusters that have the most area. By one lane.
+OTG_INLINED void otgTakeFaces(__local otg_solid_ways* s, double least) {
+  for (uint k = 0; k < OTG_SOLID_DEEP_FACES; ++k) {
+    uint best = OTG_NOT_THERE;
+    for (uint c = 0; c < s->listedFaces; ++c) {
+      const double area = OTG_CLUSTER(s, c)[3];
+      if (area > least && (best == OTG_NOT_THERE || area > OTG_CLUSTER(s, best)[3])) best = c;
+    }
+    if (best == OTG_NOT_THERE) return;
+    __local double* x = OTG_CLUSTER(s, best);
+    const otg_vec3_d d = otgUnit_d(otgVec_d(x[0], x[1], x[2]));
+    x[3] = -1;  // taken
+    __local double* out = OTG_DEEP_DIRECTION(s, s->count);
+    out[0] = d.x;
+    out[1] = d.y;
+    out[2] = d.z;
+    ++s->count;
+  }
+}
+
+/// A plane that lies ahead along d, scaled so that its value is the way to it. 0 if it does not.
+OTG_INLINED int otgIsAhead(__global const otg_solid_face* face, uint mesh, otg_vec3_d d, otg_vec3_d* n,
+                           double* offset) {
+  const otg_vec3_d normal = otgLoad(face->normal);
+  const double cosine = mesh == 1 ? otgDot_d(normal, d) : -otgDot_d(normal, d);
+  if (!(cosine > 0.05)) return 0;
+  *n = otgScale_d(normal, 1 / cosine);
+  *offset = face->meanOffset / cosine;
+  return 1;
+}
+
+/// How far A must go along d until a point is out, by the planes of the region's pieces.
+OTG_INLINED double otgWayOfPoint(__local const otg_solid_ways* s, const otg_solid_work* w,
+                                 __global const otg_solid_face* deep, otg_vec3_d d, otg_vec3_d p, double far) {
+  double exits[2];
+  for (uint mesh = 0; mesh < 2; ++mesh) {
+    double least = far;
+    __global const otg_solid_face* list = deep + (mesh == 0 ? 0 : w->facesOfA);
+    for (uint j = 0; j < s->deep[mesh]; ++j) {
+      otg_vec3_d n;
+      double offset;
+      if (otgIsAhead(list + j, mesh, d, &n, &offset)) least = otgMin_d(offset - otgDot_d(n, p), least);
+    }
+    exits[mesh] = least;
+  }
+  return otgMax_d(exits[0], 0) + otgMax_d(exits[1], 0);
+}
+
+/// Sets w->fixed if a direction is a shorter way out than the mean one. All lanes call it. `last`: the direction of the
+/// pair's last deep region, or zero. `room`: for planes.
+OTG_INLINED void otgFindWayOut(__local otg_solid_ways* s, otg_solid_work* w, OTG_MESH* a, OTG_MESH* b, double far,
+                               otg_vec3_d last, __global otg_solid_face* room) {
+  const uint lane = get_local_id(0);
+  const int isLump = w->thickness > OTG_SOLID_DEEP * w->diagonal;
+  otgFindEdgePairs(s, w, a, b, isLump);
+  const int isDeep = (isLump || s->pairs > 0) && w->pieceCount > 0, hasLast = otgDot_d(last, last) > 0;
+  const double areas = w->region->areaA + w->region->areaB;
+  if (lane == 0) {
+    s->count = 0;
+    s->listedFaces = 0;
+  }
+  __global const otg_solid_face* deep = w->faces;
+  if (isDeep) deep = otgGatherByNormal(s, w, room);
+  for (uint mesh = 0; mesh < 2; ++mesh) otgSortFaces(s, w, mesh, isDeep);
+  OTG_SYNC;
+  if (lane == 0 && isDeep) {
+    __local double* out = OTG_DEEP_DIRECTION(s, 0);
+    out[0] = w->mean.x;
+    out[1] = w->mean.y;
+    out[2] = w->mean.z;
+    if (hasLast) {
+      out[3] = last.x;
+      out[4] = last.y;
+      out[5] = last.z;
+    }
+    s->count = hasLast ? 2 : 1;
+  }
+  for (uint mesh = 0; mesh < 2; ++mesh) {
+    otgGatherFaces(s, w, mesh, isDeep);
+    if (lane == 0 && isDeep) otgTakeFaces(s, 0.01 * areas);
+    OTG_SYNC;
+  }
+  for (uint k = lane; k < (isDeep ? s->pairs : 0); k += OTG_GROUP) {
+    otg_vec3_d d, placeA, placeB;
+    otgAcross(s, w, a, b, s->pairOf[k], isLump, &d, &placeA, &placeB);
+    __local double* out = OTG_DEEP_DIRECTION(s, s->count + k);
+    out[0] = d.x;
+    out[1] = d.y;
+    out[2] = d.z;
+  }
+  OTG_SYNC;
+  const uint faces = s->count, directions = isDeep ? faces + s->pairs : 0;
+  const uint most = w->pointCount / OTG_SOLID_DEEP_POINTS, stride = most > 1 ? most : 1;
+  for (uint k = lane; k < directions; k += OTG_GROUP) {
+    __local const double* d = OTG_DEEP_DIRECTION(s, k);
+    OTG_DEEP_EXTENT(s, k) = otgExtentAlong(w, otgVec_d(d[0], d[1], d[2]));
+  }
+  for (uint k = 0; k < directions; ++k) {
+    __local const double* x = OTG_DEEP_DIRECTION(s, k);
+    const otg_vec3_d d = otgVec_d(x[0], x[1], x[2]);
+    double way = 0;
+    for (uint i = lane * stride; i < w->pointCount; i += OTG_GROUP * stride) {
+      way = otgMax_d(otgWayOfPoint(s, w, deep, d, otgLoad(w->points[i].position), far), way);
+    }
+    way = otgLargestOf(s->reduce, way);
+    if (lane == 0) OTG_DEEP_WAY(s, k) = way;
+  }
+  OTG_SYNC;
+  double least = directions > 0 ? OTG_SOLID_PUSH_SHARE * otgMax_d(OTG_DEEP_WAY(s, 0), OTG_DEEP_EXTENT(s, 0)) : 0;
+  double factor = 1;
+  for (uint k = 1; k < directions; ++k) {
+    __local const double* x = OTG_DEEP_DIRECTION(s, k);
+    const otg_vec3_d d = otgVec_d(x[0], x[1], x[2]);
+    // The vector area of two edges' overlap points across both, as long as no third face is in it: without a bias
+    // towards the mean.
+    if (k == faces && !w->isFixed) factor = OTG_SOLID_ACROSS_SHARE;
+    if (otgDot_d(d, w->mean) < OTG_SOLID_DEEP_AGAINST) continue;
+    const double share = hasLast && k == 1 ? OTG_SOLID_LAST_SHARE : factor;
+    const double extent = OTG_DEEP_EXTENT(s, k), enough = least / share;
+    const double cost = share * (extent >= enough ? extent : otgMax_d(OTG_DEEP_WAY(s, k), extent));
+    if (cost >= least) continue;
+    least = cost;
+    w->fixed = d;
+    w->isFixed = 1;
+    if (k >= faces && lane == 0) s->across = s->pairOf[k - faces];
+  }
+  OTG_SYNC;
+  if (lane == 0) {
+    const uint across = s->across;
+    const int isThere = across != OTG_NOT_THERE;
+    w->region->acrossPoint[0] = isThere ? s->sharp[0][across / OTG_SOLID_MOST_STRETCHES] : OTG_NOT_THERE;
+    w->region->acrossPoint[1] = isThere ? s->sharp[1][across % OTG_SOLID_MOST_STRETCHES] : OTG_NOT_THERE;
+    if (isThere) {
+      otg_vec3_d d, placeA, placeB;
+      otgAcross(s, w, a, b, across, isLump, &d, &placeA, &placeB);
+      otgStore(w->region->across, placeA);
+      otgStore(w->region->across + 3, placeB);
+    }
+  }
+}
+
+#endif  // OTG_SOLID_DEEP_H

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The candidates of all regions: where each is measured, its normal, its estimated depth. As the first half of
+// collide/solid/region_contacts.cpp. A work-group does parts of OTG_SOLID_CHUNK candidates of one region; what planes
+// say of a candidate takes most of the time of a batch, and depends on nothing but the region. OTG_GROUP: size of
+// work-groups, OTG_SOLID_CHUNK at most.
+#include "solid/region.h"
+
+/// A candidate's estimate, beside it: whether it is the middle of a stretch that has to be compared with its ends.
+OTG_INLINED int otgEstimate(const otg_solid_work* w, __global otg_solid_point* p, int skipFlat) {
+  const uint number = (uint)(p - w->points);
+  const int kind = (int)p->kind;
+  if (skipFlat && p->flat) {
+    p->depth = -1;
+    return 0;
+  }
+  // Edges across each other hold each other where they are nearest, not in their middles.
+  const int onA = number == w->region->acrossPoint[0], onB = number == w->region->acrossPoint[1];
+  const otg_vec3_d at = onA ? otgLoad(w->region->across) : onB ? otgLoad(w->region->across + 3) : otgLoad(p->position);
+  const otg_vec3_d probe =
+      otgProbe_d(at, otgLoad(p->along), p->reach, otgLoad(p->surfaceNormal), kind, w->diagonal, w->thickness);
+  const otg_vec3_d normal = otgNormalAt(w, probe);
+  const double limit = otgExtentAlong(w, normal);
+  double out, back;
+  const double depth = otgDepthByPlanes(w, probe, normal, limit, &out, &back);
+  otgStore(p->at, at);
+  otgStore(p->probe, probe);
+  otgStore(p->normal, normal);
+  p->limit = limit;
+  p->shift = 0.5 * (out - back);
+  p->depth = depth;
+  p->rank = otgRankOfKind_d(kind, out + back);
+  return kind >= OTG_POINT_MIDDLE && !onA && !onB;
+}
+
+/// The depth at an end (-1 or 1) of the stretch of which a point is the middle.
+OTG_INLINED double otgDepthAtEnd(const otg_solid_work* w, __global const otg_solid_point* p, double side) {
+  const double reach = otgReachOfEnds_d(p->reach, w->diagonal);
+  const otg_vec3_d normal = otgLoad(p->normal);
+  const otg_vec3_d at = otgAdd_d(otgLoad(p->probe), otgScale_d(otgLoad(p->along), side * reach));
+  double out, back;
+  return otgDepthByPlanes(w, at, normal, p->limit, &out, &back);
+}
+
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidEstimate(
+    __global const uint2* restrict chunks, uint chunkRoom, __global const uint* restrict counters,
+    __global uchar* arena) {
+  __local uchar middles[OTG_SOLID_CHUNK];
+  __local double ends[2 * OTG_SOLID_CHUNK];
+  __local uint count;
+  const uint lane = get_local_id(0), all = min(counters[OTG_COUNT_CHUNKS], chunkRoom);
+  for (uint item = get_group_id(0); item < all; item += get_num_groups(0)) {
+    const otg_solid_work w = otgGoOnWith(arena, chunks[item].x);
+    const uint first = chunks[item].y, end = min(first + OTG_SOLID_CHUNK, w.candidates);
+    const int skipFlat = w.isFlat && (w.region->flags & OTG_REGION_CORNERS);
+    if (lane == 0) count = 0;
+    OTG_SYNC;
+    for (uint i = first + lane; i < end; i += OTG_GROUP) {
+      if (otgEstimate(&w, otgPointOf(&w, i), skipFlat)) middles[atomic_inc(&count)] = (uchar)(i - first);
+    }
+    OTG_SYNC_ALL;
+    for (uint t = lane; t < 2 * count; t += OTG_GROUP) {
+      ends[t] = otgDepthAtEnd(&w, otgPointOf(&w, first + middles[t / 2]), t % 2 == 0 ? -1.0 : 1.0);
+    }
+    OTG_SYNC;
+    // A middle that is hardly deeper than its ends are on average says nothing new: then they hold it.
+    for (uint m = lane; m < count; m += OTG_GROUP) {
+      __global otg_solid_point* p = otgPointOf(&w, first + middles[m]);
+      if (p->depth <= OTG_SOLID_DEEPER_THAN_ENDS * (0.5 * ends[2 * m] + 0.5 * ends[2 * m + 1])) p->depth = -1;
+    }
+    OTG_SYNC;
+  }
+}

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the surface of each region says: planes, how pieces count for normals, the way out of deep regions, and which
+// points are candidates. One work-group for one pair; OTG_GROUP: its size, OTG_SOLID_POINTS, _FACES and _LARGE as in
+// solid/normals.h.
+#define OTG_MESHES_LOCAL
+#include "solid/deep.h"
+
+/// `units` of the arena for the work-group: its first unit, or OTG_NOT_THERE if there is no room.
+OTG_INLINED uint otgTakeUnits(__local otg_solid_ways* s, uint units, __global uint* counters, uint arenaUnits) {
+  OTG_SYNC;
+  if (get_local_id(0) == 0) s->allocated = atomic_add(counters + OTG_COUNT_ARENA, units);
+  OTG_SYNC;
+  const uint begin = s->allocated;
+  OTG_SYNC;
+  return begin <= arenaUnits && arenaUnits - begin >= units ? begin : OTG_NOT_THERE;
+}
+
+/// Whether each point of a region needs a direction of its own: as isUneven() in collide/solid/region_contacts.cpp. All
+/// lanes call it.
+OTG_INLINED int otgIsUnevenRegion(__local otg_solid_ways* s, const otg_solid_work* w) {
+  if (w->isFixed) return 0;
+  double end[2];  // the lowest with its sign changed, and the highest
+  for (uint side = 0; side < 2; ++side) {
+    double most = -INFINITY;
+    for (uint i = get_local_id(0); i < w->pointCount; i += OTG_GROUP) {
+      const double at = otgDot_d(otgLoad(w->points[i].position), w->mean);
+      most = otgMax_d(side == 0 ? -at : at, most);
+    }
+    OTG_SYNC;
+    s->reduce[get_local_id(0)] = most;
+    OTG_SYNC;
+    for (uint k = 0; k < OTG_GROUP; ++k) most = otgMax_d(s->reduce[k], most);
+    end[side] = most;
+  }
+  return otgIsUneven_d(end[1] + end[0], w->thickness);
+}
+
+/// One region. `size`: of the smaller mesh; `far`: longer than any way out; `last`: as otgFindWayOut.
+OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a, OTG_MESH* b, double size, double far,
+                                 otg_vec3_d last, __global uint* counters, __global uchar* arena, uint arenaUnits,
+                                 __global uint2* chunks, uint chunkRoom) {
+  const uint lane = get_local_id(0);
+  otg_solid_work w = otgWorkOn(arena, at);
+  const double areas = w.region->areaA + w.region->areaB;
+  const int counts = !(w.diagonal < OTG_SOLID_LEAST_DIAGONAL * size || areas < OTG_SOLID_LEAST_AREA * size * size);
+  const uint most = OTG_SOLID_POINTS;
+  // The host makes faces of very many pieces, where it asks them at all.
+  const int gathers = w.pieceCount > OTG_SOLID_MOST_ELEMENTS && w.coherence < OTG_SOLID_FLAT;
+  const int tooMany = w.pointCount > (OTG_SOLID_LARGE ? 2 : 1) * most || w.pieceCount > OTG_SOLID_FACES || gathers;
+  // Planes of pieces, and with large limits those of several, in two ways, and which points are left.
+  const uint planes = w.pieceCount * (uint)sizeof(otg_solid_face);
+  const uint picks = (min(w.pointCount, most) * (uint)sizeof(ushort) + OTG_ARENA_UNIT - 1) / OTG_ARENA_UNIT;
+  const uint planeUnits = (planes + OTG_ARENA_UNIT - 1) / OTG_ARENA_UNIT;
+  const uint begin = otgTakeUnits(s, counts && !tooMany ? (OTG_SOLID_LARGE ? 3 * planeUnits + picks : planeUnits) : 0,
+                                  counters, arenaUnits);
+  const int works = counts && !tooMany && begin != OTG_NOT_THERE;
+  __global uchar* room = arena + (size_t)(works ? begin : 0) * OTG_ARENA_UNIT;
+  w.faces = (__global otg_solid_face*)room;
+  w.picks = 0;
+  w.isFixed = 0;
+  w.fixed = w.mean;
+  if (!works) w.pieceCount = w.pointCount = 0;
+  if (lane == 0) {
+    s->bad = 0;
+    s->corners = 0;
+  }
+  otgListPieces(s, &w);
+  otgMakePlanes(s, &w);
+  otgWeighPieces(s, &w);
+  const size_t plane = (size_t)planeUnits * OTG_ARENA_UNIT;
+  otgThinRegion(s, &w, (__global otg_solid_face*)(room + plane), (__global ushort*)(room + 3 * plane));
+  otgFindWayOut(s, &w, a, b, far, last, (__global otg_solid_face*)(room + 2 * plane));
+  for (uint i = lane; i < w.pointCount; i += OTG_GROUP) {
+    if (!w.points[i].flat) atomic_inc(&s->corners);
+  }
+  // Uneven ones are rare, and the host looks at their faces one by one.
+  const int isLeft = otgIsUnevenRegion(s, &w);
+  OTG_SYNC;
+  const uint parts = (w.candidates + OTG_SOLID_CHUNK - 1) / OTG_SOLID_CHUNK;
+  if (lane == 0) {
+    __global otg_solid_region* r = w.region;
+    uint flags = counts ? OTG_REGION_COUNTS : 0;
+    if (s->isFlat) flags |= OTG_REGION_FLAT;
+    if (w.isFixed) flags |= OTG_REGION_FIXED;
+    if (w.thickness > OTG_SOLID_DEEP * w.diagonal || s->pairs > 0) flags |= OTG_REGION_DEEP;
+    if (w.isGathered) flags |= OTG_REGION_GATHERED;
+    // The corners of an overlap are never flat points, as long as anything is not flat.
+    if (s->corners >= 3) flags |= OTG_REGION_CORNERS;
+    // Without room for its parts its candidates stay as they are: none is looked at, and the batch is run again.
+    s->allocated = parts > 0 ? atomic_add(counters + OTG_COUNT_CHUNKS, parts) : 0;
+    const int fits = s->allocated <= chunkRoom && chunkRoom - s->allocated >= parts;
+    if (counts && (!works || !fits || s->bad || isLeft)) flags |= OTG_REGION_BAD;
+    r->flags = flags;
+    r->shareOfB = s->shareOfB;
+    for (uint k = 0; k < 3; ++k) r->weighted[k] = s->weighted[k];
+    otgStore(r->fixed, w.fixed);
+    r->faces = begin;
+    r->planes = OTG_SOLID_LARGE ? begin + planeUnits : begin;
+    r->picks = OTG_SOLID_LARGE ? begin + 3 * planeUnits : OTG_NOT_THERE;
+    r->faceCount[0] = w.facesOfA;
+    r->faceCount[1] = w.facesOfB;
+    r->planeCount[0] = w.planesOfA;
+    r->planeCount[1] = w.planesOfB;
+    r->candidates = fits ? w.candidates : 0;
+  }
+  OTG_SYNC;
+  for (uint k = lane; k < parts; k += OTG_GROUP) {
+    if (s->allocated + k < chunkRoom) chunks[s->allocated + k] = (uint2)(at, k * OTG_SOLID_CHUNK);
+  }
+  OTG_SYNC_ALL;
+}
+
+/// The regions of the pairs in the lists `first` to `end` of those that have any. `chunks`: candidates, in parts, for
+/// solidEstimate. `directions`: what each pair remembers, if it `remembers`: the direction of its last deep region, or
+/// zero.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidWays(
+    __global const float4* restrict meshes, __global const otg_batch_task* restrict tasks,
+    __global const otg_device_mesh* restrict places, __global uint* restrict counters, __global uchar* arena,
+    uint arenaUnits, __global const uint* restrict heads, __global const uint* restrict lists, uint pairs, uint first,
+    uint end, __global uint2* restrict chunks, uint chunkRoom, __global const double* restrict directions,
+    uint remembers) {
+  __local otg_solid_ways ways;
+  __local otg_solid_mesh mesh[2];
+  for (uint item = get_group_id(0);; item += get_num_groups(0)) {
+    const uint number = otgListed(counters, lists, pairs, 1, first, end, item);
+    if (number == OTG_NOT_THERE) return;
+    otgTakeMeshes(mesh, meshes, tasks + number, places);
+    const double size = 2 * (double)(mesh[0].radius < mesh[1].radius ? mesh[0].radius : mesh[1].radius);
+    const otg_vec3_d last = remembers ? otgLoad(directions + 3 * (size_t)number) : otgVec_d(0, 0, 0);
+    uint at = heads[number];
+    for (uint r = 0; at != OTG_NOT_THERE && r < OTG_SOLID_REGIONS; ++r) {
+      const uint next = ((__global const otg_solid_region*)(arena + (size_t)at * OTG_ARENA_UNIT))->next;
+      otgWaysOfRegion(&ways, at, mesh, mesh + 1, size, (double)(mesh[0].radius + mesh[1].radius), last, counters,
+                      arena, arenaUnits, chunks, chunkRoom);
+      at = next;
+    }
+    OTG_SYNC;
+  }
+}

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One pair of meshes: the cut of one tree against the cut of the other, two levels of eight by eight children, and the
+// rest depth-first within work-groups, which test the triangles of the leaves that they meet.
+//
+// No kernel waits for another work-group, and the host decides nothing in between: each kernel reads on the device how
+// much there is to do. OTG_GROUP is the size of work-groups, a multiple of 64.
+#define OTG_FUSED
+#include "walk/pair_stack.h"
+//
+#include "walk/pair_state.h"
+
+#define OTG_CUT_TILE 4
+
+/// A pair of nodes goes to the list of inner pairs or, if both are leaves, to that of pairs of leaves. Slots are taken
+/// once for a whole work-group: a global atomic for each item would cost more than the tests.
+typedef struct {
+  uint inner, leaves;          // in this round
+  uint innerBase, leavesBase;  // in the global lists
+  uint tests;                  // of boxes, in all rounds
+} otg_round;
+
+/// Opens both nodes of a pair: 64 lanes to it, lane (i, j) for child i of A's node and child j of B's. A leaf is its
+/// own only child. `there`: whether the 64 lanes have a pair. Counts in counters[level]. All lanes.
+inline static void otgOpenBoth(__global const float4* meshes, const otg_device_pair* pair, __local otg_round* round,
+                               uint2 nodes, int there, __global uint* counters, uint level, __global uint2* out,
+                               uint outCapacity, __global uint2* leaves, uint leafCapacity) {
+  const uint lane = get_local_id(0), i = lane % 64 / 8, j = lane % 8;
+  uint slot = 0;
+  int hit = 0, ended = 0;
+  uint2 pairOfLeaves = (uint2)(0, 0);
+  if (lane == 0) {
+    round->inner = 0;
+    round->leaves = 0;
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (there) {
+    otg_node a = otgLoadNode(meshes, pair->a.nodes, nodes.x), b = otgLoadNode(meshes, pair->b.nodes, nodes.y);
+    const uint na = a.count < 0 ? 1 : (uint)a.count, nb = b.count < 0 ? 1 : (uint)b.count;
+    if (lane % 64 == 0) atomic_add(&round->tests, na * nb);
+    if (i < na && j < nb) {
+      if (a.count > 0) {
+        nodes.x = (uint)a.first + i;
+        a = otgLoadNode(meshes, pair->a.nodes, nodes.x);
+      }
+      if (b.count > 0) {
+        nodes.y = (uint)b.first + j;
+        b = otgLoadNode(meshes, pair->b.nodes, nodes.y);
+      }
+      hit = otgOverlap(&pair->boxes, a.center, a.extent, otgMoveBox(&pair->boxes, b.center, b.extent));
+      ended = a.count < 0 && b.count < 0;
+      if (ended) pairOfLeaves = otgPairOfLeaves(&a, &b);
+    }
+  }
+  if (hit) slot = atomic_inc(ended ? &round->leaves : &round->inner);
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (lane == 0 && round->inner) round->innerBase = atomic_add(counters + level, round->inner);
+  if (lane == 32 && round->leaves) round->leavesBase = atomic_add(counters + OTG_COUNT_LEAVES, round->leaves);
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (hit && ended) {
+    slot += round->leavesBase;
+    if (slot < leafCapacity) leaves[slot] = pairOfLeaves;
+  } else if (hit) {
+    slot += round->innerBase;
+    if (slot < outCapacity) out[slot] = nodes;
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+}
+
+/// Cut against cut, and the beginning of a query. Dimension 0: nodes of A's cut. Dimension 1: tiles of OTG_CUT_TILE
+/// nodes of B's. With `opens` each work-group goes on with the first level for the pairs that it found: few, because
+/// cuts are in shuffled order. `out` gets the pairs of the level, else of the cut.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairCut(
+    const otg_device_pair pair, __global const float4* restrict meshes, __global uint* restrict counters, uint opens,
+    __global uint2* restrict out, uint outCapacity, __global uint2* restrict leaves, uint leafCapacity,
+    __global otg_pair_state* restrict state, __global uint* restrict chosen, uint method) {
+  __local otg_moved_box boxes[OTG_CUT_TILE];
+  __local int2 nodesB[OTG_CUT_TILE];  // number, count
+  __local uint2 found[OTG_GROUP * OTG_CUT_TILE];
+  __local otg_round round;
+  const uint lane = get_local_id(0), i = get_global_id(0), pairsAtOnce = OTG_GROUP / 64;
+  const uint firstB = get_group_id(1) * OTG_CUT_TILE;
+  const uint tile = min((uint)OTG_CUT_TILE, pair.b.cutCount - firstB);
+  uint mask = 0, inner = 0, ended = 0;
+  otg_node a;
+  if (i == 0 && get_group_id(1) == 0) {
+    otgResetState(state, 0, &pair.a, &pair.b);
+    chosen[OTG_FLAGS] = otgFirstFlags(&pair.a, &pair.b, method);
+  }
+  if (lane < tile) {
+    const otg_node b = otgLoadNode(meshes, pair.b.cut, firstB + lane);
+    boxes[lane] = otgMoveBox(&pair.boxes, b.center, b.extent);
+    nodesB[lane] = (int2)(b.first, b.count);
+  }
+  if (lane == 0) {
+    round.inner = 0;
+    round.leaves = 0;
+    round.tests = min((uint)OTG_GROUP, pair.a.cutCount - (uint)get_group_id(0) * OTG_GROUP) * tile;
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (i < pair.a.cutCount) {
+    a = otgLoadNode(meshes, pair.a.cut, i);
+    for (uint k = 0; k < tile; ++k) {
+      if (!otgOverlap(&pair.boxes, a.center, a.extent, boxes[k])) continue;
+      mask |= 1u << k;
+      if (a.count < 0 && nodesB[k].y < 0) {
+        ++ended;
+      } else {
+        ++inner;
+      }
+    }
+  }
+  if (inner) inner = atomic_add(&round.inner, inner);
+  if (ended) ended = atomic_add(&round.leaves, ended);
+  barrier(CLK_LOCAL_MEM_FENCE);
+  const uint count = opens ? round.inner : 0;
+  if (lane == 0) round.innerBase = !opens && round.inner ? atomic_add(counters + OTG_COUNT_LEVEL0, round.inner) : 0;
+  if (lane == 32) round.leavesBase = round.leaves ? atomic_add(counters + OTG_COUNT_LEAVES, round.leaves) : 0;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  inner += round.innerBase;
+  ended += round.leavesBase;
+  for (uint k = 0; k < tile; ++k) {
+    if (!(mask >> k & 1)) continue;
+    const uint2 nodes = (uint2)(a.first, nodesB[k].x);
+    if (a.count < 0 && nodesB[k].y < 0) {
+      const otg_node leafA = otgLoadNode(meshes, pair.a.nodes, nodes.x),
+                     leafB = otgLoadNode(meshes, pair.b.nodes, nodes.y);
+      if (ended < leafCapacity) leaves[ended] = otgPairOfLeaves(&leafA, &leafB);
+      ++ended;
+    } else {
+      if (opens) {
+        found[inner] = nodes;
+      } else if (inner < outCapacity) {
+        out[inner] = nodes;
+      }
+      ++inner;
+    }
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (uint begin = 0; begin < count; begin += pairsAtOnce) {
+    const uint item = begin + lane / 64;
+    const int there = item < count;
+    otgOpenBoth(meshes, &pair, &round, there ? found[item] : (uint2)(0, 0), there, counters, OTG_COUNT_LEVEL1, out,
+                outCapacity, leaves, leafCapacity);
+  }
+  if (lane == 0) otgCount(counters + OTG_COUNT_BOX_TESTS, round.tests);
+}
+
+/// Opens both nodes of each pair of counters[level]: see otgOpenBoth.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairLevel(
+    const otg_device_pair pair, __global const float4* restrict meshes, __global uint* restrict counters, uint level,
+    __global const uint2* restrict in, uint inCapacity, __global uint2* restrict out, uint outCapacity,
+    __global uint2* restrict leaves, uint leafCapacity) {
+  __local otg_round round;
+  const uint lane = get_local_id(0), pairsAtOnce = OTG_GROUP / 64;
+  const uint count = min(counters[level], inCapacity);
+  if (lane == 0) round.tests = 0;
+  for (uint begin = get_group_id(0) * pairsAtOnce; begin < count; begin += get_num_groups(0) * pairsAtOnce) {
+    const uint item = begin + lane / 64;
+    const int there = item < count;
+    otgOpenBoth(meshes, &pair, &round, there ? in[item] : (uint2)(0, 0), there, counters, level + 1, out, outCapacity,
+                leaves, leafCapacity);
+  }
+  if (lane == 0 && round.tests) otgCount(counters + OTG_COUNT_BOX_TESTS, round.tests);
+}
+
+/// Tests triangles and lists those that may intersect.
+inline static void otgTestAndList(__global const float4* meshes, const otg_device_pair* pair, uint2 leaves, uint t,
+                                  __global uint* counters, __global uint2* hits, uint hitCapacity, otg_lane_walk* own) {
+  uint2 hit;
+  const int answer = otgTestLeaves(meshes, pair, leaves, t, &hit, own);
+  if (answer == OTG_DISJOINT) return;
+  const uint slot = otgTakeHit(counters, answer);
+  if (slot < hitCapacity) hits[slot] = hit;
+}
+
+/// What `level` levels leave (counters[level] pairs), depth-first: see otgWalkRound. Each work-group begins with as
+/// many pairs as it can open at once, taken from all over the list, so that no group has all those of one place; what
+/// is left of a long list is taken by ticket.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairTail(
+    const otg_device_pair pair, __global const float4* restrict meshes, __global uint* restrict counters, uint level,
+    __global const uint2* restrict seeds, uint seedCapacity, __global const uint2* restrict leaves, uint leafCapacity,
+    __global uint2* restrict hits, uint hitCapacity, uint stackSize, __local uint2* stack) {
+  __local otg_walk walk;
+  __local uint firstSeed;
+  const uint lane = get_local_id(0), group = get_group_id(0), groups = get_num_groups(0);
+  const uint lanesPerLeaf = OTG_LEAF * OTG_LEAF, perTicket = OTG_GROUP / 16;
+  const uint seedCount = min(counters[level], seedCapacity);
+  const uint leafCount = min(counters[OTG_COUNT_LEAVES], leafCapacity);
+  const uint share = min((uint)OTG_GROUP / 8, stackSize - otgRoomForOne(&pair)), dealt = share * groups;
+  otg_lane_walk own = otgBeginWalk(&walk);
+  int more = seedCount > dealt;
+  uint stacked = seedCount > group ? min(share, (seedCount - group - 1) / groups + 1) : 0;
+  if (lane < stacked) stack[lane] = otgPairToOpenOf(meshes, &pair, seeds[group + lane * groups]);
+  // The leaves that the levels met.
+  for (uint t = get_global_id(0); t < leafCount * lanesPerLeaf; t += get_global_size(0)) {
+    otgTestAndList(meshes, &pair, leaves[t / lanesPerLeaf], t % lanesPerLeaf, counters, hits, hitCapacity, &own);
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  // `more`, `stacked` and the loop itself are the same for all lanes of a group.
+  while (more || stacked > 0) {
+    if (more && stacked < perTicket) {
+      if (lane == 0) firstSeed = dealt + atomic_add(counters + OTG_COUNT_SEED_TICKET, perTicket);
+      barrier(CLK_LOCAL_MEM_FENCE);
+      more = firstSeed < seedCount;
+      const uint taken = more ? min(perTicket, seedCount - firstSeed) : 0;
+      if (lane < taken) stack[stacked + lane] = otgPairToOpenOf(meshes, &pair, seeds[firstSeed + lane]);
+      stacked += taken;
+      barrier(CLK_LOCAL_MEM_FENCE);
+    }
+    if (stacked > 0) stacked = otgWalkRound(meshes, &pair, &walk, stack, stackSize, stacked, &own);
+    // Triangles when all lanes have some to test, or there is nothing else left to do.
+    if (walk.endedCount >= 2 * OTG_GROUP || (!more && stacked == 0)) {
+      for (uint t = lane; t < walk.endedCount * lanesPerLeaf; t += OTG_GROUP) {
+        otgTestAndList(meshes, &pair, walk.ended[t / lanesPerLeaf], t % lanesPerLeaf, counters, hits, hitCapacity,
+                       &own);
+      }
+      barrier(CLK_LOCAL_MEM_FENCE);
+      if (lane == 0) walk.endedCount = 0;
+      barrier(CLK_LOCAL_MEM_FENCE);
+    }
+  }
+  otgEndWalk(&walk, &own, counters);
+}

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "collide/inside_test.h"
+
+#include <limits>
+
+#include "collide/mesh_ray.h"
+
+namespace otg {
+
+double exitDistance(const PlacedMeshes& meshes, int mesh, const Vec3d& origin, const Vec3d& direction, double limit,
+                    double skin, std::uint32_t* triangle) {
+  const MeshRay ray{meshes.toLocal(mesh, origin), meshes.directionToLocal(mesh, direction)};
+  double nearest = limit;
+  bool found = false, leaves = false;
+  forEachRayHit(meshes.tree(mesh), ray, nearest, [&](std::uint32_t t, double distance, bool leaving) {
+    if (!leaving && distance <= skin) return;
+    if (found && distance > nearest) return;
+    if (found && distance == nearest && leaves) return;  // an edge that both sides share: leaving wins
+    found = true;
+    leaves = leaving;
+    nearest = distance;
+    if (triangle) *triangle = t;
+  });
+  if (!found) return -1;
+  return leaves ? nearest : 0;
+}
+
+bool pointInMesh(const CollisionMesh& tree, const Vec3d& point) {
+  const TriMesh& mesh = tree.mesh();
+  const Vec3d origin{mesh.origin().x, mesh.origin().y, mesh.origin().z};
+  const double reach = otgRayReach(double{mesh.radius()}, otgSub(point, origin), origin);
+  int votes = 0;
+  for (int k = 0; k < 3 && votes != 2 && votes != -2; ++k) {
+    const Vec3d direction = otgParityDirection<double>(k);
+    const Vec3d inverse{1 / direction.x, 1 / direction.y, 1 / direction.z};
+    int balance = 0;
+    double limit = std::numeric_limits<double>::infinity();
+    forEachRayHit(tree, {point, direction}, limit, [&](std::uint32_t t, double, bool leaving) {
+      Vec3d p[3];
+      for (int i = 0; i < 3; ++i) {
+        const Vec3f& v = mesh.vertices()[mesh.triangles()[t].v[i]];
+        p[i] = {v.x, v.y, v.z};
+      }
+      if (otgRayPassesTriangleBox(point, direction, inverse, p[0], p[1], p[2], reach)) balance += leaving ? 1 : -1;
+    });
+    votes += balance > 0 ? 1 : -1;
+  }
+  return votes > 0;
+}
+
+bool pointInside(const PlacedMeshes& meshes, int mesh, const Vec3d& point) {
+  return pointInMesh(meshes.tree(mesh), meshes.toLocal(mesh, point));
+}
+
+}  // namespace otg

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A region's surface and points as blocks of four, and what is asked of all of them many times: how far it is through
+// the planes, which way the surface about a point faces, how far the points reach.
+//
+// Results are the same bit for bit for every instruction set.
+#pragma once
+
+#include <vector>
+
+#include "collide/simd/surface_kernels_args.h"
+#include "collide/simd/wide_kernels.h"
+
+namespace otg {
+
+/// Flat parts of a surface.
+class PlaneSet {
+ public:
+  void clear();
+  void add(const Vec3d& normal, double offset, const Vec3d& lo, const Vec3d& hi);
+  struct Way {
+    double nearest, convex;
+    double either() const;  ///< nearest if there is one, else convex; infinity if nothing faces along
+  };
+  /// Way from a point along a unit direction through the nearest plane that faces along and has its part, enlarged by
+  /// `slack` to all sides, where it is met; and through the nearest plane that faces along.
+  Way wayOut(const Vec3d& from, const Vec3d& direction, double slack) const;
+  /// The same with parts enlarged by round corners.
+  Way wayOutRound(const Vec3d& from, const Vec3d& direction, double slack) const;
+
+ private:
+  std::vector<PlaneBlock> blocks_;
+  std::size_t count_ = 0;
+};
+
+/// Vector areas with their bounds.
+class AreaSet {
+ public:
+  void clear();
+  void add(const Vec3d& lo, const Vec3d& hi, const Vec3d& vector, double area);
+  struct Sum {
+    Vec3d vector;
+    double area;
+  };
+  /// Sum of those nearer than `radius`, each times (1 - d^2 / radius^2)^2, d the distance from the point to its bounds.
+  Sum about(const Vec3d& point, double radius) const;
+
+ private:
+  std::vector<AreaBlock> blocks_;
+  std::size_t count_ = 0;
+};
+
+class PointSet {
+ public:
+  void clear();
+  void add(const Vec3d& p);
+  /// Length of the range of direction . point; 0 without points.
+  double extent(const Vec3d& direction) const;
+
+ private:
+  std::vector<PointBlock> blocks_;
+  std::size_t count_ = 0;
+};
+
+class BoxSet {
+ public:
+  void clear();
+  void add(const Vec3d& lo, const Vec3d& hi);
+  /// The ranges of direction . x, box by box.
+  void ranges(const Vec3d& direction, std::vector<double>& lo, std::vector<double>& hi) const;
+
+ private:
+  std::vector<BoxBlock> blocks_;
+  std::size_t count_ = 0;
+};
+
+/// The same by one instruction set, for tests.
+void exitThroughPlanes(SimdLevel level, PlaneExitArgs& args);
+void exitThroughRoundPlanes(SimdLevel level, PlaneExitArgs& args);
+void sumLocalAreas(SimdLevel level, LocalAreaArgs& args);
+void findExtent(SimdLevel level, ExtentArgs& args);
+void findBoxRanges(SimdLevel level, BoxRangesArgs& args);
+
+}  // namespace otg

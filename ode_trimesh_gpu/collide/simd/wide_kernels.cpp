@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Chooses the instruction set and hands plain data to its kernels.
+#include "collide/simd/wide_kernels.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "collide/simd/wide_kernels_args.h"
+
+namespace otg {
+namespace {
+
+void growPairs(PairSink& sink) {
+  auto& pairs = *static_cast<std::vector<TrianglePair>*>(sink.owner);
+  pairs.resize(std::max<std::size_t>(1024, 2 * sink.capacity));
+  sink.data = pairs.data();
+  sink.capacity = pairs.size();
+}
+
+WideSide rootOf(const WideTree& tree, const BoxScale<float>& scale) {
+  const BoxOf box = scaledBox(scale, tree.rootCenter, tree.rootExtent);
+  return {box.center, box.extent, 0, std::numeric_limits<float>::infinity()};
+}
+
+}  // namespace
+
+SimdLevel bestSimdLevel() {
+#ifdef OTG_HAVE_X86_KERNELS
+  if (__builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw")) {
+    return SimdLevel::kAvx512;
+  }
+  if (__builtin_cpu_supports("avx2")) return SimdLevel::kAvx2;
+#endif
+  return SimdLevel::kBaseline;
+}
+
+const char* simdName(SimdLevel level) {
+  switch (level) {
+    case SimdLevel::kAvx512:
+      return "avx512vl";
+    case SimdLevel::kAvx2:
+      return "avx2";
+    case SimdLevel::kBaseline:
+      break;
+  }
+  return "baseline";
+}
+
+void traverseWide(SimdLevel level, const Query& query, const PairFrame& frame, std::vector<TrianglePair>& out,
+                  CollideStats& stats) {
+  const WideTree& a = query.a->wide();
+  const WideTree& b = query.b->wide();
+  // Every step pops one item and pushes at most eight, one level further down in one of the trees.
+  std::vector<WideItem> stack(kWideArity * (std::size_t{a.depth} + b.depth) + 1);
+  const BoxScale<float>&scaleA = query.a->anyBoxScale(), &scaleB = query.b->anyBoxScale();
+  stack[0] = {rootOf(a, scaleA), rootOf(b, scaleB), 0};
+  if (query.options.countPerDepth) stats.boxTestsPerDepth.assign(std::size_t{a.depth} + b.depth, 0);
+  out.resize(out.capacity());
+  PairSink sink{out.data(), 0, out.size(), growPairs, &out};
+  WideTraversalArgs args{&frame.boxes,
+                         a.nodes.data(),
+                         b.nodes.data(),
+                         scaleA,
+                         scaleB,
+                         query.a->boxScale() != nullptr || query.b->boxScale() != nullptr,
+                         stack.data(),
+                         query.options.middle.descent,
+                         query.options.middle.axes > 6,
+                         0,
+                         query.options.countPerDepth ? stats.boxTestsPerDepth.data() : nullptr,
+                         &sink};
+  switch (level) {
+#ifdef OTG_HAVE_X86_KERNELS
+    case SimdLevel::kAvx512:
+      simd_avx512::traverseWide(args);
+      break;
+    case SimdLevel::kAvx2:
+      simd_avx2::traverseWide(args);
+      break;
+#endif
+    default:
+      simd_baseline::traverseWide(args);
+      break;
+  }
+  out.resize(sink.size);
+  stats.boxTests += args.boxTests;
+}
+
+void filterTriangles(SimdLevel level, const Query& query, const PairFrame& frame,
+                     const std::vector<TrianglePair>& candidates, std::vector<TrianglePair>& intersecting,
+                     std::vector<TrianglePair>& undecided) {
+  const TriMesh& a = query.a->mesh();
+  const TriMesh& b = query.b->mesh();
+  intersecting.resize(candidates.size());
+  undecided.resize(candidates.size());
+  TriangleFilterArgs args{a.vertices().data(), b.vertices().data(), a.triangles().data(), b.triangles().data(),
+                          a.origin(),          b.origin(),          &frame.trianglesInA,  &frame.floatError,
+                          candidates.data(),   candidates.size(),   intersecting.data(),  undecided.data()};
+  switch (level) {
+#ifdef OTG_HAVE_X86_KERNELS
+    case SimdLevel::kAvx512:
+      simd_avx512::filterTriangles(args);
+      break;
+    case SimdLevel::kAvx2:
+      simd_avx2::filterTriangles(args);
+      break;
+#endif
+    default:
+      simd_baseline::filterTriangles(args);
+      break;
+  }
+  intersecting.resize(args.intersectingCount);
+  undecided.resize(args.undecidedCount);
+}
+
+}  // namespace otg

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the per-instruction-set kernels take: plain data only (see wide_kernels.h for why).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "base/triangle.h"
+#include "bvh/box_scale.h"
+#include "bvh/wide_node.h"
+#include "collide/traversal.h"
+#include "shared/tests/box_test.h"
+#include "shared/tests/plane_test.h"
+
+namespace otg {
+
+/// Pairs going out; `grow` makes room for at least one more.
+struct PairSink {
+  TrianglePair* data;
+  std::size_t size, capacity;
+  void (*grow)(PairSink& self);
+  void* owner;
+};
+
+/// A node of one tree (or ~triangle) with its box, waiting to be tested further.
+struct WideSide {
+  Vec3f center, extent;
+  std::int32_t ref;
+  float size;  ///< x y + y z + z x of the extents: decides which side is opened
+};
+
+struct WideItem {
+  WideSide a, b;
+  std::uint32_t depth;  ///< nodes opened on the way here
+};
+
+struct WideTraversalArgs {
+  const BoxFrame<float>* frame;
+  const WideNode* nodesA;
+  const WideNode* nodesB;
+  BoxScale<float> scaleA, scaleB;  ///< of the nodes' boxes
+  bool scaled;                     ///< whether any of these is not kSameBoxes
+  WideItem* stack;                 ///< holds the root pair; room for kWideArity * (depth A + depth B) + 1 items
+  DescentRule rule;
+  bool edges;                    ///< test the nine edge axes too
+  std::uint64_t boxTests;        ///< out
+  std::uint64_t* testsPerDepth;  ///< depth A + depth B counters to add to, or null
+  PairSink* out;
+};
+
+struct TriangleFilterArgs {
+  const Vec3f *verticesA, *verticesB;
+  const Triangle *trianglesA, *trianglesB;
+  Vec3f centerA, centerB;
+  const Transformf* toA;
+  const FilterError<float>* error;
+  const TrianglePair* candidates;
+  std::size_t count;
+  TrianglePair *intersecting, *undecided;                 ///< room for `count` each
+  std::size_t intersectingCount = 0, undecidedCount = 0;  ///< out
+};
+
+#define OTG_DECLARE_WIDE_KERNELS(set)             \
+  namespace set {                                 \
+  void traverseWide(WideTraversalArgs& args);     \
+  void filterTriangles(TriangleFilterArgs& args); \
+  }
+OTG_DECLARE_WIDE_KERNELS(simd_baseline)
+OTG_DECLARE_WIDE_KERNELS(simd_avx2)
+OTG_DECLARE_WIDE_KERNELS(simd_avx512)
+#undef OTG_DECLARE_WIDE_KERNELS
+
+}  // namespace otg

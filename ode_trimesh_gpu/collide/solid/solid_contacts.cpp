@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "collide/solid/solid_contacts.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+
+#include "collide/solid/contour.h"
+#include "collide/solid/escape.h"
+#include "collide/solid/found_overlap.h"
+#include "collide/solid/inside.h"
+#include "collide/solid/merge_regions.h"
+#include "collide/solid/region_contacts.h"
+#include "collide/solid/region_refiner.h"
+#include "collide/solid/regions.h"
+
+namespace otg {
+
+struct SolidScratch {
+  Contour contour;
+  InsideFlags inside;
+  RegionBuilder builder;
+  OverlapRegions regions;
+  SmallRegions small;
+};
+
+Workspace::Workspace() = default;
+Workspace::~Workspace() = default;
+Workspace::Workspace(Workspace&&) noexcept = default;
+Workspace& Workspace::operator=(Workspace&&) noexcept = default;
+
+namespace {
+
+/// Where B's middle lies in A's frame: relative motion is measured there.
+Vec3d middleOfB(const Query& query, const Transformd& bInA) {
+  const Vec3f& c = query.b->mesh().center();
+  return otgTransform(bInA, Vec3d{c.x, c.y, c.z});
+}
+
+double smallerSize(const Query& query) {
+  return 2 * static_cast<double>(std::min(query.a->mesh().radius(), query.b->mesh().radius()));
+}
+
+bool samePose(const Transformd& a, const Transformd& b) {
+  // By their bits, -0 and 0 apart: the same bytes are promised for the same bytes.
+  return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison)
+}
+
+PairMotion motionOf(const Query& query, const SolidHistory::State& state) {
+  PairMotion motion;
+  Vec3d approach = query.relativeVelocity;
+  if (state.hasPose) {
+    const Vec3d moved = otgSub(middleOfB(query, state.pose), middleOfB(query, query.bInA));  // A relative to B
+    motion.step = std::sqrt(otgDot(moved, moved));
+    if (!(otgDot(approach, approach) > 0)) approach = moved;
+  }
+  const double speed = std::sqrt(otgDot(approach, approach));
+  if (speed > 0) motion.back = otgScale(approach, -1 / speed);
+  if (state.escapeLeft > 0) motion.escape = otgRotate(query.bInA, state.escape);
+  motion.deepNormal = otgRotate(query.bInA, state.deepNormal);
+  return motion;
+}
+
+/// By more than 60 degrees.
+bool hasTurnedFar(const Transformd& from, const Transformd& to) {
+  double trace = 0;  // of the rotation between the two: 1 + 2 cos
+  for (int i = 0; i < 9; ++i) trace += from.r[i] * to.r[i];
+  return trace < 2;
+}
+
+bool isSolid(const TriMesh& mesh) {
+  return mesh.meshClass() == MeshClass::kSolid;
+}
+
+/// Every crossing begins one chord and ends one.
+bool isClosed(const Contour& contour) {
+  if (contour.anomalies > 0) return false;
+  std::vector<std::uint8_t> ends(contour.crossings.size(), 0);
+  for (const Chord& chord : contour.chords) {
+    if ((ends[chord.start] & 1) != 0 || (ends[chord.end] & 2) != 0) return false;
+    ends[chord.start] |= 1;
+    ends[chord.end] |= 2;
+  }
+  return std::all_of(ends.begin(), ends.end(), [](std::uint8_t e) { return e == 3; });
+}
+
+/// What a query starts from.
+SolidHistory::State stateBefore(const Query& query) {
+  SolidHistory::State state;
+  if (query.history && query.history->used) {
+    const bool again = samePose(query.history->current.pose, query.bInA);
+    state = again ? query.history->before : query.history->current;
+  }
+  if (state.hasPose) {
+    // A pair that jumped was put there, it did not move: what it did before says nothing. The direction of a deep
+    // overlap is worth keeping only while the overlap is nearly the same.
+    const double size = smallerSize(query);
+    const Vec3d d = otgSub(middleOfB(query, state.pose), middleOfB(query, query.bInA));
+    const double moved = std::sqrt(otgDot(d, d));
+    if (moved > 0.05 * size) state.deepNormal = {0, 0, 0};
+    if (moved > 0.25 * size || hasTurnedFar(state.pose, query.bInA)) state = {};
+  }
+  return state;
+}
+
+void keep(const Query& query, const SolidHistory::State& before, SolidHistory::State state) {
+  if (!query.history) return;
+  state.pose = query.bInA;
+  state.hasPose = true;
+  query.history->before = before;
+  query.history->current = state;
+  query.history->used = true;
+}
+
+}  // namespace
+
+bool isSheet(const TriMesh& mesh) {
+  return !isSolid(mesh) && mesh.triangleCount() > 0 && mesh.report().inconsistentEdges == 0 &&
+         mesh.report().nonManifoldEdges == 0;
+}
+
+bool haveSolidContacts(const TriMesh& a, const TriMesh& b) {
+  return (isSolid(a) && (isSolid(b) || isSheet(b))) || (isSheet(a) && isSolid(b));
+}
+
+bool isUnburdened(const Query& query) {
+  return query.history == nullptr || stateBefore(query).clampLeft <= 1;
+}
+
+Vec3d deepDirectionBefore(const Query& query) {
+  return query.history == nullptr ? Vec3d{0, 0, 0} : otgRotate(query.bInA, stateBefore(query).deepNormal);
+}
+
+void rememberPlain(const Query& query, const Vec3d& deep) {
+  if (!query.history || !haveSolidContacts(query.a->mesh(), query.b->mesh())) return;
+  const SolidHistory::State before = stateBefore(query);
+  SolidHistory::State state = before;
+  state.escapeLeft = std::max(0, state.escapeLeft - 1);
+  state.deepNormal = otgDot(deep, deep) > 0 ? otgRotateBack(query.bInA, deep) : Vec3d{0, 0, 0};
+  state.clampLeft = std::max(0, state.clampLeft - 1);
+  keep(query, before, state);
+}
+
+namespace {
+
+/// From the regions of the overlap to contacts, one region after the other; keeps what the pair remembers.
+class PairContacts {
+ public:
+  PairContacts(const PlacedMeshes& meshes, const Query& query, Workspace& workspace)
+      : meshes_(meshes),
+        query_(query),
+        workspace_(workspace),
+        size_(smallerSize(query)),
+        before_(stateBefore(query)),
+        state_(before_),
+        motion_(motionOf(query, before_)) {
+    state_.escapeLeft = std::max(0, state_.escapeLeft - 1);
+    state_.deepNormal = {0, 0, 0};
+  }
+
+  void add(const OverlapRegions& all, const Region& region) {
+    if (region.diagonal < OTG_SOLID_LEAST_DIAGONAL * size_ ||
+        region.areaA + region.areaB < OTG_SOLID_LEAST_AREA * size_ * size_)
+      return;
+    RegionNormals normals(all, region);
+    RegionExtent extent(all, region);
+    const RegionDirection direction = directRegion(meshes_, all, region, motion_, normals, extent);
+    remember(direction);
+    const double extra = direction.escaping ? motion_.step : 0;
+    const std::size_t first = workspace_.contacts.size();
+    const bool settled = query_.refiner && query_.refiner->direct(meshes_, all, region, direction, normals);
+    contactsOfRegion({meshes_, all, region, number_++, normals, extent, query_.options.solid.contactsPerRegion, extra,
+                      direction.edges && !settled ? &*direction.edges : nullptr},
+                     workspace_.contacts);
+    if (query_.refiner) query_.refiner->refine(workspace_.contacts, first);
+  }
+
+  /// A region whose contacts were made elsewhere.
+  void add(const otg_found_contacts& region, std::span<const Contact> contacts) {
+    if ((region.status & OTG_FOUND_COUNTS) == 0) return;
+    RegionDirection direction;
+    direction.entangled = (region.status & OTG_FOUND_ENTANGLED) != 0;
+    direction.escaping = (region.status & OTG_FOUND_ESCAPING) != 0;
+    direction.deep = (region.status & OTG_FOUND_DEEP) != 0;
+    direction.direction = {region.direction[0], region.direction[1], region.direction[2]};
+    remember(direction);
+    for (const Contact& contact : contacts) {
+      workspace_.contacts.push_back(contact);
+      workspace_.contacts.back().region = number_;
+    }
+    ++number_;
+  }
+
+  void finish() {
+    if (query_.options.solid.regionMerge > 0) {
+      mergeRegions(query_.options.solid.regionMerge, query_.options.solid.contactsPerRegion, workspace_.contacts);
+    }
+    state_.clampLeft = entangled_ ? SolidHistory::kClampQueries : std::max(0, state_.clampLeft - 1);
+    if (state_.clampLeft > 0) {
+      const double most = std::max(0.02 * size_, 2 * motion_.step);
+      for (Contact& contact : workspace_.contacts) {
+        if (contact.depth > most) contact.flags |= kContactClamped;
+        contact.depth = std::min(contact.depth, most);
+      }
+    }
+    keep(query_, before_, state_);
+    workspace_.stats.contactsBeforeReduction = workspace_.contacts.size();
+  }
+
+ private:
+  void remember(const RegionDirection& direction) {
+    entangled_ = entangled_ || direction.entangled;
+    if (direction.escaping && state_.escapeLeft == 0) {
+      state_.escape = otgRotateBack(query_.bInA, direction.direction);
+      state_.escapeLeft = SolidHistory::kEscapeQueries;
+    }
+    if (direction.deep) state_.deepNormal = otgRotateBack(query_.bInA, direction.direction);
+  }
+
+  const PlacedMeshes& meshes_;
+  const Query& query_;
+  Workspace& workspace_;
+  const double size_;
+  const SolidHistory::State before_;
+  SolidHistory::State state_;
+  const PairMotion motion_;
+  bool entangled_ = false;
+  std::uint32_t number_ = 0;
+};
+
+void contactsOfOverlap(const PlacedMeshes& meshes, const Query& query, const OverlapRegions& regions,
+                       Workspace& workspace) {
+  PairContacts contacts(meshes, query, workspace);
+  for (const Region& region : regions.regions) contacts.add(regions, region);
+  contacts.finish();
+}
+
+}  // namespace
+
+bool solidContacts(const Query& query, Workspace& workspace) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
+  workspace.contacts.clear();
+  const TriMesh &a = query.a->mesh(), &b = query.b->mesh();
+  const bool bothSolid = isSolid(a) && isSolid(b);
+  if (!haveSolidContacts(a, b)) return false;
+  if (!workspace.solid) workspace.solid = std::make_unique<SolidScratch>();
+  SolidScratch& scratch = *workspace.solid;
+  const PlacedMeshes meshes(query);
+  traceContour(meshes, workspace.intersecting, scratch.contour);
+  if (!bothSolid && !isClosed(scratch.contour)) return false;
+  floodInside(meshes, scratch.contour, scratch.inside);
+  scratch.builder.build(meshes, scratch.contour, scratch.inside, scratch.regions);
+  addContained(meshes, scratch.inside, scratch.regions);
+  contactsOfOverlap(meshes, query, scratch.regions, workspace);
+  if (query.options.timings) {
+    workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  }
+  return true;
+}
+
+bool solidContactsOf(const Query& query, const FoundOverlap& found, Workspace& workspace) {
+  workspace.contacts.clear();
+  if (!workspace.solid) workspace.solid = std::make_unique<SolidScratch>();
+  SolidScratch& scratch = *workspace.solid;
+  const PlacedMeshes meshes(query);
+  if (!takeOverlap(meshes, found, scratch.small, scratch.regions)) return false;
+  contactsOfOverlap(meshes, query, scratch.regions, workspace);
+  return true;
+}
+
+PairMotion motionBefore(const Query& query) {
+  return motionOf(query, stateBefore(query));
+}
+
+bool solidContactsOf(const Query& query, const FoundContacts& found, Workspace& workspace) {
+  workspace.contacts.clear();
+  if (!workspace.solid) workspace.solid = std::make_unique<SolidScratch>();
+  SmallRegions& small = workspace.solid->small;
+  const otg_overlap_state& state = found.head->state;
+  const std::vector<std::uint32_t> order = regionsInOrder(state);
+  for (const std::uint32_t r : order) {
+    const bool isDone = (found.head->regions[r].status & (OTG_FOUND_DONE | OTG_FOUND_COUNTS)) != OTG_FOUND_COUNTS;
+    if (!isSmallRegion(state.regions[r]) && !isDone) return false;
+  }
+  const PlacedMeshes meshes(query);
+  if (!describeSmall(meshes, state, found.small, small)) return false;
+  PairContacts contacts(meshes, query, workspace);
+  std::size_t nextSmall = 0;
+  for (const std::uint32_t r : order) {
+    if (isSmallRegion(state.regions[r])) {
+      contacts.add(small.regions, small.regions.regions[nextSmall++]);
+    } else {
+      const otg_found_contacts& region = found.head->regions[r];
+      contacts.add(region, found.contacts.subspan(region.first, region.count));
+    }
+  }
+  contacts.finish();
+  return true;
+}
+
+}  // namespace otg

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Parameters of the object-level contact model, and what it may remember of a pair.
+#pragma once
+
+#include "shared/math/vec3.h"
+
+namespace otg {
+
+struct SolidOptions {
+  int contactsPerRegion =
+      16;                  ///< at most this many contacts from one connected overlap region; the C API takes 1 to 64
+  double regionMerge = 0;  ///< regions with contacts at most this far apart and normals alike are one (merge_regions.h)
+  friend bool operator==(const SolidOptions&, const SolidOptions&) = default;
+};
+
+/// What one query of a pair tells the next. Optional: a query without it answers from the geometry alone.
+///
+/// A query at the very pose of the last one starts from the same state as that did, so that asking twice, or from two
+/// threads, changes nothing.
+struct SolidHistory {
+  struct State {
+    Vec3d escape{0, 0, 0};  ///< unit, in B's frame: the direction in which an entangled or contained body is leaving
+    int escapeLeft = 0;     ///< queries for which it still holds
+    int clampLeft = 0;      ///< queries for which the depths of the pair stay clamped
+    Vec3d deepNormal{0, 0, 0};  ///< unit, in B's frame: the direction of the last deep region; zero when out of contact
+    Transformd pose{};          ///< of B in A at the last query
+    bool hasPose = false;
+  };
+  State before;   ///< what the last query started from
+  State current;  ///< what it left
+  bool used = false;
+
+  static constexpr int kEscapeQueries = 50;
+  static constexpr int kClampQueries = 20;
+};
+
+}  // namespace otg

@@ -1,5 +1,0 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// The SIMD stages for what every processor of the target architecture has.
-#define OTG_SIMD_NAMESPACE simd_baseline
-#include "collide/solid/surface_kernels_impl.h"
-#include "collide/wide_kernels_impl.h"

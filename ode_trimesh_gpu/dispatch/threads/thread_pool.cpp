@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "dispatch/threads/thread_pool.h"
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <system_error>
+
+namespace otg {
+namespace {
+
+/// Tells the processor, not the system, that the thread waits: what it shares with another one is free meanwhile.
+void relax() noexcept {
+#if defined(__x86_64__) || defined(__i386__)
+  __builtin_ia32_pause();
+#elif defined(__aarch64__)
+  asm volatile("yield");
+#else
+  std::this_thread::yield();
+#endif
+}
+
+/// Looks for something that other threads are about to do, for no longer than it takes to wake a thread.
+template <class Ready>
+void lookFor(const Ready& ready) {
+  constexpr std::chrono::microseconds kLonger{50};
+  constexpr int kLooks = 16;  // between looks at the clock
+  const auto end = std::chrono::steady_clock::now() + kLonger;
+  do {
+    for (int i = 0; i < kLooks; ++i) {
+      if (ready()) return;
+      relax();
+    }
+  } while (std::chrono::steady_clock::now() < end);
+}
+
+}  // namespace
+
+struct ThreadPool::Job {
+  const Work& work;
+  const std::size_t count, grain;
+  std::atomic<int>* const urgent;   ///< null: it is not
+  std::atomic<bool> counted{true};  ///< among those, as long as there are parts that nobody has begun
+  std::atomic<std::size_t> next{0};
+  std::atomic<int> helpers{0};  ///< changed under the pool's mutex
+  std::exception_ptr error;
+  std::condition_variable left;
+
+  Job(const Work& doing, std::size_t items, std::size_t part, std::atomic<int>* urgentCalls)
+      : work(doing), count(items), grain(part), urgent(urgentCalls) {
+    if (urgent) ++*urgent;
+  }
+  ~Job() { end(); }
+  void end() {
+    if (urgent && counted.exchange(false)) --*urgent;
+  }
+  bool hasMore() const { return next.load(std::memory_order_relaxed) < count; }
+  /// Does parts until there are none left, or until there is an urgent call, if others are `urgentCalls` for the
+  /// thread.
+  void take(std::mutex& mutex, const std::atomic<int>* urgentCalls) {
+    while (urgentCalls == nullptr || *urgentCalls == 0) {
+      const std::size_t begin = next.fetch_add(grain, std::memory_order_relaxed);
+      if (begin >= count) return;
+      if (begin + grain >= count) end();
+      try {
+        work(begin, std::min(count, begin + grain));
+      } catch (...) {
+        next.store(count, std::memory_order_relaxed);
+        end();
+        const std::lock_guard lock(mutex);
+        if (!error) error = std::current_exception();
+      }
+    }
+  }
+};
+
+ThreadPool::ThreadPool(unsigned threads) : looks_(threads <= std::thread::hardware_concurrency()) {
+  try {
+    for (unsigned i = 1; i < threads; ++i) threads_.emplace_back([this] { help(); });
+  } catch (const std::system_error&) {  // as many as the system gives
+  }
+}
+
+ThreadPool::~ThreadPool() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void ThreadPool::help() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    if (looks_ && jobs_.empty() && !stop_) {
+      lock.unlock();
+      lookFor([this] { return queued_.load(std::memory_order_acquire) > 0; });
+      lock.lock();
+    }
+    ++asleep_;
+    wake_.wait(lock, [this] { return stop_ || !jobs_.empty(); });
+    --asleep_;
+    if (jobs_.empty()) return;
+    Job& job = *jobs_.front();
+    if (!job.hasMore()) {
+      jobs_.pop_front();
+      setJobs(jobs_.size());
+      continue;
+    }
+    ++job.helpers;
+    lock.unlock();
+    job.take(mutex_, job.urgent ? nullptr : &urgent_);
+    lock.lock();
+    if (--job.helpers == 0) job.left.notify_all();
+  }
+}
+
+void ThreadPool::run(std::size_t count, std::size_t grain, const Work& work, bool urgent) {
+  if (count == 0) return;
+  grain = std::max<std::size_t>(grain, 1);
+  const bool shared = !threads_.empty() && count > grain;
+  Job job(work, count, grain, urgent && shared ? &urgent_ : nullptr);
+  if (shared) {
+    std::size_t asleep = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      urgent ? jobs_.push_front(&job) : jobs_.push_back(&job);
+      setJobs(jobs_.size());
+      asleep = asleep_;
+    }
+    // The caller does a part itself. Those that are awake come by themselves.
+    const std::size_t others = (count - 1) / grain;
+    if (asleep <= others) {
+      if (asleep > 0) wake_.notify_all();
+    } else {
+      for (std::size_t i = 0; i < others; ++i) wake_.notify_one();
+    }
+  }
+  job.take(mutex_, nullptr);
+  if (shared) {
+    std::unique_lock lock(mutex_);
+    jobs_.erase(std::remove(jobs_.begin(), jobs_.end(), &job), jobs_.end());
+    setJobs(jobs_.size());
+    if (looks_ && job.helpers != 0) {
+      lock.unlock();
+      lookFor([&] { return job.helpers == 0; });
+      lock.lock();  // those who were helpers are done with the job, too
+    }
+    job.left.wait(lock, [&] { return job.helpers == 0; });
+  }
+  if (job.error) std::rethrow_exception(job.error);
+}
+
+unsigned defaultThreadCount() {
+  if (const char* wish = std::getenv("OTG_THREADS"); wish != nullptr) {
+    unsigned threads = 0;
+    const char* const end = wish + std::strlen(wish);
+    const auto [stop, error] = std::from_chars(wish, end, threads);
+    if (error == std::errc() && stop == end && threads > 0 && threads <= 1024) return threads;
+  }
+  return std::max(1u, std::thread::hardware_concurrency());
+}
+
+}  // namespace otg

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a geom remembers of the pairs that it is in contact with, for the contact model `solid`.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "collide/solid_options.h"
+
+namespace otg {
+
+/// Bounded: a pair without contacts is forgotten at its next query, and of more than kMost pairs the one that was asked
+/// for longest ago. Any number of threads.
+class PairMemory {
+ public:
+  static constexpr std::size_t kMost = 256;
+  /// Keys with this bit are no serial numbers: they are made of the address of a geom of ODE's own.
+  static constexpr std::uint64_t kOfAddress = std::uint64_t{1} << 63;
+
+  /// What is known of the pair with the geom of that serial number (serial numbers are never used again). Returns its
+  /// stamp: a number that no other history that was ever stored in this process has, growing from one to the next; 0 if
+  /// nothing is known.
+  std::uint64_t recall(std::uint64_t other, SolidHistory& history, Vec3d* origin = nullptr) {
+    if (empty()) return 0;
+    const std::lock_guard lock(mutex_);
+    const auto it = pairs_.find(other);
+    if (it == pairs_.end()) return 0;
+    history = it->second.history;
+    if (origin != nullptr) *origin = it->second.origin;
+    return it->second.stamp;
+  }
+  /// What recall() would return.
+  std::uint64_t stampOf(std::uint64_t other) {
+    if (empty()) return 0;
+    const std::lock_guard lock(mutex_);
+    const auto it = pairs_.find(other);
+    return it == pairs_.end() ? 0 : it->second.stamp;
+  }
+  /// `origin`: of the frame that the history is told in, in the other geom's own. Returns the stamp.
+  std::uint64_t store(std::uint64_t other, const SolidHistory& history, const Vec3d& origin = {0, 0, 0}) {
+    const std::lock_guard lock(mutex_);
+    if (pairs_.size() >= kMost && pairs_.find(other) == pairs_.end()) {
+      auto oldest = pairs_.begin();
+      for (auto it = pairs_.begin(); it != pairs_.end(); ++it) {
+        if (it->second.stamp < oldest->second.stamp) oldest = it;
+      }
+      pairs_.erase(oldest);
+    }
+    const std::uint64_t stamp = clock().fetch_add(1, std::memory_order_relaxed) + 1;
+    pairs_[other] = {history, stamp, origin};
+    count_.store(pairs_.size(), std::memory_order_release);
+    return stamp;
+  }
+  /// The latest stamp of all.
+  static std::uint64_t now() { return clock().load(std::memory_order_relaxed); }
+  void forget(std::uint64_t other) {
+    if (empty()) return;
+    const std::lock_guard lock(mutex_);
+    pairs_.erase(other);
+    count_.store(pairs_.size(), std::memory_order_release);
+  }
+  void clear() {
+    const std::lock_guard lock(mutex_);
+    pairs_.clear();
+    count_.store(0, std::memory_order_release);
+  }
+  /// Whether nothing is known of any pair: most geoms of a batch are asked, and need no lock for that.
+  bool empty() const { return count_.load(std::memory_order_acquire) == 0; }
+  struct Remembered {
+    std::uint64_t key;
+    SolidHistory history;
+    Vec3d origin{0, 0, 0};
+  };
+  /// Everything, the pair that was asked for longest ago first: storing them in this order in an empty memory makes an
+  /// equal one.
+  std::vector<Remembered> all() {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> order;
+    for (const auto& [other, entry] : pairs_) order.emplace_back(entry.stamp, other);
+    std::sort(order.begin(), order.end());
+    std::vector<Remembered> entries;
+    for (const auto& [stamp, other] : order) {
+      const Entry& entry = pairs_.at(other);
+      entries.push_back({other, entry.history, entry.origin});
+    }
+    return entries;
+  }
+  /// Exchanges what two memories hold. Throws nothing; the other one must be the caller's own.
+  void swap(PairMemory& other) {
+    const std::lock_guard lock(mutex_);
+    pairs_.swap(other.pairs_);
+    other.count_.store(other.pairs_.size(), std::memory_order_release);
+    count_.store(pairs_.size(), std::memory_order_release);
+  }
+
+ private:
+  static std::atomic<std::uint64_t>& clock() {
+    static std::atomic<std::uint64_t> stamps{0};
+    return stamps;
+  }
+  struct Entry {
+    SolidHistory history;
+    std::uint64_t stamp = 0;
+    Vec3d origin{0, 0, 0};
+  };
+  std::atomic<std::size_t> count_{0};  ///< of pairs_
+  std::mutex mutex_;
+  std::map<std::uint64_t, Entry> pairs_;
+};
+
+}  // namespace otg

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// dCollide for two geoms of our class.
+#include "ode/pairs/mesh_collider.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "dispatch/dispatcher.h"
+#include "dispatch/threads/workspace_lease.h"
+#include "ode/base/status.h"
+#include "ode/geom/class_number.h"
+#include "ode/pairs/pair_callbacks.h"
+#include "ode/pairs/prefetched_pairs.h"
+
+namespace otg {
+
+int collideMeshMesh(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip) noexcept {
+  return collideMeshes(o1, o2, flags, {contact, skip});
+}
+
+int collideMeshes(dGeomID o1, dGeomID o2, int flags, const ContactArray& to) noexcept {
+  try {
+    MeshSide side1 = meshSideOf(o1);  // first: so two dTriMeshes that are new get their places in the order of geoms
+    return collideSides(std::move(side1), meshSideOf(o2), flags, to);
+  } catch (...) {  // a dTriMesh whose mesh could not be made for want of memory
+    noteStatus(dGPUTRIMESH_ERROR_MEMORY);
+    return 0;
+  }
+}
+
+int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArray& to) noexcept {
+  if (side1.object == nullptr || side2.object == nullptr) {
+    answerProbe();
+    return 0;
+  }
+  int capacity = capacityOf(flags);
+  if (to.first == nullptr || capacity == 0) return 0;
+  // A skip that makes elements overlap is an error of the caller's; the first element is there in any case.
+  if (to.skip < static_cast<int>(sizeof(dContactGeom))) capacity = 1;
+
+  const GeomUse use(side1.object, side2.object);
+  if (!use.good()) {
+    noteStatus(dGPUTRIMESH_ERROR_BUSY);
+    for (GeomObject* object : {side1.object, side2.object}) {
+      object->stats.queries.fetch_add(1, std::memory_order_relaxed);
+      object->stats.failedQueries.fetch_add(1, std::memory_order_relaxed);
+    }
+    return 0;
+  }
+  side1.takeMesh();
+  side2.takeMesh();
+  const GeomCallbacks callbacks1 = side1.callbacks, callbacks2 = side2.callbacks;
+  const bool asks = callbacks1.asked() || callbacks2.asked();
+  PairTask task;
+  preparePair(std::move(side1), std::move(side2), task);
+  const auto both = {task.side1.object, task.side2.object};
+  for (GeomObject* object : both) object->stats.queries.fetch_add(1, std::memory_order_relaxed);
+  if (task.state == PairTask::State::kNothing) return 0;
+  if (task.state == PairTask::State::kBadPose) {
+    countFailure(task, dGPUTRIMESH_ERROR_POSE);
+    return 0;
+  }
+  try {
+    SolidHistory history;
+    if (needsHistory(task)) recallPair(task, history);
+    task.job.any = isUnimportant(flags);
+    PrefetchedPairs* const ready = task.b().prefetched.get();
+    if (!task.job.any && !asks && ready != nullptr && !ready->empty()) {
+      PairResult result;
+      if (ready->find(task, capacity, result)) {
+        ready->seen(task, rememberPair(task, !result.contacts.empty()));
+        writeContacts(task, result.contacts, to);
+        countPair(task, result.counts, result.contacts.size(), result.onDevice, result.deviceFailed);
+        for (GeomObject* object : both) {
+          object->stats.prefetched.fetch_add(1, std::memory_order_relaxed);
+        }
+        return static_cast<int>(result.contacts.size());
+      }
+    }
+    CollideOptions& options = task.job.query.options;
+    options.maxContacts = std::min(options.maxContacts, capacity);
+    std::optional<PairCallbacks> callbacks;
+    if (asks) task.job.filter = &callbacks.emplace(task, callbacks1, callbacks2);
+    const WorkspaceLease lease;
+    Workspace& workspace = *lease;
+    Dispatcher::Ran ran;
+    const std::span<const Contact> contacts = dispatcher().collide(task.job, workspace, ran);
+    rememberPair(task, !contacts.empty());
+    writeContacts(task, contacts, to);
+    countPair(task, PairCounts(workspace.stats), contacts.size(), ran.onDevice, ran.deviceFailed);
+    return static_cast<int>(contacts.size());
+  } catch (...) {
+    // Only want of memory throws: the query's pose is made of two that were found rigid. ODE's space would stay locked
+    // for ever if we let it through.
+    countFailure(task, dGPUTRIMESH_ERROR_MEMORY);
+    return 0;
+  }
+}
+
+}  // namespace otg

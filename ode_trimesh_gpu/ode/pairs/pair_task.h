@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Two geoms of our class as a query, and the way of its contacts back to ODE: what every way in to a collision shares.
+#pragma once
+
+#include <ode/collision.h>
+
+#include <cstdint>
+#include <span>
+
+#include "dispatch/pair_job.h"
+#include "ode/geom/mesh_side.h"
+#include "ode_trimesh_gpu/contact_data.h"
+
+namespace otg {
+
+/// Where the contacts of a query go.
+struct ContactArray {
+  dContactGeom* first = nullptr;
+  int skip = 0;                            ///< bytes from one element to the next
+  dGpuTriMeshContactData* data = nullptr;  ///< null: the data of contacts go nowhere
+  int dataSkip = 0;
+};
+
+/// How a contact in mesh A's frame becomes one of ODE's.
+struct ContactFrame {
+  Transformd poseOfA;  ///< A's frame to the world
+  bool first;          ///< mesh A is o1's
+  dGeomID o1, o2;
+};
+
+/// Writes a dContactGeom as a whole structure of its own, so that any skip and any alignment will do and the caller's
+/// bytes in between stay as they are. Triangles are the caller's numbers; kNone becomes -1.
+void writeContact(const Contact& from, const ContactFrame& frame, void* to);
+
+/// A pair of geoms at one moment. It stays as it is when they move; the objects have to live on.
+struct PairTask {
+  enum class State {
+    kNothing,  ///< they cannot touch: a geom without triangles, or far apart
+    kBadPose,  ///< a pose is not finite or not rigid
+    kBusy,     ///< a geom or its data are changed by somebody else
+    kReady     ///< `job` is to be done
+  };
+  MeshGeom side1, side2;
+  State state = State::kNothing;
+  bool first = false;       ///< mesh A is o1's
+  Transformd poseOfA{};     ///< A's frame to the world
+  PairJob job;              ///< maxContacts is what the geoms allow; job.query.history: see recallPair()
+  std::uint64_t stamp = 0;  ///< of what was remembered, 0 for nothing
+  bool remembers = false;   ///< both geoms remember pairs with the other's class
+
+  PairTask() = default;
+  PairTask(const PairTask&) = delete;
+  PairTask& operator=(const PairTask&) = delete;
+
+  const MeshGeom& sideA() const { return first ? side1 : side2; }
+  const MeshGeom& sideB() const { return first ? side2 : side1; }
+  GeomObject& a() const { return *sideA().object; }
+  GeomObject& b() const { return *sideB().object; }
+  /// What the query has made of what is remembered; null if nothing.
+  const SolidHistory* usedHistory() const {
+    const SolidHistory* const history = job.query.history;
+    return history != nullptr && history->used ? history : nullptr;
+  }
+};
+
+/// The lower 16 bits of the flags of dCollide: the number of places (ODE's own name for it is private). The flags as a
+/// whole are negative when CONTACTS_UNIMPORTANT is set.
+constexpr int capacityOf(int flags) {
+  return flags & 0xffff;
+}
+bool isUnimportant(int flags);
+
+/// Where b's frame lies in a's: R = Ra^T Rb, t = Ra^T (xb - xa), in double.
+Transformd relativePose(const Transformd& a, const Transformd& b);
+
+/// The choices for a pair out of those of its geoms; symmetric but for the traversal, which is `first`'s.
+CollideOptions pairOptions(const dGpuTriMeshParams& first, const dGpuTriMeshParams& second);
+
+/// Where the phases of a pair run: as both geoms want it, or else as the process does.
+Placement pairPlacement(const dGpuTriMeshParams& first, const dGpuTriMeshParams& second, Placement process);
+
+/// Reads poses, velocities and parameters of two geoms; sets everything but the history and what depends on the call:
+/// `any` and `filter`.
+void preparePair(MeshGeom&& side1, MeshGeom&& side2, PairTask& task) noexcept;
+
+/// Whether a prepared pair has to be given a history by recallPair().
+bool needsHistory(const PairTask& task);
+/// What is remembered of the pair, which the query goes on with, in place of nothing: the object has to live as long as
+/// the task is used.
+void recallPair(PairTask& task, SolidHistory& history);
+
+/// What every collision leaves with its geoms, of contacts found or not: the history and the statistics. Returns the
+/// stamp of what is remembered now, 0 for nothing. May throw std::bad_alloc.
+std::uint64_t rememberPair(const PairTask& task, bool hasContacts);
+void countPair(const PairTask& task, const PairCounts& counts, std::size_t contacts, bool onDevice,
+               bool deviceFailed) noexcept;
+/// Asks the processor for the statistics that countPair() changes.
+void fetchStats(const PairTask& task) noexcept;
+/// A query that found nothing because it failed; the status becomes the thread's last error.
+void countFailure(const PairTask& task, int status) noexcept;
+
+/// To ODE's contacts, in the world, in the order of the call.
+void writeContacts(const PairTask& task, std::span<const Contact> contacts, const ContactArray& to);
+
+}  // namespace otg

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ode/shapes/convex_collider.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "collide/pairwise/reduction.h"
+#include "ode/pairs/pair_task.h"
+#include "ode/shapes/primitive_history.h"
+#include "primitives/capsule_contacts.h"
+#include "primitives/convex_contacts.h"
+
+namespace otg {
+namespace {
+
+/// Contacts of the convex with a half space; all corners below it if there are corners above it, too.
+std::size_t cornersBelow(dGeomID convex, dGeomID plane, std::vector<dContactGeom>& places) {
+  for (;;) {
+    const int count = dCollide(convex, plane, static_cast<int>(places.size()), places.data(), sizeof(dContactGeom));
+    if (count < static_cast<int>(places.size()) || places.size() >= 0xffff) return static_cast<std::size_t>(count);
+    places.resize(std::min<std::size_t>(4 * places.size(), 0xffff));
+  }
+}
+
+/// The corners of a dConvex in its own frame, in order. ODE has no function that tells them, but its collider of a
+/// convex with a plane gives a contact at each corner below the plane if there are corners above it, too: the half
+/// spaces on either side of a plane through the convex tell all.
+std::vector<Vec3d> cornersOfConvex(dGeomID convex) {
+  const Transformd pose = readPose(convex).transform;
+  dReal box[6];
+  dGeomGetAABB(convex, box);
+  std::vector<dContactGeom> places(256);
+  std::vector<Vec3d> corners;
+  const auto take = [&](std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const dReal* const p = places[i].pos;
+      // Rounded as the vertices of meshes are: the same numbers, whatever the pose that they were read in.
+      const Vec3d x = otgRotateBack(pose, otgSub(Vec3d{p[0], p[1], p[2]}, pose.t));
+      corners.push_back({static_cast<float>(x.x), static_cast<float>(x.y), static_cast<float>(x.z)});
+    }
+  };
+  // Inside a dGeomTransform the box may be that of another pose; the origin is a second guess.
+  const dReal guesses[2] = {(box[0] + box[1]) / 2, static_cast<dReal>(pose.t.x)};
+  for (const dReal middle : guesses) {
+    const dGeomID plane = dCreatePlane(nullptr, 1, 0, 0, middle);
+    take(cornersBelow(convex, plane, places));
+    dGeomPlaneSetParams(plane, -1, 0, 0, -middle);
+    take(cornersBelow(convex, plane, places));
+    dGeomDestroy(plane);
+    if (!corners.empty()) break;
+  }
+  const auto less = [](const Vec3d& a, const Vec3d& b) {
+    return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
+  };
+  std::sort(corners.begin(), corners.end(), less);
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  return corners;
+}
+
+}  // namespace
+
+std::shared_ptr<const ConvexShape> shapeOfGeom(dGeomID geom) {
+  switch (dGeomGetClass(geom)) {
+    case dBoxClass: {
+      dVector3 sides;
+      dGeomBoxGetLengths(geom, sides);
+      return boxShape({0.5 * sides[0], 0.5 * sides[1], 0.5 * sides[2]});
+    }
+    case dCapsuleClass: {
+      dReal radius, length;
+      dGeomCapsuleGetParams(geom, &radius, &length);
+      return capsuleShape(radius, 0.5 * length);
+    }
+    case dCylinderClass: {
+      dReal radius, length;
+      dGeomCylinderGetParams(geom, &radius, &length);
+      return cylinderShape(radius, 0.5 * length);
+    }
+    default:
+      return polyhedronShape(cornersOfConvex(geom));
+  }
+}
+
+namespace {
+
+Capsule capsuleInMesh(const PrimitiveTask& task) {
+  dReal radius, length;
+  dGeomCapsuleGetParams(task.o2, &radius, &length);
+  return {task.other.t, otgRotate(task.other, Vec3d{0, 0, 1}), static_cast<double>(radius), 0.5 * length};
+}
+
+}  // namespace
+
+std::span<const Contact> convexGeomContacts(const PrimitiveTask& task, int most, Workspace& workspace) {
+  workspace.reduced.clear();
+  if (dGeomGetClass(task.o2) == dCapsuleClass &&
+      capsuleContacts(*task.side.mesh, capsuleInMesh(task), workspace.reduced)) {
+    forgetPrimitive(task);
+    if (workspace.reduced.size() > static_cast<std::size_t>(most)) {
+      workspace.reduced = limitContacts(workspace.reduced, most);
+    }
+    return workspace.reduced;
+  }
+  const std::shared_ptr<const ConvexShape> shape = task.shape != nullptr ? task.shape : shapeOfGeom(task.o2);
+  if (shape == nullptr) return {};
+  Query query;
+  query.a = task.side.mesh;
+  query.b = shape->mesh.get();
+  query.bInA = task.other;
+  query.options = pairOptions(task.side.object->params, task.side.object->params);
+  query.options.maxContacts = most;
+  const dReal* const at = dGeomGetPosition(task.o2);
+  query.relativeVelocity = relativeVelocity(task, Vec3d{at[0], at[1], at[2]});
+  PrimitiveHistory history(task);
+  query.history = history.get();
+  convexContacts(query, *shape, workspace);
+  history.keep(!workspace.reduced.empty());
+  return workspace.reduced;
+}
+
+}  // namespace otg

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ode/shapes/primitive_history.h"
+
+#include <ode/objects.h>
+
+#include <cmath>
+
+namespace otg {
+namespace {
+
+/// The same motion told for another origin of mesh B's frame.
+void moveOrigin(SolidHistory& history, const Vec3d& from, const Vec3d& to) {
+  const Vec3d d = otgSub(to, from);
+  if (!(otgDot(d, d) > 0)) return;
+  for (SolidHistory::State* state : {&history.before, &history.current}) {
+    if (state->hasPose) state->pose.t = otgAdd(state->pose.t, otgRotate(state->pose, d));
+  }
+}
+
+}  // namespace
+
+std::uint64_t memoryKey(dGeomID geom) {
+  return PairMemory::kOfAddress | reinterpret_cast<std::uintptr_t>(geom);
+}
+
+PrimitiveHistory::PrimitiveHistory(const PrimitiveTask& task, const Vec3d& origin)
+    : memory_(task.side.object->memory),
+      key_(memoryKey(task.o2)),
+      origin_(origin),
+      remembers_(task.side.object->remembersWith(dGeomGetClass(task.o2))),
+      detached_(task.detached) {
+  if (!remembers_) return;
+  if (detached_ != nullptr) {
+    history_ = detached_->history;
+    return;
+  }
+  Vec3d then{0, 0, 0};
+  if (memory_.recall(key_, history_, &then) != 0) moveOrigin(history_, then, origin_);
+}
+
+void PrimitiveHistory::keep(bool hasContacts) {
+  const bool isKept = remembers_ && history_.used && hasContacts;
+  if (detached_ != nullptr) {
+    *detached_ = {history_, isKept};
+  } else if (isKept) {
+    memory_.store(key_, history_, origin_);
+  } else {
+    memory_.forget(key_);
+  }
+}
+
+void forgetPrimitive(const PrimitiveTask& task) {
+  if (task.detached != nullptr) {
+    task.detached->isKept = false;
+    return;
+  }
+  task.side.object->memory.forget(memoryKey(task.o2));
+}
+
+Vec3d relativeVelocity(const PrimitiveTask& task, const Vec3d& at) {
+  const auto velocityAt = [&](dGeomID geom) {
+    const dBodyID body = dGeomGetBody(geom);
+    if (body == nullptr) return Vec3d{0, 0, 0};
+    dVector3 v;
+    dBodyGetPointVel(body, static_cast<dReal>(at.x), static_cast<dReal>(at.y), static_cast<dReal>(at.z), v);
+    return Vec3d{v[0], v[1], v[2]};
+  };
+  const Vec3d v = otgRotateBack(task.pose, otgSub(velocityAt(task.o1), velocityAt(task.o2)));
+  return std::isfinite(v.x + v.y + v.z) ? v : Vec3d{0, 0, 0};
+}
+
+}  // namespace otg

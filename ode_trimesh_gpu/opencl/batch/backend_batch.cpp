@@ -1,0 +1,590 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Many pairs in one submission.
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <thread>
+#include <unordered_map>
+
+#include "collide/solid/solid_contacts.h"
+#include "opencl/backend.h"
+#include "opencl/backend_state.h"
+#include "opencl/batch/batch_finish.h"
+#include "opencl/batch/batch_source.h"
+#include "opencl/lanes/overlap_queue.h"
+#include "opencl/runtime/stopwatch.h"
+
+namespace otg::opencl {
+
+/// One call for many pairs: what is left to the device goes there in pieces. `Finish` says what is made of a pair:
+///   meanwhile(which, query)         what the host makes of pairs that the device will leave, while it is at work
+///   keepLeft(i, done)               one of these
+///   chunk(begin, count, found)      the flags (and contacts) of a piece, before anything else is said of its pairs
+///   refuse(i)                       a pose that cannot be worked with
+///   records(which, answer, query, recordsOf) pairs that the host has to finish: query(i), and places of its records
+///   described(which, query, found)  pairs whose overlaps are described, and for each of them the description; those
+///                                   for which it is of no use are returned (if kTakesDescriptions)
+///   alone(i, query)                 a pair too large for one work-group is done without the batch (if kLargeAlone);
+///                                   false if the device failed
+///   withoutDevice(which, query)     pairs that the device has no part in
+template <class Source, class Finish>
+class Backend::Batch {
+ public:
+  Batch(BackendState& state, const Source& source, BatchWish wish, Finish& finish, bool profile)
+      : state_(state),
+        source_(source),
+        wish_(wish),
+        finish_(finish),
+        lanes_(profile ? state.profiledBatches : state.batches),
+        describes_(Finish::kTakesDescriptions && wish == BatchWish::kSolid &&
+                   LargeStage::works(state.context.info(), state.tuning)),
+        overlaps_(profile ? state.profiledOverlaps : state.overlaps, state.tuning.overlapPairs) {
+    std::uint64_t largest = 0;
+    for (const CollisionMesh* mesh : source.meshes) largest = std::max(largest, triangles(mesh));
+    anyLarge_ = Finish::kLargeAlone && 2 * largest > state.tuning.batchTriangles;
+  }
+
+  /// False if the device failed.
+  bool run(StageTimes* times) {
+    times_ = times;
+    const std::size_t most = std::max(1u, state_.tuning.batchPairs);
+    // With times one after the other, so that each stage has the device for itself.
+    const std::size_t pieces = times ? 1 : std::max(1u, state_.tuning.pieces);
+    for (std::size_t at = 0; at < source_.size(); at += most) {
+      const std::size_t end = std::min(source_.size(), at + most);
+      submitFrom(at, end, std::max<std::size_t>(state_.tuning.leastPiece, (end - at + pieces - 1) / pieces));
+    }
+    return good_;
+  }
+
+ private:
+  static constexpr std::size_t kMostWaits = 500;  ///< of a batch, for memory, a millisecond each
+  static constexpr otg_uint kNotDone = OTG_PAIR_REFUSED | OTG_PAIR_TO_HOST | OTG_PAIR_NO_FRAME | OTG_PAIR_SKIPPED;
+  static std::uint64_t triangles(const CollisionMesh* mesh) { return mesh->mesh().triangleCount(); }
+
+  /// The meshes of some pairs, when not all of a batch fit at once.
+  void narrow(std::size_t begin, std::size_t count) {
+    std::vector<std::uint32_t> number(source_.meshes.size(), kNone);
+    meshes_.clear();
+    const auto use = [&](std::uint32_t mesh) {
+      if (number[mesh] != kNone) return;
+      number[mesh] = static_cast<std::uint32_t>(meshes_.size());
+      meshes_.push_back(source_.meshes[mesh]);
+    };
+    otg_batch_task task{};
+    for (std::size_t i = begin; i < begin + count; ++i) {
+      source_.fill(i, task);
+      use(task.meshA);
+      use(task.meshB);
+    }
+    renumber_ = std::move(number);
+  }
+
+  /// A part of the batch in one submission.
+  struct Piece {
+    std::size_t begin, count;
+    bool soon = false;                  ///< the lane tells early what it leaves to the host
+    bool lacksMemory = false;           ///< that others' queries take
+    std::unique_ptr<BatchLane> lane{};  ///< none if it could not be begun
+    std::uint64_t repeats = 0;          ///< of the lane until then
+    std::vector<std::size_t> alone{}, large{}, refused{};
+    std::optional<ClError> error{};
+  };
+
+  /// A part that has ended but for pairs that are being described.
+  struct Holder {
+    std::unique_ptr<BatchLane> lane;
+    std::uint64_t repeats;
+    std::size_t begin, count;
+    bool scattered;
+    std::vector<std::size_t> inVain;  ///< pairs that were not described
+  };
+
+  /// Pieces of `step` pairs: all are begun before the first is waited for, so that the host finishes what the device
+  /// leaves of one while the device has the next.
+  void submitFrom(std::size_t begin, std::size_t end, std::size_t step) {
+    std::vector<Piece> pieces;
+    for (std::size_t at = begin; at < end; at += step) pieces.push_back(begun(at, std::min(step, end - at), false));
+    workMeanwhile(pieces);
+    for (Piece& piece : pieces) finish(piece);
+    finishOverlaps();
+    withoutDevice(later_);
+    later_.clear();
+  }
+
+  Piece begun(std::size_t begin, std::size_t count, bool part) {
+    Piece piece{begin, count};
+    if (part) {
+      narrow(begin, count);
+    } else if (meshes_.size() != source_.meshes.size()) {
+      meshes_ = source_.meshes;
+      renumber_.clear();
+    }
+    try {
+      piece.lane = lanes_.take();
+      piece.repeats = piece.lane->repeats();
+      const Stopwatch watch(times_ != nullptr);
+      const std::span<otg_batch_task> tasks = piece.lane->stage(count);
+      fill(begin, tasks, piece.lane->stageFrames(), piece);
+      fillDirections(begin, *piece.lane);
+      if (times_) times_->fill += watch.ms();
+      piece.soon = asksSoon();
+      if (piece.soon) {
+        piece.lane->beginWithFlags(meshes_, source_.reductions);
+      } else {
+        piece.lane->begin(meshes_, source_.reductions, wish_);
+      }
+    } catch (const ClError& error) {
+      piece.lane = nullptr;
+      piece.error = error;
+      piece.lacksMemory = dynamic_cast<const MemoryInUse*>(&error) != nullptr;
+    }
+    return piece;
+  }
+
+  void finish(Piece& piece) {
+    const std::size_t begin = piece.begin, count = piece.count;
+    // Nothing of a piece is finished before its last call of OpenCL: a failure leaves all of it.
+    if (!piece.error) {
+      try {
+        const BatchFound found = piece.lane->end();
+        if (times_) addTimes(piece.lane->profile());
+        const Stopwatch collecting(times_ != nullptr);
+        collect(piece, found);
+        if (times_) times_->host += collecting.ms();
+        if (piece.lane) letGo(std::move(piece.lane), piece.repeats);
+      } catch (const ClError& error) {
+        piece.lane = nullptr;
+        piece.error = error;
+      }
+    }
+    if (piece.error) {
+      // Meshes that do not fit at once may fit in two halves.
+      if (piece.error->code() == CL_MEM_OBJECT_ALLOCATION_FAILURE && count > 1) {
+        finishOverlaps();  // they have meshes pinned
+        finishHalf(begin, count / 2);
+        finishOverlaps();
+        finishHalf(begin + count / 2, count - count / 2);
+        return;
+      }
+      logError(*piece.error);
+      good_ = false;
+      finish_.chunk(begin, count, {});
+      std::vector<std::size_t> good;
+      for (std::size_t i = begin; i < begin + count; ++i) {
+        if (isRefused(source_.query(i))) {
+          finish_.refuse(i);
+        } else if (!keptMeanwhile(i)) {
+          good.push_back(i);
+        }
+      }
+      withoutDevice(good);
+      state_.onHost += count;
+      return;
+    }
+    withoutDevice(piece.alone);
+    if constexpr (Finish::kLargeAlone) {
+      for (const std::size_t i : piece.large) good_ = finish_.alone(i, source_.query(i)) && good_;
+    }
+  }
+
+  void finishHalf(std::size_t begin, std::size_t count) {
+    Piece piece = begun(begin, count, true);
+    // Others are done soon; but the memory may be this batch's own.
+    for (; count == 1 && piece.lacksMemory && waits_ < kMostWaits; ++waits_) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      piece = begun(begin, count, true);
+    }
+    workMeanwhile({&piece, 1});
+    finish(piece);
+  }
+
+  void fill(std::size_t begin, std::span<otg_batch_task> tasks, std::span<otg_batch_pair> frames, Piece& piece) {
+    const auto copy = [&](std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) source_.fill(begin + k, tasks[k]);
+    };
+    if constexpr (Source::kIsScattered) {
+      finish_.inParts(tasks.size(), copy);
+    } else {
+      copy(0, tasks.size());
+    }
+    if (!renumber_.empty()) {
+      for (otg_batch_task& task : tasks) {
+        task.meshA = renumber_[task.meshA];
+        task.meshB = renumber_[task.meshB];
+      }
+    }
+    if (anyLarge_) {
+      for (std::size_t k = 0; k < tasks.size(); ++k) {
+        const CollisionMesh *a = meshes_[tasks[k].meshA], *b = meshes_[tasks[k].meshB];
+        if (triangles(a) + triangles(b) <= state_.tuning.batchTriangles) continue;
+        tasks[k].skip = 1;
+        (isRefused(source_.query(begin + k)) ? piece.refused : piece.large).push_back(begin + k);
+      }
+    }
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      if (tasks[k].skip) continue;
+      const Query query = source_.query(begin + k);
+      const PairFrame frame = makePairFrame(query);
+      if (isRefused(query) || isIdleQuery(query, frame)) {
+        (isRefused(query) ? piece.refused : piece.alone).push_back(begin + k);
+        tasks[k].skip = 1;
+        continue;
+      }
+      const BoxFrame<float> boxes = deviceBoxes(frame);
+      std::copy(std::begin(boxes.r), std::end(boxes.r), frames[k].r);
+      frames[k].t = boxes.t;
+      frames[k].eps = boxes.eps;
+      frames[k].delta = frame.floatError.delta;
+      frames[k].meshA = tasks[k].meshA;
+      frames[k].meshB = tasks[k].meshB;
+    }
+  }
+
+  /// What pairs remember of their last deep regions.
+  void fillDirections(std::size_t begin, BatchLane& lane) {
+    if constexpr (Finish::kTakesDescriptions) {
+      if (wish_ != BatchWish::kSolid || !source_.anyHistory) return;
+      const std::span<Vec3d> directions = lane.stageDirections();
+      finish_.inParts(directions.size(), [&](std::size_t from, std::size_t to) {
+        for (std::size_t k = from; k < to; ++k) directions[k] = deepDirectionBefore(source_.query(begin + k));
+      });
+    }
+  }
+
+  bool asksSoon() const {
+    if constexpr (Finish::kTakesDescriptions) {
+      return wish_ == BatchWish::kSolid && finish_.hasThreads() && state_.tuning.meanwhile > 0;
+    }
+    return false;
+  }
+
+  /// Some pairs that are left to the host as soon as that is known, of all pieces at once. Where they are many, their
+  /// records are waited for, which tell the host what intersects; or they are described.
+  void workMeanwhile(std::span<Piece> pieces) {
+    if constexpr (Finish::kTakesDescriptions) {
+      std::vector<std::size_t> which;
+      for (Piece& piece : pieces) {
+        if (!piece.soon || piece.error) continue;
+        try {
+          const otg_uint* flags = piece.lane->soonFlags();
+          const std::size_t before = which.size();
+          std::size_t forOverlaps = 0, left = 0;
+          for (std::size_t k = 0; k < piece.count; ++k) {
+            if ((flags[k] & kNotDone) != OTG_PAIR_TO_HOST) continue;
+            ++left;
+            forOverlaps += describes_ && isForOverlaps(flags[k]);
+            if (!done_.contains(piece.begin + k)) which.push_back(piece.begin + k);
+          }
+          if (left > state_.tuning.meanwhile || forOverlaps >= state_.tuning.leastOverlaps) which.resize(before);
+        } catch (const ClError& error) {
+          piece.lane = nullptr;
+          piece.error = error;
+        }
+      }
+      if (which.empty()) return;
+      auto done = finish_.meanwhile(which, [&](std::size_t i) { return source_.query(i); });
+      for (std::size_t k = 0; k < which.size(); ++k) done_.emplace(which[k], std::move(done[k]));
+    }
+  }
+
+  /// Whether the host has done pair `i` already, which is kept then.
+  bool keptMeanwhile(std::size_t i) {
+    if constexpr (Finish::kTakesDescriptions) {
+      const auto found = done_.find(i);
+      if (found == done_.end()) return false;
+      finish_.keepLeft(i, found->second);
+      return true;
+    }
+    return false;
+  }
+
+  void collect(Piece& piece, const BatchFound& found) {
+    const std::size_t begin = piece.begin, count = piece.count;
+    std::vector<std::size_t> fromRecords, fromMeanwhile;
+    OverlapJob job;
+    const bool all = wish_ == BatchWish::kPairs;
+    bool scattered = false, makes = true;  // contacts from descriptions
+    if (all || wish_ == BatchWish::kAny || found.counters[OTG_COUNT_FLAGGED] > 0) {
+      for (std::size_t k = 0; k < count; ++k) {
+        const otg_uint flags = found.flags[k];
+        if (flags & OTG_PAIR_REFUSED) {
+          piece.refused.push_back(begin + k);
+        } else if (flags & OTG_PAIR_NO_FRAME) {
+          piece.alone.push_back(begin + k);
+        } else if (flags & OTG_PAIR_SKIPPED) {
+          continue;
+        } else if (all || ((flags & OTG_PAIR_TO_HOST) && !(flags & OTG_PAIR_INTERSECTS))) {
+          if (done_.contains(begin + k)) {
+            fromMeanwhile.push_back(begin + k);
+            continue;
+          }
+          if (describes_ && isForOverlaps(flags)) {
+            const Query query = source_.query(begin + k);
+            job.add(begin + k, {static_cast<otg_uint>(k), found.contacts[0].places[2 * k], 0, 0, 0}, query.a, query.b);
+            makes = makes && LargeContacts::works(query, state_.tuning);
+          } else {
+            fromRecords.push_back(begin + k);
+          }
+          scattered = scattered || (flags & OTG_PAIR_MANY);
+        }
+      }
+    }
+    // A few are sooner done by the host.
+    if (job.which.size() < state_.tuning.leastOverlaps) {
+      fromRecords.insert(fromRecords.end(), job.which.begin(), job.which.end());
+      job.which.clear();
+    }
+    putOff(fromRecords);
+    BatchLane& lane = *piece.lane;
+    Answer answer;
+    // The counters and contacts of `found` stay where they are meanwhile.
+    if (!fromRecords.empty()) answer = scattered ? lane.records() : lane.recordsLeft();
+    if (!job.which.empty()) {
+      job.holder = holders_.size();
+      job.batch = &lane;
+      if (makes) {
+        for (const std::size_t i : job.which) job.tasks.push_back(overlapTask(source_.query(i)));
+      }
+      holders_.push_back({std::move(piece.lane), piece.repeats, begin, count, scattered, {}});
+      overlaps_.add(job);
+    }
+    finish_.chunk(begin, count, found);
+    for (const std::size_t i : fromMeanwhile) keptMeanwhile(i);
+    if (!fromRecords.empty()) dealOut(begin, count, answer, fromRecords);
+    if constexpr (Finish::kTakesDescriptions) {
+      if (wish_ == BatchWish::kSolid && source_.anyHistory) {
+        finish_.inParts(count, [&](std::size_t from, std::size_t to) {
+          for (std::size_t k = from; k < to; ++k) {
+            if ((found.flags[k] & (kNotDone | OTG_PAIR_PAIRWISE)) != 0) continue;
+            const bool hasContacts = found.contacts[0].places[2 * k + 1] > 0;
+            rememberPlain(source_.query(begin + k), hasContacts ? found.directions[k] : Vec3d{0, 0, 0});
+          }
+        });
+      }
+    }
+    for (const std::size_t i : piece.refused) finish_.refuse(i);
+  }
+
+  /// A few pairs of solids, of which the device said late that it leaves them, wait for those of the other pieces: one
+  /// after the other pieces would each wait for the slowest of theirs. Those of the other model are quickly made from
+  /// records.
+  void putOff(std::vector<std::size_t>& few) {
+    if constexpr (Finish::kTakesDescriptions) {
+      if (wish_ != BatchWish::kSolid || !finish_.hasThreads() || few.size() > state_.tuning.meanwhile) return;
+      finish_.putOff(few.size());
+      later_.insert(later_.end(), few.begin(), few.end());
+      few.clear();
+    }
+  }
+
+  /// Whether the host would describe an overlap by cells, or perhaps, and nothing else is in the way.
+  static bool isForOverlaps(otg_uint flags) {
+    const otg_uint why = flags >> OTG_PAIR_WHY;
+    if (why & (OTG_SOLID_INEXACT | OTG_SOLID_CONTAINED | OTG_SOLID_TIE)) return false;
+    return (why & OTG_SOLID_AT_ODDS) || ((why & OTG_SOLID_BY_CELLS) && !(why & OTG_SOLID_BROKEN));
+  }
+
+  void letGo(std::unique_ptr<BatchLane> lane, std::uint64_t repeats) {
+    lane->letGo();
+    lanes_.keep(std::move(lane), repeats);
+  }
+
+  /// Contacts of all pairs that are being described. Then their lanes are free.
+  void finishOverlaps() {
+    if constexpr (Finish::kTakesDescriptions) {
+      overlaps_.finish([&](OverlapJob& job) { finishOverlap(job); });
+      for (Holder& holder : holders_) {
+        if (!holder.inVain.empty()) finishInVain(holder);
+        if (holder.lane) letGo(std::move(holder.lane), holder.repeats);
+      }
+      holders_.clear();
+    }
+  }
+
+  void finishOverlap(OverlapJob& job) {
+    if (job.error) {
+      failed(*job.error, job.which);
+      return;
+    }
+    const Stopwatch making(times_ != nullptr);
+    if (times_) addTimes(job.lane->profile());
+    Holder& holder = holders_[job.holder];
+    std::vector<std::size_t> which;
+    std::vector<std::uint32_t> places;
+    for (std::uint32_t k = 0; k < job.which.size(); ++k) {
+      if (job.lane->isDescribed(k)) {
+        which.push_back(job.which[k]);
+        places.push_back(k);
+      } else {
+        holder.inVain.push_back(job.which[k]);
+      }
+    }
+    const auto queryOf = [&](std::size_t i) { return source_.query(i); };
+    const std::size_t all = which.size();
+    if (job.lane->hasContacts()) {
+      const std::vector<std::size_t> bad =
+          finish_.made(which, queryOf, [&](std::size_t k) { return job.lane->contacts(places[k]); });
+      state_.contactsMade += which.size() - bad.size();
+      state_.contactsLeft += bad.size();
+      // Both ascend.
+      std::vector<std::uint32_t> rest;
+      for (std::size_t k = 0, next = 0; next < bad.size(); ++k) {
+        if (which[k] != bad[next]) continue;
+        rest.push_back(places[k]);
+        ++next;
+      }
+      which = bad;
+      places = rest;
+    }
+    std::vector<std::size_t> bad;
+    if (!which.empty()) {
+      try {
+        if (job.lane->hasContacts()) job.lane->readDescriptions();
+      } catch (const ClError& error) {
+        job.lane = nullptr;
+        failed(error, which);
+        state_.described += all - which.size();
+        return;
+      }
+      bad = finish_.described(which, queryOf, [&](std::size_t k) { return job.lane->found(places[k]); });
+    }
+    holder.inVain.insert(holder.inVain.end(), bad.begin(), bad.end());
+    state_.described += all - bad.size();
+    if (times_) times_->host += making.ms();
+  }
+
+  /// Pairs of a batch that has ended, from their records.
+  void finishInVain(Holder& holder) {
+    state_.describedInVain += holder.inVain.size();
+    try {
+      const Answer answer = holder.scattered ? holder.lane->records() : holder.lane->recordsLeft();
+      dealOut(holder.begin, holder.count, answer, holder.inVain);
+    } catch (const ClError& error) {
+      holder.lane = nullptr;
+      failed(error, holder.inVain);
+    }
+  }
+
+  /// The device failed before these pairs were done.
+  void failed(const ClError& error, const std::vector<std::size_t>& which) {
+    logError(error);
+    good_ = false;
+    withoutDevice(which);
+    state_.onHost += which.size();
+  }
+
+  void withoutDevice(const std::vector<std::size_t>& which) {
+    if (!which.empty()) finish_.withoutDevice(which, [&](std::size_t i) { return source_.query(i); });
+  }
+
+  /// Gives each of `which` its records.
+  void dealOut(std::size_t begin, std::size_t count, const Answer& answer, const std::vector<std::size_t>& which) {
+    std::vector<std::uint32_t> from(count + 1, 0), records(answer.count);
+    for (std::uint32_t r = 0; r < answer.count; ++r) ++from[pairOfRecord(answer, r) + 1];
+    std::partial_sum(from.begin(), from.end(), from.begin());
+    std::vector<std::uint32_t> next(from.begin(), from.end() - 1);
+    for (std::uint32_t r = 0; r < answer.count; ++r) records[next[pairOfRecord(answer, r)]++] = r;
+    finish_.records(
+        which, answer, [&](std::size_t i) { return source_.query(i); },
+        [&](std::size_t i) {
+          const std::size_t k = i - begin;
+          return std::span<const std::uint32_t>(records).subspan(from[k], from[k + 1] - from[k]);
+        });
+  }
+
+  void addTimes(const Profile& profile) {
+    times_->write += profile.ms(Profile::kWrite);
+    times_->top += profile.ms(Profile::kTop);
+    times_->main += profile.ms(Profile::kMain);
+    times_->contacts += profile.ms(Profile::kContacts);
+    times_->regions += profile.ms(Profile::kRegions);
+    times_->select += profile.ms(Profile::kSelect);
+    times_->choose += profile.ms(Profile::kChoose);
+    times_->weigh += profile.ms(Profile::kWeigh);
+    times_->ways += profile.ms(Profile::kWays);
+    times_->candidates += profile.ms(Profile::kCandidates);
+    times_->readBack += profile.ms(Profile::kReadBack);
+  }
+
+  BackendState& state_;
+  const Source& source_;
+  const BatchWish wish_;
+  Finish& finish_;
+  LanePool<BatchLane>& lanes_;
+  const bool describes_;
+  std::vector<Holder> holders_;
+  OverlapQueue overlaps_;
+  bool good_ = true, anyLarge_ = false;
+  std::vector<std::size_t> later_;                             ///< pairs for the host when all pieces are done
+  std::unordered_map<std::size_t, ContactFinish::Done> done_;  ///< by the host, while the device is at work
+  std::vector<const CollisionMesh*> meshes_;                   ///< of the submission under way
+  std::size_t waits_ = 0;
+  std::vector<std::uint32_t> renumber_;  ///< from the source's numbers to these; empty: the same
+  StageTimes* times_ = nullptr;
+};
+
+template <class Source>
+bool Backend::collideFrom(const Source& source, BatchAnswer& answer, StageTimes* times, const RunParts& onHost) {
+  const Stopwatch total(times != nullptr);
+  if (times) *times = {};
+  state_->queries += source.size();
+  answer.clear();
+  ContactFinish finish{*this, state_->queries, answer};
+  if (onHost) finish.onHost = &onHost;
+  const BatchWish wish = !state_->reduces()                        ? BatchWish::kPairs
+                         : source.anySolid && state_->tuning.solid ? BatchWish::kSolid
+                         : source.anyPairwise                      ? BatchWish::kContacts
+                                                                   : BatchWish::kPairs;
+  Batch<Source, ContactFinish> batch(*state_, source, wish, finish, times != nullptr);
+  const bool good = batch.run(times);
+  finish.end();
+  if (times) times->total = total.ms();
+  return good;
+}
+
+template <class Source>
+bool Backend::intersectFrom(const Source& source, std::vector<std::uint8_t>& answer, StageTimes* times,
+                            const RunParts& onHost) {
+  const Stopwatch total(times != nullptr);
+  if (times) *times = {};
+  state_->queries += source.size();
+  answer.assign(source.size(), 0);
+  AnyFinish finish{answer};
+  if (onHost) finish.onHost = &onHost;
+  Batch<Source, AnyFinish> batch(*state_, source, BatchWish::kAny, finish, times != nullptr);
+  const bool good = batch.run(times);
+  if (times) times->total = total.ms();
+  return good;
+}
+
+bool Backend::collideBatch(std::span<const Query* const> queries, BatchAnswer& answer, StageTimes* times,
+                           const RunParts& onHost) {
+  return collideFrom(QuerySource(QueryList(queries), state_->tuning.solid, onHost), answer, times, onHost);
+}
+
+bool Backend::collideBatch(std::span<const Query> queries, BatchAnswer& answer, StageTimes* times,
+                           const RunParts& onHost) {
+  return collideFrom(QuerySource(QueryList(queries), state_->tuning.solid, onHost), answer, times, onHost);
+}
+
+bool Backend::collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTimes* times, const RunParts& onHost) {
+  return collideFrom(PairSource(batch, state_->tuning.solid), answer, times, onHost);
+}
+
+bool Backend::intersectBatch(std::span<const PosedMeshes* const> pairs, std::vector<std::uint8_t>& answer,
+                             StageTimes* times, const RunParts& onHost) {
+  return intersectFrom(PosedSource(pairs, onHost), answer, times, onHost);
+}
+
+bool Backend::intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer, StageTimes* times) {
+  return intersectFrom(QuerySource(QueryList(queries), state_->tuning.solid), answer, times, {});
+}
+
+bool Backend::intersectBatch(const PairBatch& batch, std::vector<std::uint8_t>& answer, StageTimes* times) {
+  return intersectFrom(PairSource(batch, state_->tuning.solid), answer, times, {});
+}
+
+}  // namespace otg::opencl

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is made of the pairs of a batch that a device has been through, and the host's share of the work.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "collide/stages.h"
+#include "opencl/backend.h"
+#include "opencl/batch/run_parts.h"
+#include "opencl/lanes/batch_lane.h"
+#include "opencl/lanes/take_answer.h"
+#include "opencl/results/take_records.h"
+
+namespace otg::opencl {
+
+inline void addStats(CollideStats& sums, const CollideStats& s) {
+  sums.boxTests += s.boxTests;
+  sums.candidatePairs += s.candidatePairs;
+  sums.decidedByDouble += s.decidedByDouble;
+  sums.intersectingPairs += s.intersectingPairs;
+  sums.decidedExactly += s.decidedExactly;
+  sums.contactsBeforeReduction += s.contactsBeforeReduction;
+}
+
+/// Contacts of pairs, most of them where the device put them.
+struct ContactFinish {
+  Backend& backend;
+  std::atomic<std::uint64_t>& queries;
+  BatchAnswer& answer;
+  Workspace workspace{};
+  const RunParts* onHost = nullptr;  ///< does what is the host's, if it is there
+
+  void chunk(std::size_t begin, std::size_t count, const BatchFound& found) {
+    answer.addQueries(count);
+    for (const BatchFound::Contacts& part : found.contacts) {
+      answer.addPart(begin, count, part.places, part.contacts, part.memory);
+    }
+    if (found.counters == nullptr) return;
+    CollideStats device;
+    const Answer counted{found.counters, nullptr, 0, 0};
+    takeCounts(counted, device);
+    device.intersectingPairs = found.counters[OTG_COUNT_INTERSECTING];
+    device.contactsBeforeReduction = found.counters[OTG_COUNT_CONTACTS];
+    device.decidedExactly = found.decidedExactly;
+    addStats(answer.stats, device);
+  }
+
+  void refuse(std::size_t i) { answer.refused.push_back(i); }
+
+  template <class QueryOf, class RecordsOf>
+  void records(const std::vector<std::size_t>& which, const Answer& found, const QueryOf& queryOf,
+               const RecordsOf& recordsOf) {
+    answer.leftToHost += which.size();
+    share(which, [&](std::size_t k, Workspace& own) {
+      collideFromRecords(queryOf(which[k]), found, recordsOf(which[k]), own);
+      return true;
+    });
+  }
+
+  /// Whether there are threads that have nothing to do while the device is at work.
+  bool hasThreads() const { return onHost != nullptr; }
+  /// So many of the host's pairs are for withoutDevice() at the end.
+  void putOff(std::size_t count) { answer.leftToHost += count; }
+  /// What the host makes of a pair.
+  struct Done {
+    bool good = false;
+    std::vector<Contact> contacts{};
+    CollideStats stats{};
+  };
+  /// Pairs that the device will leave, while it does the others.
+  template <class QueryOf>
+  std::vector<Done> meanwhile(const std::vector<std::size_t>& which, const QueryOf& queryOf) {
+    return make(which.size(), [&](std::size_t k, Workspace& own) {
+      collide(queryOf(which[k]), own);
+      return true;
+    });
+  }
+  void keepLeft(std::size_t i, const Done& done) {
+    ++answer.leftToHost;
+    answer.byHost.push_back(i);
+    keep(i, done.stats, done.contacts);
+  }
+
+  static constexpr bool kTakesDescriptions = true;
+  static constexpr bool kLargeAlone = true;
+  /// Those that the host sees in another way than the device.
+  template <class QueryOf, class FoundOf>
+  std::vector<std::size_t> described(const std::vector<std::size_t>& which, const QueryOf& queryOf,
+                                     const FoundOf& foundOf) {
+    return share(which,
+                 [&](std::size_t k, Workspace& own) { return takeDescribed(queryOf(which[k]), foundOf(k), own); });
+  }
+
+  /// The same where contacts of large regions are made; and those that were left.
+  template <class QueryOf, class FoundOf>
+  std::vector<std::size_t> made(const std::vector<std::size_t>& which, const QueryOf& queryOf, const FoundOf& foundOf) {
+    return share(which, [&](std::size_t k, Workspace& own) { return takeMade(queryOf(which[k]), foundOf(k), own); });
+  }
+
+  bool alone(std::size_t i, const Query& query) {
+    --queries;  // counted again there
+    const bool good = backend.collide(query, workspace);
+    keep(i, workspace.stats, workspace.reduced);
+    return good;
+  }
+  template <class QueryOf>
+  void withoutDevice(const std::vector<std::size_t>& which, const QueryOf& queryOf) {
+    share(which, [&](std::size_t k, Workspace& own) {
+      collide(queryOf(which[k]), own);
+      return true;
+    });
+    answer.byHost.insert(answer.byHost.end(), which.begin(), which.end());
+  }
+
+  /// work(begin, end) for parts of `count` pairs with little to do for each.
+  template <class Work>
+  void inParts(std::size_t count, const Work& work) const {
+    runParts(onHost, count, work);
+  }
+
+  void keep(std::size_t i, const CollideStats& stats, const std::vector<Contact>& contacts) {
+    addStats(answer.stats, stats);
+    if (!contacts.empty()) answer.add(i, contacts);
+  }
+
+  void end() { std::sort(answer.refused.begin(), answer.refused.end()); }
+
+ private:
+  /// As make(), and keeps that; the pairs for which `work` returned false are returned.
+  template <class Work>
+  std::vector<std::size_t> share(const std::vector<std::size_t>& which, const Work& work) {
+    const std::vector<Done> done = make(which.size(), work);
+    std::vector<std::size_t> bad;
+    for (std::size_t k = 0; k < which.size(); ++k) {
+      if (done[k].good) {
+        keep(which[k], done[k].stats, done[k].contacts);
+      } else {
+        bad.push_back(which[k]);
+      }
+    }
+    return bad;
+  }
+
+  /// work(k, workspace) for each of `count`, by the caller's threads if he lends them, and what it left there.
+  template <class Work>
+  std::vector<Done> make(std::size_t count, const Work& work) {
+    std::vector<Done> done(count);
+    std::mutex mutex;
+    std::vector<std::unique_ptr<Workspace>> idle;  // they are not made for each part anew
+    const auto some = [&](std::size_t begin, std::size_t end) {
+      std::unique_ptr<Workspace> own;
+      {
+        const std::lock_guard lock(mutex);
+        if (!idle.empty()) {
+          own = std::move(idle.back());
+          idle.pop_back();
+        }
+      }
+      if (!own) own = std::make_unique<Workspace>();
+      for (std::size_t k = begin; k < end; ++k) {
+        const bool good = work(k, *own);
+        done[k] = {good, own->reduced, own->stats};
+      }
+      const std::lock_guard lock(mutex);
+      idle.push_back(std::move(own));
+    };
+    if (onHost && count > 1) {
+      (*onHost)(count, some);
+    } else {
+      some(0, count);
+    }
+    return done;
+  }
+};
+
+/// Yes or no.
+struct AnyFinish {
+  std::vector<std::uint8_t>& answer;
+  Workspace workspace{};
+  const RunParts* onHost = nullptr;  ///< helps to fill in what is sent, if it is there
+
+  void chunk(std::size_t begin, std::size_t count, const BatchFound& found) {
+    if (found.flags == nullptr) return;
+    for (std::size_t k = 0; k < count; ++k) answer[begin + k] = (found.flags[k] & OTG_PAIR_INTERSECTS) != 0;
+  }
+  void refuse(std::size_t) {}
+  /// work(begin, end) for parts of `count` pairs with little to do for each.
+  template <class Work>
+  void inParts(std::size_t count, const Work& work) const {
+    runParts(onHost, count, work);
+  }
+  static constexpr bool kTakesDescriptions = false;
+  /// Whether large meshes intersect is as a rule soon known, and it takes many of them to keep the device busy.
+  static constexpr bool kLargeAlone = false;
+  template <class QueryOf, class RecordsOf>
+  void records(const std::vector<std::size_t>& which, const Answer& found, const QueryOf& queryOf,
+               const RecordsOf& recordsOf) {
+    for (const std::size_t i : which) {
+      const Query query = queryOf(i);
+      const PairFrame frame = makePairFrame(query);
+      const std::span<const std::uint32_t> some = recordsOf(i);
+      answer[i] = std::any_of(some.begin(), some.end(),
+                              [&](std::uint32_t r) { return recordIntersects(query, frame, found, r); });
+    }
+  }
+  template <class QueryOf>
+  void withoutDevice(const std::vector<std::size_t>& which, const QueryOf& queryOf) {
+    for (const std::size_t i : which) {
+      findIntersectingPairs(queryOf(i), workspace);
+      answer[i] = !workspace.intersecting.empty();
+    }
+  }
+};
+
+}  // namespace otg::opencl

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What one batch of pairs at a time needs on a device.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "collide/pair_frame.h"
+#include "opencl/meshes/mesh_store.h"
+#include "opencl/results/exact_need.h"
+#include "opencl/results/reducer.h"
+#include "opencl/results/result_buffer.h"
+#include "opencl/solid/large_stage.h"
+#include "opencl/solid/small_stage.h"
+#include "opencl/tuning.h"
+
+namespace otg::opencl {
+
+/// What is asked of all pairs of a batch.
+enum class BatchWish {
+  kAny,       ///< whether they intersect
+  kPairs,     ///< records of all pairs of triangles that intersect
+  kContacts,  ///< contacts of the model `pairwise`, reduced; needs BatchLane::makesContacts
+  kSolid      ///< contacts of the model `solid`, likewise; what the device leaves is to be finished from records
+};
+
+/// Views of the lane's memory, good until its next batch. For each pair a word of OTG_PAIR_* flags.
+struct BatchFound {
+  const otg_uint* counters = nullptr;
+  const otg_uint* flags = nullptr;
+  /// Contacts, where they are wished. Those of a pair lie side by side; two words a pair say where, and how many.
+  struct Contacts {
+    const otg_uint* places = nullptr;
+    const Contact* contacts = nullptr;
+    std::shared_ptr<const void> memory;  ///< keeps them as they are for as long as it is shared
+  };
+  std::vector<Contacts> contacts;    ///< a pair has its contacts in one of them at most
+  std::uint64_t decidedExactly = 0;  ///< pairs of triangles, where contacts of the model `pairwise` are wished
+  /// Where pairs remember: the direction of the last deep region of each pair with contacts, or zero. Frame A.
+  const Vec3d* directions = nullptr;
+};
+
+/// One thread at a time. After a ClError the lane is of no further use.
+class BatchLane {
+ public:
+  BatchLane(Context& context, MeshStore& meshes, const Tuning& tuning);
+  BatchLane(const BatchLane&) = delete;
+  BatchLane& operator=(const BatchLane&) = delete;
+  ~BatchLane();
+
+  /// Memory for so many pairs, to be filled before run().
+  std::span<otg_batch_task> stage(std::size_t count);
+  /// Frames of the same pairs, which the host has to make for a device without doubles (else empty).
+  std::span<otg_batch_pair> stageFrames();
+  /// The same, for a batch of solids that remember: the direction of each pair's last deep region, or zero. Frame A.
+  std::span<Vec3d> stageDirections();
+  bool makesContacts() const { return static_cast<bool>(small_); }
+
+  /// Begins with middle and near phase of the staged pairs in one submission, and what else is wished. Tasks name
+  /// meshes by their places in `meshes` (empty ones too), and reductions. Throws ClError.
+  void begin(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions, BatchWish wish);
+  /// The same for a batch of solids of which soonFlags() is to be asked before end().
+  void beginWithFlags(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions);
+  /// Waits until the regions of a batch of solids are known: the flags of its pairs as they are then. A pair that is
+  /// left to the host stays so, unless a list was too short. Throws ClError.
+  const otg_uint* soonFlags();
+  /// Waits for it; the meshes stay pinned. With OTG_PAIR_TO_HOST but without OTG_PAIR_NO_FRAME a pair has to be
+  /// finished from its records. Throws ClError.
+  BatchFound end();
+  /// All records of the last run. Throws ClError.
+  Answer records();
+  /// Those of pairs with OTG_PAIR_TO_HOST at least, if none of them has OTG_PAIR_MANY. Throws ClError.
+  Answer recordsLeft();
+  /// What there is to describe the overlaps of pairs of a batch of solids from, as long as the meshes are pinned.
+  LargeStage::Batch solids() const;
+  void letGo() { pinned_ = {}; }
+
+  const Profile& profile() const { return profile_; }
+  std::uint64_t repeats() const { return repeats_; }
+
+ private:
+  void beginRun();
+  BatchFound endRun();
+  template <class Run>
+  void guarded(Run&& run);
+  void send(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions);
+  void enqueue(cl_mem meshes, BatchWish wish);
+  void enqueueReduction(cl_mem meshes, cl_mem records, otg_uint only);
+  void runMany(cl_mem meshes, BatchFound& found);
+  void enqueueRecords(cl_mem meshes, Kernel& kernel, const otg_uint* decides, const ChosenBuffer& chosen, bool enter);
+  Kernel& deciding(bool enter);
+
+  Context& context_;
+  MeshStore& meshes_;
+  const Tuning tuning_;
+  const std::size_t groups_;
+  QueueHandle queue_;
+  Kernel prepare_, walk_, pairs_, small_, medium_, records_, entered_;
+  // In exact arithmetic; not built before they are asked for, because they are large.
+  Kernel decided_, decide_, decideEntered_;
+  ExactNeed exact_;
+  BufferHandle counters_;
+  PinnedBuffer staged_;
+  std::uint32_t count_ = 0, stackSize_ = 0, smallHits_, mediumHits_;
+  std::vector<otg_batch_pair> frames_;
+  std::vector<otg_device_mesh> sentPlaces_;
+  DeviceList tasks_{sizeof(otg_batch_task)}, pairList_{sizeof(otg_batch_pair)}, order_{sizeof(otg_uint)},
+      places_{sizeof(otg_device_mesh)}, list_{sizeof(otg_uint)}, hits_{sizeof(otg_batch_hit)};
+  ResultBuffer results_;
+  ChosenBuffer chosen_, chosenOfMany_;
+  std::uint32_t contactPlaces_;
+  std::vector<otg_uint> flagsOfMany_;
+  otg_uint countersOfMany_[OTG_COUNTERS] = {};
+  Reducer reducer_;
+  Profile profile_;
+  SmallStage solid_;
+  MeshStore::Pinned pinned_;  ///< of the run under way
+  BatchWish wish_ = BatchWish::kAny;
+  otg_uint mostPlaces_ = 1;  ///< of its reductions
+  bool contactRecords_ = false, hasContacts_ = false, underWay_ = false;
+  bool anyPairwise_ = false;  ///< of a batch of solids: some pair may have contacts of the model `pairwise`
+  PinnedBuffer flags_;        ///< for soonFlags()
+  bool wantsFlags_ = false;
+  EventHandle flagged_;
+  PinnedBuffer directionsBefore_, directions_;
+  bool remembers_ = false;
+  std::uint64_t repeats_ = 0;
+};
+
+}  // namespace otg::opencl

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The nearest triangles of many pairs of meshes on the device.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "opencl/meshes/mesh_store.h"
+#include "opencl/runtime/launch.h"
+#include "opencl/runtime/pinned_buffer.h"
+#include "opencl/tuning.h"
+#include "shared/layout/distance_layout.h"
+
+namespace otg::opencl {
+
+/// One thread at a time. After a ClError the lane is of no further use.
+class DistanceLane {
+ public:
+  /// The device has doubles.
+  DistanceLane(Context& context, MeshStore& meshes, const Tuning& tuning);
+  ~DistanceLane();
+  DistanceLane(const DistanceLane&) = delete;
+  DistanceLane& operator=(const DistanceLane&) = delete;
+
+  /// Memory for so many pairs, to be filled before run(). Throws ClError.
+  std::span<otg_distance_task> stage(std::size_t count);
+  /// Two words for each of them (shared/layout/distance_layout.h); a view of the lane's memory. Tasks name meshes by
+  /// their places in `meshes`; none is empty. Throws ClError.
+  std::span<const otg_uint> run(std::span<const CollisionMesh* const> meshes);
+
+  std::uint64_t repeats() const { return 0; }
+
+ private:
+  Context& context_;
+  MeshStore& meshes_;
+  const std::size_t group_;
+  const Tuning tuning_;
+  QueueHandle queue_;
+  Kernel walk_;
+  DeviceList tasks_{sizeof(otg_distance_task)}, places_{sizeof(otg_device_mesh)}, answers_{2 * sizeof(otg_uint)};
+  PinnedBuffer staged_, received_;
+  std::vector<otg_device_mesh> table_;
+  MeshStore::Pinned pinned_;
+  std::size_t count_ = 0;
+  bool underWay_ = false;
+};
+
+}  // namespace otg::opencl

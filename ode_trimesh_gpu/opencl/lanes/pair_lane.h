@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What one query at a time needs on a device: a queue, kernels, and the lists between kernels.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "collide/pair_frame.h"
+#include "opencl/meshes/mesh_store.h"
+#include "opencl/results/exact_need.h"
+#include "opencl/results/reducer.h"
+#include "opencl/results/result_buffer.h"
+#include "opencl/solid/large_contacts.h"
+#include "opencl/solid/large_stage.h"
+#include "opencl/tuning.h"
+
+namespace otg::opencl {
+
+/// What a query of one pair found, good until the lane's next one.
+struct PairAnswer {
+  Answer found;          ///< the counters; the records unless the contacts are reduced
+  bool reduced = false;  ///< `contacts` is the answer
+  bool left = false;     ///< it was to be, but the host has to finish the pair
+  std::span<const Contact> contacts;
+  bool asked = false;      ///< for a description
+  bool described = false;  ///< `overlap` is what was asked for, and `found` has no records
+  bool pairwise = false;   ///< its contour does not close: all else is as if contacts had been asked for
+  FoundOverlap overlap;
+  bool made = false;  ///< described, but in place of `overlap` are the contacts of its large regions
+  FoundContacts contactsOfRegions;
+};
+
+/// What is asked of a pair.
+enum class PairWish {
+  kPairs,     ///< the pairs of triangles that intersect
+  kContacts,  ///< contacts of the model `pairwise` where the device has doubles, reduced where that can be done there
+  kOverlap    ///< where there are many, the description of the overlap; else as kPairs
+};
+
+/// One thread at a time. After a ClError the lane is of no further use.
+class PairLane {
+ public:
+  PairLane(Context& context, MeshStore& meshes, const Tuning& tuning);
+  PairLane(const PairLane&) = delete;
+  PairLane& operator=(const PairLane&) = delete;
+
+  /// Middle and near phase of one pair, and what else is wished. Throws ClError.
+  PairAnswer run(const Query& query, const PairFrame& frame, PairWish wish);
+  /// After an answer with `described`: the records. Throws ClError.
+  Answer records();
+  /// After an answer with `made`: the description. Throws ClError.
+  FoundOverlap description();
+
+  /// Of the last query, if tuning.profile is set.
+  const Profile& profile() const { return profile_; }
+  /// Times that a list was too short and the query was run again.
+  std::uint64_t repeats() const { return repeats_; }
+
+ private:
+  PairAnswer runOn(const otg_device_pair& pair, const Query& query, cl_mem meshes, bool contacts);
+  PairAnswer describe(const otg_device_pair& pair, const Query& query, cl_mem meshes);
+  bool describes(const otg_device_pair& pair) const;
+  void enqueueWalk(const otg_device_pair& pair, cl_mem meshes, const otg_reduction& how);
+  void enqueueFew(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes);
+  void enqueueRecords(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, bool contacts, bool reduce);
+  void enqueueRecordsBy(Kernel& kernel, const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes,
+                        const otg_uint* decides, bool reduce);
+  Kernel& deciding(bool contacts, bool reduce);
+  bool makeRoom(const otg_uint* counters);
+
+  Context& context_;
+  MeshStore& meshes_;
+  const Tuning tuning_;
+  const std::size_t groups_;
+  QueueHandle queue_;
+  Kernel cut_, level_, tail_, pairs_, contacts_, entered_, few_;
+  // In exact arithmetic; not built before they are asked for, because they are large.
+  Kernel fewDecided_, decidePairs_, decideContacts_, decideEntered_;
+  ExactNeed exact_;
+  BufferHandle counters_;
+  DeviceList level0_{sizeof(cl_uint2)}, level1_{sizeof(cl_uint2)}, level2_{sizeof(cl_uint2)}, leaves_{sizeof(cl_uint2)},
+      hits_{sizeof(cl_uint2)};
+  ResultBuffer results_;
+  ChosenBuffer chosen_;
+  Reducer reducer_;
+  LargeStage overlap_;
+  LargeContacts overlapContacts_;
+  Profile profile_;
+  std::uint32_t fewHits_ = 0, lastHits_ = 0;
+  bool isFresh_ = true;  ///< no query yet that tells how many hits to expect
+  std::uint64_t repeats_ = 0;
+};
+
+}  // namespace otg::opencl

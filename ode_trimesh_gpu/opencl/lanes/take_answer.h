@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From the answer of a lane to a workspace.
+#pragma once
+
+#include "opencl/lanes/pair_lane.h"
+
+namespace otg::opencl {
+
+/// takeRecords for an answer to one query.
+std::uint64_t takeAll(const Query& query, const PairFrame& frame, const Answer& answer, bool contacts,
+                      Workspace& workspace);
+
+/// What the host still has to do when it has an answer.
+enum class HostRest {
+  kNothing,    ///< the device has reduced the contacts
+  kReduction,  ///< it has made them
+  kContacts    ///< it has found the triangles that intersect
+};
+
+/// What the device found, into the workspace; and how many pairs of triangles the host decided in exact arithmetic.
+struct Taken {
+  HostRest rest = HostRest::kNothing;
+  std::uint64_t decidedExactly = 0;
+};
+Taken takeAnswer(const Query& query, const PairFrame& frame, const PairAnswer& answer, bool contacts,
+                 Workspace& workspace);
+
+/// The contacts of a pair from what is known of its overlap. False where the host sees it in another way.
+bool takeDescribed(const Query& query, const FoundOverlap& overlap, Workspace& workspace);
+
+/// The same where the device has made those of the large regions. False where it left some of them to the host.
+bool takeMade(const Query& query, const FoundContacts& found, Workspace& workspace);
+
+/// Does the rest.
+void finishAnswer(const Query& query, HostRest rest, Workspace& workspace);
+
+}  // namespace otg::opencl

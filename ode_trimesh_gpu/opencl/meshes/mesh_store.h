@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Meshes resident on a device: uploaded once, evicted least recently used first; where vertices move, followed.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "bvh/collision_mesh.h"
+#include "collide/pair_frame.h"
+#include "opencl/meshes/packed_motion.h"
+#include "opencl/runtime/context.h"
+#include "opencl/runtime/launch.h"
+
+namespace otg::opencl {
+
+/// The box frame for a device. Devices may take numbers smaller than the smallest normal float for zero: some forty
+/// roundings of 1.2e-38 at most.
+inline BoxFrame<float> deviceBoxes(const PairFrame& frame) {
+  BoxFrame<float> boxes = frame.boxes;
+  boxes.eps += 1e-36f;
+  return boxes;
+}
+
+/// All meshes of one context lie in one buffer, so that a kernel that works on many pairs reaches all of them. Any
+/// thread.
+class MeshStore {
+ public:
+  /// `budget`: bytes that the buffer may take at most; `leafTriangles`: most triangles of a leaf of the trees;
+  /// `cutOrder`: as in Tuning.
+  MeshStore(Context& context, std::uint64_t budget, std::uint32_t leafTriangles,
+            MeshLayout layout = MeshLayout::kEightWide, std::uint32_t cutOrder = 0);
+
+  /// Makes the kernel that updates need, which the first of them would do. Throws ClError.
+  void prepare();
+
+  struct Resident {
+    otg_device_mesh place{};
+    std::uint32_t begin = 0, units = 0;  ///< of 16 bytes
+    std::atomic<int> pins{0};
+    std::uint64_t lastUse = 0;
+    std::uint64_t moves = 0;                     ///< CollisionMesh::moves() of what lies there
+    std::shared_ptr<const PackedPlaces> places;  ///< of a mesh that has moved
+  };
+
+  /// Meshes that stay where they are as long as this lives.
+  class Pinned {
+   public:
+    Pinned() = default;
+    Pinned(Pinned&&) noexcept = default;
+    Pinned& operator=(Pinned&& other) noexcept {
+      std::swap(buffer_, other.buffer_);
+      std::swap(meshes_, other.meshes_);
+      return *this;
+    }
+    ~Pinned() {
+      for (const auto& mesh : meshes_) --mesh->pins;
+    }
+    cl_mem buffer() const { return buffer_->get(); }
+    const otg_device_mesh& operator[](std::size_t i) const { return meshes_[i]->place; }
+    /// Null for a mesh that had not moved when it was packed: it lies there as packMesh() would put it.
+    const PackedPlaces* places(std::size_t i) const { return meshes_[i]->places.get(); }
+
+   private:
+    friend class MeshStore;
+    std::shared_ptr<const BufferHandle> buffer_;  ///< a later one may be larger; this one keeps what it holds
+    std::vector<std::shared_ptr<Resident>> meshes_;
+  };
+
+  /// Uploads what is not there, and what has changed of what is. Throws ClError, with CL_MEM_OBJECT_ALLOCATION_FAILURE
+  /// when the budget cannot hold these meshes beside the ones that are pinned; nothing is pinned then.
+  Pinned acquire(std::span<const CollisionMesh* const> meshes);
+
+  struct Counts {
+    /// Whole meshes that were sent, changes of resident ones, meshes that made room; bytes of the first two.
+    std::uint64_t uploads = 0, updates = 0, evictions = 0, bytesUploaded = 0;
+    std::uint64_t bytesUsed = 0, bytesHeld = 0;  ///< by meshes now; by the buffer
+  };
+  Counts counts() const;
+  std::uint32_t leafTriangles() const { return leafTriangles_; }
+
+ private:
+  using Residents = std::map<std::weak_ptr<const void>, std::shared_ptr<Resident>, std::owner_less<>>;
+  void upload(const CollisionMesh& mesh, Resident& resident);
+  bool update(const CollisionMesh& mesh, Resident& resident);
+  void send(const PackedChanges& changes, std::uint32_t begin);
+  Residents::iterator drop(Residents::iterator it);
+  std::uint32_t allocate(std::uint32_t units);
+  bool findGap(std::uint32_t units, std::uint32_t& begin) const;
+  bool grow(std::uint32_t units);
+  bool evictOne();
+  void forgetDead();
+
+  Context& context_;
+  const std::uint64_t mostUnits_;
+  const std::uint32_t leafTriangles_, cutOrder_;
+  const MeshLayout layout_;
+  mutable std::mutex mutex_;
+  QueueHandle queue_;
+  std::shared_ptr<const BufferHandle> buffer_;
+  std::uint32_t capacity_ = 0;         ///< units of the buffer
+  Kernel scatter_;                     ///< made by prepare() or the first update
+  DeviceList sent_{sizeof(MeshUnit)};  ///< changes on their way
+  std::vector<MeshUnit> sending_;
+  /// By CollisionMesh::structure(): the key of a mesh that is gone is never another's.
+  Residents residents_;
+  std::vector<std::shared_ptr<Resident>> outdated_;  ///< of meshes that have moved while these were pinned
+  std::map<std::uint32_t, std::uint32_t> taken_;     ///< begin to end, in units
+  std::uint64_t clock_ = 0;
+  Counts counts_;
+};
+
+}  // namespace otg::opencl

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From the records that a device wrote to the stages of a workspace.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "collide/pair_frame.h"
+#include "collide/query.h"
+#include "opencl/results/result_buffer.h"
+
+namespace otg::opencl {
+
+/// The records `which` of the answer, all of one query, to workspace.intersecting and, if they hold contacts and
+/// `contacts`, to workspace.contacts with their regions. The host decides what the device left open. The order of
+/// records, which depends on how work-groups were scheduled, leaves no trace. Sets the counts of these two stages in
+/// workspace.stats. Returns how many pairs of triangles the host decided in exact arithmetic.
+std::uint64_t takeRecords(const Query& query, const PairFrame& frame, const Answer& answer,
+                          std::span<const std::uint32_t> which, bool contacts, Workspace& workspace);
+
+/// Whether the record says that its pair intersects.
+bool recordIntersects(const Query& query, const PairFrame& frame, const Answer& answer, std::uint32_t which);
+
+/// The number of the pair that a record belongs to.
+std::uint32_t pairOfRecord(const Answer& answer, std::uint32_t which);
+
+/// The counts of the device to statistics.
+void takeCounts(const Answer& answer, CollideStats& stats);
+
+/// What the host does of a pair of a batch that the device leaves to it: its contacts, as otg::collide leaves them.
+void collideFromRecords(const Query& query, const Answer& answer, std::span<const std::uint32_t> which,
+                        Workspace& workspace);
+
+}  // namespace otg::opencl

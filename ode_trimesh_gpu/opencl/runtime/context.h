@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One OpenCL context on one device, with what is shared by all queries on it.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+
+#include "opencl/runtime/device.h"
+#include "opencl/runtime/handle.h"
+#include "opencl/runtime/kernel.h"
+#include "opencl/runtime/programs.h"
+
+namespace otg::opencl {
+
+/// Any thread. Everything made from it must go before it does.
+class Context {
+ public:
+  /// Without `doubles` the device is used as if it had none. Throws ClError.
+  Context(const FoundDevice& device, ProgramCache cache, bool doubles = true);
+
+  const DeviceInfo& info() const { return device_.info; }
+  cl_context get() const { return context_.get(); }
+  Programs& programs() { return *programs_; }
+
+  /// In-order. Throws ClError.
+  QueueHandle makeQueue(bool profiling) const;
+  /// How many buffers were made so far: as long as that stays the same, a buffer's handle means the same buffer.
+  std::uint64_t buffersMade() const { return buffersMade_; }
+  BufferHandle makeBuffer(cl_mem_flags flags, std::size_t bytes) const;
+  /// In the host's memory, to be mapped once and for all: kernels write to it over the bus, and the host sees that when
+  /// the queue has been waited for. Only with hostBuffers().
+  BufferHandle makeHostBuffer(std::size_t bytes) const;
+  bool hostBuffers() const { return createHostBuffer_ != nullptr; }
+  Kernel makeKernel(const std::string& program, const std::string& options, const char* kernel);
+
+ private:
+  FoundDevice device_;
+  ContextHandle context_;
+  /// clCreateBufferNV: as clCreateBuffer, with flags of its own behind the usual ones.
+  cl_mem (*createHostBuffer_)(cl_context, cl_mem_flags, cl_bitfield, std::size_t, void*, cl_int*) = nullptr;
+  std::unique_ptr<Programs> programs_;
+  mutable std::atomic<std::uint64_t> buffersMade_{0};
+};
+
+}  // namespace otg::opencl

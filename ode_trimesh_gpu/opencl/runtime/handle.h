@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Ownership of OpenCL objects.
+#pragma once
+
+#include <utility>
+
+#include "opencl/runtime/call.h"
+
+namespace otg::opencl {
+
+/// Owns one reference. `Release` has a static function release(T).
+template <class T, class Release>
+class Handle {
+ public:
+  Handle() = default;
+  explicit Handle(T object) : object_(object) {}
+  Handle(Handle&& other) noexcept : object_(std::exchange(other.object_, nullptr)) {}
+  Handle& operator=(Handle&& other) noexcept {
+    std::swap(object_, other.object_);
+    return *this;
+  }
+  ~Handle() {
+    if (object_ != nullptr) Release::release(object_);
+  }
+  T get() const { return object_; }
+  explicit operator bool() const { return object_ != nullptr; }
+
+ private:
+  T object_ = nullptr;
+};
+
+#define OTG_CL_HANDLE(Name, type, function)                                            \
+  struct Name##Release {                                                               \
+    static void release(type object) noexcept { clRelease(OTG_CL(function), object); } \
+  };                                                                                   \
+  using Name = Handle<type, Name##Release>;
+OTG_CL_HANDLE(ContextHandle, cl_context, clReleaseContext)
+OTG_CL_HANDLE(QueueHandle, cl_command_queue, clReleaseCommandQueue)
+OTG_CL_HANDLE(ProgramHandle, cl_program, clReleaseProgram)
+OTG_CL_HANDLE(KernelHandle, cl_kernel, clReleaseKernel)
+OTG_CL_HANDLE(BufferHandle, cl_mem, clReleaseMemObject)
+OTG_CL_HANDLE(EventHandle, cl_event, clReleaseEvent)
+#undef OTG_CL_HANDLE
+
+}  // namespace otg::opencl

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "opencl/runtime/kernel_source.h"
+
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+
+namespace otg::opencl {
+namespace {
+
+constexpr int kMostNested = 32;
+
+std::string readFile(const std::string& name) {
+  if (const char* folder = std::getenv("OTG_KERNEL_DIR"); folder != nullptr && *folder != '\0') {
+    std::ifstream in(std::string(folder) + "/" + name, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    if (!in || !text) throw std::runtime_error("no kernel file " + name + " in OTG_KERNEL_DIR");
+    return text.str();
+  }
+  for (unsigned i = 0; i < kKernelFileCount; ++i) {
+    if (name == kKernelFiles[i].name) return kKernelFiles[i].text;
+  }
+  throw std::runtime_error("no kernel file " + name);
+}
+
+void append(const std::string& name, int nested, std::string& out) {
+  if (nested > kMostNested) throw std::runtime_error("kernel files include each other: " + name);
+  constexpr std::string_view kInclude = "#include \"";
+  std::istringstream text(readFile(name));
+  out += "#line 1 \"" + name + "\"\n";
+  int number = 0;
+  for (std::string line; std::getline(text, line);) {
+    ++number;
+    const std::size_t end = line.find('"', kInclude.size());
+    if (line.rfind(kInclude, 0) != 0 || end == std::string::npos) {
+      out += line;
+      out += '\n';
+      continue;
+    }
+    append(line.substr(kInclude.size(), end - kInclude.size()), nested + 1, out);
+    out += "#line " + std::to_string(number + 1) + " \"" + name + "\"\n";
+  }
+}
+
+}  // namespace
+
+std::string kernelSource(const std::string& name) {
+  std::string out;
+  append(name, 0, out);
+  return out;
+}
+
+}  // namespace otg::opencl
