@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "shared/vec3.h"
+#include "shared/math/vec3.h"
 
 namespace otg::truth {
 

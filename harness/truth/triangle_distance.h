@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "shared/vec3.h"
+#include "shared/math/vec3.h"
 
 namespace otg::truth {
 
