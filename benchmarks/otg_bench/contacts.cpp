@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "otg_bench/bench.h"
+#include "otg_bench/certificate.h"
 #include "otg_bench/error_quantiles.h"
 #include "scenes/simulation.h"
 #include "truth/contact_families.h"
@@ -26,6 +27,8 @@ struct BenchContactsOptions {
   std::string pictures, only;
   int poses = 30;
   std::uint32_t seed = 1;
+  bool certificate = false;
+  CertificateOptions certificates;
 };
 
 /// Overlaps as parts of the family's size. Resting bodies overlap by far less than the first of them.
@@ -208,6 +211,12 @@ std::vector<ContactFamily> familiesOf(const BenchContactsOptions& options) {
 }
 
 int run(const BenchContactsOptions& options) {
+  if (options.certificate) {
+    CertificateOptions certificates = options.certificates;
+    certificates.seed = options.seed;
+    certificates.json = options.bench.json;
+    return benchCertificate(certificates);
+  }
   const scenes::OdeSession session;
   if (!options.pictures.empty()) {
     writeContactPictures(options.pictures, familiesOf(options));
@@ -259,6 +268,20 @@ void addBenchContacts(CLI::App& bench, Action& action) {
   command->add_option("--pictures", options->pictures,
                       "Instead: write scenes of a few overlaps with their contacts into this folder, for POV-Ray");
   command->add_flag("--json", options->bench.json, "One JSON document on stdout");
+  CLI::Option* certificate =
+      command->add_flag("--certificate", options->certificate,
+                        "Instead: whether what contacts ask for separates random pairs in shallow overlap, by family");
+  const auto add = [&](const char* name, auto& value, const char* help) {
+    return command->add_option(name, value, help)->needs(certificate);
+  };
+  add("--members", options->certificates.members, "Pairs of each family")->check(CLI::Range(1, 1000000));
+  add("--first", options->certificates.first, "Number of the first of them")->check(CLI::Range(0, 1000000000));
+  add("--family", options->certificates.family, "Only this family");
+  add("--member", options->certificates.member, "Instead of a table: this pair of the family, with its contacts")
+      ->check(CLI::Range(0, 1000000000));
+  add("--places", options->certificates.places, "Most contacts of a pair")->check(CLI::Range(1, 65535));
+  add("--form", options->certificates.form, "Of the meshes: geoms of this library, dTriMesh taken over by it, or stock")
+      ->check(CLI::IsMember({"own", "override", "stock"}));
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

@@ -12,6 +12,9 @@ namespace {
 
 using Real = long double;
 
+/// Heights that differ by less than this part of their terms, some dozen roundings, are equal.
+constexpr Real kOnePlane = 1e-18L;
+
 struct Point {
   Real x, y, z;
 };
@@ -27,6 +30,10 @@ struct Sheet {
   Real loX, hiX, loY, hiY;
   int sign;  ///< +1 where the triangle faces upward
   Real height(Real x, Real y) const { return corner[0].z + gx * (x - corner[0].x) + gy * (y - corner[0].y); }
+  /// What its rounding error is a part of.
+  Real heightTerms(Real x, Real y) const {
+    return std::fabs(corner[0].z) + std::fabs(gx * (x - corner[0].x)) + std::fabs(gy * (y - corner[0].y));
+  }
 };
 
 struct Box {
@@ -140,10 +147,18 @@ void addPair(const Sheet& a, const Sheet& b, bool moments, Sums& sums) {
   }
   if (common.count < 3) return;
   const int sign = a.sign * b.sign;
-  integrate(clip(common, [&](const Polygon::Corner& c) { return b.height(c.x, c.y) - a.height(c.x, c.y); }), a, sign,
-            moments, sums);
-  integrate(clip(common, [&](const Polygon::Corner& c) { return a.height(c.x, c.y) - b.height(c.x, c.y); }), b, sign,
-            moments, sums);
+  const auto aAboveB = [&](const Polygon::Corner& c) { return a.height(c.x, c.y) - b.height(c.x, c.y); };
+  // Where both lie in one plane, rounding has no two corners agree on which is the higher: either is right.
+  const bool onePlane =
+      std::all_of(common.corner.begin(), common.corner.begin() + common.count, [&](const Polygon::Corner& c) {
+        return std::fabs(aAboveB(c)) <= kOnePlane * (a.heightTerms(c.x, c.y) + b.heightTerms(c.x, c.y));
+      });
+  if (onePlane) {
+    integrate(common, a, sign, moments, sums);
+    return;
+  }
+  integrate(clip(common, [&](const Polygon::Corner& c) { return -aAboveB(c); }), a, sign, moments, sums);
+  integrate(clip(common, aAboveB), b, sign, moments, sums);
 }
 
 /// A's sheets by the cells of a square grid that they touch.

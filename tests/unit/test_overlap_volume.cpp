@@ -7,6 +7,7 @@
 #include "base/vectors.h"
 #include "collide/solid/inside.h"
 #include "collide/solid/regions.h"
+#include "scenes/concave_meshes.h"
 #include "scenes/generated_meshes.h"
 #include "support/catch.h"
 #include "support/draw.h"
@@ -44,6 +45,28 @@ TEST_CASE("the overlap of two boxes is a box, with its gradient") {
   CHECK(inside.overlap.volume == Approx(1).epsilon(1e-6));
   checkVector(inside.overlap.centroid, {0.5, 0.2, 0.1}, 1e-6);
   checkVector(inside.push, {0, 0, 0}, 1e-9);
+}
+
+TEST_CASE("bodies that share a plane of their faces have the overlap of the rest") {
+  // A box of which all lies in the corner's bounds, and whose longest side is upright: heights are compared in the
+  // shared plane. The numbers are exact in binary; turned ones are equal to rounding.
+  const scenes::MeshArrays corner = scenes::makeCorner(1, 0.25, 0.75);
+  const auto box = scenes::build(scenes::makeBox({0.25, 0.25, 0.5}));
+  for (const double turn : {0.0, 0.5 * kPi, 0.3, kPi / 4}) {
+    const Transformd turned = makePose({0, 1, 0}, turn, {0, 0, 0});
+    const auto host = scenes::build(scenes::transformed(corner, turned));
+    const auto at = [&](const Vec3d& p) {
+      Transformd pose = turned;
+      pose.t = otgTransform(turned, p);
+      return truth::overlapOf(*host, *box, pose).volume;
+    };
+    CAPTURE(turn);
+    CHECK(at({0.5, 0, 0.5}) == Approx(0).margin(1e-8));
+    CHECK(at({0.5, 0.0625, 0.5}) == Approx(0).margin(1e-8));
+    CHECK(at({0.375, 0, 0.5}) == Approx(0).margin(1e-8));
+    CHECK(at({0.375, 0, 0.484375}) == Approx(0.015625 * 0.25 * 0.25).epsilon(1e-5));
+    CHECK(at({0.359375, 0, 0.5}) == Approx(0.015625 * 0.25 * 0.5).epsilon(1e-5));
+  }
 }
 
 TEST_CASE("squares turned in each other: the overlap and what turns them back") {

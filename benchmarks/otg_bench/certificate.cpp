@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "otg_bench/certificate.h"
+
+#include <fmt/format.h>
+#include <ode_trimesh_gpu/ode_trimesh_gpu.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cli/command.h"
+#include "otg_bench/error_quantiles.h"
+#include "scenes/simulation.h"
+#include "truth/certificate_verdict.h"
+
+namespace otg::cli {
+namespace {
+
+using truth::CertificateFamily;
+using truth::CertificateMember;
+using truth::FamilyVerdict;
+using truth::JudgedContact;
+using truth::Verdict;
+
+std::string inDigits(double x) {
+  return x == 0 ? "0" : fmt::format("{:.3g}", x);
+}
+
+std::string reasonOf(const Verdict& v) {
+  if (v.certificate.none) return "no contacts";
+  if (v.certificate.infeasible) return "no translation satisfies all";
+  if (!v.certified())
+    return fmt::format("{:.3g} of the overlap left, {:.3g} of the way", v.certificate.left, v.certificate.leftWay);
+  return fmt::format("{:.3g} times the shortest", v.length);
+}
+
+truth::GeomChoices choicesOf(const CertificateOptions& options) {
+  return {.places = options.places, .asTriMesh = options.form != "own"};
+}
+
+FamilyVerdict judgeFamily(const CertificateFamily& family, const CertificateOptions& options) {
+  FamilyVerdict verdict;
+  for (int i = options.first; i < options.first + options.members; ++i) {
+    const std::optional<CertificateMember> member = certificateMember(family, options.seed, i);
+    if (!member) {
+      ++verdict.notDrawn;
+      continue;
+    }
+    add(verdict, truth::judge(*member, i, choicesOf(options)));
+  }
+  return verdict;
+}
+
+Json rowOf(const std::string& name, const FamilyVerdict& v) {
+  Json row;
+  row["family"] = name;
+  row["members"] = v.members;
+  row["not_drawn"] = v.notDrawn;
+  row["none"] = v.none;
+  row["infeasible"] = v.infeasible;
+  row["left"] = v.left;
+  row["left_way"] = v.leftWay;
+  row["too_long"] = v.tooLong;
+  addErrorQuantiles(row, "length", v.length, 95);
+  addErrorQuantiles(row, "tilt", v.tilt, 95);
+  row["too_deep"] = v.tooDeep;
+  row["longer"] = v.longer;
+  row["order"] = v.order;
+  row["order_much"] = v.orderMuch;
+  row["call"] = v.call;
+  row["update"] = v.update;
+  row["worst"] = v.worst.number;
+  row["worst_is"] = reasonOf(v.worst);
+  row["failing"] = v.numbers;
+  return row;
+}
+
+void printFamilies(const Json& rows) {
+  std::vector<std::vector<std::string>> lines;
+  for (const Json& row : rows) {
+    const auto number = [&](const char* key) { return std::to_string(row[key].get<int>()); };
+    const auto quantiles = [&](const std::string& name) {
+      std::string words;
+      for (const char* part : {"_median", "_p95", "_max"}) {
+        const Json& value = row[name + part];
+        words += (words.empty() ? "" : " / ") + (value.is_null() ? "-" : inDigits(value.get<double>()));
+      }
+      return words;
+    };
+    lines.push_back({row["family"].get<std::string>(), number("members"), number("none"), number("infeasible"),
+                     number("left"), number("left_way"), number("too_long"), number("longer"), quantiles("length"),
+                     quantiles("tilt"), number("too_deep"), number("order"), number("order_much"), number("call"),
+                     number("update"), number("worst") + ": " + row["worst_is"].get<std::string>()});
+  }
+  fmt::print("Certificates (lengths over the shortest and tilts: median / 95 % / largest)\n");
+  printTable({"family", "members", "none", "infeasible", "left", "left way", "> 3", "> 1.5", "length, of the shortest",
+              "tilt, degrees", "too deep", "order", "much", "call", "update", "the worst member"},
+             lines);
+}
+
+std::string inWords(const Vec3d& v) {
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z);
+}
+
+/// Everything about one member, in the host's frame and in units of the smaller body.
+void printMember(const CertificateFamily& family, const CertificateOptions& options) {
+  const std::optional<CertificateMember> member = certificateMember(family, options.seed, options.member);
+  if (!member) throw UsageError("no draw of this number gives a pair in shallow overlap");
+  const Verdict verdict = truth::judge(*member, options.member, choicesOf(options));
+  const auto& frame = member->a.pose;
+  const auto inA = [&](const Vec3d& v) { return otgRotateBack(frame, v); };
+  const auto length = [](const Vec3d& v) { return std::sqrt(otgDot(v, v)); };
+  fmt::print("{} {} (seed {}): {}\n", family.name, options.member, options.seed, member->what);
+  fmt::print("size {:.6g}, triangles {} and {}\n", member->size, member->a.mesh.triangles.size(),
+             member->b.mesh.triangles.size());
+  fmt::print("A's frame. The shortest translation of A that separates: {:.6g} along {}\n", length(member->shortest),
+             inWords(inA(otgScale(member->shortest, 1 / length(member->shortest)))));
+  fmt::print("verdict: {}; asked {:.6g} along {}; tilt {:.3g} degrees; order {} call {} update {}\n", reasonOf(verdict),
+             verdict.certificate.length,
+             inWords(inA(otgScale(verdict.certificate.asked, 1 / std::max(verdict.certificate.length, 1e-300)))),
+             verdict.tilt, verdict.orderMatters, verdict.callMatters, verdict.updateMatters);
+  const std::vector<JudgedContact> contacts = truth::contactsInOde(member->a, member->b, choicesOf(options));
+  const auto deep = truth::tooDeep(member->plainA, member->plainB, contacts, member->grain());
+  std::vector<std::vector<std::string>> lines;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const JudgedContact& c = contacts[i];
+    const bool tooDeep = std::find(deep.begin(), deep.end(), i) != deep.end();
+    lines.push_back({std::to_string(i), inWords(inA(otgSub(c.position, frame.t))), inWords(inA(c.normal)),
+                     inDigits(c.depth / length(member->shortest)),
+                     std::string(tooDeep ? "too deep" : "") + (c.exempt ? " exempt" : "")});
+  }
+  printTable({"contact", "place", "normal", "depth, of the shortest", ""}, lines);
+}
+
+std::vector<CertificateFamily> chosen(const CertificateOptions& options) {
+  std::vector<CertificateFamily> families = truth::certificateFamilies();
+  if (options.family.empty()) return families;
+  std::erase_if(families, [&](const CertificateFamily& f) { return f.name != options.family; });
+  if (families.empty()) throw UsageError("there is no family named " + options.family);
+  return families;
+}
+
+}  // namespace
+
+int benchCertificate(const CertificateOptions& options) {
+  const scenes::OdeSession session;
+  if (options.form == "override" && dGpuTriMeshOverrideTriMeshWith(dGPUTRIMESH_OVERRIDE_ALL) != dGPUTRIMESH_OK) {
+    throw InputError("the library cannot take over dTriMesh geoms");
+  }
+  const std::vector<CertificateFamily> families = chosen(options);
+  if (options.member >= 0) {
+    if (families.size() != 1) throw UsageError("--member goes with --family");
+    printMember(families.front(), options);
+    return kOk;
+  }
+  Json rows = Json::array();
+  for (const CertificateFamily& family : families) {
+    progress(fmt::format("{}: {}", family.name, family.what));
+    rows.push_back(rowOf(family.name, judgeFamily(family, options)));
+  }
+  if (options.json) {
+    Json document;
+    document["bench"] = "contacts";
+    document["seed"] = options.seed;
+    document["form"] = options.form;
+    document["tables"] = {{"certificate", rows}};
+    printJson(document);
+  } else {
+    printFamilies(rows);
+  }
+  return kOk;
+}
+
+}  // namespace otg::cli

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `otg bench contacts --certificate`: what sets of contacts ask for, in families of random pairs.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace otg::cli {
+
+struct CertificateOptions {
+  int members = 50;    ///< of each family
+  int first = 0;       ///< number of the first
+  std::string family;  ///< only this one; empty: all
+  int member = -1;     ///< instead of a table: all of this one
+  int places = 64;
+  std::string form = "own";  ///< own: the library's geoms; override, stock: dTriMesh with and without the library
+  std::uint32_t seed = 1;
+  bool json = false;
+};
+
+int benchCertificate(const CertificateOptions& options);
+
+}  // namespace otg::cli

@@ -1,0 +1,390 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "truth/certificate_families.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "collide/query.h"
+#include "scenes/concave_meshes.h"
+#include "truth/certificate_bodies.h"
+#include "truth/nests.h"
+#include "truth/separation_search.h"
+#include "truth/tessellated_bodies.h"
+
+namespace otg::truth {
+namespace {
+
+constexpr Transformd kUnmoved{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+constexpr double kPi = std::numbers::pi;
+/// What "shallow" is, as a part of the smaller body's least side.
+constexpr double kLeastOverlap = 1e-7, kMostOverlap = 1e-2;
+
+using MakeHost = Host (*)(Random&);
+
+double norm(const Vec3d& v) {
+  return std::sqrt(otgDot(v, v));
+}
+
+Vec3d sidesFor(Random& random, const Nest& nest) {
+  return {random.uniform(nest.leastSides.x, nest.mostSides.x), random.uniform(nest.leastSides.y, nest.mostSides.y),
+          random.uniform(nest.leastSides.z, nest.mostSides.z)};
+}
+
+PairDraft nested(Random& random, MakeHost make, MoverKind kind, bool shape) {
+  const Host host = make(random);
+  const Nest& nest = host.nests[static_cast<std::size_t>(random.below(static_cast<int>(host.nests.size())))];
+  const Settling settling = drawSettling(random);
+  PairDraft draft;
+  draft.host.mesh = host.mesh;
+  draft.host.pose = kUnmoved;
+  draft.mover = makeMover(random, kind, shape, sidesFor(random, nest));
+  // Cylinders and capsules are made along z; most of them stand here, the others lie.
+  if ((kind == MoverKind::kCylinder || kind == MoverKind::kCapsule) && random.below(3) > 0) {
+    draft.mover.pose = {{1, 0, 0, 0, 0, 1, 0, -1, 0}, {0, 0, 0}};
+  }
+  const Pressed pressed = press(random, nest, settling, draft.mover);
+  draft.depth = pressed.depth;
+  draft.aligned = settling == Settling::kAligned;
+  draft.what = fmt::format("{}, {} of {} walls", nameOf(settling), pressed.walls, nest.walls.size());
+  return draft;
+}
+
+MoverKind meshMover(Random& random) {
+  const int draw = random.below(10);
+  return draw < 6    ? MoverKind::kBox
+         : draw == 6 ? MoverKind::kCylinder
+         : draw == 7 ? MoverKind::kPrism
+         : draw == 8 ? MoverKind::kTetrahedron
+                     : MoverKind::kL;
+}
+
+CertificateFamily nestFamily(const std::string& name, const std::string& what, MakeHost make) {
+  return {name, what, [make](Random& random) {
+            const MoverKind kind = meshMover(random);
+            return std::optional(nested(random, make, kind, false));
+          }};
+}
+
+constexpr MakeHost kHosts[] = {profileL, profileU, profileT, room, tray, slot, steps, wedgeSlot, vBlock, bin};
+constexpr const char* kHostNames[] = {"L", "U", "T", "room", "tray", "slot", "step", "wedge", "vblock", "bin"};
+
+CertificateFamily shapeFamily(const std::string& name, const std::string& what, std::vector<MoverKind> kinds) {
+  return {name, what, [kinds = std::move(kinds)](Random& random) {
+            const auto host = static_cast<std::size_t>(random.below(std::size(kHosts)));
+            const MoverKind kind = kinds[static_cast<std::size_t>(random.below(static_cast<int>(kinds.size())))];
+            PairDraft draft = nested(random, kHosts[host], kind, true);
+            draft.what = std::string("in ") + kHostNames[host] + ", " + draft.what;
+            return std::optional(draft);
+          }};
+}
+
+/// Two meshes that are moved until they touch, by their exact intersection.
+class Pusher {
+ public:
+  Pusher(const PairBody& host, const PairBody& mover)
+      : host_(scenes::build(host.mesh), BuildStrategy::kSah),
+        mover_(scenes::build(mover.mesh), BuildStrategy::kSah),
+        pose_(relativePose(host.pose, mover.pose)) {}
+
+  bool touches(const Transformd& pose) {
+    Query query;
+    query.a = &host_;
+    query.b = &mover_;
+    query.bInA = pose;
+    findIntersectingPairs(query, workspace_);
+    return !workspace_.intersecting.empty();
+  }
+  bool clear() { return !touches(pose_); }
+
+  /// Moves the mover up to `most` along a direction, to just before it touches; whether it came to touch after `least`
+  /// at least.
+  bool push(const Vec3d& direction, double least, double most) {
+    double free = 0, hit = 0;
+    for (int i = 1; i <= 60; ++i) {
+      hit = most * i / 60;
+      if (touches(moved(direction, hit))) break;
+      free = hit;
+    }
+    if (free == hit) return false;
+    while (hit - free > 1e-8 * most) {
+      const double middle = 0.5 * (hit + free);
+      (touches(moved(direction, middle)) ? hit : free) = middle;
+    }
+    if (free < least) return false;
+    pose_ = moved(direction, free);
+    return true;
+  }
+  void sink(const Vec3d& by) { pose_.t = otgAdd(pose_.t, by); }
+  const Transformd& pose() const { return pose_; }
+
+ private:
+  Transformd moved(const Vec3d& direction, double length) const {
+    Transformd pose = pose_;
+    pose.t = otgAdd(pose.t, otgScale(direction, length));
+    return pose;
+  }
+  CollisionMesh host_, mover_;
+  Transformd pose_;
+  Workspace workspace_;
+};
+
+/// From where it is clear, pushed in one to three directions until it touches, then in by a little more.
+bool pushIn(Random& random, PairDraft& draft, std::optional<Vec3d> first, double most) {
+  const Vec3d sides = extentOf(draft.mover.mesh);
+  const double size = std::min({sides.x, sides.y, sides.z});
+  Pusher pusher(draft.host, draft.mover);
+  if (!pusher.clear()) return false;
+  draft.depth = size * std::pow(10.0, random.uniform(-6, -2));
+  Vec3d way{0, 0, 0};
+  int touched = 0;
+  const int wanted = 1 + random.below(3);
+  for (int tries = 0; tries < 12 && touched < wanted; ++tries) {
+    const Vec3d d = first && tries == 0 ? *first : random.direction();
+    if (!pusher.push(d, touched == 0 ? 0 : 1e-3 * size, touched == 0 ? most : 0.5 * size)) {
+      if (touched == 0 && first) return false;
+      continue;
+    }
+    ++touched;
+    way = otgAdd(way, otgScale(d, random.uniform(0.2, 1)));
+  }
+  if (touched == 0 || !(norm(way) > 0.1)) return false;
+  pusher.sink(otgScale(way, draft.depth / norm(way)));
+  draft.mover.pose = pusher.pose();
+  draft.what += fmt::format(", pushed {} times", touched);
+  return true;
+}
+
+CertificateFamily pushedFamily(const std::string& name, const std::string& what,
+                               std::function<bool(Random&, PairDraft&)> draw) {
+  return {name, what, [draw = std::move(draw)](Random& random) -> std::optional<PairDraft> {
+            PairDraft draft;
+            draft.host.pose = draft.mover.pose = kUnmoved;
+            if (!draw(random, draft)) return {};
+            return draft;
+          }};
+}
+
+bool drawBowl(Random& random, PairDraft& draft) {
+  const double radius = 1, thick = random.uniform(0.05, 0.2);
+  const int segments = 16 + 4 * random.below(5), rings = 4 + random.below(5);
+  draft.host.mesh = scenes::makeBowl(radius, thick, segments, rings);
+  const double side = random.uniform(0.2, 0.5);
+  const int kind = random.below(3);
+  const Vec3d sides{side, side * random.uniform(0.7, 1.3), side * random.uniform(0.7, 1.3)};
+  draft.mover = makeMover(random,
+                          kind == 0   ? MoverKind::kBox
+                          : kind == 1 ? MoverKind::kSphere
+                                      : MoverKind::kCylinder,
+                          false, sides);
+  draft.mover.pose = random.rotation();
+  draft.mover.pose.t = {random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), -0.1};
+  draft.what = "inside";
+  return pushIn(random, draft, Vec3d{0, 0, -1}, 1);
+}
+
+bool drawGears(Random& random, PairDraft& draft) {
+  const int teeth = 10 + 2 * random.below(5);
+  const double tooth = random.uniform(0.15, 0.25), width = random.uniform(0.2, 0.4);
+  draft.host.mesh = draft.mover.mesh = scenes::makeGear(teeth, 1, tooth, width, 0.3);
+  const Settling settling = drawSettling(random);
+  draft.aligned = settling == Settling::kAligned;
+  // A gap of the one at a tooth of the other, with play on all sides.
+  Transformd mesh = turnAbout({0, 0, 1}, kPi / teeth);
+  if (settling != Settling::kAligned) {
+    const Vec3d axis = random.direction();
+    mesh = product(turnAbout(axis, std::pow(10.0, random.uniform(-5, -2.5))), mesh);
+  }
+  draft.mover.pose = mesh;
+  draft.mover.pose.t = {2 + random.uniform(0.005, 0.3 * tooth), random.uniform(-0.01, 0.01), random.uniform(-0.1, 0.1)};
+  draft.what = fmt::format("{} teeth", teeth);
+  const double angle = random.uniform(-0.6, 0.6);
+  return pushIn(random, draft, Vec3d{-std::cos(angle), std::sin(angle), 0}, 0.3);
+}
+
+bool drawScrew(Random& random, PairDraft& draft) {
+  const double pitch = random.uniform(0.3, 0.5), clearance = random.uniform(0.02, 0.05);
+  const int segments = 6 * (2 + random.below(3));
+  draft.host.mesh = scenes::makeBolt(1, pitch, 4 * pitch, segments);
+  draft.mover.mesh = scenes::makeNut(1, pitch, 2 * pitch, clearance, segments);
+  const Settling settling = drawSettling(random);
+  draft.aligned = settling == Settling::kAligned;
+  Transformd pose = kUnmoved;
+  if (!draft.aligned) {
+    const Vec3d axis = random.direction();
+    pose = turnAbout(axis, std::pow(10.0, random.uniform(-5, -3)));
+  }
+  pose.t = {0, 0, pitch};
+  draft.mover.pose = pose;
+  draft.what = fmt::format("{} segments", segments);
+  const Vec3d d = random.below(3) == 0 ? Vec3d{0, 0, -1} : random.direction();
+  return pushIn(random, draft, d, 0.3);
+}
+
+/// Two bodies in one of the settlings, from outside.
+bool pushFromOutside(Random& random, PairDraft& draft) {
+  const Settling settling = drawSettling(random);
+  draft.aligned = settling == Settling::kAligned;
+  draft.mover.pose = settled(random, settling, kUnmoved);
+  const Vec3d way = random.direction();
+  const Vec3d a = extentOf(draft.host.mesh), b = extentOf(draft.mover.mesh);
+  const double away = 0.55 * (norm(a) + norm(b));
+  draft.mover.pose.t = otgAdd(otgScale(way, -away), otgScale(random.direction(), 0.3 * std::min(norm(a), norm(b))));
+  draft.what = nameOf(settling);
+  return pushIn(random, draft, way, 2 * away);
+}
+
+bool drawDented(Random& random, PairDraft& draft) {
+  for (PairBody* body : {&draft.host, &draft.mover}) {
+    if (random.below(3) == 0) {
+      const double radius = random.uniform(0.3, 0.6), amplitude = random.uniform(0.2, 0.6);
+      body->mesh = scenes::makeLump(radius, 2, amplitude, static_cast<std::uint32_t>(random.below(1 << 30)));
+    } else {
+      const Vec3d sides{random.uniform(0.5, 1), random.uniform(0.5, 1), random.uniform(0.5, 1)};
+      const int cells = 2 + random.below(5);
+      const double amplitude = random.uniform(0.01, 0.08);
+      body->mesh = dentedBox(random, sides, cells, amplitude);
+    }
+  }
+  return pushFromOutside(random, draft);
+}
+
+bool drawCells(Random& random, PairDraft& draft) {
+  const auto cells = [&](int least, double smallest, double largest) {
+    const int perSide = least + random.below(2);
+    const double size = random.uniform(smallest, largest), share = random.uniform(0.3, 0.6);
+    return randomCells(random, perSide, size, share);
+  };
+  draft.host.mesh = cells(3, 0.8, 1.2);
+  if (random.below(2) == 0) {
+    draft.mover.mesh = cells(2, 0.4, 0.8);
+  } else {
+    const MoverKind kind = meshMover(random);
+    draft.mover.mesh = makeMover(random, kind, false, {0.3, 0.25, 0.2}).mesh;
+  }
+  return pushFromOutside(random, draft);
+}
+
+/// Halvings of the edges.
+int levelsFor(const scenes::MeshArrays& mesh) {
+  return mesh.triangles.size() <= 200 ? 2 : mesh.triangles.size() <= 2000 ? 1 : 0;
+}
+
+/// Subdivides, scales, turns and moves a pair, and gives either body the part of A.
+CertificateMember finished(Random& random, PairDraft draft) {
+  CertificateMember member;
+  const int subdivision = random.below(6), scale = random.below(4);
+  const double factor = scale == 0 ? 1e-2 : scale == 1 ? 1e2 : 1;
+  if (factor != 1) {
+    for (PairBody* body : {&draft.host, &draft.mover}) {
+      body->mesh = scaled(body->mesh, factor);
+      body->pose.t = otgScale(body->pose.t, factor);
+      if (!body->shape) continue;
+      ConvexBody& shape = *body->shape;
+      shape.half = otgScale(shape.half, factor);
+      shape.radius *= factor;
+      shape.length *= factor;
+      if (shape.kind == ConvexBody::Kind::kPolyhedron) shape = polyhedronBody(body->mesh);
+    }
+    draft.what += fmt::format(", scaled by {:g}", factor);
+  }
+  const Vec3d sides[2] = {extentOf(draft.host.mesh), extentOf(draft.mover.mesh)};
+  member.size = std::min({sides[0].x, sides[0].y, sides[0].z, sides[1].x, sides[1].y, sides[1].z});
+  Transformd world = kUnmoved;
+  if (!draft.aligned && random.below(2) == 0) {
+    world = random.rotation();
+    draft.what += ", turned";
+  }
+  if (random.below(4) == 0) {
+    world.t = otgScale(random.direction(), 1e4 * std::max(norm(sides[0]), norm(sides[1])));
+    draft.what += ", far";
+  }
+  for (PairBody* body : {&draft.host, &draft.mover}) body->pose = product(world, body->pose);
+  const bool swapped = random.below(2) == 0;
+  member.plainA = swapped ? draft.mover : draft.host;
+  member.plainB = swapped ? draft.host : draft.mover;
+  member.a = member.plainA;
+  member.b = member.plainB;
+  if (subdivision < 2) {
+    for (PairBody* body : {&member.a, &member.b}) {
+      if (!body->shape && (subdivision == 0 || body == &member.a))
+        body->mesh = scenes::subdivided(body->mesh, levelsFor(body->mesh));
+    }
+    draft.what += subdivision == 0 ? ", subdivided" : ", A subdivided";
+  }
+  member.what = draft.what + (swapped ? ", mover is A" : "");
+  return member;
+}
+
+std::uint32_t mixed(std::uint32_t seed, const std::string& name, int number) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  const auto add = [&](std::uint64_t byte) { hash = (hash ^ (byte & 0xff)) * 0x100000001b3u; };
+  for (const char c : name) add(static_cast<unsigned char>(c));
+  for (int shift = 0; shift < 32; shift += 8) {
+    add(seed >> shift);
+    add(static_cast<std::uint32_t>(number) >> shift);
+  }
+  return static_cast<std::uint32_t>(hash ^ (hash >> 32));
+}
+
+}  // namespace
+
+double CertificateMember::grain() const {
+  return 2e-3 * norm(shortest);
+}
+
+std::vector<CertificateFamily> certificateFamilies() {
+  std::vector<CertificateFamily> all{
+      nestFamily("L", "a small body in the inner corner of an L profile", profileL),
+      nestFamily("U", "in an inner corner of a U profile", profileU),
+      nestFamily("T", "in an inner corner of a T profile", profileT),
+      nestFamily("room", "in the corner of a hollow, closed or with a skylight", room),
+      nestFamily("tray", "in the corner of a tray", tray),
+      nestFamily("slot", "in a groove with 0.01 to 5 % clearance", slot),
+      nestFamily("step", "on a stair, against the next step", steps),
+      nestFamily("wedge", "in a groove whose walls lean outward", wedgeSlot),
+      nestFamily("vblock", "in a groove of 90 degrees", vBlock),
+      nestFamily("bin", "between the boxes of a row on a floor, one mesh", bin),
+      {"cylinder", "a cylinder of 12 to 32 sides in an inner corner",
+       [](Random& random) {
+         const MakeHost host = kHosts[random.below(std::size(kHosts))];
+         return std::optional(nested(random, host, MoverKind::kCylinder, false));
+       }},
+      pushedFamily("gears", "two gears in mesh", drawGears),
+      pushedFamily("screw", "a nut on its bolt", drawScrew),
+      pushedFamily("bowl", "a body in a bowl", drawBowl),
+      pushedFamily("dented", "boxes with dents and lumps on each other", drawDented),
+      pushedFamily("cells", "random unions of boxes on each other", drawCells),
+      shapeFamily("dBox", "ODE's box in inner corners", {MoverKind::kBox}),
+      shapeFamily("dCylinder", "ODE's cylinder in inner corners", {MoverKind::kCylinder}),
+      shapeFamily("dCapsule", "ODE's capsule in inner corners", {MoverKind::kCapsule}),
+      shapeFamily("dSphere", "ODE's sphere in inner corners", {MoverKind::kSphere}),
+      shapeFamily("dConvex", "ODE's convex in inner corners", {MoverKind::kPrism, MoverKind::kTetrahedron})};
+  return all;
+}
+
+std::optional<CertificateMember> certificateMember(const CertificateFamily& family, std::uint32_t seed, int number) {
+  Random random(mixed(seed, family.name, number));
+  for (int tries = 0; tries < 50; ++tries) {
+    std::optional<PairDraft> draft = family.draw(random);
+    if (!draft) continue;
+    const double depth = draft->depth, plainSide = extentOf(draft->mover.mesh).x;
+    CertificateMember member = finished(random, std::move(*draft));
+    const PairBody& mover = member.what.ends_with("mover is A") ? member.plainA : member.plainB;
+    const double known = depth * extentOf(mover.mesh).x / plainSide;
+    const auto oracle = makeOracle(member.plainA, member.plainB, 1e-3 * known);
+    if (!oracle->overlapped({0, 0, 0})) continue;
+    const std::optional<Vec3d> shortest = shortestSeparation(*oracle, 0.3 * known, 10 * known, {});
+    if (!shortest) continue;
+    const double part = norm(*shortest) / member.size;
+    if (part < kLeastOverlap || part > kMostOverlap) continue;
+    member.shortest = *shortest;
+    member.what += fmt::format(", overlap {:.1e}", part);
+    return member;
+  }
+  return {};
+}
+
+}  // namespace otg::truth

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Families of random pairs in shallow overlap, many of them in inner corners: what certificates are asked of.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "truth/contact_families.h"
+#include "truth/pair_oracle.h"
+
+namespace otg::truth {
+
+/// Two bodies in the host's frame before they are subdivided, scaled, turned and moved together.
+struct PairDraft {
+  PairBody host, mover;
+  double depth = 0;      ///< how far the mover was pushed in, about
+  bool aligned = false;  ///< faces are parallel exactly: the pair is not turned in the world
+  std::string what;
+};
+
+struct CertificateFamily {
+  std::string name, what;
+  /// None where the draw did not come out as a pair of the family.
+  std::function<std::optional<PairDraft>(Random&)> draw;
+};
+
+std::vector<CertificateFamily> certificateFamilies();
+
+/// A pair that is known to overlap by 1e-7 to 1e-2 of the smaller body.
+struct CertificateMember {
+  PairBody a, b;            ///< in the world
+  PairBody plainA, plainB;  ///< the same bodies with as few triangles as the family has them
+  double size = 0;          ///< least side of the smaller body's box
+  Vec3d shortest;           ///< the shortest translation of A that separates the plain bodies, by search
+  std::string what;
+
+  double grain() const;  ///< what counts as touching
+};
+
+/// The same member for the same seed, family and number on every machine; none where fifty draws gave no pair in
+/// shallow overlap.
+std::optional<CertificateMember> certificateMember(const CertificateFamily& family, std::uint32_t seed, int number);
+
+}  // namespace otg::truth
