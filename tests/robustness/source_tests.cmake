@@ -6,8 +6,16 @@ add_test(NAME robustness.layer_rules_self_test
          COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/layer_rules.sh" --self-test "${CMAKE_CURRENT_BINARY_DIR}/layer_rules")
 set_tests_properties(robustness.layer_rules robustness.layer_rules_self_test PROPERTIES LABELS robustness TIMEOUT 120)
 
-# Not only that there is a docstring: a function that gains an argument has to say what it is.
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
+add_test(NAME robustness.kernel_rules
+         COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/kernel_rules.py" "${PROJECT_SOURCE_DIR}"
+                 "${CMAKE_CURRENT_SOURCE_DIR}/kernel_exceptions.txt")
+add_test(NAME robustness.kernel_rules_self_test
+         COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/kernel_rules.py"
+                 --self-test "${CMAKE_CURRENT_BINARY_DIR}/kernel_rules")
+set_tests_properties(robustness.kernel_rules robustness.kernel_rules_self_test PROPERTIES LABELS robustness TIMEOUT 60)
+
+# Not only that there is a docstring: a function that gains an argument has to say what it is.
 add_test(NAME robustness.docstrings
          COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_docstrings.py"
                  "${PROJECT_SOURCE_DIR}/ode_trimesh_gpu/include/ode_trimesh_gpu")
