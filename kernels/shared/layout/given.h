@@ -76,7 +76,7 @@ class BufferOf {
 template <class T>
 class LocalOf {
  public:
-  explicit LocalOf(std::size_t count) : bytes_(count * sizeof(T)) {}
+  LocalOf(std::size_t count) : bytes_(count * sizeof(T)) {}
   std::size_t bytes() const { return bytes_; }
 
  private:

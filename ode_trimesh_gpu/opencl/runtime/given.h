@@ -56,11 +56,11 @@ class KernelFor {
   Kernel kernel_;
 };
 
-/// A DeviceList of elements of one type.
+/// A DeviceList of elements of one type, `each` of them to an item.
 template <class T>
 class ListOf : public DeviceList {
  public:
-  ListOf() : DeviceList(sizeof(T)) {}
+  explicit ListOf(std::size_t each = 1) : DeviceList(each * sizeof(T)) {}
   BufferOf<T> buffer() const { return BufferOf<T>(get()); }
 };
 
