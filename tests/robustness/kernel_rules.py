@@ -168,6 +168,11 @@ def check(root, exceptions):
                          % (place, allowed[0], allowed[1], described(f)))
         elif now != allowed:
             wrong.append("%s shrank: write '%s' into the list of exceptions" % (place, described(f)))
+    taken = {(name, f.name) for f in functions for name in f.given}
+    for name in sorted(structures):
+        for kernel in sorted(structures[name]):
+            if (name, kernel) not in taken:
+                wrong.append('OTG_STRUCTURE(%s, "%s"): no such kernel takes it' % (name, kernel))
     for file, name in left:
         wrong.append("%s: %s keeps the rules or is gone: take it off the list of exceptions" % (file, name))
     return wrong
@@ -203,7 +208,8 @@ def self_test(folder):
         ("nine", {"kernels/a.h": nine}, {}, "9 parameters"),
         ("by_hand", {"kernels/a.cl": "__kernel void walk(int x) {}\n"}, {}, "by hand"),
         ("half", {layout: structure, "kernels/a.cl": "__kernel void walk(OTG_GIVEN(Walk), int x) {}\n"}, {}, "by hand"),
-        ("other", {layout: structure, "kernels/a.cl": "__kernel void run(OTG_GIVEN(Walk)) {}\n"}, {}, "OTG_STRUCTURE"),
+        ("other", {**clean, "kernels/b.cl": "__kernel void run(OTG_GIVEN(Walk)) {}\n"}, {}, "run takes Walk"),
+        ("not_taken", {layout: structure, "kernels/a.h": eight}, {}, "no such kernel"),
         ("listed", {"kernels/a.h": long}, {("kernels/a.h", "f"): (61, 0, False)}, None),
         ("grown", {"kernels/a.h": long}, {("kernels/a.h", "f"): (60, 9, False)}, "grew"),
         ("shrunk", {"kernels/a.h": long}, {("kernels/a.h", "f"): (62, 0, False)}, "shrank"),
