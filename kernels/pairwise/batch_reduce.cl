@@ -4,15 +4,12 @@
 // without a pair go through all barriers (staysOption).
 #define OTG_SINGLE 0
 #include "pairwise/contact_group.h"
+#include "shared/layout/pairwise_given.h"
 
 /// Work-group g takes pair g or, with `listed`, the g-th of `list`: of those with `least` to OTG_KEPT hits, and with
 /// the flag `only`, if that is not 0. Writes their records and contacts; a pair's contacts lie side by side at the
 /// place that `chosen` says. With `last` this is the last kernel.
-__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchReduce(
-    __global const float4* restrict meshes, __global uint* restrict counters, uint hitCapacity,
-    __global const uchar* restrict results, __global const otg_pair_state* restrict states,
-    __global const otg_reduction* restrict reductions, __global const uint* restrict list, uint listed, uint least,
-    __global uint* restrict chosen, uint pairCount, uint contactRoom, uint only, uint last) {
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchReduce(OTG_GIVEN(BatchReduce)) {
   __local otg_group_links g;
   __local uint place, isLast;
   const uint lane = get_local_id(0);

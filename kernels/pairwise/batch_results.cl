@@ -4,6 +4,7 @@
 // leaves open (without contacts; needs doubles).
 #define OTG_SINGLE 0
 #include "pairwise/contact_links.h"
+#include "shared/layout/pairwise_given.h"
 #if OTG_EXACT
 #include "pairwise/exact_decision.h"
 #endif
@@ -14,13 +15,10 @@
 /// contacts open hits are counted, and with `decides` kernel batchDecide follows. Without contacts this is the last
 /// kernel.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchResults(
-    __global const otg_batch_pair* restrict pairs, __global const otg_device_mesh* restrict places,
-    __global const otg_batch_task* restrict tasks, __global const float4* restrict meshes,
-    __global uint* restrict counters, __global const otg_batch_hit* restrict hits, uint hitCapacity,
-    __global uchar* restrict results, __global uint* restrict chosen, uint decides
 #if OTG_ENTER
-    ,
-    __global uint* links, __global uint* tables, uint tableSize, __global otg_pair_state* restrict states
+    OTG_GIVEN(BatchResultsEntered)
+#else
+    OTG_GIVEN(BatchResults)
 #endif
 ) {
   __global uint* flags = chosen + OTG_FLAGS;
@@ -40,11 +38,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchResult
     const otg_batch_hit hit = hits[i];
     if (flags[hit.pair] & OTG_PAIR_SKIPPED) continue;  // unordered
     const uint soupA = places[pairs[hit.pair].meshA].soup, soupB = places[pairs[hit.pair].meshB].soup;
-#ifdef OTG_WITH_DOUBLE
-    const OTG_POSE bInA = tasks[hit.pair].bInA;
-#else
-    const OTG_POSE bInA = 0;
-#endif
+    const otg_task_pose bInA = tasks[hit.pair].bInA;
     otgMakeRecord(meshes, soupA + 3 * (hit.a & ~OTG_HIT_UNDECIDED), soupB + 3 * hit.b, (hit.a & OTG_HIT_UNDECIDED) != 0,
                   bInA, hit.pair, records + i);
 #if OTG_EXACT

@@ -6,17 +6,14 @@
 // for one pair (chooseContacts is the last kernel), 0 for a batch.
 #include "pairwise/contact_choose.h"
 #include "pairwise/contact_finish.h"
+#include "shared/layout/pairwise_given.h"
 
 /// Room for contacts of one pair that may be the best of their bins: some are found not to be.
 #define OTG_MAYBE (4 * OTG_KEPT)
 
 /// Fifteen lanes to a hit unite it with its neighbours, and one enters its contact into the table of bins: those come
 /// first, side by side, because they have much more to do.
-__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void uniteContacts(
-    __global const float4* restrict meshes, __global const uint* restrict counters, __global uchar* restrict records,
-    __global uint* links, __global uint* tables, uint tableSize, uint capacity,
-    __global const otg_pair_state* restrict states, __global const otg_reduction* restrict reductions,
-    __global const uint* restrict results) {
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void uniteContacts(OTG_GIVEN(UniteContacts)) {
   otg_links l = otgLinksOf(counters, records, links, tables, tableSize, capacity);
   const size_t count = min(counters[OTG_COUNT_HITS], capacity);
 #if OTG_SINGLE
@@ -45,11 +42,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void uniteContac
 
 /// Lists the contacts that may stay (OTG_MAYBE places a pair) and the regions that have contacts (OTG_KEPT), and
 /// empties the tables that are not needed any more.
-__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void selectContacts(
-    __global const uint* restrict counters, __global uchar* restrict records, __global uint* links,
-    __global uint* tables, uint tableSize, uint capacity, __global otg_pair_state* restrict states,
-    __global const otg_reduction* restrict reductions, __global const uint* restrict results,
-    __global uint* restrict kept, __global uint* restrict roots) {
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void selectContacts(OTG_GIVEN(SelectContacts)) {
   const otg_links l = otgLinksOf(counters, records, links, tables, tableSize, capacity);
   const uint count = min(counters[OTG_COUNT_HITS], capacity);
   otgEmptyTables(l.pairTable, l.binTable, l.mask, get_global_id(0), get_global_size(0));
@@ -105,11 +98,7 @@ inline static uint otgEnterKept(const otg_links* l, __global const uint* kept, u
 /// Work-group g chooses for pair g. `results` and `answer`: the head, the pairs' flags, places and counts, contacts.
 /// They may be the same; what the host reads of a single pair goes to `answer`, which may be the host's memory, and of
 /// a batch to `results`. What does not fit into the lists is left to the host.
-__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void chooseContacts(
-    __global const float4* restrict meshes, __global uint* restrict counters, __global uchar* restrict records,
-    __global uint* links, __global uint* tables, uint tableSize, uint capacity, __global otg_pair_state* states,
-    __global const otg_reduction* restrict reductions, __global uint* kept, __global uint* roots,
-    __global uint2* restrict chosen, uint chosenRoom, __global uint* results, __global uint* answer) {
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void chooseContacts(OTG_GIVEN(ChooseContacts)) {
   __local otg_choice choice;
   __local uint entered;
   const uint lane = get_local_id(0), pair = get_group_id(0), pairs = get_num_groups(0);
@@ -159,8 +148,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void chooseConta
 #if !OTG_SINGLE
 
 /// Counts to places, by one work-group.
-__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void placeContacts(uint pairs,
-                                                                                   __global uint* restrict results) {
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void placeContacts(OTG_GIVEN(PlaceContacts)) {
   __local uint sums[OTG_GROUP];
   const uint lane = get_local_id(0), stretch = (pairs + OTG_GROUP - 1) / OTG_GROUP;
   const uint from = min(pairs, lane * stretch), to = min(pairs, from + stretch);
@@ -177,13 +165,9 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void placeContac
 }
 
 /// One lane for each place that a pair may fill. The last kernel: see otgFinish.
-__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void writeContacts(
-    __global const float4* restrict meshes, __global uint* restrict counters, __global uchar* restrict records,
-    __global uint* tables, uint tableSize, uint capacity, __global const otg_pair_state* restrict states,
-    __global const uint2* restrict chosen, uint chosenRoom, uint pairs, __global uint* restrict results,
-    uint contactRoom) {
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void writeContacts(OTG_GIVEN(WriteContacts)) {
   __local uint last;
-  const otg_links l = otgLinksOf(counters, records, 0, tables, tableSize, capacity);
+  const otg_links l = otgLinksOf(counters, records, links, tables, tableSize, capacity);
   __global otg_chosen_contact* out =
       (__global otg_chosen_contact*)((__global uchar*)results + OTG_RESULT_CONTACTS(pairs));
   otgEmptyTables(l.binScore, l.binBest, l.mask, get_global_id(0), get_global_size(0));

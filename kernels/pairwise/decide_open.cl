@@ -6,18 +6,16 @@
 // batch. OTG_ENTER: 1 to enter what is decided into the tables of contact_reduce.cl.
 #include "pairwise/contact_links.h"
 #include "pairwise/exact_decision.h"
+#include "shared/layout/pairwise_given.h"
 
 #if OTG_SINGLE
 
 /// Of the pair whose records they are. Without OTG_ENTER this is the last kernel.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairDecide(
-    const otg_device_pair pair, const OTG_POSE bInA, __global const float4* restrict meshes,
-    __global uint* restrict counters, __global const uint2* restrict hits, uint hitCapacity,
-    __global uchar* restrict results
 #if OTG_ENTER
-    ,
-    __global uint* links, __global uint* tables, uint tableSize, __global otg_pair_state* restrict state,
-    __global uint* restrict chosen
+    OTG_GIVEN(PairDecideEntered)
+#else
+    OTG_GIVEN(PairDecide)
 #endif
 ) {
   const uint count = counters[OTG_COUNT_OPEN] > 0 ? min(counters[OTG_COUNT_HITS], hitCapacity) : 0;
@@ -50,13 +48,10 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairDecide(
 /// Of the pairs of a batch that are neither skipped nor left to the host already; without OTG_ENTER not of those with
 /// OTG_PAIR_MANY either, whose records are made again.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchDecide(
-    __global const otg_batch_pair* restrict pairs, __global const otg_device_mesh* restrict places,
-    __global const otg_batch_task* restrict tasks, __global const float4* restrict meshes,
-    __global const uint* restrict counters, __global const otg_batch_hit* restrict hits, uint hitCapacity,
-    __global uchar* restrict results, __global uint* restrict chosen
 #if OTG_ENTER
-    ,
-    __global uint* links, __global uint* tables, uint tableSize, __global otg_pair_state* restrict states
+    OTG_GIVEN(BatchDecideEntered)
+#else
+    OTG_GIVEN(BatchDecide)
 #endif
 ) {
   __global uint* flags = chosen + OTG_FLAGS;

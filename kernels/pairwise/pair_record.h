@@ -29,15 +29,10 @@ typedef otg_contact_record otg_record;
 typedef otg_pair_record otg_record;
 #endif
 
-#ifdef OTG_WITH_DOUBLE
-#define OTG_POSE otg_transform_d
-#else
-#define OTG_POSE int  // not used: only the host knows where B is in double
-#endif
-
-/// `placeA` and `placeB` are places in the buffer of meshes.
-inline static void otgMakeRecord(__global const float4* meshes, uint placeA, uint placeB, int undecided, OTG_POSE bInA,
-                                 uint pair, __global otg_record* record) {
+/// `placeA` and `placeB` are places in the buffer of meshes. Without doubles `bInA` is not used: only the host knows
+/// where B is in double.
+inline static void otgMakeRecord(__global const float4* meshes, uint placeA, uint placeB, int undecided,
+                                 otg_task_pose bInA, uint pair, __global otg_record* record) {
   int kind = undecided ? OTG_RECORD_OPEN : OTG_RECORD_HIT;
 #ifdef OTG_WITH_DOUBLE
   otg_vec3_d a[3], b[3];

@@ -4,17 +4,14 @@
 #define OTG_SINGLE 1
 #include "pairwise/contact_finish.h"
 #include "pairwise/contact_group.h"
+#include "shared/layout/pairwise_given.h"
 #if OTG_EXACT
 #include "pairwise/exact_decision.h"
 #endif
 
 /// With more hits it only flags the pair (OTG_PAIR_MANY) and copies the counters to the head: the kernels of
 /// contact_reduce.cl have to follow.
-__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairReduce(
-    const otg_device_pair pair, const OTG_POSE bInA, __global const float4* restrict meshes,
-    __global uint* restrict counters, __global const uint2* restrict hits, uint hitCapacity,
-    __global uchar* restrict results, __global const otg_reduction* restrict reductions, __global const uint* chosen,
-    __global uint* answer) {
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairReduce(OTG_GIVEN(PairReduce)) {
   __local otg_group_links g;
   __local uint open;
   const uint lane = get_local_id(0), found = counters[OTG_COUNT_HITS], flags = chosen[OTG_FLAGS];

@@ -3,18 +3,16 @@
 // OTG_ENTER: 1 if contacts are reduced on the device.
 #define OTG_SINGLE 1
 #include "pairwise/contact_links.h"
+#include "shared/layout/pairwise_given.h"
 
 /// One record for each hit, in the order of the list. With `decides` kernel pairDecide follows, for what double
 /// arithmetic leaves open. Without OTG_ENTER and `decides` this is the last kernel, and the host reads the head and as
 /// many records as it expects at once.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairResults(
-    const otg_device_pair pair, const OTG_POSE bInA, __global const float4* restrict meshes,
-    __global uint* restrict counters, __global const uint2* restrict hits, uint hitCapacity,
-    __global uchar* restrict results, uint decides
 #if OTG_ENTER
-    ,
-    __global uint* links, __global uint* tables, uint tableSize, __global otg_pair_state* restrict state,
-    __global uint* restrict chosen
+    OTG_GIVEN(PairResultsEntered)
+#else
+    OTG_GIVEN(PairResults)
 #endif
 ) {
   __local uint open;

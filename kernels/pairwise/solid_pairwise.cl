@@ -2,13 +2,10 @@
 // The hits of those pairs of a batch of solids that get contacts of the model `pairwise`, for batchReduce. OTG_GROUP:
 // size of work-groups; OTG_CONTACTS is 1.
 #include "pairwise/pair_record.h"
+#include "shared/layout/pairwise_given.h"
 
 /// The contact of each hit that solidRecords found to intersect, at the same place of `contacts`.
-__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidPairwise(
-    __global const otg_batch_pair* restrict pairs, __global const otg_device_mesh* restrict places,
-    __global const otg_batch_task* restrict tasks, __global const float4* restrict meshes,
-    __global const uint* restrict counters, __global const otg_batch_hit* restrict hits, uint hitCapacity,
-    __global const uchar* restrict decided, __global uchar* restrict contacts, __global const uint* restrict chosen) {
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidPairwise(OTG_GIVEN(SolidPairwise)) {
   const uint count = min(counters[OTG_COUNT_HITS], hitCapacity);
   __global const otg_pair_record* from = (__global const otg_pair_record*)(decided + OTG_RESULT_HEAD);
   __global otg_contact_record* to = (__global otg_contact_record*)(contacts + OTG_RESULT_HEAD);

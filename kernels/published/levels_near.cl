@@ -6,13 +6,13 @@
 // contacts are reduced on the device.
 #define OTG_SINGLE 1
 #include "pairwise/contact_links.h"
+#include "shared/layout/published_given.h"
 #include "walk/pair_state.h"
 
 #define OTG_LEVELS_KERNEL __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1)))
 
 /// The beginning of the near phase, for one work-item: what pairCut does for the traversal that is used.
-OTG_LEVELS_KERNEL void levelsReset(const otg_device_pair pair, __global otg_pair_state* restrict state,
-                                   __global uint* restrict chosen, uint method) {
+OTG_LEVELS_KERNEL void levelsReset(OTG_GIVEN(LevelsReset)) {
   if (get_global_id(0) != 0) return;
   otgResetState(state, 0, &pair.a, &pair.b);
   chosen[OTG_FLAGS] = otgFirstFlags(&pair.a, &pair.b, method);
@@ -20,10 +20,7 @@ OTG_LEVELS_KERNEL void levelsReset(const otg_device_pair pair, __global otg_pair
 
 #if OTG_FUSED
 /// The float filter, the decision in double of what it leaves open, and the contact.
-OTG_LEVELS_KERNEL void levelsNear(const otg_device_pair pair, const OTG_POSE bInA,
-                                  __global const float4* restrict meshes, __global uint* restrict counters,
-                                  __global const uint2* restrict leaves, uint count, uint hitCapacity,
-                                  __global uchar* restrict results) {
+OTG_LEVELS_KERNEL void levelsNear(OTG_GIVEN(LevelsNearFused)) {
   const uint i = get_global_id(0);
   __global otg_record* records = (__global otg_record*)(results + OTG_RESULT_HEAD);
   if (i >= count) return;
@@ -37,11 +34,11 @@ OTG_LEVELS_KERNEL void levelsNear(const otg_device_pair pair, const OTG_POSE bIn
 }
 
 /// After levelsNear, which cannot know how large the tables have to be: what pairResults does after making a record.
-OTG_LEVELS_KERNEL void levelsEnter(__global uint* restrict counters, __global uchar* restrict results, uint hitCapacity
+OTG_LEVELS_KERNEL void levelsEnter(
 #if OTG_ENTER
-                                   ,
-                                   __global uint* links, __global uint* tables, uint tableSize,
-                                   __global otg_pair_state* restrict state, __global uint* restrict chosen
+    OTG_GIVEN(LevelsEnter)
+#else
+    OTG_GIVEN(LevelsEnd)
 #endif
 ) {
 #if OTG_ENTER
@@ -60,9 +57,7 @@ OTG_LEVELS_KERNEL void levelsEnter(__global uint* restrict counters, __global uc
 }
 #else
 /// The float filter alone: places of triangles that intersect or that it leaves open.
-OTG_LEVELS_KERNEL void levelsNear(const otg_device_pair pair, __global const float4* restrict meshes,
-                                  __global uint* restrict counters, __global const uint2* restrict leaves, uint count,
-                                  __global uint2* restrict hits, uint hitCapacity) {
+OTG_LEVELS_KERNEL void levelsNear(OTG_GIVEN(LevelsNear)) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   const uint2 places = leaves[i];

@@ -2,12 +2,25 @@
 // Exclusive prefix sums of any length: each work-group scans as many numbers as it has work-items and gives their sum,
 // the sums are scanned in the same way, and so on; then the sums before a work-group's numbers are added to them.
 //
-// OTG_GROUP: work-items of a work-group, 2 at least. OTG_SUM: uint, or uint2 for two sums at once.
+// OTG_GROUP: work-items of a work-group, 2 at least. OTG_TWO_SUMS: 1 for two sums at once.
+#define OTG_REAL_FLOAT
+#include "shared/layout/published_given.h"
+#undef OTG_REAL_FLOAT
 
-/// `places` may be `values`. `sums` gets a number for each work-group.
+#if OTG_TWO_SUMS
+#define OTG_SUM uint2
+#else
+#define OTG_SUM uint
+#endif
+
+/// Sums within each work-group, and its own sum.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void scanBlocks(
-    __global const OTG_SUM* values, uint valuesBegin, __global OTG_SUM* places, uint placesBegin, uint count,
-    __global OTG_SUM* sums, uint sumsBegin) {
+#if OTG_TWO_SUMS
+    OTG_GIVEN(ScanTwos)
+#else
+    OTG_GIVEN(ScanOnes)
+#endif
+) {
   __local OTG_SUM part[2][OTG_GROUP];
   const uint lane = get_local_id(0), i = get_global_id(0);
   const OTG_SUM mine = i < count ? values[valuesBegin + i] : (OTG_SUM)(0);
@@ -25,11 +38,14 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void scanBlocks(
   if (lane == OTG_GROUP - 1) sums[sumsBegin + get_group_id(0)] = part[now][lane];
 }
 
-/// `sums` has been scanned.
-__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void scanAdd(__global OTG_SUM* restrict places,
-                                                                             uint placesBegin, uint count,
-                                                                             __global const OTG_SUM* sums,
-                                                                             uint sumsBegin) {
+/// The sums before a work-group's numbers are added to them.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void scanAdd(
+#if OTG_TWO_SUMS
+    OTG_GIVEN(AddTwos)
+#else
+    OTG_GIVEN(AddOnes)
+#endif
+) {
   const uint i = get_global_id(0);
   if (i < count) places[placesBegin + i] += sums[sumsBegin + get_group_id(0)];
 }

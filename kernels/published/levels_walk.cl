@@ -5,19 +5,19 @@
 //
 // OTG_GROUP: work-items of a work-group; each has one pair of nodes. OTG_LEAF is 1.
 #include "walk/pair_walk.h"
+//
+#include "shared/layout/published_given.h"
 
 #define OTG_LEVELS_KERNEL __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1)))
 
 /// Every node of A's start list with every node of B's. `starts`: A's list, then B's.
-OTG_LEVELS_KERNEL void levelsBegin(__global const uint* restrict starts, uint countA, uint countB,
-                                   __global uint2* restrict pairs) {
+OTG_LEVELS_KERNEL void levelsBegin(OTG_GIVEN(LevelsBegin)) {
   const uint i = get_global_id(0);
   if (i < countA * countB) pairs[i] = (uint2)(starts[i / countB], starts[countA + i % countB]);
 }
 
 /// 1 for each pair of nodes whose boxes overlap, else 0.
-OTG_LEVELS_KERNEL void levelsTest(const otg_device_pair pair, __global const float4* restrict meshes,
-                                  __global const uint2* restrict pairs, uint count, __global uint* restrict overlaps) {
+OTG_LEVELS_KERNEL void levelsTest(OTG_GIVEN(LevelsTest)) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   const otg_node a = otgLoadNode(meshes, pair.a.nodes, pairs[i].x);
@@ -28,11 +28,7 @@ OTG_LEVELS_KERNEL void levelsTest(const otg_device_pair pair, __global const flo
 /// Moves the pairs that overlap together. `places`: the prefix sums of `overlaps`; `total`: their sum. `weights` gets
 /// for each pair that is kept how many pairs of leaves and how many pairs of children come of it, and 0 for the rest of
 /// its `count` places.
-OTG_LEVELS_KERNEL void levelsCompact(__global const float4* restrict meshes, uint nodesA, uint nodesB,
-                                     __global const uint2* restrict pairs, uint count,
-                                     __global const uint* restrict overlaps, __global const uint* restrict places,
-                                     __global const uint* restrict total, __global uint2* restrict kept,
-                                     __global uint2* restrict weights) {
+OTG_LEVELS_KERNEL void levelsCompact(OTG_GIVEN(LevelsCompact)) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   if (i >= *total) weights[i] = (uint2)(0, 0);
@@ -46,10 +42,7 @@ OTG_LEVELS_KERNEL void levelsCompact(__global const float4* restrict meshes, uin
 
 /// Pairs of leaves go to `leaves` from place `begin` on, as the places of their triangles. `places`: the prefix sums of
 /// `weights`. Places beyond the capacity are not written: the host gives the list more room and asks again.
-OTG_LEVELS_KERNEL void levelsSplit(__global const float4* restrict meshes, uint nodesA, uint nodesB,
-                                   __global const uint2* restrict kept, __global const uint2* restrict weights,
-                                   __global const uint2* restrict places, uint count, uint begin,
-                                   __global uint2* restrict leaves, uint leafCapacity) {
+OTG_LEVELS_KERNEL void levelsSplit(OTG_GIVEN(LevelsSplit)) {
   const uint i = get_global_id(0);
   if (i >= count || !weights[i].x) return;
   const uint place = begin + places[i].x;
@@ -59,10 +52,7 @@ OTG_LEVELS_KERNEL void levelsSplit(__global const float4* restrict meshes, uint 
 }
 
 /// The pairs of children of all others go to `next`. Capacity as above.
-OTG_LEVELS_KERNEL void levelsSpawn(__global const float4* restrict meshes, uint nodesA, uint nodesB,
-                                   __global const uint2* restrict kept, __global const uint2* restrict weights,
-                                   __global const uint2* restrict places, uint count, __global uint2* restrict next,
-                                   uint nextCapacity) {
+OTG_LEVELS_KERNEL void levelsSpawn(OTG_GIVEN(LevelsSpawn)) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   const uint children = weights[i].y;

@@ -2,15 +2,13 @@
 // The middle phase without the near phase, and the other way round, for queries whose other phase runs on the host.
 // OTG_GROUP is the size of work-groups, a multiple of 8; OTG_CONTACTS is 0.
 #include "pairwise/pair_record.h"
+#include "shared/layout/published_given.h"
 
 /// Both trees by one step: the larger box of each pair of `in` is opened by eight lanes, a child each. Children whose
 /// boxes overlap go to `out`; of two leaves, all pairs of their triangles go to `found`, by number. counters: places
 /// taken in `out`, places taken in `found`, pairs of boxes tested (two words). Places beyond the end of a list are
 /// counted only.
-__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void middleStep(
-    const otg_device_pair pair, __global const float4* restrict meshes, __global uint* restrict counters,
-    __global const uint2* restrict in, uint count, __global uint2* restrict out, uint outCapacity,
-    __global uint2* restrict found, uint foundCapacity) {
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void middleStep(OTG_GIVEN(MiddleStep)) {
   const uint k = get_local_id(0) % 8;
   for (uint item = get_global_id(0) / 8; item < count; item += get_global_size(0) / 8) {
     uint2 nodes = in[item];
@@ -38,11 +36,9 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void middleStep(
   }
 }
 
-/// Decides pairs of triangles, given by their places in the soups: a record for each, OTG_RECORD_APART, HIT or OPEN, whose
-/// `pair` is 1 where single precision could not decide.
-__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void nearStep(
-    const otg_device_pair pair, const OTG_POSE bInA, __global const float4* restrict meshes,
-    __global const uint2* restrict pairs, uint count, __global otg_pair_record* restrict records) {
+/// Decides pairs of triangles, given by their places in the soups: a record for each, OTG_RECORD_APART, HIT or OPEN,
+/// whose `pair` is 1 where single precision could not decide.
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void nearStep(OTG_GIVEN(NearStep)) {
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const uint placeA = pair.a.soup + 3 * pairs[i].x, placeB = pair.b.soup + 3 * pairs[i].y;
     const int answer = otgTestTriangles(meshes, &pair, pairs[i].x, pairs[i].y);

@@ -11,6 +11,34 @@ inline static otg_vec3_d otgPointAt(__global const double* points, uint i) {
   return otgVec_d(p[0], p[1], p[2]);
 }
 
+/// Of a search: the nearest triangle so far, and no farther ones are looked for.
+typedef struct {
+  double limit;
+  uint triangle;
+} otg_point_found;
+
+/// The nearest of the triangles of a leaf and what was found before.
+inline static otg_point_found otgNearestOfLeaf(__global const float4* soups, uint count, otg_vec3_d p,
+                                               otg_point_found found) {
+  for (uint k = 0; k < count; ++k) {
+    __global const float4* soup = soups + 3 * k;
+    const float4 u0 = soup[0], u1 = soup[1], u2 = soup[2];
+    if (as_uint(u1.w) != 0) continue;  // no area
+    const otg_vec3_d a = otgPointOf(u0), b = otgPointOf(u1), c = otgPointOf(u2);
+    otg_vec3_d on;
+    otgNearestOnTriangle_d(a, b, c, p, &on);
+    const double distance = otgDistance_d(p, on);
+    if (!(distance <= found.limit)) continue;
+    const double search = otgSearchDistance_d(a, b, c, p, distance);
+    const uint triangle = as_uint(u0.w);
+    if (search < found.limit || (search == found.limit && triangle < found.triangle)) {
+      found.limit = search;
+      found.triangle = triangle;
+    }
+  }
+  return found;
+}
+
 /// Point i of `points` (three doubles each, in the mesh's frame) -> answers[i], the nearest triangle.
 OTG_POINT_KERNEL void nearestPoints(const otg_device_mesh place, __global const float4* restrict meshes,
                                     __global const double* restrict points, uint count,
@@ -26,8 +54,7 @@ OTG_POINT_KERNEL void nearestPoints(const otg_device_mesh place, __global const 
       otgSub_d(p, otgVec_d((double)place.center.x, (double)place.center.y, (double)place.center.z));
   __global const float4* nodes = meshes + place.nodes;
   const double slack = otgSearchSlack_d(centred, otgPointOf(nodes[0]), otgPointOf(nodes[1]));
-  double limit = INFINITY;
-  uint best = OTG_POINT_NOTHING;
+  otg_point_found found = {INFINITY, OTG_POINT_NOTHING};
   // Nodes for later, and their squared distances rounded down.
   uint stack[OTG_POINT_STACK];
   float near[OTG_POINT_STACK];
@@ -36,7 +63,7 @@ OTG_POINT_KERNEL void nearestPoints(const otg_device_mesh place, __global const 
   near[0] = 0;
   while (top > 0) {
     --top;
-    if ((double)near[top] > limit * limit) continue;
+    if ((double)near[top] > found.limit * found.limit) continue;
     const uint node = 2 * stack[top];
     const uint first = as_uint(nodes[node].w);
     const int children = as_int(nodes[node + 1].w);
@@ -49,8 +76,9 @@ OTG_POINT_KERNEL void nearestPoints(const otg_device_mesh place, __global const 
       float least = INFINITY;
       for (uint k = 0; k < (uint)children; ++k) {
         const uint child = first + k;
-        const double d2 = otgBoxDistance2_d(otgPointOf(nodes[2 * child]), otgPointOf(nodes[2 * child + 1]), centred, slack);
-        if (d2 > limit * limit) continue;
+        const double d2 =
+            otgBoxDistance2_d(otgPointOf(nodes[2 * child]), otgPointOf(nodes[2 * child + 1]), centred, slack);
+        if (d2 > found.limit * found.limit) continue;
         const float d = convert_float_rtz(d2);
         if (d < least) {
           least = d;
@@ -66,24 +94,9 @@ OTG_POINT_KERNEL void nearestPoints(const otg_device_mesh place, __global const 
       }
       continue;
     }
-    for (uint k = 0; k < (uint)-children; ++k) {
-      __global const float4* soup = meshes + place.soup + 3 * (first + k);
-      const float4 u0 = soup[0], u1 = soup[1], u2 = soup[2];
-      if (as_uint(u1.w) != 0) continue;  // no area
-      const otg_vec3_d a = otgPointOf(u0), b = otgPointOf(u1), c = otgPointOf(u2);
-      otg_vec3_d on;
-      otgNearestOnTriangle_d(a, b, c, p, &on);
-      const double distance = otgDistance_d(p, on);
-      if (!(distance <= limit)) continue;
-      const double search = otgSearchDistance_d(a, b, c, p, distance);
-      const uint triangle = as_uint(u0.w);
-      if (search < limit || (search == limit && triangle < best)) {
-        limit = search;
-        best = triangle;
-      }
-    }
+    found = otgNearestOfLeaf(meshes + place.soup + 3 * first, (uint)-children, p, found);
   }
-  answers[i] = best;
+  answers[i] = found.triangle;
 }
 
 typedef struct {

@@ -12,6 +12,58 @@ inline static otg_vec3_d otgPointOf(float4 v) {
   return otgVec_d((double)v.x, (double)v.y, (double)v.z);
 }
 
+/// A ray as the tests want it: from its origin `o` along `d` and, in the centred frame, from `from` along `along`.
+typedef struct {
+  otg_vec3_d o, d, from, along, inverse;
+  double reach;
+} otg_long_ray;
+
+inline static otg_long_ray otgLongRay(otg_vec3_d o, otg_vec3_d d, const otg_device_mesh* place) {
+  const otg_vec3_d origin = otgPointOf((float4)(place->center.x, place->center.y, place->center.z, 0));
+  otg_long_ray ray;
+  ray.o = o;
+  ray.d = d;
+  ray.from = otgSub_d(o, origin);
+  ray.along = otgRayAlong_d(d);
+  ray.inverse = otgVec_d(1 / ray.along.x, 1 / ray.along.y, 1 / ray.along.z);
+  ray.reach = otgRayReach_d((double)place->radius, ray.from, origin);
+  return ray;
+}
+
+/// Whether the ray meets the box of a node, and where it enters it.
+inline static int otgRayEntersNode(__global const float4* node, const otg_long_ray* ray, double* enters) {
+  const otg_vec3_d wider = otgVec_d(2 * ray->reach, 2 * ray->reach, 2 * ray->reach);
+  const otg_vec3_d center = otgPointOf(node[0]), extent = otgAdd_d(otgPointOf(node[1]), wider);
+  return otgRayEntersBox_d(ray->from, ray->along, ray->inverse, otgSub_d(center, extent), otgAdd_d(center, extent),
+                           enters);
+}
+
+/// The triangle that is hit first so far, and where.
+typedef struct {
+  double limit;
+  uint triangle;
+} otg_ray_found;
+
+/// The first of the triangles of a leaf and what was found before.
+inline static otg_ray_found otgFirstOfLeaf(__global const float4* soups, uint count, const otg_long_ray* ray,
+                                           uint cullBack, otg_ray_found found) {
+  for (uint k = 0; k < count; ++k) {
+    __global const float4* soup = soups + 3 * k;
+    const float4 u0 = soup[0], u1 = soup[1], u2 = soup[2];
+    if (as_uint(u1.w) != 0) continue;  // no area
+    double at;
+    const int meets = otgRayHitsTriangle_d(ray->o, ray->d, ray->along, ray->inverse, otgPointOf(u0), otgPointOf(u1),
+                                           otgPointOf(u2), ray->reach, &at);
+    if (meets == 0 || !(at <= found.limit) || (cullBack && meets == 2)) continue;
+    const uint triangle = as_uint(u0.w);
+    if (at < found.limit || triangle < found.triangle) {
+      found.limit = at;
+      found.triangle = triangle;
+    }
+  }
+  return found;
+}
+
 /// Ray i of `rays` (OTG_RAY_DOUBLES each) -> answers[i]. With `cullBack` triangles hit from behind do not count.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void castRays(
     const otg_device_mesh place, __global const float4* restrict meshes, __global const double* restrict rays,
@@ -24,14 +76,9 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void castRays(
     answers[i] = OTG_RAY_OPEN;
     return;
   }
-  const otg_vec3_d origin = otgPointOf((float4)(place.center.x, place.center.y, place.center.z, 0));
-  const otg_vec3_d from = otgSub_d(o, origin), along = otgRayAlong_d(d);
-  const otg_vec3_d inverse = otgVec_d(1 / along.x, 1 / along.y, 1 / along.z);
-  const double reach = otgRayReach_d((double)place.radius, from, origin);
-  const otg_vec3_d wider = otgVec_d(2 * reach, 2 * reach, 2 * reach);
+  const otg_long_ray line = otgLongRay(o, d, &place);
   __global const float4* nodes = meshes + place.nodes;
-  double limit = ray[6];
-  uint best = OTG_RAY_NOTHING;
+  otg_ray_found found = {ray[6], OTG_RAY_NOTHING};
   // Nodes for later, and where the ray enters them, rounded down.
   uint stack[OTG_RAY_STACK];
   float near[OTG_RAY_STACK];
@@ -40,7 +87,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void castRays(
   near[0] = 0;
   while (top > 0) {
     --top;
-    if ((double)near[top] > limit) continue;
+    if ((double)near[top] > found.limit) continue;
     const uint node = 2 * stack[top];
     const uint first = as_uint(nodes[node].w);
     const int children = as_int(nodes[node + 1].w);
@@ -53,13 +100,8 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void castRays(
       float least = INFINITY;
       for (uint k = 0; k < (uint)children; ++k) {
         const uint child = first + k;
-        const otg_vec3_d center = otgPointOf(nodes[2 * child]);
-        const otg_vec3_d extent = otgAdd_d(otgPointOf(nodes[2 * child + 1]), wider);
         double enters;
-        if (!otgRayEntersBox_d(from, along, inverse, otgSub_d(center, extent), otgAdd_d(center, extent), &enters) ||
-            enters > limit) {
-          continue;
-        }
+        if (!otgRayEntersNode(nodes + 2 * child, &line, &enters) || enters > found.limit) continue;
         const float at = convert_float_rtz(enters);
         if (at < least) {
           least = at;
@@ -75,20 +117,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void castRays(
       }
       continue;
     }
-    for (uint k = 0; k < (uint)-children; ++k) {
-      __global const float4* soup = meshes + place.soup + 3 * (first + k);
-      const float4 u0 = soup[0], u1 = soup[1], u2 = soup[2];
-      if (as_uint(u1.w) != 0) continue;  // no area
-      double at;
-      const int meets =
-          otgRayHitsTriangle_d(o, d, along, inverse, otgPointOf(u0), otgPointOf(u1), otgPointOf(u2), reach, &at);
-      if (meets == 0 || !(at <= limit) || (cullBack && meets == 2)) continue;
-      const uint triangle = as_uint(u0.w);
-      if (at < limit || triangle < best) {
-        limit = at;
-        best = triangle;
-      }
-    }
+    found = otgFirstOfLeaf(meshes + place.soup + 3 * first, (uint)-children, &line, cullBack, found);
   }
-  answers[i] = best;
+  answers[i] = found.triangle;
 }

@@ -3,6 +3,7 @@
 // size of work-groups.
 #include "walk/pair_walk.h"
 //
+#include "shared/layout/walk_given.h"
 #include "walk/pair_state.h"
 
 #ifdef OTG_WITH_DOUBLE
@@ -35,10 +36,7 @@ inline static uint otgMakeFrame(otg_transform_d pose, const otg_device_mesh* a, 
 /// One lane for each pair. `order` gets the numbers of the pairs that are to be walked, in OTG_CLASSES lists by size,
 /// each with room for all. Without doubles frames are the host's, and `pairs` is complete.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchPrepare(
-    uint count, __global const otg_batch_task* restrict tasks, __global const otg_device_mesh* restrict places,
-    __global const otg_reduction* restrict reductions, __global otg_batch_pair* restrict pairs,
-    __global otg_pair_state* restrict states, __global uint* restrict chosen, __global uint* restrict counters,
-    __global uint* restrict order, uint orderRoom) {
+    OTG_GIVEN(BatchPrepare)) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   __global const otg_batch_task* task = tasks + i;

@@ -7,6 +7,7 @@
 #define OTG_FUSED
 #include "walk/pair_stack.h"
 //
+#include "shared/layout/walk_given.h"
 #include "walk/pair_state.h"
 
 #define OTG_CUT_TILE 4
@@ -19,11 +20,28 @@ typedef struct {
   uint tests;                  // of boxes, in all rounds
 } otg_round;
 
+/// Where pairs of nodes and pairs of leaves go, and how many of each fit.
+typedef struct {
+  __global uint* counters;
+  __global uint2 *out, *leaves;
+  uint outCapacity, leafCapacity;
+} otg_open_lists;
+
+inline static otg_open_lists otgOpenLists(__global uint* counters, __global uint2* out, uint outCapacity,
+                                          __global uint2* leaves, uint leafCapacity) {
+  otg_open_lists lists;
+  lists.counters = counters;
+  lists.out = out;
+  lists.leaves = leaves;
+  lists.outCapacity = outCapacity;
+  lists.leafCapacity = leafCapacity;
+  return lists;
+}
+
 /// Opens both nodes of a pair: 64 lanes to it, lane (i, j) for child i of A's node and child j of B's. A leaf is its
 /// own only child. `there`: whether the 64 lanes have a pair. Counts in counters[level]. All lanes.
 inline static void otgOpenBoth(__global const float4* meshes, const otg_device_pair* pair, __local otg_round* round,
-                               uint2 nodes, int there, __global uint* counters, uint level, __global uint2* out,
-                               uint outCapacity, __global uint2* leaves, uint leafCapacity) {
+                               uint2 nodes, int there, uint level, const otg_open_lists* to) {
   const uint lane = get_local_id(0), i = lane % 64 / 8, j = lane % 8;
   uint slot = 0;
   int hit = 0, ended = 0;
@@ -53,64 +71,92 @@ inline static void otgOpenBoth(__global const float4* meshes, const otg_device_p
   }
   if (hit) slot = atomic_inc(ended ? &round->leaves : &round->inner);
   barrier(CLK_LOCAL_MEM_FENCE);
-  if (lane == 0 && round->inner) round->innerBase = atomic_add(counters + level, round->inner);
-  if (lane == 32 && round->leaves) round->leavesBase = atomic_add(counters + OTG_COUNT_LEAVES, round->leaves);
+  if (lane == 0 && round->inner) round->innerBase = atomic_add(to->counters + level, round->inner);
+  if (lane == 32 && round->leaves) round->leavesBase = atomic_add(to->counters + OTG_COUNT_LEAVES, round->leaves);
   barrier(CLK_LOCAL_MEM_FENCE);
   if (hit && ended) {
     slot += round->leavesBase;
-    if (slot < leafCapacity) leaves[slot] = pairOfLeaves;
+    if (slot < to->leafCapacity) to->leaves[slot] = pairOfLeaves;
   } else if (hit) {
     slot += round->innerBase;
-    if (slot < outCapacity) out[slot] = nodes;
+    if (slot < to->outCapacity) to->out[slot] = nodes;
   }
   barrier(CLK_LOCAL_MEM_FENCE);
+}
+
+/// Some nodes of B's cut.
+typedef struct {
+  otg_moved_box boxes[OTG_CUT_TILE];
+  int2 nodes[OTG_CUT_TILE];  // number, count
+} otg_cut_tile;
+
+/// Whether a pair of a node of A and node `k` of the tile is one of leaves.
+inline static int otgEndsInTile(const otg_node* a, __local const otg_cut_tile* tile, uint k) {
+  return a->count < 0 && tile->nodes[k].y < 0;
+}
+
+/// What overlaps of a tile: a bit for each of its nodes, how many of them make a pair of inner nodes and of leaves.
+typedef struct {
+  uint mask, inner, ended;
+} otg_tile_hits;
+
+/// A node of A's cut against the first `count` of the tile.
+inline static otg_tile_hits otgTestTile(const otg_device_pair* pair, const otg_node* a,
+                                        __local const otg_cut_tile* tile, uint count) {
+  otg_tile_hits hits = {0, 0, 0};
+  for (uint k = 0; k < count; ++k) {
+    if (!otgOverlap(&pair->boxes, a->center, a->extent, tile->boxes[k])) continue;
+    hits.mask |= 1u << k;
+    if (otgEndsInTile(a, tile, k)) {
+      ++hits.ended;
+    } else {
+      ++hits.inner;
+    }
+  }
+  return hits;
+}
+
+/// A pair of leaves of the cuts, which name them by their numbers, goes to place `slot` of the list.
+inline static void otgListLeaves(__global const float4* meshes, const otg_device_pair* pair, uint2 nodes, uint slot,
+                                 const otg_open_lists* to) {
+  const otg_node a = otgLoadNode(meshes, pair->a.nodes, nodes.x), b = otgLoadNode(meshes, pair->b.nodes, nodes.y);
+  if (slot < to->leafCapacity) to->leaves[slot] = otgPairOfLeaves(&a, &b);
 }
 
 /// Cut against cut, and the beginning of a query. Dimension 0: nodes of A's cut. Dimension 1: tiles of OTG_CUT_TILE
 /// nodes of B's. With `opens` each work-group goes on with the first level for the pairs that it found: few, because
 /// cuts are in shuffled order. `out` gets the pairs of the level, else of the cut.
-__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairCut(
-    const otg_device_pair pair, __global const float4* restrict meshes, __global uint* restrict counters, uint opens,
-    __global uint2* restrict out, uint outCapacity, __global uint2* restrict leaves, uint leafCapacity,
-    __global otg_pair_state* restrict state, __global uint* restrict chosen, uint method) {
-  __local otg_moved_box boxes[OTG_CUT_TILE];
-  __local int2 nodesB[OTG_CUT_TILE];  // number, count
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairCut(OTG_GIVEN(PairCut)) {
+  __local otg_cut_tile tile;
   __local uint2 found[OTG_GROUP * OTG_CUT_TILE];
   __local otg_round round;
   const uint lane = get_local_id(0), i = get_global_id(0), pairsAtOnce = OTG_GROUP / 64;
-  const uint firstB = get_group_id(1) * OTG_CUT_TILE;
-  const uint tile = min((uint)OTG_CUT_TILE, pair.b.cutCount - firstB);
-  uint mask = 0, inner = 0, ended = 0;
+  const uint firstB = get_group_id(1) * OTG_CUT_TILE, tiled = min((uint)OTG_CUT_TILE, pair.b.cutCount - firstB);
+  const otg_open_lists to = otgOpenLists(counters, out, outCapacity, leaves, leafCapacity);
+  otg_tile_hits own = {0, 0, 0};
   otg_node a;
   if (i == 0 && get_group_id(1) == 0) {
     otgResetState(state, 0, &pair.a, &pair.b);
     chosen[OTG_FLAGS] = otgFirstFlags(&pair.a, &pair.b, method);
   }
-  if (lane < tile) {
+  if (lane < tiled) {
     const otg_node b = otgLoadNode(meshes, pair.b.cut, firstB + lane);
-    boxes[lane] = otgMoveBox(&pair.boxes, b.center, b.extent);
-    nodesB[lane] = (int2)(b.first, b.count);
+    tile.boxes[lane] = otgMoveBox(&pair.boxes, b.center, b.extent);
+    tile.nodes[lane] = (int2)(b.first, b.count);
   }
   if (lane == 0) {
     round.inner = 0;
     round.leaves = 0;
-    round.tests = min((uint)OTG_GROUP, pair.a.cutCount - (uint)get_group_id(0) * OTG_GROUP) * tile;
+    round.tests = min((uint)OTG_GROUP, pair.a.cutCount - (uint)get_group_id(0) * OTG_GROUP) * tiled;
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   if (i < pair.a.cutCount) {
     a = otgLoadNode(meshes, pair.a.cut, i);
-    for (uint k = 0; k < tile; ++k) {
-      if (!otgOverlap(&pair.boxes, a.center, a.extent, boxes[k])) continue;
-      mask |= 1u << k;
-      if (a.count < 0 && nodesB[k].y < 0) {
-        ++ended;
-      } else {
-        ++inner;
-      }
-    }
+    own = otgTestTile(&pair, &a, &tile, tiled);
   }
-  if (inner) inner = atomic_add(&round.inner, inner);
-  if (ended) ended = atomic_add(&round.leaves, ended);
+  // From here on: places in the lists.
+  uint inner = own.inner ? atomic_add(&round.inner, own.inner) : 0;
+  uint ended = own.ended ? atomic_add(&round.leaves, own.ended) : 0;
   barrier(CLK_LOCAL_MEM_FENCE);
   const uint count = opens ? round.inner : 0;
   if (lane == 0) round.innerBase = !opens && round.inner ? atomic_add(counters + OTG_COUNT_LEVEL0, round.inner) : 0;
@@ -118,14 +164,11 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairCut(
   barrier(CLK_LOCAL_MEM_FENCE);
   inner += round.innerBase;
   ended += round.leavesBase;
-  for (uint k = 0; k < tile; ++k) {
-    if (!(mask >> k & 1)) continue;
-    const uint2 nodes = (uint2)(a.first, nodesB[k].x);
-    if (a.count < 0 && nodesB[k].y < 0) {
-      const otg_node leafA = otgLoadNode(meshes, pair.a.nodes, nodes.x),
-                     leafB = otgLoadNode(meshes, pair.b.nodes, nodes.y);
-      if (ended < leafCapacity) leaves[ended] = otgPairOfLeaves(&leafA, &leafB);
-      ++ended;
+  for (uint k = 0; k < tiled; ++k) {
+    if (!(own.mask >> k & 1)) continue;
+    const uint2 nodes = (uint2)(a.first, tile.nodes[k].x);
+    if (otgEndsInTile(&a, &tile, k)) {
+      otgListLeaves(meshes, &pair, nodes, ended++, &to);
     } else {
       if (opens) {
         found[inner] = nodes;
@@ -139,26 +182,22 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairCut(
   for (uint begin = 0; begin < count; begin += pairsAtOnce) {
     const uint item = begin + lane / 64;
     const int there = item < count;
-    otgOpenBoth(meshes, &pair, &round, there ? found[item] : (uint2)(0, 0), there, counters, OTG_COUNT_LEVEL1, out,
-                outCapacity, leaves, leafCapacity);
+    otgOpenBoth(meshes, &pair, &round, there ? found[item] : (uint2)(0, 0), there, OTG_COUNT_LEVEL1, &to);
   }
   if (lane == 0) otgCount(counters + OTG_COUNT_BOX_TESTS, round.tests);
 }
 
 /// Opens both nodes of each pair of counters[level]: see otgOpenBoth.
-__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairLevel(
-    const otg_device_pair pair, __global const float4* restrict meshes, __global uint* restrict counters, uint level,
-    __global const uint2* restrict in, uint inCapacity, __global uint2* restrict out, uint outCapacity,
-    __global uint2* restrict leaves, uint leafCapacity) {
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairLevel(OTG_GIVEN(PairLevel)) {
   __local otg_round round;
   const uint lane = get_local_id(0), pairsAtOnce = OTG_GROUP / 64;
   const uint count = min(counters[level], inCapacity);
+  const otg_open_lists to = otgOpenLists(counters, out, outCapacity, leaves, leafCapacity);
   if (lane == 0) round.tests = 0;
   for (uint begin = get_group_id(0) * pairsAtOnce; begin < count; begin += get_num_groups(0) * pairsAtOnce) {
     const uint item = begin + lane / 64;
     const int there = item < count;
-    otgOpenBoth(meshes, &pair, &round, there ? in[item] : (uint2)(0, 0), there, counters, level + 1, out, outCapacity,
-                leaves, leafCapacity);
+    otgOpenBoth(meshes, &pair, &round, there ? in[item] : (uint2)(0, 0), there, level + 1, &to);
   }
   if (lane == 0 && round.tests) otgCount(counters + OTG_COUNT_BOX_TESTS, round.tests);
 }
@@ -176,10 +215,7 @@ inline static void otgTestAndList(__global const float4* meshes, const otg_devic
 /// What `level` levels leave (counters[level] pairs), depth-first: see otgWalkRound. Each work-group begins with as
 /// many pairs as it can open at once, taken from all over the list, so that no group has all those of one place; what
 /// is left of a long list is taken by ticket.
-__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairTail(
-    const otg_device_pair pair, __global const float4* restrict meshes, __global uint* restrict counters, uint level,
-    __global const uint2* restrict seeds, uint seedCapacity, __global const uint2* restrict leaves, uint leafCapacity,
-    __global uint2* restrict hits, uint hitCapacity, uint stackSize, __local uint2* stack) {
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairTail(OTG_GIVEN(PairTail)) {
   __local otg_walk walk;
   __local uint firstSeed;
   const uint lane = get_local_id(0), group = get_group_id(0), groups = get_num_groups(0);

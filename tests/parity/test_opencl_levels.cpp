@@ -90,8 +90,8 @@ TEST_CASE("prefix sums of any length are those of a loop") {
   Draw draw(5);
   for (const std::uint32_t group : {2u, 7u, 64u, 100u}) {
     if (group > context.info().largestWorkGroup) continue;
-    opencl::PrefixSum one(context, group, opencl::PrefixSum::Of::kUint);
-    opencl::PrefixSum two(context, group, opencl::PrefixSum::Of::kUint2);
+    opencl::PrefixSum<otg_one_sum> one(context, group);
+    opencl::PrefixSum<otg_two_sums> two(context, group);
     for (const std::uint32_t count : {1u, 2u, group - 1, group, group + 1, 3 * group, group * group - 1, group * group,
                                       group * group + 1, group * group * group + 1}) {
       if (count > 500000) continue;
@@ -115,7 +115,15 @@ TEST_CASE("prefix sums of any length are those of a loop") {
           opencl::writeLater(queue.get(), in.get(), bytes,
                              both ? static_cast<const void*>(values.data()) : plain.data());
           const cl_mem places = inPlace ? in.get() : out.get();
-          (both ? two : one).enqueue(queue.get(), in.get(), places, count, total.get(), 2, profile);
+          const auto scan = [&]<class Sum>(opencl::PrefixSum<Sum>& sums) {
+            sums.enqueue(queue.get(), BufferOf<Sum>(in.get()), BufferOf<Sum>(places), count, BufferOf<Sum>(total.get()),
+                         2, profile);
+          };
+          if (both) {
+            scan(two);
+          } else {
+            scan(one);
+          }
           cl_uint found[6] = {};
           opencl::readBlocking(queue.get(), total.get(), sizeof found, found);
           bool same = both ? found[4] == sum.s[0] && found[5] == sum.s[1] : found[2] == sum.s[0];

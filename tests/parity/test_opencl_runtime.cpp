@@ -7,14 +7,17 @@
 #include <map>
 #include <set>
 #include <thread>
+#include <type_traits>
 
 #include "opencl/meshes/mesh_store.h"
 #include "opencl/meshes/pack_mesh.h"
 #include "opencl/runtime/call.h"
 #include "opencl/runtime/context.h"
+#include "opencl/runtime/given.h"
 #include "opencl/runtime/kernel_source.h"
 #include "opencl/runtime/log.h"
 #include "opencl/runtime/program_cache.h"
+#include "shared/layout/pairwise_given.h"
 #include "support/opencl.h"
 
 using namespace otg;
@@ -22,6 +25,18 @@ using namespace otg::scenes;
 using namespace otg::test;
 using opencl::FaultInjection;
 namespace fs = std::filesystem;
+
+// A buffer of other elements, a buffer that is only read where one is written, and a field that was forgotten do not
+// compile.
+static_assert(std::is_convertible_v<BufferOf<otg_counter>, BufferOf<const otg_counter>>);
+static_assert(!std::is_convertible_v<BufferOf<const otg_counter>, BufferOf<otg_counter>>);
+static_assert(!std::is_convertible_v<BufferOf<otg_counter>, BufferOf<otg_chosen_word>>);
+static_assert(!std::is_convertible_v<BufferOf<otg_hit>, BufferOf<const otg_node_pair>>);
+static_assert(!std::is_convertible_v<cl_mem, BufferOf<otg_counter>>);
+static_assert(!std::is_default_constructible_v<BufferOf<otg_counter>>);
+static_assert(!std::is_default_constructible_v<ValueOf<otg_uint>> &&
+              !std::is_default_constructible_v<LocalOf<otg_hit>>);
+static_assert(!std::is_default_constructible_v<given::PlaceContacts>);
 
 namespace {
 

@@ -14,6 +14,14 @@ add_test(NAME robustness.include_cycles_self_test
          COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/include_cycles.py" --self-test
                  "${CMAKE_CURRENT_BINARY_DIR}/include_cycles")
 set_tests_properties(robustness.include_cycles robustness.include_cycles_self_test PROPERTIES LABELS robustness TIMEOUT 60)
+# That kernels are short and take few things.
+add_test(NAME robustness.kernel_rules
+         COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/kernel_rules.py" "${PROJECT_SOURCE_DIR}"
+                 "${CMAKE_CURRENT_SOURCE_DIR}/kernel_exceptions.txt")
+add_test(NAME robustness.kernel_rules_self_test
+         COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/kernel_rules.py"
+                 --self-test "${CMAKE_CURRENT_BINARY_DIR}/kernel_rules")
+set_tests_properties(robustness.kernel_rules robustness.kernel_rules_self_test PROPERTIES LABELS robustness TIMEOUT 60)
 
 # Not only that there is a docstring: a function that gains an argument has to say what it is.
 add_test(NAME robustness.docstrings

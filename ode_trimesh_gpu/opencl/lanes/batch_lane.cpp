@@ -27,18 +27,16 @@ BatchLane::BatchLane(Context& context, MeshStore& meshes, const Tuning& tuning)
       "-DOTG_GROUP=" + std::to_string(tuning.batchGroup) + " -DOTG_LEAF=" + std::to_string(meshes.leafTriangles()) +
       " -DOTG_SMALL=" + std::to_string(smallHits_) + " -DOTG_MEDIUM=" + std::to_string(mediumHits_);
   const std::string results = "-DOTG_GROUP=" + std::to_string(tuning.recordGroup) + " -DOTG_CONTACTS=";
-  prepare_ = context.makeKernel("walk/batch_prepare.cl", walk, "batchPrepare");
-  walk_ = context.makeKernel("walk/batch_walk.cl", walk, "batchWalk");
-  pairs_ = context.makeKernel("pairwise/batch_results.cl", results + "0 -DOTG_ENTER=0", "batchResults");
+  prepare_.make(context, "walk/batch_prepare.cl", walk);
+  walk_.make(context, "walk/batch_walk.cl", walk);
+  pairs_.make(context, "pairwise/batch_results.cl", results + "0 -DOTG_ENTER=0");
   if (reducer_.works()) {
-    small_ = context.makeKernel("pairwise/batch_reduce.cl", groupReduction(context, tuning.smallGroup, smallHits_),
-                                "batchReduce");
-    medium_ = context.makeKernel("pairwise/batch_reduce.cl", groupReduction(context, tuning.mediumGroup, mediumHits_),
-                                 "batchReduce");
-    records_ = context.makeKernel("pairwise/batch_results.cl", results + "1 -DOTG_ENTER=0", "batchResults");
-    entered_ = context.makeKernel("pairwise/batch_results.cl", results + "1 -DOTG_ENTER=1", "batchResults");
+    small_.make(context, "pairwise/batch_reduce.cl", groupReduction(context, tuning.smallGroup, smallHits_));
+    medium_.make(context, "pairwise/batch_reduce.cl", groupReduction(context, tuning.mediumGroup, mediumHits_));
+    records_.make(context, "pairwise/batch_results.cl", results + "1 -DOTG_ENTER=0");
+    entered_.make(context, "pairwise/batch_results.cl", results + "1 -DOTG_ENTER=1");
   }
-  counters_ = context.makeBuffer(CL_MEM_READ_WRITE, OTG_COUNTERS * sizeof(otg_uint));
+  counters_.reserve(context, OTG_COUNTERS);
   fillZero(queue_.get(), counters_.get(), OTG_COUNTERS * sizeof(otg_uint));
   hits_.reserve(context, tuning.hitPlaces);
 }
@@ -160,102 +158,161 @@ void BatchLane::send(std::span<const CollisionMesh* const> meshes, std::span<con
   reducer_.reserveStates(count_);
 }
 
-void BatchLane::enqueue(cl_mem meshes, BatchWish wish) {
+void BatchLane::enqueueWalk(Meshes meshes, bool any) {
   const cl_command_queue queue = queue_.get();
-  const cl_mem counters = counters_.get();
-  const otg_uint orderRoom = order_.places() / OTG_CLASSES, any = wish == BatchWish::kAny ? 1 : 0;
-  // Of the precision of a pair all but delta is the same for all pairs.
-  const otg_pair_error precision = floatFilterError(0);
-  Arguments(prepare_) << count_ << tasks_.get() << places_.get() << reducer_.reductions() << pairList_.get()
-                      << reducer_.states() << chosen_.get() << counters << order_.get() << orderRoom;
+  const otg_uint orderRoom = order_.places() / OTG_CLASSES;
+  prepare_.give({.count = count_,
+                 .tasks = tasks_.buffer(),
+                 .places = places_.buffer(),
+                 .reductions = reducer_.reductions(),
+                 .pairs = pairList_.buffer(),
+                 .states = reducer_.states(),
+                 .chosen = chosen_.words(),
+                 .counters = counters_.buffer(),
+                 .order = order_.buffer(),
+                 .orderRoom = orderRoom});
   launch(queue, prepare_, tuning_.batchGroup, (count_ + tuning_.batchGroup - 1) / tuning_.batchGroup, 1,
          profile_.next(Profile::kTop));
   if (tuning_.flushes & 1) clDo(OTG_CL(clFlush), queue);
-  (Arguments(walk_) << pairList_.get() << places_.get() << precision << meshes << counters << order_.get() << orderRoom
-                    << chosen_.get() << reducer_.states() << list_.get() << hits_.get() << hits_.places() << any
-                    << stackSize_)
-      .local(stackSize_ * sizeof(cl_uint2));
+  walk_.give({.pairs = pairList_.buffer(),
+              .places = places_.buffer(),
+              // All but delta is the same for all pairs.
+              .precision = floatFilterError(0),
+              .meshes = meshes,
+              .counters = counters_.buffer(),
+              .order = order_.buffer(),
+              .orderRoom = orderRoom,
+              .chosen = chosen_.words(),
+              .states = reducer_.states(),
+              .listed = list_.buffer(),
+              .hits = hits_.buffer(),
+              .hitCapacity = hits_.places(),
+              .anyHit = otg_uint{any},
+              .stackSize = stackSize_,
+              .stack = {stackSize_}});
   launch(queue, walk_, tuning_.batchGroup, count_, 1, profile_.next(Profile::kMain));
   if (tuning_.flushes & 2) clDo(OTG_CL(clFlush), queue);
-  if (wish == BatchWish::kSolid) {
-    if (wantsFlags_) flags_.reserve(context_, queue, count_ * sizeof(otg_uint));
-    const SmallStage::Batch batch{count_,
-                                  meshes,
-                                  counters,
-                                  tasks_.get(),
-                                  pairList_.get(),
-                                  places_.get(),
-                                  hits_.get(),
-                                  hits_.places(),
-                                  results_.get(),
-                                  reducer_.states(),
-                                  reducer_.reductions(),
-                                  groups_,
-                                  wantsFlags_ ? flags_.data() : nullptr,
-                                  &flagged_,
-                                  remembers_ ? directionsBefore_.data() : nullptr,
-                                  remembers_ ? directions_.data() : nullptr};
-    solid_.enqueue(queue, batch, reducer_, chosen_, profile_);
-    wantsFlags_ = false;  // not when a list was too short
-    if (anyPairwise_) {
-      solid_.enqueuePairwise(queue, batch, chosen_, profile_);
-      enqueueReduction(meshes, solid_.pairwiseRecords(), OTG_PAIR_PAIRWISE);
-    }
-    solid_.enqueueWrite(queue, batch, chosen_, profile_);
-    return;
-  }
-  // For yes or no nothing is left open.
-  const bool decides = wish == BatchWish::kAny && context_.info().doubles;
-  if (decides && !decided_) {
-    decided_ = context_.makeKernel(
-        "pairwise/batch_results.cl",
-        "-DOTG_GROUP=" + std::to_string(tuning_.recordGroup) + " -DOTG_CONTACTS=0 -DOTG_ENTER=0 -DOTG_EXACT=1",
-        "batchResults");
-  }
-  const otg_uint decidesNext = contactRecords_ && exact_.isExpected() ? 1 : 0;
-  enqueueRecords(meshes, contactRecords_ ? records_ : decides ? decided_ : pairs_, &decidesNext, chosen_, false);
-  if (decidesNext) enqueueRecords(meshes, deciding(false), nullptr, chosen_, false);
-  if (contactRecords_) enqueueReduction(meshes, results_.get(), 0);
 }
 
-/// By a kernel that makes records, or, without `decides`, decides open ones. `enter`: into the reducer's tables.
-void BatchLane::enqueueRecords(cl_mem meshes, Kernel& kernel, const otg_uint* decides, const ChosenBuffer& chosen,
-                               bool enter) {
-  Arguments arguments(kernel);
-  arguments << pairList_.get() << places_.get() << tasks_.get() << meshes << counters_.get() << hits_.get()
-            << hits_.places() << results_.get() << chosen.get();
-  if (decides) arguments << *decides;
-  if (enter) arguments << reducer_.links() << reducer_.tables() << reducer_.tableSize() << reducer_.states();
+void BatchLane::enqueue(Meshes meshes, BatchWish wish) {
+  enqueueWalk(meshes, wish == BatchWish::kAny);
+  if (wish == BatchWish::kSolid) {
+    enqueueSolids(meshes);
+    return;
+  }
+  enqueueRecords(meshes);
+  if (contactRecords_) enqueueReduction(meshes, results_.bytes(), 0);
+}
+
+void BatchLane::enqueueSolids(Meshes meshes) {
+  const cl_command_queue queue = queue_.get();
+  if (wantsFlags_) flags_.reserve(context_, queue, count_ * sizeof(otg_uint));
+  const SmallStage::Batch batch{count_,
+                                meshes.get(),
+                                counters_.get(),
+                                tasks_.get(),
+                                pairList_.get(),
+                                places_.get(),
+                                hits_.get(),
+                                hits_.places(),
+                                results_.get(),
+                                reducer_.states().get(),
+                                reducer_.reductions().get(),
+                                groups_,
+                                wantsFlags_ ? flags_.data() : nullptr,
+                                &flagged_,
+                                remembers_ ? directionsBefore_.data() : nullptr,
+                                remembers_ ? directions_.data() : nullptr};
+  solid_.enqueue(queue, batch, reducer_, chosen_, profile_);
+  wantsFlags_ = false;  // not when a list was too short
+  if (anyPairwise_) {
+    solid_.enqueuePairwise(queue, batch, chosen_, profile_);
+    enqueueReduction(meshes, solid_.pairwiseRecords(), OTG_PAIR_PAIRWISE);
+  }
+  solid_.enqueueWrite(queue, batch, chosen_, profile_);
+}
+
+/// The hits that were found, and what is known of their pairs.
+given::BatchHits BatchLane::hitsOf(Meshes meshes, const ChosenBuffer& chosen) const {
+  return {.pairs = pairList_.buffer(),
+          .places = places_.buffer(),
+          .tasks = tasks_.buffer(),
+          .meshes = meshes,
+          .counters = counters_.buffer(),
+          .hits = hits_.buffer(),
+          .hitCapacity = hits_.places(),
+          .results = results_.bytes(),
+          .chosen = chosen.words()};
+}
+
+template <class Given>
+void BatchLane::launchRecords(KernelFor<Given>& kernel, const Given& given) {
+  kernel.give(given);
   launch(queue_.get(), kernel, tuning_.recordGroup, groups_, 1, profile_.next(Profile::kContacts));
 }
 
-/// The kernel that decides what double arithmetic leaves open.
-Kernel& BatchLane::deciding(bool enter) {
-  Kernel& kernel = enter ? decideEntered_ : decide_;
-  if (!kernel) {
-    kernel = context_.makeKernel("pairwise/decide_open.cl",
-                                 "-DOTG_SINGLE=0 -DOTG_GROUP=" + std::to_string(tuning_.recordGroup) +
-                                     " -DOTG_CONTACTS=1 -DOTG_ENTER=" + (enter ? "1" : "0"),
-                                 "batchDecide");
+/// Of the kernels that decide what double arithmetic leaves open.
+std::string BatchLane::decideOptions(bool enter) const {
+  return "-DOTG_SINGLE=0 -DOTG_GROUP=" + std::to_string(tuning_.recordGroup) +
+         " -DOTG_CONTACTS=1 -DOTG_ENTER=" + (enter ? "1" : "0");
+}
+
+void BatchLane::enqueueRecords(Meshes meshes) {
+  const given::BatchHits found = hitsOf(meshes, chosen_);
+  if (!contactRecords_) {
+    // For yes or no nothing is left open.
+    const bool exact = wish_ == BatchWish::kAny && context_.info().doubles;
+    if (exact && !decided_) {
+      decided_.make(
+          context_, "pairwise/batch_results.cl",
+          "-DOTG_GROUP=" + std::to_string(tuning_.recordGroup) + " -DOTG_CONTACTS=0 -DOTG_ENTER=0 -DOTG_EXACT=1");
+    }
+    launchRecords(exact ? decided_ : pairs_, {.found = found, .decides = otg_uint{0}});
+    return;
   }
-  return kernel;
+  const bool decides = exact_.isExpected();
+  launchRecords(records_, {.found = found, .decides = otg_uint{decides}});
+  if (!decides) return;
+  if (!decide_) decide_.make(context_, "pairwise/decide_open.cl", decideOptions(false));
+  launchRecords(decide_, {.found = found});
+}
+
+/// The same, into the reducer's tables, for the pairs with many hits.
+void BatchLane::enqueueEntered(Meshes meshes, bool decides) {
+  const given::BatchHits found = hitsOf(meshes, chosenOfMany_);
+  launchRecords(
+      entered_,
+      {.found = found, .decides = otg_uint{decides}, .tables = reducer_.tables(), .states = reducer_.states()});
+  if (!decides) return;
+  if (!decideEntered_) decideEntered_.make(context_, "pairwise/decide_open.cl", decideOptions(true));
+  launchRecords(decideEntered_, {.found = found, .tables = reducer_.tables(), .states = reducer_.states()});
 }
 
 /// The contacts of all pairs but those with many hits, or of those with the flag `only`.
-void BatchLane::enqueueReduction(cl_mem meshes, cl_mem records, otg_uint only) {
+void BatchLane::enqueueReduction(Meshes meshes, BufferOf<const otg_result_byte> records, otg_uint only) {
   for (const bool medium : {false, true}) {
-    Kernel& kernel = medium ? medium_ : small_;
-    const otg_uint isMedium = medium ? 1 : 0, least = medium ? smallHits_ + 1 : 0, last = only == 0 ? isMedium : 0;
-    Arguments(kernel) << meshes << counters_.get() << hits_.places() << records << reducer_.states()
-                      << reducer_.reductions() << list_.get() << isMedium << least << chosen_.get() << count_
-                      << chosen_.contactPlaces() << only << last;
+    KernelFor<given::BatchReduce>& kernel = medium ? medium_ : small_;
+    kernel.give({.meshes = meshes,
+                 .counters = counters_.buffer(),
+                 .hitCapacity = hits_.places(),
+                 .results = records,
+                 .states = reducer_.states(),
+                 .reductions = reducer_.reductions(),
+                 .list = list_.buffer(),
+                 .listed = otg_uint{medium},
+                 .least = medium ? smallHits_ + 1 : 0,
+                 .chosen = chosen_.words(),
+                 .pairCount = count_,
+                 .contactRoom = chosen_.contactPlaces(),
+                 .only = only,
+                 .last = otg_uint{medium && only == 0}});
     launch(queue_.get(), kernel, medium ? tuning_.mediumGroup : tuning_.smallGroup, count_, 1,
            profile_.next(medium ? Profile::kChoose : Profile::kRegions));
   }
 }
 
 /// The contacts of pairs with more hits than one work-group keeps, in a second submission.
-void BatchLane::runMany(cl_mem meshes, BatchFound& found) {
+void BatchLane::runMany(Meshes meshes, BatchFound& found) {
   const cl_command_queue queue = queue_.get();
   flagsOfMany_.resize(count_);
   for (std::uint32_t i = 0; i < count_; ++i) {
@@ -268,11 +325,9 @@ void BatchLane::runMany(cl_mem meshes, BatchFound& found) {
   chosenOfMany_.reserve(context_, std::bit_ceil(count_), found.counters[OTG_COUNT_MANY] * reducer_.contactsOfPair());
   writeLater(queue, counters_.get(), sizeof countersOfMany_, countersOfMany_);
   writeLater(queue, chosenOfMany_.get(), count_ * sizeof(otg_uint), flagsOfMany_.data(), nullptr, OTG_RESULT_HEAD);
-  const otg_uint decides = found.counters[OTG_COUNT_OPEN_OF_BATCH] > 0 ? 1 : 0;
-  enqueueRecords(meshes, entered_, &decides, chosenOfMany_, true);
-  if (decides) enqueueRecords(meshes, deciding(true), nullptr, chosenOfMany_, true);
-  reducer_.enqueue(queue, meshes, counters_.get(), results_.get(), hits_.places(), count_, chosenOfMany_,
-                   chosenOfMany_.get(), groups_, profile_);
+  enqueueEntered(meshes, found.counters[OTG_COUNT_OPEN_OF_BATCH] > 0);
+  const Reducer::Hits hits{meshes, counters_.buffer(), results_.bytes(), hits_.places(), count_};
+  reducer_.enqueue(queue, hits, chosenOfMany_, chosenOfMany_.words(), groups_, profile_);
   const otg_uint made = chosenOfMany_.readHead(context_, queue, count_, true, &profile_)[OTG_COUNT_REDUCED];
   BatchFound::Contacts more;
   more.contacts = chosenOfMany_.readRest(context_, queue, made, &profile_).data();
@@ -295,7 +350,7 @@ void BatchLane::beginRun() {
   results_.reserve(context_, hits_.places());
   if (wish_ == BatchWish::kSolid) solid_.reserve(count_, hits_.places(), mostPlaces_, anyPairwise_);
   chosen_.reserve(context_, std::bit_ceil(count_), hasContacts_ ? contactPlaces_ : 0);
-  enqueue(pinned_.buffer(), wish_);
+  enqueue(pinned_.units(), wish_);
   chosen_.beginHead(context_, queue_.get(), count_, hasContacts_, &profile_);
 }
 
@@ -327,7 +382,7 @@ BatchFound BatchLane::endRun() {
   if (contactRecords_) found.decidedExactly = found.counters[OTG_COUNT_OPEN_OF_BATCH];
   found.flags = chosen_.flags();
   if (remembers_) found.directions = reinterpret_cast<const Vec3d*>(directions_.data());
-  if (contactRecords_ && found.counters[OTG_COUNT_MANY] > 0) runMany(pinned_.buffer(), found);
+  if (contactRecords_ && found.counters[OTG_COUNT_MANY] > 0) runMany(pinned_.units(), found);
   if (profile_.on()) profile_.collect();
   return found;
 }
@@ -343,7 +398,7 @@ LargeStage::Batch BatchLane::solids() const {
   return {pinned_.buffer(),
           tasks_.get(),
           places_.get(),
-          reducer_.states(),
+          reducer_.states().get(),
           solid_.hits().get(),
           solid_.hits().places(),
           {},

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "collide/pair_frame.h"
@@ -15,6 +16,7 @@
 #include "opencl/solid/large_stage.h"
 #include "opencl/solid/small_stage.h"
 #include "opencl/tuning.h"
+#include "shared/layout/pairwise_given.h"
 
 namespace otg::opencl {
 
@@ -86,28 +88,45 @@ class BatchLane {
   template <class Run>
   void guarded(Run&& run);
   void send(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions);
-  void enqueue(cl_mem meshes, BatchWish wish);
-  void enqueueReduction(cl_mem meshes, cl_mem records, otg_uint only);
-  void runMany(cl_mem meshes, BatchFound& found);
-  void enqueueRecords(cl_mem meshes, Kernel& kernel, const otg_uint* decides, const ChosenBuffer& chosen, bool enter);
-  Kernel& deciding(bool enter);
+  using Meshes = BufferOf<const otg_mesh_unit>;
+  void enqueue(Meshes meshes, BatchWish wish);
+  void enqueueWalk(Meshes meshes, bool any);
+  void enqueueSolids(Meshes meshes);
+  void enqueueReduction(Meshes meshes, BufferOf<const otg_result_byte> records, otg_uint only);
+  void runMany(Meshes meshes, BatchFound& found);
+  given::BatchHits hitsOf(Meshes meshes, const ChosenBuffer& chosen) const;
+  template <class Given>
+  void launchRecords(KernelFor<Given>& kernel, const Given& given);
+  void enqueueRecords(Meshes meshes);
+  void enqueueEntered(Meshes meshes, bool decides);
+  std::string decideOptions(bool enter) const;
 
   Context& context_;
   MeshStore& meshes_;
   const Tuning tuning_;
   const std::size_t groups_;
   QueueHandle queue_;
-  Kernel prepare_, walk_, pairs_, small_, medium_, records_, entered_;
+  KernelFor<given::BatchPrepare> prepare_;
+  KernelFor<given::BatchWalk> walk_;
+  KernelFor<given::BatchReduce> small_, medium_;
+  KernelFor<given::BatchResults> pairs_, records_;
+  KernelFor<given::BatchResultsEntered> entered_;
   // In exact arithmetic; not built before they are asked for, because they are large.
-  Kernel decided_, decide_, decideEntered_;
+  KernelFor<given::BatchResults> decided_;
+  KernelFor<given::BatchDecide> decide_;
+  KernelFor<given::BatchDecideEntered> decideEntered_;
   ExactNeed exact_;
-  BufferHandle counters_;
+  ListOf<otg_counter> counters_;
   PinnedBuffer staged_;
   std::uint32_t count_ = 0, stackSize_ = 0, smallHits_, mediumHits_;
   std::vector<otg_batch_pair> frames_;
   std::vector<otg_device_mesh> sentPlaces_;
-  DeviceList tasks_{sizeof(otg_batch_task)}, pairList_{sizeof(otg_batch_pair)}, order_{sizeof(otg_uint)},
-      places_{sizeof(otg_device_mesh)}, list_{sizeof(otg_uint)}, hits_{sizeof(otg_batch_hit)};
+  ListOf<otg_batch_task> tasks_;
+  ListOf<otg_batch_pair> pairList_;
+  ListOf<otg_ordered_pair> order_;
+  ListOf<otg_device_mesh> places_;
+  ListOf<otg_listed_pair> list_;
+  ListOf<otg_batch_hit> hits_;
   ResultBuffer results_;
   ChosenBuffer chosen_, chosenOfMany_;
   std::uint32_t contactPlaces_;

@@ -29,22 +29,22 @@ PairLane::PairLane(Context& context, MeshStore& meshes, const Tuning& tuning)
     return "-DOTG_GROUP=" + std::to_string(tuning.recordGroup) + " -DOTG_CONTACTS=" + std::to_string(makes) +
            " -DOTG_ENTER=" + std::to_string(reduces);
   };
-  cut_ = context.makeKernel("walk/pair_query.cl", walk, "pairCut");
-  level_ = context.makeKernel("walk/pair_query.cl", walk, "pairLevel");
-  tail_ = context.makeKernel("walk/pair_query.cl", walk, "pairTail");
-  pairs_ = context.makeKernel("pairwise/pair_results.cl", results(0, 0), "pairResults");
+  cut_.make(context, "walk/pair_query.cl", walk);
+  level_.make(context, "walk/pair_query.cl", walk);
+  tail_.make(context, "walk/pair_query.cl", walk);
+  pairs_.make(context, "pairwise/pair_results.cl", results(0, 0));
   if (context.info().doubles) {
-    contacts_ = context.makeKernel("pairwise/pair_results.cl", results(1, 0), "pairResults");
+    contacts_.make(context, "pairwise/pair_results.cl", results(1, 0));
     if (reducer_.works()) {
-      entered_ = context.makeKernel("pairwise/pair_results.cl", results(1, 1), "pairResults");
+      entered_.make(context, "pairwise/pair_results.cl", results(1, 1));
       fewHits_ = hitsOfGroup(context, tuning.fewHits);
-      few_ = context.makeKernel("pairwise/pair_reduce.cl",
-                                groupReduction(context, tuning.fewGroup, fewHits_) + " -DOTG_EXACT=0", "pairReduce");
+      few_.make(context, "pairwise/pair_reduce.cl",
+                groupReduction(context, tuning.fewGroup, fewHits_) + " -DOTG_EXACT=0");
     }
   }
-  counters_ = context.makeBuffer(CL_MEM_READ_WRITE, OTG_COUNTERS * sizeof(otg_uint));
+  counters_.reserve(context, OTG_COUNTERS);
   fillZero(queue_.get(), counters_.get(), OTG_COUNTERS * sizeof(otg_uint));
-  for (DeviceList* list : {&level0_, &level1_, &level2_}) list->reserve(context, tuning.pairPlaces);
+  for (ListOf<otg_node_pair>* list : {&level0_, &level1_, &level2_}) list->reserve(context, tuning.pairPlaces);
   leaves_.reserve(context, tuning.leafPlaces);
   hits_.reserve(context, tuning.hitPlaces);
   reducer_.reserveStates(1);
@@ -55,8 +55,8 @@ PairAnswer PairLane::run(const Query& query, const PairFrame& frame, PairWish wi
   const MeshStore::Pinned pinned = meshes_.acquire(both);
   const otg_device_pair pair{deviceBoxes(frame), frame.floatError, pinned[0], pinned[1]};
   try {
-    if (wish == PairWish::kOverlap && describes(pair)) return describe(pair, query, pinned.buffer());
-    return runOn(pair, query, pinned.buffer(), wish == PairWish::kContacts && contacts_);
+    if (wish == PairWish::kOverlap && describes(pair)) return describe(pair, query, pinned.units());
+    return runOn(pair, query, pinned.units(), wish == PairWish::kContacts && contacts_);
   } catch (...) {
     // Kernels may still be reading the meshes, which are not pinned any longer in a moment.
     clRelease(OTG_CL(clFinish), queue_.get());
@@ -74,7 +74,7 @@ bool PairLane::describes(const otg_device_pair& pair) const {
                   : overlap_.pays(lastHits_);
 }
 
-PairAnswer PairLane::describe(const otg_device_pair& pair, const Query& query, cl_mem meshes) {
+PairAnswer PairLane::describe(const otg_device_pair& pair, const Query& query, Meshes meshes) {
   const cl_command_queue queue = queue_.get();
   const otg_reduction how = deviceReduction(query.options, true);
   PairAnswer answer;
@@ -83,15 +83,15 @@ PairAnswer PairLane::describe(const otg_device_pair& pair, const Query& query, c
   for (;; ++repeats_) {
     results_.reserve(context_, hits_.places());
     chosen_.reserve(context_, 1, 0);
-    const LargeStage::Pair task{pair,        query.bInA,     *query.a,       *query.b, meshes, counters_.get(),
-                                hits_.get(), hits_.places(), results_.get(), lastHits_};
+    const LargeStage::Pair task{pair,        query.bInA,     *query.a,       *query.b, meshes.get(), counters_.get(),
+                                  hits_.get(), hits_.places(), results_.get(), lastHits_};
     overlap_.reserve(queue, task);
     enqueueWalk(pair, meshes, how);
     overlap_.enqueue(queue, task, profile_);
     const bool makes = LargeContacts::works(query, tuning_);
     const otg_overlap_task asked = makes ? overlapTask(query) : otg_overlap_task{};
-    const LargeContacts::Pairs described{
-        {&asked, 1}, meshes, overlap_.pairs(), overlap_.results(), overlap_.unitRoom(), overlap_.tableRoom()};
+    const LargeContacts::Pairs described{{&asked, 1},        meshes.get(),        overlap_.pairs(),
+                                           overlap_.results(), overlap_.unitRoom(), overlap_.tableRoom()};
     const auto make = [&] {
       overlapContacts_.enqueue(queue, described, profile_);
       overlapContacts_.beginHead(queue, profile_);
@@ -153,7 +153,7 @@ Answer PairLane::records() {
   }
 }
 
-PairAnswer PairLane::runOn(const otg_device_pair& pair, const Query& query, cl_mem meshes, bool contacts) {
+PairAnswer PairLane::runOn(const otg_device_pair& pair, const Query& query, Meshes meshes, bool contacts) {
   const cl_command_queue queue = queue_.get();
   const otg_reduction how = deviceReduction(query.options, !contacts || !reducer_.works());
   const bool reduce = how.method != OTG_REDUCE_BY_HOST && !((pair.a.flags | pair.b.flags) & OTG_MESH_TANGLED);
@@ -167,10 +167,11 @@ PairAnswer PairLane::runOn(const otg_device_pair& pair, const Query& query, cl_m
     if (reduce) reducer_.reserve(queue, 1, hits_.places(), how.places);
     chosen_.reserve(context_, 1, reduce ? std::max(reducer_.contactsOfPair(), fewHits_) : 0);
     enqueueWalk(pair, meshes, how);
+    const given::PairHits found = hitsOf(pair, query.bInA, meshes);
     if (few) {
-      enqueueFew(pair, query.bInA, meshes);
+      enqueueFew(found);
     } else {
-      enqueueRecords(pair, query.bInA, meshes, contacts, reduce);
+      enqueueRecords(found, contacts, reduce);
     }
     const otg_uint* counters = reduce ? chosen_.readHead(context_, queue, 1, true, &profile_)
                                       : results_.readHead(context_, queue, contacts, &profile_);
@@ -183,7 +184,7 @@ PairAnswer PairLane::runOn(const otg_device_pair& pair, const Query& query, cl_m
       continue;
     }
     if (many) {
-      enqueueRecords(pair, query.bInA, meshes, contacts, reduce);
+      enqueueRecords(found, contacts, reduce);
       counters = chosen_.readHead(context_, queue, 1, true, &profile_);
     }
     const bool open = counters[OTG_COUNT_OPEN] > 0;
@@ -207,85 +208,121 @@ PairAnswer PairLane::runOn(const otg_device_pair& pair, const Query& query, cl_m
 }
 
 /// From the cuts to the list of hits.
-void PairLane::enqueueWalk(const otg_device_pair& pair, cl_mem meshes, const otg_reduction& how) {
-  const cl_mem counters = counters_.get(), leaves = leaves_.get();
-  const DeviceList* const lists[] = {&level0_, &level1_, &level2_};
+void PairLane::enqueueWalk(const otg_device_pair& pair, Meshes meshes, const otg_reduction& how) {
+  const BufferOf<otg_counter> counters = counters_.buffer();
+  const BufferOf<otg_leaf_pair> leaves = leaves_.buffer();
+  const ListOf<otg_node_pair>* const lists[] = {&level0_, &level1_, &level2_};
   const otg_uint levels =
       std::uint64_t{pair.a.triangles} + pair.b.triangles < tuning_.levelTriangles ? 0 : std::min(tuning_.levels, 2u);
   const otg_uint opened = std::min(levels, 1u);  // by the first kernel
-  const DeviceList& first = *lists[opened];
-  Arguments(cut_) << pair << meshes << counters << opened << first.get() << first.places() << leaves << leaves_.places()
-                  << reducer_.states() << chosen_.get() << how.method;
+  const ListOf<otg_node_pair>& first = *lists[opened];
+  cut_.give({.pair = pair,
+             .meshes = meshes,
+             .counters = counters,
+             .opens = opened,
+             .out = first.buffer(),
+             .outCapacity = first.places(),
+             .leaves = leaves,
+             .leafCapacity = leaves_.places(),
+             .state = reducer_.states(),
+             .chosen = chosen_.words(),
+             .method = how.method});
   launch(queue_.get(), cut_, tuning_.group, (pair.a.cutCount + tuning_.group - 1) / tuning_.group,
          (pair.b.cutCount + kCutTile - 1) / kCutTile, profile_.next(Profile::kTop));
   if (tuning_.flushes & 1) clDo(OTG_CL(clFlush), queue_.get());
   for (otg_uint level = opened; level < levels; ++level) {
-    const DeviceList &in = *lists[level], &out = *lists[level + 1];
-    Arguments(level_) << pair << meshes << counters << level << in.get() << in.places() << out.get() << out.places()
-                      << leaves << leaves_.places();
+    const ListOf<otg_node_pair>&in = *lists[level], &out = *lists[level + 1];
+    level_.give({.pair = pair,
+                 .meshes = meshes,
+                 .counters = counters,
+                 .level = level,
+                 .in = in.buffer(),
+                 .inCapacity = in.places(),
+                 .out = out.buffer(),
+                 .outCapacity = out.places(),
+                 .leaves = leaves,
+                 .leafCapacity = leaves_.places()});
     launch(queue_.get(), level_, tuning_.group, groups_, 1, profile_.next(Profile::kLevels));
   }
   const otg_uint stackSize = stackSizeFor(tuning_, pair.a.depth + pair.b.depth);
-  (Arguments(tail_) << pair << meshes << counters << levels << lists[levels]->get() << lists[levels]->places() << leaves
-                    << leaves_.places() << hits_.get() << hits_.places() << stackSize)
-      .local(stackSize * sizeof(cl_uint2));
+  tail_.give({.pair = pair,
+              .meshes = meshes,
+              .counters = counters,
+              .level = levels,
+              .seeds = lists[levels]->buffer(),
+              .seedCapacity = lists[levels]->places(),
+              .leaves = leaves,
+              .leafCapacity = leaves_.places(),
+              .hits = hits_.buffer(),
+              .hitCapacity = hits_.places(),
+              .stackSize = stackSize,
+              .stack = {stackSize}});
   launch(queue_.get(), tail_, tuning_.group, groups_, 1, profile_.next(Profile::kMain));
   if (tuning_.flushes & 2) clDo(OTG_CL(clFlush), queue_.get());
 }
 
+given::PairHits PairLane::hitsOf(const otg_device_pair& pair, const Transformd& bInA, Meshes meshes) const {
+  return {.pair = pair,
+          .bInA = bInA,
+          .meshes = meshes,
+          .counters = counters_.buffer(),
+          .hits = hits_.buffer(),
+          .hitCapacity = hits_.places(),
+          .results = results_.bytes()};
+}
+
 /// Everything else, where there are few hits.
-void PairLane::enqueueFew(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes) {
-  const cl_mem answer = chosen_.beginAnswer(context_, queue_.get(), tuning_.hostAnswers);
+void PairLane::enqueueFew(const given::PairHits& found) {
+  const BufferOf<otg_chosen_word> answer = chosen_.beginAnswer(context_, queue_.get(), tuning_.hostAnswers);
   if (exact_.isExpected() && !fewDecided_) {
-    fewDecided_ =
-        context_.makeKernel("pairwise/pair_reduce.cl",
-                            groupReduction(context_, tuning_.fewGroup, fewHits_) + " -DOTG_EXACT=1", "pairReduce");
+    fewDecided_.make(context_, "pairwise/pair_reduce.cl",
+                     groupReduction(context_, tuning_.fewGroup, fewHits_) + " -DOTG_EXACT=1");
   }
-  Kernel& kernel = exact_.isExpected() ? fewDecided_ : few_;
-  Arguments(kernel) << pair << bInA << meshes << counters_.get() << hits_.get() << hits_.places() << results_.get()
-                    << reducer_.reductions() << chosen_.get() << answer;
+  KernelFor<given::PairReduce>& kernel = exact_.isExpected() ? fewDecided_ : few_;
+  kernel.give({.found = found, .reductions = reducer_.reductions(), .chosen = chosen_.words(), .answer = answer});
   launch(queue_.get(), kernel, tuning_.fewGroup, 1, 1, profile_.next(Profile::kChoose));
 }
 
-/// The kernel that decides what double arithmetic leaves open.
-Kernel& PairLane::deciding(bool contacts, bool reduce) {
-  Kernel& kernel = reduce ? decideEntered_ : contacts ? decideContacts_ : decidePairs_;
-  if (!kernel) {
-    kernel =
-        context_.makeKernel("pairwise/decide_open.cl",
-                            "-DOTG_SINGLE=1 -DOTG_GROUP=" + std::to_string(tuning_.recordGroup) +
-                                " -DOTG_CONTACTS=" + (contacts ? "1" : "0") + " -DOTG_ENTER=" + (reduce ? "1" : "0"),
-                            "pairDecide");
-  }
-  return kernel;
-}
-
 /// Records of all hits, and with `reduce` the contacts.
-void PairLane::enqueueRecords(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, bool contacts,
-                              bool reduce) {
-  const otg_uint decides = exact_.isExpected() ? 1 : 0;
-  enqueueRecordsBy(reduce ? entered_ : contacts ? contacts_ : pairs_, pair, bInA, meshes, &decides, reduce);
-  if (decides) enqueueRecordsBy(deciding(contacts, reduce), pair, bInA, meshes, nullptr, reduce);
-  if (!reduce) return;
-  reducer_.enqueue(queue_.get(), meshes, counters_.get(), results_.get(), hits_.places(), 1, chosen_,
-                   chosen_.beginAnswer(context_, queue_.get(), tuning_.hostAnswers), groups_, profile_);
+void PairLane::enqueueRecords(const given::PairHits& found, bool contacts, bool reduce) {
+  if (reduce) {
+    enqueueContacts(found);
+    return;
+  }
+  const bool decides = exact_.isExpected();
+  launchRecords(contacts ? contacts_ : pairs_, {.found = found, .decides = otg_uint{decides}});
+  if (!decides) return;
+  KernelFor<given::PairDecide>& decide = contacts ? decideContacts_ : decidePairs_;
+  if (!decide) decide.make(context_, "pairwise/decide_open.cl", decideOptions(contacts, false));
+  launchRecords(decide, {.found = found});
 }
 
-/// A kernel that makes records, or, without `decides`, decides open ones.
-void PairLane::enqueueRecordsBy(Kernel& kernel, const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes,
-                                const otg_uint* decides, bool reduce) {
-  Arguments arguments(kernel);
-  arguments << pair;
-  if (context_.info().doubles) {
-    arguments << bInA;
-  } else {
-    arguments << cl_int{0};
+void PairLane::enqueueContacts(const given::PairHits& found) {
+  const bool decides = exact_.isExpected();
+  launchRecords(entered_, {.found = found,
+                           .decides = otg_uint{decides},
+                           .tables = reducer_.tables(),
+                           .state = reducer_.states(),
+                           .chosen = chosen_.words()});
+  if (decides) {
+    if (!decideEntered_) decideEntered_.make(context_, "pairwise/decide_open.cl", decideOptions(true, true));
+    launchRecords(decideEntered_,
+                  {.found = found, .tables = reducer_.tables(), .state = reducer_.states(), .chosen = chosen_.words()});
   }
-  arguments << meshes << counters_.get() << hits_.get() << hits_.places() << results_.get();
-  if (decides) arguments << *decides;
-  if (reduce) {
-    arguments << reducer_.links() << reducer_.tables() << reducer_.tableSize() << reducer_.states() << chosen_.get();
-  }
+  const Reducer::Hits hits{found.meshes, found.counters, found.results, hits_.places(), 1};
+  reducer_.enqueue(queue_.get(), hits, chosen_, chosen_.beginAnswer(context_, queue_.get(), tuning_.hostAnswers),
+                   groups_, profile_);
+}
+
+/// Of the kernels that decide what double arithmetic leaves open.
+std::string PairLane::decideOptions(bool contacts, bool reduce) const {
+  return "-DOTG_SINGLE=1 -DOTG_GROUP=" + std::to_string(tuning_.recordGroup) +
+         " -DOTG_CONTACTS=" + (contacts ? "1" : "0") + " -DOTG_ENTER=" + (reduce ? "1" : "0");
+}
+
+template <class Given>
+void PairLane::launchRecords(KernelFor<Given>& kernel, const Given& given) {
+  kernel.give(given);
   // No more work-groups than the device holds at once: these kernels take many registers.
   const std::size_t groups = std::max<std::size_t>(1, std::size_t{2} * context_.info().computeUnits);
   launch(queue_.get(), kernel, tuning_.recordGroup, groups, 1, profile_.next(Profile::kContacts));

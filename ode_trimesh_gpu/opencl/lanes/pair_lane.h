@@ -13,6 +13,7 @@
 #include "opencl/solid/large_contacts.h"
 #include "opencl/solid/large_stage.h"
 #include "opencl/tuning.h"
+#include "shared/layout/pairwise_given.h"
 
 namespace otg::opencl {
 
@@ -56,15 +57,18 @@ class PairLane {
   std::uint64_t repeats() const { return repeats_; }
 
  private:
-  PairAnswer runOn(const otg_device_pair& pair, const Query& query, cl_mem meshes, bool contacts);
-  PairAnswer describe(const otg_device_pair& pair, const Query& query, cl_mem meshes);
+  using Meshes = BufferOf<const otg_mesh_unit>;
+  PairAnswer runOn(const otg_device_pair& pair, const Query& query, Meshes meshes, bool contacts);
+  PairAnswer describe(const otg_device_pair& pair, const Query& query, Meshes meshes);
   bool describes(const otg_device_pair& pair) const;
-  void enqueueWalk(const otg_device_pair& pair, cl_mem meshes, const otg_reduction& how);
-  void enqueueFew(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes);
-  void enqueueRecords(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, bool contacts, bool reduce);
-  void enqueueRecordsBy(Kernel& kernel, const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes,
-                        const otg_uint* decides, bool reduce);
-  Kernel& deciding(bool contacts, bool reduce);
+  given::PairHits hitsOf(const otg_device_pair& pair, const Transformd& bInA, Meshes meshes) const;
+  void enqueueWalk(const otg_device_pair& pair, Meshes meshes, const otg_reduction& how);
+  void enqueueFew(const given::PairHits& found);
+  void enqueueRecords(const given::PairHits& found, bool contacts, bool reduce);
+  void enqueueContacts(const given::PairHits& found);
+  template <class Given>
+  void launchRecords(KernelFor<Given>& kernel, const Given& given);
+  std::string decideOptions(bool contacts, bool reduce) const;
   bool makeRoom(const otg_uint* counters);
 
   Context& context_;
@@ -72,13 +76,21 @@ class PairLane {
   const Tuning tuning_;
   const std::size_t groups_;
   QueueHandle queue_;
-  Kernel cut_, level_, tail_, pairs_, contacts_, entered_, few_;
+  KernelFor<given::PairCut> cut_;
+  KernelFor<given::PairLevel> level_;
+  KernelFor<given::PairTail> tail_;
+  KernelFor<given::PairResults> pairs_, contacts_;
+  KernelFor<given::PairResultsEntered> entered_;
+  KernelFor<given::PairReduce> few_;
   // In exact arithmetic; not built before they are asked for, because they are large.
-  Kernel fewDecided_, decidePairs_, decideContacts_, decideEntered_;
+  KernelFor<given::PairReduce> fewDecided_;
+  KernelFor<given::PairDecide> decidePairs_, decideContacts_;
+  KernelFor<given::PairDecideEntered> decideEntered_;
   ExactNeed exact_;
-  BufferHandle counters_;
-  DeviceList level0_{sizeof(cl_uint2)}, level1_{sizeof(cl_uint2)}, level2_{sizeof(cl_uint2)}, leaves_{sizeof(cl_uint2)},
-      hits_{sizeof(cl_uint2)};
+  ListOf<otg_counter> counters_;
+  ListOf<otg_node_pair> level0_, level1_, level2_;
+  ListOf<otg_leaf_pair> leaves_;
+  ListOf<otg_hit> hits_;
   ResultBuffer results_;
   ChosenBuffer chosen_;
   Reducer reducer_;

@@ -35,7 +35,7 @@ MeshStore::MeshStore(Context& context, std::uint64_t budget, std::uint32_t leafT
 
 void MeshStore::prepare() {
   const std::lock_guard lock(mutex_);
-  if (!scatter_) scatter_ = context_.makeKernel("meshes/mesh_scatter.cl", "", "scatterUnits");
+  if (!scatter_) scatter_.make(context_, "meshes/mesh_scatter.cl", "");
 }
 
 MeshStore::Pinned MeshStore::acquire(std::span<const CollisionMesh* const> meshes) {
@@ -110,11 +110,13 @@ void MeshStore::send(const PackedChanges& changes, std::uint32_t begin) {
   sending_.resize(places);
   std::memcpy(sending_.data(), changes.at.data(), count * sizeof(std::uint32_t));
   sending_.insert(sending_.end(), changes.units.begin(), changes.units.end());
-  if (!scatter_) scatter_ = context_.makeKernel("meshes/mesh_scatter.cl", "", "scatterUnits");
+  if (!scatter_) scatter_.make(context_, "meshes/mesh_scatter.cl", "");
   sent_.reserve(context_, sending_.size());
   const cl_command_queue queue = queue_.get();
-  const auto items = static_cast<cl_uint>(count);
-  Arguments(scatter_) << buffer_->get() << sent_.get() << items << begin;
+  scatter_.give({.meshes = BufferOf<MeshUnit>(buffer_->get()),
+                 .sent = sent_.buffer(),
+                 .count = static_cast<otg_uint>(count),
+                 .begin = begin});
   writeLater(queue, sent_.get(), sending_.size() * sizeof(MeshUnit), sending_.data());
   try {
     launch(queue, scatter_, kScatterGroup, (count + kScatterGroup - 1) / kScatterGroup);

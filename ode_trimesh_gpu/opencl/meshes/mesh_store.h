@@ -14,7 +14,8 @@
 #include "collide/pair_frame.h"
 #include "opencl/meshes/packed_motion.h"
 #include "opencl/runtime/context.h"
-#include "opencl/runtime/launch.h"
+#include "opencl/runtime/given.h"
+#include "shared/layout/meshes_given.h"
 
 namespace otg::opencl {
 
@@ -61,6 +62,7 @@ class MeshStore {
       for (const auto& mesh : meshes_) --mesh->pins;
     }
     cl_mem buffer() const { return buffer_->get(); }
+    BufferOf<const otg_mesh_unit> units() const { return BufferOf<const otg_mesh_unit>(buffer_->get()); }
     const otg_device_mesh& operator[](std::size_t i) const { return meshes_[i]->place; }
     /// Null for a mesh that had not moved when it was packed: it lies there as packMesh() would put it.
     const PackedPlaces* places(std::size_t i) const { return meshes_[i]->places.get(); }
@@ -102,9 +104,9 @@ class MeshStore {
   mutable std::mutex mutex_;
   QueueHandle queue_;
   std::shared_ptr<const BufferHandle> buffer_;
-  std::uint32_t capacity_ = 0;         ///< units of the buffer
-  Kernel scatter_;                     ///< made by prepare() or the first update
-  DeviceList sent_{sizeof(MeshUnit)};  ///< changes on their way
+  std::uint32_t capacity_ = 0;              ///< units of the buffer
+  KernelFor<given::ScatterUnits> scatter_;  ///< made by prepare() or the first update
+  ListOf<MeshUnit> sent_;                   ///< changes on their way
   std::vector<MeshUnit> sending_;
   /// By CollisionMesh::structure(): the key of a mesh that is gone is never another's.
   Residents residents_;

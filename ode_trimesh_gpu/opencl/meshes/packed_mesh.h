@@ -7,6 +7,7 @@
 
 #include "bvh/collision_mesh.h"
 #include "shared/layout/device_layout.h"
+#include "shared/layout/given.h"
 
 namespace otg::opencl {
 
@@ -15,10 +16,7 @@ enum class MeshLayout {
   kBinary,     ///< BinaryTree: one triangle a leaf, triangles in the order of their numbers, no cut
 };
 
-struct MeshUnit {
-  float x, y, z;
-  std::uint32_t w;
-};
+using MeshUnit = otg_mesh_unit;
 
 /// What is sent for one mesh. Nodes are PackedNode in both layouts.
 struct PackedMesh {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <initializer_list>
 #include <string>
 #include <utility>
 
@@ -48,17 +49,29 @@ std::string nearOptions(std::size_t group, bool fused, bool contacts, bool reduc
 
 }  // namespace
 
-LevelsLane::NearKernels& LevelsLane::nearKernels(bool fused, bool contacts, bool reduce) {
-  NearKernels& kernels = near_[fused][reduce ? 2 : contacts ? 1 : 0];
-  if (kernels.rest) return kernels;
-  kernels.near = context_.makeKernel("published/levels_near.cl",
-                                     nearOptions(group_, fused, fused && contacts, fused && reduce), "levelsNear");
-  kernels.rest =
-      fused
-          ? context_.makeKernel("published/levels_near.cl", nearOptions(group_, fused, contacts, reduce), "levelsEnter")
-          : context_.makeKernel("pairwise/pair_results.cl",
-                                "-DOTG_GROUP=" + std::to_string(tuning_.recordGroup) + contactOptions(contacts, reduce),
-                                "pairResults");
+LevelsLane::FusedKernels& LevelsLane::fusedKernels(bool contacts, bool reduce) {
+  FusedKernels& kernels = fused_[reduce ? 2 : contacts ? 1 : 0];
+  if (kernels.end || kernels.enter) return kernels;
+  const std::string options = nearOptions(group_, true, contacts, reduce);
+  kernels.near.make(context_, "published/levels_near.cl", options);
+  if (reduce) {
+    kernels.enter.make(context_, "published/levels_near.cl", options);
+  } else {
+    kernels.end.make(context_, "published/levels_near.cl", options);
+  }
+  return kernels;
+}
+
+LevelsLane::NearKernels& LevelsLane::nearKernels(bool contacts, bool reduce) {
+  NearKernels& kernels = near_[reduce ? 2 : contacts ? 1 : 0];
+  if (kernels.records || kernels.entered) return kernels;
+  const std::string options = "-DOTG_GROUP=" + std::to_string(tuning_.recordGroup) + contactOptions(contacts, reduce);
+  kernels.near.make(context_, "published/levels_near.cl", nearOptions(group_, false, false, false));
+  if (reduce) {
+    kernels.entered.make(context_, "pairwise/pair_results.cl", options);
+  } else {
+    kernels.records.make(context_, "pairwise/pair_results.cl", options);
+  }
   return kernels;
 }
 
@@ -69,22 +82,22 @@ LevelsLane::LevelsLane(Context& context, MeshStore& meshes, const Tuning& tuning
       group_(groupFor(context, tuning)),
       groups_(std::max<std::size_t>(1, std::size_t{context.info().computeUnits} * tuning.groupsPerUnit)),
       queue_(context.makeQueue(tuning.profile)),
-      sumOfOne_(context, groupFor(context, tuning), PrefixSum::Of::kUint),
-      sumOfTwo_(context, groupFor(context, tuning), PrefixSum::Of::kUint2),
+      sumOfOne_(context, groupFor(context, tuning)),
+      sumOfTwo_(context, groupFor(context, tuning)),
       results_(tuning.recordsExpected),
       chosen_(PinnedPool::make(context)),
       reducer_(context, tuning, true),
       profile_(tuning.profile) {
   const std::string walk = "-DOTG_GROUP=" + std::to_string(group_) + " -DOTG_LEAF=1";
-  begin_ = context.makeKernel("published/levels_walk.cl", walk, "levelsBegin");
-  test_ = context.makeKernel("published/levels_walk.cl", walk, "levelsTest");
-  compact_ = context.makeKernel("published/levels_walk.cl", walk, "levelsCompact");
-  split_ = context.makeKernel("published/levels_walk.cl", walk, "levelsSplit");
-  spawn_ = context.makeKernel("published/levels_walk.cl", walk, "levelsSpawn");
-  reset_ = context.makeKernel("published/levels_near.cl", nearOptions(group_, false, false, false), "levelsReset");
-  counters_ = context.makeBuffer(CL_MEM_READ_WRITE, OTG_COUNTERS * sizeof(otg_uint));
+  begin_.make(context, "published/levels_walk.cl", walk);
+  test_.make(context, "published/levels_walk.cl", walk);
+  compact_.make(context, "published/levels_walk.cl", walk);
+  split_.make(context, "published/levels_walk.cl", walk);
+  spawn_.make(context, "published/levels_walk.cl", walk);
+  reset_.make(context, "published/levels_near.cl", nearOptions(group_, false, false, false));
+  counters_.reserve(context, OTG_COUNTERS);
   fillZero(queue_.get(), counters_.get(), OTG_COUNTERS * sizeof(otg_uint));
-  totals_ = context.makeBuffer(CL_MEM_READ_WRITE, 4 * sizeof(cl_uint));
+  totals_.reserve(context, 4);
   next_.reserve(context, tuning.pairPlaces);
   leaves_.reserve(context, tuning.leafPlaces);
   hits_.reserve(context, tuning.hitPlaces);
@@ -98,23 +111,22 @@ PairAnswer LevelsLane::run(const Query& query, const PairFrame& frame, bool cont
   if (!how.sendTrees) pinned = meshes_.acquire(both);
   otg_device_pair pair{deviceBoxes(frame), frame.floatError, {}, {}};
   try {
-    cl_mem meshes = nullptr;
     if (how.sendTrees) {
       // A mesh that meets itself is sent once.
       const PackedMesh& a = packed(*query.a, 0);
       const PackedMesh& b = query.a == query.b ? a : packed(*query.b, 1);
       const std::size_t unitsB = query.a == query.b ? 0 : b.units.size();
       sentUnits_.reserve(context_, a.units.size() + unitsB);
-      meshes = sentUnits_.get();
-      write(meshes, 0, a.units.size() * sizeof(MeshUnit), a.units.data());
-      if (unitsB > 0) write(meshes, a.units.size() * sizeof(MeshUnit), unitsB * sizeof(MeshUnit), b.units.data());
+      const cl_mem to = sentUnits_.get();
+      write(to, 0, a.units.size() * sizeof(MeshUnit), a.units.data());
+      if (unitsB > 0) write(to, a.units.size() * sizeof(MeshUnit), unitsB * sizeof(MeshUnit), b.units.data());
       pair.a = a.placeAt(0);
       pair.b = unitsB > 0 ? b.placeAt(static_cast<std::uint32_t>(a.units.size())) : pair.a;
     } else {
-      meshes = pinned.buffer();
       pair.a = pinned[0];
       pair.b = pinned[1];
     }
+    const Meshes meshes = how.sendTrees ? Meshes(sentUnits_.buffer()) : pinned.units();
     const PairAnswer answer = runOn(pair, query, meshes, contacts && context_.info().doubles, how);
     if (profile_.on()) profile_.collect();
     return answer;
@@ -143,7 +155,7 @@ void LevelsLane::write(cl_mem to, std::size_t offset, std::size_t bytes, const v
   bytesSent_ += bytes;
 }
 
-PairAnswer LevelsLane::runOn(const otg_device_pair& pair, const Query& query, cl_mem meshes, bool contacts,
+PairAnswer LevelsLane::runOn(const otg_device_pair& pair, const Query& query, Meshes meshes, bool contacts,
                              const LevelsOptions& how) {
   walk(pair, query, meshes, std::min(how.startDepth, kMostStartDepth));
   if (leafCount_ > 0) return decide(pair, query, meshes, contacts, how.fusedNear);
@@ -154,7 +166,7 @@ PairAnswer LevelsLane::runOn(const otg_device_pair& pair, const Query& query, cl
   return answer;
 }
 
-void LevelsLane::walk(const otg_device_pair& pair, const Query& query, cl_mem meshes, std::uint32_t startDepth) {
+void LevelsLane::walk(const otg_device_pair& pair, const Query& query, Meshes meshes, std::uint32_t startDepth) {
   steps_.clear();
   leafCount_ = 0;
   std::uint32_t count = begin(query, startDepth);
@@ -181,42 +193,56 @@ std::uint32_t LevelsLane::begin(const Query& query, std::uint32_t startDepth) {
   starts_.reserve(context_, std::bit_ceil(startNodes_.size()));
   now_.reserve(context_, std::max(tuning_.pairPlaces, std::bit_ceil(count)));
   write(starts_.get(), 0, startNodes_.size() * sizeof(cl_uint), startNodes_.data());
-  Arguments(begin_) << starts_.get() << countA << countB << now_.get();
+  begin_.give({.starts = starts_.buffer(), .countA = countA, .countB = countB, .pairs = now_.buffer()});
   launch(queue_.get(), begin_, group_, (count + group_ - 1) / group_, 1, profile_.next(Profile::kTop));
   return count;
 }
 
 /// Up to the prefix sums by which pairs of leaves and of children are placed.
-void LevelsLane::step(const otg_device_pair& pair, cl_mem meshes, std::uint32_t count) {
+void LevelsLane::step(const otg_device_pair& pair, Meshes meshes, std::uint32_t count) {
   const cl_command_queue queue = queue_.get();
   const std::size_t groups = (count + group_ - 1) / group_;
   // Four children each have to be counted in 32 bits.
   if (count >= 1u << 30)
     throw ClError("clCreateBuffer", CL_MEM_OBJECT_ALLOCATION_FAILURE, "a list outgrows the device");
-  for (DeviceList* list : {&overlaps_, &places_, &kept_, &weights_, &placesOfTwo_}) {
+  for (DeviceList* list : std::initializer_list<DeviceList*>{&overlaps_, &places_, &kept_, &weights_, &placesOfTwo_}) {
     list->reserve(context_, std::bit_ceil(count));
   }
-  Arguments(test_) << pair << meshes << now_.get() << count << overlaps_.get();
+  test_.give({.pair = pair, .meshes = meshes, .pairs = now_.buffer(), .count = count, .overlaps = overlaps_.buffer()});
   launch(queue, test_, group_, groups, 1, profile_.next(Profile::kTest));
-  sumOfOne_.enqueue(queue, overlaps_.get(), places_.get(), count, totals_.get(), 0, profile_);
-  Arguments(compact_) << meshes << pair.a.nodes << pair.b.nodes << now_.get() << count << overlaps_.get()
-                      << places_.get() << totals_.get() << kept_.get() << weights_.get();
+  sumOfOne_.enqueue(queue, overlaps_.buffer(), places_.buffer(), count, totals_.buffer(), 0, profile_);
+  compact_.give({.meshes = meshes,
+                 .nodesA = pair.a.nodes,
+                 .nodesB = pair.b.nodes,
+                 .pairs = now_.buffer(),
+                 .count = count,
+                 .overlaps = overlaps_.buffer(),
+                 .places = places_.buffer(),
+                 .total = totals_.buffer(),
+                 .kept = kept_.buffer(),
+                 .weights = weights_.buffer()});
   launch(queue, compact_, group_, groups, 1, profile_.next(Profile::kCompact));
   // Words 2 and 3 of the totals.
-  sumOfTwo_.enqueue(queue, weights_.get(), placesOfTwo_.get(), count, totals_.get(), 1, profile_);
+  const BufferOf<otg_two_sums> totals(totals_.get());
+  sumOfTwo_.enqueue(queue, weights_.buffer(), placesOfTwo_.buffer(), count, totals, 1, profile_);
 }
 
 /// Pairs of leaves to their list, pairs of children to `next_`; again where a list was too short.
-void LevelsLane::distribute(const otg_device_pair& pair, cl_mem meshes, std::uint32_t count, LevelsStep& counts) {
+void LevelsLane::distribute(const otg_device_pair& pair, Meshes meshes, std::uint32_t count, LevelsStep& counts) {
   const cl_command_queue queue = queue_.get();
   const std::size_t groups = (count + group_ - 1) / group_;
   for (;; ++repeats_) {
     cl_uint totals[4] = {};
-    Arguments(split_) << meshes << pair.a.nodes << pair.b.nodes << kept_.get() << weights_.get() << placesOfTwo_.get()
-                      << count << leafCount_ << leaves_.get() << leaves_.places();
+    const given::LevelsKept level{.meshes = meshes,
+                                  .nodesA = pair.a.nodes,
+                                  .nodesB = pair.b.nodes,
+                                  .kept = kept_.buffer(),
+                                  .weights = weights_.buffer(),
+                                  .places = placesOfTwo_.buffer(),
+                                  .count = count};
+    split_.give({.level = level, .begin = leafCount_, .leaves = leaves_.buffer(), .leafCapacity = leaves_.places()});
     launch(queue, split_, group_, groups, 1, profile_.next(Profile::kSplit));
-    Arguments(spawn_) << meshes << pair.a.nodes << pair.b.nodes << kept_.get() << weights_.get() << placesOfTwo_.get()
-                      << count << next_.get() << next_.places();
+    spawn_.give({.level = level, .next = next_.buffer(), .nextCapacity = next_.places()});
     launch(queue, spawn_, group_, groups, 1, profile_.next(Profile::kSpawn));
     readBlocking(queue, totals_.get(), sizeof totals, totals, profile_.next(Profile::kReadBack));
     counts.overlapping = totals[0];
@@ -231,17 +257,17 @@ void LevelsLane::distribute(const otg_device_pair& pair, cl_mem meshes, std::uin
 
 /// Keeps the pairs of leaves that were found so far.
 void LevelsLane::growLeaves(std::uint64_t places) {
-  DeviceList larger(sizeof(cl_uint2));
+  ListOf<otg_place_pair> larger;
   larger.reserve(context_, std::bit_ceil(places));
   if (leafCount_ > 0) {
     clDo(OTG_CL(clEnqueueCopyBuffer), queue_.get(), leaves_.get(), larger.get(), std::size_t{0}, std::size_t{0},
-         std::size_t{leafCount_ * sizeof(cl_uint2)}, cl_uint{0}, static_cast<const cl_event*>(nullptr),
+         std::size_t{leafCount_ * sizeof(otg_place_pair)}, cl_uint{0}, static_cast<const cl_event*>(nullptr),
          static_cast<cl_event*>(nullptr));
   }
   std::swap(leaves_, larger);
 }
 
-PairAnswer LevelsLane::decide(const otg_device_pair& pair, const Query& query, cl_mem meshes, bool contacts,
+PairAnswer LevelsLane::decide(const otg_device_pair& pair, const Query& query, Meshes meshes, bool contacts,
                               bool fused) {
   const cl_command_queue queue = queue_.get();
   const otg_reduction how = deviceReduction(query.options, !contacts || !reducer_.works());
@@ -252,7 +278,7 @@ PairAnswer LevelsLane::decide(const otg_device_pair& pair, const Query& query, c
     results_.reserve(context_, hits_.places());
     if (reduce) reducer_.reserve(queue, 1, hits_.places(), how.places);
     chosen_.reserve(context_, 1, reduce ? reducer_.contactsOfPair() : 0);
-    enqueueNear(pair, query, meshes, how, contacts, reduce, fused);
+    enqueueDecision(pair, query, meshes, how, contacts, reduce, fused);
     const otg_uint* counters = reduce ? chosen_.readHead(context_, queue, 1, true, &profile_)
                                       : results_.readHead(context_, queue, contacts, &profile_);
     if (counters[OTG_COUNT_HITS] <= hits_.places()) {
@@ -271,42 +297,78 @@ PairAnswer LevelsLane::decide(const otg_device_pair& pair, const Query& query, c
   }
 }
 
-void LevelsLane::enqueueNear(const otg_device_pair& pair, const Query& query, cl_mem meshes, const otg_reduction& how,
-                             bool contacts, bool reduce, bool fused) {
+void LevelsLane::enqueueDecision(const otg_device_pair& pair, const Query& query, Meshes meshes,
+                                 const otg_reduction& how, bool contacts, bool reduce, bool fused) {
   const cl_command_queue queue = queue_.get();
-  const cl_mem counters = counters_.get(), hits = hits_.get(), state = reducer_.states();
-  const std::size_t groups = (leafCount_ + group_ - 1) / group_;
-  const auto addPose = [&](Arguments& arguments) {
-    arguments << pair;
-    if (context_.info().doubles) {
-      arguments << query.bInA;
-    } else {
-      arguments << cl_int{0};
-    }
-  };
-  const auto addTables = [&](Arguments& arguments) {
-    if (reduce) arguments << reducer_.links() << reducer_.tables() << reducer_.tableSize() << state << chosen_.get();
-  };
-  Arguments(reset_) << pair << state << chosen_.get() << how.method;
+  reset_.give({.pair = pair, .state = reducer_.states(), .chosen = chosen_.words(), .method = how.method});
   launch(queue, reset_, group_, 1, 1, profile_.next(Profile::kNear));
-  NearKernels& kernels = nearKernels(fused, contacts, reduce);
-  Arguments near(kernels.near), rest(kernels.rest);
   if (fused) {
-    addPose(near);
-    near << meshes << counters << leaves_.get() << leafCount_ << hits_.places() << results_.get();
-    rest << counters << results_.get() << hits_.places();
+    enqueueFused(pair, query, meshes, contacts, reduce);
   } else {
-    near << pair << meshes << counters << leaves_.get() << leafCount_ << hits << hits_.places();
-    addPose(rest);
-    rest << meshes << counters << hits << hits_.places() << results_.get() << otg_uint{0};
+    enqueueNear(pair, query, meshes, contacts, reduce);
   }
-  addTables(rest);
-  launch(queue, kernels.near, group_, groups, 1, profile_.next(Profile::kNear));
-  launch(queue, kernels.rest, fused ? group_ : tuning_.recordGroup, groups_, 1,
-         profile_.next(fused ? Profile::kRegions : Profile::kContacts));
   if (!reduce) return;
-  reducer_.enqueue(queue, meshes, counters, results_.get(), hits_.places(), 1, chosen_,
-                   chosen_.beginAnswer(context_, queue, tuning_.hostAnswers), groups_, profile_);
+  const Reducer::Hits hits{meshes, counters_.buffer(), results_.bytes(), hits_.places(), 1};
+  reducer_.enqueue(queue, hits, chosen_, chosen_.beginAnswer(context_, queue, tuning_.hostAnswers), groups_, profile_);
+}
+
+/// As published: one kernel for tests and contacts.
+void LevelsLane::enqueueFused(const otg_device_pair& pair, const Query& query, Meshes meshes, bool contacts,
+                              bool reduce) {
+  FusedKernels& kernels = fusedKernels(contacts, reduce);
+  kernels.near.give({.pair = pair,
+                     .bInA = query.bInA,
+                     .meshes = meshes,
+                     .counters = counters_.buffer(),
+                     .leaves = leaves_.buffer(),
+                     .count = leafCount_,
+                     .hitCapacity = hits_.places(),
+                     .results = results_.bytes()});
+  launch(queue_.get(), kernels.near, group_, (leafCount_ + group_ - 1) / group_, 1, profile_.next(Profile::kNear));
+  if (!reduce) {
+    kernels.end.give({.counters = counters_.buffer(), .results = results_.bytes()});
+    launch(queue_.get(), kernels.end, group_, groups_, 1, profile_.next(Profile::kRegions));
+    return;
+  }
+  kernels.enter.give({.counters = counters_.buffer(),
+                      .results = results_.bytes(),
+                      .hitCapacity = hits_.places(),
+                      .tables = reducer_.tables(),
+                      .state = reducer_.states(),
+                      .chosen = chosen_.words()});
+  launch(queue_.get(), kernels.enter, group_, groups_, 1, profile_.next(Profile::kRegions));
+}
+
+/// A list of hits first, then their records.
+void LevelsLane::enqueueNear(const otg_device_pair& pair, const Query& query, Meshes meshes, bool contacts,
+                             bool reduce) {
+  NearKernels& kernels = nearKernels(contacts, reduce);
+  kernels.near.give({.pair = pair,
+                     .meshes = meshes,
+                     .counters = counters_.buffer(),
+                     .leaves = leaves_.buffer(),
+                     .count = leafCount_,
+                     .hits = hits_.buffer(),
+                     .hitCapacity = hits_.places()});
+  launch(queue_.get(), kernels.near, group_, (leafCount_ + group_ - 1) / group_, 1, profile_.next(Profile::kNear));
+  const given::PairHits found{.pair = pair,
+                              .bInA = query.bInA,
+                              .meshes = meshes,
+                              .counters = counters_.buffer(),
+                              .hits = hits_.buffer(),
+                              .hitCapacity = hits_.places(),
+                              .results = results_.bytes()};
+  if (!reduce) {
+    kernels.records.give({.found = found, .decides = otg_uint{0}});
+    launch(queue_.get(), kernels.records, tuning_.recordGroup, groups_, 1, profile_.next(Profile::kContacts));
+    return;
+  }
+  kernels.entered.give({.found = found,
+                        .decides = otg_uint{0},
+                        .tables = reducer_.tables(),
+                        .state = reducer_.states(),
+                        .chosen = chosen_.words()});
+  launch(queue_.get(), kernels.entered, tuning_.recordGroup, groups_, 1, profile_.next(Profile::kContacts));
 }
 
 }  // namespace otg::opencl

@@ -37,21 +37,31 @@ class LevelsLane {
     PackedMesh mesh;
   };
   /// The kernels of the near phase for one way of deciding, made when first asked for.
-  struct NearKernels {
-    Kernel near;  ///< tests; with contacts if fused
-    Kernel rest;  ///< levelsEnter if fused, else pairResults
+  struct FusedKernels {
+    KernelFor<given::LevelsNearFused> near;  ///< tests, and makes contacts
+    KernelFor<given::LevelsEnd> end;
+    KernelFor<given::LevelsEnter> enter;  ///< in place of `end`, if contacts are to be reduced
   };
-  NearKernels& nearKernels(bool fused, bool contacts, bool reduce);
-  PairAnswer runOn(const otg_device_pair& pair, const Query& query, cl_mem meshes, bool contacts,
+  struct NearKernels {
+    KernelFor<given::LevelsNear> near;
+    KernelFor<given::PairResults> records;
+    KernelFor<given::PairResultsEntered> entered;  ///< in place of `records`, if contacts are to be reduced
+  };
+  using Meshes = BufferOf<const otg_mesh_unit>;
+  FusedKernels& fusedKernels(bool contacts, bool reduce);
+  NearKernels& nearKernels(bool contacts, bool reduce);
+  PairAnswer runOn(const otg_device_pair& pair, const Query& query, Meshes meshes, bool contacts,
                    const LevelsOptions& how);
   const PackedMesh& packed(const CollisionMesh& mesh, int side);
-  void walk(const otg_device_pair& pair, const Query& query, cl_mem meshes, std::uint32_t startDepth);
+  void walk(const otg_device_pair& pair, const Query& query, Meshes meshes, std::uint32_t startDepth);
   std::uint32_t begin(const Query& query, std::uint32_t startDepth);
-  void step(const otg_device_pair& pair, cl_mem meshes, std::uint32_t count);
-  void distribute(const otg_device_pair& pair, cl_mem meshes, std::uint32_t count, LevelsStep& counts);
-  PairAnswer decide(const otg_device_pair& pair, const Query& query, cl_mem meshes, bool contacts, bool fused);
-  void enqueueNear(const otg_device_pair& pair, const Query& query, cl_mem meshes, const otg_reduction& how,
-                   bool contacts, bool reduce, bool fused);
+  void step(const otg_device_pair& pair, Meshes meshes, std::uint32_t count);
+  void distribute(const otg_device_pair& pair, Meshes meshes, std::uint32_t count, LevelsStep& counts);
+  PairAnswer decide(const otg_device_pair& pair, const Query& query, Meshes meshes, bool contacts, bool fused);
+  void enqueueNear(const otg_device_pair& pair, const Query& query, Meshes meshes, bool contacts, bool reduce);
+  void enqueueFused(const otg_device_pair& pair, const Query& query, Meshes meshes, bool contacts, bool reduce);
+  void enqueueDecision(const otg_device_pair& pair, const Query& query, Meshes meshes, const otg_reduction& how,
+                       bool contacts, bool reduce, bool fused);
   void write(cl_mem to, std::size_t offset, std::size_t bytes, const void* from);
   void growLeaves(std::uint64_t places);
 
@@ -60,13 +70,25 @@ class LevelsLane {
   const Tuning tuning_;
   const std::size_t group_, groups_;
   QueueHandle queue_;
-  Kernel begin_, test_, compact_, split_, spawn_, reset_;
-  NearKernels near_[2][3];  ///< by fused; pairs alone, contacts, contacts to be reduced
-  PrefixSum sumOfOne_, sumOfTwo_;
-  BufferHandle counters_, totals_;
-  DeviceList starts_{sizeof(cl_uint)}, now_{sizeof(cl_uint2)}, next_{sizeof(cl_uint2)}, overlaps_{sizeof(cl_uint)},
-      places_{sizeof(cl_uint)}, kept_{sizeof(cl_uint2)}, weights_{sizeof(cl_uint2)}, placesOfTwo_{sizeof(cl_uint2)},
-      leaves_{sizeof(cl_uint2)}, hits_{sizeof(cl_uint2)}, sentUnits_{sizeof(MeshUnit)};
+  KernelFor<given::LevelsBegin> begin_;
+  KernelFor<given::LevelsTest> test_;
+  KernelFor<given::LevelsCompact> compact_;
+  KernelFor<given::LevelsSplit> split_;
+  KernelFor<given::LevelsSpawn> spawn_;
+  KernelFor<given::LevelsReset> reset_;
+  FusedKernels fused_[3];  ///< pairs alone, contacts, contacts to be reduced
+  NearKernels near_[3];    ///< the same
+  PrefixSum<otg_one_sum> sumOfOne_;
+  PrefixSum<otg_two_sums> sumOfTwo_;
+  ListOf<otg_counter> counters_;
+  ListOf<otg_one_sum> totals_;
+  ListOf<otg_start_node> starts_;
+  ListOf<otg_node_pair> now_, next_, kept_;
+  ListOf<otg_one_sum> overlaps_, places_;
+  ListOf<otg_two_sums> weights_, placesOfTwo_;
+  ListOf<otg_place_pair> leaves_;
+  ListOf<otg_hit> hits_;
+  ListOf<MeshUnit> sentUnits_;
   std::unique_ptr<SentMesh> sent_[2];
   std::vector<cl_uint> startNodes_;
   std::vector<LevelsStep> steps_;

@@ -44,9 +44,9 @@ PhaseLane::PhaseLane(Context& context, MeshStore& meshes, const Tuning& tuning)
       queue_(context.makeQueue(false)) {
   const std::string options = "-DOTG_GROUP=" + std::to_string(kGroup) +
                               " -DOTG_CONTACTS=0 -DOTG_LEAF=" + std::to_string(meshes.leafTriangles());
-  middle_ = context.makeKernel("published/single_phase.cl", options, "middleStep");
-  near_ = context.makeKernel("published/single_phase.cl", options, "nearStep");
-  counters_ = context.makeBuffer(CL_MEM_READ_WRITE, sizeof(StepCounters));
+  middle_.make(context, "published/single_phase.cl", options);
+  near_.make(context, "published/single_phase.cl", options);
+  counters_.reserve(context, sizeof(StepCounters) / sizeof(otg_step_counter));
 }
 
 template <class Run>
@@ -68,23 +68,30 @@ void PhaseLane::findCandidates(const Query& query, const PairFrame& frame, std::
   candidates.clear();
   boxTests = 0;
   onMeshes(query, frame, [&](const otg_device_pair& pair, const MeshStore::Pinned& meshes) {
-    walk(pair, meshes.buffer(), candidates, boxTests);
+    walk(pair, meshes.units(), candidates, boxTests);
   });
 }
 
-void PhaseLane::walk(const otg_device_pair& pair, cl_mem meshes, std::vector<TrianglePair>& candidates,
+void PhaseLane::walk(const otg_device_pair& pair, Meshes meshes, std::vector<TrianglePair>& candidates,
                      std::uint64_t& boxTests) {
   const cl_command_queue queue = queue_.get();
   in_.reserve(context_, tuning_.pairPlaces);
   out_.reserve(context_, tuning_.pairPlaces);
   found_.reserve(context_, tuning_.leafPlaces);
-  fillZero(queue, in_.get(), sizeof(cl_uint2));  // the roots
+  fillZero(queue, in_.get(), sizeof(otg_node_pair));  // the roots
   for (std::uint32_t count = 1; count > 0;) {
     StepCounters counters{};
     for (;; ++repeats_) {
       fillZero(queue, counters_.get(), sizeof counters);
-      Arguments(middle_) << pair << meshes << counters_.get() << in_.get() << count << out_.get() << out_.places()
-                         << found_.get() << found_.places();
+      middle_.give({.pair = pair,
+                    .meshes = meshes,
+                    .counters = counters_.buffer(),
+                    .in = in_.buffer(),
+                    .count = count,
+                    .out = out_.buffer(),
+                    .outCapacity = out_.places(),
+                    .found = found_.buffer(),
+                    .foundCapacity = found_.places()});
       launch(queue, middle_, kGroup, std::min<std::size_t>(groups_, (8 * std::size_t{count} + kGroup - 1) / kGroup));
       readBlocking(queue, counters_.get(), sizeof counters, &counters);
       if (counters.out <= out_.places() && counters.found <= found_.places()) break;
@@ -93,7 +100,7 @@ void PhaseLane::walk(const otg_device_pair& pair, cl_mem meshes, std::vector<Tri
     }
     boxTests += std::uint64_t{counters.boxTestsHigh} << 32 | counters.boxTestsLow;
     if (counters.found > 0) {
-      static_assert(sizeof(TrianglePair) == sizeof(cl_uint2));
+      static_assert(sizeof(TrianglePair) == sizeof(otg_number_pair));
       const std::size_t before = candidates.size();
       candidates.resize(before + counters.found);
       readBlocking(queue, found_.get(), counters.found * sizeof(TrianglePair), candidates.data() + before);
@@ -116,26 +123,24 @@ std::span<const otg_pair_record> PhaseLane::decide(const Query& query, const Pai
     const SoupPlaces::Places &a = placesOf(*query.a, 0), &b = placesOf(*query.b, 1);
     pairs_.clear();
     pairs_.reserve(candidates.size());
-    for (const TrianglePair& candidate : candidates) pairs_.push_back(cl_uint2{{a[candidate.a], b[candidate.b]}});
-    test(pair, query.bInA, meshes.buffer(), candidates.size());
+    for (const TrianglePair& candidate : candidates) pairs_.push_back({a[candidate.a], b[candidate.b]});
+    test(pair, query.bInA, meshes.units(), candidates.size());
   });
   return records_;
 }
 
-void PhaseLane::test(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, std::size_t count) {
+void PhaseLane::test(const otg_device_pair& pair, const Transformd& bInA, Meshes meshes, std::size_t count) {
   const cl_command_queue queue = queue_.get();
-  in_.reserve(context_, std::bit_ceil(std::uint64_t{count}));
+  asked_.reserve(context_, std::bit_ceil(std::uint64_t{count}));
   recordList_.reserve(context_, std::bit_ceil(std::uint64_t{count}));
   records_.resize(count);
-  writeLater(queue, in_.get(), count * sizeof(cl_uint2), pairs_.data());
-  Arguments arguments(near_);
-  arguments << pair;
-  if (context_.info().doubles) {
-    arguments << bInA;
-  } else {
-    arguments << cl_int{0};
-  }
-  arguments << meshes << in_.get() << static_cast<otg_uint>(count) << recordList_.get();
+  writeLater(queue, asked_.get(), count * sizeof(otg_place_pair), pairs_.data());
+  near_.give({.pair = pair,
+              .bInA = bInA,
+              .meshes = meshes,
+              .pairs = asked_.buffer(),
+              .count = static_cast<otg_uint>(count),
+              .records = recordList_.buffer()});
   launch(queue, near_, kGroup, std::min(groups_, (count + kGroup - 1) / kGroup));
   readBlocking(queue, recordList_.get(), count * sizeof(otg_pair_record), records_.data());
 }

@@ -10,8 +10,9 @@
 
 #include "collide/pair_frame.h"
 #include "opencl/meshes/mesh_store.h"
-#include "opencl/runtime/launch.h"
+#include "opencl/runtime/given.h"
 #include "opencl/tuning.h"
+#include "shared/layout/published_given.h"
 
 namespace otg::opencl {
 
@@ -48,8 +49,9 @@ class PhaseLane {
   std::uint64_t repeats() const { return repeats_; }
 
  private:
-  void walk(const otg_device_pair& pair, cl_mem meshes, std::vector<TrianglePair>& candidates, std::uint64_t& boxTests);
-  void test(const otg_device_pair& pair, const Transformd& bInA, cl_mem meshes, std::size_t count);
+  using Meshes = BufferOf<const otg_mesh_unit>;
+  void walk(const otg_device_pair& pair, Meshes meshes, std::vector<TrianglePair>& candidates, std::uint64_t& boxTests);
+  void test(const otg_device_pair& pair, const Transformd& bInA, Meshes meshes, std::size_t count);
   template <class Run>
   void onMeshes(const Query& query, const PairFrame& frame, Run&& run);
 
@@ -58,11 +60,14 @@ class PhaseLane {
   const std::size_t groups_;
   const Tuning tuning_;
   QueueHandle queue_;
-  Kernel middle_, near_;
-  BufferHandle counters_;
-  DeviceList in_{sizeof(cl_uint2)}, out_{sizeof(cl_uint2)}, found_{sizeof(cl_uint2)},
-      recordList_{sizeof(otg_pair_record)};
-  std::vector<cl_uint2> pairs_;
+  KernelFor<given::MiddleStep> middle_;
+  KernelFor<given::NearStep> near_;
+  ListOf<otg_step_counter> counters_;
+  ListOf<otg_node_pair> in_, out_;
+  ListOf<otg_number_pair> found_;
+  ListOf<otg_place_pair> asked_;
+  ListOf<otg_pair_record> recordList_;
+  std::vector<otg_place_pair> pairs_;
   std::vector<otg_pair_record> records_;
   std::uint64_t repeats_ = 0;
 };

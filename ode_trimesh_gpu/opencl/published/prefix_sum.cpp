@@ -7,16 +7,16 @@
 
 namespace otg::opencl {
 
-PrefixSum::PrefixSum(Context& context, std::uint32_t group, Of what)
-    : context_(context), group_(group), sums_(what == Of::kUint ? sizeof(cl_uint) : sizeof(cl_uint2)) {
-  const std::string options =
-      "-DOTG_GROUP=" + std::to_string(group) + " -DOTG_SUM=" + (what == Of::kUint ? "uint" : "uint2");
-  scan_ = context.makeKernel("published/levels_scan.cl", options, "scanBlocks");
-  add_ = context.makeKernel("published/levels_scan.cl", options, "scanAdd");
+template <class Sum>
+PrefixSum<Sum>::PrefixSum(Context& context, std::uint32_t group) : context_(context), group_(group) {
+  const std::string options = "-DOTG_GROUP=" + std::to_string(group) + " -DOTG_TWO_SUMS=" + (kTwo ? "1" : "0");
+  scan_.make(context, "published/levels_scan.cl", options);
+  add_.make(context, "published/levels_scan.cl", options);
 }
 
-void PrefixSum::enqueue(cl_command_queue queue, cl_mem values, cl_mem places, std::uint32_t count, cl_mem total,
-                        std::uint32_t totalAt, Profile& profile) {
+template <class Sum>
+void PrefixSum<Sum>::enqueue(cl_command_queue queue, BufferOf<const Sum> values, BufferOf<Sum> places,
+                             std::uint32_t count, BufferOf<Sum> total, std::uint32_t totalAt, Profile& profile) {
   // One pass for each power of the group's size: what is scanned, where it begins, how much of it there is.
   struct Pass {
     cl_uint begin, count;
@@ -30,16 +30,26 @@ void PrefixSum::enqueue(cl_command_queue queue, cl_mem values, cl_mem places, st
   sums_.reserve(context_, std::bit_ceil(std::max<std::uint64_t>(1, sums)));
   for (std::size_t i = 0; i < passes.size(); ++i) {
     const bool last = i + 1 == passes.size();
-    const cl_mem from = i == 0 ? values : sums_.get(), to = i == 0 ? places : sums_.get();
-    Arguments(scan_) << from << passes[i].begin << to << passes[i].begin << passes[i].count
-                     << (last ? total : sums_.get()) << (last ? totalAt : passes[i + 1].begin);
+    scan_.give({.values = i == 0 ? values : sums_.buffer(),
+                .valuesBegin = passes[i].begin,
+                .places = i == 0 ? places : sums_.buffer(),
+                .placesBegin = passes[i].begin,
+                .count = passes[i].count,
+                .sums = last ? total : sums_.buffer(),
+                .sumsBegin = last ? totalAt : passes[i + 1].begin});
     launch(queue, scan_, group_, blocks(passes[i].count), 1, profile.next(Profile::kScan));
   }
   for (std::size_t i = passes.size() - 1; i-- > 0;) {
-    const cl_mem to = i == 0 ? places : sums_.get();
-    Arguments(add_) << to << passes[i].begin << passes[i].count << sums_.get() << passes[i + 1].begin;
+    add_.give({.places = i == 0 ? places : sums_.buffer(),
+               .placesBegin = passes[i].begin,
+               .count = passes[i].count,
+               .sums = sums_.buffer(),
+               .sumsBegin = passes[i + 1].begin});
     launch(queue, add_, group_, blocks(passes[i].count), 1, profile.next(Profile::kScan));
   }
 }
+
+template class PrefixSum<otg_one_sum>;
+template class PrefixSum<otg_two_sums>;
 
 }  // namespace otg::opencl

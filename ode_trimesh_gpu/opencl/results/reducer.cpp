@@ -93,13 +93,13 @@ Reducer::Reducer(Context& context, const Tuning& tuning, bool single)
            " -DOTG_CONTACTS=1 -DOTG_SINGLE=" + (single ? "1" : "0") + warpOption(context);
   };
   if (!context.info().doubles || !tuning.reduce) return;
-  unite_ = context.makeKernel("pairwise/contact_reduce.cl", options(recordGroup_), "uniteContacts");
-  select_ = context.makeKernel("pairwise/contact_reduce.cl", options(recordGroup_), "selectContacts");
-  choose_ = context.makeKernel("pairwise/contact_reduce.cl", options(chooseGroup_), "chooseContacts");
+  unite_.make(context, "pairwise/contact_reduce.cl", options(recordGroup_));
+  select_.make(context, "pairwise/contact_reduce.cl", options(recordGroup_));
+  choose_.make(context, "pairwise/contact_reduce.cl", options(chooseGroup_));
   if (single) return;
   placeGroup_ = static_cast<std::uint32_t>(std::min<std::uint64_t>(256, context.info().largestWorkGroup));
-  place_ = context.makeKernel("pairwise/contact_reduce.cl", options(placeGroup_), "placeContacts");
-  write_ = context.makeKernel("pairwise/contact_reduce.cl", options(recordGroup_), "writeContacts");
+  place_.make(context, "pairwise/contact_reduce.cl", options(placeGroup_));
+  write_.make(context, "pairwise/contact_reduce.cl", options(recordGroup_));
 }
 
 void Reducer::reserveStates(std::uint32_t pairs) {
@@ -136,28 +136,56 @@ void Reducer::send(cl_command_queue queue, std::span<const otg_reduction> reduct
   sent_.assign(reductions.begin(), reductions.end());
 }
 
-void Reducer::enqueue(cl_command_queue queue, cl_mem meshes, cl_mem counters, cl_mem records, std::uint32_t hits,
-                      std::uint32_t pairs, const ChosenBuffer& chosen, cl_mem answer, std::size_t groups,
-                      Profile& profile) {
-  const cl_mem links = links_.get(), tables = tables_.get(), states = states_.get(), reductions = reductions_.get();
-  Arguments(unite_) << meshes << counters << records << links << tables << tableSize_ << hits << states << reductions
-                    << chosen.get();
+void Reducer::enqueue(cl_command_queue queue, const Hits& hits, const ChosenBuffer& chosen,
+                      BufferOf<otg_chosen_word> answer, std::size_t groups, Profile& profile) {
+  const given::EnteredHits entered{.records = hits.records,
+                                   .links = links_.buffer(),
+                                   .tables = tables_.buffer(),
+                                   .tableSize = tableSize_,
+                                   .capacity = hits.capacity};
+  unite_.give({.meshes = hits.meshes,
+               .counters = hits.counters,
+               .hits = entered,
+               .states = states_.buffer(),
+               .reductions = reductions_.buffer(),
+               .results = chosen.words()});
   launch(queue, unite_, recordGroup_, groups, 1, profile.next(Profile::kRegions));
-  Arguments(select_) << counters << records << links << tables << tableSize_ << hits << states << reductions
-                     << chosen.get() << kept_.get() << roots_.get();
+  select_.give({.counters = hits.counters,
+                .hits = entered,
+                .states = states_.buffer(),
+                .reductions = reductions_.buffer(),
+                .results = chosen.words(),
+                .kept = kept_.buffer(),
+                .roots = roots_.buffer()});
   launch(queue, select_, recordGroup_, groups, 1, profile.next(Profile::kSelect));
-  Arguments(choose_) << meshes << counters << records << links << tables << tableSize_ << hits << states << reductions
-                     << kept_.get() << roots_.get() << lists_.get() << room_ << chosen.get() << answer;
-  launch(queue, choose_, chooseGroup_, pairs, 1, profile.next(Profile::kChoose));
+  choose_.give({.meshes = hits.meshes,
+                .counters = hits.counters,
+                .hits = entered,
+                .states = states_.buffer(),
+                .reductions = reductions_.buffer(),
+                .kept = kept_.buffer(),
+                .roots = roots_.buffer(),
+                .chosen = lists_.buffer(),
+                .chosenRoom = room_,
+                .results = chosen.words(),
+                .answer = answer});
+  launch(queue, choose_, chooseGroup_, hits.pairs, 1, profile.next(Profile::kChoose));
   if (single_) return;
-  enqueuePlaces(queue, pairs, chosen, profile);
-  Arguments(write_) << meshes << counters << records << tables << tableSize_ << hits << states << lists_.get() << room_
-                    << pairs << chosen.get() << chosen.contactPlaces();
+  enqueuePlaces(queue, hits.pairs, chosen, profile);
+  write_.give({.meshes = hits.meshes,
+               .counters = hits.counters,
+               .hits = entered,
+               .states = states_.buffer(),
+               .chosen = lists_.buffer(),
+               .chosenRoom = room_,
+               .pairs = hits.pairs,
+               .results = chosen.words(),
+               .contactRoom = chosen.contactPlaces()});
   launch(queue, write_, recordGroup_, groups, 1, profile.next(Profile::kChoose));
 }
 
 void Reducer::enqueuePlaces(cl_command_queue queue, std::uint32_t pairs, const ChosenBuffer& chosen, Profile& profile) {
-  Arguments(place_) << pairs << chosen.get();
+  place_.give({.pairs = pairs, .results = chosen.words()});
   launch(queue, place_, placeGroup_, 1, 1, profile.next(Profile::kChoose));
 }
 

@@ -10,6 +10,7 @@
 #include "collide/query.h"
 #include "opencl/results/result_buffer.h"
 #include "opencl/tuning.h"
+#include "shared/layout/pairwise_given.h"
 
 namespace otg::opencl {
 
@@ -48,16 +49,23 @@ class Reducer {
   /// Sends the table unless it is the one that is there.
   void send(cl_command_queue queue, std::span<const otg_reduction> reductions);
 
-  cl_mem links() const { return links_.get(); }
-  cl_mem tables() const { return tables_.get(); }
-  cl_mem states() const { return states_.get(); }
-  cl_mem reductions() const { return reductions_.get(); }
-  std::uint32_t tableSize() const { return tableSize_; }
+  given::HitTables tables() const {
+    return {.links = links_.buffer(), .tables = tables_.buffer(), .tableSize = tableSize_};
+  }
+  BufferOf<otg_pair_state> states() const { return states_.buffer(); }
+  BufferOf<otg_reduction> reductions() const { return reductions_.buffer(); }
 
+  /// What there is to be reduced: places in the list of hits, and pairs of meshes.
+  struct Hits {
+    BufferOf<const otg_mesh_unit> meshes;
+    BufferOf<otg_counter> counters;
+    BufferOf<otg_result_byte> records;
+    std::uint32_t capacity, pairs;
+  };
   /// Everything after the records are there and the hits are in their tables. `chosen` gets the results, those of a
   /// single pair `answer` (ChosenBuffer::beginAnswer).
-  void enqueue(cl_command_queue queue, cl_mem meshes, cl_mem counters, cl_mem records, std::uint32_t hits,
-               std::uint32_t pairs, const ChosenBuffer& chosen, cl_mem answer, std::size_t groups, Profile& profile);
+  void enqueue(cl_command_queue queue, const Hits& hits, const ChosenBuffer& chosen, BufferOf<otg_chosen_word> answer,
+               std::size_t groups, Profile& profile);
 
   /// Of a batch: turns the counts of contacts that follow the flags in `chosen` into places.
   void enqueuePlaces(cl_command_queue queue, std::uint32_t pairs, const ChosenBuffer& chosen, Profile& profile);
@@ -68,9 +76,18 @@ class Reducer {
   const std::uint32_t recordGroup_, chooseGroup_, keptPlaces_;
   const bool single_;
   std::uint32_t placeGroup_ = 0;
-  Kernel unite_, select_, choose_, place_, write_;
-  DeviceList links_{OTG_LINKS * sizeof(otg_uint)}, tables_{kTables * sizeof(otg_uint)}, states_{sizeof(otg_pair_state)},
-      reductions_{sizeof(otg_reduction)}, kept_{sizeof(otg_uint)}, roots_{sizeof(otg_uint)}, lists_{sizeof(cl_uint2)};
+  KernelFor<given::UniteContacts> unite_;
+  KernelFor<given::SelectContacts> select_;
+  KernelFor<given::ChooseContacts> choose_;
+  KernelFor<given::PlaceContacts> place_;
+  KernelFor<given::WriteContacts> write_;
+  ListOf<otg_link> links_{OTG_LINKS};
+  ListOf<otg_table_slot> tables_{kTables};
+  ListOf<otg_pair_state> states_;
+  ListOf<otg_reduction> reductions_;
+  ListOf<otg_kept_hit> kept_;
+  ListOf<otg_root_hit> roots_;
+  ListOf<otg_chosen_hit> lists_;
   std::uint32_t tableSize_ = 0, room_ = 0;
   std::vector<otg_reduction> sent_;
 };

@@ -81,15 +81,15 @@ void ChosenBuffer::read(Context& context, cl_command_queue queue, std::size_t by
   head_ = host_->data();
 }
 
-cl_mem ChosenBuffer::beginAnswer(Context& context, cl_command_queue queue, std::uint32_t mode) {
+BufferOf<otg_chosen_word> ChosenBuffer::beginAnswer(Context& context, cl_command_queue queue, std::uint32_t mode) {
   answers_ = !blind_ && (mode >= 2 || (mode == 1 && context.hostBuffers()));
   answerMode_ = mode;
-  if (!answers_) return buffer_.get();
+  if (!answers_) return words();
   answer_.reserve(context, queue, OTG_RESULT_CONTACTS(std::size_t{1}) + contactPlaces_ * sizeof(Contact), true);
   // Flags that no kernel writes, to see that one did.
   constexpr otg_uint kNothing = ~0u;
   std::memcpy(answer_.data() + OTG_RESULT_HEAD, &kNothing, sizeof kNothing);
-  return answer_.get();
+  return BufferOf<otg_chosen_word>(answer_.get());
 }
 
 /// Waits for the queue. False if the host does not see what the last kernel wrote: it has to be read then, and from now

@@ -7,9 +7,9 @@
 #include <cstdint>
 
 #include "collide/query.h"
-#include "opencl/runtime/launch.h"
+#include "opencl/runtime/given.h"
 #include "opencl/runtime/pinned_buffer.h"
-#include "shared/layout/device_layout.h"
+#include "shared/layout/elements.h"
 
 namespace otg::opencl {
 
@@ -31,6 +31,7 @@ class ResultBuffer {
 
   void reserve(Context& context, std::uint32_t records) { buffer_.reserve(context, records, OTG_RESULT_HEAD); }
   cl_mem get() const { return buffer_.get(); }
+  BufferOf<otg_result_byte> bytes() const { return BufferOf<otg_result_byte>(get()); }
   std::uint32_t places() const { return buffer_.places(); }
 
   /// Waits for the queue and reads the head and the expected number of records; the counters.
@@ -58,10 +59,11 @@ class ChosenBuffer {
   explicit ChosenBuffer(std::shared_ptr<PinnedPool> pool) : pool_(std::move(pool)) {}
   void reserve(Context& context, std::uint32_t pairs, std::uint32_t contacts);
   cl_mem get() const { return buffer_.get(); }
+  BufferOf<otg_chosen_word> words() const { return BufferOf<otg_chosen_word>(get()); }
 
   /// For one pair: `mode` as Tuning::hostAnswers. Before the last kernel of a query is enqueued: where it has to write,
-  /// which is get() or memory of the host; readHead() finds it there.
-  cl_mem beginAnswer(Context& context, cl_command_queue queue, std::uint32_t mode);
+  /// which is words() or memory of the host; readHead() finds it there.
+  BufferOf<otg_chosen_word> beginAnswer(Context& context, cl_command_queue queue, std::uint32_t mode);
   std::uint32_t contactPlaces() const { return contactPlaces_; }
 
   /// Waits for the queue and reads the head, what belongs to each pair, and as many contacts as were there last time.

@@ -95,9 +95,8 @@ void SmallStage::reserve(std::uint32_t pairs, std::uint32_t hits, std::uint32_t 
   build();
   if (anyPairwise) {
     if (!pairwise_) {
-      pairwise_ =
-          context_.makeKernel("pairwise/solid_pairwise.cl",
-                              "-DOTG_GROUP=" + std::to_string(recordGroup_) + " -DOTG_CONTACTS=1", "solidPairwise");
+      pairwise_.make(context_, "pairwise/solid_pairwise.cl",
+                     "-DOTG_GROUP=" + std::to_string(recordGroup_) + " -DOTG_CONTACTS=1");
     }
     pairwiseRecords_.reserve(context_, hits);
   }
@@ -190,8 +189,16 @@ void SmallStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& re
 
 void SmallStage::enqueuePairwise(cl_command_queue queue, const Batch& batch, const ChosenBuffer& chosen,
                                  Profile& profile) {
-  Arguments(pairwise_) << batch.pairs << batch.places << batch.tasks << batch.meshes << batch.counters << batch.hits
-                       << batch.hitPlaces << batch.records << pairwiseRecords_.get() << chosen.get();
+  pairwise_.give({.pairs = BufferOf<otg_batch_pair>(batch.pairs),
+                  .places = BufferOf<otg_device_mesh>(batch.places),
+                  .tasks = BufferOf<otg_batch_task>(batch.tasks),
+                  .meshes = BufferOf<otg_mesh_unit>(batch.meshes),
+                  .counters = BufferOf<otg_counter>(batch.counters),
+                  .hits = BufferOf<otg_batch_hit>(batch.hits),
+                  .hitCapacity = batch.hitPlaces,
+                  .decided = BufferOf<otg_result_byte>(batch.records),
+                  .contacts = pairwiseRecords_.bytes(),
+                  .chosen = chosen.words()});
   launch(queue, pairwise_, recordGroup_, batch.groups, 1, profile.next(Profile::kContacts));
 }
 

@@ -47,7 +47,7 @@ class SmallStage {
                Profile& profile);
   /// Between the two: the records, with contacts, of the pairs with OTG_PAIR_PAIRWISE.
   void enqueuePairwise(cl_command_queue queue, const Batch& batch, const ChosenBuffer& chosen, Profile& profile);
-  cl_mem pairwiseRecords() const { return pairwiseRecords_.get(); }
+  BufferOf<otg_result_byte> pairwiseRecords() const { return pairwiseRecords_.bytes(); }
   /// `chosen` gets the results; the last kernel, which ends the batch.
   void enqueueWrite(cl_command_queue queue, const Batch& batch, const ChosenBuffer& chosen, Profile& profile);
 
@@ -65,7 +65,8 @@ class SmallStage {
   std::uint32_t arenaWanted_, chunksWanted_, room_ = 0;
   ResultBuffer left_{0}, pairwiseRecords_{0};
   std::vector<Size> sizes_;  ///< the largest pairs first
-  Kernel records_, stretches_, scatter_, estimate_, write_, pairwise_;
+  Kernel records_, stretches_, scatter_, estimate_, write_;
+  KernelFor<given::SolidPairwise> pairwise_;
   std::size_t estimateGroup_, estimateGroups_;
   DeviceList sorted_{sizeof(otg_solid_hit)}, heads_{sizeof(otg_uint)}, arena_, lists_{sizeof(otg_uint)},
       chunks_{2 * sizeof(otg_uint)}, kept_{sizeof(otg_chosen_contact)}, directions_{3 * sizeof(double)};
