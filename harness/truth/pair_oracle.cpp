@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bvh/collision_mesh.h"
+#include "collide/query.h"
 #include "truth/overlap_volume.h"
 #include "truth/shape_oracle.h"
 
@@ -154,19 +156,6 @@ class MeshOracle : public PairOracle {
 };
 
 }  // namespace
-
-Transformd relativePose(const Transformd& a, const Transformd& b) {
-  Transformd out{};
-  for (std::size_t row = 0; row < 3; ++row) {
-    for (std::size_t column = 0; column < 3; ++column) {
-      double sum = 0;
-      for (std::size_t k = 0; k < 3; ++k) sum += a.r[3 * k + row] * b.r[3 * k + column];
-      out.r[3 * row + column] = sum;
-    }
-  }
-  out.t = otgRotateBack(a, otgSub(b.t, a.t));
-  return out;
-}
 
 std::unique_ptr<PairOracle> makeOracle(const PairBody& a, const PairBody& b, double grain) {
   if (a.shape) return std::make_unique<ShapeOracle>(b, a, -1, grain);

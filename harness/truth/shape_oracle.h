@@ -2,7 +2,7 @@
 // A mesh and one of ODE's shapes, triangle by triangle and without any of the library's collision code.
 #pragma once
 
-#include "truth/pair_oracle.h"
+#include "truth/pair_body.h"
 #include "truth/triangle_distance.h"
 
 namespace otg::truth {
