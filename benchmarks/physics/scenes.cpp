@@ -15,7 +15,7 @@ const std::vector<Scene>& allScenes() {
     for (auto& family :
          {boxScenes(), slidingScenes(), curvedScenes(), insertionScenes(), overlapScenes(), dropScenes()})
       all.insert(all.end(), family.begin(), family.end());
-#ifdef OTG_REAL_USE  // reads mesh files, which only the demos can
+#ifdef OTG_REAL_USE  // reads mesh files, which needs Assimp
     for (const Scene& scene : realUseScenes()) all.push_back(scene);
 #endif
     return all;
