@@ -29,10 +29,8 @@ void printBench(const Json& document, bool json) {
 void addBenchmarks(CLI::App& bench, Action& action) {
   add(bench, "thesis", "The published tables: each step of the query; traversals, descent rules, build strategies",
       &benchThesis, true, action);
-  add(bench, "batch", "Single pairs and batches of pairs, an OpenCL device beside the CPU", &benchBatch, false,
-      action);
-  add(bench, "build", "Time to validate meshes and to build, derive and refit their trees", &benchBuild, false,
-      action);
+  add(bench, "batch", "Single pairs and batches of pairs, an OpenCL device beside the CPU", &benchBatch, false, action);
+  add(bench, "build", "Time to validate meshes and to build, derive and refit their trees", &benchBuild, false, action);
   add(bench, "peers", "The whole query beside stock ODE and other libraries", &benchPeers, true, action);
   addBenchThreads(bench, action);
   addBenchContacts(bench, action);
