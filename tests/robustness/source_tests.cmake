@@ -7,7 +7,6 @@ add_test(NAME robustness.layer_rules_self_test
 set_tests_properties(robustness.layer_rules robustness.layer_rules_self_test PROPERTIES LABELS robustness TIMEOUT 120)
 
 # Not only that there is a docstring: a function that gains an argument has to say what it is.
-find_package(Python3 REQUIRED COMPONENTS Interpreter)
 add_test(NAME robustness.docstrings
          COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_docstrings.py"
                  "${PROJECT_SOURCE_DIR}/ode_trimesh_gpu/include/ode_trimesh_gpu")
