@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Draws the pictures of docs/contacts.md: contact_pictures.sh FOLDER [MESH...]. Needs build/bin/otg and POV-Ray.
+# Draws the pictures of docs/contacts.md: contact_pictures.sh FOLDER [MESH...]. Needs build/bin/otg_bench and POV-Ray.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 [ $# -ge 1 ] || { echo "usage: $0 FOLDER [MESH...]" >&2; exit 2; }
@@ -8,7 +8,7 @@ folder=$1
 shift
 scenes=$(mktemp -d)
 trap 'rm -rf "$scenes"' EXIT
-build/bin/otg bench contacts --pictures "$scenes" "$@"
+build/bin/otg_bench contacts --pictures "$scenes" "$@"
 mkdir -p "$folder"
 for scene in "$scenes"/*.pov; do
   picture=$folder/$(basename "${scene%.pov}").png

@@ -7,18 +7,21 @@
 # Written for Debian 12. Needs root or sudo only when something is missing.
 set -euo pipefail
 
-# What configuring and building the default preset takes. What tests are made with is among it because that preset builds the
-# tests too, so that the demo and the tests share one build folder.
+# The library, the programs otg and otg_bench. Where no more is installed the default preset leaves out the tests, with a
+# message.
 build_packages=(
   g++ cmake ninja-build pkg-config
-  libode-dev libeigen3-dev
+  libode-dev libeigen3-dev opencl-c-headers
   libassimp-dev libcli11-dev nlohmann-json3-dev libfmt-dev libtinygltf-dev
-  catch2 python3 libcgal-dev opencl-c-headers ocl-icd-opencl-dev opencl-clhpp-headers
 )
-# An OpenCL device that every machine has, one that is simulated, and real meshes.
-tests_packages=(pocl-opencl-icd oclgrind libcgal-demo)
-# Real meshes; a ray tracer, a plotter and its font, none of which needs a display.
-demo_packages=(libcgal-demo povray gnuplot-nox fonts-dejavu-core)
+# What tests are made with; an OpenCL device that every machine has, one that is simulated, and real meshes.
+tests_packages=(
+  catch2 python3 libcgal-dev ocl-icd-opencl-dev opencl-clhpp-headers
+  pocl-opencl-icd oclgrind libcgal-demo
+)
+# A ray tracer, a plotter and its font, none of which needs a display. The demo's meshes are those of libcgal-demo. That
+# package needs all of CGAL, so it is not installed: cgal_meshes.sh takes the meshes out of it.
+demo_packages=(povray gnuplot-nox fonts-dejavu-core)
 # Collision libraries to compare with. Benchmarks leave out, with a message, those that are not installed.
 benchmarks_packages=(libfcl-dev libbullet-dev libembree-dev)
 # Programs that the preloadable library is shown with. Their demos are left out, with a message, where they are missing.

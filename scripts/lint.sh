@@ -26,15 +26,16 @@ echo "== clang-format: ${#formatted[@]} files"
 clang-format --dry-run -Werror "${formatted[@]}" || status=1
 
 echo "== clang-tidy: ${#tidied[@]} files"
-cmake --preset default >/dev/null
+# In a folder of its own, in which every file has a compile command: no sources are compiled together.
+cmake --preset default -B build-lint -DCMAKE_UNITY_BUILD=OFF >/dev/null
 # What is left out of a build (a library that is not installed) has no compile command and can't be examined.
 compiled=()
 for file in "${tidied[@]}"; do
-  if grep -qF "/$file\"" build/compile_commands.json; then
+  if grep -qF "/$file\"" build-lint/compile_commands.json; then
     compiled+=("$file")
   else
     echo "left out, because it is not compiled here: $file"
   fi
 done
-printf '%s\0' "${compiled[@]}" | xargs -0 -n 1 -P "$(nproc)" clang-tidy -p build --quiet 2>/dev/null || status=1
+printf '%s\0' "${compiled[@]}" | xargs -0 -n 1 -P "$(nproc)" clang-tidy -p build-lint --quiet 2>/dev/null || status=1
 exit $status

@@ -42,7 +42,9 @@ run_preset() {
   shift 2
   [ "$preset" = default ] || folder=build-$preset
   echo "== $preset: configure and build"
-  cmake --preset "$preset" ${meshes:+-DOTG_CGAL_DEMO_DATA="$meshes"}
+  # Without these two packages a build would leave out the tests. Here that is an error.
+  cmake --preset "$preset" -DCMAKE_REQUIRE_FIND_PACKAGE_Catch2=ON -DCMAKE_REQUIRE_FIND_PACKAGE_Python3=ON \
+    ${meshes:+-DOTG_CGAL_DEMO_DATA="$meshes"}
   # shellcheck disable=SC2086  # several targets
   cmake --build --preset "$preset" --target $targets -- -j"$jobs"
   echo "== $preset: test"

@@ -26,26 +26,21 @@ void printBench(const Json& document, bool json) {
   for (const auto& table : document["tables"].items()) printTable(table.key(), table.value());
 }
 
-void addBenchCommand(CLI::App& app, Action& action) {
-  CLI::App* bench =
-      app.add_subcommand("bench", "Measure; times are milliseconds of one thread, medians, where nothing else is said");
-  bench->require_subcommand(1);
-  add(*bench, "thesis", "The published tables: each step of the query; traversals, descent rules, build strategies",
+void addBenchmarks(CLI::App& bench, Action& action) {
+  add(bench, "thesis", "The published tables: each step of the query; traversals, descent rules, build strategies",
       &benchThesis, true, action);
-  add(*bench, "batch", "Single pairs and batches of pairs, an OpenCL device beside the CPU", &benchBatch, false,
-      action);
-  add(*bench, "build", "Time to validate meshes and to build, derive and refit their trees", &benchBuild, false,
-      action);
-  add(*bench, "peers", "The whole query beside stock ODE and other libraries", &benchPeers, true, action);
-  addBenchThreads(*bench, action);
-  addBenchContacts(*bench, action);
-  addBenchPrimitives(*bench, action);
-  addBenchTessellations(*bench, action);
-  addBenchTerrain(*bench, action);
-  addBenchHeightfield(*bench, action);
-  addBenchQueries(*bench, action);
-  addBenchContours(*bench, action);
-  addBenchPhysics(*bench, action);
+  add(bench, "batch", "Single pairs and batches of pairs, an OpenCL device beside the CPU", &benchBatch, false, action);
+  add(bench, "build", "Time to validate meshes and to build, derive and refit their trees", &benchBuild, false, action);
+  add(bench, "peers", "The whole query beside stock ODE and other libraries", &benchPeers, true, action);
+  addBenchThreads(bench, action);
+  addBenchContacts(bench, action);
+  addBenchPrimitives(bench, action);
+  addBenchTessellations(bench, action);
+  addBenchTerrain(bench, action);
+  addBenchHeightfield(bench, action);
+  addBenchQueries(bench, action);
+  addBenchContours(bench, action);
+  addBenchPhysics(bench, action);
 }
 
 }  // namespace otg::cli

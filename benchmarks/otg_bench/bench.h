@@ -35,8 +35,8 @@ void addBenchContours(CLI::App& bench, Action& action);
 /// `otg bench physics`, which has options of its own: worlds of mesh bodies judged against limits.
 void addBenchPhysics(CLI::App& bench, Action& action);
 
-/// The command `bench` with all of these.
-void addBenchCommand(CLI::App& app, Action& action);
+/// All of these.
+void addBenchmarks(CLI::App& bench, Action& action);
 
 /// `{"bench": name, ..., "tables": {title: rows}}` as JSON or as readable tables.
 void printBench(const Json& document, bool json);

@@ -4,10 +4,7 @@
 
 #include "collide/query.h"
 #include "otg_bench/contacts.h"
-
-#ifdef OTG_HAVE_PEERS
 #include "peers/peer.h"
-#endif
 
 namespace otg::cli {
 namespace {
@@ -24,7 +21,6 @@ std::vector<truth::PlainContact> own(const CollisionMesh& a, const CollisionMesh
   return truth::plain(workspace.reduced);
 }
 
-#ifdef OTG_HAVE_PEERS
 void addPeer(std::vector<ContactMethod>& methods, const std::string& entryName, const std::string& name) {
   for (const peers::PeerEntry& entry : peers::allPeers()) {
     if (entry.name != entryName || !entry.make) continue;
@@ -40,7 +36,6 @@ void addPeer(std::vector<ContactMethod>& methods, const std::string& entryName, 
          }});
   }
 }
-#endif
 
 }  // namespace
 
@@ -64,11 +59,9 @@ std::vector<ContactMethod> contactMethods() {
   methods.push_back({"pairwise, 64", [](const CollisionMesh& a, const CollisionMesh& b, const Transformd& pose) {
                        return own(a, b, pose, CollideOptions{});
                      }});
-#ifdef OTG_HAVE_PEERS
   addPeer(methods, "ODE dTriMesh, 64 contacts", "ODE dTriMesh, 64");
   addPeer(methods, "FCL, OBB tree", "FCL, all");
   addPeer(methods, "Bullet, GImpact", "Bullet, all");
-#endif
   return methods;
 }
 

@@ -8,15 +8,10 @@
 #include "cli/query_options.h"
 #include "collide/query.h"
 #include "otg_bench/bench.h"
+#include "peers/peer.h"
 #include "scenes/simulation.h"
 
-#ifdef OTG_HAVE_PEERS
-#include "peers/peer.h"
-#endif
-
 namespace otg::cli {
-
-#ifdef OTG_HAVE_PEERS
 namespace {
 
 /// This library's query without ODE around it.
@@ -122,10 +117,5 @@ int benchPeers(const BenchOptions& options) {
   printBench({{"bench", "peers"}, {"scene", options.scene}, {"tables", {{"peers", rows}}}}, options.json);
   return kOk;
 }
-#else
-int benchPeers(const BenchOptions&) {
-  throw InputError("this build has no benchmarks of other libraries (CMake option OTG_BUILD_BENCHMARKS)");
-}
-#endif
 
 }  // namespace otg::cli

@@ -16,7 +16,7 @@ const std::vector<Scene>& allScenes() {
          {boxScenes(), slidingScenes(), curvedScenes(), insertionScenes(), overlapScenes(), dropScenes(),
           cornerScenes()})
       all.insert(all.end(), family.begin(), family.end());
-#ifdef OTG_REAL_USE  // reads mesh files, which only the demos can
+#ifdef OTG_REAL_USE  // reads mesh files, which needs Assimp
     for (const Scene& scene : realUseScenes()) all.push_back(scene);
 #endif
     return all;

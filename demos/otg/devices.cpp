@@ -7,16 +7,8 @@
 #include "cli/query_options.h"
 #include "opencl/runtime/device_info.h"
 #include "otg/commands.h"
-#include "scenes/opencl_drivers.h"
 
 namespace otg::cli {
-
-std::vector<opencl::DeviceInfo> findDevices() {
-  if (scenes::driversSurviveListing()) return opencl::listDevices();
-  progress("note: the OpenCL driver ends programs that ask for its devices; none is used");
-  return {};
-}
-
 namespace {
 
 int runDevices(bool json) {

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The program otg as its users meet it, and the mesh readers behind it.
 if(TARGET otg)
-  find_package(Python3 REQUIRED COMPONENTS Interpreter)
-  foreach(subject check collide pairs batch simulate heightfield bench)
+  set(subjects check collide pairs batch simulate heightfield hand_over)
+  if(TARGET otg_bench)
+    list(APPEND subjects bench)
+  endif()
+  foreach(subject IN LISTS subjects)
     add_test(NAME robustness.cli_${subject}
       COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_cli_${subject}.py" "$<TARGET_FILE:otg>")
     set_tests_properties(robustness.cli_${subject} PROPERTIES LABELS robustness TIMEOUT 600)

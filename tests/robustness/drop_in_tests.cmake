@@ -2,7 +2,6 @@
 # The preloadable library before programs that are not linked with this project. Not under a sanitizer, whose runtime the
 # program would have to bring.
 if(TARGET ode_trimesh_gpu_preload AND TARGET demo_drop_in_stack AND NOT OTG_SANITIZE)
-  find_package(Python3 REQUIRED COMPONENTS Interpreter)
   function(otg_add_drop_in_test name)
     add_test(NAME robustness.drop_in_${name}
       COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_drop_in.py"

@@ -38,8 +38,14 @@ check() {
   rule "kernels include kernels and shared formulas only" "${inc}(base|mesh|bvh|collide|primitives|opencl|dispatch|Eigen)/" kernels
   rule "shared formulas include shared formulas only" "${inc%\[*}\"([^s]|s[^h])" kernels/shared
   rule "nothing below it includes opencl/published/" "${inc}opencl/published/" $lib/opencl/{runtime,meshes,results,solid,lanes,batch}
-  rule "harness/ is below benchmarks, demos and tests" "${inc}(otg_bench|physics|peers|otg|support|oracle|simulator)/" harness
-  rule "benchmarks/ are below demos and tests" "${inc}(otg|support|oracle|simulator)/" benchmarks
+  # What lies around the library, each by the folders in it: harness <- benchmarks, harness <- demos, and tests on top.
+  local harness='scenes|mesh_io|truth|cli' benchmarks='otg_bench|physics|peers|published'
+  local demos='otg|falling_meshes|drop_in|prefetch' tests='support|oracle|simulator'
+  rule "the library knows nothing of what lies around it" "${inc}($harness|$benchmarks|$demos|$tests)/" $lib kernels
+  rule "harness/ is below benchmarks, demos and tests" "${inc}($benchmarks|$demos|$tests)/" harness
+  rule "benchmarks/ know harness/ and the library" "${inc}($demos|$tests)/" benchmarks
+  rule "demos/ know harness/ and the library" "${inc}($benchmarks|$tests)/" demos
+  rule "examples/ know the public interface" "${inc}(base|mesh|bvh|collide|primitives|queries|opencl|dispatch|shared|$harness|$benchmarks|$demos|$tests)/" examples
   rule "includes name a layer, not a way through the file system" "${inc}[^>\"]*\.\./" "${folders[@]}"
   rule "the library does not print" '\b(printf|fprintf|puts|perror)[[:space:]]*\(|std::(cout|cerr|clog)\b' $lib/base $lib/mesh $lib/bvh $lib/collide $lib/primitives $lib/queries $lib/dispatch
   rule "the library does not end the process" '\b(std::)?(abort|exit|_exit|quick_exit)[[:space:]]*\(' $lib
@@ -81,7 +87,15 @@ self_test() {
   expect "$dir" kernel_in_shared kernels/shared/math/a.h "$spdx#include \"walk/pair_walk.h\"\n"
   expect "$dir" published ode_trimesh_gpu/opencl/lanes/a.h "$spdx#include \"opencl/published/levels.h\"\n"
   expect "$dir" harness_upwards harness/scenes/a.h "$spdx#include \"physics/scene.h\"\n"
+  expect "$dir" published_upwards harness/cli/a.h "$spdx#include \"published/levels.h\"\n"
+  expect "$dir" harness_in_library ode_trimesh_gpu/ode/geom/a.cpp "$spdx#include \"scenes/simulation.h\"\n"
+  expect "$dir" benchmarks_in_library ode_trimesh_gpu/dispatch/a.cpp "$spdx#include \"peers/peer.h\"\n"
   expect "$dir" benchmarks_upwards benchmarks/physics/a.cpp "$spdx#include \"otg/commands.h\"\n"
+  expect "$dir" tests_in_benchmarks benchmarks/peers/a.cpp "$spdx#include \"support/catch.h\"\n"
+  expect "$dir" benchmarks_in_demos demos/otg/a.cpp "$spdx#include \"otg_bench/bench.h\"\n"
+  expect "$dir" physics_in_demos demos/prefetch/a.c "$spdx#include \"physics/scene.h\"\n"
+  expect "$dir" tests_in_demos demos/otg/a.h "$spdx#include \"support/draw.h\"\n"
+  expect "$dir" inside_in_examples examples/a.c "$spdx#include \"collide/query.h\"\n"
   expect "$dir" dotdot tests/unit/a.cpp "$spdx#include \"../support/catch.h\"\n"
   expect "$dir" prints ode_trimesh_gpu/collide/a.cpp "${spdx}void f() { std::cerr << 1; }\n"
   expect "$dir" exits ode_trimesh_gpu/ode/a.cpp "${spdx}void f() { std::abort(); }\n"

@@ -308,10 +308,7 @@ class Bench(CliTest):
         self.assertTrue(0 < sent["one"]["bytes_sent"] <= sent["side by side"]["bytes_sent"] < sent["all"]["bytes_sent"])
 
     def test_peers(self):
-        result = self.run_otg_either("bench", "peers", self.mesh(), "--repeat", "1", "--json")
-        if result is None:
-            self.skipTest("built without benchmarks of other libraries")
-        rows = result["tables"]["peers"]
+        rows = self.run_json("bench", "peers", self.mesh(), "--repeat", "1")["tables"]["peers"]
         self.assertEqual(rows[0]["ratio_to_stock_ode"], 1)
         ours = [row for row in rows if "ode_trimesh_gpu" in row["library"]]
         self.assertEqual([row["library"] for row in ours if "pairwise" in row["library"]],
@@ -405,13 +402,19 @@ class Bench(CliTest):
             self.assertEqual(text.count("{"), text.count("}"), name)
             self.assertNotIn("nan", text)
 
-    def run_otg_either(self, *arguments):
-        import subprocess
-        done = subprocess.run([cli_support.OTG, *arguments], capture_output=True, cwd=self.folder, timeout=500)
-        if done.returncode == 1 and b"OTG_BUILD_BENCHMARKS" in done.stderr:
-            return None
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return json.loads(done.stdout)
+    def test_heightfield(self):
+        arguments = ["bench", "heightfield", "--samples", "128", "--repeat", "2", "--steps", "3"]
+        document = self.run_json(*arguments)
+        rows = document["tables"]["bodies"]
+        self.assertEqual([(row["mesh"], row["size_m"]) for row in rows],
+                         [(mesh, size) for size in (0.5, 8, 32) for mesh in ("box", "ball")])
+        for row in rows:
+            self.assertGreater(row["contacts"], 0, row)
+            self.assertGreater(row["at_rest_us"], row["above_us"], row)
+        self.assertEqual(document["tables"]["build"][0]["samples"], 128 * 128)
+        again = self.run_json(*arguments)["tables"]["bodies"]
+        self.assertEqual([row["hash"] for row in again], [row["hash"] for row in rows])
+        self.assertIn("at_rest_us", self.run_otg(*arguments).stdout)
 
     def test_mesh_folder(self):
         self.write("armadillo_small.ply", ply(*lump(8)))
@@ -437,6 +440,15 @@ class Bench(CliTest):
         self.assert_fails(1, "bench", "build", "missing.ply", says="missing.ply")
         self.assert_fails(2, "bench", "thesis", self.mesh(), "--scene", "surreal", says="scene")
         self.assert_fails(2, "bench", "build", "--frobnicate")
+        mirror = [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
+        poses = self.write("poses.json", json.dumps({"touch": mirror}))
+        self.assert_fails(1, "bench", "thesis", self.mesh(), "--poses", poses, says=["poses.json", "must be a rotation"])
+
+    def test_usage(self):
+        self.assertIn("Usage: otg bench thesis", self.run_otg("bench", "thesis", "--help").stdout)
+        self.assertEqual(self.run_otg("--help", "bench").stdout, self.run_otg("bench", "--help").stdout)
+        self.assert_fails(2, "bench")
+        self.assert_fails(2, "bench", "frobnicate")
 
 
 if __name__ == "__main__":

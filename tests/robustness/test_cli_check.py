@@ -9,7 +9,7 @@ from cli_support import CliTest, box, ply
 
 class Usage(CliTest):
     def test_help_is_a_success(self):
-        for arguments in (["--help"], ["check", "--help"], ["bench", "thesis", "--help"]):
+        for arguments in (["--help"], ["check", "--help"]):
             self.assertIn("--help", self.run_otg(*arguments).stdout)
 
     def test_wrong_usage_is_2(self):
@@ -18,8 +18,6 @@ class Usage(CliTest):
         self.assert_fails(2, "frobnicate")
         self.assert_fails(2, "check")
         self.assert_fails(2, "check", mesh, "--frobnicate", says="frobnicate")
-        self.assert_fails(2, "bench")
-        self.assert_fails(2, "bench", "frobnicate")
 
 
 class Check(CliTest):

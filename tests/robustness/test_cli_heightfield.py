@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Heightfields on the command line: otg simulate, otg collide, otg bench heightfield."""
+"""Heightfields on the command line: otg simulate, otg collide."""
 import json
 import math
 
@@ -139,20 +139,6 @@ class Heightfields(CliTest):
         self.assert_fails(2, "collide", mesh, field, "--backend", "cpu", says="heightfield")
         self.assert_fails(1, "collide", mesh, "no.json", says="no.json")
         self.assert_fails(1, "collide", mesh, self.write("bad.json", "{"), says="bad.json")
-
-    def test_bench(self):
-        arguments = ["bench", "heightfield", "--samples", "128", "--repeat", "2", "--steps", "3"]
-        document = self.run_json(*arguments)
-        rows = document["tables"]["bodies"]
-        self.assertEqual([(row["mesh"], row["size_m"]) for row in rows],
-                         [(mesh, size) for size in (0.5, 8, 32) for mesh in ("box", "ball")])
-        for row in rows:
-            self.assertGreater(row["contacts"], 0, row)
-            self.assertGreater(row["at_rest_us"], row["above_us"], row)
-        self.assertEqual(document["tables"]["build"][0]["samples"], 128 * 128)
-        again = self.run_json(*arguments)["tables"]["bodies"]
-        self.assertEqual([row["hash"] for row in again], [row["hash"] for row in rows])
-        self.assertIn("at_rest_us", self.run_otg(*arguments).stdout)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,6 @@
 # The oracle of `otg bench contacts`; what the demo is made of, where it is built.
 otg_add_test(overlap_volume unit SOURCES test_overlap_volume.cpp LIBRARIES otg_truth)
 otg_add_test(tessellations unit SOURCES test_tessellations.cpp LIBRARIES otg_truth)
-if(OTG_BUILD_DEMOS)
+if(TARGET otg_simulation)
   otg_add_test(povray_scene unit SOURCES test_povray_scene.cpp LIBRARIES otg_simulation)
 endif()

@@ -8,7 +8,7 @@
 #include "cli/query_profile.h"
 #include "collide/query.h"
 #include "otg_bench/bench.h"
-#include "otg_bench/levels.h"
+#include "published/levels.h"
 
 namespace otg::cli {
 namespace {

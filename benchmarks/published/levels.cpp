@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The part of `otg bench thesis` that runs on an OpenCL device: the published traversal `levels` beside the CPU and the
 // traversal that is used.
-#include "otg_bench/levels.h"
+#include "published/levels.h"
 
 #include <fmt/format.h>
 
