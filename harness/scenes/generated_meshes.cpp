@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Round and square bodies, the ground, and what is common to all generated meshes.
+// Round and square bodies, and the ground.
 #include "scenes/generated_meshes.h"
 
 #include <algorithm>
@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 #include <random>
-#include <stdexcept>
 
 #include "scenes/mesh_builder.h"
 
@@ -45,15 +44,6 @@ std::vector<std::array<Vec3d, 3>> sphereTriangles(int level) {
 }
 
 }  // namespace
-
-MeshInput MeshArrays::input() const {
-  MeshInput input;
-  input.vertices = vertices.data();
-  input.vertexCount = vertices.size();
-  input.indices = triangles.data();
-  input.triangleCount = triangles.size();
-  return input;
-}
 
 MeshArrays makeBox(Vec3d size, int n) {
   MeshBuilder builder;
@@ -193,28 +183,6 @@ MeshArrays makeGround(double size, double thickness, int n, const std::function<
     builder.triangle({0, 0, -thickness}, rim(bottom, k + 1), rim(bottom, k));
   }
   return builder.finish();
-}
-
-MeshArrays merge(const std::vector<MeshArrays>& parts) {
-  MeshArrays all;
-  for (const MeshArrays& part : parts) {
-    const std::uint32_t base = static_cast<std::uint32_t>(all.vertices.size());
-    all.vertices.insert(all.vertices.end(), part.vertices.begin(), part.vertices.end());
-    for (const Triangle& t : part.triangles) all.triangles.push_back({{t.v[0] + base, t.v[1] + base, t.v[2] + base}});
-  }
-  return all;
-}
-
-MeshArrays transformed(const MeshArrays& mesh, const Transformd& pose) {
-  MeshArrays moved = mesh;
-  for (Vec3f& p : moved.vertices) p = toFloat(otgTransform(pose, Vec3d{p.x, p.y, p.z}));
-  return moved;
-}
-
-std::shared_ptr<const TriMesh> build(const MeshArrays& mesh) {
-  const MeshResult result = buildTriMesh(mesh.input());
-  if (!result.mesh) throw std::runtime_error(result.report.error);
-  return result.mesh;
 }
 
 }  // namespace otg::scenes

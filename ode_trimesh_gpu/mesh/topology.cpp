@@ -9,7 +9,6 @@
 #include "base/block_sum.h"
 #include "base/union_find.h"
 #include "mesh/measure.h"
-#include "mesh/validation.h"
 
 namespace otg {
 

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "opencl/meshes/mesh_store.h"
+#include "opencl/meshes/pack_mesh.h"
 #include "opencl/runtime/call.h"
 #include "opencl/runtime/context.h"
 #include "opencl/runtime/kernel_source.h"

@@ -1,13 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Tests of the sources themselves: the rules of the layers, and that the shared headers are OpenCL C as well.
+# Tests of the sources themselves: the rules of the layers, no cycles of includes, and that the shared headers are OpenCL C as well.
 add_test(NAME robustness.layer_rules
          COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/layer_rules.sh" "${PROJECT_SOURCE_DIR}")
 add_test(NAME robustness.layer_rules_self_test
          COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/layer_rules.sh" --self-test "${CMAKE_CURRENT_BINARY_DIR}/layer_rules")
 set_tests_properties(robustness.layer_rules robustness.layer_rules_self_test PROPERTIES LABELS robustness TIMEOUT 120)
 
-# Not only that there is a docstring: a function that gains an argument has to say what it is.
+# That no sources need each other, inside layers as between them.
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
+add_test(NAME robustness.include_cycles
+         COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/include_cycles.py" "${PROJECT_SOURCE_DIR}")
+add_test(NAME robustness.include_cycles_self_test
+         COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/include_cycles.py" --self-test
+                 "${CMAKE_CURRENT_BINARY_DIR}/include_cycles")
+set_tests_properties(robustness.include_cycles robustness.include_cycles_self_test PROPERTIES LABELS robustness TIMEOUT 60)
+
+# Not only that there is a docstring: a function that gains an argument has to say what it is.
 add_test(NAME robustness.docstrings
          COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_docstrings.py"
                  "${PROJECT_SOURCE_DIR}/ode_trimesh_gpu/include/ode_trimesh_gpu")

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "shared/contacts/solid_model.h"
-#include "shared/math/sos.h"
+#include "shared/tests/sos.h"
 
 namespace otg {
 namespace {

@@ -10,7 +10,8 @@
 
 #include "base/epoch_array.h"
 #include "base/vectors.h"
-#include "collide/solid/regions.h"
+#include "collide/placed_meshes.h"
+#include "collide/solid/overlap_regions.h"
 #include "mesh/adjacency.h"
 #include "shared/contacts/region_grid.h"
 

@@ -9,9 +9,10 @@
 #include <climits>
 
 #include "ode/base/status.h"
+#include "ode/geom/trimesh_pairs.h"
 #include "ode/many/pair_batch.h"
 #include "ode/many/shape_batch.h"
-#include "ode/override/trimesh_override.h"
+#include "ode/pairs/prefetched_pairs.h"
 #include "ode/shapes/primitive_history.h"
 
 namespace otg {
@@ -118,7 +119,9 @@ int prefetch(std::span<const dSpaceID> spaces, dGpuTriMeshPairFilter* filter, vo
   // Every geom forgets all that it has before any gets something new.
   batch.forParts([&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      if (const PairTask& task = batch.task(i); task.state == PairTask::State::kReady) task.b().prefetched.clear();
+      const PairTask& task = batch.task(i);
+      PrefetchedPairs* const ready = task.state == PairTask::State::kReady ? task.b().prefetched.get() : nullptr;
+      if (ready != nullptr) ready->clear();
     }
   });
   std::atomic<std::size_t> ready = prefetchShapes(gatherer.takeShapes());
@@ -127,7 +130,7 @@ int prefetch(std::span<const dSpaceID> spaces, dGpuTriMeshPairFilter* filter, vo
     for (std::size_t i = begin; i < end; ++i) {
       const PairTask& task = batch.task(i);
       if (task.state != PairTask::State::kReady || batch.result(i).outcome != PairResult::Outcome::kDone) continue;
-      task.b().prefetched.add(task, std::move(batch.result(i)));
+      task.b().prefetched.make().add(task, std::move(batch.result(i)));
       ++added;
     }
     ready += added;

@@ -10,7 +10,7 @@
 
 #include "dispatch/dispatcher.h"
 #include "ode/base/status.h"
-#include "ode/pairs/mesh_collider.h"
+#include "ode/pairs/contact_data.h"
 
 namespace otg {
 namespace {

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "collide/solid/solid_contacts.h"
+#include "opencl/backend.h"
 #include "opencl/backend_state.h"
 #include "opencl/batch/batch_finish.h"
 #include "opencl/batch/batch_source.h"
@@ -33,7 +34,7 @@ namespace otg::opencl {
 template <class Source, class Finish>
 class Backend::Batch {
  public:
-  Batch(State& state, const Source& source, BatchWish wish, Finish& finish, bool profile)
+  Batch(BackendState& state, const Source& source, BatchWish wish, Finish& finish, bool profile)
       : state_(state),
         source_(source),
         wish_(wish),
@@ -41,7 +42,7 @@ class Backend::Batch {
         lanes_(profile ? state.profiledBatches : state.batches),
         rules_{.recordsOfAll = wish == BatchWish::kPairs,
                .describes = Finish::kTakesDescriptions && wish == BatchWish::kSolid &&
-                            OverlapStage::works(state.context.info(), state.tuning)},
+                            LargeStage::works(state.context.info(), state.tuning)},
         overlaps_(profile ? state.profiledOverlaps : state.overlaps, state.tuning.overlapPairs) {
     std::uint64_t largest = 0;
     for (const CollisionMesh* mesh : source.meshes) largest = std::max(largest, triangles(mesh));
@@ -300,7 +301,7 @@ class Backend::Batch {
         if (fate == Fate::kDescribed) {
           const Query query = source_.query(i);
           job.add(i, {static_cast<otg_uint>(k), found.contacts[0].places[2 * k], 0, 0, 0}, query.a, query.b);
-          makes = makes && OverlapContacts::works(query, state_.tuning);
+          makes = makes && LargeContacts::works(query, state_.tuning);
         }
         const bool needsRecords = fate == Fate::kRecords || fate == Fate::kDescribed;
         scattered = scattered || (needsRecords && (flags & OTG_PAIR_MANY));
@@ -475,7 +476,7 @@ class Backend::Batch {
     times_->readBack += profile.ms(Profile::kReadBack);
   }
 
-  State& state_;
+  BackendState& state_;
   const Source& source_;
   const BatchWish wish_;
   Finish& finish_;

@@ -179,7 +179,7 @@ void BatchLane::enqueue(cl_mem meshes, BatchWish wish) {
   if (tuning_.flushes & 2) clDo(OTG_CL(clFlush), queue);
   if (wish == BatchWish::kSolid) {
     if (wantsFlags_) flags_.reserve(context_, queue, count_ * sizeof(otg_uint));
-    const SolidStage::Batch batch{count_,
+    const SmallStage::Batch batch{count_,
                                   meshes,
                                   counters,
                                   tasks_.get(),
@@ -339,7 +339,7 @@ Answer BatchLane::records() {
   return answer;
 }
 
-OverlapStage::Batch BatchLane::solids() const {
+LargeStage::Batch BatchLane::solids() const {
   return {pinned_.buffer(),
           tasks_.get(),
           places_.get(),
