@@ -14,13 +14,13 @@
 #include "collide/query.h"
 #include "collide/traversal.h"
 #include "opencl/array_types.h"
-#include "opencl/published/levels.h"
 #include "opencl/runtime/device_info.h"
 #include "opencl/tuning.h"
 
 namespace otg::opencl {
 
 struct BackendState;
+class PublishedDesign;
 
 struct BackendCounts {
   std::uint64_t queries = 0;  ///< pairs of meshes asked for, in batches or not
@@ -163,12 +163,12 @@ class Backend {
   bool collideProfiled(const Query& query, Workspace& workspace, StageTimes& times);
   /// As otg::findIntersectingPairs, with the same exceptions.
   bool findIntersectingPairs(const Query& query, Workspace& workspace);
-  /// The same two by the traversal `levels`; `report`, which may be null, says what happened in it, with times if
-  /// `profile`. For comparing: NumberedPairs, dispatch and geoms do not use it.
-  bool collideByLevels(const Query& query, Workspace& workspace, const LevelsOptions& how,
-                       LevelsReport* report = nullptr, bool profile = false);
-  bool findPairsByLevels(const Query& query, Workspace& workspace, const LevelsOptions& how,
-                         LevelsReport* report = nullptr);
+  /// The published design, for those who measure it: opencl/published/published_design.h. Made at its first use, as by
+  /// the functions that follow.
+  PublishedDesign& published();
+  /// The same two by the published traversal, one level of both trees after the other.
+  bool collideByLevels(const Query& query, Workspace& workspace);
+  bool findPairsByLevels(const Query& query, Workspace& workspace);
   /// One phase on the device, the other one is the caller's: as otg::middlePhase, with pairs of triangles of the
   /// device's leaves, in any order;
   bool findCandidates(const Query& query, Workspace& workspace);
@@ -216,6 +216,7 @@ class Backend {
   bool intersectFrom(const Source& source, std::vector<std::uint8_t>& answer, StageTimes* times,
                      const RunParts& onHost);
   bool collideIn(bool profile, const Query& query, Workspace& workspace, StageTimes& times);
+  void addPublishedCounts(BackendCounts& counts) const;
   explicit Backend(std::unique_ptr<BackendState> state);
   std::unique_ptr<BackendState> state_;
 };

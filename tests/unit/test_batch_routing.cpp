@@ -159,8 +159,7 @@ TEST_CASE("a batch is cut into pieces that follow each other and are large enoug
       CHECK(next == pairs);
     }
   }
-  CHECK(cutBatch(80, tuning, false) ==
-        std::vector<std::vector<PairRange>>{{{0, 20}, {20, 20}, {40, 20}, {60, 20}}});
+  CHECK(cutBatch(80, tuning, false) == std::vector<std::vector<PairRange>>{{{0, 20}, {20, 20}, {40, 20}, {60, 20}}});
   CHECK(cutBatch(130, tuning, true) == std::vector<std::vector<PairRange>>{{{0, 100}}, {{100, 30}}});
   tuning.batchPairs = tuning.pieces = 0;  // as one
   CHECK(cutBatch(2, tuning, false) == std::vector<std::vector<PairRange>>{{{0, 1}}, {{1, 1}}});

@@ -15,6 +15,7 @@
 #include "opencl/batch/batch_source.h"
 #include "opencl/batch/pieces.h"
 #include "opencl/batch/routing.h"
+#include "opencl/lanes/host_cases.h"
 #include "opencl/lanes/overlap_queue.h"
 #include "opencl/runtime/stopwatch.h"
 

@@ -44,8 +44,7 @@ enum class Fate : std::uint8_t {
 };
 
 /// Pairs that the device leaves out of its answer, one way or another.
-inline constexpr otg_uint kNotByDevice =
-    OTG_PAIR_REFUSED | OTG_PAIR_TO_HOST | OTG_PAIR_NO_FRAME | OTG_PAIR_SKIPPED;
+inline constexpr otg_uint kNotByDevice = OTG_PAIR_REFUSED | OTG_PAIR_TO_HOST | OTG_PAIR_NO_FRAME | OTG_PAIR_SKIPPED;
 
 /// What is known of a pair before it is sent.
 struct PairBefore {
