@@ -9,6 +9,7 @@
 #include "ode/base/status.h"
 #include "ode/geom/check_params.h"
 #include "ode/geom/mesh_side.h"
+#include "ode_trimesh_gpu/geom.h"
 
 void dGpuTriMeshParamsInit(dGpuTriMeshParams* params) {
   if (params == nullptr) return;
