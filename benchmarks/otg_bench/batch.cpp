@@ -381,7 +381,7 @@ Json cpuBatchRows(const BenchOptions& options, const BatchVersions& scene) {
 void addDeviceBatchRows(const BenchOptions& options, const BatchVersions& scene, const TuningVariant& variant,
                         opencl::Backend& backend, Json& rows) {
   const int repeat = options.repeat > 0 ? options.repeat : kRepeat;
-  opencl::PairBatch batch{scene.meshes, {}, {}};
+  opencl::NumberedPairs batch{scene.meshes, {}, {}};
   batch.options.maxContacts = kBatchContacts;
   batch.options.contacts = modelOf(options);
   opencl::BatchAnswer answer;

@@ -10,6 +10,7 @@
 #include "cli/levels_rows.h"
 #include "cli/query_options.h"
 #include "collide/query.h"
+#include "opencl/published/published_design.h"
 
 namespace otg::cli {
 namespace {
@@ -68,7 +69,8 @@ void LevelsBench::addScene(int repeat, const std::string& name, const std::strin
   for (const bool sent : {true, false}) {
     const opencl::LevelsOptions how{6, sent, true};
     opencl::LevelsReport report;
-    const Timed levels = timeOf(repeat, workspace, [&] { backend_->collideByLevels(query, workspace, how, &report); });
+    const Timed levels =
+        timeOf(repeat, workspace, [&] { backend_->published().collideByLevels(query, workspace, how, &report); });
     const bool same = levels.hash == cpu.hash && standard.hash == cpu.hash && fast.hash == cpu.hash;
     const CollideStats& stats = workspace.stats;
     Json key = {{"mesh", name},
@@ -96,7 +98,7 @@ void LevelsBench::addScene(int repeat, const std::string& name, const std::strin
 
     std::vector<opencl::LevelsTimes> times;
     const auto profiled = [&] {
-      backend_->collideByLevels(query, workspace, how, &report, true);
+      backend_->published().collideByLevels(query, workspace, how, &report, true);
       times.push_back(report.times);
     };
     profiled();

@@ -11,6 +11,7 @@
 #include "cli/times.h"
 #include "collide/contact_id.h"
 #include "collide/stages.h"
+#include "opencl/published/published_design.h"
 #include "otg/collide_heightfield.h"
 #include "otg/commands.h"
 #include "scenes/height_grid_file.h"
@@ -91,13 +92,13 @@ QueryTimes measure(opencl::Backend& backend, const Query& query, Workspace& work
                    const opencl::LevelsOptions& how, opencl::LevelsReport& report) {
   QueryTimes times;
   std::vector<opencl::LevelsTimes> all;
-  const auto run = [&] { backend.collideByLevels(query, workspace, how); };
+  const auto run = [&] { backend.published().collideByLevels(query, workspace, how); };
   const double first = timeOnce(run);
   times.uploadOnce = std::max(0.0, first - timeOnce(run));
-  backend.collideByLevels(query, workspace, how, &report, true);
+  backend.published().collideByLevels(query, workspace, how, &report, true);
   for (int i = 0; i < repeat; ++i) {
     times.total.push_back(timeOnce(run));
-    backend.collideByLevels(query, workspace, how, &report, true);
+    backend.published().collideByLevels(query, workspace, how, &report, true);
     const opencl::LevelsTimes& t = report.times;
     all.push_back(t);
     times.profiled.push_back(t.total);

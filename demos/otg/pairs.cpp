@@ -6,6 +6,7 @@
 
 #include "cli/pose.h"
 #include "cli/query_options.h"
+#include "opencl/published/published_design.h"
 #include "otg/commands.h"
 
 namespace otg::cli {
@@ -42,7 +43,7 @@ int runPairs(const PairsOptions& options) {
   query.options.contacts = ContactModel::kPairwise;
   const std::shared_ptr<opencl::Backend> levels = options.query.isLevels() ? options.query.openBackend() : nullptr;
   if (levels) {
-    levels->findPairsByLevels(query, workspace, options.query.levelsOptions());
+    levels->published().findPairsByLevels(query, workspace, options.query.levelsOptions());
   } else if (options.query.isLevels()) {  // without a device
     findIntersectingPairs(query, workspace);
   } else {

@@ -11,6 +11,7 @@
 #include "collide/query.h"
 #include "dispatch/dispatcher.h"
 #include "opencl/backend.h"
+#include "opencl/published/levels.h"
 #include "opencl/runtime/device_info.h"
 
 namespace otg::cli {

@@ -1,69 +1,76 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Arrays of items that are asked about one by one, by the CPU's threads or with a device.
+// Arrays of points or of rays against one mesh, asked about one by one, by the CPU's threads or with a device.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <functional>
 
 #include "dispatch/device_slot.h"
+#include "dispatch/pair_job.h"
 #include "dispatch/threads/thread_pool.h"
+#include "queries/closest_point.h"
+#include "queries/ray_cast.h"
 
 namespace otg {
 
+struct PointAnswer {
+  SurfacePoint nearest;  ///< only for PointJob::nearest
+  bool inside = false;
+};
+
+/// What is asked about each point.
+struct PointJob {
+  using Item = Vec3d;
+  using Answer = PointAnswer;
+  const CollisionMesh* mesh = nullptr;  ///< has triangles
+  bool nearest = true;                  ///< the nearest point of the surface
+  bool inside = true;                   ///< on which side the point lies (isInside)
+  Place place = Place::kAuto;
+};
+
+/// What is asked about each ray: its closest hit. A ray without a hit has one with the triangle kNone.
+struct RayJob {
+  using Item = LongRay;
+  using Answer = RayHit;
+  const CollisionMesh* mesh = nullptr;  ///< has triangles
+  bool cullBack = false;                ///< hits from behind do not count
+  Place place = Place::kAuto;
+};
+
 /// Items begin to end - 1, in the frame of the mesh -> to[0] and up. Called by any thread.
-template <class Item>
-using ArraySource = std::function<void(std::size_t begin, std::size_t end, Item* to)>;
+template <class Job>
+using ArraySource = std::function<void(std::size_t begin, std::size_t end, typename Job::Item* to)>;
 /// The same items with their answers. Called by any thread, once for each item.
-template <class Item, class Answer>
-using ArraySink = std::function<void(std::size_t begin, std::size_t end, const Item* items, const Answer* answers)>;
+template <class Job>
+using ArraySink = std::function<void(std::size_t begin, std::size_t end, const typename Job::Item* items,
+                                     const typename Job::Answer* answers)>;
 
-/// Items that one thread takes at a time.
-inline constexpr std::size_t kItemsAtOnce = 64;
+using PointSource = ArraySource<PointJob>;
+using PointSink = ArraySink<PointJob>;
+using RaySource = ArraySource<RayJob>;
+using RaySink = ArraySink<RayJob>;
 
-/// All items by the pool's threads, from number `first` on; one(item): its answer.
-template <class Item, class Answer, class One>
-void answerOnHost(ThreadPool& pool, std::size_t first, std::size_t count, const ArraySource<Item>& source,
-                  const ArraySink<Item, Answer>& sink, const One& one) {
-  pool.run(count, kItemsAtOnce, [&](std::size_t begin, std::size_t end) {
-    Item items[kItemsAtOnce];
-    Answer answers[kItemsAtOnce];
-    for (std::size_t from = begin; from < end; from += kItemsAtOnce) {
-      const std::size_t to = std::min(end, from + kItemsAtOnce);
-      source(first + from, first + to, items);
-      for (std::size_t i = from; i < to; ++i) answers[i - from] = one(items[i - from]);
-      sink(first + from, first + to, items, answers);
-    }
-  });
-}
+/// One item, on the calling thread.
+PointAnswer answerOne(const PointJob& job, const Vec3d& point);
+RayHit answerOne(const RayJob& job, const LongRay& ray);
 
-/// With a device that finds a word for each item: ask(fill, take) has it do so, as Backend::askPoints, and returns how
-/// many it did. answer(item, word): what the CPU's threads make of it. Returns what ask does.
-template <class Item, class Answer, class Ask, class FromWord>
-std::size_t answerWithDevice(DeviceSlot& slot, ThreadPool& pool, std::size_t count, const ArraySource<Item>& source,
-                             const ArraySink<Item, Answer>& sink, const Ask& ask, const FromWord& answer) {
-  constexpr std::size_t kPart = 1024;  // of a thread
-  const auto fill = [&](std::size_t begin, std::size_t end, Item* to) {
-    pool.run(end - begin, kPart, [&](std::size_t b, std::size_t e) { source(begin + b, begin + e, to + b); });
-  };
-  const auto take = [&](std::size_t begin, std::size_t end, const Item* items, const otg_uint* words) {
-    pool.run(end - begin, kPart, [&](std::size_t b, std::size_t e) {
-      Answer answers[kItemsAtOnce];
-      for (std::size_t from = b; from < e; from += kItemsAtOnce) {
-        const std::size_t to = std::min(e, from + kItemsAtOnce);
-        for (std::size_t i = from; i < to; ++i) answers[i - from] = answer(items[i], words[i]);
-        sink(begin + from, begin + to, items + from, answers);
-      }
-    });
-  };
-  slot.underWay.fetch_add(1, std::memory_order_relaxed);
-  struct Done {
-    DeviceSlot& slot;
-    ~Done() { slot.underWay.fetch_sub(1, std::memory_order_relaxed); }
-  } const done{slot};
-  const std::size_t answered = ask(fill, take);
-  slot.note(0, answered == count);
-  return answered;
-}
+/// All items on the CPU, by the pool's threads, from number `first` on. For both jobs.
+template <class Job>
+void answerOnHost(ThreadPool& pool, const Job& job, std::size_t first, std::size_t count,
+                  const ArraySource<Job>& source, const ArraySink<Job>& sink);
+
+/// The same with the device: it finds triangles and sides, the CPU's threads make the answers of them. What the device
+/// leaves undone, or all if it fails, the CPU does. For both jobs.
+template <class Job>
+void answerOnDevice(DeviceSlot& slot, ThreadPool& pool, const Job& job, std::size_t count,
+                    const ArraySource<Job>& source, const ArraySink<Job>& sink);
+
+/// Whether a device can do anything for the job.
+bool canAnswer(const DeviceSlot& slot, const PointJob& job);
+bool canAnswer(const DeviceSlot& slot, const RayJob& job);
+
+/// Whether an array of so many items is expected to be done sooner with the device, where `threads` threads work.
+bool isArraySoonerOnDevice(const PointJob& job, std::size_t count, const CostModel& costs, unsigned threads);
+bool isArraySoonerOnDevice(const RayJob& job, std::size_t count, const CostModel& costs, unsigned threads);
 
 }  // namespace otg

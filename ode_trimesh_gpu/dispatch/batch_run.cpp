@@ -125,7 +125,7 @@ class BatchRun {
   static Kind kindOf(const PairJob& job, double work, bool solid, const CostModel& costs, bool knowSolids) {
     const Placement place = settled(job.place);
     const bool isOpen = place.middle == Place::kAuto, isTogether = place.middle == place.near;
-    const bool inBatch = isTogether && (contactsOnDevice(job) || (solid && (!isOpen || knowSolids)));
+    const bool inBatch = isTogether && !job.byLevels && (contactsOnDevice(job) || (solid && (!isOpen || knowSolids)));
     if (!isOpen && place.middle != Place::kOpencl && place.near != Place::kOpencl) return Kind::kHost;
     if (inBatch) return isOpen ? Kind::kOpen : Kind::kBound;
     return !isOpen || isSoonerOnDevice(job, costs, work) ? Kind::kWithDevice : Kind::kHost;

@@ -202,40 +202,34 @@ void Dispatcher::run(std::size_t count, std::size_t grain, const ThreadPool::Wor
   pool()->run(count, grain, work);
 }
 
-std::shared_ptr<DeviceSlot> Dispatcher::slotForArray(Place place, const std::function<bool(const DeviceSlot&)>& isAble,
-                                                     const std::function<bool(const CostModel&)>& isSooner) {
-  if (!hasDevices() || place == Place::kCpu) return nullptr;
+template <class Job>
+std::shared_ptr<DeviceSlot> Dispatcher::slotForArray(const Job& job, std::size_t count, unsigned threads) const {
+  if (!hasDevices() || job.place == Place::kCpu) return nullptr;
   Slots slots = usableDevices();
-  std::erase_if(slots, [&](const auto& slot) { return !isAble(*slot); });
+  std::erase_if(slots, [&](const auto& slot) { return !canAnswer(*slot, job); });
   if (slots.empty()) return nullptr;
   const std::shared_ptr<DeviceSlot>& slot = leastBusy(slots);
-  return place == Place::kOpencl || isSooner(slot->costs) ? slot : nullptr;
+  return job.place == Place::kOpencl || isArraySoonerOnDevice(job, count, slot->costs, threads) ? slot : nullptr;
+}
+
+template <class Job>
+void Dispatcher::answerArray(const Job& job, std::size_t count, const ArraySource<Job>& source,
+                             const ArraySink<Job>& sink) {
+  if (count == 0) return;
+  const std::shared_ptr<ThreadPool> threads = pool();
+  if (const auto slot = slotForArray(job, count, threads->threadCount())) {
+    answerOnDevice(*slot, *threads, job, count, source, sink);
+  } else {
+    answerOnHost(*threads, job, 0, count, source, sink);
+  }
 }
 
 void Dispatcher::askPoints(const PointJob& job, std::size_t count, const PointSource& source, const PointSink& sink) {
-  if (count == 0) return;
-  const std::shared_ptr<ThreadPool> threads = pool();
-  const auto slot = slotForArray(
-      job.place, [&](const DeviceSlot& one) { return pointsOnDevice(job, one); },
-      [&](const CostModel& costs) { return arePointsSoonerOnDevice(job, count, costs, threads->threadCount()); });
-  if (slot) {
-    askOnDevice(*slot, *threads, job, count, source, sink);
-  } else {
-    askOnHost(*threads, job, 0, count, source, sink);
-  }
+  answerArray(job, count, source, sink);
 }
 
 void Dispatcher::castRays(const RayJob& job, std::size_t count, const RaySource& source, const RaySink& sink) {
-  if (count == 0) return;
-  const std::shared_ptr<ThreadPool> threads = pool();
-  const auto slot = slotForArray(job.place, raysOnDevice, [&](const CostModel& costs) {
-    return areRaysSoonerOnDevice(job, count, costs, threads->threadCount());
-  });
-  if (slot) {
-    castOnDevice(*slot, *threads, job, count, source, sink);
-  } else {
-    castOnHost(*threads, job, 0, count, source, sink);
-  }
+  answerArray(job, count, source, sink);
 }
 
 void Dispatcher::askOverlaps(std::span<const OverlapJob> jobs, std::span<std::uint8_t> answers) {

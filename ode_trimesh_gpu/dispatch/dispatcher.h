@@ -11,13 +11,12 @@
 #include <string>
 #include <vector>
 
+#include "dispatch/array_run.h"
 #include "dispatch/cost/calibration.h"
 #include "dispatch/device_slot.h"
 #include "dispatch/distance_run.h"
 #include "dispatch/overlap_run.h"
 #include "dispatch/pair_job.h"
-#include "dispatch/point_run.h"
-#include "dispatch/ray_run.h"
 #include "dispatch/threads/background_thread.h"
 #include "dispatch/threads/thread_pool.h"
 
@@ -114,8 +113,10 @@ class Dispatcher {
   using Flag = std::shared_ptr<std::atomic<bool>>;
   void openNow(const Flag& dropped, const std::function<std::vector<int>()>& which);
   /// The device that has the least to do, where the place of an array and the costs say so; else null.
-  std::shared_ptr<DeviceSlot> slotForArray(Place place, const std::function<bool(const DeviceSlot&)>& isAble,
-                                           const std::function<bool(const CostModel&)>& isSooner);
+  template <class Job>
+  std::shared_ptr<DeviceSlot> slotForArray(const Job& job, std::size_t count, unsigned threads) const;
+  template <class Job>
+  void answerArray(const Job& job, std::size_t count, const ArraySource<Job>& source, const ArraySink<Job>& sink);
 
   mutable std::mutex mutex_;
   std::atomic<Placement> place_{Placement{}};

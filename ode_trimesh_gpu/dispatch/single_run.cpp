@@ -66,11 +66,12 @@ std::span<const Contact> collideOn(DeviceSlot& slot, const PairJob& job, Workspa
     (good ? onDevice : deviceFailed) = true;
   };
   if (middle && near && allOnDevice(job)) {  // what only the host can is done there
-    note(device.collide(job.query, workspace));
+    note(job.byLevels ? device.collideByLevels(job.query, workspace) : device.collide(job.query, workspace));
     return workspace.reduced;
   }
   if (middle && near) {
-    note(device.findIntersectingPairs(job.query, workspace));
+    note(job.byLevels ? device.findPairsByLevels(job.query, workspace)
+                      : device.findIntersectingPairs(job.query, workspace));
   } else if (middle) {
     note(device.findCandidates(job.query, workspace));
     nearPhase(job.query, workspace);

@@ -51,17 +51,17 @@ std::size_t drop(std::vector<Triangle>& triangles, const std::vector<std::uint8_
 }
 
 /// The two half-edges of each edge that is used exactly twice, in whatever directions; kNone for other edges.
-struct EdgePair {
+struct HalfEdgePair {
   std::uint32_t first = kNone, second = kNone;
   std::uint32_t other(std::uint32_t h) const { return first == h ? second : first; }
 };
 
-std::vector<EdgePair> pairHalfEdges(const Topology& topology) {
-  std::vector<EdgePair> pairs(topology.edgeCount());
+std::vector<HalfEdgePair> pairHalfEdges(const Topology& topology) {
+  std::vector<HalfEdgePair> pairs(topology.edgeCount());
   std::vector<std::uint8_t> uses(topology.edgeCount(), 0);
   for (std::uint32_t h = 0; h < topology.edgeOf.size(); ++h) {
     if (topology.edgeOf[h] == kNone) continue;
-    EdgePair& pair = pairs[topology.edgeOf[h]];
+    HalfEdgePair& pair = pairs[topology.edgeOf[h]];
     std::uint8_t& count = uses[topology.edgeOf[h]];
     if (count == 0) pair.first = h;
     if (count == 1) pair.second = h;
@@ -81,7 +81,7 @@ std::size_t splitNeighboursOnce(const std::vector<Vec3f>& vertices, std::vector<
   const std::vector<std::uint8_t> degenerate = findDegenerate(vertices, triangles, center);
   if (std::find(degenerate.begin(), degenerate.end(), 1) == degenerate.end()) return 0;
   const Topology topology = buildTopology(vertices, triangles);
-  const std::vector<EdgePair> pairs = pairHalfEdges(topology);
+  const std::vector<HalfEdgePair> pairs = pairHalfEdges(topology);
   const auto edgeKey = [&](std::uint32_t a, std::uint32_t b) {
     a = topology.weld[a];
     b = topology.weld[b];
@@ -140,7 +140,7 @@ void dropDegenerate(const std::vector<Vec3f>& vertices, std::vector<Triangle>& t
 /// Makes neighbours agree across edges with two triangles. Within each patch that hangs together through such edges the
 /// smaller part is flipped. One flag for each triangle.
 std::vector<std::uint8_t> agreeWithNeighbours(const std::vector<Triangle>& triangles, const Topology& topology) {
-  const std::vector<EdgePair> pairs = pairHalfEdges(topology);
+  const std::vector<HalfEdgePair> pairs = pairHalfEdges(topology);
   std::vector<std::uint8_t> flip(triangles.size(), 0), seen(triangles.size(), 0);
   std::vector<std::uint32_t> patch;
   for (std::uint32_t seed = 0; seed < triangles.size(); ++seed) {

@@ -16,13 +16,22 @@ struct PointWish {
   bool inside = false;   ///< of a solid: whether the point lies in it
 };
 
-/// Points begin to end - 1 of an array, in the frame of the mesh -> to[0] and up.
-using FillPoints = std::function<void(std::size_t begin, std::size_t end, Vec3d* to)>;
-/// The same points with a word for each: shared/layout/point_layout.h. Both arrays begin with point `begin`.
-using TakePoints =
-    std::function<void(std::size_t begin, std::size_t end, const Vec3d* points, const otg_uint* answers)>;
-/// The same two of rays, in the frame of the mesh; words of shared/layout/ray_layout.h.
-using FillRays = std::function<void(std::size_t begin, std::size_t end, LongRay* to)>;
-using TakeRays = std::function<void(std::size_t begin, std::size_t end, const LongRay* rays, const otg_uint* answers)>;
+struct RayWish {
+  bool cullBack = false;  ///< hits from behind do not count
+};
+
+/// Items begin to end - 1 of an array, in the frame of the mesh -> to[0] and up.
+template <class Item>
+using FillItems = std::function<void(std::size_t begin, std::size_t end, Item* to)>;
+/// The same items with a word for each. Both arrays begin with item `begin`.
+template <class Item>
+using TakeItems = std::function<void(std::size_t begin, std::size_t end, const Item* items, const otg_uint* answers)>;
+
+/// Words of shared/layout/point_layout.h.
+using FillPoints = FillItems<Vec3d>;
+using TakePoints = TakeItems<Vec3d>;
+/// Words of shared/layout/ray_layout.h.
+using FillRays = FillItems<LongRay>;
+using TakeRays = TakeItems<LongRay>;
 
 }  // namespace otg::opencl

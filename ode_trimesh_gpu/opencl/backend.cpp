@@ -5,6 +5,7 @@
 #include "collide/shell/shell_roles.h"
 #include "collide/stages.h"
 #include "opencl/backend_state.h"
+#include "opencl/lanes/host_cases.h"
 #include "opencl/lanes/take_answer.h"
 #include "opencl/results/take_records.h"
 #include "opencl/runtime/stop.h"
@@ -139,16 +140,14 @@ BackendCounts Backend::counts() const {
   out.raysOnHost = state_->raysOnHost;
   out.distances = state_->distancesAsked;
   out.distancesOnHost = state_->distancesOnHost;
-  out.repeats = state_->pairs.repeats() + state_->batches.repeats() + state_->overlaps.repeats() +
-                state_->phases.repeats() + state_->levels.repeats() + state_->profiledLevels.repeats();
-  for (const MeshStore* store : {&state_->meshes, &state_->binaryMeshes}) {
-    const MeshStore::Counts meshes = store->counts();
-    out.meshUploads += meshes.uploads;
-    out.meshUpdates += meshes.updates;
-    out.meshBytesSent += meshes.bytesUploaded;
-    out.meshEvictions += meshes.evictions;
-    out.meshBytes += meshes.bytesUsed;
-  }
+  out.repeats = state_->pairs.repeats() + state_->batches.repeats() + state_->overlaps.repeats();
+  const MeshStore::Counts meshes = state_->meshes.counts();
+  out.meshUploads = meshes.uploads;
+  out.meshUpdates = meshes.updates;
+  out.meshBytesSent = meshes.bytesUploaded;
+  out.meshEvictions = meshes.evictions;
+  out.meshBytes = meshes.bytesUsed;
+  addPublishedCounts(out);
   const Programs::Counts programs = state_->context.programs().counts();
   out.programsFromSource = programs.fromSource;
   out.programsFromCache = programs.fromCache;

@@ -8,18 +8,19 @@
 #include <map>
 #include <memory>
 #include <span>
+#include <variant>
 #include <vector>
 
 #include "collide/query.h"
 #include "collide/traversal.h"
 #include "opencl/array_types.h"
-#include "opencl/published/levels.h"
 #include "opencl/runtime/device_info.h"
 #include "opencl/tuning.h"
 
 namespace otg::opencl {
 
 struct BackendState;
+class PublishedDesign;
 
 struct BackendCounts {
   std::uint64_t queries = 0;  ///< pairs of meshes asked for, in batches or not
@@ -87,11 +88,16 @@ inline Query queryOf(const PosedMeshes& pair) {
 
 /// Many pairs of few meshes, all with the same options: what is sent for a pair is its MeshPair, and no more is read
 /// here. No relative velocities, no histories.
-struct PairBatch {
+struct NumberedPairs {
   std::span<const CollisionMesh* const> meshes;
   std::span<const MeshPair> pairs;
   CollideOptions options;
 };
+
+/// The pairs of a batch as a caller has them: queries side by side, queries that lie anywhere, or numbered meshes.
+using CollideBatch = std::variant<std::span<const Query>, std::span<const Query* const>, NumberedPairs>;
+/// The same of which nothing is asked but whether they meet.
+using IntersectBatch = std::variant<std::span<const Query>, std::span<const PosedMeshes* const>, NumberedPairs>;
 
 /// What a batch gives. Contacts stay where the device left them: a span is good until the answer is given to another
 /// batch or goes away (it may go later than the backend).
@@ -157,12 +163,12 @@ class Backend {
   bool collideProfiled(const Query& query, Workspace& workspace, StageTimes& times);
   /// As otg::findIntersectingPairs, with the same exceptions.
   bool findIntersectingPairs(const Query& query, Workspace& workspace);
-  /// The same two by the traversal `levels`; `report`, which may be null, says what happened in it, with times if
-  /// `profile`. For comparing: PairBatch, dispatch and geoms do not use it.
-  bool collideByLevels(const Query& query, Workspace& workspace, const LevelsOptions& how,
-                       LevelsReport* report = nullptr, bool profile = false);
-  bool findPairsByLevels(const Query& query, Workspace& workspace, const LevelsOptions& how,
-                         LevelsReport* report = nullptr);
+  /// The published design, for those who measure it: opencl/published/published_design.h. Made at its first use, as by
+  /// the functions that follow.
+  PublishedDesign& published();
+  /// The same two by the published traversal, one level of both trees after the other.
+  bool collideByLevels(const Query& query, Workspace& workspace);
+  bool findPairsByLevels(const Query& query, Workspace& workspace);
   /// One phase on the device, the other one is the caller's: as otg::middlePhase, with pairs of triangles of the
   /// device's leaves, in any order;
   bool findCandidates(const Query& query, Workspace& workspace);
@@ -174,18 +180,12 @@ class Backend {
   /// pairs may have contacts of the model `solid` the device makes those of pairs of solids, as a rule.
   /// With `times` in lanes of its own that take times. Pairs that the device leaves to the host, and contacts of pairs
   /// whose overlaps it describes, are done by `onHost`, or, without that, one after the other.
-  bool collideBatch(std::span<const Query* const> queries, BatchAnswer& answer, StageTimes* times = nullptr,
+  bool collideBatch(const CollideBatch& pairs, BatchAnswer& answer, StageTimes* times = nullptr,
                     const RunParts& onHost = {});
-  bool collideBatch(std::span<const Query> queries, BatchAnswer& answer, StageTimes* times = nullptr,
-                    const RunParts& onHost = {});
-  bool collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTimes* times = nullptr,
-                    const RunParts& onHost = {});
-  /// Whether the two meshes of each query have triangles that intersect: 1 or 0 (0 for a pose that is refused).
+  /// Whether the two meshes of each pair have triangles that intersect: 1 or 0 (0 for a pose that is refused).
   /// `onHost` helps to fill in what is sent.
-  bool intersectBatch(std::span<const PosedMeshes* const> pairs, std::vector<std::uint8_t>& answer,
-                      StageTimes* times = nullptr, const RunParts& onHost = {});
-  bool intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer, StageTimes* times = nullptr);
-  bool intersectBatch(const PairBatch& batch, std::vector<std::uint8_t>& answer, StageTimes* times = nullptr);
+  bool intersectBatch(const IntersectBatch& pairs, std::vector<std::uint8_t>& answer, StageTimes* times = nullptr,
+                      const RunParts& onHost = {});
 
   /// Whether the device can answer points and rays (it has doubles).
   bool answersArrays() const;
@@ -216,6 +216,7 @@ class Backend {
   bool intersectFrom(const Source& source, std::vector<std::uint8_t>& answer, StageTimes* times,
                      const RunParts& onHost);
   bool collideIn(bool profile, const Query& query, Workspace& workspace, StageTimes& times);
+  void addPublishedCounts(BackendCounts& counts) const;
   explicit Backend(std::unique_ptr<BackendState> state);
   std::unique_ptr<BackendState> state_;
 };

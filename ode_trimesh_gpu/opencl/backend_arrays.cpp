@@ -2,6 +2,7 @@
 // Arrays of points and of rays on the device, in pieces: while it works on one, the host takes the answers of the one
 // before and writes the next.
 #include <algorithm>
+#include <atomic>
 #include <memory>
 
 #include "opencl/backend.h"
@@ -19,11 +20,12 @@ struct ArrayPiece {
   std::size_t begin = 0, end = 0;
 };
 
-/// Calls start(lane) for each piece and hands its answers over; `taken`: how many items have theirs, when an exception
-/// comes through, too.
-template <class Lane, class Fill, class Start, class Take>
-void inPieces(LanePool<Lane>& lanes, const Tuning& tuning, std::size_t count, std::size_t& taken, const Fill& fill,
-              const Start& start, const Take& take) {
+/// Begins with each piece and hands its answers over; `taken`: how many items have theirs, when an exception comes
+/// through, too.
+template <class Lane>
+void inPieces(LanePool<Lane>& lanes, const Tuning& tuning, const CollisionMesh& mesh, const typename Lane::Wish& wish,
+              std::size_t count, std::size_t& taken, const FillItems<typename Lane::Item>& fill,
+              const TakeItems<typename Lane::Item>& take) {
   ArrayPiece<Lane> pieces[kUnderWay];
   const std::size_t most = std::max<std::size_t>(1, tuning.pointPiece);
   // All pieces of one size, and a small array in two if it is worth it.
@@ -43,12 +45,29 @@ void inPieces(LanePool<Lane>& lanes, const Tuning& tuning, std::size_t count, st
     piece.begin = begun;
     piece.end = std::min(count, begun + size);
     fill(piece.begin, piece.end, piece.lane->makeRoom(piece.end - piece.begin));
-    start(*piece.lane);
+    piece.lane->begin(mesh, wish);
     begun = piece.end;
   }
   for (ArrayPiece<Lane>& piece : pieces) {
     if (piece.lane) lanes.keep(std::move(piece.lane), 0);
   }
+}
+
+/// What was asked about is counted in `asked`, what is left to the caller in `onHost`.
+template <class Lane>
+std::size_t askArray(LanePool<Lane>& lanes, const Tuning& tuning, const CollisionMesh& mesh,
+                     const typename Lane::Wish& wish, std::size_t count, const FillItems<typename Lane::Item>& fill,
+                     const TakeItems<typename Lane::Item>& take, std::atomic<std::uint64_t>& asked,
+                     std::atomic<std::uint64_t>& onHost) {
+  asked += count;
+  std::size_t taken = 0;
+  try {
+    inPieces(lanes, tuning, mesh, wish, count, taken, fill, take);
+  } catch (const ClError& error) {
+    logError(error);
+    onHost += count - taken;
+  }
+  return taken;
 }
 
 }  // namespace
@@ -59,30 +78,14 @@ bool Backend::answersArrays() const {
 
 std::size_t Backend::askPoints(const CollisionMesh& mesh, PointWish wish, std::size_t count, const FillPoints& fill,
                                const TakePoints& take) {
-  state_->pointsAsked += count;
-  std::size_t taken = 0;
-  try {
-    inPieces(
-        state_->points, state_->tuning, count, taken, fill, [&](PointLane& lane) { lane.begin(mesh, wish); }, take);
-  } catch (const ClError& error) {
-    logError(error);
-    state_->pointsOnHost += count - taken;
-  }
-  return taken;
+  return askArray(state_->points, state_->tuning, mesh, wish, count, fill, take, state_->pointsAsked,
+                  state_->pointsOnHost);
 }
 
 std::size_t Backend::castRays(const CollisionMesh& mesh, bool cullBack, std::size_t count, const FillRays& fill,
                               const TakeRays& take) {
-  state_->raysCast += count;
-  std::size_t taken = 0;
-  try {
-    inPieces(
-        state_->rays, state_->tuning, count, taken, fill, [&](RayLane& lane) { lane.begin(mesh, cullBack); }, take);
-  } catch (const ClError& error) {
-    logError(error);
-    state_->raysOnHost += count - taken;
-  }
-  return taken;
+  return askArray(state_->rays, state_->tuning, mesh, RayWish{cullBack}, count, fill, take, state_->raysCast,
+                  state_->raysOnHost);
 }
 
 }  // namespace otg::opencl

@@ -25,7 +25,7 @@ constexpr double kFlat = 0.9999985;        // cosine of 0.1 degrees
 constexpr std::size_t kPlacesAtHand = 96;  // on the stack; more are rare
 
 /// A point of the surface below a point of the axis.
-struct Place {
+struct TouchingPlace {
   double distance, at;  ///< `at`: along the axis, from its start
   Vec3d away;           ///< unit, from the axis to the surface
   std::uint32_t triangle;
@@ -33,7 +33,7 @@ struct Place {
 
 class Finder {
  public:
-  Finder(const CollisionMesh& tree, const Capsule& capsule, std::pmr::vector<Place>& places)
+  Finder(const CollisionMesh& tree, const Capsule& capsule, std::pmr::vector<TouchingPlace>& places)
       : tree_(tree),
         mesh_(tree.mesh()),
         kind_(surfaceKind(mesh_)),
@@ -199,15 +199,15 @@ class Finder {
   const Capsule& capsule_;
   const Vec3d start_;
   const double length_, rounding_;
-  std::pmr::vector<Place>& places_;
+  std::pmr::vector<TouchingPlace>& places_;
   bool crosses_ = false;
   SurfacePoint nearest_;
   double nearestAt_ = 0;
 };
 
 /// Of places with nearly the same normal the deepest and the two outermost.
-void keepOutermost(const Capsule& capsule, std::pmr::vector<Place>& places, std::vector<Contact>& out) {
-  std::sort(places.begin(), places.end(), [](const Place& x, const Place& y) {
+void keepOutermost(const Capsule& capsule, std::pmr::vector<TouchingPlace>& places, std::vector<Contact>& out) {
+  std::sort(places.begin(), places.end(), [](const TouchingPlace& x, const TouchingPlace& y) {
     if (x.distance != y.distance) return x.distance < y.distance;
     return x.at != y.at ? x.at < y.at : x.triangle < y.triangle;
   });
@@ -215,11 +215,11 @@ void keepOutermost(const Capsule& capsule, std::pmr::vector<Place>& places, std:
   const std::size_t first = out.size();
   std::uint32_t number = 0;
   for (auto begin = places.begin(); begin != places.end(); ++number) {
-    const auto end = std::stable_partition(begin, places.end(),
-                                           [&](const Place& p) { return otgDot(p.away, begin->away) > kSameNormal; });
+    const auto end = std::stable_partition(
+        begin, places.end(), [&](const TouchingPlace& p) { return otgDot(p.away, begin->away) > kSameNormal; });
     const auto [low, high] =
-        std::minmax_element(begin, end, [](const Place& x, const Place& y) { return x.at < y.at; });
-    const auto add = [&](const Place& p) {
+        std::minmax_element(begin, end, [](const TouchingPlace& x, const TouchingPlace& y) { return x.at < y.at; });
+    const auto add = [&](const TouchingPlace& p) {
       const double depth = capsule.radius - p.distance;
       const Vec3d on = capsule.middle + capsule.direction * (p.at - capsule.half);
       Contact contact{
@@ -244,9 +244,9 @@ void keepOutermost(const Capsule& capsule, std::pmr::vector<Place>& places, std:
 }  // namespace
 
 bool capsuleContacts(const CollisionMesh& tree, const Capsule& capsule, std::vector<Contact>& out) {
-  std::byte buffer[kPlacesAtHand * sizeof(Place)];
+  std::byte buffer[kPlacesAtHand * sizeof(TouchingPlace)];
   std::pmr::monotonic_buffer_resource memory(buffer, sizeof buffer);
-  std::pmr::vector<Place> places(&memory);
+  std::pmr::vector<TouchingPlace> places(&memory);
   places.reserve(kPlacesAtHand - 1);
   if (!Finder(tree, capsule, places).run()) return false;
   keepOutermost(capsule, places, out);

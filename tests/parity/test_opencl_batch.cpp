@@ -154,7 +154,7 @@ TEST_CASE("a batch of all kinds of meshes has the contacts of each pair by itsel
 
 TEST_CASE("pairs of numbered meshes have the contacts of queries, and a second run gives the same bytes") {
   const MeshList meshes = mixedMeshes();
-  opencl::PairBatch batch;
+  opencl::NumberedPairs batch;
   std::vector<const CollisionMesh*> all;
   for (const auto& mesh : meshes) all.push_back(mesh.get());
   const auto backend = openBackend();

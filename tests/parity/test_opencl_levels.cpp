@@ -4,6 +4,7 @@
 #include <set>
 
 #include "opencl/published/prefix_sum.h"
+#include "opencl/published/published_design.h"
 #include "opencl/runtime/call.h"
 #include "opencl/runtime/context.h"
 #include "opencl/runtime/log.h"
@@ -48,10 +49,10 @@ void check(opencl::Backend& backend, const Query& query, const LevelsOptions& ho
   INFO("start depth " << how.startDepth << (how.sendTrees ? " sent" : "") << (how.fusedNear ? " fused" : ""));
   Workspace device;
   LevelsReport report;
-  CHECK(backend.collideByLevels(query, device, how, &report));
+  CHECK(backend.published().collideByLevels(query, device, how, &report));
   checkSame(device, host);
   checkSteps(report, device.stats, how.startDepth);
-  CHECK(backend.findPairsByLevels(query, device, how, &report));
+  CHECK(backend.published().findPairsByLevels(query, device, how, &report));
   CHECK((device.intersecting == host.intersecting));
   checkSteps(report, device.stats, how.startDepth);
 }
@@ -170,7 +171,7 @@ TEST_CASE("named scenes have the same pairs and contacts by levels, from every s
     Query query = makeQuery(*a, *b, scene.bInA);
     query.options.contacts = ContactModel::kSolid;
     Workspace device, host;
-    CHECK(shared().collideByLevels(query, device, optionsNumber(turn++)));
+    CHECK(shared().published().collideByLevels(query, device, optionsNumber(turn++)));
     collide(query, host);
     CHECK(sameBytes(device.reduced, host.reduced));
   }
@@ -189,14 +190,14 @@ TEST_CASE("levels test the same boxes as the host that goes down both trees at o
       Workspace host, device;
       findIntersectingPairs(query, host);
       LevelsReport fromRoots, fromSix;
-      CHECK(shared().findPairsByLevels(query, device, {0, false, true}, &fromRoots));
+      CHECK(shared().published().findPairsByLevels(query, device, {0, false, true}, &fromRoots));
       // Where one tree ends, the host takes the larger box of what is left, which is the other tree's: the same pairs.
       CHECK(device.stats.boxTests == host.stats.boxTests);
       CHECK(device.stats.candidatePairs == host.stats.candidatePairs);
       CHECK((device.intersecting == host.intersecting));
       // From depth six on the iterations are those that come to it from the roots, but for pairs of parents that do not
       // overlap while their children are tested all the same.
-      CHECK(shared().findPairsByLevels(query, device, {6, false, true}, &fromSix));
+      CHECK(shared().published().findPairsByLevels(query, device, {6, false, true}, &fromSix));
       CHECK(device.stats.candidatePairs == host.stats.candidatePairs);
       if (fromRoots.steps.size() > 7) {
         REQUIRE(fromSix.steps.size() == fromRoots.steps.size() - 6);
@@ -241,9 +242,9 @@ TEST_CASE("meshes of every kind have the same intersecting pairs by levels") {
       const LevelsOptions how = optionsNumber(turn++);
       Workspace device, host;
       collide(query, host);
-      CHECK(shared().findPairsByLevels(query, device, how));
+      CHECK(shared().published().findPairsByLevels(query, device, how));
       CHECK((device.intersecting == host.intersecting));
-      CHECK(shared().collideByLevels(query, device, how));
+      CHECK(shared().published().collideByLevels(query, device, how));
       checkSame(device, host);
       pairs += host.intersecting.size();
     }
@@ -310,35 +311,70 @@ TEST_CASE("trees are sent with every query, or once") {
   Workspace workspace;
   LevelsReport report;
   for (int round = 0; round < 2; ++round) {
-    CHECK(backend->collideByLevels(two, workspace, {6, true, true}, &report));
+    CHECK(backend->published().collideByLevels(two, workspace, {6, true, true}, &report));
     // 2 F - 1 nodes of 32 bytes, F triangles of 48, F rings of 16.
     const std::uint64_t both = lump->mesh().triangleCount() + torus->mesh().triangleCount();
     CHECK(report.bytesSent == both * 128 - 2 * 32 + starts);
     CHECK(backend->counts().meshUploads == 0);
-    CHECK(backend->collideByLevels(one, workspace, {6, true, true}, &report));
+    CHECK(backend->published().collideByLevels(one, workspace, {6, true, true}, &report));
     CHECK(report.bytesSent == lump->mesh().triangleCount() * 128 - 32 + starts);
   }
   for (int round = 0; round < 2; ++round) {
-    CHECK(backend->collideByLevels(two, workspace, {6, false, true}, &report));
+    CHECK(backend->published().collideByLevels(two, workspace, {6, false, true}, &report));
     CHECK(report.bytesSent == starts);
     CHECK(backend->counts().meshUploads == 2);
   }
+}
+
+TEST_CASE("meshes for levels count against the budget, and either way makes room for the other") {
+  const auto lump = collisionMesh(makeLump(1, 4, 0.2, 3)), torus = collisionMesh(makeTorus(0.9, 0.4, 61, 29));
+  const Query query = makeQuery(*lump, *torus, makeMove({0.7, 0.1, 0}));
+  opencl::Tuning tuning;
+  tuning.memoryBudget = 4 << 20;  // what one store takes to begin with
+  const auto backend = openBackend(tuning);
+  REQUIRE(backend);
+  CHECK(backend->published().meshCounts().bytesHeld == 0);
+  Workspace device, host;
+  collide(query, host);
+  for (int round = 0; round < 3; ++round) {
+    CHECK(backend->collide(query, device));
+    checkSame(device, host);
+    CHECK(backend->published().meshCounts().bytesHeld == 0);
+    CHECK(backend->counts().meshBytes > 0);
+    CHECK(backend->collideByLevels(query, device));
+    checkSame(device, host);
+    const auto levels = backend->published().meshCounts();
+    CHECK(levels.bytesHeld > 0);
+    CHECK(backend->counts().meshBytes == levels.bytesUsed);
+  }
+  CHECK(backend->counts().onHost == 0);
+  CHECK(backend->counts().meshEvictions == 2 * 5);
+  CHECK(backend->counts().meshUploads == 2 * 6);
+  tuning.memoryBudget = 64 << 20;  // room for both
+  const auto roomy = openBackend(tuning);
+  for (int round = 0; round < 3; ++round) {
+    CHECK(roomy->collide(query, device));
+    CHECK(roomy->collideByLevels(query, device));
+    checkSame(device, host);
+  }
+  CHECK(roomy->counts().meshUploads == 4);
+  CHECK(roomy->counts().meshEvictions == 0);
 }
 
 TEST_CASE("levels with nothing to do, and a pose that is refused") {
   const auto box = collisionMesh(makeBox({1, 1, 1}, 1)), empty = collisionMesh({});
   Workspace workspace;
   LevelsReport report;
-  CHECK(shared().collideByLevels(makeQuery(*empty, *box, makeMove({0, 0, 0})), workspace, {}, &report));
+  CHECK(shared().published().collideByLevels(makeQuery(*empty, *box, makeMove({0, 0, 0})), workspace, {}, &report));
   CHECK(workspace.reduced.empty());
   CHECK(report.steps.empty());
-  CHECK(shared().collideByLevels(makeQuery(*box, *box, makeMove({5, 0, 0})), workspace, {}, &report));
+  CHECK(shared().published().collideByLevels(makeQuery(*box, *box, makeMove({5, 0, 0})), workspace, {}, &report));
   CHECK(workspace.reduced.empty());
   CHECK(report.steps.size() == 1);
   Query query = makeQuery(*box, *box, makeMove({0.9, 0, 0}));
   query.bInA.r[0] = 1.5;
-  CHECK_THROWS_AS(shared().collideByLevels(query, workspace, {}), std::invalid_argument);
-  CHECK_THROWS_AS(shared().findPairsByLevels(query, workspace, {}), std::invalid_argument);
+  CHECK_THROWS_AS(shared().published().collideByLevels(query, workspace, {}), std::invalid_argument);
+  CHECK_THROWS_AS(shared().published().findPairsByLevels(query, workspace, {}), std::invalid_argument);
 }
 
 TEST_CASE("taking times of levels changes nothing") {
@@ -349,7 +385,7 @@ TEST_CASE("taking times of levels changes nothing") {
   for (const bool sent : {false, true}) {
     for (const bool fused : {false, true}) {
       LevelsReport report;
-      CHECK(shared().collideByLevels(query, device, {6, sent, fused}, &report, true));
+      CHECK(shared().published().collideByLevels(query, device, {6, sent, fused}, &report, true));
       checkSame(device, host);
       const opencl::LevelsTimes& t = report.times;
       for (const double ms : {t.upload, t.start, t.test, t.scan, t.compaction, t.split, t.spawn, t.near, t.regions}) {
@@ -381,7 +417,7 @@ TEST_CASE("whichever call of levels fails, the contacts are the same") {
       const std::uint64_t before = opencl::FaultInjection::callCount();
       opencl::FaultInjection::failAt(nth, CL_OUT_OF_RESOURCES, more);
       Workspace device;
-      const bool ran = backend->collideByLevels(query, device, how);
+      const bool ran = backend->published().collideByLevels(query, device, how);
       opencl::FaultInjection::failAt(0);
       REQUIRE(sameBytes(device.reduced, host.reduced));
       failed += ran ? 0 : 1;
@@ -392,7 +428,7 @@ TEST_CASE("whichever call of levels fails, the contacts are the same") {
       const std::shared_ptr<opencl::Backend> other = openBackend(tuning);
       const std::uint64_t before = opencl::FaultInjection::callCount();
       Workspace device;
-      REQUIRE(other->collideByLevels(query, device, how));
+      REQUIRE(other->published().collideByLevels(query, device, how));
       calls = opencl::FaultInjection::callCount() - before;
     }
     CHECK(calls > 150);

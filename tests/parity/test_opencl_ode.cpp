@@ -4,6 +4,8 @@
 #include <fstream>
 #include <random>
 
+#include "dispatch/dispatcher.h"
+#include "opencl/published/published_design.h"
 #include "opencl/runtime/call.h"
 #include "opencl/runtime/device_info.h"
 #include "opencl/runtime/log.h"
@@ -111,6 +113,87 @@ TEST_CASE("a world on devices has the bytes of a world on the CPU, prefetched or
       }
     }
   }
+}
+
+TEST_CASE("a world by the published traversal has the bytes of a world on the CPU, with devices or without") {
+  const OdeSession session;
+  PileWorld::Choices choices;
+  choices.bodies = 6;
+  const auto byLevels = [](const PileWorld& world) {
+    for (const dGeomID geom : world.geoms()) {
+      dGpuTriMeshParams params;
+      dGpuTriMeshParamsInit(&params);
+      CHECK(dGeomGpuTriMeshGetParams(geom, &params) == dGPUTRIMESH_OK);
+      params.traversal = dGPUTRIMESH_TRAVERSAL_LEVELS;
+      CHECK(dGeomGpuTriMeshSetParams(geom, &params) == dGPUTRIMESH_OK);
+      dGpuTriMeshParamsInit(&params);
+      CHECK(dGeomGpuTriMeshGetParams(geom, &params) == dGPUTRIMESH_OK);
+      CHECK(params.traversal == dGPUTRIMESH_TRAVERSAL_LEVELS);
+    }
+  };
+  for (const bool pairwise : {false, true}) {
+    choices.pairwise = pairwise;
+    PileWorld plain(choices);
+    plain.step(30);
+    CHECK(plain.contacts() > 200);
+    {
+      PileWorld alone(choices);
+      byLevels(alone);
+      alone.step(30);
+      CHECK(alone.bytes() == plain.bytes());
+      CHECK(alone.stats().on_device == 0);
+    }
+    for (const bool ahead : {false, true}) {
+      INFO("pairwise " << pairwise << ", ahead " << ahead);
+      const Devices devices(1);
+      const auto slot = dispatcher().devices().front();
+      CHECK(dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_OPENCL) == dGPUTRIMESH_OK);
+      const std::uint64_t uploadsBefore = devices[0].mesh_uploads;
+      PileWorld world(choices);
+      byLevels(world);
+      world.step(30, [&] {
+        if (ahead) dGpuTriMeshPrefetch(world.space());
+      });
+      CHECK(world.bytes() == plain.bytes());
+      CHECK((world.stats().prefetched > 0) == ahead);
+      CHECK(world.stats().on_device > 100);
+      CHECK(world.stats().device_failures == 0);
+      // All of it was done there by that traversal: meshes are in its store alone.
+      const std::uint64_t uploads = slot->backend->published().meshCounts().uploads;
+      CHECK(uploads > 0);
+      CHECK(devices[0].mesh_uploads == uploadsBefore + uploads);
+    }
+  }
+}
+
+TEST_CASE("the published traversal takes nothing of a device until it is asked for") {
+  const OdeSession session;
+  const Data box(scenes::makeBox({1, 1, 1}, 3));
+  const Geom a(box), b(box);
+  dGeomSetPosition(b.id, 0.4, 0.3, 0.2);
+  const Devices devices(1);
+  const auto slot = dispatcher().devices().front();
+  const auto bytesByLevels = [&] { return slot->backend->published().meshCounts().bytesHeld; };
+  CHECK(dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_OPENCL) == dGPUTRIMESH_OK);
+  const auto expected = test::collide(a.id, b.id);
+  CHECK_FALSE(expected.empty());
+  CHECK(bytesByLevels() == 0);
+  const auto set = [](dGeomID geom, int traversal, int near) {
+    dGpuTriMeshParams params;
+    dGpuTriMeshParamsInit(&params);
+    params.traversal = traversal;
+    params.near_phase = near;
+    CHECK(dGeomGpuTriMeshSetParams(geom, &params) == dGPUTRIMESH_OK);
+  };
+  set(b.id, dGPUTRIMESH_TRAVERSAL_LEVELS, dGPUTRIMESH_BACKEND_DEFAULT);
+  CHECK(sameContacts(test::collide(a.id, b.id), expected));  // the search is as the geom created first has it
+  set(a.id, dGPUTRIMESH_TRAVERSAL_LEVELS, dGPUTRIMESH_BACKEND_CPU);
+  CHECK(sameContacts(test::collide(a.id, b.id), expected));  // one phase alone is never by levels
+  CHECK(bytesByLevels() == 0);
+  set(a.id, dGPUTRIMESH_TRAVERSAL_LEVELS, dGPUTRIMESH_BACKEND_DEFAULT);
+  CHECK(sameContacts(test::collide(a.id, b.id), expected));
+  CHECK(bytesByLevels() > 0);
+  CHECK(devices[0].failed_calls == 0);
 }
 
 TEST_CASE("a device that fails in the middle of a simulation changes nothing but the statistics") {

@@ -236,7 +236,8 @@ TEST_CASE("meshes in use are not evicted") {
   opencl::Context context(opencl::findDevices().at(0), opencl::ProgramCache(""));
   const auto a = collisionMesh(makeLump(1, 4, 0.2, 1)), b = collisionMesh(makeLump(1, 4, 0.2, 2));
   const std::size_t units = opencl::packMesh(*a, opencl::MeshLayout::kEightWide, 4).units.size();
-  opencl::MeshStore store(context, units * sizeof(opencl::MeshUnit) * 3 / 2, 4);  // room for one
+  const auto roomForOne = std::make_shared<opencl::MemoryBudget>(units * sizeof(opencl::MeshUnit) * 3 / 2);
+  opencl::MeshStore store(context, roomForOne, 4);
   const CollisionMesh* first[] = {a.get()};
   const CollisionMesh* second[] = {b.get()};
   {

@@ -265,7 +265,7 @@ TEST_CASE("batches that mix solids, sheets and other meshes") {
     REQUIRE(backend);
     CHECK(leftOf(*backend, queries, expected) < 250);
     opencl::BatchAnswer answer;
-    CHECK(backend->collideBatch(opencl::PairBatch{list, pairs, queries[0].options}, answer));
+    CHECK(backend->collideBatch(opencl::NumberedPairs{list, pairs, queries[0].options}, answer));
     CHECK(countWrong(answer, expected) == 0);
     if (small && backend->device().doubles) CHECK(backend->counts().repeats > 0);
   }

@@ -190,7 +190,7 @@ TEST_CASE("a batch of solids does not depend on the sizes of lists and work-grou
     return static_cast<std::uint32_t>(std::find(list.begin(), list.end(), mesh) - list.begin());
   };
   for (const Query& query : queries) pairs.push_back({number(query.a), number(query.b), query.bInA});
-  const opencl::PairBatch batch{list, pairs, queries[0].options};
+  const opencl::NumberedPairs batch{list, pairs, queries[0].options};
   std::size_t parts = 0;
   opencl::BatchAnswer answer;
   CHECK(backend->collideBatch(batch, answer, nullptr, [&](std::size_t count, const auto& work) {

@@ -3,9 +3,8 @@
 // host's.
 #include <limits>
 
+#include "dispatch/array_run.h"
 #include "dispatch/distance_run.h"
-#include "dispatch/point_run.h"
-#include "dispatch/ray_run.h"
 #include "queries/mesh_overlap.h"
 #include "simulator/simulated_device.h"
 #include "support/distance_samples.h"
@@ -23,58 +22,46 @@ std::uint64_t bits(double x) {
   return std::bit_cast<std::uint64_t>(x);
 }
 
-}  // namespace
-
-TEST_CASE("points have the host's answers on the simulated device") {
+/// How many items have the host's answers on the simulated device. `same(x, y)`: whether two answers are the same.
+template <class Job, class Same>
+std::size_t sameAnswers(const Job& job, const std::vector<typename Job::Item>& items, const Same& same) {
   DeviceSlot slot;
   slot.backend = openSimulated(simulated());
   ThreadPool pool(1);
+  std::size_t count = 0;
+  const ArraySource<Job> source = [&](std::size_t begin, std::size_t end, auto* to) {
+    std::copy(&items[begin], &items[begin] + (end - begin), to);
+  };
+  const ArraySink<Job> sink = [&](std::size_t begin, std::size_t end, const auto*, const auto* answers) {
+    for (std::size_t i = begin; i < end; ++i) count += same(answers[i - begin], answerOne(job, items[i])) ? 1 : 0;
+  };
+  answerOnDevice(slot, pool, job, items.size(), source, sink);
+  CHECK(slot.failedCalls == 0);
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("points have the host's answers on the simulated device") {
   const auto mesh = collisionMesh(makeLump(1, 2, 0.3, 7));
   Draw draw(1);
   std::vector<Vec3d> points;
   for (int i = 0; i < 100; ++i) points.push_back(draw.inBox(1.5));
   for (const Vec3f& v : mesh->mesh().vertices()) points.push_back({v.x, v.y, v.z});
   const PointJob job{mesh.get(), true, true, Place::kOpencl};
-  std::size_t same = 0;
-  askOnDevice(
-      slot, pool, job, points.size(),
-      [&](std::size_t begin, std::size_t end, Vec3d* to) {
-        std::copy(&points[begin], &points[begin] + (end - begin), to);
-      },
-      [&](std::size_t begin, std::size_t end, const Vec3d*, const PointAnswer* answers) {
-        for (std::size_t i = begin; i < end; ++i) {
-          const PointAnswer &x = answers[i - begin], y = answerPoint(job, points[i]);
-          same += x.nearest.triangle == y.nearest.triangle && bits(x.nearest.distance) == bits(y.nearest.distance) &&
-                          x.inside == y.inside
-                      ? 1
-                      : 0;
-        }
-      });
-  CHECK(same == points.size());
-  CHECK(slot.failedCalls == 0);
+  CHECK(sameAnswers(job, points, [](const PointAnswer& x, const PointAnswer& y) {
+          return x.nearest.triangle == y.nearest.triangle && bits(x.nearest.distance) == bits(y.nearest.distance) &&
+                 x.inside == y.inside;
+        }) == points.size());
 }
 
 TEST_CASE("rays have the host's hits on the simulated device") {
-  DeviceSlot slot;
-  slot.backend = openSimulated(simulated());
-  ThreadPool pool(1);
   const auto mesh = collisionMesh(makeTorus(0.8, 0.3, 14, 8));
   const std::vector<LongRay> rays = samples::raysFor(mesh->mesh(), 1, 160);
   const RayJob job{mesh.get(), false, Place::kOpencl};
-  std::size_t same = 0;
-  castOnDevice(
-      slot, pool, job, rays.size(),
-      [&](std::size_t begin, std::size_t end, LongRay* to) {
-        std::copy(&rays[begin], &rays[begin] + (end - begin), to);
-      },
-      [&](std::size_t begin, std::size_t end, const LongRay*, const RayHit* hits) {
-        for (std::size_t i = begin; i < end; ++i) {
-          const RayHit &x = hits[i - begin], y = answerRay(job, rays[i]);
-          same += x.triangle == y.triangle && bits(x.distance) == bits(y.distance) && x.back == y.back ? 1 : 0;
-        }
-      });
-  CHECK(same == rays.size());
-  CHECK(slot.failedCalls == 0);
+  CHECK(sameAnswers(job, rays, [](const RayHit& x, const RayHit& y) {
+          return x.triangle == y.triangle && bits(x.distance) == bits(y.distance) && x.back == y.back;
+        }) == rays.size());
 }
 
 TEST_CASE("pairs have the host's distances on the simulated device") {

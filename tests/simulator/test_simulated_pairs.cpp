@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Pairs of meshes, alone and in batches, on a simulated device: the contacts of the model `pairwise` are the host's.
 #include "collide/stages.h"
-#include "opencl/published/levels.h"
+#include "opencl/published/published_design.h"
 #include "simulator/simulated_device.h"
 #include "support/solid_batches.h"
 
@@ -73,7 +73,7 @@ TEST_CASE("levels find the host's contacts on the simulated device") {
     opencl::LevelsOptions how;
     how.startDepth = 2;
     how.fusedNear = fused;
-    CHECK(backend->collideByLevels(query, device, how));
+    CHECK(backend->published().collideByLevels(query, device, how));
     checkSame(device, host);
   }
 }

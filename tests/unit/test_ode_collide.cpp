@@ -146,7 +146,7 @@ TEST_CASE("no choice of traversal, descent or box axes changes a contact") {
   dGeomSetPosition(b.id, 0.9, 0.4, 0.1);
   const auto expected = test::collide(a.id, b.id);
   REQUIRE(!expected.empty());
-  for (int traversal = dGPUTRIMESH_TRAVERSAL_STANDARD; traversal <= dGPUTRIMESH_TRAVERSAL_WIDE; ++traversal) {
+  for (int traversal = dGPUTRIMESH_TRAVERSAL_STANDARD; traversal <= dGPUTRIMESH_TRAVERSAL_LEVELS; ++traversal) {
     for (int descent = dGPUTRIMESH_DESCENT_FIRST_TREE; descent <= dGPUTRIMESH_DESCENT_BOTH; ++descent) {
       for (const int axes : {6, 15}) {
         dGpuTriMeshParams params = paramsOf(a.id);
@@ -175,7 +175,7 @@ TEST_CASE("parameters out of range are refused and the geom keeps its own") {
     CHECK(std::memcmp(&kept, &good, sizeof(good)) == 0);
   };
   refused([](auto& p) { p.size = 4; }, dGPUTRIMESH_ERROR_ARGUMENT);
-  refused([](auto& p) { p.traversal = 4; }, dGPUTRIMESH_ERROR_ARGUMENT);
+  refused([](auto& p) { p.traversal = dGPUTRIMESH_TRAVERSAL_LEVELS + 1; }, dGPUTRIMESH_ERROR_ARGUMENT);
   refused([](auto& p) { p.descent = -1; }, dGPUTRIMESH_ERROR_ARGUMENT);
   refused([](auto& p) { p.box_axes = 7; }, dGPUTRIMESH_ERROR_ARGUMENT);
   refused([](auto& p) { p.contact_model = 3; }, dGPUTRIMESH_ERROR_ARGUMENT);

@@ -15,10 +15,10 @@
 #include <numbers>
 
 #include "base/vectors.h"
+#include "dispatch/array_run.h"
 #include "dispatch/cost/calibration_mesh.h"
 #include "dispatch/cost/rehearsal.h"
 #include "dispatch/distance_run.h"
-#include "dispatch/ray_run.h"
 #include "dispatch/threads/thread_pool.h"
 #include "dispatch/threads/workspace_lease.h"
 #include "opencl/runtime/stop.h"
@@ -213,7 +213,7 @@ bool measureRays(opencl::Backend& backend, std::span<const std::shared_ptr<const
       return time / static_cast<double>(kOnHost);
     };
     const RayJob job{mesh.get(), false, Place::kCpu};
-    const double search = onHost([&](std::size_t i) { hits[i] = answerRay(job, rays[i]); });
+    const double search = onHost([&](std::size_t i) { hits[i] = answerOne(job, rays[i]); });
     const double again = onHost([&](std::size_t i) {
       RayHit hit;
       if (hits[i].triangle != kNone) TriangleRay(mesh->mesh(), rays[i].ray).hits(hits[i].triangle, hit);

@@ -19,7 +19,11 @@ enum {
   dGPUTRIMESH_TRAVERSAL_STANDARD = 0,  /**< boxes in single precision */
   dGPUTRIMESH_TRAVERSAL_QUANTIZED = 1, /**< boxes in 16-bit integers: half the memory */
   dGPUTRIMESH_TRAVERSAL_NO_LEAF = 2,   /**< leaves without boxes: half the nodes, triangle tests instead */
-  dGPUTRIMESH_TRAVERSAL_WIDE = 3       /**< eight boxes at a time: the fastest, and the default */
+  dGPUTRIMESH_TRAVERSAL_WIDE = 3,      /**< eight boxes at a time: the fastest, and the default */
+  dGPUTRIMESH_TRAVERSAL_LEVELS = 4     /**< for devices, as published: one level of both trees after the other. A pair
+                                          whose search and tests both run on a device is computed by it there, alone,
+                                          among arrays of pairs, too. The CPU searches as by WIDE. The device takes
+                                          memory for it at the first use. For comparing */
 };
 
 /**

@@ -13,7 +13,7 @@ int checkParams(const dGpuTriMeshParams* params) noexcept {
   if (!isCurrentSize(params)) return dGPUTRIMESH_ERROR_ARGUMENT;
   const dGpuTriMeshParams& p = *params;
   const auto within = [](int value, int low, int high) { return value >= low && value <= high; };
-  bool good = within(p.traversal, dGPUTRIMESH_TRAVERSAL_STANDARD, dGPUTRIMESH_TRAVERSAL_WIDE) &&
+  bool good = within(p.traversal, dGPUTRIMESH_TRAVERSAL_STANDARD, dGPUTRIMESH_TRAVERSAL_LEVELS) &&
               within(p.descent, dGPUTRIMESH_DESCENT_FIRST_TREE, dGPUTRIMESH_DESCENT_BOTH) &&
               (p.box_axes == 6 || p.box_axes == 15) &&
               within(p.contact_model, dGPUTRIMESH_CONTACTS_AUTO, dGPUTRIMESH_CONTACTS_SOLID) &&

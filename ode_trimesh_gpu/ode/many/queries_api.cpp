@@ -352,7 +352,8 @@ int dGeomGpuTriMeshClosestPoint(dGeomID g, const dVector3 point, dGpuTriMeshClos
     if (placed.mesh == nullptr) {
       otg::withoutSurface(*out);
     } else {
-      otg::closest(placed, otg::answerPoint({placed.mesh, true, true, otg::Place::kCpu}, otg::toMesh(placed, point)),
+      otg::closest(placed,
+                   otg::answerOne(otg::PointJob{placed.mesh, true, true, otg::Place::kCpu}, otg::toMesh(placed, point)),
                    *out);
     }
     return static_cast<int>(dGPUTRIMESH_OK);

@@ -220,6 +220,7 @@ void preparePair(MeshGeom&& from1, MeshGeom&& from2, PairTask& task) noexcept {
   GeomObject &objectA = task.a(), &objectB = task.b();
   query.options = pairOptions(objectA.params, objectB.params);
   task.job.place = pairPlacement(objectA.params, objectB.params, dispatcher().placement());
+  task.job.byLevels = objectA.params.traversal == dGPUTRIMESH_TRAVERSAL_LEVELS;
   query.relativeVelocity = relativeVelocity(a, b);
   task.remembers =
       objectA.remembersWith(dGeomGetClass(b.side.geom)) && objectB.remembersWith(dGeomGetClass(a.side.geom));

@@ -14,6 +14,9 @@
 #include "opencl/backend_state.h"
 #include "opencl/batch/batch_finish.h"
 #include "opencl/batch/batch_source.h"
+#include "opencl/batch/pieces.h"
+#include "opencl/batch/routing.h"
+#include "opencl/lanes/host_cases.h"
 #include "opencl/lanes/overlap_queue.h"
 #include "opencl/runtime/stopwatch.h"
 
@@ -39,8 +42,9 @@ class Backend::Batch {
         wish_(wish),
         finish_(finish),
         lanes_(profile ? state.profiledBatches : state.batches),
-        describes_(Finish::kTakesDescriptions && wish == BatchWish::kSolid &&
-                   LargeStage::works(state.context.info(), state.tuning)),
+        rules_{.recordsOfAll = wish == BatchWish::kPairs,
+               .describes = Finish::kTakesDescriptions && wish == BatchWish::kSolid &&
+                            LargeStage::works(state.context.info(), state.tuning)},
         overlaps_(profile ? state.profiledOverlaps : state.overlaps, state.tuning.overlapPairs) {
     std::uint64_t largest = 0;
     for (const CollisionMesh* mesh : source.meshes) largest = std::max(largest, triangles(mesh));
@@ -52,40 +56,28 @@ class Backend::Batch {
   /// False if the device failed.
   bool run(StageTimes* times) {
     times_ = times;
-    const std::size_t most = std::max(1u, state_.tuning.batchPairs);
-    // With times one after the other, so that each stage has the device for itself.
-    const std::size_t pieces = times ? 1 : std::max(1u, state_.tuning.pieces);
-    for (std::size_t at = 0; at < source_.size(); at += most) {
-      const std::size_t end = std::min(source_.size(), at + most);
-      submitFrom(at, end, std::max<std::size_t>(state_.tuning.leastPiece, (end - at + pieces - 1) / pieces));
+    for (const std::vector<PairRange>& pieces : cutBatch(source_.size(), state_.tuning, times != nullptr)) {
+      submit(pieces);
     }
     return good_;
   }
 
  private:
   static constexpr std::size_t kMostWaits = 500;  ///< of a batch, for memory, a millisecond each
-  static constexpr otg_uint kNotDone = OTG_PAIR_REFUSED | OTG_PAIR_TO_HOST | OTG_PAIR_NO_FRAME | OTG_PAIR_SKIPPED;
   static std::uint64_t triangles(const CollisionMesh* mesh) { return mesh->mesh().triangleCount(); }
 
   /// The meshes of some pairs, when not all of a batch fit at once.
-  void narrow(std::size_t begin, std::size_t count) {
-    std::vector<std::uint32_t> number(source_.meshes.size(), kNone);
-    meshes_.clear();
-    const auto use = [&](std::uint32_t mesh) {
-      if (number[mesh] != kNone) return;
-      number[mesh] = static_cast<std::uint32_t>(meshes_.size());
-      meshes_.push_back(source_.meshes[mesh]);
-    };
+  void narrow(const PairRange& range) {
+    meshes_.clear(source_.meshes.size());
     otg_batch_task task{};
-    for (std::size_t i = begin; i < begin + count; ++i) {
+    for (std::size_t i = range.begin; i < range.begin + range.count; ++i) {
       source_.fill(i, task);
-      use(task.meshA);
-      use(task.meshB);
+      meshes_.use(source_.meshes, task.meshA);
+      meshes_.use(source_.meshes, task.meshB);
     }
-    renumber_ = std::move(number);
   }
 
-  /// A part of the batch in one submission.
+  /// A piece under way.
   struct Piece {
     std::size_t begin, count;
     bool soon = false;                  ///< the lane tells early what it leaves to the host
@@ -105,11 +97,9 @@ class Backend::Batch {
     std::vector<std::size_t> inVain;  ///< pairs that were not described
   };
 
-  /// Pieces of `step` pairs: all are begun before the first is waited for, so that the host finishes what the device
-  /// leaves of one while the device has the next.
-  void submitFrom(std::size_t begin, std::size_t end, std::size_t step) {
+  void submit(std::span<const PairRange> ranges) {
     std::vector<Piece> pieces;
-    for (std::size_t at = begin; at < end; at += step) pieces.push_back(begun(at, std::min(step, end - at), false));
+    for (const PairRange& range : ranges) pieces.push_back(begun(range, false));
     workMeanwhile(pieces);
     for (Piece& piece : pieces) finish(piece);
     finishOverlaps();
@@ -117,13 +107,13 @@ class Backend::Batch {
     later_.clear();
   }
 
-  Piece begun(std::size_t begin, std::size_t count, bool part) {
+  Piece begun(const PairRange& range, bool part) {
+    const auto [begin, count] = range;
     Piece piece{begin, count};
     if (part) {
-      narrow(begin, count);
-    } else if (meshes_.size() != source_.meshes.size()) {
-      meshes_ = source_.meshes;
-      renumber_.clear();
+      narrow(range);
+    } else {
+      meshes_.takeAll(source_.meshes);
     }
     try {
       piece.lane = lanes_.take();
@@ -135,9 +125,9 @@ class Backend::Batch {
       if (times_) times_->fill += watch.ms();
       piece.soon = asksSoon();
       if (piece.soon) {
-        piece.lane->beginWithFlags(meshes_, source_.reductions);
+        piece.lane->beginWithFlags(meshes_.list(), source_.reductions);
       } else {
-        piece.lane->begin(meshes_, source_.reductions, wish_);
+        piece.lane->begin(meshes_.list(), source_.reductions, wish_);
       }
     } catch (const ClError& error) {
       piece.lane = nullptr;
@@ -166,10 +156,10 @@ class Backend::Batch {
     if (piece.error) {
       // Meshes that do not fit at once may fit in two halves.
       if (piece.error->code() == CL_MEM_OBJECT_ALLOCATION_FAILURE && count > 1) {
-        finishOverlaps();  // they have meshes pinned
-        finishHalf(begin, count / 2);
-        finishOverlaps();
-        finishHalf(begin + count / 2, count - count / 2);
+        for (const PairRange& half : halvesOf({begin, count})) {
+          finishOverlaps();  // they have meshes pinned
+          finishHalf(half);
+        }
         return;
       }
       logError(*piece.error);
@@ -177,11 +167,10 @@ class Backend::Batch {
       finish_.chunk(begin, count, {});
       std::vector<std::size_t> good;
       for (std::size_t i = begin; i < begin + count; ++i) {
-        if (isRefused(source_.query(i))) {
-          finish_.refuse(i);
-        } else if (!keptMeanwhile(i)) {
-          good.push_back(i);
-        }
+        const Fate fate = fateAfterFailure(isRefused(source_.query(i)), done_.contains(i));
+        if (fate == Fate::kRefused) finish_.refuse(i);
+        if (fate == Fate::kMeanwhile) keepMeanwhile(i);
+        if (fate == Fate::kWithoutDevice) good.push_back(i);
       }
       withoutDevice(good);
       state_.onHost += count;
@@ -193,12 +182,12 @@ class Backend::Batch {
     }
   }
 
-  void finishHalf(std::size_t begin, std::size_t count) {
-    Piece piece = begun(begin, count, true);
+  void finishHalf(const PairRange& range) {
+    Piece piece = begun(range, true);
     // Others are done soon; but the memory may be this batch's own.
-    for (; count == 1 && piece.lacksMemory && waits_ < kMostWaits; ++waits_) {
+    for (; range.count == 1 && piece.lacksMemory && waits_ < kMostWaits; ++waits_) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      piece = begun(begin, count, true);
+      piece = begun(range, true);
     }
     workMeanwhile({&piece, 1});
     finish(piece);
@@ -213,18 +202,17 @@ class Backend::Batch {
     } else {
       copy(0, tasks.size());
     }
-    if (!renumber_.empty()) {
-      for (otg_batch_task& task : tasks) {
-        task.meshA = renumber_[task.meshA];
-        task.meshB = renumber_[task.meshB];
-      }
-    }
+    meshes_.renumber(tasks);
+    const auto leaveOut = [&](std::size_t k, Fate fate) {
+      tasks[k].skip = 1;
+      (fate == Fate::kRefused ? piece.refused : fate == Fate::kAlone ? piece.large : piece.alone).push_back(begin + k);
+    };
     if (anyLarge_) {
+      const std::vector<const CollisionMesh*>& meshes = meshes_.list();
       for (std::size_t k = 0; k < tasks.size(); ++k) {
-        const CollisionMesh *a = meshes_[tasks[k].meshA], *b = meshes_[tasks[k].meshB];
+        const CollisionMesh *a = meshes[tasks[k].meshA], *b = meshes[tasks[k].meshB];
         if (triangles(a) + triangles(b) <= state_.tuning.batchTriangles) continue;
-        tasks[k].skip = 1;
-        (isRefused(source_.query(begin + k)) ? piece.refused : piece.large).push_back(begin + k);
+        leaveOut(k, fateBefore({.refused = isRefused(source_.query(begin + k)), .large = true}));
       }
     }
     if (anyShells_) {
@@ -239,9 +227,9 @@ class Backend::Batch {
       if (tasks[k].skip) continue;
       const Query query = source_.query(begin + k);
       const PairFrame frame = makePairFrame(query);
-      if (isRefused(query) || isIdleQuery(query, frame)) {
-        (isRefused(query) ? piece.refused : piece.alone).push_back(begin + k);
-        tasks[k].skip = 1;
+      const Fate fate = fateBefore({.refused = isRefused(query), .idle = isIdleQuery(query, frame)});
+      if (fate != Fate::kDevice) {
+        leaveOut(k, fate);
         continue;
       }
       const BoxFrame<float> boxes = deviceBoxes(frame);
@@ -282,14 +270,15 @@ class Backend::Batch {
         try {
           const otg_uint* flags = piece.lane->soonFlags();
           const std::size_t before = which.size();
-          std::size_t forOverlaps = 0, left = 0;
+          std::size_t describable = 0, left = 0;
           for (std::size_t k = 0; k < piece.count; ++k) {
-            if ((flags[k] & kNotDone) != OTG_PAIR_TO_HOST) continue;
+            if (!isLeftEarly(flags[k])) continue;
             ++left;
-            forOverlaps += describes_ && isForOverlaps(flags[k]);
+            describable += rules_.describes && mayBeDescribed(flags[k]);
             if (!done_.contains(piece.begin + k)) which.push_back(piece.begin + k);
           }
-          if (left > state_.tuning.meanwhile || forOverlaps >= state_.tuning.leastOverlaps) which.resize(before);
+          const Tuning& tuning = state_.tuning;
+          if (!isForHostMeanwhile(left, describable, tuning.meanwhile, tuning.leastOverlaps)) which.resize(before);
         } catch (const ClError& error) {
           piece.lane = nullptr;
           piece.error = error;
@@ -301,50 +290,36 @@ class Backend::Batch {
     }
   }
 
-  /// Whether the host has done pair `i` already, which is kept then.
-  bool keptMeanwhile(std::size_t i) {
-    if constexpr (Finish::kTakesDescriptions) {
-      const auto found = done_.find(i);
-      if (found == done_.end()) return false;
-      finish_.keepLeft(i, found->second);
-      return true;
-    }
-    return false;
+  /// What the host has made of pair `i` while the device was at work.
+  void keepMeanwhile(std::size_t i) {
+    if constexpr (Finish::kTakesDescriptions) finish_.keepLeft(i, done_.at(i));
   }
 
   void collect(Piece& piece, const BatchFound& found) {
     const std::size_t begin = piece.begin, count = piece.count;
     std::vector<std::size_t> fromRecords, fromMeanwhile;
-    OverlapJob job;
-    const bool all = wish_ == BatchWish::kPairs;
+    OverlapSubmission job;
     bool scattered = false, makes = true;  // contacts from descriptions
-    if (all || wish_ == BatchWish::kAny || found.counters[OTG_COUNT_FLAGGED] > 0) {
+    if (rules_.recordsOfAll || wish_ == BatchWish::kAny || found.counters[OTG_COUNT_FLAGGED] > 0) {
       for (std::size_t k = 0; k < count; ++k) {
         const otg_uint flags = found.flags[k];
-        if (flags & OTG_PAIR_REFUSED) {
-          piece.refused.push_back(begin + k);
-        } else if (flags & OTG_PAIR_NO_FRAME) {
-          piece.alone.push_back(begin + k);
-        } else if (flags & OTG_PAIR_SKIPPED) {
-          continue;
-        } else if (all || ((flags & OTG_PAIR_TO_HOST) && !(flags & OTG_PAIR_INTERSECTS))) {
-          if (done_.contains(begin + k)) {
-            fromMeanwhile.push_back(begin + k);
-            continue;
-          }
-          if (describes_ && isForOverlaps(flags)) {
-            const Query query = source_.query(begin + k);
-            job.add(begin + k, {static_cast<otg_uint>(k), found.contacts[0].places[2 * k], 0, 0, 0}, query.a, query.b);
-            makes = makes && LargeContacts::works(query, state_.tuning);
-          } else {
-            fromRecords.push_back(begin + k);
-          }
-          scattered = scattered || (flags & OTG_PAIR_MANY);
+        if ((flags & kNotByDevice) == 0 && !rules_.recordsOfAll) continue;  // as nearly all
+        const std::size_t i = begin + k;
+        const Fate fate = fateAfter(flags, rules_, done_.contains(i));
+        if (fate == Fate::kRefused) piece.refused.push_back(i);
+        if (fate == Fate::kWithoutDevice) piece.alone.push_back(i);
+        if (fate == Fate::kMeanwhile) fromMeanwhile.push_back(i);
+        if (fate == Fate::kRecords) fromRecords.push_back(i);
+        if (fate == Fate::kDescribed) {
+          const Query query = source_.query(i);
+          job.add(i, {static_cast<otg_uint>(k), found.contacts[0].places[2 * k], 0, 0, 0}, query.a, query.b);
+          makes = makes && LargeContacts::works(query, state_.tuning);
         }
+        const bool needsRecords = fate == Fate::kRecords || fate == Fate::kDescribed;
+        scattered = scattered || (needsRecords && (flags & OTG_PAIR_MANY));
       }
     }
-    // A few are sooner done by the host.
-    if (job.which.size() < state_.tuning.leastOverlaps) {
+    if (!areWorthDescribing(job.which.size(), state_.tuning.leastOverlaps)) {
       fromRecords.insert(fromRecords.end(), job.which.begin(), job.which.end());
       job.which.clear();
     }
@@ -363,13 +338,13 @@ class Backend::Batch {
       overlaps_.add(job);
     }
     finish_.chunk(begin, count, found);
-    for (const std::size_t i : fromMeanwhile) keptMeanwhile(i);
+    for (const std::size_t i : fromMeanwhile) keepMeanwhile(i);
     if (!fromRecords.empty()) dealOut(begin, count, answer, fromRecords);
     if constexpr (Finish::kTakesDescriptions) {
       if (wish_ == BatchWish::kSolid && source_.anyHistory) {
         finish_.inParts(count, [&](std::size_t from, std::size_t to) {
           for (std::size_t k = from; k < to; ++k) {
-            if ((found.flags[k] & (kNotDone | OTG_PAIR_PAIRWISE)) != 0) continue;
+            if (!isRemembered(found.flags[k])) continue;
             const bool hasContacts = found.contacts[0].places[2 * k + 1] > 0;
             rememberPlain(source_.query(begin + k), hasContacts, hasContacts ? found.directions[k] : Vec3d{0, 0, 0});
           }
@@ -384,18 +359,11 @@ class Backend::Batch {
   /// records.
   void putOff(std::vector<std::size_t>& few) {
     if constexpr (Finish::kTakesDescriptions) {
-      if (wish_ != BatchWish::kSolid || !finish_.hasThreads() || few.size() > state_.tuning.meanwhile) return;
+      if (!mayWait(few.size(), wish_ == BatchWish::kSolid, finish_.hasThreads(), state_.tuning.meanwhile)) return;
       finish_.putOff(few.size());
       later_.insert(later_.end(), few.begin(), few.end());
       few.clear();
     }
-  }
-
-  /// Whether the host would describe an overlap by cells, or perhaps, and nothing else is in the way.
-  static bool isForOverlaps(otg_uint flags) {
-    const otg_uint why = flags >> OTG_PAIR_WHY;
-    if (why & (OTG_SOLID_INEXACT | OTG_SOLID_CONTAINED | OTG_SOLID_TIE)) return false;
-    return (why & OTG_SOLID_AT_ODDS) || ((why & OTG_SOLID_BY_CELLS) && !(why & OTG_SOLID_BROKEN));
   }
 
   void letGo(std::unique_ptr<BatchLane> lane, std::uint64_t repeats) {
@@ -406,7 +374,7 @@ class Backend::Batch {
   /// Contacts of all pairs that are being described. Then their lanes are free.
   void finishOverlaps() {
     if constexpr (Finish::kTakesDescriptions) {
-      overlaps_.finish([&](OverlapJob& job) { finishOverlap(job); });
+      overlaps_.finish([&](OverlapSubmission& job) { finishOverlap(job); });
       for (Holder& holder : holders_) {
         if (!holder.inVain.empty()) finishInVain(holder);
         if (holder.lane) letGo(std::move(holder.lane), holder.repeats);
@@ -415,7 +383,7 @@ class Backend::Batch {
     }
   }
 
-  void finishOverlap(OverlapJob& job) {
+  void finishOverlap(OverlapSubmission& job) {
     if (job.error) {
       failed(*job.error, job.which);
       return;
@@ -525,15 +493,14 @@ class Backend::Batch {
   const BatchWish wish_;
   Finish& finish_;
   LanePool<BatchLane>& lanes_;
-  const bool describes_;
+  const BatchRules rules_;
   std::vector<Holder> holders_;
   OverlapQueue overlaps_;
   bool good_ = true, anyLarge_ = false, anyShells_ = false;
   std::vector<std::size_t> later_;                             ///< pairs for the host when all pieces are done
   std::unordered_map<std::size_t, ContactFinish::Done> done_;  ///< by the host, while the device is at work
-  std::vector<const CollisionMesh*> meshes_;                   ///< of the submission under way
+  PieceMeshes meshes_;                                         ///< of the piece that was begun last
   std::size_t waits_ = 0;
-  std::vector<std::uint32_t> renumber_;  ///< from the source's numbers to these; empty: the same
   StageTimes* times_ = nullptr;
 };
 
@@ -571,31 +538,27 @@ bool Backend::intersectFrom(const Source& source, std::vector<std::uint8_t>& ans
   return good;
 }
 
-bool Backend::collideBatch(std::span<const Query* const> queries, BatchAnswer& answer, StageTimes* times,
-                           const RunParts& onHost) {
-  return collideFrom(QuerySource(QueryList(queries), state_->tuning.solid, onHost), answer, times, onHost);
+bool Backend::collideBatch(const CollideBatch& pairs, BatchAnswer& answer, StageTimes* times, const RunParts& onHost) {
+  const bool makesSolids = state_->tuning.solid;
+  if (const auto* numbered = std::get_if<NumberedPairs>(&pairs)) {
+    return collideFrom(PairSource(*numbered, makesSolids), answer, times, onHost);
+  }
+  const auto* inRow = std::get_if<std::span<const Query>>(&pairs);
+  const QueryList queries = inRow ? QueryList(*inRow) : QueryList(std::get<std::span<const Query* const>>(pairs));
+  return collideFrom(QuerySource(queries, makesSolids, onHost), answer, times, onHost);
 }
 
-bool Backend::collideBatch(std::span<const Query> queries, BatchAnswer& answer, StageTimes* times,
-                           const RunParts& onHost) {
-  return collideFrom(QuerySource(QueryList(queries), state_->tuning.solid, onHost), answer, times, onHost);
-}
-
-bool Backend::collideBatch(const PairBatch& batch, BatchAnswer& answer, StageTimes* times, const RunParts& onHost) {
-  return collideFrom(PairSource(batch, state_->tuning.solid), answer, times, onHost);
-}
-
-bool Backend::intersectBatch(std::span<const PosedMeshes* const> pairs, std::vector<std::uint8_t>& answer,
-                             StageTimes* times, const RunParts& onHost) {
-  return intersectFrom(PosedSource(pairs, onHost), answer, times, onHost);
-}
-
-bool Backend::intersectBatch(std::span<const Query> queries, std::vector<std::uint8_t>& answer, StageTimes* times) {
-  return intersectFrom(QuerySource(QueryList(queries), state_->tuning.solid), answer, times, {});
-}
-
-bool Backend::intersectBatch(const PairBatch& batch, std::vector<std::uint8_t>& answer, StageTimes* times) {
-  return intersectFrom(PairSource(batch, state_->tuning.solid), answer, times, {});
+bool Backend::intersectBatch(const IntersectBatch& pairs, std::vector<std::uint8_t>& answer, StageTimes* times,
+                             const RunParts& onHost) {
+  const bool makesSolids = state_->tuning.solid;
+  if (const auto* numbered = std::get_if<NumberedPairs>(&pairs)) {
+    return intersectFrom(PairSource(*numbered, makesSolids), answer, times, onHost);
+  }
+  if (const auto* queries = std::get_if<std::span<const Query>>(&pairs)) {
+    return intersectFrom(QuerySource(QueryList(*queries), makesSolids, onHost), answer, times, onHost);
+  }
+  return intersectFrom(PosedSource(std::get<std::span<const PosedMeshes* const>>(pairs), onHost), answer, times,
+                       onHost);
 }
 
 }  // namespace otg::opencl

@@ -238,7 +238,7 @@ class PosedSource {
 class PairSource {
  public:
   /// `makesSolids`: as QuerySource.
-  PairSource(const PairBatch& batch, bool makesSolids)
+  PairSource(const NumberedPairs& batch, bool makesSolids)
       : meshes(batch.meshes.begin(), batch.meshes.end()), batch_(batch) {
     // Some of the pairs may have contacts of solids, some not: see areShells.
     const bool asked = batch.options.contacts == ContactModel::kSolid;
@@ -277,7 +277,7 @@ class PairSource {
   }
 
  private:
-  const PairBatch& batch_;
+  const NumberedPairs& batch_;
   std::uint32_t solid_ = 0, pairwise_ = 0;  ///< reductions
   std::vector<std::uint8_t> isSolid_;       ///< and contacts of the model `solid` are asked for
 };

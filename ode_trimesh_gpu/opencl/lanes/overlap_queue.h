@@ -15,7 +15,7 @@
 namespace otg::opencl {
 
 /// Some pairs of one batch, in one submission.
-struct OverlapJob {
+struct OverlapSubmission {
   std::size_t holder = 0;                    ///< whose batch it is: the caller's number
   const BatchLane* batch = nullptr;          ///< let go after the job is done
   std::vector<std::size_t> which;            ///< the caller's numbers of the pairs
@@ -32,8 +32,8 @@ struct OverlapJob {
     bodies.insert(bodies.end(), {a, b});
   }
   /// The pairs from `begin` on, as a job of its own that is not begun.
-  OverlapJob part(std::size_t begin, std::size_t count) const {
-    OverlapJob some{holder, batch, {}, {}, {}};
+  OverlapSubmission part(std::size_t begin, std::size_t count) const {
+    OverlapSubmission some{holder, batch, {}, {}, {}};
     for (std::size_t k = begin; k < std::min(begin + count, which.size()); ++k) {
       some.add(which[k], pairs[k], bodies[2 * k], bodies[2 * k + 1]);
       if (!tasks.empty()) some.tasks.push_back(tasks[k]);
@@ -49,7 +49,7 @@ class OverlapQueue {
   OverlapQueue(LanePool<OverlapLane>& lanes, std::uint32_t most) : lanes_(lanes), most_(std::max(1u, most)) {}
 
   /// Begins with the job as soon as there are few enough under way.
-  void add(const OverlapJob& job) {
+  void add(const OverlapSubmission& job) {
     for (std::size_t at = 0; at < job.which.size(); at += most_) jobs_.push_back(job.part(at, most_));
     beginSome();
   }
@@ -74,7 +74,7 @@ class OverlapQueue {
     while (begun_ < std::min(jobs_.size(), done_ + kAtOnce)) begin(jobs_[begun_++]);
   }
 
-  void begin(OverlapJob& job) {
+  void begin(OverlapSubmission& job) {
     try {
       job.lane = lanes_.take();
       job.repeats = job.lane->repeats();
@@ -86,7 +86,7 @@ class OverlapQueue {
   }
 
   template <class Done>
-  void end(OverlapJob& job, Done& done) {
+  void end(OverlapSubmission& job, Done& done) {
     try {
       if (!job.error) job.lane->end();
     } catch (const ClError& error) {
@@ -97,7 +97,7 @@ class OverlapQueue {
     if (job.error && job.error->code() == CL_MEM_OBJECT_ALLOCATION_FAILURE && job.which.size() > 1) {
       const std::size_t half = (job.which.size() + 1) / 2;
       for (const std::size_t at : {std::size_t{0}, half}) {
-        OverlapJob some = job.part(at, half);
+        OverlapSubmission some = job.part(at, half);
         begin(some);
         end(some, done);
       }
@@ -109,7 +109,7 @@ class OverlapQueue {
 
   LanePool<OverlapLane>& lanes_;
   const std::size_t most_;
-  std::vector<OverlapJob> jobs_;
+  std::vector<OverlapSubmission> jobs_;
   std::size_t begun_ = 0, done_ = 0;
 };
 

@@ -24,14 +24,22 @@ static_assert(sizeof(MeshUnit) == kUnit);
 
 }  // namespace
 
-MeshStore::MeshStore(Context& context, std::uint64_t budget, std::uint32_t leafTriangles, MeshLayout layout,
-                     std::uint32_t cutOrder)
+MeshStore::MeshStore(Context& context, std::shared_ptr<MemoryBudget> budget, std::uint32_t leafTriangles,
+                     MeshLayout layout, std::uint32_t cutOrder)
     : context_(context),
-      mostUnits_(std::min({budget / kUnit, context.info().largestAllocation / kUnit, kAddressable})),
+      budget_(std::move(budget)),
+      mostUnits_(std::min({budget_->bytes() / kUnit, context.info().largestAllocation / kUnit, kAddressable})),
       leafTriangles_(leafTriangles),
       cutOrder_(cutOrder),
       layout_(layout),
-      queue_(context.makeQueue(false)) {}
+      queue_(context.makeQueue(false)) {
+  budget_->join(*this);
+}
+
+MeshStore::~MeshStore() {
+  budget_->leave(*this);
+  budget_->giveBack(capacity_ * kUnit);
+}
 
 void MeshStore::prepare() {
   const std::lock_guard lock(mutex_);
@@ -150,6 +158,7 @@ std::uint32_t MeshStore::allocate(std::uint32_t units) {
   while (evictOne()) {
     if (findGap(units, begin)) return begin;
   }
+  if (budget_->askOthers(*this) && grow(units) && findGap(units, begin)) return begin;
   throw MemoryInUse("clCreateBuffer", CL_MEM_OBJECT_ALLOCATION_FAILURE,
                     "the memory budget is used up by meshes in use");
 }
@@ -168,16 +177,22 @@ bool MeshStore::findGap(std::uint32_t units, std::uint32_t& begin) const {
 bool MeshStore::grow(std::uint32_t units) {
   const std::uint64_t wanted = std::max(
       {std::uint64_t{kFirstUnits}, 2 * std::uint64_t{capacity_}, std::bit_ceil(std::uint64_t{capacity_} + units)});
-  const auto capacity = static_cast<std::uint32_t>(std::min(wanted, mostUnits_));
-  if (capacity <= capacity_) return false;
-  auto larger = std::make_shared<const BufferHandle>(context_.makeBuffer(CL_MEM_READ_WRITE, capacity * kUnit));
-  if (buffer_) {
-    clDo(OTG_CL(clEnqueueCopyBuffer), queue_.get(), buffer_->get(), larger->get(), std::size_t{0}, std::size_t{0},
-         std::size_t{capacity_ * kUnit}, cl_uint{0}, static_cast<const cl_event*>(nullptr),
-         static_cast<cl_event*>(nullptr));
-    clDo(OTG_CL(clFinish), queue_.get());
+  const std::uint64_t left = capacity_ + budget_->left() / kUnit;
+  const auto capacity = static_cast<std::uint32_t>(std::min({wanted, mostUnits_, left}));
+  if (capacity <= capacity_ || !budget_->take((capacity - capacity_) * kUnit)) return false;
+  try {
+    auto larger = std::make_shared<const BufferHandle>(context_.makeBuffer(CL_MEM_READ_WRITE, capacity * kUnit));
+    if (buffer_) {
+      clDo(OTG_CL(clEnqueueCopyBuffer), queue_.get(), buffer_->get(), larger->get(), std::size_t{0}, std::size_t{0},
+           std::size_t{capacity_ * kUnit}, cl_uint{0}, static_cast<const cl_event*>(nullptr),
+           static_cast<cl_event*>(nullptr));
+      clDo(OTG_CL(clFinish), queue_.get());
+    }
+    buffer_ = std::move(larger);
+  } catch (...) {
+    budget_->giveBack((capacity - capacity_) * kUnit);
+    throw;
   }
-  buffer_ = std::move(larger);
   capacity_ = capacity;
   counts_.bytesHeld = capacity * kUnit;
   return true;
@@ -193,6 +208,24 @@ bool MeshStore::evictOne() {
   drop(oldest);
   ++counts_.evictions;
   return true;
+}
+
+void MeshStore::letGo() noexcept {
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (!lock || !buffer_) return;
+  const auto isInUse = [](const std::shared_ptr<Resident>& resident) { return resident->pins != 0; };
+  if (std::any_of(outdated_.begin(), outdated_.end(), isInUse)) return;
+  for (const auto& entry : residents_) {
+    if (isInUse(entry.second)) return;
+  }
+  counts_.evictions += residents_.size();
+  residents_.clear();
+  outdated_.clear();
+  taken_.clear();
+  buffer_.reset();
+  budget_->giveBack(capacity_ * kUnit);
+  capacity_ = 0;
+  counts_.bytesUsed = counts_.bytesHeld = 0;
 }
 
 void MeshStore::forgetDead() {

@@ -12,6 +12,7 @@
 
 #include "bvh/collision_mesh.h"
 #include "collide/pair_frame.h"
+#include "opencl/meshes/memory_budget.h"
 #include "opencl/meshes/packed_motion.h"
 #include "opencl/runtime/context.h"
 #include "opencl/runtime/given.h"
@@ -29,12 +30,15 @@ inline BoxFrame<float> deviceBoxes(const PairFrame& frame) {
 
 /// All meshes of one context lie in one buffer, so that a kernel that works on many pairs reaches all of them. Any
 /// thread.
-class MeshStore {
+class MeshStore : private MemoryBudget::Sharer {
  public:
-  /// `budget`: bytes that the buffer may take at most; `leafTriangles`: most triangles of a leaf of the trees;
-  /// `cutOrder`: as in Tuning.
-  MeshStore(Context& context, std::uint64_t budget, std::uint32_t leafTriangles,
+  /// `budget`: of what the buffer takes; `leafTriangles`: most triangles of a leaf of the trees; `cutOrder`: as in
+  /// Tuning.
+  MeshStore(Context& context, std::shared_ptr<MemoryBudget> budget, std::uint32_t leafTriangles,
             MeshLayout layout = MeshLayout::kEightWide, std::uint32_t cutOrder = 0);
+  ~MeshStore();
+  MeshStore(const MeshStore&) = delete;
+  MeshStore& operator=(const MeshStore&) = delete;
 
   /// Makes the kernel that updates need, which the first of them would do. Throws ClError.
   void prepare();
@@ -84,6 +88,7 @@ class MeshStore {
   };
   Counts counts() const;
   std::uint32_t leafTriangles() const { return leafTriangles_; }
+  const std::shared_ptr<MemoryBudget>& budget() const { return budget_; }
 
  private:
   using Residents = std::map<std::weak_ptr<const void>, std::shared_ptr<Resident>, std::owner_less<>>;
@@ -95,9 +100,12 @@ class MeshStore {
   bool findGap(std::uint32_t units, std::uint32_t& begin) const;
   bool grow(std::uint32_t units);
   bool evictOne();
+  /// All meshes and the buffer, if no query has any of them.
+  void letGo() noexcept override;
   void forgetDead();
 
   Context& context_;
+  const std::shared_ptr<MemoryBudget> budget_;
   const std::uint64_t mostUnits_;
   const std::uint32_t leafTriangles_, cutOrder_;
   const MeshLayout layout_;

@@ -21,6 +21,10 @@ ClError::ClError(const char* call, cl_int code, const std::string& detail)
       call_(call),
       code_(code) {}
 
+void logError(const ClError& error) {
+  logFailure(error.call(), error.code(), error.what());
+}
+
 void FaultInjection::failAt(std::uint64_t nth, cl_int code, std::uint64_t more) {
   const std::uint64_t first = nth == 0 ? 0 : calls.load() + nth;
   firstFault = 0;

@@ -24,6 +24,9 @@ class ClError : public std::runtime_error {
   cl_int code_;
 };
 
+/// Tells of it as logFailure() does.
+void logError(const ClError& error);
+
 /// There is no room for meshes, because queries of others use those that take it.
 struct MemoryInUse : ClError {
   using ClError::ClError;

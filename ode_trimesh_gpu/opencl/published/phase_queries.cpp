@@ -4,8 +4,10 @@
 #include <chrono>
 
 #include "collide/stages.h"
-#include "opencl/backend.h"
-#include "opencl/backend_state.h"
+#include "opencl/lanes/host_cases.h"
+#include "opencl/published/published_design.h"
+#include "opencl/results/take_records.h"
+#include "opencl/runtime/call.h"
 
 namespace otg::opencl {
 namespace {
@@ -18,9 +20,9 @@ double msSince(Clock::time_point start) {
 
 }  // namespace
 
-bool Backend::findCandidates(const Query& query, Workspace& workspace) {
+bool PublishedDesign::findCandidates(const Query& query, Workspace& workspace) {
   const PairFrame frame = makePairFrame(query);
-  ++state_->queries;
+  ++counters_.queries;
   if (isRefused(query) || isIdleQuery(query, frame)) {
     middlePhase(query, workspace);
     return true;
@@ -28,7 +30,7 @@ bool Backend::findCandidates(const Query& query, Workspace& workspace) {
   try {
     const Clock::time_point start = Clock::now();
     workspace.stats = {};
-    state_->phases.with(
+    phases_.with(
         [&](PhaseLane& lane) { lane.findCandidates(query, frame, workspace.candidates, workspace.stats.boxTests); });
     workspace.stats.candidatePairs = workspace.candidates.size();
     if (query.options.timings) workspace.stats.middleMs = msSince(start);
@@ -36,23 +38,22 @@ bool Backend::findCandidates(const Query& query, Workspace& workspace) {
   } catch (const ClError& error) {
     logError(error);
   }
-  ++state_->onHost;
+  ++counters_.onHost;
   middlePhase(query, workspace);
   return false;
 }
 
-bool Backend::decideCandidates(const Query& query, Workspace& workspace) {
+bool PublishedDesign::decideCandidates(const Query& query, Workspace& workspace) {
   const PairFrame frame = makePairFrame(query);
-  ++state_->queries;
+  ++counters_.queries;
   if (isRefused(query) || isIdleQuery(query, frame)) {
     nearPhase(query, workspace);
     return true;
   }
   try {
     const Clock::time_point start = Clock::now();
-    state_->phases.with([&](PhaseLane& lane) {
-      const std::span<const otg_pair_record> records =
-          lane.decide(query, frame, state_->soupPlaces, workspace.candidates);
+    phases_.with([&](PhaseLane& lane) {
+      const std::span<const otg_pair_record> records = lane.decide(query, frame, soupPlaces_, workspace.candidates);
       CollideStats byHost;
       workspace.intersecting.clear();
       for (const otg_pair_record& record : records) {
@@ -71,7 +72,7 @@ bool Backend::decideCandidates(const Query& query, Workspace& workspace) {
   } catch (const ClError& error) {
     logError(error);
   }
-  ++state_->onHost;
+  ++counters_.onHost;
   nearPhase(query, workspace);
   return false;
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Queries by the traversal `levels`.
 #include "collide/stages.h"
-#include "opencl/backend.h"
-#include "opencl/backend_state.h"
+#include "opencl/lanes/host_cases.h"
 #include "opencl/lanes/take_answer.h"
+#include "opencl/published/published_design.h"
+#include "opencl/runtime/call.h"
 #include "opencl/runtime/stopwatch.h"
 
 namespace otg::opencl {
@@ -39,12 +40,12 @@ void takeStepCounts(const std::vector<LevelsStep>& steps, CollideStats& stats) {
 
 }  // namespace
 
-bool Backend::collideByLevels(const Query& query, Workspace& workspace, const LevelsOptions& how, LevelsReport* report,
-                              bool profile) {
+bool PublishedDesign::collideByLevels(const Query& query, Workspace& workspace, const LevelsOptions& how,
+                                      LevelsReport* report, bool profile) {
   const Stopwatch total(profile);
   const bool contacts = isPairwise(query);
   const PairFrame frame = makePairFrame(query);
-  ++state_->queries;
+  ++counters_.queries;
   if (report) *report = {};
   if (isRefused(query) || isIdleQuery(query, frame)) {
     otg::collide(query, workspace);
@@ -53,7 +54,7 @@ bool Backend::collideByLevels(const Query& query, Workspace& workspace, const Le
   try {
     HostRest rest = HostRest::kNothing;
     LevelsReport found;
-    (profile ? state_->profiledLevels : state_->levels).with([&](LevelsLane& lane) {
+    (profile ? levels().profiled : levels().lanes).with([&](LevelsLane& lane) {
       const PairAnswer answer = lane.run(query, frame, contacts, how);
       const Stopwatch host(profile);
       rest = takeAnswer(query, frame, answer, contacts, workspace).rest;
@@ -70,22 +71,22 @@ bool Backend::collideByLevels(const Query& query, Workspace& workspace, const Le
   } catch (const ClError& error) {
     logError(error);
   }
-  ++state_->onHost;
+  ++counters_.onHost;
   otg::collide(query, workspace);
   return false;
 }
 
-bool Backend::findPairsByLevels(const Query& query, Workspace& workspace, const LevelsOptions& how,
-                                LevelsReport* report) {
+bool PublishedDesign::findPairsByLevels(const Query& query, Workspace& workspace, const LevelsOptions& how,
+                                        LevelsReport* report) {
   const PairFrame frame = makePairFrame(query);
-  ++state_->queries;
+  ++counters_.queries;
   if (report) *report = {};
   if (isRefused(query) || isIdleQuery(query, frame)) {
     otg::findIntersectingPairs(query, workspace);
     return true;
   }
   try {
-    state_->levels.with([&](LevelsLane& lane) {
+    levels().lanes.with([&](LevelsLane& lane) {
       takeAll(query, frame, lane.run(query, frame, false, how).found, false, workspace);
       takeStepCounts(lane.steps(), workspace.stats);
       if (report) takeReport(lane, *report);
@@ -94,7 +95,7 @@ bool Backend::findPairsByLevels(const Query& query, Workspace& workspace, const 
   } catch (const ClError& error) {
     logError(error);
   }
-  ++state_->onHost;
+  ++counters_.onHost;
   otg::findIntersectingPairs(query, workspace);
   return false;
 }

@@ -1,0 +1,5 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# What this layer decides without a device.
+otg_add_test(batch_routing unit SOURCES test_batch_routing.cpp LIBRARIES otg_scenes)
+find_package(Threads REQUIRED)
+otg_add_test(memory_budget unit SOURCES test_memory_budget.cpp LIBRARIES Threads::Threads)
