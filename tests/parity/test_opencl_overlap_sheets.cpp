@@ -195,7 +195,7 @@ std::size_t pairwiseOnDevice(opencl::Backend& backend, const std::vector<Query>&
 
 }  // namespace
 
-TEST_CASE("where a sheet's contour does not close the device makes contacts of pairs") {
+TEST_CASE("where a sheet's contour does not close the host makes contacts of shells") {
   const auto backend = openBackend(always());
   REQUIRE(backend);
   if (!canDescribe(*backend)) return;
@@ -207,7 +207,7 @@ TEST_CASE("where a sheet's contour does not close the device makes contacts of p
   CHECK(open > 20);
   CHECK(open < 50);
   CHECK(checkAll(*backend, queries, expected) <= queries.size() - open);
-  CHECK(pairwiseOnDevice(*backend, queries) == open);
+  CHECK(pairwiseOnDevice(*backend, queries) == 0);
   CHECK(backend->counts().leftToHost == 0);
   describedInBatch(queries, expected);
   // With the reduction that only the host knows, in other limits.
@@ -223,7 +223,7 @@ TEST_CASE("where a sheet's contour does not close the device makes contacts of p
   const std::vector<Workspace> expectedOnFolds = answersOnHost(onFolds);
   CHECK(count(expectedOnFolds, isPairwise) > 10);
   checkAll(*backend, onFolds, expectedOnFolds);
-  CHECK(pairwiseOnDevice(*backend, onFolds) > 5);
+  CHECK(pairwiseOnDevice(*backend, onFolds) == 0);
   describedInBatch(onFolds, expectedOnFolds);
 }
 
@@ -295,15 +295,15 @@ TEST_CASE("a sheet's rim may lie inside the other body") {
       Query query = solidQuery(*box, *domes[i], makeQuarterTurn(turn, {0, 0, 0}));
       Workspace workspace;
       collide(query, workspace);
-      if (workspace.intersecting.empty() || isPairwise(workspace)) continue;
+      if (workspace.intersecting.empty()) continue;
       queries.push_back(i % 2 == 0 ? query : solidQuery(*domes[i], *box, inverse(query.bInA)));
       break;
     }
   }
   CHECK(queries.size() > 35);
   const std::vector<Workspace> expected = answersOnHost(queries);
-  CHECK(count(expected, isPairwise) == 0);
-  CHECK(checkAll(*backend, queries, expected) > 30);
+  // The box is larger than its dome, which is the visitor: the host makes contacts of shells.
+  CHECK(checkAll(*backend, queries, expected) == 0);
   describedInBatch(queries, expected);
 }
 

@@ -168,7 +168,8 @@ TEST_CASE("boxes lie in the plane of a flat sheet, with edges along its edges") 
   const auto expected = onHost(queries);
   CHECK(countModel(expected, false) > 150);
   CHECK(countModel(expected, true) > 10);
-  CHECK(leftOf(*backend, queries, expected) < 30);
+  // And those over the rim.
+  CHECK(leftOf(*backend, queries, expected) < 30 + countModel(expected, true));
 }
 
 TEST_CASE("a body that touches a sheet in several places") {
