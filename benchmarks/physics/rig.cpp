@@ -6,10 +6,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <numbers>
 #include <stdexcept>
 
+#include "base/hash.h"
 #include "ode_trimesh_gpu/ode_trimesh_gpu.h"
 
 namespace otg::physics {
@@ -409,13 +409,9 @@ Measures Rig::measures() const {
 }
 
 std::uint64_t Rig::stateHash() const {
-  std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a
+  std::uint64_t hash = kFnvStart;
   const auto add = [&](const dReal* values, int count) {
-    for (int i = 0; i < count; ++i) {
-      unsigned char bytes[sizeof(dReal)];
-      std::memcpy(bytes, values + i, sizeof bytes);
-      for (const unsigned char byte : bytes) hash = (hash ^ byte) * 0x100000001b3u;
-    }
+    hash = fnv1a(values, static_cast<std::size_t>(count) * sizeof(dReal), hash);
   };
   for (const Body& body : bodies_) {
     add(dBodyGetPosition(body.id), 3);

@@ -82,6 +82,7 @@ std::vector<Scene> slidingScenes();
 std::vector<Scene> curvedScenes();
 std::vector<Scene> insertionScenes();
 std::vector<Scene> overlapScenes();
+std::vector<Scene> cornerScenes();
 std::vector<Scene> dropScenes();
 std::vector<Scene> realUseScenes();
 

@@ -13,7 +13,8 @@ const std::vector<Scene>& allScenes() {
   static const std::vector<Scene> kScenes = [] {
     std::vector<Scene> all;
     for (auto& family :
-         {boxScenes(), slidingScenes(), curvedScenes(), insertionScenes(), overlapScenes(), dropScenes()})
+         {boxScenes(), slidingScenes(), curvedScenes(), insertionScenes(), overlapScenes(), dropScenes(),
+          cornerScenes()})
       all.insert(all.end(), family.begin(), family.end());
 #ifdef OTG_REAL_USE  // reads mesh files, which only the demos can
     for (const Scene& scene : realUseScenes()) all.push_back(scene);

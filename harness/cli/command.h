@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "base/hash.h"
+
 namespace otg::cli {
 
 using Json = nlohmann::ordered_json;
@@ -43,7 +45,7 @@ void progress(const std::string& line);
 /// FNV-1a, 64 bits. Feed it values whose types have no padding.
 class Fnv1a {
  public:
-  void add(const void* bytes, std::size_t count);
+  void add(const void* bytes, std::size_t count) { state_ = fnv1a(bytes, count, state_); }
   template <class T>
   void add(const T& value) {
     add(&value, sizeof value);
@@ -51,7 +53,7 @@ class Fnv1a {
   std::string hex() const;
 
  private:
-  std::uint64_t state_ = 0xcbf29ce484222325u;
+  std::uint64_t state_ = kFnvStart;
 };
 
 /// The middle value (the mean of the two middle ones for an even count); 0 for none.

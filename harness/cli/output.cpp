@@ -74,11 +74,6 @@ void progress(const std::string& line) {
   fmt::print(stderr, "{}\n", line);
 }
 
-void Fnv1a::add(const void* bytes, std::size_t count) {
-  const auto* p = static_cast<const unsigned char*>(bytes);
-  for (std::size_t i = 0; i < count; ++i) state_ = (state_ ^ p[i]) * 0x100000001b3u;
-}
-
 std::string Fnv1a::hex() const {
   return fmt::format("{:016x}", state_);
 }

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Choosing the reader by content and name, and what the readers share.
+// Choosing the reader by content and name.
 #include "mesh_io/mesh_file.h"
 
 #include <algorithm>
-#include <bit>
 #include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <new>
-#include <unordered_map>
 
 #include "mesh_io/readers.h"
 #include "mesh_io/text.h"
@@ -49,46 +47,7 @@ MeshFile read(const std::string& path, std::string_view bytes) {
   return readWithAssimp(path);
 }
 
-struct PositionHash {
-  std::size_t operator()(const std::array<std::uint64_t, 3>& key) const {
-    std::uint64_t h = 0;
-    for (const std::uint64_t part : key) {
-      h = (h ^ part) * 0x9e3779b97f4a7c15u;
-      h ^= h >> 32;
-    }
-    return h;
-  }
-};
-
 }  // namespace
-
-MeshInput MeshFile::input() const {
-  MeshInput result;
-  result.vertices = vertices.data();
-  result.scalar = MeshInput::Scalar::kDouble;
-  result.vertexCount = vertices.size();
-  result.indices = triangles.data();
-  result.triangleCount = triangles.size();
-  return result;
-}
-
-void joinEqualVertices(MeshFile& mesh) {
-  std::unordered_map<std::array<std::uint64_t, 3>, std::uint32_t, PositionHash> seen;
-  seen.reserve(mesh.vertices.size());
-  std::vector<std::uint32_t> newIndex(mesh.vertices.size());
-  std::vector<Vec3d> kept;
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const Vec3d& p = mesh.vertices[i];
-    const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x == 0 ? 0.0 : x); };
-    const auto [entry, isNew] = seen.try_emplace({bits(p.x), bits(p.y), bits(p.z)}, std::uint32_t(kept.size()));
-    if (isNew) kept.push_back(p);
-    newIndex[i] = entry->second;
-  }
-  mesh.vertices = std::move(kept);
-  for (Triangle& triangle : mesh.triangles) {
-    for (std::uint32_t& v : triangle.v) v = v < newIndex.size() ? newIndex[v] : kNone;
-  }
-}
 
 MeshFile loadMeshFile(const std::string& path) {
   const std::string bytes = readFile(path);

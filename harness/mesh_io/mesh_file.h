@@ -5,20 +5,10 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
-#include "mesh/tri_mesh.h"
+#include "mesh_io/file_content.h"
 
 namespace otg::mesh_io {
-
-/// What a file holds. Nothing is dropped, reordered or checked beyond what the format itself needs: vertices keep the
-/// file's numbers (NaN included), triangles the file's face order (a polygon becomes a fan that starts at its first
-/// corner), indices may be out of range. Judging the mesh is buildTriMesh's job.
-struct MeshFile {
-  std::vector<Vec3d> vertices;      ///< in the file's own units
-  std::vector<Triangle> triangles;  ///< a negative index of the file appears as a huge one
-  MeshInput input() const;          ///< points into this object
-};
 
 /// The file cannot be read; what() names the file and says what is wrong with it.
 class LoadError : public std::runtime_error {

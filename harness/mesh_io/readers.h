@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "mesh_io/mesh_file.h"
+#include "mesh_io/file_content.h"
 
 namespace otg::mesh_io {
 
@@ -16,8 +16,5 @@ MeshFile readStl(std::string_view bytes);
 MeshFile readObj(std::string_view bytes);
 /// Any format that Assimp knows; `path` because glTF refers to files beside it.
 MeshFile readWithAssimp(const std::string& path);
-
-/// Merges vertices with bitwise equal positions (-0 equal to +0), keeping the order of first appearance.
-void joinEqualVertices(MeshFile& mesh);
 
 }  // namespace otg::mesh_io

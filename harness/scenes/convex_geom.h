@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "base/vectors.h"
 #include "scenes/generated_meshes.h"
 #include "shared/math/vec3.h"
 
@@ -25,8 +26,8 @@ class ConvexData {
         const Vec3f& v = mesh.vertices[t.v[k]];
         return Vec3d{v.x, v.y, v.z};
       };
-      const Vec3d n = otgCross(otgSub(corner(1), corner(0)), otgSub(corner(2), corner(0)));
-      const Vec3d unit = otgScale(n, 1 / std::sqrt(otgDot(n, n)));
+      const Vec3d n = otgCross(corner(1) - corner(0), corner(2) - corner(0));
+      const Vec3d unit = n * (1 / norm(n));
       for (const double x : {unit.x, unit.y, unit.z, otgDot(unit, corner(0))}) {
         planes_.push_back(static_cast<dReal>(x));
       }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Round and square bodies, the ground, and what is common to all generated meshes.
+// Round and square bodies, and the ground.
 #include "scenes/generated_meshes.h"
 
 #include <algorithm>
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 #include <random>
-#include <stdexcept>
 
+#include "base/vectors.h"
 #include "scenes/mesh_builder.h"
 
 namespace otg::scenes {
@@ -17,7 +17,7 @@ namespace {
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
 Vec3d normalized(const Vec3d& v) {
-  return otgScale(v, 1 / std::sqrt(otgDot(v, v)));
+  return v * (1 / norm(v));
 }
 
 /// Directions of the corners of a subdivided icosahedron, three for each triangle.
@@ -36,7 +36,7 @@ std::vector<std::array<Vec3d, 3>> sphereTriangles(int level) {
     finer.reserve(4 * triangles.size());
     for (const auto& [a, b, c] : triangles) {
       // A sum of two does not depend on their order, so both neighbours of an edge get the same midpoint.
-      const Vec3d ab = normalized(otgAdd(a, b)), bc = normalized(otgAdd(b, c)), ca = normalized(otgAdd(c, a));
+      const Vec3d ab = normalized(a + b), bc = normalized(b + c), ca = normalized(c + a);
       finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
     }
     triangles = std::move(finer);
@@ -45,15 +45,6 @@ std::vector<std::array<Vec3d, 3>> sphereTriangles(int level) {
 }
 
 }  // namespace
-
-MeshInput MeshArrays::input() const {
-  MeshInput input;
-  input.vertices = vertices.data();
-  input.vertexCount = vertices.size();
-  input.indices = triangles.data();
-  input.triangleCount = triangles.size();
-  return input;
-}
 
 MeshArrays makeBox(Vec3d size, int n) {
   MeshBuilder builder;
@@ -76,8 +67,7 @@ MeshArrays makeBox(Vec3d size, int n) {
 
 MeshArrays makeSphere(double radius, int level) {
   MeshBuilder builder;
-  for (const auto& [a, b, c] : sphereTriangles(level))
-    builder.triangle(otgScale(a, radius), otgScale(b, radius), otgScale(c, radius));
+  for (const auto& [a, b, c] : sphereTriangles(level)) builder.triangle(a * radius, b * radius, c * radius);
   return builder.finish();
 }
 
@@ -92,12 +82,12 @@ MeshArrays makeLump(double radius, int level, double amplitude, std::uint32_t se
   std::array<Bump, 6> bumps;
   for (Bump& bump : bumps) {
     const double x = uniform(), y = uniform(), z = uniform();
-    bump = {otgScale(Vec3d{x, y, z}, 5.0), uniform() * std::numbers::pi};
+    bump = {Vec3d{x, y, z} * 5.0, uniform() * std::numbers::pi};
   }
   const auto lumpy = [&](const Vec3d& d) {
     double height = 0;
     for (const Bump& bump : bumps) height += std::cos(otgDot(bump.direction, d) + bump.phase);
-    return otgScale(d, radius * (1 + amplitude * height / static_cast<double>(bumps.size())));
+    return d * (radius * (1 + amplitude * height / static_cast<double>(bumps.size())));
   };
   MeshBuilder builder;
   for (const auto& [a, b, c] : sphereTriangles(level)) builder.triangle(lumpy(a), lumpy(b), lumpy(c));
@@ -145,7 +135,7 @@ MeshArrays makeCapsule(double radius, double length, int segments, int rings) {
 }
 
 MeshArrays makeTetrahedron(Vec3d a, Vec3d b, Vec3d c, Vec3d d) {
-  if (otgDot(otgCross(otgSub(b, a), otgSub(c, a)), otgSub(d, a)) < 0) std::swap(b, c);
+  if (otgDot(otgCross(b - a, c - a), d - a) < 0) std::swap(b, c);
   MeshBuilder builder;
   builder.triangle(a, c, b);
   builder.triangle(a, b, d);
@@ -193,28 +183,6 @@ MeshArrays makeGround(double size, double thickness, int n, const std::function<
     builder.triangle({0, 0, -thickness}, rim(bottom, k + 1), rim(bottom, k));
   }
   return builder.finish();
-}
-
-MeshArrays merge(const std::vector<MeshArrays>& parts) {
-  MeshArrays all;
-  for (const MeshArrays& part : parts) {
-    const std::uint32_t base = static_cast<std::uint32_t>(all.vertices.size());
-    all.vertices.insert(all.vertices.end(), part.vertices.begin(), part.vertices.end());
-    for (const Triangle& t : part.triangles) all.triangles.push_back({{t.v[0] + base, t.v[1] + base, t.v[2] + base}});
-  }
-  return all;
-}
-
-MeshArrays transformed(const MeshArrays& mesh, const Transformd& pose) {
-  MeshArrays moved = mesh;
-  for (Vec3f& p : moved.vertices) p = toFloat(otgTransform(pose, Vec3d{p.x, p.y, p.z}));
-  return moved;
-}
-
-std::shared_ptr<const TriMesh> build(const MeshArrays& mesh) {
-  const MeshResult result = buildTriMesh(mesh.input());
-  if (!result.mesh) throw std::runtime_error(result.report.error);
-  return result.mesh;
 }
 
 }  // namespace otg::scenes

@@ -7,16 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "mesh/tri_mesh.h"
+#include "scenes/mesh_arrays.h"
 
 namespace otg::scenes {
-
-/// Plain arrays; convert with build().
-struct MeshArrays {
-  std::vector<Vec3f> vertices;
-  std::vector<Triangle> triangles;
-  MeshInput input() const;
-};
 
 /// Axis-aligned box of full side lengths `size`, centred at the origin, each side divided into n x n x 2 triangles.
 MeshArrays makeBox(Vec3d size, int n = 1);
@@ -48,13 +41,5 @@ MeshArrays makeBlockWithHole(Vec3d size, double hole);
 /// multiple of the pitch. The thread has the ISO metric profile: 60 degrees, 5/8 of the sharp height.
 MeshArrays makeBolt(double radius, double pitch, double length, int segments);
 MeshArrays makeNut(double radius, double pitch, double length, double clearance, int segments);
-
-/// All of `parts` as one mesh (vertices and triangles appended).
-MeshArrays merge(const std::vector<MeshArrays>& parts);
-/// Rotated and moved copy.
-MeshArrays transformed(const MeshArrays& mesh, const Transformd& pose);
-
-/// Validated mesh of the arrays; throws std::runtime_error with the report's error if refused.
-std::shared_ptr<const TriMesh> build(const MeshArrays& mesh);
 
 }  // namespace otg::scenes

@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "base/vectors.h"
+
 namespace otg::scenes {
 namespace {
 
@@ -27,12 +29,12 @@ Vec3d faceNormal(const TriMesh& mesh, const Triangle& t) {
     const Vec3f v = mesh.vertices()[t.v[k]];
     return Vec3d{v.x, v.y, v.z};
   };
-  return otgCross(otgSub(corner(1), corner(0)), otgSub(corner(2), corner(0)));  // length is twice the area
+  return otgCross(corner(1) - corner(0), corner(2) - corner(0));  // length is twice the area
 }
 
-Vec3d unit(const Vec3d& v) {
-  const double length = std::sqrt(otgDot(v, v));
-  return length > 0 ? otgScale(v, 1 / length) : Vec3d{0, 0, 1};
+Vec3d unitOrUp(const Vec3d& v) {
+  const double length = norm(v);
+  return length > 0 ? v * (1 / length) : Vec3d{0, 0, 1};
 }
 
 /// Corner normals: the area-weighted mean over the faces around the (welded) vertex that lie within the crease angle.
@@ -54,14 +56,14 @@ Shaded shade(const TriMesh& mesh) {
   Shaded result;
   std::map<std::tuple<std::uint32_t, float, float, float>, std::uint32_t> seen;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    const Vec3d own = unit(faces[t]);
+    const Vec3d own = unitOrUp(faces[t]);
     for (const std::uint32_t vertex : triangles[t].v) {
       const std::uint32_t v = weld[vertex];
       Vec3d sum{0, 0, 0};
       for (std::uint32_t i = start[v]; i < start[v + 1]; ++i) {
-        if (otgDot(unit(faces[around[i]]), own) >= kCosCrease) sum = otgAdd(sum, faces[around[i]]);
+        if (otgDot(unitOrUp(faces[around[i]]), own) >= kCosCrease) sum = sum + faces[around[i]];
       }
-      const Vec3d n = unit(sum);
+      const Vec3d n = unitOrUp(sum);
       const float x = float(n.x), y = float(n.y), z = float(n.z);
       const auto [entry, isNew] =
           seen.try_emplace({v, x, y, z}, static_cast<std::uint32_t>(result.positions.size() / 3));

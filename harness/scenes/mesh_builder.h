@@ -2,13 +2,9 @@
 // A helper for writing meshes by formula: triangles by their corners, welded at the end.
 #pragma once
 
-#include "scenes/generated_meshes.h"
+#include "scenes/mesh_arrays.h"
 
 namespace otg::scenes {
-
-inline Vec3f toFloat(const Vec3d& p) {
-  return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-}
 
 /// Collects triangles and quads given by positions. Corners whose formulas give the same float position become one
 /// vertex, so neighbouring patches only have to use the same expression for a shared point.

@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "base/vectors.h"
 #include "scenes/povray_surface.h"
 
 namespace otg::scenes {
@@ -14,10 +15,6 @@ namespace {
 
 // Edges at which faces meet at more than this angle are drawn.
 const double kSharpCosine = std::cos(35.0 / 180.0 * 3.14159265358979323846);
-
-Vec3d unit(const Vec3d& v) {
-  return otgScale(v, 1 / std::sqrt(otgDot(v, v)));
-}
 
 std::string text(const Vec3d& v) {
   return fmt::format("<{:.6g},{:.6g},{:.6g}>", v.x, v.y, v.z);
@@ -37,9 +34,9 @@ Vec3d corner(const TriMesh& mesh, std::uint32_t v) {
 Vec3d normalOf(const TriMesh& mesh, std::size_t triangle) {
   const Triangle& t = mesh.triangles()[triangle];
   const Vec3d a = corner(mesh, t.v[0]);
-  const Vec3d n = otgCross(otgSub(corner(mesh, t.v[1]), a), otgSub(corner(mesh, t.v[2]), a));
-  const double length = std::sqrt(otgDot(n, n));
-  return length > 0 ? otgScale(n, 1 / length) : Vec3d{0, 0, 0};
+  const Vec3d n = otgCross(corner(mesh, t.v[1]) - a, corner(mesh, t.v[2]) - a);
+  const double length = norm(n);
+  return length > 0 ? n * (1 / length) : Vec3d{0, 0, 0};
 }
 
 /// Half-edges whose edges are sharp, one for each edge; none where there are so many that they would hide the rest.
@@ -69,8 +66,8 @@ void writeSharpEdges(fmt::ostream& out, const PictureBody& body, double radius) 
 void writeArrow(fmt::ostream& out, const PictureArrow& arrow, double thickness) {
   // The tip keeps its shape; an arrow shorter than its tip is a smaller tip.
   const double tip = std::min(4 * thickness, arrow.length);
-  const Vec3d neck = otgAdd(arrow.position, otgScale(arrow.direction, arrow.length - tip));
-  const Vec3d end = otgAdd(arrow.position, otgScale(arrow.direction, arrow.length));
+  const Vec3d neck = arrow.position + arrow.direction * (arrow.length - tip);
+  const Vec3d end = arrow.position + arrow.direction * arrow.length;
   out.print("  sphere {{ {}, {:.6g} ArrowLook({}) }}\n", text(arrow.position), 1.8 * thickness, text(arrow.color));
   if (arrow.length > tip) {
     out.print("  cylinder {{ {}, {}, {:.6g} ArrowLook({}) }}\n", text(arrow.position), text(neck), thickness,
@@ -111,12 +108,12 @@ void writePovrayContacts(const std::string& path, const ContactPicture& picture)
   out.print("#version 3.7;\nglobal_settings {{ assumed_gamma 1 max_trace_level 40 }}\n");
   // Right-handed: the vector to the right is given as it is.
   out.print("camera {{ orthographic location {} direction {} right {} up {} }}\n",
-            text(otgSub(picture.center, otgScale(look, 4 * picture.radius))), text(look),
-            text(otgScale(right, panels * width)), text(otgScale(up, height)));
+            text(picture.center - look * (4 * picture.radius)), text(look), text(right * (panels * width)),
+            text(up * height));
   const auto light = [&](double x, double y, double z, double strength) {
-    const Vec3d from = otgAdd(otgAdd(otgScale(right, x), otgScale(up, y)), otgScale(look, z));
+    const Vec3d from = right * x + up * y + look * z;
     out.print("light_source {{ {} rgb {} shadowless parallel point_at {} }}\n",
-              text(otgAdd(picture.center, otgScale(from, 100 * picture.radius))), strength, text(picture.center));
+              text(picture.center + from * (100 * picture.radius)), strength, text(picture.center));
   };
   light(-1, 2, -1.5, 0.9);
   light(2, 0.5, -1, 0.3);
@@ -135,7 +132,7 @@ void writePovrayContacts(const std::string& path, const ContactPicture& picture)
   out.print("  clipped_by {{ intersection {{");  // to the panel
   for (const auto& [axis, half] : {std::pair(right, 0.49 * width), std::pair(up, 0.5 * height)}) {
     for (const double side : {1.0, -1.0}) {
-      const Vec3d n = otgScale(axis, side);
+      const Vec3d n = axis * side;
       out.print(" plane {{ {}, {:.6g} }}", text(n), otgDot(n, picture.center) + half);
     }
   }
@@ -144,17 +141,16 @@ void writePovrayContacts(const std::string& path, const ContactPicture& picture)
     const double shift = (static_cast<double>(i) - 0.5 * (panels - 1)) * width;
     out.print("union {{\n  object {{ Bodies }}\n");
     for (const PictureArrow& arrow : picture.panels[i].arrows) writeArrow(out, arrow, picture.thickness);
-    const Vec3d corner =
-        otgAdd(otgAdd(picture.center, otgScale(right, -0.94 * picture.radius)), otgScale(up, -0.475 * height));
+    const Vec3d corner = picture.center + right * (-0.94 * picture.radius) + up * (-0.475 * height);
     const double size = 0.13 * picture.radius;
-    const Vec3d x = otgScale(right, size), y = otgScale(up, size), z = otgScale(look, size);
+    const Vec3d x = right * size, y = up * size, z = look * size;
     out.print(
         "  text {{ internal 2 \"{}\" 0.01, 0 texture {{ pigment {{ rgb 0 }} finish {{ ambient 1 diffuse 0 }} }}\n",
         picture.panels[i].label);
     // In front of everything.
-    out.print("    {} }}\n", matrix({{x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z},
-                                     otgSub(corner, otgScale(look, 3 * picture.radius))}));
-    out.print("  translate {}\n}}\n", text(otgScale(right, shift)));
+    out.print("    {} }}\n",
+              matrix({{x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z}, corner - look * (3 * picture.radius)}));
+    out.print("  translate {}\n}}\n", text(right * shift));
   }
   out.close();
 }

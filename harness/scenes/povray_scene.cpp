@@ -10,6 +10,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "base/vectors.h"
 #include "scenes/povray_surface.h"
 
 namespace otg::scenes {
@@ -39,8 +40,8 @@ Stage findStage(const std::vector<AnimatedBody>& bodies) {
     }
   }
   if (low.x > high.x) return {};
-  const Vec3d size = otgSub(high, low);
-  return {otgScale(otgAdd(low, high), 0.5), 0.5 * std::sqrt(otgDot(size, size))};
+  const Vec3d size = high - low;
+  return {(low + high) * 0.5, 0.5 * norm(size)};
 }
 
 /// Columns of the rotation matrix and the position, as POV-Ray's `matrix` takes them.

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "base/vectors.h"
+
 namespace otg::scenes {
 namespace {
 
@@ -24,11 +26,7 @@ Vec3d faceNormal(const TriMesh& mesh, std::size_t triangle) {
   const Triangle& t = mesh.triangles()[triangle];
   const Vec3d a = toDouble(mesh.vertices()[t.v[0]]), b = toDouble(mesh.vertices()[t.v[1]]);
   const Vec3d c = toDouble(mesh.vertices()[t.v[2]]);
-  return otgCross(otgSub(b, a), otgSub(c, a));
-}
-
-double length(const Vec3d& v) {
-  return std::sqrt(otgDot(v, v));
+  return otgCross(b - a, c - a);
 }
 
 /// For each corner of each triangle the sum of the normals of the faces around its vertex that are nearly parallel to
@@ -46,12 +44,12 @@ std::vector<Vec3d> cornerNormals(const TriMesh& mesh) {
     for (std::size_t k = 0; k < 3; ++k) {
       Vec3d sum{0, 0, 0};
       for (const std::uint32_t other : around[mesh.triangles()[t].v[k]]) {
-        if (otgDot(faces[t], faces[other]) >= kSmoothCosine * length(faces[t]) * length(faces[other])) {
-          sum = otgAdd(sum, faces[other]);
+        if (otgDot(faces[t], faces[other]) >= kSmoothCosine * norm(faces[t]) * norm(faces[other])) {
+          sum = sum + faces[other];
         }
       }
-      const double size = length(sum);
-      corners[3 * t + k] = size > 0 ? otgScale(sum, 1 / size) : Vec3d{0, 0, 1};
+      const double size = norm(sum);
+      corners[3 * t + k] = size > 0 ? sum * (1 / size) : Vec3d{0, 0, 1};
     }
   }
   return corners;

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <map>
 
+#include "base/vectors.h"
 #include "mesh_io/mesh_file.h"
 #include "scenes/generated_meshes.h"
 #include "scenes/height_grid_file.h"
@@ -92,7 +93,7 @@ MeshArrays generate(ObjectReader& reader) {
 
 /// Uniformly scaled copy, for a mesh that comes in millimetres, say.
 void scale(std::vector<Vec3d>& vertices, double factor) {
-  for (Vec3d& v : vertices) v = otgScale(v, factor);
+  for (Vec3d& v : vertices) v = v * factor;
 }
 
 std::shared_ptr<const TriMesh> readMesh(const json& value, const std::string& where, const std::string& folder) {
@@ -118,7 +119,7 @@ std::shared_ptr<const TriMesh> readMesh(const json& value, const std::string& wh
   MeshResult result = buildTriMesh(arrays.input(), repair);
   if (result.mesh && center && result.mesh->triangleCount() > 0) {
     const Vec3f c = result.mesh->center();
-    for (Vec3d& v : arrays.vertices) v = otgSub(v, Vec3d{c.x, c.y, c.z});
+    for (Vec3d& v : arrays.vertices) v = v - Vec3d{c.x, c.y, c.z};
     result = buildTriMesh(arrays.input(), repair);
   }
   if (!result.mesh) throw SceneError(where + ": the mesh is refused: " + result.report.error);
@@ -253,7 +254,7 @@ PlaneDescription readPlane(const json& value, const std::string& where) {
   plane.normal = reader.vector("normal", plane.normal);
   const double length = std::sqrt(otgDot(plane.normal, plane.normal));
   if (!(length > 1e-9)) reader.fail("normal", "must not be zero");
-  plane.normal = otgScale(plane.normal, 1 / length);
+  plane.normal = plane.normal * (1 / length);
   plane.offset = reader.number("offset", 0, -kLargest, kLargest);
   reader.finish();
   return plane;

@@ -7,6 +7,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "base/vectors.h"
+
 namespace otg::scenes {
 namespace {
 
@@ -311,7 +313,7 @@ Vec3d Simulation::linearMomentum() const {
     dMass mass;
     dBodyGetMass(body.body, &mass);
     const dReal* v = dBodyGetLinearVel(body.body);
-    sum = otgAdd(sum, otgScale(Vec3d{v[0], v[1], v[2]}, double(mass.mass)));
+    sum = sum + Vec3d{v[0], v[1], v[2]} * double(mass.mass);
   }
   return sum;
 }

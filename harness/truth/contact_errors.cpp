@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/vectors.h"
+
 namespace otg::truth {
 
 std::vector<PlainContact> plain(std::span<const Contact> contacts) {
@@ -16,26 +18,26 @@ std::vector<PlainContact> plain(std::span<const Contact> contacts) {
 Wrench wrenchOf(std::span<const PlainContact> contacts, const Vec3d& about) {
   Wrench sum;
   for (const PlainContact& c : contacts) {
-    const Vec3d f = otgScale(c.normal, c.depth);
-    sum.force = otgAdd(sum.force, f);
-    sum.moment = otgAdd(sum.moment, otgCross(otgSub(c.position, about), f));
+    const Vec3d f = c.normal * c.depth;
+    sum.force = sum.force + f;
+    sum.moment = sum.moment + otgCross(c.position - about, f);
   }
   return sum;
 }
 
 double angleBetween(const Vec3d& a, const Vec3d& b) {
   const Vec3d c = otgCross(a, b);
-  const double sine = std::sqrt(otgDot(c, c)), cosine = otgDot(a, b);
+  const double sine = norm(c), cosine = otgDot(a, b);
   if (!(otgDot(a, a) > 0) || !(otgDot(b, b) > 0)) return 180;
   return std::atan2(sine, cosine) * 180 / std::numbers::pi;
 }
 
 double armError(const Wrench& a, const Wrench& b) {
   const double fa = std::sqrt(otgDot(a.force, a.force)), fb = std::sqrt(otgDot(b.force, b.force));
-  const Vec3d armA = fa > 0 ? otgScale(a.moment, 1 / fa) : Vec3d{0, 0, 0};
-  const Vec3d armB = fb > 0 ? otgScale(b.moment, 1 / fb) : Vec3d{0, 0, 0};
-  const Vec3d d = otgSub(armA, armB);
-  return std::sqrt(otgDot(d, d));
+  const Vec3d armA = fa > 0 ? a.moment * (1 / fa) : Vec3d{0, 0, 0};
+  const Vec3d armB = fb > 0 ? b.moment * (1 / fb) : Vec3d{0, 0, 0};
+  const Vec3d d = armA - armB;
+  return norm(d);
 }
 
 double Errors::quantile(double part) const {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/vectors.h"
 #include "collide/query.h"
 #include "scenes/generated_meshes.h"
 
@@ -40,7 +41,7 @@ Transformd product(const Transformd& outer, const Transformd& inner) {
 }
 
 Transformd moved(Transformd pose, const Vec3d& by) {
-  pose.t = otgAdd(pose.t, by);
+  pose.t = pose.t + by;
   return pose;
 }
 
@@ -61,21 +62,21 @@ Transformd pushedTogether(const ContactFamily& family, const Transformd& turn, c
   constexpr int kSteps = 48;
   for (int i = 1; i <= kSteps; ++i) {
     inside = far * (1 - static_cast<double>(i) / kSteps);
-    if (touch(family, moved(turn, otgScale(direction, inside)), workspace)) break;
+    if (touch(family, moved(turn, direction * inside), workspace)) break;
     outside = inside;
   }
   while (outside - inside > 1e-6 * family.size) {
     const double middle = 0.5 * (inside + outside);
-    (touch(family, moved(turn, otgScale(direction, middle)), workspace) ? inside : outside) = middle;
+    (touch(family, moved(turn, direction * middle), workspace) ? inside : outside) = middle;
   }
-  return moved(turn, otgScale(direction, outside - overlap));
+  return moved(turn, direction * (outside - overlap));
 }
 
 /// How far A must go along `direction` until the triangles no longer meet, near a guess: for bodies that are not
 /// convex.
 double exitDepth(const ContactFamily& family, const Transformd& pose, const Vec3d& direction, double guess) {
   Workspace workspace;
-  const auto meet = [&](double s) { return touch(family, moved(pose, otgScale(direction, -s)), workspace); };
+  const auto meet = [&](double s) { return touch(family, moved(pose, direction * -s), workspace); };
   double inside = 0.5 * guess, outside = guess + 0.05 * family.size;
   while (outside - inside > 1e-7 * family.size) {
     const double middle = 0.5 * (inside + outside);
@@ -96,8 +97,8 @@ ContactFamily spheres() {
   f.place = [f](Random& random, double overlap) {
     const Vec3d d = random.direction();
     Placement p;
-    p.bInA = moved(random.rotation(), otgScale(d, 2 - overlap));
-    p.truth = convexTruth(f, p.bInA, otgScale(d, -1.0));
+    p.bInA = moved(random.rotation(), d * (2 - overlap));
+    p.truth = convexTruth(f, p.bInA, d * -1.0);
     return p;
   };
   return f;
@@ -109,8 +110,8 @@ ContactFamily boxes(const std::string& name, const std::string& what) {
   ContactFamily f;
   f.name = name;
   f.what = what;
-  f.a = meshOf(scenes::makeBox(otgScale(kBoxA, 2.0), 2));
-  f.b = meshOf(scenes::makeBox(otgScale(kBoxB, 2.0), 2));
+  f.a = meshOf(scenes::makeBox(kBoxA * 2.0, 2));
+  f.b = meshOf(scenes::makeBox(kBoxB * 2.0, 2));
   f.size = 0.5;
   return f;
 }
@@ -162,11 +163,11 @@ ContactFamily ballOn(const std::string& name, const std::string& what, const sce
     double near = 0, far = 4;
     for (int i = 0; i < 60; ++i) {
       const double middle = 0.5 * (near + far);
-      (distance(otgScale(d, middle)).value < wanted ? near : far) = middle;
+      (distance(d * middle).value < wanted ? near : far) = middle;
     }
     Placement p;
-    p.bInA = moved(random.rotation(), otgScale(d, far));
-    p.truth = convexTruth(f, p.bInA, otgScale(distance(p.bInA.t).outward, -1.0));
+    p.bInA = moved(random.rotation(), d * far);
+    p.truth = convexTruth(f, p.bInA, distance(p.bInA.t).outward * -1.0);
     return p;
   };
   return f;
@@ -223,18 +224,17 @@ ContactFamily cylindersParallel() {
 }
 
 ContactFamily cylindersCrossed() {
-  return cylinders(
-      "cylinders_crossed", "two cylinders across each other", [](Random& random, double overlap, Vec3d& direction) {
-        const double u = random.uniform(0, 2 * kPi), r = 2 * kCylinderRadius - overlap;
-        const Vec3d n{std::cos(u), std::sin(u), 0};
-        direction = otgScale(n, -1.0);
-        const double angle = random.uniform(kPi / 6, kPi / 2), spin = random.uniform(0, 2 * kPi);
-        const Transformd turn = product(about(n, angle), about({0, 0, 1}, spin));
-        const Vec3d axis = otgRotate(turn, Vec3d{0, 0, 1});
-        const Vec3d meeting{0, 0, random.uniform(-0.3, 0.3) * kCylinderHeight};
-        return moved(
-            turn, otgAdd(otgAdd(meeting, otgScale(n, r)), otgScale(axis, random.uniform(-0.3, 0.3) * kCylinderHeight)));
-      });
+  return cylinders("cylinders_crossed", "two cylinders across each other",
+                   [](Random& random, double overlap, Vec3d& direction) {
+                     const double u = random.uniform(0, 2 * kPi), r = 2 * kCylinderRadius - overlap;
+                     const Vec3d n{std::cos(u), std::sin(u), 0};
+                     direction = n * -1.0;
+                     const double angle = random.uniform(kPi / 6, kPi / 2), spin = random.uniform(0, 2 * kPi);
+                     const Transformd turn = product(about(n, angle), about({0, 0, 1}, spin));
+                     const Vec3d axis = otgRotate(turn, Vec3d{0, 0, 1});
+                     const Vec3d meeting{0, 0, random.uniform(-0.3, 0.3) * kCylinderHeight};
+                     return moved(turn, meeting + n * r + axis * (random.uniform(-0.3, 0.3) * kCylinderHeight));
+                   });
 }
 
 ContactFamily cylindersStacked() {
@@ -298,7 +298,7 @@ Vec3d Random::direction() {
   for (;;) {
     const double x = uniform(-1, 1), y = uniform(-1, 1), z = uniform(-1, 1);
     const double squared = x * x + y * y + z * z;
-    if (squared > 0.01 && squared < 1) return otgScale(Vec3d{x, y, z}, 1 / std::sqrt(squared));
+    if (squared > 0.01 && squared < 1) return Vec3d{x, y, z} * (1 / std::sqrt(squared));
   }
 }
 
@@ -319,8 +319,7 @@ std::vector<ContactFamily> contactFamilies() {
   all.push_back(boxesOnFaces(false));
   all.push_back(boxesOnFaces(true));
   all.push_back(boxesTurned());
-  all.push_back(ballOn("ball_box", "a ball on a box, faces, edges and corners",
-                       scenes::makeBox(otgScale(kBoxA, 2.0), 2),
+  all.push_back(ballOn("ball_box", "a ball on a box, faces, edges and corners", scenes::makeBox(kBoxA * 2.0, 2),
                        [](const Vec3d& p) { return distanceToBox(kBoxA, p); }));
   all.push_back(ballOn("ball_cylinder", "a ball on a cylinder, side, rim and cap",
                        scenes::makeCylinder(kCylinderRadius, kCylinderHeight, 64, 4),
@@ -353,7 +352,7 @@ ContactFamily meshFamily(const std::string& name, std::shared_ptr<const TriMesh>
 
 double wayOut(const ContactFamily& family, const Transformd& pose, const Vec3d& direction) {
   Workspace workspace;
-  const auto meet = [&](double s) { return touch(family, moved(pose, otgScale(direction, -s)), workspace); };
+  const auto meet = [&](double s) { return touch(family, moved(pose, direction * -s), workspace); };
   // Beyond the extents there is nothing left to meet.
   const double most = extentDepth(family.a->mesh(), family.b->mesh(), pose, direction), step = 0.01 * family.size;
   double inside = 0, outside = step;

@@ -6,12 +6,10 @@
 #include <limits>
 #include <vector>
 
+#include "base/vectors.h"
+
 namespace otg::truth {
 namespace {
-
-double norm(const Vec3d& v) {
-  return std::sqrt(otgDot(v, v));
-}
 
 Vec3d axisOf(const ConvexBody& body, int k) {
   return {body.pose.r[k], body.pose.r[3 + k], body.pose.r[6 + k]};
@@ -39,12 +37,12 @@ std::vector<Vec3d> startsFor(const ConvexBody& a, const ConvexBody& b) {
   const std::vector<Vec3d> facesOfA = facesOf(a), facesOfB = facesOf(b);
   for (const double sign : {1.0, -1.0}) {
     for (const auto* faces : {&facesOfA, &facesOfB}) {
-      for (const Vec3d& n : *faces) starts.push_back(otgScale(n, sign));
+      for (const Vec3d& n : *faces) starts.push_back(n * sign);
     }
     for (int i = 0; i < 3; ++i) {
       for (int k = 0; k < 3; ++k) {
         const Vec3d n = otgCross(axisOf(a, i), axisOf(b, k));
-        if (norm(n) > 1e-9) starts.push_back(otgScale(n, sign / norm(n)));
+        if (norm(n) > 1e-9) starts.push_back(n * (sign / norm(n)));
       }
     }
   }
@@ -60,8 +58,8 @@ double descend(const ConvexBody& a, const ConvexBody& b, Vec3d& d) {
     const Vec3d s = otgCross(d, other), t = otgCross(d, s);
     for (int k = 0; k < 8; ++k) {
       const double angle = twist + k * M_PI / 4;
-      const Vec3d moved = otgAdd(d, otgAdd(otgScale(s, step * std::cos(angle)), otgScale(t, step * std::sin(angle))));
-      const Vec3d e = otgScale(moved, 1 / norm(moved));
+      const Vec3d moved = d + (s * (step * std::cos(angle)) + t * (step * std::sin(angle)));
+      const Vec3d e = moved * (1 / norm(moved));
       const double f = separation(a, b, e);
       if (f < least) {
         least = f;
@@ -95,7 +93,7 @@ double ConvexBody::reach(const Vec3d& direction) const {
 }
 
 double separation(const ConvexBody& a, const ConvexBody& b, const Vec3d& d) {
-  return a.reach(d) + b.reach(otgScale(d, -1.0));
+  return a.reach(d) + b.reach(d * -1.0);
 }
 
 double leastSeparation(const ConvexBody& a, const ConvexBody& b) {
@@ -129,13 +127,13 @@ WaysApart waysApart(const ConvexBody& a, const ConvexBody& b, double degrees) {
   // The least outside of the cone may lie on it.
   const Vec3d& d = ways.direction;
   Vec3d s = otgCross(d, std::fabs(d.x) < 0.8 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0});
-  s = otgScale(s, 1 / norm(s));
+  s = s * (1 / norm(s));
   const Vec3d t = otgCross(d, s);
   constexpr int kAround = 72;
   for (int i = 0; i < kAround; ++i) {
     const double turn = 2 * M_PI * i / kAround;
-    const Vec3d side = otgAdd(otgScale(s, std::cos(turn)), otgScale(t, std::sin(turn)));
-    ways.other = std::min(ways.other, separation(a, b, otgAdd(otgScale(d, cosine), otgScale(side, sine))));
+    const Vec3d side = s * std::cos(turn) + t * std::sin(turn);
+    ways.other = std::min(ways.other, separation(a, b, d * cosine + side * sine));
   }
   return ways;
 }

@@ -5,15 +5,14 @@
 #include <cmath>
 #include <limits>
 
+#include "base/vectors.h"
+
 namespace otg::truth {
 namespace {
 
-double length(const Vec3d& v) {
-  return std::sqrt(otgDot(v, v));
-}
-Vec3d unit(const Vec3d& v) {
-  const double l = length(v);
-  return l > 0 ? otgScale(v, 1 / l) : Vec3d{0, 0, 1};
+Vec3d unitOrUp(const Vec3d& v) {
+  const double l = norm(v);
+  return l > 0 ? v * (1 / l) : Vec3d{0, 0, 1};
 }
 Vec3d column(const Transformd& pose, int k) {
   return {pose.r[k], pose.r[3 + k], pose.r[6 + k]};
@@ -28,16 +27,16 @@ Separation boxBox(const Vec3d& halfA, const Vec3d& halfB, const Transformd& bInA
   Separation best;
   best.depth = std::numeric_limits<double>::infinity();
   const auto offer = [&](const Vec3d& axis) {
-    const double size = length(axis);
+    const double size = norm(axis);
     if (size < 1e-9) return;  // parallel edges: the faces' axes say it
-    const Vec3d n = otgScale(axis, 1 / size);
+    const Vec3d n = axis * (1 / size);
     double reach = 0;
     for (int k = 0; k < 3; ++k) {
       reach += a[k] * std::fabs(otgDot(n, axesA[k])) + b[k] * std::fabs(otgDot(n, axesB[k]));
     }
     const double along = otgDot(n, bInA.t);
     const double depth = reach - std::fabs(along);
-    if (depth < best.depth) best = {along > 0 ? otgScale(n, -1.0) : n, depth};
+    if (depth < best.depth) best = {along > 0 ? n * -1.0 : n, depth};
   };
   for (const Vec3d& u : axesA) offer(u);
   for (const Vec3d& v : axesB) offer(v);
@@ -48,11 +47,11 @@ Separation boxBox(const Vec3d& halfA, const Vec3d& halfB, const Transformd& bInA
 }
 
 Separation ballAndDistance(double distance, const Vec3d& outward, double radius) {
-  return {otgScale(outward, -1.0), radius - distance};  // A leaves in the direction opposite to the ball's
+  return {outward * -1.0, radius - distance};  // A leaves in the direction opposite to the ball's
 }
 
 Distance distanceToBall(double radius, const Vec3d& p) {
-  return {length(p) - radius, unit(p)};
+  return {norm(p) - radius, unitOrUp(p)};
 }
 
 Distance distanceToBox(const Vec3d& half, const Vec3d& p) {
@@ -71,7 +70,7 @@ Distance distanceToBox(const Vec3d& half, const Vec3d& p) {
       face = k;
     }
   }
-  if (squared > 0) return {std::sqrt(squared), unit({out[0], out[1], out[2]})};
+  if (squared > 0) return {std::sqrt(squared), unitOrUp({out[0], out[1], out[2]})};
   Vec3d n{0, 0, 0};
   (face == 0 ? n.x : face == 1 ? n.y : n.z) = std::copysign(1.0, x[face]);
   return {nearest, n};
@@ -83,7 +82,7 @@ Distance distanceToCylinder(double radius, double halfHeight, const Vec3d& p) {
   const Vec3d up{0, 0, std::copysign(1.0, p.z)};
   if (side > 0 && cap > 0) {
     const double d = std::hypot(side, cap);
-    return {d, otgAdd(otgScale(radial, side / d), otgScale(up, cap / d))};
+    return {d, radial * (side / d) + up * (cap / d)};
   }
   return side > cap ? Distance{side, radial} : Distance{cap, up};
 }
@@ -91,8 +90,8 @@ Distance distanceToCylinder(double radius, double halfHeight, const Vec3d& p) {
 Distance distanceToTorus(double major, double minor, const Vec3d& p) {
   const double r = std::hypot(p.x, p.y);
   const Vec3d radial = r > 0 ? Vec3d{p.x / r, p.y / r, 0} : Vec3d{1, 0, 0};
-  const Vec3d fromRing = otgSub(p, otgScale(radial, major));
-  return {length(fromRing) - minor, unit(fromRing)};
+  const Vec3d fromRing = p - radial * major;
+  return {norm(fromRing) - minor, unitOrUp(fromRing)};
 }
 
 double extentDepth(const TriMesh& a, const TriMesh& b, const Transformd& bInA, const Vec3d& direction) {

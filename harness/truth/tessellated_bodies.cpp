@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/vectors.h"
 #include "bvh/collision_mesh.h"
 #include "collide/query.h"
 
@@ -40,7 +41,7 @@ TessellatedBody sphere(double radius) {
   return {"sphere", ballBody(radius), scenes::makeSphere(radius, kSphereLevel), radius * (1 - std::cos(away))};
 }
 TessellatedBody box(const Vec3d& half) {
-  return {"box", boxBody(half), scenes::makeBox(otgScale(half, 2.0), 2), 0};
+  return {"box", boxBody(half), scenes::makeBox(half * 2.0, 2), 0};
 }
 TessellatedBody capsule(double radius, double length) {
   return {"capsule", capsuleBody(radius, length), scenes::makeCapsule(radius, 2 * length, kSegments, kRings),
@@ -80,8 +81,8 @@ ConvexBody polyhedronBody(const scenes::MeshArrays& mesh) {
   for (const Vec3f& v : mesh.vertices) body.vertices.push_back({v.x, v.y, v.z});
   for (const Triangle& t : mesh.triangles) {
     const Vec3d &p = body.vertices[t.v[0]], &q = body.vertices[t.v[1]], &r = body.vertices[t.v[2]];
-    const Vec3d n = otgCross(otgSub(q, p), otgSub(r, p));
-    body.normals.push_back(otgScale(n, 1 / std::sqrt(otgDot(n, n))));
+    const Vec3d n = otgCross(q - p, r - p);
+    body.normals.push_back(n * (1 / norm(n)));
   }
   return body;
 }
@@ -106,7 +107,7 @@ TessellatedPose drawPose(const TessellatedBody& a, TessellatedBody b, Random& ra
     double near = 0, far = 4;
     while (far - near > 1e-3 * wanted) {
       const double middle = 0.5 * (near + far);
-      b.body.pose.t = otgScale(away, middle);
+      b.body.pose.t = away * middle;
       (roughSeparation(a.body, b.body) > wanted ? near : far) = middle;
     }
     pose.ways = waysApart(a.body, b.body, kApartDegrees);
@@ -139,7 +140,7 @@ TessellatedErrors compareMeshes(const TessellatedBody& a, const TessellatedBody&
     }
     const Contact& deepest = *std::max_element(found.begin(), found.end(),
                                                [](const Contact& x, const Contact& y) { return x.depth < y.depth; });
-    const Vec3d d = otgScale(deepest.normal, -1.0);  // B's way
+    const Vec3d d = deepest.normal * -1.0;  // B's way
     ConvexBody placed = b.body;
     placed.pose = pose.bInA;
     const double along = separation(a.body, placed, d);

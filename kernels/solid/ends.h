@@ -6,7 +6,7 @@
 #include "pairwise/exact_decision.h"
 #include "solid/mesh.h"
 //
-#include "shared/math/sos.h"
+#include "shared/tests/sos.h"
 
 /// Does the line of edge k of one triangle pass through the other?
 OTG_INLINED int otgPasses(const otg_vec3_d* corners, uint mesh, uint k) {

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/hash.h"
+
 namespace otg {
 
 class FlatMap {
@@ -20,7 +22,7 @@ class FlatMap {
   }
   std::uint32_t find(std::uint64_t key) const {
     if (slots_.empty()) return kMissing;
-    for (std::size_t i = hash(key) & mask();; i = (i + 1) & mask()) {
+    for (std::size_t i = spreadBits(key) & mask();; i = (i + 1) & mask()) {
       if (slots_[i].epoch != epoch_) return kMissing;
       if (slots_[i].key == key) return slots_[i].value;
     }
@@ -28,7 +30,7 @@ class FlatMap {
   /// The value of the key, set to `value` first if the key is new. The reference holds until the next insertion.
   std::uint32_t& insert(std::uint64_t key, std::uint32_t value, bool* inserted = nullptr) {
     if (2 * (size_ + 1) > slots_.size()) grow();
-    for (std::size_t i = hash(key) & mask();; i = (i + 1) & mask()) {
+    for (std::size_t i = spreadBits(key) & mask();; i = (i + 1) & mask()) {
       Slot& slot = slots_[i];
       if (slot.epoch != epoch_) {
         slot = {key, value, epoch_};
@@ -51,11 +53,6 @@ class FlatMap {
     std::uint32_t epoch = 0;
   };
   std::size_t mask() const { return slots_.size() - 1; }
-  static std::size_t hash(std::uint64_t x) {  // finaliser of SplitMix64
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-    return static_cast<std::size_t>(x ^ (x >> 31));
-  }
   void grow() {
     std::vector<Slot> old(slots_.empty() ? 64 : 2 * slots_.size());
     old.swap(slots_);

@@ -2,6 +2,7 @@
 // Disjoint sets of numbers whose representative is the smallest member.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <numeric>
 #include <vector>
@@ -10,7 +11,13 @@ namespace otg {
 
 class UnionFind {
  public:
-  explicit UnionFind(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  UnionFind() = default;
+  explicit UnionFind(std::size_t count) { reset(count); }
+  /// So many sets of one number each. Keeps its memory.
+  void reset(std::size_t count) {
+    parent_.resize(count);
+    std::iota(parent_.begin(), parent_.end(), 0u);
+  }
   /// The smallest member of x's set. Halves the path on its way, which bounds the amortised cost by a logarithm.
   std::uint32_t find(std::uint32_t x) {
     while (parent_[x] != x) {

@@ -1,13 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Small functions of vectors that only the host needs.
+// Operators and small functions of vectors that only the host needs.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 
-#include "shared/contacts/solid_model.h"
+#include "shared/math/vec3.h"
 
 namespace otg {
+
+template <class T>
+constexpr Vec3<T> operator+(const Vec3<T>& a, const Vec3<T>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class T>
+constexpr Vec3<T> operator-(const Vec3<T>& a, const Vec3<T>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class T>
+constexpr Vec3<T> operator*(const Vec3<T>& a, T s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
 
 inline Vec3d minimum(const Vec3d& a, const Vec3d& b) {
   return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
@@ -16,11 +29,12 @@ inline Vec3d maximum(const Vec3d& a, const Vec3d& b) {
   return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
 }
 inline double norm(const Vec3d& v) {
-  return otgNorm(v);
+  return std::sqrt(otgDot(v, v));
 }
 /// v at length 1, or zero.
 inline Vec3d unit(const Vec3d& v) {
-  return otgUnit(v);
+  const double length = norm(v);
+  return length > 0 ? v * (1 / length) : Vec3d{0, 0, 0};
 }
 
 }  // namespace otg

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bvh/tree_motion.h"
 #include "shared/math/expansion.h"
 
 namespace otg {

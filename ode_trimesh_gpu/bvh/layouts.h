@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,14 @@ struct NoLeafTree {
 
 QuantizedTree quantizeTree(const BinaryTree& tree);
 NoLeafTree makeNoLeafTree(const BinaryTree& tree);
+
+/// New boxes of some nodes, as the binary tree has them. False where a box does not fit into the grid; the tree is to
+/// be quantised anew then.
+bool refitLayout(QuantizedTree& quantized, const BinaryTree& tree, std::span<const std::uint32_t> nodes);
+
+/// New boxes of some nodes, as the binary tree has them. False where a box does not fit into the grid; the tree is to
+/// be quantised anew then.
+bool refitLayout(QuantizedTree& quantized, const BinaryTree& tree, std::span<const std::uint32_t> nodes);
 
 /// Empty when every box of the layout contains its subtree's triangles and every triangle appears once.
 std::string validateLayout(const QuantizedTree& tree, const TriMesh& mesh);

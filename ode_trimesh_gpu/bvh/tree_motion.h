@@ -58,7 +58,5 @@ void refitLayout(WideTree& wide, const WidePlaces& places, const BinaryTree& tre
                  std::span<const std::uint32_t> nodes);
 void refitLayout(NoLeafTree& noLeaf, const NoLeafPlaces& places, const BinaryTree& tree,
                  std::span<const std::uint32_t> nodes);
-/// False where a box does not fit into the grid; the tree is to be quantised anew then.
-bool refitLayout(QuantizedTree& quantized, const BinaryTree& tree, std::span<const std::uint32_t> nodes);
 
 }  // namespace otg

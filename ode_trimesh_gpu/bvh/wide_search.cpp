@@ -6,6 +6,8 @@
 #include <cstring>
 #include <limits>
 
+#include "base/vectors.h"
+
 namespace otg {
 namespace {
 
@@ -55,12 +57,8 @@ inline unsigned bitsOf(const Ints& m) {
 #endif
 }
 
-double length(const Vec3d& v) {
-  return std::sqrt(otgDot(v, v));
-}
-
 Vec3d centred(const TriMesh& mesh, const Vec3d& p) {
-  return otgSub(p, Vec3d{mesh.origin().x, mesh.origin().y, mesh.origin().z});
+  return p - Vec3d{mesh.origin().x, mesh.origin().y, mesh.origin().z};
 }
 
 float clampedFloat(double x) {
@@ -80,7 +78,7 @@ BallQuery::BallQuery(const CollisionMesh& tree, const Vec3d& center, double radi
   x_ = clampedFloat(c.x);
   y_ = clampedFloat(c.y);
   z_ = clampedFloat(c.z);
-  const double reach = radius + kSlack * (length(c) + double{mesh.radius()} + radius);
+  const double reach = radius + kSlack * (norm(c) + double{mesh.radius()} + radius);
   reach2_ = static_cast<float>(std::min(reach, 1e18) * std::min(reach, 1e18));
 }
 
@@ -136,7 +134,7 @@ unsigned BelowQuery::test(const WideNode& node) const {
 BoxQuery::BoxQuery(const CollisionMesh& tree, const Transformd& toMesh, const Vec3d& half) : scale_(tree.boxScale()) {
   const TriMesh& mesh = tree.mesh();
   const Vec3d c = centred(mesh, toMesh.t);
-  const double slack = kSlack * (length(c) + double{mesh.radius()} + length(half));
+  const double slack = kSlack * (norm(c) + double{mesh.radius()} + norm(half));
   const double middle[3] = {c.x, c.y, c.z}, h[3] = {half.x, half.y, half.z};
   for (int i = 0; i < 3; ++i) {
     double along = 0;
@@ -181,7 +179,7 @@ RayQuery::RayQuery(const CollisionMesh& tree, const Vec3d& origin, const Vec3d& 
   const Vec3f &low = mesh.boundsMin(), &high = mesh.boundsMax(), &c = mesh.origin();
   const double lows[3] = {low.x, low.y, low.z}, highs[3] = {high.x, high.y, high.z}, middle[3] = {c.x, c.y, c.z};
   // Boxes are wider than their triangles by rounding; and by more where the ray comes from far away.
-  const double wider = kSlack * double{mesh.radius()} + 1e-13 * (length(from) + length(origin));
+  const double wider = kSlack * double{mesh.radius()} + 1e-13 * (norm(from) + norm(origin));
   double near = 0, far = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
     const double a = lows[k] - middle[k] - wider - o[k], b = highs[k] - middle[k] + wider - o[k];

@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "base/vectors.h"
 #include "collide/mesh_ray.h"
 
 namespace otg {
@@ -28,7 +29,7 @@ double exitDistance(const PlacedMeshes& meshes, int mesh, const Vec3d& origin, c
 bool pointInMesh(const CollisionMesh& tree, const Vec3d& point) {
   const TriMesh& mesh = tree.mesh();
   const Vec3d origin{mesh.origin().x, mesh.origin().y, mesh.origin().z};
-  const double reach = otgRayReach(double{mesh.radius()}, otgSub(point, origin), origin);
+  const double reach = otgRayReach(double{mesh.radius()}, point - origin, origin);
   int votes = 0;
   for (int k = 0; k < 3 && votes != 2 && votes != -2; ++k) {
     const Vec3d direction = otgParityDirection<double>(k);

@@ -2,7 +2,7 @@
 // Rays through a mesh's tree, in double: how far it is out of a mesh, and whether a point is inside.
 #pragma once
 
-#include "collide/solid/contour.h"
+#include "collide/placed_meshes.h"
 
 namespace otg {
 

@@ -78,7 +78,7 @@ struct Contact {
   /// Of an edge, whose inside stretches are counted k = 0, 1, ... from Topology::Edge::a: crossings have 2 k where the
   /// stretch begins and 2 k + 1 where it ends, middles have k. Else 0.
   std::uint32_t ordinal = 0;
-  double coherence = -1;  ///< of the region (solid/regions.h); -1 where the model has none
+  double coherence = -1;  ///< of the region (solid/overlap_regions.h); -1 where the model has none
 };
 
 struct CollideStats {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/vectors.h"
+
 namespace otg {
 namespace {
 
@@ -15,22 +17,22 @@ Vec3d areaVector2(const TriMesh& mesh, std::uint32_t triangle) {
     const Vec3f& v = mesh.vertices()[mesh.triangles()[triangle].v[k]];
     p[k] = {v.x, v.y, v.z};
   }
-  return otgCross(otgSub(p[1], p[0]), otgSub(p[2], p[0]));
+  return otgCross(p[1] - p[0], p[2] - p[0]);
 }
 
 /// Normal and area; returns areaVector2(), or zero for a triangle that has none.
 Vec3d measureTriangle(const TriMesh& mesh, std::uint32_t t, Adjacency& out) {
   const Vec3d c = areaVector2(mesh, t);
-  const double length = std::sqrt(otgDot(c, c));
+  const double length = norm(c);
   const bool sound = length > 0 && !mesh.isDegenerate(t);
-  out.normal[t] = sound ? otgScale(c, 1 / length) : Vec3d{0, 0, 0};
+  out.normal[t] = sound ? c * (1 / length) : Vec3d{0, 0, 0};
   out.area[t] = sound ? length / 2 : 0;
   return sound ? c : Vec3d{0, 0, 0};
 }
 
 void addToStar(Adjacency::Star& star, const Vec3d& areaVector2) {
-  star.vector = otgAdd(star.vector, otgScale(areaVector2, 1.0 / 6));
-  star.area += std::sqrt(otgDot(areaVector2, areaVector2)) / 6;
+  star.vector = star.vector + areaVector2 * (1.0 / 6);
+  star.area += norm(areaVector2) / 6;
 }
 
 /// Bounds and sums of a cluster's vertices.
@@ -45,7 +47,7 @@ void measureCluster(const TriMesh& mesh, std::uint32_t id, Adjacency& out) {
     const Vec3f& p = mesh.vertices()[v];
     cluster.lo = {std::min(cluster.lo.x, p.x), std::min(cluster.lo.y, p.y), std::min(cluster.lo.z, p.z)};
     cluster.hi = {std::max(cluster.hi.x, p.x), std::max(cluster.hi.y, p.y), std::max(cluster.hi.z, p.z)};
-    cluster.sum.vector = otgAdd(cluster.sum.vector, out.star[v].vector);
+    cluster.sum.vector = cluster.sum.vector + out.star[v].vector;
     cluster.sum.area += out.star[v].area;
     cluster.moment += otgDot(out.star[v].vector, Vec3d{p.x, p.y, p.z});
   }
@@ -72,7 +74,7 @@ bool isFlat(const Topology& topology, std::uint32_t h, const Adjacency& out) {
   if (twin == kNone || topology.edgeOf[h] == kNone) return false;
   const Vec3d &a = out.normal[h / 3], &b = out.normal[twin / 3];
   const Vec3d c = otgCross(a, b);
-  return otgDot(a, b) > 0 && std::sqrt(otgDot(c, c)) < flatSine();
+  return otgDot(a, b) > 0 && norm(c) < flatSine();
 }
 
 /// The sharp edges of a vertex. It lies in a flat face or on a straight edge if it has none, or two that run on.
@@ -82,120 +84,17 @@ struct SharpEdges {
   bool straight = false;     ///< the second is opposite to it
   void add(const TriMesh& mesh, std::uint32_t from, std::uint32_t to) {
     const Vec3f &p = mesh.vertices()[from], &q = mesh.vertices()[to];
-    const Vec3d d = otgSub(Vec3d{q.x, q.y, q.z}, Vec3d{p.x, p.y, p.z});
-    const double length = std::sqrt(otgDot(d, d));
-    const Vec3d away = length > 0 ? otgScale(d, 1 / length) : Vec3d{0, 0, 0};
+    const Vec3d d = Vec3d{q.x, q.y, q.z} - Vec3d{p.x, p.y, p.z};
+    const double length = norm(d);
+    const Vec3d away = length > 0 ? d * (1 / length) : Vec3d{0, 0, 0};
     const Vec3d c = otgCross(direction, away);
-    straight = count == 1 && otgDot(direction, away) < 0 && std::sqrt(otgDot(c, c)) < flatSine();
+    straight = count == 1 && otgDot(direction, away) < 0 && norm(c) < flatSine();
     if (count++ == 0) direction = away;
   }
   bool flat() const { return count == 0 || straight; }
 };
 
-/// Breadth first from each vertex that is left, in order: with vertices sorted in space the sets come out compact.
-void gatherClusters(std::uint32_t vertices, AdjacencyLinks& out) {
-  std::vector<AdjacencyLinks::ClusterLists> lists;
-  std::vector<std::uint32_t> clusterOf(vertices, kNone), members, neighbours;
-  members.reserve(vertices);
-  for (std::uint32_t seed = 0; seed < vertices; ++seed) {
-    if (clusterOf[seed] != kNone || out.first[seed] == out.first[seed + 1]) continue;
-    const auto id = static_cast<std::uint32_t>(lists.size());
-    const auto begin = static_cast<std::uint32_t>(members.size());
-    lists.push_back({begin, 0});
-    members.push_back(seed);
-    clusterOf[seed] = id;
-    for (std::size_t i = begin; i < members.size(); ++i) {
-      for (std::uint32_t h = out.first[members[i]]; h < out.first[members[i] + 1]; ++h) {
-        const std::uint32_t w = out.spokes[h].vertex;
-        if (members.size() - begin == AdjacencyLinks::kClusterSize) break;
-        if (clusterOf[w] != kNone || out.first[w] == out.first[w + 1]) continue;
-        clusterOf[w] = id;
-        members.push_back(w);
-      }
-    }
-  }
-  lists.push_back({static_cast<std::uint32_t>(members.size()), 0});
-  std::vector<std::uint32_t> seen(lists.size(), kNone);
-  for (std::uint32_t c = 0; c + 1 < lists.size(); ++c) {
-    lists[c].firstNeighbour = static_cast<std::uint32_t>(neighbours.size());
-    seen[c] = c;
-    for (std::uint32_t i = lists[c].first; i < lists[c + 1].first; ++i) {
-      for (std::uint32_t h = out.first[members[i]]; h < out.first[members[i] + 1]; ++h) {
-        const std::uint32_t d = clusterOf[out.spokes[h].vertex];
-        if (d == kNone || seen[d] == c) continue;
-        seen[d] = c;
-        neighbours.push_back(d);
-      }
-    }
-  }
-  lists.back().firstNeighbour = static_cast<std::uint32_t>(neighbours.size());
-  members.shrink_to_fit();
-  neighbours.shrink_to_fit();
-  lists.shrink_to_fit();
-  out.clusterLists = std::move(lists);
-  out.clusterOf = std::move(clusterOf);
-  out.clusterVertices = std::move(members);
-  out.clusterNeighbours = std::move(neighbours);
-}
-
-AdjacencyLinks link(const TriMesh& mesh) {
-  AdjacencyLinks out;
-  const Topology& topology = mesh.topology();
-  const auto triangles = mesh.triangles();
-  const auto vertices = static_cast<std::uint32_t>(mesh.vertices().size());
-  const auto n = static_cast<std::uint32_t>(triangles.size());
-
-  std::vector<std::uint32_t> first(std::size_t{vertices} + 1, 0);
-  const auto originOf = [&](std::uint32_t h) { return topology.weld[triangles[h / 3].v[h % 3]]; };
-  for (std::uint32_t h = 0; h < 3 * n; ++h) {
-    if (topology.edgeOf[h] != kNone) ++first[originOf(h) + 1];
-  }
-  for (std::size_t v = 0; v < vertices; ++v) first[v + 1] += first[v];
-  std::vector<std::uint32_t> halfEdges(first.back());
-  std::vector<std::uint32_t> cursor(first.begin(), first.end() - 1);
-  std::vector<AdjacencyLinks::Spoke> spokes(halfEdges.size());
-  for (std::uint32_t h = 0; h < 3 * n; ++h) {
-    if (topology.edgeOf[h] == kNone) continue;
-    const std::uint32_t at = cursor[originOf(h)]++;
-    halfEdges[at] = h;
-    spokes[at] = {originOf(h - h % 3 + (h % 3 + 1) % 3), topology.edgeOf[h]};
-  }
-  std::vector<std::uint32_t> halfEdgeOf(topology.edgeCount());
-  for (std::uint32_t h = 3 * n; h-- > 0;) {
-    if (topology.edgeOf[h] != kNone) halfEdgeOf[topology.edgeOf[h]] = h;
-  }
-  out.first = std::move(first);
-  out.halfEdges = std::move(halfEdges);
-  out.spokes = std::move(spokes);
-  out.halfEdgeOf = std::move(halfEdgeOf);
-  gatherClusters(vertices, out);
-
-  const std::size_t components = topology.componentCount();
-  std::vector<std::uint32_t> componentVertex(components, kNone), componentFirst(components + 1, 0);
-  for (std::uint32_t t = 0; t < n; ++t) {
-    if (topology.componentOf[t] == kNone) continue;
-    ++componentFirst[topology.componentOf[t] + 1];
-  }
-  for (std::size_t c = 0; c < components; ++c) componentFirst[c + 1] += componentFirst[c];
-  std::vector<std::uint32_t> componentTriangles(componentFirst.back());
-  cursor.assign(componentFirst.begin(), componentFirst.end() - 1);
-  for (std::uint32_t t = 0; t < n; ++t) {
-    const std::uint32_t c = topology.componentOf[t];
-    if (c == kNone) continue;
-    componentTriangles[cursor[c]++] = t;
-    if (componentVertex[c] == kNone) componentVertex[c] = topology.weld[triangles[t].v[0]];
-  }
-  out.componentVertex = std::move(componentVertex);
-  out.componentFirst = std::move(componentFirst);
-  out.componentTriangles = std::move(componentTriangles);
-  return out;
-}
-
 }  // namespace
-
-const AdjacencyLinks& TriMesh::adjacencyLinks() const {
-  return links_->get([this] { return link(*this); });
-}
 
 Adjacency buildAdjacency(const TriMesh& mesh) {
   Adjacency out{mesh.adjacencyLinks(), {}, {}, {}, {}, {}, {}};

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/bounds.h"
+#include "base/vectors.h"
 
 namespace otg {
 namespace {
@@ -212,7 +213,7 @@ std::vector<std::uint8_t> componentsWellWound(const Topology& topology, const st
       const Vec3d a = relativeTo(vertices[triangles[t].v[0]], center);
       const Vec3d b = relativeTo(vertices[triangles[t].v[1]], center);
       const Vec3d c = relativeTo(vertices[triangles[t].v[2]], center);
-      const Vec3d n = otgCross(otgSub(b, a), otgSub(c, a));
+      const Vec3d n = otgCross(b - a, c - a);
       magnitude[topology.componentOf[t]] += std::sqrt(otgDot(n, n) * otgDot(a, a));
     }
   }

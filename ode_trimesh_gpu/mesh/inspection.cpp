@@ -8,7 +8,9 @@
 #include <cmath>
 
 #include "base/bounds.h"
+#include "base/hash.h"
 #include "base/union_find.h"
+#include "base/vectors.h"
 
 namespace otg {
 namespace {
@@ -70,7 +72,7 @@ bool isDegenerateTriangle(std::span<const Vec3f> vertices, const Triangle& trian
   const std::uint32_t(&v)[3] = triangle.v;
   const Vec3d p[3] = {relativeTo(vertices[v[0]], origin), relativeTo(vertices[v[1]], origin),
                       relativeTo(vertices[v[2]], origin)};
-  const Vec3d e[3] = {otgSub(p[1], p[0]), otgSub(p[2], p[1]), otgSub(p[0], p[2])};
+  const Vec3d e[3] = {p[1] - p[0], p[2] - p[1], p[0] - p[2]};
   double largest = 0;
   for (const Vec3d& q : p) largest = std::max({largest, std::abs(q.x), std::abs(q.y), std::abs(q.z)});
   const double length2[3] = {otgDot(e[0], e[0]), otgDot(e[1], e[1]), otgDot(e[2], e[2])};
@@ -109,9 +111,7 @@ std::vector<std::uint8_t> findDuplicates(const Topology& topology, std::span<con
   std::vector<std::uint32_t> table(capacity, kNone);
   for (const std::uint32_t t : suspects) {
     const auto p = sortedPoints(topology, triangles[t]);
-    std::uint64_t h = (p[0] | (std::uint64_t{p[1]} << 32)) * 0x9e3779b97f4a7c15ull;
-    h = (h ^ (h >> 32) ^ p[2]) * 0xd6e8feb86659fd93ull;
-    std::size_t slot = (h ^ (h >> 32)) & (capacity - 1);
+    std::size_t slot = spreadBits(spreadBits(p[0] | (std::uint64_t{p[1]} << 32)) ^ p[2]) & (capacity - 1);
     while (table[slot] != kNone && sortedPoints(topology, triangles[table[slot]]) != p)
       slot = (slot + 1) & (capacity - 1);
     if (table[slot] == kNone)

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The checks behind a ValidationReport, one by one.
+// The checks of triangles and vertices behind a ValidationReport, one by one.
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "mesh/topology.h"
-#include "mesh/validation.h"
 
 namespace otg {
 
@@ -30,14 +27,5 @@ std::vector<std::uint8_t> findDuplicates(const Topology& topology, std::span<con
 /// One flag for each vertex: it is the welded representative of a point where more than one fan of triangles meets. A
 /// fan is a set of triangles around the point that hang together through edges at it, however many triangles use those.
 std::vector<std::uint8_t> findNonManifoldVertices(const Topology& topology, std::span<const Triangle> triangles);
-
-/// Appends a problem with `count` elements. `isElement(i)` says whether number i < size is one of them; the first few
-/// that are get listed.
-void addProblem(ValidationReport& report, ProblemKind kind, std::size_t count, std::string message,
-                std::size_t size = 0, const std::function<bool(std::uint32_t)>& isElement = {});
-
-/// Fills everything in `report` that is said about an accepted mesh except `repair`.
-void inspectMesh(std::span<const Vec3f> vertices, std::span<const Triangle> triangles, const Topology& topology,
-                 std::span<const std::uint8_t> degenerate, ValidationReport& report);
 
 }  // namespace otg

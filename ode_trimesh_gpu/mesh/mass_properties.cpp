@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/bounds.h"
+#include "base/vectors.h"
 
 namespace otg {
 
@@ -16,15 +17,15 @@ MassProperties computeMassProperties(std::span<const Vec3f> vertices, std::span<
   //   integral of x x^T  = d / 120 (s s^T + a a^T + b b^T + c c^T)
   double volume6 = 0, area2 = 0;
   Vec3d first24{0, 0, 0}, areaFirst6{0, 0, 0}, squares120{0, 0, 0}, products120{0, 0, 0};
-  const auto mulAdd = [](Vec3d& sum, double factor, const Vec3d& v) { sum = otgAdd(sum, otgScale(v, factor)); };
+  const auto mulAdd = [](Vec3d& sum, double factor, const Vec3d& v) { sum = sum + v * factor; };
   for (const Triangle& triangle : triangles) {
     const Vec3d a = relativeTo(vertices[triangle.v[0]], middle);
     const Vec3d b = relativeTo(vertices[triangle.v[1]], middle);
     const Vec3d c = relativeTo(vertices[triangle.v[2]], middle);
-    const Vec3d s = otgAdd(otgAdd(a, b), c);
-    const Vec3d n = otgCross(otgSub(b, a), otgSub(c, a));
+    const Vec3d s = a + b + c;
+    const Vec3d n = otgCross(b - a, c - a);
     const double d = otgDot(a, otgCross(b, c));
-    const double triangleArea2 = std::sqrt(otgDot(n, n));
+    const double triangleArea2 = norm(n);
     volume6 += d;
     area2 += triangleArea2;
     mulAdd(first24, d, s);
@@ -44,7 +45,7 @@ MassProperties computeMassProperties(std::span<const Vec3f> vertices, std::span<
   const Vec3d corner = bounds.empty() ? Vec3d{0, 0, 0} : relativeTo(bounds.max, middle);
   const auto toEigen = [](const Vec3d& v) { return Eigen::Vector3d(v.x, v.y, v.z); };
   Eigen::Vector3d local = Eigen::Vector3d::Zero();
-  if (std::abs(mass.volume) > 1e-14 * mass.area * std::sqrt(otgDot(corner, corner)))
+  if (std::abs(mass.volume) > 1e-14 * mass.area * norm(corner))
     local = toEigen(first24) / 24 / mass.volume;
   else if (mass.area > 0)
     local = toEigen(areaFirst6) / 6 / mass.area;

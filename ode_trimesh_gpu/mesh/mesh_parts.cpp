@@ -5,7 +5,7 @@
 #include <bit>
 #include <iterator>
 
-#include "mesh/adjacency.h"
+#include "mesh/adjacency_links.h"
 
 namespace otg {
 namespace {

@@ -6,10 +6,18 @@
 #include <vector>
 
 #include "mesh/topology.h"
-#include "mesh/tri_mesh.h"
 #include "mesh/validation.h"
 
 namespace otg {
+
+/// Which repairs buildTriMesh may do. All off by default: triangle numbers stay the caller's.
+struct RepairOptions {
+  bool weldVertices = false;        ///< merge vertices with equal positions (bitwise, -0 equal to +0)
+  bool dropDegenerate = false;      ///< remove zero-area triangles (those that close the surface: by edge flips)
+  bool dropDuplicates = false;      ///< remove all but the first of triangles with the same three vertices
+  bool orientConsistently = false;  ///< flip triangles so that neighbours agree and closed components face outward
+  static RepairOptions all() { return {true, true, true, true}; }
+};
 
 /// Does what `options` ask for, in the order of its members, and reports it. Where vertices are merged, `inputVertexOf`
 /// becomes the given vertex that each remaining one is; otherwise it is left alone. Vertices that lose their last

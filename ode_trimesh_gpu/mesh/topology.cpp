@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "base/block_sum.h"
+#include "base/hash.h"
 #include "base/union_find.h"
 #include "mesh/measure.h"
-#include "mesh/validation.h"
 
 namespace otg {
 
@@ -17,9 +17,7 @@ std::uint64_t hashPosition(const Vec3f& p) {  // +0 turns -0 into +0
   const std::uint64_t x = std::bit_cast<std::uint32_t>(p.x + 0.0f);
   const std::uint64_t y = std::bit_cast<std::uint32_t>(p.y + 0.0f);
   const std::uint64_t z = std::bit_cast<std::uint32_t>(p.z + 0.0f);
-  std::uint64_t h = (x | (y << 32)) * 0x9e3779b97f4a7c15ull;
-  h = (h ^ (h >> 32) ^ z) * 0xd6e8feb86659fd93ull;
-  return h ^ (h >> 32);
+  return spreadBits(spreadBits(x | (y << 32)) ^ z);
 }
 
 namespace {

@@ -2,6 +2,7 @@
 // Connectivity of a triangle mesh whose vertices are welded by position.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -14,6 +15,8 @@
 namespace otg {
 
 inline constexpr std::uint32_t kNone = 0xffffffffu;
+inline constexpr std::size_t kMaxVertices = std::size_t{1} << 28;
+inline constexpr std::size_t kMaxTriangles = std::size_t{1} << 28;
 
 /// Half-edge 3 t + k runs from corner k to corner (k + 1) % 3 of triangle t. All but the volumes depends on which
 /// vertices are one point alone, and is shared by meshes that differ in the places of their vertices only.

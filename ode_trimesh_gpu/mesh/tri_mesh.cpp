@@ -8,11 +8,12 @@
 #include <limits>
 
 #include "base/bounds.h"
-#include "mesh/adjacency.h"
+#include "mesh/adjacency_links.h"
 #include "mesh/containment.h"
 #include "mesh/inspection.h"
 #include "mesh/measure.h"
 #include "mesh/repair.h"
+#include "mesh/report_mesh.h"
 #include "mesh/spatial_order.h"
 
 namespace otg {
@@ -297,6 +298,10 @@ std::vector<Vec3f> readSomeVertices(const TriMesh& mesh, const MeshInput& input,
   if (refused(report)) return {};
   std::vector<Vec3f> vertices = readCheckedVertices(input, report);
   return refused(report) ? std::vector<Vec3f>() : vertices;
+}
+
+const AdjacencyLinks& TriMesh::adjacencyLinks() const {
+  return links_->get([this] { return buildAdjacencyLinks(triangles_, topology_); });
 }
 
 const MassProperties& TriMesh::massProperties() const {

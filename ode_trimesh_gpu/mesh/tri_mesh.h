@@ -13,6 +13,7 @@
 #include "base/first_use.h"
 #include "base/shared_array.h"
 #include "mesh/mass_properties.h"
+#include "mesh/repair.h"
 #include "mesh/topology.h"
 #include "mesh/validation.h"
 #include "shared/math/vec3.h"
@@ -29,15 +30,6 @@ struct MeshInput {
   const void* indices = nullptr;   ///< three 32-bit vertex indices for each triangle
   std::size_t triangleStride = 0;  ///< bytes from one triangle to the next, 0 = tightly packed
   std::size_t triangleCount = 0;
-};
-
-/// Which repairs buildTriMesh may do. All off by default: triangle numbers stay the caller's.
-struct RepairOptions {
-  bool weldVertices = false;        ///< merge vertices with equal positions (bitwise, -0 equal to +0)
-  bool dropDegenerate = false;      ///< remove zero-area triangles (those that close the surface: by edge flips)
-  bool dropDuplicates = false;      ///< remove all but the first of triangles with the same three vertices
-  bool orientConsistently = false;  ///< flip triangles so that neighbours agree and closed components face outward
-  static RepairOptions all() { return {true, true, true, true}; }
 };
 
 /// How triangles and vertices are numbered inside a TriMesh. kInput: as the caller (after repairs) does. kSpatial:

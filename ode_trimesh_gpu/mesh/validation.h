@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,7 @@ enum class ProblemKind {
   kNullArray,            ///< refused
   kBadStride,            ///< refused: smaller than one element
   kVertexCountMismatch,  ///< refused by moveVertices: not as many vertices as the mesh was built from
-  kTooManyVertices,      ///< refused: above kMaxVertices
+  kTooManyVertices,      ///< refused: above kMaxVertices (topology.h)
   kTooManyTriangles,     ///< refused: above kMaxTriangles
   kIndexOutOfRange,      ///< refused; elements are triangles
   kNonFiniteVertex,      ///< refused (NaN, infinity, or a double beyond float); elements are vertices
@@ -67,7 +68,9 @@ struct ValidationReport {
   bool valid() const;
 };
 
-inline constexpr std::size_t kMaxVertices = std::size_t{1} << 28;
-inline constexpr std::size_t kMaxTriangles = std::size_t{1} << 28;
+/// Appends a problem with `count` elements. `isElement(i)` says whether number i < size is one of them; the first few
+/// that are get listed.
+void addProblem(ValidationReport& report, ProblemKind kind, std::size_t count, std::string message,
+                std::size_t size = 0, const std::function<bool(std::uint32_t)>& isElement = {});
 
 }  // namespace otg

@@ -10,7 +10,7 @@
 #include "opencl/runtime/stopwatch.h"
 
 namespace otg::opencl {
-Backend::Backend(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Backend::Backend(std::unique_ptr<BackendState> state) : state_(std::move(state)) {}
 Backend::~Backend() = default;
 
 std::shared_ptr<Backend> Backend::open(int index, const Tuning& tuning) {
@@ -19,7 +19,7 @@ std::shared_ptr<Backend> Backend::open(int index, const Tuning& tuning) {
     tellLoaded();
     for (const FoundDevice& device : devices) {
       if (device.info.index != index || !device.info.available) continue;
-      return std::shared_ptr<Backend>(new Backend(std::make_unique<State>(device, tuning)));
+      return std::shared_ptr<Backend>(new Backend(std::make_unique<BackendState>(device, tuning)));
     }
   } catch (const ClError& error) {
     logError(error);

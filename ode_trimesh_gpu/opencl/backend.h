@@ -10,21 +10,16 @@
 #include <span>
 #include <vector>
 
-#include "collide/mesh_ray.h"
 #include "collide/query.h"
 #include "collide/traversal.h"
+#include "opencl/array_types.h"
 #include "opencl/published/levels.h"
 #include "opencl/runtime/device_info.h"
 #include "opencl/tuning.h"
-#include "shared/layout/point_layout.h"
-#include "shared/layout/ray_layout.h"
 
 namespace otg::opencl {
 
-struct PointWish {
-  bool nearest = false;  ///< the nearest triangle
-  bool inside = false;   ///< of a solid: whether the point lies in it
-};
+struct BackendState;
 
 struct BackendCounts {
   std::uint64_t queries = 0;  ///< pairs of meshes asked for, in batches or not
@@ -139,15 +134,6 @@ class BatchAnswer {
 using RunParts =
     std::function<void(std::size_t count, const std::function<void(std::size_t begin, std::size_t end)>& work)>;
 
-/// Points begin to end - 1 of an array, in the frame of the mesh -> to[0] and up.
-using FillPoints = std::function<void(std::size_t begin, std::size_t end, Vec3d* to)>;
-/// The same points with a word for each: shared/layout/point_layout.h. Both arrays begin with point `begin`.
-using TakePoints =
-    std::function<void(std::size_t begin, std::size_t end, const Vec3d* points, const otg_uint* answers)>;
-/// The same two of rays, in the frame of the mesh; words of shared/layout/ray_layout.h.
-using FillRays = std::function<void(std::size_t begin, std::size_t end, LongRay* to)>;
-using TakeRays = std::function<void(std::size_t begin, std::size_t end, const LongRay* rays, const otg_uint* answers)>;
-
 /// Any number of threads. Every function gives what the host gives, byte for byte, whatever the device, its scheduling
 /// and the tuning. It returns false when the device failed and the host did all or part of the work (which is logged
 /// once and counted), and throws what the host throws.
@@ -222,7 +208,6 @@ class Backend {
   BackendCounts counts() const;
 
  private:
-  struct State;
   template <class Source, class Finish>
   class Batch;
   template <class Source>
@@ -231,8 +216,8 @@ class Backend {
   bool intersectFrom(const Source& source, std::vector<std::uint8_t>& answer, StageTimes* times,
                      const RunParts& onHost);
   bool collideIn(bool profile, const Query& query, Workspace& workspace, StageTimes& times);
-  explicit Backend(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+  explicit Backend(std::unique_ptr<BackendState> state);
+  std::unique_ptr<BackendState> state_;
 };
 
 }  // namespace otg::opencl

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "opencl/backend.h"
 #include "opencl/backend_state.h"
 
 namespace otg::opencl {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <thread>
 
+#include "opencl/backend.h"
 #include "opencl/backend_state.h"
 #include "opencl/batch/batch_source.h"
 

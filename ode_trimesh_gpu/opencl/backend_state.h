@@ -4,14 +4,12 @@
 
 #include <atomic>
 #include <cmath>
-#include <memory>
-#include <mutex>
-#include <vector>
+#include <cstdint>
 
 #include "collide/rotation_tolerance.h"
-#include "opencl/backend.h"
 #include "opencl/lanes/batch_lane.h"
 #include "opencl/lanes/distance_lane.h"
+#include "opencl/lanes/lane_pool.h"
 #include "opencl/lanes/overlap_lane.h"
 #include "opencl/lanes/pair_lane.h"
 #include "opencl/lanes/point_lane.h"
@@ -23,55 +21,8 @@
 
 namespace otg::opencl {
 
-/// Lanes are kept when a query is done, so that a thread finds one with its lists made.
-template <class Lane>
-class LanePool {
- public:
-  LanePool(Context& context, MeshStore& meshes, const Tuning& tuning)
-      : context_(context), meshes_(meshes), tuning_(tuning) {}
-  /// Makes a lane, so that the first query finds one. Throws ClError.
-  void prepare() {
-    with([](Lane&) {});
-  }
-
-  /// Calls use(lane) and keeps the lane for the next one, unless that throws: then its counters may hold anything.
-  template <class Use>
-  void with(Use&& use) {
-    std::unique_ptr<Lane> lane = take();
-    const std::uint64_t before = lane->repeats();
-    use(*lane);
-    keep(std::move(lane), before);
-  }
-  /// The same in two steps. A lane that is not kept is gone.
-  std::unique_ptr<Lane> take() {
-    {
-      const std::lock_guard lock(mutex_);
-      if (!idle_.empty()) {
-        std::unique_ptr<Lane> lane = std::move(idle_.back());
-        idle_.pop_back();
-        return lane;
-      }
-    }
-    return std::make_unique<Lane>(context_, meshes_, tuning_);
-  }
-  /// `before`: its repeats() when it was taken.
-  void keep(std::unique_ptr<Lane> lane, std::uint64_t before) {
-    repeats_ += lane->repeats() - before;
-    const std::lock_guard lock(mutex_);
-    idle_.push_back(std::move(lane));
-  }
-  std::uint64_t repeats() const { return repeats_; }
-
- private:
-  Context& context_;
-  MeshStore& meshes_;
-  const Tuning tuning_;
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<Lane>> idle_;
-  std::atomic<std::uint64_t> repeats_{0};
-};
-
-struct Backend::State {
+/// Any number of threads.
+struct BackendState {
   Context context;
   const Tuning tuning;
   MeshStore meshes;
@@ -90,7 +41,7 @@ struct Backend::State {
   std::atomic<std::uint64_t> pointsAsked{0}, pointsOnHost{0}, raysCast{0}, raysOnHost{0}, distancesAsked{0},
       distancesOnHost{0};
 
-  State(const FoundDevice& device, const Tuning& how)
+  BackendState(const FoundDevice& device, const Tuning& how)
       : context(device, ProgramCache::standard(), how.doubles),
         tuning(how),
         meshes(context, how.memoryBudget != 0 ? how.memoryBudget : device.info.globalMemory / 2, how.leafTriangles,

@@ -60,7 +60,7 @@ class Finder {
   }
 
  private:
-  Vec3d axisPoint(double at) const { return otgAdd(capsule_.middle, otgScale(capsule_.direction, at - capsule_.half)); }
+  Vec3d axisPoint(double at) const { return capsule_.middle + capsule_.direction * (at - capsule_.half); }
   /// Any frame whose third axis is the capsule's.
   Transformd boxFrame() const {
     const Vec3d& w = capsule_.direction;
@@ -104,14 +104,14 @@ class Finder {
 
   /// Where the axis is above the triangle.
   void face(std::uint32_t t, const Vec3d* p) {
-    const Vec3d n = unit(otgCross(otgSub(p[1], p[0]), otgSub(p[2], p[0])));
-    const double rise = otgDot(n, capsule_.direction), base = otgDot(n, otgSub(start_, p[0]));
+    const Vec3d n = unit(otgCross(p[1] - p[0], p[2] - p[0]));
+    const double rise = otgDot(n, capsule_.direction), base = otgDot(n, start_ - p[0]);
     const double end = base + rise * length_;
     if (std::min(base, end) > capsule_.radius || std::max(base, end) < -capsule_.radius) return;
     double low = 0, high = length_;
     for (int k = 0; k < 3; ++k) {
-      const Vec3d inward = otgCross(n, otgSub(p[(k + 1) % 3], p[k]));
-      const double from = otgDot(inward, otgSub(start_, p[k])), speed = otgDot(inward, capsule_.direction);
+      const Vec3d inward = otgCross(n, p[(k + 1) % 3] - p[k]);
+      const double from = otgDot(inward, start_ - p[k]), speed = otgDot(inward, capsule_.direction);
       if (speed > 0) {
         low = std::max(low, -from / speed);
       } else if (speed < 0) {
@@ -130,9 +130,9 @@ class Finder {
     for (const double at : {low, high}) {
       const double height = side * (base + rise * at);
       if (height >= capsule_.radius) continue;
-      note(height, at, otgSub(axisPoint(at), otgScale(n, side * height)), t, TrianglePart::kFace);
+      note(height, at, axisPoint(at) - n * (side * height), t, TrianglePart::kFace);
       if (kind_ != SurfaceKind::kShell && side < 0) continue;
-      const Vec3d away = otgScale(n, -side);
+      const Vec3d away = n * -side;
       if (faces(at, otgDot(away, capsule_.direction))) places_.push_back({height, at, away, t});
     }
   }
@@ -140,7 +140,7 @@ class Finder {
   void alongEdge(std::uint32_t half, const Vec3d& a, const Vec3d& b, bool isFlat) {
     const PointPair nearest = closestOnSegments(start_, axisPoint(length_), a, b);
     if (nearest.distance2 >= capsule_.radius * capsule_.radius) return;
-    const double at = otgDot(otgSub(nearest.a, start_), capsule_.direction);
+    const double at = otgDot(nearest.a - start_, capsule_.direction);
     const TrianglePart part = nearest.b == a   ? partOf(TrianglePart::kCorner0, half)
                               : nearest.b == b ? partOf(TrianglePart::kCorner0, half + 1)
                                                : partOf(TrianglePart::kEdge0, half);
@@ -148,31 +148,31 @@ class Finder {
     // Of nearly flat edges, too: between the two faces' own ranges is a gap.
     if (nearest.b != a && nearest.b != b) offerEdge(half, at, nearest.b);
     if (isFlat) return;
-    const Vec3d d = otgSub(b, a);
+    const Vec3d d = b - a;
     const double dd = otgDot(d, d), speed = otgDot(d, capsule_.direction);
     if (speed * speed < dd * (1 - kAlong * kAlong)) return;
     // It runs along the axis: the ends of what they have in common.
-    const double atA = otgDot(otgSub(a, start_), capsule_.direction), atB = atA + speed;
+    const double atA = otgDot(a - start_, capsule_.direction), atB = atA + speed;
     for (const double end : {std::clamp(atA, 0.0, length_), std::clamp(atB, 0.0, length_)}) {
-      const double s = std::clamp(otgDot(otgSub(axisPoint(end), a), d) / dd, 0.0, 1.0);
-      const Vec3d on = otgAdd(a, otgScale(d, s)), toAxis = otgSub(axisPoint(end), on);
+      const double s = std::clamp(otgDot(axisPoint(end) - a, d) / dd, 0.0, 1.0);
+      const Vec3d on = a + d * s, toAxis = axisPoint(end) - on;
       // Square to the axis it leans along the edge as the edge does along the axis; more is past the edge's own end,
       // where the corner is what counts.
       const double along = otgDot(toAxis, d), lean = std::max(0.0, dd - speed * speed) + 1e-9 * dd;
       if (along * along > lean * otgDot(toAxis, toAxis)) continue;
-      const Vec3d across = otgSub(toAxis, otgScale(d, along / dd));
+      const Vec3d across = toAxis - d * (along / dd);
       if (isMinimumOfEdge(tree_, half, on, across, rounding_)) offer(half, TrianglePart::kEdge0, end, toAxis);
     }
   }
 
   void offerEdge(std::uint32_t half, double at, const Vec3d& on) {
-    const Vec3d toAxis = otgSub(axisPoint(at), on);
+    const Vec3d toAxis = axisPoint(at) - on;
     if (isMinimumOfEdge(tree_, half, on, toAxis, rounding_)) offer(half, TrianglePart::kEdge0, at, toAxis);
   }
 
   void corner(std::uint32_t half, std::uint32_t vertex, const Vec3d& on) {
-    const double at = std::clamp(otgDot(otgSub(on, start_), capsule_.direction), 0.0, length_);
-    const Vec3d toAxis = otgSub(axisPoint(at), on);
+    const double at = std::clamp(otgDot(on - start_, capsule_.direction), 0.0, length_);
+    const Vec3d toAxis = axisPoint(at) - on;
     if (otgDot(toAxis, toAxis) >= capsule_.radius * capsule_.radius) return;
     if (isMinimumOfVertex(tree_, vertex, toAxis, rounding_)) offer(half, TrianglePart::kCorner0, at, toAxis);
   }
@@ -181,10 +181,10 @@ class Finder {
   void offer(std::uint32_t half, TrianglePart first, double at, const Vec3d& toAxis) {
     const double distance = norm(toAxis);
     if (!(distance > 0) || distance >= capsule_.radius) return;
-    const Vec3d away = otgScale(toAxis, -1 / distance);
+    const Vec3d away = toAxis * (-1 / distance);
     if (!faces(at, otgDot(away, capsule_.direction))) return;
     // Seen from behind: through a thin wall, or past a rim.
-    const SurfacePoint on{otgSub(axisPoint(at), toAxis), distance, half / 3, partOf(first, half)};
+    const SurfacePoint on{axisPoint(at) - toAxis, distance, half / 3, partOf(first, half)};
     if (kind_ != SurfaceKind::kShell && otgDot(away, outwardNormal(tree_, on)) > 0) return;
     places_.push_back({distance, at, away, half / 3});
   }
@@ -221,14 +221,9 @@ void keepOutermost(const Capsule& capsule, std::pmr::vector<Place>& places, std:
         std::minmax_element(begin, end, [](const Place& x, const Place& y) { return x.at < y.at; });
     const auto add = [&](const Place& p) {
       const double depth = capsule.radius - p.distance;
-      const Vec3d on = otgAdd(capsule.middle, otgScale(capsule.direction, p.at - capsule.half));
-      Contact contact{otgAdd(on, otgScale(p.away, p.distance + 0.5 * depth)),
-                      p.away,
-                      depth,
-                      p.triangle,
-                      kNone,
-                      number,
-                      ContactFeature::kFaceA};
+      const Vec3d on = capsule.middle + capsule.direction * (p.at - capsule.half);
+      Contact contact{
+          on + p.away * (p.distance + 0.5 * depth), p.away, depth, p.triangle, kNone, number, ContactFeature::kFaceA};
       contact.coherence = 1;
       out.push_back(contact);
     };

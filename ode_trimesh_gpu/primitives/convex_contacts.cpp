@@ -37,10 +37,10 @@ class ShapeRefiner final : public RegionRefiner {
     trusted_ = !direction.entangled && !direction.escaping && !region.contained && !region.bad;
     if (!trusted_) return false;
     if (!patch_.read(meshes, all, region) && !patch_.readDense(meshes, all, region, *placed_)) return false;
-    way_ = patch_.leave(*placed_, otgScale(unit(region.push), -1.0));
+    way_ = patch_.leave(*placed_, unit(region.push) * -1.0);
     if (!std::isfinite(way_.depth)) return false;
     settled_ = true;
-    normals.fix(otgScale(way_.direction, -1.0));
+    normals.fix(way_.direction * -1.0);
     return true;
   }
 
@@ -88,10 +88,9 @@ class ShapeRefiner final : public RegionRefiner {
   /// The point of the shape that stands for a contact's, with the direction fixed.
   Vec3d rearPlace(const Vec3d& position) const {
     Vec3d p = placed_->toLocal(position);
-    const Vec3d back = otgScale(placed_->directionToLocal(way_.direction), -1.0);
+    const Vec3d back = placed_->directionToLocal(way_.direction) * -1.0;
     if (shape_.kind == ConvexShape::Kind::kCapsule) {
-      return placed_->fromLocal(
-          otgAdd(Vec3d{0, 0, std::clamp(p.z, -shape_.length, shape_.length)}, otgScale(back, shape_.radius)));
+      return placed_->fromLocal(Vec3d{0, 0, std::clamp(p.z, -shape_.length, shape_.length)} + back * shape_.radius);
     }
     p.z = std::clamp(p.z, -shape_.length, shape_.length);
     const double across = std::hypot(back.x, back.y), out = std::hypot(p.x, p.y);
@@ -107,7 +106,7 @@ class ShapeRefiner final : public RegionRefiner {
   }
 
   void place(Contact& c, const Vec3d& middle, double depth) const {
-    c.position = otgAdd(middle, origin_);
+    c.position = middle + origin_;
     c.depth = depth;
   }
   /// Within the region's bounds: where the lines of two edges are nearest may be beyond the edges' ends, and the line
@@ -118,22 +117,22 @@ class ShapeRefiner final : public RegionRefiner {
 
   /// With the direction fixed: place and depth on the round shape and the patch's planes.
   bool onPatch(Contact& c) const {
-    const Vec3d d = way_.direction, p = rearPlace(otgSub(c.position, origin_));
+    const Vec3d d = way_.direction, p = rearPlace(c.position - origin_);
     const double ahead = patch_.wayOut(p, d);
     if (!(ahead > 0) || !std::isfinite(ahead)) return false;
-    const double behind = std::max(0.0, placed_->exitDistance(p, otgScale(d, -1.0)));
+    const double behind = std::max(0.0, placed_->exitDistance(p, d * -1.0));
     const double depth = std::min(ahead + behind, way_.depth);
-    place(c, inRegion(otgAdd(p, otgScale(d, 0.5 * (ahead - behind)))), depth);
+    place(c, inRegion(p + d * (0.5 * (ahead - behind))), depth);
     return true;
   }
 
   /// With a direction of its own: the far end on the mesh is right, the near one is measured on the round shape.
   bool onSurface(Contact& c) const {
     if (!trusted_) return true;  // bodies deep in each other: the round shape is not the question
-    const Vec3d onMesh = otgSub(otgSub(c.position, origin_), otgScale(c.normal, 0.5 * c.depth));
+    const Vec3d onMesh = c.position - origin_ - c.normal * (0.5 * c.depth);
     const double depth = placed_->exitDistance(onMesh, c.normal);
     if (!(depth > 0)) return false;
-    place(c, otgAdd(onMesh, otgScale(c.normal, 0.5 * depth)), std::min(depth, c.depth));
+    place(c, onMesh + c.normal * (0.5 * depth), std::min(depth, c.depth));
     return true;
   }
 
@@ -145,8 +144,8 @@ class ShapeRefiner final : public RegionRefiner {
     const Vec3d n = otgCross(way_.alongShape, way_.alongMesh);
     const double nn = otgDot(n, n);
     if (!(nn > 1e-12)) return rear;
-    const double t = otgDot(otgCross(otgSub(way_.onMesh, rear), way_.alongMesh), n) / nn;
-    return otgAdd(rear, otgScale(way_.alongShape, t));
+    const double t = otgDot(otgCross(way_.onMesh - rear, way_.alongMesh), n) / nn;
+    return rear + way_.alongShape * t;
   }
 
   /// The contact at which the least way out is decided, unless there is one as deep.
@@ -161,13 +160,12 @@ class ShapeRefiner final : public RegionRefiner {
       if (deepest.depth >= way_.depth * (1 - 1e-6)) return;
     }
     const Vec3d d = way_.direction;
-    deepest.normal = otgScale(d, -1.0);
-    place(deepest, inRegion(otgAdd(rearPoint(), otgScale(d, 0.5 * way_.depth))), way_.depth);
-    contacts.erase(std::remove_if(begin, contacts.end(),
-                                  [&](const Contact& c) {
-                                    return norm(otgSub(c.position, deepest.position)) < kSamePlace * diagonal_;
-                                  }),
-                   contacts.end());
+    deepest.normal = d * -1.0;
+    place(deepest, inRegion(rearPoint() + d * (0.5 * way_.depth)), way_.depth);
+    contacts.erase(
+        std::remove_if(begin, contacts.end(),
+                       [&](const Contact& c) { return norm(c.position - deepest.position) < kSamePlace * diagonal_; }),
+        contacts.end());
     contacts.push_back(deepest);
   }
 
@@ -175,7 +173,7 @@ class ShapeRefiner final : public RegionRefiner {
   void keepEnds(std::vector<Contact>& contacts, std::size_t first) const {
     if (contacts.size() - first < 2) return;
     const auto begin = contacts.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto along = [&](const Contact& c) { return placed_->toLocal(otgSub(c.position, origin_)).z; };
+    const auto along = [&](const Contact& c) { return placed_->toLocal(c.position - origin_).z; };
     const auto [low, high] = std::minmax_element(
         begin, contacts.end(), [&](const Contact& x, const Contact& y) { return along(x) < along(y); });
     const auto most =
@@ -223,7 +221,7 @@ bool rimContacts(const Query& query, const ConvexShape& shape, Workspace& worksp
   frame.t = otgTransform(frame, middle);
   const Vec3d half{high.x - middle.x, high.y - middle.y, high.z - middle.z};
   const double size = norm(half);
-  const SheetBlock block = sheetBlock(*query.a, frame, otgAdd(half, Vec3d{size, size, size}), 4 * size);
+  const SheetBlock block = sheetBlock(*query.a, frame, half + Vec3d{size, size, size}, 4 * size);
   if (block.mesh == nullptr) return false;
   Query filled = query;
   filled.a = block.mesh.get();

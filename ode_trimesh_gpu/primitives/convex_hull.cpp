@@ -35,7 +35,7 @@ class Hull {
   double height(const Face& face, std::uint32_t p) const { return otgDot(face.normal, points_[p]) - face.offset; }
 
   void addFace(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    const Vec3d n = unit(otgCross(otgSub(points_[b], points_[a]), otgSub(points_[c], points_[a])));
+    const Vec3d n = unit(otgCross(points_[b] - points_[a], points_[c] - points_[a]));
     faces_.push_back({{a, b, c}, n, otgDot(n, points_[a])});
   }
 
@@ -52,18 +52,18 @@ class Hull {
   /// A tetrahedron of points far from each other.
   bool start() {
     const Vec3d& o = points_[0];
-    const auto distance = [&](const Vec3d& from) { return [from](const Vec3d& p) { return norm(otgSub(p, from)); }; };
+    const auto distance = [&](const Vec3d& from) { return [from](const Vec3d& p) { return norm(p - from); }; };
     const std::uint32_t a = farthest(distance(o)), b = farthest(distance(points_[a]));
-    const Vec3d ab = otgSub(points_[b], points_[a]);
+    const Vec3d ab = points_[b] - points_[a];
     const double size = norm(ab);
     tolerance_ = kFlat * size;
     if (!(size > 0)) return false;
-    const std::uint32_t c = farthest([&](const Vec3d& p) { return norm(otgCross(otgSub(p, points_[a]), ab)); });
-    const Vec3d n = unit(otgCross(ab, otgSub(points_[c], points_[a])));
-    const auto off = [&](const Vec3d& p) { return std::fabs(otgDot(n, otgSub(p, points_[a]))); };
+    const std::uint32_t c = farthest([&](const Vec3d& p) { return norm(otgCross(p - points_[a], ab)); });
+    const Vec3d n = unit(otgCross(ab, points_[c] - points_[a]));
+    const auto off = [&](const Vec3d& p) { return std::fabs(otgDot(n, p - points_[a])); };
     const std::uint32_t d = farthest(off);
     if (!(off(points_[d]) > tolerance_)) return false;
-    const bool below = otgDot(n, otgSub(points_[d], points_[a])) < 0;
+    const bool below = otgDot(n, points_[d] - points_[a]) < 0;
     const std::uint32_t p = below ? b : c, q = below ? c : b;  // a, p, q seen counter-clockwise from the side without d
     addFace(a, p, q);
     addFace(p, a, d);

@@ -83,9 +83,9 @@ void ConvexPatch::readEdges(const PlacedMeshes& meshes,
       if (other == planeOf.end() || other->first != twin / 3) continue;
       const Vec3d &n1 = planes_[plane].normal, &n2 = planes_[other->second].normal;
       if (otgDot(n1, n2) > kFlatEdge) continue;
-      const Vec3d a = otgSub(meshes.vertex(0, mesh.triangles()[triangle].v[k]), origin_);
-      const Vec3d b = otgSub(meshes.vertex(0, mesh.triangles()[triangle].v[(k + 1) % 3]), origin_);
-      edges_.push_back({a, unit(otgSub(b, a)), n1, n2});
+      const Vec3d a = meshes.vertex(0, mesh.triangles()[triangle].v[k]) - origin_;
+      const Vec3d b = meshes.vertex(0, mesh.triangles()[triangle].v[(k + 1) % 3]) - origin_;
+      edges_.push_back({a, unit(b - a), n1, n2});
     }
   }
 }
@@ -124,7 +124,7 @@ bool ConvexPatch::isInCone(const Vec3d& d, const Vec3d& at) const {
         const double det = otgDot(n, active[k]);
         if (std::fabs(det) < 1e-9) continue;
         const double w = otgDot(n, d) / det;
-        const Vec3d rest = otgSub(d, otgScale(active[k], w));
+        const Vec3d rest = d - active[k] * w;
         const double a = otgDot(otgCross(rest, active[j]), n) / nn, b = otgDot(otgCross(active[i], rest), n) / nn;
         if (w >= -kRounding && a >= -kRounding && b >= -kRounding) return true;
       }
@@ -169,7 +169,7 @@ void ConvexPatch::tryEdge(const PlacedShape& shape, const Edge& edge, WayOut& be
       const Vec3d along = shape.direction(local);
       Vec3d d = unit(otgCross(edge.direction, along));
       if (!(otgDot(d, d) > 0)) continue;
-      if (otgDot(d, otgAdd(edge.normal1, edge.normal2)) < 0) d = otgScale(d, -1.0);
+      if (otgDot(d, edge.normal1 + edge.normal2) < 0) d = d * -1.0;
       const bool between =
           otgDot(otgCross(edge.normal1, d), across) >= 0 && otgDot(otgCross(d, edge.normal2), across) >= 0;
       if (between) offerEdge(d, kEdgeHandicap, along);
@@ -180,7 +180,7 @@ void ConvexPatch::tryEdge(const PlacedShape& shape, const Edge& edge, WayOut& be
   const double sine = std::sin(angle);
   if (!(sine > 1e-9)) return;  // a knife's edge
   const auto directionAt = [&](double t) {
-    return unit(otgAdd(otgScale(edge.normal1, std::sin((1 - t) * angle)), otgScale(edge.normal2, std::sin(t * angle))));
+    return unit(edge.normal1 * std::sin((1 - t) * angle) + edge.normal2 * std::sin(t * angle));
   };
   const auto depthAt = [&](double t) {
     const Vec3d d = directionAt(t);
@@ -194,8 +194,7 @@ void ConvexPatch::tryEdge(const PlacedShape& shape, const Edge& edge, WayOut& be
   }
   // The way changes by no more than the shape's farthest point is away, for each radian: between the samples it cannot
   // become shorter than the shortest so far.
-  const double reach =
-      norm(otgSub(shape.fromLocal({0, 0, 0}), edge.point)) + shape.shape().radius + shape.shape().length;
+  const double reach = norm(shape.fromLocal({0, 0, 0}) - edge.point) + shape.shape().radius + shape.shape().length;
   if (depths[least] - reach * angle * (0.5 / kArcSamples) * (1 + 1e-6) >= best.depth) return;
   double low = std::max(0, least - 1), high = std::min(kArcSamples, least + 1);
   low /= kArcSamples;
@@ -229,7 +228,7 @@ Vec3d wayToRoundSide(const PlacedShape& shape, const Vec3d& point) {
   } else {
     local.z = 0;
   }
-  return unit(otgScale(shape.direction(local), -1.0));
+  return unit(shape.direction(local) * -1.0);
 }
 
 WayOut ConvexPatch::leave(const PlacedShape& shape, const Vec3d& out) const {
@@ -241,7 +240,7 @@ WayOut ConvexPatch::leave(const PlacedShape& shape, const Vec3d& out) const {
     if (isOut(plane.normal)) offer(shape, plane.normal, plane.offset, 1.0, best);
   }
   for (const Vec3d& local : shape.shape().faceNormals) {
-    const Vec3d d = otgScale(shape.direction(local), -1.0);
+    const Vec3d d = shape.direction(local) * -1.0;
     double height = 0;
     if (isOut(d) && hasSupport(d, height)) offer(shape, d, height, 1.0, best);
   }

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "base/vectors.h"
 #include "collide/solid/regions.h"
 #include "primitives/convex_shape.h"
 
@@ -17,11 +18,11 @@ class PlacedShape {
       : shape_(&shape), pose_(pose), origin_(origin) {}
   const ConvexShape& shape() const { return *shape_; }
   Vec3d direction(const Vec3d& local) const { return otgRotate(pose_, local); }
-  Vec3d toLocal(const Vec3d& p) const { return otgRotateBack(pose_, otgSub(otgAdd(p, origin_), pose_.t)); }
-  Vec3d fromLocal(const Vec3d& p) const { return otgSub(otgTransform(pose_, p), origin_); }
+  Vec3d toLocal(const Vec3d& p) const { return otgRotateBack(pose_, p + origin_ - pose_.t); }
+  Vec3d fromLocal(const Vec3d& p) const { return otgTransform(pose_, p) - origin_; }
   Vec3d directionToLocal(const Vec3d& d) const { return otgRotateBack(pose_, d); }
   /// Its point that is last to leave when it moves along d, and how far that is along d.
-  Vec3d rear(const Vec3d& d) const { return fromLocal(shape_->support(otgScale(directionToLocal(d), -1.0))); }
+  Vec3d rear(const Vec3d& d) const { return fromLocal(shape_->support(directionToLocal(d) * -1.0)); }
   double rearAlong(const Vec3d& d) const { return otgDot(d, rear(d)); }
   double exitDistance(const Vec3d& p, const Vec3d& d) const {
     return shape_->exitDistance(toLocal(p), directionToLocal(d));

@@ -36,20 +36,19 @@ bool ConvexPatch::readDense(const PlacedMeshes& meshes, const OverlapRegions& al
   tolerance_ = toleranceOf(meshes, region);
   dense_ = &meshes.tree(0);
   const TriMesh& mesh = dense_->mesh();
-  Transformd frame{{1, 0, 0, 0, 1, 0, 0, 0, 1}, otgAdd(origin_, otgScale(otgAdd(region.lo, region.hi), 0.5))};
-  searchWide(dense_->wide(), BoxQuery(*dense_, frame, otgScale(otgSub(region.hi, region.lo), 0.5)),
-             [&](std::uint32_t t) {
-               if (mesh.isDegenerate(t) || triangles_.size() > kMostTriangles) return;
-               Vec3d p[3];
-               bool isInside = false;
-               double longest = 0;
-               for (int k = 0; k < 3; ++k) p[k] = otgSub(vertexOf(mesh, mesh.triangles()[t].v[k]), origin_);
-               for (int k = 0; k < 3; ++k) {
-                 isInside = isInside || shape.exitDistance(p[k], {0, 0, 1}) >= 0;
-                 longest = std::max(longest, norm(otgSub(p[(k + 1) % 3], p[k])));
-               }
-               if (isInside || longest > kLargeTriangle * region.diagonal) triangles_.push_back(t);
-             });
+  Transformd frame{{1, 0, 0, 0, 1, 0, 0, 0, 1}, origin_ + (region.lo + region.hi) * 0.5};
+  searchWide(dense_->wide(), BoxQuery(*dense_, frame, (region.hi - region.lo) * 0.5), [&](std::uint32_t t) {
+    if (mesh.isDegenerate(t) || triangles_.size() > kMostTriangles) return;
+    Vec3d p[3];
+    bool isInside = false;
+    double longest = 0;
+    for (int k = 0; k < 3; ++k) p[k] = vertexOf(mesh, mesh.triangles()[t].v[k]) - origin_;
+    for (int k = 0; k < 3; ++k) {
+      isInside = isInside || shape.exitDistance(p[k], {0, 0, 1}) >= 0;
+      longest = std::max(longest, norm(p[(k + 1) % 3] - p[k]));
+    }
+    if (isInside || longest > kLargeTriangle * region.diagonal) triangles_.push_back(t);
+  });
   if (triangles_.empty() || triangles_.size() > kMostTriangles) {
     dense_ = nullptr;
     return false;
@@ -57,7 +56,7 @@ bool ConvexPatch::readDense(const PlacedMeshes& meshes, const OverlapRegions& al
   std::sort(triangles_.begin(), triangles_.end());
   for (const std::uint32_t t : triangles_) {
     const Vec3d& n = dense_->adjacency().normal[t];
-    planes_.push_back({n, otgDot(n, otgSub(vertexOf(mesh, mesh.triangles()[t].v[0]), origin_))});
+    planes_.push_back({n, otgDot(n, vertexOf(mesh, mesh.triangles()[t].v[0]) - origin_)});
     for (const std::uint32_t v : mesh.triangles()[t].v) vertices_.push_back(mesh.topology().weld[v]);
   }
   std::sort(vertices_.begin(), vertices_.end());
@@ -81,13 +80,13 @@ bool ConvexPatch::isConvexDense() const {
     for (std::uint32_t half = 3 * triangles_[i]; half < 3 * triangles_[i] + 3; ++half) {
       const std::uint32_t twin = mesh.topology().twin[half];
       if (twin == kNone || twin < half || keptNumber(twin / 3) == kNone) continue;
-      const Vec3d opposite = otgSub(vertexOf(mesh, mesh.triangles()[twin / 3].v[(twin + 2) % 3]), origin_);
+      const Vec3d opposite = vertexOf(mesh, mesh.triangles()[twin / 3].v[(twin + 2) % 3]) - origin_;
       if (otgDot(planes_[i].normal, opposite) > planes_[i].offset + tolerance_) return false;
     }
   }
   const std::size_t stride = std::max<std::size_t>(1, vertices_.size() / kSampledPoints);
   for (std::size_t k = 0; k < vertices_.size(); k += stride) {
-    const Vec3d p = otgSub(vertexOf(mesh, vertices_[k]), origin_);
+    const Vec3d p = vertexOf(mesh, vertices_[k]) - origin_;
     for (const Plane& plane : planes_) {
       if (otgDot(plane.normal, p) > plane.offset + tolerance_) return false;
     }
@@ -109,7 +108,7 @@ bool ConvexPatch::isSupport(std::uint32_t vertex, const Vec3d& d) const {
   const Adjacency& adjacency = dense_->adjacency();
   const Vec3d p = vertexOf(dense_->mesh(), vertex);
   for (std::uint32_t i = adjacency.first[vertex]; i < adjacency.first[vertex + 1]; ++i) {
-    const Vec3d way = otgSub(vertexOf(dense_->mesh(), adjacency.spokes[i].vertex), p);
+    const Vec3d way = vertexOf(dense_->mesh(), adjacency.spokes[i].vertex) - p;
     if (otgDot(way, d) > 1e-9 * norm(way)) return false;
   }
   return isWhole(vertex);
@@ -121,12 +120,12 @@ void ConvexPatch::tryAround(const PlacedShape& shape, std::uint32_t number, cons
   const std::uint32_t t = triangles_[number];
   for (std::uint32_t k = 0; k < 3; ++k) {
     const std::uint32_t v = mesh.topology().weld[mesh.triangles()[t].v[k]];
-    const Vec3d a = otgSub(vertexOf(mesh, v), origin_);
+    const Vec3d a = vertexOf(mesh, v) - origin_;
     const std::uint32_t twin = mesh.topology().twin[3 * t + k];
     const std::uint32_t other = twin == kNone ? kNone : keptNumber(twin / 3);
     if (other != kNone && otgDot(planes_[number].normal, planes_[other].normal) < kFlatEdge) {
-      const Vec3d b = otgSub(vertexOf(mesh, mesh.triangles()[t].v[(k + 1) % 3]), origin_);
-      tryEdge(shape, {a, unit(otgSub(b, a)), planes_[number].normal, planes_[other].normal}, best);
+      const Vec3d b = vertexOf(mesh, mesh.triangles()[t].v[(k + 1) % 3]) - origin_;
+      tryEdge(shape, {a, unit(b - a), planes_[number].normal, planes_[other].normal}, best);
     }
     if (!shape.shape().isCurved()) continue;
     const Vec3d d = wayToRoundSide(shape, a);
@@ -145,12 +144,12 @@ WayOut ConvexPatch::leaveDense(const PlacedShape& shape, const Vec3d& out) const
     offer(shape, plane.normal, plane.offset, 1.0, best);
   }
   for (const Vec3d& local : shape.shape().faceNormals) {
-    const Vec3d d = otgScale(shape.direction(local), -1.0);
+    const Vec3d d = shape.direction(local) * -1.0;
     if (!(otgDot(d, out) >= 0)) continue;
     std::uint32_t farthest = vertices_.front();
     double height = -std::numeric_limits<double>::infinity();
     for (const std::uint32_t v : vertices_) {
-      const double h = otgDot(d, otgSub(vertexOf(dense_->mesh(), v), origin_));
+      const double h = otgDot(d, vertexOf(dense_->mesh(), v) - origin_);
       if (h > height) {
         height = h;
         farthest = v;

@@ -71,7 +71,7 @@ std::size_t chooseSpread(std::vector<Below>::iterator begin, std::vector<Below>:
     const Vec3d last = begin[static_cast<std::ptrdiff_t>(i) - 1].position;
     auto best = begin + static_cast<std::ptrdiff_t>(i);
     for (auto it = best; it != end; ++it) {
-      const Vec3d d = otgSub(it->position, last);
+      const Vec3d d = it->position - last;
       it->spread = std::min(it->spread, otgDot(d, d));
       if (it->spread > kFarther * best->spread) best = it;
     }

@@ -127,8 +127,8 @@ void describe(ConvexShape& shape, const std::vector<std::array<std::uint32_t, 3>
   constexpr double kSame = 1 - 1e-10;
   std::map<std::pair<std::uint32_t, std::uint32_t>, Vec3d> normalOfEdge;
   for (const auto& t : triangles) {
-    const Vec3d n = unit(otgCross(otgSub(shape.vertices[t[1]], shape.vertices[t[0]]),
-                                  otgSub(shape.vertices[t[2]], shape.vertices[t[0]])));
+    const Vec3d n =
+        unit(otgCross(shape.vertices[t[1]] - shape.vertices[t[0]], shape.vertices[t[2]] - shape.vertices[t[0]]));
     for (std::size_t k = 0; k < 3; ++k) normalOfEdge[{t[k], t[(k + 1) % 3]}] = n;
     const bool known = std::any_of(shape.faceNormals.begin(), shape.faceNormals.end(),
                                    [&](const Vec3d& other) { return otgDot(other, n) > kSame; });
@@ -140,7 +140,7 @@ void describe(ConvexShape& shape, const std::vector<std::array<std::uint32_t, 3>
     if (edge.first > edge.second) continue;
     const auto other = normalOfEdge.find({edge.second, edge.first});
     if (other != normalOfEdge.end() && otgDot(n, other->second) > kSame) continue;
-    const Vec3d d = unit(otgSub(shape.vertices[edge.second], shape.vertices[edge.first]));
+    const Vec3d d = unit(shape.vertices[edge.second] - shape.vertices[edge.first]);
     const bool known = std::any_of(shape.edgeDirections.begin(), shape.edgeDirections.end(),
                                    [&](const Vec3d& e) { return std::fabs(otgDot(e, d)) > kSame; });
     if (!known) shape.edgeDirections.push_back(d);

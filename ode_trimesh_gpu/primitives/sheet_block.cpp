@@ -69,12 +69,12 @@ SheetBlock sheetBlock(const CollisionMesh& sheet, const Transformd& frame, const
   const std::vector<std::uint32_t> near = trianglesNear(sheet, frame, half);
   const Adjacency& adjacency = sheet.adjacency();
   Vec3d sum{0, 0, 0};
-  for (const std::uint32_t t : near) sum = otgAdd(sum, otgScale(adjacency.normal[t], adjacency.area[t]));
+  for (const std::uint32_t t : near) sum = sum + adjacency.normal[t] * adjacency.area[t];
   const Vec3d normal = unit(sum);
   for (const std::uint32_t t : near) {
     if (!(otgDot(adjacency.normal[t], normal) > kSteepest)) return {};
   }
-  Builder builder(sheet, otgScale(normal, -depth));
+  Builder builder(sheet, normal * -depth);
   const TriMesh& mesh = sheet.mesh();
   for (const std::uint32_t t : near) {
     const Triangle& corners = mesh.triangles()[t];

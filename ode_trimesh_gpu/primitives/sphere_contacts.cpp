@@ -48,23 +48,23 @@ void sphereContacts(const CollisionMesh& tree, const Vec3d& center, double radiu
     }
     nearest = closestPoint(tree, center);
     if (!isInside(tree, center, nearest)) return;
-    out.push_back(makeContact(nearest, unit(otgSub(center, nearest.point)), radius + nearest.distance, 0));
+    out.push_back(makeContact(nearest, unit(center - nearest.point), radius + nearest.distance, 0));
     return;
   }
   const double rounding = 1e-12 * (static_cast<double>(mesh.radius()) + norm(center) + radius);
   if (nearest.distance <= rounding) {  // the centre is on the surface
-    out.push_back(makeContact(nearest, otgScale(outwardNormal(tree, nearest), -1.0), radius, 0));
+    out.push_back(makeContact(nearest, outwardNormal(tree, nearest) * -1.0, radius, 0));
     return;
   }
   if (isInside(tree, center, nearest)) {
-    out.push_back(makeContact(nearest, unit(otgSub(center, nearest.point)), radius + nearest.distance, 0));
+    out.push_back(makeContact(nearest, unit(center - nearest.point), radius + nearest.distance, 0));
     return;
   }
   std::erase_if(points, [&](const SurfacePoint& p) { return !isMinimum(tree, p, center, rounding); });
   std::sort(points.begin(), points.end(), isNearer);
   const std::size_t first = out.size();
   for (const SurfacePoint& p : points) {
-    const Vec3d away = otgSub(p.point, center);
+    const Vec3d away = p.point - center;
     if (kind != SurfaceKind::kShell && otgDot(away, outwardNormal(tree, p)) > 0) continue;
     const Vec3d normal = unit(away);
     const bool known = std::any_of(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "base/vectors.h"
 #include "collide/query.h"
 #include "queries/closest_point.h"
 
@@ -91,7 +92,7 @@ std::vector<std::uint32_t> trianglesTouching(const CollisionMesh& mesh, const Co
   const Vec3d high{farthest({1, 0, 0}), farthest({0, 1, 0}), farthest({0, 0, 1})};
   const Vec3d low{-farthest({-1, 0, 0}), -farthest({0, -1, 0}), -farthest({0, 0, -1})};
   const auto isInside = [&](const Vec3d& p) {
-    return shape.exitDistance(otgRotateBack(shapeInMesh, otgSub(p, shapeInMesh.t)), {0, 0, 1}) >= 0;
+    return shape.exitDistance(otgRotateBack(shapeInMesh, p - shapeInMesh.t), {0, 0, 1}) >= 0;
   };
   visit(
       mesh,

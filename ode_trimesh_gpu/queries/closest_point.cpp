@@ -26,7 +26,7 @@ void searchNear(const CollisionMesh& tree, const Boxes& boxes, const Vec3d& poin
   const Array<BvhNode>& nodes = tree.tree().nodes;
   if (nodes.empty()) return;
   const TriMesh& mesh = tree.mesh();
-  const Vec3d centred = otgSub(point, asDouble(mesh.origin()));
+  const Vec3d centred = point - asDouble(mesh.origin());
   const auto& root = boxes(nodes[0]);
   const double slack = otgSearchSlack(centred, asDouble(root.center), asDouble(root.extent));
   const auto boxDistance2 = [&](const BvhNode& node) {
@@ -77,7 +77,7 @@ Vec3d faceNormal(const TriMesh& mesh, std::uint32_t triangle) {
   if (mesh.isDegenerate(triangle)) return {0, 0, 0};
   Vec3d p[3];
   cornersOf(mesh, triangle, p);
-  return unit(otgCross(otgSub(p[1], p[0]), otgSub(p[2], p[0])));
+  return unit(otgCross(p[1] - p[0], p[2] - p[0]));
 }
 
 SurfacePoint closestOnTriangle(const Vec3d corners[3], const Vec3d& p) {

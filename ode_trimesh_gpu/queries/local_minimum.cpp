@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "base/vectors.h"
+
 namespace otg {
 namespace {
 
@@ -13,12 +15,12 @@ Vec3d vertexOf(const TriMesh& mesh, std::uint32_t v) {
 
 /// How much a surface may rise towards the centre, squared and times the squared distance.
 double riseTolerance(const Vec3d& toCenter, double rounding) {
-  return 2 * rounding * std::sqrt(otgDot(toCenter, toCenter));
+  return 2 * rounding * norm(toCenter);
 }
 
 /// Whether a surface that goes on from a point towards another one comes no nearer to the centre.
 bool leadsAway(const Vec3d& from, const Vec3d& to, const Vec3d& toCenter, double tolerance) {
-  const Vec3d along = otgSub(to, from);
+  const Vec3d along = to - from;
   const double rise = otgDot(along, toCenter);
   return rise <= 0 || rise * rise <= tolerance * otgDot(along, along);
 }
@@ -67,7 +69,7 @@ bool isMinimumOfVertex(const CollisionMesh& tree, std::uint32_t vertex, const Ve
 
 bool isMinimum(const CollisionMesh& tree, const SurfacePoint& p, const Vec3d& center, double rounding) {
   if (p.part == TrianglePart::kFace) return true;
-  const Vec3d toCenter = otgSub(center, p.point);
+  const Vec3d toCenter = center - p.point;
   const auto number = static_cast<std::uint32_t>(p.part);
   if (p.part <= TrianglePart::kEdge2) {
     const std::uint32_t k = number - static_cast<std::uint32_t>(TrianglePart::kEdge0);

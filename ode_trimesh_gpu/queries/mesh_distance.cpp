@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/vectors.h"
 #include "collide/pair_frame.h"
 #include "collide/rotation_tolerance.h"
 #include "queries/closest_point.h"
@@ -25,7 +26,7 @@ BoxFrame<double> boxFrame(const Query& query) {
     frame.absR[i] = std::fabs(frame.r[i]);
   }
   const Vec3d b = otgTransform(query.bInA, toDouble(query.b->mesh().origin()));
-  frame.t = otgSub(b, toDouble(query.a->mesh().origin()));
+  frame.t = b - toDouble(query.a->mesh().origin());
   return frame;
 }
 
@@ -77,7 +78,6 @@ class Search {
     std::uint32_t a, b;
     double gap;
   };
-  static double norm(const Vec3d& v) { return std::sqrt(otgDot(v, v)); }
   template <class Box>
   static double size(const Box& box) {
     return std::max({box.extent.x, box.extent.y, box.extent.z});
@@ -87,7 +87,7 @@ class Search {
     const auto& a = boxesA_(a_[i]);
     const auto& b = boxesB_(b_[j]);
     const Vec3d centerA = toDouble(a.center), extentA = toDouble(a.extent), extentB = toDouble(b.extent);
-    const Vec3d d = otgSub(otgBoxCenterInA(frame_, toDouble(b.center)), centerA);
+    const Vec3d d = otgBoxCenterInA(frame_, toDouble(b.center)) - centerA;
     const double along = otgDot(way_, d) - (otgDot(wayA_, extentA) + otgDot(wayB_, extentB)) - slack_;
     if (along > limit_) return along;
     const double distance2 = otgBoxDistance2Below(frame_, d, extentA, extentB);
@@ -115,7 +115,7 @@ class Search {
     best_ = {true, distance, found.a, found.b, s, t};
     limit_ = distance;
     if (!(distance > 0)) return;
-    way_ = otgScale(otgSub(found.b, found.a), 1 / distance);
+    way_ = (found.b - found.a) * (1 / distance);
     const Vec3d inB = otgRotateBack(query_.bInA, way_);
     wayA_ = {std::fabs(way_.x), std::fabs(way_.y), std::fabs(way_.z)};
     wayB_ = {std::fabs(inB.x), std::fabs(inB.y), std::fabs(inB.z)};

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "base/vectors.h"
 #include "collide/inside_test.h"
 #include "collide/pair_frame.h"
 #include "collide/rotation_tolerance.h"
@@ -24,7 +25,7 @@ bool findMeetingIn(const Query& query, const Boxes& boxesA, const Boxes& boxesB,
   const PairFrame frame = makePairFrame(query);
   if (!frame.finite) return false;
   const auto apart = [&](const auto& x, const auto& y) {
-    const Vec3f d = otgSub(otgBoxCenterInA(frame.boxes, y.center), x.center);
+    const Vec3f d = otgBoxCenterInA(frame.boxes, y.center) - x.center;
     return otgBoxGapA(d, x.extent, otgBoxExtentInA(frame.boxes, y.extent)) > frame.boxes.eps ||
            otgBoxGapB(frame.boxes, d, x.extent, y.extent) > frame.boxes.eps;
   };

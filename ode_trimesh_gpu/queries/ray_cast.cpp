@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/vectors.h"
 #include "queries/closest_point.h"
 
 namespace otg {
@@ -39,8 +40,8 @@ bool passes(const CollisionMesh& mesh, const RayCast& cast, const RayHit& hit) {
   if (!cast.filter) return false;
   Vec3d p[3];
   cornersOf(mesh.mesh(), hit.triangle, p);
-  const Vec3d e1 = otgSub(p[1], p[0]), e2 = otgSub(p[2], p[0]), n = otgCross(e1, e2);
-  const Vec3d at = otgSub(otgAdd(cast.ray.origin, otgScale(cast.ray.direction, hit.distance)), p[0]);
+  const Vec3d e1 = p[1] - p[0], e2 = p[2] - p[0], n = otgCross(e1, e2);
+  const Vec3d at = cast.ray.origin + cast.ray.direction * hit.distance - p[0];
   const double nn = otgDot(n, n);
   return !cast.filter(hit.triangle, otgDot(otgCross(at, e2), n) / nn, otgDot(otgCross(e1, at), n) / nn);
 }
@@ -58,7 +59,7 @@ void forEachInReach(const CollisionMesh& tree, const MeshRay& ray, double& limit
   const Array<BvhNode>& nodes = tree.tree().nodes;
   if (nodes.empty()) return;
   const auto toDouble = [](const Vec3f& v) { return Vec3d{v.x, v.y, v.z}; };
-  const Vec3d middle = toDouble(tree.mesh().origin()), from = otgSub(ray.origin, middle);
+  const Vec3d middle = toDouble(tree.mesh().origin()), from = ray.origin - middle;
   const Vec3d along = otgRayAlong(ray.direction), inverse{1 / along.x, 1 / along.y, 1 / along.z};
   const double reach = 2 * otgRayReach(double{tree.mesh().radius()}, from, middle);
   std::uint32_t stack[kMaxTreeDepth + 2];
@@ -66,9 +67,9 @@ void forEachInReach(const CollisionMesh& tree, const MeshRay& ray, double& limit
   stack[top++] = 0;
   while (top > 0) {
     const BvhNode& node = nodes[stack[--top]];
-    const Vec3d center = toDouble(node.center), extent = otgAdd(toDouble(node.extent), Vec3d{reach, reach, reach});
+    const Vec3d center = toDouble(node.center), extent = toDouble(node.extent) + Vec3d{reach, reach, reach};
     double near;
-    if (!otgRayEntersBox(from, along, inverse, otgSub(center, extent), otgAdd(center, extent), &near) || near > limit) {
+    if (!otgRayEntersBox(from, along, inverse, center - extent, center + extent, &near) || near > limit) {
       continue;
     }
     if (node.isLeaf()) {
@@ -100,7 +101,7 @@ void forEachHit(const CollisionMesh& mesh, const RayCast& cast, double& limit, c
 TriangleRay::TriangleRay(const TriMesh& mesh, const MeshRay& ray)
     : mesh_(mesh), ray_(ray), along_(otgRayAlong(ray.direction)), inverse_{1 / along_.x, 1 / along_.y, 1 / along_.z} {
   const Vec3d middle{mesh.origin().x, mesh.origin().y, mesh.origin().z};
-  reach_ = otgRayReach(double{mesh.radius()}, otgSub(ray.origin, middle), middle);
+  reach_ = otgRayReach(double{mesh.radius()}, ray.origin - middle, middle);
 }
 
 bool TriangleRay::hits(std::uint32_t triangle, RayHit& hit) const {

@@ -44,7 +44,7 @@ Vec3d outwardNormal(const CollisionMesh& tree, const SurfacePoint& at) {
   if (at.part == TrianglePart::kFace) return face;
   if (at.part <= TrianglePart::kEdge2) {
     const std::uint32_t other = mesh.topology().twin[3 * at.triangle + edgeOfPart(at.part)];
-    const Vec3d sum = other == kNone ? face : unit(otgAdd(face, faceNormal(mesh, other / 3)));
+    const Vec3d sum = other == kNone ? face : unit(face + faceNormal(mesh, other / 3));
     return otgDot(sum, sum) > 0 ? sum : face;
   }
   const std::uint32_t v = mesh.topology().weld[mesh.triangles()[at.triangle].v[cornerOfPart(at.part)]];
@@ -54,9 +54,9 @@ Vec3d outwardNormal(const CollisionMesh& tree, const SurfacePoint& at) {
     const std::uint32_t half = adjacency.halfEdges[i], k = half % 3;
     Vec3d p[3];
     cornersOf(mesh, half / 3, p);
-    const Vec3d a = unit(otgSub(p[(k + 1) % 3], p[k])), b = unit(otgSub(p[(k + 2) % 3], p[k]));
+    const Vec3d a = unit(p[(k + 1) % 3] - p[k]), b = unit(p[(k + 2) % 3] - p[k]);
     const double angle = std::acos(std::clamp(otgDot(a, b), -1.0, 1.0));
-    sum = otgAdd(sum, otgScale(faceNormal(mesh, half / 3), angle));
+    sum = sum + faceNormal(mesh, half / 3) * angle;
   }
   sum = unit(sum);
   return otgDot(sum, sum) > 0 ? sum : face;
@@ -74,7 +74,7 @@ bool isInside(const CollisionMesh& tree, const Vec3d& point, const SurfacePoint&
     }
     case SurfaceKind::kSheet:
       return !isOnRim(mesh, tree.adjacency(), nearest) &&
-             otgDot(otgSub(point, nearest.point), outwardNormal(tree, nearest)) < 0;
+             otgDot(point - nearest.point, outwardNormal(tree, nearest)) < 0;
     case SurfaceKind::kShell:
       break;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "queries/triangle_distance.h"
 
+#include "base/vectors.h"
 #include "queries/closest_point.h"
 
 namespace otg {
@@ -16,12 +17,12 @@ Vec3d commonPoint(const Vec3d a[3], const Vec3d b[3]) {
   for (int side = 0; side < 2; ++side) {
     const Vec3d* const edges = side == 0 ? a : b;
     const Vec3d* const face = side == 0 ? b : a;
-    const Vec3d n = otgCross(otgSub(face[1], face[0]), otgSub(face[2], face[0]));
+    const Vec3d n = otgCross(face[1] - face[0], face[2] - face[0]);
     for (int k = 0; k < 3; ++k) {
       const Vec3d &p = edges[k], &q = edges[(k + 1) % 3];
-      const double hp = otgDot(n, otgSub(p, face[0])), hq = otgDot(n, otgSub(q, face[0]));
+      const double hp = otgDot(n, p - face[0]), hq = otgDot(n, q - face[0]);
       if (!(hp * hq < 0)) continue;
-      const Vec3d x = otgAdd(p, otgScale(otgSub(q, p), hp / (hp - hq)));
+      const Vec3d x = p + (q - p) * (hp / (hp - hq));
       const SurfacePoint on = closestOnTriangle(face, x);
       if (on.distance * on.distance < best.distance2) best = {x, on.point, on.distance * on.distance};
     }

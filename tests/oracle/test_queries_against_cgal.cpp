@@ -2,6 +2,7 @@
 // Nearest points, sides, rays and distances of generated meshes against CGAL's.
 #include <numbers>
 
+#include "base/vectors.h"
 #include "oracle/cgal_queries.h"
 #include "queries/mesh_distance.h"
 #include "queries/mesh_overlap.h"
@@ -36,9 +37,6 @@ std::vector<Named> meshes() {
 Vec3d middleOf(const TriMesh& mesh) {
   return {mesh.center().x, mesh.center().y, mesh.center().z};
 }
-double length(const Vec3d& v) {
-  return std::sqrt(otgDot(v, v));
-}
 
 }  // namespace
 
@@ -54,7 +52,7 @@ TEST_CASE("distances and sides of points are CGAL's") {
       const SurfacePoint found = closestPoint(mesh, p);
       INFO(named.name << " point " << i);
       REQUIRE(std::abs(found.distance - truth.distance(p)) < 1e-12 * size);
-      REQUIRE(std::abs(length(otgSub(found.point, p)) - found.distance) < 1e-12 * size);
+      REQUIRE(std::abs(norm(otgSub(found.point, p)) - found.distance) < 1e-12 * size);
       REQUIRE(truth.distance(found.point) < 1e-12 * size);
       const bool isIn = truth.isInside(p);
       REQUIRE(isInside(mesh, p, found) == isIn);
@@ -78,7 +76,7 @@ TEST_CASE("rays go through a surface where CGAL's do") {
       const double away = i % 8 == 0 ? 1e4 : i % 2 == 0 ? 3 : 0.5;
       cast.ray.origin = otgAdd(middleOf(mesh.mesh()), otgScale(draw.direction(), away * size));
       const Vec3d way = otgSub(otgAdd(middleOf(mesh.mesh()), draw.inBox(0.7 * size)), cast.ray.origin);
-      cast.ray.direction = otgScale(way, 1 / length(way));
+      cast.ray.direction = otgScale(way, 1 / norm(way));
       cast.length = 1e5 * size;
       cast.mode = RayMode::kAll;
       castRay(mesh, cast, hits);
@@ -126,7 +124,7 @@ TEST_CASE("distances of two meshes are CGAL's least over all pairs of triangles"
         INFO("expected " << expected << " found " << found.distance);
         REQUIRE(std::abs(found.distance - expected) < 1e-12);
         REQUIRE(overlap(query) == (expected == 0));
-        REQUIRE(std::abs(length(otgSub(found.pointA, found.pointB)) - found.distance) < 1e-12);
+        REQUIRE(std::abs(norm(otgSub(found.pointA, found.pointB)) - found.distance) < 1e-12);
         REQUIRE(truthA.distance(found.pointA) < 1e-12);
         (expected > 0 ? apart : meeting) += 1;
       }

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <thread>
 
+#include "opencl/meshes/pack_mesh.h"
 #include "opencl/meshes/packed_motion.h"
 #include "opencl/runtime/call.h"
 #include "opencl/runtime/log.h"

@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "opencl/meshes/mesh_store.h"
+#include "opencl/meshes/pack_mesh.h"
 #include "opencl/runtime/call.h"
 #include "opencl/runtime/context.h"
 #include "opencl/runtime/given.h"

@@ -33,7 +33,7 @@ class WedgeFinder : public RegionRefiner {
   bool direct(const PlacedMeshes& /*meshes*/, const OverlapRegions& all, const Region& region,
               const RegionDirection& /*direction*/, RegionNormals& normals) override {
     RegionExtent extent(all, region);
-    found = found || hasWedge(region, normals, extent);
+    found = found || isUneven(region, normals, extent);
     return false;
   }
   void refine(std::vector<Contact>& /*contacts*/, std::size_t /*first*/) override {}

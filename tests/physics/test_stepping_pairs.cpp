@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "base/vectors.h"
 #include "scenes/heightfield_geom.h"
 #include "support/catch.h"
 #include "support/ode_trimesh.h"
@@ -24,9 +25,6 @@ constexpr double kGravity = 9.81;
 
 Vec3d toVec(const dReal* p) {
   return {p[0], p[1], p[2]};
-}
-double norm(const Vec3d& v) {
-  return std::sqrt(otgDot(v, v));
 }
 
 struct Start {

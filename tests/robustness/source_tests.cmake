@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Tests of the sources themselves: the rules of the layers, and that the shared headers are OpenCL C as well.
+# Tests of the sources themselves: the rules of the layers and of kernels, no cycles of includes, and that the shared headers
+# are OpenCL C as well.
 add_test(NAME robustness.layer_rules
          COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/layer_rules.sh" "${PROJECT_SOURCE_DIR}")
 add_test(NAME robustness.layer_rules_self_test
@@ -14,6 +15,14 @@ add_test(NAME robustness.kernel_rules_self_test
          COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/kernel_rules.py"
                  --self-test "${CMAKE_CURRENT_BINARY_DIR}/kernel_rules")
 set_tests_properties(robustness.kernel_rules robustness.kernel_rules_self_test PROPERTIES LABELS robustness TIMEOUT 60)
+
+# That no sources need each other, inside layers as between them.
+add_test(NAME robustness.include_cycles
+         COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/include_cycles.py" "${PROJECT_SOURCE_DIR}")
+add_test(NAME robustness.include_cycles_self_test
+         COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/include_cycles.py" --self-test
+                 "${CMAKE_CURRENT_BINARY_DIR}/include_cycles")
+set_tests_properties(robustness.include_cycles robustness.include_cycles_self_test PROPERTIES LABELS robustness TIMEOUT 60)
 
 # Not only that there is a docstring: a function that gains an argument has to say what it is.
 add_test(NAME robustness.docstrings

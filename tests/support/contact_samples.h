@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "base/vectors.h"
 #include "collide/query.h"
 #include "support/draw.h"
 
@@ -16,7 +17,7 @@ namespace otg::test {
 
 inline Contact makeContact(Vec3d position, Vec3d normal, double depth, std::uint32_t a = 0, std::uint32_t b = 0,
                            std::uint32_t region = 0, ContactFeature feature = ContactFeature::kFaceA) {
-  const double length = std::sqrt(otgDot(normal, normal));
+  const double length = norm(normal);
   return {position, otgScale(normal, 1 / length), depth, a, b, region, feature};
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/vectors.h"
 #include "queries/closest_point.h"
 #include "queries/ray_cast.h"
 #include "support/draw.h"
@@ -26,7 +27,7 @@ inline std::vector<LongRay> raysFor(const TriMesh& mesh, std::uint32_t seed, std
     const double size = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
     if (!(size > 0 && size < std::numeric_limits<double>::infinity())) return Vec3d{0, 0, 1};
     const Vec3d part = otgScale(v, 1 / size);
-    return otgScale(part, 1 / std::sqrt(otgDot(part, part)));
+    return otgScale(part, 1 / norm(part));
   };
   const auto axis = [&](std::size_t i) {
     const double sign = i % 2 == 0 ? 1 : -1;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/vectors.h"
 #include "collide/contact_id.h"
 #include "scenes/generated_meshes.h"
 #include "support/catch.h"
@@ -69,7 +70,7 @@ TEST_CASE("features are where they are said to be, vertices inside are inside th
   const auto inBox = [](const Vec3d& p) {
     return std::max({std::fabs(p.x) - 1, std::fabs(p.y) - 0.75, std::fabs(p.z) - 0.5}) <= 1e-9;
   };
-  const auto inSphere = [](const Vec3d& p) { return std::sqrt(otgDot(p, p)) <= 0.8 + 1e-6; };
+  const auto inSphere = [](const Vec3d& p) { return norm(p) <= 0.8 + 1e-6; };
   const auto inTorus = [](const Vec3d& p) { return std::hypot(std::hypot(p.x, p.y) - 1, p.z) <= 0.4 + 1e-6; };
   struct Shape {
     const CollisionMesh* mesh;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "dispatch/cost/calibration.h"
+#include "dispatch/cost/calibration_mesh.h"
 #include "dispatch/cost/cost_model.h"
 #include "dispatch/cost/plan.h"
 #include "dispatch/single_run.h"

@@ -3,6 +3,7 @@
 #include <map>
 #include <set>
 
+#include "base/vectors.h"
 #include "collide/contact_order.h"
 #include "collide/pairwise/reduction.h"
 #include "support/catch.h"
@@ -37,7 +38,7 @@ std::vector<Contact> naive(std::vector<Contact> all, std::size_t count) {
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
   }
   const Vec3d size = otgSub(high, low);
-  const double diagonal = std::sqrt(otgDot(size, size));
+  const double diagonal = norm(size);
   std::vector<Contact> chosen;
   std::set<std::uint32_t> regions;
   for (const Contact& c : all) {

@@ -2,6 +2,7 @@
 // Distances of meshes by their trees, and by all pairs of triangles tried one by one.
 #include <cmath>
 
+#include "base/vectors.h"
 #include "collide/pair_frame.h"
 #include "queries/mesh_distance.h"
 #include "queries/mesh_overlap.h"
@@ -93,7 +94,7 @@ TEST_CASE("nearest points lie on their triangles, slivers among them") {
     const Vec3d p = otgScale(draw.inBox(1), std::pow(10, draw.uniform(-1, 2)));
     const Vec3d on = otgPointOnTriangle(t[0], t[1], t[2], p);
     // No farther than that from the triangle's chords through a corner, which are at most so far apart as it is wide.
-    const double reach = 2e-10 * (std::sqrt(otgDot(p, p)) + 2);
+    const double reach = 2e-10 * (norm(p) + 2);
     double nearest = 1e30;
     for (int k = 0; k <= 400; ++k) {
       const Vec3d across = otgAdd(t[0], otgScale(otgSub(t[2], t[0]), k / 400.0));

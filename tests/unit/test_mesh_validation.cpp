@@ -7,6 +7,7 @@
 #include <random>
 #include <set>
 
+#include "base/vectors.h"
 #include "scenes/generated_meshes.h"
 #include "support/catch.h"
 
@@ -389,11 +390,10 @@ TEST_CASE("points of a line rounded to float are always degenerate, long needles
         {rounded(a), rounded(b), rounded(between), rounded({-1, -1, -1}), rounded({1, 1, 1}), rounded({1, -1, 1})},
         {{{0, 1, 2}}, {{3, 4, 5}}}};
     CHECK(reportOf(mesh).degenerateTriangles == 1);
-    const double length = std::sqrt(otgDot(along, along));
+    const double length = norm(along);
     if (length < 0.5) continue;
     const Vec3d side = otgCross(along, point());
-    mesh.vertices[2] =
-        rounded(otgAdd(otgScale(otgAdd(a, b), 0.5), otgScale(side, 1e-5 * length / std::sqrt(otgDot(side, side)))));
+    mesh.vertices[2] = rounded(otgAdd(otgScale(otgAdd(a, b), 0.5), otgScale(side, 1e-5 * length / norm(side))));
     CHECK(reportOf(mesh).degenerateTriangles == 0);
     ++needles;
   }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "base/vectors.h"
 #include "primitives/convex_hull.h"
 #include "scenes/convex_geom.h"
 #include "support/catch.h"
@@ -120,7 +121,7 @@ double leastWay(const Placed& a, const Placed& b) {
   for (const auto& [p, q] : a.edges) {
     for (const auto& [s, t] : b.edges) {
       const Vec3d across = otgCross(otgSub(q, p), otgSub(t, s));
-      const double length = std::sqrt(otgDot(across, across));
+      const double length = norm(across);
       if (!(length > 1e-9)) continue;
       for (const double sign : {1 / length, -1 / length}) {
         least = std::min(least, wayAlong(a, b, otgScale(across, sign)));

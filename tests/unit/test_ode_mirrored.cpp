@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "base/vectors.h"
 #include "support/catch.h"
 #include "support/draw.h"
 #include "support/mirror.h"
@@ -53,7 +54,7 @@ double quantile(std::vector<double> values, double part) {
 double difference(Mirror mirror, const dContactGeom& a, const dContactGeom& b) {
   const Vec3d p = otgSub(imageOf(mirror, a.pos), {b.pos[0], b.pos[1], b.pos[2]});
   const Vec3d n = otgSub(imageOf(mirror, a.normal), {b.normal[0], b.normal[1], b.normal[2]});
-  return std::max({std::sqrt(otgDot(p, p)), std::sqrt(otgDot(n, n)), std::abs(double(a.depth - b.depth))});
+  return std::max({norm(p), norm(n), std::abs(double(a.depth - b.depth))});
 }
 
 /// Bodies at rest overlap by far less: up to here depths may not differ. Of places that are alike within the model's

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/vectors.h"
 #include "support/catch.h"
 #include "support/ode_world.h"
 
@@ -266,7 +267,7 @@ TEST_CASE("angles of edges, edges to use, normals") {
       return Vec3d{v.x, v.y, v.z};
     };
     const Vec3d n = otgCross(otgSub(corner(1), corner(0)), otgSub(corner(2), corner(0)));
-    const double length = std::sqrt(otgDot(n, n));
+    const double length = norm(n);
     CHECK(normals[3 * t] == Approx(n.x / length).margin(1e-9));
     CHECK(normals[3 * t + 2] == Approx(n.z / length).margin(1e-9));
   }

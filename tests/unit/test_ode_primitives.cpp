@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/vectors.h"
 #include "support/catch.h"
 #include "support/draw.h"
 #include "support/mirror.h"
@@ -16,9 +17,6 @@ namespace {
 
 Vec3d toVec(const dReal* p) {
   return {p[0], p[1], p[2]};
-}
-double norm(const Vec3d& v) {
-  return std::sqrt(otgDot(v, v));
 }
 double deepest(const std::vector<dContactGeom>& contacts) {
   double most = 0;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <thread>
 
+#include "base/vectors.h"
 #include "support/catch.h"
 #include "support/draw.h"
 #include "support/ode_world.h"
@@ -19,9 +20,6 @@ using Corners = std::array<Vec3d, 3>;
 
 Vec3d toVec(const dReal* p) {
   return {p[0], p[1], p[2]};
-}
-double norm(const Vec3d& v) {
-  return std::sqrt(otgDot(v, v));
 }
 
 std::vector<Corners> trianglesOf(dGeomID g) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 
+#include "base/vectors.h"
 #include "scenes/convex_geom.h"
 #include "support/catch.h"
 #include "support/draw.h"
@@ -16,9 +17,6 @@ namespace {
 
 Vec3d toVec(const dReal* p) {
   return {p[0], p[1], p[2]};
-}
-double norm(const Vec3d& v) {
-  return std::sqrt(otgDot(v, v));
 }
 
 /// An open square in the plane z = 0, from -half to half, that faces up.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "base/vectors.h"
 #include "scenes/convex_geom.h"
 #include "support/catch.h"
 #include "support/draw.h"
@@ -20,9 +21,6 @@ namespace {
 
 Vec3d toVec(const dReal* p) {
   return {p[0], p[1], p[2]};
-}
-double norm(const Vec3d& v) {
-  return std::sqrt(otgDot(v, v));
 }
 const dContactGeom* deepest(const std::vector<dContactGeom>& contacts) {
   const auto it = std::max_element(contacts.begin(), contacts.end(),

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/vectors.h"
 #include "collide/solid/inside.h"
 #include "collide/solid/regions.h"
 #include "scenes/generated_meshes.h"
@@ -134,7 +135,7 @@ TEST_CASE("no direction separates boxes sooner than the separating-axis answer")
     // In small steps around the answer, too.
     for (int k = 0; k < 500; ++k) {
       Vec3d d = otgAdd(answer.direction, draw.inBox(0.02));
-      d = otgScale(d, 1 / std::sqrt(otgDot(d, d)));
+      d = otgScale(d, 1 / norm(d));
       REQUIRE(truth::extentDepth(*a, *b, pose, d) >= answer.depth * (1 - 1e-6));
     }
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/vectors.h"
 #include "support/catch.h"
 #include "support/ray_samples.h"
 
@@ -89,7 +90,7 @@ TEST_CASE("a ray that grazes a triangle hits it no earlier than where it comes n
       const Vec3d e = otgSub(p[1], p[0]), f = otgSub(p[2], p[0]);
       const Vec3d target = otgAdd(p[0], otgAdd(otgScale(e, draw.uniform(0, 0.5)), otgScale(f, draw.uniform(0, 0.5))));
       Vec3d d = otgAdd(otgScale(e, draw.uniform(-1, 1)), otgScale(f, draw.uniform(-1, 1)));
-      d = otgScale(d, 1 / std::sqrt(otgDot(d, d)));
+      d = otgScale(d, 1 / norm(d));
       const MeshRay ray{otgSub(target, otgScale(d, draw.uniform(4, 9))), d};
       double crossing = 0;
       if (otgRayMeetsTriangle(ray.origin, d, p[0], p[1], p[2], &crossing) != 0 && crossing >= 0) {

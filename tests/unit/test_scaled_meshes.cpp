@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory_resource>
 
+#include "base/vectors.h"
 #include "bvh/collision_mesh.h"
 #include "bvh/image_boxes.h"
 #include "collide/mesh_ray.h"
@@ -261,7 +262,7 @@ TEST_CASE("scaled images meet the triangles that meshes of scaled vertices meet,
         const auto hits = [&](const CollisionMesh& tree) {
           std::vector<std::pair<std::uint32_t, double>> all;
           double limit = infinity;
-          forEachRayHit(tree, {point, otgScale(toward, 1 / std::sqrt(otgDot(toward, toward)))}, limit,
+          forEachRayHit(tree, {point, otgScale(toward, 1 / norm(toward))}, limit,
                         [&](std::uint32_t t, double distance, bool) { all.emplace_back(t, distance); });
           std::sort(all.begin(), all.end());
           return all;

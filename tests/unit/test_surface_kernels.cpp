@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "base/vectors.h"
 #include "collide/simd/surface_kernels.h"
 #include "support/catch.h"
 
@@ -30,7 +31,7 @@ class Random {
   Vec3d direction() {
     for (;;) {
       const Vec3d d = inBox();
-      const double l = std::sqrt(otgDot(d, d));
+      const double l = norm(d);
       if (l > 0.1 && l < 1) return otgScale(d, 1 / l);
     }
   }

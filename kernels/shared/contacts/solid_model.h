@@ -74,11 +74,11 @@ namespace otg {
 #define OTG_SOLID_DEEP_PIECES 128
 #define OTG_SOLID_DEEP_POINTS 48
 
-/// A region that reaches so many thicknesses along its push is uneven: a thin contact and beside it a wedge, as of a
-/// box that slides over a concave kink. There a point leaves through the nearest triangle of the other mesh where that
-/// way is shorter by the second. What is within the third (in diagonals) of a triangle is on it.
-#define OTG_SOLID_UNEVEN 16.0
-#define OTG_SOLID_SHORTER 0.9
+/// A region that reaches so many thicknesses along its push is uneven: it goes round a corner, or a thin contact has a
+/// wedge beside it. There each point leaves by the face along which both meshes are left soonest. Its local normal
+/// stays where that agrees with it to 10 degrees. What is within the last (in diagonals) of a triangle is on it.
+#define OTG_SOLID_UNEVEN 6.0
+#define OTG_SOLID_ONE_WAY 0.985
 #define OTG_SOLID_ON_EDGE 1e-9
 
 // Two edges across each other (collide/solid/edge_pair.h) -------------------------------------------------------------

@@ -35,7 +35,7 @@ namespace otg {
 #define OTG_SOLID_TRIANGLES (2 + OTG_SOLID_SAMPLES)
 #define OTG_VERTEX_FLAT 0x80000000u
 
-/// The part of one triangle that lies inside the other mesh: as Piece in collide/solid/regions.h.
+/// The part of one triangle that lies inside the other mesh: as Piece in collide/solid/overlap_regions.h.
 typedef struct {
   double normal[3], vector[3], area, offset, lo[3], hi[3];
   otg_uint mesh, triangle;

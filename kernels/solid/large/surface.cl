@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pairs of solids: the surface of their large regions, summed up in cells; as describeLarge in
-// collide/solid/regions.cpp.
+// Pairs of solids: the surface of their large regions, summed up in cells; as describeByCells() in
+// collide/solid/region_cells_build.cpp.
 #include "solid/large/grid.h"
 //
 #include "solid/outline.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The clipped surface and the points of one region, by one work-group; as collide/solid/regions.cpp, in the same order.
+// The clipped surface and the points of one region, by one work-group; as region_clip.cpp and regions.cpp
+// in collide/solid, in the same order.
 #ifndef OTG_SOLID_SURFACE_H
 #define OTG_SOLID_SURFACE_H
 #include "solid/outline.h"

@@ -15,10 +15,10 @@ OTG_INLINED uint otgTakeUnits(__local otg_solid_ways* s, uint units, __global ui
   return begin <= arenaUnits && arenaUnits - begin >= units ? begin : OTG_NOT_THERE;
 }
 
-/// Whether a region is a thin contact with a wedge beside it: as in collide/solid/region_contacts.cpp. All lanes call
-/// it.
-OTG_INLINED int otgHasWedge(__local otg_solid_ways* s, const otg_solid_work* w) {
-  if (w->isGathered || w->isFixed || w->coherence >= OTG_SOLID_FLAT) return 0;
+/// Whether each point of a region needs a direction of its own: as isUneven() in collide/solid/region_contacts.cpp. All
+/// lanes call it.
+OTG_INLINED int otgIsUnevenRegion(__local otg_solid_ways* s, const otg_solid_work* w) {
+  if (w->isFixed) return 0;
   double end[2];  // the lowest with its sign changed, and the highest
   for (uint side = 0; side < 2; ++side) {
     double most = -INFINITY;
@@ -74,7 +74,7 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
     if (!w.points[i].flat) atomic_inc(&s->corners);
   }
   // Uneven ones are rare, and the host looks at their faces one by one.
-  const int isLeft = otgHasWedge(s, &w);
+  const int isLeft = otgIsUnevenRegion(s, &w);
   OTG_SYNC;
   const uint parts = (w.candidates + OTG_SOLID_CHUNK - 1) / OTG_SOLID_CHUNK;
   if (lane == 0) {

@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/vectors.h"
 #include "shared/contacts/solid_model.h"
-#include "shared/math/sos.h"
+#include "shared/tests/sos.h"
 
 namespace otg {
 namespace {
@@ -157,8 +158,8 @@ class Tracer {
     const Vec3d p = meshes_.vertex(mesh, ends.a), q = meshes_.vertex(mesh, ends.b);
     Vec3d drift;
     const double at = otgHitPlane(mesh, p, q, other, &drift);
-    contour_.crossings.push_back({edge, triangle, static_cast<std::uint8_t>(mesh), exits == forward, at,
-                                  otgAdd(p, otgScale(otgSub(q, p), at)), drift});
+    contour_.crossings.push_back(
+        {edge, triangle, static_cast<std::uint8_t>(mesh), exits == forward, at, p + (q - p) * at, drift});
     return id;
   }
 

@@ -29,10 +29,10 @@ std::vector<Stretch> stretchesOf(int m, const PlacedMeshes& meshes, const Overla
     if (twin == kNone) continue;
     const Vec3d n0 = meshes.normal(m, half / 3), n1 = meshes.normal(m, twin / 3);
     const Topology::Edge& edge = topology.edges[p.feature];
-    const Vec3d ends = otgSub(meshes.vertex(m, edge.b), meshes.vertex(m, edge.a));
+    const Vec3d ends = meshes.vertex(m, edge.b) - meshes.vertex(m, edge.a);
     // The face of `half` lies to its left: the edge is convex if the other face turns away from it.
     const bool forward = topology.weld[meshes.mesh(m).triangles()[half / 3].v[half % 3]] == edge.a;
-    if (!otgIsSharpConvex(n0, n1, forward ? ends : otgScale(ends, -1.0))) continue;
+    if (!otgIsSharpConvex(n0, n1, forward ? ends : ends * -1.0)) continue;
     if (found.size() == OTG_SOLID_MOST_STRETCHES) return {};
     found.push_back({i, p.position, p.along, p.reach, {n0, n1}});
   }
@@ -66,17 +66,15 @@ std::vector<EdgePair> edgePairs(const PlacedMeshes& meshes, const OverlapRegions
       const Vec3d across = otgCross(s.along, r.along);
       const double sine = norm(across);
       if (sine < OTG_SOLID_LEAST_SINE || (!isLump && !isAll(r, 1, all, region))) continue;
-      Vec3d d = otgScale(across, 1 / sine);
-      if (otgDot(d, region.push) < 0) d = otgScale(d, -1.0);
-      if (!otgIsBetween(s.faces[0], s.faces[1], otgScale(d, -1.0)) || !otgIsBetween(r.faces[0], r.faces[1], d))
-        continue;
+      Vec3d d = across * (1 / sine);
+      if (otgDot(d, region.push) < 0) d = d * -1.0;
+      if (!otgIsBetween(s.faces[0], s.faces[1], d * -1.0) || !otgIsBetween(r.faces[0], r.faces[1], d)) continue;
       // Nearest points of the two lines, within the stretches.
-      const Vec3d apart = otgSub(r.middle, s.middle);
+      const Vec3d apart = r.middle - s.middle;
       const double u = otgDot(otgCross(apart, r.along), across) / (sine * sine);
       const double v = otgDot(otgCross(apart, s.along), across) / (sine * sine);
       if (std::fabs(u) > s.reach || std::fabs(v) > r.reach) continue;
-      pairs.push_back(
-          {d, s.point, r.point, otgAdd(s.middle, otgScale(s.along, u)), otgAdd(r.middle, otgScale(r.along, v))});
+      pairs.push_back({d, s.point, r.point, s.middle + s.along * u, r.middle + r.along * v});
     }
   }
   return pairs;

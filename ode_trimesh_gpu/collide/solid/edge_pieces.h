@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "base/vectors.h"
 #include "collide/solid/contour.h"
 #include "collide/solid/inside.h"
 
@@ -51,7 +52,7 @@ class EdgePieces {
     return patch == kNone ? kNone : patchElement(m, patch);
   }
 
-  Vec3d relative(const Vec3d& p) const { return otgSub(p, origin_); }
+  Vec3d relative(const Vec3d& p) const { return p - origin_; }
   Vec3d crossing(std::uint32_t c) const { return relative(contour_.crossings[c].point); }
   Vec3d vertex(int m, std::uint32_t v) const { return relative(meshes_.vertex(m, v)); }
   /// Stretches that were left out because their ends contradict the vertices' flags.

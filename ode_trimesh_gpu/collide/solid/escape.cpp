@@ -47,7 +47,7 @@ std::vector<Vec3d> faceDirections(const OverlapRegions& all, const Region& regio
   std::vector<Cluster> clusters;
   for (const std::uint32_t i : order) {
     const Piece& p = all.pieces[i];
-    const Vec3d n = mesh == 0 ? otgScale(p.normal, -1.0) : p.normal;
+    const Vec3d n = mesh == 0 ? p.normal * -1.0 : p.normal;
     auto it = std::find_if(clusters.begin(), clusters.end(),
                            [&](const Cluster& c) { return otgDot(c.first, n) >= OTG_SOLID_FACE_COSINE; });
     if (it == clusters.end()) {
@@ -55,7 +55,7 @@ std::vector<Vec3d> faceDirections(const OverlapRegions& all, const Region& regio
       clusters.push_back({n, {0, 0, 0}, 0});
       it = clusters.end() - 1;
     }
-    it->sum = otgAdd(it->sum, otgScale(n, p.area));
+    it->sum = it->sum + n * p.area;
     it->area += p.area;
   }
   const double least = 0.01 * (region.areaA + region.areaB);
@@ -84,7 +84,7 @@ class WayOutByPlanes {
     ahead_.clear();
     for (const Plane& plane : planes_) {
       const double cosine = plane.mesh == 1 ? otgDot(plane.normal, d) : -otgDot(plane.normal, d);
-      if (cosine > 0.05) ahead_.push_back({otgScale(plane.normal, 1 / cosine), plane.offset / cosine, plane.mesh});
+      if (cosine > 0.05) ahead_.push_back({plane.normal * (1 / cosine), plane.offset / cosine, plane.mesh});
     }
     double most = 0;
     for (const std::uint32_t i : points_) {
@@ -116,13 +116,13 @@ class WayOutByPlanes {
       auto slot = static_cast<std::uint32_t>(planes_.size());
       if (gather) slot = index.insert(std::uint64_t{p.mesh} << 32 | cellOf(p.normal), slot);
       if (slot == planes_.size()) planes_.push_back({{0, 0, 0}, 0, p.mesh});
-      planes_[slot].normal = otgAdd(planes_[slot].normal, otgScale(p.normal, p.area));
+      planes_[slot].normal = planes_[slot].normal + p.normal * p.area;
       planes_[slot].offset += p.offset * p.area;
     }
     for (Plane& plane : planes_) {
       const double length = std::sqrt(otgDot(plane.normal, plane.normal));
       if (!(length > 0)) continue;
-      plane.normal = otgScale(plane.normal, 1 / length);
+      plane.normal = plane.normal * (1 / length);
       plane.offset /= length;
     }
   }
@@ -154,15 +154,15 @@ class WayOutByRays {
  public:
   WayOutByRays(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region)
       : meshes_(meshes), far_(4 * static_cast<double>(meshes.mesh(0).radius() + meshes.mesh(1).radius())) {
-    const Vec3d middle = otgScale(otgAdd(region.lo, region.hi), 0.5);
-    origins_.push_back(otgAdd(all.origin, middle));
+    const Vec3d middle = (region.lo + region.hi) * 0.5;
+    origins_.push_back(all.origin + middle);
     const std::uint32_t count = region.pointEnd - region.pointBegin;
     const std::uint32_t chosen = std::min<std::uint32_t>(count, kPoints);
     for (std::uint32_t i = 0; i < chosen; ++i) {
       const std::uint32_t k = region.pointBegin + static_cast<std::uint32_t>(std::uint64_t{i} * count / chosen);
       // From a little inside: the points themselves lie on the surfaces.
       const Vec3d& p = all.points[k].position;
-      origins_.push_back(otgAdd(all.origin, otgAdd(p, otgScale(otgSub(middle, p), OTG_ESCAPE_INWARDS))));
+      origins_.push_back(all.origin + (p + (middle - p) * OTG_ESCAPE_INWARDS));
     }
   }
 
@@ -171,7 +171,7 @@ class WayOutByRays {
     double most = 0;
     for (const Vec3d& p : origins_) {
       const double out = exitDistance(meshes_, 1, p, d, far_, 0);
-      const double back = exitDistance(meshes_, 0, p, otgScale(d, -1.0), far_, 0);
+      const double back = exitDistance(meshes_, 0, p, d * -1.0, far_, 0);
       most = std::max(most, std::max(out, 0.0) + std::max(back, 0.0));
       if (most >= enough) break;
     }
@@ -212,7 +212,7 @@ class Escape {
       const Vec3d d = best_;
       const Vec3d s = unit(otgCross(d, std::fabs(d.x) < 0.8 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0})), t = otgCross(d, s);
       for (int k = 0; k < OTG_ESCAPE_SIDES; ++k) {
-        offer(unit(otgAdd(d, otgAdd(otgScale(s, step * kEscapeCosines[k]), otgScale(t, step * kEscapeSines[k])))));
+        offer(unit(d + (s * (step * kEscapeCosines[k]) + t * (step * kEscapeSines[k]))));
       }
     }
   }
@@ -246,7 +246,7 @@ Vec3d escapeDirection(const PlacedMeshes& meshes, const OverlapRegions& all, con
   for (int k = 0; k < 3; ++k) {
     const Vec3d axis{r[k], r[3 + k], r[6 + k]};
     escape.offer(axis);
-    escape.offer(otgScale(axis, -1.0));
+    escape.offer(axis * -1.0);
   }
   escape.refine();
   return escape.best();
@@ -278,7 +278,7 @@ void addContained(const PlacedMeshes& meshes, const InsideFlags& inside, Overlap
           bool inserted = false;
           seen.insert(v, 1, &inserted);
           if (!inserted) continue;
-          const Vec3d p = otgSub(meshes.vertex(m, v), regions.origin);
+          const Vec3d p = meshes.vertex(m, v) - regions.origin;
           region.lo = {std::min(region.lo.x, p.x), std::min(region.lo.y, p.y), std::min(region.lo.z, p.z)};
           region.hi = {std::max(region.hi.x, p.x), std::max(region.hi.y, p.y), std::max(region.hi.z, p.z)};
           SupportPoint point{};
@@ -293,8 +293,8 @@ void addContained(const PlacedMeshes& meshes, const InsideFlags& inside, Overlap
         }
       }
       region.pointEnd = static_cast<std::uint32_t>(regions.points.size());
-      const Vec3d d = otgSub(region.hi, region.lo);
-      region.diagonal = std::sqrt(otgDot(d, d));
+      const Vec3d d = region.hi - region.lo;
+      region.diagonal = norm(d);
       const double volume = std::fabs(mesh.topology().componentVolume[component]);
       region.volume = volume;
       region.areaA = region.areaB = std::cbrt(volume) * std::cbrt(volume);

@@ -37,9 +37,8 @@ double RegionExtent::ofCells(const Vec3d& d) {
     const auto scan = [&](std::size_t k) {
       const ExtentCells::Cell& c = extents.cells[region_.cellBegin + k];
       for (std::uint32_t i = c.begin; i < c.end; ++i) {
-        const Vec3d p = c.mesh < 0
-                            ? extents.positions[i]
-                            : otgSub(meshes.vertex(c.mesh, meshes.adjacency(c.mesh).clusterVertices[i]), all_.origin);
+        const Vec3d p = c.mesh < 0 ? extents.positions[i]
+                                   : meshes.vertex(c.mesh, meshes.adjacency(c.mesh).clusterVertices[i]) - all_.origin;
         best = std::max(best, sign * otgDot(p, d));
       }
     };

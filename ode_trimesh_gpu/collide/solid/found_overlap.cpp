@@ -61,7 +61,7 @@ class Taker {
     Region region;
     region.lo = vec(found.lo);
     region.hi = vec(found.hi);
-    region.diagonal = norm(otgSub(region.hi, region.lo));
+    region.diagonal = norm(region.hi - region.lo);
     takePieces(which, number, surfaceUnits(found.load, found.largest, region), region);
     takePoints(which, number, region);
     takeExtents(which, region);
@@ -130,7 +130,7 @@ class Taker {
     positions_.clear();
     for (const otg_found_inside& inside : found_.vertices) {
       if (inside.region != which) continue;
-      positions_.push_back(otgSub(meshes_.vertex(static_cast<int>(inside.what & 1), inside.what >> 1), out_.origin));
+      positions_.push_back(meshes_.vertex(static_cast<int>(inside.what & 1), inside.what >> 1) - out_.origin);
     }
     for (const otg_found_crossing& crossing : found_.crossings) {
       if (crossing.region == which) positions_.push_back(vec(crossing.point));

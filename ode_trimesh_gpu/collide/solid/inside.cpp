@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/vectors.h"
 #include "collide/inside_test.h"
 
 namespace otg {
@@ -176,9 +177,8 @@ class Flood {
   void visitCluster(std::uint32_t c) {
     const Adjacency::Cluster &cluster = adjacency_.clusters[c], &next = adjacency_.clusters[c + 1];
     const Vec3d lo{cluster.lo.x, cluster.lo.y, cluster.lo.z}, hi{cluster.hi.x, cluster.hi.y, cluster.hi.z};
-    const Vec3d diagonal = otgSub(hi, lo);
-    if (!bounds_.containBall(meshes_.fromLocal(mesh_, otgScale(otgAdd(lo, hi), 0.5)),
-                             0.5 * std::sqrt(otgDot(diagonal, diagonal)))) {
+    const Vec3d diagonal = hi - lo;
+    if (!bounds_.containBall(meshes_.fromLocal(mesh_, (lo + hi) * 0.5), 0.5 * norm(diagonal))) {
       for (std::uint32_t i = cluster.first; i < next.first; ++i) {
         outside_ = outside_ || !bounds_.contain(meshes_.vertex(mesh_, adjacency_.clusterVertices[i]));
       }

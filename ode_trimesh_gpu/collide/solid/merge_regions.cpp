@@ -4,29 +4,14 @@
 #include <algorithm>
 #include <numeric>
 
+#include "base/union_find.h"
+#include "base/vectors.h"
 #include "collide/pairwise/reduction.h"
 
 namespace otg {
 namespace {
 
 constexpr double kCosine = 0.951;  // 18 degrees, as where candidates of one region are merged
-
-class Sets {
- public:
-  explicit Sets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 }  // namespace
 
@@ -39,16 +24,16 @@ void mergeRegions(double distance, int most, std::vector<Contact>& contacts) {
     const double x = contacts[i].position.x, y = contacts[j].position.x;
     return x != y ? x < y : i < j;
   });
-  Sets sets(regions);
+  UnionFind sets(regions);
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Contact& c = contacts[order[i]];
     for (std::size_t j = i + 1; j < order.size(); ++j) {
       const Contact& d = contacts[order[j]];
       if (d.position.x - c.position.x > distance) break;
       if (sets.find(c.region) == sets.find(d.region)) continue;
-      const Vec3d apart = otgSub(d.position, c.position);
+      const Vec3d apart = d.position - c.position;
       if (otgDot(apart, apart) > distance * distance || otgDot(c.normal, d.normal) < kCosine) continue;
-      sets.join(c.region, d.region);
+      sets.unite(c.region, d.region);
     }
   }
 

@@ -44,8 +44,8 @@ void addPieceOfCell(const PlacedMeshes& meshes, const PieceCells::Cell& cell, st
     triangle = adjacency.halfEdges[adjacency.first[cell.name & ~OTG_NAME_OF_VERTEX]] / 3;
   }
   const Vec3d zero{0, 0, 0};  // -0 and 0 are one bound
-  out.push_back({region, triangle, static_cast<std::uint8_t>(cell.mesh()), otgScale(vector, 1 / length), vector, area,
-                 otgFromUnits(cell.sum.moment, units.moment) / length, otgAdd(cell.lo, zero), otgAdd(cell.hi, zero)});
+  out.push_back({region, triangle, static_cast<std::uint8_t>(cell.mesh()), vector * (1 / length), vector, area,
+                 otgFromUnits(cell.sum.moment, units.moment) / length, cell.lo + zero, cell.hi + zero});
 }
 
 void RegionSums::add(const PieceCells::Cell& cell, const SurfaceUnits& units) {
@@ -71,15 +71,15 @@ void RegionSums::measure(Region& region) const {
 
 PartBox boxOfCluster(const PlacedMeshes& meshes, int m, const Adjacency::Cluster& cluster, const Vec3d& origin) {
   const Vec3d lo{cluster.lo.x, cluster.lo.y, cluster.lo.z}, hi{cluster.hi.x, cluster.hi.y, cluster.hi.z};
-  if (m == 0) return {otgSub(lo, origin), otgSub(hi, origin)};
-  const Vec3d middle = otgSub(meshes.fromLocal(m, otgScale(otgAdd(lo, hi), 0.5)), origin);
-  const Vec3d half = otgScale(otgSub(hi, lo), 0.5);
+  if (m == 0) return {lo - origin, hi - origin};
+  const Vec3d middle = meshes.fromLocal(m, (lo + hi) * 0.5) - origin;
+  const Vec3d half = (hi - lo) * 0.5;
   const double* r = meshes.query().bInA.r;
   const auto along = [&](int row) {
     return std::fabs(r[3 * row]) * half.x + std::fabs(r[3 * row + 1]) * half.y + std::fabs(r[3 * row + 2]) * half.z;
   };
   const Vec3d reach{along(0), along(1), along(2)};
-  return {otgSub(middle, reach), otgAdd(middle, reach)};
+  return {middle - reach, middle + reach};
 }
 
 void PointCells::begin(const Region& region, const Vec3d& up) {

@@ -10,7 +10,8 @@
 
 #include "base/epoch_array.h"
 #include "base/vectors.h"
-#include "collide/solid/regions.h"
+#include "collide/placed_meshes.h"
+#include "collide/solid/overlap_regions.h"
 #include "mesh/adjacency.h"
 #include "shared/contacts/region_grid.h"
 
@@ -116,7 +117,7 @@ void addPieceOfCell(const PlacedMeshes& meshes, const PieceCells::Cell& cell, st
 class RegionSums {
  public:
   void add(int mesh, const Vec3d& vector, double area, double moment) {
-    vector_[mesh] = otgAdd(vector_[mesh], vector);
+    vector_[mesh] = vector_[mesh] + vector;
     area_[mesh] += area;
     moment_ += moment;
   }
@@ -160,7 +161,7 @@ class PointCells {
   template <class Vertex, class NameOf, class IsFlat, class MakeSeed>
   void offerDeepest(int mesh, const Vec3d& lo, const Vec3d& hi, const Adjacency::Cluster& cluster, std::uint32_t end,
                     const Vertex& vertex, const NameOf& name, const IsFlat& isFlat, const MakeSeed& makeSeed) {
-    const Vec3d middle = otgScale(otgAdd(lo, hi), 0.5), half = otgScale(otgSub(hi, lo), 0.5);
+    const Vec3d middle = (lo + hi) * 0.5, half = (hi - lo) * 0.5;
     const std::uint32_t key[2] = {keyOf(middle, PointKind::kVertex, mesh, false),
                                   keyOf(middle, PointKind::kVertex, mesh, true)};
     const bool any[2] = {cluster.anyCorner, cluster.anyFlat};

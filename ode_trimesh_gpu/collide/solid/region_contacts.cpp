@@ -9,6 +9,7 @@
 #include "base/vectors.h"
 #include "collide/inside_test.h"
 #include "collide/simd/surface_kernels.h"
+#include "collide/solid/region_triangles.h"
 
 namespace otg {
 namespace {
@@ -18,11 +19,12 @@ struct Candidate {
   const SupportPoint* point;
   Vec3d probe;  ///< where it is measured: moved a little into the region
   Vec3d normal;
-  double depth;   ///< estimated, later measured
-  double rank;    ///< depth weighted by kind
-  double shift;   ///< of the middle of the overlap from the point, along the normal
-  double spread;  ///< distance from the chosen ones so far
-  int step = 0;   ///< rank below the highest, in steps of OTG_SOLID_RANK_STEP
+  double depth;      ///< estimated, later measured
+  double rank;       ///< depth weighted by kind
+  double out, back;  ///< how far it is out of B along the normal, and out of A against it
+  double shift;      ///< of the middle of the overlap from the point, along the normal
+  double spread;     ///< distance from the chosen ones so far
+  int step = 0;      ///< rank below the highest, in steps of OTG_SOLID_RANK_STEP
 };
 
 ContactFeature featureOf(const SupportPoint& p) {
@@ -44,7 +46,8 @@ class RegionSolver {
     gathered_ = region_.cellEnd > region_.cellBegin;
     center_ = centroid();
     collectPlanes();
-    hasWedge_ = !gathered_ && hasWedge(region_, task_.normals, task_.extent);
+    isUneven_ = isUneven(region_, task_.normals, task_.extent);
+    if (isUneven_) triangles_.collect(task_.meshes, all_, region_);
     collectCandidates();
     filterAndMerge();
     const auto most = static_cast<std::size_t>(task_.maxContacts);
@@ -55,7 +58,7 @@ class RegionSolver {
     }
     chooseSpread(most);
     if (!gathered_) measure();
-    dropShallow();
+    eraseShallow(1);
     emit(out);
   }
 
@@ -177,7 +180,7 @@ class RegionSolver {
       const bool onPair = task_.edges && (i == task_.edges->pointA || i == task_.edges->pointB);
       const SupportPoint& p = onPair ? nearestOfPair(i) : all_.points[i];
       if (skipFlat && p.flat) continue;
-      Candidate c{&p, {}, {}, 0, 0, 0, 0};
+      Candidate c{&p, {}, {}, 0, 0, 0, 0, 0, 0};
       c.probe = otgProbe(p.position, p.along, p.reach, p.surfaceNormal, static_cast<int>(p.kind), region_.diagonal,
                          region_.thickness);
       estimate(c);
@@ -188,7 +191,7 @@ class RegionSolver {
       fallback_.position = center_;
       fallback_.kind = PointKind::kCrossing;
       fallback_.feature = fallback_.triangleA = fallback_.triangleB = kNone;
-      Candidate c{&fallback_, center_, {}, 0, 0, 0, 0};
+      Candidate c{&fallback_, center_, {}, 0, 0, 0, 0, 0, 0};
       estimate(c);
       candidates_.push_back(c);
     }
@@ -204,68 +207,54 @@ class RegionSolver {
 
   void estimate(Candidate& c) {
     estimateAlong(c, task_.normals.at(c.probe));
-    if (!hasWedge_) return;
-    Candidate through = c;
-    const Vec3d normal = throughNearestFace(c);
-    if (otgDot(normal, c.normal) < OTG_SOLID_DEEP_AGAINST) return;
-    estimateAlong(through, normal);
-    if (through.depth < OTG_SOLID_SHORTER * c.depth) c = through;
+    if (isUneven_) leaveBySoonestFace(c);
   }
 
   void estimateAlong(Candidate& c, const Vec3d& normal) {
-    const Vec3d against = otgScale(normal, -1.0);
-    double out = hasWedge_ ? triangleExit(1, c.probe, normal) : planeExit(1, c.probe, normal);
-    double back = hasWedge_ ? triangleExit(0, c.probe, against) : planeExit(0, c.probe, against);
     c.normal = normal;
-    c.depth = clampToLimit(c.normal, out, back);
-    c.shift = 0.5 * (out - back);
+    c.out = wayOut(1, c.probe, normal);
+    c.back = wayOut(0, c.probe, otgScale(normal, -1.0));
+    c.depth = clampToLimit(c.normal, c.out, c.back);
+    c.shift = 0.5 * (c.out - c.back);
     // By what the planes say, not by the limit, to which whole patches of a thick region are cut.
-    c.rank = otgRankOfKind(static_cast<int>(c.point->kind), out + back);
+    c.rank = otgRankOfKind(static_cast<int>(c.point->kind), c.out + c.back);
   }
 
-  /// Whether a point in a piece's plane is in its triangle, edges included.
-  bool isInTriangle(const Piece& p, const Vec3d& x) const {
-    const TriMesh& mesh = task_.meshes.mesh(p.mesh);
-    Vec3d corner[3];
-    for (int k = 0; k < 3; ++k) {
-      corner[k] = otgSub(task_.meshes.vertex(p.mesh, mesh.triangles()[p.triangle].v[k]), all_.origin);
+  double wayOut(int m, const Vec3d& from, const Vec3d& direction) const {
+    if (isUneven_) {
+      const double way = triangles_.wayOut(m, from, direction, OTG_SOLID_ON_EDGE * region_.diagonal);
+      if (std::isfinite(way)) return way;
     }
-    for (int k = 0; k < 3; ++k) {
-      const Vec3d along = otgSub(corner[(k + 1) % 3], corner[k]);
-      if (otgDot(otgCross(along, otgSub(x, corner[k])), p.normal) < -OTG_SOLID_ON_EDGE * region_.diagonal * norm(along))
-        return false;
-    }
-    return true;
+    return planeExit(m, from, direction);
   }
 
-  /// As planeExit, through the region's triangles and not through what encloses their parts.
-  double triangleExit(int m, const Vec3d& from, const Vec3d& direction) const {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) {
-      const Piece& p = all_.pieces[i];
-      const double cosine = otgDot(p.normal, direction);
-      if (p.mesh != m || !(cosine > 0.05)) continue;
-      const double way = std::max(0.0, (p.offset - otgDot(p.normal, from)) / cosine);
-      if (way < nearest && isInTriangle(p, otgAdd(from, otgScale(direction, way)))) nearest = way;
-    }
-    return std::isfinite(nearest) ? nearest : planeExit(m, from, direction);
-  }
-
-  /// Through which a point of one mesh is soonest out of the other: the normal of the nearest triangle that has the
-  /// point behind it, in the sense in which it pushes A; zero if there is none.
-  Vec3d throughNearestFace(const Candidate& c) const {
+  /// An uneven region goes round a corner, and each of its points is held by the wall that it is in. Of the faces of
+  /// the other mesh that have the point behind them it takes the one along whose normal both meshes are left soonest.
+  /// The local normal stays where it says the same, because it is smooth over facets.
+  void leaveBySoonestFace(Candidate& c) {
     const std::uint8_t other = 1 - c.point->mesh;
-    double nearest = std::numeric_limits<double>::infinity();
-    Vec3d normal{0, 0, 0};
-    for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) {
-      const Piece& p = all_.pieces[i];
-      const double way = p.offset - otgDot(p.normal, c.probe);
-      if (p.mesh != other || !(way >= -OTG_SOLID_ON_EDGE * region_.diagonal && way < nearest)) continue;
-      if (!isInTriangle(p, otgAdd(c.probe, otgScale(p.normal, way)))) continue;
-      nearest = way;
-      normal = otgScale(p.normal, other == 1 ? 1.0 : -1.0);
+    const double slack = OTG_SOLID_ON_EDGE * region_.diagonal;
+    Candidate best = c;
+    tried_.clear();
+    for (const RegionTriangle& t : triangles_.all()) {
+      if (t.mesh != other) continue;
+      // A probe is a little below its own surface, which may be outside where the overlap is thinner than that.
+      const double wayOfPoint = t.offset - otgDot(t.normal, c.point->position);
+      const double wayOfProbe = t.offset - otgDot(t.normal, c.probe);
+      const bool byPoint = wayOfPoint > wayOfProbe;
+      const double way = byPoint ? wayOfPoint : wayOfProbe;
+      if (!(way >= -slack && way < best.out + best.back)) continue;
+      const Vec3d foot = otgAdd(byPoint ? c.point->position : c.probe, otgScale(t.normal, way));
+      if (t.beside(foot) > std::max(way, slack)) continue;
+      const Vec3d normal = otgScale(t.normal, other == 1 ? 1.0 : -1.0);
+      if (std::any_of(tried_.begin(), tried_.end(), [&](const Vec3d& n) { return otgDot(n, normal) > 1 - 1e-12; }))
+        continue;
+      tried_.push_back(normal);
+      Candidate through = c;
+      estimateAlong(through, normal);
+      if (through.out + through.back < best.out + best.back) best = through;
     }
-    return normal;
+    if (otgDot(best.normal, c.normal) < OTG_SOLID_ONE_WAY) c = best;
   }
 
   /// Whether a middle of a stretch is hardly deeper than its ends are on average: then they hold it.
@@ -274,7 +263,7 @@ class RegionSolver {
     const double reach = otgReachOfEnds(c.point->reach, region_.diagonal);
     for (const double side : {-1.0, 1.0}) {
       const Vec3d p = otgAdd(c.probe, otgScale(c.point->along, side * reach));
-      double out = planeExit(1, p, c.normal), back = planeExit(0, p, otgScale(c.normal, -1.0));
+      double out = wayOut(1, p, c.normal), back = wayOut(0, p, otgScale(c.normal, -1.0));
       ends += 0.5 * clampToLimit(c.normal, out, back);
     }
     return c.depth <= OTG_SOLID_DEEPER_THAN_ENDS * ends;
@@ -302,9 +291,7 @@ class RegionSolver {
 
   /// Drops what is shallow for its kind, then of points that lie together and agree in direction all but the first.
   void filterAndMerge() {
-    const double least = 0.5 * deepest();  // half the fractions: estimates err
-    std::erase_if(candidates_,
-                  [&](const Candidate& c) { return c.depth < otgLeastOfKind(static_cast<int>(c.point->kind), least); });
+    eraseShallow(0.5);  // half the fractions: estimates err
     double highest = 0;
     for (const Candidate& c : candidates_) highest = std::max(highest, c.rank);
     for (Candidate& c : candidates_) {
@@ -380,6 +367,11 @@ class RegionSolver {
     const Vec3d origin = otgAdd(c.probe, all_.origin);
     double out = std::max(0.0, exitDistance(task_.meshes, 1, origin, c.normal, far, skin));
     double back = std::max(0.0, exitDistance(task_.meshes, 0, origin, otgScale(c.normal, -1.0), far, skin));
+    // Round a corner a ray that starts in one wall runs along inside it, past the surface that the region has.
+    if (isUneven_) {
+      out = std::min(out, c.out);
+      back = std::min(back, c.back);
+    }
     c.depth = clampToLimit(c.normal, out, back);
     c.shift = 0.5 * (out - back);
   }
@@ -406,10 +398,25 @@ class RegionSolver {
     if (deepest != candidates_.end()) std::rotate(candidates_.begin(), deepest, deepest + 1);
   }
 
-  void dropShallow() {
-    const double least = deepest();
-    std::erase_if(candidates_,
-                  [&](const Candidate& c) { return c.depth < otgLeastOfKind(static_cast<int>(c.point->kind), least); });
+  /// Drops what is shallow for its kind, beside the deepest times `share`. Where a region goes round a corner only
+  /// points that push the same way tell: an overlap may be far deeper in one wall than in the other.
+  void eraseShallow(double share) {
+    std::vector<double> least(candidates_.size(), share * deepest());
+    if (isUneven_) {
+      std::transform(candidates_.begin(), candidates_.end(), least.begin(), [&](const Candidate& c) {
+        double most = 0;
+        for (const Candidate& x : candidates_) {
+          if (otgDot(x.normal, c.normal) >= OTG_SOLID_MERGE_COSINE) most = std::max(most, x.depth);
+        }
+        return share * most;
+      });
+    }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      const Candidate& c = candidates_[i];
+      if (c.depth >= otgLeastOfKind(static_cast<int>(c.point->kind), least[i])) candidates_[kept++] = c;
+    }
+    candidates_.resize(kept);
   }
 
   void emit(std::vector<Contact>& out) {
@@ -476,15 +483,17 @@ class RegionSolver {
   Vec3d center_{};
   PlaneSet surface_[2];
   bool gathered_ = false;  ///< planes stand for several pieces each
-  bool hasWedge_ = false;  ///< points may leave through a triangle beside the main direction
+  bool isUneven_ = false;  ///< each point is measured on the triangles, and leaves by the soonest face
+  RegionTriangles triangles_;
+  std::vector<Vec3d> tried_;
   std::vector<Candidate> candidates_;
   SupportPoint fallback_{}, onPair_[2];
 };
 
 }  // namespace
 
-bool hasWedge(const Region& region, const RegionNormals& normals, RegionExtent& extent) {
-  if (normals.isFixed() || region.coherence >= OTG_SOLID_FLAT || region.coherence < OTG_SOLID_COHERENT) return false;
+bool isUneven(const Region& region, const RegionNormals& normals, RegionExtent& extent) {
+  if (region.cellEnd > region.cellBegin || normals.isFixed() || region.coherence < OTG_SOLID_COHERENT) return false;
   return otgIsUneven(extent.along(normals.mean()), region.thickness) != 0;
 }
 

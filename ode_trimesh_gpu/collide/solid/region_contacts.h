@@ -23,9 +23,9 @@ struct RegionTask {
   const EdgePair* edges = nullptr;  ///< across which the region's normal points, if it is such a region
 };
 
-/// Whether the region is far deeper at one place than it is on the whole: a thin contact and beside it a wedge, as of a
-/// box that slides over a concave kink. The direction of the thin part, which has the area, is not the wedge's.
-bool hasWedge(const Region& region, const RegionNormals& normals, RegionExtent& extent);
+/// Whether the region is far deeper at one place than it is on the whole, or goes round a corner: a thin contact and
+/// beside it a wedge or another wall. One direction does not hold for all of it. Regions described by cells never are.
+bool isUneven(const Region& region, const RegionNormals& normals, RegionExtent& extent);
 
 /// Appends contacts (frame A), deepest first.
 void contactsOfRegion(const RegionTask& task, std::vector<Contact>& out);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/vectors.h"
 #include "collide/solid/contour.h"
 #include "collide/solid/escape.h"
 #include "collide/solid/found_overlap.h"
@@ -52,10 +53,10 @@ PairMotion motionOf(const Query& query, const SolidHistory::State& state) {
   Vec3d approach = query.relativeVelocity;
   if (state.hasPose) {
     const Vec3d moved = otgSub(middleOfB(query, state.pose), middleOfB(query, query.bInA));  // A relative to B
-    motion.step = std::sqrt(otgDot(moved, moved));
+    motion.step = norm(moved);
     if (!(otgDot(approach, approach) > 0)) approach = moved;
   }
-  const double speed = std::sqrt(otgDot(approach, approach));
+  const double speed = norm(approach);
   if (speed > 0) motion.back = otgScale(approach, -1 / speed);
   if (state.escapeLeft > 0) motion.escape = otgRotate(query.bInA, state.escape);
   motion.deepNormal = otgRotate(query.bInA, state.deepNormal);
@@ -97,7 +98,7 @@ SolidHistory::State stateBefore(const Query& query) {
     // overlap is worth keeping only while the overlap is nearly the same.
     const double size = smallerSize(query);
     const Vec3d d = otgSub(middleOfB(query, state.pose), middleOfB(query, query.bInA));
-    const double moved = std::sqrt(otgDot(d, d));
+    const double moved = norm(d);
     if (moved > 0.05 * size) state.deepNormal = {0, 0, 0};
     if (moved > 0.25 * size || hasTurnedFar(state.pose, query.bInA)) state = {};
   }

@@ -29,14 +29,14 @@ SupportPoint supportPoint(const PlacedMeshes& meshes, const PointSeed& seed, std
   Vec3d normal{0, 0, 0};
   if (seed.kind == PointKind::kVertex) {
     for (std::uint32_t h = adjacency.first[seed.feature]; h < adjacency.first[seed.feature + 1]; ++h) {
-      normal = otgAdd(normal, adjacency.normal[adjacency.halfEdges[h] / 3]);
+      normal = normal + adjacency.normal[adjacency.halfEdges[h] / 3];
     }
     own = adjacency.halfEdges[adjacency.first[seed.feature]] / 3;
   } else {
     const std::uint32_t half = adjacency.halfEdgeOf[seed.feature];
     normal = adjacency.normal[half / 3];
     const std::uint32_t twin = mesh.topology().twin[half];
-    if (twin != kNone) normal = otgAdd(normal, adjacency.normal[twin / 3]);
+    if (twin != kNone) normal = normal + adjacency.normal[twin / 3];
     own = half / 3;
   }
   p.surfaceNormal = meshes.directionFromLocal(m, unit(normal));

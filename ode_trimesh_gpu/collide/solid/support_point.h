@@ -2,6 +2,7 @@
 // Candidates for contacts, worked out.
 #pragma once
 
+#include "collide/solid/contour.h"
 #include "collide/solid/region_cells.h"
 
 namespace otg {

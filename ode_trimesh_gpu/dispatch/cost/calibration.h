@@ -8,13 +8,6 @@
 
 namespace otg {
 
-/// What devices are tried and timed with.
-std::shared_ptr<const CollisionMesh> calibrationMesh(const std::vector<Vec3f>& vertices,
-                                                     const std::vector<Triangle>& triangles);
-
-/// A bumpy sphere of 8 * steps^2 triangles, a solid: what is timed.
-std::shared_ptr<const CollisionMesh> calibrationBody(int steps, double phase);
-
 /// Times generated pairs of meshes on the calling thread and on the device; takes some tenths of a second. Nothing if
 /// the device fails meanwhile. `isDisturbed`: whether other threads took the processors from it, so that what it says
 /// of the CPU is too much. Throws std::bad_alloc, and opencl::Stopped on a thread that is told to stop.

@@ -6,6 +6,8 @@
 #include <cstring>
 #include <utility>
 
+#include "base/vectors.h"
+
 namespace otg {
 namespace {
 
@@ -60,7 +62,7 @@ double expectedWork(const Query& query) {
   const Vec3f &middleA = a.center(), &middleB = b.center();
   const Vec3d apart =
       otgSub(otgTransform(query.bInA, Vec3d{middleB.x, middleB.y, middleB.z}), Vec3d{middleA.x, middleA.y, middleA.z});
-  const double radiusA = a.radius(), radiusB = b.radius(), distance = std::sqrt(otgDot(apart, apart));
+  const double radiusA = a.radius(), radiusB = b.radius(), distance = norm(apart);
   const double shareA = std::min(shareOfBox(part, sizeA), shareOfBall(radiusA, radiusB, distance));
   const double shareB = std::min(shareOfBox(part, sizeB), shareOfBall(radiusB, radiusA, distance));
   const double work = static_cast<double>(a.triangleCount()) * surfaceIn(shareA) +

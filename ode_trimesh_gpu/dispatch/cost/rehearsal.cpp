@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "dispatch/cost/calibration.h"
+#include "dispatch/cost/calibration_mesh.h"
 #include "opencl/runtime/stop.h"
 
 namespace otg {

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/hash.h"
+
 namespace otg {
 
 struct GeomObject;
@@ -58,7 +60,7 @@ class GeomTable {
   };
   std::size_t firstPlaceOf(dGeomID geom) const noexcept {
     const std::uint64_t bits = std::bit_cast<std::uintptr_t>(geom);
-    return static_cast<std::size_t>(bits * 0x9e3779b97f4a7c15u >> 24) & (entries_.size() - 1);
+    return static_cast<std::size_t>(spreadBits(bits)) & (entries_.size() - 1);
   }
   /// Where it is, or else the free place where it would be put. There is one: at least half are free.
   std::size_t placeOf(dGeomID geom) const noexcept {

@@ -1,21 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The calling thread's last error, sentences for status codes, and what the library was built as.
 #include "ode/base/status.h"
-
-#include <cstring>
-#include <string_view>
 
 namespace otg {
 namespace {
 
 /// Per thread, so that one thread's error is not another's.
 thread_local int lastError = dGPUTRIMESH_OK;
-
-#if defined(dDOUBLE)
-constexpr char kConfiguration[] = "ode_trimesh_gpu double_precision";
-#else
-constexpr char kConfiguration[] = "ode_trimesh_gpu single_precision";
-#endif
 
 }  // namespace
 
@@ -24,67 +14,10 @@ int noteStatus(int status) noexcept {
   return status;
 }
 
-}  // namespace otg
-
-int dGpuTriMeshGetError(void) {
-  const int status = otg::lastError;
-  otg::lastError = dGPUTRIMESH_OK;
+int takeStatus() noexcept {
+  const int status = lastError;
+  lastError = dGPUTRIMESH_OK;
   return status;
 }
 
-const char* dGpuTriMeshErrorString(int status) {
-  switch (status) {
-    case dGPUTRIMESH_OK:
-      return "no error";
-    case dGPUTRIMESH_NOT_SOLID:
-      return "done, but the mesh is open or wound inconsistently and has no proper inside";
-    case dGPUTRIMESH_NO_DEVICE:
-      return "done, but no OpenCL device can be used, so that the CPU computes";
-    case dGPUTRIMESH_OPENING:
-      return "done, but a device is still being opened, so that the CPU computes";
-    case dGPUTRIMESH_ERROR_ARGUMENT:
-      return "an argument is null, negative or out of range";
-    case dGPUTRIMESH_ERROR_MESH:
-      return "the mesh can't be worked with; its report says why";
-    case dGPUTRIMESH_ERROR_MEMORY:
-      return "out of memory";
-    case dGPUTRIMESH_ERROR_UNSUPPORTED:
-      return "this version of the library can't do that";
-    case dGPUTRIMESH_ERROR_ODE:
-      return "ODE is not initialised; call dInitODE2() first";
-    case dGPUTRIMESH_ERROR_PRECISION:
-      return "ODE was built with another precision (dReal) than this library";
-    case dGPUTRIMESH_ERROR_CLASS:
-      return "the geom is not of the class of this library";
-    case dGPUTRIMESH_ERROR_MASS:
-      return "the mesh has no positive volume, so that it has no mass";
-    case dGPUTRIMESH_ERROR_CLASS_COUNT:
-      return "all of ODE's user classes are taken";
-    case dGPUTRIMESH_ERROR_POSE:
-      return "the pose of a geom is not finite, or its rotation matrix scales, shears or mirrors";
-    case dGPUTRIMESH_ERROR_FILE:
-      return "a file can't be read or written";
-    case dGPUTRIMESH_ERROR_BUSY:
-      return "mesh data are changed while a collision uses them";
-    case dGPUTRIMESH_ERROR_COOKED:
-      return "the bytes are no cooked mesh of this version, or are damaged";
-    default:
-      return "unknown status";
-  }
-}
-
-const char* dGpuTriMeshGetConfiguration(void) {
-  return otg::kConfiguration;
-}
-
-int dGpuTriMeshCheckConfiguration(const char* token) {
-  if (token == nullptr || *token == '\0') return 0;
-  const std::string_view wanted(token);
-  std::string_view rest(otg::kConfiguration);
-  while (!rest.empty()) {
-    const std::size_t end = rest.find(' ');
-    if (rest.substr(0, end) == wanted) return 1;
-    rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
-  }
-  return 0;
-}
+}  // namespace otg

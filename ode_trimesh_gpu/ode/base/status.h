@@ -8,6 +8,8 @@ namespace otg {
 
 /// Remembers a negative status as the calling thread's last error and returns it; others pass through.
 int noteStatus(int status) noexcept;
+/// The calling thread's last error, which is none from now on.
+int takeStatus() noexcept;
 
 /// Runs a function that returns a status; exceptions become one. The only ones that the layers below throw are of want
 /// of memory (std::bad_alloc, or std::length_error for sizes that no memory can hold).

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/vectors.h"
 #include "mesh/adjacency.h"
 #include "ode/base/status.h"
 #include "ode/data/mesh_data.h"
@@ -25,7 +26,7 @@ double edgeAngle(const CollisionMesh& mesh, std::uint32_t h) {
   };
   const Vec3d &n = mesh.adjacency().normal[t], &m = mesh.adjacency().normal[other];
   const Vec3d along = otgSub(vertex(3 * t + (h + 1) % 3), vertex(h));
-  const double length = std::sqrt(otgDot(along, along));
+  const double length = norm(along);
   // The sine is positive if the other triangle falls away behind this one's plane.
   return length > 0 ? std::atan2(otgDot(otgCross(n, m), along) / length, otgDot(n, m)) : kPi;
 }

@@ -2,10 +2,11 @@
 // Building, refitting and the life of mesh data.
 #include "ode/data/mesh_data.h"
 
+#include <ode/collision.h>
+
 #include <unordered_set>
 #include <utility>
 
-#include "ode/geom/geom_class.h"
 #include "ode_trimesh_gpu/library.h"
 
 namespace otg {
@@ -65,14 +66,11 @@ void dxGpuTriMeshData::commit(otg::ValidationReport&& report, ScaledMeshes&& sca
     scaled_ = std::move(scaled.known);
   }
   const std::lock_guard lock(mutex_);
-  for (const auto& [serial, geom] : users_) {
-    if (geom == nullptr) continue;
-    otg::GeomObject* const object = otg::objectOf(geom);
-    if (object != nullptr) {
-      const auto mesh = scaled.meshes.find(object->scale);
-      object->scaled = mesh == scaled.meshes.end() ? nullptr : mesh->second;
-    }
-    dGeomMoved(geom);
+  for (const auto& [serial, user] : users_) {
+    if (user.geom == nullptr) continue;
+    const auto mesh = scaled.meshes.find(user.scaled->scale);
+    user.scaled->scaled = mesh == scaled.meshes.end() ? nullptr : mesh->second;
+    dGeomMoved(user.geom);
   }
 }
 
@@ -158,9 +156,9 @@ bool dxGpuTriMeshData::hasHandle() const {
   return handle_;
 }
 
-void dxGpuTriMeshData::attach(std::uint64_t serial, dGeomID geom) {
+void dxGpuTriMeshData::attach(std::uint64_t serial, dGeomID geom, otg::ScaledMesh* scaled) {
   const std::lock_guard lock(mutex_);
-  users_.emplace(serial, geom);
+  users_.emplace(serial, User{geom, scaled});
 }
 
 void dxGpuTriMeshData::detach(std::uint64_t serial) noexcept {
@@ -175,5 +173,5 @@ void dxGpuTriMeshData::detach(std::uint64_t serial) noexcept {
 
 void dxGpuTriMeshData::forgetGeom(std::uint64_t serial) noexcept {
   const std::lock_guard lock(mutex_);
-  if (const auto it = users_.find(serial); it != users_.end()) it->second = nullptr;
+  if (const auto it = users_.find(serial); it != users_.end()) it->second.geom = nullptr;
 }

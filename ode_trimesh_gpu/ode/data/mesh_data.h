@@ -20,6 +20,16 @@
 namespace otg {
 /// Factors along x, y and z of a mesh's frame.
 using MeshScale = std::array<float, 3>;
+inline bool isOne(const MeshScale& scale) {
+  return scale == MeshScale{1, 1, 1};
+}
+
+/// What a geom has of its data: a scale of their vertices, and the mesh that it makes of them, which is null while the
+/// scale is 1, 1, 1.
+struct ScaledMesh {
+  MeshScale scale{1, 1, 1};
+  std::shared_ptr<CollisionMesh> scaled;
+};
 }  // namespace otg
 
 /// Lives as long as the user's handle or any geom that uses it. The mesh is shared as one that does not
@@ -65,8 +75,9 @@ struct dxGpuTriMeshData {
   void releaseHandle() noexcept;
   /// False once the handle was given up.
   bool hasHandle() const;
-  /// A geom, known by its serial number, begins to use the object. May throw std::bad_alloc.
-  void attach(std::uint64_t serial, dGeomID geom);
+  /// A geom, known by its serial number, begins to use the object, which tells ODE and `scaled` when the mesh changes
+  /// until detach() or forgetGeom(). May throw std::bad_alloc.
+  void attach(std::uint64_t serial, dGeomID geom, otg::ScaledMesh* scaled);
   /// It stops using it; deletes the object if that was the last use.
   void detach(std::uint64_t serial) noexcept;
   /// The geom is destroyed while a query has it: it counts until detach(), but is not looked at any more.
@@ -121,5 +132,9 @@ struct dxGpuTriMeshData {
   mutable std::mutex mutex_;
   bool handle_ = true;
   /// In the order of creation, so that marking them as moved shuffles ODE's lists the same way in every run.
-  std::map<std::uint64_t, dGeomID> users_;
+  struct User {
+    dGeomID geom;  ///< null once it is forgotten
+    otg::ScaledMesh* scaled;
+  };
+  std::map<std::uint64_t, User> users_;
 };

@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The life of a geom, its bounding box, and its C API of creation, data and parameters.
+// The life of a geom, and its bounding box.
 #include "ode/geom/geom_class.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <mutex>
-#include <optional>
 #include <shared_mutex>
 
 #include "collide/rotation_tolerance.h"
 #include "ode/base/geom_table.h"
 #include "ode/base/status.h"
-#include "ode/geom/mesh_side.h"
-#include "ode/library/class_registration.h"
-#include "ode_trimesh_gpu/geom.h"
+#include "ode/geom/class_number.h"
 
 namespace otg {
 namespace {
@@ -45,26 +42,6 @@ dReal roundOutward(double x, double towards) {
 
 }  // namespace
 
-int checkParams(const dGpuTriMeshParams* params) noexcept {
-  if (!isCurrentSize(params)) return dGPUTRIMESH_ERROR_ARGUMENT;
-  const dGpuTriMeshParams& p = *params;
-  const auto within = [](int value, int low, int high) { return value >= low && value <= high; };
-  bool good = within(p.traversal, dGPUTRIMESH_TRAVERSAL_STANDARD, dGPUTRIMESH_TRAVERSAL_WIDE) &&
-              within(p.descent, dGPUTRIMESH_DESCENT_FIRST_TREE, dGPUTRIMESH_DESCENT_BOTH) &&
-              (p.box_axes == 6 || p.box_axes == 15) &&
-              within(p.contact_model, dGPUTRIMESH_CONTACTS_AUTO, dGPUTRIMESH_CONTACTS_SOLID) &&
-              within(p.reduction, dGPUTRIMESH_REDUCTION_NONE, dGPUTRIMESH_REDUCTION_CONE) &&
-              within(p.max_contacts, 1, 65535) && within(p.contacts_per_region, 1, 64) &&
-              within(p.history, dGPUTRIMESH_HISTORY_OFF, dGPUTRIMESH_HISTORY_ON) && p.region_merge >= 0 &&
-              std::isfinite(p.region_merge);
-  for (const int place : {p.backend, p.middle_phase, p.near_phase}) {
-    good = good && within(place, dGPUTRIMESH_BACKEND_DEFAULT, dGPUTRIMESH_BACKEND_OPENCL);
-  }
-  for (const int bins : p.bins) good = good && within(bins, 1, 64);
-  if (!good) return dGPUTRIMESH_ERROR_ARGUMENT;
-  return dGPUTRIMESH_OK;
-}
-
 GeomObject* objectOf(dGeomID geom) noexcept {
   return geom != nullptr && dGeomGetClass(geom) == registeredClass() ? slotOf(geom) : nullptr;
 }
@@ -85,6 +62,30 @@ void LiveObjects::fetch(dGeomID geom) const noexcept {
 
 GeomObject::~GeomObject() {
   if (data != nullptr) data->detach(serial);
+}
+
+int GeomObject::rescale(dxGpuTriMeshData* of, const MeshScale& by) {
+  std::shared_ptr<CollisionMesh> made;
+  if (!isOne(by) && of != nullptr && of->mesh() != nullptr) {
+    made = of->scaledMesh(by);
+    if (made == nullptr) return dGPUTRIMESH_ERROR_MESH;
+  }
+  scale = by;
+  scaled = std::move(made);
+  return dGPUTRIMESH_OK;
+}
+
+const CollisionMesh* GeomObject::mesh() const {
+  return isOne(scale) ? (data == nullptr ? nullptr : data->mesh()) : scaled.get();
+}
+
+std::shared_ptr<const CollisionMesh> GeomObject::sharedMesh() const {
+  return isOne(scale) ? (data == nullptr ? nullptr : data->meshPtr()) : scaled;
+}
+
+bool GeomObject::remembersWith(int geomClass) const {
+  if (params.history != dGPUTRIMESH_HISTORY_ON) return false;
+  return geomClass == registeredClass() || (coherentClasses >> geomClass & 1u) != 0;
 }
 
 GeomUse::GeomUse(GeomObject* first, GeomObject* second) {
@@ -177,6 +178,15 @@ void computeAabb(dGeomID geom, dReal aabb[6]) noexcept {
   }
 }
 
+void giveObject(dGeomID geom, const std::shared_ptr<GeomObject>& object) {
+  {
+    const std::unique_lock lock(live().mutex);
+    live().objects.insertOrAssign(geom, object.get());
+  }
+  slotOf(geom) = object.get();
+  object->self = object;
+}
+
 void destroyObject(dGeomID geom) noexcept {
   // The class number may be out of date by now (ODE closed with geoms alive); the slot is ours all the same, because
   // ODE calls this function only through our class record.
@@ -199,138 +209,3 @@ void destroyObject(dGeomID geom) noexcept {
 }
 
 }  // namespace otg
-
-dGeomID dCreateGpuTriMesh(dSpaceID space, dGpuTriMeshDataID data) {
-  dGeomID geom = nullptr;
-  otg::guarded([&] {
-    if (const int status = otg::ensureRegistered()) return status;
-    if (data != nullptr && !dxGpuTriMeshData::isLive(data)) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
-    const auto object = std::make_shared<otg::GeomObject>();  // its counts lie beside what is read of it
-    object->serial = otg::nextSerial();
-    dGpuTriMeshParamsInit(&object->params);
-    const dGeomID created = dCreateGeom(otg::registeredClass());
-    if (data != nullptr) {
-      try {
-        data->attach(object->serial, created);
-      } catch (...) {
-        dGeomDestroy(created);
-        throw;
-      }
-      object->data = data;
-    }
-    try {
-      const std::unique_lock lock(otg::live().mutex);
-      otg::live().objects.insertOrAssign(created, object.get());
-    } catch (...) {
-      dGeomDestroy(created);  // the object goes with its own data
-      throw;
-    }
-    otg::slotOf(created) = object.get();
-    object->self = object;
-    geom = created;
-    return static_cast<int>(dGPUTRIMESH_OK);
-  });
-  // Last: from here on ODE may ask for the box at any time.
-  if (geom != nullptr && space != nullptr) dSpaceAdd(space, geom);
-  return geom;
-}
-
-int dGeomGpuTriMeshSetData(dGeomID g, dGpuTriMeshDataID data) {
-  return otg::guarded([&] {
-    otg::GeomObject* const object = otg::liveObjectOf(g);
-    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
-    const otg::ChangeHold change(&object->uses);
-    if (!change.good()) return static_cast<int>(dGPUTRIMESH_ERROR_BUSY);
-    dxGpuTriMeshData* const before = object->data;
-    if (before != data) {
-      if (data != nullptr && !dxGpuTriMeshData::isLive(data)) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
-      // Neither may be about to give the geom a mesh of its own accord.
-      std::optional<otg::UseHold> useBefore(before == nullptr ? nullptr : &before->uses);
-      std::optional<otg::UseHold> use(data == nullptr ? nullptr : &data->uses);
-      if (!useBefore->good() || !use->good()) return static_cast<int>(dGPUTRIMESH_ERROR_BUSY);
-      if (data != nullptr) data->attach(object->serial, g);
-      int status = dGPUTRIMESH_ERROR_MEMORY;
-      try {
-        status = object->rescale(data, object->scale);
-      } catch (const std::bad_alloc&) {
-      }
-      if (status == dGPUTRIMESH_OK) object->data = data;
-      if (dxGpuTriMeshData* const unused = status == dGPUTRIMESH_OK ? before : data) {
-        unused->forgetGeom(object->serial);
-        useBefore.reset();  // the object may go now
-        use.reset();
-        unused->detach(object->serial);
-      }
-      if (status != dGPUTRIMESH_OK) return status;
-    }
-    dGeomMoved(g);
-    return static_cast<int>(dGPUTRIMESH_OK);
-  });
-}
-
-dGpuTriMeshDataID dGeomGpuTriMeshGetData(dGeomID g) {
-  const otg::GeomObject* const object = otg::liveObjectOf(g);
-  if (object == nullptr) {
-    otg::noteStatus(dGPUTRIMESH_ERROR_CLASS);
-    return nullptr;
-  }
-  return object->data != nullptr && object->data->hasHandle() ? object->data : nullptr;
-}
-
-int dGeomGpuTriMeshSetLastTransform(dGeomID g, const dReal* last_trans) {
-  return otg::guarded([&] {
-    const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
-    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
-    const otg::LastTransform last = last_trans == nullptr ? otg::LastTransform{} : otg::lastTransformOf(last_trans);
-    if (last_trans != nullptr && !last.isSet) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
-    object->last = last;
-    return static_cast<int>(dGPUTRIMESH_OK);
-  });
-}
-
-const dReal* dGeomGpuTriMeshGetLastTransform(dGeomID g) {
-  const dReal* matrix = nullptr;
-  otg::guarded([&] {
-    const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
-    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
-    matrix = object->last.matrix;
-    return static_cast<int>(dGPUTRIMESH_OK);
-  });
-  return matrix;
-}
-
-void dGpuTriMeshParamsInit(dGpuTriMeshParams* params) {
-  if (params == nullptr) return;
-  *params = dGpuTriMeshParams{};
-  params->size = sizeof(dGpuTriMeshParams);
-  params->traversal = dGPUTRIMESH_TRAVERSAL_WIDE;
-  params->descent = dGPUTRIMESH_DESCENT_LARGER;
-  params->box_axes = 6;
-  params->contact_model = dGPUTRIMESH_CONTACTS_AUTO;
-  params->reduction = dGPUTRIMESH_REDUCTION_BINNING;
-  std::fill(std::begin(params->bins), std::end(params->bins), 3);
-  params->max_contacts = 65535;
-  params->contacts_per_region = otg::SolidOptions{}.contactsPerRegion;
-  params->history = dGPUTRIMESH_HISTORY_ON;
-  params->region_merge = static_cast<dReal>(otg::SolidOptions{}.regionMerge);
-}
-
-int dGeomGpuTriMeshSetParams(dGeomID g, const dGpuTriMeshParams* params) {
-  return otg::guarded([&] {
-    const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
-    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
-    if (const int status = otg::checkParams(params)) return status;
-    object->params = *params;
-    return static_cast<int>(dGPUTRIMESH_OK);
-  });
-}
-
-int dGeomGpuTriMeshGetParams(dGeomID g, dGpuTriMeshParams* params) {
-  return otg::guarded([&] {
-    const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
-    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
-    if (!otg::isCurrentSize(params)) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
-    *params = object->params;
-    return static_cast<int>(dGPUTRIMESH_OK);
-  });
-}

@@ -9,15 +9,17 @@
 #include <memory>
 #include <shared_mutex>
 
+#include "base/owned_later.h"
 #include "ode/data/mesh_data.h"
 #include "ode/geom/pair_memory.h"
-#include "ode/many/prefetched_pairs.h"
-#include "ode/many/prefetched_shapes.h"
 #include "ode_trimesh_gpu/callbacks.h"
 #include "ode_trimesh_gpu/params.h"
 #include "ode_trimesh_gpu/stats.h"
 
 namespace otg {
+
+class PrefetchedPairs;
+class PrefetchedShapes;
 
 /// Sums of dGpuTriMeshStats. Several threads may collide one geom (a ground mesh) at once.
 struct GeomStats {
@@ -45,15 +47,12 @@ struct LastTransform {
 
 /// ODE keeps a pointer to it in the geom's class data (which it zeroes, copies nothing into and frees without a word).
 /// Batches under way share it, so that a geom may be destroyed meanwhile.
-struct GeomObject : std::enable_shared_from_this<GeomObject> {
+struct GeomObject : ScaledMesh, std::enable_shared_from_this<GeomObject> {
   /// Orders geoms by creation. Of two that collide the older one is mesh A: the result must not depend on the order of
   /// the call, and in the same program it must not depend on addresses either.
   std::uint64_t serial = 0;
   dxGpuTriMeshData* data = nullptr;  ///< attached to; may be null
   UseCount uses;                     ///< of queries that have the geom, and of who gives it other data or another scale
-  /// Of the data's vertices; `scaled` is the mesh that it makes of them, and null while it is 1, 1, 1.
-  MeshScale scale{1, 1, 1};
-  std::shared_ptr<CollisionMesh> scaled;
   GeomCallbacks callbacks;
   /// Bits of classes other than ours: with which of them pairs are remembered, if params.history says that any are.
   std::uint32_t coherentClasses = ~0u;
@@ -64,9 +63,9 @@ struct GeomObject : std::enable_shared_from_this<GeomObject> {
   /// About so many bytes, from the first one on, are read of a geom of each pair.
   static constexpr std::size_t kReadBytes = 320;
   GeomStats stats;
-  PrefetchedPairs prefetched;
-  PrefetchedShapes prefetchedShapes;  ///< of pairs with geoms of ODE's own
-  std::shared_ptr<GeomObject> self;   ///< the geom's own share, until it is destroyed
+  OwnedLater<PrefetchedPairs> prefetched;         ///< of pairs in which this geom is mesh B
+  OwnedLater<PrefetchedShapes> prefetchedShapes;  ///< of pairs with geoms of ODE's own
+  std::shared_ptr<GeomObject> self;               ///< the geom's own share, until it is destroyed
 
   GeomObject() = default;
   /// After the geom was destroyed, and after the last query that had it.
@@ -130,8 +129,8 @@ WorldPose readPose(dGeomID geom) noexcept;
 /// With `finite` and `rigid` worked out.
 WorldPose withRigidity(WorldPose pose) noexcept;
 
-/// dGPUTRIMESH_OK if these are choices that this version knows.
-int checkParams(const dGpuTriMeshParams* params) noexcept;
+/// A geom that ODE has just made of our class gets its object. After an exception (std::bad_alloc) nothing has changed.
+void giveObject(dGeomID geom, const std::shared_ptr<GeomObject>& object);
 
 /// dGeomClass::aabb: minx, maxx, miny, maxy, minz, maxz of all triangles, rounded outward; always finite.
 void computeAabb(dGeomID geom, dReal aabb[6]) noexcept;

@@ -5,6 +5,8 @@
 
 #include <bit>
 
+#include "base/hash.h"
+
 namespace otg {
 namespace {
 
@@ -19,7 +21,7 @@ void fetch(const void* from, std::size_t bytes) noexcept {
 /// A place in a table of so many, a power of two.
 std::size_t placeOf(const void* pointer, std::size_t places) noexcept {
   const std::uint64_t bits = std::bit_cast<std::uintptr_t>(pointer);
-  return static_cast<std::size_t>(bits * 0x9e3779b97f4a7c15u >> 32) & (places - 1);
+  return static_cast<std::size_t>(spreadBits(bits)) & (places - 1);
 }
 
 constexpr std::size_t kGeomBytes = 160;  ///< of ODE's dxGeom, about

@@ -9,7 +9,7 @@
 #include <unordered_map>
 
 #include "ode/data/trimesh_cache.h"
-#include "ode/library/class_registration.h"
+#include "ode/geom/class_number.h"
 
 namespace otg {
 namespace {

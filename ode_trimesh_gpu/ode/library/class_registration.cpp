@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Registration of the geom class, dGpuTriMeshInit and dGpuTriMeshClose.
-//
 // ODE has four user classes, forgets them in dCloseODE, hands out the same numbers again after dInitODE2, and has no
 // function that tells any of this; registering too early is accepted and then wiped without a word. So the number that
 // we keep is tested before it is trusted: ODE's collider table, which dInitODE2 clears, must lead to our function.
@@ -16,21 +14,17 @@
 #include <mutex>
 
 #include "dispatch/dispatcher.h"
-#include "dispatch/threads/workspace_lease.h"
 #include "ode/base/status.h"
+#include "ode/geom/class_number.h"
 #include "ode/geom/geom_class.h"
 #include "ode/pairs/mesh_collider.h"
 #include "ode/shapes/primitive_collider.h"
-#include "ode_trimesh_gpu/backend.h"
 
 namespace otg {
 namespace {
 
-/// The only state of the process: ODE's class table is one per process, too.
 struct Registry {
-  std::mutex mutex;  ///< held while the table is probed or filled
-  std::atomic<int> classNumber{-1};
-  std::atomic<std::uint64_t> nextSerial{0};
+  std::mutex mutex;                                           ///< held while the table is probed or filled
   std::atomic<dMessageFunction*> outerDebugHandler{nullptr};  ///< while ours is in place: the program's
 };
 
@@ -40,7 +34,6 @@ Registry& registry() {
 }
 
 thread_local std::jmp_buf* debugTrap = nullptr;
-thread_local bool probeAnswered = false;
 
 /// ODE reports misuse by calling its debug handler and aborts if that returns. Ours jumps back out of the call that
 /// this thread has made; no frame of ODE in between has anything to destroy. Other threads get the handler they had.
@@ -111,9 +104,9 @@ bool odeIsInitialized() {
 }
 
 bool collidesThroughUs(dGeomID probe, dGeomID other) {
-  probeAnswered = false;
+  takeProbeAnswer();
   tryCollide(probe, other);
-  return probeAnswered;
+  return takeProbeAnswer();
 }
 
 /// Whether ODE's table leads from this class to our functions. Two entries are tried, in case the program has put a
@@ -146,7 +139,7 @@ int registerClass() {
   record.dtor = &destroyObject;
   const int number = tryCreateClass(record);
   if (number < 0) return dGPUTRIMESH_ERROR_CLASS_COUNT;
-  registry().classNumber = number;
+  setRegisteredClass(number);
   // ODE would fill these entries on the first collision of each pair, without a lock. Spaces and dGeomTransform have
   // theirs already; other user classes may come later and are left to ODE.
   for (int other = dSphereClass; other < dFirstSpaceClass; ++other) {
@@ -156,8 +149,6 @@ int registerClass() {
   return dGPUTRIMESH_OK;
 }
 
-std::atomic<bool> openingDropped{false};  ///< of a device for `auto`, by dGpuTriMeshClose()
-
 void chooseBackendOnce() {
   static std::once_flag chosen;
   watchEndOfProcess();
@@ -165,18 +156,6 @@ void chooseBackendOnce() {
 }
 
 }  // namespace
-
-int registeredClass() noexcept {
-  return registry().classNumber.load(std::memory_order_acquire);
-}
-
-std::uint64_t nextSerial() noexcept {
-  return registry().nextSerial.fetch_add(1, std::memory_order_relaxed);
-}
-
-void answerProbe() noexcept {
-  probeAnswered = true;
-}
 
 int precisionStatus(ConfigurationCheck check) noexcept {
 #if defined(dDOUBLE)
@@ -215,21 +194,3 @@ int ensureRegistered() noexcept {
 }
 
 }  // namespace otg
-
-int dGpuTriMeshInit(void) {
-  if (otg::ensureRegistered() != dGPUTRIMESH_OK) return 0;
-  // What Close has dropped is begun again, unless something else was asked for meanwhile.
-  if (otg::openingDropped.exchange(false) && dGpuTriMeshGetBackend() == dGPUTRIMESH_BACKEND_AUTO) {
-    dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_AUTO);
-  }
-  return 1;
-}
-
-void dGpuTriMeshClose(void) {
-  otg::freeThreadWorkspaces();
-  if (otg::dispatcher().stopOpening()) otg::openingDropped = true;
-}
-
-int dGpuTriMeshGetClass(void) {
-  return otg::registeredClass();
-}

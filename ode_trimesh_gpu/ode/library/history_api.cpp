@@ -21,6 +21,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "base/hash.h"
 #include "ode/base/status.h"
 #include "ode/geom/mesh_side.h"
 #include "ode/shapes/primitive_history.h"
@@ -34,12 +35,6 @@ constexpr char kMagic[8] = "OTGHIST";
 constexpr std::uint32_t kVersion = 2;
 // Whoever adds to what is remembered must write it, too, and raise the version.
 static_assert(sizeof(SolidHistory::State) == 3 * 8 + 2 * 4 + 3 * 8 + 12 * 8 + 8);
-
-std::uint64_t checksum(const unsigned char* bytes, std::size_t count) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (std::size_t i = 0; i < count; ++i) hash = (hash ^ bytes[i]) * 0x100000001b3u;
-  return hash;
-}
 
 class Writer {
  public:
@@ -156,7 +151,7 @@ bool isPair(const Listed& listed, std::uint32_t kind, std::uint32_t other, std::
 bool parse(const unsigned char* bytes, std::size_t size, const Listed& listed, std::vector<SavedPair>& pairs) {
   if (bytes == nullptr || size < sizeof kMagic + 8 || std::memcmp(bytes, kMagic, sizeof kMagic) != 0) return false;
   Reader tail(bytes + size - 8, 8);
-  if (tail.integer(8) != checksum(bytes, size - 8)) return false;
+  if (tail.integer(8) != fnv1a(bytes, size - 8)) return false;
   Reader reader(bytes + sizeof kMagic, size - 8 - sizeof kMagic);
   if (reader.integer(4) != kVersion || reader.integer(4) != listed.objects.size()) return false;
   const std::uint64_t count = reader.integer(4);
@@ -198,7 +193,7 @@ std::vector<unsigned char> serialize(const Listed& listed) {
     writer.state(pair.remembered.history.before);
     writer.state(pair.remembered.history.current);
   }
-  writer.integer(checksum(writer.bytes().data(), writer.bytes().size()), 8);
+  writer.integer(fnv1a(writer.bytes().data(), writer.bytes().size()), 8);
   return std::move(writer.bytes());
 }
 

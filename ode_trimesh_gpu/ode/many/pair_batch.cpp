@@ -13,7 +13,7 @@
 #include "dispatch/threads/workspace_lease.h"
 #include "ode/base/status.h"
 #include "ode/geom/geom_part.h"
-#include "ode/override/trimesh_override.h"
+#include "ode/geom/trimesh_pairs.h"
 #include "ode/pairs/pair_callbacks.h"
 
 namespace otg {

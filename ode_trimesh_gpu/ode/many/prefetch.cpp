@@ -8,10 +8,12 @@
 #include <bit>
 #include <climits>
 
+#include "base/hash.h"
 #include "ode/base/status.h"
+#include "ode/geom/trimesh_pairs.h"
 #include "ode/many/pair_batch.h"
 #include "ode/many/shape_batch.h"
-#include "ode/override/trimesh_override.h"
+#include "ode/pairs/prefetched_pairs.h"
 #include "ode/shapes/primitive_history.h"
 
 namespace otg {
@@ -53,7 +55,7 @@ class Gatherer {
     std::vector<std::uint32_t> places(std::bit_ceil(2 * found.size() + 1), 0);
     const auto isNew = [&](std::size_t i) {
       const Found& one = found[i];
-      std::size_t at = ((one.x * 0x9e3779b97f4a7c15u + one.y) * 0xff51afd7ed558ccdu >> 20) & (places.size() - 1);
+      std::size_t at = spreadBits(spreadBits(one.x) ^ one.y) & (places.size() - 1);
       for (; places[at] != 0; at = (at + 1) & (places.size() - 1)) {
         const Found& other = found[places[at] - 1];
         if (other.x == one.x && other.y == one.y) return false;
@@ -118,7 +120,9 @@ int prefetch(std::span<const dSpaceID> spaces, dGpuTriMeshPairFilter* filter, vo
   // Every geom forgets all that it has before any gets something new.
   batch.forParts([&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      if (const PairTask& task = batch.task(i); task.state == PairTask::State::kReady) task.b().prefetched.clear();
+      const PairTask& task = batch.task(i);
+      PrefetchedPairs* const ready = task.state == PairTask::State::kReady ? task.b().prefetched.get() : nullptr;
+      if (ready != nullptr) ready->clear();
     }
   });
   std::atomic<std::size_t> ready = prefetchShapes(gatherer.takeShapes());
@@ -127,7 +131,7 @@ int prefetch(std::span<const dSpaceID> spaces, dGpuTriMeshPairFilter* filter, vo
     for (std::size_t i = begin; i < end; ++i) {
       const PairTask& task = batch.task(i);
       if (task.state != PairTask::State::kReady || batch.result(i).outcome != PairResult::Outcome::kDone) continue;
-      task.b().prefetched.add(task, std::move(batch.result(i)));
+      task.b().prefetched.make().add(task, std::move(batch.result(i)));
       ++added;
     }
     ready += added;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The C API of nearest points, distances, overlap and rays.
+#include "base/vectors.h"
 #include "ode_trimesh_gpu/queries.h"
 
 #include <algorithm>
@@ -37,10 +38,6 @@ void write(const Vec3d& from, dReal* to) {
 
 bool isFinite(const Vec3d& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-double length(const Vec3d& v) {
-  return std::sqrt(otgDot(v, v));
 }
 
 /// A geom of our class where it is now, held as long as this lives.
@@ -132,7 +129,7 @@ void closest(const Placed& placed, const PointAnswer& answer, dGpuTriMeshClosest
   if (nearest.triangle == kNone) return;
   write(otgTransform(placed.pose, nearest.point), out.pos);
   const Vec3d normal = otgRotate(placed.pose, outwardNormal(*placed.mesh, nearest));
-  write(otgScale(normal, 1 / length(normal)), out.normal);
+  write(otgScale(normal, 1 / norm(normal)), out.normal);
   out.distance = static_cast<dReal>(answer.inside ? -nearest.distance : nearest.distance);
   out.triangle = static_cast<int>(placed.mesh->mesh().callerTriangle(nearest.triangle));
 }
@@ -293,13 +290,13 @@ class PlacedPairs {
 bool isUsable(const dGpuTriMeshRay& ray) {
   const Vec3d start{ray.start[0], ray.start[1], ray.start[2]};
   const Vec3d direction{ray.direction[0], ray.direction[1], ray.direction[2]};
-  const double l = length(direction);
+  const double l = norm(direction);
   return isFinite(start) && std::isfinite(l) && l > 0 && ray.length >= 0;
 }
 
 LongRay rayToMesh(const Placed& placed, const dGpuTriMeshRay& ray) {
   const Vec3d direction{ray.direction[0], ray.direction[1], ray.direction[2]};
-  return {{toMesh(placed, ray.start), otgRotateBack(placed.pose, otgScale(direction, 1 / length(direction)))},
+  return {{toMesh(placed, ray.start), otgRotateBack(placed.pose, otgScale(direction, 1 / norm(direction)))},
           static_cast<double>(ray.length)};
 }
 
@@ -316,7 +313,7 @@ bool writeHit(const Placed& placed, const MeshRay& ray, const RayHit& hit, dGpuT
   const Vec3d point = otgAdd(ray.origin, otgScale(ray.direction, hit.distance));
   const Vec3d face = otgRotate(placed.pose, faceNormal(placed.mesh->mesh(), hit.triangle));
   write(otgTransform(placed.pose, point), out.pos);
-  write(otgScale(face, (hit.back ? -1 : 1) / length(face)), out.normal);
+  write(otgScale(face, (hit.back ? -1 : 1) / norm(face)), out.normal);
   out.distance = static_cast<dReal>(hit.distance);
   out.triangle = static_cast<int>(placed.mesh->mesh().callerTriangle(hit.triangle));
   out.back = hit.back ? 1 : 0;

@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "dispatch/dispatcher.h"
-#include "ode/override/trimesh_override.h"
+#include "ode/geom/trimesh_pairs.h"
 #include "ode/shapes/convex_collider.h"
+#include "ode/shapes/prefetched_shapes.h"
 #include "ode/shapes/primitive_collider.h"
+#include "ode/shapes/primitive_contacts.h"
 #include "ode/shapes/primitive_history.h"
 
 namespace otg {
@@ -43,7 +45,7 @@ bool prepareJob(const dGpuTriMeshPair& pair, Job& job) {
   job.query = shapeQuery(task);
   job.most = job.query.options.maxContacts;
   if (!canBeCut(job.query.geomClass)) {
-    const int asked = task.side.object->prefetchedShapes.placesAskedFor(memoryKey(task.o2), job.most);
+    const int asked = task.side.object->prefetchedShapes.make().placesAskedFor(memoryKey(task.o2), job.most);
     job.most = std::min(job.most, asked);
   }
   if (job.query.remembers) task.side.object->memory.recall(memoryKey(task.o2), job.detached.history);
@@ -74,14 +76,14 @@ std::size_t prefetchShapes(std::span<const dGpuTriMeshPair> pairs) {
   for (const dGpuTriMeshPair& pair : pairs) meshes.push_back(meshObjectOf(pair.o1));
   std::sort(meshes.begin(), meshes.end());
   meshes.erase(std::unique(meshes.begin(), meshes.end()), meshes.end());
-  for (GeomObject* mesh : meshes) mesh->prefetchedShapes.beginRound();
+  for (GeomObject* mesh : meshes) mesh->prefetchedShapes.make().beginRound();
 
   std::size_t ready = 0;
   std::vector<Job> jobs;
   for (const dGpuTriMeshPair& pair : pairs) {
     Job job;
     if (!prepareJob(pair, job)) continue;
-    if (job.task.side.object->prefetchedShapes.keep(memoryKey(pair.o2), job.query, job.most)) {
+    if (job.task.side.object->prefetchedShapes.make().keep(memoryKey(pair.o2), job.query, job.most)) {
       ++ready;  // nothing has changed: bodies that are at rest or fixed
     } else {
       jobs.push_back(std::move(job));
@@ -94,11 +96,11 @@ std::size_t prefetchShapes(std::span<const dGpuTriMeshPair> pairs) {
   });
   for (Job& job : jobs) {
     if (!job.done) continue;
-    job.task.side.object->prefetchedShapes.add(memoryKey(job.task.o2), std::move(job.query), job.most,
-                                               std::move(job.contacts), job.detached);
+    job.task.side.object->prefetchedShapes.make().add(memoryKey(job.task.o2), std::move(job.query), job.most,
+                                                      std::move(job.contacts), job.detached);
     ++ready;
   }
-  for (GeomObject* mesh : meshes) mesh->prefetchedShapes.endRound();
+  for (GeomObject* mesh : meshes) mesh->prefetchedShapes.make().endRound();
   return ready;
 }
 

@@ -4,74 +4,9 @@
 
 #include <ode/collision.h>
 
-#include "collide/contact_id.h"
 #include "ode/base/status.h"
 #include "ode/geom/geom_class.h"
 #include "ode/pairs/mesh_collider.h"
-
-namespace otg {
-namespace {
-
-struct FeatureKind {
-  int kind;
-  int mesh;  ///< 0 A, 1 B, -1 neither
-};
-
-FeatureKind kindOf(ContactFeature feature) {
-  switch (feature) {
-    case ContactFeature::kFaceA:
-      return {dGPUTRIMESH_FEATURE_FACE, 0};
-    case ContactFeature::kFaceB:
-      return {dGPUTRIMESH_FEATURE_FACE, 1};
-    case ContactFeature::kCoplanar:
-      return {dGPUTRIMESH_FEATURE_COPLANAR, -1};
-    case ContactFeature::kVertexA:
-      return {dGPUTRIMESH_FEATURE_VERTEX, 0};
-    case ContactFeature::kVertexB:
-      return {dGPUTRIMESH_FEATURE_VERTEX, 1};
-    case ContactFeature::kCrossingA:
-      return {dGPUTRIMESH_FEATURE_CROSSING, 0};
-    case ContactFeature::kCrossingB:
-      return {dGPUTRIMESH_FEATURE_CROSSING, 1};
-    case ContactFeature::kMiddleA:
-      return {dGPUTRIMESH_FEATURE_MIDDLE, 0};
-    case ContactFeature::kMiddleB:
-      return {dGPUTRIMESH_FEATURE_MIDDLE, 1};
-    case ContactFeature::kNone:
-      break;
-  }
-  return {dGPUTRIMESH_FEATURE_REGION, -1};
-}
-
-}  // namespace
-
-dGpuTriMeshContactData contactData(const Query& query, const Contact& contact, bool first) {
-  static_assert(int{dGPUTRIMESH_CONTACT_INSIDE} == int{kContactInside} &&
-                int{dGPUTRIMESH_CONTACT_CONTAINED} == int{kContactContained} &&
-                int{dGPUTRIMESH_CONTACT_CLAMPED} == int{kContactClamped});
-  const FeatureKind feature = kindOf(contact.feature);
-  dGpuTriMeshContactData data{};
-  data.id = contactId(contact);
-  data.region = static_cast<int>(contact.region);
-  data.coherence = static_cast<dReal>(contact.coherence);
-  data.triangle1 = static_cast<int>(first ? contact.triangleA : contact.triangleB);
-  data.triangle2 = static_cast<int>(first ? contact.triangleB : contact.triangleA);
-  data.feature = feature.kind;
-  data.feature_side = feature.mesh < 0 ? 0 : (feature.mesh == 0) == first ? 1 : 2;
-  data.vertex1 = data.vertex2 = -1;
-  const TriMesh& mesh = (feature.mesh == 1 ? query.b : query.a)->mesh();
-  if (feature.kind == dGPUTRIMESH_FEATURE_VERTEX) {
-    data.vertex1 = static_cast<int>(mesh.callerVertex(contact.element));
-  } else if (contact.element != kNone) {
-    const Topology::Edge& edge = mesh.topology().edges[contact.element];
-    data.vertex1 = static_cast<int>(mesh.callerVertex(edge.a));
-    data.vertex2 = static_cast<int>(mesh.callerVertex(edge.b));
-  }
-  data.flags = contact.flags;
-  return data;
-}
-
-}  // namespace otg
 
 int dGpuTriMeshCollideEx(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip,
                          dGpuTriMeshContactData* data, int data_skip) {

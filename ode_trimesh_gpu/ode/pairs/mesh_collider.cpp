@@ -8,10 +8,9 @@
 #include "dispatch/dispatcher.h"
 #include "dispatch/threads/workspace_lease.h"
 #include "ode/base/status.h"
-#include "ode/geom/geom_class.h"
-#include "ode/library/class_registration.h"
+#include "ode/geom/class_number.h"
 #include "ode/pairs/pair_callbacks.h"
-#include "ode/pairs/pair_task.h"
+#include "ode/pairs/prefetched_pairs.h"
 
 namespace otg {
 
@@ -65,11 +64,11 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
     SolidHistory history;
     if (needsHistory(task)) recallPair(task, history);
     task.job.any = isUnimportant(flags);
-    PrefetchedPairs& ready = task.b().prefetched;
-    if (!task.job.any && !asks && !ready.empty()) {
+    PrefetchedPairs* const ready = task.b().prefetched.get();
+    if (!task.job.any && !asks && ready != nullptr && !ready->empty()) {
       PairResult result;
-      if (ready.find(task, capacity, result)) {
-        ready.seen(task, rememberPair(task, !result.contacts.empty()));
+      if (ready->find(task, capacity, result)) {
+        ready->seen(task, rememberPair(task, !result.contacts.empty()));
         writeContacts(task, result.contacts, to);
         countPair(task, result.counts, result.contacts.size(), result.onDevice, result.deviceFailed);
         for (GeomObject* object : both) {

@@ -8,9 +8,10 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/vectors.h"
 #include "dispatch/dispatcher.h"
 #include "ode/base/status.h"
-#include "ode/pairs/mesh_collider.h"
+#include "ode/pairs/contact_data.h"
 
 namespace otg {
 namespace {
@@ -18,22 +19,19 @@ namespace {
 Vec3d toDouble(const Vec3f& v) {
   return {v.x, v.y, v.z};
 }
-double length(const Vec3d& v) {
-  return std::sqrt(otgDot(v, v));
-}
 
 /// Whether the bounding spheres are so far apart that nothing can touch. Keeps numbers that single precision can't hold
 /// away from the filters, and answers far pairs (dCollide called without a space) at once.
 bool isFarApart(const CollisionMesh& a, const CollisionMesh& b, const Transformd& bInA) {
   const Vec3d centerA = toDouble(a.mesh().center());
   const Vec3d centerB = otgTransform(bInA, toDouble(b.mesh().center()));
-  double norm = 0;  // Frobenius: no less than the factor by which bInA can stretch, should it not be a rotation
-  for (const double r : bInA.r) norm += r * r;
+  double stretch = 0;  // Frobenius: no less than the factor by which bInA can stretch, should it not be a rotation
+  for (const double r : bInA.r) stretch += r * r;
   const double reach =
-      static_cast<double>(a.mesh().radius()) + std::sqrt(norm) * static_cast<double>(b.mesh().radius());
+      static_cast<double>(a.mesh().radius()) + std::sqrt(stretch) * static_cast<double>(b.mesh().radius());
   const double slack =
-      1e-9 * (reach + length(centerA) + length(bInA.t) + std::sqrt(norm) * length(toDouble(b.mesh().center())));
-  const double distance = length(otgSub(centerB, centerA));
+      1e-9 * (reach + norm(centerA) + norm(bInA.t) + std::sqrt(stretch) * norm(toDouble(b.mesh().center())));
+  const double distance = norm(otgSub(centerB, centerA));
   return !(distance <= reach + slack) || !(reach + slack <= 1e30);
 }
 
@@ -87,7 +85,7 @@ void writeContact(const Contact& from, const ContactFrame& frame, void* to) {
   const Vec3d position = otgTransform(frame.poseOfA, from.position);
   Vec3d normal = otgRotate(frame.poseOfA, from.normal);
   // ODE lets rotation matrices drift a little; the contact joint takes the length of the normal for granted.
-  const double scale = (first ? 1.0 : -1.0) / length(normal);
+  const double scale = (first ? 1.0 : -1.0) / norm(normal);
   normal = otgScale(normal, scale);
   dContactGeom contact{};
   contact.pos[0] = static_cast<dReal>(position.x);

@@ -70,6 +70,12 @@ constexpr int capacityOf(int flags) {
 }
 bool isUnimportant(int flags);
 
+/// Where b's frame lies in a's: R = Ra^T Rb, t = Ra^T (xb - xa), in double.
+Transformd relativePose(const Transformd& a, const Transformd& b);
+
+/// The choices for a pair out of those of its geoms; symmetric but for the traversal, which is `first`'s.
+CollideOptions pairOptions(const dGpuTriMeshParams& first, const dGpuTriMeshParams& second);
+
 /// Where the phases of a pair run: as both geoms want it, or else as the process does.
 Placement pairPlacement(const dGpuTriMeshParams& first, const dGpuTriMeshParams& second, Placement process);
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "collide/pairwise/reduction.h"
-#include "ode/pairs/mesh_collider.h"
+#include "ode/pairs/pair_task.h"
 #include "ode/shapes/primitive_history.h"
 #include "primitives/capsule_contacts.h"
 #include "primitives/convex_contacts.h"

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "collide/query.h"
-#include "ode/shapes/primitive_collider.h"
+#include "ode/shapes/primitive_task.h"
 #include "primitives/convex_shape.h"
 
 namespace otg {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "collide/stages.h"
-#include "ode/pairs/mesh_collider.h"
+#include "ode/pairs/pair_task.h"
 #include "ode/shapes/height_samples.h"
 #include "ode/shapes/primitive_history.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "collide/query.h"
-#include "ode/shapes/primitive_collider.h"
+#include "ode/shapes/primitive_task.h"
 
 namespace otg {
 

@@ -9,6 +9,7 @@
 #include "ode/pairs/pair_callbacks.h"
 #include "ode/shapes/convex_collider.h"
 #include "ode/shapes/heightfield_collider.h"
+#include "ode/shapes/primitive_contacts.h"
 #include "primitives/touched_triangles.h"
 
 namespace otg {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "ode/shapes/primitive_collider.h"
+#include "ode/shapes/primitive_task.h"
 
 namespace otg {
 

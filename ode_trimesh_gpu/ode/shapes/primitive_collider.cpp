@@ -3,60 +3,19 @@
 
 #include <algorithm>
 
-#include "collide/pairwise/reduction.h"
 #include "dispatch/threads/workspace_lease.h"
 #include "ode/base/status.h"
-#include "ode/library/class_registration.h"
+#include "ode/geom/class_number.h"
 #include "ode/pairs/mesh_collider.h"
 #include "ode/pairs/pair_task.h"
 #include "ode/shapes/convex_collider.h"
 #include "ode/shapes/heightfield_collider.h"
+#include "ode/shapes/prefetched_shapes.h"
 #include "ode/shapes/primitive_callbacks.h"
+#include "ode/shapes/primitive_contacts.h"
 #include "ode/shapes/primitive_history.h"
-#include "primitives/sphere_contacts.h"
 
 namespace otg {
-
-HalfSpace planeInMesh(const PrimitiveTask& task) {
-  dVector4 p;
-  dGeomPlaneGetParams(task.o2, p);
-  const Vec3d n{p[0], p[1], p[2]};
-  return {otgRotateBack(task.pose, n), static_cast<double>(p[3]) - otgDot(n, task.pose.t)};
-}
-
-void primitiveContacts(const PrimitiveTask& task, int most, std::vector<Contact>& out, int& failure) {
-  const int perRegion = task.side.object->params.contacts_per_region;
-  switch (dGeomGetClass(task.o2)) {
-    case dRayClass:
-      rayContacts(task, out);  // nearest first: the depth is the way along the ray
-      if (out.size() > static_cast<std::size_t>(most)) out.resize(static_cast<std::size_t>(most));
-      return;
-    case dPlaneClass:
-      planeContacts(*task.side.mesh, planeInMesh(task), perRegion, out);
-      break;
-    case dSphereClass:
-      sphereContacts(*task.side.mesh, task.other.t, dGeomSphereGetRadius(task.o2), out);
-      break;
-    case dBoxClass:
-    case dCapsuleClass:
-    case dCylinderClass:
-    case dConvexClass: {
-      const WorkspaceLease lease;
-      const std::span<const Contact> found = convexGeomContacts(task, most, *lease);
-      out.assign(found.begin(), found.end());
-      return;
-    }
-    case dHeightfieldClass: {
-      const WorkspaceLease lease;
-      const std::span<const Contact> found = heightfieldContacts(task, most, *lease, failure);
-      out.assign(found.begin(), found.end());
-      return;
-    }
-    default:
-      return;
-  }
-  if (out.size() > static_cast<std::size_t>(most)) out = limitContacts(out, most);
-}
 
 bool preparePrimitive(PrimitiveTask& task, int& failure) {
   if (task.side.mesh == nullptr || task.side.mesh->tree().nodes.empty()) return false;
@@ -79,20 +38,20 @@ namespace {
 
 /// What was computed ahead, if it was; in the mesh's own numbers.
 bool takePrefetched(PrimitiveTask& task, int most, std::vector<Contact>& out) {
-  PrefetchedShapes& ready = task.side.object->prefetchedShapes;
+  PrefetchedShapes* const ready = task.side.object->prefetchedShapes.get();
   const int classOfOther = dGeomGetClass(task.o2);
-  if (ready.empty() || !isPrefetchedClass(classOfOther)) return false;
+  if (ready == nullptr || ready->empty() || !isPrefetchedClass(classOfOther)) return false;
   if (classOfOther == dConvexClass) task.shape = shapeOfGeom(task.o2);
   const ShapeQuery query = shapeQuery(task);
   const std::uint64_t key = memoryKey(task.o2);
   DetachedHistory left;
-  if (!ready.find(key, query, most, out, left)) return false;
+  if (!ready->find(key, query, most, out, left)) return false;
   PairMemory& memory = task.side.object->memory;
   if (left.isKept)
-    ready.seen(key, query.stamp, memory.store(key, left.history));
+    ready->seen(key, query.stamp, memory.store(key, left.history));
   else {
     memory.forget(key);
-    ready.seen(key, query.stamp, 0);
+    ready->seen(key, query.stamp, 0);
   }
   task.side.object->stats.prefetched.fetch_add(1, std::memory_order_relaxed);
   return true;

@@ -2,7 +2,7 @@
 // What a mesh remembers of its pair with a geom of ODE's own.
 #pragma once
 
-#include "ode/shapes/primitive_collider.h"
+#include "ode/shapes/primitive_task.h"
 
 namespace otg {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// dRayClass against a mesh.
-#include "ode/shapes/primitive_collider.h"
+#include "ode/shapes/ray_collider.h"
+
 #include "queries/closest_point.h"
 #include "queries/ray_cast.h"
 

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "collide/solid/solid_contacts.h"
+#include "opencl/backend.h"
 #include "opencl/backend_state.h"
 #include "opencl/batch/batch_finish.h"
 #include "opencl/batch/batch_source.h"
@@ -31,14 +32,14 @@ namespace otg::opencl {
 template <class Source, class Finish>
 class Backend::Batch {
  public:
-  Batch(State& state, const Source& source, BatchWish wish, Finish& finish, bool profile)
+  Batch(BackendState& state, const Source& source, BatchWish wish, Finish& finish, bool profile)
       : state_(state),
         source_(source),
         wish_(wish),
         finish_(finish),
         lanes_(profile ? state.profiledBatches : state.batches),
         describes_(Finish::kTakesDescriptions && wish == BatchWish::kSolid &&
-                   OverlapStage::works(state.context.info(), state.tuning)),
+                   LargeStage::works(state.context.info(), state.tuning)),
         overlaps_(profile ? state.profiledOverlaps : state.overlaps, state.tuning.overlapPairs) {
     std::uint64_t largest = 0;
     for (const CollisionMesh* mesh : source.meshes) largest = std::max(largest, triangles(mesh));
@@ -323,7 +324,7 @@ class Backend::Batch {
           if (describes_ && isForOverlaps(flags)) {
             const Query query = source_.query(begin + k);
             job.add(begin + k, {static_cast<otg_uint>(k), found.contacts[0].places[2 * k], 0, 0, 0}, query.a, query.b);
-            makes = makes && OverlapContacts::works(query, state_.tuning);
+            makes = makes && LargeContacts::works(query, state_.tuning);
           } else {
             fromRecords.push_back(begin + k);
           }
@@ -508,7 +509,7 @@ class Backend::Batch {
     times_->readBack += profile.ms(Profile::kReadBack);
   }
 
-  State& state_;
+  BackendState& state_;
   const Source& source_;
   const BatchWish wish_;
   Finish& finish_;

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "base/hash.h"
 #include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
 #include "opencl/backend.h"
@@ -38,7 +39,7 @@ class MeshNumbers {
   std::size_t find(const CollisionMesh* mesh) const {
     const std::size_t mask = slots_.size() - 1;
     const auto bits = static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(mesh));
-    std::size_t at = (bits * 0x9e3779b97f4a7c15u) >> 40 & mask;
+    std::size_t at = spreadBits(bits) & mask;
     while (slots_[at] != 0 && meshes_[slots_[at] - 1] != mesh) at = (at + 1) & mask;
     return at;
   }

@@ -207,7 +207,7 @@ void BatchLane::enqueue(Meshes meshes, BatchWish wish) {
 void BatchLane::enqueueSolids(Meshes meshes) {
   const cl_command_queue queue = queue_.get();
   if (wantsFlags_) flags_.reserve(context_, queue, count_ * sizeof(otg_uint));
-  const SolidStage::Batch batch{count_,
+  const SmallStage::Batch batch{count_,
                                 meshes.get(),
                                 counters_.get(),
                                 tasks_.get(),
@@ -394,7 +394,7 @@ Answer BatchLane::records() {
   return answer;
 }
 
-OverlapStage::Batch BatchLane::solids() const {
+LargeStage::Batch BatchLane::solids() const {
   return {pinned_.buffer(),
           tasks_.get(),
           places_.get(),

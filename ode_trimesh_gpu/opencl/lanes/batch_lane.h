@@ -76,7 +76,7 @@ class BatchLane {
   /// Those of pairs with OTG_PAIR_TO_HOST at least, if none of them has OTG_PAIR_MANY. Throws ClError.
   Answer recordsLeft();
   /// What there is to describe the overlaps of pairs of a batch of solids from, as long as the meshes are pinned.
-  OverlapStage::Batch solids() const;
+  LargeStage::Batch solids() const;
   void letGo() { pinned_ = {}; }
 
   const Profile& profile() const { return profile_; }
@@ -134,7 +134,7 @@ class BatchLane {
   otg_uint countersOfMany_[OTG_COUNTERS] = {};
   Reducer reducer_;
   Profile profile_;
-  SolidStage solid_;
+  SmallStage solid_;
   MeshStore::Pinned pinned_;  ///< of the run under way
   BatchWish wish_ = BatchWish::kAny;
   otg_uint mostPlaces_ = 1;  ///< of its reductions

@@ -44,9 +44,9 @@ class OverlapLane {
   void beginRun();
   void beginContacts();
   QueueHandle queue_;
-  OverlapStage stage_;
-  OverlapContacts contacts_;
-  OverlapStage::Batch batch_{};
+  LargeStage stage_;
+  LargeContacts contacts_;
+  LargeStage::Batch batch_{};
   std::span<const otg_overlap_task> tasks_;
   Profile profile_;
   bool underWay_ = false;

@@ -9,7 +9,8 @@
 #include <optional>
 #include <vector>
 
-#include "opencl/backend_state.h"
+#include "opencl/lanes/lane_pool.h"
+#include "opencl/lanes/overlap_lane.h"
 
 namespace otg::opencl {
 

@@ -95,8 +95,8 @@ class PairLane {
   ResultBuffer results_;
   ChosenBuffer chosen_;
   Reducer reducer_;
-  OverlapStage overlap_;
-  OverlapContacts overlapContacts_;
+  LargeStage overlap_;
+  LargeContacts overlapContacts_;
   Profile profile_;
   std::uint32_t fewHits_ = 0, lastHits_ = 0;
   bool isFresh_ = true;  ///< no query yet that tells how many hits to expect

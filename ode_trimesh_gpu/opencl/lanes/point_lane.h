@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "opencl/backend.h"
+#include "opencl/array_types.h"
 #include "opencl/lanes/word_array.h"
 #include "opencl/tuning.h"
 

@@ -7,6 +7,8 @@
 #include <iterator>
 #include <optional>
 
+#include "opencl/meshes/pack_mesh.h"
+
 namespace otg::opencl {
 namespace {
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "bvh/collision_mesh.h"
@@ -27,13 +26,6 @@ struct PackedMesh {
   /// The place of a mesh whose first unit is number `begin`.
   otg_device_mesh placeAt(std::uint32_t begin) const;
 };
-
-class PackedPlaces;
-
-/// For kEightWide: `leafTriangles`, the most triangles of a leaf; `cutOrder` as in Tuning; `places`, if asked for,
-/// receives what is needed to send changes of the mesh later.
-PackedMesh packMesh(const CollisionMesh& mesh, MeshLayout layout, std::uint32_t leafTriangles,
-                    std::uint32_t cutOrder = 0, std::shared_ptr<const PackedPlaces>* places = nullptr);
 
 /// The two units of a node; the three of a triangle, one for each corner.
 MeshUnit nodeCenter(const Vec3f& center, std::uint32_t first);

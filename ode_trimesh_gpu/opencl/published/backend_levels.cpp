@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Queries by the traversal `levels`.
 #include "collide/stages.h"
+#include "opencl/backend.h"
 #include "opencl/backend_state.h"
 #include "opencl/lanes/take_answer.h"
 #include "opencl/runtime/stopwatch.h"

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "collide/stages.h"
+#include "opencl/backend.h"
 #include "opencl/backend_state.h"
 
 namespace otg::opencl {

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "opencl/meshes/pack_mesh.h"
+
 namespace otg::opencl {
 namespace {
 

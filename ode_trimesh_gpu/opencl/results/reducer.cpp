@@ -11,7 +11,7 @@ namespace {
 
 /// As OTG_MAYBE in contact_reduce.cl: candidates for each contact that may stay.
 constexpr std::uint32_t kMaybe = 4;
-constexpr int kMostContactsOfRegion = 16;  // SolidStage's local memory
+constexpr int kMostContactsOfRegion = 16;  // SmallStage's local memory
 
 /// Local memory of chooseContacts (otg_choice) with some to spare.
 std::uint64_t localBytes(std::uint32_t kept) {

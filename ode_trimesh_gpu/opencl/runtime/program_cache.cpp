@@ -13,6 +13,8 @@
 #include <limits>
 #include <system_error>
 
+#include "base/hash.h"
+
 namespace otg::opencl {
 namespace {
 
@@ -29,12 +31,6 @@ std::uint64_t checksum(const std::string& key, const Bytes& program) {
 }
 
 }  // namespace
-
-std::uint64_t fnv1a(const void* bytes, std::size_t count, std::uint64_t state) {
-  const auto* p = static_cast<const unsigned char*>(bytes);
-  for (std::size_t i = 0; i < count; ++i) state = (state ^ p[i]) * 0x100000001b3u;
-  return state;
-}
 
 ProgramCache ProgramCache::standard() {
   if (const char* folder = std::getenv("OTG_CACHE_DIR"); folder != nullptr) return ProgramCache(folder);

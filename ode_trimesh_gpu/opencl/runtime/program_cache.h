@@ -12,9 +12,6 @@ namespace otg::opencl {
 
 using Bytes = std::vector<unsigned char>;
 
-/// 64-bit FNV-1a.
-std::uint64_t fnv1a(const void* bytes, std::size_t count, std::uint64_t state = 0xcbf29ce484222325u);
-
 /// Files in one folder, named by a hash of the key. A file holds its key and a checksum; one that is damaged, of
 /// another format or of another key is as good as none. No function throws anything but std::bad_alloc: a cache that
 /// cannot be read or written is an empty one.

@@ -48,7 +48,7 @@ otg_overlap_task overlapTask(const Query& query) {
   return task;
 }
 
-OverlapContacts::OverlapContacts(Context& context, const Tuning& tuning, bool many)
+LargeContacts::LargeContacts(Context& context, const Tuning& tuning, bool many)
     : context_(context),
       isCpu_(context.info().kind == DeviceKind::kCpu),
       forMany_(many),
@@ -59,7 +59,7 @@ OverlapContacts::OverlapContacts(Context& context, const Tuning& tuning, bool ma
       smallWanted_(kMostSmall) {}
 
 /// Not before they are needed.
-void OverlapContacts::build() {
+void LargeContacts::build() {
   if (choose_.kernel) return;
   const auto make = [&](const char* file, std::uint32_t lanes, const char* name) {
     const std::uint32_t group = lanes_ != 0 ? lanes_ : isCpu_ ? 1 : forMany_ ? kLanesOfMany : lanes;
@@ -77,7 +77,7 @@ void OverlapContacts::build() {
   choose_ = make("solid/large/choose.cl", 256, "overlapChoose");
 }
 
-void OverlapContacts::reserve(cl_command_queue queue) {
+void LargeContacts::reserve(cl_command_queue queue) {
   build();
   if (!progress_) {
     BufferHandle progress = context_.makeBuffer(CL_MEM_READ_WRITE, sizeof(otg_overlap_progress));
@@ -95,7 +95,7 @@ void OverlapContacts::reserve(cl_command_queue queue) {
   results_.reserve(context_, smallAt() + std::uint64_t{small_} * sizeof(otg_found_inside));
 }
 
-void OverlapContacts::enqueue(cl_command_queue queue, const Pairs& pairs, Profile& profile) {
+void LargeContacts::enqueue(cl_command_queue queue, const Pairs& pairs, Profile& profile) {
   count_ = static_cast<std::uint32_t>(pairs.tasks.size());
   stride_ = 1;
   for (const otg_overlap_task& task : pairs.tasks) stride_ = std::max(stride_, task.most);
@@ -142,24 +142,24 @@ void OverlapContacts::enqueue(cl_command_queue queue, const Pairs& pairs, Profil
   run(choose_, std::size_t{slots_} + count_, 1, Profile::kChoose);
 }
 
-void OverlapContacts::read(cl_command_queue queue, std::size_t from, std::size_t bytes, Profile& profile) {
+void LargeContacts::read(cl_command_queue queue, std::size_t from, std::size_t bytes, Profile& profile) {
   clDo(OTG_CL(clEnqueueReadBuffer), queue, results_.get(), cl_bool{CL_FALSE}, from, bytes,
        static_cast<void*>(host_.data() + from), cl_uint{0}, static_cast<const cl_event*>(nullptr),
        profile.next(Profile::kReadBack));
 }
 
-void OverlapContacts::beginHead(cl_command_queue queue, Profile& profile) {
+void LargeContacts::beginHead(cl_command_queue queue, Profile& profile) {
   host_.reserve(context_, queue, smallAt() + std::size_t{small_} * sizeof(otg_found_inside));
   have_ = count_ > 1 ? headBytes() : smallAt() + kSmallAhead * sizeof(otg_found_inside);
   read(queue, 0, have_, profile);
   clDo(OTG_CL(clFlush), queue);
 }
 
-void OverlapContacts::endHead(cl_command_queue queue) {
+void LargeContacts::endHead(cl_command_queue queue) {
   clDo(OTG_CL(clFinish), queue);
 }
 
-bool OverlapContacts::isIncomplete() {
+bool LargeContacts::isIncomplete() {
   const auto enough = [](std::uint64_t wanted) {
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(std::bit_ceil(wanted + wanted / 8), 0x7fffffffu));
   };
@@ -182,7 +182,7 @@ bool OverlapContacts::isIncomplete() {
   return missing || !slotsFit || !smallFits || !spaceFits;
 }
 
-void OverlapContacts::readRest(cl_command_queue queue, Profile& profile) {
+void LargeContacts::readRest(cl_command_queue queue, Profile& profile) {
   const std::size_t slots = count_ > 1 ? std::min(sums().progress.slots, slots_) : slots_;
   const std::size_t contactsEnd = headBytes() + slots * stride_ * sizeof(otg_chosen_contact);
   const std::size_t smallEnd = smallAt() + std::size_t{sums().progress.small} * sizeof(otg_found_inside);
@@ -192,7 +192,7 @@ void OverlapContacts::readRest(cl_command_queue queue, Profile& profile) {
   clDo(OTG_CL(clFinish), queue);
 }
 
-FoundContacts OverlapContacts::found(std::uint32_t pair) const {
+FoundContacts LargeContacts::found(std::uint32_t pair) const {
   FoundContacts found;
   found.head = &head(pair);
   const std::byte* const contacts = host_.data() + headBytes();

@@ -17,10 +17,10 @@ namespace otg::opencl {
 otg_overlap_task overlapTask(const Query& query);
 
 /// Part of one lane. Functions throw ClError.
-class OverlapContacts {
+class LargeContacts {
  public:
   /// `many`: for pairs of batches.
-  OverlapContacts(Context& context, const Tuning& tuning, bool many);
+  LargeContacts(Context& context, const Tuning& tuning, bool many);
   /// Whether contacts of a query with these options can be made on the device.
   static bool works(const Query& query, const Tuning& tuning) {
     return tuning.overlapContacts != 0 && query.refiner == nullptr &&
@@ -30,7 +30,7 @@ class OverlapContacts {
   /// Pairs, and their descriptions on the device.
   struct Pairs {
     std::span<const otg_overlap_task> tasks;    ///< of each
-    cl_mem meshes, pairs, description;          ///< as OverlapStage has them
+    cl_mem meshes, pairs, description;          ///< as LargeStage has them
     std::uint32_t unitRoom = 0, tableRoom = 0;  ///< of the description
   };
   /// Everything after the kernels that describe the pairs.

@@ -29,7 +29,7 @@ std::uint64_t insideOf(const otg_overlap_sizes& sizes) {
 
 }  // namespace
 
-OverlapStage::OverlapStage(Context& context, const Tuning& tuning)
+LargeStage::LargeStage(Context& context, const Tuning& tuning)
     : context_(context),
       group_(tuning.overlapGroup),
       registers_(context.info().registerLimit ? tuning.solidRegisters : 0),
@@ -38,13 +38,13 @@ OverlapStage::OverlapStage(Context& context, const Tuning& tuning)
       works_(works(context.info(), tuning)),
       outWanted_(std::max(1u, tuning.overlapUnits)) {}
 
-bool OverlapStage::works(const DeviceInfo& device, const Tuning& tuning) {
+bool LargeStage::works(const DeviceInfo& device, const Tuning& tuning) {
   return device.doubles && device.longAtomics && tuning.solid && tuning.reduce &&
          (tuning.overlapHits != 0 || device.kind != DeviceKind::kCpu);
 }
 
 /// Not before they are needed.
-void OverlapStage::build() {
+void LargeStage::build() {
   if (results_) return;
   const std::string options = "-DOTG_GROUP=" + std::to_string(group_) +
                               (registers_ != 0 ? " -cl-nv-maxrregcount=" + std::to_string(registers_) : "");
@@ -63,7 +63,7 @@ void OverlapStage::build() {
   results_ = context_.makeKernel("solid/large/points.cl", options, "overlapResults");
 }
 
-void OverlapStage::reserve(cl_command_queue queue, const Sizes& sizes) {
+void LargeStage::reserve(cl_command_queue queue, const Sizes& sizes) {
   build();
   // What kernels expect to be empty; they leave it so.
   const auto emptied = [&](DeviceList& list, std::uint64_t places, std::size_t size) {
@@ -94,13 +94,13 @@ void OverlapStage::reserve(cl_command_queue queue, const Sizes& sizes) {
   out_.reserve(context_, outWanted_ + headBytes() / 16);
 }
 
-void OverlapStage::reserve(cl_command_queue queue, const Pair& pair) {
+void LargeStage::reserve(cl_command_queue queue, const Pair& pair) {
   const std::uint32_t slots = otgSlotsFor(pair.hitPlaces);
   const otg_overlap_sizes sizes = otgOverlapSizes(slots, countsOf(pair.a), countsOf(pair.b));
   reserve(queue, {slots, insideOf(sizes), sizes.marks, pair.hitPlaces, 1, OTG_OVERLAP_REGIONS});
 }
 
-void OverlapStage::enqueue(cl_command_queue queue, const Pair& pair, Profile& profile) {
+void LargeStage::enqueue(cl_command_queue queue, const Pair& pair, Profile& profile) {
   otg_overlap_pair single{};
   single.bInA = pair.bInA;
   single.mesh[0] = pair.pair.a;
@@ -119,7 +119,7 @@ void OverlapStage::enqueue(cl_command_queue queue, const Pair& pair, Profile& pr
   enqueueRest(queue, pair.meshes, pair.counters, groups, profile);
 }
 
-void OverlapStage::reserve(cl_command_queue queue, const Batch& batch) {
+void LargeStage::reserve(cl_command_queue queue, const Batch& batch) {
   anyParts_ = std::any_of(batch.bodies.begin(), batch.bodies.end(), hasParts);
   Sizes sizes{0, 0, 0, batch.hitPlaces, static_cast<std::uint32_t>(batch.pairs.size()), 0};
   staged_.reserve(context_, queue, batch.pairs.size() * sizeof(otg_listed_overlap));
@@ -138,7 +138,7 @@ void OverlapStage::reserve(cl_command_queue queue, const Batch& batch) {
   tasks_.reserve(context_, std::bit_ceil(batch.pairs.size()));
 }
 
-void OverlapStage::enqueue(cl_command_queue queue, const Batch& batch, Profile& profile) {
+void LargeStage::enqueue(cl_command_queue queue, const Batch& batch, Profile& profile) {
   writeLater(queue, tasks_.get(), count_ * sizeof(otg_listed_overlap), staged_.data(), profile.next(Profile::kWrite));
   Arguments(take_) << count_ << tasks_.get() << batch.tasks << batch.places << batch.meshes << batch.states
                    << pairs_.get();
@@ -151,8 +151,8 @@ void OverlapStage::enqueue(cl_command_queue queue, const Batch& batch, Profile& 
 }
 
 /// From the crossings on; `groups` for each pair.
-void OverlapStage::enqueueRest(cl_command_queue queue, cl_mem meshes, cl_mem counters, std::size_t groups,
-                               Profile& profile) {
+void LargeStage::enqueueRest(cl_command_queue queue, cl_mem meshes, cl_mem counters, std::size_t groups,
+                             Profile& profile) {
   const auto run = [&](const Kernel& kernel, Profile::Stage stage) {
     launch(queue, kernel, group_, groups, count_, profile.next(stage));
   };
@@ -192,7 +192,7 @@ void OverlapStage::enqueueRest(cl_command_queue queue, cl_mem meshes, cl_mem cou
   run(results_, Profile::kChoose);
 }
 
-void OverlapStage::beginHead(cl_command_queue queue, Profile& profile) {
+void LargeStage::beginHead(cl_command_queue queue, Profile& profile) {
   have_ = headBytes() + std::min(std::size_t{16} * expected_, std::size_t{16} * out_.places() - headBytes());
   host_.reserve(context_, queue, have_);
   clDo(OTG_CL(clEnqueueReadBuffer), queue, out_.get(), cl_bool{CL_FALSE}, std::size_t{0}, have_,
@@ -201,12 +201,12 @@ void OverlapStage::beginHead(cl_command_queue queue, Profile& profile) {
   clDo(OTG_CL(clFlush), queue);
 }
 
-bool OverlapStage::endHead(cl_command_queue queue) {
+bool LargeStage::endHead(cl_command_queue queue) {
   clDo(OTG_CL(clFinish), queue);
   return fits(*reinterpret_cast<const otg_overlap_totals*>(host_.data()));
 }
 
-bool OverlapStage::fits(const otg_overlap_totals& totals) {
+bool LargeStage::fits(const otg_overlap_totals& totals) {
   const auto enough = [](otg_uint wanted) {
     return static_cast<std::uint32_t>(std::bit_ceil(std::uint64_t{wanted} + wanted / 8));
   };
@@ -216,11 +216,11 @@ bool OverlapStage::fits(const otg_overlap_totals& totals) {
   return unitsFit && tablesFit;
 }
 
-const otg_overlap_state& OverlapStage::head(std::uint32_t pair) const {
+const otg_overlap_state& LargeStage::head(std::uint32_t pair) const {
   return reinterpret_cast<const otg_overlap_state*>(host_.data() + sizeof(otg_overlap_totals))[pair];
 }
 
-void OverlapStage::readRest(cl_command_queue queue, Profile& profile) {
+void LargeStage::readRest(cl_command_queue queue, Profile& profile) {
   const std::uint32_t units = reinterpret_cast<const otg_overlap_totals*>(host_.data())->units;
   const std::size_t bytes = headBytes() + std::size_t{16} * units;
   // The next query is likely to have about as much.
@@ -231,7 +231,7 @@ void OverlapStage::readRest(cl_command_queue queue, Profile& profile) {
   have_ = bytes;
 }
 
-FoundOverlap OverlapStage::found(std::uint32_t pair) const {
+FoundOverlap LargeStage::found(std::uint32_t pair) const {
   FoundOverlap found;
   found.head = &head(pair);
   const otg_uint* counts = found.head->counts;

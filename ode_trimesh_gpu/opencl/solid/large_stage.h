@@ -16,9 +16,9 @@
 namespace otg::opencl {
 
 /// Part of one lane. Functions throw ClError.
-class OverlapStage {
+class LargeStage {
  public:
-  OverlapStage(Context& context, const Tuning& tuning);
+  LargeStage(Context& context, const Tuning& tuning);
   /// Whether the device can, and is to.
   static bool works(const DeviceInfo& device, const Tuning& tuning);
   /// Whether it is worth it for a pair alone that is expected to have so many hits, or of which only the number of

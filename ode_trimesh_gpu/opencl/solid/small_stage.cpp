@@ -26,7 +26,7 @@ constexpr std::uint32_t kMostPieces = 512, kMostCandidates = 512;
 
 }  // namespace
 
-SolidStage::SolidStage(Context& context, const Tuning& tuning)
+SmallStage::SmallStage(Context& context, const Tuning& tuning)
     : context_(context),
       recordGroup_(tuning.recordGroup),
       registers_(context.info().registerLimit ? tuning.solidRegisters : 0),
@@ -67,7 +67,7 @@ SolidStage::SolidStage(Context& context, const Tuning& tuning)
 }
 
 /// Not before they are needed: they are large, and many have contacts of the other model only.
-void SolidStage::build() {
+void SmallStage::build() {
   if (write_) return;
   const std::string flat = "-DOTG_GROUP=" + std::to_string(recordGroup_) + " -DOTG_CONTACTS=0";
   records_ = context_.makeKernel("solid/small/gather.cl", flat, "solidRecords");
@@ -91,7 +91,7 @@ void SolidStage::build() {
   write_ = std::move(write);
 }
 
-void SolidStage::reserve(std::uint32_t pairs, std::uint32_t hits, std::uint32_t places, bool anyPairwise) {
+void SmallStage::reserve(std::uint32_t pairs, std::uint32_t hits, std::uint32_t places, bool anyPairwise) {
   build();
   if (anyPairwise) {
     if (!pairwise_) {
@@ -112,13 +112,13 @@ void SolidStage::reserve(std::uint32_t pairs, std::uint32_t hits, std::uint32_t 
   left_.reserve(context_, hits);
 }
 
-bool SolidStage::readLeft(cl_command_queue queue, const otg_uint* counters, Answer& answer) {
+bool SmallStage::readLeft(cl_command_queue queue, const otg_uint* counters, Answer& answer) {
   if (counters[OTG_COUNT_LEFT] > left_.places()) return false;
   answer = left_.readSome(context_, queue, false, counters, counters[OTG_COUNT_LEFT], nullptr);
   return true;
 }
 
-bool SolidStage::fits(const otg_uint* counters) {
+bool SmallStage::fits(const otg_uint* counters) {
   const otg_uint units = counters[OTG_COUNT_ARENA], chunks = counters[OTG_COUNT_CHUNKS];
   const auto enough = [](otg_uint wanted) {
     return static_cast<std::uint32_t>(std::bit_ceil(std::uint64_t{wanted} + wanted / 8));
@@ -128,7 +128,7 @@ bool SolidStage::fits(const otg_uint* counters) {
   return units <= arena_.places() && chunks <= chunks_.places();
 }
 
-void SolidStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& reducer, const ChosenBuffer& chosen,
+void SmallStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& reducer, const ChosenBuffer& chosen,
                          Profile& profile) {
   Arguments(records_) << batch.pairs << batch.places << batch.tasks << batch.meshes << batch.counters << batch.hits
                       << batch.hitPlaces << batch.records << batch.states << chosen.get();
@@ -187,7 +187,7 @@ void SolidStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& re
   reducer.enqueuePlaces(queue, batch.count, chosen, profile);
 }
 
-void SolidStage::enqueuePairwise(cl_command_queue queue, const Batch& batch, const ChosenBuffer& chosen,
+void SmallStage::enqueuePairwise(cl_command_queue queue, const Batch& batch, const ChosenBuffer& chosen,
                                  Profile& profile) {
   pairwise_.give({.pairs = BufferOf<otg_batch_pair>(batch.pairs),
                   .places = BufferOf<otg_device_mesh>(batch.places),
@@ -202,7 +202,7 @@ void SolidStage::enqueuePairwise(cl_command_queue queue, const Batch& batch, con
   launch(queue, pairwise_, recordGroup_, batch.groups, 1, profile.next(Profile::kContacts));
 }
 
-void SolidStage::enqueueWrite(cl_command_queue queue, const Batch& batch, const ChosenBuffer& chosen,
+void SmallStage::enqueueWrite(cl_command_queue queue, const Batch& batch, const ChosenBuffer& chosen,
                               Profile& profile) {
   Arguments(write_) << batch.counters << kept_.get() << room_ << batch.count << chosen.get() << chosen.contactPlaces()
                     << batch.states << batch.records << batch.hitPlaces << left_.get() << left_.places();

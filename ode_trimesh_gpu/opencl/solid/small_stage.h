@@ -14,9 +14,9 @@
 namespace otg::opencl {
 
 /// Part of one lane. Functions throw ClError.
-class SolidStage {
+class SmallStage {
  public:
-  SolidStage(Context& context, const Tuning& tuning);
+  SmallStage(Context& context, const Tuning& tuning);
 
   /// Room for so many pairs, hits, and contacts of each pair. `anyPairwise`: for enqueuePairwise(), too.
   void reserve(std::uint32_t pairs, std::uint32_t hits, std::uint32_t places, bool anyPairwise);

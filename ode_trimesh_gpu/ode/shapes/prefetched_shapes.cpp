@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ode/many/prefetched_shapes.h"
+#include "ode/shapes/prefetched_shapes.h"
 
 #include <bit>
 
 #include "collide/pairwise/reduction.h"
-#include "ode/pairs/mesh_collider.h"
-#include "ode/shapes/convex_collider.h"
+#include "ode/pairs/pair_task.h"
 #include "ode/shapes/primitive_history.h"
 
 namespace otg {

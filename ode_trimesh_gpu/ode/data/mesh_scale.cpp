@@ -9,10 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "ode/base/status.h"
 #include "ode/data/mesh_data.h"
-#include "ode/geom/geom_class.h"
-#include "ode_trimesh_gpu/geom.h"
 
 namespace otg {
 namespace {
@@ -42,10 +39,6 @@ std::shared_ptr<CollisionMesh> makeScaled(const CollisionMesh& from, const MeshS
                                                                  : moveVertices(mesh, input, mirrors(scale));
   return moved.mesh == nullptr ? nullptr
                                : std::make_shared<CollisionMesh>(moved.mesh, from, Vec3f{scale[0], scale[1], scale[2]});
-}
-
-bool isOne(const MeshScale& scale) {
-  return scale == MeshScale{1, 1, 1};
 }
 
 std::shared_ptr<CollisionMesh> heldOf(const std::shared_ptr<CollisionMesh>& mesh) {
@@ -100,25 +93,6 @@ class MovesTogether {
 
 }  // namespace
 
-int GeomObject::rescale(dxGpuTriMeshData* of, const MeshScale& by) {
-  std::shared_ptr<CollisionMesh> made;
-  if (!isOne(by) && of != nullptr && of->mesh() != nullptr) {
-    made = of->scaledMesh(by);
-    if (made == nullptr) return dGPUTRIMESH_ERROR_MESH;
-  }
-  scale = by;
-  scaled = std::move(made);
-  return dGPUTRIMESH_OK;
-}
-
-const CollisionMesh* GeomObject::mesh() const {
-  return isOne(scale) ? (data == nullptr ? nullptr : data->mesh()) : scaled.get();
-}
-
-std::shared_ptr<const CollisionMesh> GeomObject::sharedMesh() const {
-  return isOne(scale) ? (data == nullptr ? nullptr : data->meshPtr()) : scaled;
-}
-
 }  // namespace otg
 
 std::shared_ptr<otg::CollisionMesh> dxGpuTriMeshData::scaledMesh(const otg::MeshScale& scale) {
@@ -136,11 +110,10 @@ std::shared_ptr<otg::CollisionMesh> dxGpuTriMeshData::scaledMesh(const otg::Mesh
 dxGpuTriMeshData::ScalesInUse dxGpuTriMeshData::scalesInUse() const {
   ScalesInUse scales;
   const std::lock_guard lock(mutex_);
-  for (const auto& [serial, geom] : users_) {
-    const otg::GeomObject* const object = geom == nullptr ? nullptr : otg::objectOf(geom);
-    if (object == nullptr || otg::isOne(object->scale)) continue;
-    ScaleInUse& scale = scales[object->scale];
-    scale.mesh = object->scaled;
+  for (const auto& [serial, user] : users_) {
+    if (user.geom == nullptr || otg::isOne(user.scaled->scale)) continue;
+    ScaleInUse& scale = scales[user.scaled->scale];
+    scale.mesh = user.scaled->scaled;
     ++scale.geoms;
   }
   return scales;
@@ -192,30 +165,4 @@ bool dxGpuTriMeshData::moveInPlace(const std::vector<PlacedVertex>& placed) {
   moves.finish();
   commit(std::move(report), std::move(next));
   return true;
-}
-
-int dGeomGpuTriMeshSetScale(dGeomID g, dReal x, dReal y, dReal z) {
-  return otg::guarded([&] {
-    otg::GeomObject* const object = otg::liveObjectOf(g);
-    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
-    const otg::MeshScale scale = {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
-    for (const float s : scale) {
-      if (!std::isfinite(s) || s == 0) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
-    }
-    const otg::ChangeHold change(&object->uses);
-    const otg::UseHold use(change.good() && object->data != nullptr ? &object->data->uses : nullptr);
-    if (!change.good() || !use.good()) return static_cast<int>(dGPUTRIMESH_ERROR_BUSY);
-    if (const int status = object->rescale(object->data, scale)) return status;
-    dGeomMoved(g);
-    return static_cast<int>(dGPUTRIMESH_OK);
-  });
-}
-
-int dGeomGpuTriMeshGetScale(dGeomID g, dVector3 scale) {
-  const otg::GeomObject* const object = otg::liveObjectOf(g);
-  if (object == nullptr) return otg::noteStatus(dGPUTRIMESH_ERROR_CLASS);
-  if (scale == nullptr) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
-  for (std::size_t k = 0; k < 3; ++k) scale[k] = static_cast<dReal>(object->scale[k]);
-  scale[3] = 0;
-  return dGPUTRIMESH_OK;
 }

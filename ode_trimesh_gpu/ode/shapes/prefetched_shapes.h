@@ -11,11 +11,10 @@
 #include <vector>
 
 #include "collide/query.h"
+#include "ode/shapes/primitive_task.h"
 #include "primitives/convex_shape.h"
 
 namespace otg {
-
-struct PrimitiveTask;
 
 /// What the contacts of a pair depend on.
 struct ShapeQuery {
@@ -40,12 +39,6 @@ bool canBeCut(int geomClass) noexcept;
 
 /// The query of a prepared task. Reads what is remembered. May throw std::bad_alloc.
 ShapeQuery shapeQuery(const PrimitiveTask& task);
-
-/// What is remembered of a pair, apart from the mesh's memory: for a query that is computed ahead.
-struct DetachedHistory {
-  SolidHistory history;
-  bool isKept = false;  ///< after the query: to be remembered, rather than forgotten
-};
 
 /// Of one mesh's geom. Any number of threads.
 class PrefetchedShapes {

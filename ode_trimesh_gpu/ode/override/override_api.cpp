@@ -1,33 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The C API by which ODE's dTriMesh geoms collide through this library.
-#include "ode/override/trimesh_override.h"
+#include "ode_trimesh_gpu/override.h"
 
 #include <ode/ode.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cstdint>
 #include <iterator>
 
 #include "ode/base/status.h"
 #include "ode/data/trimesh_cache.h"
-#include "ode/geom/geom_class.h"
+#include "ode/geom/check_params.h"
 #include "ode/geom/mesh_side.h"
+#include "ode/geom/trimesh_pairs.h"
 #include "ode/library/class_registration.h"
 #include "ode/pairs/mesh_collider.h"
 #include "ode/shapes/primitive_collider.h"
-#include "ode_trimesh_gpu/override.h"
 
 namespace otg {
 namespace {
-
-/// Of all dTriMesh geoms, those that are gone among them.
-struct {
-  std::atomic<std::uint64_t> queries{0}, contacts{0};
-} sums;
-
-/// Bits of classes.
-std::atomic<std::uint32_t> overridden{0};
 
 template <dColliderFn* collide>
 int collideAndCount(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip) noexcept {
@@ -44,25 +34,10 @@ void overridePair(int geomClass) {
   dSetColliderOverride(
       dTriMeshClass, geomClass,
       geomClass == dTriMeshClass ? &collideAndCount<&collideMeshMesh> : &collideAndCount<&collideMeshPrimitive>);
-  overridden.fetch_or(std::uint32_t{1} << geomClass, std::memory_order_release);
+  noteTrimeshOverridden(geomClass);
 }
 
 }  // namespace
-
-bool isTrimeshOverridden(int geomClass) noexcept {
-  return geomClass < dFirstSpaceClass && (overridden.load(std::memory_order_acquire) >> geomClass & 1) != 0;
-}
-
-bool isMeshFor(dGeomID geom, dGeomID other) noexcept {
-  if (objectOf(geom) != nullptr) return true;
-  return dGeomGetClass(geom) == dTriMeshClass &&
-         (objectOf(other) != nullptr || isTrimeshOverridden(dGeomGetClass(other)));
-}
-
-void countTrimesh(std::size_t contacts) noexcept {
-  sums.queries.fetch_add(1, std::memory_order_relaxed);
-  sums.contacts.fetch_add(contacts, std::memory_order_relaxed);
-}
 
 }  // namespace otg
 
@@ -131,8 +106,9 @@ void dGpuTriMeshOverrideStatsInit(dGpuTriMeshOverrideStats* stats) {
 int dGpuTriMeshOverrideGetStats(dGpuTriMeshOverrideStats* stats) {
   if (!otg::isCurrentSize(stats)) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
   const otg::TrimeshCacheStats cache = otg::trimeshCacheStats();
-  stats->queries = otg::sums.queries;
-  stats->contacts = otg::sums.contacts;
+  const otg::TrimeshCounts counts = otg::trimeshCounts();
+  stats->queries = counts.queries;
+  stats->contacts = counts.contacts;
   stats->builds = cache.builds;
   stats->refits = cache.refits;
   stats->kept = cache.kept;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ode/many/prefetched_pairs.h"
+#include "ode/pairs/prefetched_pairs.h"
 
 #include <array>
 #include <bit>

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ode/shapes/primitive_contacts.h"
+
+#include "collide/pairwise/reduction.h"
+#include "dispatch/threads/workspace_lease.h"
+#include "ode/shapes/convex_collider.h"
+#include "ode/shapes/heightfield_collider.h"
+#include "ode/shapes/ray_collider.h"
+#include "primitives/sphere_contacts.h"
+
+namespace otg {
+
+void primitiveContacts(const PrimitiveTask& task, int most, std::vector<Contact>& out, int& failure) {
+  const int perRegion = task.side.object->params.contacts_per_region;
+  switch (dGeomGetClass(task.o2)) {
+    case dRayClass:
+      rayContacts(task, out);  // nearest first: the depth is the way along the ray
+      if (out.size() > static_cast<std::size_t>(most)) out.resize(static_cast<std::size_t>(most));
+      return;
+    case dPlaneClass:
+      planeContacts(*task.side.mesh, planeInMesh(task), perRegion, out);
+      break;
+    case dSphereClass:
+      sphereContacts(*task.side.mesh, task.other.t, dGeomSphereGetRadius(task.o2), out);
+      break;
+    case dBoxClass:
+    case dCapsuleClass:
+    case dCylinderClass:
+    case dConvexClass: {
+      const WorkspaceLease lease;
+      const std::span<const Contact> found = convexGeomContacts(task, most, *lease);
+      out.assign(found.begin(), found.end());
+      return;
+    }
+    case dHeightfieldClass: {
+      const WorkspaceLease lease;
+      const std::span<const Contact> found = heightfieldContacts(task, most, *lease, failure);
+      out.assign(found.begin(), found.end());
+      return;
+    }
+    default:
+      return;
+  }
+  if (out.size() > static_cast<std::size_t>(most)) out = limitContacts(out, most);
+}
+
+}  // namespace otg

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A pair of a mesh and a geom of ODE's own.
+#pragma once
+
+#include <ode/collision.h>
+
+#include <memory>
+
+#include "collide/query.h"
+#include "ode/geom/mesh_side.h"
+#include "primitives/convex_shape.h"
+#include "primitives/plane_contacts.h"
+
+namespace otg {
+
+/// What is remembered of a pair, apart from the mesh's memory: for a query that is computed ahead.
+struct DetachedHistory {
+  SolidHistory history;
+  bool isKept = false;  ///< after the query: to be remembered, rather than forgotten
+};
+
+/// A mesh that is to collide with a geom of ODE's, at one moment.
+struct PrimitiveTask {
+  dGeomID o1 = nullptr, o2 = nullptr;
+  MeshSide side;                             ///< of o1, with its object and mesh
+  Transformd pose{};                         ///< of the mesh in the world
+  Transformd other{};                        ///< of o2 in the mesh's frame; unset for planes and rays
+  int capacity = 0;                          ///< places for contacts
+  std::shared_ptr<const ConvexShape> shape;  ///< of a convex, where it is known already
+  DetachedHistory* detached = nullptr;       ///< takes the place of the mesh's memory
+};
+
+/// The plane geom in the mesh's frame.
+HalfSpace planeInMesh(const PrimitiveTask& task);
+
+}  // namespace otg

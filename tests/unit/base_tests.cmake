@@ -1,0 +1,3 @@
+# SPDX-License-Identifier: BSD-3-Clause
+find_package(Threads REQUIRED)
+otg_add_test(base unit SOURCES test_base.cpp LIBRARIES Threads::Threads)

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What knows no mesh: hashes, disjoint sets, operators, objects that are made when they are needed.
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/hash.h"
+#include "base/owned_later.h"
+#include "base/union_find.h"
+#include "base/vectors.h"
+#include "support/catch.h"
+
+using namespace otg;
+
+namespace {
+
+struct Counted {
+  static inline std::atomic<int> made{0}, gone{0};
+  Counted() { ++made; }
+  ~Counted() { ++gone; }
+  Counted(const Counted&) = delete;
+  Counted& operator=(const Counted&) = delete;
+};
+
+}  // namespace
+
+TEST_CASE("FNV-1a has the published values, and goes on where it was") {
+  const auto hash = [](const std::string& text) { return fnv1a(text.data(), text.size()); };
+  CHECK(hash("") == 0xcbf29ce484222325u);
+  CHECK(hash("a") == 0xaf63dc4c8601ec8cu);
+  CHECK(hash("foobar") == 0x85944171f73967e8u);
+  CHECK(fnv1a("bar", 3, fnv1a("foo", 3)) == hash("foobar"));
+}
+
+TEST_CASE("numbers that differ anywhere get other places in small tables") {
+  for (const int shift : {0, 4, 20, 32, 48}) {
+    std::set<std::uint64_t> places;
+    for (std::uint64_t i = 0; i < 256; ++i) places.insert(spreadBits(i << shift) & 1023);
+    CHECK(places.size() > 192);  // 226 of random ones
+  }
+}
+
+TEST_CASE("sets are named by their smallest member, and begin anew") {
+  UnionFind sets(6);
+  sets.unite(5, 3);
+  sets.unite(3, 4);
+  sets.unite(1, 2);
+  CHECK(sets.find(5) == 3);
+  CHECK(sets.find(4) == 3);
+  CHECK(sets.find(2) == 1);
+  CHECK(sets.find(0) == 0);
+  sets.unite(4, 2);
+  CHECK(sets.find(5) == 1);
+  sets.reset(3);
+  CHECK(sets.find(2) == 2);
+}
+
+TEST_CASE("operators are the shared formulas, bit for bit") {
+  const Vec3d a{0.1, -2.7e10, 1e-300}, b{3.3, 0.7, -5e-301};
+  CHECK(a + b == otgAdd(a, b));
+  CHECK(a - b == otgSub(a, b));
+  CHECK(a * 0.3 == otgScale(a, 0.3));
+  CHECK(norm(b) == std::sqrt(otgDot(b, b)));
+  CHECK(unit({0, 0, 0}) == Vec3d{0, 0, 0});
+  CHECK(unit({0, -4, 3}) == otgScale(Vec3d{0, -4, 3}, 1.0 / 5));
+}
+
+TEST_CASE("what is owned later is made once, whoever comes first, and goes with its owner") {
+  {
+    const OwnedLater<Counted> never;
+    CHECK(never.get() == nullptr);
+  }
+  CHECK(Counted::made == 0);
+  {
+    OwnedLater<Counted> later;
+    std::vector<std::thread> threads;
+    std::atomic<Counted*> seen[4]{};
+    for (auto& s : seen) threads.emplace_back([&later, &s] { s = &later.make(); });
+    for (std::thread& thread : threads) thread.join();
+    for (const auto& s : seen) CHECK(s == later.get());
+    CHECK(Counted::made - Counted::gone == 1);
+  }
+  CHECK(Counted::made == Counted::gone);
+}
