@@ -84,14 +84,14 @@ PairAnswer PairLane::describe(const otg_device_pair& pair, const Query& query, M
     results_.reserve(context_, hits_.places());
     chosen_.reserve(context_, 1, 0);
     const LargeStage::Pair task{pair,        query.bInA,     *query.a,       *query.b, meshes.get(), counters_.get(),
-                                  hits_.get(), hits_.places(), results_.get(), lastHits_};
+                                hits_.get(), hits_.places(), results_.get(), lastHits_};
     overlap_.reserve(queue, task);
     enqueueWalk(pair, meshes, how);
     overlap_.enqueue(queue, task, profile_);
     const bool makes = LargeContacts::works(query, tuning_);
     const otg_overlap_task asked = makes ? overlapTask(query) : otg_overlap_task{};
     const LargeContacts::Pairs described{{&asked, 1},        meshes.get(),        overlap_.pairs(),
-                                           overlap_.results(), overlap_.unitRoom(), overlap_.tableRoom()};
+                                         overlap_.results(), overlap_.unitRoom(), overlap_.tableRoom()};
     const auto make = [&] {
       overlapContacts_.enqueue(queue, described, profile_);
       overlapContacts_.beginHead(queue, profile_);
