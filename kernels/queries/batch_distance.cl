@@ -5,7 +5,7 @@
 #define OTG_PAIR_SPACE __local
 #define OTG_FUSED
 #include "walk/pair_walk.h"
-#include "shared/layout/distance_layout.h"
+#include "shared/layout/queries_given.h"
 #define OTG_REAL_DOUBLE
 #include "shared/tests/triangle_distance.h"
 #undef OTG_REAL_DOUBLE
@@ -152,10 +152,7 @@ inline static otg_nearest_found otgTestApart(__global const float4* meshes, __lo
 
 /// Tasks 0 to the number of work-groups - 1 -> the nearest triangles of each, ties by their numbers, A's first.
 /// `stackSize` as for otgWalkRound (pair_stack.h), for the deepest two trees.
-__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchDistance(
-    __global const otg_distance_task* restrict tasks, __global const otg_device_mesh* restrict places,
-    __global const float4* restrict meshes, __global uint2* restrict answers, uint stackSize, __local uint2* stack,
-    __local float* stackGaps) {
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchDistance(OTG_GIVEN(BatchDistance)) {
   __local otg_apart_pair pair;
   __local otg_apart_round round;
   __local double bestDistances[OTG_GROUP];

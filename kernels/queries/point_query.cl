@@ -3,6 +3,7 @@
 // point lies. As queries/closest_point.cpp and pointInMesh() in collide/inside_test.cpp, through the eight-wide tree.
 // Needs doubles. OTG_GROUP is the size of work-groups.
 #include "queries/point_inside.h"
+#include "shared/layout/queries_given.h"
 
 #define OTG_POINT_KERNEL __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1)))
 
@@ -40,9 +41,7 @@ inline static otg_point_found otgNearestOfLeaf(__global const float4* soups, uin
 }
 
 /// Point i of `points` (three doubles each, in the mesh's frame) -> answers[i], the nearest triangle.
-OTG_POINT_KERNEL void nearestPoints(const otg_device_mesh place, __global const float4* restrict meshes,
-                                    __global const double* restrict points, uint count,
-                                    __global uint* restrict answers) {
+OTG_POINT_KERNEL void nearestPoints(OTG_GIVEN(NearestPoints)) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   const otg_vec3_d p = otgPointAt(points, i);
@@ -99,15 +98,9 @@ OTG_POINT_KERNEL void nearestPoints(const otg_device_mesh place, __global const 
   answers[i] = found.triangle;
 }
 
-typedef struct {
-  double lo[3], hi[3];
-} otg_point_bounds;
-
 /// Which points lie inside a solid: the flag of answers[i], where with `alone` nothing else is and without it what
 /// nearestPoints left stays.
-OTG_POINT_KERNEL void insidePoints(const otg_device_mesh place, __global const float4* restrict meshes,
-                                   __global const double* restrict points, uint count, const otg_point_bounds bounds,
-                                   uint alone, __global uint* restrict answers) {
+OTG_POINT_KERNEL void insidePoints(OTG_GIVEN(InsidePoints)) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   const otg_vec3_d p = otgPointAt(points, i);

@@ -7,6 +7,7 @@
 #define OTG_REAL_DOUBLE
 #include "shared/tests/point_test.h"
 #undef OTG_REAL_DOUBLE
+#include "shared/layout/queries_given.h"
 
 inline static otg_vec3_d otgPointOf(float4 v) {
   return otgVec_d((double)v.x, (double)v.y, (double)v.z);
@@ -65,9 +66,7 @@ inline static otg_ray_found otgFirstOfLeaf(__global const float4* soups, uint co
 }
 
 /// Ray i of `rays` (OTG_RAY_DOUBLES each) -> answers[i]. With `cullBack` triangles hit from behind do not count.
-__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void castRays(
-    const otg_device_mesh place, __global const float4* restrict meshes, __global const double* restrict rays,
-    uint count, uint cullBack, __global uint* restrict answers) {
+__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void castRays(OTG_GIVEN(CastRays)) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   __global const double* ray = rays + OTG_RAY_DOUBLES * (size_t)i;

@@ -42,10 +42,11 @@
 #define OTG_PARAMETER_part(type, name) OTG_GIVEN_##type(OTG_PART_PARAMETER, OTG_COMMA)
 #define OTG_PART_PARAMETER(kind, type, name) OTG_PARAMETER_##kind(type, name)
 
-/// Types of elements that are words, or two words. The host tells them apart.
+/// Types of elements that are words, two words, bytes or doubles. The host tells them apart.
 #define OTG_WORD_ELEMENT(name) typedef uint name;
 #define OTG_TWO_WORD_ELEMENT(name) typedef uint2 name;
 #define OTG_BYTE_ELEMENT(name) typedef uchar name;
+#define OTG_DOUBLE_ELEMENT(name) typedef double name;
 /// 16 bytes of the buffer of all meshes.
 typedef float4 otg_mesh_unit;
 
@@ -124,6 +125,10 @@ class ValueOf {
     otg_uint x, y;                 \
   };
 #define OTG_BYTE_ELEMENT(name) enum class name : unsigned char {};
+#define OTG_DOUBLE_ELEMENT(name) \
+  struct name {                  \
+    double value;                \
+  };
 struct otg_mesh_unit {
   float x, y, z;
   otg_uint w;

@@ -16,4 +16,20 @@
 /// Nodes that a search may have left for later.
 #define OTG_POINT_STACK 96
 
+#ifndef __OPENCL_VERSION__
+namespace otg {
+#endif
+
+#if !defined(__OPENCL_VERSION__) || defined(OTG_WITH_DOUBLE)
+/// Of a mesh, in its own frame.
+typedef struct {
+  double lo[3], hi[3];
+} otg_point_bounds;
+#endif
+
+#ifndef __OPENCL_VERSION__
+static_assert(sizeof(otg_point_bounds) == 48);
+}  // namespace otg
+#endif
+
 #endif  // OTG_SHARED_POINT_LAYOUT_H

@@ -6,13 +6,10 @@
 namespace otg::opencl {
 namespace {
 
+static_assert(sizeof(Vec3d) == 3 * sizeof(double));
 static_assert(sizeof(LongRay) == OTG_RAY_DOUBLES * sizeof(double));
 
-struct PointBounds {
-  double lo[3], hi[3];
-};
-
-PointBounds boundsOf(const TriMesh& mesh) {
+otg_point_bounds boundsOf(const TriMesh& mesh) {
   const Vec3f &lo = mesh.boundsMin(), &hi = mesh.boundsMax();
   return {{lo.x, lo.y, lo.z}, {hi.x, hi.y, hi.z}};
 }
@@ -24,21 +21,33 @@ std::string optionsFor(const Tuning& tuning) {
 }  // namespace
 
 void PointKernels::build(Context& context, const Tuning& tuning) {
-  nearest_ = context.makeKernel("queries/point_query.cl", optionsFor(tuning), "nearestPoints");
-  inside_ = context.makeKernel("queries/point_query.cl", optionsFor(tuning), "insidePoints");
+  nearest_.make(context, "queries/point_query.cl", optionsFor(tuning));
+  inside_.make(context, "queries/point_query.cl", optionsFor(tuning));
 }
 
-void PointKernels::run(WordArray& array, const CollisionMesh& mesh, const PointWish& wish) {
-  if (wish.nearest) array.run(nearest_);
-  if (wish.inside) array.run(inside_, boundsOf(mesh.mesh()), wish.nearest ? otg_uint{0} : otg_uint{1});
+void PointKernels::run(Array& array, const CollisionMesh& mesh, const PointWish& wish) {
+  const given::PointArray sent{
+      .place = array.place(), .meshes = array.meshes(), .points = array.sentItems(), .count = array.sentCount()};
+  if (wish.nearest) array.run(nearest_, {.array = sent, .answers = array.words()});
+  if (wish.inside) {
+    array.run(inside_, {.array = sent,
+                        .bounds = boundsOf(mesh.mesh()),
+                        .alone = wish.nearest ? otg_uint{0} : otg_uint{1},
+                        .answers = array.words()});
+  }
 }
 
 void RayKernels::build(Context& context, const Tuning& tuning) {
-  cast_ = context.makeKernel("queries/ray_query.cl", optionsFor(tuning), "castRays");
+  cast_.make(context, "queries/ray_query.cl", optionsFor(tuning));
 }
 
-void RayKernels::run(WordArray& array, const CollisionMesh&, const RayWish& wish) {
-  array.run(cast_, wish.cullBack ? otg_uint{1} : otg_uint{0});
+void RayKernels::run(Array& array, const CollisionMesh&, const RayWish& wish) {
+  array.run(cast_, {.place = array.place(),
+                    .meshes = array.meshes(),
+                    .rays = array.sentItems(),
+                    .count = array.sentCount(),
+                    .cullBack = wish.cullBack ? otg_uint{1} : otg_uint{0},
+                    .answers = array.words()});
 }
 
 }  // namespace otg::opencl

@@ -17,12 +17,14 @@ class PointKernels {
  public:
   using Item = Vec3d;
   using Wish = PointWish;
+  using Array = WordArray<otg_point_double>;
   /// Throws ClError.
   void build(Context& context, const Tuning& tuning);
-  void run(WordArray& array, const CollisionMesh& mesh, const PointWish& wish);
+  void run(Array& array, const CollisionMesh& mesh, const PointWish& wish);
 
  private:
-  Kernel nearest_, inside_;
+  KernelFor<given::NearestPoints> nearest_;
+  KernelFor<given::InsidePoints> inside_;
 };
 
 /// What is found of rays: words of shared/layout/ray_layout.h.
@@ -30,12 +32,13 @@ class RayKernels {
  public:
   using Item = LongRay;
   using Wish = RayWish;
+  using Array = WordArray<otg_ray_double>;
   /// Throws ClError.
   void build(Context& context, const Tuning& tuning);
-  void run(WordArray& array, const CollisionMesh& mesh, const RayWish& wish);
+  void run(Array& array, const CollisionMesh& mesh, const RayWish& wish);
 
  private:
-  Kernel cast_;
+  KernelFor<given::CastRays> cast_;
 };
 
 /// One thread at a time. After a ClError the lane is of no further use.
@@ -68,7 +71,7 @@ class ArrayLane {
 
  private:
   Kernels kernels_;
-  WordArray array_;  ///< goes first, when what is under way is done
+  typename Kernels::Array array_;  ///< goes first, when what is under way is done
 };
 
 using PointLane = ArrayLane<PointKernels>;

@@ -7,15 +7,11 @@
 namespace otg::opencl {
 
 DistanceLane::DistanceLane(Context& context, MeshStore& meshes, const Tuning& tuning)
-    : context_(context),
-      meshes_(meshes),
-      group_(tuning.batchGroup),
-      tuning_(tuning),
-      queue_(context.makeQueue(false)),
-      walk_(context.makeKernel(
-          "queries/batch_distance.cl",
-          "-DOTG_GROUP=" + std::to_string(tuning.batchGroup) + " -DOTG_LEAF=" + std::to_string(meshes.leafTriangles()),
-          "batchDistance")) {}
+    : context_(context), meshes_(meshes), group_(tuning.batchGroup), tuning_(tuning), queue_(context.makeQueue(false)) {
+  walk_.make(
+      context, "queries/batch_distance.cl",
+      "-DOTG_GROUP=" + std::to_string(tuning.batchGroup) + " -DOTG_LEAF=" + std::to_string(meshes.leafTriangles()));
+}
 
 DistanceLane::~DistanceLane() {
   if (underWay_) clRelease(OTG_CL(clFinish), queue_.get());
@@ -44,9 +40,13 @@ std::span<const otg_uint> DistanceLane::run(std::span<const CollisionMesh* const
   const std::uint32_t stackSize = stackSizeFor(tuning_, 2 * depth);
   writeLater(queue, tasks_.get(), count_ * sizeof(otg_distance_task), staged_.data());
   writeLater(queue, places_.get(), table_.size() * sizeof(otg_device_mesh), table_.data());
-  Arguments arguments(walk_);
-  arguments << tasks_.get() << places_.get() << pinned_.buffer() << answers_.get() << stackSize;
-  arguments.local(stackSize * sizeof(cl_uint2)).local(stackSize * sizeof(cl_float));
+  walk_.give({.tasks = tasks_.buffer(),
+              .places = places_.buffer(),
+              .meshes = pinned_.units(),
+              .answers = answers_.buffer(),
+              .stackSize = stackSize,
+              .stack = {stackSize},
+              .stackGaps = {stackSize}});
   launch(queue, walk_, group_, count_);
   clDo(OTG_CL(clEnqueueReadBuffer), queue, answers_.get(), cl_bool{CL_FALSE}, std::size_t{0},
        2 * count_ * sizeof(otg_uint), static_cast<void*>(received_.data()), cl_uint{0},

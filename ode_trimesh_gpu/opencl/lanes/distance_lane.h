@@ -7,10 +7,10 @@
 #include <span>
 
 #include "opencl/meshes/mesh_store.h"
-#include "opencl/runtime/launch.h"
+#include "opencl/runtime/given.h"
 #include "opencl/runtime/pinned_buffer.h"
 #include "opencl/tuning.h"
-#include "shared/layout/distance_layout.h"
+#include "shared/layout/queries_given.h"
 
 namespace otg::opencl {
 
@@ -37,8 +37,10 @@ class DistanceLane {
   const std::size_t group_;
   const Tuning tuning_;
   QueueHandle queue_;
-  Kernel walk_;
-  DeviceList tasks_{sizeof(otg_distance_task)}, places_{sizeof(otg_device_mesh)}, answers_{2 * sizeof(otg_uint)};
+  KernelFor<given::BatchDistance> walk_;
+  ListOf<otg_distance_task> tasks_;
+  ListOf<otg_device_mesh> places_;
+  ListOf<otg_distance_answer> answers_;
   PinnedBuffer staged_, received_;
   std::vector<otg_device_mesh> table_;
   MeshStore::Pinned pinned_;

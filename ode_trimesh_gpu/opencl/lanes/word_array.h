@@ -6,12 +6,14 @@
 #include <span>
 
 #include "opencl/meshes/mesh_store.h"
-#include "opencl/runtime/launch.h"
+#include "opencl/runtime/given.h"
 #include "opencl/runtime/pinned_buffer.h"
+#include "shared/layout/queries_given.h"
 
 namespace otg::opencl {
 
-/// One thread at a time. After a ClError it is of no further use.
+/// Items are of so many `Element` each. One thread at a time. After a ClError it is of no further use.
+template <class Element>
 class WordArray {
  public:
   WordArray(Context& context, MeshStore& meshes, std::size_t group, std::size_t itemSize)
@@ -20,7 +22,7 @@ class WordArray {
         group_(group),
         itemSize_(itemSize),
         queue_(context.makeQueue(false)),
-        items_(itemSize) {}
+        items_(itemSize / sizeof(Element)) {}
   ~WordArray() {
     if (underWay_) clRelease(OTG_CL(clFinish), queue_.get());
   }
@@ -47,13 +49,17 @@ class WordArray {
     underWay_ = true;
     writeLater(queue_.get(), items_.get(), count_ * itemSize_, sent_.data());
   }
-  /// A kernel, a work-item to an item: its first arguments are the mesh's place, the meshes, the items and how many
-  /// they are, its last one the words. `others`: those between.
-  template <class... Others>
-  void run(Kernel& kernel, const Others&... others) {
-    Arguments arguments(kernel);
-    arguments << mesh_[0] << mesh_.buffer() << items_.get() << static_cast<otg_uint>(count_);
-    (arguments << ... << others) << words_.get();
+  /// What kernels are given of what was sent: the mesh's place, the meshes, the items and how many they are.
+  const otg_device_mesh& place() const { return mesh_[0]; }
+  BufferOf<const otg_mesh_unit> meshes() const { return mesh_.units(); }
+  BufferOf<const Element> sentItems() const { return items_.buffer(); }
+  otg_uint sentCount() const { return static_cast<otg_uint>(count_); }
+  /// Where they write the words.
+  BufferOf<otg_array_answer> words() const { return words_.buffer(); }
+  /// A work-item to an item.
+  template <class Given>
+  void run(KernelFor<Given>& kernel, const Given& given) {
+    kernel.give(given);
     launch(queue_.get(), kernel, group_, (count_ + group_ - 1) / group_);
   }
   /// Has the words sent back; does not wait.
@@ -76,7 +82,8 @@ class WordArray {
   MeshStore& meshes_;
   const std::size_t group_, itemSize_;
   QueueHandle queue_;
-  DeviceList items_, words_{sizeof(otg_uint)};
+  ListOf<Element> items_;
+  ListOf<otg_array_answer> words_;
   PinnedBuffer sent_, received_;
   MeshStore::Pinned mesh_;
   std::size_t count_ = 0;

@@ -10,7 +10,8 @@
 
 namespace otg::opencl {
 
-/// Sets the arguments of a kernel one after the other. Of kernels that have no structure (given.h) yet.
+/// Sets the arguments of a kernel one after the other. Of the kernels of the model `solid`, which have no structure
+/// (given.h) yet.
 class Arguments {
  public:
   explicit Arguments(Kernel& kernel) : kernel_(kernel) { kernel.begin(); }
