@@ -18,7 +18,7 @@ inline std::uint64_t fnv1a(const void* bytes, std::size_t count, std::uint64_t s
 
 /// Spreads what tells numbers apart over all bits: for the places in hash tables.
 constexpr std::uint64_t spreadBits(std::uint64_t number) {
-  number *= 0x9e3779b97f4a7c15u;
+  number = (number ^ (number >> 32)) * 0x9e3779b97f4a7c15u;
   return number ^ (number >> 32);
 }
 
