@@ -12,9 +12,8 @@ namespace otg::physics {
 const std::vector<Scene>& allScenes() {
   static const std::vector<Scene> kScenes = [] {
     std::vector<Scene> all;
-    for (auto& family :
-         {boxScenes(), slidingScenes(), curvedScenes(), insertionScenes(), overlapScenes(), dropScenes(),
-          cornerScenes()})
+    for (auto& family : {boxScenes(), slidingScenes(), curvedScenes(), insertionScenes(), overlapScenes(), dropScenes(),
+                         cornerScenes()})
       all.insert(all.end(), family.begin(), family.end());
 #ifdef OTG_REAL_USE  // reads mesh files, which needs Assimp
     for (const Scene& scene : realUseScenes()) all.push_back(scene);
