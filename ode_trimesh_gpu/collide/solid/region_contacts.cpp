@@ -9,7 +9,7 @@
 #include "base/vectors.h"
 #include "collide/inside_test.h"
 #include "collide/simd/surface_kernels.h"
-#include "collide/solid/region_triangles.h"
+#include "collide/solid/leaving.h"
 
 namespace otg {
 namespace {
@@ -247,17 +247,20 @@ class RegionSolver {
     c.rank = otgRankOfKind(static_cast<int>(c.point->kind), c.out + c.back);
   }
 
-  /// An uneven region goes round a corner. Each vertex in it leaves by the faces that are nearest to it, and each stretch
-  /// of an edge as a whole by one face, or across an edge. Crossings are no part of what has to leave: they tell how far
-  /// contacts reach, by a direction of one of the others and no deeper than that.
+  /// An uneven region goes round a corner: its vertices and stretches of edges leave it each by its own face. Crossings
+  /// are no part of what has to leave. They tell how far contacts reach, by a direction of one of the others and no
+  /// deeper than that.
   void collectUneven(const std::vector<std::uint32_t>& points) {
-    for (const std::uint32_t i : points) {
-      const SupportPoint& p = all_.points[i];
-      if (p.kind == PointKind::kVertex) {
-        for (const RegionTriangles::Exit& exit : triangles_.exitsOf(1 - p.mesh, p.position)) leaveBy(p, p.position, exit);
-      } else if (p.kind >= PointKind::kMiddle) {
-        leaveAsAWhole(p);
+    for (const Leave& leave : leavesOf(triangles_, all_, region_, points)) {
+      Candidate c{leave.point, leave.at, leave.at, leave.normal, 0, 0, 0, 0, 0, 0};
+      double depth = leave.depth;
+      const Vec3d local = leave.curved ? task_.normals.at(leave.at) : leave.normal;
+      if (const double cosine = otgDot(local, c.normal); leave.curved && cosine >= OTG_SOLID_ONE_WAY) {
+        c.normal = local;
+        depth /= cosine;
       }
+      (leave.point->mesh == 0 ? c.out : c.back) = depth;
+      addMeasured(c);
     }
     const std::size_t features = candidates_.size();
     for (const std::uint32_t i : points) {
@@ -276,52 +279,11 @@ class RegionSolver {
     }
   }
 
-  /// A point of the other mesh's surface that is below a face by the exit's depth.
-  void leaveBy(const SupportPoint& p, const Vec3d& at, const RegionTriangles::Exit& exit) {
-    Candidate c{&p, at, at, otgScale(exit.normal, p.mesh == 0 ? 1.0 : -1.0), 0, 0, 0, 0, 0, 0};
-    double depth = exit.depth;
-    if (exit.curved) {
-      const Vec3d local = task_.normals.at(at);
-      const double cosine = otgDot(local, c.normal);
-      if (cosine >= OTG_SOLID_ONE_WAY) {
-        c.normal = local;
-        depth /= cosine;
-      }
-    }
-    (p.mesh == 0 ? c.out : c.back) = depth;
-    addMeasured(c);
-  }
-
   void addMeasured(Candidate& c) {
     c.depth = c.out + c.back;
     c.shift = 0.5 * (c.out - c.back);
     c.rank = otgRankOfKind(static_cast<int>(c.point->kind), c.depth);
     if (c.depth > 0) candidates_.push_back(c);
-  }
-
-  void leaveAsAWhole(const SupportPoint& p) {
-    const Vec3d half = otgScale(p.along, p.reach), from = otgSub(p.position, half), to = otgAdd(p.position, half);
-    const RegionTriangles::StretchExit byFace = triangles_.exitOfStretch(1 - p.mesh, from, to);
-    double least = byFace.exit.depth;
-    Vec3d direction{0, 0, 0}, at{0, 0, 0};
-    for (std::uint32_t i = region_.pointBegin; i < region_.pointEnd; ++i) {
-      const SupportPoint& q = all_.points[i];
-      if (q.mesh == p.mesh || q.kind < PointKind::kMiddle) continue;
-      const Vec3d across = unit(otgCross(p.along, q.along));
-      for (const double side : {-1.0, 1.0}) {
-        const Vec3d n = otgScale(across, side);
-        const StretchPass<double> pass = passOf(p, q, n);
-        if (!(pass.way > 0 && pass.way < least)) continue;
-        least = pass.way;
-        direction = n;
-        at = otgAdd(p.position, otgScale(p.along, pass.at));
-      }
-    }
-    if (otgDot(direction, direction) > 0) {
-      leaveBy(p, at, {otgScale(direction, p.mesh == 0 ? 1.0 : -1.0), least, false});
-    } else if (std::isfinite(least)) {
-      leaveBy(p, byFace.byEnd ? to : from, byFace.exit);
-    }
   }
 
   /// Whether a middle of a stretch is hardly deeper than its ends are on average: then they hold it.

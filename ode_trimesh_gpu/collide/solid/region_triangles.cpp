@@ -74,23 +74,27 @@ const std::vector<RegionTriangles::Exit>& RegionTriangles::exitsOf(int m, const 
   return exits_;
 }
 
-RegionTriangles::StretchExit RegionTriangles::exitOfStretch(int m, const Vec3d& from, const Vec3d& to) const {
-  StretchExit best{{{0, 0, 0}, kInfinity, false}, false};
-  const RegionTriangle* of = nullptr;
+std::vector<RegionTriangles::StretchExit> RegionTriangles::facesOver(int m, const Vec3d& from, const Vec3d& to) const {
+  std::vector<StretchExit> found;
   for (const RegionTriangle& t : triangles_) {
     if (t.mesh != m) continue;
     const double first = t.offset - otgDot(t.normal, from), last = t.offset - otgDot(t.normal, to);
     const double depth = std::max(first, last);
-    if (!(depth >= 0 && depth < best.exit.depth)) continue;
+    if (!(depth >= 0)) continue;
     const auto isOver = [&](const Vec3d& p, double way) {
       return t.beside(otgAdd(p, otgScale(t.normal, way))) <= std::max(way, slack_);
     };
     if (!isOver(from, first) && !isOver(to, last)) continue;
-    best = {{t.normal, depth, false}, last > first};
-    of = &t;
+    const StretchExit exit{{t.normal, depth, isCurved(t)}, last > first};
+    const auto same = std::find_if(found.begin(), found.end(),
+                                   [&](const StretchExit& e) { return otgDot(e.exit.normal, t.normal) > kSameNormal; });
+    if (same == found.end()) {
+      found.push_back(exit);
+    } else if (depth < same->exit.depth) {
+      *same = exit;
+    }
   }
-  if (of) best.exit.curved = isCurved(*of);
-  return best;
+  return found;
 }
 
 double RegionTriangles::wayOut(int m, const Vec3d& from, const Vec3d& direction) const {

@@ -39,13 +39,13 @@ class RegionTriangles {
   /// the point. (On a convex edge it never is, seen from inside.) None if the point lies in front of them.
   const std::vector<Exit>& exitsOf(int m, const Vec3d& p);
 
-  /// Of a stretch from `from` to `to` the face of mesh m by which it leaves as a whole soonest, and the end that is
-  /// deeper below it. A depth of infinity if there is none.
+  /// By which faces of mesh m a stretch from `from` to `to` leaves as a whole: it is over the face at one end at least,
+  /// and below its plane. The depth is that of the end that is deeper.
   struct StretchExit {
     Exit exit;
     bool byEnd;  ///< the end `to` is the deeper one
   };
-  StretchExit exitOfStretch(int m, const Vec3d& from, const Vec3d& to) const;
+  std::vector<StretchExit> facesOver(int m, const Vec3d& from, const Vec3d& to) const;
 
   /// Way along a unit direction through the nearest triangle of mesh m that faces along it; infinity if none is met.
   double wayOut(int m, const Vec3d& from, const Vec3d& direction) const;
