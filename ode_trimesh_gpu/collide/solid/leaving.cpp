@@ -100,23 +100,23 @@ Part partOfVertex(RegionTriangles& triangles, const SupportPoint& p) {
   return part;
 }
 
-Part partOfStretch(RegionTriangles& triangles, const OverlapRegions& all, const Region& region, const SupportPoint& p) {
+Part partOfStretch(const RegionTriangles& triangles, const SupportPoint& p) {
   Part part{&p, {}, 1};
   const Vec3d half = otgScale(p.along, p.reach), from = otgSub(p.position, half), to = otgAdd(p.position, half);
   const double side = p.mesh == 0 ? 1.0 : -1.0;
   for (const RegionTriangles::StretchExit& e : triangles.facesOver(1 - p.mesh, from, to)) {
     part.ways.push_back({e.byEnd ? to : from, otgScale(e.exit.normal, side), e.exit.depth, e.exit.curved});
   }
-  for (std::uint32_t i = region.pointBegin; i < region.pointEnd; ++i) {
-    const SupportPoint& q = all.points[i];
-    if (q.mesh == p.mesh || q.kind < PointKind::kMiddle) continue;
-    const Vec3d across = unit(otgCross(p.along, q.along));
+  for (const RegionEdge& edge : triangles.edges()) {
+    if (edge.mesh == p.mesh) continue;
+    const Vec3d across = unit(otgCross(p.along, edge.along));
     for (const double sign : {-1.0, 1.0}) {
-      const Vec3d n = otgScale(across, sign);
+      const Vec3d out = otgScale(across, sign);  // of the other mesh
+      if (!otgIsBetween(edge.faces[0], edge.faces[1], out)) continue;
       const StretchPass<double> pass =
-          otgPassOfStretches(otgSub(q.position, p.position), p.along, p.reach, q.along, q.reach, otgScale(n, side));
+          otgPassOfStretches(otgSub(edge.middle, p.position), p.along, p.reach, edge.along, edge.reach, out);
       if (pass.way > 0) {
-        part.ways.push_back({otgAdd(p.position, otgScale(p.along, pass.at)), n, pass.way, false});
+        part.ways.push_back({otgAdd(p.position, otgScale(p.along, pass.at)), otgScale(out, side), pass.way, false});
       }
     }
   }
@@ -126,13 +126,13 @@ Part partOfStretch(RegionTriangles& triangles, const OverlapRegions& all, const 
 
 }  // namespace
 
-std::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegions& all, const Region& region,
+std::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegions& all,
                             const std::vector<std::uint32_t>& points) {
   std::vector<Part> parts;
   for (const std::uint32_t i : points) {
     const SupportPoint& p = all.points[i];
     if (p.kind == PointKind::kCrossing) continue;
-    Part part = p.kind == PointKind::kVertex ? partOfVertex(triangles, p) : partOfStretch(triangles, all, region, p);
+    Part part = p.kind == PointKind::kVertex ? partOfVertex(triangles, p) : partOfStretch(triangles, p);
     if (!part.ways.empty() && part.ways.front().depth > 0) parts.push_back(std::move(part));
   }
   std::vector<const Part*> order;

@@ -251,7 +251,7 @@ class RegionSolver {
   /// are no part of what has to leave. They tell how far contacts reach, by a direction of one of the others and no
   /// deeper than that.
   void collectUneven(const std::vector<std::uint32_t>& points) {
-    for (const Leave& leave : leavesOf(triangles_, all_, region_, points)) {
+    for (const Leave& leave : leavesOf(triangles_, all_, points)) {
       Candidate c{leave.point, leave.at, leave.at, leave.normal, 0, 0, 0, 0, 0, 0};
       double depth = leave.depth;
       const Vec3d local = leave.curved ? task_.normals.at(leave.at) : leave.normal;
