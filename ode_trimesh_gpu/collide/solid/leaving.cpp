@@ -39,7 +39,8 @@ class ShortestTranslation {
   /// two walls, the last one stays.
   void add(const Vec3d& normal, double depth) {
     if (satisfies(normal, depth)) return;
-    std::erase_if(all_, [&](const HalfSpace& h) { return otgDot(h.normal, normal) > kSameHalfSpace && h.depth <= depth; });
+    std::erase_if(all_,
+                  [&](const HalfSpace& h) { return otgDot(h.normal, normal) > kSameHalfSpace && h.depth <= depth; });
     all_.push_back({normal, depth});
     std::optional<Vec3d> best;
     const auto offer = [&](const Vec3d& t) {
@@ -150,8 +151,8 @@ std::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegions& al
     const auto first = part->ways.begin(), others = first + static_cast<std::ptrdiff_t>(part->together);
     double together = 0;
     for (auto way = first; way != others; ++way) together = std::max(together, t.missing(*way));
-    const auto soonest = std::min_element(
-        others, part->ways.end(), [&](const Way& x, const Way& y) { return t.missing(x) < t.missing(y); });
+    const auto soonest = std::min_element(others, part->ways.end(),
+                                          [&](const Way& x, const Way& y) { return t.missing(x) < t.missing(y); });
     if (soonest != part->ways.end() && t.missing(*soonest) < together) {
       t.add(soonest->normal, soonest->depth);
     } else {
@@ -160,7 +161,9 @@ std::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegions& al
   }
   std::vector<Leave> leaves;
   for (const Part& part : parts) {
-    const auto take = [&](const Way& way) { leaves.push_back({part.point, way.at, way.normal, way.depth, way.curved}); };
+    const auto take = [&](const Way& way) {
+      leaves.push_back({part.point, way.at, way.normal, way.depth, way.curved});
+    };
     const auto first = part.ways.begin(), others = first + static_cast<std::ptrdiff_t>(part.together);
     const auto satisfied = [&](const Way& way) { return t.satisfies(way.normal, way.depth); };
     const auto other = std::find_if(others, part.ways.end(), satisfied);

@@ -53,7 +53,8 @@ void RegionTriangles::addEdges(const PlacedMeshes& meshes, const RegionTriangle&
     if (twin == kNone) continue;
     const Vec3d ends = otgSub(t.corner[(k + 1) % 3], t.corner[k]), other = meshes.normal(t.mesh, twin / 3);
     if (!(otgDot(otgCross(t.normal, other), ends) > 0)) continue;
-    edges_.push_back({otgAdd(t.corner[k], otgScale(ends, 0.5)), unit(ends), 0.5 * norm(ends), {t.normal, other}, t.mesh});
+    edges_.push_back(
+        {otgAdd(t.corner[k], otgScale(ends, 0.5)), unit(ends), 0.5 * norm(ends), {t.normal, other}, t.mesh});
   }
 }
 
@@ -80,7 +81,8 @@ const std::vector<RegionTriangles::Exit>& RegionTriangles::exitsOf(int m, const 
     const RegionTriangle& t = triangles_[i];
     const double depth = t.offset - otgDot(t.normal, p);
     if (!(distances_[i] <= nearest * (1 + 1e-9) + slack_) || !(depth > -slack_)) continue;
-    if (std::any_of(exits_.begin(), exits_.end(), [&](const Exit& e) { return otgDot(e.normal, t.normal) > kSameNormal; }))
+    if (std::any_of(exits_.begin(), exits_.end(),
+                    [&](const Exit& e) { return otgDot(e.normal, t.normal) > kSameNormal; }))
       continue;
     exits_.push_back({t.normal, std::max(depth, 0.0), isCurved(t)});
   }
