@@ -164,8 +164,9 @@ PairBatch::Found PairBatch::readPart(std::size_t begin, std::span<const dGpuTriM
     }
     finishReading(begin + k);
     if (task.state != PairTask::State::kReady) continue;
-    part.share(*object1, task.side1.mesh, block.meshes);
-    part.share(*object2, task.side2.mesh, block.meshes);
+    // A task has a share of what its geoms are pieces of.
+    if (task.side1.join == nullptr) part.share(*object1, task.side1.mesh, block.meshes);
+    if (task.side2.join == nullptr) part.share(*object2, task.side2.mesh, block.meshes);
     kind = Kind::kJob;
   }
   part.letGo();
@@ -196,7 +197,7 @@ void PairBatch::finishReading(std::size_t i) {
     if (block.histories.empty()) block.histories.reserve(kBlock);
     recallPair(task, block.histories.emplace_back());
   }
-  task.job.any = wish_.unimportant;
+  task.job.any = wish_.unimportant && !task.isJoined();
   if (wish_.capacity > 0) {
     CollideOptions& options = task.job.query.options;
     options.maxContacts = std::min(options.maxContacts, wish_.capacity);
@@ -238,6 +239,7 @@ void PairBatch::run() {
     std::size_t sum = 0;
     bool any = false;
     for (std::size_t i = begin; i < end; ++i) {
+      keepOwnOf(i);
       sum += result(i).contacts.size();
       owners_[i] = ownerOf(i);
       any = any || owners_[i] != kNobody;
@@ -247,6 +249,14 @@ void PairBatch::run() {
   });
   anyOwner_ = anyOwner;
   std::partial_sum(firsts_.begin(), firsts_.end(), firsts_.begin());
+}
+
+void PairBatch::keepOwnOf(std::size_t i) {
+  PairTask& task = blocks_[i / kBlock]->tasks[i % kBlock];
+  if (!task.isJoined()) return;
+  std::vector<Contact> own(result(i).contacts.begin(), result(i).contacts.end());
+  keepOwnContacts(task, own);
+  keepContacts(result(i), own);
 }
 
 std::uint8_t PairBatch::ownerOf(std::size_t i) const {

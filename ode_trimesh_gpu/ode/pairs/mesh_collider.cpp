@@ -63,7 +63,7 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
   try {
     SolidHistory history;
     if (needsHistory(task)) recallPair(task, history);
-    task.job.any = isUnimportant(flags);
+    task.job.any = isUnimportant(flags) && !task.isJoined();
     PrefetchedPairs* const ready = task.b().prefetched.get();
     if (!task.job.any && !asks && ready != nullptr && !ready->empty()) {
       PairResult result;
@@ -84,7 +84,13 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
     const WorkspaceLease lease;
     Workspace& workspace = *lease;
     Dispatcher::Ran ran;
-    const std::span<const Contact> contacts = dispatcher().collide(task.job, workspace, ran);
+    std::span<const Contact> contacts = dispatcher().collide(task.job, workspace, ran);
+    std::vector<Contact> own;
+    if (task.isJoined()) {
+      own.assign(contacts.begin(), contacts.end());
+      keepOwnContacts(task, own);
+      contacts = own;
+    }
     rememberPair(task, !contacts.empty());
     writeContacts(task, contacts, to);
     countPair(task, PairCounts(workspace.stats), contacts.size(), ran.onDevice, ran.deviceFailed);
