@@ -207,7 +207,8 @@ class Joiner {
     input.triangleCount = triangles.size();
     const MeshResult result = buildTriMesh(input, {}, MeshOrder::kSpatial);
     if (result.mesh == nullptr) return {};
-    const bool isOne = isSolidPart(parts.front()) ? result.mesh->meshClass() == MeshClass::kSolid : isSheet(*result.mesh);
+    const bool isOne =
+        isSolidPart(parts.front()) ? result.mesh->meshClass() == MeshClass::kSolid : isSheet(*result.mesh);
     if (!isOne) return {};
     joined.mesh = std::make_shared<const CollisionMesh>(result.mesh, BuildStrategy::kSah);
     joined.parts = std::move(parts);

@@ -63,9 +63,7 @@ class PlaceGrid {
 
 double largestCoordinate(std::span<const JoinPart> parts) {
   double most = 0;
-  const auto take = [&](const Vec3d& p) {
-    most = std::max({most, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
-  };
+  const auto take = [&](const Vec3d& p) { most = std::max({most, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); };
   for (const JoinPart& part : parts) {
     const TriMesh& mesh = part.mesh->mesh();
     for (const Vec3f& v : {mesh.boundsMin(), mesh.boundsMax()}) {

@@ -102,7 +102,8 @@ class Gatherer {
   }
   void addShape(dGeomID mesh, dGeomID other) {
     const GeomObject& object = *meshObjectOf(mesh);
-    if (object.joined.join == nullptr && !callbacksOf(mesh, object).asked()) shapes_.push_back({{mesh, other}, object.serial, memoryKey(other)});
+    if (object.joined.join == nullptr && !callbacksOf(mesh, object).asked())
+      shapes_.push_back({{mesh, other}, object.serial, memoryKey(other)});
   }
 
   dGpuTriMeshPairFilter* filter_;
