@@ -27,14 +27,13 @@ enum class Hostile {
   kSoup,
   kSolid
 };
-inline constexpr std::array kHostile = {Hostile::kQuad,        Hostile::kTwoSided, Hostile::kOpenBox,
-                                        Hostile::kMisoriented, Hostile::kDoubled,  Hostile::kNeedles,
-                                        Hostile::kBowTie,      Hostile::kMoebius,  Hostile::kNested,
-                                        Hostile::kHoles,       Hostile::kSeveral,  Hostile::kFins,
-                                        Hostile::kTornBall,    Hostile::kSoup,     Hostile::kSolid};
+inline constexpr std::array kHostile = {
+    Hostile::kQuad,    Hostile::kTwoSided, Hostile::kOpenBox,  Hostile::kMisoriented, Hostile::kDoubled,
+    Hostile::kNeedles, Hostile::kBowTie,   Hostile::kMoebius,  Hostile::kNested,      Hostile::kHoles,
+    Hostile::kSeveral, Hostile::kFins,     Hostile::kTornBall, Hostile::kSoup,        Hostile::kSolid};
 inline const char* nameOf(Hostile kind) {
-  constexpr const char* kNames[] = {"quad",   "two-sided", "open box", "misoriented", "doubled",
-                                    "needles", "bow-tie",   "moebius",  "nested",      "holes",
+  constexpr const char* kNames[] = {"quad",    "two-sided", "open box",  "misoriented", "doubled",
+                                    "needles", "bow-tie",   "moebius",   "nested",      "holes",
                                     "several", "fins",      "torn ball", "soup",        "solid"};
   return kNames[static_cast<int>(kind)];
 }
