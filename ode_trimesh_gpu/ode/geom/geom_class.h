@@ -134,6 +134,9 @@ WorldPose withRigidity(WorldPose pose) noexcept;
 /// A geom that ODE has just made of our class gets its object. After an exception (std::bad_alloc) nothing has changed.
 void giveObject(dGeomID geom, const std::shared_ptr<GeomObject>& object);
 
+/// How far beyond its mesh a geom's box reaches.
+double shellMargin(const GeomObject& object, const TriMesh& mesh);
+
 /// dGeomClass::aabb: minx, maxx, miny, maxy, minz, maxz of all triangles, rounded outward; always finite.
 void computeAabb(dGeomID geom, dReal aabb[6]) noexcept;
 

@@ -14,6 +14,7 @@
 #include "ode/base/status.h"
 #include "ode/geom/geom_part.h"
 #include "ode/geom/trimesh_pairs.h"
+#include "ode/pairs/left_pairs.h"
 #include "ode/pairs/pair_callbacks.h"
 
 namespace otg {
@@ -210,15 +211,22 @@ PairBatch::Kind PairBatch::readLater(std::size_t i, const dGpuTriMeshPair& pair)
   MeshSide side1 = meshSideOf(pair.o1), side2 = meshSideOf(pair.o2);
   const GeomCallbacks callbacks1 = side1.callbacks, callbacks2 = side2.callbacks;
   const GeomUse use(side1.object, side2.object);
+  bool isLeft = false;
   if (use.good()) {
     side1.takeMesh();
     side2.takeMesh();
+    isLeft = isLeftToOde(side1, side2);
     preparePair(std::move(side1), std::move(side2), task);
   } else {
     takeBusy(std::move(side1), std::move(side2), task);
   }
   finishReading(i);
   if (task.state != PairTask::State::kReady) return Kind::kNone;
+  if (isLeft) {
+    constexpr int kMost = 64;  // where the caller has no limit, who asks again
+    keepContacts(result(i), contactsByOde(task, wish_.capacity > 0 ? wish_.capacity : kMost));
+    return Kind::kAsks;
+  }
   for (const MeshGeom* side : {&task.side1, &task.side2}) block.meshes.push_back(side->sharedMesh());
   if (!callbacks1.asked() && !callbacks2.asked()) {
     work_[i] = {&task.job, &result(i)};

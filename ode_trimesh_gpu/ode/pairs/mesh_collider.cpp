@@ -9,6 +9,7 @@
 #include "dispatch/threads/workspace_lease.h"
 #include "ode/base/status.h"
 #include "ode/geom/class_number.h"
+#include "ode/pairs/left_pairs.h"
 #include "ode/pairs/pair_callbacks.h"
 #include "ode/pairs/prefetched_pairs.h"
 
@@ -49,6 +50,9 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
   }
   side1.takeMesh();
   side2.takeMesh();
+  if (to.data == nullptr && isLeftToOde(side1, side2)) {
+    return collideByOde(side1.geom, side2.geom, (flags & ~0xffff) | capacity, to.first, to.skip);
+  }
   const GeomCallbacks callbacks1 = side1.callbacks, callbacks2 = side2.callbacks;
   const bool asks = callbacks1.asked() || callbacks2.asked();
   PairTask task;
