@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Random meshes of every bad kind, on and in each other, beside stock ODE in the same scene.
 #include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <string>
 
@@ -138,82 +137,105 @@ TEST_CASE("overlapped pairs have contacts where either is a solid or a sheet, an
   }
 }
 
-TEST_CASE("hostile bodies on hostile grounds: at rest as often as with ODE, and thrown no more often") {
-  const int each = std::getenv("EACH") != nullptr ? std::atoi(std::getenv("EACH")) : 1;
-  const int steps = 500;
-  struct Sum {
-    int rest[3] = {0, 0, 0}, thrown[3] = {0, 0, 0}, missed[3] = {0, 0, 0}, all = 0;
-  };
-  std::vector<std::pair<std::string, Scene>> scenesOf;
+namespace {
+
+struct NamedScene {
+  std::string ground;
+  Hostile kind;
+  Scene scene;
+};
+
+/// The body `clearance` over what lies below it.
+NamedScene sceneOf(const std::string& name, const scenes::MeshArrays& ground, Hostile kind, double reach, Draw& draw) {
+  Scene scene;
+  scene.ground = ground;
+  ShellDrop& drop = scene.drop;
+  drop.size = {draw.uniform(0.4, 1.2), draw.uniform(0.4, 1.2), draw.uniform(0.3, 0.8)};
+  drop.body = makeHostile(kind, drop.size, draw);
+  drop.pose = makePose(draw.direction(), draw.uniform(0, 6.28), {0, 0, 0});
+  double lowest = 0, highest = -10;
+  for (const Vec3f& v : drop.body.vertices) lowest = std::min(lowest, otgTransform(drop.pose, Vec3d{v.x, v.y, v.z}).z);
+  drop.pose.t = {draw.uniform(-reach, reach), draw.uniform(-reach, reach), 0};
+  for (const Vec3f& v : ground.vertices) {
+    const double x = v.x - drop.pose.t.x, y = v.y - drop.pose.t.y;
+    if (x * x + y * y < 1.5 || ground.vertices.size() < 100) highest = std::max(highest, double{v.z});
+  }
+  drop.pose.t.z = highest - lowest + draw.uniform(0.05, 0.3);
+  return {name, kind, std::move(scene)};
+}
+
+/// Every kind on a slab, a sheet, a terrain and on every kind.
+std::vector<NamedScene> allScenes(int each) {
+  std::vector<NamedScene> all;
   Draw draw(21);
-  const auto add = [&](const std::string& name, const scenes::MeshArrays& ground, Hostile kind, double reach) {
-    Scene scene;
-    scene.ground = ground;
-    scene.drop.size = {draw.uniform(0.4, 1.2), draw.uniform(0.4, 1.2), draw.uniform(0.3, 0.8)};
-    scene.drop.body = makeHostile(kind, scene.drop.size, draw);
-    scene.drop.pose = makePose(draw.direction(), draw.uniform(0, 6.28), {0, 0, 0});
-    double lowest = 0, highest = -10;
-    for (const Vec3f& v : scene.drop.body.vertices) {
-      lowest = std::min(lowest, otgTransform(scene.drop.pose, Vec3d{v.x, v.y, v.z}).z);
-    }
-    scene.drop.pose.t = {draw.uniform(-reach, reach), draw.uniform(-reach, reach), 0};
-    for (const Vec3f& v : ground.vertices) {
-      const double x = v.x - scene.drop.pose.t.x, y = v.y - scene.drop.pose.t.y;
-      if (x * x + y * y < 1.5 || ground.vertices.size() < 100) highest = std::max(highest, double{v.z});
-    }
-    const double clearance = draw.uniform(0.05, 0.3);
-    scene.drop.pose.t.z = highest - lowest + clearance;
-    scenesOf.emplace_back(name, std::move(scene));
-  };
   for (const Hostile kind : kHostile) {
     for (int i = 0; i < 3 * each; ++i) {
-      add("slab", scenes::makeGround(10, 1, 1), kind, 2);
-      add("sheet", terrain(10, 1, 0), kind, 2);
-      add("terrain", terrain(10, 40, 0.05), kind, 2);
+      all.push_back(sceneOf("slab", scenes::makeGround(10, 1, 1), kind, 2, draw));
+      all.push_back(sceneOf("sheet", terrain(10, 1, 0), kind, 2, draw));
+      all.push_back(sceneOf("terrain", terrain(10, 40, 0.05), kind, 2, draw));
     }
     for (const Hostile below : kHostile) {
       for (int i = 0; i < each; ++i) {
         const Vec3d size{draw.uniform(2, 5), draw.uniform(2, 5), draw.uniform(0.5, 1)};
-        add(std::string("on ") + nameOf(below), makeHostile(below, size, draw), kind, 0.4);
+        all.push_back(sceneOf(std::string("on ") + nameOf(below), makeHostile(below, size, draw), kind, 0.4, draw));
       }
     }
   }
-  if (const char* const only = std::getenv("ONLY")) {
-    std::erase_if(scenesOf, [&](const auto& one) { return one.first.find(only) == std::string::npos; });
+  return all;
+}
+
+/// By side.
+struct Sum {
+  int rest[3] = {0, 0, 0}, thrown[3] = {0, 0, 0}, missed[3] = {0, 0, 0}, all = 0;
+
+  void add(Side side, const Fate& fate) {
+    const auto s = static_cast<std::size_t>(side);
+    rest[s] += fate.isAtRest ? 1 : 0;
+    thrown[s] += fate.isThrown ? 1 : 0;
+    missed[s] += fate.missed;
+    all += side == Side::kStock ? 1 : 0;
   }
-  std::vector<MeshPtr> grounds, bodies;
-  for (const auto& [name, scene] : scenesOf) {
-    grounds.push_back(collisionMesh(scene.ground));
-    bodies.push_back(collisionMesh(scene.drop.body));
+};
+
+void show(const std::string& name, const Sum& s) {
+  std::printf("%-14s of %4d: at rest %4d %4d %4d, thrown %3d %3d %3d, without contacts %2d %2d %2d\n", name.c_str(),
+              s.all, s.rest[0], s.rest[1], s.rest[2], s.thrown[0], s.thrown[1], s.thrown[2], s.missed[0], s.missed[1],
+              s.missed[2]);
+}
+
+/// `chance`: how many of a group may lie elsewhere than with ODE, because they rolled off or came to lie at its edge.
+void check(const std::string& name, const Sum& sum, int chance) {
+  show(name, sum);
+  INFO(name);
+  for (const std::size_t side : {1u, 2u}) {
+    // Needles are left to ODE through the override: there it has more at rest, and throws five times as many.
+    if (side == 1 || name != "on needles") CHECK(sum.rest[side] + chance >= sum.rest[0]);
+    CHECK(sum.thrown[side] <= sum.thrown[0] + chance / 2);
+    CHECK(sum.missed[side] <= sum.missed[0]);
   }
+}
+
+}  // namespace
+
+TEST_CASE("bad meshes on each other and on firm ground: at rest as often as with ODE, thrown no more often") {
+  constexpr int kEach = 2, kSteps = 500;
+  const std::vector<NamedScene> all = allScenes(kEach);
   std::map<std::string, Sum> byGround, byKind;
-  Sum all;
-  std::size_t perKind = scenesOf.size() / kHostile.size();
+  Sum sum;
+  std::vector<MeshPtr> grounds, bodies;
+  for (const NamedScene& one : all) {
+    grounds.push_back(collisionMesh(one.scene.ground));
+    bodies.push_back(collisionMesh(one.scene.drop.body));
+  }
   for (const Side side : kSides) {
     const SideSession session(side);
-    for (std::size_t i = 0; i < scenesOf.size(); ++i) {
-      const auto& [name, scene] = scenesOf[i];
-      const Fate fate = letGoOn(scene, side, steps, *grounds[i], *bodies[i]);
-      const auto s = static_cast<std::size_t>(side);
-      const std::string kind = nameOf(kHostile[i / perKind]);
-      for (Sum* sum : {&byGround[name], &byKind[kind], &all}) {
-        sum->rest[s] += fate.isAtRest ? 1 : 0;
-        sum->thrown[s] += fate.isThrown ? 1 : 0;
-        sum->missed[s] += fate.missed;
-        sum->all += side == Side::kStock ? 1 : 0;
-      }
-      if (std::getenv("SHOW") != nullptr) {
-        std::printf("%d %zu %s %s rest %d thrown %d missed %d\n", static_cast<int>(side), i, kind.c_str(), name.c_str(),
-                    fate.isAtRest, fate.isThrown, fate.missed);
-      }
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const Fate fate = letGoOn(all[i].scene, side, kSteps, *grounds[i], *bodies[i]);
+      for (Sum* const to : {&byGround[all[i].ground], &byKind[nameOf(all[i].kind)], &sum}) to->add(side, fate);
     }
   }
-  const auto show = [](const std::string& name, const Sum& s) {
-    std::printf("%-18s of %4d: rest %4d %4d %4d  thrown %3d %3d %3d  missed %4d %4d %4d\n", name.c_str(), s.all,
-                s.rest[0], s.rest[1], s.rest[2], s.thrown[0], s.thrown[1], s.thrown[2], s.missed[0], s.missed[1],
-                s.missed[2]);
-  };
-  for (const auto& [name, sum] : byGround) show(name, sum);
-  for (const auto& [name, sum] : byKind) show(name, sum);
-  show("all", all);
+  for (const auto* groups : {&byGround, &byKind}) {
+    for (const auto& [name, group] : *groups) check(name, group, 3);
+  }
+  check("all", sum, 0);
 }

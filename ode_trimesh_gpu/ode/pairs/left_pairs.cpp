@@ -119,7 +119,8 @@ int collideByOde(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int s
 
 std::vector<Contact> contactsByOde(const PairTask& task, int most) {
   std::vector<dContactGeom> found(static_cast<std::size_t>(most));
-  const int count = collideByOde(task.side1.geom, task.side2.geom, most, found.data(), sizeof(dContactGeom));
+  // Nobody has exchanged the geoms of an array.
+  const int count = dCollideTTL(task.side1.geom, task.side2.geom, most, found.data(), sizeof(dContactGeom));
   std::vector<Contact> contacts;
   for (int i = 0; i < count; ++i) {
     const dContactGeom& from = found[static_cast<std::size_t>(i)];

@@ -23,9 +23,9 @@ void noteMargin() noexcept;
 /// Says so once on stderr. Always false where ODE's collider cannot be reached.
 bool isLeftToOde(const MeshGeom& side1, const MeshGeom& side2);
 
-/// What ODE makes of such a pair, as from dCollide(o1, o2, flags, contact, skip).
+/// What ODE makes of such a pair, for a collider of ours that was handed it by dCollide().
 int collideByOde(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip);
-/// The same as contacts of a prepared pair, with its callers' triangles.
+/// The same for a prepared pair of an array, with its callers' triangles.
 std::vector<Contact> contactsByOde(const PairTask& task, int most);
 
 }  // namespace otg
