@@ -103,6 +103,10 @@ void noteTrimesh() noexcept {
   known().anyTrimesh = true;
 }
 
+bool isAnyTrimesh() noexcept {
+  return known().anyTrimesh;
+}
+
 void forgetFlatness() noexcept {
   Known& all = known();
   const std::lock_guard lock(all.mutex);

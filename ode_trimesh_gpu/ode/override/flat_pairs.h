@@ -9,6 +9,7 @@ namespace otg {
 
 /// There is a dTriMesh: until then nothing is looked for.
 void noteTrimesh() noexcept;
+bool isAnyTrimesh() noexcept;
 /// Data were built anew or updated: what was flat may not be so any more.
 void forgetFlatness() noexcept;
 

@@ -19,6 +19,7 @@
 #include "ode/data/trimesh_cache.h"
 #include "ode/geom/mesh_side.h"
 #include "ode/override/flat_pairs.h"
+#include "ode/override/join_still.h"
 #include "ode/pairs/left_pairs.h"
 #include "ode/shapes/height_samples.h"
 #include "ode_trimesh_gpu/ode_trimesh_gpu.h"
@@ -125,12 +126,18 @@ void forgetAll() {
   otg::forgetTrimeshes();
   otg::clearTrimeshCache();
   otg::forgetAllHeights();
+  otg::dropAllStill();
   otg::forgetFlatness();
 }
 
 void dataChanged(dTriMeshDataID data) {
   otg::trimeshDataChanged(data);
   otg::forgetFlatness();
+}
+
+bool joins() {
+  static const bool wanted = !isSet("OTG_PRELOAD_JOIN", "off");
+  return wanted && otg::isAnyTrimesh();
 }
 
 bool isOff() {
@@ -193,11 +200,20 @@ OTG_INTERPOSED dGeomID dCreateTriMesh(dSpaceID space, dTriMeshDataID Data, dTriC
 }
 
 OTG_INTERPOSED void dGeomDestroy(dGeomID geom) {
-  if (geom != nullptr && !otg::isReadingTrimesh() && dGeomGetClass(geom) == dTriMeshClass) otg::forgetTrimesh(geom);
+  if (geom != nullptr && !otg::isReadingTrimesh() && dGeomGetClass(geom) == dTriMeshClass) {
+    otg::forgetTrimesh(geom);
+    otg::dropStill(geom);
+  }
   OTG_NEXT(dGeomDestroy)(geom);
 }
 
 OTG_INTERPOSED void dSpaceCollide(dSpaceID space, void* data, dNearCallback* callback) {
+  if (!isOff() && joins() && space != nullptr) {
+    try {
+      otg::joinStill(space);
+    } catch (...) {  // for want of memory: each collides by itself
+    }
+  }
   OTG_NEXT(dSpaceCollide)(space, data, callback);
   if (!isOff() && space != nullptr && callback != nullptr) otg::askAboutFlats(space, data, callback);
 }
