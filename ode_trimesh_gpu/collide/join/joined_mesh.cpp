@@ -9,7 +9,6 @@
 
 #include "base/hash.h"
 #include "base/vectors.h"
-#include "collide/join/shared_places.h"
 #include "collide/pair_history.h"
 
 namespace otg {

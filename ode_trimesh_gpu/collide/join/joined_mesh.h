@@ -7,14 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "bvh/collision_mesh.h"
+#include "collide/join/shared_places.h"
 
 namespace otg {
-
-struct JoinPart {
-  const CollisionMesh* mesh;
-  Transformd pose;  ///< to the frame that all parts have in common
-};
 
 /// Parts that hang together, with what lies between them taken away.
 struct JoinedMesh {

@@ -6,9 +6,14 @@
 #include <span>
 #include <vector>
 
-#include "collide/join/joined_mesh.h"
+#include "bvh/collision_mesh.h"
 
 namespace otg {
+
+struct JoinPart {
+  const CollisionMesh* mesh;
+  Transformd pose;  ///< to the frame that all parts have in common
+};
 
 struct SharedPlaces {
   std::vector<std::vector<std::uint32_t>> numbers;  ///< by part and vertex

@@ -61,7 +61,7 @@ void LiveObjects::fetch(dGeomID geom) const noexcept {
 }
 
 GeomObject::~GeomObject() {
-  breakJoin(*this);
+  joined.leave();
   if (data != nullptr) data->detach(serial);
 }
 

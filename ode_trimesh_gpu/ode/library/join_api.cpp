@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "ode/base/status.h"
-#include "ode/geom/mesh_join.h"
-#include "ode/geom/mesh_side.h"
+#include "ode/geom/joined_sides.h"
 
 namespace otg {
 namespace {
@@ -56,7 +55,7 @@ int dGpuTriMeshUnjoin(dGeomID g) {
   return otg::guarded([&] {
     const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
     if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
-    otg::breakJoin(*object);
+    object->joined.leave();
     return static_cast<int>(dGPUTRIMESH_OK);
   });
 }

@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "ode/data/trimesh_cache.h"
-#include "ode/geom/mesh_join.h"
-#include "ode/geom/mesh_side.h"
+#include "ode/geom/joined_sides.h"
 
 namespace otg {
 namespace {
@@ -58,7 +57,7 @@ bool isReady(Geom& geom, dGeomID id) {
     if (geom.isJoined) {
       geom.hasMoved = true;
       geom.isJoined = false;
-      if (const auto object = objectOfTrimesh(id)) breakJoin(*object);
+      if (const auto object = objectOfTrimesh(id)) object->joined.leave();
     }
     geom.place = now;
     geom.calls = 0;

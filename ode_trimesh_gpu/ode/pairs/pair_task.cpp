@@ -11,6 +11,7 @@
 #include "base/vectors.h"
 #include "dispatch/dispatcher.h"
 #include "ode/base/status.h"
+#include "ode/geom/joined_sides.h"
 #include "ode/pairs/contact_data.h"
 
 namespace otg {

@@ -6,6 +6,7 @@
 #include "dispatch/threads/workspace_lease.h"
 #include "ode/base/status.h"
 #include "ode/geom/class_number.h"
+#include "ode/geom/joined_sides.h"
 #include "ode/pairs/mesh_collider.h"
 #include "ode/pairs/pair_task.h"
 #include "ode/shapes/convex_collider.h"
