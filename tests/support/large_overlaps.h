@@ -52,6 +52,12 @@ inline std::vector<Query> overlaps(const MeshList& meshes, std::uint32_t seed, s
   return queries;
 }
 
+/// Pairs with a region whose points leave each by its own face: devices leave them to the host.
+inline std::size_t unevenPairs(const std::vector<Workspace>& answers) {
+  return static_cast<std::size_t>(
+      std::count_if(answers.begin(), answers.end(), [](const Workspace& w) { return w.stats.unevenRegions > 0; }));
+}
+
 inline std::vector<Workspace> answersOnHost(const std::vector<Query>& queries) {
   std::vector<Workspace> answers(queries.size());
   for (std::size_t i = 0; i < queries.size(); ++i) collide(queries[i], answers[i]);

@@ -43,7 +43,7 @@ class RegionSolver {
  public:
   explicit RegionSolver(const RegionTask& task) : task_(task), region_(task.region), all_(task.all) {}
 
-  void run(std::vector<Contact>& out) {
+  bool run(std::vector<Contact>& out) {
     gathered_ = region_.cellEnd > region_.cellBegin;
     center_ = centroid();
     isUneven_ = isUneven(region_, task_.normals, task_.extent);
@@ -64,6 +64,7 @@ class RegionSolver {
     if (!gathered_ && !isUneven_) measure();
     eraseShallow(1);
     emit(out);
+    return isUneven_;
   }
 
  private:
@@ -526,8 +527,8 @@ bool isUneven(const Region& region, const RegionNormals& normals, RegionExtent& 
   return otgIsUneven(extent.along(normals.mean()), region.thickness) != 0;
 }
 
-void contactsOfRegion(const RegionTask& task, std::vector<Contact>& out) {
-  RegionSolver(task).run(out);
+bool contactsOfRegion(const RegionTask& task, std::vector<Contact>& out) {
+  return RegionSolver(task).run(out);
 }
 
 }  // namespace otg

@@ -25,7 +25,7 @@ struct RegionTask {
 /// beside it a wedge or another wall. One direction does not hold for all of it. Regions described by cells never are.
 bool isUneven(const Region& region, const RegionNormals& normals, RegionExtent& extent);
 
-/// Appends contacts (frame A), deepest first.
-void contactsOfRegion(const RegionTask& task, std::vector<Contact>& out);
+/// Appends contacts (frame A), deepest first. Whether the region is uneven.
+bool contactsOfRegion(const RegionTask& task, std::vector<Contact>& out);
 
 }  // namespace otg

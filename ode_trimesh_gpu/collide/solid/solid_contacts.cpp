@@ -111,8 +111,9 @@ class PairContacts {
     const double extra = direction.escaping ? motion_.step : 0;
     const std::size_t first = workspace_.contacts.size();
     if (query_.refiner) query_.refiner->direct(meshes_, all, region, direction, normals);
-    contactsOfRegion({meshes_, all, region, number_++, normals, extent, query_.options.solid.contactsPerRegion, extra},
-                     workspace_.contacts);
+    const RegionTask task{meshes_, all, region, number_++, normals, extent, query_.options.solid.contactsPerRegion,
+                          extra};
+    if (contactsOfRegion(task, workspace_.contacts)) ++workspace_.stats.unevenRegions;
     if (query_.refiner) query_.refiner->refine(workspace_.contacts, first);
   }
 
