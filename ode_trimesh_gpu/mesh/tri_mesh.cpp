@@ -122,6 +122,7 @@ struct TriMeshBuilder {
   static std::shared_ptr<TriMesh> create() {
     std::shared_ptr<TriMesh> mesh(new TriMesh);
     mesh->links_ = std::make_shared<FirstUse<AdjacencyLinks>>();
+    mesh->trianglesHash_ = std::make_shared<FirstUse<std::uint64_t>>();
     return mesh;
   }
 
@@ -261,6 +262,8 @@ struct TriMeshBuilder {
       std::vector<Triangle> triangles(before.triangles_.begin(), before.triangles_.end());
       for (Triangle& t : triangles) std::swap(t.v[1], t.v[2]);
       mesh->triangles_ = std::move(triangles);
+    } else {
+      mesh->trianglesHash_ = before.trianglesHash_;
     }
     measure(*mesh, &before.origin_);
     const bool samePoints = std::ranges::equal(weldByPosition(mesh->vertices_), before.topology_.weld);

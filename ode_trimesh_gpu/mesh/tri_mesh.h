@@ -12,6 +12,7 @@
 #include "base/array.h"
 #include "base/first_use.h"
 #include "base/shared_array.h"
+#include "mesh/content_key.h"
 #include "mesh/mass_properties.h"
 #include "mesh/repair.h"
 #include "mesh/topology.h"
@@ -72,6 +73,12 @@ class TriMesh {
   /// first.
   const MassProperties& massProperties() const;
 
+  /// Of what the caller gave, as far as the mesh has taken it over. Worked out when asked for first.
+  std::uint64_t contentHash() const {
+    return trianglesHash_->get([this] { return hashOfTriangles(*this); }) +
+           verticesHash_.get([this] { return hashOfVertices(*this); });
+  }
+
   /// Axis-aligned bounds of the vertices that triangles use; min > max when there are none.
   const Vec3f& boundsMin() const { return boundsMin_; }
   const Vec3f& boundsMax() const { return boundsMax_; }
@@ -96,6 +103,8 @@ class TriMesh {
   SharedArray<std::uint8_t> degenerate_;
   Topology topology_;
   std::shared_ptr<FirstUse<AdjacencyLinks>> links_;  ///< of these triangles and this topology
+  std::shared_ptr<FirstUse<std::uint64_t>> trianglesHash_;            ///< of these triangles
+  FirstUse<std::uint64_t> verticesHash_;
   ValidationReport report_;
   FirstUse<MassProperties> mass_;
   Vec3f boundsMin_{}, boundsMax_{}, center_{}, origin_{};

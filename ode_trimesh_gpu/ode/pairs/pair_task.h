@@ -54,8 +54,10 @@ struct PairTask {
 
   const MeshGeom& sideA() const { return first ? side1 : side2; }
   const MeshGeom& sideB() const { return first ? side2 : side1; }
-  GeomObject& a() const { return *sideA().object; }
-  GeomObject& b() const { return *sideB().object; }
+  /// Of the geom that was created first, and of the other one, which keeps what belongs to the pair.
+  GeomObject& older() const { return side1.object->serial < side2.object->serial ? *side1.object : *side2.object; }
+  GeomObject& younger() const { return side1.object->serial < side2.object->serial ? *side2.object : *side1.object; }
+  bool isOlderA() const { return sideA().object == &older(); }
   /// What the query has made of what is remembered; null if nothing.
   const SolidHistory* usedHistory() const {
     const SolidHistory* const history = job.query.history;
