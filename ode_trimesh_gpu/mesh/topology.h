@@ -29,7 +29,7 @@ struct Topology {
   /// For each half-edge the oppositely directed half-edge of the neighbouring triangle, or kNone where the edge is used
   /// once, more than twice, or twice in the same direction.
   SharedArray<std::uint32_t> twin;
-  /// For each edge its two welded end points, smaller first.
+  /// For each edge its two welded end points: first the one that has the vertex with the smallest caller's number.
   struct Edge {
     std::uint32_t a, b;
   };
@@ -52,6 +52,9 @@ Topology buildTopology(std::span<const Vec3f> vertices, std::span<const Triangle
 /// Of the same triangles turned round, corners (a, b, c) to (a, c, b), with vertices in places that are equal where
 /// they were equal: as buildTopology() makes it, but for the volumes, which are left empty.
 Topology turnedTopology(const Topology& topology);
+
+/// Turns edges as Topology::edges has them, where numbers are not the caller's: `callerVertex` of each vertex.
+void orientEdges(Topology& topology, std::span<const std::uint32_t> callerVertex);
 
 /// Mixes the bits of a position; equal positions (-0 equals +0) get equal hashes.
 std::uint64_t hashPosition(const Vec3f& p);

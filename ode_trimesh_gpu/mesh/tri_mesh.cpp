@@ -257,6 +257,7 @@ struct TriMeshBuilder {
       vertices = std::move(own);
     }
     mesh->vertices_ = std::move(vertices);
+    const std::size_t vertexCount = mesh->vertices_.size();
     mesh->triangles_ = before.triangles_;
     if (turned) {
       std::vector<Triangle> triangles(before.triangles_.begin(), before.triangles_.end());
@@ -272,6 +273,7 @@ struct TriMeshBuilder {
       if (!turned) mesh->links_ = before.links_;
     } else {
       mesh->topology_ = buildTopology(mesh->vertices_, mesh->triangles_);
+      if (!mesh->inputVertexOf_.empty()) orientEdges(mesh->topology_, {mesh->inputVertexOf_.data(), vertexCount});
     }
     mesh->topology_.componentVolume =
         componentVolumes(mesh->topology_, mesh->vertices_, mesh->triangles_, mesh->origin_);
