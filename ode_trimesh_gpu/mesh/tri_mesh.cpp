@@ -164,7 +164,8 @@ struct TriMeshBuilder {
     mesh->topology_ = buildTopology(mesh->vertices_, mesh->triangles_);
     inspectMesh(mesh->vertices_, mesh->triangles_, mesh->topology_, mesh->degenerate_, report);
     mesh->report_ = report;
-    if (order == MeshOrder::kSpatial) sortInSpace(*mesh);
+    const bool isLarge = mesh->triangles_.size() > kMostUnsorted;
+    if (order == MeshOrder::kSpatial || (order == MeshOrder::kBySize && isLarge)) sortInSpace(*mesh);
     result.mesh = mesh;
     return result;
   }

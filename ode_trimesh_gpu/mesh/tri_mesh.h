@@ -35,8 +35,10 @@ struct MeshInput {
 
 /// How triangles and vertices are numbered inside a TriMesh. kInput: as the caller (after repairs) does. kSpatial:
 /// along a curve through space, which queries read from memory faster; results of collide() and reports are in the
-/// caller's numbers all the same.
-enum class MeshOrder { kInput, kSpatial };
+/// caller's numbers all the same. kBySize: kInput for a mesh of up to kMostUnsorted triangles, which caches hold anyhow.
+/// What is found in it does not depend on where its vertices were when it was built, then; else kSpatial.
+enum class MeshOrder { kInput, kSpatial, kBySize };
+inline constexpr std::size_t kMostUnsorted = 4096;
 
 /// A solid is closed, manifold along its edges, consistently wound and faces outward: it has an inside.
 /// Anything else is a shell.
