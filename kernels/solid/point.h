@@ -49,7 +49,8 @@ OTG_INLINED void otgWritePoint(__global otg_solid_point* out, OTG_MESH* m, otg_v
   out->triangleA = mesh == 0 ? own : other;
   out->triangleB = mesh == 0 ? other : own;
   out->flat = flat ? 1 : 0;
-  out->order = (ulong)kind << 62 | (ulong)mesh << 61 | (ulong)otgRankOf(m, kind, feature) << 29 | min(ordinal, 0x1fffffffu);
+  out->order =
+      (ulong)kind << 62 | (ulong)mesh << 61 | (ulong)otgRankOf(m, kind, feature) << 29 | min(ordinal, 0x1fffffffu);
 }
 
 #endif  // OTG_SOLID_POINT_H

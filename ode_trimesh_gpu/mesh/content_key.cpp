@@ -7,7 +7,8 @@ namespace otg {
 
 std::uint64_t hashOfVertices(const TriMesh& mesh) {
   std::uint64_t sum = 0;
-  for (std::uint32_t v = 0; v < mesh.vertices().size(); ++v) sum += vertexHash(mesh.callerVertex(v), mesh.vertices()[v]);
+  for (std::uint32_t v = 0; v < mesh.vertices().size(); ++v)
+    sum += vertexHash(mesh.callerVertex(v), mesh.vertices()[v]);
   return sum;
 }
 

@@ -35,8 +35,8 @@ struct MeshInput {
 
 /// How triangles and vertices are numbered inside a TriMesh. kInput: as the caller (after repairs) does. kSpatial:
 /// along a curve through space, which queries read from memory faster; results of collide() and reports are in the
-/// caller's numbers all the same. kBySize: kInput for a mesh of up to kMostUnsorted triangles, which caches hold anyhow.
-/// What is found in it does not depend on where its vertices were when it was built, then; else kSpatial.
+/// caller's numbers all the same. kBySize: kInput for a mesh of up to kMostUnsorted triangles, which caches hold
+/// anyhow. What is found in it does not depend on where its vertices were when it was built, then; else kSpatial.
 enum class MeshOrder { kInput, kSpatial, kBySize };
 inline constexpr std::size_t kMostUnsorted = 4096;
 
@@ -104,8 +104,8 @@ class TriMesh {
   SharedArray<Triangle> triangles_;
   SharedArray<std::uint8_t> degenerate_;
   Topology topology_;
-  std::shared_ptr<FirstUse<AdjacencyLinks>> links_;  ///< of these triangles and this topology
-  std::shared_ptr<FirstUse<std::uint64_t>> trianglesHash_;            ///< of these triangles
+  std::shared_ptr<FirstUse<AdjacencyLinks>> links_;         ///< of these triangles and this topology
+  std::shared_ptr<FirstUse<std::uint64_t>> trianglesHash_;  ///< of these triangles
   FirstUse<std::uint64_t> verticesHash_;
   ValidationReport report_;
   FirstUse<MassProperties> mass_;

@@ -15,6 +15,15 @@ std::uint32_t halfEdgeOfCaller(const TriMesh& mesh, std::uint32_t half) {
 
 }  // namespace
 
+std::uint32_t rankOfVertex(const PlacedMeshes& meshes, int mesh, std::uint32_t vertex) {
+  const Adjacency& adjacency = meshes.adjacency(mesh);
+  std::uint32_t rank = kNone;
+  for (std::uint32_t h = adjacency.first[vertex]; h < adjacency.first[vertex + 1]; ++h) {
+    rank = std::min(rank, halfEdgeOfCaller(meshes.mesh(mesh), adjacency.halfEdges[h]));
+  }
+  return rank;
+}
+
 SupportPoint supportPoint(const PlacedMeshes& meshes, const Contour& contour, const PointSeed& seed) {
   const bool isCrossing = seed.kind == PointKind::kCrossing;
   return supportPoint(meshes, seed, isCrossing ? contour.crossings[seed.crossing].triangle : kNone);

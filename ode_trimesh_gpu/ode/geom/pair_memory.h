@@ -43,7 +43,8 @@ class PairMemory {
     const auto it = pairs_.find(other);
     return it == pairs_.end() ? 0 : it->second.stamp;
   }
-  /// Whether the geom that holds this memory was mesh A of the pair; nothing if nothing newer than `clearedAt` is known.
+  /// Whether the geom that holds this memory was mesh A of the pair; nothing if nothing newer than `clearedAt` is
+  /// known.
   std::optional<bool> holderWasA(std::uint64_t other, std::uint64_t clearedAt) {
     if (empty()) return {};
     const std::lock_guard lock(mutex_);

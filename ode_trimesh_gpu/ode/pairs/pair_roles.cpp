@@ -35,8 +35,8 @@ bool isFirstMeshA(const MeshGeom& side1, const Transformd& pose1, const MeshGeom
                   bool remembers) noexcept {
   const bool firstIsOlder = side1.object->serial < side2.object->serial;
   if (remembers) {
-    GeomObject &older = firstIsOlder ? *side1.object : *side2.object;
-    GeomObject &younger = firstIsOlder ? *side2.object : *side1.object;
+    GeomObject& older = firstIsOlder ? *side1.object : *side2.object;
+    GeomObject& younger = firstIsOlder ? *side2.object : *side1.object;
     const std::optional<bool> youngerWasA = younger.memory.holderWasA(older.serial, older.clearedAt);
     if (youngerWasA) return *youngerWasA != firstIsOlder;
   }

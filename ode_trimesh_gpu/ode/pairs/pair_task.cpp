@@ -233,7 +233,8 @@ void preparePair(MeshGeom&& from1, MeshGeom&& from2, PairTask& task) noexcept {
 bool needsHistory(const PairTask& task) {
   if (task.state != PairTask::State::kReady || !task.remembers) return false;
   // The other model makes nothing of it, but leaves what is there as it finds it.
-  return task.job.query.options.contacts == ContactModel::kSolid || task.younger().memory.stampOf(task.older().serial) != 0;
+  return task.job.query.options.contacts == ContactModel::kSolid ||
+         task.younger().memory.stampOf(task.older().serial) != 0;
 }
 
 void recallPair(PairTask& task, SolidHistory& history) {
