@@ -233,8 +233,13 @@ std::vector<double> componentVolumes(const Topology& topology, std::span<const V
 }
 
 Topology buildTopology(std::span<const Vec3f> vertices, std::span<const Triangle> triangles) {
+  return buildTopology(vertices, triangles, weldByPosition(vertices));
+}
+
+Topology buildTopology(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
+                       std::vector<std::uint32_t>&& weld) {
   Topology topology;
-  topology.weld = weldByPosition(vertices);
+  topology.weld = std::move(weld);
   UnionFind components(triangles.size());
   buildEdges(weldedTriangles(triangles, topology.weld), vertices.size(), topology, components);
   numberComponents(triangles.size(), topology, components);
