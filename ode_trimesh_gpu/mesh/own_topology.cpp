@@ -14,13 +14,16 @@ bool isIdentity(std::span<const std::uint32_t> weld) {
   return true;
 }
 
-/// Whether three triangles or more meet at each vertex that is used: a quick no for triangles without neighbours.
-bool mayBeClosed(std::size_t vertices, std::span<const Triangle> triangles) {
-  std::vector<std::uint32_t> uses(vertices, 0);
+/// Whether some vertices that triangles use lie at the same place, and three triangles or more meet at each: a quick no
+/// for triangles without neighbours.
+bool mayTouchItself(std::span<const Triangle> triangles, std::span<const std::uint32_t> weld) {
+  std::vector<std::uint32_t> uses(weld.size(), 0), users(weld.size(), 0);
   for (const Triangle& t : triangles) {
     for (const std::uint32_t v : t.v) ++uses[v];
   }
-  return std::all_of(uses.begin(), uses.end(), [](std::uint32_t count) { return count == 0 || count > 2; });
+  for (std::uint32_t v = 0; v < weld.size(); ++v) users[weld[v]] += uses[v] != 0;
+  return std::all_of(uses.begin(), uses.end(), [](std::uint32_t count) { return count == 0 || count > 2; }) &&
+         std::any_of(users.begin(), users.end(), [](std::uint32_t count) { return count > 1; });
 }
 
 /// Whether two triangles have the same points in the same turn, or one has a point twice.
@@ -41,7 +44,7 @@ bool hasDoubledTriangles(std::span<const Triangle> triangles, std::span<const st
 
 std::optional<Topology> ownTopology(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
                                     std::span<const std::uint32_t> weld) {
-  if (triangles.empty() || isIdentity(weld) || !mayBeClosed(vertices.size(), triangles)) return {};
+  if (triangles.empty() || isIdentity(weld) || !mayTouchItself(triangles, weld)) return {};
   std::vector<std::uint32_t> each(vertices.size());
   for (std::uint32_t v = 0; v < each.size(); ++v) each[v] = v;
   Topology own = buildTopology(vertices, triangles, std::move(each));

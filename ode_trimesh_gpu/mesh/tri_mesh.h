@@ -38,7 +38,7 @@ struct MeshInput {
 /// caller's numbers all the same. kBySize: kInput for a mesh of up to kMostUnsorted triangles, which caches hold
 /// anyhow. What is found in it does not depend on where its vertices were when it was built, then; else kSpatial.
 enum class MeshOrder { kInput, kSpatial, kBySize };
-inline constexpr std::size_t kMostUnsorted = 4096;
+inline constexpr std::size_t kMostUnsorted = 1024;
 
 /// A solid is closed, manifold along its edges, consistently wound and faces outward: it has an inside.
 /// Anything else is a shell.

@@ -10,10 +10,13 @@
 namespace otg {
 namespace {
 
-/// Greater than zero if the first has more triangles or the larger hash. Hashes are not asked for where counts differ.
-std::strong_ordering byContents(const CollisionMesh& first, const CollisionMesh& second) {
+/// Greater than zero if the first has more triangles, a larger radius or the larger hash. Hashes are asked for only
+/// where nothing else tells the meshes apart.
+std::partial_ordering byContents(const CollisionMesh& first, const CollisionMesh& second) {
   const TriMesh &x = first.mesh(), &y = second.mesh();
-  if (x.triangleCount() != y.triangleCount() || &x == &y) return x.triangleCount() <=> y.triangleCount();
+  if (&x == &y) return std::partial_ordering::equivalent;
+  if (const auto order = x.triangleCount() <=> y.triangleCount(); order != 0) return order;
+  if (const auto order = x.radius() <=> y.radius(); order != 0) return order;
   return x.contentHash() <=> y.contentHash();
 }
 
