@@ -38,11 +38,11 @@ struct Body {
 };
 
 std::vector<Body> bodies() {
-  scenes::MeshArrays turned = scenes::makeLump(1, 3, 0.3, 5);
+  scenes::MeshArrays turned = scenes::makeLump(1, 2, 0.3, 5);
   for (Vec3f& v : turned.vertices) v = {-v.y, v.x, v.z};
-  return {{"a box in a lump", scenes::makeLump(1, 3, 0.3, 5), scenes::makeBox({1, 1, 1}, 2)},
-          {"lumps of as many triangles", scenes::makeLump(1, 3, 0.3, 5), scenes::makeLump(1, 3, 0.3, 6)},
-          {"a lump and itself turned", scenes::makeLump(1, 3, 0.3, 5), turned},
+  return {{"a box in a lump", scenes::makeLump(1, 2, 0.3, 5), scenes::makeBox({1, 1, 1}, 2)},
+          {"lumps of as many triangles", scenes::makeLump(1, 2, 0.3, 5), scenes::makeLump(1, 2, 0.3, 6)},
+          {"a lump and itself turned", scenes::makeLump(1, 2, 0.3, 5), turned},
           {"equal boxes", scenes::makeBox({1, 1, 1}), scenes::makeBox({1, 1, 1})}};
 }
 
