@@ -18,7 +18,7 @@ double validateMs(const TriMesh& mesh, int repeat) {
   input.vertexCount = mesh.vertices().size();
   input.indices = mesh.triangles().data();
   input.triangleCount = mesh.triangleCount();
-  return median(repeatTimes(repeat, [&] { return timeOnce([&] { buildTriMesh(input, {}, MeshOrder::kSpatial); }); }));
+  return median(repeatTimes(repeat, [&] { return timeOnce([&] { buildTriMesh(input, {}, MeshOrder::kBySize); }); }));
 }
 
 std::string hashOfTree(const BinaryTree& tree) {
@@ -58,7 +58,7 @@ Json updateRow(const BenchMesh& entry, int repeat) {
   own.vertexCount = entry.mesh->vertices().size();
   own.indices = entry.mesh->triangles().data();
   own.triangleCount = entry.mesh->triangleCount();
-  MeshResult built = buildTriMesh(own, {}, MeshOrder::kSpatial);
+  MeshResult built = buildTriMesh(own, {}, MeshOrder::kBySize);
   CollisionMesh mesh(std::move(built.mesh), BuildStrategy::kSah);
   built = {};
   ready(mesh);

@@ -170,7 +170,7 @@ std::shared_ptr<const TriMesh> sortedInSpace(const TriMesh& mesh) {
   input.vertexCount = mesh.vertices().size();
   input.indices = mesh.triangles().data();
   input.triangleCount = mesh.triangleCount();
-  return buildTriMesh(input, {}, MeshOrder::kSpatial).mesh;
+  return buildTriMesh(input, {}, MeshOrder::kBySize).mesh;
 }
 
 Transformd benchPose(const BenchOptions& options, const CollisionMesh& mesh) {

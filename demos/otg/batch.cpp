@@ -69,7 +69,7 @@ BatchScene readScene(const BatchOptions& options) {
     if (!file.is_string()) throw InputError(options.scene + ": meshes are paths of files");
     const std::filesystem::path path =
         std::filesystem::path(options.scene).parent_path() / file.get<std::string>();  // an absolute one stays as it is
-    scene.meshes.push_back(std::make_shared<CollisionMesh>(mesh_io::loadTriMesh(path.string(), {}, MeshOrder::kSpatial),
+    scene.meshes.push_back(std::make_shared<CollisionMesh>(mesh_io::loadTriMesh(path.string(), {}, MeshOrder::kBySize),
                                                            options.query.buildStrategy()));
   }
   const CollideOptions how = options.query.collideOptions();

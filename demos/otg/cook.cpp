@@ -60,7 +60,7 @@ int cook(const CookOptions& options) {
   std::shared_ptr<const CollisionMesh> mesh;
   const auto build = [&] {
     const MeshResult result =
-        buildTriMesh(input.input(), options.repair ? RepairOptions::all() : RepairOptions{}, MeshOrder::kSpatial);
+        buildTriMesh(input.input(), options.repair ? RepairOptions::all() : RepairOptions{}, MeshOrder::kBySize);
     if (result.mesh == nullptr) throw InputError(options.mesh + ": " + result.report.error);
     mesh = std::make_shared<const CollisionMesh>(result.mesh, BuildStrategy::kSah);
   };

@@ -223,9 +223,9 @@ BuildStrategy QueryOptions::buildStrategy() const {
 LoadedPair loadPair(const QueryOptions& options, int repeat) {
   using Clock = std::chrono::steady_clock;
   const bool same = options.fileA == options.fileB;
-  const std::shared_ptr<const TriMesh> a = mesh_io::loadTriMesh(findInput(options.fileA), {}, MeshOrder::kSpatial);
+  const std::shared_ptr<const TriMesh> a = mesh_io::loadTriMesh(findInput(options.fileA), {}, MeshOrder::kBySize);
   const std::shared_ptr<const TriMesh> b =
-      same ? a : mesh_io::loadTriMesh(findInput(options.fileB), {}, MeshOrder::kSpatial);
+      same ? a : mesh_io::loadTriMesh(findInput(options.fileB), {}, MeshOrder::kBySize);
   LoadedPair pair;
   std::vector<double> times;
   for (int i = 0; i < repeat; ++i) {

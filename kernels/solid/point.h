@@ -16,6 +16,24 @@ OTG_INLINED otg_vec3_d otgNormalOfEdge(OTG_MESH* m, uint halfEdge) {
   return otgAdd_d(otgOwnNormal(m, halfEdge / 3), otgOwnNormal(m, otgTwinOf(m, halfEdge) / 3));
 }
 
+/// A half-edge as the caller numbers triangles.
+OTG_INLINED uint otgHalfEdgeOfCaller(OTG_MESH* m, uint halfEdge) {
+  return 3 * m->triangles[4 * (size_t)(halfEdge / 3) + 1].w + halfEdge % 3;
+}
+
+/// The first half-edge at a vertex or edge, as the caller numbers them.
+OTG_INLINED uint otgRankOf(OTG_MESH* m, uint kind, uint feature) {
+  uint rank = OTG_NOT_THERE;
+  if (kind != OTG_POINT_VERTEX) {
+    const uint halfEdge = m->edges[feature].z;
+    return min(otgHalfEdgeOfCaller(m, halfEdge), otgHalfEdgeOfCaller(m, otgTwinOf(m, halfEdge)));
+  }
+  for (uint k = m->firstSpoke[feature]; k < m->firstSpoke[feature + 1]; ++k) {
+    rank = min(rank, otgHalfEdgeOfCaller(m, m->spokes[k]));
+  }
+  return rank;
+}
+
 OTG_INLINED void otgWritePoint(__global otg_solid_point* out, OTG_MESH* m, otg_vec3_d position, otg_vec3_d span,
                                otg_vec3_d normal, uint kind, uint feature, uint ordinal, uint own, uint other,
                                int flat) {
@@ -31,7 +49,8 @@ OTG_INLINED void otgWritePoint(__global otg_solid_point* out, OTG_MESH* m, otg_v
   out->triangleA = mesh == 0 ? own : other;
   out->triangleB = mesh == 0 ? other : own;
   out->flat = flat ? 1 : 0;
-  out->order = (ulong)kind << 62 | (ulong)mesh << 61 | (ulong)feature << 29 | min(ordinal, 0x1fffffffu);
+  out->order =
+      (ulong)kind << 62 | (ulong)mesh << 61 | (ulong)otgRankOf(m, kind, feature) << 29 | min(ordinal, 0x1fffffffu);
 }
 
 #endif  // OTG_SOLID_POINT_H

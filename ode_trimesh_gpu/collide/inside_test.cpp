@@ -5,6 +5,7 @@
 
 #include "base/vectors.h"
 #include "collide/mesh_ray.h"
+#include "shared/tests/sos.h"
 
 namespace otg {
 
@@ -47,6 +48,28 @@ bool pointInMesh(const CollisionMesh& tree, const Vec3d& point) {
     votes += balance > 0 ? 1 : -1;
   }
   return votes > 0;
+}
+
+bool vertexInside(const PlacedMeshes& meshes, int mesh, const Vec3d& vertex) {
+  const TriMesh& outer = meshes.mesh(mesh);
+  const Vec3f& c = outer.center();
+  const Vec3d away = vertex - meshes.fromLocal(mesh, Vec3d{c.x, c.y, c.z});
+  const double radius = double{outer.radius()};
+  // The segment to a point that is surely outside, as an edge of the vertex's own mesh.
+  const Vec3d direction = otgParityDirection<double>(0);
+  const Vec3d end = vertex + direction * (4 * (radius + norm(away)));
+  // What lies on the surface may be off the boxes by rounding.
+  const Vec3d start = vertex - direction * (1e-6 * radius);
+  int balance = 0;
+  forEachOnRay(meshes.tree(mesh), {meshes.toLocal(mesh, start), meshes.directionToLocal(mesh, direction)},
+               [&](std::uint32_t t) {
+                 if (outer.isDegenerate(t)) return;
+                 Vec3d p[3];
+                 for (int k = 0; k < 3; ++k) p[k] = meshes.vertex(mesh, outer.triangles()[t].v[k]);
+                 balance += mesh == 1 ? otgSosPassOfA(&vertex.x, &end.x, &p[0].x, &p[1].x, &p[2].x)
+                                      : otgSosPassOfB(&vertex.x, &end.x, &p[0].x, &p[1].x, &p[2].x);
+               });
+  return balance > 0;
 }
 
 bool pointInside(const PlacedMeshes& meshes, int mesh, const Vec3d& point) {

@@ -12,6 +12,10 @@ namespace otg {
 double exitDistance(const PlacedMeshes& meshes, int mesh, const Vec3d& origin, const Vec3d& direction, double limit,
                     double skin, std::uint32_t* triangle = nullptr);
 
+/// Whether a vertex of the other mesh lies inside the solid `mesh`, by the signs of shared/tests/sos.h: A is thought to
+/// be moved by (e, e^2, e^3), so that nothing lies on a surface, and the answer is exact. It agrees with the contour.
+bool vertexInside(const PlacedMeshes& meshes, int mesh, const Vec3d& vertex);
+
 /// Parity of crossings along up to three rays in fixed skew directions: the first two that agree decide.
 bool pointInside(const PlacedMeshes& meshes, int mesh, const Vec3d& point);
 /// The same for a point in the frame of one mesh.

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "bvh/wide_search.h"
 #include "shared/tests/point_test.h"
@@ -20,6 +21,30 @@ struct LongRay {
   MeshRay ray;
   double length = 0;  ///< in lengths of the direction; may be infinite
 };
+
+/// Calls visit(triangle) for every triangle that the ray may meet, however far away it is.
+template <class Visit>
+void forEachOnRay(const CollisionMesh& tree, const MeshRay& ray, const Visit& visit) {
+  const std::vector<WideNode>& nodes = tree.wide().nodes;
+  const RayQuery query(tree, ray.origin, ray.direction);
+  if (nodes.empty() || !query.meets()) return;
+  std::int32_t stack[kWideArity * (kMaxTreeDepth + 1)];
+  std::size_t top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const WideNode& node = nodes[static_cast<std::size_t>(stack[--top])];
+    float near[kWideArity];
+    for (unsigned bits = query.children(node, std::numeric_limits<double>::infinity(), near); bits != 0;
+         bits &= bits - 1) {
+      const int k = __builtin_ctz(bits);
+      if (node.child[k] < 0) {
+        visit(static_cast<std::uint32_t>(~node.child[k]));
+      } else {
+        stack[top++] = node.child[k];
+      }
+    }
+  }
+}
 
 /// Calls hit(triangle, distance, leaving) for every triangle that the ray meets at most `limit` away, near parts
 /// of the tree first; `limit` may be lowered meanwhile. `leaving`: the triangle faces along the ray. Distances are in

@@ -109,8 +109,8 @@ Topology renumber(const Topology& topology, const SpatialOrder& order) {
       }
       if (newEdge[edge] == kNone) {
         newEdge[edge] = static_cast<std::uint32_t>(edges.size());
-        const std::uint32_t a = smallest[topology.edges[edge].a], b = smallest[topology.edges[edge].b];
-        edges.push_back({std::min(a, b), std::max(a, b)});
+        // In the direction that they had: whose numbers come first does not depend on places.
+        edges.push_back({smallest[topology.edges[edge].a], smallest[topology.edges[edge].b]});
       }
       edgeOf[3 * t + k] = newEdge[edge];
     }

@@ -186,6 +186,19 @@ Topology turnedTopology(const Topology& topology) {
   return result;
 }
 
+void orientEdges(Topology& topology, std::span<const std::uint32_t> callerVertex) {
+  std::vector<std::uint32_t> least(callerVertex.size(), kNone);
+  for (std::size_t v = 0; v < callerVertex.size(); ++v) {
+    std::uint32_t& ofPoint = least[topology.weld[v]];
+    ofPoint = std::min(ofPoint, callerVertex[v]);
+  }
+  std::vector<Topology::Edge> edges(topology.edges.begin(), topology.edges.end());
+  for (Topology::Edge& edge : edges) {
+    if (least[edge.b] < least[edge.a]) std::swap(edge.a, edge.b);
+  }
+  topology.edges = std::move(edges);
+}
+
 std::vector<std::uint32_t> weldByPosition(std::span<const Vec3f> vertices) {
   std::vector<std::uint32_t> weld(vertices.size());
   // Open addressing at most half full. Vertices enter in ascending order, so a slot holds the smallest one.
@@ -220,8 +233,13 @@ std::vector<double> componentVolumes(const Topology& topology, std::span<const V
 }
 
 Topology buildTopology(std::span<const Vec3f> vertices, std::span<const Triangle> triangles) {
+  return buildTopology(vertices, triangles, weldByPosition(vertices));
+}
+
+Topology buildTopology(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
+                       std::vector<std::uint32_t>&& weld) {
   Topology topology;
-  topology.weld = weldByPosition(vertices);
+  topology.weld = std::move(weld);
   UnionFind components(triangles.size());
   buildEdges(weldedTriangles(triangles, topology.weld), vertices.size(), topology, components);
   numberComponents(triangles.size(), topology, components);

@@ -21,15 +21,15 @@ inline constexpr std::size_t kMaxTriangles = std::size_t{1} << 28;
 /// Half-edge 3 t + k runs from corner k to corner (k + 1) % 3 of triangle t. All but the volumes depends on which
 /// vertices are one point alone, and is shared by meshes that differ in the places of their vertices only.
 struct Topology {
-  /// For each vertex the smallest vertex with the same position (-0 equals +0): two vertices are one point of the
-  /// surface exactly if their entries are equal.
+  /// For each vertex the smallest vertex with the same position (-0 equals +0), in a mesh that touches itself each
+  /// vertex (own_topology.h): two vertices are one point of the surface exactly if their entries are equal.
   SharedArray<std::uint32_t> weld;
   /// For each half-edge its undirected edge, numbered from 0 in the order of first appearance.
   SharedArray<std::uint32_t> edgeOf;
   /// For each half-edge the oppositely directed half-edge of the neighbouring triangle, or kNone where the edge is used
   /// once, more than twice, or twice in the same direction.
   SharedArray<std::uint32_t> twin;
-  /// For each edge its two welded end points, smaller first.
+  /// For each edge its two welded end points: first the one that has the vertex with the smallest caller's number.
   struct Edge {
     std::uint32_t a, b;
   };
@@ -48,10 +48,16 @@ struct Topology {
 /// Triangles whose corners are not all distinct points take part in no edge and no component (their half-edges get
 /// edgeOf = kNone). Linear time, except for vertices with many edges, whose edges are sorted.
 Topology buildTopology(std::span<const Vec3f> vertices, std::span<const Triangle> triangles);
+/// The same where other vertices are one point: as Topology::weld.
+Topology buildTopology(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
+                       std::vector<std::uint32_t>&& weld);
 
 /// Of the same triangles turned round, corners (a, b, c) to (a, c, b), with vertices in places that are equal where
 /// they were equal: as buildTopology() makes it, but for the volumes, which are left empty.
 Topology turnedTopology(const Topology& topology);
+
+/// Turns edges as Topology::edges has them, where numbers are not the caller's: `callerVertex` of each vertex.
+void orientEdges(Topology& topology, std::span<const std::uint32_t> callerVertex);
 
 /// Mixes the bits of a position; equal positions (-0 equals +0) get equal hashes.
 std::uint64_t hashPosition(const Vec3f& p);

@@ -12,6 +12,7 @@
 #include "mesh/containment.h"
 #include "mesh/inspection.h"
 #include "mesh/measure.h"
+#include "mesh/own_topology.h"
 #include "mesh/repair.h"
 #include "mesh/report_mesh.h"
 #include "mesh/spatial_order.h"
@@ -122,6 +123,7 @@ struct TriMeshBuilder {
   static std::shared_ptr<TriMesh> create() {
     std::shared_ptr<TriMesh> mesh(new TriMesh);
     mesh->links_ = std::make_shared<FirstUse<AdjacencyLinks>>();
+    mesh->trianglesHash_ = std::make_shared<FirstUse<std::uint64_t>>();
     return mesh;
   }
 
@@ -138,6 +140,22 @@ struct TriMeshBuilder {
     }
     mesh.radius_ = radiusFrom(radius2);
     mesh.degenerate_ = findDegenerate(mesh.vertices_, mesh.triangles_, mesh.origin_);
+  }
+
+  /// By the mesh's own indices if they make a solid, else by positions.
+  static void chooseTopology(TriMesh& mesh, std::optional<Topology>&& own, std::vector<std::uint32_t>&& weld,
+                             ValidationReport& report) {
+    if (own) {
+      ValidationReport ofOwn = report;
+      inspectMesh(mesh.vertices_, mesh.triangles_, *own, mesh.degenerate_, ofOwn);
+      if (ofOwn.solid) {
+        report = std::move(ofOwn);
+        mesh.topology_ = std::move(*own);
+        return;
+      }
+    }
+    mesh.topology_ = buildTopology(mesh.vertices_, mesh.triangles_, std::move(weld));
+    inspectMesh(mesh.vertices_, mesh.triangles_, mesh.topology_, mesh.degenerate_, report);
   }
 
   static MeshResult build(const MeshInput& input, const RepairOptions& repair, MeshOrder order) {
@@ -160,10 +178,11 @@ struct TriMeshBuilder {
     mesh->vertices_ = std::move(vertices);
     mesh->triangles_ = std::move(triangles);
     measure(*mesh, nullptr);
-    mesh->topology_ = buildTopology(mesh->vertices_, mesh->triangles_);
-    inspectMesh(mesh->vertices_, mesh->triangles_, mesh->topology_, mesh->degenerate_, report);
+    std::vector<std::uint32_t> weld = weldByPosition(mesh->vertices_);
+    chooseTopology(*mesh, ownTopology(mesh->vertices_, mesh->triangles_, weld), std::move(weld), report);
     mesh->report_ = report;
-    if (order == MeshOrder::kSpatial) sortInSpace(*mesh);
+    const bool isLarge = mesh->triangles_.size() > kMostUnsorted;
+    if (order == MeshOrder::kSpatial || (order == MeshOrder::kBySize && isLarge)) sortInSpace(*mesh);
     result.mesh = mesh;
     return result;
   }
@@ -256,19 +275,26 @@ struct TriMeshBuilder {
       vertices = std::move(own);
     }
     mesh->vertices_ = std::move(vertices);
+    const std::size_t vertexCount = mesh->vertices_.size();
     mesh->triangles_ = before.triangles_;
     if (turned) {
       std::vector<Triangle> triangles(before.triangles_.begin(), before.triangles_.end());
       for (Triangle& t : triangles) std::swap(t.v[1], t.v[2]);
       mesh->triangles_ = std::move(triangles);
+    } else {
+      mesh->trianglesHash_ = before.trianglesHash_;
     }
     measure(*mesh, &before.origin_);
-    const bool samePoints = std::ranges::equal(weldByPosition(mesh->vertices_), before.topology_.weld);
+    std::vector<std::uint32_t> weld = weldByPosition(mesh->vertices_);
+    std::optional<Topology> own = ownTopology(mesh->vertices_, mesh->triangles_, weld);
+    const bool samePoints = !own && std::ranges::equal(weld, before.topology_.weld);
+    report.repair = before.report_.repair;
     if (samePoints) {
       mesh->topology_ = turned ? turnedTopology(before.topology_) : before.topology_;
       if (!turned) mesh->links_ = before.links_;
     } else {
-      mesh->topology_ = buildTopology(mesh->vertices_, mesh->triangles_);
+      chooseTopology(*mesh, std::move(own), std::move(weld), report);
+      if (!mesh->inputVertexOf_.empty()) orientEdges(mesh->topology_, {mesh->inputVertexOf_.data(), vertexCount});
     }
     mesh->topology_.componentVolume =
         componentVolumes(mesh->topology_, mesh->vertices_, mesh->triangles_, mesh->origin_);
@@ -277,8 +303,7 @@ struct TriMeshBuilder {
     if (samePoints && sameAreas && wellWound(*mesh) == wellWound(before)) {
       report = before.report_;
     } else {
-      report.repair = before.report_.repair;
-      inspectMesh(mesh->vertices_, mesh->triangles_, mesh->topology_, mesh->degenerate_, report);
+      if (samePoints) inspectMesh(mesh->vertices_, mesh->triangles_, mesh->topology_, mesh->degenerate_, report);
       if (!mesh->callerTriangle_.empty()) nameAsCaller(*mesh, report);
     }
     mesh->report_ = report;

@@ -12,6 +12,7 @@
 #include "base/array.h"
 #include "base/first_use.h"
 #include "base/shared_array.h"
+#include "mesh/content_key.h"
 #include "mesh/mass_properties.h"
 #include "mesh/repair.h"
 #include "mesh/topology.h"
@@ -34,8 +35,10 @@ struct MeshInput {
 
 /// How triangles and vertices are numbered inside a TriMesh. kInput: as the caller (after repairs) does. kSpatial:
 /// along a curve through space, which queries read from memory faster; results of collide() and reports are in the
-/// caller's numbers all the same.
-enum class MeshOrder { kInput, kSpatial };
+/// caller's numbers all the same. kBySize: kInput for a mesh of up to kMostUnsorted triangles, which caches hold
+/// anyhow. What is found in it does not depend on where its vertices were when it was built, then; else kSpatial.
+enum class MeshOrder { kInput, kSpatial, kBySize };
+inline constexpr std::size_t kMostUnsorted = 1024;
 
 /// A solid is closed, manifold along its edges, consistently wound and faces outward: it has an inside.
 /// Anything else is a shell.
@@ -72,6 +75,12 @@ class TriMesh {
   /// first.
   const MassProperties& massProperties() const;
 
+  /// Of what the caller gave, as far as the mesh has taken it over. Worked out when asked for first.
+  std::uint64_t contentHash() const {
+    return trianglesHash_->get([this] { return hashOfTriangles(*this); }) +
+           verticesHash_.get([this] { return hashOfVertices(*this); });
+  }
+
   /// Axis-aligned bounds of the vertices that triangles use; min > max when there are none.
   const Vec3f& boundsMin() const { return boundsMin_; }
   const Vec3f& boundsMax() const { return boundsMax_; }
@@ -95,7 +104,9 @@ class TriMesh {
   SharedArray<Triangle> triangles_;
   SharedArray<std::uint8_t> degenerate_;
   Topology topology_;
-  std::shared_ptr<FirstUse<AdjacencyLinks>> links_;  ///< of these triangles and this topology
+  std::shared_ptr<FirstUse<AdjacencyLinks>> links_;         ///< of these triangles and this topology
+  std::shared_ptr<FirstUse<std::uint64_t>> trianglesHash_;  ///< of these triangles
+  FirstUse<std::uint64_t> verticesHash_;
   ValidationReport report_;
   FirstUse<MassProperties> mass_;
   Vec3f boundsMin_{}, boundsMax_{}, center_{}, origin_{};

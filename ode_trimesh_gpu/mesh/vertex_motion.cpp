@@ -222,13 +222,27 @@ bool VertexMotion::move(TriMesh& mesh) {
     for (std::size_t i = 0; i < moves_.size(); ++i) vertices[moves_[i].vertex] = before_[i];
     throw;
   }
-  if (!done) {
+  if (done) {
+    rehash(mesh, true);
+  } else {
     for (std::size_t i = 0; i < moves_.size(); ++i) vertices[moves_[i].vertex] = before_[i];
   }
   return done;
 }
 
+/// The hash of what the caller gave, if it is known, goes along.
+void VertexMotion::rehash(TriMesh& mesh, bool forth) noexcept {
+  std::uint64_t* const hash = mesh.verticesHash_.made();
+  if (hash == nullptr) return;
+  for (std::size_t i = 0; i < moves_.size(); ++i) {
+    const std::uint32_t v = mesh.callerVertex(moves_[i].vertex);
+    const std::uint64_t change = vertexHash(v, moves_[i].to) - vertexHash(v, before_[i]);
+    *hash += forth ? change : 0 - change;
+  }
+}
+
 void VertexMotion::undo(TriMesh& mesh) noexcept {
+  rehash(mesh, false);
   for (std::size_t i = 0; i < moves_.size(); ++i) mesh.vertices_[moves_[i].vertex] = before_[i];
   mesh.boundsMin_ = measuresBefore_.boundsMin;
   mesh.boundsMax_ = measuresBefore_.boundsMax;

@@ -79,6 +79,7 @@ class VertexMotion {
   bool keepsPoints(const TriMesh& mesh);
   bool keepsArea(const TriMesh& mesh) const;
   bool tryMove(TriMesh& mesh);
+  void rehash(TriMesh& mesh, bool forth) noexcept;
   double largestDistance2(const TriMesh& mesh, const Vec3f& center) const;
   bool volumesAfter(const TriMesh& mesh, const Bounds& bounds, std::vector<double>& volumes);
   /// For several closed components: which lie in which, and how far each reaches.

@@ -67,12 +67,13 @@ bool containedVertex(const Query& query, Vec3d& vertex) {
   for (const int m : {0, 1}) {
     if (!meshes.isSolid(1 - m)) continue;
     const Vec3f &low = meshes.mesh(1 - m).boundsMin(), &high = meshes.mesh(1 - m).boundsMax();
+    const double slack = 1e-9 * double{meshes.mesh(1 - m).radius()};
     for (const std::uint32_t v : meshes.adjacency(m).componentVertex) {
       if (v == kNone) continue;
       const Vec3d placed = meshes.vertex(m, v), p = meshes.toLocal(1 - m, placed);
-      const bool inBounds =
-          p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
-      if (inBounds && pointInMesh(meshes.tree(1 - m), p)) {
+      const bool inBounds = p.x >= low.x - slack && p.y >= low.y - slack && p.z >= low.z - slack &&
+                            p.x <= high.x + slack && p.y <= high.y + slack && p.z <= high.z + slack;
+      if (inBounds && vertexInside(meshes, 1 - m, placed)) {
         vertex = placed;
         return true;
       }

@@ -151,17 +151,24 @@ TEST_CASE("a fin makes an edge non-manifold") {
 }
 
 TEST_CASE("two boxes that share an edge use it four times") {
-  const ValidationReport report = reportOf(merge({makeBox({1, 1, 1}), moved(makeBox({1, 1, 1}), {1, 1, 0})}));
+  const MeshArrays two = merge({makeBox({1, 1, 1}), moved(makeBox({1, 1, 1}), {1, 1, 0})});
+  const ValidationReport report = buildTriMesh(two.input(), RepairOptions{.weldVertices = true}).report;
   CHECK(report.nonManifoldEdges == 1);
   CHECK(report.boundaryEdges == 0);
   CHECK(report.components == 1);
   CHECK(report.nonManifoldVertices == 0);
   CHECK_FALSE(report.solid);
+  // With vertices of their own they only touch.
+  const ValidationReport apart = reportOf(two);
+  CHECK(apart.solid);
+  CHECK(apart.valid());
+  CHECK(apart.components == 2);
 }
 
 TEST_CASE("two boxes that share a corner are a solid with a non-manifold vertex") {
   const MeshArrays two = merge({makeBox({1, 1, 1}), moved(makeBox({1, 1, 1}), {1, 1, 1})});
-  const ValidationReport report = reportOf(two);
+  CHECK(reportOf(two).valid());  // vertices of their own
+  const ValidationReport report = buildTriMesh(two.input(), RepairOptions{.weldVertices = true}).report;
   CHECK(report.closed);
   CHECK(report.solid);
   CHECK_FALSE(report.manifold);

@@ -63,11 +63,13 @@ void touchAll(const CollisionMesh& mesh) {
   mesh.noLeaf();
   mesh.quantized();
   mesh.adjacency();
+  mesh.mesh().contentHash();
 }
 
 void checkSame(const CollisionMesh& some, const CollisionMesh& all) {
   REQUIRE((cookMesh(some) == cookMesh(all)));  // in brackets: nobody wants to see the bytes
   REQUIRE(sameAdjacency(some.adjacency(), all.adjacency()));
+  REQUIRE(some.mesh().contentHash() == all.mesh().contentHash());
   REQUIRE(validateTree(some.tree(), some.mesh()) == "");
   REQUIRE(validateLayout(some.wide(), some.mesh()) == "");
   REQUIRE(validateLayout(some.noLeaf(), some.mesh()) == "");

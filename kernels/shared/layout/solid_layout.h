@@ -15,7 +15,7 @@ namespace otg {
 ///   then the unit at which the clusters begin, from the bounds on, and how many these are; then where the samples of
 ///   its closed components begin (those of the only one: here), and how many components these are
 ///   four units a triangle: corners as welded vertices, and the number of its closed component or OTG_NOT_THERE; its
-///   edges; its unit normal and its area in double
+///   edges, and its caller's number; its unit normal and its area in double
 ///   one unit a vertex: where it is; OTG_VERTEX_FLAT and the number of its cluster
 ///   one unit an edge: its ends a and b, a half-edge, and whether it is flat (all as Topology and Adjacency)
 ///   one word a vertex, and one more: the first of its outgoing half-edges in the list that follows; then that list;
@@ -46,7 +46,7 @@ typedef struct {
 typedef struct {
   double position[3], along[3], surfaceNormal[3], reach;
   double at[3], probe[3], normal[3], shift, limit;  ///< `at`: the candidate's place, as a rule `position`
-  otg_ulong order;                                  ///< kind, mesh, feature, ordinal: ties are settled by it
+  otg_ulong order;                                  ///< kind, mesh, SupportPoint::rank, ordinal: ties are settled by it
   otg_uint kind, mesh, feature, ordinal, triangleA, triangleB;
   otg_uint flat;
   otg_uint sharp;      ///< of a middle: its edge is sharp and convex

@@ -55,6 +55,28 @@ OTG_INLINE int otgSosEdges(const double* a0, const double* a1, const double* b0,
   return s != 0 ? s : otgCrossLexicographicSign(a0, a1, b0, b1);
 }
 
+/// How the segment from p to q, of A, passes through a triangle of B: 1 leaves, -1 enters, 0 passes it by.
+OTG_INLINE int otgSosPassOfA(const double* p, const double* q, const double* b0, const double* b1, const double* b2) {
+  const int from = otgSosSideOfA(b0, b1, b2, p), to = otgSosSideOfA(b0, b1, b2, q);
+  int s0, s1, s2;
+  if (from == to) return 0;
+  s0 = otgSosEdges(p, q, b0, b1) < 0;
+  s1 = otgSosEdges(p, q, b1, b2) < 0;
+  s2 = otgSosEdges(p, q, b2, b0) < 0;
+  return s0 == s1 && s1 == s2 ? (to > 0 ? 1 : -1) : 0;
+}
+
+/// The same of a segment of B and a triangle of A.
+OTG_INLINE int otgSosPassOfB(const double* p, const double* q, const double* a0, const double* a1, const double* a2) {
+  const int from = otgSosSideOfB(a0, a1, a2, p), to = otgSosSideOfB(a0, a1, a2, q);
+  int s0, s1, s2;
+  if (from == to) return 0;
+  s0 = otgSosEdges(a0, a1, p, q) < 0;
+  s1 = otgSosEdges(a1, a2, p, q) < 0;
+  s2 = otgSosEdges(a2, a0, p, q) < 0;
+  return s0 == s1 && s1 == s2 ? (to > 0 ? 1 : -1) : 0;
+}
+
 #ifndef __OPENCL_VERSION__
 }  // namespace otg
 #endif

@@ -3,17 +3,17 @@
 //
 // OTG_GROUP: size of work-groups, a multiple of OTG_SOLID_SAMPLES.
 #include "solid/large/mesh.h"
-#include "queries/point_inside.h"
 
 #define OTG_PARTS_AT_ONCE (OTG_GROUP / OTG_SOLID_SAMPLES)
 
-/// Gives pairs up in which one does, as isContained in collide/solid/inside.cpp: a lane to each of its samples. Of
-/// pairs with a component that is not the only one of a solid.
+/// Gives pairs up in which one may: the host tells by exact signs (isContained in collide/solid/inside.cpp) of those
+/// whose samples, a lane to each, all lie in the other mesh's bounds. Of pairs with a component that is not the only one
+/// of a solid.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapContained(
     __global const otg_overlap_pair* restrict pairs, __global const float4* restrict meshes,
     __global otg_overlap_state* restrict states) {
   __local otg_overlap o;
-  __local uint beyond[OTG_PARTS_AT_ONCE], outside[OTG_PARTS_AT_ONCE];
+  __local uint beyond[OTG_PARTS_AT_ONCE];
   __global otg_overlap_state* state = states + get_group_id(1);
   const uint lane = get_local_id(0), own = lane / OTG_SOLID_SAMPLES, sample = lane % OTG_SOLID_SAMPLES;
   otgTakePair(&o, meshes, pairs, otgArrays(0, 0, 0, 0, 0, 0, 0, 0));
@@ -31,22 +31,11 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapCont
       const uint samples = base + own < parts && !isCrossed ? as_uint(list[0].w) : 0;
       const float4 p = list[min(sample, samples > 0 ? samples - 1 : 0)];
       const otg_vec3_d x = otgInFrame(inner, otgVec_d((double)p.x, (double)p.y, (double)p.z));
-      if (sample == 0) {
-        beyond[own] = 0;
-        outside[own] = 0;
-      }
+      if (sample == 0) beyond[own] = 0;
       barrier(CLK_LOCAL_MEM_FENCE);
       if (sample < samples && !otgInBounds(outer, x)) beyond[own] = 1;
       barrier(CLK_LOCAL_MEM_FENCE);
-      // Who cannot tell says inside: then the host looks.
-      const int asksRays = sample < samples && beyond[own] == 0;
-      const int side = otgIsPointInside(meshes, outer->nodes, outer->soup, outer->center, outer->radius,
-                                        otgPointToOwn(outer, x), asksRays);
-      if (asksRays && side == 0) atomic_inc(outside + own);
-      barrier(CLK_LOCAL_MEM_FENCE);
-      if (sample == 0 && samples > 0 && beyond[own] == 0 && 4 * outside[own] < samples) {
-        otgGiveUpOverlap(state, OTG_SOLID_CONTAINED);
-      }
+      if (sample == 0 && samples > 0 && beyond[own] == 0) otgGiveUpOverlap(state, OTG_SOLID_CONTAINED);
       barrier(CLK_LOCAL_MEM_FENCE);
     }
   }

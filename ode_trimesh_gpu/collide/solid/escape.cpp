@@ -9,6 +9,7 @@
 #include "base/vectors.h"
 #include "collide/inside_test.h"
 #include "collide/solid/region_contacts.h"
+#include "collide/solid/support_point.h"
 #include "shared/contacts/escape_turns.h"
 
 namespace otg {
@@ -287,6 +288,7 @@ void addContained(const PlacedMeshes& meshes, const InsideFlags& inside, Overlap
           point.mesh = static_cast<std::uint8_t>(m);
           point.kind = PointKind::kVertex;
           point.feature = v;
+          point.rank = rankOfVertex(meshes, m, v);
           point.triangleA = point.triangleB = kNone;
           (m == 0 ? point.triangleA : point.triangleB) = t;
           regions.points.push_back(point);

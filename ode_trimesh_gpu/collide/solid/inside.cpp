@@ -104,7 +104,7 @@ class Flood {
       v < vertices.size() ? visitVertex(vertices[v++]) : visitCluster(clusters[c++]);
     }
     if (!outside_ && balance_ == 0)
-      outside_ = !meshes_.isSolid(1 - mesh_) || !pointInside(meshes_, 1 - mesh_, positions[vertexBegin]);
+      outside_ = !meshes_.isSolid(1 - mesh_) || !vertexInside(meshes_, 1 - mesh_, positions[vertexBegin]);
     if (outside_ || balance_ < 0) {
       ++flags_.anomalies;
       for (std::size_t i = vertexBegin; i < vertices.size(); ++i) {
@@ -223,9 +223,8 @@ class Flood {
     }
   }
 
-  /// By vertices spread over the component: all in the other mesh's bounds, and more than three quarters of them
-  /// inside. A body that merely touches the other has vertices on its surface, for which a ray may answer either way,
-  /// and others.
+  /// Vertices spread over the component, all in the other mesh's bounds, and one inside by exact signs: no crossing
+  /// means that the others are where that one is.
   bool isContained(std::uint32_t component) const {
     const TriMesh& mesh = meshes_.mesh(mesh_);
     const Adjacency& adjacency = meshes_.adjacency(mesh_);
@@ -240,11 +239,7 @@ class Flood {
     for (std::uint32_t i = 0; i < samples; ++i) {
       if (!bounds_.contain(sample(i))) return false;
     }
-    std::uint32_t outside = 0;
-    for (std::uint32_t i = 0; i < samples; ++i) {
-      if (!pointInside(meshes_, 1 - mesh_, sample(i)) && 4 * ++outside >= samples) return false;
-    }
-    return true;
+    return vertexInside(meshes_, 1 - mesh_, sample(0));
   }
 
   const PlacedMeshes& meshes_;

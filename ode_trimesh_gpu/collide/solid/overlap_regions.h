@@ -36,6 +36,7 @@ struct SupportPoint {
   PointKind kind;
   bool flat;                           ///< in the middle of a flat face or straight edge: due to the tessellation alone
   std::uint32_t feature;               ///< vertex or edge of that mesh
+  std::uint32_t rank;                  ///< settles ties: the first half-edge at the feature, as the caller numbers them
   std::uint32_t ordinal;               ///< as Contact::ordinal
   std::uint32_t triangleA, triangleB;  ///< triangles that it belongs to or kNone
 };

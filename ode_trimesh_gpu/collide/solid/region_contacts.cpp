@@ -195,7 +195,7 @@ class RegionSolver {
     if (candidates_.empty()) {
       fallback_.position = center_;
       fallback_.kind = PointKind::kCrossing;
-      fallback_.feature = fallback_.triangleA = fallback_.triangleB = kNone;
+      fallback_.feature = fallback_.rank = fallback_.triangleA = fallback_.triangleB = kNone;
       Candidate c{&fallback_, center_, center_, {}, 0, 0, 0, 0, 0, 0};
       estimate(c);
       candidates_.push_back(c);
@@ -310,7 +310,7 @@ class RegionSolver {
     const SupportPoint &p = *x.point, &q = *y.point;
     if (p.kind != q.kind) return p.kind < q.kind;
     if (p.mesh != q.mesh) return p.mesh < q.mesh;
-    if (p.feature != q.feature) return p.feature < q.feature;
+    if (p.rank != q.rank) return p.rank < q.rank;
     return p.ordinal < q.ordinal;
   }
 

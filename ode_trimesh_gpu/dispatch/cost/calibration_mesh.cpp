@@ -13,7 +13,7 @@ std::shared_ptr<const CollisionMesh> calibrationMesh(const std::vector<Vec3f>& v
   input.vertexCount = vertices.size();
   input.indices = triangles.data();
   input.triangleCount = triangles.size();
-  const MeshResult result = buildTriMesh(input, RepairOptions::all(), MeshOrder::kSpatial);
+  const MeshResult result = buildTriMesh(input, RepairOptions::all(), MeshOrder::kBySize);
   return std::make_shared<const CollisionMesh>(result.mesh, BuildStrategy::kSah);
 }
 

@@ -99,7 +99,7 @@ typedef struct dGpuTriMeshDistance {
  *
  * Overlap is told exactly; distances of those apart are right to rounding (branch and bound over both trees; nearest
  * points of triangles after Ericson, 2005). Of triangles that are equally near the answer has those that come first in
- * the library's own order, o1's before o2's.
+ * the library's own order, those of the one mesh before those of the other.
  * @param o1     a geom of this class
  * @param o2     another one
  * @param limit  nothing farther apart is looked for, which is quicker; dInfinity for no limit

@@ -50,7 +50,8 @@ typedef struct dGpuTriMeshProblem {
 } dGpuTriMeshProblem;
 
 /**
- * @brief Counts and properties of a mesh. Flags are 0 or 1; edges are counted on vertices welded by position.
+ * @brief Counts and properties of a mesh. Flags are 0 or 1; edges are counted on vertices welded by position,
+ * or by index in a solid that touches itself.
  * @ingroup gputrimesh
  */
 typedef struct dGpuTriMeshReport {

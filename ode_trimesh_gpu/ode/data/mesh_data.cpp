@@ -78,7 +78,7 @@ int dxGpuTriMeshData::build(const otg::MeshInput& input, const otg::RepairOption
                             otg::BuildStrategy strategy) {
   const otg::ChangeHold change(&uses);
   if (!change.good()) return dGPUTRIMESH_ERROR_BUSY;
-  otg::MeshResult result = otg::buildTriMesh(input, repair, otg::MeshOrder::kSpatial);
+  otg::MeshResult result = otg::buildTriMesh(input, repair, otg::MeshOrder::kBySize);
   std::shared_ptr<otg::CollisionMesh> mesh;
   if (result.mesh != nullptr) mesh = std::make_shared<otg::CollisionMesh>(result.mesh, strategy);
   return accept(std::move(result), std::move(mesh));

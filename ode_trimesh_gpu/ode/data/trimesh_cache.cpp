@@ -129,7 +129,7 @@ class Entry {
     MeshInput input = inputOf(vertices);
     input.indices = vertexOf.data();
     input.triangleCount = corners.size() / 3;
-    const MeshResult built = buildTriMesh(input, {}, MeshOrder::kSpatial);
+    const MeshResult built = buildTriMesh(input, {}, MeshOrder::kBySize);
     mesh_ = built.mesh == nullptr || corners.empty()
                 ? nullptr
                 : std::make_shared<const CollisionMesh>(built.mesh, BuildStrategy::kSah);

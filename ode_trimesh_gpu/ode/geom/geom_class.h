@@ -49,8 +49,8 @@ struct LastTransform {
 /// ODE keeps a pointer to it in the geom's class data (which it zeroes, copies nothing into and frees without a word).
 /// Batches under way share it, so that a geom may be destroyed meanwhile.
 struct GeomObject : ScaledMesh, std::enable_shared_from_this<GeomObject> {
-  /// Orders geoms by creation. Of two that collide the older one is mesh A: the result must not depend on the order of
-  /// the call, and in the same program it must not depend on addresses either.
+  /// Orders geoms by creation. Of two that collide the younger one keeps what belongs to the pair: that must not depend
+  /// on the order of the call nor on addresses. Which of them is mesh A is another matter (ode/pairs/pair_roles.h).
   std::uint64_t serial = 0;
   dxGpuTriMeshData* data = nullptr;  ///< attached to; may be null
   UseCount uses;                     ///< of queries that have the geom, and of who gives it other data or another scale
@@ -59,13 +59,13 @@ struct GeomObject : ScaledMesh, std::enable_shared_from_this<GeomObject> {
   std::uint32_t coherentClasses = ~0u;
   dGpuTriMeshParams params{};               ///< always valid
   std::atomic<std::uint64_t> clearedAt{0};  ///< no stamp of memory up to this one counts any more
-  PairMemory memory;                        ///< of pairs in which this geom is mesh B (the younger one)
+  PairMemory memory;                        ///< of pairs in which this geom is the younger one
   LastTransform last;
   JoinedPart joined;
   /// About so many bytes, from the first one on, are read of a geom of each pair.
   static constexpr std::size_t kReadBytes = 320;
   GeomStats stats;
-  OwnedLater<PrefetchedPairs> prefetched;         ///< of pairs in which this geom is mesh B
+  OwnedLater<PrefetchedPairs> prefetched;         ///< of pairs in which this geom is the younger one
   OwnedLater<PrefetchedShapes> prefetchedShapes;  ///< of pairs with geoms of ODE's own
   std::shared_ptr<GeomObject> self;               ///< the geom's own share, until it is destroyed
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -42,8 +43,19 @@ class PairMemory {
     const auto it = pairs_.find(other);
     return it == pairs_.end() ? 0 : it->second.stamp;
   }
-  /// `origin`: of the frame that the history is told in, in the other geom's own. Returns the stamp.
-  std::uint64_t store(std::uint64_t other, const SolidHistory& history, const Vec3d& origin = {0, 0, 0}) {
+  /// Whether the geom that holds this memory was mesh A of the pair; nothing if nothing newer than `clearedAt` is
+  /// known.
+  std::optional<bool> holderWasA(std::uint64_t other, std::uint64_t clearedAt) {
+    if (empty()) return {};
+    const std::lock_guard lock(mutex_);
+    const auto it = pairs_.find(other);
+    if (it == pairs_.end() || it->second.stamp <= clearedAt) return {};
+    return it->second.holderIsA;
+  }
+  /// `origin`: of the frame that the history is told in, in the other geom's own. `holderIsA`: of two meshes. Returns
+  /// the stamp.
+  std::uint64_t store(std::uint64_t other, const SolidHistory& history, const Vec3d& origin = {0, 0, 0},
+                      bool holderIsA = false) {
     const std::lock_guard lock(mutex_);
     if (pairs_.size() >= kMost && pairs_.find(other) == pairs_.end()) {
       auto oldest = pairs_.begin();
@@ -53,7 +65,7 @@ class PairMemory {
       pairs_.erase(oldest);
     }
     const std::uint64_t stamp = clock().fetch_add(1, std::memory_order_relaxed) + 1;
-    pairs_[other] = {history, stamp, origin};
+    pairs_[other] = {history, stamp, origin, holderIsA};
     count_.store(pairs_.size(), std::memory_order_release);
     return stamp;
   }
@@ -76,6 +88,7 @@ class PairMemory {
     std::uint64_t key;
     SolidHistory history;
     Vec3d origin{0, 0, 0};
+    bool holderIsA = false;
   };
   /// Everything, the pair that was asked for longest ago first: storing them in this order in an empty memory makes an
   /// equal one.
@@ -87,7 +100,7 @@ class PairMemory {
     std::vector<Remembered> entries;
     for (const auto& [stamp, other] : order) {
       const Entry& entry = pairs_.at(other);
-      entries.push_back({other, entry.history, entry.origin});
+      entries.push_back({other, entry.history, entry.origin, entry.holderIsA});
     }
     return entries;
   }
@@ -108,6 +121,7 @@ class PairMemory {
     SolidHistory history;
     std::uint64_t stamp = 0;
     Vec3d origin{0, 0, 0};
+    bool holderIsA = false;
   };
   std::atomic<std::size_t> count_{0};  ///< of pairs_
   std::mutex mutex_;

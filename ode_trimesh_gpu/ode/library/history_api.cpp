@@ -8,6 +8,7 @@
 //   for each pair, oldest query first within the geom that remembers it:
 //     4  kind: 0 two meshes, 1 a mesh and a geom of ODE's own
 //     4  place of the other geom (of two meshes the older one), 4 of the mesh that remembers
+//     4  whether the mesh that remembers is mesh A of the query
 //     3 x 8  origin of the frame that the states are told in, in the other geom's own (ode/shapes/primitive_history.h)
 //     twice (before and current) a state: escape 3 x 8, escapeLeft 4, clampLeft 4, deepNormal 3 x 8, pose 12 x 8, 4
 //     hasPose, side 4, front 3 x 8
@@ -32,7 +33,7 @@ namespace {
 enum : std::uint32_t { kTwoMeshes = 0, kWithOde = 1 };
 constexpr std::uint64_t kNobody = ~std::uint64_t{0};  ///< no serial number and no address
 constexpr char kMagic[8] = "OTGHIST";
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 4;
 // Whoever adds to what is remembered must write it, too, and raise the version.
 static_assert(sizeof(SolidHistory::State) == 3 * 8 + 2 * 4 + 3 * 8 + 12 * 8 + 8 + 3 * 8);
 
@@ -166,6 +167,7 @@ bool parse(const unsigned char* bytes, std::size_t size, const Listed& listed, s
     pair.mesh = static_cast<std::uint32_t>(reader.integer(4));
     if (!reader.good() || !isPair(listed, kind, pair.other, pair.mesh)) return false;
     pair.remembered.key = listed.keys[pair.other];
+    pair.remembered.holderIsA = reader.count(1) == 1;
     pair.remembered.origin = reader.vector();
     pair.remembered.history.before = reader.state();
     pair.remembered.history.current = reader.state();
@@ -193,6 +195,7 @@ std::vector<unsigned char> serialize(const Listed& listed) {
     writer.integer(listed.objects[pair.other] == nullptr ? kWithOde : kTwoMeshes, 4);
     writer.integer(pair.other, 4);
     writer.integer(pair.mesh, 4);
+    writer.integer(pair.remembered.holderIsA ? 1 : 0, 4);
     writer.vector(pair.remembered.origin);
     writer.state(pair.remembered.history.before);
     writer.state(pair.remembered.history.current);
@@ -230,7 +233,8 @@ int dGpuTriMeshHistoryLoad(const dGeomID* geoms, int count, const void* buffer, 
     // Everything that may throw comes before the first change.
     std::vector<otg::PairMemory> prepared(listed.objects.size());
     for (const otg::SavedPair& pair : pairs) {
-      prepared[pair.mesh].store(pair.remembered.key, pair.remembered.history, pair.remembered.origin);
+      prepared[pair.mesh].store(pair.remembered.key, pair.remembered.history, pair.remembered.origin,
+                                pair.remembered.holderIsA);
     }
     for (std::size_t i = 0; i < prepared.size(); ++i) {
       if (listed.objects[i] != nullptr) listed.objects[i]->memory.swap(prepared[i]);

@@ -270,9 +270,9 @@ void PairBatch::keepOwnOf(std::size_t i) {
 std::uint8_t PairBatch::ownerOf(std::size_t i) const {
   const PairTask& task = this->task(i);
   if (!wasCollided(task, result(i))) return kNobody;
-  const bool changes = task.remembers ? task.usedHistory() != nullptr : !task.b().memory.empty();
+  const bool changes = task.remembers ? task.usedHistory() != nullptr : !task.younger().memory.empty();
   static_assert(kOwners <= kNobody);
-  return changes ? static_cast<std::uint8_t>(task.b().serial % kOwners) : kNobody;
+  return changes ? static_cast<std::uint8_t>(task.younger().serial % kOwners) : kNobody;
 }
 
 void PairBatch::rememberHistories() {

@@ -123,7 +123,7 @@ int prefetch(std::span<const dSpaceID> spaces, dGpuTriMeshPairFilter* filter, vo
   batch.forParts([&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const PairTask& task = batch.task(i);
-      PrefetchedPairs* const ready = task.state == PairTask::State::kReady ? task.b().prefetched.get() : nullptr;
+      PrefetchedPairs* const ready = task.state == PairTask::State::kReady ? task.younger().prefetched.get() : nullptr;
       if (ready != nullptr) ready->clear();
     }
   });
@@ -133,7 +133,7 @@ int prefetch(std::span<const dSpaceID> spaces, dGpuTriMeshPairFilter* filter, vo
     for (std::size_t i = begin; i < end; ++i) {
       const PairTask& task = batch.task(i);
       if (task.state != PairTask::State::kReady || batch.result(i).outcome != PairResult::Outcome::kDone) continue;
-      task.b().prefetched.make().add(task, std::move(batch.result(i)));
+      task.younger().prefetched.make().add(task, std::move(batch.result(i)));
       ++added;
     }
     ready += added;

@@ -18,6 +18,7 @@
 #include "ode/geom/geom_class.h"
 #include "ode/geom/geom_part.h"
 #include "ode/pairs/mesh_collider.h"
+#include "ode/pairs/pair_roles.h"
 #include "ode/pairs/pair_task.h"
 #include "queries/mesh_distance.h"
 #include "queries/mesh_overlap.h"
@@ -151,39 +152,59 @@ struct PlacedPair {
   Placed first, second;
 };
 
-/// As a query, mesh A being o1's. Returns a status; a null mesh in the query: a geom without a surface.
-int placePair(dGeomID o1, dGeomID o2, const LiveObjects& live, PlacedPair& pair, Query& query, Transformd& pose1) {
+/// How an answer about a query becomes one about o1 and o2.
+struct AnswerFrame {
+  Transformd poseOfA;
+  bool first;  ///< mesh A is o1's
+};
+
+/// The frame of contacts: what is exact in one frame may be off by rounding in the other, and queries about a pair must
+/// not contradict each other.
+AnswerFrame frameOf(const MeshGeom& side1, const Transformd& pose1, const MeshGeom& side2, const Transformd& pose2) {
+  if (side1.mesh == nullptr || side2.mesh == nullptr) return {pose1, true};
+  const bool remembers =
+      side1.object->remembersWith(dGeomGetClass(side2.geom)) && side2.object->remembersWith(dGeomGetClass(side1.geom));
+  const bool first = isFirstMeshA(side1, pose1, side2, pose2, remembers);
+  return {first ? pose1 : pose2, first};
+}
+
+/// As a query. Returns a status; a null mesh in the query: a geom without a surface.
+int placePair(dGeomID o1, dGeomID o2, const LiveObjects& live, PlacedPair& pair, Query& query, AnswerFrame& frame) {
   auto& [first, second] = pair;
   for (const int status : {place(o1, live.of(o1), first), place(o2, live.of(o2), second)}) {
     if (status != dGPUTRIMESH_OK) return status;
   }
-  query.a = first.mesh;
-  query.b = second.mesh;
-  query.bInA = relativePose(first.pose, second.pose);
-  pose1 = first.pose;
+  frame = frameOf({o1, live.of(o1), first.mesh}, first.pose, {o2, live.of(o2), second.mesh}, second.pose);
+  const Placed &a = frame.first ? first : second, &b = frame.first ? second : first;
+  query.a = a.mesh;
+  query.b = b.mesh;
+  query.bInA = relativePose(a.pose, b.pose);
   return dGPUTRIMESH_OK;
 }
 
-void writeDistance(const Query& query, const Transformd& pose1, const MeshDistance& found, dGpuTriMeshDistance& out) {
+void writeDistance(const Query& query, const AnswerFrame& frame, const MeshDistance& found, dGpuTriMeshDistance& out) {
   out = {};
   out.distance = std::numeric_limits<dReal>::infinity();
   out.triangle1 = out.triangle2 = -1;
   if (!found.found) return;
   out.distance = static_cast<dReal>(found.distance);
-  write(otgTransform(pose1, found.pointA), out.pos1);
-  write(otgTransform(pose1, found.pointB), out.pos2);
-  if (found.triangleA != kNone) out.triangle1 = static_cast<int>(query.a->mesh().callerTriangle(found.triangleA));
-  if (found.triangleB != kNone) out.triangle2 = static_cast<int>(query.b->mesh().callerTriangle(found.triangleB));
+  const auto numberOf = [](const CollisionMesh& mesh, std::uint32_t triangle) {
+    return triangle == kNone ? -1 : static_cast<int>(mesh.mesh().callerTriangle(triangle));
+  };
+  write(otgTransform(frame.poseOfA, found.pointA), frame.first ? out.pos1 : out.pos2);
+  write(otgTransform(frame.poseOfA, found.pointB), frame.first ? out.pos2 : out.pos1);
+  (frame.first ? out.triangle1 : out.triangle2) = numberOf(*query.a, found.triangleA);
+  (frame.first ? out.triangle2 : out.triangle1) = numberOf(*query.b, found.triangleB);
 }
 
 int distanceOf(dGeomID o1, dGeomID o2, dReal limit, dGpuTriMeshDistance& out) {
   PlacedPair pair;
   Query query;
-  Transformd pose1;
-  if (const int status = placePair(o1, o2, LiveObjects(), pair, query, pose1)) return status;
+  AnswerFrame frame;
+  if (const int status = placePair(o1, o2, LiveObjects(), pair, query, frame)) return status;
   MeshDistance found;
   if (query.a != nullptr && query.b != nullptr) found = meshDistance(query, static_cast<double>(limit));
-  writeDistance(query, pose1, found, out);
+  writeDistance(query, frame, found, out);
   return dGPUTRIMESH_OK;
 }
 
@@ -191,8 +212,8 @@ int distanceOf(dGeomID o1, dGeomID o2, dReal limit, dGpuTriMeshDistance& out) {
 int overlapOf(dGeomID o1, dGeomID o2) {
   PlacedPair pair;
   Query query;
-  Transformd pose1;
-  if (const int status = placePair(o1, o2, LiveObjects(), pair, query, pose1)) return status;
+  AnswerFrame frame;
+  if (const int status = placePair(o1, o2, LiveObjects(), pair, query, frame)) return status;
   return query.a != nullptr && query.b != nullptr && overlap(query) ? 1 : 0;
 }
 
@@ -233,10 +254,10 @@ int forPairs(int count, std::size_t atOnce, const One& one) {
 /// Pairs of an array as jobs, at the moment when they are read. The meshes are shared as long as this lives.
 class PlacedPairs {
  public:
-  PlacedPairs(const dGpuTriMeshPair* pairs, int count, bool withPoses)
+  PlacedPairs(const dGpuTriMeshPair* pairs, int count, bool withFrames)
       : count_(static_cast<std::size_t>(count)),
         jobs_(std::make_unique_for_overwrite<OverlapJob[]>(count_)),
-        poses_(withPoses ? std::make_unique_for_overwrite<Transformd[]>(count_) : nullptr),
+        frames_(withFrames ? std::make_unique_for_overwrite<AnswerFrame[]>(count_) : nullptr),
         meshes_((count_ + kPlacedAtOnce - 1) / kPlacedAtOnce) {
     status_ = forParts(count, kPlacedAtOnce, [&](std::size_t begin, std::size_t end) {
       return placePart(begin, {pairs + begin, end - begin});
@@ -246,8 +267,8 @@ class PlacedPairs {
   PlacedPairs& operator=(const PlacedPairs&) = delete;
   int status() const { return status_; }
   std::span<const OverlapJob> jobs() const { return {jobs_.get(), count_}; }
-  /// Of the first geom of pair `i`, if poses were asked for.
-  const Transformd& pose(std::size_t i) const { return poses_[i]; }
+  /// Of pair `i`, if frames were asked for.
+  const AnswerFrame& frame(std::size_t i) const { return frames_[i]; }
 
  private:
   int placePart(std::size_t begin, std::span<const dGpuTriMeshPair> pairs) {
@@ -263,11 +284,14 @@ class PlacedPairs {
       if (!pose1.rigid || !pose2.rigid) return dGPUTRIMESH_ERROR_POSE;
       OverlapJob& job = jobs_[begin + k];
       std::vector<std::shared_ptr<const CollisionMesh>>& meshes = meshes_[begin / kPlacedAtOnce];
-      job.pair.a = share(part, *object1, meshes);
-      job.pair.b = share(part, *object2, meshes);
-      job.pair.bInA = relativePose(pose1.transform, pose2.transform);
+      const CollisionMesh *const mesh1 = share(part, *object1, meshes), *const mesh2 = share(part, *object2, meshes);
+      const AnswerFrame frame =
+          frameOf({pairs[k].o1, object1, mesh1}, pose1.transform, {pairs[k].o2, object2, mesh2}, pose2.transform);
+      job.pair.a = frame.first ? mesh1 : mesh2;
+      job.pair.b = frame.first ? mesh2 : mesh1;
+      job.pair.bInA = relativePose(frame.poseOfA, (frame.first ? pose2 : pose1).transform);
       job.place = both(placeOf(*object1), placeOf(*object2));
-      if (poses_ != nullptr) poses_[begin + k] = pose1.transform;
+      if (frames_ != nullptr) frames_[begin + k] = frame;
     }
     return dGPUTRIMESH_OK;
   }
@@ -282,7 +306,7 @@ class PlacedPairs {
 
   std::size_t count_;
   std::unique_ptr<OverlapJob[]> jobs_;
-  std::unique_ptr<Transformd[]> poses_;
+  std::unique_ptr<AnswerFrame[]> frames_;
   std::vector<std::vector<std::shared_ptr<const CollisionMesh>>> meshes_;  ///< of each part
   int status_ = dGPUTRIMESH_OK;
 };
@@ -421,7 +445,7 @@ int dGpuTriMeshGetDistances(const dGpuTriMeshPair* pairs, int count, dReal limit
     otg::dispatcher().askDistances(placed.jobs(), static_cast<double>(limit), found);
     otg::forParts(count, otg::kPlacedAtOnce, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        otg::writeDistance(otg::opencl::queryOf(placed.jobs()[i].pair), placed.pose(i), found[i], out[i]);
+        otg::writeDistance(otg::opencl::queryOf(placed.jobs()[i].pair), placed.frame(i), found[i], out[i]);
       }
       return static_cast<int>(dGPUTRIMESH_OK);
     });

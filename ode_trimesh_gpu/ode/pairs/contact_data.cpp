@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ode/pairs/contact_data.h"
 
+#include <utility>
+
 #include "collide/contact_id.h"
 
 namespace otg {
@@ -37,15 +39,50 @@ FeatureKind kindOf(ContactFeature feature) {
   return {dGPUTRIMESH_FEATURE_REGION, -1};
 }
 
+/// As if B were A: for the name alone.
+Contact withMeshesSwapped(Contact contact) {
+  switch (contact.feature) {
+    case ContactFeature::kFaceA:
+      contact.feature = ContactFeature::kFaceB;
+      break;
+    case ContactFeature::kFaceB:
+      contact.feature = ContactFeature::kFaceA;
+      break;
+    case ContactFeature::kVertexA:
+      contact.feature = ContactFeature::kVertexB;
+      break;
+    case ContactFeature::kVertexB:
+      contact.feature = ContactFeature::kVertexA;
+      break;
+    case ContactFeature::kCrossingA:
+      contact.feature = ContactFeature::kCrossingB;
+      break;
+    case ContactFeature::kCrossingB:
+      contact.feature = ContactFeature::kCrossingA;
+      break;
+    case ContactFeature::kMiddleA:
+      contact.feature = ContactFeature::kMiddleB;
+      break;
+    case ContactFeature::kMiddleB:
+      contact.feature = ContactFeature::kMiddleA;
+      break;
+    case ContactFeature::kNone:
+    case ContactFeature::kCoplanar:
+      break;
+  }
+  std::swap(contact.triangleA, contact.triangleB);
+  return contact;
+}
+
 }  // namespace
 
-dGpuTriMeshContactData contactData(const Query& query, const Contact& contact, bool first) {
+dGpuTriMeshContactData contactData(const Query& query, const Contact& contact, bool first, bool isOlderA) {
   static_assert(int{dGPUTRIMESH_CONTACT_INSIDE} == int{kContactInside} &&
                 int{dGPUTRIMESH_CONTACT_CONTAINED} == int{kContactContained} &&
                 int{dGPUTRIMESH_CONTACT_CLAMPED} == int{kContactClamped});
   const FeatureKind feature = kindOf(contact.feature);
   dGpuTriMeshContactData data{};
-  data.id = contactId(contact);
+  data.id = contactId(isOlderA ? contact : withMeshesSwapped(contact));
   data.region = static_cast<int>(contact.region);
   data.coherence = static_cast<dReal>(contact.coherence);
   data.triangle1 = static_cast<int>(first ? contact.triangleA : contact.triangleB);

@@ -7,7 +7,8 @@
 
 namespace otg {
 
-/// What `contact` says to a caller of dGpuTriMeshCollideEx; `first` says whether mesh A is o1.
-dGpuTriMeshContactData contactData(const Query& query, const Contact& contact, bool first);
+/// What `contact` says to a caller of dGpuTriMeshCollideEx; `first` says whether mesh A is o1,
+/// `isOlderA` whether its geom was created first: names of contacts do not follow the roles.
+dGpuTriMeshContactData contactData(const Query& query, const Contact& contact, bool first, bool isOlderA);
 
 }  // namespace otg

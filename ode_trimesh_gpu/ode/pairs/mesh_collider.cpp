@@ -68,7 +68,7 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
     SolidHistory history;
     if (needsHistory(task)) recallPair(task, history);
     task.job.any = isUnimportant(flags) && !task.isJoined();
-    PrefetchedPairs* const ready = task.b().prefetched.get();
+    PrefetchedPairs* const ready = task.younger().prefetched.get();
     if (!task.job.any && !asks && ready != nullptr && !ready->empty()) {
       PairResult result;
       if (ready->find(task, capacity, result)) {

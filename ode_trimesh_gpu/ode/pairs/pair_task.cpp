@@ -13,6 +13,7 @@
 #include "ode/base/status.h"
 #include "ode/geom/joined_sides.h"
 #include "ode/pairs/contact_data.h"
+#include "ode/pairs/pair_roles.h"
 
 namespace otg {
 namespace {
@@ -218,7 +219,10 @@ void preparePair(MeshGeom&& from1, MeshGeom&& from2, PairTask& task) noexcept {
       enterJoin(task.side2, side2.pose);
     }
   }
-  task.first = task.side1.object->serial < task.side2.object->serial;
+  GeomObject &older = task.older(), &younger = task.younger();
+  task.remembers = task.side1.object->remembersWith(dGeomGetClass(task.side2.geom)) &&
+                   task.side2.object->remembersWith(dGeomGetClass(task.side1.geom));
+  task.first = isFirstMeshA(task.side1, side1.pose.transform, task.side2, side2.pose.transform, task.remembers);
   const Side& a = task.first ? side1 : side2;
   const Side& b = task.first ? side2 : side1;
   task.poseOfA = a.pose.transform;
@@ -228,13 +232,10 @@ void preparePair(MeshGeom&& from1, MeshGeom&& from2, PairTask& task) noexcept {
   query.b = b.side.mesh;
   query.bInA = relativePose(a.pose.transform, b.pose.transform);
   if (isFarApart(*query.a, *query.b, query.bInA)) return;
-  GeomObject &objectA = task.a(), &objectB = task.b();
-  query.options = pairOptions(objectA.params, objectB.params);
-  task.job.place = pairPlacement(objectA.params, objectB.params, dispatcher().placement());
-  task.job.byLevels = objectA.params.traversal == dGPUTRIMESH_TRAVERSAL_LEVELS;
+  query.options = pairOptions(older.params, younger.params);
+  task.job.place = pairPlacement(older.params, younger.params, dispatcher().placement());
+  task.job.byLevels = older.params.traversal == dGPUTRIMESH_TRAVERSAL_LEVELS;
   query.relativeVelocity = relativeVelocity(a, b);
-  task.remembers =
-      objectA.remembersWith(dGeomGetClass(b.side.geom)) && objectB.remembersWith(dGeomGetClass(a.side.geom));
   task.stamp = 0;
   query.history = nullptr;
   task.state = PairTask::State::kReady;
@@ -243,12 +244,13 @@ void preparePair(MeshGeom&& from1, MeshGeom&& from2, PairTask& task) noexcept {
 bool needsHistory(const PairTask& task) {
   if (task.state != PairTask::State::kReady || !task.remembers) return false;
   // The other model makes nothing of it, but leaves what is there as it finds it.
-  return task.job.query.options.contacts == ContactModel::kSolid || task.b().memory.stampOf(task.a().serial) != 0;
+  return task.job.query.options.contacts == ContactModel::kSolid ||
+         task.younger().memory.stampOf(task.older().serial) != 0;
 }
 
 void recallPair(PairTask& task, SolidHistory& history) {
-  task.stamp = task.b().memory.recall(task.a().serial, history);
-  if (task.stamp <= task.a().clearedAt) {  // A was told to forget, and it is B that remembers
+  task.stamp = task.younger().memory.recall(task.older().serial, history);
+  if (task.stamp <= task.older().clearedAt) {  // it was told to forget, and it is the younger one that remembers
     history = {};
     task.stamp = 0;
   }
@@ -256,15 +258,16 @@ void recallPair(PairTask& task, SolidHistory& history) {
 }
 
 std::uint64_t rememberPair(const PairTask& task, bool hasContacts) {
-  GeomObject &a = task.a(), &b = task.b();
+  GeomObject &older = task.older(), &younger = task.younger();
   const SolidHistory* const history = task.usedHistory();
   // From which side a body comes to a shell is known only while the two are apart.
   const bool isOver = history != nullptr && !hasContacts && !task.hasLeftOut && history->current.side == 0;
   if (!task.remembers || isOver) {
-    b.memory.forget(a.serial);
+    younger.memory.forget(older.serial);
     return 0;
   }
-  return history != nullptr ? b.memory.store(a.serial, *history) : task.stamp;
+  if (history == nullptr) return task.stamp;
+  return younger.memory.store(older.serial, *history, {0, 0, 0}, !task.isOlderA());
 }
 
 void countPair(const PairTask& task, const PairCounts& counts, std::size_t contacts, bool onDevice,
@@ -313,7 +316,7 @@ void writeContacts(const PairTask& task, std::span<const Contact> contacts, cons
     writeContact(from, {task.poseOfA, task.first, task.side1.geom, task.side2.geom}, place);
     place += to.skip;
     if (dataPlace == nullptr) continue;
-    const dGpuTriMeshContactData known = contactData(task.job.query, from, task.first);
+    const dGpuTriMeshContactData known = contactData(task.job.query, from, task.first, task.isOlderA());
     std::memcpy(dataPlace, &known, sizeof known);
     dataPlace += to.dataSkip;
   }

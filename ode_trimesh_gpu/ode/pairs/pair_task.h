@@ -59,8 +59,10 @@ struct PairTask {
   const MeshGeom& sideB() const { return first ? side2 : side1; }
   /// A geom is a piece of something, which the query is about.
   bool isJoined() const { return side1.join != nullptr || side2.join != nullptr; }
-  GeomObject& a() const { return *sideA().object; }
-  GeomObject& b() const { return *sideB().object; }
+  /// Of the geom that was created first, and of the other one, which keeps what belongs to the pair.
+  GeomObject& older() const { return side1.object->serial < side2.object->serial ? *side1.object : *side2.object; }
+  GeomObject& younger() const { return side1.object->serial < side2.object->serial ? *side2.object : *side1.object; }
+  bool isOlderA() const { return sideA().object == &older(); }
   /// What the query has made of what is remembered; null if nothing.
   const SolidHistory* usedHistory() const {
     const SolidHistory* const history = job.query.history;

@@ -64,7 +64,7 @@ void PrefetchedPairs::add(const PairTask& task, PairResult&& result) {
   const SolidHistory* const history = task.job.query.history;
   auto left = history == nullptr ? nullptr : std::make_unique<const SolidHistory>(*history);
   const std::lock_guard lock(mutex_);
-  Entry& entry = entries_[task.a().serial];
+  Entry& entry = entries_[task.older().serial];
   entry.a = task.job.query.a->lifetime();
   entry.b = task.job.query.b->lifetime();
   entry.query = task.job.query;
@@ -78,7 +78,7 @@ void PrefetchedPairs::add(const PairTask& task, PairResult&& result) {
 
 bool PrefetchedPairs::find(PairTask& task, int capacity, PairResult& result) {
   const std::lock_guard lock(mutex_);
-  const auto it = entries_.find(task.a().serial);
+  const auto it = entries_.find(task.older().serial);
   if (it == entries_.end()) return false;
   const Entry& entry = it->second;
   const Query& query = task.job.query;
@@ -101,7 +101,7 @@ bool PrefetchedPairs::find(PairTask& task, int capacity, PairResult& result) {
 
 void PrefetchedPairs::seen(const PairTask& task, std::uint64_t stamp) {
   const std::lock_guard lock(mutex_);
-  const auto it = entries_.find(task.a().serial);
+  const auto it = entries_.find(task.older().serial);
   if (it != entries_.end() && it->second.stamp == task.stamp) it->second.stamp = stamp;
 }
 

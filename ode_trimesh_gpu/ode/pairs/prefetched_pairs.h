@@ -14,7 +14,7 @@ namespace otg {
 
 struct PairTask;
 
-/// Of the pairs in which the geom is mesh B. Any number of threads.
+/// Of the pairs in which the geom is the younger one. Any number of threads.
 class PrefetchedPairs {
  public:
   bool empty() const { return count_.load(std::memory_order_acquire) == 0; }
@@ -40,7 +40,7 @@ class PrefetchedPairs {
     PairResult result;
   };
   std::mutex mutex_;
-  std::map<std::uint64_t, Entry> entries_;  ///< by the serial number of mesh A's geom
+  std::map<std::uint64_t, Entry> entries_;  ///< by the serial number of the older geom
   std::atomic<std::size_t> count_{0};
 };
 

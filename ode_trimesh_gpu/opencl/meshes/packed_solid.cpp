@@ -124,7 +124,7 @@ void addSolid(PackedMesh& out, const CollisionMesh& collisionMesh) {
     const std::uint32_t component = topology.componentOf[t];
     const std::uint32_t part = component == kNone ? OTG_NOT_THERE : numberOf[component];
     out.units.push_back(words(topology.weld[v[0]], topology.weld[v[1]], topology.weld[v[2]], part));
-    out.units.push_back(words(edge[0], edge[1], edge[2], 0));
+    out.units.push_back(words(edge[0], edge[1], edge[2], mesh.callerTriangle(t)));
     addNormal(out.units, adjacency, t);
   }
   for (std::uint32_t v = 0; v < mesh.vertices().size(); ++v) {
