@@ -10,15 +10,13 @@
 #include "collide/solid/region_refiner.h"
 #include "collide/solid/solid_contacts.h"
 #include "primitives/convex_patch.h"
+#include "primitives/region_walls.h"
 #include "primitives/sheet_block.h"
 #include "queries/surface_side.h"
 
 namespace otg {
 namespace {
 
-// A cylinder lies on its side up to this sine of its axis' slope, and stands on its end from this cosine on; in between
-// it stands on a point of its rim.
-constexpr double kOnSide = 0.2, kOnEnd = 0.98;
 constexpr double kSamePlace = 0.01;       // of the region's diagonal
 constexpr double kFacetsStickOut = 0.05;  // of the radius: at most
 
@@ -33,10 +31,13 @@ class ShapeRefiner final : public RegionRefiner {
     low_ = region.lo;
     high_ = region.hi;
     placed_.emplace(shape_, query_.bInA, origin_);
-    settled_ = false;
+    settled_ = hasWalls_ = false;
     trusted_ = !direction.entangled && !direction.escaping && !region.contained && !region.bad;
     if (!trusted_) return false;
-    if (!patch_.read(meshes, all, region) && !patch_.readDense(meshes, all, region, *placed_)) return false;
+    if (!patch_.read(meshes, all, region) && !patch_.readDense(meshes, all, region, *placed_)) {
+      hasWalls_ = walls_.read(meshes, all, region);
+      return false;
+    }
     way_ = patch_.leave(*placed_, unit(region.push) * -1.0);
     if (!std::isfinite(way_.depth)) return false;
     settled_ = true;
@@ -73,37 +74,15 @@ class ShapeRefiner final : public RegionRefiner {
       for (auto it = begin; it != contacts.end(); ++it) it->depth = std::min(it->depth, way_.depth);
       addDeepest(contacts, first);
     }
-    std::stable_sort(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(),
-                     [](const Contact& x, const Contact& y) { return x.depth > y.depth; });
-    const std::size_t most = first + static_cast<std::size_t>(query_.options.solid.contactsPerRegion);
-    if (contacts.size() > most) contacts.resize(most);
+    if (hasWalls_) walls_.complete(*placed_, kSamePlace * diagonal_, contacts, first);
+    keepEachDirection(contacts, first, static_cast<std::size_t>(query_.options.solid.contactsPerRegion));
   }
 
  private:
   /// How much of the shape's axis lies along the way out.
   double slope() const { return std::fabs(placed_->directionToLocal(way_.direction).z); }
   /// Contacts lie along a line of the round side.
-  bool onLine() const { return shape_.kind == ConvexShape::Kind::kCapsule || slope() < kOnSide; }
-
-  /// The point of the shape that stands for a contact's, with the direction fixed.
-  Vec3d rearPlace(const Vec3d& position) const {
-    Vec3d p = placed_->toLocal(position);
-    const Vec3d back = placed_->directionToLocal(way_.direction) * -1.0;
-    if (shape_.kind == ConvexShape::Kind::kCapsule) {
-      return placed_->fromLocal(Vec3d{0, 0, std::clamp(p.z, -shape_.length, shape_.length)} + back * shape_.radius);
-    }
-    p.z = std::clamp(p.z, -shape_.length, shape_.length);
-    const double across = std::hypot(back.x, back.y), out = std::hypot(p.x, p.y);
-    if (slope() < kOnSide) {
-      p.x = shape_.radius * back.x / across;
-      p.y = shape_.radius * back.y / across;
-    } else if (out > shape_.radius) {
-      p.x *= shape_.radius / out;
-      p.y *= shape_.radius / out;
-    }
-    if (slope() > kOnEnd) p.z = std::copysign(shape_.length, back.z);
-    return placed_->fromLocal(p);
-  }
+  bool onLine() const { return shape_.kind == ConvexShape::Kind::kCapsule || slope() < PlacedShape::kOnSide; }
 
   void place(Contact& c, const Vec3d& middle, double depth) const {
     c.position = middle + origin_;
@@ -117,7 +96,7 @@ class ShapeRefiner final : public RegionRefiner {
 
   /// With the direction fixed: place and depth on the round shape and the patch's planes.
   bool onPatch(Contact& c) const {
-    const Vec3d d = way_.direction, p = rearPlace(c.position - origin_);
+    const Vec3d d = way_.direction, p = placed_->rearNear(d, c.position - origin_);
     const double ahead = patch_.wayOut(p, d);
     if (!(ahead > 0) || !std::isfinite(ahead)) return false;
     const double behind = std::max(0.0, placed_->exitDistance(p, d * -1.0));
@@ -193,10 +172,11 @@ class ShapeRefiner final : public RegionRefiner {
   const ConvexShape& shape_;
   std::optional<PlacedShape> placed_;
   ConvexPatch patch_;
+  RegionWalls walls_;
   Vec3d origin_{};
   double diagonal_ = 0;
   Vec3d low_{}, high_{};  ///< of the region
-  bool trusted_ = false, settled_ = false;
+  bool trusted_ = false, settled_ = false, hasWalls_ = false;
   WayOut way_;
 };
 

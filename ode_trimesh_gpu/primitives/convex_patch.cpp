@@ -221,6 +221,24 @@ void ConvexPatch::tryEdge(const PlacedShape& shape, const Edge& edge, WayOut& be
   offerEdge(d, 1.0, std::fabs(otgDot(d, axis)) < 1e-3 ? axis : Vec3d{0, 0, 0});
 }
 
+Vec3d PlacedShape::rearNear(const Vec3d& d, const Vec3d& position) const {
+  Vec3d p = toLocal(position);
+  const Vec3d back = directionToLocal(d) * -1.0;
+  const double radius = shape_->radius, slope = std::fabs(back.z);
+  p.z = std::clamp(p.z, -shape_->length, shape_->length);
+  if (shape_->kind == ConvexShape::Kind::kCapsule) return fromLocal(Vec3d{0, 0, p.z} + back * radius);
+  const double across = std::hypot(back.x, back.y), out = std::hypot(p.x, p.y);
+  if (slope < kOnSide) {
+    p.x = radius * back.x / across;
+    p.y = radius * back.y / across;
+  } else if (out > radius) {
+    p.x *= radius / out;
+    p.y *= radius / out;
+  }
+  if (slope > kOnEnd) p.z = std::copysign(shape_->length, back.z);
+  return fromLocal(p);
+}
+
 Vec3d wayToRoundSide(const PlacedShape& shape, const Vec3d& point) {
   Vec3d local = shape.toLocal(point);
   if (shape.shape().kind == ConvexShape::Kind::kCapsule) {

@@ -14,6 +14,9 @@ namespace otg {
 /// A convex shape in mesh A's frame, seen from a near origin.
 class PlacedShape {
  public:
+  /// A cylinder lies on its side up to this sine of its axis' slope, and stands on its end from this cosine on; in
+  /// between it stands on a point of its rim.
+  static constexpr double kOnSide = 0.2, kOnEnd = 0.98;
   PlacedShape(const ConvexShape& shape, const Transformd& pose, const Vec3d& origin)
       : shape_(&shape), pose_(pose), origin_(origin) {}
   const ConvexShape& shape() const { return *shape_; }
@@ -24,6 +27,8 @@ class PlacedShape {
   /// Its point that is last to leave when it moves along d, and how far that is along d.
   Vec3d rear(const Vec3d& d) const { return fromLocal(shape_->support(directionToLocal(d) * -1.0)); }
   double rearAlong(const Vec3d& d) const { return otgDot(d, rear(d)); }
+  /// Of a curved shape: the point nearest to p of those that are about as late.
+  Vec3d rearNear(const Vec3d& d, const Vec3d& p) const;
   double exitDistance(const Vec3d& p, const Vec3d& d) const {
     return shape_->exitDistance(toLocal(p), directionToLocal(d));
   }

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "primitives/region_walls.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/vectors.h"
+#include "collide/inside_test.h"
+
+namespace otg {
+namespace {
+
+constexpr std::size_t kMostWalls = 64;
+constexpr double kSamePlane = 1 - 1e-12;
+constexpr double kSameWay = 0.9986;     // cosine of 3 degrees
+constexpr double kEnough = 0.98;        // of a way: what contacts that ask for so much leave is not worth one more
+constexpr double kShallow = 0.5;        // of a wall's deepest: points that are less deep hold little
+constexpr std::size_t kMostHolds = 4;   // of a wall
+constexpr double kPast = 1e-3;          // how far past a wall, in parts of the way out of it, a point is outside
+
+}  // namespace
+
+bool RegionWalls::read(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region) {
+  meshes_ = &meshes;
+  origin_ = all.origin;
+  walls_.clear();
+  points_.clear();
+  const double reach = double{meshes.mesh(0).radius()} + meshes.mesh(1).radius();
+  rounding_ = 1e-12 * reach;
+  far_ = 4 * reach;
+  low_ = region.lo;
+  high_ = region.hi;
+  for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
+    const Piece& p = all.pieces[i];
+    if (p.mesh != 0) continue;
+    const bool known = std::any_of(walls_.begin(), walls_.end(), [&](const Wall& w) {
+      return otgDot(w.normal, p.normal) > kSamePlane && std::fabs(w.offset - p.offset) <= rounding_;
+    });
+    if (known) continue;
+    if (walls_.size() == kMostWalls) return false;
+    walls_.push_back({p.normal, p.offset, p.triangle});
+  }
+  for (std::uint32_t i = region.pointBegin; i < region.pointEnd; ++i) points_.push_back(all.points[i].position);
+  return !walls_.empty();
+}
+
+/// Whether the point has to leave the wall: it is inside the mesh still when it has left those that it is out of
+/// sooner.
+bool RegionWalls::isHeldBy(const Wall& wall, const Vec3d& point) const {
+  const double last = wall.offset - otgDot(wall.normal, point);
+  std::vector<std::pair<double, const Wall*>> sooner;
+  for (const Wall& w : walls_) {
+    const double way = w.offset - otgDot(w.normal, point);
+    if (&w != &wall && way > 0 && way < last) sooner.emplace_back(way, &w);
+  }
+  std::sort(sooner.begin(), sooner.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
+  sooner.emplace_back(last, &wall);
+  Vec3d p = point;
+  for (const auto& [unused, w] : sooner) {
+    const double way = w->offset - otgDot(w->normal, p);
+    if (!(way > 0)) continue;
+    const double exit = exitDistance(*meshes_, 0, p + origin_, w->normal, far_, 0);
+    if (w == &wall) return exit >= way * (1 - kPast);
+    if (!(exit > 0)) return false;             // outside
+    if (exit < way * (1 - kPast)) continue;    // the plane belongs to another part of the surface
+    if (exit < way * (1 + kPast)) return false;
+    p = p + w->normal * (way * (1 + kPast));
+  }
+  return false;
+}
+
+/// Points of the shape that are behind the wall, the deepest first.
+void RegionWalls::collect(const PlacedShape& shape, const Wall& wall, std::vector<Hold>& out) const {
+  out.clear();
+  const auto add = [&](const Vec3d& p) {
+    const double way = wall.offset - otgDot(wall.normal, p);
+    if (way > rounding_) out.push_back({p, way});
+  };
+  if (shape.shape().isCurved()) {
+    add(shape.rear(wall.normal));
+    for (const Vec3d& p : points_) add(shape.rearNear(wall.normal, p));
+  } else {
+    for (const Vec3d& v : shape.shape().vertices) add(shape.fromLocal(v));
+  }
+  std::stable_sort(out.begin(), out.end(), [](const Hold& x, const Hold& y) { return x.way > y.way; });
+}
+
+void RegionWalls::complete(const PlacedShape& shape, double closest, std::vector<Contact>& contacts,
+                           std::size_t first) const {
+  std::vector<Hold> holds;
+  std::vector<Contact> added;
+  for (const Wall& wall : walls_) {
+    double asked = 0;
+    for (std::size_t i = first; i < contacts.size(); ++i) {
+      const double along = -otgDot(contacts[i].normal, wall.normal);
+      if (along > kSameWay) asked = std::max(asked, along * contacts[i].depth);
+    }
+    collect(shape, wall, holds);
+    double deepest = 0;
+    std::vector<Vec3d> taken;
+    for (const Hold& hold : holds) {
+      if (kEnough * hold.way <= asked || hold.way < kShallow * deepest || taken.size() == kMostHolds) break;
+      const bool isNear = std::any_of(taken.begin(), taken.end(),
+                                      [&](const Vec3d& p) { return norm(p - hold.point) < closest; });
+      if (isNear || !isHeldBy(wall, hold.point)) continue;
+      taken.push_back(hold.point);
+      deepest = std::max(deepest, hold.way);
+      Contact contact{};
+      contact.position = hold.point + wall.normal * (0.5 * hold.way) + origin_;
+      contact.normal = wall.normal * -1.0;
+      contact.depth = hold.way;
+      contact.triangleA = wall.triangle;
+      contact.region = contacts.size() > first ? contacts[first].region : 0;
+      contact.coherence = 1;
+      added.push_back(contact);
+    }
+  }
+  contacts.insert(contacts.end(), added.begin(), added.end());
+}
+
+void keepEachDirection(std::vector<Contact>& contacts, std::size_t first, std::size_t most) {
+  const auto begin = contacts.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto isDeeper = [](const Contact& x, const Contact& y) { return x.depth > y.depth; };
+  std::stable_sort(begin, contacts.end(), isDeeper);
+  if (contacts.size() <= first + most) return;
+  std::vector<Contact> leading, rest;
+  for (auto it = begin; it != contacts.end(); ++it) {
+    const bool known = std::any_of(leading.begin(), leading.end(),
+                                   [&](const Contact& c) { return otgDot(c.normal, it->normal) > kSameWay; });
+    (known ? rest : leading).push_back(*it);
+  }
+  leading.insert(leading.end(), rest.begin(), rest.end());
+  leading.resize(most);
+  std::stable_sort(leading.begin(), leading.end(), isDeeper);
+  contacts.resize(first);
+  contacts.insert(contacts.end(), leading.begin(), leading.end());
+}
+
+}  // namespace otg
