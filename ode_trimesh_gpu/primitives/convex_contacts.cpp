@@ -32,14 +32,15 @@ class ShapeRefiner final : public RegionRefiner {
     high_ = region.hi;
     placed_.emplace(shape_, query_.bInA, origin_);
     settled_ = hasWalls_ = false;
+    if (getenv("DBG")) printf("REGION ent %d esc %d cont %d bad %d coh %g thick %g diag %g pieces %u cells %u\n", direction.entangled, direction.escaping, region.contained, region.bad, region.coherence, region.thickness, region.diagonal, region.pieceEnd-region.pieceBegin, region.cellEnd-region.cellBegin);
     trusted_ = !direction.entangled && !direction.escaping && !region.contained && !region.bad;
     if (!trusted_) return false;
-    if (!patch_.read(meshes, all, region) && !patch_.readDense(meshes, all, region, *placed_)) {
-      hasWalls_ = walls_.read(meshes, all, region);
-      return false;
-    }
+    const bool isConvex = patch_.read(meshes, all, region) || patch_.readDense(meshes, all, region, *placed_);
+    hasWalls_ = walls_.read(meshes, all, region, *placed_, patch_.triangles(), isConvex);
+    if (!isConvex) return false;
     way_ = patch_.leave(*placed_, unit(region.push) * -1.0);
     if (!std::isfinite(way_.depth)) return false;
+    if (getenv("DBG")) printf("CONVEX way %g dir %g %g %g\n", way_.depth, way_.direction.x, way_.direction.y, way_.direction.z);
     settled_ = true;
     normals.fix(way_.direction * -1.0);
     return true;
@@ -74,6 +75,7 @@ class ShapeRefiner final : public RegionRefiner {
       for (auto it = begin; it != contacts.end(); ++it) it->depth = std::min(it->depth, way_.depth);
       addDeepest(contacts, first);
     }
+    if (hasWalls_ && !settled_) walls_.limitDepths(*placed_, contacts, first);
     if (hasWalls_) walls_.complete(*placed_, kSamePlace * diagonal_, contacts, first);
     keepEachDirection(contacts, first, static_cast<std::size_t>(query_.options.solid.contactsPerRegion));
   }

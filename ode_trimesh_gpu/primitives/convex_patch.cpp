@@ -32,6 +32,7 @@ double toleranceOf(const PlacedMeshes& meshes, const Region& region) {
 bool ConvexPatch::read(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region) {
   planes_.clear();
   edges_.clear();
+  triangles_.clear();
   points_.clear();
   corners_.clear();
   dense_ = nullptr;

@@ -3,6 +3,7 @@
 // shape to leave it.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "base/vectors.h"
@@ -66,6 +67,9 @@ class ConvexPatch {
   /// whose corners are all outside of the shape count only if they are large.
   bool readDense(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region, const PlacedShape& shape);
   bool isDense() const { return dense_ != nullptr; }
+
+  /// Of mesh A, where there are too many for planes of their own; else none.
+  std::span<const std::uint32_t> triangles() const { return triangles_; }
 
   /// The least translation that takes the shape out of the half spaces behind the patch, over all directions in which
   /// the patch has a supporting plane: its faces, the arcs between the normals of two faces at an edge, and the cones

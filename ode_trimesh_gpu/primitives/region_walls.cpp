@@ -13,6 +13,7 @@ namespace {
 constexpr std::size_t kMostWalls = 64;
 constexpr double kSamePlane = 1 - 1e-12;
 constexpr double kSameWay = 0.9986;     // cosine of 3 degrees
+constexpr double kFacing = 0.5;  // cosine between a contact's way out and the normals of what it leaves
 constexpr double kEnough = 0.98;        // of a way: what contacts that ask for so much leave is not worth one more
 constexpr double kShallow = 0.5;        // of a wall's deepest: points that are less deep hold little
 constexpr std::size_t kMostHolds = 4;   // of a wall
@@ -20,28 +21,54 @@ constexpr double kPast = 1e-3;          // how far past a wall, in parts of the 
 
 }  // namespace
 
-bool RegionWalls::read(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region) {
+bool RegionWalls::read(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region,
+                       const PlacedShape& shape, std::span<const std::uint32_t> triangles, bool isConvex) {
   meshes_ = &meshes;
   origin_ = all.origin;
   walls_.clear();
   points_.clear();
   const double reach = double{meshes.mesh(0).radius()} + meshes.mesh(1).radius();
-  rounding_ = 1e-12 * reach;
+  rounding_ = 1e-13 * reach;
   far_ = 4 * reach;
-  low_ = region.lo;
-  high_ = region.hi;
   for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
     const Piece& p = all.pieces[i];
-    if (p.mesh != 0) continue;
-    const bool known = std::any_of(walls_.begin(), walls_.end(), [&](const Wall& w) {
-      return otgDot(w.normal, p.normal) > kSamePlane && std::fabs(w.offset - p.offset) <= rounding_;
-    });
-    if (known) continue;
-    if (walls_.size() == kMostWalls) return false;
-    walls_.push_back({p.normal, p.offset, p.triangle});
+    if (p.mesh == 0 && !add(shape, p.normal, p.offset, p.triangle, !isConvex)) return false;
   }
+  for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
+    if (all.pieces[i].mesh == 0) addInnerNeighbours(shape, all.pieces[i].triangle);
+  }
+  for (const std::uint32_t t : triangles) addInnerNeighbours(shape, t);
+  if (std::none_of(walls_.begin(), walls_.end(), [](const Wall& w) { return w.counts; })) return false;
   for (std::uint32_t i = region.pointBegin; i < region.pointEnd; ++i) points_.push_back(all.points[i].position);
-  return !walls_.empty();
+  return true;
+}
+
+bool RegionWalls::add(const PlacedShape& shape, const Vec3d& normal, double offset, std::uint32_t triangle,
+                      bool counts) {
+  const bool known = std::any_of(walls_.begin(), walls_.end(), [&](const Wall& w) {
+    return otgDot(w.normal, normal) > kSamePlane && std::fabs(w.offset - offset) <= rounding_;
+  });
+  if (known) return true;
+  if (walls_.size() == kMostWalls) return false;
+  walls_.push_back({normal, offset, offset - shape.rearAlong(normal), triangle, counts});
+  return true;
+}
+
+/// What meets a triangle at an inner edge may be in the shape below the triangle only, where the region has no piece of
+/// it.
+void RegionWalls::addInnerNeighbours(const PlacedShape& shape, std::uint32_t triangle) {
+  const TriMesh& mesh = meshes_->mesh(0);
+  const Vec3d& n = meshes_->adjacency(0).normal[triangle];
+  const Vec3d corner = meshes_->vertex(0, mesh.triangles()[triangle].v[0]);
+  for (std::uint32_t half = 3 * triangle; half < 3 * triangle + 3; ++half) {
+    const std::uint32_t twin = mesh.topology().twin[half];
+    if (twin == kNone) continue;
+    const Vec3d opposite = meshes_->vertex(0, mesh.triangles()[twin / 3].v[(twin + 2) % 3]);
+    const Vec3d& other = meshes_->adjacency(0).normal[twin / 3];
+    if (otgDot(n, opposite - corner) <= 0 || otgDot(n, other) > kSameWay) continue;
+    const double offset = otgDot(other, opposite - origin_);
+    if (shape.rearAlong(other) < offset) add(shape, other, offset, twin / 3, true);
+  }
 }
 
 /// Whether the point has to leave the wall: it is inside the mesh still when it has left those that it is out of
@@ -51,22 +78,19 @@ bool RegionWalls::isHeldBy(const Wall& wall, const Vec3d& point) const {
   std::vector<std::pair<double, const Wall*>> sooner;
   for (const Wall& w : walls_) {
     const double way = w.offset - otgDot(w.normal, point);
-    if (&w != &wall && way > 0 && way < last) sooner.emplace_back(way, &w);
+    if (&w != &wall && way > -rounding_ && way < last) sooner.emplace_back(way, &w);
   }
   std::sort(sooner.begin(), sooner.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
-  sooner.emplace_back(last, &wall);
   Vec3d p = point;
   for (const auto& [unused, w] : sooner) {
-    const double way = w->offset - otgDot(w->normal, p);
-    if (!(way > 0)) continue;
-    const double exit = exitDistance(*meshes_, 0, p + origin_, w->normal, far_, 0);
-    if (w == &wall) return exit >= way * (1 - kPast);
-    if (!(exit > 0)) return false;             // outside
-    if (exit < way * (1 - kPast)) continue;    // the plane belongs to another part of the surface
-    if (exit < way * (1 + kPast)) return false;
-    p = p + w->normal * (way * (1 + kPast));
+    const double way = std::max(0.0, w->offset - otgDot(w->normal, p)), past = rounding_ + kPast * way;
+    const double exit = exitDistance(*meshes_, 0, p + origin_, w->normal, far_, rounding_);
+    if (exit < way - past) continue;        // the plane belongs to another part of the surface
+    if (exit < way + past) return false;
+    p = p + w->normal * (way + past);
   }
-  return false;
+  const double way = wall.offset - otgDot(wall.normal, p);
+  return way > 0 && exitDistance(*meshes_, 0, p + origin_, wall.normal, far_, 0) >= way * (1 - kPast);
 }
 
 /// Points of the shape that are behind the wall, the deepest first.
@@ -85,16 +109,42 @@ void RegionWalls::collect(const PlacedShape& shape, const Wall& wall, std::vecto
   std::stable_sort(out.begin(), out.end(), [](const Hold& x, const Hold& y) { return x.way > y.way; });
 }
 
+void RegionWalls::limitDepths(const PlacedShape&, std::vector<Contact>& contacts, std::size_t first) const {
+  for (std::size_t i = first; i < contacts.size(); ++i) {
+    Contact& c = contacts[i];
+    double most = 0;
+    for (const Wall& wall : walls_) {
+      const double cosine = -otgDot(wall.normal, c.normal);
+      if (cosine > kFacing) most = std::max(most, wall.depth / cosine);
+    }
+    if (!(most > 0) || c.depth <= most) continue;
+    c.position = c.position + c.normal * (0.5 * (c.depth - most));  // the shape's point stays
+    c.depth = most;
+  }
+}
+
 void RegionWalls::complete(const PlacedShape& shape, double closest, std::vector<Contact>& contacts,
                            std::size_t first) const {
   std::vector<Hold> holds;
   std::vector<Contact> added;
+  const bool dbg = getenv("DBG") != nullptr;
+  if (dbg) {
+    printf("walls %zu points %zu\n", walls_.size(), points_.size());
+    for (const Wall& w : walls_) {
+      collect(shape, w, holds);
+      printf(" wall n %g %g %g off %.9g holds %zu", w.normal.x, w.normal.y, w.normal.z, w.offset, holds.size());
+      for (const Hold& h : holds) printf(" [%.3g %d]", h.way, isHeldBy(w, h.point));
+      printf("\n");
+    }
+  }
   for (const Wall& wall : walls_) {
+    if (!wall.counts || !(wall.depth > rounding_)) continue;
     double asked = 0;
     for (std::size_t i = first; i < contacts.size(); ++i) {
       const double along = -otgDot(contacts[i].normal, wall.normal);
       if (along > kSameWay) asked = std::max(asked, along * contacts[i].depth);
     }
+    if (kEnough * wall.depth <= asked) continue;
     collect(shape, wall, holds);
     double deepest = 0;
     std::vector<Vec3d> taken;

@@ -2,6 +2,7 @@
 // Inner corners: where a convex shape is in several walls of a mesh at once, each of them has to be left.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "collide/solid/regions.h"
@@ -9,15 +10,19 @@
 
 namespace otg {
 
-/// The planes of mesh A's surface in a region that is not convex.
+/// The planes of mesh A's surface in a region, and of what meets it at inner edges.
 ///
-/// A contact is a point with one direction. A point of the shape that is behind two walls is as deep in one as in the
-/// other, so that it needs a contact for each.
+/// A contact is a point with one direction. A point of the shape that is behind two walls of an inner corner is in
+/// either, and needs a contact for each.
 class RegionWalls {
  public:
-  /// False where there are more planes than are worth a look.
-  bool read(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region);
+  /// `triangles`: of mesh A in the region, where pieces stand for several. `isConvex`: the region alone is left as a
+  /// whole, so that only walls beside it count. False where there is nothing to do, or more than it is worth.
+  bool read(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region, const PlacedShape& shape,
+            std::span<const std::uint32_t> triangles, bool isConvex);
 
+  /// No contact from `first` on asks for more than takes the whole shape out of a wall that faces its way.
+  void limitDepths(const PlacedShape& shape, std::vector<Contact>& contacts, std::size_t first) const;
   /// Adds contacts for walls out of which those from `first` on do not take the shape. `closest`: two contacts of a
   /// wall are no nearer to each other.
   void complete(const PlacedShape& shape, double closest, std::vector<Contact>& contacts, std::size_t first) const;
@@ -26,18 +31,21 @@ class RegionWalls {
   struct Wall {
     Vec3d normal;  ///< unit, outward
     double offset;
-    std::uint32_t triangle;  ///< one of them
+    double depth;             ///< of the whole shape
+    std::uint32_t triangle;   ///< one of them
+    bool counts;              ///< has to be left for itself
   };
   struct Hold {
     Vec3d point;  ///< of the shape, behind the wall
     double way;   ///< out of the wall along its normal
   };
+  bool add(const PlacedShape& shape, const Vec3d& normal, double offset, std::uint32_t triangle, bool counts);
+  void addInnerNeighbours(const PlacedShape& shape, std::uint32_t triangle);
   void collect(const PlacedShape& shape, const Wall& wall, std::vector<Hold>& out) const;
   bool isHeldBy(const Wall& wall, const Vec3d& point) const;
 
   const PlacedMeshes* meshes_ = nullptr;
   Vec3d origin_{};
-  Vec3d low_{}, high_{};
   double rounding_ = 0, far_ = 0;
   std::vector<Wall> walls_;
   std::vector<Vec3d> points_;  ///< of the region
