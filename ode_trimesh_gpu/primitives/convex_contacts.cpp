@@ -75,7 +75,7 @@ class ShapeRefiner final : public RegionRefiner {
       for (auto it = begin; it != contacts.end(); ++it) it->depth = std::min(it->depth, way_.depth);
       addDeepest(contacts, first);
     }
-    if (hasWalls_ && !settled_) walls_.limitDepths(*placed_, contacts, first);
+    if (hasWalls_ && !settled_) walls_.limitDepths(contacts, first);
     if (hasWalls_) walls_.complete(*placed_, kSamePlace * diagonal_, contacts, first);
     keepEachDirection(contacts, first, static_cast<std::size_t>(query_.options.solid.contactsPerRegion));
   }

@@ -14,9 +14,10 @@ constexpr std::size_t kMostWalls = 64;
 constexpr double kSamePlane = 1 - 1e-12;
 constexpr double kSameWay = 0.9986;     // cosine of 3 degrees
 constexpr double kFacing = 0.5;  // cosine between a contact's way out and the normals of what it leaves
-constexpr double kEnough = 0.98;        // of a way: what contacts that ask for so much leave is not worth one more
+constexpr double kEnough = 0.995;       // of a way: what contacts that ask for so much leave is not worth one more
 constexpr double kShallow = 0.5;        // of a wall's deepest: points that are less deep hold little
 constexpr std::size_t kMostHolds = 4;   // of a wall
+constexpr double kOnPlane = 1e-10;      // of the bodies' reach: nearer to a plane it is not known on which side
 constexpr double kPast = 1e-3;          // how far past a wall, in parts of the way out of it, a point is outside
 
 }  // namespace
@@ -78,14 +79,14 @@ bool RegionWalls::isHeldBy(const Wall& wall, const Vec3d& point) const {
   std::vector<std::pair<double, const Wall*>> sooner;
   for (const Wall& w : walls_) {
     const double way = w.offset - otgDot(w.normal, point);
-    if (&w != &wall && way > -rounding_ && way < last) sooner.emplace_back(way, &w);
+    if (&w != &wall && way > -kOnPlane * far_ && way < last) sooner.emplace_back(way, &w);
   }
   std::sort(sooner.begin(), sooner.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
   Vec3d p = point;
   for (const auto& [unused, w] : sooner) {
-    const double way = std::max(0.0, w->offset - otgDot(w->normal, p)), past = rounding_ + kPast * way;
-    const double exit = exitDistance(*meshes_, 0, p + origin_, w->normal, far_, rounding_);
-    if (exit < way - past) continue;        // the plane belongs to another part of the surface
+    const double way = std::max(0.0, w->offset - otgDot(w->normal, p)), past = kOnPlane * far_ + kPast * way;
+    const double exit = exitDistance(*meshes_, 0, p + origin_, w->normal, far_, 0);
+    if (exit < way - past) continue;  // the plane belongs to another part of the surface
     if (exit < way + past) return false;
     p = p + w->normal * (way + past);
   }
@@ -109,18 +110,27 @@ void RegionWalls::collect(const PlacedShape& shape, const Wall& wall, std::vecto
   std::stable_sort(out.begin(), out.end(), [](const Hold& x, const Hold& y) { return x.way > y.way; });
 }
 
-void RegionWalls::limitDepths(const PlacedShape&, std::vector<Contact>& contacts, std::size_t first) const {
-  for (std::size_t i = first; i < contacts.size(); ++i) {
-    Contact& c = contacts[i];
+void RegionWalls::limitDepths(std::vector<Contact>& contacts, std::size_t first) const {
+  const auto begin = contacts.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto isVoid = [&](Contact& c) {
+    const Vec3d point = c.position + c.normal * (0.5 * c.depth) - origin_;  // of the shape
     double most = 0;
+    bool faces = false;
     for (const Wall& wall : walls_) {
       const double cosine = -otgDot(wall.normal, c.normal);
-      if (cosine > kFacing) most = std::max(most, wall.depth / cosine);
+      if (!(cosine > kFacing)) continue;
+      const double way = (wall.offset - otgDot(wall.normal, point)) / cosine;
+      // Of a stair the next step's top faces the same way, and is not what the point is below.
+      if (way > wall.depth || (way > c.depth && !isHeldBy(wall, point))) continue;
+      faces = true;
+      most = std::max(most, way);
     }
-    if (!(most > 0) || c.depth <= most) continue;
-    c.position = c.position + c.normal * (0.5 * (c.depth - most));  // the shape's point stays
+    if (!faces || c.depth <= most) return false;
+    c.position = c.position + c.normal * (0.5 * (c.depth - most));
     c.depth = most;
-  }
+    return !(most > rounding_);
+  };
+  contacts.erase(std::remove_if(begin, contacts.end(), isVoid), contacts.end());
 }
 
 void RegionWalls::complete(const PlacedShape& shape, double closest, std::vector<Contact>& contacts,
@@ -133,8 +143,9 @@ void RegionWalls::complete(const PlacedShape& shape, double closest, std::vector
     for (const Wall& w : walls_) {
       collect(shape, w, holds);
       printf(" wall n %g %g %g off %.9g holds %zu", w.normal.x, w.normal.y, w.normal.z, w.offset, holds.size());
-      for (const Hold& h : holds) printf(" [%.3g %d]", h.way, isHeldBy(w, h.point));
+      for (std::size_t i = 0; i < std::min<std::size_t>(8, holds.size()); ++i) printf(" [%.3g %d]", holds[i].way, isHeldBy(w, holds[i].point));
       printf("\n");
+      for (const Hold& h : holds) if (getenv("DBG2") && isHeldBy(w, h.point)) { printf("      p %.9g %.9g %.9g held ways", h.point.x, h.point.y, h.point.z); for (const Wall& v : walls_) printf(" %.3g(%.3g)", v.offset-otgDot(v.normal,h.point), exitDistance(*meshes_, 0, h.point + origin_, v.normal, far_, 0)); printf("\n"); }
     }
   }
   for (const Wall& wall : walls_) {

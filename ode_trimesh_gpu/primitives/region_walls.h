@@ -21,8 +21,8 @@ class RegionWalls {
   bool read(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region, const PlacedShape& shape,
             std::span<const std::uint32_t> triangles, bool isConvex);
 
-  /// No contact from `first` on asks for more than takes the whole shape out of a wall that faces its way.
-  void limitDepths(const PlacedShape& shape, std::vector<Contact>& contacts, std::size_t first) const;
+  /// No contact from `first` on asks for more than takes its point of the shape out of the walls that face its way.
+  void limitDepths(std::vector<Contact>& contacts, std::size_t first) const;
   /// Adds contacts for walls out of which those from `first` on do not take the shape. `closest`: two contacts of a
   /// wall are no nearer to each other.
   void complete(const PlacedShape& shape, double closest, std::vector<Contact>& contacts, std::size_t first) const;
