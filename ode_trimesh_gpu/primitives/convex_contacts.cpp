@@ -17,6 +17,7 @@
 namespace otg {
 namespace {
 
+constexpr double kThin = 0.01;             // thickness of a region over its diagonal: of walls that face each other
 constexpr double kSamePlace = 0.01;       // of the region's diagonal
 constexpr double kFacetsStickOut = 0.05;  // of the radius: at most
 
@@ -34,7 +35,11 @@ class ShapeRefiner final : public RegionRefiner {
     settled_ = hasWalls_ = false;
     if (getenv("DBG")) printf("REGION ent %d esc %d cont %d bad %d coh %g thick %g diag %g pieces %u cells %u\n", direction.entangled, direction.escaping, region.contained, region.bad, region.coherence, region.thickness, region.diagonal, region.pieceEnd-region.pieceBegin, region.cellEnd-region.cellBegin);
     trusted_ = !direction.entangled && !direction.escaping && !region.contained && !region.bad;
-    if (!trusted_) return false;
+    const bool isThin = region.thickness < kThin * region.diagonal;
+    if (!trusted_) {
+      hasWalls_ = isThin && !region.contained && !region.bad && walls_.read(meshes, all, region, *placed_, {}, false);
+      return false;
+    }
     const bool isConvex = patch_.read(meshes, all, region) || patch_.readDense(meshes, all, region, *placed_);
     hasWalls_ = walls_.read(meshes, all, region, *placed_, patch_.triangles(), isConvex);
     if (!isConvex) return false;

@@ -13,6 +13,7 @@ namespace {
 constexpr std::size_t kMostWalls = 64;
 constexpr double kSamePlane = 1 - 1e-12;
 constexpr double kSameWay = 0.9986;     // cosine of 3 degrees
+constexpr double kSameWall = 1 - 6e-6;  // of 0.2 degrees: a contact that leans more may be left along its wall
 constexpr double kFacing = 0.5;  // cosine between a contact's way out and the normals of what it leaves
 constexpr double kEnough = 0.995;       // of a way: what contacts that ask for so much leave is not worth one more
 constexpr double kShallow = 0.5;        // of a wall's deepest: points that are less deep hold little
@@ -84,9 +85,10 @@ bool RegionWalls::isHeldBy(const Wall& wall, const Vec3d& point) const {
   std::sort(sooner.begin(), sooner.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
   Vec3d p = point;
   for (const auto& [unused, w] : sooner) {
-    const double way = std::max(0.0, w->offset - otgDot(w->normal, p)), past = kOnPlane * far_ + kPast * way;
+    const double onPlane = kOnPlane * far_, ahead = w->offset - otgDot(w->normal, p);
+    const double way = ahead > onPlane ? ahead : 0, past = onPlane + kPast * way;
     const double exit = exitDistance(*meshes_, 0, p + origin_, w->normal, far_, 0);
-    if (exit < way - past) continue;  // the plane belongs to another part of the surface
+    if (exit < way - past && way > 0) continue;  // the plane belongs to another part of the surface
     if (exit < way + past) return false;
     p = p + w->normal * (way + past);
   }
@@ -153,7 +155,7 @@ void RegionWalls::complete(const PlacedShape& shape, double closest, std::vector
     double asked = 0;
     for (std::size_t i = first; i < contacts.size(); ++i) {
       const double along = -otgDot(contacts[i].normal, wall.normal);
-      if (along > kSameWay) asked = std::max(asked, along * contacts[i].depth);
+      if (along > kSameWall) asked = std::max(asked, along * contacts[i].depth);
     }
     if (kEnough * wall.depth <= asked) continue;
     collect(shape, wall, holds);
