@@ -14,11 +14,12 @@ constexpr std::size_t kMostWalls = 64;
 constexpr double kSamePlane = 1 - 1e-12;
 constexpr double kSameWay = 0.9986;     // cosine of 3 degrees
 constexpr double kSameWall = 1 - 6e-6;  // of 0.2 degrees: a contact that leans more may be left along its wall
-constexpr double kFacing = 0.5;  // cosine between a contact's way out and the normals of what it leaves
+constexpr double kFacing = 0.5, kEdgeOn = 0.05;  // cosine between a contact's way out and the normals of what it leaves
 constexpr double kEnough = 0.995;       // of a way: what contacts that ask for so much leave is not worth one more
 constexpr double kShallow = 0.5;        // of a wall's deepest: points that are less deep hold little
 constexpr std::size_t kMostHolds = 4;   // of a wall
 constexpr double kOnPlane = 1e-10;      // of the bodies' reach: nearer to a plane it is not known on which side
+constexpr double kInside = 1e-3;      // of an edge's stretch: from its crossing, so as not to be on the surface
 constexpr double kPast = 1e-3;          // how far past a wall, in parts of the way out of it, a point is outside
 
 }  // namespace
@@ -41,7 +42,15 @@ bool RegionWalls::read(const PlacedMeshes& meshes, const OverlapRegions& all, co
   }
   for (const std::uint32_t t : triangles) addInnerNeighbours(shape, t);
   if (std::none_of(walls_.begin(), walls_.end(), [](const Wall& w) { return w.counts; })) return false;
-  for (std::uint32_t i = region.pointBegin; i < region.pointEnd; ++i) points_.push_back(all.points[i].position);
+  const Vec3d middle = (region.lo + region.hi) * 0.5;
+  for (std::uint32_t i = region.pointBegin; i < region.pointEnd; ++i) {
+    const SupportPoint& p = all.points[i];
+    if (shape.shape().isCurved()) {
+      points_.push_back({p.position + (middle - p.position) * kInside, p.position, {0, 0, 0}});
+    } else if (p.kind == PointKind::kCrossing && p.mesh == 1) {
+      points_.push_back({p.position + p.along * (kInside * p.reach), p.position, p.along * p.reach});
+    }
+  }
   return true;
 }
 
@@ -73,13 +82,21 @@ void RegionWalls::addInnerNeighbours(const PlacedShape& shape, std::uint32_t tri
   }
 }
 
+bool RegionWalls::isOn(const Wall& wall, const Vec3d& point) const {
+  return std::fabs(wall.offset - otgDot(wall.normal, point)) <= kOnPlane * far_;
+}
+
 /// Whether the point has to leave the wall: it is inside the mesh still when it has left those that it is out of
 /// sooner.
-bool RegionWalls::isHeldBy(const Wall& wall, const Vec3d& point) const {
+bool RegionWalls::isHeldBy(const Wall& wall, const Vec3d& point, const Inside* from) const {
   const double last = wall.offset - otgDot(wall.normal, point);
   std::vector<std::pair<double, const Wall*>> sooner;
   for (const Wall& w : walls_) {
     const double way = w.offset - otgDot(w.normal, point);
+    if (from && isOn(w, from->crossing)) {
+      if (std::fabs(otgDot(w.normal, from->stretch)) < last) return false;
+      continue;
+    }
     if (&w != &wall && way > -kOnPlane * far_ && way < last) sooner.emplace_back(way, &w);
   }
   std::sort(sooner.begin(), sooner.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
@@ -99,38 +116,47 @@ bool RegionWalls::isHeldBy(const Wall& wall, const Vec3d& point) const {
 /// Points of the shape that are behind the wall, the deepest first.
 void RegionWalls::collect(const PlacedShape& shape, const Wall& wall, std::vector<Hold>& out) const {
   out.clear();
-  const auto add = [&](const Vec3d& p) {
+  const auto add = [&](const Vec3d& p, const Inside* from) {
     const double way = wall.offset - otgDot(wall.normal, p);
-    if (way > rounding_) out.push_back({p, way});
+    if (way > rounding_) out.push_back({p, way, from});
   };
   if (shape.shape().isCurved()) {
-    add(shape.rear(wall.normal));
-    for (const Vec3d& p : points_) add(shape.rearNear(wall.normal, p));
+    add(shape.rear(wall.normal), nullptr);
+    for (const Inside& p : points_) add(shape.rearNear(wall.normal, p.point), nullptr);
   } else {
-    for (const Vec3d& v : shape.shape().vertices) add(shape.fromLocal(v));
+    for (const Vec3d& v : shape.shape().vertices) add(shape.fromLocal(v), nullptr);
+    for (const Inside& p : points_) {
+      if (!isOn(wall, p.crossing)) add(p.point, &p);
+    }
   }
   std::stable_sort(out.begin(), out.end(), [](const Hold& x, const Hold& y) { return x.way > y.way; });
 }
 
 void RegionWalls::limitDepths(std::vector<Contact>& contacts, std::size_t first) const {
   const auto begin = contacts.begin() + static_cast<std::ptrdiff_t>(first);
+  std::vector<std::pair<double, const Wall*>> ahead;
   const auto isVoid = [&](Contact& c) {
     const Vec3d point = c.position + c.normal * (0.5 * c.depth) - origin_;  // of the shape
-    double most = 0;
-    bool faces = false;
-    for (const Wall& wall : walls_) {
-      const double cosine = -otgDot(wall.normal, c.normal);
-      if (!(cosine > kFacing)) continue;
-      const double way = (wall.offset - otgDot(wall.normal, point)) / cosine;
-      // Of a stair the next step's top faces the same way, and is not what the point is below.
-      if (way > wall.depth || (way > c.depth && !isHeldBy(wall, point))) continue;
-      faces = true;
-      most = std::max(most, way);
+    ahead.clear();
+    // The faces of a spike see its tip's way out edge-on.
+    for (const double facing : {kFacing, kEdgeOn}) {
+      if (!ahead.empty()) break;
+      for (const Wall& wall : walls_) {
+        const double cosine = -otgDot(wall.normal, c.normal);
+        if (cosine > facing) ahead.emplace_back((wall.offset - otgDot(wall.normal, point)) / cosine, &wall);
+      }
     }
-    if (!faces || c.depth <= most) return false;
+    std::sort(ahead.begin(), ahead.end(), [](const auto& x, const auto& y) { return x.first > y.first; });
+    while (!ahead.empty() && !(ahead.back().first > rounding_)) ahead.pop_back();
+    if (!ahead.empty() && c.depth <= ahead.back().first * (1 + kPast)) return false;
+    // Of a stair the next step's top faces the same way, and is not what the point is below.
+    const auto farthest = std::find_if(ahead.begin(), ahead.end(), [&](const auto& w) { return isHeldBy(*w.second, point, nullptr); });
+    if (farthest == ahead.end()) return true;
+    const double most = farthest->first;
+    if (c.depth <= most) return false;
     c.position = c.position + c.normal * (0.5 * (c.depth - most));
     c.depth = most;
-    return !(most > rounding_);
+    return false;
   };
   contacts.erase(std::remove_if(begin, contacts.end(), isVoid), contacts.end());
 }
@@ -145,9 +171,9 @@ void RegionWalls::complete(const PlacedShape& shape, double closest, std::vector
     for (const Wall& w : walls_) {
       collect(shape, w, holds);
       printf(" wall n %g %g %g off %.9g holds %zu", w.normal.x, w.normal.y, w.normal.z, w.offset, holds.size());
-      for (std::size_t i = 0; i < std::min<std::size_t>(8, holds.size()); ++i) printf(" [%.3g %d]", holds[i].way, isHeldBy(w, holds[i].point));
+      for (std::size_t i = 0; i < std::min<std::size_t>(8, holds.size()); ++i) printf(" [%.3g %d]", holds[i].way, isHeldBy(w, holds[i].point, holds[i].from));
       printf("\n");
-      for (const Hold& h : holds) if (getenv("DBG2") && isHeldBy(w, h.point)) { printf("      p %.9g %.9g %.9g held ways", h.point.x, h.point.y, h.point.z); for (const Wall& v : walls_) printf(" %.3g(%.3g)", v.offset-otgDot(v.normal,h.point), exitDistance(*meshes_, 0, h.point + origin_, v.normal, far_, 0)); printf("\n"); }
+      for (const Hold& h : holds) if (getenv("DBG2") && isHeldBy(w, h.point, h.from)) { printf("      p %.9g %.9g %.9g held ways", h.point.x, h.point.y, h.point.z); for (const Wall& v : walls_) printf(" %.3g(%.3g)", v.offset-otgDot(v.normal,h.point), exitDistance(*meshes_, 0, h.point + origin_, v.normal, far_, 0)); printf("\n"); }
     }
   }
   for (const Wall& wall : walls_) {
@@ -165,7 +191,7 @@ void RegionWalls::complete(const PlacedShape& shape, double closest, std::vector
       if (kEnough * hold.way <= asked || hold.way < kShallow * deepest || taken.size() == kMostHolds) break;
       const bool isNear = std::any_of(taken.begin(), taken.end(),
                                       [&](const Vec3d& p) { return norm(p - hold.point) < closest; });
-      if (isNear || !isHeldBy(wall, hold.point)) continue;
+      if (isNear || !isHeldBy(wall, hold.point, hold.from)) continue;
       taken.push_back(hold.point);
       deepest = std::max(deepest, hold.way);
       Contact contact{};

@@ -35,20 +35,27 @@ class RegionWalls {
     std::uint32_t triangle;   ///< one of them
     bool counts;              ///< has to be left for itself
   };
+  /// A point inside both, near a point of the region.
+  struct Inside {
+    Vec3d point, crossing;
+    Vec3d stretch;  ///< from the crossing to the end of the edge's stretch inside
+  };
   struct Hold {
     Vec3d point;  ///< of the shape, behind the wall
     double way;   ///< out of the wall along its normal
+    const Inside* from;  ///< null for points that are the shape's own
   };
   bool add(const PlacedShape& shape, const Vec3d& normal, double offset, std::uint32_t triangle, bool counts);
   void addInnerNeighbours(const PlacedShape& shape, std::uint32_t triangle);
   void collect(const PlacedShape& shape, const Wall& wall, std::vector<Hold>& out) const;
-  bool isHeldBy(const Wall& wall, const Vec3d& point) const;
+  bool isOn(const Wall& wall, const Vec3d& point) const;
+  bool isHeldBy(const Wall& wall, const Vec3d& point, const Inside* from) const;
 
   const PlacedMeshes* meshes_ = nullptr;
   Vec3d origin_{};
   double rounding_ = 0, far_ = 0;
   std::vector<Wall> walls_;
-  std::vector<Vec3d> points_;  ///< of the region
+  std::vector<Inside> points_;  ///< of the region, inside both; those of flat shapes on their edges
 };
 
 /// What is left of contacts of which there is room for `most`: of each direction the deepest, then the deepest of all.
