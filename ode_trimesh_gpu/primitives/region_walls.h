@@ -13,27 +13,29 @@ namespace otg {
 /// The planes of mesh A's surface in a region, and of what meets it at inner edges.
 ///
 /// A contact is a point with one direction. A point of the shape that is behind two walls of an inner corner is in
-/// either, and needs a contact for each.
+/// both, and needs a contact for each.
 class RegionWalls {
  public:
-  /// `triangles`: of mesh A in the region, where pieces stand for several. `isConvex`: the region alone is left as a
-  /// whole, so that only walls beside it count. False where there is nothing to do, or more than it is worth.
+  /// `triangles`: of mesh A in the region, where pieces stand for several. `isConvex`: the region by itself is left as
+  /// a whole, so that only walls beside it count. False where there is nothing to do, or more than it is worth.
   bool read(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region, const PlacedShape& shape,
             std::span<const std::uint32_t> triangles, bool isConvex);
 
   /// No contact from `first` on asks for more than takes its point of the shape out of the walls that face its way.
   void limitDepths(std::vector<Contact>& contacts, std::size_t first) const;
-  /// Adds contacts for walls out of which those from `first` on do not take the shape. `closest`: two contacts of a
-  /// wall are no nearer to each other.
+  /// Adds contacts for walls in which the shape is still when it has moved as those from `first` on ask for. `closest`:
+  /// two contacts of a wall are no nearer to each other.
   void complete(const PlacedShape& shape, double closest, std::vector<Contact>& contacts, std::size_t first) const;
 
  private:
   struct Wall {
     Vec3d normal;  ///< unit, outward
     double offset;
-    double depth;             ///< of the whole shape
-    std::uint32_t triangle;   ///< one of them
-    bool counts;              ///< has to be left for itself
+    Vec3d low, high;         ///< bounds of the surface that it stands for
+    std::uint32_t triangle;  ///< one of the region's, in it or beside it
+    bool counts;             ///< has to be left for itself
+    double wayOut(const Vec3d& p) const { return offset - otgDot(normal, p); }
+    double beside(const Vec3d& p) const;
   };
   /// A point inside both, near a point of the region.
   struct Inside {
@@ -41,21 +43,24 @@ class RegionWalls {
     Vec3d stretch;  ///< from the crossing to the end of the edge's stretch inside
   };
   struct Hold {
-    Vec3d point;  ///< of the shape, behind the wall
-    double way;   ///< out of the wall along its normal
+    Vec3d point;         ///< of the shape, behind the wall
+    double way;          ///< out of the wall along its normal
     const Inside* from;  ///< null for points that are the shape's own
   };
-  bool add(const PlacedShape& shape, const Vec3d& normal, double offset, std::uint32_t triangle, bool counts);
-  void addInnerNeighbours(const PlacedShape& shape, std::uint32_t triangle);
+  bool add(const Wall& wall);
+  void addInnerNeighbours(const PlacedShape& shape, std::uint32_t triangle, std::uint32_t named);
   void collect(const PlacedShape& shape, const Wall& wall, std::vector<Hold>& out) const;
   bool isOn(const Wall& wall, const Vec3d& point) const;
+  bool isInDoubt(const Contact& contact, const Vec3d& point) const;
   bool isHeldBy(const Wall& wall, const Vec3d& point, const Inside* from) const;
+  void hold(const PlacedShape& shape, const Wall& wall, const Vec3d& move, double closest,
+            std::vector<Contact>& contacts, std::size_t first) const;
 
   const PlacedMeshes* meshes_ = nullptr;
   Vec3d origin_{};
-  double rounding_ = 0, far_ = 0;
+  double rounding_ = 0, onPlane_ = 0, far_ = 0;
   std::vector<Wall> walls_;
-  std::vector<Inside> points_;  ///< of the region, inside both; those of flat shapes on their edges
+  std::vector<Inside> points_;  ///< those of flat shapes on their edges
 };
 
 /// What is left of contacts of which there is room for `most`: of each direction the deepest, then the deepest of all.
