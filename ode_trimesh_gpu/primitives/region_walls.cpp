@@ -17,6 +17,7 @@ constexpr double kSameWay = 0.9986;  // cosine of 3 degrees
 // Cosines between a contact's way out and the normals of what it leaves. The faces of a spike see its tip's way edge-on.
 constexpr double kFacing = 0.5, kEdgeOn = 0.05;
 constexpr double kLeft = 0.005;        // of a way: so little is not worth one more contact
+constexpr int kMostRounds = 3;
 constexpr double kShallow = 0.5;       // of a wall's deepest: points that are less deep hold little
 constexpr std::size_t kMostHolds = 4;  // of a wall
 constexpr double kInDoubt = 0.5;       // of a contact's depth: where a wall is left after less, the contact may be wrong
@@ -114,8 +115,8 @@ bool RegionWalls::isOn(const Wall& wall, const Vec3d& point) const {
 
 /// Whether the point has to leave the wall: it is inside the mesh still when it has left those that it is out of
 /// sooner.
-bool RegionWalls::isHeldBy(const Wall& wall, const Vec3d& point, const Inside* from) const {
-  const double last = wall.wayOut(point);
+bool RegionWalls::isHeldBy(const Wall& wall, const Vec3d& point, double moved, const Inside* from) const {
+  const double last = wall.wayOut(point), near = 2 * (last + moved);
   std::vector<std::pair<double, const Wall*>> sooner;
   for (const Wall& w : walls_) {
     if (&w == &wall) continue;
@@ -131,14 +132,14 @@ bool RegionWalls::isHeldBy(const Wall& wall, const Vec3d& point, const Inside* f
   Vec3d p = point;
   for (const auto& [unused, w] : sooner) {
     const double ahead = w->wayOut(p), way = ahead > onPlane_ ? ahead : 0, past = onPlane_ + kPast * way;
-    if (w->beside(p + w->normal * way) > 2 * last) continue;
+    if (w->beside(p + w->normal * way) > near) continue;
     const double exit = exitDistance(*meshes_, 0, p + origin_, w->normal, far_, 0);
     if (exit < way - past && way > 0) continue;  // the plane belongs to another part of the surface
     if (exit < way + past) return false;
     p = p + w->normal * (way + past);
   }
   const double way = wall.wayOut(p);
-  return way > 0 && wall.beside(p + wall.normal * way) <= 2 * last &&
+  return way > 0 && wall.beside(p + wall.normal * way) <= near &&
          exitDistance(*meshes_, 0, p + origin_, wall.normal, far_, 0) >= way * (1 - kPast);
 }
 
@@ -170,7 +171,7 @@ void RegionWalls::hold(const PlacedShape& shape, const Wall& wall, const Vec3d& 
     if (left <= rounding_ + kLeft * std::fabs(h.way) || h.way < kShallow * deepest || taken.size() == kMostHolds) break;
     const bool isNear =
         std::any_of(taken.begin(), taken.end(), [&](const Vec3d& p) { return norm(p - h.point) < closest; });
-    if (isNear || !isHeldBy(wall, h.point + move, h.from)) continue;
+    if (isNear || !isHeldBy(wall, h.point + move, norm(move), h.from)) continue;
     taken.push_back(h.point);
     deepest = std::max(deepest, h.way);
     Contact contact{};
@@ -187,14 +188,19 @@ void RegionWalls::hold(const PlacedShape& shape, const Wall& wall, const Vec3d& 
 void RegionWalls::complete(const PlacedShape& shape, double closest, std::vector<Contact>& contacts,
                            std::size_t first) const {
   std::optional<Vec3d> move = shortestMove(std::span(contacts).subspan(first));
-  for (const Wall& wall : walls_) {
-    if (!move) return;
-    if (!wall.counts) continue;
-    const double depth = wall.offset - shape.rearAlong(wall.normal);
-    if (depth - otgDot(wall.normal, *move) <= rounding_ + kLeft * std::fabs(depth)) continue;
+  // A way that one wall asks for may lead into another.
+  for (int round = 0; round < kMostRounds; ++round) {
     const std::size_t before = contacts.size();
-    hold(shape, wall, *move, closest, contacts, first);
-    if (contacts.size() > before) move = shortestMove(std::span(contacts).subspan(first));
+    for (const Wall& wall : walls_) {
+      if (!move) return;
+      if (!wall.counts) continue;
+      const double depth = wall.offset - shape.rearAlong(wall.normal);
+      if (depth - otgDot(wall.normal, *move) <= rounding_ + kLeft * std::fabs(depth)) continue;
+      const std::size_t known = contacts.size();
+      hold(shape, wall, *move, closest, contacts, first);
+      if (contacts.size() > known) move = shortestMove(std::span(contacts).subspan(first));
+    }
+    if (contacts.size() == before) return;
   }
 }
 
@@ -224,7 +230,7 @@ void RegionWalls::limitDepths(std::vector<Contact>& contacts, std::size_t first)
     while (!ahead.empty() && !(ahead.back().first > rounding_)) ahead.pop_back();
     // Of a stair the next step's top faces the same way, and is not what the point is below.
     const auto farthest =
-        std::find_if(ahead.begin(), ahead.end(), [&](const auto& w) { return isHeldBy(*w.second, point, nullptr); });
+        std::find_if(ahead.begin(), ahead.end(), [&](const auto& w) { return isHeldBy(*w.second, point, 0, nullptr); });
     if (farthest == ahead.end()) return true;
     const double most = farthest->first;
     if (c.depth <= most) return false;

@@ -52,7 +52,7 @@ class RegionWalls {
   void collect(const PlacedShape& shape, const Wall& wall, std::vector<Hold>& out) const;
   bool isOn(const Wall& wall, const Vec3d& point) const;
   bool isInDoubt(const Contact& contact, const Vec3d& point) const;
-  bool isHeldBy(const Wall& wall, const Vec3d& point, const Inside* from) const;
+  bool isHeldBy(const Wall& wall, const Vec3d& point, double moved, const Inside* from) const;
   void hold(const PlacedShape& shape, const Wall& wall, const Vec3d& move, double closest,
             std::vector<Contact>& contacts, std::size_t first) const;
 
