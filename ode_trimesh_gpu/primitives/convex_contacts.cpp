@@ -18,6 +18,7 @@ namespace otg {
 namespace {
 
 constexpr double kThin = 0.01;             // thickness of a region over its diagonal: of walls that face each other
+constexpr double kLeft = 0.005, kRounding = 2.5e-7;
 constexpr double kSamePlace = 0.01;       // of the region's diagonal
 constexpr double kFacetsStickOut = 0.05;  // of the radius: at most
 
@@ -80,6 +81,7 @@ class ShapeRefiner final : public RegionRefiner {
       for (auto it = begin; it != contacts.end(); ++it) it->depth = std::min(it->depth, way_.depth);
       addDeepest(contacts, first);
     }
+    if (settled_ && !shape_.isCurved()) undoRounding(contacts, first);
     if (hasWalls_ && !settled_) walls_.limitDepths(contacts, first);
     if (hasWalls_) walls_.complete(*placed_, kSamePlace * diagonal_, contacts, first);
     keepEachDirection(contacts, first, static_cast<std::size_t>(query_.options.solid.contactsPerRegion));
@@ -153,6 +155,15 @@ class ShapeRefiner final : public RegionRefiner {
                        [&](const Contact& c) { return norm(c.position - deepest.position) < kSamePlace * diagonal_; }),
         contacts.end());
     contacts.push_back(deepest);
+  }
+
+  /// The vertices of the shape's mesh are rounded to single precision, the way out is not: it may be no longer than that.
+  void undoRounding(std::vector<Contact>& contacts, std::size_t first) const {
+    double deepest = 0;
+    for (std::size_t i = first; i < contacts.size(); ++i) deepest = std::max(deepest, contacts[i].depth);
+    const double missing = way_.depth - deepest;
+    if (!(missing > kLeft * way_.depth) || missing > kRounding * double{shape_.mesh->mesh().radius()}) return;
+    for (std::size_t i = first; i < contacts.size(); ++i) contacts[i].depth += missing;
   }
 
   /// Of contacts along a line the deepest and the outermost.

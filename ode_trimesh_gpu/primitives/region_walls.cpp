@@ -39,6 +39,7 @@ bool RegionWalls::read(const PlacedMeshes& meshes, const OverlapRegions& all, co
   origin_ = all.origin;
   walls_.clear();
   points_.clear();
+  onMesh_.clear();
   const double reach = double{meshes.mesh(0).radius()} + meshes.mesh(1).radius();
   rounding_ = 1e-13 * reach;
   onPlane_ = 4e-10 * reach;
@@ -58,10 +59,11 @@ bool RegionWalls::read(const PlacedMeshes& meshes, const OverlapRegions& all, co
   const Vec3d middle = (region.lo + region.hi) * 0.5;
   for (std::uint32_t i = region.pointBegin; i < region.pointEnd; ++i) {
     const SupportPoint& p = all.points[i];
+    if (p.mesh == 0 && p.kind != PointKind::kCrossing && !p.flat) onMesh_.push_back({p.position, p.position, {}, p.triangleA == kNone ? named : p.triangleA});
     if (shape.shape().isCurved()) {
-      points_.push_back({p.position + (middle - p.position) * kInside, p.position, {0, 0, 0}});
+      points_.push_back({p.position + (middle - p.position) * kInside, p.position, {}, named});
     } else if (p.kind == PointKind::kCrossing && p.mesh == 1) {
-      points_.push_back({p.position + p.along * (kInside * p.reach), p.position, p.along * p.reach});
+      points_.push_back({p.position + p.along * (kInside * p.reach), p.position, p.along * p.reach, named});
     }
   }
   return true;
@@ -200,17 +202,74 @@ void RegionWalls::complete(const PlacedShape& shape, double closest, std::vector
       hold(shape, wall, *move, closest, contacts, first);
       if (contacts.size() > known) move = shortestMove(std::span(contacts).subspan(first));
     }
+    for (const Inside& at : onMesh_) {
+      if (!move) return;
+      if (holdPoint(shape, at, *move, contacts, first)) move = shortestMove(std::span(contacts).subspan(first));
+    }
     if (contacts.size() == before) return;
   }
 }
 
-/// Whether the point is out of the mesh after much less than the contact asks for.
+/// Ways along which a point of the mesh may be left: normals of the walls that it is on, and at an edge between two of
+/// them those in which the shape's own surface is nearest.
+void RegionWalls::waysAt(const PlacedShape& shape, const Vec3d& point, std::vector<Vec3d>& out) const {
+  out.clear();
+  for (const Wall& wall : walls_) {
+    if (isOn(wall, point)) out.push_back(wall.normal);
+  }
+  const std::size_t faces = out.size();
+  const auto offerBetween = [&](const Vec3d& d) {
+    for (std::size_t i = 0; i < faces; ++i) {
+      for (std::size_t k = 0; k < i; ++k) {
+        const Vec3d along = otgCross(out[i], out[k]);
+        const double nn = otgDot(along, along);
+        if (!(nn > 1e-6)) continue;
+        const Vec3d across = d - along * (otgDot(along, d) / nn);
+        const bool isBetween = otgDot(otgCross(out[i], across), along) > 0 && otgDot(otgCross(across, out[k]), along) > 0;
+        if (isBetween && otgDot(across, across) > 0.5) out.push_back(unit(across));
+      }
+    }
+  };
+  if (shape.shape().isCurved()) offerBetween(wayToRoundSide(shape, point));
+  for (const Vec3d& n : shape.shape().faceNormals) offerBetween(shape.direction(n) * -1.0);
+}
+
+/// Points of the mesh that are in the shape still when it has moved.
+bool RegionWalls::holdPoint(const PlacedShape& shape, const Inside& at, const Vec3d& move,
+                            std::vector<Contact>& contacts, std::size_t first) const {
+  const Vec3d &point = at.crossing, left = point - move;
+  if (!(shape.exitDistance(left, {0, 0, 1}) >= 0)) return false;
+  std::vector<Vec3d> ways;
+  waysAt(shape, point, ways);
+  Contact contact{};
+  double least = far_;
+  for (const Vec3d& d : ways) {
+    const double way = shape.exitDistance(left, d * -1.0);
+    if (way >= least) continue;
+    least = way;
+    contact.normal = d * -1.0;
+    contact.depth = shape.exitDistance(point, d * -1.0);
+  }
+  if (least == far_ || least <= rounding_ + kLeft * contact.depth) return false;
+  contact.position = point + contact.normal * (0.5 * contact.depth) + origin_;
+  contact.triangleA = at.triangle;
+  contact.region = contacts.size() > first ? contacts[first].region : 0;
+  contact.coherence = 1;
+  contacts.push_back(contact);
+  return true;
+}
+
+/// Whether the point is out of the mesh after much less than the contact asks for, or there is nothing to leave.
 bool RegionWalls::isInDoubt(const Contact& contact, const Vec3d& point) const {
-  return std::any_of(walls_.begin(), walls_.end(), [&](const Wall& wall) {
-    const double way = wall.wayOut(point);
-    return way >= -onPlane_ && way < kInDoubt * contact.depth &&
-           wall.beside(point + wall.normal * way) <= std::max(way, onPlane_);
-  });
+  bool isBehind = false;
+  for (const Wall& wall : walls_) {
+    const double way = wall.wayOut(point), cosine = -otgDot(wall.normal, contact.normal);
+    if (way >= -onPlane_ && way < kInDoubt * contact.depth &&
+        wall.beside(point + wall.normal * way) <= std::max(way, onPlane_))
+      return true;
+    isBehind = isBehind || (cosine > kEdgeOn && way >= kInDoubt * contact.depth * cosine);
+  }
+  return !isBehind;
 }
 
 void RegionWalls::limitDepths(std::vector<Contact>& contacts, std::size_t first) const {

@@ -41,6 +41,7 @@ class RegionWalls {
   struct Inside {
     Vec3d point, crossing;
     Vec3d stretch;  ///< from the crossing to the end of the edge's stretch inside
+    std::uint32_t triangle;
   };
   struct Hold {
     Vec3d point;         ///< of the shape, behind the wall
@@ -55,12 +56,16 @@ class RegionWalls {
   bool isHeldBy(const Wall& wall, const Vec3d& point, double moved, const Inside* from) const;
   void hold(const PlacedShape& shape, const Wall& wall, const Vec3d& move, double closest,
             std::vector<Contact>& contacts, std::size_t first) const;
+  void waysAt(const PlacedShape& shape, const Vec3d& point, std::vector<Vec3d>& out) const;
+  bool holdPoint(const PlacedShape& shape, const Inside& at, const Vec3d& move, std::vector<Contact>& contacts,
+                 std::size_t first) const;
 
   const PlacedMeshes* meshes_ = nullptr;
   Vec3d origin_{};
   double rounding_ = 0, onPlane_ = 0, far_ = 0;
   std::vector<Wall> walls_;
   std::vector<Inside> points_;  ///< those of flat shapes on their edges
+  std::vector<Inside> onMesh_;  ///< on edges and vertices of the mesh
 };
 
 /// What is left of contacts of which there is room for `most`: of each direction the deepest, then the deepest of all.
