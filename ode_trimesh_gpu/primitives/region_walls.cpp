@@ -90,24 +90,23 @@ bool RegionWalls::add(const Wall& wall) {
 void RegionWalls::addInnerNeighbours(const PlacedShape& shape, std::uint32_t triangle, std::uint32_t named) {
   const TriMesh& mesh = meshes_->mesh(0);
   const Vec3d& n = meshes_->adjacency(0).normal[triangle];
-  const Vec3d corner = meshes_->vertex(0, mesh.triangles()[triangle].v[0]);
-  const double way = otgDot(n, corner - origin_) - shape.rearAlong(n);
-  for (std::uint32_t half = 3 * triangle; half < 3 * triangle + 3; ++half) {
-    const std::uint32_t twin = mesh.topology().twin[half];
+  Vec3d p[3];
+  for (std::size_t k = 0; k < 3; ++k) p[k] = meshes_->vertex(0, mesh.triangles()[triangle].v[k]) - origin_;
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    const std::uint32_t twin = mesh.topology().twin[3 * triangle + k];
     if (twin == kNone) continue;
-    const Vec3d opposite = meshes_->vertex(0, mesh.triangles()[twin / 3].v[(twin + 2) % 3]);
     const Vec3d& other = meshes_->adjacency(0).normal[twin / 3];
     const double cosine = otgDot(n, other);
-    if (otgDot(n, opposite - corner) <= 0 || cosine > kSameWay) continue;
-    const double offset = otgDot(other, opposite - origin_);
+    if (cosine > kSameWay || otgDot(otgCross(n, other), p[(k + 1) % 3] - p[k]) >= 0) continue;
+    const double offset = otgDot(other, p[k]), way = otgDot(n, p[k]) - shape.rearAlong(n);
     if (shape.rearAlong(other) >= offset + std::max(0.0, -cosine * way)) continue;
-    Vec3d low = opposite, high = opposite;
+    Vec3d low = p[k], high = p[k];
     for (const std::uint32_t v : mesh.triangles()[twin / 3].v) {
-      const Vec3d p = meshes_->vertex(0, v);
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+      const Vec3d q = meshes_->vertex(0, v) - origin_;
+      low = {std::min(low.x, q.x), std::min(low.y, q.y), std::min(low.z, q.z)};
+      high = {std::max(high.x, q.x), std::max(high.y, q.y), std::max(high.z, q.z)};
     }
-    add({other, offset, low - origin_, high - origin_, named, true});
+    add({other, offset, low, high, named, true});
   }
 }
 
@@ -119,6 +118,7 @@ bool RegionWalls::isOn(const Wall& wall, const Vec3d& point) const {
 /// sooner.
 bool RegionWalls::isHeldBy(const Wall& wall, const Vec3d& point, double moved, const Inside* from) const {
   const double last = wall.wayOut(point), near = 2 * (last + moved);
+  if (wall.beside(point + wall.normal * last) > near) return false;
   std::vector<std::pair<double, const Wall*>> sooner;
   for (const Wall& w : walls_) {
     if (&w == &wall) continue;
