@@ -228,7 +228,7 @@ Vec3d PlacedShape::rearNear(const Vec3d& d, const Vec3d& position) const {
   const double radius = shape_->radius, slope = std::fabs(back.z);
   p.z = std::clamp(p.z, -shape_->length, shape_->length);
   if (shape_->kind == ConvexShape::Kind::kCapsule) return fromLocal(Vec3d{0, 0, p.z} + back * radius);
-  const double across = std::hypot(back.x, back.y), out = std::hypot(p.x, p.y);
+  const double across = std::sqrt(back.x * back.x + back.y * back.y), out = std::sqrt(p.x * p.x + p.y * p.y);
   if (slope < kOnSide) {
     p.x = radius * back.x / across;
     p.y = radius * back.y / across;

@@ -3,6 +3,7 @@
 // shape to leave it.
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -30,6 +31,11 @@ class PlacedShape {
   double rearAlong(const Vec3d& d) const { return otgDot(d, rear(d)); }
   /// Of a curved shape: the point nearest to p of those that are about as late.
   Vec3d rearNear(const Vec3d& d, const Vec3d& p) const;
+  /// Whether a curved shape leaves with one point of a rim last.
+  bool standsOnPoint(const Vec3d& d) const {
+    const double slope = std::fabs(directionToLocal(d).z);
+    return shape_->kind == ConvexShape::Kind::kCylinder && slope >= kOnSide && slope <= kOnEnd;
+  }
   double exitDistance(const Vec3d& p, const Vec3d& d) const {
     return shape_->exitDistance(toLocal(p), directionToLocal(d));
   }

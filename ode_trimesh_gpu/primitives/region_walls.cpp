@@ -145,12 +145,18 @@ bool RegionWalls::isHeldBy(const Wall& wall, const Vec3d& point, double moved, c
          exitDistance(*meshes_, 0, p + origin_, wall.normal, far_, 0) >= way * (1 - kPast);
 }
 
-/// Points of the shape, those first that are deepest in the wall.
-void RegionWalls::collect(const PlacedShape& shape, const Wall& wall, std::vector<Hold>& out) const {
+/// Points of the shape that are in the wall still after the move, the deepest first.
+void RegionWalls::collect(const PlacedShape& shape, const Wall& wall, const Vec3d& move, std::vector<Hold>& out) const {
   out.clear();
-  const auto add = [&](const Vec3d& p, const Inside* from) { out.push_back({p, wall.wayOut(p), from}); };
+  const double asked = otgDot(wall.normal, move), near = 2 * norm(move);
+  const auto add = [&](const Vec3d& p, const Inside* from) {
+    const double way = wall.wayOut(p), left = way - asked;
+    if (left <= rounding_ + kLeft * std::fabs(way)) return;
+    if (wall.beside(p + move + wall.normal * left) <= near + 2 * left) out.push_back({p, way, from});
+  };
   if (shape.shape().isCurved()) {
     add(shape.rear(wall.normal), nullptr);
+    if (shape.standsOnPoint(wall.normal)) return;
     for (const Inside& p : points_) add(shape.rearNear(wall.normal, p.point), nullptr);
   } else {
     for (const Vec3d& v : shape.shape().vertices) add(shape.fromLocal(v), nullptr);
@@ -164,13 +170,11 @@ void RegionWalls::collect(const PlacedShape& shape, const Wall& wall, std::vecto
 void RegionWalls::hold(const PlacedShape& shape, const Wall& wall, const Vec3d& move, double closest,
                        std::vector<Contact>& contacts, std::size_t first) const {
   std::vector<Hold> holds;
-  collect(shape, wall, holds);
-  const double asked = otgDot(wall.normal, move);
+  collect(shape, wall, move, holds);
   double deepest = 0;
   std::vector<Vec3d> taken;
   for (const Hold& h : holds) {
-    const double left = h.way - asked;
-    if (left <= rounding_ + kLeft * std::fabs(h.way) || h.way < kShallow * deepest || taken.size() == kMostHolds) break;
+    if (h.way < kShallow * deepest || taken.size() == kMostHolds) break;
     const bool isNear =
         std::any_of(taken.begin(), taken.end(), [&](const Vec3d& p) { return norm(p - h.point) < closest; });
     if (isNear || !isHeldBy(wall, h.point + move, norm(move), h.from)) continue;

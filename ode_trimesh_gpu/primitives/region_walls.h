@@ -50,7 +50,7 @@ class RegionWalls {
   };
   bool add(const Wall& wall);
   void addInnerNeighbours(const PlacedShape& shape, std::uint32_t triangle, std::uint32_t named);
-  void collect(const PlacedShape& shape, const Wall& wall, std::vector<Hold>& out) const;
+  void collect(const PlacedShape& shape, const Wall& wall, const Vec3d& move, std::vector<Hold>& out) const;
   bool isOn(const Wall& wall, const Vec3d& point) const;
   bool isInDoubt(const Contact& contact, const Vec3d& point) const;
   bool isHeldBy(const Wall& wall, const Vec3d& point, double moved, const Inside* from) const;
