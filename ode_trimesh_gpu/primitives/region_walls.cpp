@@ -17,12 +17,21 @@ constexpr double kSameWay = 0.9986;  // cosine of 3 degrees
 // Cosines between a contact's way out and the normals of what it leaves. The faces of a spike see its tip's way edge-on.
 constexpr double kFacing = 0.5, kEdgeOn = 0.05;
 constexpr double kLeft = 0.005;        // of a way: so little is not worth one more contact
+constexpr double kTie = 1e-7;
 constexpr int kMostRounds = 3;
 constexpr double kShallow = 0.5;       // of a wall's deepest: points that are less deep hold little
 constexpr std::size_t kMostHolds = 4;  // of a wall
 constexpr double kInDoubt = 0.5;       // of a contact's depth: where a wall is left after less, the contact may be wrong
 constexpr double kInside = 1e-3;       // of an edge's stretch: from its crossing, so as not to be on the surface
 constexpr double kPast = 1e-3;         // of a way out: so far past it a point is outside
+
+/// Which of two places comes first, alike for every numbering of the mesh: by coordinates in steps, to which rounding
+/// does not matter but for places that are a step's end by chance.
+bool isBefore(const Vec3d& a, const Vec3d& b, double step) {
+  const auto stepOf = [&](double x) { return std::floor(x / step + 0.37); };
+  const double x = stepOf(a.x) - stepOf(b.x), y = stepOf(a.y) - stepOf(b.y);
+  return x != 0 ? x < 0 : y != 0 ? y < 0 : stepOf(a.z) < stepOf(b.z);
+}
 
 }  // namespace
 
@@ -157,14 +166,25 @@ void RegionWalls::collect(const PlacedShape& shape, const Wall& wall, const Vec3
   if (shape.shape().isCurved()) {
     add(shape.rear(wall.normal), nullptr);
     if (shape.standsOnPoint(wall.normal)) return;
-    for (const Inside& p : points_) add(shape.rearNear(wall.normal, p.point), nullptr);
+    // Where the surface of the wall is in the shape; or anywhere, if the shape is in it below another wall only.
+    const bool isThere =
+        std::any_of(points_.begin(), points_.end(), [&](const Inside& p) { return isOn(wall, p.crossing); });
+    for (const Inside& p : points_) {
+      if (!isThere || isOn(wall, p.crossing)) add(shape.rearNear(wall.normal, p.point), nullptr);
+    }
   } else {
     for (const Vec3d& v : shape.shape().vertices) add(shape.fromLocal(v), nullptr);
     for (const Inside& p : points_) {
       if (!isOn(wall, p.crossing)) add(p.point, &p);
     }
   }
-  std::stable_sort(out.begin(), out.end(), [](const Hold& x, const Hold& y) { return x.way > y.way; });
+  double deepest = 0;
+  for (const Hold& h : out) deepest = std::max(deepest, std::fabs(h.way));
+  const auto stepOf = [&](const Hold& h) { return std::floor(h.way / (kTie * deepest + rounding_) + 0.37); };
+  std::sort(out.begin(), out.end(), [&](const Hold& x, const Hold& y) {
+    const double a = stepOf(x), b = stepOf(y);
+    return a != b ? a > b : isBefore(x.point, y.point, kTie * far_);
+  });
 }
 
 void RegionWalls::hold(const PlacedShape& shape, const Wall& wall, const Vec3d& move, double closest,
@@ -191,24 +211,47 @@ void RegionWalls::hold(const PlacedShape& shape, const Wall& wall, const Vec3d& 
   }
 }
 
+/// Walls that the shape may be in after the move.
+std::vector<const RegionWalls::Wall*> RegionWalls::unmetWalls(const PlacedShape& shape, const Vec3d& move) const {
+  std::vector<const Wall*> unmet;
+  for (const Wall& wall : walls_) {
+    if (!wall.counts) continue;
+    const double depth = wall.offset - shape.rearAlong(wall.normal);
+    if (depth - otgDot(wall.normal, move) > rounding_ + kLeft * std::fabs(depth)) unmet.push_back(&wall);
+  }
+  std::sort(unmet.begin(), unmet.end(), [&](const Wall* x, const Wall* y) {
+    if (isBefore(x->normal, y->normal, kTie)) return true;
+    return !isBefore(y->normal, x->normal, kTie) && x->offset < y->offset;
+  });
+  return unmet;
+}
+
+/// Points of the mesh that are in the shape after the move.
+std::vector<const RegionWalls::Inside*> RegionWalls::unmetPoints(const PlacedShape& shape, const Vec3d& move) const {
+  std::vector<const Inside*> unmet;
+  for (const Inside& at : onMesh_) {
+    if (shape.exitDistance(at.crossing - move, {0, 0, 1}) >= 0) unmet.push_back(&at);
+  }
+  std::sort(unmet.begin(), unmet.end(),
+            [&](const Inside* x, const Inside* y) { return isBefore(x->crossing, y->crossing, kTie * far_); });
+  return unmet;
+}
+
 void RegionWalls::complete(const PlacedShape& shape, double closest, std::vector<Contact>& contacts,
                            std::size_t first) const {
   std::optional<Vec3d> move = shortestMove(std::span(contacts).subspan(first));
   // A way that one wall asks for may lead into another.
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; move && round < kMostRounds; ++round) {
     const std::size_t before = contacts.size();
-    for (const Wall& wall : walls_) {
-      if (!move) return;
-      if (!wall.counts) continue;
-      const double depth = wall.offset - shape.rearAlong(wall.normal);
-      if (depth - otgDot(wall.normal, *move) <= rounding_ + kLeft * std::fabs(depth)) continue;
+    for (const Wall* wall : unmetWalls(shape, *move)) {
       const std::size_t known = contacts.size();
-      hold(shape, wall, *move, closest, contacts, first);
+      hold(shape, *wall, *move, closest, contacts, first);
       if (contacts.size() > known) move = shortestMove(std::span(contacts).subspan(first));
-    }
-    for (const Inside& at : onMesh_) {
       if (!move) return;
-      if (holdPoint(shape, at, *move, contacts, first)) move = shortestMove(std::span(contacts).subspan(first));
+    }
+    for (const Inside* at : unmetPoints(shape, *move)) {
+      if (holdPoint(shape, *at, *move, contacts, first)) move = shortestMove(std::span(contacts).subspan(first));
+      if (!move) return;
     }
     if (contacts.size() == before) return;
   }
@@ -238,7 +281,7 @@ void RegionWalls::waysAt(const PlacedShape& shape, const Vec3d& point, std::vect
   for (const Vec3d& n : shape.shape().faceNormals) offerBetween(shape.direction(n) * -1.0);
 }
 
-/// Points of the mesh that are in the shape still when it has moved.
+/// Holds a point of the mesh, if it is in the shape after the move still, along the shortest of its ways.
 bool RegionWalls::holdPoint(const PlacedShape& shape, const Inside& at, const Vec3d& move,
                             std::vector<Contact>& contacts, std::size_t first) const {
   const Vec3d &point = at.crossing, left = point - move;

@@ -51,6 +51,8 @@ class RegionWalls {
   bool add(const Wall& wall);
   void addInnerNeighbours(const PlacedShape& shape, std::uint32_t triangle, std::uint32_t named);
   void collect(const PlacedShape& shape, const Wall& wall, const Vec3d& move, std::vector<Hold>& out) const;
+  std::vector<const Wall*> unmetWalls(const PlacedShape& shape, const Vec3d& move) const;
+  std::vector<const Inside*> unmetPoints(const PlacedShape& shape, const Vec3d& move) const;
   bool isOn(const Wall& wall, const Vec3d& point) const;
   bool isInDoubt(const Contact& contact, const Vec3d& point) const;
   bool isHeldBy(const Wall& wall, const Vec3d& point, double moved, const Inside* from) const;
