@@ -75,9 +75,10 @@ namespace otg {
 #define OTG_SOLID_DEEP_POINTS 48
 
 /// A region that reaches so many thicknesses along its push is uneven: it goes round a corner, or a thin contact has a
-/// wedge beside it. There each point leaves by the face along which both meshes are left soonest. Its local normal
-/// stays where that agrees with it to 10 degrees. What is within the last (in diagonals) of a triangle is on it.
-#define OTG_SOLID_UNEVEN 6.0
+/// wedge beside it. There each point leaves by the faces nearest to it (collide/solid/uneven_region.h). Where those are
+/// of a curved surface and its local normal agrees with one to 10 degrees, that serves, because it is smooth over
+/// facets. What is within the last (in diagonals) of a triangle is on it.
+#define OTG_SOLID_UNEVEN 4.0
 #define OTG_SOLID_ONE_WAY 0.985
 #define OTG_SOLID_ON_EDGE 1e-9
 
@@ -277,6 +278,34 @@ OTG_GENERIC OTG_VEC3 OTG_NAME(otgProbe)(OTG_VEC3 position, OTG_VEC3 along, REAL 
                           OTG_NAME(otgScale)(surfaceNormal, ofDepth < ofExtent ? ofDepth : ofExtent));
 }
 
+/// Where the stretch of edge p passes the stretch of edge q of the other mesh, seen along n: how far from its middle, and
+/// how far p must go along n to reach q; a length of 0 or less says nothing. `apart`: from the middle of p to that of q.
+#ifdef __OPENCL_VERSION__
+#define OTG_STRETCH_PASS OTG_NAME(otg_stretch_pass)
+typedef struct {
+  REAL at, way;
+} OTG_STRETCH_PASS;
+#else
+template <class REAL>
+struct StretchPass {
+  REAL at, way;
+};
+#define OTG_STRETCH_PASS StretchPass<REAL>
+#endif
+OTG_GENERIC OTG_STRETCH_PASS OTG_NAME(otgPassOfStretches)(OTG_VEC3 apart, OTG_VEC3 alongP, REAL reachP, OTG_VEC3 alongQ,
+                                                          REAL reachQ, OTG_VEC3 n) {
+  OTG_STRETCH_PASS pass;
+  const REAL across = OTG_NAME(otgDot)(OTG_NAME(otgCross)(alongP, alongQ), n);
+  REAL atQ;
+  pass.at = pass.way = OTG_REAL(0);
+  if (OTG_ABS(across) < OTG_REAL(OTG_SOLID_LEAST_SINE)) return pass;
+  pass.at = OTG_NAME(otgDot)(OTG_NAME(otgCross)(apart, alongQ), n) / across;
+  atQ = OTG_NAME(otgDot)(OTG_NAME(otgCross)(apart, alongP), n) / across;
+  if (OTG_ABS(pass.at) > reachP || OTG_ABS(atQ) > reachQ) return pass;
+  pass.way = OTG_NAME(otgDot)(apart, n) - pass.at * OTG_NAME(otgDot)(alongP, n) + atQ * OTG_NAME(otgDot)(alongQ, n);
+  return pass;
+}
+
 /// How far from a middle its stretch's ends are looked at.
 OTG_GENERIC REAL OTG_NAME(otgReachOfEnds)(REAL reach, REAL diagonal) {
   const REAL shortened = reach - OTG_REAL(OTG_SOLID_INWARD) * diagonal, most = OTG_REAL(0.5) * reach;
@@ -351,5 +380,6 @@ OTG_GENERIC OTG_REGION_MEASURE OTG_NAME(otgMeasureRegion)(OTG_VEC3 a, OTG_VEC3 b
 }  // namespace otg
 #endif
 #undef OTG_REGION_MEASURE
+#undef OTG_STRETCH_PASS
 #include "shared/math/generic_end.h"
 #endif

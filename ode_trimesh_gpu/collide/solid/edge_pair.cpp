@@ -11,7 +11,6 @@ namespace {
 
 /// A stretch of a sharp convex edge inside the other mesh, in A's frame.
 struct Stretch {
-  std::uint32_t point;
   Vec3d middle, along;
   double reach;
   Vec3d faces[2];  ///< outward normals
@@ -34,7 +33,7 @@ std::vector<Stretch> stretchesOf(int m, const PlacedMeshes& meshes, const Overla
     const bool forward = topology.weld[meshes.mesh(m).triangles()[half / 3].v[half % 3]] == edge.a;
     if (!otgIsSharpConvex(n0, n1, forward ? ends : ends * -1.0)) continue;
     if (found.size() == OTG_SOLID_MOST_STRETCHES) return {};
-    found.push_back({i, p.position, p.along, p.reach, {n0, n1}});
+    found.push_back({p.position, p.along, p.reach, {n0, n1}});
   }
   return found;
 }
@@ -53,11 +52,11 @@ bool isAll(const Stretch& s, int m, const OverlapRegions& all, const Region& reg
 
 }  // namespace
 
-std::vector<EdgePair> edgePairs(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region) {
-  std::vector<EdgePair> pairs;
-  if (region.contained || region.coherence >= OTG_SOLID_ONE_FACE || region.cellEnd > region.cellBegin) return pairs;
+std::vector<Vec3d> directionsAcross(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region) {
+  std::vector<Vec3d> found;
+  if (region.contained || region.coherence >= OTG_SOLID_ONE_FACE || region.cellEnd > region.cellBegin) return found;
   const std::vector<Stretch> a = stretchesOf(0, meshes, all, region);
-  if (a.empty()) return pairs;
+  if (a.empty()) return found;
   const bool isLump = region.thickness > OTG_SOLID_DEEP * region.diagonal;
   const std::vector<Stretch> b = stretchesOf(1, meshes, all, region);
   for (const Stretch& s : a) {
@@ -74,10 +73,10 @@ std::vector<EdgePair> edgePairs(const PlacedMeshes& meshes, const OverlapRegions
       const double u = otgDot(otgCross(apart, r.along), across) / (sine * sine);
       const double v = otgDot(otgCross(apart, s.along), across) / (sine * sine);
       if (std::fabs(u) > s.reach || std::fabs(v) > r.reach) continue;
-      pairs.push_back({d, s.point, r.point, s.middle + s.along * u, r.middle + r.along * v});
+      found.push_back(d);
     }
   }
-  return pairs;
+  return found;
 }
 
 }  // namespace otg

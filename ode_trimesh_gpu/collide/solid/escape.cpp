@@ -318,8 +318,10 @@ RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& a
     }
     return answer;
   }
-  const std::vector<EdgePair> edges = edgePairs(meshes, all, region);
-  if (region.thickness > OTG_SOLID_DEEP * region.diagonal || !edges.empty()) {
+  const bool isLump = region.thickness > OTG_SOLID_DEEP * region.diagonal;
+  std::vector<Vec3d> across;
+  if (isLump || !isUneven(region, normals, regionExtent)) across = directionsAcross(meshes, all, region);
+  if (isLump || !across.empty()) {
     // Deep: the shortest way out, which the mean direction need not be once the overlap is thicker than wide. The last
     // direction is kept while it is nearly as short, so that a body does not waver on its way out.
     answer.deep = true;
@@ -350,9 +352,7 @@ RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& a
     // The vector area of two edges' overlap points across both, as long as no third face is in it: without a bias
     // towards the mean.
     const double acrossFactor = isMean ? OTG_SOLID_ACROSS_SHARE : 1.0;
-    for (const EdgePair& pair : edges) {
-      if (offer(pair.direction, acrossFactor)) answer.edges = pair;
-    }
+    for (const Vec3d& d : across) offer(d, acrossFactor);
   }
   return answer;
 }

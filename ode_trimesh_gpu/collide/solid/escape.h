@@ -2,8 +2,6 @@
 // Where out is when the surfaces of a region do not say it: deep overlaps, entangled and contained bodies.
 #pragma once
 
-#include <optional>
-
 #include "collide/solid/edge_pair.h"
 #include "collide/solid/extent.h"
 #include "collide/solid/inside.h"
@@ -28,7 +26,6 @@ struct RegionDirection {
   bool escaping = false;   ///< `direction` is where the body is leaving
   bool deep = false;       ///< `direction` is the way out of a deep overlap
   Vec3d direction{0, 0, 0};
-  std::optional<EdgePair> edges;  ///< if `direction` is across these
 };
 
 /// Chooses one direction for the whole region where that is needed, and tells `normals`.

@@ -9,7 +9,7 @@
 #include "base/vectors.h"
 #include "collide/inside_test.h"
 #include "collide/simd/surface_kernels.h"
-#include "collide/solid/region_triangles.h"
+#include "collide/solid/leaving.h"
 
 namespace otg {
 namespace {
@@ -17,6 +17,7 @@ namespace {
 /// A support point on its way to a contact.
 struct Candidate {
   const SupportPoint* point;
+  Vec3d at;     ///< the point's place; on a stretch where that is deepest
   Vec3d probe;  ///< where it is measured: moved a little into the region
   Vec3d normal;
   double depth;      ///< estimated, later measured
@@ -45,9 +46,12 @@ class RegionSolver {
   void run(std::vector<Contact>& out) {
     gathered_ = region_.cellEnd > region_.cellBegin;
     center_ = centroid();
-    collectPlanes();
     isUneven_ = isUneven(region_, task_.normals, task_.extent);
-    if (isUneven_) triangles_.collect(task_.meshes, all_, region_);
+    if (isUneven_) {
+      triangles_.collect(task_.meshes, all_, region_);
+    } else {
+      collectPlanes();
+    }
     collectCandidates();
     filterAndMerge();
     const auto most = static_cast<std::size_t>(task_.maxContacts);
@@ -57,7 +61,7 @@ class RegionSolver {
       bringDeepestFirst();
     }
     chooseSpread(most);
-    if (!gathered_) measure();
+    if (!gathered_ && !isUneven_) measure();
     eraseShallow(1);
     emit(out);
   }
@@ -135,18 +139,22 @@ class RegionSolver {
     return std::min(out + back, limit);
   }
 
-  /// Which points of a very large region to look at: in each cell of a grid, of each kind and mesh, the one that lies
-  /// deepest as far as the mean direction can tell.
+  /// Which points to look at: all; of a very large region in each cell of a grid, of each kind and mesh, the one that
+  /// lies deepest as far as the mean direction can tell. The corners of an overlap are never flat points, as long as
+  /// anything is not flat. Between curved bodies flat ones still help to come near to the deepest place, which is at no
+  /// corner.
   std::vector<std::uint32_t> thinned() {
-    std::vector<std::uint32_t> chosen;
-    const std::uint32_t n = region_.pointEnd - region_.pointBegin;
-    if (n <= OTG_SOLID_MOST_POINTS) {
-      for (std::uint32_t i = region_.pointBegin; i < region_.pointEnd; ++i) chosen.push_back(i);
-      return chosen;
+    const auto first = all_.points.begin() + region_.pointBegin, last = all_.points.begin() + region_.pointEnd;
+    const bool skipFlat = (isUneven_ || task_.normals.isFlat()) &&
+                          std::count_if(first, last, [](const SupportPoint& p) { return !p.flat; }) >= 3;
+    std::vector<std::uint32_t> looked, chosen;
+    for (std::uint32_t i = region_.pointBegin; i < region_.pointEnd; ++i) {
+      if (!skipFlat || !all_.points[i].flat) looked.push_back(i);
     }
+    if (looked.size() <= OTG_SOLID_MOST_POINTS) return looked;
     const double cell = region_.diagonal / OTG_SOLID_POINT_CELLS;
     FlatMap index;
-    for (std::uint32_t i = region_.pointBegin; i < region_.pointEnd; ++i) {
+    for (const std::uint32_t i : looked) {
       const SupportPoint& p = all_.points[i];
       const auto coordinate = [&](double x, double lo) {
         return static_cast<std::uint64_t>(std::max(0.0, (x - lo) / cell));
@@ -171,99 +179,121 @@ class RegionSolver {
   }
 
   void collectCandidates() {
-    // The corners of an overlap are never flat points, as long as anything is not flat. Between curved bodies flat ones
-    // still help to come near to the deepest place, which is at no corner.
-    const auto first = all_.points.begin() + region_.pointBegin, last = all_.points.begin() + region_.pointEnd;
-    const bool skipFlat =
-        task_.normals.isFlat() && std::count_if(first, last, [](const SupportPoint& p) { return !p.flat; }) >= 3;
-    for (const std::uint32_t i : thinned()) {
-      const bool onPair = task_.edges && (i == task_.edges->pointA || i == task_.edges->pointB);
-      const SupportPoint& p = onPair ? nearestOfPair(i) : all_.points[i];
-      if (skipFlat && p.flat) continue;
-      Candidate c{&p, {}, {}, 0, 0, 0, 0, 0, 0};
-      c.probe = otgProbe(p.position, p.along, p.reach, p.surfaceNormal, static_cast<int>(p.kind), region_.diagonal,
-                         region_.thickness);
-      estimate(c);
-      if (p.kind >= PointKind::kMiddle && !onPair && saysNothingNew(c)) continue;
-      candidates_.push_back(c);
+    const std::vector<std::uint32_t> points = thinned();
+    if (isUneven_) {
+      collectUneven(points);
+    } else {
+      for (const std::uint32_t i : points) collectEven(all_.points[i]);
     }
     if (candidates_.empty()) {
       fallback_.position = center_;
       fallback_.kind = PointKind::kCrossing;
       fallback_.feature = fallback_.triangleA = fallback_.triangleB = kNone;
-      Candidate c{&fallback_, center_, {}, 0, 0, 0, 0, 0, 0};
+      Candidate c{&fallback_, center_, center_, {}, 0, 0, 0, 0, 0, 0};
       estimate(c);
       candidates_.push_back(c);
     }
   }
 
-  /// Edges across each other hold each other where they are nearest, not in their middles.
-  const SupportPoint& nearestOfPair(std::uint32_t i) {
-    const int m = i == task_.edges->pointA ? 0 : 1;
-    onPair_[m] = all_.points[i];
-    onPair_[m].position = m == 0 ? task_.edges->placeA : task_.edges->placeB;
-    return onPair_[m];
+  Candidate candidateAt(const SupportPoint& p) const {
+    Candidate c{&p, p.position, p.position, {}, 0, 0, 0, 0, 0, 0};
+    c.probe = otgProbe(p.position, p.along, p.reach, p.surfaceNormal, static_cast<int>(p.kind), region_.diagonal,
+                       region_.thickness);
+    return c;
+  }
+
+  void collectEven(const SupportPoint& p) {
+    Candidate c = candidateAt(p);
+    c.normal = task_.normals.at(c.probe);
+    if (const SupportPoint* other = passed(c)) {
+      const Vec3d moved = otgScale(p.along, passOf(p, *other, c.normal).at);
+      c.at = otgAdd(c.at, moved);
+      c.probe = otgAdd(c.probe, moved);
+      c.normal = task_.normals.at(c.probe);
+    }
+    estimate(c);
+    if (p.kind < PointKind::kMiddle || !saysNothingNew(c)) candidates_.push_back(c);
+  }
+
+  StretchPass<double> passOf(const SupportPoint& p, const SupportPoint& q, const Vec3d& normal) const {
+    return otgPassOfStretches(otgSub(q.position, p.position), p.along, p.reach, q.along, q.reach,
+                              p.mesh == 0 ? normal : otgScale(normal, -1.0));
+  }
+
+  /// Where two edges cross each other, seen along the normal, they are deepest, and not in their middles: the stretch of
+  /// the other mesh that this one passes deepest, or null. Regions described by cells keep no stretches.
+  const SupportPoint* passed(const Candidate& c) const {
+    const SupportPoint& p = *c.point;
+    if (p.kind < PointKind::kMiddle || region_.cellEnd > region_.cellBegin) return nullptr;
+    const SupportPoint* deepest = nullptr;
+    double most = 0;
+    for (std::uint32_t i = region_.pointBegin; i < region_.pointEnd; ++i) {
+      const SupportPoint& q = all_.points[i];
+      if (q.mesh == p.mesh || q.kind < PointKind::kMiddle) continue;
+      const double way = passOf(p, q, c.normal).way;
+      if (!(way > most)) continue;
+      most = way;
+      deepest = &q;
+    }
+    return deepest;
   }
 
   void estimate(Candidate& c) {
-    estimateAlong(c, task_.normals.at(c.probe));
-    if (isUneven_) leaveBySoonestFace(c);
-  }
-
-  void estimateAlong(Candidate& c, const Vec3d& normal) {
-    c.normal = normal;
-    c.out = wayOut(1, c.probe, normal);
-    c.back = wayOut(0, c.probe, otgScale(normal, -1.0));
+    c.out = planeExit(1, c.probe, c.normal);
+    c.back = planeExit(0, c.probe, otgScale(c.normal, -1.0));
     c.depth = clampToLimit(c.normal, c.out, c.back);
     c.shift = 0.5 * (c.out - c.back);
     // By what the planes say, not by the limit, to which whole patches of a thick region are cut.
     c.rank = otgRankOfKind(static_cast<int>(c.point->kind), c.out + c.back);
   }
 
-  double wayOut(int m, const Vec3d& from, const Vec3d& direction) const {
-    if (isUneven_) {
-      const double way = triangles_.wayOut(m, from, direction, OTG_SOLID_ON_EDGE * region_.diagonal);
-      if (std::isfinite(way)) return way;
+  /// An uneven region goes round a corner: its vertices and stretches of edges leave it each by its own face. Crossings
+  /// are no part of what has to leave. They tell how far contacts reach, by a direction of one of the others and no
+  /// deeper than that.
+  void collectUneven(const std::vector<std::uint32_t>& points) {
+    for (const Leave& leave : leavesOf(triangles_, all_, region_, points)) {
+      Candidate c{leave.point, leave.at, leave.at, leave.normal, 0, 0, 0, 0, 0, 0};
+      double depth = leave.depth;
+      const Vec3d local = leave.curved ? task_.normals.at(leave.at) : leave.normal;
+      if (const double cosine = otgDot(local, c.normal); leave.curved && cosine >= OTG_SOLID_ONE_WAY) {
+        c.normal = local;
+        depth /= cosine;
+      }
+      (leave.point->mesh == 0 ? c.out : c.back) = depth;
+      addMeasured(c);
     }
-    return planeExit(m, from, direction);
+    const std::size_t features = candidates_.size();
+    for (const std::uint32_t i : points) {
+      if (all_.points[i].kind != PointKind::kCrossing) continue;
+      Candidate c = candidateAt(all_.points[i]), best = c;
+      double least = std::numeric_limits<double>::infinity();
+      for (std::size_t k = 0; k < features; ++k) {
+        c.normal = candidates_[k].normal;
+        c.out = triangles_.wayOut(1, c.probe, c.normal);
+        c.back = triangles_.wayOut(0, c.probe, otgScale(c.normal, -1.0));
+        if (!(c.out + c.back < least && c.out + c.back <= candidates_[k].depth)) continue;
+        least = c.out + c.back;
+        best = c;
+      }
+      if (std::isfinite(least)) addMeasured(best);
+    }
   }
 
-  /// An uneven region goes round a corner, and each of its points is held by the wall that it is in. Of the faces of
-  /// the other mesh that have the point behind them it takes the one along whose normal both meshes are left soonest.
-  /// The local normal stays where it says the same, because it is smooth over facets.
-  void leaveBySoonestFace(Candidate& c) {
-    const std::uint8_t other = 1 - c.point->mesh;
-    const double slack = OTG_SOLID_ON_EDGE * region_.diagonal;
-    Candidate best = c;
-    tried_.clear();
-    for (const RegionTriangle& t : triangles_.all()) {
-      if (t.mesh != other) continue;
-      // A probe is a little below its own surface, which may be outside where the overlap is thinner than that.
-      const double wayOfPoint = t.offset - otgDot(t.normal, c.point->position);
-      const double wayOfProbe = t.offset - otgDot(t.normal, c.probe);
-      const bool byPoint = wayOfPoint > wayOfProbe;
-      const double way = byPoint ? wayOfPoint : wayOfProbe;
-      if (!(way >= -slack && way < best.out + best.back)) continue;
-      const Vec3d foot = otgAdd(byPoint ? c.point->position : c.probe, otgScale(t.normal, way));
-      if (t.beside(foot) > std::max(way, slack)) continue;
-      const Vec3d normal = otgScale(t.normal, other == 1 ? 1.0 : -1.0);
-      if (std::any_of(tried_.begin(), tried_.end(), [&](const Vec3d& n) { return otgDot(n, normal) > 1 - 1e-12; }))
-        continue;
-      tried_.push_back(normal);
-      Candidate through = c;
-      estimateAlong(through, normal);
-      if (through.out + through.back < best.out + best.back) best = through;
-    }
-    if (otgDot(best.normal, c.normal) < OTG_SOLID_ONE_WAY) c = best;
+  void addMeasured(Candidate& c) {
+    c.depth = c.out + c.back;
+    c.shift = 0.5 * (c.out - c.back);
+    c.rank = otgRankOfKind(static_cast<int>(c.point->kind), c.depth);
+    if (c.depth > 0) candidates_.push_back(c);
   }
 
   /// Whether a middle of a stretch is hardly deeper than its ends are on average: then they hold it.
   bool saysNothingNew(const Candidate& c) {
     double ends = 0;
     const double reach = otgReachOfEnds(c.point->reach, region_.diagonal);
+    const Vec3d middle = otgAdd(c.probe, otgSub(c.point->position, c.at));
     for (const double side : {-1.0, 1.0}) {
-      const Vec3d p = otgAdd(c.probe, otgScale(c.point->along, side * reach));
-      double out = wayOut(1, p, c.normal), back = wayOut(0, p, otgScale(c.normal, -1.0));
+      const Vec3d p = otgAdd(middle, otgScale(c.point->along, side * reach));
+      double out = planeExit(1, p, c.normal), back = planeExit(0, p, otgScale(c.normal, -1.0));
       ends += 0.5 * clampToLimit(c.normal, out, back);
     }
     return c.depth <= OTG_SOLID_DEEPER_THAN_ENDS * ends;
@@ -279,8 +309,8 @@ class RegionSolver {
 
   /// Where the contact would be: the middle of the overlap, beside the point and not beside the probe.
   static Vec3d middle(const Candidate& c) {
-    const double moved = otgDot(otgSub(c.probe, c.point->position), c.normal);
-    return otgAdd(c.point->position, otgScale(c.normal, moved + c.shift));
+    const double moved = otgDot(otgSub(c.probe, c.at), c.normal);
+    return otgAdd(c.at, otgScale(c.normal, moved + c.shift));
   }
 
   double deepest() const {
@@ -348,7 +378,7 @@ class RegionSolver {
       std::size_t best = i;
       for (std::size_t j = i; j < candidates_.size(); ++j) {
         const double apart =
-            otgApart(candidates_[j].point->position, candidates_[j].normal, last.point->position, last.normal, scale);
+            otgApart(candidates_[j].at, candidates_[j].normal, last.at, last.normal, scale);
         candidates_[j].spread = std::min(candidates_[j].spread, apart);
         if (worth(candidates_[j]) > OTG_SOLID_FARTHER * worth(candidates_[best])) best = j;
       }
@@ -367,11 +397,6 @@ class RegionSolver {
     const Vec3d origin = otgAdd(c.probe, all_.origin);
     double out = std::max(0.0, exitDistance(task_.meshes, 1, origin, c.normal, far, skin));
     double back = std::max(0.0, exitDistance(task_.meshes, 0, origin, otgScale(c.normal, -1.0), far, skin));
-    // Round a corner a ray that starts in one wall runs along inside it, past the surface that the region has.
-    if (isUneven_) {
-      out = std::min(out, c.out);
-      back = std::min(back, c.back);
-    }
     c.depth = clampToLimit(c.normal, out, back);
     c.shift = 0.5 * (out - back);
   }
@@ -483,11 +508,10 @@ class RegionSolver {
   Vec3d center_{};
   PlaneSet surface_[2];
   bool gathered_ = false;  ///< planes stand for several pieces each
-  bool isUneven_ = false;  ///< each point is measured on the triangles, and leaves by the soonest face
+  bool isUneven_ = false;  ///< each point leaves by the faces nearest to it, and is measured on the triangles
   RegionTriangles triangles_;
-  std::vector<Vec3d> tried_;
   std::vector<Candidate> candidates_;
-  SupportPoint fallback_{}, onPair_[2];
+  SupportPoint fallback_{};
 };
 
 }  // namespace

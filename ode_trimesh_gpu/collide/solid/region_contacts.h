@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "collide/solid/edge_pair.h"
 #include "collide/solid/extent.h"
 #include "collide/solid/region_normals.h"
 #include "collide/solid/regions.h"
@@ -20,7 +19,6 @@ struct RegionTask {
   RegionExtent& extent;
   int maxContacts;
   double extraDepth;  ///< added to the clamp of depths by the region's own extent (escaping bodies: way of one step)
-  const EdgePair* edges = nullptr;  ///< across which the region's normal points, if it is such a region
 };
 
 /// Whether the region is far deeper at one place than it is on the whole, or goes round a corner: a thin contact and

@@ -2,19 +2,29 @@
 #include "collide/solid/region_triangles.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "base/vectors.h"
+#include "shared/tests/triangle_distance.h"
 
 namespace otg {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kSameNormal = 1 - 1e-12;
+
+}  // namespace
 
 double RegionTriangle::beside(const Vec3d& p) const {
-  double most = -std::numeric_limits<double>::infinity();
+  double most = -kInfinity;
   for (int k = 0; k < 3; ++k) most = std::max(most, edge[k] - otgDot(inward[k], p));
   return most;
 }
 
 void RegionTriangles::collect(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region) {
+  slack_ = OTG_SOLID_ON_EDGE * region.diagonal;
+  behind_ = OTG_SOLID_BELOW_SURFACE * region.diagonal;
   triangles_.clear();
   triangles_.reserve(region.pieceEnd - region.pieceBegin);
   for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
@@ -23,25 +33,79 @@ void RegionTriangles::collect(const PlacedMeshes& meshes, const OverlapRegions& 
     t.normal = p.normal;
     t.offset = p.offset;
     t.mesh = p.mesh;
-    Vec3d corner[3];
     for (int k = 0; k < 3; ++k) {
-      corner[k] = otgSub(meshes.vertex(p.mesh, meshes.mesh(p.mesh).triangles()[p.triangle].v[k]), all.origin);
+      t.corner[k] = otgSub(meshes.vertex(p.mesh, meshes.mesh(p.mesh).triangles()[p.triangle].v[k]), all.origin);
     }
     for (int k = 0; k < 3; ++k) {
-      t.inward[k] = unit(otgCross(p.normal, otgSub(corner[(k + 1) % 3], corner[k])));
-      t.edge[k] = otgDot(t.inward[k], corner[k]);
+      t.inward[k] = unit(otgCross(p.normal, otgSub(t.corner[(k + 1) % 3], t.corner[k])));
+      t.edge[k] = otgDot(t.inward[k], t.corner[k]);
     }
     triangles_.push_back(t);
   }
 }
 
-double RegionTriangles::wayOut(int m, const Vec3d& from, const Vec3d& direction, double slack) const {
-  double nearest = std::numeric_limits<double>::infinity();
+bool RegionTriangles::isCurved(const RegionTriangle& t) const {
+  return std::any_of(triangles_.begin(), triangles_.end(), [&](const RegionTriangle& other) {
+    const double cosine = otgDot(other.normal, t.normal);
+    return other.mesh == t.mesh && cosine > OTG_SOLID_SHARP_COSINE && cosine < 1 - 1e-6;
+  });
+}
+
+const std::vector<RegionTriangles::Exit>& RegionTriangles::exitsOf(int m, const Vec3d& p) {
+  exits_.clear();
+  distances_.assign(triangles_.size(), kInfinity);
+  double nearest = kInfinity;
+  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+    const RegionTriangle& t = triangles_[i];
+    const double depth = t.offset - otgDot(t.normal, p);
+    if (t.mesh != m || depth > nearest + slack_) continue;
+    const Vec3d d = otgSub(otgPointOnTriangle(t.corner[0], t.corner[1], t.corner[2], p), p);
+    distances_[i] = norm(d);
+    nearest = std::min(nearest, distances_[i]);
+  }
+  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+    const RegionTriangle& t = triangles_[i];
+    const double depth = t.offset - otgDot(t.normal, p);
+    if (!(distances_[i] <= nearest * (1 + 1e-9) + slack_) || !(depth > -slack_)) continue;
+    if (std::any_of(exits_.begin(), exits_.end(), [&](const Exit& e) { return otgDot(e.normal, t.normal) > kSameNormal; }))
+      continue;
+    exits_.push_back({t.normal, std::max(depth, 0.0), isCurved(t)});
+  }
+  return exits_;
+}
+
+std::vector<RegionTriangles::StretchExit> RegionTriangles::facesOver(int m, const Vec3d& from, const Vec3d& to) const {
+  std::vector<StretchExit> found;
+  for (const RegionTriangle& t : triangles_) {
+    if (t.mesh != m) continue;
+    const double first = t.offset - otgDot(t.normal, from), last = t.offset - otgDot(t.normal, to);
+    const double depth = std::max(first, last);
+    if (!(depth >= 0)) continue;
+    const auto isOver = [&](const Vec3d& p, double way) {
+      return t.beside(otgAdd(p, otgScale(t.normal, way))) <= std::max(way, slack_);
+    };
+    if (!isOver(from, first) && !isOver(to, last)) continue;
+    const StretchExit exit{{t.normal, depth, isCurved(t)}, last > first};
+    const auto same = std::find_if(found.begin(), found.end(),
+                                   [&](const StretchExit& e) { return otgDot(e.exit.normal, t.normal) > kSameNormal; });
+    if (same == found.end()) {
+      found.push_back(exit);
+    } else if (depth < same->exit.depth) {
+      *same = exit;
+    }
+  }
+  return found;
+}
+
+double RegionTriangles::wayOut(int m, const Vec3d& from, const Vec3d& direction) const {
+  double nearest = kInfinity;
   for (const RegionTriangle& t : triangles_) {
     const double cosine = otgDot(t.normal, direction);
     if (t.mesh != m || !(cosine > 0.05)) continue;
-    const double way = std::max(0.0, (t.offset - otgDot(t.normal, from)) / cosine);
-    if (way < nearest && t.beside(otgAdd(from, otgScale(direction, way))) <= slack) nearest = way;
+    const double ahead = t.offset - otgDot(t.normal, from);
+    if (ahead < -behind_) continue;
+    const double way = std::max(0.0, ahead / cosine);
+    if (way < nearest && t.beside(otgAdd(from, otgScale(direction, way))) <= slack_) nearest = way;
   }
   return nearest;
 }

@@ -12,8 +12,9 @@ namespace otg {
 
 /// One triangle of a mesh, whole: the piece is the part of it that lies inside the other mesh.
 struct RegionTriangle {
+  Vec3d corner[3];  ///< relative to OverlapRegions::origin
   Vec3d normal;     ///< unit, outward
-  double offset;    ///< normal . x on its plane, relative to OverlapRegions::origin
+  double offset;    ///< normal . x on its plane
   Vec3d inward[3];  ///< unit, in its plane, from each edge to the inside
   double edge[3];   ///< inward . x on each edge
   std::uint8_t mesh;
@@ -23,15 +24,40 @@ struct RegionTriangle {
 
 class RegionTriangles {
  public:
+  /// A face through which a point leaves a mesh.
+  struct Exit {
+    Vec3d normal;  ///< unit, outward
+    double depth;  ///< of the point below the face's plane
+    bool curved;   ///< the face is a facet of a curved surface
+  };
+
   /// Only for regions whose pieces are parts of single triangles: none of cells.
   void collect(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region);
-  const std::vector<RegionTriangle>& all() const { return triangles_; }
+
+  /// By which faces of mesh m a point leaves it: those on which the nearest place of the surface lies. On a face that is
+  /// one. In an inner corner the nearest place is on the edge or at the vertex there, and all faces that meet in it hold
+  /// the point. (On a convex edge it never is, seen from inside.) None if the point lies in front of them.
+  const std::vector<Exit>& exitsOf(int m, const Vec3d& p);
+
+  /// By which faces of mesh m a stretch from `from` to `to` leaves as a whole: it is over the face at one end at least,
+  /// and below its plane. The depth is that of the end that is deeper.
+  struct StretchExit {
+    Exit exit;
+    bool byEnd;  ///< the end `to` is the deeper one
+  };
+  std::vector<StretchExit> facesOver(int m, const Vec3d& from, const Vec3d& to) const;
+
   /// Way along a unit direction through the nearest triangle of mesh m that faces along it; infinity if none is met.
-  /// What lies behind counts as met at once. `slack`: how far beside a triangle still counts as on it.
-  double wayOut(int m, const Vec3d& from, const Vec3d& direction, double slack) const;
+  double wayOut(int m, const Vec3d& from, const Vec3d& direction) const;
 
  private:
+  bool isCurved(const RegionTriangle& t) const;
+
   std::vector<RegionTriangle> triangles_;
+  std::vector<Exit> exits_;
+  std::vector<double> distances_;
+  double slack_ = 0;   ///< how far beside a triangle still counts as on it
+  double behind_ = 0;  ///< how far in front of a triangle a point may lie that counts as on it
 };
 
 }  // namespace otg

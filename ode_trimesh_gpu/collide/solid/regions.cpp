@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/vectors.h"
+#include "collide/solid/extent.h"
 #include "collide/solid/region_cells_build.h"
 #include "collide/solid/region_clip.h"
 #include "collide/solid/region_work.h"
@@ -35,7 +36,20 @@ class Builder {
     clipBoundary(w_);
     seedContourPoints();
     for (std::uint32_t r = 0; r < w_.out.regions.size(); ++r) {
+      const std::size_t pieces = w_.out.pieces.size(), points = w_.out.points.size(), cells = w_.out.extents.cells.size(), positions = w_.out.extents.positions.size();
       w_.isLarge(r) ? describeByCells(w_, r) : describeSmall(r);
+      measure(r);
+      if (!w_.isLarge(r) || s_.load[r] > 2048) continue;
+      Region& region = w_.out.regions[r];
+      RegionExtent extent(w_.out, region);
+      if (region.coherence < OTG_SOLID_COHERENT || !otgIsUneven(extent.along(unit(region.push)), region.thickness)) continue;
+      w_.out.pieces.resize(pieces);
+      w_.out.points.resize(points);
+      w_.out.extents.cells.resize(cells);
+      w_.out.extents.positions.resize(positions);
+      region.cellBegin = region.cellEnd = 0;
+      s_.sums[r] = {};
+      describeSmall(r);
       measure(r);
     }
   }

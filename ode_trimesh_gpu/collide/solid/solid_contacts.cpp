@@ -110,9 +110,8 @@ class PairContacts {
     remember(direction);
     const double extra = direction.escaping ? motion_.step : 0;
     const std::size_t first = workspace_.contacts.size();
-    const bool settled = query_.refiner && query_.refiner->direct(meshes_, all, region, direction, normals);
-    contactsOfRegion({meshes_, all, region, number_++, normals, extent, query_.options.solid.contactsPerRegion, extra,
-                      direction.edges && !settled ? &*direction.edges : nullptr},
+    if (query_.refiner) query_.refiner->direct(meshes_, all, region, direction, normals);
+    contactsOfRegion({meshes_, all, region, number_++, normals, extent, query_.options.solid.contactsPerRegion, extra},
                      workspace_.contacts);
     if (query_.refiner) query_.refiner->refine(workspace_.contacts, first);
   }

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "collide/solid/leaving.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "base/vectors.h"
+#include "shared/contacts/solid_model.h"
+
+namespace otg {
+namespace {
+
+/// Part of a depth that is rounding.
+constexpr double kSatisfied = 1 - 1e-6;
+constexpr double kSameHalfSpace = 1 - 1e-12;
+
+struct Way {
+  Vec3d at, normal;
+  double depth;
+  bool curved;
+};
+
+/// A vertex or a stretch with its ways out, the soonest first. The first `together` hold it all at once.
+struct Part {
+  const SupportPoint* point;
+  std::vector<Way> ways;
+  std::size_t together = 1;
+};
+
+/// The shortest translation that satisfies half-spaces which come one by one.
+class ShortestTranslation {
+ public:
+  bool satisfies(const Vec3d& normal, double depth) const { return otgDot(normal, t_) >= kSatisfied * depth; }
+  double missing(const Way& way) const { return way.depth - otgDot(way.normal, t_); }
+
+  /// The shortest one touches the new half-space and at most two of the others. Where none satisfies all, as between
+  /// two walls, the last one stays.
+  void add(const Vec3d& normal, double depth) {
+    if (satisfies(normal, depth)) return;
+    std::erase_if(all_, [&](const HalfSpace& h) { return otgDot(h.normal, normal) > kSameHalfSpace && h.depth <= depth; });
+    all_.push_back({normal, depth});
+    std::optional<Vec3d> best;
+    const auto offer = [&](const Vec3d& t) {
+      if (best && otgDot(t, t) >= otgDot(*best, *best)) return;
+      if (std::all_of(all_.begin(), all_.end(),
+                      [&](const HalfSpace& h) { return otgDot(h.normal, t) >= kSatisfied * h.depth; }))
+        best = t;
+    };
+    offer(otgScale(normal, depth));
+    for (std::size_t i = 0; i + 1 < all_.size(); ++i) {
+      const HalfSpace& h = all_[i];
+      const double c = otgDot(h.normal, normal), d = 1 - c * c;
+      if (d < kLeastSine * kLeastSine) continue;
+      offer(otgAdd(otgScale(normal, (depth - c * h.depth) / d), otgScale(h.normal, (h.depth - c * depth) / d)));
+      for (std::size_t k = i + 1; k + 1 < all_.size(); ++k) {
+        const HalfSpace& g = all_[k];
+        const Vec3d x = otgCross(h.normal, g.normal), y = otgCross(g.normal, normal), z = otgCross(normal, h.normal);
+        const double volume = otgDot(normal, x);
+        if (std::fabs(volume) < kLeastSine * kLeastSine) continue;
+        const Vec3d sum = otgAdd(otgAdd(otgScale(x, depth), otgScale(y, h.depth)), otgScale(z, g.depth));
+        offer(otgScale(sum, 1 / volume));
+      }
+    }
+    if (best) {
+      t_ = *best;
+    } else {
+      all_.pop_back();
+    }
+  }
+
+ private:
+  static constexpr double kLeastSine = 1e-4;
+  struct HalfSpace {
+    Vec3d normal;
+    double depth;
+  };
+  std::vector<HalfSpace> all_;
+  Vec3d t_{0, 0, 0};
+};
+
+Part partOfVertex(RegionTriangles& triangles, const SupportPoint& p) {
+  Part part{&p, {}, 0};
+  const double side = p.mesh == 0 ? 1.0 : -1.0;
+  for (const RegionTriangles::Exit& e : triangles.exitsOf(1 - p.mesh, p.position)) {
+    part.ways.push_back({p.position, otgScale(e.normal, side), e.depth, e.curved});
+  }
+  part.together = part.ways.size();
+  if (part.ways.empty()) return part;
+  for (const RegionTriangles::StretchExit& e : triangles.facesOver(1 - p.mesh, p.position, p.position)) {
+    const Vec3d normal = otgScale(e.exit.normal, side);
+    if (std::any_of(part.ways.begin(), part.ways.begin() + static_cast<std::ptrdiff_t>(part.together),
+                    [&](const Way& way) { return otgDot(way.normal, normal) > kSameHalfSpace; }))
+      continue;
+    part.ways.push_back({p.position, otgScale(e.exit.normal, side), e.exit.depth, e.exit.curved});
+  }
+  std::stable_sort(part.ways.begin() + static_cast<std::ptrdiff_t>(part.together), part.ways.end(),
+                   [](const Way& x, const Way& y) { return x.depth < y.depth; });
+  return part;
+}
+
+Part partOfStretch(RegionTriangles& triangles, const OverlapRegions& all, const Region& region, const SupportPoint& p) {
+  Part part{&p, {}, 1};
+  const Vec3d half = otgScale(p.along, p.reach), from = otgSub(p.position, half), to = otgAdd(p.position, half);
+  const double side = p.mesh == 0 ? 1.0 : -1.0;
+  for (const RegionTriangles::StretchExit& e : triangles.facesOver(1 - p.mesh, from, to)) {
+    part.ways.push_back({e.byEnd ? to : from, otgScale(e.exit.normal, side), e.exit.depth, e.exit.curved});
+  }
+  for (std::uint32_t i = region.pointBegin; i < region.pointEnd; ++i) {
+    const SupportPoint& q = all.points[i];
+    if (q.mesh == p.mesh || q.kind < PointKind::kMiddle) continue;
+    const Vec3d across = unit(otgCross(p.along, q.along));
+    for (const double sign : {-1.0, 1.0}) {
+      const Vec3d n = otgScale(across, sign);
+      const StretchPass<double> pass =
+          otgPassOfStretches(otgSub(q.position, p.position), p.along, p.reach, q.along, q.reach, otgScale(n, side));
+      if (pass.way > 0) {
+        part.ways.push_back({otgAdd(p.position, otgScale(p.along, pass.at)), n, pass.way, false});
+      }
+    }
+  }
+  std::stable_sort(part.ways.begin(), part.ways.end(), [](const Way& x, const Way& y) { return x.depth < y.depth; });
+  return part;
+}
+
+}  // namespace
+
+std::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegions& all, const Region& region,
+                            const std::vector<std::uint32_t>& points) {
+  std::vector<Part> parts;
+  for (const std::uint32_t i : points) {
+    const SupportPoint& p = all.points[i];
+    if (p.kind == PointKind::kCrossing) continue;
+    Part part = p.kind == PointKind::kVertex ? partOfVertex(triangles, p) : partOfStretch(triangles, all, region, p);
+    if (!part.ways.empty() && part.ways.front().depth > 0) parts.push_back(std::move(part));
+  }
+  std::vector<const Part*> order;
+  for (const Part& part : parts) order.push_back(&part);
+  std::stable_sort(order.begin(), order.end(),
+                   [](const Part* x, const Part* y) { return x->ways.front().depth > y->ways.front().depth; });
+  ShortestTranslation t;
+  const auto isOut = [&](const Part& part) {
+    const auto first = part.ways.begin(), others = first + static_cast<std::ptrdiff_t>(part.together);
+    const auto satisfied = [&](const Way& way) { return t.satisfies(way.normal, way.depth); };
+    return std::all_of(first, others, satisfied) || std::any_of(others, part.ways.end(), satisfied);
+  };
+  for (const Part* part : order) {
+    if (isOut(*part)) continue;
+    const auto first = part->ways.begin(), others = first + static_cast<std::ptrdiff_t>(part->together);
+    double together = 0;
+    for (auto way = first; way != others; ++way) together = std::max(together, t.missing(*way));
+    const auto soonest = std::min_element(
+        others, part->ways.end(), [&](const Way& x, const Way& y) { return t.missing(x) < t.missing(y); });
+    if (soonest != part->ways.end() && t.missing(*soonest) < together) {
+      t.add(soonest->normal, soonest->depth);
+    } else {
+      for (auto way = first; way != others; ++way) t.add(way->normal, way->depth);
+    }
+  }
+  std::vector<Leave> leaves;
+  for (const Part& part : parts) {
+    const auto take = [&](const Way& way) { leaves.push_back({part.point, way.at, way.normal, way.depth, way.curved}); };
+    const auto first = part.ways.begin(), others = first + static_cast<std::ptrdiff_t>(part.together);
+    const auto satisfied = [&](const Way& way) { return t.satisfies(way.normal, way.depth); };
+    const auto other = std::find_if(others, part.ways.end(), satisfied);
+    if (other != part.ways.end() && !std::all_of(first, others, satisfied)) {
+      take(*other);
+    } else {
+      std::for_each(first, others, take);
+    }
+  }
+  return leaves;
+}
+
+}  // namespace otg

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How the parts of an uneven region leave it: each vertex and each stretch of an edge that lies inside the other mesh,
+// by faces of that mesh or across its edges, so that one short translation does it for all.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "collide/solid/region_triangles.h"
+
+namespace otg {
+
+/// One part of a region and a half-space that holds it: A moved along `normal` by `depth` gets it out there.
+struct Leave {
+  const SupportPoint* point;
+  Vec3d at;      ///< of the part the deepest place, relative to OverlapRegions::origin
+  Vec3d normal;  ///< unit, out of B
+  double depth;
+  bool curved;  ///< the face is a facet of a curved surface
+};
+
+/// What holds the vertices and stretches among `points` (places in OverlapRegions::points).
+///
+/// A vertex leaves by the faces on which the nearest place of the other surface lies, a stretch by the face or across
+/// the edge by which it is out as a whole soonest. Beside a convex edge there are several ways, and the soonest of each
+/// part by itself may contradict each other: a bar in a groove of its own length has corners that are nearer to the
+/// groove's ends than to its floor. So the deepest part chooses first. Each next one that is not out yet, when A has
+/// been moved by the shortest translation that satisfies those before, adds its own. In the end each part is held by
+/// the soonest of its ways that this translation satisfies.
+std::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegions& all, const Region& region,
+                            const std::vector<std::uint32_t>& points);
+
+}  // namespace otg
