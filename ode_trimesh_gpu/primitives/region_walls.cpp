@@ -33,6 +33,17 @@ bool isBefore(const Vec3d& a, const Vec3d& b, double step) {
   return x != 0 ? x < 0 : y != 0 ? y < 0 : stepOf(a.z) < stepOf(b.z);
 }
 
+/// Adds a contact in place of shallower ones of its direction that are next to it.
+void replace(std::vector<Contact>& contacts, std::size_t first, const Contact& added, double closest) {
+  const auto isReplaced = [&](const Contact& c) {
+    return c.depth < added.depth && otgDot(c.normal, added.normal) > kSameWay &&
+           norm(c.position - added.position) < closest;
+  };
+  contacts.erase(std::remove_if(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(), isReplaced),
+                 contacts.end());
+  contacts.push_back(added);
+}
+
 }  // namespace
 
 /// How far a point lies beside the bounds.
@@ -187,7 +198,7 @@ void RegionWalls::collect(const PlacedShape& shape, const Wall& wall, const Vec3
   });
 }
 
-void RegionWalls::hold(const PlacedShape& shape, const Wall& wall, const Vec3d& move, double closest,
+bool RegionWalls::hold(const PlacedShape& shape, const Wall& wall, const Vec3d& move, double closest,
                        std::vector<Contact>& contacts, std::size_t first) const {
   std::vector<Hold> holds;
   collect(shape, wall, move, holds);
@@ -207,8 +218,9 @@ void RegionWalls::hold(const PlacedShape& shape, const Wall& wall, const Vec3d& 
     contact.triangleA = wall.triangle;
     contact.region = contacts.size() > first ? contacts[first].region : 0;
     contact.coherence = 1;
-    contacts.push_back(contact);
+    replace(contacts, first, contact, closest);
   }
+  return !taken.empty();
 }
 
 /// Walls that the shape may be in after the move.
@@ -242,18 +254,20 @@ void RegionWalls::complete(const PlacedShape& shape, double closest, std::vector
   std::optional<Vec3d> move = shortestMove(std::span(contacts).subspan(first));
   // A way that one wall asks for may lead into another.
   for (int round = 0; move && round < kMostRounds; ++round) {
-    const std::size_t before = contacts.size();
+    bool isDone = true;
     for (const Wall* wall : unmetWalls(shape, *move)) {
-      const std::size_t known = contacts.size();
-      hold(shape, *wall, *move, closest, contacts, first);
-      if (contacts.size() > known) move = shortestMove(std::span(contacts).subspan(first));
+      if (!hold(shape, *wall, *move, closest, contacts, first)) continue;
+      isDone = false;
+      move = shortestMove(std::span(contacts).subspan(first));
       if (!move) return;
     }
     for (const Inside* at : unmetPoints(shape, *move)) {
-      if (holdPoint(shape, *at, *move, contacts, first)) move = shortestMove(std::span(contacts).subspan(first));
+      if (!holdPoint(shape, *at, *move, closest, contacts, first)) continue;
+      isDone = false;
+      move = shortestMove(std::span(contacts).subspan(first));
       if (!move) return;
     }
-    if (contacts.size() == before) return;
+    if (isDone) return;
   }
 }
 
@@ -282,7 +296,7 @@ void RegionWalls::waysAt(const PlacedShape& shape, const Vec3d& point, std::vect
 }
 
 /// Holds a point of the mesh, if it is in the shape after the move still, along the shortest of its ways.
-bool RegionWalls::holdPoint(const PlacedShape& shape, const Inside& at, const Vec3d& move,
+bool RegionWalls::holdPoint(const PlacedShape& shape, const Inside& at, const Vec3d& move, double closest,
                             std::vector<Contact>& contacts, std::size_t first) const {
   const Vec3d &point = at.crossing, left = point - move;
   if (!(shape.exitDistance(left, {0, 0, 1}) >= 0)) return false;
@@ -302,7 +316,7 @@ bool RegionWalls::holdPoint(const PlacedShape& shape, const Inside& at, const Ve
   contact.triangleA = at.triangle;
   contact.region = contacts.size() > first ? contacts[first].region : 0;
   contact.coherence = 1;
-  contacts.push_back(contact);
+  replace(contacts, first, contact, closest);
   return true;
 }
 

@@ -56,11 +56,11 @@ class RegionWalls {
   bool isOn(const Wall& wall, const Vec3d& point) const;
   bool isInDoubt(const Contact& contact, const Vec3d& point) const;
   bool isHeldBy(const Wall& wall, const Vec3d& point, double moved, const Inside* from) const;
-  void hold(const PlacedShape& shape, const Wall& wall, const Vec3d& move, double closest,
+  bool hold(const PlacedShape& shape, const Wall& wall, const Vec3d& move, double closest,
             std::vector<Contact>& contacts, std::size_t first) const;
   void waysAt(const PlacedShape& shape, const Vec3d& point, std::vector<Vec3d>& out) const;
-  bool holdPoint(const PlacedShape& shape, const Inside& at, const Vec3d& move, std::vector<Contact>& contacts,
-                 std::size_t first) const;
+  bool holdPoint(const PlacedShape& shape, const Inside& at, const Vec3d& move, double closest,
+                 std::vector<Contact>& contacts, std::size_t first) const;
 
   const PlacedMeshes* meshes_ = nullptr;
   Vec3d origin_{};
