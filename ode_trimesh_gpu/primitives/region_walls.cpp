@@ -81,7 +81,7 @@ bool RegionWalls::read(const PlacedMeshes& meshes, const OverlapRegions& all, co
     const SupportPoint& p = all.points[i];
     if (p.mesh == 0 && p.kind != PointKind::kCrossing && !p.flat) onMesh_.push_back({p.position, p.position, {}, p.triangleA == kNone ? named : p.triangleA});
     if (shape.shape().isCurved()) {
-      points_.push_back({p.position + (middle - p.position) * kInside, p.position, {}, named});
+      if (p.kind != PointKind::kMiddleOfContour) points_.push_back({p.position + (middle - p.position) * kInside, p.position, {}, named});
     } else if (p.kind == PointKind::kCrossing && p.mesh == 1) {
       points_.push_back({p.position + p.along * (kInside * p.reach), p.position, p.along * p.reach, named});
     }
@@ -172,7 +172,7 @@ void RegionWalls::collect(const PlacedShape& shape, const Wall& wall, const Vec3
   const auto add = [&](const Vec3d& p, const Inside* from) {
     const double way = wall.wayOut(p), left = way - asked;
     if (left <= rounding_ + kLeft * std::fabs(way)) return;
-    if (wall.beside(p + move + wall.normal * left) <= near + 2 * left) out.push_back({p, way, from});
+    if (wall.beside(p + move + wall.normal * left) <= near + 2 * left) out.push_back({p, way, far_, from});
   };
   if (shape.shape().isCurved()) {
     add(shape.rear(wall.normal), nullptr);
@@ -198,19 +198,27 @@ void RegionWalls::collect(const PlacedShape& shape, const Wall& wall, const Vec3
   });
 }
 
+/// Holds the wall at the deepest of the shape's points in it and at those farthest from each other.
 bool RegionWalls::hold(const PlacedShape& shape, const Wall& wall, const Vec3d& move, double closest,
                        std::vector<Contact>& contacts, std::size_t first) const {
   std::vector<Hold> holds;
   collect(shape, wall, move, holds);
   double deepest = 0;
-  std::vector<Vec3d> taken;
-  for (const Hold& h : holds) {
-    if (h.way < kShallow * deepest || taken.size() == kMostHolds) break;
-    const bool isNear =
-        std::any_of(taken.begin(), taken.end(), [&](const Vec3d& p) { return norm(p - h.point) < closest; });
-    if (isNear || !isHeldBy(wall, h.point + move, norm(move), h.from)) continue;
-    taken.push_back(h.point);
+  std::size_t taken = 0;
+  for (std::size_t i = 0; i < holds.size() && taken < kMostHolds; ++i) {
+    const auto begin = holds.begin() + static_cast<std::ptrdiff_t>(i);
+    const auto isNearer = [&](const Hold& x, const Hold& y) { return x.apart * (1 + kTie) < y.apart; };
+    // Keeps the others in order: ties go to those that are deeper, or first by place.
+    if (taken > 0) {
+      const auto farthest = std::max_element(begin, holds.end(), isNearer);
+      std::rotate(begin, farthest, farthest + 1);
+    }
+    const Hold h = *begin;
+    if (h.apart < closest || h.way < kShallow * deepest) continue;
+    if (!isHeldBy(wall, h.point + move, norm(move), h.from)) continue;
+    ++taken;
     deepest = std::max(deepest, h.way);
+    for (Hold& other : holds) other.apart = std::min(other.apart, norm(other.point - h.point));
     Contact contact{};
     contact.position = h.point + wall.normal * (0.5 * h.way) + origin_;
     contact.normal = wall.normal * -1.0;
@@ -220,7 +228,7 @@ bool RegionWalls::hold(const PlacedShape& shape, const Wall& wall, const Vec3d& 
     contact.coherence = 1;
     replace(contacts, first, contact, closest);
   }
-  return !taken.empty();
+  return taken > 0;
 }
 
 /// Walls that the shape may be in after the move.

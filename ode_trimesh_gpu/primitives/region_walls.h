@@ -46,6 +46,7 @@ class RegionWalls {
   struct Hold {
     Vec3d point;         ///< of the shape, behind the wall
     double way;          ///< out of the wall along its normal
+    double apart;        ///< from points that hold it so far
     const Inside* from;  ///< null for points that are the shape's own
   };
   bool add(const Wall& wall);
