@@ -17,7 +17,7 @@ constexpr double kSameWay = 0.9986;  // cosine of 3 degrees
 // Cosines between a contact's way out and the normals of what it leaves. The faces of a spike see its tip's way edge-on.
 constexpr double kFacing = 0.5, kEdgeOn = 0.05;
 constexpr double kLeft = 0.005;        // of a way: so little is not worth one more contact
-constexpr double kTie = 1e-7;
+constexpr double kTie = 1e-7, kStep = 1e-12;  // differences of lengths and places that rounding makes
 constexpr int kMostRounds = 3;
 constexpr double kShallow = 0.5;       // of a wall's deepest: points that are less deep hold little
 constexpr std::size_t kMostHolds = 4;  // of a wall
@@ -194,7 +194,7 @@ void RegionWalls::collect(const PlacedShape& shape, const Wall& wall, const Vec3
   const auto stepOf = [&](const Hold& h) { return std::floor(h.way / (kTie * deepest + rounding_) + 0.37); };
   std::sort(out.begin(), out.end(), [&](const Hold& x, const Hold& y) {
     const double a = stepOf(x), b = stepOf(y);
-    return a != b ? a > b : isBefore(x.point, y.point, kTie * far_);
+    return a != b ? a > b : isBefore(x.point + origin_, y.point + origin_, kStep * far_);
   });
 }
 
@@ -253,7 +253,7 @@ std::vector<const RegionWalls::Inside*> RegionWalls::unmetPoints(const PlacedSha
     if (shape.exitDistance(at.crossing - move, {0, 0, 1}) >= 0) unmet.push_back(&at);
   }
   std::sort(unmet.begin(), unmet.end(),
-            [&](const Inside* x, const Inside* y) { return isBefore(x->crossing, y->crossing, kTie * far_); });
+            [&](const Inside* x, const Inside* y) { return isBefore(x->crossing + origin_, y->crossing + origin_, kStep * far_); });
   return unmet;
 }
 
