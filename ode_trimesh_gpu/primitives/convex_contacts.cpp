@@ -17,8 +17,9 @@
 namespace otg {
 namespace {
 
-constexpr double kThin = 0.01;             // thickness of a region over its diagonal: of walls that face each other
-constexpr double kLeft = 0.005, kRounding = 2.5e-7;
+constexpr double kThin = 0.01;            // thickness of a region over its diagonal
+constexpr double kLeft = 0.005;           // of a way out: not worth a correction
+constexpr double kRounding = 2.5e-7;      // of the shape's radius: what single precision may take off a depth
 constexpr double kSamePlace = 0.01;       // of the region's diagonal
 constexpr double kFacetsStickOut = 0.05;  // of the radius: at most
 
@@ -34,20 +35,20 @@ class ShapeRefiner final : public RegionRefiner {
     high_ = region.hi;
     placed_.emplace(shape_, query_.bInA, origin_);
     settled_ = hasWalls_ = false;
-    if (getenv("DBG")) printf("REGION ent %d esc %d cont %d bad %d coh %g thick %g diag %g pieces %u cells %u\n", direction.entangled, direction.escaping, region.contained, region.bad, region.coherence, region.thickness, region.diagonal, region.pieceEnd-region.pieceBegin, region.cellEnd-region.cellBegin);
     trusted_ = !direction.entangled && !direction.escaping && !region.contained && !region.bad;
-    const bool isThin = region.thickness < kThin * region.diagonal;
     if (!trusted_) {
-      hasWalls_ = isThin && !region.contained && !region.bad && walls_.read(meshes, all, region, *placed_, {}, false);
+      // The walls of a groove contradict each other, however shallow the overlap.
+      const bool isGroove = region.thickness < kThin * region.diagonal && !region.contained && !region.bad;
+      hasWalls_ = isGroove && walls_.read(meshes, all, region, *placed_, {}, false);
       return false;
     }
     const bool isConvex = patch_.read(meshes, all, region) || patch_.readDense(meshes, all, region, *placed_);
     hasWalls_ = walls_.read(meshes, all, region, *placed_, patch_.triangles(), isConvex);
     if (!isConvex) return false;
     way_ = patch_.leave(*placed_, unit(region.push) * -1.0);
-    if (!std::isfinite(way_.depth)) return false;
-    if (getenv("DBG")) printf("CONVEX way %g dir %g %g %g\n", way_.depth, way_.direction.x, way_.direction.y, way_.direction.z);
-    settled_ = true;
+    settled_ = std::isfinite(way_.depth);
+    hasWalls_ = hasWalls_ && settled_;
+    if (!settled_) return false;
     normals.fix(way_.direction * -1.0);
     return true;
   }
@@ -157,7 +158,7 @@ class ShapeRefiner final : public RegionRefiner {
     contacts.push_back(deepest);
   }
 
-  /// The vertices of the shape's mesh are rounded to single precision, the way out is not: it may be no longer than that.
+  /// The vertices of the shape's mesh are rounded to single precision, the way out is not.
   void undoRounding(std::vector<Contact>& contacts, std::size_t first) const {
     double deepest = 0;
     for (std::size_t i = first; i < contacts.size(); ++i) deepest = std::max(deepest, contacts[i].depth);

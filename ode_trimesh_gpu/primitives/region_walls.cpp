@@ -14,16 +14,17 @@ namespace {
 constexpr std::size_t kMostWalls = 64;
 constexpr double kSamePlane = 1 - 1e-12;
 constexpr double kSameWay = 0.9986;  // cosine of 3 degrees
-// Cosines between a contact's way out and the normals of what it leaves. The faces of a spike see its tip's way edge-on.
+// Cosines between a contact's way out and the normals of what it leaves. The faces of a spike see its tip's way
+// edge-on.
 constexpr double kFacing = 0.5, kEdgeOn = 0.05;
-constexpr double kLeft = 0.005;        // of a way: so little is not worth one more contact
+constexpr double kLeft = 0.005;               // of a way: so little is not worth one more contact
 constexpr double kTie = 1e-7, kStep = 1e-12;  // differences of lengths and places that rounding makes
 constexpr int kMostRounds = 3;
 constexpr double kShallow = 0.5;       // of a wall's deepest: points that are less deep hold little
 constexpr std::size_t kMostHolds = 4;  // of a wall
-constexpr double kInDoubt = 0.5;       // of a contact's depth: where a wall is left after less, the contact may be wrong
-constexpr double kInside = 1e-3;       // of an edge's stretch: from its crossing, so as not to be on the surface
-constexpr double kPast = 1e-3;         // of a way out: so far past it a point is outside
+constexpr double kInDoubt = 0.5;  // of a contact's depth: where a wall is left after less, the contact may be wrong
+constexpr double kInside = 1e-3;  // of an edge's stretch: from its crossing, so as not to be on the surface
+constexpr double kPast = 1e-3;    // of a way out: so far past it a point is outside
 
 /// Which of two places comes first, alike for every numbering of the mesh: by coordinates in steps, to which rounding
 /// does not matter but for places that are a step's end by chance.
@@ -79,9 +80,11 @@ bool RegionWalls::read(const PlacedMeshes& meshes, const OverlapRegions& all, co
   const Vec3d middle = (region.lo + region.hi) * 0.5;
   for (std::uint32_t i = region.pointBegin; i < region.pointEnd; ++i) {
     const SupportPoint& p = all.points[i];
-    if (p.mesh == 0 && p.kind != PointKind::kCrossing && !p.flat) onMesh_.push_back({p.position, p.position, {}, p.triangleA == kNone ? named : p.triangleA});
+    if (p.mesh == 0 && p.kind != PointKind::kCrossing && !p.flat)
+      onMesh_.push_back({p.position, p.position, {}, p.triangleA == kNone ? named : p.triangleA});
     if (shape.shape().isCurved()) {
-      if (p.kind != PointKind::kMiddleOfContour) points_.push_back({p.position + (middle - p.position) * kInside, p.position, {}, named});
+      if (p.kind != PointKind::kMiddleOfContour)
+        points_.push_back({p.position + (middle - p.position) * kInside, p.position, {}, named});
     } else if (p.kind == PointKind::kCrossing && p.mesh == 1) {
       points_.push_back({p.position + p.along * (kInside * p.reach), p.position, p.along * p.reach, named});
     }
@@ -252,8 +255,9 @@ std::vector<const RegionWalls::Inside*> RegionWalls::unmetPoints(const PlacedSha
   for (const Inside& at : onMesh_) {
     if (shape.exitDistance(at.crossing - move, {0, 0, 1}) >= 0) unmet.push_back(&at);
   }
-  std::sort(unmet.begin(), unmet.end(),
-            [&](const Inside* x, const Inside* y) { return isBefore(x->crossing + origin_, y->crossing + origin_, kStep * far_); });
+  std::sort(unmet.begin(), unmet.end(), [&](const Inside* x, const Inside* y) {
+    return isBefore(x->crossing + origin_, y->crossing + origin_, kStep * far_);
+  });
   return unmet;
 }
 
@@ -294,7 +298,8 @@ void RegionWalls::waysAt(const PlacedShape& shape, const Vec3d& point, std::vect
         const double nn = otgDot(along, along);
         if (!(nn > 1e-6)) continue;
         const Vec3d across = d - along * (otgDot(along, d) / nn);
-        const bool isBetween = otgDot(otgCross(out[i], across), along) > 0 && otgDot(otgCross(across, out[k]), along) > 0;
+        const bool isBetween =
+            otgDot(otgCross(out[i], across), along) > 0 && otgDot(otgCross(across, out[k]), along) > 0;
         if (isBetween && otgDot(across, across) > 0.5) out.push_back(unit(across));
       }
     }

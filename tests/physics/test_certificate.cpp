@@ -121,10 +121,6 @@ constexpr Limits kKnownFailing[] = {
     {.family = "dented", .uncertified = 5, .tooDeep = 5, .order = 9},
     // As gears.
     {.family = "cells", .order = 15},
-    // A wall without contact, or no contact at all.
-    {.family = "dCylinder", .uncertified = 5},
-    // A wall without contact.
-    {.family = "dConvex", .uncertified = 8, .tooDeep = 3},
 };
 
 }  // namespace
