@@ -24,9 +24,9 @@ OTG_INLINED int otgIsAll(__local const otg_solid_ways* s, const otg_solid_work* 
   return own >= OTG_SOLID_FACE_SHARE * (mesh == 0 ? w->region->areaA : w->region->areaB);
 }
 
-/// An edge of A across an edge of B: as in edgePairs. Numbers of the pair: stretch of A, stretch of B.
+/// An edge of A across an edge of B: as in directionsAcross(). Numbers of the pair: stretch of A, stretch of B.
 OTG_INLINED int otgAcross(__local const otg_solid_ways* s, const otg_solid_work* w, OTG_MESH* a, OTG_MESH* b, uint pair,
-                          int isDeep, otg_vec3_d* direction, otg_vec3_d* placeA, otg_vec3_d* placeB) {
+                          int isDeep, otg_vec3_d* direction) {
   __global const otg_solid_point* p = w->points + s->sharp[0][pair / OTG_SOLID_MOST_STRETCHES];
   __global const otg_solid_point* q = w->points + s->sharp[1][pair % OTG_SOLID_MOST_STRETCHES];
   const otg_vec3_d alongA = otgLoad(p->along), alongB = otgLoad(q->along), across = otgCross_d(alongA, alongB);
@@ -46,16 +46,14 @@ OTG_INLINED int otgAcross(__local const otg_solid_ways* s, const otg_solid_work*
   const double v = otgDot_d(otgCross_d(apart, alongA), across) / (sine * sine);
   if (fabs(u) > p->reach || fabs(v) > q->reach) return 0;
   *direction = d;
-  *placeA = otgAdd_d(middleA, otgScale_d(alongA, u));
-  *placeB = otgAdd_d(middleB, otgScale_d(alongB, v));
   return 1;
 }
 
-/// s->pairs of edges across each other, in order. All lanes call it.
+/// s->pairs of edges across each other, in order; none unless it `seeks`. All lanes call it.
 OTG_INLINED void otgFindEdgePairs(__local otg_solid_ways* s, const otg_solid_work* w, OTG_MESH* a, OTG_MESH* b,
-                                  int isDeep) {
+                                  int isDeep, int seeks) {
   const uint lane = get_local_id(0);
-  const uint points = w->coherence < OTG_SOLID_ONE_FACE ? w->pointCount : 0;
+  const uint points = seeks && w->coherence < OTG_SOLID_ONE_FACE ? w->pointCount : 0;
   uint running[2], total;
   running[0] = running[1] = 0;
   for (uint base = 0; base < points; base += OTG_GROUP) {
@@ -77,18 +75,15 @@ OTG_INLINED void otgFindEdgePairs(__local otg_solid_ways* s, const otg_solid_wor
     uint pair = 0;
     int isPair = 0;
     if (item < items) {
-      otg_vec3_d d, placeA, placeB;
+      otg_vec3_d d;
       pair = item / running[1] * OTG_SOLID_MOST_STRETCHES + item % running[1];
-      isPair = otgAcross(s, w, a, b, pair, isDeep, &d, &placeA, &placeB);
+      isPair = otgAcross(s, w, a, b, pair, isDeep, &d);
     }
     const uint place = pairs + otgPlaceAmong(OTG_COUNTS(s), isPair, &total);
     if (isPair) s->pairOf[place] = pair;
     pairs += total;
   }
-  if (lane == 0) {
-    s->pairs = pairs;
-    s->across = OTG_NOT_THERE;
-  }
+  if (lane == 0) s->pairs = pairs;
   OTG_SYNC;
 }
 
@@ -229,12 +224,13 @@ OTG_INLINED double otgWayOfPoint(__local const otg_solid_ways* s, const otg_soli
 }
 
 /// Sets w->fixed if a direction is a shorter way out than the mean one. All lanes call it. `last`: the direction of the
-/// pair's last deep region, or zero. `room`: for planes.
+/// pair's last deep region, or zero. `isUneven`: edges across each other do not hold a region that is no lump. `room`:
+/// for planes.
 OTG_INLINED void otgFindWayOut(__local otg_solid_ways* s, otg_solid_work* w, OTG_MESH* a, OTG_MESH* b, double far,
-                               otg_vec3_d last, __global otg_solid_face* room) {
+                               otg_vec3_d last, int isUneven, __global otg_solid_face* room) {
   const uint lane = get_local_id(0);
   const int isLump = w->thickness > OTG_SOLID_DEEP * w->diagonal;
-  otgFindEdgePairs(s, w, a, b, isLump);
+  otgFindEdgePairs(s, w, a, b, isLump, isLump || !isUneven);
   const int isDeep = (isLump || s->pairs > 0) && w->pieceCount > 0, hasLast = otgDot_d(last, last) > 0;
   const double areas = w->region->areaA + w->region->areaB;
   if (lane == 0) {
@@ -263,8 +259,8 @@ OTG_INLINED void otgFindWayOut(__local otg_solid_ways* s, otg_solid_work* w, OTG
     OTG_SYNC;
   }
   for (uint k = lane; k < (isDeep ? s->pairs : 0); k += OTG_GROUP) {
-    otg_vec3_d d, placeA, placeB;
-    otgAcross(s, w, a, b, s->pairOf[k], isLump, &d, &placeA, &placeB);
+    otg_vec3_d d;
+    otgAcross(s, w, a, b, s->pairOf[k], isLump, &d);
     __local double* out = OTG_DEEP_DIRECTION(s, s->count + k);
     out[0] = d.x;
     out[1] = d.y;
@@ -304,20 +300,6 @@ OTG_INLINED void otgFindWayOut(__local otg_solid_ways* s, otg_solid_work* w, OTG
     least = cost;
     w->fixed = d;
     w->isFixed = 1;
-    if (k >= faces && lane == 0) s->across = s->pairOf[k - faces];
-  }
-  OTG_SYNC;
-  if (lane == 0) {
-    const uint across = s->across;
-    const int isThere = across != OTG_NOT_THERE;
-    w->region->acrossPoint[0] = isThere ? s->sharp[0][across / OTG_SOLID_MOST_STRETCHES] : OTG_NOT_THERE;
-    w->region->acrossPoint[1] = isThere ? s->sharp[1][across % OTG_SOLID_MOST_STRETCHES] : OTG_NOT_THERE;
-    if (isThere) {
-      otg_vec3_d d, placeA, placeB;
-      otgAcross(s, w, a, b, across, isLump, &d, &placeA, &placeB);
-      otgStore(w->region->across, placeA);
-      otgStore(w->region->across + 3, placeB);
-    }
   }
 }
 

@@ -45,7 +45,7 @@ typedef struct {
   double weighted[3], shareOfB;
   uint sharp[2][OTG_SOLID_MOST_STRETCHES];  ///< middles of sharp convex edges, ascending
   uint planes[2], deep[2], listedFaces, first, bad;
-  uint pairs, pairOf[OTG_SOLID_MOST_STRETCHES * OTG_SOLID_MOST_STRETCHES], across;
+  uint pairs, pairOf[OTG_SOLID_MOST_STRETCHES * OTG_SOLID_MOST_STRETCHES];
   uint isFlat, corners, count, allocated;
 } otg_solid_ways;
 

@@ -79,6 +79,7 @@ namespace otg {
 /// of a curved surface and its local normal agrees with one to 10 degrees, that serves, because it is smooth over
 /// facets. What is within the last (in diagonals) of a triangle is on it.
 #define OTG_SOLID_UNEVEN 4.0
+#define OTG_SOLID_MOST_UNEVEN 2048  ///< vertices and clipped triangles; larger ones stay described by cells
 #define OTG_SOLID_ONE_WAY 0.985
 #define OTG_SOLID_ON_EDGE 1e-9
 
@@ -278,8 +279,9 @@ OTG_GENERIC OTG_VEC3 OTG_NAME(otgProbe)(OTG_VEC3 position, OTG_VEC3 along, REAL 
                           OTG_NAME(otgScale)(surfaceNormal, ofDepth < ofExtent ? ofDepth : ofExtent));
 }
 
-/// Where the stretch of edge p passes the stretch of edge q of the other mesh, seen along n: how far from its middle, and
-/// how far p must go along n to reach q; a length of 0 or less says nothing. `apart`: from the middle of p to that of q.
+/// Where the stretch of edge p passes the stretch of edge q of the other mesh, seen along n: how far from its middle,
+/// and how far p must go along n to reach q; a length of 0 or less says nothing. `apart`: from the middle of p to that
+/// of q.
 #ifdef __OPENCL_VERSION__
 #define OTG_STRETCH_PASS OTG_NAME(otg_stretch_pass)
 typedef struct {

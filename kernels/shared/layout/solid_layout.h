@@ -64,15 +64,13 @@ typedef struct {
 typedef struct {
   double origin[3], lo[3], hi[3], push[3];
   double areaA, areaB, volume, diagonal, thickness, coherence;
-  // What solidWays adds: directions, and the places where two edges that lie across each other are nearest.
-  double shareOfB, weighted[3], fixed[3], across[6];
+  // What solidWays adds: directions.
+  double shareOfB, weighted[3], fixed[3];
   otg_uint pieces, pieceCount, points, pointCount;  ///< places in the arena
   otg_uint next;                                    ///< region, or OTG_NOT_THERE
   otg_uint faces, planes, picks;  ///< places in the arena; picks (ushort): OTG_NOT_THERE where all points stay
   otg_uint faceCount[2], planeCount[2], candidates;
-  otg_uint acrossPoint[2];  ///< points of those two edges, or OTG_NOT_THERE
-  otg_uint flags;           ///< OTG_REGION_*
-  otg_uint unused[2];
+  otg_uint flags;  ///< OTG_REGION_*
 } otg_solid_region;
 
 enum {
@@ -124,7 +122,7 @@ enum {
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(otg_solid_hit) == 32 && sizeof(otg_solid_piece) == 128 && sizeof(otg_solid_point) == 224 &&
-              sizeof(otg_solid_region) == 320);
+              sizeof(otg_solid_region) == 256);
 }  // namespace otg
 #endif
 #endif  // OTG_SHARED_SOLID_LAYOUT_H

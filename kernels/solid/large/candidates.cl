@@ -178,6 +178,15 @@ OTG_INLINED void otgLookAtCandidate(__local otg_candidate_scratch* s, __global c
   }
 }
 
+/// Gives a region up that the host describes by single triangles: one that is uneven. All lanes call it.
+OTG_INLINED void otgGiveUpUneven(__local otg_candidate_scratch* s, const otg_found_lists* l, OTG_PAIR_MESH* mesh,
+                                 const otg_solid_work* w, __global otg_region_work* r) {
+  if (l->head->regions[l->region].load > OTG_SOLID_MOST_UNEVEN || w->coherence < OTG_SOLID_COHERENT) return;
+  const double extent = otgExtentOfRegion(&s->extent, l, mesh, w->mean);
+  if (get_local_id(0) == 0 && otgIsUneven_d(extent, w->thickness)) atomic_or(&r->pointFlags, OTG_REGION_BAD);
+  OTG_SYNC;
+}
+
 /// `turns`: whether overlapTurn went before.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapCandidates(
     __global const otg_overlap_pair* restrict pairs, __global const float4* restrict meshes,
@@ -197,7 +206,10 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapCand
   otgMeshesOf(meshes, pairs, place, mesh);
   uint known;
   const otg_vec3_d direction = otgSettleDirection(&scratch, r, task, mesh, &w, &known);
-  if (get_group_id(0) == 0 && get_local_id(0) == 0) otgStore(r->direction, direction);
+  if (get_group_id(0) == 0) {
+    if (get_local_id(0) == 0) otgStore(r->direction, direction);
+    otgGiveUpUneven(&scratch, &l, mesh, &w, r);
+  }
   const double extra = r->status & OTG_FOUND_ESCAPING ? task->motion.step : 0;
   for (uint number = get_group_id(0); number < w.candidates; number += get_num_groups(0)) {
     otgLookAtCandidate(&scratch, meshes, &l, mesh, &w, r, extra, known, number);

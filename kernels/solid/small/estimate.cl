@@ -5,20 +5,42 @@
 // work-groups, OTG_SOLID_CHUNK at most.
 #include "solid/region.h"
 
+/// Where two edges cross each other, seen along the normal, they are deepest, and not in their middles: how far from
+/// its middle a stretch passes the one of the other mesh that it passes deepest; 0 if it passes none.
+OTG_INLINED double otgPassed(const otg_solid_work* w, __global const otg_solid_point* p, otg_vec3_d normal) {
+  const otg_vec3_d at = otgLoad(p->position), along = otgLoad(p->along);
+  const otg_vec3_d out = p->mesh == 0 ? normal : otgScale_d(normal, -1.0);
+  double most = 0, place = 0;
+  for (uint i = 0; i < w->pointCount; ++i) {
+    __global const otg_solid_point* q = w->points + i;
+    if (q->mesh == p->mesh || q->kind < OTG_POINT_MIDDLE) continue;
+    const otg_stretch_pass_d pass =
+        otgPassOfStretches_d(otgSub_d(otgLoad(q->position), at), along, p->reach, otgLoad(q->along), q->reach, out);
+    if (!(pass.way > most)) continue;
+    most = pass.way;
+    place = pass.at;
+  }
+  return place;
+}
+
 /// A candidate's estimate, beside it: whether it is the middle of a stretch that has to be compared with its ends.
 OTG_INLINED int otgEstimate(const otg_solid_work* w, __global otg_solid_point* p, int skipFlat) {
-  const uint number = (uint)(p - w->points);
   const int kind = (int)p->kind;
   if (skipFlat && p->flat) {
     p->depth = -1;
     return 0;
   }
-  // Edges across each other hold each other where they are nearest, not in their middles.
-  const int onA = number == w->region->acrossPoint[0], onB = number == w->region->acrossPoint[1];
-  const otg_vec3_d at = onA ? otgLoad(w->region->across) : onB ? otgLoad(w->region->across + 3) : otgLoad(p->position);
-  const otg_vec3_d probe =
+  otg_vec3_d at = otgLoad(p->position);
+  otg_vec3_d probe =
       otgProbe_d(at, otgLoad(p->along), p->reach, otgLoad(p->surfaceNormal), kind, w->diagonal, w->thickness);
-  const otg_vec3_d normal = otgNormalAt(w, probe);
+  otg_vec3_d normal = otgNormalAt(w, probe);
+  const double moved = kind >= OTG_POINT_MIDDLE ? otgPassed(w, p, normal) : 0;
+  if (moved != 0) {
+    const otg_vec3_d by = otgScale_d(otgLoad(p->along), moved);
+    at = otgAdd_d(at, by);
+    probe = otgAdd_d(probe, by);
+    normal = otgNormalAt(w, probe);
+  }
   const double limit = otgExtentAlong(w, normal);
   double out, back;
   const double depth = otgDepthByPlanes(w, probe, normal, limit, &out, &back);
@@ -29,14 +51,15 @@ OTG_INLINED int otgEstimate(const otg_solid_work* w, __global otg_solid_point* p
   p->shift = 0.5 * (out - back);
   p->depth = depth;
   p->rank = otgRankOfKind_d(kind, out + back);
-  return kind >= OTG_POINT_MIDDLE && !onA && !onB;
+  return kind >= OTG_POINT_MIDDLE;
 }
 
 /// The depth at an end (-1 or 1) of the stretch of which a point is the middle.
 OTG_INLINED double otgDepthAtEnd(const otg_solid_work* w, __global const otg_solid_point* p, double side) {
   const double reach = otgReachOfEnds_d(p->reach, w->diagonal);
   const otg_vec3_d normal = otgLoad(p->normal);
-  const otg_vec3_d at = otgAdd_d(otgLoad(p->probe), otgScale_d(otgLoad(p->along), side * reach));
+  const otg_vec3_d middle = otgAdd_d(otgLoad(p->probe), otgSub_d(otgLoad(p->position), otgLoad(p->at)));
+  const otg_vec3_d at = otgAdd_d(middle, otgScale_d(otgLoad(p->along), side * reach));
   double out, back;
   return otgDepthByPlanes(w, at, normal, p->limit, &out, &back);
 }

@@ -15,10 +15,9 @@ OTG_INLINED uint otgTakeUnits(__local otg_solid_ways* s, uint units, __global ui
   return begin <= arenaUnits && arenaUnits - begin >= units ? begin : OTG_NOT_THERE;
 }
 
-/// Whether each point of a region needs a direction of its own: as isUneven() in collide/solid/region_contacts.cpp. All
-/// lanes call it.
+/// Whether a region reaches so far that each of its points needs a direction of its own, unless one holds for all: as
+/// isUneven() in collide/solid/region_contacts.cpp. All lanes call it.
 OTG_INLINED int otgIsUnevenRegion(__local otg_solid_ways* s, const otg_solid_work* w) {
-  if (w->isFixed) return 0;
   double end[2];  // the lowest with its sign changed, and the highest
   for (uint side = 0; side < 2; ++side) {
     double most = -INFINITY;
@@ -69,12 +68,13 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
   otgWeighPieces(s, &w);
   const size_t plane = (size_t)planeUnits * OTG_ARENA_UNIT;
   otgThinRegion(s, &w, (__global otg_solid_face*)(room + plane), (__global ushort*)(room + 3 * plane));
-  otgFindWayOut(s, &w, a, b, far, last, (__global otg_solid_face*)(room + 2 * plane));
+  const int isUneven = otgIsUnevenRegion(s, &w);
+  otgFindWayOut(s, &w, a, b, far, last, isUneven, (__global otg_solid_face*)(room + 2 * plane));
   for (uint i = lane; i < w.pointCount; i += OTG_GROUP) {
     if (!w.points[i].flat) atomic_inc(&s->corners);
   }
   // Uneven ones are rare, and the host looks at their faces one by one.
-  const int isLeft = otgIsUnevenRegion(s, &w);
+  const int isLeft = isUneven && !w.isFixed;
   OTG_SYNC;
   const uint parts = (w.candidates + OTG_SOLID_CHUNK - 1) / OTG_SOLID_CHUNK;
   if (lane == 0) {
@@ -130,8 +130,8 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidWays(
     uint at = heads[number];
     for (uint r = 0; at != OTG_NOT_THERE && r < OTG_SOLID_REGIONS; ++r) {
       const uint next = ((__global const otg_solid_region*)(arena + (size_t)at * OTG_ARENA_UNIT))->next;
-      otgWaysOfRegion(&ways, at, mesh, mesh + 1, size, (double)(mesh[0].radius + mesh[1].radius), last, counters,
-                      arena, arenaUnits, chunks, chunkRoom);
+      otgWaysOfRegion(&ways, at, mesh, mesh + 1, size, (double)(mesh[0].radius + mesh[1].radius), last, counters, arena,
+                      arenaUnits, chunks, chunkRoom);
       at = next;
     }
     OTG_SYNC;

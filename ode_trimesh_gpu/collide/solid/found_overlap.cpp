@@ -33,7 +33,9 @@ class Taker {
     if (!describeSmall(meshes_, *found_.head, found_.small, small_)) return false;
     std::size_t nextSmall = 0;
     for (const std::uint32_t r : regionsInOrder(*found_.head)) {
-      isSmallRegion(found_.head->regions[r]) ? copySmall(nextSmall++) : takeLarge(r);
+      const otg_found_region& region = found_.head->regions[r];
+      isSmallRegion(region) ? copySmall(nextSmall++) : takeLarge(r);
+      if (!isSmallRegion(region) && needsTriangles(out_, out_.regions.back(), region.load)) return false;
     }
     return true;
   }

@@ -39,7 +39,8 @@ class ShortestTranslation {
   /// two walls, the last one stays.
   void add(const Vec3d& normal, double depth) {
     if (satisfies(normal, depth)) return;
-    std::erase_if(all_, [&](const HalfSpace& h) { return otgDot(h.normal, normal) > kSameHalfSpace && h.depth <= depth; });
+    std::erase_if(all_,
+                  [&](const HalfSpace& h) { return otgDot(h.normal, normal) > kSameHalfSpace && h.depth <= depth; });
     all_.push_back({normal, depth});
     std::optional<Vec3d> best;
     const auto offer = [&](const Vec3d& t) {
@@ -100,23 +101,23 @@ Part partOfVertex(RegionTriangles& triangles, const SupportPoint& p) {
   return part;
 }
 
-Part partOfStretch(RegionTriangles& triangles, const OverlapRegions& all, const Region& region, const SupportPoint& p) {
+Part partOfStretch(const RegionTriangles& triangles, const SupportPoint& p) {
   Part part{&p, {}, 1};
   const Vec3d half = otgScale(p.along, p.reach), from = otgSub(p.position, half), to = otgAdd(p.position, half);
   const double side = p.mesh == 0 ? 1.0 : -1.0;
   for (const RegionTriangles::StretchExit& e : triangles.facesOver(1 - p.mesh, from, to)) {
     part.ways.push_back({e.byEnd ? to : from, otgScale(e.exit.normal, side), e.exit.depth, e.exit.curved});
   }
-  for (std::uint32_t i = region.pointBegin; i < region.pointEnd; ++i) {
-    const SupportPoint& q = all.points[i];
-    if (q.mesh == p.mesh || q.kind < PointKind::kMiddle) continue;
-    const Vec3d across = unit(otgCross(p.along, q.along));
+  for (const RegionEdge& edge : triangles.edges()) {
+    if (edge.mesh == p.mesh) continue;
+    const Vec3d across = unit(otgCross(p.along, edge.along));
     for (const double sign : {-1.0, 1.0}) {
-      const Vec3d n = otgScale(across, sign);
+      const Vec3d out = otgScale(across, sign);  // of the other mesh
+      if (!otgIsBetween(edge.faces[0], edge.faces[1], out)) continue;
       const StretchPass<double> pass =
-          otgPassOfStretches(otgSub(q.position, p.position), p.along, p.reach, q.along, q.reach, otgScale(n, side));
+          otgPassOfStretches(otgSub(edge.middle, p.position), p.along, p.reach, edge.along, edge.reach, out);
       if (pass.way > 0) {
-        part.ways.push_back({otgAdd(p.position, otgScale(p.along, pass.at)), n, pass.way, false});
+        part.ways.push_back({otgAdd(p.position, otgScale(p.along, pass.at)), otgScale(out, side), pass.way, false});
       }
     }
   }
@@ -126,13 +127,13 @@ Part partOfStretch(RegionTriangles& triangles, const OverlapRegions& all, const 
 
 }  // namespace
 
-std::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegions& all, const Region& region,
+std::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegions& all,
                             const std::vector<std::uint32_t>& points) {
   std::vector<Part> parts;
   for (const std::uint32_t i : points) {
     const SupportPoint& p = all.points[i];
     if (p.kind == PointKind::kCrossing) continue;
-    Part part = p.kind == PointKind::kVertex ? partOfVertex(triangles, p) : partOfStretch(triangles, all, region, p);
+    Part part = p.kind == PointKind::kVertex ? partOfVertex(triangles, p) : partOfStretch(triangles, p);
     if (!part.ways.empty() && part.ways.front().depth > 0) parts.push_back(std::move(part));
   }
   std::vector<const Part*> order;
@@ -150,8 +151,8 @@ std::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegions& al
     const auto first = part->ways.begin(), others = first + static_cast<std::ptrdiff_t>(part->together);
     double together = 0;
     for (auto way = first; way != others; ++way) together = std::max(together, t.missing(*way));
-    const auto soonest = std::min_element(
-        others, part->ways.end(), [&](const Way& x, const Way& y) { return t.missing(x) < t.missing(y); });
+    const auto soonest = std::min_element(others, part->ways.end(),
+                                          [&](const Way& x, const Way& y) { return t.missing(x) < t.missing(y); });
     if (soonest != part->ways.end() && t.missing(*soonest) < together) {
       t.add(soonest->normal, soonest->depth);
     } else {
@@ -160,7 +161,9 @@ std::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegions& al
   }
   std::vector<Leave> leaves;
   for (const Part& part : parts) {
-    const auto take = [&](const Way& way) { leaves.push_back({part.point, way.at, way.normal, way.depth, way.curved}); };
+    const auto take = [&](const Way& way) {
+      leaves.push_back({part.point, way.at, way.normal, way.depth, way.curved});
+    };
     const auto first = part.ways.begin(), others = first + static_cast<std::ptrdiff_t>(part.together);
     const auto satisfied = [&](const Way& way) { return t.satisfies(way.normal, way.depth); };
     const auto other = std::find_if(others, part.ways.end(), satisfied);

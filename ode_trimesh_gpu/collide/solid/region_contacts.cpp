@@ -140,16 +140,12 @@ class RegionSolver {
   }
 
   /// Which points to look at: all; of a very large region in each cell of a grid, of each kind and mesh, the one that
-  /// lies deepest as far as the mean direction can tell. The corners of an overlap are never flat points, as long as
-  /// anything is not flat. Between curved bodies flat ones still help to come near to the deepest place, which is at no
-  /// corner.
+  /// lies deepest as far as the mean direction can tell.
   std::vector<std::uint32_t> thinned() {
-    const auto first = all_.points.begin() + region_.pointBegin, last = all_.points.begin() + region_.pointEnd;
-    const bool skipFlat = (isUneven_ || task_.normals.isFlat()) &&
-                          std::count_if(first, last, [](const SupportPoint& p) { return !p.flat; }) >= 3;
     std::vector<std::uint32_t> looked, chosen;
+    const bool withoutFlat = isUneven_ && hasCorners();
     for (std::uint32_t i = region_.pointBegin; i < region_.pointEnd; ++i) {
-      if (!skipFlat || !all_.points[i].flat) looked.push_back(i);
+      if (!withoutFlat || !all_.points[i].flat) looked.push_back(i);
     }
     if (looked.size() <= OTG_SOLID_MOST_POINTS) return looked;
     const double cell = region_.diagonal / OTG_SOLID_POINT_CELLS;
@@ -178,12 +174,22 @@ class RegionSolver {
     return (p.mesh == 0 ? -1 : 1) * otgDot(task_.normals.mean(), p.position);
   }
 
+  /// The corners of an overlap are never flat points, as long as anything is not flat.
+  bool hasCorners() const {
+    const auto first = all_.points.begin() + region_.pointBegin, last = all_.points.begin() + region_.pointEnd;
+    return std::count_if(first, last, [](const SupportPoint& p) { return !p.flat; }) >= 3;
+  }
+
   void collectCandidates() {
     const std::vector<std::uint32_t> points = thinned();
     if (isUneven_) {
       collectUneven(points);
     } else {
-      for (const std::uint32_t i : points) collectEven(all_.points[i]);
+      // Between curved bodies flat ones still help to come near to the deepest place, which is at no corner.
+      const bool withoutFlat = task_.normals.isFlat() && hasCorners();
+      for (const std::uint32_t i : points) {
+        if (!withoutFlat || !all_.points[i].flat) collectEven(all_.points[i]);
+      }
     }
     if (candidates_.empty()) {
       fallback_.position = center_;
@@ -220,8 +226,8 @@ class RegionSolver {
                               p.mesh == 0 ? normal : otgScale(normal, -1.0));
   }
 
-  /// Where two edges cross each other, seen along the normal, they are deepest, and not in their middles: the stretch of
-  /// the other mesh that this one passes deepest, or null. Regions described by cells keep no stretches.
+  /// Where two edges cross each other, seen along the normal, they are deepest, and not in their middles: the stretch
+  /// of the other mesh that this one passes deepest, or null. Regions described by cells keep no stretches.
   const SupportPoint* passed(const Candidate& c) const {
     const SupportPoint& p = *c.point;
     if (p.kind < PointKind::kMiddle || region_.cellEnd > region_.cellBegin) return nullptr;
@@ -251,7 +257,7 @@ class RegionSolver {
   /// are no part of what has to leave. They tell how far contacts reach, by a direction of one of the others and no
   /// deeper than that.
   void collectUneven(const std::vector<std::uint32_t>& points) {
-    for (const Leave& leave : leavesOf(triangles_, all_, region_, points)) {
+    for (const Leave& leave : leavesOf(triangles_, all_, points)) {
       Candidate c{leave.point, leave.at, leave.at, leave.normal, 0, 0, 0, 0, 0, 0};
       double depth = leave.depth;
       const Vec3d local = leave.curved ? task_.normals.at(leave.at) : leave.normal;
@@ -377,8 +383,7 @@ class RegionSolver {
       const Candidate& last = candidates_[i - 1];
       std::size_t best = i;
       for (std::size_t j = i; j < candidates_.size(); ++j) {
-        const double apart =
-            otgApart(candidates_[j].at, candidates_[j].normal, last.at, last.normal, scale);
+        const double apart = otgApart(candidates_[j].at, candidates_[j].normal, last.at, last.normal, scale);
         candidates_[j].spread = std::min(candidates_[j].spread, apart);
         if (worth(candidates_[j]) > OTG_SOLID_FARTHER * worth(candidates_[best])) best = j;
       }

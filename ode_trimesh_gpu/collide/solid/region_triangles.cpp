@@ -26,6 +26,7 @@ void RegionTriangles::collect(const PlacedMeshes& meshes, const OverlapRegions& 
   slack_ = OTG_SOLID_ON_EDGE * region.diagonal;
   behind_ = OTG_SOLID_BELOW_SURFACE * region.diagonal;
   triangles_.clear();
+  edges_.clear();
   triangles_.reserve(region.pieceEnd - region.pieceBegin);
   for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
     const Piece& p = all.pieces[i];
@@ -41,6 +42,19 @@ void RegionTriangles::collect(const PlacedMeshes& meshes, const OverlapRegions& 
       t.edge[k] = otgDot(t.inward[k], t.corner[k]);
     }
     triangles_.push_back(t);
+    addEdges(meshes, t, p.triangle);
+  }
+}
+
+void RegionTriangles::addEdges(const PlacedMeshes& meshes, const RegionTriangle& t, std::uint32_t number) {
+  const Topology& topology = meshes.mesh(t.mesh).topology();
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    const std::uint32_t twin = topology.twin[3 * number + k];
+    if (twin == kNone) continue;
+    const Vec3d ends = otgSub(t.corner[(k + 1) % 3], t.corner[k]), other = meshes.normal(t.mesh, twin / 3);
+    if (!(otgDot(otgCross(t.normal, other), ends) > 0)) continue;
+    edges_.push_back(
+        {otgAdd(t.corner[k], otgScale(ends, 0.5)), unit(ends), 0.5 * norm(ends), {t.normal, other}, t.mesh});
   }
 }
 
@@ -67,7 +81,8 @@ const std::vector<RegionTriangles::Exit>& RegionTriangles::exitsOf(int m, const 
     const RegionTriangle& t = triangles_[i];
     const double depth = t.offset - otgDot(t.normal, p);
     if (!(distances_[i] <= nearest * (1 + 1e-9) + slack_) || !(depth > -slack_)) continue;
-    if (std::any_of(exits_.begin(), exits_.end(), [&](const Exit& e) { return otgDot(e.normal, t.normal) > kSameNormal; }))
+    if (std::any_of(exits_.begin(), exits_.end(),
+                    [&](const Exit& e) { return otgDot(e.normal, t.normal) > kSameNormal; }))
       continue;
     exits_.push_back({t.normal, std::max(depth, 0.0), isCurved(t)});
   }

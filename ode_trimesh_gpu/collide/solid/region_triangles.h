@@ -22,6 +22,14 @@ struct RegionTriangle {
   double beside(const Vec3d& p) const;
 };
 
+/// A convex edge of such triangles.
+struct RegionEdge {
+  Vec3d middle, along;  ///< relative to the origin; unit
+  double reach;         ///< half its length
+  Vec3d faces[2];       ///< outward normals of its two faces
+  std::uint8_t mesh;
+};
+
 class RegionTriangles {
  public:
   /// A face through which a point leaves a mesh.
@@ -34,9 +42,11 @@ class RegionTriangles {
   /// Only for regions whose pieces are parts of single triangles: none of cells.
   void collect(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region);
 
-  /// By which faces of mesh m a point leaves it: those on which the nearest place of the surface lies. On a face that is
-  /// one. In an inner corner the nearest place is on the edge or at the vertex there, and all faces that meet in it hold
-  /// the point. (On a convex edge it never is, seen from inside.) None if the point lies in front of them.
+  const std::vector<RegionEdge>& edges() const { return edges_; }
+
+  /// By which faces of mesh m a point leaves it: those on which the nearest place of the surface lies. On a face that
+  /// is one. In an inner corner the nearest place is on the edge or at the vertex there, and all faces that meet in it
+  /// hold the point. (On a convex edge it never is, seen from inside.) None if the point lies in front of them.
   const std::vector<Exit>& exitsOf(int m, const Vec3d& p);
 
   /// By which faces of mesh m a stretch from `from` to `to` leaves as a whole: it is over the face at one end at least,
@@ -53,7 +63,10 @@ class RegionTriangles {
  private:
   bool isCurved(const RegionTriangle& t) const;
 
+  void addEdges(const PlacedMeshes& meshes, const RegionTriangle& t, std::uint32_t number);
+
   std::vector<RegionTriangle> triangles_;
+  std::vector<RegionEdge> edges_;
   std::vector<Exit> exits_;
   std::vector<double> distances_;
   double slack_ = 0;   ///< how far beside a triangle still counts as on it

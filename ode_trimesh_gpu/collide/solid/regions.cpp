@@ -36,21 +36,12 @@ class Builder {
     clipBoundary(w_);
     seedContourPoints();
     for (std::uint32_t r = 0; r < w_.out.regions.size(); ++r) {
-      const std::size_t pieces = w_.out.pieces.size(), points = w_.out.points.size(), cells = w_.out.extents.cells.size(), positions = w_.out.extents.positions.size();
-      w_.isLarge(r) ? describeByCells(w_, r) : describeSmall(r);
-      measure(r);
-      if (!w_.isLarge(r) || s_.load[r] > 2048) continue;
-      Region& region = w_.out.regions[r];
-      RegionExtent extent(w_.out, region);
-      if (region.coherence < OTG_SOLID_COHERENT || !otgIsUneven(extent.along(unit(region.push)), region.thickness)) continue;
-      w_.out.pieces.resize(pieces);
-      w_.out.points.resize(points);
-      w_.out.extents.cells.resize(cells);
-      w_.out.extents.positions.resize(positions);
-      region.cellBegin = region.cellEnd = 0;
-      s_.sums[r] = {};
-      describeSmall(r);
-      measure(r);
+      if (!w_.isLarge(r)) {
+        describeSmall(r);
+        measure(r);
+      } else {
+        describeLarge(r);
+      }
     }
   }
 
@@ -187,6 +178,24 @@ class Builder {
     }
   }
 
+  /// By cells; an uneven one that is not too large is taken apart again, because each of its points needs its own face.
+  void describeLarge(std::uint32_t r) {
+    OverlapRegions& out = w_.out;
+    const std::size_t pieces = out.pieces.size(), points = out.points.size();
+    const std::size_t cells = out.extents.cells.size(), positions = out.extents.positions.size();
+    describeByCells(w_, r);
+    measure(r);
+    if (!needsTriangles(out, out.regions[r], s_.load[r])) return;
+    out.pieces.resize(pieces);
+    out.points.resize(points);
+    out.extents.cells.resize(cells);
+    out.extents.positions.resize(positions);
+    out.regions[r].cellBegin = out.regions[r].cellEnd = 0;
+    s_.sums[r] = RegionSums{};
+    describeSmall(r);
+    measure(r);
+  }
+
   /// Every piece and every point by itself.
   void describeSmall(std::uint32_t r) {
     Region& region = w_.out.regions[r];
@@ -266,6 +275,11 @@ class Builder {
 };
 
 }  // namespace
+
+bool needsTriangles(const OverlapRegions& all, const Region& region, std::uint32_t load) {
+  if (load > OTG_SOLID_MOST_UNEVEN || region.coherence < OTG_SOLID_COHERENT) return false;
+  return otgIsUneven(RegionExtent(all, region).along(unit(region.push)), region.thickness) != 0;
+}
 
 RegionBuilder::RegionBuilder() : scratch_(std::make_unique<RegionScratch>()) {}
 RegionBuilder::~RegionBuilder() = default;

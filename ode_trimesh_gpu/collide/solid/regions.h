@@ -2,7 +2,7 @@
 // Makes the connected overlap regions of two solids.
 //
 // Cost is linear in the triangles inside. What later stages look at is bounded: a region of more than kLargeRegion
-// triangles and vertices is described by the cells of a grid instead (solid/region_cells.h).
+// triangles and vertices is described by the cells of a grid instead (solid/region_cells.h), unless it is uneven.
 #pragma once
 
 #include <memory>
@@ -30,5 +30,9 @@ class RegionBuilder {
  private:
   std::unique_ptr<RegionScratch> scratch_;
 };
+
+/// Whether a region that is described by cells goes round a corner and is small enough to be described by its single
+/// triangles instead. `load`: its vertices and clipped triangles.
+bool needsTriangles(const OverlapRegions& all, const Region& region, std::uint32_t load);
 
 }  // namespace otg
