@@ -47,10 +47,10 @@ TEST_CASE("the contacts of a batch of solids are the host's") {
   const auto backend = openBackend();
   REQUIRE(backend);
   if (!backend->device().doubles) return;
-  // From apart to as deep as bodies get.
+  // From apart to as deep as bodies get. Uneven regions, one in ten of these, are the host's.
   const std::vector<Query> queries = touching(meshes, 1, 300, -0.01, 0.06);
   const std::vector<std::vector<Contact>> expected = onHost(queries);
-  CHECK(checkBatch(*backend, queries, expected) > 280);
+  CHECK(checkBatch(*backend, queries, expected) > 265);
   const std::vector<Query> deep = touching(meshes, 2, 200, 0.05, 0.6);
   CHECK(checkBatch(*backend, deep, onHost(deep)) > 100);
   // Fewer places than contacts, and than regions.
@@ -290,9 +290,9 @@ TEST_CASE("histories of pairs of a batch are what the host would have left") {
     }
     CHECK(wrong == 0);
   }
-  // Few are left to the host, although many have deep regions.
+  // Few are left to the host, although many have deep regions: the uneven ones.
   CHECK(deep > 100);
-  if (backend->device().doubles) CHECK(byDevice + deep / 4 > 5 * queries.size());
+  if (backend->device().doubles) CHECK(byDevice + deep / 4 > 9 * queries.size() / 2);
 }
 
 TEST_CASE("a batch of solids comes out the same whatever call fails") {

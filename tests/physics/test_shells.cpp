@@ -6,6 +6,7 @@
 #include <map>
 
 #include "support/catch.h"
+#include "support/cut_ground.h"
 #include "support/shell_scenes.h"
 
 using namespace otg;
@@ -199,47 +200,22 @@ TEST_CASE("stacks of four boxes that are no solids stand, turned against each ot
 
 namespace {
 
-/// A terrain in k x k open pieces.
-std::vector<scenes::MeshArrays> cutTerrain(const scenes::MeshArrays& whole, double size, int k) {
-  std::vector<scenes::MeshArrays> pieces(static_cast<std::size_t>(k * k));
-  std::vector<std::vector<std::uint32_t>> numbers(pieces.size(),
-                                                  std::vector<std::uint32_t>(whole.vertices.size(), kNone));
-  for (const Triangle& triangle : whole.triangles) {
-    double x = 0, y = 0;
-    for (const std::uint32_t v : triangle.v) {
-      x += whole.vertices[v].x / 3;
-      y += whole.vertices[v].y / 3;
-    }
-    const auto place = [&](double at) { return std::min(k - 1, static_cast<int>((at / size + 0.5) * k)); };
-    const auto which = static_cast<std::size_t>(place(x) * k + place(y));
-    Triangle own{};
-    for (int c = 0; c < 3; ++c) {
-      std::uint32_t& number = numbers[which][triangle.v[c]];
-      if (number == kNone) {
-        number = static_cast<std::uint32_t>(pieces[which].vertices.size());
-        pieces[which].vertices.push_back(whole.vertices[triangle.v[c]]);
-      }
-      own.v[c] = number;
-    }
-    pieces[which].triangles.push_back(own);
-  }
-  return pieces;
-}
-
 struct Gain {
   double all = 0, most = 0;  ///< J/kg: of all bodies together, and in one step
 };
 
 /// Bodies that fall and slide on terrains: what energy they gain from one step to the next.
-Gain gainOn(const std::vector<scenes::MeshArrays>& pieces, const scenes::MeshArrays& whole, ShellBody kind,
-            int bodies) {
+Gain gainOn(const std::vector<scenes::MeshArrays>& pieces, const scenes::MeshArrays& whole, ShellBody kind, int bodies,
+            bool isJoined = false) {
   std::vector<std::unique_ptr<Data>> data;
   for (const scenes::MeshArrays& piece : pieces) data.push_back(std::make_unique<Data>(piece));
   Draw draw(3);
   Gain gain;
   for (int b = 0; b < bodies; ++b) {
     StepWorld world(0.5);
-    for (const auto& piece : data) dCreateGpuTriMesh(world.space(), piece->id);
+    std::vector<dGeomID> ground;
+    for (const auto& piece : data) ground.push_back(dCreateGpuTriMesh(world.space(), piece->id));
+    if (isJoined) REQUIRE(dGpuTriMeshJoin(ground.data(), 64) == 64);
     const ShellDrop drop = randomDrop(kind, whole, 3, draw.uniform(0.05, 0.5), draw);
     const Data mesh(drop.body);
     dMass mass;
@@ -277,10 +253,13 @@ TEST_CASE("bodies gain no more energy on a terrain in 8 x 8 pieces than on the w
   const auto pieces = cutTerrain(whole, 10, 8);
   for (const ShellBody kind : {ShellBody::kQuad, ShellBody::kOpenBox, ShellBody::kDoubled, ShellBody::kClosedBox}) {
     const Gain one = gainOn({whole}, whole, kind, 12), many = gainOn(pieces, whole, kind, 12);
-    std::printf("%s: gained %g, largest %g J/kg; in pieces %g, %g\n", nameOf(kind), one.all / 12, one.most,
-                many.all / 12, many.most);
+    const Gain joined = gainOn(pieces, whole, kind, 12, true);
+    std::printf("%s: gained %g, largest %g J/kg; in pieces %g, %g; joined %g, %g\n", nameOf(kind), one.all / 12,
+                one.most, many.all / 12, many.most, joined.all / 12, joined.most);
     INFO(nameOf(kind));
     CHECK(many.all <= 1.2 * one.all);
     CHECK(many.most <= 0.03);
+    CHECK(joined.all <= 1.2 * one.all);
+    CHECK(joined.most <= 1.2 * one.most);
   }
 }

@@ -29,6 +29,16 @@ if(TARGET ode_trimesh_gpu_preload AND TARGET demo_drop_in_stack AND NOT OTG_SANI
     COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_drop_in_hills.py"
             "$<TARGET_FILE:ode_trimesh_gpu_preload>" "$<TARGET_FILE:demo_drop_in_hills>")
   set_tests_properties(robustness.drop_in_hills PROPERTIES LABELS robustness TIMEOUT 600)
+  # Flat meshes on flat meshes, which ODE's boxes lose sight of.
+  add_test(NAME robustness.drop_in_plates
+    COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_drop_in_plates.py"
+            "$<TARGET_FILE:ode_trimesh_gpu_preload>" "$<TARGET_FILE:demo_drop_in_plates>")
+  set_tests_properties(robustness.drop_in_plates PROPERTIES LABELS robustness TIMEOUT 600)
+  # A road of slabs, which are joined.
+  add_test(NAME robustness.drop_in_road
+    COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_drop_in_road.py"
+            "$<TARGET_FILE:ode_trimesh_gpu_preload>" "$<TARGET_FILE:demo_drop_in_road>")
+  set_tests_properties(robustness.drop_in_road PROPERTIES LABELS robustness TIMEOUT 600)
   # Debian's own interpreter, which Debian's module is for.
   otg_add_drop_in_test(pyode /usr/bin/python3 "${PROJECT_SOURCE_DIR}/demos/drop_in/pyode_stack.py" 5 400)
 endif()

@@ -6,7 +6,7 @@ target_link_libraries(otg_test_ode_world PUBLIC otg_scenes PRIVATE otg_flags)
 
 find_package(Threads REQUIRED)
 foreach(name shells misuse init data geom collide contact_data history threads memory batch prefetch prefetch_shapes override parity queries
-             primitives convex convex_mesh rims shapes mirrored kink heightfield primitive_callbacks override_primitives
+             primitives convex convex_mesh rims join shapes mirrored kink heightfield primitive_callbacks override_primitives
              override_batch)
   otg_add_test(ode_${name} unit
     SOURCES test_ode_${name}.cpp $<TARGET_OBJECTS:otg_test_ode_world> LIBRARIES otg_scenes Threads::Threads)

@@ -357,3 +357,54 @@ TEST_CASE("last transforms tell how geoms without a body move") {
     }
   }
 }
+
+TEST_CASE("flat dTriMesh geoms on flat ones, and on needles, keep ODE's own contacts") {
+  scenes::MeshArrays needles;
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    const double a = 0.3 * i;
+    needles.vertices.push_back({0, 0, static_cast<float>(0.01 * i)});
+    needles.vertices.push_back({static_cast<float>(3 * std::cos(a)), static_cast<float>(3 * std::sin(a)), 0.3F});
+    needles.vertices.push_back({static_cast<float>(3 * std::cos(a)), static_cast<float>(3 * std::sin(a)), 0.35F});
+    needles.triangles.push_back({{3 * i, 3 * i + 1, 3 * i + 2}});
+  }
+  scenes::MeshArrays plate;
+  plate.vertices = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  plate.triangles = {{{0, 1, 2}}, {{0, 2, 3}}};
+  scenes::MeshArrays ground = plate;
+  for (Vec3f& v : ground.vertices) v = {5 * v.x, 5 * v.y, 0};
+  for (const auto* below : {&ground, &needles}) {
+    std::vector<std::vector<dContactGeom>> found;
+    for (const bool isOverridden : {false, true}) {
+      const OdeSession session;
+      const OdeMesh belowData(*below), plateData(plate);
+      if (isOverridden) REQUIRE(dGpuTriMeshOverrideTriMesh() == dGPUTRIMESH_OK);
+      const OdeGeom fixed(belowData), body(plateData);
+      dMatrix3 r;
+      dRFromAxisAndAngle(r, 1, 0.4, 0, 0.2);
+      dGeomSetRotation(body.id, r);
+      dGeomSetPosition(body.id, 0.1, 0.2, 0.05);
+      found.push_back(collide(fixed.id, body.id, 64));
+      if (!isOverridden) continue;
+      const dGpuTriMeshPair pair{fixed.id, body.id};
+      std::vector<dContactGeom> array(64);
+      int count = 0;
+      REQUIRE(dGpuTriMeshCollidePairs(&pair, 1, 64, array.data(), sizeof(dContactGeom), &count) == count);
+      REQUIRE(count == static_cast<int>(found[1].size()));
+      for (std::size_t i = 0; i < found[1].size(); ++i) {
+        for (int k = 0; k < 3; ++k) CHECK(array[i].pos[k] == Approx(found[1][i].pos[k]).margin(1e-12));
+        for (int k = 0; k < 3; ++k) CHECK(array[i].normal[k] == Approx(found[1][i].normal[k]).margin(1e-12));
+        CHECK(array[i].depth == found[1][i].depth);
+      }
+    }
+    REQUIRE_FALSE(found[0].empty());
+    REQUIRE(found[0].size() == found[1].size());
+    for (std::size_t i = 0; i < found[0].size(); ++i) {
+      const dContactGeom &stock = found[0][i], &ours = found[1][i];
+      CHECK(std::equal(stock.pos, stock.pos + 3, ours.pos));
+      CHECK(std::equal(stock.normal, stock.normal + 3, ours.normal));
+      CHECK(stock.depth == ours.depth);
+      CHECK(stock.side1 == ours.side1);
+      CHECK(stock.side2 == ours.side2);
+    }
+  }
+}

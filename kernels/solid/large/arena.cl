@@ -229,7 +229,6 @@ OTG_INLINED void otgArenaPieces(__local otg_arena_scratch* s, __local otg_solid_
     out->pieceCount = count;
     out->faces = first + pieceUnits;
     out->planes = first + pieceUnits + faceUnits;
-    out->acrossPoint[0] = out->acrossPoint[1] = OTG_NOT_THERE;
     out->flags = 0;
     work->deepPlanes = first + pieceUnits + 2 * faceUnits;
     work->deepCount[0] = work->deepCount[1] = 0;

@@ -27,10 +27,11 @@ bool crossesOddly(const CollisionMesh& ground, const Vec3d& from, const Vec3d& t
   return count % 2 == 1;
 }
 
-void GroundSides::setFront(const CollisionMesh& ground, const Vec3d& front, double slack) {
+void GroundSides::setFront(const CollisionMesh& ground, const Vec3d& front, const Vec3d& middle, double slack) {
   isKnown_ = false;
   ground_ = &ground;
   front_ = front;
+  middle_ = middle;
   slack_ = slack;
   known_.reset(ground.mesh().triangleCount());
 }
@@ -76,7 +77,11 @@ int GroundSides::sideOf(std::uint32_t triangle) {
   }
   const int facing = lies() < 0 ? -1 : 1;
   const double skip = std::min(1.0, slack_ / std::max(norm(along), slack_));
-  return crossesOddly(*ground_, from, front_, skip, scratch_) ? -facing : facing;
+  const bool isOdd = crossesOddly(*ground_, from, front_, skip, scratch_);
+  if (!scratch_.empty() && ground_->mesh().report().boundaryEdges > 0) {
+    return otgDot(otgSub(middle_, from), n) < 0 ? -1 : 1;
+  }
+  return isOdd ? -facing : facing;
 }
 
 }  // namespace otg

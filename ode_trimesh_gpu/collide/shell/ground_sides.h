@@ -22,8 +22,9 @@ class GroundSides {
     isKnown_ = true;
     side_ = side;
   }
-  /// Of any other ground: as seen from a point in front of it.
-  void setFront(const CollisionMesh& ground, const Vec3d& front, double slack);
+  /// Of any other ground: as seen from a point in front of it. Where an open one is in between, whose rim there is a
+  /// way round, as seen from `middle`, that of the visitor.
+  void setFront(const CollisionMesh& ground, const Vec3d& front, const Vec3d& middle, double slack);
 
   /// +1 if the triangle's normal leads to its front, else -1.
   int of(std::uint32_t triangle) { return isKnown_ ? side_ : look(triangle); }
@@ -37,7 +38,7 @@ class GroundSides {
   bool isKnown_ = true;
   int side_ = 1;
   const CollisionMesh* ground_ = nullptr;
-  Vec3d front_{};
+  Vec3d front_{}, middle_{};
   double slack_ = 0;
   EpochArray known_;             ///< by triangle: 1 for +1, 0 for -1
   std::vector<double> scratch_;  ///< of crossesOddly()

@@ -188,7 +188,7 @@ ShellState ShellApproach::besideShell(bool meets) {
     } else {
       front_ = frontOfMeeting();
     }
-    sides_.setFront(*roles_.ground, front_, surface_.slack());
+    sides_.setFront(*roles_.ground, front_, roles_.middle(), surface_.slack());
     return ShellState::kMeeting;
   }
   const Sample sample = sampleFar();
@@ -197,7 +197,7 @@ ShellState ShellApproach::besideShell(bool meets) {
     return ShellState::kApart;
   }
   if (isKnown && crosses(sample.point, front_)) {
-    sides_.setFront(*roles_.ground, front_, surface_.slack());
+    sides_.setFront(*roles_.ground, front_, roles_.middle(), surface_.slack());
     return ShellState::kThrough;
   }
   front_ = frontOfApart(sample);

@@ -10,6 +10,7 @@
 #include "collide/pairwise/reduction.h"
 #include "collide/shell/clip_triangle.h"
 #include "collide/shell/shell_approach.h"
+#include "shared/tests/point_test.h"
 
 namespace otg {
 namespace {
@@ -166,7 +167,7 @@ class ShellContacts {
     if (vessel_ < 0) {
       Vec3d sum{0, 0, 0};
       double area = 0;
-      if (roles_.kind == GroundKind::kSheet && !roles_.isTerrain) {
+      if ((roles_.kind == GroundKind::kSheet || roles_.isScattered) && !roles_.isTerrain) {
         const std::vector<Adjacency::Cluster>& clusters = roles_.ground->adjacency().clusters;
         for (std::size_t i = 0; i + 1 < clusters.size(); ++i) {  // the last ends the others
           sum = otgAdd(sum, clusters[i].sum.vector);
@@ -238,6 +239,26 @@ class ShellContacts {
   int vessel_ = -1;  ///< isVessel(), once it was asked
 };
 
+/// Where triangles meet and nothing else is found, as on the tip of a needle, what the two do next is stopped: contacts
+/// without depth, in front of the ground.
+void addStops(const ShellRoles& roles, const GroundSurface& surface, const std::vector<TrianglePair>& pairs,
+              std::vector<Contact>& out) {
+  for (const TrianglePair& pair : pairs) {
+    Vec3d middle{0, 0, 0}, of[3];
+    for (const std::uint32_t v : roles.visitor->mesh().triangles()[pair.a].v) {
+      middle = otgAdd(middle, otgScale(roles.vertex(v), 1.0 / 3));
+    }
+    surface.corners(pair.b, of);
+    Contact c{};
+    otgNearestOnTriangle(of[0], of[1], of[2], middle, &c.position);
+    c.normal = surface.front(pair.b);
+    c.triangleA = pair.a;
+    c.triangleB = pair.b;
+    c.feature = ContactFeature::kFaceB;
+    out.push_back(c);
+  }
+}
+
 void reduce(const CollideOptions& options, const ShellContacts& maker, std::vector<Contact>& contacts) {
   // Most points fall into a bin with others: only what is left is taken to the surface.
   if (options.reduction.method == Reduction::kBinning) contacts = reduceByBinning(contacts, options.reduction.bins);
@@ -305,6 +326,11 @@ void shellContacts(const Query& query, Workspace& workspace) {
     }
     workspace.stats.contactsBeforeReduction = scratch.contacts.size();
     reduce(query.options, maker, scratch.contacts);
+    if (state == ShellState::kMeeting && scratch.contacts.empty()) {
+      addStops(roles, approach.surface(), scratch.pairs, scratch.contacts);
+      if (query.options.reduction.method == Reduction::kBinning)
+        scratch.contacts = reduceByBinning(scratch.contacts, query.options.reduction.bins);
+    }
   }
   remember(query, roles, before, approach, state, scratch.contacts);
   for (const Contact& c : scratch.contacts) workspace.contacts.push_back(placed(query, roles, c));

@@ -13,6 +13,22 @@ GroundKind kindOf(const TriMesh& mesh) {
   return isSheet(mesh) ? GroundKind::kSheet : GroundKind::kShell;
 }
 
+/// Whether a sheet of several pieces has them face all ways: what is behind one may be in front of another one. By some
+/// of its clusters, because each query asks.
+bool isScattered(const CollisionMesh& sheet) {
+  constexpr double kOneWay = 0.7;  // of all areas, what faces one way
+  if (sheet.mesh().topology().componentCount() < 2) return false;
+  Vec3d sum{0, 0, 0};
+  double area = 0;
+  const std::vector<Adjacency::Cluster>& clusters = sheet.adjacency().clusters;
+  const std::size_t step = clusters.size() / 256 + 1;
+  for (std::size_t i = 0; i + 1 < clusters.size(); i += step) {  // the last ends the others
+    sum = otgAdd(sum, clusters[i].sum.vector);
+    area += clusters[i].sum.area;
+  }
+  return otgDot(sum, sum) < kOneWay * kOneWay * area * area;
+}
+
 Transformd inverse(const Transformd& m) {
   Transformd out{};
   for (int i = 0; i < 3; ++i) {
@@ -50,6 +66,10 @@ ShellRoles shellRoles(const Query& query) {
   roles.visitor = roles.groundIsA ? query.b : query.a;
   roles.visitorInGround = roles.groundIsA ? query.bInA : inverse(query.bInA);
   roles.kind = kindOf(roles.ground->mesh());
+  // A solid's pair with a sheet is that of two solids where it can be, which go by the winding.
+  const bool isSolidVisitor = roles.visitor->mesh().meshClass() == MeshClass::kSolid;
+  roles.isScattered = roles.kind == GroundKind::kSheet && !isSolidVisitor && isScattered(*roles.ground);
+  if (roles.isScattered) roles.kind = GroundKind::kShell;
   roles.size = static_cast<double>(roles.visitor->mesh().radius());
   roles.isTerrain = roles.ground->mesh().radius() >= kTerrain * roles.visitor->mesh().radius();
   return roles;

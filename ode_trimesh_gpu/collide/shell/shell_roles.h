@@ -15,6 +15,7 @@ struct ShellRoles {
   const CollisionMesh* visitor = nullptr;
   bool groundIsA = true;
   GroundKind kind = GroundKind::kSolid;
+  bool isScattered = false;    ///< the ground is a sheet of pieces that face all ways, and counts as a shell
   bool isTerrain = false;      ///< the ground is at least four times as large as the visitor
   Transformd visitorInGround;  ///< takes the visitor's points to the ground's frame
   double size = 0;             ///< the visitor's radius

@@ -22,6 +22,7 @@
 #include "geom.h"
 #include "heightfield.h"
 #include "history.h"
+#include "join.h"
 #include "library.h"
 #include "mass.h"
 #include "override.h"

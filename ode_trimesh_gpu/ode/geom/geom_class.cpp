@@ -61,6 +61,7 @@ void LiveObjects::fetch(dGeomID geom) const noexcept {
 }
 
 GeomObject::~GeomObject() {
+  joined.leave();
   if (data != nullptr) data->detach(serial);
 }
 
@@ -209,6 +210,7 @@ void destroyObject(dGeomID geom) noexcept {
     live().objects.erase(geom);
   }
   const std::shared_ptr<GeomObject> last = std::move(slot->self);
+  if (last->joined.join != nullptr) last->joined.join->isBroken = true;
   slot = nullptr;
   if (last->uses.beginChange()) {
     if (last->data != nullptr) last->data->detach(last->serial);

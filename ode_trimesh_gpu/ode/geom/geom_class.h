@@ -11,6 +11,7 @@
 
 #include "base/owned_later.h"
 #include "ode/data/mesh_data.h"
+#include "ode/geom/mesh_join.h"
 #include "ode/geom/pair_memory.h"
 #include "ode_trimesh_gpu/callbacks.h"
 #include "ode_trimesh_gpu/params.h"
@@ -60,6 +61,7 @@ struct GeomObject : ScaledMesh, std::enable_shared_from_this<GeomObject> {
   std::atomic<std::uint64_t> clearedAt{0};  ///< no stamp of memory up to this one counts any more
   PairMemory memory;                        ///< of pairs in which this geom is mesh B (the younger one)
   LastTransform last;
+  JoinedPart joined;
   /// About so many bytes, from the first one on, are read of a geom of each pair.
   static constexpr std::size_t kReadBytes = 320;
   GeomStats stats;
@@ -131,6 +133,9 @@ WorldPose withRigidity(WorldPose pose) noexcept;
 
 /// A geom that ODE has just made of our class gets its object. After an exception (std::bad_alloc) nothing has changed.
 void giveObject(dGeomID geom, const std::shared_ptr<GeomObject>& object);
+
+/// How far beyond its mesh a geom's box reaches.
+double shellMargin(const GeomObject& object, const TriMesh& mesh);
 
 /// dGeomClass::aabb: minx, maxx, miny, maxy, minz, maxz of all triangles, rounded outward; always finite.
 void computeAabb(dGeomID geom, dReal aabb[6]) noexcept;

@@ -114,6 +114,7 @@ void forgetTrimesh(dGeomID geom) noexcept {
   const auto it = all.objects.find(geom);
   if (it == all.objects.end()) return;
   last = std::move(it->second);
+  if (last->joined.join != nullptr) last->joined.join->isBroken = true;
   all.objects.erase(it);
 }
 

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "ode/geom/geom_class.h"
+#include "ode/geom/mesh_join.h"
 
 namespace otg {
 
@@ -18,12 +19,16 @@ struct MeshGeom {
   /// Of a dTriMesh, which may be destroyed or changed without our knowledge: shares of its object and mesh.
   std::shared_ptr<GeomObject> ownObject{};
   std::shared_ptr<const CollisionMesh> ownMesh{};
+  /// What the geom is a piece of, whose mesh `mesh` is then; see enterJoin().
+  std::shared_ptr<const MeshJoin> join{};
+  std::uint32_t part = 0;
 
   /// Of a geom of our class, once it is held (GeomUse): until then its mesh may be changed.
   void takeMesh() {
     if (object != nullptr && ownObject == nullptr) mesh = object->mesh();
   }
   std::shared_ptr<const CollisionMesh> sharedMesh() const {
+    if (join != nullptr) return join->mesh;
     return ownMesh != nullptr || object == nullptr ? ownMesh : object->sharedMesh();
   }
 };

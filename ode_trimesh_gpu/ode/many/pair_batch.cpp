@@ -14,6 +14,7 @@
 #include "ode/base/status.h"
 #include "ode/geom/geom_part.h"
 #include "ode/geom/trimesh_pairs.h"
+#include "ode/pairs/left_pairs.h"
 #include "ode/pairs/pair_callbacks.h"
 
 namespace otg {
@@ -164,8 +165,9 @@ PairBatch::Found PairBatch::readPart(std::size_t begin, std::span<const dGpuTriM
     }
     finishReading(begin + k);
     if (task.state != PairTask::State::kReady) continue;
-    part.share(*object1, task.side1.mesh, block.meshes);
-    part.share(*object2, task.side2.mesh, block.meshes);
+    // A task has a share of what its geoms are pieces of.
+    if (task.side1.join == nullptr) part.share(*object1, task.side1.mesh, block.meshes);
+    if (task.side2.join == nullptr) part.share(*object2, task.side2.mesh, block.meshes);
     kind = Kind::kJob;
   }
   part.letGo();
@@ -196,7 +198,7 @@ void PairBatch::finishReading(std::size_t i) {
     if (block.histories.empty()) block.histories.reserve(kBlock);
     recallPair(task, block.histories.emplace_back());
   }
-  task.job.any = wish_.unimportant;
+  task.job.any = wish_.unimportant && !task.isJoined();
   if (wish_.capacity > 0) {
     CollideOptions& options = task.job.query.options;
     options.maxContacts = std::min(options.maxContacts, wish_.capacity);
@@ -209,15 +211,22 @@ PairBatch::Kind PairBatch::readLater(std::size_t i, const dGpuTriMeshPair& pair)
   MeshSide side1 = meshSideOf(pair.o1), side2 = meshSideOf(pair.o2);
   const GeomCallbacks callbacks1 = side1.callbacks, callbacks2 = side2.callbacks;
   const GeomUse use(side1.object, side2.object);
+  bool isLeft = false;
   if (use.good()) {
     side1.takeMesh();
     side2.takeMesh();
+    isLeft = isLeftToOde(side1, side2);
     preparePair(std::move(side1), std::move(side2), task);
   } else {
     takeBusy(std::move(side1), std::move(side2), task);
   }
   finishReading(i);
   if (task.state != PairTask::State::kReady) return Kind::kNone;
+  if (isLeft) {
+    constexpr int kMost = 64;  // where the caller has no limit, who asks again
+    keepContacts(result(i), contactsByOde(task, wish_.capacity > 0 ? wish_.capacity : kMost));
+    return Kind::kAsks;
+  }
   for (const MeshGeom* side : {&task.side1, &task.side2}) block.meshes.push_back(side->sharedMesh());
   if (!callbacks1.asked() && !callbacks2.asked()) {
     work_[i] = {&task.job, &result(i)};
@@ -238,6 +247,7 @@ void PairBatch::run() {
     std::size_t sum = 0;
     bool any = false;
     for (std::size_t i = begin; i < end; ++i) {
+      keepOwnOf(i);
       sum += result(i).contacts.size();
       owners_[i] = ownerOf(i);
       any = any || owners_[i] != kNobody;
@@ -247,6 +257,14 @@ void PairBatch::run() {
   });
   anyOwner_ = anyOwner;
   std::partial_sum(firsts_.begin(), firsts_.end(), firsts_.begin());
+}
+
+void PairBatch::keepOwnOf(std::size_t i) {
+  PairTask& task = blocks_[i / kBlock]->tasks[i % kBlock];
+  if (!task.isJoined()) return;
+  std::vector<Contact> own(result(i).contacts.begin(), result(i).contacts.end());
+  keepOwnContacts(task, own);
+  keepContacts(result(i), own);
 }
 
 std::uint8_t PairBatch::ownerOf(std::size_t i) const {

@@ -88,6 +88,8 @@ class PairBatch {
   void finishReading(std::size_t i);
   /// The caller's thread, which asks the program's callbacks.
   Kind readLater(std::size_t i, const dGpuTriMeshPair& pair);
+  /// Takes out of a result what belongs to other geoms than the pair's.
+  void keepOwnOf(std::size_t i);
   /// By whose memory, if the collision of pair `i` changes anything there: pairs of one memory have one number.
   std::uint8_t ownerOf(std::size_t i) const;
   void rememberHistories();

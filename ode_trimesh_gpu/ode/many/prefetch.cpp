@@ -92,16 +92,18 @@ class Gatherer {
   }
 
   /// Who has callbacks is asked when the pair is collided, and not before. A dTriMesh that is new gets its place in the
-  /// order of geoms, as if it collided now.
+  /// order of geoms, as if it collided now. Pieces of a whole are computed when they are collided, too.
   void addMeshes(dGeomID o1, dGeomID o2) {
     const GeomObject& first = *meshObjectOf(o1);
     const GeomObject& second = *meshObjectOf(o2);
+    if (first.joined.join != nullptr || second.joined.join != nullptr) return;
     if (callbacksOf(o1, first).asked() || callbacksOf(o2, second).asked()) return;
     meshes_.push_back({{o1, o2}, std::min(first.serial, second.serial), std::max(first.serial, second.serial)});
   }
   void addShape(dGeomID mesh, dGeomID other) {
     const GeomObject& object = *meshObjectOf(mesh);
-    if (!callbacksOf(mesh, object).asked()) shapes_.push_back({{mesh, other}, object.serial, memoryKey(other)});
+    if (object.joined.join == nullptr && !callbacksOf(mesh, object).asked())
+      shapes_.push_back({{mesh, other}, object.serial, memoryKey(other)});
   }
 
   dGpuTriMeshPairFilter* filter_;

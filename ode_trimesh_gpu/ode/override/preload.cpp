@@ -18,6 +18,9 @@
 
 #include "ode/data/trimesh_cache.h"
 #include "ode/geom/mesh_side.h"
+#include "ode/override/flat_pairs.h"
+#include "ode/override/join_still.h"
+#include "ode/pairs/left_pairs.h"
 #include "ode/shapes/height_samples.h"
 #include "ode_trimesh_gpu/ode_trimesh_gpu.h"
 
@@ -108,6 +111,7 @@ void takeOver() {
   static std::atomic<bool> first{true};
   if (first.exchange(false)) {
     chooseParams();
+    otg::noteMargin();
     if (isVerbose()) std::atexit(&sayWhatWasDone);
     if (isVerbose() && status == dGPUTRIMESH_OK) {
       std::fprintf(stderr, "ode_trimesh_gpu: pairs of dTriMesh collide through this library\n");
@@ -122,6 +126,23 @@ void forgetAll() {
   otg::forgetTrimeshes();
   otg::clearTrimeshCache();
   otg::forgetAllHeights();
+  otg::dropAllStill();
+  otg::forgetFlatness();
+}
+
+void dataChanged(dTriMeshDataID data) {
+  otg::trimeshDataChanged(data);
+  otg::forgetFlatness();
+}
+
+bool joins() {
+  static const bool wanted = !isSet("OTG_PRELOAD_JOIN", "off");
+  return wanted && otg::isAnyTrimesh();
+}
+
+bool isOff() {
+  static const bool off = isSet("OTG_PRELOAD", "off");
+  return off;
 }
 
 /// What the heightfield was built from, for meshes to collide with.
@@ -172,14 +193,34 @@ OTG_INTERPOSED dGeomID dCreateTriMesh(dSpaceID space, dTriMeshDataID Data, dTriC
   if (geom == nullptr || otg::isReadingTrimesh()) return geom;
   try {
     otg::objectOfTrimesh(geom);
+    otg::noteTrimesh();
   } catch (...) {  // for want of memory: it gets its place when it collides
   }
   return geom;
 }
 
 OTG_INTERPOSED void dGeomDestroy(dGeomID geom) {
-  if (geom != nullptr && !otg::isReadingTrimesh() && dGeomGetClass(geom) == dTriMeshClass) otg::forgetTrimesh(geom);
+  if (geom != nullptr && !otg::isReadingTrimesh() && dGeomGetClass(geom) == dTriMeshClass) {
+    otg::forgetTrimesh(geom);
+    otg::dropStill(geom);
+  }
   OTG_NEXT(dGeomDestroy)(geom);
+}
+
+OTG_INTERPOSED void dSpaceCollide(dSpaceID space, void* data, dNearCallback* callback) {
+  if (!isOff() && joins() && space != nullptr) {
+    try {
+      otg::joinStill(space);
+    } catch (...) {  // for want of memory: each collides by itself
+    }
+  }
+  OTG_NEXT(dSpaceCollide)(space, data, callback);
+  if (!isOff() && space != nullptr && callback != nullptr) otg::askAboutFlats(space, data, callback);
+}
+
+OTG_INTERPOSED void dSpaceCollide2(dGeomID space1, dGeomID space2, void* data, dNearCallback* callback) {
+  OTG_NEXT(dSpaceCollide2)(space1, space2, data, callback);
+  if (!isOff() && callback != nullptr) otg::askAboutFlats(space1, space2, data, callback);
 }
 
 OTG_INTERPOSED void dGeomTriMeshSetLastTransform(dGeomID g, const dMatrix4 last_trans) {
@@ -189,18 +230,19 @@ OTG_INTERPOSED void dGeomTriMeshSetLastTransform(dGeomID g, const dMatrix4 last_
 
 OTG_INTERPOSED void dGeomTriMeshDataDestroy(dTriMeshDataID g) {
   otg::forgetTrimeshData(g);
+  otg::forgetFlatness();
   OTG_NEXT(dGeomTriMeshDataDestroy)(g);
 }
 
 OTG_INTERPOSED void dGeomTriMeshDataUpdate(dTriMeshDataID g) {
   OTG_NEXT(dGeomTriMeshDataUpdate)(g);
-  otg::trimeshDataChanged(g);
+  dataChanged(g);
 }
 
 OTG_INTERPOSED void dGeomTriMeshDataBuildSingle(dTriMeshDataID g, const void* Vertices, int VertexStride,
                                                 int VertexCount, const void* Indices, int IndexCount, int TriStride) {
   OTG_NEXT(dGeomTriMeshDataBuildSingle)(g, Vertices, VertexStride, VertexCount, Indices, IndexCount, TriStride);
-  otg::trimeshDataChanged(g);
+  dataChanged(g);
 }
 
 OTG_INTERPOSED void dGeomTriMeshDataBuildSingle1(dTriMeshDataID g, const void* Vertices, int VertexStride,
@@ -208,13 +250,13 @@ OTG_INTERPOSED void dGeomTriMeshDataBuildSingle1(dTriMeshDataID g, const void* V
                                                  const void* Normals) {
   OTG_NEXT(dGeomTriMeshDataBuildSingle1)
   (g, Vertices, VertexStride, VertexCount, Indices, IndexCount, TriStride, Normals);
-  otg::trimeshDataChanged(g);
+  dataChanged(g);
 }
 
 OTG_INTERPOSED void dGeomTriMeshDataBuildDouble(dTriMeshDataID g, const void* Vertices, int VertexStride,
                                                 int VertexCount, const void* Indices, int IndexCount, int TriStride) {
   OTG_NEXT(dGeomTriMeshDataBuildDouble)(g, Vertices, VertexStride, VertexCount, Indices, IndexCount, TriStride);
-  otg::trimeshDataChanged(g);
+  dataChanged(g);
 }
 
 OTG_INTERPOSED void dGeomTriMeshDataBuildDouble1(dTriMeshDataID g, const void* Vertices, int VertexStride,
@@ -222,19 +264,19 @@ OTG_INTERPOSED void dGeomTriMeshDataBuildDouble1(dTriMeshDataID g, const void* V
                                                  const void* Normals) {
   OTG_NEXT(dGeomTriMeshDataBuildDouble1)
   (g, Vertices, VertexStride, VertexCount, Indices, IndexCount, TriStride, Normals);
-  otg::trimeshDataChanged(g);
+  dataChanged(g);
 }
 
 OTG_INTERPOSED void dGeomTriMeshDataBuildSimple(dTriMeshDataID g, const dReal* Vertices, int VertexCount,
                                                 const dTriIndex* Indices, int IndexCount) {
   OTG_NEXT(dGeomTriMeshDataBuildSimple)(g, Vertices, VertexCount, Indices, IndexCount);
-  otg::trimeshDataChanged(g);
+  dataChanged(g);
 }
 
 OTG_INTERPOSED void dGeomTriMeshDataBuildSimple1(dTriMeshDataID g, const dReal* Vertices, int VertexCount,
                                                  const dTriIndex* Indices, int IndexCount, const int* Normals) {
   OTG_NEXT(dGeomTriMeshDataBuildSimple1)(g, Vertices, VertexCount, Indices, IndexCount, Normals);
-  otg::trimeshDataChanged(g);
+  dataChanged(g);
 }
 
 OTG_INTERPOSED void dGeomHeightfieldDataDestroy(dHeightfieldDataID d) {

@@ -9,6 +9,7 @@
 #include "dispatch/threads/workspace_lease.h"
 #include "ode/base/status.h"
 #include "ode/geom/class_number.h"
+#include "ode/pairs/left_pairs.h"
 #include "ode/pairs/pair_callbacks.h"
 #include "ode/pairs/prefetched_pairs.h"
 
@@ -49,6 +50,9 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
   }
   side1.takeMesh();
   side2.takeMesh();
+  if (to.data == nullptr && isLeftToOde(side1, side2)) {
+    return collideByOde(side1.geom, side2.geom, (flags & ~0xffff) | capacity, to.first, to.skip);
+  }
   const GeomCallbacks callbacks1 = side1.callbacks, callbacks2 = side2.callbacks;
   const bool asks = callbacks1.asked() || callbacks2.asked();
   PairTask task;
@@ -63,7 +67,7 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
   try {
     SolidHistory history;
     if (needsHistory(task)) recallPair(task, history);
-    task.job.any = isUnimportant(flags);
+    task.job.any = isUnimportant(flags) && !task.isJoined();
     PrefetchedPairs* const ready = task.b().prefetched.get();
     if (!task.job.any && !asks && ready != nullptr && !ready->empty()) {
       PairResult result;
@@ -84,7 +88,13 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
     const WorkspaceLease lease;
     Workspace& workspace = *lease;
     Dispatcher::Ran ran;
-    const std::span<const Contact> contacts = dispatcher().collide(task.job, workspace, ran);
+    std::span<const Contact> contacts = dispatcher().collide(task.job, workspace, ran);
+    std::vector<Contact> own;
+    if (task.isJoined()) {
+      own.assign(contacts.begin(), contacts.end());
+      keepOwnContacts(task, own);
+      contacts = own;
+    }
     rememberPair(task, !contacts.empty());
     writeContacts(task, contacts, to);
     countPair(task, PairCounts(workspace.stats), contacts.size(), ran.onDevice, ran.deviceFailed);

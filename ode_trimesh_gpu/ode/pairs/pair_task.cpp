@@ -11,6 +11,7 @@
 #include "base/vectors.h"
 #include "dispatch/dispatcher.h"
 #include "ode/base/status.h"
+#include "ode/geom/joined_sides.h"
 #include "ode/pairs/contact_data.h"
 
 namespace otg {
@@ -201,17 +202,27 @@ void preparePair(MeshGeom&& from1, MeshGeom&& from2, PairTask& task) noexcept {
   task.state = PairTask::State::kNothing;
   const CollisionMesh *const mesh1 = task.side1.mesh, *const mesh2 = task.side2.mesh;
   if (mesh1 == nullptr || mesh2 == nullptr || mesh1->tree().nodes.empty() || mesh2->tree().nodes.empty()) return;
-  const Side side1{task.side1, readPose(task.side1.geom)};
-  const Side side2{task.side2, readPose(task.side2.geom)};
+  Side side1{task.side1, readPose(task.side1.geom)};
+  Side side2{task.side2, readPose(task.side2.geom)};
   // Each by itself: a scale of 2 and one of 1/2 make a relative pose that looks rigid.
   if (!side1.pose.rigid || !side2.pose.rigid) {
     task.state = PairTask::State::kBadPose;
     return;
   }
+  const JoinedPart &part1 = task.side1.object->joined, &part2 = task.side2.object->joined;
+  if (part1.join != nullptr || part2.join != nullptr) {
+    if (part1.join == part2.join && !part1.join->isBroken) return;  // pieces of one surface
+    const auto asks = [](const MeshGeom& side) { return callbacksOf(side.geom, *side.object).asked(); };
+    if (!asks(task.side1) && !asks(task.side2)) {
+      enterJoin(task.side1, side1.pose);
+      enterJoin(task.side2, side2.pose);
+    }
+  }
   task.first = task.side1.object->serial < task.side2.object->serial;
   const Side& a = task.first ? side1 : side2;
   const Side& b = task.first ? side2 : side1;
   task.poseOfA = a.pose.transform;
+  task.poseOfB = b.pose.transform;
   Query& query = task.job.query;
   query.a = a.side.mesh;
   query.b = b.side.mesh;
@@ -248,7 +259,7 @@ std::uint64_t rememberPair(const PairTask& task, bool hasContacts) {
   GeomObject &a = task.a(), &b = task.b();
   const SolidHistory* const history = task.usedHistory();
   // From which side a body comes to a shell is known only while the two are apart.
-  const bool isOver = history != nullptr && !hasContacts && history->current.side == 0;
+  const bool isOver = history != nullptr && !hasContacts && !task.hasLeftOut && history->current.side == 0;
   if (!task.remembers || isOver) {
     b.memory.forget(a.serial);
     return 0;
@@ -279,6 +290,20 @@ void countFailure(const PairTask& task, int status) noexcept {
   for (GeomObject* object : {task.side1.object, task.side2.object}) {
     object->stats.failedQueries.fetch_add(1, std::memory_order_relaxed);
   }
+}
+
+void keepOwnContacts(PairTask& task, std::vector<Contact>& contacts) {
+  const MeshGeom &a = task.sideA(), &b = task.sideB();
+  const auto boxOf = [](const MeshGeom& side, const Transformd& pose) {
+    // Of two pieces the triangles tell both.
+    constexpr double kAnywhere = 1e300;
+    if (side.join != nullptr) return WorldBox{{-kAnywhere, -kAnywhere, -kAnywhere}, {kAnywhere, kAnywhere, kAnywhere}};
+    const Vec3f &low = side.mesh->mesh().boundsMin(), &high = side.mesh->mesh().boundsMax();
+    return worldBox({low.x, low.y, low.z}, {high.x, high.y, high.z}, pose);
+  };
+  const WorldBox boxOfA = boxOf(a, task.poseOfA), boxOfB = boxOf(b, task.poseOfB);
+  if (keepOwn(a, 0, task.poseOfA, task.poseOfA, boxOfB, contacts)) task.hasLeftOut = true;
+  if (keepOwn(b, 1, task.poseOfA, task.poseOfB, boxOfA, contacts)) task.hasLeftOut = true;
 }
 
 void writeContacts(const PairTask& task, std::span<const Contact> contacts, const ContactArray& to) {

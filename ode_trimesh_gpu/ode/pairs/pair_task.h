@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "dispatch/pair_job.h"
 #include "ode/geom/mesh_side.h"
@@ -44,9 +45,11 @@ struct PairTask {
   State state = State::kNothing;
   bool first = false;       ///< mesh A is o1's
   Transformd poseOfA{};     ///< A's frame to the world
+  Transformd poseOfB{};     ///< likewise
   PairJob job;              ///< maxContacts is what the geoms allow; job.query.history: see recallPair()
   std::uint64_t stamp = 0;  ///< of what was remembered, 0 for nothing
   bool remembers = false;   ///< both geoms remember pairs with the other's class
+  bool hasLeftOut = false;  ///< the query had contacts that belong to other geoms: see keepOwnContacts()
 
   PairTask() = default;
   PairTask(const PairTask&) = delete;
@@ -54,6 +57,8 @@ struct PairTask {
 
   const MeshGeom& sideA() const { return first ? side1 : side2; }
   const MeshGeom& sideB() const { return first ? side2 : side1; }
+  /// A geom is a piece of something, which the query is about.
+  bool isJoined() const { return side1.join != nullptr || side2.join != nullptr; }
   GeomObject& a() const { return *sideA().object; }
   GeomObject& b() const { return *sideB().object; }
   /// What the query has made of what is remembered; null if nothing.
@@ -98,6 +103,9 @@ void countPair(const PairTask& task, const PairCounts& counts, std::size_t conta
 void fetchStats(const PairTask& task) noexcept;
 /// A query that found nothing because it failed; the status becomes the thread's last error.
 void countFailure(const PairTask& task, int status) noexcept;
+
+/// Of a pair that isJoined(): takes out what belongs to other geoms.
+void keepOwnContacts(PairTask& task, std::vector<Contact>& contacts);
 
 /// To ODE's contacts, in the world, in the order of the call.
 void writeContacts(const PairTask& task, std::span<const Contact> contacts, const ContactArray& to);

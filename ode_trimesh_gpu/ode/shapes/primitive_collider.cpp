@@ -6,6 +6,7 @@
 #include "dispatch/threads/workspace_lease.h"
 #include "ode/base/status.h"
 #include "ode/geom/class_number.h"
+#include "ode/geom/joined_sides.h"
 #include "ode/pairs/mesh_collider.h"
 #include "ode/pairs/pair_task.h"
 #include "ode/shapes/convex_collider.h"
@@ -19,7 +20,8 @@ namespace otg {
 
 bool preparePrimitive(PrimitiveTask& task, int& failure) {
   if (task.side.mesh == nullptr || task.side.mesh->tree().nodes.empty()) return false;
-  const WorldPose pose = readPose(task.o1);
+  WorldPose pose = readPose(task.o1);
+  if (pose.rigid && dGeomGetClass(task.o2) != dRayClass && !task.side.callbacks.asked()) enterJoin(task.side, pose);
   task.pose = pose.transform;
   bool rigid = pose.rigid;
   const int classOfOther = dGeomGetClass(task.o2);
@@ -67,6 +69,12 @@ void findContacts(PrimitiveTask& task, int most, std::vector<Contact>& out, int&
   for (Contact& c : out) c.triangleA = task.side.mesh->mesh().callerTriangle(c.triangleA);
 }
 
+WorldBox boxOf(dGeomID geom) {
+  dReal box[6];
+  dGeomGetAABB(geom, box);
+  return {{box[0], box[2], box[4]}, {box[1], box[3], box[5]}};
+}
+
 int collidePrimitive(PrimitiveTask& task, dContactGeom* contact, int skip) {
   const GeomUse use(task.side.object);
   GeomStats& stats = task.side.object->stats;
@@ -80,6 +88,7 @@ int collidePrimitive(PrimitiveTask& task, dContactGeom* contact, int skip) {
     if (use.good()) {
       task.side.takeMesh();
       if (preparePrimitive(task, failure)) findContacts(task, most, contacts, failure);
+      if (task.side.join != nullptr) keepOwn(task.side, 0, task.pose, task.pose, boxOf(task.o2), contacts);
     } else {
       failure = dGPUTRIMESH_ERROR_BUSY;
     }
