@@ -10,15 +10,16 @@
 #include "collide/solid/region_refiner.h"
 #include "collide/solid/solid_contacts.h"
 #include "primitives/convex_patch.h"
+#include "primitives/region_walls.h"
 #include "primitives/sheet_block.h"
 #include "queries/surface_side.h"
 
 namespace otg {
 namespace {
 
-// A cylinder lies on its side up to this sine of its axis' slope, and stands on its end from this cosine on; in between
-// it stands on a point of its rim.
-constexpr double kOnSide = 0.2, kOnEnd = 0.98;
+constexpr double kThin = 0.01;            // thickness of a region over its diagonal
+constexpr double kLeft = 0.005;           // of a way out: not worth a correction
+constexpr double kRounding = 2.5e-7;      // of the shape's radius: what single precision may take off a depth
 constexpr double kSamePlace = 0.01;       // of the region's diagonal
 constexpr double kFacetsStickOut = 0.05;  // of the radius: at most
 
@@ -33,13 +34,21 @@ class ShapeRefiner final : public RegionRefiner {
     low_ = region.lo;
     high_ = region.hi;
     placed_.emplace(shape_, query_.bInA, origin_);
-    settled_ = false;
+    settled_ = hasWalls_ = false;
     trusted_ = !direction.entangled && !direction.escaping && !region.contained && !region.bad;
-    if (!trusted_) return false;
-    if (!patch_.read(meshes, all, region) && !patch_.readDense(meshes, all, region, *placed_)) return false;
+    if (!trusted_) {
+      // The walls of a groove contradict each other, however shallow the overlap.
+      const bool isGroove = region.thickness < kThin * region.diagonal && !region.contained && !region.bad;
+      hasWalls_ = isGroove && walls_.read(meshes, all, region, *placed_, {}, false);
+      return false;
+    }
+    const bool isConvex = patch_.read(meshes, all, region) || patch_.readDense(meshes, all, region, *placed_);
+    hasWalls_ = walls_.read(meshes, all, region, *placed_, patch_.triangles(), isConvex);
+    if (!isConvex) return false;
     way_ = patch_.leave(*placed_, unit(region.push) * -1.0);
-    if (!std::isfinite(way_.depth)) return false;
-    settled_ = true;
+    settled_ = std::isfinite(way_.depth);
+    hasWalls_ = hasWalls_ && settled_;
+    if (!settled_) return false;
     normals.fix(way_.direction * -1.0);
     return true;
   }
@@ -73,37 +82,17 @@ class ShapeRefiner final : public RegionRefiner {
       for (auto it = begin; it != contacts.end(); ++it) it->depth = std::min(it->depth, way_.depth);
       addDeepest(contacts, first);
     }
-    std::stable_sort(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(),
-                     [](const Contact& x, const Contact& y) { return x.depth > y.depth; });
-    const std::size_t most = first + static_cast<std::size_t>(query_.options.solid.contactsPerRegion);
-    if (contacts.size() > most) contacts.resize(most);
+    if (settled_ && !shape_.isCurved()) undoRounding(contacts, first);
+    if (hasWalls_ && !settled_) walls_.limitDepths(contacts, first);
+    if (hasWalls_) walls_.complete(*placed_, kSamePlace * diagonal_, contacts, first);
+    keepEachDirection(contacts, first, static_cast<std::size_t>(query_.options.solid.contactsPerRegion));
   }
 
  private:
   /// How much of the shape's axis lies along the way out.
   double slope() const { return std::fabs(placed_->directionToLocal(way_.direction).z); }
   /// Contacts lie along a line of the round side.
-  bool onLine() const { return shape_.kind == ConvexShape::Kind::kCapsule || slope() < kOnSide; }
-
-  /// The point of the shape that stands for a contact's, with the direction fixed.
-  Vec3d rearPlace(const Vec3d& position) const {
-    Vec3d p = placed_->toLocal(position);
-    const Vec3d back = placed_->directionToLocal(way_.direction) * -1.0;
-    if (shape_.kind == ConvexShape::Kind::kCapsule) {
-      return placed_->fromLocal(Vec3d{0, 0, std::clamp(p.z, -shape_.length, shape_.length)} + back * shape_.radius);
-    }
-    p.z = std::clamp(p.z, -shape_.length, shape_.length);
-    const double across = std::hypot(back.x, back.y), out = std::hypot(p.x, p.y);
-    if (slope() < kOnSide) {
-      p.x = shape_.radius * back.x / across;
-      p.y = shape_.radius * back.y / across;
-    } else if (out > shape_.radius) {
-      p.x *= shape_.radius / out;
-      p.y *= shape_.radius / out;
-    }
-    if (slope() > kOnEnd) p.z = std::copysign(shape_.length, back.z);
-    return placed_->fromLocal(p);
-  }
+  bool onLine() const { return shape_.kind == ConvexShape::Kind::kCapsule || slope() < PlacedShape::kOnSide; }
 
   void place(Contact& c, const Vec3d& middle, double depth) const {
     c.position = middle + origin_;
@@ -117,7 +106,7 @@ class ShapeRefiner final : public RegionRefiner {
 
   /// With the direction fixed: place and depth on the round shape and the patch's planes.
   bool onPatch(Contact& c) const {
-    const Vec3d d = way_.direction, p = rearPlace(c.position - origin_);
+    const Vec3d d = way_.direction, p = placed_->rearNear(d, c.position - origin_);
     const double ahead = patch_.wayOut(p, d);
     if (!(ahead > 0) || !std::isfinite(ahead)) return false;
     const double behind = std::max(0.0, placed_->exitDistance(p, d * -1.0));
@@ -169,6 +158,15 @@ class ShapeRefiner final : public RegionRefiner {
     contacts.push_back(deepest);
   }
 
+  /// The vertices of the shape's mesh are rounded to single precision, the way out is not.
+  void undoRounding(std::vector<Contact>& contacts, std::size_t first) const {
+    double deepest = 0;
+    for (std::size_t i = first; i < contacts.size(); ++i) deepest = std::max(deepest, contacts[i].depth);
+    const double missing = way_.depth - deepest;
+    if (!(missing > kLeft * way_.depth) || missing > kRounding * double{shape_.mesh->mesh().radius()}) return;
+    for (std::size_t i = first; i < contacts.size(); ++i) contacts[i].depth += missing;
+  }
+
   /// Of contacts along a line the deepest and the outermost.
   void keepEnds(std::vector<Contact>& contacts, std::size_t first) const {
     if (contacts.size() - first < 2) return;
@@ -193,10 +191,11 @@ class ShapeRefiner final : public RegionRefiner {
   const ConvexShape& shape_;
   std::optional<PlacedShape> placed_;
   ConvexPatch patch_;
+  RegionWalls walls_;
   Vec3d origin_{};
   double diagonal_ = 0;
   Vec3d low_{}, high_{};  ///< of the region
-  bool trusted_ = false, settled_ = false;
+  bool trusted_ = false, settled_ = false, hasWalls_ = false;
   WayOut way_;
 };
 

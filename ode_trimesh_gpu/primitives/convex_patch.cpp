@@ -32,6 +32,7 @@ double toleranceOf(const PlacedMeshes& meshes, const Region& region) {
 bool ConvexPatch::read(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region) {
   planes_.clear();
   edges_.clear();
+  triangles_.clear();
   points_.clear();
   corners_.clear();
   dense_ = nullptr;
@@ -219,6 +220,24 @@ void ConvexPatch::tryEdge(const PlacedShape& shape, const Edge& edge, WayOut& be
   // Where the shape's straight side leads, any point of it is as far back as the other ones.
   const Vec3d axis = shape.direction({0, 0, 1});
   offerEdge(d, 1.0, std::fabs(otgDot(d, axis)) < 1e-3 ? axis : Vec3d{0, 0, 0});
+}
+
+Vec3d PlacedShape::rearNear(const Vec3d& d, const Vec3d& position) const {
+  Vec3d p = toLocal(position);
+  const Vec3d back = directionToLocal(d) * -1.0;
+  const double radius = shape_->radius, slope = std::fabs(back.z);
+  p.z = std::clamp(p.z, -shape_->length, shape_->length);
+  if (shape_->kind == ConvexShape::Kind::kCapsule) return fromLocal(Vec3d{0, 0, p.z} + back * radius);
+  const double across = std::sqrt(back.x * back.x + back.y * back.y), out = std::sqrt(p.x * p.x + p.y * p.y);
+  if (slope < kOnSide) {
+    p.x = radius * back.x / across;
+    p.y = radius * back.y / across;
+  } else if (out > radius) {
+    p.x *= radius / out;
+    p.y *= radius / out;
+  }
+  if (slope > kOnEnd) p.z = std::copysign(shape_->length, back.z);
+  return fromLocal(p);
 }
 
 Vec3d wayToRoundSide(const PlacedShape& shape, const Vec3d& point) {

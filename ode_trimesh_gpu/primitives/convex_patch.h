@@ -3,6 +3,8 @@
 // shape to leave it.
 #pragma once
 
+#include <cmath>
+#include <span>
 #include <vector>
 
 #include "base/vectors.h"
@@ -14,6 +16,9 @@ namespace otg {
 /// A convex shape in mesh A's frame, seen from a near origin.
 class PlacedShape {
  public:
+  /// A cylinder lies on its side up to this sine of its axis' slope, and stands on its end from this cosine on; in
+  /// between it stands on a point of its rim.
+  static constexpr double kOnSide = 0.2, kOnEnd = 0.98;
   PlacedShape(const ConvexShape& shape, const Transformd& pose, const Vec3d& origin)
       : shape_(&shape), pose_(pose), origin_(origin) {}
   const ConvexShape& shape() const { return *shape_; }
@@ -24,6 +29,13 @@ class PlacedShape {
   /// Its point that is last to leave when it moves along d, and how far that is along d.
   Vec3d rear(const Vec3d& d) const { return fromLocal(shape_->support(directionToLocal(d) * -1.0)); }
   double rearAlong(const Vec3d& d) const { return otgDot(d, rear(d)); }
+  /// Of a curved shape: the point nearest to p of those that are about as late.
+  Vec3d rearNear(const Vec3d& d, const Vec3d& p) const;
+  /// Whether a curved shape leaves with one point of a rim last.
+  bool standsOnPoint(const Vec3d& d) const {
+    const double slope = std::fabs(directionToLocal(d).z);
+    return shape_->kind == ConvexShape::Kind::kCylinder && slope >= kOnSide && slope <= kOnEnd;
+  }
   double exitDistance(const Vec3d& p, const Vec3d& d) const {
     return shape_->exitDistance(toLocal(p), directionToLocal(d));
   }
@@ -61,6 +73,9 @@ class ConvexPatch {
   /// whose corners are all outside of the shape count only if they are large.
   bool readDense(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region, const PlacedShape& shape);
   bool isDense() const { return dense_ != nullptr; }
+
+  /// Of mesh A, where there are too many for planes of their own; else none.
+  std::span<const std::uint32_t> triangles() const { return triangles_; }
 
   /// The least translation that takes the shape out of the half spaces behind the patch, over all directions in which
   /// the patch has a supporting plane: its faces, the arcs between the normals of two faces at an edge, and the cones
