@@ -68,6 +68,7 @@ class RegionSolver {
   }
 
  private:
+  static constexpr double kWithin = 1 + 1e-6;  ///< for what rounds
   struct Plane {
     Vec3d normal;
     double offset;
@@ -229,20 +230,31 @@ class RegionSolver {
 
   /// Where two edges cross each other, seen along the normal, they are deepest, and not in their middles: the stretch
   /// of the other mesh that this one passes deepest, or null. Regions described by cells keep no stretches.
-  const SupportPoint* passed(const Candidate& c) const {
+  const SupportPoint* passed(const Candidate& c) {
     const SupportPoint& p = *c.point;
     if (p.kind < PointKind::kMiddle || region_.cellEnd > region_.cellBegin) return nullptr;
+    if (!hasStretches_) collectStretches();
     const SupportPoint* deepest = nullptr;
     double most = 0;
-    for (std::uint32_t i = region_.pointBegin; i < region_.pointEnd; ++i) {
-      const SupportPoint& q = all_.points[i];
-      if (q.mesh == p.mesh || q.kind < PointKind::kMiddle) continue;
-      const double way = passOf(p, q, c.normal).way;
+    for (const SupportPoint* q : stretches_[1 - p.mesh]) {
+      const Vec3d apart = otgSub(q->position, p.position);
+      const double along = otgDot(apart, c.normal), reach = p.reach + q->reach;
+      // Seen along the normal, they are too far from each other.
+      if (otgDot(apart, apart) - along * along > kWithin * reach * reach) continue;
+      const double way = passOf(p, *q, c.normal).way;
       if (!(way > most)) continue;
       most = way;
-      deepest = &q;
+      deepest = q;
     }
     return deepest;
+  }
+
+  void collectStretches() {
+    hasStretches_ = true;
+    for (std::uint32_t i = region_.pointBegin; i < region_.pointEnd; ++i) {
+      const SupportPoint& p = all_.points[i];
+      if (p.kind >= PointKind::kMiddle) stretches_[p.mesh].push_back(&p);
+    }
   }
 
   void estimate(Candidate& c) {
@@ -517,6 +529,8 @@ class RegionSolver {
   bool isUneven_ = false;  ///< each point leaves by the faces nearest to it, and is measured on the triangles
   RegionTriangles triangles_;
   std::vector<Candidate> candidates_;
+  std::vector<const SupportPoint*> stretches_[2];  ///< in the order of the points
+  bool hasStretches_ = false;
   SupportPoint fallback_{};
 };
 
