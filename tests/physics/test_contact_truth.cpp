@@ -39,7 +39,7 @@ constexpr Promise kPromises[] = {
     {"boxes_face_turned", 0.5, 0.1, 0.001, 0.0001, 0.1},
     {"boxes_turned", 5, 0.01, 0.001, 0.0001, 5},
     {"cylinders_stacked", 5, 1, 0.001, 0.0001, 4},
-    {"cylinder_on_box", 5, 1, 0.001, 0.0001, 1},
+    {"cylinder_on_box", 5, 1, 0.001, 0.0001, 1.02},
     {"ball_box", 7, 1, 0.01, 0.001, 3},
     {"ball_cylinder", 7, 2, 0.01, 0.001, 4},
     {"cylinders_crossed", 8, 3, 0.01, 0.001, 2},

@@ -175,8 +175,8 @@ TEST_CASE("a run that is saved and reloaded continues with the same bytes") {
 
 TEST_CASE("the bytes do not depend on the machine") {
   const OdeSession session;
-  const Data small(scenes::makeBox({1, 1, 1}, 1)), large(scenes::makeBox({4, 4, 4}, 2));  // mesh A
-  const Geom a(large), b(small);
+  const Data small(scenes::makeBox({1, 1, 1}, 1)), large(scenes::makeBox({4, 4, 4}, 2));
+  const Geom a(small), b(large);
   dGeomSetPosition(b.id, 1, 0.25, 0.125);
   REQUIRE_FALSE(test::collide(a.id, b.id, 16).empty());
   const dGeomID geoms[] = {b.id, a.id};
@@ -186,7 +186,7 @@ TEST_CASE("the bytes do not depend on the machine") {
   const unsigned char head[] = {'O', 'T', 'G', 'H', 'I', 'S', 'T', 0, 4, 0, 0, 0, 2, 0, 0, 0,
                                 1,   0,   0,   0,   0,   0,   0,   0, 1, 0, 0, 0, 0, 0, 0, 0};
   CHECK(std::memcmp(bytes, head, sizeof head) == 0);
-  // The current state ends with the pose of the small box, (1, 0.25, 0.125), hasPose, and no side of a shell: 0,
+  // The current state ends with the pose of the large box, (1, 0.25, 0.125), hasPose, and no side of a shell: 0,
   // written as 1, and a point at the origin.
   const unsigned char tail[] = {0, 0, 0, 0, 0, 0, 0xf0, 0x3f, 0, 0, 0, 0, 0, 0, 0xd0, 0x3f,
                                 0, 0, 0, 0, 0, 0, 0xc0, 0x3f, 1, 0, 0, 0, 1, 0, 0,    0};

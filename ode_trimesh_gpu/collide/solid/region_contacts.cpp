@@ -197,8 +197,9 @@ class RegionSolver {
       fallback_.position = center_;
       fallback_.kind = PointKind::kCrossing;
       fallback_.feature = fallback_.rank = fallback_.triangleA = fallback_.triangleB = kNone;
-      Candidate c{&fallback_, center_, center_, {}, 0, 0, 0, 0, 0, 0};
-      estimate(c);
+      Candidate c{&fallback_, center_, center_, task_.normals.at(center_), 0, 0, 0, 0, 0, 0};
+      // Of an uneven region nothing is below a face: surfaces that lie on each other to rounding.
+      if (!isUneven_) estimate(c);
       candidates_.push_back(c);
     }
   }

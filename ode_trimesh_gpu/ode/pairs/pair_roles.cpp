@@ -10,13 +10,13 @@
 namespace otg {
 namespace {
 
-/// Greater than zero if the first has more triangles, a larger radius or the larger hash. Hashes are asked for only
+/// Greater than zero if the first has the smaller radius, more triangles or the larger hash. Hashes are asked for only
 /// where nothing else tells the meshes apart.
 std::partial_ordering byContents(const CollisionMesh& first, const CollisionMesh& second) {
   const TriMesh &x = first.mesh(), &y = second.mesh();
   if (&x == &y) return std::partial_ordering::equivalent;
+  if (const auto order = y.radius() <=> x.radius(); order != 0) return order;
   if (const auto order = x.triangleCount() <=> y.triangleCount(); order != 0) return order;
-  if (const auto order = x.radius() <=> y.radius(); order != 0) return order;
   return x.contentHash() <=> y.contentHash();
 }
 
