@@ -273,7 +273,7 @@ class RegionSolver {
   void collectUneven(const std::vector<std::uint32_t>& points) {
     for (const Leave& leave : leavesOf(triangles_, all_, points)) {
       Candidate c{leave.point, leave.at, leave.at, leave.normal, 0, 0, 0, 0, 0, 0};
-      double depth = leave.depth;
+      double depth = std::min(leave.depth, task_.extent.along(leave.normal));
       const Vec3d local = leave.curved ? task_.normals.at(leave.at) : leave.normal;
       if (const double cosine = otgDot(local, c.normal); leave.curved && cosine >= OTG_SOLID_ONE_WAY) {
         c.normal = local;

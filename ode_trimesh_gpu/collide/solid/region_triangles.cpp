@@ -94,8 +94,8 @@ std::vector<RegionTriangles::StretchExit> RegionTriangles::facesOver(int m, cons
   for (const RegionTriangle& t : triangles_) {
     if (t.mesh != m) continue;
     const double first = t.offset - otgDot(t.normal, from), last = t.offset - otgDot(t.normal, to);
-    const double depth = std::max(first, last);
-    if (!(depth >= 0)) continue;
+    const double depth = std::max({first, last, 0.0});
+    if (std::max(first, last) < -slack_) continue;
     const auto isOver = [&](const Vec3d& p, double way) {
       return t.beside(otgAdd(p, otgScale(t.normal, way))) <= std::max(way, slack_);
     };
