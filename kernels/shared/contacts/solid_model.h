@@ -78,7 +78,7 @@ namespace otg {
 /// wedge beside it. There each point leaves by the faces nearest to it (collide/solid/uneven_region.h). Where those are
 /// of a curved surface and its local normal agrees with one to 10 degrees, that serves, because it is smooth over
 /// facets. What is within the last (in diagonals) of a triangle is on it.
-#define OTG_SOLID_UNEVEN 5.0
+#define OTG_SOLID_UNEVEN 6.0
 #define OTG_SOLID_MOST_UNEVEN 2048  ///< vertices and clipped triangles; larger ones stay described by cells
 #define OTG_SOLID_ONE_WAY 0.985
 #define OTG_SOLID_ON_EDGE 1e-9
