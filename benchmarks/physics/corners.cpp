@@ -161,6 +161,92 @@ Result heapInTray(const Case& run) {
   return all.result;
 }
 
+/// A row of `grooves` grooves of the width `gap`, open above, in one solid: walls and floor `wall` thick, walls as high
+/// as `height` above the floor's top at z = 0. The first groove's middle is at x = 0, the next one's `gap` + `wall`
+/// further.
+ShapePointer groovesShape(int grooves, double gap, double height, double wall, double length, int levels) {
+  const double step = gap + wall, left = -gap / 2 - wall, right = (grooves - 1) * step + gap / 2 + wall;
+  std::vector<scenes::ProfilePoint> profile{{left, -wall}, {right, -wall}, {right, height}};
+  std::vector<NativeGeom> native{
+      {NativeGeom::Kind::kBox, Vec(right - left, length, wall), Vec((left + right) / 2, 0, -wall / 2)}};
+  for (int i = grooves - 1; i >= 0; --i) {
+    const double middle = i * step;
+    profile.insert(
+        profile.end(),
+        {{middle + gap / 2, height}, {middle + gap / 2, 0}, {middle - gap / 2, 0}, {middle - gap / 2, height}});
+  }
+  profile.emplace_back(left, height);
+  for (int i = 0; i <= grooves; ++i) {
+    native.push_back(
+        {NativeGeom::Kind::kBox, Vec(wall, length, height), Vec(left + wall / 2 + i * step, 0, height / 2)});
+  }
+  return makeStaticShape(scenes::subdivided(scenes::makeProfile(profile, length), levels), native);
+}
+
+/// Boxes that fall into a groove with a clearance of 0.01 to 5 % of their width.
+Result fallIntoSlot(const Case& run, int members, int levels) {
+  constexpr double kGap = 0.4;
+  Random random(400 + run.randomSeed);
+  Members all;
+  const ShapePointer slot = groovesShape(1, kGap, 0.5, 0.2, 1.2, levels);
+  for (int i = 0; i < members; ++i) {
+    RigOptions options;
+    options.mu = random.uniform(0, 0.8);
+    options.gravity = -9.81 * Vec(random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), 1).normalized();
+    Rig rig(run, options);
+    rig.addStatic(slot, {0, 0, 0});
+    const double clearance = 0.05 * std::pow(10, random.uniform(-2.7, 0)), height = random.uniform(0.2, 0.5);
+    const double half = 0.5 * kGap * (1 - clearance);
+    // As far as the clearance lets it turn about the groove.
+    const double tilt = i % 4 == 0 ? 0 : random.uniform(0, 0.4) * clearance * 180 / 3.14159;
+    rig.addBody(tessellatedBox(half, height, levels), {0, random.uniform(-0.1, 0.1), height / 2 + 0.02},
+                about(Vec(0, 1, 0), tilt));
+    all.add(rig, 1);
+  }
+  return all.result;
+}
+
+/// Boxes that fall between the walls of a bin, each into its own compartment and onto each other.
+Result fallIntoBin(const Case& run) {
+  constexpr int kCompartments = 4, kLayers = 3;
+  constexpr double kGap = 0.4, kWall = 0.1;
+  Random random(500 + run.randomSeed);
+  RigOptions options;
+  options.mu = 0.4;
+  Rig rig(run, options);
+  rig.addStatic(groovesShape(kCompartments, kGap, 0.6, kWall, 1.2, 0), {0, 0, 0});
+  for (int i = 0; i < kCompartments * kLayers; ++i) {
+    const Vec size(random.uniform(0.15, 0.33), random.uniform(0.15, 0.4), random.uniform(0.12, 0.25));
+    const double tilt = i % 2 == 0 ? 0 : random.uniform(0, 15);
+    rig.addBody(boxShape(size), {(i % kCompartments) * (kGap + kWall), 0, 0.2 + 0.4 * (i / kCompartments)},
+                about(Vec(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)), tilt));
+  }
+  Members all;
+  all.add(rig, 3);
+  return all.result;
+}
+
+/// Boxes that fall into a groove of 90 degrees, an edge down.
+Result fallIntoVBlock(const Case& run, int members) {
+  Random random(600 + run.randomSeed);
+  Members all;
+  const ShapePointer block =
+      makeStaticShape(scenes::makeProfile({{-0.8, -0.2}, {0.8, -0.2}, {0.8, 0.8}, {0, 0}, {-0.8, 0.8}}, 1.2), {});
+  for (int i = 0; i < members; ++i) {
+    RigOptions options;
+    options.mu = random.uniform(0, 0.8);
+    Rig rig(run, options);
+    rig.addStatic(block, {0, 0, 0});
+    const double half = random.uniform(0.1, 0.25);
+    const double tilt = i % 4 == 0 ? 0 : std::pow(10, random.uniform(-5, 0));
+    const Rotation turn =
+        about(Vec(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)), tilt) * about(Vec(0, 1, 0), 45);
+    rig.addBody(tessellatedBox(half, 2 * half, 0), {0, 0, half * std::sqrt(2) + 0.02}, turn);
+    all.add(rig, 1);
+  }
+  return all.result;
+}
+
 Scene cornerScene(const char* name, const char* what, std::function<Result(const Case&)> run) {
   Scene scene;
   scene.name = name;
@@ -200,6 +286,14 @@ std::vector<Scene> cornerScenes() {
   scenes.push_back(cornerScene("corner_room_fine", "As corner_room, with every triangle divided into sixteen",
                                [](const Case& run) { return settleInRoom(run, kMembers, 2); }));
   scenes.push_back(cornerScene("tray", "24 boxes fall into a tilted tray", heapInTray));
+  scenes.push_back(cornerScene("slot", "20 boxes fall into a groove with 0.01 to 5 % clearance",
+                               [](const Case& run) { return fallIntoSlot(run, kMembers, 0); }));
+  scenes.push_back(cornerScene("slot_fine", "As slot, with every triangle divided into sixteen",
+                               [](const Case& run) { return fallIntoSlot(run, kMembers, 2); }));
+  scenes.push_back(cornerScene("bin", "12 boxes fall into the compartments of a bin", fallIntoBin));
+  scenes.push_back(cornerScene("vblock", "20 boxes fall edge down into a groove of 90 degrees",
+                               [](const Case& run) { return fallIntoVBlock(run, kMembers); }));
+  scenes.back().hasNative = false;
   return scenes;
 }
 

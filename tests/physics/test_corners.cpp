@@ -71,7 +71,8 @@ TEST_CASE("In an inner corner no contact is deeper than the overlap, and both wa
 
 TEST_CASE("A body is not thrown out of an inner corner") {
   const OdeSession session;
-  for (const char* name : {"corner", "corner_fine", "corner_cylinder", "corner_room", "corner_room_fine", "tray"}) {
+  for (const char* name : {"corner", "corner_fine", "corner_cylinder", "corner_room", "corner_room_fine", "tray",
+                           "slot", "slot_fine", "bin", "vblock"}) {
     const Scene* scene = findScene(name);
     REQUIRE(scene);
     for (const Stepping stepping : {kQ20, kW}) {
