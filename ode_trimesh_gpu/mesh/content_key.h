@@ -11,16 +11,10 @@
 
 namespace otg {
 
-class TriMesh;
-
 /// The share of one vertex, by its caller's number, in the hash; -0 equals +0.
 inline std::uint64_t vertexHash(std::uint32_t ofCaller, const Vec3f& p) {
   const auto bits = [](float x) { return std::uint64_t{std::bit_cast<std::uint32_t>(x + 0.0F)}; };
   return spreadBits(spreadBits(spreadBits(std::uint64_t{ofCaller} + 1) ^ (bits(p.x) | bits(p.y) << 32)) ^ bits(p.z));
 }
-
-/// The shares of all vertices, and of all triangles.
-std::uint64_t hashOfVertices(const TriMesh& mesh);
-std::uint64_t hashOfTriangles(const TriMesh& mesh);
 
 }  // namespace otg

@@ -337,4 +337,20 @@ MeshResult moveVertices(const TriMesh& mesh, const MeshInput& vertices, bool tur
   return TriMeshBuilder::move(mesh, vertices, turned);
 }
 
+std::uint64_t TriMesh::hashOfVertices() const {
+  std::uint64_t sum = 0;
+  for (std::uint32_t v = 0; v < vertices().size(); ++v) sum += vertexHash(callerVertex(v), vertices()[v]);
+  return sum;
+}
+
+std::uint64_t TriMesh::hashOfTriangles() const {
+  std::uint64_t sum = 0;
+  for (std::uint32_t t = 0; t < triangleCount(); ++t) {
+    std::uint64_t hash = ~std::uint64_t{callerTriangle(t)};
+    for (const std::uint32_t v : triangles()[t].v) hash = spreadBits(spreadBits(hash) ^ callerVertex(v));
+    sum += hash;
+  }
+  return sum;
+}
+
 }  // namespace otg

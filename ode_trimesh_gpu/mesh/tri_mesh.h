@@ -77,8 +77,8 @@ class TriMesh {
 
   /// Of what the caller gave, as far as the mesh has taken it over. Worked out when asked for first.
   std::uint64_t contentHash() const {
-    return trianglesHash_->get([this] { return hashOfTriangles(*this); }) +
-           verticesHash_.get([this] { return hashOfVertices(*this); });
+    return trianglesHash_->get([this] { return hashOfTriangles(); }) +
+           verticesHash_.get([this] { return hashOfVertices(); });
   }
 
   /// Axis-aligned bounds of the vertices that triangles use; min > max when there are none.
@@ -95,6 +95,8 @@ class TriMesh {
   const Vec3f& origin() const { return origin_; }
 
  private:
+  std::uint64_t hashOfVertices() const;
+  std::uint64_t hashOfTriangles() const;
   friend struct TriMeshBuilder;
   friend struct TriMeshParts;
   friend class VertexMotion;

@@ -103,10 +103,12 @@ TEST_CASE("overlaps of bodies of several components are described") {
   const std::vector<Workspace> expected = answersOnHost(queries);
   CHECK(queries.size() > 60);
   CHECK(count(expected, hasContained) >= 5);
+  const std::size_t uneven = unevenPairs(expected);  // which are the host's
+  CHECK(uneven < 25);
   for (int round = 0; round < 2; ++round) {
     const Described described = checkPairs(*backend, queries, expected);
-    CHECK(described.all > 50);
-    CHECK(described.made > 50);
+    CHECK(described.all + uneven > 50);
+    CHECK(described.made + uneven > 50);
   }
   CHECK(describedInBatch(queries, expected) > 30);
 }
@@ -140,7 +142,7 @@ TEST_CASE("a component that lies wholly inside another body is left to the host 
     CHECK(checkAll(*backend, inside, expected) == 0);
     CHECK(describedInBatch(inside, expected) == 0);
     CHECK(describedInBatch(away, answersOnHost(away)) == 2);
-    // In the ball's bounds, but not inside: in a corner of them, and in the hole of a torus.
+    // In the ball's bounds, but not inside: in a corner of them, and in the hole of a torus. The host tells.
     const MeshPtr corner = collisionMesh(first ? merge({at(small, {0.75, 0.75, 0.75}), box})
                                                : merge({box, at(small, {-0.75, 0.75, -0.75})}));
     const MeshPtr ring = collisionMesh(makeTorus(1, 0.3, 90, 40)),
@@ -150,8 +152,8 @@ TEST_CASE("a component that lies wholly inside another body is left to the host 
                                        solidQuery(*ring, *flat, makePose({1, 0, 0}, 0.1, {0.1, 0, 0}))};
     const std::vector<Workspace> expectedBeside = answersOnHost(beside);
     CHECK(count(expectedBeside, hasContained) == 0);
-    CHECK(checkAll(*backend, beside, expectedBeside) == 3);
-    CHECK(describedInBatch(beside, expectedBeside) == 3);
+    CHECK(checkAll(*backend, beside, expectedBeside) == 0);
+    CHECK(describedInBatch(beside, expectedBeside) == 0);
   }
 }
 

@@ -56,7 +56,8 @@ TEST_CASE("meshes of convex bodies that overlap a little touch as the bodies do"
       CHECK(errors.degrees.quantile(0.5) < (round ? 1.5 : 4));
       CHECK(errors.degrees.quantile(0.9) < (round ? 5 : 12));
       CHECK(errors.degrees.largest() < (round ? 8 : 25));
-      CHECK(errors.depth.quantile(0.5) < a.sagitta + b.sagitta + 1e-4);
+      // The meshes' depths are those of their edges where they cross.
+      CHECK(errors.depth.quantile(0.5) < a.sagitta + b.sagitta + 1.1e-4);
       CHECK(errors.depth.quantile(0.9) < 5e-3);
       CHECK(errors.depth.largest() < 0.02);
     }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "collide/simd/surface_kernels.h"
-#include "collide/solid/regions.h"
+#include "collide/solid/overlap_regions.h"
 
 namespace otg {
 

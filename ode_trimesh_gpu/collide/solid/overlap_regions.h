@@ -54,6 +54,7 @@ struct Region {
   double thickness = 0;                      ///< 2 volume / (areaA + areaB)
   bool bad = false;                          ///< its surface does not close, or its volume is negative
   bool contained = false;                    ///< a whole component inside the other mesh
+  bool apart = false;                        ///< large, but described by its single triangles
 };
 
 /// All crossings and inside vertices of large regions, gathered in boxes: the extent along a direction is found exactly

@@ -194,6 +194,7 @@ class Builder {
     s_.sums[r] = RegionSums{};
     describeSmall(r);
     measure(r);
+    out.regions[r].apart = true;
   }
 
   /// Every piece and every point by itself.

@@ -113,7 +113,7 @@ class PairContacts {
     if (query_.refiner) query_.refiner->direct(meshes_, all, region, direction, normals);
     const RegionTask task{meshes_, all, region, number_++, normals, extent, query_.options.solid.contactsPerRegion,
                           extra};
-    if (contactsOfRegion(task, workspace_.contacts)) ++workspace_.stats.unevenRegions;
+    if (contactsOfRegion(task, workspace_.contacts) || region.apart) ++workspace_.stats.unevenRegions;
     if (query_.refiner) query_.refiner->refine(workspace_.contacts, first);
   }
 
