@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/vectors.h"
 #include "collide/inside_test.h"
-#include "primitives/shortest_move.h"
+#include "collide/solid/shortest_translation.h"
 
 namespace otg {
 namespace {
@@ -32,6 +33,15 @@ bool isBefore(const Vec3d& a, const Vec3d& b, double step) {
   const auto stepOf = [&](double x) { return std::floor(x / step + 0.37); };
   const double x = stepOf(a.x) - stepOf(b.x), y = stepOf(a.y) - stepOf(b.y);
   return x != 0 ? x < 0 : y != 0 ? y < 0 : stepOf(a.z) < stepOf(b.z);
+}
+
+/// The shortest translation of the shape that satisfies all contacts; none where they leave no way.
+std::optional<Vec3d> shortestMove(std::span<const Contact> contacts) {
+  ShortestTranslation t;
+  for (const Contact& c : contacts) {
+    if (!t.add(c.normal * -1.0, c.depth)) return {};
+  }
+  return t.value();
 }
 
 /// Adds a contact in place of shallower ones of its direction that are next to it.

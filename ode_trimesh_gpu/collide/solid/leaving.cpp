@@ -3,17 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <optional>
 
 #include "base/vectors.h"
+#include "collide/solid/shortest_translation.h"
 #include "shared/contacts/solid_model.h"
 
 namespace otg {
 namespace {
 
-/// Part of a depth that is rounding.
-constexpr double kSatisfied = 1 - 1e-6;
 constexpr double kSameHalfSpace = 1 - 1e-12;
 
 struct Way {
@@ -27,58 +24,6 @@ struct Part {
   const SupportPoint* point;
   std::vector<Way> ways;
   std::size_t together = 1;
-};
-
-/// The shortest translation that satisfies half-spaces which come one by one.
-class ShortestTranslation {
- public:
-  bool satisfies(const Vec3d& normal, double depth) const { return otgDot(normal, t_) >= kSatisfied * depth; }
-  double missing(const Way& way) const { return way.depth - otgDot(way.normal, t_); }
-
-  /// The shortest one touches the new half-space and at most two of the others. Where none satisfies all, as between
-  /// two walls, the last one stays.
-  void add(const Vec3d& normal, double depth) {
-    if (satisfies(normal, depth)) return;
-    std::erase_if(all_,
-                  [&](const HalfSpace& h) { return otgDot(h.normal, normal) > kSameHalfSpace && h.depth <= depth; });
-    all_.push_back({normal, depth});
-    std::optional<Vec3d> best;
-    const auto offer = [&](const Vec3d& t) {
-      if (best && otgDot(t, t) >= otgDot(*best, *best)) return;
-      if (std::all_of(all_.begin(), all_.end(),
-                      [&](const HalfSpace& h) { return otgDot(h.normal, t) >= kSatisfied * h.depth; }))
-        best = t;
-    };
-    offer(otgScale(normal, depth));
-    for (std::size_t i = 0; i + 1 < all_.size(); ++i) {
-      const HalfSpace& h = all_[i];
-      const double c = otgDot(h.normal, normal), d = 1 - c * c;
-      if (d < kLeastSine * kLeastSine) continue;
-      offer(otgAdd(otgScale(normal, (depth - c * h.depth) / d), otgScale(h.normal, (h.depth - c * depth) / d)));
-      for (std::size_t k = i + 1; k + 1 < all_.size(); ++k) {
-        const HalfSpace& g = all_[k];
-        const Vec3d x = otgCross(h.normal, g.normal), y = otgCross(g.normal, normal), z = otgCross(normal, h.normal);
-        const double volume = otgDot(normal, x);
-        if (std::fabs(volume) < kLeastSine * kLeastSine) continue;
-        const Vec3d sum = otgAdd(otgAdd(otgScale(x, depth), otgScale(y, h.depth)), otgScale(z, g.depth));
-        offer(otgScale(sum, 1 / volume));
-      }
-    }
-    if (best) {
-      t_ = *best;
-    } else {
-      all_.pop_back();
-    }
-  }
-
- private:
-  static constexpr double kLeastSine = 1e-4;
-  struct HalfSpace {
-    Vec3d normal;
-    double depth;
-  };
-  std::vector<HalfSpace> all_;
-  Vec3d t_{0, 0, 0};
 };
 
 Part partOfVertex(RegionTriangles& triangles, const SupportPoint& p) {
@@ -141,6 +86,7 @@ std::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegions& al
   std::stable_sort(order.begin(), order.end(),
                    [](const Part* x, const Part* y) { return x->ways.front().depth > y->ways.front().depth; });
   ShortestTranslation t;
+  const auto missing = [&](const Way& way) { return way.depth - otgDot(way.normal, t.value()); };
   const auto isOut = [&](const Part& part) {
     const auto first = part.ways.begin(), others = first + static_cast<std::ptrdiff_t>(part.together);
     const auto satisfied = [&](const Way& way) { return t.satisfies(way.normal, way.depth); };
@@ -150,10 +96,10 @@ std::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegions& al
     if (isOut(*part)) continue;
     const auto first = part->ways.begin(), others = first + static_cast<std::ptrdiff_t>(part->together);
     double together = 0;
-    for (auto way = first; way != others; ++way) together = std::max(together, t.missing(*way));
-    const auto soonest = std::min_element(others, part->ways.end(),
-                                          [&](const Way& x, const Way& y) { return t.missing(x) < t.missing(y); });
-    if (soonest != part->ways.end() && t.missing(*soonest) < together) {
+    for (auto way = first; way != others; ++way) together = std::max(together, missing(*way));
+    const auto soonest =
+        std::min_element(others, part->ways.end(), [&](const Way& x, const Way& y) { return missing(x) < missing(y); });
+    if (soonest != part->ways.end() && missing(*soonest) < together) {
       t.add(soonest->normal, soonest->depth);
     } else {
       for (auto way = first; way != others; ++way) t.add(way->normal, way->depth);
