@@ -67,14 +67,17 @@ ShapePointer cornerShape(int levels) {
                           {NativeGeom::Kind::kBox, wall, wall.cwiseProduct(Vec(0.5, 0, 0.5))}});
 }
 
-/// A body of the height `height` and the half width `half` on the floor of an L, 1 cm from its wall, pushed there.
-Result slideIntoCorner(const Case& run, int members, int levels,
-                       const std::function<ShapePointer(double half, double height)>& body) {
+/// Makes a body of the height `height` and the half width `half`, standing.
+using MakeBody = std::function<ShapePointer(double half, double height)>;
+
+/// A body on the floor of an L, 1 cm from its wall, pushed there.
+Result slideIntoCorner(const Case& run, int members, int levels, bool asShapes, const MakeBody& body) {
   Random random(100 + run.randomSeed);
   Members all;
   const ShapePointer corner = cornerShape(levels);
   for (int i = 0; i < members; ++i) {
     RigOptions options;
+    options.bodiesAreShapes = asShapes;
     options.mu = random.uniform(0, 0.8);
     Rig rig(run, options);
     rig.addStatic(corner, {0, 0, 0});
@@ -107,13 +110,30 @@ ShapePointer roomShape(double size, double wall, int levels) {
   return makeStaticShape(scenes::subdivided(scenes::makeRoom({size, size, size}, wall), levels), native);
 }
 
+ShapePointer standingCylinder(double radius, double height) {
+  return makeShape(scenes::makeCylinder(radius, height, 32),
+                   {{NativeGeom::Kind::kCylinder, Vec(radius, radius, height), Vec::Zero()}});
+}
+
+/// As high as `height` where that is possible; else a ball, almost.
+ShapePointer standingCapsule(double radius, double height) {
+  const double length = std::max(height - 2 * radius, 0.05 * radius);
+  return makeShape(scenes::makeCapsule(radius, length, 32, 8),
+                   {{NativeGeom::Kind::kCapsule, Vec(radius, radius, length), Vec::Zero()}});
+}
+
+ShapePointer ball(double radius, double) {
+  return makeShape(scenes::makeSphere(radius, 3), {{NativeGeom::Kind::kSphere, Vec::Constant(radius), Vec::Zero()}});
+}
+
 /// A box 1 cm from three walls of a room, which gravity pulls into their corner.
-Result settleInRoom(const Case& run, int members, int levels) {
+Result settleInRoom(const Case& run, int members, int levels, bool asShapes) {
   Random random(200 + run.randomSeed);
   Members all;
   const ShapePointer room = roomShape(1, 0.2, levels);
   for (int i = 0; i < members; ++i) {
     RigOptions options;
+    options.bodiesAreShapes = asShapes;
     options.mu = random.uniform(0, 0.8);
     options.gravity = -9.81 * Vec(random.uniform(0.3, 1), random.uniform(0.3, 1), random.uniform(0.3, 1)).normalized();
     Rig rig(run, options);
@@ -184,13 +204,14 @@ ShapePointer groovesShape(int grooves, double gap, double height, double wall, d
 }
 
 /// Boxes that fall into a groove with a clearance of 0.01 to 5 % of their width.
-Result fallIntoSlot(const Case& run, int members, int levels) {
+Result fallIntoSlot(const Case& run, int members, int levels, bool asShapes) {
   constexpr double kGap = 0.4;
   Random random(400 + run.randomSeed);
   Members all;
   const ShapePointer slot = groovesShape(1, kGap, 0.5, 0.2, 1.2, levels);
   for (int i = 0; i < members; ++i) {
     RigOptions options;
+    options.bodiesAreShapes = asShapes;
     options.mu = random.uniform(0, 0.8);
     options.gravity = -9.81 * Vec(random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), 1).normalized();
     Rig rig(run, options);
@@ -256,6 +277,7 @@ Scene cornerScene(const char* name, const char* what, std::function<Result(const
   scene.limits = {atMost("thrown", 0), atLeast("finite", 1)};
   scene.steppings = {kQ20, kW};
   scene.dt = 1.0 / 240;
+  scene.axes = kAllAxes | kAxisFineStep;
   scene.seeds = 3;
   scene.seconds = 20;
   return scene;
@@ -265,35 +287,45 @@ Scene cornerScene(const char* name, const char* what, std::function<Result(const
 
 std::vector<Scene> cornerScenes() {
   constexpr int kMembers = 20;
+  std::vector<Scene> scenes;
+  const auto add = [&](const char* name, const char* what, std::function<Result(const Case&)> run) {
+    scenes.push_back(cornerScene(name, what, std::move(run)));
+  };
   const auto slide = [](int levels) {
     return [levels](const Case& run) {
-      return slideIntoCorner(run, kMembers, levels,
+      return slideIntoCorner(run, kMembers, levels, false,
                              [levels](double half, double height) { return tessellatedBox(half, height, levels); });
     };
   };
-  std::vector<Scene> scenes;
-  scenes.push_back(cornerScene("corner", "20 boxes slide 1 cm into the inner corner of an L", slide(0)));
-  scenes.push_back(cornerScene("corner_fine", "As corner, with every triangle divided into sixteen", slide(2)));
-  scenes.push_back(
-      cornerScene("corner_cylinder", "20 standing cylinders slide against the wall of an L", [](const Case& run) {
-        return slideIntoCorner(run, kMembers, 0, [](double half, double height) {
-          return makeShape(scenes::makeCylinder(half, height, 32));
-        });
-      }));
+  const auto slideShape = [](MakeBody body) {
+    return [body = std::move(body)](const Case& run) { return slideIntoCorner(run, kMembers, 0, true, body); };
+  };
+  const auto room = [](int levels, bool asShapes) {
+    return [=](const Case& run) { return settleInRoom(run, kMembers, levels, asShapes); };
+  };
+  const auto slot = [](int levels, bool asShapes) {
+    return [=](const Case& run) { return fallIntoSlot(run, kMembers, levels, asShapes); };
+  };
+  add("corner", "20 boxes slide 1 cm into the inner corner of an L", slide(0));
+  add("corner_fine", "As corner, with every triangle divided into sixteen", slide(2));
+  add("corner_cylinder", "20 standing cylinders slide against the wall of an L",
+      [](const Case& run) { return slideIntoCorner(run, kMembers, 0, false, standingCylinder); });
+  add("corner_room", "20 boxes settle in the corner of a room, the cavity of a mesh", room(0, false));
+  add("corner_room_fine", "As corner_room, with every triangle divided into sixteen", room(2, false));
+  add("tray", "24 boxes fall into a tilted tray", heapInTray);
+  add("slot", "20 boxes fall into a groove with 0.01 to 5 % clearance", slot(0, false));
+  add("slot_fine", "As slot, with every triangle divided into sixteen", slot(2, false));
+  add("bin", "12 boxes fall into the compartments of a bin", fallIntoBin);
+  add("vblock", "20 boxes fall edge down into a groove of 90 degrees",
+      [](const Case& run) { return fallIntoVBlock(run, kMembers); });
   scenes.back().hasNative = false;
-  scenes.push_back(cornerScene("corner_room", "20 boxes settle in the corner of a room, the cavity of a mesh",
-                               [](const Case& run) { return settleInRoom(run, kMembers, 0); }));
-  scenes.push_back(cornerScene("corner_room_fine", "As corner_room, with every triangle divided into sixteen",
-                               [](const Case& run) { return settleInRoom(run, kMembers, 2); }));
-  scenes.push_back(cornerScene("tray", "24 boxes fall into a tilted tray", heapInTray));
-  scenes.push_back(cornerScene("slot", "20 boxes fall into a groove with 0.01 to 5 % clearance",
-                               [](const Case& run) { return fallIntoSlot(run, kMembers, 0); }));
-  scenes.push_back(cornerScene("slot_fine", "As slot, with every triangle divided into sixteen",
-                               [](const Case& run) { return fallIntoSlot(run, kMembers, 2); }));
-  scenes.push_back(cornerScene("bin", "12 boxes fall into the compartments of a bin", fallIntoBin));
-  scenes.push_back(cornerScene("vblock", "20 boxes fall edge down into a groove of 90 degrees",
-                               [](const Case& run) { return fallIntoVBlock(run, kMembers); }));
-  scenes.back().hasNative = false;
+  const auto box = [](double half, double height) { return tessellatedBox(half, height, 0); };
+  add("corner_dbox", "As corner, each body a dBox", slideShape(box));
+  add("corner_dcylinder", "As corner, each body a standing dCylinder", slideShape(standingCylinder));
+  add("corner_dcapsule", "As corner, each body a dCapsule", slideShape(standingCapsule));
+  add("corner_dsphere", "As corner, each body a dSphere", slideShape(ball));
+  add("corner_room_dbox", "As corner_room, each body a dBox", room(0, true));
+  add("slot_dbox", "As slot, each body a dBox", slot(0, true));
   return scenes;
 }
 

@@ -184,7 +184,7 @@ void Rig::makeGeomsOf(const Item& item) {
     if (!mesh) mesh = std::make_unique<ScaledMesh>(item.shape->mesh, run_.size);
     return *mesh;
   };
-  if (run_.form != Form::kNative) {
+  if (run_.form != Form::kNative && !(options_.bodiesAreShapes && item.body >= 0)) {
     place(run_.form == Form::kStock ? scaled().makeStock(space_) : scaled().makeOurs(space_, run_.model), item, {});
     return;
   }
@@ -197,6 +197,12 @@ void Rig::makeGeomsOf(const Item& item) {
         break;
       case NativeGeom::Kind::kSphere:
         place(dCreateSphere(space_, size.x()), item, native);
+        break;
+      case NativeGeom::Kind::kCylinder:
+        place(dCreateCylinder(space_, size.x(), size.z()), item, native);
+        break;
+      case NativeGeom::Kind::kCapsule:
+        place(dCreateCapsule(space_, size.x(), size.z()), item, native);
         break;
       case NativeGeom::Kind::kPlane: {
         const Vec n = item.rotation * Vec::UnitZ();

@@ -36,6 +36,8 @@ struct RigOptions {
   Vec gravity{0, 0, -9.81};
   double mu = 1;
   double bounce = 0;  ///< coefficient of restitution
+  /// Bodies are ODE's own shapes in every form; what stands still is as the form says.
+  bool bodiesAreShapes = false;
 };
 
 struct Contact {

@@ -42,6 +42,7 @@ enum Axis : unsigned {
   kAxisBuffer = 16,   ///< 20, 8, 4
   kAxisSeed = 32,     ///< 2 to Scene::seeds, QuickStep only
   kAllAxes = 63,
+  kAxisFineStep = 64,  ///< 1/1000 s
 };
 
 struct Scene {

@@ -16,10 +16,12 @@ using Rotation = Eigen::Quaterniond;
 /// ODE's own geom (lengths for size 1), placed in the frame of the shape.
 struct NativeGeom {
   enum class Kind {
-    kBox,      ///< size
-    kSphere,   ///< size.x is the radius
-    kPlane,    ///< z = 0, infinite
-    kTriMesh,  ///< the shape's own mesh as dTriMesh: only right against primitives
+    kBox,       ///< size
+    kSphere,    ///< size.x is the radius
+    kCylinder,  ///< size.x is the radius, size.z the length
+    kCapsule,   ///< likewise; the length is that of the axis
+    kPlane,     ///< z = 0, infinite
+    kTriMesh,   ///< the shape's own mesh as dTriMesh: only right against primitives
   };
   Kind kind = Kind::kBox;
   Vec size{1, 1, 1};

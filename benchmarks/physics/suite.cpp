@@ -169,6 +169,7 @@ std::vector<Case> runsOf(const Scene& scene, Form form, Model model, Extent exte
       }
     };
     vary(kAxisTimeStep, std::vector{1.0 / 60}, [](Case& c, double dt) { c.dt = dt; });
+    vary(kAxisFineStep, std::vector{1.0 / 1000}, [](Case& c, double dt) { c.dt = dt; });
     // Seeds where they mean something; the rest along the first stepper only, to keep the whole suite short.
     std::vector<unsigned long> seeds;
     for (int seed = 2; seed <= scene.seeds; ++seed) seeds.push_back(static_cast<unsigned long>(seed));
