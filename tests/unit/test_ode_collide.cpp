@@ -58,6 +58,32 @@ TEST_CASE("contacts say what ODE's contacts say, in world coordinates, at any po
   CHECK(seen > 200);
 }
 
+TEST_CASE("contacts lie in the boxes of both geoms") {
+  const OdeSession session;
+  const Data data[] = {Data(scenes::makeBox({1, 2, 1.5})), Data(scenes::makeLump(1, 3, 0.3, 3)),
+                       Data(scenes::makeTorus(1, 0.4, 16, 10)), Data(scenes::makeBox({0.3, 0.3, 3}))};
+  const Geom first[] = {Geom(data[0]), Geom(data[1]), Geom(data[2]), Geom(data[3])};
+  const Geom second[] = {Geom(data[0]), Geom(data[1]), Geom(data[2]), Geom(data[3])};
+  std::mt19937 random(12);
+  std::size_t seen = 0;
+  for (std::size_t i = 0; i < 640; ++i) {
+    const dGeomID a = first[i % 4].id, b = second[i / 4 % 4].id;
+    setRandomPose(a, random, 1);
+    setRandomPose(b, random, 1);
+    dReal boxOfA[6], boxOfB[6];
+    dGeomGetAABB(a, boxOfA);
+    dGeomGetAABB(b, boxOfB);
+    for (const dContactGeom& c : test::collide(a, b)) {
+      ++seen;
+      for (std::size_t k = 0; k < 3; ++k) {
+        REQUIRE(c.pos[k] >= std::max(boxOfA[2 * k], boxOfB[2 * k]) - 1e-12);
+        REQUIRE(c.pos[k] <= std::min(boxOfA[2 * k + 1], boxOfB[2 * k + 1]) + 1e-12);
+      }
+    }
+  }
+  CHECK(seen > 1000);
+}
+
 TEST_CASE("triangles of contacts carry the caller's numbers, of any contacts too") {
   const OdeSession session;
   const Data lumpData(scenes::makeLump(1, 3, 0.3, 3)), torusData(scenes::makeTorus(1, 0.4, 16, 10));

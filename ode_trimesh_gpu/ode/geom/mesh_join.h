@@ -12,9 +12,10 @@
 
 namespace otg {
 
-/// Along the axes of the world.
+/// Along the axes of the world; by itself all of it.
 struct WorldBox {
-  Vec3d low, high;
+  static constexpr double kAnywhere = 1e300;
+  Vec3d low{-kAnywhere, -kAnywhere, -kAnywhere}, high{kAnywhere, kAnywhere, kAnywhere};
 };
 /// That of a box in a frame of its own.
 WorldBox worldBox(const Vec3d& low, const Vec3d& high, const Transformd& pose);

@@ -82,9 +82,19 @@ void count(GeomStats& to, const PairCounts& from, std::size_t contacts) {
 
 }  // namespace
 
+WorldBox boxOf(const MeshGeom& side, const Transformd& pose) {
+  if (side.join != nullptr) return {};
+  const Vec3f &low = side.mesh->mesh().boundsMin(), &high = side.mesh->mesh().boundsMax();
+  return worldBox({low.x, low.y, low.z}, {high.x, high.y, high.z}, pose);
+}
+
 void writeContact(const Contact& from, const ContactFrame& frame, void* to) {
   const bool first = frame.first;
-  const Vec3d position = otgTransform(frame.poseOfA, from.position);
+  const auto within = [](double x, double low, double high) { return low <= high ? std::clamp(x, low, high) : x; };
+  Vec3d position = otgTransform(frame.poseOfA, from.position);
+  position = {within(position.x, frame.within.low.x, frame.within.high.x),
+              within(position.y, frame.within.low.y, frame.within.high.y),
+              within(position.z, frame.within.low.z, frame.within.high.z)};
   Vec3d normal = otgRotate(frame.poseOfA, from.normal);
   // ODE lets rotation matrices drift a little; the contact joint takes the length of the normal for granted.
   const double scale = (first ? 1.0 : -1.0) / norm(normal);
@@ -297,13 +307,6 @@ void countFailure(const PairTask& task, int status) noexcept {
 
 void keepOwnContacts(PairTask& task, std::vector<Contact>& contacts) {
   const MeshGeom &a = task.sideA(), &b = task.sideB();
-  const auto boxOf = [](const MeshGeom& side, const Transformd& pose) {
-    // Of two pieces the triangles tell both.
-    constexpr double kAnywhere = 1e300;
-    if (side.join != nullptr) return WorldBox{{-kAnywhere, -kAnywhere, -kAnywhere}, {kAnywhere, kAnywhere, kAnywhere}};
-    const Vec3f &low = side.mesh->mesh().boundsMin(), &high = side.mesh->mesh().boundsMax();
-    return worldBox({low.x, low.y, low.z}, {high.x, high.y, high.z}, pose);
-  };
   const WorldBox boxOfA = boxOf(a, task.poseOfA), boxOfB = boxOf(b, task.poseOfB);
   if (keepOwn(a, 0, task.poseOfA, task.poseOfA, boxOfB, contacts)) task.hasLeftOut = true;
   if (keepOwn(b, 1, task.poseOfA, task.poseOfB, boxOfA, contacts)) task.hasLeftOut = true;
@@ -312,8 +315,12 @@ void keepOwnContacts(PairTask& task, std::vector<Contact>& contacts) {
 void writeContacts(const PairTask& task, std::span<const Contact> contacts, const ContactArray& to) {
   char* place = reinterpret_cast<char*>(to.first);
   char* dataPlace = reinterpret_cast<char*>(to.data);
+  if (contacts.empty()) return;
+  const WorldBox a = boxOf(task.sideA(), task.poseOfA), b = boxOf(task.sideB(), task.poseOfB);
+  const ContactFrame frame{
+      task.poseOfA, task.first, task.side1.geom, task.side2.geom, {maximum(a.low, b.low), minimum(a.high, b.high)}};
   for (const Contact& from : contacts) {
-    writeContact(from, {task.poseOfA, task.first, task.side1.geom, task.side2.geom}, place);
+    writeContact(from, frame, place);
     place += to.skip;
     if (dataPlace == nullptr) continue;
     const dGpuTriMeshContactData known = contactData(task.job.query, from, task.first, task.isOlderA());

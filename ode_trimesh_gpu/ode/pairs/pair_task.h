@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "dispatch/pair_job.h"
+#include "ode/geom/mesh_join.h"
 #include "ode/geom/mesh_side.h"
 #include "ode_trimesh_gpu/contact_data.h"
 
@@ -27,7 +28,13 @@ struct ContactFrame {
   Transformd poseOfA;  ///< A's frame to the world
   bool first;          ///< mesh A is o1's
   dGeomID o1, o2;
+  /// Positions go to the nearest place of this, as far as it is not empty: the middle of an overlap may lie beside
+  /// both bodies, outside of the box that one of them has in the world.
+  WorldBox within{};
 };
+
+/// Of a geom's mesh; all of the world for a piece of something: of two pieces the triangles tell both.
+WorldBox boxOf(const MeshGeom& side, const Transformd& pose);
 
 /// Writes a dContactGeom as a whole structure of its own, so that any skip and any alignment will do and the caller's
 /// bytes in between stay as they are. Triangles are the caller's numbers; kNone becomes -1.

@@ -98,8 +98,9 @@ int collidePrimitive(PrimitiveTask& task, dContactGeom* contact, int skip) {
       return 0;
     }
     char* place = reinterpret_cast<char*>(contact);
+    const ContactFrame frame{task.pose, true, task.o1, task.o2, boxOf(task.side, task.pose)};
     for (const Contact& found : contacts) {
-      writeContact(found, {task.pose, true, task.o1, task.o2}, place);
+      writeContact(found, frame, place);
       place += skip;
     }
     stats.contacts.fetch_add(contacts.size(), std::memory_order_relaxed);
