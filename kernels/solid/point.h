@@ -34,14 +34,20 @@ OTG_INLINED uint otgRankOf(OTG_MESH* m, uint kind, uint feature) {
   return rank;
 }
 
+/// The normal of a triangle in A's frame, or zero for OTG_NOT_THERE.
+OTG_INLINED otg_vec3_d otgNormalInA(OTG_MESH* m, uint triangle) {
+  return triangle == OTG_NOT_THERE ? otgVec_d(0, 0, 0) : otgDirectionInA(m, otgOwnNormal(m, triangle));
+}
+
 OTG_INLINED void otgWritePoint(__global otg_solid_point* out, OTG_MESH* m, otg_vec3_d position, otg_vec3_d span,
-                               otg_vec3_d normal, uint kind, uint feature, uint ordinal, uint own, uint other,
-                               int flat) {
+                               otg_vec3_d normal, otg_vec3_d faceNormal, uint kind, uint feature, uint ordinal,
+                               uint own, uint other, int flat) {
   const uint mesh = m->isB ? 1 : 0;
   otgStore(out->position, position);
   otgStore(out->along, otgUnit_d(span));
   out->reach = otgNorm_d(span);
   otgStore(out->surfaceNormal, otgDirectionInA(m, otgUnit_d(normal)));
+  otgStore(out->faceNormal, faceNormal);
   out->kind = kind;
   out->mesh = mesh;
   out->feature = feature;

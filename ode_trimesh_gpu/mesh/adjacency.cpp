@@ -68,13 +68,20 @@ double flatSine() {
   return sine;
 }
 
-/// Whether the two triangles of a half-edge lie in one plane.
-bool isFlat(const Topology& topology, std::uint32_t h, const Adjacency& out) {
+/// Adjacency::edgeKind of a half-edge's edge.
+std::uint8_t kindOfEdge(const TriMesh& mesh, std::uint32_t h, const Adjacency& out) {
+  const Topology& topology = mesh.topology();
   const std::uint32_t twin = topology.twin[h];
-  if (twin == kNone || topology.edgeOf[h] == kNone) return false;
+  if (twin == kNone || topology.edgeOf[h] == kNone) return 0;
   const Vec3d &a = out.normal[h / 3], &b = out.normal[twin / 3];
   const Vec3d c = otgCross(a, b);
-  return otgDot(a, b) > 0 && norm(c) < flatSine();
+  const double cosine = otgDot(a, b);
+  if (cosine > 0 && norm(c) < flatSine()) return OTG_EDGE_FLAT;
+  static const double innerCosine = std::cos(Adjacency::kInnerDegrees * std::numbers::pi / 180);
+  if (cosine > innerCosine) return 0;
+  const Triangle& t = mesh.triangles()[h / 3];
+  const Vec3f &p = mesh.vertices()[t.v[h % 3]], &q = mesh.vertices()[t.v[(h + 1) % 3]];
+  return otgDot(c, Vec3d{q.x, q.y, q.z} - Vec3d{p.x, p.y, p.z}) < 0 ? OTG_EDGE_INNER : 0;
 }
 
 /// The sharp edges of a vertex. It lies in a flat face or on a straight edge if it has none, or two that run on.
@@ -119,14 +126,14 @@ Adjacency buildAdjacency(const TriMesh& mesh) {
   }
   for (std::uint32_t c = 0; c + 1 < out.clusters.size(); ++c) measureCluster(mesh, c, out);
 
-  out.flatEdge.assign(topology.edgeCount(), 0);
+  out.edgeKind.assign(topology.edgeCount(), 0);
   for (std::uint32_t h = 0; h < 3 * n; ++h) {
-    if (topology.edgeOf[h] != kNone) out.flatEdge[topology.edgeOf[h]] = isFlat(topology, h, out);
+    if (topology.edgeOf[h] != kNone) out.edgeKind[topology.edgeOf[h]] = kindOfEdge(mesh, h, out);
   }
 
   std::vector<SharpEdges> sharp(vertices.size());
   for (std::uint32_t edge = 0; edge < topology.edgeCount(); ++edge) {
-    if (out.flatEdge[edge]) continue;
+    if (out.isFlatEdge(edge)) continue;
     const std::uint32_t a = topology.edges[edge].a, b = topology.edges[edge].b;
     sharp[a].add(mesh, a, b);
     sharp[b].add(mesh, b, a);
@@ -153,7 +160,7 @@ void updateAdjacency(Adjacency& adjacency, const TriMesh& mesh, std::span<const 
   once(points);
   for (const std::uint32_t t : triangles) {
     for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
-      if (topology.edgeOf[h] != kNone) adjacency.flatEdge[topology.edgeOf[h]] = isFlat(topology, h, adjacency);
+      if (topology.edgeOf[h] != kNone) adjacency.edgeKind[topology.edgeOf[h]] = kindOfEdge(mesh, h, adjacency);
     }
   }
   for (const std::uint32_t v : points) {
@@ -168,7 +175,7 @@ void updateAdjacency(Adjacency& adjacency, const TriMesh& mesh, std::span<const 
     once(edges);
     SharpEdges sharp;
     for (const std::uint32_t edge : edges) {
-      if (adjacency.flatEdge[edge]) continue;
+      if (adjacency.isFlatEdge(edge)) continue;
       sharp.add(mesh, v, topology.edges[edge].a == v ? topology.edges[edge].b : topology.edges[edge].a);
     }
     adjacency.flatVertex[v] = sharp.flat();

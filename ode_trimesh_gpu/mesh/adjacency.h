@@ -8,6 +8,7 @@
 
 #include "mesh/adjacency_links.h"
 #include "mesh/tri_mesh.h"
+#include "shared/layout/solid_layout.h"
 
 namespace otg {
 
@@ -32,9 +33,11 @@ struct Adjacency : AdjacencyLinks {
     bool anyFlat, anyCorner;              ///< whether any of its vertices has flatVertex, and whether any has not
   };
   std::vector<Cluster> clusters;  ///< and one more that ends the last
-  /// 1 for edges whose two triangles lie in one plane to within kFlatDegrees: nothing can rest on them.
-  std::vector<std::uint8_t> flatEdge;
-  static constexpr double kFlatDegrees = 0.1;
+  /// OTG_EDGE_FLAT for edges whose two triangles lie in one plane to within kFlatDegrees: nothing can rest on them.
+  /// OTG_EDGE_INNER for those of inner corners: concave, with normals more than kInnerDegrees apart. Else 0.
+  std::vector<std::uint8_t> edgeKind;
+  static constexpr double kFlatDegrees = 0.1, kInnerDegrees = 60;
+  bool isFlatEdge(std::uint32_t edge) const { return edgeKind[edge] == OTG_EDGE_FLAT; }
   /// 1 for welded vertices in the middle of a flat face or of a straight edge (to within kFlatDegrees): they are there
   /// only because of the tessellation.
   std::vector<std::uint8_t> flatVertex;

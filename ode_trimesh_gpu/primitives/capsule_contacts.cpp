@@ -86,7 +86,7 @@ class Finder {
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t half = 3 * t + k, edge = topology.edgeOf[half], twin = topology.twin[half];
       if (edge != kNone && (twin == kNone || half < twin))
-        alongEdge(half, p[k], p[(k + 1) % 3], adjacency.flatEdge[edge]);
+        alongEdge(half, p[k], p[(k + 1) % 3], adjacency.isFlatEdge(edge));
       const std::uint32_t v = topology.weld[mesh_.triangles()[t].v[k]];
       if (adjacency.first[v] != adjacency.first[v + 1] && adjacency.halfEdges[adjacency.first[v]] == half) {
         corner(half, v, p[k]);

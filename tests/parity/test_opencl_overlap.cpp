@@ -148,11 +148,12 @@ TEST_CASE("overlaps of meshes that intersect themselves are described") {
     stretches += now * (odds.stretches ? 1 : 0);
     inVain += (1 - now) * (odds.any() ? 1 : 0);
   }
-  CHECK(described >= 140);
+  // The host takes those in which an edge of an inner corner ends, and crumpled bodies have many.
+  CHECK(described >= 90);
   CHECK(crossings >= 25);
   CHECK(votes >= 20);
   CHECK(stretches >= 30);
-  CHECK(backend->counts().contactsMade >= 140);
+  CHECK(backend->counts().contactsMade >= 90);
   // As many votes for inside as for outside in one place, say.
   CHECK(inVain > 0);
   // In a batch, too.
@@ -164,7 +165,7 @@ TEST_CASE("overlaps of meshes that intersect themselves are described") {
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < queries.size(); ++i) wrong += sameBytes(answer.of(i), expected[i].reduced) ? 0 : 1;
   CHECK(wrong == 0);
-  CHECK(other->counts().described >= 140);
+  CHECK(other->counts().described >= 90);
 }
 
 TEST_CASE("small regions on triangles and edges that large ones cross, too, come out as with these") {

@@ -143,7 +143,8 @@ TEST_CASE("what cannot be described in a batch is done by itself") {
 }
 
 TEST_CASE("pairs of a batch whose own kernels find them at odds are described") {
-  const auto mesh = collisionMesh(crumpled(makeLump(1, 4, 0.3, 8), 0.1f, 4));
+  // Goes through itself about its axis, and has no inner corners there, which would be the host's.
+  const auto mesh = collisionMesh(makeTorus(0.4, 0.5, 20, 12));
   std::vector<Query> queries;
   Workspace workspace;
   for (const Query& query : overlaps({mesh}, 41, 1500, 2.2)) {
@@ -153,7 +154,7 @@ TEST_CASE("pairs of a batch whose own kernels find them at odds are described") 
     collide(query, workspace);
     if (workspace.stats.unevenRegions == 0) queries.push_back(query);  // the others are the host's
   }
-  REQUIRE(queries.size() >= 8);
+  REQUIRE(queries.size() >= 30);
   opencl::Tuning tuning = always();
   tuning.leastOverlaps = 1;
   const auto backend = openBackend(tuning);
@@ -162,8 +163,8 @@ TEST_CASE("pairs of a batch whose own kernels find them at odds are described") 
   opencl::BatchAnswer answer;
   CHECK(backend->collideBatch(queries, answer));
   CHECK(countWrong(answer, onHost(queries)) == 0);
-  CHECK(backend->counts().described >= queries.size() - 2);
-  CHECK(answer.leftToHost <= 2);
+  CHECK(backend->counts().described >= queries.size() - queries.size() / 10);
+  CHECK(answer.leftToHost <= queries.size() / 10);
 }
 
 TEST_CASE("a few large pairs of a batch are done by the host while the device does the others") {

@@ -34,7 +34,7 @@ bool sameAdjacency(const Adjacency& a, const Adjacency& b) {
     }
   }
   return sameBytes(a.normal, b.normal) && sameBytes(a.area, b.area) && sameBytes(a.star, b.star) &&
-         sameBytes(a.flatEdge, b.flatEdge) && sameBytes(a.flatVertex, b.flatVertex) &&
+         sameBytes(a.edgeKind, b.edgeKind) && sameBytes(a.flatVertex, b.flatVertex) &&
          sameBytes(a.halfEdges, b.halfEdges) && sameBytes(a.clusterVertices, b.clusterVertices);
 }
 

@@ -74,6 +74,11 @@ namespace otg {
 #define OTG_SOLID_DEEP_PIECES 128
 #define OTG_SOLID_DEEP_POINTS 48
 
+/// Cosine between a face and the way out from which on that face is the one to leave.
+#define OTG_SOLID_FACING 0.5
+/// A point of an uneven region is asked to go at most so many times its distance from such faces.
+#define OTG_SOLID_NEIGHBOURHOOD 3.0
+
 /// A region that reaches so many thicknesses along its push is uneven: it goes round a corner, or a thin contact has a
 /// wedge beside it. There each point leaves by the faces nearest to it (collide/solid/uneven_region.h). Where those are
 /// of a curved surface and its local normal agrees with one to 10 degrees, that serves, because it is smooth over
@@ -231,6 +236,14 @@ OTG_GENERIC otg_int OTG_NAME(otgIsLump)(REAL thickness, REAL diagonal) {
 /// Whether a region that reaches so far along its push is far deeper at one place than it is on the whole.
 OTG_GENERIC otg_int OTG_NAME(otgIsUneven)(REAL extent, REAL thickness) {
   return extent > OTG_REAL(OTG_SOLID_UNEVEN) * thickness;
+}
+
+/// Whether the overlap ends at a crossing: the face that it is on is the one to leave along the contact's normal, and
+/// nothing is below that there. `faceNormal`: of a crossing; zero for other points, where it does not. `mesh`: the
+/// point's own.
+OTG_GENERIC otg_int OTG_NAME(otgEndsAt)(OTG_VEC3 faceNormal, OTG_VEC3 normal, otg_uint mesh) {
+  const REAL cosine = OTG_NAME(otgDot)(faceNormal, normal);
+  return (mesh == 0 ? cosine : -cosine) > OTG_REAL(OTG_SOLID_FACING);
 }
 
 /// x, but no less than `low` and no more than `high`.

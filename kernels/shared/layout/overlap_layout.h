@@ -194,7 +194,9 @@ typedef struct {
   otg_uint counters[OTG_COUNTERS_READ];  ///< in the results: the first counters of the query
   otg_ulong first;                       ///< triangles of the smallest chord, inverted
   double origin[3];
-  otg_uint firstUnit, unused[3];  ///< of its results
+  otg_uint firstUnit;  ///< of its results
+  otg_uint corners;    ///< a bit for each region that goes round an inner corner, as Region::roundCorner
+  otg_uint unused[2];
   /// By mesh, a bit for each of its closed components: set if it has a chord. Not of solids of one component.
   otg_uint crossedParts[2][OTG_SOLID_MOST_PARTS / 32];
   otg_uint roots[OTG_OVERLAP_REGIONS];

@@ -34,6 +34,9 @@ namespace otg {
 #define OTG_CLUSTER_UNITS 5
 #define OTG_SOLID_TRIANGLES (2 + OTG_SOLID_SAMPLES)
 #define OTG_VERTEX_FLAT 0x80000000u
+// Kinds of edges by their two faces: in one plane, or meeting at an inner corner (Adjacency::edgeKind).
+#define OTG_EDGE_FLAT 1
+#define OTG_EDGE_INNER 2
 
 /// The part of one triangle that lies inside the other mesh: as Piece in collide/solid/overlap_regions.h.
 typedef struct {
@@ -45,11 +48,13 @@ typedef struct {
 /// A place where a contact may sit, as SupportPoint there, and what comes of it.
 typedef struct {
   double position[3], along[3], surfaceNormal[3], reach;
+  double faceNormal[3];  ///< of a crossing: outward, of the other mesh's face there
   double at[3], probe[3], normal[3], shift, limit;  ///< `at`: the candidate's place, as a rule `position`
   otg_ulong order;                                  ///< kind, mesh, SupportPoint::rank, ordinal: ties are settled by it
   otg_uint kind, mesh, feature, ordinal, triangleA, triangleB;
   otg_uint flat;
-  otg_uint sharp;      ///< of a middle: its edge is sharp and convex
+  otg_uint sharp;      ///< of a middle: its edge is sharp and convex; of a crossing: it is an inner corner's
+  otg_uint unused[2];
   double depth, rank;  ///< of a candidate, as estimated; depth -1: it is none
 } otg_solid_point;
 
@@ -121,7 +126,7 @@ enum {
 #define OTG_SOLID_ODD_HITS 96
 
 #ifndef __OPENCL_VERSION__
-static_assert(sizeof(otg_solid_hit) == 32 && sizeof(otg_solid_piece) == 128 && sizeof(otg_solid_point) == 224 &&
+static_assert(sizeof(otg_solid_hit) == 32 && sizeof(otg_solid_piece) == 128 && sizeof(otg_solid_point) == 256 &&
               sizeof(otg_solid_region) == 256);
 }  // namespace otg
 #endif

@@ -306,8 +306,9 @@ OTG_INLINED void otgArenaPoints(__local otg_arena_scratch* s, __local otg_solid_
     const uint halfEdge = kind == OTG_POINT_VERTEX ? own->spokes[own->firstSpoke[feature]] : own->edges[feature].z;
     const otg_vec3_d normal =
         kind == OTG_POINT_VERTEX ? otgNormalOfVertex(own, feature) : otgNormalOfEdge(own, halfEdge);
-    otgWritePoint(list + otgRankOfKey(s, key), own, otgLoad(p->position), otgLoad(p->span), normal, kind, feature,
-                  ordinal, halfEdge / 3, kind == OTG_POINT_CROSSING ? p->triangle : OTG_NOT_THERE, key & 1);
+    const uint other = kind == OTG_POINT_CROSSING ? p->triangle : OTG_NOT_THERE;
+    otgWritePoint(list + otgRankOfKey(s, key), own, otgLoad(p->position), otgLoad(p->span), normal,
+                  otgNormalInA(&mesh[1 - m].solid, other), kind, feature, ordinal, halfEdge / 3, other, key & 1);
     if (!(key & 1)) atomic_inc(&s->corners);
   }
   OTG_SYNC_ALL;

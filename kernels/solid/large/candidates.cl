@@ -131,6 +131,10 @@ OTG_INLINED void otgLookAtCandidate(__local otg_candidate_scratch* s, __global c
   otg_vec3_d places[3];
   places[0] = otgProbe_d(at, along, p->reach, otgLoad(p->surfaceNormal), kind, w->diagonal, w->thickness);
   const otg_vec3_d normal = otgNormalByLanes(s, w, places[0]);
+  if (otgEndsAt_d(otgLoad(p->faceNormal), normal, p->mesh)) {
+    if (lane == 0) p->depth = -1;
+    return;
+  }
   const double reach = otgReachOfEnds_d(p->reach, w->diagonal);
   const int isMiddle = kind >= OTG_POINT_MIDDLE;
   places[1] = otgAdd_d(places[0], otgScale_d(along, -1.0 * reach));
@@ -182,8 +186,9 @@ OTG_INLINED void otgLookAtCandidate(__local otg_candidate_scratch* s, __global c
 OTG_INLINED void otgGiveUpUneven(__local otg_candidate_scratch* s, const otg_found_lists* l, OTG_PAIR_MESH* mesh,
                                  const otg_solid_work* w, __global otg_region_work* r) {
   if (l->head->regions[l->region].load > OTG_SOLID_MOST_UNEVEN || w->coherence < OTG_SOLID_COHERENT) return;
+  const int roundCorner = l->head->corners >> l->region & 1;
   const double extent = otgExtentOfRegion(&s->extent, l, mesh, w->mean);
-  if (get_local_id(0) == 0 && otgIsUneven_d(extent, w->thickness)) atomic_or(&r->pointFlags, OTG_REGION_BAD);
+  if (get_local_id(0) == 0 && (roundCorner || otgIsUneven_d(extent, w->thickness))) atomic_or(&r->pointFlags, OTG_REGION_BAD);
   OTG_SYNC;
 }
 

@@ -65,7 +65,7 @@ OTG_INLINED void otgOfferStretch(const otg_offers* s, uint r, uint slot) {
   uint from, to;
   if (!otgStretchOf(o, slot, &from, &to)) return;
   const uint4 ends = m->edges[edge];
-  const int fromVertex = from == OTG_NOT_THERE, toVertex = to == OTG_NOT_THERE, flat = ends.w != 0;
+  const int fromVertex = from == OTG_NOT_THERE, toVertex = to == OTG_NOT_THERE, flat = ends.w == OTG_EDGE_FLAT;
   const otg_vec3_d p = fromVertex ? otgSub_d(otgVertexAt(m, ends.x), origin) : otgPointOfCrossing(o, from, origin);
   const otg_vec3_d q = toVertex ? otgSub_d(otgVertexAt(m, ends.y), origin) : otgPointOfCrossing(o, to, origin);
   const otg_vec3_d d = otgSub_d(q, p);
@@ -273,6 +273,10 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
     c->key = 0;
     c->seen = 0;
     const uint4 ends = o.mesh[mesh].solid.edges[edge];
+    if (ends.w == OTG_EDGE_INNER) {
+      const uint r = otgNumberOf(&regions, otgRegionOf(&o, slot));
+      if (r != OTG_NOT_THERE) atomic_or(&state->corners, 1u << r);
+    }
     *otgEdgeMark(&o, mesh, edge) = 0;
     for (uint k = 0; k < 2; ++k) {
       const uint v = k == 0 ? ends.x : ends.y, cluster = otgClusterOf(&o.mesh[mesh], v);
@@ -304,6 +308,8 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
   if (lane < 3) head->origin[lane] = state->origin[lane];
   if (lane == 0) {
     head->firstUnit = first;
+    head->corners = *(volatile __global uint*)&state->corners;
+    state->corners = 0;  // unordered: by the last
     state->first = 0;
     state->firstUnit = 0;  // unordered: by the last
     for (uint k = 0; k < OTG_SOLID_MOST_PARTS / 32; ++k) state->crossedParts[0][k] = state->crossedParts[1][k] = 0;

@@ -34,6 +34,10 @@ OTG_INLINED int otgEstimate(const otg_solid_work* w, __global otg_solid_point* p
   otg_vec3_d probe =
       otgProbe_d(at, otgLoad(p->along), p->reach, otgLoad(p->surfaceNormal), kind, w->diagonal, w->thickness);
   otg_vec3_d normal = otgNormalAt(w, probe);
+  if (otgEndsAt_d(otgLoad(p->faceNormal), normal, p->mesh)) {
+    p->depth = -1;
+    return 0;
+  }
   const double moved = kind >= OTG_POINT_MIDDLE ? otgPassed(w, p, normal) : 0;
   if (moved != 0) {
     const otg_vec3_d by = otgScale_d(otgLoad(p->along), moved);

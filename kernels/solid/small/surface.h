@@ -129,8 +129,8 @@ OTG_INLINED void otgWriteInterior(const otg_solid_pair* pair, uint slot, ulong i
 OTG_INLINED void otgWriteVertexPoint(const otg_solid_pair* pair, uint slot, __global otg_solid_point* out) {
   const uint mesh = (pair->s->vertexKey[slot] - 1) & 1, v = (pair->s->vertexKey[slot] - 1) >> 1;
   OTG_MESH* m = mesh == 0 ? pair->a : pair->b;
-  otgWritePoint(out, m, otgRelativeVertex(pair, m, v), otgVec_d(0, 0, 0), otgNormalOfVertex(m, v), OTG_POINT_VERTEX, v,
-                0, m->spokes[m->firstSpoke[v]] / 3, OTG_NOT_THERE, (as_uint(m->vertices[v].w) & OTG_VERTEX_FLAT) != 0);
+  otgWritePoint(out, m, otgRelativeVertex(pair, m, v), otgVec_d(0, 0, 0), otgNormalOfVertex(m, v), otgVec_d(0, 0, 0),
+                OTG_POINT_VERTEX, v, 0, m->spokes[m->firstSpoke[v]] / 3, OTG_NOT_THERE, (as_uint(m->vertices[v].w) & OTG_VERTEX_FLAT) != 0);
 }
 
 /// The points of the stretch at a crossing: how many, and writes them unless `out` is null.
@@ -141,7 +141,7 @@ OTG_INLINED uint otgStretchPoints(const otg_solid_pair* pair, uint c, uint regio
   uint from, to, count = 0;
   if (!otgStretchAt(s, c, m, &from, &to) || otgRegionOf(pair, from) != region) return 0;
   const uint4 ends = m->edges[edge];
-  const int fromVertex = from >= OTG_SOLID_HITS, toVertex = to >= OTG_SOLID_HITS, flat = ends.w != 0;
+  const int fromVertex = from >= OTG_SOLID_HITS, toVertex = to >= OTG_SOLID_HITS, flat = ends.w == OTG_EDGE_FLAT;
   const int middle = !flat && !(fromVertex && toVertex);
   if (out == 0) return (uint)(!fromVertex + !toVertex + middle);
   const otg_vec3_d p = fromVertex ? otgRelativeVertex(pair, m, ends.x) : otgCrossingAt(pair, from);
@@ -164,8 +164,10 @@ OTG_INLINED uint otgStretchPoints(const otg_solid_pair* pair, uint c, uint regio
                                             otgDirectionInA(m, otgOwnNormal(m, otgTwinOf(m, halfEdge) / 3)),
                                             forward ? along : otgScale_d(along, -1.0));
     }
-    otgWritePoint(out + count, m, at, span, normal, k == 2 ? kind : OTG_POINT_CROSSING, edge,
-                  k == 2 ? stretch : 2 * stretch + k, own, k == 2 ? OTG_NOT_THERE : s->other[k == 0 ? from : to], flat);
+    if (k < 2) out[count].sharp = ends.w == OTG_EDGE_INNER;
+    const uint other = k == 2 ? OTG_NOT_THERE : s->other[k == 0 ? from : to];
+    otgWritePoint(out + count, m, at, span, normal, otgNormalInA(mesh == 0 ? pair->b : pair->a, other),
+                  k == 2 ? kind : OTG_POINT_CROSSING, edge, k == 2 ? stretch : 2 * stretch + k, own, other, flat);
     ++count;
   }
   return count;

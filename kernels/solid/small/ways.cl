@@ -18,6 +18,11 @@ OTG_INLINED uint otgTakeUnits(__local otg_solid_ways* s, uint units, __global ui
 /// Whether a region reaches so far that each of its points needs a direction of its own, unless one holds for all: as
 /// isUneven() in collide/solid/region_contacts.cpp. All lanes call it.
 OTG_INLINED int otgIsUnevenRegion(__local otg_solid_ways* s, const otg_solid_work* w) {
+  int roundCorner = 0;
+  for (uint i = 0; i < w->pointCount; ++i) {
+    roundCorner |= w->points[i].kind == OTG_POINT_CROSSING && w->points[i].sharp;
+  }
+  if (roundCorner) return 1;
   double end[2];  // the lowest with its sign changed, and the highest
   for (uint side = 0; side < 2; ++side) {
     double most = -INFINITY;

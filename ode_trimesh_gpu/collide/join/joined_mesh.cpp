@@ -145,13 +145,13 @@ class Joiner {
   std::vector<std::uint32_t> faceAround(std::uint32_t part, std::uint32_t triangle, std::vector<bool>& isSeen,
                                         std::vector<std::uint64_t>& contour) const {
     const Topology& topology = mesh(part).topology();
-    const std::vector<std::uint8_t>& isFlatEdge = parts_[part].mesh->adjacency().flatEdge;
+    const Adjacency& adjacency = parts_[part].mesh->adjacency();
     std::vector<std::uint32_t> face{triangle};
     isSeen[triangle] = true;
     for (std::size_t i = 0; i < face.size(); ++i) {
       for (std::uint32_t half = 3 * face[i]; half < 3 * face[i] + 3; ++half) {
         const std::uint32_t twin = topology.twin[half];
-        const bool goesOn = twin != kNone && isFlatEdge[topology.edgeOf[half]] != 0 && !inner_[part][twin / 3];
+        const bool goesOn = twin != kNone && adjacency.isFlatEdge(topology.edgeOf[half]) && !inner_[part][twin / 3];
         if (!goesOn) {
           contour.push_back(halfOf(part, half));
         } else if (!isSeen[twin / 3]) {

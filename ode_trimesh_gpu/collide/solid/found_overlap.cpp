@@ -64,6 +64,7 @@ class Taker {
     region.lo = vec(found.lo);
     region.hi = vec(found.hi);
     region.diagonal = norm(region.hi - region.lo);
+    region.roundCorner = (found_.head->corners >> which & 1) != 0;
     takePieces(which, number, surfaceUnits(found.load, found.largest, region), region);
     takePoints(which, number, region);
     takeExtents(which, region);

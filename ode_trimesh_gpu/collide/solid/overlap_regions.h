@@ -31,6 +31,7 @@ struct SupportPoint {
   Vec3d along;          ///< crossings: unit direction of the edge into the other mesh; middles: of the edge; else zero
   double reach;         ///< length of the inside stretch of the edge from here (middles: to either end), else 0
   Vec3d surfaceNormal;  ///< mean outward normal of the faces at the vertex or edge, unit or zero
+  Vec3d faceNormal;     ///< crossings: outward normal of the other mesh's face there, unit; else zero
   std::uint32_t region;
   std::uint8_t mesh;  ///< whose vertex or edge it is
   PointKind kind;
@@ -54,6 +55,7 @@ struct Region {
   double thickness = 0;                      ///< 2 volume / (areaA + areaB)
   bool bad = false;                          ///< its surface does not close, or its volume is negative
   bool contained = false;                    ///< a whole component inside the other mesh
+  bool roundCorner = false;                  ///< an edge of an inner corner ends in it: it goes round that
   bool apart = false;                        ///< large, but described by its single triangles
 };
 

@@ -2,6 +2,7 @@
 #include "collide/solid/region_contacts.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -69,6 +70,8 @@ class RegionSolver {
 
  private:
   static constexpr double kWithin = 1 + 1e-6;  ///< for what rounds
+  static constexpr double kShallow = 0.01;     ///< of the smaller mesh: a region that is less thick
+  static constexpr double kGrain = 1e-5;       ///< of the region's diagonal: as far as a place is told
   struct Plane {
     Vec3d normal;
     double offset;
@@ -214,6 +217,7 @@ class RegionSolver {
   void collectEven(const SupportPoint& p) {
     Candidate c = candidateAt(p);
     c.normal = task_.normals.at(c.probe);
+    if (otgEndsAt(p.faceNormal, c.normal, p.mesh)) return;
     if (const SupportPoint* other = passed(c)) {
       const Vec3d moved = otgScale(p.along, passOf(p, *other, c.normal).at);
       c.at = otgAdd(c.at, moved);
@@ -289,6 +293,7 @@ class RegionSolver {
       double least = std::numeric_limits<double>::infinity();
       for (std::size_t k = 0; k < features; ++k) {
         c.normal = candidates_[k].normal;
+        if (otgEndsAt(c.point->faceNormal, c.normal, c.point->mesh)) continue;
         c.out = triangles_.wayOut(1, c.probe, c.normal);
         c.back = triangles_.wayOut(0, c.probe, otgScale(c.normal, -1.0));
         if (!(c.out + c.back < least && c.out + c.back <= candidates_[k].depth)) continue;
@@ -300,10 +305,21 @@ class RegionSolver {
   }
 
   void addMeasured(Candidate& c) {
+    limitToNeighbourhood(c);
     c.depth = c.out + c.back;
     c.shift = 0.5 * (c.out - c.back);
     c.rank = otgRankOfKind(static_cast<int>(c.point->kind), c.depth);
     if (c.depth > 0) candidates_.push_back(c);
+  }
+
+  /// A contact is no deeper than three times the distance of its point from the surface that faces its way. More is
+  /// asked for where a point lies in one face and below the next.
+  void limitToNeighbourhood(Candidate& c) const {
+    const auto limit = [&](int m, double& way, const Vec3d& direction) {
+      way = std::min(way, OTG_SOLID_NEIGHBOURHOOD * triangles_.distanceToFacing(m, c.at, direction));
+    };
+    if (c.out > 0) limit(1, c.out, c.normal);
+    if (c.back > 0) limit(0, c.back, otgScale(c.normal, -1.0));
   }
 
   /// Whether a middle of a stretch is hardly deeper than its ends are on average: then they hold it.
@@ -493,8 +509,23 @@ class RegionSolver {
           return x.feature == contact.feature && x.triangleA == contact.triangleA && x.triangleB == contact.triangleB;
         }));
       }
+      assert(keepsNeighbourhood(contact));
       out.push_back(contact);
     }
+  }
+
+  /// Whether a shallow region's contact is no deeper than three times the distance from its deepest points to the
+  /// surface that faces their way. True for regions whose triangles are not known one by one.
+  [[maybe_unused]] bool keepsNeighbourhood(const Contact& contact) {
+    const double size = 2.0 * std::min(task_.meshes.mesh(0).radius(), task_.meshes.mesh(1).radius());
+    const bool isShallow = region_.thickness < kShallow * size && !region_.contained && task_.extraDepth == 0;
+    if (!isShallow || task_.normals.isFixed() || region_.cellEnd > region_.cellBegin) return true;
+    if (!isUneven_) triangles_.collect(task_.meshes, all_, region_);
+    const Vec3d place = otgSub(contact.position, all_.origin), half = otgScale(contact.normal, contact.depth / 2);
+    const double nearest =
+        std::min(triangles_.distanceToFacing(1, otgSub(place, half), contact.normal),
+                 triangles_.distanceToFacing(0, otgAdd(place, half), otgScale(contact.normal, -1.0)));
+    return contact.depth <= OTG_SOLID_NEIGHBOURHOOD * (nearest + kGrain * region_.diagonal);
   }
 
   /// The piece of `mesh` through which the contact's normal leaves: its plane is the nearest ahead.
@@ -539,7 +570,7 @@ class RegionSolver {
 
 bool isUneven(const Region& region, const RegionNormals& normals, RegionExtent& extent) {
   if (region.cellEnd > region.cellBegin || normals.isFixed() || region.coherence < OTG_SOLID_COHERENT) return false;
-  return otgIsUneven(extent.along(normals.mean()), region.thickness) != 0;
+  return region.roundCorner || otgIsUneven(extent.along(normals.mean()), region.thickness) != 0;
 }
 
 bool contactsOfRegion(const RegionTask& task, std::vector<Contact>& out) {

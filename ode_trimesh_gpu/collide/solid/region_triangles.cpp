@@ -125,4 +125,14 @@ double RegionTriangles::wayOut(int m, const Vec3d& from, const Vec3d& direction)
   return nearest;
 }
 
+double RegionTriangles::distanceToFacing(int m, const Vec3d& p, const Vec3d& direction) const {
+  double nearest = kInfinity;
+  for (const RegionTriangle& t : triangles_) {
+    if (t.mesh != m || otgDot(t.normal, direction) < OTG_SOLID_FACING) continue;
+    if (std::fabs(t.offset - otgDot(t.normal, p)) >= nearest) continue;
+    nearest = std::min(nearest, norm(otgSub(otgPointOnTriangle(t.corner[0], t.corner[1], t.corner[2], p), p)));
+  }
+  return nearest;
+}
+
 }  // namespace otg

@@ -60,6 +60,9 @@ class RegionTriangles {
   /// Way along a unit direction through the nearest triangle of mesh m that faces along it; infinity if none is met.
   double wayOut(int m, const Vec3d& from, const Vec3d& direction) const;
 
+  /// Distance of a point from the triangles of mesh m that face along a unit direction; infinity if none does.
+  double distanceToFacing(int m, const Vec3d& p, const Vec3d& direction) const;
+
  private:
   bool isCurved(const RegionTriangle& t) const;
 

@@ -256,11 +256,14 @@ class Builder {
           const auto seed = [&](const Vec3d& at, const Vec3d& span, std::uint32_t c, PointKind kind,
                                 std::uint32_t ordinal) {
             s_.seeds.push_back({at, span, s_.regionOf[piece.fromElement], edge, ordinal, c,
-                                static_cast<std::uint8_t>(m), kind, adjacency.flatEdge[edge] != 0});
+                                static_cast<std::uint8_t>(m), kind, adjacency.isFlatEdge(edge)});
           };
+          if (adjacency.edgeKind[edge] == OTG_EDGE_INNER) {
+            w_.out.regions[s_.regionOf[piece.fromElement]].roundCorner = true;
+          }
           if (!piece.fromVertex) seed(piece.from, d, piece.fromElement, PointKind::kCrossing, 2 * k);
           if (!piece.toVertex) seed(piece.to, d * -1.0, piece.toElement, PointKind::kCrossing, 2 * k + 1);
-          if (adjacency.flatEdge[edge] || (piece.fromVertex && piece.toVertex)) continue;
+          if (adjacency.isFlatEdge(edge) || (piece.fromVertex && piece.toVertex)) continue;
           seed((piece.from + piece.to) * 0.5, d * 0.5, kNone,
                piece.fromVertex || piece.toVertex ? PointKind::kMiddle : PointKind::kMiddleOfContour, k);
         }
@@ -279,7 +282,7 @@ class Builder {
 
 bool needsTriangles(const OverlapRegions& all, const Region& region, std::uint32_t load) {
   if (load > OTG_SOLID_MOST_UNEVEN || region.coherence < OTG_SOLID_COHERENT) return false;
-  return otgIsUneven(RegionExtent(all, region).along(unit(region.push)), region.thickness) != 0;
+  return region.roundCorner || otgIsUneven(RegionExtent(all, region).along(unit(region.push)), region.thickness) != 0;
 }
 
 RegionBuilder::RegionBuilder() : scratch_(std::make_unique<RegionScratch>()) {}

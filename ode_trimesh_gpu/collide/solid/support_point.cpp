@@ -65,7 +65,10 @@ SupportPoint supportPoint(const PlacedMeshes& meshes, const PointSeed& seed, std
     own = half / 3;
   }
   p.surfaceNormal = meshes.directionFromLocal(m, unit(normal));
-  if (seed.kind == PointKind::kCrossing) (m == 0 ? p.triangleB : p.triangleA) = triangle;
+  if (seed.kind == PointKind::kCrossing) {
+    (m == 0 ? p.triangleB : p.triangleA) = triangle;
+    p.faceNormal = meshes.normal(1 - m, triangle);
+  }
   return p;
 }
 

@@ -73,7 +73,7 @@ MeshUnit vertexUnit(const TriMesh& mesh, const Adjacency& adjacency, std::uint32
 }
 
 MeshUnit edgeUnit(const Topology& topology, const Adjacency& adjacency, std::uint32_t e) {
-  return words(topology.edges[e].a, topology.edges[e].b, adjacency.halfEdgeOf[e], adjacency.flatEdge[e]);
+  return words(topology.edges[e].a, topology.edges[e].b, adjacency.halfEdgeOf[e], adjacency.edgeKind[e]);
 }
 
 void addCluster(std::vector<MeshUnit>& units, const Adjacency::Cluster& c) {
