@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "base/vectors.h"
+#include "collide/pair_history.h"
 #include "dispatch/dispatcher.h"
 #include "ode/base/status.h"
 #include "ode/geom/joined_sides.h"
@@ -80,12 +81,18 @@ void count(GeomStats& to, const PairCounts& from, std::size_t contacts) {
   add(to.contacts, contacts);
 }
 
-}  // namespace
-
+/// Anywhere for pieces of something.
 WorldBox boxOf(const MeshGeom& side, const Transformd& pose) {
+  // Of two pieces the triangles tell both.
   if (side.join != nullptr) return {};
   const Vec3f &low = side.mesh->mesh().boundsMin(), &high = side.mesh->mesh().boundsMax();
   return worldBox({low.x, low.y, low.z}, {high.x, high.y, high.z}, pose);
+}
+
+}  // namespace
+
+WorldBox boxOfSolid(const MeshGeom& side, const Transformd& pose) {
+  return isSolid(side.mesh->mesh()) ? boxOf(side, pose) : WorldBox{};
 }
 
 void writeContact(const Contact& from, const ContactFrame& frame, void* to) {
@@ -316,7 +323,7 @@ void writeContacts(const PairTask& task, std::span<const Contact> contacts, cons
   char* place = reinterpret_cast<char*>(to.first);
   char* dataPlace = reinterpret_cast<char*>(to.data);
   if (contacts.empty()) return;
-  const WorldBox a = boxOf(task.sideA(), task.poseOfA), b = boxOf(task.sideB(), task.poseOfB);
+  const WorldBox a = boxOfSolid(task.sideA(), task.poseOfA), b = boxOfSolid(task.sideB(), task.poseOfB);
   const ContactFrame frame{
       task.poseOfA, task.first, task.side1.geom, task.side2.geom, {maximum(a.low, b.low), minimum(a.high, b.high)}};
   for (const Contact& from : contacts) {

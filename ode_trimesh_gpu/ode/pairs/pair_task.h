@@ -33,8 +33,8 @@ struct ContactFrame {
   WorldBox within{};
 };
 
-/// Of a geom's mesh; all of the world for a piece of something: of two pieces the triangles tell both.
-WorldBox boxOf(const MeshGeom& side, const Transformd& pose);
+/// All of the world for shells, whose contacts may lie in the margin around them, and for pieces of something.
+WorldBox boxOfSolid(const MeshGeom& side, const Transformd& pose);
 
 /// Writes a dContactGeom as a whole structure of its own, so that any skip and any alignment will do and the caller's
 /// bytes in between stay as they are. Triangles are the caller's numbers; kNone becomes -1.

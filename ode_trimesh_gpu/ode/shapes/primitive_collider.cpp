@@ -98,7 +98,7 @@ int collidePrimitive(PrimitiveTask& task, dContactGeom* contact, int skip) {
       return 0;
     }
     char* place = reinterpret_cast<char*>(contact);
-    const ContactFrame frame{task.pose, true, task.o1, task.o2, boxOf(task.side, task.pose)};
+    const ContactFrame frame{task.pose, true, task.o1, task.o2, boxOfSolid(task.side, task.pose)};
     for (const Contact& found : contacts) {
       writeContact(found, frame, place);
       place += skip;
