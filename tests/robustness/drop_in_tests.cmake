@@ -39,6 +39,13 @@ if(TARGET ode_trimesh_gpu_preload AND TARGET demo_drop_in_stack AND NOT OTG_SANI
     COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_drop_in_road.py"
             "$<TARGET_FILE:ode_trimesh_gpu_preload>" "$<TARGET_FILE:demo_drop_in_road>")
   set_tests_properties(robustness.drop_in_road PROPERTIES LABELS robustness TIMEOUT 600)
+  # Environment variables, there and in a program of ours.
+  if(TARGET otg)
+    add_test(NAME robustness.environment
+      COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_environment.py"
+              "$<TARGET_FILE:otg>" "$<TARGET_FILE:ode_trimesh_gpu_preload>" "$<TARGET_FILE:demo_drop_in_stack>")
+    set_tests_properties(robustness.environment PROPERTIES LABELS robustness TIMEOUT 600)
+  endif()
   # Debian's own interpreter, which Debian's module is for.
   otg_add_drop_in_test(pyode /usr/bin/python3 "${PROJECT_SOURCE_DIR}/demos/drop_in/pyode_stack.py" 5 400)
 endif()

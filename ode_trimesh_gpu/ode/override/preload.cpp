@@ -5,17 +5,19 @@
 //
 // The functions of ODE below are found here before they are found in libode: each calls ODE's own and then notes what
 // happened. That also tells what ODE tells nobody, when data change and when geoms and data are destroyed. It works
-// for programs, plug-ins and scripting languages that use libode as a shared library. It prints nothing unless asked.
+// for programs, plug-ins and scripting languages that use libode as a shared library. It prints
+// nothing unless asked, but where the environment has a value that is not allowed.
 #include <dlfcn.h>
 #include <ode/ode.h>
 
-#include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <iterator>
+#include <string>
 
+#include "base/environment.h"
+#include "ode/base/environment_report.h"
 #include "ode/data/trimesh_cache.h"
 #include "ode/geom/mesh_side.h"
 #include "ode/override/flat_pairs.h"
@@ -39,30 +41,26 @@ Function* next(const char* name) {
     return found;                                          \
   }())
 
-bool isSet(const char* name, const char* value) {
-  const char* const found = std::getenv(name);
-  return found != nullptr && std::strcmp(found, value) == 0;
+/// Read once, when it is first asked for.
+const otg::Environment& settings() {
+  static const otg::Environment read = otg::readEnvironment();
+  return read;
+}
+bool isOff() {
+  return !settings().preload;
 }
 bool isVerbose() {
-  return isSet("OTG_PRELOAD_VERBOSE", "1");
-}
-
-/// A number between `least` and `most` of the environment, or `otherwise`.
-int numberOf(const char* name, int least, int most, int otherwise) {
-  const char* const found = std::getenv(name);
-  if (found == nullptr) return otherwise;
-  char* end = nullptr;
-  const long number = std::strtol(found, &end, 10);
-  return end != found && *end == '\0' && number >= least && number <= most ? static_cast<int>(number) : otherwise;
+  return settings().preloadVerbose;
 }
 
 void chooseParams() {
+  using Contacts = otg::Environment::Contacts;
   dGpuTriMeshParams params;
   dGpuTriMeshParamsInit(&params);
-  if (isSet("OTG_PRELOAD_CONTACTS", "pairwise")) params.contact_model = dGPUTRIMESH_CONTACTS_PAIRWISE;
-  if (isSet("OTG_PRELOAD_CONTACTS", "solid")) params.contact_model = dGPUTRIMESH_CONTACTS_SOLID;
-  params.max_contacts = numberOf("OTG_PRELOAD_MAX_CONTACTS", 1, 65535, params.max_contacts);
-  params.contacts_per_region = numberOf("OTG_PRELOAD_CONTACTS_PER_REGION", 1, 64, params.contacts_per_region);
+  if (settings().preloadContacts == Contacts::kPairwise) params.contact_model = dGPUTRIMESH_CONTACTS_PAIRWISE;
+  if (settings().preloadContacts == Contacts::kSolid) params.contact_model = dGPUTRIMESH_CONTACTS_SOLID;
+  params.max_contacts = settings().preloadMaxContacts.value_or(params.max_contacts);
+  params.contacts_per_region = settings().preloadContactsPerRegion.value_or(params.contacts_per_region);
   dGpuTriMeshOverrideSetParams(&params);
 }
 
@@ -76,36 +74,23 @@ void sayWhatWasDone() {
       static_cast<unsigned long long>(stats.builds), static_cast<unsigned long long>(stats.refits));
 }
 
-/// The classes that OTG_PRELOAD_PRIMITIVES names: "all", or names with commas between them. Names that are none are
-/// passed over, with a line if that is wanted.
+/// The classes that OTG_PRELOAD_PRIMITIVES names, each with its number.
 void takeOverPrimitives() {
-  static constexpr struct {
-    const char* name;
-    int geomClass;
-  } kNames[] = {
-      {"all", dGPUTRIMESH_OVERRIDE_ALL}, {"sphere", dSphereClass}, {"box", dBoxClass}, {"capsule", dCapsuleClass},
-      {"cylinder", dCylinderClass},      {"plane", dPlaneClass},   {"ray", dRayClass}, {"convex", dConvexClass},
-      {"heightfield", dHeightfieldClass}};
-  const char* const list = std::getenv("OTG_PRELOAD_PRIMITIVES");
-  if (list == nullptr) return;
-  for (const char* at = list; *at != '\0';) {
-    const std::size_t length = std::strcspn(at, ",");
-    const auto known = std::find_if(std::begin(kNames), std::end(kNames), [&](const auto& entry) {
-      return std::strlen(entry.name) == length && std::strncmp(entry.name, at, length) == 0;
-    });
-    if (known != std::end(kNames)) {
-      dGpuTriMeshOverrideTriMeshWith(known->geomClass);
-    } else if (length > 0 && isVerbose()) {
-      std::fprintf(stderr, "ode_trimesh_gpu: OTG_PRELOAD_PRIMITIVES knows no %.*s\n", static_cast<int>(length), at);
+  static constexpr int kClasses[] = {dGPUTRIMESH_OVERRIDE_ALL, dSphereClass, dBoxClass, dCapsuleClass,
+                                     dCylinderClass,           dPlaneClass,  dRayClass, dConvexClass,
+                                     dHeightfieldClass};
+  static_assert(std::size(kClasses) == std::size(otg::kPreloadPrimitives));
+  for (const std::string& name : settings().preloadPrimitives) {
+    for (std::size_t i = 0; i < std::size(kClasses); ++i) {
+      if (name == otg::kPreloadPrimitives[i]) dGpuTriMeshOverrideTriMeshWith(kClasses[i]);
     }
-    at += length;
-    if (*at == ',') ++at;
   }
 }
 
 /// After every initialisation of ODE, which clears what was set before.
 void takeOver() {
-  if (isSet("OTG_PRELOAD", "off")) return;
+  otg::reportEnvironment();
+  if (isOff()) return;
   const int status = dGpuTriMeshOverrideTriMesh();
   takeOverPrimitives();
   static std::atomic<bool> first{true};
@@ -136,13 +121,7 @@ void dataChanged(dTriMeshDataID data) {
 }
 
 bool joins() {
-  static const bool wanted = !isSet("OTG_PRELOAD_JOIN", "off");
-  return wanted && otg::isAnyTrimesh();
-}
-
-bool isOff() {
-  static const bool off = isSet("OTG_PRELOAD", "off");
-  return off;
+  return settings().preloadJoin && otg::isAnyTrimesh();
 }
 
 /// What the heightfield was built from, for meshes to collide with.

@@ -14,6 +14,7 @@ struct Log {
   std::mutex mutex;
   LogSink sink;
   std::set<std::pair<std::string, int>> told;
+  std::set<std::string> lines;  ///< of logLineOnce()
   std::atomic<std::uint64_t> count{0};
 
   void tell(const std::string& text) const {
@@ -51,6 +52,11 @@ void logFailure(const char* call, int code, const std::string& detail) {
 void logLine(const std::string& text) {
   const std::lock_guard lock(log().mutex);
   log().tell(text);
+}
+
+void logLineOnce(const std::string& text) {
+  const std::lock_guard lock(log().mutex);
+  if (log().lines.insert(text).second) log().tell(text);
 }
 
 std::uint64_t failureCount() {
