@@ -11,6 +11,7 @@
 #include <ode/ode.h>
 
 #include <atomic>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <iterator>
@@ -20,6 +21,7 @@
 #include "ode/base/environment_report.h"
 #include "ode/data/trimesh_cache.h"
 #include "ode/geom/mesh_side.h"
+#include "ode/override/checked_arrays.h"
 #include "ode/override/flat_pairs.h"
 #include "ode/override/join_still.h"
 #include "ode/pairs/left_pairs.h"
@@ -124,6 +126,42 @@ bool joins() {
   return settings().preloadJoin && otg::isAnyTrimesh();
 }
 
+/// What a program builds data from.
+struct GivenArrays {
+  const void* vertices;
+  int vertexCount;
+  const void* indices;
+  int indexCount, stride;
+};
+
+/// ODE's own functions call each other, and are found here then.
+thread_local bool isBuilding = false;
+
+/// Calls ODE's function with indices that it can take, or not at all where there are no triangles.
+template <class Build>
+void build(dTriMeshDataID data, const char* function, const GivenArrays& given, const Build& ofOde) {
+  if (isOff() || isBuilding) {
+    ofOde({given.indices, given.indexCount, given.stride, false});
+    return;
+  }
+  isBuilding = true;
+  try {
+    const bool first = otg::staysUnbuilt(data);
+    const otg::CheckedIndices checked = otg::checkIndices(data, function, given.vertices, given.vertexCount,
+                                                          given.indices, given.indexCount, given.stride);
+    if (!checked.isEmpty) {
+      ofOde(checked);
+    } else if (!first) {
+      const otg::NoTriangles& none = otg::noTriangles();
+      OTG_NEXT(dGeomTriMeshDataBuildSingle)(data, none.vertices, 12, 1, none.indices, 6, 12);
+    }
+  } catch (...) {  // for want of memory: as the program said
+    ofOde({given.indices, given.indexCount, given.stride, false});
+  }
+  isBuilding = false;
+  dataChanged(data);
+}
+
 /// What the heightfield was built from, for meshes to collide with.
 template <class Samples>
 void describe(dHeightfieldDataID data, int type, const Samples* heights, int copy, dReal width, dReal depth,
@@ -209,53 +247,74 @@ OTG_INTERPOSED void dGeomTriMeshSetLastTransform(dGeomID g, const dMatrix4 last_
 
 OTG_INTERPOSED void dGeomTriMeshDataDestroy(dTriMeshDataID g) {
   otg::forgetTrimeshData(g);
+  otg::forgetIndices(g);
   otg::forgetFlatness();
   OTG_NEXT(dGeomTriMeshDataDestroy)(g);
 }
 
+/// Data without triangles may never have been built.
 OTG_INTERPOSED void dGeomTriMeshDataUpdate(dTriMeshDataID g) {
-  OTG_NEXT(dGeomTriMeshDataUpdate)(g);
+  if (isOff() || !otg::hasNoTriangles(g)) OTG_NEXT(dGeomTriMeshDataUpdate)(g);
   dataChanged(g);
 }
 
 OTG_INTERPOSED void dGeomTriMeshDataBuildSingle(dTriMeshDataID g, const void* Vertices, int VertexStride,
                                                 int VertexCount, const void* Indices, int IndexCount, int TriStride) {
-  OTG_NEXT(dGeomTriMeshDataBuildSingle)(g, Vertices, VertexStride, VertexCount, Indices, IndexCount, TriStride);
-  dataChanged(g);
+  dGeomTriMeshDataBuildSingle1(g, Vertices, VertexStride, VertexCount, Indices, IndexCount, TriStride, nullptr);
 }
 
 OTG_INTERPOSED void dGeomTriMeshDataBuildSingle1(dTriMeshDataID g, const void* Vertices, int VertexStride,
                                                  int VertexCount, const void* Indices, int IndexCount, int TriStride,
                                                  const void* Normals) {
-  OTG_NEXT(dGeomTriMeshDataBuildSingle1)
-  (g, Vertices, VertexStride, VertexCount, Indices, IndexCount, TriStride, Normals);
-  dataChanged(g);
+  build(g, "dGeomTriMeshDataBuildSingle", {Vertices, VertexCount, Indices, IndexCount, TriStride},
+        [&](const otg::CheckedIndices& use) {
+          OTG_NEXT(dGeomTriMeshDataBuildSingle1)
+          (g, Vertices, VertexStride, VertexCount, use.indices, use.count, use.stride, Normals);
+        });
 }
 
 OTG_INTERPOSED void dGeomTriMeshDataBuildDouble(dTriMeshDataID g, const void* Vertices, int VertexStride,
                                                 int VertexCount, const void* Indices, int IndexCount, int TriStride) {
-  OTG_NEXT(dGeomTriMeshDataBuildDouble)(g, Vertices, VertexStride, VertexCount, Indices, IndexCount, TriStride);
-  dataChanged(g);
+  dGeomTriMeshDataBuildDouble1(g, Vertices, VertexStride, VertexCount, Indices, IndexCount, TriStride, nullptr);
 }
 
 OTG_INTERPOSED void dGeomTriMeshDataBuildDouble1(dTriMeshDataID g, const void* Vertices, int VertexStride,
                                                  int VertexCount, const void* Indices, int IndexCount, int TriStride,
                                                  const void* Normals) {
-  OTG_NEXT(dGeomTriMeshDataBuildDouble1)
-  (g, Vertices, VertexStride, VertexCount, Indices, IndexCount, TriStride, Normals);
-  dataChanged(g);
+  build(g, "dGeomTriMeshDataBuildDouble", {Vertices, VertexCount, Indices, IndexCount, TriStride},
+        [&](const otg::CheckedIndices& use) {
+          OTG_NEXT(dGeomTriMeshDataBuildDouble1)
+          (g, Vertices, VertexStride, VertexCount, use.indices, use.count, use.stride, Normals);
+        });
 }
 
 OTG_INTERPOSED void dGeomTriMeshDataBuildSimple(dTriMeshDataID g, const dReal* Vertices, int VertexCount,
                                                 const dTriIndex* Indices, int IndexCount) {
-  OTG_NEXT(dGeomTriMeshDataBuildSimple)(g, Vertices, VertexCount, Indices, IndexCount);
-  dataChanged(g);
+  dGeomTriMeshDataBuildSimple1(g, Vertices, VertexCount, Indices, IndexCount, nullptr);
 }
 
 OTG_INTERPOSED void dGeomTriMeshDataBuildSimple1(dTriMeshDataID g, const dReal* Vertices, int VertexCount,
                                                  const dTriIndex* Indices, int IndexCount, const int* Normals) {
-  OTG_NEXT(dGeomTriMeshDataBuildSimple1)(g, Vertices, VertexCount, Indices, IndexCount, Normals);
-  dataChanged(g);
+  static_assert(sizeof(dTriIndex) == sizeof(std::uint32_t));
+  build(g, "dGeomTriMeshDataBuildSimple",
+        {Vertices, VertexCount, Indices, IndexCount, static_cast<int>(3 * sizeof(dTriIndex))},
+        [&](const otg::CheckedIndices& use) {
+          OTG_NEXT(dGeomTriMeshDataBuildSimple1)
+          (g, Vertices, VertexCount, static_cast<const dTriIndex*>(use.indices), use.count, Normals);
+        });
+}
+
+/// As many as the program gave, and of a geom without data none.
+OTG_INTERPOSED int dGeomTriMeshGetTriangleCount(dGeomID g) {
+  if (!isOff() && otg::hasNoTriangles(dGeomTriMeshGetData(g))) return 0;
+  return OTG_NEXT(dGeomTriMeshGetTriangleCount)(g);
+}
+
+OTG_INTERPOSED int dCollide(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip) {
+  if (isOff()) return OTG_NEXT(dCollide)(o1, o2, flags, contact, skip);
+  const int allowed = otg::allowedFlags(flags);
+  const bool nothing = allowed == 0 || otg::isEmptyTrimesh(o1) || otg::isEmptyTrimesh(o2);
+  return nothing ? 0 : OTG_NEXT(dCollide)(o1, o2, allowed, contact, skip);
 }
 
 OTG_INTERPOSED void dGeomHeightfieldDataDestroy(dHeightfieldDataID d) {
