@@ -159,7 +159,7 @@ const char* nameOf(DeviceKind kind) {
 
 std::vector<FoundDevice> findDevices() {
   std::vector<FoundDevice> found;
-  if (api() == nullptr) return found;
+  if (isOpenclForeign() || api() == nullptr) return found;
   tolerate([&] {
     for (const cl_platform_id platform : platforms()) {
       tolerate([&] {
@@ -171,6 +171,10 @@ std::vector<FoundDevice> findDevices() {
   });
   for (std::size_t i = 0; i < found.size(); ++i) found[i].info.index = static_cast<int>(i);
   return found;
+}
+
+bool areDevicesLost() noexcept {
+  return isOpenclForeign();
 }
 
 std::vector<DeviceInfo> listDevices() {

@@ -7,6 +7,8 @@
 #include <set>
 #include <utility>
 
+#include "base/fork_gate.h"
+
 namespace otg::opencl {
 namespace {
 
@@ -28,7 +30,12 @@ struct Log {
 };
 
 Log& log() {
-  static Log* const instance = new Log;  // never destroyed: threads may fail while the process ends
+  // Never destroyed: threads may fail while the process ends.
+  static Log* const instance = [] {
+    auto* const made = new Log;
+    addForkHooks({[] { log().mutex.lock(); }, [] { log().mutex.unlock(); }, [] { log().mutex.unlock(); }});
+    return made;
+  }();
   return *instance;
 }
 
