@@ -90,6 +90,7 @@ TriMeshParts TriMeshParts::of(const TriMesh& mesh) {
 std::shared_ptr<const TriMesh> TriMeshParts::assemble(TriMeshParts&& parts) {
   const std::shared_ptr<TriMesh> mesh(new TriMesh);
   mesh->links_ = std::make_shared<FirstUse<AdjacencyLinks>>();
+  mesh->firstCopies_ = std::make_shared<FirstUse<std::vector<std::uint32_t>>>();
   mesh->trianglesHash_ = std::make_shared<FirstUse<std::uint64_t>>();
   mesh->vertices_ = std::move(parts.vertices);
   mesh->triangles_ = std::move(parts.triangles);

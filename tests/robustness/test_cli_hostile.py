@@ -16,6 +16,19 @@ MOST_BYTES = 500e6
 
 
 class HostileTest(CliTest):
+    def answered(self, *arguments, limit=1):
+        """Status 0 within so many times the limits; what was on stdout."""
+        with tempfile.TemporaryFile() as out:
+            process = subprocess.Popen([cli_support.OTG, *arguments], stdout=out, cwd=self.folder, preexec_fn=lambda:
+                                       resource.setrlimit(resource.RLIMIT_CPU, (60, 60)))
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = status
+            self.assertEqual(status, 0)
+            out.seek(0)
+            self.assertLess(usage.ru_utime + usage.ru_stime, limit * MOST_SECONDS)
+            self.assertLess(usage.ru_maxrss * 1024, limit * MOST_BYTES)
+            return json.load(out)
+
     def refused(self, *arguments, says=()):
         """Status 1, one reason on stderr, nothing on stdout, within the limits."""
         def limit():
@@ -193,6 +206,22 @@ class Scenes(HostileTest):
     def test_brackets_in_brackets(self):
         self.refused("simulate", self.write("deep.json", '{"bodies": ' + "[" * 300000 + "]" * 300000 + "}"),
                      says="deep.json")
+
+
+class Copies(HostileTest):
+    """Every triangle of one mesh on every triangle of the other."""
+
+    def test_two_thousand_on_two_thousand(self):
+        vertices = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+        one = self.write("one.ply", ply(vertices, [(0, 1, 2)]))
+        many = self.write("many.ply", ply(vertices, [(0, 1, 2)] * 2000))
+        pose = ["--pose", "0.1,0.1,0,1,0,0,0", "--json"]
+        single, all_of_them = self.run_json("collide", one, one, *pose[:2]), self.answered("collide", many, many, *pose)
+        self.assertEqual(all_of_them["intersecting_pairs"], 2000 * 2000)
+        self.assertEqual(all_of_them["contacts"], single["contacts"])
+        # The published model has contacts of each pair.
+        pairwise = self.answered("collide", many, many, *pose, "--contacts", "pairwise", limit=2)
+        self.assertEqual(pairwise["contacts_before_reduction"], 2000 * 2000)
 
 
 if __name__ == "__main__":

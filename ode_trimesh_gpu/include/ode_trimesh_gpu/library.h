@@ -98,7 +98,7 @@ enum {
  * @remarks fork(): it waits until calls of other threads and batches in the background have ended, for 5 seconds at
  *          most. The child has geoms, data and contacts as they were. It computes on the CPU with threads of its own,
  *          with the same results. If the parent has looked for OpenCL devices, the child has none and opens none. It
- *          may end by exit(), _exit() or exec. A callback of the library that waits for the thread which forks holds
+ *          may end in any way. A callback of the library that waits for the thread which forks holds
  *          the fork up for those 5 seconds.
  * @ingroup gputrimesh
  */
