@@ -90,3 +90,17 @@ TEST_CASE("a child that is made in a callback of the library") {
   CHECK(times > 0);
   CHECK(fault == "");
 }
+
+TEST_CASE("a process that collides and closes the library in the destructors of its globals") {
+  const OdeSession session;
+  CHECK(childFault(ChildEnd::kExit, [] {
+          static const struct AtEnd {
+            ForkScene scene;
+            ~AtEnd() {
+              if (!scene.isAsBefore()) _exit(3);
+              dGpuTriMeshClose();
+            }
+          } atEnd;
+          return atEnd.scene.hasContacts();
+        }) == "");
+}
