@@ -267,7 +267,7 @@ SceneDescription parseScene(const std::string& text, const std::string& source, 
   json document;
   try {
     document = json::parse(text, nullptr, true, true);
-  } catch (const json::parse_error& error) {
+  } catch (const json::exception& error) {  // parse_error, or out_of_range for a number that no double is
     throw SceneError(source + ": not valid JSON: " + error.what());
   }
   SceneDescription scene;

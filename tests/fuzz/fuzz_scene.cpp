@@ -25,7 +25,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 }
 
 std::vector<fuzz::Input> fuzz::seeds() {
-  return {inputOf(R"({"bodies": [{"name": "ball", "sphere": 0.5}]})"),
+  return {inputOf(R"({"dt": 3e333, "bodies": []})"), inputOf(R"({"bodies": [{"name": "ball", "sphere": 0.5}]})"),
           inputOf(R"({"planes": [{"normal": [0, 0, 1], "offset": 0}], "space": "sap", "stepper": "world",
  "bodies": [{"name": "a", "box": [1, 2, 3], "position": [0, 0, 1], "rotation": [1, 0, 0, 0]},
  {"name": "b", "capsule": [0.3, 1], "static": true}, {"name": "c", "cylinder": [0.2, 1], "collider": "gpu_trimesh"}]})"),

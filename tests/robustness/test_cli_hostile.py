@@ -197,6 +197,9 @@ class Scenes(HostileTest):
                                             bodies=[{"name": "a", "mesh": "m", "static": True},
                                                     {"name": "b", "sphere": 0.5}]), says="'a'")
 
+    def test_a_number_that_no_double_is(self):
+        self.refused("simulate", self.write("number.json", '{"dt": 3e333, "bodies": []}'), says=["number.json", "JSON"])
+
     def test_speeds_and_gravity(self):
         self.refused("simulate", self.scene(gravity=[0, 0, -1e300]), says="gravity")
         for key in ("linear_velocity", "angular_velocity"):
