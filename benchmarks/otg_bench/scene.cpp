@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
+#include "base/environment.h"
 #include "cli/input_file.h"
 #include "cli/pose.h"
 #include "collide/query.h"
@@ -21,9 +21,9 @@ namespace {
 namespace fs = std::filesystem;
 
 std::vector<std::string> filesOfMeshFolder() {
-  const char* folder = std::getenv("OTG_MESH_DIR");
+  const std::string folder = readEnvironment().meshFolder;
   std::vector<std::string> files;
-  if (folder == nullptr || *folder == '\0') return files;
+  if (folder.empty()) return files;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string extension = entry.path().extension().string();

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The list of all scenes.
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <iterator>
 
+#include "base/environment.h"
 #include "physics/scene.h"
 
 namespace otg::physics {
@@ -37,8 +37,7 @@ const Scene* findScene(const std::string& name) {
 }
 
 std::string meshFolder() {
-  const char* folder = std::getenv("OTG_MESH_DIR");
-  return folder ? folder : "";
+  return readEnvironment().meshFolder;
 }
 
 std::string missingFile(const Scene& scene) {

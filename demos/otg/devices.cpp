@@ -2,8 +2,7 @@
 // `otg devices`: OpenCL devices, and which one would be used.
 #include <fmt/format.h>
 
-#include <cstdlib>
-
+#include "base/environment.h"
 #include "cli/query_options.h"
 #include "opencl/runtime/device_info.h"
 #include "otg/commands.h"
@@ -56,7 +55,7 @@ int runDevices(bool json) {
         used);
   } else {
     fmt::print("\nNone of them is used{}.\n",
-               std::getenv("OTG_OPENCL_DEVICE") != nullptr ? ": OTG_OPENCL_DEVICE says so or names none of them" : "");
+               !readEnvironment().openclDevice.empty() ? ": OTG_OPENCL_DEVICE says so or names none of them" : "");
   }
   return kOk;
 }

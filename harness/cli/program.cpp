@@ -6,6 +6,8 @@
 #include <iostream>
 #include <new>
 
+#include "ode/base/environment_report.h"
+
 namespace otg::cli {
 
 int fail(ExitStatus status, const std::string& message) {
@@ -14,6 +16,7 @@ int fail(ExitStatus status, const std::string& message) {
 }
 
 int runProgram(const char* name, const char* summary, void (*addCommands)(CLI::App&, Action&), int argc, char** argv) {
+  reportEnvironment();
   try {
     CLI::App app(summary, name);
     app.require_subcommand(1);

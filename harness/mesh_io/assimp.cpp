@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Everything that Assimp knows, glTF first of all: all meshes of the scene in one, each placed by its nodes.
+#include <assimp/BaseImporter.h>
+#include <assimp/importerdesc.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
 #include <assimp/Importer.hpp>
 #include <cmath>
+#include <memory>
+#include <string_view>
 
 #include "mesh_io/readers.h"
 
@@ -37,10 +41,21 @@ void addNode(const aiScene& scene, const aiNode& node, const aiMatrix4x4t<double
   for (unsigned i = 0; i < node.mNumChildren; ++i) addNode(scene, *node.mChildren[i], world, mesh);
 }
 
+/// By its content a file of another name might pass for glTF, and nobody would have checked it.
+void dropGltf(Assimp::Importer& importer) {
+  for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
+    const std::string_view extensions = importer.GetImporterInfo(i)->mFileExtensions;
+    if (extensions.find("gltf") == std::string_view::npos) continue;
+    const std::unique_ptr<Assimp::BaseImporter> dropped(importer.GetImporter(i));
+    importer.UnregisterLoader(dropped.get());
+  }
+}
+
 }  // namespace
 
 MeshFile readWithAssimp(const std::string& path) {
   Assimp::Importer importer;
+  if (!isGltf(path)) dropGltf(importer);
   // Triangulation only: every other step may drop, merge or reorder.
   const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
   if (scene == nullptr || scene->mRootNode == nullptr) throw std::runtime_error(importer.GetErrorString());

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <new>
 
+#include "mesh_io/gltf_check.h"
 #include "mesh_io/readers.h"
 #include "mesh_io/text.h"
 
@@ -35,13 +36,25 @@ std::string lowerExtension(const std::string& path) {
   return extension;
 }
 
+}  // namespace
+
+bool isGltf(const std::string& path) {
+  const std::string extension = lowerExtension(path);
+  return extension == ".gltf" || extension == ".glb";
+}
+
+namespace {
+
 MeshFile read(const std::string& path, std::string_view bytes) {
   const std::string extension = lowerExtension(path);
   if (extension == ".ply") return readPly(bytes);
   if (extension == ".off") return readOff(bytes);
   if (extension == ".stl") return readStl(bytes);
   if (extension == ".obj") return readObj(bytes);
-  if (extension == ".gltf" || extension == ".glb") return readWithAssimp(path);
+  if (isGltf(path)) {
+    checkGltf(bytes, std::filesystem::path(path).parent_path().string());
+    return readWithAssimp(path);
+  }
   if (bytes.substr(0, 4) == "ply\n" || bytes.substr(0, 4) == "ply\r") return readPly(bytes);
   if (bytes.substr(0, 3) == "OFF") return readOff(bytes);
   return readWithAssimp(path);

@@ -260,6 +260,7 @@ void readFaces(const Element& element, Body& body, MeshFile& mesh) {
 }
 
 void skipElement(const Element& element, Body& body) {
+  if (element.properties.empty()) return;  // however many there are, they take no room
   for (std::uint64_t n = 0; n < element.count; ++n) {
     for (const Property& property : element.properties) {
       const std::int64_t count = property.listCount ? body.takeInteger(*property.listCount) : 1;

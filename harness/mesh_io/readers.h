@@ -14,7 +14,9 @@ MeshFile readPly(std::string_view bytes);
 MeshFile readOff(std::string_view bytes);
 MeshFile readStl(std::string_view bytes);
 MeshFile readObj(std::string_view bytes);
-/// Any format that Assimp knows; `path` because glTF refers to files beside it.
+/// Whether the name is that of a glTF file.
+bool isGltf(const std::string& path);
+/// Any format that Assimp knows; `path` because glTF refers to files beside it. Of glTF what checkGltf() has let pass.
 MeshFile readWithAssimp(const std::string& path);
 
 }  // namespace otg::mesh_io

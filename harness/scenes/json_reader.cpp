@@ -88,8 +88,12 @@ std::optional<std::vector<double>> ObjectReader::numbers(const std::string& key,
   return result;
 }
 
-Vec3d ObjectReader::vector(const std::string& key, Vec3d fallback) {
+Vec3d ObjectReader::vector(const std::string& key, Vec3d fallback, double largest) {
   const auto values = numbers(key, 3);
+  for (const double x : values.value_or(std::vector<double>())) {
+    if (!(std::fabs(x) <= largest))
+      fail(key, shown(x) + " is out of range (" + shown(-largest) + " to " + shown(largest) + ")");
+  }
   return values ? Vec3d{(*values)[0], (*values)[1], (*values)[2]} : fallback;
 }
 

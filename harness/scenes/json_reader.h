@@ -33,7 +33,8 @@ class ObjectReader {
   std::string text(const std::string& key, const std::string& fallback);
   /// Array of exactly `count` finite numbers.
   std::optional<std::vector<double>> numbers(const std::string& key, std::size_t count);
-  Vec3d vector(const std::string& key, Vec3d fallback);
+  /// Three numbers, none of them beyond `largest` on either side of 0.
+  Vec3d vector(const std::string& key, Vec3d fallback, double largest = 1e300);
   /// The member itself, or null.
   const nlohmann::json* member(const std::string& key);
   /// One of `names`; its value.

@@ -24,6 +24,7 @@ struct NamedShapes {
 };
 
 constexpr double kLargest = 1e9;  // metres; beyond it single precision has no use for a mesh
+constexpr double kFastest = 1e9;  // metres or radians a second, and of gravity a second more
 constexpr double kSmallest = 1e-9;
 constexpr int kMostSegments = 4096;
 constexpr double kMostTriangles = 5e6;  // of one generated mesh; a slip of the pen must not eat the memory
@@ -217,7 +218,7 @@ BodyDescription readBody(const json& value, const std::string& where, const Name
   readShape(reader, shapes, body);
   body.isStatic = reader.boolean("static", false);
   if (body.heights && !body.isStatic) reader.fail("static", "a heightfield must be static");
-  body.position = reader.vector("position", {0, 0, 0});
+  body.position = reader.vector("position", {0, 0, 0}, kFarthest);
   if (const auto q = reader.numbers("rotation", 4)) {
     const double length = std::sqrt((*q)[0] * (*q)[0] + (*q)[1] * (*q)[1] + (*q)[2] * (*q)[2] + (*q)[3] * (*q)[3]);
     if (!(std::fabs(length - 1) <= 1e-3)) reader.fail("rotation", "must be a unit quaternion w, x, y, z");
@@ -226,8 +227,8 @@ BodyDescription readBody(const json& value, const std::string& where, const Name
   if (body.heights && body.collider == Collider::kPrimitive && !isOfRightAngles(body.rotation)) {
     reader.fail("rotation", "a heightfield can be turned by right angles only");
   }
-  body.linearVelocity = reader.vector("linear_velocity", {0, 0, 0});
-  body.angularVelocity = reader.vector("angular_velocity", {0, 0, 0});
+  body.linearVelocity = reader.vector("linear_velocity", {0, 0, 0}, kFastest);
+  body.angularVelocity = reader.vector("angular_velocity", {0, 0, 0}, kFastest);
   body.mass = reader.optionalNumber("mass", 1e-12, 1e12);
   if (body.mass && reader.has("density")) reader.fail("density", "give either a mass or a density");
   body.density = reader.number("density", 1000, 1e-9, 1e9);
@@ -266,12 +267,12 @@ SceneDescription parseScene(const std::string& text, const std::string& source, 
   json document;
   try {
     document = json::parse(text, nullptr, true, true);
-  } catch (const json::parse_error& error) {
+  } catch (const json::exception& error) {  // parse_error, or out_of_range for a number that no double is
     throw SceneError(source + ": not valid JSON: " + error.what());
   }
   SceneDescription scene;
   ObjectReader reader(document, source);
-  scene.gravity = reader.vector("gravity", scene.gravity);
+  scene.gravity = reader.vector("gravity", scene.gravity, kFastest);
   scene.dt = reader.number("dt", scene.dt, 1e-9, 10);
   scene.steps = reader.integer("steps", scene.steps, 0, 100000000);
   scene.stepper =

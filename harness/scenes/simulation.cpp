@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <cstdlib>
 
 #include "base/vectors.h"
 
@@ -58,10 +61,20 @@ Transformd poseOf(const BodyDescription& description) {
   return {{r[0], r[1], r[2], r[4], r[5], r[6], r[8], r[9], r[10]}, description.position};
 }
 
+/// What ODE calls where it can go on no more. It would abort.
+void endProgram(int, const char* message, va_list arguments) {
+  std::fputs("otg: ODE cannot go on: ", stderr);
+  std::vfprintf(stderr, message, arguments);
+  std::fputc('\n', stderr);
+  std::_Exit(1);
+}
+
 }  // namespace
 
 OdeSession::OdeSession() {
   dInitODE2(0);
+  dSetErrorHandler(&endProgram);
+  dSetDebugHandler(&endProgram);
   dAllocateODEDataForThread(dAllocateMaskAll);
   if (dGpuTriMeshInit() == 0) {
     const int status = dGpuTriMeshGetError();
@@ -72,6 +85,8 @@ OdeSession::OdeSession() {
 
 OdeSession::~OdeSession() {
   dGpuTriMeshClose();
+  dSetErrorHandler(nullptr);
+  dSetDebugHandler(nullptr);
   dCloseODE();
 }
 
@@ -93,6 +108,7 @@ Simulation::Simulation(const SceneDescription& scene) : scene_(scene), randomSta
       dCreatePlane(space_, plane.normal.x, plane.normal.y, plane.normal.z, plane.offset);
     }
     for (const BodyDescription& description : scene_.bodies) addBody(description);
+    checkPlaces();
   } catch (...) {
     clear();
     throw;
@@ -191,6 +207,29 @@ void Simulation::addBody(const BodyDescription& description) {
   dBodySetAngularVel(body.body, w.x, w.y, w.z);
 }
 
+void Simulation::checkPlaces() const {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const BodyState now = state(i);
+    double place = 0, sum = 0;
+    for (const double x : {now.position.x, now.position.y, now.position.z}) place = std::max(place, std::fabs(x));
+    for (const Vec3d& v : {now.position, now.linearVelocity, now.angularVelocity}) sum += v.x + v.y + v.z;
+    for (const double x : now.rotation) sum += x;
+    // A mesh may be far from its own origin. What is large is in no cell.
+    dReal box[6];
+    dGeomGetAABB(bodies_[i].geom, box);
+    for (int k = 0; k < 3; ++k) {
+      if (box[2 * k + 1] - box[2 * k] > 1e6) continue;
+      for (const double x : {box[2 * k], box[2 * k + 1]}) place = std::max(place, std::fabs(x) - 1e6);
+    }
+    if (place <= kFarthest && std::isfinite(sum)) continue;
+    const std::string when = steps_ == 0 ? "at the start" : "after step " + std::to_string(steps_);
+    char why[80];
+    std::snprintf(why, sizeof why, "is more than %g m from the origin", kFarthest);
+    throw SceneError("body '" + scene_.bodies[i].name + "' " +
+                     (std::isfinite(sum) ? why : "moves by numbers that are not finite") + " " + when);
+  }
+}
+
 void Simulation::nearCallback(void* self, dGeomID a, dGeomID b) {
   static_cast<Simulation*>(self)->collidePair(a, b);
 }
@@ -257,6 +296,8 @@ StepRecord Simulation::step(double dt) {
   else
     dWorldStep(world_, dt);
   record.stepMs = millisecondsSince(start);
+  ++steps_;
+  checkPlaces();
   randomState_ = dRandGetSeed();
   dJointGroupEmpty(contactJoints_);
   record.contacts = contactCount_;

@@ -16,7 +16,8 @@
 
 namespace otg::scenes {
 
-/// ODE and the geom class, initialised for as long as the object lives. One per process at a time.
+/// ODE and the geom class, initialised for as long as the object lives. One per process at a time. Where ODE would
+/// abort, the program ends with status 1 and ODE's message on stderr.
 class OdeSession {
  public:
   OdeSession();  ///< throws std::runtime_error if the geom class cannot be registered
@@ -48,12 +49,15 @@ struct Energy {
 
 class Simulation {
  public:
-  /// An OdeSession must exist for as long as the simulation does. Throws SceneError if ODE refuses a body.
+  /// An OdeSession must exist for as long as the simulation does. Throws SceneError if ODE refuses a body, or would
+  /// because of where it is (kFarthest).
   explicit Simulation(const SceneDescription& scene);
   ~Simulation();
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
+  /// Throws SceneError if a body is farther than kFarthest then, or has numbers that are not finite: ODE would end the
+  /// program. No step may follow.
   StepRecord step(double dt);
   /// Whether each step calls dGpuTriMeshPrefetch() first.
   void setPrefetch(bool on) { prefetch_ = on; }
@@ -82,6 +86,7 @@ class Simulation {
   static void nearCallback(void* self, dGeomID a, dGeomID b);
   void collidePair(dGeomID a, dGeomID b);
   void addBody(const BodyDescription& description);
+  void checkPlaces() const;
   dGeomID makeGeom(const BodyDescription& description, Body& body) const;
   /// Sums over all collisions of gpu_trimesh geoms so far.
   struct Found {
@@ -96,6 +101,7 @@ class Simulation {
   dJointGroupID contactJoints_ = nullptr;
   std::vector<Body> bodies_;
   std::vector<dContact> contacts_;  ///< one pair's
+  int steps_ = 0;                   ///< done so far
   int contactCount_ = 0;            ///< of the step under way
   int contactsOfOthers_ = 0;        ///< of these, from colliders that count nothing themselves
   bool prefetch_ = false;

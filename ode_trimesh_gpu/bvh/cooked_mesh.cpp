@@ -253,7 +253,9 @@ UncookedMesh refused(const std::string& why) {
 std::vector<unsigned char> cookMesh(const CollisionMesh& mesh) {
   Parts p;
   p.mesh = TriMeshParts::of(mesh.mesh());
-  p.tree = mesh.ownBoxes();
+  p.tree = mesh.tree();
+  // An image may have the boxes of another mesh, moved and scaled. What loads the bytes makes boxes of its own.
+  if (mesh.boxScale() != nullptr) refitTree(p.tree, mesh.mesh());
   packNumbers(p.mesh, p.tree, p.numbers);
   packProblems(p.mesh.report, p.problems, p.texts[0]);
   p.texts[1] = joined(p.mesh.report.repair.messages);
@@ -293,7 +295,10 @@ UncookedMesh uncook(ByteSource& source, std::uint64_t size) {
   if (!fault.empty()) return refused("The cooked mesh has " + fault + ".");
   p.mesh.report.repair.messages = split(p.texts[1]);
   for (const std::string& text : split(p.texts[2])) p.mesh.report.error += text;
-  return {std::make_shared<CollisionMesh>(TriMeshParts::assemble(std::move(p.mesh)), std::move(p.tree)), {}};
+  const std::shared_ptr<const TriMesh> assembled = TriMeshParts::assemble(std::move(p.mesh));
+  // Boxes are made again rather than believed: to look whether each holds what is below it takes as long.
+  refitTree(p.tree, *assembled);
+  return {std::make_shared<CollisionMesh>(assembled, std::move(p.tree)), {}};
 }
 
 }  // namespace

@@ -24,8 +24,9 @@ struct UncookedMesh {
   std::string error;                    ///< why, in one sentence
 };
 
-/// Refuses bytes that are no cooked mesh, are of another version, are cut off or changed, or have numbers in them that
-/// point nowhere. Equal bytes when cooked again. Throws std::bad_alloc only.
+/// Refuses bytes that are no cooked mesh, are of another version, are cut off or changed, or whose parts do not fit
+/// each other (TriMeshCheck, TreeCheck). The tree's boxes are made again. Equal bytes when cooked again. Throws
+/// std::bad_alloc only.
 UncookedMesh uncookMesh(std::span<const unsigned char> bytes);
 
 /// The same from a file that is open for reading at its first byte and has `size` bytes. What cannot be read counts as

@@ -2,7 +2,9 @@
 // Near phase: which candidate pairs of triangles intersect. Float filter, then double filter, then exact arithmetic.
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 
+#include "collide/first_copies.h"
 #include "collide/pair_frame.h"
 #include "collide/query.h"
 #include "collide/simd/wide_kernels.h"
@@ -27,22 +29,52 @@ bool decidePair(const Query& query, const PairFrame& frame, const TrianglePair& 
   return otgTrianglesMeetExact(&a[0].x, &b[0].x) != 0;
 }
 
+namespace {
+
+/// Decides candidates, none of them twice.
+void decideCandidates(const Query& query, const std::vector<TrianglePair>& candidates, Workspace& workspace) {
+  const TriMesh& a = query.a->mesh();
+  const TriMesh& b = query.b->mesh();
+  const PairFrame frame = makePairFrame(query);
+  filterTriangles(bestSimdLevel(), query, frame, candidates, workspace.intersecting, workspace.undecided);
+  const auto degenerate = [&](const TrianglePair& p) { return a.isDegenerate(p.a) || b.isDegenerate(p.b); };
+  std::erase_if(workspace.intersecting, degenerate);
+  for (const TrianglePair& pair : workspace.undecided) {
+    if (!degenerate(pair) && decidePair(query, frame, pair, workspace.stats)) workspace.intersecting.push_back(pair);
+  }
+  std::sort(workspace.intersecting.begin(), workspace.intersecting.end());
+}
+
+/// Copies have the answer of those that they lie on. Where these are no candidates they do not meet.
+void addCopies(const FirstCopies& first, const std::vector<TrianglePair>& candidates,
+               std::vector<TrianglePair>& intersecting) {
+  const std::size_t decided = intersecting.size();
+  for (const TrianglePair& pair : candidates) {
+    if (first.has(pair)) continue;
+    const auto end = intersecting.begin() + static_cast<std::ptrdiff_t>(decided);
+    if (std::binary_search(intersecting.begin(), end, first.of(pair))) intersecting.push_back(pair);
+  }
+  std::sort(intersecting.begin(), intersecting.end());
+}
+
+}  // namespace
+
 void nearPhase(const Query& query, Workspace& workspace) {
   using Clock = std::chrono::steady_clock;
   const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
   CollideStats& stats = workspace.stats;
   workspace.intersecting.clear();
   if (!workspace.candidates.empty()) {
-    const TriMesh& a = query.a->mesh();
-    const TriMesh& b = query.b->mesh();
-    const PairFrame frame = makePairFrame(query);
-    filterTriangles(bestSimdLevel(), query, frame, workspace.candidates, workspace.intersecting, workspace.undecided);
-    const auto degenerate = [&](const TrianglePair& p) { return a.isDegenerate(p.a) || b.isDegenerate(p.b); };
-    std::erase_if(workspace.intersecting, degenerate);
-    for (const TrianglePair& pair : workspace.undecided) {
-      if (!degenerate(pair) && decidePair(query, frame, pair, stats)) workspace.intersecting.push_back(pair);
+    const FirstCopies first(query);
+    if (first.areAll()) {
+      decideCandidates(query, workspace.candidates, workspace);
+    } else {
+      std::vector<TrianglePair> distinct;
+      std::copy_if(workspace.candidates.begin(), workspace.candidates.end(), std::back_inserter(distinct),
+                   [&](const TrianglePair& p) { return first.has(p); });
+      decideCandidates(query, distinct, workspace);
+      addCopies(first, workspace.candidates, workspace.intersecting);
     }
-    std::sort(workspace.intersecting.begin(), workspace.intersecting.end());
   }
   stats.intersectingPairs = workspace.intersecting.size();
   if (query.options.timings) stats.nearMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();

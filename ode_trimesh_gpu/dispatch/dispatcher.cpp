@@ -8,10 +8,12 @@
 #include <exception>
 #include <system_error>
 
+#include "base/fork_gate.h"
 #include "dispatch/batch_run.h"
 #include "dispatch/cost/calibration.h"
 #include "dispatch/cost/rehearsal.h"
 #include "dispatch/single_run.h"
+#include "opencl/runtime/device_info.h"
 #include "opencl/runtime/log.h"
 #include "opencl/runtime/stop.h"
 
@@ -29,6 +31,10 @@ struct EndOfMainThread {
   EndOfMainThread(const EndOfMainThread&) = delete;
   EndOfMainThread& operator=(const EndOfMainThread&) = delete;
 };
+
+void unlessEnded(void (Dispatcher::*step)() noexcept) {
+  if (!hasEnded.load(std::memory_order_acquire)) (dispatcher().*step)();
+}
 
 }  // namespace
 
@@ -97,6 +103,7 @@ void Dispatcher::setOpeningHook(std::function<void()> hook) {
 }
 
 void Dispatcher::openLater(std::function<std::vector<int>()> which) {
+  if (opencl::areDevicesLost()) return;
   watchEndOfProcess();
   const auto dropped = std::make_shared<std::atomic<bool>>(false);
   {
@@ -165,8 +172,22 @@ void Dispatcher::abandon() noexcept {
   hasDevices_.store(false, std::memory_order_release);
   for (std::shared_ptr<DeviceSlot>& slot : devices_) {
     // The share is never given back.
-    if (auto* const kept = new (std::nothrow) std::shared_ptr<DeviceSlot>(slot); kept == nullptr) return;
+    auto* const kept = new (std::nothrow) std::shared_ptr<DeviceSlot>;
+    if (kept == nullptr) return;
+    kept->swap(slot);
   }
+  devices_.clear();
+}
+
+void Dispatcher::inChild() noexcept {
+  mutex_.unlock();
+  abandon();
+  const std::lock_guard lock(mutex_);
+  opening_.reset();
+  // The pool's threads are not there to be joined: it is never destroyed.
+  auto* const kept = new (std::nothrow) std::shared_ptr<ThreadPool>;
+  if (kept == nullptr) return;
+  kept->swap(pool_);
 }
 
 Dispatcher::Slots Dispatcher::devices() const {
@@ -256,6 +277,10 @@ BatchEnd Dispatcher::collideBatch(std::span<const PairJob* const> jobs, std::spa
 
 Dispatcher& dispatcher() {
   struct Instance : Dispatcher {
+    Instance() {
+      addForkHooks({[] { unlessEnded(&Dispatcher::beforeFork); }, [] { unlessEnded(&Dispatcher::inParent); },
+                    [] { unlessEnded(&Dispatcher::inChild); }});
+    }
     ~Instance() {
       stopOpening();
       abandon();

@@ -69,6 +69,11 @@ class Dispatcher {
   void close() { setDevices({}); }
   /// Lets go of the devices without closing them: for the end of the process, when a driver may be gone already.
   void abandon() noexcept;
+  /// Around a fork(), when no call is under way. The child has neither threads nor devices of its parent, and opens no
+  /// devices: the CPU computes there, with threads of its own.
+  void beforeFork() noexcept { mutex_.lock(); }
+  void inParent() noexcept { mutex_.unlock(); }
+  void inChild() noexcept;
   bool hasDevices() const { return hasDevices_.load(std::memory_order_acquire); }
   /// The open ones, switched off or not. None that are being opened.
   std::vector<std::shared_ptr<DeviceSlot>> devices() const;

@@ -3,9 +3,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <iterator>
 
 #include "mesh/adjacency_links.h"
+#include "mesh/containment.h"
+#include "mesh/inspection.h"
+#include "mesh/measure.h"
 
 namespace otg {
 namespace {
@@ -38,6 +42,29 @@ bool allFinite(const Vec3f* begin, std::size_t count) {
   return carried >> 31 == 0;
 }
 
+/// False says nothing. True: isDegenerateTriangle() is false, with any origin from which all coordinates are less than
+/// `largest`.
+bool isClearlyWhole(const Array<Vec3f>& vertices, const Triangle& triangle, double largest) {
+  const Vec3f &a = vertices[triangle.v[0]], &b = vertices[triangle.v[1]], &c = vertices[triangle.v[2]];
+  const Vec3d origin{a.x, a.y, a.z};
+  const Vec3d e = relativeTo(b, origin), f = relativeTo(c, origin);
+  const Vec3d n = otgCross(e, f);
+  const double limit = 0x1p-20 * largest;  // four times what is needed
+  // The third edge is no longer than the two others together.
+  return otgDot(n, n) > limit * limit * (2 * (otgDot(e, e) + otgDot(f, f)));
+}
+
+/// `numbers` are below `limit`.
+bool namesEachOnce(std::span<const std::uint32_t> numbers, std::size_t limit) {
+  if (numbers.empty()) return true;
+  std::vector<bool> named(limit, false);
+  for (const std::uint32_t number : numbers) {
+    if (named[number]) return false;
+    named[number] = true;
+  }
+  return true;
+}
+
 }  // namespace
 
 TriMeshParts TriMeshParts::of(const TriMesh& mesh) {
@@ -63,6 +90,7 @@ TriMeshParts TriMeshParts::of(const TriMesh& mesh) {
 std::shared_ptr<const TriMesh> TriMeshParts::assemble(TriMeshParts&& parts) {
   const std::shared_ptr<TriMesh> mesh(new TriMesh);
   mesh->links_ = std::make_shared<FirstUse<AdjacencyLinks>>();
+  mesh->firstCopies_ = std::make_shared<FirstUse<std::vector<std::uint32_t>>>();
   mesh->trianglesHash_ = std::make_shared<FirstUse<std::uint64_t>>();
   mesh->vertices_ = std::move(parts.vertices);
   mesh->triangles_ = std::move(parts.triangles);
@@ -156,7 +184,7 @@ void TriMeshCheck::triangleOfCaller(std::size_t begin, std::size_t end) {
   numbersMatch_ &= bad == 0 && allBelow(own + begin, end - begin, count, false);
 }
 
-std::string TriMeshCheck::fault() const {
+std::string TriMeshCheck::faultOfNumbers() const {
   const std::size_t v = parts_.vertices.size();
   const bool counted =
       parts_.inputVertexOf.empty() ? parts_.inputVertexCount == v : parts_.inputVertexCount <= kMaxVertices;
@@ -169,7 +197,78 @@ std::string TriMeshCheck::fault() const {
   if (!pointsMatch_) return "points that do not match";
   if (haveTwin_ != 2 * twinPairs_) return "neighbours that do not match";
   if (!numbersMatch_) return "numbers of triangles that do not match";
-  return {};
+  if (!namesEachOnce(parts_.inputVertexOf, parts_.inputVertexCount)) return "numbers of vertices that do not match";
+  const MassProperties& mass = parts_.mass;
+  bool finite = std::isfinite(mass.volume) && std::isfinite(mass.area) && mass.centerOfMass.allFinite() &&
+                mass.inertia.allFinite();
+  for (const double volume : parts_.topology.componentVolume) finite = finite && std::isfinite(volume);
+  return finite ? "" : "a mass that is not finite";
+}
+
+bool TriMeshCheck::measuresMatch() const {
+  const Bounds bounds = boundsOf(parts_.vertices, parts_.triangles);
+  const Vec3f center = middleAsFloat(bounds);
+  if (parts_.boundsMin != bounds.min || parts_.boundsMax != bounds.max || parts_.center != center) return false;
+  // Where the middle is not a number as near to the origin as that of any mesh, boxes and filters would not do.
+  if (!parts_.triangles.empty() && parts_.origin != originAfterMove(bounds, parts_.origin)) return false;
+  double radius2 = 0;
+  for (const Triangle& triangle : parts_.triangles) {
+    for (const std::uint32_t v : triangle.v) radius2 = std::max(radius2, distance2(parts_.vertices[v], center));
+  }
+  if (parts_.radius != radiusFrom(radius2)) return false;
+  const Vec3d size = relativeTo(bounds.max, Vec3d{bounds.min.x, bounds.min.y, bounds.min.z});
+  const double largest = 2 * std::max({size.x, size.y, size.z});  // more than any coordinate in the centred frame
+  for (std::size_t t = 0; t < parts_.triangles.size(); ++t) {
+    const Triangle& triangle = parts_.triangles[t];
+    const bool flat = !isClearlyWhole(parts_.vertices, triangle, largest) &&
+                      isDegenerateTriangle(parts_.vertices, triangle, parts_.origin);
+    if (parts_.degenerate[t] != flat) return false;
+  }
+  return true;
+}
+
+/// As reports say it, from volumes that are worked out here.
+bool TriMeshCheck::facesOutward() const {
+  Topology topology = parts_.topology;
+  const auto closed = std::count(topology.componentClosed.begin(), topology.componentClosed.end(), 1);
+  if (closed == 0) return false;
+  topology.componentVolume = componentVolumes(topology, parts_.vertices, parts_.triangles, parts_.origin);
+  if (closed == 1 && topology.componentCount() == 1) {  // far from where componentsWellWound() would hesitate
+    const double r = parts_.radius;
+    if (topology.componentVolume[0] > 1e-9 * r * r * r * static_cast<double>(parts_.triangles.size())) return true;
+  }
+  const auto well = componentsWellWound(topology, nestingDepths(topology, parts_.vertices, parts_.triangles),
+                                        parts_.vertices, parts_.triangles);
+  return closed == std::count(well.begin(), well.end(), 1);
+}
+
+bool TriMeshCheck::reportMatches(const TopologyFindings& found) const {
+  const ValidationReport& report = parts_.report;
+  const Topology& topology = parts_.topology;
+  const bool closed = topology.edgeCount() > 0 && found.boundaryEdges == 0 && found.nonManifoldEdges == 0;
+  if (!report.accepted || report.triangles != parts_.triangles.size() || report.edges != topology.edgeCount() ||
+      report.components != topology.componentCount() || report.boundaryEdges != found.boundaryEdges ||
+      report.nonManifoldEdges != found.nonManifoldEdges || report.inconsistentEdges != found.inconsistentEdges ||
+      report.closed != closed || report.oriented != (found.inconsistentEdges == 0) ||
+      report.outward != facesOutward() || report.solid != (report.closed && report.oriented && report.outward)) {
+    return false;
+  }
+  // Named in sentences for people, and by the caller's numbers.
+  const std::size_t limit = std::max(parts_.inputVertexCount, std::max(parts_.vertices.size(), report.triangles));
+  for (const Problem& problem : report.problems) {
+    for (const std::uint32_t element : problem.elements) {
+      if (element >= limit) return false;
+    }
+  }
+  return true;
+}
+
+std::string TriMeshCheck::fault() const {
+  if (std::string fault = faultOfNumbers(); !fault.empty()) return fault;
+  const TopologyFindings found = checkTopology(parts_.topology, parts_.vertices, parts_.triangles);
+  if (!found.fault.empty()) return found.fault;
+  if (!measuresMatch()) return "bounds or areas that do not match";
+  return reportMatches(found) ? "" : "a report that does not match";
 }
 
 }  // namespace otg

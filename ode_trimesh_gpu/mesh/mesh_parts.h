@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "mesh/topology_check.h"
 #include "mesh/tri_mesh.h"
 
 namespace otg {
@@ -30,9 +31,11 @@ struct TriMeshParts {
   static std::shared_ptr<const TriMesh> assemble(TriMeshParts&& parts);
 };
 
-/// Finds out what is wrong with parts that come from elsewhere: numbers that point nowhere, sizes that do not match,
-/// vertices that are not finite. A mesh made of parts without fault can be worked with; that it is the mesh which it
-/// says it is (its normals, its volume) is not checked.
+/// Finds out what is wrong with parts that come from elsewhere. Numbers point into their arrays, sizes match, vertices
+/// are finite. The topology is that of the triangles (topology_check.h). Bounds, centre, radius, and the triangles
+/// without area are those of the vertices. The report has the right counts of edges, and calls a mesh closed, oriented,
+/// outward and solid where it is. A mesh made of parts without fault can be worked with as one that was built. Not
+/// checked: numbers that are only read out, such as the mass, other than that they are finite.
 ///
 /// Arrays are looked at piece by piece, as they come in: each function is called for elements `begin` to `end` of the
 /// array of its name, in order and without gaps, and the arrays in the order of these functions. Whatever the elements
@@ -55,10 +58,15 @@ class TriMeshCheck {
   void callerTriangle(std::size_t begin, std::size_t end);
   void triangleOfCaller(std::size_t begin, std::size_t end);
 
-  /// After all of them, and with the numbers of the parts filled in: in words, empty where nothing is wrong.
+  /// After all of them, and with the numbers of the parts filled in: in words, empty where nothing is wrong. May throw
+  /// std::bad_alloc.
   std::string fault() const;
 
  private:
+  std::string faultOfNumbers() const;
+  bool measuresMatch() const;
+  bool facesOutward() const;
+  bool reportMatches(const TopologyFindings& found) const;
   const TriMeshParts& parts_;
   bool sizesMatch_ = false;
   bool finite_ = true, inRange_ = true, pointsMatch_ = true, numbersMatch_ = true;

@@ -10,6 +10,7 @@
 #include "base/bounds.h"
 #include "mesh/adjacency_links.h"
 #include "mesh/containment.h"
+#include "mesh/copies.h"
 #include "mesh/inspection.h"
 #include "mesh/measure.h"
 #include "mesh/own_topology.h"
@@ -123,6 +124,7 @@ struct TriMeshBuilder {
   static std::shared_ptr<TriMesh> create() {
     std::shared_ptr<TriMesh> mesh(new TriMesh);
     mesh->links_ = std::make_shared<FirstUse<AdjacencyLinks>>();
+    mesh->firstCopies_ = std::make_shared<FirstUse<std::vector<std::uint32_t>>>();
     mesh->trianglesHash_ = std::make_shared<FirstUse<std::uint64_t>>();
     return mesh;
   }
@@ -292,6 +294,7 @@ struct TriMeshBuilder {
     if (samePoints) {
       mesh->topology_ = turned ? turnedTopology(before.topology_) : before.topology_;
       if (!turned) mesh->links_ = before.links_;
+      if (!turned) mesh->firstCopies_ = before.firstCopies_;
     } else {
       chooseTopology(*mesh, std::move(own), std::move(weld), report);
       if (!mesh->inputVertexOf_.empty()) orientEdges(mesh->topology_, {mesh->inputVertexOf_.data(), vertexCount});
@@ -327,6 +330,13 @@ std::vector<Vec3f> readSomeVertices(const TriMesh& mesh, const MeshInput& input,
 
 const AdjacencyLinks& TriMesh::adjacencyLinks() const {
   return links_->get([this] { return buildAdjacencyLinks(triangles_, topology_); });
+}
+
+std::span<const std::uint32_t> TriMesh::firstCopies() const {
+  if (report_.duplicateTriangles == 0) return {};
+  return firstCopies_->get([this] {
+    return findFirstCopies(triangles_, {topology_.weld.data(), topology_.weld.size()});
+  });
 }
 
 const MassProperties& TriMesh::massProperties() const {

@@ -69,6 +69,9 @@ class TriMesh {
   const Topology& topology() const { return topology_; }
   /// Made when asked for first, by this mesh or one that shares it. May throw std::bad_alloc.
   const AdjacencyLinks& adjacencyLinks() const;
+  /// findFirstCopies(), without a search where the report knows of no duplicates. Made when asked for first. May throw
+  /// std::bad_alloc.
+  std::span<const std::uint32_t> firstCopies() const;
   const ValidationReport& report() const { return report_; }
   MeshClass meshClass() const { return report_.solid ? MeshClass::kSolid : MeshClass::kShell; }
   /// Of the polyhedron at density 1; only meaningful for solids (signed sums for shells). Worked out when asked for
@@ -106,8 +109,9 @@ class TriMesh {
   SharedArray<Triangle> triangles_;
   SharedArray<std::uint8_t> degenerate_;
   Topology topology_;
-  std::shared_ptr<FirstUse<AdjacencyLinks>> links_;         ///< of these triangles and this topology
-  std::shared_ptr<FirstUse<std::uint64_t>> trianglesHash_;  ///< of these triangles
+  std::shared_ptr<FirstUse<AdjacencyLinks>> links_;                    ///< of these triangles and this topology
+  std::shared_ptr<FirstUse<std::vector<std::uint32_t>>> firstCopies_;  ///< likewise
+  std::shared_ptr<FirstUse<std::uint64_t>> trianglesHash_;             ///< of these triangles
   FirstUse<std::uint64_t> verticesHash_;
   ValidationReport report_;
   FirstUse<MassProperties> mass_;

@@ -39,6 +39,26 @@ if(TARGET ode_trimesh_gpu_preload AND TARGET demo_drop_in_stack AND NOT OTG_SANI
     COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_drop_in_road.py"
             "$<TARGET_FILE:ode_trimesh_gpu_preload>" "$<TARGET_FILE:demo_drop_in_road>")
   set_tests_properties(robustness.drop_in_road PROPERTIES LABELS robustness TIMEOUT 600)
+  # What ODE crashes with or aborts at.
+  find_package(PkgConfig REQUIRED)
+  pkg_check_modules(ODE REQUIRED IMPORTED_TARGET ode>=0.16)
+  add_executable(test_hostile_trimesh hostile_trimesh.c)
+  target_link_libraries(test_hostile_trimesh PRIVATE PkgConfig::ODE otg_flags)
+  add_test(NAME robustness.hostile_trimesh COMMAND test_hostile_trimesh)
+  add_test(NAME robustness.hostile_trimesh_all COMMAND test_hostile_trimesh)
+  set_tests_properties(robustness.hostile_trimesh robustness.hostile_trimesh_all PROPERTIES LABELS robustness TIMEOUT 120
+    PASS_REGULAR_EXPRESSION "all answered" FAIL_REGULAR_EXPRESSION "not all answered")
+  set_property(TEST robustness.hostile_trimesh PROPERTY
+    ENVIRONMENT "LD_PRELOAD=$<TARGET_FILE:ode_trimesh_gpu_preload>")
+  set_property(TEST robustness.hostile_trimesh_all PROPERTY
+    ENVIRONMENT "LD_PRELOAD=$<TARGET_FILE:ode_trimesh_gpu_preload>;OTG_PRELOAD_PRIMITIVES=all")
+  # Environment variables, there and in a program of ours.
+  if(TARGET otg)
+    add_test(NAME robustness.environment
+      COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_environment.py"
+              "$<TARGET_FILE:otg>" "$<TARGET_FILE:ode_trimesh_gpu_preload>" "$<TARGET_FILE:demo_drop_in_stack>")
+    set_tests_properties(robustness.environment PROPERTIES LABELS robustness TIMEOUT 600)
+  endif()
   # Debian's own interpreter, which Debian's module is for.
   otg_add_drop_in_test(pyode /usr/bin/python3 "${PROJECT_SOURCE_DIR}/demos/drop_in/pyode_stack.py" 5 400)
 endif()

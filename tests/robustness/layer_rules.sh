@@ -52,6 +52,8 @@ check() {
   rule "includes name a layer, not a way through the file system" "${inc}[^>\"]*\.\./" "${folders[@]}"
   rule "the library does not print" '\b(printf|fprintf|puts|perror)[[:space:]]*\(|std::(cout|cerr|clog)\b' $lib/base $lib/mesh $lib/bvh $lib/collide $lib/primitives $lib/queries $lib/dispatch
   rule "the library does not end the process" '\b(std::)?(abort|exit|_exit|quick_exit)[[:space:]]*\(' $lib
+  rule "the environment is read in one place" '\bgetenv[[:space:]]*\(' $lib harness benchmarks demos |
+    grep -vF ": $lib/base/environment.cpp:" || true
   local file lines
   while read -r file; do
     lines=$(wc -l <"$file")
@@ -104,6 +106,7 @@ self_test() {
   expect "$dir" dotdot tests/unit/a.cpp "$spdx#include \"../support/catch.h\"\n"
   expect "$dir" prints ode_trimesh_gpu/collide/a.cpp "${spdx}void f() { std::cerr << 1; }\n"
   expect "$dir" exits ode_trimesh_gpu/ode/a.cpp "${spdx}void f() { std::abort(); }\n"
+  expect "$dir" reads_environment ode_trimesh_gpu/dispatch/a.cpp "${spdx}auto x = std::getenv(\"OTG_X\");\n"
   many=$(printf '\\n%.0s' $(seq $kMaxLines))
   expect "$dir" long demos/a.cpp "$spdx$many"
   expect "$dir" licence kernels/a.cl "// no licence\n"

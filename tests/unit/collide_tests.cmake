@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+otg_add_test(copies unit SOURCES test_copies.cpp LIBRARIES otg_scenes)
 otg_add_test(reduce_binning unit SOURCES test_reduce_binning.cpp)
 otg_add_test(reduce_cone unit SOURCES test_reduce_cone.cpp)
 otg_add_test(limit_contacts unit SOURCES test_limit_contacts.cpp)

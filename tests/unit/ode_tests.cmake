@@ -58,5 +58,10 @@ set_tests_properties(unit.ode_c89 PROPERTIES LABELS unit)
 otg_add_test(geom_table unit SOURCES test_geom_table.cpp)
 otg_add_test(cooked_mesh unit
   SOURCES test_cooked_mesh.cpp $<TARGET_OBJECTS:otg_test_ode_world> LIBRARIES otg_scenes)
+otg_add_test(cooked_mutations unit
+  SOURCES test_cooked_mutations.cpp $<TARGET_OBJECTS:otg_test_ode_world> LIBRARIES otg_scenes)
+if(NOT OTG_SANITIZE MATCHES "thread")  # whose runtime ends a child that makes threads
+  otg_add_test(fork unit SOURCES test_fork.cpp $<TARGET_OBJECTS:otg_test_ode_world> LIBRARIES otg_scenes Threads::Threads)
+endif()
 otg_add_test(partial_update unit
   SOURCES test_partial_update.cpp $<TARGET_OBJECTS:otg_test_ode_world> LIBRARIES otg_scenes)

@@ -10,6 +10,7 @@
 
 #include "bvh/cooked_mesh.h"
 #include "support/catch.h"
+#include "support/cooked_file.h"
 #include "support/mesh_samples.h"
 #include "support/ode_world.h"
 
@@ -18,59 +19,8 @@ using namespace otg::test;
 
 namespace {
 
-using Bytes = std::vector<unsigned char>;
-
 CollisionMesh collisionMesh(const scenes::MeshArrays& arrays, const RepairOptions& repair = {}) {
   return CollisionMesh(buildTriMesh(arrays.input(), repair, MeshOrder::kSpatial).mesh, BuildStrategy::kSah);
-}
-
-std::uint64_t read64(const Bytes& bytes, std::size_t at) {
-  std::uint64_t value = 0;
-  for (std::size_t i = 0; i < 8; ++i) value |= std::uint64_t{bytes[at + i]} << (8 * i);
-  return value;
-}
-void write64(Bytes& bytes, std::size_t at, std::uint64_t value) {
-  for (std::size_t i = 0; i < 8; ++i) bytes[at + i] = static_cast<unsigned char>(value >> (8 * i));
-}
-
-std::uint64_t turned(std::uint64_t word, int by) {
-  return word << by | word >> (64 - by);
-}
-
-/// The checksum of the format, written down a second time.
-std::uint64_t checksumOf(const Bytes& bytes) {
-  const auto mixed = [](std::uint64_t lane, std::uint64_t a, std::uint64_t b) {
-    return turned((turned(lane ^ a, 41) ^ b) * 0x9e3779b97f4a7c15u, 29);
-  };
-  std::uint64_t lane[8] = {1, 2, 3, 4, 5, 6, 7, 8};
-  const std::size_t size = bytes.size() - 8, whole = size / 128 * 128;
-  for (std::size_t i = 0; i < whole; i += 16) {
-    std::uint64_t& l = lane[i / 16 % 8];
-    l = mixed(l, read64(bytes, i), read64(bytes, i + 8));
-  }
-  for (std::size_t i = whole; i < size; i += 8) lane[0] = mixed(lane[0], read64(bytes, i), 0);
-  std::uint64_t sum = size;
-  for (const std::uint64_t l : lane) sum = mixed(sum, l, 0);
-  return sum;
-}
-void seal(Bytes& bytes) {
-  write64(bytes, bytes.size() - 8, checksumOf(bytes));
-}
-
-struct Section {
-  std::size_t entry;  ///< where its size is told
-  std::size_t at, size;
-};
-
-std::vector<Section> sectionsOf(const Bytes& bytes) {
-  std::vector<Section> sections;
-  const std::size_t count = read64(bytes, 24);
-  std::size_t at = 64 + (8 * count + 63) / 64 * 64;
-  for (std::size_t i = 0; i < count; ++i) {
-    sections.push_back({64 + 8 * i, at, read64(bytes, 64 + 8 * i)});
-    at += (sections.back().size + 63) / 64 * 64;
-  }
-  return sections;
 }
 
 /// Numbers of the sections, as cooked_mesh.cpp has them.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/union_find.h"
+#include "collide/first_copies.h"
 
 namespace otg {
 namespace {
@@ -112,7 +113,14 @@ void uniteOverTwins(const Topology& topologyA, const Topology& topologyB, const 
 }  // namespace
 
 void assignRegions(const Query& query, Workspace& workspace) {
-  const std::vector<TrianglePair>& pairs = workspace.intersecting;
+  // Copies of a triangle share its edges, more than two triangles do: they are in the region of the first one.
+  const FirstCopies first(query);
+  std::vector<TrianglePair> distinct;
+  if (!first.areAll()) {
+    distinct = workspace.intersecting;
+    first.dropOthers(distinct);
+  }
+  const std::vector<TrianglePair>& pairs = first.areAll() ? workspace.intersecting : distinct;
   const Topology& topologyA = query.a->mesh().topology();
   const Topology& topologyB = query.b->mesh().topology();
   UnionFind components(pairs.size());
@@ -124,7 +132,7 @@ void assignRegions(const Query& query, Workspace& workspace) {
   std::vector<std::uint32_t> rootOf(workspace.contacts.size());
   std::vector<std::uint8_t> hasContact(pairs.size(), 0);
   for (std::size_t i = 0; i < workspace.contacts.size(); ++i) {
-    const TrianglePair pair{workspace.contacts[i].triangleA, workspace.contacts[i].triangleB};
+    const TrianglePair pair = first.of({workspace.contacts[i].triangleA, workspace.contacts[i].triangleB});
     const auto found = std::lower_bound(pairs.begin(), pairs.end(), pair);
     rootOf[i] = components.find(static_cast<std::uint32_t>(found - pairs.begin()));
     hasContact[rootOf[i]] = 1;

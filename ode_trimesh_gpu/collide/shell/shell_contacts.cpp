@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/vectors.h"
+#include "collide/first_copies.h"
 #include "collide/pair_history.h"
 #include "collide/pairwise/reduction.h"
 #include "collide/shell/clip_triangle.h"
@@ -319,7 +320,9 @@ void shellContacts(const Query& query, Workspace& workspace) {
   if (state != ShellState::kApart) {
     ShellContacts maker(roles, approach.surface(), scratch);
     if (state == ShellState::kMeeting) {
-      takePairs(roles, workspace.intersecting, scratch.pairs);
+      scratch.distinct = workspace.intersecting;
+      FirstCopies(query).dropOthers(scratch.distinct);
+      takePairs(roles, scratch.distinct, scratch.pairs);
       maker.ofMeeting();
     } else {
       maker.ofThrough();

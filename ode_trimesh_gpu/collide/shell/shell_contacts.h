@@ -12,9 +12,10 @@ namespace otg {
 /// Memory that is kept from query to query.
 struct ShellScratch {
   GroundSides sides;
-  std::vector<TrianglePair> pairs;  ///< visitor's triangle and ground's, ascending
-  std::vector<Contact> contacts;    ///< A stands for the visitor and B for the ground, in whose frame they are
-  EpochArray seen;                  ///< by vertex of the visitor
+  std::vector<TrianglePair> distinct;  ///< without copies of triangles
+  std::vector<TrianglePair> pairs;     ///< visitor's triangle and ground's, ascending
+  std::vector<Contact> contacts;       ///< A stands for the visitor and B for the ground, in whose frame they are
+  EpochArray seen;                     ///< by vertex of the visitor
   struct Candidate {
     std::uint32_t vertex, hint;
   };

@@ -3,12 +3,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <charconv>
 #include <chrono>
-#include <cstdlib>
-#include <cstring>
 #include <exception>
 #include <system_error>
+
+#include "base/environment.h"
 
 namespace otg {
 namespace {
@@ -157,13 +156,7 @@ void ThreadPool::run(std::size_t count, std::size_t grain, const Work& work, boo
 }
 
 unsigned defaultThreadCount() {
-  if (const char* wish = std::getenv("OTG_THREADS"); wish != nullptr) {
-    unsigned threads = 0;
-    const char* const end = wish + std::strlen(wish);
-    const auto [stop, error] = std::from_chars(wish, end, threads);
-    if (error == std::errc() && stop == end && threads > 0 && threads <= 1024) return threads;
-  }
-  return std::max(1u, std::thread::hardware_concurrency());
+  return readEnvironment().threads.value_or(std::max(1u, std::thread::hardware_concurrency()));
 }
 
 }  // namespace otg

@@ -7,25 +7,37 @@
 namespace otg {
 namespace {
 
+/// The thread's scratch is gone: programs may collide and close the library in the destructors of their own globals.
+thread_local bool hasEnded = false;
+
 struct ThreadScratch {
   std::vector<std::unique_ptr<Workspace>> workspaces;
   std::size_t inUse = 0;
+  ThreadScratch() = default;
+  ~ThreadScratch() { hasEnded = true; }
+  ThreadScratch(const ThreadScratch&) = delete;
+  ThreadScratch& operator=(const ThreadScratch&) = delete;
 };
 thread_local ThreadScratch scratch;
 
 }  // namespace
 
 WorkspaceLease::WorkspaceLease() {
+  if (hasEnded) {
+    own_ = std::make_unique<Workspace>();
+    workspace_ = own_.get();
+    return;
+  }
   if (scratch.inUse == scratch.workspaces.size()) scratch.workspaces.push_back(std::make_unique<Workspace>());
   workspace_ = scratch.workspaces[scratch.inUse++].get();
 }
 
 WorkspaceLease::~WorkspaceLease() {
-  --scratch.inUse;
+  if (own_ == nullptr) --scratch.inUse;
 }
 
 void freeThreadWorkspaces() noexcept {
-  if (scratch.inUse == 0) scratch.workspaces.clear();
+  if (!hasEnded && scratch.inUse == 0) scratch.workspaces.clear();
 }
 
 }  // namespace otg

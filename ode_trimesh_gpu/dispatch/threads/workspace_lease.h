@@ -2,6 +2,8 @@
 // Workspaces that a thread keeps between collisions.
 #pragma once
 
+#include <memory>
+
 #include "collide/query.h"
 
 namespace otg {
@@ -18,6 +20,7 @@ class WorkspaceLease {
 
  private:
   Workspace* workspace_;
+  std::unique_ptr<Workspace> own_;  ///< at the end of the thread, when it keeps none any more
 };
 
 /// Frees what the calling thread keeps, unless it is in use.

@@ -95,6 +95,11 @@ enum {
  * a geom of that number is created, collided with a heightfield and a convex, and destroyed; its class data are all
  *          zero.
  * @sa dGpuTriMeshClose
+ * @remarks fork(): it waits until calls of other threads and batches in the background have ended, for 5 seconds at
+ *          most. The child has geoms, data and contacts as they were. It computes on the CPU with threads of its own,
+ *          with the same results. If the parent has looked for OpenCL devices, the child has none and opens none. It
+ *          may end in any way. A callback of the library that waits for the thread which forks holds
+ *          the fork up for those 5 seconds.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshInit(void);

@@ -2,6 +2,7 @@
 // From C++ inside to status codes outside: nothing may leave the C API as an exception.
 #pragma once
 
+#include "base/fork_gate.h"
 #include "ode_trimesh_gpu/library.h"
 
 namespace otg {
@@ -15,6 +16,7 @@ int takeStatus() noexcept;
 /// of memory (std::bad_alloc, or std::length_error for sizes that no memory can hold).
 template <class Function>
 int guarded(Function&& function) noexcept {
+  const LibraryCall call;
   try {
     return noteStatus(function());
   } catch (...) {

@@ -3,18 +3,17 @@
 #include "ode_trimesh_gpu/backend.h"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
-#include <cstdlib>
-#include <cstring>
-#include <string_view>
+#include <new>
 #include <vector>
 
+#include "base/environment.h"
 #include "dispatch/dispatcher.h"
 #include "ode/base/status.h"
 #include "ode/geom/geom_class.h"
 #include "ode/geom/mesh_side.h"
 #include "opencl/runtime/device_info.h"
+#include "opencl/runtime/log.h"
 
 static_assert(dGPUTRIMESH_DEVICE_FAILURES == otg::DeviceSlot::kMostFailures);
 
@@ -56,19 +55,26 @@ bool waitForOpening(int milliseconds) {
 }  // namespace
 
 void chooseBackendOfEnvironment() noexcept {
-  if (const char* const memory = std::getenv("OTG_DEVICE_MEMORY"); memory != nullptr) {
-    std::uint64_t bytes = 0;
-    const char* const end = memory + std::strlen(memory);
-    if (const auto [rest, error] = std::from_chars(memory, end, bytes); error == std::errc() && rest == end) {
-      dGpuTriMeshSetDeviceMemory(bytes);
+  try {
+    const Environment environment = readEnvironment();
+    if (environment.deviceMemory) dGpuTriMeshSetDeviceMemory(*environment.deviceMemory);
+    if (!environment.backend) return;
+    switch (*environment.backend) {
+      case Environment::Backend::kAuto:
+        dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_AUTO);
+        break;
+      case Environment::Backend::kCpu:
+        dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_CPU);
+        break;
+      case Environment::Backend::kOpencl:
+        if (dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_OPENCL) == dGPUTRIMESH_NO_DEVICE) {
+          opencl::logLineOnce("OTG_BACKEND=opencl: there is no OpenCL device, so the CPU computes");
+        }
+        break;
     }
+  } catch (const std::bad_alloc&) {
+    return;  // as if nothing were set
   }
-  const char* const wish = std::getenv("OTG_BACKEND");
-  if (wish == nullptr) return;
-  const std::string_view word(wish);
-  if (word == "auto") dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_AUTO);
-  if (word == "cpu") dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_CPU);
-  if (word == "opencl") dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_OPENCL);
 }
 
 }  // namespace otg

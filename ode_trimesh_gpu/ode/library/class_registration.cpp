@@ -14,6 +14,7 @@
 #include <mutex>
 
 #include "dispatch/dispatcher.h"
+#include "ode/base/environment_report.h"
 #include "ode/base/status.h"
 #include "ode/geom/class_number.h"
 #include "ode/geom/geom_class.h"
@@ -152,6 +153,7 @@ int registerClass() {
 void chooseBackendOnce() {
   static std::once_flag chosen;
   watchEndOfProcess();
+  reportEnvironment();
   std::call_once(chosen, [] { chooseBackendOfEnvironment(); });
 }
 

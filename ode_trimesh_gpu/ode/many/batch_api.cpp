@@ -8,10 +8,12 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <system_error>
 #include <thread>
 #include <vector>
 
+#include "base/fork_gate.h"
 #include "dispatch/dispatcher.h"
 #include "ode/base/status.h"
 #include "ode/many/pair_batch.h"
@@ -44,13 +46,22 @@ struct dxGpuTriMeshBatch {
   dxGpuTriMeshBatch(std::span<const dGpuTriMeshPair> pairs, const otg::PairBatchWish& wish) : batch(pairs, wish) {
     if (!batch.areMeshes()) return;
     try {
-      thread_ = std::thread([this] { compute(); });
+      // Counted from here on: a fork waits for a thread that has not begun, too.
+      thread_ = std::thread([this, work = std::make_shared<otg::BackgroundWork>()]() mutable {
+        compute();
+        work.reset();
+      });
     } catch (const std::system_error&) {  // no thread to be had: now, then
       compute();
     }
   }
   ~dxGpuTriMeshBatch() {
-    if (thread_.joinable()) thread_.join();
+    if (!thread_.joinable()) return;
+    if (generation_ == otg::forkGeneration()) {
+      thread_.join();
+    } else if (auto* const gone = new (std::nothrow) std::thread; gone != nullptr) {
+      *gone = std::move(thread_);  // there is no such thread in this process that could be joined
+    }
   }
   dxGpuTriMeshBatch(const dxGpuTriMeshBatch&) = delete;
   dxGpuTriMeshBatch& operator=(const dxGpuTriMeshBatch&) = delete;
@@ -85,6 +96,7 @@ struct dxGpuTriMeshBatch {
   bool done_ = false;
   int status_ = dGPUTRIMESH_OK;
   std::thread thread_;
+  const unsigned generation_ = otg::forkGeneration();
 };
 
 int dGpuTriMeshCollidePairs(const dGpuTriMeshPair* pairs, int count, int flags, dContactGeom* contact, int skip,

@@ -5,19 +5,23 @@
 //
 // The functions of ODE below are found here before they are found in libode: each calls ODE's own and then notes what
 // happened. That also tells what ODE tells nobody, when data change and when geoms and data are destroyed. It works
-// for programs, plug-ins and scripting languages that use libode as a shared library. It prints nothing unless asked.
+// for programs, plug-ins and scripting languages that use libode as a shared library. It prints
+// nothing unless asked, but where the environment has a value that is not allowed.
 #include <dlfcn.h>
 #include <ode/ode.h>
 
-#include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <iterator>
+#include <string>
 
+#include "base/environment.h"
+#include "ode/base/environment_report.h"
 #include "ode/data/trimesh_cache.h"
 #include "ode/geom/mesh_side.h"
+#include "ode/override/checked_arrays.h"
 #include "ode/override/flat_pairs.h"
 #include "ode/override/join_still.h"
 #include "ode/pairs/left_pairs.h"
@@ -39,30 +43,26 @@ Function* next(const char* name) {
     return found;                                          \
   }())
 
-bool isSet(const char* name, const char* value) {
-  const char* const found = std::getenv(name);
-  return found != nullptr && std::strcmp(found, value) == 0;
+/// Read once, when it is first asked for.
+const otg::Environment& settings() {
+  static const otg::Environment read = otg::readEnvironment();
+  return read;
+}
+bool isOff() {
+  return !settings().preload;
 }
 bool isVerbose() {
-  return isSet("OTG_PRELOAD_VERBOSE", "1");
-}
-
-/// A number between `least` and `most` of the environment, or `otherwise`.
-int numberOf(const char* name, int least, int most, int otherwise) {
-  const char* const found = std::getenv(name);
-  if (found == nullptr) return otherwise;
-  char* end = nullptr;
-  const long number = std::strtol(found, &end, 10);
-  return end != found && *end == '\0' && number >= least && number <= most ? static_cast<int>(number) : otherwise;
+  return settings().preloadVerbose;
 }
 
 void chooseParams() {
+  using Contacts = otg::Environment::Contacts;
   dGpuTriMeshParams params;
   dGpuTriMeshParamsInit(&params);
-  if (isSet("OTG_PRELOAD_CONTACTS", "pairwise")) params.contact_model = dGPUTRIMESH_CONTACTS_PAIRWISE;
-  if (isSet("OTG_PRELOAD_CONTACTS", "solid")) params.contact_model = dGPUTRIMESH_CONTACTS_SOLID;
-  params.max_contacts = numberOf("OTG_PRELOAD_MAX_CONTACTS", 1, 65535, params.max_contacts);
-  params.contacts_per_region = numberOf("OTG_PRELOAD_CONTACTS_PER_REGION", 1, 64, params.contacts_per_region);
+  if (settings().preloadContacts == Contacts::kPairwise) params.contact_model = dGPUTRIMESH_CONTACTS_PAIRWISE;
+  if (settings().preloadContacts == Contacts::kSolid) params.contact_model = dGPUTRIMESH_CONTACTS_SOLID;
+  params.max_contacts = settings().preloadMaxContacts.value_or(params.max_contacts);
+  params.contacts_per_region = settings().preloadContactsPerRegion.value_or(params.contacts_per_region);
   dGpuTriMeshOverrideSetParams(&params);
 }
 
@@ -76,36 +76,23 @@ void sayWhatWasDone() {
       static_cast<unsigned long long>(stats.builds), static_cast<unsigned long long>(stats.refits));
 }
 
-/// The classes that OTG_PRELOAD_PRIMITIVES names: "all", or names with commas between them. Names that are none are
-/// passed over, with a line if that is wanted.
+/// The classes that OTG_PRELOAD_PRIMITIVES names, each with its number.
 void takeOverPrimitives() {
-  static constexpr struct {
-    const char* name;
-    int geomClass;
-  } kNames[] = {
-      {"all", dGPUTRIMESH_OVERRIDE_ALL}, {"sphere", dSphereClass}, {"box", dBoxClass}, {"capsule", dCapsuleClass},
-      {"cylinder", dCylinderClass},      {"plane", dPlaneClass},   {"ray", dRayClass}, {"convex", dConvexClass},
-      {"heightfield", dHeightfieldClass}};
-  const char* const list = std::getenv("OTG_PRELOAD_PRIMITIVES");
-  if (list == nullptr) return;
-  for (const char* at = list; *at != '\0';) {
-    const std::size_t length = std::strcspn(at, ",");
-    const auto known = std::find_if(std::begin(kNames), std::end(kNames), [&](const auto& entry) {
-      return std::strlen(entry.name) == length && std::strncmp(entry.name, at, length) == 0;
-    });
-    if (known != std::end(kNames)) {
-      dGpuTriMeshOverrideTriMeshWith(known->geomClass);
-    } else if (length > 0 && isVerbose()) {
-      std::fprintf(stderr, "ode_trimesh_gpu: OTG_PRELOAD_PRIMITIVES knows no %.*s\n", static_cast<int>(length), at);
+  static constexpr int kClasses[] = {dGPUTRIMESH_OVERRIDE_ALL, dSphereClass, dBoxClass, dCapsuleClass,
+                                     dCylinderClass,           dPlaneClass,  dRayClass, dConvexClass,
+                                     dHeightfieldClass};
+  static_assert(std::size(kClasses) == std::size(otg::kPreloadPrimitives));
+  for (const std::string& name : settings().preloadPrimitives) {
+    for (std::size_t i = 0; i < std::size(kClasses); ++i) {
+      if (name == otg::kPreloadPrimitives[i]) dGpuTriMeshOverrideTriMeshWith(kClasses[i]);
     }
-    at += length;
-    if (*at == ',') ++at;
   }
 }
 
 /// After every initialisation of ODE, which clears what was set before.
 void takeOver() {
-  if (isSet("OTG_PRELOAD", "off")) return;
+  otg::reportEnvironment();
+  if (isOff()) return;
   const int status = dGpuTriMeshOverrideTriMesh();
   takeOverPrimitives();
   static std::atomic<bool> first{true};
@@ -136,13 +123,43 @@ void dataChanged(dTriMeshDataID data) {
 }
 
 bool joins() {
-  static const bool wanted = !isSet("OTG_PRELOAD_JOIN", "off");
-  return wanted && otg::isAnyTrimesh();
+  return settings().preloadJoin && otg::isAnyTrimesh();
 }
 
-bool isOff() {
-  static const bool off = isSet("OTG_PRELOAD", "off");
-  return off;
+/// What a program builds data from.
+struct GivenArrays {
+  const void* vertices;
+  int vertexCount;
+  const void* indices;
+  int indexCount, stride;
+};
+
+/// ODE's own functions call each other, and are found here then.
+thread_local bool isBuilding = false;
+
+/// Calls ODE's function with indices that it can take, or not at all where there are no triangles.
+template <class Build>
+void build(dTriMeshDataID data, const char* function, const GivenArrays& given, const Build& ofOde) {
+  if (isOff() || isBuilding) {
+    ofOde({given.indices, given.indexCount, given.stride, false});
+    return;
+  }
+  isBuilding = true;
+  try {
+    const bool first = otg::staysUnbuilt(data);
+    const otg::CheckedIndices checked = otg::checkIndices(data, function, given.vertices, given.vertexCount,
+                                                          given.indices, given.indexCount, given.stride);
+    if (!checked.isEmpty) {
+      ofOde(checked);
+    } else if (!first) {
+      const otg::NoTriangles& none = otg::noTriangles();
+      OTG_NEXT(dGeomTriMeshDataBuildSingle)(data, none.vertices, 12, 1, none.indices, 6, 12);
+    }
+  } catch (...) {  // for want of memory: as the program said
+    ofOde({given.indices, given.indexCount, given.stride, false});
+  }
+  isBuilding = false;
+  dataChanged(data);
 }
 
 /// What the heightfield was built from, for meshes to collide with.
@@ -230,53 +247,74 @@ OTG_INTERPOSED void dGeomTriMeshSetLastTransform(dGeomID g, const dMatrix4 last_
 
 OTG_INTERPOSED void dGeomTriMeshDataDestroy(dTriMeshDataID g) {
   otg::forgetTrimeshData(g);
+  otg::forgetIndices(g);
   otg::forgetFlatness();
   OTG_NEXT(dGeomTriMeshDataDestroy)(g);
 }
 
+/// Data without triangles may never have been built.
 OTG_INTERPOSED void dGeomTriMeshDataUpdate(dTriMeshDataID g) {
-  OTG_NEXT(dGeomTriMeshDataUpdate)(g);
+  if (isOff() || !otg::hasNoTriangles(g)) OTG_NEXT(dGeomTriMeshDataUpdate)(g);
   dataChanged(g);
 }
 
 OTG_INTERPOSED void dGeomTriMeshDataBuildSingle(dTriMeshDataID g, const void* Vertices, int VertexStride,
                                                 int VertexCount, const void* Indices, int IndexCount, int TriStride) {
-  OTG_NEXT(dGeomTriMeshDataBuildSingle)(g, Vertices, VertexStride, VertexCount, Indices, IndexCount, TriStride);
-  dataChanged(g);
+  dGeomTriMeshDataBuildSingle1(g, Vertices, VertexStride, VertexCount, Indices, IndexCount, TriStride, nullptr);
 }
 
 OTG_INTERPOSED void dGeomTriMeshDataBuildSingle1(dTriMeshDataID g, const void* Vertices, int VertexStride,
                                                  int VertexCount, const void* Indices, int IndexCount, int TriStride,
                                                  const void* Normals) {
-  OTG_NEXT(dGeomTriMeshDataBuildSingle1)
-  (g, Vertices, VertexStride, VertexCount, Indices, IndexCount, TriStride, Normals);
-  dataChanged(g);
+  build(g, "dGeomTriMeshDataBuildSingle", {Vertices, VertexCount, Indices, IndexCount, TriStride},
+        [&](const otg::CheckedIndices& use) {
+          OTG_NEXT(dGeomTriMeshDataBuildSingle1)
+          (g, Vertices, VertexStride, VertexCount, use.indices, use.count, use.stride, Normals);
+        });
 }
 
 OTG_INTERPOSED void dGeomTriMeshDataBuildDouble(dTriMeshDataID g, const void* Vertices, int VertexStride,
                                                 int VertexCount, const void* Indices, int IndexCount, int TriStride) {
-  OTG_NEXT(dGeomTriMeshDataBuildDouble)(g, Vertices, VertexStride, VertexCount, Indices, IndexCount, TriStride);
-  dataChanged(g);
+  dGeomTriMeshDataBuildDouble1(g, Vertices, VertexStride, VertexCount, Indices, IndexCount, TriStride, nullptr);
 }
 
 OTG_INTERPOSED void dGeomTriMeshDataBuildDouble1(dTriMeshDataID g, const void* Vertices, int VertexStride,
                                                  int VertexCount, const void* Indices, int IndexCount, int TriStride,
                                                  const void* Normals) {
-  OTG_NEXT(dGeomTriMeshDataBuildDouble1)
-  (g, Vertices, VertexStride, VertexCount, Indices, IndexCount, TriStride, Normals);
-  dataChanged(g);
+  build(g, "dGeomTriMeshDataBuildDouble", {Vertices, VertexCount, Indices, IndexCount, TriStride},
+        [&](const otg::CheckedIndices& use) {
+          OTG_NEXT(dGeomTriMeshDataBuildDouble1)
+          (g, Vertices, VertexStride, VertexCount, use.indices, use.count, use.stride, Normals);
+        });
 }
 
 OTG_INTERPOSED void dGeomTriMeshDataBuildSimple(dTriMeshDataID g, const dReal* Vertices, int VertexCount,
                                                 const dTriIndex* Indices, int IndexCount) {
-  OTG_NEXT(dGeomTriMeshDataBuildSimple)(g, Vertices, VertexCount, Indices, IndexCount);
-  dataChanged(g);
+  dGeomTriMeshDataBuildSimple1(g, Vertices, VertexCount, Indices, IndexCount, nullptr);
 }
 
 OTG_INTERPOSED void dGeomTriMeshDataBuildSimple1(dTriMeshDataID g, const dReal* Vertices, int VertexCount,
                                                  const dTriIndex* Indices, int IndexCount, const int* Normals) {
-  OTG_NEXT(dGeomTriMeshDataBuildSimple1)(g, Vertices, VertexCount, Indices, IndexCount, Normals);
-  dataChanged(g);
+  static_assert(sizeof(dTriIndex) == sizeof(std::uint32_t));
+  build(g, "dGeomTriMeshDataBuildSimple",
+        {Vertices, VertexCount, Indices, IndexCount, static_cast<int>(3 * sizeof(dTriIndex))},
+        [&](const otg::CheckedIndices& use) {
+          OTG_NEXT(dGeomTriMeshDataBuildSimple1)
+          (g, Vertices, VertexCount, static_cast<const dTriIndex*>(use.indices), use.count, Normals);
+        });
+}
+
+/// As many as the program gave, and of a geom without data none.
+OTG_INTERPOSED int dGeomTriMeshGetTriangleCount(dGeomID g) {
+  if (!isOff() && otg::hasNoTriangles(dGeomTriMeshGetData(g))) return 0;
+  return OTG_NEXT(dGeomTriMeshGetTriangleCount)(g);
+}
+
+OTG_INTERPOSED int dCollide(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip) {
+  if (isOff()) return OTG_NEXT(dCollide)(o1, o2, flags, contact, skip);
+  const int allowed = otg::allowedFlags(flags);
+  const bool nothing = allowed == 0 || otg::isEmptyTrimesh(o1) || otg::isEmptyTrimesh(o2);
+  return nothing ? 0 : OTG_NEXT(dCollide)(o1, o2, allowed, contact, skip);
 }
 
 OTG_INTERPOSED void dGeomHeightfieldDataDestroy(dHeightfieldDataID d) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "base/fork_gate.h"
 #include "dispatch/dispatcher.h"
 #include "dispatch/threads/workspace_lease.h"
 #include "ode/base/status.h"
@@ -20,6 +21,7 @@ int collideMeshMesh(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, in
 }
 
 int collideMeshes(dGeomID o1, dGeomID o2, int flags, const ContactArray& to) noexcept {
+  const LibraryCall call;
   try {
     MeshSide side1 = meshSideOf(o1);  // first: so two dTriMeshes that are new get their places in the order of geoms
     return collideSides(std::move(side1), meshSideOf(o2), flags, to);
@@ -30,6 +32,7 @@ int collideMeshes(dGeomID o1, dGeomID o2, int flags, const ContactArray& to) noe
 }
 
 int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArray& to) noexcept {
+  const LibraryCall call;
   if (side1.object == nullptr || side2.object == nullptr) {
     answerProbe();
     return 0;

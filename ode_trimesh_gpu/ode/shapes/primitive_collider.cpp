@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/fork_gate.h"
 #include "dispatch/threads/workspace_lease.h"
 #include "ode/base/status.h"
 #include "ode/geom/class_number.h"
@@ -116,6 +117,7 @@ int collidePrimitive(PrimitiveTask& task, dContactGeom* contact, int skip) {
 }  // namespace
 
 int collideMeshPrimitive(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip) noexcept {
+  const LibraryCall call;
   // A dTriMesh becomes a mesh of ours.
   if (dGeomGetClass(o2) == dTriMeshClass && objectOf(o1) != nullptr)
     return collideMeshMesh(o1, o2, flags, contact, skip);

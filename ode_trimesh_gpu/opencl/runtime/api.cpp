@@ -4,11 +4,17 @@
 
 #include <dlfcn.h>
 
+#include <atomic>
 #include <bit>
 #include <initializer_list>
 
+#include "base/fork_gate.h"
+
 namespace otg::opencl {
 namespace {
+
+constexpr long kNobody = -1;
+std::atomic<long> loadedByGeneration{kNobody};
 
 const Api* load() {
   void* library = nullptr;
@@ -28,7 +34,14 @@ const Api* load() {
 
 }  // namespace
 
+bool isOpenclForeign() noexcept {
+  const long loadedBy = loadedByGeneration.load(std::memory_order_acquire);
+  return loadedBy != kNobody && loadedBy != static_cast<long>(forkGeneration());
+}
+
 const Api* api() {
+  long nobody = kNobody;  // before it is loaded: a fork may come between
+  loadedByGeneration.compare_exchange_strong(nobody, static_cast<long>(forkGeneration()));
   static const Api* const table = load();
   return table;
 }

@@ -52,4 +52,8 @@ struct Api {
 /// Null when there is no loader or it lacks a function. The loader stays loaded until the process ends.
 const Api* api();
 
+/// In a child of fork() whose parent has loaded OpenCL: the driver's threads are not there, so that nothing of it may
+/// be called any more, not even to release what the parent had.
+bool isOpenclForeign() noexcept;
+
 }  // namespace otg::opencl

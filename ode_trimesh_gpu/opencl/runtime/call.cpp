@@ -40,6 +40,7 @@ std::uint64_t FaultInjection::callCount() {
 namespace detail {
 
 cl_int beginCall() {
+  if (isOpenclForeign()) return CL_INVALID_CONTEXT;
   const std::uint64_t number = calls.fetch_add(1, std::memory_order_relaxed) + 1;
   const std::uint64_t first = firstFault.load(std::memory_order_relaxed);
   return first != 0 && number >= first && number <= lastFault ? faultCode.load() : CL_SUCCESS;

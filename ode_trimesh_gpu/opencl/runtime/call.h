@@ -71,6 +71,7 @@ T clMake(const char* name, T (*function)(P...), A... arguments) {
 /// A function that releases or gives back. Never throws: a failure is logged.
 template <class... P, class... A>
 void clRelease(const char* name, cl_int (*function)(P...), A... arguments) noexcept {
+  if (isOpenclForeign()) return;
   const cl_int injected = detail::beginCall();
   const cl_int code = function(arguments...);
   if (injected != CL_SUCCESS || code != CL_SUCCESS) detail::reportRelease(name, code != CL_SUCCESS ? code : injected);

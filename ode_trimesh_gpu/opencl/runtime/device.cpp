@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
-#include <cstdlib>
+#include <string>
 #include <string_view>
 
+#include "base/environment.h"
 #include "opencl/runtime/call.h"
 #include "opencl/runtime/log.h"
 
@@ -131,6 +132,15 @@ std::string lower(std::string_view word) {
   return out;
 }
 
+/// Once for each value.
+void sayNoDevice(const std::string& wish, const std::vector<DeviceInfo>& devices) {
+  std::string allowed = "none";
+  for (const DeviceInfo& device : devices) {
+    if (device.available) allowed += ", " + std::to_string(device.index) + " or part of '" + device.name + "'";
+  }
+  logLineOnce(environmentFault("OTG_OPENCL_DEVICE", wish, allowed) + ". No device is used");
+}
+
 }  // namespace
 
 const char* nameOf(DeviceKind kind) {
@@ -149,7 +159,7 @@ const char* nameOf(DeviceKind kind) {
 
 std::vector<FoundDevice> findDevices() {
   std::vector<FoundDevice> found;
-  if (api() == nullptr) return found;
+  if (isOpenclForeign() || api() == nullptr) return found;
   tolerate([&] {
     for (const cl_platform_id platform : platforms()) {
       tolerate([&] {
@@ -163,6 +173,10 @@ std::vector<FoundDevice> findDevices() {
   return found;
 }
 
+bool areDevicesLost() noexcept {
+  return isOpenclForeign();
+}
+
 std::vector<DeviceInfo> listDevices() {
   std::vector<DeviceInfo> out;
   for (FoundDevice& device : findDevices()) out.push_back(std::move(device.info));
@@ -170,7 +184,7 @@ std::vector<DeviceInfo> listDevices() {
 }
 
 int defaultDevice(const std::vector<DeviceInfo>& devices) {
-  if (const char* wish = std::getenv("OTG_OPENCL_DEVICE"); wish != nullptr && *wish != '\0') {
+  if (const std::string wish = readEnvironment().openclDevice; !wish.empty()) {
     const std::string_view word(wish);
     int index = -1;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
@@ -179,6 +193,7 @@ int defaultDevice(const std::vector<DeviceInfo>& devices) {
       const bool meant = isNumber ? device.index == index : lower(device.name).find(lower(word)) != std::string::npos;
       if (meant && device.available) return device.index;
     }
+    if (word != "none") sayNoDevice(wish, devices);
     return -1;
   }
   for (const DeviceKind kind : {DeviceKind::kGpu, DeviceKind::kAccelerator, DeviceKind::kCpu}) {

@@ -32,6 +32,9 @@ const char* nameOf(DeviceKind kind);
 /// and that is logged.
 std::vector<DeviceInfo> listDevices();
 
+/// In a child of fork() whose parent has loaded OpenCL: there are no devices any more.
+bool areDevicesLost() noexcept;
+
 /// Number of the device that is used when none is asked for, or -1 when none is usable. The environment variable
 /// OTG_OPENCL_DEVICE chooses: a number as listed, a part of the name (case does not matter), or "none". Without it: the
 /// first GPU, else the first accelerator, else the first CPU.

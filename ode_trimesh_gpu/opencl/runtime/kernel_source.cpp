@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "opencl/runtime/kernel_source.h"
 
-#include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
+
+#include "base/environment.h"
 
 namespace otg::opencl {
 namespace {
@@ -13,8 +14,8 @@ namespace {
 constexpr int kMostNested = 32;
 
 std::string readFile(const std::string& name) {
-  if (const char* folder = std::getenv("OTG_KERNEL_DIR"); folder != nullptr && *folder != '\0') {
-    std::ifstream in(std::string(folder) + "/" + name, std::ios::binary);
+  if (const std::string folder = readEnvironment().kernelFolder; !folder.empty()) {
+    std::ifstream in(folder + "/" + name, std::ios::binary);
     std::ostringstream text;
     text << in.rdbuf();
     if (!in || !text) throw std::runtime_error("no kernel file " + name + " in OTG_KERNEL_DIR");

@@ -7,6 +7,8 @@
 #include <set>
 #include <utility>
 
+#include "base/fork_gate.h"
+
 namespace otg::opencl {
 namespace {
 
@@ -14,6 +16,7 @@ struct Log {
   std::mutex mutex;
   LogSink sink;
   std::set<std::pair<std::string, int>> told;
+  std::set<std::string> lines;  ///< of logLineOnce()
   std::atomic<std::uint64_t> count{0};
 
   void tell(const std::string& text) const {
@@ -27,7 +30,12 @@ struct Log {
 };
 
 Log& log() {
-  static Log* const instance = new Log;  // never destroyed: threads may fail while the process ends
+  // Never destroyed: threads may fail while the process ends.
+  static Log* const instance = [] {
+    auto* const made = new Log;
+    addForkHooks({[] { log().mutex.lock(); }, [] { log().mutex.unlock(); }, [] { log().mutex.unlock(); }});
+    return made;
+  }();
   return *instance;
 }
 
@@ -51,6 +59,11 @@ void logFailure(const char* call, int code, const std::string& detail) {
 void logLine(const std::string& text) {
   const std::lock_guard lock(log().mutex);
   log().tell(text);
+}
+
+void logLineOnce(const std::string& text) {
+  const std::lock_guard lock(log().mutex);
+  if (log().lines.insert(text).second) log().tell(text);
 }
 
 std::uint64_t failureCount() {

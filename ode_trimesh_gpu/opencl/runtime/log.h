@@ -19,6 +19,8 @@ void logFailure(const char* call, int code, const std::string& detail);
 
 /// Tells something else, as it is.
 void logLine(const std::string& text);
+/// The same, but of equal texts only the first.
+void logLineOnce(const std::string& text);
 
 /// Failures told or not since the process began.
 std::uint64_t failureCount();

@@ -6,13 +6,13 @@
 #include <atomic>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <system_error>
 
+#include "base/environment.h"
 #include "base/hash.h"
 
 namespace otg::opencl {
@@ -33,13 +33,10 @@ std::uint64_t checksum(const std::string& key, const Bytes& program) {
 }  // namespace
 
 ProgramCache ProgramCache::standard() {
-  if (const char* folder = std::getenv("OTG_CACHE_DIR"); folder != nullptr) return ProgramCache(folder);
-  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache == '/') {
-    return ProgramCache(std::string(cache) + "/ode_trimesh_gpu");
-  }
-  if (const char* home = std::getenv("HOME"); home != nullptr && *home == '/') {
-    return ProgramCache(std::string(home) + "/.cache/ode_trimesh_gpu");
-  }
+  const Environment environment = readEnvironment();
+  if (environment.cacheFolder) return ProgramCache(*environment.cacheFolder);
+  if (!environment.xdgCacheHome.empty()) return ProgramCache(environment.xdgCacheHome + "/ode_trimesh_gpu");
+  if (!environment.home.empty()) return ProgramCache(environment.home + "/.cache/ode_trimesh_gpu");
   return ProgramCache("");
 }
 
