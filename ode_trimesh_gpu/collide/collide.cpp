@@ -2,6 +2,7 @@
 // The pipeline on the host, stage after stage.
 #include <algorithm>
 
+#include "collide/convex/convex_contacts.h"
 #include "collide/pairwise/reduction.h"
 #include "collide/query.h"
 #include "collide/shell/shell_contacts.h"
@@ -49,8 +50,12 @@ void numberAsCaller(const Query& query, Workspace& workspace) {
 }
 
 void collide(const Query& query, Workspace& workspace) {
-  findIntersectingPairs(query, workspace);
-  collideIntersecting(query, workspace);
+  if (isConvexPair(query)) {
+    convexContacts(query, workspace);
+  } else {
+    findIntersectingPairs(query, workspace);
+    collideIntersecting(query, workspace);
+  }
   numberAsCaller(query, workspace);
 }
 
