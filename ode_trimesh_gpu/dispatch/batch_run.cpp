@@ -123,6 +123,7 @@ class BatchRun {
     expectedOfAll_ = costs.launchCost(all.any[0], all.any[1]) + all.onDevice;
   }
   static Kind kindOf(const PairJob& job, double work, bool solid, const CostModel& costs, bool knowSolids) {
+    if (isConvexJob(job)) return Kind::kHost;
     const Placement place = settled(job.place);
     const bool isOpen = place.middle == Place::kAuto, isTogether = place.middle == place.near;
     const bool inBatch = isTogether && !job.byLevels && (contactsOnDevice(job) || (solid && (!isOpen || knowSolids)));

@@ -10,7 +10,9 @@
 
 #include "base/vectors.h"
 #include "collide/contact_id.h"
-#include "collide/convex/convex_contacts.h"
+#include "collide/convex/convex_pair_contacts.h"
+#include "collide/convex/expanding_polytope.h"
+#include "collide/convex/separating_axes.h"
 #include "primitives/convex_hull.h"
 #include "scenes/generated_meshes.h"
 #include "support/catch.h"
@@ -149,6 +151,17 @@ Query queryOf(const CollisionMesh& a, const CollisionMesh& b, const Transformd& 
   return query;
 }
 
+/// By each way to the least overlap that there is for a pair, deep or not.
+std::vector<ConvexAxis> axesOf(const Query& query) {
+  const ConvexPair pair(*query.a->convex(), *query.b->convex(), query.bInA);
+  const double size = static_cast<double>(query.a->mesh().radius() + query.b->mesh().radius());
+  const Vec3f &a = query.a->mesh().center(), &b = query.b->mesh().center();
+  const Vec3d toB = otgTransform(query.bInA, Vec3d{b.x, b.y, b.z}) - Vec3d{a.x, a.y, a.z};
+  std::vector<ConvexAxis> axes{leastByPolytope(pair, toB, size)};
+  if (haveFewAxes(pair)) axes.push_back(leastByAxes(pair, size));
+  return axes;
+}
+
 /// What holds for the contacts of any pair.
 void checkContacts(const Query& query, const std::vector<Contact>& contacts) {
   std::set<std::uint64_t> ids;
@@ -176,19 +189,29 @@ TEST_CASE("Random convex pairs against all separating axes", "[convex]") {
   bodies.push_back(bodyOf(scenes::makeBox({2, 0.4, 0.8})));
   bodies.push_back(bodyOf(scenes::makeCylinder(0.6, 1, 6)));
   bodies.push_back(bodyOf(scenes::makeTetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1})));
-  int touching = 0, missed = 0, underestimated = 0;
+  int touching = 0, deep = 0, missed = 0, underestimated = 0;
   double worst = 0;
   Workspace workspace, turned;
   for (int i = 0; i < 10000; ++i) {
     const CollisionMesh &a = *bodies[random() % bodies.size()], &b = *bodies[random() % bodies.size()];
     const Query query = queryOf(a, b, randomPose(random, i % 2 ? 0.4 : 0.9));
-    collide(query, workspace);
     const double truth = leastOverlap(a, b, query.bInA);
     if (std::fabs(truth) < 1e-9) continue;
     touching += truth > 0;
+    for (const ConvexAxis& axis : axesOf(query)) {
+      missed += (axis.of == ConvexAxis::Of::kNone) != (truth < 0);
+      if (truth < 0) continue;
+      underestimated += axis.overlap < truth * (1 - 1e-9);
+      worst = std::max(worst, axis.overlap / truth - 1);
+    }
+    if (!collideConvexPair(query, workspace)) {
+      ++deep;
+      CHECK(truth > 0);
+      continue;
+    }
     missed += (truth > 0) != !workspace.reduced.empty();
     // The same in the other order, to rounding.
-    collide(queryOf(b, a, inverse(query.bInA)), turned);
+    if (!collideConvexPair(queryOf(b, a, inverse(query.bInA)), turned)) continue;
     CHECK(turned.reduced.empty() == workspace.reduced.empty());
     if (workspace.reduced.empty() || turned.reduced.empty()) continue;
     checkContacts(query, workspace.reduced);
@@ -201,6 +224,7 @@ TEST_CASE("Random convex pairs against all separating axes", "[convex]") {
   }
   CHECK(touching > 3000);
   CHECK(touching < 9000);
+  CHECK(touching - deep > 2000);
   CHECK(missed == 0);
   CHECK(underestimated == 0);
   CHECK(worst < 2.1e-3);
@@ -302,20 +326,44 @@ TEST_CASE("Contacts keep their ids while a convex body slides and trembles", "[c
   }
 }
 
-TEST_CASE("Convex bodies deep in each other, and one inside the other", "[convex]") {
+TEST_CASE("Deep, entangled and barely touching pairs are left to the stages for any solids", "[convex]") {
   const Body box = bodyOf(scenes::makeBox({1, 1, 1})), ball = bodyOf(scenes::makeSphere(0.2, 3)),
              large = bodyOf(scenes::makeSphere(1, 3));
-  Workspace workspace;
-  collide(queryOf(*box, *box, kSame), workspace);
-  REQUIRE(!workspace.reduced.empty());
-  CHECK(workspace.reduced.front().depth == Approx(1));
-  collide(queryOf(*ball, *box, {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0.1, 0, 0}}), workspace);
-  REQUIRE(!workspace.reduced.empty());
-  CHECK(workspace.reduced.front().depth == Approx(0.6).epsilon(0.01));
-  CHECK(workspace.reduced.front().normal.x == Approx(-1).margin(1e-6));
-  collide(queryOf(*large, *large, kSame), workspace);
-  REQUIRE(!workspace.reduced.empty());
-  CHECK(workspace.reduced.front().depth == Approx(2).epsilon(0.02));
+  const auto at = [](double x, double y, double z) { return Transformd{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {x, y, z}}; };
+  struct Sample {
+    const CollisionMesh *a, *b;
+    Transformd pose;
+    bool isOwn;  ///< of the way of convex pairs
+  };
+  const std::vector<Sample> samples = {{box.get(), box.get(), kSame, false},
+                                       {ball.get(), box.get(), at(0.1, 0, 0), false},
+                                       {large.get(), large.get(), kSame, false},
+                                       {box.get(), box.get(), at(0.45, 0, 0), false},
+                                       {box.get(), box.get(), at(0.55, 0, 0), true},
+                                       {box.get(), box.get(), at(0.25, 0.125, 1), false},
+                                       {box.get(), box.get(), at(0.25, 0.125, 1 - 1e-9), true},
+                                       {box.get(), box.get(), at(0.25, 0.125, 1 + 1e-9), true}};
+  Workspace workspace, other;
+  for (const Sample& sample : samples) {
+    Query query = queryOf(*sample.a, *sample.b, sample.pose);
+    INFO(sample.pose.t.x << " " << sample.pose.t.z);
+    CHECK(collideConvexPair(query, workspace) == sample.isOwn);
+    collide(query, workspace);
+    query.options.solid.convexPath = false;
+    collide(query, other);
+    CHECK(workspace.reduced.empty() == other.reduced.empty());
+    if (!sample.isOwn) CHECK(workspace.reduced.size() == other.reduced.size());
+  }
+  // A pair that remembers being entangled keeps its way until that is over.
+  SolidHistory history;
+  Query query = queryOf(*ball, *box, at(0.6, 0, 0));
+  CHECK(collideConvexPair(query, workspace));
+  query.history = &history;
+  history.current.clampLeft = SolidHistory::kClampQueries;
+  history.current.pose = query.bInA;
+  history.current.hasPose = history.used = true;
+  query.bInA.t.x = 0.601;
+  CHECK_FALSE(collideConvexPair(query, workspace));
 }
 
 TEST_CASE("Convex bodies of all sizes, far from their origins, and slender ones", "[convex]") {
@@ -327,14 +375,15 @@ TEST_CASE("Convex bodies of all sizes, far from their origins, and slender ones"
     for (int i = 0; i < 300; ++i) {
       Transformd pose = randomPose(random, 0.5 * size);
       pose.t = pose.t + middle - otgRotate(pose, middle);
-      collide(queryOf(*a, *b, pose), workspace);
       const double truth = leastOverlap(*a, *b, pose), rounding = 1e-9 * (size + norm(middle));
       if (std::fabs(truth) < rounding) continue;
-      REQUIRE((truth > 0) == !workspace.reduced.empty());
-      if (truth < 0) continue;
-      ++touching;
-      CHECK(workspace.reduced.front().depth > truth * (1 - 1e-9) - rounding);
-      CHECK(workspace.reduced.front().depth < truth * (1 + 2.1e-3) + 1e-8 * size + rounding);
+      touching += truth > 0;
+      for (const ConvexAxis& axis : axesOf(queryOf(*a, *b, pose))) {
+        REQUIRE((truth > 0) == (axis.of != ConvexAxis::Of::kNone));
+        if (truth < 0) continue;
+        CHECK(axis.overlap > truth * (1 - 1e-9) - rounding);
+        CHECK(axis.overlap < truth * (1 + 2.1e-3) + 1e-8 * size + rounding);
+      }
     }
     CHECK(touching > 20);
   };
@@ -356,7 +405,8 @@ TEST_CASE("A warm query of a convex pair takes no memory", "[convex]") {
   SolidHistory history;
   const auto run = [&] {
     for (const auto& [a, b] : {std::pair{&box, &box}, {&box, &ball}, {&ball, &ball}, {&cylinder, &cylinder}}) {
-      Query query = queryOf(**a, **b, randomPose(random, 0.5));
+      Query query = queryOf(**a, **b, randomPose(random, 1));
+      query.bInA.t = unit(query.bInA.t);
       query.history = &history;
       collide(query, workspace);
       query.bInA = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0.1, 0.1, 0.99}};

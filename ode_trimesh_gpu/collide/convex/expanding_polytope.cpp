@@ -8,7 +8,7 @@ namespace otg {
 namespace {
 
 constexpr std::size_t kMostVertices = 120, kMostFaces = 2 * kMostVertices, kMostRim = 64;
-constexpr double kEnough = 1e-5;     ///< of the overlap: the bounds are so near to each other
+constexpr double kEnough = 1e-5;          ///< of the overlap: the bounds are so near to each other
 constexpr double kPlaneRounding = 1e-13;  ///< of the size: distances do not tell more
 
 struct PolytopeFace {

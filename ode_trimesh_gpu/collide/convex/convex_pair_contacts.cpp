@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "collide/convex/convex_contacts.h"
+#include "collide/convex/convex_pair_contacts.h"
 
 #include <algorithm>
 #include <chrono>
@@ -17,10 +17,12 @@
 namespace otg {
 namespace {
 
-constexpr double kFacing = 0.9976;        ///< cosine of 4 degrees: faces so near to the normal touch as faces
-constexpr double kParallelEdges = 1e-3;   ///< sine of the angle below which edges touch along a stretch
-constexpr double kFlatEdge = 0.05;        ///< sine of an edge's slope below which a body may lie on it
-constexpr std::size_t kMostContacts = 8;  ///< of a pair
+constexpr double kFacing = 0.9976;             ///< cosine of 4 degrees: faces so near to the normal touch as faces
+constexpr double kParallelEdges = 1e-3;        ///< sine of the angle below which edges touch along a stretch
+constexpr double kFlatEdge = 0.05;             ///< sine of an edge's slope below which a body may lie on it
+constexpr double kMostShallow = 0.5;           ///< of a body's width: what is deeper may leave by other ways as well
+constexpr double kTouchingToRounding = 1e-13;  ///< of the size and the distances
+constexpr std::size_t kMostContacts = 8;       ///< of a pair
 
 class ConvexSolver {
  public:
@@ -31,27 +33,36 @@ class ConvexSolver {
         pair_(*query.a->convex(), *query.b->convex(), query.bInA),
         size_(static_cast<double>(query.a->mesh().radius()) + static_cast<double>(query.b->mesh().radius())) {}
 
-  bool run() {
+  enum class Answer : std::uint8_t { kApart, kTouching, kOther };
+
+  Answer run() {
     const Vec3f &a = query_.a->mesh().center(), &b = query_.b->mesh().center();
     const Vec3d toB = otgTransform(query_.bInA, Vec3d{b.x, b.y, b.z}) - Vec3d{a.x, a.y, a.z};
     // The radius of B grows with the defect of the pose by less than this.
-    if (norm(toB) > (1 + 2 * kRelativeRotationTolerance) * size_) return false;
+    if (norm(toB) > (1 + 2 * kRelativeRotationTolerance) * size_) return Answer::kApart;
     axis_ = haveFewAxes(pair_) ? leastByAxes(pair_, size_) : leastByPolytope(pair_, toB, size_);
-    if (axis_.of == ConvexAxis::Of::kNone) return false;
+    if (axis_.of == ConvexAxis::Of::kNone) return Answer::kApart;
+    const double rounding = kTouchingToRounding * (size_ + norm(toB) + norm(query_.bInA.t));
+    for (const int body : {0, 1}) farthest_[body] = pair_.farthest(body, out(body));
+    if (axis_.overlap <= rounding || axis_.overlap > kMostShallow * std::min(width(0), width(1))) return Answer::kOther;
     findPlaces();
     choose();
     emit();
-    return true;
+    return Answer::kTouching;
   }
 
  private:
   using Corner = ConvexPolyhedron::Corner;
 
+  double width(int body) const {
+    const Vec3d to = pair_.place(body, farthest_[body]),
+                from = pair_.place(body, pair_.farthest(body, otgScale(out(body), -1.0)));
+    return otgDot(out(body), to - from);
+  }
   Vec3d out(int body) const { return body == 0 ? axis_.m : otgScale(axis_.m, -1.0); }
 
   void findPlaces() {
     scratch_.places.clear();
-    for (const int body : {0, 1}) farthest_[body] = pair_.farthest(body, out(body));
     FacingFaces faces{};
     double along[2];
     for (const int body : {0, 1}) faces.face[body] = touchingFace(body, along[body]);
@@ -101,7 +112,7 @@ class ConvexSolver {
     clipFaces(pair_, axis_.m, faces, scratch_);
     for (std::size_t i = 0; i < scratch_.polygon.size(); ++i) {
       const ConvexPlace place = placeOfPoint(pair_, axis_.m, faces, scratch_.polygon, i);
-      if (place.depth > 0 || axis_.overlap == 0) scratch_.places.push_back(place);
+      if (place.depth > 0) scratch_.places.push_back(place);
     }
   }
 
@@ -283,17 +294,16 @@ bool isConvexPair(const Query& query) {
          query.a->convex() != nullptr && query.b->convex() != nullptr;
 }
 
-void convexContacts(const Query& query, Workspace& workspace) {
+bool convexPairContacts(const Query& query, Workspace& workspace) {
   using Clock = std::chrono::steady_clock;
   const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
-  workspace.candidates.clear();
-  workspace.intersecting.clear();
   workspace.contacts.clear();
   workspace.reduced.clear();
-  workspace.stats = {};
   requireRigid(query.bInA);
-  const bool touches = ConvexSolver(query, workspace).run();
-  rememberPlain(query, touches, {0, 0, 0});
+  if (!isUnburdened(query)) return false;
+  const ConvexSolver::Answer answer = ConvexSolver(query, workspace).run();
+  if (answer == ConvexSolver::Answer::kOther) return false;
+  rememberPlain(query, answer == ConvexSolver::Answer::kTouching, {0, 0, 0});
   workspace.stats.contactsBeforeReduction = workspace.contacts.size();
   if (workspace.contacts.size() > static_cast<std::size_t>(query.options.maxContacts)) {
     workspace.reduced = limitContacts(workspace.contacts, query.options.maxContacts);
@@ -304,6 +314,15 @@ void convexContacts(const Query& query, Workspace& workspace) {
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   }
+  return true;
+}
+
+bool collideConvexPair(const Query& query, Workspace& workspace) {
+  if (!isConvexPair(query)) return false;
+  workspace.candidates.clear();
+  workspace.intersecting.clear();
+  workspace.stats = {};
+  return convexPairContacts(query, workspace);
 }
 
 }  // namespace otg
