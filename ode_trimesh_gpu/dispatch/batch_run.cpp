@@ -102,6 +102,10 @@ class BatchRun {
       Part part;
       for (std::size_t i = begin; i < end; ++i) {
         const PairJob& job = *pairs_[i].job;
+        if (isConvexJob(job)) {  // next to nothing
+          kinds_[i] = Kind::kHost;
+          continue;
+        }
         works_[i] = expectedWork(job.query);
         solids_[i] = solidInBatch(job) ? 1 : 0;
         kinds_[i] = kindOf(job, works_[i], solids_[i] != 0, costs, knowSolids);
@@ -123,7 +127,6 @@ class BatchRun {
     expectedOfAll_ = costs.launchCost(all.any[0], all.any[1]) + all.onDevice;
   }
   static Kind kindOf(const PairJob& job, double work, bool solid, const CostModel& costs, bool knowSolids) {
-    if (isConvexJob(job)) return Kind::kHost;
     const Placement place = settled(job.place);
     const bool isOpen = place.middle == Place::kAuto, isTogether = place.middle == place.near;
     const bool inBatch = isTogether && !job.byLevels && (contactsOnDevice(job) || (solid && (!isOpen || knowSolids)));

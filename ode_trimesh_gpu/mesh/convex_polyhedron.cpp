@@ -18,6 +18,20 @@ std::uint32_t ConvexPolyhedron::support(const Vec3d& direction) const {
   return static_cast<std::uint32_t>(best);
 }
 
+ConvexPolyhedron::Reach ConvexPolyhedron::reach(const Vec3d& direction) const {
+  if (x_.empty()) {
+    return {otgDot(vertices_[support(otgScale(direction, -1.0))], direction),
+            otgDot(vertices_[support(direction)], direction)};
+  }
+  Reach reach{0, 0};
+  for (std::size_t i = 0; i < x_.size(); ++i) {
+    const double along = direction.x * x_[i] + direction.y * y_[i] + direction.z * z_[i];
+    reach.least = i == 0 || along < reach.least ? along : reach.least;
+    reach.most = i == 0 || along > reach.most ? along : reach.most;
+  }
+  return reach;
+}
+
 /// On a convex body a vertex is farthest of all if it is farther than its neighbours.
 std::uint32_t ConvexPolyhedron::climb(std::uint32_t from, const Vec3d& direction) const {
   double most = otgDot(vertices_[from], direction);

@@ -50,6 +50,11 @@ class ConvexPolyhedron {
 
   /// The vertex that is farthest along a direction, which needs not be of unit length.
   std::uint32_t support(const Vec3d& direction) const;
+  /// The least and the largest product of any vertex with a direction.
+  struct Reach {
+    double least, most;
+  };
+  Reach reach(const Vec3d& direction) const;
 
   Convexity convexity() const { return convexity_; }
 

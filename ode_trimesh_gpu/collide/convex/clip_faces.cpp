@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "collide/convex/clip_faces.h"
 
+#include <algorithm>
+
 #include "collide/query.h"
 
 namespace otg {
 namespace {
 
-/// Sutherland and Hodgman, 1974: keeps what is not beyond one side.
-void cut(const std::vector<ClippedPoint>& polygon, const Vec3d& outward, double offset, std::uint32_t edge,
+/// Sutherland and Hodgman, 1974: keeps what is not beyond one side. False where that is all.
+bool cut(const std::vector<ClippedPoint>& polygon, const Vec3d& outward, double offset, std::uint32_t edge,
          std::vector<ClippedPoint>& kept) {
+  // Most sides cut nothing off.
+  const bool cuts = std::any_of(polygon.begin(), polygon.end(),
+                                [&](const ClippedPoint& p) { return otgDot(outward, p.at) > offset; });
+  if (!cuts) return false;
   kept.clear();
   const std::size_t n = polygon.size();
   double here = otgDot(outward, polygon[0].at) - offset;
@@ -23,6 +29,7 @@ void cut(const std::vector<ClippedPoint>& polygon, const Vec3d& outward, double 
     }
     here = there;
   }
+  return true;
 }
 
 }  // namespace
@@ -43,9 +50,10 @@ void clipFaces(const ConvexPair& pair, const Vec3d& m, const FacingFaces& faces,
   Vec3d from = pair.place(r, corners.front().vertex);
   for (const ConvexPolyhedron::Corner& c : corners) {
     const Vec3d to = pair.place(r, c.next), outward = otgCross(to - from, up);
-    cut(scratch.polygon, outward, otgDot(outward, from), number++, scratch.next);
-    scratch.polygon.swap(scratch.next);
-    if (scratch.polygon.empty()) return;
+    if (cut(scratch.polygon, outward, otgDot(outward, from), number++, scratch.next)) {
+      scratch.polygon.swap(scratch.next);
+      if (scratch.polygon.empty()) return;
+    }
     from = to;
   }
 }

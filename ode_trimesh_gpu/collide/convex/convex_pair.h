@@ -31,6 +31,14 @@ class ConvexPair {
     return m == 0 ? a_.support(direction) : b_.support(otgRotateBack(pose_, direction));
   }
 
+  /// How far a body reaches both ways along a direction.
+  ConvexPolyhedron::Reach reach(int m, const Vec3d& direction) const {
+    if (m == 0) return a_.reach(direction);
+    const ConvexPolyhedron::Reach own = b_.reach(otgRotateBack(pose_, direction));
+    const double moved = otgDot(direction, pose_.t);
+    return {own.least + moved, own.most + moved};
+  }
+
   /// Where the body of differences, a - b for all a and b, is farthest along m.
   struct Difference {
     Vec3d at;

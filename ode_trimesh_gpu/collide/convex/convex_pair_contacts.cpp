@@ -55,9 +55,8 @@ class ConvexSolver {
   using Corner = ConvexPolyhedron::Corner;
 
   double width(int body) const {
-    const Vec3d to = pair_.place(body, farthest_[body]),
-                from = pair_.place(body, pair_.farthest(body, otgScale(out(body), -1.0)));
-    return otgDot(out(body), to - from);
+    const ConvexPolyhedron::Reach reach = pair_.reach(body, axis_.m);
+    return reach.most - reach.least;
   }
   Vec3d out(int body) const { return body == 0 ? axis_.m : otgScale(axis_.m, -1.0); }
 

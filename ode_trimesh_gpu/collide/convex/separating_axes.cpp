@@ -8,16 +8,6 @@ namespace {
 
 constexpr std::size_t kMostAxes = 48;
 
-/// How far a body reaches both ways along a direction.
-struct Reach {
-  double least, most;
-};
-
-Reach reachOf(const ConvexPair& pair, int m, const Vec3d& along) {
-  const auto at = [&](const Vec3d& d) { return otgDot(along, pair.place(m, pair.farthest(m, d))); };
-  return {at(otgScale(along, -1.0)), at(along)};
-}
-
 }  // namespace
 
 bool haveFewAxes(const ConvexPair& pair) {
@@ -56,7 +46,7 @@ ConvexAxis leastByAxes(const ConvexPair& pair, double size) {
       const double length = norm(cross);
       if (!(length > kParallel)) continue;
       const Vec3d m = cross * (1 / length);
-      const Reach a = reachOf(pair, 0, m), b = reachOf(pair, 1, m);
+      const ConvexPolyhedron::Reach a = pair.reach(0, m), b = pair.reach(1, m);
       const double ahead = a.most - b.least, behind = b.most - a.least;
       const double overlap = std::min(ahead, behind);
       if (overlap < 0) return {};
