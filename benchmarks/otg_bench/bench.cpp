@@ -37,6 +37,7 @@ void addBenchmarks(CLI::App& bench, Action& action) {
   addBenchPrimitives(bench, action);
   addBenchTessellations(bench, action);
   addBenchTerrain(bench, action);
+  addBenchSmall(bench, action);
   addBenchHeightfield(bench, action);
   addBenchQueries(bench, action);
   addBenchContours(bench, action);

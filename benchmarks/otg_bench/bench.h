@@ -26,6 +26,8 @@ void addBenchPrimitives(CLI::App& bench, Action& action);
 void addBenchTessellations(CLI::App& bench, Action& action);
 /// `otg bench terrain`: ODE's shapes on a large open mesh, beside a dTriMesh.
 void addBenchTerrain(CLI::App& bench, Action& action);
+/// `otg bench small`: pairs of small bodies, beside ODE's own shapes and its dTriMesh.
+void addBenchSmall(CLI::App& bench, Action& action);
 /// `otg bench heightfield`: meshes on a heightfield, beside ODE's own bodies.
 void addBenchHeightfield(CLI::App& bench, Action& action);
 /// `otg bench queries`: arrays of points against a mesh.

@@ -174,7 +174,7 @@ int runCollide(const CollideOptions& options) {
     times = measureQuery(query, workspace, options.repeat);
   }
   if (!ran.onDevice) place = kCpu;
-  const CollideStats& stats = workspace.stats;
+  const CollideStats stats = countsOf(query, workspace.stats);
 
   Json document;
   document["a"] = options.query.fileA;

@@ -144,6 +144,7 @@ CollideOptions QueryOptions::collideOptions() const {
   options.maxContacts = maxContacts;
   options.solid.contactsPerRegion = contactsPerRegion;
   options.solid.regionMerge = regionMerge;
+  options.solid.convexPath = true;
   return options;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "cli/times.h"
+#include "collide/convex/convex_pair_contacts.h"
 
 namespace otg::cli {
 
@@ -50,6 +51,15 @@ QueryTimes measureQuery(opencl::Backend& backend, const Query& query, Workspace&
     return ms;
   });
   return times;
+}
+
+CollideStats countsOf(const Query& query, const CollideStats& stats) {
+  if (!isConvexPair(query) || stats.boxTests > 0 || stats.candidatePairs > 0) return stats;
+  Workspace workspace;
+  findIntersectingPairs(query, workspace);
+  CollideStats counts = workspace.stats;
+  counts.contactsBeforeReduction = stats.contactsBeforeReduction;
+  return counts;
 }
 
 std::vector<QueryStage> stagesOf(const QueryTimes& times) {

@@ -82,6 +82,10 @@ const Adjacency& CollisionMesh::adjacency() const {
   return adjacency_.get([this] { return buildAdjacency(*mesh_); });
 }
 
+const ConvexPolyhedron* CollisionMesh::convex() const {
+  return convex_.get([this] { return buildConvexPolyhedron(*mesh_); }).get();
+}
+
 /// `of`: of an image, the mesh whose move it follows.
 CollisionMesh::Motion& CollisionMesh::motion(const CollisionMesh* of) {
   if (motion_ == nullptr) {
@@ -160,6 +164,7 @@ void CollisionMesh::undoMove() noexcept {
 void CollisionMesh::finishMove() noexcept {
   Motion& m = *motion_;
   alive_ = std::move(m.alive);
+  convex_.reset();
   if (Adjacency* const adjacency = adjacency_.made()) {
     try {
       updateAdjacency(*adjacency, *mesh_, m.vertices.triangles());

@@ -13,6 +13,7 @@
 #include "bvh/box_scale.h"
 #include "bvh/mesh_trees.h"
 #include "mesh/adjacency.h"
+#include "mesh/convex_polyhedron.h"
 #include "mesh/vertex_motion.h"
 
 namespace otg {
@@ -79,6 +80,9 @@ class CollisionMesh {
     return imageBoxes_ ? use(static_cast<const BinaryTree&>(ownBoxes())) : use(tree());
   }
   const Adjacency& adjacency() const;
+  /// The mesh as a convex polyhedron, or null if it is none. Found out when asked for first (thread-safe), and again
+  /// after vertices have moved. May throw std::bad_alloc.
+  const ConvexPolyhedron* convex() const;
 
   /// Expires with this object, whatever else holds the mesh, and when vertices move: for caches of what was derived
   /// from it.
@@ -112,6 +116,7 @@ class CollisionMesh {
   Vec3f factors_{1, 1, 1};                     ///< of such an image
   std::size_t movedSinceLook_ = 0;             ///< triangles of such an image, since imageIsWorn() was asked
   FirstUse<Adjacency> adjacency_;
+  FirstUse<std::unique_ptr<const ConvexPolyhedron>> convex_;
   std::unique_ptr<Motion> motion_;  ///< made by moveSome()
   /// What changedSince() answers from: the last `counts.size()` of all moves, each with so many of `triangles`.
   struct MoveLog {

@@ -2,6 +2,7 @@
 // The pipeline on the host, stage after stage.
 #include <algorithm>
 
+#include "collide/convex/convex_pair_contacts.h"
 #include "collide/pairwise/reduction.h"
 #include "collide/query.h"
 #include "collide/shell/shell_contacts.h"
@@ -24,6 +25,8 @@ void collideIntersecting(const Query& query, Workspace& workspace) {
   if (isPairwise(query)) {
     pairwiseContacts(query, workspace);
     reduceContacts(query, workspace);
+  } else if (isConvexPair(query) && convexPairContacts(query, workspace)) {
+    return;
   } else if (!areShells(query) && solidContacts(query, workspace)) {
     workspace.reduced = limitContacts(workspace.contacts, query.options.maxContacts);
   } else {
@@ -49,8 +52,10 @@ void numberAsCaller(const Query& query, Workspace& workspace) {
 }
 
 void collide(const Query& query, Workspace& workspace) {
-  findIntersectingPairs(query, workspace);
-  collideIntersecting(query, workspace);
+  if (!collideConvexPair(query, workspace)) {
+    findIntersectingPairs(query, workspace);
+    collideIntersecting(query, workspace);
+  }
   numberAsCaller(query, workspace);
 }
 

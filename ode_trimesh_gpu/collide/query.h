@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bvh/collision_mesh.h"
+#include "collide/convex/clip_scratch.h"
 #include "collide/solid_options.h"
 #include "collide/traversal.h"
 
@@ -122,6 +123,7 @@ struct Workspace {
   std::vector<Contact> contacts;           ///< before reduction, by (triangleA, triangleB)
   std::vector<Contact> reduced;            ///< the answer
   CollideStats stats;
+  ConvexScratch convex;
   std::unique_ptr<SolidScratch> solid;
   std::unique_ptr<ShellScratch> shell;
 };

@@ -10,6 +10,9 @@ struct SolidOptions {
   int contactsPerRegion =
       16;                  ///< at most this many contacts from one connected overlap region; the C API takes 1 to 64
   double regionMerge = 0;  ///< regions with contacts at most this far apart and normals alike are one (merge_regions.h)
+  /// Two convex meshes take the way of convex/convex_pair_contacts.h, which looks at no triangles. Geoms and `otg` have
+  /// it on. It is off by default, for those who ask for the stages that any solids have.
+  bool convexPath = false;
   friend bool operator==(const SolidOptions&, const SolidOptions&) = default;
 };
 

@@ -102,6 +102,10 @@ class BatchRun {
       Part part;
       for (std::size_t i = begin; i < end; ++i) {
         const PairJob& job = *pairs_[i].job;
+        if (isConvexJob(job)) {  // next to nothing
+          kinds_[i] = Kind::kHost;
+          continue;
+        }
         works_[i] = expectedWork(job.query);
         solids_[i] = solidInBatch(job) ? 1 : 0;
         kinds_[i] = kindOf(job, works_[i], solids_[i] != 0, costs, knowSolids);

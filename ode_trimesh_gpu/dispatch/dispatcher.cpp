@@ -209,7 +209,9 @@ const std::shared_ptr<DeviceSlot>& Dispatcher::leastBusy(const Slots& slots) {
 }
 
 std::span<const Contact> Dispatcher::collide(const PairJob& job, Workspace& workspace, Ran& ran) {
-  if (!hasDevices() || job.place == Placement{Place::kCpu, Place::kCpu}) return collideOnHost(job, workspace);
+  if (!hasDevices() || job.place == Placement{Place::kCpu, Place::kCpu} || isConvexJob(job)) {
+    return collideOnHost(job, workspace);
+  }
   const Slots slots = usableDevices();
   if (slots.empty()) return collideOnHost(job, workspace);
   return collideOn(*leastBusy(slots), job, workspace, ran.onDevice, ran.deviceFailed);

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <vector>
 
+#include "collide/convex/convex_pair_contacts.h"
 #include "collide/stages.h"
 #include "dispatch/threads/workspace_lease.h"
 
@@ -52,7 +53,15 @@ std::span<const Contact> contactsOnHost(const PairJob& job, Workspace& workspace
   return workspace.reduced;
 }
 
+bool isConvexJob(const PairJob& job) {
+  return !job.any && job.filter == nullptr && isConvexPair(job.query);
+}
+
 std::span<const Contact> collideOnHost(const PairJob& job, Workspace& workspace) {
+  if (isConvexJob(job) && collideConvexPair(job.query, workspace)) {
+    numberAsCaller(job.query, workspace);
+    return workspace.reduced;
+  }
   findIntersectingPairs(job.query, workspace);
   return contactsOnHost(job, workspace);
 }

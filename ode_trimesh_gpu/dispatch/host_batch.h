@@ -17,7 +17,10 @@ namespace otg {
 /// otg::collide throws.
 std::span<const Contact> collideOnHost(const PairJob& job, Workspace& workspace);
 
-/// The same from workspace.intersecting: for pairs whose first two phases were done elsewhere.
+/// Whether a job is the host's alone, and needs no triangles: isConvexPair(), all of whose contacts are asked for.
+bool isConvexJob(const PairJob& job);
+
+/// As collideOnHost from workspace.intersecting: for pairs whose first two phases were done elsewhere.
 std::span<const Contact> contactsOnHost(const PairJob& job, Workspace& workspace);
 
 /// Calls one(i, workspace) for the pairs i of `which`, by the pool's threads, each thread with a workspace of its own.

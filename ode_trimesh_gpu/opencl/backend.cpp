@@ -2,6 +2,7 @@
 // Opening a device, and queries of one pair.
 #include "opencl/backend.h"
 
+#include "collide/convex/convex_pair_contacts.h"
 #include "collide/shell/shell_roles.h"
 #include "collide/stages.h"
 #include "opencl/backend_state.h"
@@ -50,7 +51,7 @@ bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, 
                                                                         : PairWish::kPairs;
   const PairFrame frame = makePairFrame(query);
   ++state_->queries;
-  if (isRefused(query) || isIdleQuery(query, frame)) {
+  if (isRefused(query) || isIdleQuery(query, frame) || isConvexPair(query)) {
     otg::collide(query, workspace);
     return true;
   }

@@ -287,6 +287,39 @@ TEST_CASE("single queries go where they are told, or where it is sooner") {
   }
 }
 
+TEST_CASE("a pair of convex meshes never goes to a device") {
+  const auto box = collisionMesh(makeBox({1, 1, 1}, 3)), ball = collisionMesh(makeSphere(0.5, 3)),
+             torus = collisionMesh(makeTorus(0.7, 0.25, 31, 13));
+  Dispatcher dispatcher;
+  REQUIRE(open(dispatcher, 1) == 1);
+  for (const Placement& placement : kPlacements) {
+    std::vector<PairJob> jobs;
+    for (const auto& [a, b] : {std::pair{&box, &box}, {&box, &ball}, {&ball, &torus}, {&ball, &ball}}) {
+      PairJob job;
+      job.query = makeQuery(**a, **b, makePose({0, 0, 1}, 0.3, {0.1, 0.2, a == &ball && b == &torus ? 0.3 : 0.95}));
+      job.query.options.contacts = ContactModel::kSolid;
+      job.query.options.solid.convexPath = true;
+      job.place = placement;
+      jobs.push_back(job);
+    }
+    std::vector<PairWork> work;
+    std::vector<PairResult> results(jobs.size());
+    for (std::size_t i = 0; i < jobs.size(); ++i) work.push_back({&jobs[i], &results[i]});
+    const BatchEnd end = dispatcher.collideBatch(work);
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+      Workspace here, there;
+      const std::span<const Contact> expected = collideOnHost(jobs[i], here);
+      CHECK(!expected.empty());
+      Dispatcher::Ran ran;
+      CHECK(sameBytes(dispatcher.collide(jobs[i], there, ran), expected));
+      CHECK(sameBytes(results[i].contacts, expected));
+      if (i == 2) continue;
+      CHECK_FALSE(ran.onDevice);
+      CHECK_FALSE(results[i].onDevice);
+    }
+  }
+}
+
 TEST_CASE("a device that fails for good is switched off, told of once, and the contacts are the same") {
   const MeshList meshes = mixedMeshes();
   Batch batch(meshes, 9, 90, true, {Place::kOpencl, Place::kOpencl});

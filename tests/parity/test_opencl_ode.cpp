@@ -168,8 +168,8 @@ TEST_CASE("a world by the published traversal has the bytes of a world on the CP
 
 TEST_CASE("the published traversal takes nothing of a device until it is asked for") {
   const OdeSession session;
-  const Data box(scenes::makeBox({1, 1, 1}, 3));
-  const Geom a(box), b(box);
+  const Data lump(scenes::makeLump(0.5, 2, 0.3, 1));  // pairs of convex meshes are the host's
+  const Geom a(lump), b(lump);
   dGeomSetPosition(b.id, 0.4, 0.3, 0.2);
   const Devices devices(1);
   const auto slot = dispatcher().devices().front();
@@ -262,8 +262,8 @@ TEST_CASE("vertices that move are sent to devices by themselves, of a mesh and o
 
 TEST_CASE("the choice of a geom, and of two that differ") {
   const OdeSession session;
-  const Data box(scenes::makeBox({1, 1, 1}, 3));
-  const Geom a(box), b(box);
+  const Data lump(scenes::makeLump(0.5, 2, 0.3, 1));  // pairs of convex meshes are the host's
+  const Geom a(lump), b(lump);
   dGeomSetPosition(b.id, 0.4, 0.3, 0.2);
   const auto onDevice = [&] {
     dGeomGpuTriMeshResetStats(a.id);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "collide/convex/convex_pair_contacts.h"
 #include "collide/solid/region_contacts.h"
 #include "collide/solid/region_refiner.h"
 #include "opencl/runtime/call.h"
@@ -59,6 +60,35 @@ TEST_CASE("the contacts of a batch of solids are the host's") {
   CHECK(checkBatch(*backend, few, onHost(few)) > 75);
   for (Query& query : few) query.options.solid.contactsPerRegion = 5;
   CHECK(checkBatch(*backend, few, onHost(few)) > 75);
+}
+
+TEST_CASE("pairs of two convex meshes are the host's, alone and in a batch") {
+  const MeshList meshes = solids();
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  if (!backend->device().doubles) return;
+  std::vector<Query> queries = touching(meshes, 4, 200, -0.01, 0.06);
+  std::size_t convex = 0;
+  for (Query& query : queries) {
+    query.options.solid.convexPath = true;
+    convex += isConvexPair(query);
+  }
+  CHECK(convex > 20);
+  const std::vector<std::vector<Contact>> expected = onHost(queries);
+  opencl::BatchAnswer answer;
+  REQUIRE(backend->collideBatch(queries, answer));
+  CHECK(countWrong(answer, expected) == 0);
+  CHECK(backend->counts().onHost == 0);
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const bool byHost = std::find(answer.byHost.begin(), answer.byHost.end(), i) != answer.byHost.end();
+    if (isConvexPair(queries[i])) CHECK(byHost);
+  }
+  CHECK(answer.byHost.size() < queries.size() - 50);
+  Workspace workspace;
+  for (std::size_t i = 0; i < queries.size(); i += 7) {
+    REQUIRE(backend->collide(queries[i], workspace));
+    CHECK(sameBytes(workspace.reduced, expected[i]));
+  }
 }
 
 TEST_CASE("boxes upon each other are the device's") {

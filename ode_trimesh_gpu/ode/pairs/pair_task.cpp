@@ -186,6 +186,7 @@ CollideOptions pairOptions(const dGpuTriMeshParams& first, const dGpuTriMeshPara
   options.maxContacts = std::min(first.max_contacts, second.max_contacts);
   options.solid.contactsPerRegion = std::min(first.contacts_per_region, second.contacts_per_region);
   options.solid.regionMerge = std::min(first.region_merge, second.region_merge);
+  options.solid.convexPath = true;
   return options;
 }
 

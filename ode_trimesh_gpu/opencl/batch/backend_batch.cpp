@@ -8,6 +8,7 @@
 #include <thread>
 #include <unordered_map>
 
+#include "collide/convex/convex_pair_contacts.h"
 #include "collide/shell/shell_roles.h"
 #include "collide/solid/solid_contacts.h"
 #include "opencl/backend.h"
@@ -50,7 +51,8 @@ class Backend::Batch {
     for (const CollisionMesh* mesh : source.meshes) largest = std::max(largest, triangles(mesh));
     anyLarge_ = Finish::kLargeAlone && 2 * largest > state.tuning.batchTriangles;
     const auto isShell = [](const CollisionMesh* mesh) { return mesh->mesh().meshClass() != MeshClass::kSolid; };
-    anyShells_ = Finish::kTakesDescriptions && std::any_of(source.meshes.begin(), source.meshes.end(), isShell);
+    hasContactsOfHost_ = Finish::kTakesDescriptions &&
+                         (source.anyConvexPath || std::any_of(source.meshes.begin(), source.meshes.end(), isShell));
   }
 
   /// False if the device failed.
@@ -215,10 +217,10 @@ class Backend::Batch {
         leaveOut(k, fateBefore({.refused = isRefused(source_.query(begin + k)), .large = true}));
       }
     }
-    if (anyShells_) {
+    if (hasContactsOfHost_) {
       for (std::size_t k = 0; k < tasks.size(); ++k) {
         const Query query = source_.query(begin + k);
-        if (tasks[k].skip || !areShells(query)) continue;
+        if (tasks[k].skip || !(areShells(query) || isConvexPair(query))) continue;
         tasks[k].skip = 1;
         (isRefused(query) ? piece.refused : piece.alone).push_back(begin + k);
       }
@@ -496,7 +498,7 @@ class Backend::Batch {
   const BatchRules rules_;
   std::vector<Holder> holders_;
   OverlapQueue overlaps_;
-  bool good_ = true, anyLarge_ = false, anyShells_ = false;
+  bool good_ = true, anyLarge_ = false, hasContactsOfHost_ = false;
   std::vector<std::size_t> later_;                             ///< pairs for the host when all pieces are done
   std::unordered_map<std::size_t, ContactFinish::Done> done_;  ///< by the host, while the device is at work
   PieceMeshes meshes_;                                         ///< of the piece that was begun last

@@ -127,6 +127,7 @@ class QuerySource {
         anyPairwise = anyPairwise || !kind.solid;
         anySolid = anySolid || kind.solid;
         anyHistory = anyHistory || kind.history;
+        anyConvexPath = anyConvexPath || kind.convexPath;
       }
     }
   }
@@ -134,6 +135,7 @@ class QuerySource {
   std::vector<const CollisionMesh*> meshes;
   std::vector<otg_reduction> reductions;
   bool anyPairwise = false, anySolid = false, anyHistory = false;
+  bool anyConvexPath = false;                 ///< some are the host's if both meshes are convex
   static constexpr bool kIsScattered = true;  ///< what fill() reads lies all over the memory
 
   std::size_t size() const { return queries_.size(); }
@@ -150,7 +152,7 @@ class QuerySource {
 
  private:
   struct Kind {
-    bool solid, history, burdened;
+    bool solid, history, burdened, convexPath;
     bool operator==(const Kind&) const = default;
   };
   /// Numbers of the query's part.
@@ -171,6 +173,7 @@ class QuerySource {
     kind.solid = !isPairwise(query);
     kind.history = kind.solid && query.history != nullptr;
     kind.burdened = kind.history && !isUnburdened(query);
+    kind.convexPath = kind.solid && query.options.solid.convexPath;
     return kind;
   }
 
@@ -213,6 +216,7 @@ class PosedSource {
   std::vector<const CollisionMesh*> meshes;
   std::vector<otg_reduction> reductions;
   static constexpr bool anyPairwise = true, anySolid = false, anyHistory = false, kIsScattered = true;
+  static constexpr bool anyConvexPath = false;
 
   std::size_t size() const { return pairs_.size(); }
   Query query(std::size_t i) const { return queryOf(*pairs_[i]); }
@@ -247,6 +251,7 @@ class PairSource {
     const bool allSolid = static_cast<std::size_t>(solids) == meshes.size();
     anySolid = solids > 0;
     anyPairwise = !allSolid;
+    anyConvexPath = anySolid && batch.options.solid.convexPath;
     SolidReductions all{reductions};
     if (anyPairwise) pairwise_ = all.find(deviceReduction(batch.options, false));
     if (anySolid) solid_ = all.solid(batch.options, !makesSolids);
@@ -254,7 +259,7 @@ class PairSource {
 
   std::vector<const CollisionMesh*> meshes;
   std::vector<otg_reduction> reductions;
-  bool anyPairwise = false, anySolid = false;
+  bool anyPairwise = false, anySolid = false, anyConvexPath = false;
   static constexpr bool anyHistory = false, kIsScattered = false;
 
   std::size_t size() const { return batch_.pairs.size(); }
