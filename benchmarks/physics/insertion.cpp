@@ -46,6 +46,34 @@ Scene peg(int tenthsOfMu) {
   return scene;
 }
 
+/// How long a peg that starts half way in, tilted and off the middle as far as the hole lets it, takes for 0.2 m.
+Scene tiltedPeg() {
+  Scene scene;
+  scene.name = "peg_tilted";
+  scene.family = "insertion";
+  scene.what = "A peg with 1 % clearance starts tilted in the mouth of a hole; the time for 0.2 m";
+  scene.run = [](const Case& run) {
+    RigOptions options;
+    options.mu = 0.2;
+    Rig rig(run, options);
+    rig.addStatic(blockWithHole(), {0, 0, 0});
+    rig.addBody(boxShape({0.99, 0.99, 2}), {0.001, 0, 2}, about(Vec::UnitY(), 0.4));
+    double drop = 3;
+    rig.run(3, [&] {
+      if (drop == 3 && rig.position(0).z() < 1.8) drop = rig.time();
+      return drop == 3;
+    });
+    Result result = resultOf(rig);
+    result.measures["drop"] = drop;
+    return result;
+  };
+  scene.limits = {ofNative("drop", Limit::Kind::kWithinOfNative, 0.1), atMost("energy_gain", 0.05)};
+  scene.steppings = {kW, kQ20};
+  scene.dt = 1.0 / 240;
+  scene.seconds = 3;
+  return scene;
+}
+
 Scene nut(double dt) {
   Scene scene;
   scene.name = fmt::format("nut_{:.0f}ms", 1000 * dt);
@@ -95,7 +123,7 @@ Scene nut(double dt) {
 }  // namespace
 
 std::vector<Scene> insertionScenes() {
-  return {peg(0), peg(1), peg(2), peg(3), nut(0.005), nut(0.002)};
+  return {peg(0), peg(1), peg(2), peg(3), tiltedPeg(), nut(0.005), nut(0.002)};
 }
 
 }  // namespace otg::physics
