@@ -70,8 +70,7 @@ class RegionSolver {
 
  private:
   static constexpr double kWithin = 1 + 1e-6;  ///< for what rounds
-  static constexpr double kShallow = 0.01;     ///< of the smaller mesh: a region that is less thick
-  static constexpr double kGrain = 1e-5;       ///< of the region's diagonal: as far as a place is told
+  static constexpr double kGrain = 1e-9;       ///< of the region's diagonal: rounding
   struct Plane {
     Vec3d normal;
     double offset;
@@ -509,22 +508,16 @@ class RegionSolver {
           return x.feature == contact.feature && x.triangleA == contact.triangleA && x.triangleB == contact.triangleB;
         }));
       }
-      assert(keepsNeighbourhood(c));
+      assert(!isUneven_ || keepsNeighbourhood(c));
       out.push_back(contact);
     }
   }
 
-  /// Whether a shallow region's contact is no deeper than its neighbourhood allows: three times the distance from its
-  /// point to the surface that faces its way. Of even regions six times: a crossing or middle is measured a little
-  /// beside its place. True for regions whose triangles are not known one by one.
-  [[maybe_unused]] bool keepsNeighbourhood(const Candidate& c) {
-    const double size = 2.0 * std::min(task_.meshes.mesh(0).radius(), task_.meshes.mesh(1).radius());
-    const bool isShallow = region_.thickness < kShallow * size && !region_.contained && task_.extraDepth == 0;
-    if (!isShallow || task_.normals.isFixed() || region_.cellEnd > region_.cellBegin) return true;
-    if (!isUneven_) triangles_.collect(task_.meshes, all_, region_);
-    const double most = (isUneven_ ? 1 : 2) * OTG_SOLID_NEIGHBOURHOOD;
+  /// Whether an uneven region's contact is no deeper than limitToNeighbourhood() lets it be.
+  [[maybe_unused]] bool keepsNeighbourhood(const Candidate& c) const {
     const auto isNear = [&](int m, double way, const Vec3d& direction) {
-      return way <= most * (triangles_.distanceToFacing(m, c.at, direction) + kGrain * region_.diagonal);
+      const double most = OTG_SOLID_NEIGHBOURHOOD * triangles_.distanceToFacing(m, c.at, direction);
+      return way <= most + kGrain * region_.diagonal;
     };
     return isNear(1, c.depth / 2 + c.shift, c.normal) && isNear(0, c.depth / 2 - c.shift, otgScale(c.normal, -1.0));
   }
