@@ -285,22 +285,45 @@ class RegionSolver {
       (leave.point->mesh == 0 ? c.out : c.back) = depth;
       addMeasured(c);
     }
-    const std::size_t features = candidates_.size();
+    const std::vector<Way> ways = waysOfCandidates();
     for (const std::uint32_t i : points) {
       if (all_.points[i].kind != PointKind::kCrossing) continue;
       Candidate c = candidateAt(all_.points[i]), best = c;
       double least = std::numeric_limits<double>::infinity();
-      for (std::size_t k = 0; k < features; ++k) {
-        c.normal = candidates_[k].normal;
+      for (const Way& way : ways) {
+        c.normal = way.normal;
         if (otgEndsAt(c.point->faceNormal, c.normal, c.point->mesh)) continue;
-        c.out = triangles_.wayOut(1, c.probe, c.normal);
-        c.back = triangles_.wayOut(0, c.probe, otgScale(c.normal, -1.0));
-        if (!(c.out + c.back < least && c.out + c.back <= candidates_[k].depth)) continue;
+        const double limit = std::min(least, kWithin * way.depth);
+        c.out = triangles_.wayOut(1, c.probe, c.normal, limit);
+        if (!(c.out < limit)) continue;
+        c.back = triangles_.wayOut(0, c.probe, otgScale(c.normal, -1.0), limit);
+        if (!(c.out + c.back < least && c.out + c.back <= way.depth)) continue;
         least = c.out + c.back;
         best = c;
       }
       if (std::isfinite(least)) addMeasured(best);
     }
+  }
+
+  /// A direction in which candidates leave, and the deepest of them.
+  struct Way {
+    Vec3d normal;
+    double depth;
+  };
+
+  std::vector<Way> waysOfCandidates() const {
+    std::vector<Way> ways;
+    for (const Candidate& c : candidates_) {
+      const auto same = std::find_if(ways.begin(), ways.end(), [&](const Way& w) {
+        return w.normal.x == c.normal.x && w.normal.y == c.normal.y && w.normal.z == c.normal.z;
+      });
+      if (same == ways.end()) {
+        ways.push_back({c.normal, c.depth});
+      } else {
+        same->depth = std::max(same->depth, c.depth);
+      }
+    }
+    return ways;
   }
 
   void addMeasured(Candidate& c) {

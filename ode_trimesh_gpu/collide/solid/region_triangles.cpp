@@ -26,110 +26,125 @@ void RegionTriangles::collect(const PlacedMeshes& meshes, const OverlapRegions& 
   slack_ = OTG_SOLID_ON_EDGE * region.diagonal;
   behind_ = OTG_SOLID_BELOW_SURFACE * region.diagonal;
   triangles_.clear();
+  planes_.clear();
   edges_.clear();
+  edgesAdded_.clear();
   triangles_.reserve(region.pieceEnd - region.pieceBegin);
-  for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
-    const Piece& p = all.pieces[i];
-    RegionTriangle t;
-    t.normal = p.normal;
-    t.offset = p.offset;
-    t.mesh = p.mesh;
-    for (int k = 0; k < 3; ++k) {
-      t.corner[k] = otgSub(meshes.vertex(p.mesh, meshes.mesh(p.mesh).triangles()[p.triangle].v[k]), all.origin);
+  for (int m = 0; m < 2; ++m) {
+    for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
+      if (all.pieces[i].mesh == m) addTriangle(meshes, all.origin, all.pieces[i]);
     }
-    for (int k = 0; k < 3; ++k) {
-      t.inward[k] = unit(otgCross(p.normal, otgSub(t.corner[(k + 1) % 3], t.corner[k])));
-      t.edge[k] = otgDot(t.inward[k], t.corner[k]);
-    }
-    triangles_.push_back(t);
-    addEdges(meshes, t, p.triangle);
+    begin_[m + 1] = triangles_.size();
   }
+  curved_.assign(triangles_.size(), Curved::kUnknown);
 }
 
-void RegionTriangles::addEdges(const PlacedMeshes& meshes, const RegionTriangle& t, std::uint32_t number) {
-  const Topology& topology = meshes.mesh(t.mesh).topology();
+void RegionTriangles::addTriangle(const PlacedMeshes& meshes, const Vec3d& origin, const Piece& piece) {
+  RegionTriangle t;
+  t.normal = piece.normal;
+  t.offset = piece.offset;
+  const auto& v = meshes.mesh(piece.mesh).triangles()[piece.triangle].v;
+  for (int k = 0; k < 3; ++k) t.corner[k] = otgSub(meshes.vertex(piece.mesh, v[k]), origin);
+  for (int k = 0; k < 3; ++k) {
+    t.inward[k] = unit(otgCross(t.normal, otgSub(t.corner[(k + 1) % 3], t.corner[k])));
+    t.edge[k] = otgDot(t.inward[k], t.corner[k]);
+  }
+  triangles_.push_back(t);
+  planes_.push_back({t.normal, t.offset});
+  addEdges(meshes, t, piece.mesh, piece.triangle);
+}
+
+void RegionTriangles::addEdges(const PlacedMeshes& meshes, const RegionTriangle& t, std::uint8_t mesh,
+                               std::uint32_t number) {
+  const Topology& topology = meshes.mesh(mesh).topology();
   for (std::uint32_t k = 0; k < 3; ++k) {
-    const std::uint32_t twin = topology.twin[3 * number + k];
+    const std::uint32_t half = 3 * number + k, twin = topology.twin[half];
     if (twin == kNone) continue;
-    const Vec3d ends = otgSub(t.corner[(k + 1) % 3], t.corner[k]), other = meshes.normal(t.mesh, twin / 3);
+    const Vec3d ends = otgSub(t.corner[(k + 1) % 3], t.corner[k]), other = meshes.normal(mesh, twin / 3);
     if (!(otgDot(otgCross(t.normal, other), ends) > 0)) continue;
-    edges_.push_back(
-        {otgAdd(t.corner[k], otgScale(ends, 0.5)), unit(ends), 0.5 * norm(ends), {t.normal, other}, t.mesh});
+    bool isNew = false;
+    edgesAdded_.insert(std::uint64_t{mesh} << 32 | std::min(half, twin), 0, &isNew);
+    if (!isNew) continue;
+    edges_.push_back({otgAdd(t.corner[k], otgScale(ends, 0.5)), unit(ends), 0.5 * norm(ends), {t.normal, other}, mesh});
   }
 }
 
-bool RegionTriangles::isCurved(const RegionTriangle& t) const {
-  return std::any_of(triangles_.begin(), triangles_.end(), [&](const RegionTriangle& other) {
-    const double cosine = otgDot(other.normal, t.normal);
-    return other.mesh == t.mesh && cosine > OTG_SOLID_SHARP_COSINE && cosine < 1 - 1e-6;
-  });
+bool RegionTriangles::isCurved(int m, std::size_t i) const {
+  if (curved_[i] == Curved::kUnknown) {
+    const auto first = planes_.begin(), begin = first + static_cast<std::ptrdiff_t>(begin_[m]),
+               end = first + static_cast<std::ptrdiff_t>(begin_[m + 1]);
+    const bool is = std::any_of(begin, end, [&](const Plane& other) {
+      const double cosine = otgDot(other.normal, planes_[i].normal);
+      return cosine > OTG_SOLID_SHARP_COSINE && cosine < 1 - 1e-6;
+    });
+    curved_[i] = is ? Curved::kYes : Curved::kNo;
+  }
+  return curved_[i] == Curved::kYes;
 }
 
 const std::vector<RegionTriangles::Exit>& RegionTriangles::exitsOf(int m, const Vec3d& p) {
   exits_.clear();
   distances_.assign(triangles_.size(), kInfinity);
   double nearest = kInfinity;
-  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+  for (std::size_t i = begin_[m]; i < begin_[m + 1]; ++i) {
+    if (depthBelow(i, p) > nearest + slack_) continue;
     const RegionTriangle& t = triangles_[i];
-    const double depth = t.offset - otgDot(t.normal, p);
-    if (t.mesh != m || depth > nearest + slack_) continue;
-    const Vec3d d = otgSub(otgPointOnTriangle(t.corner[0], t.corner[1], t.corner[2], p), p);
-    distances_[i] = norm(d);
+    distances_[i] = norm(otgSub(otgPointOnTriangle(t.corner[0], t.corner[1], t.corner[2], p), p));
     nearest = std::min(nearest, distances_[i]);
   }
-  for (std::size_t i = 0; i < triangles_.size(); ++i) {
-    const RegionTriangle& t = triangles_[i];
-    const double depth = t.offset - otgDot(t.normal, p);
-    if (!(distances_[i] <= nearest * (1 + 1e-9) + slack_) || !(depth > -slack_)) continue;
+  for (std::size_t i = begin_[m]; i < begin_[m + 1]; ++i) {
+    if (!(distances_[i] <= nearest * (1 + 1e-9) + slack_)) continue;
+    const double depth = depthBelow(i, p);
+    const Vec3d& normal = planes_[i].normal;
+    if (!(depth > -slack_)) continue;
     if (std::any_of(exits_.begin(), exits_.end(),
-                    [&](const Exit& e) { return otgDot(e.normal, t.normal) > kSameNormal; }))
+                    [&](const Exit& e) { return otgDot(e.normal, normal) > kSameNormal; }))
       continue;
-    exits_.push_back({t.normal, std::max(depth, 0.0), isCurved(t)});
+    exits_.push_back({normal, std::max(depth, 0.0), isCurved(m, i)});
   }
   return exits_;
 }
 
 std::vector<RegionTriangles::StretchExit> RegionTriangles::facesOver(int m, const Vec3d& from, const Vec3d& to) const {
   std::vector<StretchExit> found;
-  for (const RegionTriangle& t : triangles_) {
-    if (t.mesh != m) continue;
-    const double first = t.offset - otgDot(t.normal, from), last = t.offset - otgDot(t.normal, to);
+  for (std::size_t i = begin_[m]; i < begin_[m + 1]; ++i) {
+    const double first = depthBelow(i, from), last = depthBelow(i, to);
     const double depth = std::max({first, last, 0.0});
     if (std::max(first, last) < -slack_) continue;
+    const RegionTriangle& t = triangles_[i];
     const auto isOver = [&](const Vec3d& p, double way) {
       return t.beside(otgAdd(p, otgScale(t.normal, way))) <= std::max(way, slack_);
     };
     if (!isOver(from, first) && !isOver(to, last)) continue;
-    const StretchExit exit{{t.normal, depth, isCurved(t)}, last > first};
     const auto same = std::find_if(found.begin(), found.end(),
                                    [&](const StretchExit& e) { return otgDot(e.exit.normal, t.normal) > kSameNormal; });
+    if (same != found.end() && !(depth < same->exit.depth)) continue;
+    const StretchExit exit{{t.normal, depth, isCurved(m, i)}, last > first};
     if (same == found.end()) {
       found.push_back(exit);
-    } else if (depth < same->exit.depth) {
+    } else {
       *same = exit;
     }
   }
   return found;
 }
 
-double RegionTriangles::wayOut(int m, const Vec3d& from, const Vec3d& direction) const {
-  double nearest = kInfinity;
-  for (const RegionTriangle& t : triangles_) {
-    const double cosine = otgDot(t.normal, direction);
-    if (t.mesh != m || !(cosine > 0.05)) continue;
-    const double ahead = t.offset - otgDot(t.normal, from);
-    if (ahead < -behind_) continue;
+double RegionTriangles::wayOut(int m, const Vec3d& from, const Vec3d& direction, double limit) const {
+  double nearest = limit;
+  for (std::size_t i = begin_[m]; i < begin_[m + 1]; ++i) {
+    const double cosine = otgDot(planes_[i].normal, direction), ahead = depthBelow(i, from);
+    if (!(cosine > 0.05) || ahead < -behind_ || ahead >= nearest * cosine) continue;
     const double way = std::max(0.0, ahead / cosine);
-    if (way < nearest && t.beside(otgAdd(from, otgScale(direction, way))) <= slack_) nearest = way;
+    if (triangles_[i].beside(otgAdd(from, otgScale(direction, way))) <= slack_) nearest = way;
   }
-  return nearest;
+  return nearest < limit ? nearest : kInfinity;
 }
 
 double RegionTriangles::distanceToFacing(int m, const Vec3d& p, const Vec3d& direction) const {
   double nearest = kInfinity;
-  for (const RegionTriangle& t : triangles_) {
-    if (t.mesh != m || otgDot(t.normal, direction) < OTG_SOLID_FACING) continue;
-    if (std::fabs(t.offset - otgDot(t.normal, p)) >= nearest) continue;
+  for (std::size_t i = begin_[m]; i < begin_[m + 1]; ++i) {
+    if (otgDot(planes_[i].normal, direction) < OTG_SOLID_FACING || std::fabs(depthBelow(i, p)) >= nearest) continue;
+    const RegionTriangle& t = triangles_[i];
     nearest = std::min(nearest, norm(otgSub(otgPointOnTriangle(t.corner[0], t.corner[1], t.corner[2], p), p)));
   }
   return nearest;

@@ -2,9 +2,11 @@
 // The triangles on which a region's pieces lie, for regions whose points must each be measured on the surface itself.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "base/flat_map.h"
 #include "collide/placed_meshes.h"
 #include "collide/solid/overlap_regions.h"
 
@@ -17,7 +19,6 @@ struct RegionTriangle {
   double offset;    ///< normal . x on its plane
   Vec3d inward[3];  ///< unit, in its plane, from each edge to the inside
   double edge[3];   ///< inward . x on each edge
-  std::uint8_t mesh;
   /// How far a point of its plane lies beside it; 0 or less if it lies in it.
   double beside(const Vec3d& p) const;
 };
@@ -57,19 +58,33 @@ class RegionTriangles {
   };
   std::vector<StretchExit> facesOver(int m, const Vec3d& from, const Vec3d& to) const;
 
-  /// Way along a unit direction through the nearest triangle of mesh m that faces along it; infinity if none is met.
-  double wayOut(int m, const Vec3d& from, const Vec3d& direction) const;
+  /// Way along a unit direction through the nearest triangle of mesh m that faces along it; infinity if none is met
+  /// sooner than `limit`.
+  double wayOut(int m, const Vec3d& from, const Vec3d& direction, double limit) const;
 
   /// Distance of a point from the triangles of mesh m that face along a unit direction; infinity if none does.
   double distanceToFacing(int m, const Vec3d& p, const Vec3d& direction) const;
 
  private:
-  bool isCurved(const RegionTriangle& t) const;
+  /// What most triangles are passed over by.
+  struct Plane {
+    Vec3d normal;
+    double offset;
+  };
+  enum class Curved : std::uint8_t { kUnknown, kNo, kYes };
 
-  void addEdges(const PlacedMeshes& meshes, const RegionTriangle& t, std::uint32_t number);
+  double depthBelow(std::size_t i, const Vec3d& p) const { return planes_[i].offset - otgDot(planes_[i].normal, p); }
+  bool isCurved(int m, std::size_t i) const;
 
+  void addTriangle(const PlacedMeshes& meshes, const Vec3d& origin, const Piece& piece);
+  void addEdges(const PlacedMeshes& meshes, const RegionTriangle& t, std::uint8_t mesh, std::uint32_t number);
+
+  std::size_t begin_[3] = {0, 0, 0};  ///< of each mesh's triangles, and the end
   std::vector<RegionTriangle> triangles_;
+  std::vector<Plane> planes_;            ///< of each triangle
+  mutable std::vector<Curved> curved_;   ///< of each triangle, where it has been asked for
   std::vector<RegionEdge> edges_;
+  FlatMap edgesAdded_;
   std::vector<Exit> exits_;
   std::vector<double> distances_;
   double slack_ = 0;   ///< how far beside a triangle still counts as on it
