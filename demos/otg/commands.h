@@ -13,5 +13,6 @@ void addPairsCommand(CLI::App& app, Action& action);
 void addBatchCommand(CLI::App& app, Action& action);
 void addDevicesCommand(CLI::App& app, Action& action);
 void addSimulateCommand(CLI::App& app, Action& action);
+void addSoakCommand(CLI::App& app, Action& action);
 
 }  // namespace otg::cli

@@ -14,6 +14,7 @@ void addCommands(CLI::App& app, otg::cli::Action& action) {
   addPairsCommand(app, action);
   addBatchCommand(app, action);
   addSimulateCommand(app, action);
+  addSoakCommand(app, action);
   app.add_subcommand("bench", kBenchSummary);  // for the list of commands; see hand_over.h
   addDevicesCommand(app, action);
 }

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The program otg as its users meet it, and the mesh readers behind it.
 if(TARGET otg)
-  set(subjects check hostile collide pairs batch simulate heightfield hand_over)
+  set(subjects check hostile collide pairs batch simulate heightfield hand_over soak)
   if(TARGET otg_bench)
     list(APPEND subjects bench)
   endif()

@@ -1,0 +1,62 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Breaks one line of a source tree at random, for scripts/mutate.sh.
+
+    mutate.py TREE SEED    changes one line of TREE; prints FILE:LINE, the old and the new line, separated by tabs
+
+The same seed and tree give the same change. Exit status 2 if the line that was drawn has nothing to break.
+"""
+import random
+import re
+import sys
+from pathlib import Path
+
+# What is looked for, and what takes its place. One match in the line is drawn.
+OPERATORS = [
+    (r"<=", "<"), (r">=", ">"), (r"(?<![<>\-=])<(?![<=])(?= )", "<="), (r"(?<![<>\-=])>(?![>=])(?= )", ">="),
+    (r"==", "!="), (r"!=", "=="), (r"&&", "||"), (r"\|\|", "&&"), (r"(?<=[\w)\]] )\+(?= )", "-"),
+    (r"(?<=[\w)\]] )-(?= )", "+"), (r"(?<= )\*(?= )", "/"), (r"\btrue\b", "false"), (r"\bfalse\b", "true"),
+    (r"\bmin\(", "max("), (r"\bmax\(", "min("), (r"\b0\b(?![.x])", "1"), (r"\b1\b(?![.x])", "2"),
+    (r"\bif \(", "if (false && "), (r"\bif \(", "if (true || "), (r"\bcontinue;", ";"), (r"\bbreak;", ";"),
+]
+# Lines that no test can be asked about: text, includes, declarations of constants' names, asserts, messages.
+PASSED_OVER = re.compile(r"^\s*(//|/?\*|#|static_assert|assert\(|namespace|using|template|\}|$)|case .*:$|\"")
+
+
+def sources(tree):
+    files = sorted(Path(tree).glob("ode_trimesh_gpu/**/*.cpp")) + sorted(Path(tree).glob("ode_trimesh_gpu/**/*.h"))
+    files = [f for f in files if "include/ode_trimesh_gpu" not in str(f)]
+    return files + sorted(Path(tree).glob("kernels/**/*.cl")) + sorted(Path(tree).glob("kernels/**/*.h"))
+
+
+def changes(line):
+    if PASSED_OVER.search(line):
+        return []
+    code = line.split("//")[0]
+    return [(m.start(), m.end(), new) for pattern, new in OPERATORS for m in re.finditer(pattern, code)]
+
+
+def main():
+    tree, draw = sys.argv[1], random.Random(int(sys.argv[2]))
+    files = sources(tree)
+    lines = [f.read_text().splitlines(keepends=True) for f in files]
+    # Every line is as likely as any other, whatever file it is in.
+    place = draw.randrange(sum(len(text) for text in lines))
+    number = 0
+    while place >= len(lines[number]):
+        place -= len(lines[number])
+        number += 1
+    text = lines[number]
+    choices = changes(text[place])
+    if not choices:
+        return 2
+    begin, end, new = draw.choice(choices)
+    old = text[place]
+    text[place] = old[:begin] + new + old[end:]
+    files[number].write_text("".join(text))
+    print(f"{files[number].relative_to(tree)}:{place + 1}\t{old.strip()}\t{text[place].strip()}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
