@@ -53,7 +53,12 @@ Transformd poseOf(const nlohmann::json& value, const std::string& where) {
 BatchScene readScene(const BatchOptions& options) {
   std::ifstream stream(options.scene, std::ios::binary);
   if (!stream) throw InputError(options.scene + ": cannot be opened");
-  const nlohmann::json document = nlohmann::json::parse(stream, nullptr, false);
+  nlohmann::json document;
+  try {
+    document = nlohmann::json::parse(stream);
+  } catch (const nlohmann::json::exception& error) {  // parse_error, or out_of_range for a number that no double is
+    throw InputError(options.scene + ": not valid JSON: " + error.what());
+  }
   if (!document.is_object()) throw InputError(options.scene + ": is no JSON object");
   for (const auto& item : document.items()) {
     if (item.key() != "meshes" && item.key() != "pairs") {

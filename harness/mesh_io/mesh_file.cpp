@@ -7,7 +7,9 @@
 #include <filesystem>
 #include <fstream>
 #include <new>
+#include <numeric>
 
+#include "bvh/cooked_mesh.h"
 #include "mesh_io/gltf_check.h"
 #include "mesh_io/readers.h"
 #include "mesh_io/text.h"
@@ -45,6 +47,21 @@ bool isGltf(const std::string& path) {
 
 namespace {
 
+/// The mesh of a cooked one, its triangles in the order in which they were given. Its tree is not taken along.
+MeshFile readCooked(std::string_view bytes) {
+  const UncookedMesh cooked = uncookMesh({reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()});
+  if (!cooked.mesh) throw std::runtime_error(cooked.error);
+  const TriMesh& mesh = cooked.mesh->mesh();
+  MeshFile file;
+  for (const Vec3f& v : mesh.vertices()) file.vertices.push_back({v.x, v.y, v.z});
+  std::vector<std::uint32_t> order(mesh.triangleCount());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t x, std::uint32_t y) { return mesh.callerTriangle(x) < mesh.callerTriangle(y); });
+  for (const std::uint32_t t : order) file.triangles.push_back(mesh.triangles()[t]);
+  return file;
+}
+
 MeshFile read(const std::string& path, std::string_view bytes) {
   const std::string extension = lowerExtension(path);
   if (extension == ".ply") return readPly(bytes);
@@ -55,6 +72,7 @@ MeshFile read(const std::string& path, std::string_view bytes) {
     checkGltf(bytes, std::filesystem::path(path).parent_path().string());
     return readWithAssimp(path);
   }
+  if (bytes.substr(0, 7) == "OTGMESH") return readCooked(bytes);
   if (bytes.substr(0, 4) == "ply\n" || bytes.substr(0, 4) == "ply\r") return readPly(bytes);
   if (bytes.substr(0, 3) == "OFF") return readOff(bytes);
   return readWithAssimp(path);

@@ -16,7 +16,8 @@ class LoadError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// PLY (text and binary of both byte orders), OFF, STL (text and binary), OBJ through readers of our own; everything
+/// PLY (text and binary of both byte orders), OFF, STL (text and binary), OBJ through readers of our own; cooked meshes,
+/// whose trees are built again; everything
 /// else (glTF first of all, which is checked before: gltf_check.h) through Assimp. Formats without shared vertices
 /// (STL, and what Assimp expands) get equal positions joined, in the order of first appearance. Throws LoadError.
 ///

@@ -140,6 +140,10 @@ class Batch(CliTest):
         self.assert_fails(1, "batch", self.write("text.json", "no json"), says="text.json")
         self.assert_fails(1, "batch", self.path("missing.json"), says="missing.json")
 
+    def test_broken_json_says_where(self):
+        self.assert_fails(1, "batch", self.write("scene.json", '{"meshes": [],\n "pairs": [[0, 0, [1, 2,]]]}'),
+                          says=("scene.json", "line 2, column"))
+
 
 class Devices(CliTest):
     def test_list(self):

@@ -227,6 +227,19 @@ class Collide(CliTest):
         self.assert_fails(2, "collide", mesh)
         self.assert_fails(2, "collide", mesh, mesh, mesh)
 
+    def test_cooked_meshes_are_read_by_every_command(self):
+        mesh = self.write("lump.ply", ply(*lump()))
+        self.run_otg("cook", mesh, "-o", "lump.otg")
+        words = ["--pose", "1.4,0.1,0.3,0.8,0,0.6,0"]
+        expected = self.run_json("collide", mesh, mesh, *words)
+        for a, b in ((mesh, "lump.otg"), ("lump.otg", "lump.otg")):
+            self.assertEqual(self.run_json("collide", a, b, *words)["hash"], expected["hash"])
+            self.assertEqual(self.run_otg("pairs", a, b, *words, "--out", "-").stdout,
+                             self.run_otg("pairs", mesh, mesh, *words, "--out", "-").stdout)
+        with open(self.path("lump.otg"), "r+b") as file:
+            file.truncate(1000)
+        self.assert_fails(1, "collide", "lump.otg", mesh, *words, says="lump.otg: ")
+
     def test_bad_meshes(self):
         mesh = self.writeBox()
         self.assert_fails(1, "collide", mesh, "missing.ply", says="missing.ply")

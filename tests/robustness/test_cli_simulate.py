@@ -235,6 +235,11 @@ class BadScenes(CliTest):
         self.refuse("{\"bodies\": [", "JSON")
         self.refuse("[]", "object")
 
+    def test_a_misspelt_key_names_the_one_that_was_meant(self):
+        self.refuse({"bodies": [], "gravty": [0, 0, -9]}, "gravty", "did you mean 'gravity'")
+        self.refuse(self.body(frction=1), "bodies[0]")
+        self.refuse(self.body(colro=[1, 1, 1]), "bodies[0]", "did you mean 'color'")
+
     def test_unknown_keys(self):
         self.refuse({"bodies": [], "gravitation": 1}, "gravitation")
         self.refuse(self.body(colour=[1, 1, 1]), "colour", "bodies[0]")
