@@ -10,6 +10,11 @@ if(TARGET otg)
       COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_cli_${subject}.py" "$<TARGET_FILE:otg>")
     set_tests_properties(robustness.cli_${subject} PROPERTIES LABELS robustness TIMEOUT 600)
   endforeach()
+  if(TARGET otg_bench)
+    add_test(NAME robustness.documented_commands
+      COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_documented_commands.py" "$<TARGET_FILE:otg>")
+    set_tests_properties(robustness.documented_commands PROPERTIES LABELS robustness)
+  endif()
   otg_add_test(mesh_files robustness SOURCES test_mesh_files.cpp LIBRARIES otg_mesh_io)
 endif()
 

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Command lines in README.md and docs/: their commands, options and scripts exist.
+
+They are not run: many need hours, files or a GPU. Run as: python3 test_documented_commands.py PATH_OF_OTG"""
+import pathlib
+import re
+import subprocess
+import sys
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+OTG = None
+PAGES = sorted([ROOT / "README.md", *ROOT.glob("docs/**/*.md")])
+# A command stands in code: a line of a block, or between backticks.
+COMMAND = re.compile(r"(?:^|[\s`])(?:build/bin/)?otg((?: [^\s`|]+)+)")
+
+
+def lines_of_code(text):
+    """(number of the line, code) for indented lines, fenced lines and what stands between backticks."""
+    fenced = False
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.startswith("```"):
+            fenced = not fenced
+        elif fenced or line.startswith("    "):
+            yield number, line.split("  #")[0]
+        else:
+            for code in re.findall(r"`([^`]+)`", line):
+                yield number, code
+
+
+def commands():
+    for page in PAGES:
+        for number, code in lines_of_code(page.read_text()):
+            for words in COMMAND.findall(code):
+                yield "%s:%d" % (page.relative_to(ROOT), number), words.split()
+
+
+class Help:
+    """What `otg ... --help` says, once for each command."""
+    texts = {}
+
+    @classmethod
+    def of(cls, *command):
+        if command not in cls.texts:
+            run = subprocess.run([OTG, *command, "--help"], capture_output=True, text=True, timeout=60)
+            cls.texts[command] = run.stdout if run.returncode == 0 else ""
+        return cls.texts[command]
+
+
+class DocumentedCommands(unittest.TestCase):
+    def test_commands_and_options_exist(self):
+        seen = 0
+        for place, words in commands():
+            name = words[:2] if words[0] == "bench" and len(words) > 1 and not words[1].startswith("-") else words[:1]
+            if not re.fullmatch(r"[a-z]+", name[-1]):
+                continue  # otg CMD, otg ...
+            with self.subTest(place=place, command=" ".join(words)):
+                text = Help.of(*name)
+                self.assertNotEqual(text, "", "there is no such command")
+                for option in re.findall(r"(?<![\w-])--?[a-z][\w-]*", " ".join(words[len(name):])):
+                    self.assertRegex(text, r"(?<![\w-])%s(?![\w-])" % re.escape(option))
+                seen += 1
+        self.assertGreater(seen, 40)
+
+    def test_scripts_exist(self):
+        seen = 0
+        for page in PAGES:
+            for name in re.findall(r"scripts/[\w./-]+\.(?:sh|py)", page.read_text()):
+                seen += 1
+                self.assertTrue((ROOT / name).is_file(), "%s names %s" % (page.relative_to(ROOT), name))
+        self.assertGreater(seen, 5)
+
+
+if __name__ == "__main__":
+    OTG = sys.argv.pop(1)
+    unittest.main()
