@@ -5,8 +5,10 @@
 #include <exception>
 #include <iostream>
 #include <new>
+#include <string>
 
 #include "ode/base/environment_report.h"
+#include "ode_trimesh_gpu/version.h"
 
 namespace otg::cli {
 
@@ -20,6 +22,7 @@ int runProgram(const char* name, const char* summary, void (*addCommands)(CLI::A
   try {
     CLI::App app(summary, name);
     app.require_subcommand(1);
+    app.set_version_flag("--version", std::string("ode_trimesh_gpu ") + dGpuTriMeshGetVersion());
     Action action;
     addCommands(app, action);
     try {

@@ -31,5 +31,6 @@
 #include "report.h"
 #include "stats.h"
 #include "trimesh_data.h"
+#include "version.h"
 
 #endif /* ODE_TRIMESH_GPU_H */

@@ -11,6 +11,7 @@
 #include "ode/geom/class_number.h"
 #include "ode/library/class_registration.h"
 #include "ode_trimesh_gpu/backend.h"
+#include "ode_trimesh_gpu/version.h"
 
 namespace otg {
 namespace {
@@ -46,6 +47,13 @@ int dGpuTriMeshGetClass(void) {
 
 int dGpuTriMeshGetError(void) {
   return otg::takeStatus();
+}
+
+#define OTG_TEXT_OF(number) #number
+#define OTG_VERSION_TEXT(major, minor, patch) OTG_TEXT_OF(major) "." OTG_TEXT_OF(minor) "." OTG_TEXT_OF(patch)
+
+const char* dGpuTriMeshGetVersion(void) {
+  return OTG_VERSION_TEXT(dGPUTRIMESH_VERSION_MAJOR, dGPUTRIMESH_VERSION_MINOR, dGPUTRIMESH_VERSION_PATCH);
 }
 
 const char* dGpuTriMeshErrorString(int status) {
