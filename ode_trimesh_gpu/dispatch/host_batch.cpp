@@ -5,7 +5,9 @@
 #include <numeric>
 #include <vector>
 
+#include "collide/boxes_apart.h"
 #include "collide/convex/convex_pair_contacts.h"
+#include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
 #include "dispatch/threads/workspace_lease.h"
 
@@ -58,6 +60,11 @@ bool isConvexJob(const PairJob& job) {
 }
 
 std::span<const Contact> collideOnHost(const PairJob& job, Workspace& workspace) {
+  if (meetsNothing(job.query)) {
+    workspace.clear();
+    rememberPlain(job.query, false, {0, 0, 0});
+    return {};
+  }
   if (isConvexJob(job) && collideConvexPair(job.query, workspace)) {
     numberAsCaller(job.query, workspace);
     return workspace.reduced;

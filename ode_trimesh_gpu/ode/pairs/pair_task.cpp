@@ -23,24 +23,9 @@ Vec3d toDouble(const Vec3f& v) {
   return {v.x, v.y, v.z};
 }
 
-/// Whether the bounding spheres are so far apart that nothing can touch. Keeps numbers that single precision can't hold
-/// away from the filters, and answers far pairs (dCollide called without a space) at once.
-bool isFarApart(const CollisionMesh& a, const CollisionMesh& b, const Transformd& bInA) {
-  const Vec3d centerA = toDouble(a.mesh().center());
-  const Vec3d centerB = otgTransform(bInA, toDouble(b.mesh().center()));
-  double stretch = 0;  // Frobenius: no less than the factor by which bInA can stretch, should it not be a rotation
-  for (const double r : bInA.r) stretch += r * r;
-  const double reach =
-      static_cast<double>(a.mesh().radius()) + std::sqrt(stretch) * static_cast<double>(b.mesh().radius());
-  const double slack =
-      1e-9 * (reach + norm(centerA) + norm(bInA.t) + std::sqrt(stretch) * norm(toDouble(b.mesh().center())));
-  const double distance = norm(otgSub(centerB, centerA));
-  return !(distance <= reach + slack) || !(reach + slack <= 1e30);
-}
-
 struct Side {
   const MeshGeom& side;
-  WorldPose pose;
+  WorldPose& pose;
 };
 
 /// Velocity of A's body relative to B's at the middle of B's mesh, in A's frame. ODE's velocities are the world's.
@@ -90,6 +75,19 @@ WorldBox boxOf(const MeshGeom& side, const Transformd& pose) {
 }
 
 }  // namespace
+
+bool isFarApart(const CollisionMesh& a, const CollisionMesh& b, const Transformd& bInA) {
+  const Vec3d centerA = toDouble(a.mesh().center());
+  const Vec3d centerB = otgTransform(bInA, toDouble(b.mesh().center()));
+  double stretch = 0;  // Frobenius: no less than the factor by which bInA can stretch, should it not be a rotation
+  for (const double r : bInA.r) stretch += r * r;
+  const double reach =
+      static_cast<double>(a.mesh().radius()) + std::sqrt(stretch) * static_cast<double>(b.mesh().radius());
+  const double slack =
+      1e-9 * (reach + norm(centerA) + norm(bInA.t) + std::sqrt(stretch) * norm(toDouble(b.mesh().center())));
+  const double distance = norm(otgSub(centerB, centerA));
+  return !(distance <= reach + slack) || !(reach + slack <= 1e30);
+}
 
 WorldBox boxOfSolid(const MeshGeom& side, const Transformd& pose) {
   return isSolid(side.mesh->mesh()) ? boxOf(side, pose) : WorldBox{};
@@ -216,13 +214,17 @@ Placement pairPlacement(const dGpuTriMeshParams& first, const dGpuTriMeshParams&
 }
 
 void preparePair(MeshGeom&& from1, MeshGeom&& from2, PairTask& task) noexcept {
+  PairPoses poses{readPose(from1.geom), readPose(from2.geom)};
+  preparePair(std::move(from1), std::move(from2), poses, task);
+}
+
+void preparePair(MeshGeom&& from1, MeshGeom&& from2, PairPoses& poses, PairTask& task) noexcept {
   task.side1 = std::move(from1);
   task.side2 = std::move(from2);
   task.state = PairTask::State::kNothing;
   const CollisionMesh *const mesh1 = task.side1.mesh, *const mesh2 = task.side2.mesh;
   if (mesh1 == nullptr || mesh2 == nullptr || mesh1->tree().nodes.empty() || mesh2->tree().nodes.empty()) return;
-  Side side1{task.side1, readPose(task.side1.geom)};
-  Side side2{task.side2, readPose(task.side2.geom)};
+  const Side side1{task.side1, poses.first}, side2{task.side2, poses.second};
   // Each by itself: a scale of 2 and one of 1/2 make a relative pose that looks rigid.
   if (!side1.pose.rigid || !side2.pose.rigid) {
     task.state = PairTask::State::kBadPose;
