@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "collide/boxes_apart.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "collide/pair_history.h"
@@ -18,7 +19,7 @@ struct Box {
     const float centers[3] = {center.x, center.y, center.z};
     for (int i = 0; i < 3; ++i) {
       middle[i] = centers[i];
-      half[i] = std::fmax(highs[i] - middle[i], middle[i] - lows[i]);
+      half[i] = std::max(highs[i] - middle[i], middle[i] - lows[i]);
     }
   }
 };

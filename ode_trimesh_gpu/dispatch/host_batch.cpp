@@ -60,17 +60,19 @@ bool isConvexJob(const PairJob& job) {
 }
 
 std::span<const Contact> collideOnHost(const PairJob& job, Workspace& workspace) {
-  if (meetsNothing(job.query)) {
-    workspace.clear();
-    rememberPlain(job.query, false, {0, 0, 0});
-    return {};
-  }
   if (isConvexJob(job) && collideConvexPair(job.query, workspace)) {
     numberAsCaller(job.query, workspace);
     return workspace.reduced;
   }
   findIntersectingPairs(job.query, workspace);
   return contactsOnHost(job, workspace);
+}
+
+std::span<const Contact> collideOfMany(const PairJob& job, Workspace& workspace) {
+  if (!meetsNothing(job.query)) return collideOnHost(job, workspace);
+  workspace.clear();
+  rememberPlain(job.query, false, {0, 0, 0});
+  return {};
 }
 
 void runByPool(ThreadPool& pool, std::span<const PairWork> work, std::span<const std::size_t> which,

@@ -287,18 +287,18 @@ class ConvexSolver {
       return x.element != y.element ? x.element < y.element : x.ordinal < y.ordinal;
     });
     for (const ConvexPlace& p : scratch_.places) {
-      Contact contact{p.at,
-                      otgScale(axis_.m, -1.0),
-                      p.depth,
-                      triangleAt(0, p.cornerA, p.at),
-                      triangleAt(1, p.cornerB, p.at),
-                      0,
-                      static_cast<ContactFeature>(p.feature)};
+      Contact& contact = workspace_.contacts.emplace_back();
+      contact.position = p.at;
+      contact.normal = out(1);
+      contact.depth = p.depth;
+      contact.triangleA = triangleAt(0, p.cornerA, p.at);
+      contact.triangleB = triangleAt(1, p.cornerB, p.at);
+      contact.region = 0;
+      contact.feature = static_cast<ContactFeature>(p.feature);
       if (kindOf(p) != OTG_POINT_CROSSING) contact.flags |= kContactInside;
       contact.element = p.element;
       contact.ordinal = p.ordinal;
       contact.coherence = 1;
-      workspace_.contacts.push_back(contact);
     }
   }
 

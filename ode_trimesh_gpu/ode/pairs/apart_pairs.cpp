@@ -18,7 +18,7 @@ GeomObject& youngerOf(GeomObject& x, GeomObject& y) {
 
 }  // namespace
 
-Nearness nearnessOf(const MeshGeom& side1, const MeshGeom& side2, const PairPoses& poses) {
+Nearness nearnessOf(const MeshGeom& side1, const MeshGeom& side2, PairPoses& poses) {
   GeomObject &first = *side1.object, &second = *side2.object;
   if (side1.mesh == nullptr || side2.mesh == nullptr || !poses.first.rigid || !poses.second.rigid) {
     return Nearness::kMayMeet;
@@ -30,11 +30,14 @@ Nearness nearnessOf(const MeshGeom& side1, const MeshGeom& side2, const PairPose
   const PrefetchedPairs* const ready = youngerOf(first, second).prefetched.get();
   if (ready != nullptr && !ready->empty()) return Nearness::kMayMeet;
   const Transformd between = relativePose(poses.first.transform, poses.second.transform);
-  if (isFarApart(*side1.mesh, *side2.mesh, between)) return Nearness::kFar;
   const bool asksNoMore = (isSolid(mesh1) && isSolid(mesh2)) || isPairwiseGeom(first) || isPairwiseGeom(second);
-  if (!asksNoMore) return Nearness::kMayMeet;
   const double defect = poses.first.defect + poses.second.defect * (1 + poses.first.defect);
-  return areBoxesApart(mesh1, mesh2, between, defect) ? Nearness::kApart : Nearness::kMayMeet;
+  const auto isFar = [&] { return isFarApart(*side1.mesh, *side2.mesh, between); };
+  if (!asksNoMore) return isFar() ? Nearness::kFar : Nearness::kMayMeet;
+  if (areBoxesApart(mesh1, mesh2, between, defect)) return isFar() ? Nearness::kFar : Nearness::kApart;
+  constexpr double kOrdinary = 1e18;  // balls that are not apart, of bodies that single precision holds
+  poses.areNear = static_cast<double>(mesh1.radius()) + static_cast<double>(mesh2.radius()) < kOrdinary;
+  return Nearness::kMayMeet;
 }
 
 void endApart(const MeshGeom& side1, const MeshGeom& side2) {

@@ -13,8 +13,8 @@ enum class Nearness : std::uint8_t {
   kApart     ///< likewise, and what is remembered of the pair ends
 };
 
-/// The meshes are taken, and the geoms in use.
-Nearness nearnessOf(const MeshGeom& side1, const MeshGeom& side2, const PairPoses& poses);
+/// The meshes are taken, and the geoms in use. May set poses.areNear.
+Nearness nearnessOf(const MeshGeom& side1, const MeshGeom& side2, PairPoses& poses);
 
 /// A pair that is kApart has been asked about.
 void endApart(const MeshGeom& side1, const MeshGeom& side2);

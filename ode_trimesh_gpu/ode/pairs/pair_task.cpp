@@ -5,8 +5,10 @@
 #include <ode/objects.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
+#include <new>
 
 #include "base/vectors.h"
 #include "collide/pair_history.h"
@@ -104,18 +106,25 @@ void writeContact(const Contact& from, const ContactFrame& frame, void* to) {
   // ODE lets rotation matrices drift a little; the contact joint takes the length of the normal for granted.
   const double scale = (first ? 1.0 : -1.0) / norm(normal);
   normal = otgScale(normal, scale);
+  const auto fill = [&](dContactGeom& contact) {
+    contact.pos[0] = static_cast<dReal>(position.x);
+    contact.pos[1] = static_cast<dReal>(position.y);
+    contact.pos[2] = static_cast<dReal>(position.z);
+    contact.normal[0] = static_cast<dReal>(normal.x);
+    contact.normal[1] = static_cast<dReal>(normal.y);
+    contact.normal[2] = static_cast<dReal>(normal.z);
+    contact.depth = static_cast<dReal>(std::max(from.depth, 0.0));
+    contact.g1 = frame.o1;
+    contact.g2 = frame.o2;
+    contact.side1 = static_cast<int>(first ? from.triangleA : from.triangleB);
+    contact.side2 = static_cast<int>(first ? from.triangleB : from.triangleA);
+  };
+  if (std::bit_cast<std::uintptr_t>(to) % alignof(dContactGeom) == 0) {
+    fill(*new (to) dContactGeom{});
+    return;
+  }
   dContactGeom contact{};
-  contact.pos[0] = static_cast<dReal>(position.x);
-  contact.pos[1] = static_cast<dReal>(position.y);
-  contact.pos[2] = static_cast<dReal>(position.z);
-  contact.normal[0] = static_cast<dReal>(normal.x);
-  contact.normal[1] = static_cast<dReal>(normal.y);
-  contact.normal[2] = static_cast<dReal>(normal.z);
-  contact.depth = static_cast<dReal>(std::max(from.depth, 0.0));
-  contact.g1 = frame.o1;
-  contact.g2 = frame.o2;
-  contact.side1 = static_cast<int>(first ? from.triangleA : from.triangleB);
-  contact.side2 = static_cast<int>(first ? from.triangleB : from.triangleA);
+  fill(contact);
   std::memcpy(to, &contact, sizeof(contact));
 }
 
@@ -214,7 +223,7 @@ Placement pairPlacement(const dGpuTriMeshParams& first, const dGpuTriMeshParams&
 }
 
 void preparePair(MeshGeom&& from1, MeshGeom&& from2, PairTask& task) noexcept {
-  PairPoses poses{readPose(from1.geom), readPose(from2.geom)};
+  PairPoses poses{readPose(from1.geom), readPose(from2.geom), false};
   preparePair(std::move(from1), std::move(from2), poses, task);
 }
 
@@ -251,7 +260,7 @@ void preparePair(MeshGeom&& from1, MeshGeom&& from2, PairPoses& poses, PairTask&
   query.a = a.side.mesh;
   query.b = b.side.mesh;
   query.bInA = relativePose(a.pose.transform, b.pose.transform);
-  if (isFarApart(*query.a, *query.b, query.bInA)) return;
+  if (!poses.areNear && isFarApart(*query.a, *query.b, query.bInA)) return;
   query.options = pairOptions(older.params, younger.params);
   task.job.place = pairPlacement(older.params, younger.params, dispatcher().placement());
   task.job.byLevels = older.params.traversal == dGPUTRIMESH_TRAVERSAL_LEVELS;

@@ -99,6 +99,7 @@ void preparePair(MeshGeom&& side1, MeshGeom&& side2, PairTask& task) noexcept;
 /// With poses that were read before. Pieces of a whole get the pose of that.
 struct PairPoses {
   WorldPose first, second;
+  bool areNear = false;  ///< the pair is known not to be far apart
 };
 void preparePair(MeshGeom&& side1, MeshGeom&& side2, PairPoses& poses, PairTask& task) noexcept;
 
