@@ -86,7 +86,15 @@ struct PlaneScratch {
   EpochArray seen;
   std::vector<Below> found;
 };
-thread_local PlaneScratch planeScratch;
+/// The thread's is gone: programs may collide in the destructors of their own globals.
+thread_local bool planeScratchHasEnded = false;
+struct KeptPlaneScratch : PlaneScratch {
+  KeptPlaneScratch() = default;
+  ~KeptPlaneScratch() { planeScratchHasEnded = true; }
+  KeptPlaneScratch(const KeptPlaneScratch&) = delete;
+  KeptPlaneScratch& operator=(const KeptPlaneScratch&) = delete;
+};
+thread_local KeptPlaneScratch planeScratch;
 
 /// The corners below, from the deepest one on over edges: on a convex body they hang together.
 void cornersBelow(const ConvexPolyhedron& body, const HalfSpace& plane, PlaneScratch& scratch) {
@@ -128,7 +136,8 @@ bool isBeforeInAnswer(const Contact& x, const Contact& y) {
 
 void planeContacts(const CollisionMesh& tree, const HalfSpace& plane, int perRegion, std::vector<Contact>& out) {
   if (const ConvexPolyhedron* const body = tree.convex(); body != nullptr && body->convexity() == Convexity::kExact) {
-    PlaneScratch& scratch = planeScratch;
+    PlaneScratch own;
+    PlaneScratch& scratch = planeScratchHasEnded ? own : planeScratch;
     cornersBelow(*body, plane, scratch);
     if (scratch.found.empty()) return;
     const std::size_t count =
