@@ -22,8 +22,8 @@ bool isRotationWithin(const Transformd& pose, double most, double& bound) {
                zz = r[2] * r[2] + r[5] * r[5] + r[8] * r[8] - 1, xy = r[0] * r[1] + r[3] * r[4] + r[6] * r[7],
                xz = r[0] * r[2] + r[3] * r[5] + r[6] * r[8], yz = r[1] * r[2] + r[4] * r[5] + r[7] * r[8];
   const double squares = (xx * xx + yy * yy) + (zz * zz + 2 * (xy * xy + (xz * xz + yz * yz)));
-  const double determinant = (r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6])) +
-                             r[2] * (r[3] * r[7] - r[4] * r[6]);
+  const double determinant =
+      (r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6])) + r[2] * (r[3] * r[7] - r[4] * r[6]);
   constexpr double kShare = 0.9;  // squares rounds otherwise than in rotationDefect()
   if (kOfRounding <= most && squares <= kShare * kOfRounding * kOfRounding && determinant > 0) {
     bound = kOfRounding;
