@@ -38,6 +38,7 @@ void addBenchmarks(CLI::App& bench, Action& action) {
   addBenchTessellations(bench, action);
   addBenchTerrain(bench, action);
   addBenchSmall(bench, action);
+  addBenchWorld(bench, action);
   addBenchHeightfield(bench, action);
   addBenchQueries(bench, action);
   addBenchContours(bench, action);

@@ -218,12 +218,8 @@ void middlePhase(const Query& query, Workspace& workspace) {
   using Clock = std::chrono::steady_clock;
   const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
   // Nothing of the query before may pass for an answer to this one, should it be refused.
-  workspace.candidates.clear();
-  workspace.intersecting.clear();
-  workspace.contacts.clear();
-  workspace.reduced.clear();
+  workspace.clear();
   CollideStats& stats = workspace.stats;
-  stats = {};
   requireRigid(query.bInA);
   if (query.a->mesh().triangleCount() == 0 || query.b->mesh().triangleCount() == 0) return;
   const PairFrame frame = makePairFrame(query);

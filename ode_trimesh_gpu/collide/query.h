@@ -117,6 +117,8 @@ struct Workspace {
   ~Workspace();
   Workspace(Workspace&&) noexcept;
   Workspace& operator=(Workspace&&) noexcept;
+  /// No results.
+  void clear();
   std::vector<TrianglePair> candidates;    ///< of the last query, in the order of traversal
   std::vector<TrianglePair> undecided;     ///< scratch of the near phase: candidates of which float cannot tell
   std::vector<TrianglePair> intersecting;  ///< ascending

@@ -20,6 +20,10 @@ constexpr double kRelativeRotationTolerance = OTG_RELATIVE_ROTATION_TOLERANCE;
 /// (The norm of R R^T - 1 is the same.)
 double rotationDefect(const Transformd& pose);
 
+/// Whether rotationDefect() is at most `most`, and a number that it does not exceed -> `bound`. Quicker where the
+/// matrix is a rotation but for rounding, as most are.
+bool isRotationWithin(const Transformd& pose, double most, double& bound);
+
 /// Throws std::invalid_argument unless the pose is finite and its defect at most kRelativeRotationTolerance.
 void requireRigid(const Transformd& bInA);
 

@@ -2,6 +2,8 @@
 // Parameters of the object-level contact model, and what it may remember of a pair.
 #pragma once
 
+#include <cstdint>
+
 #include "shared/math/vec3.h"
 
 namespace otg {
@@ -33,9 +35,20 @@ struct SolidHistory {
     int side = 0;
     Vec3d front{0, 0, 0};
   };
+  /// The direction that a convex pair had last: where to look first. No answer depends on it, so it is not part of
+  /// what is saved.
+  struct KeptAxis {
+    std::uint64_t a = 0, b = 0;  ///< ConvexPolyhedron::stamp() of the two bodies; 0 for none
+    Transformd pose{};
+    Vec3d m{0, 0, 0};  ///< as in ConvexAxis, as are the others
+    double overlap = 0;
+    std::uint32_t face = 0;
+    std::uint8_t of = 0;
+  };
   State before;   ///< what the last query started from
   State current;  ///< what it left
   bool used = false;
+  KeptAxis kept;
 
   static constexpr int kEscapeQueries = 50;
   static constexpr int kClampQueries = 20;

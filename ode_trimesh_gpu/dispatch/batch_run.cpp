@@ -237,7 +237,7 @@ class BatchRun {
       const PairJob& job = *pairs_[i].job;
       PairResult& result = *pairs_[i].result;
       keepOutcome(result, workspace, [&] {
-        if (slotOf_.empty() || slotOf_[i] == nullptr) return collideOnHost(job, workspace);
+        if (slotOf_.empty() || slotOf_[i] == nullptr) return collideOfMany(job, workspace);
         if (job.place == Placement{}) {  // it was found to be sooner there
           PairJob placed = job;
           placed.place = {Place::kOpencl, Place::kOpencl};

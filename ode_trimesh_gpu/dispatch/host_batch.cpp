@@ -5,7 +5,9 @@
 #include <numeric>
 #include <vector>
 
+#include "collide/boxes_apart.h"
 #include "collide/convex/convex_pair_contacts.h"
+#include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
 #include "dispatch/threads/workspace_lease.h"
 
@@ -64,6 +66,13 @@ std::span<const Contact> collideOnHost(const PairJob& job, Workspace& workspace)
   }
   findIntersectingPairs(job.query, workspace);
   return contactsOnHost(job, workspace);
+}
+
+std::span<const Contact> collideOfMany(const PairJob& job, Workspace& workspace) {
+  if (!meetsNothing(job.query)) return collideOnHost(job, workspace);
+  workspace.clear();
+  rememberPlain(job.query, false, {0, 0, 0});
+  return {};
 }
 
 void runByPool(ThreadPool& pool, std::span<const PairWork> work, std::span<const std::size_t> which,

@@ -17,6 +17,10 @@ namespace otg {
 /// otg::collide throws.
 std::span<const Contact> collideOnHost(const PairJob& job, Workspace& workspace);
 
+/// The same for a job of a batch, whose pairs nobody has looked at before: those that cannot meet end at once. (A
+/// single dCollide() finds them out before it makes a job.)
+std::span<const Contact> collideOfMany(const PairJob& job, Workspace& workspace);
+
 /// Whether a job is the host's alone, and needs no triangles: isConvexPair(), all of whose contacts are asked for.
 bool isConvexJob(const PairJob& job);
 

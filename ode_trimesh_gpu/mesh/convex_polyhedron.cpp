@@ -2,6 +2,7 @@
 #include "mesh/convex_polyhedron.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "base/vectors.h"
@@ -79,6 +80,9 @@ class PolyhedronBuilder {
     if (!isThickAndConvex()) return nullptr;
     collectDirections();
     fillStarts();
+    findBox();
+    static std::atomic<std::uint64_t> stamps{0};
+    out_.stamp_ = stamps.fetch_add(1, std::memory_order_relaxed) + 1;
     return std::make_unique<const ConvexPolyhedron>(std::move(out_));
   }
 
@@ -186,6 +190,11 @@ class PolyhedronBuilder {
       out_.vertices_.push_back(place(v));
       out_.meshVertex_.push_back(v);
     }
+    out_.leastTriangle_.assign(out_.vertices_.size(), kNone);
+    for (std::uint32_t half = 0; half < halves; ++half) {
+      const std::uint32_t v = numberOf[startOf(half)];
+      if (v != kNone) out_.leastTriangle_[v] = std::min(out_.leastTriangle_[v], half / 3);
+    }
     for (std::uint32_t face = 0; face < faceCount_; ++face) {
       const std::uint32_t first = firstRim[face];
       const auto begin = static_cast<std::uint32_t>(out_.corners_.size());
@@ -290,6 +299,33 @@ class PolyhedronBuilder {
       }
       out_.directions_.push_back(along);
     }
+  }
+
+  void findBox() {
+    constexpr std::size_t kFaces = 6, kVertices = 8;
+    if (faceCount_ != kFaces || out_.vertices_.size() != kVertices) return;
+    Vec3d low = out_.vertices_[0], high = low;
+    for (const Vec3d& v : out_.vertices_) {
+      low = {std::min(low.x, v.x), std::min(low.y, v.y), std::min(low.z, v.z)};
+      high = {std::max(high.x, v.x), std::max(high.y, v.y), std::max(high.z, v.z)};
+    }
+    const auto isEnd = [](double x, double least, double most) { return x == least || x == most; };
+    for (const Vec3d& v : out_.vertices_) {
+      if (!isEnd(v.x, low.x, high.x) || !isEnd(v.y, low.y, high.y) || !isEnd(v.z, low.z, high.z)) return;
+    }
+    ConvexPolyhedron::Box box{(low + high) * 0.5, (high - low) * 0.5, {{kNone, kNone}, {kNone, kNone}, {kNone, kNone}}};
+    for (std::uint32_t f = 0; f < faceCount_; ++f) {
+      const Vec3d& n = out_.faces_[f].normal;
+      const double along[3] = {n.x, n.y, n.z};
+      constexpr double kAcross = 0.9;
+      for (int axis = 0; axis < 3; ++axis) {
+        if (std::fabs(along[axis]) > kAcross) box.face[axis][along[axis] > 0] = f;
+      }
+    }
+    for (const auto& pair : box.face) {
+      if (pair[0] == kNone || pair[1] == kNone) return;
+    }
+    out_.box_ = box;
   }
 
   void fillStarts() {

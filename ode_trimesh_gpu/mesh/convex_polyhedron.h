@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -32,7 +33,8 @@ class ConvexPolyhedron {
   };
 
   std::span<const Vec3d> vertices() const { return vertices_; }
-  std::uint32_t meshVertex(std::uint32_t v) const { return meshVertex_[v]; }  ///< welded
+  std::uint32_t meshVertex(std::uint32_t v) const { return meshVertex_[v]; }        ///< welded
+  std::uint32_t leastTriangle(std::uint32_t v) const { return leastTriangle_[v]; }  ///< of the mesh, that has it
   std::size_t faceCount() const { return faces_.size() - 1; }
   const Face& face(std::uint32_t f) const { return faces_[f]; }
   std::span<const Corner> corners(std::uint32_t f) const {
@@ -56,6 +58,15 @@ class ConvexPolyhedron {
   };
   Reach reach(const Vec3d& direction) const;
 
+  /// A box along the axes of the mesh's frame: exactly, so that it has all its corners.
+  struct Box {
+    Vec3d middle, half;
+    std::uint32_t face[3][2];  ///< across each axis, the one that faces down it and the one that faces up
+  };
+  const Box* box() const { return box_ ? &*box_ : nullptr; }
+  /// No other polyhedron of the process has had it. It tells polyhedra apart and orders nothing.
+  std::uint64_t stamp() const { return stamp_; }
+
   Convexity convexity() const { return convexity_; }
 
  private:
@@ -65,9 +76,11 @@ class ConvexPolyhedron {
   std::size_t cellOf(const Vec3d& direction) const;
 
   Convexity convexity_ = Convexity::kNone;
+  std::optional<Box> box_;
+  std::uint64_t stamp_ = 0;
   std::vector<Vec3d> vertices_;
   std::vector<double> x_, y_, z_;  ///< of the vertices, if there are up to kMostScanned
-  std::vector<std::uint32_t> meshVertex_;
+  std::vector<std::uint32_t> meshVertex_, leastTriangle_;
   std::vector<Face> faces_;  ///< and one more that ends the last
   std::vector<Corner> corners_;
   std::vector<std::uint32_t> firstCornerAt_, cornersAt_, neighbours_;

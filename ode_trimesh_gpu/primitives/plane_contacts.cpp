@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/epoch_array.h"
 #include "base/flat_map.h"
 #include "base/union_find.h"
 #include "base/vectors.h"
@@ -80,9 +81,71 @@ std::size_t chooseSpread(std::vector<Below>::iterator begin, std::vector<Below>:
   return count;
 }
 
+/// Memory that is kept from query to query.
+struct PlaneScratch {
+  EpochArray seen;
+  std::vector<Below> found;
+};
+/// The thread's is gone: programs may collide in the destructors of their own globals.
+thread_local bool planeScratchHasEnded = false;
+struct KeptPlaneScratch : PlaneScratch {
+  KeptPlaneScratch() = default;
+  ~KeptPlaneScratch() { planeScratchHasEnded = true; }
+  KeptPlaneScratch(const KeptPlaneScratch&) = delete;
+  KeptPlaneScratch& operator=(const KeptPlaneScratch&) = delete;
+};
+thread_local KeptPlaneScratch planeScratch;
+
+/// The corners below, from the deepest one on over edges: on a convex body they hang together.
+void cornersBelow(const ConvexPolyhedron& body, const HalfSpace& plane, PlaneScratch& scratch) {
+  scratch.found.clear();
+  const auto depthOf = [&](std::uint32_t v) { return plane.offset - otgDot(plane.normal, body.vertices()[v]); };
+  const auto add = [&](std::uint32_t v, double depth) {
+    scratch.seen.set(v, static_cast<std::uint32_t>(scratch.found.size()));
+    // Its own number until it has been looked around from.
+    scratch.found.push_back({body.vertices()[v], depth, v, body.leastTriangle(v)});
+  };
+  const std::uint32_t deepest = body.support(otgScale(plane.normal, -1.0));
+  const double most = depthOf(deepest);
+  if (!(most >= 0)) return;
+  scratch.seen.reset(body.vertices().size());
+  add(deepest, most);
+  for (std::size_t i = 0; i < scratch.found.size(); ++i) {
+    const std::uint32_t v = scratch.found[i].vertex;
+    scratch.found[i].vertex = body.meshVertex(v);
+    for (const std::uint32_t c : body.cornersAt(v)) {
+      const std::uint32_t next = body.corner(c).next;
+      if (scratch.seen.has(next)) continue;
+      if (const double depth = depthOf(next); depth >= 0) add(next, depth);
+    }
+  }
+}
+
+Contact contactAt(const Below& below, const HalfSpace& plane, std::uint32_t region) {
+  Contact contact{below.position, plane.normal, below.depth, below.triangle, kNone, region, ContactFeature::kVertexA};
+  contact.flags = kContactInside;
+  contact.element = below.vertex;
+  return contact;
+}
+
+bool isBeforeInAnswer(const Contact& x, const Contact& y) {
+  return x.depth != y.depth ? x.depth > y.depth : x.element < y.element;
+}
+
 }  // namespace
 
 void planeContacts(const CollisionMesh& tree, const HalfSpace& plane, int perRegion, std::vector<Contact>& out) {
+  if (const ConvexPolyhedron* const body = tree.convex(); body != nullptr && body->convexity() == Convexity::kExact) {
+    PlaneScratch own;
+    PlaneScratch& scratch = planeScratchHasEnded ? own : planeScratch;
+    cornersBelow(*body, plane, scratch);
+    if (scratch.found.empty()) return;
+    const std::size_t count =
+        chooseSpread(scratch.found.begin(), scratch.found.end(), static_cast<std::size_t>(perRegion));
+    for (std::size_t i = 0; i < count; ++i) out.push_back(contactAt(scratch.found[i], plane, 0));
+    std::sort(out.begin(), out.end(), isBeforeInAnswer);
+    return;
+  }
   // Most queries of a space end here: no need of what is made for contacts.
   std::vector<Below> found = verticesBelow(tree, plane);
   if (found.empty()) return;
@@ -95,17 +158,12 @@ void planeContacts(const CollisionMesh& tree, const HalfSpace& plane, int perReg
     const auto last = corners == begin ? end : corners;
     const std::size_t count = chooseSpread(begin, last, static_cast<std::size_t>(perRegion));
     for (auto it = begin; it != begin + static_cast<std::ptrdiff_t>(count); ++it) {
-      Contact contact{it->position, plane.normal, it->depth, it->triangle, kNone, number, ContactFeature::kVertexA};
-      contact.flags = kContactInside;
-      contact.element = it->vertex;
-      out.push_back(contact);
+      out.push_back(contactAt(*it, plane, number));
     }
     ++number;
     begin = end;
   }
-  std::sort(out.begin(), out.end(), [](const Contact& x, const Contact& y) {
-    return x.depth != y.depth ? x.depth > y.depth : x.element < y.element;
-  });
+  std::sort(out.begin(), out.end(), isBeforeInAnswer);
 }
 
 }  // namespace otg

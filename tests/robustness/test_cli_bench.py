@@ -416,6 +416,21 @@ class Bench(CliTest):
         self.assertEqual([row["hash"] for row in again], [row["hash"] for row in rows])
         self.assertIn("at_rest_us", self.run_otg(*arguments).stdout)
 
+    def test_world(self):
+        """Three forms of each scene, and the same motion each time."""
+        arguments = ["bench", "world", "--scene", "box", "--steps", "4", "--settle", "8"]
+        rows = self.run_json(*arguments)["tables"]["worlds"]
+        self.assertEqual([(row["scene"], row["form"]) for row in rows],
+                         [(scene, form) for scene in ("pyramid of 55 boxes", "stack of ten boxes")
+                          for form in ("native", "stock", "ours")])
+        for row in rows:
+            self.assertGreater(row["contacts"], 9, row)
+            for time in ("collision_us", "dcollide_us", "joints_us", "solver_us"):
+                self.assertGreater(row[time], 0, row)
+        again = self.run_json(*arguments)["tables"]["worlds"]
+        self.assertEqual([row["hash"] for row in again], [row["hash"] for row in rows])
+        self.assertIn("solver_us", self.run_otg(*arguments).stdout)
+
     def test_mesh_folder(self):
         self.write("armadillo_small.ply", ply(*lump(8)))
         self.write("armadillo_large.ply", ply(*lump(10)))

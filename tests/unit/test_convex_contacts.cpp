@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <map>
 #include <new>
 #include <random>
@@ -10,8 +11,10 @@
 
 #include "base/vectors.h"
 #include "collide/contact_id.h"
+#include "collide/convex/box_axes.h"
 #include "collide/convex/convex_pair_contacts.h"
 #include "collide/convex/expanding_polytope.h"
+#include "collide/convex/kept_axis.h"
 #include "collide/convex/separating_axes.h"
 #include "primitives/convex_hull.h"
 #include "scenes/generated_meshes.h"
@@ -25,15 +28,15 @@ std::atomic<std::size_t> allocations{0};
 
 }  // namespace
 
-void* operator new(std::size_t size) {
+[[gnu::noinline]] void* operator new(std::size_t size) {
   ++allocations;
   if (void* const memory = std::malloc(size > 0 ? size : 1); memory != nullptr) return memory;
   throw std::bad_alloc();
 }
-void operator delete(void* memory) noexcept {
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
   std::free(memory);
 }
-void operator delete(void* memory, std::size_t) noexcept {
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
   std::free(memory);
 }
 
@@ -159,6 +162,7 @@ std::vector<ConvexAxis> axesOf(const Query& query) {
   const Vec3d toB = otgTransform(query.bInA, Vec3d{b.x, b.y, b.z}) - Vec3d{a.x, a.y, a.z};
   std::vector<ConvexAxis> axes{leastByPolytope(pair, toB, size)};
   if (haveFewAxes(pair)) axes.push_back(leastByAxes(pair, size));
+  if (pair.a().box() != nullptr && pair.b().box() != nullptr) axes.push_back(leastOfBoxes(pair, size));
   return axes;
 }
 
@@ -228,6 +232,134 @@ TEST_CASE("Random convex pairs against all separating axes", "[convex]") {
   CHECK(missed == 0);
   CHECK(underestimated == 0);
   CHECK(worst < 2.1e-3);
+}
+
+TEST_CASE("Two boxes have the direction of all separating axes", "[convex]") {
+  std::mt19937 random(12);
+  scenes::MeshArrays away = scenes::makeBox({0.5, 3, 1}, 2);
+  for (Vec3f& v : away.vertices) v = {v.x + 16, v.y - 8, v.z + 4};
+  const std::vector<Body> boxes = [&] {
+    std::vector<Body> all;
+    all.push_back(bodyOf(scenes::makeBox({1, 1, 1})));
+    all.push_back(bodyOf(scenes::makeBox({2, 0.4, 0.8})));
+    all.push_back(bodyOf(away));
+    return all;
+  }();
+  CHECK(bodyOf(scenes::makeCylinder(0.6, 1, 4))->convex()->box() == nullptr);  // a box that stands on an edge
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  int touching = 0, edges = 0, faces[2] = {0, 0}, others = 0;
+  for (int i = 0; i < 6000; ++i) {
+    const CollisionMesh &a = *boxes[random() % 3], &b = *boxes[random() % 3];
+    Transformd pose = i % 3 == 0 ? rotation({0, 0, 1}, 0.01 * uniform(random), {0, 0, 0}) : randomPose(random, 0);
+    if (i % 4 == 0) pose.r[4] *= 1 + 5e-4 * uniform(random);  // no exact rotation
+    const Vec3f &middleA = a.mesh().center(), &middleB = b.mesh().center();
+    const Vec3d way{1.2 * uniform(random), 1.2 * uniform(random), 1.2 * uniform(random)};
+    pose.t = Vec3d{middleA.x, middleA.y, middleA.z} + way -
+             otgTransform(
+                 {{pose.r[0], pose.r[1], pose.r[2], pose.r[3], pose.r[4], pose.r[5], pose.r[6], pose.r[7], pose.r[8]},
+                  {0, 0, 0}},
+                 Vec3d{middleB.x, middleB.y, middleB.z});
+    const ConvexPair pair(*a.convex(), *b.convex(), pose);
+    REQUIRE((pair.a().box() != nullptr && pair.b().box() != nullptr));
+    const double size = static_cast<double>(a.mesh().radius() + b.mesh().radius());
+    const ConvexAxis of = leastOfBoxes(pair, size), all = leastByAxes(pair, size);
+    REQUIRE((of.of == ConvexAxis::Of::kNone) == (all.of == ConvexAxis::Of::kNone));
+    if (of.of == ConvexAxis::Of::kNone) continue;
+    ++touching;
+    CHECK(of.overlap == Approx(all.overlap).epsilon(1.01e-3));  // of two edges as good the first one stays
+    CHECK(pair.overlapAlong(of.m) == Approx(of.overlap).epsilon(1e-9));
+    others += norm(of.m - all.m) > 1e-9;  // as good in two directions
+    edges += of.of == ConvexAxis::Of::kEdges;
+    if (of.of == ConvexAxis::Of::kEdges) continue;
+    const int body = of.of == ConvexAxis::Of::kFaceA ? 0 : 1;
+    ++faces[body];
+    CHECK(otgDot(unit(pair.normal(body, of.face)), of.m) == Approx(body == 0 ? 1 : -1).epsilon(1e-12));
+  }
+  CHECK(touching > 2000);
+  CHECK(edges > 100);
+  CHECK((faces[0] > 300 && faces[1] > 300));
+  CHECK(others < 10);
+}
+
+TEST_CASE("What a convex pair keeps changes no byte of its contacts", "[convex]") {
+  std::vector<Body> bodies;
+  bodies.push_back(bodyOf(scenes::makeCylinder(0.5, 1, 48)));
+  bodies.push_back(bodyOf(scenes::makeSphere(0.5, 2)));
+  bodies.push_back(bodyOf(scenes::makeCapsule(0.25, 0.5, 24, 8)));
+  bodies.push_back(bodyOf(scenes::makeBox({4, 4, 1}, 3)));
+  bodies.push_back(bodyOf(scenes::makeBox({1, 1, 1})));
+  std::mt19937 random(13);
+  bodies.push_back(bodyOf(randomHull(random, 40, {0.6, 0.5, 0.4})));
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const auto bytesOf = [](const std::vector<Contact>& contacts) {
+    std::string bytes;
+    const auto add = [&](const auto& x) { bytes.append(reinterpret_cast<const char*>(&x), sizeof x); };
+    for (const Contact& c : contacts) {
+      add(c.position);
+      add(c.normal);
+      add(c.depth);
+      add(c.triangleA);
+      add(c.triangleB);
+      add(c.feature);
+      add(c.flags);
+      add(c.element);
+      add(c.ordinal);
+    }
+    return bytes;
+  };
+  int touching = 0, kept = 0, same = 0;
+  Workspace warm, cold;
+  for (int walk = 0; walk < 600; ++walk) {
+    const CollisionMesh &a = *bodies[random() % bodies.size()], &b = *bodies[random() % bodies.size()];
+    SolidHistory history;
+    // Set against each other somewhere, then shaken: by much, by little, and not at all.
+    Transformd pose = walk % 2 ? randomPose(random, 1) : rotation({0, 0, 1}, uniform(random), {0, 0, 0});
+    pose.t = unit(walk % 2 ? Vec3d{uniform(random), uniform(random), uniform(random)} : Vec3d{0, 0, 1}) * 3.0;
+    const auto apart = [&](double by) {
+      const Query query =
+          queryOf(a, b,
+                  {{pose.r[0], pose.r[1], pose.r[2], pose.r[3], pose.r[4], pose.r[5], pose.r[6], pose.r[7], pose.r[8]},
+                   pose.t * by});
+      const ConvexPair pair(*a.convex(), *b.convex(), query.bInA);
+      return leastByPolytope(pair, query.bInA.t, 2).of == ConvexAxis::Of::kNone;
+    };
+    double in = 0, out = 1;
+    for (int i = 0; i < 30; ++i) (apart(0.5 * (in + out)) ? out : in) = 0.5 * (in + out);
+    pose.t = pose.t * (in - 0.001);
+    const double by = std::pow(10.0, -6 + walk % 4);
+    for (int step = 0; step < 30; ++step) {
+      if (step % 5 != 4) {
+        const Vec3d axis{uniform(random), uniform(random), uniform(random)};
+        const Transformd turn = rotation(unit(axis), by * uniform(random), {0, 0, 0});
+        Transformd next = pose;
+        for (std::size_t i = 0; i < 3; ++i) {
+          for (std::size_t j = 0; j < 3; ++j) {
+            next.r[3 * i + j] =
+                turn.r[3 * i] * pose.r[j] + turn.r[3 * i + 1] * pose.r[3 + j] + turn.r[3 * i + 2] * pose.r[6 + j];
+          }
+        }
+        next.t = pose.t + Vec3d{uniform(random), uniform(random), uniform(random)} * by;
+        pose = next;
+      }
+      Query query = queryOf(a, b, pose);
+      SolidHistory without = history;
+      without.kept = {};
+      const ConvexPair pair(*a.convex(), *b.convex(), query.bInA);
+      const double size = static_cast<double>(a.mesh().radius() + b.mesh().radius());
+      ConvexAxis axis;
+      same += isOfPose(pair, history.kept);
+      kept += isOfPair(pair, history.kept) && isStillLeast(pair, history.kept, size, axis);
+      query.history = &without;
+      collide(query, cold);
+      query.history = &history;
+      collide(query, warm);
+      REQUIRE(bytesOf(warm.reduced) == bytesOf(cold.reduced));
+      touching += !warm.reduced.empty();
+    }
+  }
+  CHECK(touching > 10000);
+  CHECK(kept > 3000);
+  CHECK(same > 2000);
 }
 
 TEST_CASE("Spheres of many triangles overlap by what their radii say", "[convex]") {

@@ -17,6 +17,7 @@ class ConvexPair {
 
   const ConvexPolyhedron& a() const { return a_; }
   const ConvexPolyhedron& b() const { return b_; }
+  const Transformd& pose() const { return pose_; }
   const ConvexPolyhedron& body(int m) const { return m == 0 ? a_ : b_; }
   Vec3d place(int m, std::uint32_t vertex) const {
     return m == 0 ? a_.vertices()[vertex] : otgTransform(pose_, b_.vertices()[vertex]);
@@ -61,6 +62,8 @@ struct ConvexAxis {
   Of of = Of::kNone;   ///< kNone: the bodies are apart
   Vec3d m{0, 0, 0};    ///< unit
   double overlap = 0;  ///< along it; not negative but for kNone
+  /// Of kFaceA and kFaceB: which face's normal m is.
+  std::uint32_t face = kNone;
 };
 
 /// A face's normal is taken in place of a direction between edges if it costs at most so much more: as a share of the

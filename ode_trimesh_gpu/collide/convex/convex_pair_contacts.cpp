@@ -6,8 +6,10 @@
 #include <limits>
 
 #include "collide/contact_order.h"
+#include "collide/convex/box_axes.h"
 #include "collide/convex/clip_faces.h"
 #include "collide/convex/expanding_polytope.h"
+#include "collide/convex/kept_axis.h"
 #include "collide/convex/separating_axes.h"
 #include "collide/pairwise/reduction.h"
 #include "collide/rotation_tolerance.h"
@@ -40,7 +42,7 @@ class ConvexSolver {
     const Vec3d toB = otgTransform(query_.bInA, Vec3d{b.x, b.y, b.z}) - Vec3d{a.x, a.y, a.z};
     // The radius of B grows with the defect of the pose by less than this.
     if (norm(toB) > (1 + 2 * kRelativeRotationTolerance) * size_) return Answer::kApart;
-    axis_ = haveFewAxes(pair_) ? leastByAxes(pair_, size_) : leastByPolytope(pair_, toB, size_);
+    findAxis(toB);
     if (axis_.of == ConvexAxis::Of::kNone) return Answer::kApart;
     const double rounding = kTouchingToRounding * (size_ + norm(toB) + norm(query_.bInA.t));
     for (const int body : {0, 1}) farthest_[body] = pair_.farthest(body, out(body));
@@ -53,6 +55,29 @@ class ConvexSolver {
 
  private:
   using Corner = ConvexPolyhedron::Corner;
+
+  void findAxis(const Vec3d& toB) {
+    SolidHistory::KeptAxis* const kept = query_.history != nullptr ? &query_.history->kept : nullptr;
+    if (kept != nullptr && isOfPose(pair_, *kept)) {
+      axis_ = {static_cast<ConvexAxis::Of>(kept->of), kept->m, kept->overlap, kept->face};
+      return;
+    }
+    if (pair_.a().box() != nullptr && pair_.b().box() != nullptr) {
+      axis_ = leastOfBoxes(pair_, size_);
+    } else if (haveFewAxes(pair_)) {
+      axis_ = leastByAxes(pair_, size_);
+    } else if (kept == nullptr || !isOfPair(pair_, *kept) || !isStillLeast(pair_, *kept, size_, axis_)) {
+      axis_ = leastByPolytope(pair_, toB, size_);
+    }
+    if (kept == nullptr) return;
+    *kept = {pair_.a().stamp(),
+             pair_.b().stamp(),
+             query_.bInA,
+             axis_.m,
+             axis_.overlap,
+             axis_.face,
+             static_cast<std::uint8_t>(axis_.of)};
+  }
 
   double width(int body) const {
     const ConvexPolyhedron::Reach reach = pair_.reach(body, axis_.m);
@@ -262,18 +287,18 @@ class ConvexSolver {
       return x.element != y.element ? x.element < y.element : x.ordinal < y.ordinal;
     });
     for (const ConvexPlace& p : scratch_.places) {
-      Contact contact{p.at,
-                      otgScale(axis_.m, -1.0),
-                      p.depth,
-                      triangleAt(0, p.cornerA, p.at),
-                      triangleAt(1, p.cornerB, p.at),
-                      0,
-                      static_cast<ContactFeature>(p.feature)};
+      Contact& contact = workspace_.contacts.emplace_back();
+      contact.position = p.at;
+      contact.normal = out(1);
+      contact.depth = p.depth;
+      contact.triangleA = triangleAt(0, p.cornerA, p.at);
+      contact.triangleB = triangleAt(1, p.cornerB, p.at);
+      contact.region = 0;
+      contact.feature = static_cast<ContactFeature>(p.feature);
       if (kindOf(p) != OTG_POINT_CROSSING) contact.flags |= kContactInside;
       contact.element = p.element;
       contact.ordinal = p.ordinal;
       contact.coherence = 1;
-      workspace_.contacts.push_back(contact);
     }
   }
 

@@ -45,7 +45,7 @@ class Polytope {
  private:
   static constexpr std::size_t kNoFace = kMostFaces;
 
-  ConvexAxis best() const { return {ConvexAxis::Of::kEdges, m_, least_}; }
+  ConvexAxis best() const { return {ConvexAxis::Of::kEdges, m_, least_, kNone}; }
 
   /// The farthest difference along a unit direction. False if the bodies are apart along it.
   bool add(const Vec3d& m) {
@@ -202,8 +202,9 @@ class Polytope {
   double least_ = std::numeric_limits<double>::infinity();
 };
 
-/// The face at a body's farthest vertex that faces most along a direction.
-std::uint32_t facing(const ConvexPair& pair, int body, const Vec3d& direction) {
+}  // namespace
+
+std::uint32_t facingFace(const ConvexPair& pair, int body, const Vec3d& direction) {
   const ConvexPolyhedron& shape = pair.body(body);
   std::uint32_t best = kNone;
   double most = -2;
@@ -217,24 +218,23 @@ std::uint32_t facing(const ConvexPair& pair, int body, const Vec3d& direction) {
   return best;
 }
 
-}  // namespace
-
 ConvexAxis leastByPolytope(const ConvexPair& pair, const Vec3d& toB, double size) {
   const ConvexAxis found = Polytope(pair, toB, size).run();
   if (found.of == ConvexAxis::Of::kNone) return found;
   const double most = (1 + kFaceShare) * found.overlap + kFaceSlack * size;
   const Vec3d backward = otgScale(found.m, -1.0);
-  const Vec3d ofB = otgScale(unit(pair.normal(1, facing(pair, 1, backward))), -1.0);
+  const std::uint32_t faceB = facingFace(pair, 1, backward), faceA = facingFace(pair, 0, found.m);
+  const Vec3d ofB = otgScale(unit(pair.normal(1, faceB)), -1.0);
   const double overlapOfB = pair.overlapAlong(ofB);
   if (overlapOfB < 0) return {};
-  const Vec3d ofA = pair.normal(0, facing(pair, 0, found.m));
+  const Vec3d ofA = pair.normal(0, faceA);
   const double overlapOfA = pair.overlapAlong(ofA);
   if (overlapOfA < 0) return {};
   // As in leastByAxes: B's face, unless A's is clearly better.
   if (overlapOfB <= most && !(overlapOfA < (1 - kFaceShare) * overlapOfB - kFaceSlack * size)) {
-    return {ConvexAxis::Of::kFaceB, ofB, overlapOfB};
+    return {ConvexAxis::Of::kFaceB, ofB, overlapOfB, faceB};
   }
-  if (overlapOfA <= most) return {ConvexAxis::Of::kFaceA, ofA, overlapOfA};
+  if (overlapOfA <= most) return {ConvexAxis::Of::kFaceA, ofA, overlapOfA, faceA};
   return found;
 }
 

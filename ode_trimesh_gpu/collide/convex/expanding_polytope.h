@@ -16,4 +16,7 @@ namespace otg {
 /// Source: G. van den Bergen, "Proximity queries and penetration depth computation on 3D game objects", 2001.
 ConvexAxis leastByPolytope(const ConvexPair& pair, const Vec3d& toB, double size);
 
+/// The face at a body's farthest vertex along a direction that faces most along it.
+std::uint32_t facingFace(const ConvexPair& pair, int body, const Vec3d& direction);
+
 }  // namespace otg

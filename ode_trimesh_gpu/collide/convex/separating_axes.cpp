@@ -33,7 +33,7 @@ ConvexAxis leastByAxes(const ConvexPair& pair, double size) {
       // The first body's faces keep their place where the second one's are not clearly better.
       const bool isOther = best.of == ConvexAxis::Of::kFaceB && body == 0;
       if (isOther && !(overlap < (1 - kFaceShare) * best.overlap - slack)) continue;
-      best = {body == 0 ? ConvexAxis::Of::kFaceA : ConvexAxis::Of::kFaceB, m, overlap};
+      best = {body == 0 ? ConvexAxis::Of::kFaceA : ConvexAxis::Of::kFaceB, m, overlap, f};
     }
   }
   std::array<Vec3d, ConvexPolyhedron::kMostDirections> ofB{};
@@ -51,7 +51,7 @@ ConvexAxis leastByAxes(const ConvexPair& pair, double size) {
       const double overlap = std::min(ahead, behind);
       if (overlap < 0) return {};
       if (!(overlap < (1 - kFaceShare) * best.overlap - slack)) continue;
-      best = {ConvexAxis::Of::kEdges, ahead <= behind ? m : otgScale(m, -1.0), overlap};
+      best = {ConvexAxis::Of::kEdges, ahead <= behind ? m : otgScale(m, -1.0), overlap, kNone};
     }
   }
   return best;

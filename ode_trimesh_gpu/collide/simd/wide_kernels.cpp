@@ -51,11 +51,17 @@ void traverseWide(SimdLevel level, const Query& query, const PairFrame& frame, s
   const WideTree& a = query.a->wide();
   const WideTree& b = query.b->wide();
   // Every step pops one item and pushes at most eight, one level further down in one of the trees.
-  std::vector<WideItem> stack(kWideArity * (std::size_t{a.depth} + b.depth) + 1);
+  constexpr std::size_t kOrdinary = 320;
+  const std::size_t most = kWideArity * (std::size_t{a.depth} + b.depth) + 1;
+  WideItem ordinary[kOrdinary];
+  std::vector<WideItem> deep(most > kOrdinary ? most : 0);
+  WideItem* const stack = most > kOrdinary ? deep.data() : ordinary;
   const BoxScale<float>&scaleA = query.a->anyBoxScale(), &scaleB = query.b->anyBoxScale();
   stack[0] = {rootOf(a, scaleA), rootOf(b, scaleB), 0};
   if (query.options.countPerDepth) stats.boxTestsPerDepth.assign(std::size_t{a.depth} + b.depth, 0);
-  out.resize(out.capacity());
+  // No more of it than a small pair needs: resizing fills it.
+  constexpr std::size_t kFirstPairs = 256;
+  out.resize(std::min(out.capacity(), kFirstPairs));
   PairSink sink{out.data(), 0, out.size(), growPairs, &out};
   WideTraversalArgs args{&frame.boxes,
                          a.nodes.data(),
@@ -63,7 +69,7 @@ void traverseWide(SimdLevel level, const Query& query, const PairFrame& frame, s
                          scaleA,
                          scaleB,
                          query.a->boxScale() != nullptr || query.b->boxScale() != nullptr,
-                         stack.data(),
+                         stack,
                          query.options.middle.descent,
                          query.options.middle.axes > 6,
                          0,

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/vectors.h"
+#include "collide/placed_meshes.h"
 
 namespace otg {
 

@@ -213,7 +213,8 @@ class Flood {
     const Adjacency& adjacency = meshes_.adjacency(mesh_);
     const Topology& topology = mesh.topology();
     const std::size_t count = topology.componentCount();
-    std::vector<std::uint8_t> crossed(count, 0);
+    std::vector<std::uint8_t>& crossed = flags_.crossed;
+    crossed.assign(count, 0);
     for (const Chord& chord : contour_.chords) {
       crossed[topology.componentOf[mesh_ == 0 ? chord.triangleA : chord.triangleB]] = 1;
     }

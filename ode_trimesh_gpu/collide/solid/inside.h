@@ -23,6 +23,7 @@ struct InsideFlags {
   std::vector<Vec3d> positions[2];          ///< of `vertices`, in A's frame
   std::vector<std::uint32_t> clusters[2];   ///< clusters wholly inside the other mesh, by patch
   std::vector<std::uint32_t> contained[2];  ///< components without a crossing that lie wholly inside
+  std::vector<std::uint8_t> crossed;        ///< scratch: of components
   std::size_t anomalies = 0;                ///< votes that contradicted their patch's majority
 
   /// The patch that the welded vertex belongs to, or kNone if it is outside.

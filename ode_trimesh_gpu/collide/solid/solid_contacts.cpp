@@ -33,6 +33,14 @@ Workspace::~Workspace() = default;
 Workspace::Workspace(Workspace&&) noexcept = default;
 Workspace& Workspace::operator=(Workspace&&) noexcept = default;
 
+void Workspace::clear() {
+  candidates.clear();
+  intersecting.clear();
+  contacts.clear();
+  reduced.clear();
+  stats = {};
+}
+
 namespace {
 
 PairMotion motionOf(const Query& query, const SolidHistory::State& state) {
@@ -193,8 +201,12 @@ bool solidContacts(const Query& query, Workspace& workspace) {
   traceContour(meshes, workspace.intersecting, scratch.contour);
   if (!bothSolid && !isClosed(scratch.contour)) return false;
   floodInside(meshes, scratch.contour, scratch.inside);
-  scratch.builder.build(meshes, scratch.contour, scratch.inside, scratch.regions);
-  addContained(meshes, scratch.inside, scratch.regions);
+  if (workspace.intersecting.empty() && scratch.inside.contained[0].empty() && scratch.inside.contained[1].empty()) {
+    scratch.regions.regions.clear();  // nothing meets
+  } else {
+    scratch.builder.build(meshes, scratch.contour, scratch.inside, scratch.regions);
+    addContained(meshes, scratch.inside, scratch.regions);
+  }
   contactsOfOverlap(meshes, query, scratch.regions, workspace);
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();

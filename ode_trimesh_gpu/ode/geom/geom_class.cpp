@@ -135,15 +135,17 @@ WorldPose readPose(dGeomID geom) noexcept {
     }
   }
   pose.transform.t = {x[0], x[1], x[2]};
-  return withRigidity(pose);
+  judgePose(pose);
+  return pose;
 }
 
-WorldPose withRigidity(WorldPose pose) noexcept {
+void judgePose(WorldPose& pose) noexcept {
   const Transformd& t = pose.transform;
+  pose.rigid = isRotationWithin(t, kRotationTolerance, pose.defect);
+  // What is a rotation is finite.
   pose.finite = std::isfinite(t.t.x) && std::isfinite(t.t.y) && std::isfinite(t.t.z);
-  for (const double r : t.r) pose.finite = pose.finite && std::isfinite(r);
-  pose.rigid = pose.finite && rotationDefect(t) <= kRotationTolerance;
-  return pose;
+  for (int i = 0; i < 9 && !pose.rigid; ++i) pose.finite = pose.finite && std::isfinite(t.r[i]);
+  pose.rigid = pose.rigid && pose.finite;
 }
 
 /// How far beyond its mesh a geom's box reaches. A shell has no inside by which a body that lies on it is found, and a

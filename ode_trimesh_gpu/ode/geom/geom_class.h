@@ -126,10 +126,11 @@ struct WorldPose {
   Transformd transform;
   bool finite = false;  ///< all twelve numbers are
   bool rigid = false;   ///< finite, and the matrix is a rotation within kRotationTolerance
+  double defect = 0;    ///< no less than rotationDefect()
 };
 WorldPose readPose(dGeomID geom) noexcept;
-/// With `finite` and `rigid` worked out.
-WorldPose withRigidity(WorldPose pose) noexcept;
+/// Works out all but the transform.
+void judgePose(WorldPose& pose) noexcept;
 
 /// A geom that ODE has just made of our class gets its object. After an exception (std::bad_alloc) nothing has changed.
 void giveObject(dGeomID geom, const std::shared_ptr<GeomObject>& object);

@@ -235,7 +235,7 @@ PairBatch::Kind PairBatch::readLater(std::size_t i, const dGpuTriMeshPair& pair)
   PairCallbacks callbacks(task, callbacks1, callbacks2);
   task.job.filter = &callbacks;
   const WorkspaceLease lease;
-  keepOutcome(result(i), *lease, [&] { return collideOnHost(task.job, *lease); });
+  keepOutcome(result(i), *lease, [&] { return collideOfMany(task.job, *lease); });
   task.job.filter = nullptr;
   return Kind::kAsks;
 }

@@ -10,6 +10,7 @@
 #include "dispatch/threads/workspace_lease.h"
 #include "ode/base/status.h"
 #include "ode/geom/class_number.h"
+#include "ode/pairs/apart_pairs.h"
 #include "ode/pairs/left_pairs.h"
 #include "ode/pairs/pair_callbacks.h"
 #include "ode/pairs/prefetched_pairs.h"
@@ -58,10 +59,15 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
   }
   const GeomCallbacks callbacks1 = side1.callbacks, callbacks2 = side2.callbacks;
   const bool asks = callbacks1.asked() || callbacks2.asked();
-  PairTask task;
-  preparePair(std::move(side1), std::move(side2), task);
-  const auto both = {task.side1.object, task.side2.object};
+  const auto both = {side1.object, side2.object};
   for (GeomObject* object : both) object->stats.queries.fetch_add(1, std::memory_order_relaxed);
+  PairPoses poses{readPose(side1.geom), readPose(side2.geom), false};
+  if (const Nearness nearness = nearnessOf(side1, side2, poses); nearness != Nearness::kMayMeet) {
+    if (nearness == Nearness::kApart) endApart(side1, side2);
+    return 0;
+  }
+  PairTask task;
+  preparePair(std::move(side1), std::move(side2), poses, task);
   if (task.state == PairTask::State::kNothing) return 0;
   if (task.state == PairTask::State::kBadPose) {
     countFailure(task, dGPUTRIMESH_ERROR_POSE);

@@ -5,8 +5,10 @@
 #include <ode/objects.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
+#include <new>
 
 #include "base/vectors.h"
 #include "collide/pair_history.h"
@@ -23,24 +25,9 @@ Vec3d toDouble(const Vec3f& v) {
   return {v.x, v.y, v.z};
 }
 
-/// Whether the bounding spheres are so far apart that nothing can touch. Keeps numbers that single precision can't hold
-/// away from the filters, and answers far pairs (dCollide called without a space) at once.
-bool isFarApart(const CollisionMesh& a, const CollisionMesh& b, const Transformd& bInA) {
-  const Vec3d centerA = toDouble(a.mesh().center());
-  const Vec3d centerB = otgTransform(bInA, toDouble(b.mesh().center()));
-  double stretch = 0;  // Frobenius: no less than the factor by which bInA can stretch, should it not be a rotation
-  for (const double r : bInA.r) stretch += r * r;
-  const double reach =
-      static_cast<double>(a.mesh().radius()) + std::sqrt(stretch) * static_cast<double>(b.mesh().radius());
-  const double slack =
-      1e-9 * (reach + norm(centerA) + norm(bInA.t) + std::sqrt(stretch) * norm(toDouble(b.mesh().center())));
-  const double distance = norm(otgSub(centerB, centerA));
-  return !(distance <= reach + slack) || !(reach + slack <= 1e30);
-}
-
 struct Side {
   const MeshGeom& side;
-  WorldPose pose;
+  WorldPose& pose;
 };
 
 /// Velocity of A's body relative to B's at the middle of B's mesh, in A's frame. ODE's velocities are the world's.
@@ -91,6 +78,19 @@ WorldBox boxOf(const MeshGeom& side, const Transformd& pose) {
 
 }  // namespace
 
+bool isFarApart(const CollisionMesh& a, const CollisionMesh& b, const Transformd& bInA) {
+  const Vec3d centerA = toDouble(a.mesh().center());
+  const Vec3d centerB = otgTransform(bInA, toDouble(b.mesh().center()));
+  double stretch = 0;  // Frobenius: no less than the factor by which bInA can stretch, should it not be a rotation
+  for (const double r : bInA.r) stretch += r * r;
+  const double reach =
+      static_cast<double>(a.mesh().radius()) + std::sqrt(stretch) * static_cast<double>(b.mesh().radius());
+  const double slack =
+      1e-9 * (reach + norm(centerA) + norm(bInA.t) + std::sqrt(stretch) * norm(toDouble(b.mesh().center())));
+  const double distance = norm(otgSub(centerB, centerA));
+  return !(distance <= reach + slack) || !(reach + slack <= 1e30);
+}
+
 WorldBox boxOfSolid(const MeshGeom& side, const Transformd& pose) {
   return isSolid(side.mesh->mesh()) ? boxOf(side, pose) : WorldBox{};
 }
@@ -106,18 +106,25 @@ void writeContact(const Contact& from, const ContactFrame& frame, void* to) {
   // ODE lets rotation matrices drift a little; the contact joint takes the length of the normal for granted.
   const double scale = (first ? 1.0 : -1.0) / norm(normal);
   normal = otgScale(normal, scale);
+  const auto fill = [&](dContactGeom& contact) {
+    contact.pos[0] = static_cast<dReal>(position.x);
+    contact.pos[1] = static_cast<dReal>(position.y);
+    contact.pos[2] = static_cast<dReal>(position.z);
+    contact.normal[0] = static_cast<dReal>(normal.x);
+    contact.normal[1] = static_cast<dReal>(normal.y);
+    contact.normal[2] = static_cast<dReal>(normal.z);
+    contact.depth = static_cast<dReal>(std::max(from.depth, 0.0));
+    contact.g1 = frame.o1;
+    contact.g2 = frame.o2;
+    contact.side1 = static_cast<int>(first ? from.triangleA : from.triangleB);
+    contact.side2 = static_cast<int>(first ? from.triangleB : from.triangleA);
+  };
+  if (std::bit_cast<std::uintptr_t>(to) % alignof(dContactGeom) == 0) {
+    fill(*new (to) dContactGeom{});
+    return;
+  }
   dContactGeom contact{};
-  contact.pos[0] = static_cast<dReal>(position.x);
-  contact.pos[1] = static_cast<dReal>(position.y);
-  contact.pos[2] = static_cast<dReal>(position.z);
-  contact.normal[0] = static_cast<dReal>(normal.x);
-  contact.normal[1] = static_cast<dReal>(normal.y);
-  contact.normal[2] = static_cast<dReal>(normal.z);
-  contact.depth = static_cast<dReal>(std::max(from.depth, 0.0));
-  contact.g1 = frame.o1;
-  contact.g2 = frame.o2;
-  contact.side1 = static_cast<int>(first ? from.triangleA : from.triangleB);
-  contact.side2 = static_cast<int>(first ? from.triangleB : from.triangleA);
+  fill(contact);
   std::memcpy(to, &contact, sizeof(contact));
 }
 
@@ -216,13 +223,17 @@ Placement pairPlacement(const dGpuTriMeshParams& first, const dGpuTriMeshParams&
 }
 
 void preparePair(MeshGeom&& from1, MeshGeom&& from2, PairTask& task) noexcept {
+  PairPoses poses{readPose(from1.geom), readPose(from2.geom), false};
+  preparePair(std::move(from1), std::move(from2), poses, task);
+}
+
+void preparePair(MeshGeom&& from1, MeshGeom&& from2, PairPoses& poses, PairTask& task) noexcept {
   task.side1 = std::move(from1);
   task.side2 = std::move(from2);
   task.state = PairTask::State::kNothing;
   const CollisionMesh *const mesh1 = task.side1.mesh, *const mesh2 = task.side2.mesh;
   if (mesh1 == nullptr || mesh2 == nullptr || mesh1->tree().nodes.empty() || mesh2->tree().nodes.empty()) return;
-  Side side1{task.side1, readPose(task.side1.geom)};
-  Side side2{task.side2, readPose(task.side2.geom)};
+  const Side side1{task.side1, poses.first}, side2{task.side2, poses.second};
   // Each by itself: a scale of 2 and one of 1/2 make a relative pose that looks rigid.
   if (!side1.pose.rigid || !side2.pose.rigid) {
     task.state = PairTask::State::kBadPose;
@@ -249,7 +260,7 @@ void preparePair(MeshGeom&& from1, MeshGeom&& from2, PairTask& task) noexcept {
   query.a = a.side.mesh;
   query.b = b.side.mesh;
   query.bInA = relativePose(a.pose.transform, b.pose.transform);
-  if (isFarApart(*query.a, *query.b, query.bInA)) return;
+  if (!poses.areNear && isFarApart(*query.a, *query.b, query.bInA)) return;
   query.options = pairOptions(older.params, younger.params);
   task.job.place = pairPlacement(older.params, younger.params, dispatcher().placement());
   task.job.byLevels = older.params.traversal == dGPUTRIMESH_TRAVERSAL_LEVELS;

@@ -96,6 +96,16 @@ Placement pairPlacement(const dGpuTriMeshParams& first, const dGpuTriMeshParams&
 /// Reads poses, velocities and parameters of two geoms; sets everything but the history and what depends on the call:
 /// `any` and `filter`.
 void preparePair(MeshGeom&& side1, MeshGeom&& side2, PairTask& task) noexcept;
+/// With poses that were read before. Pieces of a whole get the pose of that.
+struct PairPoses {
+  WorldPose first, second;
+  bool areNear = false;  ///< the pair is known not to be far apart
+};
+void preparePair(MeshGeom&& side1, MeshGeom&& side2, PairPoses& poses, PairTask& task) noexcept;
+
+/// Whether the bounding spheres are so far apart that nothing can touch. Keeps numbers that single precision can't hold
+/// away from the filters, and answers far pairs (dCollide called without a space) at once.
+bool isFarApart(const CollisionMesh& a, const CollisionMesh& b, const Transformd& bInA);
 
 /// Whether a prepared pair has to be given a history by recallPair().
 bool needsHistory(const PairTask& task);

@@ -169,7 +169,8 @@ WorldPose readHeightfieldPose(dGeomID field) noexcept {
     }
   }
   pose.transform.t = {static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2])};
-  return withRigidity(pose);
+  judgePose(pose);
+  return pose;
 }
 
 std::span<const Contact> heightfieldContacts(const PrimitiveTask& task, int most, Workspace& workspace, int& status) {
