@@ -348,7 +348,7 @@ TEST_CASE("without doubles the host decides what is open, and where even exact a
   REQUIRE(single);
   scene.check(*single);
   CHECK(single->counts().decidedOnHost > 0);
-  // Plates whose planes are so near each other that products of the distances underflow.
+  // Plates whose planes are so near each other that products of coordinates may underflow.
   const auto plate = collisionMesh(makeGround(1, 0, 2));
   for (const std::uint32_t few : {1u, 64u}) {
     tuning = {};
