@@ -42,6 +42,7 @@ void addBenchmarks(CLI::App& bench, Action& action) {
   addBenchHeightfield(bench, action);
   addBenchQueries(bench, action);
   addBenchContours(bench, action);
+  addBenchExact(bench, action);
   addBenchPhysics(bench, action);
 }
 

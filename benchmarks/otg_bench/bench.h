@@ -36,6 +36,8 @@ void addBenchHeightfield(CLI::App& bench, Action& action);
 void addBenchQueries(CLI::App& bench, Action& action);
 /// `otg bench contours`: random overlaps, and what the model `solid` could not work with.
 void addBenchContours(CLI::App& bench, Action& action);
+/// `otg bench exact`: hard pairs of triangles against exact arithmetic.
+void addBenchExact(CLI::App& bench, Action& action);
 /// `otg bench physics`, which has options of its own: worlds of mesh bodies judged against limits.
 void addBenchPhysics(CLI::App& bench, Action& action);
 

@@ -11,12 +11,8 @@
 OTG_INLINED int otgIsExactHere(const otg_vec3_d* p) {
   int good = 1;
   OTG_ROLLED
-  for (int i = 1; i < 6; ++i) {
-    OTG_ROLLED
-    for (int j = 0; j < i; ++j) {
-      const otg_vec3_d d = otgSub_d(p[i], p[j]);
-      good = good && otgIsExactDistance(d.x) && otgIsExactDistance(d.y) && otgIsExactDistance(d.z);
-    }
+  for (int i = 0; i < 6; ++i) {
+    good = good && otgIsExactCoordinate(p[i].x) && otgIsExactCoordinate(p[i].y) && otgIsExactCoordinate(p[i].z);
   }
   return good;
 }

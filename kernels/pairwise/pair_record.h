@@ -43,7 +43,7 @@ inline static void otgMakeRecord(__global const float4* meshes, uint placeA, uin
     int answer;
     error.unit = 10 * 0x1p-53;
     error.delta = 0;
-    error.tiny = 1e-290;
+    error.tiny = 1e-280;
     answer = otgTrianglesFilter_d(error, a, b);
     kind = answer == OTG_DISJOINT ? OTG_RECORD_APART : answer == OTG_UNDECIDED ? OTG_RECORD_OPEN : OTG_RECORD_HIT;
   }

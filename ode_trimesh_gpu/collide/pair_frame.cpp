@@ -6,6 +6,7 @@
 
 #include "collide/rotation_tolerance.h"
 #include "shared/tests/pair_bounds.h"
+#include "shared/tests/triangle_exact.h"
 
 namespace otg {
 namespace {
@@ -46,7 +47,7 @@ PairFrame makePairFrame(const Query& query) {
 
   frame.boxes.eps = roundUp(bounds.eps);
   frame.floatError = floatFilterError(roundUp(bounds.delta));
-  frame.doubleError = {10 * kDoubleUnit, 0.0, 1e-290};
+  frame.doubleError = {10 * kDoubleUnit, 0.0, OTG_TINY_DETERMINANT};
   frame.finite = std::isfinite(bounds.scale) && bounds.scale < OTG_LARGEST_SCALE;
   return frame;
 }

@@ -6,25 +6,16 @@
 #include <numbers>
 
 #include "base/vectors.h"
+#include "mesh/triangle_area.h"
 
 namespace otg {
 namespace {
-
-/// Twice the area of a triangle, as a vector; in the mesh's own frame.
-Vec3d areaVector2(const TriMesh& mesh, std::uint32_t triangle) {
-  Vec3d p[3];
-  for (int k = 0; k < 3; ++k) {
-    const Vec3f& v = mesh.vertices()[mesh.triangles()[triangle].v[k]];
-    p[k] = {v.x, v.y, v.z};
-  }
-  return otgCross(p[1] - p[0], p[2] - p[0]);
-}
 
 /// Normal and area; returns areaVector2(), or zero for a triangle that has none.
 Vec3d measureTriangle(const TriMesh& mesh, std::uint32_t t, Adjacency& out) {
   const Vec3d c = areaVector2(mesh, t);
   const double length = norm(c);
-  const bool sound = length > 0 && !mesh.isDegenerate(t);
+  const bool sound = length > 0;
   out.normal[t] = sound ? c * (1 / length) : Vec3d{0, 0, 0};
   out.area[t] = sound ? length / 2 : 0;
   return sound ? c : Vec3d{0, 0, 0};

@@ -51,6 +51,19 @@ class ConvexityTest {
  private:
   Vec3d corner(std::uint32_t t, std::uint32_t k) const { return asDouble(mesh_.vertices()[mesh_.triangles()[t].v[k]]); }
 
+  /// Whether the triangle is so low that rounding of its corners, as seen from the middle of the mesh, may turn its
+  /// plane anywhere. Such a mesh may be convex; the model of solids works with it as well.
+  bool isWithoutPlane(const Vec3d& a, const Vec3d& b, const Vec3d& c) const {
+    constexpr double kRounding = 4 * 0x1p-24;
+    const Vec3d middle = asDouble(mesh_.origin());
+    double largest = 0;
+    for (const Vec3d& p : {a - middle, b - middle, c - middle}) {
+      largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+    }
+    const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)});
+    return norm(otgCross(b - a, c - a)) <= kRounding * largest * longest;
+  }
+
   /// Whether the triangles cover all directions from a point inside, none twice. Together with edges that are nowhere
   /// concave this makes the surface convex.
   bool isSeenOnce() const {
@@ -59,8 +72,8 @@ class ConvexityTest {
     const Vec3d inside = sum * (1.0 / (3.0 * static_cast<double>(mesh_.triangleCount())));
     double angle = 0;
     for (std::uint32_t t = 0; t < mesh_.triangleCount(); ++t) {
-      if (mesh_.isDegenerate(t)) return false;
       const Vec3d a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
+      if (isWithoutPlane(a, b, c)) return false;
       if (sideOfTriangle(a, b, c, inside) >= 0) return false;
       angle += solidAngle(a - inside, b - inside, c - inside);
     }

@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 
-#include "base/bounds.h"
 #include "base/hash.h"
 #include "base/union_find.h"
-#include "base/vectors.h"
+#include "shared/tests/triangle_exact.h"
 
 namespace otg {
 namespace {
@@ -66,30 +64,20 @@ std::vector<std::uint32_t> fansOfAnySurface(const Topology& topology, std::span<
 
 }  // namespace
 
-bool isDegenerateTriangle(std::span<const Vec3f> vertices, const Triangle& triangle, const Vec3f& center) {
-  constexpr double kUnit = 0x1p-24;
-  const Vec3d origin{center.x, center.y, center.z};
-  const std::uint32_t(&v)[3] = triangle.v;
-  const Vec3d p[3] = {relativeTo(vertices[v[0]], origin), relativeTo(vertices[v[1]], origin),
-                      relativeTo(vertices[v[2]], origin)};
-  const Vec3d e[3] = {p[1] - p[0], p[2] - p[1], p[0] - p[2]};
-  double largest = 0;
-  for (const Vec3d& q : p) largest = std::max({largest, std::abs(q.x), std::abs(q.y), std::abs(q.z)});
-  const double length2[3] = {otgDot(e[0], e[0]), otgDot(e[1], e[1]), otgDot(e[2], e[2])};
-  // Height times longest edge. Rounding in double makes it wrong by less than 2^-48 m times the edge, so a triangle
-  // that is exactly on a line stays far below the limit and needs no exact arithmetic.
-  const Vec3d n = otgCross(e[0], e[1]);
-  const double limit = 4 * kUnit * largest;
-  return vertices[v[0]] == vertices[v[1]] || vertices[v[1]] == vertices[v[2]] || vertices[v[2]] == vertices[v[0]] ||
-         otgDot(n, n) <= limit * limit * std::max({length2[0], length2[1], length2[2]});
+bool isDegenerateTriangle(std::span<const Vec3f> vertices, const Triangle& triangle) {
+  double corners[9];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3f& v = vertices[triangle.v[k]];
+    corners[3 * k] = v.x;
+    corners[3 * k + 1] = v.y;
+    corners[3 * k + 2] = v.z;
+  }
+  return otgIsWithoutArea(corners) != 0;
 }
 
-std::vector<std::uint8_t> findDegenerate(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
-                                         const Vec3f& center) {
+std::vector<std::uint8_t> findDegenerate(std::span<const Vec3f> vertices, std::span<const Triangle> triangles) {
   std::vector<std::uint8_t> degenerate(triangles.size());
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    degenerate[t] = isDegenerateTriangle(vertices, triangles[t], center);
-  }
+  for (std::size_t t = 0; t < triangles.size(); ++t) degenerate[t] = isDegenerateTriangle(vertices, triangles[t]);
   return degenerate;
 }
 

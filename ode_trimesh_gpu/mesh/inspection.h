@@ -10,16 +10,12 @@
 
 namespace otg {
 
-/// One flag for each triangle: all three vertices on a line. That is the case if two are at equal positions, or if the
-/// height over the longest edge is at most 4 u m, where u = 2^-24 is the rounding unit of float and m the largest
-/// coordinate (by magnitude) of the three vertices relative to `center`, the origin of the centred frame. A triangle
-/// whose vertices were on a line before each of their centred coordinates was rounded to float has a height of at most
-/// 2 sqrt(3) u m: it is caught, and a triangle that is reported has no plane that its float coordinates could tell.
-std::vector<std::uint8_t> findDegenerate(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
-                                         const Vec3f& center);
+/// One flag for each triangle: all three vertices on a line, in exact arithmetic on their coordinates. No triangle that
+/// has area is flagged, however thin it is and wherever it lies.
+std::vector<std::uint8_t> findDegenerate(std::span<const Vec3f> vertices, std::span<const Triangle> triangles);
 
-/// The same for one triangle; `center` as above.
-bool isDegenerateTriangle(std::span<const Vec3f> vertices, const Triangle& triangle, const Vec3f& center);
+/// The same for one triangle.
+bool isDegenerateTriangle(std::span<const Vec3f> vertices, const Triangle& triangle);
 
 /// One flag for each triangle: an earlier one has the same three points, in any order.
 std::vector<std::uint8_t> findDuplicates(const Topology& topology, std::span<const Triangle> triangles);

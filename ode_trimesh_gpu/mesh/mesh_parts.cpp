@@ -42,18 +42,6 @@ bool allFinite(const Vec3f* begin, std::size_t count) {
   return carried >> 31 == 0;
 }
 
-/// False says nothing. True: isDegenerateTriangle() is false, with any origin from which all coordinates are less than
-/// `largest`.
-bool isClearlyWhole(const Array<Vec3f>& vertices, const Triangle& triangle, double largest) {
-  const Vec3f &a = vertices[triangle.v[0]], &b = vertices[triangle.v[1]], &c = vertices[triangle.v[2]];
-  const Vec3d origin{a.x, a.y, a.z};
-  const Vec3d e = relativeTo(b, origin), f = relativeTo(c, origin);
-  const Vec3d n = otgCross(e, f);
-  const double limit = 0x1p-20 * largest;  // four times what is needed
-  // The third edge is no longer than the two others together.
-  return otgDot(n, n) > limit * limit * (2 * (otgDot(e, e) + otgDot(f, f)));
-}
-
 /// `numbers` are below `limit`.
 bool namesEachOnce(std::span<const std::uint32_t> numbers, std::size_t limit) {
   if (numbers.empty()) return true;
@@ -216,13 +204,9 @@ bool TriMeshCheck::measuresMatch() const {
     for (const std::uint32_t v : triangle.v) radius2 = std::max(radius2, distance2(parts_.vertices[v], center));
   }
   if (parts_.radius != radiusFrom(radius2)) return false;
-  const Vec3d size = relativeTo(bounds.max, Vec3d{bounds.min.x, bounds.min.y, bounds.min.z});
-  const double largest = 2 * std::max({size.x, size.y, size.z});  // more than any coordinate in the centred frame
   for (std::size_t t = 0; t < parts_.triangles.size(); ++t) {
-    const Triangle& triangle = parts_.triangles[t];
-    const bool flat = !isClearlyWhole(parts_.vertices, triangle, largest) &&
-                      isDegenerateTriangle(parts_.vertices, triangle, parts_.origin);
-    if (parts_.degenerate[t] != flat) return false;
+    const bool flat = isDegenerateTriangle({parts_.vertices.data(), parts_.vertices.size()}, parts_.triangles[t]);
+    if (parts_.degenerate[t] != static_cast<std::uint8_t>(flat)) return false;
   }
   return true;
 }

@@ -74,11 +74,10 @@ std::vector<HalfEdgePair> pairHalfEdges(const Topology& topology) {
 
 /// Zero-area triangles whose longest edge (from p to q) has one neighbour (p, q, d) hide that the middle vertex c lies
 /// on that edge: without them the surface would be open there. The neighbour is split at c instead, (p, c, d) and (c,
-/// q, d), which moves the surface by less than rounding. One pass; answers how many, because others may become possible
+/// q, d), which does not move the surface. One pass; answers how many, because others may become possible
 /// after it.
-std::size_t splitNeighboursOnce(const std::vector<Vec3f>& vertices, std::vector<Triangle>& triangles,
-                                const Vec3f& center) {
-  const std::vector<std::uint8_t> degenerate = findDegenerate(vertices, triangles, center);
+std::size_t splitNeighboursOnce(const std::vector<Vec3f>& vertices, std::vector<Triangle>& triangles) {
+  const std::vector<std::uint8_t> degenerate = findDegenerate(vertices, triangles);
   if (std::find(degenerate.begin(), degenerate.end(), 1) == degenerate.end()) return 0;
   const Topology topology = buildTopology(vertices, triangles);
   const std::vector<HalfEdgePair> pairs = pairHalfEdges(topology);
@@ -110,7 +109,7 @@ std::size_t splitNeighboursOnce(const std::vector<Vec3f>& vertices, std::vector<
     const std::uint32_t c = triangles[t].v[(longest + 2) % 3];
     const std::uint32_t p = neighbour[across % 3], q = neighbour[(across + 1) % 3], d = neighbour[(across + 2) % 3];
     const Triangle halves[2] = {{{p, c, d}}, {{c, q, d}}};
-    const std::vector<std::uint8_t> bad = findDegenerate(vertices, halves, center);
+    const std::vector<std::uint8_t> bad = findDegenerate(vertices, halves);
     if (bad[0] || bad[1] || !edges.insert(edgeKey(c, d)).second) continue;
     touched[t] = touched[across / 3] = 1;
     triangles[t] = halves[0];
@@ -121,19 +120,17 @@ std::size_t splitNeighboursOnce(const std::vector<Vec3f>& vertices, std::vector<
 }
 
 void dropDegenerate(const std::vector<Vec3f>& vertices, std::vector<Triangle>& triangles, RepairReport& report) {
-  const Vec3d middle = boundsOf(vertices, triangles).middle();
-  const Vec3f center{static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z)};
   // Each pass leaves fewer zero-area triangles. Stacks of them take a pass per layer; what is left after many is
   // dropped.
   constexpr int kMaxPasses = 64;
   for (int pass = 0; pass < kMaxPasses; ++pass) {
-    const std::size_t split = splitNeighboursOnce(vertices, triangles, center);
+    const std::size_t split = splitNeighboursOnce(vertices, triangles);
     if (split == 0) break;
     report.splitDegenerate += split;
   }
   say(report, report.splitDegenerate, "zero-area triangle was removed by splitting its neighbour.",
       "zero-area triangles were removed by splitting their neighbours.");
-  report.droppedDegenerate = drop(triangles, findDegenerate(vertices, triangles, center));
+  report.droppedDegenerate = drop(triangles, findDegenerate(vertices, triangles));
   say(report, report.droppedDegenerate, "zero-area triangle was dropped.", "zero-area triangles were dropped.");
 }
 

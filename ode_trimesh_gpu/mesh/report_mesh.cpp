@@ -93,10 +93,10 @@ void inspectMesh(std::span<const Vec3f> vertices, std::span<const Triangle> tria
   if (triangles.empty()) addProblem(report, ProblemKind::kEmpty, 1, "The mesh has no triangles.");
 
   report.degenerateTriangles = countFlags(degenerate);
-  addProblem(report, ProblemKind::kDegenerateTriangle, report.degenerateTriangles,
-             counted(report.degenerateTriangles, "triangle has", "triangles have") +
-                 " no area (all vertices on a line, to within rounding).",
-             triangles.size(), [&](std::uint32_t t) { return degenerate[t] != 0; });
+  addProblem(
+      report, ProblemKind::kDegenerateTriangle, report.degenerateTriangles,
+      counted(report.degenerateTriangles, "triangle has", "triangles have") + " no area (all vertices on a line).",
+      triangles.size(), [&](std::uint32_t t) { return degenerate[t] != 0; });
 
   const auto duplicate = findDuplicates(topology, triangles);
   report.duplicateTriangles = countFlags(duplicate);

@@ -141,7 +141,7 @@ struct TriMeshBuilder {
       for (const std::uint32_t v : triangle.v) radius2 = std::max(radius2, distance2(mesh.vertices_[v], mesh.center_));
     }
     mesh.radius_ = radiusFrom(radius2);
-    mesh.degenerate_ = findDegenerate(mesh.vertices_, mesh.triangles_, mesh.origin_);
+    mesh.degenerate_ = findDegenerate(mesh.vertices_, mesh.triangles_);
   }
 
   /// By the mesh's own indices if they make a solid, else by positions.

@@ -19,7 +19,7 @@ enum class ProblemKind {
   kIndexOutOfRange,      ///< refused; elements are triangles
   kNonFiniteVertex,      ///< refused (NaN, infinity, or a double beyond float); elements are vertices
   kEmpty,                ///< no triangles
-  kDegenerateTriangle,   ///< all vertices on a line, exactly or to within the rounding of their coordinates; triangles
+  kDegenerateTriangle,   ///< all vertices exactly on a line; elements are triangles
   kDuplicateTriangle,    ///< the same three points as an earlier triangle, in any order; triangles
   kBoundaryEdge,         ///< used once; elements are triangles
   kNonManifoldEdge,      ///< used more than twice; elements are triangles

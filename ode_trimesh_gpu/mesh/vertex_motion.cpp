@@ -272,7 +272,7 @@ bool VertexMotion::keepsPoints(const TriMesh& mesh) {
 
 bool VertexMotion::keepsArea(const TriMesh& mesh) const {
   return std::all_of(triangles_.begin(), triangles_.end(), [&](std::uint32_t t) {
-    return isDegenerateTriangle(mesh.vertices(), mesh.triangles()[t], mesh.origin()) == mesh.isDegenerate(t);
+    return isDegenerateTriangle(mesh.vertices(), mesh.triangles()[t]) == mesh.isDegenerate(t);
   });
 }
 

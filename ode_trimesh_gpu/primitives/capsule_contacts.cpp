@@ -104,7 +104,7 @@ class Finder {
 
   /// Where the axis is above the triangle.
   void face(std::uint32_t t, const Vec3d* p) {
-    const Vec3d n = unit(otgCross(p[1] - p[0], p[2] - p[0]));
+    const Vec3d n = faceNormal(mesh_, t);
     const double rise = otgDot(n, capsule_.direction), base = otgDot(n, start_ - p[0]);
     const double end = base + rise * length_;
     if (std::min(base, end) > capsule_.radius || std::max(base, end) < -capsule_.radius) return;

@@ -6,6 +6,7 @@
 
 #include "base/vectors.h"
 #include "bvh/wide_search.h"
+#include "mesh/triangle_area.h"
 #include "shared/tests/point_test.h"
 
 namespace otg {
@@ -74,10 +75,7 @@ void cornersOf(const TriMesh& mesh, std::uint32_t triangle, Vec3d out[3]) {
 }
 
 Vec3d faceNormal(const TriMesh& mesh, std::uint32_t triangle) {
-  if (mesh.isDegenerate(triangle)) return {0, 0, 0};
-  Vec3d p[3];
-  cornersOf(mesh, triangle, p);
-  return unit(otgCross(p[1] - p[0], p[2] - p[0]));
+  return unit(areaVector2(mesh, triangle));
 }
 
 SurfacePoint closestOnTriangle(const Vec3d corners[3], const Vec3d& p) {

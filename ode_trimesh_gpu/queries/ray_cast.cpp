@@ -42,8 +42,9 @@ bool passes(const CollisionMesh& mesh, const RayCast& cast, const RayHit& hit) {
   cornersOf(mesh.mesh(), hit.triangle, p);
   const Vec3d e1 = p[1] - p[0], e2 = p[2] - p[0], n = otgCross(e1, e2);
   const Vec3d at = cast.ray.origin + cast.ray.direction * hit.distance - p[0];
-  const double nn = otgDot(n, n);
-  return !cast.filter(hit.triangle, otgDot(otgCross(at, e2), n) / nn, otgDot(otgCross(e1, at), n) / nn);
+  // Of a triangle so thin that its normal is lost, the first corner stands for all of it.
+  const double nn = otgDot(n, n), share = nn > 0 ? 1 / nn : 0;
+  return !cast.filter(hit.triangle, otgDot(otgCross(at, e2), n) * share, otgDot(otgCross(e1, at), n) * share);
 }
 
 /// Whether single precision is enough for the boxes of a ray's search: products of lengths and inverse directions

@@ -24,13 +24,14 @@ template <class Place>
 Side sideOf(const TriMesh& mesh, const Place& place) {
   Side side;
   for (std::uint32_t t = 0; t < mesh.triangleCount(); ++t) {
-    if (mesh.isDegenerate(t)) continue;
-    std::array<Kernel::Point_3, 3> corner;
+    std::array<Kernel::Point_3, 3> corner, own;
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3f& v = mesh.vertices()[mesh.triangles()[t].v[k]];
       const Vec3d p = place(Vec3d{v.x, v.y, v.z});
       corner[k] = Kernel::Point_3(p.x, p.y, p.z);
+      own[k] = Kernel::Point_3(v.x, v.y, v.z);
     }
+    if (CGAL::collinear(own[0], own[1], own[2]) || CGAL::collinear(corner[0], corner[1], corner[2])) continue;
     side.triangles.emplace_back(corner[0], corner[1], corner[2]);
     side.numbers.push_back(t);
   }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sets of intersecting triangle pairs of generated meshes against CGAL's: not one pair more or less.
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "oracle/pair_checks.h"
@@ -196,4 +198,85 @@ TEST_CASE("meshes that do not meet, and a mesh wholly inside another") {
   CHECK(checkPoseInAllVariants(big, small, makeMove({0, 0, 0})) == 0);
   CHECK(checkPoseInAllVariants(big, small, makeMove({3, 0, 0})) == 0);
   CHECK(checkPoseInAllVariants(big, small, makeMove({0, 0, 0.75})) > 0);
+}
+
+TEST_CASE("a triangle far away leaves a small cube its pairs") {
+  MeshArrays cube = makeBox({0.01, 0.01, 0.01}), pair = cube;
+  for (MeshArrays* mesh : {&cube, &pair}) {
+    const auto first = static_cast<std::uint32_t>(mesh->vertices.size());
+    const float away = mesh == &cube ? 1e5f : -3e7f;
+    for (const Vec3f& v : {Vec3f{away, 0, 0}, Vec3f{away, 1, 0}, Vec3f{away, 0, 1}}) mesh->vertices.push_back(v);
+    mesh->triangles.push_back({{first, first + 1, first + 2}});
+  }
+  const BothTrees a = trees(cube), b = trees(pair), c = trees(makeBox({0.01, 0.01, 0.01}));
+  CHECK(checkPoseInAllVariants(a, c, makeMove({0.005, 0.005, 0.005})) >= 18);
+  CHECK(checkPoseInAllVariants(c, a, makePose({0, 1, 0}, 0.3, {0.005, 0.005, 0.005})) > 10);
+  CHECK(checkPoseInAllVariants(a, b, makePose({0.6, 0.8, 0}, 0.7, {0.003, 0.001, 0.005})) > 10);
+}
+
+TEST_CASE("soups of needles") {
+  Draw draw(5);
+  std::size_t pairs = 0, poses = 0;
+  const auto needles = [&](double thin) {
+    MeshArrays soup;
+    for (std::uint32_t i = 0; i < 24; ++i) {
+      const Vec3d from = draw.inBox(1), along = draw.inBox(1), side = otgScale(draw.inBox(1), thin);
+      const Vec3d to = otgAdd(from, along);
+      const Vec3d tip = otgAdd(otgAdd(from, otgScale(along, draw.uniform(0, 1))), side);
+      for (const Vec3d& p : {from, to, tip}) {
+        soup.vertices.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+      }
+      soup.triangles.push_back({{3 * i, 3 * i + 1, 3 * i + 2}});
+    }
+    return soup;
+  };
+  // In a plane every needle meets others; with a z of least bits they are nearly in one.
+  const auto flattened = [&](MeshArrays soup, float z) {
+    for (Vec3f& v : soup.vertices) v.z = z * static_cast<float>(draw.below(3));
+    return soup;
+  };
+  for (const double thin : {1e-3, 1e-6, 1e-7, 3e-8, 0.0}) {
+    for (int round = 0; round < 40; ++round) {
+      const MeshArrays first = needles(thin), second = needles(thin);
+      const float z = round % 4 == 0 ? 0 : round % 4 == 1 ? 1e-9f : 1e-45f;
+      const BothTrees a = trees(round % 2 == 0 ? flattened(first, z) : first);
+      const BothTrees b = trees(round % 2 == 0 ? flattened(second, z) : second);
+      const Transformd pose = round % 3 == 0   ? makeMove({0, 0, 0})
+                              : round % 3 == 1 ? makePose({0, 0, 1}, draw.uniform(-3, 3), {0.01, 0, 0})
+                                               : makePose(draw.direction(), draw.uniform(-3, 3), draw.inBox(0.1));
+      pairs += checkPose(a, b, pose, draw.below(kVariants));
+      ++poses;
+    }
+  }
+  CHECK(poses == 200);
+  CHECK(pairs > 1000);
+}
+
+TEST_CASE("meshes from 1e-15 to 1e15 metres in all variants") {
+  const MeshArrays sphere = makeSphere(1, 1), box = makeBox({1, 1.2, 0.8}, 2);
+  std::size_t least = 1000;
+  for (const float scale : {1e-15f, 1e-10f, 1e-5f, 1e5f, 1e12f, 4e12f, 1e13f, 1e15f}) {
+    const BothTrees a = trees(scaledAndMoved(sphere, scale, {0, 0, 0}));
+    const BothTrees b = trees(scaledAndMoved(box, scale, {0, 0, 0}));
+    Transformd pose = makePose({0.6, 0, 0.8}, 0.5, otgScale(Vec3d{0.7, 0.4, 0.2}, double{scale}));
+    least = std::min(least, checkPoseInAllVariants(a, b, pose));
+  }
+  CHECK(least > 20);
+}
+
+TEST_CASE("rotations with entries down to 1e-300") {
+  Draw draw(6);
+  std::size_t pairs = 0;
+  for (int round = 0; round < 120; ++round) {
+    // Faces of one plane but for parts of the matrix that no sum of single products sees.
+    const BothTrees a = trees(latticeSoup(draw, 30, 4)), b = trees(latticeSoup(draw, 30, 4));
+    Transformd pose = makeQuarterTurn(static_cast<unsigned>(round), {0, 0, static_cast<double>(draw.below(2))});
+    for (double& r : pose.r) {
+      if (r == 0 && draw.below(3) != 0)
+        r = std::ldexp(draw.below(2) != 0 ? 1.25 : -1, -static_cast<int>(draw.below(470)) - 530);
+    }
+    if (draw.below(2) != 0) pose.t.x = std::ldexp(1.0, -1000);
+    pairs += checkPose(a, b, pose, draw.below(kVariants));
+  }
+  CHECK(pairs > 1000);
 }

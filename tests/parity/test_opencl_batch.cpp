@@ -309,11 +309,11 @@ TEST_CASE("no contacts of boxes that touch are left to the host") {
 
 TEST_CASE("what a device cannot decide is the host's") {
   const MeshList boxes = boxesOfManySizes();
-  // Plates whose planes are so near each other that products of the distances underflow, among others.
+  // Plates whose planes are so near each other that products of coordinates may underflow, among others.
   const auto plate = collisionMesh(makeGround(1, 0, 2));
   std::vector<Query> queries = touchingBoxes(boxes, 2);
   const std::size_t boxQueries = queries.size();
-  for (const double gap : {1e-80, 0.0, 1e-75, 1e-20}) {
+  for (const double gap : {1e-100, 0.0, 1e-95, 1e-20}) {
     queries.push_back(makeQuery(*plate, *plate, makeMove({0.1, 0.2, gap})));
   }
   const Expected expected = onHost(queries);

@@ -389,6 +389,25 @@ class Bench(CliTest):
         self.assertGreater(rims[-1]["open_contours"], rims[0]["open_contours"])
         self.assertEqual(document, self.run_json("bench", "contours", self.mesh(), "--poses", "4", "--seed", "3"))
 
+    def test_exact(self):
+        """No pair is lost or made up, by either judge; the judges find the same pairs."""
+        document = self.run_json("bench", "exact", "--pairs", "2000000")
+        rows = document["tables"]["exact"]
+        self.assertEqual(rows[-1]["family"], "all")
+        self.assertEqual(rows[-1]["pairs"], 2000000)
+        self.assertEqual({row["differences"] for row in rows}, {0})
+        self.assertTrue(all(row["meeting"] > row["pairs"] / 100 for row in rows), rows)
+        few = ("bench", "exact", "--pairs", "100000", "--seed", "5")
+        own = self.run_json(*few, "--judge", "separation")
+        self.assertEqual(own["judge"], "separation")
+        self.assertEqual(len(own["tables"]["exact"]), len(rows))
+        self.assertEqual({row["differences"] for row in own["tables"]["exact"]}, {0})
+        other = self.run_json(*few)["tables"]["exact"]
+        self.assertEqual([row["meeting"] for row in other], [row["meeting"] for row in own["tables"]["exact"]])
+        some = self.run_json("bench", "exact", "--pairs", "4000", "--families", "needles,far from origin")
+        self.assertEqual([row["family"] for row in some["tables"]["exact"]], ["needles", "far from origin", "all"])
+        self.assert_fails(2, "bench", "exact", "--families", "elephants", says="family")
+
     def test_contact_pictures(self):
         self.run_otg("bench", "contacts", self.mesh(), "--pictures", "pictures")
         names = sorted(os.listdir(self.path("pictures")))

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/vectors.h"
+#include "mesh/adjacency.h"
 #include "scenes/generated_meshes.h"
 #include "support/catch.h"
 
@@ -357,54 +358,89 @@ TEST_CASE("repeated indices and equal positions are degenerate and take part in 
   for (int k = 0; k < 6; ++k) CHECK(result.mesh->topology().edgeOf[36 + k] == kNone);
 }
 
-TEST_CASE("vertices on a line are degenerate, exactly or within rounding") {
+TEST_CASE("vertices exactly on a line are degenerate, others never") {
   const auto degenerate = [](Vec3f a, Vec3f b, Vec3f c) {
     return reportOf({{a, b, c}, {{{0, 1, 2}}}}).degenerateTriangles == 1;
   };
   CHECK(degenerate({0, 0, 0}, {1, 0, 0}, {2, 0, 0}));
   CHECK(degenerate({0, 0, 0}, {2, 0, 0}, {1, 0, 0}));
   CHECK(degenerate({1, 2, 3}, {2, 4, 6}, {4, 8, 12}));
-  CHECK(degenerate({0, 0, 0}, {1, 0, 0}, {0.5f, 1e-9f, 0}));
-  CHECK(degenerate({0, 0, 0}, {1, 0, 0}, {2, 0, 1e-12f}));
-  CHECK_FALSE(degenerate({0, 0, 0}, {1, 0, 0}, {0.5f, 1e-5f, 0}));
-  CHECK_FALSE(degenerate({0, 0, 0}, {1, 0, 0}, {0.5f, 1e-6f, 0}));  // a needle of aspect 10^6
+  CHECK(degenerate({0, 0, 0}, {1e30f, 0, 0}, {2e30f, 0, 0}));
+  CHECK(degenerate({0, 0, 0}, {1e-40f, 1e-40f, 0}, {2e-40f, 2e-40f, 0}));
+  CHECK_FALSE(degenerate({0, 0, 0}, {1, 0, 0}, {0.5f, 1e-6f, 0}));
+  CHECK_FALSE(degenerate({0, 0, 0}, {1, 0, 0}, {0.5f, 1e-9f, 0}));
+  CHECK_FALSE(degenerate({0, 0, 0}, {1, 0, 0}, {2, 0, 1e-12f}));
+  CHECK_FALSE(degenerate({0, 0, 0}, {1, 0, 0}, {2, 0, 1e-45f}));
+  CHECK_FALSE(degenerate({0, 0, 0}, {1e38f, 1e38f, 0}, {1e-45f, 0, 0}));
+  CHECK_FALSE(degenerate({1, 1, 1}, {3, 3, 3}, {2, 2, 2.0000002f}));
   // Small, but well shaped; and the same far from the origin.
   CHECK_FALSE(degenerate({0, 0, 0}, {1e-20f, 0, 0}, {0, 1e-20f, 0}));
   CHECK_FALSE(degenerate({1000, 0, 0}, {1000, 1e-3f, 0}, {1000, 0, 1e-3f}));
-  CHECK(degenerate({0, 0, 0}, {1e30f, 0, 0}, {2e30f, 0, 0}));
   CHECK_FALSE(degenerate({0, 0, 0}, {1e30f, 0, 0}, {0, 1e30f, 0}));
   CHECK_FALSE(degenerate({0, 0, 0}, {1e-40f, 0, 0}, {0, 1e-40f, 0}));
 }
 
-TEST_CASE("points of a line rounded to float are always degenerate, long needles never") {
+TEST_CASE("degenerate triangles are those of integer arithmetic, at every scale and with an outlier") {
   std::mt19937 random(7);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  const auto point = [&] {
-    const double x = uniform(random), y = uniform(random), z = uniform(random);
-    return Vec3d{x, y, z};
-  };
-  std::size_t needles = 0;
-  for (int i = 0; i < 3000; ++i) {
-    const double scale = std::pow(10, 6 * uniform(random));
-    const auto rounded = [&](const Vec3d& q) {
-      return Vec3f{static_cast<float>(scale * q.x), static_cast<float>(scale * q.y), static_cast<float>(scale * q.z)};
-    };
-    const Vec3d a = point(), b = point(), along = otgSub(b, a);
-    const Vec3d between = otgAdd(a, otgScale(along, 0.5 + 0.5 * uniform(random)));
-    // A second triangle pins the centre of the bounds to the origin, so that the rounding is that of centred
-    // coordinates.
-    MeshArrays mesh{
-        {rounded(a), rounded(b), rounded(between), rounded({-1, -1, -1}), rounded({1, 1, 1}), rounded({1, -1, 1})},
-        {{{0, 1, 2}}, {{3, 4, 5}}}};
-    CHECK(reportOf(mesh).degenerateTriangles == 1);
-    const double length = norm(along);
-    if (length < 0.5) continue;
-    const Vec3d side = otgCross(along, point());
-    mesh.vertices[2] = rounded(otgAdd(otgScale(otgAdd(a, b), 0.5), otgScale(side, 1e-5 * length / norm(side))));
-    CHECK(reportOf(mesh).degenerateTriangles == 0);
-    ++needles;
+  const auto below = [&](int n) { return static_cast<std::int64_t>(random() % static_cast<unsigned>(n)); };
+  std::size_t flat = 0, thin = 0;
+  for (int i = 0; i < 20000; ++i) {
+    std::int64_t p[3][3];
+    for (int k = 0; k < 3; ++k) {
+      p[0][k] = below(1 << 10);
+      const std::int64_t step = below(1 << 10) - (1 << 9);
+      p[1][k] = p[0][k] + 8 * step;
+      p[2][k] = p[0][k] + below(2) + i % 17 * step;
+    }
+    bool expected = true;
+    for (int k = 0; k < 3; ++k) {
+      const int j = (k + 1) % 3;
+      const std::int64_t cross = (p[1][k] - p[0][k]) * (p[2][j] - p[0][j]) - (p[1][j] - p[0][j]) * (p[2][k] - p[0][k]);
+      expected = expected && cross == 0;
+    }
+    const float scale = std::ldexp(1.0f, static_cast<int>(below(200)) - 140);
+    MeshArrays mesh;
+    for (const auto& q : p) {
+      mesh.vertices.push_back(
+          {scale * static_cast<float>(q[0]), scale * static_cast<float>(q[1]), scale * static_cast<float>(q[2])});
+    }
+    mesh.triangles = {{{0, 1, 2}}};
+    if (i % 2 == 0) {  // 1e10 sizes away
+      for (int k = 0; k < 3; ++k) {
+        mesh.vertices.push_back({1e14f * scale, k == 1 ? scale : 0, k == 2 ? scale : 0});
+      }
+      mesh.triangles.push_back({{3, 4, 5}});
+    }
+    REQUIRE(reportOf(mesh).degenerateTriangles == (expected ? 1 : 0));
+    (expected ? flat : thin) += 1;
   }
-  CHECK(needles > 1000);
+  CHECK(flat > 2000);
+  CHECK(thin > 10000);
+}
+
+TEST_CASE("a triangle far away leaves a small cube its faces") {
+  MeshArrays mesh = makeBox({0.01, 0.01, 0.01});
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  for (const Vec3f& v : {Vec3f{1e5f, 0, 0}, Vec3f{1e5f, 1, 0}, Vec3f{1e5f, 0, 1}}) mesh.vertices.push_back(v);
+  mesh.triangles.push_back({{first, first + 1, first + 2}});
+  CHECK(reportOf(mesh).degenerateTriangles == 0);
+}
+
+TEST_CASE("triangles as thin as can be have their normals") {
+  const auto normal = [](Vec3f a, Vec3f b, Vec3f c) {
+    const MeshArrays mesh{{a, b, c}, {{{0, 1, 2}}}};
+    return buildAdjacency(*buildTriMesh(mesh.input()).mesh).normal[0];
+  };
+  const auto isNear = [](const Vec3d& n, const Vec3d& expected) { return norm(otgSub(n, expected)) < 1e-9; };
+  CHECK(isNear(normal({0, 0, 0}, {1, 0, 0}, {0.5f, 1e-12f, 0}), {0, 0, 1}));
+  CHECK(isNear(normal({0, 0, 0}, {1, 0, 0}, {0.5f, 0, 1e-45f}), {0, -1, 0}));
+  // In the plane x = y, which double arithmetic no longer sees.
+  const double half = std::sqrt(0.5);
+  CHECK(isNear(normal({0, 0, 0}, {1, 1, 1}, {0.75f, 0.75f, std::nextafter(0.75f, 1.0f)}), {half, -half, 0}));
+  CHECK(isNear(normal({0, 0, 0}, {1e-40f, 1e-40f, 0}, {1e-40f, 1e-40f, 1e-45f}), {half, -half, 0}));
+  CHECK(isNear(normal({0, 0, 0}, {1e38f, 1e38f, 0}, {1e-30f, 1e-30f, 1e-45f}), {half, -half, 0}));
+  CHECK(isNear(normal({0x1p23f, 0, 0}, {0x1p23f + 1, 1, 0}, {1, 1 - 0x1p23f, 0x1p-149f}), {half, -half, 0}));
+  CHECK(norm(normal({1, 2, 3}, {2, 4, 6}, {4, 8, 12})) == 0);
 }
 
 TEST_CASE("an empty mesh is accepted and says so") {

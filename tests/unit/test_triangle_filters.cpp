@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The filters never contradict exact arithmetic, whatever the triangles; the exact test agrees with constructions.
+#include <algorithm>
 #include <array>
 #include <random>
 
@@ -89,7 +90,7 @@ void toReal(const Corners& t, Vec3<Real> out[3]) {
 TEST_CASE("filters never contradict the exact decision") {
   HardPairs pairs(1);
   const FilterError<float> floatError{10 * 0x1p-24f, 0.0f, 1e-30f};
-  const FilterError<double> doubleError{10 * 0x1p-53, 0.0, 1e-290};
+  const FilterError<double> doubleError{10 * 0x1p-53, 0.0, OTG_TINY_DETERMINANT};
   int decided[2][2] = {}, undecided[2] = {}, meet = 0, total = 0;
   for (int i = 0; i < 200000; ++i) {
     Corners a, b;
@@ -207,12 +208,56 @@ TEST_CASE("sums of products have the signs of expansions of fixed lengths") {
       if (i % 16 != 3) p[2][0] = p[2][1] = p[2][2] = 0;
     }
     bool fits = true;
-    for (int k = 0; k < 9; ++k) fits = fits && otgIsExactDistance(p[k / 3][k % 3] - p[3][k % 3]);
+    for (const auto& q : p) {
+      for (const double x : q) fits = fits && otgIsExactCoordinate(x);
+    }
     REQUIRE(fits);
     REQUIRE(otgSumOrient3(p[0], p[1], p[2], p[3]) == otgExactOrient3(p[0], p[1], p[2], p[3]));
     REQUIRE(otgSumMinor(p[0][0], p[1][0], p[2][1], p[3][1], p[0][1], p[1][1], p[2][0], p[3][0]) ==
             otgExactMinor(p[0][0], p[1][0], p[2][1], p[3][1], p[0][1], p[1][1], p[2][0], p[3][0]));
   }
-  CHECK_FALSE(otgIsExactDistance(1e-80));
-  CHECK_FALSE(otgIsExactDistance(-1e80));
+  CHECK_FALSE(otgIsExactCoordinate(1e-91));
+  CHECK_FALSE(otgIsExactCoordinate(-1e91));
+}
+
+TEST_CASE("sums of products have the signs of expansions, and are exact where those underflow") {
+  std::mt19937_64 random(6);
+  const auto below = [&](int n) { return static_cast<int>(random() % static_cast<std::uint64_t>(n)); };
+  int zeros = 0, lost = 0;
+  for (int i = 0; i < 40000; ++i) {
+    // Whole numbers times powers of two: their determinants are known, however small or large the powers are.
+    double p[4][3], moved[4][3];
+    for (auto& q : p) {
+      for (double& x : q) x = i % 3 == 0 ? below(5) - 2 : below(1 << 15) - (1 << 14);
+    }
+    if (i % 4 == 0) {
+      for (int k = 0; k < 3; ++k) p[3][k] = 2 * p[1][k] + 3 * p[2][k] - 4 * p[0][k];  // coplanar
+    }
+    const int exponent[3] = {below(1900) - 1000, below(1900) - 1000, below(1900) - 1000};
+    for (int j = 0; j < 4; ++j) {
+      for (int k = 0; k < 3; ++k) moved[j][k] = std::ldexp(p[j][k], exponent[k]);
+    }
+    const int sign = otgExactOrient3(p[0], p[1], p[2], p[3]);
+    zeros += sign == 0;
+    REQUIRE(otgOrient3OfAnySize(p[0], p[1], p[2], p[3]) == sign);
+    REQUIRE(otgOrient3OfAnySize(moved[0], moved[1], moved[2], moved[3]) == sign);
+    REQUIRE(otgHostOrient3(moved[0], moved[1], moved[2], moved[3]) == sign);
+    if (*std::max_element(exponent, exponent + 3) <= 112) {  // as large as floats, for which the filter is made
+      REQUIRE(otgOrient3(moved[3], moved[1], moved[2], moved[0]) == sign);
+    }
+    const int minor = otgExactMinor(p[0][0], p[1][0], p[2][1], p[3][1], p[0][1], p[1][1], p[2][0], p[3][0]);
+    REQUIRE(otgMinorOfAnySize(p[0][0], p[1][0], p[2][1], p[3][1], p[0][1], p[1][1], p[2][0], p[3][0]) == minor);
+    REQUIRE(otgMinorOfAnySize(moved[0][0], moved[1][0], moved[2][1], moved[3][1], moved[0][1], moved[1][1], moved[2][0],
+                              moved[3][0]) == minor);
+    lost += std::isfinite(moved[0][0]) && otgExactOrient3(moved[0], moved[1], moved[2], moved[3]) != sign;
+  }
+  CHECK(zeros > 8000);
+  CHECK(lost > 1000);  // what expansions alone make of it
+  // What is as small as can be decides.
+  const double least = 0x1p-1074;
+  const double a[3] = {1, 0, 0}, b[3] = {0, 1, 0}, c[3] = {0, 0, 0}, d[3] = {5, 7, least}, e[3] = {5, 7, -least};
+  const double far[3] = {0x1p100, 0, 0}, wide[3] = {0, 0x1p100, 0};
+  CHECK(otgOrient3(c, a, b, d) == 1);
+  CHECK(otgOrient3(c, a, b, e) == -1);
+  CHECK(otgOrient3(c, far, wide, e) == -1);
 }

@@ -8,7 +8,7 @@
 #else
 #define OTG_SHARED_PAIRWISE_CONTACT_F
 #endif
-#include "shared/math/vec3.h"
+#include "shared/math/corner_cross.h"
 //
 #include "shared/math/generic_begin.h"
 
@@ -42,12 +42,25 @@ typedef struct {
 } OTG_PAIR_CONTACT;
 #endif
 
-/// Unit normal (p1 - p0) x (p2 - p0); the zero vector for a triangle without area.
+/// Some vector at right angles to e, which is not zero.
+OTG_GENERIC OTG_VEC3 OTG_NAME(otgAcross)(OTG_VEC3 e) {
+  const REAL x = OTG_ABS(e.x), y = OTG_ABS(e.y), z = OTG_ABS(e.z);
+  if (x <= y && x <= z) return OTG_NAME(otgVec)(OTG_REAL(0), -e.z, e.y);
+  if (y <= z) return OTG_NAME(otgVec)(e.z, OTG_REAL(0), -e.x);
+  return OTG_NAME(otgVec)(-e.y, e.x, OTG_REAL(0));
+}
+
+/// Unit normal (p1 - p0) x (p2 - p0). Where twice the digits do not tell it, some unit vector at right angles to the
+/// triangle's longer edge.
 OTG_GENERIC OTG_VEC3 OTG_NAME(otgUnitNormal)(const OTG_VEC3* p) {
-  OTG_VEC3 n = OTG_NAME(otgCross)(OTG_NAME(otgSub)(p[1], p[0]), OTG_NAME(otgSub)(p[2], p[0]));
+  OTG_VEC3 n = OTG_NAME(otgCornerCross)(p[0], p[1], p[2]);
   // Scaled first, so that small triangles do not underflow in float.
-  REAL m = OTG_MAX(OTG_MAX(OTG_ABS(n.x), OTG_ABS(n.y)), OTG_ABS(n.z)), l;
-  if (!(m > 0)) return OTG_NAME(otgVec)(OTG_REAL(0), OTG_REAL(0), OTG_REAL(0));
+  REAL m = OTG_NAME(otgLargestPart)(n), l;
+  if (!(m > 0)) {
+    const OTG_VEC3 e = OTG_NAME(otgSub)(p[1], p[0]), f = OTG_NAME(otgSub)(p[2], p[0]);
+    n = OTG_NAME(otgAcross)(OTG_NAME(otgLargestPart)(e) < OTG_NAME(otgLargestPart)(f) ? f : e);
+    m = OTG_NAME(otgLargestPart)(n);
+  }
   n = OTG_NAME(otgVec)(n.x / m, n.y / m, n.z / m);
   l = OTG_SQRT(OTG_NAME(otgDot)(n, n));
   return OTG_NAME(otgVec)(n.x / l, n.y / l, n.z / l);

@@ -3,7 +3,7 @@
 // devices, where every work-item has its own memory for them; the host, which has it to spare, is quicker with
 // expansions of fixed lengths.
 //
-// Exact while differences of coordinates are zero or within OTG_EXACT_LEAST and OTG_EXACT_MOST (otgIsExactDistance).
+// Exact where all coordinates are otgIsExactCoordinate().
 //
 // Source of the method: J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
 // Predicates", Discrete & Computational Geometry 18 (1997): GROW-EXPANSION and COMPRESS.
@@ -18,11 +18,8 @@ namespace otg {
 #define OTG_EXACT_ROLLED _Pragma("unroll 1")  // they are inlined in many places
 #endif
 
-#define OTG_EXACT_LEAST 1e-70
-#define OTG_EXACT_MOST 1e70
-
-/// A compressed expansion has a term for every 53 bits at most. Products of three differences within the bounds have
-/// bits from 2^699 down to 2^-1017, so 33 terms are enough, and one more while a term is added.
+/// A compressed expansion has a term for every 53 bits at most. Products of three differences have bits from 2^903 down
+/// to 2^-1053 (otgIsExactCoordinate), so 37 terms are enough, and one more while a term is added.
 #define OTG_EXACT_TERMS 40
 
 /// Terms that do not overlap, by increasing magnitude.
@@ -30,10 +27,6 @@ typedef struct {
   double term[OTG_EXACT_TERMS];
   int count;
 } otg_exact_sum;
-
-OTG_INLINE int otgIsExactDistance(double x) {
-  return x == 0.0 || (fabs(x) >= OTG_EXACT_LEAST && fabs(x) <= OTG_EXACT_MOST);
-}
 
 /// The same value in as few terms as it takes.
 OTG_INLINE void otgExactCompress(otg_exact_sum* s) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Exact sums and products of doubles as expansions: sums of non-overlapping doubles of increasing magnitude whose last
-// term has the sign of the whole. Needs IEEE double arithmetic with round to nearest and no contraction; exact as long
-// as nothing overflows or underflows (products of three coordinates between about 1e-90 and 1e90 are safe).
+// term has the sign of the whole. Needs IEEE double arithmetic with round to nearest and no contraction. Exact where
+// all coordinates are otgIsExactCoordinate(): then nothing overflows or underflows.
 //
 // Source of the method: J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
 // Predicates", Discrete & Computational Geometry 18 (1997); products split by fma instead of by Dekker's constant.
@@ -15,6 +15,15 @@ namespace otg {
 #else
 #define OTG_FMA(a, b, c) fma(a, b, c)
 #endif
+
+#define OTG_EXACT_LEAST 1e-90
+#define OTG_EXACT_MOST 1e90
+
+/// A bound on coordinates, not on their differences: 1 - 1e-160 has a part that is as small as what was taken away.
+/// Within it coordinates have bits from 2^299 down to 2^-351, and products of three differences from 2^903 to 2^-1053.
+OTG_INLINE int otgIsExactCoordinate(double x) {
+  return x == 0.0 || (fabs(x) >= OTG_EXACT_LEAST && fabs(x) <= OTG_EXACT_MOST);
+}
 
 /// *x + *y == a + b exactly, *x the rounded sum.
 OTG_INLINE void otgTwoSum(double a, double b, double* x, double* y) {

@@ -85,7 +85,8 @@ OTG_GENERIC OTG_PAIR_BOUNDS OTG_NAME(otgPairBounds)(OTG_TRANSFORM m, REAL defect
   // what E's eigenvalues add up to, so this is off by less than |e| |E| too (0.87, and 0.003 for the second order at
   // the largest defect). A box lies within the mesh's bounds, so |e| <= sqrt(3) radius: 2 > sqrt(3) covers both.
   placement = 16 * doubleUnit * (OTG_NAME(otgLength)(originA) + OTG_NAME(otgLength)(originB) * rowNorm + out.scale);
-  out.eps = 32 * floatUnit * out.scale + 2 * defect * radiusB + placement + OTG_REAL(1e-37);
+  // The last term is for numbers so small that a device flushes them to zero.
+  out.eps = 32 * floatUnit * out.scale + 2 * defect * radiusB + placement + OTG_REAL(1e-36);
   // Triangles: centring rounds once (u r), the transform costs at most 8 u scale on top of R's and t's own rounding.
   out.delta = OTG_REAL(2.1) * (16 * floatUnit * out.scale + placement);
   return out;

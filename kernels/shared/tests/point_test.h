@@ -28,6 +28,30 @@ namespace otg {
 
 // Nearest points ------------------------------------------------------------------------------------------------------
 
+/// The nearest point of a triangle so thin that rounding has taken its normal; its longest edge is all of it.
+OTG_GENERIC int OTG_NAME(otgNearestOnLongestEdge)(OTG_VEC3 a, OTG_VEC3 b, OTG_VEC3 c, OTG_VEC3 p, OTG_VEC3* on) {
+  OTG_VEC3 from = a, along = OTG_NAME(otgSub)(b, a);
+  const OTG_VEC3 ca = OTG_NAME(otgSub)(a, c), bc = OTG_NAME(otgSub)(c, b);
+  int part = OTG_PART_EDGE;
+  REAL square = OTG_NAME(otgDot)(along, along), t;
+  if (OTG_NAME(otgDot)(bc, bc) > square) {
+    from = b;
+    along = bc;
+    part = OTG_PART_EDGE + 1;
+    square = OTG_NAME(otgDot)(bc, bc);
+  }
+  if (OTG_NAME(otgDot)(ca, ca) > square) {
+    from = c;
+    along = ca;
+    part = OTG_PART_EDGE + 2;
+    square = OTG_NAME(otgDot)(ca, ca);
+  }
+  t = OTG_NAME(otgDot)(along, OTG_NAME(otgSub)(p, from));
+  t = t > 0 ? OTG_MIN(t / square, OTG_REAL(1)) : OTG_REAL(0);
+  *on = OTG_NAME(otgAdd)(from, OTG_NAME(otgScale)(along, t));
+  return part;
+}
+
 /// The nearest point `on` of a triangle, and which part of it that is. Source: C. Ericson, Real-Time Collision
 /// Detection (2005), 5.1.5.
 OTG_GENERIC int OTG_NAME(otgNearestOnTriangle)(OTG_VEC3 a, OTG_VEC3 b, OTG_VEC3 c, OTG_VEC3 p, OTG_VEC3* on) {
@@ -45,7 +69,7 @@ OTG_GENERIC int OTG_NAME(otgNearestOnTriangle)(OTG_VEC3 a, OTG_VEC3 b, OTG_VEC3 
   }
   const REAL vc = d1 * d4 - d3 * d2;
   if (vc <= 0 && d1 >= 0 && d3 <= 0) {
-    *on = OTG_NAME(otgAdd)(a, OTG_NAME(otgScale)(ab, d1 / (d1 - d3)));
+    *on = OTG_NAME(otgAdd)(a, OTG_NAME(otgScale)(ab, d1 > 0 ? d1 / (d1 - d3) : d1));
     return OTG_PART_EDGE;
   }
   const OTG_VEC3 cp = OTG_NAME(otgSub)(p, c);
@@ -56,19 +80,20 @@ OTG_GENERIC int OTG_NAME(otgNearestOnTriangle)(OTG_VEC3 a, OTG_VEC3 b, OTG_VEC3 
   }
   const REAL vb = d5 * d2 - d1 * d6;
   if (vb <= 0 && d2 >= 0 && d6 <= 0) {
-    *on = OTG_NAME(otgAdd)(a, OTG_NAME(otgScale)(ac, d2 / (d2 - d6)));
+    *on = OTG_NAME(otgAdd)(a, OTG_NAME(otgScale)(ac, d2 > 0 ? d2 / (d2 - d6) : d2));
     return OTG_PART_EDGE + 2;
   }
   const REAL va = d3 * d6 - d5 * d4;
   if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    const REAL w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    const REAL along = (d4 - d3) + (d5 - d6), w = along > 0 ? (d4 - d3) / along : along;
     *on = OTG_NAME(otgAdd)(b, OTG_NAME(otgScale)(OTG_NAME(otgSub)(c, b), w));
     return OTG_PART_EDGE + 1;
   }
   // Inside: along the normal, which keeps the point in the plane where the barycentric form loses it by cancellation.
   const OTG_VEC3 n = OTG_NAME(otgCross)(ab, ac);
-  const REAL height = OTG_NAME(otgDot)(ap, n) / OTG_NAME(otgDot)(n, n);
-  *on = OTG_NAME(otgSub)(p, OTG_NAME(otgScale)(n, height));
+  const REAL nn = OTG_NAME(otgDot)(n, n);
+  if (!(nn > 0)) return OTG_NAME(otgNearestOnLongestEdge)(a, b, c, p, on);
+  *on = OTG_NAME(otgSub)(p, OTG_NAME(otgScale)(n, OTG_NAME(otgDot)(ap, n) / nn));
   return OTG_PART_FACE;
 }
 

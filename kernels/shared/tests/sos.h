@@ -21,7 +21,7 @@ namespace otg {
 OTG_INLINE int otgCrossSign(const double* p0, const double* p1, const double* q0, const double* q1, int k) {
   const int i = (k + 1) % 3, j = (k + 2) % 3;
   double l = (p1[i] - p0[i]) * (q1[j] - q0[j]), r = (p1[j] - p0[j]) * (q1[i] - q0[i]);
-  double det = l - r, bound = 4.0e-16 * (fabs(l) + fabs(r)) + 1.0e-290;
+  double det = l - r, bound = 4.0e-16 * (fabs(l) + fabs(r)) + OTG_TINY_DETERMINANT;
   if (det > bound) return 1;
   if (det < -bound) return -1;
   return OTG_EXACT_MINOR(p1[i], p0[i], q1[j], q0[j], p1[j], p0[j], q1[i], q0[i]);

@@ -5,15 +5,37 @@
 #define OTG_SHARED_TRIANGLE_EXACT_H
 #include "shared/math/exact_sum.h"
 #include "shared/math/expansion.h"
+#include "shared/math/product_sum.h"
 
 #ifndef __OPENCL_VERSION__
 namespace otg {
-#define OTG_EXACT_ORIENT3 otgExactOrient3
-#define OTG_EXACT_MINOR otgExactMinor
+#define OTG_EXACT_ORIENT3 otgHostOrient3
+#define OTG_EXACT_MINOR otgHostMinor
+
+/// As otgExactOrient3, for any doubles.
+inline int otgHostOrient3(const double* a, const double* b, const double* c, const double* d) {
+  int fits = 1;
+  for (int k = 0; k < 3; ++k) {
+    fits &= otgIsExactCoordinate(a[k]) & otgIsExactCoordinate(b[k]) & otgIsExactCoordinate(c[k]) &
+            otgIsExactCoordinate(d[k]);
+  }
+  return fits ? otgExactOrient3(a, b, c, d) : otgOrient3OfAnySize(a, b, c, d);
+}
+
+/// As otgExactMinor, for any doubles.
+inline int otgHostMinor(double a1, double a0, double d1, double d0, double b1, double b0, double c1, double c0) {
+  int fits = 1;
+  for (const double x : {a1, a0, d1, d0, b1, b0, c1, c0}) fits &= otgIsExactCoordinate(x);
+  return fits ? otgExactMinor(a1, a0, d1, d0, b1, b0, c1, c0) : otgMinorOfAnySize(a1, a0, d1, d0, b1, b0, c1, c0);
+}
 #else
+// The caller has looked at otgIsExactCoordinate.
 #define OTG_EXACT_ORIENT3 otgSumOrient3
 #define OTG_EXACT_MINOR otgSumMinor
 #endif
+
+/// More than what underflow can add to a determinant of coordinates up to the largest float: about 1e-285.
+#define OTG_TINY_DETERMINANT 1e-280
 
 /// Sign of det[b - a, c - a, d - a], or 0 where double arithmetic cannot decide.
 OTG_INLINE int otgOrient3Filter(const double* a, const double* b, const double* c, const double* d) {
@@ -24,8 +46,8 @@ OTG_INLINE int otgOrient3Filter(const double* a, const double* b, const double* 
   double det = wx * (uyvz - uzvy) + wy * (uzvx - uxvz) + wz * (uxvy - uyvx);
   double permanent = fabs(wx) * (fabs(uyvz) + fabs(uzvy)) + fabs(wy) * (fabs(uzvx) + fabs(uxvz)) +
                      fabs(wz) * (fabs(uxvy) + fabs(uyvx));
-  // (7 + 56 u) u of Shewchuk 1997, rounded up; the constant term covers underflow.
-  double bound = 8.0e-16 * permanent + 1.0e-290;
+  // (7 + 56 u) u of Shewchuk 1997, rounded up.
+  double bound = 8.0e-16 * permanent + OTG_TINY_DETERMINANT;
   return det > bound ? 1 : det < -bound ? -1 : 0;
 }
 
@@ -36,13 +58,18 @@ OTG_INLINE int otgOrient3(const double* a, const double* b, const double* c, con
   return s != 0 ? s : OTG_EXACT_ORIENT3(d, b, c, a);
 }
 
-/// The same in two dimensions, coordinates i and j of each point: positive when a, b, c turn counter-clockwise.
-OTG_INLINE int otgOrient2(const double* a, const double* b, const double* c, int i, int j) {
+/// Sign of otgOrient2, or 0 where double arithmetic cannot decide.
+OTG_INLINE int otgOrient2Filter(const double* a, const double* b, const double* c, int i, int j) {
   double l = (a[i] - c[i]) * (b[j] - c[j]), r = (a[j] - c[j]) * (b[i] - c[i]);
-  double det = l - r, bound = 4.0e-16 * (fabs(l) + fabs(r)) + 1.0e-290;
-  if (det > bound) return 1;
-  if (det < -bound) return -1;
-  return OTG_EXACT_MINOR(a[i], c[i], b[j], c[j], a[j], c[j], b[i], c[i]);
+  double det = l - r, bound = 4.0e-16 * (fabs(l) + fabs(r)) + OTG_TINY_DETERMINANT;
+  return det > bound ? 1 : det < -bound ? -1 : 0;
+}
+
+/// The same as otgOrient3 in two dimensions, coordinates i and j of each point: positive when a, b, c turn
+/// counter-clockwise.
+OTG_INLINE int otgOrient2(const double* a, const double* b, const double* c, int i, int j) {
+  int s = otgOrient2Filter(a, b, c, i, j);
+  return s != 0 ? s : OTG_EXACT_MINOR(a[i], c[i], b[j], c[j], a[j], c[j], b[i], c[i]);
 }
 
 /// Is p in the closed triangle t (coordinates i, j)? Either turn of t.
@@ -109,12 +136,20 @@ OTG_INLINE int otgEdgesMeetTriangle(const double* s, const int* side, const doub
 
 /// Are the three corners on one line? Exact.
 OTG_INLINE int otgIsWithoutArea(const double* t) {
-  return otgOrient2(t, t + 3, t + 6, 0, 1) == 0 && otgOrient2(t, t + 3, t + 6, 1, 2) == 0 &&
-         otgOrient2(t, t + 3, t + 6, 2, 0) == 0;
+  // All filters first: a triangle with area may well lie along an axis.
+  OTG_EXACT_ROLLED
+  for (int k = 0; k < 3; ++k) {
+    if (otgOrient2Filter(t, t + 3, t + 6, k, (k + 1) % 3) != 0) return 0;
+  }
+  OTG_EXACT_ROLLED
+  for (int k = 0; k < 3; ++k) {
+    if (otgOrient2(t, t + 3, t + 6, k, (k + 1) % 3) != 0) return 0;
+  }
+  return 1;
 }
 
 /// 1 when the closed triangles a and b (nine doubles each: x, y, z of three corners) have a point in common, else 0.
-/// Exact for any input of moderate magnitude (see expansion.h); neither triangle may be a point or a segment.
+/// Exact, on devices for coordinates that are otgIsExactCoordinate(); neither triangle may be a point or a segment.
 OTG_INLINE int otgTrianglesMeetExact(const double* a, const double* b) {
   int sa[3], sb[3];
   for (int k = 0; k < 3; ++k) sa[k] = otgOrient3(b, b + 3, b + 6, a + 3 * k);

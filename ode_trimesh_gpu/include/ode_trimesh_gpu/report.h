@@ -22,7 +22,7 @@ enum {
   dGPUTRIMESH_PROBLEM_INDEX_OUT_OF_RANGE = 3,    /**< refused; triangles */
   dGPUTRIMESH_PROBLEM_NONFINITE_VERTEX = 4,      /**< refused; vertices */
   dGPUTRIMESH_PROBLEM_EMPTY = 5,                 /**< no triangles */
-  dGPUTRIMESH_PROBLEM_DEGENERATE_TRIANGLE = 6,   /**< all corners on a line; triangles */
+  dGPUTRIMESH_PROBLEM_DEGENERATE_TRIANGLE = 6,   /**< all corners exactly on a line; triangles */
   dGPUTRIMESH_PROBLEM_DUPLICATE_TRIANGLE = 7,    /**< the same corners as an earlier one; triangles */
   dGPUTRIMESH_PROBLEM_BOUNDARY_EDGE = 8,         /**< an edge used once; triangles */
   dGPUTRIMESH_PROBLEM_NON_MANIFOLD_EDGE = 9,     /**< an edge used more than twice; triangles */

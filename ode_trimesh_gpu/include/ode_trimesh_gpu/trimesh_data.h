@@ -134,7 +134,7 @@ enum { dGPUTRIMESH_VERTEX_SINGLE = 0, dGPUTRIMESH_VERTEX_DOUBLE = 1 };
 enum {
   dGPUTRIMESH_REPAIR_NONE = 0,
   dGPUTRIMESH_REPAIR_WELD = 1,            /**< merge vertices with equal positions */
-  dGPUTRIMESH_REPAIR_DROP_DEGENERATE = 2, /**< remove triangles whose corners lie on a line */
+  dGPUTRIMESH_REPAIR_DROP_DEGENERATE = 2, /**< remove triangles whose corners lie exactly on a line */
   dGPUTRIMESH_REPAIR_DROP_DUPLICATES = 4, /**< keep only the first of triangles with the same corners */
   dGPUTRIMESH_REPAIR_ORIENT = 8,          /**< flip triangles so that neighbours agree and closed parts face outward */
   dGPUTRIMESH_REPAIR_ALL = 15

@@ -66,14 +66,15 @@ void say(std::atomic<bool>& said, const char* what) {
 bool isFlat(const CollisionMesh& mesh) {
   const TriMesh& triangles = mesh.mesh();
   const std::vector<Vec3d>& normals = mesh.adjacency().normal;
-  std::uint32_t first = 0;
-  while (first < triangles.triangleCount() && triangles.isDegenerate(first)) ++first;
-  if (first == triangles.triangleCount()) return false;
+  const std::vector<double>& areas = mesh.adjacency().area;
+  const auto largest = std::max_element(areas.begin(), areas.end());
+  if (largest == areas.end() || *largest == 0) return false;
+  const auto widest = static_cast<std::uint32_t>(largest - areas.begin());
   const auto at = [&](std::uint32_t v) {
     const Vec3f& p = triangles.vertices()[v];
     return Vec3d{p.x, p.y, p.z};
   };
-  const Vec3d on = at(triangles.triangles()[first].v[0]), normal = normals[first];
+  const Vec3d on = at(triangles.triangles()[widest].v[0]), normal = normals[widest];
   const double most = kThin * static_cast<double>(triangles.radius());
   return std::all_of(triangles.triangles().begin(), triangles.triangles().end(), [&](const Triangle& t) {
     return std::all_of(t.v, t.v + 3, [&](std::uint32_t v) { return std::fabs(otgDot(normal, at(v) - on)) <= most; });
