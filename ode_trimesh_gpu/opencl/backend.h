@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -14,6 +13,7 @@
 #include "collide/query.h"
 #include "collide/traversal.h"
 #include "opencl/array_types.h"
+#include "opencl/run_parts.h"
 #include "opencl/runtime/device_info.h"
 #include "opencl/tuning.h"
 
@@ -134,11 +134,6 @@ class BatchAnswer {
   std::vector<Part> parts_;
   std::map<std::size_t, std::vector<Contact>> apart_;
 };
-
-/// Calls the work for consecutive parts of [0, count), on whatever threads it likes, and returns when all are done, as
-/// ThreadPool::run does; or throws what the work throws.
-using RunParts =
-    std::function<void(std::size_t count, const std::function<void(std::size_t begin, std::size_t end)>& work)>;
 
 /// Any number of threads. Every function gives what the host gives, byte for byte, whatever the device, its scheduling
 /// and the tuning. It returns false when the device failed and the host did all or part of the work (which is logged

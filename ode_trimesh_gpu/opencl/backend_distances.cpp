@@ -54,7 +54,7 @@ std::size_t Backend::nearestTriangles(std::span<const Query> queries, double lim
         run(some.size(), [&](std::size_t begin, std::size_t end) {
           for (std::size_t i = begin; i < end; ++i) isHosts[i] = fillDistance(some[i], limit, tasks[i]) ? 0 : 1;
         });
-        const std::span<const otg_uint> words = lane.run(meshes);
+        const std::span<const otg_uint> words = lane.run(meshes, run);
         static_assert(OTG_DISTANCE_NOTHING == kNone);
         for (std::size_t i = 0; i < some.size(); ++i) {
           answers[done + i] = isHosts[i] ? kLeftToHost : TrianglePair{words[2 * i], words[2 * i + 1]};

@@ -127,9 +127,9 @@ class Backend::Batch {
       if (times_) times_->fill += watch.ms();
       piece.soon = asksSoon();
       if (piece.soon) {
-        piece.lane->beginWithFlags(meshes_.list(), source_.reductions);
+        piece.lane->beginWithFlags(meshes_.list(), source_.reductions, finish_.onHost);
       } else {
-        piece.lane->begin(meshes_.list(), source_.reductions, wish_);
+        piece.lane->begin(meshes_.list(), source_.reductions, wish_, finish_.onHost);
       }
     } catch (const ClError& error) {
       piece.lane = nullptr;
