@@ -69,7 +69,7 @@ Dispatcher::Slots Dispatcher::openAll(std::span<const int> indices, const opencl
   for (const int index : indices) {
     auto slot = std::make_shared<DeviceSlot>();
     opencl::Tuning how = tuning;
-    if (how.memoryBudget == 0) how.memoryBudget = meshMemory_;
+    if (how.memoryBudget == 0) how.memoryBudget = deviceMemory_;
     slot->backend = opencl::Backend::open(index, how);
     if (!slot->backend) continue;
     std::optional<CostModel> costs = storedCosts(slot->backend->device(), cache);

@@ -47,9 +47,9 @@ class Dispatcher {
   /// divided as planned.
   void setTakeOver(bool takesOver) { takesOver_ = takesOver; }
 
-  /// Bytes that meshes may take on each device that is opened from now on; 0: what Tuning::memoryBudget says of 0.
-  void setMeshMemory(std::uint64_t bytes) { meshMemory_ = bytes; }
-  std::uint64_t meshMemory() const { return meshMemory_; }
+  /// Bytes that all buffers may take on each device that is opened from now on; 0: what Tuning::memoryBudget says of 0.
+  void setDeviceMemory(std::uint64_t bytes) { deviceMemory_ = bytes; }
+  std::uint64_t deviceMemory() const { return deviceMemory_; }
 
   /// Opens these devices (numbers of opencl::listDevices(); one may be there several times, each with a context of its
   /// own) in place of those that were open, and measures their costs if they are not known. Devices that cannot be
@@ -129,7 +129,7 @@ class Dispatcher {
   std::shared_ptr<ThreadPool> pool_;  ///< made when first needed
   Slots devices_;
   std::atomic<bool> hasDevices_{false}, takesOver_{true};
-  std::atomic<std::uint64_t> meshMemory_{0};
+  std::atomic<std::uint64_t> deviceMemory_{0};
   Flag opening_;  ///< of what is being opened; set when it is dropped
   std::function<void()> openingHook_;
   BackgroundThread opener_;

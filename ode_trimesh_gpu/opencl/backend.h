@@ -37,6 +37,8 @@ struct BackendCounts {
   /// Meshes sent whole, changes sent of meshes that were there, meshes that made room; bytes of the first two; bytes
   /// that meshes take now.
   std::uint64_t meshUploads = 0, meshUpdates = 0, meshEvictions = 0, meshBytesSent = 0, meshBytes = 0;
+  /// Bytes of all buffers: meshes, lists and results, of queries under way and of those to come.
+  std::uint64_t memory = 0;
   int programsFromSource = 0, programsFromCache = 0;
   /// Points asked about and rays cast; of either, those that were left to the caller because a call failed.
   std::uint64_t points = 0, pointsOnHost = 0, rays = 0, raysOnHost = 0;
@@ -199,6 +201,9 @@ class Backend {
   std::size_t nearestTriangles(std::span<const Query> queries, double limit, std::span<TrianglePair> answers,
                                const RunParts& run);
   static constexpr TrianglePair kLeftToHost{kNone - 1, kNone - 1};
+
+  /// Gives back the lists and results of queries that are done, and meshes if no query has any. How many bytes.
+  std::uint64_t releaseMemory();
 
   BackendCounts counts() const;
 

@@ -38,10 +38,11 @@ struct BackendState {
       distancesOnHost{0};
 
   BackendState(const FoundDevice& device, const Tuning& how)
-      : context(device, ProgramCache::standard(), how.doubles),
+      : context(device, ProgramCache::standard(), how.doubles,
+                how.memoryBudget != 0 ? how.memoryBudget : device.info.globalMemory / 2),
         tuning(how),
         meshes(context,
-               std::make_shared<MemoryBudget>(how.memoryBudget != 0 ? how.memoryBudget : device.info.globalMemory / 2),
+               std::make_shared<MemoryBudget>(how.meshBudget != 0 ? how.meshBudget : context.memory().bytes() / 2),
                how.leafTriangles, MeshLayout::kEightWide, how.cutOrder),
         pairs(context, meshes, tuning),
         profiled(context, meshes, withProfile(how)),

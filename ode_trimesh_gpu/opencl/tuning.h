@@ -78,7 +78,8 @@ struct Tuning {
   std::uint32_t pointPiece = 1u << 18, leastPointPiece = 1u << 15, pointGroup = 64;
   /// Pairs of one submission whose distances are asked for.
   std::uint32_t distancePairs = 1u << 14;
-  std::uint64_t memoryBudget = 0;  ///< bytes for meshes, those of `levels` among them; 0: half of the device's memory
+  std::uint64_t memoryBudget = 0;  ///< bytes of all buffers; 0: half of the device's memory
+  std::uint64_t meshBudget = 0;    ///< of these, bytes for meshes, those of `levels` among them; 0: half of the budget
   std::uint32_t cutOrder = 0;      ///< not 0: cuts in another order than PackedTree has them
   bool profile = false;            ///< take times of the stages of single queries, which costs some
   bool doubles = true;             ///< false: as on a device without double arithmetic

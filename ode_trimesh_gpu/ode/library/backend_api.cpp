@@ -152,11 +152,20 @@ int dGpuTriMeshWaitForDevices(int milliseconds) {
 }
 
 void dGpuTriMeshSetDeviceMemory(duint64 bytes) {
-  otg::dispatcher().setMeshMemory(bytes);
+  otg::dispatcher().setDeviceMemory(bytes);
 }
 
 duint64 dGpuTriMeshGetDeviceMemory(void) {
-  return otg::dispatcher().meshMemory();
+  return otg::dispatcher().deviceMemory();
+}
+
+duint64 dGpuTriMeshReleaseDeviceMemory(void) {
+  std::uint64_t bytes = 0;
+  otg::guarded([&] {
+    for (const auto& slot : otg::dispatcher().devices()) bytes += slot->backend->releaseMemory();
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
+  return bytes;
 }
 
 void dGpuTriMeshCloseDevices(void) {
@@ -201,6 +210,7 @@ int dGpuTriMeshGetDevice(int Index, dGpuTriMeshDevice* device) {
     device->mesh_bytes_sent = counts.meshBytesSent;
     device->mesh_evictions = counts.meshEvictions;
     device->mesh_bytes = counts.meshBytes;
+    device->memory_bytes = counts.memory;
     return static_cast<int>(dGPUTRIMESH_OK);
   });
 }

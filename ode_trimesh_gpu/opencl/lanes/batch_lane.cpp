@@ -107,8 +107,8 @@ void BatchLane::begin(std::span<const CollisionMesh* const> meshes, std::span<co
   });
 }
 
-void BatchLane::beginWithFlags(std::span<const CollisionMesh* const> meshes,
-                               std::span<const otg_reduction> reductions, const RunParts* threads) {
+void BatchLane::beginWithFlags(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions,
+                               const RunParts* threads) {
   wantsFlags_ = true;
   begin(meshes, reductions, BatchWish::kSolid, threads);
 }

@@ -42,15 +42,17 @@ MeshStore::MeshStore(Context& context, std::shared_ptr<MemoryBudget> budget, std
       layout_(layout),
       queue_(context.makeQueue(false)) {
   budget_->join(*this);
+  context_.memory().join(*this);
 }
 
 MeshStore::~MeshStore() {
+  context_.memory().leave(*this);
   budget_->leave(*this);
   budget_->giveBack(places_.capacity() * kUnit);
 }
 
 void MeshStore::prepare() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(*this);
   if (!scatter_) scatter_.make(context_, "meshes/mesh_scatter.cl", "");
 }
 
@@ -70,7 +72,7 @@ MeshStore::Pinned MeshStore::tryAcquire(std::span<const CollisionMesh* const> me
   std::vector<std::size_t> absent;
   std::uint64_t held = 0, later = 0;  // units; about
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(*this);
     for (std::size_t i = 0; i < meshes.size(); ++i) {
       if (pin(*meshes[i], pinned.meshes_[i])) continue;
       absent.push_back(i);
@@ -95,7 +97,7 @@ MeshStore::Pinned MeshStore::tryAcquire(std::span<const CollisionMesh* const> me
     if (held > mostUnits_) {
       throw ClError("clCreateBuffer", CL_MEM_OBJECT_ALLOCATION_FAILURE, "meshes are larger than the memory budget");
     }
-    const std::lock_guard lock(mutex_);
+    const Lock lock(*this);
     upload(parcels, residents, later);
     for (; from < to; ++from) pin(*meshes[absent[from]], pinned.meshes_[absent[from]]);
     pinned.buffer_ = buffer_;
@@ -105,11 +107,9 @@ MeshStore::Pinned MeshStore::tryAcquire(std::span<const CollisionMesh* const> me
 
 /// Makes all meshes go, unless some query has one, or there is none.
 bool MeshStore::startAnew() {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(*this);
   if (residents_.empty() || isAnyInUse()) return false;
-  const std::uint32_t capacity = places_.capacity();
   forgetAll();
-  places_.grow(capacity);
   return true;
 }
 
@@ -119,13 +119,17 @@ bool MeshStore::isAnyInUse() const {
          std::any_of(outdated_.begin(), outdated_.end(), isInUse);
 }
 
+/// The buffers go, too.
 void MeshStore::forgetAll() noexcept {
   counts_.evictions += residents_.size();
   byMesh_.clear();
   residents_.clear();
   outdated_.clear();
+  buffer_.reset();
+  sent_ = ListOf<MeshUnit>();
+  budget_->giveBack(places_.capacity() * kUnit);
   places_.clear();
-  counts_.bytesUsed = 0;
+  counts_.bytesUsed = counts_.bytesHeld = 0;
 }
 
 /// False where the mesh is not there, or not as it is now.
@@ -339,7 +343,8 @@ bool MeshStore::grow(std::uint64_t units) {
   const std::uint64_t capacity = std::min({wanted, mostUnits_, before + budget_->left() / kUnit});
   if (capacity <= before || !budget_->take((capacity - before) * kUnit)) return false;
   try {
-    auto larger = std::make_shared<const BufferHandle>(context_.makeBuffer(CL_MEM_READ_WRITE, capacity * kUnit));
+    // The smaller one counts, too, until the last query that has it is done.
+    auto larger = std::make_shared<const BufferHandle>(context_.makeBuffer(CL_MEM_READ_WRITE, capacity * kUnit, this));
     if (buffer_) {
       clDo(OTG_CL(clEnqueueCopyBuffer), queue_.get(), buffer_->get(), larger->get(), std::size_t{0}, std::size_t{0},
            std::size_t{before * kUnit}, cl_uint{0}, static_cast<const cl_event*>(nullptr),
@@ -348,6 +353,10 @@ bool MeshStore::grow(std::uint64_t units) {
     }
     places_.grow(static_cast<std::uint32_t>(capacity - before));
     buffer_ = std::move(larger);
+  } catch (const ClError& error) {
+    budget_->giveBack((capacity - before) * kUnit);
+    if (error.code() != CL_MEM_OBJECT_ALLOCATION_FAILURE) throw;
+    return false;  // others may make room
   } catch (...) {
     budget_->giveBack((capacity - before) * kUnit);
     throw;
@@ -373,14 +382,10 @@ bool MeshStore::evictOne() {
 }
 
 void MeshStore::letGo() noexcept {
+  if (isBusy_) return;  // perhaps by this thread
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock || !buffer_) return;
-  if (isAnyInUse()) return;
-  const std::uint64_t bytes = places_.capacity() * kUnit;
-  forgetAll();
-  buffer_.reset();
-  budget_->giveBack(bytes);
-  counts_.bytesHeld = 0;
+  if (!isAnyInUse()) forgetAll();
 }
 
 void MeshStore::forgetDead() {
@@ -405,7 +410,7 @@ void MeshStore::forgetOutdated() {
 }
 
 MeshStore::Counts MeshStore::counts() const {
-  const std::lock_guard lock(mutex_);
+  const Lock lock(*this);
   return counts_;
 }
 

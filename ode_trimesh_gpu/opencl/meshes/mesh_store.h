@@ -14,12 +14,12 @@
 #include "bvh/collision_mesh.h"
 #include "collide/pair_frame.h"
 #include "opencl/meshes/free_places.h"
-#include "opencl/meshes/memory_budget.h"
 #include "opencl/meshes/packed_mesh.h"
 #include "opencl/meshes/packed_motion.h"
 #include "opencl/run_parts.h"
 #include "opencl/runtime/context.h"
 #include "opencl/runtime/given.h"
+#include "opencl/runtime/memory_budget.h"
 #include "shared/layout/meshes_given.h"
 
 namespace otg::opencl {
@@ -134,7 +134,20 @@ class MeshStore : private MemoryBudget::Sharer {
   const std::uint64_t mostUnits_;
   const std::uint32_t leafTriangles_, cutOrder_;
   const MeshLayout layout_;
+  /// Holds the mutex. What is made meanwhile may have this store be asked to let go, by its own thread.
+  class Lock {
+   public:
+    explicit Lock(const MeshStore& store) : lock_(store.mutex_), isBusy_(store.isBusy_) { isBusy_ = true; }
+    ~Lock() { isBusy_ = false; }
+    Lock(const Lock&) = delete;
+    Lock& operator=(const Lock&) = delete;
+
+   private:
+    const std::lock_guard<std::mutex> lock_;
+    std::atomic<bool>& isBusy_;
+  };
   mutable std::mutex mutex_;
+  mutable std::atomic<bool> isBusy_{false};
   QueueHandle queue_;
   std::shared_ptr<const BufferHandle> buffer_;
   FreePlaces places_;                       ///< units of the buffer

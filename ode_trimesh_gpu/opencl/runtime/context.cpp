@@ -5,7 +5,8 @@
 
 namespace otg::opencl {
 
-Context::Context(const FoundDevice& device, ProgramCache cache, bool doubles) : device_(device) {
+Context::Context(const FoundDevice& device, ProgramCache cache, bool doubles, std::uint64_t memory)
+    : device_(device), memory_(std::make_shared<MemoryBudget>(memory)) {
   device_.info.doubles = device_.info.doubles && doubles;
   const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM,
                                               reinterpret_cast<cl_context_properties>(device.platform), 0};
@@ -23,16 +24,34 @@ QueueHandle Context::makeQueue(bool profiling) const {
   return QueueHandle(clMake(OTG_CL(clCreateCommandQueue), context_.get(), device_.device, properties));
 }
 
-BufferHandle Context::makeBuffer(cl_mem_flags flags, std::size_t bytes) const {
+MemoryShare Context::takeMemory(std::size_t bytes, const MemoryBudget::Sharer* asker) const {
+  if (!memory_->take(bytes)) {
+    if (asker != nullptr) {
+      memory_->askOthers(*asker);
+    } else {
+      memory_->askAll();
+    }
+    if (!memory_->take(bytes)) {
+      throw ClError("clCreateBuffer", CL_MEM_OBJECT_ALLOCATION_FAILURE, "the memory budget is used up");
+    }
+  }
+  return {memory_, bytes};
+}
+
+BufferHandle Context::makeBuffer(cl_mem_flags flags, std::size_t bytes, const MemoryBudget::Sharer* asker) const {
+  MemoryShare share = takeMemory(bytes, asker);
   ++buffersMade_;
-  return BufferHandle(clMake(OTG_CL(clCreateBuffer), context_.get(), flags, bytes, static_cast<void*>(nullptr)));
+  return {MemObjectHandle(clMake(OTG_CL(clCreateBuffer), context_.get(), flags, bytes, static_cast<void*>(nullptr))),
+          std::move(share)};
 }
 
 BufferHandle Context::makeHostBuffer(std::size_t bytes) const {
   constexpr cl_bitfield kInHostMemory = 1;  // CL_MEM_LOCATION_HOST_NV
+  MemoryShare share = takeMemory(bytes, nullptr);
   ++buffersMade_;
-  return BufferHandle(clMake("clCreateBufferNV", createHostBuffer_, context_.get(), cl_mem_flags{CL_MEM_READ_WRITE},
-                             kInHostMemory, bytes, static_cast<void*>(nullptr)));
+  return {MemObjectHandle(clMake("clCreateBufferNV", createHostBuffer_, context_.get(), cl_mem_flags{CL_MEM_READ_WRITE},
+                                 kInHostMemory, bytes, static_cast<void*>(nullptr))),
+          std::move(share)};
 }
 
 Kernel Context::makeKernel(const std::string& program, const std::string& options, const char* kernel) {
