@@ -113,6 +113,23 @@ class Dispatcher {
   using Slots = std::vector<std::shared_ptr<DeviceSlot>>;
   std::shared_ptr<ThreadPool> pool();
   Slots usableDevices() const;
+  /// What the work of one call may be: for either side, or told to go to devices.
+  struct Places {
+    bool anyAuto = false, anyBound = false;
+    void add(const Placement& place) {
+      if (isOpenToAll(place)) anyAuto = true;
+      if (place.middle == Place::kOpencl || place.near == Place::kOpencl) anyBound = true;
+    }
+    void add(const PairWork& work) { add(work.job->place); }
+    void add(const OverlapJob& job) { add(Placement{job.place, job.place}); }
+  };
+  template <class Work>
+  static Places placesOf(std::span<const Work> work, bool isNeeded) {
+    Places places;
+    for (std::size_t i = 0; isNeeded && i < work.size(); ++i) places.add(work[i]);
+    return places;
+  }
+  Slots devicesFor(const Places& places) const;
   static const std::shared_ptr<DeviceSlot>& leastBusy(const Slots& slots);
   Slots openAll(std::span<const int> indices, const opencl::Tuning& tuning, Costs costs, KeptCosts kept) const;
   using Flag = std::shared_ptr<std::atomic<bool>>;

@@ -25,6 +25,9 @@ extern "C" {
  * opened in the background. A program that ends meanwhile waits for the kernel that is being built.
  * A child process made by fork() meanwhile has to do with the CPU: drivers may have been locked when it was made.
  *
+ * AUTO does not open a device of type CPU, and gives it no work if it is open: it has the cores that the library's own
+ * threads have, and is slower on them. OPENCL does.
+ *
  * Before the first call it is AUTO with no device open, which is the CPU. The environment variable OTG_BACKEND (auto,
  * cpu or opencl) has the first dGpuTriMeshInit() call this function.
  *

@@ -25,6 +25,16 @@ std::vector<int> defaultDevices() {
   return index < 0 ? std::vector<int>{} : std::vector<int>{index};
 }
 
+/// What auto uses.
+std::vector<int> devicesForAuto() {
+  const std::vector<opencl::DeviceInfo> devices = opencl::listDevices();
+  const int index = opencl::defaultDevice(devices);
+  for (const opencl::DeviceInfo& device : devices) {
+    if (device.index == index && takesAuto(device)) return {index};
+  }
+  return {};
+}
+
 std::vector<int> allGpus() {
   std::vector<int> gpus;
   for (const opencl::DeviceInfo& device : opencl::listDevices()) {
@@ -86,7 +96,7 @@ int dGpuTriMeshSetBackend(int backend) {
     }
     otg::Dispatcher& dispatcher = otg::dispatcher();
     const otg::Place place = otg::placeOf(backend);
-    if (place == otg::Place::kAuto && !dispatcher.hasDevices()) dispatcher.openLater(otg::defaultDevices);
+    if (place == otg::Place::kAuto && !dispatcher.hasDevices()) dispatcher.openLater(otg::devicesForAuto);
     if (place == otg::Place::kOpencl) {
       otg::waitForOpening(-1);
       if (!dispatcher.hasDevices()) dispatcher.open(otg::defaultDevices());
