@@ -178,6 +178,7 @@ TEST_CASE("whichever call fails, the distances are the same") {
   const std::vector<Bits> expected = oneByOne(allPairs(some, 4), kInfinity);
   opencl::Tuning tuning;
   tuning.distancePairs = 5;  // three pieces
+  tuning.distanceWork = 4;   // or more, by their cost
   ThreadPool pool(2);
   // With meshes of its own each time, so that they are uploaded.
   const auto differ = [&](DeviceSlot& slot, int times) {

@@ -58,15 +58,35 @@ class Backend::Batch {
   /// False if the device failed.
   bool run(StageTimes* times) {
     times_ = times;
-    for (const std::vector<PairRange>& pieces : cutBatch(source_.size(), state_.tuning, times != nullptr)) {
-      submit(pieces);
-    }
+    std::vector<std::vector<PairRange>> submissions = cutBatch(source_.size(), state_.tuning, times != nullptr);
+    if (mayBeLong()) submissions = cutPieces(submissions, works(), state_.tuning);
+    for (const std::vector<PairRange>& pieces : submissions) submit(pieces);
     return good_;
   }
 
  private:
   static constexpr std::size_t kMostWaits = 500;  ///< of a batch, for memory, a millisecond each
   static std::uint64_t triangles(const CollisionMesh* mesh) { return mesh->mesh().triangleCount(); }
+
+  /// Whether launches may be too long if only pairs are counted. A first hit is soon found.
+  bool mayBeLong() const {
+    std::uint64_t largest = 0;
+    for (const CollisionMesh* mesh : source_.meshes) largest = std::max(largest, triangles(mesh));
+    const std::size_t pairs = std::min<std::size_t>(source_.size(), state_.tuning.batchPairs);
+    return wish_ != BatchWish::kAny &&
+           2.0 * static_cast<double>(largest) * static_cast<double>(pairs) > state_.tuning.batchWork;
+  }
+  /// Of each pair. Those that are too large for a batch do not count.
+  std::vector<double> works() const {
+    std::vector<double> out(source_.size());
+    otg_batch_task task{};
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      source_.fill(i, task);
+      const std::uint64_t both = triangles(source_.meshes[task.meshA]) + triangles(source_.meshes[task.meshB]);
+      out[i] = both > state_.tuning.batchTriangles && Finish::kLargeAlone ? 1 : static_cast<double>(both);
+    }
+    return out;
+  }
 
   /// The meshes of some pairs, when not all of a batch fit at once.
   void narrow(const PairRange& range) {
