@@ -271,7 +271,7 @@ void Dispatcher::askOverlaps(std::span<const OverlapJob> jobs, std::span<std::ui
 
 void Dispatcher::askDistances(std::span<const OverlapJob> jobs, double limit, std::span<MeshDistance> answers) {
   Slots slots = devicesFor(placesOf(jobs, hasDevices()));
-  std::erase_if(slots, [](const auto& slot) { return !slot->backend->answersArrays(); });
+  std::erase_if(slots, [](const auto& slot) { return !slot->backend->answersDistances(); });
   DeviceSlot* const slot = slots.empty() ? nullptr : leastBusy(slots).get();
   runDistances(*pool(), slot, jobs, limit, answers);
 }

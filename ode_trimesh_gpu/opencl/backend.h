@@ -184,8 +184,12 @@ class Backend {
   bool intersectBatch(const IntersectBatch& pairs, std::vector<std::uint8_t>& answer, StageTimes* times = nullptr,
                       const RunParts& onHost = {});
 
-  /// Whether the device can answer points and rays (it has doubles).
-  bool answersArrays() const;
+  /// Whether the device can answer these: it has doubles, and their program could be built.
+  bool answersPoints() const;
+  bool answersRays() const;
+  bool answersDistances() const;
+  /// Programs that could not be built. What they are for is done by the host from then on, and is no failure any more.
+  std::size_t failedPrograms() const;
   /// Asks about `count` points and hands the answers over in pieces, in their order, on the calling thread. The mesh
   /// has triangles; `wish.inside` is for solids. Returns how many were answered, from the first one on: fewer than
   /// `count` when a call failed (which is logged once and counted). Throws what `fill` and `take` throw.
@@ -196,8 +200,8 @@ class Backend {
                        const TakeRays& take);
   /// The nearest triangles of pairs of meshes that are apart and have triangles: as otg::distanceApart finds them,
   /// {kNone, kNone} where nothing is within the limit, kLeftToHost where the device cannot tell. `run` puts the pairs
-  /// together. Only where answersArrays(). Returns how many have their answers, from the first one on: fewer than all
-  /// when a call failed (which is logged once and counted). Throws what `run` throws.
+  /// together. Only where answersDistances(). Returns how many have their answers, from the first one on: fewer than
+  /// all when a call failed (which is logged once and counted). Throws what `run` throws.
   std::size_t nearestTriangles(std::span<const Query> queries, double limit, std::span<TrianglePair> answers,
                                const RunParts& run);
   static constexpr TrianglePair kLeftToHost{kNone - 1, kNone - 1};

@@ -62,9 +62,23 @@ struct BackendState {
     pairs.prepare();
     batches.prepare();
     if (!context.info().doubles) return;
-    points.prepare();
-    rays.prepare();
+    prepareIfItBuilds(points);
+    prepareIfItBuilds(rays);
   }
+  /// A feature whose program does not build is not there; the device is.
+  template <class Lane>
+  void prepareIfItBuilds(LanePool<Lane>& pool) {
+    const std::size_t before = context.programs().failedCount();
+    try {
+      pool.prepare();
+    } catch (const ClError& error) {
+      if (context.programs().failedCount() == before) throw;
+      logError(error);
+    }
+  }
+  /// Whether the device has what this takes.
+  bool makesSolids() { return tuning.solid && !context.programs().hasFailed("solid/small/"); }
+  bool answersArrays(const char* program) { return context.info().doubles && !context.programs().hasFailed(program); }
   /// Whether contacts are reduced on the device.
   bool reduces() const { return context.info().doubles && tuning.reduce; }
   static Tuning withProfile(Tuning how) {

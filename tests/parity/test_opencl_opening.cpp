@@ -326,7 +326,7 @@ TEST_CASE("no query builds programs once a device was rehearsed") {
     CHECK(backend->collideBatch(many, answer));
     CHECK(backend->intersectBatch(many, meet));
   }
-  if (backend->answersArrays()) {
+  if (backend->answersPoints()) {
     constexpr std::size_t kCount = 70000;  // several pieces
     const auto points = [](std::size_t begin, std::size_t end, Vec3d* to) {
       for (std::size_t i = begin; i < end; ++i) to[i - begin] = {1e-5 * static_cast<double>(i), 0.2, 1};

@@ -45,7 +45,7 @@ class Backend::Batch {
         lanes_(profile ? state.profiledBatches : state.batches),
         rules_{.recordsOfAll = wish == BatchWish::kPairs,
                .describes = Finish::kTakesDescriptions && wish == BatchWish::kSolid &&
-                            LargeStage::works(state.context.info(), state.tuning)},
+                            LargeStage::works(state.context, state.tuning)},
         overlaps_(profile ? state.profiledOverlaps : state.overlaps, state.tuning.overlapPairs) {
     std::uint64_t largest = 0;
     for (const CollisionMesh* mesh : source.meshes) largest = std::max(largest, triangles(mesh));
@@ -535,7 +535,7 @@ bool Backend::collideFrom(const Source& source, BatchAnswer& answer, StageTimes*
   ContactFinish finish{*this, state_->queries, answer};
   if (onHost) finish.onHost = &onHost;
   const BatchWish wish = !state_->reduces()                        ? BatchWish::kPairs
-                         : source.anySolid && state_->tuning.solid ? BatchWish::kSolid
+                         : source.anySolid && state_->makesSolids() ? BatchWish::kSolid
                          : source.anyPairwise                      ? BatchWish::kContacts
                                                                    : BatchWish::kPairs;
   Batch<Source, ContactFinish> batch(*state_, source, wish, finish, times != nullptr);
@@ -561,7 +561,7 @@ bool Backend::intersectFrom(const Source& source, std::vector<std::uint8_t>& ans
 }
 
 bool Backend::collideBatch(const CollideBatch& pairs, BatchAnswer& answer, StageTimes* times, const RunParts& onHost) {
-  const bool makesSolids = state_->tuning.solid;
+  const bool makesSolids = state_->makesSolids();
   if (const auto* numbered = std::get_if<NumberedPairs>(&pairs)) {
     return collideFrom(PairSource(*numbered, makesSolids), answer, times, onHost);
   }
@@ -572,7 +572,7 @@ bool Backend::collideBatch(const CollideBatch& pairs, BatchAnswer& answer, Stage
 
 bool Backend::intersectBatch(const IntersectBatch& pairs, std::vector<std::uint8_t>& answer, StageTimes* times,
                              const RunParts& onHost) {
-  const bool makesSolids = state_->tuning.solid;
+  const bool makesSolids = state_->makesSolids();
   if (const auto* numbered = std::get_if<NumberedPairs>(&pairs)) {
     return intersectFrom(PairSource(*numbered, makesSolids), answer, times, onHost);
   }

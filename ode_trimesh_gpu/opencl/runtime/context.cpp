@@ -55,7 +55,24 @@ BufferHandle Context::makeHostBuffer(std::size_t bytes) const {
 }
 
 Kernel Context::makeKernel(const std::string& program, const std::string& options, const char* kernel) {
-  return Kernel(KernelHandle(clMake(OTG_CL(clCreateKernel), programs_->get(program, options), kernel)), &buffersMade_);
+  KernelHandle made(clMake(OTG_CL(clCreateKernel), programs_->get(program, options), kernel));
+  try {
+    checkLimits(made.get(), program);
+  } catch (const ClError& error) {
+    if (error.code() == CL_INVALID_WORK_GROUP_SIZE) programs_->giveUp(program, options, error);
+    throw;
+  }
+  return Kernel(std::move(made), &buffersMade_);
+}
+
+/// Throws ClError for a kernel whose work-groups need more local memory than there is: to launch it would fail each
+/// time. CL_KERNEL_WORK_GROUP_SIZE is not asked for: Rusticl 22.3 says 32 of kernels that it runs with 128.
+void Context::checkLimits(cl_kernel kernel, const std::string& program) const {
+  cl_ulong local = 0;
+  clDo(OTG_CL(clGetKernelWorkGroupInfo), kernel, device_.device, cl_kernel_work_group_info{CL_KERNEL_LOCAL_MEM_SIZE},
+       sizeof local, static_cast<void*>(&local), static_cast<std::size_t*>(nullptr));
+  if (local <= device_.info.localMemory) return;
+  throw ClError("clCreateKernel", CL_INVALID_WORK_GROUP_SIZE, program + " needs more local memory than the device has");
 }
 
 }  // namespace otg::opencl

@@ -41,6 +41,7 @@ class Context {
   Kernel makeKernel(const std::string& program, const std::string& options, const char* kernel);
 
  private:
+  void checkLimits(cl_kernel kernel, const std::string& program) const;
   MemoryShare takeMemory(std::size_t bytes, const MemoryBudget::Sharer* asker) const;
   FoundDevice device_;
   std::shared_ptr<MemoryBudget> memory_;
