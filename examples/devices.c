@@ -34,9 +34,10 @@ int main(void) {
   }
   EXPECT(dGeomGpuTriMeshSetBackend(a, dGPUTRIMESH_BACKEND_CPU) == dGPUTRIMESH_OK); /* this geom's own choice */
   EXPECT(dGeomGpuTriMeshGetBackend(a) == dGPUTRIMESH_BACKEND_CPU);
-  dGpuTriMeshSetDeviceMemory((duint64)1 << 30); /* for meshes, on each device that is opened from here on */
+  dGpuTriMeshSetDeviceMemory((duint64)1 << 30); /* on each device that is opened from here on */
   EXPECT(dGpuTriMeshGetDeviceMemory() == (duint64)1 << 30);
   EXPECT(dGpuTriMeshOpenDevices(0, -1) >= 0); /* all GPUs, in place of what is open */
+  dGpuTriMeshReleaseDeviceMemory(); /* what no query uses at the moment */
   dGpuTriMeshCloseDevices();
   EXPECT(dGpuTriMeshGetDeviceCount() == 0);
 

@@ -184,6 +184,7 @@ std::vector<int> QueryOptions::deviceNumbers() const {
     return devices;
   }
   const int index = opencl::defaultDevice(all);
+  if (index >= 0 && placement() == Placement{} && !takesAuto(all[static_cast<std::size_t>(index)])) return {};
   if (index >= 0) return {index};
   if (placement() != Placement{}) {  // auto can do without
     progress("note: no OpenCL device can be used (`otg devices` lists what there is); the CPU computes");

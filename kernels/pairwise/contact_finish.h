@@ -8,8 +8,8 @@
 inline static void otgFinishPair(__global uint* counters, __global uint* results, int clear) {
   barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
   for (uint i = get_local_id(0); i < OTG_COUNTERS; i += get_local_size(0)) {
-    if (i < OTG_COUNTERS_READ) results[i] = counters[i];
-    if (clear) counters[i] = 0;
+    const uint count = clear ? otgTakeNow(counters + i) : otgReadNow(counters + i);
+    if (i < OTG_COUNTERS_READ) results[i] = count;
   }
 }
 

@@ -114,10 +114,9 @@ inline static void otgUnite(const otg_links* l, uint x, uint y) {
     if (upX == upY) return;
     const int xGoes = otgRootKey(upX) > otgRootKey(upY);
     const uint from = xGoes ? x : y, up = xGoes ? upX : upY, to = xGoes ? upY : upX;
-    const int hung = atomic_cmpxchg(parent + from, up, to) == up;
-    if (up == from && hung) return;
-    if (up == from) continue;  // no root any more
-    x = up;
+    const uint seen = atomic_cmpxchg(parent + from, up, to);
+    if (up == from && seen == up) return;
+    x = up == from ? seen : up;  // what was a root has this parent now, whatever a later read would see
     y = to;
   }
 }

@@ -5,6 +5,7 @@
 #ifndef OTG_PAIR_RECORD_H
 #define OTG_PAIR_RECORD_H
 #include "walk/pair_walk.h"
+#include "walk/take_now.h"
 
 #ifdef OTG_WITH_DOUBLE
 #define OTG_REAL_DOUBLE
@@ -76,8 +77,8 @@ inline static void otgFinish(__global uint* counters, __global uchar* results, _
   barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
   if (!*last) return;
   for (uint i = lane; i < OTG_COUNTERS; i += get_local_size(0)) {
-    if (i < OTG_RESULT_HEAD / sizeof(uint)) ((__global uint*)results)[i] = counters[i];  // unordered: by the last
-    counters[i] = 0;                                                                     // unordered: by the last
+    const uint count = otgTakeNow(counters + i);
+    if (i < OTG_RESULT_HEAD / sizeof(uint)) ((__global uint*)results)[i] = count;
   }
 }
 

@@ -91,6 +91,8 @@ class CollisionMesh {
   /// Expires with this object, too, and when the tree is built anew, but not when vertices move: for copies of the mesh
   /// that follow its moves.
   std::weak_ptr<const void> structure() const { return structure_; }
+  /// A name for it that no other mesh has, and never had, as long as somebody holds what structure() returned.
+  const void* structureKey() const { return structure_.get(); }
   /// How often vertices have moved.
   std::uint64_t moves() const { return log_.moves; }
   /// The triangles that have changed since there were `moves` moves, some of them perhaps repeatedly. Empty where that

@@ -150,11 +150,11 @@ template void answerOnDevice(DeviceSlot&, ThreadPool&, const RayJob&, std::size_
 
 bool canAnswer(const DeviceSlot& slot, const PointJob& job) {
   const opencl::PointWish wish = wishOf(job);
-  return !slot.isOff && slot.backend->answersArrays() && (wish.nearest || wish.inside);
+  return !slot.isOff && slot.backend->answersPoints() && (wish.nearest || wish.inside);
 }
 
 bool canAnswer(const DeviceSlot& slot, const RayJob&) {
-  return !slot.isOff && slot.backend->answersArrays();
+  return !slot.isOff && slot.backend->answersRays();
 }
 
 bool isArraySoonerOnDevice(const PointJob& job, std::size_t count, const CostModel& costs, unsigned threads) {

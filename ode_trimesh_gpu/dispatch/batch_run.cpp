@@ -108,7 +108,8 @@ class BatchRun {
         }
         works_[i] = expectedWork(job.query);
         solids_[i] = solidInBatch(job) ? 1 : 0;
-        kinds_[i] = kindOf(job, works_[i], solids_[i] != 0, costs, knowSolids);
+        const bool isHosts = isOpenToAll(job.place) && !devices_[0]->isForAuto;
+        kinds_[i] = isHosts ? Kind::kHost : kindOf(job, works_[i], solids_[i] != 0, costs, knowSolids);
         part.any[solids_[i]] = true;
         part.onDevice += deviceCost(i, costs);
         if (kinds_[i] == Kind::kHost || kinds_[i] == Kind::kWithDevice) {

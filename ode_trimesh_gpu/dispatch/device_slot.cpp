@@ -6,6 +6,19 @@
 #include "opencl/runtime/log.h"
 
 namespace otg {
+namespace {
+
+std::atomic<bool> cpusTakeAuto{false};
+
+}  // namespace
+
+bool takesAuto(const opencl::DeviceInfo& device) {
+  return device.kind != opencl::DeviceKind::kCpu || cpusTakeAuto.load(std::memory_order_relaxed);
+}
+
+bool letCpusTakeAuto(bool they) {
+  return cpusTakeAuto.exchange(they);
+}
 
 void DeviceSlot::note(std::uint64_t pairs, bool good) {
   queries.fetch_add(pairs, std::memory_order_relaxed);

@@ -11,6 +11,12 @@
 
 namespace otg {
 
+/// Whether work that may be done anywhere (Place::kAuto) may go to a device. Not to one of type CPU: it has the cores
+/// that the library's own threads have, and is slower on them. Work that is told to go to a device does go there.
+bool takesAuto(const opencl::DeviceInfo& device);
+/// Tests: such devices take it, too, if they are opened from now on. Returns what held before.
+bool letCpusTakeAuto(bool they);
+
 /// Any number of threads.
 struct DeviceSlot {
   /// A device that fails so often in a row is not asked any more.
@@ -19,6 +25,7 @@ struct DeviceSlot {
   std::shared_ptr<opencl::Backend> backend;
   CostModel costs = assumedCosts();
   bool knowsCosts = false;          ///< whether they were measured
+  bool isForAuto = true;            ///< see takesAuto()
   std::atomic<int> underWay{0};     ///< single queries at the moment
   std::atomic<int> failedInRow{0};  ///< calls
   std::atomic<bool> isOff{false};

@@ -69,9 +69,10 @@ Dispatcher::Slots Dispatcher::openAll(std::span<const int> indices, const opencl
   for (const int index : indices) {
     auto slot = std::make_shared<DeviceSlot>();
     opencl::Tuning how = tuning;
-    if (how.memoryBudget == 0) how.memoryBudget = meshMemory_;
+    if (how.memoryBudget == 0) how.memoryBudget = deviceMemory_;
     slot->backend = opencl::Backend::open(index, how);
     if (!slot->backend) continue;
+    slot->isForAuto = takesAuto(slot->backend->device());
     std::optional<CostModel> costs = storedCosts(slot->backend->device(), cache);
     if (wish == Costs::kMeasured) {
       // All programs are built before something is measured, and also where that is known: no query is to wait for it.
@@ -202,6 +203,15 @@ Dispatcher::Slots Dispatcher::usableDevices() const {
   return slots;
 }
 
+/// Where some work may be done anywhere, those that take such work. If there are none, those for the rest.
+Dispatcher::Slots Dispatcher::devicesFor(const Places& places) const {
+  Slots slots = usableDevices();
+  if (!places.anyAuto || slots.empty()) return slots;
+  Slots some = slots;
+  std::erase_if(some, [](const auto& slot) { return !slot->isForAuto; });
+  return some.empty() && places.anyBound ? slots : some;
+}
+
 const std::shared_ptr<DeviceSlot>& Dispatcher::leastBusy(const Slots& slots) {
   return *std::min_element(slots.begin(), slots.end(), [](const auto& x, const auto& y) {
     return x->underWay.load(std::memory_order_relaxed) < y->underWay.load(std::memory_order_relaxed);
@@ -212,7 +222,7 @@ std::span<const Contact> Dispatcher::collide(const PairJob& job, Workspace& work
   if (!hasDevices() || job.place == Placement{Place::kCpu, Place::kCpu} || isConvexJob(job)) {
     return collideOnHost(job, workspace);
   }
-  const Slots slots = usableDevices();
+  const Slots slots = devicesFor({isOpenToAll(job.place), !isOpenToAll(job.place)});
   if (slots.empty()) return collideOnHost(job, workspace);
   return collideOn(*leastBusy(slots), job, workspace, ran.onDevice, ran.deviceFailed);
 }
@@ -228,7 +238,7 @@ void Dispatcher::run(std::size_t count, std::size_t grain, const ThreadPool::Wor
 template <class Job>
 std::shared_ptr<DeviceSlot> Dispatcher::slotForArray(const Job& job, std::size_t count, unsigned threads) const {
   if (!hasDevices() || job.place == Place::kCpu) return nullptr;
-  Slots slots = usableDevices();
+  Slots slots = devicesFor({job.place == Place::kAuto, false});
   std::erase_if(slots, [&](const auto& slot) { return !canAnswer(*slot, job); });
   if (slots.empty()) return nullptr;
   const std::shared_ptr<DeviceSlot>& slot = leastBusy(slots);
@@ -256,18 +266,18 @@ void Dispatcher::castRays(const RayJob& job, std::size_t count, const RaySource&
 }
 
 void Dispatcher::askOverlaps(std::span<const OverlapJob> jobs, std::span<std::uint8_t> answers) {
-  runOverlaps(*pool(), usableDevices(), jobs, answers);
+  runOverlaps(*pool(), devicesFor(placesOf(jobs, hasDevices())), jobs, answers);
 }
 
 void Dispatcher::askDistances(std::span<const OverlapJob> jobs, double limit, std::span<MeshDistance> answers) {
-  Slots slots = usableDevices();
-  std::erase_if(slots, [](const auto& slot) { return !slot->backend->answersArrays(); });
+  Slots slots = devicesFor(placesOf(jobs, hasDevices()));
+  std::erase_if(slots, [](const auto& slot) { return !slot->backend->answersDistances(); });
   DeviceSlot* const slot = slots.empty() ? nullptr : leastBusy(slots).get();
   runDistances(*pool(), slot, jobs, limit, answers);
 }
 
 BatchEnd Dispatcher::collideBatch(std::span<const PairWork> work) {
-  return runBatch(*pool(), usableDevices(), work, takesOver_);
+  return runBatch(*pool(), devicesFor(placesOf(work, hasDevices())), work, takesOver_);
 }
 
 BatchEnd Dispatcher::collideBatch(std::span<const PairJob* const> jobs, std::span<PairResult> results) {

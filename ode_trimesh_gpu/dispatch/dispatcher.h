@@ -47,9 +47,9 @@ class Dispatcher {
   /// divided as planned.
   void setTakeOver(bool takesOver) { takesOver_ = takesOver; }
 
-  /// Bytes that meshes may take on each device that is opened from now on; 0: what Tuning::memoryBudget says of 0.
-  void setMeshMemory(std::uint64_t bytes) { meshMemory_ = bytes; }
-  std::uint64_t meshMemory() const { return meshMemory_; }
+  /// Bytes that all buffers may take on each device that is opened from now on; 0: what Tuning::memoryBudget says of 0.
+  void setDeviceMemory(std::uint64_t bytes) { deviceMemory_ = bytes; }
+  std::uint64_t deviceMemory() const { return deviceMemory_; }
 
   /// Opens these devices (numbers of opencl::listDevices(); one may be there several times, each with a context of its
   /// own) in place of those that were open, and measures their costs if they are not known. Devices that cannot be
@@ -113,6 +113,23 @@ class Dispatcher {
   using Slots = std::vector<std::shared_ptr<DeviceSlot>>;
   std::shared_ptr<ThreadPool> pool();
   Slots usableDevices() const;
+  /// What the work of one call may be: for either side, or told to go to devices.
+  struct Places {
+    bool anyAuto = false, anyBound = false;
+    void add(const Placement& place) {
+      if (isOpenToAll(place)) anyAuto = true;
+      if (place.middle == Place::kOpencl || place.near == Place::kOpencl) anyBound = true;
+    }
+    void add(const PairWork& work) { add(work.job->place); }
+    void add(const OverlapJob& job) { add(Placement{job.place, job.place}); }
+  };
+  template <class Work>
+  static Places placesOf(std::span<const Work> work, bool isNeeded) {
+    Places places;
+    for (std::size_t i = 0; isNeeded && i < work.size(); ++i) places.add(work[i]);
+    return places;
+  }
+  Slots devicesFor(const Places& places) const;
   static const std::shared_ptr<DeviceSlot>& leastBusy(const Slots& slots);
   Slots openAll(std::span<const int> indices, const opencl::Tuning& tuning, Costs costs, KeptCosts kept) const;
   using Flag = std::shared_ptr<std::atomic<bool>>;
@@ -129,7 +146,7 @@ class Dispatcher {
   std::shared_ptr<ThreadPool> pool_;  ///< made when first needed
   Slots devices_;
   std::atomic<bool> hasDevices_{false}, takesOver_{true};
-  std::atomic<std::uint64_t> meshMemory_{0};
+  std::atomic<std::uint64_t> deviceMemory_{0};
   Flag opening_;  ///< of what is being opened; set when it is dropped
   std::function<void()> openingHook_;
   BackgroundThread opener_;

@@ -83,7 +83,8 @@ void runDistances(ThreadPool& pool, DeviceSlot* slot, std::span<const OverlapJob
   std::vector<std::size_t> bound, open, host;
   double work = 0;
   for (std::size_t i = 0; i < jobs.size(); ++i) {
-    const bool isHosts = slot == nullptr || jobs[i].place == Place::kCpu || !hasSurfaces(jobs[i].pair);
+    const bool isHosts = slot == nullptr || jobs[i].place == Place::kCpu || !hasSurfaces(jobs[i].pair) ||
+                         (jobs[i].place == Place::kAuto && !slot->isForAuto);
     (isHosts ? host : jobs[i].place == Place::kOpencl ? bound : open).push_back(i);
     if (!isHosts && jobs[i].place != Place::kOpencl) work += distanceWork(opencl::queryOf(jobs[i].pair));
   }

@@ -61,7 +61,8 @@ void runOverlaps(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>
     for (std::size_t i = from; i < to; ++i) {
       answers[i] = 0;
       if (!hasTriangles(jobs[i].pair)) continue;
-      const Place place = devices.empty() ? Place::kCpu : jobs[i].place;
+      const bool isHosts = devices.empty() || (jobs[i].place == Place::kAuto && !devices[0]->isForAuto);
+      const Place place = isHosts ? Place::kCpu : jobs[i].place;
       kinds[i] = place == Place::kCpu ? Kind::kHost : place == Place::kOpencl ? Kind::kBound : Kind::kOpen;
       const bool matters = kinds[i] == Kind::kOpen || devices.size() > 1;
       if (kinds[i] != Kind::kHost && matters) works[i] = expectedWork(opencl::queryOf(jobs[i].pair));

@@ -21,6 +21,11 @@ struct Placement {
   friend bool operator==(const Placement&, const Placement&) = default;
 };
 
+/// Whether either side may do it.
+constexpr bool isOpenToAll(const Placement& place) {
+  return place.middle == Place::kAuto && place.near == Place::kAuto;
+}
+
 /// Has a say in which triangles collide. Called by the thread that collides the pair.
 class PairFilter {
  public:

@@ -2,6 +2,8 @@
 // Opening a device, and queries of one pair.
 #include "opencl/backend.h"
 
+#include <algorithm>
+
 #include "collide/convex/convex_pair_contacts.h"
 #include "collide/shell/shell_roles.h"
 #include "collide/stages.h"
@@ -125,6 +127,14 @@ bool Backend::findIntersectingPairs(const Query& query, Workspace& workspace) {
   return false;
 }
 
+std::uint64_t Backend::releaseMemory() {
+  MemoryBudget& memory = state_->context.memory();
+  const std::uint64_t before = memory.held();
+  memory.askAll();
+  const std::uint64_t after = memory.held();
+  return before - std::min(before, after);
+}
+
 BackendCounts Backend::counts() const {
   BackendCounts out;
   out.queries = state_->queries;
@@ -149,6 +159,7 @@ BackendCounts Backend::counts() const {
   out.meshEvictions = meshes.evictions;
   out.meshBytes = meshes.bytesUsed;
   addPublishedCounts(out);
+  out.memory = state_->context.memory().held();
   const Programs::Counts programs = state_->context.programs().counts();
   out.programsFromSource = programs.fromSource;
   out.programsFromCache = programs.fromCache;

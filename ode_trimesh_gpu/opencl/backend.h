@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -14,6 +13,7 @@
 #include "collide/query.h"
 #include "collide/traversal.h"
 #include "opencl/array_types.h"
+#include "opencl/run_parts.h"
 #include "opencl/runtime/device_info.h"
 #include "opencl/tuning.h"
 
@@ -37,6 +37,8 @@ struct BackendCounts {
   /// Meshes sent whole, changes sent of meshes that were there, meshes that made room; bytes of the first two; bytes
   /// that meshes take now.
   std::uint64_t meshUploads = 0, meshUpdates = 0, meshEvictions = 0, meshBytesSent = 0, meshBytes = 0;
+  /// Bytes of all buffers: meshes, lists and results, of queries under way and of those to come.
+  std::uint64_t memory = 0;
   int programsFromSource = 0, programsFromCache = 0;
   /// Points asked about and rays cast; of either, those that were left to the caller because a call failed.
   std::uint64_t points = 0, pointsOnHost = 0, rays = 0, raysOnHost = 0;
@@ -135,11 +137,6 @@ class BatchAnswer {
   std::map<std::size_t, std::vector<Contact>> apart_;
 };
 
-/// Calls the work for consecutive parts of [0, count), on whatever threads it likes, and returns when all are done, as
-/// ThreadPool::run does; or throws what the work throws.
-using RunParts =
-    std::function<void(std::size_t count, const std::function<void(std::size_t begin, std::size_t end)>& work)>;
-
 /// Any number of threads. Every function gives what the host gives, byte for byte, whatever the device, its scheduling
 /// and the tuning. It returns false when the device failed and the host did all or part of the work (which is logged
 /// once and counted), and throws what the host throws.
@@ -187,8 +184,12 @@ class Backend {
   bool intersectBatch(const IntersectBatch& pairs, std::vector<std::uint8_t>& answer, StageTimes* times = nullptr,
                       const RunParts& onHost = {});
 
-  /// Whether the device can answer points and rays (it has doubles).
-  bool answersArrays() const;
+  /// Whether the device can answer these: it has doubles, and their program could be built.
+  bool answersPoints() const;
+  bool answersRays() const;
+  bool answersDistances() const;
+  /// Programs that could not be built. What they are for is done by the host from then on, and is no failure any more.
+  std::size_t failedPrograms() const;
   /// Asks about `count` points and hands the answers over in pieces, in their order, on the calling thread. The mesh
   /// has triangles; `wish.inside` is for solids. Returns how many were answered, from the first one on: fewer than
   /// `count` when a call failed (which is logged once and counted). Throws what `fill` and `take` throw.
@@ -199,11 +200,14 @@ class Backend {
                        const TakeRays& take);
   /// The nearest triangles of pairs of meshes that are apart and have triangles: as otg::distanceApart finds them,
   /// {kNone, kNone} where nothing is within the limit, kLeftToHost where the device cannot tell. `run` puts the pairs
-  /// together. Only where answersArrays(). Returns how many have their answers, from the first one on: fewer than all
-  /// when a call failed (which is logged once and counted). Throws what `run` throws.
+  /// together. Only where answersDistances(). Returns how many have their answers, from the first one on: fewer than
+  /// all when a call failed (which is logged once and counted). Throws what `run` throws.
   std::size_t nearestTriangles(std::span<const Query> queries, double limit, std::span<TrianglePair> answers,
                                const RunParts& run);
   static constexpr TrianglePair kLeftToHost{kNone - 1, kNone - 1};
+
+  /// Gives back the lists and results of queries that are done, and meshes if no query has any. How many bytes.
+  std::uint64_t releaseMemory();
 
   BackendCounts counts() const;
 

@@ -72,8 +72,20 @@ std::size_t askArray(LanePool<Lane>& lanes, const Tuning& tuning, const Collisio
 
 }  // namespace
 
-bool Backend::answersArrays() const {
-  return state_->context.info().doubles;
+bool Backend::answersPoints() const {
+  return state_->answersArrays("queries/point_query.cl");
+}
+
+bool Backend::answersRays() const {
+  return state_->answersArrays("queries/ray_query.cl");
+}
+
+bool Backend::answersDistances() const {
+  return state_->answersArrays("queries/batch_distance.cl");
+}
+
+std::size_t Backend::failedPrograms() const {
+  return state_->context.programs().failedCount();
 }
 
 std::size_t Backend::askPoints(const CollisionMesh& mesh, PointWish wish, std::size_t count, const FillPoints& fill,

@@ -38,10 +38,11 @@ struct BackendState {
       distancesOnHost{0};
 
   BackendState(const FoundDevice& device, const Tuning& how)
-      : context(device, ProgramCache::standard(), how.doubles),
+      : context(device, ProgramCache::standard(), how.doubles,
+                how.memoryBudget != 0 ? how.memoryBudget : device.info.globalMemory / 2),
         tuning(how),
         meshes(context,
-               std::make_shared<MemoryBudget>(how.memoryBudget != 0 ? how.memoryBudget : device.info.globalMemory / 2),
+               std::make_shared<MemoryBudget>(how.meshBudget != 0 ? how.meshBudget : context.memory().bytes() / 2),
                how.leafTriangles, MeshLayout::kEightWide, how.cutOrder),
         pairs(context, meshes, tuning),
         profiled(context, meshes, withProfile(how)),
@@ -61,9 +62,23 @@ struct BackendState {
     pairs.prepare();
     batches.prepare();
     if (!context.info().doubles) return;
-    points.prepare();
-    rays.prepare();
+    prepareIfItBuilds(points);
+    prepareIfItBuilds(rays);
   }
+  /// A feature whose program does not build is not there; the device is.
+  template <class Lane>
+  void prepareIfItBuilds(LanePool<Lane>& pool) {
+    const std::size_t before = context.programs().failedCount();
+    try {
+      pool.prepare();
+    } catch (const ClError& error) {
+      if (context.programs().failedCount() == before) throw;
+      logError(error);
+    }
+  }
+  /// Whether the device has what this takes.
+  bool makesSolids() { return tuning.solid && !context.programs().hasFailed("solid/small/"); }
+  bool answersArrays(const char* program) { return context.info().doubles && !context.programs().hasFailed(program); }
   /// Whether contacts are reduced on the device.
   bool reduces() const { return context.info().doubles && tuning.reduce; }
   static Tuning withProfile(Tuning how) {

@@ -18,6 +18,9 @@ struct Tuning {
   /// A batch is done in so many pieces, each begun before the one before is waited for, as long as these have
   /// `leastPiece` pairs.
   std::uint32_t pieces = 4, leastPiece = 2048;
+  /// Triangles of all pairs in one launch that makes contacts. Lumps of 5,120 triangles whose regions are large take an
+  /// H200 12 ms for so many; a watchdog may end what takes seconds.
+  double batchWork = 4e7;
   std::uint64_t batchTriangles = 200000;  ///< contacts of larger pairs are not left to one work-group
   /// Places in the lists between kernels. A list that is too short grows, and the query is run again.
   std::uint32_t pairPlaces = 1u << 16, leafPlaces = 1u << 16, hitPlaces = 1u << 14;
@@ -78,7 +81,9 @@ struct Tuning {
   std::uint32_t pointPiece = 1u << 18, leastPointPiece = 1u << 15, pointGroup = 64;
   /// Pairs of one submission whose distances are asked for.
   std::uint32_t distancePairs = 1u << 14;
-  std::uint64_t memoryBudget = 0;  ///< bytes for meshes, those of `levels` among them; 0: half of the device's memory
+  double distanceWork = 12000;     ///< of one submission: microseconds that an H200 takes, about
+  std::uint64_t memoryBudget = 0;  ///< bytes of all buffers; 0: half of the device's memory
+  std::uint64_t meshBudget = 0;    ///< of these, bytes for meshes, those of `levels` among them; 0: half of the budget
   std::uint32_t cutOrder = 0;      ///< not 0: cuts in another order than PackedTree has them
   bool profile = false;            ///< take times of the stages of single queries, which costs some
   bool doubles = true;             ///< false: as on a device without double arithmetic

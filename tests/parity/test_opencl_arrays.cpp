@@ -367,7 +367,7 @@ TEMPLATE_TEST_CASE("several threads ask at once, about meshes that have to make 
                    Rays) {
   using Job = typename TestType::Job;
   opencl::Tuning tuning;
-  tuning.memoryBudget = 2 << 20;
+  tuning.meshBudget = 2 << 20;
   tuning.pointPiece = 64;
   const auto slot = openSlot(tuning);
   ThreadPool pool(2);
@@ -401,12 +401,12 @@ TEMPLATE_TEST_CASE("several threads ask at once, about meshes that have to make 
   CHECK(done == 48);
   CHECK(wrong == 0);
   CHECK(slot->backend->counts().meshUploads >= 12);
-  CHECK(slot->backend->counts().meshBytes <= tuning.memoryBudget);
+  CHECK(slot->backend->counts().meshBytes <= tuning.meshBudget);
 }
 
 TEMPLATE_TEST_CASE("a mesh that does not fit leaves its array to the CPU", "", Points, Rays) {
   opencl::Tuning tuning;
-  tuning.memoryBudget = 100 << 10;
+  tuning.meshBudget = 100 << 10;
   const auto slot = openSlot(tuning);
   ThreadPool pool(2);
   opencl::forgetFailures();

@@ -199,7 +199,7 @@ TEST_CASE("meshes that do not fit at once are done in parts") {
   const std::vector<Query> queries = randomQueries(meshes, 2, 100);
   const Expected expected = onHost(queries);
   opencl::Tuning tuning;
-  tuning.memoryBudget = 2500 << 10;  // some ten of them
+  tuning.meshBudget = 2500 << 10;  // some ten of them
   const auto backend = openBackend(tuning);
   REQUIRE(backend);
   checkBatch(*backend, queries, expected);

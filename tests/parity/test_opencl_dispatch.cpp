@@ -320,6 +320,61 @@ TEST_CASE("a pair of convex meshes never goes to a device") {
   }
 }
 
+TEST_CASE("work that may be done anywhere does not go to a device of type CPU, however cheap it looks") {
+  if (opencl::listDevices()[static_cast<std::size_t>(opencl::defaultDevice(opencl::listDevices()))].kind !=
+      opencl::DeviceKind::kCpu) {
+    return;
+  }
+  const bool before = letCpusTakeAuto(false);
+  Dispatcher dispatcher;
+  const std::size_t count = open(dispatcher, 1);
+  letCpusTakeAuto(before);
+  REQUIRE(count == 1);
+  const auto slot = dispatcher.devices().front();
+  CHECK_FALSE(slot->isForAuto);
+  slot->costs = costsFor(1 - 1e-6);
+  slot->costs.hostOverlap = slot->costs.hostDistance = {10, 0.01};
+  slot->costs.batchOverlap = slot->costs.batchDistance = {1e-6, 0};
+  slot->costs.overlapLaunch = slot->costs.distanceLaunch = 1e-6;
+  const MeshList meshes = mixedMeshes();
+  const auto onDevice = [&](Placement placement) {
+    Batch batch(meshes, 3, 60, true, placement);
+    std::size_t those = 0;
+    for (const PairResult& result : batch.run(dispatcher)) those += result.onDevice ? 1 : 0;
+    return those;
+  };
+  CHECK(onDevice({Place::kAuto, Place::kAuto}) == 0);
+  CHECK(onDevice({Place::kAuto, Place::kOpencl}) > 20);
+  CHECK(onDevice({Place::kOpencl, Place::kOpencl}) > 20);
+  Batch mixed(meshes, 5, 140);  // jobs of either kind in one call
+  const std::vector<PairResult> found = mixed.run(dispatcher);
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    wrong += isOpenToAll(mixed.jobs[i].place) && (found[i].onDevice || found[i].deviceFailed) ? 1 : 0;
+  }
+  CHECK(wrong == 0);
+  // Single pairs, and arrays of pairs.
+  Workspace workspace;
+  Dispatcher::Ran ran;
+  const std::uint64_t queries = slot->queries;
+  std::vector<OverlapJob> jobs(100);
+  for (OverlapJob& job : jobs) job.pair = {meshes[3].get(), meshes[4].get(), makeMove({0.9, 0, 0})};
+  std::vector<std::uint8_t> answers(jobs.size());
+  std::vector<MeshDistance> distances(jobs.size());
+  for (const Place place : {Place::kAuto, Place::kOpencl}) {
+    PairJob one;
+    one.query = makeQuery(*meshes[6], *meshes[7], makeMove({0.9, 0, 0}));
+    one.place = {place, place};
+    dispatcher.collide(one, workspace, ran);
+    CHECK(ran.onDevice == (place == Place::kOpencl));
+    for (OverlapJob& job : jobs) job.place = place;
+    dispatcher.askOverlaps(jobs, answers);
+    dispatcher.askDistances(jobs, 1e9, distances);
+    if (place == Place::kAuto) CHECK(slot->queries == queries);
+  }
+  CHECK(slot->queries >= queries + 101);
+}
+
 TEST_CASE("a device that fails for good is switched off, told of once, and the contacts are the same") {
   const MeshList meshes = mixedMeshes();
   Batch batch(meshes, 9, 90, true, {Place::kOpencl, Place::kOpencl});

@@ -178,6 +178,7 @@ TEST_CASE("whichever call fails, the distances are the same") {
   const std::vector<Bits> expected = oneByOne(allPairs(some, 4), kInfinity);
   opencl::Tuning tuning;
   tuning.distancePairs = 5;  // three pieces
+  tuning.distanceWork = 4;   // or more, by their cost
   ThreadPool pool(2);
   // With meshes of its own each time, so that they are uploaded.
   const auto differ = [&](DeviceSlot& slot, int times) {
@@ -193,7 +194,7 @@ TEST_CASE("whichever call fails, the distances are the same") {
 
 TEST_CASE("several threads ask at once, about meshes that do not fit together") {
   opencl::Tuning tuning;
-  tuning.memoryBudget = 3 << 20;
+  tuning.meshBudget = 3 << 20;
   const auto slot = openSlot(tuning);
   ThreadPool pool(2);
   std::atomic<std::size_t> wrong{0};
@@ -214,7 +215,7 @@ TEST_CASE("several threads ask at once, about meshes that do not fit together") 
   CHECK(wrong == 0);
   CHECK(slot->failedCalls == 0);
   CHECK(slot->backend->counts().meshEvictions > 0);
-  CHECK(slot->backend->counts().meshBytes <= tuning.memoryBudget);
+  CHECK(slot->backend->counts().meshBytes <= tuning.meshBudget);
 }
 
 TEST_CASE("distances are asked for where that is expected to be done sooner, and a choice is a choice") {

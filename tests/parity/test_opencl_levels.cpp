@@ -330,7 +330,7 @@ TEST_CASE("meshes for levels count against the budget, and either way makes room
   const auto lump = collisionMesh(makeLump(1, 4, 0.2, 3)), torus = collisionMesh(makeTorus(0.9, 0.4, 61, 29));
   const Query query = makeQuery(*lump, *torus, makeMove({0.7, 0.1, 0}));
   opencl::Tuning tuning;
-  tuning.memoryBudget = 4 << 20;  // what one store takes to begin with
+  tuning.meshBudget = 4 << 20;  // what one store takes to begin with
   const auto backend = openBackend(tuning);
   REQUIRE(backend);
   CHECK(backend->published().meshCounts().bytesHeld == 0);
@@ -350,7 +350,7 @@ TEST_CASE("meshes for levels count against the budget, and either way makes room
   CHECK(backend->counts().onHost == 0);
   CHECK(backend->counts().meshEvictions == 2 * 5);
   CHECK(backend->counts().meshUploads == 2 * 6);
-  tuning.memoryBudget = 64 << 20;  // room for both
+  tuning.meshBudget = 64 << 20;  // room for both
   const auto roomy = openBackend(tuning);
   for (int round = 0; round < 3; ++round) {
     CHECK(roomy->collide(query, device));

@@ -204,7 +204,7 @@ TEST_CASE("meshes that move between queries have the host's contacts, on devices
   Pairs pairs;
   const auto often = openBackend(), seldom = openBackend();
   opencl::Tuning tight;
-  tight.memoryBudget = 2 << 20;  // for some of the meshes
+  tight.meshBudget = 2 << 20;  // for some of the meshes
   const auto small = openBackend(tight);
   REQUIRE((often && seldom && small));
   Draw draw(9);

@@ -258,6 +258,11 @@ TEST_CASE("vertices that move are sent to devices by themselves, of a mesh and o
   CHECK(devices[0].mesh_uploads + devices[1].mesh_uploads == uploads);
   CHECK(devices[0].mesh_updates + devices[1].mesh_updates >= 3 * 5);
   CHECK(devices[0].mesh_bytes_sent + devices[1].mesh_bytes_sent > 0);
+  CHECK(devices[0].memory_bytes > devices[0].mesh_bytes);
+  CHECK(dGpuTriMeshReleaseDeviceMemory() > 0);
+  CHECK(devices[0].memory_bytes + devices[1].memory_bytes == 0);
+  CHECK(!test::collide(plain.id, box.id).empty());
+  CHECK(devices[0].memory_bytes + devices[1].memory_bytes > 0);
 }
 
 TEST_CASE("the choice of a geom, and of two that differ") {

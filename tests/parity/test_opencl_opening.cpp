@@ -130,6 +130,20 @@ TEST_CASE("auto returns at once, and the CPU computes until the device is ready"
   CHECK(onDevice > 0);
 }
 
+TEST_CASE("auto opens no device of type CPU, and opencl does") {
+  const std::vector<opencl::DeviceInfo> devices = opencl::listDevices();
+  if (devices[static_cast<std::size_t>(opencl::defaultDevice(devices))].kind != opencl::DeviceKind::kCpu) return;
+  const OdeSession session;
+  const bool before = letCpusTakeAuto(false);
+  CHECK(dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_AUTO) == dGPUTRIMESH_OK);
+  CHECK(dGpuTriMeshWaitForDevices(-1) == dGPUTRIMESH_NO_DEVICE);
+  CHECK(dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_OPENCL) == dGPUTRIMESH_OK);
+  CHECK(dGpuTriMeshGetDeviceCount() == 1);
+  letCpusTakeAuto(before);
+  dGpuTriMeshCloseDevices();
+  dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_CPU);
+}
+
 TEST_CASE("opencl waits for the device that is being opened") {
   const OdeSession session;
   Gate gate;
@@ -312,7 +326,7 @@ TEST_CASE("no query builds programs once a device was rehearsed") {
     CHECK(backend->collideBatch(many, answer));
     CHECK(backend->intersectBatch(many, meet));
   }
-  if (backend->answersArrays()) {
+  if (backend->answersPoints()) {
     constexpr std::size_t kCount = 70000;  // several pieces
     const auto points = [](std::size_t begin, std::size_t end, Vec3d* to) {
       for (std::size_t i = begin; i < end; ++i) to[i - begin] = {1e-5 * static_cast<double>(i), 0.2, 1};

@@ -194,7 +194,7 @@ TEST_CASE("meshes are uploaded once, evicted when memory runs out, and uploaded 
     CHECK(backend->counts().meshBytes > 6 * 5120 * 48);
   }
   opencl::Tuning tuning;
-  tuning.memoryBudget = 10 << 20;  // some ten lumps
+  tuning.meshBudget = 10 << 20;  // some ten lumps
   const auto backend = openBackend(tuning);
   REQUIRE(backend);
   for (int round = 0; round < 2; ++round) {
@@ -204,7 +204,7 @@ TEST_CASE("meshes are uploaded once, evicted when memory runs out, and uploaded 
   }
   CHECK(backend->counts().onHost == 0);
   CHECK(backend->counts().meshEvictions > 10);
-  CHECK(backend->counts().meshBytes <= tuning.memoryBudget);
+  CHECK(backend->counts().meshBytes <= tuning.meshBudget);
 
   // Meshes that are gone make room, without anything being evicted.
   const std::uint64_t evictions = backend->counts().meshEvictions;
@@ -219,7 +219,7 @@ TEST_CASE("meshes are uploaded once, evicted when memory runs out, and uploaded 
 TEST_CASE("a budget that cannot hold the two meshes leaves the query to the host") {
   const LogCapture log;
   opencl::Tuning tuning;
-  tuning.memoryBudget = 300 << 10;
+  tuning.meshBudget = 300 << 10;
   const auto backend = openBackend(tuning);
   REQUIRE(backend);
   const auto lump = collisionMesh(makeLump(1, 4, 0.2, 1)), small = collisionMesh(makeLump(1, 2, 0.2, 2));
@@ -301,7 +301,7 @@ TEST_CASE("whichever call fails, the contacts are the same") {
 TEST_CASE("several threads query one backend at once") {
   const auto a = collisionMesh(makeLump(1, 4, 0.2, 1)), b = collisionMesh(makeTorus(1, 0.3, 41, 19));
   opencl::Tuning tuning;
-  tuning.memoryBudget = 2 << 20;  // meshes come and go meanwhile
+  tuning.meshBudget = 2 << 20;  // meshes come and go meanwhile
   const auto backend = openBackend(tuning);
   REQUIRE(backend);
   std::vector<std::thread> threads;

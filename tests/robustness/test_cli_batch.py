@@ -116,7 +116,7 @@ class Batch(CliTest):
         blocks = expectations("--backend", "opencl", "--device", "0,0")
         self.assertEqual([ms for ms, _ in blocks], [None, None])
         self.assertTrue(all(pairs > 0 for _, pairs in blocks))
-        self.assertEqual(len(expectations("--backend", "auto")), 1)
+        self.assertEqual(len(expectations("--backend", "auto", "--device", "0")), 1)
         blocks = expectations("--backend", "opencl", "--device", "0,0")
         self.assertTrue(all(ms > 0 and pairs > 0 for ms, pairs in blocks), blocks)
 

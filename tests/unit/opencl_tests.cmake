@@ -3,3 +3,4 @@
 otg_add_test(batch_routing unit SOURCES test_batch_routing.cpp LIBRARIES otg_scenes)
 find_package(Threads REQUIRED)
 otg_add_test(memory_budget unit SOURCES test_memory_budget.cpp LIBRARIES Threads::Threads)
+otg_add_test(free_places unit SOURCES test_free_places.cpp)

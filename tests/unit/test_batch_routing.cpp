@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What becomes of each pair of a batch, and how a batch is cut: decided without a device.
 #include <limits>
+#include <numeric>
+#include <vector>
 
 #include "opencl/batch/pieces.h"
 #include "opencl/batch/routing.h"
@@ -163,6 +165,38 @@ TEST_CASE("a batch is cut into pieces that follow each other and are large enoug
   CHECK(cutBatch(130, tuning, true) == std::vector<std::vector<PairRange>>{{{0, 100}}, {{100, 30}}});
   tuning.batchPairs = tuning.pieces = 0;  // as one
   CHECK(cutBatch(2, tuning, false) == std::vector<std::vector<PairRange>>{{{0, 1}}, {{1, 1}}});
+}
+
+TEST_CASE("no piece has more work than a launch may have, but for a pair that has by itself") {
+  std::uint32_t state = 1;
+  for (int round = 0; round < 200; ++round) {
+    std::vector<double> work;
+    for (int i = 0; i < 1 + round; ++i) {
+      state = state * 1664525u + 1013904223u;
+      work.push_back(static_cast<double>(1 + state % (i % 7 == 0 ? 1000000 : 1000)));
+    }
+    Tuning tuning;
+    tuning.batchPairs = 70;
+    tuning.leastPiece = 10;
+    tuning.batchWork = 5000;
+    std::size_t next = 0;
+    for (const std::vector<PairRange>& submission : cutPieces(cutBatch(work.size(), tuning, false), work, tuning)) {
+      REQUIRE((!submission.empty() && submission.size() <= tuning.pieces));
+      for (const PairRange& piece : submission) {
+        REQUIRE(piece.begin == next);
+        REQUIRE(piece.count > 0);
+        const auto first = work.begin() + static_cast<std::ptrdiff_t>(next);
+        const double sum = std::accumulate(first, first + static_cast<std::ptrdiff_t>(piece.count), 0.0);
+        REQUIRE((sum <= tuning.batchWork || piece.count == 1));
+        next += piece.count;
+      }
+    }
+    CHECK(next == work.size());
+  }
+  CHECK(cutByWork({}, 1).empty());
+  const double equal[] = {4, 4, 4, 4, 4};
+  CHECK(cutByWork(equal, 8) == std::vector<std::size_t>{2, 4, 5});
+  CHECK(cutByWork(equal, 100) == std::vector<std::size_t>{5});
 }
 
 TEST_CASE("halves of a piece are the piece") {

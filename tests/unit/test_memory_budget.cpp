@@ -4,7 +4,7 @@
 #include <thread>
 #include <vector>
 
-#include "opencl/meshes/memory_budget.h"
+#include "opencl/runtime/memory_budget.h"
 #include "support/catch.h"
 
 using otg::opencl::MemoryBudget;

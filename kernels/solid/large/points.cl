@@ -2,6 +2,8 @@
 // Pairs of solids: the candidate points of its large regions, the deepest of each kind in a cell, as PointCells; and
 // the results.
 #include "solid/large/grid.h"
+//
+#include "walk/take_now.h"
 
 typedef struct {
   OTG_OVERLAP* o;
@@ -301,15 +303,14 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
     f->pair = get_group_id(1);
   }
   for (uint i = lane; i < OTG_OVERLAP_COUNTS; i += OTG_GROUP) {
-    head->counts[i] = i == OTG_OVERLAP_CELLS ? cellCount : *(volatile __global uint*)(state->counts + i);
-    state->counts[i] = 0;  // unordered: by the last
+    const uint counted = otgTakeNow(state->counts + i);
+    head->counts[i] = i == OTG_OVERLAP_CELLS ? cellCount : counted;
   }
   for (uint r = lane; r < OTG_OVERLAP_REGIONS; r += OTG_GROUP) state->cells[r] = 0;  // unordered: by the last
   if (lane < 3) head->origin[lane] = state->origin[lane];
   if (lane == 0) {
     head->firstUnit = first;
-    head->corners = *(volatile __global uint*)&state->corners;
-    state->corners = 0;  // unordered: by the last
+    head->corners = otgTakeNow(&state->corners);
     state->first = 0;
     state->firstUnit = 0;  // unordered: by the last
     for (uint k = 0; k < OTG_SOLID_MOST_PARTS / 32; ++k) state->crossedParts[0][k] = state->crossedParts[1][k] = 0;
@@ -319,14 +320,15 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
   barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
   if (!last) return;
   for (uint i = lane; i < OTG_COUNTERS && counters != 0; i += OTG_GROUP) {
-    if (i < OTG_COUNTERS_READ) head->counters[i] = counters[i];
-    counters[i] = 0;
+    const uint counted = otgTakeNow(counters + i);
+    if (i < OTG_COUNTERS_READ) head->counters[i] = counted;
   }
   if (lane == 0) {
-    *(__global otg_overlap_totals*)out = *totals;  // unordered: by the last
-    if (get_num_groups(1) == 1) ((__global otg_overlap_totals*)out)->units = first + units;
-    totals->tables = 0;
-    totals->units = 0;
-    totals->done = 0;  // unordered: by the last
+    __global otg_overlap_totals* told = (__global otg_overlap_totals*)out;
+    const uint unitsOfAll = otgTakeNow(&totals->units);
+    told->tables = otgTakeNow(&totals->tables);
+    told->units = get_num_groups(1) == 1 ? first + units : unitsOfAll;
+    told->done = otgTakeNow(&totals->done);
+    told->unused = 0;
   }
 }

@@ -417,7 +417,7 @@ std::optional<CostModel> measureCosts(opencl::Backend& backend, bool* isDisturbe
   fitSolids(solid, hostSolid, model);
   if (!solid.empty()) model.solidLaunch = oneSolid;
   if (!measureOverlaps(backend, small, pairs, model)) return std::nullopt;
-  if (backend.answersArrays()) {
+  if (backend.answersPoints() && backend.answersRays() && backend.answersDistances()) {
     std::vector<std::shared_ptr<const CollisionMesh>> some;
     for (std::size_t i = 0; i < meshes.size(); i += 2) some.push_back(meshes[i]);
     if (!measurePoints(backend, some, model) || !measureRays(backend, some, model)) return std::nullopt;

@@ -115,11 +115,14 @@ bool rehearseArrays(opencl::Backend& backend, const Bodies& small) {
   const opencl::RunParts run = [](std::size_t count, const auto& work) { work(0, count); };
   bool good = true;
   for (const opencl::PointWish wish : {opencl::PointWish{true, false}, {false, true}, {true, true}}) {
+    if (!backend.answersPoints()) break;
     good = backend.askPoints(*small.a, wish, kCount, fillPoints, takePoints) == kCount && good;
   }
   for (const bool cullBack : {false, true}) {
+    if (!backend.answersRays()) break;
     good = backend.castRays(*small.a, cullBack, kCount, fillRays, takeRays) == kCount && good;
   }
+  if (!backend.answersDistances()) return good;
   const Query apart = small.at(3, ContactModel::kPairwise);
   TrianglePair nearest;
   return backend.nearestTriangles({&apart, 1}, std::numeric_limits<double>::infinity(), {&nearest, 1}, run) == 1 &&
@@ -135,8 +138,15 @@ bool mayDoSolids(const opencl::Backend& backend) {
 bool rehearse(opencl::Backend& backend) {
   const Bodies small(6), large(36);
   const bool solids = mayDoSolids(backend);
-  return rehearsePairs(backend, small, large, solids) && rehearseBatches(backend, small, large, solids) &&
-         rehearseFlat(backend, small, solids) && (!backend.answersArrays() || rehearseArrays(backend, small));
+  for (std::size_t failed = backend.failedPrograms();;) {
+    if (rehearsePairs(backend, small, large, solids) && rehearseBatches(backend, small, large, solids) &&
+        rehearseFlat(backend, small, solids) && rehearseArrays(backend, small)) {
+      return true;
+    }
+    // Once more without what could not be built.
+    if (backend.failedPrograms() == failed) return false;
+    failed = backend.failedPrograms();
+  }
 }
 
 }  // namespace otg

@@ -25,6 +25,9 @@ extern "C" {
  * opened in the background. A program that ends meanwhile waits for the kernel that is being built.
  * A child process made by fork() meanwhile has to do with the CPU: drivers may have been locked when it was made.
  *
+ * AUTO does not open a device of type CPU, and gives it no work if it is open: it has the cores that the library's own
+ * threads have, and is slower on them. OPENCL does.
+ *
  * Before the first call it is AUTO with no device open, which is the CPU. The environment variable OTG_BACKEND (auto,
  * cpu or opencl) has the first dGpuTriMeshInit() call this function.
  *
@@ -99,11 +102,13 @@ OTG_API int dGeomGpuTriMeshGetBackend(dGeomID g);
 OTG_API int dGpuTriMeshOpenDevices(const int* indices, int count);
 
 /**
- * @brief Limits the memory that meshes may take on each device.
+ * @brief Limits the memory that this library takes on each device: meshes, and lists and results of queries.
  *
  * A mesh is sent to a device when it collides there first and stays until others need its room: then those go whose
- * last use is longest ago, to be sent again when they are needed. A query or batch whose meshes do not fit at once is
- * done in parts, or by the CPU. Lists and results of queries come on top.
+ * last use is longest ago, to be sent again when they are needed. Meshes take half of the memory at most. Lists and
+ * results stay for later queries, until others need their room or dGpuTriMeshReleaseDeviceMemory() is called. A batch
+ * that does not fit at once is done in parts. A query that does not fit is answered by the CPU. A device that has no
+ * room for the first lists, 10 to 20 MB, is not opened.
  *
  * @param bytes  0 for half of the device's memory, which is the default. The environment variable OTG_DEVICE_MEMORY (a
  *               number of bytes) has the first dGpuTriMeshInit() call this function
@@ -120,6 +125,15 @@ OTG_API void dGpuTriMeshSetDeviceMemory(duint64 bytes);
  * @ingroup gputrimesh
  */
 OTG_API duint64 dGpuTriMeshGetDeviceMemory(void);
+
+/**
+ * @brief Gives back what no query uses at the moment, on all open devices: lists and results that were kept for later
+ *        queries, and the meshes of a device if no query has any of them. They are made and sent again when needed.
+ * @returns Bytes that were given back. Results that are still held, as those of a batch that was not released, stay.
+ * @remarks From any thread; does not wait for queries. Not from a near callback if you want the next query to be fast.
+ * @ingroup gputrimesh
+ */
+OTG_API duint64 dGpuTriMeshReleaseDeviceMemory(void);
 
 /**
  * @brief Closes all devices, when the queries that use them are done. The CPU computes from here on. Not needed at the
@@ -151,6 +165,7 @@ typedef struct dGpuTriMeshDevice {
   duint64 mesh_evictions;  /**< meshes that had to make room for others */
   duint64 mesh_bytes_sent; /**< of mesh_uploads and mesh_updates together */
   duint64 mesh_bytes;      /**< that meshes take there now */
+  duint64 memory_bytes;    /**< that all buffers take there now: meshes, lists and results */
 } dGpuTriMeshDevice;
 
 /**

@@ -25,6 +25,16 @@ std::vector<int> defaultDevices() {
   return index < 0 ? std::vector<int>{} : std::vector<int>{index};
 }
 
+/// What auto uses.
+std::vector<int> devicesForAuto() {
+  const std::vector<opencl::DeviceInfo> devices = opencl::listDevices();
+  const int index = opencl::defaultDevice(devices);
+  for (const opencl::DeviceInfo& device : devices) {
+    if (device.index == index && takesAuto(device)) return {index};
+  }
+  return {};
+}
+
 std::vector<int> allGpus() {
   std::vector<int> gpus;
   for (const opencl::DeviceInfo& device : opencl::listDevices()) {
@@ -86,7 +96,7 @@ int dGpuTriMeshSetBackend(int backend) {
     }
     otg::Dispatcher& dispatcher = otg::dispatcher();
     const otg::Place place = otg::placeOf(backend);
-    if (place == otg::Place::kAuto && !dispatcher.hasDevices()) dispatcher.openLater(otg::defaultDevices);
+    if (place == otg::Place::kAuto && !dispatcher.hasDevices()) dispatcher.openLater(otg::devicesForAuto);
     if (place == otg::Place::kOpencl) {
       otg::waitForOpening(-1);
       if (!dispatcher.hasDevices()) dispatcher.open(otg::defaultDevices());
@@ -152,11 +162,20 @@ int dGpuTriMeshWaitForDevices(int milliseconds) {
 }
 
 void dGpuTriMeshSetDeviceMemory(duint64 bytes) {
-  otg::dispatcher().setMeshMemory(bytes);
+  otg::dispatcher().setDeviceMemory(bytes);
 }
 
 duint64 dGpuTriMeshGetDeviceMemory(void) {
-  return otg::dispatcher().meshMemory();
+  return otg::dispatcher().deviceMemory();
+}
+
+duint64 dGpuTriMeshReleaseDeviceMemory(void) {
+  std::uint64_t bytes = 0;
+  otg::guarded([&] {
+    for (const auto& slot : otg::dispatcher().devices()) bytes += slot->backend->releaseMemory();
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
+  return bytes;
 }
 
 void dGpuTriMeshCloseDevices(void) {
@@ -201,6 +220,7 @@ int dGpuTriMeshGetDevice(int Index, dGpuTriMeshDevice* device) {
     device->mesh_bytes_sent = counts.meshBytesSent;
     device->mesh_evictions = counts.meshEvictions;
     device->mesh_bytes = counts.meshBytes;
+    device->memory_bytes = counts.memory;
     return static_cast<int>(dGPUTRIMESH_OK);
   });
 }

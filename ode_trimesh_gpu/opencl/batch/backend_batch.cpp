@@ -45,7 +45,7 @@ class Backend::Batch {
         lanes_(profile ? state.profiledBatches : state.batches),
         rules_{.recordsOfAll = wish == BatchWish::kPairs,
                .describes = Finish::kTakesDescriptions && wish == BatchWish::kSolid &&
-                            LargeStage::works(state.context.info(), state.tuning)},
+                            LargeStage::works(state.context, state.tuning)},
         overlaps_(profile ? state.profiledOverlaps : state.overlaps, state.tuning.overlapPairs) {
     std::uint64_t largest = 0;
     for (const CollisionMesh* mesh : source.meshes) largest = std::max(largest, triangles(mesh));
@@ -58,15 +58,35 @@ class Backend::Batch {
   /// False if the device failed.
   bool run(StageTimes* times) {
     times_ = times;
-    for (const std::vector<PairRange>& pieces : cutBatch(source_.size(), state_.tuning, times != nullptr)) {
-      submit(pieces);
-    }
+    std::vector<std::vector<PairRange>> submissions = cutBatch(source_.size(), state_.tuning, times != nullptr);
+    if (mayBeLong()) submissions = cutPieces(submissions, works(), state_.tuning);
+    for (const std::vector<PairRange>& pieces : submissions) submit(pieces);
     return good_;
   }
 
  private:
   static constexpr std::size_t kMostWaits = 500;  ///< of a batch, for memory, a millisecond each
   static std::uint64_t triangles(const CollisionMesh* mesh) { return mesh->mesh().triangleCount(); }
+
+  /// Whether launches may be too long if only pairs are counted. A first hit is soon found.
+  bool mayBeLong() const {
+    std::uint64_t largest = 0;
+    for (const CollisionMesh* mesh : source_.meshes) largest = std::max(largest, triangles(mesh));
+    const std::size_t pairs = std::min<std::size_t>(source_.size(), state_.tuning.batchPairs);
+    return wish_ != BatchWish::kAny &&
+           2.0 * static_cast<double>(largest) * static_cast<double>(pairs) > state_.tuning.batchWork;
+  }
+  /// Of each pair. Those that are too large for a batch do not count.
+  std::vector<double> works() const {
+    std::vector<double> out(source_.size());
+    otg_batch_task task{};
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      source_.fill(i, task);
+      const std::uint64_t both = triangles(source_.meshes[task.meshA]) + triangles(source_.meshes[task.meshB]);
+      out[i] = both > state_.tuning.batchTriangles && Finish::kLargeAlone ? 1 : static_cast<double>(both);
+    }
+    return out;
+  }
 
   /// The meshes of some pairs, when not all of a batch fit at once.
   void narrow(const PairRange& range) {
@@ -127,9 +147,9 @@ class Backend::Batch {
       if (times_) times_->fill += watch.ms();
       piece.soon = asksSoon();
       if (piece.soon) {
-        piece.lane->beginWithFlags(meshes_.list(), source_.reductions);
+        piece.lane->beginWithFlags(meshes_.list(), source_.reductions, finish_.onHost);
       } else {
-        piece.lane->begin(meshes_.list(), source_.reductions, wish_);
+        piece.lane->begin(meshes_.list(), source_.reductions, wish_, finish_.onHost);
       }
     } catch (const ClError& error) {
       piece.lane = nullptr;
@@ -515,7 +535,7 @@ bool Backend::collideFrom(const Source& source, BatchAnswer& answer, StageTimes*
   ContactFinish finish{*this, state_->queries, answer};
   if (onHost) finish.onHost = &onHost;
   const BatchWish wish = !state_->reduces()                        ? BatchWish::kPairs
-                         : source.anySolid && state_->tuning.solid ? BatchWish::kSolid
+                         : source.anySolid && state_->makesSolids() ? BatchWish::kSolid
                          : source.anyPairwise                      ? BatchWish::kContacts
                                                                    : BatchWish::kPairs;
   Batch<Source, ContactFinish> batch(*state_, source, wish, finish, times != nullptr);
@@ -541,7 +561,7 @@ bool Backend::intersectFrom(const Source& source, std::vector<std::uint8_t>& ans
 }
 
 bool Backend::collideBatch(const CollideBatch& pairs, BatchAnswer& answer, StageTimes* times, const RunParts& onHost) {
-  const bool makesSolids = state_->tuning.solid;
+  const bool makesSolids = state_->makesSolids();
   if (const auto* numbered = std::get_if<NumberedPairs>(&pairs)) {
     return collideFrom(PairSource(*numbered, makesSolids), answer, times, onHost);
   }
@@ -552,7 +572,7 @@ bool Backend::collideBatch(const CollideBatch& pairs, BatchAnswer& answer, Stage
 
 bool Backend::intersectBatch(const IntersectBatch& pairs, std::vector<std::uint8_t>& answer, StageTimes* times,
                              const RunParts& onHost) {
-  const bool makesSolids = state_->tuning.solid;
+  const bool makesSolids = state_->makesSolids();
   if (const auto* numbered = std::get_if<NumberedPairs>(&pairs)) {
     return intersectFrom(PairSource(*numbered, makesSolids), answer, times, onHost);
   }

@@ -13,10 +13,10 @@
 
 #include "collide/stages.h"
 #include "opencl/backend.h"
-#include "opencl/batch/run_parts.h"
 #include "opencl/lanes/batch_lane.h"
 #include "opencl/lanes/take_answer.h"
 #include "opencl/results/take_records.h"
+#include "opencl/run_parts.h"
 
 namespace otg::opencl {
 

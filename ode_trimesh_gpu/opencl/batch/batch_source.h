@@ -14,8 +14,8 @@
 #include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
 #include "opencl/backend.h"
-#include "opencl/batch/run_parts.h"
 #include "opencl/results/reducer.h"
+#include "opencl/run_parts.h"
 #include "shared/layout/device_layout.h"
 
 namespace otg::opencl {

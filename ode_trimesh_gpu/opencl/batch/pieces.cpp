@@ -17,6 +17,38 @@ std::vector<std::vector<PairRange>> cutBatch(std::size_t pairs, const Tuning& tu
   return submissions;
 }
 
+std::vector<std::size_t> cutByWork(std::span<const double> work, double most) {
+  std::vector<std::size_t> ends;
+  double sum = 0;
+  for (std::size_t i = 0; i < work.size(); ++i) {
+    if (sum > 0 && sum + work[i] > most) {
+      ends.push_back(i);
+      sum = 0;
+    }
+    sum += work[i];
+  }
+  if (!work.empty()) ends.push_back(work.size());
+  return ends;
+}
+
+std::vector<std::vector<PairRange>> cutPieces(const std::vector<std::vector<PairRange>>& submissions,
+                                              std::span<const double> work, const Tuning& tuning) {
+  const std::size_t atOnce = std::max(1u, tuning.pieces);
+  std::vector<std::vector<PairRange>> out;
+  for (const std::vector<PairRange>& pieces : submissions) {
+    out.emplace_back();
+    for (const PairRange& piece : pieces) {
+      std::size_t begin = 0;
+      for (const std::size_t end : cutByWork(work.subspan(piece.begin, piece.count), tuning.batchWork)) {
+        if (out.back().size() == atOnce) out.emplace_back();
+        out.back().push_back({piece.begin + begin, end - begin});
+        begin = end;
+      }
+    }
+  }
+  return out;
+}
+
 std::array<PairRange, 2> halvesOf(const PairRange& piece) {
   const std::size_t half = piece.count / 2;
   return {PairRange{piece.begin, half}, PairRange{piece.begin + half, piece.count - half}};

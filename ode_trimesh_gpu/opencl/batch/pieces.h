@@ -25,6 +25,16 @@ struct PairRange {
 /// and each is to have the device for itself.
 std::vector<std::vector<PairRange>> cutBatch(std::size_t pairs, const Tuning& tuning, bool inOnePiece);
 
+/// Where items 0 to `work.size()` - 1 are cut so that no part has more work than `most`, but for a single item that
+/// has: the end of each part. Parts follow each other.
+std::vector<std::size_t> cutByWork(std::span<const double> work, double most);
+
+/// The submissions of a batch with pieces of no more work than Tuning::batchWork, as far as pairs can be told apart,
+/// and as many pieces at once as there would be: no launch is to be so long that a watchdog ends it. `work`: of each
+/// pair of the batch.
+std::vector<std::vector<PairRange>> cutPieces(const std::vector<std::vector<PairRange>>& submissions,
+                                              std::span<const double> work, const Tuning& tuning);
+
 /// A piece of two pairs or more, cut in two.
 std::array<PairRange, 2> halvesOf(const PairRange& piece);
 

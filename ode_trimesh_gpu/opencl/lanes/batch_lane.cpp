@@ -81,12 +81,12 @@ void BatchLane::guarded(Run&& run) {
 }
 
 void BatchLane::begin(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions,
-                      BatchWish wish) {
+                      BatchWish wish, const RunParts* threads) {
   std::vector<const CollisionMesh*> full;
   for (const CollisionMesh* mesh : meshes) {
     if (!mesh->tree().nodes.empty()) full.push_back(mesh);
   }
-  pinned_ = meshes_.acquire(full);
+  pinned_ = meshes_.acquire(full, threads);
   wish_ = wish;
   contactRecords_ = wish == BatchWish::kContacts;
   hasContacts_ = contactRecords_ || wish == BatchWish::kSolid;
@@ -107,10 +107,10 @@ void BatchLane::begin(std::span<const CollisionMesh* const> meshes, std::span<co
   });
 }
 
-void BatchLane::beginWithFlags(std::span<const CollisionMesh* const> meshes,
-                               std::span<const otg_reduction> reductions) {
+void BatchLane::beginWithFlags(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions,
+                               const RunParts* threads) {
   wantsFlags_ = true;
-  begin(meshes, reductions, BatchWish::kSolid);
+  begin(meshes, reductions, BatchWish::kSolid, threads);
 }
 
 const otg_uint* BatchLane::soonFlags() {

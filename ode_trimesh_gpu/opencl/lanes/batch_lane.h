@@ -61,10 +61,13 @@ class BatchLane {
   bool makesContacts() const { return static_cast<bool>(small_); }
 
   /// Begins with middle and near phase of the staged pairs in one submission, and what else is wished. Tasks name
-  /// meshes by their places in `meshes` (empty ones too), and reductions. Throws ClError.
-  void begin(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions, BatchWish wish);
+  /// meshes by their places in `meshes` (empty ones too), and reductions. `threads`, if there are any, pack meshes that
+  /// are not there. Throws ClError.
+  void begin(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions, BatchWish wish,
+             const RunParts* threads);
   /// The same for a batch of solids of which soonFlags() is to be asked before end().
-  void beginWithFlags(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions);
+  void beginWithFlags(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions,
+                      const RunParts* threads);
   /// Waits until the regions of a batch of solids are known: the flags of its pairs as they are then. A pair that is
   /// left to the host stays so, unless a list was too short. Throws ClError.
   const otg_uint* soonFlags();

@@ -23,13 +23,13 @@ std::span<otg_distance_task> DistanceLane::stage(std::size_t count) {
   return {reinterpret_cast<otg_distance_task*>(staged_.data()), count};
 }
 
-std::span<const otg_uint> DistanceLane::run(std::span<const CollisionMesh* const> meshes) {
+std::span<const otg_uint> DistanceLane::run(std::span<const CollisionMesh* const> meshes, const RunParts& threads) {
   const cl_command_queue queue = queue_.get();
   tasks_.reserve(context_, count_);
   places_.reserve(context_, meshes.size());
   answers_.reserve(context_, count_);
   received_.reserve(context_, queue, 2 * count_ * sizeof(otg_uint));
-  pinned_ = meshes_.acquire(meshes);
+  pinned_ = meshes_.acquire(meshes, &threads);
   underWay_ = true;
   table_.clear();
   std::uint32_t depth = 0;

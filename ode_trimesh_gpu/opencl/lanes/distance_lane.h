@@ -26,8 +26,8 @@ class DistanceLane {
   /// Memory for so many pairs, to be filled before run(). Throws ClError.
   std::span<otg_distance_task> stage(std::size_t count);
   /// Two words for each of them (shared/layout/distance_layout.h); a view of the lane's memory. Tasks name meshes by
-  /// their places in `meshes`; none is empty. Throws ClError.
-  std::span<const otg_uint> run(std::span<const CollisionMesh* const> meshes);
+  /// their places in `meshes`; none is empty. `threads` pack meshes that are not there. Throws ClError.
+  std::span<const otg_uint> run(std::span<const CollisionMesh* const> meshes, const RunParts& threads);
 
   std::uint64_t repeats() const { return 0; }
 

@@ -14,12 +14,18 @@
 
 namespace otg::opencl {
 
-/// Lanes are kept when a query is done, so that a thread finds one with its lists made.
+/// Lanes are kept when a query is done, so that a thread finds one with its lists made. They go when others need their
+/// memory.
 template <class Lane>
-class LanePool {
+class LanePool : private MemoryBudget::Sharer {
  public:
   LanePool(Context& context, MeshStore& meshes, const Tuning& tuning)
-      : context_(context), meshes_(meshes), tuning_(tuning) {}
+      : context_(context), meshes_(meshes), tuning_(tuning) {
+    context_.memory().join(*this);
+  }
+  ~LanePool() { context_.memory().leave(*this); }
+  LanePool(const LanePool&) = delete;
+  LanePool& operator=(const LanePool&) = delete;
   /// Makes a lane, so that the first query finds one. Throws ClError.
   void prepare() {
     with([](Lane&) {});
@@ -54,6 +60,12 @@ class LanePool {
   std::uint64_t repeats() const { return repeats_; }
 
  private:
+  void letGo() noexcept override {
+    std::vector<std::unique_ptr<Lane>> unused;
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (lock) unused.swap(idle_);
+  }
+
   Context& context_;
   MeshStore& meshes_;
   const Tuning tuning_;

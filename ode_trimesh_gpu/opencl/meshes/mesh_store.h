@@ -4,18 +4,22 @@
 
 #include <atomic>
 #include <cstdint>
-#include <map>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "bvh/collision_mesh.h"
 #include "collide/pair_frame.h"
-#include "opencl/meshes/memory_budget.h"
+#include "opencl/meshes/free_places.h"
+#include "opencl/meshes/packed_mesh.h"
 #include "opencl/meshes/packed_motion.h"
+#include "opencl/run_parts.h"
 #include "opencl/runtime/context.h"
 #include "opencl/runtime/given.h"
+#include "opencl/runtime/memory_budget.h"
 #include "shared/layout/meshes_given.h"
 
 namespace otg::opencl {
@@ -47,12 +51,13 @@ class MeshStore : private MemoryBudget::Sharer {
     otg_device_mesh place{};
     std::uint32_t begin = 0, units = 0;  ///< of 16 bytes
     std::atomic<int> pins{0};
-    std::uint64_t lastUse = 0;
+    const void* key = nullptr;                   ///< CollisionMesh::structureKey()
+    std::weak_ptr<const void> structure;         ///< of that mesh
     std::uint64_t moves = 0;                     ///< CollisionMesh::moves() of what lies there
     std::shared_ptr<const PackedPlaces> places;  ///< of a mesh that has moved
   };
 
-  /// Meshes that stay where they are as long as this lives.
+  /// Meshes that stay where they are as long as this lives. The store lives longer.
   class Pinned {
    public:
     Pinned() = default;
@@ -63,7 +68,9 @@ class MeshStore : private MemoryBudget::Sharer {
       return *this;
     }
     ~Pinned() {
-      for (const auto& mesh : meshes_) --mesh->pins;
+      for (Resident* const mesh : meshes_) {
+        if (mesh != nullptr) --mesh->pins;
+      }
     }
     cl_mem buffer() const { return buffer_->get(); }
     BufferOf<const otg_mesh_unit> units() const { return BufferOf<const otg_mesh_unit>(buffer_->get()); }
@@ -74,53 +81,83 @@ class MeshStore : private MemoryBudget::Sharer {
    private:
     friend class MeshStore;
     std::shared_ptr<const BufferHandle> buffer_;  ///< a later one may be larger; this one keeps what it holds
-    std::vector<std::shared_ptr<Resident>> meshes_;
+    std::vector<Resident*> meshes_;               ///< null: not there yet
   };
 
-  /// Uploads what is not there, and what has changed of what is. Throws ClError, with CL_MEM_OBJECT_ALLOCATION_FAILURE
-  /// when the budget cannot hold these meshes beside the ones that are pinned; nothing is pinned then.
-  Pinned acquire(std::span<const CollisionMesh* const> meshes);
+  /// Uploads what is not there, and what has changed of what is. No mesh is empty. Meshes are packed by `threads`, if
+  /// there are any, while other queries go on. Throws ClError, with CL_MEM_OBJECT_ALLOCATION_FAILURE when the budget
+  /// cannot hold these meshes beside the ones that are pinned; nothing is pinned then.
+  Pinned acquire(std::span<const CollisionMesh* const> meshes, const RunParts* threads = nullptr);
 
   struct Counts {
     /// Whole meshes that were sent, changes of resident ones, meshes that made room; bytes of the first two.
     std::uint64_t uploads = 0, updates = 0, evictions = 0, bytesUploaded = 0;
     std::uint64_t bytesUsed = 0, bytesHeld = 0;  ///< by meshes now; by the buffer
+    /// Writes of whole meshes, which may be several to a write; meshes that were looked at to make room.
+    std::uint64_t writes = 0, steps = 0;
   };
   Counts counts() const;
   std::uint32_t leafTriangles() const { return leafTriangles_; }
   const std::shared_ptr<MemoryBudget>& budget() const { return budget_; }
 
  private:
-  using Residents = std::map<std::weak_ptr<const void>, std::shared_ptr<Resident>, std::owner_less<>>;
-  void upload(const CollisionMesh& mesh, Resident& resident);
+  using Residents = std::list<Resident>;
+  /// A mesh on its way to the device.
+  struct Parcel {
+    const CollisionMesh* mesh;
+    PackedMesh packed;
+    Residents::iterator resident;
+  };
+  Pinned tryAcquire(std::span<const CollisionMesh* const> meshes, const RunParts* threads);
+  bool startAnew();
+  bool isAnyInUse() const;
+  void forgetAll() noexcept;
+  bool pin(const CollisionMesh& mesh, Resident*& pinned);
+  void pack(std::span<Parcel> parcels, Residents& residents, const RunParts* threads) const;
+  void upload(std::span<Parcel> parcels, Residents& residents, std::uint64_t later);
+  void write(std::span<Parcel> parcels);
   bool update(const CollisionMesh& mesh, Resident& resident);
   void send(const PackedChanges& changes, std::uint32_t begin);
   Residents::iterator drop(Residents::iterator it);
+  void free(const Resident& resident);
+  void makeRoom(std::uint64_t units);
   std::uint32_t allocate(std::uint32_t units);
-  bool findGap(std::uint32_t units, std::uint32_t& begin) const;
-  bool grow(std::uint32_t units);
+  bool grow(std::uint64_t units);
   bool evictOne();
   /// All meshes and the buffer, if no query has any of them.
   void letGo() noexcept override;
   void forgetDead();
+  void forgetOutdated();
 
   Context& context_;
   const std::shared_ptr<MemoryBudget> budget_;
   const std::uint64_t mostUnits_;
   const std::uint32_t leafTriangles_, cutOrder_;
   const MeshLayout layout_;
+  /// Holds the mutex. What is made meanwhile may have this store be asked to let go, by its own thread.
+  class Lock {
+   public:
+    explicit Lock(const MeshStore& store) : lock_(store.mutex_), isBusy_(store.isBusy_) { isBusy_ = true; }
+    ~Lock() { isBusy_ = false; }
+    Lock(const Lock&) = delete;
+    Lock& operator=(const Lock&) = delete;
+
+   private:
+    const std::lock_guard<std::mutex> lock_;
+    std::atomic<bool>& isBusy_;
+  };
   mutable std::mutex mutex_;
+  mutable std::atomic<bool> isBusy_{false};
   QueueHandle queue_;
   std::shared_ptr<const BufferHandle> buffer_;
-  std::uint32_t capacity_ = 0;              ///< units of the buffer
+  FreePlaces places_;                       ///< units of the buffer
   KernelFor<given::ScatterUnits> scatter_;  ///< made by prepare() or the first update
   ListOf<MeshUnit> sent_;                   ///< changes on their way
   std::vector<MeshUnit> sending_;
-  /// By CollisionMesh::structure(): the key of a mesh that is gone is never another's.
-  Residents residents_;
-  std::vector<std::shared_ptr<Resident>> outdated_;  ///< of meshes that have moved while these were pinned
-  std::map<std::uint32_t, std::uint32_t> taken_;     ///< begin to end, in units
-  std::uint64_t clock_ = 0;
+  Residents residents_;  ///< the least recently used first
+  Residents outdated_;   ///< of meshes that have moved while these were pinned
+  std::unordered_map<const void*, Residents::iterator> byMesh_;
+  std::uint64_t sinceSweep_ = 0;  ///< meshes that were placed since forgetDead()
   Counts counts_;
 };
 

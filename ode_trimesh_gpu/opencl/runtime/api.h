@@ -24,6 +24,7 @@ namespace otg::opencl {
   F(clGetProgramBuildInfo)     \
   F(clReleaseProgram)          \
   F(clCreateKernel)            \
+  F(clGetKernelWorkGroupInfo)  \
   F(clSetKernelArg)            \
   F(clReleaseKernel)           \
   F(clCreateBuffer)            \

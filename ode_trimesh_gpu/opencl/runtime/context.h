@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <memory>
 
 #include "opencl/runtime/device.h"
@@ -16,8 +17,9 @@ namespace otg::opencl {
 /// Any thread. Everything made from it must go before it does.
 class Context {
  public:
-  /// Without `doubles` the device is used as if it had none. Throws ClError.
-  Context(const FoundDevice& device, ProgramCache cache, bool doubles = true);
+  /// Without `doubles` the device is used as if it had none. `memory`: most bytes of all buffers. Throws ClError.
+  Context(const FoundDevice& device, ProgramCache cache, bool doubles = true,
+          std::uint64_t memory = std::numeric_limits<std::uint64_t>::max());
 
   const DeviceInfo& info() const { return device_.info; }
   cl_context get() const { return context_.get(); }
@@ -27,7 +29,11 @@ class Context {
   QueueHandle makeQueue(bool profiling) const;
   /// How many buffers were made so far: as long as that stays the same, a buffer's handle means the same buffer.
   std::uint64_t buffersMade() const { return buffersMade_; }
-  BufferHandle makeBuffer(cl_mem_flags flags, std::size_t bytes) const;
+  /// What all buffers take together. Where it is used up, those who share it are asked to let go of what they do not
+  /// use.
+  MemoryBudget& memory() const { return *memory_; }
+  /// Throws ClError, with CL_MEM_OBJECT_ALLOCATION_FAILURE where the budget has no room. `asker` is not asked.
+  BufferHandle makeBuffer(cl_mem_flags flags, std::size_t bytes, const MemoryBudget::Sharer* asker = nullptr) const;
   /// In the host's memory, to be mapped once and for all: kernels write to it over the bus, and the host sees that when
   /// the queue has been waited for. Only with hostBuffers().
   BufferHandle makeHostBuffer(std::size_t bytes) const;
@@ -35,7 +41,10 @@ class Context {
   Kernel makeKernel(const std::string& program, const std::string& options, const char* kernel);
 
  private:
+  void checkLimits(cl_kernel kernel, const std::string& program) const;
+  MemoryShare takeMemory(std::size_t bytes, const MemoryBudget::Sharer* asker) const;
   FoundDevice device_;
+  std::shared_ptr<MemoryBudget> memory_;
   ContextHandle context_;
   /// clCreateBufferNV: as clCreateBuffer, with flags of its own behind the usual ones.
   cl_mem (*createHostBuffer_)(cl_context, cl_mem_flags, cl_bitfield, std::size_t, void*, cl_int*) = nullptr;

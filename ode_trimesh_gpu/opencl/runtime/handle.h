@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "opencl/runtime/call.h"
+#include "opencl/runtime/memory_budget.h"
 
 namespace otg::opencl {
 
@@ -38,8 +39,21 @@ OTG_CL_HANDLE(ContextHandle, cl_context, clReleaseContext)
 OTG_CL_HANDLE(QueueHandle, cl_command_queue, clReleaseCommandQueue)
 OTG_CL_HANDLE(ProgramHandle, cl_program, clReleaseProgram)
 OTG_CL_HANDLE(KernelHandle, cl_kernel, clReleaseKernel)
-OTG_CL_HANDLE(BufferHandle, cl_mem, clReleaseMemObject)
+OTG_CL_HANDLE(MemObjectHandle, cl_mem, clReleaseMemObject)
 OTG_CL_HANDLE(EventHandle, cl_event, clReleaseEvent)
 #undef OTG_CL_HANDLE
+
+/// A buffer and its share of the budget, which is given back when the buffer is released.
+class BufferHandle {
+ public:
+  BufferHandle() = default;
+  BufferHandle(MemObjectHandle object, MemoryShare share) : share_(std::move(share)), object_(std::move(object)) {}
+  cl_mem get() const { return object_.get(); }
+  explicit operator bool() const { return static_cast<bool>(object_); }
+
+ private:
+  MemoryShare share_;  // goes last
+  MemObjectHandle object_;
+};
 
 }  // namespace otg::opencl

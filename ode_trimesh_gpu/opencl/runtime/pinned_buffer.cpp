@@ -23,6 +23,7 @@ void PinnedBuffer::reserve(Context& context, cl_command_queue queue, std::size_t
   unmap();
   size_ = 0;
   queue_ = queue;
+  buffer_ = BufferHandle();
   const std::size_t wanted = std::bit_ceil(std::max<std::size_t>(bytes, 4096));
   buffer_ = forKernels && context.hostBuffers() ? context.makeHostBuffer(wanted)
                                                 : context.makeBuffer(CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, wanted);

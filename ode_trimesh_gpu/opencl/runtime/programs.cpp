@@ -31,6 +31,11 @@ cl_program Programs::get(const std::string& name, const std::string& options) {
   const std::lock_guard lock(mutex_);
   ProgramHandle& program = built_[{name, options}];
   if (program) return program.get();
+  {
+    const std::lock_guard lockFailed(failedMutex_);
+    const auto found = failed_.find({name, options});
+    if (found != failed_.end()) throw ClError(found->second);
+  }
   checkStop();
   std::string source;
   try {
@@ -49,7 +54,13 @@ cl_program Programs::get(const std::string& name, const std::string& options) {
     } catch (const ClError&) {  // the driver does not take it (any more): build it
     }
   }
-  ProgramHandle made = fromSource(source, all);
+  ProgramHandle made;
+  try {
+    made = fromSource(source, all);
+  } catch (const ClError& error) {
+    if (error.code() == CL_BUILD_PROGRAM_FAILURE) giveUp(name, options, error);
+    throw;
+  }
   try {
     cache_.store(key, binaryOf(made.get()));
   } catch (const ClError&) {  // a driver that gives no binary: it is built anew every time
@@ -57,6 +68,22 @@ cl_program Programs::get(const std::string& name, const std::string& options) {
   ++counts_.fromSource;
   program = std::move(made);
   return program.get();
+}
+
+void Programs::giveUp(const std::string& name, const std::string& options, const ClError& why) {
+  const std::lock_guard lock(failedMutex_);
+  failed_.insert({{name, options}, why});
+}
+
+bool Programs::hasFailed(const std::string& beginning) const {
+  const std::lock_guard lock(failedMutex_);
+  const auto first = failed_.lower_bound({beginning, ""});
+  return first != failed_.end() && first->first.first.starts_with(beginning);
+}
+
+std::size_t Programs::failedCount() const {
+  const std::lock_guard lock(failedMutex_);
+  return failed_.size();
 }
 
 Programs::Counts Programs::counts() const {

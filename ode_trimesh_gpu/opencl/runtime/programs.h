@@ -22,6 +22,14 @@ class Programs {
   /// thread; lives as long as this object.
   cl_program get(const std::string& name, const std::string& options);
 
+  /// Says that what the device gives does not suffice for a program: get() throws this from now on.
+  void giveUp(const std::string& name, const std::string& options, const ClError& why);
+  /// Whether some program whose name begins with this could not be built, or was given up. What it is for is the
+  /// host's then.
+  bool hasFailed(const std::string& beginning) const;
+  /// How many could not.
+  std::size_t failedCount() const;
+
   /// Builds a program of nothing, for which a driver loads its compiler. Throws ClError.
   void loadCompiler();
 
@@ -44,6 +52,8 @@ class Programs {
   bool doubles_;
   mutable std::mutex mutex_;
   std::map<std::pair<std::string, std::string>, ProgramHandle> built_;
+  mutable std::mutex failedMutex_;  // building takes its time
+  std::map<std::pair<std::string, std::string>, ClError> failed_;
   Counts counts_;
 };
 

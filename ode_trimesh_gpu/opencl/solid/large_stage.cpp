@@ -35,10 +35,12 @@ LargeStage::LargeStage(Context& context, const Tuning& tuning)
       registers_(context.info().registerLimit ? tuning.solidRegisters : 0),
       mostGroups_(std::max<std::size_t>(1, std::size_t{context.info().computeUnits} * tuning.overlapGroupsPerUnit)),
       leastHits_(tuning.overlapHits != 0 ? tuning.overlapHits : kLeastHits),
-      works_(works(context.info(), tuning)),
+      works_(works(context, tuning)),
       outWanted_(std::max(1u, tuning.overlapUnits)) {}
 
-bool LargeStage::works(const DeviceInfo& device, const Tuning& tuning) {
+bool LargeStage::works(Context& context, const Tuning& tuning) {
+  const DeviceInfo& device = context.info();
+  if (context.programs().hasFailed("solid/large/")) return false;
   return device.doubles && device.longAtomics && tuning.solid && tuning.reduce &&
          (tuning.overlapHits != 0 || device.kind != DeviceKind::kCpu);
 }

@@ -20,7 +20,7 @@ class LargeStage {
  public:
   LargeStage(Context& context, const Tuning& tuning);
   /// Whether the device can, and is to.
-  static bool works(const DeviceInfo& device, const Tuning& tuning);
+  static bool works(Context& context, const Tuning& tuning);
   /// Whether it is worth it for a pair alone that is expected to have so many hits, or of which only the number of
   /// triangles is known.
   bool pays(std::uint32_t hits) const { return works_ && hits >= leastHits_; }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bytes of one device's memory that several stores share.
+// Bytes of one device's memory that lists, results and stores of meshes share.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 namespace otg::opencl {
@@ -30,6 +32,10 @@ class MemoryBudget {
   std::uint64_t left() const {
     const std::lock_guard lock(mutex_);
     return bytes_ - held_;
+  }
+  std::uint64_t held() const {
+    const std::lock_guard lock(mutex_);
+    return held_;
   }
   /// False if so much is not left; nothing is taken then.
   bool take(std::uint64_t bytes) {
@@ -60,6 +66,11 @@ class MemoryBudget {
     }
     return sharers_.size() > 1;
   }
+  /// Has all of them let go.
+  void askAll() {
+    const std::lock_guard lock(sharersMutex_);
+    for (Sharer* sharer : sharers_) sharer->letGo();
+  }
 
  private:
   const std::uint64_t bytes_;
@@ -67,6 +78,26 @@ class MemoryBudget {
   std::uint64_t held_ = 0;
   std::mutex sharersMutex_;
   std::vector<Sharer*> sharers_;
+};
+
+/// Bytes of a budget that somebody has taken; given back when this goes.
+class MemoryShare {
+ public:
+  MemoryShare() = default;
+  MemoryShare(std::shared_ptr<MemoryBudget> budget, std::uint64_t bytes) : budget_(std::move(budget)), bytes_(bytes) {}
+  MemoryShare(MemoryShare&&) noexcept = default;
+  MemoryShare& operator=(MemoryShare&& other) noexcept {
+    std::swap(budget_, other.budget_);
+    std::swap(bytes_, other.bytes_);
+    return *this;
+  }
+  ~MemoryShare() {
+    if (budget_) budget_->giveBack(bytes_);
+  }
+
+ private:
+  std::shared_ptr<MemoryBudget> budget_;
+  std::uint64_t bytes_ = 0;
 };
 
 }  // namespace otg::opencl

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The host's own work on the pairs of a batch, by the threads that a caller lends.
+// The host's own work on the pairs and meshes of a batch, by the threads that a caller lends. Free of OpenCL's types.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
-
-#include "opencl/backend.h"
+#include <functional>
 
 namespace otg::opencl {
+
+/// Calls the work for consecutive parts of [0, count), on whatever threads it likes, and returns when all are done, as
+/// ThreadPool::run does; or throws what the work throws.
+using RunParts =
+    std::function<void(std::size_t count, const std::function<void(std::size_t begin, std::size_t end)>& work)>;
 
 constexpr std::size_t kPart = 256;  ///< items that are worth a thread's while
 constexpr std::size_t partsOf(std::size_t count) {
