@@ -37,7 +37,7 @@ int main(void) {
   dGpuTriMeshSetDeviceMemory((duint64)1 << 30); /* on each device that is opened from here on */
   EXPECT(dGpuTriMeshGetDeviceMemory() == (duint64)1 << 30);
   EXPECT(dGpuTriMeshOpenDevices(0, -1) >= 0); /* all GPUs, in place of what is open */
-  dGpuTriMeshReleaseDeviceMemory(); /* what no query uses at the moment */
+  dGpuTriMeshReleaseDeviceMemory();           /* what no query uses at the moment */
   dGpuTriMeshCloseDevices();
   EXPECT(dGpuTriMeshGetDeviceCount() == 0);
 

@@ -17,7 +17,8 @@
 namespace otg::cli {
 namespace {
 
-/// Memory is read after so many rounds. What the library keeps for later calls has grown to the largest of many by then.
+/// Memory is read after so many rounds. What the library keeps for later calls has grown to the largest of many by
+/// then.
 constexpr int kRoundsPerSample = 50;
 /// Exit status where answers differ or memory grows.
 constexpr int kFailed = 3;
@@ -120,10 +121,10 @@ int runSoak(const SoakOptions& options) {
 }  // namespace
 
 void addSoakCommand(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand(
-      "soak",
-      "Worlds, batches and queries for hours, each answer twice; memory is watched (exit status 3: answers differ, or the "
-      "memory in use grew by more than 1 %)");
+  CLI::App* command =
+      app.add_subcommand("soak",
+                         "Worlds, batches and queries for hours, each answer twice; memory is watched (exit status 3: "
+                         "answers differ, or the memory in use grew by more than 1 %)");
   auto options = std::make_shared<SoakOptions>();
   command->add_option("--hours", options->hours, "How long")->check(CLI::Range(0.0, 10000.0))->capture_default_str();
   command->add_option("--rounds", options->rounds, "Instead: so many rounds")->check(CLI::Range(1, 1000000000));

@@ -16,10 +16,10 @@ class LoadError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// PLY (text and binary of both byte orders), OFF, STL (text and binary), OBJ through readers of our own; cooked meshes,
-/// whose trees are built again; everything
-/// else (glTF first of all, which is checked before: gltf_check.h) through Assimp. Formats without shared vertices
-/// (STL, and what Assimp expands) get equal positions joined, in the order of first appearance. Throws LoadError.
+/// PLY (text and binary of both byte orders), OFF, STL (text and binary), OBJ through readers of our own; cooked
+/// meshes, whose trees are built again; everything else (glTF first of all, which is checked before: gltf_check.h)
+/// through Assimp. Formats without shared vertices (STL, and what Assimp expands) get equal positions joined, in the
+/// order of first appearance. Throws LoadError.
 ///
 /// Why own readers for four simple formats: measured with Assimp 5.2, a PLY cut off in its faces loads without an
 /// error, joining reads past the vertex array for an index out of range and merges NaN vertices, OBJ loses its vertex

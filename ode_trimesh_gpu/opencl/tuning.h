@@ -18,8 +18,8 @@ struct Tuning {
   /// A batch is done in so many pieces, each begun before the one before is waited for, as long as these have
   /// `leastPiece` pairs.
   std::uint32_t pieces = 4, leastPiece = 2048;
-  /// Triangles of all pairs in one launch that makes contacts. Lumps of 5,120 triangles whose regions are large take an
-  /// H200 12 ms for so many; a watchdog may end what takes seconds.
+  /// Triangles of all pairs in one launch that makes contacts; a pair counts twice its smaller mesh. Lumps of 5,120
+  /// triangles whose regions are large take an H200 12 ms for so many; a watchdog may end what takes seconds.
   double batchWork = 4e7;
   std::uint64_t batchTriangles = 200000;  ///< contacts of larger pairs are not left to one work-group
   /// Places in the lists between kernels. A list that is too short grows, and the query is run again.

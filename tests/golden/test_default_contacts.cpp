@@ -14,7 +14,8 @@ using namespace otg::test;
 namespace {
 
 constexpr const char* kHeader =
-    "# Contacts of named scenes through ODE; see test_default_contacts.cpp. The last three columns are the mean normal.\n"
+    "# Contacts of named scenes through ODE; see test_default_contacts.cpp. The last three columns are the mean "
+    "normal.\n"
     "# scene contacts deepest x y z\n";
 
 std::string contactsOf(const NamedScene& scene) {

@@ -254,7 +254,7 @@ TEST_CASE("descriptions of a batch do not depend on the sizes of lists and piece
   tunings[2].leastPiece = 16;            // several pieces of the batch
   tunings[2].batchWork = 40000;          // and more, by their cost
   tunings[3].overlapGroupsPerUnit = 64;  // several work-groups for a pair
-  tunings[4].meshBudget = 16u << 20;   // not all meshes at once
+  tunings[4].meshBudget = 16u << 20;     // not all meshes at once
   tunings[5].overlapContacts = 0;        // the host makes all contacts from descriptions
   tunings[6].overlapArena = 1;           // no room for regions at first
   std::uint64_t described = 0;

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The way of convex pairs: against all separating axes, in both orders, and what becomes of its contacts.
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <map>
-#include <new>
 #include <random>
 #include <set>
 
@@ -19,26 +16,10 @@
 #include "primitives/convex_hull.h"
 #include "scenes/generated_meshes.h"
 #include "support/catch.h"
+#include "support/counted_memory.h"
 
 using namespace otg;
-
-namespace {
-
-std::atomic<std::size_t> allocations{0};
-
-}  // namespace
-
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* const memory = std::malloc(size > 0 ? size : 1); memory != nullptr) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
+using namespace otg::test;
 
 namespace {
 

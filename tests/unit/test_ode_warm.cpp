@@ -1,36 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Queries that are asked again and again: those of convex pairs, of planes and of pairs that do not meet take no
 // memory.
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
-#include <new>
 
 #include "base/vectors.h"
 #include "support/catch.h"
+#include "support/counted_memory.h"
 #include "support/draw.h"
 #include "support/ode_world.h"
 
 using namespace otg;
 using namespace otg::test;
-
-namespace {
-
-std::atomic<std::size_t> taken{0};
-
-}  // namespace
-
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++taken;
-  if (void* const memory = std::malloc(size > 0 ? size : 1); memory != nullptr) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
 
 namespace {
 
@@ -47,9 +27,9 @@ int askWarm(dGeomID still, dGeomID moving, const Vec3d& at, const char* what) {
     found = dCollide(still, moving, 64, contacts, sizeof(dContactGeom));
   };
   for (int i = 0; i < 50; ++i) ask(i);
-  const std::size_t before = taken;
+  const std::size_t before = allocations;
   for (int i = 0; i < 200; ++i) ask(i);
-  CHECK(taken == before);
+  CHECK(allocations == before);
   return found;
 }
 

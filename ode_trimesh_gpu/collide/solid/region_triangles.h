@@ -81,8 +81,8 @@ class RegionTriangles {
 
   std::size_t begin_[3] = {0, 0, 0};  ///< of each mesh's triangles, and the end
   std::vector<RegionTriangle> triangles_;
-  std::vector<Plane> planes_;            ///< of each triangle
-  mutable std::vector<Curved> curved_;   ///< of each triangle, where it has been asked for
+  std::vector<Plane> planes_;           ///< of each triangle
+  mutable std::vector<Curved> curved_;  ///< of each triangle, where it has been asked for
   std::vector<RegionEdge> edges_;
   FlatMap edgesAdded_;
   std::vector<Exit> exits_;

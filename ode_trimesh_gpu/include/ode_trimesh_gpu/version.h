@@ -17,8 +17,8 @@ extern "C" {
 /**
  * @brief The version of the library that is loaded.
  * @returns For example "0.1.0"; the text lives as long as the library.
- * @remarks From any thread, also before dGpuTriMeshInit(). dGPUTRIMESH_VERSION_MAJOR, _MINOR and _PATCH are those of the
- * headers that the program was compiled with.
+ * @remarks From any thread, also before dGpuTriMeshInit(). dGPUTRIMESH_VERSION_MAJOR, _MINOR and _PATCH are those of
+ * the headers that the program was compiled with.
  * @ingroup gputrimesh
  */
 OTG_API const char* dGpuTriMeshGetVersion(void);

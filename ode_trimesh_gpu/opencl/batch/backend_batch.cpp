@@ -76,14 +76,16 @@ class Backend::Batch {
     return wish_ != BatchWish::kAny &&
            2.0 * static_cast<double>(largest) * static_cast<double>(pairs) > state_.tuning.batchWork;
   }
-  /// Of each pair. Those that are too large for a batch do not count.
+  /// Of each pair: twice the triangles of the smaller mesh, since what meets grows with that, and the trees leave out
+  /// the rest of the larger one. Those that are too large for a batch do not count.
   std::vector<double> works() const {
     std::vector<double> out(source_.size());
     otg_batch_task task{};
     for (std::size_t i = 0; i < out.size(); ++i) {
       source_.fill(i, task);
-      const std::uint64_t both = triangles(source_.meshes[task.meshA]) + triangles(source_.meshes[task.meshB]);
-      out[i] = both > state_.tuning.batchTriangles && Finish::kLargeAlone ? 1 : static_cast<double>(both);
+      const std::uint64_t a = triangles(source_.meshes[task.meshA]), b = triangles(source_.meshes[task.meshB]);
+      const bool isAlone = a + b > state_.tuning.batchTriangles && Finish::kLargeAlone;
+      out[i] = isAlone ? 1 : 2.0 * static_cast<double>(std::min(a, b));
     }
     return out;
   }
@@ -534,10 +536,10 @@ bool Backend::collideFrom(const Source& source, BatchAnswer& answer, StageTimes*
   answer.clear();
   ContactFinish finish{*this, state_->queries, answer};
   if (onHost) finish.onHost = &onHost;
-  const BatchWish wish = !state_->reduces()                        ? BatchWish::kPairs
+  const BatchWish wish = !state_->reduces()                         ? BatchWish::kPairs
                          : source.anySolid && state_->makesSolids() ? BatchWish::kSolid
-                         : source.anyPairwise                      ? BatchWish::kContacts
-                                                                   : BatchWish::kPairs;
+                         : source.anyPairwise                       ? BatchWish::kContacts
+                                                                    : BatchWish::kPairs;
   Batch<Source, ContactFinish> batch(*state_, source, wish, finish, times != nullptr);
   const bool good = batch.run(times);
   finish.end();

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Counts what a test program takes from the heap. For the one source file of a program: it replaces `operator new`.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+
+namespace otg::test {
+
+/// Calls of `operator new` so far, of all threads.
+inline std::atomic<std::size_t> allocations{0};
+
+}  // namespace otg::test
+
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++otg::test::allocations;
+  if (void* const memory = std::malloc(size > 0 ? size : 1); memory != nullptr) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
