@@ -92,10 +92,13 @@ inline static void otgTestEnded(__global const float4* meshes, const __local otg
 
 /// What is told of a pair beside its hits. One lane. With OTG_SMALL hits or fewer it is not in `listed`.
 inline static void otgFlagPair(const __local otg_own_hits* own, const otg_hit_list* list, __global uint* listed,
-                               __global uint* chosen, uint anyHit) {
+                               __global uint* chosen, uint anyHit, uint most) {
   uint flags = anyHit && own->sure ? OTG_PAIR_INTERSECTS : 0;
+  const int isCut = own->count > most;
   if (own->undecided) atomic_add(list->counters + OTG_COUNT_UNDECIDED, own->undecided);
-  if (own->count > OTG_MEDIUM) {
+  if (isCut) {
+    flags |= OTG_PAIR_TO_HOST | OTG_PAIR_NO_FRAME;
+  } else if (own->count > OTG_MEDIUM) {
     flags |= OTG_PAIR_MANY;
     atomic_inc(list->counters + OTG_COUNT_MANY);
   } else if (own->count > OTG_SMALL) {
@@ -107,7 +110,8 @@ inline static void otgFlagPair(const __local otg_own_hits* own, const otg_hit_li
 /// `stackSize` is as for otgWalkRound, for the deepest two trees of the batch. Hits of a pair lie side by side as long
 /// as there are at most OTG_MEDIUM; a pair with more is flagged, and its hits lie anywhere. `listed` gets the pairs
 /// with more than OTG_SMALL. With `anyHit` a pair is left at the first hit that single precision is sure of: enough to
-/// know that it intersects; that is told in its flags in `chosen`, and only undecided hits are listed.
+/// know that it intersects; that is told in its flags in `chosen`, and only undecided hits are listed. A pair with more
+/// than `mostHits` is left, too: the host does all of it.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchWalk(OTG_GIVEN(BatchWalk)) {
   __local otg_device_pair pair;
   __local otg_walk walk;
@@ -146,7 +150,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchWalk(O
       otgTestEnded(meshes, &pair, &walk, anyHit, &own, &list, &tally);
       barrier(CLK_LOCAL_MEM_FENCE);
       if (lane == 0) walk.endedCount = 0;
-      if (anyHit && own.sure > 0) stacked = 0;
+      if ((anyHit && own.sure > 0) || own.count > mostHits) stacked = 0;
       barrier(CLK_LOCAL_MEM_FENCE);
     }
     more = stacked > 0;
@@ -156,7 +160,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchWalk(O
     ownBegin = kept > 0 ? atomic_add(counters + OTG_COUNT_HITS, kept) : 0;
     states[number].hits = own.count;
     states[number].firstHit = ownBegin;
-    otgFlagPair(&own, &list, listed, chosen, anyHit);
+    otgFlagPair(&own, &list, listed, chosen, anyHit, mostHits);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   for (uint i = lane; i < kept; i += OTG_GROUP) otgListHit(&list, ownBegin + i, own.hits[i]);

@@ -202,38 +202,49 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairLevel(O
   if (lane == 0 && round.tests) otgCount(counters + OTG_COUNT_BOX_TESTS, round.tests);
 }
 
-/// Tests triangles and lists those that may intersect.
+/// Where hits go, and how many are enough for the host to do the pair.
+typedef struct {
+  __global uint* counters;
+  __global uint2* hits;
+  uint capacity, most;
+} otg_tail_hits;
+
+/// Tests triangles and lists those that may intersect. `isCut` becomes 1 if there are too many.
 inline static void otgTestAndList(__global const float4* meshes, const otg_device_pair* pair, uint2 leaves, uint t,
-                                  __global uint* counters, __global uint2* hits, uint hitCapacity, otg_lane_walk* own) {
+                                  const otg_tail_hits* to, __local uint* isCut, otg_lane_walk* own) {
   uint2 hit;
   const int answer = otgTestLeaves(meshes, pair, leaves, t, &hit, own);
   if (answer == OTG_DISJOINT) return;
-  const uint slot = otgTakeHit(counters, answer);
-  if (slot < hitCapacity) hits[slot] = hit;
+  const uint slot = otgTakeHit(to->counters, answer);
+  if (slot < to->capacity) to->hits[slot] = hit;
+  if (slot >= to->most) atomic_xchg(isCut, 1);
 }
 
 /// What `level` levels leave (counters[level] pairs), depth-first: see otgWalkRound. Each work-group begins with as
 /// many pairs as it can open at once, taken from all over the list, so that no group has all those of one place; what
-/// is left of a long list is taken by ticket.
+/// is left of a long list is taken by ticket. A work-group ends where it lists a hit beyond the first `mostHits`.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairTail(OTG_GIVEN(PairTail)) {
   __local otg_walk walk;
-  __local uint firstSeed;
+  __local uint firstSeed, isCut;
   const uint lane = get_local_id(0), group = get_group_id(0), groups = get_num_groups(0);
   const uint lanesPerLeaf = OTG_LEAF * OTG_LEAF, perTicket = OTG_GROUP / 16;
   const uint seedCount = min(counters[level], seedCapacity);
   const uint leafCount = min(counters[OTG_COUNT_LEAVES], leafCapacity);
   const uint share = min((uint)OTG_GROUP / 8, stackSize - otgRoomForOne(&pair)), dealt = share * groups;
+  const otg_tail_hits to = {counters, hits, hitCapacity, mostHits};
   otg_lane_walk own = otgBeginWalk(&walk);
   int more = seedCount > dealt;
   uint stacked = seedCount > group ? min(share, (seedCount - group - 1) / groups + 1) : 0;
   if (lane < stacked) stack[lane] = otgPairToOpenOf(meshes, &pair, seeds[group + lane * groups]);
+  if (lane == 0) isCut = 0;
+  barrier(CLK_LOCAL_MEM_FENCE);
   // The leaves that the levels met.
   for (uint t = get_global_id(0); t < leafCount * lanesPerLeaf; t += get_global_size(0)) {
-    otgTestAndList(meshes, &pair, leaves[t / lanesPerLeaf], t % lanesPerLeaf, counters, hits, hitCapacity, &own);
+    otgTestAndList(meshes, &pair, leaves[t / lanesPerLeaf], t % lanesPerLeaf, &to, &isCut, &own);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   // `more`, `stacked` and the loop itself are the same for all lanes of a group.
-  while (more || stacked > 0) {
+  while (!isCut && (more || stacked > 0)) {
     if (more && stacked < perTicket) {
       if (lane == 0) firstSeed = dealt + atomic_add(counters + OTG_COUNT_SEED_TICKET, perTicket);
       barrier(CLK_LOCAL_MEM_FENCE);
@@ -247,8 +258,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairTail(OT
     // Triangles when all lanes have some to test, or there is nothing else left to do.
     if (walk.endedCount >= 2 * OTG_GROUP || (!more && stacked == 0)) {
       for (uint t = lane; t < walk.endedCount * lanesPerLeaf; t += OTG_GROUP) {
-        otgTestAndList(meshes, &pair, walk.ended[t / lanesPerLeaf], t % lanesPerLeaf, counters, hits, hitCapacity,
-                       &own);
+        otgTestAndList(meshes, &pair, walk.ended[t / lanesPerLeaf], t % lanesPerLeaf, &to, &isCut, &own);
       }
       barrier(CLK_LOCAL_MEM_FENCE);
       if (lane == 0) walk.endedCount = 0;

@@ -60,8 +60,11 @@ bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, 
   try {
     HostRest rest = HostRest::kNothing;
     StageTimes t;
+    bool tooMany = false;
     (profile ? state_->profiled : state_->pairs).with([&](PairLane& lane) {
       PairAnswer answer = lane.run(query, frame, wish);
+      tooMany = answer.tooMany;
+      if (tooMany) return;
       const Stopwatch host(profile);
       bool done = answer.made && takeMade(query, answer.contactsOfRegions, workspace);
       if (answer.made) ++(done ? state_->contactsMade : state_->contactsLeft);
@@ -93,6 +96,11 @@ bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, 
       t.candidates = lane.profile().ms(Profile::kCandidates);
       t.readBack = lane.profile().ms(Profile::kReadBack);
     });
+    if (tooMany) {
+      ++state_->leftToHost;
+      otg::collide(query, workspace);
+      return true;
+    }
     const Stopwatch reduction(profile);
     finishAnswer(query, rest, workspace);
     t.reduction += reduction.ms();
@@ -115,9 +123,16 @@ bool Backend::findIntersectingPairs(const Query& query, Workspace& workspace) {
     return true;
   }
   try {
+    bool tooMany = false;
     state_->pairs.with([&](PairLane& lane) {
-      state_->decidedOnHost += takeAll(query, frame, lane.run(query, frame, PairWish::kPairs).found, false, workspace);
+      const PairAnswer answer = lane.run(query, frame, PairWish::kPairs);
+      tooMany = answer.tooMany;
+      if (!tooMany) state_->decidedOnHost += takeAll(query, frame, answer.found, false, workspace);
     });
+    if (tooMany) {
+      ++state_->leftToHost;
+      otg::findIntersectingPairs(query, workspace);
+    }
     return true;
   } catch (const ClError& error) {
     logError(error);

@@ -22,6 +22,9 @@ struct Tuning {
   /// triangles whose regions are large take an H200 12 ms for so many; a watchdog may end what takes seconds.
   double batchWork = 4e7;
   std::uint64_t batchTriangles = 200000;  ///< contacts of larger pairs are not left to one work-group
+  /// A single pair with more hits is the host's, and so is one of a batch: launches end soon. An H200 finds 138 million
+  /// hits a second for a single pair.
+  std::uint32_t mostHits = 1u << 21, batchHits = 1u << 16;
   /// Places in the lists between kernels. A list that is too short grows, and the query is run again.
   std::uint32_t pairPlaces = 1u << 16, leafPlaces = 1u << 16, hitPlaces = 1u << 14;
   std::uint32_t stackRoom = 512;    ///< pairs that a work-group stacks before it goes on with one at a time, 16 or more

@@ -338,6 +338,33 @@ TEST_CASE("what a device cannot decide is the host's") {
   }
 }
 
+TEST_CASE("pairs with too many hits are the host's") {
+  const MeshList meshes = mixedMeshes();
+  const std::vector<Query> queries = randomQueries(meshes, 3, 300);
+  const Expected expected = onHost(queries);
+  std::uint64_t left = 0;
+  for (const std::uint32_t most : {1000u, 200u, 20u, 1u}) {
+    INFO("most " << most);
+    opencl::Tuning tuning;
+    tuning.mostHits = tuning.batchHits = most;
+    const auto backend = openBackend(tuning);
+    REQUIRE(backend);
+    checkBatch(*backend, queries, expected);
+    CHECK(backend->counts().onHost == 0);
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      if (std::binary_search(expected.refused.begin(), expected.refused.end(), i)) continue;
+      Workspace device;
+      CHECK(backend->collide(queries[i], device));
+      CHECK(sameBytes(device.reduced, expected.contacts[i]));
+      CHECK(backend->findIntersectingPairs(queries[i], device));
+      CHECK(device.intersecting.empty() == (expected.intersects[i] == 0));
+    }
+    CHECK(backend->counts().onHost == 0);
+    CHECK(backend->counts().leftToHost > left);
+    left = backend->counts().leftToHost;
+  }
+}
+
 TEST_CASE("a hundred thousand tiny pairs in one batch") {
   const MeshList meshes = {collisionMesh(makeTetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1})),
                            collisionMesh(makeBox({1, 1.5, 0.8}, 1))};

@@ -118,7 +118,8 @@ typedef struct {
 enum {
   OTG_PAIR_REFUSED = 1,     ///< its pose is none that can be worked with
   OTG_PAIR_TO_HOST = 2,     ///< the host has to finish it, from its records
-  OTG_PAIR_NO_FRAME = 4,    ///< too large for single precision: the host has to do all of it (with OTG_PAIR_TO_HOST)
+  OTG_PAIR_NO_FRAME = 4,    ///< too large for single precision, or too many hits: the host has to do all of it (with
+                            ///< OTG_PAIR_TO_HOST)
   OTG_PAIR_INTERSECTS = 8,  ///< some pair of triangles does for certain
   OTG_PAIR_SKIPPED = 16,    ///< as otg_batch_task
   OTG_PAIR_MANY = 32,       ///< has more hits than one work-group keeps

@@ -54,6 +54,7 @@ OTG_STRUCTURE(PairLevel, "pairLevel")
   X(value, otg_uint, leafCapacity) AND \
   X(write, otg_hit, hits) AND          \
   X(value, otg_uint, hitCapacity) AND  \
+  X(value, otg_uint, mostHits) AND     \
   X(value, otg_uint, stackSize) AND    \
   X(local, otg_node_pair, stack)
 OTG_STRUCTURE(PairTail, "pairTail")
@@ -86,6 +87,7 @@ OTG_STRUCTURE(BatchPrepare, "batchPrepare")
   X(write, otg_listed_pair, listed) AND   \
   X(write, otg_batch_hit, hits) AND       \
   X(value, otg_uint, hitCapacity) AND     \
+  X(value, otg_uint, mostHits) AND        \
   X(value, otg_uint, anyHit) AND          \
   X(value, otg_uint, stackSize) AND       \
   X(local, otg_node_pair, stack)

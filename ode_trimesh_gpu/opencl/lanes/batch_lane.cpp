@@ -187,6 +187,7 @@ void BatchLane::enqueueWalk(Meshes meshes, bool any) {
               .listed = list_.buffer(),
               .hits = hits_.buffer(),
               .hitCapacity = hits_.places(),
+              .mostHits = tuning_.batchHits,
               .anyHit = otg_uint{any},
               .stackSize = stackSize_,
               .stack = {stackSize_}});

@@ -109,6 +109,8 @@ PairAnswer PairLane::describe(const otg_device_pair& pair, const Query& query, M
     }
     lastHits_ = head->counters[OTG_COUNT_HITS];
     isFresh_ = false;
+    answer.tooMany = hasTooMany();
+    if (answer.tooMany) return answer;
     if (makeRoom(head->counters) || !fits) continue;
     const otg_uint why = head->counts[OTG_OVERLAP_WHY];
     answer.described = why == 0 && head->counts[OTG_OVERLAP_CHORDS] > 0;
@@ -178,8 +180,10 @@ PairAnswer PairLane::runOn(const otg_device_pair& pair, const Query& query, Mesh
     lastHits_ = counters[OTG_COUNT_HITS];
     isFresh_ = false;
     const bool many = few && (chosen_.flags()[0] & OTG_PAIR_MANY);
-    if (makeRoom(counters)) {
+    answer.tooMany = hasTooMany();
+    if (answer.tooMany || makeRoom(counters)) {
       if (many) fillZero(queue, counters_.get(), OTG_COUNTERS * sizeof(otg_uint));
+      if (answer.tooMany) return answer;
       ++repeats_;
       continue;
     }
@@ -255,6 +259,7 @@ void PairLane::enqueueWalk(const otg_device_pair& pair, Meshes meshes, const otg
               .leafCapacity = leaves_.places(),
               .hits = hits_.buffer(),
               .hitCapacity = hits_.places(),
+              .mostHits = tuning_.mostHits,
               .stackSize = stackSize,
               .stack = {stackSize}});
   launch(queue_.get(), tail_, tuning_.group, groups_, 1, profile_.next(Profile::kMain));
@@ -326,6 +331,14 @@ void PairLane::launchRecords(KernelFor<Given>& kernel, const Given& given) {
   // No more work-groups than the device holds at once: these kernels take many registers.
   const std::size_t groups = std::max<std::size_t>(1, std::size_t{2} * context_.info().computeUnits);
   launch(queue_.get(), kernel, tuning_.recordGroup, groups, 1, profile_.next(Profile::kContacts));
+}
+
+/// Whether the host is to do the pair, which then tells nothing of the next one.
+bool PairLane::hasTooMany() {
+  if (lastHits_ <= tuning_.mostHits) return false;
+  lastHits_ = 0;
+  isFresh_ = true;
+  return true;
 }
 
 /// After a run: false if every list was long enough, else they have grown.

@@ -23,6 +23,7 @@ struct PairAnswer {
   bool reduced = false;  ///< `contacts` is the answer
   bool left = false;     ///< it was to be, but the host has to finish the pair
   std::span<const Contact> contacts;
+  bool tooMany = false;    ///< more than Tuning::mostHits: nothing else is here, and the host has to do all of it
   bool asked = false;      ///< for a description
   bool described = false;  ///< `overlap` is what was asked for, and `found` has no records
   FoundOverlap overlap;
@@ -70,6 +71,7 @@ class PairLane {
   void launchRecords(KernelFor<Given>& kernel, const Given& given);
   std::string decideOptions(bool contacts, bool reduce) const;
   bool makeRoom(const otg_uint* counters);
+  bool hasTooMany();
 
   Context& context_;
   MeshStore& meshes_;
