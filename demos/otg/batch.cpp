@@ -120,7 +120,10 @@ int runBatch(const BatchOptions& options) {
   std::size_t onDevice = 0;
   std::uint64_t intersecting = end.counts.intersectingPairs;  // and those of convex pairs
   for (const PairResult& result : results) {
-    if (result.outcome == PairResult::Outcome::kNoMemory) throw std::bad_alloc();
+    if (result.outcome == PairResult::Outcome::kNoMemory) {
+      throw InputError(fmt::format("{}: pair {} has too many pairs of triangles for the memory or --max-pairs",
+                                   options.scene, &result - results.data()));
+    }
     contacts.insert(contacts.end(), result.contacts.begin(), result.contacts.end());
     onDevice += result.onDevice ? 1 : 0;
     const Query& query = scene.queries[static_cast<std::size_t>(&result - results.data())];

@@ -7,6 +7,7 @@
 #include <new>
 #include <string>
 
+#include "collide/pair_limit.h"
 #include "ode/base/environment_report.h"
 #include "ode_trimesh_gpu/version.h"
 
@@ -36,6 +37,8 @@ int runProgram(const char* name, const char* summary, void (*addCommands)(CLI::A
     return status;
   } catch (const UsageError& error) {
     return fail(kBadUsage, error.what());
+  } catch (const TooManyPairs& error) {
+    return fail(kBadInput, error.what());
   } catch (const std::bad_alloc&) {
     return fail(kBadInput, "not enough memory");
   } catch (const std::exception& error) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <limits>
 
 #include "cli/input_file.h"
 #include "dispatch/single_run.h"
@@ -114,6 +115,10 @@ void QueryOptions::addContactOptions(CLI::App& command) {
       ->check(CLI::Range(1, 64));
   command.add_option("--max-contacts", maxContacts, "No more contacts than this")->check(CLI::Range(1, 65535));
   command
+      .add_option("--max-pairs", maxPairs,
+                  "The CPU gives up a pair of meshes with more pairs of triangles whose boxes overlap")
+      ->check(CLI::Range(1, std::numeric_limits<int>::max()));
+  command
       .add_option("--contacts-per-region", contactsPerRegion,
                   "Contact model solid: no more contacts than this for one connected overlap")
       ->check(CLI::Range(1, 64));
@@ -142,6 +147,7 @@ CollideOptions QueryOptions::collideOptions() const {
     throw UsageError("--bins takes one number or six");
   }
   options.maxContacts = maxContacts;
+  options.middle.maxPairs = maxPairs;
   options.solid.contactsPerRegion = contactsPerRegion;
   options.solid.regionMerge = regionMerge;
   options.solid.convexPath = true;

@@ -24,6 +24,7 @@ struct QueryOptions {
   int axes = 6;
   std::vector<int> bins;
   int maxContacts = 64;
+  int maxPairs = kMostCandidatePairs;
   int contactsPerRegion = 16;
   double regionMerge = 0;
   std::vector<int> devices;

@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "collide/pair_frame.h"
+#include "collide/pair_limit.h"
 #include "collide/query.h"
 #include "collide/rotation_tolerance.h"
 #include "collide/simd/wide_kernels.h"
@@ -94,7 +95,7 @@ class Counter {
 /// Both trees with boxes at every node.
 template <class View>
 void traverseBoxed(const View& a, const View& b, const BoxPairTest& test, DescentRule rule, Counter count,
-                   std::vector<TrianglePair>& out) {
+                   CandidateList out) {
   std::vector<Item> stack;
   stack.reserve(2 * kMaxTreeDepth + 8);
   stack.push_back({a.root(), b.root(), 0, true});
@@ -106,7 +107,7 @@ void traverseBoxed(const View& a, const View& b, const BoxPairTest& test, Descen
     if (test.apart(boxA, boxB)) continue;
     const bool leafA = a.isLeaf(item.a), leafB = b.isLeaf(item.b);
     if (leafA && leafB) {
-      out.push_back({a.triangle(item.a), b.triangle(item.b)});
+      out.add({a.triangle(item.a), b.triangle(item.b)});
       continue;
     }
     const auto depth = static_cast<std::uint16_t>(item.depth + 1);
@@ -136,7 +137,7 @@ void traverseBoxed(const View& a, const View& b, const BoxPairTest& test, Descen
 /// Trees whose leaves are bare triangles: box against box, triangle against box, and pairs of triangles as candidates.
 template <class Boxes>
 void traverseNoLeaf(const Query& query, const PairFrame& frame, const Boxes& boxesA, const Boxes& boxesB, Counter count,
-                    std::vector<TrianglePair>& out) {
+                    CandidateList out) {
   const NoLeafTree& a = query.a->noLeaf();
   const NoLeafTree& b = query.b->noLeaf();
   const DescentRule rule = query.options.middle.descent;
@@ -151,7 +152,7 @@ void traverseNoLeaf(const Query& query, const PairFrame& frame, const Boxes& box
     stack.pop_back();
     const bool leafA = item.a < 0, leafB = item.b < 0;
     if (leafA && leafB) {
-      out.push_back({static_cast<std::uint32_t>(~item.a), static_cast<std::uint32_t>(~item.b)});
+      out.add({static_cast<std::uint32_t>(~item.a), static_cast<std::uint32_t>(~item.b)});
       continue;
     }
     bool descendA = !leafA;
@@ -197,7 +198,7 @@ void traverseNoLeaf(const Query& query, const PairFrame& frame, const Boxes& box
 /// With the boxes of both meshes.
 template <class Boxes>
 void traverse(const Query& query, const PairFrame& frame, const Boxes& boxesA, const Boxes& boxesB, Counter count,
-              std::vector<TrianglePair>& out) {
+              CandidateList out) {
   const MiddleOptions& options = query.options.middle;
   const BoxPairTest test(frame.boxes, options.axes);
   if (options.traversal == Traversal::kQuantized) {
@@ -229,7 +230,8 @@ void middlePhase(const Query& query, Workspace& workspace) {
     traverseWide(bestSimdLevel(), query, frame, workspace.candidates, stats);
   } else {
     withBoxes(query.a->boxScale(), query.b->boxScale(), [&](const auto& boxesA, const auto& boxesB) {
-      traverse(query, frame, boxesA, boxesB, count, workspace.candidates);
+      const auto most = static_cast<std::size_t>(query.options.middle.maxPairs);
+      traverse(query, frame, boxesA, boxesB, count, CandidateList(workspace.candidates, most));
     });
   }
   stats.candidatePairs = workspace.candidates.size();

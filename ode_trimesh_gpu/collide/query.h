@@ -9,6 +9,7 @@
 
 #include "bvh/collision_mesh.h"
 #include "collide/convex/clip_scratch.h"
+#include "collide/pair_limit.h"
 #include "collide/solid_options.h"
 #include "collide/traversal.h"
 
@@ -21,7 +22,8 @@ enum class Reduction { kNone, kBinning, kCone };
 struct MiddleOptions {
   Traversal traversal = Traversal::kWide;
   DescentRule descent = DescentRule::kLargerFirst;
-  int axes = 6;  ///< 6 face axes, or 15 with the edge axes
+  int axes = 6;                        ///< 6 face axes, or 15 with the edge axes
+  int maxPairs = kMostCandidatePairs;  ///< candidates, 1 or more; with more of them the query throws TooManyPairs
   friend bool operator==(const MiddleOptions&, const MiddleOptions&) = default;
 };
 
@@ -131,7 +133,8 @@ struct Workspace {
 };
 
 /// The pairs of triangles whose boxes overlap (a superset of the intersecting ones) -> workspace.candidates. Throws
-/// std::invalid_argument for a pose that is refused (see Query::bInA), after which the workspace holds no results.
+/// std::invalid_argument for a pose that is refused (see Query::bInA), after which the workspace holds no results, and
+/// TooManyPairs.
 void middlePhase(const Query& query, Workspace& workspace);
 /// Decides workspace.candidates -> workspace.intersecting. The set does not depend on traversal, order or backend: it
 /// is the exact answer for A's float vertices and B's vertices as otgTransform places them in double; touching counts.

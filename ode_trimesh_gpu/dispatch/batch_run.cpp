@@ -352,8 +352,12 @@ class BatchRun {
       });
       for (const std::size_t k : answer.byHost) pairs_[block[k]].result->onDevice = false;
       for (const std::size_t k : answer.refused) pairs_[block[k]].result->outcome = PairResult::Outcome::kRefused;
-    } catch (...) {
-      for (const std::size_t i : block) pairs_[i].result->outcome = PairResult::Outcome::kNoMemory;
+    } catch (...) {  // of want of memory, which may be one pair's: each by itself
+      try {
+        leave(block);
+      } catch (...) {
+        for (const std::size_t i : block) pairs_[i].result->outcome = PairResult::Outcome::kNoMemory;
+      }
     }
   }
 

@@ -226,6 +226,17 @@ class Copies(HostileTest):
         pairwise = self.answered("collide", many, many, *pose, "--contacts", "pairwise", limit=2)
         self.assertEqual(pairwise["contacts_before_reduction"], 2000 * 2000)
 
+    def test_more_pairs_than_a_query_may_have(self):
+        vertices = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+        many = self.write("many.ply", ply(vertices, [(0, 1, 2)] * 5000))
+        for contacts in ("solid", "pairwise"):
+            self.refused("collide", many, many, "--contacts", contacts, says="more than 16777216 pairs")
+        few = self.write("few.ply", ply(vertices, [(0, 1, 2)] * 20))
+        self.refused("collide", few, few, "--max-pairs", "399", says="more than 399 pairs")
+        self.answered("collide", few, few, "--max-pairs", "400", "--json")
+        scene = self.write("scene.json", json.dumps({"meshes": ["few.ply"], "pairs": [[0, 0, [0, 0, 0, 1, 0, 0, 0]]]}))
+        self.refused("batch", scene, "--max-pairs", "399", says=["scene.json", "pair 0"])
+
 
 if __name__ == "__main__":
     cli_support.main()

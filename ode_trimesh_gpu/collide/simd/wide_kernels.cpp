@@ -5,14 +5,21 @@
 #include <algorithm>
 #include <limits>
 
+#include "collide/pair_limit.h"
 #include "collide/simd/wide_kernels_args.h"
 
 namespace otg {
 namespace {
 
+struct PairRoom {
+  std::vector<TrianglePair>& pairs;
+  std::size_t most;
+};
+
 void growPairs(PairSink& sink) {
-  auto& pairs = *static_cast<std::vector<TrianglePair>*>(sink.owner);
-  pairs.resize(std::max<std::size_t>(1024, 2 * sink.capacity));
+  const auto& [pairs, most] = *static_cast<const PairRoom*>(sink.owner);
+  if (sink.capacity >= most) throw TooManyPairs(most);
+  pairs.resize(std::min(most, std::max<std::size_t>(1024, 2 * sink.capacity)));
   sink.data = pairs.data();
   sink.capacity = pairs.size();
 }
@@ -61,8 +68,9 @@ void traverseWide(SimdLevel level, const Query& query, const PairFrame& frame, s
   if (query.options.countPerDepth) stats.boxTestsPerDepth.assign(std::size_t{a.depth} + b.depth, 0);
   // No more of it than a small pair needs: resizing fills it.
   constexpr std::size_t kFirstPairs = 256;
-  out.resize(std::min(out.capacity(), kFirstPairs));
-  PairSink sink{out.data(), 0, out.size(), growPairs, &out};
+  PairRoom room{out, static_cast<std::size_t>(query.options.middle.maxPairs)};
+  out.resize(std::min({out.capacity(), kFirstPairs, room.most}));
+  PairSink sink{out.data(), 0, out.size(), growPairs, &room};
   WideTraversalArgs args{&frame.boxes,
                          a.nodes.data(),
                          b.nodes.data(),

@@ -14,7 +14,7 @@
 
 namespace otg {
 
-/// Pairs going out; `grow` makes room for at least one more.
+/// Pairs going out; `grow` makes room for at least one more, or throws.
 struct PairSink {
   TrianglePair* data;
   std::size_t size, capacity;

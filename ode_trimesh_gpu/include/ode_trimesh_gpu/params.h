@@ -116,6 +116,9 @@ typedef struct dGpuTriMeshParams {
   int near_phase; /**< the tests of triangles alone: the same. The contacts of PAIRWISE are made by a device if both
                      phases run there, those of SOLID as
                      docs/opencl.md says: in batches by a device, too, else in part */
+  int max_pairs;  /**< the CPU looks at no more pairs of triangles whose boxes overlap: 1 or more, default 16777216. The
+                     smaller number of two geoms counts. A pair of geoms with more has no contacts and leaves
+                     dGPUTRIMESH_ERROR_MEMORY. Bounds the memory and time of meshes with many triangles in one place */
 } dGpuTriMeshParams;
 
 /**

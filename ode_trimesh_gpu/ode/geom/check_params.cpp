@@ -18,7 +18,7 @@ int checkParams(const dGpuTriMeshParams* params) noexcept {
               (p.box_axes == 6 || p.box_axes == 15) &&
               within(p.contact_model, dGPUTRIMESH_CONTACTS_AUTO, dGPUTRIMESH_CONTACTS_SOLID) &&
               within(p.reduction, dGPUTRIMESH_REDUCTION_NONE, dGPUTRIMESH_REDUCTION_CONE) &&
-              within(p.max_contacts, 1, 65535) && within(p.contacts_per_region, 1, 64) &&
+              within(p.max_contacts, 1, 65535) && within(p.contacts_per_region, 1, 64) && p.max_pairs >= 1 &&
               within(p.history, dGPUTRIMESH_HISTORY_OFF, dGPUTRIMESH_HISTORY_ON) && p.region_merge >= 0 &&
               std::isfinite(p.region_merge);
   for (const int place : {p.backend, p.middle_phase, p.near_phase}) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "collide/pair_limit.h"
 #include "collide/solid_options.h"
 
 void dGpuTriMeshParamsInit(dGpuTriMeshParams* params) {
@@ -20,4 +21,5 @@ void dGpuTriMeshParamsInit(dGpuTriMeshParams* params) {
   params->contacts_per_region = otg::SolidOptions{}.contactsPerRegion;
   params->history = dGPUTRIMESH_HISTORY_ON;
   params->region_merge = static_cast<dReal>(otg::SolidOptions{}.regionMerge);
+  params->max_pairs = otg::kMostCandidatePairs;
 }

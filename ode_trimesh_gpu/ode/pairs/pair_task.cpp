@@ -174,6 +174,7 @@ CollideOptions pairOptions(const dGpuTriMeshParams& first, const dGpuTriMeshPara
       break;
   }
   options.middle.axes = first.box_axes;
+  options.middle.maxPairs = std::min(first.max_pairs, second.max_pairs);
   // AUTO gives way to the other's choice; it stands for `solid`, which has shells beside solids.
   const bool pairwise =
       first.contact_model == dGPUTRIMESH_CONTACTS_PAIRWISE || second.contact_model == dGPUTRIMESH_CONTACTS_PAIRWISE;
