@@ -36,6 +36,11 @@ void unlessEnded(void (Dispatcher::*step)() noexcept) {
   if (!hasEnded.load(std::memory_order_acquire)) (dispatcher().*step)();
 }
 
+void logWrong(const opencl::DeviceInfo& device) {
+  opencl::logLine("OpenCL device " + std::to_string(device.index) + " (" + device.name +
+                  ") gives other answers than the CPU; it is not used");
+}
+
 }  // namespace
 
 void watchEndOfProcess() {
@@ -76,13 +81,21 @@ Dispatcher::Slots Dispatcher::openAll(std::span<const int> indices, const opencl
     std::optional<CostModel> costs = storedCosts(slot->backend->device(), cache);
     if (wish == Costs::kMeasured) {
       // All programs are built before something is measured, and also where that is known: no query is to wait for it.
-      const bool good = rehearse(*slot->backend);
+      const Rehearsed rehearsed = rehearse(*slot->backend);
+      if (rehearsed == Rehearsed::kDiffers) {
+        logWrong(slot->backend->device());
+        continue;
+      }
+      const bool good = rehearsed == Rehearsed::kGood;
       if (good && !costs) costs = costsOf(*slot->backend, cache, kept);
       if (!good || !costs) {
         opencl::logLine("OpenCL device " + std::to_string(index) +
                         " failed while it was tried and its costs were measured; it is not used");
         continue;
       }
+    } else if (!agreesWithHost(*slot->backend)) {
+      logWrong(slot->backend->device());
+      continue;
     }
     if (costs) slot->costs = *costs;
     slot->knowsCosts = costs.has_value();

@@ -6,6 +6,7 @@
 
 #include "dispatch/cost/rehearsal.h"
 #include "dispatch/device_slot.h"
+#include "dispatch/dispatcher.h"
 #include "opencl/runtime/log.h"
 #include "support/opencl.h"
 
@@ -16,15 +17,24 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The kernels with one that has an error, while it lives. Told of on stderr once for each, which is caught.
+/// The kernels with one that has an error, or other text in one place, while it lives. Told of on stderr once for each,
+/// which is caught.
 class BrokenKernel {
  public:
-  explicit BrokenKernel(const std::string& name) {
+  explicit BrokenKernel(const std::string& name, const std::string& right = "", const std::string& wrong = "") {
     std::string made = (fs::temp_directory_path() / "otg_kernels_XXXXXX").string();
     REQUIRE(mkdtemp(made.data()) != nullptr);
     folder_ = made;
     fs::copy(OTG_KERNEL_FOLDER, folder_, fs::copy_options::recursive);
-    std::ofstream(folder_ / name, std::ios::app) << "\n#error broken\n";
+    if (right.empty()) {
+      std::ofstream(folder_ / name, std::ios::app) << "\n#error broken\n";
+    } else {
+      std::ifstream in(folder_ / name);
+      std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+      const std::size_t at = text.find(right);
+      REQUIRE(at != std::string::npos);
+      std::ofstream(folder_ / name) << text.replace(at, right.size(), wrong);
+    }
     setenv("OTG_KERNEL_DIR", folder_.c_str(), 1);
     opencl::forgetFailures();
     opencl::setLogSink([this](const std::string& line) { lines.push_back(line); });
@@ -78,8 +88,23 @@ TEST_CASE("without the kernel of rays there are points, distances and contacts")
   CHECK(broken.lines.size() == 1);
   CHECK(pointsAnswered(*backend) == 10);
   checkParity(*backend, crossing(ContactModel::kPairwise));
-  CHECK(rehearse(*backend));  // so that it is not closed again
+  CHECK(rehearse(*backend) == Rehearsed::kGood);  // so that it is not closed again
   CHECK(backend->failedPrograms() == 1);
+}
+
+TEST_CASE("a device that gives other answers than the CPU is not used") {
+  const std::string right = "if (answer == OTG_DISJOINT) continue;";
+  const std::string wrong = "if (answer == OTG_DISJOINT || t % 3 == 0) continue;";
+  for (const bool isWrong : {true, false}) {
+    BrokenKernel broken("walk/batch_walk.cl", right, isWrong ? wrong : right);
+    const int index = opencl::defaultDevice(opencl::listDevices());
+    for (const Costs wish : {Costs::kIfStored, Costs::kMeasured}) {
+      Dispatcher dispatcher;
+      CHECK(dispatcher.open({&index, 1}, {}, wish) == (isWrong ? 0 : 1));
+    }
+    CHECK(broken.lines.size() == (isWrong ? 2 : 0));
+    for (const std::string& line : broken.lines) CHECK(line.find("other answers than the CPU") != std::string::npos);
+  }
 }
 
 TEST_CASE("without the kernels of distances or solids the host does these, and nothing fails after the first time") {

@@ -47,59 +47,102 @@ Query inPlace(const CollisionMesh& a, const CollisionMesh& b, ContactModel conta
   return query;
 }
 
+/// Answers of a device beside those of the host, byte for byte. Both stay false or true once they are.
+class Compared {
+ public:
+  explicit Compared(opencl::Backend& backend) : backend_(backend) {}
+  /// No call has failed.
+  bool good() const { return good_; }
+  /// An answer of a call that did not fail is not the host's.
+  bool differs() const { return differs_; }
+
+  void collide(const Query& query) {
+    opencl::checkStop();
+    const bool done = backend_.collide(query, device_);
+    otg::collide(query, host_);
+    note(done, same(device_.reduced, host_.reduced));
+  }
+  void findPairs(const Query& query) {
+    opencl::checkStop();
+    const bool done = backend_.findIntersectingPairs(query, device_);
+    findIntersectingPairs(query, host_);
+    note(done, device_.intersecting == host_.intersecting);
+  }
+  void collideBatch(const std::vector<Query>& queries) {
+    opencl::checkStop();
+    const bool done = backend_.collideBatch(queries, answer_);
+    bool right = answer_.size() == queries.size();
+    for (std::size_t i = 0; right && i < queries.size(); ++i) {
+      const bool isAsBefore = i > 0 && queries[i].a == queries[i - 1].a && queries[i].bInA.t == queries[i - 1].bInA.t;
+      if (!isAsBefore) otg::collide(queries[i], host_);
+      right = same(answer_.of(i), host_.reduced);
+    }
+    note(done, right);
+  }
+  void meet(const std::vector<Query>& queries) {
+    opencl::checkStop();
+    std::vector<std::uint8_t> answers;
+    const bool done = backend_.intersectBatch(queries, answers);
+    bool right = answers.size() == queries.size();
+    for (std::size_t i = 0; right && i < queries.size(); ++i) {
+      findIntersectingPairs(queries[i], host_);
+      right = (answers[i] != 0) != host_.intersecting.empty();
+    }
+    note(done, right);
+  }
+  void note(bool done, bool right) {
+    good_ = good_ && done;
+    differs_ = differs_ || (done && !right);
+  }
+
+ private:
+  static bool same(std::span<const Contact> x, std::span<const Contact> y) {
+    return std::equal(x.begin(), x.end(), y.begin(), y.end(), [](const Contact& a, const Contact& b) {
+      return a.position == b.position && a.normal == b.normal && a.depth == b.depth && a.triangleA == b.triangleA &&
+             a.triangleB == b.triangleB && a.region == b.region;
+    });
+  }
+
+  opencl::Backend& backend_;
+  Workspace device_, host_;
+  opencl::BatchAnswer answer_;
+  bool good_ = true, differs_ = false;
+};
+
 /// Exact arithmetic: with few open hits and with many, contacts and pairs alone; in batches, too. And a sheet.
-bool rehearseFlat(opencl::Backend& backend, const Bodies& small, bool solids) {
+void rehearseFlat(Compared& device, const Bodies& small, bool solids) {
   const FlatThings flat;
-  Workspace workspace;
-  opencl::BatchAnswer answer;
   const Query few = inPlace(*flat.wedge, *flat.wedge, ContactModel::kPairwise);
   const Query many = inPlace(*small.a, *small.a, ContactModel::kPairwise);
   Query asCone = few;
   asCone.options.reduction.method = Reduction::kCone;
-  bool good = true;
-  for (const Query* query : std::initializer_list<const Query*>{&few, &many, &asCone}) {
-    opencl::checkStop();
-    good = backend.collide(*query, workspace) && good;
-  }
+  for (const Query* query : std::initializer_list<const Query*>{&few, &many, &asCone}) device.collide(*query);
   // A lane's first query with open hits has the host decide them.
-  for (int i = 0; i < 2; ++i) good = backend.findIntersectingPairs(few, workspace) && good;
-  opencl::checkStop();
-  good = backend.collideBatch(std::vector<Query>{few, many, few}, answer) && good;
-  if (!solids) return good;
-  opencl::checkStop();
-  return backend.collideBatch(std::vector<Query>(2, inPlace(*small.a, *flat.sheet, ContactModel::kSolid)), answer) &&
-         good;
+  for (int i = 0; i < 2; ++i) device.findPairs(few);
+  device.collideBatch({few, many, few});
+  if (solids) device.collideBatch(std::vector<Query>(2, inPlace(*small.a, *flat.sheet, ContactModel::kSolid)));
 }
 
 /// Pairs alone, with few hits and with many; twice, because a query goes by what the last one found.
-bool rehearsePairs(opencl::Backend& backend, const Bodies& small, const Bodies& large, bool solids) {
-  bool good = true;
-  Workspace workspace;
+void rehearsePairs(Compared& device, const Bodies& small, const Bodies& large, bool solids) {
   for (const ContactModel contacts : {ContactModel::kPairwise, ContactModel::kSolid}) {
     if (contacts == ContactModel::kSolid && !solids) continue;
-    for (const Bodies* bodies : {&small, &large, &large}) {
-      opencl::checkStop();
-      good = backend.collide(bodies->at(1.4, contacts), workspace) && good;
-    }
+    for (const Bodies* bodies : {&small, &large, &large}) device.collide(bodies->at(1.4, contacts));
   }
-  return backend.findIntersectingPairs(small.at(1.8, ContactModel::kPairwise), workspace) && good;
+  device.findPairs(small.at(1.8, ContactModel::kPairwise));
 }
 
-bool rehearseBatches(opencl::Backend& backend, const Bodies& small, const Bodies& large, bool solids) {
-  bool good = true;
-  opencl::BatchAnswer answer;
+void rehearseBatches(Compared& device, const Bodies& small, const Bodies& large, bool solids) {
   std::vector<Query> queries;
   for (const double distance : {1.97, 1.4, 0.9}) queries.push_back(small.at(distance, ContactModel::kPairwise));
   queries.push_back(large.at(1.4, ContactModel::kPairwise));
-  good = backend.collideBatch(queries, answer) && good;
-  std::vector<std::uint8_t> meet;
-  good = backend.intersectBatch(queries, meet) && good;
-  if (!solids) return good;
-  opencl::checkStop();
+  device.collideBatch(queries);
+  device.meet(queries);
+  if (!solids) return;
   for (Query& query : queries) query.options.contacts = ContactModel::kSolid;
   constexpr std::size_t kDescribed = 64;  // fewer are not described
   queries.insert(queries.end(), kDescribed, large.at(1.8, ContactModel::kSolid));
-  return backend.collideBatch(queries, answer) && good;
+  device.collideBatch(queries);
 }
 
 bool rehearseArrays(opencl::Backend& backend, const Bodies& small) {
@@ -135,18 +178,30 @@ bool mayDoSolids(const opencl::Backend& backend) {
   return backend.device().kind != opencl::DeviceKind::kCpu && backend.device().doubles;
 }
 
-bool rehearse(opencl::Backend& backend) {
+Rehearsed rehearse(opencl::Backend& backend) {
   const Bodies small(6), large(36);
   const bool solids = mayDoSolids(backend);
   for (std::size_t failed = backend.failedPrograms();;) {
-    if (rehearsePairs(backend, small, large, solids) && rehearseBatches(backend, small, large, solids) &&
-        rehearseFlat(backend, small, solids) && rehearseArrays(backend, small)) {
-      return true;
-    }
+    Compared device(backend);
+    rehearsePairs(device, small, large, solids);
+    if (device.good()) rehearseBatches(device, small, large, solids);
+    if (device.good()) rehearseFlat(device, small, solids);
+    if (device.differs()) return Rehearsed::kDiffers;
+    if (device.good() && rehearseArrays(backend, small)) return Rehearsed::kGood;
     // Once more without what could not be built.
-    if (backend.failedPrograms() == failed) return false;
+    if (backend.failedPrograms() == failed) return Rehearsed::kFailed;
     failed = backend.failedPrograms();
   }
+}
+
+bool agreesWithHost(opencl::Backend& backend) {
+  const Bodies small(6);
+  std::vector<Query> queries;
+  for (int i = 0; i < 8; ++i) queries.push_back(small.at(1.9 - 0.15 * i, ContactModel::kPairwise));
+  Compared device(backend);
+  device.collide(queries[3]);
+  device.collideBatch(queries);
+  return !device.differs();
 }
 
 }  // namespace otg

@@ -10,8 +10,19 @@ namespace otg {
 /// minutes for the kernels.
 bool mayDoSolids(const opencl::Backend& backend);
 
-/// Runs a small query of each kind that `auto` gives to devices, so that none of them builds programs later. False if
-/// the device fails. Throws std::bad_alloc, and opencl::Stopped on a thread that is told to stop.
-bool rehearse(opencl::Backend& backend);
+/// Why a device that was tried is of use, or of none.
+enum class Rehearsed {
+  kGood,
+  kFailed,  ///< some call did
+  kDiffers  ///< an answer is not the host's
+};
+
+/// Runs a small query of each kind that `auto` gives to devices, so that none of them builds programs later, and holds
+/// contacts and pairs against the host's. Throws std::bad_alloc, and opencl::Stopped on a thread that is told to stop.
+Rehearsed rehearse(opencl::Backend& backend);
+
+/// The same of a single pair and a batch of a few, whose programs are built with every device. A call that fails is no
+/// difference.
+bool agreesWithHost(opencl::Backend& backend);
 
 }  // namespace otg
