@@ -79,16 +79,16 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void scanOnce(
     OTG_GIVEN(OnceOnes)
 #endif
 ) {
-  __local OTG_SUM block[OTG_BLOCK], part[OTG_GROUP], before;
-  __local uint group;
+  __local OTG_SUM block[OTG_BLOCK], part[OTG_GROUP], before[1];
+  __local uint taken[1];
   const uint lane = get_local_id(0);
   OTG_SUM sum = (OTG_SUM)(0), all;
   if (lane == 0) {
-    group = atomic_inc(ticket);
-    if (group == get_num_groups(0) - 1) atomic_xchg(ticket, 0u);  // nobody else takes one
+    taken[0] = atomic_inc(ticket);
+    if (taken[0] == get_num_groups(0) - 1) atomic_xchg(ticket, 0u);  // nobody else takes one
   }
   barrier(CLK_LOCAL_MEM_FENCE);
-  const uint base = OTG_BLOCK * group;
+  const uint group = taken[0], base = OTG_BLOCK * group;
   for (uint i = lane; i < OTG_BLOCK; i += OTG_GROUP) block[i] = base + i < count ? values[base + i] : (OTG_SUM)(0);
   barrier(CLK_LOCAL_MEM_FENCE);
   for (uint i = 0; i < OTG_EACH; ++i) sum += block[OTG_EACH * lane + i];
@@ -97,12 +97,12 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void scanOnce(
   if (lane == 0) {
     __global uint* mine = told + OTG_SCAN_WORDS * group;
     if (group > 0) otgTell(mine, 1, all, turn + 1);
-    before = otgLookBack(told, group, turn);
-    otgTell(mine, 1 + OTG_SUM_WORDS, before + all, turn + 2);
-    if (group == get_num_groups(0) - 1) total[totalAt] = before + all;
+    before[0] = otgLookBack(told, group, turn);
+    otgTell(mine, 1 + OTG_SUM_WORDS, before[0] + all, turn + 2);
+    if (group == get_num_groups(0) - 1) total[totalAt] = before[0] + all;
   }
   barrier(CLK_LOCAL_MEM_FENCE);
-  sum = before + part[lane];
+  sum = before[0] + part[lane];
   for (uint i = 0; i < OTG_EACH; ++i) {
     const OTG_SUM value = block[OTG_EACH * lane + i];
     block[OTG_EACH * lane + i] = sum;

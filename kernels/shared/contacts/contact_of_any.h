@@ -110,11 +110,12 @@ OTG_GENERIC OTG_ANY_INTERVAL OTG_NAME(otgAnyCross)(OTG_ANY_INTERVAL i, OTG_VEC3 
   const REAL off = OTG_NAME(otgNorm1)(side) * (OTG_REAL(4) * error / OTG_ABS(sp - sq) + unit) +
                    unit * (OTG_NAME(otgNorm1)(x) + OTG_NAME(otgNorm1)(p));
   const int lower = have & (c < i.low), higher = have & (c > i.high);
+  const int worse = have & !(off <= i.error);  // one that is no number stays
   i.low = lower ? c : i.low;
   i.atLow = OTG_NAME(otgPick)(lower, x, i.atLow);
   i.high = higher ? c : i.high;
   i.atHigh = OTG_NAME(otgPick)(higher, x, i.atHigh);
-  i.error = have & !(off <= i.error) ? off : i.error;  // one that is no number stays
+  i.error = worse ? off : i.error;
   return i;
 }
 
