@@ -14,6 +14,7 @@ namespace otg::cli {
 
 struct BenchOptions {
   std::vector<std::string> files;
+  std::vector<int> lumps;  ///< levels of generated lumps, in place of files; empty: 7 to 3
   std::string scene = "touch";
   std::string poses;
   int repeat = 0;                    ///< 0: as many as fit into a fraction of a second, 3 to 50
