@@ -96,6 +96,7 @@ void BenchOptions::addTo(CLI::App& command, bool withScene) {
   command.add_option("--repeat", repeat, "Times are medians over this many runs (default: what fits in half a second)")
       ->check(CLI::Range(1, 100000));
   if (command.get_name() == "thesis") {
+    command.add_option("--figures", figures, "Folder for the figures 6.2 and 6.3 (SVG)");
     command
         .add_option("--scenes", scenes,
                     "Scenes of the traversal `levels` on an OpenCL device (default: all; with --poses that of --scene)")
