@@ -28,6 +28,9 @@ THESIS = "--poses benchmarks/published/armadillo_poses.json --scene deep --scene
 TIME = re.compile(r"(^|_)(ms|us|percent|seconds?|speed|ratio|times|auto|rounds|tests_per_s)(_|$)|per_second|fastest|speed_up")
 
 
+PUBLISHED = re.compile(r"6\.\d|figure|prefix_sums|mixtures")
+
+
 class Page:
     """A page. `device`: for a GPU; `pocl`: on any device, PoCL as a rule; `meshes`: of the bodies in out/meshes; `figures`: drawn by
     the benchmark."""
@@ -178,14 +181,15 @@ def text_of(page, otg, meshes, folder):
         document = run(otg, command + more, environment)
         documents.append(document)
         lines.append("    %sbuild/bin/otg %s" % (shown, " ".join(command)))
-        for name, rows in tables_of(document).items():
-            if not rows or (page.name == COUNTS and name.startswith(("levels", "profile", "6."))):
+        # Those of the published work first, where there are any.
+        for name, rows in sorted(tables_of(document).items(), key=lambda t: not PUBLISHED.match(t[0])):
+            if not rows or (page.name == COUNTS and (name.startswith(("levels", "profile")) or PUBLISHED.match(name))):
                 continue
             tables += ["", "## " + name.replace("_", " "), ""] + table(rows, with_times)
+        says = [] if page.name == COUNTS else ["", *document.get("says", [])]
         for figure in document.get("figures", []):
-            tables += ["", "![%s](%s/%s)" % (figure["title"], page.name, figure["file"])]
-        for sentence in document.get("says", []):
-            tables += ["", sentence] if sentence is document["says"][0] else [sentence]
+            says += ["", "![%s](%s/%s)" % (figure["title"], page.name, figure["file"])]
+        tables = says + tables
     lines += ["", measured(documents) if with_times else "Holds on every machine."]
     return "\n".join(lines + tables) + "\n"
 

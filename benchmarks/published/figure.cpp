@@ -44,7 +44,7 @@ void writeSvg(const StackedColumns& figure, const std::string& file) {
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:.0f}\" height=\"{:.0f}\" font-family=\"sans-serif\" "
       "font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
-      across + kLegend, kTop + kHeight + 40);
+      std::max(across + kLegend, kLeft + 7.0 * static_cast<double>(figure.title.size())), kTop + kHeight + 40);
   out += text(kLeft, 20, "start", figure.title);
   for (const int percent : {0, 25, 50, 75, 100}) {
     const double y = kTop + kHeight * (1 - percent / 100.0);
