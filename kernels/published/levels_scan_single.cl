@@ -8,49 +8,59 @@
 #define OTG_REAL_FLOAT
 #include "shared/layout/published_given.h"
 #undef OTG_REAL_FLOAT
+#include "walk/take_now.h"
 
 #if OTG_TWO_SUMS
 #define OTG_SUM uint2
-#define OTG_SUM_WORDS 2
 #else
 #define OTG_SUM uint
-#define OTG_SUM_WORDS 1
 #endif
 #define OTG_BLOCK (OTG_GROUP * OTG_EACH)
 
-/// What a group tells: OTG_SCAN_WORDS words. A flag, its own sum, and the sum up to its end. The flag is `turn` + 1 when
-/// its own sum is there, and `turn` + 2 when both are.
-inline static void otgTell(__global uint* told, uint at, OTG_SUM sum, uint flag) {
+/// What a group tells: OTG_SCAN_WORDS words. From OTG_UP_TO on the sum up to its end, from OTG_OWN on its own sum. Each
+/// word of a sum lies beside that word xor a key of this scan and of this place. So a reader sees whether both are
+/// there: words of other scans have other keys, and no order of writes has to be kept.
+#define OTG_UP_TO 0
+#define OTG_OWN 4
+#define OTG_KEY(turn, place) ((turn) + 1 + (place))
+
+inline static void otgTell(__global uint* told, uint place, OTG_SUM sum, uint turn) {
+  const uint key = OTG_KEY(turn, place / OTG_OWN);
 #if OTG_TWO_SUMS
-  atomic_xchg(told + at, sum.x);
-  atomic_xchg(told + at + 1, sum.y);
+  atomic_xchg(told + place, sum.x);
+  atomic_xchg(told + place + 1, sum.x ^ key);
+  atomic_xchg(told + place + 2, sum.y);
+  atomic_xchg(told + place + 3, sum.y ^ key);
 #else
-  atomic_xchg(told + at, sum);
+  atomic_xchg(told + place, sum);
+  atomic_xchg(told + place + 1, sum ^ key);
 #endif
-  mem_fence(CLK_GLOBAL_MEM_FENCE);
-  atomic_xchg(told, flag);
 }
 
-inline static OTG_SUM otgTold(__global uint* told, uint at) {
+/// Whether it is there.
+inline static int otgTold(__global uint* told, uint place, uint turn, OTG_SUM* sum) {
+  const uint key = OTG_KEY(turn, place / OTG_OWN);
+  const uint x = otgReadNow(told + place);
+  int there = (x ^ otgReadNow(told + place + 1)) == key;
 #if OTG_TWO_SUMS
-  return (OTG_SUM)(atomic_or(told + at, 0u), atomic_or(told + at + 1, 0u));
+  const uint y = otgReadNow(told + place + 2);
+  there = there && (y ^ otgReadNow(told + place + 3)) == key;
+  *sum = (OTG_SUM)(x, y);
 #else
-  return atomic_or(told + at, 0u);
+  *sum = x;
 #endif
+  return there;
 }
 
 /// The sum of all groups before this one.
 inline static OTG_SUM otgLookBack(__global uint* told, uint group, uint turn) {
-  OTG_SUM before = (OTG_SUM)(0);
-  for (uint k = group; k-- > 0;) {
-    __global uint* other = told + OTG_SCAN_WORDS * k;
-    uint flag;
-    do {
-      flag = atomic_or(other, 0u);
-    } while (flag != turn + 1 && flag != turn + 2);
-    mem_fence(CLK_GLOBAL_MEM_FENCE);
-    before += otgTold(other, flag == turn + 1 ? 1 : 1 + OTG_SUM_WORDS);
-    if (flag == turn + 2) break;
+  OTG_SUM before = (OTG_SUM)(0), sum;
+  for (uint k = group; k > 0;) {
+    __global uint* other = told + OTG_SCAN_WORDS * (k - 1);
+    if (otgTold(other, OTG_UP_TO, turn, &sum)) return before + sum;
+    if (!otgTold(other, OTG_OWN, turn, &sum)) continue;  // it is running, and will tell
+    before += sum;
+    --k;
   }
   return before;
 }
@@ -96,9 +106,9 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void scanOnce(
   all = otgScanLanes(part, lane);
   if (lane == 0) {
     __global uint* mine = told + OTG_SCAN_WORDS * group;
-    if (group > 0) otgTell(mine, 1, all, turn + 1);
+    if (group > 0) otgTell(mine, OTG_OWN, all, turn);
     before[0] = otgLookBack(told, group, turn);
-    otgTell(mine, 1 + OTG_SUM_WORDS, before[0] + all, turn + 2);
+    otgTell(mine, OTG_UP_TO, before[0] + all, turn);
     if (group == get_num_groups(0) - 1) total[totalAt] = before[0] + all;
   }
   barrier(CLK_LOCAL_MEM_FENCE);

@@ -21,7 +21,7 @@ OTG_WORD_ELEMENT(otg_step_counter)
 /// What work-groups of scanOnce tell each other; OTG_SCAN_WORDS for each. The number of groups that have begun.
 OTG_WORD_ELEMENT(otg_told_sum)
 OTG_WORD_ELEMENT(otg_scan_ticket)
-#define OTG_SCAN_WORDS 5
+#define OTG_SCAN_WORDS 8
 
 // clang-format off
 
