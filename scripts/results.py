@@ -7,7 +7,7 @@
   results.py OTG FOLDER --check
       runs what does not depend on the machine, in less than a minute; exit status 1 if the page there says otherwise
   results.py --same FOLDER FOLDER
-      exit status 1 if pages of both folders differ in more than times
+      exit status 1 if pages that are in both folders differ in more than times
 """
 import argparse
 import datetime
@@ -141,8 +141,14 @@ def processor():
 
 
 def commit():
-    found = subprocess.run(["git", "-C", ROOT, "rev-parse", "--short=10", "HEAD"], capture_output=True, text=True)
-    return found.stdout.strip() or os.environ.get("OTG_COMMIT", "unknown")
+    """OTG_COMMIT where there is no repository."""
+    if "OTG_COMMIT" in os.environ:
+        return os.environ["OTG_COMMIT"]
+    try:
+        found = subprocess.run(["git", "-C", ROOT, "rev-parse", "--short=10", "HEAD"], capture_output=True, text=True)
+    except OSError:
+        return "unknown"
+    return found.stdout.strip() or "unknown"
 
 
 def measured(documents):
@@ -186,7 +192,7 @@ def text_of(page, otg, meshes, folder):
             if not rows or (page.name == COUNTS and (name.startswith(("levels", "profile")) or PUBLISHED.match(name))):
                 continue
             tables += ["", "## " + name.replace("_", " "), ""] + table(rows, with_times)
-        says = [] if page.name == COUNTS else ["", *document.get("says", [])]
+        says = ["", *document["says"]] if document.get("says") and page.name != COUNTS else []
         for figure in document.get("figures", []):
             says += ["", "![%s](%s/%s)" % (figure["title"], page.name, figure["file"])]
         tables = says + tables
@@ -198,7 +204,7 @@ def without_times(text):
     """The page without its columns of times, its sentences about them, and the line that says where it was measured."""
     kept, drop, previous = [], [], ""
     for line in text.splitlines():
-        if line.startswith("Measured "):
+        if line.startswith("Measured ") or not line:
             continue
         if line.startswith("|"):
             cells = line.strip("|").split("|")
@@ -235,7 +241,9 @@ def same(first, second):
     bad = 0
     for path in sorted(pathlib.Path(first).glob("*.md")):
         other = pathlib.Path(second) / path.name
-        found = differences(without_times(path.read_text()), without_times(other.read_text()) if other.exists() else [], path.name)
+        if path.name == "README.md" or not other.exists():
+            continue
+        found = differences(without_times(path.read_text()), without_times(other.read_text()), path.name)
         print("\n".join(found[:40]), end="\n" if found else "")
         bad += bool(found)
     return 1 if bad else 0

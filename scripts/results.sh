@@ -6,6 +6,7 @@
 #   scripts/results.sh --device             those of the default OpenCL device
 #   scripts/results.sh --only NAME...       some pages
 #   OTG_RESULTS=FOLDER scripts/results.sh   into another folder
+#   OTG_COMMIT=HASH scripts/results.sh      the commit, where there is no repository
 #
 # Meshes lie in out/meshes; scripts/benchmark_meshes.sh makes them if they are missing.
 set -euo pipefail

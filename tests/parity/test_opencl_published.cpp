@@ -209,6 +209,15 @@ TEST_CASE("a near phase whose lists are too short, without doubles, with nothing
   checkNear(shared(), query, host, many);
 }
 
+TEST_CASE("a query with more candidates than it may have is refused as on the host") {
+  const auto lump = collisionMesh(makeLump(1, 4, 0.2, 3)), torus = collisionMesh(makeTorus(0.9, 0.4, 61, 29));
+  Query query = makeQuery(*lump, *torus, makeMove({0.7, 0.1, 0}));
+  query.options.middle.maxPairs = 10;
+  Workspace workspace;
+  CHECK_THROWS_AS(shared().published().findCandidatesByLevels(query, workspace), TooManyPairs);
+  CHECK_THROWS_AS(shared().findCandidates(query, workspace), TooManyPairs);
+}
+
 TEST_CASE("whichever call of a phase alone fails, the pairs and contacts are the host's") {
   opencl::forgetFailures();
   opencl::setLogSink([](const std::string&) {});

@@ -112,15 +112,17 @@ bool PublishedDesign::findCandidatesByLevels(const Query& query, Workspace& work
   }
   try {
     LevelsReport found;
+    bool tooMany = false;
     workspace.clear();
     (profile ? levels().profiled : levels().lanes).with([&](LevelsLane& lane) {
-      lane.findCandidates(query, frame, how, workspace.candidates);
+      tooMany = !lane.findCandidates(query, frame, how, workspace.candidates);
       takeStepCounts(lane.steps(), workspace.stats);
       takeReport(lane, found);
     });
     found.times.total = total.ms();
     if (query.options.timings) workspace.stats.middleMs = total.ms();
     if (report) *report = std::move(found);
+    if (tooMany) middlePhase(query, workspace);  // which says so
     return true;
   } catch (const ClError& error) {
     logError(error);

@@ -161,17 +161,20 @@ PairAnswer LevelsLane::run(const Query& query, const PairFrame& frame, bool cont
   return answer;
 }
 
-void LevelsLane::findCandidates(const Query& query, const PairFrame& frame, const LevelsOptions& how,
+bool LevelsLane::findCandidates(const Query& query, const PairFrame& frame, const LevelsOptions& how,
                                 std::vector<TrianglePair>& candidates) {
   static_assert(sizeof(TrianglePair) == sizeof(otg_place_pair));  // places in a soup are numbers here
   candidates.clear();
+  bool tooMany = false;
   onMeshes(query, frame, how.sendTrees, true, [&](const otg_device_pair& pair, Meshes meshes) {
     walk(pair, query, meshes, how);
+    tooMany = leafCount_ > static_cast<std::uint32_t>(query.options.middle.maxPairs);
+    if (leafCount_ == 0 || tooMany) return;
     candidates.resize(leafCount_);
-    if (leafCount_ == 0) return;
     readBlocking(queue_.get(), leaves_.get(), leafCount_ * sizeof(TrianglePair), candidates.data(),
                  profile_.next(Profile::kReadBack));
   });
+  return !tooMany;
 }
 
 /// Does not wait. A mesh that meets itself is sent once.

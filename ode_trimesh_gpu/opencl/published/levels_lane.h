@@ -23,8 +23,9 @@ class LevelsLane {
   /// As PairLane::run, but for the counts of box tests and of pairs of triangles, which are in steps(). Throws ClError.
   PairAnswer run(const Query& query, const PairFrame& frame, bool contacts, const LevelsOptions& how);
 
-  /// The middle phase alone: pairs of triangles, by number, in the order of the last traversal. Throws ClError.
-  void findCandidates(const Query& query, const PairFrame& frame, const LevelsOptions& how,
+  /// The middle phase alone: pairs of triangles, by number, in the order of the traversal. False where there are more
+  /// than the query may have. Throws ClError.
+  bool findCandidates(const Query& query, const PairFrame& frame, const LevelsOptions& how,
                       std::vector<TrianglePair>& candidates);
 
   /// Of the last query.

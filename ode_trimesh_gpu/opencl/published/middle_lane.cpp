@@ -44,17 +44,19 @@ void MiddleLane::onMeshes(const Query& query, const PairFrame& frame, Run&& run)
   }
 }
 
-void MiddleLane::findCandidates(const Query& query, const PairFrame& frame, std::vector<TrianglePair>& candidates,
+bool MiddleLane::findCandidates(const Query& query, const PairFrame& frame, std::vector<TrianglePair>& candidates,
                                 std::uint64_t& boxTests) {
   candidates.clear();
   boxTests = 0;
+  bool isWhole = true;
   onMeshes(query, frame, [&](const otg_device_pair& pair, const MeshStore::Pinned& meshes) {
-    walk(pair, meshes.units(), candidates, boxTests);
+    isWhole = walk(pair, meshes.units(), static_cast<std::size_t>(query.options.middle.maxPairs), candidates, boxTests);
   });
+  return isWhole;
 }
 
-void MiddleLane::walk(const otg_device_pair& pair, Meshes meshes, std::vector<TrianglePair>& candidates,
-                      std::uint64_t& boxTests) {
+bool MiddleLane::walk(const otg_device_pair& pair, Meshes meshes, std::size_t most,
+                      std::vector<TrianglePair>& candidates, std::uint64_t& boxTests) {
   const cl_command_queue queue = queue_.get();
   in_.reserve(context_, tuning_.pairPlaces);
   out_.reserve(context_, tuning_.pairPlaces);
@@ -83,12 +85,14 @@ void MiddleLane::walk(const otg_device_pair& pair, Meshes meshes, std::vector<Tr
     if (counters.found > 0) {
       static_assert(sizeof(TrianglePair) == sizeof(otg_number_pair));
       const std::size_t before = candidates.size();
+      if (before + counters.found > most) return false;
       candidates.resize(before + counters.found);
       readBlocking(queue, found_.get(), counters.found * sizeof(TrianglePair), candidates.data() + before);
     }
     count = counters.out;
     std::swap(in_, out_);
   }
+  return true;
 }
 
 }  // namespace otg::opencl

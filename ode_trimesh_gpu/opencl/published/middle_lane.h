@@ -19,8 +19,9 @@ class MiddleLane {
   MiddleLane(Context& context, MeshStore& meshes, const Tuning& tuning);
 
   /// The middle phase: pairs of triangles in leaves whose boxes overlap, by number, in no certain order. One step down
-  /// the trees at a time, with the host in between. `boxTests` counts. Throws ClError.
-  void findCandidates(const Query& query, const PairFrame& frame, std::vector<TrianglePair>& candidates,
+  /// the trees at a time, with the host in between. `boxTests` counts. False where there are more than the query may
+  /// have. Throws ClError.
+  bool findCandidates(const Query& query, const PairFrame& frame, std::vector<TrianglePair>& candidates,
                       std::uint64_t& boxTests);
 
   /// Times that a list was too short and a step was done again.
@@ -28,7 +29,8 @@ class MiddleLane {
 
  private:
   using Meshes = BufferOf<const otg_mesh_unit>;
-  void walk(const otg_device_pair& pair, Meshes meshes, std::vector<TrianglePair>& candidates, std::uint64_t& boxTests);
+  bool walk(const otg_device_pair& pair, Meshes meshes, std::size_t most, std::vector<TrianglePair>& candidates,
+            std::uint64_t& boxTests);
   template <class Run>
   void onMeshes(const Query& query, const PairFrame& frame, Run&& run);
 

@@ -30,8 +30,14 @@ bool PublishedDesign::findCandidates(const Query& query, Workspace& workspace) {
   try {
     const Clock::time_point start = Clock::now();
     workspace.stats = {};
-    middle_.with(
-        [&](MiddleLane& lane) { lane.findCandidates(query, frame, workspace.candidates, workspace.stats.boxTests); });
+    bool tooMany = false;
+    middle_.with([&](MiddleLane& lane) {
+      tooMany = !lane.findCandidates(query, frame, workspace.candidates, workspace.stats.boxTests);
+    });
+    if (tooMany) {
+      middlePhase(query, workspace);  // which says so
+      return true;
+    }
     workspace.stats.candidatePairs = workspace.candidates.size();
     if (query.options.timings) workspace.stats.middleMs = msSince(start);
     return true;
