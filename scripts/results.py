@@ -25,7 +25,7 @@ COUNTS = "counts"
 # In this pose there are about as many candidate pairs as published.
 THESIS = "--poses benchmarks/published/armadillo_poses.json --scene deep --scenes deep"
 # Columns that are times or follow from them.
-TIME = re.compile(r"(^|_)(ms|us|percent|seconds?|speed|ratio|times|auto|rounds|tests_per_s)(_|$)|per_second|fastest|speed_up")
+TIME = re.compile(r"(^|_)(ms|us|percent|seconds?|speed|ratio|times|auto|rounds|tests_per_s)(_|$)|_per_s|fastest|speed_up")
 
 
 PUBLISHED = re.compile(r"6\.\d|figure|prefix_sums|mixtures")
