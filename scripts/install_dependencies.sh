@@ -22,8 +22,9 @@ tests_packages=(
 # A ray tracer, a plotter and its font, none of which needs a display. The demo's meshes are those of libcgal-demo. That
 # package needs all of CGAL, so it is not installed: cgal_meshes.sh takes the meshes out of it.
 demo_packages=(povray gnuplot-nox fonts-dejavu-core)
-# Collision libraries to compare with. Benchmarks leave out, with a message, those that are not installed.
-benchmarks_packages=(libfcl-dev libbullet-dev libembree-dev)
+# Collision libraries to compare with. Benchmarks leave out, with a message, those that are not installed. CGAL makes the sizes of
+# the benchmarks' body (benchmark_meshes.sh), which is one of libcgal-demo's.
+benchmarks_packages=(libfcl-dev libbullet-dev libembree-dev libcgal-dev libcgal-demo)
 # Programs that the preloadable library is shown with. Their demos are left out, with a message, where they are missing.
 drop_in_packages=(libdart-collision-ode-dev python3-pyode stormbaancoureur xvfb libxtst6)
 # Format and static checks of the sources.

@@ -24,6 +24,10 @@ void printBench(const Json& document, bool json) {
     return;
   }
   for (const auto& table : document["tables"].items()) printTable(table.key(), table.value());
+  if (document.contains("says")) {
+    fmt::print("\n");
+    for (const auto& sentence : document["says"]) fmt::print("{}\n", sentence.get<std::string>());
+  }
 }
 
 void addBenchmarks(CLI::App& bench, Action& action) {

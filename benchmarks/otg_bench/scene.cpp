@@ -83,6 +83,11 @@ Transformd computedPose(const std::string& scene, const CollisionMesh& collision
 void BenchOptions::addTo(CLI::App& command, bool withScene) {
   command.add_option("MESH", files,
                      "Mesh files (default: armadillo* in the folder OTG_MESH_DIR, else generated lumps)");
+  command
+      .add_option("--lumps", lumps,
+                  "Generated lumps of 20 * 4^N triangles in place of files: N,N,... (default without files: 7 to 3)")
+      ->delimiter(',')
+      ->check(CLI::Range(0, 8));
   if (withScene) {
     command.add_option("--scene", scene, "How the mesh and its copy lie")
         ->check(CLI::IsMember({"touch", "deep", "deep10", "nearmiss"}));
@@ -91,6 +96,7 @@ void BenchOptions::addTo(CLI::App& command, bool withScene) {
   command.add_option("--repeat", repeat, "Times are medians over this many runs (default: what fits in half a second)")
       ->check(CLI::Range(1, 100000));
   if (command.get_name() == "thesis") {
+    command.add_option("--figures", figures, "Folder for the figures 6.2 and 6.3 (SVG)");
     command
         .add_option("--scenes", scenes,
                     "Scenes of the traversal `levels` on an OpenCL device (default: all; with --poses that of --scene)")
@@ -121,7 +127,7 @@ void BenchOptions::addTo(CLI::App& command, bool withScene) {
 
 std::vector<BenchMesh> benchMeshes(const BenchOptions& options) {
   std::vector<std::string> files = options.files;
-  if (files.empty()) files = filesOfMeshFolder();
+  if (files.empty() && options.lumps.empty()) files = filesOfMeshFolder();
   std::vector<BenchMesh> meshes;
   for (const std::string& file : files) {
     progress("reading " + file);
@@ -129,7 +135,8 @@ std::vector<BenchMesh> benchMeshes(const BenchOptions& options) {
     if (meshes.back().mesh->triangleCount() == 0) throw InputError(file + ": the mesh has no triangles");
   }
   if (files.empty()) {
-    for (const int level : {7, 6, 5, 4, 3}) {
+    const std::vector<int> all{7, 6, 5, 4, 3};
+    for (const int level : options.lumps.empty() ? all : options.lumps) {
       meshes.push_back({fmt::format("lump_{}", level), scenes::build(scenes::makeLump(0.5, level, 0.35, 7))});
     }
   }

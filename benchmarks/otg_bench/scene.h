@@ -14,8 +14,10 @@ namespace otg::cli {
 
 struct BenchOptions {
   std::vector<std::string> files;
+  std::vector<int> lumps;  ///< levels of generated lumps, in place of files; empty: 7 to 3
   std::string scene = "touch";
   std::string poses;
+  std::string figures;               ///< of `bench thesis`: folder for its figures, or empty
   int repeat = 0;                    ///< 0: as many as fit into a fraction of a second, 3 to 50
   int pairs = 10000;                 ///< of `bench batch`
   std::vector<std::string> batches;  ///< of `bench batch`; empty: bodies, and for the model `solid` stacks

@@ -9,6 +9,7 @@
 #include "collide/query.h"
 #include "otg_bench/bench.h"
 #include "published/levels.h"
+#include "published/tables.h"
 
 namespace otg::cli {
 namespace {
@@ -162,6 +163,7 @@ int benchThesis(const BenchOptions& options) {
   Json pipeline = Json::array(), profile = Json::array(), depths = Json::array(), combinations = Json::array();
   Workspace workspace;
   LevelsBench levels;
+  PublishedTables published(levels.backend(), options.repeat);
   for (const BenchMesh& entry : benchMeshes(options)) {
     progress(fmt::format("{}: {} triangles", entry.name, entry.mesh->triangleCount()));
     const std::shared_ptr<const TriMesh> sorted = sortedInSpace(*entry.mesh);
@@ -173,6 +175,8 @@ int benchThesis(const BenchOptions& options) {
     Query query;
     query.bInA = benchPose(options, *meshes[0]);
     query.options.timings = true;
+    progress("  the published tables");
+    published.add(entry.name, *meshes[0], query.bInA);
     for (const auto& mesh : meshes) {
       query.a = query.b = mesh.get();
       query.options.countPerDepth = false;
@@ -208,6 +212,7 @@ int benchThesis(const BenchOptions& options) {
                      {"box_tests_per_depth", depths},
                      {"combinations", combinations}}}};
   levels.addTablesTo(document);
+  published.addTo(document, options.figures);
   printBench(document, options.json);
   return kOk;
 }

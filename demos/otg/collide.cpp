@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "cli/levels_rows.h"
+#include "cli/mixture.h"
 #include "cli/pose.h"
 #include "cli/query_options.h"
 #include "cli/query_profile.h"
@@ -115,6 +116,14 @@ QueryTimes measure(opencl::Backend& backend, const Query& query, Workspace& work
   return times;
 }
 
+/// Phases chosen one by one.
+QueryTimes measure(opencl::Backend& backend, const Query& query, Workspace& workspace, int repeat,
+                   const Mixture& mixture, MixtureRun& run, opencl::LevelsReport& report) {
+  run = measureMixed(backend, query, mixture, workspace, repeat);
+  report = run.levels;
+  return timesOf(run);
+}
+
 /// Phases on different sides, or wherever it is expected to be sooner.
 QueryTimes measure(Dispatcher& dispatcher, const PairJob& job, Workspace& workspace, int repeat, Dispatcher::Ran& ran) {
   QueryTimes times;
@@ -130,13 +139,17 @@ QueryTimes measure(Dispatcher& dispatcher, const PairJob& job, Workspace& worksp
   return times;
 }
 
-/// The steps of the traversal `levels`.
-Json stepsOf(const opencl::LevelsTimes& times, double total) {
+Json stepsOf(const std::vector<QueryStage>& stages) {
   Json rows = Json::array();
-  for (const QueryStage& stage : stagesOf(times, total)) {
+  for (const QueryStage& stage : stages) {
     rows.push_back({{"step", stage.name}, {"ms", stage.ms}, {"percent", stage.percent}});
   }
   return rows;
+}
+
+/// The steps of the traversal `levels`.
+Json stepsOf(const opencl::LevelsTimes& times, double total) {
+  return stepsOf(stagesOf(times, total));
 }
 
 int runCollide(const CollideOptions& options) {
@@ -155,22 +168,26 @@ int runCollide(const CollideOptions& options) {
   constexpr Placement kCpu{Place::kCpu, Place::kCpu}, kDevice{Place::kOpencl, Place::kOpencl};
   Placement place = options.query.placement();
   std::shared_ptr<opencl::Backend> backend = options.query.openBackend();
+  const std::optional<Mixture> mixture = options.query.mixture();
   const std::unique_ptr<Dispatcher> dispatcher =
-      place != kCpu && place != kDevice ? options.query.openDispatcher() : nullptr;
+      place != kCpu && place != kDevice && !mixture ? options.query.openDispatcher() : nullptr;
   // Without a device it is the CPU, by its own traversal.
   if (!backend && (!dispatcher || !dispatcher->hasDevices())) place = kCpu;
   Dispatcher::Ran ran{backend != nullptr, false};
-  bool isLevels = options.query.isLevels() && backend;
+  bool isLevels = options.query.isLevels() && backend, isMixed = mixture && backend;
   const opencl::LevelsOptions how = options.query.levelsOptions();
   opencl::LevelsReport report;
-  QueryTimes times = isLevels     ? measure(*backend, query, workspace, options.repeat, how, report)
-                     : backend    ? measureQuery(*backend, query, workspace, options.repeat)
-                     : dispatcher ? measure(*dispatcher, {query, false, place}, workspace, options.repeat, ran)
-                                  : measureQuery(query, workspace, options.repeat);
+  MixtureRun mixed;
+  QueryTimes times = mixture && backend ? measure(*backend, query, workspace, options.repeat, *mixture, mixed, report)
+                     : isLevels         ? measure(*backend, query, workspace, options.repeat, how, report)
+                     : backend          ? measureQuery(*backend, query, workspace, options.repeat)
+                     : dispatcher       ? measure(*dispatcher, {query, false, place}, workspace, options.repeat, ran)
+                                        : measureQuery(query, workspace, options.repeat);
   if (backend) ran.deviceFailed = backend->counts().onHost > 0;
   if (backend && backend->counts().onHost == backend->counts().queries) {  // nothing was done there
     backend.reset();
     ran.onDevice = isLevels = false;
+    isMixed = false;
     times = measureQuery(query, workspace, options.repeat);
   }
   if (!ran.onDevice) place = kCpu;
@@ -197,7 +214,7 @@ int runCollide(const CollideOptions& options) {
                             {"reduction", median(times.reduction)},
                             {"transfer", median(times.readBack)},  // on the CPU nothing moves between memories
                             {"total", median(times.total)}};
-  if (backend) {
+  if (backend && !isMixed) {
     document["timings_ms"]["top"] = median(times.top);  // of the middle phase: where the traversal begins
     document["timings_ms"]["host"] = median(times.host);
   }
@@ -214,24 +231,37 @@ int runCollide(const CollideOptions& options) {
   document["midphase"] = isLevels                           ? "levels"
                          : sideOf(place.middle) == "opencl" ? "opencl"
                                                             : nameOf(query.options.middle.traversal);
-  document["nearphase"] = sideOf(place.near);
+  document["nearphase"] = isMixed ? nameOf(mixture->near) : sideOf(place.near);
   if (ran.deviceFailed) progress("note: the OpenCL device failed; the CPU finished the query");
   if (isLevels) {
     document["levels"] = {{"start_depth", how.startDepth},
                           {"trees", how.sendTrees ? "sent" : "resident"},
-                          {"near", how.fusedNear ? "fused" : "split"},
+                          {"near", isMixed         ? "apart"
+                                   : how.fusedNear ? "fused"
+                                                   : "split"},
+                          {"prefix_sums", nameOf(how.prefixSums)},
                           {"bytes_sent", report.bytesSent},
                           {"per_depth", depthRows(report.steps)}};
+  }
+  if (isMixed && mixture->near != Mixture::Near::kCpu) {
+    document["gathered"] = {{"pairs", mixed.nearPhase.candidates},
+                            {"triangles", mixed.nearPhase.triangles},
+                            {"records", mixed.nearPhase.records},
+                            {"bytes_sent", mixed.nearPhase.bytesSent}};
   }
   if (options.profile) {
     const bool middleOnDevice = sideOf(place.middle) == "opencl", nearOnDevice = sideOf(place.near) == "opencl";
     document["profile"] =
-        profileRows(times, isLevels                         ? kStagesByLevels
+        profileRows(times, isMixed                          ? mixedStageTexts(middleOnDevice, nearOnDevice)
+                           : isLevels                       ? kStagesByLevels
                            : backend                        ? (!isPairwise(query) ? solidStageTexts() : kStagesOnDevice)
                            : middleOnDevice || nearOnDevice ? mixedStageTexts(middleOnDevice, nearOnDevice)
                                                             : kStagesOnCpu);
-    if (isLevels) document["levels"]["profile"] = stepsOf(report.times, median(times.total));
-    if (backend) {
+    if (isLevels) document["levels"]["profile"] = stepsOf(report.times, isMixed ? mixed.middle : median(times.total));
+    if (isMixed && document.contains("gathered")) {
+      document["gathered"]["profile"] = stepsOf(stagesOf(mixed.nearPhase.times));
+    }
+    if (backend && !isMixed) {
       document["profiled_ms"] = median(times.profiled);
       document["first_query_extra_ms"] = times.uploadOnce;
     }
@@ -256,7 +286,10 @@ int runCollide(const CollideOptions& options) {
   fmt::print("{:<26} {}\n", "hash", document["hash"].get<std::string>());
   if (options.profile) {
     printTable("profile (medians)", document["profile"]);
-    if (backend) {
+    if (isMixed && document.contains("gathered")) {
+      printTable("gathered near phase, step by step (medians)", document["gathered"]["profile"]);
+    }
+    if (backend && !isMixed) {
       fmt::print(
           "Stages on the device are timed by its clock, in queries of their own, which take {:.4f} ms as a whole.\n"
           "Host is what is left of the queries that take no times: {:.4f} ms.\n"

@@ -41,10 +41,14 @@ int runPairs(const PairsOptions& options) {
   query.b = pair.b.get();
   Workspace workspace;
   query.options.contacts = ContactModel::kPairwise;
-  const std::shared_ptr<opencl::Backend> levels = options.query.isLevels() ? options.query.openBackend() : nullptr;
-  if (levels) {
+  const std::optional<Mixture> mixture = options.query.mixture();
+  const std::shared_ptr<opencl::Backend> levels =
+      options.query.isLevels() || mixture ? options.query.openBackend() : nullptr;
+  if (levels && mixture) {
+    findPairsMixed(*levels, query, *mixture, workspace);
+  } else if (levels) {
     levels->published().findPairsByLevels(query, workspace, options.query.levelsOptions());
-  } else if (options.query.isLevels()) {  // without a device
+  } else if (options.query.isLevels() || mixture) {  // without a device
     findIntersectingPairs(query, workspace);
   } else {
     // The pairs are left in the workspace by a query for any contacts, wherever its phases run.

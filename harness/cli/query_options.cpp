@@ -28,6 +28,9 @@ constexpr Named<DescentRule> kDescents[] = {{"first", DescentRule::kFirstTreeFir
                                             {"alternating", DescentRule::kAlternating},
                                             {"both", DescentRule::kBoth}};
 constexpr Named<BuildStrategy> kBuilds[] = {{"mean", BuildStrategy::kMeanSplit}, {"sah", BuildStrategy::kSah}};
+constexpr Named<opencl::PrefixSums> kPrefixSums[] = {{"published", opencl::PrefixSums::kPublished},
+                                                     {"work-efficient", opencl::PrefixSums::kWorkEfficient},
+                                                     {"single-pass", opencl::PrefixSums::kSinglePass}};
 constexpr Named<Reduction> kReductions[] = {
     {"none", Reduction::kNone}, {"binning", Reduction::kBinning}, {"cone", Reduction::kCone}};
 
@@ -76,14 +79,21 @@ void QueryOptions::addInputOptions(CLI::App& command) {
                   "traversal on an OpenCL device")
       ->check(CLI::IsMember(
           {"auto", "cpu", "opencl", "standard", "quantized", "quantised", "noleaf", "no-leaf", "wide", "levels"}));
-  command.add_option("--nearphase", nearphase, "Near phase: where it runs")
-      ->check(CLI::IsMember({"auto", "cpu", "exact", "opencl"}));
+  command
+      .add_option("--nearphase", nearphase,
+                  "Near phase: where it runs; on an OpenCL device, of gathered triangles, published: contacts "
+                  "first, without a test; filtered: the test first")
+      ->check(CLI::IsMember({"auto", "cpu", "exact", "opencl", "published", "filtered"}));
   command.add_option("--descent", descent, "Which tree a traversal descends")
       ->check(CLI::IsMember({"first", "larger", "alternating", "both"}));
   command.add_option("--axes", axes, "Axes of a box test on the CPU")->check(CLI::IsMember({6, 15}));
   command.add_option("--start-depth", levels.startDepth, "levels: depth of the nodes that are tested all against all")
       ->check(CLI::Range(0u, opencl::kMostStartDepth));
-  command.add_flag("--send-trees", levels.sendTrees, "levels: send trees and triangles with every query");
+  command.add_flag("--send-trees", levels.sendTrees,
+                   "levels: send with every query what the device needs of the meshes: nodes, where the near phase is "
+                   "cpu, published or filtered; else triangles, too");
+  command.add_option("--prefix-sums", prefixSums, "levels: how places in lists are found")
+      ->check(CLI::IsMember({"published", "work-efficient", "single-pass"}));
   command.add_flag("--split-near", splitNear, "levels: test triangles and make contacts in two kernels, not in one");
   addBackendOptions(command);
 }
@@ -160,11 +170,10 @@ Placement QueryOptions::placement() const {
     return word == "opencl" ? Place::kOpencl : word == "auto" ? Place::kAuto : Place::kCpu;
   };
   if (isLevels()) {
-    if (backend == "cpu" || nearphase == "cpu" || nearphase == "exact") {
-      throw UsageError("--midphase levels runs on an OpenCL device, with the near phase");
-    }
-    return {Place::kOpencl, Place::kOpencl};
+    if (backend == "cpu") throw UsageError("--midphase levels runs on an OpenCL device");
+    return {Place::kOpencl, nearphase == "cpu" || nearphase == "exact" ? Place::kCpu : Place::kOpencl};
   }
+  if (isGatheredNear()) return {midphase == "opencl" ? Place::kOpencl : Place::kCpu, Place::kOpencl};
   const Place all = place(backend, Place::kCpu);
   // "exact" and the names of traversals say how, and where no more than that it is the CPU.
   return settled({place(midphase, all), place(nearphase == "exact" ? "" : nearphase, all)});
@@ -173,7 +182,23 @@ Placement QueryOptions::placement() const {
 opencl::LevelsOptions QueryOptions::levelsOptions() const {
   opencl::LevelsOptions options = levels;
   options.fusedNear = !splitNear;
+  options.prefixSums = find(kPrefixSums, prefixSums);
   return options;
+}
+
+std::optional<Mixture> QueryOptions::mixture() const {
+  const Placement place = placement();
+  if (!isGatheredNear() && !(isLevels() && place.near == Place::kCpu)) return std::nullopt;
+  if (splitNear) throw UsageError("--split-near is of a near phase that follows on the device");
+  Mixture mixture;
+  mixture.middle = isLevels()                       ? Mixture::Middle::kLevels
+                   : place.middle == Place::kOpencl ? Mixture::Middle::kDevice
+                                                    : Mixture::Middle::kCpu;
+  mixture.near = nearphase == "published"  ? Mixture::Near::kContactsFirst
+                 : nearphase == "filtered" ? Mixture::Near::kFilterFirst
+                                           : Mixture::Near::kCpu;
+  mixture.levels = levelsOptions();
+  return mixture;
 }
 
 std::vector<int> QueryOptions::deviceNumbers() const {
@@ -199,7 +224,7 @@ std::vector<int> QueryOptions::deviceNumbers() const {
 }
 
 std::shared_ptr<opencl::Backend> QueryOptions::openBackend() const {
-  if (placement() != Placement{Place::kOpencl, Place::kOpencl}) return nullptr;
+  if (!mixture() && placement() != Placement{Place::kOpencl, Place::kOpencl}) return nullptr;
   const std::vector<int> numbers = deviceNumbers();
   if (numbers.empty()) return nullptr;
   std::shared_ptr<opencl::Backend> opened = opencl::Backend::open(numbers[0], whenUsed());

@@ -4,10 +4,12 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "cli/command.h"
+#include "cli/mixture.h"
 #include "collide/query.h"
 #include "dispatch/dispatcher.h"
 #include "opencl/backend.h"
@@ -31,6 +33,7 @@ struct QueryOptions {
   int threads = 0;
   opencl::LevelsOptions levels;  ///< of --midphase levels
   bool splitNear = false;
+  std::string prefixSums = "published";
 
   /// The files, the pose and how to traverse.
   void addInputOptions(CLI::App& command);
@@ -47,12 +50,16 @@ struct QueryOptions {
   Placement placement() const;
   /// Whether the published traversal is to run on a device.
   bool isLevels() const { return midphase == "levels"; }
+  /// Whether the near phase is to run there for triangles that are gathered for it.
+  bool isGatheredNear() const { return nearphase == "published" || nearphase == "filtered"; }
   opencl::LevelsOptions levelsOptions() const;
+  /// The phases, where they are chosen one by one in a way that only the published design has. Throws UsageError.
+  std::optional<Mixture> mixture() const;
   /// The devices that were asked for; none for the CPU alone, and, with a note, where there is none. Throws InputError
   /// for the number of a device that does not exist.
   std::vector<int> deviceNumbers() const;
-  /// The first of them, where both phases are to run on it; null for the CPU, and, with a note, when it cannot be
-  /// opened. Kernels are built when they are first used.
+  /// The first of them, where both phases are to run on it or are a mixture(); null for the CPU, and, with a note, when
+  /// it cannot be opened. Kernels are built when they are first used.
   std::shared_ptr<opencl::Backend> openBackend() const;
   /// With these threads and with those of these devices that can be opened. Costs are measured if something depends on
   /// them.

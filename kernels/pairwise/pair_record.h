@@ -30,6 +30,18 @@ typedef otg_contact_record otg_record;
 typedef otg_pair_record otg_record;
 #endif
 
+#if OTG_CONTACTS && defined(OTG_WITH_DOUBLE)
+inline static void otgStoreContact(otg_pair_contact_d contact, __global otg_record* record) {
+  record->position[0] = contact.position.x;
+  record->position[1] = contact.position.y;
+  record->position[2] = contact.position.z;
+  record->normal[0] = contact.normal.x;
+  record->normal[1] = contact.normal.y;
+  record->normal[2] = contact.normal.z;
+  record->depth = contact.depth;
+}
+#endif
+
 /// `placeA` and `placeB` are places in the buffer of meshes. Without doubles `bInA` is not used: only the host knows
 /// where B is in double.
 inline static void otgMakeRecord(__global const float4* meshes, uint placeA, uint placeB, int undecided,
@@ -52,13 +64,7 @@ inline static void otgMakeRecord(__global const float4* meshes, uint placeA, uin
   if (kind == OTG_RECORD_HIT) {
     const otg_pair_contact_d contact = otgPairwiseContact_d(a, b);
     kind = contact.kind;
-    record->position[0] = contact.position.x;
-    record->position[1] = contact.position.y;
-    record->position[2] = contact.position.z;
-    record->normal[0] = contact.normal.x;
-    record->normal[1] = contact.normal.y;
-    record->normal[2] = contact.normal.z;
-    record->depth = contact.depth;
+    otgStoreContact(contact, record);
   }
 #endif
 #endif

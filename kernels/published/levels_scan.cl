@@ -2,7 +2,8 @@
 // Exclusive prefix sums of any length: each work-group scans as many numbers as it has work-items and gives their sum,
 // the sums are scanned in the same way, and so on; then the sums before a work-group's numbers are added to them.
 //
-// OTG_GROUP: work-items of a work-group, 2 at least. OTG_TWO_SUMS: 1 for two sums at once.
+// OTG_GROUP: work-items of a work-group, 2 at least. OTG_BLOCK: numbers of a block whose sum scanAdd adds; scanBlocks
+// takes OTG_GROUP. OTG_TWO_SUMS: 1 for two sums at once.
 #define OTG_REAL_FLOAT
 #include "shared/layout/published_given.h"
 #undef OTG_REAL_FLOAT
@@ -38,7 +39,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void scanBlocks(
   if (lane == OTG_GROUP - 1) sums[sumsBegin + get_group_id(0)] = part[now][lane];
 }
 
-/// The sums before a work-group's numbers are added to them.
+/// The sums before a block's numbers are added to them.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void scanAdd(
 #if OTG_TWO_SUMS
     OTG_GIVEN(AddTwos)
@@ -47,5 +48,5 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void scanAdd(
 #endif
 ) {
   const uint i = get_global_id(0);
-  if (i < count) places[placesBegin + i] += sums[sumsBegin + get_group_id(0)];
+  if (i < count) places[placesBegin + i] += sums[sumsBegin + i / OTG_BLOCK];
 }

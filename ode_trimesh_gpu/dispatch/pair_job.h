@@ -45,7 +45,7 @@ struct PairJob {
   Placement place;
   /// Null: none. Jobs that have one are not for batches, whose threads are not the caller's.
   PairFilter* filter = nullptr;
-  /// Where both phases run on a device, they are those of the published traversal by levels, one pair at a time.
+  /// A middle phase on a device is that of the published traversal by levels, one pair at a time.
   bool byLevels = false;
 };
 

@@ -73,10 +73,15 @@ std::span<const Contact> collideOn(DeviceSlot& slot, const PairJob& job, Workspa
     note(job.byLevels ? device.findPairsByLevels(job.query, workspace)
                       : device.findIntersectingPairs(job.query, workspace));
   } else if (middle) {
-    note(device.findCandidates(job.query, workspace));
+    note(job.byLevels ? device.findCandidatesByLevels(job.query, workspace)
+                      : device.findCandidates(job.query, workspace));
     nearPhase(job.query, workspace);
   } else {
     middlePhase(job.query, workspace);
+    if (contactsOnDevice(job)) {
+      note(device.collideCandidates(job.query, workspace));
+      return workspace.reduced;
+    }
     note(device.decideCandidates(job.query, workspace));
   }
   return contactsOnHost(job, workspace);

@@ -169,8 +169,12 @@ class Backend {
   /// One phase on the device, the other one is the caller's: as otg::middlePhase, with pairs of triangles of the
   /// device's leaves, in any order;
   bool findCandidates(const Query& query, Workspace& workspace);
-  /// as otg::nearPhase, for candidates from anywhere.
+  /// the same by the published traversal;
+  bool findCandidatesByLevels(const Query& query, Workspace& workspace);
+  /// as otg::nearPhase, for candidates from anywhere; and all that follows a middle phase, with contacts of the model
+  /// `pairwise` made there.
   bool decideCandidates(const Query& query, Workspace& workspace);
+  bool collideCandidates(const Query& query, Workspace& workspace);
 
   /// otg::collide for every query, in one submission (several if there are very many or their meshes do not fit at
   /// once; pairs of very large meshes by themselves). A query with a SolidHistory must not be there twice. Where all

@@ -28,6 +28,14 @@ bool Backend::findCandidates(const Query& query, Workspace& workspace) {
   return published().findCandidates(query, workspace);
 }
 
+bool Backend::findCandidatesByLevels(const Query& query, Workspace& workspace) {
+  return published().findCandidatesByLevels(query, workspace);
+}
+
+bool Backend::collideCandidates(const Query& query, Workspace& workspace) {
+  return published().collideCandidates(query, workspace);
+}
+
 bool Backend::decideCandidates(const Query& query, Workspace& workspace) {
   return published().decideCandidates(query, workspace);
 }

@@ -17,6 +17,7 @@ using namespace otg::scenes;
 using namespace otg::test;
 using opencl::LevelsOptions;
 using opencl::LevelsReport;
+using opencl::PrefixSums;
 
 namespace {
 
@@ -59,7 +60,7 @@ void check(opencl::Backend& backend, const Query& query, const LevelsOptions& ho
 
 LevelsOptions optionsNumber(std::size_t i) {
   constexpr std::uint32_t kDepths[] = {0, 1, 6, 12, 3};
-  return {kDepths[i % 5], i % 2 == 1, i % 3 != 2};
+  return {kDepths[i % 5], i % 2 == 1, i % 3 != 2, static_cast<PrefixSums>(i % 3)};
 }
 
 }  // namespace
@@ -112,13 +113,19 @@ TEST_CASE("prefix sums of any length are those of a loop") {
         const opencl::BufferHandle in = context.makeBuffer(CL_MEM_READ_WRITE, bytes);
         const opencl::BufferHandle out = context.makeBuffer(CL_MEM_READ_WRITE, bytes);
         const opencl::BufferHandle total = context.makeBuffer(CL_MEM_READ_WRITE, 6 * sizeof(cl_uint));
-        for (const bool inPlace : {false, true}) {
+        for (const auto& [way, inPlace] : {std::pair{PrefixSums::kPublished, false},
+                                           {PrefixSums::kPublished, true},
+                                           {PrefixSums::kWorkEfficient, false},
+                                           {PrefixSums::kWorkEfficient, true},
+                                           {PrefixSums::kSinglePass, false},
+                                           {PrefixSums::kSinglePass, true}}) {
+          INFO("way " << static_cast<int>(way) << (inPlace ? " in place" : ""));
           opencl::writeLater(queue.get(), in.get(), bytes,
                              both ? static_cast<const void*>(values.data()) : plain.data());
           const cl_mem places = inPlace ? in.get() : out.get();
           const auto scan = [&]<class Sum>(opencl::PrefixSum<Sum>& sums) {
             sums.enqueue(queue.get(), BufferOf<Sum>(in.get()), BufferOf<Sum>(places), count, BufferOf<Sum>(total.get()),
-                         2, profile);
+                         2, profile, way);
           };
           if (both) {
             scan(two);

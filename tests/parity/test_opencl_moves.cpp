@@ -247,9 +247,7 @@ TEST_CASE("meshes that move between queries have the host's contacts, on devices
   CHECK(sent(1, true).first < mesh / 200);
 }
 
-TEST_CASE(
-    "the near phase alone tests the triangles that are named, also where moved nodes would be packed in another "
-    "order") {
+TEST_CASE("the near phase alone tests the triangles that are named where they are now, and keeps no mesh") {
   const auto backend = openBackend();
   REQUIRE(backend);
   const auto ball = movable(makeSphere(1, 3)), other = movable(makeTorus(1, 0.3, 31, 17));
@@ -266,9 +264,8 @@ TEST_CASE(
     met += host.intersecting.size();
   };
   check(0.8);
-  // A few vertices at a time, until the ball is another body; each time little enough to be sent as a change.
+  // A few vertices at a time, until the ball is another body.
   const auto count = static_cast<std::uint32_t>(rest.size());
-  const std::uint64_t uploads = backend->counts().meshUploads;
   for (std::uint32_t first = 0; first < count; first += 8) {
     std::vector<MovedVertex> moved;
     for (std::uint32_t v = first; v < std::min(count, first + 8); ++v) {
@@ -278,7 +275,7 @@ TEST_CASE(
     REQUIRE(ball->moveSome(moved));
     check(0.8);
   }
-  CHECK(backend->counts().meshUploads == uploads + 1);  // with the first move
+  CHECK(backend->counts().meshUploads == 0);
   CHECK(met > 1000);
 }
 

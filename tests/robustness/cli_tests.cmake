@@ -11,6 +11,10 @@ if(TARGET otg)
     set_tests_properties(robustness.cli_${subject} PROPERTIES LABELS robustness TIMEOUT 600)
   endforeach()
   if(TARGET otg_bench)
+    add_test(NAME robustness.results
+      COMMAND "${Python3_EXECUTABLE}" -B "${PROJECT_SOURCE_DIR}/scripts/results.py" "$<TARGET_FILE:otg>"
+              "${PROJECT_SOURCE_DIR}/docs/results" --check)
+    set_tests_properties(robustness.results PROPERTIES LABELS robustness TIMEOUT 600)
     add_test(NAME robustness.documented_commands
       COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_documented_commands.py" "$<TARGET_FILE:otg>")
     set_tests_properties(robustness.documented_commands PROPERTIES LABELS robustness)

@@ -29,6 +29,10 @@ add_test(NAME robustness.docstrings
                  "${PROJECT_SOURCE_DIR}/ode_trimesh_gpu/include/ode_trimesh_gpu")
 set_tests_properties(robustness.docstrings PROPERTIES LABELS robustness TIMEOUT 60)
 
+add_test(NAME robustness.documents
+         COMMAND "${Python3_EXECUTABLE}" -B "${CMAKE_CURRENT_SOURCE_DIR}/test_documents.py")
+set_tests_properties(robustness.documents PROPERTIES LABELS robustness TIMEOUT 60)
+
 # Under a sanitizer the OpenCL compiler inside the driver is what would be examined, so not there.
 find_package(OpenCL)
 if(OpenCL_FOUND AND NOT OTG_SANITIZE)

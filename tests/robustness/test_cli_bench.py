@@ -3,6 +3,7 @@
 import itertools
 import json
 import os
+import xml.dom.minidom
 
 import cli_support
 from cli_support import CliTest, lump, ply
@@ -13,7 +14,7 @@ class Bench(CliTest):
         return self.write("lump.ply", ply(*lump(14)))
 
     def test_thesis(self):
-        document = self.run_json("bench", "thesis", self.mesh(), "--repeat", "1")
+        document = self.run_json("bench", "thesis", self.mesh(), "--repeat", "1", "--figures", self.path("figures"))
         tables = document["tables"]
         self.assertEqual(len(tables["pipeline"]), 2)
         self.assert_keys(tables["pipeline"][0], "mesh triangles_a triangles_b box_tests candidate_pairs middle_ms near_ms "
@@ -30,9 +31,23 @@ class Bench(CliTest):
         self.assertEqual({r["build"] for r in rows}, {"mean", "sah"})
         self.assertEqual(len({r["pairs_hash"] for r in rows}), 1)
         self.assertGreater(rows[0]["intersecting_pairs"], 0)
+        self.assertEqual([name for name in tables if name.startswith("6.")],
+                         ["6.1 objects", "6.2 middle phase alone", "6.3 tests for each depth", "6.4 candidate pairs",
+                          "6.5 near phase alone"])
+        self.assertTrue(all(sentence.startswith("- ") for sentence in document["says"]))
         if self.run_json("devices")["used"] is None:
             self.assertNotIn("levels", tables)
             return
+        self.assertEqual({row["answers"] for row in tables["mixtures"]}, {"same"})
+        self.assertEqual(len(tables["mixtures"]), 3 * 3)
+        self.assertEqual([row["prefix_sums"] for row in tables["prefix_sums"]],
+                         ["published", "work-efficient", "single-pass"])
+        self.assertEqual([figure["file"] for figure in document["figures"]], ["figure_6_2.svg", "figure_6_3.svg"])
+        for figure in ("6.2", "6.3"):
+            shares = [v for k, v in tables["figure " + figure][0].items() if k.endswith("_percent")]
+            self.assertAlmostEqual(sum(shares), 100, delta=2)
+            svg = self.path("figures/figure_%s.svg" % figure.replace(".", "_"))
+            self.assertGreater(len(xml.dom.minidom.parse(svg).getElementsByTagName("rect")), 5)
         levels = tables["levels"]
         self.assertEqual({(r["build"], r["scene"], r["trees"]) for r in levels},
                          set(itertools.product(("mean", "sah"), ("touch", "deep", "deep10", "nearmiss"),

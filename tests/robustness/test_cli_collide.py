@@ -197,7 +197,8 @@ class Collide(CliTest):
         mesh = self.write("lump.ply", ply(*lump()))
         arguments = ["collide", mesh, mesh, "--pose", "1.5,0.1,0.3,0.8,0.6,0,0", "--profile"]
         levels = [*arguments, "--midphase", "levels"]
-        for wrong in (["--backend", "cpu"], ["--nearphase", "cpu"], ["--start-depth", "13"], ["--start-depth", "-1"]):
+        for wrong in (["--backend", "cpu"], ["--start-depth", "13"], ["--start-depth", "-1"], ["--prefix-sums", "none"],
+                      ["--nearphase", "cpu", "--split-near"]):
             self.assert_fails(2, *levels, *wrong)
         if self.run_json("devices")["used"] is None:
             return
@@ -217,6 +218,36 @@ class Collide(CliTest):
         text = self.run_otg(*levels, "--contacts", "pairwise").stdout
         for word in ("scan", "compaction", "leaf_pairs"):
             self.assertIn(word, text)
+
+    def test_mixtures(self):
+        """Any middle phase with any near phase: the contacts of the CPU."""
+        mesh = self.write("lump.ply", ply(*lump()))
+        arguments = ["collide", mesh, mesh, "--pose", "1.5,0.1,0.3,0.8,0.6,0,0", "--profile"]
+        if self.run_json("devices")["used"] is None:
+            return
+        for model in ("pairwise", "solid"):
+            expected = self.run_json(*arguments, "--contacts", model)
+            for middle in ("levels", "standard", "opencl", "cpu"):
+                for near in ("cpu", "published", "filtered"):
+                    options = ["--midphase", middle, "--nearphase", near, "--contacts", model]
+                    if middle == "levels":
+                        options += ["--send-trees", "--prefix-sums", "single-pass"]
+                    found = self.run_json(*arguments, *options)
+                    self.assertEqual(found["contacts"], expected["contacts"], options)
+                    name = {"cpu": "wide"}.get(middle, middle)
+                    self.assertEqual((found["midphase"], found["nearphase"]), (name, near))
+                    self.assertAlmostEqual(sum(row["percent"] for row in found["profile"]), 100, delta=1)
+                    if near == "cpu":
+                        continue
+                    gathered = found["gathered"]
+                    self.assertEqual(gathered["pairs"], found["candidate_pairs"])
+                    self.assertEqual(gathered["bytes_sent"], 8 * gathered["pairs"] + 48 * gathered["triangles"])
+                    self.assertAlmostEqual(sum(row["percent"] for row in gathered["profile"]), 100, delta=1)
+        text = self.run_otg(*arguments, "--midphase", "levels", "--nearphase", "published").stdout
+        for word in ("gather", "scan", "leaf_pairs"):
+            self.assertIn(word, text)
+        pairs = self.run_json("pairs", mesh, mesh, *arguments[3:5], "--midphase", "levels", "--nearphase", "published")
+        self.assertEqual(pairs["intersecting_pairs"], expected["intersecting_pairs"])
 
     def test_wrong_options(self):
         mesh = self.writeBox()

@@ -62,6 +62,18 @@ class DocumentedCommands(unittest.TestCase):
                 seen += 1
         self.assertGreater(seen, 40)
 
+    def test_whole_lines_parse(self):
+        """Lines of blocks, as a reader copies them, with --help behind: nothing is run, but every word is read."""
+        seen = 0
+        for page in PAGES:
+            blocks = re.findall(r"(?m)^    (?:[A-Z_]+=\S+ )*build/bin/otg ([^#|>&\n]+)$", page.read_text().replace("\\\n", " "))
+            for line in blocks:
+                with self.subTest(page=page.name, line=line):
+                    run = subprocess.run([OTG, *line.split(), "--help"], capture_output=True, text=True, timeout=60)
+                    self.assertEqual((run.returncode, run.stderr), (0, ""))
+                seen += 1
+        self.assertGreater(seen, 20)
+
     def test_scripts_exist(self):
         seen = 0
         for page in PAGES:

@@ -78,6 +78,24 @@ TEST_CASE("levels find the host's contacts on the simulated device") {
   }
 }
 
+TEST_CASE("phases apart find the host's contacts on the simulated device") {
+  const MeshList meshes = someMeshes();
+  const auto backend = openSimulated(simulated());
+  const Query query = somePairs(meshes)[1];
+  Workspace device, host;
+  collide(query, host);
+  opencl::LevelsOptions how;
+  how.startDepth = 2;
+  for (const auto way : {opencl::PrefixSums::kWorkEfficient, opencl::PrefixSums::kSinglePass}) {
+    how.sendTrees = way == opencl::PrefixSums::kSinglePass;
+    how.prefixSums = way;
+    CHECK(backend->published().findCandidatesByLevels(query, device, how));
+    CHECK(backend->published().collideCandidates(
+        query, device, how.sendTrees ? opencl::NearOrder::kContactsFirst : opencl::NearOrder::kFilterFirst));
+    checkSame(device, host);
+  }
+}
+
 TEST_CASE("batches of pairs are walked and reduced as on the host") {
   const MeshList meshes = someMeshes();
   opencl::Tuning tuning = simulated();

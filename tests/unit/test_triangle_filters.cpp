@@ -2,8 +2,10 @@
 // The filters never contradict exact arithmetic, whatever the triangles; the exact test agrees with constructions.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <random>
 
+#include "shared/contacts/contact_of_any.h"
 #include "shared/tests/triangle_exact.h"
 #include "shared/tests/triangle_test.h"
 #include "support/catch.h"
@@ -123,6 +125,50 @@ TEST_CASE("filters never contradict the exact decision") {
     CHECK(decided[which][1] > 1000);
     CHECK(undecided[which] > 1000);
   }
+}
+
+TEST_CASE("contacts of any pair of triangles tell who meets, and are those of pairs that do") {
+  HardPairs pairs(5);
+  int decided[2] = {}, undecided = 0, plain = 0, plainUndecided = 0, kinds[3] = {};
+  for (int i = 0; i < 300000; ++i) {
+    Corners a, b;
+    pairs.next(a, b);
+    const bool isPlain = i % 3 == 0;
+    if (isPlain) {
+      for (Vec3d& p : a) p = {pairs.uniform(), pairs.uniform(), pairs.uniform()};
+      for (Vec3d& p : b) p = {pairs.uniform(), pairs.uniform(), pairs.uniform()};
+    }
+    const double scale = std::ldexp(1.0, i % 4 == 3 ? pairs.pick(200) - 100 : 0);
+    for (Corners* t : {&a, &b}) {
+      for (Vec3d& p : *t) p = otgScale(p, scale);
+    }
+    if (degenerate(a) || degenerate(b)) continue;
+    const AnyContact<double> any = otgContactOfAny(a.data(), b.data(), 32 * 0x1p-53, 1e-280);
+    plain += isPlain;
+    if (any.answer == OTG_UNDECIDED) {
+      ++undecided;
+      plainUndecided += isPlain;
+      continue;
+    }
+    const int exact = otgTrianglesMeetExact(&a[0].x, &b[0].x);
+    REQUIRE((any.answer == OTG_INTERSECTING) == (exact == 1));
+    ++decided[exact];
+    if (!exact) continue;
+    const PairContact<double> expected = otgPairwiseContact(a.data(), b.data());
+    REQUIRE(any.contact.kind == expected.kind);
+    REQUIRE(expected.kind != OTG_CONTACT_COPLANAR);
+    ++kinds[expected.kind];
+    if (expected.kind == OTG_CONTACT_NONE) continue;
+    REQUIRE(any.contact.position == expected.position);
+    REQUIRE(any.contact.normal == expected.normal);
+    REQUIRE(any.contact.depth == expected.depth);
+  }
+  CHECK(decided[0] > 50000);
+  CHECK(decided[1] > 20000);
+  CHECK(undecided > 10000);
+  CHECK(plain > 90000);
+  CHECK(plainUndecided < plain / 1000);
+  for (const int count : kinds) CHECK(count > 1000);
 }
 
 TEST_CASE("the float filter's bound covers errors of the corners") {

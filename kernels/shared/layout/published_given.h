@@ -18,6 +18,10 @@ OTG_TWO_WORD_ELEMENT(otg_place_pair)
 OTG_TWO_WORD_ELEMENT(otg_number_pair)
 /// Of one step of the middle phase alone.
 OTG_WORD_ELEMENT(otg_step_counter)
+/// What work-groups of scanOnce tell each other; OTG_SCAN_WORDS for each. The number of groups that have begun.
+OTG_WORD_ELEMENT(otg_told_sum)
+OTG_WORD_ELEMENT(otg_scan_ticket)
+#define OTG_SCAN_WORDS 8
 
 // clang-format off
 
@@ -105,6 +109,18 @@ OTG_STRUCTURE(LevelsNear, "levelsNear")
   X(write, otg_result_byte, results)
 OTG_STRUCTURE(LevelsNearFused, "levelsNear")
 
+/// `candidates`: places of two triangles each, in their soups.
+#define OTG_GIVEN_ContactsFirst(X, AND)   \
+  X(value, otg_device_pair, pair) AND     \
+  X(value, otg_task_pose, bInA) AND       \
+  X(read, otg_mesh_unit, meshes) AND      \
+  X(write, otg_counter, counters) AND     \
+  X(read, otg_place_pair, candidates) AND \
+  X(value, otg_uint, count) AND           \
+  X(value, otg_uint, hitCapacity) AND     \
+  X(write, otg_result_byte, results)
+OTG_STRUCTURE(ContactsFirst, "contactsFirst")
+
 #define OTG_GIVEN_LevelsEnd(X, AND)   \
   X(write, otg_counter, counters) AND \
   X(write, otg_result_byte, results)
@@ -119,7 +135,7 @@ OTG_STRUCTURE(LevelsEnd, "levelsEnter")
   X(write, otg_chosen_word, chosen)
 OTG_STRUCTURE(LevelsEnter, "levelsEnter")
 
-/// `places` may be `values`. `sums` gets a number for each work-group, from `sumsBegin` on.
+/// `places` may be `values`. `sums` gets a number for each work-group, from `sumsBegin` on. Two programs have it.
 #define OTG_GIVEN_ScanOnes(X, AND)      \
   X(aliasRead, otg_one_sum, values) AND \
   X(value, otg_uint, valuesBegin) AND   \
@@ -138,6 +154,29 @@ OTG_STRUCTURE(ScanOnes, "scanBlocks")
   X(alias, otg_two_sums, sums) AND       \
   X(value, otg_uint, sumsBegin)
 OTG_STRUCTURE(ScanTwos, "scanBlocks")
+
+/// `places` may be `values`. `turn`: a multiple of 4 that no scan before had for this `told`. `total[totalAt]` gets the
+/// sum of all.
+#define OTG_GIVEN_OnceOnes(X, AND)      \
+  X(aliasRead, otg_one_sum, values) AND \
+  X(alias, otg_one_sum, places) AND     \
+  X(value, otg_uint, count) AND         \
+  X(alias, otg_one_sum, total) AND      \
+  X(value, otg_uint, totalAt) AND       \
+  X(write, otg_told_sum, told) AND      \
+  X(write, otg_scan_ticket, ticket) AND \
+  X(value, otg_uint, turn)
+OTG_STRUCTURE(OnceOnes, "scanOnce")
+#define OTG_GIVEN_OnceTwos(X, AND)       \
+  X(aliasRead, otg_two_sums, values) AND \
+  X(alias, otg_two_sums, places) AND     \
+  X(value, otg_uint, count) AND          \
+  X(alias, otg_two_sums, total) AND      \
+  X(value, otg_uint, totalAt) AND        \
+  X(write, otg_told_sum, told) AND       \
+  X(write, otg_scan_ticket, ticket) AND  \
+  X(value, otg_uint, turn)
+OTG_STRUCTURE(OnceTwos, "scanOnce")
 
 /// `sums` has been scanned.
 #define OTG_GIVEN_AddOnes(X, AND)     \
@@ -166,15 +205,6 @@ OTG_STRUCTURE(AddTwos, "scanAdd")
   X(write, otg_number_pair, found) AND     \
   X(value, otg_uint, foundCapacity)
 OTG_STRUCTURE(MiddleStep, "middleStep")
-
-#define OTG_GIVEN_NearStep(X, AND)    \
-  X(value, otg_device_pair, pair) AND \
-  X(value, otg_task_pose, bInA) AND   \
-  X(read, otg_mesh_unit, meshes) AND  \
-  X(read, otg_place_pair, pairs) AND  \
-  X(value, otg_uint, count) AND       \
-  X(write, otg_pair_record, records)
-OTG_STRUCTURE(NearStep, "nearStep")
 
 // clang-format on
 

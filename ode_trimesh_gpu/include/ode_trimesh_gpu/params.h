@@ -21,9 +21,9 @@ enum {
   dGPUTRIMESH_TRAVERSAL_NO_LEAF = 2,   /**< leaves without boxes: half the nodes, triangle tests instead */
   dGPUTRIMESH_TRAVERSAL_WIDE = 3,      /**< eight boxes at a time: the fastest, and the default */
   dGPUTRIMESH_TRAVERSAL_LEVELS = 4     /**< for devices, as published: one level of both trees after the other. A pair
-                                          whose search and tests both run on a device is computed by it there, alone,
-                                          among arrays of pairs, too. The CPU searches as by WIDE. The device takes
-                                          memory for it at the first use. For comparing */
+                                          whose search runs on a device is searched by it there, alone, among arrays of
+                                          pairs, too. The CPU searches as by WIDE. The device takes memory for it at the
+                                          first use. For comparing */
 };
 
 /**

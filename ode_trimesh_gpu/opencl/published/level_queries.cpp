@@ -100,4 +100,36 @@ bool PublishedDesign::findPairsByLevels(const Query& query, Workspace& workspace
   return false;
 }
 
+bool PublishedDesign::findCandidatesByLevels(const Query& query, Workspace& workspace, const LevelsOptions& how,
+                                             LevelsReport* report, bool profile) {
+  const Stopwatch total(profile || query.options.timings);
+  const PairFrame frame = makePairFrame(query);
+  ++counters_.queries;
+  if (report) *report = {};
+  if (isRefused(query) || isIdleQuery(query, frame)) {
+    middlePhase(query, workspace);
+    return true;
+  }
+  try {
+    LevelsReport found;
+    bool tooMany = false;
+    workspace.clear();
+    (profile ? levels().profiled : levels().lanes).with([&](LevelsLane& lane) {
+      tooMany = !lane.findCandidates(query, frame, how, workspace.candidates);
+      takeStepCounts(lane.steps(), workspace.stats);
+      takeReport(lane, found);
+    });
+    found.times.total = total.ms();
+    if (query.options.timings) workspace.stats.middleMs = total.ms();
+    if (report) *report = std::move(found);
+    if (tooMany) middlePhase(query, workspace);  // which says so
+    return true;
+  } catch (const ClError& error) {
+    logError(error);
+  }
+  ++counters_.onHost;
+  middlePhase(query, workspace);
+  return false;
+}
+
 }  // namespace otg::opencl

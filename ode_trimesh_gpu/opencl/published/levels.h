@@ -7,15 +7,24 @@
 
 namespace otg::opencl {
 
+/// How places in lists are found. All ways give the same places.
+enum class PrefixSums {
+  kPublished,      ///< log n additions for each number, block by block
+  kWorkEfficient,  ///< two additions for each number, block by block
+  kSinglePass      ///< one launch
+};
+
 /// The published design, kept as a baseline and as an oracle for the traversal that is used: one level of both binary
 /// trees in each iteration, with the host reading the lengths of lists in between.
 struct LevelsOptions {
   /// The nodes at this depth of both trees, and leaves above it, are tested all against all to begin with. 0: the
   /// roots.
   std::uint32_t startDepth = 6;
-  bool sendTrees =
-      false;              ///< trees and triangles go to the device with every query, as published; else they stay there
-  bool fusedNear = true;  ///< one kernel tests triangles and makes contacts, as published; else two
+  /// What the device needs goes there with every query, as published; else it stays there. The middle phase alone needs
+  /// nodes, of integers (QuantizedNode); with the near phase behind it, it needs triangles and their neighbours, too.
+  bool sendTrees = false;
+  bool fusedNear = true;  ///< one kernel tests triangles and makes contacts; else two
+  PrefixSums prefixSums = PrefixSums::kPublished;
 };
 inline constexpr std::uint32_t kMostStartDepth = 12;
 

@@ -41,6 +41,36 @@ std::string contactOptions(bool contacts, bool reduce) {
   return std::string(" -DOTG_CONTACTS=") + (contacts ? "1" : "0") + " -DOTG_ENTER=" + (reduce ? "1" : "0");
 }
 
+/// Of levels_walk.cl.
+std::string walkOptions(std::size_t group, bool quantized) {
+  return "-DOTG_GROUP=" + std::to_string(group) + " -DOTG_LEAF=1 -DOTG_QUANTIZED=" + (quantized ? "1" : "0");
+}
+
+MeshUnit stepUnit(const Vec3f& step) {
+  return {step.x, step.y, step.z, 0};
+}
+
+/// The nodes of a tree as integers: a unit each, behind two with their steps.
+PackedMesh packNodes(const CollisionMesh& mesh) {
+  PackedMesh out;
+  const auto pack = [&](const QuantizedTree& tree) {
+    static_assert(sizeof(QuantizedNode) == sizeof(MeshUnit));
+    out.units.reserve(2 + tree.nodes.size());
+    out.units.push_back(stepUnit(tree.centerStep));
+    out.units.push_back(stepUnit(tree.extentStep));
+    for (const QuantizedNode& node : tree.nodes) out.units.push_back(std::bit_cast<MeshUnit>(node));
+  };
+  if (mesh.boxScale() != nullptr) {
+    mesh.withOwnBoxes([&](const BinaryTree& tree) { pack(quantizeTree(tree)); });
+  } else {
+    pack(mesh.quantized());
+  }
+  out.place.center = mesh.mesh().origin();
+  out.place.radius = mesh.mesh().radius();
+  out.place.triangles = static_cast<std::uint32_t>(mesh.mesh().triangleCount());
+  return out;
+}
+
 /// Of levels_near.cl.
 std::string nearOptions(std::size_t group, bool fused, bool contacts, bool reduce) {
   return "-DOTG_GROUP=" + std::to_string(group) + " -DOTG_LEAF=1 -DOTG_FUSED=" + (fused ? "1" : "0") +
@@ -88,12 +118,7 @@ LevelsLane::LevelsLane(Context& context, MeshStore& meshes, const Tuning& tuning
       chosen_(PinnedPool::make(context)),
       reducer_(context, tuning, true),
       profile_(tuning.profile) {
-  const std::string walk = "-DOTG_GROUP=" + std::to_string(group_) + " -DOTG_LEAF=1";
-  begin_.make(context, "published/levels_walk.cl", walk);
-  test_.make(context, "published/levels_walk.cl", walk);
-  compact_.make(context, "published/levels_walk.cl", walk);
-  split_.make(context, "published/levels_walk.cl", walk);
-  spawn_.make(context, "published/levels_walk.cl", walk);
+  begin_.make(context, "published/levels_walk.cl", walkOptions(group_, false));
   reset_.make(context, "published/levels_near.cl", nearOptions(group_, false, false, false));
   counters_.reserve(context, OTG_COUNTERS);
   fillZero(queue_.get(), counters_.get(), OTG_COUNTERS * sizeof(otg_uint));
@@ -104,32 +129,23 @@ LevelsLane::LevelsLane(Context& context, MeshStore& meshes, const Tuning& tuning
   reducer_.reserveStates(1);
 }
 
-PairAnswer LevelsLane::run(const Query& query, const PairFrame& frame, bool contacts, const LevelsOptions& how) {
+template <class Use>
+void LevelsLane::onMeshes(const Query& query, const PairFrame& frame, bool sendTrees, bool nodesAlone, Use&& use) {
   const CollisionMesh* const both[] = {query.a, query.b};
   bytesSent_ = 0;
   MeshStore::Pinned pinned;
-  if (!how.sendTrees) pinned = meshes_.acquire(both);
+  if (!sendTrees) pinned = meshes_.acquire(both);
   otg_device_pair pair{deviceBoxes(frame), frame.floatError, {}, {}};
   try {
-    if (how.sendTrees) {
-      // A mesh that meets itself is sent once.
-      const PackedMesh& a = packed(*query.a, 0);
-      const PackedMesh& b = query.a == query.b ? a : packed(*query.b, 1);
-      const std::size_t unitsB = query.a == query.b ? 0 : b.units.size();
-      sentUnits_.reserve(context_, a.units.size() + unitsB);
-      const cl_mem to = sentUnits_.get();
-      write(to, 0, a.units.size() * sizeof(MeshUnit), a.units.data());
-      if (unitsB > 0) write(to, a.units.size() * sizeof(MeshUnit), unitsB * sizeof(MeshUnit), b.units.data());
-      pair.a = a.placeAt(0);
-      pair.b = unitsB > 0 ? b.placeAt(static_cast<std::uint32_t>(a.units.size())) : pair.a;
+    if (sendTrees) {
+      send(query, nodesAlone, pair);
     } else {
       pair.a = pinned[0];
       pair.b = pinned[1];
     }
-    const Meshes meshes = how.sendTrees ? Meshes(sentUnits_.buffer()) : pinned.units();
-    const PairAnswer answer = runOn(pair, query, meshes, contacts && context_.info().doubles, how);
+    makeWalk(sendTrees && nodesAlone);
+    use(pair, sendTrees ? Meshes(sentUnits_.buffer()) : pinned.units());
     if (profile_.on()) profile_.collect();
-    return answer;
   } catch (...) {
     // Meshes, which are not pinned any longer in a moment, may still be read, and what is sent too.
     clRelease(OTG_CL(clFinish), queue_.get());
@@ -137,15 +153,63 @@ PairAnswer LevelsLane::run(const Query& query, const PairFrame& frame, bool cont
   }
 }
 
-const PackedMesh& LevelsLane::packed(const CollisionMesh& mesh, int side) {
+PairAnswer LevelsLane::run(const Query& query, const PairFrame& frame, bool contacts, const LevelsOptions& how) {
+  PairAnswer answer;
+  onMeshes(query, frame, how.sendTrees, false, [&](const otg_device_pair& pair, Meshes meshes) {
+    answer = runOn(pair, query, meshes, contacts && context_.info().doubles, how);
+  });
+  return answer;
+}
+
+bool LevelsLane::findCandidates(const Query& query, const PairFrame& frame, const LevelsOptions& how,
+                                std::vector<TrianglePair>& candidates) {
+  static_assert(sizeof(TrianglePair) == sizeof(otg_place_pair));  // places in a soup are numbers here
+  candidates.clear();
+  bool tooMany = false;
+  onMeshes(query, frame, how.sendTrees, true, [&](const otg_device_pair& pair, Meshes meshes) {
+    walk(pair, query, meshes, how);
+    tooMany = leafCount_ > static_cast<std::uint32_t>(query.options.middle.maxPairs);
+    if (leafCount_ == 0 || tooMany) return;
+    candidates.resize(leafCount_);
+    readBlocking(queue_.get(), leaves_.get(), leafCount_ * sizeof(TrianglePair), candidates.data(),
+                 profile_.next(Profile::kReadBack));
+  });
+  return !tooMany;
+}
+
+/// Does not wait. A mesh that meets itself is sent once.
+void LevelsLane::send(const Query& query, bool nodesAlone, otg_device_pair& pair) {
+  const PackedMesh& a = packed(*query.a, 0, nodesAlone);
+  const PackedMesh& b = query.a == query.b ? a : packed(*query.b, 1, nodesAlone);
+  const std::size_t unitsB = query.a == query.b ? 0 : b.units.size();
+  sentUnits_.reserve(context_, a.units.size() + unitsB);
+  const cl_mem to = sentUnits_.get();
+  write(to, 0, a.units.size() * sizeof(MeshUnit), a.units.data());
+  if (unitsB > 0) write(to, a.units.size() * sizeof(MeshUnit), unitsB * sizeof(MeshUnit), b.units.data());
+  pair.a = a.placeAt(0);
+  pair.b = unitsB > 0 ? b.placeAt(static_cast<std::uint32_t>(a.units.size())) : pair.a;
+}
+
+const PackedMesh& LevelsLane::packed(const CollisionMesh& mesh, int side, bool nodesAlone) {
   const std::weak_ptr<const void> alive = mesh.lifetime();
   const auto isIt = [&](const std::unique_ptr<SentMesh>& sent) {
-    return sent && !sent->of.owner_before(alive) && !alive.owner_before(sent->of);
+    return sent && sent->nodesAlone == nodesAlone && !sent->of.owner_before(alive) && !alive.owner_before(sent->of);
   };
   if (!isIt(sent_[side])) {
-    sent_[side] = std::make_unique<SentMesh>(SentMesh{alive, packMesh(mesh, MeshLayout::kBinary, 1)});
+    sent_[side] = std::make_unique<SentMesh>(
+        SentMesh{alive, nodesAlone ? packNodes(mesh) : packMesh(mesh, MeshLayout::kBinary, 1), nodesAlone});
   }
   return sent_[side]->mesh;
+}
+
+void LevelsLane::makeWalk(bool nodesAlone) {
+  walk_ = &walks_[nodesAlone ? 1 : 0];
+  if (walk_->spawn) return;
+  const std::string options = walkOptions(group_, nodesAlone);
+  walk_->test.make(context_, "published/levels_walk.cl", options);
+  walk_->compact.make(context_, "published/levels_walk.cl", options);
+  walk_->split.make(context_, "published/levels_walk.cl", options);
+  walk_->spawn.make(context_, "published/levels_walk.cl", options);
 }
 
 /// Does not wait: `from` has to stay as it is until the queue was waited for.
@@ -157,7 +221,7 @@ void LevelsLane::write(cl_mem to, std::size_t offset, std::size_t bytes, const v
 
 PairAnswer LevelsLane::runOn(const otg_device_pair& pair, const Query& query, Meshes meshes, bool contacts,
                              const LevelsOptions& how) {
-  walk(pair, query, meshes, std::min(how.startDepth, kMostStartDepth));
+  walk(pair, query, meshes, how);
   if (leafCount_ > 0) return decide(pair, query, meshes, contacts, how.fusedNear);
   static constexpr otg_uint kNothing[OTG_COUNTERS] = {};
   PairAnswer answer;
@@ -166,7 +230,9 @@ PairAnswer LevelsLane::runOn(const otg_device_pair& pair, const Query& query, Me
   return answer;
 }
 
-void LevelsLane::walk(const otg_device_pair& pair, const Query& query, Meshes meshes, std::uint32_t startDepth) {
+void LevelsLane::walk(const otg_device_pair& pair, const Query& query, Meshes meshes, const LevelsOptions& how) {
+  const std::uint32_t startDepth = std::min(how.startDepth, kMostStartDepth);
+  prefixSums_ = how.prefixSums;
   steps_.clear();
   leafCount_ = 0;
   std::uint32_t count = begin(query, startDepth);
@@ -208,23 +274,24 @@ void LevelsLane::step(const otg_device_pair& pair, Meshes meshes, std::uint32_t 
   for (DeviceList* list : std::initializer_list<DeviceList*>{&overlaps_, &places_, &kept_, &weights_, &placesOfTwo_}) {
     list->reserve(context_, std::bit_ceil(count));
   }
-  test_.give({.pair = pair, .meshes = meshes, .pairs = now_.buffer(), .count = count, .overlaps = overlaps_.buffer()});
-  launch(queue, test_, group_, groups, 1, profile_.next(Profile::kTest));
-  sumOfOne_.enqueue(queue, overlaps_.buffer(), places_.buffer(), count, totals_.buffer(), 0, profile_);
-  compact_.give({.meshes = meshes,
-                 .nodesA = pair.a.nodes,
-                 .nodesB = pair.b.nodes,
-                 .pairs = now_.buffer(),
-                 .count = count,
-                 .overlaps = overlaps_.buffer(),
-                 .places = places_.buffer(),
-                 .total = totals_.buffer(),
-                 .kept = kept_.buffer(),
-                 .weights = weights_.buffer()});
-  launch(queue, compact_, group_, groups, 1, profile_.next(Profile::kCompact));
+  walk_->test.give(
+      {.pair = pair, .meshes = meshes, .pairs = now_.buffer(), .count = count, .overlaps = overlaps_.buffer()});
+  launch(queue, walk_->test, group_, groups, 1, profile_.next(Profile::kTest));
+  sumOfOne_.enqueue(queue, overlaps_.buffer(), places_.buffer(), count, totals_.buffer(), 0, profile_, prefixSums_);
+  walk_->compact.give({.meshes = meshes,
+                       .nodesA = pair.a.nodes,
+                       .nodesB = pair.b.nodes,
+                       .pairs = now_.buffer(),
+                       .count = count,
+                       .overlaps = overlaps_.buffer(),
+                       .places = places_.buffer(),
+                       .total = totals_.buffer(),
+                       .kept = kept_.buffer(),
+                       .weights = weights_.buffer()});
+  launch(queue, walk_->compact, group_, groups, 1, profile_.next(Profile::kCompact));
   // Words 2 and 3 of the totals.
   const BufferOf<otg_two_sums> totals(totals_.get());
-  sumOfTwo_.enqueue(queue, weights_.buffer(), placesOfTwo_.buffer(), count, totals, 1, profile_);
+  sumOfTwo_.enqueue(queue, weights_.buffer(), placesOfTwo_.buffer(), count, totals, 1, profile_, prefixSums_);
 }
 
 /// Pairs of leaves to their list, pairs of children to `next_`; again where a list was too short.
@@ -240,10 +307,11 @@ void LevelsLane::distribute(const otg_device_pair& pair, Meshes meshes, std::uin
                                   .weights = weights_.buffer(),
                                   .places = placesOfTwo_.buffer(),
                                   .count = count};
-    split_.give({.level = level, .begin = leafCount_, .leaves = leaves_.buffer(), .leafCapacity = leaves_.places()});
-    launch(queue, split_, group_, groups, 1, profile_.next(Profile::kSplit));
-    spawn_.give({.level = level, .next = next_.buffer(), .nextCapacity = next_.places()});
-    launch(queue, spawn_, group_, groups, 1, profile_.next(Profile::kSpawn));
+    walk_->split.give(
+        {.level = level, .begin = leafCount_, .leaves = leaves_.buffer(), .leafCapacity = leaves_.places()});
+    launch(queue, walk_->split, group_, groups, 1, profile_.next(Profile::kSplit));
+    walk_->spawn.give({.level = level, .next = next_.buffer(), .nextCapacity = next_.places()});
+    launch(queue, walk_->spawn, group_, groups, 1, profile_.next(Profile::kSpawn));
     readBlocking(queue, totals_.get(), sizeof totals, totals, profile_.next(Profile::kReadBack));
     counts.overlapping = totals[0];
     counts.leafPairs = totals[2];

@@ -23,6 +23,11 @@ class LevelsLane {
   /// As PairLane::run, but for the counts of box tests and of pairs of triangles, which are in steps(). Throws ClError.
   PairAnswer run(const Query& query, const PairFrame& frame, bool contacts, const LevelsOptions& how);
 
+  /// The middle phase alone: pairs of triangles, by number, in the order of the traversal. False where there are more
+  /// than the query may have. Throws ClError.
+  bool findCandidates(const Query& query, const PairFrame& frame, const LevelsOptions& how,
+                      std::vector<TrianglePair>& candidates);
+
   /// Of the last query.
   const std::vector<LevelsStep>& steps() const { return steps_; }
   std::uint64_t bytesSent() const { return bytesSent_; }
@@ -31,10 +36,18 @@ class LevelsLane {
   std::uint64_t repeats() const { return repeats_; }
 
  private:
-  /// A mesh as it is sent, kept on the host between queries.
+  /// A mesh as it is sent, kept on the host between queries: all of it, or its nodes as integers alone.
   struct SentMesh {
     std::weak_ptr<const void> of;
     PackedMesh mesh;
+    bool nodesAlone;
+  };
+  /// Of the middle phase, for one kind of nodes.
+  struct WalkKernels {
+    KernelFor<given::LevelsTest> test;
+    KernelFor<given::LevelsCompact> compact;
+    KernelFor<given::LevelsSplit> split;
+    KernelFor<given::LevelsSpawn> spawn;
   };
   /// The kernels of the near phase for one way of deciding, made when first asked for.
   struct FusedKernels {
@@ -50,10 +63,15 @@ class LevelsLane {
   using Meshes = BufferOf<const otg_mesh_unit>;
   FusedKernels& fusedKernels(bool contacts, bool reduce);
   NearKernels& nearKernels(bool contacts, bool reduce);
+  /// Calls use(pair, meshes), with meshes that are there or that are sent.
+  template <class Use>
+  void onMeshes(const Query& query, const PairFrame& frame, bool sendTrees, bool nodesAlone, Use&& use);
   PairAnswer runOn(const otg_device_pair& pair, const Query& query, Meshes meshes, bool contacts,
                    const LevelsOptions& how);
-  const PackedMesh& packed(const CollisionMesh& mesh, int side);
-  void walk(const otg_device_pair& pair, const Query& query, Meshes meshes, std::uint32_t startDepth);
+  const PackedMesh& packed(const CollisionMesh& mesh, int side, bool nodesAlone);
+  void send(const Query& query, bool nodesAlone, otg_device_pair& pair);
+  void makeWalk(bool nodesAlone);
+  void walk(const otg_device_pair& pair, const Query& query, Meshes meshes, const LevelsOptions& how);
   std::uint32_t begin(const Query& query, std::uint32_t startDepth);
   void step(const otg_device_pair& pair, Meshes meshes, std::uint32_t count);
   void distribute(const otg_device_pair& pair, Meshes meshes, std::uint32_t count, LevelsStep& counts);
@@ -71,10 +89,9 @@ class LevelsLane {
   const std::size_t group_, groups_;
   QueueHandle queue_;
   KernelFor<given::LevelsBegin> begin_;
-  KernelFor<given::LevelsTest> test_;
-  KernelFor<given::LevelsCompact> compact_;
-  KernelFor<given::LevelsSplit> split_;
-  KernelFor<given::LevelsSpawn> spawn_;
+  WalkKernels walks_[2];         ///< of nodes as floats, of nodes as integers
+  WalkKernels* walk_ = nullptr;  ///< one of them: of this query
+  PrefixSums prefixSums_ = PrefixSums::kPublished;
   KernelFor<given::LevelsReset> reset_;
   FusedKernels fused_[3];  ///< pairs alone, contacts, contacts to be reduced
   NearKernels near_[3];    ///< the same

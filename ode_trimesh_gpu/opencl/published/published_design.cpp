@@ -18,13 +18,16 @@ PublishedDesign::Levels::Levels(Context& context, const std::shared_ptr<MemoryBu
       lanes(context, meshes, tuning),
       profiled(context, meshes, withProfile(tuning)) {}
 
+PublishedDesign::Near::Near(Context& context, MeshStore& meshes, const Tuning& tuning)
+    : lanes(context, meshes, tuning), profiled(context, meshes, withProfile(tuning)) {}
+
 PublishedDesign::PublishedDesign(Context& context, MeshStore& meshes, const Tuning& tuning, Counters counters)
     : context_(context),
       meshes_(meshes),
       tuning_(tuning),
       counters_(counters),
-      phases_(context, meshes, tuning),
-      soupPlaces_(tuning.leafTriangles) {}
+      middle_(context, meshes, tuning),
+      near_(context, meshes, tuning) {}
 
 PublishedDesign::Levels& PublishedDesign::levels() {
   const std::lock_guard lock(mutex_);
@@ -39,7 +42,8 @@ const PublishedDesign::Levels* PublishedDesign::levelsIfMade() const {
 
 std::uint64_t PublishedDesign::repeats() const {
   const Levels* const made = levelsIfMade();
-  return phases_.repeats() + (made ? made->lanes.repeats() + made->profiled.repeats() : 0);
+  return middle_.repeats() + near_.lanes.repeats() + near_.profiled.repeats() +
+         (made ? made->lanes.repeats() + made->profiled.repeats() : 0);
 }
 
 MeshStore::Counts PublishedDesign::meshCounts() const {

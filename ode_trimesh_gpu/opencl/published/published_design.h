@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The published design on one device: its traversal by levels, and queries of which one phase runs there. Beside the
+// The published design on one device: its traversal by levels, its near phase, and queries of which
+// one phase runs there. Beside the
 // rooms of the backend, which reaches it in one place: opencl/backend_published.cpp.
 #pragma once
 
@@ -12,7 +13,8 @@
 #include "opencl/lanes/lane_pool.h"
 #include "opencl/published/levels.h"
 #include "opencl/published/levels_lane.h"
-#include "opencl/published/phase_lane.h"
+#include "opencl/published/middle_lane.h"
+#include "opencl/published/near_lane.h"
 
 namespace otg::opencl {
 
@@ -39,8 +41,15 @@ class PublishedDesign {
   /// One phase on the device, the other one is the caller's: as otg::middlePhase, with pairs of triangles of the
   /// device's leaves, in any order;
   bool findCandidates(const Query& query, Workspace& workspace);
-  /// as otg::nearPhase, for candidates from anywhere.
-  bool decideCandidates(const Query& query, Workspace& workspace);
+  /// the same by levels;
+  bool findCandidatesByLevels(const Query& query, Workspace& workspace, const LevelsOptions& how = {},
+                              LevelsReport* report = nullptr, bool profile = false);
+  /// as otg::nearPhase, for candidates from anywhere;
+  bool decideCandidates(const Query& query, Workspace& workspace, NearOrder order = NearOrder::kFilterFirst);
+  /// and all that follows a middle phase: workspace.candidates -> workspace.reduced, as otg::collide leaves it. The
+  /// device makes contacts of the model `pairwise` where it has doubles.
+  bool collideCandidates(const Query& query, Workspace& workspace, NearOrder order = NearOrder::kFilterFirst,
+                         NearReport* report = nullptr, bool profile = false);
 
   /// Runs in vain because a list was too short.
   std::uint64_t repeats() const;
@@ -54,6 +63,15 @@ class PublishedDesign {
     LanePool<LevelsLane> lanes, profiled;
     Levels(Context& context, const std::shared_ptr<MemoryBudget>& budget, const Tuning& tuning);
   };
+  /// Lanes for candidates from anywhere.
+  struct Near {
+    LanePool<NearLane> lanes, profiled;
+    Near(Context& context, MeshStore& meshes, const Tuning& tuning);
+  };
+  /// Decides workspace.candidates, with contacts and their regions if `contacts`; whether these are there. Throws
+  /// ClError.
+  bool decide(const Query& query, Workspace& workspace, NearOrder order, bool contacts, bool profile,
+              NearReport& report);
   /// Made when first asked for. Throws ClError.
   Levels& levels();
   const Levels* levelsIfMade() const;
@@ -62,8 +80,8 @@ class PublishedDesign {
   MeshStore& meshes_;
   const Tuning tuning_;
   const Counters counters_;
-  LanePool<PhaseLane> phases_;
-  SoupPlaces soupPlaces_;
+  LanePool<MiddleLane> middle_;
+  Near near_;
   mutable std::mutex mutex_;
   std::unique_ptr<Levels> levels_;
 };

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The middle phase without the near phase, and the other way round, for queries whose other phase runs on the host.
-// OTG_GROUP is the size of work-groups, a multiple of 8; OTG_CONTACTS is 0.
-#include "pairwise/pair_record.h"
+// The middle phase by the trees of the usual traversal, without the near phase. OTG_GROUP is the size of work-groups, a
+// multiple of 8.
+#include "walk/pair_walk.h"
+//
 #include "shared/layout/published_given.h"
 
 /// Both trees by one step: the larger box of each pair of `in` is opened by eight lanes, a child each. Children whose
@@ -32,23 +33,6 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void middleStep(
         const uint placeB = pair.b.soup + 3 * ((uint)b.first + i % nb);
         if (slot + i < foundCapacity) found[slot + i] = (uint2)(as_uint(meshes[placeA].w), as_uint(meshes[placeB].w));
       }
-    }
-  }
-}
-
-/// Decides pairs of triangles, given by their places in the soups: a record for each, OTG_RECORD_APART, HIT or OPEN,
-/// whose `pair` is 1 where single precision could not decide.
-__kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void nearStep(OTG_GIVEN(NearStep)) {
-  for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-    const uint placeA = pair.a.soup + 3 * pairs[i].x, placeB = pair.b.soup + 3 * pairs[i].y;
-    const int answer = otgTestTriangles(meshes, &pair, pairs[i].x, pairs[i].y);
-    if (answer == OTG_UNDECIDED) {
-      otgMakeRecord(meshes, placeA, placeB, 1, bInA, 1, records + i);
-    } else {
-      records[i].a = as_uint(meshes[placeA].w);
-      records[i].b = as_uint(meshes[placeB].w);
-      records[i].kind = answer == OTG_DISJOINT ? OTG_RECORD_APART : OTG_RECORD_HIT;
-      records[i].pair = 0;
     }
   }
 }

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pages stay true: those of concepts hold no measured tables and no commits, results are written by the script, trials are dated,
+and links lead somewhere. Run as: python3 test_documents.py"""
+import pathlib
+import re
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+CONCEPTS = sorted([ROOT / "README.md", *ROOT.glob("docs/*.md")])
+RESULTS = sorted(ROOT.glob("docs/results/*.md"))
+LAB = sorted(ROOT.glob("docs/lab/*.md"))
+# Seven, ten or sixteen digits of a hash: not a number, not a word.
+HASH = re.compile(r"(?<![\w.#-])(?=[0-9a-f]*[a-f])(?=[0-9a-f]*[0-9])(?:[0-9a-f]{7}|[0-9a-f]{10}|[0-9a-f]{16})(?![\w.-])")
+NUMBER = re.compile(r"[-+~<>≤≥]*\d[\d,.e+-]*( ?/ ?[\d,.e+-]+)*\s?%?")
+
+
+def numbers_in(line):
+    return sum(bool(NUMBER.fullmatch(cell.strip())) for cell in line.strip().strip("|").split("|"))
+
+
+def anchors_of(page):
+    """As GitHub makes them of headings."""
+    anchors, fenced = set(), False
+    for line in page.read_text().splitlines():
+        fenced ^= line.startswith("```")
+        if line.startswith("#") and not fenced:
+            text = re.sub(r"[^\w\- ]", "", line.lstrip("#").strip().lower())
+            anchors.add(text.replace(" ", "-"))
+    return anchors
+
+
+class Documents(unittest.TestCase):
+    def test_concepts_hold_no_numbers_of_a_run(self):
+        self.assertGreater(len(CONCEPTS), 8)
+        for page in CONCEPTS:
+            for number, line in enumerate(page.read_text().splitlines(), 1):
+                with self.subTest(place="%s:%d" % (page.relative_to(ROOT), number)):
+                    self.assertIsNone(HASH.search(line), "a commit or a hash of an answer belongs to results or lab")
+                    if line.startswith("|"):
+                        self.assertLess(numbers_in(line), 3, "a measured table belongs to docs/results")
+
+    def test_results_are_written_by_the_script(self):
+        self.assertTrue((ROOT / "docs/results/counts.md").is_file())
+        index = (ROOT / "docs/results/README.md").read_text()
+        for page in RESULTS:
+            if page.name == "README.md":
+                continue
+            text = page.read_text()
+            with self.subTest(page=page.name):
+                self.assertIn("(%s)" % page.name, index)
+                self.assertIn("Written by `scripts/results.sh`", text)
+                self.assertRegex(text, r"(?m)^    .*build/bin/otg bench ")
+                self.assertRegex(text, r"(?m)^(Measured \d{4}-\d\d-\d\d at commit [0-9a-f]{7,} on .+|Holds on every machine)\.$")
+                self.assertNotIn("DIFFERENT", text, "an answer is not the CPU's")
+
+    def test_trials_are_dated(self):
+        index = (ROOT / "docs/lab/README.md").read_text()
+        for page in LAB:
+            if page.name != "README.md":
+                self.assertRegex(page.name, r"^\d{4}-\d\d-[a-z_]+\.md$")
+                self.assertIn("(%s)" % page.name, index)
+
+    def test_links_lead_somewhere(self):
+        seen = 0
+        for page in [*CONCEPTS, *RESULTS, *LAB]:
+            text = re.sub(r"```.*?```", "", page.read_text(), flags=re.S)
+            for link in re.findall(r"\]\(([^)\s]+)\)", text):
+                if re.match(r"[a-z]+:", link):
+                    continue
+                path, _, anchor = link.partition("#")
+                target = (page.parent / path).resolve() if path else page
+                with self.subTest(page=str(page.relative_to(ROOT)), link=link):
+                    self.assertTrue(target.exists(), "leads nowhere")
+                    if anchor:
+                        self.assertIn(anchor, anchors_of(target))
+                seen += 1
+        self.assertGreater(seen, 80)
+
+
+if __name__ == "__main__":
+    unittest.main()
