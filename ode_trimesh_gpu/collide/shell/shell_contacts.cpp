@@ -337,7 +337,7 @@ void shellContacts(const Query& query, Workspace& workspace) {
   }
   remember(query, roles, before, approach, state, scratch.contacts);
   for (const Contact& c : scratch.contacts) workspace.contacts.push_back(placed(query, roles, c));
-  workspace.reduced = limitContacts(workspace.contacts, query.options.maxContacts);
+  limitContacts(workspace.contacts, query.options.maxContacts, workspace.reduced);
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   }
