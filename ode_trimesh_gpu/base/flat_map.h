@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory_resource>
 #include <vector>
 
 #include "base/hash.h"
@@ -12,6 +13,8 @@ namespace otg {
 class FlatMap {
  public:
   static constexpr std::uint32_t kMissing = 0xffffffffu;
+
+  explicit FlatMap(std::pmr::memory_resource* memory = std::pmr::get_default_resource()) : slots_(memory) {}
 
   void clear() {
     size_ = 0;
@@ -54,7 +57,7 @@ class FlatMap {
   };
   std::size_t mask() const { return slots_.size() - 1; }
   void grow() {
-    std::vector<Slot> old(slots_.empty() ? 64 : 2 * slots_.size());
+    std::pmr::vector<Slot> old(slots_.empty() ? 64 : 2 * slots_.size(), slots_.get_allocator());
     old.swap(slots_);
     const std::uint32_t live = epoch_;
     epoch_ = 1;
@@ -63,7 +66,7 @@ class FlatMap {
       if (slot.epoch == live && live != 0) insert(slot.key, slot.value);
     }
   }
-  std::vector<Slot> slots_;
+  std::pmr::vector<Slot> slots_;
   std::size_t size_ = 0;
   std::uint32_t epoch_ = 1;
 };

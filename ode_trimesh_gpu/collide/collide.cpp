@@ -28,7 +28,7 @@ void collideIntersecting(const Query& query, Workspace& workspace) {
   } else if (isConvexPair(query) && convexPairContacts(query, workspace)) {
     return;
   } else if (!areShells(query) && solidContacts(query, workspace)) {
-    workspace.reduced = limitContacts(workspace.contacts, query.options.maxContacts);
+    limitContacts(workspace.contacts, query.options.maxContacts, workspace.reduced);
   } else {
     shellContacts(query, workspace);
   }

@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory_resource>
 
+#include "base/insertion_sort.h"
 #include "base/vectors.h"
 #include "bvh/wide_search.h"
 #include "collide/inside_test.h"
@@ -215,8 +216,10 @@ void keepOutermost(const Capsule& capsule, std::pmr::vector<TouchingPlace>& plac
   const std::size_t first = out.size();
   std::uint32_t number = 0;
   for (auto begin = places.begin(); begin != places.end(); ++number) {
-    const auto end = std::stable_partition(
-        begin, places.end(), [&](const TouchingPlace& p) { return otgDot(p.away, begin->away) > kSameNormal; });
+    // The deepest's own normal, which takes no other place.
+    const Vec3d away = begin->away;
+    const auto end = partitionInOrder(begin, places.end(),
+                                      [&](const TouchingPlace& p) { return otgDot(p.away, away) > kSameNormal; });
     const auto [low, high] =
         std::minmax_element(begin, end, [](const TouchingPlace& x, const TouchingPlace& y) { return x.at < y.at; });
     const auto add = [&](const TouchingPlace& p) {
@@ -237,8 +240,8 @@ void keepOutermost(const Capsule& capsule, std::pmr::vector<TouchingPlace>& plac
     if (isHighApart) add(*high);
     begin = end;
   }
-  std::stable_sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
-                   [](const Contact& x, const Contact& y) { return x.depth > y.depth; });
+  insertionSort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
+                [](const Contact& x, const Contact& y) { return x.depth > y.depth; });
 }
 
 }  // namespace

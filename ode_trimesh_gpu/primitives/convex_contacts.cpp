@@ -34,18 +34,21 @@ class ShapeRefiner final : public RegionRefiner {
     low_ = region.lo;
     high_ = region.hi;
     placed_.emplace(shape_, query_.bInA, origin_);
+    memory_ = all.memory;
+    patch_.emplace(memory_);
+    walls_.emplace(memory_);
     settled_ = hasWalls_ = false;
     trusted_ = !direction.entangled && !direction.escaping && !region.contained && !region.bad;
     if (!trusted_) {
       // The walls of a groove contradict each other, however shallow the overlap.
       const bool isGroove = region.thickness < kThin * region.diagonal && !region.contained && !region.bad;
-      hasWalls_ = isGroove && walls_.read(meshes, all, region, *placed_, {}, false);
+      hasWalls_ = isGroove && walls_->read(meshes, all, region, *placed_, {}, false);
       return false;
     }
-    const bool isConvex = patch_.read(meshes, all, region) || patch_.readDense(meshes, all, region, *placed_);
-    hasWalls_ = walls_.read(meshes, all, region, *placed_, patch_.triangles(), isConvex);
+    const bool isConvex = patch_->read(meshes, all, region) || patch_->readDense(meshes, all, region, *placed_);
+    hasWalls_ = walls_->read(meshes, all, region, *placed_, patch_->triangles(), isConvex);
     if (!isConvex) return false;
-    way_ = patch_.leave(*placed_, unit(region.push) * -1.0);
+    way_ = patch_->leave(*placed_, unit(region.push) * -1.0);
     settled_ = std::isfinite(way_.depth);
     hasWalls_ = hasWalls_ && settled_;
     if (!settled_) return false;
@@ -54,6 +57,13 @@ class ShapeRefiner final : public RegionRefiner {
   }
 
   void refine(std::vector<Contact>& contacts, std::size_t first) override {
+    correct(contacts, first);
+    patch_.reset();
+    walls_.reset();
+  }
+
+ private:
+  void correct(std::vector<Contact>& contacts, std::size_t first) {
     const auto begin = contacts.begin() + static_cast<std::ptrdiff_t>(first);
     if (settled_ && !(way_.depth > 0)) {  // the facets overlap, the round shape does not
       contacts.erase(begin, contacts.end());
@@ -77,18 +87,17 @@ class ShapeRefiner final : public RegionRefiner {
         addDeepest(contacts, first);
         if (onLine()) keepEnds(contacts, first);
       }
-    } else if (settled_ && (way_.overEdges || contacts.size() == first || patch_.isDense())) {
+    } else if (settled_ && (way_.overEdges || contacts.size() == first || patch_->isDense())) {
       // Cells of many triangles tell depths less well than the planes of all.
       for (auto it = begin; it != contacts.end(); ++it) it->depth = std::min(it->depth, way_.depth);
       addDeepest(contacts, first);
     }
     if (settled_ && !shape_.isCurved()) undoRounding(contacts, first);
-    if (hasWalls_ && !settled_) walls_.limitDepths(contacts, first);
-    if (hasWalls_) walls_.complete(*placed_, kSamePlace * diagonal_, contacts, first);
-    keepEachDirection(contacts, first, static_cast<std::size_t>(query_.options.solid.contactsPerRegion));
+    if (hasWalls_ && !settled_) walls_->limitDepths(contacts, first);
+    if (hasWalls_) walls_->complete(*placed_, kSamePlace * diagonal_, contacts, first);
+    keepEachDirection(contacts, first, static_cast<std::size_t>(query_.options.solid.contactsPerRegion), memory_);
   }
 
- private:
   /// How much of the shape's axis lies along the way out.
   double slope() const { return std::fabs(placed_->directionToLocal(way_.direction).z); }
   /// Contacts lie along a line of the round side.
@@ -107,7 +116,7 @@ class ShapeRefiner final : public RegionRefiner {
   /// With the direction fixed: place and depth on the round shape and the patch's planes.
   bool onPatch(Contact& c) const {
     const Vec3d d = way_.direction, p = placed_->rearNear(d, c.position - origin_);
-    const double ahead = patch_.wayOut(p, d);
+    const double ahead = patch_->wayOut(p, d);
     if (!(ahead > 0) || !std::isfinite(ahead)) return false;
     const double behind = std::max(0.0, placed_->exitDistance(p, d * -1.0));
     const double depth = std::min(ahead + behind, way_.depth);
@@ -141,7 +150,7 @@ class ShapeRefiner final : public RegionRefiner {
   void addDeepest(std::vector<Contact>& contacts, std::size_t first) const {
     const auto begin = contacts.begin() + static_cast<std::ptrdiff_t>(first);
     Contact deepest{};
-    deepest.triangleA = patch_.anyTriangle();
+    deepest.triangleA = patch_->anyTriangle();
     deepest.coherence = 1;
     if (contacts.size() > first) {
       deepest = *std::max_element(begin, contacts.end(),
@@ -177,7 +186,7 @@ class ShapeRefiner final : public RegionRefiner {
     const auto most =
         std::max_element(begin, contacts.end(), [](const Contact& x, const Contact& y) { return x.depth < y.depth; });
     const auto isFar = [&](const Contact& c) { return std::fabs(along(c) - along(*most)) > kSamePlace * diagonal_; };
-    std::vector<Contact> kept;
+    std::pmr::vector<Contact> kept(memory_);
     for (const auto& end : {low, high}) {
       if (isFar(*end)) kept.push_back(*end);
     }
@@ -190,8 +199,10 @@ class ShapeRefiner final : public RegionRefiner {
   const Query& query_;
   const ConvexShape& shape_;
   std::optional<PlacedShape> placed_;
-  ConvexPatch patch_;
-  RegionWalls walls_;
+  std::pmr::memory_resource* memory_ = nullptr;
+  // In the region's memory.
+  std::optional<ConvexPatch> patch_;
+  std::optional<RegionWalls> walls_;
   Vec3d origin_{};
   double diagonal_ = 0;
   Vec3d low_{}, high_{};  ///< of the region
@@ -207,7 +218,7 @@ bool regionContacts(const Query& query, const ConvexShape& shape, Workspace& wor
   refined.refiner = &refiner;
   findIntersectingPairs(refined, workspace);
   if (query.options.contacts != ContactModel::kSolid || !solidContacts(refined, workspace)) return false;
-  workspace.reduced = limitContacts(workspace.contacts, query.options.maxContacts);
+  limitContacts(workspace.contacts, query.options.maxContacts, workspace.reduced);
   return true;
 }
 

@@ -41,7 +41,7 @@ bool ConvexPatch::read(const PlacedMeshes& meshes, const OverlapRegions& all, co
     return false;
   tolerance_ = toleranceOf(meshes, region);
 
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> planeOf;  // triangle, plane
+  std::pmr::vector<std::pair<std::uint32_t, std::uint32_t>> planeOf(memory_);  // triangle, plane
   for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
     const Piece& p = all.pieces[i];
     if (p.mesh != 0) continue;
@@ -74,7 +74,7 @@ bool ConvexPatch::read(const PlacedMeshes& meshes, const OverlapRegions& all, co
 }
 
 void ConvexPatch::readEdges(const PlacedMeshes& meshes,
-                            const std::vector<std::pair<std::uint32_t, std::uint32_t>>& planeOf) {
+                            const std::pmr::vector<std::pair<std::uint32_t, std::uint32_t>>& planeOf) {
   const TriMesh& mesh = meshes.mesh(0);
   for (const auto& [triangle, plane] : planeOf) {
     for (std::uint32_t k = 0; k < 3; ++k) {
@@ -104,14 +104,15 @@ double ConvexPatch::wayOut(const Vec3d& point, const Vec3d& d) const {
 bool ConvexPatch::isInCone(const Vec3d& d, const Vec3d& at) const {
   constexpr double kRounding = 1e-6;
   constexpr std::size_t kMostActive = 12;
-  std::vector<Vec3d> active;
+  Vec3d active[kMostActive];
+  std::size_t count = 0;
   for (const Plane& plane : planes_) {
     if (plane.offset - otgDot(plane.normal, at) > tolerance_) continue;
-    if (active.size() == kMostActive) return false;
-    active.push_back(plane.normal);
+    if (count == kMostActive) return false;
+    active[count++] = plane.normal;
   }
   // A cone is the union of those of three of its directions (or of two, or one).
-  for (std::size_t i = 0; i < active.size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     if (otgDot(active[i], d) > 1 - 1e-12) return true;
     for (std::size_t j = 0; j < i; ++j) {
       const Vec3d n = otgCross(active[i], active[j]);
@@ -222,22 +223,27 @@ void ConvexPatch::tryEdge(const PlacedShape& shape, const Edge& edge, WayOut& be
   offerEdge(d, 1.0, std::fabs(otgDot(d, axis)) < 1e-3 ? axis : Vec3d{0, 0, 0});
 }
 
-Vec3d PlacedShape::rearNear(const Vec3d& d, const Vec3d& position) const {
-  Vec3d p = toLocal(position);
-  const Vec3d back = directionToLocal(d) * -1.0;
-  const double radius = shape_->radius, slope = std::fabs(back.z);
-  p.z = std::clamp(p.z, -shape_->length, shape_->length);
-  if (shape_->kind == ConvexShape::Kind::kCapsule) return fromLocal(Vec3d{0, 0, p.z} + back * radius);
-  const double across = std::sqrt(back.x * back.x + back.y * back.y), out = std::sqrt(p.x * p.x + p.y * p.y);
-  if (slope < kOnSide) {
-    p.x = radius * back.x / across;
-    p.y = radius * back.y / across;
-  } else if (out > radius) {
+PlacedShape::Rear::Rear(const PlacedShape& shape, const Vec3d& d)
+    : shape_(shape),
+      back_(shape.directionToLocal(d) * -1.0),
+      slope_(std::fabs(back_.z)),
+      across_(std::sqrt(back_.x * back_.x + back_.y * back_.y)) {}
+
+Vec3d PlacedShape::Rear::near(const Vec3d& position) const {
+  const ConvexShape& shape = shape_.shape();
+  Vec3d p = shape_.toLocal(position);
+  const double radius = shape.radius;
+  p.z = std::clamp(p.z, -shape.length, shape.length);
+  if (shape.kind == ConvexShape::Kind::kCapsule) return shape_.fromLocal(Vec3d{0, 0, p.z} + back_ * radius);
+  if (slope_ < kOnSide) {
+    p.x = radius * back_.x / across_;
+    p.y = radius * back_.y / across_;
+  } else if (const double out = std::sqrt(p.x * p.x + p.y * p.y); out > radius) {
     p.x *= radius / out;
     p.y *= radius / out;
   }
-  if (slope > kOnEnd) p.z = std::copysign(shape_->length, back.z);
-  return fromLocal(p);
+  if (slope_ > kOnEnd) p.z = std::copysign(shape.length, back_.z);
+  return shape_.fromLocal(p);
 }
 
 Vec3d wayToRoundSide(const PlacedShape& shape, const Vec3d& point) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cmath>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -29,8 +30,18 @@ class PlacedShape {
   /// Its point that is last to leave when it moves along d, and how far that is along d.
   Vec3d rear(const Vec3d& d) const { return fromLocal(shape_->support(directionToLocal(d) * -1.0)); }
   double rearAlong(const Vec3d& d) const { return otgDot(d, rear(d)); }
-  /// Of a curved shape: the point nearest to p of those that are about as late.
-  Vec3d rearNear(const Vec3d& d, const Vec3d& p) const;
+  /// Of a curved shape that moves along d: to a point the nearest of those that are about as late.
+  class Rear {
+   public:
+    Rear(const PlacedShape& shape, const Vec3d& d);
+    Vec3d near(const Vec3d& p) const;
+
+   private:
+    const PlacedShape& shape_;
+    Vec3d back_;  ///< against d, in the shape's frame
+    double slope_, across_;
+  };
+  Vec3d rearNear(const Vec3d& d, const Vec3d& p) const { return Rear(*this, d).near(p); }
   /// Whether a curved shape leaves with one point of a rim last.
   bool standsOnPoint(const Vec3d& d) const {
     const double slope = std::fabs(directionToLocal(d).z);
@@ -64,6 +75,15 @@ class ConvexPatch {
  public:
   /// A region of more pieces is a dense one.
   static constexpr std::uint32_t kMostPieces = 256;
+
+  explicit ConvexPatch(std::pmr::memory_resource* memory)
+      : memory_(memory),
+        planes_(memory),
+        edges_(memory),
+        points_(memory),
+        corners_(memory),
+        triangles_(memory),
+        vertices_(memory) {}
 
   /// Reads the surface of mesh A in the region. Returns whether it is convex: no point of the region lies in front of
   /// any of its planes, to within the rounding of its vertices.
@@ -99,7 +119,7 @@ class ConvexPatch {
   struct Edge {
     Vec3d point, direction, normal1, normal2;
   };
-  void readEdges(const PlacedMeshes& meshes, const std::vector<std::pair<std::uint32_t, std::uint32_t>>& planeOf);
+  void readEdges(const PlacedMeshes& meshes, const std::pmr::vector<std::pair<std::uint32_t, std::uint32_t>>& planeOf);
   bool hasSupport(const Vec3d& d, double& height) const;
   bool isInCone(const Vec3d& d, const Vec3d& at) const;
   bool isConvexDense() const;
@@ -111,17 +131,18 @@ class ConvexPatch {
   void offer(const PlacedShape& shape, const Vec3d& d, double height, double handicap, WayOut& best) const;
   void tryEdge(const PlacedShape& shape, const Edge& edge, WayOut& best) const;
 
+  std::pmr::memory_resource* memory_;
   Vec3d origin_{};
   double tolerance_ = 0;
   std::uint32_t anyTriangle_ = kNone;
-  std::vector<Plane> planes_;
-  std::vector<Edge> edges_;
-  std::vector<Vec3d> points_;   ///< of mesh A's surface in the region
-  std::vector<Vec3d> corners_;  ///< those of them that are vertices
+  std::pmr::vector<Plane> planes_;
+  std::pmr::vector<Edge> edges_;
+  std::pmr::vector<Vec3d> points_;   ///< of mesh A's surface in the region
+  std::pmr::vector<Vec3d> corners_;  ///< those of them that are vertices
   // Dense patches have a plane for each triangle instead.
   const CollisionMesh* dense_ = nullptr;
-  std::vector<std::uint32_t> triangles_;  ///< ascending; triangle i has plane i
-  std::vector<std::uint32_t> vertices_;   ///< welded, of these triangles, ascending
+  std::pmr::vector<std::uint32_t> triangles_;  ///< ascending; triangle i has plane i
+  std::pmr::vector<std::uint32_t> vertices_;   ///< welded, of these triangles, ascending
 };
 
 }  // namespace otg

@@ -136,7 +136,7 @@ void ConvexPatch::tryAround(const PlacedShape& shape, std::uint32_t number, cons
 WayOut ConvexPatch::leaveDense(const PlacedShape& shape, const Vec3d& out) const {
   WayOut best;
   best.depth = std::numeric_limits<double>::infinity();
-  std::vector<std::pair<double, std::uint32_t>> ways;
+  std::pmr::vector<std::pair<double, std::uint32_t>> ways(memory_);
   for (std::uint32_t i = 0; i < planes_.size(); ++i) {
     const Plane& plane = planes_[i];
     if (!(otgDot(plane.normal, out) >= 0)) continue;

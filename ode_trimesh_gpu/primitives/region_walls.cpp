@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "base/insertion_sort.h"
 #include "base/vectors.h"
 #include "collide/inside_test.h"
 #include "collide/solid/shortest_translation.h"
@@ -36,8 +37,8 @@ bool isBefore(const Vec3d& a, const Vec3d& b, double step) {
 }
 
 /// The shortest translation of the shape that satisfies all contacts; none where they leave no way.
-std::optional<Vec3d> shortestMove(std::span<const Contact> contacts) {
-  ShortestTranslation t;
+std::optional<Vec3d> shortestMove(std::span<const Contact> contacts, std::pmr::memory_resource* memory) {
+  ShortestTranslation t(memory);
   for (const Contact& c : contacts) {
     if (!t.add(c.normal * -1.0, c.depth)) return {};
   }
@@ -87,6 +88,10 @@ bool RegionWalls::read(const PlacedMeshes& meshes, const OverlapRegions& all, co
   }
   for (const std::uint32_t t : triangles) addInnerNeighbours(shape, t, named);
   if (std::none_of(walls_.begin(), walls_.end(), [](const Wall& w) { return w.counts; })) return false;
+  vertices_.clear();
+  if (!shape.shape().isCurved()) {
+    for (const Vec3d& v : shape.shape().vertices) vertices_.push_back(shape.fromLocal(v));
+  }
   const Vec3d middle = (region.lo + region.hi) * 0.5;
   for (std::uint32_t i = region.pointBegin; i < region.pointEnd; ++i) {
     const SupportPoint& p = all.points[i];
@@ -152,7 +157,7 @@ bool RegionWalls::isOn(const Wall& wall, const Vec3d& point) const {
 bool RegionWalls::isHeldBy(const Wall& wall, const Vec3d& point, double moved, const Inside* from) const {
   const double last = wall.wayOut(point), near = 2 * (last + moved);
   if (wall.beside(point + wall.normal * last) > near) return false;
-  std::vector<std::pair<double, const Wall*>> sooner;
+  std::pmr::vector<std::pair<double, const Wall*>> sooner(memory_);
   for (const Wall& w : walls_) {
     if (&w == &wall) continue;
     const double way = w.wayOut(point);
@@ -179,7 +184,8 @@ bool RegionWalls::isHeldBy(const Wall& wall, const Vec3d& point, double moved, c
 }
 
 /// Points of the shape that are in the wall still after the move, the deepest first.
-void RegionWalls::collect(const PlacedShape& shape, const Wall& wall, const Vec3d& move, std::vector<Hold>& out) const {
+void RegionWalls::collect(const PlacedShape& shape, const Wall& wall, const Vec3d& move,
+                          std::pmr::vector<Hold>& out) const {
   out.clear();
   const double asked = otgDot(wall.normal, move), near = 2 * norm(move);
   const auto add = [&](const Vec3d& p, const Inside* from) {
@@ -193,11 +199,12 @@ void RegionWalls::collect(const PlacedShape& shape, const Wall& wall, const Vec3
     // Where the surface of the wall is in the shape; or anywhere, if the shape is in it below another wall only.
     const bool isThere =
         std::any_of(points_.begin(), points_.end(), [&](const Inside& p) { return isOn(wall, p.crossing); });
+    const PlacedShape::Rear rear(shape, wall.normal);
     for (const Inside& p : points_) {
-      if (!isThere || isOn(wall, p.crossing)) add(shape.rearNear(wall.normal, p.point), nullptr);
+      if (!isThere || isOn(wall, p.crossing)) add(rear.near(p.point), nullptr);
     }
   } else {
-    for (const Vec3d& v : shape.shape().vertices) add(shape.fromLocal(v), nullptr);
+    for (const Vec3d& v : vertices_) add(v, nullptr);
     for (const Inside& p : points_) {
       if (!isOn(wall, p.crossing)) add(p.point, &p);
     }
@@ -214,7 +221,7 @@ void RegionWalls::collect(const PlacedShape& shape, const Wall& wall, const Vec3
 /// Holds the wall at the deepest of the shape's points in it and at those farthest from each other.
 bool RegionWalls::hold(const PlacedShape& shape, const Wall& wall, const Vec3d& move, double closest,
                        std::vector<Contact>& contacts, std::size_t first) const {
-  std::vector<Hold> holds;
+  std::pmr::vector<Hold> holds(memory_);
   collect(shape, wall, move, holds);
   double deepest = 0;
   std::size_t taken = 0;
@@ -245,8 +252,8 @@ bool RegionWalls::hold(const PlacedShape& shape, const Wall& wall, const Vec3d& 
 }
 
 /// Walls that the shape may be in after the move.
-std::vector<const RegionWalls::Wall*> RegionWalls::unmetWalls(const PlacedShape& shape, const Vec3d& move) const {
-  std::vector<const Wall*> unmet;
+std::pmr::vector<const RegionWalls::Wall*> RegionWalls::unmetWalls(const PlacedShape& shape, const Vec3d& move) const {
+  std::pmr::vector<const Wall*> unmet(memory_);
   for (const Wall& wall : walls_) {
     if (!wall.counts) continue;
     const double depth = wall.offset - shape.rearAlong(wall.normal);
@@ -260,8 +267,9 @@ std::vector<const RegionWalls::Wall*> RegionWalls::unmetWalls(const PlacedShape&
 }
 
 /// Points of the mesh that are in the shape after the move.
-std::vector<const RegionWalls::Inside*> RegionWalls::unmetPoints(const PlacedShape& shape, const Vec3d& move) const {
-  std::vector<const Inside*> unmet;
+std::pmr::vector<const RegionWalls::Inside*> RegionWalls::unmetPoints(const PlacedShape& shape,
+                                                                      const Vec3d& move) const {
+  std::pmr::vector<const Inside*> unmet(memory_);
   for (const Inside& at : onMesh_) {
     if (shape.exitDistance(at.crossing - move, {0, 0, 1}) >= 0) unmet.push_back(&at);
   }
@@ -273,20 +281,20 @@ std::vector<const RegionWalls::Inside*> RegionWalls::unmetPoints(const PlacedSha
 
 void RegionWalls::complete(const PlacedShape& shape, double closest, std::vector<Contact>& contacts,
                            std::size_t first) const {
-  std::optional<Vec3d> move = shortestMove(std::span(contacts).subspan(first));
+  std::optional<Vec3d> move = shortestMove(std::span(contacts).subspan(first), memory_);
   // A way that one wall asks for may lead into another.
   for (int round = 0; move && round < kMostRounds; ++round) {
     bool isDone = true;
     for (const Wall* wall : unmetWalls(shape, *move)) {
       if (!hold(shape, *wall, *move, closest, contacts, first)) continue;
       isDone = false;
-      move = shortestMove(std::span(contacts).subspan(first));
+      move = shortestMove(std::span(contacts).subspan(first), memory_);
       if (!move) return;
     }
     for (const Inside* at : unmetPoints(shape, *move)) {
       if (!holdPoint(shape, *at, *move, closest, contacts, first)) continue;
       isDone = false;
-      move = shortestMove(std::span(contacts).subspan(first));
+      move = shortestMove(std::span(contacts).subspan(first), memory_);
       if (!move) return;
     }
     if (isDone) return;
@@ -295,7 +303,7 @@ void RegionWalls::complete(const PlacedShape& shape, double closest, std::vector
 
 /// Ways along which a point of the mesh may be left: normals of the walls that it is on, and at an edge between two of
 /// them those in which the shape's own surface is nearest.
-void RegionWalls::waysAt(const PlacedShape& shape, const Vec3d& point, std::vector<Vec3d>& out) const {
+void RegionWalls::waysAt(const PlacedShape& shape, const Vec3d& point, std::pmr::vector<Vec3d>& out) const {
   out.clear();
   for (const Wall& wall : walls_) {
     if (isOn(wall, point)) out.push_back(wall.normal);
@@ -323,7 +331,7 @@ bool RegionWalls::holdPoint(const PlacedShape& shape, const Inside& at, const Ve
                             std::vector<Contact>& contacts, std::size_t first) const {
   const Vec3d &point = at.crossing, left = point - move;
   if (!(shape.exitDistance(left, {0, 0, 1}) >= 0)) return false;
-  std::vector<Vec3d> ways;
+  std::pmr::vector<Vec3d> ways(memory_);
   waysAt(shape, point, ways);
   Contact contact{};
   double least = far_;
@@ -357,7 +365,7 @@ bool RegionWalls::isInDoubt(const Contact& contact, const Vec3d& point) const {
 }
 
 void RegionWalls::limitDepths(std::vector<Contact>& contacts, std::size_t first) const {
-  std::vector<std::pair<double, const Wall*>> ahead;
+  std::pmr::vector<std::pair<double, const Wall*>> ahead(memory_);
   const auto isVoid = [&](Contact& c) {
     const Vec3d point = c.position + c.normal * (0.5 * c.depth) - origin_;  // of the shape
     if (!isInDoubt(c, point)) return false;
@@ -385,12 +393,13 @@ void RegionWalls::limitDepths(std::vector<Contact>& contacts, std::size_t first)
   contacts.erase(std::remove_if(begin, contacts.end(), isVoid), contacts.end());
 }
 
-void keepEachDirection(std::vector<Contact>& contacts, std::size_t first, std::size_t most) {
+void keepEachDirection(std::vector<Contact>& contacts, std::size_t first, std::size_t most,
+                       std::pmr::memory_resource* memory) {
   const auto begin = contacts.begin() + static_cast<std::ptrdiff_t>(first);
   const auto isDeeper = [](const Contact& x, const Contact& y) { return x.depth > y.depth; };
-  std::stable_sort(begin, contacts.end(), isDeeper);
+  insertionSort(begin, contacts.end(), isDeeper);
   if (contacts.size() <= first + most) return;
-  std::vector<Contact> leading, rest;
+  std::pmr::vector<Contact> leading(memory), rest(memory);
   for (auto it = begin; it != contacts.end(); ++it) {
     const bool known = std::any_of(leading.begin(), leading.end(),
                                    [&](const Contact& c) { return otgDot(c.normal, it->normal) > kSameWay; });
@@ -398,7 +407,7 @@ void keepEachDirection(std::vector<Contact>& contacts, std::size_t first, std::s
   }
   leading.insert(leading.end(), rest.begin(), rest.end());
   leading.resize(most);
-  std::stable_sort(leading.begin(), leading.end(), isDeeper);
+  insertionSort(leading.begin(), leading.end(), isDeeper);
   contacts.resize(first);
   contacts.insert(contacts.end(), leading.begin(), leading.end());
 }

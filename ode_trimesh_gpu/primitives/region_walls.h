@@ -2,6 +2,7 @@
 // Inner corners: where a convex shape is in several walls of a mesh at once, each of them has to be left.
 #pragma once
 
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,9 @@ namespace otg {
 /// both, and needs a contact for each.
 class RegionWalls {
  public:
+  explicit RegionWalls(std::pmr::memory_resource* memory)
+      : memory_(memory), walls_(memory), points_(memory), vertices_(memory), onMesh_(memory) {}
+
   /// `triangles`: of mesh A in the region, where pieces stand for several. `isConvex`: the region by itself is left as
   /// a whole, so that only walls beside it count. False where there is nothing to do, or more than it is worth.
   bool read(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region, const PlacedShape& shape,
@@ -51,27 +55,30 @@ class RegionWalls {
   };
   bool add(const Wall& wall);
   void addInnerNeighbours(const PlacedShape& shape, std::uint32_t triangle, std::uint32_t named);
-  void collect(const PlacedShape& shape, const Wall& wall, const Vec3d& move, std::vector<Hold>& out) const;
-  std::vector<const Wall*> unmetWalls(const PlacedShape& shape, const Vec3d& move) const;
-  std::vector<const Inside*> unmetPoints(const PlacedShape& shape, const Vec3d& move) const;
+  void collect(const PlacedShape& shape, const Wall& wall, const Vec3d& move, std::pmr::vector<Hold>& out) const;
+  std::pmr::vector<const Wall*> unmetWalls(const PlacedShape& shape, const Vec3d& move) const;
+  std::pmr::vector<const Inside*> unmetPoints(const PlacedShape& shape, const Vec3d& move) const;
   bool isOn(const Wall& wall, const Vec3d& point) const;
   bool isInDoubt(const Contact& contact, const Vec3d& point) const;
   bool isHeldBy(const Wall& wall, const Vec3d& point, double moved, const Inside* from) const;
   bool hold(const PlacedShape& shape, const Wall& wall, const Vec3d& move, double closest,
             std::vector<Contact>& contacts, std::size_t first) const;
-  void waysAt(const PlacedShape& shape, const Vec3d& point, std::vector<Vec3d>& out) const;
+  void waysAt(const PlacedShape& shape, const Vec3d& point, std::pmr::vector<Vec3d>& out) const;
   bool holdPoint(const PlacedShape& shape, const Inside& at, const Vec3d& move, double closest,
                  std::vector<Contact>& contacts, std::size_t first) const;
 
+  std::pmr::memory_resource* memory_;
   const PlacedMeshes* meshes_ = nullptr;
   Vec3d origin_{};
   double rounding_ = 0, onPlane_ = 0, far_ = 0;
-  std::vector<Wall> walls_;
-  std::vector<Inside> points_;  ///< those of flat shapes on their edges
-  std::vector<Inside> onMesh_;  ///< on edges and vertices of the mesh
+  std::pmr::vector<Wall> walls_;
+  std::pmr::vector<Inside> points_;   ///< those of flat shapes on their edges
+  std::pmr::vector<Vec3d> vertices_;  ///< of flat shapes
+  std::pmr::vector<Inside> onMesh_;   ///< on edges and vertices of the mesh
 };
 
 /// What is left of contacts of which there is room for `most`: of each direction the deepest, then the deepest of all.
-void keepEachDirection(std::vector<Contact>& contacts, std::size_t first, std::size_t most);
+void keepEachDirection(std::vector<Contact>& contacts, std::size_t first, std::size_t most,
+                       std::pmr::memory_resource* memory);
 
 }  // namespace otg

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Making convex shapes with their meshes, and keeping them.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <list>
 #include <map>
 #include <mutex>
+#include <span>
 
 #include "base/vectors.h"
 #include "primitives/convex_hull.h"
@@ -18,22 +20,30 @@ constexpr int kCylinderSegments = 24, kCapsuleSegments = 32, kCapsuleRings = 8;
 constexpr std::size_t kMostKept = 256;
 constexpr double kLargest = 1e15;  // coordinates beyond take the filters of single precision to their limits
 
+/// Looked for as it stands, without a vector of its own.
 using Key = std::vector<double>;
+using KeyView = std::span<const double>;
+struct KeyOrder {
+  using is_transparent = void;
+  bool operator()(const KeyView& x, const KeyView& y) const {
+    return std::lexicographical_compare(x.begin(), x.end(), y.begin(), y.end());
+  }
+};
 
 class Cache {
  public:
-  std::shared_ptr<const ConvexShape> find(const Key& key) {
+  std::shared_ptr<const ConvexShape> find(const KeyView& key) {
     const std::lock_guard lock(mutex_);
     const auto it = index_.find(key);
     if (it == index_.end()) return nullptr;
     order_.splice(order_.begin(), order_, it->second);
     return it->second->second;
   }
-  void store(const Key& key, std::shared_ptr<const ConvexShape> shape) {
+  void store(const KeyView& key, std::shared_ptr<const ConvexShape> shape) {
     const std::lock_guard lock(mutex_);
     if (index_.find(key) != index_.end()) return;
-    order_.emplace_front(key, std::move(shape));
-    index_.emplace(key, order_.begin());
+    order_.emplace_front(Key(key.begin(), key.end()), std::move(shape));
+    index_.emplace(order_.front().first, order_.begin());
     if (order_.size() > kMostKept) {
       index_.erase(order_.back().first);
       order_.pop_back();
@@ -43,7 +53,7 @@ class Cache {
  private:
   std::mutex mutex_;
   std::list<std::pair<Key, std::shared_ptr<const ConvexShape>>> order_;  ///< asked for last comes first
-  std::map<Key, decltype(order_)::iterator> index_;
+  std::map<Key, decltype(order_)::iterator, KeyOrder> index_;
 };
 
 Cache& cache() {
@@ -149,7 +159,7 @@ void describe(ConvexShape& shape, const std::vector<std::array<std::uint32_t, 3>
 
 /// The shape of a key: kept, or made and kept. `make` fills all but the mesh and returns the arrays of that.
 template <class Make>
-std::shared_ptr<const ConvexShape> keep(const Key& key, const Make& make) {
+std::shared_ptr<const ConvexShape> keep(const KeyView& key, const Make& make) {
   if (std::shared_ptr<const ConvexShape> known = cache().find(key)) return known;
   const auto shape = std::make_shared<ConvexShape>();
   shape->mesh = make(*shape).build();
@@ -158,7 +168,7 @@ std::shared_ptr<const ConvexShape> keep(const Key& key, const Make& make) {
   return shape;
 }
 
-std::shared_ptr<const ConvexShape> hullShape(const Key& key, std::span<const Vec3d> points, ConvexShape::Kind kind,
+std::shared_ptr<const ConvexShape> hullShape(const KeyView& key, std::span<const Vec3d> points, ConvexShape::Kind kind,
                                              const Vec3d& half) {
   if (std::shared_ptr<const ConvexShape> known = cache().find(key)) return known;
   const auto triangles = convexHull(points);
@@ -190,16 +200,16 @@ std::shared_ptr<const ConvexShape> hullShape(const Key& key, std::span<const Vec
 
 std::shared_ptr<const ConvexShape> boxShape(const Vec3d& half) {
   if (!isUsable(half.x) || !isUsable(half.y) || !isUsable(half.z)) return nullptr;
-  std::vector<Vec3d> corners;
-  for (int i = 0; i < 8; ++i) {
-    corners.push_back({i & 4 ? half.x : -half.x, i & 2 ? half.y : -half.y, i & 1 ? half.z : -half.z});
+  std::array<Vec3d, 8> corners;
+  for (std::size_t i = 0; i < 8; ++i) {
+    corners[i] = {i & 4 ? half.x : -half.x, i & 2 ? half.y : -half.y, i & 1 ? half.z : -half.z};
   }
-  return hullShape({0, half.x, half.y, half.z}, corners, ConvexShape::Kind::kBox, half);
+  return hullShape(std::array{0.0, half.x, half.y, half.z}, corners, ConvexShape::Kind::kBox, half);
 }
 
 std::shared_ptr<const ConvexShape> capsuleShape(double radius, double halfLength) {
   if (!isUsable(radius) || !(halfLength >= 0) || halfLength >= kLargest) return nullptr;
-  return keep({1, radius, halfLength}, [&](ConvexShape& shape) {
+  return keep(std::array{1.0, radius, halfLength}, [&](ConvexShape& shape) {
     shape.kind = ConvexShape::Kind::kCapsule;
     shape.radius = radius;
     shape.length = halfLength;
@@ -209,7 +219,7 @@ std::shared_ptr<const ConvexShape> capsuleShape(double radius, double halfLength
 
 std::shared_ptr<const ConvexShape> cylinderShape(double radius, double halfHeight) {
   if (!isUsable(radius) || !isUsable(halfHeight)) return nullptr;
-  return keep({2, radius, halfHeight}, [&](ConvexShape& shape) {
+  return keep(std::array{2.0, radius, halfHeight}, [&](ConvexShape& shape) {
     shape.kind = ConvexShape::Kind::kCylinder;
     shape.radius = radius;
     shape.length = halfHeight;

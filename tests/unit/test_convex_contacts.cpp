@@ -215,6 +215,48 @@ TEST_CASE("Random convex pairs against all separating axes", "[convex]") {
   CHECK(worst < 2.1e-3);
 }
 
+TEST_CASE("Boxes whose edges cross deep have contacts at their corners, too", "[convex]") {
+  std::mt19937 random(13);
+  const Body boxes[] = {bodyOf(scenes::makeBox({1, 1, 1})), bodyOf(scenes::makeBox({2, 0.4, 0.8}))};
+  Workspace workspace;
+  int edges = 0, deep = 0, several = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const CollisionMesh &a = *boxes[random() % 2], &b = *boxes[random() % 2];
+    const Query query = queryOf(a, b, randomPose(random, i % 2 ? 0.5 : 0.8));
+    const ConvexPair pair(*a.convex(), *b.convex(), query.bInA);
+    const ConvexAxis axis = leastOfBoxes(pair, static_cast<double>(a.mesh().radius() + b.mesh().radius()));
+    if (axis.of != ConvexAxis::Of::kEdges || !collideConvexPair(query, workspace)) continue;
+    // Not those that touch all but as faces.
+    const auto facing = [&](int body, double sign) {
+      double most = -1;
+      for (std::uint32_t f = 0; f < 6; ++f) most = std::max(most, sign * otgDot(pair.normal(body, f), axis.m));
+      return most;
+    };
+    if (std::min(facing(0, 1), facing(1, -1)) > 0.997) continue;
+    ++edges;
+    const auto depthIn = [&](int body, const Vec3d& p) {
+      double least = 1e9;
+      for (std::uint32_t f = 0; f < pair.body(body).faceCount(); ++f) {
+        const std::uint32_t on = pair.body(body).corner(pair.body(body).face(f).corner).vertex;
+        least = std::min(least, otgDot(unit(pair.normal(body, f)), pair.place(body, on) - p));
+      }
+      return least;
+    };
+    CHECK(workspace.reduced.front().depth == Approx(axis.overlap).epsilon(1e-9));
+    checkContacts(query, workspace.reduced);
+    int inside = 0;
+    for (const int body : {0, 1}) {
+      for (std::uint32_t v = 0; v < 8; ++v) inside += depthIn(1 - body, pair.place(body, v)) > 0.25 * axis.overlap;
+    }
+    if (inside == 0) continue;
+    ++deep;
+    several += workspace.reduced.size() > 1;
+  }
+  CHECK(edges > 500);
+  CHECK(deep > 200);
+  CHECK(several > 0.95 * deep);  // of the others the corners belong to other faces
+}
+
 TEST_CASE("Two boxes have the direction of all separating axes", "[convex]") {
   std::mt19937 random(12);
   scenes::MeshArrays away = scenes::makeBox({0.5, 3, 1}, 2);

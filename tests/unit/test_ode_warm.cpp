@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Queries that are asked again and again: those of convex pairs, of planes and of pairs that do not meet take no
-// memory.
+// Queries that are asked again and again: they take no memory.
 #include <cmath>
 
 #include "base/vectors.h"
+#include "scenes/concave_meshes.h"
 #include "support/catch.h"
 #include "support/counted_memory.h"
 #include "support/draw.h"
@@ -63,6 +63,40 @@ TEST_CASE("a warm dCollide of bodies that do not meet takes no memory") {
   CHECK(askWarm(torus1.id, torus2.id, {0.4, 0, 0}, "links of a chain") == 0);
   CHECK(askWarm(torus1.id, ball2.id, {0, 0, 0.75}, "a ball above a hole") == 0);
   CHECK(askWarm(below.id, torus1.id, {0, 0, 0.22}, "a torus above hills") == 0);
+}
+
+TEST_CASE("a warm dCollide of solids that are not convex takes no memory") {
+  const OdeSession session;
+  const Data torus(scenes::makeTorus(0.4, 0.1, 36, 16)), fine(scenes::makeTorus(0.4, 0.1, 144, 64)),
+      corner(scenes::makeCorner(1, 0.3, 0.8)), box(scenes::makeBox({0.4, 0.4, 0.4})), ball(scenes::makeSphere(0.5, 3)),
+      ground(
+          scenes::makeGround(4, 0.2, 12, [](double x, double y) { return 0.1 * std::sin(3 * x) * std::cos(2 * y); }));
+  const Geom torus1(torus), torus2(torus), fine1(fine), fine2(fine), corner1(corner), box1(box), ball1(ball),
+      below(ground);
+  CHECK(askWarm(torus1.id, torus2.id, {0.4, 0.3, 0.05}, "tori across each other") > 0);
+  CHECK(askWarm(fine1.id, fine2.id, {0.4, 0.3, 0.05}, "fine tori across each other") > 0);
+  CHECK(askWarm(torus1.id, ball1.id, {0, 0, 0.4}, "a ball on a torus") > 0);
+  CHECK(askWarm(torus1.id, ball1.id, {0.4, 0, 0.05}, "a ball around a tube") > 0);
+  CHECK(askWarm(corner1.id, box1.id, {0.499, 0, 0.499}, "a box in an inner corner") > 2);
+  CHECK(askWarm(below.id, torus1.id, {0, 0, 0.15}, "a torus on hills") > 0);
+  CHECK(askWarm(below.id, box1.id, {0.1, 0, 0.2}, "a box on hills") > 0);
+}
+
+TEST_CASE("a warm dCollide of one of ODE's shapes and a mesh takes no memory") {
+  const OdeSession session;
+  const Data corner(scenes::makeCorner(1, 0.3, 0.8)), ground(scenes::makeGround(4, 0.2, 12, [](double x, double y) {
+    return 0.1 * std::sin(3 * x) * std::cos(2 * y);
+  }));
+  const Geom corner1(corner), below(ground);
+  const dGeomID shapes[] = {dCreateBox(nullptr, 0.4, 0.4, 0.4), dCreateCylinder(nullptr, 0.2, 0.4),
+                            dCreateCapsule(nullptr, 0.2, 0.4), dCreateSphere(nullptr, 0.2)};
+  const char* const names[] = {"a box", "a cylinder", "a capsule", "a sphere"};
+  for (int i = 0; i < 4; ++i) {
+    INFO(names[i]);
+    CHECK(askWarm(below.id, shapes[i], {0.1, 0, i == 2 ? 0.38 : 0.19}, "on hills") > 0);
+    CHECK(askWarm(corner1.id, shapes[i], {0.499, 0, 0.499}, "in an inner corner") > 1);
+    dGeomDestroy(shapes[i]);
+  }
 }
 
 TEST_CASE("a convex mesh meets a plane at the vertices that all of its vertices say") {

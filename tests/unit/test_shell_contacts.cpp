@@ -2,13 +2,17 @@
 // Contacts of meshes that are no solids: who is the ground, what is cut out of a triangle, and where bodies are pushed.
 #include <algorithm>
 #include <limits>
+#include <optional>
 
+#include "base/vectors.h"
 #include "collide/shell/clip_triangle.h"
 #include "collide/shell/ground_sides.h"
 #include "collide/shell/shell_roles.h"
 #include "support/catch.h"
 #include "support/contact_samples.h"
+#include "support/hostile_meshes.h"
 #include "support/shell_scenes.h"
+#include "truth/shortest_translation.h"
 
 using namespace otg;
 using namespace otg::test;
@@ -262,6 +266,31 @@ TEST_CASE("no contact of shells is deeper than a share of the smaller body") {
       CHECK(std::fabs(otgDot(c.normal, c.normal) - 1) < 1e-9);
     }
   }
+}
+
+TEST_CASE("the contacts of shells together ask for no longer a way than one of them may") {
+  Draw draw(18);
+  int overlapped = 0;
+  for (const Hostile below :
+       {Hostile::kFins, Hostile::kSoup, Hostile::kTornBall, Hostile::kNeedles, Hostile::kMoebius}) {
+    for (int i = 0; i < 100; ++i) {
+      const MeshPtr ground = toMesh(makeHostile(below, {2, 2, 1}, draw)),
+                    body = toMesh(makeBody(kShellBodies[draw.below(6)], {0.6, 0.5, 0.3}));
+      const Transformd pose = makePose(draw.direction(), draw.uniform(0, 6),
+                                       {draw.uniform(-0.8, 0.8), draw.uniform(-0.8, 0.8), draw.uniform(-0.4, 0.4)});
+      const Query query = solidQuery(*ground, *body, pose);
+      std::vector<truth::HalfSpace> asked;  // of contacts that do more than stop
+      for (const Contact& c : contactsOf(query)) {
+        if (c.depth > 0) asked.push_back({c.normal, c.depth});
+      }
+      if (asked.empty()) continue;
+      ++overlapped;
+      const std::optional<Vec3d> way = truth::shortestTranslation(asked);
+      REQUIRE(way);
+      CHECK(norm(*way) <= 0.0600001 * double{body->mesh().radius()});
+    }
+  }
+  CHECK(overlapped > 200);
 }
 
 TEST_CASE("every shell that lies in a solid has contacts, wholly inside, too") {

@@ -148,7 +148,7 @@ TEST_CASE("areas about a point, extents of points, ranges of boxes") {
     CHECK(close(sum.vector.z, vector.z));
     CHECK(close(sum.area, area));
     CHECK(close(points.extent(d), all.empty() ? 0 : hi - lo));
-    std::vector<double> foundLo, foundHi;
+    std::pmr::vector<double> foundLo, foundHi;
     boxes.ranges(d, foundLo, foundHi);
     REQUIRE(foundLo.size() == all.size());
     REQUIRE(foundHi.size() == all.size());

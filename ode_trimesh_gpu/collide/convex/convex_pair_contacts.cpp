@@ -98,7 +98,17 @@ class ConvexSolver {
     if (fromFace || std::min(along[0], along[1]) >= kFacing) {
       addFaces(faces);
     } else {
-      addEdges();
+      // Where edges cross deep, corners of the faces beside them are in the other body, too.
+      if (std::min(along[0], along[1]) > 0) addFaces(faces);
+      bool haveCrossing = false;
+      for (ConvexPlace& p : scratch_.places) {
+        haveCrossing = haveCrossing || p.depth >= (1 - kFaceShare) * axis_.overlap;
+        p.depth = std::min(p.depth, axis_.overlap);
+      }
+      if (scratch_.places.size() < 2 || !haveCrossing) {
+        scratch_.places.clear();
+        addEdges();
+      }
     }
     if (scratch_.places.empty()) addPoints();
   }

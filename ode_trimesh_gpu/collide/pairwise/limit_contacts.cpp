@@ -77,15 +77,8 @@ class Remaining {
   std::vector<std::uint32_t> index_;
 };
 
-}  // namespace
-
-std::vector<Contact> limitContacts(std::span<const Contact> contacts, int count) {
-  std::vector<Contact> sorted(contacts.begin(), contacts.end());
-  std::sort(sorted.begin(), sorted.end(), contactDeeper);
-  const std::size_t places = static_cast<std::size_t>(std::max(count, 0));
-  if (sorted.size() <= places) return sorted;
-  if (places == 0) return {};
-
+/// Leaves so many of the contacts, which come deepest first.
+void keepSpread(std::vector<Contact>& sorted, std::size_t places) {
   // Deepest first, so the first contact of a region is its deepest, and regions come in the order of their depth.
   std::vector<std::uint8_t> chosen(sorted.size(), 0);
   std::size_t chosenCount = 0;
@@ -117,12 +110,27 @@ std::vector<Contact> limitContacts(std::span<const Contact> contacts, int count)
     if (!chosen[i]) choose(i);
   }
 
-  std::vector<Contact> kept;
-  kept.reserve(places);
+  std::size_t kept = 0;
   for (std::size_t i = 0; i < sorted.size(); ++i) {
-    if (chosen[i]) kept.push_back(sorted[i]);
+    if (chosen[i]) sorted[kept++] = sorted[i];
   }
-  return kept;
+  sorted.resize(kept);
+}
+
+}  // namespace
+
+void limitContacts(std::span<const Contact> contacts, int count, std::vector<Contact>& out) {
+  out.assign(contacts.begin(), contacts.end());
+  std::sort(out.begin(), out.end(), contactDeeper);
+  const std::size_t places = static_cast<std::size_t>(std::max(count, 0));
+  if (places == 0) out.clear();
+  if (out.size() > places) keepSpread(out, places);
+}
+
+std::vector<Contact> limitContacts(std::span<const Contact> contacts, int count) {
+  std::vector<Contact> out;
+  limitContacts(contacts, count, out);
+  return out;
 }
 
 }  // namespace otg

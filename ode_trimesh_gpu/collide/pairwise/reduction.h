@@ -29,5 +29,7 @@ double distanceToCone(const Contact& contact, std::span<const Contact> kept, std
 /// then farthest-point in position and normal over the rest up to 1,024 places (beyond which spreading no longer
 /// matters but costs), then the deepest of what is left. Deepest first in the result, ties by ids.
 std::vector<Contact> limitContacts(std::span<const Contact> contacts, int count);
+/// The same into `out`, which is none of the contacts' own vector.
+void limitContacts(std::span<const Contact> contacts, int count, std::vector<Contact>& out);
 
 }  // namespace otg

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <numbers>
 
 #include "base/vectors.h"
 #include "collide/first_copies.h"
@@ -11,6 +12,7 @@
 #include "collide/pairwise/reduction.h"
 #include "collide/shell/clip_triangle.h"
 #include "collide/shell/shell_approach.h"
+#include "collide/solid/shortest_translation.h"
 #include "shared/tests/point_test.h"
 
 namespace otg {
@@ -260,6 +262,32 @@ void addStops(const ShellRoles& roles, const GroundSurface& surface, const std::
   }
 }
 
+/// Contacts that all but contradict each other, as of a plate under the rim of a hole, ask for a long way aside: no
+/// longer than the deepest contact may be, nor than three walls at right angles would, each as deep as the deepest. One
+/// that no way does for beside deeper ones stops the two and does no more.
+void limitTogether(double deepest, std::vector<Contact>& contacts) {
+  std::vector<Contact*> deepestFirst;
+  for (Contact& c : contacts) {
+    if (c.depth > 0) deepestFirst.push_back(&c);
+  }
+  if (deepestFirst.empty()) return;
+  std::sort(deepestFirst.begin(), deepestFirst.end(),
+            [](const Contact* x, const Contact* y) { return x->depth != y->depth ? x->depth > y->depth : x < y; });
+  const double most = std::min(deepest, std::numbers::sqrt3 * deepestFirst.front()->depth);
+  ShortestTranslation way;
+  for (Contact* const c : deepestFirst) {
+    if (way.add(c->normal, c->depth)) continue;
+    c->flags |= kContactClamped;
+    c->depth = 0;
+  }
+  const double length = norm(way.value());
+  if (length <= most) return;
+  for (Contact& c : contacts) {
+    if (c.depth > 0) c.flags |= kContactClamped;
+    c.depth *= most / length;
+  }
+}
+
 void reduce(const CollideOptions& options, const ShellContacts& maker, std::vector<Contact>& contacts) {
   // Most points fall into a bin with others: only what is left is taken to the surface.
   if (options.reduction.method == Reduction::kBinning) contacts = reduceByBinning(contacts, options.reduction.bins);
@@ -329,6 +357,7 @@ void shellContacts(const Query& query, Workspace& workspace) {
     }
     workspace.stats.contactsBeforeReduction = scratch.contacts.size();
     reduce(query.options, maker, scratch.contacts);
+    limitTogether(kDeepest * roles.size, scratch.contacts);
     if (state == ShellState::kMeeting && scratch.contacts.empty()) {
       addStops(roles, approach.surface(), scratch.pairs, scratch.contacts);
       if (query.options.reduction.method == Reduction::kBinning)
@@ -337,7 +366,7 @@ void shellContacts(const Query& query, Workspace& workspace) {
   }
   remember(query, roles, before, approach, state, scratch.contacts);
   for (const Contact& c : scratch.contacts) workspace.contacts.push_back(placed(query, roles, c));
-  workspace.reduced = limitContacts(workspace.contacts, query.options.maxContacts);
+  limitContacts(workspace.contacts, query.options.maxContacts, workspace.reduced);
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   }

@@ -155,7 +155,7 @@ void BoxSet::add(const Vec3d& lo, const Vec3d& hi) {
   }
 }
 
-void BoxSet::ranges(const Vec3d& direction, std::vector<double>& lo, std::vector<double>& hi) const {
+void BoxSet::ranges(const Vec3d& direction, std::pmr::vector<double>& lo, std::pmr::vector<double>& hi) const {
   lo.resize(kSurfaceLanes * blocks_.size());
   hi.resize(kSurfaceLanes * blocks_.size());
   BoxRangesArgs args{blocks_.data(), blocks_.size(), direction, lo.data(), hi.data()};

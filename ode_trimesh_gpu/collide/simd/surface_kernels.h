@@ -5,6 +5,7 @@
 // Results are the same bit for bit for every instruction set.
 #pragma once
 
+#include <memory_resource>
 #include <vector>
 
 #include "collide/simd/surface_kernels_args.h"
@@ -15,6 +16,7 @@ namespace otg {
 /// Flat parts of a surface.
 class PlaneSet {
  public:
+  explicit PlaneSet(std::pmr::memory_resource* memory = std::pmr::get_default_resource()) : blocks_(memory) {}
   void clear();
   void add(const Vec3d& normal, double offset, const Vec3d& lo, const Vec3d& hi);
   struct Way {
@@ -28,13 +30,14 @@ class PlaneSet {
   Way wayOutRound(const Vec3d& from, const Vec3d& direction, double slack) const;
 
  private:
-  std::vector<PlaneBlock> blocks_;
+  std::pmr::vector<PlaneBlock> blocks_;
   std::size_t count_ = 0;
 };
 
 /// Vector areas with their bounds.
 class AreaSet {
  public:
+  explicit AreaSet(std::pmr::memory_resource* memory = std::pmr::get_default_resource()) : blocks_(memory) {}
   void clear();
   void add(const Vec3d& lo, const Vec3d& hi, const Vec3d& vector, double area);
   struct Sum {
@@ -45,31 +48,33 @@ class AreaSet {
   Sum about(const Vec3d& point, double radius) const;
 
  private:
-  std::vector<AreaBlock> blocks_;
+  std::pmr::vector<AreaBlock> blocks_;
   std::size_t count_ = 0;
 };
 
 class PointSet {
  public:
+  explicit PointSet(std::pmr::memory_resource* memory = std::pmr::get_default_resource()) : blocks_(memory) {}
   void clear();
   void add(const Vec3d& p);
   /// Length of the range of direction . point; 0 without points.
   double extent(const Vec3d& direction) const;
 
  private:
-  std::vector<PointBlock> blocks_;
+  std::pmr::vector<PointBlock> blocks_;
   std::size_t count_ = 0;
 };
 
 class BoxSet {
  public:
+  explicit BoxSet(std::pmr::memory_resource* memory = std::pmr::get_default_resource()) : blocks_(memory) {}
   void clear();
   void add(const Vec3d& lo, const Vec3d& hi);
   /// The ranges of direction . x, box by box.
-  void ranges(const Vec3d& direction, std::vector<double>& lo, std::vector<double>& hi) const;
+  void ranges(const Vec3d& direction, std::pmr::vector<double>& lo, std::pmr::vector<double>& hi) const;
 
  private:
-  std::vector<BoxBlock> blocks_;
+  std::pmr::vector<BoxBlock> blocks_;
   std::size_t count_ = 0;
 };
 

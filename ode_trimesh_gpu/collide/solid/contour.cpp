@@ -11,6 +11,28 @@
 namespace otg {
 namespace {
 
+/// The lines along a triangle's edges: directions, and moments about an origin.
+struct EdgeLines {
+  Vec3d along[3], moment[3];
+  double length = 0, turn = 0;  ///< the largest sum of a direction's coordinates; of a moment's coordinate's two terms
+
+  void set(const Vec3d* corners, const Vec3d& origin) {
+    length = turn = 0;
+    Vec3d p = corners[0] - origin;
+    const Vec3d first = p;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3d q = k == 2 ? first : corners[k + 1] - origin, d = corners[(k + 1) % 3] - corners[k];
+      const double yz = p.y * q.z, zy = p.z * q.y, zx = p.z * q.x, xz = p.x * q.z, xy = p.x * q.y, yx = p.y * q.x;
+      along[k] = d;
+      moment[k] = {yz - zy, zx - xz, xy - yx};
+      length = std::max(length, std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z));
+      turn =
+          std::max({turn, std::fabs(yz) + std::fabs(zy), std::fabs(zx) + std::fabs(xz), std::fabs(xy) + std::fabs(yx)});
+      p = q;
+    }
+  }
+};
+
 struct PairCorners {
   Vec3d a[3], b[3];
 };
@@ -22,10 +44,15 @@ class Tracer {
   void pair(const TrianglePair& pair) {
     const Triangle& ta = meshes_.mesh(0).triangles()[pair.a];
     const Triangle& tb = meshes_.mesh(1).triangles()[pair.b];
-    PairCorners c;
+    PairCorners& c = corners_;
+    const bool isNewA = pair.a != triangleA_;
     for (int k = 0; k < 3; ++k) {
-      c.a[k] = meshes_.vertex(0, ta.v[k]);
+      if (isNewA) c.a[k] = meshes_.vertex(0, ta.v[k]);
       c.b[k] = meshes_.vertex(1, tb.v[k]);
+    }
+    if (isNewA) {
+      triangleA_ = pair.a;
+      linesA_.set(c.a, c.a[0]);
     }
     int sideA[3], sideB[3];
     for (int k = 0; k < 3; ++k) sideA[k] = otgSosSideOfA(&c.b[0].x, &c.b[1].x, &c.b[2].x, &c.a[k].x);
@@ -35,11 +62,14 @@ class Tracer {
 
     // Edge-edge signs, each needed for both triangles: [edge of A][edge of B].
     int sign[3][3] = {};
+    EdgeLines lines;
+    lines.set(c.b, c.a[0]);
+    const double bound =
+        kLineError * (linesA_.length * lines.turn + lines.length * linesA_.turn) + OTG_TINY_DETERMINANT;
     const auto edges = [&](int i, int j) {
-      if (sign[i][j] == 0) {
-        sign[i][j] = otgSosEdges(&c.a[i].x, &c.a[(i + 1) % 3].x, &c.b[j].x, &c.b[(j + 1) % 3].x);
-        if (sign[i][j] == 0) sign[i][j] = 1;
-      }
+      if (sign[i][j] != 0) return sign[i][j];
+      const double det = otgDot(linesA_.along[i], lines.moment[j]) + otgDot(lines.along[j], linesA_.moment[i]);
+      sign[i][j] = std::fabs(det) > bound ? (det > 0 ? 1 : -1) : exactEdges(i, j);
       return sign[i][j];
     };
     std::uint32_t start = kNone, end = kNone;
@@ -110,6 +140,16 @@ class Tracer {
   }
 
  private:
+  /// Of the sum of six products with a moment's two terms each: 12 roundings of 2^-53, rounded up.
+  static constexpr double kLineError = 2e-15;
+
+  /// As otgSosEdges; of parallel edges no sign is needed.
+  [[gnu::noinline]] int exactEdges(int i, int j) const {
+    const PairCorners& c = corners_;
+    const int sign = otgSosEdges(&c.a[i].x, &c.a[(i + 1) % 3].x, &c.b[j].x, &c.b[(j + 1) % 3].x);
+    return sign == 0 ? 1 : sign;
+  }
+
   /// Insertion sort of the few that lie in one point: the comparison with tolerance need not be transitive.
   void orderTies(std::uint32_t begin, std::uint32_t end) {
     const std::vector<Crossing>& all = contour_.crossings;
@@ -165,6 +205,10 @@ class Tracer {
 
   const PlacedMeshes& meshes_;
   Contour& contour_;
+  // Of the last pair; pairs of one triangle of A come in a row.
+  std::uint32_t triangleA_ = kNone;
+  PairCorners corners_;
+  EdgeLines linesA_;
 };
 
 }  // namespace

@@ -17,8 +17,9 @@ struct Stretch {
 };
 
 /// The stretches of one mesh, or none if there are too many or they do not make up its side.
-std::vector<Stretch> stretchesOf(int m, const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region) {
-  std::vector<Stretch> found;
+std::pmr::vector<Stretch> stretchesOf(int m, const PlacedMeshes& meshes, const OverlapRegions& all,
+                                      const Region& region) {
+  std::pmr::vector<Stretch> found(all.memory);
   const Adjacency& adjacency = meshes.adjacency(m);
   const Topology& topology = meshes.mesh(m).topology();
   for (std::uint32_t i = region.pointBegin; i < region.pointEnd; ++i) {
@@ -32,7 +33,10 @@ std::vector<Stretch> stretchesOf(int m, const PlacedMeshes& meshes, const Overla
     // The face of `half` lies to its left: the edge is convex if the other face turns away from it.
     const bool forward = topology.weld[meshes.mesh(m).triangles()[half / 3].v[half % 3]] == edge.a;
     if (!otgIsSharpConvex(n0, n1, forward ? ends : ends * -1.0)) continue;
-    if (found.size() == OTG_SOLID_MOST_STRETCHES) return {};
+    if (found.size() == OTG_SOLID_MOST_STRETCHES) {
+      found.clear();
+      return found;
+    }
     found.push_back({p.position, p.along, p.reach, {n0, n1}});
   }
   return found;
@@ -52,13 +56,13 @@ bool isAll(const Stretch& s, int m, const OverlapRegions& all, const Region& reg
 
 }  // namespace
 
-std::vector<Vec3d> directionsAcross(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region) {
-  std::vector<Vec3d> found;
+std::pmr::vector<Vec3d> directionsAcross(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region) {
+  std::pmr::vector<Vec3d> found(all.memory);
   if (region.contained || region.coherence >= OTG_SOLID_ONE_FACE || region.cellEnd > region.cellBegin) return found;
-  const std::vector<Stretch> a = stretchesOf(0, meshes, all, region);
+  const std::pmr::vector<Stretch> a = stretchesOf(0, meshes, all, region);
   if (a.empty()) return found;
   const bool isLump = region.thickness > OTG_SOLID_DEEP * region.diagonal;
-  const std::vector<Stretch> b = stretchesOf(1, meshes, all, region);
+  const std::pmr::vector<Stretch> b = stretchesOf(1, meshes, all, region);
   for (const Stretch& s : a) {
     if (b.empty() || (!isLump && !isAll(s, 0, all, region))) continue;
     for (const Stretch& r : b) {

@@ -2,10 +2,12 @@
 #include "collide/solid/escape.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "base/flat_map.h"
+#include "base/insertion_sort.h"
 #include "base/vectors.h"
 #include "collide/inside_test.h"
 #include "collide/solid/region_contacts.h"
@@ -16,12 +18,13 @@ namespace otg {
 namespace {
 
 /// The directions of a cube's faces, edges and corners.
-std::vector<Vec3d> axes26() {
-  std::vector<Vec3d> out;
+std::array<Vec3d, 26> axes26() {
+  std::array<Vec3d, 26> out{};
+  std::size_t count = 0;
   for (int x = -1; x <= 1; ++x) {
     for (int y = -1; y <= 1; ++y) {
       for (int z = -1; z <= 1; ++z) {
-        if (x || y || z) out.push_back(unit({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)}));
+        if (x || y || z) out[count++] = unit({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)});
       }
     }
   }
@@ -30,12 +33,12 @@ std::vector<Vec3d> axes26() {
 
 /// Up to six mean directions of the region's faces of one mesh, in the sense in which they push A; faces first that
 /// have the most area.
-std::vector<Vec3d> faceDirections(const OverlapRegions& all, const Region& region, int mesh) {
+std::pmr::vector<Vec3d> faceDirections(const OverlapRegions& all, const Region& region, int mesh) {
   struct Cluster {
     Vec3d first, sum;
     double area;
   };
-  std::vector<std::uint32_t> order;
+  std::pmr::vector<std::uint32_t> order(all.memory);
   for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
     if (all.pieces[i].mesh == mesh) order.push_back(i);
   }
@@ -45,7 +48,7 @@ std::vector<Vec3d> faceDirections(const OverlapRegions& all, const Region& regio
     // Regular meshes have equal pieces, and those of two vertices may go by one triangle.
     return p.triangle != q.triangle ? p.triangle < q.triangle : x < y;
   });
-  std::vector<Cluster> clusters;
+  std::pmr::vector<Cluster> clusters(all.memory);
   for (const std::uint32_t i : order) {
     const Piece& p = all.pieces[i];
     const Vec3d n = mesh == 0 ? p.normal * -1.0 : p.normal;
@@ -60,9 +63,8 @@ std::vector<Vec3d> faceDirections(const OverlapRegions& all, const Region& regio
     it->area += p.area;
   }
   const double least = 0.01 * (region.areaA + region.areaB);
-  std::stable_sort(clusters.begin(), clusters.end(),
-                   [](const Cluster& x, const Cluster& y) { return x.area > y.area; });
-  std::vector<Vec3d> out;
+  insertionSort(clusters.begin(), clusters.end(), [](const Cluster& x, const Cluster& y) { return x.area > y.area; });
+  std::pmr::vector<Vec3d> out(all.memory);
   for (const Cluster& c : clusters) {
     if (c.area > least && out.size() < OTG_SOLID_DEEP_FACES) out.push_back(unit(c.sum));
   }
@@ -73,7 +75,8 @@ std::vector<Vec3d> faceDirections(const OverlapRegions& all, const Region& regio
 /// is exact. (The region's extent would not do: a spike is thin sideways, and yet only its tip is the way out.)
 class WayOutByPlanes {
  public:
-  WayOutByPlanes(const OverlapRegions& all, const Region& region, double far) : all_(all), far_(far) {
+  WayOutByPlanes(const OverlapRegions& all, const Region& region, double far)
+      : all_(all), far_(far), planes_(all.memory), ahead_(all.memory), points_(all.memory) {
     collectPlanes(region);
     const std::uint32_t count = region.pointEnd - region.pointBegin;
     const std::uint32_t stride = std::max(1u, count / OTG_SOLID_DEEP_POINTS);
@@ -111,7 +114,7 @@ class WayOutByPlanes {
   /// plane makes the way through it look long, and the way through those that are there would win.
   void collectPlanes(const Region& region) {
     const bool gather = region.pieceEnd - region.pieceBegin > OTG_SOLID_DEEP_PIECES;
-    FlatMap index;
+    FlatMap index(all_.memory);
     for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
       const Piece& p = all_.pieces[i];
       auto slot = static_cast<std::uint32_t>(planes_.size());
@@ -144,8 +147,8 @@ class WayOutByPlanes {
 
   const OverlapRegions& all_;
   double far_;
-  std::vector<Plane> planes_, ahead_;  ///< ahead_: scaled so that a plane's value is the way to it along d
-  std::vector<std::uint32_t> points_;
+  std::pmr::vector<Plane> planes_, ahead_;  ///< ahead_: scaled so that a plane's value is the way to it along d
+  std::pmr::vector<std::uint32_t> points_;
 };
 
 /// How far A must go along d until nothing is left of the overlap on lines through the region: through its middle where
@@ -154,7 +157,9 @@ class WayOutByPlanes {
 class WayOutByRays {
  public:
   WayOutByRays(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region)
-      : meshes_(meshes), far_(4 * static_cast<double>(meshes.mesh(0).radius() + meshes.mesh(1).radius())) {
+      : meshes_(meshes),
+        far_(4 * static_cast<double>(meshes.mesh(0).radius() + meshes.mesh(1).radius())),
+        origins_(all.memory) {
     const Vec3d middle = (region.lo + region.hi) * 0.5;
     origins_.push_back(all.origin + middle);
     const std::uint32_t count = region.pointEnd - region.pointBegin;
@@ -183,7 +188,7 @@ class WayOutByRays {
   static constexpr std::uint32_t kPoints = OTG_ESCAPE_ORIGINS - 1;
   const PlacedMeshes& meshes_;
   double far_;
-  std::vector<Vec3d> origins_;
+  std::pmr::vector<Vec3d> origins_;
 };
 
 /// The shortest way out among many directions, those that undo the approach made cheaper by up to half.
@@ -271,7 +276,7 @@ void addContained(const PlacedMeshes& meshes, const InsideFlags& inside, Overlap
       const auto index = static_cast<std::uint32_t>(regions.regions.size());
       region.pointBegin = static_cast<std::uint32_t>(regions.points.size());
       region.pieceBegin = region.pieceEnd = static_cast<std::uint32_t>(regions.pieces.size());
-      FlatMap seen;
+      FlatMap seen(regions.memory);
       for (std::uint32_t i = adjacency.componentFirst[component]; i < adjacency.componentFirst[component + 1]; ++i) {
         const std::uint32_t t = adjacency.componentTriangles[i];
         for (const std::uint32_t corner : mesh.triangles()[t].v) {
@@ -321,7 +326,7 @@ RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& a
     return answer;
   }
   const bool isLump = region.thickness > OTG_SOLID_DEEP * region.diagonal;
-  std::vector<Vec3d> across;
+  std::pmr::vector<Vec3d> across(all.memory);
   if (isLump || !isUneven(region, normals, regionExtent)) across = directionsAcross(meshes, all, region);
   if (isLump || !across.empty()) {
     // Deep: the shortest way out, which the mean direction need not be once the overlap is thicker than wide. The last

@@ -23,7 +23,7 @@ class RegionExtent {
   const Region& region_;
   PointSet points_;
   BoxSet boxes_;
-  std::vector<double> lo_, hi_;  ///< scratch
+  std::pmr::vector<double> lo_, hi_;  ///< scratch
   Vec3d last_{0, 0, 0};
   double length_ = 0;  ///< along last_
 };

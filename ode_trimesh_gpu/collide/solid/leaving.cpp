@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/insertion_sort.h"
 #include "base/vectors.h"
 #include "collide/solid/shortest_translation.h"
 #include "shared/contacts/solid_model.h"
@@ -22,12 +23,12 @@ struct Way {
 /// A vertex or a stretch with its ways out, the soonest first. The first `together` hold it all at once.
 struct Part {
   const SupportPoint* point;
-  std::vector<Way> ways;
+  std::pmr::vector<Way> ways;
   std::size_t together = 1;
 };
 
-Part partOfVertex(RegionTriangles& triangles, const SupportPoint& p) {
-  Part part{&p, {}, 0};
+Part partOfVertex(RegionTriangles& triangles, const SupportPoint& p, std::pmr::memory_resource* memory) {
+  Part part{&p, std::pmr::vector<Way>(memory), 0};
   const double side = p.mesh == 0 ? 1.0 : -1.0;
   for (const RegionTriangles::Exit& e : triangles.exitsOf(1 - p.mesh, p.position)) {
     part.ways.push_back({p.position, otgScale(e.normal, side), e.depth, e.curved});
@@ -41,13 +42,13 @@ Part partOfVertex(RegionTriangles& triangles, const SupportPoint& p) {
       continue;
     part.ways.push_back({p.position, otgScale(e.exit.normal, side), e.exit.depth, e.exit.curved});
   }
-  std::stable_sort(part.ways.begin() + static_cast<std::ptrdiff_t>(part.together), part.ways.end(),
-                   [](const Way& x, const Way& y) { return x.depth < y.depth; });
+  insertionSort(part.ways.begin() + static_cast<std::ptrdiff_t>(part.together), part.ways.end(),
+                [](const Way& x, const Way& y) { return x.depth < y.depth; });
   return part;
 }
 
-Part partOfStretch(const RegionTriangles& triangles, const SupportPoint& p) {
-  Part part{&p, {}, 1};
+Part partOfStretch(const RegionTriangles& triangles, const SupportPoint& p, std::pmr::memory_resource* memory) {
+  Part part{&p, std::pmr::vector<Way>(memory), 1};
   const Vec3d half = otgScale(p.along, p.reach), from = otgSub(p.position, half), to = otgAdd(p.position, half);
   const double side = p.mesh == 0 ? 1.0 : -1.0;
   for (const RegionTriangles::StretchExit& e : triangles.facesOver(1 - p.mesh, from, to)) {
@@ -66,26 +67,29 @@ Part partOfStretch(const RegionTriangles& triangles, const SupportPoint& p) {
       }
     }
   }
-  std::stable_sort(part.ways.begin(), part.ways.end(), [](const Way& x, const Way& y) { return x.depth < y.depth; });
+  insertionSort(part.ways.begin(), part.ways.end(), [](const Way& x, const Way& y) { return x.depth < y.depth; });
   return part;
 }
 
 }  // namespace
 
-std::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegions& all,
-                            const std::vector<std::uint32_t>& points) {
-  std::vector<Part> parts;
+std::pmr::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegions& all,
+                                 const std::pmr::vector<std::uint32_t>& points) {
+  std::pmr::vector<Part> parts(all.memory);
   for (const std::uint32_t i : points) {
     const SupportPoint& p = all.points[i];
     if (p.kind == PointKind::kCrossing) continue;
-    Part part = p.kind == PointKind::kVertex ? partOfVertex(triangles, p) : partOfStretch(triangles, p);
+    Part part =
+        p.kind == PointKind::kVertex ? partOfVertex(triangles, p, all.memory) : partOfStretch(triangles, p, all.memory);
     if (!part.ways.empty() && part.ways.front().depth > 0) parts.push_back(std::move(part));
   }
-  std::vector<const Part*> order;
+  std::pmr::vector<const Part*> order(all.memory);
   for (const Part& part : parts) order.push_back(&part);
-  std::stable_sort(order.begin(), order.end(),
-                   [](const Part* x, const Part* y) { return x->ways.front().depth > y->ways.front().depth; });
-  ShortestTranslation t;
+  std::sort(order.begin(), order.end(), [](const Part* x, const Part* y) {
+    const double a = x->ways.front().depth, b = y->ways.front().depth;
+    return a != b ? a > b : x < y;
+  });
+  ShortestTranslation t(all.memory);
   const auto missing = [&](const Way& way) { return way.depth - otgDot(way.normal, t.value()); };
   const auto isOut = [&](const Part& part) {
     const auto first = part.ways.begin(), others = first + static_cast<std::ptrdiff_t>(part.together);
@@ -105,7 +109,7 @@ std::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegions& al
       for (auto way = first; way != others; ++way) t.add(way->normal, way->depth);
     }
   }
-  std::vector<Leave> leaves;
+  std::pmr::vector<Leave> leaves(all.memory);
   for (const Part& part : parts) {
     const auto take = [&](const Way& way) {
       leaves.push_back({part.point, way.at, way.normal, way.depth, way.curved});

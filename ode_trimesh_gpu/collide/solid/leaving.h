@@ -27,7 +27,7 @@ struct Leave {
 /// groove's ends than to its floor. So the deepest part chooses first. Each next one that is not out yet, when A has
 /// been moved by the shortest translation that satisfies those before, adds its own. In the end each part is held by
 /// the soonest of its ways that this translation satisfies.
-std::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegions& all,
-                            const std::vector<std::uint32_t>& points);
+std::pmr::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegions& all,
+                                 const std::pmr::vector<std::uint32_t>& points);
 
 }  // namespace otg

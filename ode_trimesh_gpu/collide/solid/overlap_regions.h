@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory_resource>
 #include <vector>
 
 #include "collide/query.h"
@@ -79,6 +80,8 @@ struct OverlapRegions {
   std::vector<SupportPoint> points;  ///< grouped by region
   ExtentCells extents;
   std::size_t anomalies = 0;
+  /// For what is made while one region's contacts are; reset between regions.
+  std::pmr::memory_resource* memory = std::pmr::get_default_resource();
 };
 
 /// Regions of more vertices and clipped triangles than this are described by cells.

@@ -11,6 +11,7 @@
 #include "collide/inside_test.h"
 #include "collide/simd/surface_kernels.h"
 #include "collide/solid/leaving.h"
+#include "collide/solid/support_point.h"
 
 namespace otg {
 namespace {
@@ -29,20 +30,17 @@ struct Candidate {
   int step = 0;      ///< rank below the highest, in steps of OTG_SOLID_RANK_STEP
 };
 
-ContactFeature featureOf(const SupportPoint& p) {
-  switch (p.kind) {
-    case PointKind::kVertex:
-      return p.mesh == 0 ? ContactFeature::kVertexA : ContactFeature::kVertexB;
-    case PointKind::kCrossing:
-      return p.mesh == 0 ? ContactFeature::kCrossingA : ContactFeature::kCrossingB;
-    default:
-      return p.mesh == 0 ? ContactFeature::kMiddleA : ContactFeature::kMiddleB;
-  }
-}
-
 class RegionSolver {
  public:
-  explicit RegionSolver(const RegionTask& task) : task_(task), region_(task.region), all_(task.all) {}
+  explicit RegionSolver(const RegionTask& task)
+      : task_(task),
+        region_(task.region),
+        all_(task.all),
+        memory_(task.all.memory),
+        surface_{PlaneSet(memory_), PlaneSet(memory_)},
+        triangles_(memory_),
+        candidates_(memory_),
+        stretches_{std::pmr::vector<const SupportPoint*>(memory_), std::pmr::vector<const SupportPoint*>(memory_)} {}
 
   bool run(std::vector<Contact>& out) {
     gathered_ = region_.cellEnd > region_.cellBegin;
@@ -86,12 +84,12 @@ class RegionSolver {
 
   /// The region's pieces as half spaces; very many are gathered in cells by place and main direction.
   void collectPlanes() {
-    std::vector<Plane> planes;
+    std::pmr::vector<Plane> planes(memory_);
     for (int m = 0; m < 2; ++m) {
       planes.clear();
       std::uint32_t count = 0;
       for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) count += all_.pieces[i].mesh == m;
-      FlatMap index;
+      FlatMap index(memory_);
       const double cell = region_.diagonal / OTG_SOLID_PLANE_CELLS;
       for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) {
         const Piece& p = all_.pieces[i];
@@ -145,15 +143,15 @@ class RegionSolver {
 
   /// Which points to look at: all; of a very large region in each cell of a grid, of each kind and mesh, the one that
   /// lies deepest as far as the mean direction can tell.
-  std::vector<std::uint32_t> thinned() {
-    std::vector<std::uint32_t> looked, chosen;
+  std::pmr::vector<std::uint32_t> thinned() {
+    std::pmr::vector<std::uint32_t> looked(memory_), chosen(memory_);
     const bool withoutFlat = isUneven_ && hasCorners();
     for (std::uint32_t i = region_.pointBegin; i < region_.pointEnd; ++i) {
       if (!withoutFlat || !all_.points[i].flat) looked.push_back(i);
     }
     if (looked.size() <= OTG_SOLID_MOST_POINTS) return looked;
     const double cell = region_.diagonal / OTG_SOLID_POINT_CELLS;
-    FlatMap index;
+    FlatMap index(memory_);
     for (const std::uint32_t i : looked) {
       const SupportPoint& p = all_.points[i];
       const auto coordinate = [&](double x, double lo) {
@@ -185,7 +183,7 @@ class RegionSolver {
   }
 
   void collectCandidates() {
-    const std::vector<std::uint32_t> points = thinned();
+    const std::pmr::vector<std::uint32_t> points = thinned();
     if (isUneven_) {
       collectUneven(points);
     } else {
@@ -273,7 +271,7 @@ class RegionSolver {
   /// An uneven region goes round a corner: its vertices and stretches of edges leave it each by its own face. Crossings
   /// are no part of what has to leave. They tell how far contacts reach, by a direction of one of the others and no
   /// deeper than that.
-  void collectUneven(const std::vector<std::uint32_t>& points) {
+  void collectUneven(const std::pmr::vector<std::uint32_t>& points) {
     for (const Leave& leave : leavesOf(triangles_, all_, points)) {
       Candidate c{leave.point, leave.at, leave.at, leave.normal, 0, 0, 0, 0, 0, 0};
       double depth = std::min(leave.depth, task_.extent.along(leave.normal));
@@ -285,7 +283,7 @@ class RegionSolver {
       (leave.point->mesh == 0 ? c.out : c.back) = depth;
       addMeasured(c);
     }
-    const std::vector<Way> ways = waysOfCandidates();
+    const std::pmr::vector<Way> ways = waysOfCandidates();
     for (const std::uint32_t i : points) {
       if (all_.points[i].kind != PointKind::kCrossing) continue;
       Candidate c = candidateAt(all_.points[i]), best = c;
@@ -311,8 +309,8 @@ class RegionSolver {
     double depth;
   };
 
-  std::vector<Way> waysOfCandidates() const {
-    std::vector<Way> ways;
+  std::pmr::vector<Way> waysOfCandidates() const {
+    std::pmr::vector<Way> ways(memory_);
     for (const Candidate& c : candidates_) {
       const auto same = std::find_if(ways.begin(), ways.end(), [&](const Way& w) {
         return w.normal.x == c.normal.x && w.normal.y == c.normal.y && w.normal.z == c.normal.z;
@@ -395,7 +393,8 @@ class RegionSolver {
           std::find_if(candidates_.begin(), candidates_.end(), [&](const Candidate& c) { return c.rank >= highest; });
       std::rotate(candidates_.begin(), first, first + 1);
     }
-    std::vector<Candidate> kept;
+    std::pmr::vector<Candidate> kept(memory_);
+    kept.reserve(candidates_.size());
     const double reach = OTG_SOLID_MERGE_DISTANCE * region_.diagonal;
     for (const Candidate& c : candidates_) {
       const bool taken = std::any_of(kept.begin(), kept.end(), [&](const Candidate& k) {
@@ -483,7 +482,7 @@ class RegionSolver {
   /// Drops what is shallow for its kind, beside the deepest times `share`. Where a region goes round a corner only
   /// points that push the same way tell: an overlap may be far deeper in one wall than in the other.
   void eraseShallow(double share) {
-    std::vector<double> least(candidates_.size(), share * deepest());
+    std::pmr::vector<double> least(candidates_.size(), share * deepest(), memory_);
     if (isUneven_) {
       std::transform(candidates_.begin(), candidates_.end(), least.begin(), [&](const Candidate& c) {
         double most = 0;
@@ -572,13 +571,14 @@ class RegionSolver {
   const RegionTask& task_;
   const Region& region_;
   const OverlapRegions& all_;
+  std::pmr::memory_resource* memory_;
   Vec3d center_{};
   PlaneSet surface_[2];
   bool gathered_ = false;  ///< planes stand for several pieces each
   bool isUneven_ = false;  ///< each point leaves by the faces nearest to it, and is measured on the triangles
   RegionTriangles triangles_;
-  std::vector<Candidate> candidates_;
-  std::vector<const SupportPoint*> stretches_[2];  ///< in the order of the points
+  std::pmr::vector<Candidate> candidates_;
+  std::pmr::vector<const SupportPoint*> stretches_[2];  ///< in the order of the points
   bool hasStretches_ = false;
   SupportPoint fallback_{};
 };

@@ -17,9 +17,13 @@ constexpr double kFlat = OTG_SOLID_FLAT, kStraight = OTG_SOLID_STRAIGHT, kCurved
 RegionNormals::RegionNormals(const OverlapRegions& all, const Region& region)
     : region_(region),
       mean_(unit(region.push)),
-      radius_(otgNormalReach(region.areaA + region.areaB, region.thickness)) {
+      radius_(otgNormalReach(region.areaA + region.areaB, region.thickness)),
+      memory_(all.memory),
+      elements_(all.memory),
+      areas_{AreaSet(all.memory), AreaSet(all.memory)} {
   if (region.coherence >= kFlat) {
     isFlat_ = true;
+    everywhere_ = mean_;
     return;
   }
   if (region.pieceEnd - region.pieceBegin > OTG_SOLID_MOST_ELEMENTS) {
@@ -32,6 +36,11 @@ RegionNormals::RegionNormals(const OverlapRegions& all, const Region& region)
     }
   }
   weighByDepth();
+  // With zeros their signs would depend on the local normal.
+  if (shareOfMean() >= 1 && weighted_.x != 0 && weighted_.y != 0 && weighted_.z != 0) {
+    everywhere_ = notAgainstMean(unit(weighted_));
+    return;
+  }
   // A large part counts no more than one of the size of the reach.
   const double cap = radius_ * radius_;
   for (const Element& e : elements_) {
@@ -47,9 +56,9 @@ void RegionNormals::weighByDepth() {
     Vec3d normal;
     double offset;
   };
-  std::vector<Plane> planes;
+  std::pmr::vector<Plane> planes(memory_);
   planes.reserve(elements_.size());
-  PlaneSet others[2];
+  PlaneSet others[2] = {PlaneSet(memory_), PlaneSet(memory_)};
   for (const Element& e : elements_) {
     const double length = norm(e.vector);
     planes.push_back(length > 0 ? Plane{otgScale(e.vector, 1 / length), e.offset / length} : Plane{{0, 0, 0}, 0});
@@ -89,7 +98,7 @@ void RegionNormals::chooseBetweenSides(const Vec3d& a, const Vec3d& b, const dou
 /// Cells of an eighth of the radius of influence, one element per cell and mesh.
 void RegionNormals::cluster(const OverlapRegions& all) {
   const double cell = radius_ / 8;
-  FlatMap index;
+  FlatMap index(memory_);
   for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) {
     const Piece& p = all.pieces[i];
     const auto coordinate = [&](double lo, double hi, double origin) {
@@ -124,12 +133,18 @@ Vec3d RegionNormals::local(const Vec3d& point) const {
 
 Vec3d RegionNormals::at(const Vec3d& point) const {
   if (fixed_) return *fixed_;
-  if (region_.coherence >= kFlat) return mean_;
+  if (everywhere_) return *everywhere_;
   Vec3d n = local(point);
-  if (region_.coherence > kCurved) {
-    const double w = std::min(1.0, (region_.coherence - kCurved) / (kStraight - kCurved));
-    n = unit(otgAdd(otgScale(weighted_, w), otgScale(n, 1 - w)));
-  }
+  if (const double w = shareOfMean(); w > 0) n = unit(otgAdd(otgScale(weighted_, w), otgScale(n, 1 - w)));
+  return notAgainstMean(n);
+}
+
+/// How much one direction of the whole region counts; the local ones count the rest.
+double RegionNormals::shareOfMean() const {
+  return std::clamp((region_.coherence - kCurved) / (kStraight - kCurved), 0.0, 1.0);
+}
+
+Vec3d RegionNormals::notAgainstMean(const Vec3d& n) const {
   // Against the mean the way out of a lump is longer; a thin region may run around a rim.
   return isLump() && region_.coherence >= OTG_SOLID_COHERENT && otgDot(n, mean_) < -0.2 ? mean_ : n;
 }

@@ -40,6 +40,8 @@ class RegionNormals {
   };
   bool isLump() const { return otgIsLump(region_.thickness, region_.diagonal) != 0; }
   Vec3d local(const Vec3d& point) const;
+  double shareOfMean() const;
+  Vec3d notAgainstMean(const Vec3d& n) const;
   void cluster(const OverlapRegions& all);
   void weighByDepth();
   void chooseBetweenSides(const Vec3d& a, const Vec3d& b, const double coherence[2]);
@@ -48,10 +50,12 @@ class RegionNormals {
   Vec3d mean_{0, 0, 0};
   Vec3d weighted_{0, 0, 0};  ///< the mean with the weights of the elements
   std::optional<Vec3d> fixed_, escape_;
-  double shareOfB_ = 0.5;  ///< how much B's surface counts where the sides differ; A's counts the rest
+  std::optional<Vec3d> everywhere_;  ///< the answer for all points, where it is known before they are
+  double shareOfB_ = 0.5;            ///< how much B's surface counts where the sides differ; A's counts the rest
   double radius_;
   bool isFlat_ = false;
-  std::vector<Element> elements_;
+  std::pmr::memory_resource* memory_;
+  std::pmr::vector<Element> elements_;
   AreaSet areas_[2];  ///< the elements of either mesh with their weights
 };
 

@@ -30,6 +30,7 @@ void RegionTriangles::collect(const PlacedMeshes& meshes, const OverlapRegions& 
   edges_.clear();
   edgesAdded_.clear();
   triangles_.reserve(region.pieceEnd - region.pieceBegin);
+  planes_.reserve(region.pieceEnd - region.pieceBegin);
   for (int m = 0; m < 2; ++m) {
     for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
       if (all.pieces[i].mesh == m) addTriangle(meshes, all.origin, all.pieces[i]);
@@ -82,7 +83,7 @@ bool RegionTriangles::isCurved(int m, std::size_t i) const {
   return curved_[i] == Curved::kYes;
 }
 
-const std::vector<RegionTriangles::Exit>& RegionTriangles::exitsOf(int m, const Vec3d& p) {
+const std::pmr::vector<RegionTriangles::Exit>& RegionTriangles::exitsOf(int m, const Vec3d& p) {
   exits_.clear();
   distances_.assign(triangles_.size(), kInfinity);
   double nearest = kInfinity;
@@ -105,8 +106,9 @@ const std::vector<RegionTriangles::Exit>& RegionTriangles::exitsOf(int m, const 
   return exits_;
 }
 
-std::vector<RegionTriangles::StretchExit> RegionTriangles::facesOver(int m, const Vec3d& from, const Vec3d& to) const {
-  std::vector<StretchExit> found;
+std::pmr::vector<RegionTriangles::StretchExit> RegionTriangles::facesOver(int m, const Vec3d& from,
+                                                                          const Vec3d& to) const {
+  std::pmr::vector<StretchExit> found(triangles_.get_allocator());
   for (std::size_t i = begin_[m]; i < begin_[m + 1]; ++i) {
     const double first = depthBelow(i, from), last = depthBelow(i, to);
     const double depth = std::max({first, last, 0.0});

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory_resource>
 #include <vector>
 
 #include "base/flat_map.h"
@@ -33,6 +34,15 @@ struct RegionEdge {
 
 class RegionTriangles {
  public:
+  explicit RegionTriangles(std::pmr::memory_resource* memory)
+      : triangles_(memory),
+        planes_(memory),
+        curved_(memory),
+        edges_(memory),
+        edgesAdded_(memory),
+        exits_(memory),
+        distances_(memory) {}
+
   /// A face through which a point leaves a mesh.
   struct Exit {
     Vec3d normal;  ///< unit, outward
@@ -43,12 +53,12 @@ class RegionTriangles {
   /// Only for regions whose pieces are parts of single triangles: none of cells.
   void collect(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region);
 
-  const std::vector<RegionEdge>& edges() const { return edges_; }
+  const std::pmr::vector<RegionEdge>& edges() const { return edges_; }
 
   /// By which faces of mesh m a point leaves it: those on which the nearest place of the surface lies. On a face that
   /// is one. In an inner corner the nearest place is on the edge or at the vertex there, and all faces that meet in it
   /// hold the point. (On a convex edge it never is, seen from inside.) None if the point lies in front of them.
-  const std::vector<Exit>& exitsOf(int m, const Vec3d& p);
+  const std::pmr::vector<Exit>& exitsOf(int m, const Vec3d& p);
 
   /// By which faces of mesh m a stretch from `from` to `to` leaves as a whole: it is over the face at one end at least,
   /// and below its plane. The depth is that of the end that is deeper.
@@ -56,7 +66,7 @@ class RegionTriangles {
     Exit exit;
     bool byEnd;  ///< the end `to` is the deeper one
   };
-  std::vector<StretchExit> facesOver(int m, const Vec3d& from, const Vec3d& to) const;
+  std::pmr::vector<StretchExit> facesOver(int m, const Vec3d& from, const Vec3d& to) const;
 
   /// Way along a unit direction through the nearest triangle of mesh m that faces along it; infinity if none is met
   /// sooner than `limit`.
@@ -80,13 +90,13 @@ class RegionTriangles {
   void addEdges(const PlacedMeshes& meshes, const RegionTriangle& t, std::uint8_t mesh, std::uint32_t number);
 
   std::size_t begin_[3] = {0, 0, 0};  ///< of each mesh's triangles, and the end
-  std::vector<RegionTriangle> triangles_;
-  std::vector<Plane> planes_;           ///< of each triangle
-  mutable std::vector<Curved> curved_;  ///< of each triangle, where it has been asked for
-  std::vector<RegionEdge> edges_;
+  std::pmr::vector<RegionTriangle> triangles_;
+  std::pmr::vector<Plane> planes_;           ///< of each triangle
+  mutable std::pmr::vector<Curved> curved_;  ///< of each triangle, where it has been asked for
+  std::pmr::vector<RegionEdge> edges_;
   FlatMap edgesAdded_;
-  std::vector<Exit> exits_;
-  std::vector<double> distances_;
+  std::pmr::vector<Exit> exits_;
+  std::pmr::vector<double> distances_;
   double slack_ = 0;   ///< how far beside a triangle still counts as on it
   double behind_ = 0;  ///< how far in front of a triangle a point may lie that counts as on it
 };

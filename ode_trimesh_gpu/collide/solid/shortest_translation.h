@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory_resource>
 #include <vector>
 
 #include "shared/math/vec3.h"
@@ -15,6 +16,7 @@ namespace otg {
 /// the shortest one touches the half-space that it does not satisfy yet, and at most two of those before.
 class ShortestTranslation {
  public:
+  explicit ShortestTranslation(std::pmr::memory_resource* memory = std::pmr::get_default_resource()) : all_(memory) {}
   const Vec3d& value() const { return t_; }
   bool satisfies(const Vec3d& normal, double depth) const;
 
@@ -29,7 +31,7 @@ class ShortestTranslation {
   bool onBoundary(const HalfSpace& touched, Vec3d& t) const;
   bool onLine(const Vec3d& foot, const Vec3d& along, std::size_t others, Vec3d& t) const;
 
-  std::vector<HalfSpace> all_;
+  std::pmr::vector<HalfSpace> all_;
   Vec3d t_{0, 0, 0};
 };
 

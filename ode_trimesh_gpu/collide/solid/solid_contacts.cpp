@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "base/scratch_memory.h"
 #include "base/vectors.h"
 #include "collide/pair_history.h"
 #include "collide/shell/shell_approach.h"
@@ -21,11 +22,14 @@
 namespace otg {
 
 struct SolidScratch {
+  SolidScratch() { regions.memory = small.regions.memory = &ofRegion; }
   Contour contour;
   InsideFlags inside;
   RegionBuilder builder;
   OverlapRegions regions;
   SmallRegions small;
+  ScratchMemory ofRegion;
+  std::vector<std::uint8_t> ends;  ///< of the contour's crossings
 };
 
 Workspace::Workspace() = default;
@@ -59,9 +63,9 @@ PairMotion motionOf(const Query& query, const SolidHistory::State& state) {
 }
 
 /// Every crossing begins one chord and ends one.
-bool isClosed(const Contour& contour) {
+bool isClosed(const Contour& contour, std::vector<std::uint8_t>& ends) {
   if (contour.anomalies > 0) return false;
-  std::vector<std::uint8_t> ends(contour.crossings.size(), 0);
+  ends.assign(contour.crossings.size(), 0);
   for (const Chord& chord : contour.chords) {
     if ((ends[chord.start] & 1) != 0 || (ends[chord.end] & 2) != 0) return false;
     ends[chord.start] |= 1;
@@ -112,6 +116,7 @@ class PairContacts {
     if (region.diagonal < OTG_SOLID_LEAST_DIAGONAL * size_ ||
         region.areaA + region.areaB < OTG_SOLID_LEAST_AREA * size_ * size_)
       return;
+    workspace_.solid->ofRegion.reset();
     RegionNormals normals(all, region);
     RegionExtent extent(all, region);
     const RegionDirection direction = directRegion(meshes_, all, region, motion_, normals, extent);
@@ -199,7 +204,7 @@ bool solidContacts(const Query& query, Workspace& workspace) {
   SolidScratch& scratch = *workspace.solid;
   const PlacedMeshes meshes(query);
   traceContour(meshes, workspace.intersecting, scratch.contour);
-  if (!bothSolid && !isClosed(scratch.contour)) return false;
+  if (!bothSolid && !isClosed(scratch.contour, scratch.ends)) return false;
   floodInside(meshes, scratch.contour, scratch.inside);
   if (workspace.intersecting.empty() && scratch.inside.contained[0].empty() && scratch.inside.contained[1].empty()) {
     scratch.regions.regions.clear();  // nothing meets

@@ -72,4 +72,15 @@ SupportPoint supportPoint(const PlacedMeshes& meshes, const PointSeed& seed, std
   return p;
 }
 
+ContactFeature featureOf(const SupportPoint& p) {
+  switch (p.kind) {
+    case PointKind::kVertex:
+      return p.mesh == 0 ? ContactFeature::kVertexA : ContactFeature::kVertexB;
+    case PointKind::kCrossing:
+      return p.mesh == 0 ? ContactFeature::kCrossingA : ContactFeature::kCrossingB;
+    default:
+      return p.mesh == 0 ? ContactFeature::kMiddleA : ContactFeature::kMiddleB;
+  }
+}
+
 }  // namespace otg

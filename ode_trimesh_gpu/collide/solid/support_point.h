@@ -12,6 +12,9 @@ SupportPoint supportPoint(const PlacedMeshes& meshes, const Contour& contour, co
 /// The same with the other mesh's triangle of a crossing.
 SupportPoint supportPoint(const PlacedMeshes& meshes, const PointSeed& seed, std::uint32_t triangle);
 
+/// What a contact there is made from.
+ContactFeature featureOf(const SupportPoint& point);
+
 /// SupportPoint::rank of a welded vertex.
 std::uint32_t rankOfVertex(const PlacedMeshes& meshes, int mesh, std::uint32_t vertex);
 
