@@ -98,6 +98,7 @@ inline static void otgFlagPair(const __local otg_own_hits* own, const otg_hit_li
   if (own->undecided) atomic_add(list->counters + OTG_COUNT_UNDECIDED, own->undecided);
   if (isCut) {
     flags |= OTG_PAIR_TO_HOST | OTG_PAIR_NO_FRAME;
+    atomic_inc(list->counters + OTG_COUNT_FLAGGED);
   } else if (own->count > OTG_MEDIUM) {
     flags |= OTG_PAIR_MANY;
     atomic_inc(list->counters + OTG_COUNT_MANY);

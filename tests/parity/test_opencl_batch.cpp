@@ -356,6 +356,9 @@ TEST_CASE("pairs with too many hits are the host's") {
       Workspace device;
       CHECK(backend->collide(queries[i], device));
       CHECK(sameBytes(device.reduced, expected.contacts[i]));
+      opencl::BatchAnswer alone;
+      CHECK(backend->collideBatch(std::span<const Query>(&queries[i], 1), alone));
+      CHECK(sameBytes(alone.of(0), expected.contacts[i]));
       CHECK(backend->findIntersectingPairs(queries[i], device));
       CHECK(device.intersecting.empty() == (expected.intersects[i] == 0));
     }

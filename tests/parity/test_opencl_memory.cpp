@@ -63,6 +63,7 @@ TEST_CASE("a query that needs more than the budget is the host's, and nothing is
     tuning.memoryBudget = roomy->counts().memory + 12 * kMega;
     INFO(tuning.memoryBudget);
     CHECK(tuning.memoryBudget < 32 * kMega);  // the header says how much a device needs to begin with
+    tuning.batchHits = 1u << 20;              // it is memory that ends the batch
   }
   const auto backend = openBackend(tuning);
   REQUIRE(backend);
