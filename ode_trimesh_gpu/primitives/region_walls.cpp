@@ -8,7 +8,7 @@
 #include "base/insertion_sort.h"
 #include "base/vectors.h"
 #include "collide/inside_test.h"
-#include "collide/solid/shortest_translation.h"
+#include "collide/shortest_translation.h"
 
 namespace otg {
 namespace {

@@ -12,7 +12,7 @@
 #include "collide/pairwise/reduction.h"
 #include "collide/shell/clip_triangle.h"
 #include "collide/shell/shell_approach.h"
-#include "collide/solid/shortest_translation.h"
+#include "collide/shortest_translation.h"
 #include "shared/tests/point_test.h"
 
 namespace otg {

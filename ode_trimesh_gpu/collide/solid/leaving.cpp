@@ -6,7 +6,7 @@
 
 #include "base/insertion_sort.h"
 #include "base/vectors.h"
-#include "collide/solid/shortest_translation.h"
+#include "collide/shortest_translation.h"
 #include "shared/contacts/solid_model.h"
 
 namespace otg {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "collide/solid/shortest_translation.h"
+#include "collide/shortest_translation.h"
 
 #include <algorithm>
 #include <cmath>
