@@ -47,7 +47,9 @@ void chooseSimulator(const fs::path& folder, const std::string& library) {
   set("OTG_OPENCL_DEVICE", "0");
   // Its interpreter knows neither what its compiler's optimiser makes of kernels nor what inlining leaves behind.
   set("OCLGRIND_BUILD_OPTIONS", "-cl-opt-disable -DOTG_NOT_INLINED");
-  set("OCLGRIND_LOCAL_MEM_SIZE", "49152");  // as GPUs have it
+  // As most GPUs have it; others have less.
+  const char* const localMemory = std::getenv("OTG_SIMULATOR_LOCAL_MEMORY");
+  set("OCLGRIND_LOCAL_MEM_SIZE", localMemory != nullptr ? localMemory : "49152");
   set("OCLGRIND_DATA_RACES", "1");
   set("OCLGRIND_MAX_ERRORS", "1000000");  // those that are meant must not hide others
   // OCLGRIND_UNINITIALIZED is of no use here: a write to a part of a buffer makes it forget the rest of it, so that it
