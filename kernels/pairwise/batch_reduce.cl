@@ -16,7 +16,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchReduce
   const uint number = listed ? (get_group_id(0) < counters[OTG_COUNT_LISTED] ? list[get_group_id(0)] : OTG_NOT_THERE)
                              : (uint)get_group_id(0);
   const uint pair = number != OTG_NOT_THERE ? number : 0;
-  const uint flags = chosen[OTG_FLAGS + pair];
+  const uint flags = chosen[OTG_FLAGS + pair];  // unordered: needed before the barrier, written behind it
   const uint found = states[pair].hits, begin = states[pair].firstHit;
   const int isAsked =
       only == 0 ? !(flags & (OTG_PAIR_REFUSED | OTG_PAIR_SKIPPED)) : (flags & (only | OTG_PAIR_LEFT_OUT)) == only;

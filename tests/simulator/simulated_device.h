@@ -21,7 +21,7 @@ inline std::shared_ptr<opencl::Backend> openSimulated(const opencl::Tuning& tuni
   auto backend = openBackend(tuning);
   REQUIRE(backend);
   REQUIRE(backend->device().kind == opencl::DeviceKind::kGpu);
-  REQUIRE(backend->device().doubles);
+  REQUIRE(backend->device().doubles == tuning.doubles);
   REQUIRE(backend->device().longAtomics);
   return backend;
 }

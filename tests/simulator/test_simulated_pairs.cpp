@@ -40,6 +40,27 @@ TEST_CASE("single pairs are walked and reduced as on the host") {
   CHECK(backend->counts().onHost == 0);
 }
 
+TEST_CASE("a device without doubles finds the host's pairs") {
+  const MeshList meshes = someMeshes();
+  opencl::Tuning tuning = simulated();
+  tuning.doubles = false;
+  const auto backend = openSimulated(tuning);
+  for (const Query& query : somePairs(meshes)) checkParity(*backend, query);
+  CHECK(backend->counts().onHost == 0);
+}
+
+TEST_CASE("walks stop at too many hits, and the host does the pair") {
+  const MeshList meshes = someMeshes();
+  const std::vector<Query> queries = somePairs(meshes);
+  opencl::Tuning tuning = simulated();
+  tuning.mostHits = tuning.batchHits = 8;
+  const auto backend = openSimulated(tuning);
+  for (const Query& query : queries) checkParity(*backend, query);
+  checkBatch(*backend, queries, onHost(queries));
+  CHECK(backend->counts().onHost == 0);
+  CHECK(backend->counts().leftToHost > 0);
+}
+
 TEST_CASE("levels are opened breadth-first where cuts do not hold all triangles") {
   const auto lump = collisionMesh(makeLump(1, 4, 0.2, 3)), box = collisionMesh(makeBox({0.5, 0.5, 0.5}, 1));
   opencl::Tuning tuning = simulated();
