@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Installs with apt what this project needs and the machine lacks; does nothing (and asks for no rights) where all is there.
 #
-#   scripts/install_dependencies.sh [build] [tests] [demo] [benchmarks] [drop_in] [lint]     (default: build)
+#   scripts/install_dependencies.sh [build] [tests] [demo] [benchmarks] [drop_in] [lint] [docs] [packages] [python]     (default: build)
 #
 # Written for Debian 12. Needs root or sudo only when something is missing.
 set -euo pipefail
@@ -12,7 +12,7 @@ set -euo pipefail
 build_packages=(
   g++ cmake ninja-build pkg-config
   libode-dev libeigen3-dev opencl-c-headers
-  libassimp-dev libcli11-dev nlohmann-json3-dev libfmt-dev libtinygltf-dev
+  libassimp-dev libcli11-dev nlohmann-json3-dev libfmt-dev libtinygltf-dev libjs-three help2man
 )
 # What tests are made with; an OpenCL device that every machine has, one that is simulated, and real meshes.
 tests_packages=(
@@ -27,8 +27,14 @@ demo_packages=(povray gnuplot-nox fonts-dejavu-core)
 benchmarks_packages=(libfcl-dev libbullet-dev libembree-dev libcgal-dev libcgal-demo)
 # Programs that the preloadable library is shown with. Their demos are left out, with a message, where they are missing.
 drop_in_packages=(libdart-collision-ode-dev python3-pyode stormbaancoureur xvfb libxtst6)
+# What the wheel is built with. The other tools come from PyPI: see scripts/python.sh.
+python_packages=(python3-dev python3-venv)
 # Format and static checks of the sources.
 lint_packages=(clang-format clang-tidy git)
+# The site of the manual (docs.sh).
+docs_packages=(doxygen python3 python3-venv)
+# Debian packages, and a Debian in a folder to try them in (packages.sh).
+packages_packages=(dpkg-dev fakeroot file lintian mmdebstrap)
 
 wanted=("${build_packages[@]}")
 for set in "$@"; do
@@ -39,7 +45,10 @@ for set in "$@"; do
     benchmarks) wanted+=("${benchmarks_packages[@]}") ;;
     drop_in) wanted+=("${drop_in_packages[@]}") ;;
     lint) wanted+=("${lint_packages[@]}") ;;
-    *) echo "$0: unknown set '$set' (build, tests, demo, benchmarks, drop_in, lint)" >&2; exit 2 ;;
+    python) wanted+=("${python_packages[@]}") ;;
+    docs) wanted+=("${docs_packages[@]}") ;;
+    packages) wanted+=("${packages_packages[@]}") ;;
+    *) echo "$0: unknown set '$set' (build, tests, demo, benchmarks, drop_in, lint, docs, packages, python)" >&2; exit 2 ;;
   esac
 done
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "otg_bench/batch_scenes.h"
 
+#include <numbers>
+
 #include "dispatch/threads/thread_pool.h"
 #include "otg_bench/bench.h"
 #include "scenes/generated_meshes.h"
@@ -63,6 +65,40 @@ BodyList overlapBodies() {
   std::vector<scenes::MeshArrays> arrays;
   for (std::uint32_t seed = 1; seed <= 6; ++seed) arrays.push_back(scenes::makeLump(0.9, 4, 0.25, seed));
   return built(arrays);
+}
+
+BodyList denseBodies() {
+  std::vector<scenes::MeshArrays> arrays = {
+      scenes::makeTorus(0.7, 0.25, 100, 100),   scenes::makeCylinder(0.5, 1.4, 96, 40),
+      scenes::makeGear(60, 0.9, 0.1, 0.4, 0.3), scenes::makeBowl(0.9, 0.1, 64, 24),
+      scenes::makeBolt(0.4, 0.1, 1, 48),        scenes::makeSphere(0.9, 5)};
+  for (std::uint32_t seed = 21; seed <= 24; ++seed) arrays.push_back(scenes::makeLump(0.9, 5, 0.3, seed));
+  BodyList bodies = batchBodies();
+  const BodyList more = built(arrays);
+  bodies.insert(bodies.end(), more.begin(), more.end());
+  return bodies;
+}
+
+BodyList nutAndBolt() {
+  return built({scenes::makeBolt(8, 2, 40, 192), scenes::makeNut(8, 2, 13, 0.1, 192)});
+}
+
+std::vector<Query> nutBoltQueries(const BodyList& bodies, int pairs) {
+  constexpr double kPitch = 2, kPressed = 0.05;
+  Random random(6);
+  std::vector<Query> queries;
+  for (int i = 0; i < pairs; ++i) {
+    Query query;
+    query.a = bodies[0].get();
+    query.b = bodies[1].get();
+    query.options.maxContacts = kBatchContacts;
+    const double turns = random.uniform(0, 1);
+    query.bInA = turn({0, 0, 1}, 2 * std::numbers::pi * turns);
+    query.bInA.t = {random.uniform(-0.02, 0.02), random.uniform(-0.02, 0.02),
+                    kPitch * (4 + turns) - kPressed + random.uniform(-0.02, 0.02)};
+    queries.push_back(query);
+  }
+  return queries;
 }
 
 std::vector<Query> batchQueries(const BodyList& bodies, int pairs, double nearer) {

@@ -46,6 +46,14 @@ std::vector<Query> batchQueries(const BodyList& bodies, int pairs, double nearer
 /// Bodies of 5,120 triangles, whose overlaps at 0.8 of that distance have regions that are described by cells.
 BodyList overlapBodies();
 
+/// Bodies of 200 to 20,000 triangles: for pairs that overlap deeply.
+BodyList denseBodies();
+
+/// A bolt M16 x 2 and its nut: 31,872 and 11,000 triangles,
+BodyList nutAndBolt();
+/// and the nut screwed on, turned anyhow and pressed against one flank of the thread.
+std::vector<Query> nutBoltQueries(const BodyList& bodies, int pairs);
+
 /// Boxes of 12 to 48 triangles,
 BodyList stackBodies();
 /// and such upon each other, ten to a stack, as simulations begin and as solvers leave them: most of them aligned, some

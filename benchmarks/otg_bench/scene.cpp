@@ -107,11 +107,12 @@ void BenchOptions::addTo(CLI::App& command, bool withScene) {
     scenes = {"touch", "deep", "deep10", "nearmiss"};
     command.add_option("--pairs", pairs, "Pairs in the batch")->check(CLI::Range(1, 1000000));
     command
-        .add_option("--bodies", batches,
-                    "Batches: of bodies, of boxes in stacks, of bodies on a terrain, of bodies with large overlaps "
-                    "(default: bodies, and for the model 'solid' stacks)")
+        .add_option(
+            "--bodies", batches,
+            "Batches: bodies, boxes in stacks, bodies on a terrain, large overlaps, dense pairs of up to 20,000 "
+            "triangles, nuts on bolts (default: bodies, and for the model 'solid' stacks)")
         ->delimiter(',')
-        ->check(CLI::IsMember({"bodies", "stacks", "terrain", "overlaps"}));
+        ->check(CLI::IsMember({"bodies", "stacks", "terrain", "overlaps", "dense", "nut_bolt"}));
     command.add_option("--poses", poses, "JSON file with a pose matrix for each scene (default: computed)");
     command.add_option("--scenes", scenes, "How the mesh and its copy lie; 'none' for the batch alone")
         ->delimiter(',')

@@ -7,7 +7,7 @@ set key top left samplen 2 textcolor rgb "#333333"
 set grid lc rgb "#dddddd" lw 1
 set border 3 lc rgb "#888888"
 set tics nomirror textcolor rgb "#333333"
-set lmargin 9
+set lmargin 11
 set rmargin 3
 set multiplot layout 2,1 title "Falling meshes" font ",14"
 

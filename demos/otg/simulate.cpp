@@ -12,19 +12,21 @@
 
 #include "otg/commands.h"
 #include "scenes/gltf_animation.h"
+#include "scenes/html_page.h"
 #include "scenes/povray_scene.h"
+#include "scenes/recording.h"
 #include "scenes/simulation.h"
 
 namespace otg::cli {
 namespace {
 
-using scenes::AnimatedBody;
 using scenes::BodyState;
+using scenes::Recording;
 using scenes::Simulation;
 using scenes::StepRecord;
 
 struct SimulateOptions {
-  std::string scene, glb, csv, povray;
+  std::string scene, glb, html, csv, povray;
   std::vector<double> pictureTimes;  ///< seconds; empty: six, evenly spaced
   int steps = -1;
   double dt = 0;
@@ -48,49 +50,20 @@ struct Run {
   Fnv1a hash;
 };
 
-/// Poses for the animation, about 30 a second.
-class Recorder {
- public:
-  Recorder(const Simulation& simulation, double dt) : every_(std::max(1, int(std::lround(1 / (30 * dt))))), dt_(dt) {
-    for (std::size_t i = 0; i < simulation.bodyCount(); ++i) {
-      AnimatedBody& body = bodies_.emplace_back();
-      body.name = simulation.description(i).name;
-      body.surface = scenes::surfaceOf(simulation.description(i));
-      body.color = simulation.description(i).color.value_or(kColors[i % std::size(kColors)]);
-    }
+/// Frames of a recording for pictures: those nearest to the times, or six evenly spaced ones.
+std::vector<std::size_t> picturedFrames(const Recording& recording, const std::vector<double>& times) {
+  constexpr std::size_t kPictures = 6;
+  const std::size_t last = recording.times.size() - 1;
+  std::vector<std::size_t> frames;
+  if (times.empty()) {
+    for (std::size_t i = 0; i < kPictures; ++i) frames.push_back(i * last / (kPictures - 1));
   }
-  void record(const Simulation& simulation, int step) {
-    if (step % every_ != 0) return;
-    times_.push_back(step * dt_);
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      if (simulation.description(i).isStatic && !bodies_[i].positions.empty()) continue;
-      const BodyState state = simulation.state(i);
-      bodies_[i].positions.push_back(state.position);
-      bodies_[i].rotations.push_back(state.rotation);
-    }
+  for (const double time : times) {
+    const double frame = std::max(0.0, time) / (recording.stepsPerFrame * recording.dt);
+    frames.push_back(static_cast<std::size_t>(std::min(double(last), std::round(frame))));
   }
-  void writeAnimation(const std::string& path) const { scenes::writeGlb(path, bodies_, times_); }
-  void writePictures(const std::string& folder, const std::vector<double>& times) const {
-    std::vector<std::size_t> frames;
-    if (times.empty()) {
-      for (std::size_t i = 0; i < kPictures; ++i) frames.push_back(i * (times_.size() - 1) / (kPictures - 1));
-    }
-    for (const double time : times) {
-      const auto frame = static_cast<std::size_t>(std::lround(std::max(0.0, time) / (every_ * dt_)));
-      frames.push_back(std::min(frame, times_.size() - 1));
-    }
-    scenes::writePovrayFrames(folder, bodies_, times_, frames);
-  }
-
- private:
-  static constexpr std::size_t kPictures = 6;
-  static constexpr Vec3d kColors[] = {{0.55, 0.55, 0.55}, {0.80, 0.25, 0.12}, {0.10, 0.35, 0.75},
-                                      {0.85, 0.60, 0.08}, {0.15, 0.55, 0.25}, {0.50, 0.20, 0.60}};
-  std::vector<AnimatedBody> bodies_;
-  std::vector<double> times_;
-  int every_;
-  double dt_;
-};
+  return frames;
+}
 
 void addToHash(Fnv1a& hash, const Simulation& simulation, const StepRecord& record) {
   hash.add(record.contacts);
@@ -134,9 +107,10 @@ class CsvFile {
 Run runSteps(Simulation& simulation, int steps, double dt, const SimulateOptions& options) {
   Run run;
   CsvFile csv(options.csv);
-  std::unique_ptr<Recorder> recorder;
-  if (!options.glb.empty() || !options.povray.empty()) recorder = std::make_unique<Recorder>(simulation, dt);
-  if (recorder) recorder->record(simulation, 0);
+  std::unique_ptr<scenes::Recorder> recorder;
+  if (!options.glb.empty() || !options.html.empty() || !options.povray.empty()) {
+    recorder = std::make_unique<scenes::Recorder>(simulation, dt);
+  }
   auto lastNews = std::chrono::steady_clock::now();
   for (int step = 1; step <= steps; ++step) {
     const StepRecord record = simulation.step(dt);
@@ -144,7 +118,7 @@ Run runSteps(Simulation& simulation, int steps, double dt, const SimulateOptions
     run.records.push_back(record);
     run.energies.push_back(simulation.energy());
     csv.write(step, step * dt, record, run.energies.back());
-    if (recorder) recorder->record(simulation, step);
+    if (recorder) recorder->add(simulation, record);
     if (std::chrono::steady_clock::now() - lastNews > std::chrono::seconds(2)) {
       progress(fmt::format("step {} of {}: {} contacts, {:.2f} ms colliding, {:.2f} ms stepping", step, steps,
                            record.contacts, record.collideMs, record.stepMs));
@@ -152,8 +126,12 @@ Run runSteps(Simulation& simulation, int steps, double dt, const SimulateOptions
     }
   }
   csv.close();
-  if (!options.glb.empty()) recorder->writeAnimation(options.glb);
-  if (!options.povray.empty()) recorder->writePictures(options.povray, options.pictureTimes);
+  if (!options.glb.empty()) scenes::writeGlb(options.glb, recorder->recording());
+  if (!options.html.empty()) scenes::writeHtmlPage(options.html, options.scene, recorder->recording());
+  if (!options.povray.empty()) {
+    const Recording& recording = recorder->recording();
+    scenes::writePovrayFrames(options.povray, recording, picturedFrames(recording, options.pictureTimes));
+  }
   return run;
 }
 
@@ -293,6 +271,7 @@ void addSimulateCommand(CLI::App& app, Action& action) {
   command->add_option("--backend", options->backend, "Where meshes are collided (cpu)")
       ->check(CLI::IsMember({"auto", "cpu", "opencl"}));
   command->add_option("--glb", options->glb, "Write the motion as an animation, binary glTF");
+  command->add_option("--html", options->html, "Write the motion as a page for any browser, which needs no server");
   command->add_option("--povray", options->povray, "Write single frames into this folder, to be drawn by POV-Ray");
   command
       ->add_option("--picture-times", options->pictureTimes, "Times of those frames in seconds, as t,t,...; else six")

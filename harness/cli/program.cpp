@@ -24,6 +24,7 @@ int runProgram(const char* name, const char* summary, void (*addCommands)(CLI::A
     CLI::App app(summary, name);
     app.require_subcommand(1);
     app.set_version_flag("--version", std::string("ode_trimesh_gpu ") + dGpuTriMeshGetVersion());
+    app.set_help_all_flag("--help-all", "Print the help of all commands and exit");
     Action action;
     addCommands(app, action);
     try {

@@ -20,9 +20,11 @@ void addNode(const aiScene& scene, const aiNode& node, const aiMatrix4x4t<double
   const aiMatrix4x4t<double> local(m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, m.d1, m.d2,
                                    m.d3, m.d4);
   const aiMatrix4x4t<double> world = parent * local;
-  // A mirroring node turns the winding round.
-  const bool mirrored = aiMatrix3x3t<double>(world).Determinant() < 0;
-  for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+  // A mirroring node turns the winding round. One that is scaled to nothing shows nothing (contacts in files of `otg
+  // simulate --glb`).
+  const double determinant = aiMatrix3x3t<double>(world).Determinant();
+  const bool mirrored = determinant < 0;
+  for (unsigned i = 0; determinant != 0 && i < node.mNumMeshes; ++i) {
     const aiMesh& part = *scene.mMeshes[node.mMeshes[i]];
     if ((part.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) == 0) continue;  // points and lines have no surface
     const auto base = static_cast<std::uint32_t>(mesh.vertices.size());

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <fstream>
 #include <new>
-#include <numeric>
 
 #include "bvh/cooked_mesh.h"
 #include "mesh_io/gltf_check.h"
@@ -47,18 +46,26 @@ bool isGltf(const std::string& path) {
 
 namespace {
 
-/// The mesh of a cooked one, its triangles in the order in which they were given. Its tree is not taken along.
+/// The mesh of a cooked one, its vertices and triangles in the order in which they were given. Its tree is not taken
+/// along.
 MeshFile readCooked(std::string_view bytes) {
   const UncookedMesh cooked = uncookMesh({reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()});
   if (!cooked.mesh) throw std::runtime_error(cooked.error);
   const TriMesh& mesh = cooked.mesh->mesh();
+  // Where repair merged vertices, their numbers are not those of this mesh.
+  const bool isOrdered = mesh.inputVertexCount() == mesh.vertices().size();
+  const auto numberOf = [&](std::uint32_t v) { return isOrdered ? mesh.callerVertex(v) : v; };
   MeshFile file;
-  for (const Vec3f& v : mesh.vertices()) file.vertices.push_back({v.x, v.y, v.z});
-  std::vector<std::uint32_t> order(mesh.triangleCount());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(),
-            [&](std::uint32_t x, std::uint32_t y) { return mesh.callerTriangle(x) < mesh.callerTriangle(y); });
-  for (const std::uint32_t t : order) file.triangles.push_back(mesh.triangles()[t]);
+  file.vertices.resize(mesh.vertices().size());
+  for (std::uint32_t v = 0; v < mesh.vertices().size(); ++v) {
+    const Vec3f p = mesh.vertices()[v];
+    file.vertices[numberOf(v)] = {p.x, p.y, p.z};
+  }
+  file.triangles.resize(mesh.triangleCount());
+  for (std::uint32_t t = 0; t < mesh.triangleCount(); ++t) {
+    const Triangle& own = mesh.triangles()[t];
+    file.triangles[mesh.callerTriangle(t)] = {{numberOf(own.v[0]), numberOf(own.v[1]), numberOf(own.v[2])}};
+  }
   return file;
 }
 

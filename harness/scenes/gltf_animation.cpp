@@ -9,74 +9,12 @@
 #include <fstream>
 #include <map>
 #include <stdexcept>
-#include <tuple>
 
 #include "base/vectors.h"
+#include "scenes/shaded_surface.h"
 
 namespace otg::scenes {
 namespace {
-
-/// Faces that meet under a smaller angle than this shade as one smooth surface.
-constexpr double kCosCrease = 0.7660444431;  // 40 degrees
-
-struct Shaded {
-  std::vector<float> positions, normals;
-  std::vector<std::uint32_t> indices;
-};
-
-Vec3d faceNormal(const TriMesh& mesh, const Triangle& t) {
-  const auto corner = [&](int k) {
-    const Vec3f v = mesh.vertices()[t.v[k]];
-    return Vec3d{v.x, v.y, v.z};
-  };
-  return otgCross(corner(1) - corner(0), corner(2) - corner(0));  // length is twice the area
-}
-
-Vec3d unitOrUp(const Vec3d& v) {
-  const double length = norm(v);
-  return length > 0 ? v * (1 / length) : Vec3d{0, 0, 1};
-}
-
-/// Corner normals: the area-weighted mean over the faces around the (welded) vertex that lie within the crease angle.
-Shaded shade(const TriMesh& mesh) {
-  const auto triangles = mesh.triangles();
-  const auto& weld = mesh.topology().weld;
-  std::vector<Vec3d> faces;
-  std::vector<std::uint32_t> start(mesh.vertices().size() + 1, 0), around;
-  for (const Triangle& t : triangles) {
-    faces.push_back(faceNormal(mesh, t));
-    for (const std::uint32_t v : t.v) ++start[weld[v] + 1];
-  }
-  for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
-  around.resize(start.back());
-  std::vector<std::uint32_t> fill(start.begin(), start.end() - 1);
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    for (const std::uint32_t v : triangles[t].v) around[fill[weld[v]]++] = t;
-  }
-  Shaded result;
-  std::map<std::tuple<std::uint32_t, float, float, float>, std::uint32_t> seen;
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    const Vec3d own = unitOrUp(faces[t]);
-    for (const std::uint32_t vertex : triangles[t].v) {
-      const std::uint32_t v = weld[vertex];
-      Vec3d sum{0, 0, 0};
-      for (std::uint32_t i = start[v]; i < start[v + 1]; ++i) {
-        if (otgDot(unitOrUp(faces[around[i]]), own) >= kCosCrease) sum = sum + faces[around[i]];
-      }
-      const Vec3d n = unitOrUp(sum);
-      const float x = float(n.x), y = float(n.y), z = float(n.z);
-      const auto [entry, isNew] =
-          seen.try_emplace({v, x, y, z}, static_cast<std::uint32_t>(result.positions.size() / 3));
-      if (isNew) {
-        const Vec3f p = mesh.vertices()[v];
-        result.positions.insert(result.positions.end(), {p.x, p.y, p.z});
-        result.normals.insert(result.normals.end(), {x, y, z});
-      }
-      result.indices.push_back(entry->second);
-    }
-  }
-  return result;
-}
 
 /// Appends arrays to the one buffer of the file and describes them.
 class Writer {
@@ -152,11 +90,12 @@ std::vector<float> continuousRotations(const std::vector<std::array<double, 4>>&
   return result;
 }
 
-void addTrack(tinygltf::Animation& animation, int node, const char* path, int times, int values) {
+void addTrack(tinygltf::Animation& animation, int node, const char* path, int times, int values,
+              const char* interpolation = "LINEAR") {
   tinygltf::AnimationSampler sampler;
   sampler.input = times;
   sampler.output = values;
-  sampler.interpolation = "LINEAR";
+  sampler.interpolation = interpolation;
   animation.samplers.push_back(sampler);
   tinygltf::AnimationChannel channel;
   channel.sampler = static_cast<int>(animation.samplers.size()) - 1;
@@ -165,64 +104,218 @@ void addTrack(tinygltf::Animation& animation, int node, const char* path, int ti
   animation.channels.push_back(channel);
 }
 
+struct MeshAccessors {
+  int positions, normals, indices;
+};
+
+MeshAccessors addSurface(Writer& writer, const ShadedSurface& surface) {
+  return {writer.addFloats(surface.positions, TINYGLTF_TYPE_VEC3, 3, TINYGLTF_TARGET_ARRAY_BUFFER, true),
+          writer.addFloats(surface.normals, TINYGLTF_TYPE_VEC3, 3, TINYGLTF_TARGET_ARRAY_BUFFER, false),
+          writer.addIndices(surface.indices)};
+}
+
+int addMesh(tinygltf::Model& model, const std::string& name, const MeshAccessors& arrays, int material) {
+  tinygltf::Primitive primitive;
+  primitive.mode = TINYGLTF_MODE_TRIANGLES;
+  primitive.attributes["POSITION"] = arrays.positions;
+  primitive.attributes["NORMAL"] = arrays.normals;
+  primitive.indices = arrays.indices;
+  primitive.material = material;
+  tinygltf::Mesh mesh;
+  mesh.name = name;
+  mesh.primitives.push_back(primitive);
+  model.meshes.push_back(mesh);
+  return static_cast<int>(model.meshes.size()) - 1;
+}
+
+int addNode(tinygltf::Model& model, const tinygltf::Node& node) {
+  model.nodes.push_back(node);
+  const int index = static_cast<int>(model.nodes.size()) - 1;
+  model.nodes[0].children.push_back(index);
+  return index;
+}
+
+std::vector<double> gltfRotation(const std::array<double, 4>& q) {
+  return {q[1], q[2], q[3], q[0]};
+}
+
+/// The rotation that turns z to the direction.
+std::array<double, 4> rotationFromZ(const Vec3d& direction) {
+  if (direction.z < -0.9999999) return {0, 1, 0, 0};
+  const double w = std::sqrt(0.5 * (1 + direction.z));
+  return {w, -direction.y / (2 * w), direction.x / (2 * w), 0};
+}
+
+/// glTF's cameras and spot lights look along their own -z, with y up.
+std::array<double, 4> rotationThatLooks(const Vec3d& direction) {
+  const Vec3d back = unit(direction) * -1.0;
+  const Vec3d right = unit(otgCross(Vec3d{0, 0, 1}, back)), up = otgCross(back, right);
+  dMatrix3 m = {right.x, up.x, back.x, 0, right.y, up.y, back.y, 0, right.z, up.z, back.z, 0};
+  dQuaternion q;
+  dRtoQ(m, q);
+  return {q[0], q[1], q[2], q[3]};
+}
+
+void addBodies(Writer& writer, tinygltf::Animation& animation, const Recording& recording, int times) {
+  tinygltf::Model& model = writer.model();
+  std::map<const TriMesh*, MeshAccessors> shared;
+  for (const AnimatedBody& body : recording.bodies) {
+    if (body.surface->triangleCount() == 0 || body.positions.empty()) continue;
+    auto found = shared.find(body.surface.get());
+    if (found == shared.end()) {
+      found = shared.emplace(body.surface.get(), addSurface(writer, shade(*body.surface))).first;
+    }
+    tinygltf::Node node;
+    node.name = body.name;
+    node.mesh = addMesh(model, body.name, found->second, addMaterial(model, body.color));
+    const Vec3d& p = body.positions.front();
+    node.translation = {p.x, p.y, p.z};
+    node.rotation = gltfRotation(body.rotations.front());
+    const int index = addNode(model, node);
+    if (times < 0 || body.positions.size() != recording.times.size()) continue;
+    std::vector<float> translations;
+    for (const Vec3d& x : body.positions) translations.insert(translations.end(), {float(x.x), float(x.y), float(x.z)});
+    addTrack(animation, index, "translation", times, writer.addFloats(translations, TINYGLTF_TYPE_VEC3, 3, 0, false));
+    addTrack(animation, index, "rotation", times,
+             writer.addFloats(continuousRotations(body.rotations), TINYGLTF_TYPE_VEC4, 4, 0, false));
+  }
+}
+
+/// An arrow from the origin to (0, 0, 1): a shaft and a tip, closed.
+ShadedSurface arrowSurface() {
+  constexpr int kSides = 8;
+  constexpr double kShaft = 0.035, kTip = 0.09, kNeck = 0.68;
+  ShadedSurface arrow;
+  const auto ring = [&](double radius, double z, double slope) {
+    for (int i = 0; i < kSides; ++i) {
+      const double angle = 2 * 3.14159265358979323846 * i / kSides, c = std::cos(angle), s = std::sin(angle);
+      arrow.positions.insert(arrow.positions.end(), {float(radius * c), float(radius * s), float(z)});
+      const Vec3d n = unit(Vec3d{c, s, slope});
+      arrow.normals.insert(arrow.normals.end(), {float(n.x), float(n.y), float(n.z)});
+    }
+  };
+  ring(0, 0, -1e9);
+  ring(kShaft, 0, -1);
+  ring(kShaft, kNeck, 0);
+  ring(kTip, kNeck, 0);
+  ring(0, 1, kTip / (1 - kNeck));
+  for (std::uint32_t r = 0; r + 1 < 5; ++r) {
+    for (std::uint32_t i = 0; i < kSides; ++i) {
+      const std::uint32_t a = r * kSides + i, b = r * kSides + (i + 1) % kSides;
+      if (r > 0) arrow.indices.insert(arrow.indices.end(), {a, b, a + kSides});
+      if (r < 3) arrow.indices.insert(arrow.indices.end(), {b, b + kSides, a + kSides});
+    }
+  }
+  return arrow;
+}
+
+/// As many arrows of each colour as the fullest frame has. An arrow that a frame has no use for is scaled to nothing.
+void addArrows(Writer& writer, tinygltf::Animation& animation, const Recording& recording, int times) {
+  if (times < 0) return;
+  const double usual = usualDepth(recording), length = 0.2 * findStage(recording.bodies).radius;
+  std::vector<std::vector<const ContactArrow*>> frames(recording.times.size());
+  int accessorsMade = 0;
+  MeshAccessors arrays{};
+  for (std::size_t color = 0; color < kDepthColors.size(); ++color) {
+    std::size_t most = 0;
+    for (std::size_t f = 0; f < frames.size(); ++f) {
+      frames[f].clear();
+      for (const ContactArrow& arrow : recording.contacts[f]) {
+        if (depthColor(arrow.depth, usual) == color) frames[f].push_back(&arrow);
+      }
+      most = std::max(most, frames[f].size());
+    }
+    if (most == 0) continue;
+    if (accessorsMade++ == 0) arrays = addSurface(writer, arrowSurface());
+    const std::string name = "contact " + std::to_string(color);
+    const int mesh = addMesh(writer.model(), name, arrays, addMaterial(writer.model(), kDepthColors[color]));
+    for (std::size_t k = 0; k < most; ++k) {
+      std::vector<float> places, turns, scales;
+      for (const auto& frame : frames) {
+        const ContactArrow nothing{};
+        const ContactArrow& arrow = k < frame.size() ? *frame[k] : nothing;
+        const auto scale = float(k < frame.size() ? length : 0);
+        const auto q = rotationFromZ(arrow.direction);
+        places.insert(places.end(), {float(arrow.position.x), float(arrow.position.y), float(arrow.position.z)});
+        turns.insert(turns.end(), {float(q[1]), float(q[2]), float(q[3]), float(q[0])});
+        scales.insert(scales.end(), {scale, scale, scale});
+      }
+      tinygltf::Node node;
+      node.name = name;
+      node.mesh = mesh;
+      node.scale = {0, 0, 0};
+      const int index = addNode(writer.model(), node);
+      addTrack(animation, index, "translation", times, writer.addFloats(places, TINYGLTF_TYPE_VEC3, 3, 0, false),
+               "STEP");
+      addTrack(animation, index, "rotation", times, writer.addFloats(turns, TINYGLTF_TYPE_VEC4, 4, 0, false), "STEP");
+      addTrack(animation, index, "scale", times, writer.addFloats(scales, TINYGLTF_TYPE_VEC3, 3, 0, false), "STEP");
+    }
+  }
+}
+
+void addCamera(tinygltf::Model& model, const Stage& stage) {
+  tinygltf::Camera camera;
+  camera.name = "camera";
+  camera.type = "perspective";
+  camera.perspective.yfov = 0.8;
+  camera.perspective.aspectRatio = 16.0 / 9;
+  camera.perspective.znear = 0.01 * stage.radius;
+  camera.perspective.zfar = 100 * stage.radius;
+  model.cameras.push_back(camera);
+  const Vec3d from = kViewFrom * (2.6 * stage.radius);
+  tinygltf::Node node;
+  node.name = "camera";
+  node.camera = 0;
+  node.translation = {stage.center.x + from.x, stage.center.y + from.y, stage.center.z + from.z};
+  node.rotation = gltfRotation(rotationThatLooks(from * -1.0));
+  addNode(model, node);
+}
+
+/// A sun and a weaker light from the other side: a directional light shines wherever its node is.
+void addLights(tinygltf::Model& model) {
+  const struct {
+    const char* name;
+    Vec3d from;
+    std::vector<double> color;
+    double lux;
+  } lights[] = {{"sun", {-0.5, -0.4, 0.8}, {1, 0.95, 0.85}, 3}, {"sky", {0.6, 0.3, 0.5}, {0.8, 0.9, 1}, 1}};
+  for (const auto& shining : lights) {
+    tinygltf::Light light;
+    light.name = shining.name;
+    light.type = "directional";
+    light.color = shining.color;
+    light.intensity = shining.lux;
+    model.lights.push_back(light);
+    tinygltf::Node node;
+    node.name = shining.name;
+    node.rotation = gltfRotation(rotationThatLooks(shining.from * -1.0));
+    tinygltf::Value::Object reference;
+    reference["light"] = tinygltf::Value(static_cast<int>(model.lights.size()) - 1);
+    node.extensions["KHR_lights_punctual"] = tinygltf::Value(reference);
+    addNode(model, node);
+  }
+}
+
 }  // namespace
 
-void writeGlb(const std::string& path, const std::vector<AnimatedBody>& bodies, const std::vector<double>& times) {
+void writeGlb(const std::string& path, const Recording& recording) {
   Writer writer;
   tinygltf::Model& model = writer.model();
   tinygltf::Animation animation;
   animation.name = "simulation";
-  int timeAccessor = -1;
-  if (times.size() > 1) {
-    const std::vector<float> seconds(times.begin(), times.end());
-    timeAccessor = writer.addFloats(seconds, TINYGLTF_TYPE_SCALAR, 1, 0, true);
+  int times = -1;
+  if (recording.times.size() > 1) {
+    const std::vector<float> seconds(recording.times.begin(), recording.times.end());
+    times = writer.addFloats(seconds, TINYGLTF_TYPE_SCALAR, 1, 0, true);
   }
   tinygltf::Node root;
   root.name = "world";
   root.rotation = {-std::sqrt(0.5), 0, 0, std::sqrt(0.5)};
   model.nodes.push_back(root);
-  struct Arrays {
-    int positions, normals, indices;
-  };
-  std::map<const TriMesh*, Arrays> shared;
-  for (const AnimatedBody& body : bodies) {
-    if (body.surface->triangleCount() == 0 || body.positions.empty()) continue;
-    auto found = shared.find(body.surface.get());
-    if (found == shared.end()) {
-      const Shaded shaded = shade(*body.surface);
-      const Arrays arrays{writer.addFloats(shaded.positions, TINYGLTF_TYPE_VEC3, 3, TINYGLTF_TARGET_ARRAY_BUFFER, true),
-                          writer.addFloats(shaded.normals, TINYGLTF_TYPE_VEC3, 3, TINYGLTF_TARGET_ARRAY_BUFFER, false),
-                          writer.addIndices(shaded.indices)};
-      found = shared.emplace(body.surface.get(), arrays).first;
-    }
-    tinygltf::Primitive primitive;
-    primitive.mode = TINYGLTF_MODE_TRIANGLES;
-    primitive.attributes["POSITION"] = found->second.positions;
-    primitive.attributes["NORMAL"] = found->second.normals;
-    primitive.indices = found->second.indices;
-    primitive.material = addMaterial(model, body.color);
-    tinygltf::Mesh mesh;
-    mesh.name = body.name;
-    mesh.primitives.push_back(primitive);
-    model.meshes.push_back(mesh);
-    tinygltf::Node node;
-    node.name = body.name;
-    node.mesh = static_cast<int>(model.meshes.size()) - 1;
-    const Vec3d& p = body.positions.front();
-    const auto& q = body.rotations.front();
-    node.translation = {p.x, p.y, p.z};
-    node.rotation = {q[1], q[2], q[3], q[0]};
-    model.nodes.push_back(node);
-    const int index = static_cast<int>(model.nodes.size()) - 1;
-    model.nodes[0].children.push_back(index);
-    if (timeAccessor < 0 || body.positions.size() != times.size()) continue;
-    std::vector<float> translations;
-    for (const Vec3d& x : body.positions) translations.insert(translations.end(), {float(x.x), float(x.y), float(x.z)});
-    addTrack(animation, index, "translation", timeAccessor,
-             writer.addFloats(translations, TINYGLTF_TYPE_VEC3, 3, 0, false));
-    addTrack(animation, index, "rotation", timeAccessor,
-             writer.addFloats(continuousRotations(body.rotations), TINYGLTF_TYPE_VEC4, 4, 0, false));
-  }
+  addBodies(writer, animation, recording, times);
+  addArrows(writer, animation, recording, times);
+  addCamera(model, findStage(recording.bodies));
+  addLights(model);
   if (!animation.channels.empty()) model.animations.push_back(animation);
   tinygltf::Scene scene;
   scene.nodes.push_back(0);

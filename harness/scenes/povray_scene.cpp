@@ -21,29 +21,6 @@ const T& at(const std::vector<T>& poses, std::size_t frame) {
   return poses[std::min(frame, poses.size() - 1)];
 }
 
-struct Stage {
-  Vec3d center{0, 0, 0};
-  double radius = 1;
-};
-
-/// Around the places of the moving bodies in the second half of the time, where things have come together, with their
-/// size added: one that flew in from far away shall not make all of them small.
-Stage findStage(const std::vector<AnimatedBody>& bodies) {
-  Vec3d low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-  for (const AnimatedBody& body : bodies) {
-    if (body.positions.size() < 2) continue;
-    const double r = body.surface->radius();
-    for (std::size_t i = body.positions.size() / 2; i < body.positions.size(); ++i) {
-      const Vec3d& p = body.positions[i];
-      low = {std::min(low.x, p.x - r), std::min(low.y, p.y - r), std::min(low.z, p.z - r)};
-      high = {std::max(high.x, p.x + r), std::max(high.y, p.y + r), std::max(high.z, p.z + r)};
-    }
-  }
-  if (low.x > high.x) return {};
-  const Vec3d size = high - low;
-  return {(low + high) * 0.5, 0.5 * norm(size)};
-}
-
 /// Columns of the rotation matrix and the position, as POV-Ray's `matrix` takes them.
 std::string matrix(const std::array<double, 4>& q, const Vec3d& p) {
   const auto [w, x, y, z] = q;
@@ -55,8 +32,9 @@ std::string matrix(const std::array<double, 4>& q, const Vec3d& p) {
 
 }  // namespace
 
-std::vector<std::string> writePovrayFrames(const std::string& folder, const std::vector<AnimatedBody>& bodies,
-                                           const std::vector<double>& times, const std::vector<std::size_t>& frames) {
+std::vector<std::string> writePovrayFrames(const std::string& folder, const Recording& recording,
+                                           const std::vector<std::size_t>& frames) {
+  const std::vector<AnimatedBody>& bodies = recording.bodies;
   const std::filesystem::path root(folder);
   std::error_code error;
   std::filesystem::create_directories(root, error);
@@ -71,11 +49,12 @@ std::vector<std::string> writePovrayFrames(const std::string& folder, const std:
   meshes.close();
 
   const Stage stage = findStage(bodies);
+  const double usual = usualDepth(recording);
   std::vector<std::string> paths;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const std::filesystem::path path = root / fmt::format("frame_{:03}.pov", i);
     fmt::ostream out = openPovrayFile(path);
-    out.print("#version 3.7;\n#declare FrameTime = {:.9g};\n", times[frames[i]]);
+    out.print("#version 3.7;\n#declare FrameTime = {:.9g};\n", recording.times[frames[i]]);
     out.print("#declare StageCenter = <{:.9g},{:.9g},{:.9g}>;\n#declare StageRadius = {:.9g};\n", stage.center.x,
               stage.center.y, stage.center.z, stage.radius);
     out.print("#include \"look.inc\"\n#include \"meshes.inc\"\n");
@@ -84,6 +63,13 @@ std::vector<std::string> writePovrayFrames(const std::string& folder, const std:
                 body.positions.size() < 2 ? "StillBody" : "MovingBody", body.color.x, body.color.y, body.color.z,
                 matrix(at(body.rotations, frames[i]), at(body.positions, frames[i])));
     }
+    out.print("#ifdef (ShowContacts)\n");
+    for (const ContactArrow& arrow : recording.contacts[frames[i]]) {
+      const Vec3d &p = arrow.position, &d = arrow.direction, &color = kDepthColors[depthColor(arrow.depth, usual)];
+      out.print("ContactArrow(<{:.9g},{:.9g},{:.9g}>, <{:.6g},{:.6g},{:.6g}>, <{:.4g},{:.4g},{:.4g}>)\n", p.x, p.y, p.z,
+                d.x, d.y, d.z, color.x, color.y, color.z);
+    }
+    out.print("#end\n");
     out.close();
     paths.push_back(path.string());
   }

@@ -61,6 +61,11 @@ Transformd poseOf(const BodyDescription& description) {
   return {{r[0], r[1], r[2], r[4], r[5], r[6], r[8], r[9], r[10]}, description.position};
 }
 
+/// The body that a geom stands for: makeGeom()'s caller leaves its number + 1, and a plane has nothing.
+std::size_t numberOf(dGeomID geom) {
+  return reinterpret_cast<std::uintptr_t>(dGeomGetData(geom)) - 1;
+}
+
 /// What ODE calls where it can go on no more. It would abort.
 void endProgram(int, const char* message, va_list arguments) {
   std::fputs("otg: ODE cannot go on: ", stderr);
@@ -262,6 +267,12 @@ void Simulation::collidePair(dGeomID a, dGeomID b) {
       contact.surface.bounce_vel = scene_.bounceVelocity;
     }
     dJointAttach(dJointCreateContact(world_, contactJoints_, &contact), bodyA, bodyB);
+    const dContactGeom& found = contact.geom;
+    stepContacts_.push_back({{found.pos[0], found.pos[1], found.pos[2]},
+                             {found.normal[0], found.normal[1], found.normal[2]},
+                             found.depth,
+                             numberOf(found.g1),
+                             numberOf(found.g2)});
   }
   contactCount_ += count;
   if (!ours) contactsOfOthers_ += count;
@@ -284,6 +295,7 @@ StepRecord Simulation::step(double dt) {
   StepRecord record;
   contactCount_ = 0;
   contactsOfOthers_ = 0;
+  stepContacts_.clear();
   const Found before = foundSoFar();
   dRandSetSeed(randomState_);
   auto start = std::chrono::steady_clock::now();

@@ -42,6 +42,16 @@ struct StepRecord {
   double stepMs = 0;                          ///< dWorldStep or dWorldQuickStep
 };
 
+inline constexpr std::size_t kNoBody = static_cast<std::size_t>(-1);
+
+/// A contact joint of a step, as ODE has it.
+struct StepContact {
+  Vec3d position{};                      ///< world
+  Vec3d normal{};                        ///< world, unit length; points into body a
+  double depth = 0;                      ///< penetration depth, metres
+  std::size_t a = kNoBody, b = kNoBody;  ///< numbers of the bodies; kNoBody: a plane of the scene
+};
+
 struct Energy {
   double kinetic = 0, potential = 0;  ///< joules; potential is 0 at the world's origin
   double total() const { return kinetic + potential; }
@@ -67,6 +77,8 @@ class Simulation {
   const SceneDescription& scene() const { return scene_; }
   BodyState state(std::size_t body) const;
   Energy energy() const;
+  /// Of the last step; none before the first.
+  const std::vector<StepContact>& contacts() const { return stepContacts_; }
   /// Sum over moving bodies, kg m/s.
   Vec3d linearMomentum() const;
 
@@ -101,9 +113,10 @@ class Simulation {
   dJointGroupID contactJoints_ = nullptr;
   std::vector<Body> bodies_;
   std::vector<dContact> contacts_;  ///< one pair's
-  int steps_ = 0;                   ///< done so far
-  int contactCount_ = 0;            ///< of the step under way
-  int contactsOfOthers_ = 0;        ///< of these, from colliders that count nothing themselves
+  std::vector<StepContact> stepContacts_;
+  int steps_ = 0;             ///< done so far
+  int contactCount_ = 0;      ///< of the step under way
+  int contactsOfOthers_ = 0;  ///< of these, from colliders that count nothing themselves
   bool prefetch_ = false;
   unsigned long randomState_ = 0;  ///< ODE's generator is global: each simulation brings its own state
 };

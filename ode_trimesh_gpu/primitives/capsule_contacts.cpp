@@ -20,9 +20,9 @@ namespace {
 
 constexpr double kAlong = 0.2;          // sine of the angle up to which a face or edge runs along the axis
 constexpr double kSameNormal = 0.9986;  // cosine of 3 degrees
-constexpr double kSamePlace = 0.01;     // of the capsule's length
+constexpr double kSameEnd = 0.01;       // of the capsule's length
 constexpr double kDeeper = 1.02;
-constexpr double kFlat = 0.9999985;        // cosine of 0.1 degrees
+constexpr double kFlatFan = 0.9999985;     // cosine of 0.1 degrees
 constexpr std::size_t kPlacesAtHand = 96;  // on the stack; more are rare
 
 /// A point of the surface below a point of the axis.
@@ -212,7 +212,7 @@ void keepOutermost(const Capsule& capsule, std::pmr::vector<TouchingPlace>& plac
     if (x.distance != y.distance) return x.distance < y.distance;
     return x.at != y.at ? x.at < y.at : x.triangle < y.triangle;
   });
-  const double apart = kSamePlace * 2 * (capsule.half + capsule.radius);
+  const double apart = kSameEnd * 2 * (capsule.half + capsule.radius);
   const std::size_t first = out.size();
   std::uint32_t number = 0;
   for (auto begin = places.begin(); begin != places.end(); ++number) {
@@ -234,7 +234,7 @@ void keepOutermost(const Capsule& capsule, std::pmr::vector<TouchingPlace>& plac
     // Between ends that are as deep and have its normal the deepest holds nothing.
     const double outer = capsule.radius - std::min(low->distance, high->distance);
     const bool isBetween = isLowApart && isHighApart && capsule.radius - begin->distance <= kDeeper * outer &&
-                           otgDot(begin->away, low->away) > kFlat && otgDot(begin->away, high->away) > kFlat;
+                           otgDot(begin->away, low->away) > kFlatFan && otgDot(begin->away, high->away) > kFlatFan;
     if (!isBetween) add(*begin);
     if (isLowApart) add(*low);
     if (isHighApart) add(*high);

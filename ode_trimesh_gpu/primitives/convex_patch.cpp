@@ -13,7 +13,6 @@ namespace {
 // More planes than these are no patch whose least way out is worth a search.
 constexpr std::size_t kMostPlanes = 256;
 constexpr double kSamePlane = 1 - 1e-12;
-constexpr double kFlatEdge = 0.9999985;  // cosine of 0.1 degrees
 // A pair of edges has to be this much better than a face, as ODE's dBoxBox has it: faces hold bodies in more places.
 constexpr double kEdgeHandicap = 1.05;
 constexpr int kArcSamples = 8, kArcSteps = 30;

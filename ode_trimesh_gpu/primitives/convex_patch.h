@@ -14,6 +14,9 @@
 
 namespace otg {
 
+/// Faces whose normals have this cosine or more lie in one plane: 0.1 degrees. Their edge is none.
+inline constexpr double kFlatEdge = 0.9999985;
+
 /// A convex shape in mesh A's frame, seen from a near origin.
 class PlacedShape {
  public:

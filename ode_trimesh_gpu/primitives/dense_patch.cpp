@@ -15,7 +15,6 @@ constexpr std::size_t kMostTriangles = 4096;  // more take longer than they are 
 constexpr std::size_t kSampledPoints = 48;    // that are compared with every plane
 constexpr std::size_t kBestFaces = 24;        // whose edges and corners are tried
 constexpr double kLargeTriangle = 0.25;       // of the region's diagonal
-constexpr double kFlatEdge = 0.9999985;       // cosine of 0.1 degrees
 
 Vec3d vertexOf(const TriMesh& mesh, std::uint32_t v) {
   const Vec3f& p = mesh.vertices()[v];

@@ -12,7 +12,7 @@
 namespace otg {
 namespace {
 
-constexpr double kSamePlace = 0.9986;       // cosine of 3 degrees
+constexpr double kSameDirection = 0.9986;   // cosine of 3 degrees
 constexpr std::size_t kPointsAtHand = 128;  // on the stack; more are rare
 
 Contact makeContact(const SurfacePoint& at, const Vec3d& normal, double depth, std::uint32_t region) {
@@ -68,7 +68,7 @@ void sphereContacts(const CollisionMesh& tree, const Vec3d& center, double radiu
     if (kind != SurfaceKind::kShell && otgDot(away, outwardNormal(tree, p)) > 0) continue;
     const Vec3d normal = unit(away);
     const bool known = std::any_of(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
-                                   [&](const Contact& c) { return otgDot(c.normal, normal) > kSamePlace; });
+                                   [&](const Contact& c) { return otgDot(c.normal, normal) > kSameDirection; });
     if (!known) {
       out.push_back(makeContact(p, normal, radius - p.distance, static_cast<std::uint32_t>(out.size() - first)));
     }

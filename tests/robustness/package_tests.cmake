@@ -6,4 +6,10 @@ if(NOT OTG_SANITIZE)
             "${PROJECT_SOURCE_DIR}" "${CMAKE_CURRENT_BINARY_DIR}/installed_package" "${CMAKE_C_COMPILER}"
             "${CMAKE_CXX_COMPILER}" "${CMAKE_GENERATOR}" "${CMAKE_MAKE_PROGRAM}")
   set_tests_properties(robustness.installed_package PROPERTIES LABELS robustness TIMEOUT 600)
+  # Configures only; `run.sh SOURCE SCRATCH --build` belongs before a release.
+  if(CMAKE_GENERATOR STREQUAL "Ninja")
+    add_test(NAME robustness.subproject
+      COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/subproject/run.sh" "${PROJECT_SOURCE_DIR}" "${CMAKE_CURRENT_BINARY_DIR}/subproject")
+    set_tests_properties(robustness.subproject PROPERTIES LABELS robustness TIMEOUT 600)
+  endif()
 endif()

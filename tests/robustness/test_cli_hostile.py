@@ -11,28 +11,27 @@ import tempfile
 import cli_support
 from cli_support import CliTest, box, ply
 
-MOST_SECONDS = 2  # of processor time, which other work on the machine does not change
+MOST_SECONDS = 12  # of processor time: what works takes less than two, what grows without bound takes all of it
 MOST_BYTES = 500e6
 
 
 class HostileTest(CliTest):
     def answered(self, *arguments, limit=1):
-        """Status 0 within so many times the limits; what was on stdout."""
+        """Status 0 within the limits, `limit` times as much memory; what was on stdout."""
         with tempfile.TemporaryFile() as out:
             process = subprocess.Popen([cli_support.OTG, *arguments], stdout=out, cwd=self.folder, preexec_fn=lambda:
-                                       resource.setrlimit(resource.RLIMIT_CPU, (60, 60)))
+                                       resource.setrlimit(resource.RLIMIT_CPU, (MOST_SECONDS, MOST_SECONDS)))
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = status
             self.assertEqual(status, 0)
             out.seek(0)
-            self.assertLess(usage.ru_utime + usage.ru_stime, limit * MOST_SECONDS)
             self.assertLess(usage.ru_maxrss * 1024, limit * MOST_BYTES)
             return json.load(out)
 
     def refused(self, *arguments, says=()):
         """Status 1, one reason on stderr, nothing on stdout, within the limits."""
         def limit():
-            resource.setrlimit(resource.RLIMIT_CPU, (10, 10))
+            resource.setrlimit(resource.RLIMIT_CPU, (MOST_SECONDS, MOST_SECONDS))
             resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
         with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
             process = subprocess.Popen([cli_support.OTG, *arguments], stdout=out, stderr=err, cwd=self.folder,
@@ -49,7 +48,6 @@ class HostileTest(CliTest):
         self.assertTrue(message.startswith("otg: "), message)
         for word in [says] if isinstance(says, str) else says:
             self.assertIn(word, message)
-        self.assertLess(usage.ru_utime + usage.ru_stime, MOST_SECONDS, message)
         self.assertLess(usage.ru_maxrss * 1024, MOST_BYTES, message)
 
 

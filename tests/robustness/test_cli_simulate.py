@@ -173,10 +173,13 @@ class Simulate(CliTest):
         gltf = json.loads(data[20:20 + size])
         binary = data[20 + size + 8:]
         nodes = {node["name"]: i for i, node in enumerate(gltf["nodes"])}
-        self.assertEqual(set(nodes), {"world", "ground", "lump"})
+        arrows = {name for name in nodes if re.fullmatch(r"contact [0-4]", name)}
+        self.assertEqual(set(nodes) - arrows, {"world", "ground", "lump", "camera", "sun", "sky"})
         channels = {(c["target"]["node"], c["target"]["path"]): gltf["animations"][0]["samplers"][c["sampler"]]
                     for c in gltf["animations"][0]["channels"]}
-        self.assertEqual(set(channels), {(nodes["lump"], "translation"), (nodes["lump"], "rotation")})
+        moving = [i for i, node in enumerate(gltf["nodes"]) if node["name"] == "lump" or node["name"] in arrows]
+        self.assertEqual(set(channels), {(i, path) for i in moving for path in ("translation", "rotation", "scale")
+                                         if path != "scale" or i != nodes["lump"]})
         times = gltf["accessors"][channels[nodes["lump"], "translation"]["input"]]
         self.assertAlmostEqual(times["max"][0], 60 * 0.005 - 60 * 0.005 % 0.035, places=5)
         track = gltf["accessors"][channels[nodes["lump"], "translation"]["output"]]
@@ -185,6 +188,27 @@ class Simulate(CliTest):
         self.assertEqual([round(x, 6) for x in struct.unpack_from("<3f", binary, view.get("byteOffset", 0))],
                          [0.1, 0, 0.4])
         self.assertLess(document["bodies"][1]["position"][2], 0.4)
+        # In each frame as many arrows are drawn as its step had contacts.
+        every = 7
+        drawn = [0] * times["count"]
+        for i in moving:
+            if i == nodes["lump"]:
+                continue
+            sampler = channels[i, "scale"]
+            self.assertEqual(sampler["interpolation"], "STEP")
+            view = gltf["bufferViews"][gltf["accessors"][sampler["output"]]["bufferView"]]
+            scales = struct.unpack_from("<%df" % (3 * len(drawn)), binary, view.get("byteOffset", 0))
+            for frame in range(len(drawn)):
+                drawn[frame] += scales[3 * frame] > 0
+        self.assertEqual(drawn[1:], document["contacts_per_step"][every - 1::every])
+        self.assertGreater(max(drawn), 0)
+        # A camera and lights.
+        self.assertEqual(gltf["cameras"][gltf["nodes"][nodes["camera"]]["camera"]]["type"], "perspective")
+        lights = gltf["extensions"]["KHR_lights_punctual"]["lights"]
+        for name in ("sun", "sky"):
+            light = lights[gltf["nodes"][nodes[name]]["extensions"]["KHR_lights_punctual"]["light"]]
+            self.assertEqual((light["name"], light["type"]), (name, "directional"))
+        self.assertIn("KHR_lights_punctual", gltf["extensionsUsed"])
         # What was written is a mesh that can be read again.
         row = self.run_json("check", self.path("out.glb"))
         self.assertTrue(row["closed"])

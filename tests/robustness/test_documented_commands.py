@@ -111,6 +111,7 @@ class DocumentedCommands(unittest.TestCase):
             shutil.copytree(ROOT / "benchmarks" / "published", os.path.join(folder, "benchmarks", "published"))
             for name in ("mesh.ply", "other.ply"):
                 pathlib.Path(folder, name).write_text(TETRAHEDRON)
+            pathlib.Path(folder, "scene.json").write_text('{"bodies": [{"name": "ball", "sphere": 0.5}]}')
             environment = dict(os.environ, OTG_OPENCL_DEVICE="none", OTG_CACHE_DIR="")
             for page in [p for p in PAGES if p.parent in (ROOT, ROOT / "docs")]:
                 blocks = re.findall(r"(?m)^    ((?:[A-Z_]+=\S+ )*)(build/bin/otg [^#|>\n]+)", page.read_text())

@@ -76,6 +76,24 @@ class Documents(unittest.TestCase):
                 seen += 1
         self.assertGreater(seen, 80)
 
+    def test_readme_is_read_in_a_hurry(self):
+        text = (ROOT / "README.md").read_text()
+        prose = re.sub(r"(?m)^    .*$", "", re.sub(r"```.*?```", "", text, flags=re.S))
+        prose = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", prose)
+        pieces = []
+        for block in re.split(r"\n\s*\n|\n(?=[-#|]|\d\. )", prose):
+            parts = block.strip("|").split("|") if block.startswith("|") else re.split(r"(?<=[.!?])\s+", block)
+            pieces += [" ".join(part.split()) for part in parts]
+        self.assertGreater(len(pieces), 60)
+        for piece in pieces:
+            self.assertLessEqual(len(piece.split()), 25, piece)
+
+    def test_the_first_program_is_the_same_everywhere(self):
+        blocks = [re.search(r"```c\n(.*?)```", (ROOT / name).read_text(), re.S).group(1)
+                  for name in ("README.md", "docs/getting_started.md")]
+        self.assertIn("dCreateGpuTriMesh", blocks[0])  # robustness.installed_package compiles it
+        self.assertEqual(*blocks)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -51,7 +51,7 @@ add_test(NAME unit.ode_c89 COMMAND test_ode_c89)
 
 if(CMAKE_EXECUTABLE_FORMAT STREQUAL "ELF" AND CMAKE_NM)
   add_test(NAME unit.ode_exported_symbols COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/exported_symbols.sh" "${CMAKE_NM}"
-           "$<TARGET_FILE:ode_trimesh_gpu>" "${include_dir}")
+           "$<TARGET_FILE:ode_trimesh_gpu>" "${include_dir}" "$<TARGET_PROPERTY:ode_trimesh_gpu,SOVERSION>")
   set_tests_properties(unit.ode_exported_symbols PROPERTIES LABELS unit)
 endif()
 set_tests_properties(unit.ode_c89 PROPERTIES LABELS unit)

@@ -63,12 +63,14 @@ TEST_CASE("Frames for POV-Ray say what was there and where") {
   const auto ball = scenes::build(scenes::makeSphere(0.5, 2));
   const auto box = scenes::build(scenes::makeBox({1, 1, 1}));
   const double h = std::sqrt(0.5);
-  const std::vector<double> times{0, 0.5, 1};
-  const std::vector<scenes::AnimatedBody> bodies{
+  scenes::Recording recording;
+  recording.times = {0, 0.5, 1};
+  recording.bodies = {
       {"ground", box, {0.5, 0.5, 0.5}, {{0, 0, -1}}, {{1, 0, 0, 0}}},
       {"one", ball, {1, 0, 0}, {{0, 0, 3}, {0, 0, 2}, {0, 1, 2}}, {{1, 0, 0, 0}, {1, 0, 0, 0}, {h, 0, 0, h}}},
       {"two", ball, {0, 0, 1}, {{5, 0, 3}, {5, 0, 2}, {5, 0, 1}}, {{1, 0, 0, 0}, {1, 0, 0, 0}, {h, h, 0, 0}}}};
-  const auto paths = scenes::writePovrayFrames(folder.path.string(), bodies, times, {0, 2});
+  recording.contacts = {{}, {}, {{{0.5, 1, 2}, {0, 0, 1}, 0.01}, {{5, 0, 0.5}, {0, 1, 0}, 0.03}}};
+  const auto paths = scenes::writePovrayFrames(folder.path.string(), recording, {0, 2});
   REQUIRE(paths.size() == 2);
 
   const std::string meshes = read(folder.path / "meshes.inc");
@@ -110,14 +112,21 @@ TEST_CASE("Frames for POV-Ray say what was there and where") {
     CHECK(std::fabs(two[i] - aboutX[i]) < 1e-7);
   }
   CHECK(read(paths[1]).find("FrameTime = 1;") != std::string::npos);
+  CHECK(read(paths[0]).find("ContactArrow(") == std::string::npos);
+  // The deepest but 5 % has the last colour, another one a shallower colour.
+  CHECK(read(paths[1]).find("ContactArrow(<0.5,1,2>, <0,0,1>, <0.004,0.002,0.242>)") != std::string::npos);
+  CHECK(read(paths[1]).find("ContactArrow(<5,0,0.5>, <0,1,0>, <0.004,0.002,0.242>)") != std::string::npos);
 }
 
 TEST_CASE("A folder that cannot be made is an error that names it") {
   const auto ball = scenes::build(scenes::makeSphere(0.5, 0));
-  const std::vector<scenes::AnimatedBody> bodies{{"one", ball, {1, 0, 0}, {{0, 0, 0}}, {{1, 0, 0, 0}}}};
+  scenes::Recording recording;
+  recording.times = {0};
+  recording.contacts = {{}};
+  recording.bodies = {{"one", ball, {1, 0, 0}, {{0, 0, 0}}, {{1, 0, 0, 0}}}};
   std::string message;
   try {
-    scenes::writePovrayFrames("/dev/null/frames", bodies, {0}, {0});
+    scenes::writePovrayFrames("/dev/null/frames", recording, {0});
   } catch (const std::runtime_error& error) {
     message = error.what();
   }

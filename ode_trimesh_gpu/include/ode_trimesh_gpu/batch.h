@@ -19,8 +19,8 @@ extern "C" {
  * @ingroup gputrimesh
  */
 typedef struct dGpuTriMeshPair {
-  dGeomID o1;
-  dGeomID o2;
+  dGeomID o1; /**< the first geom: normals point into it */
+  dGeomID o2; /**< the second geom */
 } dGpuTriMeshPair;
 
 /**
@@ -67,6 +67,9 @@ OTG_API int dGpuTriMeshPrefetch(dSpaceID space);
  * @brief Says whether a pair is worth computing ahead: 0 if the near callback will not ask for it, as for bodies that a
  *        joint connects.
  * @param data  what dGpuTriMeshPrefetchSpaces() was given
+ * @param o1    a geom
+ * @param o2    another one
+ * @returns 0: leave the pair out.
  * @remarks Called by the calling thread, with the space locked: do not change geoms, spaces or bodies in it.
  * @ingroup gputrimesh
  */
@@ -143,6 +146,7 @@ OTG_API dGpuTriMeshBatchID dGpuTriMeshBatchSubmit(const dGpuTriMeshPair* pairs, 
 
 /**
  * @brief Whether a batch is computed: whether dGpuTriMeshBatchWait() would return at once.
+ * @param batch  the batch
  * @returns 1 or 0; dGPUTRIMESH_ERROR_ARGUMENT for NULL.
  * @remarks From any thread and from a near callback.
  * @ingroup gputrimesh
@@ -151,6 +155,7 @@ OTG_API int dGpuTriMeshBatchIsDone(dGpuTriMeshBatchID batch);
 
 /**
  * @brief Waits until a batch is computed.
+ * @param batch  the batch
  * @returns The number of contacts of all pairs; dGPUTRIMESH_ERROR_ARGUMENT for NULL; dGPUTRIMESH_ERROR_MEMORY if memory
  *          ran out on the way.
  * @remarks Several threads may wait for one batch.
@@ -181,6 +186,7 @@ OTG_API int dGpuTriMeshBatchCollect(dGpuTriMeshBatchID batch, dContactGeom* cont
 
 /**
  * @brief Ends a batch; waits for it if it is not computed yet. NULL does nothing.
+ * @param batch  the batch
  * @remarks Every batch has to be destroyed before the program ends.
  * @remarks By one thread, when no other one uses the batch any more.
  * @ingroup gputrimesh

@@ -62,6 +62,7 @@ OTG_API int dGeomGpuTriMeshSetData(dGeomID g, dGpuTriMeshDataID data);
 
 /**
  * @brief The mesh of the geom.
+ * @param g  a geom
  * @returns What was set; NULL if that was NULL or is destroyed by now, or if g is not of this class.
  * @remarks May be called from a near callback.
  * @ingroup gputrimesh

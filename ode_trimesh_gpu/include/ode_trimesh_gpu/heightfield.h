@@ -36,12 +36,15 @@ typedef struct dGpuTriMeshHeightfield {
   const void* heights; /**< sample (i, j), i along x and j along z, at i + j * width_samples; not for callbacks */
   int copy;            /**< 0: the array is read at each collision and must live as long as the data */
   dHeightfieldGetHeight* callback; /**< gets user_data and the numbers of a sample */
-  void* user_data;
-  dReal width, depth;               /**< along x and along z, greater than 0 */
-  int width_samples, depth_samples; /**< at least 2 */
-  dReal scale, offset;              /**< a height is sample * scale + offset, along y */
-  dReal thickness;                  /**< how far the ground reaches below its lowest height */
-  int wrap;                         /**< not 0: the field repeats itself for ever along x and z */
+  void* user_data;                 /**< handed to the callback */
+  dReal width;                     /**< along x, greater than 0 */
+  dReal depth;                     /**< along z, greater than 0 */
+  int width_samples;               /**< along x, at least 2 */
+  int depth_samples;               /**< along z, at least 2 */
+  dReal scale;                     /**< a height is sample * scale + offset, along y */
+  dReal offset;                    /**< what is added to the scaled sample */
+  dReal thickness;                 /**< how far the ground reaches below its lowest height */
+  int wrap;                        /**< not 0: the field repeats itself for ever along x and z */
 } dGpuTriMeshHeightfield;
 
 /**
@@ -93,6 +96,7 @@ OTG_API int dGpuTriMeshHeightfieldDataDescribe(dHeightfieldDataID data, const dG
 /**
  * @brief Forgets what was told of data that are to be destroyed by dGeomHeightfieldDataDestroy(), or built anew by
  *        other code. NULL and data of which nothing is known do nothing.
+ * @param data  may be NULL
  * @remarks Not while another thread collides geoms that have the data.
  * @ingroup gputrimesh
  */
@@ -123,9 +127,17 @@ OTG_API int dGpuTriMeshHeightfieldDataBuildCallback(dHeightfieldDataID d, void* 
 /**
  * @brief dGeomHeightfieldDataBuildByte(), and dGpuTriMeshHeightfieldDataDescribe(). With `bCopyHeightData` the library
  *        keeps a copy of its own beside ODE's.
- * @param d                as in dGpuTriMeshHeightfieldDataBuildCallback(), and so are the arguments after the copy
+ * @param d                data of ODE's, made by dGeomHeightfieldDataCreate()
  * @param pHeightData      widthSamples * depthSamples heights, row by row along x
  * @param bCopyHeightData  0: the array is read where it is, and has to outlive the data
+ * @param width            size along x of the field, in its frame
+ * @param depth            size along z
+ * @param widthSamples     samples along x, 2 or more
+ * @param depthSamples     samples along z, 2 or more
+ * @param scale            what heights are multiplied by before they are used
+ * @param offset           what is added to them then
+ * @param thickness        how far the solid goes down below the lowest height
+ * @param bWrap            other than 0: the field repeats itself for ever
  * @returns As dGpuTriMeshHeightfieldDataBuildCallback(), whose thread rule holds.
  * @ingroup gputrimesh
  */
@@ -135,6 +147,17 @@ OTG_API int dGpuTriMeshHeightfieldDataBuildByte(dHeightfieldDataID d, const unsi
                                                 int bWrap);
 /**
  * @brief dGeomHeightfieldDataBuildShort(), and dGpuTriMeshHeightfieldDataDescribe().
+ * @param d                data of ODE's, made by dGeomHeightfieldDataCreate()
+ * @param pHeightData      widthSamples * depthSamples heights, row by row along x
+ * @param bCopyHeightData  0: the array is read where it is, and has to outlive the data
+ * @param width            size along x of the field, in its frame
+ * @param depth            size along z
+ * @param widthSamples     samples along x, 2 or more
+ * @param depthSamples     samples along z, 2 or more
+ * @param scale            what heights are multiplied by before they are used
+ * @param offset           what is added to them then
+ * @param thickness        how far the solid goes down below the lowest height
+ * @param bWrap            other than 0: the field repeats itself for ever
  * @returns As dGpuTriMeshHeightfieldDataBuildByte(), whose arguments and thread rule hold.
  * @ingroup gputrimesh
  */
@@ -143,6 +166,17 @@ OTG_API int dGpuTriMeshHeightfieldDataBuildShort(dHeightfieldDataID d, const sho
                                                  dReal scale, dReal offset, dReal thickness, int bWrap);
 /**
  * @brief dGeomHeightfieldDataBuildSingle(), and dGpuTriMeshHeightfieldDataDescribe().
+ * @param d                data of ODE's, made by dGeomHeightfieldDataCreate()
+ * @param pHeightData      widthSamples * depthSamples heights, row by row along x
+ * @param bCopyHeightData  0: the array is read where it is, and has to outlive the data
+ * @param width            size along x of the field, in its frame
+ * @param depth            size along z
+ * @param widthSamples     samples along x, 2 or more
+ * @param depthSamples     samples along z, 2 or more
+ * @param scale            what heights are multiplied by before they are used
+ * @param offset           what is added to them then
+ * @param thickness        how far the solid goes down below the lowest height
+ * @param bWrap            other than 0: the field repeats itself for ever
  * @returns As dGpuTriMeshHeightfieldDataBuildByte(), whose arguments and thread rule hold.
  * @ingroup gputrimesh
  */
@@ -151,6 +185,17 @@ OTG_API int dGpuTriMeshHeightfieldDataBuildSingle(dHeightfieldDataID d, const fl
                                                   dReal scale, dReal offset, dReal thickness, int bWrap);
 /**
  * @brief dGeomHeightfieldDataBuildDouble(), and dGpuTriMeshHeightfieldDataDescribe().
+ * @param d                data of ODE's, made by dGeomHeightfieldDataCreate()
+ * @param pHeightData      widthSamples * depthSamples heights, row by row along x
+ * @param bCopyHeightData  0: the array is read where it is, and has to outlive the data
+ * @param width            size along x of the field, in its frame
+ * @param depth            size along z
+ * @param widthSamples     samples along x, 2 or more
+ * @param depthSamples     samples along z, 2 or more
+ * @param scale            what heights are multiplied by before they are used
+ * @param offset           what is added to them then
+ * @param thickness        how far the solid goes down below the lowest height
+ * @param bWrap            other than 0: the field repeats itself for ever
  * @returns As dGpuTriMeshHeightfieldDataBuildByte(), whose arguments and thread rule hold.
  * @ingroup gputrimesh
  */

@@ -26,7 +26,12 @@ class GpuTriMeshData {
   /// Without triangles; id() is NULL when memory is short.
   GpuTriMeshData() : id_(dGpuTriMeshDataCreate()) {}
   ~GpuTriMeshData() { dGpuTriMeshDataDestroy(id_); }
+  /// Takes the mesh of another one.
+  /// @param other  may only be destroyed or assigned to afterwards
   GpuTriMeshData(GpuTriMeshData&& other) noexcept : id_(other.id_) { other.id_ = nullptr; }
+  /// Exchanges the meshes.
+  /// @param other  gets the mesh that was here
+  /// @returns this
   GpuTriMeshData& operator=(GpuTriMeshData&& other) noexcept {
     std::swap(id_, other.id_);
     return *this;
@@ -34,28 +39,40 @@ class GpuTriMeshData {
   GpuTriMeshData(const GpuTriMeshData&) = delete;
   GpuTriMeshData& operator=(const GpuTriMeshData&) = delete;
 
+  /// @returns the object, for functions of the C API
   dGpuTriMeshDataID id() const { return id_; }
 
-  /// Builds from tightly packed arrays: three coordinates per vertex, three indices per triangle. Returns the status.
+  /// Builds from tightly packed arrays.
+  /// @param vertices       three coordinates for each vertex
+  /// @param vertexCount    number of vertices
+  /// @param indices        three vertex indices for each triangle
+  /// @param triangleCount  number of triangles
+  /// @param repair         dGPUTRIMESH_REPAIR_... added up
+  /// @returns the status of dGpuTriMeshDataBuild()
   int build(const float* vertices, std::size_t vertexCount, const std::uint32_t* indices, std::size_t triangleCount,
             int repair = dGPUTRIMESH_REPAIR_NONE) {
     return build(vertices, dGPUTRIMESH_VERTEX_SINGLE, vertexCount, indices, triangleCount, repair);
   }
+  /// Builds from double precision vertices.
+  /// @copydetails build(const float*, std::size_t, const std::uint32_t*, std::size_t, int)
   int build(const double* vertices, std::size_t vertexCount, const std::uint32_t* indices, std::size_t triangleCount,
             int repair = dGPUTRIMESH_REPAIR_NONE) {
     return build(vertices, dGPUTRIMESH_VERTEX_DOUBLE, vertexCount, indices, triangleCount, repair);
   }
 
+  /// @returns what dGpuTriMeshDataGetReport() says of the mesh
   dGpuTriMeshReport report() const {
     dGpuTriMeshReport result;
     dGpuTriMeshReportInit(&result);
     dGpuTriMeshDataGetReport(id_, &result);
     return result;
   }
-  /// Why the last build failed; empty when it succeeded.
+  /// @returns why the last build failed; empty when it succeeded
   std::string error() const { return dGpuTriMeshDataGetErrorString(id_); }
 
-  /// A geom that shares this mesh; the caller or the space destroys it, as with any geom. NULL: dGpuTriMeshGetError().
+  /// A geom that shares this mesh; the caller or the space destroys it, as with any geom.
+  /// @param space  may be NULL
+  /// @returns the geom; NULL: dGpuTriMeshGetError()
   dGeomID createGeom(dSpaceID space = nullptr) const { return dCreateGpuTriMesh(space, id_); }
 
  private:

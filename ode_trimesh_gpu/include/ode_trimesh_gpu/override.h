@@ -116,6 +116,7 @@ OTG_API void dGpuTriMeshOverrideDataChanged(dTriMeshDataID data);
 
 /**
  * @brief Frees what is kept of data that are to be destroyed, or were. NULL does nothing.
+ * @param data  may be NULL
  * @remarks From any thread and from a near callback.
  * @ingroup gputrimesh
  */

@@ -59,7 +59,10 @@ typedef struct dGpuTriMeshReport {
   int accepted;  /**< there is a mesh; otherwise see dGpuTriMeshDataGetErrorString() */
   int valid;     /**< accepted, and nothing wrong but unused vertices */
 
-  int vertices, triangles, edges, components;
+  int vertices;   /**< number of vertices */
+  int triangles;  /**< number of triangles */
+  int edges;      /**< number of edges */
+  int components; /**< pieces that hang together by edges */
 
   int closed;   /**< every edge is used exactly twice */
   int manifold; /**< no edge used more than twice, one fan of triangles at every vertex */
@@ -67,12 +70,20 @@ typedef struct dGpuTriMeshReport {
   int outward;  /**< closed parts face outward, cavities inward */
   int solid;    /**< the mesh has an inside: closed, oriented, outward. Otherwise it is a shell */
 
-  int degenerate_triangles, duplicate_triangles, nonfinite_vertices;
-  int boundary_edges, non_manifold_edges, non_manifold_vertices, inconsistent_edges;
-  int problem_count; /**< as dGpuTriMeshDataGetProblemCount() */
+  int degenerate_triangles;  /**< triangles without area */
+  int duplicate_triangles;   /**< triangles with the vertices of another one */
+  int nonfinite_vertices;    /**< vertices with a coordinate that is infinite or no number */
+  int boundary_edges;        /**< edges of one triangle */
+  int non_manifold_edges;    /**< edges of three triangles or more */
+  int non_manifold_vertices; /**< vertices with several fans of triangles */
+  int inconsistent_edges;    /**< edges whose two triangles are wound against each other */
+  int problem_count;         /**< as dGpuTriMeshDataGetProblemCount() */
 
   /* What repairs did, if any were asked for. */
-  int welded_vertices, dropped_degenerate, dropped_duplicates, flipped_triangles;
+  int welded_vertices;    /**< vertices that became one with another at the same place */
+  int dropped_degenerate; /**< triangles without area that were left out */
+  int dropped_duplicates; /**< repeated triangles that were left out */
+  int flipped_triangles;  /**< triangles whose winding was turned round */
 
   double volume; /**< cubic units, signed: negative when wound inward; 0 for a mesh that was refused */
   double area;   /**< square units */

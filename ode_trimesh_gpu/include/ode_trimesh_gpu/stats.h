@@ -25,14 +25,14 @@ typedef struct dGpuTriMeshStats {
                               dGpuTriMeshGetError() of the thread says which */
   duint64 box_tests;       /**< pairs of boxes compared */
   duint64 candidate_pairs; /**< pairs of triangles whose boxes overlap */
-  duint64 intersecting_pairs; /**< of these, the ones that intersect or touch */
-  duint64 decided_by_double;  /**< candidate pairs that single precision could not decide */
-  duint64 decided_exactly;    /**< of these, the ones that double precision could not decide either */
-  duint64 contacts_before_reduction;
-  duint64 contacts;   /**< handed to callers */
-  duint64 prefetched; /**< queries whose contacts dGpuTriMeshPrefetch() had ready */
-  duint64 on_device;  /**< queries that an OpenCL device computed, in whole or in part. What a device does in one batch
-                         with others counts as query and contacts; the sums above do not have its other numbers */
+  duint64 intersecting_pairs;        /**< of these, the ones that intersect or touch */
+  duint64 decided_by_double;         /**< candidate pairs that single precision could not decide */
+  duint64 decided_exactly;           /**< of these, the ones that double precision could not decide either */
+  duint64 contacts_before_reduction; /**< contacts that were found */
+  duint64 contacts;                  /**< handed to callers */
+  duint64 prefetched;                /**< queries whose contacts dGpuTriMeshPrefetch() had ready */
+  duint64 on_device; /**< queries that an OpenCL device computed, in whole or in part. What a device does in one batch
+                        with others counts as query and contacts; the sums above do not have its other numbers */
   duint64 device_failures; /**< queries that a device was given and failed to do: the CPU did them */
 } dGpuTriMeshStats;
 

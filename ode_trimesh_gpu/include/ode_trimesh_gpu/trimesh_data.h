@@ -72,7 +72,14 @@ OTG_API int dGpuTriMeshDataBuildSingle(dGpuTriMeshDataID g, const void* Vertices
 /**
  * @brief The same with an argument for normals, so that calls of dGeomTriMeshDataBuildSingle1() need no change. They
  * are not read: this library computes the normals that it needs.
- * @param Normals  may be NULL
+ * @param g             the object
+ * @param Vertices      x, y, z of each vertex, single precision
+ * @param VertexStride  bytes from one vertex to the next; 0: tightly packed
+ * @param VertexCount   number of vertices
+ * @param Indices       three vertex indices of 32 bits for each triangle
+ * @param IndexCount    number of indices: three times the number of triangles
+ * @param TriStride     bytes from one triangle to the next; 0: tightly packed
+ * @param Normals       may be NULL
  * @returns As dGpuTriMeshDataBuildSingle(), whose other arguments, errors and thread rule hold.
  * @ingroup gputrimesh
  */
@@ -82,6 +89,13 @@ OTG_API int dGpuTriMeshDataBuildSingle1(dGpuTriMeshDataID g, const void* Vertice
 /**
  * @brief Builds from double precision vertices, which are rounded to single precision once; otherwise as
  *        dGpuTriMeshDataBuildSingle(). A double that single precision can't hold is refused as infinite.
+ * @param g             the object
+ * @param Vertices      x, y, z of each vertex, double precision
+ * @param VertexStride  bytes from one vertex to the next; 0: tightly packed
+ * @param VertexCount   number of vertices
+ * @param Indices       three vertex indices of 32 bits for each triangle
+ * @param IndexCount    number of indices: three times the number of triangles
+ * @param TriStride     bytes from one triangle to the next; 0: tightly packed
  * @returns As dGpuTriMeshDataBuildSingle(), whose arguments, errors and thread rule hold.
  * @ingroup gputrimesh
  */
@@ -90,7 +104,14 @@ OTG_API int dGpuTriMeshDataBuildDouble(dGpuTriMeshDataID g, const void* Vertices
 
 /**
  * @brief The same with an argument for normals, which are not read.
- * @param Normals  may be NULL
+ * @param g             the object
+ * @param Vertices      x, y, z of each vertex, double precision
+ * @param VertexStride  bytes from one vertex to the next; 0: tightly packed
+ * @param VertexCount   number of vertices
+ * @param Indices       three vertex indices of 32 bits for each triangle
+ * @param IndexCount    number of indices: three times the number of triangles
+ * @param TriStride     bytes from one triangle to the next; 0: tightly packed
+ * @param Normals       may be NULL
  * @returns As dGpuTriMeshDataBuildDouble(), whose other arguments, errors and thread rule hold.
  * @ingroup gputrimesh
  */
@@ -113,7 +134,12 @@ OTG_API int dGpuTriMeshDataBuildSimple(dGpuTriMeshDataID g, const dReal* Vertice
 
 /**
  * @brief The same with an argument for normals, which are not read.
- * @param Normals  may be NULL
+ * @param g            the object
+ * @param Vertices     VertexCount times four numbers
+ * @param VertexCount  number of vertices
+ * @param Indices      three vertex indices for each triangle, tightly packed
+ * @param IndexCount   number of indices: three times the number of triangles
+ * @param Normals      may be NULL
  * @returns As dGpuTriMeshDataBuildSimple(), whose other arguments, errors and thread rule hold.
  * @ingroup gputrimesh
  */
@@ -159,12 +185,12 @@ typedef struct dGpuTriMeshBuildParams {
   const void* vertices; /**< as in dGpuTriMeshDataBuildSingle() */
   int vertex_type;      /**< dGPUTRIMESH_VERTEX_SINGLE (default) or dGPUTRIMESH_VERTEX_DOUBLE */
   int vertex_stride;    /**< bytes, 0 (default) = tightly packed */
-  int vertex_count;
-  const void* indices; /**< 32-bit */
-  int index_count;     /**< three times the number of triangles */
-  int tri_stride;      /**< bytes, 0 (default) = tightly packed */
-  int repair;          /**< dGPUTRIMESH_REPAIR_... added up; none by default */
-  int tree;            /**< dGPUTRIMESH_TREE_... */
+  int vertex_count;     /**< number of vertices */
+  const void* indices;  /**< 32-bit */
+  int index_count;      /**< three times the number of triangles */
+  int tri_stride;       /**< bytes, 0 (default) = tightly packed */
+  int repair;           /**< dGPUTRIMESH_REPAIR_... added up; none by default */
+  int tree;             /**< dGPUTRIMESH_TREE_... */
 } dGpuTriMeshBuildParams;
 
 /**
@@ -208,6 +234,10 @@ OTG_API int dGpuTriMeshDataUpdateVerticesSingle(dGpuTriMeshDataID g, const void*
 
 /**
  * @brief The same from double precision.
+ * @param g             the object
+ * @param Vertices      x, y, z of each vertex, double precision
+ * @param VertexStride  bytes from one vertex to the next; 0: tightly packed
+ * @param VertexCount   number of vertices
  * @returns As dGpuTriMeshDataUpdateVerticesSingle(), whose arguments, errors and thread rule hold.
  * @ingroup gputrimesh
  */
@@ -217,6 +247,9 @@ OTG_API int dGpuTriMeshDataUpdateVerticesDouble(dGpuTriMeshDataID g, const void*
 /**
  * @brief The same from an array of dVector3 (four dReal for each vertex), the counterpart of
  * dGpuTriMeshDataBuildSimple().
+ * @param g            the object
+ * @param Vertices     VertexCount times four numbers
+ * @param VertexCount  number of vertices
  * @returns As dGpuTriMeshDataUpdateVerticesSingle(), whose arguments, errors and thread rule hold.
  * @ingroup gputrimesh
  */
@@ -255,6 +288,11 @@ OTG_API int dGpuTriMeshDataUpdateRangeSingle(dGpuTriMeshDataID g, const void* Ve
 
 /**
  * @brief The same from double precision, rounded to single precision once.
+ * @param g             the object
+ * @param Vertices      x, y, z of the moved vertices alone, double precision
+ * @param VertexStride  bytes from one vertex to the next; 0: tightly packed
+ * @param First         number of the first vertex that moves
+ * @param Count         how many move
  * @returns As dGpuTriMeshDataUpdateRangeSingle(), whose arguments, errors and thread rule hold.
  * @ingroup gputrimesh
  */
@@ -278,6 +316,11 @@ OTG_API int dGpuTriMeshDataUpdateListSingle(dGpuTriMeshDataID g, const void* Ver
 
 /**
  * @brief The same from double precision, rounded to single precision once.
+ * @param g             the object
+ * @param Vertices      x, y, z of the moved vertices alone, double precision
+ * @param VertexStride  bytes from one vertex to the next; 0: tightly packed
+ * @param Numbers       numbers of the vertices
+ * @param Count         how many move
  * @returns As dGpuTriMeshDataUpdateListSingle(), whose arguments, errors and thread rule hold.
  * @ingroup gputrimesh
  */

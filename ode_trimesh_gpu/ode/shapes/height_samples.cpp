@@ -11,7 +11,7 @@ namespace otg {
 namespace {
 
 /// What is kept of one field: as many blocks, and as many samples in all of them, the last block not counted.
-constexpr std::size_t kMostBlocks = 256, kMostSamples = std::size_t{1} << 20;
+constexpr std::size_t kMostBlocks = 256, kMostKeptSamples = std::size_t{1} << 20;
 
 std::size_t sizeOfSample(int type) {
   switch (type) {
@@ -129,7 +129,7 @@ HeightBlockMesh HeightSamples::ground(const SampleRange& range, HeightBlock&& bl
     keptSamples_ -= kept->block.heights.size();
     return true;
   });
-  while (!kept_.empty() && (kept_.size() >= kMostBlocks || keptSamples_ > kMostSamples)) {
+  while (!kept_.empty() && (kept_.size() >= kMostBlocks || keptSamples_ > kMostKeptSamples)) {
     keptSamples_ -= kept_.back()->block.heights.size();
     kept_.pop_back();
   }

@@ -26,6 +26,30 @@ if grep -rlF -e "$build" -e "$source" -e "$scratch/first" "$prefix" --include='*
   fail "the files above name a folder of the build"
 fi
 
+step "what is installed beside the library"
+for file in LICENSE CHANGELOG.md docs/getting_started.md examples/first_steps.c; do
+  [ -s "$prefix/share/doc/ode_trimesh_gpu/$file" ] || fail "$file is missing"
+done
+if [ -s "$prefix/share/man/man1/otg.1" ]; then
+  grep -q -- '\\-\\-html' "$prefix/share/man/man1/otg.1" || fail "the manual page says nothing of --html"
+fi
+
+step "symbols have the version of the SONAME"
+library=$(find "$prefix" -name 'libode_trimesh_gpu.so')
+soname=$(objdump -p "$library" | awk '$1 == "SONAME" { print $2 }')
+objdump -T "$library" | awk '/\.text/ && / d[A-Z]/ { print $(NF - 1) }' | sort -u >"$scratch/versions"
+[ "$(cat "$scratch/versions")" = "ODE_TRIMESH_GPU_${soname#libode_trimesh_gpu.so.}" ] || fail "$soname has the symbol versions $(cat "$scratch/versions")"
+
+step "what was not built is not installed, and the rest is (as after scripts/demo.sh)"
+sed -e "s#$build/bin/otg_bench#$scratch/not_built#g" "$build/packaging/cmake_install.cmake" >"$scratch/partial.cmake"
+"$cmake" -DCMAKE_INSTALL_PREFIX="$scratch/partial" -P "$scratch/partial.cmake" >/dev/null || fail "cmake --install without otg_bench"
+[ -e "$scratch/partial/lib/libode_trimesh_gpu.a" ] || fail "the archive is missing"
+[ ! -e "$scratch/partial/bin/otg_bench" ] || fail "otg_bench was installed though it was not built"
+
+step "components"
+"$cmake" --install "$build" --prefix "$scratch/component" --component preload >/dev/null
+[ "$(find "$scratch/component" -type f | wc -l)" -eq 1 ] || fail "the component preload is more than one file"
+
 step "the README's lines"
 awk '/^```c$/ { on = 1; next } /^```$/ { on = 0 } on' "$source/README.md" >"$scratch/readme_snippet.h"
 grep -q dCreateGpuTriMesh "$scratch/readme_snippet.h" || fail "README.md has no block of C with dCreateGpuTriMesh"
@@ -53,6 +77,21 @@ step "CMake"
 for program in c_shared c_static cpp_shared cpp_static; do
   "$scratch/cmake/$program" || fail "$program (CMake)"
 done
+
+step "CMake, a project in C alone"
+mkdir "$scratch/c_alone"
+cat >"$scratch/c_alone/CMakeLists.txt" <<END
+cmake_minimum_required(VERSION 3.22)
+project(otg_package_user LANGUAGES C)
+find_package(ode_trimesh_gpu 0.1 REQUIRED)
+add_executable(c_alone "$here/main.c")
+target_include_directories(c_alone PRIVATE "$scratch")
+target_link_libraries(c_alone PRIVATE ode_trimesh_gpu::ode_trimesh_gpu_static)
+END
+{ "$cmake" -S "$scratch/c_alone" -B "$scratch/c_alone/build" -G "$generator" -DCMAKE_MAKE_PROGRAM="$make" -DCMAKE_PREFIX_PATH="$prefix" \
+    -DCMAKE_C_COMPILER="$cc" && "$cmake" --build "$scratch/c_alone/build"; } >"$scratch/c_alone.log" 2>&1 ||
+  { cat "$scratch/c_alone.log"; fail "a project in C alone, static"; }
+"$scratch/c_alone/build/c_alone" || fail "c_alone"
 
 step "pkg-config"
 pc=$(dirname "$(find "$prefix" -name ode_trimesh_gpu.pc)")

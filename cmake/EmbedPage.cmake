@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Script: writes OUTPUT, a C++ source with the page of FOLDER (page.html), into which its style and scripts, the library three.js
+# (THREE) and that library's controls (CONTROLS) are put.
+file(READ "${FOLDER}/page.html" page)
+file(READ "${FOLDER}/style.css" style)
+file(READ "${THREE}" three)
+file(READ "${CONTROLS}" controls)
+set(scripts "")
+foreach(name run_data charts viewer)
+  file(READ "${FOLDER}/${name}.js" text)
+  string(APPEND scripts "${text}")
+endforeach()
+foreach(part style three controls scripts)
+  string(REPLACE "@${part}@" "${${part}}" page "${page}")
+endforeach()
+# In pieces: C++ promises no more than 65,536 characters of a literal.
+set(source "// Made by cmake/EmbedPage.cmake from harness/viewer/ and three.js.\n#include \"scenes/html_page.h\"\n\n")
+string(APPEND source "namespace otg::scenes {\nconst char* const kPageParts[] = {\n")
+string(LENGTH "${page}" length)
+set(begin 0)
+while(begin LESS length)
+  string(SUBSTRING "${page}" ${begin} 60000 piece)
+  string(APPEND source "R\"otg_page(${piece})otg_page\",\n")
+  math(EXPR begin "${begin} + 60000")
+endwhile()
+string(APPEND source "nullptr};\n}  // namespace otg::scenes\n")
+file(WRITE "${OUTPUT}" "${source}")

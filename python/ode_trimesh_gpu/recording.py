@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Motions as arrays, frames and glTF."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+from .mesh import Mesh
+
+if TYPE_CHECKING:
+    import pandas
+
+    from .world import World
+
+COLORS = (
+    (0.55, 0.55, 0.55),
+    (0.80, 0.25, 0.12),
+    (0.10, 0.35, 0.75),
+    (0.85, 0.60, 0.08),
+    (0.15, 0.55, 0.25),
+    (0.50, 0.20, 0.60),
+)
+
+
+@dataclass(frozen=True)
+class Surface:
+    """What is drawn of a body."""
+
+    name: str
+    vertices: NDArray[np.float32]  #: (n, 3), in the body's frame
+    faces: NDArray[np.int32]  #: (m, 3)
+    color: tuple[float, float, float]  #: linear red, green, blue from 0 to 1
+    static: bool
+
+
+def write_gltf(
+    path: str | os.PathLike[str],
+    surfaces: list[Surface],
+    times: NDArray[np.float64],
+    positions: NDArray[np.float64],
+    rotations: NDArray[np.float64],
+) -> None:
+    """Binary glTF: positions (t, n, 3) and quaternions w, x, y, z (t, n, 4) of n bodies at t times."""
+    bodies = []
+    for i, surface in enumerate(surfaces):
+        frames = slice(0, 1) if surface.static else slice(None)
+        bodies.append(
+            (
+                surface.name,
+                np.ascontiguousarray(surface.vertices, np.float32),
+                np.ascontiguousarray(surface.faces, np.uint32),
+                list(surface.color),
+                np.ascontiguousarray(positions[frames, i]),
+                np.ascontiguousarray(rotations[frames, i]),
+            )
+        )
+    _core.write_animation(os.fspath(path), bodies, [float(time) for time in times])
+
+
+def poses_frame(
+    names: list[str],
+    times: NDArray[np.float64],
+    positions: NDArray[np.float64],
+    rotations: NDArray[np.float64],
+) -> pandas.DataFrame:
+    """One row for each time and body: time, body, x, y, z, qw, qx, qy, qz."""
+    import pandas
+
+    columns: dict[str, Any] = {"time": np.repeat(times, len(names)), "body": names * len(times)}
+    columns.update({name: positions[:, :, k].ravel() for k, name in enumerate("xyz")})
+    columns.update({"q" + name: rotations[:, :, k].ravel() for k, name in enumerate("wxyz")})
+    return pandas.DataFrame(columns)
+
+
+def body_surface(shapes: list[tuple[Any, NDArray[np.float64]]]) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+    """All shapes of a body that have a surface, as one mesh in the body's frame."""
+    vertices: list[NDArray[Any]] = [np.empty((0, 3), np.float32)]
+    faces: list[NDArray[Any]] = [np.empty((0, 3), np.int32)]
+    count = 0
+    for shape, pose in shapes:
+        mesh = shape if isinstance(shape, Mesh) else shape._surface()
+        if mesh is None:
+            continue
+        vertices.append((mesh.vertices @ pose[:3, :3].T + pose[:3, 3]).astype(np.float32))
+        faces.append(mesh.faces + count)
+        count += len(mesh.vertices)
+    return np.concatenate(vertices), np.concatenate(faces)
+
+
+def world_surfaces(world: World) -> list[Surface]:
+    """What is drawn of each body of a world, in their order."""
+    surfaces = []
+    for i, body in enumerate(world.bodies):
+        vertices, faces = body_surface(body.shapes)
+        surfaces.append(
+            Surface(body.name, vertices, faces, body.color or COLORS[i % len(COLORS)], body.kind == "static")
+        )
+    return surfaces
+
+
+class Recording:
+    """Poses of a world's bodies at several times. Made by `World.record`."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._times: list[float] = []
+        self._positions: list[NDArray[np.float64]] = []
+        self._rotations: list[NDArray[np.float64]] = []
+
+    def add(self) -> None:
+        """Keeps the poses of this moment."""
+        self._times.append(self._world.time)
+        self._positions.append(self._world.poses[:, :3, 3])
+        self._rotations.append(self._world._quaternions())
+
+    @property
+    def times(self) -> NDArray[np.float64]:
+        """(t,): seconds."""
+        return np.array(self._times)
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """(t, n, 3): origins of the bodies' frames, world."""
+        return np.array(self._positions)
+
+    @property
+    def rotations(self) -> NDArray[np.float64]:
+        """(t, n, 4): unit quaternions w, x, y, z."""
+        return np.array(self._rotations)
+
+    def to_frame(self) -> pandas.DataFrame:
+        """One row for each time and body (pandas): time, body, x, y, z, qw, qx, qy, qz."""
+        names = [body.name for body in self._world.bodies]
+        return poses_frame(names, self.times, self.positions, self.rotations)
+
+    def to_gltf(self, path: str | os.PathLike[str]) -> None:
+        """Writes an animation in binary glTF, for Blender and web viewers. Planes are left out."""
+        surfaces = world_surfaces(self._world)
+        drawn = [i for i, surface in enumerate(surfaces) if len(surface.faces)]
+        write_gltf(path, [surfaces[i] for i in drawn], self.times, self.positions[:, drawn], self.rotations[:, drawn])
+
+    def __len__(self) -> int:
+        return len(self._times)
