@@ -40,6 +40,9 @@ int main(void) {
   EXPECT(found >= 4 * (kBoxes - 1));
   EXPECT(dGpuTriMeshPrefetchSpaces(&space, 1, &onlyPlaceable, 0) == kBoxes - 1);
 
+  /* The same contacts in one array, without a near callback. */
+  EXPECT(dGpuTriMeshCollideSpace(space, kPlaces, 0, 0, contacts, sizeof contacts[0], kBoxes * kPlaces) == found);
+
   total = dGpuTriMeshCollidePairs(pairs, kBoxes - 1, kPlaces, contacts, sizeof contacts[0], counts);
   EXPECT(total == found && counts[0] >= 4);
 

@@ -154,15 +154,17 @@ void setPose(dGeomID geom, const Transformd& pose) {
   dGeomSetPosition(geom, pose.t.x, pose.t.y, pose.t.z);
 }
 
+void joinContact(dWorldID world, dJointGroupID joints, const dContactGeom& geom) {
+  dContact contact{};
+  contact.surface.mode = dContactApprox1;
+  contact.surface.mu = 0.5;
+  contact.geom = geom;
+  dJointAttach(dJointCreateContact(world, joints, &contact), dGeomGetBody(geom.g1), dGeomGetBody(geom.g2));
+}
+
 std::vector<dContactGeom> joinContacts(dWorldID world, dJointGroupID joints, dGeomID o1, dGeomID o2, int places) {
   std::vector<dContactGeom> contacts = collide(o1, o2, places);
-  for (const dContactGeom& geom : contacts) {
-    dContact contact{};
-    contact.surface.mode = dContactApprox1;
-    contact.surface.mu = 0.5;
-    contact.geom = geom;
-    dJointAttach(dJointCreateContact(world, joints, &contact), dGeomGetBody(o1), dGeomGetBody(o2));
-  }
+  for (const dContactGeom& geom : contacts) joinContact(world, joints, geom);
   return contacts;
 }
 

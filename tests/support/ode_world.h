@@ -69,6 +69,8 @@ void setRandomPose(dGeomID geom, std::mt19937& random, double reach);
 void randomRotation(dMatrix3 r, std::mt19937& random);
 void setPose(dGeomID geom, const Transformd& pose);
 
+/// A joint with friction between the bodies of the contact's geoms.
+void joinContact(dWorldID world, dJointGroupID joints, const dContactGeom& geom);
 /// What a near callback does: dCollide with so many places, and a joint with friction for each contact. Returns these.
 std::vector<dContactGeom> joinContacts(dWorldID world, dJointGroupID joints, dGeomID o1, dGeomID o2, int places);
 /// Appends the bytes of the contacts' positions, to compare worlds by.

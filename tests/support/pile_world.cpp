@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/pile_world.h"
 
-#include <cstring>
+#include "support/catch.h"
 
 namespace otg::test {
 namespace {
@@ -60,6 +60,7 @@ PileWorld::PileWorld(const Choices& choices)
     if (!choices.history) params.history = dGPUTRIMESH_HISTORY_OFF;
     dGeomGpuTriMeshSetParams(geom, &params);
   }
+  if (choices.withShapes) addShapes();
 }
 
 PileWorld::~PileWorld() {
@@ -80,11 +81,34 @@ void PileWorld::near(void* self, dGeomID o1, dGeomID o2) {
   world.contacts_ += static_cast<int>(contacts.size());
 }
 
+void PileWorld::addShapes() {
+  dCreatePlane(space_, 0, 0, 1, 0.05);
+  for (const bool isBall : {false, true}) {
+    const dBodyID body = dBodyCreate(world_);
+    dGeomSetBody(isBall ? dCreateSphere(space_, 0.3) : dCreateBox(space_, 0.5, 0.4, 0.6), body);
+    dBodySetPosition(body, isBall ? 0.2 : -0.3, 0.1, isBall ? 2 : 2.8);
+  }
+}
+
+void PileWorld::collideAsArray() {
+  std::vector<dContact> found(4000);
+  const int count = dGpuTriMeshCollideSpace(space_, choices_.places, nullptr, nullptr, &found[0].geom, sizeof(dContact),
+                                            static_cast<int>(found.size()));
+  REQUIRE(count >= 0);
+  REQUIRE(count < static_cast<int>(found.size()));
+  for (int k = 0; k < count; ++k) joinContact(world_, joints_, found[static_cast<std::size_t>(k)].geom);
+  contacts_ += count;
+}
+
 void PileWorld::step(int count, const std::function<void()>& before) {
   for (int i = 0; i < count; ++i) {
     if (before) before();
-    dSpaceCollide(space_, this, &PileWorld::near);
-    if (inner_ != nullptr) dSpaceCollide(inner_, this, &PileWorld::near);
+    if (choices_.asArray) {
+      collideAsArray();
+    } else {
+      dSpaceCollide(space_, this, &PileWorld::near);
+      if (inner_ != nullptr) dSpaceCollide(inner_, this, &PileWorld::near);
+    }
     dWorldStep(world_, 0.005);
     dJointGroupEmpty(joints_);
   }

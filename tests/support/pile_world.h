@@ -19,6 +19,8 @@ class PileWorld {
     bool nested = false;  ///< every other body in a space of its own, inside the first
     bool pairwise = false;
     bool history = true;
+    bool asArray = false;     ///< dGpuTriMeshCollideSpace() in place of a near callback
+    bool withShapes = false;  ///< a box, a ball and a plane of ODE's, too
     unsigned seed = 1;
   };
   explicit PileWorld(const Choices& choices);
@@ -35,10 +37,12 @@ class PileWorld {
   dSpaceID space() const { return space_; }
   const std::vector<dGeomID>& geoms() const { return geoms_; }
   int contacts() const { return contacts_; }      ///< made so far
-  int collisions() const { return collisions_; }  ///< calls of dCollide for two meshes so far
+  int collisions() const { return collisions_; }  ///< calls of the near callback for two geoms so far
 
  private:
   static void near(void* self, dGeomID o1, dGeomID o2);
+  void collideAsArray();
+  void addShapes();
   Choices choices_;
   dWorldID world_;
   dSpaceID space_, inner_ = nullptr;

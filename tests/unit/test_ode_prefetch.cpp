@@ -65,6 +65,79 @@ TEST_CASE("a world with and without prefetch gives the same bytes") {
   }
 }
 
+TEST_CASE("a world whose spaces are collided into an array gives the same bytes") {
+  const OdeSession session;
+  std::vector<PileWorld::Choices> all(8);
+  all[1].spaceClass = dSimpleSpaceClass;
+  all[2].spaceClass = dSweepAndPruneSpaceClass;
+  all[3].spaceClass = dQuadTreeSpaceClass;
+  all[4].nested = true;
+  all[5].pairwise = true;
+  all[6].places = 3;
+  all[7].nested = true;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    INFO("choice " << i);
+    all[i].withShapes = true;
+    PileWorld::Choices asArray = all[i];
+    asArray.asArray = true;
+    PileWorld plain(all[i]), array(asArray);
+    CHECK(dGpuTriMeshSetThreadCount(i == 7 ? 1 : 3) == dGPUTRIMESH_OK);
+    plain.step(80);
+    array.step(80);
+    CHECK(plain.contacts() > 1000);
+    CHECK(array.contacts() == plain.contacts());
+    CHECK(array.bytes() == plain.bytes());
+    CHECK(sameSums(array.stats(), plain.stats()));
+    CHECK((array.stats().prefetched > 0) == (i != 7));
+  }
+  CHECK(dGpuTriMeshSetThreadCount(0) == dGPUTRIMESH_OK);
+}
+
+TEST_CASE("an array that is too small, a filter, and what is refused") {
+  const OdeSession session;
+  Entangled pair;
+  const dGeomID plane = dCreatePlane(pair.space, 0, 0, 1, 0.1), ball = dCreateSphere(pair.space, 0.3);
+  dGeomSetPosition(ball, 0, 0, 0.35);
+  const auto collide = [&](int capacity, int flags = 8, dGpuTriMeshPairFilter* filter = nullptr) {
+    std::vector<dContactGeom> contacts(static_cast<std::size_t>(capacity));
+    const int count =
+        dGpuTriMeshCollideSpace(pair.space, flags, filter, ball, contacts.data(), sizeof(dContactGeom), capacity);
+    CHECK(count >= 0);
+    contacts.resize(static_cast<std::size_t>(std::max(count, 0)));
+    return contacts;
+  };
+  const std::vector<dContactGeom> all = collide(100);
+  CHECK(all.size() > 16);
+  const auto isOf = [](const dContactGeom& c, dGeomID geom) { return c.g1 == geom || c.g2 == geom; };
+  // Planes stand still, as all here; only ODE's own rules say what meets.
+  CHECK(std::count_if(all.begin(), all.end(), [&](const dContactGeom& c) { return isOf(c, ball) && isOf(c, plane); }) ==
+        1);
+  CHECK(std::any_of(all.begin(), all.end(), [&](const dContactGeom& c) { return isOf(c, pair.a) && isOf(c, ball); }));
+  for (const int capacity : {0, 1, 2, 7, static_cast<int>(all.size())}) {
+    const std::vector<dContactGeom> some = collide(capacity);
+    REQUIRE(some.size() == static_cast<std::size_t>(capacity));
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      CHECK(some[i].g1 == all[i].g1);
+      CHECK(some[i].g2 == all[i].g2);
+    }
+  }
+  const auto withoutBall = [](void* data, dGeomID o1, dGeomID o2) { return int{o1 != data && o2 != data}; };
+  const std::vector<dContactGeom> few = collide(100, 8, withoutBall);
+  CHECK(few.size() < all.size());
+  CHECK(std::none_of(few.begin(), few.end(), [&](const dContactGeom& c) { return isOf(c, ball); }));
+  dContactGeom contact;
+  const auto refused = [&](dSpaceID space, int flags, dContactGeom* place, int skip, int capacity) {
+    dGpuTriMeshGetError();
+    CHECK(dGpuTriMeshCollideSpace(space, flags, nullptr, nullptr, place, skip, capacity) == dGPUTRIMESH_ERROR_ARGUMENT);
+    CHECK(dGpuTriMeshGetError() == dGPUTRIMESH_ERROR_ARGUMENT);
+  };
+  refused(nullptr, 1, &contact, sizeof contact, 1);
+  refused(pair.space, 0, &contact, sizeof contact, 1);
+  refused(pair.space, 1, nullptr, sizeof contact, 1);
+  refused(pair.space, 1, &contact, sizeof contact - 1, 1);
+  refused(pair.space, 1, &contact, sizeof contact, -1);
+}
+
 TEST_CASE("worlds that are prefetched together, by any number of threads") {
   const OdeSession session;
   std::vector<std::unique_ptr<PileWorld>> plain, ahead;

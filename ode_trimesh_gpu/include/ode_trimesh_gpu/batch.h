@@ -88,6 +88,43 @@ typedef int dGpuTriMeshPairFilter(void* data, dGeomID o1, dGeomID o2);
 OTG_API int dGpuTriMeshPrefetchSpaces(const dSpaceID* spaces, int count, dGpuTriMeshPairFilter* filter, void* data);
 
 /**
+ * @brief Collides all geoms of a space and fills one array with their contacts, so that a program makes its joints in
+ *        one loop and needs no near callback.
+ *
+ *     dContact contacts[4096];
+ *     int n = dGpuTriMeshCollideSpace(space, 16, NULL, NULL, &contacts[0].geom, sizeof(dContact), 4096);
+ *     for (int i = 0; i < n; ++i) {
+ *       contacts[i].surface = ...
+ *       dBodyID b1 = dGeomGetBody(contacts[i].geom.g1), b2 = dGeomGetBody(contacts[i].geom.g2);
+ *       dJointAttach(dJointCreateContact(world, joints, &contacts[i]), b1, b2);
+ *     }
+ *
+ * The broad phase runs once. Pairs that dGpuTriMeshPrefetch() would compute are computed by all threads and devices,
+ * every other pair by dCollide() on the calling thread: geoms of ODE's own, heightfields, rays, meshes with callbacks.
+ * The contacts are those of dSpaceCollide() with a near callback that calls dCollide(), byte for byte. So is their
+ * order: pairs as the broad phase finds them first, then the pairs in spaces inside `space`. It depends on neither
+ * threads nor devices. What is remembered of pairs and counted is the same, too.
+ *
+ * @param space     whose geoms; spaces in it are collided with the rest and among themselves
+ * @param flags     of each dCollide(): the lower 16 bits are the most contacts of a pair, at least 1;
+ *                  CONTACTS_UNIMPORTANT may be added
+ * @param filter    which pairs; NULL: all. Bodies that a joint connects are left out here
+ * @param data      passed to the filter
+ * @param contact   receives the contacts, in world coordinates; g1 and g2 are their geoms. May be NULL if `capacity` is
+ * 0
+ * @param skip      bytes from one place to the next, at least sizeof(dContactGeom): sizeof(dContact) fills an array of
+ *                  dContact through its member `geom`
+ * @param capacity  how many places there are. When the array is full, pairs that are left are not collided
+ * @returns The number of contacts, `capacity` at most: that many say that there may be more.
+ * dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_MEMORY.
+ * @remarks Not from a near callback, and not while another thread changes or collides geoms of the space.
+ * @sa dGpuTriMeshPrefetch
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshCollideSpace(dSpaceID space, int flags, dGpuTriMeshPairFilter* filter, void* data,
+                                    dContactGeom* contact, int skip, int capacity);
+
+/**
  * @brief Collides an array of pairs, by all threads and the devices that the geoms may use. Pair i has the contacts
  * that dCollide(pairs[i].o1, pairs[i].o2, flags, ...) would give it, byte for byte.
  *
