@@ -287,14 +287,15 @@ class RegionSolver {
     for (const std::uint32_t i : points) {
       if (all_.points[i].kind != PointKind::kCrossing) continue;
       Candidate c = candidateAt(all_.points[i]), best = c;
+      triangles_.lookFrom(c.probe);
       double least = std::numeric_limits<double>::infinity();
       for (const Way& way : ways) {
         c.normal = way.normal;
         if (otgEndsAt(c.point->faceNormal, c.normal, c.point->mesh)) continue;
         const double limit = std::min(least, kWithin * way.depth);
-        c.out = triangles_.wayOut(1, c.probe, c.normal, limit);
+        c.out = triangles_.wayOut(1, c.normal, limit);
         if (!(c.out < limit)) continue;
-        c.back = triangles_.wayOut(0, c.probe, otgScale(c.normal, -1.0), limit);
+        c.back = triangles_.wayOut(0, otgScale(c.normal, -1.0), limit);
         if (!(c.out + c.back < least && c.out + c.back <= way.depth)) continue;
         least = c.out + c.back;
         best = c;

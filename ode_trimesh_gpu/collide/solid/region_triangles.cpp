@@ -131,13 +131,27 @@ std::pmr::vector<RegionTriangles::StretchExit> RegionTriangles::facesOver(int m,
   return found;
 }
 
-double RegionTriangles::wayOut(int m, const Vec3d& from, const Vec3d& direction, double limit) const {
+void RegionTriangles::lookFrom(const Vec3d& from) {
+  from_ = from;
+  for (int m = 0; m < 2; ++m) {
+    ahead_[m].clear();
+    for (std::size_t i = begin_[m]; i < begin_[m + 1]; ++i) {
+      if (const double depth = depthBelow(i, from); depth >= -behind_) ahead_[m].push_back({depth, i});
+    }
+    std::sort(ahead_[m].begin(), ahead_[m].end(), [](const Ahead& x, const Ahead& y) {
+      return x.depth != y.depth ? x.depth < y.depth : x.triangle < y.triangle;
+    });
+  }
+}
+
+double RegionTriangles::wayOut(int m, const Vec3d& direction, double limit) const {
   double nearest = limit;
-  for (std::size_t i = begin_[m]; i < begin_[m + 1]; ++i) {
-    const double cosine = otgDot(planes_[i].normal, direction), ahead = depthBelow(i, from);
-    if (!(cosine > 0.05) || ahead < -behind_ || ahead >= nearest * cosine) continue;
-    const double way = std::max(0.0, ahead / cosine);
-    if (triangles_[i].beside(otgAdd(from, otgScale(direction, way))) <= slack_) nearest = way;
+  for (const auto& [depth, i] : ahead_[m]) {
+    if (!(depth < nearest)) break;  // no way is shorter than the distance from the plane
+    const double cosine = otgDot(planes_[i].normal, direction);
+    if (!(cosine > 0.05) || depth >= nearest * cosine) continue;
+    const double way = std::max(0.0, depth / cosine);
+    if (triangles_[i].beside(otgAdd(from_, otgScale(direction, way))) <= slack_) nearest = way;
   }
   return nearest < limit ? nearest : kInfinity;
 }

@@ -41,7 +41,8 @@ class RegionTriangles {
         edges_(memory),
         edgesAdded_(memory),
         exits_(memory),
-        distances_(memory) {}
+        distances_(memory),
+        ahead_{std::pmr::vector<Ahead>(memory), std::pmr::vector<Ahead>(memory)} {}
 
   /// A face through which a point leaves a mesh.
   struct Exit {
@@ -68,9 +69,11 @@ class RegionTriangles {
   };
   std::pmr::vector<StretchExit> facesOver(int m, const Vec3d& from, const Vec3d& to) const;
 
+  /// Where the ways of wayOut() begin.
+  void lookFrom(const Vec3d& from);
   /// Way along a unit direction through the nearest triangle of mesh m that faces along it; infinity if none is met
   /// sooner than `limit`.
-  double wayOut(int m, const Vec3d& from, const Vec3d& direction, double limit) const;
+  double wayOut(int m, const Vec3d& direction, double limit) const;
 
   /// Distance of a point from the triangles of mesh m that face along a unit direction; infinity if none does.
   double distanceToFacing(int m, const Vec3d& p, const Vec3d& direction) const;
@@ -82,6 +85,11 @@ class RegionTriangles {
     double offset;
   };
   enum class Curved : std::uint8_t { kUnknown, kNo, kYes };
+  /// A triangle whose plane a point lies below.
+  struct Ahead {
+    double depth;
+    std::size_t triangle;
+  };
 
   double depthBelow(std::size_t i, const Vec3d& p) const { return planes_[i].offset - otgDot(planes_[i].normal, p); }
   bool isCurved(int m, std::size_t i) const;
@@ -97,6 +105,8 @@ class RegionTriangles {
   FlatMap edgesAdded_;
   std::pmr::vector<Exit> exits_;
   std::pmr::vector<double> distances_;
+  Vec3d from_{};
+  std::pmr::vector<Ahead> ahead_[2];  ///< of each mesh, seen from there, the least depth first
   double slack_ = 0;   ///< how far beside a triangle still counts as on it
   double behind_ = 0;  ///< how far in front of a triangle a point may lie that counts as on it
 };
