@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <mutex>
 
 namespace otg {
 
@@ -15,6 +16,18 @@ class LibraryCall {
   ~LibraryCall();
   LibraryCall(const LibraryCall&) = delete;
   LibraryCall& operator=(const LibraryCall&) = delete;
+};
+
+/// A lock on what more than one geom may use, held within a call: nobody holds it in the child of a fork. For places
+/// that calls of ODE and short functions of the C API come to without a LibraryCall of their own.
+template <class Mutex>
+class CallLock {
+ public:
+  explicit CallLock(Mutex& mutex) : lock_(mutex) {}
+
+ private:
+  const LibraryCall call_;
+  const std::lock_guard<Mutex> lock_;
 };
 
 /// Work that goes on after the call that began it, on a thread of the library's: a fork waits for that, too. Made

@@ -7,6 +7,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "base/fork_gate.h"
 #include "ode_trimesh_gpu/library.h"
 
 namespace otg {
@@ -28,7 +29,7 @@ LiveHandles& live() {
 }  // namespace otg
 
 dxGpuTriMeshData* dxGpuTriMeshData::create() {
-  const std::lock_guard lock(otg::live().mutex);
+  const otg::CallLock lock(otg::live().mutex);
   auto* const data = new dxGpuTriMeshData;
   try {
     otg::live().handles.insert(data);
@@ -41,7 +42,7 @@ dxGpuTriMeshData* dxGpuTriMeshData::create() {
 
 bool dxGpuTriMeshData::isLive(const dxGpuTriMeshData* data) noexcept {
   if (data == nullptr) return false;
-  const std::lock_guard lock(otg::live().mutex);
+  const otg::CallLock lock(otg::live().mutex);
   return otg::live().handles.count(data) != 0;
 }
 
@@ -62,10 +63,10 @@ void dxGpuTriMeshData::commit(otg::ValidationReport&& report, ScaledMeshes&& sca
   ownFlags.clear();
   faceNormals.clear();
   {
-    const std::lock_guard lock(scaledMutex_);
+    const otg::CallLock lock(scaledMutex_);
     scaled_ = std::move(scaled.known);
   }
-  const std::lock_guard lock(mutex_);
+  const otg::CallLock lock(mutex_);
   for (const auto& [serial, user] : users_) {
     if (user.geom == nullptr) continue;
     const auto mesh = scaled.meshes.find(user.scaled->scale);
@@ -138,13 +139,14 @@ int dxGpuTriMeshData::take(std::shared_ptr<otg::CollisionMesh> mesh, std::string
 }
 
 void dxGpuTriMeshData::releaseHandle() noexcept {
+  const otg::LibraryCall call;  // what goes with the data has locks of its own
   {
-    const std::lock_guard lock(otg::live().mutex);
+    const otg::CallLock lock(otg::live().mutex);
     otg::live().handles.erase(this);
   }
   bool unused = false;
   {
-    const std::lock_guard lock(mutex_);
+    const otg::CallLock lock(mutex_);
     handle_ = false;
     unused = users_.empty();
   }
@@ -152,19 +154,19 @@ void dxGpuTriMeshData::releaseHandle() noexcept {
 }
 
 bool dxGpuTriMeshData::hasHandle() const {
-  const std::lock_guard lock(mutex_);
+  const otg::CallLock lock(mutex_);
   return handle_;
 }
 
 void dxGpuTriMeshData::attach(std::uint64_t serial, dGeomID geom, otg::ScaledMesh* scaled) {
-  const std::lock_guard lock(mutex_);
+  const otg::CallLock lock(mutex_);
   users_.emplace(serial, User{geom, scaled});
 }
 
 void dxGpuTriMeshData::detach(std::uint64_t serial) noexcept {
   bool unused = false;
   {
-    const std::lock_guard lock(mutex_);
+    const otg::CallLock lock(mutex_);
     users_.erase(serial);
     unused = users_.empty() && !handle_;
   }
@@ -172,6 +174,6 @@ void dxGpuTriMeshData::detach(std::uint64_t serial) noexcept {
 }
 
 void dxGpuTriMeshData::forgetGeom(std::uint64_t serial) noexcept {
-  const std::lock_guard lock(mutex_);
+  const otg::CallLock lock(mutex_);
   if (const auto it = users_.find(serial); it != users_.end()) it->second.geom = nullptr;
 }

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/fork_gate.h"
 #include "ode/data/mesh_data.h"
 
 namespace otg {
@@ -96,7 +97,7 @@ class MovesTogether {
 }  // namespace otg
 
 std::shared_ptr<otg::CollisionMesh> dxGpuTriMeshData::scaledMesh(const otg::MeshScale& scale) {
-  const std::lock_guard lock(scaledMutex_);
+  const otg::CallLock lock(scaledMutex_);
   std::weak_ptr<otg::CollisionMesh>& known = scaled_[scale];
   std::shared_ptr<otg::CollisionMesh> mesh = known.lock();
   if (mesh == nullptr) {
@@ -109,7 +110,7 @@ std::shared_ptr<otg::CollisionMesh> dxGpuTriMeshData::scaledMesh(const otg::Mesh
 
 dxGpuTriMeshData::ScalesInUse dxGpuTriMeshData::scalesInUse() const {
   ScalesInUse scales;
-  const std::lock_guard lock(mutex_);
+  const otg::CallLock lock(mutex_);
   for (const auto& [serial, user] : users_) {
     if (user.geom == nullptr || otg::isOne(user.scaled->scale)) continue;
     ScaleInUse& scale = scales[user.scaled->scale];

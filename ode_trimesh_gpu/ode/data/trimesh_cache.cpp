@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "base/fork_gate.h"
 #include "mesh/topology.h"
 
 namespace otg {
@@ -55,7 +56,7 @@ class Entry {
  public:
   std::shared_ptr<const CollisionMesh> meshNow(dTriMeshDataID data, std::atomic<std::uint64_t>& builds,
                                                std::atomic<std::uint64_t>& refits) {
-    const std::lock_guard lock(mutex_);
+    const CallLock lock(mutex_);
     const Reader reader(data);
     if (isCurrent(reader)) return mesh_;
     stale_ = false;
@@ -159,7 +160,7 @@ class Cache {
  public:
   std::shared_ptr<Entry> entryOf(dTriMeshDataID data) {
     const std::uint64_t now = questions_.fetch_add(1, std::memory_order_relaxed) + 1;
-    const std::lock_guard lock(mutex_);
+    const CallLock lock(mutex_);
     // Data that were destroyed without our knowledge leave an entry behind. Those that nobody has asked for in a long
     // time go when there are many; one that is still needed is built again.
     if (entries_.size() >= kMany && now >= nextSweep_) {
@@ -172,25 +173,27 @@ class Cache {
     return entry;
   }
   std::shared_ptr<Entry> find(dTriMeshDataID data) {
-    const std::lock_guard lock(mutex_);
+    const CallLock lock(mutex_);
     const auto it = entries_.find(data);
     return it == entries_.end() ? nullptr : it->second;
   }
   void forget(dTriMeshDataID data) {
+    const LibraryCall call;
     std::shared_ptr<Entry> last;  // goes after the lock
-    const std::lock_guard lock(mutex_);
+    const CallLock lock(mutex_);
     const auto it = entries_.find(data);
     if (it == entries_.end()) return;
     last = std::move(it->second);
     entries_.erase(it);
   }
   void clear() {
+    const LibraryCall call;
     std::unordered_map<dTriMeshDataID, std::shared_ptr<Entry>> last;
-    const std::lock_guard lock(mutex_);
+    const CallLock lock(mutex_);
     last.swap(entries_);
   }
   std::size_t size() {
-    const std::lock_guard lock(mutex_);
+    const CallLock lock(mutex_);
     return entries_.size();
   }
 

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <shared_mutex>
 
+#include "base/fork_gate.h"
 #include "collide/rotation_tolerance.h"
 #include "ode/base/geom_table.h"
 #include "ode/base/status.h"
@@ -195,7 +196,7 @@ void computeAabb(dGeomID geom, dReal aabb[6]) noexcept {
 
 void giveObject(dGeomID geom, const std::shared_ptr<GeomObject>& object) {
   {
-    const std::unique_lock lock(live().mutex);
+    const CallLock lock(live().mutex);
     live().objects.insertOrAssign(geom, object.get());
   }
   slotOf(geom) = object.get();
@@ -203,12 +204,13 @@ void giveObject(dGeomID geom, const std::shared_ptr<GeomObject>& object) {
 }
 
 void destroyObject(dGeomID geom) noexcept {
+  const LibraryCall call;  // what goes with the geom has locks of its own
   // The class number may be out of date by now (ODE closed with geoms alive); the slot is ours all the same, because
   // ODE calls this function only through our class record.
   GeomObject*& slot = slotOf(geom);
   if (slot == nullptr) return;
   {
-    const std::unique_lock lock(live().mutex);
+    const CallLock lock(live().mutex);
     live().objects.erase(geom);
   }
   const std::shared_ptr<GeomObject> last = std::move(slot->self);

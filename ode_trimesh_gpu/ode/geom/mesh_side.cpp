@@ -8,6 +8,7 @@
 #include <mutex>
 #include <unordered_map>
 
+#include "base/fork_gate.h"
 #include "ode/data/trimesh_cache.h"
 #include "ode/geom/class_number.h"
 
@@ -50,7 +51,7 @@ LastTransform lastTransformOf(const dReal* m) noexcept {
 std::shared_ptr<GeomObject> objectOfTrimesh(dGeomID geom) {
   if (geom == nullptr || dGeomGetClass(geom) != dTriMeshClass) return nullptr;
   Adopted& all = adopted();
-  const std::lock_guard lock(all.mutex);
+  const CallLock lock(all.mutex);
   std::shared_ptr<GeomObject>& object = all.objects[geom];
   if (object == nullptr) {
     object = std::make_shared<GeomObject>();
@@ -108,9 +109,10 @@ Transformd lastPoseOf(const MeshGeom& side) noexcept {
 }
 
 void forgetTrimesh(dGeomID geom) noexcept {
+  const LibraryCall call;
   std::shared_ptr<GeomObject> last;  // goes after the lock
   Adopted& all = adopted();
-  const std::lock_guard lock(all.mutex);
+  const CallLock lock(all.mutex);
   const auto it = all.objects.find(geom);
   if (it == all.objects.end()) return;
   last = std::move(it->second);
@@ -119,22 +121,23 @@ void forgetTrimesh(dGeomID geom) noexcept {
 }
 
 void forgetTrimeshes() noexcept {
+  const LibraryCall call;
   std::unordered_map<dGeomID, std::shared_ptr<GeomObject>> last;
   Adopted& all = adopted();
-  const std::lock_guard lock(all.mutex);
+  const CallLock lock(all.mutex);
   last.swap(all.objects);
 }
 
 void setTrimeshParams(const dGpuTriMeshParams& params) noexcept {
   Adopted& all = adopted();
-  const std::lock_guard lock(all.mutex);
+  const CallLock lock(all.mutex);
   all.params = params;
   for (const auto& [geom, object] : all.objects) object->params = params;
 }
 
 dGpuTriMeshParams trimeshParams() noexcept {
   Adopted& all = adopted();
-  const std::lock_guard lock(all.mutex);
+  const CallLock lock(all.mutex);
   return all.params;
 }
 

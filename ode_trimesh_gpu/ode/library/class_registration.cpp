@@ -13,6 +13,7 @@
 #include <memory>
 #include <mutex>
 
+#include "base/fork_gate.h"
 #include "dispatch/dispatcher.h"
 #include "ode/base/environment_report.h"
 #include "ode/base/status.h"
@@ -173,7 +174,7 @@ int precisionStatus(ConfigurationCheck check) noexcept {
 int checkOde() noexcept {
   const int result = guarded([] {
     if (const int status = precisionStatus(&dCheckConfiguration)) return status;
-    const std::lock_guard lock(registry().mutex);
+    const CallLock lock(registry().mutex);
     const DebugHandlerScope scope;
     return static_cast<int>(odeIsInitialized() ? dGPUTRIMESH_OK : dGPUTRIMESH_ERROR_ODE);
   });
@@ -184,7 +185,7 @@ int checkOde() noexcept {
 int ensureRegistered() noexcept {
   const int result = guarded([] {
     if (const int status = precisionStatus(&dCheckConfiguration)) return status;
-    const std::lock_guard lock(registry().mutex);
+    const CallLock lock(registry().mutex);
     const DebugHandlerScope scope;
     if (!odeIsInitialized()) return static_cast<int>(dGPUTRIMESH_ERROR_ODE);
     const int known = registeredClass();

@@ -67,7 +67,7 @@ struct dxGpuTriMeshBatch {
   dxGpuTriMeshBatch& operator=(const dxGpuTriMeshBatch&) = delete;
 
   bool isDone() {
-    const std::lock_guard lock(mutex_);
+    const otg::CallLock lock(mutex_);
     return done_;
   }
   /// Returns a status.
@@ -166,6 +166,7 @@ int dGpuTriMeshBatchCollect(dGpuTriMeshBatchID batch, dContactGeom* contact, int
 }
 
 void dGpuTriMeshBatchDestroy(dGpuTriMeshBatchID batch) {
+  const otg::LibraryCall call;
   delete batch;
 }
 

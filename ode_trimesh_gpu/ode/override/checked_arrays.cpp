@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "base/fork_gate.h"
 #include "opencl/runtime/log.h"
 
 namespace otg {
@@ -72,7 +73,7 @@ CheckedIndices checkIndices(dTriMeshDataID data, const char* function, const voi
     }
   }
   AllBuilt& all = allBuilt();
-  const std::lock_guard lock(all.mutex);
+  const CallLock lock(all.mutex);
   if (built.isEmpty) all.anyEmpty.store(true, std::memory_order_release);
   Built& kept = all.data[data];
   // ODE reads the old ones no more when it has been given others: they go when those come.
@@ -82,7 +83,7 @@ CheckedIndices checkIndices(dTriMeshDataID data, const char* function, const voi
 
 bool staysUnbuilt(dTriMeshDataID data) {
   AllBuilt& all = allBuilt();
-  const std::lock_guard lock(all.mutex);
+  const CallLock lock(all.mutex);
   return all.data.find(data) == all.data.end();
 }
 
@@ -95,7 +96,7 @@ bool hasNoTriangles(dTriMeshDataID data) noexcept {
   if (data == nullptr) return true;
   AllBuilt& all = allBuilt();
   if (!all.anyEmpty.load(std::memory_order_acquire)) return false;
-  const std::lock_guard lock(all.mutex);
+  const CallLock lock(all.mutex);
   const auto found = all.data.find(data);
   return found != all.data.end() && found->second.isEmpty;
 }
@@ -106,7 +107,7 @@ bool isEmptyTrimesh(dGeomID geom) noexcept {
 
 void forgetIndices(dTriMeshDataID data) noexcept {
   AllBuilt& all = allBuilt();
-  const std::lock_guard lock(all.mutex);
+  const CallLock lock(all.mutex);
   all.data.erase(data);
 }
 

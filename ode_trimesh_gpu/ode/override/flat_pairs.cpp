@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "base/fork_gate.h"
 #include "ode/data/trimesh_cache.h"
 #include "ode/geom/mesh_side.h"
 #include "ode/pairs/left_pairs.h"
@@ -39,7 +40,7 @@ void addFlat(dGeomID geom, std::vector<Flat>& flats) {
   const dTriMeshDataID data = dGeomTriMeshGetData(geom);
   if (data == nullptr) return;
   Known& all = known();
-  const std::lock_guard lock(all.mutex);
+  const CallLock lock(all.mutex);
   const auto [it, isNew] = all.isFlat.try_emplace(data, false);
   if (!isNew && !it->second) return;
   const std::shared_ptr<const CollisionMesh> mesh = meshOfTrimesh(geom);
@@ -109,7 +110,7 @@ bool isAnyTrimesh() noexcept {
 
 void forgetFlatness() noexcept {
   Known& all = known();
-  const std::lock_guard lock(all.mutex);
+  const CallLock lock(all.mutex);
   all.isFlat.clear();
 }
 

@@ -9,6 +9,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "base/fork_gate.h"
 #include "ode/data/trimesh_cache.h"
 #include "ode/geom/joined_sides.h"
 
@@ -125,7 +126,7 @@ void join(Known& all, const std::vector<dGeomID>& tiles, std::vector<std::shared
 void joinStill(dSpaceID space) {
   if (dSpaceGetClass(space) == dQuadTreeSpaceClass) return;  // which has no way to ask for its geoms
   Known& all = known();
-  const std::lock_guard lock(all.mutex);
+  const CallLock lock(all.mutex);
   std::vector<dGeomID> ready;
   const int count = dSpaceGetNumGeoms(space);
   for (int i = 0; i < count; ++i) {
@@ -149,13 +150,13 @@ void joinStill(dSpaceID space) {
 
 void dropStill(dGeomID geom) noexcept {
   Known& all = known();
-  const std::lock_guard lock(all.mutex);
+  const CallLock lock(all.mutex);
   all.geoms.erase(geom);
 }
 
 void dropAllStill() noexcept {
   Known& all = known();
-  const std::lock_guard lock(all.mutex);
+  const CallLock lock(all.mutex);
   all.geoms.clear();
   all.spaces.clear();
 }

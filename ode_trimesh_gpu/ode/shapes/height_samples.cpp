@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ode/shapes/height_samples.h"
+#include "base/fork_gate.h"
 
 #include <ode/error.h>
 
@@ -106,7 +107,7 @@ void HeightSamples::read(const SampleRange& range, HeightBlock& block) const {
 HeightBlockMesh HeightSamples::ground(const SampleRange& range, HeightBlock&& block) {
   std::shared_ptr<const Kept> before;
   {
-    const std::lock_guard lock(mutex_);
+    const CallLock lock(mutex_);
     for (auto it = kept_.begin(); it != kept_.end(); ++it) {
       // The bottom belongs to the question, not to the field.
       if (!((*it)->range == range) || (*it)->block.bottom != block.bottom) continue;
@@ -123,7 +124,7 @@ HeightBlockMesh HeightSamples::ground(const SampleRange& range, HeightBlock&& bl
   made->mesh =
       before != nullptr && before->mesh.mesh != nullptr ? moveBlock(block, *before->mesh.mesh) : meshOfBlock(block);
   made->block = std::move(block);
-  const std::lock_guard lock(mutex_);
+  const CallLock lock(mutex_);
   kept_.remove_if([&](const auto& kept) {
     if (!(kept->range == range) || kept->block.bottom != made->block.bottom) return false;
     keptSamples_ -= kept->block.heights.size();
@@ -140,7 +141,7 @@ HeightBlockMesh HeightSamples::ground(const SampleRange& range, HeightBlock&& bl
 
 std::shared_ptr<HeightSamples> samplesOf(dHeightfieldDataID data) {
   Registry& all = registry();
-  const std::lock_guard lock(all.mutex);
+  const CallLock lock(all.mutex);
   const auto it = all.known.find(data);
   return it == all.known.end() ? nullptr : it->second;
 }
@@ -148,7 +149,7 @@ std::shared_ptr<HeightSamples> samplesOf(dHeightfieldDataID data) {
 int describeHeights(dHeightfieldDataID data, const dGpuTriMeshHeightfield& field) {
   const auto samples = std::make_shared<HeightSamples>(field);
   Registry& all = registry();
-  const std::lock_guard lock(all.mutex);
+  const CallLock lock(all.mutex);
   all.known[data] = samples;
   all.warned.erase(data);
   return dGPUTRIMESH_OK;
@@ -157,7 +158,7 @@ int describeHeights(dHeightfieldDataID data, const dGpuTriMeshHeightfield& field
 void forgetHeights(dHeightfieldDataID data) noexcept {
   std::shared_ptr<HeightSamples> last;  // goes after the lock
   Registry& all = registry();
-  const std::lock_guard lock(all.mutex);
+  const CallLock lock(all.mutex);
   all.warned.erase(data);
   const auto it = all.known.find(data);
   if (it == all.known.end()) return;
@@ -167,7 +168,7 @@ void forgetHeights(dHeightfieldDataID data) noexcept {
 
 void forgetAllHeights() noexcept {
   Registry& all = registry();
-  const std::lock_guard lock(all.mutex);
+  const CallLock lock(all.mutex);
   all.known.clear();
   all.warned.clear();
 }
@@ -175,7 +176,7 @@ void forgetAllHeights() noexcept {
 void warnOfUnknownHeights(dHeightfieldDataID data) {
   {
     Registry& all = registry();
-    const std::lock_guard lock(all.mutex);
+    const CallLock lock(all.mutex);
     if (!all.warned.insert(data).second) return;
   }
   dMessage(0,
