@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
-#include "base/insertion_sort.h"
 #include "base/vectors.h"
 #include "collide/shortest_translation.h"
 #include "shared/contacts/solid_model.h"
@@ -20,11 +20,16 @@ struct Way {
   bool curved;
 };
 
-/// A vertex or a stretch with its ways out, the soonest first. The first `together` hold it all at once.
+/// A vertex or a stretch with its ways out. The first `together` hold it all at once; each other one holds it by
+/// itself.
 struct Part {
   const SupportPoint* point;
   std::pmr::vector<Way> ways;
   std::size_t together = 1;
+  double soonest = 0;  ///< depth of the way that is tried first
+
+  std::span<const Way> all() const { return std::span(ways).first(together); }
+  std::span<const Way> others() const { return std::span(ways).subspan(together); }
 };
 
 Part partOfVertex(RegionTriangles& triangles, const SupportPoint& p, std::pmr::memory_resource* memory) {
@@ -42,12 +47,11 @@ Part partOfVertex(RegionTriangles& triangles, const SupportPoint& p, std::pmr::m
       continue;
     part.ways.push_back({p.position, otgScale(e.exit.normal, side), e.exit.depth, e.exit.curved});
   }
-  insertionSort(part.ways.begin() + static_cast<std::ptrdiff_t>(part.together), part.ways.end(),
-                [](const Way& x, const Way& y) { return x.depth < y.depth; });
+  part.soonest = part.ways.front().depth;
   return part;
 }
 
-Part partOfStretch(const RegionTriangles& triangles, const SupportPoint& p, std::pmr::memory_resource* memory) {
+Part partOfStretch(RegionTriangles& triangles, const SupportPoint& p, std::pmr::memory_resource* memory) {
   Part part{&p, std::pmr::vector<Way>(memory), 1};
   const Vec3d half = otgScale(p.along, p.reach), from = otgSub(p.position, half), to = otgAdd(p.position, half);
   const double side = p.mesh == 0 ? 1.0 : -1.0;
@@ -67,7 +71,11 @@ Part partOfStretch(const RegionTriangles& triangles, const SupportPoint& p, std:
       }
     }
   }
-  insertionSort(part.ways.begin(), part.ways.end(), [](const Way& x, const Way& y) { return x.depth < y.depth; });
+  const auto soonest = std::min_element(part.ways.begin(), part.ways.end(),
+                                        [](const Way& x, const Way& y) { return x.depth < y.depth; });
+  if (soonest == part.ways.end()) return part;
+  std::rotate(part.ways.begin(), soonest, soonest + 1);
+  part.soonest = part.ways.front().depth;
   return part;
 }
 
@@ -81,32 +89,28 @@ std::pmr::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegion
     if (p.kind == PointKind::kCrossing) continue;
     Part part =
         p.kind == PointKind::kVertex ? partOfVertex(triangles, p, all.memory) : partOfStretch(triangles, p, all.memory);
-    if (!part.ways.empty() && part.ways.front().depth > 0) parts.push_back(std::move(part));
+    if (part.soonest > 0) parts.push_back(std::move(part));
   }
   std::pmr::vector<const Part*> order(all.memory);
   for (const Part& part : parts) order.push_back(&part);
-  std::sort(order.begin(), order.end(), [](const Part* x, const Part* y) {
-    const double a = x->ways.front().depth, b = y->ways.front().depth;
-    return a != b ? a > b : x < y;
-  });
+  std::sort(order.begin(), order.end(),
+            [](const Part* x, const Part* y) { return x->soonest != y->soonest ? x->soonest > y->soonest : x < y; });
   ShortestTranslation t(all.memory);
   const auto missing = [&](const Way& way) { return way.depth - otgDot(way.normal, t.value()); };
-  const auto isOut = [&](const Part& part) {
-    const auto first = part.ways.begin(), others = first + static_cast<std::ptrdiff_t>(part.together);
-    const auto satisfied = [&](const Way& way) { return t.satisfies(way.normal, way.depth); };
-    return std::all_of(first, others, satisfied) || std::any_of(others, part.ways.end(), satisfied);
-  };
+  const auto satisfied = [&](const Way& way) { return t.satisfies(way.normal, way.depth); };
+  const auto holdAll = [&](const Part& part) { return std::ranges::all_of(part.all(), satisfied); };
   for (const Part* part : order) {
-    if (isOut(*part)) continue;
-    const auto first = part->ways.begin(), others = first + static_cast<std::ptrdiff_t>(part->together);
+    if (holdAll(*part) || std::ranges::any_of(part->others(), satisfied)) continue;
     double together = 0;
-    for (auto way = first; way != others; ++way) together = std::max(together, missing(*way));
-    const auto soonest =
-        std::min_element(others, part->ways.end(), [&](const Way& x, const Way& y) { return missing(x) < missing(y); });
-    if (soonest != part->ways.end() && missing(*soonest) < together) {
+    for (const Way& way : part->all()) together = std::max(together, missing(way));
+    const auto soonest = std::ranges::min_element(part->others(), [&](const Way& x, const Way& y) {
+      const double a = missing(x), b = missing(y);
+      return a != b ? a < b : x.depth < y.depth;
+    });
+    if (soonest != part->others().end() && missing(*soonest) < together) {
       t.add(soonest->normal, soonest->depth);
     } else {
-      for (auto way = first; way != others; ++way) t.add(way->normal, way->depth);
+      for (const Way& way : part->all()) t.add(way.normal, way.depth);
     }
   }
   std::pmr::vector<Leave> leaves(all.memory);
@@ -114,13 +118,16 @@ std::pmr::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegion
     const auto take = [&](const Way& way) {
       leaves.push_back({part.point, way.at, way.normal, way.depth, way.curved});
     };
-    const auto first = part.ways.begin(), others = first + static_cast<std::ptrdiff_t>(part.together);
-    const auto satisfied = [&](const Way& way) { return t.satisfies(way.normal, way.depth); };
-    const auto other = std::find_if(others, part.ways.end(), satisfied);
-    if (other != part.ways.end() && !std::all_of(first, others, satisfied)) {
+    const Way* other = nullptr;
+    if (!holdAll(part)) {
+      for (const Way& way : part.others()) {
+        if ((other == nullptr || way.depth < other->depth) && satisfied(way)) other = &way;
+      }
+    }
+    if (other != nullptr) {
       take(*other);
     } else {
-      std::for_each(first, others, take);
+      std::ranges::for_each(part.all(), take);
     }
   }
   return leaves;

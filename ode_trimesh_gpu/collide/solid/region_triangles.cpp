@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "base/vectors.h"
 #include "shared/tests/triangle_distance.h"
@@ -13,6 +14,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSameNormal = 1 - 1e-12;
+constexpr std::size_t kNoSlot = ~std::size_t{0};
 
 }  // namespace
 
@@ -29,6 +31,7 @@ void RegionTriangles::collect(const PlacedMeshes& meshes, const OverlapRegions& 
   planes_.clear();
   edges_.clear();
   edgesAdded_.clear();
+  sameAs_.clear();
   triangles_.reserve(region.pieceEnd - region.pieceBegin);
   planes_.reserve(region.pieceEnd - region.pieceBegin);
   for (int m = 0; m < 2; ++m) {
@@ -106,29 +109,56 @@ const std::pmr::vector<RegionTriangles::Exit>& RegionTriangles::exitsOf(int m, c
   return exits_;
 }
 
-std::pmr::vector<RegionTriangles::StretchExit> RegionTriangles::facesOver(int m, const Vec3d& from,
-                                                                          const Vec3d& to) const {
+std::pmr::vector<RegionTriangles::StretchExit> RegionTriangles::facesOver(int m, const Vec3d& from, const Vec3d& to) {
+  if (sameAs_.empty()) findSameNormals();
   std::pmr::vector<StretchExit> found(triangles_.get_allocator());
+  const bool isPoint = from.x == to.x && from.y == to.y && from.z == to.z;
   for (std::size_t i = begin_[m]; i < begin_[m + 1]; ++i) {
-    const double first = depthBelow(i, from), last = depthBelow(i, to);
+    const double first = depthBelow(i, from), last = isPoint ? first : depthBelow(i, to);
     const double depth = std::max({first, last, 0.0});
     if (std::max(first, last) < -slack_) continue;
     const RegionTriangle& t = triangles_[i];
     const auto isOver = [&](const Vec3d& p, double way) {
       return t.beside(otgAdd(p, otgScale(t.normal, way))) <= std::max(way, slack_);
     };
-    if (!isOver(from, first) && !isOver(to, last)) continue;
-    const auto same = std::find_if(found.begin(), found.end(),
-                                   [&](const StretchExit& e) { return otgDot(e.exit.normal, t.normal) > kSameNormal; });
-    if (same != found.end() && !(depth < same->exit.depth)) continue;
+    if (!isOver(from, first) && (isPoint || !isOver(to, last))) continue;
+    std::size_t& slot = slots_[sameAs_[i]];
+    const bool isNew = slot == kNoSlot;
+    if (!isNew && !(depth < found[slot].exit.depth)) continue;
     const StretchExit exit{{t.normal, depth, isCurved(m, i)}, last > first};
-    if (same == found.end()) {
+    if (isNew) {
+      slot = found.size();
+      used_.push_back(sameAs_[i]);
       found.push_back(exit);
     } else {
-      *same = exit;
+      found[slot] = exit;
     }
   }
+  for (const std::size_t i : used_) slots_[i] = kNoSlot;
+  used_.clear();
   return found;
+}
+
+void RegionTriangles::findSameNormals() {
+  // What faces the same way lies together along any axis.
+  std::pmr::vector<std::size_t> order(triangles_.size(), triangles_.get_allocator());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t x, std::size_t y) {
+    const double a = planes_[x].normal.x, b = planes_[y].normal.x;
+    return a != b ? a < b : x < y;
+  });
+  sameAs_.resize(order.size());
+  slots_.assign(order.size(), kNoSlot);
+  std::iota(sameAs_.begin(), sameAs_.end(), std::size_t{0});
+  const double most = std::sqrt(2 * (1 - kSameNormal));
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const Vec3d& normal = planes_[order[k]].normal;
+    for (std::size_t j = k; j-- > 0 && normal.x - planes_[order[j]].normal.x <= most;) {
+      if (!(otgDot(normal, planes_[order[j]].normal) > kSameNormal)) continue;
+      sameAs_[order[k]] = sameAs_[order[j]];
+      break;
+    }
+  }
 }
 
 void RegionTriangles::lookFrom(const Vec3d& from) {
@@ -138,15 +168,23 @@ void RegionTriangles::lookFrom(const Vec3d& from) {
     for (std::size_t i = begin_[m]; i < begin_[m + 1]; ++i) {
       if (const double depth = depthBelow(i, from); depth >= -behind_) ahead_[m].push_back({depth, i});
     }
-    std::sort(ahead_[m].begin(), ahead_[m].end(), [](const Ahead& x, const Ahead& y) {
-      return x.depth != y.depth ? x.depth < y.depth : x.triangle < y.triangle;
-    });
+    std::make_heap(ahead_[m].begin(), ahead_[m].end(), isFarther);
+    sorted_[m] = 0;
   }
 }
 
-double RegionTriangles::wayOut(int m, const Vec3d& direction, double limit) const {
+const RegionTriangles::Ahead& RegionTriangles::aheadAt(int m, std::size_t k) {
+  std::pmr::vector<Ahead>& ahead = ahead_[m];
+  for (; sorted_[m] <= k; ++sorted_[m]) {
+    std::pop_heap(ahead.begin(), ahead.end() - static_cast<std::ptrdiff_t>(sorted_[m]), isFarther);
+  }
+  return ahead[ahead.size() - 1 - k];
+}
+
+double RegionTriangles::wayOut(int m, const Vec3d& direction, double limit) {
   double nearest = limit;
-  for (const auto& [depth, i] : ahead_[m]) {
+  for (std::size_t k = 0; k < ahead_[m].size(); ++k) {
+    const auto [depth, i] = aheadAt(m, k);
     if (!(depth < nearest)) break;  // no way is shorter than the distance from the plane
     const double cosine = otgDot(planes_[i].normal, direction);
     if (!(cosine > 0.05) || depth >= nearest * cosine) continue;

@@ -42,7 +42,10 @@ class RegionTriangles {
         edgesAdded_(memory),
         exits_(memory),
         distances_(memory),
-        ahead_{std::pmr::vector<Ahead>(memory), std::pmr::vector<Ahead>(memory)} {}
+        ahead_{std::pmr::vector<Ahead>(memory), std::pmr::vector<Ahead>(memory)},
+        sameAs_(memory),
+        slots_(memory),
+        used_(memory) {}
 
   /// A face through which a point leaves a mesh.
   struct Exit {
@@ -67,13 +70,13 @@ class RegionTriangles {
     Exit exit;
     bool byEnd;  ///< the end `to` is the deeper one
   };
-  std::pmr::vector<StretchExit> facesOver(int m, const Vec3d& from, const Vec3d& to) const;
+  std::pmr::vector<StretchExit> facesOver(int m, const Vec3d& from, const Vec3d& to);
 
   /// Where the ways of wayOut() begin.
   void lookFrom(const Vec3d& from);
   /// Way along a unit direction through the nearest triangle of mesh m that faces along it; infinity if none is met
   /// sooner than `limit`.
-  double wayOut(int m, const Vec3d& direction, double limit) const;
+  double wayOut(int m, const Vec3d& direction, double limit);
 
   /// Distance of a point from the triangles of mesh m that face along a unit direction; infinity if none does.
   double distanceToFacing(int m, const Vec3d& p, const Vec3d& direction) const;
@@ -90,6 +93,12 @@ class RegionTriangles {
     double depth;
     std::size_t triangle;
   };
+  static bool isFarther(const Ahead& x, const Ahead& y) {
+    return x.depth != y.depth ? x.depth > y.depth : x.triangle > y.triangle;
+  }
+  /// The k-th of them, the least depth first: put in order as far as it is asked for.
+  const Ahead& aheadAt(int m, std::size_t k);
+  void findSameNormals();
 
   double depthBelow(std::size_t i, const Vec3d& p) const { return planes_[i].offset - otgDot(planes_[i].normal, p); }
   bool isCurved(int m, std::size_t i) const;
@@ -106,9 +115,13 @@ class RegionTriangles {
   std::pmr::vector<Exit> exits_;
   std::pmr::vector<double> distances_;
   Vec3d from_{};
-  std::pmr::vector<Ahead> ahead_[2];  ///< of each mesh, seen from there, the least depth first
-  double slack_ = 0;   ///< how far beside a triangle still counts as on it
-  double behind_ = 0;  ///< how far in front of a triangle a point may lie that counts as on it
+  std::pmr::vector<Ahead> ahead_[2];      ///< of each mesh, seen from there: a heap, and what was taken from it
+  std::size_t sorted_[2] = {0, 0};        ///< how many were taken, the first at the end
+  std::pmr::vector<std::size_t> sameAs_;  ///< of each triangle one that faces the same way: one for all that do
+  std::pmr::vector<std::size_t> slots_;   ///< facesOver(): of these, where it is among those found
+  std::pmr::vector<std::size_t> used_;    ///< which slots are taken
+  double slack_ = 0;                      ///< how far beside a triangle still counts as on it
+  double behind_ = 0;                     ///< how far in front of a triangle a point may lie that counts as on it
 };
 
 }  // namespace otg
