@@ -194,10 +194,10 @@ double RegionTriangles::wayOut(int m, const Vec3d& direction, double limit) {
   return nearest < limit ? nearest : kInfinity;
 }
 
-double RegionTriangles::distanceToFacing(int m, const Vec3d& p, const Vec3d& direction) const {
-  double nearest = kInfinity;
+double RegionTriangles::distanceToFacing(int m, const Vec3d& p, const Vec3d& direction, double limit) const {
+  double nearest = limit;
   for (std::size_t i = begin_[m]; i < begin_[m + 1]; ++i) {
-    if (otgDot(planes_[i].normal, direction) < OTG_SOLID_FACING || std::fabs(depthBelow(i, p)) >= nearest) continue;
+    if (std::fabs(depthBelow(i, p)) >= nearest || otgDot(planes_[i].normal, direction) < OTG_SOLID_FACING) continue;
     const RegionTriangle& t = triangles_[i];
     nearest = std::min(nearest, norm(otgSub(otgPointOnTriangle(t.corner[0], t.corner[1], t.corner[2], p), p)));
   }

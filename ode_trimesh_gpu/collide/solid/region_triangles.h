@@ -78,8 +78,8 @@ class RegionTriangles {
   /// sooner than `limit`.
   double wayOut(int m, const Vec3d& direction, double limit);
 
-  /// Distance of a point from the triangles of mesh m that face along a unit direction; infinity if none does.
-  double distanceToFacing(int m, const Vec3d& p, const Vec3d& direction) const;
+  /// Distance of a point from the triangles of mesh m that face along a unit direction, `limit` at most.
+  double distanceToFacing(int m, const Vec3d& p, const Vec3d& direction, double limit) const;
 
  private:
   /// What most triangles are passed over by.
