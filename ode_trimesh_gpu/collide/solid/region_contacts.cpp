@@ -285,10 +285,12 @@ class RegionSolver {
       addMeasured(c);
     }
     const std::pmr::vector<Way> ways = waysOfCandidates();
+    double deepest = 0;
+    for (const Way& way : ways) deepest = std::max(deepest, way.depth);
     for (const std::uint32_t i : points) {
-      if (all_.points[i].kind != PointKind::kCrossing) continue;
+      if (all_.points[i].kind != PointKind::kCrossing || ways.empty()) continue;
       Candidate c = candidateAt(all_.points[i]), best = c;
-      triangles_.lookFrom(c.probe);
+      triangles_.lookFrom(c.probe, kWithin * deepest);
       double least = std::numeric_limits<double>::infinity();
       for (const Way& way : ways) {
         c.normal = way.normal;
