@@ -35,6 +35,15 @@ lint_packages=(clang-format clang-tidy git)
 docs_packages=(doxygen python3 python3-venv)
 # Debian packages, and a Debian in a folder to try them in (packages.sh).
 packages_packages=(dpkg-dev fakeroot file lintian mmdebstrap)
+# Rows of the matrix of continuous integration (ci.sh).
+ci_gcc_packages=(gcc-12 g++-12)
+ci_clang14_packages=(clang-14)
+ci_clang19_packages=(clang-19)
+ci_simd_packages=(gcc-12 g++-12 qemu-user)
+ci_aarch64_packages=(gcc-aarch64-linux-gnu g++-aarch64-linux-gnu qemu-user)
+ci_mingw_packages=(g++-mingw-w64-x86-64-posix gcc-mingw-w64-x86-64-posix wine64)
+ci_conan_packages=(python3-venv)
+ci_gazebo_packages=(libignition-physics-mesh-dev libignition-physics-sdf-dev libignition-physics5-dartsim-plugin5 libdart-collision-ode-dev)
 
 wanted=("${build_packages[@]}")
 for set in "$@"; do
@@ -48,6 +57,10 @@ for set in "$@"; do
     python) wanted+=("${python_packages[@]}") ;;
     docs) wanted+=("${docs_packages[@]}") ;;
     packages) wanted+=("${packages_packages[@]}") ;;
+    ci_*)
+      declare -n of_row=${set}_packages
+      [ -n "${of_row[*]-}" ] || { echo "$0: unknown set '$set'" >&2; exit 2; }
+      wanted+=("${of_row[@]}") ;;
     *) echo "$0: unknown set '$set' (build, tests, demo, benchmarks, drop_in, lint, docs, packages, python)" >&2; exit 2 ;;
   esac
 done

@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdlib>
 #include <cstring>
 #include <new>
 #if __has_include(<sys/mman.h>)
 #include <sys/mman.h>
 #endif
+
+#include "base/system.h"
 
 namespace otg {
 namespace {
@@ -51,13 +52,13 @@ std::shared_ptr<unsigned char> makeBlock(std::size_t size, std::size_t alignment
 #ifdef MADV_HUGEPAGE
   if (size >= kHugePage / 2) {
     const std::size_t whole = static_cast<std::size_t>(roundUp(size, kHugePage));
-    memory = std::aligned_alloc(kHugePage, whole);
+    memory = allocateAligned(kHugePage, whole);
     if (memory != nullptr) madvise(memory, whole, MADV_HUGEPAGE);
   }
 #endif
-  if (memory == nullptr) memory = std::aligned_alloc(alignment, size);
+  if (memory == nullptr) memory = allocateAligned(alignment, size);
   if (memory == nullptr) throw std::bad_alloc();
-  return {static_cast<unsigned char*>(memory), std::free};
+  return {static_cast<unsigned char*>(memory), freeAligned};
 }
 
 }  // namespace

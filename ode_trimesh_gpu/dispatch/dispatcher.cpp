@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "dispatch/dispatcher.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <exception>
 #include <system_error>
 
 #include "base/fork_gate.h"
+#include "base/system.h"
 #include "dispatch/batch_run.h"
 #include "dispatch/cost/calibration.h"
 #include "dispatch/cost/rehearsal.h"
@@ -44,7 +43,7 @@ void logWrong(const opencl::DeviceInfo& device) {
 }  // namespace
 
 void watchEndOfProcess() {
-  if (getpid() != gettid()) return;
+  if (!isMainThread()) return;
   thread_local const EndOfMainThread end;
   static_cast<void>(end);
 }

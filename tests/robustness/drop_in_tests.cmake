@@ -17,6 +17,14 @@ if(TARGET ode_trimesh_gpu_preload AND TARGET demo_drop_in_stack AND NOT OTG_SANI
       "skipped: DART with its ODE collision detector is not installed (libdart-collision-ode-dev)")
     set_tests_properties(robustness.drop_in_dart PROPERTIES LABELS robustness SKIP_REGULAR_EXPRESSION "skipped:")
   endif()
+  if(TARGET demo_drop_in_gazebo)
+    otg_add_drop_in_test(gazebo "$<TARGET_FILE:demo_drop_in_gazebo>" "${OTG_GAZEBO_DART}"
+                         "${PROJECT_SOURCE_DIR}/demos/drop_in/gazebo/stack.sdf" 400)
+  else()
+    add_test(NAME robustness.drop_in_gazebo COMMAND "${CMAKE_COMMAND}" -E echo
+      "skipped: Gazebo's physics with DART is not installed (scripts/install_dependencies.sh ci_gazebo)")
+    set_tests_properties(robustness.drop_in_gazebo PROPERTIES LABELS robustness SKIP_REGULAR_EXPRESSION "skipped:")
+  endif()
   # ODE's own shapes on a dTriMesh, these pairs taken over as well.
   foreach(shape cylinder box)
     add_test(NAME robustness.drop_in_wheel_${shape}

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Cooked meshes: the same mesh comes back, and what is no cooked mesh is refused. Meant for AddressSanitizer, too.
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <string>
+#include <system_error>
 
+#include "base/system.h"
 #include "bvh/cooked_mesh.h"
 #include "support/catch.h"
 #include "support/cooked_file.h"
@@ -39,19 +40,19 @@ std::string errorOf(const Bytes& bytes) {
 class Folder {
  public:
   Folder() {
-    std::string pattern = "/tmp/otg_cook_XXXXXX";
-    REQUIRE(mkdtemp(pattern.data()) != nullptr);
-    path_ = pattern;
+    static int serial = 0;
+    path_ = std::filesystem::temp_directory_path() /
+            ("otg_cook_" + std::to_string(processId()) + "_" + std::to_string(serial++));
+    REQUIRE(std::filesystem::create_directory(path_));
   }
   ~Folder() {
-    std::remove(file().c_str());
-    std::remove((file() + ".partial").c_str());
-    rmdir(path_.c_str());
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
   }
-  std::string file() const { return path_ + "/mesh.otg"; }
+  std::string file() const { return (path_ / "mesh.otg").string(); }
 
  private:
-  std::string path_;
+  std::filesystem::path path_;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "base/environment.h"
 #include "support/catch.h"
+#include "support/environment_variable.h"
 
 using otg::Environment;
 
@@ -14,8 +15,8 @@ namespace {
 /// Set as long as the object lives.
 class Variable {
  public:
-  Variable(const char* name, const std::string& value) : name_(name) { setenv(name, value.c_str(), 1); }
-  ~Variable() { unsetenv(name_); }
+  Variable(const char* name, const std::string& value) : name_(name) { otg::test::setVariable(name, value.c_str()); }
+  ~Variable() { otg::test::unsetVariable(name_); }
   Variable(const Variable&) = delete;
   Variable& operator=(const Variable&) = delete;
 
@@ -34,7 +35,7 @@ void clear() {
        {"OTG_BACKEND", "OTG_DEVICE_MEMORY", "OTG_THREADS", "OTG_OPENCL_DEVICE", "OTG_CACHE_DIR", "OTG_KERNEL_DIR",
         "OTG_MESH_DIR", "OTG_PRELOAD", "OTG_PRELOAD_JOIN", "OTG_PRELOAD_VERBOSE", "OTG_PRELOAD_CONTACTS",
         "OTG_PRELOAD_MAX_CONTACTS", "OTG_PRELOAD_CONTACTS_PER_REGION", "OTG_PRELOAD_PRIMITIVES"}) {
-    unsetenv(name);
+    otg::test::unsetVariable(name);
   }
 }
 

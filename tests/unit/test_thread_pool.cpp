@@ -9,6 +9,7 @@
 
 #include "dispatch/threads/thread_pool.h"
 #include "support/catch.h"
+#include "support/environment_variable.h"
 
 using otg::ThreadPool;
 
@@ -139,10 +140,10 @@ TEST_CASE("an exception comes back to the caller, and the pool goes on") {
 }
 
 TEST_CASE("the environment says how many threads there are by default") {
-  const auto with = [](const char* wish) {
-    setenv("OTG_THREADS", wish, 1);
+  const auto with = [](const char* value) {
+    otg::test::setVariable("OTG_THREADS", value);
     const unsigned threads = otg::defaultThreadCount();
-    unsetenv("OTG_THREADS");
+    otg::test::unsetVariable("OTG_THREADS");
     return threads;
   };
   const unsigned cores = otg::defaultThreadCount();

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "dispatch/threads/background_thread.h"
 
-#include <unistd.h>
-
 #include <utility>
+
+#include "base/system.h"
 
 namespace otg {
 
 bool BackgroundThread::isForeign() const {
   const long process = process_;
-  return process != 0 && process != getpid();
+  return process != 0 && process != processId();
 }
 
 void BackgroundThread::run(std::function<void()> work) {
@@ -18,7 +18,7 @@ void BackgroundThread::run(std::function<void()> work) {
     static_cast<void>(thread_.release());  // there is no such thread here that could be joined
     isBusy_ = false;
   }
-  process_ = getpid();
+  process_ = processId();
   next_ = std::move(work);
   if (isBusy_) return;
   if (thread_) thread_->join();  // it has ended, all but

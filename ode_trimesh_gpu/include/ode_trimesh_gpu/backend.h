@@ -16,9 +16,9 @@ extern "C" {
  * @brief Says where the queries of all geoms are computed that have no choice of their own
  *        (dGpuTriMeshParams::backend), and opens the default device if that needs one and none is open.
  *
- * Opening a device is the slow part: all kernels are built and the costs of queries measured, the first time on a
- * machine for some tens of seconds. Both are kept on disk (OTG_CACHE_DIR, else XDG_CACHE_HOME or ~/.cache). No other
- * function opens devices but dGpuTriMeshOpenDevices(), and no query builds kernels, so that no dCollide() waits for it.
+ * Opening a device is slow. The first time on a machine it builds all kernels and measures the costs of queries, for
+ * some tens of seconds. Both are kept on disk (OTG_CACHE_DIR, else XDG_CACHE_HOME or ~/.cache). No other function opens
+ * devices but dGpuTriMeshOpenDevices(), and no query builds kernels, so that no dCollide() waits for it.
  *
  * AUTO opens in the background and returns at once: the CPU computes until the device is ready, with the same contacts,
  * and dGpuTriMeshWaitForDevices() waits for it. OPENCL opens before it returns, and waits for a device that is being
@@ -34,7 +34,7 @@ extern "C" {
  * @param backend  dGPUTRIMESH_BACKEND_AUTO, CPU or OPENCL
  * @returns dGPUTRIMESH_OK; dGPUTRIMESH_NO_DEVICE if OPENCL was asked for and no device can be used: the choice holds,
  *          and the CPU computes until one is open; dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_MEMORY. Never
- *          dGPUTRIMESH_NO_DEVICE for AUTO; what goes wrong in the background is told on stderr, once
+ *          dGPUTRIMESH_NO_DEVICE for AUTO; errors in the background go to stderr, once
  * @remarks From any thread, also while others collide.
  * @ingroup gputrimesh
  */
@@ -43,12 +43,12 @@ OTG_API int dGpuTriMeshSetBackend(int backend);
 /**
  * @brief Waits until a device that dGpuTriMeshSetBackend() opens in the background is ready.
  *
- * For programs that would rather begin later than compute their first steps on the CPU alone, or that measure; and to
- * ask, with 0, whether devices are ready.
+ * For programs that measure, or that do not want to compute their first steps on the CPU alone. With 0 it says whether
+ * devices are ready.
  *
  * @param milliseconds  how long at most; 0 not at all, less than 0 for as long as it takes
  * @returns dGPUTRIMESH_OK if a device is open; dGPUTRIMESH_OPENING if one is still being opened; dGPUTRIMESH_NO_DEVICE
- *          if none is, because none was asked for or none can be used; dGPUTRIMESH_ERROR_MEMORY.
+ *          if none was requested or none can be used; dGPUTRIMESH_ERROR_MEMORY.
  * @remarks From any thread and from a near callback.
  * @ingroup gputrimesh
  */
@@ -86,8 +86,8 @@ OTG_API int dGeomGpuTriMeshGetBackend(dGeomID g);
  * @brief Opens OpenCL devices in place of those that are open. Batches are divided among all of them.
  *
  * Each has a context of its own; every mesh that collides there is kept in its memory until that is needed for others.
- * A device that fails is helped out by the CPU, and after dGPUTRIMESH_DEVICE_FAILURES failures in a row it is switched
- * off and a line on stderr says so.
+ * Where a device fails, the CPU computes the query. After dGPUTRIMESH_DEVICE_FAILURES failures in a row the device is
+ * switched off, with a line on stderr.
  *
  * @param indices  numbers of devices, as `otg devices` lists them. The same one may be there several times. NULL: see
  * count
@@ -104,16 +104,16 @@ OTG_API int dGpuTriMeshOpenDevices(const int* indices, int count);
 /**
  * @brief Limits the memory that this library takes on each device: meshes, and lists and results of queries.
  *
- * A mesh is sent to a device when it collides there first and stays until others need its room: then those go whose
- * last use is longest ago, to be sent again when they are needed. Meshes take half of the memory at most. Lists and
+ * A mesh is sent to a device when it first collides there, and stays until others need its room. The least recently
+ * used meshes go first, and are sent again when they are needed. Meshes take half of the memory at most. Lists and
  * results stay for later queries, until others need their room or dGpuTriMeshReleaseDeviceMemory() is called. A batch
- * that does not fit at once is done in parts. A query that does not fit is answered by the CPU. A device that has no
- * room for the first lists, 10 to 20 MB, is not opened.
+ * that does not fit at once is done in parts. The CPU computes a query that does not fit. A device that has no room for
+ * the first lists, 10 to 20 MB, is not opened.
  *
  * @param bytes  0 for half of the device's memory, which is the default. The environment variable OTG_DEVICE_MEMORY (a
  *               number of bytes) has the first dGpuTriMeshInit() call this function
  * @remarks From any thread. It holds for devices that are opened afterwards; those that are open keep their limit.
- * @sa dGpuTriMeshGetDevice(), which tells of uploads, updates, evictions and bytes
+ * @sa dGpuTriMeshGetDevice(), which counts uploads, updates, evictions and bytes
  * @ingroup gputrimesh
  */
 OTG_API void dGpuTriMeshSetDeviceMemory(duint64 bytes);

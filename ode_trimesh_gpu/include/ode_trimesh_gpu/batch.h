@@ -37,19 +37,19 @@ typedef struct dGpuTriMeshPair {
  * so is what is remembered and counted, but for `prefetched` in dGpuTriMeshStats.
  *
  * Pairs of a mesh with a sphere, box, capsule, cylinder, convex or plane are among them; their sizes count as the poses
- * do. They are computed on the CPU, for as many contacts as the pair was last asked for, and where nothing has changed
- * since the last prefetch (bodies at rest) what it computed is taken over. Not among them are rays, which are as quick
- * as the look-up, heightfields, whose heights a program may change without a word, and geoms in a dGeomTransform.
- * Meshes with callbacks for triangles are left to the near callback.
+ * do. The CPU computes them, for as many contacts as the pair's last request. Where nothing has changed since the last
+ * prefetch (bodies at rest) its result is taken again. Three kinds are left out: rays, which are as quick as the
+ * look-up; heightfields, whose heights may change unnoticed; and geoms in a dGeomTransform. Meshes with callbacks for
+ * triangles are left to the near callback.
  *
  * A dTriMesh of ODE's is a mesh here in the pairs in which dCollide() comes to this library: with a geom of this class,
  * and with what dGpuTriMeshOverrideTriMesh() and dGpuTriMeshOverrideTriMeshWith() have taken over. (After dCloseODE()
- * those pairs are ODE's own again, of which this function is not told: it computes them in vain until they are taken
- * over anew.) A prefetch looks for changes of its data as a collision does, so that small ones are found sooner. Two of
- * which neither has collided get their order here, as from dGpuTriMeshOverridePrepare(); the near callback has to take
- * its pairs in the order of dSpaceCollide(), or the geoms to be prepared, for contacts that are the same byte for byte.
+ * those pairs are ODE's own again. This function does not see that, and its work on them is unused until they are taken
+ * over anew.) A prefetch looks for changes of its data as a collision does, so that it finds small ones earlier. Two
+ * geoms that have not collided yet get their order here, as from dGpuTriMeshOverridePrepare(). For contacts that are
+ * equal byte for byte, prepare the geoms, or have the near callback take pairs in the order of dSpaceCollide().
  *
- * With CONTACTS_UNIMPORTANT contacts of two meshes are always computed: they are other ones.
+ * Pairs of meshes with CONTACTS_UNIMPORTANT are always computed in the near callback: their contacts are others.
  *
  * @param space  its pairs are found by dSpaceCollide() with ODE's own rules (category and collide bits, enabled geoms,
  *               bodies), and those in spaces inside it as well
@@ -131,8 +131,8 @@ OTG_API int dGpuTriMeshCollideSpace(dSpaceID space, int flags, dGpuTriMeshPairFi
  * What is remembered of pairs and counted is as after these calls in the order of the array. A pair may be listed more
  * than once. Two geoms of one body, and a geom with itself, have no contacts, as in dCollide().
  *
- * Once dGpuTriMeshOverrideTriMesh() was called, dTriMesh geoms may be among them. From then on pointers to geoms that
- * were destroyed are no longer told from others: they must not be there.
+ * Once dGpuTriMeshOverrideTriMesh() was called, dTriMesh geoms may be among them. From then on a pointer to a destroyed
+ * geom is not recognised: there must be none.
  *
  * @param pairs          geoms of this class, and dTriMesh geoms as said above
  * @param count          how many pairs
@@ -203,8 +203,8 @@ OTG_API int dGpuTriMeshBatchWait(dGpuTriMeshBatchID batch);
 /**
  * @brief Waits until a batch is computed and copies its contacts: those of all pairs, one after the other.
  *
- * The first time the geoms of the pairs remember and count the collision (those that still exist); later calls give the
- * same contacts again and change nothing.
+ * The first call has those geoms that still exist remember and count the collision. Later calls give the same contacts
+ * and change nothing.
  *
  * @param batch      the batch
  * @param contact    receives the contacts, in world coordinates as of the moment of submission; as many places as

@@ -16,20 +16,20 @@ extern "C" {
 /**
  * @brief Says for two triangles that intersect whether they may collide.
  *
- * What holds for all callbacks of this header: they are called by the thread that collides the pair, from inside
- * dCollide() (or dGpuTriMeshCollidePairs(), dGpuTriMeshBatchSubmit()), with ODE's space locked as in a near callback.
- * They may read geoms and collide other pairs; they must not change geoms, throw or jump out. They are called for pairs
- * of meshes too, which ODE's own never are. Asked about are the triangles that
- * intersect, and those that a contact names besides (of a vertex inside the other mesh), each once in a query. Numbers
- * of triangles are those of your arrays. Pairs that ask are not prefetched, and their contacts are made by the CPU.
+ * All callbacks of this header are called by the thread that collides the pair, with ODE's space locked as in a near
+ * callback. The call comes from inside dCollide(), dGpuTriMeshCollidePairs() or dGpuTriMeshBatchSubmit(). They may read
+ * geoms and collide other pairs; they must not change geoms, throw or jump out. They are called for pairs of meshes
+ * too, which ODE's own never are. They get the triangles that intersect, and those that a contact names besides (of a
+ * vertex inside the other mesh), each once in a query. Numbers of triangles are those of your arrays. Pairs with
+ * callbacks are not prefetched, and their contacts are made by the CPU.
  *
  * Where a callback rejects something, the contacts of the query come from the remaining pairs of triangles, as with
  * dGPUTRIMESH_CONTACTS_PAIRWISE: what is left of a surface bounds no solid.
  *
- * With ODE's own geoms asked about are the triangles that have a point inside the other geom; with a heightfield, those
- * that intersect its ground. ODE asks for these geoms, too, but about more triangles, near as well as touched, and not
- * at all for planes. Where a callback rejects something, the other geom meets an open mesh of the touched triangles
- * that remain: a ball falls through a hole made in this way, and one that is too large rests on the rim.
+ * With ODE's own geoms they get the triangles that have a point inside the other geom; with a heightfield, those that
+ * intersect its ground. ODE calls them for these geoms, too, but with more triangles, near ones as well as touched
+ * ones, and never for planes. Where a callback rejects something, the other geom meets an open mesh of the touched
+ * triangles that remain: a ball falls through a hole made in this way, and one that is too large rests on the rim.
  *
  * @param own             the geom that has the callback
  * @param other           the geom that it collides with

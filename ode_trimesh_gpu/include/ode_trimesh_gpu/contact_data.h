@@ -44,13 +44,13 @@ enum {
  */
 typedef struct dGpuTriMeshContactData {
   /** The contact's name: never 0, and no two contacts of one query share it. It is made of the features that the
-   * contact comes from, so that a contact keeps it from step to step while these touch: use it to carry impulses over
-   * (warm starting). Vertices and edges keep their contact's name whatever they touch on the other mesh, so that it
-   * also survives sliding over a tessellated surface.
+   * contact comes from. A contact keeps it from step to step while these touch: use it to carry impulses over (warm
+   * starting). Vertices and edges keep their contact's name whatever they touch on the other mesh, so that it also
+   * survives sliding over a tessellated surface.
    *
-   * The same for both orders of the geoms in a call. Which geom has the feature is part of it in the form "the geom
-   * created first" or "second", so that names can be compared within one pair of geoms only. A name is a number without
-   * order or meaning; the data of another mesh, or repair, give other names. */
+   * The same for both orders of the geoms in a call. Whether the feature belongs to the geom created first or second is
+   * part of it. So names can be compared within one pair of geoms only. A name is a number without order or meaning;
+   * the data of another mesh, or repair, give other names. */
   duint64 id;
   int region;      /**< 0 or more: contacts of one connected overlap share it. Not kept from step to step */
   dReal coherence; /**< of the region: 1 where its normals agree (flat), 0 where they cancel (a limb through a limb); -1

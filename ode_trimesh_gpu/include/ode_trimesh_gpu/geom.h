@@ -32,9 +32,8 @@ extern "C" {
  * Its pose has to be rigid: R^T R may differ from the identity by at most 1e-3 (root of the sum of the squares of all
  * nine differences), and R may not mirror. ODE's own rotations, in single precision too, and long products of them are
  * far within. Up to there the matrix is used as it is; beyond, and with a pose that is not finite, dCollide() finds no
- * contacts, counts a failed query for both geoms (dGpuTriMeshStats) and leaves dGPUTRIMESH_ERROR_POSE for
- * dGpuTriMeshGetError(). For a mesh of another size or hand see
- * dGeomGpuTriMeshSetScale().
+ * contacts. It counts a failed query for both geoms (dGpuTriMeshStats), and dGpuTriMeshGetError() is
+ * dGPUTRIMESH_ERROR_POSE. For a mesh of another size or hand see dGeomGpuTriMeshSetScale().
  *
  * @param space  the space to contain the geom; may be NULL
  * @param data   the mesh; may be NULL or not built yet: such a geom is a point that touches nothing. The geom shares

@@ -59,18 +59,18 @@ OTG_API void dGpuTriMeshHeightfieldInit(dGpuTriMeshHeightfield* field);
  * @brief Tells the library what the samples of a heightfield are, so that meshes collide with it.
  *
  * ODE tells nobody the heights of its heightfields, and its own collider for them takes no geoms of other classes than
- * its own. A mesh that meets a heightfield of which nothing was told gets no contacts; dMessage() says so once for each
- * dHeightfieldDataID, the pair counts as failed, and dGpuTriMeshGetError() is dGPUTRIMESH_ERROR_UNSUPPORTED.
+ * its own. A mesh that meets a heightfield whose heights the library does not know gets no contacts. dMessage() says so
+ * once for each dHeightfieldDataID, the pair counts as failed, and dGpuTriMeshGetError() is
+ * dGPUTRIMESH_ERROR_UNSUPPORTED.
  *
  * dGpuTriMeshHeightfieldDataBuildSingle() and its like do both, build the data of ODE and tell of them. This function
  * is for data that other code has built.
  *
- * @par The ground
- * The surface is the one that ODE collides its own geoms with: each cell of the grid is cut into two triangles from
- * (i + 1, j) to (i, j + 1). Below the surface all is solid, down to the field's lowest height less `thickness`, which
- * is the lower end of its AABB, callback fields without dGeomHeightfieldDataSetBounds() for ever; at the edges of a
- * field that does not wrap there are walls. A body whose middle lies above that bottom always leaves through the
- * surface or a wall, however thin the ground; one from below meets the bottom.
+ * @par The ground The surface is the one that ODE collides its own geoms with: each cell of the grid is cut into two
+ * triangles from (i + 1, j) to (i, j + 1). Below the surface all is solid, down to the field's lowest height less
+ * `thickness`, which is the lower end of its AABB. Callback fields without dGeomHeightfieldDataSetBounds() have no
+ * lower end. A field that does not wrap has walls at its edges. A body whose middle lies above that bottom always
+ * leaves through the surface or a wall, however thin the ground; one from below meets the bottom.
  *
  * @par Contacts
  * Those of two meshes: dGPUTRIMESH_CONTACTS_SOLID for closed meshes, pairs of triangles for open ones, as the
@@ -94,7 +94,7 @@ OTG_API void dGpuTriMeshHeightfieldInit(dGpuTriMeshHeightfield* field);
 OTG_API int dGpuTriMeshHeightfieldDataDescribe(dHeightfieldDataID data, const dGpuTriMeshHeightfield* field);
 
 /**
- * @brief Forgets what was told of data that are to be destroyed by dGeomHeightfieldDataDestroy(), or built anew by
+ * @brief Forgets the heights of data that are to be destroyed by dGeomHeightfieldDataDestroy(), or built anew by
  *        other code. NULL and data of which nothing is known do nothing.
  * @param data  may be NULL
  * @remarks Not while another thread collides geoms that have the data.

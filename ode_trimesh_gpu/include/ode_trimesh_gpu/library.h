@@ -32,17 +32,18 @@ extern "C" {
  * run while another thread uses that object or a geom that refers to it: ODE's own rule for geoms and bodies.
  *
  * @par Near callback
- * ODE locks a space while it collides it. Functions that only read may be called from a near callback; functions that
- * change a geom or its data may not, because ODE must be told that the geom has moved and aborts on a locked space.
+ * ODE locks a space while it collides it. Functions that only read may be called from a near
+ * callback; functions that change a geom or its data may not: they report to ODE that the geom has moved, and ODE
+ * aborts on a locked space.
  *
  * @par Errors
- * No function aborts, throws or prints because of a bad argument. Most return a status: dGPUTRIMESH_OK (zero), a
- * negative error, after which nothing has changed, or a positive remark. Functions that return a pointer return NULL,
- * and dGpuTriMeshGetError() says why. Ids of mesh data and of geoms of this class that were destroyed are told from
- * others (dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_CLASS), for as long as no new object of this library has the
- * same address; functions that take a dTriMesh as well can tell neither. Every function that reads or changes a mesh
- * may also return dGPUTRIMESH_ERROR_BUSY. A geom that a callback destroys during a query is destroyed; the query goes
- * on with what it has, and leaves dGPUTRIMESH_ERROR_BUSY. dCollide() has no place for an error: a pair that can't be
+ * No function aborts, throws or prints because of a bad argument. Most return a status: dGPUTRIMESH_OK
+ * (zero), a negative error, after which nothing has changed, or a positive remark. Functions that return a pointer
+ * return NULL, and dGpuTriMeshGetError() says why. Ids of destroyed mesh data and geoms of this class are recognised
+ * (dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_CLASS), for as long as no new object of this library has the same
+ * address. Functions that take a dTriMesh as well recognise neither. Every function that reads or changes a mesh may
+ * also return dGPUTRIMESH_ERROR_BUSY. A geom that a callback destroys during a query is destroyed; the query goes on
+ * with what it has, and leaves dGPUTRIMESH_ERROR_BUSY. dCollide() has no place for an error: a pair that can't be
  * collided gets no contacts, is counted in `failed_queries` of dGpuTriMeshStats, and dGpuTriMeshGetError() says why.
  */
 
@@ -73,7 +74,7 @@ enum {
   dGPUTRIMESH_ERROR_COOKED = -12,     /**< bytes that are no cooked mesh of this version, or are damaged; the data's
                                            error string says which */
   dGPUTRIMESH_ERROR_BUSY = -13 /**< mesh data, or the data or scale of a geom, are changed while a query uses them:
-                                    by another thread, or by a callback of that very query. Told to the one that
+                                    by another thread, or by a callback of that very query. Reported to the one that
                                     came second, for which nothing is done */
 };
 

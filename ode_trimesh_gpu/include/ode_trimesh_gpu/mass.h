@@ -46,8 +46,8 @@ OTG_API int dMassSetGpuTriMeshDataTotal(dMass* m, dReal total_mass, dGpuTriMeshD
  * is the mesh's own frame placed by the geom's offset if it has one. For a geom without a body: in world coordinates,
  *        as dMassSetTrimesh() has it, so that a geom that was not moved yet gives the mesh's own frame.
  *
- * dMassSetTrimesh() of ODE 0.16 counts the distance of the centre of mass from the origin twice in the inertia; this
- * function counts it once, as dMassSetBox() and dMassTranslate() would.
+ * dMassSetTrimesh() of ODE 0.16 counts the distance of the centre of mass from the origin twice in the inertia. This
+ * function counts it once, as dMassSetBox() and dMassTranslate() do.
  *
  * @param m        receives the mass; untouched after an error
  * @param density  mass per cubic unit, positive

@@ -28,11 +28,11 @@ extern "C" {
  * dGpuTriMeshOverrideTriMeshWith() takes them over, too; so do the boxes of the geoms.
  *
  * Triangles are read through dGeomTriMeshGetTriangle(), once for each dTriMeshDataID, when one of its geoms collides
- * first. ODE tells nobody of changes: each time that a geom collides, the number of triangles and 32 of the triangles
+ * first. ODE does not report changes. Each time that a geom collides, the number of triangles and 32 of the triangles
  * are compared with those that were read, 32 others the next time. A change that reaches every triangle is noticed at
- * once, and so is every change to meshes of up to 32 triangles; one to a single triangle of F at the latest when the
- * data were asked for F times. After a change that is smaller, call dGpuTriMeshOverrideDataChanged(). Vertices that
- * moved are refitted; other triangles are built anew. What is kept of destroyed data is freed when they are forgotten
+ * once, and so is every change to meshes of up to 32 triangles. A change to a single triangle of F is noticed after F
+ * collisions at the latest. After a change that is smaller, call dGpuTriMeshOverrideDataChanged(). Vertices that moved
+ * are refitted; other triangles are built anew. What is kept of destroyed data is freed when they are forgotten
  * (dGpuTriMeshOverrideForgetData()), when the same dTriMeshDataID is used again, or in time when there are many. A geom
  * that is created where another one was destroyed goes on with that one's parameters and statistics, unless
  * dGpuTriMeshOverrideForgetGeom() was called.
@@ -60,10 +60,10 @@ enum { dGPUTRIMESH_OVERRIDE_ALL = -1 };
  * @brief From here on, dTriMesh geoms collide through this library with geoms of one more of ODE's own classes.
  *
  * Contacts are those of a geom of this library's class with the same triangles: see docs/primitives.md for the method
- * of each pair. Callbacks of the dTriMesh are asked as callbacks.h says, the ray callback for rays. What is said of
+ * of each pair. Callbacks of the dTriMesh are called as callbacks.h says, the ray callback for rays. What is said of
  * dGpuTriMeshOverrideTriMesh() about data, threads, and the way back holds for these pairs as well.
  * @param geomClass  dSphereClass, dBoxClass, dCapsuleClass, dCylinderClass, dPlaneClass, dRayClass, dConvexClass,
- *                   dHeightfieldClass (see heightfield.h: its heights must be told), dTriMeshClass (this is what
+ *                   dHeightfieldClass (see heightfield.h: register its heights), dTriMeshClass (this is what
  *                   dGpuTriMeshOverrideTriMesh() does), or dGPUTRIMESH_OVERRIDE_ALL
  * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_ODE, dGPUTRIMESH_ERROR_PRECISION,
  *          dGPUTRIMESH_ERROR_MEMORY. It may be called any number of times.

@@ -84,11 +84,10 @@ enum {
 /**
  * @brief The choices of one geom. Set the defaults with dGpuTriMeshParamsInit(), then what you need.
  *
- * Two geoms that collide may differ. Then, whatever the order of the call: the reduction is the one of the two with the
- * smaller number (which drops less), each number of bins is the larger, max_contacts, contacts_per_region and
- * region_merge the smaller; of the contact models AUTO gives way to the other; history is ON if both have it; of the
- * places to compute CPU comes before OPENCL and OPENCL before AUTO. The search is done as the geom created first has
- * it.
+ * Two geoms that collide may differ. Whatever the order of the call, the pair then has the reduction with the smaller
+ * number (which drops less), and the larger number of bins. max_contacts, contacts_per_region and region_merge are the
+ * smaller ones. Of the contact models AUTO gives way to the other. History is ON if both have it. CPU comes before
+ * OPENCL, and OPENCL before AUTO. The search is that of the geom created first.
  * @ingroup gputrimesh
  */
 typedef struct dGpuTriMeshParams {

@@ -14,14 +14,13 @@ extern "C" {
 #endif
 
 /* What holds for all functions of this header: positions and directions are in the world, lengths in its unit; meshes
- * are where their geoms are at the moment of the call. They compute in double precision on the mesh's
- * vertices, which are single precision numbers in the mesh's frame; on the CPU, but for arrays of points, of rays, and
- * of pairs (whether they overlap, how far they are apart), which go where the geoms' parameters, else
- * dGpuTriMeshSetBackend(), say (`auto`: where they are expected to be answered sooner) and have the same answers there,
- * byte for byte. They only read, so that any number of threads may call them at once, from near callbacks too.
- * Functions that take arrays share the work among the threads that dGpuTriMeshSetThreadCount() allows; what they answer
- * does not depend on it. Structures that are filled need no preparation. Triangles are numbered as in
- * dGeomGpuTriMeshGetTriangle(). A geom without mesh has no surface. */
+ * are where their geoms are at the moment of the call. They compute in double precision on the mesh's vertices, which
+ * are single precision numbers in the mesh's frame. Single queries run on the CPU. Arrays of points, of rays, and of
+ * pairs (overlap, distance) run where the geoms' parameters, else dGpuTriMeshSetBackend(), say; `auto` takes what is
+ * expected to be faster. Results are the same there, byte for byte. The functions only read: any number of threads may
+ * call them at once, from near callbacks too. Functions that take arrays share the work among the threads that
+ * dGpuTriMeshSetThreadCount() allows; results do not depend on it. Structures that are filled need no preparation.
+ * Triangles are numbered as in dGeomGpuTriMeshGetTriangle(). A geom without mesh has no surface. */
 
 /**
  * @brief The point of a mesh's surface that is nearest to a given point.
@@ -97,9 +96,9 @@ typedef struct dGpuTriMeshDistance {
 /**
  * @brief The distance of two meshes with the points that have it. Always on the CPU.
  *
- * Overlap is told exactly; distances of those apart are right to rounding (branch and bound over both trees; nearest
- * points of triangles after Ericson, 2005). Of triangles that are equally near the answer has those that come first in
- * the library's own order, those of the one mesh before those of the other.
+ * Overlap is exact. Distances of meshes apart are right to rounding (branch and bound over both trees; nearest points
+ * of triangles after Ericson, 2005). Of triangles that are equally near, the result has those that come first in the
+ * library's own order, those of the one mesh before those of the other.
  * @param o1     a geom of this class
  * @param o2     another one
  * @param limit  nothing farther apart is looked for, which is quicker; dInfinity for no limit
@@ -182,13 +181,13 @@ enum {
 
 /**
  * @brief Casts an array of rays at a mesh, on the CPU's threads or with an OpenCL device (dGeomGpuTriMeshSetBackend());
- *        each has the closest hit as its answer.
+ *        each gets its closest hit.
  *
  * For single rays in a world use ODE's own: dCreateRay() and dCollide(). What they answer with a mesh of this class:
  * contacts sorted by distance (`depth`), closest first, the triangle in `side1` or `side2`, a normal that faces the
  * ray's start if the ray is the first geom of the call. dGeomRaySetClosestHit() leaves the closest one alone,
  * dGeomRaySetFirstContact() any one, dGeomRaySetBackfaceCull() drops those from behind. A ray through an edge or a
- * corner hits one of its triangles. The array asks no ray callback.
+ * corner hits one of its triangles. Arrays call no ray callback.
  * @param g      a geom of this class
  * @param rays   the rays
  * @param count  how many, 0 or more
@@ -198,9 +197,9 @@ enum {
  * finite, has no direction or a negative length), dGPUTRIMESH_ERROR_CLASS, dGPUTRIMESH_ERROR_POSE or
  *          dGPUTRIMESH_ERROR_MEMORY; after an error the answers are of no use.
  * @remarks Source of the method: Moeller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997. A ray
- * cannot slip between two triangles of one edge. Of triangles that are hit at the same distance the answer has the one
- * that comes first in the library's own order; it does not depend on the tree. One that the ray grazes, whose crossing
- * is anywhere by rounding, counts as hit no earlier than where the ray enters its box.
+ * cannot slip between two triangles of one edge. Of triangles that are hit at the same distance the result has the one
+ * that comes first in the library's own order; it does not depend on the tree. Where a ray grazes a triangle, rounding
+ * may move the crossing anywhere; it counts no earlier than where the ray enters the triangle's box.
  * @remarks As dCollide(): from any number of threads at once, and from a near callback.
  * @ingroup gputrimesh
  */

@@ -215,10 +215,9 @@ OTG_API int dGpuTriMeshDataBuild(dGpuTriMeshDataID g, const dGpuTriMeshBuildPara
  * @brief Moves the vertices of a built mesh and refits its tree: much faster than building, the counterpart of changing
  *        the arrays in place and calling dGeomTriMeshDataUpdate().
  *
- * The triangles stay. Geoms that use the object are marked as moved. The tree is refitted; its quality is measured by
- * the sum of the surface areas of its boxes over that of the whole mesh's box, which queries take about as long as.
- * Where that has become 1.5 times what it was when the tree was built, the tree is built anew. What the tree is like
- * does not change any contact.
+ * The triangles stay. Geoms that use the object are marked as moved. The cost of a tree is the sum of the surface areas
+ * of its boxes over that of the whole mesh's box; queries take about as long. Where that has become 1.5 times what it
+ * was when the tree was built, the tree is built anew. The tree does not change any contact.
  *
  * @param g             the object, built before. Where repair merged vertices, the first of them moves the merged one
  * @param Vertices      x, y, z in single precision, in the mesh's frame; copied
@@ -264,12 +263,12 @@ OTG_API int dGpuTriMeshDataUpdate(dGpuTriMeshDataID g, const dReal* Vertices, in
  * these and their neighbours. The first call for an object prepares for that, which takes about a third of the time of
  * a build and 80 bytes for each triangle.
  *
- * It costs as much as moving all vertices where that is not enough: the tree has to be built anew (see
- * dGpuTriMeshDataUpdateVerticesSingle()), vertices that were at one place part or others meet, a triangle loses or
- * gains its area, the mesh turns inside out, its middle has wandered by a sixteenth of its size; also while a batch is
- * under way that uses the mesh. A mesh of several closed components is looked at whole where one lies in another one
- * or comes near to it. The meshes of geoms with a scale follow in the same way. Devices are sent what has changed when
- * they need it next (docs/opencl.md says when they are sent the whole mesh).
+ * In some cases it costs as much as moving all vertices: the tree has to be built anew (see
+ * dGpuTriMeshDataUpdateVerticesSingle()), vertices part or meet, a triangle loses or gains its area, the mesh turns
+ * inside out, its middle has moved by a sixteenth of its size, or a batch under way uses the mesh. A mesh of several
+ * closed components is looked at whole where one lies in another one or comes near to it. The meshes of geoms with a
+ * scale follow in the same way. Devices are sent what has changed when they need it next (docs/opencl.md says when they
+ * are sent the whole mesh).
  *
  * @param g             the object, built before. Numbers are those of the arrays that it was built from; where repair
  *                      merged vertices, the first of them moves the merged one and the others do nothing
@@ -392,9 +391,9 @@ OTG_API const char* dGpuTriMeshDataGetErrorString(dGpuTriMeshDataID g);
  * @brief Works out what ODE calls preprocessed data; the counterpart of dGeomTriMeshDataPreprocess2().
  *
  * With `1U << dTRIDATAPREPROCESS_BUILD_CONCAVE_EDGES`: which edges and vertices of each triangle something can rest on
- * (dMESHDATAUSE_...), for dGpuTriMeshDataGet(). An edge is used if it is convex or the surface ends there, by the one
- * of its triangles that has the smaller number; a vertex if one of its edges is, by the first of its triangles. Edges
- * that are flat to within 0.1 degrees and concave ones are not used. With `1U << dTRIDATAPREPROCESS_BUILD_FACE_ANGLES`:
+ * (dMESHDATAUSE_...), for dGpuTriMeshDataGet(). An edge is used if it is convex or the surface ends there, by the
+ * triangle with the smaller number. A vertex is used if one of its edges is, by the first of its triangles. Edges that
+ * are flat to within 0.1 degrees and concave ones are not used. With `1U << dTRIDATAPREPROCESS_BUILD_FACE_ANGLES`:
  * nothing has to be worked out, dGpuTriMeshDataGetEdgeAngle() is always there.
  *
  * A later Build or Update of the object drops the flags. They are there to be read: no contacts depend on them, because
@@ -472,7 +471,7 @@ OTG_API void dGpuTriMeshDataGetBuffer(dGpuTriMeshDataID g, unsigned char** buf, 
  *        against: dGpuTriMeshDataSet() with dTRIMESHDATA_USE_FLAGS does the same.
  * @param g    the object, built before
  * @param buf  one byte for each triangle, copied; NULL goes back to what dGpuTriMeshDataPreprocess() works out
- * @remarks Not while another thread uses the object. dGpuTriMeshGetError() tells of errors.
+ * @remarks Not while another thread uses the object. dGpuTriMeshGetError() reports errors.
  * @ingroup gputrimesh
  */
 OTG_API void dGpuTriMeshDataSetBuffer(dGpuTriMeshDataID g, unsigned char* buf);

@@ -2,13 +2,11 @@
 // Loads the OpenCL loader.
 #include "opencl/runtime/api.h"
 
-#include <dlfcn.h>
-
 #include <atomic>
 #include <bit>
-#include <initializer_list>
 
 #include "base/fork_gate.h"
+#include "base/system.h"
 
 namespace otg::opencl {
 namespace {
@@ -17,15 +15,11 @@ constexpr long kNobody = -1;
 std::atomic<long> loadedByGeneration{kNobody};
 
 const Api* load() {
-  void* library = nullptr;
-  for (const char* name : {"libOpenCL.so.1", "libOpenCL.so"}) {
-    library = dlopen(name, RTLD_NOW | RTLD_LOCAL);
-    if (library != nullptr) break;
-  }
+  void* const library = openSharedLibrary({"libOpenCL.so.1", "libOpenCL.so", "OpenCL.dll"});
   if (library == nullptr) return nullptr;
   static Api table;
 #define OTG_CL_FIND(name)                                                  \
-  table.name = std::bit_cast<decltype(table.name)>(dlsym(library, #name)); \
+  table.name = std::bit_cast<decltype(table.name)>(findFunction(library, #name)); \
   if (table.name == nullptr) return nullptr;
   OTG_CL_FUNCTIONS(OTG_CL_FIND)
 #undef OTG_CL_FIND

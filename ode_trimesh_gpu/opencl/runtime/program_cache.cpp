@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "opencl/runtime/program_cache.h"
 
-#include <unistd.h>
-
 #include <atomic>
 #include <cstdint>
 #include <cstdio>
@@ -14,6 +12,7 @@
 
 #include "base/environment.h"
 #include "base/hash.h"
+#include "base/system.h"
 
 namespace otg::opencl {
 namespace {
@@ -78,7 +77,7 @@ bool ProgramCache::store(const std::string& key, const Bytes& program) const {
   // A name of its own for every writer; the rename replaces what another one may have stored meanwhile.
   static std::atomic<unsigned> serial{0};
   const std::string path = pathOf(key);
-  const std::string temporary = path + "." + std::to_string(getpid()) + "." + std::to_string(serial++);
+  const std::string temporary = path + "." + std::to_string(processId()) + "." + std::to_string(serial++);
   Head head{};
   std::memcpy(head.magic, kMagic, sizeof kMagic);
   head.keySize = key.size();
