@@ -2,6 +2,7 @@
 #include "ode/shapes/convex_collider.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "collide/pairwise/reduction.h"
@@ -22,6 +23,17 @@ std::size_t cornersBelow(dGeomID convex, dGeomID plane, std::vector<dContactGeom
   }
 }
 
+/// To single precision, as the vertices of meshes are, and what is small to 2^-30 of the largest coordinate. So they
+/// are the same numbers whatever the pose that they were read in, which leaves 1e-17 of what is zero.
+void roundCorners(std::vector<Vec3d>& corners) {
+  double most = 0;
+  for (const Vec3d& p : corners) most = std::max({most, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+  if (!(most > 0) || !std::isfinite(most)) return;
+  const double step = std::ldexp(1.0, std::ilogb(static_cast<float>(most)) - 30);
+  const auto rounded = [&](double x) { return std::nearbyint(double{static_cast<float>(x)} / step) * step + 0.0; };
+  for (Vec3d& p : corners) p = {rounded(p.x), rounded(p.y), rounded(p.z)};
+}
+
 /// The corners of a dConvex in its own frame, in order. ODE has no function that tells them, but its collider of a
 /// convex with a plane gives a contact at each corner below the plane if there are corners above it, too: the half
 /// spaces on either side of a plane through the convex tell all.
@@ -34,9 +46,7 @@ std::vector<Vec3d> cornersOfConvex(dGeomID convex) {
   const auto take = [&](std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
       const dReal* const p = places[i].pos;
-      // Rounded as the vertices of meshes are: the same numbers, whatever the pose that they were read in.
-      const Vec3d x = otgRotateBack(pose, otgSub(Vec3d{p[0], p[1], p[2]}, pose.t));
-      corners.push_back({static_cast<float>(x.x), static_cast<float>(x.y), static_cast<float>(x.z)});
+      corners.push_back(otgRotateBack(pose, otgSub(Vec3d{p[0], p[1], p[2]}, pose.t)));
     }
   };
   // Inside a dGeomTransform the box may be that of another pose; the origin is a second guess.
@@ -49,6 +59,7 @@ std::vector<Vec3d> cornersOfConvex(dGeomID convex) {
     dGeomDestroy(plane);
     if (!corners.empty()) break;
   }
+  roundCorners(corners);
   const auto less = [](const Vec3d& a, const Vec3d& b) {
     return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
   };
