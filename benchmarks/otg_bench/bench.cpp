@@ -42,6 +42,7 @@ void addBenchmarks(CLI::App& bench, Action& action) {
   addBenchTessellations(bench, action);
   addBenchTerrain(bench, action);
   addBenchSmall(bench, action);
+  addBenchShapes(bench, action);
   addBenchWorld(bench, action);
   addBenchHeightfield(bench, action);
   addBenchQueries(bench, action);

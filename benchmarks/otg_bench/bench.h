@@ -28,6 +28,8 @@ void addBenchTessellations(CLI::App& bench, Action& action);
 void addBenchTerrain(CLI::App& bench, Action& action);
 /// `otg bench small`: pairs of small bodies, beside ODE's own shapes and its dTriMesh.
 void addBenchSmall(CLI::App& bench, Action& action);
+/// `otg bench shapes`: ODE's shapes on small and convex meshes, beside a dTriMesh.
+void addBenchShapes(CLI::App& bench, Action& action);
 /// `otg bench world`: whole steps of scenes, split in collision, joints and solver.
 void addBenchWorld(CLI::App& bench, Action& action);
 /// `otg bench heightfield`: meshes on a heightfield, beside ODE's own bodies.

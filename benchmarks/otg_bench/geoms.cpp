@@ -25,6 +25,26 @@ void poseGeom(dGeomID geom, const Transformd& pose) {
   dGeomSetPosition(geom, pose.t.x, pose.t.y, pose.t.z);
 }
 
+MeshTwins::MeshTwins(const scenes::MeshArrays& arrays) : arrays_(arrays) {
+  const MeshInput in = arrays_.input();
+  data_ = dGpuTriMeshDataCreate();
+  dGpuTriMeshDataBuildSingle(data_, in.vertices, sizeof(Vec3f), static_cast<int>(in.vertexCount), in.indices,
+                             static_cast<int>(3 * in.triangleCount), sizeof(Triangle));
+  stockData_ = dGeomTriMeshDataCreate();
+  dGeomTriMeshDataBuildSingle(stockData_, in.vertices, sizeof(Vec3f), static_cast<int>(in.vertexCount), in.indices,
+                              static_cast<int>(3 * in.triangleCount), sizeof(Triangle));
+  dGeomTriMeshDataPreprocess2(stockData_, 1U << dTRIDATAPREPROCESS_BUILD_FACE_ANGLES, nullptr);  // for convexes
+  ours = dCreateGpuTriMesh(nullptr, data_);
+  stock = dCreateTriMesh(nullptr, stockData_, nullptr, nullptr, nullptr);
+}
+
+MeshTwins::~MeshTwins() {
+  dGeomDestroy(ours);
+  dGeomDestroy(stock);
+  dGpuTriMeshDataDestroy(data_);
+  dGeomTriMeshDataDestroy(stockData_);
+}
+
 GeomPairs::GeomPairs(const std::vector<Query>& queries) {
   dGpuTriMeshParams params;
   dGpuTriMeshParamsInit(&params);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "collide/query.h"
+#include "scenes/generated_meshes.h"
 
 namespace otg::cli {
 
@@ -18,6 +19,22 @@ namespace otg::cli {
 dGpuTriMeshDataID meshData(const TriMesh& mesh, const std::string& name);
 
 void poseGeom(dGeomID geom, const Transformd& pose);
+
+/// A mesh as a geom of ours and as a dTriMesh, in no space.
+class MeshTwins {
+ public:
+  explicit MeshTwins(const scenes::MeshArrays& arrays);
+  ~MeshTwins();
+  MeshTwins(const MeshTwins&) = delete;
+  MeshTwins& operator=(const MeshTwins&) = delete;
+  int triangles() const { return static_cast<int>(arrays_.triangles.size()); }
+  dGeomID ours, stock;
+
+ private:
+  scenes::MeshArrays arrays_;
+  dGpuTriMeshDataID data_;
+  dTriMeshDataID stockData_;
+};
 
 /// Queries as pairs of geoms, two for each, of meshes that they share.
 class GeomPairs {

@@ -2,14 +2,15 @@
 // `otg bench terrain`: ODE's shapes on a large open mesh, as a mesh geom and as a dTriMesh, in the same poses.
 #include <fmt/format.h>
 #include <ode/ode.h>
-#include <ode_trimesh_gpu/ode_trimesh_gpu.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <functional>
 
 #include "cli/contact_hash.h"
 #include "otg_bench/bench.h"
+#include "otg_bench/geoms.h"
 #include "scenes/generated_meshes.h"
 #include "scenes/simulation.h"
 #include "truth/contact_families.h"
@@ -48,79 +49,63 @@ scenes::MeshArrays makeTerrain(int cells, double cell) {
   return out;
 }
 
-/// The terrain as a geom of ours and as one of ODE's.
-class Terrain {
- public:
-  explicit Terrain(const TerrainOptions& options) : arrays_(makeTerrain(options.cells, options.cell)) {
-    const MeshInput in = arrays_.input();
-    data_ = dGpuTriMeshDataCreate();
-    dGpuTriMeshDataBuildSingle(data_, in.vertices, sizeof(Vec3f), static_cast<int>(in.vertexCount), in.indices,
-                               static_cast<int>(3 * in.triangleCount), sizeof(Triangle));
-    stockData_ = dGeomTriMeshDataCreate();
-    dGeomTriMeshDataBuildSingle(stockData_, in.vertices, sizeof(Vec3f), static_cast<int>(in.vertexCount), in.indices,
-                                static_cast<int>(3 * in.triangleCount), sizeof(Triangle));
-    ours = dCreateGpuTriMesh(nullptr, data_);
-    stock = dCreateTriMesh(nullptr, stockData_, nullptr, nullptr, nullptr);
-  }
-  ~Terrain() {
-    dGeomDestroy(ours);
-    dGeomDestroy(stock);
-    dGpuTriMeshDataDestroy(data_);
-    dGeomTriMeshDataDestroy(stockData_);
-  }
-  Terrain(const Terrain&) = delete;
-  Terrain& operator=(const Terrain&) = delete;
-  int triangles() const { return static_cast<int>(arrays_.triangles.size()); }
-  dGeomID ours, stock;
-
- private:
-  scenes::MeshArrays arrays_;
-  dGpuTriMeshDataID data_;
-  dTriMeshDataID stockData_;
-};
-
 constexpr int kPlaces = 64;
 
 /// Contacts of one of the terrains with one shape, over all poses.
 struct TerrainRun {
-  std::vector<double> times;
+  std::vector<double> times, stillTimes;
   std::uint64_t contacts = 0;
   Fnv1a hash;
 };
 
+/// Elsewhere by so much for each call, as bodies at rest tremble. Planes and rays stay where they are.
+void tremble(dGeomID shape, const dReal* at, int step) {
+  const dReal by = 1e-7 * (step % 3 - 1);
+  if (dGeomGetClass(shape) != dPlaneClass && dGeomGetClass(shape) != dRayClass)
+    dGeomSetPosition(shape, at[0] + by, at[1] + by, at[2] - by);
+}
+
 void ask(dGeomID terrain, dGeomID shape, int repeat, TerrainRun& run) {
   dContactGeom contacts[kPlaces];
-  std::vector<double> times;
+  dVector3 at{};
+  if (dGeomGetClass(shape) != dPlaneClass) std::copy_n(dGeomGetPosition(shape), 3, at);
   int count = 0;
-  for (int i = 0; i <= repeat; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    count = dCollide(terrain, shape, kPlaces, contacts, sizeof(dContactGeom));
-    const auto end = std::chrono::steady_clock::now();
-    if (i > 0) times.push_back(std::chrono::duration<double, std::micro>(end - start).count());
-  }
-  run.times.push_back(median(times));
+  const auto measure = [&](bool trembles) {
+    std::vector<double> times;
+    for (int i = 0; i <= repeat; ++i) {
+      if (trembles) tremble(shape, at, i);
+      const auto start = std::chrono::steady_clock::now();
+      count = dCollide(terrain, shape, kPlaces, contacts, sizeof(dContactGeom));
+      const auto end = std::chrono::steady_clock::now();
+      if (i > 0) times.push_back(std::chrono::duration<double, std::micro>(end - start).count());
+    }
+    return median(times);
+  };
+  run.stillTimes.push_back(measure(false));
   run.contacts += static_cast<std::uint64_t>(count);
   run.hash.add(count);
   for (int i = 0; i < count; ++i) {
     addToHash(run.hash, contacts[i]);
     run.hash.add(contacts[i].side1);
   }
+  run.times.push_back(measure(true));
+  tremble(shape, at, 1);  // back where it was
 }
 
 struct Shape {
   const char* name;
   std::function<dGeomID()> make;
   /// Puts it where it meets the terrain.
-  std::function<void(const Terrain&, dGeomID, truth::Random&)> place;
+  std::function<void(const MeshTwins&, dGeomID, truth::Random&)> place;
 };
 
-bool touches(const Terrain& terrain, dGeomID shape) {
+bool touches(const MeshTwins& terrain, dGeomID shape) {
   dContactGeom contact;
   return dCollide(terrain.stock, shape, 1, &contact, sizeof contact) > 0;
 }
 
 /// Turned anyhow, above a random place, as low as ODE says that it touches, then by the overlap lower.
-void lower(const TerrainOptions& options, const Terrain& terrain, dGeomID shape, truth::Random& random, bool turned) {
+void lower(const TerrainOptions& options, const MeshTwins& terrain, dGeomID shape, truth::Random& random, bool turned) {
   const double reach = 0.45 * options.cells * options.cell;
   const Transformd turn = random.rotation();
   dMatrix3 r;
@@ -140,16 +125,16 @@ void lower(const TerrainOptions& options, const Terrain& terrain, dGeomID shape,
 }
 
 std::vector<Shape> shapesOf(const TerrainOptions& options) {
-  const auto solid = [&options](const Terrain& t, dGeomID g, truth::Random& r) { lower(options, t, g, r, true); };
-  const auto flat = [&options](const Terrain& t, dGeomID g, truth::Random& r) { lower(options, t, g, r, false); };
-  const auto plane = [](const Terrain&, dGeomID g, truth::Random& random) {
+  const auto solid = [&options](const MeshTwins& t, dGeomID g, truth::Random& r) { lower(options, t, g, r, true); };
+  const auto flat = [&options](const MeshTwins& t, dGeomID g, truth::Random& r) { lower(options, t, g, r, false); };
+  const auto plane = [](const MeshTwins&, dGeomID g, truth::Random& random) {
     // A plane that the lowest valleys reach through.
     const Vec3d n = random.direction();
     const Vec3d up{0.002 * n.x, 0.002 * n.y, 1};
     const double scale = 1 / std::sqrt(otgDot(up, up));
     dGeomPlaneSetParams(g, scale * up.x, scale * up.y, scale * up.z, random.uniform(-1.1, -1));
   };
-  const auto ray = [&options](const Terrain&, dGeomID g, truth::Random& random) {
+  const auto ray = [&options](const MeshTwins&, dGeomID g, truth::Random& random) {
     const double reach = 0.45 * options.cells * options.cell;
     dGeomRaySetClosestHit(g, 1);
     dGeomRaySet(g, random.uniform(-reach, reach), random.uniform(-reach, reach), 3, random.uniform(-1, 1),
@@ -165,7 +150,7 @@ std::vector<Shape> shapesOf(const TerrainOptions& options) {
           {"ray", [] { return dCreateRay(nullptr, 10); }, ray}};
 }
 
-Json runShape(const Terrain& terrain, const Shape& shape, const TerrainOptions& options) {
+Json runShape(const MeshTwins& terrain, const Shape& shape, const TerrainOptions& options) {
   truth::Random random(options.seed);
   const dGeomID geom = shape.make();
   TerrainRun ours, stock;
@@ -178,6 +163,7 @@ Json runShape(const Terrain& terrain, const Shape& shape, const TerrainOptions& 
   const double mine = median(ours.times), theirs = median(stock.times);
   return {{"shape", shape.name},
           {"us", mine},
+          {"still_us", median(ours.stillTimes)},
           {"us_of_dtrimesh", theirs},
           {"times", mine / theirs},
           {"contacts", static_cast<double>(ours.contacts) / options.poses},
@@ -187,7 +173,7 @@ Json runShape(const Terrain& terrain, const Shape& shape, const TerrainOptions& 
 
 int benchTerrain(const TerrainOptions& options) {
   const scenes::OdeSession session;
-  const Terrain terrain(options);
+  const MeshTwins terrain(makeTerrain(options.cells, options.cell));
   Json rows = Json::array();
   for (const Shape& shape : shapesOf(options)) {
     if (options.shape.empty() || options.shape == shape.name) rows.push_back(runShape(terrain, shape, options));

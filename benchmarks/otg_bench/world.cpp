@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdarg>
 #include <memory>
+#include <span>
 
 #include "otg_bench/bench.h"
 #include "otg_bench/geoms.h"
@@ -21,10 +22,21 @@ struct WorldOptions {
   std::string scene;
 };
 
-enum class WorldForm { kNative, kStock, kOurs };
+/// kArray: as kOurs, with dGpuTriMeshCollideSpace() in place of a near callback.
+enum class WorldForm { kNative, kStock, kOurs, kArray };
 
 const char* nameOfForm(WorldForm form) {
-  return form == WorldForm::kNative ? "native" : form == WorldForm::kStock ? "stock" : "ours";
+  switch (form) {
+    case WorldForm::kNative:
+      return "native";
+    case WorldForm::kStock:
+      return "stock";
+    case WorldForm::kOurs:
+      return "ours";
+    case WorldForm::kArray:
+      return "ours, array";
+  }
+  return "";
 }
 
 using WorldClock = std::chrono::steady_clock;
@@ -84,9 +96,14 @@ class BenchWorld {
     pairs_ = 0;
     asksClock_ = isTimed && steps_ % 2 == 1;
     const WorldClock::time_point begin = WorldClock::now();
-    dSpaceCollide(space_, this, &nearCallback);
+    if (form_ == WorldForm::kArray) {
+      collideAsArray();
+    } else {
+      dSpaceCollide(space_, this, &nearCallback);
+      found_ = contacts_;
+    }
     const WorldClock::time_point collided = WorldClock::now();
-    for (const dContact& contact : contacts_) {
+    for (const dContact& contact : found_) {
       const dJointID joint = dJointCreateContact(world_, joints_, &contact);
       dJointAttach(joint, dGeomGetBody(contact.geom.g1), dGeomGetBody(contact.geom.g2));
     }
@@ -97,7 +114,7 @@ class BenchWorld {
     random_ = dRandGetSeed();
     if (!isTimed) return;
     ++steps_;
-    contactCounts_.push_back(static_cast<double>(contacts_.size()));
+    contactCounts_.push_back(static_cast<double>(found_.size()));
     pairCounts_.push_back(static_cast<double>(pairs_));
     jointUs_.push_back(worldMicroseconds(collided, joined));
     solverUs_.push_back(worldMicroseconds(joined, solved));
@@ -152,14 +169,27 @@ class BenchWorld {
   void collide(dGeomID a, dGeomID b) {
     ++pairs_;
     const WorldClock::time_point begin = asksClock_ ? WorldClock::now() : WorldClock::time_point{};
-    const int count = dCollide(a, b, kPlaces, found_, sizeof(dContactGeom));
+    const int count = dCollide(a, b, kPlaces, ofPair_, sizeof(dContactGeom));
     if (asksClock_) insideUs_ += worldMicroseconds(begin, WorldClock::now());
     for (int i = 0; i < count; ++i) {
       dContact& contact = contacts_.emplace_back();
-      contact.surface.mode = dContactApprox1;
-      contact.surface.mu = 0.8;
-      contact.geom = found_[i];
+      contact.geom = ofPair_[i];
+      setSurface(contact);
     }
+  }
+  static void setSurface(dContact& contact) {
+    contact.surface.mode = dContactApprox1;
+    contact.surface.mu = 0.8;
+  }
+
+  void collideAsArray() {
+    const WorldClock::time_point begin = WorldClock::now();
+    const auto countPair = [](void* self, dGeomID, dGeomID) { return ++static_cast<BenchWorld*>(self)->pairs_; };
+    const int count = dGpuTriMeshCollideSpace(space_, kPlaces, countPair, this, &places_[0].geom, sizeof(dContact),
+                                              static_cast<int>(places_.size()));
+    found_ = std::span(places_).first(static_cast<std::size_t>(std::max(count, 0)));
+    for (dContact& contact : found_) setSurface(contact);
+    insideUs_ = worldMicroseconds(begin, WorldClock::now());
   }
 
   double fastest() const {
@@ -185,8 +215,10 @@ class BenchWorld {
   std::vector<dTriMeshDataID> stock_;
   std::vector<dGpuTriMeshDataID> ours_;
   std::vector<dBodyID> bodies_;
-  std::vector<dContact> contacts_;  ///< of one step
-  dContactGeom found_[kPlaces];
+  std::vector<dContact> contacts_;  ///< of one step's near callbacks
+  std::vector<dContact> places_ = std::vector<dContact>(form_ == WorldForm::kArray ? std::size_t{1} << 14 : 1);
+  std::span<dContact> found_;  ///< the contacts of one step
+  dContactGeom ofPair_[kPlaces];
   unsigned long random_ = 1;
   bool asksClock_ = false;
   double insideUs_ = 0;
@@ -197,7 +229,7 @@ class BenchWorld {
 /// The forms take turns, so that a busy machine is as busy for all of them.
 Json runScene(const WorldScene& scene, const WorldOptions& options) {
   std::vector<std::unique_ptr<BenchWorld>> worlds;
-  for (const WorldForm form : {WorldForm::kNative, WorldForm::kStock, WorldForm::kOurs}) {
+  for (const WorldForm form : {WorldForm::kNative, WorldForm::kStock, WorldForm::kOurs, WorldForm::kArray}) {
     if (form == WorldForm::kNative && !scene.hasNative()) continue;
     worlds.push_back(std::make_unique<BenchWorld>(scene, form));
   }

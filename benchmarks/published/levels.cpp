@@ -26,7 +26,7 @@ Timed timeOf(int repeat, const Workspace& workspace, const std::function<void()>
   return {ms, hashOf(workspace.reduced)};
 }
 
-double ratio(double a, double b) {
+double quotient(double a, double b) {
   return b > 0 ? a / b : 0;
 }
 
@@ -90,8 +90,8 @@ void LevelsBench::addScene(int repeat, const std::string& name, const std::strin
     row["cpu_standard_ms"] = standard.ms;
     row["cpu_ms"] = cpu.ms;
     row["device_ms"] = fast.ms;
-    row["speed_up_over_cpu_standard"] = ratio(standard.ms, levels.ms);
-    row["speed_up_over_cpu"] = ratio(cpu.ms, levels.ms);
+    row["speed_up_over_cpu_standard"] = quotient(standard.ms, levels.ms);
+    row["speed_up_over_cpu"] = quotient(cpu.ms, levels.ms);
     row["hash"] = levels.hash;
     row["answers"] = backend_->counts().onHost > failed ? "device failed" : same ? "same" : "DIFFERENT";
     queries_.push_back(row);

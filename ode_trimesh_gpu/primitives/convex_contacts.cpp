@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/vectors.h"
+#include "collide/convex/convex_pair_contacts.h"
 #include "collide/pairwise/reduction.h"
 #include "collide/solid/region_refiner.h"
 #include "collide/solid/solid_contacts.h"
@@ -243,7 +244,8 @@ bool rimContacts(const Query& query, const ConvexShape& shape, Workspace& worksp
 }  // namespace
 
 void convexContacts(const Query& query, const ConvexShape& shape, Workspace& workspace) {
-  if (!regionContacts(query, shape, workspace) && !rimContacts(query, shape, workspace)) {
+  const bool isPair = !shape.isCurved() && collideConvexPair(query, workspace);
+  if (!isPair && !regionContacts(query, shape, workspace) && !rimContacts(query, shape, workspace)) {
     // What is left has no inside: pairs of triangles. A rim may have left the workspace with another mesh's pairs.
     findIntersectingPairs(query, workspace);
     pairwiseContacts(query, workspace);

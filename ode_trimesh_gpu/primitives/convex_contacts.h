@@ -16,6 +16,8 @@ namespace otg {
 /// cylinders are round: their facets only find the region; places move to the round surface and depths are measured to
 /// it, so that they roll.
 ///
+/// A box or polyhedron on a mesh that is convex as a whole is a convex pair instead (collide/convex/).
+///
 /// Throws what collide() throws.
 void convexContacts(const Query& query, const ConvexShape& shape, Workspace& workspace);
 

@@ -451,12 +451,13 @@ class Bench(CliTest):
         self.assertIn("at_rest_us", self.run_otg(*arguments).stdout)
 
     def test_world(self):
-        """Three forms of each scene, and the same motion each time."""
+        """Four forms of each scene, and the same motion each time, also where an array takes the place of callbacks."""
         arguments = ["bench", "world", "--scene", "box", "--steps", "4", "--settle", "8"]
         rows = self.run_json(*arguments)["tables"]["worlds"]
         self.assertEqual([(row["scene"], row["form"]) for row in rows],
                          [(scene, form) for scene in ("pyramid of 55 boxes", "stack of ten boxes")
-                          for form in ("native", "stock", "ours")])
+                          for form in ("native", "stock", "ours", "ours, array")])
+        self.assertEqual([row["hash"] for row in rows[2::4]], [row["hash"] for row in rows[3::4]])
         for row in rows:
             self.assertGreater(row["contacts"], 9, row)
             for time in ("collision_us", "dcollide_us", "joints_us", "solver_us"):

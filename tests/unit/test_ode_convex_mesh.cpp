@@ -217,11 +217,11 @@ TEST_CASE("a dConvex leaves the mesh of a convex body, its own among them, by th
         for (const dContactGeom& x : ours) {  // in the overlap, or beside it by less than they are deep
           CHECK(std::max(a.outside(toVec(x.pos)), b.outside(toVec(x.pos))) < x.depth);
         }
-        // No way is much shorter: a pair of edges must be better than a face by 5 %, as in dBoxBox. The depth is that
-        // of the overlap, which is that way where the corner that is last to leave is in it.
-        CHECK(along < 1.05 * least + 1e-6);
-        CHECK(c.depth < along + 1e-6);
-        CHECK(c.depth > 0.98 * chord - 1e-6);
+        // No way is shorter, but that a pair of edges must be better than a face by a thousandth. The depth is that
+        // way, which no chord of the overlap is longer than.
+        CHECK(along < 1.002 * least + 1e-6);
+        CHECK(std::abs(c.depth - along) < 1e-6);
+        CHECK(c.depth > chord - 1e-6);
       });
       INFO("mesh of " << first->name << ", convex " << second->name);
       CHECK(shallow >= 15);

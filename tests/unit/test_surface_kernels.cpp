@@ -159,6 +159,124 @@ TEST_CASE("areas about a point, extents of points, ranges of boxes") {
   }
 }
 
+namespace {
+
+struct TestFace {
+  FaceSet::Face face;
+  Vec3d corner[3];
+};
+
+TestFace faceOf(Random& random) {
+  TestFace out;
+  const Vec3d at = random.inBox();
+  for (Vec3d& c : out.corner) c = otgAdd(at, otgScale(random.inBox(), 0.3));
+  const Vec3d* c = out.corner;
+  FaceSet::Face& f = out.face;
+  f.normal = unit(otgCross(otgSub(c[1], c[0]), otgSub(c[2], c[0])));
+  f.offset = otgDot(f.normal, c[0]);
+  for (int k = 0; k < 3; ++k) {
+    f.inward[k] = unit(otgCross(f.normal, otgSub(c[(k + 1) % 3], c[k])));
+    f.edge[k] = otgDot(f.inward[k], c[k]);
+  }
+  f.lo = minimum(c[0], minimum(c[1], c[2]));
+  f.hi = maximum(c[0], maximum(c[1], c[2]));
+  return out;
+}
+
+/// Whether a point that lies `way` below the plane of a face lies over it, with as much beside it.
+bool isOver(const FaceSet::Face& f, const Vec3d& p, double way, double slack) {
+  const Vec3d x = otgAdd(p, otgScale(f.normal, way));
+  double beside = -kInfinity;
+  for (int k = 0; k < 3; ++k) beside = std::max(beside, f.edge[k] - otgDot(f.inward[k], x));
+  return beside <= std::max(way, slack);
+}
+
+using Numbers = std::vector<std::uint32_t>;
+Numbers numbers(std::span<const std::uint32_t> found) {
+  return {found.begin(), found.end()};
+}
+
+}  // namespace
+
+TEST_CASE("faces near a point, and over a stretch") {
+  Random random;
+  std::size_t near = 0, over = 0, atBothEnds = 0;
+  for (int round = 0; round < 400; ++round) {
+    FaceSet set;
+    std::vector<TestFace> all;
+    for (int i = 0; i < round % 90 + 1; ++i) {
+      all.push_back(faceOf(random));
+      set.add(all.back().face);
+    }
+    const Vec3d from = random.inBox(), to = round % 3 == 0 ? from : random.inBox();
+    const double radius = round % 50 == 0 ? kInfinity : random.between(0, 0.8), slack = random.between(0, 0.1);
+    Numbers expectedNear, expectedOver;
+    double least = kInfinity;
+    for (std::uint32_t i = 0; i < all.size(); ++i) {
+      const FaceSet::Face& f = all[i].face;
+      const double d = distance(from, f.lo, f.hi);
+      least = std::min(least, d);
+      if (d <= radius) expectedNear.push_back(i);
+      const double first = f.offset - otgDot(f.normal, from), last = f.offset - otgDot(f.normal, to);
+      if (std::max(first, last) < -slack) continue;
+      const bool a = isOver(f, from, first, slack), b = isOver(f, to, last, slack);
+      if (a || b) expectedOver.push_back(i);
+      atBothEnds += a && b;
+    }
+    CHECK(numbers(set.near(from, radius)) == expectedNear);
+    CHECK(numbers(set.over(from, to, slack)) == expectedOver);
+    REQUIRE(set.nearest(from) < all.size());
+    const FaceSet::Face& nearest = all[set.nearest(from)].face;
+    CHECK(distance(from, nearest.lo, nearest.hi) >= least);
+    near += expectedNear.size();
+    over += expectedOver.size();
+    set.clear();
+    CHECK(set.size() == 0);
+    CHECK(set.near(from, kInfinity).empty());
+    CHECK(set.over(from, to, slack).empty());
+  }
+  CHECK(near > 1000);
+  CHECK(over > 1000);
+  CHECK(atBothEnds > 100);
+}
+
+TEST_CASE("stretches that pass each other along their common perpendicular") {
+  Random random;
+  constexpr double kLeastSine = 0.05;
+  std::size_t passed = 0, found = 0, all = 0;
+  for (int round = 0; round < 400; ++round) {
+    StretchSet set;
+    struct Stretch {
+      Vec3d middle, along;
+      double reach;
+    };
+    std::vector<Stretch> stretches;
+    for (int i = 0; i < round % 31; ++i) {
+      stretches.push_back({random.inBox(), random.direction(), random.between(0, 1)});
+      set.add(stretches.back().middle, stretches.back().along, stretches.back().reach);
+    }
+    const Stretch p{random.inBox(), random.direction(), random.between(0, 1)};
+    const Numbers answer = numbers(set.passed(p.middle, p.along, p.reach, kLeastSine));
+    CHECK(std::is_sorted(answer.begin(), answer.end()));
+    for (std::uint32_t i = 0; i < stretches.size(); ++i) {
+      const Stretch& q = stretches[i];
+      const Vec3d across = otgCross(p.along, q.along), apart = otgSub(q.middle, p.middle);
+      const double square = otgDot(across, across);
+      const double at = otgDot(otgCross(apart, q.along), across) / square;
+      const double atOther = otgDot(otgCross(apart, p.along), across) / square;
+      const bool passes =
+          square >= kLeastSine * kLeastSine && std::fabs(at) <= p.reach && std::fabs(atOther) <= q.reach;
+      if (passes) CHECK(std::binary_search(answer.begin(), answer.end(), i));
+      passed += passes;
+    }
+    found += answer.size();
+    all += stretches.size();
+  }
+  CHECK(passed > 500);
+  CHECK(found <= passed + 1);
+  CHECK(2 * found < all);
+}
+
 TEST_CASE("instruction sets agree bit for bit over surfaces") {
   Random random;
   for (int round = 0; round < 200; ++round) {
@@ -166,6 +284,14 @@ TEST_CASE("instruction sets agree bit for bit over surfaces") {
     AreaBlock areas[3];
     PointBlock points[3];
     BoxBlock boxes[3];
+    FaceBlock faces[3];
+    FaceGroups groups;
+    std::fill_n(groups.loX, sizeof groups / sizeof(double), kInfinity);
+    groups.loX[0] = groups.loY[0] = groups.loZ[0] = -1;
+    groups.hiX[0] = groups.hiY[0] = groups.hiZ[0] = 1;
+    StretchBlock stretches[3];
+    fill(faces, random);
+    fill(stretches, random);
     fill(planes, random);
     fill(areas, random);
     fill(points, random);
@@ -190,6 +316,19 @@ TEST_CASE("instruction sets agree bit for bit over surfaces") {
       findBoxRanges(level, ranges);
       found.insert(found.end(), lo, lo + 12);
       found.insert(found.end(), hi, hi + 12);
+      std::uint32_t places[12];
+      const auto addFound = [&](std::size_t count) { found.insert(found.end(), places, places + count); };
+      NearFacesArgs near{faces, 3, &groups, 1, p, 1.5, places, 0, 0};
+      findNearFaces(level, near);
+      addFound(near.foundCount);
+      findNearestFace(level, near);
+      found.push_back(near.nearest);
+      FacesOverArgs over{faces, 3, p, d, 0.5, places, 0};
+      findFacesOver(level, over);
+      addFound(over.foundCount);
+      StretchesPassedArgs passed{stretches, 3, p, d, 0.5, 0.05, places, 0};
+      findStretchesPassed(level, passed);
+      addFound(passed.foundCount);
       if (level == SimdLevel::kBaseline) expected = found;
       REQUIRE(found == expected);
     }

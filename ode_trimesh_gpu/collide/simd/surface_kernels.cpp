@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "collide/simd/surface_kernels.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace otg {
 namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 SimdLevel level() {
   static const SimdLevel best = bestSimdLevel();
@@ -47,6 +51,22 @@ void findExtent(SimdLevel level, ExtentArgs& args) {
 
 void findBoxRanges(SimdLevel level, BoxRangesArgs& args) {
   OTG_CALL_SURFACE_KERNEL(level, findBoxRanges, args)
+}
+
+void findNearFaces(SimdLevel level, NearFacesArgs& args) {
+  OTG_CALL_SURFACE_KERNEL(level, findNearFaces, args)
+}
+
+void findNearestFace(SimdLevel level, NearFacesArgs& args) {
+  OTG_CALL_SURFACE_KERNEL(level, findNearestFace, args)
+}
+
+void findFacesOver(SimdLevel level, FacesOverArgs& args) {
+  OTG_CALL_SURFACE_KERNEL(level, findFacesOver, args)
+}
+
+void findStretchesPassed(SimdLevel level, StretchesPassedArgs& args) {
+  OTG_CALL_SURFACE_KERNEL(level, findStretchesPassed, args)
 }
 
 void PlaneSet::clear() {
@@ -162,6 +182,105 @@ void BoxSet::ranges(const Vec3d& direction, std::pmr::vector<double>& lo, std::p
   findBoxRanges(level(), args);
   lo.resize(count_);
   hi.resize(count_);
+}
+
+void FaceSet::clear() {
+  blocks_.clear();
+  groups_.clear();
+  count_ = 0;
+}
+
+void FaceSet::add(const Face& face) {
+  addToGroup(face);
+  const std::size_t k = count_++ % kSurfaceLanes;
+  if (k == 0) {
+    FaceBlock& empty = blocks_.emplace_back();
+    std::fill_n(empty.offset, kSurfaceLanes, -kInfinity);
+    std::fill_n(empty.loX, kSurfaceLanes, kInfinity);
+    std::fill_n(empty.hiX, kSurfaceLanes, kInfinity);
+  }
+  FaceBlock& b = blocks_.back();
+  b.normalX[k] = face.normal.x;
+  b.normalY[k] = face.normal.y;
+  b.normalZ[k] = face.normal.z;
+  b.offset[k] = face.offset;
+  for (std::size_t e = 0; e < 3; ++e) {
+    b.inwardX[e][k] = face.inward[e].x;
+    b.inwardY[e][k] = face.inward[e].y;
+    b.inwardZ[e][k] = face.inward[e].z;
+    b.edge[e][k] = face.edge[e];
+  }
+  b.loX[k] = face.lo.x;
+  b.loY[k] = face.lo.y;
+  b.loZ[k] = face.lo.z;
+  b.hiX[k] = face.hi.x;
+  b.hiY[k] = face.hi.y;
+  b.hiZ[k] = face.hi.z;
+}
+
+void FaceSet::addToGroup(const Face& face) {
+  const std::size_t group = count_ / (kSurfaceLanes * kFaceGroup), k = group % kSurfaceLanes;
+  if (count_ % (kSurfaceLanes * kFaceGroup) == 0) {
+    if (k == 0) std::fill_n(groups_.emplace_back().loX, sizeof(FaceGroups) / sizeof(double), kInfinity);
+    FaceGroups& g = groups_.back();
+    g.hiX[k] = g.hiY[k] = g.hiZ[k] = -kInfinity;
+  }
+  FaceGroups& g = groups_.back();
+  g.loX[k] = std::min(g.loX[k], face.lo.x);
+  g.loY[k] = std::min(g.loY[k], face.lo.y);
+  g.loZ[k] = std::min(g.loZ[k], face.lo.z);
+  g.hiX[k] = std::max(g.hiX[k], face.hi.x);
+  g.hiY[k] = std::max(g.hiY[k], face.hi.y);
+  g.hiZ[k] = std::max(g.hiZ[k], face.hi.z);
+}
+
+std::span<const std::uint32_t> FaceSet::near(const Vec3d& point, double radius) const {
+  found_.resize(kSurfaceLanes * blocks_.size());
+  // Lanes that are not used are infinitely far away.
+  const double radius2 = std::min(radius * radius, std::numeric_limits<double>::max());
+  NearFacesArgs args{
+      blocks_.data(), blocks_.size(), groups_.data(), groups_.size(), point, radius2, found_.data(), 0, 0};
+  findNearFaces(level(), args);
+  return {found_.data(), args.foundCount};
+}
+
+std::uint32_t FaceSet::nearest(const Vec3d& point) const {
+  NearFacesArgs args{blocks_.data(), blocks_.size(), groups_.data(), groups_.size(), point, 0, nullptr, 0, 0};
+  findNearestFace(level(), args);
+  return args.nearest;
+}
+
+std::span<const std::uint32_t> FaceSet::over(const Vec3d& from, const Vec3d& to, double slack) const {
+  found_.resize(kSurfaceLanes * blocks_.size());
+  FacesOverArgs args{blocks_.data(), blocks_.size(), from, to, slack, found_.data(), 0};
+  findFacesOver(level(), args);
+  return {found_.data(), args.foundCount};
+}
+
+void StretchSet::clear() {
+  blocks_.clear();
+  count_ = 0;
+}
+
+void StretchSet::add(const Vec3d& middle, const Vec3d& along, double reach) {
+  const std::size_t k = count_++ % kSurfaceLanes;
+  if (k == 0) blocks_.push_back({});
+  StretchBlock& b = blocks_.back();
+  b.x[k] = middle.x;
+  b.y[k] = middle.y;
+  b.z[k] = middle.z;
+  b.alongX[k] = along.x;
+  b.alongY[k] = along.y;
+  b.alongZ[k] = along.z;
+  b.reach[k] = reach;
+}
+
+std::span<const std::uint32_t> StretchSet::passed(const Vec3d& middle, const Vec3d& along, double reach,
+                                                  double leastSine) const {
+  found_.resize(kSurfaceLanes * blocks_.size());
+  StretchesPassedArgs args{blocks_.data(), blocks_.size(), middle, along, reach, leastSine, found_.data(), 0};
+  findStretchesPassed(level(), args);
+  return {found_.data(), args.foundCount};
 }
 
 }  // namespace otg

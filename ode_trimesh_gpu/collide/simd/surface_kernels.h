@@ -6,6 +6,7 @@
 #pragma once
 
 #include <memory_resource>
+#include <span>
 #include <vector>
 
 #include "collide/simd/surface_kernels_args.h"
@@ -78,11 +79,63 @@ class BoxSet {
   std::size_t count_ = 0;
 };
 
+/// Whole triangles of a surface.
+class FaceSet {
+ public:
+  explicit FaceSet(std::pmr::memory_resource* memory = std::pmr::get_default_resource())
+      : blocks_(memory), groups_(memory), found_(memory) {}
+  struct Face {
+    Vec3d normal;
+    double offset;
+    Vec3d inward[3];
+    double edge[3];
+    Vec3d lo, hi;
+  };
+  void clear();
+  void add(const Face& face);
+  std::size_t size() const { return count_; }
+  /// Those whose bounds are at most that far from a point, ascending. What is found lasts until the next call.
+  std::span<const std::uint32_t> near(const Vec3d& point, double radius) const;
+  /// One whose bounds are near to a point; there must be one at all.
+  std::uint32_t nearest(const Vec3d& point) const;
+  /// Those over which a stretch lies at one end at least, and below whose planes it lies: RegionTriangles::facesOver().
+  std::span<const std::uint32_t> over(const Vec3d& from, const Vec3d& to, double slack) const;
+
+ private:
+  void addToGroup(const Face& face);
+
+  std::pmr::vector<FaceBlock> blocks_;
+  std::pmr::vector<FaceGroups> groups_;
+  mutable std::pmr::vector<std::uint32_t> found_;
+  std::size_t count_ = 0;
+};
+
+/// Stretches of edges.
+class StretchSet {
+ public:
+  explicit StretchSet(std::pmr::memory_resource* memory = std::pmr::get_default_resource())
+      : blocks_(memory), found_(memory) {}
+  void clear();
+  void add(const Vec3d& middle, const Vec3d& along, double reach);
+  /// All that pass a stretch, seen along the common perpendicular, ascending, and few others. The angle between passing
+  /// ones has a sine of `leastSine` at least. What is found lasts until the next call.
+  std::span<const std::uint32_t> passed(const Vec3d& middle, const Vec3d& along, double reach, double leastSine) const;
+
+ private:
+  std::pmr::vector<StretchBlock> blocks_;
+  mutable std::pmr::vector<std::uint32_t> found_;
+  std::size_t count_ = 0;
+};
+
 /// The same by one instruction set, for tests.
 void exitThroughPlanes(SimdLevel level, PlaneExitArgs& args);
 void exitThroughRoundPlanes(SimdLevel level, PlaneExitArgs& args);
 void sumLocalAreas(SimdLevel level, LocalAreaArgs& args);
 void findExtent(SimdLevel level, ExtentArgs& args);
 void findBoxRanges(SimdLevel level, BoxRangesArgs& args);
+void findNearFaces(SimdLevel level, NearFacesArgs& args);
+void findNearestFace(SimdLevel level, NearFacesArgs& args);
+void findFacesOver(SimdLevel level, FacesOverArgs& args);
+void findStretchesPassed(SimdLevel level, StretchesPassedArgs& args);
 
 }  // namespace otg

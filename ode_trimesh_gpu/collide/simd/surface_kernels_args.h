@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "shared/math/vec3.h"
 
@@ -69,13 +70,72 @@ struct BoxRangesArgs {
   double *lo, *hi;  ///< out: the range of direction . x for every box, kSurfaceLanes * count of them
 };
 
-#define OTG_DECLARE_SURFACE_KERNELS(set)            \
-  namespace set {                                   \
-  void exitThroughPlanes(PlaneExitArgs& args);      \
-  void exitThroughRoundPlanes(PlaneExitArgs& args); \
-  void sumLocalAreas(LocalAreaArgs& args);          \
-  void findExtent(ExtentArgs& args);                \
-  void findBoxRanges(BoxRangesArgs& args);          \
+/// Four triangles, whole. Lanes that are not used lie infinitely far in front of every point.
+struct FaceBlock {
+  double normalX[kSurfaceLanes], normalY[kSurfaceLanes], normalZ[kSurfaceLanes];  ///< unit, outward
+  double offset[kSurfaceLanes];                                                   ///< normal . x on the plane
+  /// Of each edge: unit, in the plane, from the edge to the inside.
+  double inwardX[3][kSurfaceLanes], inwardY[3][kSurfaceLanes], inwardZ[3][kSurfaceLanes];
+  double edge[3][kSurfaceLanes];                                      ///< inward . x on each edge
+  double loX[kSurfaceLanes], loY[kSurfaceLanes], loZ[kSurfaceLanes];  ///< bounds
+  double hiX[kSurfaceLanes], hiY[kSurfaceLanes], hiZ[kSurfaceLanes];
+};
+
+/// Bounds of four groups of kFaceGroup blocks. Lanes that are not used lie infinitely far away.
+inline constexpr std::size_t kFaceGroup = 4;
+struct FaceGroups {
+  double loX[kSurfaceLanes], loY[kSurfaceLanes], loZ[kSurfaceLanes];
+  double hiX[kSurfaceLanes], hiY[kSurfaceLanes], hiZ[kSurfaceLanes];
+};
+
+struct NearFacesArgs {
+  const FaceBlock* blocks;
+  std::size_t count;
+  const FaceGroups* groups;
+  std::size_t groupCount;  ///< elements of `groups`
+  Vec3d point;
+  double radius2;          ///< squared distance from the bounds
+  std::uint32_t* found;    ///< room for all lanes; ascending
+  std::size_t foundCount;  ///< out
+  std::uint32_t nearest;   ///< out: one whose bounds are near, whatever their distance
+};
+
+struct FacesOverArgs {
+  const FaceBlock* blocks;
+  std::size_t count;
+  Vec3d from, to;
+  double slack;
+  std::uint32_t* found;    ///< room for all lanes; ascending
+  std::size_t foundCount;  ///< out
+};
+
+/// Four stretches of edges. Lanes that are not used have no direction.
+struct StretchBlock {
+  double x[kSurfaceLanes], y[kSurfaceLanes], z[kSurfaceLanes];                 ///< middle
+  double alongX[kSurfaceLanes], alongY[kSurfaceLanes], alongZ[kSurfaceLanes];  ///< unit
+  double reach[kSurfaceLanes];                                                 ///< half the length
+};
+
+struct StretchesPassedArgs {
+  const StretchBlock* blocks;
+  std::size_t count;
+  Vec3d middle, along;
+  double reach, leastSine;
+  std::uint32_t* found;    ///< room for all lanes; ascending
+  std::size_t foundCount;  ///< out
+};
+
+#define OTG_DECLARE_SURFACE_KERNELS(set)               \
+  namespace set {                                      \
+  void exitThroughPlanes(PlaneExitArgs& args);         \
+  void exitThroughRoundPlanes(PlaneExitArgs& args);    \
+  void sumLocalAreas(LocalAreaArgs& args);             \
+  void findExtent(ExtentArgs& args);                   \
+  void findBoxRanges(BoxRangesArgs& args);             \
+  void findNearFaces(NearFacesArgs& args);             \
+  void findNearestFace(NearFacesArgs& args);           \
+  void findFacesOver(FacesOverArgs& args);             \
+  void findStretchesPassed(StretchesPassedArgs& args); \
   }
 OTG_DECLARE_SURFACE_KERNELS(simd_baseline)
 OTG_DECLARE_SURFACE_KERNELS(simd_avx2)

@@ -42,6 +42,27 @@ __attribute__((always_inline)) inline double least(Doubles a) {
   return x;
 }
 
+/// Bit k set where lane k is true.
+__attribute__((always_inline)) inline unsigned bitsOfLanes(DoubleMask m) {
+#if defined(__AVX__)
+  Doubles signs;
+  std::memcpy(&signs, &m, sizeof signs);
+  return static_cast<unsigned>(__builtin_ia32_movmskpd256(signs));
+#else
+  unsigned bits = 0;
+  for (int k = 0; k < 4; ++k) bits |= static_cast<unsigned>(m[k] != 0) << k;
+  return bits;
+#endif
+}
+/// Numbers of the lanes of block i whose bits are set, appended.
+__attribute__((always_inline)) inline std::size_t appendLanes(unsigned bits, std::size_t i, std::uint32_t* found,
+                                                              std::size_t count) {
+  for (; bits; bits &= bits - 1) {
+    found[count++] = static_cast<std::uint32_t>(kSurfaceLanes * i) + static_cast<unsigned>(__builtin_ctz(bits));
+  }
+  return count;
+}
+
 struct Square {
   Doubles value;
 };
@@ -134,6 +155,120 @@ void findBoxRanges(BoxRangesArgs& args) {
     const Doubles half = load4(b.halfX) * ax + load4(b.halfY) * ay + load4(b.halfZ) * az;
     store4(args.lo + kSurfaceLanes * i, middle - half);
     store4(args.hi + kSurfaceLanes * i, middle + half);
+  }
+}
+
+namespace {
+
+template <class Boxes>
+__attribute__((always_inline)) inline Doubles squaredDistanceFrom(const Boxes& b, const Vec3d& p) {
+  return squaredDistance(spread4(p.x), spread4(p.y), spread4(p.z), b.loX, b.loY, b.loZ, b.hiX, b.hiY, b.hiZ).value;
+}
+
+/// Where a number is the least of `count` boxes' distances.
+template <class Boxes>
+__attribute__((always_inline)) inline std::size_t nearestOf(const Boxes* boxes, std::size_t count, const Vec3d& p) {
+  Doubles least = spread4(kFarAway);
+  DoubleMask at{}, block{};
+  for (std::size_t i = 0; i < count; ++i, block += 1) {
+    const Doubles d = squaredDistanceFrom(boxes[i], p);
+    at = d < least ? block : at;
+    least = smaller(d, least);
+  }
+  int lane = 0;
+  for (int k = 1; k < 4; ++k) lane = least[k] < least[lane] ? k : lane;
+  return static_cast<std::size_t>(at[lane]) * kSurfaceLanes + static_cast<std::size_t>(lane);
+}
+
+__attribute__((always_inline)) inline std::size_t endOfGroup(std::size_t first, std::size_t count) {
+  return first + kFaceGroup < count ? first + kFaceGroup : count;
+}
+
+}  // namespace
+
+void findNearFaces(NearFacesArgs& args) {
+  const Doubles radius2 = spread4(args.radius2);
+  args.foundCount = 0;
+  for (std::size_t g = 0; g < args.groupCount; ++g) {
+    for (unsigned bits = bitsOfLanes(squaredDistanceFrom(args.groups[g], args.point) <= radius2); bits;
+         bits &= bits - 1) {
+      const std::size_t first = (kSurfaceLanes * g + static_cast<unsigned>(__builtin_ctz(bits))) * kFaceGroup;
+      const std::size_t end = endOfGroup(first, args.count);
+      for (std::size_t i = first; i < end; ++i) {
+        const DoubleMask near = squaredDistanceFrom(args.blocks[i], args.point) <= radius2;
+        args.foundCount = appendLanes(bitsOfLanes(near), i, args.found, args.foundCount);
+      }
+    }
+  }
+}
+
+void findNearestFace(NearFacesArgs& args) {
+  const std::size_t first = nearestOf(args.groups, args.groupCount, args.point) * kFaceGroup;
+  const std::size_t count = endOfGroup(first, args.count) - first;
+  args.nearest = static_cast<std::uint32_t>(first * kSurfaceLanes + nearestOf(args.blocks + first, count, args.point));
+}
+
+namespace {
+
+__attribute__((always_inline)) inline Doubles dot4(const double* x, const double* y, const double* z, Doubles px,
+                                                   Doubles py, Doubles pz) {
+  return load4(x) * px + load4(y) * py + load4(z) * pz;
+}
+
+/// Whether a point that lies `way` below the planes lies over the faces: RegionTriangle::beside(), lane by lane.
+__attribute__((always_inline)) inline DoubleMask isOver(const FaceBlock& b, Doubles px, Doubles py, Doubles pz,
+                                                        Doubles way, Doubles slack) {
+  const Doubles x = px + load4(b.normalX) * way, y = py + load4(b.normalY) * way, z = pz + load4(b.normalZ) * way;
+  Doubles most = load4(b.edge[0]) - dot4(b.inwardX[0], b.inwardY[0], b.inwardZ[0], x, y, z);
+  for (int k = 1; k < 3; ++k) {
+    most = larger(load4(b.edge[k]) - dot4(b.inwardX[k], b.inwardY[k], b.inwardZ[k], x, y, z), most);
+  }
+  return most <= larger(way, slack);
+}
+
+}  // namespace
+
+void findFacesOver(FacesOverArgs& args) {
+  const Doubles px = spread4(args.from.x), py = spread4(args.from.y), pz = spread4(args.from.z);
+  const bool isPoint = args.from.x == args.to.x && args.from.y == args.to.y && args.from.z == args.to.z;
+  const Doubles qx = spread4(args.to.x), qy = spread4(args.to.y), qz = spread4(args.to.z);
+  const Doubles slack = spread4(args.slack);
+  args.foundCount = 0;
+  for (std::size_t i = 0; i < args.count; ++i) {
+    const FaceBlock& b = args.blocks[i];
+    const Doubles first = load4(b.offset) - dot4(b.normalX, b.normalY, b.normalZ, px, py, pz);
+    const Doubles last = load4(b.offset) - dot4(b.normalX, b.normalY, b.normalZ, qx, qy, qz);
+    const DoubleMask below = larger(first, last) >= -slack;
+    if (bitsOfLanes(below) == 0) continue;
+    DoubleMask over = isOver(b, px, py, pz, first, slack);
+    if (!isPoint) over |= isOver(b, qx, qy, qz, last, slack);
+    args.foundCount = appendLanes(bitsOfLanes(below & over), i, args.found, args.foundCount);
+  }
+}
+
+/// Those that otgPassOfStretches() may find, and few more: along the common perpendicular.
+void findStretchesPassed(StretchesPassedArgs& args) {
+  const Doubles px = spread4(args.middle.x), py = spread4(args.middle.y), pz = spread4(args.middle.z);
+  const Doubles ax = spread4(args.along.x), ay = spread4(args.along.y), az = spread4(args.along.z);
+  // What rounds: products of numbers of about the distance between the middles, and relative errors.
+  const Doubles within = spread4(1 + 1e-6), grain = spread4(1e-12);
+  const Doubles reach = spread4(args.reach) * within, least = spread4(args.leastSine * args.leastSine) * (2.0 - within);
+  args.foundCount = 0;
+  for (std::size_t i = 0; i < args.count; ++i) {
+    const StretchBlock& b = args.blocks[i];
+    const Doubles bx = load4(b.alongX), by = load4(b.alongY), bz = load4(b.alongZ);
+    const Doubles dx = load4(b.x) - px, dy = load4(b.y) - py, dz = load4(b.z) - pz;
+    const Doubles cx = ay * bz - az * by, cy = az * bx - ax * bz, cz = ax * by - ay * bx;
+    const Doubles square = cx * cx + cy * cy + cz * cz;
+    const Doubles at = (dy * bz - dz * by) * cx + (dz * bx - dx * bz) * cy + (dx * by - dy * bx) * cz;
+    const Doubles other = (dy * az - dz * ay) * cx + (dz * ax - dx * az) * cy + (dx * ay - dy * ax) * cz;
+    const Doubles rounding = grain * (larger(dx, -dx) + larger(dy, -dy) + larger(dz, -dz));
+    const DoubleMask passed = (larger(at, -at) <= reach * square + rounding) &
+                              (larger(other, -other) <= load4(b.reach) * within * square + rounding) &
+                              (square >= least);
+    if (const unsigned bits = bitsOfLanes(passed)) {
+      args.foundCount = appendLanes(bits, i, args.found, args.foundCount);
+    }
   }
 }
 

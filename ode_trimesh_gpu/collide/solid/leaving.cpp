@@ -13,6 +13,7 @@ namespace otg {
 namespace {
 
 constexpr double kSameHalfSpace = 1 - 1e-12;
+constexpr std::size_t kEdgesPassed = 8;  ///< by most stretches at most
 
 struct Way {
   Vec3d at, normal;
@@ -40,7 +41,9 @@ Part partOfVertex(RegionTriangles& triangles, const SupportPoint& p, std::pmr::m
   }
   part.together = part.ways.size();
   if (part.ways.empty()) return part;
-  for (const RegionTriangles::StretchExit& e : triangles.facesOver(1 - p.mesh, p.position, p.position)) {
+  const auto& faces = triangles.facesOver(1 - p.mesh, p.position, p.position);
+  part.ways.reserve(part.ways.size() + faces.size());
+  for (const RegionTriangles::StretchExit& e : faces) {
     const Vec3d normal = otgScale(e.exit.normal, side);
     if (std::any_of(part.ways.begin(), part.ways.begin() + static_cast<std::ptrdiff_t>(part.together),
                     [&](const Way& way) { return otgDot(way.normal, normal) > kSameHalfSpace; }))
@@ -55,11 +58,12 @@ Part partOfStretch(RegionTriangles& triangles, const SupportPoint& p, std::pmr::
   Part part{&p, std::pmr::vector<Way>(memory), 1};
   const Vec3d half = otgScale(p.along, p.reach), from = otgSub(p.position, half), to = otgAdd(p.position, half);
   const double side = p.mesh == 0 ? 1.0 : -1.0;
-  for (const RegionTriangles::StretchExit& e : triangles.facesOver(1 - p.mesh, from, to)) {
+  const auto& faces = triangles.facesOver(1 - p.mesh, from, to);
+  part.ways.reserve(faces.size() + kEdgesPassed);
+  for (const RegionTriangles::StretchExit& e : faces) {
     part.ways.push_back({e.byEnd ? to : from, otgScale(e.exit.normal, side), e.exit.depth, e.exit.curved});
   }
-  for (const RegionEdge& edge : triangles.edges()) {
-    if (edge.mesh == p.mesh) continue;
+  triangles.forEachEdgePassed(1 - p.mesh, p.position, p.along, p.reach, [&](const RegionEdge& edge) {
     const Vec3d across = unit(otgCross(p.along, edge.along));
     for (const double sign : {-1.0, 1.0}) {
       const Vec3d out = otgScale(across, sign);  // of the other mesh
@@ -70,7 +74,7 @@ Part partOfStretch(RegionTriangles& triangles, const SupportPoint& p, std::pmr::
         part.ways.push_back({otgAdd(p.position, otgScale(p.along, pass.at)), otgScale(out, side), pass.way, false});
       }
     }
-  }
+  });
   const auto soonest = std::min_element(part.ways.begin(), part.ways.end(),
                                         [](const Way& x, const Way& y) { return x.depth < y.depth; });
   if (soonest == part.ways.end()) return part;
@@ -84,6 +88,7 @@ Part partOfStretch(RegionTriangles& triangles, const SupportPoint& p, std::pmr::
 std::pmr::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegions& all,
                                  const std::pmr::vector<std::uint32_t>& points) {
   std::pmr::vector<Part> parts(all.memory);
+  parts.reserve(points.size());
   for (const std::uint32_t i : points) {
     const SupportPoint& p = all.points[i];
     if (p.kind == PointKind::kCrossing) continue;

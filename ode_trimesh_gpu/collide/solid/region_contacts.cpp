@@ -68,7 +68,8 @@ class RegionSolver {
 
  private:
   static constexpr double kWithin = 1 + 1e-6;  ///< for what rounds
-  static constexpr double kGrain = 1e-9;       ///< of the region's diagonal: rounding
+  static constexpr double kFar = std::numeric_limits<double>::infinity();
+  static constexpr double kGrain = 1e-9;  ///< of the region's diagonal: rounding
   struct Plane {
     Vec3d normal;
     double offset;
@@ -284,10 +285,12 @@ class RegionSolver {
       addMeasured(c);
     }
     const std::pmr::vector<Way> ways = waysOfCandidates();
+    double deepest = 0;
+    for (const Way& way : ways) deepest = std::max(deepest, way.depth);
     for (const std::uint32_t i : points) {
-      if (all_.points[i].kind != PointKind::kCrossing) continue;
+      if (all_.points[i].kind != PointKind::kCrossing || ways.empty()) continue;
       Candidate c = candidateAt(all_.points[i]), best = c;
-      triangles_.lookFrom(c.probe);
+      triangles_.lookFrom(c.probe, kWithin * deepest);
       double least = std::numeric_limits<double>::infinity();
       for (const Way& way : ways) {
         c.normal = way.normal;
@@ -337,7 +340,8 @@ class RegionSolver {
   /// asked for where a point lies in one face and below the next.
   void limitToNeighbourhood(Candidate& c) const {
     const auto limit = [&](int m, double& way, const Vec3d& direction) {
-      way = std::min(way, OTG_SOLID_NEIGHBOURHOOD * triangles_.distanceToFacing(m, c.at, direction));
+      const double enough = kWithin * way / OTG_SOLID_NEIGHBOURHOOD;
+      way = std::min(way, OTG_SOLID_NEIGHBOURHOOD * triangles_.distanceToFacing(m, c.at, direction, enough));
     };
     if (c.out > 0) limit(1, c.out, c.normal);
     if (c.back > 0) limit(0, c.back, otgScale(c.normal, -1.0));
@@ -539,7 +543,7 @@ class RegionSolver {
   /// Whether an uneven region's contact is no deeper than limitToNeighbourhood() lets it be.
   [[maybe_unused]] bool keepsNeighbourhood(const Candidate& c) const {
     const auto isNear = [&](int m, double way, const Vec3d& direction) {
-      const double most = OTG_SOLID_NEIGHBOURHOOD * triangles_.distanceToFacing(m, c.at, direction);
+      const double most = OTG_SOLID_NEIGHBOURHOOD * triangles_.distanceToFacing(m, c.at, direction, kFar);
       return way <= most + kGrain * region_.diagonal;
     };
     return isNear(1, c.depth / 2 + c.shift, c.normal) && isNear(0, c.depth / 2 - c.shift, otgScale(c.normal, -1.0));

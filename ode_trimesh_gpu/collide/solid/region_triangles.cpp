@@ -14,6 +14,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSameNormal = 1 - 1e-12;
+constexpr double kSurely = 1 + 1e-8;   ///< for distances that round
+constexpr double kBoundsError = 1e-9;  ///< of a triangle's size: OTG_ON_TRIANGLE and what rounds
 constexpr std::size_t kNoSlot = ~std::size_t{0};
 
 }  // namespace
@@ -29,7 +31,11 @@ void RegionTriangles::collect(const PlacedMeshes& meshes, const OverlapRegions& 
   behind_ = OTG_SOLID_BELOW_SURFACE * region.diagonal;
   triangles_.clear();
   planes_.clear();
-  edges_.clear();
+  for (int m = 0; m < 2; ++m) {
+    faces_[m].clear();
+    edges_[m].clear();
+    stretches_[m].clear();
+  }
   edgesAdded_.clear();
   sameAs_.clear();
   triangles_.reserve(region.pieceEnd - region.pieceBegin);
@@ -55,7 +61,29 @@ void RegionTriangles::addTriangle(const PlacedMeshes& meshes, const Vec3d& origi
   }
   triangles_.push_back(t);
   planes_.push_back({t.normal, t.offset});
+  addFace(piece.mesh, t);
   addEdges(meshes, t, piece.mesh, piece.triangle);
+}
+
+/// The bounds hold all places in the plane that are beside the triangle by the slack at most: at a corner they reach as
+/// far as where the edges' lines meet that have been moved out.
+void RegionTriangles::addFace(int m, const RegionTriangle& t) {
+  double least = kInfinity;
+  bool hasEdges = true;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3d sum = otgAdd(t.inward[k], t.inward[(k + 1) % 3]);
+    least = std::min(least, otgDot(sum, sum));
+    hasEdges = hasEdges && otgDot(t.inward[k], t.inward[k]) > 0;
+  }
+  Vec3d lo = minimum(t.corner[0], minimum(t.corner[1], t.corner[2]));
+  Vec3d hi = maximum(t.corner[0], maximum(t.corner[1], t.corner[2]));
+  const double beside = hasEdges ? slack_ * (1 + 2 / std::sqrt(least)) : kInfinity;
+  const double pad = kBoundsError * norm(otgSub(hi, lo)) + beside;
+  const Vec3d all{pad, pad, pad};
+  lo = otgSub(lo, all);
+  hi = otgAdd(hi, all);
+  faces_[m].add(
+      {t.normal, t.offset, {t.inward[0], t.inward[1], t.inward[2]}, {t.edge[0], t.edge[1], t.edge[2]}, lo, hi});
 }
 
 void RegionTriangles::addEdges(const PlacedMeshes& meshes, const RegionTriangle& t, std::uint8_t mesh,
@@ -69,7 +97,9 @@ void RegionTriangles::addEdges(const PlacedMeshes& meshes, const RegionTriangle&
     bool isNew = false;
     edgesAdded_.insert(std::uint64_t{mesh} << 32 | std::min(half, twin), 0, &isNew);
     if (!isNew) continue;
-    edges_.push_back({otgAdd(t.corner[k], otgScale(ends, 0.5)), unit(ends), 0.5 * norm(ends), {t.normal, other}, mesh});
+    const RegionEdge edge{otgAdd(t.corner[k], otgScale(ends, 0.5)), unit(ends), 0.5 * norm(ends), {t.normal, other}};
+    edges_[mesh].push_back(edge);
+    stretches_[mesh].add(edge.middle, edge.along, edge.reach);
   }
 }
 
@@ -86,18 +116,27 @@ bool RegionTriangles::isCurved(int m, std::size_t i) const {
   return curved_[i] == Curved::kYes;
 }
 
+double RegionTriangles::distanceOf(std::size_t i, const Vec3d& p) const {
+  const RegionTriangle& t = triangles_[i];
+  return norm(otgSub(otgPointOnTriangle(t.corner[0], t.corner[1], t.corner[2], p), p));
+}
+
 const std::pmr::vector<RegionTriangles::Exit>& RegionTriangles::exitsOf(int m, const Vec3d& p) {
   exits_.clear();
-  distances_.assign(triangles_.size(), kInfinity);
+  if (faces_[m].size() == 0) return exits_;
+  const double enough = distanceOf(begin_[m] + faces_[m].nearest(p), p) + slack_;
+  const std::span<const std::uint32_t> near = faces_[m].near(p, kSurely * enough);
+  distances_.assign(near.size(), kInfinity);
   double nearest = kInfinity;
-  for (std::size_t i = begin_[m]; i < begin_[m + 1]; ++i) {
+  for (std::size_t k = 0; k < near.size(); ++k) {
+    const std::size_t i = begin_[m] + near[k];
     if (depthBelow(i, p) > nearest + slack_) continue;
-    const RegionTriangle& t = triangles_[i];
-    distances_[i] = norm(otgSub(otgPointOnTriangle(t.corner[0], t.corner[1], t.corner[2], p), p));
-    nearest = std::min(nearest, distances_[i]);
+    distances_[k] = distanceOf(i, p);
+    nearest = std::min(nearest, distances_[k]);
   }
-  for (std::size_t i = begin_[m]; i < begin_[m + 1]; ++i) {
-    if (!(distances_[i] <= nearest * (1 + 1e-9) + slack_)) continue;
+  for (std::size_t k = 0; k < near.size(); ++k) {
+    if (!(distances_[k] <= nearest * (1 + 1e-9) + slack_)) continue;
+    const std::size_t i = begin_[m] + near[k];
     const double depth = depthBelow(i, p);
     const Vec3d& normal = planes_[i].normal;
     if (!(depth > -slack_)) continue;
@@ -109,23 +148,19 @@ const std::pmr::vector<RegionTriangles::Exit>& RegionTriangles::exitsOf(int m, c
   return exits_;
 }
 
-std::pmr::vector<RegionTriangles::StretchExit> RegionTriangles::facesOver(int m, const Vec3d& from, const Vec3d& to) {
+const std::pmr::vector<RegionTriangles::StretchExit>& RegionTriangles::facesOver(int m, const Vec3d& from,
+                                                                                 const Vec3d& to) {
   if (sameAs_.empty()) findSameNormals();
-  std::pmr::vector<StretchExit> found(triangles_.get_allocator());
-  const bool isPoint = from.x == to.x && from.y == to.y && from.z == to.z;
-  for (std::size_t i = begin_[m]; i < begin_[m + 1]; ++i) {
-    const double first = depthBelow(i, from), last = isPoint ? first : depthBelow(i, to);
+  std::pmr::vector<StretchExit>& found = facesOver_;
+  found.clear();
+  for (const std::uint32_t k : faces_[m].over(from, to, slack_)) {
+    const std::size_t i = begin_[m] + k;
+    const double first = depthBelow(i, from), last = depthBelow(i, to);
     const double depth = std::max({first, last, 0.0});
-    if (std::max(first, last) < -slack_) continue;
-    const RegionTriangle& t = triangles_[i];
-    const auto isOver = [&](const Vec3d& p, double way) {
-      return t.beside(otgAdd(p, otgScale(t.normal, way))) <= std::max(way, slack_);
-    };
-    if (!isOver(from, first) && (isPoint || !isOver(to, last))) continue;
     std::size_t& slot = slots_[sameAs_[i]];
     const bool isNew = slot == kNoSlot;
     if (!isNew && !(depth < found[slot].exit.depth)) continue;
-    const StretchExit exit{{t.normal, depth, isCurved(m, i)}, last > first};
+    const StretchExit exit{{planes_[i].normal, depth, isCurved(m, i)}, last > first};
     if (isNew) {
       slot = found.size();
       used_.push_back(sameAs_[i]);
@@ -161,11 +196,12 @@ void RegionTriangles::findSameNormals() {
   }
 }
 
-void RegionTriangles::lookFrom(const Vec3d& from) {
+void RegionTriangles::lookFrom(const Vec3d& from, double far) {
   from_ = from;
   for (int m = 0; m < 2; ++m) {
     ahead_[m].clear();
-    for (std::size_t i = begin_[m]; i < begin_[m + 1]; ++i) {
+    for (const std::uint32_t k : faces_[m].near(from, kSurely * far)) {
+      const std::size_t i = begin_[m] + k;
       if (const double depth = depthBelow(i, from); depth >= -behind_) ahead_[m].push_back({depth, i});
     }
     std::make_heap(ahead_[m].begin(), ahead_[m].end(), isFarther);
@@ -194,12 +230,12 @@ double RegionTriangles::wayOut(int m, const Vec3d& direction, double limit) {
   return nearest < limit ? nearest : kInfinity;
 }
 
-double RegionTriangles::distanceToFacing(int m, const Vec3d& p, const Vec3d& direction) const {
-  double nearest = kInfinity;
-  for (std::size_t i = begin_[m]; i < begin_[m + 1]; ++i) {
-    if (otgDot(planes_[i].normal, direction) < OTG_SOLID_FACING || std::fabs(depthBelow(i, p)) >= nearest) continue;
-    const RegionTriangle& t = triangles_[i];
-    nearest = std::min(nearest, norm(otgSub(otgPointOnTriangle(t.corner[0], t.corner[1], t.corner[2], p), p)));
+double RegionTriangles::distanceToFacing(int m, const Vec3d& p, const Vec3d& direction, double limit) const {
+  double nearest = limit;
+  for (const std::uint32_t k : faces_[m].near(p, kSurely * limit)) {
+    const std::size_t i = begin_[m] + k;
+    if (std::fabs(depthBelow(i, p)) >= nearest || otgDot(planes_[i].normal, direction) < OTG_SOLID_FACING) continue;
+    nearest = std::min(nearest, distanceOf(i, p));
   }
   return nearest;
 }

@@ -9,6 +9,7 @@
 
 #include "base/flat_map.h"
 #include "collide/placed_meshes.h"
+#include "collide/simd/surface_kernels.h"
 #include "collide/solid/overlap_regions.h"
 
 namespace otg {
@@ -29,7 +30,6 @@ struct RegionEdge {
   Vec3d middle, along;  ///< relative to the origin; unit
   double reach;         ///< half its length
   Vec3d faces[2];       ///< outward normals of its two faces
-  std::uint8_t mesh;
 };
 
 class RegionTriangles {
@@ -37,10 +37,13 @@ class RegionTriangles {
   explicit RegionTriangles(std::pmr::memory_resource* memory)
       : triangles_(memory),
         planes_(memory),
+        faces_{FaceSet(memory), FaceSet(memory)},
         curved_(memory),
-        edges_(memory),
+        edges_{std::pmr::vector<RegionEdge>(memory), std::pmr::vector<RegionEdge>(memory)},
+        stretches_{StretchSet(memory), StretchSet(memory)},
         edgesAdded_(memory),
         exits_(memory),
+        facesOver_(memory),
         distances_(memory),
         ahead_{std::pmr::vector<Ahead>(memory), std::pmr::vector<Ahead>(memory)},
         sameAs_(memory),
@@ -57,7 +60,11 @@ class RegionTriangles {
   /// Only for regions whose pieces are parts of single triangles: none of cells.
   void collect(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region);
 
-  const std::pmr::vector<RegionEdge>& edges() const { return edges_; }
+  /// Calls visit(edge) for all edges of mesh m that a stretch may pass, and few others, in the order of the triangles.
+  template <class Visit>
+  void forEachEdgePassed(int m, const Vec3d& middle, const Vec3d& along, double reach, Visit visit) const {
+    for (const std::uint32_t i : stretches_[m].passed(middle, along, reach, OTG_SOLID_LEAST_SINE)) visit(edges_[m][i]);
+  }
 
   /// By which faces of mesh m a point leaves it: those on which the nearest place of the surface lies. On a face that
   /// is one. In an inner corner the nearest place is on the edge or at the vertex there, and all faces that meet in it
@@ -70,16 +77,16 @@ class RegionTriangles {
     Exit exit;
     bool byEnd;  ///< the end `to` is the deeper one
   };
-  std::pmr::vector<StretchExit> facesOver(int m, const Vec3d& from, const Vec3d& to);
+  const std::pmr::vector<StretchExit>& facesOver(int m, const Vec3d& from, const Vec3d& to);
 
-  /// Where the ways of wayOut() begin.
-  void lookFrom(const Vec3d& from);
+  /// Where the ways of wayOut() begin, none of which has a larger limit than `far`.
+  void lookFrom(const Vec3d& from, double far);
   /// Way along a unit direction through the nearest triangle of mesh m that faces along it; infinity if none is met
   /// sooner than `limit`.
   double wayOut(int m, const Vec3d& direction, double limit);
 
-  /// Distance of a point from the triangles of mesh m that face along a unit direction; infinity if none does.
-  double distanceToFacing(int m, const Vec3d& p, const Vec3d& direction) const;
+  /// Distance of a point from the triangles of mesh m that face along a unit direction, `limit` at most.
+  double distanceToFacing(int m, const Vec3d& p, const Vec3d& direction, double limit) const;
 
  private:
   /// What most triangles are passed over by.
@@ -101,18 +108,23 @@ class RegionTriangles {
   void findSameNormals();
 
   double depthBelow(std::size_t i, const Vec3d& p) const { return planes_[i].offset - otgDot(planes_[i].normal, p); }
+  double distanceOf(std::size_t i, const Vec3d& p) const;
   bool isCurved(int m, std::size_t i) const;
 
   void addTriangle(const PlacedMeshes& meshes, const Vec3d& origin, const Piece& piece);
+  void addFace(int m, const RegionTriangle& t);
   void addEdges(const PlacedMeshes& meshes, const RegionTriangle& t, std::uint8_t mesh, std::uint32_t number);
 
   std::size_t begin_[3] = {0, 0, 0};  ///< of each mesh's triangles, and the end
   std::pmr::vector<RegionTriangle> triangles_;
   std::pmr::vector<Plane> planes_;           ///< of each triangle
+  FaceSet faces_[2];                         ///< of each mesh, with bounds of all that counts as on a triangle
   mutable std::pmr::vector<Curved> curved_;  ///< of each triangle, where it has been asked for
-  std::pmr::vector<RegionEdge> edges_;
+  std::pmr::vector<RegionEdge> edges_[2];    ///< of each mesh
+  StretchSet stretches_[2];                  ///< of these
   FlatMap edgesAdded_;
   std::pmr::vector<Exit> exits_;
+  std::pmr::vector<StretchExit> facesOver_;
   std::pmr::vector<double> distances_;
   Vec3d from_{};
   std::pmr::vector<Ahead> ahead_[2];      ///< of each mesh, seen from there: a heap, and what was taken from it

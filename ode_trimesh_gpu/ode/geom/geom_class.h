@@ -21,6 +21,7 @@ namespace otg {
 
 class PrefetchedPairs;
 class PrefetchedShapes;
+class KeptShapes;
 
 /// Sums of dGpuTriMeshStats. Several threads may collide one geom (a ground mesh) at once.
 struct GeomStats {
@@ -67,6 +68,7 @@ struct GeomObject : ScaledMesh, std::enable_shared_from_this<GeomObject> {
   GeomStats stats;
   OwnedLater<PrefetchedPairs> prefetched;         ///< of pairs in which this geom is the younger one
   OwnedLater<PrefetchedShapes> prefetchedShapes;  ///< of pairs with geoms of ODE's own
+  OwnedLater<KeptShapes> keptShapes;              ///< of the same
   std::shared_ptr<GeomObject> self;               ///< the geom's own share, until it is destroyed
 
   GeomObject() = default;

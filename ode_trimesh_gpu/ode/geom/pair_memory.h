@@ -69,6 +69,14 @@ class PairMemory {
     count_.store(pairs_.size(), std::memory_order_release);
     return stamp;
   }
+  /// As if what is known of the pair were stored again: its stamp, 0 if nothing is known.
+  std::uint64_t renew(std::uint64_t other) {
+    if (empty()) return 0;
+    const std::lock_guard lock(mutex_);
+    const auto it = pairs_.find(other);
+    if (it == pairs_.end()) return 0;
+    return it->second.stamp = clock().fetch_add(1, std::memory_order_relaxed) + 1;
+  }
   /// The latest stamp of all.
   static std::uint64_t now() { return clock().load(std::memory_order_relaxed); }
   void forget(std::uint64_t other) {

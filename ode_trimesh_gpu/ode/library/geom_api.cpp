@@ -46,7 +46,7 @@ int worldTriangle(dGeomID g, int index, WorldTriangle& triangle) {
   return dGPUTRIMESH_OK;
 }
 
-void write(const Vec3d& from, dReal* to) {
+void writeVector(const Vec3d& from, dReal* to) {
   to[0] = static_cast<dReal>(from.x);
   to[1] = static_cast<dReal>(from.y);
   to[2] = static_cast<dReal>(from.z);
@@ -217,7 +217,7 @@ int dGeomGpuTriMeshGetTriangle(dGeomID g, int Index, dVector3* v0, dVector3* v1,
   if (const int status = otg::worldTriangle(g, Index, triangle)) return otg::noteStatus(status);
   dVector3* const out[3] = {v0, v1, v2};
   for (int k = 0; k < 3; ++k) {
-    if (out[k] != nullptr) otg::write(triangle.corner[k], *out[k]);
+    if (out[k] != nullptr) otg::writeVector(triangle.corner[k], *out[k]);
   }
   return dGPUTRIMESH_OK;
 }
@@ -229,7 +229,7 @@ int dGeomGpuTriMeshGetPoint(dGeomID g, int Index, dReal u, dReal v, dVector3 Out
   const double w = 1.0 - static_cast<double>(u) - static_cast<double>(v);
   const otg::Vec3d point = otgAdd(otgAdd(otgScale(triangle.corner[0], w), otgScale(triangle.corner[1], double(u))),
                                   otgScale(triangle.corner[2], double(v)));
-  otg::write(point, Out);
+  otg::writeVector(point, Out);
   return dGPUTRIMESH_OK;
 }
 

@@ -2,7 +2,6 @@
 // Contacts of a mesh with geoms of ODE's own that were computed ahead of dCollide.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -12,22 +11,9 @@
 
 #include "collide/query.h"
 #include "ode/shapes/primitive_task.h"
-#include "primitives/convex_shape.h"
+#include "ode/shapes/shape_query.h"
 
 namespace otg {
-
-/// What the contacts of a pair depend on.
-struct ShapeQuery {
-  int geomClass = -1;
-  std::array<double, 4> size{};              ///< a plane's numbers, in the mesh's frame
-  std::shared_ptr<const ConvexShape> shape;  ///< of a convex: found again by its corners
-  Transformd pose{};                         ///< of the geom in the mesh's frame
-  Vec3d velocity{0, 0, 0};                   ///< relative, where contacts depend on it
-  CollideOptions options;                    ///< with as many contacts as the mesh's geom allows
-  std::weak_ptr<const void> mesh;            ///< CollisionMesh::lifetime(): a mesh that has moved is another
-  std::uint64_t stamp = 0;                   ///< of what is remembered of the pair
-  bool remembers = false;
-};
 
 /// Whether pairs with geoms of this class are computed ahead: not rays, which are as quick as the look-up, and not
 /// heightfields, whose heights a program may change without a word.
@@ -36,9 +22,6 @@ bool isPrefetchedClass(int geomClass) noexcept;
 /// Whether a list of all contacts can be cut afterwards: the contacts of other classes break ties by triangles that
 /// they no longer name.
 bool canBeCut(int geomClass) noexcept;
-
-/// The query of a prepared task. Reads what is remembered. May throw std::bad_alloc.
-ShapeQuery shapeQuery(const PrimitiveTask& task);
 
 /// Of one mesh's geom. Any number of threads.
 class PrefetchedShapes {

@@ -12,6 +12,7 @@
 #include "ode/pairs/pair_task.h"
 #include "ode/shapes/convex_collider.h"
 #include "ode/shapes/heightfield_collider.h"
+#include "ode/shapes/kept_shapes.h"
 #include "ode/shapes/prefetched_shapes.h"
 #include "ode/shapes/primitive_callbacks.h"
 #include "ode/shapes/primitive_contacts.h"
@@ -60,13 +61,39 @@ bool takePrefetched(PrimitiveTask& task, int most, std::vector<Contact>& out) {
   return true;
 }
 
+/// primitiveContacts(), unless the pair is where it was at its last queries: in the mesh's own numbers.
+void keptContacts(PrimitiveTask& task, int most, std::vector<Contact>& out, int& failure) {
+  const int classOfOther = dGeomGetClass(task.o2);
+  const bool isPolyhedron = classOfOther == dBoxClass || classOfOther == dConvexClass;
+  // Pairs of two convex bodies keep their direction, and take little else.
+  if (!isKeptClass(classOfOther) || (isPolyhedron && task.side.mesh->convex() != nullptr)) {
+    primitiveContacts(task, most, out, failure);
+    return;
+  }
+  if (classOfOther == dConvexClass && task.shape == nullptr) task.shape = shapeOfGeom(task.o2);
+  KeptShapes& kept = task.side.object->keptShapes.make();
+  const std::uint64_t key = memoryKey(task.o2);
+  const KeptShapes::Pose pose = kept.ask(key, task.other);
+  if (pose == KeptShapes::Pose::kAnswered && kept.find(key, shapeQuery(task), most, out)) {
+    kept.seen(key, task.side.object->memory.renew(key));
+    return;
+  }
+  primitiveContacts(task, most, out, failure);
+  if (failure != 0) return;
+  if (pose == KeptShapes::Pose::kNew) {
+    kept.reserve(key, out.size());
+  } else {
+    kept.keep(key, shapeQuery(task), most, out);
+  }
+}
+
 /// In the caller's numbers of triangles.
 void findContacts(PrimitiveTask& task, int most, std::vector<Contact>& out, int& failure) {
   if (task.side.callbacks.asked() && dGeomGetClass(task.o2) != dRayClass) {
     askedContacts(task, most, out, failure);
     return;
   }
-  if (!takePrefetched(task, most, out)) primitiveContacts(task, most, out, failure);
+  if (!takePrefetched(task, most, out)) keptContacts(task, most, out, failure);
   for (Contact& c : out) c.triangleA = task.side.mesh->mesh().callerTriangle(c.triangleA);
 }
 

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ode/shapes/shape_query.h"
+
+#include <bit>
+
+#include "ode/pairs/pair_task.h"
+#include "ode/shapes/primitive_history.h"
+
+namespace otg {
+namespace {
+
+/// By their bits: the same bytes are promised for the same bytes, and 0 is not -0.
+template <std::size_t kBytes, class T>
+bool sameBits(const T& x, const T& y) {
+  static_assert(sizeof(T) == kBytes);
+  using Bits = std::array<unsigned char, kBytes>;
+  return std::bit_cast<Bits>(x) == std::bit_cast<Bits>(y);
+}
+
+bool isSame(const std::weak_ptr<const void>& x, const std::weak_ptr<const void>& y) {
+  return !x.owner_before(y) && !y.owner_before(x);
+}
+
+}  // namespace
+
+bool samePose(const Transformd& x, const Transformd& y) {
+  return sameBits<12 * sizeof(double)>(x, y);
+}
+
+bool sameQuery(const ShapeQuery& x, const ShapeQuery& y) {
+  return x.geomClass == y.geomClass && x.stamp == y.stamp && x.remembers == y.remembers && x.shape == y.shape &&
+         samePose(x.pose, y.pose) && sameBits<4 * sizeof(double)>(x.size, y.size) &&
+         sameBits<3 * sizeof(double)>(x.velocity, y.velocity) && isSame(x.mesh, y.mesh) && x.options == y.options;
+}
+
+ShapeQuery shapeQuery(const PrimitiveTask& task) {
+  ShapeQuery query;
+  const GeomObject& object = *task.side.object;
+  query.geomClass = dGeomGetClass(task.o2);
+  switch (query.geomClass) {
+    case dSphereClass:
+      query.size[0] = static_cast<double>(dGeomSphereGetRadius(task.o2));
+      break;
+    case dPlaneClass: {
+      const HalfSpace plane = planeInMesh(task);
+      query.size = {plane.normal.x, plane.normal.y, plane.normal.z, plane.offset};
+      break;
+    }
+    case dBoxClass: {
+      dVector3 sides;
+      dGeomBoxGetLengths(task.o2, sides);
+      query.size = {static_cast<double>(sides[0]), static_cast<double>(sides[1]), static_cast<double>(sides[2]), 0};
+      break;
+    }
+    case dConvexClass:
+      query.shape = task.shape;
+      break;
+    default: {
+      dReal radius, length;
+      if (query.geomClass == dCapsuleClass)
+        dGeomCapsuleGetParams(task.o2, &radius, &length);
+      else
+        dGeomCylinderGetParams(task.o2, &radius, &length);
+      query.size = {static_cast<double>(radius), static_cast<double>(length), 0, 0};
+    }
+  }
+  if (query.geomClass != dPlaneClass) query.pose = task.other;
+  if (query.geomClass != dPlaneClass && query.geomClass != dSphereClass) {
+    const dReal* const at = dGeomGetPosition(task.o2);
+    query.velocity = relativeVelocity(task, Vec3d{at[0], at[1], at[2]});
+  }
+  query.options = pairOptions(object.params, object.params);
+  query.mesh = task.side.mesh->lifetime();
+  query.remembers = object.remembersWith(query.geomClass);
+  if (query.remembers) query.stamp = task.side.object->memory.stampOf(memoryKey(task.o2));
+  return query;
+}
+
+}  // namespace otg
