@@ -74,10 +74,22 @@ row_simd() {
   done
 }
 
-# ode_from_source ROW: Debian's source of ODE, compiled for the row as an archive, and the headers that a cross compiler must
-# not take from /usr/include, all in build-ROW-root.
+# ode_from_source ROW: Debian's source of ODE, compiled for the row as an archive, and what else it needs, in build-ROW-root.
 ode_from_source() {
   local row=$1 root=$PWD/build-$1-root source=$PWD/build-ode-source
+  # Headers that a cross compiler must not take from /usr/include, as packages without archives of this machine.
+  mkdir -p "$root/include" "$root/lib/cmake/Catch2" "$root/lib/cmake/fmt" "$root/lib/cmake/nlohmann_json" "$root/lib/cmake/CLI11" "$root/lib/pkgconfig" "$root/share"
+  cp -r /usr/include/catch2 /usr/include/fmt /usr/include/nlohmann /usr/include/CLI /usr/include/CL /usr/include/eigen3 "$root/include/"
+  cp -r /usr/share/eigen3 "$root/share/"
+  local package name
+  for package in Catch2:Catch2::Catch2 fmt:fmt::fmt nlohmann_json:nlohmann_json::nlohmann_json CLI11:CLI11::CLI11; do
+    name=${package%%:*}
+    cat >"$root/lib/cmake/$name/${name}Config.cmake" <<END
+add_library(${package#*:} INTERFACE IMPORTED)
+set_target_properties(${package#*:} PROPERTIES INTERFACE_COMPILE_DEFINITIONS FMT_HEADER_ONLY INTERFACE_INCLUDE_DIRECTORIES "$root/include")
+set(Catch2_VERSION 2.13)
+END
+  done
   [ ! -s "$root/lib/pkgconfig/ode.pc" ] || return 0
   if [ ! -d "$source/ode" ]; then
     mkdir -p "$source/lists/partial"
@@ -92,23 +104,12 @@ ode_from_source() {
     tar -x -C "$source/part" --strip-components=1 -f "$source"/ode_*.orig.tar.gz
     mv "$source/part" "$source/ode"
   fi
-  mkdir -p "$root/include" "$root/lib/cmake" "$root/lib/pkgconfig" "$root/share"
-  cp -r /usr/include/catch2 /usr/include/CL /usr/include/eigen3 "$root/include/"
-  # Debian's file demands an archive for this machine, too; the tests need the header alone.
-  mkdir -p "$root/lib/cmake/Catch2"
-  cat >"$root/lib/cmake/Catch2/Catch2Config.cmake" <<'END'
-add_library(Catch2::Catch2 INTERFACE IMPORTED)
-set_target_properties(Catch2::Catch2 PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${CMAKE_CURRENT_LIST_DIR}/../../../include")
-set(Catch2_VERSION 2.13)
-END
-  cp -r /usr/share/eigen3 "$root/share/"
   echo '#include <windows.h>' >"$root/include/Windows.h"  # ODE writes it so; files of MinGW are in small letters
   cmake -S "$source/ode" -B "$root/ode" -G Ninja -DCMAKE_TOOLCHAIN_FILE="$PWD/cmake/toolchains/$row.cmake" -DCMAKE_BUILD_TYPE=Release \
     -DBUILD_SHARED_LIBS=OFF -DCMAKE_POSITION_INDEPENDENT_CODE=ON -DODE_WITH_DEMOS=OFF -DODE_WITH_TESTS=OFF -DODE_WITH_LIBCCD=ON \
     -DCMAKE_C_FLAGS=-w "-DCMAKE_CXX_FLAGS=-w -I$root/include" -DCMAKE_INSTALL_PREFIX="$root" >"$root/ode.log" 2>&1 &&
     cmake --build "$root/ode" --target install -- -j"$jobs" >"$root/ode.log" 2>&1 || { tail -n 40 "$root/ode.log" >&2; return 1; }
   # ODE writes no file for pkg-config where the target is Windows.
-  local name
   name=$(basename "$(ls "$root"/lib/libode*.a)" .a)
   printf 'Name: ode\nDescription: ODE\nVersion: 0.16.2\nLibs: -L%s/lib -l%s -lstdc++ -lm\nCflags: -I%s/include -DdIDEDOUBLE -DODE_LIB\n' \
     "$root" "${name#lib}" "$root" >"$root/lib/pkgconfig/ode.pc"

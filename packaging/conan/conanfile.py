@@ -19,7 +19,6 @@ class OdeTrimeshGpu(ConanFile):
     description = "Triangle-mesh collision for the Open Dynamics Engine"
     license = "BSD-3-Clause"
     topics = ("physics", "collision-detection", "opencl")
-    package_type = "library"
     settings = "os", "arch", "compiler", "build_type"
 
     def _root(self):

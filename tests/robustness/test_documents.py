@@ -30,7 +30,7 @@ def anchors_of(page):
 
 
 # Pages that are still longer-winded: words a sentence on average. Numbers here only go down.
-AVERAGES = {"contacts.md": 16.5, "primitives.md": 18.5, "otg.md": 18}
+AVERAGES = {"contacts.md": 15.5, "primitives.md": 18, "otg.md": 15.5}
 
 
 def sentences_of(page):
