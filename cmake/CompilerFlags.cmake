@@ -9,6 +9,9 @@ target_compile_options(otg_flags INTERFACE
   # g++ takes an enumerator of an enum class for something that shadows a global of the same name (it cannot).
   $<IF:$<COMPILE_LANG_AND_ID:CXX,GNU>,-Wshadow=local,-Wshadow>
   $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor -Woverloaded-virtual -Wold-style-cast>)
+if(WIN32)
+  target_compile_definitions(otg_flags INTERFACE _USE_MATH_DEFINES)  # M_PI
+endif()
 if(OTG_WARNINGS_AS_ERRORS)
   target_compile_options(otg_flags INTERFACE -Werror)
 endif()

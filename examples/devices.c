@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Where collisions are computed: the CPU, OpenCL devices, or whichever is sooner. Runs without any device, too. */
+/* Where collisions are computed: the CPU, OpenCL devices, or whichever is faster. Runs without any device, too. */
 #include "example.h"
 
 int main(void) {

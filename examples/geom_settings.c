@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a geom can be asked and told: triangles, parameters, scale, where it was a step ago, coherence, statistics. */
+/* What a geom has to set and to read: triangles, parameters, scale, where it was a step ago, coherence, statistics. */
 #include "example.h"
 
 int main(void) {

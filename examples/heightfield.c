@@ -61,7 +61,7 @@ int main(void) {
     dGpuTriMeshHeightfieldDataDestroy(ground);
   }
 
-  /* Data that ODE's own function builds: the library is told what they are. */
+  /* Data that ODE's own function builds: this describes them to the library. */
   ground = dGeomHeightfieldDataCreate();
   dGeomHeightfieldDataBuildSingle(ground, floats, 0, 4, 4, kSamples, kSamples, 1, 0, 1, 0);
   dGpuTriMeshHeightfieldInit(&field);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A program that knows nothing of this library: bodies that are dTriMeshes, or ODE's boxes to compare with, slide into
    a valley that is a dHeightfield, and the program says how far and how deep. Run it as it is, and with the preloadable
-   library before it and told of heightfields:
+   library before it and heightfields switched on:
 
        demo_drop_in_hills mesh single
        LD_PRELOAD=build/lib/libode_trimesh_gpu_preload.so OTG_PRELOAD_PRIMITIVES=heightfield \

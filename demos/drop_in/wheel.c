@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A program that knows nothing of this library: one of ODE's own shapes rolls or slides over a flat road that is a
    dTriMesh, and the program says how straight and how level it went. Run it as it is, and with the preloadable library
-   before it and told of the shape:
+   before it and the shape switched on:
 
        demo_drop_in_wheel cylinder 400 2
        OTG_PRELOAD_PRIMITIVES=cylinder LD_PRELOAD=build/lib/libode_trimesh_gpu_preload.so demo_drop_in_wheel cylinder

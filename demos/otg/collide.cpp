@@ -62,6 +62,13 @@ FeatureName featureName(ContactFeature feature) {
   return {"region", nullptr};
 }
 
+/// What sets a contact apart from others: its depth is not that of its place, or was cut.
+std::string remarksOn(const Contact& contact) {
+  std::string text = (contact.flags & kContactContained) != 0 ? "contained" : "";
+  if ((contact.flags & kContactClamped) != 0) text += text.empty() ? "clamped" : ", clamped";
+  return text;
+}
+
 Json describe(const Contact& contact, const Query& query) {
   const FeatureName name = featureName(contact.feature);
   Json vertices = Json::array();
@@ -124,7 +131,7 @@ QueryTimes measure(opencl::Backend& backend, const Query& query, Workspace& work
   return timesOf(run);
 }
 
-/// Phases on different sides, or wherever it is expected to be sooner.
+/// Phases on different sides, or wherever it is expected to be faster.
 QueryTimes measure(Dispatcher& dispatcher, const PairJob& job, Workspace& workspace, int repeat, Dispatcher::Ran& ran) {
   QueryTimes times;
   dispatcher.collide(job, workspace, ran);
@@ -302,13 +309,19 @@ int runCollide(const CollideOptions& options) {
     printTable("levels, pairs of nodes by depth", document["levels"]["per_depth"]);
   }
   fmt::print("\n");
+  // Most contacts have nothing to remark, and then the column is missing.
+  std::vector<std::string> head{"position (frame A)", "normal", "depth", "triangle A", "triangle B"};
+  const bool remarks = std::any_of(workspace.reduced.begin(), workspace.reduced.end(),
+                                   [](const Contact& c) { return !remarksOn(c).empty(); });
+  if (remarks) head.push_back("remarks");
   std::vector<std::vector<std::string>> rows;
   for (const Contact& c : workspace.reduced) {
     rows.push_back({fmt::format("{:.6g} {:.6g} {:.6g}", c.position.x, c.position.y, c.position.z),
                     fmt::format("{:.4f} {:.4f} {:.4f}", c.normal.x, c.normal.y, c.normal.z),
                     fmt::format("{:.6g}", c.depth), std::to_string(c.triangleA), std::to_string(c.triangleB)});
+    if (remarks) rows.back().push_back(remarksOn(c));
   }
-  printTable({"position (frame A)", "normal", "depth", "triangle A", "triangle B"}, rows);
+  printTable(head, rows);
   return kOk;
 }
 

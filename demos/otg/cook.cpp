@@ -43,8 +43,8 @@ double freshTimeMs(const std::function<void()>& work) {
       ms = timeMs(work);
     } catch (...) {  // the parent sees that there is no time
     }
-    const bool told = write(ends[1], &ms, sizeof ms) == sizeof ms;
-    _exit(told ? 0 : 1);
+    const bool sent = write(ends[1], &ms, sizeof ms) == sizeof ms;
+    _exit(sent ? 0 : 1);
   }
   double ms = -1;
   const bool heard = child > 0 && read(ends[0], &ms, sizeof ms) == sizeof ms;
@@ -122,7 +122,7 @@ void addCookCommand(CLI::App& app, Action& action) {
   command->add_option("MESH", options->mesh, "Mesh file")->required();
   command->add_option("-o,--output", options->file, "The cooked file")->required();
   command->add_flag("--repair", options->repair, "As in check");
-  command->add_option("--repeat", options->repeat, "Times to build and to load; medians are told")
+  command->add_option("--repeat", options->repeat, "Times to build and to load; medians are printed")
       ->check(CLI::Range(1, 1000));
   command->add_flag("--fresh", options->fresh, "Each time in a process of its own, which has no memory yet");
   command->add_flag("--json", options->json, "One JSON document on stdout");

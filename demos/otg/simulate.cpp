@@ -224,7 +224,7 @@ int simulate(const SimulateOptions& options) {
                         : options.backend == "auto" ? dGPUTRIMESH_BACKEND_AUTO
                                                     : dGPUTRIMESH_BACKEND_CPU;
     const int status = dGpuTriMeshSetBackend(backend);
-    dGpuTriMeshWaitForDevices(-1);  // who computes is told, and is not to depend on when the device is ready
+    dGpuTriMeshWaitForDevices(-1);  // the report says who computes, which must not depend on when the device is ready
     if (status == dGPUTRIMESH_NO_DEVICE) {
       progress("note: no OpenCL device can be used (`otg devices` lists what there is); the CPU computes");
     }

@@ -77,7 +77,7 @@ int runSoak(const SoakOptions& options) {
   SoakCounts counts;
   {
     SoakRounds rounds(options.onDevice);
-    double told = 0;
+    double reported = 0;
     const auto isOver = [&](std::uint64_t i) {
       return options.rounds > 0 ? i >= options.rounds : seconds() >= 3600 * options.hours;
     };
@@ -87,9 +87,9 @@ int runSoak(const SoakOptions& options) {
         rounds.settle();
         memory.take();
       }
-      if (seconds() - told < 60) continue;
-      told = seconds();
-      progress(fmt::format("{:.0f} s: {} rounds, {} queries, {} differences, {:.1f} MB", told, i + 1,
+      if (seconds() - reported < 60) continue;
+      reported = seconds();
+      progress(fmt::format("{:.0f} s: {} rounds, {} queries, {} differences, {:.1f} MB", reported, i + 1,
                            rounds.counts().queries, rounds.counts().differences, residentBytes() / 1e6));
     }
     counts = rounds.counts();

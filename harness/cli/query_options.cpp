@@ -99,7 +99,7 @@ void QueryOptions::addInputOptions(CLI::App& command) {
 }
 
 void QueryOptions::addBackendOptions(CLI::App& command) {
-  command.add_option("--backend", backend, "Where queries run (cpu); auto: where it is expected to be sooner, or both")
+  command.add_option("--backend", backend, "Where queries run (cpu); auto: where it is expected to be faster, or both")
       ->check(CLI::IsMember({"auto", "cpu", "opencl"}));
   command.add_option("--build", build, "How the trees are built")->check(CLI::IsMember({"mean", "sah"}));
   command.add_option("--device", devices, "OpenCL devices, as `otg devices` numbers them: I,I,...; a batch is divided")
@@ -238,7 +238,7 @@ std::unique_ptr<Dispatcher> QueryOptions::openDispatcher() const {
   auto dispatcher = std::make_unique<Dispatcher>();
   dispatcher->setThreadCount(static_cast<unsigned>(threads));
   const std::vector<int> numbers = deviceNumbers();
-  // Where pairs go is given, and blocks for equal devices can be told without costs.
+  // Where pairs go is given, and blocks for equal devices need no costs.
   const bool areEqual = std::adjacent_find(numbers.begin(), numbers.end(), std::not_equal_to<>()) == numbers.end();
   const Costs costs = placement() != Placement{} && areEqual ? Costs::kIfStored : Costs::kMeasured;
   const std::size_t opened = dispatcher->open(numbers, whenUsed(), costs);

@@ -41,7 +41,7 @@ class ConvexData {
                          static_cast<unsigned>(points_.size() / 3), polygons_.data());
   }
 
-  /// Its corners, three numbers each. ODE is not told when they are changed in place.
+  /// Its corners, three numbers each. ODE does not notice when they are changed in place.
   dReal* points() { return points_.data(); }
 
  private:

@@ -38,7 +38,7 @@ struct ContactPicture {
   double radius = 1;        ///< what is drawn lies within it
   double thickness = 0.01;  ///< radius of the arrows' shafts
   Vec3d look{0.3, 1, -0.25};
-  /// Width over height of the whole picture; the renderer must be told the same.
+  /// Width over height of the whole picture; give the renderer the same.
   double aspect() const { return static_cast<double>(panels.size()) / kPanelHeight; }
   static constexpr double kPanelHeight = 1.1;  ///< of a panel, over its width
 };

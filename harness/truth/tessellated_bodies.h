@@ -60,7 +60,7 @@ struct TessellatedRange {
   int poses = 1000;
   std::uint32_t seed = 1;
 };
-/// Of the contact model `solid`. `look` is told of each pose and its deepest contact.
+/// Of the contact model `solid`. `look` gets each pose and its deepest contact.
 using TessellatedLook = std::function<void(const TessellatedPose&, const Contact& deepest)>;
 TessellatedErrors compareMeshes(const TessellatedBody& a, const TessellatedBody& b, const TessellatedRange& range,
                                 const TessellatedLook& look = {});

@@ -42,9 +42,10 @@ std::atomic<unsigned> generation{0};
 ForkHooks allHooks[kMostHooks];
 std::atomic<std::size_t> hookCount{0};
 
-void beforeFork();
-void inParent();
-void inChild();
+// Windows has no fork, and pthread_atfork() is an empty macro there.
+[[maybe_unused]] void beforeFork();
+[[maybe_unused]] void inParent();
+[[maybe_unused]] void inChild();
 
 /// In the child it is made anew: others may have waited for it.
 alignas(Gate) unsigned char gateMemory[sizeof(Gate)];

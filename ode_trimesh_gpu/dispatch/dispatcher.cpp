@@ -55,6 +55,13 @@ void Dispatcher::setThreadCount(unsigned threads) {
   before.swap(pool_);
 }
 
+void Dispatcher::setTaskRunner(const TaskRunner& runner) {
+  std::shared_ptr<ThreadPool> before;
+  const std::lock_guard lock(mutex_);
+  runner_ = runner;
+  before.swap(pool_);
+}
+
 unsigned Dispatcher::threadCount() const {
   const std::lock_guard lock(mutex_);
   return threads_ != 0 ? threads_ : defaultThreadCount();
@@ -62,7 +69,7 @@ unsigned Dispatcher::threadCount() const {
 
 std::shared_ptr<ThreadPool> Dispatcher::pool() {
   const std::lock_guard lock(mutex_);
-  if (!pool_) pool_ = std::make_shared<ThreadPool>(threads_ != 0 ? threads_ : defaultThreadCount());
+  if (!pool_) pool_ = std::make_shared<ThreadPool>(threads_ != 0 ? threads_ : defaultThreadCount(), runner_);
   return pool_;
 }
 

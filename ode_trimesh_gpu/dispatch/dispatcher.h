@@ -38,6 +38,8 @@ class Dispatcher {
   /// Batches under way go on with theirs.
   void setThreadCount(unsigned threads);
   unsigned threadCount() const;
+  /// Who runs the CPU's share of batches, in place of threads of the library's own; one without function: these again.
+  void setTaskRunner(const TaskRunner& runner);
 
   /// Where pairs run that say nothing else: a setting that this class keeps for the layer above.
   void setPlacement(Placement place) { place_ = place; }
@@ -143,6 +145,7 @@ class Dispatcher {
   mutable std::mutex mutex_;
   std::atomic<Placement> place_{Placement{}};
   unsigned threads_ = 0;
+  TaskRunner runner_;
   std::shared_ptr<ThreadPool> pool_;  ///< made when first needed
   Slots devices_;
   std::atomic<bool> hasDevices_{false}, takesOver_{true};

@@ -99,6 +99,9 @@ class Collide(CliTest):
                          {c["id"] for c in moved["contacts"] if c["feature"] == "vertex"})
         inner = self.run_json("collide", small, large, "--pose", "0.4,0.1,0.2,1,0,0,0")
         self.assertTrue(all(contact["contained"] for contact in inner["contacts"]))
+        text = self.run_otg("collide", small, large, "--pose", "0.4,0.1,0.2,1,0,0,0").stdout
+        self.assertEqual(text.count("  contained\n"), len(inner["contacts"]))
+        self.assertNotIn("remarks", self.run_otg("collide", small, large, "--pose", "2.4,0.1,0.2,1,0,0,0").stdout)
         pairwise = self.run_json("collide", small, large, "--pose", "2.4,0.1,0.2,1,0,0,0", "--contacts", "pairwise")
         for contact in pairwise["contacts"]:
             self.assertEqual((contact["coherence"], contact["vertices"]), (None, []))

@@ -6,6 +6,7 @@
 #include <memory>
 #include <stdexcept>
 #include <thread>
+#include <vector>
 
 #include "dispatch/threads/thread_pool.h"
 #include "support/catch.h"
@@ -55,6 +56,40 @@ TEST_CASE("callers in several threads and calls from within work share the pool"
   }
   for (std::thread& t : callers) t.join();
   CHECK(sum == 4 * 50 * 20);
+}
+
+TEST_CASE("a runner of the program's own does every item once") {
+  struct Seen {
+    std::atomic<int> calls{0}, tasks{0};
+    bool atOnce = false;
+  };
+  const auto runner = [](void* data, int count, void (*task)(void*, int), void* context) {
+    Seen& seen = *static_cast<Seen*>(data);
+    ++seen.calls;
+    seen.tasks += count;
+    if (!seen.atOnce) {
+      for (int i = 0; i < count; ++i) task(context, i);
+      return;
+    }
+    std::vector<std::thread> team;
+    for (int i = 0; i < count; ++i) team.emplace_back([=] { task(context, i); });
+    for (std::thread& thread : team) thread.join();
+  };
+  for (const bool atOnce : {false, true}) {
+    Seen seen;
+    seen.atOnce = atOnce;
+    ThreadPool pool(3, {runner, &seen});
+    CHECK(pool.threadCount() == 3);
+    for (const std::size_t items : {0u, 1u, 2u, 7u, 1000u}) CHECK(counts(pool, items, 2) == std::vector<int>(items, 1));
+    CHECK(seen.calls == 2);  // two items and fewer are one part
+    CHECK(seen.tasks == 6);
+    CHECK_THROWS_AS(pool.run(10, 1, [](std::size_t, std::size_t) { throw std::runtime_error("x"); }),
+                    std::runtime_error);
+  }
+  Seen alone;
+  ThreadPool one(1, {runner, &alone});
+  CHECK(counts(one, 10, 1) == std::vector<int>(10, 1));
+  CHECK(alone.calls == 0);
 }
 
 TEST_CASE("several threads work at the same time") {

@@ -77,7 +77,9 @@ struct ThreadPool::Job {
   }
 };
 
-ThreadPool::ThreadPool(unsigned threads) : looks_(threads <= std::thread::hardware_concurrency()) {
+ThreadPool::ThreadPool(unsigned threads, TaskRunner runner)
+    : looks_(threads <= std::thread::hardware_concurrency()), runner_(runner), tasks_(std::max(threads, 1u)) {
+  if (runner_.run != nullptr) return;
   try {
     for (unsigned i = 1; i < threads; ++i) threads_.emplace_back([this] { help(); });
   } catch (const std::system_error&) {  // as many as the system gives
@@ -119,6 +121,18 @@ void ThreadPool::help() {
   }
 }
 
+void ThreadPool::runTasks(Job& job, std::size_t parts) {
+  struct Context {
+    Job& job;
+    std::mutex& mutex;
+  } context{job, mutex_};
+  const auto task = [](void* its, int) {
+    const Context& here = *static_cast<const Context*>(its);
+    here.job.take(here.mutex, nullptr);
+  };
+  runner_.run(runner_.data, static_cast<int>(std::min<std::size_t>(tasks_, parts)), task, &context);
+}
+
 void ThreadPool::run(std::size_t count, std::size_t grain, const Work& work, bool urgent) {
   if (count == 0) return;
   grain = std::max<std::size_t>(grain, 1);
@@ -140,6 +154,7 @@ void ThreadPool::run(std::size_t count, std::size_t grain, const Work& work, boo
       for (std::size_t i = 0; i < others; ++i) wake_.notify_one();
     }
   }
+  if (runner_.run != nullptr && tasks_ > 1 && count > grain) runTasks(job, (count - 1) / grain + 1);
   job.take(mutex_, nullptr);
   if (shared) {
     std::unique_lock lock(mutex_);

@@ -13,6 +13,13 @@
 
 namespace otg {
 
+/// A scheduler of the program's own. `run` calls task(context, i) for each i below `count`, on any threads, and returns
+/// when all calls have returned.
+struct TaskRunner {
+  void (*run)(void* data, int count, void (*task)(void* context, int index), void* context) = nullptr;
+  void* data = nullptr;
+};
+
 /// Any number of threads may call run() at once, from within work too: a caller works on its own items, so that no call
 /// ever waits for a thread that has none to give. Who has to wait looks for a while before it sleeps, because calls
 /// often follow each other at once and waking threads takes longer than small ones do; not where there are more threads
@@ -21,13 +28,15 @@ class ThreadPool {
  public:
   /// `threads`: how many work on one call at most, the caller among them; 0 is taken for 1. Fewer where the system
   /// gives no more.
-  explicit ThreadPool(unsigned threads);
+  explicit ThreadPool(unsigned threads) : ThreadPool(threads, TaskRunner{}) {}
+  /// With a runner the pool has no threads of its own, and takes `threads` for the number of tasks.
+  ThreadPool(unsigned threads, TaskRunner runner);
   /// No call may be under way.
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  unsigned threadCount() const { return static_cast<unsigned>(threads_.size()) + 1; }
+  unsigned threadCount() const { return runner_.run ? tasks_ : static_cast<unsigned>(threads_.size()) + 1; }
 
   using Work = std::function<void(std::size_t begin, std::size_t end)>;
   /// Calls work for consecutive parts of [0, count), `grain` items each but the last one, and returns when all are
@@ -39,6 +48,7 @@ class ThreadPool {
  private:
   struct Job;
   void help();
+  void runTasks(Job& job, std::size_t parts);
 
   void setJobs(std::size_t count) { queued_.store(count, std::memory_order_release); }
 
@@ -50,6 +60,8 @@ class ThreadPool {
   std::atomic<int> urgent_{0};          ///< calls that have such parts
   bool stop_ = false;
   const bool looks_;  ///< before it sleeps
+  const TaskRunner runner_;
+  const unsigned tasks_;  ///< at most, of one call with a runner
   std::vector<std::thread> threads_;
 };
 

@@ -253,6 +253,44 @@ OTG_API int dGpuTriMeshSetThreadCount(int count);
  */
 OTG_API int dGpuTriMeshGetThreadCount(void);
 
+/**
+ * @brief One task of a batch, for a scheduler of the program's own.
+ * @param context  what the runner was called with
+ * @param index    0 to one less than the number of tasks
+ * @ingroup gputrimesh
+ */
+typedef void dGpuTriMeshTask(void* context, int index);
+
+/**
+ * @brief Calls task(context, i) for each i from 0 to count - 1, and returns when all calls have returned.
+ *
+ * The calls may be on any threads, at once or one after the other, in any order. A runner may be called by several
+ * threads at once, and from within a task. It must not throw, and calls no function of this library.
+ *
+ * @param data     what dGpuTriMeshSetTaskRunner() was called with
+ * @param count    the number of tasks: dGpuTriMeshGetThreadCount() at most
+ * @param task     the function to call
+ * @param context  its first argument
+ * @ingroup gputrimesh
+ */
+typedef void dGpuTriMeshTaskRunner(void* data, int count, dGpuTriMeshTask* task, void* context);
+
+/**
+ * @brief Has a scheduler of the program's own work on batches, in place of threads of the library. For programs that
+ *        have a pool of threads already. The results do not depend on it.
+ *
+ * Tasks share a batch among them: each takes pairs until there are none left. A batch asks for as many tasks as
+ * dGpuTriMeshGetThreadCount() says, or fewer if it is small. Threads that wait for devices or compute in the background
+ * stay the library's own.
+ *
+ * @param runner  the function; NULL, which it is at first: threads of the library
+ * @param data    its first argument
+ * @returns dGPUTRIMESH_OK.
+ * @remarks From any thread. Batches under way go on with what they have.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGpuTriMeshSetTaskRunner(dGpuTriMeshTaskRunner* runner, void* data);
+
 #ifdef __cplusplus
 }
 #endif

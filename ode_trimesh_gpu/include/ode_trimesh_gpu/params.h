@@ -74,7 +74,7 @@ enum {
  */
 enum {
   dGPUTRIMESH_BACKEND_DEFAULT = 0, /**< as dGpuTriMeshSetBackend() has it for all geoms */
-  dGPUTRIMESH_BACKEND_AUTO = 1,    /**< where it is expected to be done sooner, judged for each query or batch; a batch
+  dGPUTRIMESH_BACKEND_AUTO = 1,    /**< where it is expected to be faster, judged for each query or batch; a batch
                                       may be divided between the CPU and all devices */
   dGPUTRIMESH_BACKEND_CPU = 2,
   dGPUTRIMESH_BACKEND_OPENCL = 3 /**< on the open devices (see dGpuTriMeshOpenDevices()). On the CPU while none is open

@@ -170,6 +170,11 @@ void dGpuTriMeshBatchDestroy(dGpuTriMeshBatchID batch) {
   delete batch;
 }
 
+int dGpuTriMeshSetTaskRunner(dGpuTriMeshTaskRunner* runner, void* data) {
+  otg::dispatcher().setTaskRunner({runner, data});
+  return dGPUTRIMESH_OK;
+}
+
 int dGpuTriMeshSetThreadCount(int count) {
   if (count < 0 || count > 1024) return otg::noteStatus(dGPUTRIMESH_ERROR_ARGUMENT);
   otg::dispatcher().setThreadCount(static_cast<unsigned>(count));
