@@ -401,12 +401,18 @@ class RegionSolver {
     std::pmr::vector<Candidate> kept(memory_);
     kept.reserve(candidates_.size());
     const double reach = OTG_SOLID_MERGE_DISTANCE * region_.diagonal;
+    std::pmr::vector<Vec3d> middles(memory_);  // of those kept
+    middles.reserve(candidates_.size());
     for (const Candidate& c : candidates_) {
-      const bool taken = std::any_of(kept.begin(), kept.end(), [&](const Candidate& k) {
-        const Vec3d d = otgSub(middle(c), middle(k));
-        return otgDot(d, d) <= reach * reach && otgDot(c.normal, k.normal) >= OTG_SOLID_MERGE_COSINE;
-      });
-      if (!taken) kept.push_back(c);
+      const Vec3d at = middle(c);
+      bool taken = false;
+      for (std::size_t k = 0; k < kept.size() && !taken; ++k) {
+        const Vec3d d = otgSub(at, middles[k]);
+        taken = otgDot(d, d) <= reach * reach && otgDot(c.normal, kept[k].normal) >= OTG_SOLID_MERGE_COSINE;
+      }
+      if (taken) continue;
+      kept.push_back(c);
+      middles.push_back(at);
     }
     candidates_.swap(kept);
     if (!gathered_ || candidates_.empty()) return;
@@ -492,7 +498,7 @@ class RegionSolver {
       std::transform(candidates_.begin(), candidates_.end(), least.begin(), [&](const Candidate& c) {
         double most = 0;
         for (const Candidate& x : candidates_) {
-          if (otgDot(x.normal, c.normal) >= OTG_SOLID_MERGE_COSINE) most = std::max(most, x.depth);
+          if (x.depth > most && otgDot(x.normal, c.normal) >= OTG_SOLID_MERGE_COSINE) most = x.depth;
         }
         return share * most;
       });
