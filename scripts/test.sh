@@ -6,7 +6,8 @@
 #   scripts/test.sh --sanitize       also the unit and parity tests under AddressSanitizer + UndefinedBehavior-
 #                                    Sanitizer (build-asan/) and under ThreadSanitizer (build-tsan/)
 #   scripts/test.sh --sanitize=asan  only one of the two; =tsan likewise
-#   scripts/test.sh --sanitize=core  both, but only of the few tests that reach most of the library
+#   scripts/test.sh --sanitize=core  both, but only of the few tests that reach most of the library, and a minute of
+#                                    each fuzz target
 #   scripts/test.sh -R collide       further words are handed to ctest
 #
 # Exit status 0 if everything passed. Installs what is missing first: see install_dependencies.sh.

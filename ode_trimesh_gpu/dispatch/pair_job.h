@@ -16,7 +16,8 @@ namespace otg {
 /// be done sooner.
 enum class Place : std::uint8_t { kAuto, kCpu, kOpencl };
 
-struct Placement {
+/// Aligned to its size: only then does Clang make std::atomic of it without calls into libatomic.
+struct alignas(2) Placement {
   Place middle = Place::kAuto, near = Place::kAuto;
   friend bool operator==(const Placement&, const Placement&) = default;
 };

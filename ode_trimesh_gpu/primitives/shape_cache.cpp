@@ -230,7 +230,9 @@ std::shared_ptr<const ConvexShape> cylinderShape(double radius, double halfHeigh
 }
 
 std::shared_ptr<const ConvexShape> polyhedronShape(std::span<const Vec3d> points) {
-  Key key{3};
+  Key key;
+  key.reserve(1 + 3 * points.size());
+  key.push_back(3);
   for (const Vec3d& p : points) {
     for (const double x : {p.x, p.y, p.z}) {
       if (!(std::fabs(x) < kLargest)) return nullptr;

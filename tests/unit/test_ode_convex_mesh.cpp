@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/vectors.h"
+#include "ode/shapes/convex_collider.h"
 #include "primitives/convex_hull.h"
 #include "scenes/convex_geom.h"
 #include "support/catch.h"
@@ -261,4 +262,28 @@ TEST_CASE("where ODE's own pair of convexes, and two meshes, have contacts, a me
   // ODE's own way out is the longer one in some, and in none the shorter one (above).
   CHECK(both > 100);
   CHECK(longer > 0);
+}
+
+TEST_CASE("a dConvex is one shape wherever it is and however it is turned") {
+  const OdeSession session;
+  scenes::MeshArrays odd = scenes::makeSphere(0.3, 1);
+  for (Vec3f& v : odd.vertices) v.x *= 1e-2f;
+  for (const scenes::MeshArrays& mesh :
+       {scenes::makeBox({1, 0.3, 0.7}), scenes::makeSphere(0.3, 1), scenes::makeCylinder(0.2, 0.5, 17), odd}) {
+    const scenes::ConvexData data(mesh);
+    const dGeomID convex = data.makeGeom(nullptr);
+    const auto shape = shapeOfGeom(convex);
+    REQUIRE(shape != nullptr);
+    std::mt19937 random(11);
+    for (const double reach : {1.0, 100.0, 1e4}) {
+      int others = 0;
+      for (int i = 0; i < 200; ++i) {
+        setRandomPose(convex, random, reach);
+        others += shapeOfGeom(convex) == shape ? 0 : 1;
+      }
+      INFO("within " << reach);
+      CHECK(others == 0);
+    }
+    dGeomDestroy(convex);
+  }
 }

@@ -33,6 +33,30 @@ struct EdgeLines {
   }
 };
 
+/// otgOrient3Filter() of one triangle and many points.
+class PlaneFilter {
+ public:
+  void set(const Vec3d* corners) {
+    from_ = corners[0];
+    const Vec3d u = corners[1] - from_, v = corners[2] - from_;
+    const double yz = u.y * v.z, zy = u.z * v.y, zx = u.z * v.x, xz = u.x * v.z, xy = u.x * v.y, yx = u.y * v.x;
+    normal_ = {yz - zy, zx - xz, xy - yx};
+    sums_ = {std::fabs(yz) + std::fabs(zy), std::fabs(zx) + std::fabs(xz), std::fabs(xy) + std::fabs(yx)};
+  }
+  /// 1 where the normal points, -1 behind, 0 where double arithmetic cannot decide.
+  int operator()(const Vec3d& point) const {
+    const Vec3d w = point - from_;
+    const double det = w.x * normal_.x + w.y * normal_.y + w.z * normal_.z;
+    const double permanent = std::fabs(w.x) * sums_.x + std::fabs(w.y) * sums_.y + std::fabs(w.z) * sums_.z;
+    const double bound = 8.0e-16 * permanent + OTG_TINY_DETERMINANT;
+    return det > bound ? 1 : det < -bound ? -1 : 0;
+  }
+
+ private:
+  Vec3d from_{0, 0, 0}, normal_{0, 0, 0};
+  Vec3d sums_{0, 0, 0};  ///< of the sizes of the terms in the normal's coordinates
+};
+
 struct PairCorners {
   Vec3d a[3], b[3];
 };
@@ -53,11 +77,20 @@ class Tracer {
     if (isNewA) {
       triangleA_ = pair.a;
       linesA_.set(c.a, c.a[0]);
+      planeA_.set(c.a);
     }
     int sideA[3], sideB[3];
-    for (int k = 0; k < 3; ++k) sideA[k] = otgSosSideOfA(&c.b[0].x, &c.b[1].x, &c.b[2].x, &c.a[k].x);
+    PlaneFilter planeB;
+    planeB.set(c.b);
+    for (int k = 0; k < 3; ++k) {
+      sideA[k] = planeB(c.a[k]);
+      if (sideA[k] == 0) sideA[k] = exactSide(0, k);
+    }
     if (sideA[0] == sideA[1] && sideA[1] == sideA[2]) return;
-    for (int k = 0; k < 3; ++k) sideB[k] = otgSosSideOfB(&c.a[0].x, &c.a[1].x, &c.a[2].x, &c.b[k].x);
+    for (int k = 0; k < 3; ++k) {
+      sideB[k] = planeA_(c.b[k]);
+      if (sideB[k] == 0) sideB[k] = exactSide(1, k);
+    }
     if (sideB[0] == sideB[1] && sideB[1] == sideB[2]) return;
 
     // Edge-edge signs, each needed for both triangles: [edge of A][edge of B].
@@ -143,6 +176,13 @@ class Tracer {
   /// Of the sum of six products with a moment's two terms each: 12 roundings of 2^-53, rounded up.
   static constexpr double kLineError = 2e-15;
 
+  /// Of corner k of a triangle with respect to the other one.
+  [[gnu::noinline]] int exactSide(int mesh, int k) const {
+    const PairCorners& c = corners_;
+    return mesh == 0 ? otgSosSideOfA(&c.b[0].x, &c.b[1].x, &c.b[2].x, &c.a[k].x)
+                     : otgSosSideOfB(&c.a[0].x, &c.a[1].x, &c.a[2].x, &c.b[k].x);
+  }
+
   /// As otgSosEdges; of parallel edges no sign is needed.
   [[gnu::noinline]] int exactEdges(int i, int j) const {
     const PairCorners& c = corners_;
@@ -209,6 +249,7 @@ class Tracer {
   std::uint32_t triangleA_ = kNone;
   PairCorners corners_;
   EdgeLines linesA_;
+  PlaneFilter planeA_;
 };
 
 }  // namespace

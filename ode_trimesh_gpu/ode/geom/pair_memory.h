@@ -2,10 +2,10 @@
 // What a geom remembers of the pairs that it is in contact with, for the contact model `solid`.
 #pragma once
 
-#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <list>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -57,17 +57,12 @@ class PairMemory {
   std::uint64_t store(std::uint64_t other, const SolidHistory& history, const Vec3d& origin = {0, 0, 0},
                       bool holderIsA = false) {
     const std::lock_guard lock(mutex_);
-    if (pairs_.size() >= kMost && pairs_.find(other) == pairs_.end()) {
-      auto oldest = pairs_.begin();
-      for (auto it = pairs_.begin(); it != pairs_.end(); ++it) {
-        if (it->second.stamp < oldest->second.stamp) oldest = it;
-      }
-      pairs_.erase(oldest);
-    }
-    const std::uint64_t stamp = clock().fetch_add(1, std::memory_order_relaxed) + 1;
-    pairs_[other] = {history, stamp, origin, holderIsA};
+    Entry& entry = latest(other);
+    entry.history = history;
+    entry.origin = origin;
+    entry.holderIsA = holderIsA;
     count_.store(pairs_.size(), std::memory_order_release);
-    return stamp;
+    return entry.stamp = nextStamp();
   }
   /// As if what is known of the pair were stored again: its stamp, 0 if nothing is known.
   std::uint64_t renew(std::uint64_t other) {
@@ -75,19 +70,24 @@ class PairMemory {
     const std::lock_guard lock(mutex_);
     const auto it = pairs_.find(other);
     if (it == pairs_.end()) return 0;
-    return it->second.stamp = clock().fetch_add(1, std::memory_order_relaxed) + 1;
+    order_.splice(order_.end(), order_, it->second.place);
+    return it->second.stamp = nextStamp();
   }
   /// The latest stamp of all.
   static std::uint64_t now() { return clock().load(std::memory_order_relaxed); }
   void forget(std::uint64_t other) {
     if (empty()) return;
     const std::lock_guard lock(mutex_);
-    pairs_.erase(other);
+    const auto it = pairs_.find(other);
+    if (it == pairs_.end()) return;
+    order_.erase(it->second.place);
+    pairs_.erase(it);
     count_.store(pairs_.size(), std::memory_order_release);
   }
   void clear() {
     const std::lock_guard lock(mutex_);
     pairs_.clear();
+    order_.clear();
     count_.store(0, std::memory_order_release);
   }
   /// Whether nothing is known of any pair: most geoms of a batch are asked, and need no lock for that.
@@ -102,11 +102,8 @@ class PairMemory {
   /// equal one.
   std::vector<Remembered> all() {
     const std::lock_guard lock(mutex_);
-    std::vector<std::pair<std::uint64_t, std::uint64_t>> order;
-    for (const auto& [other, entry] : pairs_) order.emplace_back(entry.stamp, other);
-    std::sort(order.begin(), order.end());
     std::vector<Remembered> entries;
-    for (const auto& [stamp, other] : order) {
+    for (const std::uint64_t other : order_) {
       const Entry& entry = pairs_.at(other);
       entries.push_back({other, entry.history, entry.origin, entry.holderIsA});
     }
@@ -116,6 +113,7 @@ class PairMemory {
   void swap(PairMemory& other) {
     const std::lock_guard lock(mutex_);
     pairs_.swap(other.pairs_);
+    order_.swap(other.order_);
     other.count_.store(other.pairs_.size(), std::memory_order_release);
     count_.store(pairs_.size(), std::memory_order_release);
   }
@@ -125,15 +123,40 @@ class PairMemory {
     static std::atomic<std::uint64_t> stamps{0};
     return stamps;
   }
+  static std::uint64_t nextStamp() { return clock().fetch_add(1, std::memory_order_relaxed) + 1; }
   struct Entry {
     SolidHistory history;
     std::uint64_t stamp = 0;
     Vec3d origin{0, 0, 0};
     bool holderIsA = false;
+    std::list<std::uint64_t>::iterator place;  ///< in order_
   };
+  /// Of that pair, a new one if need be, as the last in the order.
+  Entry& latest(std::uint64_t other) {
+    if (const auto it = pairs_.find(other); it != pairs_.end()) {
+      order_.splice(order_.end(), order_, it->second.place);
+      return it->second;
+    }
+    if (pairs_.size() >= kMost) {  // in place of the first
+      auto node = pairs_.extract(order_.front());
+      order_.splice(order_.end(), order_, order_.begin());
+      order_.back() = node.key() = other;
+      return pairs_.insert(std::move(node)).position->second;
+    }
+    const auto place = order_.insert(order_.end(), other);
+    try {
+      Entry& entry = pairs_[other];
+      entry.place = place;
+      return entry;
+    } catch (...) {
+      order_.erase(place);
+      throw;
+    }
+  }
   std::atomic<std::size_t> count_{0};  ///< of pairs_
   std::mutex mutex_;
   std::map<std::uint64_t, Entry> pairs_;
+  std::list<std::uint64_t> order_;  ///< their keys, by stamp
 };
 
 }  // namespace otg

@@ -2,6 +2,8 @@
 #include "ode/shapes/convex_collider.h"
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 #include <vector>
 
 #include "collide/pairwise/reduction.h"
@@ -13,13 +15,34 @@
 namespace otg {
 namespace {
 
-/// Contacts of the convex with a half space; all corners below it if there are corners above it, too.
-std::size_t cornersBelow(dGeomID convex, dGeomID plane, std::vector<dContactGeom>& places) {
-  for (;;) {
-    const int count = dCollide(convex, plane, static_cast<int>(places.size()), places.data(), sizeof(dContactGeom));
-    if (count < static_cast<int>(places.size()) || places.size() >= 0xffff) return static_cast<std::size_t>(count);
-    places.resize(std::min<std::size_t>(4 * places.size(), 0xffff));
+/// Room for a convex's contacts, on the stack and as it comes where few are enough.
+class ContactRoom {
+ public:
+  /// With a half space; all corners below it if there are corners above it, too.
+  std::span<const dContactGeom> cornersBelow(dGeomID convex, dGeomID plane) {
+    for (std::span<dContactGeom> room = few_;; room = many_) {
+      const int count = dCollide(convex, plane, static_cast<int>(room.size()), room.data(), sizeof(dContactGeom));
+      if (count < static_cast<int>(room.size()) || room.size() >= 0xffff)
+        return room.first(static_cast<std::size_t>(count));
+      many_.resize(std::min<std::size_t>(4 * room.size(), 0xffff));
+    }
   }
+
+ private:
+  dContactGeom few_[256];
+  std::vector<dContactGeom> many_;
+};
+
+/// To single precision, as the vertices of meshes are, and what is small to 2^-30 of the largest coordinate. So they
+/// are the same numbers whatever the pose that they were read in, which leaves 1e-17 of what is zero.
+void roundCorners(std::vector<Vec3d>& corners) {
+  double most = 0;
+  for (const Vec3d& p : corners) most = std::max({most, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+  if (!(most > 0) || !std::isfinite(most)) return;
+  // What is added and taken off again leaves multiples of 2^-30.
+  const double rounder = std::ldexp(1.5, std::ilogb(static_cast<float>(most)) + 52 - 30);
+  const auto rounded = [&](double x) { return (double{static_cast<float>(x)} + rounder) - rounder; };
+  for (Vec3d& p : corners) p = {rounded(p.x), rounded(p.y), rounded(p.z)};
 }
 
 /// The corners of a dConvex in its own frame, in order. ODE has no function that tells them, but its collider of a
@@ -29,26 +52,26 @@ std::vector<Vec3d> cornersOfConvex(dGeomID convex) {
   const Transformd pose = readPose(convex).transform;
   dReal box[6];
   dGeomGetAABB(convex, box);
-  std::vector<dContactGeom> places(256);
+  ContactRoom room;
   std::vector<Vec3d> corners;
-  const auto take = [&](std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) {
-      const dReal* const p = places[i].pos;
-      // Rounded as the vertices of meshes are: the same numbers, whatever the pose that they were read in.
-      const Vec3d x = otgRotateBack(pose, otgSub(Vec3d{p[0], p[1], p[2]}, pose.t));
-      corners.push_back({static_cast<float>(x.x), static_cast<float>(x.y), static_cast<float>(x.z)});
+  const auto take = [&](std::span<const dContactGeom> contacts) {
+    corners.reserve(corners.size() + contacts.size());
+    for (const dContactGeom& contact : contacts) {
+      const dReal* const p = contact.pos;
+      corners.push_back(otgRotateBack(pose, otgSub(Vec3d{p[0], p[1], p[2]}, pose.t)));
     }
   };
   // Inside a dGeomTransform the box may be that of another pose; the origin is a second guess.
   const dReal guesses[2] = {(box[0] + box[1]) / 2, static_cast<dReal>(pose.t.x)};
   for (const dReal middle : guesses) {
     const dGeomID plane = dCreatePlane(nullptr, 1, 0, 0, middle);
-    take(cornersBelow(convex, plane, places));
+    take(room.cornersBelow(convex, plane));
     dGeomPlaneSetParams(plane, -1, 0, 0, -middle);
-    take(cornersBelow(convex, plane, places));
+    take(room.cornersBelow(convex, plane));
     dGeomDestroy(plane);
     if (!corners.empty()) break;
   }
+  roundCorners(corners);
   const auto less = [](const Vec3d& a, const Vec3d& b) {
     return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
   };
