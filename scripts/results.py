@@ -53,8 +53,12 @@ PAGES = [
     Page("world", "Whole steps",
          "Microseconds a step, medians. `native` is made of ODE's own shapes, `stock` of dTriMesh geoms, `ours` of geoms "
          "of this library.", "bench world"),
-    Page("terrain", "Shapes on a terrain", "ODE's shapes on an open mesh of hills, beside a dTriMesh.",
+    Page("terrain", "Shapes on a terrain",
+         "ODE's shapes on an open mesh of hills, beside a dTriMesh. A shape trembles from call to call; `still`: it does not.",
          "bench terrain"),
+    Page("shapes", "Shapes on small and convex meshes",
+         "ODE's shapes, beside a dTriMesh. A shape trembles from call to call; `still`: it does not.",
+         "bench shapes --repeat 5 --poses 16 --calls 4"),
     Page("heightfield", "Meshes on a heightfield", "Microseconds of a dCollide, beside ODE's own bodies.",
          "bench heightfield"),
     Page("contacts", "Contacts against the truth",

@@ -275,6 +275,21 @@ class Bench(CliTest):
         again = self.run_json(*arguments, "--shape", "box")["tables"]["shapes"]
         self.assertEqual([row["hash"] for row in again], [rows[1]["hash"]])
 
+    def test_shapes(self):
+        arguments = ("bench", "shapes", "--poses", "4", "--repeat", "1", "--calls", "2")
+        rows = self.run_json(*arguments)["tables"]["ODE's shapes on meshes: microseconds, contacts"]
+        pairs = [(row["mesh"], row["shape"]) for row in rows]
+        shapes = ["sphere", "box", "capsule", "cylinder", "convex of 80", "plane"]
+        meshes = ["2 triangles", "box, 12", "box, 3,072", "sphere, 1,280", "torus, 1,152"]
+        # The two triangles and a plane never meet, or everywhere.
+        self.assertEqual(pairs, list(itertools.product(meshes, shapes))[:5] + list(itertools.product(meshes, shapes))[6:])
+        for row in rows:
+            self.assertTrue(row["us"] > 0 and row["still_us"] > 0 and row["us_of_dtrimesh"] > 0)
+            self.assertGreater(row["contacts"], 0.9, row)
+        again = self.run_json(*arguments, "--pair", "3,072 / box")["tables"]
+        again = again["ODE's shapes on meshes: microseconds, contacts"]
+        self.assertEqual([row["hash"] for row in again], [rows[pairs.index(("box, 3,072", "box"))]["hash"]])
+
     def test_heightfield(self):
         arguments = ("bench", "heightfield", "--samples", "128", "--repeat", "3", "--steps", "3")
         document = self.run_json(*arguments)
