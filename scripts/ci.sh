@@ -115,20 +115,25 @@ END
     "$root" "${name#lib}" "$root" >"$root/lib/pkgconfig/ode.pc"
 }
 
-# cross ROW TARGETS: builds with the toolchain file of that name.
+# cross ROW TARGETS [CMake words]: builds with the toolchain file of that name.
 cross() {
-  ode_from_source "$1"
-  PKG_CONFIG_LIBDIR=$PWD/build-$1-root/lib/pkgconfig build "$1" "$2" -DCMAKE_TOOLCHAIN_FILE="$PWD/cmake/toolchains/$1.cmake" \
-    -DCMAKE_FIND_ROOT_PATH="$PWD/build-$1-root" -DOTG_OPENCL_INCLUDE_DIR="$PWD/build-$1-root/include"
+  local row=$1 targets=$2
+  shift 2
+  ode_from_source "$row"
+  PKG_CONFIG_LIBDIR=$PWD/build-$row-root/lib/pkgconfig build "$row" "$targets" "$@" \
+    -DCMAKE_TOOLCHAIN_FILE="$PWD/cmake/toolchains/$row.cmake" -DCMAKE_FIND_ROOT_PATH="$PWD/build-$row-root" \
+    -DOTG_OPENCL_INCLUDE_DIR="$PWD/build-$row-root/include"
 }
+# Not the library to preload: ODE is an archive here.
 row_aarch64() {
   install tests ci_aarch64
-  cross aarch64 "ode_trimesh_gpu ode_trimesh_gpu_preload ${core[*]}"
+  cross aarch64 "ode_trimesh_gpu ${core[*]}"
   run_core aarch64 --timeout 3000
 }
 row_mingw() {
   install tests ci_mingw
-  cross mingw "ode_trimesh_gpu ${core[*]}"
+  # ODE's type of message functions says how they print, which a template argument loses: nothing is lost by that.
+  cross mingw "ode_trimesh_gpu ${core[*]}" -DCMAKE_CXX_FLAGS=-Wno-error=ignored-attributes
   WINEPREFIX=$PWD/build-mingw/wine WINEDEBUG=-all run_core mingw --timeout 3000
 }
 
@@ -150,7 +155,8 @@ row_conan() {
   [ -x build-conan-tools/bin/conan ] || { python3 -m venv build-conan-tools && build-conan-tools/bin/pip install -q --disable-pip-version-check 'conan>=2.4,<3'; }
   export CONAN_HOME=$PWD/build-conan
   build-conan-tools/bin/conan profile detect --force >/dev/null 2>&1
-  build-conan-tools/bin/conan create packaging/conan -s compiler.cppstd=20 -c tools.build:jobs="$jobs" 2>&1 | tail -n 30
+  build-conan-tools/bin/conan create packaging/conan -s compiler.cppstd=20 -c tools.build:jobs="$jobs" \
+    -c tools.cmake.cmake_layout:test_folder="$CONAN_HOME/test" 2>&1 | tail -n 30
 }
 
 row_gazebo() {

@@ -32,14 +32,12 @@ breathe_default_project = "c"
 breathe_domain_by_extension = {"h": "c", "hpp": "cpp"}
 breathe_show_include = False
 
-# Examples in Python, where the sources have them and the package can be imported: sphinx-gallery runs them.
+# Examples in Python, where the package and matplotlib can be imported (pip install into build/docs/venv): sphinx-gallery runs them.
 gallery = HERE.parent / "gallery"
-if any(gallery.glob("*.py")):
+exclude_patterns.append("gallery")
+if all(importlib.util.find_spec(name) for name in ("ode_trimesh_gpu", "matplotlib")):
     extensions.append("sphinx_gallery.gen_gallery")
-    exclude_patterns.append("gallery")
-    has_matplotlib = importlib.util.find_spec("matplotlib") is not None
-    sphinx_gallery_conf = {"image_scrapers": ("matplotlib",) if has_matplotlib else (),
-                           "reset_modules": ("matplotlib",) if has_matplotlib else (),
+    sphinx_gallery_conf = {"image_scrapers": ("matplotlib",), "reset_modules": ("matplotlib",),
                            "examples_dirs": str(gallery), "gallery_dirs": "gallery_pages", "filename_pattern": "/",
                            "abort_on_example_error": True, "download_all_examples": False, "show_memory": False}
 
@@ -68,8 +66,9 @@ def point_out_of_the_manual(app, docname, source):
         plain = text.strip("`")
         return name if plain in target or plain in str(path) else "%s (%s)" % (text, name)
 
-    if docname == "index" and "sphinx_gallery.gen_gallery" in app.config.extensions:
-        source[0] += "\n```{toctree}\n:caption: Python\n:maxdepth: 1\n\ngallery_pages/index\n```\n"
+    if docname == "index":
+        pages = "gallery_pages/index" if "sphinx_gallery.gen_gallery" in app.config.extensions else ""
+        source[0] += "\n```{toctree}\n:caption: Python\n:maxdepth: 1\n\npython\n%s\n```\n" % pages
     if docname in ("results/README", "lab/README"):
         source[0] += "\n```{toctree}\n:hidden:\n:glob:\n*\n```\n"
     source[0] = re.sub(r"(?<!!)\[([^\]]+)\]\(([^)\s]+)\)", replace, source[0])

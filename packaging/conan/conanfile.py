@@ -44,6 +44,7 @@ class OdeTrimeshGpu(ConanFile):
 
     def generate(self):
         toolchain = CMakeToolchain(self)
+        toolchain.user_presets_path = False  # nothing of a build among the sources
         for what in ("TESTS", "DEMOS", "BENCHMARKS"):
             toolchain.cache_variables[f"OTG_BUILD_{what}"] = False
         toolchain.generate()

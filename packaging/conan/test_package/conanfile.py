@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What `conan create` does with the new package: builds the README's lines in C, shared and static, and runs them."""
+import os
 from pathlib import Path
 
 from conan import ConanFile
@@ -21,6 +22,7 @@ class Test(ConanFile):
         snippet = (root / "README.md").read_text().split("```c\n")[1].split("```")[0]
         Path(self.generators_folder, "readme_snippet.h").write_text(snippet)
         toolchain = CMakeToolchain(self)
+        toolchain.user_presets_path = False  # nothing of a build among the sources
         toolchain.cache_variables["SNIPPET_DIR"] = self.generators_folder
         toolchain.cache_variables["PROGRAM"] = str(root / "tests/robustness/installed_package/main.c")
         toolchain.generate()
@@ -33,4 +35,4 @@ class Test(ConanFile):
     def test(self):
         if can_run(self):
             for program in ("shared", "static"):
-                self.run(Path(self.cpp.build.bindir) / program, env="conanrun")
+                self.run(os.path.join(self.cpp.build.bindir, program), env="conanrun")
