@@ -323,6 +323,26 @@ TEST_CASE("a geom that dCreateGeom made of our class is harmless") {
   dGeomDestroy(raw);
 }
 
+TEST_CASE("a geom whose data hold no mesh touches none of ODE's shapes") {
+  const OdeSession session;
+  const dGpuTriMeshDataID data = dGpuTriMeshDataCreate();
+  const dGeomID mesh = dCreateGpuTriMesh(nullptr, data);
+  REQUIRE(mesh != nullptr);
+  const dGeomID ray = dCreateRay(nullptr, 2);
+  dGeomRaySet(ray, 0, 0, 1, 0, 0, -1);
+  const dGeomID shapes[] = {dCreateSphere(nullptr, 1),           dCreateBox(nullptr, 1, 1, 1),
+                            dCreateCapsule(nullptr, 1, 1),       dCreateCylinder(nullptr, 1, 1),
+                            dCreatePlane(nullptr, 0, 0, 1, 0.5), ray};
+  for (const dGeomID shape : shapes) {
+    CAPTURE(dGeomGetClass(shape));
+    CHECK(test::collide(mesh, shape, 8).empty());
+    CHECK(test::collide(shape, mesh, 8).empty());
+    dGeomDestroy(shape);
+  }
+  dGeomDestroy(mesh);
+  dGpuTriMeshDataDestroy(data);
+}
+
 TEST_CASE("a world that is built and stepped twice has the same contacts and ends in the same bytes") {
   const OdeSession session;
   const auto simulate = [] {

@@ -125,6 +125,7 @@ int collidePrimitive(PrimitiveTask& task, dContactGeom* contact, int skip) {
       stats.failedQueries.fetch_add(1, std::memory_order_relaxed);
       return 0;
     }
+    if (contacts.empty()) return 0;  // a geom without a mesh among others
     char* place = reinterpret_cast<char*>(contact);
     const ContactFrame frame{task.pose, true, task.o1, task.o2, boxOfSolid(task.side, task.pose)};
     for (const Contact& found : contacts) {
