@@ -39,10 +39,11 @@ OTG_INLINED int otgIsUnevenRegion(__local otg_solid_ways* s, const otg_solid_wor
   return otgIsUneven_d(end[1] + end[0], w->thickness);
 }
 
-/// One region. `size`: of the smaller mesh; `far`: longer than any way out; `last`: as otgFindWayOut.
+/// One region. `size`: of the smaller mesh; `far`: longer than any way out; `last`: as otgFindWayOut. `flag`: of the
+/// pair, in which the host sees early that it is to do it.
 OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a, OTG_MESH* b, double size, double far,
                                  otg_vec3_d last, __global uint* counters, __global uchar* arena, uint arenaUnits,
-                                 __global uint2* chunks, uint chunkRoom) {
+                                 __global uint2* chunks, uint chunkRoom, __global uint* flag) {
   const uint lane = get_local_id(0);
   otg_solid_work w = otgWorkOn(arena, at);
   const double areas = w.region->areaA + w.region->areaB;
@@ -94,7 +95,9 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
     // Without room for its parts its candidates stay as they are: none is looked at, and the batch is run again.
     s->allocated = parts > 0 ? atomic_add(counters + OTG_COUNT_CHUNKS, parts) : 0;
     const int fits = s->allocated <= chunkRoom && chunkRoom - s->allocated >= parts;
-    if (counts && (!works || !fits || s->bad || isLeft)) flags |= OTG_REGION_BAD;
+    const int isHosts = counts && (tooMany || (works && (s->bad || isLeft)));
+    if (isHosts || (counts && (!works || !fits))) flags |= OTG_REGION_BAD;
+    if (isHosts) *flag |= OTG_PAIR_TO_HOST | OTG_SOLID_TOO_MANY << OTG_PAIR_WHY;  // solidContacts counts it
     r->flags = flags;
     r->shareOfB = s->shareOfB;
     for (uint k = 0; k < 3; ++k) r->weighted[k] = s->weighted[k];
@@ -123,7 +126,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidWays(
     __global const otg_device_mesh* restrict places, __global uint* restrict counters, __global uchar* arena,
     uint arenaUnits, __global const uint* restrict heads, __global const uint* restrict lists, uint pairs, uint first,
     uint end, __global uint2* restrict chunks, uint chunkRoom, __global const double* restrict directions,
-    uint remembers) {
+    uint remembers, __global uint* restrict chosen) {
   __local otg_solid_ways ways;
   __local otg_solid_mesh mesh[2];
   for (uint item = get_group_id(0);; item += get_num_groups(0)) {
@@ -136,7 +139,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidWays(
     for (uint r = 0; at != OTG_NOT_THERE && r < OTG_SOLID_REGIONS; ++r) {
       const uint next = ((__global const otg_solid_region*)(arena + (size_t)at * OTG_ARENA_UNIT))->next;
       otgWaysOfRegion(&ways, at, mesh, mesh + 1, size, (double)(mesh[0].radius + mesh[1].radius), last, counters, arena,
-                      arenaUnits, chunks, chunkRoom);
+                      arenaUnits, chunks, chunkRoom, chosen + OTG_FLAGS + number);
       at = next;
     }
     OTG_SYNC;
