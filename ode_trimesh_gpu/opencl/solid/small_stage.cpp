@@ -162,8 +162,8 @@ void SmallStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& re
   for (Size& size : sizes_) {
     Arguments(size.ways) << batch.meshes << batch.tasks << batch.places << batch.counters << arena_.get()
                          << arena_.places() << heads_.get() << lists_.get() << batch.count << size.firstList
-                         << size.endList << chunks_.get() << chunks_.places() << directions_.get() << remembers
-                         << chosen.get();
+                         << size.endList << chunks_.get() << chunks_.places()
+                         << (remembers != 0 ? directions_.get() : nullptr) << chosen.get();
     launch(queue, size.ways, size.group, groupsOf(size), 1, profile.next(Profile::kSelect));
   }
   if (batch.flags != nullptr) {
