@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 
+#include "opencl/batch/workspace_pool.h"
 #include "opencl/lanes/array_lane.h"
 #include "opencl/lanes/batch_lane.h"
 #include "opencl/lanes/distance_lane.h"
@@ -30,6 +31,7 @@ struct BackendState {
   LanePool<PointLane> points;
   LanePool<RayLane> rays;
   LanePool<DistanceLane> distances;
+  WorkspacePool workspaces;
   std::mutex publishedMutex;
   std::shared_ptr<PublishedDesign> published;  ///< null until it is used; made by backend_published.cpp alone
   std::atomic<std::uint64_t> queries{0}, onHost{0}, leftToHost{0}, decidedOnHost{0}, described{0}, describedInVain{0},

@@ -65,7 +65,7 @@ struct Tuning {
   std::uint32_t overlapContacts = 1, overlapLanes = 0, overlapArena = 1u << 16;
   /// Where a piece of a batch of solids leaves at most so many pairs to the host, its caller's threads do them while
   /// the device is at work on the others; those that it leaves at the last moment after all pieces.
-  std::uint32_t meanwhile = 64;
+  std::uint32_t meanwhile = 128;
   /// Pairs of solids of a batch are done by kernels with one size of lists in local memory, or with two; 0: one on
   /// CPUs, else two. `solidGroup` work-items (0: 1 on CPUs, else 32) do a pair of at most `solidHits` intersecting
   /// pairs of triangles (a power of two) and regions of at most `solidPoints` points and `solidFaces` pieces; others

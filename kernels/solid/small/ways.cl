@@ -39,15 +39,15 @@ OTG_INLINED int otgIsUnevenRegion(__local otg_solid_ways* s, const otg_solid_wor
   return otgIsUneven_d(end[1] + end[0], w->thickness);
 }
 
-/// One region. `size`: of the smaller mesh; `far`: longer than any way out; `last`: as otgFindWayOut.
-OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a, OTG_MESH* b, double size, double far,
+/// One region. `size`: of the smaller mesh; `last`: as otgFindWayOut. `flag`: of the pair, in which the host sees early
+/// that it is to do it, as where a region is uneven; solidContacts counts it.
+OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a, OTG_MESH* b, double size,
                                  otg_vec3_d last, __global uint* counters, __global uchar* arena, uint arenaUnits,
-                                 __global uint2* chunks, uint chunkRoom) {
-  const uint lane = get_local_id(0);
+                                 __global uint2* chunks, uint chunkRoom, __global uint* flag) {
+  const uint lane = get_local_id(0), most = OTG_SOLID_POINTS;
   otg_solid_work w = otgWorkOn(arena, at);
   const double areas = w.region->areaA + w.region->areaB;
   const int counts = !(w.diagonal < OTG_SOLID_LEAST_DIAGONAL * size || areas < OTG_SOLID_LEAST_AREA * size * size);
-  const uint most = OTG_SOLID_POINTS;
   // The host makes faces of very many pieces, where it asks them at all.
   const int gathers = w.pieceCount > OTG_SOLID_MOST_ELEMENTS && w.coherence < OTG_SOLID_FLAT;
   const int tooMany = w.pointCount > (OTG_SOLID_LARGE ? 2 : 1) * most || w.pieceCount > OTG_SOLID_FACES || gathers;
@@ -74,12 +74,11 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
   const size_t plane = (size_t)planeUnits * OTG_ARENA_UNIT;
   otgThinRegion(s, &w, (__global otg_solid_face*)(room + plane), (__global ushort*)(room + 3 * plane));
   const int isUneven = otgIsUnevenRegion(s, &w);
+  const double far = (double)(a->radius + b->radius);
   otgFindWayOut(s, &w, a, b, far, last, isUneven, (__global otg_solid_face*)(room + 2 * plane));
   for (uint i = lane; i < w.pointCount; i += OTG_GROUP) {
     if (!w.points[i].flat) atomic_inc(&s->corners);
   }
-  // Uneven ones are rare, and the host looks at their faces one by one.
-  const int isLeft = isUneven && !w.isFixed;
   OTG_SYNC;
   const uint parts = (w.candidates + OTG_SOLID_CHUNK - 1) / OTG_SOLID_CHUNK;
   if (lane == 0) {
@@ -94,7 +93,9 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
     // Without room for its parts its candidates stay as they are: none is looked at, and the batch is run again.
     s->allocated = parts > 0 ? atomic_add(counters + OTG_COUNT_CHUNKS, parts) : 0;
     const int fits = s->allocated <= chunkRoom && chunkRoom - s->allocated >= parts;
-    if (counts && (!works || !fits || s->bad || isLeft)) flags |= OTG_REGION_BAD;
+    const int isHosts = tooMany || (works && (s->bad || (isUneven && !w.isFixed)));
+    if (counts && (isHosts || !works || !fits)) flags |= OTG_REGION_BAD;
+    if (counts && isHosts) *flag |= OTG_PAIR_TO_HOST | OTG_SOLID_TOO_MANY << OTG_PAIR_WHY;
     r->flags = flags;
     r->shareOfB = s->shareOfB;
     for (uint k = 0; k < 3; ++k) r->weighted[k] = s->weighted[k];
@@ -116,14 +117,14 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
 }
 
 /// The regions of the pairs in the lists `first` to `end` of those that have any. `chunks`: candidates, in parts, for
-/// solidEstimate. `directions`: what each pair remembers, if it `remembers`: the direction of its last deep region, or
-/// zero.
+/// solidEstimate. `directions`: what each pair remembers, the direction of its last deep region, or zero; null if
+/// none does.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidWays(
     __global const float4* restrict meshes, __global const otg_batch_task* restrict tasks,
     __global const otg_device_mesh* restrict places, __global uint* restrict counters, __global uchar* arena,
     uint arenaUnits, __global const uint* restrict heads, __global const uint* restrict lists, uint pairs, uint first,
     uint end, __global uint2* restrict chunks, uint chunkRoom, __global const double* restrict directions,
-    uint remembers) {
+    __global uint* restrict chosen) {
   __local otg_solid_ways ways;
   __local otg_solid_mesh mesh[2];
   for (uint item = get_group_id(0);; item += get_num_groups(0)) {
@@ -131,12 +132,12 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidWays(
     if (number == OTG_NOT_THERE) return;
     otgTakeMeshes(mesh, meshes, tasks + number, places);
     const double size = 2 * (double)(mesh[0].radius < mesh[1].radius ? mesh[0].radius : mesh[1].radius);
-    const otg_vec3_d last = remembers ? otgLoad(directions + 3 * (size_t)number) : otgVec_d(0, 0, 0);
+    const otg_vec3_d last = directions != 0 ? otgLoad(directions + 3 * (size_t)number) : otgVec_d(0, 0, 0);
     uint at = heads[number];
     for (uint r = 0; at != OTG_NOT_THERE && r < OTG_SOLID_REGIONS; ++r) {
       const uint next = ((__global const otg_solid_region*)(arena + (size_t)at * OTG_ARENA_UNIT))->next;
-      otgWaysOfRegion(&ways, at, mesh, mesh + 1, size, (double)(mesh[0].radius + mesh[1].radius), last, counters, arena,
-                      arenaUnits, chunks, chunkRoom);
+      otgWaysOfRegion(&ways, at, mesh, mesh + 1, size, last, counters, arena, arenaUnits, chunks, chunkRoom,
+                      chosen + OTG_FLAGS + number);
       at = next;
     }
     OTG_SYNC;

@@ -284,34 +284,39 @@ class Backend::Batch {
     return false;
   }
 
-  /// Some pairs that are left to the host as soon as that is known, of all pieces at once. Where they are many, their
-  /// records are waited for, which tell the host what intersects; or they are described.
+  /// Some pairs that are left to the host as soon as that is known, piece by piece, while the device goes on. Where
+  /// they are many, their records are waited for, which tell the host what intersects; or they are described.
   void workMeanwhile(std::span<Piece> pieces) {
     if constexpr (Finish::kTakesDescriptions) {
-      std::vector<std::size_t> which;
       for (Piece& piece : pieces) {
         if (!piece.soon || piece.error) continue;
         try {
-          const otg_uint* flags = piece.lane->soonFlags();
-          const std::size_t before = which.size();
-          std::size_t describable = 0, left = 0;
-          for (std::size_t k = 0; k < piece.count; ++k) {
-            if (!isLeftEarly(flags[k])) continue;
-            ++left;
-            describable += rules_.describes && mayBeDescribed(flags[k]);
-            if (!done_.contains(piece.begin + k)) which.push_back(piece.begin + k);
-          }
-          const Tuning& tuning = state_.tuning;
-          if (!isForHostMeanwhile(left, describable, tuning.meanwhile, tuning.leastOverlaps)) which.resize(before);
+          const std::vector<std::size_t> which = leftSoon(piece);
+          if (which.empty()) continue;
+          auto done = finish_.meanwhile(which, [&](std::size_t i) { return source_.query(i); });
+          for (std::size_t k = 0; k < which.size(); ++k) done_.emplace(which[k], std::move(done[k]));
         } catch (const ClError& error) {
           piece.lane = nullptr;
           piece.error = error;
         }
       }
-      if (which.empty()) return;
-      auto done = finish_.meanwhile(which, [&](std::size_t i) { return source_.query(i); });
-      for (std::size_t k = 0; k < which.size(); ++k) done_.emplace(which[k], std::move(done[k]));
     }
+  }
+
+  /// Which pairs of a piece the host is to do at once.
+  std::vector<std::size_t> leftSoon(Piece& piece) {
+    const otg_uint* flags = piece.lane->soonFlags();
+    std::vector<std::size_t> which;
+    std::size_t describable = 0, left = 0;
+    for (std::size_t k = 0; k < piece.count; ++k) {
+      if (!isLeftEarly(flags[k])) continue;
+      ++left;
+      describable += rules_.describes && mayBeDescribed(flags[k]);
+      if (!done_.contains(piece.begin + k)) which.push_back(piece.begin + k);
+    }
+    const Tuning& tuning = state_.tuning;
+    if (!isForHostMeanwhile(left, describable, tuning.meanwhile, tuning.leastOverlaps)) which.clear();
+    return which;
   }
 
   /// What the host has made of pair `i` while the device was at work.
@@ -534,7 +539,7 @@ bool Backend::collideFrom(const Source& source, BatchAnswer& answer, StageTimes*
   if (times) *times = {};
   state_->queries += source.size();
   answer.clear();
-  ContactFinish finish{*this, state_->queries, answer};
+  ContactFinish finish{*this, state_->queries, answer, state_->workspaces};
   if (onHost) finish.onHost = &onHost;
   const BatchWish wish = !state_->reduces()                         ? BatchWish::kPairs
                          : source.anySolid && state_->makesSolids() ? BatchWish::kSolid

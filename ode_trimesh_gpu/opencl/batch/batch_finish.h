@@ -6,13 +6,12 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <mutex>
 #include <span>
 #include <vector>
 
 #include "collide/stages.h"
 #include "opencl/backend.h"
+#include "opencl/batch/workspace_pool.h"
 #include "opencl/lanes/batch_lane.h"
 #include "opencl/lanes/take_answer.h"
 #include "opencl/results/take_records.h"
@@ -34,6 +33,7 @@ struct ContactFinish {
   Backend& backend;
   std::atomic<std::uint64_t>& queries;
   BatchAnswer& answer;
+  WorkspacePool& workspaces;
   Workspace workspace{};
   const RunParts* onHost = nullptr;  ///< does what is the host's, if it is there
 
@@ -152,24 +152,12 @@ struct ContactFinish {
   template <class Work>
   std::vector<Done> make(std::size_t count, const Work& work) {
     std::vector<Done> done(count);
-    std::mutex mutex;
-    std::vector<std::unique_ptr<Workspace>> idle;  // they are not made for each part anew
     const auto some = [&](std::size_t begin, std::size_t end) {
-      std::unique_ptr<Workspace> own;
-      {
-        const std::lock_guard lock(mutex);
-        if (!idle.empty()) {
-          own = std::move(idle.back());
-          idle.pop_back();
-        }
-      }
-      if (!own) own = std::make_unique<Workspace>();
+      const WorkspacePool::Lease own(workspaces);
       for (std::size_t k = begin; k < end; ++k) {
         const bool good = work(k, *own);
-        done[k] = {good, own->reduced, own->stats};
+        done[k] = {good, (*own).reduced, (*own).stats};
       }
-      const std::lock_guard lock(mutex);
-      idle.push_back(std::move(own));
     };
     if (onHost && count > 1) {
       (*onHost)(count, some);

@@ -68,7 +68,8 @@ class BatchLane {
   /// The same for a batch of solids of which soonFlags() is to be asked before end().
   void beginWithFlags(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions,
                       const RunParts* threads);
-  /// Waits until the regions of a batch of solids are known: the flags of its pairs as they are then. A pair that is
+  /// Waits until the regions of a batch of solids and their ways out are known: the flags of its pairs as they are
+  /// then. A pair that is
   /// left to the host stays so, unless a list was too short. Throws ClError.
   const otg_uint* soonFlags();
   /// Waits for it; the meshes stay pinned. With OTG_PAIR_TO_HOST but without OTG_PAIR_NO_FRAME a pair has to be

@@ -17,7 +17,7 @@
 namespace otg::opencl {
 namespace {
 
-constexpr char kMagic[16] = "otg-program-1\n";
+constexpr char kMagic[16] = "otg-program-2\n";
 
 struct Head {
   char magic[16];

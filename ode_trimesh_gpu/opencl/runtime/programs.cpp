@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "opencl/runtime/kernel_source.h"
+#include "opencl/runtime/register_limit.h"
 #include "opencl/runtime/stop.h"
 
 namespace otg::opencl {
@@ -62,7 +63,15 @@ cl_program Programs::get(const std::string& name, const std::string& options) {
     throw;
   }
   try {
-    cache_.store(key, binaryOf(made.get()));
+    Bytes binary = binaryOf(made.get());
+    if (std::optional<Bytes> limited = withRegisterLimit(binary, registerLimitOf(all))) {
+      try {
+        made = fromBinary(*limited, all);
+        binary = *std::move(limited);
+      } catch (const ClError&) {  // the program without the limit does the same
+      }
+    }
+    cache_.store(key, binary);
   } catch (const ClError&) {  // a driver that gives no binary: it is built anew every time
   }
   ++counts_.fromSource;

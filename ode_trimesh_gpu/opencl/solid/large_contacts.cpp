@@ -54,7 +54,6 @@ LargeContacts::LargeContacts(Context& context, const Tuning& tuning, bool many)
       forMany_(many),
       lanes_(tuning.overlapLanes),
       weighGroups_(many || isCpu_ ? kWeighOfMany : kWeighGroups),
-      registers_(context.info().registerLimit ? tuning.solidRegisters : 0),
       arenaWanted_(std::max(1u, tuning.overlapArena)),
       smallWanted_(kMostSmall) {}
 
@@ -64,8 +63,7 @@ void LargeContacts::build() {
   const auto make = [&](const char* file, std::uint32_t lanes, const char* name) {
     const std::uint32_t group = lanes_ != 0 ? lanes_ : isCpu_ ? 1 : forMany_ ? kLanesOfMany : lanes;
     const std::string options = "-DOTG_GROUP=" + std::to_string(group) + warpOption(context_) +
-                                " -DOTG_WEIGH_GROUPS=" + std::to_string(weighGroups_) +
-                                (registers_ != 0 ? " -cl-nv-maxrregcount=" + std::to_string(registers_) : "");
+                                " -DOTG_WEIGH_GROUPS=" + std::to_string(weighGroups_);
     return Made{context_.makeKernel(file, options, name), group};
   };
   list_ = make("solid/large/arena.cl", 256, "overlapList");

@@ -60,7 +60,7 @@ class LargeContacts {
   std::size_t smallAt() const { return headBytes() + std::size_t{slots_} * stride_ * sizeof(otg_chosen_contact); }
   Context& context_;
   const bool isCpu_, forMany_;
-  const std::uint32_t lanes_, weighGroups_, registers_;
+  const std::uint32_t lanes_, weighGroups_;
   std::uint32_t arenaWanted_, slotsWanted_ = 0, smallWanted_;
   // Of the last run: pairs, regions in the arena, places for the contacts of one, and for hits of small regions.
   std::uint32_t count_ = 1, slots_ = 0, stride_ = 1, small_ = 0;

@@ -32,7 +32,6 @@ std::uint64_t insideOf(const otg_overlap_sizes& sizes) {
 LargeStage::LargeStage(Context& context, const Tuning& tuning)
     : context_(context),
       group_(tuning.overlapGroup),
-      registers_(context.info().registerLimit ? tuning.solidRegisters : 0),
       mostGroups_(std::max<std::size_t>(1, std::size_t{context.info().computeUnits} * tuning.overlapGroupsPerUnit)),
       leastHits_(tuning.overlapHits != 0 ? tuning.overlapHits : kLeastHits),
       works_(works(context, tuning)),
@@ -48,8 +47,7 @@ bool LargeStage::works(Context& context, const Tuning& tuning) {
 /// Not before they are needed.
 void LargeStage::build() {
   if (results_) return;
-  const std::string options = "-DOTG_GROUP=" + std::to_string(group_) +
-                              (registers_ != 0 ? " -cl-nv-maxrregcount=" + std::to_string(registers_) : "");
+  const std::string options = "-DOTG_GROUP=" + std::to_string(group_);
   contour_ = context_.makeKernel("solid/large/contour.cl", options, "overlapContour");
   take_ = context_.makeKernel("solid/large/contour.cl", options, "overlapTake");
   enter_ = context_.makeKernel("solid/large/contour.cl", options, "overlapEnter");

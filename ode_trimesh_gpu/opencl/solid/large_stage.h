@@ -81,7 +81,7 @@ class LargeStage {
   void enqueueRest(cl_command_queue queue, cl_mem meshes, cl_mem counters, std::size_t groups, Profile& profile);
   std::size_t headBytes() const { return OTG_OVERLAP_HEAD(std::size_t{count_}); }
   Context& context_;
-  const std::uint32_t group_, registers_;
+  const std::uint32_t group_;
   const std::size_t mostGroups_;
   std::uint32_t leastHits_;
   bool works_;

@@ -29,7 +29,9 @@ constexpr std::uint32_t kMostPieces = 512, kMostCandidates = 512;
 SmallStage::SmallStage(Context& context, const Tuning& tuning)
     : context_(context),
       recordGroup_(tuning.recordGroup),
-      registers_(context.info().registerLimit ? tuning.solidRegisters : 0),
+      registerLimit_(context.info().registerLimit && tuning.solidRegisters != 0
+                         ? " -cl-nv-maxrregcount=" + std::to_string(tuning.solidRegisters)
+                         : ""),
       arenaWanted_(tuning.arenaUnits),
       chunksWanted_(std::max(1u, tuning.arenaUnits / 64)),
       arena_(OTG_ARENA_UNIT) {
@@ -80,14 +82,14 @@ void SmallStage::build() {
                                 number(" -DOTG_SOLID_HITS=", size.hits) + number(" -DOTG_SOLID_POINTS=", size.points) +
                                 number(" -DOTG_SOLID_FACES=", size.faces) +
                                 number(" -DOTG_SOLID_LARGE=", &size == &sizes_[0] ? 1 : 0) + warpOption(context_) +
-                                (registers_ != 0 ? number(" -cl-nv-maxrregcount=", registers_) : "");
+                                registerLimit_;
     size.regions = context_.makeKernel("solid/small/regions.cl", options, "solidRegions");
     size.ways = context_.makeKernel("solid/small/ways.cl", options, "solidWays");
     size.contacts = context_.makeKernel("solid/small/contacts.cl", options, "solidContacts");
     if (!write) write = context_.makeKernel("solid/small/contacts.cl", options, "solidWrite");
   }
-  estimate_ =
-      context_.makeKernel("solid/small/estimate.cl", "-DOTG_GROUP=" + std::to_string(estimateGroup_), "solidEstimate");
+  estimate_ = context_.makeKernel("solid/small/estimate.cl",
+                                  "-DOTG_GROUP=" + std::to_string(estimateGroup_) + registerLimit_, "solidEstimate");
   write_ = std::move(write);
 }
 
@@ -154,21 +156,22 @@ void SmallStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& re
                             << smallFaces << chosen.get();
     launch(queue, size.regions, size.group, groupsOf(size), 1, profile.next(Profile::kRegions));
   }
-  if (batch.flags != nullptr) {
-    cl_event flagged = nullptr;
-    clDo(OTG_CL(clEnqueueReadBuffer), queue, chosen.get(), cl_bool{CL_FALSE}, std::size_t{OTG_RESULT_HEAD},
-         batch.count * sizeof(otg_uint), static_cast<void*>(batch.flags), cl_uint{0},
-         static_cast<const cl_event*>(nullptr), &flagged);
-    *batch.flagged = EventHandle(flagged);  // at once: a later call may fail
-  }
   const otg_uint remembers = batch.directions != nullptr ? 1 : 0;
   const std::size_t directionBytes = batch.count * 3 * sizeof(double);
   if (remembers) writeLater(queue, directions_.get(), directionBytes, batch.directionsBefore);
   for (Size& size : sizes_) {
     Arguments(size.ways) << batch.meshes << batch.tasks << batch.places << batch.counters << arena_.get()
                          << arena_.places() << heads_.get() << lists_.get() << batch.count << size.firstList
-                         << size.endList << chunks_.get() << chunks_.places() << directions_.get() << remembers;
+                         << size.endList << chunks_.get() << chunks_.places()
+                         << (remembers != 0 ? directions_.get() : nullptr) << chosen.get();
     launch(queue, size.ways, size.group, groupsOf(size), 1, profile.next(Profile::kSelect));
+  }
+  if (batch.flags != nullptr) {
+    cl_event flagged = nullptr;
+    clDo(OTG_CL(clEnqueueReadBuffer), queue, chosen.get(), cl_bool{CL_FALSE}, std::size_t{OTG_RESULT_HEAD},
+         batch.count * sizeof(otg_uint), static_cast<void*>(batch.flags), cl_uint{0},
+         static_cast<const cl_event*>(nullptr), &flagged);
+    *batch.flagged = EventHandle(flagged);  // at once: a later call may fail
   }
   Arguments(estimate_) << chunks_.get() << chunks_.places() << batch.counters << arena_.get();
   launch(queue, estimate_, estimateGroup_, estimateGroups_, 1, profile.next(Profile::kSelect));

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "opencl/results/reducer.h"
@@ -30,7 +31,7 @@ class SmallStage {
     std::uint32_t hitPlaces;
     cl_mem records, states, reductions;
     std::size_t groups;
-    std::byte* flags;      ///< gets the flags of the pairs, as far as their regions tell; may be null
+    std::byte* flags;      ///< gets the flags of the pairs, as far as their regions and ways out tell; may be null
     EventHandle* flagged;  ///< then: when they are there
     /// Directions of deep regions, three doubles a pair: those of the last query, and where those of this one go; both
     /// may be null.
@@ -61,7 +62,8 @@ class SmallStage {
   };
   void build();
   Context& context_;
-  const std::uint32_t recordGroup_, registers_;
+  const std::uint32_t recordGroup_;
+  const std::string registerLimit_;  ///< an option, or nothing
   std::uint32_t arenaWanted_, chunksWanted_, room_ = 0;
   ResultBuffer left_{0}, pairwiseRecords_{0};
   std::vector<Size> sizes_;  ///< the largest pairs first
