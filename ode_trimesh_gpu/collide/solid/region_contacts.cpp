@@ -11,6 +11,7 @@
 #include "collide/inside_test.h"
 #include "collide/simd/surface_kernels.h"
 #include "collide/solid/leaving.h"
+#include "collide/solid/region_planes.h"
 #include "collide/solid/support_point.h"
 
 namespace otg {
@@ -48,8 +49,8 @@ class RegionSolver {
     isUneven_ = isUneven(region_, task_.normals, task_.extent);
     if (isUneven_) {
       triangles_.collect(task_.meshes, all_, region_);
-    } else {
-      collectPlanes();
+    } else if (collectPlanes(all_, region_, surface_)) {
+      gathered_ = true;
     }
     collectCandidates();
     filterAndMerge();
@@ -70,60 +71,11 @@ class RegionSolver {
   static constexpr double kWithin = 1 + 1e-6;  ///< for what rounds
   static constexpr double kFar = std::numeric_limits<double>::infinity();
   static constexpr double kGrain = 1e-9;  ///< of the region's diagonal: rounding
-  struct Plane {
-    Vec3d normal;
-    double offset;
-    Vec3d lo, hi;  ///< of the surface that it stands for
-  };
-
   Vec3d centroid() const {
     Vec3d sum{0, 0, 0};
     for (std::uint32_t i = region_.pointBegin; i < region_.pointEnd; ++i) sum = otgAdd(sum, all_.points[i].position);
     const std::uint32_t n = region_.pointEnd - region_.pointBegin;
     return n ? otgScale(sum, 1.0 / n) : otgScale(otgAdd(region_.lo, region_.hi), 0.5);
-  }
-
-  /// The region's pieces as half spaces; very many are gathered in cells by place and main direction.
-  void collectPlanes() {
-    std::pmr::vector<Plane> planes(memory_);
-    for (int m = 0; m < 2; ++m) {
-      planes.clear();
-      std::uint32_t count = 0;
-      for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) count += all_.pieces[i].mesh == m;
-      FlatMap index(memory_);
-      const double cell = region_.diagonal / OTG_SOLID_PLANE_CELLS;
-      for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) {
-        const Piece& p = all_.pieces[i];
-        if (p.mesh != m) continue;
-        std::uint32_t slot = static_cast<std::uint32_t>(planes.size());
-        gathered_ = gathered_ || count > OTG_SOLID_MOST_PLANES;
-        if (count > OTG_SOLID_MOST_PLANES) slot = index.insert(cellKey(p, cell), slot);
-        if (slot == planes.size()) planes.push_back({{0, 0, 0}, 0, p.lo, p.hi});
-        Plane& plane = planes[slot];
-        plane.normal = otgAdd(plane.normal, p.vector);
-        plane.offset += p.offset * norm(p.vector);
-        plane.lo = {std::min(plane.lo.x, p.lo.x), std::min(plane.lo.y, p.lo.y), std::min(plane.lo.z, p.lo.z)};
-        plane.hi = {std::max(plane.hi.x, p.hi.x), std::max(plane.hi.y, p.hi.y), std::max(plane.hi.z, p.hi.z)};
-      }
-      for (Plane& plane : planes) {
-        const double length = std::sqrt(otgDot(plane.normal, plane.normal));
-        if (!(length > 0)) continue;
-        surface_[m].add(otgScale(plane.normal, 1 / length), plane.offset / length, plane.lo, plane.hi);
-      }
-    }
-  }
-
-  std::uint64_t cellKey(const Piece& p, double cell) const {
-    const auto coordinate = [&](double lo, double hi, double origin) {
-      return static_cast<std::uint64_t>(std::max(0.0, (0.5 * (lo + hi) - origin) / cell));
-    };
-    const double n[3] = {p.normal.x, p.normal.y, p.normal.z};
-    std::uint64_t axis = 0;
-    for (std::uint64_t k = 1; k < 3; ++k) {
-      if (std::fabs(n[k]) > std::fabs(n[axis])) axis = k;
-    }
-    return coordinate(p.lo.x, p.hi.x, region_.lo.x) | coordinate(p.lo.y, p.hi.y, region_.lo.y) << 8 |
-           coordinate(p.lo.z, p.hi.z, region_.lo.z) << 16 | (2 * axis + (n[axis] < 0 ? 1 : 0)) << 24;
   }
 
   /// Way out of mesh m through the nearest of its planes that faces along the direction and has its surface there;
