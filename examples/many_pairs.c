@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Many pairs at once: contacts ahead of a space's near callbacks, arrays of pairs, work in the background, and more
- * about each contact than dContactGeom holds. */
+/* Many pairs at once: contacts ahead of a space's near callbacks, arrays of pairs, work in the background, threads of
+ * the program's own, and more about each contact than dContactGeom holds. */
 #include "example.h"
 
 enum { kBoxes = 12, kPlaces = 16 };
@@ -16,11 +16,18 @@ static int onlyPlaceable(void* data, dGeomID o1, dGeomID o2) {
   return dGeomGetBody(o1) == dGeomGetBody(o2);
 }
 
+/* Where a program's own scheduler would hand the tasks to its threads. */
+static void runTasks(void* data, int count, dGpuTriMeshTask* task, void* context) {
+  int i;
+  for (i = 0; i < count; ++i) task(context, i);
+  *(int*)data += count;
+}
+
 int main(void) {
   static dContactGeom contacts[kBoxes * kPlaces], collected[kBoxes * kPlaces];
   static dGpuTriMeshContactData known[kBoxes * kPlaces];
   dGpuTriMeshPair pairs[kBoxes - 1];
-  int counts[kBoxes - 1], first[kBoxes], i, total;
+  int counts[kBoxes - 1], first[kBoxes], tasks = 0, i, total;
   dGeomID boxes[kBoxes];
   dGpuTriMeshDataID data;
   dGpuTriMeshBatchID batch;
@@ -45,6 +52,12 @@ int main(void) {
 
   total = dGpuTriMeshCollidePairs(pairs, kBoxes - 1, kPlaces, contacts, sizeof contacts[0], counts);
   EXPECT(total == found && counts[0] >= 4);
+
+  /* The threads of the program's own scheduler instead of the library's. */
+  EXPECT(dGpuTriMeshSetTaskRunner(&runTasks, &tasks) == dGPUTRIMESH_OK);
+  total = dGpuTriMeshCollidePairs(pairs, kBoxes - 1, kPlaces, contacts, sizeof contacts[0], counts);
+  EXPECT(total == found && tasks > 0);
+  EXPECT(dGpuTriMeshSetTaskRunner(0, 0) == dGPUTRIMESH_OK);
 
   batch = dGpuTriMeshBatchSubmit(pairs, kBoxes - 1, kPlaces);
   EXPECT(batch != 0);
