@@ -28,23 +28,13 @@ double exitDistance(const PlacedMeshes& meshes, int mesh, const Vec3d& origin, c
 }
 
 bool pointInMesh(const CollisionMesh& tree, const Vec3d& point) {
-  const TriMesh& mesh = tree.mesh();
-  const Vec3d origin{mesh.origin().x, mesh.origin().y, mesh.origin().z};
-  const double reach = otgRayReach(double{mesh.radius()}, point - origin, origin);
   int votes = 0;
   for (int k = 0; k < 3 && votes != 2 && votes != -2; ++k) {
     const Vec3d direction = otgParityDirection<double>(k);
-    const Vec3d inverse{1 / direction.x, 1 / direction.y, 1 / direction.z};
     int balance = 0;
     double limit = std::numeric_limits<double>::infinity();
-    forEachRayHit(tree, {point, direction}, limit, [&](std::uint32_t t, double, bool leaving) {
-      Vec3d p[3];
-      for (int i = 0; i < 3; ++i) {
-        const Vec3f& v = mesh.vertices()[mesh.triangles()[t].v[i]];
-        p[i] = {v.x, v.y, v.z};
-      }
-      if (otgRayPassesTriangleBox(point, direction, inverse, p[0], p[1], p[2], reach)) balance += leaving ? 1 : -1;
-    });
+    forEachRayHit(tree, {point, direction}, limit,
+                  [&](std::uint32_t, double, bool leaving) { balance += leaving ? 1 : -1; });
     votes += balance > 0 ? 1 : -1;
   }
   return votes > 0;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "base/vectors.h"
 #include "bvh/wide_search.h"
 #include "shared/tests/point_test.h"
 
@@ -46,9 +47,10 @@ void forEachOnRay(const CollisionMesh& tree, const MeshRay& ray, const Visit& vi
   }
 }
 
-/// Calls hit(triangle, distance, leaving) for every triangle that the ray meets at most `limit` away, near parts
-/// of the tree first; `limit` may be lowered meanwhile. `leaving`: the triangle faces along the ray. Distances are in
-/// lengths of the direction. Degenerate triangles are passed over.
+/// Calls hit(triangle, distance, leaving) for every triangle that the ray hits at most `limit` away, near parts of the
+/// tree first; `limit` may be lowered meanwhile. `leaving`: the triangle faces along the ray. Distances are in lengths
+/// of the direction. Degenerate triangles are passed over. Which triangles count, and where, depends on the ray and the
+/// triangle alone (otgRayHitsTriangle), so that every tree, and every order, finds the same nearest one.
 template <class Hit>
 void forEachRayHit(const CollisionMesh& tree, const MeshRay& ray, double& limit, const Hit& hit) {
   const std::vector<WideNode>& nodes = tree.wide().nodes;
@@ -56,6 +58,9 @@ void forEachRayHit(const CollisionMesh& tree, const MeshRay& ray, double& limit,
   const TriMesh& mesh = tree.mesh();
   const RayQuery query(tree, ray.origin, ray.direction);
   if (!query.meets()) return;
+  const Vec3d middle{mesh.origin().x, mesh.origin().y, mesh.origin().z};
+  const Vec3d along = otgRayAlong(ray.direction), inverse{1 / along.x, 1 / along.y, 1 / along.z};
+  const double reach = otgRayReach(double{mesh.radius()}, ray.origin - middle, middle);
   const auto test = [&](std::uint32_t t) {
     if (mesh.isDegenerate(t)) return;
     Vec3d p[3];
@@ -64,8 +69,8 @@ void forEachRayHit(const CollisionMesh& tree, const MeshRay& ray, double& limit,
       p[k] = {v.x, v.y, v.z};
     }
     double distance = 0;
-    const int meets = otgRayMeetsTriangle(ray.origin, ray.direction, p[0], p[1], p[2], &distance);
-    if (meets != 0 && distance >= 0 && distance <= limit) hit(t, distance, meets == 2);
+    const int meets = otgRayHitsTriangle(ray.origin, ray.direction, along, inverse, p[0], p[1], p[2], reach, &distance);
+    if (meets != 0 && distance <= limit) hit(t, distance, meets == 2);
   };
   struct Item {
     std::int32_t node;

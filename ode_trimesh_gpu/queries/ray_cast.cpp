@@ -91,7 +91,9 @@ void forEachHit(const CollisionMesh& mesh, const RayCast& cast, double& limit, c
     if (ray.hits(triangle, hit) && hit.distance <= limit && !(hit.back && cast.cullBack)) visit(hit);
   };
   if (isOfOrdinarySize(mesh.mesh())) {
-    forEachRayHit(mesh, cast.ray, limit, [&](std::uint32_t t, double, bool) { test(t); });
+    forEachRayHit(mesh, cast.ray, limit, [&](std::uint32_t t, double distance, bool back) {
+      if (!(back && cast.cullBack)) visit(RayHit{distance, t, back});
+    });
   } else {
     forEachInReach(mesh, cast.ray, limit, test);
   }

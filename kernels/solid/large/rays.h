@@ -17,7 +17,7 @@
 
 /// By ray: out of B, and back out of A.
 typedef struct {
-  double origin[2][3], direction[2][3], centred[2][3], inverse[2][3];
+  otg_solid_ray ray[2];
   ulong nearest[2];             ///< bits of a double that is not negative
   ulong leaves[2], enters[2];   ///< the nearest of either kind; ~0: none
   uint2 stack[OTG_RAY_PLACES];  ///< first child or triangle; their number and the ray
@@ -34,15 +34,12 @@ OTG_INLINED void otgOpenForRay(__local otg_ray_scratch* s, __global const float4
   const uint ray = entry.y & 1;
   const int count = (int)(short)(entry.y >> 1);
   OTG_MESH* m = &mesh[1 - ray].solid;
-  const otg_vec3_d o = otgVec_d(s->origin[ray][0], s->origin[ray][1], s->origin[ray][2]);
-  const otg_vec3_d d = otgVec_d(s->direction[ray][0], s->direction[ray][1], s->direction[ray][2]);
-  const otg_vec3_d c = otgVec_d(s->centred[ray][0], s->centred[ray][1], s->centred[ray][2]);
-  const otg_vec3_d inverse = otgVec_d(s->inverse[ray][0], s->inverse[ray][1], s->inverse[ray][2]);
+  const otg_solid_ray line = s->ray[ray];
   for (uint k = lane; (int)k < count; k += OTG_NODE_LANES) {
     const uint child = m->nodes + 2 * (entry.x + k);
     const float4 center = meshes[child], extent = meshes[child + 1];
     const double nearest = as_double(*(volatile __local ulong*)(s->nearest + ray));
-    if (!otgRayMeetsBox(c, d, inverse, center, extent, nearest)) continue;
+    if (!otgRayMeetsBox(&line, center, extent, nearest)) continue;
     const uint place = atomic_inc(&s->top);
     if (place < OTG_RAY_PLACES) {
       s->stack[place] = otgRayEntry(ray, center, extent);
@@ -53,8 +50,8 @@ OTG_INLINED void otgOpenForRay(__local otg_ray_scratch* s, __global const float4
   for (uint k = lane; (int)k < -count; k += OTG_NODE_LANES) {
     double distance;
     int leaving;
-    if (!otgRayMeetsTriangle(meshes, m->soup + 3 * (entry.x + k), o, d, &distance, &leaving)) continue;
-    if (!(distance >= 0) || (!leaving && distance <= skin)) continue;
+    if (!otgRayHitsSoup(meshes, m->soup + 3 * (entry.x + k), &line, &distance, &leaving)) continue;
+    if (!leaving && distance <= skin) continue;
     const ulong bits = as_ulong(distance + 0.0);  // -0 and 0 are one
     if (bits > s->nearest[ray]) continue;         // unordered
     atom_min(leaving ? s->leaves + ray : s->enters + ray, bits);
@@ -75,20 +72,13 @@ OTG_INLINED int otgExitDistances(__local otg_ray_scratch* s, __global const floa
   OTG_SYNC;
   for (uint ray = lane; ray < 2; ray += OTG_GROUP) {
     OTG_MESH* m = &mesh[1 - ray].solid;
-    const otg_vec3_d o = otgPointToOwn(m, from), along = otgDirectionToOwn(m, ray == 0 ? d : otgScale_d(d, -1.0));
-    const otg_vec3_d c = otgSub_d(o, otgVec_d((double)m->center.x, (double)m->center.y, (double)m->center.z));
-    const otg_vec3_d inverse = otgVec_d(1 / along.x, 1 / along.y, 1 / along.z);
-    const double own[12] = {o.x, o.y, o.z, along.x, along.y, along.z, c.x, c.y, c.z, inverse.x, inverse.y, inverse.z};
-    for (uint k = 0; k < 3; ++k) {
-      s->origin[ray][k] = own[k];
-      s->direction[ray][k] = own[3 + k];
-      s->centred[ray][k] = own[6 + k];
-      s->inverse[ray][k] = own[9 + k];
-    }
+    const otg_solid_ray line =
+        otgSolidRay(m, otgPointToOwn(m, from), otgDirectionToOwn(m, ray == 0 ? d : otgScale_d(d, -1.0)));
+    s->ray[ray] = line;
     s->nearest[ray] = as_ulong(limit);
     s->leaves[ray] = s->enters[ray] = ~0ul;
     const float4 center = meshes[m->nodes], extent = meshes[m->nodes + 1];
-    if (otgRayMeetsBox(c, along, inverse, center, extent, limit)) {
+    if (otgRayMeetsBox(&line, center, extent, limit)) {
       s->stack[atomic_inc(&s->top)] = otgRayEntry(ray, center, extent);
     }
   }
