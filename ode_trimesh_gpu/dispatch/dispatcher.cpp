@@ -64,7 +64,8 @@ void Dispatcher::setTaskRunner(const TaskRunner& runner) {
 
 unsigned Dispatcher::threadCount() const {
   const std::lock_guard lock(mutex_);
-  return threads_ != 0 ? threads_ : defaultThreadCount();
+  if (threads_ != 0) return threads_;
+  return pool_ ? pool_->threadCount() : defaultThreadCount();  // the default asks the system
 }
 
 std::shared_ptr<ThreadPool> Dispatcher::pool() {
@@ -252,6 +253,14 @@ void Dispatcher::run(std::size_t count, std::size_t grain, const ThreadPool::Wor
     return;
   }
   pool()->run(count, grain, work);
+}
+
+void Dispatcher::runShort(std::size_t count, std::size_t grain, const ThreadPool::Work& work) {
+  if (count <= grain || hasEnded.load(std::memory_order_acquire)) {
+    run(count, grain, work);
+  } else {
+    pool()->runShort(count, grain, work);
+  }
 }
 
 template <class Job>

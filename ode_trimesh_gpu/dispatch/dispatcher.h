@@ -91,6 +91,8 @@ class Dispatcher {
 
   /// ThreadPool::run on the threads of batches.
   void run(std::size_t count, std::size_t grain, const ThreadPool::Work& work);
+  /// ThreadPool::runShort on these.
+  void runShort(std::size_t count, std::size_t grain, const ThreadPool::Work& work);
 
   /// Every point of an array, each with the answer that it has by itself, on the CPU or, where the job and the costs
   /// say so, with the device that has the least to do.

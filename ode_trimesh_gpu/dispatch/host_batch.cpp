@@ -18,6 +18,8 @@ namespace {
 constexpr std::size_t kManyPairs = 4096, kPairsAtOnce = 8, kReadAtOnce = 128;
 /// A pair that has this many times the mean is begun before the others, so that it is not what all wait for in the end.
 constexpr std::size_t kLarge = 8;
+/// Pairs of no more triangles together may be over before another thread is awake.
+constexpr std::size_t kFewTriangles = 1 << 14;
 
 }  // namespace
 
@@ -88,10 +90,15 @@ void runByPool(ThreadPool& pool, std::span<const PairWork> work, std::span<const
     (sizes[k] * which.size() > kLarge * all ? order : others).push_back(which[k]);
   }
   order.insert(order.end(), others.begin(), others.end());
-  pool.run(order.size(), order.size() < kManyPairs ? 1 : kPairsAtOnce, [&](std::size_t begin, std::size_t end) {
+  const auto collide = [&](std::size_t begin, std::size_t end) {
     const WorkspaceLease lease;
     for (std::size_t k = begin; k < end; ++k) one(order[k], *lease);
-  });
+  };
+  if (all <= kFewTriangles) {
+    pool.runShort(order.size(), 1, collide);
+  } else {
+    pool.run(order.size(), order.size() < kManyPairs ? 1 : kPairsAtOnce, collide);
+  }
 }
 
 }  // namespace otg

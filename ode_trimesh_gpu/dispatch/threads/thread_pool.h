@@ -44,6 +44,9 @@ class ThreadPool {
   /// parts that were not begun by then are left out. `urgent`: threads that help with other calls leave these after the
   /// part that they are at.
   void run(std::size_t count, std::size_t grain, const Work& work, bool urgent = false);
+  /// run() for parts of some microseconds. The caller begins alone. Others help once what is left is expected to take
+  /// longer than waking them.
+  void runShort(std::size_t count, std::size_t grain, const Work& work);
 
  private:
   struct Job;

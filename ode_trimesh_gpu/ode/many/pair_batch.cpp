@@ -118,7 +118,7 @@ PairBatch::~PairBatch() {
 }
 
 void PairBatch::forParts(const ThreadPool::Work& work) const {
-  dispatcher().run(count_, kBlock, work);
+  dispatcher().runShort(count_, kBlock, work);
 }
 
 PairBatch::Found PairBatch::readPart(std::size_t begin, std::span<const dGpuTriMeshPair> pairs) {
@@ -287,7 +287,7 @@ void PairBatch::rememberHistories() {
   for (std::size_t i = 0; i < count_; ++i) {
     if (owners_[i] != kNobody) order[next[owners_[i]]++] = i;
   }
-  dispatcher().run(kOwners, 1, [&](std::size_t begin, std::size_t end) {
+  dispatcher().runShort(kOwners, kOwners / 8, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = ends[begin]; k < ends[end]; ++k) {
       rememberPair(task(order[k]), !result(order[k]).contacts.empty());
     }

@@ -91,9 +91,10 @@ std::size_t prefetchShapes(std::span<const dGpuTriMeshPair> pairs) {
   }
   // Of planes whole meshes may lie below: the longest first.
   std::stable_partition(jobs.begin(), jobs.end(), [](const Job& job) { return job.query.geomClass == dPlaneClass; });
-  dispatcher().run(jobs.size(), jobs.size() < kManyPairs ? 1 : kPairsAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) compute(jobs[i]);
-  });
+  dispatcher().runShort(jobs.size(), jobs.size() < kManyPairs ? 1 : kPairsAtOnce,
+                        [&](std::size_t begin, std::size_t end) {
+                          for (std::size_t i = begin; i < end; ++i) compute(jobs[i]);
+                        });
   for (Job& job : jobs) {
     if (!job.done) continue;
     job.task.side.object->prefetchedShapes.make().add(memoryKey(job.task.o2), std::move(job.query), job.most,
