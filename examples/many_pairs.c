@@ -19,15 +19,15 @@ static int onlyPlaceable(void* data, dGeomID o1, dGeomID o2) {
 /* Where a program's own scheduler would hand the tasks to its threads. */
 static void runTasks(void* data, int count, dGpuTriMeshTask* task, void* context) {
   int i;
+  (void)data;
   for (i = 0; i < count; ++i) task(context, i);
-  *(int*)data += count;
 }
 
 int main(void) {
   static dContactGeom contacts[kBoxes * kPlaces], collected[kBoxes * kPlaces];
   static dGpuTriMeshContactData known[kBoxes * kPlaces];
   dGpuTriMeshPair pairs[kBoxes - 1];
-  int counts[kBoxes - 1], first[kBoxes], tasks = 0, i, total;
+  int counts[kBoxes - 1], first[kBoxes], i, total;
   dGeomID boxes[kBoxes];
   dGpuTriMeshDataID data;
   dGpuTriMeshBatchID batch;
@@ -54,9 +54,9 @@ int main(void) {
   EXPECT(total == found && counts[0] >= 4);
 
   /* The threads of the program's own scheduler instead of the library's. */
-  EXPECT(dGpuTriMeshSetTaskRunner(&runTasks, &tasks) == dGPUTRIMESH_OK);
+  EXPECT(dGpuTriMeshSetTaskRunner(&runTasks, 0) == dGPUTRIMESH_OK);
   total = dGpuTriMeshCollidePairs(pairs, kBoxes - 1, kPlaces, contacts, sizeof contacts[0], counts);
-  EXPECT(total == found && tasks >= 0); /* so few pairs need no help */
+  EXPECT(total == found); /* so few pairs need no help */
   EXPECT(dGpuTriMeshSetTaskRunner(0, 0) == dGPUTRIMESH_OK);
 
   batch = dGpuTriMeshBatchSubmit(pairs, kBoxes - 1, kPlaces);
