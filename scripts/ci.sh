@@ -8,13 +8,14 @@
 #
 #   gcc clang14 clang19   the library and its core tests by this compiler; warnings are errors
 #   simd                  the same contacts by SSE2, AVX2 and AVX-512 (the first two under qemu-user)
-#   aarch64               cross-compiled; core tests under qemu-user
+#   aarch64               cross-compiled; core tests under qemu-user, the longest with a tenth of their rounds
 #   mingw                 cross-compiled for Windows with ODE's source; core tests under Wine
 #   single                compiles against the headers of ODE in single precision
 #   subproject            inside a user's project, by add_subdirectory() and FetchContent
 #   conan                 `conan create` of the recipe in packaging/conan
 #   gazebo                a world of Gazebo's physics with DART and ODE (packages of 250 MB)
-#   wheel docs deb lint   python.sh, docs.sh, packages.sh --try, lint.sh
+#   viewer                the page of a run in headless Chromium, its picture beside the one it was
+#   wheel docs deb lint   python.sh, docs.sh --gallery, packages.sh --try, lint.sh
 #
 # JOBS is how many compilers run at once (default: one for each core).
 set -euo pipefail
@@ -22,7 +23,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 jobs=${JOBS:-$(nproc)}
 # Objects of one compiler are equal in every row: paths below this folder do not count.
 export CCACHE_BASEDIR=${CCACHE_BASEDIR:-$PWD} CCACHE_NOHASHDIR=1
-rows=(gcc clang14 clang19 simd aarch64 mingw single subproject conan gazebo wheel docs deb lint)
+rows=(gcc clang14 clang19 simd aarch64 mingw single subproject conan gazebo viewer wheel docs deb lint)
 # What reaches most of the library without devices, in a few minutes. Golden contacts are equal bytes on every machine.
 core=(tests_core_asan tests_core_tsan test_contact_counts test_default_contacts)
 core_labels='^(core_asan|core_tsan|golden)$'
@@ -128,7 +129,7 @@ cross() {
 row_aarch64() {
   install tests ci_aarch64
   cross aarch64 "ode_trimesh_gpu ${core[*]}"
-  run_core aarch64 --timeout 3000
+  OTG_TEST_PART=0.1 run_core aarch64 --timeout 3000
 }
 row_mingw() {
   install tests ci_mingw
@@ -167,8 +168,16 @@ row_gazebo() {
   ctest --test-dir build --no-tests=error --output-on-failure -R '^robustness.drop_in_(gazebo|dart)$' | tail -n 12
 }
 
+row_viewer() {
+  install viewer
+  cmake --preset default >/dev/null
+  cmake --build build --target otg -- -j"$jobs" >build/viewer.log 2>&1 || { tail -n 40 build/viewer.log >&2; return 1; }
+  ctest --test-dir build --no-tests=error --output-on-failure -R '^robustness.viewer$' | tee build/viewer.log | tail -n 12
+  ! grep -q Skipped build/viewer.log
+}
+
 row_wheel() { bash scripts/python.sh; }
-row_docs() { bash scripts/docs.sh; }
+row_docs() { bash scripts/docs.sh --gallery; }
 row_deb() { bash scripts/packages.sh --try; }
 row_lint() { install lint && bash scripts/lint.sh; }
 

@@ -3,6 +3,9 @@
 # Builds the manual as a site: build/docs/html/index.html. The C API comes from the headers by Doxygen, the pages from docs/ by
 # Sphinx. Fails at an undocumented parameter, at a link that leads nowhere, and at any other warning of the two.
 #
+#   scripts/docs.sh              the pages and the API; the gallery, too, if it was built before
+#   scripts/docs.sh --gallery    also builds the Python package and runs the scripts of docs/gallery, whose pictures the site shows
+#
 # Sphinx and its parts come from PyPI into a virtual environment below build/docs/, in the versions of docs/site/requirements.txt.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -17,6 +20,13 @@ if ! cmp -s docs/site/requirements.txt "$work/venv/requirements.txt"; then
   python3 -m venv "$work/venv"
   "$work/venv/bin/pip" install --quiet --disable-pip-version-check -r docs/site/requirements.txt
   cp docs/site/requirements.txt "$work/venv/requirements.txt"
+fi
+
+if [ "${1:-}" = --gallery ]; then
+  echo "== the Python package" >&2
+  bash scripts/python.sh --wheel
+  "$work/venv/bin/pip" install --quiet --disable-pip-version-check matplotlib coal manifold3d "$(echo out/wheels/*.whl)[all]"
+  "$work/venv/bin/pip" install --quiet --disable-pip-version-check --force-reinstall --no-deps out/wheels/*.whl
 fi
 
 echo "== Doxygen" >&2

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Installs with apt what this project needs and the machine lacks; does nothing (and asks for no rights) where all is there.
 #
-#   scripts/install_dependencies.sh [build] [tests] [demo] [benchmarks] [drop_in] [lint] [docs] [packages] [python]     (default: build)
+#   scripts/install_dependencies.sh [build] [tests] [demo] [benchmarks] [drop_in] [lint] [docs] [packages] [python] [viewer]     (default: build)
 #
 # Written for Debian 12. Needs root or sudo only when something is missing.
 set -euo pipefail
@@ -30,6 +30,8 @@ benchmarks_packages=(libfcl-dev libbullet-dev libembree-dev libcgal-dev libcgal-
 drop_in_packages=(libdart-collision-ode-dev python3-pyode stormbaancoureur xvfb libxtst6)
 # What the wheel is built with. The other tools come from PyPI: see scripts/python.sh.
 python_packages=(python3-dev python3-venv)
+# The page of a run in a browser (tests/robustness/viewer), which is skipped without.
+viewer_packages=(chromium)
 # Format and static checks of the sources.
 lint_packages=(clang-format clang-tidy git)
 # The site of the manual (docs.sh).
@@ -57,12 +59,13 @@ for set in "$@"; do
     lint) wanted+=("${lint_packages[@]}") ;;
     python) wanted+=("${python_packages[@]}") ;;
     docs) wanted+=("${docs_packages[@]}") ;;
+    viewer) wanted+=("${viewer_packages[@]}") ;;
     packages) wanted+=("${packages_packages[@]}") ;;
     ci_*)
       declare -n of_row=${set}_packages
       [ -n "${of_row[*]-}" ] || { echo "$0: unknown set '$set'" >&2; exit 2; }
       wanted+=("${of_row[@]}") ;;
-    *) echo "$0: unknown set '$set' (build, tests, demo, benchmarks, drop_in, lint, docs, packages, python)" >&2; exit 2 ;;
+    *) echo "$0: unknown set '$set' (build, tests, demo, benchmarks, drop_in, lint, docs, packages, python, viewer)" >&2; exit 2 ;;
   esac
 done
 

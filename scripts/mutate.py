@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Breaks one line of a source tree at random, for scripts/mutate.sh.
 
-    mutate.py TREE SEED    changes one line of TREE; prints FILE:LINE, the old and the new line, separated by tabs
+    mutate.py TREE SEED [PATTERN]    changes one line of TREE; prints FILE:LINE, the old and the new line, separated by tabs
 
+PATTERN is a regular expression that the file's path within TREE must have.
 The same seed and tree give the same change. Exit status 2 if the line that was drawn has nothing to break.
 """
 import random
@@ -13,14 +14,14 @@ from pathlib import Path
 
 # What is looked for, and what takes its place. One match in the line is drawn.
 OPERATORS = [
-    (r"<=", "<"), (r">=", ">"), (r"(?<![<>\-=])<(?![<=])(?= )", "<="), (r"(?<![<>\-=])>(?![>=])(?= )", ">="),
+    (r"<=", "<"), (r">=", ">"), (r"(?<= )<(?= )", "<="), (r"(?<= )>(?= )", ">="),
     (r"==", "!="), (r"!=", "=="), (r"&&", "||"), (r"\|\|", "&&"), (r"(?<=[\w)\]] )\+(?= )", "-"),
     (r"(?<=[\w)\]] )-(?= )", "+"), (r"(?<= )\*(?= )", "/"), (r"\btrue\b", "false"), (r"\bfalse\b", "true"),
     (r"\bmin\(", "max("), (r"\bmax\(", "min("), (r"\b0\b(?![.x])", "1"), (r"\b1\b(?![.x])", "2"),
     (r"\bif \(", "if (false && "), (r"\bif \(", "if (true || "), (r"\bcontinue;", ";"), (r"\bbreak;", ";"),
 ]
-# Lines that no test can be asked about: text, includes, declarations of constants' names, asserts, messages.
-PASSED_OVER = re.compile(r"^\s*(//|/?\*|#|static_assert|assert\(|namespace|using|template|\}|$)|case .*:$|\"")
+# Lines that no test can be asked about: text, includes, declarations of constants' names, asserts, prefetches, messages.
+PASSED_OVER = re.compile(r"^\s*(//|/?\*|#|static_assert|assert\(|namespace|using|template|\}|$)|case .*:$|prefetch|\"")
 
 
 def sources(tree):
@@ -38,7 +39,8 @@ def changes(line):
 
 def main():
     tree, draw = sys.argv[1], random.Random(int(sys.argv[2]))
-    files = sources(tree)
+    pattern = re.compile(sys.argv[3] if len(sys.argv) > 3 else "")
+    files = [f for f in sources(tree) if pattern.search(str(f.relative_to(tree)))]
     lines = [f.read_text().splitlines(keepends=True) for f in files]
     # Every line is as likely as any other, whatever file it is in.
     place = draw.randrange(sum(len(text) for text in lines))

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "cli/contact_hash.h"
+#include "cli/progress.h"
 #include "cli/query_options.h"
 #include "collide/query.h"
 #include "dispatch/dispatcher.h"
@@ -520,9 +521,11 @@ int benchBatch(const BenchOptions& options) {
   std::vector<BatchVersions> batches;
   for (const std::string& name : names) batches.push_back(makeBatchVersions(options, name));
   Json single = Json::array(), batch = Json::array(), steps = Json::array();
+  Progress all(2 * batches.size() + variants.size() * (singles.size() + batches.size()));
   for (const BatchVersions& scene : batches) {
     if (!options.cpu) break;
     for (const Json& row : cpuBatchRows(options, scene)) batch.push_back(row);
+    all.step();
   }
   std::string device;
   for (const TuningVariant& variant : variants) {
@@ -533,14 +536,21 @@ int benchBatch(const BenchOptions& options) {
     } else {
       progress("note: no OpenCL device can be used; the tables have the CPU alone");
     }
-    for (const SingleScene& one : singles) single.push_back(singleRow(one, variant, backend.get()));
+    for (const SingleScene& one : singles) {
+      single.push_back(singleRow(one, variant, backend.get()));
+      all.step();
+    }
     for (const BatchVersions& scene : batches) {
       if (backend) addDeviceBatchRows(options, scene, variant, *backend, batch);
+      all.step();
     }
     if (backend && backend->counts().onHost > 0) progress("note: the OpenCL device failed; the CPU did what it left");
   }
   const bool opened = index >= 0 && dispatcher().open(std::vector<int>{index}, variants.back().tuning) > 0;
-  for (const BatchVersions& scene : batches) addApiRows(options, scene, opened, batch, steps);
+  for (const BatchVersions& scene : batches) {
+    addApiRows(options, scene, opened, batch, steps);
+    all.step();
+  }
   printBench({{"bench", "batch"},
               {"device", device.empty() ? Json() : Json(device)},
               {"tables", {{"single", single}, {"batch", batch}, {"steps", steps}}}},

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "bvh/collision_mesh.h"
+#include "cli/progress.h"
 #include "cli/query_options.h"
 #include "otg_bench/bench.h"
 #include "otg_bench/moves.h"
@@ -116,7 +117,9 @@ BenchMesh spheresInARow() {
 
 int benchBuild(const BenchOptions& options) {
   Json rows = Json::array(), updates = Json::array();
-  for (const BenchMesh& entry : benchMeshes(options)) {
+  const std::vector<BenchMesh> meshes = benchMeshes(options);
+  Progress all(meshes.size() + 3);
+  for (const BenchMesh& entry : meshes) {
     progress(fmt::format("{}: {} triangles", entry.name, entry.mesh->triangleCount()));
     const double validate = validateMs(*entry.mesh, options.repeat);
     for (const BuildStrategy strategy : {BuildStrategy::kMeanSplit, BuildStrategy::kSah}) {
@@ -140,12 +143,15 @@ int benchBuild(const BenchOptions& options) {
       rows.push_back(row);
     }
     updates.push_back(updateRow(entry, options.repeat));
+    all.step();
   }
   updates.push_back(updateRow(spheresInARow(), options.repeat));
-  printBench(
-      {{"bench", "build"},
-       {"tables", {{"build", rows}, {"update", updates}, {"scale", scaleRows(options)}, {"sent", sentRows(options)}}}},
-      options.json);
+  all.step();
+  const Json scales = scaleRows(options);
+  all.step();
+  printBench({{"bench", "build"},
+              {"tables", {{"build", rows}, {"update", updates}, {"scale", scales}, {"sent", sentRows(options)}}}},
+             options.json);
   return kOk;
 }
 

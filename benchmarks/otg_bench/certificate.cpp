@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "cli/command.h"
+#include "cli/progress.h"
 #include "otg_bench/error_quantiles.h"
 #include "scenes/simulation.h"
 #include "truth/certificate_verdict.h"
@@ -153,9 +154,11 @@ int benchCertificate(const CertificateOptions& options) {
     return kOk;
   }
   Json rows = Json::array();
+  Progress all(families.size());
   for (const CertificateFamily& family : families) {
     progress(fmt::format("{}: {}", family.name, family.what));
     rows.push_back(rowOf(family.name, judgeFamily(family, options)));
+    all.step();
   }
   if (options.json) {
     Json document;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cli/progress.h"
 #include "otg_bench/bench.h"
 #include "otg_bench/certificate.h"
 #include "otg_bench/error_quantiles.h"
@@ -223,9 +224,14 @@ int run(const BenchContactsOptions& options) {
     return kOk;
   }
   Tables tables;
-  for (const ContactFamily& family : familiesOf(options)) {
+  const std::vector<ContactFamily> families = familiesOf(options);
+  Progress all(families.size() * std::size(kTiers));
+  for (const ContactFamily& family : families) {
     progress(fmt::format("{}: {}", family.name, family.what));
-    for (const Tier& tier : kTiers) runFamily(family, tier, options, tables);
+    for (const Tier& tier : kTiers) {
+      runFamily(family, tier, options, tables);
+      all.step();
+    }
   }
   Json document;
   document["bench"] = "contacts";

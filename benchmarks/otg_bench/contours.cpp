@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cli/progress.h"
 #include "otg_bench/bench.h"
 #include "scenes/generated_meshes.h"
 #include "truth/contact_families.h"
@@ -117,10 +118,13 @@ struct Totals {
 Totals auditPairing(const Pairing& pairing, const BenchContoursOptions& options, bool exact) {
   truth::Random random(options.seed);
   Totals totals;
+  Progress found(static_cast<std::size_t>(options.poses));
   // Placements that do not cross (apart, or one inside the other) say nothing about contours and are drawn again.
   for (int tries = 0; totals.overlaps < options.poses && tries < 100 * options.poses; ++tries) {
     const auto audit = truth::auditContour(*pairing.a, *pairing.b, randomPose(random, pairing, exact));
-    if (audit.crossings > 0) totals.add(audit);
+    if (audit.crossings == 0) continue;
+    totals.add(audit);
+    found.step();
   }
   return totals;
 }
@@ -136,12 +140,14 @@ Json solidsTable(const BenchContoursOptions& options) {
   }
   Json rows = Json::array();
   Totals all;
+  Progress parts(2 * pairings.size());
   for (const Pairing& pairing : pairings) {
     progress(pairing.name);
     for (const bool exact : {false, true}) {
       const Totals totals = auditPairing(pairing, options, exact);
       rows.push_back(totals.row(pairing.name, exact ? "on a grid" : "anyhow"));
       all.add(totals);
+      parts.step();
     }
   }
   rows.push_back(all.row("all", ""));

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "cli/progress.h"
 #include "cli/query_options.h"
 #include "collide/query.h"
 #include "otg_bench/bench.h"
@@ -43,8 +44,9 @@ class ExactRun {
 
   ExactTotals family(const ExactFamily& family, std::uint32_t number, std::int64_t scenes) {
     ExactTotals totals;
+    Progress parts(static_cast<std::size_t>(scenes));
     totals.seconds = 1e-3 * timeOnce([&] {
-                       for (std::int64_t i = 0; i < scenes; ++i) scene(family, number, i, totals);
+                       for (std::int64_t i = 0; i < scenes; ++i, parts.step()) scene(family, number, i, totals);
                      });
     return totals;
   }
@@ -112,6 +114,7 @@ int runExact(const BenchExactOptions& options) {
   ExactRun all(options, byCgal);
   ExactTotals sum;
   Json rows = Json::array();
+  Progress parts(chosen.size());
   for (const ExactFamily* family : chosen) {
     progress(family->name);
     const ExactTotals totals = all.family(*family, static_cast<std::uint32_t>(family - exactFamilies().data()), scenes);
@@ -120,6 +123,7 @@ int runExact(const BenchExactOptions& options) {
     sum.meeting += totals.meeting;
     sum.differences += totals.differences;
     sum.seconds += totals.seconds;
+    parts.step();
   }
   rows.push_back(sum.row("all"));
   Json document;

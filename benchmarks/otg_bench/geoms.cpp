@@ -25,6 +25,14 @@ void poseGeom(dGeomID geom, const Transformd& pose) {
   dGeomSetPosition(geom, pose.t.x, pose.t.y, pose.t.z);
 }
 
+double lastTouch(double low, double high, double tolerance, const std::function<bool(double)>& touchesAt) {
+  while (high - low > tolerance) {
+    const double middle = 0.5 * (low + high);
+    (touchesAt(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
 MeshTwins::MeshTwins(const scenes::MeshArrays& arrays) : arrays_(arrays) {
   const MeshInput in = arrays_.input();
   data_ = dGpuTriMeshDataCreate();

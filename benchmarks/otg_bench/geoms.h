@@ -6,6 +6,7 @@
 #include <ode_trimesh_gpu/ode_trimesh_gpu.h>
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -19,6 +20,9 @@ namespace otg::cli {
 dGpuTriMeshDataID meshData(const TriMesh& mesh, const std::string& name);
 
 void poseGeom(dGeomID geom, const Transformd& pose);
+
+/// By bisection the last place that touches, to `tolerance`: at `low` it does, at `high` it does not.
+double lastTouch(double low, double high, double tolerance, const std::function<bool(double)>& touchesAt);
 
 /// A mesh as a geom of ours and as a dTriMesh, in no space.
 class MeshTwins {

@@ -8,7 +8,9 @@
 #include <cmath>
 
 #include "cli/contact_hash.h"
+#include "cli/progress.h"
 #include "otg_bench/bench.h"
+#include "otg_bench/geoms.h"
 #include "otg_bench/kink.h"
 #include "scenes/height_grid.h"
 #include "scenes/heightfield_geom.h"
@@ -66,14 +68,12 @@ class FieldRun {
 
 /// The height at which the mesh's middle is to be, so that it is a fiftieth of its size in the ground.
 double restingHeight(const FieldBody& body, dGeomID geom, FieldRun& run, double x, double y) {
-  double low = -4, high = 4 + 2 * body.halfHeight;
-  while (high - low > 1e-4) {
-    const double middle = 0.5 * (low + high);
-    dGeomSetPosition(geom, x, y, middle);
+  const auto touchesAt = [&](double z) {
+    dGeomSetPosition(geom, x, y, z);
     run.ask(geom);
-    (run.lastCount() > 0 ? low : high) = middle;
-  }
-  return low - 0.04 * body.halfHeight;
+    return run.lastCount() > 0;
+  };
+  return lastTouch(-4, 4 + 2 * body.halfHeight, 1e-4, touchesAt) - 0.04 * body.halfHeight;
 }
 
 /// About as high as the ground is.
@@ -138,12 +138,14 @@ int benchHeightfield(const FieldOptions& options) {
   const dGeomID ground = field->makeGeom(nullptr, {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}});
 
   Json bodies = Json::array();
+  Progress all(8);  // six bodies, the building, the kink
   for (const double size : {0.5, 8.0, 32.0}) {
     const FieldBody box{"box", scenes::makeBox({size, size, size}, 2), dCreateBox(nullptr, size, size, size), size / 2};
     const FieldBody ball{"ball", scenes::makeSphere(size / 2, 4), dCreateSphere(nullptr, size / 2), size / 2};
     for (const FieldBody* body : {&box, &ball}) {
       bodies.push_back(measureBody(*body, grid, ground, size, options));
       dGeomDestroy(body->own);
+      all.step();
     }
   }
   dGeomDestroy(ground);
@@ -163,6 +165,7 @@ int benchHeightfield(const FieldOptions& options) {
                    }));
     dGpuTriMeshHeightfieldDataDestroy(data);
   }
+  all.step();
   const Json build = Json::array(
       {{{"samples", grid.columns * grid.rows}, {"build_ms", median(ours)}, {"build_ms_of_ode", median(stock)}}});
   printBench({{"bench", "heightfield"},

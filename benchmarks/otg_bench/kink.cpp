@@ -8,6 +8,7 @@
 #include <cmath>
 #include <vector>
 
+#include "cli/progress.h"
 #include "scenes/generated_meshes.h"
 #include "scenes/heightfield_geom.h"
 
@@ -149,8 +150,10 @@ Json kinkRows() {
   const std::shared_ptr<const TriMesh> box = scenes::build(scenes::makeBox({kKinkBox, kKinkBox, kKinkBox}));
   Json rows = Json::array();
   KinkSlides all;
-  for (const double right : {0.2, 0.5, 1.0}) {
-    for (const double left : {0.0, 0.2, 0.5, 0.8}) {  // with 1 and 1 the box would stick in a slot of its own shape
+  constexpr double kRight[] = {0.2, 0.5, 1.0}, kLeft[] = {0.0, 0.2, 0.5, 0.8};
+  Progress parts(std::size(kRight) * std::size(kLeft));
+  for (const double right : kRight) {
+    for (const double left : kLeft) {  // with 1 and 1 the box would stick in a slot of its own shape
       KinkSlides slides;
       for (const double friction : {0.0, 0.1}) {
         for (const double turned : {0.0, 0.4}) {
@@ -160,6 +163,7 @@ Json kinkRows() {
       }
       rows.push_back(slides.row(left, right));
       all.add(slides);
+      parts.step();
     }
   }
   rows.push_back(all.row("all", "all"));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "cli/progress.h"
 #include "otg_bench/batch_scenes.h"
 #include "otg_bench/geoms.h"
 
@@ -70,10 +71,13 @@ Json pairRows(const AskPairs& ask, const std::vector<std::pair<const char*, doub
               bool withDevices) {
   Json rows = Json::array();
   const BodyList bodies = batchBodies();
+  const std::vector<BenchMesh> meshes = benchMeshes(options);
+  Progress parts(pairCounts.size() * (1 + meshes.size() * scenes.size()));
   for (const int count : pairCounts) {
     rows.push_back(pairRow(ask, "bodies", batchQueries(bodies, count), alone, repeat, withDevices));
+    parts.step();
   }
-  for (const BenchMesh& entry : benchMeshes(options)) {
+  for (const BenchMesh& entry : meshes) {
     const CollisionMesh mesh(sortedInSpace(*entry.mesh), BuildStrategy::kSah);
     const double radius = static_cast<double>(mesh.mesh().radius());
     for (const auto& [scene, further] : scenes) {
@@ -91,6 +95,7 @@ Json pairRows(const AskPairs& ask, const std::vector<std::pair<const char*, doub
           one.bInA.t = otgAdd(one.bInA.t, otgScale(random.direction(), 1e-4 * radius));
         }
         rows.push_back(pairRow(ask, entry.name + " " + scene, queries, alone, repeat, withDevices));
+        parts.step();
       }
     }
   }

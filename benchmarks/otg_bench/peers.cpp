@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "cli/progress.h"
 #include "cli/query_options.h"
 #include "collide/query.h"
 #include "otg_bench/bench.h"
@@ -99,20 +100,24 @@ Json describe(const std::string& mesh, const Contestant& contestant, double stoc
 int benchPeers(const BenchOptions& options) {
   Json rows = Json::array();
   const scenes::OdeSession session;
-  for (const BenchMesh& entry : benchMeshes(options)) {
+  const std::vector<BenchMesh> meshes = benchMeshes(options);
+  Progress all(meshes.size());
+  for (const BenchMesh& entry : meshes) {
     progress(fmt::format("{}: {} triangles", entry.name, entry.mesh->triangleCount()));
     peers::PeerScene scene{entry.mesh.get(), entry.mesh.get(), {}};
     scene.bInA = benchPose(options, CollisionMesh(entry.mesh, BuildStrategy::kSah));
     std::vector<Contestant> contestants = makeContestants(scene);
     const int rounds = options.repeat > 0 ? options.repeat : 15;
     progress(fmt::format("  {} rounds of one query each", rounds));
-    for (int round = 0; round < rounds; ++round) {
+    Progress parts(static_cast<std::size_t>(rounds));
+    for (int round = 0; round < rounds; ++round, parts.step()) {
       for (Contestant& contestant : contestants) {
         if (contestant.peer) contestant.times.push_back(timeOnce([&] { contestant.peer->query(); }));
       }
     }
     const double stockMs = median(contestants.front().times);
     for (const Contestant& contestant : contestants) rows.push_back(describe(entry.name, contestant, stockMs));
+    all.step();
   }
   printBench({{"bench", "peers"}, {"scene", options.scene}, {"tables", {{"peers", rows}}}}, options.json);
   return kOk;

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cli/progress.h"
 #include "otg_bench/bench.h"
 #include "otg_bench/error_quantiles.h"
 #include "scenes/simulation.h"
@@ -146,11 +147,14 @@ Json runPair(TessellatedBody subject, TessellatedBody partner, const PrimitivesO
 }
 
 Json comparePairs(const PrimitivesOptions& options) {
-  std::vector<TessellatedBody> partners = truth::smallBodies();  // sphere, box, capsule, cylinder, convex
+  const std::vector<TessellatedBody> partners = truth::smallBodies();  // sphere, box, capsule, cylinder, convex
   Json rows = Json::array();
-  for (const TessellatedBody& subject : comparedMeshes()) {
+  const std::vector<TessellatedBody> subjects = comparedMeshes();
+  Progress parts(subjects.size() * partners.size());
+  for (const TessellatedBody& subject : subjects) {
     for (const TessellatedBody& partner : partners) {
       rows.push_back(runPair(subject, partner, options));
+      parts.step();
     }
   }
   return rows;
@@ -180,8 +184,14 @@ void printRows(const TableLayout& layout, const Json& rows) {
 
 int benchPrimitives(const PrimitivesOptions& options) {
   const scenes::OdeSession session;
-  const Json pairs = comparePairs(options), planes = comparePlanes(options), rays = compareRays(options),
-             meshes = compareOtherMeshes(options);
+  Progress all(4);
+  const auto part = [&](Json (*compare)(const PrimitivesOptions&)) {
+    Json rows = compare(options);
+    all.step();
+    return rows;
+  };
+  const Json pairs = part(&comparePairs), planes = part(&comparePlanes), rays = part(&compareRays),
+             meshes = part(&compareOtherMeshes);
   if (options.json) {
     printJson({{"bench", "primitives"},
                {"tables", {{"pairs", pairs}, {"planes", planes}, {"rays", rays}, {"meshes", meshes}}}});

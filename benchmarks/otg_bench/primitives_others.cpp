@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cli/progress.h"
 #include "otg_bench/error_quantiles.h"
 #include "otg_bench/primitives.h"
 #include "scenes/height_grid.h"
@@ -178,9 +179,15 @@ Json compareRays(const PrimitivesOptions& options) {
 
 Json compareOtherMeshes(const PrimitivesOptions& options) {
   Json rows = Json::array();
-  for (const TessellatedBody& subject : comparedMeshes()) {
-    for (const TessellatedBody& partner : truth::smallBodies()) rows.push_back(trimeshRow(subject, partner, options));
+  const std::vector<TessellatedBody> subjects = comparedMeshes(), partners = truth::smallBodies();
+  Progress parts(subjects.size() * (partners.size() + 1));
+  for (const TessellatedBody& subject : subjects) {
+    for (const TessellatedBody& partner : partners) {
+      rows.push_back(trimeshRow(subject, partner, options));
+      parts.step();
+    }
     rows.push_back(fieldRow(subject, options));
+    parts.step();
   }
   return rows;
 }

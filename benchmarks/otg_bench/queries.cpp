@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "cli/progress.h"
 #include "cli/query_options.h"
 #include "dispatch/dispatcher.h"
 #include "otg_bench/bench.h"
@@ -93,18 +94,11 @@ Json numberOrNull(double x) {
   return std::isfinite(x) ? Json(x) : Json();
 }
 
-int benchQueries(const QueriesOptions& options) {
-  const scenes::OdeSession session;
-  const int repeat = options.scene.repeat > 0 ? options.scene.repeat : 7;
-  const unsigned threads = defaultThreadCount();
-  std::vector<int> devices = options.devices;
-  const std::vector<opencl::DeviceInfo> found = findDevices();
-  if (devices.empty() && opencl::defaultDevice(found) >= 0) devices = {opencl::defaultDevice(found)};
-  const std::size_t opened = devices.empty() ? 0 : dispatcher().open(devices, options.tuning);
-  const auto slots = dispatcher().devices();
-  const std::string device = opened > 0 ? slots.front()->backend->device().name : "";
+Json pointRows(const QueriesOptions& options, int repeat, bool withDevices) {
   Json rows = Json::array();
-  for (const BenchMesh& mesh : benchMeshes(options.scene)) {
+  const std::vector<BenchMesh> meshes = benchMeshes(options.scene);
+  Progress parts(meshes.size() * asks().size() * 2 * options.counts.size());
+  for (const BenchMesh& mesh : meshes) {
     const auto sorted = sortedInSpace(*mesh.mesh);
     const CollisionMesh tree(sorted, BuildStrategy::kSah);
     const dGpuTriMeshDataID data = meshData(*mesh.mesh, mesh.name);
@@ -129,7 +123,7 @@ int benchQueries(const QueriesOptions& options) {
           ask.run(geom, points, count, expected);
           const double one = count <= options.alone ? timed(dGPUTRIMESH_BACKEND_CPU, 1, 3) : NAN;
           const double all = timed(dGPUTRIMESH_BACKEND_CPU, 0, repeat);
-          const double onDevice = opened > 0 ? timed(dGPUTRIMESH_BACKEND_OPENCL, 0, repeat) : NAN;
+          const double onDevice = withDevices ? timed(dGPUTRIMESH_BACKEND_OPENCL, 0, repeat) : NAN;
           const std::uint64_t before = deviceSum(&dGpuTriMeshDevice::calls);
           dGeomGpuTriMeshSetBackend(geom, dGPUTRIMESH_BACKEND_AUTO);
           ask.run(geom, points, count, answers);
@@ -145,7 +139,7 @@ int benchQueries(const QueriesOptions& options) {
                {"one_thread_ms", numberOrNull(one)},
                {"all_threads_ms", all},
                {"device_ms", numberOrNull(onDevice)},
-               {"device_alone_ms", opened > 0 ? numberOrNull(rawTime(tree, points, count, nearest, repeat)) : Json()},
+               {"device_alone_ms", withDevices ? numberOrNull(rawTime(tree, points, count, nearest, repeat)) : Json()},
                {"one_thread_per_s", numberOrNull(1e3 * count / one)},
                {"all_threads_per_s", 1e3 * count / all},
                {"device_per_s", numberOrNull(1e3 * count / onDevice)},
@@ -153,6 +147,7 @@ int benchQueries(const QueriesOptions& options) {
                {"auto", deviceSum(&dGpuTriMeshDevice::calls) > before ? "opencl" : "cpu"},
                {"answers", same ? "same" : "DIFFERENT"},
                {"hash", hash.hex()}});
+          parts.step();
         }
       }
     }
@@ -160,8 +155,26 @@ int benchQueries(const QueriesOptions& options) {
     dGpuTriMeshDataDestroy(data);
   }
   dGpuTriMeshSetThreadCount(0);
+  return rows;
+}
+
+int benchQueries(const QueriesOptions& options) {
+  const scenes::OdeSession session;
+  const int repeat = options.scene.repeat > 0 ? options.scene.repeat : 7;
+  const unsigned threads = defaultThreadCount();
+  std::vector<int> devices = options.devices;
+  const std::vector<opencl::DeviceInfo> found = findDevices();
+  if (devices.empty() && opencl::defaultDevice(found) >= 0) devices = {opencl::defaultDevice(found)};
+  const std::size_t opened = devices.empty() ? 0 : dispatcher().open(devices, options.tuning);
+  const auto slots = dispatcher().devices();
+  const std::string device = opened > 0 ? slots.front()->backend->device().name : "";
+  Progress all(4);
+  const Json points = pointRows(options, repeat, opened > 0);
+  all.step();
   const Json rays = rayRows(options.scene, options.rays, options.alone, repeat, opened > 0);
+  all.step();
   const Json overlaps = overlapRows(options.scene, options.pairs, repeat, opened > 0);
+  all.step();
   const Json distances = distanceRows(options.scene, options.pairs, repeat, opened > 0);
   Json costs;
   if (opened > 0) {
@@ -185,11 +198,12 @@ int benchQueries(const QueriesOptions& options) {
              {"overlap_launch", model.overlapLaunch},
              {"speedup", model.hostSpeedup}};
   }
-  const Json document{{"bench", "queries"},
-                      {"device", device},
-                      {"threads", threads},
-                      {"costs_us", costs},
-                      {"tables", {{"points", rows}, {"rays", rays}, {"overlaps", overlaps}, {"distances", distances}}}};
+  const Json document{
+      {"bench", "queries"},
+      {"device", device},
+      {"threads", threads},
+      {"costs_us", costs},
+      {"tables", {{"points", points}, {"rays", rays}, {"overlaps", overlaps}, {"distances", distances}}}};
   printBench(document, options.scene.json);
   return 0;
 }

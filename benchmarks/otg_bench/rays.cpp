@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cli/progress.h"
 #include "dispatch/dispatcher.h"
 #include "otg_bench/geoms.h"
 #include "truth/contact_families.h"
@@ -107,7 +108,9 @@ Json rayRow(dGeomID geom, const std::vector<dGpuTriMeshRay>& rays, int alone, in
 
 Json rayRows(const BenchOptions& options, const std::vector<int>& counts, int alone, int repeat, bool withDevices) {
   Json rows = Json::array();
-  for (const BenchMesh& mesh : benchMeshes(options)) {
+  const std::vector<BenchMesh> meshes = benchMeshes(options);
+  Progress parts(2 * meshes.size() * counts.size());
+  for (const BenchMesh& mesh : meshes) {
     const CollisionMesh tree(sortedInSpace(*mesh.mesh), BuildStrategy::kSah);
     const dGpuTriMeshDataID data = meshData(*mesh.mesh, mesh.name);
     const dGeomID geom = dCreateGpuTriMesh(nullptr, data);
@@ -118,6 +121,7 @@ Json rayRows(const BenchOptions& options, const std::vector<int>& counts, int al
         row.update(rayRow(geom, rays, alone, repeat, withDevices));
         row["device_alone_ms"] = withDevices ? Json(rawRayTime(tree, rays, repeat)) : Json();
         rows.push_back(row);
+        parts.step();
       }
     }
     dGeomDestroy(geom);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "cli/contact_hash.h"
+#include "cli/progress.h"
 #include "otg_bench/bench.h"
 #include "otg_bench/geoms.h"
 #include "scenes/convex_geom.h"
@@ -78,14 +79,12 @@ struct ShapePose {
 ShapePose drawPose(dGeomID mesh, dGeomID shape, bool isGround, double overlap, truth::Random& random) {
   ShapePose pose{random.rotation(), isGround ? Vec3d{0, 0, 1} : random.direction(), 0};
   if (dGeomGetClass(shape) != dPlaneClass) poseGeom(shape, pose.turn);
-  double low = 0, high = 3;
-  while (high - low > 1e-5) {
-    const double middle = 0.5 * (low + high);
-    put(shape, pose.direction, middle);
+  const auto touchesAt = [&](double height) {
+    put(shape, pose.direction, height);
     dContactGeom contact;
-    (dCollide(mesh, shape, 1, &contact, sizeof contact) > 0 ? low : high) = middle;
-  }
-  pose.height = low - overlap;
+    return dCollide(mesh, shape, 1, &contact, sizeof contact) > 0;
+  };
+  pose.height = lastTouch(0, 3, 1e-5, touchesAt) - overlap;
   return pose;
 }
 
@@ -159,11 +158,14 @@ int benchShapes(const ShapesOptions& options) {
                                           {"convex of 80", [&] { return convex.makeGeom(nullptr); }},
                                           {"plane", [] { return dCreatePlane(nullptr, 0, 0, 1, 0); }}};
   Json rows = Json::array();
-  for (const NamedMesh& mesh : meshesOfShapes()) {
+  const std::vector<NamedMesh> meshes = meshesOfShapes();
+  Progress all(meshes.size() * shapes.size());
+  for (const NamedMesh& mesh : meshes) {
     for (const NamedShape& shape : shapes) {
       const bool isWanted = fmt::format("{} / {}", mesh.name, shape.name).find(options.pair) != std::string::npos;
       const bool isEndless = mesh.isGround && std::string(shape.name) == "plane";  // parallel planes
       if (isWanted && !isEndless) rows.push_back(measureShape(mesh, shape, options));
+      all.step();
     }
   }
   dSetMessageHandler(nullptr);

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "base/vectors.h"
+#include "cli/progress.h"
 #include "otg_bench/bench.h"
 #include "otg_bench/geoms.h"
 #include "primitives/convex_hull.h"
@@ -244,7 +245,12 @@ int benchSmall(const SmallOptions& options) {
   const scenes::OdeSession session;
   dSetMessageHandler([](int, const char*, va_list) {});  // what a dTriMesh says of buckets that are full
   Json rows = Json::array();
-  for (const SmallPair& pair : smallPairs(options)) rows.push_back(measureSmall(pair, options));
+  const std::vector<SmallPair> pairs = smallPairs(options);
+  Progress all(pairs.size());
+  for (const SmallPair& pair : pairs) {
+    rows.push_back(measureSmall(pair, options));
+    all.step();
+  }
   dSetMessageHandler(nullptr);
   if (options.json) {
     printJson({{"bench", "small"}, {"tables", {{"pairs", rows}}}});

@@ -9,6 +9,7 @@
 #include <functional>
 
 #include "cli/contact_hash.h"
+#include "cli/progress.h"
 #include "otg_bench/bench.h"
 #include "otg_bench/geoms.h"
 #include "scenes/generated_meshes.h"
@@ -115,13 +116,11 @@ void lower(const TerrainOptions& options, const MeshTwins& terrain, dGeomID shap
   }
   dGeomSetRotation(shape, r);
   const double x = random.uniform(-reach, reach), y = random.uniform(-reach, reach);
-  double low = heightAt(x, y), high = low + 2;
-  while (high - low > 1e-4) {
-    const double middle = 0.5 * (low + high);
-    dGeomSetPosition(shape, x, y, middle);
-    (touches(terrain, shape) ? low : high) = middle;
-  }
-  dGeomSetPosition(shape, x, y, low - options.overlap);
+  const double ground = heightAt(x, y), height = lastTouch(ground, ground + 2, 1e-4, [&](double z) {
+                                          dGeomSetPosition(shape, x, y, z);
+                                          return touches(terrain, shape);
+                                        });
+  dGeomSetPosition(shape, x, y, height - options.overlap);
 }
 
 std::vector<Shape> shapesOf(const TerrainOptions& options) {
@@ -154,7 +153,8 @@ Json runShape(const MeshTwins& terrain, const Shape& shape, const TerrainOptions
   truth::Random random(options.seed);
   const dGeomID geom = shape.make();
   TerrainRun ours, stock;
-  for (int i = 0; i < options.poses; ++i) {
+  Progress parts(static_cast<std::size_t>(options.poses));
+  for (int i = 0; i < options.poses; ++i, parts.step()) {
     shape.place(terrain, geom, random);
     ask(terrain.ours, geom, options.repeat, ours);
     ask(terrain.stock, geom, options.repeat, stock);
@@ -175,8 +175,12 @@ int benchTerrain(const TerrainOptions& options) {
   const scenes::OdeSession session;
   const MeshTwins terrain(makeTerrain(options.cells, options.cell));
   Json rows = Json::array();
-  for (const Shape& shape : shapesOf(options)) {
-    if (options.shape.empty() || options.shape == shape.name) rows.push_back(runShape(terrain, shape, options));
+  std::vector<Shape> shapes = shapesOf(options);
+  if (!options.shape.empty()) std::erase_if(shapes, [&](const Shape& shape) { return options.shape != shape.name; });
+  Progress all(shapes.size());
+  for (const Shape& shape : shapes) {
+    rows.push_back(runShape(terrain, shape, options));
+    all.step();
   }
   const std::string title = fmt::format("Shapes on a terrain of {} triangles, cells of {}: microseconds, contacts",
                                         terrain.triangles(), options.cell);

@@ -3,6 +3,7 @@
 // the bodies by formula.
 #include <fmt/format.h>
 
+#include "cli/progress.h"
 #include "otg_bench/bench.h"
 #include "otg_bench/error_quantiles.h"
 #include "truth/tessellated_bodies.h"
@@ -48,12 +49,17 @@ Json runPair(const truth::TessellatedBody& a, const truth::TessellatedBody& b, c
 
 int benchTessellations(const TessellationOptions& options) {
   Json rows = Json::array();
-  for (const truth::TessellatedBody& a : truth::largeBodies()) {
-    for (const truth::TessellatedBody& b : truth::smallBodies()) {
-      if (!options.a.empty() && options.a != a.name) continue;
-      if (!options.b.empty() && options.b != b.name) continue;
+  const auto chosen = [](std::vector<truth::TessellatedBody> bodies, const std::string& name) {
+    if (!name.empty()) std::erase_if(bodies, [&](const truth::TessellatedBody& body) { return name != body.name; });
+    return bodies;
+  };
+  const auto first = chosen(truth::largeBodies(), options.a), second = chosen(truth::smallBodies(), options.b);
+  Progress all(first.size() * second.size());
+  for (const truth::TessellatedBody& a : first) {
+    for (const truth::TessellatedBody& b : second) {
       if (options.worst < 180) fmt::print(stderr, "{} and {}\n", a.name, b.name);
       rows.push_back(runPair(a, b, options));
+      all.step();
     }
   }
   if (options.json) {

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "cli/contact_hash.h"
+#include "cli/progress.h"
 #include "otg_bench/bench.h"
 #include "otg_bench/geoms.h"
 #include "scenes/simulation.h"
@@ -158,7 +159,9 @@ int benchThreads(const ThreadsOptions& options) {
   const scenes::OdeSession session;
   const std::vector<unsigned> counts = threadCounts(options);
   Json rows = Json::array();
-  for (const BenchMesh& entry : benchMeshes(options.bench)) {
+  const std::vector<BenchMesh> meshes = benchMeshes(options.bench);
+  Progress all(meshes.size());
+  for (const BenchMesh& entry : meshes) {
     progress(fmt::format("{}: {} triangles", entry.name, entry.mesh->triangleCount()));
     const CollisionMesh mesh(entry.mesh, BuildStrategy::kSah);
     const GeomPairs pairs(nearbyQueries(options, mesh));
@@ -174,12 +177,14 @@ int benchThreads(const ThreadsOptions& options) {
     callOnThreads(pairs.all(), counts.back(), memory);  // memory, and what is remembered of each pair
     // In turns, so that a busy moment of the machine hits all of them.
     const int rounds = options.bench.repeat > 0 ? options.bench.repeat : kThreadRounds;
-    for (int round = 0; round < rounds; ++round) {
+    Progress parts(static_cast<std::size_t>(rounds));
+    for (int round = 0; round < rounds; ++round, parts.step()) {
       for (TeamWork& work : works) work.measure();
     }
     for (std::size_t i = 0; i < works.size(); ++i) {
       rows.push_back(teamRow(entry, works[i], works[i - i % counts.size()]));
     }
+    all.step();
   }
   dGpuTriMeshSetThreadCount(0);
   printBench({{"bench", "threads"},

@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 
+#include "cli/progress.h"
 #include "otg_bench/bench.h"
 #include "otg_bench/geoms.h"
 #include "otg_bench/world_scenes.h"
@@ -235,7 +236,8 @@ Json runScene(const WorldScene& scene, const WorldOptions& options) {
   }
   constexpr int kTurn = 20;  // steps: enough for warm caches
   const int settle = options.settle >= 0 ? options.settle : scene.settle, all = settle + options.steps;
-  for (int from = 0; from < all; from += kTurn) {
+  Progress turns(static_cast<std::size_t>((all + kTurn - 1) / kTurn));
+  for (int from = 0; from < all; from += kTurn, turns.step()) {
     for (const auto& world : worlds) {
       for (int step = from; step < std::min(from + kTurn, all); ++step) world->step(step >= settle);
     }
@@ -249,9 +251,12 @@ int benchWorld(const WorldOptions& options) {
   const scenes::OdeSession session;
   dSetMessageHandler([](int, const char*, va_list) {});  // what a dTriMesh says of buckets that are full
   Json rows = Json::array();
-  for (const WorldScene& scene : worldScenes()) {
-    if (scene.name.find(options.scene) == std::string::npos) continue;
+  std::vector<WorldScene> scenes = worldScenes();
+  std::erase_if(scenes, [&](const WorldScene& s) { return s.name.find(options.scene) == std::string::npos; });
+  Progress all(scenes.size());
+  for (const WorldScene& scene : scenes) {
     for (const Json& row : runScene(scene, options)) rows.push_back(row);
+    all.step();
   }
   dSetMessageHandler(nullptr);
   if (options.json) {

@@ -104,14 +104,8 @@ int runCommand(CommandOptions options) {
     return 2;
   }
   const bool jsonOnly = options.jsonFile == "-";
-  const SuiteResult suite = runSuite(options.suite, [&](const Row& row) {
-    if (!jsonOnly) fmt::print(stderr, ".");
-    static_cast<void>(row);
-  });
-  if (!jsonOnly) {
-    fmt::print(stderr, "\n");
-    fmt::print("{}", tableOf(suite));
-  }
+  const SuiteResult suite = runSuite(options.suite);
+  if (!jsonOnly) fmt::print("{}", tableOf(suite));
   if (jsonOnly) {
     fmt::print("{}\n", jsonOf(suite, options.suite));
   } else if (!options.jsonFile.empty()) {

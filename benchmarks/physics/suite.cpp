@@ -15,6 +15,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "cli/progress.h"
 #include "ode_trimesh_gpu/ode_trimesh_gpu.h"
 #include "physics/process_pool.h"
 
@@ -220,7 +221,7 @@ bool SuiteResult::pass() const {
                      [](const SpreadCheck& c) { return c.pass || c.run.rfind("ours", 0) != 0; });
 }
 
-SuiteResult runSuite(const SuiteOptions& options, const std::function<void(const Row&)>& progress) {
+SuiteResult runSuite(const SuiteOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const auto secondsSince = [](std::chrono::steady_clock::time_point t) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
@@ -238,6 +239,7 @@ SuiteResult runSuite(const SuiteOptions& options, const std::function<void(const
     if (row.run.form == Form::kNative) natives[keyOf(row.run)] = &row;
   const int workers =
       options.workers > 0 ? options.workers : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  cli::Progress progress(order.size());
   runInProcesses(
       order.size(), workers, options.timeout,
       [&](std::size_t i) {
@@ -256,7 +258,7 @@ SuiteResult runSuite(const SuiteOptions& options, const std::function<void(const
         row.result.error = outcome.error;
         if (outcome.error.empty()) fromText(outcome.output, row);
         judge(row, nullptr);
-        if (progress) progress(row);
+        progress.step();
       });
   for (Row& row : suite.rows) {
     const auto native = natives.find(keyOf(nativeOf(row.run)));

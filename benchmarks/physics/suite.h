@@ -69,7 +69,7 @@ Result runCase(const Scene& scene, const Case& run);
 /// Applies the scene's limits; `native` may be null.
 void judge(Row& row, const Row* native);
 
-/// Runs everything in processes of their own. `progress` hears of each run that ended.
-SuiteResult runSuite(const SuiteOptions& options, const std::function<void(const Row&)>& progress);
+/// Runs everything in processes of their own.
+SuiteResult runSuite(const SuiteOptions& options);
 
 }  // namespace otg::physics

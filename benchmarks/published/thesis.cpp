@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "cli/progress.h"
 #include "cli/query_options.h"
 #include "cli/query_profile.h"
 #include "collide/query.h"
@@ -131,7 +132,8 @@ std::vector<Combination> measureCombinations(const std::vector<std::shared_ptr<c
   }
   const int rounds = repeat > 0 ? repeat : std::clamp(static_cast<int>(kCombinationsMs / roundMs), 3, 50);
   progress(fmt::format("  {} combinations, {} rounds of about {:.3g} ms", all.size(), rounds, roundMs));
-  for (int i = 0; i < rounds; ++i) round();
+  Progress parts(static_cast<std::size_t>(rounds));
+  for (int i = 0; i < rounds; ++i, parts.step()) round();
   return all;
 }
 
@@ -164,7 +166,9 @@ int benchThesis(const BenchOptions& options) {
   Workspace workspace;
   LevelsBench levels;
   PublishedTables published(levels.backend(), options.repeat);
-  for (const BenchMesh& entry : benchMeshes(options)) {
+  const std::vector<BenchMesh> entries = benchMeshes(options);
+  Progress all(3 * entries.size());  // of each mesh the tables, the combinations, and the traversal of a device
+  for (const BenchMesh& entry : entries) {
     progress(fmt::format("{}: {} triangles", entry.name, entry.mesh->triangleCount()));
     const std::shared_ptr<const TriMesh> sorted = sortedInSpace(*entry.mesh);
     std::vector<std::shared_ptr<const CollisionMesh>> meshes;
@@ -198,11 +202,14 @@ int benchThesis(const BenchOptions& options) {
                           {"box_tests", workspace.stats.boxTestsPerDepth[depth]}});
       }
     }
+    all.step();
     query.options.countPerDepth = false;
     for (const Combination& combination : measureCombinations(meshes, query, options.repeat)) {
       combinations.push_back(combinationRow(entry.name, combination));
     }
+    all.step();
     levels.add(options, entry.name, meshes);
+    all.step();
   }
   Json document = {{"bench", "thesis"},
                    {"scene", options.scene},

@@ -106,7 +106,7 @@ class Reader {
 
 std::string absolute(const char* name) {
   std::string value = valueOf(name);
-  return !value.empty() && value.front() == '/' ? value : std::string();
+  return std::filesystem::path(value).is_absolute() ? value : std::string();
 }
 
 }  // namespace

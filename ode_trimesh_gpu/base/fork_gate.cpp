@@ -12,6 +12,8 @@
 #include <new>
 #include <thread>
 
+#include "base/of_thread.h"
+
 namespace otg {
 namespace {
 
@@ -59,8 +61,6 @@ Gate* gateNow() {
   return std::launder(reinterpret_cast<Gate*>(gateMemory));
 }
 
-thread_local Visitor visitor;
-
 Visitor::Visitor() {
   Gate* const gate = gateNow();
   const std::lock_guard lock(gate->visitors);
@@ -78,7 +78,7 @@ Visitor::~Visitor() {
 
 void beforeFork() {
   Gate* const gate = gateNow();
-  const Visitor* const self = &visitor;  // in the list before that is locked
+  const Visitor* const self = &ofThread<Visitor>();  // in the list before that is locked
   gate->visitors.lock();
   isForking.store(true, std::memory_order_seq_cst);
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(kLongestForkWait);
@@ -110,8 +110,9 @@ void inChild() {
   generation.fetch_add(1);
   backgroundWork.store(0);
   Gate* const gate = new (gateMemory) Gate;
-  visitor.next = visitor.previous = nullptr;  // the others are no threads here
-  gate->first = &visitor;
+  Visitor& self = ofThread<Visitor>();
+  self.next = self.previous = nullptr;  // the others are no threads here
+  gate->first = &self;
   isForking.store(false);
   for (std::size_t i = 0; i < hookCount.load(); ++i) allHooks[i].inChild();
 }
@@ -119,7 +120,7 @@ void inChild() {
 }  // namespace
 
 LibraryCall::LibraryCall() noexcept {
-  Visitor& self = visitor;
+  Visitor& self = ofThread<Visitor>();
   if (self.depth++ > 0) return;
   for (;;) {
     self.inside.store(true, std::memory_order_seq_cst);
@@ -132,7 +133,7 @@ LibraryCall::LibraryCall() noexcept {
 }
 
 LibraryCall::~LibraryCall() {
-  Visitor& self = visitor;
+  Visitor& self = ofThread<Visitor>();
   if (--self.depth == 0) self.inside.store(false, std::memory_order_release);
 }
 

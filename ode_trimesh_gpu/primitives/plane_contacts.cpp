@@ -7,6 +7,7 @@
 
 #include "base/epoch_array.h"
 #include "base/flat_map.h"
+#include "base/of_thread.h"
 #include "base/union_find.h"
 #include "base/vectors.h"
 #include "bvh/wide_search.h"
@@ -94,7 +95,6 @@ struct KeptPlaneScratch : PlaneScratch {
   KeptPlaneScratch(const KeptPlaneScratch&) = delete;
   KeptPlaneScratch& operator=(const KeptPlaneScratch&) = delete;
 };
-thread_local KeptPlaneScratch planeScratch;
 
 /// The corners below, from the deepest one on over edges: on a convex body they hang together.
 void cornersBelow(const ConvexPolyhedron& body, const HalfSpace& plane, PlaneScratch& scratch) {
@@ -137,7 +137,7 @@ bool isBeforeInAnswer(const Contact& x, const Contact& y) {
 void planeContacts(const CollisionMesh& tree, const HalfSpace& plane, int perRegion, std::vector<Contact>& out) {
   if (const ConvexPolyhedron* const body = tree.convex(); body != nullptr && body->convexity() == Convexity::kExact) {
     PlaneScratch own;
-    PlaneScratch& scratch = planeScratchHasEnded ? own : planeScratch;
+    PlaneScratch& scratch = planeScratchHasEnded ? own : ofThread<KeptPlaneScratch>();
     cornersBelow(*body, plane, scratch);
     if (scratch.found.empty()) return;
     const std::size_t count =

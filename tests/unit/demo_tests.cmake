@@ -5,3 +5,6 @@ otg_add_test(tessellations unit SOURCES test_tessellations.cpp LIBRARIES otg_tru
 if(TARGET otg_simulation)
   otg_add_test(povray_scene unit SOURCES test_povray_scene.cpp LIBRARIES otg_simulation)
 endif()
+if(TARGET otg_progress)
+  otg_add_test(progress unit SOURCES test_progress.cpp LIBRARIES otg_progress)
+endif()

@@ -4,8 +4,10 @@
 #include <array>
 #include <cstring>
 
+#include "base/hash.h"
 #include "support/catch.h"
 #include "support/ode_world.h"
+#include "support/part_of.h"
 
 using namespace otg;
 using namespace otg::test;
@@ -142,25 +144,26 @@ TEST_CASE("a run that is saved and reloaded continues with the same bytes") {
   const bool withOde = GENERATE(false, true);
   INFO("with geoms of ODE's own: " << withOde);
   World first(withOde);
-  first.step(withOde ? 20 : 200);
+  const int steps = partOf(200);
+  first.step(withOde ? 20 : steps);
   const std::vector<BodyState> saved = first.save();
   const std::vector<unsigned char> history = first.history();
   first.load(saved);  // dBodySetQuaternion may change the last bit
-  first.step(200);
+  first.step(steps);
   const std::vector<BodyState> end = first.save();
 
   World second(withOde);
   second.load(saved);
   REQUIRE(second.loadHistory(history) == dGPUTRIMESH_OK);
   CHECK(second.history() == history);
-  second.step(200);
+  second.step(steps);
   CHECK(same(second.save(), end));
   CHECK(second.history() == first.history());
 
   // That the history mattered: without it the same states go on differently.
   World without(withOde);
   without.load(saved);
-  without.step(200);
+  without.step(steps);
   CHECK_FALSE(same(without.save(), end));
 
   // And forgetting is the same as never having known.
@@ -169,7 +172,7 @@ TEST_CASE("a run that is saved and reloaded continues with the same bytes") {
     REQUIRE(dGeomGpuTriMeshForgetHistory(geom) == (isMesh ? dGPUTRIMESH_OK : dGPUTRIMESH_ERROR_CLASS));
   }
   second.load(saved);
-  second.step(200);
+  second.step(steps);
   CHECK(same(second.save(), without.save()));
 }
 
@@ -216,6 +219,20 @@ TEST_CASE("bytes that are not what was saved, or for other geoms, are refused an
   std::vector<unsigned char> longer = good;
   longer.push_back(0);
   CHECK(other.loadHistory(longer) == dGPUTRIMESH_ERROR_ARGUMENT);
+  // With the right checksum, too: something behind the pairs, or a pair that ends too soon.
+  const auto withChecksum = [](std::vector<unsigned char> content) {
+    std::uint64_t sum = fnv1a(content.data(), content.size());
+    for (int i = 0; i < 8; ++i, sum >>= 8) content.push_back(static_cast<unsigned char>(sum));
+    return content;
+  };
+  const std::vector<unsigned char> content(good.begin(), good.end() - 8);
+  REQUIRE(withChecksum(content) == good);
+  for (std::ptrdiff_t cut = 1; cut < 40; ++cut) {
+    CHECK(other.loadHistory(withChecksum({content.begin(), content.end() - cut})) == dGPUTRIMESH_ERROR_ARGUMENT);
+    std::vector<unsigned char> more = content;
+    more.resize(content.size() + static_cast<std::size_t>(cut), 0);
+    CHECK(other.loadHistory(withChecksum(more)) == dGPUTRIMESH_ERROR_ARGUMENT);
+  }
   CHECK(other.history() == before);
 
   const auto load = [&](const std::vector<dGeomID>& geoms) {

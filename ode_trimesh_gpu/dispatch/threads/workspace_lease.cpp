@@ -4,6 +4,8 @@
 #include <memory>
 #include <vector>
 
+#include "base/of_thread.h"
+
 namespace otg {
 namespace {
 
@@ -18,8 +20,6 @@ struct ThreadScratch {
   ThreadScratch(const ThreadScratch&) = delete;
   ThreadScratch& operator=(const ThreadScratch&) = delete;
 };
-thread_local ThreadScratch scratch;
-
 }  // namespace
 
 WorkspaceLease::WorkspaceLease() {
@@ -28,16 +28,18 @@ WorkspaceLease::WorkspaceLease() {
     workspace_ = own_.get();
     return;
   }
+  ThreadScratch& scratch = ofThread<ThreadScratch>();
   if (scratch.inUse == scratch.workspaces.size()) scratch.workspaces.push_back(std::make_unique<Workspace>());
   workspace_ = scratch.workspaces[scratch.inUse++].get();
 }
 
 WorkspaceLease::~WorkspaceLease() {
-  if (own_ == nullptr) --scratch.inUse;
+  if (own_ == nullptr) --ofThread<ThreadScratch>().inUse;
 }
 
 void freeThreadWorkspaces() noexcept {
-  if (!hasEnded && scratch.inUse == 0) scratch.workspaces.clear();
+  if (hasEnded) return;
+  if (ThreadScratch& scratch = ofThread<ThreadScratch>(); scratch.inUse == 0) scratch.workspaces.clear();
 }
 
 }  // namespace otg
