@@ -93,10 +93,30 @@ OTG_INLINED double otgDeepest(__local otg_solid_choice* s, const otg_solid_work*
   return otgLargestOf(s->reduce, most);
 }
 
-OTG_INLINED void otgDropShallow(__local otg_solid_choice* s, const otg_solid_work* w, double least) {
-  for (uint i = get_local_id(0); i < w->candidates; i += OTG_GROUP) {
-    if (OTG_DEPTH(s)[i] < otgLeastOfKind_d((int)otgPointOf(w, i)->kind, least)) s->alive[i] = 0;
+/// Of an uneven region the largest depth of those of `count` candidates that push the same way as candidate c: an
+/// overlap may be far deeper in one wall than in another. `order`: the candidates; null: all that are alive. By one
+/// lane.
+OTG_INLINED double otgDeepestAlong(__local const otg_solid_choice* s, const otg_solid_work* w, uint c,
+                                   __local const ushort* order, uint count) {
+  const otg_vec3_d normal = otgLoad(otgPointOf(w, c)->normal);
+  double most = 0;
+  for (uint j = 0; j < count; ++j) {
+    const uint i = order != 0 ? order[j] : j;
+    if (!s->alive[i] || !(OTG_DEPTH(s)[i] > most)) continue;
+    if (otgDot_d(otgLoad(otgPointOf(w, i)->normal), normal) >= OTG_SOLID_MERGE_COSINE) most = OTG_DEPTH(s)[i];
   }
+  return most;
+}
+
+/// Drops what is shallow for its kind beside the deepest times `share`. All lanes call it.
+OTG_INLINED void otgDropShallow(__local otg_solid_choice* s, const otg_solid_work* w, double share) {
+  const double deepest = otgDeepest(s, w);
+  for (uint i = get_local_id(0); i < w->candidates; i += OTG_GROUP) {
+    const double most = w->isUneven && s->alive[i] ? otgDeepestAlong(s, w, i, 0, w->candidates) : deepest;
+    s->step[i] = s->alive[i] && !(OTG_DEPTH(s)[i] < otgLeastOfKind_d((int)otgPointOf(w, i)->kind, share * most));
+  }
+  OTG_SYNC;
+  for (uint i = get_local_id(0); i < w->candidates; i += OTG_GROUP) s->alive[i] = (uchar)s->step[i];
   OTG_SYNC;
 }
 

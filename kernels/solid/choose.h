@@ -250,14 +250,16 @@ OTG_INLINED void otgMeasureGathered(__local otg_solid_choice* s, const otg_solid
 #endif
 
 /// Depths by rays, until two agree with their estimates and none has disagreed: then the others are believed. Gathered
-/// planes are not believed, and all are measured before. What is shallow for its kind is dropped.
+/// planes are not believed, and all are measured before; candidates of uneven regions are measured on the triangles.
+/// What is shallow for its kind is dropped.
 OTG_INLINED void otgMeasure(__local otg_solid_choice* s, const otg_solid_work* w, __global const float4* meshes,
                             OTG_MESH* a, OTG_MESH* b) {
   const uint lane = get_local_id(0), count = s->count;
-  otgCastRays(s, w, w->isGathered ? 0 : count, meshes, a, b);
+  const uint cast = w->isGathered || w->isUneven ? 0 : count;
+  otgCastRays(s, w, cast, meshes, a, b);
   if (lane == 0) {
     int agree = 0, disagree = 0;
-    for (uint k = 0; k < count && !w->isGathered; ++k) {
+    for (uint k = 0; k < cast; ++k) {
       if (agree >= 2 && !disagree) break;
       const double estimate = OTG_DEPTH(s)[s->order[k]], depth = otgTakeDepth(s, w, k);
       if (fabs(estimate - depth) <= OTG_SOLID_AGREES * (estimate < depth ? depth : estimate)) {
@@ -271,10 +273,15 @@ OTG_INLINED void otgMeasure(__local otg_solid_choice* s, const otg_solid_work* w
   double deepest = 0;
   for (uint k = lane; k < count; k += OTG_GROUP) deepest = otgMax_d(OTG_DEPTH(s)[s->order[k]], deepest);
   deepest = otgLargestOf(s->reduce, deepest);
+  for (uint k = lane; k < count; k += OTG_GROUP) s->alive[s->order[k]] = 1;
+  OTG_SYNC;
   for (uint k = lane; k < count; k += OTG_GROUP) {
     const uint c = s->order[k];
-    s->alive[c] = !(OTG_DEPTH(s)[c] < otgLeastOfKind_d((int)otgPointOf(w, c)->kind, deepest));
+    const double most = w->isUneven ? otgDeepestAlong(s, w, c, s->order, count) : deepest;
+    s->step[c] = !(OTG_DEPTH(s)[c] < otgLeastOfKind_d((int)otgPointOf(w, c)->kind, most));
   }
+  OTG_SYNC;
+  for (uint k = lane; k < count; k += OTG_GROUP) s->alive[s->order[k]] = (uchar)s->step[s->order[k]];
   OTG_SYNC;
   otgKeepInOrder(s, count);
 }

@@ -56,12 +56,32 @@ OTG_INLINED int otgSettle(__local const otg_solid_choice* s, const otg_solid_wor
   return stays;
 }
 
+/// The steps by which candidates are ranked, and the features by which ties are settled. Which of two ways of one
+/// vertex of an uneven region comes first in a step is not defined: the host alone knows. All lanes call it.
+OTG_INLINED void otgStepCandidates(__local otg_solid_choice* s, const otg_solid_work* w, double highest,
+                                   __local ulong* orders) {
+  const uint lane = get_local_id(0), all = w->candidates;
+  for (uint i = lane; i < all; i += OTG_GROUP) {
+    s->step[i] = s->alive[i] ? otgRankStep_d(OTG_RANK(s)[i], highest) : INT_MAX;
+    orders[i] = s->alive[i] ? otgPointOf(w, i)->order : 0;
+  }
+  OTG_SYNC;
+  // Ways of one vertex are next to each other.
+  for (uint i = lane; i < all && w->isUneven; i += OTG_GROUP) {
+    if (!s->alive[i] || otgPointOf(w, i)->kind != OTG_POINT_VERTEX) continue;
+    for (uint j = i + 1; j < min(i + OTG_UNEVEN_EXITS, all); ++j) {
+      const int isSame = s->alive[j] && (orders[i] ^ orders[j]) < OTG_UNEVEN_EXITS;
+      if (isSame && s->step[i] == s->step[j]) s->bad = 1;  // unordered: nobody writes anything else
+    }
+  }
+}
+
 /// Drops what is shallow for its kind, then of points that lie together and agree in direction all but the first.
 /// s->order gets the others, s->count of them.
 OTG_INLINED void otgFilterAndMerge(__local otg_solid_choice* s, const otg_solid_work* w) {
   const uint lane = get_local_id(0);
   uint count = 0, total;
-  otgDropShallow(s, w, 0.5 * otgDeepest(s, w));  // half the fractions: estimates err
+  otgDropShallow(s, w, 0.5);  // half the fractions: estimates err
   double highest = 0;
   for (uint i = lane; i < w->candidates; i += OTG_GROUP) {
     if (s->alive[i]) highest = otgMax_d(OTG_RANK(s)[i], highest);
@@ -70,11 +90,7 @@ OTG_INLINED void otgFilterAndMerge(__local otg_solid_choice* s, const otg_solid_
   if (lane == 0) s->highest = highest;
   // The features by which ties are settled lie where spread comes later.
   __local ulong* orders = (__local ulong*)OTG_SPREAD(s);
-  for (uint i = lane; i < w->candidates; i += OTG_GROUP) {
-    s->step[i] = s->alive[i] ? otgRankStep_d(OTG_RANK(s)[i], highest) : INT_MAX;
-    orders[i] = s->alive[i] ? otgPointOf(w, i)->order : 0;
-  }
-  OTG_SYNC;
+  otgStepCandidates(s, w, highest, orders);
   for (uint base = 0; base < w->candidates; base += OTG_GROUP) {
     const uint i = base + lane;
     const int isAlive = i < w->candidates && s->alive[i];

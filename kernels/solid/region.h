@@ -5,6 +5,9 @@
 #define OTG_SOLID_REGION_H
 #include "solid/mesh.h"
 
+/// Faces by which one vertex of an uneven region leaves together, at most: a power of two.
+#define OTG_UNEVEN_EXITS 8
+
 /// A region as the kernels after solidRegions see it.
 typedef struct {
   __global otg_solid_region* region;
@@ -14,7 +17,7 @@ typedef struct {
   __global otg_solid_face *faces, *planes;
   __global ushort* picks;  ///< the points that are candidates; null: all
   uint pieceCount, pointCount, candidates, facesOfA, facesOfB, planesOfA, planesOfB;
-  int isGathered, isFlat, isFixed;
+  int isGathered, isFlat, isFixed, isUneven;
   double diagonal, thickness, coherence, radius, shareOfB;
   otg_vec3_d lo;                     ///< of its bounds
   otg_vec3_d mean, weighted, fixed;  ///< `fixed`: the normal everywhere if isFixed
@@ -54,6 +57,7 @@ OTG_INLINED otg_solid_work otgGoOnWith(__global uchar* arena, uint place) {
   w.isGathered = (flags & OTG_REGION_GATHERED) != 0;
   w.isFlat = (flags & OTG_REGION_FLAT) != 0;
   w.isFixed = (flags & OTG_REGION_FIXED) != 0;
+  w.isUneven = (flags & OTG_REGION_UNEVEN) != 0;
   w.shareOfB = w.region->shareOfB;
   w.weighted = otgLoad(w.region->weighted);
   w.fixed = otgLoad(w.region->fixed);

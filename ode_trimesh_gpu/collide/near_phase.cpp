@@ -14,13 +14,10 @@
 
 namespace otg {
 
-bool decidePair(const Query& query, const PairFrame& frame, const TrianglePair& pair, CollideStats& stats) {
-  Vec3d a[3], b[3];
-  cornersOfA(query.a->mesh(), pair.a, a);
-  cornersOfB(query.b->mesh(), query.bInA, pair.b, b);
-  ++stats.decidedByDouble;
-  const int answer = otgTrianglesFilter(frame.doubleError, a, b);
-  if (answer != OTG_UNDECIDED) return answer == OTG_INTERSECTING;
+namespace {
+
+/// The same decision in exact arithmetic, where double cannot tell.
+bool decideExactly(const Vec3d (&a)[3], const Vec3d (&b)[3], CollideStats& stats) {
   ++stats.decidedExactly;
   // Far from its own origin a small triangle of B may have lost its area when its corners were rounded to A's frame.
   // Such a triangle meets nothing, like one that never had any: what exact arithmetic says of it depends on nothing but
@@ -29,7 +26,10 @@ bool decidePair(const Query& query, const PairFrame& frame, const TrianglePair& 
   return otgTrianglesMeetExact(&a[0].x, &b[0].x) != 0;
 }
 
-namespace {
+void corners(const Query& query, const TrianglePair& pair, Vec3d (&a)[3], Vec3d (&b)[3]) {
+  cornersOfA(query.a->mesh(), pair.a, a);
+  cornersOfB(query.b->mesh(), query.bInA, pair.b, b);
+}
 
 /// Decides candidates, none of them twice.
 void decideCandidates(const Query& query, const std::vector<TrianglePair>& candidates, Workspace& workspace) {
@@ -37,10 +37,17 @@ void decideCandidates(const Query& query, const std::vector<TrianglePair>& candi
   const TriMesh& b = query.b->mesh();
   const PairFrame frame = makePairFrame(query);
   filterTriangles(bestSimdLevel(), query, frame, candidates, workspace.intersecting, workspace.undecided);
+  workspace.stats.decidedByDouble += workspace.undecided.size();
+  if (!workspace.undecided.empty()) {
+    filterTrianglesInDouble(bestSimdLevel(), query, frame, workspace.intersecting, workspace.undecided);
+  }
   const auto degenerate = [&](const TrianglePair& p) { return a.isDegenerate(p.a) || b.isDegenerate(p.b); };
   std::erase_if(workspace.intersecting, degenerate);
   for (const TrianglePair& pair : workspace.undecided) {
-    if (!degenerate(pair) && decidePair(query, frame, pair, workspace.stats)) workspace.intersecting.push_back(pair);
+    if (degenerate(pair)) continue;
+    Vec3d cornersA[3], cornersB[3];
+    corners(query, pair, cornersA, cornersB);
+    if (decideExactly(cornersA, cornersB, workspace.stats)) workspace.intersecting.push_back(pair);
   }
   std::sort(workspace.intersecting.begin(), workspace.intersecting.end());
 }
@@ -58,6 +65,14 @@ void addCopies(const FirstCopies& first, const std::vector<TrianglePair>& candid
 }
 
 }  // namespace
+
+bool decidePair(const Query& query, const PairFrame& frame, const TrianglePair& pair, CollideStats& stats) {
+  Vec3d a[3], b[3];
+  corners(query, pair, a, b);
+  ++stats.decidedByDouble;
+  const int answer = otgTrianglesFilter(frame.doubleError, a, b);
+  return answer == OTG_UNDECIDED ? decideExactly(a, b, stats) : answer == OTG_INTERSECTING;
+}
 
 void nearPhase(const Query& query, Workspace& workspace) {
   using Clock = std::chrono::steady_clock;

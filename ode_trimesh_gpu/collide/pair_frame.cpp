@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "collide/pair_frame.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -47,6 +48,10 @@ PairFrame makePairFrame(const Query& query) {
 
   frame.boxes.eps = roundUp(bounds.eps);
   frame.floatError = floatFilterError(roundUp(bounds.delta));
+  // In units of roundoff: A's corner one rounding; B's one, the rotation's coefficient, its product and two sums three
+  // more, and two with t, which has one of its own. 2.1 times that, rounded up for what rounds here.
+  frame.nearError = {floatFilterError(roundUp(4.2 * bounds.placement + 1e-36)), roundUp(2.2 * kFloatUnit),
+                     roundUp(2.2 * 7 * kFloatUnit * std::max(1.0, bounds.rowNorm))};
   frame.doubleError = {10 * kDoubleUnit, 0.0, OTG_TINY_DETERMINANT};
   frame.finite = std::isfinite(bounds.scale) && bounds.scale < OTG_LARGEST_SCALE;
   return frame;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "collide/query.h"
+#include "collide/simd/near_frame.h"
 #include "shared/tests/box_test.h"
 #include "shared/tests/plane_test.h"
 
@@ -13,6 +14,7 @@ struct PairFrame {
   BoxFrame<float> boxes;            ///< centred frame of B to centred frame of A
   Transformf trianglesInA;          ///< the same transform for vertices (centred frames)
   FilterError<float> floatError;    ///< for triangles whose corners are centred floats, B's moved by trianglesInA
+  NearFilterError nearError;        ///< for triangles whose corners are floats beside a place near them
   FilterError<double> doubleError;  ///< for the defining double corners (no input error)
   bool finite = false;  ///< false when the pose is not finite or far too large for float: nothing can be decided
 };

@@ -48,10 +48,10 @@ TEST_CASE("the contacts of a batch of solids are the host's") {
   const auto backend = openBackend();
   REQUIRE(backend);
   if (!backend->device().doubles) return;
-  // From apart to as deep as bodies get. Uneven regions, one in ten of these, are the host's.
+  // From apart to as deep as bodies get; one in ten has an uneven region.
   const std::vector<Query> queries = touching(meshes, 1, 300, -0.01, 0.06);
   const std::vector<std::vector<Contact>> expected = onHost(queries);
-  CHECK(checkBatch(*backend, queries, expected) > 265);
+  CHECK(checkBatch(*backend, queries, expected) > 295);
   const std::vector<Query> deep = touching(meshes, 2, 200, 0.05, 0.6);
   CHECK(checkBatch(*backend, deep, onHost(deep)) > 100);
   // Fewer places than contacts, and than regions.
@@ -156,7 +156,7 @@ TEST_CASE("of regions of very many pieces the flat ones are the device's") {
   CHECK(checkBatch(*backend, round, onHost(round)) < round.size());
 }
 
-TEST_CASE("of boxes in a valley the device leaves those to the host that have a wedge beside a thin contact") {
+TEST_CASE("the device makes the contacts of boxes in a valley that have a wedge beside a thin contact") {
   const MeshList meshes = {collisionMesh(samples::makeValley(0.5, 0.5, 8, 4)),
                            collisionMesh(samples::makeValley(1, 0.3, 8, 4)), collisionMesh(makeBox({0.6, 0.6, 0.6}, 1)),
                            collisionMesh(makeBox({0.6, 0.6, 0.6}, 3))};
@@ -190,7 +190,8 @@ TEST_CASE("of boxes in a valley the device leaves those to the host that have a 
   INFO(wedges);
   CHECK(wedges > 60);
   CHECK(wedges < 240);
-  CHECK(checkBatch(*backend, queries, onHost(queries)) == queries.size() - wedges);
+  // Left to the host: a corner that both slopes hold alike.
+  CHECK(checkBatch(*backend, queries, onHost(queries)) >= queries.size() - 3);
 }
 
 TEST_CASE("a batch of solids does not depend on the sizes of lists and work-groups") {
@@ -320,7 +321,7 @@ TEST_CASE("histories of pairs of a batch are what the host would have left") {
     }
     CHECK(wrong == 0);
   }
-  // Few are left to the host, although many have deep regions: the uneven ones.
+  // Few are left to the host, although many have deep regions.
   CHECK(deep > 100);
   if (backend->device().doubles) CHECK(byDevice + deep / 4 > 9 * queries.size() / 2);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Batches of solids, and of solids on sheets, on a simulated device with work-groups as GPUs have them: the contacts
 // are the host's.
+#include "scenes/concave_meshes.h"
 #include "scenes/height_grid.h"
 #include "simulator/simulated_device.h"
 #include "support/solid_batches.h"
@@ -31,6 +32,23 @@ TEST_CASE("boxes that stand on each other have the host's contacts") {
     Query query = makeQuery(*meshes[1], *meshes[0], makePose({0, 0, 1}, 0.4 * i, {0.1 * i, 0, 0.749}));
     query.options.contacts = ContactModel::kSolid;
     query.options.maxContacts = 4 + 4 * i;
+    queries.push_back(query);
+  }
+  const auto backend = openSimulated(simulated());
+  CHECK(checkBatch(*backend, queries, onHost(queries)) == 3);
+}
+
+TEST_CASE("boxes in an inner corner, whose parts leave by several faces, have the host's contacts") {
+  const MeshList meshes = {collisionMesh(makeCorner(2, 0.5, 2)), collisionMesh(makeBox({0.6, 0.5, 0.4}, 1))};
+  std::vector<Query> queries;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3d place = {0.79 - 0.004 * i, 0.2 * i, 0.695 - 0.003 * i};
+    Query query = makeQuery(*meshes[0], *meshes[1], makePose({0.1, 1, 0.2}, 0.01 * i, place));
+    query.options.contacts = ContactModel::kSolid;
+    query.options.maxContacts = 16;
+    Workspace workspace;
+    collide(query, workspace);
+    CHECK(workspace.stats.unevenRegions == 1);
     queries.push_back(query);
   }
   const auto backend = openSimulated(simulated());

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 
+#include "base/hash.h"
 #include "support/catch.h"
 #include "support/ode_world.h"
 #include "support/part_of.h"
@@ -218,6 +219,20 @@ TEST_CASE("bytes that are not what was saved, or for other geoms, are refused an
   std::vector<unsigned char> longer = good;
   longer.push_back(0);
   CHECK(other.loadHistory(longer) == dGPUTRIMESH_ERROR_ARGUMENT);
+  // With the right checksum, too: something behind the pairs, or a pair that ends too soon.
+  const auto withChecksum = [](std::vector<unsigned char> content) {
+    std::uint64_t sum = fnv1a(content.data(), content.size());
+    for (int i = 0; i < 8; ++i, sum >>= 8) content.push_back(static_cast<unsigned char>(sum));
+    return content;
+  };
+  const std::vector<unsigned char> content(good.begin(), good.end() - 8);
+  REQUIRE(withChecksum(content) == good);
+  for (std::ptrdiff_t cut = 1; cut < 40; ++cut) {
+    CHECK(other.loadHistory(withChecksum({content.begin(), content.end() - cut})) == dGPUTRIMESH_ERROR_ARGUMENT);
+    std::vector<unsigned char> more = content;
+    more.resize(content.size() + static_cast<std::size_t>(cut), 0);
+    CHECK(other.loadHistory(withChecksum(more)) == dGPUTRIMESH_ERROR_ARGUMENT);
+  }
   CHECK(other.history() == before);
 
   const auto load = [&](const std::vector<dGeomID>& geoms) {

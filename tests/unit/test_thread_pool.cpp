@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "dispatch/dispatcher.h"
 #include "dispatch/threads/thread_pool.h"
 #include "support/catch.h"
 #include "support/environment_variable.h"
@@ -16,16 +17,35 @@ using otg::ThreadPool;
 
 namespace {
 
-/// How often each item was worked on; parts have the length that they should.
-std::vector<int> counts(ThreadPool& pool, std::size_t items, std::size_t grain) {
+/// How often each item was worked on by `run`; parts have the length that they should.
+template <class Run>
+std::vector<int> countsOf(const Run& run, std::size_t items, std::size_t grain) {
   std::vector<std::atomic<int>> seen(items);
   std::atomic<int> wrongParts{0};
-  pool.run(items, grain, [&](std::size_t begin, std::size_t end) {
+  run(items, grain, [&](std::size_t begin, std::size_t end) {
     if (begin % grain != 0 || end != std::min(items, begin + grain)) ++wrongParts;
     for (std::size_t i = begin; i < end; ++i) ++seen[i];
   });
   CHECK(wrongParts == 0);
   return {seen.begin(), seen.end()};
+}
+
+std::vector<int> counts(ThreadPool& pool, std::size_t items, std::size_t grain) {
+  return countsOf([&](auto&&... of) { pool.run(of...); }, items, grain);
+}
+
+/// The same by runShort() of a pool or a dispatcher, where each part takes so many microseconds: with 0 the caller does
+/// all, with 30 others help.
+template <class Runner>
+std::vector<int> shortCounts(Runner& runner, std::size_t items, std::size_t grain, int microseconds) {
+  const auto run = [&](std::size_t all, std::size_t each, const ThreadPool::Work& work) {
+    runner.runShort(all, each, [&](std::size_t begin, std::size_t end) {
+      const auto until = std::chrono::steady_clock::now() + std::chrono::microseconds(microseconds);
+      work(begin, end);
+      while (microseconds > 0 && std::chrono::steady_clock::now() < until) std::this_thread::yield();
+    });
+  };
+  return countsOf(run, items, grain);
 }
 
 }  // namespace
@@ -171,6 +191,78 @@ TEST_CASE("an exception comes back to the caller, and the pool goes on") {
     };
     for (int round = 0; round < 20; ++round) CHECK_THROWS_AS(pool.run(1000, 1, failing), std::runtime_error);
     CHECK(counts(pool, 100, 1) == std::vector<int>(100, 1));
+  }
+}
+
+TEST_CASE("short parts are each done once, by the caller or with others") {
+  for (const unsigned threads : {0u, 1u, 2u, 3u, 8u}) {
+    ThreadPool pool(threads);
+    for (const std::size_t items : {0u, 1u, 2u, 7u, 300u}) {
+      for (const std::size_t grain : {1u, 3u, 100u, 5000u}) {
+        for (const int microseconds : {0, 30})
+          CHECK(shortCounts(pool, items, grain, microseconds) == std::vector<int>(items, 1));
+      }
+    }
+  }
+  otg::Dispatcher dispatcher;
+  dispatcher.setThreadCount(3);
+  for (const std::size_t items : {0u, 1u, 7u, 300u}) {
+    for (const int microseconds : {0, 30}) {
+      for (const std::size_t grain : {1u, 7u, 64u})
+        CHECK(shortCounts(dispatcher, items, grain, microseconds) == std::vector<int>(items, 1));
+    }
+  }
+}
+
+TEST_CASE("others help with short parts that take long together") {
+  ThreadPool pool(3);
+  // The caller is alone until it has seen how long parts take. Each of the last three waits for the two others.
+  std::atomic<int> here{0};
+  pool.runShort(103, 1, [&](std::size_t begin, std::size_t) {
+    if (begin < 100) {
+      std::this_thread::sleep_for(std::chrono::microseconds(50));
+      return;
+    }
+    ++here;
+    while (here < 3) std::this_thread::yield();
+  });
+  CHECK(here == 3);
+}
+
+TEST_CASE("calls of short parts from within work, short or not, share the pool") {
+  ThreadPool pool(3);
+  std::vector<std::thread> callers;
+  std::atomic<int> sum{0};
+  const auto inner = [&](std::size_t, std::size_t) { ++sum; };
+  for (int t = 0; t < 4; ++t) {
+    callers.emplace_back([&, t] {
+      const auto outer = [&](std::size_t begin, std::size_t end) {
+        std::this_thread::sleep_for(std::chrono::microseconds(begin == 0 ? 25 : 0));
+        begin % 4 == 0 ? pool.run(end - begin, 1, inner) : pool.runShort(end - begin, 1, inner);
+      };
+      for (int round = 0; round < 50; ++round) t % 2 == 0 ? pool.runShort(20, 2, outer) : pool.run(20, 2, outer);
+    });
+  }
+  for (std::thread& t : callers) t.join();
+  CHECK(sum == 4 * 50 * 20);
+}
+
+TEST_CASE("an exception out of a short part comes back to the caller, and the pool goes on") {
+  for (const unsigned threads : {1u, 4u}) {
+    ThreadPool pool(threads);
+    // In the first part, while the caller is alone, and in one that others may do.
+    for (const std::size_t first : {std::size_t{0}, std::size_t{50}}) {
+      std::atomic<bool> goesOn{false};
+      const auto failing = [&](std::size_t begin, std::size_t) {
+        std::this_thread::sleep_for(std::chrono::microseconds(begin == 0 ? 30 : 0));
+        goesOn = goesOn || begin == 900;
+        if (begin >= first) throw std::runtime_error("no");
+      };
+      for (int round = 0; round < 20; ++round) CHECK_THROWS_AS(pool.runShort(1000, 1, failing), std::runtime_error);
+      CHECK_FALSE(goesOn);
+      CHECK(shortCounts(pool, 100, 1, 0) == std::vector<int>(100, 1));
+      CHECK(counts(pool, 100, 1) == std::vector<int>(100, 1));
+    }
   }
 }
 

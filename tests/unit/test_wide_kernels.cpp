@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Every instruction set gives the same candidates in the same order, and of each what the scalar filter says.
 #include <cmath>
+#include <random>
 #include <set>
 
 #include "collide/simd/wide_kernels.h"
+#include "collide/stages.h"
 #include "scenes/generated_meshes.h"
 #include "shared/tests/triangle_test.h"
 #include "support/catch.h"
@@ -24,16 +26,28 @@ std::vector<SimdLevel> levels() {
   return out;
 }
 
-void centredCorners(const TriMesh& mesh, std::uint32_t triangle, Vec3f* out) {
-  for (int k = 0; k < 3; ++k) out[k] = otgSub(mesh.vertices()[mesh.triangles()[triangle].v[k]], mesh.center());
+const Vec3f& corner(const TriMesh& mesh, std::uint32_t triangle, int k) {
+  return mesh.vertices()[mesh.triangles()[triangle].v[k]];
 }
 
-int filter(const Query& query, const PairFrame& frame, const TrianglePair& pair) {
+int filter(const Query& query, const PairFrame& frame, const NearFrame& near, const TrianglePair& pair) {
   Vec3f a[3], b[3];
-  centredCorners(query.a->mesh(), pair.a, a);
-  centredCorners(query.b->mesh(), pair.b, b);
-  for (Vec3f& p : b) p = otgTransform(frame.trianglesInA, p);
-  return otgTrianglesFilter(frame.floatError, a, b);
+  for (int k = 0; k < 3; ++k) {
+    a[k] = otgSub(corner(query.a->mesh(), pair.a, k), near.centerA);
+    b[k] = otgSub(corner(query.b->mesh(), pair.b, k), near.centerB);
+  }
+  const FilterError<float> error = nearFilterError(frame.nearError, a, b, near.t);
+  Transformf toA = frame.trianglesInA;
+  toA.t = near.t;
+  for (Vec3f& p : b) p = otgTransform(toA, p);
+  return otgTrianglesFilter(error, a, b);
+}
+
+int filterInDouble(const Query& query, const PairFrame& frame, const TrianglePair& pair) {
+  Vec3d a[3], b[3];
+  cornersOfA(query.a->mesh(), pair.a, a);
+  cornersOfB(query.b->mesh(), query.bInA, pair.b, b);
+  return otgTrianglesFilter(frame.doubleError, a, b);
 }
 
 }  // namespace
@@ -44,7 +58,7 @@ TEST_CASE("instruction sets agree bit for bit") {
   const CollisionMesh one(scenes::build(scenes::makeTetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1})),
                           BuildStrategy::kSah);
   const CollisionMesh box(scenes::build(scenes::makeBox({1, 1, 1}, 5)), BuildStrategy::kSah);
-  std::size_t candidates = 0, certain = 0, unsure = 0;
+  std::size_t candidates = 0, certain = 0, unsure = 0, exact = 0;
   for (const CollisionMesh* a : {&torus, &lump, &one, &box}) {
     for (const CollisionMesh* b : {&torus, &lump, &one, &box}) {
       for (int i = 0; i < 8; ++i) {
@@ -57,7 +71,7 @@ TEST_CASE("instruction sets agree bit for bit") {
           if (i == 7) query.bInA = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0.4, 0.2, 0}};
           query.options.middle.axes = axes;
           const PairFrame frame = makePairFrame(query);
-          std::vector<TrianglePair> expected, intersecting, undecided;
+          std::vector<TrianglePair> expected, intersecting, undecided, sureInDouble, openInDouble;
           for (const SimdLevel level : levels()) {
             CollideStats stats;
             std::vector<TrianglePair> found, sure, open;
@@ -65,18 +79,30 @@ TEST_CASE("instruction sets agree bit for bit") {
             filterTriangles(level, query, frame, found, sure, open);
             if (level == SimdLevel::kBaseline) {
               expected = found;
-              for (const TrianglePair& pair : found) {
-                const int answer = filter(query, frame, pair);
+              for (std::size_t k = 0; k < found.size(); ++k) {
+                const TrianglePair& pair = found[k];
+                const NearFrame near = nearFrame(query.bInA, corner(a->mesh(), found[k / 8 * 8].a, 0));
+                const int answer = filter(query, frame, near, pair);
                 if (answer == OTG_INTERSECTING) intersecting.push_back(pair);
                 if (answer == OTG_UNDECIDED) undecided.push_back(pair);
+              }
+              sureInDouble = intersecting;
+              for (const TrianglePair& pair : undecided) {
+                const int answer = filterInDouble(query, frame, pair);
+                if (answer == OTG_INTERSECTING) sureInDouble.push_back(pair);
+                if (answer == OTG_UNDECIDED) openInDouble.push_back(pair);
               }
             }
             REQUIRE(found == expected);
             REQUIRE(sure == intersecting);
             REQUIRE(open == undecided);
+            filterTrianglesInDouble(level, query, frame, sure, open);
+            REQUIRE(sure == sureInDouble);
+            REQUIRE(open == openInDouble);
           }
           certain += intersecting.size();
           unsure += undecided.size();
+          exact += openInDouble.size();
           candidates += expected.size();
           // The standard traversal finds the same candidates.
           Workspace workspace;
@@ -91,4 +117,45 @@ TEST_CASE("instruction sets agree bit for bit") {
   CHECK(candidates > 10000);
   CHECK(certain > 1000);
   CHECK(unsure > 100);
+  CHECK(exact > 100);
+}
+
+TEST_CASE("the float filter tells small triangles apart on a mesh of any size") {
+  const CollisionMesh ball(scenes::build(scenes::makeLump(0.5, 3, 0, 1)), BuildStrategy::kSah);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::size_t candidates = 0, unsure = 0, sure = 0;
+  const auto hills = [](double x, double y) { return 0.05 * std::sin(3 * x) * std::cos(2 * y); };
+  for (const int cells : {8, 64, 300}) {
+    const CollisionMesh ground(scenes::build(scenes::makeGround(0.25 * cells, 1, cells, hills)), BuildStrategy::kSah);
+    for (int i = 0; i < 40; ++i) {
+      Query query;
+      query.a = i % 2 == 0 ? &ball : &ground;
+      query.b = i % 2 == 0 ? &ground : &ball;
+      query.bInA = pose(0.15 * i, {0, 0, 0});
+      const double reach = 0.1 * cells;
+      const Vec3d at{reach * uniform(random), reach * uniform(random), 0.45};
+      // The ball over the ground, in the frame of either.
+      if (i % 2 == 0) {
+        query.bInA.t = otgScale(otgRotate(query.bInA, at), -1.0);
+      } else {
+        query.bInA.t = at;
+      }
+      const PairFrame frame = makePairFrame(query);
+      CollideStats stats;
+      std::vector<TrianglePair> found, meeting, open;
+      traverseWide(bestSimdLevel(), query, frame, found, stats);
+      filterTriangles(bestSimdLevel(), query, frame, found, meeting, open);
+      candidates += found.size();
+      unsure += open.size();
+      sure += meeting.size();
+      std::set<TrianglePair> said(meeting.begin(), meeting.end());
+      const std::set<TrianglePair> unsaid(open.begin(), open.end());
+      for (const TrianglePair& pair : found) {
+        if (!unsaid.contains(pair)) REQUIRE(decidePair(query, frame, pair, stats) == said.contains(pair));
+      }
+    }
+  }
+  CHECK(sure > 500);
+  CHECK(100 * unsure < candidates);
 }

@@ -74,7 +74,8 @@ typedef struct {
   otg_uint pieces, pieceCount, points, pointCount;  ///< places in the arena
   otg_uint next;                                    ///< region, or OTG_NOT_THERE
   otg_uint faces, planes, picks;  ///< places in the arena; picks (ushort): OTG_NOT_THERE where all points stay
-  otg_uint faceCount[2], planeCount[2], candidates;
+  otg_uint faceCount[2], planeCount[2];
+  otg_uint candidates;  ///< of an uneven region at first: the most that it may have
   otg_uint flags;  ///< OTG_REGION_*
 } otg_solid_region;
 
@@ -85,11 +86,14 @@ enum {
   OTG_REGION_DEEP = 8,
   OTG_REGION_GATHERED = 16,  ///< planes stand for several pieces
   OTG_REGION_CORNERS = 32,   ///< it has points that are not flat
-  OTG_REGION_BAD = 64        ///< the host has to do the pair
+  OTG_REGION_BAD = 64,       ///< the host has to do the pair
+  OTG_REGION_UNEVEN = 128    ///< each point leaves by the faces nearest to it
 };
 
 /// Candidates are looked at in parts of so many of one region: the region's place in the arena, and the first of them.
 #define OTG_SOLID_CHUNK 32
+/// An uneven region is one part. In place of the first candidate it has its pair's number, and this.
+#define OTG_CHUNK_UNEVEN 0x80000000u
 
 /// A pair of triangles that intersect, and how the chord in which they do ends.
 typedef struct {

@@ -25,17 +25,19 @@
 namespace otg {
 template <class REAL>
 struct PairBounds {
-  Vec3<REAL> t;  ///< centre of B's frame in A's centred frame
-  REAL eps;      ///< for BoxFrame::eps, rounded up
-  REAL delta;    ///< for FilterError<float>::delta, rounded up
-  REAL scale;    ///< no coordinate of either mesh in A's centred frame is larger
+  Vec3<REAL> t;    ///< centre of B's frame in A's centred frame
+  REAL eps;        ///< for BoxFrame::eps, rounded up
+  REAL delta;      ///< for FilterError<float>::delta, rounded up
+  REAL scale;      ///< no coordinate of either mesh in A's centred frame is larger
+  REAL rowNorm;    ///< of the longest row of R
+  REAL placement;  ///< more than what double rounds of where a corner is
 };
 #define OTG_PAIR_BOUNDS PairBounds<REAL>
 #else
 #define OTG_PAIR_BOUNDS OTG_NAME(otg_pair_bounds)
 typedef struct {
   OTG_VEC3 t;
-  REAL eps, delta, scale;
+  REAL eps, delta, scale, rowNorm, placement;
 } OTG_PAIR_BOUNDS;
 #endif
 
@@ -63,17 +65,17 @@ OTG_GENERIC OTG_PAIR_BOUNDS OTG_NAME(otgPairBounds)(OTG_TRANSFORM m, REAL defect
                                                     OTG_VEC3 originB, REAL radiusB) {
   OTG_PAIR_BOUNDS out;
   const REAL floatUnit = OTG_REAL(0x1p-24), doubleUnit = OTG_REAL(0x1p-53);
-  REAL rowNorm = 0, placement;
   // The centred frames: x = v - origin. Both the transform of B's origin and the difference are taken in double.
   out.t = OTG_NAME(otgSub)(OTG_NAME(otgTransform)(m, originB), originA);
   // An origin may be a quarter of the radius from the middle that the radius is meant about.
   radiusA *= OTG_REAL(1.25);
   radiusB *= OTG_REAL(1.25);
+  out.rowNorm = 0;
   for (int i = 0; i < 3; ++i) {
     const OTG_VEC3 row = OTG_NAME(otgVec)(m.r[3 * i], m.r[3 * i + 1], m.r[3 * i + 2]);
-    rowNorm = OTG_MAX(rowNorm, OTG_NAME(otgLength)(row));
+    out.rowNorm = OTG_MAX(out.rowNorm, OTG_NAME(otgLength)(row));
   }
-  out.scale = radiusA + radiusB * rowNorm + OTG_NAME(otgLength)(out.t);
+  out.scale = radiusA + radiusB * out.rowNorm + OTG_NAME(otgLength)(out.t);
   // Boxes: a gap along a face or edge axis is a sum of at most 17 rounded terms whose magnitudes add up to `scale` at
   // most (rows of R have norm 1, so Cauchy-Schwarz bounds the rotated centre and extents by the radius); 21 u scale for
   // the face axes of B and 32 u scale for edge axes bound the whole.
@@ -84,11 +86,12 @@ OTG_GENERIC OTG_PAIR_BOUNDS OTG_NAME(otgPairBounds)(OTG_TRANSFORM m, REAL defect
   // not e_k |R_il| + ..; the singular values s of R differ from those of its cofactors by s2 s3 - s1, about half of
   // what E's eigenvalues add up to, so this is off by less than |e| |E| too (0.87, and 0.003 for the second order at
   // the largest defect). A box lies within the mesh's bounds, so |e| <= sqrt(3) radius: 2 > sqrt(3) covers both.
-  placement = 16 * doubleUnit * (OTG_NAME(otgLength)(originA) + OTG_NAME(otgLength)(originB) * rowNorm + out.scale);
+  out.placement =
+      16 * doubleUnit * (OTG_NAME(otgLength)(originA) + OTG_NAME(otgLength)(originB) * out.rowNorm + out.scale);
   // The last term is for numbers so small that a device flushes them to zero.
-  out.eps = 32 * floatUnit * out.scale + 2 * defect * radiusB + placement + OTG_REAL(1e-36);
+  out.eps = 32 * floatUnit * out.scale + 2 * defect * radiusB + out.placement + OTG_REAL(1e-36);
   // Triangles: centring rounds once (u r), the transform costs at most 8 u scale on top of R's and t's own rounding.
-  out.delta = OTG_REAL(2.1) * (16 * floatUnit * out.scale + placement);
+  out.delta = OTG_REAL(2.1) * (16 * floatUnit * out.scale + out.placement);
   return out;
 }
 

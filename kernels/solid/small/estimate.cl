@@ -68,6 +68,7 @@ OTG_INLINED double otgDepthAtEnd(const otg_solid_work* w, __global const otg_sol
   return otgDepthByPlanes(w, at, normal, p->limit, &out, &back);
 }
 
+/// Where a part is an uneven region it begins behind all candidates (OTG_CHUNK_UNEVEN), and none is looked at.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidEstimate(
     __global const uint2* restrict chunks, uint chunkRoom, __global const uint* restrict counters,
     __global uchar* arena) {

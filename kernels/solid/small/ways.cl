@@ -15,8 +15,8 @@ OTG_INLINED uint otgTakeUnits(__local otg_solid_ways* s, uint units, __global ui
   return begin <= arenaUnits && arenaUnits - begin >= units ? begin : OTG_NOT_THERE;
 }
 
-/// Whether a region reaches so far that each of its points needs a direction of its own, unless one holds for all: as
-/// isUneven() in collide/solid/region_contacts.cpp. All lanes call it.
+/// Whether a region reaches so far that it is uneven, unless one direction holds for all of it: as isUneven() in
+/// collide/solid/region_contacts.cpp. All lanes call it.
 OTG_INLINED int otgIsUnevenRegion(__local otg_solid_ways* s, const otg_solid_work* w) {
   int roundCorner = 0;
   for (uint i = 0; i < w->pointCount; ++i) {
@@ -39,14 +39,27 @@ OTG_INLINED int otgIsUnevenRegion(__local otg_solid_ways* s, const otg_solid_wor
   return otgIsUneven_d(end[1] + end[0], w->thickness);
 }
 
-/// One region. `size`: of the smaller mesh; `last`: as otgFindWayOut. `flag`: of the pair, in which the host sees early
-/// that it is to do it, as where a region is uneven; solidContacts counts it.
-OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a, OTG_MESH* b, double size,
+/// OTG_REGION_* of a region, whose contacts the device may make.
+OTG_INLINED uint otgFlagsOf(__local const otg_solid_ways* s, const otg_solid_work* w, int isUneven) {
+  uint flags = s->isFlat ? OTG_REGION_FLAT : 0;
+  if (w->isFixed) flags |= OTG_REGION_FIXED;
+  if (w->thickness > OTG_SOLID_DEEP * w->diagonal || s->pairs > 0) flags |= OTG_REGION_DEEP;
+  if (isUneven) flags |= OTG_REGION_UNEVEN;
+  if (w->isGathered && !isUneven) flags |= OTG_REGION_GATHERED;
+  // The corners of an overlap are never flat points, as long as anything is not flat.
+  if (s->corners >= 3) flags |= OTG_REGION_CORNERS;
+  return flags;
+}
+
+/// One region of pair `number`. `last`: as otgFindWayOut. `flag`: of the pair, in which the host sees early that it is
+/// to do it; solidContacts counts it.
+OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a, OTG_MESH* b, uint number,
                                  otg_vec3_d last, __global uint* counters, __global uchar* arena, uint arenaUnits,
                                  __global uint2* chunks, uint chunkRoom, __global uint* flag) {
   const uint lane = get_local_id(0), most = OTG_SOLID_POINTS;
   otg_solid_work w = otgWorkOn(arena, at);
   const double areas = w.region->areaA + w.region->areaB;
+  const double size = 2 * (double)(a->radius < b->radius ? a->radius : b->radius);  // of the smaller mesh
   const int counts = !(w.diagonal < OTG_SOLID_LEAST_DIAGONAL * size || areas < OTG_SOLID_LEAST_AREA * size * size);
   // The host makes faces of very many pieces, where it asks them at all.
   const int gathers = w.pieceCount > OTG_SOLID_MOST_ELEMENTS && w.coherence < OTG_SOLID_FLAT;
@@ -73,27 +86,22 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
   otgWeighPieces(s, &w);
   const size_t plane = (size_t)planeUnits * OTG_ARENA_UNIT;
   otgThinRegion(s, &w, (__global otg_solid_face*)(room + plane), (__global ushort*)(room + 3 * plane));
-  const int isUneven = otgIsUnevenRegion(s, &w);
+  const int reachesFar = otgIsUnevenRegion(s, &w);
   const double far = (double)(a->radius + b->radius);
-  otgFindWayOut(s, &w, a, b, far, last, isUneven, (__global otg_solid_face*)(room + 2 * plane));
+  otgFindWayOut(s, &w, a, b, far, last, reachesFar, (__global otg_solid_face*)(room + 2 * plane));
   for (uint i = lane; i < w.pointCount; i += OTG_GROUP) {
     if (!w.points[i].flat) atomic_inc(&s->corners);
   }
   OTG_SYNC;
-  const uint parts = (w.candidates + OTG_SOLID_CHUNK - 1) / OTG_SOLID_CHUNK;
+  const int isUneven = reachesFar && !w.isFixed;
+  const uint parts = isUneven ? 1 : (w.candidates + OTG_SOLID_CHUNK - 1) / OTG_SOLID_CHUNK;
   if (lane == 0) {
     __global otg_solid_region* r = w.region;
-    uint flags = counts ? OTG_REGION_COUNTS : 0;
-    if (s->isFlat) flags |= OTG_REGION_FLAT;
-    if (w.isFixed) flags |= OTG_REGION_FIXED;
-    if (w.thickness > OTG_SOLID_DEEP * w.diagonal || s->pairs > 0) flags |= OTG_REGION_DEEP;
-    if (w.isGathered) flags |= OTG_REGION_GATHERED;
-    // The corners of an overlap are never flat points, as long as anything is not flat.
-    if (s->corners >= 3) flags |= OTG_REGION_CORNERS;
+    uint flags = otgFlagsOf(s, &w, isUneven) | (counts ? OTG_REGION_COUNTS : 0);
     // Without room for its parts its candidates stay as they are: none is looked at, and the batch is run again.
     s->allocated = parts > 0 ? atomic_add(counters + OTG_COUNT_CHUNKS, parts) : 0;
     const int fits = s->allocated <= chunkRoom && chunkRoom - s->allocated >= parts;
-    const int isHosts = tooMany || (works && (s->bad || (isUneven && !w.isFixed)));
+    const int isHosts = tooMany || (works && s->bad);
     if (counts && (isHosts || !works || !fits)) flags |= OTG_REGION_BAD;
     if (counts && isHosts) *flag |= OTG_PAIR_TO_HOST | OTG_SOLID_TOO_MANY << OTG_PAIR_WHY;
     r->flags = flags;
@@ -107,11 +115,12 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
     r->faceCount[1] = w.facesOfB;
     r->planeCount[0] = w.planesOfA;
     r->planeCount[1] = w.planesOfB;
-    r->candidates = fits ? w.candidates : 0;
+    r->candidates = !fits ? 0 : isUneven ? OTG_SOLID_POINTS : w.candidates;
   }
   OTG_SYNC;
   for (uint k = lane; k < parts; k += OTG_GROUP) {
-    if (s->allocated + k < chunkRoom) chunks[s->allocated + k] = (uint2)(at, k * OTG_SOLID_CHUNK);
+    if (s->allocated + k >= chunkRoom) continue;
+    chunks[s->allocated + k] = (uint2)(at, isUneven ? OTG_CHUNK_UNEVEN | number : k * OTG_SOLID_CHUNK);
   }
   OTG_SYNC_ALL;
 }
@@ -131,12 +140,11 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidWays(
     const uint number = otgListed(counters, lists, pairs, 1, first, end, item);
     if (number == OTG_NOT_THERE) return;
     otgTakeMeshes(mesh, meshes, tasks + number, places);
-    const double size = 2 * (double)(mesh[0].radius < mesh[1].radius ? mesh[0].radius : mesh[1].radius);
     const otg_vec3_d last = directions != 0 ? otgLoad(directions + 3 * (size_t)number) : otgVec_d(0, 0, 0);
     uint at = heads[number];
     for (uint r = 0; at != OTG_NOT_THERE && r < OTG_SOLID_REGIONS; ++r) {
       const uint next = ((__global const otg_solid_region*)(arena + (size_t)at * OTG_ARENA_UNIT))->next;
-      otgWaysOfRegion(&ways, at, mesh, mesh + 1, size, last, counters, arena, arenaUnits, chunks, chunkRoom,
+      otgWaysOfRegion(&ways, at, mesh, mesh + 1, number, last, counters, arena, arenaUnits, chunks, chunkRoom,
                       chosen + OTG_FLAGS + number);
       at = next;
     }

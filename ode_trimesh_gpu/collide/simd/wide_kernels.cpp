@@ -100,16 +100,25 @@ void traverseWide(SimdLevel level, const Query& query, const PairFrame& frame, s
   stats.boxTests += args.boxTests;
 }
 
+namespace {
+
+TriangleFilterArgs filterArgs(const Query& query, const PairFrame& frame, const std::vector<TrianglePair>& candidates,
+                              TrianglePair* intersecting, TrianglePair* undecided) {
+  const TriMesh& a = query.a->mesh();
+  const TriMesh& b = query.b->mesh();
+  return {a.vertices().data(), b.vertices().data(), a.triangles().data(), b.triangles().data(),
+          &query.bInA,         &frame.trianglesInA, &frame.nearError,     &frame.doubleError,
+          candidates.data(),   candidates.size(),   intersecting,         undecided};
+}
+
+}  // namespace
+
 void filterTriangles(SimdLevel level, const Query& query, const PairFrame& frame,
                      const std::vector<TrianglePair>& candidates, std::vector<TrianglePair>& intersecting,
                      std::vector<TrianglePair>& undecided) {
-  const TriMesh& a = query.a->mesh();
-  const TriMesh& b = query.b->mesh();
   intersecting.resize(candidates.size());
   undecided.resize(candidates.size());
-  TriangleFilterArgs args{a.vertices().data(), b.vertices().data(), a.triangles().data(), b.triangles().data(),
-                          a.origin(),          b.origin(),          &frame.trianglesInA,  &frame.floatError,
-                          candidates.data(),   candidates.size(),   intersecting.data(),  undecided.data()};
+  TriangleFilterArgs args = filterArgs(query, frame, candidates, intersecting.data(), undecided.data());
   switch (level) {
 #ifdef OTG_HAVE_X86_KERNELS
     case SimdLevel::kAvx512:
@@ -124,6 +133,28 @@ void filterTriangles(SimdLevel level, const Query& query, const PairFrame& frame
       break;
   }
   intersecting.resize(args.intersectingCount);
+  undecided.resize(args.undecidedCount);
+}
+
+void filterTrianglesInDouble(SimdLevel level, const Query& query, const PairFrame& frame,
+                             std::vector<TrianglePair>& intersecting, std::vector<TrianglePair>& undecided) {
+  const std::size_t before = intersecting.size();
+  intersecting.resize(before + undecided.size());
+  TriangleFilterArgs args = filterArgs(query, frame, undecided, intersecting.data() + before, undecided.data());
+  switch (level) {
+#ifdef OTG_HAVE_X86_KERNELS
+    case SimdLevel::kAvx512:
+      simd_avx512::filterTrianglesInDouble(args);
+      break;
+    case SimdLevel::kAvx2:
+      simd_avx2::filterTrianglesInDouble(args);
+      break;
+#endif
+    default:
+      simd_baseline::filterTrianglesInDouble(args);
+      break;
+  }
+  intersecting.resize(before + args.intersectingCount);
   undecided.resize(args.undecidedCount);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The SIMD stages of the pipeline: eight-way traversal and the float filter for eight pairs of triangles.
+// The SIMD stages of the pipeline: eight-way traversal and the filters for eight pairs of triangles.
 //
 // wide_kernels_impl.h is compiled once per instruction set (wide_kernels_<set>.cpp, with that set's compiler flags),
 // and the choice is made at run time. Inside, everything is plain pointers and always-inlined formulas: an inline
@@ -30,5 +30,10 @@ void traverseWide(SimdLevel level, const Query& query, const PairFrame& frame, s
 void filterTriangles(SimdLevel level, const Query& query, const PairFrame& frame,
                      const std::vector<TrianglePair>& candidates, std::vector<TrianglePair>& intersecting,
                      std::vector<TrianglePair>& undecided);
+
+/// The double filter for what the float filter left: puts those of `undecided` that certainly intersect behind
+/// `intersecting`, and leaves those of which double cannot tell either.
+void filterTrianglesInDouble(SimdLevel level, const Query& query, const PairFrame& frame,
+                             std::vector<TrianglePair>& intersecting, std::vector<TrianglePair>& undecided);
 
 }  // namespace otg

@@ -8,9 +8,9 @@
 #include "base/triangle.h"
 #include "bvh/box_scale.h"
 #include "bvh/wide_node.h"
+#include "collide/simd/near_frame.h"
 #include "collide/traversal.h"
 #include "shared/tests/box_test.h"
-#include "shared/tests/plane_test.h"
 
 namespace otg {
 
@@ -51,19 +51,21 @@ struct WideTraversalArgs {
 struct TriangleFilterArgs {
   const Vec3f *verticesA, *verticesB;
   const Triangle *trianglesA, *trianglesB;
-  Vec3f centerA, centerB;
-  const Transformf* toA;
-  const FilterError<float>* error;
+  const Transformd* bInA;
+  const Transformf* turn;  ///< its rotation in float
+  const NearFilterError* error;
+  const FilterError<double>* doubleError;
   const TrianglePair* candidates;
   std::size_t count;
   TrianglePair *intersecting, *undecided;                 ///< room for `count` each
   std::size_t intersectingCount = 0, undecidedCount = 0;  ///< out
 };
 
-#define OTG_DECLARE_WIDE_KERNELS(set)             \
-  namespace set {                                 \
-  void traverseWide(WideTraversalArgs& args);     \
-  void filterTriangles(TriangleFilterArgs& args); \
+#define OTG_DECLARE_WIDE_KERNELS(set)                     \
+  namespace set {                                         \
+  void traverseWide(WideTraversalArgs& args);             \
+  void filterTriangles(TriangleFilterArgs& args);         \
+  void filterTrianglesInDouble(TriangleFilterArgs& args); \
   }
 OTG_DECLARE_WIDE_KERNELS(simd_baseline)
 OTG_DECLARE_WIDE_KERNELS(simd_avx2)

@@ -7,12 +7,11 @@
 
 #include "base/vectors.h"
 #include "collide/shortest_translation.h"
-#include "shared/contacts/solid_model.h"
+#include "shared/contacts/uneven_model.h"
 
 namespace otg {
 namespace {
 
-constexpr double kSameHalfSpace = 1 - 1e-12;
 constexpr std::size_t kEdgesPassed = 8;  ///< by most stretches at most
 
 struct Way {
@@ -46,7 +45,7 @@ Part partOfVertex(RegionTriangles& triangles, const SupportPoint& p, std::pmr::m
   for (const RegionTriangles::StretchExit& e : faces) {
     const Vec3d normal = otgScale(e.exit.normal, side);
     if (std::any_of(part.ways.begin(), part.ways.begin() + static_cast<std::ptrdiff_t>(part.together),
-                    [&](const Way& way) { return otgDot(way.normal, normal) > kSameHalfSpace; }))
+                    [&](const Way& way) { return otgDot(way.normal, normal) > OTG_UNEVEN_SAME_NORMAL; }))
       continue;
     part.ways.push_back({p.position, otgScale(e.exit.normal, side), e.exit.depth, e.exit.curved});
   }

@@ -13,6 +13,7 @@
 #include "collide/solid/leaving.h"
 #include "collide/solid/region_planes.h"
 #include "collide/solid/support_point.h"
+#include "shared/contacts/uneven_model.h"
 
 namespace otg {
 namespace {
@@ -68,7 +69,7 @@ class RegionSolver {
   }
 
  private:
-  static constexpr double kWithin = 1 + 1e-6;  ///< for what rounds
+  static constexpr double kWithin = OTG_UNEVEN_WITHIN;
   static constexpr double kFar = std::numeric_limits<double>::infinity();
   static constexpr double kGrain = 1e-9;  ///< of the region's diagonal: rounding
   Vec3d centroid() const {
@@ -292,8 +293,7 @@ class RegionSolver {
   /// asked for where a point lies in one face and below the next.
   void limitToNeighbourhood(Candidate& c) const {
     const auto limit = [&](int m, double& way, const Vec3d& direction) {
-      const double enough = kWithin * way / OTG_SOLID_NEIGHBOURHOOD;
-      way = std::min(way, OTG_SOLID_NEIGHBOURHOOD * triangles_.distanceToFacing(m, c.at, direction, enough));
+      way = otgNeighbourhood(way, triangles_.distanceToFacing(m, c.at, direction, otgEnoughToGo(way)));
     };
     if (c.out > 0) limit(1, c.out, c.normal);
     if (c.back > 0) limit(0, c.back, otgScale(c.normal, -1.0));

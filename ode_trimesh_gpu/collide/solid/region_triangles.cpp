@@ -7,14 +7,14 @@
 #include <numeric>
 
 #include "base/vectors.h"
-#include "shared/tests/triangle_distance.h"
+#include "shared/contacts/uneven_model.h"
 
 namespace otg {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kSameNormal = 1 - 1e-12;
-constexpr double kSurely = 1 + 1e-8;   ///< for distances that round
+constexpr double kSameNormal = OTG_UNEVEN_SAME_NORMAL;
+constexpr double kSurely = OTG_UNEVEN_SURELY;
 constexpr double kBoundsError = 1e-9;  ///< of a triangle's size: OTG_ON_TRIANGLE and what rounds
 constexpr std::size_t kNoSlot = ~std::size_t{0};
 
@@ -56,7 +56,7 @@ void RegionTriangles::addTriangle(const PlacedMeshes& meshes, const Vec3d& origi
   const auto& v = meshes.mesh(piece.mesh).triangles()[piece.triangle].v;
   for (int k = 0; k < 3; ++k) t.corner[k] = otgSub(meshes.vertex(piece.mesh, v[k]), origin);
   for (int k = 0; k < 3; ++k) {
-    t.inward[k] = unit(otgCross(t.normal, otgSub(t.corner[(k + 1) % 3], t.corner[k])));
+    t.inward[k] = otgInward(t.normal, t.corner[k], t.corner[(k + 1) % 3]);
     t.edge[k] = otgDot(t.inward[k], t.corner[k]);
   }
   triangles_.push_back(t);
@@ -93,7 +93,7 @@ void RegionTriangles::addEdges(const PlacedMeshes& meshes, const RegionTriangle&
     const std::uint32_t half = 3 * number + k, twin = topology.twin[half];
     if (twin == kNone) continue;
     const Vec3d ends = otgSub(t.corner[(k + 1) % 3], t.corner[k]), other = meshes.normal(mesh, twin / 3);
-    if (!(otgDot(otgCross(t.normal, other), ends) > 0)) continue;
+    if (otgIsConvex(t.normal, other, ends) == 0) continue;
     bool isNew = false;
     edgesAdded_.insert(std::uint64_t{mesh} << 32 | std::min(half, twin), 0, &isNew);
     if (!isNew) continue;
@@ -107,10 +107,8 @@ bool RegionTriangles::isCurved(int m, std::size_t i) const {
   if (curved_[i] == Curved::kUnknown) {
     const auto first = planes_.begin(), begin = first + static_cast<std::ptrdiff_t>(begin_[m]),
                end = first + static_cast<std::ptrdiff_t>(begin_[m + 1]);
-    const bool is = std::any_of(begin, end, [&](const Plane& other) {
-      const double cosine = otgDot(other.normal, planes_[i].normal);
-      return cosine > OTG_SOLID_SHARP_COSINE && cosine < 1 - 1e-6;
-    });
+    const bool is = std::any_of(
+        begin, end, [&](const Plane& other) { return otgIsTurned(otgDot(other.normal, planes_[i].normal)) != 0; });
     curved_[i] = is ? Curved::kYes : Curved::kNo;
   }
   return curved_[i] == Curved::kYes;
@@ -118,7 +116,7 @@ bool RegionTriangles::isCurved(int m, std::size_t i) const {
 
 double RegionTriangles::distanceOf(std::size_t i, const Vec3d& p) const {
   const RegionTriangle& t = triangles_[i];
-  return norm(otgSub(otgPointOnTriangle(t.corner[0], t.corner[1], t.corner[2], p), p));
+  return otgDistanceOfTriangle(t.corner[0], t.corner[1], t.corner[2], p);
 }
 
 const std::pmr::vector<RegionTriangles::Exit>& RegionTriangles::exitsOf(int m, const Vec3d& p) {
@@ -130,16 +128,16 @@ const std::pmr::vector<RegionTriangles::Exit>& RegionTriangles::exitsOf(int m, c
   double nearest = kInfinity;
   for (std::size_t k = 0; k < near.size(); ++k) {
     const std::size_t i = begin_[m] + near[k];
-    if (depthBelow(i, p) > nearest + slack_) continue;
+    if (std::fabs(depthBelow(i, p)) > otgAsNear(nearest, slack_)) continue;
     distances_[k] = distanceOf(i, p);
     nearest = std::min(nearest, distances_[k]);
   }
   for (std::size_t k = 0; k < near.size(); ++k) {
-    if (!(distances_[k] <= nearest * (1 + 1e-9) + slack_)) continue;
+    if (!(distances_[k] <= otgAsNear(nearest, slack_))) continue;
     const std::size_t i = begin_[m] + near[k];
     const double depth = depthBelow(i, p);
     const Vec3d& normal = planes_[i].normal;
-    if (!(depth > -slack_)) continue;
+    if (!(depth > -slack_) || depth > otgAsNear(nearest, slack_)) continue;
     if (std::any_of(exits_.begin(), exits_.end(),
                     [&](const Exit& e) { return otgDot(e.normal, normal) > kSameNormal; }))
       continue;
@@ -156,7 +154,7 @@ const std::pmr::vector<RegionTriangles::StretchExit>& RegionTriangles::facesOver
   for (const std::uint32_t k : faces_[m].over(from, to, slack_)) {
     const std::size_t i = begin_[m] + k;
     const double first = depthBelow(i, from), last = depthBelow(i, to);
-    const double depth = std::max({first, last, 0.0});
+    const double depth = otgDeeperEnd(first, last);
     std::size_t& slot = slots_[sameAs_[i]];
     const bool isNew = slot == kNoSlot;
     if (!isNew && !(depth < found[slot].exit.depth)) continue;
@@ -221,10 +219,11 @@ double RegionTriangles::wayOut(int m, const Vec3d& direction, double limit) {
   double nearest = limit;
   for (std::size_t k = 0; k < ahead_[m].size(); ++k) {
     const auto [depth, i] = aheadAt(m, k);
-    if (!(depth < nearest)) break;  // no way is shorter than the distance from the plane
+    if (!(depth < kSurely * nearest)) break;  // no way is shorter than the distance from the plane
     const double cosine = otgDot(planes_[i].normal, direction);
-    if (!(cosine > 0.05) || depth >= nearest * cosine) continue;
-    const double way = std::max(0.0, depth / cosine);
+    if (!(cosine > OTG_UNEVEN_LEAST_COSINE) || depth >= kSurely * nearest * cosine) continue;
+    const double way = otgWayThrough(depth, cosine);
+    if (!(way < nearest)) continue;
     if (triangles_[i].beside(otgAdd(from_, otgScale(direction, way))) <= slack_) nearest = way;
   }
   return nearest < limit ? nearest : kInfinity;

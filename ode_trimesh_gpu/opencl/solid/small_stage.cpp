@@ -65,6 +65,7 @@ SmallStage::SmallStage(Context& context, const Tuning& tuning)
                       {}});
   }
   estimateGroup_ = isCpu ? 1 : OTG_SOLID_CHUNK;
+  unevenGroup_ = isCpu ? 1 : 64;
   estimateGroups_ = std::size_t{context.info().computeUnits} * (isCpu ? 4 : 32);
 }
 
@@ -90,6 +91,7 @@ void SmallStage::build() {
   }
   estimate_ = context_.makeKernel("solid/small/estimate.cl",
                                   "-DOTG_GROUP=" + std::to_string(estimateGroup_) + registerLimit_, "solidEstimate");
+  uneven_.make(context_, "solid/small/uneven.cl", "-DOTG_GROUP=" + std::to_string(unevenGroup_) + registerLimit_);
   write_ = std::move(write);
 }
 
@@ -175,6 +177,15 @@ void SmallStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& re
   }
   Arguments(estimate_) << chunks_.get() << chunks_.places() << batch.counters << arena_.get();
   launch(queue, estimate_, estimateGroup_, estimateGroups_, 1, profile.next(Profile::kSelect));
+  uneven_.give({.meshes = BufferOf<otg_mesh_unit>(batch.meshes),
+                .tasks = BufferOf<otg_batch_task>(batch.tasks),
+                .places = BufferOf<otg_device_mesh>(batch.places),
+                .counters = BufferOf<otg_counter>(batch.counters),
+                .chunks = BufferOf<otg_solid_chunk>(chunks_.get()),
+                .chunkRoom = chunks_.places(),
+                .arena = BufferOf<otg_arena_byte>(arena_.get()),
+                .arenaUnits = arena_.places()});
+  launch(queue, uneven_, unevenGroup_, estimateGroups_, 1, profile.next(Profile::kSelect));
   for (Size& size : sizes_) {
     Arguments(size.contacts) << batch.meshes << batch.tasks << batch.places << batch.states << batch.reductions
                              << batch.counters << arena_.get() << arena_.places() << heads_.get() << lists_.get()

@@ -10,7 +10,7 @@
 #include "opencl/results/reducer.h"
 #include "opencl/results/result_buffer.h"
 #include "opencl/tuning.h"
-#include "shared/layout/solid_layout.h"
+#include "shared/layout/solid_given.h"
 
 namespace otg::opencl {
 
@@ -68,8 +68,9 @@ class SmallStage {
   ResultBuffer left_{0}, pairwiseRecords_{0};
   std::vector<Size> sizes_;  ///< the largest pairs first
   Kernel records_, stretches_, scatter_, estimate_, write_;
+  KernelFor<given::SolidUneven> uneven_;
   KernelFor<given::SolidPairwise> pairwise_;
-  std::size_t estimateGroup_, estimateGroups_;
+  std::size_t estimateGroup_, unevenGroup_, estimateGroups_;
   DeviceList sorted_{sizeof(otg_solid_hit)}, heads_{sizeof(otg_uint)}, arena_, lists_{sizeof(otg_uint)},
       chunks_{2 * sizeof(otg_uint)}, kept_{sizeof(otg_chosen_contact)}, directions_{3 * sizeof(double)};
 };
