@@ -48,12 +48,12 @@ typedef struct {
 /// A place where a contact may sit, as SupportPoint there, and what comes of it.
 typedef struct {
   double position[3], along[3], surfaceNormal[3], reach;
-  double faceNormal[3];  ///< of a crossing: outward, of the other mesh's face there
+  double faceNormal[3];                             ///< of a crossing: outward, of the other mesh's face there
   double at[3], probe[3], normal[3], shift, limit;  ///< `at`: the candidate's place, as a rule `position`
   otg_ulong order;                                  ///< kind, mesh, SupportPoint::rank, ordinal: ties are settled by it
   otg_uint kind, mesh, feature, ordinal, triangleA, triangleB;
   otg_uint flat;
-  otg_uint sharp;      ///< of a middle: its edge is sharp and convex; of a crossing: it is an inner corner's
+  otg_uint sharp;  ///< of a middle: its edge is sharp and convex; of a crossing: it is an inner corner's
   otg_uint unused[2];
   double depth, rank;  ///< of a candidate, as estimated; depth -1: it is none
 } otg_solid_point;
@@ -76,7 +76,7 @@ typedef struct {
   otg_uint faces, planes, picks;  ///< places in the arena; picks (ushort): OTG_NOT_THERE where all points stay
   otg_uint faceCount[2], planeCount[2];
   otg_uint candidates;  ///< of an uneven region at first: the most that it may have
-  otg_uint flags;  ///< OTG_REGION_*
+  otg_uint flags;       ///< OTG_REGION_*
 } otg_solid_region;
 
 enum {
