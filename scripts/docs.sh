@@ -36,7 +36,7 @@ BUILD=$BUILD doxygen docs/site/Doxyfile
 
 echo "== Sphinx" >&2
 rm -rf "$work/html"
-OTG_DOCS_XML=$BUILD/xml "$work/venv/bin/sphinx-build" -q -E -n -W --keep-going -c docs/site -d "$work/doctrees" docs "$work/html"
+PYVISTA_OFF_SCREEN=true MPLBACKEND=Agg OTG_DOCS_XML=$BUILD/xml "$work/venv/bin/sphinx-build" -q -E -n -W --keep-going -c docs/site -d "$work/doctrees" docs "$work/html"
 
 python3 -B docs/site/check_links.py "$work/html"
 # A header without its section in the API would be lost.

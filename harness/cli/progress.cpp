@@ -27,7 +27,7 @@ std::string inWords(double seconds) {
 }  // namespace
 
 std::string progressInWords(double share, std::chrono::duration<double> elapsed) {
-  const std::string done = fmt::format("{:.0f} % done after {}", 100 * share, inWords(elapsed.count()));
+  std::string done = fmt::format("{:.0f} % done after {}", 100 * share, inWords(elapsed.count()));
   if (share < kLeastShare) return done;
   return fmt::format("{}, about {} left", done, inWords(elapsed.count() * (1 - share) / share));
 }

@@ -46,12 +46,17 @@ void Recorder::addFrame(const Simulation& simulation) {
     body.positions.push_back(state.position);
     body.rotations.push_back(state.rotation);
   }
-  std::vector<ContactArrow>& arrows = recording_.contacts.emplace_back();
+  recording_.contacts.push_back(arrowsOf(simulation));
+}
+
+std::vector<ContactArrow> arrowsOf(const Simulation& simulation) {
+  std::vector<ContactArrow> arrows;
   for (const StepContact& contact : simulation.contacts()) {
     // ODE's normal points into the first body.
     const bool turned = !moves(simulation, contact.a) && moves(simulation, contact.b);
     arrows.push_back({contact.position, turned ? contact.normal * -1.0 : contact.normal, contact.depth});
   }
+  return arrows;
 }
 
 Stage findStage(const std::vector<AnimatedBody>& bodies) {

@@ -29,6 +29,9 @@ struct ContactArrow {
   double depth = 0;   ///< penetration depth, metres
 };
 
+/// Of the simulation's last step.
+std::vector<ContactArrow> arrowsOf(const Simulation& simulation);
+
 struct StepFigures {
   StepRecord record;
   Energy energy;  ///< after the step

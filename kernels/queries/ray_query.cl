@@ -4,40 +4,9 @@
 #define OTG_REAL_FLOAT
 #include "shared/layout/ray_layout.h"
 #undef OTG_REAL_FLOAT
-#define OTG_REAL_DOUBLE
-#include "shared/tests/point_test.h"
-#undef OTG_REAL_DOUBLE
+#include "walk/tree_ray.h"
+//
 #include "shared/layout/queries_given.h"
-
-inline static otg_vec3_d otgPointOf(float4 v) {
-  return otgVec_d((double)v.x, (double)v.y, (double)v.z);
-}
-
-/// A ray as the tests want it: from its origin `o` along `d` and, in the centred frame, from `from` along `along`.
-typedef struct {
-  otg_vec3_d o, d, from, along, inverse;
-  double reach;
-} otg_long_ray;
-
-inline static otg_long_ray otgLongRay(otg_vec3_d o, otg_vec3_d d, const otg_device_mesh* place) {
-  const otg_vec3_d origin = otgPointOf((float4)(place->center.x, place->center.y, place->center.z, 0));
-  otg_long_ray ray;
-  ray.o = o;
-  ray.d = d;
-  ray.from = otgSub_d(o, origin);
-  ray.along = otgRayAlong_d(d);
-  ray.inverse = otgVec_d(1 / ray.along.x, 1 / ray.along.y, 1 / ray.along.z);
-  ray.reach = otgRayReach_d((double)place->radius, ray.from, origin);
-  return ray;
-}
-
-/// Whether the ray meets the box of a node, and where it enters it.
-inline static int otgRayEntersNode(__global const float4* node, const otg_long_ray* ray, double* enters) {
-  const otg_vec3_d wider = otgVec_d(2 * ray->reach, 2 * ray->reach, 2 * ray->reach);
-  const otg_vec3_d center = otgPointOf(node[0]), extent = otgAdd_d(otgPointOf(node[1]), wider);
-  return otgRayEntersBox_d(ray->from, ray->along, ray->inverse, otgSub_d(center, extent), otgAdd_d(center, extent),
-                           enters);
-}
 
 /// The triangle that is hit first so far, and where.
 typedef struct {
@@ -46,17 +15,13 @@ typedef struct {
 } otg_ray_found;
 
 /// The first of the triangles of a leaf and what was found before.
-inline static otg_ray_found otgFirstOfLeaf(__global const float4* soups, uint count, const otg_long_ray* ray,
+inline static otg_ray_found otgFirstOfLeaf(__global const float4* soups, uint count, const otg_tree_ray* ray,
                                            uint cullBack, otg_ray_found found) {
   for (uint k = 0; k < count; ++k) {
-    __global const float4* soup = soups + 3 * k;
-    const float4 u0 = soup[0], u1 = soup[1], u2 = soup[2];
-    if (as_uint(u1.w) != 0) continue;  // no area
     double at;
-    const int meets = otgRayHitsTriangle_d(ray->o, ray->d, ray->along, ray->inverse, otgPointOf(u0), otgPointOf(u1),
-                                           otgPointOf(u2), ray->reach, &at);
-    if (meets == 0 || !(at <= found.limit) || (cullBack && meets == 2)) continue;
-    const uint triangle = as_uint(u0.w);
+    const int hits = otgRayHitsSoup(ray, soups + 3 * k, &at);
+    if (hits == 0 || !(at <= found.limit) || (cullBack && hits == 2)) continue;
+    const uint triangle = as_uint(soups[3 * k].w);
     if (at < found.limit || triangle < found.triangle) {
       found.limit = at;
       found.triangle = triangle;
@@ -75,7 +40,8 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void castRays(OT
     answers[i] = OTG_RAY_OPEN;
     return;
   }
-  const otg_long_ray line = otgLongRay(o, d, &place);
+  const otg_vec3_d center = otgVec_d((double)place.center.x, (double)place.center.y, (double)place.center.z);
+  const otg_tree_ray line = otgTreeRay(o, d, center, (double)place.radius);
   __global const float4* nodes = meshes + place.nodes;
   otg_ray_found found = {ray[6], OTG_RAY_NOTHING};
   // Nodes for later, and where the ray enters them, rounded down.
@@ -100,7 +66,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void castRays(OT
       for (uint k = 0; k < (uint)children; ++k) {
         const uint child = first + k;
         double enters;
-        if (!otgRayEntersNode(nodes + 2 * child, &line, &enters) || enters > found.limit) continue;
+        if (!otgRayEntersNode(&line, nodes[2 * child], nodes[2 * child + 1], &enters) || enters > found.limit) continue;
         const float at = convert_float_rtz(enters);
         if (at < least) {
           least = at;

@@ -3,61 +3,27 @@
 #ifndef OTG_SOLID_RAYS_H
 #define OTG_SOLID_RAYS_H
 #include "solid/mesh.h"
-//
-#define OTG_REAL_DOUBLE
-#include "shared/tests/point_test.h"
-#undef OTG_REAL_DOUBLE
+#include "walk/tree_ray.h"
 
 #define OTG_RAY_STACK 96
 
-/// A ray as tests of boxes and triangles have it (shared/tests/point_test.h): from `o` along `d` in the mesh's own
-/// frame, from `from` along `along` in the centred one.
-typedef struct {
-  otg_vec3_d o, d, from, along, inverse;
-  double reach;
-} otg_solid_ray;
-
-OTG_INLINED otg_solid_ray otgSolidRay(OTG_MESH* m, otg_vec3_d o, otg_vec3_d d) {
-  const otg_vec3_d origin = otgVec_d((double)m->center.x, (double)m->center.y, (double)m->center.z);
-  otg_solid_ray ray;
-  ray.o = o;
-  ray.d = d;
-  ray.from = otgSub_d(o, origin);
-  ray.along = otgRayAlong_d(d);
-  ray.inverse = otgVec_d(1 / ray.along.x, 1 / ray.along.y, 1 / ray.along.z);
-  ray.reach = otgRayReach_d((double)m->radius, ray.from, origin);
-  return ray;
+/// From `o` along `d` in A's frame.
+OTG_INLINED otg_tree_ray otgSolidRay(OTG_MESH* m, otg_vec3_d o, otg_vec3_d d) {
+  const otg_vec3_d center = otgVec_d((double)m->center.x, (double)m->center.y, (double)m->center.z);
+  return otgTreeRay(otgPointToOwn(m, o), otgDirectionToOwn(m, d), center, (double)m->radius);
 }
 
 /// Whether the ray enters the box of a node at most `limit` away.
-OTG_INLINED int otgRayMeetsBox(const otg_solid_ray* ray, float4 center, float4 extent, double limit) {
-  const otg_vec3_d middle = otgVec_d((double)center.x, (double)center.y, (double)center.z);
-  const double wider = 2 * ray->reach;
-  const otg_vec3_d sides = otgVec_d((double)extent.x + wider, (double)extent.y + wider, (double)extent.z + wider);
-  double near;
-  return otgRayEntersBox_d(ray->from, ray->along, ray->inverse, otgSub_d(middle, sides), otgAdd_d(middle, sides),
-                           &near) &&
-         near <= limit;
-}
-
-/// Where the ray hits a triangle that has an area: 1, how far, and whether it leaves the solid there.
-OTG_INLINED int otgRayHitsSoup(__global const float4* meshes, uint soup, const otg_solid_ray* ray, double* distance,
-                               int* leaving) {
-  const float4 u0 = meshes[soup], u1 = meshes[soup + 1], u2 = meshes[soup + 2];
-  if (as_uint(u1.w) != 0) return 0;  // no area
-  const int hits =
-      otgRayHitsTriangle_d(ray->o, ray->d, ray->along, ray->inverse, otgVec_d((double)u0.x, (double)u0.y, (double)u0.z),
-                           otgVec_d((double)u1.x, (double)u1.y, (double)u1.z),
-                           otgVec_d((double)u2.x, (double)u2.y, (double)u2.z), ray->reach, distance);
-  *leaving = hits == 2;
-  return hits != 0;
+OTG_INLINED int otgRayMeetsBox(const otg_tree_ray* ray, float4 center, float4 extent, double limit) {
+  double enters;
+  return otgRayEntersNode(ray, center, extent, &enters) && enters <= limit;
 }
 
 /// As exitDistance: 0 where the first surface that the ray meets is entered, -1 where it meets none, -2 where the tree
 /// is too deep.
 OTG_INLINED double otgExitDistance(__global const float4* meshes, OTG_MESH* m, otg_vec3_d from, otg_vec3_d along,
                                    double limit, double skin) {
-  const otg_solid_ray ray = otgSolidRay(m, otgPointToOwn(m, from), otgDirectionToOwn(m, along));
+  const otg_tree_ray ray = otgSolidRay(m, from, along);
   uint stack[OTG_RAY_STACK];
   uint top = 1;
   double nearest = limit;
@@ -82,9 +48,8 @@ OTG_INLINED double otgExitDistance(__global const float4* meshes, OTG_MESH* m, o
     }
     for (uint k = 0; k < (uint)-count; ++k) {
       double distance;
-      int leaving;
-      if (!otgRayHitsSoup(meshes, m->soup + 3 * (first + k), &ray, &distance, &leaving)) continue;
-      if (!(distance <= nearest)) continue;
+      const int hits = otgRayHitsSoup(&ray, meshes + m->soup + 3 * (first + k), &distance), leaving = hits == 2;
+      if (hits == 0 || !(distance <= nearest)) continue;
       if (!leaving && distance <= skin) continue;
       if (found && distance == nearest && leaves) continue;  // an edge that both sides share: leaving wins
       found = 1;

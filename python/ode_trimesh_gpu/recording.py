@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Motions as arrays, frames and glTF."""
+"""Motions as arrays, frames, glTF and pages."""
 
 from __future__ import annotations
 
@@ -39,28 +39,30 @@ class Surface:
     static: bool
 
 
-def write_gltf(
-    path: str | os.PathLike[str],
+def drawn(
     surfaces: list[Surface],
     times: NDArray[np.float64],
     positions: NDArray[np.float64],
     rotations: NDArray[np.float64],
-) -> None:
-    """Binary glTF: positions (t, n, 3) and quaternions w, x, y, z (t, n, 4) of n bodies at t times."""
-    bodies = []
+    arrows: list[NDArray[np.float64]],
+) -> _core.Recording:
+    """Positions (t, n, 3) and quaternions w, x, y, z (t, n, 4) of n bodies at t times, and contacts (k, 7) at each time."""
+    recording = _core.Recording([float(time) for time in times])
     for i, surface in enumerate(surfaces):
+        if len(surface.faces) == 0:
+            continue
         frames = slice(0, 1) if surface.static else slice(None)
-        bodies.append(
-            (
-                surface.name,
-                np.ascontiguousarray(surface.vertices, np.float32),
-                np.ascontiguousarray(surface.faces, np.uint32),
-                list(surface.color),
-                np.ascontiguousarray(positions[frames, i]),
-                np.ascontiguousarray(rotations[frames, i]),
-            )
+        recording.add_body(
+            surface.name,
+            np.ascontiguousarray(surface.vertices, np.float32),
+            np.ascontiguousarray(surface.faces, np.uint32),
+            list(surface.color),
+            np.ascontiguousarray(positions[frames, i]),
+            np.ascontiguousarray(rotations[frames, i]),
         )
-    _core.write_animation(os.fspath(path), bodies, [float(time) for time in times])
+    for rows in arrows:
+        recording.add_arrows(np.ascontiguousarray(rows, np.float64))
+    return recording
 
 
 def poses_frame(
@@ -105,19 +107,38 @@ def world_surfaces(world: World) -> list[Surface]:
 
 
 class Recording:
-    """Poses of a world's bodies at several times. Made by `World.record`."""
+    """Poses and contacts of a world at several times. Made by `World.record`."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, dt: float = 0.005, every: int = 1) -> None:
         self._world = world
+        self._dt = dt
+        self._every = every
         self._times: list[float] = []
+        self._arrows: list[NDArray[np.float64]] = []
+        self._steps: list[tuple[float, float, float]] = []
         self._positions: list[NDArray[np.float64]] = []
         self._rotations: list[NDArray[np.float64]] = []
 
     def add(self) -> None:
-        """Keeps the poses of this moment."""
+        """Keeps the poses of this moment, and the contacts of the step that led there."""
         self._times.append(self._world.time)
+        self._arrows.append(self._contact_arrows())
         self._positions.append(self._world.poses[:, :3, 3])
         self._rotations.append(self._world._quaternions())
+
+    def note_step(self) -> None:
+        """After each step: its contacts and energy, and the poses where they are kept."""
+        self._steps.append((float(len(self._world.contacts)), *self._world.energy))
+        if len(self._steps) % self._every == 0:
+            self.add()
+
+    def _contact_arrows(self) -> NDArray[np.float64]:
+        """(k, 7): position, direction into a body that moves, depth."""
+        contacts = self._world.contacts
+        static = np.array([body.kind == "static" for body in self._world.bodies], bool)
+        first, second = static[contacts.bodies[:, 0]], static[contacts.bodies[:, 1]]
+        sign = np.where(first & ~second, -1.0, 1.0)[:, None]
+        return np.hstack([contacts.positions, sign * contacts.normals, contacts.depths[:, None]])
 
     @property
     def times(self) -> NDArray[np.float64]:
@@ -140,10 +161,24 @@ class Recording:
         return poses_frame(names, self.times, self.positions, self.rotations)
 
     def to_gltf(self, path: str | os.PathLike[str]) -> None:
-        """Writes an animation in binary glTF, for Blender and web viewers. Planes are left out."""
-        surfaces = world_surfaces(self._world)
-        drawn = [i for i, surface in enumerate(surfaces) if len(surface.faces)]
-        write_gltf(path, [surfaces[i] for i in drawn], self.times, self.positions[:, drawn], self.rotations[:, drawn])
+        """Writes an animation in binary glTF, with an arrow for each contact. Planes are left out."""
+        self._drawn().write_gltf(os.fspath(path))
+
+    def to_html(self, path: str | os.PathLike[str], title: str = "world") -> None:
+        """Writes a page that plays the motion in any browser: that of `otg simulate --html`."""
+        from .world import Plane
+
+        recording = self._drawn()
+        for body in self._world.bodies:
+            for shape, _ in body.shapes:
+                if isinstance(shape, Plane):
+                    normal = np.asarray(shape.normal, float)
+                    recording.add_plane((normal / np.linalg.norm(normal)).tolist(), float(shape.offset))
+        recording.set_steps(self._dt, self._every, np.array(self._steps, float).reshape(-1, 3))
+        recording.write_html(os.fspath(path), title)
+
+    def _drawn(self) -> _core.Recording:
+        return drawn(world_surfaces(self._world), self.times, self.positions, self.rotations, self._arrows)
 
     def __len__(self) -> int:
         return len(self._times)

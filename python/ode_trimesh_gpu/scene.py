@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from . import _core
 from ._arrays import blocks
 from .errors import ArgumentError
-from .recording import COLORS, Surface, poses_frame, write_gltf
+from .recording import COLORS, Surface, drawn, poses_frame
 
 if TYPE_CHECKING:
     import pandas
@@ -23,19 +23,22 @@ if TYPE_CHECKING:
 class Run:
     """What happened in a scene. Made by `simulate`."""
 
-    def __init__(self, scene: _core.Scene, dt: float) -> None:
+    def __init__(self, scene: _core.Scene, dt: float, every: int) -> None:
         self._scene = scene
+        self._every = every
         self.dt = dt  #: seconds
         self.names = [name for name, _, _ in scene.bodies()]
         self._times: list[float] = []
         self._positions: list[NDArray[np.float64]] = []
         self._rotations: list[NDArray[np.float64]] = []
+        self._arrows: list[NDArray[np.float64]] = []
 
     def _add(self, time: float) -> None:
         positions, rotations, *_ = self._scene.states()
         self._times.append(time)
         self._positions.append(positions)
         self._rotations.append(rotations)
+        self._arrows.append(self._scene.arrows())
 
     @property
     def times(self) -> NDArray[np.float64]:
@@ -109,8 +112,20 @@ class Run:
         return surfaces
 
     def to_gltf(self, path: str | os.PathLike[str]) -> None:
-        """Writes an animation in binary glTF, for Blender and web viewers."""
-        write_gltf(path, self._surfaces(), self.times, self.positions, self.rotations)
+        """Writes an animation in binary glTF, for Blender and web viewers, with an arrow for each contact."""
+        self._drawn().write_gltf(os.fspath(path))
+
+    def to_html(self, path: str | os.PathLike[str], title: str = "scene") -> None:
+        """Writes a page that plays the run in any browser, as `otg simulate --html` does."""
+        recording = self._drawn()
+        for normal, offset in self._scene.planes():
+            recording.add_plane(normal, offset)
+        counts, values = self._scene.records()
+        recording.set_steps(self.dt, self._every, np.hstack([counts[:, :1].astype(float), values[:, 2:4]]))
+        recording.write_html(os.fspath(path), title)
+
+    def _drawn(self) -> _core.Recording:
+        return drawn(self._surfaces(), self.times, self.positions, self.rotations, self._arrows)
 
     def show(self, **kwargs: Any) -> Any:
         """Draws the end with PyVista; see `show`."""
@@ -151,13 +166,14 @@ def simulate(
     folder: str | os.PathLike[str] | None = None,
     every: int | None = None,
     gltf: str | os.PathLike[str] | None = None,
+    html: str | os.PathLike[str] | None = None,
     progress: bool = False,
     callback: Callable[[int, Run], Any] | None = None,
 ) -> Run:
     """Steps a scene: a JSON file, or the same as a dict, whose mesh files are looked for in `folder`.
 
     steps, dt: in place of the scene's. every: poses are kept of each so many steps, about 30 in a second of the scene's
-    time. gltf: a file for the animation. callback(step, run): called where poses are kept. Ctrl-C stops between steps;
+    time. gltf, html: files for the animation, and for a page that plays it. callback(step, run): called where poses are kept. Ctrl-C stops between steps;
     `progress` shows a bar (tqdm).
 
     Results are those of `otg simulate`, byte for byte. Raises SceneError for a scene that is wrong: its message names
@@ -169,7 +185,7 @@ def simulate(
     if count < 0 or not 0 < step <= 10:
         raise ArgumentError("steps must not be negative, and dt must be above 0 and at most 10 seconds")
     keep = every or max(1, round(1 / (30 * step)))
-    run = Run(loaded, step)
+    run = Run(loaded, step, keep)
     run._add(0.0)
     for begin, end in blocks(count, 1, progress, "step"):
         done = begin
@@ -184,4 +200,6 @@ def simulate(
                     callback(done, run)
     if gltf is not None:
         run.to_gltf(gltf)
+    if html is not None:
+        run.to_html(html)
     return run

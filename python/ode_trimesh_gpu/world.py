@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
@@ -516,20 +517,17 @@ class World:
         self._core.load(state.exact)
 
     def record(self, dt: float, steps: int, *, every: int | None = None, progress: bool = False) -> Recording:
-        """Steps, and keeps the poses of every `every`-th step (about 30 in a second of the world's time)."""
+        """Steps, and keeps poses and contacts of every `every`-th step (about 30 in a second of the world's time)."""
         from .recording import Recording
 
-        recording = Recording(self)
-        keep = every or max(1, round(1 / (30 * dt)))
-        start = self._core.steps
-
-        def note(world: World) -> None:
-            if (world._core.steps - start) % keep == 0:
-                recording.add()
-
+        recording = Recording(self, dt, every or max(1, round(1 / (30 * dt))))
         recording.add()
-        self.step(dt, steps, progress=progress, callback=note)
+        self.step(dt, steps, progress=progress, callback=lambda world: recording.note_step())
         return recording
+
+    def to_html(self, path: str | os.PathLike[str], dt: float = 0.005, steps: int = 400, title: str = "world") -> None:
+        """Steps, and writes a page that plays these steps in any browser. `record(...).to_html(path)` is the same."""
+        self.record(dt, steps).to_html(path, title)
 
     def show(self, **kwargs: Any) -> Any:
         """Draws bodies and contacts with PyVista; see `show`."""

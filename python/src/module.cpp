@@ -16,4 +16,5 @@ NB_MODULE(_core, module) {
   bindGeoms(module);
   bindWorld(module);
   bindScenes(module);
+  bindRecording(module);
 }

@@ -11,5 +11,6 @@ namespace nb = nanobind;
 void bindDevices(nb::module_& module);
 void bindWorld(nb::module_& module);
 void bindScenes(nb::module_& module);
+void bindRecording(nb::module_& module);
 
 }  // namespace otg::python

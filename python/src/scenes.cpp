@@ -16,7 +16,7 @@
 #include "module.h"
 #include "scenes/concave_meshes.h"
 #include "scenes/generated_meshes.h"
-#include "scenes/gltf_animation.h"
+#include "scenes/recording.h"
 #include "scenes/simulation.h"
 
 namespace otg::python {
@@ -131,39 +131,22 @@ std::vector<std::tuple<std::string, bool, std::vector<double>>> bodiesOf(const S
   return bodies;
 }
 
-using Animated =
-    std::tuple<std::string, InputArray<float, nb::shape<-1, 3>>, InputArray<std::uint32_t, nb::shape<-1, 3>>,
-               std::array<double, 3>, Points, InputArray<double, nb::shape<-1, 4>>>;
+/// For each contact of the last step: position, direction, depth. As arrows are drawn, so into a body that moves.
+Rows<double, 7> arrowsOf(const Scene& scene) {
+  std::vector<double> rows;
+  for (const scenes::ContactArrow& arrow : scenes::arrowsOf(scene.simulation)) {
+    for (const Vec3d& v : {arrow.position, arrow.direction}) rows.insert(rows.end(), {v.x, v.y, v.z});
+    rows.push_back(arrow.depth);
+  }
+  return giveRows<7>(std::move(rows));
+}
 
-/// Bodies: name, vertices, faces, colour, positions, quaternions (one row for each time, or a single one).
-void writeAnimation(const std::string& path, const std::vector<Animated>& bodies, const std::vector<double>& times) {
-  std::vector<scenes::AnimatedBody> animated;
-  for (const auto& [name, vertices, faces, color, positions, rotations] : bodies) {
-    const std::size_t frames = positions.shape(0);
-    if ((frames != times.size() && frames != 1) || rotations.shape(0) != frames) {
-      throw ArgumentError("body '" + name + "' must have one position and rotation for each time, or a single one");
-    }
-    scenes::MeshArrays mesh;
-    for (std::size_t i = 0; i < vertices.shape(0); ++i) {
-      mesh.vertices.push_back({vertices(i, 0), vertices(i, 1), vertices(i, 2)});
-    }
-    for (std::size_t i = 0; i < faces.shape(0); ++i) {
-      mesh.triangles.push_back({{faces(i, 0), faces(i, 1), faces(i, 2)}});
-    }
-    scenes::AnimatedBody& body = animated.emplace_back();
-    body.name = name;
-    body.surface = scenes::build(mesh);
-    body.color = {color[0], color[1], color[2]};
-    for (std::size_t i = 0; i < frames; ++i) {
-      body.positions.push_back({positions(i, 0), positions(i, 1), positions(i, 2)});
-      body.rotations.push_back({rotations(i, 0), rotations(i, 1), rotations(i, 2), rotations(i, 3)});
-    }
+std::vector<std::tuple<std::array<double, 3>, double>> planesOf(const Scene& scene) {
+  std::vector<std::tuple<std::array<double, 3>, double>> planes;
+  for (const scenes::PlaneDescription& p : scene.simulation.scene().planes) {
+    planes.emplace_back(std::array{p.normal.x, p.normal.y, p.normal.z}, p.offset);
   }
-  try {
-    scenes::writeGlb(path, animated, times);
-  } catch (const std::runtime_error& error) {
-    throw StatusError(dGPUTRIMESH_ERROR_FILE, error.what());
-  }
+  return planes;
 }
 
 using Size = std::array<double, 3>;
@@ -237,6 +220,8 @@ void bindScenes(nb::module_& module) {
       .def("records", &recordsOf)
       .def("states", &statesOf)
       .def("bodies", &bodiesOf)
+      .def("arrows", &arrowsOf)
+      .def("planes", &planesOf)
       .def(
           "surface",
           [](const Scene& scene, std::size_t body) {
@@ -252,7 +237,6 @@ void bindScenes(nb::module_& module) {
       .def_prop_ro("steps", [](const Scene& scene) { return scene.simulation.scene().steps; })
       .def_ro("hash", &Scene::hash);
   bindGenerators(module);
-  module.def("write_animation", &writeAnimation, nb::arg("path"), nb::arg("bodies"), nb::arg("times"));
 }
 
 }  // namespace otg::python

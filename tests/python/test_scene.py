@@ -66,6 +66,26 @@ def test_gltf(tmp_path):
         run.to_gltf(tmp_path / "none" / "run.glb")
 
 
+def data_of_page(path):
+    """What the page of a run was written from."""
+    text = path.read_text()
+    begin = text.index('{"format":"ode_trimesh_gpu run"')
+    return json.JSONDecoder().raw_decode(text[begin:])[0]
+
+
+def test_html(tmp_path):
+    run = otg.simulate(SCENE, steps=200, html=tmp_path / "run.html")
+    page = data_of_page(tmp_path / "run.html")
+    assert [body["name"] for body in page["bodies"]] == ["ground", "one", "two"]
+    assert page["frames"] == len(run.times) and page["steps"]["count"] == 200 and page["dt"] == run.dt
+    assert run.steps["contacts"].iloc[-1] > 0 and page["contacts"]["count"] > 0
+    # The contacts are arrows in both files.
+    run.to_gltf(tmp_path / "run.glb")
+    assert len(trimesh.load(tmp_path / "run.glb").graph.nodes_geometry) > 3
+    with pytest.raises(OSError, match="written"):
+        run.to_html(tmp_path / "none" / "run.html")
+
+
 def test_mesh_files_and_arrays_in_a_dict(tmp_path):
     trimesh.creation.box((1, 1, 1)).export(tmp_path / "box.ply")
     scene = {

@@ -311,6 +311,20 @@ def test_recordings(tmp_path):
     assert len(loaded.geometry) >= 1 and loaded.bounds is not None
 
 
+def test_pages(tmp_path):
+    from test_scene import data_of_page
+
+    world = stack()
+    recording = world.record(dt=0.005, steps=60)
+    recording.to_html(tmp_path / "stack.html", "a stack")
+    page = data_of_page(tmp_path / "stack.html")
+    assert page["title"] == "a stack" and page["frames"] == len(recording) == 9
+    assert page["steps"]["count"] == 60 and page["steps_per_frame"] == 7
+    assert page["contacts"]["count"] == sum(len(rows) for rows in recording._arrows) > 0
+    stack().to_html(tmp_path / "again.html", steps=20)
+    assert data_of_page(tmp_path / "again.html")["steps"]["count"] == 20
+
+
 def test_quaternions_of_all_rotations():
     from conftest import random_poses
 

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "base/vectors.h"
+#include "collide/inside_test.h"
+#include "scenes/generated_meshes.h"
 #include "support/catch.h"
 #include "support/ray_samples.h"
 
@@ -70,6 +72,35 @@ TEST_CASE("the hit of a ray is that of all triangles tried one by one, whatever 
   CHECK(hit > 5000);
   CHECK(missed > 5000);
   CHECK(tied > 1000);
+}
+
+TEST_CASE("the way out of a solid along a ray that grazes triangles is the same with every tree") {
+  test::Draw draw(11);
+  std::size_t out = 0, differ = 0;
+  for (const std::uint32_t seed : {1u, 2u, 3u, 4u}) {
+    const auto mesh = scenes::build(scenes::makeLump(1, 3, 0.3, seed));
+    const CollisionMesh sah(mesh, BuildStrategy::kSah), mean(mesh, BuildStrategy::kMeanSplit);
+    Query query;
+    query.a = &sah;
+    query.b = &mean;
+    query.bInA = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    const PlacedMeshes meshes(query);
+    for (int k = 0; k < 20000; ++k) {
+      // In a triangle's plane to within rounding: where such a ray crosses it is what rounding makes of it.
+      Vec3d p[3];
+      cornersOf(*mesh, draw.below(mesh->triangleCount()), p);
+      const Vec3d e = otgSub(p[1], p[0]), f = otgSub(p[2], p[0]);
+      const Vec3d target = otgAdd(p[0], otgAdd(otgScale(e, draw.uniform(0, 0.5)), otgScale(f, draw.uniform(0, 0.5))));
+      const Vec3d d = unit(otgAdd(otgScale(e, draw.uniform(-1, 1)), otgScale(f, draw.uniform(-1, 1))));
+      const Vec3d from = otgSub(target, otgScale(d, draw.uniform(0, 4)));
+      const double first = exitDistance(meshes, 0, from, d, 10, 1e-9),
+                   second = exitDistance(meshes, 1, from, d, 10, 1e-9);
+      out += first > 0;
+      differ += first != second;
+    }
+  }
+  CHECK(out > 3000);
+  CHECK(differ == 0);
 }
 
 TEST_CASE("a ray that grazes a triangle hits it no earlier than where it comes near it") {

@@ -17,7 +17,7 @@
 
 /// By ray: out of B, and back out of A.
 typedef struct {
-  otg_solid_ray ray[2];
+  otg_tree_ray ray[2];
   ulong nearest[2];             ///< bits of a double that is not negative
   ulong leaves[2], enters[2];   ///< the nearest of either kind; ~0: none
   uint2 stack[OTG_RAY_PLACES];  ///< first child or triangle; their number and the ray
@@ -34,7 +34,7 @@ OTG_INLINED void otgOpenForRay(__local otg_ray_scratch* s, __global const float4
   const uint ray = entry.y & 1;
   const int count = (int)(short)(entry.y >> 1);
   OTG_MESH* m = &mesh[1 - ray].solid;
-  const otg_solid_ray line = s->ray[ray];
+  const otg_tree_ray line = s->ray[ray];
   for (uint k = lane; (int)k < count; k += OTG_NODE_LANES) {
     const uint child = m->nodes + 2 * (entry.x + k);
     const float4 center = meshes[child], extent = meshes[child + 1];
@@ -49,9 +49,8 @@ OTG_INLINED void otgOpenForRay(__local otg_ray_scratch* s, __global const float4
   }
   for (uint k = lane; (int)k < -count; k += OTG_NODE_LANES) {
     double distance;
-    int leaving;
-    if (!otgRayHitsSoup(meshes, m->soup + 3 * (entry.x + k), &line, &distance, &leaving)) continue;
-    if (!leaving && distance <= skin) continue;
+    const int hits = otgRayHitsSoup(&line, meshes + m->soup + 3 * (entry.x + k), &distance), leaving = hits == 2;
+    if (hits == 0 || (!leaving && distance <= skin)) continue;
     const ulong bits = as_ulong(distance + 0.0);  // -0 and 0 are one
     if (bits > s->nearest[ray]) continue;         // unordered
     atom_min(leaving ? s->leaves + ray : s->enters + ray, bits);
@@ -72,8 +71,7 @@ OTG_INLINED int otgExitDistances(__local otg_ray_scratch* s, __global const floa
   OTG_SYNC;
   for (uint ray = lane; ray < 2; ray += OTG_GROUP) {
     OTG_MESH* m = &mesh[1 - ray].solid;
-    const otg_solid_ray line =
-        otgSolidRay(m, otgPointToOwn(m, from), otgDirectionToOwn(m, ray == 0 ? d : otgScale_d(d, -1.0)));
+    const otg_tree_ray line = otgSolidRay(m, from, ray == 0 ? d : otgScale_d(d, -1.0));
     s->ray[ray] = line;
     s->nearest[ray] = as_ulong(limit);
     s->leaves[ray] = s->enters[ray] = ~0ul;

@@ -130,7 +130,8 @@ OTG_INLINED void otgWriteVertexPoint(const otg_solid_pair* pair, uint slot, __gl
   const uint mesh = (pair->s->vertexKey[slot] - 1) & 1, v = (pair->s->vertexKey[slot] - 1) >> 1;
   OTG_MESH* m = mesh == 0 ? pair->a : pair->b;
   otgWritePoint(out, m, otgRelativeVertex(pair, m, v), otgVec_d(0, 0, 0), otgNormalOfVertex(m, v), otgVec_d(0, 0, 0),
-                OTG_POINT_VERTEX, v, 0, m->spokes[m->firstSpoke[v]] / 3, OTG_NOT_THERE, (as_uint(m->vertices[v].w) & OTG_VERTEX_FLAT) != 0);
+                OTG_POINT_VERTEX, v, 0, m->spokes[m->firstSpoke[v]] / 3, OTG_NOT_THERE,
+                (as_uint(m->vertices[v].w) & OTG_VERTEX_FLAT) != 0);
 }
 
 /// The points of the stretch at a crossing: how many, and writes them unless `out` is null.

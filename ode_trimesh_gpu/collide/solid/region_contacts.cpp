@@ -308,8 +308,9 @@ class RegionSolver {
       const Vec3d p = otgAdd(middle, otgScale(c.point->along, side * reach));
       double out = planeExit(1, p, c.normal), back = planeExit(0, p, otgScale(c.normal, -1.0));
       ends += 0.5 * clampToLimit(c.normal, out, back);
+      if (c.depth <= OTG_SOLID_DEEPER_THAN_ENDS * ends) return true;
     }
-    return c.depth <= OTG_SOLID_DEEPER_THAN_ENDS * ends;
+    return false;
   }
 
   static bool sameFeatureOrder(const Candidate& x, const Candidate& y) {
@@ -447,12 +448,16 @@ class RegionSolver {
   void eraseShallow(double share) {
     std::pmr::vector<double> least(candidates_.size(), share * deepest(), memory_);
     if (isUneven_) {
+      std::pmr::vector<const Candidate*> deepestFirst(memory_);
+      deepestFirst.reserve(candidates_.size());
+      for (const Candidate& c : candidates_) deepestFirst.push_back(&c);
+      std::sort(deepestFirst.begin(), deepestFirst.end(),
+                [](const Candidate* x, const Candidate* y) { return x->depth > y->depth; });
       std::transform(candidates_.begin(), candidates_.end(), least.begin(), [&](const Candidate& c) {
-        double most = 0;
-        for (const Candidate& x : candidates_) {
-          if (x.depth > most && otgDot(x.normal, c.normal) >= OTG_SOLID_MERGE_COSINE) most = x.depth;
-        }
-        return share * most;
+        const auto first = std::find_if(deepestFirst.begin(), deepestFirst.end(), [&](const Candidate* x) {
+          return otgDot(x->normal, c.normal) >= OTG_SOLID_MERGE_COSINE;
+        });
+        return first == deepestFirst.end() ? 0 : share * (*first)->depth;
       });
     }
     std::size_t kept = 0;

@@ -18,7 +18,7 @@ const Api* load() {
   void* const library = openSharedLibrary({"libOpenCL.so.1", "libOpenCL.so", "OpenCL.dll"});
   if (library == nullptr) return nullptr;
   static Api table;
-#define OTG_CL_FIND(name)                                                  \
+#define OTG_CL_FIND(name)                                                         \
   table.name = std::bit_cast<decltype(table.name)>(findFunction(library, #name)); \
   if (table.name == nullptr) return nullptr;
   OTG_CL_FUNCTIONS(OTG_CL_FIND)
