@@ -7,6 +7,7 @@
 #include "collide/query.h"
 #include "collide/shell/shell_contacts.h"
 #include "collide/shell/shell_roles.h"
+#include "collide/solid/look_ahead.h"
 #include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
 
@@ -28,6 +29,7 @@ void collideIntersecting(const Query& query, Workspace& workspace) {
   } else if (isConvexPair(query) && convexPairContacts(query, workspace)) {
     return;
   } else if (!areShells(query) && solidContacts(query, workspace)) {
+    lookAhead(query, workspace);
     limitContacts(workspace.contacts, query.options.maxContacts, workspace.reduced);
   } else {
     shellContacts(query, workspace);

@@ -114,6 +114,7 @@ struct Query {
 /// Scratch memory and results; reuse it between queries to save allocations. One thread at a time.
 struct SolidScratch;
 struct ShellScratch;
+struct AheadScratch;
 struct Workspace {
   Workspace();
   ~Workspace();
@@ -130,6 +131,7 @@ struct Workspace {
   ConvexScratch convex;
   std::unique_ptr<SolidScratch> solid;
   std::unique_ptr<ShellScratch> shell;
+  std::unique_ptr<AheadScratch> ahead;
 };
 
 /// The pairs of triangles whose boxes overlap (a superset of the intersecting ones) -> workspace.candidates. Throws

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <memory_resource>
 #include <vector>
 
@@ -17,8 +18,9 @@ class ShortestTranslation {
   const Vec3d& value() const { return t_; }
   bool satisfies(const Vec3d& normal, double depth) const { return otgIsOut(normal, depth, t_) != 0; }
 
-  /// `normal` is a unit vector. False where no translation satisfies all, as between two walls: then nothing changes.
-  bool add(const Vec3d& normal, double depth);
+  /// `normal` is a unit vector. False where no translation of at most that length satisfies all, as between two walls:
+  /// then nothing changes.
+  bool add(const Vec3d& normal, double depth, double longest = std::numeric_limits<double>::infinity());
 
  private:
   std::pmr::vector<HalfSpace<double>> all_;

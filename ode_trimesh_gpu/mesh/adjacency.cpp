@@ -69,10 +69,17 @@ std::uint8_t kindOfEdge(const TriMesh& mesh, std::uint32_t h, const Adjacency& o
   const double cosine = otgDot(a, b);
   if (cosine > 0 && norm(c) < flatSine()) return OTG_EDGE_FLAT;
   static const double innerCosine = std::cos(Adjacency::kInnerDegrees * std::numbers::pi / 180);
-  if (cosine > innerCosine) return 0;
+  static const double hollowCosine = std::cos(Adjacency::kHollowDegrees * std::numbers::pi / 180);
+  if (cosine > hollowCosine) return 0;
   const Triangle& t = mesh.triangles()[h / 3];
   const Vec3f &p = mesh.vertices()[t.v[h % 3]], &q = mesh.vertices()[t.v[(h + 1) % 3]];
-  return otgDot(c, Vec3d{q.x, q.y, q.z} - Vec3d{p.x, p.y, p.z}) < 0 ? OTG_EDGE_INNER : 0;
+  const bool isConcave = otgDot(c, Vec3d{q.x, q.y, q.z} - Vec3d{p.x, p.y, p.z}) < 0;
+  if (!isConcave) return 0;
+  return cosine > innerCosine ? OTG_EDGE_HOLLOW : OTG_EDGE_INNER;
+}
+
+bool isHollow(std::uint8_t kindOfEdge) {
+  return kindOfEdge == OTG_EDGE_INNER || kindOfEdge == OTG_EDGE_HOLLOW;
 }
 
 /// The sharp edges of a vertex. It lies in a flat face or on a straight edge if it has none, or two that run on.
@@ -95,7 +102,7 @@ struct SharpEdges {
 }  // namespace
 
 Adjacency buildAdjacency(const TriMesh& mesh) {
-  Adjacency out{mesh.adjacencyLinks(), {}, {}, {}, {}, {}, {}};
+  Adjacency out{mesh.adjacencyLinks(), {}, {}, {}, {}, {}, 0, {}};
   const Topology& topology = mesh.topology();
   const auto triangles = mesh.triangles();
   const auto vertices = mesh.vertices();
@@ -121,6 +128,7 @@ Adjacency buildAdjacency(const TriMesh& mesh) {
   for (std::uint32_t h = 0; h < 3 * n; ++h) {
     if (topology.edgeOf[h] != kNone) out.edgeKind[topology.edgeOf[h]] = kindOfEdge(mesh, h, out);
   }
+  out.hollowEdges = static_cast<std::size_t>(std::count_if(out.edgeKind.begin(), out.edgeKind.end(), isHollow));
 
   std::vector<SharpEdges> sharp(vertices.size());
   for (std::uint32_t edge = 0; edge < topology.edgeCount(); ++edge) {
@@ -151,7 +159,11 @@ void updateAdjacency(Adjacency& adjacency, const TriMesh& mesh, std::span<const 
   once(points);
   for (const std::uint32_t t : triangles) {
     for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
-      if (topology.edgeOf[h] != kNone) adjacency.edgeKind[topology.edgeOf[h]] = kindOfEdge(mesh, h, adjacency);
+      if (topology.edgeOf[h] == kNone) continue;
+      std::uint8_t& kind = adjacency.edgeKind[topology.edgeOf[h]];
+      adjacency.hollowEdges -= isHollow(kind);
+      kind = kindOfEdge(mesh, h, adjacency);
+      adjacency.hollowEdges += isHollow(kind);
     }
   }
   for (const std::uint32_t v : points) {

@@ -8,6 +8,7 @@
 #include "base/vectors.h"
 #include "collide/convex/convex_pair_contacts.h"
 #include "collide/pairwise/reduction.h"
+#include "collide/solid/look_ahead.h"
 #include "collide/solid/region_refiner.h"
 #include "collide/solid/solid_contacts.h"
 #include "primitives/convex_patch.h"
@@ -219,6 +220,7 @@ bool regionContacts(const Query& query, const ConvexShape& shape, Workspace& wor
   refined.refiner = &refiner;
   findIntersectingPairs(refined, workspace);
   if (query.options.contacts != ContactModel::kSolid || !solidContacts(refined, workspace)) return false;
+  if (!shape.isCurved()) lookAhead(query, workspace);  // the mesh of others is not the shape
   limitContacts(workspace.contacts, query.options.maxContacts, workspace.reduced);
   return true;
 }

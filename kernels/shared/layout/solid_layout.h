@@ -37,6 +37,7 @@ namespace otg {
 // Kinds of edges by their two faces: in one plane, or meeting at an inner corner (Adjacency::edgeKind).
 #define OTG_EDGE_FLAT 1
 #define OTG_EDGE_INNER 2
+#define OTG_EDGE_HOLLOW 3
 
 /// The part of one triangle that lies inside the other mesh: as Piece in collide/solid/overlap_regions.h.
 typedef struct {

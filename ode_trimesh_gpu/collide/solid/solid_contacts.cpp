@@ -10,6 +10,7 @@
 #include "collide/pair_history.h"
 #include "collide/shell/shell_approach.h"
 #include "collide/shell/shell_contacts.h"
+#include "collide/solid/ahead_scratch.h"
 #include "collide/solid/contour.h"
 #include "collide/solid/escape.h"
 #include "collide/solid/found_overlap.h"

@@ -10,6 +10,7 @@
 
 #include "collide/convex/convex_pair_contacts.h"
 #include "collide/shell/shell_roles.h"
+#include "collide/solid/look_ahead.h"
 #include "collide/solid/solid_contacts.h"
 #include "opencl/backend.h"
 #include "opencl/backend_state.h"
@@ -53,6 +54,8 @@ class Backend::Batch {
     const auto isShell = [](const CollisionMesh* mesh) { return mesh->mesh().meshClass() != MeshClass::kSolid; };
     hasContactsOfHost_ = Finish::kTakesDescriptions &&
                          (source.anyConvexPath || std::any_of(source.meshes.begin(), source.meshes.end(), isShell));
+    mayMeetAhead_ = Finish::kTakesDescriptions && wish == BatchWish::kSolid &&
+                    std::any_of(source.meshes.begin(), source.meshes.end(), isCornered);
   }
 
   /// False if the device failed.
@@ -380,6 +383,9 @@ class Backend::Batch {
         });
       }
     }
+    if constexpr (Finish::kTakesDescriptions) {
+      if (mayMeetAhead_) finish_.lookAhead(begin, count, found, [&](std::size_t i) { return source_.query(i); });
+    }
     for (const std::size_t i : piece.refused) finish_.refuse(i);
   }
 
@@ -525,7 +531,7 @@ class Backend::Batch {
   const BatchRules rules_;
   std::vector<Holder> holders_;
   OverlapQueue overlaps_;
-  bool good_ = true, anyLarge_ = false, hasContactsOfHost_ = false;
+  bool good_ = true, anyLarge_ = false, hasContactsOfHost_ = false, mayMeetAhead_ = false;
   std::vector<std::size_t> later_;                             ///< pairs for the host when all pieces are done
   std::unordered_map<std::size_t, ContactFinish::Done> done_;  ///< by the host, while the device is at work
   PieceMeshes meshes_;                                         ///< of the piece that was begun last

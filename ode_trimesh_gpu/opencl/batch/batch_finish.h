@@ -9,8 +9,10 @@
 #include <span>
 #include <vector>
 
+#include "collide/solid/look_ahead.h"
 #include "collide/stages.h"
 #include "opencl/backend.h"
+#include "opencl/batch/routing.h"
 #include "opencl/batch/workspace_pool.h"
 #include "opencl/lanes/batch_lane.h"
 #include "opencl/lanes/take_answer.h"
@@ -102,6 +104,30 @@ struct ContactFinish {
   template <class QueryOf, class FoundOf>
   std::vector<std::size_t> made(const std::vector<std::size_t>& which, const QueryOf& queryOf, const FoundOf& foundOf) {
     return share(which, [&](std::size_t k, Workspace& own) { return takeMade(queryOf(which[k]), foundOf(k), own); });
+  }
+
+  /// Devices make contacts of `solid` of what is touched. Of a piece's pairs with such contacts the host makes those
+  /// again that meet more on the way which they ask for. Where there was no room for all, their way is not known.
+  template <class QueryOf>
+  void lookAhead(std::size_t begin, std::size_t count, const BatchFound& found, const QueryOf& queryOf) {
+    std::vector<std::size_t> which;
+    for (std::size_t k = 0; k < count; ++k) {
+      const bool isMade = isRemembered(found.flags[k]) && found.contacts[0].places[2 * k + 1] > 0;
+      if (isMade && mayMeetAhead(queryOf(begin + k))) which.push_back(begin + k);
+    }
+    const std::vector<Done> done = make(which.size(), [&](std::size_t k, Workspace& own) {
+      const Query query = queryOf(which[k]);
+      const std::span<const Contact> contacts = answer.of(which[k]);
+      const bool isWhole = contacts.size() < static_cast<std::size_t>(query.options.maxContacts);
+      if (isWhole && !meetsAhead(query, contacts, own)) return false;
+      collide(query, own);
+      return true;
+    });
+    for (std::size_t k = 0; k < which.size(); ++k) {
+      if (!done[k].good) continue;
+      ++answer.leftToHost;
+      answer.add(which[k], done[k].contacts);
+    }
   }
 
   bool alone(std::size_t i, const Query& query) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "collide/pairwise/reduction.h"
+#include "collide/solid/look_ahead.h"
 #include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
 #include "opencl/results/take_records.h"
@@ -48,6 +49,7 @@ bool takeSolid(const Query& query, const otg_overlap_state& head, const Found& f
   workspace.stats = {};
   workspace.stats.intersectingPairs = head.counts[OTG_OVERLAP_INTERSECTING];
   if (!solidContactsOf(query, found, workspace)) return false;
+  lookAhead(query, workspace);
   workspace.reduced = limitContacts(workspace.contacts, query.options.maxContacts);
   numberAsCaller(query, workspace);
   return true;

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Surfaces that a body meets on the way which its contacts ask for.
+#pragma once
+
+#include <span>
+
+#include "collide/query.h"
+
+namespace otg {
+
+/// Whether a mesh has hollows: concave edges that are no curve's, or gaps between its components. Elsewhere a second
+/// surface as near as the overlap is deep is rare.
+bool isCornered(const CollisionMesh* mesh);
+
+/// Whether lookAhead() looks at such a pair: one of the meshes has hollows, and both are small.
+bool mayMeetAhead(const Query& query);
+
+/// Completes the contacts in workspace.contacts, which are those of `solid`.
+///
+/// Contacts tell of surfaces that are touched. The shortest translation that they ask for may lead into another
+/// surface, as that of the second wall of an inner corner, or end too soon. So the pair is looked at as it is after
+/// that translation. What the model says there becomes contacts here: along the same normals, as deep as the
+/// translation and what is missing after it are together. This is repeated until nothing is met.
+///
+/// Whether it is begun is told by the pairs of triangles that are near each other. They are those of
+/// workspace.candidates; where that is empty, they are looked for.
+void lookAhead(const Query& query, Workspace& workspace);
+
+/// Whether lookAhead() would begin for these contacts, in any order. For those who make contacts elsewhere.
+bool meetsAhead(const Query& query, std::span<const Contact> contacts, Workspace& workspace);
+
+}  // namespace otg
