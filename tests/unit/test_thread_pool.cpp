@@ -34,15 +34,20 @@ std::vector<int> counts(ThreadPool& pool, std::size_t items, std::size_t grain) 
   return countsOf([&](auto&&... of) { pool.run(of...); }, items, grain);
 }
 
+/// Not sleep_for(): some systems sleep for whole milliseconds, or not at all.
+void spend(int microseconds) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::microseconds(microseconds);
+  while (microseconds > 0 && std::chrono::steady_clock::now() < until) std::this_thread::yield();
+}
+
 /// The same by runShort() of a pool or a dispatcher, where each part takes so many microseconds: with 0 the caller does
 /// all, with 30 others help.
 template <class Runner>
 std::vector<int> shortCounts(Runner& runner, std::size_t items, std::size_t grain, int microseconds) {
   const auto run = [&](std::size_t all, std::size_t each, const ThreadPool::Work& work) {
     runner.runShort(all, each, [&](std::size_t begin, std::size_t end) {
-      const auto until = std::chrono::steady_clock::now() + std::chrono::microseconds(microseconds);
       work(begin, end);
-      while (microseconds > 0 && std::chrono::steady_clock::now() < until) std::this_thread::yield();
+      spend(microseconds);
     });
   };
   return countsOf(run, items, grain);
@@ -219,10 +224,7 @@ TEST_CASE("others help with short parts that take long together") {
   // The caller is alone until it has seen how long parts take. Each of the last three waits for the two others.
   std::atomic<int> here{0};
   pool.runShort(103, 1, [&](std::size_t begin, std::size_t) {
-    if (begin < 100) {
-      std::this_thread::sleep_for(std::chrono::microseconds(50));
-      return;
-    }
+    if (begin < 100) return spend(50);
     ++here;
     while (here < 3) std::this_thread::yield();
   });
@@ -237,7 +239,7 @@ TEST_CASE("calls of short parts from within work, short or not, share the pool")
   for (int t = 0; t < 4; ++t) {
     callers.emplace_back([&, t] {
       const auto outer = [&](std::size_t begin, std::size_t end) {
-        std::this_thread::sleep_for(std::chrono::microseconds(begin == 0 ? 25 : 0));
+        spend(begin == 0 ? 25 : 0);
         begin % 4 == 0 ? pool.run(end - begin, 1, inner) : pool.runShort(end - begin, 1, inner);
       };
       for (int round = 0; round < 50; ++round) t % 2 == 0 ? pool.runShort(20, 2, outer) : pool.run(20, 2, outer);
@@ -254,7 +256,7 @@ TEST_CASE("an exception out of a short part comes back to the caller, and the po
     for (const std::size_t first : {std::size_t{0}, std::size_t{50}}) {
       std::atomic<bool> goesOn{false};
       const auto failing = [&](std::size_t begin, std::size_t) {
-        std::this_thread::sleep_for(std::chrono::microseconds(begin == 0 ? 30 : 0));
+        spend(begin == 0 ? 30 : 0);
         goesOn = goesOn || begin == 900;
         if (begin >= first) throw std::runtime_error("no");
       };
