@@ -108,6 +108,7 @@ class BatchAnswer {
   std::vector<std::size_t> refused;  ///< ascending: queries whose pose otg::collide refuses; they have no contacts
   CollideStats stats;                ///< sums
   std::size_t leftToHost = 0;        ///< pairs that the device left to the host, other than by failing
+  std::size_t madeAgain = 0;         ///< of these, those with contacts of the device that the host made again
   std::vector<std::size_t> byHost;   ///< of these, those in which the device had no part
 
   std::size_t size() const { return size_; }  ///< queries

@@ -9,7 +9,7 @@ void BatchAnswer::clear() {
   parts_.clear();
   apart_.clear();
   refused.clear();
-  leftToHost = 0;
+  leftToHost = madeAgain = 0;
   byHost.clear();
   stats = {};
 }

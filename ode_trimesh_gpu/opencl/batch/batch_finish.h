@@ -126,6 +126,7 @@ struct ContactFinish {
     for (std::size_t k = 0; k < which.size(); ++k) {
       if (!done[k].good) continue;
       ++answer.leftToHost;
+      ++answer.madeAgain;
       answer.add(which[k], done[k].contacts);
     }
   }
