@@ -11,6 +11,26 @@
 namespace otg {
 namespace {
 
+/// The stages compiled for one instruction set.
+struct Kernels {
+  void (*traverse)(WideTraversalArgs&);
+  void (*filter)(TriangleFilterArgs&);
+  void (*filterInDouble)(TriangleFilterArgs&);
+};
+
+Kernels kernelsOf(SimdLevel level) {
+  switch (level) {
+#ifdef OTG_HAVE_X86_KERNELS
+    case SimdLevel::kAvx512:
+      return {simd_avx512::traverseWide, simd_avx512::filterTriangles, simd_avx512::filterTrianglesInDouble};
+    case SimdLevel::kAvx2:
+      return {simd_avx2::traverseWide, simd_avx2::filterTriangles, simd_avx2::filterTrianglesInDouble};
+#endif
+    default:
+      return {simd_baseline::traverseWide, simd_baseline::filterTriangles, simd_baseline::filterTrianglesInDouble};
+  }
+}
+
 struct PairRoom {
   std::vector<TrianglePair>& pairs;
   std::size_t most;
@@ -83,19 +103,7 @@ void traverseWide(SimdLevel level, const Query& query, const PairFrame& frame, s
                          0,
                          query.options.countPerDepth ? stats.boxTestsPerDepth.data() : nullptr,
                          &sink};
-  switch (level) {
-#ifdef OTG_HAVE_X86_KERNELS
-    case SimdLevel::kAvx512:
-      simd_avx512::traverseWide(args);
-      break;
-    case SimdLevel::kAvx2:
-      simd_avx2::traverseWide(args);
-      break;
-#endif
-    default:
-      simd_baseline::traverseWide(args);
-      break;
-  }
+  kernelsOf(level).traverse(args);
   out.resize(sink.size);
   stats.boxTests += args.boxTests;
 }
@@ -119,19 +127,7 @@ void filterTriangles(SimdLevel level, const Query& query, const PairFrame& frame
   intersecting.resize(candidates.size());
   undecided.resize(candidates.size());
   TriangleFilterArgs args = filterArgs(query, frame, candidates, intersecting.data(), undecided.data());
-  switch (level) {
-#ifdef OTG_HAVE_X86_KERNELS
-    case SimdLevel::kAvx512:
-      simd_avx512::filterTriangles(args);
-      break;
-    case SimdLevel::kAvx2:
-      simd_avx2::filterTriangles(args);
-      break;
-#endif
-    default:
-      simd_baseline::filterTriangles(args);
-      break;
-  }
+  kernelsOf(level).filter(args);
   intersecting.resize(args.intersectingCount);
   undecided.resize(args.undecidedCount);
 }
@@ -141,19 +137,7 @@ void filterTrianglesInDouble(SimdLevel level, const Query& query, const PairFram
   const std::size_t before = intersecting.size();
   intersecting.resize(before + undecided.size());
   TriangleFilterArgs args = filterArgs(query, frame, undecided, intersecting.data() + before, undecided.data());
-  switch (level) {
-#ifdef OTG_HAVE_X86_KERNELS
-    case SimdLevel::kAvx512:
-      simd_avx512::filterTrianglesInDouble(args);
-      break;
-    case SimdLevel::kAvx2:
-      simd_avx2::filterTrianglesInDouble(args);
-      break;
-#endif
-    default:
-      simd_baseline::filterTrianglesInDouble(args);
-      break;
-  }
+  kernelsOf(level).filterInDouble(args);
   intersecting.resize(before + args.intersectingCount);
   undecided.resize(args.undecidedCount);
 }
