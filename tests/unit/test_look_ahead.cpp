@@ -4,12 +4,12 @@
 
 #include <cmath>
 
+#include "base/vectors.h"
 #include "bvh/collision_mesh.h"
 #include "collide/shortest_translation.h"
 #include "collide/solid/solid_contacts.h"
 #include "scenes/concave_meshes.h"
 #include "scenes/generated_meshes.h"
-#include "base/vectors.h"
 #include "support/catch.h"
 #include "truth/certificate_families.h"
 

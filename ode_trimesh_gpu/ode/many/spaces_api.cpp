@@ -79,16 +79,16 @@ struct SpaceContacts {
 
 /// Whether threads or devices may gain anything. Pairs of few triangles are done before another thread is awake.
 bool isWorthSharing(std::span<const SpacePair> pairs) {
-  constexpr int kFewTriangles = 4096;  // 170 pairs of boxes, some 0.2 ms
+  constexpr std::size_t kFewTriangles = 4096;  // 170 pairs of boxes, some 0.2 ms
   if (dispatcher().threadCount() == 1 && !dispatcher().hasDevices()) return false;
-  int triangles = 0;
+  std::size_t triangles = 0;
   return std::any_of(pairs.begin(), pairs.end(), [&](const SpacePair& found) {
     if (found.kind == PairKind::kOther) return false;
     for (const dGeomID geom : {found.pair.o1, found.pair.o2}) {
       GeomObject* const object = meshObjectOf(geom);
       const GeomUse use(object);
       const CollisionMesh* const mesh = object != nullptr && use.good() ? object->mesh() : nullptr;
-      if (mesh != nullptr) triangles += static_cast<int>(mesh->mesh().triangleCount());
+      if (mesh != nullptr) triangles += mesh->mesh().triangleCount();
     }
     return triangles > kFewTriangles;
   });
