@@ -33,13 +33,18 @@ struct Asked {
   auto key() const { return std::make_tuple(-depth, normal.x, normal.y, normal.z); }
 };
 
+/// Its direction is one of many, or it is deeper than it says.
+bool tellsNoWay(const Contact& contact) {
+  return (contact.flags & (kContactContained | kContactClamped)) != 0;
+}
+
 /// What contacts ask for, however they are ordered. None where they do not tell the way apart.
 std::optional<ShortestTranslation> askedBy(std::span<const Contact> contacts, std::pmr::memory_resource* memory) {
   if (contacts.empty()) return std::nullopt;
   std::pmr::vector<Asked> all(memory);
   all.reserve(contacts.size());
   for (const Contact& c : contacts) {
-    if ((c.flags & (kContactContained | kContactClamped)) != 0) return std::nullopt;
+    if (tellsNoWay(c)) return std::nullopt;
     all.push_back({c.depth, c.normal});
   }
   std::sort(all.begin(), all.end(), [](const Asked& x, const Asked& y) { return x.key() < y.key(); });
@@ -202,6 +207,7 @@ void lookAhead(const Query& query, Workspace& workspace) {
     std::uint32_t last = 0;
     for (const Contact& met : ahead.contacts) {
       last = std::max(last, met.region + 1);
+      if (tellsNoWay(met)) continue;
       Contact c = beforeWay(met, way);
       if (t->satisfies(c.normal, c.depth) || !t->add(c.normal, c.depth, longest)) continue;
       c.region += regions;
