@@ -66,6 +66,8 @@ const std::map<std::string, std::uint32_t opencl::Tuning::*>& tuningKeys() {
       {"solidPoints", &Tuning::solidPoints},
       {"solidFaces", &Tuning::solidFaces},
       {"solidLargeHits", &Tuning::solidLargeHits},
+      {"unevenGroup", &Tuning::unevenGroup},
+      {"unevenFaces", &Tuning::unevenFaces},
       {"solidRegisters", &Tuning::solidRegisters},
       {"arenaUnits", &Tuning::arenaUnits},
       {"overlapHits", &Tuning::overlapHits},

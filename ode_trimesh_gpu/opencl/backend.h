@@ -59,8 +59,8 @@ struct StageTimes {
   double select = 0;      ///< the best of the bins, listed
   double choose = 0;      ///< the limit, and results in order
   double weigh = 0;       ///< large regions: pieces, points, and what they say
-  double ways = 0;        ///< the ways out of these
-  double candidates = 0;  ///< and their candidates
+  double ways = 0;        ///< the ways out of the regions of solids
+  double candidates = 0;  ///< and their candidates, with the uneven ones in batches
   double readBack = 0;    ///< of the results
   double host = 0;        ///< what the device left: decisions in exact arithmetic, order, regions; and copying
   double reduction = 0;   ///< on the host; with the contacts where the host makes them

@@ -47,15 +47,33 @@ class WedgeFinder : public RegionRefiner {
 /// How many pairs the host makes again: those that meet more on the way which their contacts ask for, and those that
 /// may and have contacts in all places.
 std::size_t madeAgain(const std::vector<Query>& queries, const std::vector<std::vector<Contact>>& contacts) {
-  Workspace workspace, ahead;
+  Workspace workspace;
   std::size_t count = 0;
   for (std::size_t i = 0; i < queries.size(); ++i) {
     if (!mayMeetAhead(queries[i])) continue;
     findIntersectingPairs(queries[i], workspace);
     const bool isFull = contacts[i].size() == static_cast<std::size_t>(queries[i].options.maxContacts);
-    count += isFull || (solidContacts(queries[i], workspace) && meetsAhead(queries[i], workspace.contacts, ahead));
+    if (!isFull && !solidContacts(queries[i], workspace)) continue;
+    const std::optional<Transformd> pose = poseAhead(queries[i], workspace.contacts, workspace);
+    Query ahead = queries[i];
+    if (pose) {
+      ahead.bInA = *pose;
+      findIntersectingPairs(ahead, workspace);
+    }
+    count += isFull || (pose && !workspace.intersecting.empty());
   }
   return count;
+}
+
+/// Bodies with hollows.
+MeshList cornered() {
+  MeshList meshes;
+  for (const MeshArrays& arrays :
+       {makeGear(12, 0.9, 0.2, 0.3, 0.1), makeGear(17, 0.8, 0.15, 0.4, 0.2), makeTray({1, 1, 0.3}, 0.1),
+        makeCorner(1, 0.3, 0.8), makeTetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1})}) {
+    meshes.push_back(collisionMesh(arrays));
+  }
+  return meshes;
 }
 
 }  // namespace
@@ -109,12 +127,7 @@ TEST_CASE("pairs of two convex meshes are the host's, alone and in a batch") {
 }
 
 TEST_CASE("what meets more on the way that its contacts ask for is the host's, alone and in a batch") {
-  MeshList meshes;
-  for (const MeshArrays& arrays :
-       {makeGear(12, 0.9, 0.2, 0.3, 0.1), makeGear(17, 0.8, 0.15, 0.4, 0.2), makeTray({1, 1, 0.3}, 0.1),
-        makeCorner(1, 0.3, 0.8), makeTetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1})}) {
-    meshes.push_back(collisionMesh(arrays));
-  }
+  const MeshList meshes = cornered();
   const auto backend = openBackend();
   REQUIRE(backend);
   if (!backend->device().doubles) return;
@@ -343,11 +356,15 @@ TEST_CASE("what the device cannot do of a batch of solids the host does") {
   checkBatch(*backend, queries, onHost(queries));
 }
 
-TEST_CASE("histories of pairs of a batch are what the host would have left") {
-  const MeshList meshes = solids();
-  const auto backend = openBackend();
-  REQUIRE(backend);
-  std::vector<Query> queries = touching(meshes, 6, 80, -0.01, 0.2), forHost = queries;
+namespace {
+
+struct Remembered {
+  std::size_t deep = 0, byDevice = 0;
+};
+
+/// Five steps of pairs, three in four with histories: what these are is compared with the host's.
+Remembered checkHistories(opencl::Backend& backend, std::vector<Query> queries) {
+  std::vector<Query> forHost = queries;
   std::vector<SolidHistory> onDevice(queries.size()), host(queries.size());
   for (std::size_t i = 0; i < queries.size(); ++i) {
     if (i % 4 == 0) continue;
@@ -355,12 +372,12 @@ TEST_CASE("histories of pairs of a batch are what the host would have left") {
     forHost[i].history = &host[i];
   }
   Draw draw(7);
-  std::size_t deep = 0, byDevice = 0;
+  Remembered found;
   for (int step = 0; step < 5; ++step) {
-    byDevice += checkBatch(*backend, queries, onHost(forHost));
+    found.byDevice += checkBatch(backend, queries, onHost(forHost));
     std::size_t wrong = 0;
     for (std::size_t i = 0; i < queries.size(); ++i) {
-      deep += otgDot(host[i].current.deepNormal, host[i].current.deepNormal) > 0;
+      found.deep += otgDot(host[i].current.deepNormal, host[i].current.deepNormal) > 0;
       wrong += !same(onDevice[i].current, host[i].current) || !same(onDevice[i].before, host[i].before);
       const Vec3d move = otgScale(draw.direction(), step < 3 ? 0.005 : 0.3);
       if (step == 1) continue;  // the same pose again
@@ -369,9 +386,29 @@ TEST_CASE("histories of pairs of a batch are what the host would have left") {
     }
     CHECK(wrong == 0);
   }
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("histories of pairs of a batch are what the host would have left") {
+  const MeshList meshes = solids();
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  const std::vector<Query> queries = touching(meshes, 6, 80, -0.01, 0.2);
+  const Remembered found = checkHistories(*backend, queries);
   // Few are left to the host, although many have deep regions.
-  CHECK(deep > 100);
-  if (backend->device().doubles) CHECK(byDevice + deep / 4 > 9 * queries.size() / 2);
+  CHECK(found.deep > 100);
+  if (backend->device().doubles) CHECK(found.byDevice + found.deep / 4 > 9 * queries.size() / 2);
+}
+
+TEST_CASE("so they are where the host makes contacts again") {
+  const MeshList meshes = cornered();
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  std::vector<Query> queries = touching(meshes, 9, 120, 0.001, 0.3);
+  CHECK(madeAgain(queries, onHost(queries)) > 10);
+  CHECK(checkHistories(*backend, queries).deep > 100);
 }
 
 TEST_CASE("a batch of solids comes out the same whatever call fails") {

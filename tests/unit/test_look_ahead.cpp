@@ -106,7 +106,13 @@ TEST_CASE("whether more is met is told alike by the triangles that are near and 
       lookAhead(query, workspace);
       CAPTURE(family.name, i);
       CHECK(areSame(workspace.contacts, all));
-      const bool begins = meetsAhead(query, turned, other);
+      Query ahead = query;
+      const std::optional<Transformd> pose = poseAhead(query, turned, other);
+      if (pose) {
+        ahead.bInA = *pose;
+        findIntersectingPairs(ahead, other);
+      }
+      const bool begins = pose && !other.intersecting.empty();
       CHECK((begins || areSame(touched, all)));
       begun += begins;
     }

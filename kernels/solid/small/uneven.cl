@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The candidates of uneven regions, whose parts leave each by its own face: one work-group for one region. OTG_GROUP:
-// size of work-groups.
+// size of work-groups. OTG_UNEVEN_FACES: pieces of the largest region.
 #define OTG_MESHES_LOCAL
 #include "solid/uneven/candidates.h"
 #include "solid/uneven/leave.h"

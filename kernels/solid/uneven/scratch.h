@@ -9,7 +9,7 @@
 #include "shared/contacts/uneven_model.h"
 #undef OTG_REAL_DOUBLE
 
-#define OTG_UNEVEN_FACES 128                     ///< pieces of a region; with more it is the host's
+// OTG_UNEVEN_FACES: pieces of the largest region.
 #define OTG_UNEVEN_POINTS OTG_SOLID_MOST_POINTS  ///< points that are looked at; the host thins more than these
 #define OTG_UNEVEN_HALF_SPACES 32                ///< that the translation satisfies
 

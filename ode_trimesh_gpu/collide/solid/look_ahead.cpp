@@ -218,11 +218,10 @@ void lookAhead(const Query& query, Workspace& workspace) {
   }
 }
 
-bool meetsAhead(const Query& query, std::span<const Contact> contacts, Workspace& workspace) {
-  if (!mayMeetAhead(query)) return false;
-  AheadScratch& scratch = scratchOf(workspace);
-  const std::optional<ShortestTranslation> t = askedBy(contacts, &scratch.memory);
-  return t && meetsByTrees(query, wayOf(*t), scratch.workspace);
+std::optional<Transformd> poseAhead(const Query& query, std::span<const Contact> contacts, Workspace& workspace) {
+  const std::optional<ShortestTranslation> t = askedBy(contacts, &scratchOf(workspace).memory);
+  if (!t) return std::nullopt;
+  return movedBy(query, wayOf(*t)).bInA;
 }
 
 }  // namespace otg

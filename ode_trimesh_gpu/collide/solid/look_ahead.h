@@ -2,6 +2,7 @@
 // Surfaces that a body meets on the way which its contacts ask for.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "collide/query.h"
@@ -26,7 +27,8 @@ bool mayMeetAhead(const Query& query);
 /// workspace.candidates; where that is empty, they are looked for.
 void lookAhead(const Query& query, Workspace& workspace);
 
-/// Whether lookAhead() would begin for these contacts, in any order. For those who make contacts elsewhere.
-bool meetsAhead(const Query& query, std::span<const Contact> contacts, Workspace& workspace);
+/// B in A's frame after A has gone the way that these contacts ask for, in any order; none where they tell of none.
+/// Where the meshes do not intersect there, lookAhead() adds nothing. For those who make contacts elsewhere.
+std::optional<Transformd> poseAhead(const Query& query, std::span<const Contact> contacts, Workspace& workspace);
 
 }  // namespace otg

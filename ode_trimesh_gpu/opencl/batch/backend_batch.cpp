@@ -64,6 +64,7 @@ class Backend::Batch {
     std::vector<std::vector<PairRange>> submissions = cutBatch(source_.size(), state_.tuning, times != nullptr);
     if (mayBeLong()) submissions = cutPieces(submissions, works(), state_.tuning);
     for (const std::vector<PairRange>& pieces : submissions) submit(pieces);
+    lookAhead();
     return good_;
   }
 
@@ -372,21 +373,52 @@ class Backend::Batch {
     finish_.chunk(begin, count, found);
     for (const std::size_t i : fromMeanwhile) keepMeanwhile(i);
     if (!fromRecords.empty()) dealOut(begin, count, answer, fromRecords);
+    takeMade(begin, count, found);
+    for (const std::size_t i : piece.refused) finish_.refuse(i);
+  }
+
+  /// Of a piece's pairs whose contacts the device made: some wait for lookAhead(), the others remember.
+  void takeMade(std::size_t begin, std::size_t count, const BatchFound& found) {
     if constexpr (Finish::kTakesDescriptions) {
-      if (wish_ == BatchWish::kSolid && source_.anyHistory) {
-        finish_.inParts(count, [&](std::size_t from, std::size_t to) {
-          for (std::size_t k = from; k < to; ++k) {
-            if (!isRemembered(found.flags[k])) continue;
-            const bool hasContacts = found.contacts[0].places[2 * k + 1] > 0;
-            rememberPlain(source_.query(begin + k), hasContacts, hasContacts ? found.directions[k] : Vec3d{0, 0, 0});
-          }
-        });
+      if (wish_ != BatchWish::kSolid || !(mayMeetAhead_ || source_.anyHistory)) return;
+      std::vector<std::uint8_t> waits(count, 0);
+      const auto directionOf = [&](std::size_t k) { return source_.anyHistory ? found.directions[k] : Vec3d{0, 0, 0}; };
+      finish_.inParts(count, [&](std::size_t from, std::size_t to) {
+        for (std::size_t k = from; k < to; ++k) {
+          if (!isRemembered(found.flags[k])) continue;
+          const Query query = source_.query(begin + k);
+          const bool hasContacts = found.contacts[0].places[2 * k + 1] > 0;
+          waits[k] = mayMeetAhead_ && hasContacts && mayMeetAhead(query);
+          if (waits[k] == 0) rememberPlain(query, hasContacts, hasContacts ? directionOf(k) : Vec3d{0, 0, 0});
+        }
+      });
+      for (std::size_t k = 0; k < count; ++k) {
+        if (waits[k] != 0) ahead_.push_back({begin + k, directionOf(k)});
       }
     }
+  }
+
+  /// What waits since takeMade().
+  void lookAhead() {
     if constexpr (Finish::kTakesDescriptions) {
-      if (mayMeetAhead_) finish_.lookAhead(begin, count, found, [&](std::size_t i) { return source_.query(i); });
+      if (ahead_.empty()) return;
+      const Stopwatch watch(times_ != nullptr);
+      std::vector<std::size_t> which, again;
+      for (const auto& [i, direction] : ahead_) which.push_back(i);
+      const auto queryOf = [&](std::size_t i) { return source_.query(i); };
+      good_ = finish_.lookAhead(which, queryOf, again) && good_;
+      for (std::size_t k = 0, next = 0; k < ahead_.size(); ++k) {
+        const auto& [i, direction] = ahead_[k];
+        if (next < again.size() && again[next] == i) {
+          ++next;
+        } else if (source_.anyHistory) {
+          rememberPlain(source_.query(i), true, direction);
+        }
+      }
+      finish_.makeAgain(again, queryOf);
+      ahead_.clear();
+      if (times_) times_->host += watch.ms();
     }
-    for (const std::size_t i : piece.refused) finish_.refuse(i);
   }
 
   /// A few pairs of solids, of which the device said late that it leaves them, wait for those of the other pieces: one
@@ -532,7 +564,8 @@ class Backend::Batch {
   std::vector<Holder> holders_;
   OverlapQueue overlaps_;
   bool good_ = true, anyLarge_ = false, hasContactsOfHost_ = false, mayMeetAhead_ = false;
-  std::vector<std::size_t> later_;                             ///< pairs for the host when all pieces are done
+  std::vector<std::pair<std::size_t, Vec3d>> ahead_;  ///< pairs that wait for lookAhead(), and what they remember
+  std::vector<std::size_t> later_;                    ///< pairs for the host when all pieces are done
   std::unordered_map<std::size_t, ContactFinish::Done> done_;  ///< by the host, while the device is at work
   PieceMeshes meshes_;                                         ///< of the piece that was begun last
   std::size_t waits_ = 0;

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -106,29 +107,55 @@ struct ContactFinish {
     return share(which, [&](std::size_t k, Workspace& own) { return takeMade(queryOf(which[k]), foundOf(k), own); });
   }
 
-  /// Devices make contacts of `solid` of what is touched. Of a piece's pairs with such contacts the host makes those
-  /// again that meet more on the way which they ask for. Where there was no room for all, their way is not known.
+  /// Devices make contacts of `solid` of what is touched. Of such pairs the host makes those again that meet more on
+  /// the way which they ask for: which of `waiting` (ascending). Where there was no room for all contacts, their way is
+  /// not known. The device tells what is met. False if it failed.
   template <class QueryOf>
-  void lookAhead(std::size_t begin, std::size_t count, const BatchFound& found, const QueryOf& queryOf) {
-    std::vector<std::size_t> which;
+  bool lookAhead(const std::vector<std::size_t>& waiting, const QueryOf& queryOf, std::vector<std::size_t>& again) {
+    const std::size_t count = waiting.size();
+    std::vector<PosedMeshes> ahead(count);
+    std::vector<Way> ways(count);
+    inParts(count, [&](std::size_t begin, std::size_t end) {
+      const WorkspacePool::Lease own(workspaces);
+      for (std::size_t k = begin; k < end; ++k) {
+        const Query query = queryOf(waiting[k]);
+        const std::span<const Contact> contacts = answer.of(waiting[k]);
+        const std::optional<Transformd> pose = poseAhead(query, contacts, *own);
+        const bool isWhole = contacts.size() < static_cast<std::size_t>(query.options.maxContacts);
+        ways[k] = !isWhole ? Way::kUnknown : pose ? Way::kKnown : Way::kNone;
+        ahead[k] = {query.a, query.b, pose.value_or(query.bInA)};
+      }
+    });
+    std::vector<std::size_t> asked;
+    std::vector<const PosedMeshes*> pairs;
     for (std::size_t k = 0; k < count; ++k) {
-      const bool isMade = isRemembered(found.flags[k]) && found.contacts[0].places[2 * k + 1] > 0;
-      if (isMade && mayMeetAhead(queryOf(begin + k))) which.push_back(begin + k);
+      if (ways[k] != Way::kKnown) continue;
+      asked.push_back(k);
+      pairs.push_back(&ahead[k]);
     }
+    std::vector<std::uint8_t> meets;
+    const bool good = backend.intersectBatch(std::span<const PosedMeshes* const>(pairs), meets, nullptr,
+                                             onHost ? *onHost : RunParts{});
+    queries -= pairs.size();  // nobody asked for these
+    for (std::size_t k = 0; k < asked.size(); ++k) {
+      if (meets[k] != 0) ways[asked[k]] = Way::kUnknown;
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+      if (ways[k] == Way::kUnknown) again.push_back(waiting[k]);
+    }
+    return good;
+  }
+
+  /// These again, in place of what the device made. Its counts of them stay.
+  template <class QueryOf>
+  void makeAgain(const std::vector<std::size_t>& which, const QueryOf& queryOf) {
     const std::vector<Done> done = make(which.size(), [&](std::size_t k, Workspace& own) {
-      const Query query = queryOf(which[k]);
-      const std::span<const Contact> contacts = answer.of(which[k]);
-      const bool isWhole = contacts.size() < static_cast<std::size_t>(query.options.maxContacts);
-      if (isWhole && !meetsAhead(query, contacts, own)) return false;
-      collide(query, own);
+      collide(queryOf(which[k]), own);
       return true;
     });
-    for (std::size_t k = 0; k < which.size(); ++k) {
-      if (!done[k].good) continue;
-      ++answer.leftToHost;
-      ++answer.madeAgain;
-      answer.add(which[k], done[k].contacts);
-    }
+    for (std::size_t k = 0; k < which.size(); ++k) answer.add(which[k], done[k].contacts);
+    answer.leftToHost += which.size();
+    answer.madeAgain += which.size();
   }
 
   bool alone(std::size_t i, const Query& query) {
@@ -160,6 +187,9 @@ struct ContactFinish {
   void end() { std::sort(answer.refused.begin(), answer.refused.end()); }
 
  private:
+  /// Of what is known of the way that a pair's contacts ask for.
+  enum class Way : std::uint8_t { kNone, kKnown, kUnknown };
+
   /// As make(), and keeps that; the pairs for which `work` returned false are returned.
   template <class Work>
   std::vector<std::size_t> share(const std::vector<std::size_t>& which, const Work& work) {

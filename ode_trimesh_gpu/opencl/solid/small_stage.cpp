@@ -65,7 +65,8 @@ SmallStage::SmallStage(Context& context, const Tuning& tuning)
                       {}});
   }
   estimateGroup_ = isCpu ? 1 : OTG_SOLID_CHUNK;
-  unevenGroup_ = isCpu ? 1 : 64;
+  unevenGroup_ = tuning.unevenGroup != 0 ? tuning.unevenGroup : isCpu ? 1 : 64;
+  unevenFaces_ = tuning.unevenFaces;
   estimateGroups_ = std::size_t{context.info().computeUnits} * (isCpu ? 4 : 32);
 }
 
@@ -91,7 +92,9 @@ void SmallStage::build() {
   }
   estimate_ = context_.makeKernel("solid/small/estimate.cl",
                                   "-DOTG_GROUP=" + std::to_string(estimateGroup_) + registerLimit_, "solidEstimate");
-  uneven_.make(context_, "solid/small/uneven.cl", "-DOTG_GROUP=" + std::to_string(unevenGroup_) + registerLimit_);
+  uneven_.make(context_, "solid/small/uneven.cl",
+               "-DOTG_GROUP=" + std::to_string(unevenGroup_) + " -DOTG_UNEVEN_FACES=" + std::to_string(unevenFaces_) +
+                   registerLimit_);
   write_ = std::move(write);
 }
 
@@ -166,7 +169,7 @@ void SmallStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& re
                          << arena_.places() << heads_.get() << lists_.get() << batch.count << size.firstList
                          << size.endList << chunks_.get() << chunks_.places()
                          << (remembers != 0 ? directions_.get() : nullptr) << chosen.get();
-    launch(queue, size.ways, size.group, groupsOf(size), 1, profile.next(Profile::kSelect));
+    launch(queue, size.ways, size.group, groupsOf(size), 1, profile.next(Profile::kWays));
   }
   if (batch.flags != nullptr) {
     cl_event flagged = nullptr;
@@ -176,7 +179,7 @@ void SmallStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& re
     *batch.flagged = EventHandle(flagged);  // at once: a later call may fail
   }
   Arguments(estimate_) << chunks_.get() << chunks_.places() << batch.counters << arena_.get();
-  launch(queue, estimate_, estimateGroup_, estimateGroups_, 1, profile.next(Profile::kSelect));
+  launch(queue, estimate_, estimateGroup_, estimateGroups_, 1, profile.next(Profile::kCandidates));
   uneven_.give({.meshes = BufferOf<otg_mesh_unit>(batch.meshes),
                 .tasks = BufferOf<otg_batch_task>(batch.tasks),
                 .places = BufferOf<otg_device_mesh>(batch.places),
@@ -185,7 +188,7 @@ void SmallStage::enqueue(cl_command_queue queue, const Batch& batch, Reducer& re
                 .chunkRoom = chunks_.places(),
                 .arena = BufferOf<otg_arena_byte>(arena_.get()),
                 .arenaUnits = arena_.places()});
-  launch(queue, uneven_, unevenGroup_, estimateGroups_, 1, profile.next(Profile::kSelect));
+  launch(queue, uneven_, unevenGroup_, estimateGroups_, 1, profile.next(Profile::kCandidates));
   for (Size& size : sizes_) {
     Arguments(size.contacts) << batch.meshes << batch.tasks << batch.places << batch.states << batch.reductions
                              << batch.counters << arena_.get() << arena_.places() << heads_.get() << lists_.get()

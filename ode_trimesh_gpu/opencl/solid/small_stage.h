@@ -70,7 +70,7 @@ class SmallStage {
   Kernel records_, stretches_, scatter_, estimate_, write_;
   KernelFor<given::SolidUneven> uneven_;
   KernelFor<given::SolidPairwise> pairwise_;
-  std::size_t estimateGroup_, unevenGroup_, estimateGroups_;
+  std::size_t estimateGroup_, unevenGroup_, unevenFaces_, estimateGroups_;
   DeviceList sorted_{sizeof(otg_solid_hit)}, heads_{sizeof(otg_uint)}, arena_, lists_{sizeof(otg_uint)},
       chunks_{2 * sizeof(otg_uint)}, kept_{sizeof(otg_chosen_contact)}, directions_{3 * sizeof(double)};
 };
