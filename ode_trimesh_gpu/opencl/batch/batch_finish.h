@@ -146,14 +146,17 @@ struct ContactFinish {
     return good;
   }
 
-  /// These again, in place of what the device made. Its counts of them stay.
+  /// These again, in place of what the device made. Its counts of them stay: it had all but what lies on the way.
   template <class QueryOf>
   void makeAgain(const std::vector<std::size_t>& which, const QueryOf& queryOf) {
     const std::vector<Done> done = make(which.size(), [&](std::size_t k, Workspace& own) {
       collide(queryOf(which[k]), own);
       return true;
     });
-    for (std::size_t k = 0; k < which.size(); ++k) answer.add(which[k], done[k].contacts);
+    for (std::size_t k = 0; k < which.size(); ++k) {
+      answer.stats.contactsBeforeReduction += done[k].stats.contactsAhead;
+      answer.add(which[k], done[k].contacts);
+    }
     answer.leftToHost += which.size();
     answer.madeAgain += which.size();
   }
