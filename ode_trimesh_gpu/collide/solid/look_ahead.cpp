@@ -189,8 +189,8 @@ void lookAhead(const Query& query, Workspace& workspace) {
   std::optional<ShortestTranslation> t = askedBy(workspace.contacts, &scratch.memory);
   if (!t) return;
   Workspace& ahead = scratch.workspace;
-  if (!(hasCandidates(query, workspace) ? meetsByCandidates(query, wayOf(*t), workspace, ahead)
-                                        : meetsByTrees(query, wayOf(*t), ahead)))
+  const bool byTrees = !hasCandidates(query, workspace);
+  if (!(byTrees ? meetsByTrees(query, wayOf(*t), ahead) : meetsByCandidates(query, wayOf(*t), workspace, ahead)))
     return;
   const double longest = kLongest * norm(t->value());
   std::uint32_t regions = 0;
@@ -199,7 +199,7 @@ void lookAhead(const Query& query, Workspace& workspace) {
   for (int look = 0; look < kLooks && isNew; ++look) {
     const Vec3d way = wayOf(*t);
     const Query moved = movedBy(query, way);
-    findIntersectingPairs(moved, ahead);
+    if (look > 0 || !byTrees) findIntersectingPairs(moved, ahead);
     if (ahead.intersecting.empty() || !solidContacts(moved, ahead)) return;
     std::stable_sort(ahead.contacts.begin(), ahead.contacts.end(),
                      [](const Contact& x, const Contact& y) { return x.depth > y.depth; });
