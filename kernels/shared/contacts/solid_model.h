@@ -22,7 +22,7 @@ namespace otg {
 
 /// A region of less extent or area than these (in sizes of the smaller mesh, and their square) is left out.
 #define OTG_SOLID_LEAST_DIAGONAL 1e-9
-#define OTG_SOLID_LEAST_AREA 1e-14
+#define OTG_SOLID_LEAST_AREA 1e-18
 
 /// Crossings of one edge that lie within the first of each other are ordered by how they drift (otgDriftsBefore);
 /// within the second their rounding may have put them in the wrong order.
