@@ -321,6 +321,13 @@ OTG_GENERIC OTG_STRETCH_PASS OTG_NAME(otgPassOfStretches)(OTG_VEC3 apart, OTG_VE
   return pass;
 }
 
+/// Whether the depth that rays measured is that of a side of a face and not of the face ahead. Where edges cross at the
+/// rim of a face a ray along the normal runs in the side wall, and rounding says how soon it leaves. The region's
+/// planes and the crossing of the edges tell better there. `passes`: OTG_STRETCH_PASS::way, or 0.
+OTG_GENERIC otg_int OTG_NAME(otgLeavesBeside)(REAL measured, REAL estimate, REAL passes) {
+  return measured < (1 - OTG_REAL(OTG_SOLID_AGREES)) * (estimate < passes ? estimate : passes);
+}
+
 /// How far from a middle its stretch's ends are looked at.
 OTG_GENERIC REAL OTG_NAME(otgReachOfEnds)(REAL reach, REAL diagonal) {
   const REAL shortened = reach - OTG_REAL(OTG_SOLID_INWARD) * diagonal, most = OTG_REAL(0.5) * reach;
