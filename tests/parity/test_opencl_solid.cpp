@@ -142,6 +142,7 @@ TEST_CASE("what meets more on the way that its contacts ask for is the host's, a
   // Some of these were left to the host before.
   CHECK(answer.madeAgain <= again);
   CHECK(answer.madeAgain > again / 2);
+  CHECK(answer.stats.contactsBeforeReduction == foundOnHost(queries));
   CHECK(checkBatch(*backend, queries, expected) > 100);
   Workspace workspace;
   for (std::size_t i = 0; i < queries.size(); i += 5) {
@@ -150,6 +151,8 @@ TEST_CASE("what meets more on the way that its contacts ask for is the host's, a
   }
   for (std::size_t i = 0; i < queries.size(); ++i) queries[i].options.maxContacts = static_cast<int>(1 + i % 4);
   checkBatch(*backend, queries, onHost(queries));
+  REQUIRE(backend->collideBatch(queries, answer));
+  CHECK(answer.stats.contactsBeforeReduction == foundOnHost(queries));
 }
 
 TEST_CASE("boxes upon each other are the device's") {

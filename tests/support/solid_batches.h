@@ -51,6 +51,17 @@ inline std::vector<std::vector<Contact>> onHost(const std::vector<Query>& querie
   return contacts;
 }
 
+/// How many contacts the host finds before it limits them.
+inline std::uint64_t foundOnHost(const std::vector<Query>& queries) {
+  std::uint64_t found = 0;
+  Workspace workspace;
+  for (const Query& query : queries) {
+    collide(query, workspace);
+    found += workspace.stats.contactsBeforeReduction;
+  }
+  return found;
+}
+
 inline bool same(const SolidHistory::State& x, const SolidHistory::State& y) {
   return x.escape == y.escape && x.escapeLeft == y.escapeLeft && x.clampLeft == y.clampLeft &&
          x.deepNormal == y.deepNormal && x.hasPose == y.hasPose && x.pose.t == y.pose.t && x.side == y.side &&

@@ -12,6 +12,7 @@ otg_add_test(convex_contacts unit SOURCES test_convex_contacts.cpp LIBRARIES otg
 otg_add_test(contact_ids unit SOURCES test_contact_ids.cpp LIBRARIES otg_scenes)
 otg_add_test(solid_regions unit SOURCES test_solid_regions.cpp LIBRARIES otg_scenes)
 otg_add_test(small_regions unit SOURCES test_small_regions.cpp LIBRARIES otg_scenes)
+otg_add_test(edge_pair unit SOURCES test_edge_pair.cpp LIBRARIES otg_scenes)
 otg_add_test(look_ahead unit SOURCES test_look_ahead.cpp LIBRARIES otg_scenes otg_truth)
 otg_add_test(solid_sheet unit SOURCES test_solid_sheet.cpp LIBRARIES otg_scenes)
 otg_add_test(shell_contacts unit SOURCES test_shell_contacts.cpp $<TARGET_OBJECTS:otg_test_ode_world> LIBRARIES otg_scenes otg_truth)

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/hash.h"
+#include "base/of_thread.h"
 #include "base/owned_later.h"
 #include "base/union_find.h"
 #include "base/vectors.h"
@@ -24,6 +25,19 @@ struct Counted {
   ~Counted() { ++gone; }
   Counted(const Counted&) = delete;
   Counted& operator=(const Counted&) = delete;
+};
+
+/// What a thread keeps: its memory must be there until the destructor has run.
+struct OfThread {
+  static inline std::atomic<int> made{0}, gone{0}, sum{0};
+  std::vector<int> values;
+  OfThread() { ++made; }
+  ~OfThread() {
+    for (const int value : values) sum += value;
+    ++gone;
+  }
+  OfThread(const OfThread&) = delete;
+  OfThread& operator=(const OfThread&) = delete;
 };
 
 }  // namespace
@@ -85,4 +99,22 @@ TEST_CASE("what is owned later is made once, whoever comes first, and goes with 
     CHECK(Counted::made - Counted::gone == 1);
   }
   CHECK(Counted::made == Counted::gone);
+}
+
+TEST_CASE("each thread has an object of its own, destroyed with what it holds when the thread ends") {
+  static_assert(noexcept(ofThread<OfThread>()));
+  std::vector<std::thread> threads;
+  std::atomic<int> wrong{0};
+  for (int t = 0; t < 8; ++t) {
+    threads.emplace_back([&wrong, t] {
+      OfThread* const mine = &ofThread<OfThread>();
+      for (int i = 0; i < 1000; ++i) ofThread<OfThread>().values.push_back(t);
+      if (&ofThread<OfThread>() != mine || mine->values.size() != 1000) ++wrong;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  CHECK(wrong == 0);
+  CHECK(OfThread::made == 8);
+  CHECK(OfThread::gone == 8);
+  CHECK(OfThread::sum == 28 * 1000);
 }

@@ -101,6 +101,8 @@ TEST_CASE("whether more is met is told alike by the triangles that are near and 
       std::vector<Contact> turned(touched.rbegin(), touched.rend());
       lookAhead(query, workspace);
       const std::vector<Contact> all = workspace.contacts;
+      CHECK(workspace.stats.contactsBeforeReduction == all.size());
+      CHECK(workspace.stats.contactsAhead == all.size() - touched.size());
       workspace.contacts = touched;
       workspace.candidates.clear();
       lookAhead(query, workspace);
@@ -118,6 +120,19 @@ TEST_CASE("whether more is met is told alike by the triangles that are near and 
     }
   }
   CHECK(begun > 3);
+}
+
+TEST_CASE("the time of contacts has what looking ahead takes") {
+  const CollisionMesh a = meshOf(scenes::makeCorner(2, 1, 2)), b = meshOf(scenes::makeCorner(1, 0.3, 0.8));
+  Query query = solidQuery(a, b, {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0.4, 0.05, 0.5}});
+  query.options.timings = true;
+  Workspace workspace;
+  touch(query, workspace);
+  REQUIRE(!workspace.contacts.empty());
+  const double before = workspace.stats.contactsMs;
+  REQUIRE(before > 0);
+  lookAhead(query, workspace);
+  CHECK(workspace.stats.contactsMs > before);
 }
 
 TEST_CASE("bodies without hollows and large ones are not looked at") {

@@ -2,6 +2,7 @@
 #include "collide/solid/look_ahead.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <optional>
 #include <tuple>
@@ -172,19 +173,7 @@ Contact beforeWay(const Contact& met, const Vec3d& way) {
   return c;
 }
 
-}  // namespace
-
-bool isCornered(const CollisionMesh* mesh) {
-  return mesh->adjacency().hollowEdges > 0 || mesh->mesh().topology().componentVolume.size() > 1;
-}
-
-bool mayMeetAhead(const Query& query) {
-  return query.a->mesh().triangleCount() + query.b->mesh().triangleCount() <= kMostTriangles &&
-         (isCornered(query.a) || isCornered(query.b));
-}
-
-void lookAhead(const Query& query, Workspace& workspace) {
-  if (!mayMeetAhead(query)) return;
+void addContactsAhead(const Query& query, Workspace& workspace) {
   AheadScratch& scratch = scratchOf(workspace);
   std::optional<ShortestTranslation> t = askedBy(workspace.contacts, &scratch.memory);
   if (!t) return;
@@ -215,6 +204,30 @@ void lookAhead(const Query& query, Workspace& workspace) {
       isNew = true;
     }
     regions += last;
+  }
+}
+
+}  // namespace
+
+bool isCornered(const CollisionMesh* mesh) {
+  return mesh->adjacency().hollowEdges > 0 || mesh->mesh().topology().componentVolume.size() > 1;
+}
+
+bool mayMeetAhead(const Query& query) {
+  return query.a->mesh().triangleCount() + query.b->mesh().triangleCount() <= kMostTriangles &&
+         (isCornered(query.a) || isCornered(query.b));
+}
+
+void lookAhead(const Query& query, Workspace& workspace) {
+  if (!mayMeetAhead(query)) return;
+  using Clock = std::chrono::steady_clock;
+  const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
+  const std::size_t before = workspace.contacts.size();
+  addContactsAhead(query, workspace);
+  workspace.stats.contactsAhead = workspace.contacts.size() - before;
+  workspace.stats.contactsBeforeReduction = workspace.contacts.size();
+  if (query.options.timings) {
+    workspace.stats.contactsMs += std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   }
 }
 

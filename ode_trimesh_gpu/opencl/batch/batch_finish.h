@@ -149,7 +149,11 @@ struct ContactFinish {
       }
       return true;
     });
-    for (std::size_t j = 0; j < again.size(); ++j) answer.add(waiting[again[j]], done[j].contacts);
+    // The device's counts of these pairs stay: it had all but what lies on the way.
+    for (std::size_t j = 0; j < again.size(); ++j) {
+      answer.stats.contactsBeforeReduction += done[j].stats.contactsAhead;
+      answer.add(waiting[again[j]], done[j].contacts);
+    }
     answer.leftToHost += again.size();
     answer.madeAgain += again.size();
     return good;
