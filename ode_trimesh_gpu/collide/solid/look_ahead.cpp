@@ -24,7 +24,7 @@ constexpr double kAlong = 0.02;
 /// How often the pair is looked at, at most.
 constexpr int kLooks = 3;
 /// What is met makes the way so many times as long, at most. Else another way must be the shortest one.
-constexpr double kLongest = 3;
+constexpr double kLongest = 10;
 /// Of both meshes together. Larger ones are what devices are for, which do not look ahead.
 constexpr std::size_t kMostTriangles = 16384;
 

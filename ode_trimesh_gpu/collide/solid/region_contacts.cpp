@@ -24,12 +24,13 @@ struct Candidate {
   Vec3d at;     ///< the point's place; on a stretch where that is deepest
   Vec3d probe;  ///< where it is measured: moved a little into the region
   Vec3d normal;
-  double depth;      ///< estimated, later measured
-  double rank;       ///< depth weighted by kind
-  double out, back;  ///< how far it is out of B along the normal, and out of A against it
-  double shift;      ///< of the middle of the overlap from the point, along the normal
-  double spread;     ///< distance from the chosen ones so far
-  int step = 0;      ///< rank below the highest, in steps of OTG_SOLID_RANK_STEP
+  double depth;       ///< estimated, later measured
+  double rank;        ///< depth weighted by kind
+  double out, back;   ///< how far it is out of B along the normal, and out of A against it
+  double shift;       ///< of the middle of the overlap from the point, along the normal
+  double spread;      ///< distance from the chosen ones so far
+  double passes = 0;  ///< how far a stretch must go along the normal past one of the other mesh
+  int step = 0;       ///< rank below the highest, in steps of OTG_SOLID_RANK_STEP
 };
 
 class RegionSolver {
@@ -170,7 +171,9 @@ class RegionSolver {
     c.normal = task_.normals.at(c.probe);
     if (otgEndsAt(p.faceNormal, c.normal, p.mesh)) return;
     if (const SupportPoint* other = passed(c)) {
-      const Vec3d moved = otgScale(p.along, passOf(p, *other, c.normal).at);
+      const StretchPass<double> pass = passOf(p, *other, c.normal);
+      const Vec3d moved = otgScale(p.along, pass.at);
+      c.passes = pass.way;
       c.at = otgAdd(c.at, moved);
       c.probe = otgAdd(c.probe, moved);
       c.normal = task_.normals.at(c.probe);
@@ -417,7 +420,9 @@ class RegionSolver {
     const Vec3d origin = otgAdd(c.probe, all_.origin);
     double out = std::max(0.0, exitDistance(task_.meshes, 1, origin, c.normal, far, skin));
     double back = std::max(0.0, exitDistance(task_.meshes, 0, origin, otgScale(c.normal, -1.0), far, skin));
-    c.depth = clampToLimit(c.normal, out, back);
+    const double depth = clampToLimit(c.normal, out, back);
+    if (otgLeavesBeside(depth, c.depth, c.passes)) return;
+    c.depth = depth;
     c.shift = 0.5 * (out - back);
   }
 
