@@ -11,6 +11,7 @@
 #include "scenes/concave_meshes.h"
 #include "truth/certificate_bodies.h"
 #include "truth/nests.h"
+#include "truth/profile_bodies.h"
 #include "truth/separation_search.h"
 #include "truth/tessellated_bodies.h"
 
@@ -267,6 +268,48 @@ bool drawCells(Random& random, PairDraft& draft) {
   return pushFromOutside(random, draft);
 }
 
+void drawTwoProfiles(Random& random, PairDraft& draft) {
+  ProfileBody host = randomProfile(random), mover = randomProfile(random);
+  draft.host.mesh = std::move(host.mesh);
+  draft.mover.mesh = std::move(mover.mesh);
+  draft.what = fmt::format("{} on {}", mover.what, host.what);
+}
+
+bool drawProfiles(Random& random, PairDraft& draft) {
+  drawTwoProfiles(random, draft);
+  const std::string what = draft.what;
+  const bool touches = pushFromOutside(random, draft);
+  draft.what = what + ", " + draft.what;
+  return touches;
+}
+
+/// Each within the other's bounds, as a comb in a comb, a hook in an eye, a spiral in a spiral.
+bool drawInterlocked(Random& random, PairDraft& draft) {
+  drawTwoProfiles(random, draft);
+  const Settling settling = drawSettling(random);
+  draft.aligned = settling == Settling::kAligned;
+  draft.what += std::string(", ") + nameOf(settling);
+  for (int tries = 0; tries < 40; ++tries) {
+    const Vec3d axis = random.below(2) == 0 ? Vec3d{0, 0, 1} : Vec3d{0, 1, 0};
+    draft.mover.pose = settled(random, settling, turnAbout(axis, 0.5 * kPi * random.below(4)));
+    draft.mover.pose.t = {random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(-0.2, 0.2)};
+    if (Pusher(draft.host, draft.mover).clear()) return pushIn(random, draft, {}, 0.5);
+  }
+  return false;
+}
+
+bool drawSpikes(Random& random, PairDraft& draft) {
+  draft.host.mesh = scenes::makeBowl(1, random.uniform(0.05, 0.2), 16 + 4 * random.below(5), 4 + random.below(5));
+  const double side = random.uniform(0.2, 0.5);
+  const Vec3d sides{side * random.uniform(0.05, 0.3), side, side * random.uniform(0.05, 0.3)};
+  draft.mover = makeMover(random, MoverKind::kTetrahedron, false, sides);
+  draft.mover.pose = random.rotation();
+  draft.mover.pose.t = {random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4), -0.1};
+  draft.what = "spike";
+  // Deeper than the bowl's surface moves where it is subdivided in float.
+  return pushIn(random, draft, Vec3d{0, 0, -1}, 1) && draft.depth > 1e-6;
+}
+
 /// Halvings of the edges.
 int levelsFor(const scenes::MeshArrays& mesh) {
   return mesh.triangles.size() <= 200 ? 2 : mesh.triangles.size() <= 2000 ? 1 : 0;
@@ -357,6 +400,9 @@ std::vector<CertificateFamily> certificateFamilies() {
       pushedFamily("bowl", "a body in a bowl", drawBowl),
       pushedFamily("dented", "boxes with dents and lumps on each other", drawDented),
       pushedFamily("cells", "random unions of boxes on each other", drawCells),
+      pushedFamily("profiles", "stars, combs, hooks and spirals on each other", drawProfiles),
+      pushedFamily("interlocked", "stars, combs, hooks and spirals in each other", drawInterlocked),
+      pushedFamily("spikes", "a thin tetrahedron in a bowl", drawSpikes),
       shapeFamily("dBox", "ODE's box in inner corners", {MoverKind::kBox}),
       shapeFamily("dCylinder", "ODE's cylinder in inner corners", {MoverKind::kCylinder}),
       shapeFamily("dCapsule", "ODE's capsule in inner corners", {MoverKind::kCapsule}),

@@ -174,6 +174,7 @@ OTG_INLINED double otgTakeDepth(__local otg_solid_choice* s, const otg_solid_wor
   const uint c = s->order[k];
   double out = s->ways[2 * k], back = s->ways[2 * k + 1];
   const double depth = otgClampWays(otgPointOf(w, c)->limit, &out, &back);
+  if (otgLeavesBeside_d(depth, OTG_DEPTH(s)[c], otgPointOf(w, c)->passes)) return OTG_DEPTH(s)[c];
   OTG_DEPTH(s)[c] = depth;
   otgPointOf(w, c)->shift = 0.5 * (out - back);  // unordered: all lanes have read it
   return depth;

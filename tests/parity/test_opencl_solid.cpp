@@ -186,6 +186,26 @@ TEST_CASE("boxes upon each other are the device's") {
   CHECK(done > 380);
 }
 
+TEST_CASE("boxes whose faces lie in part on each other, nearly parallel, are the device's") {
+  const auto tall = collisionMesh(makeBox({1, 1, 2}, 2)), flat = collisionMesh(makeBox({1, 1.5, 0.8}, 1));
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  if (!backend->device().doubles) return;
+  // Edges cross at the rims of the faces, where a ray along the normal runs in the wall beside the face.
+  Draw draw(12);
+  std::vector<Query> queries;
+  for (int i = 0; i < 200; ++i) {
+    const double turn = std::pow(10, draw.uniform(-5, -2)), depth = std::pow(10, draw.uniform(-5, -2));
+    Query query = makeQuery(*tall, *flat, makePose(draw.direction(), turn, {0, 0, 0}));
+    query.bInA.t = {1 - depth, draw.uniform(-1, 1), draw.uniform(-1.2, 1.2)};
+    query.options.contacts = ContactModel::kSolid;
+    query.options.maxContacts = 16;
+    queries.push_back(query);
+  }
+  const std::size_t done = checkBatch(*backend, queries, onHost(queries));
+  CHECK(done > 150);
+}
+
 TEST_CASE("of regions of very many pieces the flat ones are the device's") {
   const auto fine = collisionMesh(makeBox({1, 1, 1}, 11)), coarse = collisionMesh(makeBox({3, 3, 3}, 1));
   const auto ball = collisionMesh(makeSphere(0.8, 3));

@@ -22,7 +22,7 @@ namespace otg {
 
 /// A region of less extent or area than these (in sizes of the smaller mesh, and their square) is left out.
 #define OTG_SOLID_LEAST_DIAGONAL 1e-9
-#define OTG_SOLID_LEAST_AREA 1e-14
+#define OTG_SOLID_LEAST_AREA 1e-18
 
 /// Crossings of one edge that lie within the first of each other are ordered by how they drift (otgDriftsBefore);
 /// within the second their rounding may have put them in the wrong order.
@@ -319,6 +319,13 @@ OTG_GENERIC OTG_STRETCH_PASS OTG_NAME(otgPassOfStretches)(OTG_VEC3 apart, OTG_VE
   if (OTG_ABS(pass.at) > reachP || OTG_ABS(atQ) > reachQ) return pass;
   pass.way = OTG_NAME(otgDot)(apart, n) - pass.at * OTG_NAME(otgDot)(alongP, n) + atQ * OTG_NAME(otgDot)(alongQ, n);
   return pass;
+}
+
+/// Whether the depth that rays measured is that of a side of a face and not of the face ahead. Where edges cross at the
+/// rim of a face a ray along the normal runs in the side wall, and rounding says how soon it leaves. The region's
+/// planes and the crossing of the edges tell better there. `passes`: OTG_STRETCH_PASS::way, or 0.
+OTG_GENERIC otg_int OTG_NAME(otgLeavesBeside)(REAL measured, REAL estimate, REAL passes) {
+  return measured < (1 - OTG_REAL(OTG_SOLID_AGREES)) * (estimate < passes ? estimate : passes);
 }
 
 /// How far from a middle its stretch's ends are looked at.

@@ -54,8 +54,8 @@ typedef struct {
   otg_ulong order;                                  ///< kind, mesh, SupportPoint::rank, ordinal: ties are settled by it
   otg_uint kind, mesh, feature, ordinal, triangleA, triangleB;
   otg_uint flat;
-  otg_uint sharp;  ///< of a middle: its edge is sharp and convex; of a crossing: it is an inner corner's
-  otg_uint unused[2];
+  otg_uint sharp;      ///< of a middle: its edge is sharp and convex; of a crossing: it is an inner corner's
+  double passes;       ///< how far a stretch must go along the normal past one of the other mesh; 0 if it passes none
   double depth, rank;  ///< of a candidate, as estimated; depth -1: it is none
 } otg_solid_point;
 

@@ -6,21 +6,21 @@
 #include "solid/region.h"
 
 /// Where two edges cross each other, seen along the normal, they are deepest, and not in their middles: how far from
-/// its middle a stretch passes the one of the other mesh that it passes deepest; 0 if it passes none.
-OTG_INLINED double otgPassed(const otg_solid_work* w, __global const otg_solid_point* p, otg_vec3_d normal) {
+/// its middle a stretch passes the one of the other mesh that it passes deepest, and how far it has to go; zeros if it
+/// passes none.
+OTG_INLINED otg_stretch_pass_d otgPassed(const otg_solid_work* w, __global const otg_solid_point* p, otg_vec3_d normal) {
   const otg_vec3_d at = otgLoad(p->position), along = otgLoad(p->along);
   const otg_vec3_d out = p->mesh == 0 ? normal : otgScale_d(normal, -1.0);
-  double most = 0, place = 0;
+  otg_stretch_pass_d deepest;
+  deepest.at = deepest.way = 0;
   for (uint i = 0; i < w->pointCount; ++i) {
     __global const otg_solid_point* q = w->points + i;
     if (q->mesh == p->mesh || q->kind < OTG_POINT_MIDDLE) continue;
     const otg_stretch_pass_d pass =
         otgPassOfStretches_d(otgSub_d(otgLoad(q->position), at), along, p->reach, otgLoad(q->along), q->reach, out);
-    if (!(pass.way > most)) continue;
-    most = pass.way;
-    place = pass.at;
+    if (pass.way > deepest.way) deepest = pass;
   }
-  return place;
+  return deepest;
 }
 
 /// A candidate's estimate, beside it: whether it is the middle of a stretch that has to be compared with its ends.
@@ -38,9 +38,12 @@ OTG_INLINED int otgEstimate(const otg_solid_work* w, __global otg_solid_point* p
     p->depth = -1;
     return 0;
   }
-  const double moved = kind >= OTG_POINT_MIDDLE ? otgPassed(w, p, normal) : 0;
-  if (moved != 0) {
-    const otg_vec3_d by = otgScale_d(otgLoad(p->along), moved);
+  otg_stretch_pass_d pass;
+  pass.at = pass.way = 0;
+  if (kind >= OTG_POINT_MIDDLE) pass = otgPassed(w, p, normal);
+  p->passes = pass.way;
+  if (pass.way > 0) {
+    const otg_vec3_d by = otgScale_d(otgLoad(p->along), pass.at);
     at = otgAdd_d(at, by);
     probe = otgAdd_d(probe, by);
     normal = otgNormalAt(w, probe);

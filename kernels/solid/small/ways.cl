@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the surface of each region says: planes, how pieces count for normals, the way out of deep regions, and which
 // points are candidates. One work-group for one pair; OTG_GROUP: its size, OTG_SOLID_POINTS, _FACES and _LARGE as in
-// solid/normals.h.
+// solid/normals.h. OTG_UNEVEN_FACES: pieces of the largest uneven region; those of larger ones are the host's.
 #define OTG_MESHES_LOCAL
 #include "solid/deep.h"
 
@@ -101,7 +101,7 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
     // Without room for its parts its candidates stay as they are: none is looked at, and the batch is run again.
     s->allocated = parts > 0 ? atomic_add(counters + OTG_COUNT_CHUNKS, parts) : 0;
     const int fits = s->allocated <= chunkRoom && chunkRoom - s->allocated >= parts;
-    const int isHosts = tooMany || (works && s->bad);
+    const int isHosts = tooMany || (works && s->bad) || (isUneven && w.pieceCount > OTG_UNEVEN_FACES);
     if (counts && (isHosts || !works || !fits)) flags |= OTG_REGION_BAD;
     if (counts && isHosts) *flag |= OTG_PAIR_TO_HOST | OTG_SOLID_TOO_MANY << OTG_PAIR_WHY;
     r->flags = flags;

@@ -24,7 +24,7 @@ constexpr double kAlong = 0.02;
 /// How often the pair is looked at, at most.
 constexpr int kLooks = 3;
 /// What is met makes the way so many times as long, at most. Else another way must be the shortest one.
-constexpr double kLongest = 3;
+constexpr double kLongest = 10;
 /// Of both meshes together. Larger ones are what devices are for, which do not look ahead.
 constexpr std::size_t kMostTriangles = 16384;
 
@@ -178,8 +178,8 @@ void addContactsAhead(const Query& query, Workspace& workspace) {
   std::optional<ShortestTranslation> t = askedBy(workspace.contacts, &scratch.memory);
   if (!t) return;
   Workspace& ahead = scratch.workspace;
-  if (!(hasCandidates(query, workspace) ? meetsByCandidates(query, wayOf(*t), workspace, ahead)
-                                        : meetsByTrees(query, wayOf(*t), ahead)))
+  const bool byTrees = !hasCandidates(query, workspace);
+  if (!(byTrees ? meetsByTrees(query, wayOf(*t), ahead) : meetsByCandidates(query, wayOf(*t), workspace, ahead)))
     return;
   const double longest = kLongest * norm(t->value());
   std::uint32_t regions = 0;
@@ -188,7 +188,7 @@ void addContactsAhead(const Query& query, Workspace& workspace) {
   for (int look = 0; look < kLooks && isNew; ++look) {
     const Vec3d way = wayOf(*t);
     const Query moved = movedBy(query, way);
-    findIntersectingPairs(moved, ahead);
+    if (look > 0 || !byTrees) findIntersectingPairs(moved, ahead);
     if (ahead.intersecting.empty() || !solidContacts(moved, ahead)) return;
     std::stable_sort(ahead.contacts.begin(), ahead.contacts.end(),
                      [](const Contact& x, const Contact& y) { return x.depth > y.depth; });

@@ -24,12 +24,14 @@ struct Candidate {
   Vec3d at;     ///< the point's place; on a stretch where that is deepest
   Vec3d probe;  ///< where it is measured: moved a little into the region
   Vec3d normal;
-  double depth;      ///< estimated, later measured
-  double rank;       ///< depth weighted by kind
-  double out, back;  ///< how far it is out of B along the normal, and out of A against it
-  double shift;      ///< of the middle of the overlap from the point, along the normal
-  double spread;     ///< distance from the chosen ones so far
-  int step = 0;      ///< rank below the highest, in steps of OTG_SOLID_RANK_STEP
+  double depth;       ///< estimated, later measured
+  double rank;        ///< depth weighted by kind
+  double out, back;   ///< how far it is out of B along the normal, and out of A against it
+  double shift;       ///< of the middle of the overlap from the point, along the normal
+  double spread;      ///< distance from the chosen ones so far
+  double passes = 0;  ///< how far a stretch must go along the normal past one of the other mesh
+  int step = 0;       ///< rank below the highest, in steps of OTG_SOLID_RANK_STEP
+  int way = 0;        ///< its number, where one point leaves by several
 };
 
 class RegionSolver {
@@ -170,7 +172,9 @@ class RegionSolver {
     c.normal = task_.normals.at(c.probe);
     if (otgEndsAt(p.faceNormal, c.normal, p.mesh)) return;
     if (const SupportPoint* other = passed(c)) {
-      const Vec3d moved = otgScale(p.along, passOf(p, *other, c.normal).at);
+      const StretchPass<double> pass = passOf(p, *other, c.normal);
+      const Vec3d moved = otgScale(p.along, pass.at);
+      c.passes = pass.way;
       c.at = otgAdd(c.at, moved);
       c.probe = otgAdd(c.probe, moved);
       c.normal = task_.normals.at(c.probe);
@@ -226,8 +230,12 @@ class RegionSolver {
   /// are no part of what has to leave. They tell how far contacts reach, by a direction of one of the others and no
   /// deeper than that.
   void collectUneven(const std::pmr::vector<std::uint32_t>& points) {
+    const SupportPoint* last = nullptr;
+    int number = 0;
     for (const Leave& leave : leavesOf(triangles_, all_, points)) {
       Candidate c{leave.point, leave.at, leave.at, leave.normal, 0, 0, 0, 0, 0, 0};
+      c.way = number = leave.point == last ? number + 1 : 0;
+      last = leave.point;
       double depth = std::min(leave.depth, task_.extent.along(leave.normal));
       const Vec3d local = leave.curved ? task_.normals.at(leave.at) : leave.normal;
       if (const double cosine = otgDot(local, c.normal); leave.curved && cosine >= OTG_SOLID_ONE_WAY) {
@@ -318,7 +326,7 @@ class RegionSolver {
     if (p.kind != q.kind) return p.kind < q.kind;
     if (p.mesh != q.mesh) return p.mesh < q.mesh;
     if (p.rank != q.rank) return p.rank < q.rank;
-    return p.ordinal < q.ordinal;
+    return p.ordinal != q.ordinal ? p.ordinal < q.ordinal : x.way < y.way;
   }
 
   /// Where the contact would be: the middle of the overlap, beside the point and not beside the probe.
@@ -417,7 +425,9 @@ class RegionSolver {
     const Vec3d origin = otgAdd(c.probe, all_.origin);
     double out = std::max(0.0, exitDistance(task_.meshes, 1, origin, c.normal, far, skin));
     double back = std::max(0.0, exitDistance(task_.meshes, 0, origin, otgScale(c.normal, -1.0), far, skin));
-    c.depth = clampToLimit(c.normal, out, back);
+    const double depth = clampToLimit(c.normal, out, back);
+    if (otgLeavesBeside(depth, c.depth, c.passes)) return;
+    c.depth = depth;
     c.shift = 0.5 * (out - back);
   }
 

@@ -377,46 +377,33 @@ class Backend::Batch {
     for (const std::size_t i : piece.refused) finish_.refuse(i);
   }
 
-  /// Of a piece's pairs whose contacts the device made: some wait for lookAhead(), the others remember.
+  /// Pairs of a piece whose contacts the device made remember that, and may wait for finish_.lookAhead().
   void takeMade(std::size_t begin, std::size_t count, const BatchFound& found) {
     if constexpr (Finish::kTakesDescriptions) {
       if (wish_ != BatchWish::kSolid || !(mayMeetAhead_ || source_.anyHistory)) return;
       std::vector<std::uint8_t> waits(count, 0);
-      const auto directionOf = [&](std::size_t k) { return source_.anyHistory ? found.directions[k] : Vec3d{0, 0, 0}; };
       finish_.inParts(count, [&](std::size_t from, std::size_t to) {
         for (std::size_t k = from; k < to; ++k) {
           if (!isRemembered(found.flags[k])) continue;
           const Query query = source_.query(begin + k);
           const bool hasContacts = found.contacts[0].places[2 * k + 1] > 0;
           waits[k] = mayMeetAhead_ && hasContacts && mayMeetAhead(query);
-          if (waits[k] == 0) rememberPlain(query, hasContacts, hasContacts ? directionOf(k) : Vec3d{0, 0, 0});
+          if (!source_.anyHistory) continue;
+          rememberPlain(query, hasContacts, hasContacts ? found.directions[k] : Vec3d{0, 0, 0});
         }
       });
       for (std::size_t k = 0; k < count; ++k) {
-        if (waits[k] != 0) ahead_.push_back({begin + k, directionOf(k)});
+        if (waits[k] != 0) ahead_.push_back(begin + k);
       }
     }
   }
 
-  /// What waits since takeMade().
+  /// Of the pairs that wait since takeMade().
   void lookAhead() {
     if constexpr (Finish::kTakesDescriptions) {
       if (ahead_.empty()) return;
       const Stopwatch watch(times_ != nullptr);
-      std::vector<std::size_t> which, again;
-      for (const auto& [i, direction] : ahead_) which.push_back(i);
-      const auto queryOf = [&](std::size_t i) { return source_.query(i); };
-      good_ = finish_.lookAhead(which, queryOf, again) && good_;
-      for (std::size_t k = 0, next = 0; k < ahead_.size(); ++k) {
-        const auto& [i, direction] = ahead_[k];
-        if (next < again.size() && again[next] == i) {
-          ++next;
-        } else if (source_.anyHistory) {
-          rememberPlain(source_.query(i), true, direction);
-        }
-      }
-      finish_.makeAgain(again, queryOf);
-      ahead_.clear();
+      good_ = finish_.lookAhead(ahead_, [&](std::size_t i) { return source_.query(i); }) && good_;
       if (times_) times_->host += watch.ms();
     }
   }
@@ -564,8 +551,8 @@ class Backend::Batch {
   std::vector<Holder> holders_;
   OverlapQueue overlaps_;
   bool good_ = true, anyLarge_ = false, hasContactsOfHost_ = false, mayMeetAhead_ = false;
-  std::vector<std::pair<std::size_t, Vec3d>> ahead_;  ///< pairs that wait for lookAhead(), and what they remember
-  std::vector<std::size_t> later_;                    ///< pairs for the host when all pieces are done
+  std::vector<std::size_t> ahead_;                             ///< pairs that wait for lookAhead()
+  std::vector<std::size_t> later_;                             ///< pairs for the host when all pieces are done
   std::unordered_map<std::size_t, ContactFinish::Done> done_;  ///< by the host, while the device is at work
   PieceMeshes meshes_;                                         ///< of the piece that was begun last
   std::size_t waits_ = 0;

@@ -107,15 +107,14 @@ struct ContactFinish {
     return share(which, [&](std::size_t k, Workspace& own) { return takeMade(queryOf(which[k]), foundOf(k), own); });
   }
 
-  /// Devices make contacts of `solid` of what is touched. Of such pairs the host makes those again that meet more on
-  /// the way which they ask for: which of `waiting` (ascending). Where there was no room for all contacts, their way is
-  /// not known. The device tells what is met. False if it failed.
+  /// Devices make contacts of `solid` of what is touched. The device tells which of such pairs (`waiting`) meet more on
+  /// the way that their contacts ask for; of these the host looks ahead. Where there was no room for all contacts,
+  /// their way is not known, and the host makes them again. False if the device failed.
   template <class QueryOf>
-  bool lookAhead(const std::vector<std::size_t>& waiting, const QueryOf& queryOf, std::vector<std::size_t>& again) {
-    const std::size_t count = waiting.size();
-    std::vector<PosedMeshes> ahead(count);
-    std::vector<Way> ways(count);
-    inParts(count, [&](std::size_t begin, std::size_t end) {
+  bool lookAhead(const std::vector<std::size_t>& waiting, const QueryOf& queryOf) {
+    std::vector<PosedMeshes> ahead(waiting.size());
+    std::vector<Way> ways(waiting.size());
+    inParts(waiting.size(), [&](std::size_t begin, std::size_t end) {
       const WorkspacePool::Lease own(workspaces);
       for (std::size_t k = begin; k < end; ++k) {
         const Query query = queryOf(waiting[k]);
@@ -126,9 +125,10 @@ struct ContactFinish {
         ahead[k] = {query.a, query.b, pose.value_or(query.bInA)};
       }
     });
-    std::vector<std::size_t> asked;
+    std::vector<std::size_t> asked, again;
     std::vector<const PosedMeshes*> pairs;
-    for (std::size_t k = 0; k < count; ++k) {
+    for (std::size_t k = 0; k < waiting.size(); ++k) {
+      if (ways[k] == Way::kUnknown) again.push_back(k);
       if (ways[k] != Way::kKnown) continue;
       asked.push_back(k);
       pairs.push_back(&ahead[k]);
@@ -137,28 +137,26 @@ struct ContactFinish {
     const bool good = backend.intersectBatch(std::span<const PosedMeshes* const>(pairs), meets, nullptr,
                                              onHost ? *onHost : RunParts{});
     queries -= pairs.size();  // nobody asked for these
-    for (std::size_t k = 0; k < asked.size(); ++k) {
-      if (meets[k] != 0) ways[asked[k]] = Way::kUnknown;
+    for (std::size_t j = 0; j < asked.size(); ++j) {
+      if (meets[j] != 0) again.push_back(asked[j]);
     }
-    for (std::size_t k = 0; k < count; ++k) {
-      if (ways[k] == Way::kUnknown) again.push_back(waiting[k]);
-    }
-    return good;
-  }
-
-  /// These again, in place of what the device made. Its counts of them stay: it had all but what lies on the way.
-  template <class QueryOf>
-  void makeAgain(const std::vector<std::size_t>& which, const QueryOf& queryOf) {
-    const std::vector<Done> done = make(which.size(), [&](std::size_t k, Workspace& own) {
-      collide(queryOf(which[k]), own);
+    const std::vector<Done> done = make(again.size(), [&](std::size_t j, Workspace& own) {
+      const std::size_t i = waiting[again[j]];
+      if (ways[again[j]] == Way::kKnown) {
+        addAhead(queryOf(i), answer.of(i), own);
+      } else {
+        collide(queryOf(i), own);
+      }
       return true;
     });
-    for (std::size_t k = 0; k < which.size(); ++k) {
-      answer.stats.contactsBeforeReduction += done[k].stats.contactsAhead;
-      answer.add(which[k], done[k].contacts);
+    // The device's counts of these pairs stay: it had all but what lies on the way.
+    for (std::size_t j = 0; j < again.size(); ++j) {
+      answer.stats.contactsBeforeReduction += done[j].stats.contactsAhead;
+      answer.add(waiting[again[j]], done[j].contacts);
     }
-    answer.leftToHost += which.size();
-    answer.madeAgain += which.size();
+    answer.leftToHost += again.size();
+    answer.madeAgain += again.size();
+    return good;
   }
 
   bool alone(std::size_t i, const Query& query) {

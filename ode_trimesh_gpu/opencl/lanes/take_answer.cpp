@@ -65,6 +65,19 @@ bool takeMade(const Query& query, const FoundContacts& found, Workspace& workspa
   return takeSolid(query, found.head->state, found, workspace);
 }
 
+void addAhead(const Query& query, std::span<const Contact> contacts, Workspace& workspace) {
+  workspace.clear();
+  workspace.stats = {};
+  for (Contact c : contacts) {
+    c.triangleA = query.a->mesh().triangleOfCaller(c.triangleA);
+    c.triangleB = query.b->mesh().triangleOfCaller(c.triangleB);
+    workspace.contacts.push_back(c);
+  }
+  lookAhead(query, workspace);
+  limitContacts(workspace.contacts, query.options.maxContacts, workspace.reduced);
+  numberAsCaller(query, workspace);
+}
+
 Taken takeAnswer(const Query& query, const PairFrame& frame, const PairAnswer& answer, bool contacts,
                  Workspace& workspace) {
   if (answer.reduced) {

@@ -2,6 +2,8 @@
 // From the answer of a lane to a workspace.
 #pragma once
 
+#include <span>
+
 #include "opencl/lanes/pair_lane.h"
 
 namespace otg::opencl {
@@ -30,6 +32,9 @@ bool takeDescribed(const Query& query, const FoundOverlap& overlap, Workspace& w
 
 /// The same where the device has made those of the large regions. False where it left some of them to the host.
 bool takeMade(const Query& query, const FoundContacts& found, Workspace& workspace);
+
+/// Adds to all contacts of a pair, as the caller numbers triangles, what lookAhead() finds: workspace.reduced.
+void addAhead(const Query& query, std::span<const Contact> contacts, Workspace& workspace);
 
 /// Does the rest.
 void finishAnswer(const Query& query, HostRest rest, Workspace& workspace);

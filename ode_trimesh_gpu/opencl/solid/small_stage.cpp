@@ -65,7 +65,7 @@ SmallStage::SmallStage(Context& context, const Tuning& tuning)
                       {}});
   }
   estimateGroup_ = isCpu ? 1 : OTG_SOLID_CHUNK;
-  unevenGroup_ = tuning.unevenGroup != 0 ? tuning.unevenGroup : isCpu ? 1 : 64;
+  unevenGroup_ = tuning.unevenGroup != 0 ? tuning.unevenGroup : isCpu ? 1 : 128;
   unevenFaces_ = tuning.unevenFaces;
   estimateGroups_ = std::size_t{context.info().computeUnits} * (isCpu ? 4 : 32);
 }
@@ -83,8 +83,8 @@ void SmallStage::build() {
     const std::string options = number("-DOTG_GROUP=", size.group) + " -DOTG_CONTACTS=0 -DOTG_SOLID_CONTACTS=16" +
                                 number(" -DOTG_SOLID_HITS=", size.hits) + number(" -DOTG_SOLID_POINTS=", size.points) +
                                 number(" -DOTG_SOLID_FACES=", size.faces) +
-                                number(" -DOTG_SOLID_LARGE=", &size == &sizes_[0] ? 1 : 0) + warpOption(context_) +
-                                registerLimit_;
+                                number(" -DOTG_SOLID_LARGE=", &size == &sizes_[0] ? 1 : 0) +
+                                number(" -DOTG_UNEVEN_FACES=", unevenFaces_) + warpOption(context_) + registerLimit_;
     size.regions = context_.makeKernel("solid/small/regions.cl", options, "solidRegions");
     size.ways = context_.makeKernel("solid/small/ways.cl", options, "solidWays");
     size.contacts = context_.makeKernel("solid/small/contacts.cl", options, "solidContacts");
