@@ -250,4 +250,15 @@ def test_pictures(tmp_path, box):
 
 
 def test_sigint_handler_is_left_alone():
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    # A process of its own: one that a shell starts in the background ignores the signal.
+    program = """
+import signal
+def handler(*_): pass
+signal.signal(signal.SIGINT, handler)
+import ode_trimesh_gpu as otg
+world = otg.World()
+world.add(otg.Plane())
+world.step(steps=10)
+assert signal.getsignal(signal.SIGINT) is handler
+"""
+    subprocess.run([sys.executable, "-c", program], check=True)
