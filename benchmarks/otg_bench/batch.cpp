@@ -113,7 +113,7 @@ std::vector<TuningVariant> tuningVariants(const std::vector<std::string>& option
     }
     if (!tuningKeys().contains(key)) {
       std::string all = "reduce";
-      for (const auto& [name, member] : tuningKeys()) all += " " + name;
+      for (const auto& [name, member] : tuningKeys()) all.append(" ").append(name);
       throw UsageError("--tune " + option + ": keys are " + all);
     }
     if (values.size() == 1) {
@@ -446,6 +446,7 @@ void addDeviceBatchRows(const BenchOptions& options, const BatchVersions& scene,
   std::vector<double> times;
   backend.collideBatch(scene.queries, answer);
   const bool same = hashInOrder(answer) == scene.hashes[0];
+  times.reserve(static_cast<std::size_t>(repeat));
   for (int i = 0; i < repeat; ++i) times.push_back(timeOnce([&] { backend.collideBatch(scene.queries, answer); }));
   Json row = batchRow(scene, "contacts, queries", "opencl", 1, times, scene.hashes[0], same);
   row["tuning"] = variant.name;
@@ -487,6 +488,7 @@ void addApiRows(const BenchOptions& options, const BatchVersions& scene, bool wi
       if (expected.empty()) expected = hash();
       const bool same = expected == hash();
       std::vector<double> times;
+      times.reserve(static_cast<std::size_t>(repeat));
       for (int i = 0; i < repeat; ++i) times.push_back(timeOnce(run));
       rows.push_back(batchRow(scene, work, onDevice ? "opencl" : "cpu", defaultThreadCount(), times, hash(), same));
       addSteps(onDevice);
@@ -521,6 +523,7 @@ int benchBatch(const BenchOptions& options) {
   if (names.empty()) names = {"bodies"};
   if (options.batches.empty() && modelOf(options) == ContactModel::kSolid) names.emplace_back("stacks");
   std::vector<BatchVersions> batches;
+  batches.reserve(names.size());
   for (const std::string& name : names) batches.push_back(makeBatchVersions(options, name));
   Json single = Json::array(), batch = Json::array(), steps = Json::array();
   Progress all(2 * batches.size() + variants.size() * (singles.size() + batches.size()));

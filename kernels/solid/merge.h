@@ -56,8 +56,7 @@ OTG_INLINED int otgSettle(__local const otg_solid_choice* s, const otg_solid_wor
   return stays;
 }
 
-/// The steps by which candidates are ranked, and the features by which ties are settled. Which of two ways of one
-/// vertex of an uneven region comes first in a step is not defined: the host alone knows. All lanes call it.
+/// The steps by which candidates are ranked, and the features by which ties are settled. All lanes call it.
 OTG_INLINED void otgStepCandidates(__local otg_solid_choice* s, const otg_solid_work* w, double highest,
                                    __local ulong* orders) {
   const uint lane = get_local_id(0), all = w->candidates;
@@ -66,14 +65,6 @@ OTG_INLINED void otgStepCandidates(__local otg_solid_choice* s, const otg_solid_
     orders[i] = s->alive[i] ? otgPointOf(w, i)->order : 0;
   }
   OTG_SYNC;
-  // Ways of one vertex are next to each other.
-  for (uint i = lane; i < all && w->isUneven; i += OTG_GROUP) {
-    if (!s->alive[i] || otgPointOf(w, i)->kind != OTG_POINT_VERTEX) continue;
-    for (uint j = i + 1; j < min(i + OTG_UNEVEN_EXITS, all); ++j) {
-      const int isSame = s->alive[j] && (orders[i] ^ orders[j]) < OTG_UNEVEN_EXITS;
-      if (isSame && s->step[i] == s->step[j]) s->bad = 1;  // unordered: nobody writes anything else
-    }
-  }
 }
 
 /// Drops what is shallow for its kind, then of points that lie together and agree in direction all but the first.

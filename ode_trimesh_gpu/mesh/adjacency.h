@@ -34,8 +34,8 @@ struct Adjacency : AdjacencyLinks {
   };
   std::vector<Cluster> clusters;  ///< and one more that ends the last
   /// OTG_EDGE_FLAT for edges whose two triangles lie in one plane to within kFlatDegrees: nothing can rest on them.
-  /// OTG_EDGE_INNER for those of inner corners: concave, with normals more than kInnerDegrees apart. OTG_EDGE_HOLLOW for
-  /// other concave edges with normals more than kHollowDegrees apart. Else 0.
+  /// OTG_EDGE_INNER for those of inner corners: concave, with normals more than kInnerDegrees apart. OTG_EDGE_HOLLOW
+  /// for other concave edges with normals more than kHollowDegrees apart. Else 0.
   std::vector<std::uint8_t> edgeKind;
   std::size_t hollowEdges = 0;  ///< how many are OTG_EDGE_INNER or OTG_EDGE_HOLLOW
   static constexpr double kFlatDegrees = 0.1, kInnerDegrees = 60, kHollowDegrees = 30;

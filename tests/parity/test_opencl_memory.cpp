@@ -82,6 +82,32 @@ TEST_CASE("a query that needs more than the budget is the host's, and nothing is
   CHECK(backend->counts().onHost == 3);
 }
 
+TEST_CASE("thousands of triangles that lie on one another have a bound on a device, alone and in a batch") {
+  // 2,250,000 pairs intersect, more than either may have.
+  constexpr std::size_t kCopies = 1500;
+  MeshArrays flat, upright;
+  flat.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  upright.vertices = {{0.2f, 0.2f, -0.5f}, {0.3f, 0.3f, 0.5f}, {0.2f, 0.4f, 0.5f}};
+  flat.triangles.assign(kCopies, {{0, 1, 2}});
+  upright.triangles = flat.triangles;
+  const auto a = collisionMesh(flat), b = collisionMesh(upright);
+  Query query = makeQuery(*a, *b, makeMove({0, 0, 0}));
+  query.options.contacts = ContactModel::kSolid;
+  Workspace host, device;
+  collide(query, host);
+  REQUIRE(host.stats.intersectingPairs == kCopies * kCopies);
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  CHECK(backend->collide(query, device));
+  CHECK(sameBytes(device.reduced, host.reduced));
+  CHECK(backend->counts().leftToHost == 1);
+  opencl::BatchAnswer answer;
+  CHECK(backend->collideBatch(std::span<const Query>(&query, 1), answer));
+  CHECK(sameBytes(answer.of(0), host.reduced));
+  CHECK(backend->counts().onHost == 0);
+  CHECK(backend->counts().memory < 256 * kMega);
+}
+
 TEST_CASE("what queries that are done hold is given back when it is asked for") {
   const ManyHits many(500), few(10);
   const auto backend = openBackend();

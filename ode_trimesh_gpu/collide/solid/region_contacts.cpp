@@ -31,6 +31,7 @@ struct Candidate {
   double spread;      ///< distance from the chosen ones so far
   double passes = 0;  ///< how far a stretch must go along the normal past one of the other mesh
   int step = 0;       ///< rank below the highest, in steps of OTG_SOLID_RANK_STEP
+  int way = 0;        ///< its number, where one point leaves by several
 };
 
 class RegionSolver {
@@ -229,8 +230,12 @@ class RegionSolver {
   /// are no part of what has to leave. They tell how far contacts reach, by a direction of one of the others and no
   /// deeper than that.
   void collectUneven(const std::pmr::vector<std::uint32_t>& points) {
+    const SupportPoint* last = nullptr;
+    int number = 0;
     for (const Leave& leave : leavesOf(triangles_, all_, points)) {
       Candidate c{leave.point, leave.at, leave.at, leave.normal, 0, 0, 0, 0, 0, 0};
+      c.way = number = leave.point == last ? number + 1 : 0;
+      last = leave.point;
       double depth = std::min(leave.depth, task_.extent.along(leave.normal));
       const Vec3d local = leave.curved ? task_.normals.at(leave.at) : leave.normal;
       if (const double cosine = otgDot(local, c.normal); leave.curved && cosine >= OTG_SOLID_ONE_WAY) {
@@ -321,7 +326,7 @@ class RegionSolver {
     if (p.kind != q.kind) return p.kind < q.kind;
     if (p.mesh != q.mesh) return p.mesh < q.mesh;
     if (p.rank != q.rank) return p.rank < q.rank;
-    return p.ordinal < q.ordinal;
+    return p.ordinal != q.ordinal ? p.ordinal < q.ordinal : x.way < y.way;
   }
 
   /// Where the contact would be: the middle of the overlap, beside the point and not beside the probe.
