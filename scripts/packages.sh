@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Makes Debian packages by CPack: build-packages/*.deb (library, development, tools, preload, manual).
+# Makes Debian packages by CPack: build-packages/*.deb (library, development, tools, preload, manual, Python).
+# nanobind comes from PyPI, into a virtual environment.
 #
 #   scripts/packages.sh            makes them, and lets lintian look at them: an error of it is one of this script
 #   scripts/packages.sh --try      also installs them into a new Debian in a folder, and uses each there (needs root and a mirror)
@@ -8,12 +9,16 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source=$PWD
 
-bash scripts/install_dependencies.sh packages
+bash scripts/install_dependencies.sh packages python
 
 build=$PWD/build-packages
 echo "== build" >&2
+tools=$build/tools
+[ -x "$tools/bin/pip" ] || python3 -m venv "$tools"
+"$tools/bin/pip" install -q --disable-pip-version-check 'nanobind>=2.4' numpy >&2
 cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr -DOTG_DEBIAN_PACKAGES=ON -DOTG_BUILD_TESTS=OFF \
-  -DOTG_BUILD_BENCHMARKS=OFF -DOTG_WARNINGS_AS_ERRORS=ON >&2
+  -DOTG_BUILD_BENCHMARKS=OFF -DOTG_WARNINGS_AS_ERRORS=ON -DOTG_BUILD_PYTHON=ON -DPython_EXECUTABLE="$tools/bin/python" \
+  -DOTG_PYTHON_FOLDER=lib/python3/dist-packages >&2
 cmake --build "$build" >&2
 rm -f "$build"/*.deb
 (cd "$build" && cpack) >&2
@@ -32,6 +37,7 @@ if [ "${1:-}" = --try ]; then
   cp "$build"/*.deb "$root/debian/tmp/"
   awk '/^```c$/ { on = 1; next } /^```$/ { on = 0 } on' README.md >"$root/debian/tmp/readme_snippet.h"
   cp "$source/tests/robustness/installed_package/main.c" "$root/debian/tmp/"
+  awk '/^```python$/ { on = 1; next } /^```$/ { on = 0 } on' python/README.md >"$root/debian/tmp/readme.py"
   cat >"$root/debian/tmp/try.sh" <<'END'
 set -eux
 export DEBIAN_FRONTEND=noninteractive
@@ -49,8 +55,12 @@ otg simulate scene.json --html run.html
 grep -q three.js run.html
 LD_PRELOAD=libode_trimesh_gpu_preload.so OTG_PRELOAD_VERBOSE=1 otg simulate scene.json 2>preload.log
 grep -q 'pairs of dTriMesh collide through this library' preload.log
+python3 readme.py >python.log
+grep -Eq '^[0-9.]+ \[' python.log
+python3 -c 'import ode_trimesh_gpu as otg; print(otg.__version__, otg.__file__)' | grep /usr/lib/python3/dist-packages
 test -s /usr/share/doc/libode-trimesh-gpu-doc/copyright
 apt-get -q -y purge '*ode-trimesh-gpu*'
+! python3 -c 'import ode_trimesh_gpu' 2>/dev/null
 test -z "$(find /usr -name '*ode_trimesh_gpu*' -o -name '*ode-trimesh-gpu*')"
 END
   chroot "$root/debian" bash /tmp/try.sh >&2

@@ -50,6 +50,20 @@ TEST_CASE("FNV-1a has the published values, and goes on where it was") {
   CHECK(fnv1a("bar", 3, fnv1a("foo", 3)) == hash("foobar"));
 }
 
+TEST_CASE("texts that differ in one place or in their length have other hashes of words") {
+  const std::string text = "a text of several words, and a few bytes more than that";
+  std::set<std::uint64_t> hashes;
+  for (std::size_t count = 0; count <= text.size(); ++count) hashes.insert(hashOfWords(text.data(), count));
+  CHECK(hashes.size() == text.size() + 1);
+  for (std::size_t bit = 0; bit < 8 * text.size(); ++bit) {
+    std::string other = text;
+    other[bit / 8] = static_cast<char>(other[bit / 8] ^ (1 << bit % 8));
+    hashes.insert(hashOfWords(other.data(), other.size()));
+  }
+  CHECK(hashes.size() == 9 * text.size() + 1);
+  CHECK(hashOfWords("\0", 1) != hashOfWords("", 0));
+}
+
 TEST_CASE("numbers that differ anywhere get other places in small tables") {
   for (const int shift : {0, 4, 20, 32, 48}) {
     std::set<std::uint64_t> places;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "opencl/runtime/kernel_source.h"
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -30,18 +31,20 @@ std::string readFile(const std::string& name) {
 void append(const std::string& name, int nested, std::string& out) {
   if (nested > kMostNested) throw std::runtime_error("kernel files include each other: " + name);
   constexpr std::string_view kInclude = "#include \"";
-  std::istringstream text(readFile(name));
+  const std::string text = readFile(name);
   out += "#line 1 \"" + name + "\"\n";
   int number = 0;
-  for (std::string line; std::getline(text, line);) {
+  for (std::string_view rest = text; !rest.empty();) {
     ++number;
-    const std::size_t end = line.find('"', kInclude.size());
-    if (line.rfind(kInclude, 0) != 0 || end == std::string::npos) {
+    const std::string_view line = rest.substr(0, rest.find('\n'));
+    rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+    const std::size_t end = line.starts_with(kInclude) ? line.find('"', kInclude.size()) : line.npos;
+    if (end == line.npos) {
       out += line;
       out += '\n';
       continue;
     }
-    append(line.substr(kInclude.size(), end - kInclude.size()), nested + 1, out);
+    append(std::string(line.substr(kInclude.size(), end - kInclude.size())), nested + 1, out);
     out += "#line " + std::to_string(number + 1) + " \"" + name + "\"\n";
   }
 }

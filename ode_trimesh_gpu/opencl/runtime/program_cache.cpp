@@ -17,17 +17,13 @@
 namespace otg::opencl {
 namespace {
 
-constexpr char kMagic[16] = "otg-program-2\n";
+constexpr char kMagic[16] = "otg-program-3\n";
 
 struct Head {
   char magic[16];
-  std::uint64_t keySize, programSize, checksum;  // of key and program together
+  std::uint64_t keySize, programSize, checksum;  // of the program: the key is compared
 };
 static_assert(sizeof(Head) == 40);
-
-std::uint64_t checksum(const std::string& key, const Bytes& program) {
-  return fnv1a(program.data(), program.size(), fnv1a(key.data(), key.size()));
-}
 
 }  // namespace
 
@@ -41,7 +37,8 @@ ProgramCache ProgramCache::standard() {
 
 std::string ProgramCache::pathOf(const std::string& key) const {
   char name[32];
-  std::snprintf(name, sizeof name, "%016llx.clbin", static_cast<unsigned long long>(fnv1a(key.data(), key.size())));
+  std::snprintf(name, sizeof name, "%016llx.clbin",
+                static_cast<unsigned long long>(hashOfWords(key.data(), key.size())));
   return folder_ + "/" + name;
 }
 
@@ -65,7 +62,7 @@ std::optional<Bytes> ProgramCache::load(const std::string& key) const {
     return std::nullopt;
   if (!in.read(reinterpret_cast<char*>(program.data()), static_cast<std::streamsize>(program.size())))
     return std::nullopt;
-  if (program.empty() || checksum(key, program) != head.checksum) return std::nullopt;
+  if (program.empty() || hashOfWords(program.data(), program.size()) != head.checksum) return std::nullopt;
   return program;
 }
 
@@ -82,7 +79,7 @@ bool ProgramCache::store(const std::string& key, const Bytes& program) const {
   std::memcpy(head.magic, kMagic, sizeof kMagic);
   head.keySize = key.size();
   head.programSize = program.size();
-  head.checksum = checksum(key, program);
+  head.checksum = hashOfWords(program.data(), program.size());
   {
     std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
     out.write(reinterpret_cast<const char*>(&head), sizeof head);
