@@ -9,6 +9,7 @@
 #include "collide/stages.h"
 #include "opencl/backend_state.h"
 #include "opencl/lanes/host_cases.h"
+#include "opencl/lanes/stage_times.h"
 #include "opencl/lanes/take_answer.h"
 #include "opencl/results/take_records.h"
 #include "opencl/runtime/stop.h"
@@ -84,17 +85,7 @@ bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, 
         state_->decidedOnHost += taken.decidedExactly;
         t.host = host.ms();
       }
-      t.top = lane.profile().ms(Profile::kTop);
-      t.levels = lane.profile().ms(Profile::kLevels);
-      t.regions = lane.profile().ms(Profile::kRegions);
-      t.select = lane.profile().ms(Profile::kSelect);
-      t.choose = lane.profile().ms(Profile::kChoose);
-      t.main = lane.profile().ms(Profile::kMain);
-      t.contacts = lane.profile().ms(Profile::kContacts);
-      t.weigh = lane.profile().ms(Profile::kWeigh);
-      t.ways = lane.profile().ms(Profile::kWays);
-      t.candidates = lane.profile().ms(Profile::kCandidates);
-      t.readBack = lane.profile().ms(Profile::kReadBack);
+      addTimes(t, lane.profile());
     });
     if (tooMany) {
       ++state_->leftToHost;

@@ -73,7 +73,8 @@ struct Tuning {
   /// by the host.
   std::uint32_t solidSizes = 0, solidGroup = 0, solidLargeGroup = 0;
   std::uint32_t solidHits = 64, solidPoints = 112, solidFaces = 64, solidLargeHits = 256;
-  /// Work-items that do an uneven region (0: 1 on CPUs, else 128), and pieces of the largest; the host does larger ones.
+  /// Work-items that do an uneven region (0: 1 on CPUs, else 128), and pieces of the largest; the host does larger
+  /// ones.
   std::uint32_t unevenGroup = 0, unevenFaces = 64;
   /// Registers that a work-item of their kernels may take where the device can be told so; 0: as many as it likes.
   std::uint32_t solidRegisters = 128;

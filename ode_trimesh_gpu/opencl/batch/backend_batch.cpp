@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
-#include <numeric>
 #include <optional>
 #include <thread>
 #include <unordered_map>
@@ -20,6 +19,7 @@
 #include "opencl/batch/routing.h"
 #include "opencl/lanes/host_cases.h"
 #include "opencl/lanes/overlap_queue.h"
+#include "opencl/lanes/stage_times.h"
 #include "opencl/runtime/stopwatch.h"
 
 namespace otg::opencl {
@@ -35,6 +35,8 @@ namespace otg::opencl {
 ///   alone(i, query)                 a pair too large for one work-group is done without the batch (if kLargeAlone);
 ///                                   false if the device failed
 ///   withoutDevice(which, query)     pairs that the device has no part in
+///   lookAhead(which, query)         pairs whose contacts the device made, and which may meet more on their way; false
+///                                   if the device failed (if kTakesDescriptions)
 template <class Source, class Finish>
 class Backend::Batch {
  public:
@@ -48,9 +50,8 @@ class Backend::Batch {
                .describes = Finish::kTakesDescriptions && wish == BatchWish::kSolid &&
                             LargeStage::works(state.context, state.tuning)},
         overlaps_(profile ? state.profiledOverlaps : state.overlaps, state.tuning.overlapPairs) {
-    std::uint64_t largest = 0;
-    for (const CollisionMesh* mesh : source.meshes) largest = std::max(largest, triangles(mesh));
-    anyLarge_ = Finish::kLargeAlone && 2 * largest > state.tuning.batchTriangles;
+    for (const CollisionMesh* mesh : source.meshes) largest_ = std::max(largest_, triangles(mesh));
+    anyLarge_ = Finish::kLargeAlone && 2 * largest_ > state.tuning.batchTriangles;
     const auto isShell = [](const CollisionMesh* mesh) { return mesh->mesh().meshClass() != MeshClass::kSolid; };
     hasContactsOfHost_ = Finish::kTakesDescriptions &&
                          (source.anyConvexPath || std::any_of(source.meshes.begin(), source.meshes.end(), isShell));
@@ -74,11 +75,9 @@ class Backend::Batch {
 
   /// Whether launches may be too long if only pairs are counted. A first hit is soon found.
   bool mayBeLong() const {
-    std::uint64_t largest = 0;
-    for (const CollisionMesh* mesh : source_.meshes) largest = std::max(largest, triangles(mesh));
     const std::size_t pairs = std::min<std::size_t>(source_.size(), state_.tuning.batchPairs);
     return wish_ != BatchWish::kAny &&
-           2.0 * static_cast<double>(largest) * static_cast<double>(pairs) > state_.tuning.batchWork;
+           2.0 * static_cast<double>(largest_) * static_cast<double>(pairs) > state_.tuning.batchWork;
   }
   /// Of each pair: twice the triangles of the smaller mesh, since what meets grows with that, and the trees leave out
   /// the rest of the larger one. Those that are too large for a batch do not count.
@@ -171,7 +170,7 @@ class Backend::Batch {
     if (!piece.error) {
       try {
         const BatchFound found = piece.lane->end();
-        if (times_) addTimes(piece.lane->profile());
+        if (times_) addTimes(*times_, piece.lane->profile());
         const Stopwatch collecting(times_ != nullptr);
         collect(piece, found);
         if (times_) times_->host += collecting.ms();
@@ -386,10 +385,9 @@ class Backend::Batch {
         for (std::size_t k = from; k < to; ++k) {
           if (!isRemembered(found.flags[k])) continue;
           const Query query = source_.query(begin + k);
-          const bool hasContacts = found.contacts[0].places[2 * k + 1] > 0;
-          waits[k] = mayMeetAhead_ && hasContacts && mayMeetAhead(query);
-          if (!source_.anyHistory) continue;
-          rememberPlain(query, hasContacts, hasContacts ? found.directions[k] : Vec3d{0, 0, 0});
+          const bool has = found.contacts[0].places[2 * k + 1] > 0;
+          waits[k] = mayMeetAhead_ && has && mayMeetAhead(query);
+          if (source_.anyHistory) rememberPlain(query, has, has ? found.directions[k] : Vec3d{0, 0, 0});
         }
       });
       for (std::size_t k = 0; k < count; ++k) {
@@ -443,7 +441,7 @@ class Backend::Batch {
       return;
     }
     const Stopwatch making(times_ != nullptr);
-    if (times_) addTimes(job.lane->profile());
+    if (times_) addTimes(*times_, job.lane->profile());
     Holder& holder = holders_[job.holder];
     std::vector<std::size_t> which;
     std::vector<std::uint32_t> places;
@@ -515,31 +513,10 @@ class Backend::Batch {
 
   /// Gives each of `which` its records.
   void dealOut(std::size_t begin, std::size_t count, const Answer& answer, const std::vector<std::size_t>& which) {
-    std::vector<std::uint32_t> from(count + 1, 0), records(answer.count);
-    for (std::uint32_t r = 0; r < answer.count; ++r) ++from[pairOfRecord(answer, r) + 1];
-    std::partial_sum(from.begin(), from.end(), from.begin());
-    std::vector<std::uint32_t> next(from.begin(), from.end() - 1);
-    for (std::uint32_t r = 0; r < answer.count; ++r) records[next[pairOfRecord(answer, r)]++] = r;
+    const RecordsByPair records(answer, count);
     finish_.records(
         which, answer, [&](std::size_t i) { return source_.query(i); },
-        [&](std::size_t i) {
-          const std::size_t k = i - begin;
-          return std::span<const std::uint32_t>(records).subspan(from[k], from[k + 1] - from[k]);
-        });
-  }
-
-  void addTimes(const Profile& profile) {
-    times_->write += profile.ms(Profile::kWrite);
-    times_->top += profile.ms(Profile::kTop);
-    times_->main += profile.ms(Profile::kMain);
-    times_->contacts += profile.ms(Profile::kContacts);
-    times_->regions += profile.ms(Profile::kRegions);
-    times_->select += profile.ms(Profile::kSelect);
-    times_->choose += profile.ms(Profile::kChoose);
-    times_->weigh += profile.ms(Profile::kWeigh);
-    times_->ways += profile.ms(Profile::kWays);
-    times_->candidates += profile.ms(Profile::kCandidates);
-    times_->readBack += profile.ms(Profile::kReadBack);
+        [&](std::size_t i) { return records.of(i - begin); });
   }
 
   BackendState& state_;
@@ -556,6 +533,7 @@ class Backend::Batch {
   std::unordered_map<std::size_t, ContactFinish::Done> done_;  ///< by the host, while the device is at work
   PieceMeshes meshes_;                                         ///< of the piece that was begun last
   std::size_t waits_ = 0;
+  std::uint64_t largest_ = 0;  ///< triangles of the largest mesh
   StageTimes* times_ = nullptr;
 };
 

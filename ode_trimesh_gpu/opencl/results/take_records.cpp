@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numeric>
 #include <vector>
 
 #include "collide/pairwise/contact_regions.h"
@@ -49,6 +50,11 @@ void takeContacts(const Query& query, const Answer& answer, const std::vector<En
   workspace.stats.contactsBeforeReduction = workspace.contacts.size();
 }
 
+/// The number of the pair that a record belongs to.
+std::uint32_t pairOfRecord(const Answer& answer, std::uint32_t which) {
+  return recordAt<otg_pair_record>(answer, which).pair;
+}
+
 }  // namespace
 
 bool recordIntersects(const Query& query, const PairFrame& frame, const Answer& answer, std::uint32_t which) {
@@ -58,8 +64,11 @@ bool recordIntersects(const Query& query, const PairFrame& frame, const Answer& 
   return record.kind != OTG_RECORD_APART;
 }
 
-std::uint32_t pairOfRecord(const Answer& answer, std::uint32_t which) {
-  return recordAt<otg_pair_record>(answer, which).pair;
+RecordsByPair::RecordsByPair(const Answer& answer, std::size_t pairs) : from_(pairs + 1, 0), records_(answer.count) {
+  for (std::uint32_t r = 0; r < answer.count; ++r) ++from_[pairOfRecord(answer, r) + 1];
+  std::partial_sum(from_.begin(), from_.end(), from_.begin());
+  std::vector<std::uint32_t> next(from_.begin(), from_.end() - 1);
+  for (std::uint32_t r = 0; r < answer.count; ++r) records_[next[pairOfRecord(answer, r)]++] = r;
 }
 
 void takeCounts(const Answer& answer, CollideStats& stats) {

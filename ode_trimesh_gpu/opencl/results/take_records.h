@@ -2,8 +2,10 @@
 // From the records that a device wrote to the stages of a workspace.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "collide/pair_frame.h"
 #include "collide/query.h"
@@ -21,8 +23,17 @@ std::uint64_t takeRecords(const Query& query, const PairFrame& frame, const Answ
 /// Whether the record says that its pair intersects.
 bool recordIntersects(const Query& query, const PairFrame& frame, const Answer& answer, std::uint32_t which);
 
-/// The number of the pair that a record belongs to.
-std::uint32_t pairOfRecord(const Answer& answer, std::uint32_t which);
+/// The records of an answer by the pairs of a batch to which they belong, ascending.
+class RecordsByPair {
+ public:
+  RecordsByPair(const Answer& answer, std::size_t pairs);
+  std::span<const std::uint32_t> of(std::size_t pair) const {
+    return std::span(records_).subspan(from_[pair], from_[pair + 1] - from_[pair]);
+  }
+
+ private:
+  std::vector<std::uint32_t> from_, records_;
+};
 
 /// The counts of the device to statistics.
 void takeCounts(const Answer& answer, CollideStats& stats);
