@@ -71,8 +71,12 @@ fi
 # A regular expression of the tests that take less than two seconds.
 quick=^\($(sed -n 's/.*<testcase name="\([^"]*\)".* time="[01]\.[^"]*".*/\1/p' "$here/times.xml" | paste -sd'|')\)\$
 export quick
+pids=()
 for worker in $(seq 0 $((workers - 1))); do
-  OTG_MUTATE_WORKER=$worker unshare --user --map-root-user --mount bash "$0" "$count" "$seed" "$pattern" &
+  OTG_MUTATE_WORKER=$worker unshare --user --map-root-user --mount bash scripts/mutate.sh "$count" "$seed" "$pattern" &
+  pids+=($!)
 done
-wait
+for pid in "${pids[@]}"; do
+  wait "$pid" || { echo "a worker ended before its changes were done" >&2; exit 1; }
+done
 echo "$(grep -cv 'does not compile' build-mutate/changes.txt) changes, $(grep -c SURVIVES build-mutate/changes.txt) survivors"
