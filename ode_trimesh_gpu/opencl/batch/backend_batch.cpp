@@ -19,7 +19,7 @@
 #include "opencl/batch/routing.h"
 #include "opencl/lanes/host_cases.h"
 #include "opencl/lanes/overlap_queue.h"
-#include "opencl/lanes/stage_times.h"
+#include "opencl/lanes/take_times.h"
 #include "opencl/runtime/stopwatch.h"
 
 namespace otg::opencl {

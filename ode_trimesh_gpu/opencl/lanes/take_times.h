@@ -2,8 +2,8 @@
 // From the device's clock to the times of stages.
 #pragma once
 
-#include "opencl/backend.h"
 #include "opencl/runtime/launch.h"
+#include "opencl/stage_times.h"
 
 namespace otg::opencl {
 
