@@ -425,7 +425,7 @@ TEST_CASE("histories of pairs of a batch are what the host would have left") {
   if (backend->device().doubles) CHECK(found.byDevice + found.deep / 4 > 9 * queries.size() / 2);
 }
 
-TEST_CASE("so they are where the host makes contacts again") {
+TEST_CASE("histories are what the host would have left where it completes what the device made") {
   const MeshList meshes = cornered();
   const auto backend = openBackend();
   REQUIRE(backend);
