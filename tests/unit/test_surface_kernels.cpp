@@ -180,6 +180,9 @@ TestFace faceOf(Random& random) {
   }
   f.lo = minimum(c[0], minimum(c[1], c[2]));
   f.hi = maximum(c[0], maximum(c[1], c[2]));
+  double least = kInfinity;
+  for (int k = 0; k < 3; ++k) least = std::min(least, norm(otgAdd(f.inward[k], f.inward[(k + 1) % 3])));
+  f.reach = 1 + 2 / least;
   return out;
 }
 
@@ -191,6 +194,10 @@ bool isOver(const FaceSet::Face& f, const Vec3d& p, double way, double slack) {
   return beside <= std::max(way, slack);
 }
 
+double deeperEnd(const FaceSet::Face& f, const Vec3d& from, const Vec3d& to) {
+  return std::max(0.0, f.offset - std::min(otgDot(f.normal, from), otgDot(f.normal, to)));
+}
+
 using Numbers = std::vector<std::uint32_t>;
 Numbers numbers(std::span<const std::uint32_t> found) {
   return {found.begin(), found.end()};
@@ -200,7 +207,7 @@ Numbers numbers(std::span<const std::uint32_t> found) {
 
 TEST_CASE("faces near a point, and over a stretch") {
   Random random;
-  std::size_t near = 0, over = 0, atBothEnds = 0;
+  std::size_t near = 0, over = 0, atBothEnds = 0, stretches = 0;
   for (int round = 0; round < 400; ++round) {
     FaceSet set;
     std::vector<TestFace> all;
@@ -225,6 +232,15 @@ TEST_CASE("faces near a point, and over a stretch") {
     }
     CHECK(numbers(set.near(from, radius)) == expectedNear);
     CHECK(numbers(set.over(from, to, slack)) == expectedOver);
+    double soonest = kInfinity;
+    for (const std::uint32_t i : expectedOver) soonest = std::min(soonest, deeperEnd(all[i].face, from, to));
+    const FaceSet::Soonest found = set.soonest(from, to, slack);
+    CHECK(close(found.depth, soonest));
+    if (!expectedOver.empty()) {
+      CHECK(std::binary_search(expectedOver.begin(), expectedOver.end(), found.face));
+      CHECK(close(deeperEnd(all[found.face].face, from, to), soonest));
+      ++stretches;
+    }
     REQUIRE(set.nearest(from) < all.size());
     const FaceSet::Face& nearest = all[set.nearest(from)].face;
     CHECK(distance(from, nearest.lo, nearest.hi) >= least);
@@ -234,10 +250,38 @@ TEST_CASE("faces near a point, and over a stretch") {
     CHECK(set.size() == 0);
     CHECK(set.near(from, kInfinity).empty());
     CHECK(set.over(from, to, slack).empty());
+    CHECK(set.soonest(from, to, slack).depth == kInfinity);
   }
   CHECK(near > 1000);
   CHECK(over > 1000);
   CHECK(atBothEnds > 100);
+  CHECK(stretches > 200);
+}
+
+TEST_CASE("the soonest of several faces that are as deep") {
+  Random random;
+  int asDeep = 0;
+  for (int round = 0; round < 200; ++round) {
+    const TestFace face = faceOf(random);
+    TestFace mirrored = face;
+    FaceSet::Face& m = mirrored.face;
+    for (Vec3d* v : {&m.normal, &m.inward[0], &m.inward[1], &m.inward[2]}) v->x = -v->x;
+    m.lo.x = -face.face.hi.x;
+    m.hi.x = -face.face.lo.x;
+    Vec3d from = otgSub(face.corner[0], otgScale(face.face.normal, random.between(0, 0.1)));
+    from.x = 0;  // seen from there a face and its mirror image are the same
+    FaceSet twice, both;
+    for (int k = 0; k < 2; ++k) twice.add(face.face);
+    both.add(face.face);
+    both.add(mirrored.face);
+    const double slack = 1;
+    if (twice.over(from, from, slack).empty()) continue;
+    REQUIRE(both.over(from, from, slack).size() == 2);
+    CHECK(twice.soonest(from, from, slack).isOnly);
+    CHECK_FALSE(both.soonest(from, from, slack).isOnly);
+    ++asDeep;
+  }
+  CHECK(asDeep > 50);
 }
 
 TEST_CASE("stretches that pass each other along their common perpendicular") {
@@ -326,6 +370,9 @@ TEST_CASE("instruction sets agree bit for bit over surfaces") {
       FacesOverArgs over{faces, 3, p, d, 0.5, places, 0};
       findFacesOver(level, over);
       addFound(over.foundCount);
+      SoonestFaceArgs soonest{faces, 3, &groups, 1, p, d, 0.5, 2, 0, 0, false};
+      findSoonestFace(level, soonest);
+      found.insert(found.end(), {soonest.depth, static_cast<double>(soonest.face), soonest.isOnly ? 1.0 : 0.0});
       StretchesPassedArgs passed{stretches, 3, p, d, 0.5, 0.05, places, 0};
       findStretchesPassed(level, passed);
       addFound(passed.foundCount);

@@ -65,6 +65,10 @@ void findFacesOver(SimdLevel level, FacesOverArgs& args) {
   OTG_CALL_SURFACE_KERNEL(level, findFacesOver, args)
 }
 
+void findSoonestFace(SimdLevel level, SoonestFaceArgs& args) {
+  OTG_CALL_SURFACE_KERNEL(level, findSoonestFace, args)
+}
+
 void findStretchesPassed(SimdLevel level, StretchesPassedArgs& args) {
   OTG_CALL_SURFACE_KERNEL(level, findStretchesPassed, args)
 }
@@ -224,6 +228,7 @@ void FaceSet::addToGroup(const Face& face) {
     if (k == 0) std::fill_n(groups_.emplace_back().loX, sizeof(FaceGroups) / sizeof(double), kInfinity);
     FaceGroups& g = groups_.back();
     g.hiX[k] = g.hiY[k] = g.hiZ[k] = -kInfinity;
+    g.reach[k] = 0;
   }
   FaceGroups& g = groups_.back();
   g.loX[k] = std::min(g.loX[k], face.lo.x);
@@ -232,6 +237,7 @@ void FaceSet::addToGroup(const Face& face) {
   g.hiX[k] = std::max(g.hiX[k], face.hi.x);
   g.hiY[k] = std::max(g.hiY[k], face.hi.y);
   g.hiZ[k] = std::max(g.hiZ[k], face.hi.z);
+  g.reach[k] = std::max(g.reach[k], face.reach);
 }
 
 std::span<const std::uint32_t> FaceSet::near(const Vec3d& point, double radius) const {
@@ -255,6 +261,23 @@ std::span<const std::uint32_t> FaceSet::over(const Vec3d& from, const Vec3d& to,
   FacesOverArgs args{blocks_.data(), blocks_.size(), from, to, slack, found_.data(), 0};
   findFacesOver(level(), args);
   return {found_.data(), args.foundCount};
+}
+
+FaceSet::Soonest FaceSet::soonest(const Vec3d& from, const Vec3d& to, double slack) const {
+  const Vec3d stretch = otgSub(to, from);
+  SoonestFaceArgs args{blocks_.data(),
+                       blocks_.size(),
+                       groups_.data(),
+                       groups_.size(),
+                       from,
+                       to,
+                       slack,
+                       std::sqrt(otgDot(stretch, stretch)),
+                       kInfinity,
+                       0,
+                       true};
+  if (count_ > 0) findSoonestFace(level(), args);
+  return {args.depth, args.face, args.isOnly};
 }
 
 void StretchSet::clear() {

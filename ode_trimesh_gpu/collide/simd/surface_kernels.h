@@ -90,6 +90,7 @@ class FaceSet {
     Vec3d inward[3];
     double edge[3];
     Vec3d lo, hi;
+    double reach;  ///< no place over it that is below its plane by x is farther from its bounds than this times x
   };
   void clear();
   void add(const Face& face);
@@ -100,6 +101,13 @@ class FaceSet {
   std::uint32_t nearest(const Vec3d& point) const;
   /// Those over which a stretch lies at one end at least, and below whose planes it lies: RegionTriangles::facesOver().
   std::span<const std::uint32_t> over(const Vec3d& from, const Vec3d& to, double slack) const;
+  /// Of those the one below whose plane the stretch lies least.
+  struct Soonest {
+    double depth;        ///< of the deeper end, 0 or more; infinity without any
+    std::uint32_t face;  ///< one of that depth
+    bool isOnly;         ///< all others of that depth lie in the same plane, bit for bit
+  };
+  Soonest soonest(const Vec3d& from, const Vec3d& to, double slack) const;
 
  private:
   void addToGroup(const Face& face);
@@ -136,6 +144,7 @@ void findBoxRanges(SimdLevel level, BoxRangesArgs& args);
 void findNearFaces(SimdLevel level, NearFacesArgs& args);
 void findNearestFace(SimdLevel level, NearFacesArgs& args);
 void findFacesOver(SimdLevel level, FacesOverArgs& args);
+void findSoonestFace(SimdLevel level, SoonestFaceArgs& args);
 void findStretchesPassed(SimdLevel level, StretchesPassedArgs& args);
 
 }  // namespace otg

@@ -86,6 +86,7 @@ inline constexpr std::size_t kFaceGroup = 4;
 struct FaceGroups {
   double loX[kSurfaceLanes], loY[kSurfaceLanes], loZ[kSurfaceLanes];
   double hiX[kSurfaceLanes], hiY[kSurfaceLanes], hiZ[kSurfaceLanes];
+  double reach[kSurfaceLanes];  ///< the largest FaceSet::Face::reach of a group
 };
 
 struct NearFacesArgs {
@@ -107,6 +108,18 @@ struct FacesOverArgs {
   double slack;
   std::uint32_t* found;    ///< room for all lanes; ascending
   std::size_t foundCount;  ///< out
+};
+
+struct SoonestFaceArgs {
+  const FaceBlock* blocks;
+  std::size_t count;
+  const FaceGroups* groups;
+  std::size_t groupCount;  ///< elements of `groups`
+  Vec3d from, to;
+  double slack, length;  ///< length: of the stretch
+  double depth;          ///< out: the least, infinity if there is none
+  std::uint32_t face;    ///< out: one of that depth
+  bool isOnly;           ///< out: all others of that depth lie in the same plane, bit for bit
 };
 
 /// Four stretches of edges. Lanes that are not used have no direction.
@@ -135,6 +148,7 @@ struct StretchesPassedArgs {
   void findNearFaces(NearFacesArgs& args);             \
   void findNearestFace(NearFacesArgs& args);           \
   void findFacesOver(FacesOverArgs& args);             \
+  void findSoonestFace(SoonestFaceArgs& args);         \
   void findStretchesPassed(StretchesPassedArgs& args); \
   }
 OTG_DECLARE_SURFACE_KERNELS(simd_baseline)

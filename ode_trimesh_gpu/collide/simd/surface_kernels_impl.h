@@ -246,6 +246,67 @@ void findFacesOver(FacesOverArgs& args) {
   }
 }
 
+namespace {
+
+__attribute__((always_inline)) inline bool isSamePlane(const FaceBlock* blocks, std::size_t x, std::size_t y) {
+  const FaceBlock &b = blocks[x / kSurfaceLanes], &c = blocks[y / kSurfaceLanes];
+  const std::size_t i = x % kSurfaceLanes, j = y % kSurfaceLanes;
+  return b.normalX[i] == c.normalX[j] && b.normalY[i] == c.normalY[j] && b.normalZ[i] == c.normalZ[j] &&
+         b.offset[i] == c.offset[j];
+}
+
+/// Among the blocks of one group: what findFacesOver() finds, but only as far as it is no deeper than the best so far.
+__attribute__((always_inline)) inline void soonestOfGroup(SoonestFaceArgs& args, std::size_t group) {
+  const Doubles px = spread4(args.from.x), py = spread4(args.from.y), pz = spread4(args.from.z);
+  const Doubles qx = spread4(args.to.x), qy = spread4(args.to.y), qz = spread4(args.to.z);
+  const Doubles slack = spread4(args.slack);
+  const std::size_t first = group * kFaceGroup, end = endOfGroup(first, args.count);
+  for (std::size_t i = first; i < end; ++i) {
+    const FaceBlock& b = args.blocks[i];
+    const Doubles from = load4(b.offset) - dot4(b.normalX, b.normalY, b.normalZ, px, py, pz);
+    const Doubles to = load4(b.offset) - dot4(b.normalX, b.normalY, b.normalZ, qx, qy, qz);
+    const Doubles deeper = larger(from, to);
+    const DoubleMask below = (deeper >= -slack) & (deeper <= args.depth);
+    if (bitsOfLanes(below) == 0) continue;
+    const DoubleMask over = isOver(b, px, py, pz, from, slack) | isOver(b, qx, qy, qz, to, slack);
+    for (unsigned bits = bitsOfLanes(below & over); bits; bits &= bits - 1) {
+      const auto lane = static_cast<unsigned>(__builtin_ctz(bits));
+      const double depth = deeper[lane] > 0 ? deeper[lane] : 0;
+      const std::size_t face = kSurfaceLanes * i + lane;
+      if (depth < args.depth) {
+        args.depth = depth;
+        args.face = static_cast<std::uint32_t>(face);
+        args.isOnly = true;
+      } else if (depth == args.depth && !isSamePlane(args.blocks, face, args.face)) {
+        args.isOnly = false;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void findSoonestFace(SoonestFaceArgs& args) {
+  args.depth = kFarAway;
+  args.face = 0;
+  args.isOnly = true;
+  // The nearest group first: what it has spares most of the others.
+  const std::size_t nearest = nearestOf(args.groups, args.groupCount, args.from);
+  soonestOfGroup(args, nearest);
+  for (std::size_t g = 0; g < args.groupCount; ++g) {
+    // An end over a face is below its plane by no more than the depth, or in front of it by no more than the length.
+    const Doubles reach = load4(args.groups[g].reach);
+    const Doubles below = reach * (args.depth > args.slack ? args.depth : args.slack);
+    const Doubles far = larger(below, reach * args.slack + args.length) * (1 + 1e-6);
+    const Doubles from = squaredDistanceFrom(args.groups[g], args.from);
+    const Doubles to = squaredDistanceFrom(args.groups[g], args.to);
+    for (unsigned bits = bitsOfLanes(~(smaller(from, to) > far * far)); bits; bits &= bits - 1) {
+      const std::size_t group = kSurfaceLanes * g + static_cast<unsigned>(__builtin_ctz(bits));
+      if (group != nearest) soonestOfGroup(args, group);
+    }
+  }
+}
+
 /// Those that otgPassOfStretches() may find, and few more: along the common perpendicular.
 void findStretchesPassed(StretchesPassedArgs& args) {
   const Doubles px = spread4(args.middle.x), py = spread4(args.middle.y), pz = spread4(args.middle.z);

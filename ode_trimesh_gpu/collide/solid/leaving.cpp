@@ -21,110 +21,167 @@ struct Way {
 };
 
 /// A vertex or a stretch with its ways out. The first `together` hold it all at once; each other one holds it by
-/// itself.
+/// itself. Most parts never ask for the others.
 struct Part {
   const SupportPoint* point;
   std::pmr::vector<Way> ways;
   std::size_t together = 1;
-  double soonest = 0;  ///< depth of the way that is tried first
+  double soonest = 0;      ///< depth of the way that is tried first
+  bool hasOthers = false;  ///< they have been looked for
 
   std::span<const Way> all() const { return std::span(ways).first(together); }
-  std::span<const Way> others() const { return std::span(ways).subspan(together); }
 };
 
-Part partOfVertex(RegionTriangles& triangles, const SupportPoint& p, std::pmr::memory_resource* memory) {
-  Part part{&p, std::pmr::vector<Way>(memory), 0};
-  const double side = p.mesh == 0 ? 1.0 : -1.0;
-  for (const RegionTriangles::Exit& e : triangles.exitsOf(1 - p.mesh, p.position)) {
-    part.ways.push_back({p.position, otgScale(e.normal, side), e.depth, e.curved});
-  }
-  part.together = part.ways.size();
-  if (part.ways.empty()) return part;
-  const auto& faces = triangles.facesOver(1 - p.mesh, p.position, p.position);
-  part.ways.reserve(part.ways.size() + faces.size());
-  for (const RegionTriangles::StretchExit& e : faces) {
-    const Vec3d normal = otgScale(e.exit.normal, side);
-    if (std::any_of(part.ways.begin(), part.ways.begin() + static_cast<std::ptrdiff_t>(part.together),
-                    [&](const Way& way) { return otgDot(way.normal, normal) > OTG_UNEVEN_SAME_NORMAL; }))
-      continue;
-    part.ways.push_back({p.position, otgScale(e.exit.normal, side), e.exit.depth, e.exit.curved});
-  }
-  part.soonest = part.ways.front().depth;
-  return part;
-}
+/// Finds the ways of a region's parts.
+class WaysOut {
+ public:
+  WaysOut(RegionTriangles& triangles, std::pmr::memory_resource* memory) : triangles_(triangles), memory_(memory) {}
 
-Part partOfStretch(RegionTriangles& triangles, const SupportPoint& p, std::pmr::memory_resource* memory) {
-  Part part{&p, std::pmr::vector<Way>(memory), 1};
-  const Vec3d half = otgScale(p.along, p.reach), from = otgSub(p.position, half), to = otgAdd(p.position, half);
-  const double side = p.mesh == 0 ? 1.0 : -1.0;
-  const auto& faces = triangles.facesOver(1 - p.mesh, from, to);
-  part.ways.reserve(faces.size() + kEdgesPassed);
-  for (const RegionTriangles::StretchExit& e : faces) {
-    part.ways.push_back({e.byEnd ? to : from, otgScale(e.exit.normal, side), e.exit.depth, e.exit.curved});
+  Part soonest(const SupportPoint& p) const {
+    return p.kind == PointKind::kVertex ? soonestOfVertex(p) : soonestOfStretch(p);
   }
-  triangles.forEachEdgePassed(1 - p.mesh, p.position, p.along, p.reach, [&](const RegionEdge& edge) {
-    const Vec3d across = unit(otgCross(p.along, edge.along));
-    for (const double sign : {-1.0, 1.0}) {
-      const Vec3d out = otgScale(across, sign);  // of the other mesh
-      if (!otgIsBetween(edge.faces[0], edge.faces[1], out)) continue;
-      const StretchPass<double> pass =
-          otgPassOfStretches(otgSub(edge.middle, p.position), p.along, p.reach, edge.along, edge.reach, out);
-      if (pass.way > 0) {
-        part.ways.push_back({otgAdd(p.position, otgScale(p.along, pass.at)), otgScale(out, side), pass.way, false});
-      }
+
+  std::span<const Way> others(Part& part) const {
+    if (!part.hasOthers && part.point->kind == PointKind::kVertex) {
+      addOthersOfVertex(part);
+    } else if (!part.hasOthers) {
+      part.ways = allOfStretch(*part.point);
     }
-  });
-  const auto soonest = std::min_element(part.ways.begin(), part.ways.end(),
-                                        [](const Way& x, const Way& y) { return x.depth < y.depth; });
-  if (soonest == part.ways.end()) return part;
-  std::rotate(part.ways.begin(), soonest, soonest + 1);
-  part.soonest = part.ways.front().depth;
-  return part;
-}
+    part.hasOthers = true;
+    return std::span(part.ways).subspan(part.together);
+  }
+
+ private:
+  struct Ends {
+    Vec3d from, to;
+  };
+  static Ends endsOf(const SupportPoint& p) {
+    const Vec3d half = otgScale(p.along, p.reach);
+    return {otgSub(p.position, half), otgAdd(p.position, half)};
+  }
+  static double side(const SupportPoint& p) { return p.mesh == 0 ? 1.0 : -1.0; }
+  static bool isSooner(const Way& x, const Way& y) { return x.depth < y.depth; }
+  static Way wayOf(const SupportPoint& p, const Ends& ends, const RegionTriangles::StretchExit& e) {
+    return {e.byEnd ? ends.to : ends.from, otgScale(e.exit.normal, side(p)), e.exit.depth, e.exit.curved};
+  }
+
+  Part soonestOfVertex(const SupportPoint& p) const {
+    Part part{&p, std::pmr::vector<Way>(memory_), 0};
+    for (const RegionTriangles::Exit& e : triangles_.exitsOf(1 - p.mesh, p.position)) {
+      part.ways.push_back({p.position, otgScale(e.normal, side(p)), e.depth, e.curved});
+    }
+    part.together = part.ways.size();
+    if (!part.ways.empty()) part.soonest = part.ways.front().depth;
+    return part;
+  }
+
+  void addOthersOfVertex(Part& part) const {
+    const SupportPoint& p = *part.point;
+    const auto& faces = triangles_.facesOver(1 - p.mesh, p.position, p.position);
+    part.ways.reserve(part.ways.size() + faces.size());
+    for (const RegionTriangles::StretchExit& e : faces) {
+      const Way other{p.position, otgScale(e.exit.normal, side(p)), e.exit.depth, e.exit.curved};
+      const bool isKnown = std::ranges::any_of(
+          part.all(), [&](const Way& way) { return otgDot(way.normal, other.normal) > OTG_UNEVEN_SAME_NORMAL; });
+      if (!isKnown) part.ways.push_back(other);
+    }
+  }
+
+  Part soonestOfStretch(const SupportPoint& p) const {
+    Part part{&p, std::pmr::vector<Way>(memory_), 1};
+    const Ends ends = endsOf(p);
+    const auto face = triangles_.soonestOver(1 - p.mesh, ends.from, ends.to);
+    if (face) {
+      Way soonest = wayOf(p, ends, *face);
+      forEachEdgePassed(p, [&](const Way& way) {
+        if (isSooner(way, soonest)) soonest = way;
+      });
+      if (std::isfinite(soonest.depth)) part.ways.push_back(soonest);
+    } else {  // the order of all tells which of the faces it is
+      part.ways = allOfStretch(p);
+      part.hasOthers = true;
+    }
+    if (!part.ways.empty()) part.soonest = part.ways.front().depth;
+    return part;
+  }
+
+  /// The soonest first.
+  std::pmr::vector<Way> allOfStretch(const SupportPoint& p) const {
+    std::pmr::vector<Way> ways(memory_);
+    const Ends ends = endsOf(p);
+    const auto& faces = triangles_.facesOver(1 - p.mesh, ends.from, ends.to);
+    ways.reserve(faces.size() + kEdgesPassed);
+    for (const RegionTriangles::StretchExit& e : faces) ways.push_back(wayOf(p, ends, e));
+    forEachEdgePassed(p, [&](const Way& way) { ways.push_back(way); });
+    const auto soonest = std::ranges::min_element(ways, isSooner);
+    if (soonest != ways.end()) std::rotate(ways.begin(), soonest, soonest + 1);
+    return ways;
+  }
+
+  template <class Visit>
+  void forEachEdgePassed(const SupportPoint& p, Visit visit) const {
+    triangles_.forEachEdgePassed(1 - p.mesh, p.position, p.along, p.reach, [&](const RegionEdge& edge) {
+      const Vec3d across = unit(otgCross(p.along, edge.along));
+      for (const double sign : {-1.0, 1.0}) {
+        const Vec3d out = otgScale(across, sign);  // of the other mesh
+        if (!otgIsBetween(edge.faces[0], edge.faces[1], out)) continue;
+        const StretchPass<double> pass =
+            otgPassOfStretches(otgSub(edge.middle, p.position), p.along, p.reach, edge.along, edge.reach, out);
+        if (!(pass.way > 0)) continue;
+        visit(Way{otgAdd(p.position, otgScale(p.along, pass.at)), otgScale(out, side(p)), pass.way, false});
+      }
+    });
+  }
+
+  RegionTriangles& triangles_;
+  std::pmr::memory_resource* memory_;
+};
 
 }  // namespace
 
 std::pmr::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegions& all,
                                  const std::pmr::vector<std::uint32_t>& points) {
+  const WaysOut waysOut(triangles, all.memory);
   std::pmr::vector<Part> parts(all.memory);
   parts.reserve(points.size());
   for (const std::uint32_t i : points) {
     const SupportPoint& p = all.points[i];
     if (p.kind == PointKind::kCrossing) continue;
-    Part part =
-        p.kind == PointKind::kVertex ? partOfVertex(triangles, p, all.memory) : partOfStretch(triangles, p, all.memory);
+    Part part = waysOut.soonest(p);
     if (part.soonest > 0) parts.push_back(std::move(part));
   }
-  std::pmr::vector<const Part*> order(all.memory);
-  for (const Part& part : parts) order.push_back(&part);
+  std::pmr::vector<Part*> order(all.memory);
+  for (Part& part : parts) order.push_back(&part);
   std::sort(order.begin(), order.end(),
             [](const Part* x, const Part* y) { return x->soonest != y->soonest ? x->soonest > y->soonest : x < y; });
   ShortestTranslation t(all.memory);
   const auto missing = [&](const Way& way) { return way.depth - otgDot(way.normal, t.value()); };
   const auto satisfied = [&](const Way& way) { return t.satisfies(way.normal, way.depth); };
   const auto holdAll = [&](const Part& part) { return std::ranges::all_of(part.all(), satisfied); };
-  for (const Part* part : order) {
-    if (holdAll(*part) || std::ranges::any_of(part->others(), satisfied)) continue;
+  for (Part* part : order) {
+    if (holdAll(*part)) continue;
+    const std::span<const Way> others = waysOut.others(*part);
+    if (std::ranges::any_of(others, satisfied)) continue;
     double together = 0;
     for (const Way& way : part->all()) together = std::max(together, missing(way));
-    const auto soonest = std::ranges::min_element(part->others(), [&](const Way& x, const Way& y) {
+    const auto soonest = std::ranges::min_element(others, [&](const Way& x, const Way& y) {
       const double a = missing(x), b = missing(y);
       return a != b ? a < b : x.depth < y.depth;
     });
-    if (soonest != part->others().end() && missing(*soonest) < together) {
+    if (soonest != others.end() && missing(*soonest) < together) {
       t.add(soonest->normal, soonest->depth);
     } else {
       for (const Way& way : part->all()) t.add(way.normal, way.depth);
     }
   }
   std::pmr::vector<Leave> leaves(all.memory);
-  for (const Part& part : parts) {
+  for (Part& part : parts) {
     const auto take = [&](const Way& way) {
       leaves.push_back({part.point, way.at, way.normal, way.depth, way.curved});
     };
     const Way* other = nullptr;
     if (!holdAll(part)) {
-      for (const Way& way : part.others()) {
+      for (const Way& way : waysOut.others(part)) {
         if ((other == nullptr || way.depth < other->depth) && satisfied(way)) other = &way;
       }
     }

@@ -77,13 +77,14 @@ void RegionTriangles::addFace(int m, const RegionTriangle& t) {
   }
   Vec3d lo = minimum(t.corner[0], minimum(t.corner[1], t.corner[2]));
   Vec3d hi = maximum(t.corner[0], maximum(t.corner[1], t.corner[2]));
-  const double beside = hasEdges ? slack_ * (1 + 2 / std::sqrt(least)) : kInfinity;
+  const double reach = hasEdges ? 1 + 2 / std::sqrt(least) : kInfinity;
+  const double beside = hasEdges ? slack_ * reach : kInfinity;
   const double pad = kBoundsError * norm(otgSub(hi, lo)) + beside;
   const Vec3d all{pad, pad, pad};
   lo = otgSub(lo, all);
   hi = otgAdd(hi, all);
   faces_[m].add(
-      {t.normal, t.offset, {t.inward[0], t.inward[1], t.inward[2]}, {t.edge[0], t.edge[1], t.edge[2]}, lo, hi});
+      {t.normal, t.offset, {t.inward[0], t.inward[1], t.inward[2]}, {t.edge[0], t.edge[1], t.edge[2]}, lo, hi, reach});
 }
 
 void RegionTriangles::addEdges(const PlacedMeshes& meshes, const RegionTriangle& t, std::uint8_t mesh,
@@ -170,6 +171,16 @@ const std::pmr::vector<RegionTriangles::StretchExit>& RegionTriangles::facesOver
   for (const std::size_t i : used_) slots_[i] = kNoSlot;
   used_.clear();
   return found;
+}
+
+std::optional<RegionTriangles::StretchExit> RegionTriangles::soonestOver(int m, const Vec3d& from,
+                                                                         const Vec3d& to) const {
+  const FaceSet::Soonest soonest = faces_[m].soonest(from, to, slack_);
+  if (!(soonest.depth < kInfinity)) return StretchExit{{{0, 0, 0}, kInfinity, false}, false};
+  if (!soonest.isOnly) return std::nullopt;
+  const std::size_t i = begin_[m] + soonest.face;
+  const bool byEnd = depthBelow(i, to) > depthBelow(i, from);
+  return StretchExit{{planes_[i].normal, soonest.depth, isCurved(m, i)}, byEnd};
 }
 
 void RegionTriangles::findSameNormals() {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory_resource>
+#include <optional>
 #include <vector>
 
 #include "base/flat_map.h"
@@ -78,6 +79,8 @@ class RegionTriangles {
     bool byEnd;  ///< the end `to` is the deeper one
   };
   const std::pmr::vector<StretchExit>& facesOver(int m, const Vec3d& from, const Vec3d& to);
+  /// Which of these has the least depth; infinite without any. None where several that differ have it.
+  std::optional<StretchExit> soonestOver(int m, const Vec3d& from, const Vec3d& to) const;
 
   /// Where the ways of wayOut() begin, none of which has a larger limit than `far`.
   void lookFrom(const Vec3d& from, double far);
