@@ -73,7 +73,8 @@ class RegionSolver {
  private:
   static constexpr double kWithin = OTG_UNEVEN_WITHIN;
   static constexpr double kFar = std::numeric_limits<double>::infinity();
-  static constexpr double kGrain = 1e-9;  ///< of the region's diagonal: rounding
+  static constexpr double kEstimated = 0.5;  ///< of the fractions at which depths are shallow: estimates err
+  static constexpr double kGrain = 1e-9;     ///< of the region's diagonal: rounding
   Vec3d centroid() const {
     Vec3d sum{0, 0, 0};
     for (std::uint32_t i = region_.pointBegin; i < region_.pointEnd; ++i) sum = otgAdd(sum, all_.points[i].position);
@@ -180,7 +181,14 @@ class RegionSolver {
       c.normal = task_.normals.at(c.probe);
     }
     estimate(c);
-    if (p.kind < PointKind::kMiddle || !saysNothingNew(c)) candidates_.push_back(c);
+    if (p.kind >= PointKind::kMiddle && (isShallow(c, kEstimated, deepestEven_) || saysNothingNew(c))) return;
+    candidates_.push_back(c);
+    deepestEven_ = std::max(deepestEven_, c.depth);
+  }
+
+  /// Whether a candidate is dropped for its depth, beside the deepest times `share`.
+  static bool isShallow(const Candidate& c, double share, double deepest) {
+    return !(c.depth >= otgLeastOfKind(static_cast<int>(c.point->kind), share * deepest));
   }
 
   StretchPass<double> passOf(const SupportPoint& p, const SupportPoint& q, const Vec3d& normal) const {
@@ -343,7 +351,7 @@ class RegionSolver {
 
   /// Drops what is shallow for its kind, then of points that lie together and agree in direction all but the first.
   void filterAndMerge() {
-    eraseShallow(0.5);  // half the fractions: estimates err
+    eraseShallow(kEstimated);
     double highest = 0;
     for (const Candidate& c : candidates_) highest = std::max(highest, c.rank);
     for (Candidate& c : candidates_) {
@@ -472,8 +480,7 @@ class RegionSolver {
     }
     std::size_t kept = 0;
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      const Candidate& c = candidates_[i];
-      if (c.depth >= otgLeastOfKind(static_cast<int>(c.point->kind), least[i])) candidates_[kept++] = c;
+      if (!isShallow(candidates_[i], 1, least[i])) candidates_[kept++] = candidates_[i];
     }
     candidates_.resize(kept);
   }
@@ -556,6 +563,7 @@ class RegionSolver {
   bool isUneven_ = false;  ///< each point leaves by the faces nearest to it, and is measured on the triangles
   RegionTriangles triangles_;
   std::pmr::vector<Candidate> candidates_;
+  double deepestEven_ = 0;                              ///< of what collectEven() has added
   std::pmr::vector<const SupportPoint*> stretches_[2];  ///< in the order of the points
   bool hasStretches_ = false;
   SupportPoint fallback_{};
