@@ -159,6 +159,38 @@ TEST_CASE("areas about a point, extents of points, ranges of boxes") {
   }
 }
 
+TEST_CASE("the farthest way of points to barriers") {
+  Random random;
+  int stopped = 0;
+  for (int round = 0; round < 300; ++round) {
+    PointSet set;
+    std::vector<Vec3d> points;
+    for (int i = 0; i < round % 19; ++i) {
+      points.push_back(random.inBox());
+      set.add(points.back());
+    }
+    std::vector<Barrier> barriers[2];
+    for (int side = 0; side < 2; ++side) {
+      for (int i = 0; i < round % (5 + side); ++i) {
+        barriers[side].push_back({otgScale(random.direction(), 2.0), random.between(-0.5, 2)});
+      }
+    }
+    const double far = random.between(1, 3), enough = round % 2 == 0 ? kInfinity : random.between(0, 4);
+    double most = 0;
+    for (const Vec3d& p : points) {
+      double way[2] = {far, far};
+      for (int side = 0; side < 2; ++side) {
+        for (const Barrier& b : barriers[side]) way[side] = std::min(way[side], b.offset - otgDot(b.normal, p));
+      }
+      most = std::max(most, std::max(0.0, way[0]) + std::max(0.0, way[1]));
+      if (most >= enough) break;
+    }
+    CHECK(close(set.farthestWay(barriers[0], barriers[1], far, enough), most));
+    stopped += most >= enough;
+  }
+  CHECK(stopped > 50);
+}
+
 namespace {
 
 struct TestFace {
@@ -355,6 +387,10 @@ TEST_CASE("instruction sets agree bit for bit over surfaces") {
       ExtentArgs extent{points, 3, d, 0, 0};
       findExtent(level, extent);
       found.insert(found.end(), {extent.lo, extent.hi});
+      const Barrier barriers[3] = {{p, 0.5}, {d, 0.7}, {{1, 0, 0}, 0.9}};
+      FarthestWayArgs farthest{points, 3, {barriers, barriers + 1}, {2, 2}, 3, 1.5, 0};
+      findFarthestWay(level, farthest);
+      found.push_back(farthest.way);
       double lo[12], hi[12];
       BoxRangesArgs ranges{boxes, 3, d, lo, hi};
       findBoxRanges(level, ranges);

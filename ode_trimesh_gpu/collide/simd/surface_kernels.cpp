@@ -49,6 +49,10 @@ void findExtent(SimdLevel level, ExtentArgs& args) {
   OTG_CALL_SURFACE_KERNEL(level, findExtent, args)
 }
 
+void findFarthestWay(SimdLevel level, FarthestWayArgs& args) {
+  OTG_CALL_SURFACE_KERNEL(level, findFarthestWay, args)
+}
+
 void findBoxRanges(SimdLevel level, BoxRangesArgs& args) {
   OTG_CALL_SURFACE_KERNEL(level, findBoxRanges, args)
 }
@@ -158,6 +162,14 @@ double PointSet::extent(const Vec3d& direction) const {
   ExtentArgs args{blocks_.data(), blocks_.size(), direction, 0, 0};
   findExtent(level(), args);
   return args.hi - args.lo;
+}
+
+double PointSet::farthestWay(std::span<const Barrier> first, std::span<const Barrier> second, double far,
+                             double enough) const {
+  FarthestWayArgs args{
+      blocks_.data(), blocks_.size(), {first.data(), second.data()}, {first.size(), second.size()}, far, enough, 0};
+  findFarthestWay(level(), args);
+  return args.way;
 }
 
 void BoxSet::clear() {

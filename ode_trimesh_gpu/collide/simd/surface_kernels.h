@@ -60,6 +60,9 @@ class PointSet {
   void add(const Vec3d& p);
   /// Length of the range of direction . point; 0 without points.
   double extent(const Vec3d& direction) const;
+  /// The longest way of all points: to the nearest of the first barriers and to the nearest of the second, `far` where
+  /// there are none, both no shorter than 0, summed. Stops when it is at least `enough`.
+  double farthestWay(std::span<const Barrier> first, std::span<const Barrier> second, double far, double enough) const;
 
  private:
   std::pmr::vector<PointBlock> blocks_;
@@ -140,6 +143,7 @@ void exitThroughPlanes(SimdLevel level, PlaneExitArgs& args);
 void exitThroughRoundPlanes(SimdLevel level, PlaneExitArgs& args);
 void sumLocalAreas(SimdLevel level, LocalAreaArgs& args);
 void findExtent(SimdLevel level, ExtentArgs& args);
+void findFarthestWay(SimdLevel level, FarthestWayArgs& args);
 void findBoxRanges(SimdLevel level, BoxRangesArgs& args);
 void findNearFaces(SimdLevel level, NearFacesArgs& args);
 void findNearestFace(SimdLevel level, NearFacesArgs& args);

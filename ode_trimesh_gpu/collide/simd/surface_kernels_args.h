@@ -57,6 +57,22 @@ struct ExtentArgs {
   double lo, hi;  ///< out: range of direction . point; infinity to -infinity without points
 };
 
+/// A half-space before which points are to be; what it says of a point is how far that has to go.
+struct Barrier {
+  Vec3d normal;  ///< of any length
+  double offset;
+};
+
+struct FarthestWayArgs {
+  const PointBlock* blocks;
+  std::size_t count;
+  const Barrier* barriers[2];
+  std::size_t barrierCount[2];
+  double far;     ///< the way where there are none
+  double enough;  ///< a point whose way is that long is the last that is looked at
+  double way;  ///< out: the longest of all points: to the nearest barrier of either kind, none shorter than 0, summed
+};
+
 /// Four boxes; lanes that are not used repeat another one.
 struct BoxBlock {
   double x[kSurfaceLanes], y[kSurfaceLanes], z[kSurfaceLanes];              ///< middle
@@ -144,6 +160,7 @@ struct StretchesPassedArgs {
   void exitThroughRoundPlanes(PlaneExitArgs& args);    \
   void sumLocalAreas(LocalAreaArgs& args);             \
   void findExtent(ExtentArgs& args);                   \
+  void findFarthestWay(FarthestWayArgs& args);         \
   void findBoxRanges(BoxRangesArgs& args);             \
   void findNearFaces(NearFacesArgs& args);             \
   void findNearestFace(NearFacesArgs& args);           \

@@ -146,6 +146,27 @@ void findExtent(ExtentArgs& args) {
   args.hi = -least(-hi);
 }
 
+void findFarthestWay(FarthestWayArgs& args) {
+  args.way = 0;
+  for (std::size_t i = 0; i < args.count; ++i) {
+    const PointBlock& b = args.blocks[i];
+    const Doubles px = load4(b.x), py = load4(b.y), pz = load4(b.z);
+    Doubles way{};
+    for (int side = 0; side < 2; ++side) {
+      Doubles exit = spread4(args.far);
+      for (std::size_t k = 0; k < args.barrierCount[side]; ++k) {
+        const Barrier& barrier = args.barriers[side][k];
+        exit = smaller(barrier.offset - (barrier.normal.x * px + barrier.normal.y * py + barrier.normal.z * pz), exit);
+      }
+      way += larger(exit, Doubles{});
+    }
+    for (int lane = 0; lane < 4; ++lane) {
+      args.way = args.way < way[lane] ? way[lane] : args.way;
+      if (args.way >= args.enough) return;
+    }
+  }
+}
+
 void findBoxRanges(BoxRangesArgs& args) {
   const Doubles dx = spread4(args.direction.x), dy = spread4(args.direction.y), dz = spread4(args.direction.z);
   const Doubles ax = larger(dx, -dx), ay = larger(dy, -dy), az = larger(dz, -dz);

@@ -10,6 +10,7 @@
 #include "base/insertion_sort.h"
 #include "base/vectors.h"
 #include "collide/inside_test.h"
+#include "collide/simd/surface_kernels.h"
 #include "collide/solid/region_contacts.h"
 #include "collide/solid/support_point.h"
 #include "shared/contacts/escape_turns.h"
@@ -38,19 +39,24 @@ std::pmr::vector<Vec3d> faceDirections(const OverlapRegions& all, const Region& 
     Vec3d first, sum;
     double area;
   };
-  std::pmr::vector<std::uint32_t> order(all.memory);
+  struct Place {
+    double area;
+    std::uint32_t triangle, piece;
+  };
+  std::pmr::vector<Place> order(all.memory);
+  order.reserve(region.pieceEnd - region.pieceBegin);
   for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
-    if (all.pieces[i].mesh == mesh) order.push_back(i);
+    const Piece& p = all.pieces[i];
+    if (p.mesh == mesh) order.push_back({p.area, p.triangle, i});
   }
-  std::sort(order.begin(), order.end(), [&](std::uint32_t x, std::uint32_t y) {
-    const Piece &p = all.pieces[x], &q = all.pieces[y];
-    if (p.area != q.area) return p.area > q.area;
+  std::sort(order.begin(), order.end(), [](const Place& x, const Place& y) {
+    if (x.area != y.area) return x.area > y.area;
     // Regular meshes have equal pieces, and those of two vertices may go by one triangle.
-    return p.triangle != q.triangle ? p.triangle < q.triangle : x < y;
+    return x.triangle != y.triangle ? x.triangle < y.triangle : x.piece < y.piece;
   });
   std::pmr::vector<Cluster> clusters(all.memory);
-  for (const std::uint32_t i : order) {
-    const Piece& p = all.pieces[i];
+  for (const Place& place : order) {
+    const Piece& p = all.pieces[place.piece];
     const Vec3d n = mesh == 0 ? p.normal * -1.0 : p.normal;
     auto it = std::find_if(clusters.begin(), clusters.end(),
                            [&](const Cluster& c) { return otgDot(c.first, n) >= OTG_SOLID_FACE_COSINE; });
@@ -76,31 +82,25 @@ std::pmr::vector<Vec3d> faceDirections(const OverlapRegions& all, const Region& 
 class WayOutByPlanes {
  public:
   WayOutByPlanes(const OverlapRegions& all, const Region& region, double far)
-      : all_(all), far_(far), planes_(all.memory), ahead_(all.memory), points_(all.memory) {
+      : all_(all),
+        far_(far),
+        planes_(all.memory),
+        ahead_{std::pmr::vector<Barrier>(all.memory), std::pmr::vector<Barrier>(all.memory)},
+        points_(all.memory) {
     collectPlanes(region);
     const std::uint32_t count = region.pointEnd - region.pointBegin;
     const std::uint32_t stride = std::max(1u, count / OTG_SOLID_DEEP_POINTS);
-    for (std::uint32_t i = region.pointBegin; i < region.pointEnd; i += stride) points_.push_back(i);
+    for (std::uint32_t i = region.pointBegin; i < region.pointEnd; i += stride) points_.add(all.points[i].position);
   }
 
   /// Stops when the answer is at least `enough`.
   double along(const Vec3d& d, double enough) {
-    ahead_.clear();
+    for (std::pmr::vector<Barrier>& ahead : ahead_) ahead.clear();
     for (const Plane& plane : planes_) {
       const double cosine = plane.mesh == 1 ? otgDot(plane.normal, d) : -otgDot(plane.normal, d);
-      if (cosine > 0.05) ahead_.push_back({plane.normal * (1 / cosine), plane.offset / cosine, plane.mesh});
+      if (cosine > 0.05) ahead_[plane.mesh].push_back({plane.normal * (1 / cosine), plane.offset / cosine});
     }
-    double most = 0;
-    for (const std::uint32_t i : points_) {
-      const Vec3d& p = all_.points[i].position;
-      double exit[2] = {far_, far_};
-      for (const Plane& plane : ahead_) {
-        exit[plane.mesh] = std::min(exit[plane.mesh], plane.offset - otgDot(plane.normal, p));
-      }
-      most = std::max(most, std::max(0.0, exit[0]) + std::max(0.0, exit[1]));
-      if (most >= enough) break;
-    }
-    return most;
+    return points_.farthestWay(ahead_[0], ahead_[1], far_, enough);
   }
 
  private:
@@ -147,8 +147,9 @@ class WayOutByPlanes {
 
   const OverlapRegions& all_;
   double far_;
-  std::pmr::vector<Plane> planes_, ahead_;  ///< ahead_: scaled so that a plane's value is the way to it along d
-  std::pmr::vector<std::uint32_t> points_;
+  std::pmr::vector<Plane> planes_;
+  std::pmr::vector<Barrier> ahead_[2];  ///< of each mesh, scaled so that a plane's value is the way to it along d
+  PointSet points_;
 };
 
 /// How far A must go along d until nothing is left of the overlap on lines through the region: through its middle where
