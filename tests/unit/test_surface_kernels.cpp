@@ -316,6 +316,99 @@ TEST_CASE("the soonest of several faces that are as deep") {
   CHECK(asDeep > 50);
 }
 
+namespace {
+
+RegionTriangle triangleOf(const TestFace& face) {
+  RegionTriangle t{};
+  t.normal = face.face.normal;
+  t.offset = face.face.offset;
+  for (int k = 0; k < 3; ++k) {
+    t.corner[k] = face.corner[k];
+    t.inward[k] = face.face.inward[k];
+    t.edge[k] = face.face.edge[k];
+  }
+  return t;
+}
+
+/// Through the nearest triangle, one after the other.
+double wayThrough(const std::vector<RegionTriangle>& triangles, const std::vector<TriangleAhead>& ahead, const Vec3d& p,
+                  const Vec3d& d, double leastCosine, double slack) {
+  double nearest = kInfinity;
+  for (const TriangleAhead& a : ahead) {
+    const RegionTriangle& t = triangles[a.triangle];
+    const double cosine = otgDot(t.normal, d);
+    if (cosine <= leastCosine) continue;
+    const double way = std::max(0.0, a.depth / cosine);
+    double beside = -kInfinity;
+    for (int k = 0; k < 3; ++k) {
+      beside = std::max(beside, t.edge[k] - otgDot(t.inward[k], otgAdd(p, otgScale(d, way))));
+    }
+    if (beside <= slack) nearest = std::min(nearest, way);
+  }
+  return nearest;
+}
+
+}  // namespace
+
+TEST_CASE("the shortest of many ways") {
+  constexpr double kLeastCosine = 0.05, kMostEnding = 0.9;
+  Random random;
+  int found = 0, later = 0;
+  for (int round = 0; round < 300; ++round) {
+    std::vector<RegionTriangle> triangles;
+    std::vector<TriangleAhead> ahead[2];
+    const Vec3d from = otgScale(random.inBox(), 0.3), ending = random.direction();
+    for (std::uint32_t i = 0; i < 200; ++i) {
+      triangles.push_back(triangleOf(faceOf(random)));
+      const double depth = triangles[i].offset - otgDot(triangles[i].normal, from);
+      if (depth > -0.01) ahead[i % 2].push_back({depth, i});
+    }
+    for (auto& a : ahead) {
+      std::sort(a.begin(), a.end(), [](const auto& x, const auto& y) { return x.depth < y.depth; });
+    }
+    const double slack = random.between(0, 0.1);
+    WaySet set;
+    double least = kInfinity;
+    std::uint32_t best = 0;
+    for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(round % 30); ++i) {
+      const Vec3d d = random.direction();
+      const double longest = random.between(0, 2);
+      set.add(d, longest);
+      if (otgDot(ending, d) > kMostEnding) continue;
+      const double length = wayThrough(triangles, ahead[1], from, d, kLeastCosine, slack) +
+                            wayThrough(triangles, ahead[0], from, otgScale(d, -1.0), kLeastCosine, slack);
+      if (length > longest || !(length < least)) continue;
+      least = length;
+      best = i;
+    }
+    ShortestWayArgs args{set.blocks().data(),
+                         set.blocks().size(),
+                         triangles.data(),
+                         {ahead[0].data(), ahead[1].data()},
+                         {ahead[0].size(), ahead[1].size()},
+                         from,
+                         ending,
+                         kMostEnding,
+                         kLeastCosine,
+                         slack,
+                         0,
+                         0,
+                         0,
+                         0};
+    for (const SimdLevel level : levels()) {
+      findShortestWay(level, args);
+      CHECK(args.length == least);
+      if (!(least < kInfinity)) continue;
+      CHECK(args.way == best);
+      CHECK(args.out + args.back == least);
+      ++found;
+      later += best > 3;
+    }
+  }
+  CHECK(found > 100);
+  CHECK(later > 50);
+}
+
 TEST_CASE("stretches that pass each other along their common perpendicular") {
   Random random;
   constexpr double kLeastSine = 0.05;

@@ -73,6 +73,14 @@ void findSoonestFace(SimdLevel level, SoonestFaceArgs& args) {
   OTG_CALL_SURFACE_KERNEL(level, findSoonestFace, args)
 }
 
+void findShortestWay(SimdLevel level, ShortestWayArgs& args) {
+  OTG_CALL_SURFACE_KERNEL(level, findShortestWay, args)
+}
+
+void findShortestWay(ShortestWayArgs& args) {
+  findShortestWay(level(), args);
+}
+
 void findStretchesPassed(SimdLevel level, StretchesPassedArgs& args) {
   OTG_CALL_SURFACE_KERNEL(level, findStretchesPassed, args)
 }
@@ -290,6 +298,16 @@ FaceSet::Soonest FaceSet::soonest(const Vec3d& from, const Vec3d& to, double sla
                        true};
   if (count_ > 0) findSoonestFace(level(), args);
   return {args.depth, args.face, args.isOnly};
+}
+
+void WaySet::add(const Vec3d& direction, double length) {
+  const std::size_t k = count_++ % kSurfaceLanes;
+  if (k == 0) std::fill_n(blocks_.emplace_back().length, kSurfaceLanes, -1.0);
+  WayBlock& b = blocks_.back();
+  b.x[k] = direction.x;
+  b.y[k] = direction.y;
+  b.z[k] = direction.z;
+  b.length[k] = length;
 }
 
 void StretchSet::clear() {

@@ -121,6 +121,18 @@ class FaceSet {
   std::size_t count_ = 0;
 };
 
+/// Directions in which points may leave, with lengths that no way may exceed.
+class WaySet {
+ public:
+  explicit WaySet(std::pmr::memory_resource* memory = std::pmr::get_default_resource()) : blocks_(memory) {}
+  void add(const Vec3d& direction, double length);
+  std::span<const WayBlock> blocks() const { return blocks_; }
+
+ private:
+  std::pmr::vector<WayBlock> blocks_;
+  std::size_t count_ = 0;
+};
+
 /// Stretches of edges.
 class StretchSet {
  public:
@@ -149,6 +161,8 @@ void findNearFaces(SimdLevel level, NearFacesArgs& args);
 void findNearestFace(SimdLevel level, NearFacesArgs& args);
 void findFacesOver(SimdLevel level, FacesOverArgs& args);
 void findSoonestFace(SimdLevel level, SoonestFaceArgs& args);
+void findShortestWay(SimdLevel level, ShortestWayArgs& args);
+void findShortestWay(ShortestWayArgs& args);
 void findStretchesPassed(SimdLevel level, StretchesPassedArgs& args);
 
 }  // namespace otg

@@ -138,6 +138,42 @@ struct SoonestFaceArgs {
   bool isOnly;           ///< out: all others of that depth lie in the same plane, bit for bit
 };
 
+/// One triangle of a region's mesh, whole.
+struct RegionTriangle {
+  Vec3d corner[3];  ///< relative to OverlapRegions::origin
+  Vec3d normal;     ///< unit, outward
+  double offset;    ///< normal . x on its plane
+  Vec3d inward[3];  ///< unit, in its plane, from each edge to the inside
+  double edge[3];   ///< inward . x on each edge
+};
+
+/// Four directions in which a point may leave. Lanes that are not used have lengths below 0.
+struct WayBlock {
+  double x[kSurfaceLanes], y[kSurfaceLanes], z[kSurfaceLanes];  ///< unit
+  double length[kSurfaceLanes];                                 ///< no longer way counts
+};
+
+/// A triangle below whose plane a point lies.
+struct TriangleAhead {
+  double depth;
+  std::uint32_t triangle;
+};
+
+struct ShortestWayArgs {
+  const WayBlock* ways;
+  std::size_t count;
+  const RegionTriangle* triangles;
+  const TriangleAhead* ahead[2];  ///< of each mesh, the least depth first
+  std::size_t aheadCount[2];
+  Vec3d from, ending;  ///< ending: no way counts whose cosine with it is more than `mostEnding`
+  double mostEnding;
+  double leastCosine;  ///< of a way with the normal of a triangle that it goes through
+  double slack;        ///< how far beside a triangle counts as on it
+  double length;       ///< out: the shortest of all, out of mesh 1 along it and out of mesh 0 against it; or infinity
+  double out, back;    ///< out: its parts
+  std::uint32_t way;   ///< out: the first of that length
+};
+
 /// Four stretches of edges. Lanes that are not used have no direction.
 struct StretchBlock {
   double x[kSurfaceLanes], y[kSurfaceLanes], z[kSurfaceLanes];                 ///< middle
@@ -166,6 +202,7 @@ struct StretchesPassedArgs {
   void findNearestFace(NearFacesArgs& args);           \
   void findFacesOver(FacesOverArgs& args);             \
   void findSoonestFace(SoonestFaceArgs& args);         \
+  void findShortestWay(ShortestWayArgs& args);         \
   void findStretchesPassed(StretchesPassedArgs& args); \
   }
 OTG_DECLARE_SURFACE_KERNELS(simd_baseline)

@@ -328,6 +328,72 @@ void findSoonestFace(SoonestFaceArgs& args) {
   }
 }
 
+namespace {
+
+constexpr double kSurely = 1 + 1e-8;  ///< for lengths that round
+constexpr double kWithin = 1 + 1e-6;  ///< for limits of lengths
+
+struct Directions {
+  Doubles x, y, z;
+};
+
+__attribute__((always_inline)) inline double largest(Doubles a) {
+  return -least(-a);
+}
+
+/// The ways along four directions through the nearest triangle of mesh m that faces along and is met sooner than
+/// `limit`, or infinity.
+__attribute__((always_inline)) inline Doubles waysThrough(const ShortestWayArgs& args, int m, const Directions& d,
+                                                          Doubles limit) {
+  Doubles nearest = limit;
+  double most = largest(nearest) * kSurely;
+  for (std::size_t k = 0; k < args.aheadCount[m]; ++k) {
+    const TriangleAhead& ahead = args.ahead[m][k];
+    if (!(ahead.depth < most)) break;  // no way is shorter than the distance from the plane
+    const RegionTriangle& t = args.triangles[ahead.triangle];
+    const Doubles cosine = t.normal.x * d.x + t.normal.y * d.y + t.normal.z * d.z;
+    DoubleMask met = (cosine > args.leastCosine) & (ahead.depth < kSurely * nearest * cosine);
+    if (bitsOfLanes(met) == 0) continue;
+    const Doubles way = larger(ahead.depth / cosine, Doubles{});
+    const Doubles x = args.from.x + d.x * way, y = args.from.y + d.y * way, z = args.from.z + d.z * way;
+    Doubles beside = t.edge[0] - (t.inward[0].x * x + t.inward[0].y * y + t.inward[0].z * z);
+    for (int e = 1; e < 3; ++e) {
+      beside = larger(t.edge[e] - (t.inward[e].x * x + t.inward[e].y * y + t.inward[e].z * z), beside);
+    }
+    met &= (way < nearest) & (beside <= args.slack);
+    if (bitsOfLanes(met) == 0) continue;
+    nearest = met ? way : nearest;
+    most = largest(nearest) * kSurely;
+  }
+  return nearest < limit ? nearest : spread4(kFarAway);
+}
+
+}  // namespace
+
+void findShortestWay(ShortestWayArgs& args) {
+  args.length = kFarAway;
+  for (std::size_t i = 0; i < args.count; ++i) {
+    const WayBlock& b = args.ways[i];
+    const Directions d{load4(b.x), load4(b.y), load4(b.z)};
+    const Doubles cosine = args.ending.x * d.x + args.ending.y * d.y + args.ending.z * d.z;
+    const Doubles none = spread4(-1), longest = load4(b.length);
+    const Doubles limit = cosine > args.mostEnding ? none : smaller(longest, spread4(args.length)) * kWithin;
+    if (bitsOfLanes(limit > 0) == 0) continue;
+    const Doubles out = waysThrough(args, 1, d, limit);
+    if (bitsOfLanes(out < kFarAway) == 0) continue;
+    const Doubles back = waysThrough(args, 0, {-d.x, -d.y, -d.z}, out < kFarAway ? limit - out : none);
+    const Doubles length = out + back;
+    for (unsigned bits = bitsOfLanes(length <= longest); bits; bits &= bits - 1) {
+      const int lane = __builtin_ctz(bits);
+      if (!(length[lane] < args.length)) continue;
+      args.length = length[lane];
+      args.out = out[lane];
+      args.back = back[lane];
+      args.way = static_cast<std::uint32_t>(kSurfaceLanes * i) + static_cast<std::uint32_t>(lane);
+    }
+  }
+}
+
 /// Those that otgPassOfStretches() may find, and few more: along the common perpendicular.
 void findStretchesPassed(StretchesPassedArgs& args) {
   const Doubles px = spread4(args.middle.x), py = spread4(args.middle.y), pz = spread4(args.middle.z);

@@ -255,24 +255,22 @@ class RegionSolver {
     }
     const std::pmr::vector<Way> ways = waysOfCandidates();
     double deepest = 0;
-    for (const Way& way : ways) deepest = std::max(deepest, way.depth);
+    WaySet set(memory_);
+    for (const Way& way : ways) {
+      deepest = std::max(deepest, way.depth);
+      set.add(way.normal, way.depth);
+    }
     for (const std::uint32_t i : points) {
       if (all_.points[i].kind != PointKind::kCrossing || ways.empty()) continue;
-      Candidate c = candidateAt(all_.points[i]), best = c;
+      Candidate c = candidateAt(all_.points[i]);
+      const Vec3d ending = otgScale(c.point->faceNormal, c.point->mesh == 0 ? 1.0 : -1.0);
       triangles_.lookFrom(c.probe, kWithin * deepest);
-      double least = std::numeric_limits<double>::infinity();
-      for (const Way& way : ways) {
-        c.normal = way.normal;
-        if (otgEndsAt(c.point->faceNormal, c.normal, c.point->mesh)) continue;
-        const double limit = std::min(least, kWithin * way.depth);
-        c.out = triangles_.wayOut(1, c.normal, limit);
-        if (!(c.out < limit)) continue;
-        c.back = triangles_.wayOut(0, otgScale(c.normal, -1.0), limit);
-        if (!(c.out + c.back < least && c.out + c.back <= way.depth)) continue;
-        least = c.out + c.back;
-        best = c;
-      }
-      if (std::isfinite(least)) addMeasured(best);
+      const auto shortest = triangles_.shortestWay(set, ending);
+      if (!shortest) continue;
+      c.normal = ways[shortest->way].normal;
+      c.out = shortest->out;
+      c.back = shortest->back;
+      addMeasured(c);
     }
   }
 

@@ -20,12 +20,6 @@ constexpr std::size_t kNoSlot = ~std::size_t{0};
 
 }  // namespace
 
-double RegionTriangle::beside(const Vec3d& p) const {
-  double most = -kInfinity;
-  for (int k = 0; k < 3; ++k) most = std::max(most, edge[k] - otgDot(inward[k], p));
-  return most;
-}
-
 void RegionTriangles::collect(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region) {
   slack_ = OTG_SOLID_ON_EDGE * region.diagonal;
   behind_ = OTG_SOLID_BELOW_SURFACE * region.diagonal;
@@ -211,33 +205,32 @@ void RegionTriangles::lookFrom(const Vec3d& from, double far) {
     ahead_[m].clear();
     for (const std::uint32_t k : faces_[m].near(from, kSurely * far)) {
       const std::size_t i = begin_[m] + k;
-      if (const double depth = depthBelow(i, from); depth >= -behind_) ahead_[m].push_back({depth, i});
+      const double depth = depthBelow(i, from);
+      if (depth >= -behind_ && depth < kSurely * far) ahead_[m].push_back({depth, static_cast<std::uint32_t>(i)});
     }
-    std::make_heap(ahead_[m].begin(), ahead_[m].end(), isFarther);
-    sorted_[m] = 0;
+    std::sort(ahead_[m].begin(), ahead_[m].end(),
+              [](const TriangleAhead& x, const TriangleAhead& y) { return x.depth < y.depth; });
   }
 }
 
-const RegionTriangles::Ahead& RegionTriangles::aheadAt(int m, std::size_t k) {
-  std::pmr::vector<Ahead>& ahead = ahead_[m];
-  for (; sorted_[m] <= k; ++sorted_[m]) {
-    std::pop_heap(ahead.begin(), ahead.end() - static_cast<std::ptrdiff_t>(sorted_[m]), isFarther);
-  }
-  return ahead[ahead.size() - 1 - k];
-}
-
-double RegionTriangles::wayOut(int m, const Vec3d& direction, double limit) {
-  double nearest = limit;
-  for (std::size_t k = 0; k < ahead_[m].size(); ++k) {
-    const auto [depth, i] = aheadAt(m, k);
-    if (!(depth < kSurely * nearest)) break;  // no way is shorter than the distance from the plane
-    const double cosine = otgDot(planes_[i].normal, direction);
-    if (!(cosine > OTG_UNEVEN_LEAST_COSINE) || depth >= kSurely * nearest * cosine) continue;
-    const double way = otgWayThrough(depth, cosine);
-    if (!(way < nearest)) continue;
-    if (triangles_[i].beside(otgAdd(from_, otgScale(direction, way))) <= slack_) nearest = way;
-  }
-  return nearest < limit ? nearest : kInfinity;
+std::optional<RegionTriangles::Shortest> RegionTriangles::shortestWay(const WaySet& ways, const Vec3d& ending) const {
+  ShortestWayArgs args{ways.blocks().data(),
+                       ways.blocks().size(),
+                       triangles_.data(),
+                       {ahead_[0].data(), ahead_[1].data()},
+                       {ahead_[0].size(), ahead_[1].size()},
+                       from_,
+                       ending,
+                       OTG_SOLID_FACING,
+                       OTG_UNEVEN_LEAST_COSINE,
+                       slack_,
+                       kInfinity,
+                       0,
+                       0,
+                       0};
+  findShortestWay(args);
+  if (!(args.length < kInfinity)) return std::nullopt;
+  return Shortest{args.way, args.out, args.back};
 }
 
 double RegionTriangles::distanceToFacing(int m, const Vec3d& p, const Vec3d& direction, double limit) const {

@@ -15,17 +15,6 @@
 
 namespace otg {
 
-/// One triangle of a mesh, whole: the piece is the part of it that lies inside the other mesh.
-struct RegionTriangle {
-  Vec3d corner[3];  ///< relative to OverlapRegions::origin
-  Vec3d normal;     ///< unit, outward
-  double offset;    ///< normal . x on its plane
-  Vec3d inward[3];  ///< unit, in its plane, from each edge to the inside
-  double edge[3];   ///< inward . x on each edge
-  /// How far a point of its plane lies beside it; 0 or less if it lies in it.
-  double beside(const Vec3d& p) const;
-};
-
 /// A convex edge of such triangles.
 struct RegionEdge {
   Vec3d middle, along;  ///< relative to the origin; unit
@@ -46,7 +35,7 @@ class RegionTriangles {
         exits_(memory),
         facesOver_(memory),
         distances_(memory),
-        ahead_{std::pmr::vector<Ahead>(memory), std::pmr::vector<Ahead>(memory)},
+        ahead_{std::pmr::vector<TriangleAhead>(memory), std::pmr::vector<TriangleAhead>(memory)},
         sameAs_(memory),
         slots_(memory),
         used_(memory) {}
@@ -82,11 +71,15 @@ class RegionTriangles {
   /// Which of these has the least depth; infinite without any. None where several that differ have it.
   std::optional<StretchExit> soonestOver(int m, const Vec3d& from, const Vec3d& to) const;
 
-  /// Where the ways of wayOut() begin, none of which has a larger limit than `far`.
+  /// Where the ways of shortestWay() begin, none of which may be longer than `far`.
   void lookFrom(const Vec3d& from, double far);
-  /// Way along a unit direction through the nearest triangle of mesh m that faces along it; infinity if none is met
-  /// sooner than `limit`.
-  double wayOut(int m, const Vec3d& direction, double limit);
+  /// The first of the shortest ways: out of mesh 1 through the nearest of its triangles that face along, and out of
+  /// mesh 0 against the direction. Those along `ending` do not count. None if all are longer than they may be.
+  struct Shortest {
+    std::size_t way;
+    double out, back;
+  };
+  std::optional<Shortest> shortestWay(const WaySet& ways, const Vec3d& ending) const;
 
   /// Distance of a point from the triangles of mesh m that face along a unit direction, `limit` at most.
   double distanceToFacing(int m, const Vec3d& p, const Vec3d& direction, double limit) const;
@@ -98,16 +91,6 @@ class RegionTriangles {
     double offset;
   };
   enum class Curved : std::uint8_t { kUnknown, kNo, kYes };
-  /// A triangle whose plane a point lies below.
-  struct Ahead {
-    double depth;
-    std::size_t triangle;
-  };
-  static bool isFarther(const Ahead& x, const Ahead& y) {
-    return x.depth != y.depth ? x.depth > y.depth : x.triangle > y.triangle;
-  }
-  /// The k-th of them, the least depth first: put in order as far as it is asked for.
-  const Ahead& aheadAt(int m, std::size_t k);
   void findSameNormals();
 
   double depthBelow(std::size_t i, const Vec3d& p) const { return planes_[i].offset - otgDot(planes_[i].normal, p); }
@@ -130,13 +113,12 @@ class RegionTriangles {
   std::pmr::vector<StretchExit> facesOver_;
   std::pmr::vector<double> distances_;
   Vec3d from_{};
-  std::pmr::vector<Ahead> ahead_[2];      ///< of each mesh, seen from there: a heap, and what was taken from it
-  std::size_t sorted_[2] = {0, 0};        ///< how many were taken, the first at the end
-  std::pmr::vector<std::size_t> sameAs_;  ///< of each triangle one that faces the same way: one for all that do
-  std::pmr::vector<std::size_t> slots_;   ///< facesOver(): of these, where it is among those found
-  std::pmr::vector<std::size_t> used_;    ///< which slots are taken
-  double slack_ = 0;                      ///< how far beside a triangle still counts as on it
-  double behind_ = 0;                     ///< how far in front of a triangle a point may lie that counts as on it
+  std::pmr::vector<TriangleAhead> ahead_[2];  ///< of each mesh, seen from there
+  std::pmr::vector<std::size_t> sameAs_;      ///< of each triangle one that faces the same way: one for all that do
+  std::pmr::vector<std::size_t> slots_;       ///< facesOver(): of these, where it is among those found
+  std::pmr::vector<std::size_t> used_;        ///< which slots are taken
+  double slack_ = 0;                          ///< how far beside a triangle still counts as on it
+  double behind_ = 0;                         ///< how far in front of a triangle a point may lie that counts as on it
 };
 
 }  // namespace otg
