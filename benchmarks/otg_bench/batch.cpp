@@ -315,7 +315,7 @@ BatchVersions makeBatchVersions(const BenchOptions& options, const std::string& 
     if (dense) scene.of = " of dense bodies";
     scene.bodies = dense ? denseBodies() : batchBodies();
     for (const BenchMesh& file : bodyMeshes(options)) {
-      scene.bodies.push_back(std::make_shared<CollisionMesh>(sortedInSpace(*file.mesh), BuildStrategy::kSah));
+      scene.bodies.push_back(std::make_shared<CollisionMesh>(sortedForLocality(*file.mesh), BuildStrategy::kSah));
       scene.of += (scene.of.empty() ? " of generated bodies, " : ", ") + file.name;
     }
     scene.queries = dense ? batchQueries(scene.bodies, options.pairs, 0.15) : batchQueries(scene.bodies, options.pairs);
@@ -512,7 +512,7 @@ int benchBatch(const BenchOptions& options) {
   std::vector<BenchMesh> meshes;
   if (options.scenes != std::vector<std::string>{"none"}) meshes = benchMeshes(options);
   for (const BenchMesh& entry : meshes) {
-    const auto mesh = std::make_shared<CollisionMesh>(sortedInSpace(*entry.mesh), BuildStrategy::kSah);
+    const auto mesh = std::make_shared<CollisionMesh>(sortedForLocality(*entry.mesh), BuildStrategy::kSah);
     for (const std::string& scene : options.scenes) {
       progress(fmt::format("{}: {}", entry.name, scene));
       singles.push_back(makeSingleScene(options, scene, entry, mesh));

@@ -22,7 +22,7 @@ Transformd turn(const Vec3d& axis, double angle) {
 BodyList built(const std::vector<scenes::MeshArrays>& arrays) {
   BodyList bodies;
   for (const scenes::MeshArrays& a : arrays) {
-    bodies.push_back(std::make_shared<CollisionMesh>(sortedInSpace(*scenes::build(a)), BuildStrategy::kSah));
+    bodies.push_back(std::make_shared<CollisionMesh>(sortedForLocality(*scenes::build(a)), BuildStrategy::kSah));
   }
   return bodies;
 }

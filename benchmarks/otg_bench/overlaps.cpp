@@ -78,7 +78,7 @@ Json pairRows(const AskPairs& ask, const std::vector<std::pair<const char*, doub
     parts.step();
   }
   for (const BenchMesh& entry : meshes) {
-    const CollisionMesh mesh(sortedInSpace(*entry.mesh), BuildStrategy::kSah);
+    const CollisionMesh mesh(sortedForLocality(*entry.mesh), BuildStrategy::kSah);
     const double radius = static_cast<double>(mesh.mesh().radius());
     for (const auto& [scene, further] : scenes) {
       BenchOptions posed = options;

@@ -19,8 +19,8 @@ namespace {
 class OwnPeer final : public peers::Peer {
  public:
   OwnPeer(const peers::PeerScene& scene, ContactModel model) {
-    a_ = std::make_shared<CollisionMesh>(sortedInSpace(*scene.a), BuildStrategy::kSah);
-    b_ = std::make_shared<CollisionMesh>(sortedInSpace(*scene.b), BuildStrategy::kSah);
+    a_ = std::make_shared<CollisionMesh>(sortedForLocality(*scene.a), BuildStrategy::kSah);
+    b_ = std::make_shared<CollisionMesh>(sortedForLocality(*scene.b), BuildStrategy::kSah);
     query_.a = a_.get();
     query_.b = b_.get();
     query_.bInA = scene.bInA;

@@ -99,7 +99,7 @@ Json pointRows(const QueriesOptions& options, int repeat, bool withDevices) {
   const std::vector<BenchMesh> meshes = benchMeshes(options.scene);
   Progress parts(meshes.size() * asks().size() * 2 * options.counts.size());
   for (const BenchMesh& mesh : meshes) {
-    const auto sorted = sortedInSpace(*mesh.mesh);
+    const auto sorted = sortedForLocality(*mesh.mesh);
     const CollisionMesh tree(sorted, BuildStrategy::kSah);
     const dGpuTriMeshDataID data = meshData(*mesh.mesh, mesh.name);
     const dGeomID geom = dCreateGpuTriMesh(nullptr, data);

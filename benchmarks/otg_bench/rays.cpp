@@ -111,7 +111,7 @@ Json rayRows(const BenchOptions& options, const std::vector<int>& counts, int al
   const std::vector<BenchMesh> meshes = benchMeshes(options);
   Progress parts(2 * meshes.size() * counts.size());
   for (const BenchMesh& mesh : meshes) {
-    const CollisionMesh tree(sortedInSpace(*mesh.mesh), BuildStrategy::kSah);
+    const CollisionMesh tree(sortedForLocality(*mesh.mesh), BuildStrategy::kSah);
     const dGpuTriMeshDataID data = meshData(*mesh.mesh, mesh.name);
     const dGeomID geom = dCreateGpuTriMesh(nullptr, data);
     for (const char* way : {"camera", "around"}) {

@@ -172,7 +172,7 @@ std::vector<BenchMesh> bodyMeshes(const BenchOptions& options) {
   return bodies;
 }
 
-std::shared_ptr<const TriMesh> sortedInSpace(const TriMesh& mesh) {
+std::shared_ptr<const TriMesh> sortedForLocality(const TriMesh& mesh) {
   MeshInput input;
   input.vertices = mesh.vertices().data();
   input.vertexCount = mesh.vertices().size();

@@ -45,9 +45,9 @@ std::vector<BenchMesh> benchMeshes(const BenchOptions& options);
 /// 200 to 6,000 triangles are left out, with a note; throws InputError if that leaves none.
 std::vector<BenchMesh> bodyMeshes(const BenchOptions& options);
 
-/// The same mesh as the geom class builds it: sorted in space. Files are read as they are, which is what other
+/// The same mesh as the geom class builds it: sorted for locality. Files are read as they are, which is what other
 /// libraries get.
-std::shared_ptr<const TriMesh> sortedInSpace(const TriMesh& mesh);
+std::shared_ptr<const TriMesh> sortedForLocality(const TriMesh& mesh);
 
 /// The scene's matrix from --poses; without it, a pose of the same kind computed for the mesh: turned, then moved along
 /// x to where the copies just touch, and from there by a fraction of the mesh's width: touch -0.05, deep -0.35,

@@ -170,7 +170,7 @@ int benchThesis(const BenchOptions& options) {
   Progress all(3 * entries.size());  // of each mesh the tables, the combinations, and the traversal of a device
   for (const BenchMesh& entry : entries) {
     progress(fmt::format("{}: {} triangles", entry.name, entry.mesh->triangleCount()));
-    const std::shared_ptr<const TriMesh> sorted = sortedInSpace(*entry.mesh);
+    const std::shared_ptr<const TriMesh> sorted = sortedForLocality(*entry.mesh);
     std::vector<std::shared_ptr<const CollisionMesh>> meshes;
     for (const BuildStrategy build : kBuilds) {
       progress(fmt::format("  building the tree by {}", nameOf(build)));

@@ -14,7 +14,7 @@
 
 namespace otg {
 
-inline constexpr std::uint32_t kCookedVersion = 4;
+inline constexpr std::uint32_t kCookedVersion = 5;
 
 /// Throws std::bad_alloc only.
 std::vector<unsigned char> cookMesh(const CollisionMesh& mesh);

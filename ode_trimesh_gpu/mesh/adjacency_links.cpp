@@ -7,7 +7,7 @@
 namespace otg {
 namespace {
 
-/// Breadth first from each vertex that is left, in order: with vertices sorted in space the sets come out compact.
+/// Breadth first from each vertex that is left, in order: with vertices sorted for locality the sets come out compact.
 void gatherClusters(std::uint32_t vertices, AdjacencyLinks& out) {
   std::vector<AdjacencyLinks::ClusterLists> lists;
   std::vector<std::uint32_t> clusterOf(vertices, kNone), members, neighbours;

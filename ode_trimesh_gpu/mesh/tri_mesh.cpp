@@ -16,7 +16,7 @@
 #include "mesh/own_topology.h"
 #include "mesh/repair.h"
 #include "mesh/report_mesh.h"
-#include "mesh/spatial_order.h"
+#include "mesh/local_order.h"
 
 namespace otg {
 namespace {
@@ -184,13 +184,13 @@ struct TriMeshBuilder {
     chooseTopology(*mesh, ownTopology(mesh->vertices_, mesh->triangles_, weld), std::move(weld), report);
     mesh->report_ = report;
     const bool isLarge = mesh->triangles_.size() > kMostUnsorted;
-    if (order == MeshOrder::kSpatial || (order == MeshOrder::kBySize && isLarge)) sortInSpace(*mesh);
+    if (order == MeshOrder::kLocal || (order == MeshOrder::kBySize && isLarge)) sortForLocality(*mesh);
     result.mesh = mesh;
     return result;
   }
 
-  static void sortInSpace(TriMesh& mesh) {
-    SpatialOrder order = findSpatialOrder(mesh.vertices_, mesh.triangles_);
+  static void sortForLocality(TriMesh& mesh) {
+    LocalOrder order = findLocalOrder(mesh.topology_, mesh.triangles_);
     const std::vector<std::uint32_t> newVertex = inverseOf(order.vertices);
     std::vector<Vec3f> vertices(order.vertices.size());
     std::vector<std::uint32_t> inputVertexOf(order.vertices.size());

@@ -33,11 +33,11 @@ struct MeshInput {
   std::size_t triangleCount = 0;
 };
 
-/// How triangles and vertices are numbered inside a TriMesh. kInput: as the caller (after repairs) does. kSpatial:
-/// along a curve through space, which queries read from memory faster; results of collide() and reports are in the
-/// caller's numbers all the same. kBySize: kInput for a mesh of up to kMostUnsorted triangles, which caches hold
-/// anyhow. What is found in it does not depend on where its vertices were when it was built, then; else kSpatial.
-enum class MeshOrder { kInput, kSpatial, kBySize };
+/// How triangles and vertices are numbered inside a TriMesh. kInput: as the caller (after repairs) does. kLocal: what
+/// hangs together lies together (mesh/local_order.h), which queries read from memory faster. Results of collide() and
+/// reports are in the caller's numbers all the same. kBySize: kInput for a mesh of up to kMostUnsorted triangles, which
+/// caches hold anyhow, else kLocal. No numbering depends on where the vertices are.
+enum class MeshOrder { kInput, kLocal, kBySize };
 inline constexpr std::size_t kMostUnsorted = 1024;
 
 /// A solid is closed, manifold along its edges, consistently wound and faces outward: it has an inside.

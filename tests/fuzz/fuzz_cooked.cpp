@@ -32,7 +32,7 @@ std::vector<fuzz::Input> fuzz::seeds() {
   std::vector<Input> all;
   for (const scenes::MeshArrays& arrays :
        {scenes::makeBox({1, 1, 1}), scenes::makeLump(1, 1, 0.2, 3), scenes::makeGround(2, 0.5, 2)}) {
-    for (const MeshOrder order : {MeshOrder::kInput, MeshOrder::kSpatial}) {
+    for (const MeshOrder order : {MeshOrder::kInput, MeshOrder::kLocal}) {
       all.push_back(cookMesh(CollisionMesh(buildTriMesh(arrays.input(), {}, order).mesh, BuildStrategy::kSah)));
     }
   }

@@ -21,7 +21,7 @@ namespace {
 
 /// As the library makes meshes, and to be moved.
 std::shared_ptr<CollisionMesh> movable(const MeshArrays& arrays) {
-  return std::make_shared<CollisionMesh>(buildTriMesh(arrays.input(), {}, MeshOrder::kSpatial).mesh,
+  return std::make_shared<CollisionMesh>(buildTriMesh(arrays.input(), {}, MeshOrder::kLocal).mesh,
                                          BuildStrategy::kSah);
 }
 

@@ -21,7 +21,7 @@ using namespace otg::test;
 namespace {
 
 CollisionMesh collisionMesh(const scenes::MeshArrays& arrays, const RepairOptions& repair = {}) {
-  return CollisionMesh(buildTriMesh(arrays.input(), repair, MeshOrder::kSpatial).mesh, BuildStrategy::kSah);
+  return CollisionMesh(buildTriMesh(arrays.input(), repair, MeshOrder::kLocal).mesh, BuildStrategy::kSah);
 }
 
 /// Numbers of the sections, as cooked_mesh.cpp has them.
@@ -109,10 +109,10 @@ TEST_CASE("bytes that were changed, cut off, or are something else are refused")
   Bytes newer = bytes;
   newer[8] = kCookedVersion + 1;
   seal(newer);
-  CHECK(errorOf(newer) == "The cooked mesh is of version 5; this library reads version 4.");
+  CHECK(errorOf(newer) == "The cooked mesh is of version 6; this library reads version 5.");
   Bytes older = bytes;  // of version 2, whose header was shorter
   older[8] = 2;
-  CHECK(errorOf(older) == "The cooked mesh is of version 2; this library reads version 4.");
+  CHECK(errorOf(older) == "The cooked mesh is of version 2; this library reads version 5.");
   CHECK(errorOf(Bytes(older.begin(), older.begin() + 40)) == errorOf(older));
   const std::size_t vertices = sectionsOf(bytes)[kVertices].at;
   Bytes swapped = bytes;  // two pairs of words exchanged that the same lane takes up

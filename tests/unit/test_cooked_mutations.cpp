@@ -27,7 +27,7 @@ struct Sample {
   Bytes bytes;
 };
 
-Bytes cooked(const scenes::MeshArrays& arrays, MeshOrder order = MeshOrder::kSpatial) {
+Bytes cooked(const scenes::MeshArrays& arrays, MeshOrder order = MeshOrder::kLocal) {
   return cookMesh(CollisionMesh(buildTriMesh(arrays.input(), {}, order).mesh, BuildStrategy::kSah));
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A mesh that is sorted in space is the same mesh under other numbers, and callers see their own.
+// A mesh that is sorted for locality is the same mesh under other numbers, and callers see their own.
 #include <algorithm>
 #include <set>
 
 #include "collide/query.h"
-#include "mesh/spatial_order.h"
+#include "mesh/local_order.h"
 #include "scenes/generated_meshes.h"
 #include "support/catch.h"
 
@@ -14,7 +14,7 @@ using namespace otg::scenes;
 namespace {
 
 std::shared_ptr<const TriMesh> sorted(const MeshArrays& arrays, const RepairOptions& repair = {}) {
-  return buildTriMesh(arrays.input(), repair, MeshOrder::kSpatial).mesh;
+  return buildTriMesh(arrays.input(), repair, MeshOrder::kLocal).mesh;
 }
 
 void checkSameTopology(const Topology& a, const Topology& b) {
@@ -78,7 +78,7 @@ TEST_CASE("renumbering gives what building the renumbered mesh gives") {
   }
 }
 
-TEST_CASE("neighbours in space are neighbours in memory") {
+TEST_CASE("neighbours are neighbours in memory") {
   const auto mesh = sorted(makeSphere(1, 5));
   const auto gap = [](const TriMesh& m) {
     double sum = 0;
@@ -90,10 +90,72 @@ TEST_CASE("neighbours in space are neighbours in memory") {
   CHECK(gap(*mesh) < 0.1 * static_cast<double>(mesh->triangleCount()));
 }
 
+TEST_CASE("numbers depend on what hangs together, not on places or winding") {
+  const MeshArrays arrays = makeLump(1, 4, 0.3, 5);
+  const auto mesh = sorted(arrays);
+  MeshArrays bent = arrays, turned = arrays;
+  for (Vec3f& v : bent.vertices) v = {v.y + v.x * v.x, -v.x, 3 * v.z};
+  for (Triangle& t : turned.triangles) std::swap(t.v[1], t.v[2]);
+  for (const MeshArrays& other : {bent, turned}) {
+    const auto same = sorted(other);
+    bool triangles = true, vertices = true;
+    for (std::uint32_t t = 0; t < mesh->triangleCount(); ++t) {
+      triangles = triangles && mesh->callerTriangle(t) == same->callerTriangle(t);
+    }
+    for (std::uint32_t v = 0; v < mesh->vertices().size(); ++v) {
+      vertices = vertices && mesh->callerVertex(v) == same->callerVertex(v);
+    }
+    CHECK(triangles);
+    CHECK(vertices);
+  }
+}
+
+TEST_CASE("a mesh whose neighbours all meet in one triangle is numbered all the same") {
+  MeshArrays star;  // a fan about each corner of each triangle that is there before: trees of triangles
+  star.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  star.triangles = {{{0, 1, 2}}};
+  for (std::uint32_t t = 0; t < 3000; ++t) {
+    const auto n = static_cast<std::uint32_t>(star.vertices.size());
+    const Triangle from = star.triangles[t / 2];
+    star.vertices.push_back({static_cast<float>(n), static_cast<float>(n * n % 7), 1});
+    const std::uint32_t k = 1 + t % 2;
+    star.triangles.push_back({{from.v[(k + 1) % 3], from.v[k], n}});
+  }
+  const auto mesh = sorted(star);
+  REQUIRE(mesh != nullptr);
+  checkSameTopology(mesh->topology(), topologyOf(*mesh));
+}
+
+TEST_CASE("contacts after an update of vertices are those of a new mesh, to the last bit") {
+  const MeshArrays before = makeLump(1, 4, 0.3, 5);
+  MeshArrays after = before;
+  for (Vec3f& v : after.vertices) v = {1.2f * v.x, v.y + 0.2f * v.z * v.z, v.z};
+  const auto built = buildTriMesh(after.input(), {}, MeshOrder::kBySize).mesh;
+  const auto updated = moveVertices(*buildTriMesh(before.input(), {}, MeshOrder::kBySize).mesh, after.input()).mesh;
+  const CollisionMesh first(built, BuildStrategy::kSah), second(updated, BuildStrategy::kSah);
+  for (const double far : {0.7, 1.2, 1.6, 1.8}) {
+    Query query;
+    query.bInA = {{0, -1, 0, 1, 0, 0, 0, 0, 1}, {far, 0.3, 0.2}};
+    query.options.contacts = ContactModel::kSolid;
+    Workspace x, y;
+    query.a = query.b = &first;
+    collide(query, x);
+    query.a = query.b = &second;
+    collide(query, y);
+    REQUIRE(!x.reduced.empty());
+    REQUIRE(x.reduced.size() == y.reduced.size());
+    for (std::size_t i = 0; i < x.reduced.size(); ++i) {
+      CHECK(x.reduced[i].position == y.reduced[i].position);
+      CHECK(x.reduced[i].normal == y.reduced[i].normal);
+      CHECK(x.reduced[i].depth == y.reduced[i].depth);
+    }
+  }
+}
+
 TEST_CASE("reports name the caller's elements, at building and after moving vertices") {
   MeshArrays arrays = mixed();
   const MeshResult plain = buildTriMesh(arrays.input());
-  const MeshResult ordered = buildTriMesh(arrays.input(), {}, MeshOrder::kSpatial);
+  const MeshResult ordered = buildTriMesh(arrays.input(), {}, MeshOrder::kLocal);
   const auto check = [](const ValidationReport& a, const ValidationReport& b) {
     REQUIRE(a.problems.size() == b.problems.size());
     for (std::size_t i = 0; i < a.problems.size(); ++i) {

@@ -38,9 +38,9 @@ bool sameAdjacency(const Adjacency& a, const Adjacency& b) {
          sameBytes(a.halfEdges, b.halfEdges) && sameBytes(a.clusterVertices, b.clusterVertices);
 }
 
-/// A mesh of the same kind as the library's own: triangles sorted in space, vertices merged.
+/// A mesh of the same kind as the library's own: triangles sorted for locality, vertices merged.
 std::shared_ptr<CollisionMesh> makeMesh(const scenes::MeshArrays& arrays, const RepairOptions& repair = {}) {
-  return std::make_shared<CollisionMesh>(buildTriMesh(arrays.input(), repair, MeshOrder::kSpatial).mesh,
+  return std::make_shared<CollisionMesh>(buildTriMesh(arrays.input(), repair, MeshOrder::kLocal).mesh,
                                          BuildStrategy::kSah);
 }
 

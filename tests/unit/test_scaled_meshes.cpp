@@ -313,7 +313,7 @@ TEST_CASE("instruction sets agree bit for bit on scaled boxes") {
 
 TEST_CASE("images follow the moves of their mesh, also when its tree is built anew or somebody holds one of them") {
   const auto ofArrays = [](const scenes::MeshArrays& arrays) {
-    MeshResult built = buildTriMesh(arrays.input(), {}, MeshOrder::kSpatial);
+    MeshResult built = buildTriMesh(arrays.input(), {}, MeshOrder::kLocal);
     return std::make_unique<CollisionMesh>(std::move(built.mesh), BuildStrategy::kSah);
   };
   const auto mesh = ofArrays(scenes::makeSphere(1, 4));

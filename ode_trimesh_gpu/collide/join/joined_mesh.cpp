@@ -204,7 +204,7 @@ class Joiner {
     input.vertexCount = vertices.size();
     input.indices = triangles.data();
     input.triangleCount = triangles.size();
-    const MeshResult result = buildTriMesh(input, {}, MeshOrder::kSpatial);
+    const MeshResult result = buildTriMesh(input, {}, MeshOrder::kLocal);
     if (result.mesh == nullptr) return {};
     const bool isOne =
         isSolidPart(parts.front()) ? result.mesh->meshClass() == MeshClass::kSolid : isSheet(*result.mesh);
