@@ -16,6 +16,7 @@ using namespace otg;
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::uint32_t kInvalid = std::numeric_limits<std::uint32_t>::max();
 
 std::vector<SimdLevel> levels() {
   std::vector<SimdLevel> out{SimdLevel::kBaseline};
@@ -82,18 +83,28 @@ TEST_CASE("ways out through planes") {
   Random random;
   int onPart = 0, onlyConvex = 0, none = 0;
   for (int round = 0; round < 400; ++round) {
-    const std::vector<Part> all = parts(random, round % 23);
+    std::vector<Part> all = parts(random, round % 23);
     PlaneSet set;
+    if (round % 2 == 0) {  // of equal ones the first faces
+      const std::vector<Part> again = all;
+      all.insert(all.end(), again.begin(), again.end());
+    }
     for (const Part& p : all) set.add(p.normal, p.offset, p.lo, p.hi);
     const Vec3d from = random.inBox(), d = random.direction();
     const double slack = random.between(0, 0.1);
-    double nearest = kInfinity, nearestRound = kInfinity, convex = kInfinity;
+    double nearest = kInfinity, nearestRound = kInfinity, convex = kInfinity, leastSum = kInfinity;
+    std::uint32_t facing = kInvalid;
     for (const Part& p : all) {
       const double cosine = otgDot(p.normal, d);
       if (cosine <= 0.05) continue;
       const double t = std::max(0.0, (p.offset - otgDot(p.normal, from)) / cosine);
       const Vec3d x = otgAdd(from, otgScale(d, t));
       convex = std::min(convex, t);
+      const double sum = t + std::max({p.lo.x - from.x, 0.0, from.x - p.hi.x}) +
+                         std::max({p.lo.y - from.y, 0.0, from.y - p.hi.y}) +
+                         std::max({p.lo.z - from.z, 0.0, from.z - p.hi.z});
+      if (sum < leastSum) facing = static_cast<std::uint32_t>(&p - all.data());
+      leastSum = std::min(leastSum, sum);
       if (chebyshev(x, p.lo, p.hi) <= slack) nearest = std::min(nearest, t);
       if (distance(x, p.lo, p.hi) <= slack) nearestRound = std::min(nearestRound, t);
     }
@@ -102,6 +113,7 @@ TEST_CASE("ways out through planes") {
     CHECK(close(way.convex, convex));
     CHECK(close(round2.nearest, nearestRound));
     CHECK(close(round2.convex, convex));
+    CHECK(set.facing(from, d) == facing);
     CHECK(way.either() == (std::isfinite(way.nearest) ? way.nearest : way.convex));
     ++(std::isfinite(nearest) ? onPart : std::isfinite(convex) ? onlyConvex : none);
   }
@@ -477,6 +489,9 @@ TEST_CASE("instruction sets agree bit for bit over surfaces") {
       LocalAreaArgs local{areas, 3, p, 1.5, {0, 0, 0}, 0};
       sumLocalAreas(level, local);
       found.insert(found.end(), {local.vector.x, local.vector.y, local.vector.z, local.area});
+      FacingPlaneArgs facing{planes, 3, p, d, 0};
+      findFacingPlane(level, facing);
+      found.push_back(facing.plane);
       ExtentArgs extent{points, 3, d, 0, 0};
       findExtent(level, extent);
       found.insert(found.end(), {extent.lo, extent.hi});

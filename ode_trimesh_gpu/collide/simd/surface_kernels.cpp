@@ -42,6 +42,9 @@ void exitThroughPlanes(SimdLevel level, PlaneExitArgs& args) {
 void exitThroughRoundPlanes(SimdLevel level, PlaneExitArgs& args) {
   OTG_CALL_SURFACE_KERNEL(level, exitThroughRoundPlanes, args)
 }
+void findFacingPlane(SimdLevel level, FacingPlaneArgs& args) {
+  OTG_CALL_SURFACE_KERNEL(level, findFacingPlane, args)
+}
 void sumLocalAreas(SimdLevel level, LocalAreaArgs& args) {
   OTG_CALL_SURFACE_KERNEL(level, sumLocalAreas, args)
 }
@@ -120,6 +123,12 @@ PlaneSet::Way PlaneSet::wayOutRound(const Vec3d& from, const Vec3d& direction, d
   PlaneExitArgs args{blocks_.data(), blocks_.size(), from, direction, slack, 0, 0};
   exitThroughRoundPlanes(level(), args);
   return {args.nearest, args.convex};
+}
+
+std::uint32_t PlaneSet::facing(const Vec3d& from, const Vec3d& direction) const {
+  FacingPlaneArgs args{blocks_.data(), blocks_.size(), from, direction, 0};
+  findFacingPlane(level(), args);
+  return args.plane;
 }
 
 void AreaSet::clear() {

@@ -29,6 +29,9 @@ class PlaneSet {
   Way wayOut(const Vec3d& from, const Vec3d& direction, double slack) const;
   /// The same with parts enlarged by round corners.
   Way wayOutRound(const Vec3d& from, const Vec3d& direction, double slack) const;
+  /// Number of the first of those that face along whose way and distances of its part from the point along the axes are
+  /// the least in sum; the largest number where none does.
+  std::uint32_t facing(const Vec3d& from, const Vec3d& direction) const;
 
  private:
   std::pmr::vector<PlaneBlock> blocks_;
@@ -153,6 +156,7 @@ class StretchSet {
 /// The same by one instruction set, for tests.
 void exitThroughPlanes(SimdLevel level, PlaneExitArgs& args);
 void exitThroughRoundPlanes(SimdLevel level, PlaneExitArgs& args);
+void findFacingPlane(SimdLevel level, FacingPlaneArgs& args);
 void sumLocalAreas(SimdLevel level, LocalAreaArgs& args);
 void findExtent(SimdLevel level, ExtentArgs& args);
 void findFarthestWay(SimdLevel level, FarthestWayArgs& args);

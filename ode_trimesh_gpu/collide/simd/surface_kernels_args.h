@@ -28,6 +28,13 @@ struct PlaneExitArgs {
   double convex;          ///< out: way to the nearest plane that faces along, or infinity
 };
 
+struct FacingPlaneArgs {
+  const PlaneBlock* blocks;
+  std::size_t count;
+  Vec3d from, direction;  ///< direction: unit
+  std::uint32_t plane;    ///< out: the first of the nearest that face along, or the largest number
+};
+
 /// Four parts of a surface as weighted vector areas. Lanes that are not used have areas of zero.
 struct AreaBlock {
   double loX[kSurfaceLanes], loY[kSurfaceLanes], loZ[kSurfaceLanes];  ///< bounds of the part
@@ -194,6 +201,7 @@ struct StretchesPassedArgs {
   namespace set {                                      \
   void exitThroughPlanes(PlaneExitArgs& args);         \
   void exitThroughRoundPlanes(PlaneExitArgs& args);    \
+  void findFacingPlane(FacingPlaneArgs& args);         \
   void sumLocalAreas(LocalAreaArgs& args);             \
   void findExtent(ExtentArgs& args);                   \
   void findFarthestWay(FarthestWayArgs& args);         \

@@ -63,6 +63,18 @@ __attribute__((always_inline)) inline std::size_t appendLanes(unsigned bits, std
   return count;
 }
 
+/// Distances of points from boxes along the axes.
+struct Apart {
+  Doubles x, y, z;
+};
+__attribute__((always_inline)) inline Apart apart(Doubles x, Doubles y, Doubles z, const double* loX, const double* loY,
+                                                  const double* loZ, const double* hiX, const double* hiY,
+                                                  const double* hiZ) {
+  const Doubles zero{};
+  return {larger(larger(load4(loX) - x, x - load4(hiX)), zero), larger(larger(load4(loY) - y, y - load4(hiY)), zero),
+          larger(larger(load4(loZ) - z, z - load4(hiZ)), zero)};
+}
+
 struct Square {
   Doubles value;
 };
@@ -71,11 +83,8 @@ struct Square {
 __attribute__((always_inline)) inline Square squaredDistance(Doubles x, Doubles y, Doubles z, const double* loX,
                                                              const double* loY, const double* loZ, const double* hiX,
                                                              const double* hiY, const double* hiZ) {
-  const Doubles zero{};
-  const Doubles dx = larger(larger(load4(loX) - x, x - load4(hiX)), zero);
-  const Doubles dy = larger(larger(load4(loY) - y, y - load4(hiY)), zero);
-  const Doubles dz = larger(larger(load4(loZ) - z, z - load4(hiZ)), zero);
-  return {dx * dx + dy * dy + dz * dz};
+  const Apart d = apart(x, y, z, loX, loY, loZ, hiX, hiY, hiZ);
+  return {d.x * d.x + d.y * d.y + d.z * d.z};
 }
 
 template <bool kRound>
@@ -114,6 +123,34 @@ void exitThroughPlanes(PlaneExitArgs& args) {
 
 void exitThroughRoundPlanes(PlaneExitArgs& args) {
   exitThrough<true>(args);
+}
+
+/// Among planes equally far the one whose part is nearest to the point.
+void findFacingPlane(FacingPlaneArgs& args) {
+  const Doubles px = spread4(args.from.x), py = spread4(args.from.y), pz = spread4(args.from.z);
+  const Doubles dx = spread4(args.direction.x), dy = spread4(args.direction.y), dz = spread4(args.direction.z);
+  const Doubles far = spread4(kFarAway);
+  Doubles nearest = far;
+  DoubleMask at{}, block{};
+  for (std::size_t i = 0; i < args.count; ++i, block += 1) {
+    const PlaneBlock& b = args.blocks[i];
+    const Doubles nx = load4(b.normalX), ny = load4(b.normalY), nz = load4(b.normalZ);
+    const Doubles cosine = nx * dx + ny * dy + nz * dz;
+    const Doubles way = larger((load4(b.offset) - (nx * px + ny * py + nz * pz)) / cosine, Doubles{});
+    const Apart d = apart(px, py, pz, b.loX, b.loY, b.loZ, b.hiX, b.hiY, b.hiZ);
+    const Doubles t = cosine > 0.05 ? way + d.x + d.y + d.z : far;
+    at = t < nearest ? block : at;
+    nearest = smaller(t, nearest);
+  }
+  double best = kFarAway;
+  args.plane = ~std::uint32_t{0};
+  for (int k = 0; k < 4; ++k) {
+    const auto plane =
+        static_cast<std::uint32_t>(at[k]) * static_cast<std::uint32_t>(kSurfaceLanes) + static_cast<std::uint32_t>(k);
+    if (!(nearest[k] < kFarAway) || nearest[k] > best || (nearest[k] == best && plane > args.plane)) continue;
+    best = nearest[k];
+    args.plane = plane;
+  }
 }
 
 void sumLocalAreas(LocalAreaArgs& args) {

@@ -10,6 +10,7 @@
 #include "base/vectors.h"
 #include "collide/inside_test.h"
 #include "collide/simd/surface_kernels.h"
+#include "collide/solid/facing_pieces.h"
 #include "collide/solid/leaving.h"
 #include "collide/solid/region_planes.h"
 #include "collide/solid/support_point.h"
@@ -28,7 +29,6 @@ struct Candidate {
   double rank;        ///< depth weighted by kind
   double out, back;   ///< how far it is out of B along the normal, and out of A against it
   double shift;       ///< of the middle of the overlap from the point, along the normal
-  double spread;      ///< distance from the chosen ones so far
   double passes = 0;  ///< how far a stretch must go along the normal past one of the other mesh
   int step = 0;       ///< rank below the highest, in steps of OTG_SOLID_RANK_STEP
   int way = 0;        ///< its number, where one point leaves by several
@@ -154,7 +154,7 @@ class RegionSolver {
       fallback_.position = center_;
       fallback_.kind = PointKind::kCrossing;
       fallback_.feature = fallback_.rank = fallback_.triangleA = fallback_.triangleB = kNone;
-      Candidate c{&fallback_, center_, center_, task_.normals.at(center_), 0, 0, 0, 0, 0, 0};
+      Candidate c{&fallback_, center_, center_, task_.normals.at(center_), 0, 0, 0, 0, 0};
       // Of an uneven region nothing is below a face: surfaces that lie on each other to rounding.
       if (!isUneven_) estimate(c);
       candidates_.push_back(c);
@@ -162,7 +162,7 @@ class RegionSolver {
   }
 
   Candidate candidateAt(const SupportPoint& p) const {
-    Candidate c{&p, p.position, p.position, {}, 0, 0, 0, 0, 0, 0};
+    Candidate c{&p, p.position, p.position, {}, 0, 0, 0, 0, 0};
     c.probe = otgProbe(p.position, p.along, p.reach, p.surfaceNormal, static_cast<int>(p.kind), region_.diagonal,
                        region_.thickness);
     return c;
@@ -241,7 +241,7 @@ class RegionSolver {
     const SupportPoint* last = nullptr;
     int number = 0;
     for (const Leave& leave : leavesOf(triangles_, all_, points)) {
-      Candidate c{leave.point, leave.at, leave.at, leave.normal, 0, 0, 0, 0, 0, 0};
+      Candidate c{leave.point, leave.at, leave.at, leave.normal, 0, 0, 0, 0, 0};
       c.way = number = leave.point == last ? number + 1 : 0;
       last = leave.point;
       double depth = std::min(leave.depth, task_.extent.along(leave.normal));
@@ -403,24 +403,36 @@ class RegionSolver {
   /// The deepest, then again and again the one farthest from those chosen, in position and normal, its square weighted
   /// by depth: where a body is held counts as much as how firmly, or the shallow rim of a ring would take every place.
   void chooseSpread(std::size_t most) {
+    struct Spot {
+      Vec3d at, normal;
+      double depth, spread;  ///< spread: distance from the chosen ones so far
+      std::size_t place;     ///< among the candidates
+    };
+    std::pmr::vector<Spot> spots(memory_);
+    spots.reserve(candidates_.size());
+    for (const Candidate& c : candidates_) spots.push_back({c.at, c.normal, c.depth, kFar, spots.size()});
     const double scale = region_.diagonal > 0 ? 1 / (region_.diagonal * region_.diagonal) : 0;
     const double deep = deepest();
-    for (Candidate& c : candidates_) c.spread = std::numeric_limits<double>::infinity();
-    const auto worth = [&](const Candidate& c) { return otgWorth(c.spread, c.depth, deep); };
-    const std::size_t count = std::min(most, candidates_.size());
+    const std::size_t count = std::min(most, spots.size());
     for (std::size_t i = 1; i < count; ++i) {
-      const Candidate& last = candidates_[i - 1];
+      const Spot& last = spots[i - 1];
       std::size_t best = i;
-      for (std::size_t j = i; j < candidates_.size(); ++j) {
-        const double apart = otgApart(candidates_[j].at, candidates_[j].normal, last.at, last.normal, scale);
-        candidates_[j].spread = std::min(candidates_[j].spread, apart);
-        if (worth(candidates_[j]) > OTG_SOLID_FARTHER * worth(candidates_[best])) best = j;
+      double mostWorth = 0;
+      for (std::size_t j = i; j < spots.size(); ++j) {
+        Spot& s = spots[j];
+        s.spread = std::min(s.spread, otgApart(s.at, s.normal, last.at, last.normal, scale));
+        const double worth = otgWorth(s.spread, s.depth, deep);
+        if (j > i && !(worth > OTG_SOLID_FARTHER * mostWorth)) continue;
+        mostWorth = worth;
+        best = j;
       }
-      std::rotate(candidates_.begin() + static_cast<std::ptrdiff_t>(i),
-                  candidates_.begin() + static_cast<std::ptrdiff_t>(best),
-                  candidates_.begin() + static_cast<std::ptrdiff_t>(best) + 1);
+      std::rotate(spots.begin() + static_cast<std::ptrdiff_t>(i), spots.begin() + static_cast<std::ptrdiff_t>(best),
+                  spots.begin() + static_cast<std::ptrdiff_t>(best) + 1);
     }
-    candidates_.resize(count);
+    std::pmr::vector<Candidate> chosen(memory_);
+    chosen.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) chosen.push_back(candidates_[spots[i].place]);
+    candidates_.swap(chosen);
   }
 
   void measureByRays(Candidate& c) {
@@ -487,20 +499,15 @@ class RegionSolver {
     std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& x, const Candidate& y) {
       return x.depth != y.depth ? x.depth > y.depth : sameFeatureOrder(x, y);
     });
+    const FacingPieces facing(all_, region_);
     for (const Candidate& c : candidates_) {
       const Vec3d position = otgAdd(middle(c), all_.origin);
-      const auto triangleOf = [&](std::uint32_t known, std::uint8_t mesh) {
-        if (known != kNone) return known;
-        for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) {
-          if (all_.pieces[i].mesh == mesh) return facing(mesh, c);
-        }
-        return std::uint32_t{0};
-      };
+      const std::uint32_t a = c.point->triangleA, b = c.point->triangleB;
       Contact contact{position,
                       c.normal,
                       c.depth,
-                      triangleOf(c.point->triangleA, 0),
-                      triangleOf(c.point->triangleB, 1),
+                      a != kNone ? a : facing.triangleOf(0, c.probe, otgScale(c.normal, -1.0)),
+                      b != kNone ? b : facing.triangleOf(1, c.probe, c.normal),
                       task_.regionIndex,
                       c.point->feature == kNone ? ContactFeature::kNone : featureOf(*c.point)};
       if (c.point->feature == kNone || c.point->kind != PointKind::kCrossing) contact.flags |= kContactInside;
@@ -525,30 +532,6 @@ class RegionSolver {
       return way <= most + kGrain * region_.diagonal;
     };
     return isNear(1, c.depth / 2 + c.shift, c.normal) && isNear(0, c.depth / 2 - c.shift, otgScale(c.normal, -1.0));
-  }
-
-  /// The piece of `mesh` through which the contact's normal leaves: its plane is the nearest ahead.
-  std::uint32_t facing(std::uint8_t mesh, const Candidate& c) const {
-    const Vec3d direction = mesh == 1 ? c.normal : otgScale(c.normal, -1.0);
-    double nearest = std::numeric_limits<double>::infinity();
-    std::uint32_t triangle = kNone, any = 0;
-    for (std::uint32_t i = region_.pieceBegin; i < region_.pieceEnd; ++i) {
-      const Piece& p = all_.pieces[i];
-      if (p.mesh != mesh) continue;
-      any = p.triangle;
-      const double cosine = otgDot(p.normal, direction);
-      if (cosine <= 0.05) continue;
-      // Among planes equally far the piece whose box is nearest to the point.
-      const double x = std::max({p.lo.x - c.probe.x, 0.0, c.probe.x - p.hi.x});
-      const double y = std::max({p.lo.y - c.probe.y, 0.0, c.probe.y - p.hi.y});
-      const double z = std::max({p.lo.z - c.probe.z, 0.0, c.probe.z - p.hi.z});
-      const double d = std::max(0.0, (p.offset - otgDot(p.normal, c.probe)) / cosine) + x + y + z;
-      if (d < nearest) {
-        nearest = d;
-        triangle = p.triangle;
-      }
-    }
-    return triangle == kNone ? any : triangle;
   }
 
   const RegionTask& task_;
