@@ -223,6 +223,12 @@ void FaceSet::clear() {
   count_ = 0;
 }
 
+void FaceSet::reserve(std::size_t count) {
+  const std::size_t blocks = (count + kSurfaceLanes - 1) / kSurfaceLanes, ofGroups = kSurfaceLanes * kFaceGroup;
+  blocks_.reserve(blocks);
+  groups_.reserve((blocks + ofGroups - 1) / ofGroups);
+}
+
 void FaceSet::add(const Face& face) {
   addToGroup(face);
   const std::size_t k = count_++ % kSurfaceLanes;

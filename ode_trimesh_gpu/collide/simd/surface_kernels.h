@@ -19,6 +19,7 @@ class PlaneSet {
  public:
   explicit PlaneSet(std::pmr::memory_resource* memory = std::pmr::get_default_resource()) : blocks_(memory) {}
   void clear();
+  void reserve(std::size_t count) { blocks_.reserve((count + kSurfaceLanes - 1) / kSurfaceLanes); }
   void add(const Vec3d& normal, double offset, const Vec3d& lo, const Vec3d& hi);
   struct Way {
     double nearest, convex;
@@ -43,6 +44,7 @@ class AreaSet {
  public:
   explicit AreaSet(std::pmr::memory_resource* memory = std::pmr::get_default_resource()) : blocks_(memory) {}
   void clear();
+  void reserve(std::size_t count) { blocks_.reserve((count + kSurfaceLanes - 1) / kSurfaceLanes); }
   void add(const Vec3d& lo, const Vec3d& hi, const Vec3d& vector, double area);
   struct Sum {
     Vec3d vector;
@@ -60,6 +62,7 @@ class PointSet {
  public:
   explicit PointSet(std::pmr::memory_resource* memory = std::pmr::get_default_resource()) : blocks_(memory) {}
   void clear();
+  void reserve(std::size_t count) { blocks_.reserve((count + kSurfaceLanes - 1) / kSurfaceLanes); }
   void add(const Vec3d& p);
   /// Length of the range of direction . point; 0 without points.
   double extent(const Vec3d& direction) const;
@@ -99,6 +102,7 @@ class FaceSet {
     double reach;  ///< no place over it that is below its plane by x is farther from its bounds than this times x
   };
   void clear();
+  void reserve(std::size_t count);
   void add(const Face& face);
   std::size_t size() const { return count_; }
   /// Those whose bounds are at most that far from a point, ascending. What is found lasts until the next call.
@@ -142,6 +146,7 @@ class StretchSet {
   explicit StretchSet(std::pmr::memory_resource* memory = std::pmr::get_default_resource())
       : blocks_(memory), found_(memory) {}
   void clear();
+  void reserve(std::size_t count) { blocks_.reserve((count + kSurfaceLanes - 1) / kSurfaceLanes); }
   void add(const Vec3d& middle, const Vec3d& along, double reach);
   /// All that pass a stretch, seen along the common perpendicular, ascending, and few others. The angle between passing
   /// ones has a sine of `leastSine` at least. What is found lasts until the next call.

@@ -32,9 +32,11 @@ __attribute__((always_inline)) inline Doubles larger(Doubles a, Doubles b) {
 __attribute__((always_inline)) inline Doubles smaller(Doubles a, Doubles b) {
   return a < b ? a : b;
 }
-/// In the order (0 + 1) + (2 + 3).
-__attribute__((always_inline)) inline double sumOf(Doubles a) {
-  return (a[0] + a[1]) + (a[2] + a[3]);
+/// Of each its four lanes' sum, in the order (0 + 1) + (2 + 3).
+__attribute__((always_inline)) inline Doubles sumsOf(Doubles a, Doubles b, Doubles c, Doubles d) {
+  const Doubles ab = __builtin_shufflevector(a, b, 0, 4, 2, 6) + __builtin_shufflevector(a, b, 1, 5, 3, 7);
+  const Doubles cd = __builtin_shufflevector(c, d, 0, 4, 2, 6) + __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  return __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
 }
 __attribute__((always_inline)) inline double least(Doubles a) {
   double x = a[0];
@@ -166,8 +168,9 @@ void sumLocalAreas(LocalAreaArgs& args) {
     z += load4(b.z) * weight;
     area += load4(b.area) * weight;
   }
-  args.vector = {sumOf(x), sumOf(y), sumOf(z)};
-  args.area = sumOf(area);
+  const Doubles sums = sumsOf(x, y, z, area);
+  args.vector = {sums[0], sums[1], sums[2]};
+  args.area = sums[3];
 }
 
 void findExtent(ExtentArgs& args) {

@@ -90,6 +90,7 @@ class WayOutByPlanes {
     collectPlanes(region);
     const std::uint32_t count = region.pointEnd - region.pointBegin;
     const std::uint32_t stride = std::max(1u, count / OTG_SOLID_DEEP_POINTS);
+    points_.reserve(count / stride + 1);
     for (std::uint32_t i = region.pointBegin; i < region.pointEnd; i += stride) points_.add(all.points[i].position);
   }
 

@@ -11,6 +11,7 @@ namespace otg {
 
 RegionExtent::RegionExtent(const OverlapRegions& all, const Region& region)
     : all_(all), region_(region), points_(all.memory), boxes_(all.memory), lo_(all.memory), hi_(all.memory) {
+  points_.reserve(region.pointEnd - region.pointBegin);
   for (std::uint32_t i = region.pointBegin; i < region.pointEnd; ++i) points_.add(all.points[i].position);
   for (std::uint32_t k = region.cellBegin; k < region.cellEnd; ++k) {
     boxes_.add(all.extents.cells[k].lo, all.extents.cells[k].hi);

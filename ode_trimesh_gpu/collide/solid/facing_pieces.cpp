@@ -6,6 +6,10 @@ namespace otg {
 FacingPieces::FacingPieces(const OverlapRegions& all, const Region& region)
     : planes_{PlaneSet(all.memory), PlaneSet(all.memory)},
       triangles_{std::pmr::vector<std::uint32_t>(all.memory), std::pmr::vector<std::uint32_t>(all.memory)} {
+  for (int m = 0; m < 2; ++m) {
+    planes_[m].reserve(region.pieceEnd - region.pieceBegin);
+    triangles_[m].reserve(region.pieceEnd - region.pieceBegin);
+  }
   for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
     const Piece& p = all.pieces[i];
     planes_[p.mesh].add(p.normal, p.offset, p.lo, p.hi);

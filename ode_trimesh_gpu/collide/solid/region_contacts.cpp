@@ -102,6 +102,7 @@ class RegionSolver {
   /// lies deepest as far as the mean direction can tell.
   std::pmr::vector<std::uint32_t> thinned() {
     std::pmr::vector<std::uint32_t> looked(memory_), chosen(memory_);
+    looked.reserve(region_.pointEnd - region_.pointBegin);
     const bool withoutFlat = isUneven_ && hasCorners();
     for (std::uint32_t i = region_.pointBegin; i < region_.pointEnd; ++i) {
       if (!withoutFlat || !all_.points[i].flat) looked.push_back(i);
@@ -141,6 +142,7 @@ class RegionSolver {
 
   void collectCandidates() {
     const std::pmr::vector<std::uint32_t> points = thinned();
+    candidates_.reserve(points.size());
     if (isUneven_) {
       collectUneven(points);
     } else {

@@ -43,6 +43,7 @@ RegionNormals::RegionNormals(const OverlapRegions& all, const Region& region)
   }
   // A large part counts no more than one of the size of the reach.
   const double cap = radius_ * radius_;
+  for (AreaSet& set : areas_) set.reserve(elements_.size());
   for (const Element& e : elements_) {
     const double weight = e.weight * (e.area > cap ? cap / e.area : 1.0);
     areas_[e.mesh].add(e.lo, e.hi, otgScale(e.vector, e.mesh == 0 ? -weight : weight), weight * e.area);
@@ -59,6 +60,7 @@ void RegionNormals::weighByDepth() {
   std::pmr::vector<Plane> planes(memory_);
   planes.reserve(elements_.size());
   PlaneSet others[2] = {PlaneSet(memory_), PlaneSet(memory_)};
+  for (PlaneSet& set : others) set.reserve(elements_.size());
   for (const Element& e : elements_) {
     const double length = norm(e.vector);
     planes.push_back(length > 0 ? Plane{otgScale(e.vector, 1 / length), e.offset / length} : Plane{{0, 0, 0}, 0});

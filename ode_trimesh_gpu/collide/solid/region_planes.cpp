@@ -47,6 +47,7 @@ bool collectPlanes(const OverlapRegions& all, const Region& region, PlaneSet (&s
     planes.clear();
     std::uint32_t count = 0;
     for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) count += all.pieces[i].mesh == m;
+    planes.reserve(count);
     FlatMap index(all.memory);
     for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
       const Piece& p = all.pieces[i];
@@ -59,6 +60,7 @@ bool collectPlanes(const OverlapRegions& all, const Region& region, PlaneSet (&s
       if (slot == planes.size()) planes.push_back({{0, 0, 0}, 0, p.lo, p.hi});
       addPiece(planes[slot], p);
     }
+    surface[m].reserve(planes.size());
     for (const Plane& plane : planes) {
       const double length = std::sqrt(otgDot(plane.normal, plane.normal));
       if (!(length > 0)) continue;

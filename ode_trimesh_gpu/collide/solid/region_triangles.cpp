@@ -35,6 +35,12 @@ void RegionTriangles::collect(const PlacedMeshes& meshes, const OverlapRegions& 
   triangles_.reserve(region.pieceEnd - region.pieceBegin);
   planes_.reserve(region.pieceEnd - region.pieceBegin);
   for (int m = 0; m < 2; ++m) {
+    const auto first = all.pieces.begin() + region.pieceBegin, last = all.pieces.begin() + region.pieceEnd;
+    const auto count =
+        static_cast<std::size_t>(std::count_if(first, last, [m](const Piece& p) { return p.mesh == m; }));
+    faces_[m].reserve(count);
+    edges_[m].reserve(2 * count);  // of closed surfaces there are 1.5 for each triangle, and some at the rim
+    stretches_[m].reserve(2 * count);
     for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
       if (all.pieces[i].mesh == m) addTriangle(meshes, all.origin, all.pieces[i]);
     }
