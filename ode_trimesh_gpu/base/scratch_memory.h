@@ -2,6 +2,7 @@
 // Memory for what lives no longer than a step of a query: taken piece by piece, given back at once.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -20,8 +21,7 @@ class ScratchMemory final : public std::pmr::memory_resource {
 
   /// Ends the life of everything that was taken.
   void reset() {
-    block_ = 0;
-    used_ = 0;
+    if (!blocks_.empty()) begin(0);
   }
 
  private:
@@ -32,33 +32,43 @@ class ScratchMemory final : public std::pmr::memory_resource {
   };
 
   void* do_allocate(std::size_t bytes, std::size_t alignment) override {
-    for (; block_ < blocks_.size(); ++block_, used_ = 0) {
-      if (void* const place = takeFrom(blocks_[block_], bytes, alignment)) return place;
-    }
-    const std::size_t twice = blocks_.empty() ? kFirstBlock : 2 * blocks_.back().size;
-    const std::size_t size = twice > bytes + alignment ? twice : bytes + alignment;
-    blocks_.push_back({std::make_unique_for_overwrite<std::byte[]>(size), size});
-    return takeFrom(blocks_.back(), bytes, alignment);
+    if (void* const place = take(bytes, alignment)) return place;
+    return takeFromNext(bytes, alignment);
   }
   /// What was taken last makes room for the next.
   void do_deallocate(void* place, std::size_t bytes, std::size_t /*alignment*/) override {
-    std::byte* const begin = blocks_[block_].bytes.get();
-    if (static_cast<std::byte*>(place) + bytes == begin + used_) {
-      used_ = static_cast<std::size_t>(static_cast<std::byte*>(place) - begin);
-    }
+    const auto first = reinterpret_cast<std::uintptr_t>(place);
+    if (first + bytes == next_) next_ = first;
   }
   bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override { return this == &other; }
 
-  void* takeFrom(const Block& block, std::size_t bytes, std::size_t alignment) {
-    const auto begin = reinterpret_cast<std::uintptr_t>(block.bytes.get());
-    const std::size_t first = ((begin + used_ + alignment - 1) & ~(alignment - 1)) - begin;
-    if (first > block.size || block.size - first < bytes) return nullptr;
-    used_ = first + bytes;
-    return block.bytes.get() + first;
+  /// From the block in use; null where there is no room.
+  void* take(std::size_t bytes, std::size_t alignment) {
+    const std::uintptr_t first = (next_ + alignment - 1) & ~(alignment - 1);
+    if (first > end_ || end_ - first < bytes) return nullptr;
+    next_ = first + bytes;
+    return reinterpret_cast<void*>(first);
+  }
+  [[gnu::noinline]] void* takeFromNext(std::size_t bytes, std::size_t alignment) {
+    while (block_ + 1 < blocks_.size()) {
+      begin(block_ + 1);
+      if (void* const place = take(bytes, alignment)) return place;
+    }
+    const std::size_t twice = blocks_.empty() ? kFirstBlock : 2 * blocks_.back().size;
+    const std::size_t size = std::max(twice, bytes + alignment);
+    blocks_.push_back({std::make_unique_for_overwrite<std::byte[]>(size), size});
+    begin(blocks_.size() - 1);
+    return take(bytes, alignment);
+  }
+  void begin(std::size_t block) {
+    block_ = block;
+    next_ = reinterpret_cast<std::uintptr_t>(blocks_[block].bytes.get());
+    end_ = next_ + blocks_[block].size;
   }
 
   std::vector<Block> blocks_;
-  std::size_t block_ = 0, used_ = 0;  ///< where the next piece is looked for
+  std::size_t block_ = 0;              ///< in use, if there are blocks
+  std::uintptr_t next_ = 1, end_ = 0;  ///< the bytes of it that are free; before the first block not even none
 };
 
 }  // namespace otg

@@ -200,6 +200,7 @@ RayQuery::RayQuery(const CollisionMesh& tree, const Vec3d& origin, const Vec3d& 
     // Slower than this it does not leave a box's range within the mesh.
     constexpr double kStill = 1e-18;
     inverse_[k] = std::fabs(d[k]) > kStill ? clampedFloat(1 / d[k]) : static_cast<float>(1 / kStill);
+    sign_[k] = std::copysign(1.0f, inverse_[k]);
     fastest = std::max(fastest, std::fabs(d[k]));
   }
   // t where the bounds begin is known to within rounding of far origins; times are compared with that much room.
@@ -220,13 +221,11 @@ unsigned RayQuery::test(const WideNode& node, double limit, float near[kWideArit
     OTG_LOAD_BOXES;
     const Floats zero = {};
     const Floats dx = cx - o_[0], dy = cy - o_[1], dz = cz - o_[2];
-    const Floats wx = ex + wider_, wy = ey + wider_, wz = ez + wider_;
-    const Floats ax = (dx - wx) * inverse_[0], bx = (dx + wx) * inverse_[0];
-    const Floats ay = (dy - wy) * inverse_[1], by = (dy + wy) * inverse_[1];
-    const Floats az = (dz - wz) * inverse_[2], bz = (dz + wz) * inverse_[2];
-    const Floats nx = ax < bx ? ax : bx, fx = ax < bx ? bx : ax;
-    const Floats ny = ay < by ? ay : by, fy = ay < by ? by : ay;
-    const Floats nz = az < bz ? az : bz, fz = az < bz ? bz : az;
+    // A ray that comes from above enters there.
+    const Floats wx = (ex + wider_) * sign_[0], wy = (ey + wider_) * sign_[1], wz = (ez + wider_) * sign_[2];
+    const Floats nx = (dx - wx) * inverse_[0], fx = (dx + wx) * inverse_[0];
+    const Floats ny = (dy - wy) * inverse_[1], fy = (dy + wy) * inverse_[1];
+    const Floats nz = (dz - wz) * inverse_[2], fz = (dz + wz) * inverse_[2];
     Floats enter = nx > ny ? nx : ny, leave = fx < fy ? fx : fy;
     enter = enter > nz ? enter : nz;
     leave = leave < fz ? leave : fz;

@@ -71,7 +71,7 @@ class RayQuery {
   unsigned test(const WideNode& node, double limit, float near[kWideArity]) const;
 
   const BoxScale<float>* scale_;
-  float o_[3], inverse_[3], wider_;
+  float o_[3], inverse_[3], sign_[3], wider_;
   double start_ = 0;  ///< t where single precision takes over: where the ray enters the mesh's bounds
   double slack_ = 0;
   bool meets_ = false;

@@ -81,8 +81,8 @@ class Finder {
   void triangle(std::uint32_t t) {
     Vec3d p[3];
     cornersOf(mesh_, t, p);
-    face(t, p);
     const Adjacency& adjacency = tree_.adjacency();
+    face(t, p, adjacency.normal[t]);
     const Topology& topology = mesh_.topology();
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t half = 3 * t + k, edge = topology.edgeOf[half], twin = topology.twin[half];
@@ -104,8 +104,7 @@ class Finder {
   }
 
   /// Where the axis is above the triangle.
-  void face(std::uint32_t t, const Vec3d* p) {
-    const Vec3d n = faceNormal(mesh_, t);
+  void face(std::uint32_t t, const Vec3d* p, const Vec3d& n) {
     const double rise = otgDot(n, capsule_.direction), base = otgDot(n, start_ - p[0]);
     const double end = base + rise * length_;
     if (std::min(base, end) > capsule_.radius || std::max(base, end) < -capsule_.radius) return;

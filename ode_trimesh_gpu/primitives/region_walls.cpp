@@ -76,6 +76,7 @@ bool RegionWalls::read(const PlacedMeshes& meshes, const OverlapRegions& all, co
   rounding_ = 1e-13 * reach;
   onPlane_ = 4e-10 * reach;
   far_ = 4 * reach;
+  walls_.reserve(std::min<std::size_t>(kMostWalls, region.pieceEnd - region.pieceBegin));
   std::uint32_t named = kNone;
   for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
     const Piece& p = all.pieces[i];
@@ -89,7 +90,10 @@ bool RegionWalls::read(const PlacedMeshes& meshes, const OverlapRegions& all, co
   for (const std::uint32_t t : triangles) addInnerNeighbours(shape, t, named);
   if (std::none_of(walls_.begin(), walls_.end(), [](const Wall& w) { return w.counts; })) return false;
   vertices_.clear();
+  points_.reserve(region.pointEnd - region.pointBegin);
+  onMesh_.reserve(region.pointEnd - region.pointBegin);
   if (!shape.shape().isCurved()) {
+    vertices_.reserve(shape.shape().vertices.size());
     for (const Vec3d& v : shape.shape().vertices) vertices_.push_back(shape.fromLocal(v));
   }
   const Vec3d middle = (region.lo + region.hi) * 0.5;
@@ -251,19 +255,22 @@ bool RegionWalls::hold(const PlacedShape& shape, const Wall& wall, const Vec3d& 
   return taken > 0;
 }
 
-/// Walls that the shape may be in after the move.
-std::pmr::vector<const RegionWalls::Wall*> RegionWalls::unmetWalls(const PlacedShape& shape, const Vec3d& move) const {
-  std::pmr::vector<const Wall*> unmet(memory_);
+/// The walls that count, in an order that is alike for every numbering of the mesh, and how deep the shape is in each.
+void RegionWalls::sortWalls(const PlacedShape& shape) {
+  sorted_.clear();
+  sorted_.reserve(walls_.size());
   for (const Wall& wall : walls_) {
-    if (!wall.counts) continue;
-    const double depth = wall.offset - shape.rearAlong(wall.normal);
-    if (depth - otgDot(wall.normal, move) > rounding_ + kLeft * std::fabs(depth)) unmet.push_back(&wall);
+    if (wall.counts) sorted_.push_back({&wall, wall.offset - shape.rearAlong(wall.normal), kNeverTried});
   }
-  std::sort(unmet.begin(), unmet.end(), [&](const Wall* x, const Wall* y) {
-    if (isBefore(x->normal, y->normal, kTie)) return true;
-    return !isBefore(y->normal, x->normal, kTie) && x->offset < y->offset;
+  std::sort(sorted_.begin(), sorted_.end(), [](const SortedWall& x, const SortedWall& y) {
+    if (isBefore(x.wall->normal, y.wall->normal, kTie)) return true;
+    return !isBefore(y.wall->normal, x.wall->normal, kTie) && x.wall->offset < y.wall->offset;
   });
-  return unmet;
+}
+
+/// Whether the shape may be in the wall after the move.
+bool RegionWalls::isUnmet(const SortedWall& sorted, const Vec3d& move) const {
+  return sorted.depth - otgDot(sorted.wall->normal, move) > rounding_ + kLeft * std::fabs(sorted.depth);
 }
 
 /// Points of the mesh that are in the shape after the move.
@@ -280,20 +287,32 @@ std::pmr::vector<const RegionWalls::Inside*> RegionWalls::unmetPoints(const Plac
 }
 
 void RegionWalls::complete(const PlacedShape& shape, double closest, std::vector<Contact>& contacts,
-                           std::size_t first) const {
+                           std::size_t first) {
   std::optional<Vec3d> move = shortestMove(std::span(contacts).subspan(first), memory_);
+  sortWalls(shape);
+  int moves = 0;  // so many there have been before this one
+  std::pmr::vector<SortedWall*> unmet(memory_);
+  unmet.reserve(sorted_.size());
   // A way that one wall asks for may lead into another.
   for (int round = 0; move && round < kMostRounds; ++round) {
     bool isDone = true;
-    for (const Wall* wall : unmetWalls(shape, *move)) {
-      if (!hold(shape, *wall, *move, closest, contacts, first)) continue;
+    unmet.clear();
+    for (SortedWall& sorted : sorted_) {
+      if (isUnmet(sorted, *move)) unmet.push_back(&sorted);
+    }
+    for (SortedWall* const sorted : unmet) {
+      if (sorted->triedAt == moves) continue;  // and could not be held
+      sorted->triedAt = moves;
+      if (!hold(shape, *sorted->wall, *move, closest, contacts, first)) continue;
       isDone = false;
+      ++moves;
       move = shortestMove(std::span(contacts).subspan(first), memory_);
       if (!move) return;
     }
     for (const Inside* at : unmetPoints(shape, *move)) {
       if (!holdPoint(shape, *at, *move, closest, contacts, first)) continue;
       isDone = false;
+      ++moves;
       move = shortestMove(std::span(contacts).subspan(first), memory_);
       if (!move) return;
     }

@@ -18,7 +18,7 @@ namespace otg {
 class RegionWalls {
  public:
   explicit RegionWalls(std::pmr::memory_resource* memory)
-      : memory_(memory), walls_(memory), points_(memory), vertices_(memory), onMesh_(memory) {}
+      : memory_(memory), walls_(memory), sorted_(memory), points_(memory), vertices_(memory), onMesh_(memory) {}
 
   /// `triangles`: of mesh A in the region, where pieces stand for several. `isConvex`: the region by itself is left as
   /// a whole, so that only walls beside it count. False where there is nothing to do, or more than it is worth.
@@ -29,7 +29,7 @@ class RegionWalls {
   void limitDepths(std::vector<Contact>& contacts, std::size_t first) const;
   /// Adds contacts for walls in which the shape is still when it has moved as those from `first` on ask for. `closest`:
   /// two contacts of a wall are no nearer to each other.
-  void complete(const PlacedShape& shape, double closest, std::vector<Contact>& contacts, std::size_t first) const;
+  void complete(const PlacedShape& shape, double closest, std::vector<Contact>& contacts, std::size_t first);
 
  private:
   struct Wall {
@@ -53,10 +53,17 @@ class RegionWalls {
     double apart;        ///< from points that hold it so far
     const Inside* from;  ///< null for points that are the shape's own
   };
+  static constexpr int kNeverTried = -1;
+  struct SortedWall {
+    const Wall* wall;
+    double depth;  ///< of the shape in it
+    int triedAt;   ///< the move at which it was to be held last
+  };
   bool add(const Wall& wall);
   void addInnerNeighbours(const PlacedShape& shape, std::uint32_t triangle, std::uint32_t named);
   void collect(const PlacedShape& shape, const Wall& wall, const Vec3d& move, std::pmr::vector<Hold>& out) const;
-  std::pmr::vector<const Wall*> unmetWalls(const PlacedShape& shape, const Vec3d& move) const;
+  void sortWalls(const PlacedShape& shape);
+  bool isUnmet(const SortedWall& sorted, const Vec3d& move) const;
   std::pmr::vector<const Inside*> unmetPoints(const PlacedShape& shape, const Vec3d& move) const;
   bool isOn(const Wall& wall, const Vec3d& point) const;
   bool isInDoubt(const Contact& contact, const Vec3d& point) const;
@@ -72,6 +79,7 @@ class RegionWalls {
   Vec3d origin_{};
   double rounding_ = 0, onPlane_ = 0, far_ = 0;
   std::pmr::vector<Wall> walls_;
+  std::pmr::vector<SortedWall> sorted_;
   std::pmr::vector<Inside> points_;   ///< those of flat shapes on their edges
   std::pmr::vector<Vec3d> vertices_;  ///< of flat shapes
   std::pmr::vector<Inside> onMesh_;   ///< on edges and vertices of the mesh

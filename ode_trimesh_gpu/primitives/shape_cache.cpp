@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <list>
 #include <map>
 #include <mutex>
@@ -20,13 +21,14 @@ constexpr int kCylinderSegments = 24, kCapsuleSegments = 32, kCapsuleRings = 8;
 constexpr std::size_t kMostKept = 256;
 constexpr double kLargest = 1e15;  // coordinates beyond take the filters of single precision to their limits
 
-/// Looked for as it stands, without a vector of its own.
+/// Looked for as it stands, without a vector of its own. Any order will do: by length, then by bytes.
 using Key = std::vector<double>;
 using KeyView = std::span<const double>;
 struct KeyOrder {
   using is_transparent = void;
   bool operator()(const KeyView& x, const KeyView& y) const {
-    return std::lexicographical_compare(x.begin(), x.end(), y.begin(), y.end());
+    if (x.size() != y.size()) return x.size() < y.size();
+    return std::memcmp(x.data(), y.data(), x.size_bytes()) < 0;  // NOLINT(bugprone-suspicious-memory-comparison)
   }
 };
 
@@ -230,13 +232,13 @@ std::shared_ptr<const ConvexShape> cylinderShape(double radius, double halfHeigh
 }
 
 std::shared_ptr<const ConvexShape> polyhedronShape(std::span<const Vec3d> points) {
-  Key key;
-  key.reserve(1 + 3 * points.size());
-  key.push_back(3);
+  Key key(1 + 3 * points.size());
+  auto next = key.begin();
+  *next++ = 3;
   for (const Vec3d& p : points) {
     for (const double x : {p.x, p.y, p.z}) {
       if (!(std::fabs(x) < kLargest)) return nullptr;
-      key.push_back(x);
+      *next++ = x;
     }
   }
   return hullShape(key, points, ConvexShape::Kind::kPolyhedron, {0, 0, 0});

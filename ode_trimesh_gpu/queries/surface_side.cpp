@@ -40,15 +40,15 @@ SurfaceKind surfaceKind(const TriMesh& mesh) {
 
 Vec3d outwardNormal(const CollisionMesh& tree, const SurfacePoint& at) {
   const TriMesh& mesh = tree.mesh();
-  const Vec3d face = faceNormal(mesh, at.triangle);
+  const Adjacency& adjacency = tree.adjacency();
+  const Vec3d& face = adjacency.normal[at.triangle];  // faceNormal() to the last bit
   if (at.part == TrianglePart::kFace) return face;
   if (at.part <= TrianglePart::kEdge2) {
     const std::uint32_t other = mesh.topology().twin[3 * at.triangle + edgeOfPart(at.part)];
-    const Vec3d sum = other == kNone ? face : unit(face + faceNormal(mesh, other / 3));
+    const Vec3d sum = other == kNone ? face : unit(face + adjacency.normal[other / 3]);
     return otgDot(sum, sum) > 0 ? sum : face;
   }
   const std::uint32_t v = mesh.topology().weld[mesh.triangles()[at.triangle].v[cornerOfPart(at.part)]];
-  const Adjacency& adjacency = tree.adjacency();
   Vec3d sum{0, 0, 0};
   for (std::uint32_t i = adjacency.first[v]; i < adjacency.first[v + 1]; ++i) {
     const std::uint32_t half = adjacency.halfEdges[i], k = half % 3;
@@ -56,7 +56,7 @@ Vec3d outwardNormal(const CollisionMesh& tree, const SurfacePoint& at) {
     cornersOf(mesh, half / 3, p);
     const Vec3d a = unit(p[(k + 1) % 3] - p[k]), b = unit(p[(k + 2) % 3] - p[k]);
     const double angle = std::acos(std::clamp(otgDot(a, b), -1.0, 1.0));
-    sum = sum + faceNormal(mesh, half / 3) * angle;
+    sum = sum + adjacency.normal[half / 3] * angle;
   }
   sum = unit(sum);
   return otgDot(sum, sum) > 0 ? sum : face;
