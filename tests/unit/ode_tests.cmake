@@ -2,7 +2,7 @@
 # The C API and the geom class.
 add_library(otg_test_ode_world OBJECT "${OTG_TEST_DIR}/support/ode_world.cpp" "${OTG_TEST_DIR}/support/pile_world.cpp")
 target_include_directories(otg_test_ode_world PUBLIC "${OTG_TEST_DIR}")
-target_link_libraries(otg_test_ode_world PUBLIC otg_scenes PRIVATE otg_flags)
+target_link_libraries(otg_test_ode_world PUBLIC otg_scenes PRIVATE otg_catch otg_flags)
 
 find_package(Threads REQUIRED)
 foreach(name warm pair_limit nested roles self_touching shells misuse init data geom collide contact_data history threads memory batch prefetch prefetch_shapes still_shapes pair_memory override parity queries
