@@ -19,7 +19,6 @@
 namespace otg {
 namespace {
 
-constexpr double kThin = 0.01;            // thickness of a region over its diagonal
 constexpr double kLeft = 0.005;           // of a way out: not worth a correction
 constexpr double kRounding = 2.5e-7;      // of the shape's radius: what single precision may take off a depth
 constexpr double kSamePlace = 0.01;       // of the region's diagonal
@@ -41,12 +40,7 @@ class ShapeRefiner final : public RegionRefiner {
     walls_.emplace(memory_);
     settled_ = hasWalls_ = false;
     trusted_ = !direction.entangled && !direction.escaping && !region.contained && !region.bad;
-    if (!trusted_) {
-      // The walls of a groove contradict each other, however shallow the overlap.
-      const bool isGroove = region.thickness < kThin * region.diagonal && !region.contained && !region.bad;
-      hasWalls_ = isGroove && walls_->read(meshes, all, region, *placed_, {}, false);
-      return false;
-    }
+    if (!trusted_) return false;
     const bool isConvex = patch_->read(meshes, all, region) || patch_->readDense(meshes, all, region, *placed_);
     hasWalls_ = walls_->read(meshes, all, region, *placed_, patch_->triangles(), isConvex);
     if (!isConvex) return false;

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "base/insertion_sort.h"
 #include "base/vectors.h"
 #include "collide/inside_test.h"
 #include "collide/shortest_translation.h"
+#include "queries/closest_point.h"
 
 namespace otg {
 namespace {
@@ -26,6 +28,7 @@ constexpr double kShallow = 0.5;       // of a wall's deepest: points that are l
 constexpr std::size_t kMostHolds = 4;  // of a wall
 constexpr double kInDoubt = 0.5;  // of a contact's depth: where a wall is left after less, the contact may be wrong
 constexpr double kInside = 1e-3;  // of an edge's stretch: from its crossing, so as not to be on the surface
+constexpr double kNearest = 0.1;  // of a way out: with a surface nearer than that, another wall is left
 constexpr double kPast = 1e-3;    // of a way out: so far past it a point is outside
 
 /// Which of two places comes first, alike for every numbering of the mesh: by coordinates in steps, to which rounding
@@ -184,7 +187,8 @@ bool RegionWalls::isHeldBy(const Wall& wall, const Vec3d& point, double moved, c
   }
   const double way = wall.wayOut(p);
   return way > 0 && wall.beside(p + wall.normal * way) <= near &&
-         exitDistance(*meshes_, 0, p + origin_, wall.normal, far_, 0) >= way * (1 - kPast);
+         exitDistance(*meshes_, 0, p + origin_, wall.normal, far_, 0) >= way * (1 - kPast) &&
+         closestPoint(meshes_->tree(0), p + origin_, kNearest * way).triangle == kNone;
 }
 
 /// Points of the shape that are in the wall still after the move, the deepest first.
@@ -320,6 +324,15 @@ void RegionWalls::complete(const PlacedShape& shape, double closest, std::vector
   }
 }
 
+/// How far a point in the shape is from the shape's surface.
+double RegionWalls::depthIn(const PlacedShape& shape, const Vec3d& point) {
+  double least = std::numeric_limits<double>::infinity();
+  const auto offer = [&](const Vec3d& d) { least = std::min(least, shape.exitDistance(point, d)); };
+  for (const Vec3d& n : shape.shape().faceNormals) offer(shape.direction(n));
+  if (shape.shape().isCurved()) offer(wayToRoundSide(shape, point) * -1.0);
+  return least;
+}
+
 /// Ways along which a point of the mesh may be left: normals of the walls that it is on, and at an edge between two of
 /// them those in which the shape's own surface is nearest.
 void RegionWalls::waysAt(const PlacedShape& shape, const Vec3d& point, std::pmr::vector<Vec3d>& out) const {
@@ -362,6 +375,7 @@ bool RegionWalls::holdPoint(const PlacedShape& shape, const Inside& at, const Ve
     contact.depth = shape.exitDistance(point, d * -1.0);
   }
   if (least == far_ || least <= rounding_ + kLeft * contact.depth) return false;
+  if (depthIn(shape, left) < kNearest * least) return false;  // it is left over a face of which the region has no piece
   contact.position = point + contact.normal * (0.5 * contact.depth) + origin_;
   contact.triangleA = at.triangle;
   contact.region = contacts.size() > first ? contacts[first].region : 0;
@@ -378,7 +392,8 @@ bool RegionWalls::isInDoubt(const Contact& contact, const Vec3d& point) const {
     if (way >= -onPlane_ && way < kInDoubt * contact.depth &&
         wall.beside(point + wall.normal * way) <= std::max(way, onPlane_))
       return true;
-    isBehind = isBehind || (cosine > kEdgeOn && way >= kInDoubt * contact.depth * cosine);
+    isBehind = isBehind || (cosine > kEdgeOn && way >= kInDoubt * contact.depth * cosine &&
+                            wall.beside(point + wall.normal * way) <= way);
   }
   return !isBehind;
 }

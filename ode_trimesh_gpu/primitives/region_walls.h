@@ -70,6 +70,7 @@ class RegionWalls {
   bool isHeldBy(const Wall& wall, const Vec3d& point, double moved, const Inside* from) const;
   bool hold(const PlacedShape& shape, const Wall& wall, const Vec3d& move, double closest,
             std::vector<Contact>& contacts, std::size_t first) const;
+  static double depthIn(const PlacedShape& shape, const Vec3d& point);
   void waysAt(const PlacedShape& shape, const Vec3d& point, std::pmr::vector<Vec3d>& out) const;
   bool holdPoint(const PlacedShape& shape, const Inside& at, const Vec3d& move, double closest,
                  std::vector<Contact>& contacts, std::size_t first) const;

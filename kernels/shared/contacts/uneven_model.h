@@ -25,6 +25,9 @@ namespace otg {
 /// A face is that of a curved surface beside another one whose normal is turned by less than a sharp edge's, and more
 /// than by rounding.
 #define OTG_UNEVEN_TURNED (1 - 1e-6)
+/// The translation that parts ask for is so many times the deepest part's way, at most. A body that is jammed between two
+/// walls is not asked to leave them at their end.
+#define OTG_UNEVEN_LONGEST 10
 /// Through a face that faces along by less no way leads.
 #define OTG_UNEVEN_LEAST_COSINE 0.05
 

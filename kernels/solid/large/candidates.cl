@@ -182,10 +182,16 @@ OTG_INLINED void otgLookAtCandidate(__local otg_candidate_scratch* s, __global c
   }
 }
 
-/// Gives a region up that the host describes by single triangles: one that is uneven. All lanes call it.
+/// Gives a region up that the host describes by single triangles: one that is uneven, or thin and coherent nowhere. All
+/// lanes call it.
 OTG_INLINED void otgGiveUpUneven(__local otg_candidate_scratch* s, const otg_found_lists* l, OTG_PAIR_MESH* mesh,
                                  const otg_solid_work* w, __global otg_region_work* r) {
-  if (l->head->regions[l->region].load > OTG_SOLID_MOST_UNEVEN || w->coherence < OTG_SOLID_COHERENT) return;
+  if (l->head->regions[l->region].load > OTG_SOLID_MOST_UNEVEN) return;
+  if (w->coherence < OTG_SOLID_COHERENT) {
+    if (get_local_id(0) == 0 && !otgIsLump_d(w->thickness, w->diagonal)) atomic_or(&r->pointFlags, OTG_REGION_BAD);
+    OTG_SYNC;
+    return;
+  }
   const int roundCorner = l->head->corners >> l->region & 1;
   const double extent = otgExtentOfRegion(&s->extent, l, mesh, w->mean);
   if (get_local_id(0) == 0 && (roundCorner || otgIsUneven_d(extent, w->thickness))) atomic_or(&r->pointFlags, OTG_REGION_BAD);

@@ -48,21 +48,25 @@ OTG_INLINED void otgOrderParts(__local otg_uneven_scratch* s) {
   OTG_SYNC;
 }
 
-/// Has the translation satisfy one more half-space, if one can. For one lane.
-OTG_INLINED void otgAddHalfSpace(__local otg_uneven_scratch* s, __global const otg_uneven_way* way) {
+/// Has the translation satisfy one more half-space: whether one of that length can. For one lane.
+OTG_INLINED int otgAddHalfSpace(__local otg_uneven_scratch* s, __global const otg_uneven_way* way, double longest) {
   const otg_vec3_d normal = otgLoad(way->normal);
   const double depth = way->depth;
   otg_vec3_d t = otgVec_d(s->out[0], s->out[1], s->out[2]);
   if (s->spaceCount == OTG_UNEVEN_HALF_SPACES) {
     s->bad = 1;
-    return;
+    return 0;
   }
-  if (!otgIsOut_d(normal, depth, t) && !otgShortestOnBoundary_d(s->spaces, s->spaceCount, normal, depth, &t)) return;
+  if (!otgIsOut_d(normal, depth, t)) {
+    if (!otgShortestOnBoundary_d(s->spaces, s->spaceCount, normal, depth, &t)) return 0;
+    if (otgDot_d(t, t) > longest * longest) return 0;
+  }
   s->spaces[s->spaceCount].normal = normal;
   s->spaces[s->spaceCount++].depth = depth;
   s->out[0] = t.x;
   s->out[1] = t.y;
   s->out[2] = t.z;
+  return 1;
 }
 
 /// Has it satisfy a part: all of the ways that hold it together, or the one of the others that takes least. For one
@@ -83,8 +87,9 @@ OTG_INLINED void otgAddPart(__local otg_uneven_scratch* s, const otg_uneven* u, 
       least = missing;
     }
   }
-  const int takesOther = soonest != OTG_NOT_THERE && least < most;
-  for (uint k = 0; k < (takesOther ? 1 : together); ++k) otgAddHalfSpace(s, ways + (takesOther ? soonest : k));
+  const double longest = OTG_UNEVEN_LONGEST * s->soonest[s->ordered[0]];
+  if (soonest != OTG_NOT_THERE && least < most && otgAddHalfSpace(s, ways + soonest, longest)) return;
+  for (uint k = 0; k < together; ++k) otgAddHalfSpace(s, ways + k, longest);
 }
 
 /// The shortest translation that satisfies one part after the other.

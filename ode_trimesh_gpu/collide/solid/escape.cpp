@@ -316,8 +316,8 @@ void addContained(const PlacedMeshes& meshes, const InsideFlags& inside, Overlap
 RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region,
                              const PairMotion& motion, RegionNormals& normals, RegionExtent& regionExtent) {
   RegionDirection answer;
-  answer.entangled = !region.contained && (region.bad || region.coherence < 0.5);
-  if (region.contained || region.coherence < 0.5) {
+  answer.entangled = !region.contained && (region.bad || contradictsItself(region));
+  if (region.contained || contradictsItself(region)) {
     answer.direction = escapeDirection(meshes, all, region, motion, regionExtent);
     answer.escaping = true;
     if (region.contained || region.thickness > 0.05 * region.diagonal) {
@@ -327,7 +327,7 @@ RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& a
     }
     return answer;
   }
-  const bool isLump = region.thickness > OTG_SOLID_DEEP * region.diagonal;
+  const bool isLump = !region.bad && region.thickness > OTG_SOLID_DEEP * region.diagonal;
   std::pmr::vector<Vec3d> across(all.memory);
   if (isLump || !isUneven(region, normals, regionExtent)) across = directionsAcross(meshes, all, region);
   if (isLump || !across.empty()) {

@@ -154,6 +154,7 @@ std::pmr::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegion
   for (Part& part : parts) order.push_back(&part);
   std::sort(order.begin(), order.end(),
             [](const Part* x, const Part* y) { return x->soonest != y->soonest ? x->soonest > y->soonest : x < y; });
+  const double longest = order.empty() ? 0 : OTG_UNEVEN_LONGEST * order.front()->soonest;
   ShortestTranslation t(all.memory);
   const auto missing = [&](const Way& way) { return way.depth - otgDot(way.normal, t.value()); };
   const auto satisfied = [&](const Way& way) { return t.satisfies(way.normal, way.depth); };
@@ -168,11 +169,10 @@ std::pmr::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegion
       const double a = missing(x), b = missing(y);
       return a != b ? a < b : x.depth < y.depth;
     });
-    if (soonest != others.end() && missing(*soonest) < together) {
-      t.add(soonest->normal, soonest->depth);
-    } else {
-      for (const Way& way : part->all()) t.add(way.normal, way.depth);
-    }
+    const bool isOther = soonest != others.end() && missing(*soonest) < together &&
+                         t.add(soonest->normal, soonest->depth, longest);
+    if (isOther) continue;
+    for (const Way& way : part->all()) t.add(way.normal, way.depth, longest);
   }
   std::pmr::vector<Leave> leaves(all.memory);
   for (Part& part : parts) {

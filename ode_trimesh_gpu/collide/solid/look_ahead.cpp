@@ -13,6 +13,7 @@
 #include "collide/solid/ahead_scratch.h"
 #include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
+#include "shared/contacts/uneven_model.h"
 
 namespace otg {
 namespace {
@@ -23,8 +24,8 @@ constexpr double kFarther = 1.02;
 constexpr double kAlong = 0.02;
 /// How often the pair is looked at, at most.
 constexpr int kLooks = 3;
-/// What is met makes the way so many times as long, at most. Else another way must be the shortest one.
-constexpr double kLongest = 10;
+/// The way is so many times the deepest contact, at most: as the translation that parts of a region ask for.
+constexpr double kLongest = OTG_UNEVEN_LONGEST;
 /// Of both meshes together. Larger ones are what devices are for, which do not look ahead.
 constexpr std::size_t kMostTriangles = 16384;
 
@@ -39,8 +40,9 @@ bool tellsNoWay(const Contact& contact) {
   return (contact.flags & (kContactContained | kContactClamped)) != 0;
 }
 
-/// What contacts ask for, however they are ordered. None where they do not tell the way apart.
-std::optional<ShortestTranslation> askedBy(std::span<const Contact> contacts, std::pmr::memory_resource* memory) {
+/// What contacts ask for, however they are ordered, and how long it may become. None where they do not tell the way.
+std::optional<ShortestTranslation> askedBy(std::span<const Contact> contacts, std::pmr::memory_resource* memory,
+                                           double& longest) {
   if (contacts.empty()) return std::nullopt;
   std::pmr::vector<Asked> all(memory);
   all.reserve(contacts.size());
@@ -50,8 +52,9 @@ std::optional<ShortestTranslation> askedBy(std::span<const Contact> contacts, st
   }
   std::sort(all.begin(), all.end(), [](const Asked& x, const Asked& y) { return x.key() < y.key(); });
   std::optional<ShortestTranslation> t(std::in_place, memory);
+  longest = kLongest * all.front().depth;
   for (const Asked& h : all) {
-    if (!t->add(h.normal, h.depth)) return std::nullopt;
+    if (!t->add(h.normal, h.depth, longest)) return std::nullopt;
   }
   return t;
 }
@@ -175,13 +178,13 @@ Contact beforeWay(const Contact& met, const Vec3d& way) {
 
 void addContactsAhead(const Query& query, Workspace& workspace) {
   AheadScratch& scratch = scratchOf(workspace);
-  std::optional<ShortestTranslation> t = askedBy(workspace.contacts, &scratch.memory);
+  double longest = 0;
+  std::optional<ShortestTranslation> t = askedBy(workspace.contacts, &scratch.memory, longest);
   if (!t) return;
   Workspace& ahead = scratch.workspace;
   const bool byTrees = !hasCandidates(query, workspace);
   if (!(byTrees ? meetsByTrees(query, wayOf(*t), ahead) : meetsByCandidates(query, wayOf(*t), workspace, ahead)))
     return;
-  const double longest = kLongest * norm(t->value());
   std::uint32_t regions = 0;
   for (const Contact& c : workspace.contacts) regions = std::max(regions, c.region + 1);
   bool isNew = true;
@@ -232,7 +235,8 @@ void lookAhead(const Query& query, Workspace& workspace) {
 }
 
 std::optional<Transformd> poseAhead(const Query& query, std::span<const Contact> contacts, Workspace& workspace) {
-  const std::optional<ShortestTranslation> t = askedBy(contacts, &scratchOf(workspace).memory);
+  double longest = 0;
+  const std::optional<ShortestTranslation> t = askedBy(contacts, &scratchOf(workspace).memory, longest);
   if (!t) return std::nullopt;
   return movedBy(query, wayOf(*t)).bInA;
 }

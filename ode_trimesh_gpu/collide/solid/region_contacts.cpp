@@ -554,8 +554,15 @@ class RegionSolver {
 
 }  // namespace
 
+bool contradictsItself(const Region& region) {
+  if (region.coherence >= OTG_SOLID_COHERENT) return false;
+  return region.cellEnd > region.cellBegin || region.contained ||
+         (!region.bad && otgIsLump(region.thickness, region.diagonal));
+}
+
 bool isUneven(const Region& region, const RegionNormals& normals, RegionExtent& extent) {
-  if (region.cellEnd > region.cellBegin || normals.isFixed() || region.coherence < OTG_SOLID_COHERENT) return false;
+  if (region.cellEnd > region.cellBegin || normals.isFixed()) return false;
+  if (region.bad || region.coherence < OTG_SOLID_COHERENT) return !contradictsItself(region);
   return region.roundCorner || otgIsUneven(extent.along(normals.mean()), region.thickness) != 0;
 }
 

@@ -21,8 +21,12 @@ struct RegionTask {
   double extraDepth;  ///< added to the clamp of depths by the region's own extent (escaping bodies: way of one step)
 };
 
+/// Whether nothing of the region's surface tells which way is out: its normals cancel each other. In a thin region each
+/// part of it tells, as the flanks of a thread do.
+bool contradictsItself(const Region& region);
+
 /// Whether the region is far deeper at one place than it is on the whole, or goes round a corner: a thin contact and
-/// beside it a wedge or another wall. One direction does not hold for all of it. Regions described by cells never are.
+/// beside it a wedge or another wall; or thin and coherent nowhere. One direction does not hold for all of it. Regions described by cells never are.
 bool isUneven(const Region& region, const RegionNormals& normals, RegionExtent& extent);
 
 /// Appends contacts (frame A), deepest first. Whether the region is uneven.

@@ -281,7 +281,8 @@ class Builder {
 }  // namespace
 
 bool needsTriangles(const OverlapRegions& all, const Region& region, std::uint32_t load) {
-  if (load > OTG_SOLID_MOST_UNEVEN || region.coherence < OTG_SOLID_COHERENT) return false;
+  if (load > OTG_SOLID_MOST_UNEVEN) return false;
+  if (region.coherence < OTG_SOLID_COHERENT) return !otgIsLump(region.thickness, region.diagonal);
   return region.roundCorner || otgIsUneven(RegionExtent(all, region).along(unit(region.push)), region.thickness) != 0;
 }
 
