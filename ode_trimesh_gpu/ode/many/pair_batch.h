@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Many pairs of geoms, read at one moment, computed at once, and told of later.
+// Many pairs of geoms, read at one moment, computed at once, and reported later.
 #pragma once
 
 #include <functional>

@@ -32,14 +32,14 @@ enum class BatchWish {
 struct BatchFound {
   const otg_uint* counters = nullptr;
   const otg_uint* flags = nullptr;
-  /// Contacts, where they are wished. Those of a pair lie side by side; two words a pair say where, and how many.
+  /// Contacts, where they are requested. Those of a pair lie side by side; two words a pair say where, and how many.
   struct Contacts {
     const otg_uint* places = nullptr;
     const Contact* contacts = nullptr;
     std::shared_ptr<const void> memory;  ///< keeps them as they are for as long as it is shared
   };
   std::vector<Contacts> contacts;    ///< a pair has its contacts in one of them at most
-  std::uint64_t decidedExactly = 0;  ///< pairs of triangles, where contacts of the model `pairwise` are wished
+  std::uint64_t decidedExactly = 0;  ///< pairs of triangles, where contacts of the model `pairwise` are requested
   /// Where pairs remember: the direction of the last deep region of each pair with contacts, or zero. Frame A.
   const Vec3d* directions = nullptr;
 };
@@ -60,7 +60,7 @@ class BatchLane {
   std::span<Vec3d> stageDirections();
   bool makesContacts() const { return static_cast<bool>(small_); }
 
-  /// Begins with middle and near phase of the staged pairs in one submission, and what else is wished. Tasks name
+  /// Begins with middle and near phase of the staged pairs in one submission, and what else is requested. Tasks name
   /// meshes by their places in `meshes` (empty ones too), and reductions. `threads`, if there are any, pack meshes that
   /// are not there. Throws ClError.
   void begin(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions, BatchWish wish,

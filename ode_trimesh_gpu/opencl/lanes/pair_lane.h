@@ -45,7 +45,7 @@ class PairLane {
   PairLane(const PairLane&) = delete;
   PairLane& operator=(const PairLane&) = delete;
 
-  /// Middle and near phase of one pair, and what else is wished. Throws ClError.
+  /// Middle and near phase of one pair, and what else is requested. Throws ClError.
   PairAnswer run(const Query& query, const PairFrame& frame, PairWish wish);
   /// After an answer with `described`: the records. Throws ClError.
   Answer records();
