@@ -26,7 +26,7 @@ class PublishedDesign;
 struct BackendCounts {
   std::uint64_t queries = 0;  ///< pairs of meshes asked for, in batches or not
   std::uint64_t onHost = 0;   ///< of these, done by the host because a call failed
-  std::uint64_t repeats = 0;  ///< runs in vain because a list was too short
+  std::uint64_t repeats = 0;  ///< runs that were repeated because a list was too short
   /// Single pairs whose contacts of the model `pairwise` the host finished although the device was to; and pairs of
   /// triangles of any single pairs that the host decided in exact arithmetic.
   std::uint64_t leftToHost = 0, decidedOnHost = 0;
@@ -124,7 +124,7 @@ class BatchAnswer {
 class Backend {
  public:
   /// Opens device `index` of listDevices() and, for Tuning::warmUp, builds the usual programs. Null when that fails,
-  /// which is logged. This and every query throw Stopped on a thread that is told to stop: see stop.h.
+  /// which is logged. This and every query throw Stopped on a thread that has to stop: see stop.h.
   static std::shared_ptr<Backend> open(int index, const Tuning& tuning = {});
   ~Backend();
   Backend(const Backend&) = delete;
