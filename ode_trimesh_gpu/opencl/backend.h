@@ -176,9 +176,9 @@ class Backend {
   /// Programs that could not be built. What they are for is done by the host from then on, and is no failure any more.
   std::size_t failedPrograms() const;
   /// Asks about `count` points and hands the answers over in pieces, in their order, on the calling thread. The mesh
-  /// has triangles; `wish.inside` is for solids. Returns how many were answered, from the first one on: fewer than
+  /// has triangles; `request.inside` is for solids. Returns how many were answered, from the first one on: fewer than
   /// `count` when a call failed (which is logged once and counted). Throws what `fill` and `take` throw.
-  std::size_t askPoints(const CollisionMesh& mesh, PointWish wish, std::size_t count, const FillPoints& fill,
+  std::size_t askPoints(const CollisionMesh& mesh, PointRequest request, std::size_t count, const FillPoints& fill,
                         const TakePoints& take);
   /// The same for rays: the triangle that each hits first; with `cullBack` those hit from behind do not count.
   std::size_t castRays(const CollisionMesh& mesh, bool cullBack, std::size_t count, const FillRays& fill,
