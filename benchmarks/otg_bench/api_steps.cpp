@@ -15,7 +15,7 @@ Json collideSteps(const std::vector<dGpuTriMeshPair>& pairs, int places, int rep
   std::vector<double> read, computed, device, written;
   for (int i = 0; i <= repeat; ++i) {
     std::optional<PairBatch> batch;
-    const double first = timeOnce([&] { batch.emplace(pairs, PairBatchWish{places}); });
+    const double first = timeOnce([&] { batch.emplace(pairs, PairBatchRequest{places}); });
     const double second = timeOnce([&] { batch->run(); });
     const double third = timeOnce([&] {
       rememberInto(*batch, {places, contacts.data(), sizeof(dContactGeom), counts.data()});

@@ -116,8 +116,8 @@ int cook(const CookOptions& options) {
 }  // namespace
 
 void addCookCommand(CLI::App& app, Action& action) {
-  CLI::App* command =
-      app.add_subcommand("cook", "Write a mesh with its tree as a file that dGpuTriMeshDataLoad() and check read");
+  CLI::App* command = app.add_subcommand(
+      "cook", "Write a mesh with its tree as a file that dGpuTriMeshDataLoad() and all commands read");
   auto options = std::make_shared<CookOptions>();
   command->add_option("MESH", options->mesh, "Mesh file")->required();
   command->add_option("-o,--output", options->file, "The cooked file")->required();

@@ -207,7 +207,7 @@ bool CollisionMesh::imageIsWorn() const {
   return sahCost(trees_->tree(), *imageBoxes_) > kRebuildCost * trees_->builtCost();
 }
 
-/// For want of memory all stays as it is, which is right if slow.
+/// Without memory for it all stays as it is, which is right if slow.
 void CollisionMesh::takeOwnTree() noexcept {
   try {
     auto structure = std::make_shared<const char>('\0');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Two meshes that cannot meet, told by their bounds alone.
+// Whether two meshes cannot meet, by their bounds alone.
 #pragma once
 
 #include "collide/query.h"

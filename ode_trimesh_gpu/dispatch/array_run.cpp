@@ -12,28 +12,28 @@ namespace {
 constexpr std::size_t kItemsAtOnce = 64;
 
 /// A device finds the nearest triangle where the answer, or the side, needs it; of a solid the side, by itself.
-opencl::PointWish wishOf(const PointJob& job) {
+opencl::PointRequest requestOf(const PointJob& job) {
   const SurfaceKind kind = surfaceKind(job.mesh->mesh());
-  opencl::PointWish wish;
-  wish.nearest = job.nearest || (job.inside && kind == SurfaceKind::kSheet);
-  wish.inside = job.inside && kind == SurfaceKind::kSolid;
-  return wish;
+  opencl::PointRequest request;
+  request.nearest = job.nearest || (job.inside && kind == SurfaceKind::kSheet);
+  request.inside = job.inside && kind == SurfaceKind::kSolid;
+  return request;
 }
 
 /// The device's part of an array, and what becomes of the word that it finds for each item.
 class PointWords {
  public:
-  explicit PointWords(const PointJob& job) : job_(job), wish_(wishOf(job)) {}
+  explicit PointWords(const PointJob& job) : job_(job), request_(requestOf(job)) {}
   std::size_t ask(opencl::Backend& device, std::size_t count, const opencl::FillPoints& fill,
                   const opencl::TakePoints& take) const {
-    return device.askPoints(*job_.mesh, wish_, count, fill, take);
+    return device.askPoints(*job_.mesh, request_, count, fill, take);
   }
   PointAnswer answer(const Vec3d& point, otg_uint word) const {
     const otg_uint triangle = word & OTG_POINT_TRIANGLE;
     if (triangle == OTG_POINT_OPEN) return answerOne(job_, point);
     PointAnswer answer;
     if (triangle != OTG_POINT_NOTHING) answer.nearest = pointOnTriangle(job_.mesh->mesh(), triangle, point);
-    if (wish_.inside) {
+    if (request_.inside) {
       answer.inside = (word & OTG_POINT_INSIDE) != 0;
     } else if (job_.inside) {
       answer.inside = isInside(*job_.mesh, point, answer.nearest);
@@ -43,7 +43,7 @@ class PointWords {
 
  private:
   const PointJob& job_;
-  const opencl::PointWish wish_;
+  const opencl::PointRequest request_;
 };
 
 class RayWords {
@@ -149,8 +149,8 @@ template void answerOnDevice(DeviceSlot&, ThreadPool&, const PointJob&, std::siz
 template void answerOnDevice(DeviceSlot&, ThreadPool&, const RayJob&, std::size_t, const RaySource&, const RaySink&);
 
 bool canAnswer(const DeviceSlot& slot, const PointJob& job) {
-  const opencl::PointWish wish = wishOf(job);
-  return !slot.isOff && slot.backend->answersPoints() && (wish.nearest || wish.inside);
+  const opencl::PointRequest request = requestOf(job);
+  return !slot.isOff && slot.backend->answersPoints() && (request.nearest || request.inside);
 }
 
 bool canAnswer(const DeviceSlot& slot, const RayJob&) {
@@ -159,13 +159,14 @@ bool canAnswer(const DeviceSlot& slot, const RayJob&) {
 
 bool isArraySoonerOnDevice(const PointJob& job, std::size_t count, const CostModel& costs, unsigned threads) {
   if (!costs.knowsPoints()) return false;
-  const opencl::PointWish wish = wishOf(job);
+  const opencl::PointRequest request = requestOf(job);
   const double work = pointWork(job.mesh->mesh()), points = static_cast<double>(count);
-  const double host = (wish.nearest ? costs.hostNearest.of(work) : 0) + (wish.inside ? costs.hostInside.of(work) : 0);
+  const double host =
+      (request.nearest ? costs.hostNearest.of(work) : 0) + (request.inside ? costs.hostInside.of(work) : 0);
   const double device =
-      (wish.nearest ? costs.deviceNearest.of(work) : 0) + (wish.inside ? costs.deviceInside.of(work) : 0);
+      (request.nearest ? costs.deviceNearest.of(work) : 0) + (request.inside ? costs.deviceInside.of(work) : 0);
   const double speedup = costs.speedup(threads);
-  const double finish = wish.nearest ? costs.pointFinish / speedup : 0;
+  const double finish = request.nearest ? costs.pointFinish / speedup : 0;
   return costs.pointLaunch.of(work) + points * (device + finish) < points * host / speedup;
 }
 

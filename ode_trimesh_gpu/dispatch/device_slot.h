@@ -12,7 +12,7 @@
 namespace otg {
 
 /// Whether work that may be done anywhere (Place::kAuto) may go to a device. Not to one of type CPU: it has the cores
-/// that the library's own threads have, and is slower on them. Work that is told to go to a device does go there.
+/// that the library's own threads have, and is slower on them. Work that must go to a device does go there.
 bool takesAuto(const opencl::DeviceInfo& device);
 /// Tests: such devices take it, too, if they are opened from now on. Returns what held before.
 bool letCpusTakeAuto(bool they);

@@ -74,7 +74,7 @@ std::shared_ptr<ThreadPool> Dispatcher::pool() {
   return pool_;
 }
 
-Dispatcher::Slots Dispatcher::openAll(std::span<const int> indices, const opencl::Tuning& tuning, Costs wish,
+Dispatcher::Slots Dispatcher::openAll(std::span<const int> indices, const opencl::Tuning& tuning, Costs request,
                                       KeptCosts kept) const {
   Slots slots;
   const opencl::ProgramCache cache = opencl::ProgramCache::standard();
@@ -86,7 +86,7 @@ Dispatcher::Slots Dispatcher::openAll(std::span<const int> indices, const opencl
     if (!slot->backend) continue;
     slot->isForAuto = takesAuto(slot->backend->device());
     std::optional<CostModel> costs = storedCosts(slot->backend->device(), cache);
-    if (wish == Costs::kMeasured) {
+    if (request == Costs::kMeasured) {
       // All programs are built before something is measured, and also where that is known: no query is to wait for it.
       const Rehearsed rehearsed = rehearse(*slot->backend);
       if (rehearsed == Rehearsed::kDiffers) {
@@ -111,8 +111,8 @@ Dispatcher::Slots Dispatcher::openAll(std::span<const int> indices, const opencl
   return slots;
 }
 
-std::size_t Dispatcher::open(std::span<const int> indices, const opencl::Tuning& tuning, Costs wish) {
-  Slots slots = openAll(indices, tuning, wish, KeptCosts::kAll);
+std::size_t Dispatcher::open(std::span<const int> indices, const opencl::Tuning& tuning, Costs request) {
+  Slots slots = openAll(indices, tuning, request, KeptCosts::kAll);
   const std::size_t count = slots.size();
   setDevices(std::move(slots));
   return count;

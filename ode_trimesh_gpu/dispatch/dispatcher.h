@@ -117,7 +117,7 @@ class Dispatcher {
   using Slots = std::vector<std::shared_ptr<DeviceSlot>>;
   std::shared_ptr<ThreadPool> pool();
   Slots usableDevices() const;
-  /// What the work of one call may be: for either side, or told to go to devices.
+  /// What the work of one call may be: for either side, or for devices alone.
   struct Places {
     bool anyAuto = false, anyBound = false;
     void add(const Placement& place) {

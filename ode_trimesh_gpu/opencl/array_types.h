@@ -11,12 +11,12 @@
 
 namespace otg::opencl {
 
-struct PointWish {
+struct PointRequest {
   bool nearest = false;  ///< the nearest triangle
   bool inside = false;   ///< of a solid: whether the point lies in it
 };
 
-struct RayWish {
+struct RayRequest {
   bool cullBack = false;  ///< hits from behind do not count
 };
 

@@ -49,9 +49,9 @@ bool Backend::collideProfiled(const Query& query, Workspace& workspace, StageTim
 bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, StageTimes& times) {
   const Stopwatch total(profile);
   const bool contacts = isPairwise(query);
-  const PairWish wish = contacts                                        ? PairWish::kContacts
-                        : query.refiner == nullptr && !areShells(query) ? PairWish::kOverlap
-                                                                        : PairWish::kPairs;
+  const PairRequest request = contacts                                        ? PairRequest::kContacts
+                              : query.refiner == nullptr && !areShells(query) ? PairRequest::kOverlap
+                                                                              : PairRequest::kPairs;
   const PairFrame frame = makePairFrame(query);
   ++state_->queries;
   if (isRefused(query) || isIdleQuery(query, frame) || isConvexPair(query)) {
@@ -63,7 +63,7 @@ bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, 
     StageTimes t;
     bool tooMany = false;
     (profile ? state_->profiled : state_->pairs).with([&](PairLane& lane) {
-      PairAnswer answer = lane.run(query, frame, wish);
+      PairAnswer answer = lane.run(query, frame, request);
       tooMany = answer.tooMany;
       if (tooMany) return;
       const Stopwatch host(profile);
@@ -116,7 +116,7 @@ bool Backend::findIntersectingPairs(const Query& query, Workspace& workspace) {
   try {
     bool tooMany = false;
     state_->pairs.with([&](PairLane& lane) {
-      const PairAnswer answer = lane.run(query, frame, PairWish::kPairs);
+      const PairAnswer answer = lane.run(query, frame, PairRequest::kPairs);
       tooMany = answer.tooMany;
       if (!tooMany) state_->decidedOnHost += takeAll(query, frame, answer.found, false, workspace);
     });

@@ -26,7 +26,7 @@ class PublishedDesign;
 struct BackendCounts {
   std::uint64_t queries = 0;  ///< pairs of meshes asked for, in batches or not
   std::uint64_t onHost = 0;   ///< of these, done by the host because a call failed
-  std::uint64_t repeats = 0;  ///< runs in vain because a list was too short
+  std::uint64_t repeats = 0;  ///< runs that were repeated because a list was too short
   /// Single pairs whose contacts of the model `pairwise` the host finished although the device was to; and pairs of
   /// triangles of any single pairs that the host decided in exact arithmetic.
   std::uint64_t leftToHost = 0, decidedOnHost = 0;
@@ -124,7 +124,7 @@ class BatchAnswer {
 class Backend {
  public:
   /// Opens device `index` of listDevices() and, for Tuning::warmUp, builds the usual programs. Null when that fails,
-  /// which is logged. This and every query throw Stopped on a thread that is told to stop: see stop.h.
+  /// which is logged. This and every query throw Stopped on a thread that has to stop: see stop.h.
   static std::shared_ptr<Backend> open(int index, const Tuning& tuning = {});
   ~Backend();
   Backend(const Backend&) = delete;
@@ -176,9 +176,9 @@ class Backend {
   /// Programs that could not be built. What they are for is done by the host from then on, and is no failure any more.
   std::size_t failedPrograms() const;
   /// Asks about `count` points and hands the answers over in pieces, in their order, on the calling thread. The mesh
-  /// has triangles; `wish.inside` is for solids. Returns how many were answered, from the first one on: fewer than
+  /// has triangles; `request.inside` is for solids. Returns how many were answered, from the first one on: fewer than
   /// `count` when a call failed (which is logged once and counted). Throws what `fill` and `take` throw.
-  std::size_t askPoints(const CollisionMesh& mesh, PointWish wish, std::size_t count, const FillPoints& fill,
+  std::size_t askPoints(const CollisionMesh& mesh, PointRequest request, std::size_t count, const FillPoints& fill,
                         const TakePoints& take);
   /// The same for rays: the triangle that each hits first; with `cullBack` those hit from behind do not count.
   std::size_t castRays(const CollisionMesh& mesh, bool cullBack, std::size_t count, const FillRays& fill,

@@ -23,9 +23,9 @@ struct ArrayPiece {
 /// Begins with each piece and hands its answers over; `taken`: how many items have theirs, when an exception comes
 /// through, too.
 template <class Lane>
-void inPieces(LanePool<Lane>& lanes, const Tuning& tuning, const CollisionMesh& mesh, const typename Lane::Wish& wish,
-              std::size_t count, std::size_t& taken, const FillItems<typename Lane::Item>& fill,
-              const TakeItems<typename Lane::Item>& take) {
+void inPieces(LanePool<Lane>& lanes, const Tuning& tuning, const CollisionMesh& mesh,
+              const typename Lane::Request& request, std::size_t count, std::size_t& taken,
+              const FillItems<typename Lane::Item>& fill, const TakeItems<typename Lane::Item>& take) {
   ArrayPiece<Lane> pieces[kUnderWay];
   const std::size_t most = std::max<std::size_t>(1, tuning.pointPiece);
   // All pieces of one size, and a small array in two if it is worth it.
@@ -45,7 +45,7 @@ void inPieces(LanePool<Lane>& lanes, const Tuning& tuning, const CollisionMesh& 
     piece.begin = begun;
     piece.end = std::min(count, begun + size);
     fill(piece.begin, piece.end, piece.lane->makeRoom(piece.end - piece.begin));
-    piece.lane->begin(mesh, wish);
+    piece.lane->begin(mesh, request);
     begun = piece.end;
   }
   for (ArrayPiece<Lane>& piece : pieces) {
@@ -56,13 +56,13 @@ void inPieces(LanePool<Lane>& lanes, const Tuning& tuning, const CollisionMesh& 
 /// What was asked about is counted in `asked`, what is left to the caller in `onHost`.
 template <class Lane>
 std::size_t askArray(LanePool<Lane>& lanes, const Tuning& tuning, const CollisionMesh& mesh,
-                     const typename Lane::Wish& wish, std::size_t count, const FillItems<typename Lane::Item>& fill,
-                     const TakeItems<typename Lane::Item>& take, std::atomic<std::uint64_t>& asked,
-                     std::atomic<std::uint64_t>& onHost) {
+                     const typename Lane::Request& request, std::size_t count,
+                     const FillItems<typename Lane::Item>& fill, const TakeItems<typename Lane::Item>& take,
+                     std::atomic<std::uint64_t>& asked, std::atomic<std::uint64_t>& onHost) {
   asked += count;
   std::size_t taken = 0;
   try {
-    inPieces(lanes, tuning, mesh, wish, count, taken, fill, take);
+    inPieces(lanes, tuning, mesh, request, count, taken, fill, take);
   } catch (const ClError& error) {
     logError(error);
     onHost += count - taken;
@@ -88,15 +88,15 @@ std::size_t Backend::failedPrograms() const {
   return state_->context.programs().failedCount();
 }
 
-std::size_t Backend::askPoints(const CollisionMesh& mesh, PointWish wish, std::size_t count, const FillPoints& fill,
-                               const TakePoints& take) {
-  return askArray(state_->points, state_->tuning, mesh, wish, count, fill, take, state_->pointsAsked,
+std::size_t Backend::askPoints(const CollisionMesh& mesh, PointRequest request, std::size_t count,
+                               const FillPoints& fill, const TakePoints& take) {
+  return askArray(state_->points, state_->tuning, mesh, request, count, fill, take, state_->pointsAsked,
                   state_->pointsOnHost);
 }
 
 std::size_t Backend::castRays(const CollisionMesh& mesh, bool cullBack, std::size_t count, const FillRays& fill,
                               const TakeRays& take) {
-  return askArray(state_->rays, state_->tuning, mesh, RayWish{cullBack}, count, fill, take, state_->raysCast,
+  return askArray(state_->rays, state_->tuning, mesh, RayRequest{cullBack}, count, fill, take, state_->raysCast,
                   state_->raysOnHost);
 }
 

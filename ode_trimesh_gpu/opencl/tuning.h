@@ -54,7 +54,7 @@ struct Tuning {
   /// never on CPUs.
   std::uint32_t overlapHits = 0;
   std::uint32_t overlapGroup = 128;        ///< work-items of a work-group of its kernels, a multiple of 64
-  std::uint32_t overlapGroupsPerUnit = 4;  ///< work-groups for each compute unit, at most: registers are what they lack
+  std::uint32_t overlapGroupsPerUnit = 4;  ///< work-groups for each compute unit, at most: limited by register pressure
   std::uint32_t overlapUnits = 1u << 16;   ///< of 16 bytes, for the description; grows
   /// Pairs of a batch of solids whose regions are too large for its own kernels are described, too, if there are so
   /// many of them (where single pairs are described at all); `overlapPairs` at a time.
@@ -76,7 +76,7 @@ struct Tuning {
   /// Work-items that do an uneven region (0: 1 on CPUs, else 128), and pieces of the largest; the host does larger
   /// ones.
   std::uint32_t unevenGroup = 0, unevenFaces = 64;
-  /// Registers that a work-item of their kernels may take where the device can be told so; 0: as many as it likes.
+  /// Registers that a work-item of their kernels may take where the device takes a limit; 0: as many as it likes.
   std::uint32_t solidRegisters = 128;
   std::uint32_t arenaUnits = 1u << 18;  ///< of 16 bytes, for regions of a batch of solids; grows
   /// Work-items of a work-group of the traversal `levels`, and how many numbers its prefix sums take at once; 4 at

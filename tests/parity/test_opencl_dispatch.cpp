@@ -236,7 +236,7 @@ TEST_CASE("batches of solids are divided, too, where their costs are known") {
   checkDivision(ContactModel::kSolid);
 }
 
-TEST_CASE("large overlaps of solids go all to devices where these are sooner done with them") {
+TEST_CASE("large overlaps of solids all go to devices where these are faster with them") {
   const Lumps lumps(ContactModel::kSolid);
   Dispatcher dispatcher;
   REQUIRE(open(dispatcher, 1) == 1);

@@ -98,9 +98,9 @@ TEST_CASE("a device that gives other answers than the CPU is not used") {
   for (const bool isWrong : {true, false}) {
     BrokenKernel broken("walk/batch_walk.cl", right, isWrong ? wrong : right);
     const int index = opencl::defaultDevice(opencl::listDevices());
-    for (const Costs wish : {Costs::kIfStored, Costs::kMeasured}) {
+    for (const Costs request : {Costs::kIfStored, Costs::kMeasured}) {
       Dispatcher dispatcher;
-      CHECK(dispatcher.open({&index, 1}, {}, wish) == (isWrong ? 0 : 1));
+      CHECK(dispatcher.open({&index, 1}, {}, request) == (isWrong ? 0 : 1));
     }
     CHECK(broken.lines.size() == (isWrong ? 2 : 0));
     for (const std::string& line : broken.lines) CHECK(line.find("other answers than the CPU") != std::string::npos);

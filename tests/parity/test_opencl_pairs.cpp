@@ -358,7 +358,7 @@ TEST_CASE("boxes that touch are decided on the device") {
   tuning.fewHits = 1;  // records by many work-groups
   tuning.recordGroup = 64;
   check(tuning);
-  tuning.fewHits = 512;  // by one, or by one in vain
+  tuning.fewHits = 512;  // by one, or by one whose result is dropped
   tuning.fewGroup = 32;
   tuning.hitPlaces = 1;
   check(tuning);

@@ -82,8 +82,8 @@ TEST_CASE("devices are numbered, described and chosen by the environment") {
     CHECK(devices[i].computeUnits > 0);
     CHECK(devices[i].globalMemory >= devices[i].largestAllocation);
   }
-  const auto chosen = [&](const char* wish) {
-    setenv("OTG_OPENCL_DEVICE", wish, 1);
+  const auto chosen = [&](const char* request) {
+    setenv("OTG_OPENCL_DEVICE", request, 1);
     const int index = opencl::defaultDevice(devices);
     unsetenv("OTG_OPENCL_DEVICE");
     return index;

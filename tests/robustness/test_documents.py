@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Pages stay true: those of concepts hold no measured tables and no commits, results are written by the script, trials are dated,
-and links lead somewhere. Run as: python3 test_documents.py"""
+links lead somewhere, and sources use the words of the field. Run as: python3 test_documents.py"""
 import pathlib
 import re
 import unittest
@@ -111,6 +111,19 @@ class Documents(unittest.TestCase):
                 for number, line in enumerate(page.read_text().splitlines(), 1):
                     self.assertNotRegex(line, private, "line %d" % number)
         self.assertGreater(checked, 1500)
+
+    def test_sources_are_in_the_fields_words(self):
+        private = re.compile(r"wish|\bin vain\b|\bsooner done\b|\basks the processor\b", re.I)
+        folders = ("ode_trimesh_gpu", "kernels", "harness", "benchmarks", "demos", "python", "examples", "tests", "scripts", "cmake")
+        checked = 0
+        for page in (file for folder in folders for file in (ROOT / folder).rglob("*")):
+            if page.suffix not in (".h", ".hpp", ".cpp", ".c", ".cl", ".py", ".sh", ".cmake") or page.name == "test_documents.py":
+                continue
+            checked += 1
+            found = private.search(page.read_text())
+            with self.subTest(page=str(page.relative_to(ROOT))):
+                self.assertIsNone(found, found and found.group(0))
+        self.assertGreater(checked, 700)
 
     def test_the_first_program_is_the_same_everywhere(self):
         blocks = [re.search(r"```c\n(.*?)```", (ROOT / name).read_text(), re.S).group(1)

@@ -26,9 +26,10 @@ using namespace otg;
 
 /// Where packages and builds of the simulator have its driver; empty if nowhere. OTG_SIMULATOR names another place.
 std::string simulatorLibrary() {
-  const char* wish = std::getenv("OTG_SIMULATOR");
-  for (const char* path : {wish, "/usr/lib/oclgrind/liboclgrind-rt-icd.so", "/usr/lib64/oclgrind/liboclgrind-rt-icd.so",
-                           "/usr/local/lib/oclgrind/liboclgrind-rt-icd.so"}) {
+  const char* requested = std::getenv("OTG_SIMULATOR");
+  for (const char* path :
+       {requested, "/usr/lib/oclgrind/liboclgrind-rt-icd.so", "/usr/lib64/oclgrind/liboclgrind-rt-icd.so",
+        "/usr/local/lib/oclgrind/liboclgrind-rt-icd.so"}) {
     std::error_code ignored;
     if (path != nullptr && fs::exists(path, ignored)) return path;
   }

@@ -50,7 +50,7 @@ inline void seal(Bytes& bytes) {
 }
 
 struct Section {
-  std::size_t entry;  ///< where its size is told
+  std::size_t entry;  ///< where its size is written
   std::size_t at, size;
 };
 

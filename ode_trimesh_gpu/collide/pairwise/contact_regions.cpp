@@ -24,8 +24,8 @@ std::array<std::uint32_t, 4> selfAndNeighbours(const Topology& topology, std::ui
 }
 
 /// Edges that have no twin (boundaries, more than two triangles, opposite windings): too many triangles may share one
-/// to go through their neighbours, so pairs meet through the edge itself. A feature is a triangle or an edge, told
-/// apart by `kind`.
+/// to go through their neighbours, so pairs meet through the edge itself. A feature is a triangle or an edge:
+/// `kind` says which.
 struct Feature {
   std::uint8_t kind;  // 0 triangle, 1 edge
   std::uint32_t id;

@@ -95,7 +95,7 @@ template <class Real>
   return {s1.positive | s2.positive, s1.negative & s2.negative};
 }
 
-/// Lanes that certainly intersect, and those that cannot be told.
+/// Lanes that certainly intersect, and those that are undecided.
 struct FilterBits {
   unsigned intersecting, undecided;
 };

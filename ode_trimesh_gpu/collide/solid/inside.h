@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which vertices of each mesh lie inside the other: told by the contour and flooded along uncrossed edges, without any
+// Which vertices of each mesh lie inside the other: known at the contour, flooded along uncrossed edges, without any
 // distance query.
 #pragma once
 

@@ -23,7 +23,7 @@ bool mayMeetAhead(const Query& query);
 /// that translation. What the model says there becomes contacts here: along the same normals, as deep as the
 /// translation and what is missing after it are together. This is repeated until nothing is met.
 ///
-/// Whether it is begun is told by the pairs of triangles that are near each other. They are those of
+/// The pairs of triangles that are near each other decide whether it is begun. They are those of
 /// workspace.candidates; where that is empty, they are looked for.
 void lookAhead(const Query& query, Workspace& workspace);
 

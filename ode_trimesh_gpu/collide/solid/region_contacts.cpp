@@ -517,7 +517,7 @@ class RegionSolver {
       contact.element = c.point->feature;
       contact.ordinal = c.point->ordinal;
       contact.coherence = region_.coherence;
-      if (contact.feature == ContactFeature::kNone) {  // nothing of its own to be told from another such region by
+      if (contact.feature == ContactFeature::kNone) {  // nothing of its own sets it apart from another such region
         contact.ordinal = static_cast<std::uint32_t>(std::count_if(out.begin(), out.end(), [&](const Contact& x) {
           return x.feature == contact.feature && x.triangleA == contact.triangleA && x.triangleB == contact.triangleB;
         }));

@@ -117,12 +117,12 @@ bool measurePoints(opencl::Backend& backend, std::span<const std::shared_ptr<con
   std::vector<std::pair<double, double>> launch, hostNearest, hostInside, deviceNearest, deviceInside;
   for (const auto& mesh : meshes) {
     const double work = pointWork(mesh->mesh());
-    const auto onDevice = [&](opencl::PointWish wish, std::size_t count) {
+    const auto onDevice = [&](opencl::PointRequest request, std::size_t count) {
       const auto fill = [&](std::size_t begin, std::size_t end, Vec3d* to) {
         std::copy(points.data() + begin, points.data() + end, to);
       };
       const auto take = [](std::size_t, std::size_t, const Vec3d*, const otg_uint*) {};
-      const auto once = [&] { good = backend.askPoints(*mesh, wish, count, fill, take) == count && good; };
+      const auto once = [&] { good = backend.askPoints(*mesh, request, count, fill, take) == count && good; };
       once();  // memory, uploads
       return timeOf(kRepeat, once);
     };

@@ -10,7 +10,7 @@ namespace otg {
 
 /// Times generated pairs of meshes on the calling thread and on the device; takes some tenths of a second. Nothing if
 /// the device fails meanwhile. `isDisturbed`: whether other threads took the processors from it, so that what it says
-/// of the CPU is too much. Throws std::bad_alloc, and opencl::Stopped on a thread that is told to stop.
+/// of the CPU is too much. Throws std::bad_alloc, and opencl::Stopped on a thread that has to stop.
 std::optional<CostModel> measureCosts(opencl::Backend& backend, bool* isDisturbed = nullptr);
 
 /// What a model of this device beside this CPU is stored under.

@@ -22,7 +22,7 @@ struct Division {
 
 /// Whether all pairs of solids with large overlaps, `work` each, go to devices. Devices that describe overlaps have the
 /// CPU's threads finish them, which are missed if these have such pairs of their own meanwhile: so the pairs are not
-/// divided, and go where all of them are sooner done.
+/// divided, and go where all of them end sooner.
 bool largeOnDevices(std::span<const double> work, std::span<const CostModel> devices, unsigned threads);
 
 /// Ends of the devices' blocks: device d gets the pairs from the end of the block before it (0) to ends[d], the CPU

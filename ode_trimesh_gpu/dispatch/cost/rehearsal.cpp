@@ -157,9 +157,9 @@ bool rehearseArrays(opencl::Backend& backend, const Bodies& small) {
   const auto takeRays = [](std::size_t, std::size_t, const LongRay*, const otg_uint*) {};
   const opencl::RunParts run = [](std::size_t count, const auto& work) { work(0, count); };
   bool good = true;
-  for (const opencl::PointWish wish : {opencl::PointWish{true, false}, {false, true}, {true, true}}) {
+  for (const opencl::PointRequest request : {opencl::PointRequest{true, false}, {false, true}, {true, true}}) {
     if (!backend.answersPoints()) break;
-    good = backend.askPoints(*small.a, wish, kCount, fillPoints, takePoints) == kCount && good;
+    good = backend.askPoints(*small.a, request, kCount, fillPoints, takePoints) == kCount && good;
   }
   for (const bool cullBack : {false, true}) {
     if (!backend.answersRays()) break;

@@ -25,7 +25,7 @@ class GeomTable {
     if (entries_.empty()) return nullptr;
     return entries_[placeOf(geom)].object;
   }
-  /// Asks the processor for what find() reads.
+  /// Prefetches what find() reads.
   void fetch(dGeomID geom) const noexcept {
     if (!entries_.empty()) __builtin_prefetch(&entries_[firstPlaceOf(geom)]);
   }

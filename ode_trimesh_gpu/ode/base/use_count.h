@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Many who read or one who changes, told apart without anybody waiting.
+// Counts many readers or one writer of an object, without anybody waiting.
 #pragma once
 
 #include <atomic>
@@ -7,7 +7,7 @@
 namespace otg {
 
 /// Held by queries while they read an object, and by who changes it. A program must not have both at once; where it
-/// does, the one that comes second is told.
+/// does, the one that comes second gets an error.
 class UseCount {
  public:
   /// False while somebody changes the object; then nothing is held.

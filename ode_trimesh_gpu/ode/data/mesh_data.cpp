@@ -13,7 +13,7 @@
 namespace otg {
 namespace {
 
-/// The handles that programs hold, so that one that was given up is told from one that was not.
+/// The handles that programs hold: a handle that was given up is not among them.
 struct LiveHandles {
   std::mutex mutex;
   std::unordered_set<const dxGpuTriMeshData*> handles;

@@ -21,7 +21,7 @@ GeomObject*& slotOf(dGeomID geom) {
   return *static_cast<GeomObject**>(dGeomGetClassData(geom));
 }
 
-/// All geoms of ours, so that one that was destroyed is told from one that was not.
+/// All geoms of ours that are alive: a geom that was destroyed is not among them.
 struct LiveGeoms {
   std::shared_mutex mutex;
   GeomTable objects;
@@ -151,7 +151,7 @@ void judgePose(WorldPose& pose) noexcept {
 
 /// How far beyond its mesh a geom's box reaches. A shell has no inside by which a body that lies on it is found, and a
 /// flat one no height: the two must be asked about before and while they touch. What a body moves in a step is not
-/// known here. Where triangles are many the surface is seldom flat, and neighbours would be asked in vain.
+/// known here. Where triangles are many the surface is seldom flat, and asking about neighbours would find nothing.
 double shellMargin(const GeomObject& object, const TriMesh& mesh) {
   constexpr double kMost = 0.05, kFewTriangles = 64;  // of the radius
   const bool isPairwise = object.params.contact_model == dGPUTRIMESH_CONTACTS_PAIRWISE;

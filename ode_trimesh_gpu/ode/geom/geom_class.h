@@ -116,7 +116,7 @@ class LiveObjects {
  public:
   LiveObjects();
   GeomObject* of(dGeomID geom) const noexcept;
-  /// Asks the processor for what of() reads.
+  /// Prefetches what of() reads.
   void fetch(dGeomID geom) const noexcept;
 
  private:

@@ -43,7 +43,7 @@ LastTransform lastTransformOf(const dReal* m) noexcept {
   }
   last.pose.t = {static_cast<double>(m[12]), static_cast<double>(m[13]), static_cast<double>(m[14])};
   // ODE's geoms begin with zeros, which are the pose of nothing. ODE 0.16 keeps only the first twelve numbers of what
-  // it is given: a position that is not there cannot be told from one at the origin.
+  // it is given: a missing position looks like one at the origin.
   last.isSet = finite && m[15] != 0;
   return last;
 }

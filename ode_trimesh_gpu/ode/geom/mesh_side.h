@@ -65,7 +65,7 @@ void forgetTrimeshes() noexcept;
 void setTrimeshParams(const dGpuTriMeshParams& params) noexcept;
 dGpuTriMeshParams trimeshParams() noexcept;
 
-/// Whether the program has told where the geom, alive and with an object, was a step before.
+/// Whether the program has set where the geom, alive and with an object, was a step before.
 bool hasLastTransform(const MeshGeom& side) noexcept;
 /// Where, if it has.
 Transformd lastPoseOf(const MeshGeom& side) noexcept;

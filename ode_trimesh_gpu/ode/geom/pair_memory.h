@@ -52,7 +52,7 @@ class PairMemory {
     if (it == pairs_.end() || it->second.stamp <= clearedAt) return {};
     return it->second.holderIsA;
   }
-  /// `origin`: of the frame that the history is told in, in the other geom's own. `holderIsA`: of two meshes. Returns
+  /// `origin`: of the frame that the history is given in, in the other geom's own. `holderIsA`: of two meshes. Returns
   /// the stamp.
   std::uint64_t store(std::uint64_t other, const SolidHistory& history, const Vec3d& origin = {0, 0, 0},
                       bool holderIsA = false) {

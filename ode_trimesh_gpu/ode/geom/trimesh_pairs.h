@@ -9,7 +9,7 @@
 
 namespace otg {
 
-/// Whether ODE was told to lead a dTriMesh's pairs with geoms of that class to us. It stays so when ODE is closed, of
+/// Whether ODE leads a dTriMesh's pairs with geoms of that class to us. It stays so when ODE is closed, of
 /// which it tells nobody, and forgets them.
 bool isTrimeshOverridden(int geomClass) noexcept;
 void noteTrimeshOverridden(int geomClass) noexcept;

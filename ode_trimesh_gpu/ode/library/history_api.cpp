@@ -9,7 +9,7 @@
 //     4  kind: 0 two meshes, 1 a mesh and a geom of ODE's own
 //     4  place of the other geom (of two meshes the older one), 4 of the mesh that remembers
 //     4  whether the mesh that remembers is mesh A of the query
-//     3 x 8  origin of the frame that the states are told in, in the other geom's own (ode/shapes/primitive_history.h)
+//     3 x 8  origin of the frame that the states are given in, in the other geom's own (ode/shapes/primitive_history.h)
 //     twice (before and current) a state: escape 3 x 8, escapeLeft 4, clampLeft 4, deepNormal 3 x 8, pose 12 x 8, 4
 //     hasPose, side 4, front 3 x 8
 //   8  FNV-1a of all that

@@ -27,7 +27,7 @@ int checkPairs(const dGpuTriMeshPair* pairs, int count, int flags) {
                                                                                 : dGPUTRIMESH_OK;
 }
 
-PairBatchWish wishOf(int flags) {
+PairBatchRequest requestOf(int flags) {
   return {capacityOf(flags), isUnimportant(flags)};
 }
 
@@ -43,7 +43,8 @@ struct dxGpuTriMeshBatch {
   otg::PairBatch batch;
   bool remembered = false;
 
-  dxGpuTriMeshBatch(std::span<const dGpuTriMeshPair> pairs, const otg::PairBatchWish& wish) : batch(pairs, wish) {
+  dxGpuTriMeshBatch(std::span<const dGpuTriMeshPair> pairs, const otg::PairBatchRequest& request)
+      : batch(pairs, request) {
     if (!batch.areMeshes()) return;
     try {
       // Counted from here on: a fork waits for a thread that has not begun, too.
@@ -105,7 +106,7 @@ int dGpuTriMeshCollidePairs(const dGpuTriMeshPair* pairs, int count, int flags, 
     if (const int status = otg::checkPairs(pairs, count, flags)) return status;
     const bool hasPlace = contact != nullptr && contact_count != nullptr && skip >= int{sizeof(dContactGeom)};
     if (count > 0 && !hasPlace) return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
-    otg::PairBatch batch(otg::asSpan(pairs, count), otg::wishOf(flags));
+    otg::PairBatch batch(otg::asSpan(pairs, count), otg::requestOf(flags));
     if (!batch.areMeshes()) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
     batch.run();
     otg::rememberInto(batch, {otg::capacityOf(flags), contact, skip, contact_count});
@@ -117,7 +118,7 @@ dGpuTriMeshBatchID dGpuTriMeshBatchSubmit(const dGpuTriMeshPair* pairs, int coun
   dGpuTriMeshBatchID batch = nullptr;
   otg::guarded([&] {
     if (const int status = otg::checkPairs(pairs, count, flags)) return status;
-    auto made = std::make_unique<dxGpuTriMeshBatch>(otg::asSpan(pairs, count), otg::wishOf(flags));
+    auto made = std::make_unique<dxGpuTriMeshBatch>(otg::asSpan(pairs, count), otg::requestOf(flags));
     if (!made->batch.areMeshes()) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
     batch = made.release();
     return static_cast<int>(dGPUTRIMESH_OK);

@@ -86,9 +86,9 @@ int countOne(const PairTask& task, const PairResult& result) {
 
 }  // namespace
 
-PairBatch::PairBatch(std::span<const dGpuTriMeshPair> pairs, const PairBatchWish& wish)
+PairBatch::PairBatch(std::span<const dGpuTriMeshPair> pairs, const PairBatchRequest& request)
     : count_(pairs.size()),
-      wish_(wish),
+      request_(request),
       blocks_((pairs.size() + kBlock - 1) / kBlock),
       kinds_(pairs.size(), Kind::kNone),
       work_(pairs.size()),
@@ -124,8 +124,8 @@ void PairBatch::forParts(const ThreadPool::Work& work) const {
 PairBatch::Found PairBatch::readPart(std::size_t begin, std::span<const dGpuTriMeshPair> pairs) {
   static_assert(kBlock <= GeomPart::kMost);
   Found found;
-  GeomPart part(pairs, wish_.known);
-  if (!wish_.known) {
+  GeomPart part(pairs, request_.known);
+  if (!request_.known) {
     // Geoms of our class, and once they are overridden dTriMeshes: only these are read.
     const bool overridden = isTrimeshOverridden(dTriMeshClass);
     const auto isMesh = [&](const GeomObject* object, dGeomID geom) {
@@ -198,10 +198,10 @@ void PairBatch::finishReading(std::size_t i) {
     if (block.histories.empty()) block.histories.reserve(kBlock);
     recallPair(task, block.histories.emplace_back());
   }
-  task.job.any = wish_.unimportant && !task.isJoined();
-  if (wish_.capacity > 0) {
+  task.job.any = request_.unimportant && !task.isJoined();
+  if (request_.capacity > 0) {
     CollideOptions& options = task.job.query.options;
-    options.maxContacts = std::min(options.maxContacts, wish_.capacity);
+    options.maxContacts = std::min(options.maxContacts, request_.capacity);
   }
 }
 
@@ -224,7 +224,7 @@ PairBatch::Kind PairBatch::readLater(std::size_t i, const dGpuTriMeshPair& pair)
   if (task.state != PairTask::State::kReady) return Kind::kNone;
   if (isLeft) {
     constexpr int kMost = 64;  // where the caller has no limit, who asks again
-    keepContacts(result(i), contactsByOde(task, wish_.capacity > 0 ? wish_.capacity : kMost));
+    keepContacts(result(i), contactsByOde(task, request_.capacity > 0 ? request_.capacity : kMost));
     return Kind::kAsks;
   }
   for (const MeshGeom* side : {&task.side1, &task.side2}) block.meshes.push_back(side->sharedMesh());

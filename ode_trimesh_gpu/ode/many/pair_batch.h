@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Many pairs of geoms, read at one moment, computed at once, and told of later.
+// Many pairs of geoms, read at one moment, computed at once, and reported later.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@
 namespace otg {
 
 /// What is asked of all pairs of a batch.
-struct PairBatchWish {
+struct PairBatchRequest {
   int capacity = 0;          ///< contacts of a pair at most; 0: as many as its geoms allow
   bool unimportant = false;  ///< ODE's CONTACTS_UNIMPORTANT
   /// Whether the geoms are known to be alive and meshes, of our class or dTriMeshes; else that is found out.
@@ -26,7 +26,7 @@ struct PairBatchWish {
 class PairBatch {
  public:
   /// Reads the geoms. Throws std::bad_alloc.
-  PairBatch(std::span<const dGpuTriMeshPair> pairs, const PairBatchWish& wish);
+  PairBatch(std::span<const dGpuTriMeshPair> pairs, const PairBatchRequest& request);
   ~PairBatch();
   PairBatch(const PairBatch&) = delete;
   PairBatch& operator=(const PairBatch&) = delete;
@@ -96,7 +96,7 @@ class PairBatch {
   void count(const ThreadPool::Work& write);
 
   std::size_t count_;
-  PairBatchWish wish_;
+  PairBatchRequest request_;
   bool areMeshes_ = true;
   std::vector<std::unique_ptr<Block>> blocks_;
   std::vector<Kind> kinds_;

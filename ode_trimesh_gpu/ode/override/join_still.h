@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Joins dTriMesh geoms that lie still side by side, as dGpuTriMeshJoin() does. Part of the preloadable library alone,
-// which is told when geoms are destroyed.
+// which notices when geoms are destroyed.
 #pragma once
 
 #include <ode/ode.h>

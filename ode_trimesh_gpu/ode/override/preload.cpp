@@ -155,7 +155,7 @@ void build(dTriMeshDataID data, const char* function, const GivenArrays& given, 
       const otg::NoTriangles& none = otg::noTriangles();
       OTG_NEXT(dGeomTriMeshDataBuildSingle)(data, none.vertices, 12, 1, none.indices, 6, 12);
     }
-  } catch (...) {  // for want of memory: as the program said
+  } catch (...) {  // no memory for it: as the program said
     ofOde({given.indices, given.indexCount, given.stride, false});
   }
   isBuilding = false;
@@ -211,7 +211,7 @@ OTG_INTERPOSED dGeomID dCreateTriMesh(dSpaceID space, dTriMeshDataID Data, dTriC
   try {
     otg::objectOfTrimesh(geom);
     otg::noteTrimesh();
-  } catch (...) {  // for want of memory: it gets its place when it collides
+  } catch (...) {  // no memory for it: it gets its place when it collides
   }
   return geom;
 }
@@ -228,7 +228,7 @@ OTG_INTERPOSED void dSpaceCollide(dSpaceID space, void* data, dNearCallback* cal
   if (!isOff() && joins() && space != nullptr) {
     try {
       otg::joinStill(space);
-    } catch (...) {  // for want of memory: each collides by itself
+    } catch (...) {  // no memory for it: each collides by itself
     }
   }
   OTG_NEXT(dSpaceCollide)(space, data, callback);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pairs of a space that do not meet: most of them, so they are told before anything is made for them.
+// Pairs of a space that do not meet. These are most of them, so they are sorted out before anything is made for them.
 #pragma once
 
 #include "ode/pairs/pair_task.h"

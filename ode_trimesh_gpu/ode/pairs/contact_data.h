@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is told of a contact beside ODE's own structure.
+// What is reported of a contact beside ODE's own structure.
 #pragma once
 
 #include "collide/query.h"

@@ -26,7 +26,7 @@ int collideMeshes(dGeomID o1, dGeomID o2, int flags, const ContactArray& to) noe
   try {
     MeshSide side1 = meshSideOf(o1);  // first: so two dTriMeshes that are new get their places in the order of geoms
     return collideSides(std::move(side1), meshSideOf(o2), flags, to);
-  } catch (...) {  // a dTriMesh whose mesh could not be made for want of memory
+  } catch (...) {  // no memory for the mesh of a dTriMesh
     noteStatus(dGPUTRIMESH_ERROR_MEMORY);
     return 0;
   }

@@ -280,7 +280,7 @@ bool needsHistory(const PairTask& task) {
 
 void recallPair(PairTask& task, SolidHistory& history) {
   task.stamp = task.younger().memory.recall(task.older().serial, history);
-  if (task.stamp <= task.older().clearedAt) {  // it was told to forget, and it is the younger one that remembers
+  if (task.stamp <= task.older().clearedAt) {  // it had to forget, and the younger one remembers
     history = {};
     task.stamp = 0;
   }

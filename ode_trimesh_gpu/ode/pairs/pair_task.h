@@ -118,7 +118,7 @@ void recallPair(PairTask& task, SolidHistory& history);
 std::uint64_t rememberPair(const PairTask& task, bool hasContacts);
 void countPair(const PairTask& task, const PairCounts& counts, std::size_t contacts, bool onDevice,
                bool deviceFailed) noexcept;
-/// Asks the processor for the statistics that countPair() changes.
+/// Prefetches the statistics that countPair() changes.
 void fetchStats(const PairTask& task) noexcept;
 /// A query that found nothing because it failed; the status becomes the thread's last error.
 void countFailure(const PairTask& task, int status) noexcept;

@@ -61,7 +61,7 @@ class HeightSamples {
   std::size_t keptSamples_ = 0;
 };
 
-/// Null for data that nobody has told of.
+/// Null for data whose heights nobody has described.
 std::shared_ptr<HeightSamples> samplesOf(dHeightfieldDataID data);
 /// Takes over a description that is complete; ODE's own function is not called. Returns a status. May throw
 /// std::bad_alloc.

@@ -9,7 +9,7 @@
 namespace otg {
 
 /// primitiveContacts() for a mesh whose callbacks are asked, in the caller's numbers of triangles: all triangles that
-/// the other geom touches are told and asked about. With none rejected the contacts are what they are without
+/// the other geom touches are reported and asked about. With none rejected the contacts are what they are without
 /// callbacks; else they are those of an open mesh of the triangles that are left.
 void askedContacts(PrimitiveTask& task, int most, std::vector<Contact>& out, int& failure);
 

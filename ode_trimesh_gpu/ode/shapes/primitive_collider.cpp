@@ -154,7 +154,7 @@ int collideMeshPrimitive(dGeomID o1, dGeomID o2, int flags, dContactGeom* contac
   task.o2 = o2;
   try {
     task.side = meshSideOf(o1);
-  } catch (...) {  // a dTriMesh whose mesh could not be made for want of memory
+  } catch (...) {  // no memory for the mesh of a dTriMesh
     noteStatus(dGPUTRIMESH_ERROR_MEMORY);
     return 0;
   }

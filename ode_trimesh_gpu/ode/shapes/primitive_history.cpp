@@ -8,7 +8,7 @@
 namespace otg {
 namespace {
 
-/// The same motion told for another origin of mesh B's frame.
+/// Describes the same motion for another origin of mesh B's frame.
 void moveOrigin(SolidHistory& history, const Vec3d& from, const Vec3d& to) {
   const Vec3d d = otgSub(to, from);
   if (!(otgDot(d, d) > 0)) return;

@@ -40,14 +40,14 @@ namespace otg::opencl {
 template <class Source, class Finish>
 class Backend::Batch {
  public:
-  Batch(BackendState& state, const Source& source, BatchWish wish, Finish& finish, bool profile)
+  Batch(BackendState& state, const Source& source, BatchRequest request, Finish& finish, bool profile)
       : state_(state),
         source_(source),
-        wish_(wish),
+        request_(request),
         finish_(finish),
         lanes_(profile ? state.profiledBatches : state.batches),
-        rules_{.recordsOfAll = wish == BatchWish::kPairs,
-               .describes = Finish::kTakesDescriptions && wish == BatchWish::kSolid &&
+        rules_{.recordsOfAll = request == BatchRequest::kPairs,
+               .describes = Finish::kTakesDescriptions && request == BatchRequest::kSolid &&
                             LargeStage::works(state.context, state.tuning)},
         overlaps_(profile ? state.profiledOverlaps : state.overlaps, state.tuning.overlapPairs) {
     for (const CollisionMesh* mesh : source.meshes) largest_ = std::max(largest_, triangles(mesh));
@@ -55,7 +55,7 @@ class Backend::Batch {
     const auto isShell = [](const CollisionMesh* mesh) { return mesh->mesh().meshClass() != MeshClass::kSolid; };
     hasContactsOfHost_ = Finish::kTakesDescriptions &&
                          (source.anyConvexPath || std::any_of(source.meshes.begin(), source.meshes.end(), isShell));
-    mayMeetAhead_ = Finish::kTakesDescriptions && wish == BatchWish::kSolid &&
+    mayMeetAhead_ = Finish::kTakesDescriptions && request == BatchRequest::kSolid &&
                     std::any_of(source.meshes.begin(), source.meshes.end(), isCornered);
   }
 
@@ -76,7 +76,7 @@ class Backend::Batch {
   /// Whether launches may be too long if only pairs are counted. A first hit is soon found.
   bool mayBeLong() const {
     const std::size_t pairs = std::min<std::size_t>(source_.size(), state_.tuning.batchPairs);
-    return wish_ != BatchWish::kAny &&
+    return request_ != BatchRequest::kAny &&
            2.0 * static_cast<double>(largest_) * static_cast<double>(pairs) > state_.tuning.batchWork;
   }
   /// Of each pair: twice the triangles of the smaller mesh, since what meets grows with that, and the trees leave out
@@ -154,7 +154,7 @@ class Backend::Batch {
       if (piece.soon) {
         piece.lane->beginWithFlags(meshes_.list(), source_.reductions, finish_.onHost);
       } else {
-        piece.lane->begin(meshes_.list(), source_.reductions, wish_, finish_.onHost);
+        piece.lane->begin(meshes_.list(), source_.reductions, request_, finish_.onHost);
       }
     } catch (const ClError& error) {
       piece.lane = nullptr;
@@ -272,7 +272,7 @@ class Backend::Batch {
   /// What pairs remember of their last deep regions.
   void fillDirections(std::size_t begin, BatchLane& lane) {
     if constexpr (Finish::kTakesDescriptions) {
-      if (wish_ != BatchWish::kSolid || !source_.anyHistory) return;
+      if (request_ != BatchRequest::kSolid || !source_.anyHistory) return;
       const std::span<Vec3d> directions = lane.stageDirections();
       finish_.inParts(directions.size(), [&](std::size_t from, std::size_t to) {
         for (std::size_t k = from; k < to; ++k) directions[k] = deepDirectionBefore(source_.query(begin + k));
@@ -282,7 +282,7 @@ class Backend::Batch {
 
   bool asksSoon() const {
     if constexpr (Finish::kTakesDescriptions) {
-      return wish_ == BatchWish::kSolid && finish_.hasThreads() && state_.tuning.meanwhile > 0;
+      return request_ == BatchRequest::kSolid && finish_.hasThreads() && state_.tuning.meanwhile > 0;
     }
     return false;
   }
@@ -332,7 +332,7 @@ class Backend::Batch {
     std::vector<std::size_t> fromRecords, fromMeanwhile;
     OverlapSubmission job;
     bool scattered = false, makes = true;  // contacts from descriptions
-    if (rules_.recordsOfAll || wish_ == BatchWish::kAny || found.counters[OTG_COUNT_FLAGGED] > 0) {
+    if (rules_.recordsOfAll || request_ == BatchRequest::kAny || found.counters[OTG_COUNT_FLAGGED] > 0) {
       for (std::size_t k = 0; k < count; ++k) {
         const otg_uint flags = found.flags[k];
         if ((flags & kNotByDevice) == 0 && !rules_.recordsOfAll) continue;  // as nearly all
@@ -379,7 +379,7 @@ class Backend::Batch {
   /// Pairs of a piece whose contacts the device made remember that, and may wait for finish_.lookAhead().
   void takeMade(std::size_t begin, std::size_t count, const BatchFound& found) {
     if constexpr (Finish::kTakesDescriptions) {
-      if (wish_ != BatchWish::kSolid || !(mayMeetAhead_ || source_.anyHistory)) return;
+      if (request_ != BatchRequest::kSolid || !(mayMeetAhead_ || source_.anyHistory)) return;
       std::vector<std::uint8_t> waits(count, 0);
       finish_.inParts(count, [&](std::size_t from, std::size_t to) {
         for (std::size_t k = from; k < to; ++k) {
@@ -411,7 +411,7 @@ class Backend::Batch {
   /// records.
   void putOff(std::vector<std::size_t>& few) {
     if constexpr (Finish::kTakesDescriptions) {
-      if (!mayWait(few.size(), wish_ == BatchWish::kSolid, finish_.hasThreads(), state_.tuning.meanwhile)) return;
+      if (!mayWait(few.size(), request_ == BatchRequest::kSolid, finish_.hasThreads(), state_.tuning.meanwhile)) return;
       finish_.putOff(few.size());
       later_.insert(later_.end(), few.begin(), few.end());
       few.clear();
@@ -521,7 +521,7 @@ class Backend::Batch {
 
   BackendState& state_;
   const Source& source_;
-  const BatchWish wish_;
+  const BatchRequest request_;
   Finish& finish_;
   LanePool<BatchLane>& lanes_;
   const BatchRules rules_;
@@ -545,11 +545,11 @@ bool Backend::collideFrom(const Source& source, BatchAnswer& answer, StageTimes*
   answer.clear();
   ContactFinish finish{*this, state_->queries, answer, state_->workspaces};
   if (onHost) finish.onHost = &onHost;
-  const BatchWish wish = !state_->reduces()                         ? BatchWish::kPairs
-                         : source.anySolid && state_->makesSolids() ? BatchWish::kSolid
-                         : source.anyPairwise                       ? BatchWish::kContacts
-                                                                    : BatchWish::kPairs;
-  Batch<Source, ContactFinish> batch(*state_, source, wish, finish, times != nullptr);
+  const BatchRequest request = !state_->reduces()                         ? BatchRequest::kPairs
+                               : source.anySolid && state_->makesSolids() ? BatchRequest::kSolid
+                               : source.anyPairwise                       ? BatchRequest::kContacts
+                                                                          : BatchRequest::kPairs;
+  Batch<Source, ContactFinish> batch(*state_, source, request, finish, times != nullptr);
   const bool good = batch.run(times);
   finish.end();
   if (times) times->total = total.ms();
@@ -565,7 +565,7 @@ bool Backend::intersectFrom(const Source& source, std::vector<std::uint8_t>& ans
   answer.assign(source.size(), 0);
   AnyFinish finish{answer};
   if (onHost) finish.onHost = &onHost;
-  Batch<Source, AnyFinish> batch(*state_, source, BatchWish::kAny, finish, times != nullptr);
+  Batch<Source, AnyFinish> batch(*state_, source, BatchRequest::kAny, finish, times != nullptr);
   const bool good = batch.run(times);
   if (times) times->total = total.ms();
   return good;

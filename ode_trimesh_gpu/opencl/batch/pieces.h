@@ -29,7 +29,7 @@ std::vector<std::vector<PairRange>> cutBatch(std::size_t pairs, const Tuning& tu
 /// has: the end of each part. Parts follow each other.
 std::vector<std::size_t> cutByWork(std::span<const double> work, double most);
 
-/// The submissions of a batch with pieces of no more work than Tuning::batchWork, as far as pairs can be told apart,
+/// The submissions of a batch with pieces of no more work than Tuning::batchWork, as far as pairs can be separated,
 /// and as many pieces at once as there would be: no launch is to be so long that a watchdog ends it. `work`: of each
 /// pair of the batch.
 std::vector<std::vector<PairRange>> cutPieces(const std::vector<std::vector<PairRange>>& submissions,

@@ -34,7 +34,7 @@ namespace otg::opencl {
 /// those of single ones: isForHostMeanwhile, areWorthDescribing and mayWait.
 enum class Fate : std::uint8_t {
   kDevice,         ///< the device does it, or has done it
-  kRefused,        ///< it has no contacts, and the caller is told
+  kRefused,        ///< it has no contacts, and the caller gets an error
   kAlone,          ///< the device does it by itself, as a single pair
   kWithoutDevice,  ///< the host does all of it
   kSettled,        ///< nothing more: one of the others was its fate before
@@ -84,7 +84,7 @@ constexpr bool isForHostMeanwhile(std::size_t left, std::size_t describable, std
   return left <= most && describable < leastOverlaps;
 }
 
-/// Whether so many overlaps are described: a few are sooner done by the host, from records.
+/// Whether so many overlaps are described: for a few the CPU is faster, from records.
 constexpr bool areWorthDescribing(std::size_t pairs, std::uint32_t leastOverlaps) {
   return pairs >= leastOverlaps;
 }

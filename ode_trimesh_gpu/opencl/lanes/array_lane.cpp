@@ -25,14 +25,14 @@ void PointKernels::build(Context& context, const Tuning& tuning) {
   inside_.make(context, "queries/point_query.cl", optionsFor(tuning));
 }
 
-void PointKernels::run(Array& array, const CollisionMesh& mesh, const PointWish& wish) {
+void PointKernels::run(Array& array, const CollisionMesh& mesh, const PointRequest& request) {
   const given::PointArray sent{
       .place = array.place(), .meshes = array.meshes(), .points = array.sentItems(), .count = array.sentCount()};
-  if (wish.nearest) array.run(nearest_, {.array = sent, .answers = array.words()});
-  if (wish.inside) {
+  if (request.nearest) array.run(nearest_, {.array = sent, .answers = array.words()});
+  if (request.inside) {
     array.run(inside_, {.array = sent,
                         .bounds = boundsOf(mesh.mesh()),
-                        .alone = wish.nearest ? otg_uint{0} : otg_uint{1},
+                        .alone = request.nearest ? otg_uint{0} : otg_uint{1},
                         .answers = array.words()});
   }
 }
@@ -41,12 +41,12 @@ void RayKernels::build(Context& context, const Tuning& tuning) {
   cast_.make(context, "queries/ray_query.cl", optionsFor(tuning));
 }
 
-void RayKernels::run(Array& array, const CollisionMesh&, const RayWish& wish) {
+void RayKernels::run(Array& array, const CollisionMesh&, const RayRequest& request) {
   array.run(cast_, {.place = array.place(),
                     .meshes = array.meshes(),
                     .rays = array.sentItems(),
                     .count = array.sentCount(),
-                    .cullBack = wish.cullBack ? otg_uint{1} : otg_uint{0},
+                    .cullBack = request.cullBack ? otg_uint{1} : otg_uint{0},
                     .answers = array.words()});
 }
 

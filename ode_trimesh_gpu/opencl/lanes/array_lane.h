@@ -16,11 +16,11 @@ namespace otg::opencl {
 class PointKernels {
  public:
   using Item = Vec3d;
-  using Wish = PointWish;
+  using Request = PointRequest;
   using Array = WordArray<otg_point_double>;
   /// Throws ClError.
   void build(Context& context, const Tuning& tuning);
-  void run(Array& array, const CollisionMesh& mesh, const PointWish& wish);
+  void run(Array& array, const CollisionMesh& mesh, const PointRequest& request);
 
  private:
   KernelFor<given::NearestPoints> nearest_;
@@ -31,11 +31,11 @@ class PointKernels {
 class RayKernels {
  public:
   using Item = LongRay;
-  using Wish = RayWish;
+  using Request = RayRequest;
   using Array = WordArray<otg_ray_double>;
   /// Throws ClError.
   void build(Context& context, const Tuning& tuning);
-  void run(Array& array, const CollisionMesh& mesh, const RayWish& wish);
+  void run(Array& array, const CollisionMesh& mesh, const RayRequest& request);
 
  private:
   KernelFor<given::CastRays> cast_;
@@ -46,7 +46,7 @@ template <class Kernels>
 class ArrayLane {
  public:
   using Item = typename Kernels::Item;
-  using Wish = typename Kernels::Wish;
+  using Request = typename Kernels::Request;
 
   /// The device has doubles.
   ArrayLane(Context& context, MeshStore& meshes, const Tuning& tuning)
@@ -57,9 +57,9 @@ class ArrayLane {
   /// Room for so many items in the host's memory. Throws ClError.
   Item* makeRoom(std::size_t count) { return static_cast<Item*>(array_.makeRoom(count)); }
   /// Sends the items that were written there; does not wait. Throws ClError.
-  void begin(const CollisionMesh& mesh, const Wish& wish) {
+  void begin(const CollisionMesh& mesh, const Request& request) {
     array_.send(mesh);
-    kernels_.run(array_, mesh, wish);
+    kernels_.run(array_, mesh, request);
     array_.receive();
   }
   /// Waits for a word for each of them. Throws ClError.

@@ -81,20 +81,20 @@ void BatchLane::guarded(Run&& run) {
 }
 
 void BatchLane::begin(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions,
-                      BatchWish wish, const RunParts* threads) {
+                      BatchRequest request, const RunParts* threads) {
   std::vector<const CollisionMesh*> full;
   for (const CollisionMesh* mesh : meshes) {
     if (!mesh->tree().nodes.empty()) full.push_back(mesh);
   }
   pinned_ = meshes_.acquire(full, threads);
-  wish_ = wish;
-  contactRecords_ = wish == BatchWish::kContacts;
-  hasContacts_ = contactRecords_ || wish == BatchWish::kSolid;
+  request_ = request;
+  contactRecords_ = request == BatchRequest::kContacts;
+  hasContacts_ = contactRecords_ || request == BatchRequest::kSolid;
   mostPlaces_ = 1;
   for (const otg_reduction& how : reductions) mostPlaces_ = std::max(mostPlaces_, how.places);
   // Only what is neither a solid nor one with a solid has contacts of the other model in a batch of solids.
   anyPairwise_ =
-      wish == BatchWish::kSolid &&
+      request == BatchRequest::kSolid &&
       (std::any_of(full.begin(), full.end(),
                    [](const CollisionMesh* mesh) { return mesh->mesh().meshClass() != MeshClass::kSolid; }) ||
        std::any_of(reductions.begin(), reductions.end(), [](const otg_reduction& how) {
@@ -110,7 +110,7 @@ void BatchLane::begin(std::span<const CollisionMesh* const> meshes, std::span<co
 void BatchLane::beginWithFlags(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions,
                                const RunParts* threads) {
   wantsFlags_ = true;
-  begin(meshes, reductions, BatchWish::kSolid, threads);
+  begin(meshes, reductions, BatchRequest::kSolid, threads);
 }
 
 const otg_uint* BatchLane::soonFlags() {
@@ -195,9 +195,9 @@ void BatchLane::enqueueWalk(Meshes meshes, bool any) {
   if (tuning_.flushes & 2) clDo(OTG_CL(clFlush), queue);
 }
 
-void BatchLane::enqueue(Meshes meshes, BatchWish wish) {
-  enqueueWalk(meshes, wish == BatchWish::kAny);
-  if (wish == BatchWish::kSolid) {
+void BatchLane::enqueue(Meshes meshes, BatchRequest request) {
+  enqueueWalk(meshes, request == BatchRequest::kAny);
+  if (request == BatchRequest::kSolid) {
     enqueueSolids(meshes);
     return;
   }
@@ -262,7 +262,7 @@ void BatchLane::enqueueRecords(Meshes meshes) {
   const given::BatchHits found = hitsOf(meshes, chosen_);
   if (!contactRecords_) {
     // For yes or no nothing is left open.
-    const bool exact = wish_ == BatchWish::kAny && context_.info().doubles;
+    const bool exact = request_ == BatchRequest::kAny && context_.info().doubles;
     if (exact && !decided_) {
       decided_.make(
           context_, "pairwise/batch_results.cl",
@@ -349,9 +349,9 @@ void BatchLane::runMany(Meshes meshes, BatchFound& found) {
 
 void BatchLane::beginRun() {
   results_.reserve(context_, hits_.places());
-  if (wish_ == BatchWish::kSolid) solid_.reserve(count_, hits_.places(), mostPlaces_, anyPairwise_);
+  if (request_ == BatchRequest::kSolid) solid_.reserve(count_, hits_.places(), mostPlaces_, anyPairwise_);
   chosen_.reserve(context_, std::bit_ceil(count_), hasContacts_ ? contactPlaces_ : 0);
-  enqueue(pinned_.units(), wish_);
+  enqueue(pinned_.units(), request_);
   chosen_.beginHead(context_, queue_.get(), count_, hasContacts_, &profile_);
 }
 
@@ -361,7 +361,7 @@ BatchFound BatchLane::endRun() {
   for (;;) {
     counters = chosen_.endHead(queue);
     const otg_uint hits = counters[OTG_COUNT_HITS], contacts = hasContacts_ ? counters[OTG_COUNT_REDUCED] : 0;
-    const bool solidFits = wish_ != BatchWish::kSolid || solid_.fits(counters);
+    const bool solidFits = request_ != BatchRequest::kSolid || solid_.fits(counters);
     const bool fits = hits <= hits_.places() && contacts <= contactPlaces_ && solidFits;
     const bool open = contactRecords_ && counters[OTG_COUNT_OPEN_OF_BATCH] > 0, again = open && !exact_.isExpected();
     if (contactRecords_ && (fits || open)) exact_.take(open);
@@ -409,7 +409,7 @@ LargeStage::Batch BatchLane::solids() const {
 Answer BatchLane::recordsLeft() {
   Answer answer;
   bool isThere = false;
-  if (wish_ == BatchWish::kSolid) {
+  if (request_ == BatchRequest::kSolid) {
     guarded([&] { isThere = solid_.readLeft(queue_.get(), chosen_.counters(), answer); });
   }
   return isThere ? answer : records();

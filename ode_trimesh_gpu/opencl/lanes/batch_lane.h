@@ -21,7 +21,7 @@
 namespace otg::opencl {
 
 /// What is asked of all pairs of a batch.
-enum class BatchWish {
+enum class BatchRequest {
   kAny,       ///< whether they intersect
   kPairs,     ///< records of all pairs of triangles that intersect
   kContacts,  ///< contacts of the model `pairwise`, reduced; needs BatchLane::makesContacts
@@ -32,14 +32,14 @@ enum class BatchWish {
 struct BatchFound {
   const otg_uint* counters = nullptr;
   const otg_uint* flags = nullptr;
-  /// Contacts, where they are wished. Those of a pair lie side by side; two words a pair say where, and how many.
+  /// Contacts, where they are requested. Those of a pair lie side by side; two words a pair say where, and how many.
   struct Contacts {
     const otg_uint* places = nullptr;
     const Contact* contacts = nullptr;
     std::shared_ptr<const void> memory;  ///< keeps them as they are for as long as it is shared
   };
   std::vector<Contacts> contacts;    ///< a pair has its contacts in one of them at most
-  std::uint64_t decidedExactly = 0;  ///< pairs of triangles, where contacts of the model `pairwise` are wished
+  std::uint64_t decidedExactly = 0;  ///< pairs of triangles, where contacts of the model `pairwise` are requested
   /// Where pairs remember: the direction of the last deep region of each pair with contacts, or zero. Frame A.
   const Vec3d* directions = nullptr;
 };
@@ -60,11 +60,11 @@ class BatchLane {
   std::span<Vec3d> stageDirections();
   bool makesContacts() const { return static_cast<bool>(small_); }
 
-  /// Begins with middle and near phase of the staged pairs in one submission, and what else is wished. Tasks name
+  /// Begins with middle and near phase of the staged pairs in one submission, and what else is requested. Tasks name
   /// meshes by their places in `meshes` (empty ones too), and reductions. `threads`, if there are any, pack meshes that
   /// are not there. Throws ClError.
-  void begin(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions, BatchWish wish,
-             const RunParts* threads);
+  void begin(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions,
+             BatchRequest request, const RunParts* threads);
   /// The same for a batch of solids of which soonFlags() is to be asked before end().
   void beginWithFlags(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions,
                       const RunParts* threads);
@@ -93,7 +93,7 @@ class BatchLane {
   void guarded(Run&& run);
   void send(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions);
   using Meshes = BufferOf<const otg_mesh_unit>;
-  void enqueue(Meshes meshes, BatchWish wish);
+  void enqueue(Meshes meshes, BatchRequest request);
   void enqueueWalk(Meshes meshes, bool any);
   void enqueueSolids(Meshes meshes);
   void enqueueReduction(Meshes meshes, BufferOf<const otg_result_byte> records, otg_uint only);
@@ -140,7 +140,7 @@ class BatchLane {
   Profile profile_;
   SmallStage solid_;
   MeshStore::Pinned pinned_;  ///< of the run under way
-  BatchWish wish_ = BatchWish::kAny;
+  BatchRequest request_ = BatchRequest::kAny;
   otg_uint mostPlaces_ = 1;  ///< of its reductions
   bool contactRecords_ = false, hasContacts_ = false, underWay_ = false;
   bool anyPairwise_ = false;  ///< of a batch of solids: some pair may have contacts of the model `pairwise`

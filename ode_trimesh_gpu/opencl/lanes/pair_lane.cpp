@@ -50,13 +50,13 @@ PairLane::PairLane(Context& context, MeshStore& meshes, const Tuning& tuning)
   reducer_.reserveStates(1);
 }
 
-PairAnswer PairLane::run(const Query& query, const PairFrame& frame, PairWish wish) {
+PairAnswer PairLane::run(const Query& query, const PairFrame& frame, PairRequest request) {
   const CollisionMesh* const both[] = {query.a, query.b};
   const MeshStore::Pinned pinned = meshes_.acquire(both);
   const otg_device_pair pair{deviceBoxes(frame), frame.floatError, pinned[0], pinned[1]};
   try {
-    if (wish == PairWish::kOverlap && describes(pair)) return describe(pair, query, pinned.units());
-    return runOn(pair, query, pinned.units(), wish == PairWish::kContacts && contacts_);
+    if (request == PairRequest::kOverlap && describes(pair)) return describe(pair, query, pinned.units());
+    return runOn(pair, query, pinned.units(), request == PairRequest::kContacts && contacts_);
   } catch (...) {
     // Kernels may still be reading the meshes, which are not pinned any longer in a moment.
     clRelease(OTG_CL(clFinish), queue_.get());

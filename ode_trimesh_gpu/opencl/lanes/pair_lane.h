@@ -32,7 +32,7 @@ struct PairAnswer {
 };
 
 /// What is asked of a pair.
-enum class PairWish {
+enum class PairRequest {
   kPairs,     ///< the pairs of triangles that intersect
   kContacts,  ///< contacts of the model `pairwise` where the device has doubles, reduced where that can be done there
   kOverlap    ///< where there are many, the description of the overlap; else as kPairs
@@ -45,8 +45,8 @@ class PairLane {
   PairLane(const PairLane&) = delete;
   PairLane& operator=(const PairLane&) = delete;
 
-  /// Middle and near phase of one pair, and what else is wished. Throws ClError.
-  PairAnswer run(const Query& query, const PairFrame& frame, PairWish wish);
+  /// Middle and near phase of one pair, and what else is requested. Throws ClError.
+  PairAnswer run(const Query& query, const PairFrame& frame, PairRequest request);
   /// After an answer with `described`: the records. Throws ClError.
   Answer records();
   /// After an answer with `made`: the description. Throws ClError.

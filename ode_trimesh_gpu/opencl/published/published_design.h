@@ -51,7 +51,7 @@ class PublishedDesign {
   bool collideCandidates(const Query& query, Workspace& workspace, NearOrder order = NearOrder::kFilterFirst,
                          NearReport* report = nullptr, bool profile = false);
 
-  /// Runs in vain because a list was too short.
+  /// Runs that were repeated because a list was too short.
   std::uint64_t repeats() const;
   /// Of the meshes for levels.
   MeshStore::Counts meshCounts() const;

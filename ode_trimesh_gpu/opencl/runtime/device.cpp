@@ -133,12 +133,12 @@ std::string lower(std::string_view word) {
 }
 
 /// Once for each value.
-void sayNoDevice(const std::string& wish, const std::vector<DeviceInfo>& devices) {
+void sayNoDevice(const std::string& requested, const std::vector<DeviceInfo>& devices) {
   std::string allowed = "none";
   for (const DeviceInfo& device : devices) {
     if (device.available) allowed += ", " + std::to_string(device.index) + " or part of '" + device.name + "'";
   }
-  logLineOnce(environmentFault("OTG_OPENCL_DEVICE", wish, allowed) + ". No device is used");
+  logLineOnce(environmentFault("OTG_OPENCL_DEVICE", requested, allowed) + ". No device is used");
 }
 
 }  // namespace
@@ -184,8 +184,8 @@ std::vector<DeviceInfo> listDevices() {
 }
 
 int defaultDevice(const std::vector<DeviceInfo>& devices) {
-  if (const std::string wish = readEnvironment().openclDevice; !wish.empty()) {
-    const std::string_view word(wish);
+  if (const std::string requested = readEnvironment().openclDevice; !requested.empty()) {
+    const std::string_view word(requested);
     int index = -1;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
     const bool isNumber = error == std::errc() && end == word.data() + word.size();
@@ -193,7 +193,7 @@ int defaultDevice(const std::vector<DeviceInfo>& devices) {
       const bool meant = isNumber ? device.index == index : lower(device.name).find(lower(word)) != std::string::npos;
       if (meant && device.available) return device.index;
     }
-    if (word != "none") sayNoDevice(wish, devices);
+    if (word != "none") sayNoDevice(requested, devices);
     return -1;
   }
   for (const DeviceKind kind : {DeviceKind::kGpu, DeviceKind::kAccelerator, DeviceKind::kCpu}) {

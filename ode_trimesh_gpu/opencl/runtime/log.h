@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where failures of OpenCL are told.
+// Where failures of OpenCL are reported.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ void logLine(const std::string& text);
 /// The same, but of equal texts only the first.
 void logLineOnce(const std::string& text);
 
-/// Failures told or not since the process began.
+/// Failures since the process began, reported or not.
 std::uint64_t failureCount();
 
 /// Test hook: every failure is new again.

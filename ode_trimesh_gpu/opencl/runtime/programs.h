@@ -18,7 +18,7 @@ class Programs {
   Programs(cl_context context, const FoundDevice& device, ProgramCache cache);
 
   /// The kernel file `name` built with `options` ("-D..." words; the standard and what the device has are added).
-  /// Throws ClError with the build log when it does not build, Stopped on a thread that is told to stop (stop.h). Any
+  /// Throws ClError with the build log when it does not build, Stopped on a thread that has to stop (stop.h). Any
   /// thread; lives as long as this object.
   cl_program get(const std::string& name, const std::string& options);
 

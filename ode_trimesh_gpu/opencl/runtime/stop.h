@@ -9,7 +9,7 @@
 
 namespace otg::opencl {
 
-/// What building throws on a thread that was told to stop. No failure: nothing is logged.
+/// What building throws on a thread that has to stop. No failure: nothing is logged.
 class Stopped : public std::exception {
  public:
   const char* what() const noexcept override { return "told to stop"; }
@@ -33,7 +33,7 @@ class StopScope {
   std::function<void()> loaded_;
 };
 
-/// Throws Stopped if the calling thread was told to stop.
+/// Throws Stopped if the calling thread has to stop.
 void checkStop();
 /// Whether the calling thread is in a StopScope.
 bool isStoppable();

@@ -9,7 +9,7 @@
 namespace otg::opencl {
 namespace {
 
-/// With fewer hits the host is sooner done than the kernels, part of whose work is in vain.
+/// With fewer hits the CPU is faster than the kernels, part of whose work stays unused.
 constexpr std::uint32_t kLeastHits = 256;
 
 otg_overlap_counts countsOf(const CollisionMesh& mesh) {
