@@ -12,6 +12,7 @@
 #include "otg_bench/error_quantiles.h"
 #include "scenes/simulation.h"
 #include "truth/certificate_verdict.h"
+#include "truth/family_fall.h"
 
 namespace otg::cli {
 namespace {
@@ -98,6 +99,52 @@ void printFamilies(const Json& rows) {
              lines);
 }
 
+/// The members of a family as worlds: ours, and stock dTriMesh.
+Json fallsOf(const CertificateFamily& family, const CertificateOptions& options) {
+  truth::Errors gains[2];
+  int thrown[2] = {0, 0};
+  Json numbers = Json::array();
+  for (int i = options.first; i < options.first + options.members; ++i) {
+    const std::optional<CertificateMember> member = certificateMember(family, options.seed, i);
+    if (!member) continue;
+    truth::FallConditions conditions = truth::fallConditions(i);
+    for (const std::size_t form : {0, 1}) {
+      conditions.asTriMesh = form == 1;
+      const double gain = truth::fall(*member, conditions).gain;
+      gains[form].add(gain);
+      if (!(gain > truth::kThrown)) continue;
+      ++thrown[form];
+      if (form == 0) numbers.push_back(i);
+    }
+  }
+  Json row;
+  row["family"] = family.name;
+  row["members"] = gains[0].count();
+  row["thrown"] = thrown[0];
+  row["stock_thrown"] = thrown[1];
+  addErrorQuantiles(row, "gain", gains[0], 95);
+  addErrorQuantiles(row, "stock_gain", gains[1], 95);
+  row["failing"] = numbers;
+  return row;
+}
+
+void printFalls(const Json& rows) {
+  std::vector<std::vector<std::string>> lines;
+  for (const Json& row : rows) {
+    std::vector<std::string> line{row["family"].get<std::string>()};
+    for (const char* key : {"members", "thrown", "stock_thrown"}) line.push_back(std::to_string(row[key].get<int>()));
+    for (const char* key : {"gain_median", "gain_p95", "gain_max", "stock_gain_median", "stock_gain_p95", "stock_gain_max"}) {
+      line.push_back(row[key].is_null() ? "-" : inDigits(row[key].get<double>()));
+    }
+    lines.push_back(std::move(line));
+  }
+  fmt::print("Worlds of 2 s (gains: largest rise of energy in one step, of weight times size; thrown: from {} on)\n",
+             truth::kThrown);
+  printTable({"family", "members", "thrown", "stock", "gain, median", "95 %", "largest", "stock's, median", "95 %",
+              "largest"},
+             lines);
+}
+
 std::string inWords(const Vec3d& v) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z);
 }
@@ -157,7 +204,7 @@ int benchCertificate(const CertificateOptions& options) {
   Progress all(families.size());
   for (const CertificateFamily& family : families) {
     progress(fmt::format("{}: {}", family.name, family.what));
-    rows.push_back(rowOf(family.name, judgeFamily(family, options)));
+    rows.push_back(options.falls ? fallsOf(family, options) : rowOf(family.name, judgeFamily(family, options)));
     all.step();
   }
   if (options.json) {
@@ -165,8 +212,10 @@ int benchCertificate(const CertificateOptions& options) {
     document["bench"] = "contacts";
     document["seed"] = options.seed;
     document["form"] = options.form;
-    document["tables"] = {{"certificate", rows}};
+    document["tables"] = {{options.falls ? "falls" : "certificate", rows}};
     printJson(document);
+  } else if (options.falls) {
+    printFalls(rows);
   } else {
     printFamilies(rows);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `otg bench contacts --certificate`: what sets of contacts ask for, in families of random pairs.
+// `otg bench contacts --certificate`: what sets of contacts ask for, in families of random pairs; and these as worlds.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +15,7 @@ struct CertificateOptions {
   int places = 64;
   std::string form = "own";  ///< own: the library's geoms; override, stock: dTriMesh with and without the library
   std::uint32_t seed = 1;
+  bool falls = false;  ///< instead of single queries: the pairs stepped, beside stock dTriMesh
   bool json = false;
 };
 

@@ -1,119 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "truth/pair_in_ode.h"
 
-#include <ode/ode.h>
-#include <ode_trimesh_gpu/ode_trimesh_gpu.h>
-
 #include <algorithm>
 #include <memory>
 #include <stdexcept>
 
-#include "scenes/convex_geom.h"
+#include "truth/body_in_ode.h"
 
 namespace otg::truth {
-namespace {
-
-class BodyInOde {
- public:
-  BodyInOde(const PairBody& body, const GeomChoices& choices) {
-    if (body.shape) {
-      makeShape(*body.shape, body.mesh);
-    } else if (choices.asTriMesh) {
-      makeTriMesh(body.mesh, choices.byUpdate);
-    } else {
-      makeMesh(body.mesh, choices.byUpdate);
-    }
-    dMatrix3 r{};
-    for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < 3; ++column) r[4 * row + column] = body.pose.r[3 * row + column];
-    }
-    dGeomSetRotation(geom_, r);
-    dGeomSetPosition(geom_, body.pose.t.x, body.pose.t.y, body.pose.t.z);
-  }
-  ~BodyInOde() {
-    if (triMeshData_) dGpuTriMeshOverrideForgetGeom(geom_);
-    if (geom_) dGeomDestroy(geom_);
-    if (triMeshData_) {
-      dGpuTriMeshOverrideForgetData(triMeshData_);
-      dGeomTriMeshDataDestroy(triMeshData_);
-    }
-    if (data_) dGpuTriMeshDataDestroy(data_);
-  }
-  BodyInOde(const BodyInOde&) = delete;
-  BodyInOde& operator=(const BodyInOde&) = delete;
-
-  dGeomID geom() const { return geom_; }
-  bool isMesh() const { return data_ != nullptr; }
-
- private:
-  /// A closed solid that faces outward still, and that sorts otherwise along a curve through space.
-  static std::vector<Vec3f> before(const std::vector<Vec3f>& vertices) {
-    std::vector<Vec3f> others = vertices;
-    for (Vec3f& v : others) v = {0.4F * v.x - 0.9F * v.y, 0.9F * v.x + 0.4F * v.y, 2 * v.z};
-    return others;
-  }
-  void makeTriMesh(const scenes::MeshArrays& mesh, bool byUpdate) {
-    arrays_ = mesh;  // ODE keeps pointers
-    if (byUpdate) arrays_.vertices = before(mesh.vertices);
-    triMeshData_ = dGeomTriMeshDataCreate();
-    dGeomTriMeshDataBuildSingle(triMeshData_, arrays_.vertices.data(), sizeof(Vec3f),
-                                static_cast<int>(arrays_.vertices.size()), arrays_.triangles.data(),
-                                static_cast<int>(3 * arrays_.triangles.size()), sizeof(Triangle));
-    // What stock ODE asks for where it collides convex shapes.
-    dGeomTriMeshDataPreprocess2(triMeshData_, 1U << dTRIDATAPREPROCESS_BUILD_FACE_ANGLES, nullptr);
-    geom_ = dCreateTriMesh(nullptr, triMeshData_, nullptr, nullptr, nullptr);
-    if (!byUpdate) return;
-    dGpuTriMeshOverridePrepare(geom_);  // else the library would not read the first vertices at all
-    std::copy(mesh.vertices.begin(), mesh.vertices.end(), arrays_.vertices.begin());
-    dGeomTriMeshDataUpdate(triMeshData_);
-    dGpuTriMeshOverrideDataChanged(triMeshData_);
-  }
-  void makeMesh(const scenes::MeshArrays& mesh, bool byUpdate) {
-    data_ = dGpuTriMeshDataCreate();
-    const std::vector<Vec3f> vertices = byUpdate ? before(mesh.vertices) : mesh.vertices;
-    const int count = static_cast<int>(vertices.size());
-    int status = dGpuTriMeshDataBuildSingle(data_, vertices.data(), sizeof(Vec3f), count, mesh.triangles.data(),
-                                            static_cast<int>(3 * mesh.triangles.size()), sizeof(Triangle));
-    if (status == dGPUTRIMESH_OK && byUpdate) {
-      status = dGpuTriMeshDataUpdateVerticesSingle(data_, mesh.vertices.data(), sizeof(Vec3f), count);
-    }
-    if (status != dGPUTRIMESH_OK) throw std::runtime_error("the library refuses a mesh");
-    geom_ = dCreateGpuTriMesh(nullptr, data_);
-    dGpuTriMeshParams params;
-    dGpuTriMeshParamsInit(&params);
-    params.history = dGPUTRIMESH_HISTORY_OFF;
-    params.backend = dGPUTRIMESH_BACKEND_CPU;
-    dGeomGpuTriMeshSetParams(geom_, &params);
-  }
-  void makeShape(const ConvexBody& shape, const scenes::MeshArrays& mesh) {
-    switch (shape.kind) {
-      case ConvexBody::Kind::kSphere:
-        geom_ = dCreateSphere(nullptr, shape.radius);
-        return;
-      case ConvexBody::Kind::kBox:
-        geom_ = dCreateBox(nullptr, 2 * shape.half.x, 2 * shape.half.y, 2 * shape.half.z);
-        return;
-      case ConvexBody::Kind::kCapsule:
-        geom_ = dCreateCapsule(nullptr, shape.radius, 2 * shape.length);
-        return;
-      case ConvexBody::Kind::kCylinder:
-        geom_ = dCreateCylinder(nullptr, shape.radius, 2 * shape.length);
-        return;
-      case ConvexBody::Kind::kPolyhedron:
-        convex_ = std::make_unique<scenes::ConvexData>(mesh);
-        geom_ = convex_->makeGeom(nullptr);
-        return;
-    }
-  }
-
-  dGpuTriMeshDataID data_ = nullptr;
-  dTriMeshDataID triMeshData_ = nullptr;
-  scenes::MeshArrays arrays_;
-  std::unique_ptr<scenes::ConvexData> convex_;
-  dGeomID geom_ = nullptr;
-};
-
-}  // namespace
 
 std::vector<JudgedContact> contactsInOde(const PairBody& a, const PairBody& b, const GeomChoices& choices) {
   std::unique_ptr<BodyInOde> first, second;

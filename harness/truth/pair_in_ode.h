@@ -4,17 +4,10 @@
 
 #include <vector>
 
+#include "truth/body_in_ode.h"
 #include "truth/certificate.h"
 
 namespace otg::truth {
-
-struct GeomChoices {
-  bool secondFirst = false;   ///< the geom of B is created before that of A
-  bool byUpdate = false;      ///< meshes are built from other vertices and moved to theirs
-  bool reversedCall = false;  ///< dCollide(B, A), the answer turned round
-  int places = 64;
-  bool asTriMesh = false;  ///< meshes are ODE's dTriMesh: stock ODE's contacts, or with the override the library's
-};
 
 /// ODE and the geom class must be initialised. Throws std::runtime_error where the library refuses a mesh.
 std::vector<JudgedContact> contactsInOde(const PairBody& a, const PairBody& b, const GeomChoices& choices);

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "truth/family_fall.h"
+
+#include <ode/ode.h>
+#include <ode_trimesh_gpu/ode_trimesh_gpu.h>
+
+#include <algorithm>
+#include <cstdarg>
+#include <random>
+#include <stdexcept>
+#include <vector>
+
+#include "base/vectors.h"
+#include "truth/body_in_ode.h"
+
+namespace otg::truth {
+namespace {
+
+constexpr double kGravity = 9.81;  // sizes per second squared
+constexpr double kTilt = 0.4;      // of gravity, from the way in
+constexpr double kGone = 40;       // sizes from where it began
+constexpr int kPlaces = 64;
+
+Vec3d of(const dReal* v) {
+  return {v[0], v[1], v[2]};
+}
+
+/// Mass 1 and uniform density, about the centre of mass. `center`: of mass, in the mesh's frame.
+dMass massOf(const scenes::MeshArrays& mesh, Vec3d& center) {
+  dGpuTriMeshDataID data = dGpuTriMeshDataCreate();
+  int status = dGpuTriMeshDataBuildSingle(data, mesh.vertices.data(), sizeof(Vec3f),
+                                          static_cast<int>(mesh.vertices.size()), mesh.triangles.data(),
+                                          static_cast<int>(3 * mesh.triangles.size()), sizeof(Triangle));
+  dMass mass;
+  if (status == dGPUTRIMESH_OK) status = dMassSetGpuTriMeshDataTotal(&mass, 1, data);
+  dGpuTriMeshDataDestroy(data);
+  if (status != dGPUTRIMESH_OK) throw std::runtime_error("the library refuses a mesh");
+  center = of(mass.c);
+  dMassTranslate(&mass, -center.x, -center.y, -center.z);
+  std::fill(mass.c, mass.c + 3, dReal{0});
+  return mass;
+}
+
+class FallingMover {
+ public:
+  FallingMover(const CertificateMember& member, const FallConditions& conditions)
+      : conditions_(conditions),
+        size_(member.size),
+        world_(dWorldCreate()),
+        contacts_(dJointGroupCreate(0)),
+        host_(member.a, {.asTriMesh = conditions.asTriMesh, .remembers = true}),
+        mover_(member.b, {.asTriMesh = conditions.asTriMesh, .remembers = true}) {
+    std::mt19937 random(conditions.seed);
+    std::uniform_real_distribution<double> within(-1, 1);
+    const double x = within(random), y = within(random), z = within(random);
+    gravity_ = unit(unit(member.shortest) + Vec3d{x, y, z} * kTilt) * (kGravity * size_);
+    friction_ = 0.5 + 0.4 * within(random);
+    dRandSetSeed(conditions.seed);  // by which dWorldQuickStep orders what it solves
+    dWorldSetGravity(world_, gravity_.x, gravity_.y, gravity_.z);
+    dWorldSetQuickStepNumIterations(world_, 50);
+    Vec3d center{};
+    mass_ = massOf(member.b.mesh, center);
+    body_ = dBodyCreate(world_);
+    dBodySetMass(body_, &mass_);
+    start_ = otgTransform(member.b.pose, center);
+    dBodySetPosition(body_, start_.x, start_.y, start_.z);
+    dBodySetRotation(body_, dGeomGetRotation(mover_.geom()));
+    dGeomSetBody(mover_.geom(), body_);
+    dGeomSetOffsetPosition(mover_.geom(), -center.x, -center.y, -center.z);
+  }
+  ~FallingMover() {
+    dGeomSetBody(mover_.geom(), nullptr);
+    dJointGroupDestroy(contacts_);
+    dWorldDestroy(world_);
+  }
+  FallingMover(const FallingMover&) = delete;
+  FallingMover& operator=(const FallingMover&) = delete;
+
+  Fall run() {
+    Fall fall;
+    double before = energy();
+    const int steps = static_cast<int>(conditions_.duration / conditions_.timeStep);
+    for (int k = 0; k < steps && norm(of(dBodyGetPosition(body_)) - start_) < kGone * size_; ++k) {
+      fall.depth = std::max(fall.depth, step() / size_);
+      const double now = energy(), gain = (now - before) / (kGravity * size_ * size_);
+      if (gain > fall.gain) {
+        fall.gain = gain;
+        fall.step = k;
+      }
+      before = now;
+    }
+    return fall;
+  }
+
+ private:
+  /// Depth of the deepest contact.
+  double step() {
+    dContactGeom found[kPlaces];
+    const int count = dCollide(host_.geom(), mover_.geom(), kPlaces, found, sizeof(dContactGeom));
+    double deepest = 0;
+    for (int i = 0; i < count; ++i) {
+      dContact contact{};
+      contact.geom = found[i];
+      contact.surface.mode = dContactApprox1;
+      contact.surface.mu = friction_;
+      deepest = std::max(deepest, double{found[i].depth});
+      dJointAttach(dJointCreateContact(world_, contacts_, &contact), dGeomGetBody(found[i].g1),
+                   dGeomGetBody(found[i].g2));
+    }
+    (conditions_.quick ? dWorldQuickStep : dWorldStep)(world_, conditions_.timeStep);
+    dJointGroupEmpty(contacts_);
+    return deepest;
+  }
+
+  double energy() const {
+    const Vec3d v = of(dBodyGetLinearVel(body_)), moved = of(dBodyGetPosition(body_)) - start_;
+    dVector3 spin;  // in the body's frame
+    const dReal* w = dBodyGetAngularVel(body_);
+    dBodyVectorFromWorld(body_, w[0], w[1], w[2], spin);
+    double rotation = 0;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) rotation += spin[i] * mass_.I[4 * i + j] * spin[j];
+    }
+    return 0.5 * (otgDot(v, v) + rotation) - otgDot(gravity_, moved);
+  }
+
+  const FallConditions conditions_;
+  const double size_;
+  dWorldID world_;
+  dJointGroupID contacts_;
+  BodyInOde host_, mover_;
+  dBodyID body_ = nullptr;
+  dMass mass_{};
+  Vec3d gravity_{}, start_{};
+  double friction_ = 0;
+};
+
+}  // namespace
+
+FallConditions fallConditions(int number) {
+  FallConditions conditions;
+  conditions.timeStep = number % 2 == 1 ? 1.0 / 60 : 1.0 / 240;
+  conditions.quick = number / 2 % 2 == 1;
+  conditions.seed = static_cast<std::uint32_t>(number);
+  return conditions;
+}
+
+Fall fall(const CertificateMember& member, const FallConditions& conditions) {
+  // Of jammed bodies dWorldStep() says at every step that its solver has found no answer.
+  dMessageFunction* const handler = dGetMessageHandler();
+  dSetMessageHandler([](int, const char*, va_list) {});
+  const Fall result = FallingMover(member, conditions).run();
+  dSetMessageHandler(handler);
+  return result;
+}
+
+}  // namespace otg::truth
