@@ -148,6 +148,7 @@ class PairContacts {
   }
 
   void finish() {
+    dropHints();
     if (query_.options.solid.regionMerge > 0) {
       mergeRegions(query_.options.solid.regionMerge, query_.options.solid.contactsPerRegion, workspace_.contacts);
     }
@@ -165,6 +166,16 @@ class PairContacts {
   }
 
  private:
+  /// Where no part of a region has to leave, and its surface tells no direction, its contact is as good as any: better
+  /// than none, and worse than those of other regions, which it may contradict.
+  void dropHints() {
+    const auto isHint = [](const Contact& c) {
+      return c.feature == ContactFeature::kNone && c.depth == 0 && c.coherence < OTG_SOLID_COHERENT;
+    };
+    std::vector<Contact>& contacts = workspace_.contacts;
+    if (std::all_of(contacts.begin(), contacts.end(), isHint)) return;
+    std::erase_if(contacts, isHint);
+  }
   void remember(const RegionDirection& direction) {
     entangled_ = entangled_ || direction.entangled;
     if (direction.escaping && state_.escapeLeft == 0) {
