@@ -133,16 +133,17 @@ void printFalls(const Json& rows) {
   for (const Json& row : rows) {
     std::vector<std::string> line{row["family"].get<std::string>()};
     for (const char* key : {"members", "thrown", "stock_thrown"}) line.push_back(std::to_string(row[key].get<int>()));
-    for (const char* key : {"gain_median", "gain_p95", "gain_max", "stock_gain_median", "stock_gain_p95", "stock_gain_max"}) {
+    for (const char* key :
+         {"gain_median", "gain_p95", "gain_max", "stock_gain_median", "stock_gain_p95", "stock_gain_max"}) {
       line.push_back(row[key].is_null() ? "-" : inDigits(row[key].get<double>()));
     }
     lines.push_back(std::move(line));
   }
   fmt::print("Worlds of 2 s (gains: largest rise of energy in one step, of weight times size; thrown: from {} on)\n",
              truth::kThrown);
-  printTable({"family", "members", "thrown", "stock", "gain, median", "95 %", "largest", "stock's, median", "95 %",
-              "largest"},
-             lines);
+  printTable(
+      {"family", "members", "thrown", "stock", "gain, median", "95 %", "largest", "stock's, median", "95 %", "largest"},
+      lines);
 }
 
 std::string inWords(const Vec3d& v) {

@@ -28,9 +28,9 @@ Vec3d of(const dReal* v) {
 /// Mass 1 and uniform density, about the centre of mass. `center`: of mass, in the mesh's frame.
 dMass massOf(const scenes::MeshArrays& mesh, Vec3d& center) {
   dGpuTriMeshDataID data = dGpuTriMeshDataCreate();
-  int status = dGpuTriMeshDataBuildSingle(data, mesh.vertices.data(), sizeof(Vec3f),
-                                          static_cast<int>(mesh.vertices.size()), mesh.triangles.data(),
-                                          static_cast<int>(3 * mesh.triangles.size()), sizeof(Triangle));
+  int status =
+      dGpuTriMeshDataBuildSingle(data, mesh.vertices.data(), sizeof(Vec3f), static_cast<int>(mesh.vertices.size()),
+                                 mesh.triangles.data(), static_cast<int>(3 * mesh.triangles.size()), sizeof(Triangle));
   dMass mass;
   if (status == dGPUTRIMESH_OK) status = dMassSetGpuTriMeshDataTotal(&mass, 1, data);
   dGpuTriMeshDataDestroy(data);

@@ -26,7 +26,8 @@ struct Fall {
   double depth = 0;  ///< of the deepest contact, in sizes
 };
 
-/// From this gain on the mover was thrown. Pushing an overlap of a hundredth out gains up to 0.015 at 240 steps a second.
+/// From this gain on the mover was thrown. Pushing an overlap of a hundredth out gains up to 0.015 at 240 steps a
+/// second.
 constexpr double kThrown = 0.05;
 
 /// Gravity is 9.81 sizes per second squared, about along the mover's shortest way in. ODE and the geom class must be

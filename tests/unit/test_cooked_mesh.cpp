@@ -25,7 +25,7 @@ CollisionMesh collisionMesh(const scenes::MeshArrays& arrays, const RepairOption
 }
 
 /// Numbers of the sections, as cooked_mesh.cpp has them.
-constexpr std::size_t kCounts = 0, kVertices = 2, kTriangles = 3, kTwin = 7, kCallerTriangle = 13, kNodes = 15;
+constexpr std::size_t kCounts = 0, kVertices = 2, kTriangles = 3, kDegenerate = 4, kTwin = 7, kCallerTriangle = 13, kNodes = 15;
 
 std::string errorOf(const Bytes& bytes) {
   // From the heap and no longer than it says, so that the sanitizer sees every byte read beyond.
@@ -226,6 +226,8 @@ TEST_CASE("what does not make a mesh is named, under a checksum that is right") 
   CHECK(exchanged(kTwin, 0, 40, 4) == "The cooked mesh has neighbours that do not match.");
   CHECK(with(kTwin, 0, 0xffffffffu) == "The cooked mesh has neighbours that do not match.");
   CHECK(with(kTwin, 0, 0x10000000u) == "The cooked mesh has neighbours that do not match.");
+  CHECK(with(kDegenerate, sections[kDegenerate].size - 4, 0x01000000u) ==
+        "The cooked mesh has bounds or areas that do not match.");  // a triangle with area that says it has none
   CHECK(exchanged(kCallerTriangle, 0, 4, 4) == "The cooked mesh has numbers of triangles that do not match.");
   CHECK(with(kNodes, 28, 0) == "The cooked mesh has nodes that do not make a tree.");       // no root
   CHECK(with(kNodes, 32 + 28, 1) == "The cooked mesh has nodes that do not make a tree.");  // its own parent

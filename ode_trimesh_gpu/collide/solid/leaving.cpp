@@ -169,8 +169,8 @@ std::pmr::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegion
       const double a = missing(x), b = missing(y);
       return a != b ? a < b : x.depth < y.depth;
     });
-    const bool isOther = soonest != others.end() && missing(*soonest) < together &&
-                         t.add(soonest->normal, soonest->depth, longest);
+    const bool isOther =
+        soonest != others.end() && missing(*soonest) < together && t.add(soonest->normal, soonest->depth, longest);
     if (isOther) continue;
     for (const Way& way : part->all()) t.add(way.normal, way.depth, longest);
   }

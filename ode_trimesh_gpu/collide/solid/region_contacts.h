@@ -26,7 +26,8 @@ struct RegionTask {
 bool contradictsItself(const Region& region);
 
 /// Whether the region is far deeper at one place than it is on the whole, or goes round a corner: a thin contact and
-/// beside it a wedge or another wall; or thin and coherent nowhere. One direction does not hold for all of it. Regions described by cells never are.
+/// beside it a wedge or another wall; or thin and coherent nowhere. One direction does not hold for all of it. Regions
+/// described by cells never are.
 bool isUneven(const Region& region, const RegionNormals& normals, RegionExtent& extent);
 
 /// Appends contacts (frame A), deepest first. Whether the region is uneven.
