@@ -63,7 +63,7 @@ PAGES = [
          "bench heightfield"),
     Page("contacts", "Contacts against the truth",
          "Single queries against what is known by other means: normals in degrees, depths, net force and moment.",
-         "bench contacts --poses 10"),
+         "bench contacts --poses 10", "bench contacts --certificate --falls --members 100"),
     Page("physics", "Worlds that rest, slide, roll and fall",
          "Runs of the quick physics suite that keep every limit, and those that miss one.", "bench physics"),
     Page("exact", "Exactness", "Hard pairs of triangles, judged by exact arithmetic that shares nothing with the library.",
