@@ -55,7 +55,7 @@ BatchScene readScene(const BatchOptions& options) {
   if (!stream) throw InputError(options.scene + ": cannot be opened");
   nlohmann::json document;
   try {
-    document = nlohmann::json::parse(stream);
+    document = nlohmann::json::parse(stream, nullptr, true, true);  // with comments, as in scenes
   } catch (const nlohmann::json::exception& error) {  // parse_error, or out_of_range for a number that no double is
     throw InputError(options.scene + ": not valid JSON: " + error.what());
   }

@@ -31,10 +31,10 @@ std::size_t editsBetween(const std::string& a, const std::string& b) {
   return row.back();
 }
 
-/// The word that takes the fewest edits, or "" where none is at all alike.
-std::string nearestWord(const std::string& word, const std::set<std::string>& words) {
+/// The word that takes the fewest edits, or "" where all take more than `most`.
+std::string nearestWord(const std::string& word, const std::set<std::string>& words, std::size_t most) {
   std::string nearest;
-  std::size_t fewest = word.size() / 3 + 2;
+  std::size_t fewest = most + 1;
   for (const std::string& other : words) {
     const std::size_t edits = editsBetween(word, other);
     if (edits >= fewest) continue;
@@ -57,7 +57,16 @@ bool ObjectReader::has(const std::string& key) {
 }
 
 void ObjectReader::fail(const std::string& key, const std::string& what) const {
-  throw SceneError(where_ + ": key '" + key + "': " + what);
+  std::string misspelt;
+  if (object_.is_object() && !object_.contains(key)) {
+    std::set<std::string> others;
+    for (const auto& entry : object_.items()) {
+      if (known_.count(entry.key()) == 0) others.insert(entry.key());
+    }
+    misspelt = nearestWord(key, others, key.size() / 3);  // few: others may be known keys
+  }
+  throw SceneError(where_ + ": key '" + key + "': " + what +
+                   (misspelt.empty() ? "" : "; did you mean it by '" + misspelt + "'?"));
 }
 
 double ObjectReader::number(const std::string& key, double fallback, double low, double high) {
@@ -135,7 +144,7 @@ const nlohmann::json* ObjectReader::member(const std::string& key) {
 void ObjectReader::finish() const {
   for (const auto& entry : object_.items()) {
     if (known_.count(entry.key()) > 0) continue;
-    const std::string meant = nearestWord(entry.key(), known_);
+    const std::string meant = nearestWord(entry.key(), known_, entry.key().size() / 3 + 1);
     throw SceneError(where_ + ": unknown key '" + entry.key() + "'" +
                      (meant.empty() ? "" : "; did you mean '" + meant + "'?"));
   }

@@ -20,6 +20,7 @@ class ObjectReader {
   ObjectReader(const nlohmann::json& object, std::string where);
 
   bool has(const std::string& key);
+  /// Throws. Of a key that is missing it names the one that is there and most like it.
   [[noreturn]] void fail(const std::string& key, const std::string& what) const;
 
   /// A finite number within [low, high].

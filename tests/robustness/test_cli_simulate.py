@@ -263,6 +263,8 @@ class BadScenes(CliTest):
         self.refuse({"bodies": [], "gravty": [0, 0, -9]}, "gravty", "did you mean 'gravity'")
         self.refuse(self.body(frction=1), "bodies[0]")
         self.refuse(self.body(colro=[1, 1, 1]), "bodies[0]", "did you mean 'color'")
+        # Also where it is a key that must be there.
+        self.refuse({"bodys": []}, "'bodies'", "did you mean it by 'bodys'")
 
     def test_unknown_keys(self):
         self.refuse({"bodies": [], "gravitation": 1}, "gravitation")

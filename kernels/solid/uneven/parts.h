@@ -180,7 +180,7 @@ OTG_INLINED void otgFindWaysOf(__local otg_uneven_scratch* s, const otg_uneven* 
   }
   const double soonest = count > 0 ? ways[0].depth : 0;
   s->soonest[i] = soonest;
-  s->count[i] = soonest > 0 ? (ushort)count : 0;
+  s->count[i] = soonest > 0 && (part->isVertex || part->reach > u->behind) ? (ushort)count : 0;
   s->together[i] = (ushort)together;
 }
 

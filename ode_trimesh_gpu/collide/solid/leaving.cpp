@@ -146,7 +146,8 @@ std::pmr::vector<Leave> leavesOf(RegionTriangles& triangles, const OverlapRegion
   parts.reserve(points.size());
   for (const std::uint32_t i : points) {
     const SupportPoint& p = all.points[i];
-    if (p.kind == PointKind::kCrossing) continue;
+    // A stretch no longer than what counts as on the surface is held by its ends.
+    if (p.kind == PointKind::kCrossing || (p.kind != PointKind::kVertex && p.reach <= triangles.behind())) continue;
     Part part = waysOut.soonest(p);
     if (part.soonest > 0) parts.push_back(std::move(part));
   }

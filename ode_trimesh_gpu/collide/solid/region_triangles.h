@@ -50,6 +50,9 @@ class RegionTriangles {
   /// Only for regions whose pieces are parts of single triangles: none of cells.
   void collect(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region);
 
+  /// How far in front of a triangle a point may lie that counts as on it.
+  double behind() const { return behind_; }
+
   /// Calls visit(edge) for all edges of mesh m that a stretch may pass, and few others, in the order of the triangles.
   template <class Visit>
   void forEachEdgePassed(int m, const Vec3d& middle, const Vec3d& along, double reach, Visit visit) const {
@@ -118,7 +121,7 @@ class RegionTriangles {
   std::pmr::vector<std::size_t> slots_;       ///< facesOver(): of these, where it is among those found
   std::pmr::vector<std::size_t> used_;        ///< which slots are taken
   double slack_ = 0;                          ///< how far beside a triangle still counts as on it
-  double behind_ = 0;                         ///< how far in front of a triangle a point may lie that counts as on it
+  double behind_ = 0;                         ///< behind()
 };
 
 }  // namespace otg
