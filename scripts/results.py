@@ -65,7 +65,7 @@ PAGES = [
          "Single queries against what is known by other means: normals in degrees, depths, net force and moment.",
          "bench contacts --poses 10", "bench contacts --certificate --falls --members 100"),
     Page("physics", "Worlds that rest, slide, roll and fall",
-         "Runs of the quick physics suite that keep every limit, and those that miss one.", "bench physics"),
+         "Runs of the whole physics suite that keep every limit, and those that miss one.", "bench physics --full"),
     Page("exact", "Exactness", "Hard pairs of triangles, judged by exact arithmetic that shares nothing with the library.",
          "bench exact --pairs 1000000"),
     Page("contours", "Overlaps that could not be worked with", "Random overlaps of solids, anyhow and on a grid.",
