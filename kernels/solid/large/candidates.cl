@@ -188,7 +188,8 @@ OTG_INLINED void otgGiveUpUneven(__local otg_candidate_scratch* s, const otg_fou
                                  const otg_solid_work* w, __global otg_region_work* r) {
   if (l->head->regions[l->region].load > OTG_SOLID_MOST_UNEVEN) return;
   if (w->coherence < OTG_SOLID_COHERENT) {
-    if (get_local_id(0) == 0 && !otgIsLump_d(w->thickness, w->diagonal)) atomic_or(&r->pointFlags, OTG_REGION_BAD);
+    const int isLayered = otgIsLayered_d(w->thickness, w->diagonal, w->region->areaA, w->region->areaB);
+    if (get_local_id(0) == 0 && isLayered) atomic_or(&r->pointFlags, OTG_REGION_BAD);
     OTG_SYNC;
     return;
   }

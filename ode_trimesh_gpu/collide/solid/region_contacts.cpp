@@ -557,7 +557,7 @@ class RegionSolver {
 bool contradictsItself(const Region& region) {
   if (region.coherence >= OTG_SOLID_COHERENT) return false;
   return region.cellEnd > region.cellBegin || region.contained ||
-         (!region.bad && otgIsLump(region.thickness, region.diagonal));
+         (!region.bad && !otgIsLayered(region.thickness, region.diagonal, region.areaA, region.areaB));
 }
 
 bool isUneven(const Region& region, const RegionNormals& normals, RegionExtent& extent) {

@@ -282,7 +282,9 @@ class Builder {
 
 bool needsTriangles(const OverlapRegions& all, const Region& region, std::uint32_t load) {
   if (load > OTG_SOLID_MOST_UNEVEN) return false;
-  if (region.coherence < OTG_SOLID_COHERENT) return !otgIsLump(region.thickness, region.diagonal);
+  if (region.coherence < OTG_SOLID_COHERENT) {
+    return otgIsLayered(region.thickness, region.diagonal, region.areaA, region.areaB) != 0;
+  }
   return region.roundCorner || otgIsUneven(RegionExtent(all, region).along(unit(region.push)), region.thickness) != 0;
 }
 
