@@ -233,8 +233,9 @@ OTG_GENERIC otg_int OTG_NAME(otgIsLump)(REAL thickness, REAL diagonal) {
   return thickness > OTG_REAL(0.05) * diagonal;
 }
 
-/// Whether a region whose surfaces contradict each other is thin between them, and both meshes have as much of it: layers
-/// of overlap, as along the flanks of a thread. Through a plate that a body pierces no layer leads: the plate has most.
+/// Whether a region whose surfaces contradict each other is thin between them, and both meshes have as much of it:
+/// layers of overlap, as along the flanks of a thread. Through a plate that a body pierces no layer leads: the plate
+/// has most.
 OTG_GENERIC otg_int OTG_NAME(otgIsLayered)(REAL thickness, REAL diagonal, REAL areaA, REAL areaB) {
   return !OTG_NAME(otgIsLump)(thickness, diagonal) && areaA <= 2 * areaB && areaB <= 2 * areaA;
 }
