@@ -34,26 +34,8 @@ MeshGeom::~MeshGeom() {
   dGpuTriMeshDataDestroy(data_);
 }
 
-NativeGeom::NativeGeom(const ConvexBody& body, const scenes::MeshArrays& mesh) {
-  switch (body.kind) {
-    case ConvexBody::Kind::kSphere:
-      geom_ = dCreateSphere(nullptr, body.radius);
-      break;
-    case ConvexBody::Kind::kBox:
-      geom_ = dCreateBox(nullptr, 2 * body.half.x, 2 * body.half.y, 2 * body.half.z);
-      break;
-    case ConvexBody::Kind::kCapsule:
-      geom_ = dCreateCapsule(nullptr, body.radius, 2 * body.length);
-      break;
-    case ConvexBody::Kind::kCylinder:
-      geom_ = dCreateCylinder(nullptr, body.radius, 2 * body.length);
-      break;
-    case ConvexBody::Kind::kPolyhedron:
-      convex_ = std::make_unique<scenes::ConvexData>(mesh);
-      geom_ = convex_->makeGeom(nullptr);
-      break;
-  }
-}
+NativeGeom::NativeGeom(const ConvexBody& body, const scenes::MeshArrays& mesh)
+    : geom_(truth::makeShapeGeom(body, mesh, convex_)) {}
 
 std::vector<TessellatedBody> comparedMeshes() {
   return {{"box", truth::boxBody({0.5, 0.35, 0.2}), scenes::makeBox({1, 0.7, 0.4}, 2)},

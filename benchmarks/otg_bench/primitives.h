@@ -13,6 +13,7 @@
 #include "cli/command.h"
 #include "scenes/convex_geom.h"
 #include "scenes/generated_meshes.h"
+#include "truth/body_in_ode.h"
 #include "truth/contact_errors.h"
 #include "truth/contact_families.h"
 #include "truth/tessellated_bodies.h"

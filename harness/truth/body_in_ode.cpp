@@ -18,9 +18,27 @@ std::vector<Vec3f> before(const std::vector<Vec3f>& vertices) {
 
 }  // namespace
 
+dGeomID makeShapeGeom(const ConvexBody& shape, const scenes::MeshArrays& mesh,
+                      std::unique_ptr<scenes::ConvexData>& convex) {
+  switch (shape.kind) {
+    case ConvexBody::Kind::kSphere:
+      return dCreateSphere(nullptr, shape.radius);
+    case ConvexBody::Kind::kBox:
+      return dCreateBox(nullptr, 2 * shape.half.x, 2 * shape.half.y, 2 * shape.half.z);
+    case ConvexBody::Kind::kCapsule:
+      return dCreateCapsule(nullptr, shape.radius, 2 * shape.length);
+    case ConvexBody::Kind::kCylinder:
+      return dCreateCylinder(nullptr, shape.radius, 2 * shape.length);
+    case ConvexBody::Kind::kPolyhedron:
+      convex = std::make_unique<scenes::ConvexData>(mesh);
+      return convex->makeGeom(nullptr);
+  }
+  throw std::runtime_error("no such shape");
+}
+
 BodyInOde::BodyInOde(const PairBody& body, const GeomChoices& choices) {
   if (body.shape) {
-    makeShape(*body.shape, body.mesh);
+    geom_ = makeShapeGeom(*body.shape, body.mesh, convex_);
   } else if (choices.asTriMesh) {
     makeTriMesh(body.mesh, choices.byUpdate);
   } else {
@@ -77,27 +95,6 @@ void BodyInOde::makeMesh(const scenes::MeshArrays& mesh, const GeomChoices& choi
   if (!choices.remembers) params.history = dGPUTRIMESH_HISTORY_OFF;
   params.backend = dGPUTRIMESH_BACKEND_CPU;
   dGeomGpuTriMeshSetParams(geom_, &params);
-}
-
-void BodyInOde::makeShape(const ConvexBody& shape, const scenes::MeshArrays& mesh) {
-  switch (shape.kind) {
-    case ConvexBody::Kind::kSphere:
-      geom_ = dCreateSphere(nullptr, shape.radius);
-      return;
-    case ConvexBody::Kind::kBox:
-      geom_ = dCreateBox(nullptr, 2 * shape.half.x, 2 * shape.half.y, 2 * shape.half.z);
-      return;
-    case ConvexBody::Kind::kCapsule:
-      geom_ = dCreateCapsule(nullptr, shape.radius, 2 * shape.length);
-      return;
-    case ConvexBody::Kind::kCylinder:
-      geom_ = dCreateCylinder(nullptr, shape.radius, 2 * shape.length);
-      return;
-    case ConvexBody::Kind::kPolyhedron:
-      convex_ = std::make_unique<scenes::ConvexData>(mesh);
-      geom_ = convex_->makeGeom(nullptr);
-      return;
-  }
 }
 
 }  // namespace otg::truth

@@ -24,6 +24,11 @@ struct GeomChoices {
   bool remembers = false;  ///< pairs of the library's geoms remember what they do from query to query
 };
 
+/// One of ODE's shapes, in no space and not placed. `mesh`: of a polyhedron, its faces; `convex` keeps what its geom
+/// points to.
+dGeomID makeShapeGeom(const ConvexBody& shape, const scenes::MeshArrays& mesh,
+                      std::unique_ptr<scenes::ConvexData>& convex);
+
 /// In no space, where the body's pose says. ODE and the geom class must be initialised. Throws std::runtime_error where
 /// the library refuses a mesh.
 class BodyInOde {
@@ -39,7 +44,6 @@ class BodyInOde {
  private:
   void makeTriMesh(const scenes::MeshArrays& mesh, bool byUpdate);
   void makeMesh(const scenes::MeshArrays& mesh, const GeomChoices& choices);
-  void makeShape(const ConvexBody& shape, const scenes::MeshArrays& mesh);
 
   dGpuTriMeshDataID data_ = nullptr;
   dTriMeshDataID triMeshData_ = nullptr;

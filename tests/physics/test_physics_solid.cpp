@@ -18,6 +18,7 @@ constexpr bool kHasSolid = true;
 struct ShortScene {
   const char* name;
   Stepping stepping;
+  double timeStep = 0;  ///< 0: the scene's own
 };
 
 constexpr ShortScene kShortScenes[] = {
@@ -48,11 +49,14 @@ constexpr ShortScene kShortScenes[] = {
     {"rolling_sphere", kW},
     {"sphere_contacts", kW},
     {"tori", kQ20},
+    {"plate", kW, 1.0 / 60},
+    {"plate", kQ20, 1.0 / 60},
 };
 
 Row rowOf(const Scene& scene, const ShortScene& shortScene, Form form) {
   Case run = runsOf(scene, form, Model::kSolid, Extent::kPlain).front();
   run.stepping = shortScene.stepping;
+  if (shortScene.timeStep > 0) run.dt = shortScene.timeStep;
   return {&scene, form == Form::kNative ? nativeOf(run) : run, {}, {}, false, false, 0};
 }
 

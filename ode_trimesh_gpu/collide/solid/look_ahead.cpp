@@ -40,9 +40,15 @@ bool tellsNoWay(const Contact& contact) {
   return (contact.flags & (kContactContained | kContactClamped)) != 0;
 }
 
-/// What contacts ask for, however they are ordered, and how long it may become. None where they do not tell the way.
-std::optional<ShortestTranslation> askedBy(std::span<const Contact> contacts, std::pmr::memory_resource* memory,
-                                           double& longest) {
+/// How long the way that contacts ask for may be.
+double longestWay(std::span<const Contact> contacts) {
+  double deepest = 0;
+  for (const Contact& c : contacts) deepest = std::max(deepest, c.depth);
+  return kLongest * deepest;
+}
+
+/// What contacts ask for, however they are ordered. None where they do not tell the way.
+std::optional<ShortestTranslation> askedBy(std::span<const Contact> contacts, std::pmr::memory_resource* memory) {
   if (contacts.empty()) return std::nullopt;
   std::pmr::vector<Asked> all(memory);
   all.reserve(contacts.size());
@@ -52,7 +58,7 @@ std::optional<ShortestTranslation> askedBy(std::span<const Contact> contacts, st
   }
   std::sort(all.begin(), all.end(), [](const Asked& x, const Asked& y) { return x.key() < y.key(); });
   std::optional<ShortestTranslation> t(std::in_place, memory);
-  longest = kLongest * all.front().depth;
+  const double longest = longestWay(contacts);
   for (const Asked& h : all) {
     if (!t->add(h.normal, h.depth, longest)) return std::nullopt;
   }
@@ -178,13 +184,13 @@ Contact beforeWay(const Contact& met, const Vec3d& way) {
 
 void addContactsAhead(const Query& query, Workspace& workspace) {
   AheadScratch& scratch = scratchOf(workspace);
-  double longest = 0;
-  std::optional<ShortestTranslation> t = askedBy(workspace.contacts, &scratch.memory, longest);
+  std::optional<ShortestTranslation> t = askedBy(workspace.contacts, &scratch.memory);
   if (!t) return;
   Workspace& ahead = scratch.workspace;
   const bool byTrees = !hasCandidates(query, workspace);
   if (!(byTrees ? meetsByTrees(query, wayOf(*t), ahead) : meetsByCandidates(query, wayOf(*t), workspace, ahead)))
     return;
+  const double longest = longestWay(workspace.contacts);
   std::uint32_t regions = 0;
   for (const Contact& c : workspace.contacts) regions = std::max(regions, c.region + 1);
   bool isNew = true;
@@ -235,8 +241,7 @@ void lookAhead(const Query& query, Workspace& workspace) {
 }
 
 std::optional<Transformd> poseAhead(const Query& query, std::span<const Contact> contacts, Workspace& workspace) {
-  double longest = 0;
-  const std::optional<ShortestTranslation> t = askedBy(contacts, &scratchOf(workspace).memory, longest);
+  const std::optional<ShortestTranslation> t = askedBy(contacts, &scratchOf(workspace).memory);
   if (!t) return std::nullopt;
   return movedBy(query, wayOf(*t)).bInA;
 }

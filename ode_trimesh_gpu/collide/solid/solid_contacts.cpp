@@ -176,6 +176,7 @@ class PairContacts {
     if (std::all_of(contacts.begin(), contacts.end(), isHint)) return;
     std::erase_if(contacts, isHint);
   }
+
   void remember(const RegionDirection& direction) {
     entangled_ = entangled_ || direction.entangled;
     if (direction.escaping && state_.escapeLeft == 0) {
