@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The families of certificates as worlds: nobody is thrown. `otg bench contacts --certificate --falls` has larger ones,
 // beside stock dTriMesh.
+#include <random>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,38 @@ TEST_CASE("nor are those that were thrown before a body between two walls stayed
       if (family.name != known.family) continue;
       for (const int number : known.numbers) checkFall(family, known.seed, number);
     }
+  }
+}
+
+TEST_CASE("bodies that are wider than the gap they are in are not thrown out of it") {
+  // Walls on two sides request what no motion satisfies, and an exact solver has no bound for the forces of that: one in
+  // five gained over 100 when all kept their depths. One that comes to an end of the gap may be squeezed out there.
+  constexpr double kSqueezed = 0.5;
+  const otg::scenes::OdeSession session;
+  std::mt19937 random(3);
+  const auto within = [&random](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  using otg::scenes::makeBox;
+  for (int number = 0; number < 60; ++number) {
+    otg::scenes::MeshArrays left = makeBox({1, 2, 2}), right = left;
+    for (otg::Vec3f& v : left.vertices) v.x -= 1;
+    for (otg::Vec3f& v : right.vertices) v.x += 1;
+    CertificateMember member;
+    member.a.mesh = otg::scenes::merge({left, right});
+    member.a.pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    member.b.mesh = makeBox({static_cast<float>(within(1.002, 1.03)), 0.7F, 0.5F}, 1 + number % 3);
+    dMatrix3 r;
+    dRFromEulerAngles(r, 0, within(-0.01, 0.01), within(-0.01, 0.01));
+    member.b.pose = {{r[0], r[1], r[2], r[4], r[5], r[6], r[8], r[9], r[10]},
+                     {within(-0.002, 0.002), within(-1, 1), within(-1, 1.2)}};
+    member.size = 0.5;
+    member.shortest = {0, 0, -1};
+    FallConditions conditions = fallConditions(number);
+    conditions.timeStep = 1.0 / 60;
+    const Fall result = fall(member, conditions);
+    INFO(number << ", step " << result.step);
+    CHECK(result.gain <= kSqueezed);
   }
 }
 
