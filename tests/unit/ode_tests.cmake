@@ -46,6 +46,9 @@ add_executable(test_ode_c89 header_c89.c)
 set_target_properties(test_ode_c89 PROPERTIES C_STANDARD 90 C_EXTENSIONS OFF)
 target_compile_options(test_ode_c89 PRIVATE -pedantic-errors)
 target_link_libraries(test_ode_c89 PRIVATE ode_trimesh_gpu otg_flags)
+if(OTG_SANITIZE)  # the library needs the part of the runtime that Clang links into C++ programs alone
+  set_target_properties(test_ode_c89 PROPERTIES LINKER_LANGUAGE CXX)
+endif()
 add_dependencies(tests_unit test_ode_c89)
 add_test(NAME unit.ode_c89 COMMAND test_ode_c89)
 
