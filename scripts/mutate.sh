@@ -138,16 +138,22 @@ start() {
 
 commit=$(git rev-parse HEAD)
 if [ "$(cat "$work/commit" 2>/dev/null)" != "$commit" ]; then
-  rm -rf "$work"/{commit,here,worker-*,changes.txt}
+  rm -rf "$work"/{ready,here,worker-*,changes.txt}
   mkdir -p "$tree"
   git archive HEAD | tar -x -C "$tree"
-  cmake -S "$tree" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DOTG_BUILD_BENCHMARKS=OFF -DOTG_BUILD_DEMOS=OFF >/dev/null
+  echo "$commit" >"$work/commit"
+fi
+if [ ! -e "$work/ready" ]; then
+  cmake -S "$tree" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DOTG_BUILD_BENCHMARKS=OFF -DOTG_BUILD_DEMOS=OFF \
+    -DCMAKE_UNITY_BUILD=OFF >/dev/null
   cmake --build "$build" --target "${targets[@]}" tests_parity -- -j"$workers" >"$work/build.log"
-  cat "$build/Testing/Temporary/CTestCostData.txt" build/Testing/Temporary/CTestCostData.txt >"$work/costs" 2>/dev/null || true
+  rm -rf "$work/worker-all"
+  start all || { echo "tests fail without a change: see $work/test.log" >&2; exit 1; }
+  cat "$work"/worker-all/*/build/Testing/Temporary/CTestCostData.txt build/Testing/Temporary/CTestCostData.txt \
+    >"$work/costs" 2>/dev/null || true
   list_groups '^(unit|golden)$' >"$work/host.groups"
   list_groups '^parity$' >"$work/parity.groups"
-  start all || { echo "tests fail without a change: see $work/test.log" >&2; exit 1; }
-  echo "$commit" >"$work/commit"
+  touch "$work/ready"
 fi
 
 # The queue: no change, then one of the host's for each core while the first fills the cache of kernels, then what takes
