@@ -104,8 +104,10 @@ take_changes() {
     read -r draw file <<<"$taken"
     SECONDS=0
     change=$'none\t\t'
-    echo "$file" >"$here/broken"
-    [ "$draw" = 0 ] || change=$(python3 scripts/mutate.py "$tree" "$draw" "$pattern")
+    if [ "$draw" != 0 ]; then
+      echo "$file" >"$here/broken"
+      change=$(python3 scripts/mutate.py "$tree" "$draw" "$pattern")
+    fi
     last=("${targets[@]}")
     ! needs_device "$file" || last+=(tests_parity)
     if ! cmake --build "$build" --target "${last[@]}" -- -j1 >"$here/build.log" 2>&1; then
