@@ -8,10 +8,17 @@
 #   scripts/mutate.sh 20 1000            20, the first drawn with seed 1000
 #   scripts/mutate.sh 20 1000 '/collide/'  20 in files whose path has this pattern
 #
+# A run that was ended goes on at the next call, if the commit is the same: it keeps what was built, and passes over the
+# changes that are listed in build-mutate/changes.txt.
+#
 # A change that does not compile, or that changes nothing (a bound that no value meets), tells nothing: look at each
 # survivor. Each takes a build and, unless a test fails at once, all unit and golden tests, the quick ones first; changes of
-# kernels and of what talks to devices take the parity tests, too. Each core sees its copy at the same path, by a mount of
-# its own (unshare), so that nothing is built twice.
+# kernels and of what talks to devices take the parity tests, too. How long tests take is what ctest wrote down in build/
+# (scripts/test.sh); tests without a time come last. Number 0 is no change: all tests have to pass there.
+#
+# Each core sees its copy at the same path, by a mount of its own (unshare), so that nothing is built twice. By mounts, too,
+# tests see a machine with one core: all threads of many cores on one would wait for each other. Kernels run on PoCL
+# alone, because a broken one may stop a GPU.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -19,64 +26,161 @@ count=${1:-200}
 seed=${2:-1}
 pattern=${3:-}
 workers=$(nproc)
-here=$PWD/build-mutate/here
+work=$PWD/build-mutate
+here=$work/here
 tree=$here/tree
 build=$here/build
 targets=(tests_unit tests_golden)
+mkdir -p "$work/vendors"
+cp /etc/OpenCL/vendors/pocl.icd "$work/vendors/"
+export OCL_ICD_VENDORS=$work/vendors
 
-# run_tests CTEST_WORDS...: whether all pass; stops at the first that fails. A test that hangs fails.
-run_tests() {
-  ctest --test-dir "$build" --no-tests=error --stop-on-failure --timeout 300 "$@" >"$here/test.log" 2>&1
+# needs_device FILE: whether tests with devices may notice a change of it.
+needs_device() {
+  case "$1" in
+    kernels/* | ode_trimesh_gpu/opencl/* | ode_trimesh_gpu/dispatch/*) ;;
+    ode_trimesh_gpu/ode/library/backend_api.cpp | ode_trimesh_gpu/collide/solid/found_overlap.cpp) ;;
+    *) return 1 ;;
+  esac
 }
 
-# work NUMBER: the changes of one core, in the copy that is mounted at `here`.
-work() {
-  local draw=$((seed + $1)) mine=0 change file verdict
-  while [ "$mine" -lt $(((count + workers - 1 - $1) / workers)) ]; do
-    change=$(python3 scripts/mutate.py "$tree" "$draw" "$pattern") || { draw=$((draw + workers)); continue; }
-    file=${change%%:*}
-    local last=("${targets[@]}")
-    case "$file" in kernels/* | ode_trimesh_gpu/opencl/* | ode_trimesh_gpu/dispatch/*) last+=(tests_parity) ;; esac
+# list_groups LABELS: the tests with these labels in groups, the quick ones first: a limit of time in seconds, and a regular
+# expression of names.
+list_groups() {
+  ctest --test-dir "$build" -N -L "$1" | sed -n 's/^ *Test *#[0-9]*: //p' | awk '
+    FILENAME != "-" { if (NF == 3) seconds[$1] = $3; next }
+    { cost = $1 in seconds ? seconds[$1] : 1e9
+      for (group = 0; group < 4 && cost > 0.5 * 4 ^ group; group++) {}
+      names[group] = names[group] "|" $1 }
+    END { for (group = 0; group < 5; group++) if (group in names)
+            print group < 4 ? 30 + 5 * 4 ^ group : 1200, "^(" substr(names[group], 2) ")$" }' "$work/costs" -
+}
+
+# run_groups FILE: whether all tests of its groups pass; stops at the first that fails. One that hangs or is skipped fails.
+run_groups() {
+  local limit names
+  while read -r limit names; do
+    ctest --test-dir "$build" --no-tests=error --stop-on-failure --timeout "$limit" -R "$names" \
+      >"$here/test.log" 2>&1 </dev/null || return 1
+    ! grep -q '\*\*\*Skipped' "$here/test.log" || return 1
+  done <"$1"
+}
+
+# run_tests FILE: whether all tests pass that may notice a change of it.
+run_tests() {
+  case "$1" in
+    kernels/*) run_groups "$work/parity.groups" && run_groups "$work/host.groups" ;;
+    *) run_groups "$work/host.groups" && { ! needs_device "$1" || run_groups "$work/parity.groups"; } ;;
+  esac
+}
+
+restore() {
+  [ ! -s "$here/broken" ] || git show "HEAD:$(cat "$here/broken")" >"$tree/$(cat "$here/broken")"
+  : >"$here/broken"
+}
+
+# mount_copy NUMBER: what was built, with the changes of one core, at `here`; and a machine of one core.
+mount_copy() {
+  local own=$work/worker-$1
+  mkdir -p "$own/upper" "$own/work"
+  if ! mount -t overlay overlay -o "lowerdir=$here,upperdir=$own/upper,workdir=$own/work" "$here" 2>/dev/null; then
+    [ -d "$own/copy" ] || { cp -a "$here" "$own/part" && mv "$own/part" "$own/copy"; }
+    mount --bind "$own/copy" "$here"
+  fi
+  echo 0 >"$work/online"
+  mount --bind "$work/online" /sys/devices/system/cpu/online
+}
+
+# next_change: takes the first line off the queue.
+next_change() {
+  (
+    flock 9
+    head -1 "$work/queue"
+    sed -i 1d "$work/queue"
+  ) 9>"$work/lock"
+}
+
+# take_changes: breaks, builds and tests, until the queue that all cores share is empty.
+take_changes() {
+  local draw file change verdict taken last
+  restore
+  while taken=$(next_change) && [ "$taken" ]; do
+    read -r draw file <<<"$taken"
+    SECONDS=0
+    change=$'none\t\t'
+    if [ "$draw" != 0 ]; then
+      echo "$file" >"$here/broken"
+      change=$(python3 scripts/mutate.py "$tree" "$draw" "$pattern")
+    fi
+    last=("${targets[@]}")
+    ! needs_device "$file" || last+=(tests_parity)
     if ! cmake --build "$build" --target "${last[@]}" -- -j1 >"$here/build.log" 2>&1; then
       verdict="does not compile"
-    elif run_tests -R "$quick" && run_tests -L '^(unit|golden)$' -E "$quick" &&
-      { [ ${#last[@]} -eq ${#targets[@]} ] || run_tests -L '^parity$'; }; then
+    elif run_tests "$file"; then
       verdict=SURVIVES
     else
-      verdict="noticed by $(sed -n 's/.*Test *#[0-9]*: \([^ ]*\) .*\(Failed\|Timeout\|Exception\).*/\1/p' "$here/test.log" | head -1)"
+      verdict="noticed by $(sed -n 's/.*Test *#[0-9]*: \([^ ]*\) .*\(Failed\|Timeout\|Exception\|Skipped\).*/\1/p' "$here/test.log" | head -1)"
     fi
-    [ "$verdict" = "does not compile" ] || mine=$((mine + 1))
-    printf '%s\t%s\t%s\n' "$draw" "$verdict" "$change" | tee -a build-mutate/changes.txt
-    git show "HEAD:$file" >"$tree/$file"
-    draw=$((draw + workers))
+    printf '%s\t%s\t%s\t%s s\n' "$draw" "$verdict" "$change" "$SECONDS" | tee -a "$work/changes.txt"
+    restore
   done
 }
 
 if [ "${OTG_MUTATE_WORKER:-}" ]; then
-  cp -a "$here" "build-mutate/worker-$OTG_MUTATE_WORKER"
-  mount --bind "build-mutate/worker-$OTG_MUTATE_WORKER" "$here"
-  work "$OTG_MUTATE_WORKER"
+  mount_copy "$OTG_MUTATE_WORKER"
+  if [ "$OTG_MUTATE_WORKER" = all ]; then
+    ctest --test-dir "$build" --no-tests=error --timeout 600 -j"$workers" -L '^(unit|golden)$' >"$work/test.log" 2>&1
+  else
+    taskset -cp "$OTG_MUTATE_WORKER" $$ >/dev/null
+    take_changes
+  fi
   exit
 fi
 
-rm -rf build-mutate
-mkdir -p "$tree"
-git archive HEAD | tar -x -C "$tree"
-cmake -S "$tree" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DOTG_BUILD_BENCHMARKS=OFF -DOTG_BUILD_DEMOS=OFF >/dev/null
-cmake --build "$build" --target "${targets[@]}" -- -j"$workers" >build-mutate/build.log
-if ! run_tests -j"$workers" -L '^(unit|golden)$' --output-junit "$here/times.xml"; then
-  echo "tests fail without a change: see build-mutate/here/test.log" >&2
-  exit 1
+# start WORKER: this script in mounts of its own.
+start() {
+  OTG_MUTATE_WORKER=$1 unshare --user --map-root-user --mount bash scripts/mutate.sh "$count" "$seed" "$pattern"
+}
+
+commit=$(git rev-parse HEAD)
+if [ "$(cat "$work/commit" 2>/dev/null)" != "$commit" ]; then
+  rm -rf "$work"/{ready,here,worker-*,changes.txt}
+  mkdir -p "$tree"
+  git archive HEAD | tar -x -C "$tree"
+  echo "$commit" >"$work/commit"
 fi
-# A regular expression of the tests that take less than two seconds.
-quick=^\($(sed -n 's/.*<testcase name="\([^"]*\)".* time="[01]\.[^"]*".*/\1/p' "$here/times.xml" | paste -sd'|')\)\$
-export quick
+if [ ! -e "$work/ready" ]; then
+  cmake -S "$tree" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DOTG_BUILD_BENCHMARKS=OFF -DOTG_BUILD_DEMOS=OFF \
+    -DCMAKE_UNITY_BUILD=OFF >/dev/null
+  cmake --build "$build" --target "${targets[@]}" tests_parity -- -j"$workers" >"$work/build.log"
+  rm -rf "$work/worker-all"
+  start all || { echo "tests fail without a change: see $work/test.log" >&2; exit 1; }
+  cat "$work"/worker-all/*/build/Testing/Temporary/CTestCostData.txt build/Testing/Temporary/CTestCostData.txt \
+    >"$work/costs" 2>/dev/null || true
+  list_groups '^(unit|golden)$' >"$work/host.groups"
+  list_groups '^parity$' >"$work/parity.groups"
+  touch "$work/ready"
+fi
+
+# The queue: no change, then one of the host's for each core while the first fills the cache of kernels, then what takes
+# longest.
+touch "$work/changes.txt"
+{
+  echo 0 kernels/
+  python3 scripts/mutate.py "$tree" "$seed" "$pattern" "$count"
+} | awk 'FILENAME != "-" { listed[$1] = 1; next } !($1 in listed)' "$work/changes.txt" - >"$work/drawn"
+while read -r draw file; do
+  [ "$draw" = 0 ] && rank=0 || { needs_device "$file" && rank=2 || rank=1; }
+  echo "$rank $draw $file"
+done <"$work/drawn" | awk -v cores="$workers" '$1 == 1 && ++host > cores { $1 = 3 } 1' | sort -n | cut -d' ' -f2- >"$work/queue"
+
 pids=()
 for worker in $(seq 0 $((workers - 1))); do
-  OTG_MUTATE_WORKER=$worker unshare --user --map-root-user --mount bash scripts/mutate.sh "$count" "$seed" "$pattern" &
+  start "$worker" &
   pids+=($!)
 done
 for pid in "${pids[@]}"; do
   wait "$pid" || { echo "a worker ended before its changes were done" >&2; exit 1; }
 done
-echo "$(grep -cv 'does not compile' build-mutate/changes.txt) changes, $(grep -c SURVIVES build-mutate/changes.txt) survivors"
+grep -q $'^0\tSURVIVES' "$work/changes.txt" || { echo "tests fail without a change" >&2; exit 1; }
+echo "$(grep -vc $'^0\t\|does not compile' "$work/changes.txt") changes, $(grep -c $'^[1-9].*\tSURVIVES' "$work/changes.txt") survivors"

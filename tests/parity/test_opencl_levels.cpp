@@ -123,9 +123,9 @@ TEST_CASE("prefix sums of any length are those of a loop") {
           opencl::writeLater(queue.get(), in.get(), bytes,
                              both ? static_cast<const void*>(values.data()) : plain.data());
           const cl_mem places = inPlace ? in.get() : out.get();
-          const auto scan = [&]<class Sum>(opencl::PrefixSum<Sum>& sums) {
+          const auto scan = [&, how = way]<class Sum>(opencl::PrefixSum<Sum>& sums) {
             sums.enqueue(queue.get(), BufferOf<Sum>(in.get()), BufferOf<Sum>(places), count, BufferOf<Sum>(total.get()),
-                         2, profile, way);
+                         2, profile, how);
           };
           if (both) {
             scan(two);

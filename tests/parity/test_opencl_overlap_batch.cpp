@@ -41,9 +41,7 @@ std::vector<Query> mixed(const MeshList& large, const MeshList& small, std::uint
   while (queries.size() < count) {
     const auto any = [&] { return draw.below(static_cast<std::uint32_t>(small.size())); };
     const std::size_t a = any(), b = any();
-    Query query =
-        makeQuery(*small[a], *small[b],
-                  makePose(draw.direction(), draw.uniform(0, 3), otgScale(draw.direction(), draw.uniform(0.5, 2))));
+    Query query = makeQuery(*small[a], *small[b], poseAround(draw, 0.5, 2));
     query.options.contacts = ContactModel::kSolid;
     query.options.maxContacts = 16;
     queries.insert(queries.begin() + draw.below(static_cast<std::uint32_t>(queries.size())), query);

@@ -33,6 +33,14 @@ inline opencl::Tuning always() {
   return tuning;
 }
 
+/// Turned by up to 3, and off by `least` to `most`. Drawn one by one: compilers differ in which argument they make first.
+inline Transformd poseAround(Draw& draw, double least, double most) {
+  const double far = draw.uniform(least, most);
+  const Vec3d move = otgScale(draw.direction(), far);
+  const double angle = draw.uniform(0, 3);
+  return makePose(draw.direction(), angle, move);
+}
+
 inline std::vector<Query> overlaps(const MeshList& meshes, std::uint32_t seed, std::size_t count, double reach = 1.1) {
   Draw draw(seed);
   Workspace workspace;
@@ -40,9 +48,7 @@ inline std::vector<Query> overlaps(const MeshList& meshes, std::uint32_t seed, s
   const auto any = [&] { return draw.below(static_cast<std::uint32_t>(meshes.size())); };
   while (queries.size() < count) {
     const std::size_t a = any(), b = any();
-    Query query =
-        makeQuery(*meshes[a], *meshes[b],
-                  makePose(draw.direction(), draw.uniform(0, 3), otgScale(draw.direction(), draw.uniform(0.2, reach))));
+    Query query = makeQuery(*meshes[a], *meshes[b], poseAround(draw, 0.2, reach));
     findIntersectingPairs(query, workspace);
     if (workspace.intersecting.empty()) continue;
     query.options.contacts = ContactModel::kSolid;
@@ -82,7 +88,8 @@ inline std::uint64_t checkAll(opencl::Backend& backend, std::span<const Query> q
 inline scenes::MeshArrays crumpled(scenes::MeshArrays arrays, float by, std::uint32_t seed) {
   Draw draw(seed);
   for (Vec3f& v : arrays.vertices) {
-    const Vec3d d = otgScale(draw.direction(), draw.uniform(0, static_cast<double>(by)));
+    const double far = draw.uniform(0, static_cast<double>(by));
+    const Vec3d d = otgScale(draw.direction(), far);
     v = {v.x + static_cast<float>(d.x), v.y + static_cast<float>(d.y), v.z + static_cast<float>(d.z)};
   }
   return arrays;

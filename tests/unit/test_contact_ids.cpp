@@ -81,7 +81,9 @@ TEST_CASE("features are where they are said to be, vertices inside are inside th
   int vertices = 0, crossings = 0, middles = 0;
   for (int i = 0; i < 240; ++i) {
     const Shape &sa = shapes[i % 3], &sb = shapes[i / 3 % 3];
-    const Placed placed{*sa.mesh, *sb.mesh, makePose(draw.direction(), draw.uniform(0, 6), draw.inBox(1.3))};
+    const Vec3d at = draw.inBox(1.3);  // one by one: compilers differ in which argument they make first
+    const double angle = draw.uniform(0, 6);
+    const Placed placed{*sa.mesh, *sb.mesh, makePose(draw.direction(), angle, at)};
     std::set<std::uint64_t> ids;
     for (const Contact& c : contactsOf(placed.a, placed.b, placed.pose)) {
       REQUIRE(contactId(c) != 0);

@@ -142,6 +142,7 @@ TEST_CASE("bad arguments are refused and change nothing") {
   CHECK(dGpuTriMeshDataBuildSingle(data.id, v, 12, 8, t, 35, 12) == dGPUTRIMESH_ERROR_ARGUMENT);
   CHECK(dGpuTriMeshDataBuildSingle(data.id, v, -12, 8, t, 36, 12) == dGPUTRIMESH_ERROR_ARGUMENT);
   CHECK(dGpuTriMeshDataBuildSingle(data.id, v, 8, 8, t, 36, 12) == dGPUTRIMESH_ERROR_ARGUMENT);
+  CHECK(dGpuTriMeshDataBuildSingle(data.id, v, 12, 8, t, 36, 8) == dGPUTRIMESH_ERROR_ARGUMENT);
   CHECK(dGpuTriMeshDataBuildDouble(data.id, v, 12, 8, t, 36, 12) == dGPUTRIMESH_ERROR_ARGUMENT);
   CHECK(dGpuTriMeshDataBuild(data.id, nullptr) == dGPUTRIMESH_ERROR_ARGUMENT);
   CHECK(build(data.id, box, 16) == dGPUTRIMESH_ERROR_ARGUMENT);

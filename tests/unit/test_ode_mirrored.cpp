@@ -114,7 +114,8 @@ Comparison compareOn(Mirror mirror, const Heights& height, const scenes::MeshArr
     INFO("pose " << i);
     Vec3d at{draw.uniform(-2.2, 2.2), 0, draw.uniform(-1.2, 1.2)};
     at.y = height(at.x, at.z) + draw.uniform(0.3, 0.5);
-    const Transformd pose = makePose(draw.direction(), draw.uniform(-3, 3), at);
+    const double angle = draw.uniform(-3, 3);  // first: compilers differ in which argument they make first
+    const Transformd pose = makePose(draw.direction(), angle, at);
     setPose(mesh.id, pose);
     setPose(other.id, image(mirror, pose));
     for (const dGeomID g : {mesh.id, other.id}) REQUIRE(dGeomGpuTriMeshForgetHistory(g) == dGPUTRIMESH_OK);
@@ -172,9 +173,14 @@ TEST_CASE("two meshes that are mirrored have mirrored contacts") {
       Comparison comparison(mirror);
       for (int i = 0; i < 900; ++i) {
         INFO("pose " << i);
-        const Transformd pose = makePose(draw.direction(), draw.uniform(-3, 3), draw.inBox(0.3));
-        const Transformd away =
-            makePose(draw.direction(), draw.uniform(-3, 3), otgScale(draw.direction(), draw.uniform(0.85, 1.05)));
+        // One by one: compilers differ in which argument they make first.
+        const Vec3d at = draw.inBox(0.3);
+        const double angle = draw.uniform(-3, 3);
+        const Transformd pose = makePose(draw.direction(), angle, at);
+        const double reach = draw.uniform(0.85, 1.05);
+        const Vec3d other = otgScale(draw.direction(), reach);
+        const double turn = draw.uniform(-3, 3);
+        const Transformd away = makePose(draw.direction(), turn, other);
         setPose(a.id, pose);
         setPose(b.id, away);
         setPose(c.id, image(mirror, pose));

@@ -205,6 +205,30 @@ TEST_CASE("what cannot be done in place is refused and changes nothing") {
   CHECK_FALSE(shared->moveSome(std::vector<MovedVertex>{{0, otgScale(at(0), 1.001f)}}));
 }
 
+TEST_CASE("no vertex moves in place to where another one lies, wherever that is kept") {
+  const auto mesh = makeMesh(scenes::makeLump(1, 3, 0.2, 4));
+  const auto at = [&](std::uint32_t v) { return mesh->mesh().vertices()[v]; };
+  const auto distance = [&](std::uint32_t v, std::uint32_t u) {
+    return std::hypot(at(u).x - at(v).x, at(u).y - at(v).y, at(u).z - at(v).z);
+  };
+  const auto areNeighbours = [&](std::uint32_t v, std::uint32_t u) {
+    return std::ranges::any_of(mesh->mesh().triangles(), [&](const Triangle& t) {
+      return std::ranges::find(t.v, v) != std::end(t.v) && std::ranges::find(t.v, u) != std::end(t.v);
+    });
+  };
+  for (std::uint32_t v = 0; v < 64; ++v) {
+    std::uint32_t nearest = kNone;
+    for (std::uint32_t u = 0; u < mesh->mesh().vertices().size(); ++u) {
+      if (u == v || areNeighbours(v, u)) continue;
+      if (nearest == kNone || distance(v, u) < distance(v, nearest)) nearest = u;
+    }
+    const Vec3f beside = otgAdd(at(nearest), otgScale(otgSub(at(v), at(nearest)), 0.01f));
+    INFO(v << " to " << nearest);
+    CHECK_FALSE(makeMesh(scenes::makeLump(1, 3, 0.2, 4))->moveSome(std::vector<MovedVertex>{{v, at(nearest)}}));
+    CHECK(makeMesh(scenes::makeLump(1, 3, 0.2, 4))->moveSome(std::vector<MovedVertex>{{v, beside}}));
+  }
+}
+
 TEST_CASE("two vertices may change places, and one may be named twice") {
   const scenes::MeshArrays lump = scenes::makeLump(1, 3, 0.2, 4);
   const auto mesh = makeMesh(lump);

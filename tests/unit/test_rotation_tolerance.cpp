@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "collide/boxes_apart.h"
 #include "collide/query.h"
 #include "scenes/generated_meshes.h"
 #include "support/catch.h"
@@ -166,6 +167,26 @@ TEST_CASE("queries refuse poses that are not rigid, and say why") {
     m.r[4] = bad;
     refused(m, "rotation");
     refused(makeMove({0, bad, 0}), "finite");
+  }
+}
+
+TEST_CASE("boxes that touch are not apart, though the middle of their bounds is a rounded one") {
+  scenes::MeshArrays arrays = scenes::makeBox({1, 1, 1});
+  const float low = 1 + 0x1p-23f, high = 2;
+  for (Vec3f& v : arrays.vertices) v.x = v.x < 0 ? low : high;
+  const CollisionMesh box(scenes::build(arrays), BuildStrategy::kSah);
+  for (const double gap : {0.0, 1e-6}) {
+    for (const double side : {1.0, -1.0}) {
+      INFO(gap << ", " << side);
+      const Transformd pose = makeMove({side * (double{high} - low + gap), 0, 0});
+      CHECK(areBoxesApart(box.mesh(), box.mesh(), pose, 0) == (gap > 0));
+      Query query;
+      query.a = query.b = &box;
+      query.bInA = pose;
+      Workspace workspace;
+      findIntersectingPairs(query, workspace);
+      CHECK(workspace.intersecting.empty() == (gap > 0));
+    }
   }
 }
 

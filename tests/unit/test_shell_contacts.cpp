@@ -47,7 +47,8 @@ std::vector<Member> family(std::uint32_t seed, int each) {
     for (const ShellBody kind : kShellBodies) {
       for (int i = 0; i < each; ++i) {
         const MeshPtr body = toMesh(makeBody(kind, {draw.uniform(0.4, 1.2), draw.uniform(0.4, 1.2), 0.5}));
-        Transformd pose = makePose(draw.direction(), draw.uniform(0, 6), {0, 0, 0});
+        const double angle = draw.uniform(0, 6);  // first: compilers differ in which argument they make first
+        Transformd pose = makePose(draw.direction(), angle, {0, 0, 0});
         pose.t = {draw.uniform(-1, 1), draw.uniform(-1, 1), 0};
         members.push_back({ground, body, loweredOn(*ground, *body, pose, draw.uniform(0.001, 0.05), 1)});
       }

@@ -96,7 +96,8 @@ OTG_GENERIC int OTG_NAME(otgAnySides)(const REAL* s, REAL error) {
   const REAL two = error + error;
   const int above = (s[0] > error) & (s[1] > error) & (s[2] > error);
   const int below = (s[0] < -error) & (s[1] < -error) & (s[2] < -error);
-  const int clear = (OTG_ABS(s[0]) > two) & (OTG_ABS(s[1]) > two) & (OTG_ABS(s[2]) > two);
+  const REAL far0 = OTG_ABS(s[0]), far1 = OTG_ABS(s[1]), far2 = OTG_ABS(s[2]);
+  const int clear = (far0 > two) & (far1 > two) & (far2 > two);
   return (above | below) | clear << 1;
 }
 

@@ -132,13 +132,14 @@ class WayOutByPlanes {
     }
   }
 
-  /// Cell of a direction on the faces of a cube.
+  /// Cell of a direction on the faces of a cube; the first one of no direction, which a piece of a thin triangle may have.
   static std::uint32_t cellOf(const Vec3d& n) {
     const double v[3] = {n.x, n.y, n.z};
     std::uint32_t axis = 0;
     for (std::uint32_t k = 1; k < 3; ++k) {
       if (std::fabs(v[k]) > std::fabs(v[axis])) axis = k;
     }
+    if (!(std::fabs(v[axis]) > 0)) return 0;
     const auto cell = [&](double x) {
       return static_cast<std::uint32_t>((x / std::fabs(v[axis]) + 1) * (0.5 * OTG_SOLID_NORMAL_CELLS));
     };

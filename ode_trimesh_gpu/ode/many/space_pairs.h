@@ -2,6 +2,7 @@
 // The pairs of geoms that the broad phase of ODE's spaces finds.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
