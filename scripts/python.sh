@@ -59,7 +59,7 @@ make_wheel() {
   echo "== wheel: $python"
   rm -rf "$work/plain"
   PATH="$tools/bin:$PATH" "$tools/bin/pip" wheel -q --disable-pip-version-check --no-build-isolation --no-deps \
-    -Ccmake.define.OTG_WARNINGS_AS_ERRORS=ON -w "$work/plain" "$source"
+    --config-settings=cmake.define.OTG_WARNINGS_AS_ERRORS=ON -w "$work/plain" "$source"
   PATH="$tools/bin:$PATH" "$tools/bin/auditwheel" repair -w "$work/repaired" "$work"/plain/*.whl >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }
   wheel=$wheels/$(basename "$work"/repaired/*.whl)
   mv "$work"/repaired/*.whl "$wheel"
