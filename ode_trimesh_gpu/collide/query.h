@@ -124,7 +124,7 @@ struct Workspace {
   /// No results.
   void clear();
   std::vector<TrianglePair> candidates;    ///< of the last query, in the order of traversal
-  std::vector<TrianglePair> undecided;     ///< scratch of the near phase: candidates of which float cannot tell
+  std::vector<TrianglePair> undecided;     ///< scratch of the narrow phase: candidates of which float cannot tell
   std::vector<TrianglePair> intersecting;  ///< ascending
   std::vector<Contact> contacts;           ///< before reduction, by (triangleA, triangleB)
   std::vector<Contact> reduced;            ///< the answer

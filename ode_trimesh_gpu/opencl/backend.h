@@ -133,7 +133,7 @@ class Backend {
   const DeviceInfo& device() const;
 
   /// As otg::collide. Everything for the model `pairwise` on the device (where it has no doubles, or finds more than it
-  /// has room for: middle and near phase), and for the model `solid` as far as the overlap is described; the rest of
+  /// has room for: mid and narrow phase), and for the model `solid` as far as the overlap is described; the rest of
   /// that model and the reduction `cone` on the host. Only workspace.reduced and workspace.stats are set for certain;
   /// stats.candidatePairs counts pairs of triangles that were tested.
   bool collide(const Query& query, Workspace& workspace);
@@ -152,7 +152,7 @@ class Backend {
   bool findCandidates(const Query& query, Workspace& workspace);
   /// the same by the published traversal;
   bool findCandidatesByLevels(const Query& query, Workspace& workspace);
-  /// as otg::nearPhase, for candidates from anywhere; and all that follows a middle phase, with contacts of the model
+  /// as otg::nearPhase, for candidates from anywhere; and all that follows a mid phase, with contacts of the model
   /// `pairwise` made there.
   bool decideCandidates(const Query& query, Workspace& workspace);
   bool collideCandidates(const Query& query, Workspace& workspace);

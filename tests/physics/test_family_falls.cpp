@@ -54,7 +54,7 @@ TEST_CASE("nor are those that were thrown before a body between two walls stayed
   }
 }
 
-TEST_CASE("a world in which a body is thrown is told from one in which it is not") {
+TEST_CASE("a world in which a body is thrown is distinguished from one in which it is not") {
   // Stock dTriMesh throws about one in three of these.
   const otg::scenes::OdeSession session;
   int thrown = 0, calm = 0;

@@ -409,7 +409,7 @@ TEST_CASE("a callback is asked at each collision, and what it says then holds") 
   dGpuTriMeshHeightfieldDataDestroy(field);
 }
 
-TEST_CASE("a heightfield of which nothing was told is reported once, and can be described afterwards") {
+TEST_CASE("a heightfield that was not described is reported once, and can be described afterwards") {
   const OdeSession session;
   const Data data(scenes::makeBox({1, 1, 1}));
   const Geom box(data);

@@ -62,7 +62,7 @@ namespace otg {
 /// Of a deep region the ways out are compared along the push, whose way counts this much, along the direction of the
 /// pair's last deep region, which is kept while it is nearly as short, and along up to so many main
 /// directions of the faces of either mesh that go with the push (by this cosine at least). Normals that agree to 15
-/// degrees are one direction; so many are told apart.
+/// degrees are one direction; so many are distinguished.
 #define OTG_SOLID_PUSH_SHARE 0.98
 #define OTG_SOLID_LAST_SHARE 0.85
 #define OTG_SOLID_DEEP_FACES 6

@@ -324,11 +324,11 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
     if (i < OTG_COUNTERS_READ) head->counters[i] = counted;
   }
   if (lane == 0) {
-    __global otg_overlap_totals* told = (__global otg_overlap_totals*)out;
+    __global otg_overlap_totals* totalsOut = (__global otg_overlap_totals*)out;
     const uint unitsOfAll = otgTakeNow(&totals->units);
-    told->tables = otgTakeNow(&totals->tables);
-    told->units = get_num_groups(1) == 1 ? first + units : unitsOfAll;
-    told->done = otgTakeNow(&totals->done);
-    told->unused = 0;
+    totalsOut->tables = otgTakeNow(&totals->tables);
+    totalsOut->units = get_num_groups(1) == 1 ? first + units : unitsOfAll;
+    totalsOut->done = otgTakeNow(&totals->done);
+    totalsOut->unused = 0;
   }
 }
