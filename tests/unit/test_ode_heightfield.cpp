@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mesh geoms on ODE's heightfields: the surface that ODE's own rays meet, the contacts of a mesh of the same triangles,
-// mirrored, wrapped, changing, from below, and in a stepping world.
+// Mesh geoms on ODE's heightfields: the surface that ODE's own rays meet, and the contacts of a mesh of the same
+// triangles. Mirrored, wrapped, changing, from below, and in a stepping world.
 #include <ode/error.h>
 
 #include <cmath>

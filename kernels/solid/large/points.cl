@@ -119,9 +119,9 @@ OTG_INLINED void otgOfferAll(const otg_offers* s) {
   }
 }
 
-/// Sums up what the cells of each region say of where out is, and finds how deep the deepest candidate of each kind in
-/// each cell is. Every work-group adds all cells of its pair up: they are few. The last one of a pair takes the room
-/// for its results.
+/// Sums up what the cells of each region say of where out is. Finds how deep the deepest candidate of each kind in each
+/// cell is. Every work-group adds all cells of its pair up: they are few. The last one of a pair takes the room for its
+/// results.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapDepths(
     __global const otg_overlap_pair* restrict pairs, __global const float4* restrict meshes,
     __global otg_overlap_state* restrict states, __global otg_crossing* restrict crossings,

@@ -2,11 +2,10 @@
 // The SIMD stages of the pipeline: eight-way traversal and the filters for eight pairs of triangles.
 //
 // wide_kernels_impl.h is compiled once per instruction set (wide_kernels_<set>.cpp, with that set's compiler flags),
-// and the choice is made at run time. Inside, everything is plain pointers and always-inlined formulas: an inline
-// function of the standard library compiled there could be the copy that the linker keeps for the whole program, on
-// machines without that instruction set too. The headers that it reads therefore hold little but plain data (Eigen's,
-// for one, leave functions behind in builds without optimisation), and a test looks for such symbols
-// (tests/unit/simd_symbols.sh).
+// and the choice is made at run time. Inside, everything is plain pointers and always-inlined formulas: the linker
+// could keep an inline function of the standard library compiled there for the whole program, on machines without that
+// instruction set, too. So the headers that it reads hold little but plain data. Eigen's, for one, leave functions
+// behind in builds without optimisation. A test looks for such symbols (tests/unit/simd_symbols.sh).
 #pragma once
 
 #include "collide/pair_frame.h"
