@@ -2,6 +2,7 @@
 // The pipeline on the host, stage after stage.
 #include <algorithm>
 
+#include "collide/consistent_contacts.h"
 #include "collide/convex/convex_pair_contacts.h"
 #include "collide/pairwise/reduction.h"
 #include "collide/query.h"
@@ -30,10 +31,15 @@ void collideIntersecting(const Query& query, Workspace& workspace) {
     return;
   } else if (!areShells(query) && solidContacts(query, workspace)) {
     lookAhead(query, workspace);
-    limitContacts(workspace.contacts, query.options.maxContacts, workspace.reduced);
+    finishContacts(query, workspace);
   } else {
     shellContacts(query, workspace);
   }
+}
+
+void finishContacts(const Query& query, Workspace& workspace) {
+  makeConsistent(workspace.contacts);
+  limitContacts(workspace.contacts, query.options.maxContacts, workspace.reduced);
 }
 
 std::vector<TrianglePair> pairsOfCaller(const Query& query, const std::vector<TrianglePair>& pairs) {

@@ -24,6 +24,10 @@ bool isPairwise(const Query& query);
 /// numbers.
 void collideIntersecting(const Query& query, Workspace& workspace);
 
+/// All contacts of `solid` of a pair -> workspace.contacts that do not contradict each other. Of these as many as the
+/// caller wants -> workspace.reduced.
+void finishContacts(const Query& query, Workspace& workspace);
+
 /// The last step of a query: the contacts of workspace.reduced name triangles as the caller numbers them.
 void numberAsCaller(const Query& query, Workspace& workspace);
 

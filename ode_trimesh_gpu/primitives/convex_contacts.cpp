@@ -6,11 +6,13 @@
 #include <optional>
 
 #include "base/vectors.h"
+#include "collide/consistent_contacts.h"
 #include "collide/convex/convex_pair_contacts.h"
 #include "collide/pairwise/reduction.h"
 #include "collide/solid/look_ahead.h"
 #include "collide/solid/region_refiner.h"
 #include "collide/solid/solid_contacts.h"
+#include "collide/stages.h"
 #include "primitives/convex_patch.h"
 #include "primitives/region_walls.h"
 #include "primitives/sheet_block.h"
@@ -215,7 +217,7 @@ bool regionContacts(const Query& query, const ConvexShape& shape, Workspace& wor
   findIntersectingPairs(refined, workspace);
   if (query.options.contacts != ContactModel::kSolid || !solidContacts(refined, workspace)) return false;
   if (!shape.isCurved()) lookAhead(query, workspace);  // the mesh of others is not the shape
-  limitContacts(workspace.contacts, query.options.maxContacts, workspace.reduced);
+  finishContacts(query, workspace);
   return true;
 }
 
@@ -246,6 +248,7 @@ void convexContacts(const Query& query, const ConvexShape& shape, Workspace& wor
     findIntersectingPairs(query, workspace);
     pairwiseContacts(query, workspace);
     reduceContacts(query, workspace);
+    if (query.options.contacts == ContactModel::kSolid) makeConsistent(workspace.reduced);
   }
   for (Contact& contact : workspace.reduced) contact.triangleB = kNone;
 }

@@ -3,8 +3,9 @@
 #include <Eigen/Dense>
 
 #include "collide/contact_order.h"
+#include "collide/contact_wrench.h"
+#include "collide/convex_cone.h"
 #include "collide/pairwise/reduction.h"
-#include "collide/pairwise/wrench_cone.h"
 #include "support/catch.h"
 #include "support/contact_samples.h"
 
@@ -125,7 +126,7 @@ TEST_CASE("distanceToCone agrees with an independent projection, above and below
 TEST_CASE("a projection satisfies the conditions of optimality") {
   Draw draw(9);
   for (int round = 0; round < 200; ++round) {
-    WrenchCone cone;
+    ConvexCone<6> cone;
     const std::uint32_t n = 1 + draw.below(40);
     for (std::uint32_t i = 0; i < n; ++i) {
       Wrench w;
@@ -137,7 +138,7 @@ TEST_CASE("a projection satisfies the conditions of optimality") {
     }
     Wrench w;
     for (int k = 0; k < 6; ++k) w[k] = draw.uniform(-1, 1);
-    const ConeProjection p = cone.project(w);
+    const ConeProjection<6> p = cone.project(w);
     Wrench sum = p.residual;
     double largest = 1;
     for (int k = 0; k < p.count; ++k) {

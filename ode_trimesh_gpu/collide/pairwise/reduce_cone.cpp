@@ -5,8 +5,9 @@
 #include <queue>
 
 #include "collide/contact_order.h"
+#include "collide/contact_wrench.h"
+#include "collide/convex_cone.h"
 #include "collide/pairwise/reduction.h"
-#include "collide/pairwise/wrench_cone.h"
 
 namespace otg {
 namespace {
@@ -40,7 +41,7 @@ class ConeGreedy {
   struct State {
     Wrench wrench;
     double length;
-    ConeProjection projection;
+    ConeProjection<6> projection;
     std::uint32_t seen = 0;  // rays below this number are accounted for in `projection`
     bool kept = false;
   };
@@ -60,7 +61,7 @@ class ConeGreedy {
 
   void reopen(std::uint32_t i) {
     State& s = states_[i];
-    s.projection = ConeProjection{};
+    s.projection = ConeProjection<6>{};
     s.projection.residual = s.wrench;
     s.seen = 0;
     queue_.push({1.0, i});
@@ -120,7 +121,7 @@ class ConeGreedy {
 
   double tolerance_;
   std::vector<State> states_;
-  WrenchCone cone_;
+  ConvexCone<6> cone_;
   std::vector<std::uint32_t> owner_;  // of each ray, its state
   std::priority_queue<Open> queue_;
 };
@@ -143,7 +144,7 @@ std::vector<Contact> reduceToCone(std::span<const Contact> contacts, double tole
 
 double distanceToCone(const Contact& contact, std::span<const Contact> kept, std::span<const Contact> all) {
   const WrenchFrame frame(all);
-  WrenchCone cone;
+  ConvexCone<6> cone;
   for (const Contact& c : kept) cone.add(frame.wrench(c));
   const Wrench w = frame.wrench(contact);
   return cone.project(w).distance() / w.norm();

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/vectors.h"
+#include "collide/consistent_contacts.h"
 #include "collide/first_copies.h"
 #include "collide/pair_history.h"
 #include "collide/pairwise/reduction.h"
@@ -358,6 +359,7 @@ void shellContacts(const Query& query, Workspace& workspace) {
     workspace.stats.contactsBeforeReduction = scratch.contacts.size();
     reduce(query.options, maker, scratch.contacts);
     limitTogether(kDeepest * roles.size, scratch.contacts);
+    makeConsistent(scratch.contacts);
     if (state == ShellState::kMeeting && scratch.contacts.empty()) {
       addStops(roles, approach.surface(), scratch.pairs, scratch.contacts);
       if (query.options.reduction.method == Reduction::kBinning)

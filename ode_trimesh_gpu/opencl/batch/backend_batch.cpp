@@ -37,6 +37,7 @@ namespace otg::opencl {
 ///   withoutDevice(which, query)     pairs that the device has no part in
 ///   lookAhead(which, query)         pairs whose contacts the device made, and which may meet more on their way; false
 ///                                   if the device failed (if kTakesDescriptions)
+///   settle(which, query)            such pairs whose contacts contradict each other (if kTakesDescriptions)
 template <class Source, class Finish>
 class Backend::Batch {
  public:
@@ -65,14 +66,13 @@ class Backend::Batch {
     std::vector<std::vector<PairRange>> submissions = cutBatch(source_.size(), state_.tuning, times != nullptr);
     if (mayBeLong()) submissions = cutPieces(submissions, works(), state_.tuning);
     for (const std::vector<PairRange>& pieces : submissions) submit(pieces);
-    lookAhead();
+    finish();
     return good_;
   }
 
  private:
   static constexpr std::size_t kMostWaits = 500;  ///< of a batch, for memory, a millisecond each
   static std::uint64_t triangles(const CollisionMesh* mesh) { return mesh->mesh().triangleCount(); }
-
   /// Whether launches may be too long if only pairs are counted. A first hit is soon found.
   bool mayBeLong() const {
     const std::size_t pairs = std::min<std::size_t>(source_.size(), state_.tuning.batchPairs);
@@ -376,32 +376,35 @@ class Backend::Batch {
     for (const std::size_t i : piece.refused) finish_.refuse(i);
   }
 
-  /// Pairs of a piece whose contacts the device made remember that, and may wait for finish_.lookAhead().
+  /// Pairs of a piece whose contacts the device made remember that, and may wait for finish().
   void takeMade(std::size_t begin, std::size_t count, const BatchFound& found) {
     if constexpr (Finish::kTakesDescriptions) {
-      if (request_ != BatchRequest::kSolid || !(mayMeetAhead_ || source_.anyHistory)) return;
-      std::vector<std::uint8_t> waits(count, 0);
+      if (request_ != BatchRequest::kSolid) return;
+      std::vector<std::uint8_t> waits(count, 0), contradicts(count, 0);
       finish_.inParts(count, [&](std::size_t from, std::size_t to) {
         for (std::size_t k = from; k < to; ++k) {
           if (!isRemembered(found.flags[k])) continue;
-          const Query query = source_.query(begin + k);
           const bool has = found.contacts[0].places[2 * k + 1] > 0;
+          contradicts[k] = has && finish_.contradicts(begin + k);
+          if (!mayMeetAhead_ && !source_.anyHistory) continue;
+          const Query query = source_.query(begin + k);
           waits[k] = mayMeetAhead_ && has && mayMeetAhead(query);
           if (source_.anyHistory) rememberPlain(query, has, has ? found.directions[k] : Vec3d{0, 0, 0});
         }
       });
       for (std::size_t k = 0; k < count; ++k) {
-        if (waits[k] != 0) ahead_.push_back(begin + k);
+        if (waits[k]) ahead_.push_back(begin + k);
+        if (contradicts[k]) contradicting_.push_back(begin + k);
       }
     }
   }
 
-  /// Of the pairs that wait since takeMade().
-  void lookAhead() {
+  void finish() {
     if constexpr (Finish::kTakesDescriptions) {
-      if (ahead_.empty()) return;
       const Stopwatch watch(times_ != nullptr);
-      good_ = finish_.lookAhead(ahead_, [&](std::size_t i) { return source_.query(i); }) && good_;
+      const auto queryOf = [&](std::size_t i) { return source_.query(i); };
+      if (!ahead_.empty()) good_ = finish_.lookAhead(ahead_, queryOf) && good_;
+      finish_.settle(contradicting_, queryOf);
       if (times_) times_->host += watch.ms();
     }
   }
@@ -528,7 +531,7 @@ class Backend::Batch {
   std::vector<Holder> holders_;
   OverlapQueue overlaps_;
   bool good_ = true, anyLarge_ = false, hasContactsOfHost_ = false, mayMeetAhead_ = false;
-  std::vector<std::size_t> ahead_;                             ///< pairs that wait for lookAhead()
+  std::vector<std::size_t> ahead_, contradicting_;             ///< pairs that wait for finish()
   std::vector<std::size_t> later_;                             ///< pairs for the host when all pieces are done
   std::unordered_map<std::size_t, ContactFinish::Done> done_;  ///< by the host, while the device is at work
   PieceMeshes meshes_;                                         ///< of the piece that was begun last

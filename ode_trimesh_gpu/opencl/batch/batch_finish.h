@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "collide/consistent_contacts.h"
 #include "collide/solid/look_ahead.h"
 #include "collide/stages.h"
 #include "opencl/backend.h"
@@ -157,6 +158,28 @@ struct ContactFinish {
     answer.leftToHost += again.size();
     answer.madeAgain += again.size();
     return good;
+  }
+
+  bool contradicts(std::size_t i) const { return contradict(answer.of(i)); }
+  /// As finishContacts() for pairs whose contacts the device made, after lookAhead(). Where there was no room for all
+  /// of them, the host makes them again.
+  template <class QueryOf>
+  void settle(const std::vector<std::size_t>& which, const QueryOf& queryOf) {
+    for (const std::size_t i : which) {
+      const std::span<const Contact> made = answer.of(i);
+      if (!contradict(made)) continue;  // the host has made them since
+      const Query query = queryOf(i);
+      std::vector<Contact> contacts(made.begin(), made.end());
+      if (contacts.size() < static_cast<std::size_t>(query.options.maxContacts)) {
+        makeConsistent(contacts);
+      } else {
+        otg::collide(query, workspace);
+        contacts = workspace.reduced;
+        ++answer.leftToHost;
+        ++answer.madeAgain;
+      }
+      answer.add(i, contacts);
+    }
   }
 
   bool alone(std::size_t i, const Query& query) {

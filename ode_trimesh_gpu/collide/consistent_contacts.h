@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Contacts of a pair that no motion satisfies together.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "collide/query.h"
+
+namespace otg {
+
+/// Whether there is no short motion of the pair, translation and rotation, that takes every contact apart by its depth.
+/// So it is where a body is jammed between two walls. Whatever the order of contacts.
+bool contradict(std::span<const Contact> contacts);
+
+/// Takes their depth from contacts that contradict deeper ones, and leaves out contacts without depth that contradict
+/// the rest. So some motion satisfies what is left. An exact solver of contact forces answers contradictions with
+/// forces of any size. The order of the contacts stays.
+void makeConsistent(std::vector<Contact>& contacts);
+
+}  // namespace otg
