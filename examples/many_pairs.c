@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Many pairs at once: contacts ahead of a space's near callbacks, arrays of pairs, work in the background, threads of
- * the program's own, and more about each contact than dContactGeom holds. */
+/* Many pairs at once: contacts ahead of a space's near callbacks, arrays of pairs, work in the background, and threads
+ * of the program's own. And more about each contact than dContactGeom holds. */
 #include "example.h"
 
 enum { kBoxes = 12, kPlaces = 16 };

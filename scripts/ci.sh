@@ -6,7 +6,7 @@
 #   scripts/ci.sh ROW...      some rows
 #   scripts/ci.sh list        the names of all rows
 #
-#   gcc clang14 clang19   the library and its core tests by this compiler; warnings are errors
+#   gcc clang clang19     the library and its core tests by GCC 12, Clang 14 and Clang 19; warnings are errors
 #   simd                  the same contacts by SSE2, AVX2 and AVX-512 (the first two under qemu-user)
 #   aarch64               cross-compiled; core tests under qemu-user, the longest with a tenth of their rounds
 #   mingw                 cross-compiled for Windows with ODE's source; core tests under Wine
@@ -15,7 +15,8 @@
 #   conan                 `conan create` of the recipe in packaging/conan
 #   gazebo                a world of Gazebo's physics with DART and ODE (packages of 250 MB)
 #   viewer                the page of a run in headless Chromium, its picture beside the one it was
-#   wheel docs deb lint   python.sh, docs.sh --gallery, packages.sh --try, lint.sh
+#   wheel deb lint        python.sh, packages.sh --try, lint.sh
+#   docs                  docs.sh --gallery, with every page in headless Chromium
 #
 # JOBS is how many compilers run at once (default: one for each core).
 set -euo pipefail
@@ -23,7 +24,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 jobs=${JOBS:-$(nproc)}
 # Objects of one compiler are equal in every row: paths below this folder do not count.
 export CCACHE_BASEDIR=${CCACHE_BASEDIR:-$PWD} CCACHE_NOHASHDIR=1
-rows=(gcc clang14 clang19 simd aarch64 mingw single subproject conan gazebo viewer wheel docs deb lint)
+rows=(gcc clang clang19 simd aarch64 mingw single subproject conan gazebo viewer wheel docs deb lint)
 # What reaches most of the library without devices, in a few minutes. Golden contacts are equal bytes on every machine.
 core=(tests_core_asan tests_core_tsan test_contact_counts test_default_contacts)
 core_labels='^(core_asan|core_tsan|golden)$'
@@ -57,7 +58,7 @@ row_compiler() {
   run_core "$row"
 }
 row_gcc() { install tests ci_gcc && row_compiler gcc gcc-12 g++-12; }
-row_clang14() { install tests ci_clang14 && row_compiler clang14 clang-14 clang++-14; }
+row_clang() { install tests ci_clang && row_compiler clang clang-14 clang++-14; }
 # The C++ library of GCC 12 uses for std::stable_sort() what C++17 has deprecated, which this Clang says of our call.
 row_clang19() { install tests ci_clang19 && row_compiler clang19 clang-19 clang++-19 -DCMAKE_CXX_FLAGS=-Wno-error=deprecated-declarations; }
 
@@ -177,7 +178,7 @@ row_viewer() {
 }
 
 row_wheel() { bash scripts/python.sh; }
-row_docs() { bash scripts/docs.sh --gallery; }
+row_docs() { install viewer && bash scripts/docs.sh --gallery; }
 row_deb() { bash scripts/packages.sh --try; }
 row_lint() { install lint && bash scripts/lint.sh; }
 

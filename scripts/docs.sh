@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Builds the manual as a site: build/docs/html/index.html. The C API comes from the headers by Doxygen, the pages from docs/ by
-# Sphinx. Fails at an undocumented parameter, at a link that leads nowhere, and at any other warning of the two.
+# Sphinx. Fails at an undocumented parameter, at a link that leads nowhere, and at any other warning of the two. Where Chromium is
+# installed also at a page that scrolls sideways, on a desktop or a phone, and at a broken picture.
 #
 #   scripts/docs.sh              the pages and the API; the gallery, too, if it was built before
 #   scripts/docs.sh --gallery    also builds the Python package and runs the scripts of docs/gallery, whose pictures the site shows
@@ -39,6 +40,7 @@ rm -rf "$work/html"
 PYVISTA_OFF_SCREEN=true MPLBACKEND=Agg OTG_DOCS_XML=$BUILD/xml "$work/venv/bin/sphinx-build" -q -E -n -W --keep-going -c docs/site -d "$work/doctrees" docs "$work/html"
 
 python3 -B docs/site/check_links.py "$work/html"
+python3 -B docs/site/check_pages.py "$work/html"
 # A header without its section in the API would be lost.
 for header in ode_trimesh_gpu/include/ode_trimesh_gpu/*.h; do
   name=$(basename "$header")

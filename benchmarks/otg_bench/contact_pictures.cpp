@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `otg bench contacts --pictures`: a few overlaps with the truth, our contacts and stock ODE's side by side.
+// `otg bench contacts --pictures`: a few overlaps with the truth, our contacts and stock ODE's side by side. One shows
+// the contacts before and after reduction.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -50,44 +51,83 @@ Vec3d colorOf(double degrees) {
   return x < 0.5 ? Vec3d{0.05 + 1.6 * x, 0.55, 0.05} : Vec3d{0.85, 0.55 * 2 * (1 - x), 0.03};
 }
 
+/// A picture of one placement of two bodies. Panels are still to be added.
+class PlacedPicture {
+ public:
+  PlacedPicture(const truth::ContactFamily& family, const PictureScene& scene) : family_(family), file_(scene.file) {
+    truth::Random random(scene.seed);
+    placement_ = family.place(random, scene.overlap);
+    gradient_ = truth::volumeGradient(family.a->mesh(), family.b->mesh(), placement_.bInA);
+    const double area = std::sqrt(otgDot(gradient_.push, gradient_.push));
+    // Where there is no formula, the direction in which the overlap shrinks fastest, and its mean thickness there.
+    right_ = placement_.truth
+                 ? *placement_.truth
+                 : truth::Separation{otgScale(gradient_.push, 1 / area), 2 * gradient_.overlap.volume / area};
+    turn_ = upright(right_.direction);
+    const auto share = [](const TriMesh& mesh) { return std::shared_ptr<const TriMesh>(&mesh, [](const TriMesh*) {}); };
+    picture_.bodies.push_back({share(family.b->mesh()), after(turn_, placement_.bInA), {0.85, 0.55, 0.15}});
+    picture_.bodies.push_back({share(family.a->mesh()), turn_, {0.20, 0.40, 0.80}});
+    picture_.center = otgRotate(turn_, gradient_.overlap.centroid);
+    picture_.radius = scene.reach * family.size;
+    picture_.thickness = 0.012 * picture_.radius;
+  }
+
+  void addTruth() {
+    addPanel(placement_.truth ? "truth" : "gradient of the overlap",
+             {{gradient_.overlap.centroid, right_.direction, right_.depth}});
+  }
+  /// All arrows in the same measure: the right depth is a third of the panel.
+  void addPanel(const std::string& label, const std::vector<truth::PlainContact>& contacts) {
+    scenes::PicturePanel& panel = picture_.panels.emplace_back();
+    panel.label = label;
+    for (const truth::PlainContact& c : contacts) {
+      if (!(c.depth > 0)) continue;
+      const double length = std::min(0.6 * picture_.radius * c.depth / right_.depth, 1.5 * picture_.radius);
+      panel.arrows.push_back({otgRotate(turn_, c.position), otgRotate(turn_, c.normal), length,
+                              colorOf(truth::angleBetween(c.normal, right_.direction))});
+    }
+  }
+  void thinArrows() { picture_.thickness /= 2; }
+  const truth::ContactFamily& family() const { return family_; }
+  const Transformd& bInA() const { return placement_.bInA; }
+
+  void write(const std::string& folder) const {
+    const std::string path = (std::filesystem::path(folder) / (file_ + ".pov")).string();
+    scenes::writePovrayContacts(path, picture_);
+    progress(fmt::format("{}: width over height {:.4f}", path, picture_.aspect()));
+  }
+
+ private:
+  const truth::ContactFamily& family_;
+  std::string file_;
+  truth::Placement placement_;
+  truth::VolumeGradient gradient_;
+  truth::Separation right_;
+  Transformd turn_{};
+  scenes::ContactPicture picture_;
+};
+
 void writePicture(const std::string& folder, const truth::ContactFamily& family, const PictureScene& scene) {
-  truth::Random random(scene.seed);
-  const truth::Placement placement = family.place(random, scene.overlap);
-  const truth::VolumeGradient gradient = truth::volumeGradient(family.a->mesh(), family.b->mesh(), placement.bInA);
-  const double area = std::sqrt(otgDot(gradient.push, gradient.push));
-  // Where there is no formula, the direction in which the overlap shrinks fastest, and its mean thickness there.
-  const truth::Separation right =
-      placement.truth ? *placement.truth
-                      : truth::Separation{otgScale(gradient.push, 1 / area), 2 * gradient.overlap.volume / area};
-  const Transformd turn = upright(right.direction);
-  const auto share = [](const TriMesh& mesh) { return std::shared_ptr<const TriMesh>(&mesh, [](const TriMesh*) {}); };
-  scenes::ContactPicture picture;
-  picture.bodies.push_back({share(family.b->mesh()), after(turn, placement.bInA), {0.85, 0.55, 0.15}});
-  picture.bodies.push_back({share(family.a->mesh()), turn, {0.20, 0.40, 0.80}});
-  picture.center = otgRotate(turn, gradient.overlap.centroid);
-  picture.radius = scene.reach * family.size;
-  picture.thickness = 0.012 * picture.radius;
-  // All arrows in the same measure: the right depth is a third of the panel.
-  const double scale = 0.6 * picture.radius / right.depth;
-  const auto arrowOf = [&](const truth::PlainContact& c) {
-    const double off = truth::angleBetween(c.normal, right.direction);
-    return PictureArrow{otgRotate(turn, c.position), otgRotate(turn, c.normal),
-                        std::min(scale * c.depth, 1.5 * picture.radius), colorOf(off)};
-  };
-  picture.panels.push_back({placement.truth ? "truth" : "gradient of the overlap",
-                            {arrowOf({gradient.overlap.centroid, right.direction, right.depth})}});
+  PlacedPicture picture(family, scene);
+  picture.addTruth();
   for (const ContactMethod& method : contactMethods()) {
     const bool stock = method.name.starts_with("ODE dTriMesh");
     if (!stock && method.name != "solid, 64") continue;
-    scenes::PicturePanel& panel = picture.panels.emplace_back();
-    panel.label = stock ? "ODE dTriMesh" : "solid";
-    for (const truth::PlainContact& c : method.contacts(*family.a, *family.b, placement.bInA)) {
-      if (c.depth > 0) panel.arrows.push_back(arrowOf(c));
-    }
+    picture.addPanel(stock ? "ODE dTriMesh" : "solid", method.contacts(*family.a, *family.b, picture.bInA()));
   }
-  const std::string path = (std::filesystem::path(folder) / (std::string(scene.file) + ".pov")).string();
-  scenes::writePovrayContacts(path, picture);
-  progress(fmt::format("{}: width over height {:.4f}", path, picture.aspect()));
+  picture.write(folder);
+}
+
+/// All contacts of `solid`, those that its reduction leaves of each region, and those that a limit of 4 leaves.
+void writeReduction(const std::string& folder, const truth::ContactFamily& family, const PictureScene& scene) {
+  PlacedPicture picture(family, scene);
+  picture.thinArrows();
+  for (const int most : {0, 65535, 4}) {
+    const std::vector<truth::PlainContact> contacts = solidContactsOf(*family.a, *family.b, picture.bInA(), most);
+    const char* what = most == 0 ? "before reduction" : most == 4 ? "with a limit" : "after reduction";
+    picture.addPanel(fmt::format("{}: {}", what, contacts.size()), contacts);
+  }
+  picture.write(folder);
 }
 
 }  // namespace
@@ -105,6 +145,7 @@ void writeContactPictures(const std::string& folder, const std::vector<truth::Co
     for (const auto& [name, scene] : kScenes) {
       if (family.name == name) writePicture(folder, family, scene);
     }
+    if (family.name == "tori_stacked") writeReduction(folder, family, {"contacts_reduction", 0.3, 2, 5});
   }
   // The last one is the mesh of the command line.
   writePicture(folder, families.back(), {"contacts_mesh", 0.3, 7, 2});

@@ -75,18 +75,18 @@ class ExactRun {
     for (const Traversal traversal : kJudged) {
       query.options.middle.traversal = traversal;
       findIntersectingPairs(query, workspace_);
-      if (workspace_.intersecting != expected) tell(family, i, traversal, expected, totals);
+      if (workspace_.intersecting != expected) report(family, i, traversal, expected, totals);
     }
   }
 
-  void tell(const ExactFamily& family, std::int64_t i, Traversal traversal, const std::vector<TrianglePair>& expected,
-            ExactTotals& totals) {
+  void report(const ExactFamily& family, std::int64_t i, Traversal traversal, const std::vector<TrianglePair>& expected,
+              ExactTotals& totals) {
     std::vector<TrianglePair> wrong;
     std::set_symmetric_difference(workspace_.intersecting.begin(), workspace_.intersecting.end(), expected.begin(),
                                   expected.end(), std::back_inserter(wrong));
     totals.differences += static_cast<std::int64_t>(wrong.size());
-    constexpr int kMostTold = 10;
-    if (told_++ >= kMostTold) return;
+    constexpr int kMostReported = 10;
+    if (reported_++ >= kMostReported) return;
     const bool isLost = std::binary_search(expected.begin(), expected.end(), wrong.front());
     fmt::print(stderr, "{}, scene {}, {}: pair {} {} {}\n", family.name, i, nameOf(traversal), wrong.front().a,
                wrong.front().b, isLost ? "is lost" : "does not meet");
@@ -95,7 +95,7 @@ class ExactRun {
   const BenchExactOptions& options_;
   const bool byCgal_;
   Workspace workspace_;
-  int told_ = 0;
+  int reported_ = 0;
 };
 
 int runExact(const BenchExactOptions& options) {

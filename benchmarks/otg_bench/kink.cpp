@@ -64,8 +64,8 @@ class KinkWorld {
   KinkWorld(const KinkWorld&) = delete;
   KinkWorld& operator=(const KinkWorld&) = delete;
 
-  /// The greatest depth of a corner while the box slides for two seconds, from the right side on which it lies, turned
-  /// about that side's normal.
+  /// The greatest depth of a corner while the box slides for two seconds. It comes from the right side, on which it
+  /// lies, turned about that side's normal.
   double deepest(double turned) {
     const double angle = std::atan(valley_.right), reach = kKinkFrom + kKinkBox;
     dMatrix3 lie, turn, both;

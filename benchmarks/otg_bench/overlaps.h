@@ -8,7 +8,7 @@
 
 namespace otg::cli {
 
-/// dGpuTriMeshOverlaps() of so many pairs: of the bodies of `otg bench batch`, and of each mesh with its copy where
+/// dGpuTriMeshOverlaps() of so many pairs: of the bodies of `otg bench batch`; and of each mesh with its copy where
 /// they touch and where they nearly do, a little elsewhere in each pair. On one thread of the CPU, on all, and on the
 /// devices that are open; `auto` says which of them that choice takes.
 Json overlapRows(const BenchOptions& options, const std::vector<int>& pairCounts, int repeat, bool withDevices);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `otg bench primitives`: meshes of a box, a sphere and a cylinder against ODE's shapes, beside the same pairs of ODE's
-// own shapes, and against the least way out of the two convex bodies.
+// `otg bench primitives`: meshes of a box, a sphere and a cylinder against ODE's shapes. Beside them are pairs of ODE's
+// own shapes, and the least way out of the two convex bodies.
 #include "otg_bench/primitives.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `otg bench queries`: arrays of points and of rays against one mesh, and of pairs of meshes that overlap or not,
-// through the C API, the CPU beside an OpenCL device.
+// `otg bench queries`: arrays of points and of rays against one mesh, and of pairs of meshes that overlap or not.
+// Through the C API, the CPU beside an OpenCL device.
 #include <fmt/format.h>
 #include <ode/ode.h>
 #include <ode_trimesh_gpu/ode_trimesh_gpu.h>

@@ -7,9 +7,9 @@
 namespace otg::cli {
 
 /// What geoms with a scale take beside the data's own mesh: bytes a triangle by the count of malloc (0 where the
-/// system's has none), before and after a collision with the defaults, and the time of dGeomGpuTriMeshSetScale(). Then
-/// how long the CPU takes to find the pairs of triangles of such a mesh and its copy where they touch, with the tree
-/// that the geom has and with one that was built from the scaled vertices.
+/// system's has none), before and after a collision with the defaults; and the time of dGeomGpuTriMeshSetScale(). Then
+/// how long the CPU takes to find the pairs of triangles of such a mesh and its copy where they touch. Once with the
+/// tree that the geom has, once with one built from the scaled vertices.
 Json scaleRows(const BenchOptions& options);
 
 }  // namespace otg::cli

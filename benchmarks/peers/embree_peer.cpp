@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Embree: rtcCollide over two scenes of triangle boxes, then a triangle test in double. B's vertices are moved to A's
-// frame and its tree is built there beforehand, so this is a lower bound for the tree traversal and not a whole query.
+// frame and its tree is built there beforehand. So this is a lower bound for the tree traversal, and not a whole query.
 #include <embree3/rtcore.h>
 
 #include <algorithm>

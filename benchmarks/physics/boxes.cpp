@@ -71,8 +71,8 @@ Scene stack(int count, std::vector<Stepping> steppings, std::vector<Limit> limit
   scene.run = [count](const Case& run) {
     Rig rig(run);
     rig.addStatic(groundShape(20, 1, 20), {0, 0, 0});
-    // A micrometre apart: from exact contact dWorldStep's LCP solver, which such a stack gives redundant rows, kicks
-    // stacks of ODE's own boxes as well in some steps (drift of 0.06 m and more).
+    // A micrometre apart: such a stack gives dWorldStep's LCP solver redundant rows. From exact contact it kicks stacks
+    // of ODE's own boxes as well in some steps (drift of 0.06 m and more).
     for (int i = 0; i < count; ++i) rig.addBody(unitBox(), {0, 0, 0.5 + i * (1 + 1e-6)});
     rig.run(10);
     return resting(rig);

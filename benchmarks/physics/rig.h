@@ -89,7 +89,7 @@ class Rig {
   /// What every scene reports:
   /// `energy_gain` highest energy above the start, J/kg; `energy_rise` highest energy above an earlier low, J/kg;
   /// `ke` mean kinetic energy of the last half second, J; `deepest` deepest reported contact over the size of the
-  /// smallest body, `depth_per_5ms` the same times 5 ms / dt, because what a body falls into another in one step is
+  /// smallest body. `depth_per_5ms` is that times 5 ms / dt, because what a body falls into another in one step is
   /// proportional to the step; `excess_depth` deepest contact beyond what the fastest point of a body (against one as
   /// fast) moves in a step, over the same size; `max_speed` m/s; `settle` largest vertical distance of a body from its
   /// start at the end, m; `finite` 1, or 0 if a number was not finite or faster than 1e4 m/s, which ends the run;

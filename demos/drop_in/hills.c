@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A program that knows nothing of this library: bodies that are dTriMeshes, or ODE's boxes to compare with, slide into
-   a valley that is a dHeightfield, and the program says how far and how deep. Run it as it is, and with the preloadable
+   a valley that is a dHeightfield. The program says how far and how deep. Run it as it is, and with the preloadable
    library before it and heightfields switched on:
 
        demo_drop_in_hills mesh single

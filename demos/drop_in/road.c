@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A program that knows nothing of this library: a ball rolls along a road of slabs that are dTriMeshes, laid side by
-   side, and the program says how much of its speed is left. Run it as it is, and with the preloadable library before
-   it:
+   side. The program says how much of its speed is left. Run it as it is, and with the preloadable library before it:
 
        demo_drop_in_road 8
        LD_PRELOAD=build/lib/libode_trimesh_gpu_preload.so OTG_PRELOAD_PRIMITIVES=sphere demo_drop_in_road 8

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A program that knows nothing of this library: one of ODE's own shapes rolls or slides over a flat road that is a
-   dTriMesh, and the program says how straight and how level it went. Run it as it is, and with the preloadable library
+   dTriMesh. The program says how straight and how level it went. Run it as it is, and with the preloadable library
    before it and the shape switched on:
 
        demo_drop_in_wheel cylinder 400 2

@@ -222,7 +222,7 @@ int runCollide(const CollideOptions& options) {
                             {"transfer", median(times.readBack)},  // on the CPU nothing moves between memories
                             {"total", median(times.total)}};
   if (backend && !isMixed) {
-    document["timings_ms"]["top"] = median(times.top);  // of the middle phase: where the traversal begins
+    document["timings_ms"]["top"] = median(times.top);  // of the mid phase: where the traversal begins
     document["timings_ms"]["host"] = median(times.host);
   }
   // Of phases that run on different sides each is named; a query as a whole has the backend that a device is part of.
@@ -294,7 +294,7 @@ int runCollide(const CollideOptions& options) {
   if (options.profile) {
     printTable("profile (medians)", document["profile"]);
     if (isMixed && document.contains("gathered")) {
-      printTable("gathered near phase, step by step (medians)", document["gathered"]["profile"]);
+      printTable("gathered narrow phase, step by step (medians)", document["gathered"]["profile"]);
     }
     if (backend && !isMixed) {
       fmt::print(

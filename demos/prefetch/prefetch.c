@@ -4,8 +4,8 @@
  *
  *   demo_prefetch [BODIES] [STEPS] [meshes|shapes]
  *
- * Bodies are bumpy balls that are meshes, piled on a slab, or ODE's boxes, cylinders, capsules and spheres strewn over
- * hills that are a mesh of 80,000 triangles.
+ * Bodies are bumpy balls that are meshes, piled on a slab. Or they are ODE's boxes, cylinders, capsules and spheres,
+ * strewn over hills that are a mesh of 80,000 triangles.
  *
  * Prints milliseconds per step. Exit status 1 if the two runs differ. OTG_THREADS says how many threads prefetch (one
  * for each core without it), OTG_BACKEND=auto or opencl brings OpenCL devices in. */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Queries whose middle and near phase are chosen one by one, as in the tables of the published design.
+// Queries whose mid and narrow phase are chosen one by one, as in the tables of the published design.
 #pragma once
 
 #include <vector>
@@ -30,7 +30,7 @@ struct MixtureRun {
 /// workspace.reduced as otg::collide leaves it. With `profile` reports have times, which costs some.
 MixtureRun collideMixed(opencl::Backend& backend, const Query& query, const Mixture& mixture, Workspace& workspace,
                         bool profile = false);
-/// As collideMixed(), up to the near phase: workspace.intersecting.
+/// As collideMixed(), up to the narrow phase: workspace.intersecting.
 void findPairsMixed(opencl::Backend& backend, const Query& query, const Mixture& mixture, Workspace& workspace);
 
 /// Medians over `repeat` queries (0: as repeatTimes) after one to warm up; times of the reports come from queries of

@@ -89,9 +89,10 @@ void QueryOptions::addInputOptions(CLI::App& command) {
   command.add_option("--axes", axes, "Axes of a box test on the CPU")->check(CLI::IsMember({6, 15}));
   command.add_option("--start-depth", levels.startDepth, "levels: depth of the nodes that are tested all against all")
       ->check(CLI::Range(0u, opencl::kMostStartDepth));
-  command.add_flag("--send-trees", levels.sendTrees,
-                   "levels: send with every query what the device needs of the meshes: nodes, where the near phase is "
-                   "cpu, published or filtered; else triangles, too");
+  command.add_flag(
+      "--send-trees", levels.sendTrees,
+      "levels: send with every query what the device needs of the meshes: nodes, where the narrow phase is "
+      "cpu, published or filtered; else triangles, too");
   command.add_option("--prefix-sums", prefixSums, "levels: how places in lists are found")
       ->check(CLI::IsMember({"published", "work-efficient", "single-pass"}));
   command.add_flag("--split-near", splitNear, "levels: test triangles and make contacts in two kernels, not in one");
@@ -189,7 +190,7 @@ opencl::LevelsOptions QueryOptions::levelsOptions() const {
 std::optional<Mixture> QueryOptions::mixture() const {
   const Placement place = placement();
   if (!isGatheredNear() && !(isLevels() && place.near == Place::kCpu)) return std::nullopt;
-  if (splitNear) throw UsageError("--split-near is of a near phase that follows on the device");
+  if (splitNear) throw UsageError("--split-near is of a narrow phase that follows on the device");
   Mixture mixture;
   mixture.middle = isLevels()                       ? Mixture::Middle::kLevels
                    : place.middle == Place::kOpencl ? Mixture::Middle::kDevice

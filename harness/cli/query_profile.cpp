@@ -74,16 +74,16 @@ std::vector<QueryStage> stagesOf(const QueryTimes& times) {
 }
 
 const StageTexts kStagesOnCpu = {"nothing is sent",
-                                 "nothing: the middle phase begins at the roots",
-                                 "middle phase: which triangles may meet",
-                                 "near phase: which of them do",
+                                 "nothing: the mid phase begins at the roots",
+                                 "mid phase: which triangles may meet",
+                                 "narrow phase: which of them do",
                                  "positions, normals and depths",
                                  "of the contacts of pairwise, the few that were asked for",
                                  "nothing is read back",
                                  "what lies between the stages"};
 const StageTexts kStagesOnDevice = {"meshes stay on the device; poses go with the launches",
                                     "device: where the traversal begins",
-                                    "device: the rest of the traversal, with the float filter of the near phase",
+                                    "device: the rest of the traversal, with the float filter of the narrow phase",
                                     "in main and contacts",
                                     "device: decisions in double, and contacts",
                                     "device: regions, bins, limit; CPU: what it left",
@@ -110,8 +110,8 @@ StageTexts solidStageTexts() {
 StageTexts mixedStageTexts(bool middleOnDevice, bool nearOnDevice) {
   StageTexts texts = kStagesOnCpu;
   texts.upload = texts.readBack = "in the times of the phases";
-  texts.main = middleOnDevice ? "middle phase, on the device" : "middle phase, on the CPU";
-  texts.near = nearOnDevice ? "near phase, on the device" : "near phase, on the CPU";
+  texts.main = middleOnDevice ? "mid phase, on the device" : "mid phase, on the CPU";
+  texts.near = nearOnDevice ? "narrow phase, on the device" : "narrow phase, on the CPU";
   return texts;
 }
 

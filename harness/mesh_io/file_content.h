@@ -9,8 +9,8 @@
 namespace otg::mesh_io {
 
 /// What a file holds. Nothing is dropped, reordered or checked beyond what the format itself needs: vertices keep the
-/// file's numbers (NaN included), triangles the file's face order (a polygon becomes a fan that starts at its first
-/// corner), indices may be out of range. Judging the mesh is buildTriMesh's job.
+/// file's numbers (NaN included), triangles the file's face order. A polygon becomes a fan that starts at its first
+/// corner; indices may be out of range. Judging the mesh is buildTriMesh's job.
 struct MeshFile {
   std::vector<Vec3d> vertices;      ///< in the file's own units
   std::vector<Triangle> triangles;  ///< a negative index of the file appears as a huge one

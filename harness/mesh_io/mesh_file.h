@@ -22,7 +22,7 @@ class LoadError : public std::runtime_error {
 /// order of first appearance. Throws LoadError.
 ///
 /// Why own readers for four simple formats: measured with Assimp 5.2, a PLY cut off in its faces loads without an
-/// error, joining reads past the vertex array for an index out of range and merges NaN vertices, OBJ loses its vertex
+/// error. Joining reads past the vertex array for an index out of range, and merges NaN vertices. OBJ loses its vertex
 /// sharing, and decimal numbers are not rounded correctly.
 MeshFile loadMeshFile(const std::string& path);
 

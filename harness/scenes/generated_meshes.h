@@ -37,7 +37,7 @@ MeshArrays makeGround(double size, double thickness, int n, const std::function<
 MeshArrays makeBlockWithHole(Vec3d size, double hole);
 /// Hexagonal bolt and matching nut, right-handed; `segments` per turn, a multiple of 6 for sharp hexagons. The bolt's
 /// thread runs along z from 0 to `length` with the crests at `radius`, its head lies below; the nut lies between z = 0
-/// and `length` and is farther from the axis than the thread by `clearance` everywhere, wherever it is put by a
+/// and `length`. It is farther from the axis than the thread by `clearance` everywhere, wherever it is put by a
 /// multiple of the pitch. The thread has the ISO metric profile: 60 degrees, 5/8 of the sharp height.
 MeshArrays makeBolt(double radius, double pitch, double length, int segments);
 MeshArrays makeNut(double radius, double pitch, double length, double clearance, int segments);

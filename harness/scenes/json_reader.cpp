@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scenes/json_reader.h"
 
-#include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <sstream>
+
+#include "scenes/nearest_word.h"
 
 namespace otg::scenes {
 namespace {
@@ -13,35 +13,6 @@ std::string shown(double value) {
   std::ostringstream out;
   out << value;
   return out.str();
-}
-
-/// How many letters have to be changed, put in or left out (Levenshtein, 1966).
-std::size_t editsBetween(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t changed = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({changed, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row.back();
-}
-
-/// The word that takes the fewest edits, or "" where all take more than `most`.
-std::string nearestWord(const std::string& word, const std::set<std::string>& words, std::size_t most) {
-  std::string nearest;
-  std::size_t fewest = most + 1;
-  for (const std::string& other : words) {
-    const std::size_t edits = editsBetween(word, other);
-    if (edits >= fewest) continue;
-    fewest = edits;
-    nearest = other;
-  }
-  return nearest;
 }
 
 }  // namespace

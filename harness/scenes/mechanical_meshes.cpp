@@ -69,8 +69,8 @@ void addThread(MeshBuilder& builder, const Thread& thread, bool facesAxis) {
   }
 }
 
-/// Point j of a hexagon with corners at multiples of 60 degrees, 3 / 2 of the thread's radius from axis to flat (the
-/// proportion of an M16 bolt).
+/// Point j of a hexagon with corners at multiples of 60 degrees. From axis to flat it is 3 / 2 of the thread's radius,
+/// the proportion of an M16 bolt.
 Vec3d hexagonPoint(const Thread& thread, double radius, double z, int j) {
   const double sixth = kTwoPi / 6, angle = thread.angle(j);
   const double fromFlat = angle - sixth * (std::floor(angle / sixth) + 0.5);

@@ -13,8 +13,8 @@ namespace otg::scenes {
 /// of `frames`, numbers of frames of the recording. What the frames look like (camera, light, materials) is up to the
 /// file look.inc, which each frame includes after declaring
 ///     FrameTime                  seconds
-///     StageCenter, StageRadius   a sphere around the moving bodies in the second half of the time
-/// and which defines the macros MovingBody(Color), StillBody(Color) and, for `povray Declare=ShowContacts=1`,
+///     StageCenter, StageRadius   a sphere around the moving bodies in the second half of the time.
+/// It defines the macros MovingBody(Color), StillBody(Color) and, for `povray Declare=ShowContacts=1`,
 /// ContactArrow(Place, Direction, Color). Returns the paths of the frame files. Throws std::runtime_error if a file
 /// cannot be written.
 std::vector<std::string> writePovrayFrames(const std::string& folder, const Recording& recording,

@@ -22,7 +22,7 @@ enum class SpaceKind { kSimple, kHash, kSap, kQuadTree };
 enum class ShapeKind { kMesh, kBox, kSphere, kCylinder, kCapsule, kHeightfield };
 
 /// How far from the origin bodies may be, in metres along each axis. ODE's hash space cuts space into cells of an
-/// eighth of a metre or more, and ends the program where their numbers are no 32-bit integers.
+/// eighth of a metre or more. It ends the program where their numbers are no 32-bit integers.
 inline constexpr double kFarthest = 1e8;
 
 struct BodyDescription {

@@ -32,16 +32,15 @@ Certificate certify(PairOracle& oracle, double shortest, const std::vector<Judge
 
 /// Contacts deeper than three times the distance from their deepest point to the surface that they leave.
 ///
-/// The deepest point of A is half the depth below the contact's place, which is in the middle of the overlap, and
-/// that of B half above. The surface to leave are the other body's triangles that face the way out to within 60
-/// degrees: others, as the side of a block over whose edge a body hangs, may be as near as they like (with them, nearly
-/// every resting body has such a contact). Depths up to
-/// `grain` are rounding.
+/// The contact's place is in the middle of the overlap. The deepest point of A is half the depth below it, and that of
+/// B half above. The surface to leave are the other body's triangles that face the way out to within 60 degrees:
+/// others, such as the side of a block over whose edge a body hangs, may be as near as they like. With them, nearly
+/// every resting body has such a contact. Depths up to `grain` are rounding.
 std::vector<std::size_t> tooDeep(const PairBody& a, const PairBody& b, const std::vector<JudgedContact>& contacts,
                                  double grain);
 
-/// The number of contacts of either list without a partner in the other that is within `tolerance` in place and depth
-/// (lengths) and within `ofNormals` in the normal.
+/// The number of contacts of either list without a partner in the other. A partner is within `tolerance` in place and
+/// depth (lengths) and within `ofNormals` in the normal.
 int unmatched(const std::vector<JudgedContact>& x, const std::vector<JudgedContact>& y, double tolerance,
               double ofNormals);
 

@@ -46,8 +46,8 @@ struct ContactFamily {
 
 /// All with a formula, then tori at random.
 std::vector<ContactFamily> contactFamilies();
-/// How far A must go along `direction` until the triangles of the two no longer meet, by steps of a hundredth of the
-/// family's size and bisection with the exact intersection test. The first gap counts.
+/// How far A must go along `direction` until the triangles of the two no longer meet. By steps of a hundredth of the
+/// family's size, and bisection with the exact intersection test. The first gap counts.
 double wayOut(const ContactFamily& family, const Transformd& pose, const Vec3d& direction);
 /// Two copies of a mesh at random; no formula.
 ContactFamily meshFamily(const std::string& name, std::shared_ptr<const TriMesh> mesh);

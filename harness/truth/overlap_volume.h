@@ -16,8 +16,8 @@ struct Overlap {
 /// orientation says.
 ///
 /// Source of method: a solid's characteristic function is the signed sum over its triangles of "lies below that
-/// triangle", so the volume of the intersection is a signed sum over pairs of triangles of the integral of the lower of
-/// the two heights over the common part of their projections (a convex polygon of at most six corners). The sum is
+/// triangle". So the volume of the intersection is a signed sum over pairs of triangles. A term integrates the lower of
+/// the two heights over the common part of their projections, a convex polygon of at most six corners. The sum is
 /// continuous in the coordinates: no predicates, no special positions. In long double.
 Overlap overlapOf(const TriMesh& a, const TriMesh& b, const Transformd& bInA);
 

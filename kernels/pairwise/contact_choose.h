@@ -128,8 +128,8 @@ inline static float otgSpreadCoordinates(uint2 p, float* x) {
 }
 
 /// Accounts for the chosen contact `taken` at `p`; the farthest of the lane's others, of which it has `own`. What a
-/// lane knows of each: -2 times its coordinates (`x`, six each), its squared length and the squared distance to the
-/// nearest chosen contact, both with OTG_BIAS, and what goes below that in the word of which the largest is looked for.
+/// lane knows of each: -2 times its coordinates (`x`, six each). Its squared length and the squared distance to the
+/// nearest chosen contact, both with OTG_BIAS. What goes below that in the word of which the largest is looked for.
 inline static uint otgSpreadFrom(const float* x, const float* length, float* nearest, uint* key, uint own, uint2 p,
                                  uint taken) {
   float q[6];

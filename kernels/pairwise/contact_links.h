@@ -105,8 +105,8 @@ inline static uint otgRootKey(uint hit) {
   return hit * 0x9e3779b1u;
 }
 
-/// Goes up from both at once, always the one whose parent has the greater key, which is hung below the other's parent
-/// on the way (the union-find of Rem). A parent's key is never greater than its child's.
+/// Goes up from both at once, always the one whose parent has the greater key. That one is hung below the other's
+/// parent on the way (the union-find of Rem). A parent's key is never greater than its child's.
 inline static void otgUnite(const otg_links* l, uint x, uint y) {
   volatile __global uint* parent = l->links;  // OTG_LINK_PARENT
   for (;;) {
@@ -168,8 +168,8 @@ inline static uint otgRingEnd(uint triangle, uint edge) {
 }
 
 /// Does `what` with each `other`: one of the sixteen shares of the neighbours of a hit of triangles `own` that have
-/// greater numbers. Triangles that A's triangle itself (`edgeA` 0) or one of its edges (1 to 3) leads to, with those
-/// that B's leads to in the same way. A macro, because tables are in global memory for some and in local memory for
+/// greater numbers. Triangles that A's triangle itself (`edgeA` 0) or one of its edges (1 to 3) leads to. With them
+/// those that B's leads to likewise. A macro, because tables are in global memory for some and in local memory for
 /// others.
 #define OTG_FOR_NEIGHBOURS(ringsA, ringsB, own, edgeA, edgeB, what)                                \
   do {                                                                                             \

@@ -40,8 +40,8 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void uniteContac
   }
 }
 
-/// Lists the contacts that may stay (OTG_MAYBE places a pair) and the regions that have contacts (OTG_KEPT), and
-/// empties the tables that are not needed any more.
+/// Lists the contacts that may stay (OTG_MAYBE places a pair) and the regions that have contacts (OTG_KEPT). Empties
+/// the tables that are not needed any more.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void selectContacts(OTG_GIVEN(SelectContacts)) {
   const otg_links l = otgLinksOf(counters, records, links, tables, tableSize, capacity);
   const uint count = min(counters[OTG_COUNT_HITS], capacity);

@@ -7,7 +7,7 @@
 //
 #include "shared/tests/triangle_exact.h"
 
-/// Whether what is asked of six points can be told exactly.
+/// Whether the predicate of six points can be decided exactly.
 OTG_INLINED int otgIsExactHere(const otg_vec3_d* p) {
   int good = 1;
   OTG_ROLLED

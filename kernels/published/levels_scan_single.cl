@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Exclusive prefix sums in one pass over the numbers (D. Merrill and M. Garland, "Single-pass Parallel Prefix Scan with
-// Decoupled Look-back", 2016): each work-group tells the sum of its numbers, and finds the sum before them by looking
-// back at what the groups before it told. A group takes its turn when it begins to run, so that all whom it may wait
-// for are running or done.
+// Decoupled Look-back", 2016): each work-group publishes the sum of its numbers. It finds the sum before them by
+// looking back at what the groups before it published. A group takes its turn when it begins to run, so all that it may
+// wait for are running or done.
 //
 // OTG_GROUP: work-items of a work-group. OTG_EACH: numbers of a work-item. OTG_TWO_SUMS: 1 for two sums at once.
 #define OTG_REAL_FLOAT
@@ -17,34 +17,34 @@
 #endif
 #define OTG_BLOCK (OTG_GROUP * OTG_EACH)
 
-/// What a group tells: OTG_SCAN_WORDS words. From OTG_UP_TO on the sum up to its end, from OTG_OWN on its own sum. Each
+/// What a group publishes: OTG_SCAN_WORDS words. From OTG_UP_TO on the sum up to its end, from OTG_OWN on its own sum. Each
 /// word of a sum lies beside that word xor a key of this scan and of this place. So a reader sees whether both are
 /// there: words of other scans have other keys, and no order of writes has to be kept.
 #define OTG_UP_TO 0
 #define OTG_OWN 4
 #define OTG_KEY(turn, place) ((turn) + 1 + (place))
 
-inline static void otgTell(__global uint* told, uint place, OTG_SUM sum, uint turn) {
+inline static void otgPublish(__global uint* status, uint place, OTG_SUM sum, uint turn) {
   const uint key = OTG_KEY(turn, place / OTG_OWN);
 #if OTG_TWO_SUMS
-  atomic_xchg(told + place, sum.x);
-  atomic_xchg(told + place + 1, sum.x ^ key);
-  atomic_xchg(told + place + 2, sum.y);
-  atomic_xchg(told + place + 3, sum.y ^ key);
+  atomic_xchg(status + place, sum.x);
+  atomic_xchg(status + place + 1, sum.x ^ key);
+  atomic_xchg(status + place + 2, sum.y);
+  atomic_xchg(status + place + 3, sum.y ^ key);
 #else
-  atomic_xchg(told + place, sum);
-  atomic_xchg(told + place + 1, sum ^ key);
+  atomic_xchg(status + place, sum);
+  atomic_xchg(status + place + 1, sum ^ key);
 #endif
 }
 
-/// Whether it is there.
-inline static int otgTold(__global uint* told, uint place, uint turn, OTG_SUM* sum) {
+/// Whether the sum is there; if so, `sum` gets it.
+inline static int otgPublished(__global uint* status, uint place, uint turn, OTG_SUM* sum) {
   const uint key = OTG_KEY(turn, place / OTG_OWN);
-  const uint x = otgReadNow(told + place);
-  int there = (x ^ otgReadNow(told + place + 1)) == key;
+  const uint x = otgReadNow(status + place);
+  int there = (x ^ otgReadNow(status + place + 1)) == key;
 #if OTG_TWO_SUMS
-  const uint y = otgReadNow(told + place + 2);
-  there = there && (y ^ otgReadNow(told + place + 3)) == key;
+  const uint y = otgReadNow(status + place + 2);
+  there = there && (y ^ otgReadNow(status + place + 3)) == key;
   *sum = (OTG_SUM)(x, y);
 #else
   *sum = x;
@@ -53,12 +53,12 @@ inline static int otgTold(__global uint* told, uint place, uint turn, OTG_SUM* s
 }
 
 /// The sum of all groups before this one.
-inline static OTG_SUM otgLookBack(__global uint* told, uint group, uint turn) {
+inline static OTG_SUM otgLookBack(__global uint* status, uint group, uint turn) {
   OTG_SUM before = (OTG_SUM)(0), sum;
   for (uint k = group; k > 0;) {
-    __global uint* other = told + OTG_SCAN_WORDS * (k - 1);
-    if (otgTold(other, OTG_UP_TO, turn, &sum)) return before + sum;
-    if (!otgTold(other, OTG_OWN, turn, &sum)) continue;  // it is running, and will tell
+    __global uint* other = status + OTG_SCAN_WORDS * (k - 1);
+    if (otgPublished(other, OTG_UP_TO, turn, &sum)) return before + sum;
+    if (!otgPublished(other, OTG_OWN, turn, &sum)) continue;  // it is running, and will publish
     before += sum;
     --k;
   }
@@ -105,10 +105,10 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void scanOnce(
   part[lane] = sum;
   all = otgScanLanes(part, lane);
   if (lane == 0) {
-    __global uint* mine = told + OTG_SCAN_WORDS * group;
-    if (group > 0) otgTell(mine, OTG_OWN, all, turn);
-    before[0] = otgLookBack(told, group, turn);
-    otgTell(mine, OTG_UP_TO, before[0] + all, turn);
+    __global uint* mine = status + OTG_SCAN_WORDS * group;
+    if (group > 0) otgPublish(mine, OTG_OWN, all, turn);
+    before[0] = otgLookBack(status, group, turn);
+    otgPublish(mine, OTG_UP_TO, before[0] + all, turn);
     if (group == get_num_groups(0) - 1) total[totalAt] = before[0] + all;
   }
   barrier(CLK_LOCAL_MEM_FENCE);

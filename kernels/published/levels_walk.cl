@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The published traversal: one level of both binary trees in each iteration. Boxes of all pairs of nodes are tested,
-// pairs that overlap are moved together, pairs of leaves are split out, and the rest spawn four pairs of children (both
+// pairs that overlap are moved together, pairs of leaves are split out. The rest spawn four pairs of children (both
 // nodes inner) or two (one is a leaf). Places come from prefix sums, so lists have the same order in every run.
 //
 // OTG_GROUP: work-items of a work-group; each has one pair of nodes. OTG_LEAF is 1. OTG_QUANTIZED: 1 for nodes of
@@ -44,8 +44,8 @@ OTG_LEVELS_KERNEL void levelsTest(OTG_GIVEN(LevelsTest)) {
 }
 
 /// Moves the pairs that overlap together. `places`: the prefix sums of `overlaps`; `total`: their sum. `weights` gets
-/// for each pair that is kept how many pairs of leaves and how many pairs of children come of it, and 0 for the rest of
-/// its `count` places.
+/// for each pair that is kept how many pairs of leaves and of children come of it. The rest of its `count` places get
+/// 0.
 OTG_LEVELS_KERNEL void levelsCompact(OTG_GIVEN(LevelsCompact)) {
   const uint i = get_global_id(0);
   if (i >= count) return;

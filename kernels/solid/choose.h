@@ -29,8 +29,8 @@ OTG_INLINED double otgOfLane(double x, uint lane) {
 }
 #endif
 
-/// Of the candidates that are not taken (the others have a worth below 0) the first, then always the first behind it
-/// that is worth that much more than it: the place of the last one. All lanes call it. `round`: of those that look.
+/// Of the candidates that are not taken the first, then always the first behind it that is worth that much more. Those
+/// taken have a worth below 0: the place of the last one. All lanes call it. `round`: of those that look.
 OTG_INLINED uint otgMostWorth(__local otg_solid_choice* s, uint all, uint* round) {
   const uint lane = get_local_id(0);
   OTG_SYNC;

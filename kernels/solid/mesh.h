@@ -156,8 +156,8 @@ OTG_INLINED void otgList(__global uint* counters, __global uint* lists, uint pai
   lists[((size_t)stage * OTG_SOLID_BINS + bin) * pairs + place] = pair;
 }
 
-/// Flags of a pair of a batch of solids that gets contacts of the model `pairwise`, of which solidPairwise can make
-/// those that lie side by side.
+/// Flags of a pair of a batch of solids that gets contacts of the model `pairwise`. solidPairwise can make those that
+/// lie side by side.
 OTG_INLINED uint otgPairwiseFlags(__global const otg_pair_state* state, uint flags) {
   const int byHost = state->reduction == OTG_NOT_THERE || (flags & OTG_PAIR_MANY);
   return byHost ? OTG_PAIR_PAIRWISE | OTG_PAIR_TO_HOST : OTG_PAIR_PAIRWISE;

@@ -83,8 +83,9 @@ OTG_INLINED double otgSquaredDistance(otg_vec3_d x, otg_vec3_d lo, otg_vec3_d hi
   return dx * dx + dy * dy + dz * dz;
 }
 
-/// Way from a point along a unit direction through the nearest of a mesh's planes that faces along and has its part,
-/// enlarged by `slack` (with round corners or not), where it is met; `convex`: through the nearest that faces along.
+/// Way from a point along a unit direction through the nearest of a mesh's planes that faces along. The plane's part,
+/// enlarged by `slack` (with round corners or not), must hold the place where it is met; `convex`: through the nearest
+/// that faces along.
 OTG_INLINED double otgWayOut(__global const otg_solid_face* faces, uint count, otg_vec3_d from, otg_vec3_d d,
                              double slack, int isRound, double* convex) {
   double nearest = INFINITY, any = INFINITY;

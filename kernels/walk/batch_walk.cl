@@ -90,7 +90,7 @@ inline static void otgTestEnded(__global const float4* meshes, const __local otg
   }
 }
 
-/// What is told of a pair beside its hits. One lane. With OTG_SMALL hits or fewer it is not in `listed`.
+/// Reports what is known of a pair beside its hits. One lane. With OTG_SMALL hits or fewer it is not in `listed`.
 inline static void otgFlagPair(const __local otg_own_hits* own, const otg_hit_list* list, __global uint* listed,
                                __global uint* chosen, uint anyHit, uint most) {
   uint flags = anyHit && own->sure ? OTG_PAIR_INTERSECTS : 0;
@@ -111,7 +111,7 @@ inline static void otgFlagPair(const __local otg_own_hits* own, const otg_hit_li
 /// `stackSize` is as for otgWalkRound, for the deepest two trees of the batch. Hits of a pair lie side by side as long
 /// as there are at most OTG_MEDIUM; a pair with more is flagged, and its hits lie anywhere. `listed` gets the pairs
 /// with more than OTG_SMALL. With `anyHit` a pair is left at the first hit that single precision is sure of: enough to
-/// know that it intersects; that is told in its flags in `chosen`, and only undecided hits are listed. A pair with more
+/// know that it intersects; its flags in `chosen` say so, and only undecided hits are listed. A pair with more
 /// than `mostHits` is left, too: the host does all of it.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchWalk(OTG_GIVEN(BatchWalk)) {
   __local otg_device_pair pair;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One pair of meshes: the cut of one tree against the cut of the other, two levels of eight by eight children, and the
-// rest depth-first within work-groups, which test the triangles of the leaves that they meet.
+// rest depth-first within work-groups. These test the triangles of the leaves that they meet.
 //
 // No kernel waits for another work-group, and the host decides nothing in between: each kernel reads on the device how
 // much there is to do. OTG_GROUP is the size of work-groups, a multiple of 64.
@@ -221,8 +221,9 @@ inline static void otgTestAndList(__global const float4* meshes, const otg_devic
 }
 
 /// What `level` levels leave (counters[level] pairs), depth-first: see otgWalkRound. Each work-group begins with as
-/// many pairs as it can open at once, taken from all over the list, so that no group has all those of one place; what
-/// is left of a long list is taken by ticket. A work-group ends where it lists a hit beyond the first `mostHits`.
+/// many pairs as it can open at once. They are taken from all over the list, so that no group has all those of one
+/// place; what is left of a long list is taken by ticket. A work-group ends where it lists a hit beyond the first
+/// `mostHits`.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairTail(OTG_GIVEN(PairTail)) {
   __local otg_walk walk;
   __local uint firstSeed, isCut;

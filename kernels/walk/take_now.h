@@ -6,7 +6,7 @@
 /// What a word holds that other work-groups of this kernel have changed by atomics; zero then. A plain read may see a
 /// line that this compute unit has read before they did.
 inline static uint otgTakeNow(volatile __global uint* word) {
-  return atomic_xchg(word, 0);  // unordered: by the last, which all others have told that they are done
+  return atomic_xchg(word, 0);  // unordered: by the last, to which all others have reported that they are done
 }
 
 /// The same, but for the word, which stays.

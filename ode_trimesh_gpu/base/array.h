@@ -10,9 +10,9 @@
 
 namespace otg {
 
-/// Of a size that is settled when it is made, from a vector or from a part of a block, such as a file that was read in
-/// one piece; the block lives as long as any of its arrays. A copy has memory of its own. Who holds the array may
-/// change its elements: no two arrays are made of one part.
+/// Of a size that is settled when it is made. It comes from a vector or from a part of a block, such as a file that was
+/// read in one piece; the block lives as long as any of its arrays. A copy has memory of its own. Who holds the array
+/// may change its elements: no two arrays are made of one part.
 template <class T>
 class Array {
  public:

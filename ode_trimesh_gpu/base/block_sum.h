@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sums of which a few terms can change at a cost that follows their number, and still come out the same to the last
-// bit as a sum over everything.
+// Sums of which a few terms can change, at a cost that follows their number. They equal a sum over everything to the
+// last bit.
 #pragma once
 
 #include <algorithm>

@@ -12,7 +12,7 @@ namespace otg {
 
 #ifdef __MINGW32__
 /// Each thread's object of one type. GCC for Windows frees the memory of a thread_local object before it calls the
-/// destructor (GCC bug 83562), so a key of POSIX threads keeps it.
+/// destructor (GCC bug 83562). So a key of POSIX threads keeps it.
 template <class T>
 class ThreadObjects {
  public:

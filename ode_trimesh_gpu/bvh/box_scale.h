@@ -15,17 +15,17 @@ struct BoxOf {
 ///
 ///     center' = factor center + shift              extent' = growth extent + (slope |center'| + pad)
 ///
-/// It holds the image's vertices, which are the mesh's times the factors, rounded to float. Along one axis, with u for
-/// a rounding of float (2^-24), o and o' for the origins of the frames, v for a vertex in the box and w = s v + r,
-/// |r| <= u |s v|, for its image:
+/// It holds the image's vertices, which are the mesh's times the factors, rounded to float. Along one axis: u is a
+/// rounding of float (2^-24), o and o' are the origins of the frames. v is a vertex in the box, and w = s v + r, |r| <=
+/// u |s v|, is its image.
 ///
 ///     w - o' - center' = s (v - o - center) + (s o - o' - shift) + (s center + shift - center') + r
 ///
 /// whose four terms are at most |s| extent, what shift was rounded by, u (|center'| (2 + u) + |shift|) for the product
 /// and the sum, and u |s v| <= u (|s o| + |s| extent + |center'| (1 + 3 u) + |shift| (1 + 2 u)). Together that is
 /// extent' with growth = |s| (1 + u), slope = 3.1 u and a pad that depends on factors and origins alone; makeBoxScale()
-/// takes 8 u for both, which leaves room for the roundings of extent' itself, and adds to the pad what products lose
-/// that underflow, also where a program has its processor flush them to zero.
+/// takes 8 u for both, which leaves room for the roundings of extent' itself. It adds to the pad what products lose
+/// that underflow, also where the processor flushes them to zero.
 template <class REAL>
 struct BoxScale {
   Vec3<REAL> factor, shift, growth, pad;

@@ -28,7 +28,7 @@ BinaryTree buildTree(const TriMesh& mesh, BuildStrategy strategy) {
     boxes[t] = boxOfTriangle(mesh, t);
     triangles[t] = t;
   }
-  // Three times the depth of a balanced tree is more than meshes need and keeps the time O(n log n) for inputs of which
+  // Three times the depth of a balanced tree is more than meshes need. It keeps the time O(n log n) for inputs of which
   // every free split peels off a few triangles. 28 levels is the most (kMaxTriangles), so kMaxTreeDepth holds.
   const std::uint32_t depthLimit = std::min(kMaxTreeDepth, 3 * levelsFor(n) + 8);
 

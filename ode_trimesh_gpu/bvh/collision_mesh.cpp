@@ -21,8 +21,8 @@ std::shared_ptr<MeshTrees> refitted(const TriMesh& moved, const MeshTrees& befor
 }
 
 /// Nobody but the caller has it, and what the last of the others did is done: a count of one is for good, since only
-/// the holder could make another, and the copy that is dropped at once orders what went on elsewhere before what is
-/// going to be done here.
+/// the holder could make another. The copy that is dropped at once orders what went on elsewhere before what is done
+/// here.
 template <class T>
 bool heldBy(const std::shared_ptr<T>& object, long holders) {
   std::shared_ptr<T> ordered = object;

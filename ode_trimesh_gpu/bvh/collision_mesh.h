@@ -28,9 +28,9 @@ class CollisionMesh {
   CollisionMesh(std::shared_ptr<const TriMesh> moved, const CollisionMesh& before);
   /// A scaled image of another mesh: the same triangles (perhaps turned round), vertices times `factors`, which are
   /// finite and not 0, rounded to float. It has the trees of the other one, whose boxes are scaled when they are looked
-  /// at (boxScale()); trees of its own where that cannot be done (makeBoxScale()), where the factors differ too much
-  /// (stretchesTooMuch()), and where those boxes would overlap much more (kRebuildCost) than the other one's did when
-  /// its tree was built.
+  /// at (boxScale()); trees of its own where that cannot be done (makeBoxScale()) and where the factors differ too much
+  /// (stretchesTooMuch()). So it does where those boxes would overlap much more (kRebuildCost) than the other one's did
+  /// when its tree was built.
   CollisionMesh(std::shared_ptr<const TriMesh> image, const CollisionMesh& of, const Vec3f& factors);
   /// With a tree that was built before, for this very mesh.
   CollisionMesh(std::shared_ptr<const TriMesh> mesh, BinaryTree&& tree);
@@ -39,7 +39,7 @@ class CollisionMesh {
   CollisionMesh& operator=(const CollisionMesh&) = delete;
 
   /// Moves some vertices in place. The mesh, its tree, its layouts and its adjacency are then what moveVertices() and
-  /// the constructor for moved vertices would make of all of them (a wide tree may open other nodes), at a cost that
+  /// the constructor for moved vertices would make of all of them. Only a wide tree may open other nodes. The cost
   /// follows the number of `moved`; the first time, and where the tree has to be built anew, that of a build. `moved`
   /// are the mesh's own numbers. Only for the one that holds both this object and its mesh alone, and not for an image
   /// with the trees of another mesh. Other images of this mesh keep boxes as they were.

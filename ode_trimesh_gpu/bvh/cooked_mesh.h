@@ -24,8 +24,8 @@ struct UncookedMesh {
   std::string error;                    ///< why, in one sentence
 };
 
-/// Refuses bytes that are no cooked mesh, are of another version, are cut off or changed, or whose parts do not fit
-/// each other (TriMeshCheck, TreeCheck). The tree's boxes are made again. Equal bytes when cooked again. Throws
+/// Refuses bytes that are no cooked mesh, are of another version, or are cut off or changed. Refuses parts that do not
+/// fit each other (TriMeshCheck, TreeCheck). The tree's boxes are made again. Equal bytes when cooked again. Throws
 /// std::bad_alloc only.
 UncookedMesh uncookMesh(std::span<const unsigned char> bytes);
 

@@ -53,8 +53,8 @@ inline MeshBox boxOfTriangle(const TriMesh& mesh, std::uint32_t triangle) {
   return box;
 }
 
-/// One axis of a box [center - extent, center + extent] in the centred frame that contains [lo, hi] - origin in exact
-/// arithmetic and whose extent is finite.
+/// One axis of a box [center - extent, center + extent] in the centred frame. It contains [lo, hi] - origin in exact
+/// arithmetic, and its extent is finite.
 inline void encloseAxis(float lo, float hi, float origin, float& center, float& extent) {
   constexpr float kLargest = std::numeric_limits<float>::max();
   center = static_cast<float>(0.5 * lo + 0.5 * hi - origin);
@@ -64,8 +64,8 @@ inline void encloseAxis(float lo, float hi, float origin, float& center, float& 
   const double reach = std::max(hi - sum, sum - lo) + std::fabs(rest);
   // The step up covers the conversion to float and the two roundings of double before it. It is not needed at zero
   // (a difference is only zero when it is exact), and must not lead to infinity: the true reach is at most the largest
-  // float, because |center| + reach is no farther from the origin than the mesh's bounds are, up to the rounding of
-  // `center` that |center| itself leaves room for.
+  // float. For |center| + reach is no farther out than the mesh's bounds, up to the rounding of `center`, for which
+  // |center| leaves room.
   const float nearest = static_cast<float>(std::min(reach, double{kLargest}));
   const float up = std::bit_cast<float>(std::bit_cast<std::uint32_t>(nearest) + 1);
   extent = reach > 0 ? std::min(up, kLargest) : 0.0f;

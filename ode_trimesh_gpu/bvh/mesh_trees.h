@@ -35,8 +35,8 @@ class MeshTrees {
   void planMove(const TriMesh& mesh, std::span<const std::uint32_t> triangles);
   /// Second step, after the vertices have moved: all layouts are refitted.
   void refit(const TriMesh& mesh) noexcept;
-  /// After refit(): builds the tree anew if refitting has made it too bad; says whether. For want of memory it stays as
-  /// it is, which is right if slow.
+  /// After refit(): builds the tree anew if refitting has made it too bad; says whether. Without memory for that it
+  /// stays as it is, which is right if slow.
   bool rebuildIfWorn(const TriMesh& mesh) noexcept;
   /// Frees what is kept between moves; it is made again when it is needed.
   void dropMotion() noexcept;

@@ -28,8 +28,8 @@ struct PackedTree {
   std::vector<std::uint32_t> triangles;  ///< triangle numbers in the order of the leaves
   std::uint32_t depth = 0;               ///< nodes on the longest way from the root to a leaf
   /// Nodes that together hold every triangle once, at most kMaxCutNodes: what is left when the node of the largest area
-  /// is opened again and again. In an order without any (but always the same), so that neighbours, which are tested
-  /// side by side, are not all near the other mesh at once.
+  /// is opened again and again. Scattered, but always in the same order. So neighbours, which are tested side by side,
+  /// are not all near the other mesh at once.
   std::vector<std::uint32_t> cut;
 };
 

@@ -5,8 +5,8 @@
 namespace otg {
 
 std::uint32_t splitAtMean(TriangleSet set) {
-  // In double, so that squares of floats neither overflow nor vanish, and relative to the first centre, so that the
-  // difference below does not cancel for sets far from the origin.
+  // In double, so that squares of floats neither overflow nor vanish. Relative to the first centre, so that the
+  // difference below does not cancel far from the origin.
   const Float4 first = set.boxes[0].middle();
   double sum[3] = {0, 0, 0}, squares[3] = {0, 0, 0};
   for (std::uint32_t i = 0; i < set.size; ++i) {

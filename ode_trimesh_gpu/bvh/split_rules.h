@@ -7,8 +7,8 @@
 namespace otg {
 
 /// The triangles of one subtree during the build: a window on two parallel arrays that splitting permutes, with room of
-/// the same size to do it in. What ends up on which side depends on the boxes and triangle numbers alone, never on what
-/// a standard library makes of equal elements, so that the tree is the same everywhere.
+/// the same size to do it in. What ends up on which side depends on the boxes and triangle numbers alone, never on how
+/// a standard library orders equal elements. So the tree is the same everywhere.
 struct TriangleSet {
   MeshBox* boxes;
   std::uint32_t* triangles;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The split of least cost by the surface-area heuristic: the chance that a query opens a side grows with its surface,
-// the work below with its triangles, so the cost of a split is the sum of area times triangles over both sides.
-// Source of the method: I. Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007.
+// the work below with its triangles. So the cost of a split is the sum of area times triangles over both sides. Source
+// of the method: I. Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007.
 #include <array>
 
 #include "bvh/split_rules.h"

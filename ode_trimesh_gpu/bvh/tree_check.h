@@ -10,9 +10,10 @@
 
 namespace otg {
 
-/// Finds out whether every node is reached once, parents and children know each other, siblings are an odd number and
-/// the next, leaves name triangles of the mesh, each once, boxes are finite, and the tree is as deep as it says, which
-/// is no deeper than builds make it. validateTree() looks at the boxes too; this is what a walk relies on.
+/// Checks that every node is reached once, that parents and children know each other, and that siblings are an odd
+/// number and the next. Checks that leaves name each triangle of the mesh once, and that boxes are finite. The tree
+/// must be as deep as it says, and no deeper than builds make it. validateTree() looks at the boxes too; this is what a
+/// walk relies on.
 ///
 /// Nodes are looked at piece by piece, as they come in. Whatever they are, nothing outside the arrays is read.
 class TreeCheck {

@@ -19,8 +19,8 @@ struct WideTree {
 };
 
 /// Opens each node's largest inner child until there are eight. Boxes are those of the binary tree, bit for bit.
-/// `lanes`, if asked for, receives for each node of the binary tree eight times the wide node that it is in and its
-/// lane there, kNone for those that were opened.
+/// `lanes`, if not null, gets for each node of the binary tree eight times its wide node, plus its lane there. It is
+/// kNone for nodes that were opened.
 WideTree makeWideTree(const BinaryTree& tree, std::vector<std::uint32_t>* lanes = nullptr);
 
 inline void setBox(WideNode& node, std::uint32_t lane, const Vec3f& center, const Vec3f& extent) {

@@ -6,8 +6,8 @@
 
 namespace otg {
 
-/// Whether the bounding balls of two meshes are apart by more than rounding, or their boxes, each along the axes of its
-/// own mesh, along an axis of either. Then nothing of them meets, and neither lies inside the other. False says
+/// Whether the bounding balls of two meshes are apart by more than rounding, or their boxes along an axis of either. A
+/// box lies along the axes of its own mesh. Then nothing of them meets, and neither lies inside the other. False says
 /// nothing. `defect`: no less than rotationDefect() of the pose.
 bool areBoxesApart(const TriMesh& a, const TriMesh& b, const Transformd& bInA, double defect);
 

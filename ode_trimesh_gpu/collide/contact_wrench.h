@@ -12,8 +12,8 @@ namespace otg {
 
 using Wrench = Eigen::Matrix<double, 6, 1>;
 
-/// Scaling of wrenches: torques about the mean position, in units of the largest distance from it, so that forces and
-/// torques count alike whatever the size and place of the contacts.
+/// Scaling of wrenches: torques about the mean position, in units of the largest distance from it. So forces and
+/// torques count alike, whatever the size and place of the contacts.
 class WrenchFrame {
  public:
   explicit WrenchFrame(std::span<const Contact> contacts,

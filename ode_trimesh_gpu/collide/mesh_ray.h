@@ -50,7 +50,7 @@ void forEachOnRay(const CollisionMesh& tree, const MeshRay& ray, const Visit& vi
 /// Calls hit(triangle, distance, leaving) for every triangle that the ray hits at most `limit` away, near parts of the
 /// tree first; `limit` may be lowered meanwhile. `leaving`: the triangle faces along the ray. Distances are in lengths
 /// of the direction. Degenerate triangles are passed over. Which triangles count, and where, depends on the ray and the
-/// triangle alone (otgRayHitsTriangle), so that every tree, and every order, finds the same nearest one.
+/// triangle alone (otgRayHitsTriangle). So every tree, and every order, finds the same nearest one.
 template <class Hit>
 void forEachRayHit(const CollisionMesh& tree, const MeshRay& ray, double& limit, const Hit& hit) {
   const std::vector<WideNode>& nodes = tree.wide().nodes;

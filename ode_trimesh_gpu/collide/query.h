@@ -46,8 +46,8 @@ struct CollideOptions {
 };
 
 /// What a contact was made from; part of the order of contacts. `pairwise` has the face whose plane gave the normal;
-/// `solid` has a vertex, the crossing of an edge with a triangle of the other mesh, or the middle of the stretch of an
-/// edge that lies inside the other mesh (kNone: the middle of a region without any of these).
+/// `solid` has a vertex, the crossing of an edge with a triangle of the other mesh, or an inside stretch's middle
+/// (kNone: the middle of a region without any of these).
 enum class ContactFeature : std::uint8_t {
   kNone,
   kFaceA,
@@ -124,7 +124,7 @@ struct Workspace {
   /// No results.
   void clear();
   std::vector<TrianglePair> candidates;    ///< of the last query, in the order of traversal
-  std::vector<TrianglePair> undecided;     ///< scratch of the near phase: candidates of which float cannot tell
+  std::vector<TrianglePair> undecided;     ///< scratch of the narrow phase: candidates of which float cannot tell
   std::vector<TrianglePair> intersecting;  ///< ascending
   std::vector<Contact> contacts;           ///< before reduction, by (triangleA, triangleB)
   std::vector<Contact> reduced;            ///< the answer

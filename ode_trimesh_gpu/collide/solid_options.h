@@ -20,7 +20,7 @@ struct SolidOptions {
 
 /// What one query of a pair tells the next. Optional: a query without it answers from the geometry alone.
 ///
-/// A query at the very pose of the last one starts from the same state as that did, so that asking twice, or from two
+/// A query at the very pose of the last one starts from the same state as that did. So asking twice, or from two
 /// threads, changes nothing.
 struct SolidHistory {
   struct State {

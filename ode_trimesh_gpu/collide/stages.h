@@ -20,11 +20,12 @@ ContactFeature featureOf(int contactKind);
 /// Whether the contacts of the query are those of `pairwise`. If not, they are those of solids or of shells.
 bool isPairwise(const Query& query);
 
-/// Everything after the near phase: workspace.intersecting -> workspace.reduced, with the meshes' own triangle numbers.
+/// Everything after the narrow phase: workspace.intersecting -> workspace.reduced, with the meshes' own triangle
+/// numbers.
 void collideIntersecting(const Query& query, Workspace& workspace);
 
-/// All contacts of `solid` of a pair -> workspace.contacts that do not contradict each other, and of these as many as
-/// the caller wants -> workspace.reduced.
+/// All contacts of `solid` of a pair -> workspace.contacts that do not contradict each other. Of these as many as the
+/// caller wants -> workspace.reduced.
 void finishContacts(const Query& query, Workspace& workspace);
 
 /// The last step of a query: the contacts of workspace.reduced name triangles as the caller numbers them.

@@ -54,7 +54,7 @@ class Dispatcher {
   std::uint64_t deviceMemory() const { return deviceMemory_; }
 
   /// Opens these devices (numbers of opencl::listDevices(); one may be there several times, each with a context of its
-  /// own) in place of those that were open, and measures their costs if they are not known. Devices that cannot be
+  /// own). They replace those that were open. Measures their costs if they are not known. Devices that cannot be
   /// opened, or that fail meanwhile, are left out, which is logged. Returns how many are open. Throws std::bad_alloc.
   std::size_t open(std::span<const int> indices, const opencl::Tuning& tuning = {}, Costs costs = Costs::kMeasured);
   /// The same for the devices that `which` names, on a thread of its own: all is built and measured there, and until
@@ -94,8 +94,8 @@ class Dispatcher {
   /// ThreadPool::runShort on these.
   void runShort(std::size_t count, std::size_t grain, const ThreadPool::Work& work);
 
-  /// Every point of an array, each with the answer that it has by itself, on the CPU or, where the job and the costs
-  /// say so, with the device that has the least to do.
+  /// Every point of an array, each with the result that it has by itself. Runs on the CPU or, where the job and the
+  /// costs say so, with the device that has the least to do.
   void askPoints(const PointJob& job, std::size_t count, const PointSource& source, const PointSink& sink);
   /// The same for rays.
   void castRays(const RayJob& job, std::size_t count, const RaySource& source, const RaySink& sink);

@@ -16,7 +16,7 @@ namespace {
 
 /// Items that a thread takes at once: one, unless there are so many that taking them costs.
 constexpr std::size_t kManyPairs = 4096, kPairsAtOnce = 8, kReadAtOnce = 128;
-/// A pair that has this many times the mean is begun before the others, so that it is not what all wait for in the end.
+/// A pair that has this many times the mean begins before the others, so that not all wait for it in the end.
 constexpr std::size_t kLarge = 8;
 /// Pairs of no more triangles together may be over before another thread is awake.
 constexpr std::size_t kFewTriangles = 1 << 14;

@@ -48,7 +48,7 @@ struct Adjacency : AdjacencyLinks {
 Adjacency buildAdjacency(const TriMesh& mesh);
 
 /// After vertices have moved and topology() has stayed: the same bytes as buildAdjacency() would make, at a cost that
-/// follows the number of `triangles`, which are all those with a moved corner, each once. Throws std::bad_alloc; the
+/// follows the number of `triangles`. These are all those with a moved corner, each once. Throws std::bad_alloc; the
 /// adjacency is then to be built anew.
 void updateAdjacency(Adjacency& adjacency, const TriMesh& mesh, std::span<const std::uint32_t> triangles);
 

@@ -36,9 +36,9 @@ RayAxes chooseAxes(const Bounds& bounds) {
 }
 
 /// True if the ray from `p` crosses the triangle. Each edge's point at v = p.v is computed from its end points in the
-/// order of their welded numbers, so both triangles of an edge see the same point, whatever its rounding: on a closed
-/// surface the count can only be wrong for a `p` within rounding of the surface itself, never for a ray through an edge
-/// or a vertex.
+/// order of their welded numbers. So both triangles of an edge see the same point, whatever its rounding: on a closed
+/// surface the count can only be wrong for a `p` within rounding of the surface itself. A ray through an edge or a
+/// vertex does no harm.
 bool rayCrosses(const RayPoint& p, const std::array<RayPoint, 3>& corners, const std::uint32_t (&welded)[3]) {
   RayPoint cut[2];
   int cuts = 0;

@@ -90,8 +90,8 @@ class ConvexPolyhedron {
   std::size_t cells_ = 0;              ///< along an edge of the cube
 };
 
-/// Null for a mesh that is no convex body: that has concave edges by more than rounding, or faces which single vertices
-/// exceed by more than that, or is too thin (below kLeastThickness roundings) to tell. Throws std::bad_alloc.
+/// Null for a mesh that is no convex body: that has concave edges by more than rounding, or faces that single vertices
+/// exceed by more than that; or is too thin (below kLeastThickness roundings) to decide. Throws std::bad_alloc.
 std::unique_ptr<const ConvexPolyhedron> buildConvexPolyhedron(const TriMesh& mesh);
 inline constexpr double kLeastThickness = 1000;
 

@@ -18,8 +18,8 @@ struct MassProperties {
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the centre of mass
 };
 
-/// Exact integrals over the polyhedron (up to the rounding of double arithmetic), by the divergence theorem over signed
-/// tetrahedra with a reference point at the centre of the bounds. Source of the method: D. Eberly, "Polyhedral Mass
+/// Exact integrals over the polyhedron (up to the rounding of double arithmetic). By the divergence theorem over signed
+/// tetrahedra, with the centre of the bounds as the reference point. Source of the method: D. Eberly, "Polyhedral Mass
 /// Properties (Revisited)", 2002; C. Zhang and T. Chen, "Efficient feature extraction for 2D/3D objects", 2001.
 MassProperties computeMassProperties(std::span<const Vec3f> vertices, std::span<const Triangle> triangles);
 

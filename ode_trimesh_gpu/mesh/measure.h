@@ -17,8 +17,8 @@ inline Vec3f middleAsFloat(const Bounds& bounds) {
 }
 
 /// TriMesh::origin() after vertices have moved: where it was, as long as that is within a sixteenth of the size from
-/// the middle of the bounds, so that boxes that did not move stay as they are. That is within a quarter of the radius,
-/// as otgPairBounds takes for granted.
+/// the middle of the bounds. So boxes that did not move stay as they are. That is within a quarter of the radius, as
+/// otgPairBounds takes for granted.
 inline Vec3f originAfterMove(const Bounds& bounds, const Vec3f& before) {
   const Vec3d middle = bounds.middle();
   const double size = std::max(

@@ -38,7 +38,7 @@ struct TriMeshParts {
 /// checked: numbers that are only read out, such as the mass, other than that they are finite.
 ///
 /// Arrays are looked at piece by piece, as they come in: each function is called for elements `begin` to `end` of the
-/// array of its name, in order and without gaps, and the arrays in the order of these functions. Whatever the elements
+/// array of its name, in order and without gaps. The arrays come in the order of these functions. Whatever the elements
 /// are, nothing outside the arrays is read.
 class TriMeshCheck {
  public:

@@ -18,15 +18,15 @@ inline constexpr std::uint32_t kNone = 0xffffffffu;
 inline constexpr std::size_t kMaxVertices = std::size_t{1} << 28;
 inline constexpr std::size_t kMaxTriangles = std::size_t{1} << 28;
 
-/// Half-edge 3 t + k runs from corner k to corner (k + 1) % 3 of triangle t. All but the volumes depends on which
-/// vertices are one point alone, and is shared by meshes that differ in the places of their vertices only.
+/// Half-edge 3 t + k runs from corner k to corner (k + 1) % 3 of triangle t. All but the volumes depends only on which
+/// vertices are one point. Meshes that differ in the places of their vertices alone share it.
 struct Topology {
   /// For each vertex the smallest vertex with the same position (-0 equals +0), in a mesh that touches itself each
   /// vertex (own_topology.h): two vertices are one point of the surface exactly if their entries are equal.
   SharedArray<std::uint32_t> weld;
   /// For each half-edge its undirected edge, numbered from 0 in the order of first appearance.
   SharedArray<std::uint32_t> edgeOf;
-  /// For each half-edge the oppositely directed half-edge of the neighbouring triangle, or kNone where the edge is used
+  /// For each half-edge the oppositely directed half-edge of the neighbouring triangle. kNone where the edge is used
   /// once, more than twice, or twice in the same direction.
   SharedArray<std::uint32_t> twin;
   /// For each edge its two welded end points: first the one that has the vertex with the smallest caller's number.

@@ -17,7 +17,7 @@ struct TopologyFindings {
 };
 
 /// Compares everything with what the triangles and Topology::weld say: the ends and the numbers of edges, which
-/// half-edges have an edge and which a twin, which triangles are a component, and whether it is closed. Two vertices
+/// half-edges have an edge and which a twin; which triangles are a component, and whether it is closed. Two vertices
 /// that are one point lie at one place. Not compared: the direction of edges, the volumes of components, and whether
 /// vertices at one place could be one point.
 ///

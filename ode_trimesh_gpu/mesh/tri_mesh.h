@@ -91,8 +91,8 @@ class TriMesh {
   const Vec3f& center() const { return center_; }
   /// No vertex that a triangle uses is farther than this from center() (rounded up).
   float radius() const { return radius_; }
-  /// The origin of the *centred frame* in which boxes and float filters work, so that their error follows the size of
-  /// the mesh and not its distance from the origin of its own frame. It is center() when the mesh is built, and stays
+  /// The origin of the *centred frame* in which boxes and float filters work. So their error follows the size of the
+  /// mesh, and not its distance from the origin of its own frame. It is center() when the mesh is built, and stays
   /// there when vertices move, unless that is far from the middle by then (originAfterMove()). No contact depends on
   /// it.
   const Vec3f& origin() const { return origin_; }
@@ -130,15 +130,15 @@ struct MeshResult {
 };
 
 /// Copies, validates, optionally repairs. Never throws for bad input and never aborts: open, inconsistent and
-/// degenerate meshes are accepted and classed, numbers that cannot be worked with (indices out of range, NaN, infinity,
-/// counts above the limits, null arrays) are refused. An empty mesh (no triangles) is accepted. Throws std::bad_alloc
+/// degenerate meshes are accepted and classed. Numbers that cannot be worked with are refused: indices out of range,
+/// NaN, infinity, counts above the limits, null arrays. An empty mesh (no triangles) is accepted. Throws std::bad_alloc
 /// only.
 MeshResult buildTriMesh(const MeshInput& input, const RepairOptions& repair = {}, MeshOrder order = MeshOrder::kInput);
 
 /// The same triangles with moved vertices: as many, in the same order, as `mesh` was built from (refused otherwise);
 /// the triangles in `vertices` are not looked at. Where repair merged vertices, the first of them moves the merged one.
 /// Topology is taken over when equal positions stay equal, else rebuilt. `turned`: with the triangles turned round,
-/// corners (a, b, c) to (a, c, b), as a mirror image needs them to face the way that they did.
+/// corners (a, b, c) to (a, c, b). A mirror image needs that to face the way that it did.
 MeshResult moveVertices(const TriMesh& mesh, const MeshInput& vertices, bool turned = false);
 
 /// New places for some vertices, checked as moveVertices() checks all of them. Of `input` only the vertices are read.

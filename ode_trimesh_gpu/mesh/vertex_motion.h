@@ -35,10 +35,9 @@ class VertexMotion {
 
   /// Second step: makes the moves in place. The mesh is then, bit for bit, what moveVertices() with all vertices would
   /// make of it. False where more changes than numbers of those triangles: vertices that were one point part, others
-  /// meet, a triangle loses or gains its area, a closed component turns inside out, the middle of the mesh wanders off
-  /// from origin().
-  /// Then the mesh is as it was, it takes moveVertices(), and this object is of no further use; also after an
-  /// exception.
+  /// meet, a triangle loses or gains its area; a closed component turns inside out; the middle of the mesh wanders off
+  /// from origin(). Then the mesh is as it was, it takes moveVertices(), and this object is of no further use; also
+  /// after an exception.
   bool move(TriMesh& mesh);
 
   /// After move() has succeeded: the mesh is as it was before. This object is of no further use.
@@ -95,8 +94,8 @@ class VertexMotion {
   std::vector<KeptBlockSum> volume6_;    ///< of each component
   std::vector<std::uint8_t> wellWound_;  ///< componentsWellWound()
   std::uint32_t closedComponents_ = 0;
-  /// Of several closed components: whether none lies in another one, and of each the bounds, which only grow while
-  /// vertices move, and the vertices that reached farthest when it was measured.
+  /// Of several closed components: whether none lies in another one. Of each the bounds, which only grow while vertices
+  /// move, and the vertices that reached farthest when it was measured.
   bool apart_ = false;
   std::vector<Bounds> reach_;
   std::vector<std::array<std::uint32_t, 6>> farthest_;

@@ -119,8 +119,8 @@ class BatchAnswer {
 };
 
 /// Any number of threads. Every function gives what the host gives, byte for byte, whatever the device, its scheduling
-/// and the tuning. It returns false when the device failed and the host did all or part of the work (which is logged
-/// once and counted), and throws what the host throws.
+/// and the tuning. It returns false when the device failed and the host did all or part of the work, which is logged
+/// once and counted. It throws what the host throws.
 class Backend {
  public:
   /// Opens device `index` of listDevices() and, for Tuning::warmUp, builds the usual programs. Null when that fails,
@@ -133,7 +133,7 @@ class Backend {
   const DeviceInfo& device() const;
 
   /// As otg::collide. Everything for the model `pairwise` on the device (where it has no doubles, or finds more than it
-  /// has room for: middle and near phase), and for the model `solid` as far as the overlap is described; the rest of
+  /// has room for: mid and narrow phase), and for the model `solid` as far as the overlap is described; the rest of
   /// that model and the reduction `cone` on the host. Only workspace.reduced and workspace.stats are set for certain;
   /// stats.candidatePairs counts pairs of triangles that were tested.
   bool collide(const Query& query, Workspace& workspace);
@@ -152,7 +152,7 @@ class Backend {
   bool findCandidates(const Query& query, Workspace& workspace);
   /// the same by the published traversal;
   bool findCandidatesByLevels(const Query& query, Workspace& workspace);
-  /// as otg::nearPhase, for candidates from anywhere; and all that follows a middle phase, with contacts of the model
+  /// as otg::nearPhase, for candidates from anywhere; and all that follows a mid phase, with contacts of the model
   /// `pairwise` made there.
   bool decideCandidates(const Query& query, Workspace& workspace);
   bool collideCandidates(const Query& query, Workspace& workspace);
@@ -160,8 +160,8 @@ class Backend {
   /// otg::collide for every query, in one submission (several if there are very many or their meshes do not fit at
   /// once; pairs of very large meshes by themselves). A query with a SolidHistory must not be there twice. Where all
   /// pairs may have contacts of the model `solid` the device makes those of pairs of solids, as a rule.
-  /// With `times` in lanes of its own that take times. Pairs that the device leaves to the host, and contacts of pairs
-  /// whose overlaps it describes, are done by `onHost`, or, without that, one after the other.
+  /// With `times` in lanes of its own that take times. `onHost` does the pairs that the device leaves to the host, and
+  /// contacts of pairs whose overlaps it describes. Without it they are done one after the other.
   bool collideBatch(const CollideBatch& pairs, BatchAnswer& answer, StageTimes* times = nullptr,
                     const RunParts& onHost = {});
   /// Whether the two meshes of each pair have triangles that intersect: 1 or 0 (0 for a pose that is refused).

@@ -49,26 +49,25 @@ struct Tuning {
   std::uint32_t recordsExpected = 512;  ///< read with the head of the results in the first query
   bool warmUp = true;                   ///< build the usual kernels when the device is opened, not at first use
   bool solid = true;                    ///< make contacts of the model `solid` on the device
-  /// The overlap of a single pair of solids is described on the device if the last query of the lane had at least so
-  /// many intersecting pairs of triangles; otherwise the host makes the contacts from these. 0: 256, and
-  /// never on CPUs.
+  /// The device describes the overlap of a single pair of solids if the lane's last query had at least so many
+  /// intersecting pairs of triangles; otherwise the host makes the contacts from these. 0: 256, and never on CPUs.
   std::uint32_t overlapHits = 0;
   std::uint32_t overlapGroup = 128;        ///< work-items of a work-group of its kernels, a multiple of 64
   std::uint32_t overlapGroupsPerUnit = 4;  ///< work-groups for each compute unit, at most: limited by register pressure
   std::uint32_t overlapUnits = 1u << 16;   ///< of 16 bytes, for the description; grows
   /// Pairs of a batch of solids whose regions are too large for its own kernels are described, too, if there are so
-  /// many of them (where single pairs are described at all); `overlapPairs` at a time.
+  /// many. This holds where single pairs are described; `overlapPairs` at a time.
   std::uint32_t leastOverlaps = 64, overlapPairs = 1024;
   /// 1: contacts of large regions of described pairs are made on the device, too; 0: the host makes them. Work-items of
   /// a work-group of those kernels, a power of two (0: 1 on CPUs, else what each is best with), and units of 16 bytes
   /// for their arena, which grows.
   std::uint32_t overlapContacts = 1, overlapLanes = 0, overlapArena = 1u << 16;
-  /// Where a piece of a batch of solids leaves at most so many pairs to the host, its caller's threads do them while
-  /// the device is at work on the others; those that it leaves at the last moment after all pieces.
+  /// Where a piece of a batch of solids leaves at most so many pairs to the host, its caller's threads do them
+  /// meanwhile; those that it leaves at the last moment after all pieces.
   std::uint32_t meanwhile = 128;
   /// Pairs of solids of a batch are done by kernels with one size of lists in local memory, or with two; 0: one on
   /// CPUs, else two. `solidGroup` work-items (0: 1 on CPUs, else 32) do a pair of at most `solidHits` intersecting
-  /// pairs of triangles (a power of two) and regions of at most `solidPoints` points and `solidFaces` pieces; others
+  /// pairs of triangles (a power of two). Its regions have at most `solidPoints` points and `solidFaces` pieces; others
   /// are done by `solidLargeGroup` work-items (0: 1 on CPUs, else 64) if they have at most `solidLargeHits`, and else
   /// by the host.
   std::uint32_t solidSizes = 0, solidGroup = 0, solidLargeGroup = 0;

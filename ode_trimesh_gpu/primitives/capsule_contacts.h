@@ -21,9 +21,9 @@ struct Capsule {
 /// A place of contact is a local minimum of the distance from the axis to the surface that is less than the radius: of
 /// a face, an edge or a corner whose neighbours are no nearer (sphere_contacts.h). Its depth is the radius less the
 /// distance, which for a convex surface is the least way out. Where a face or an edge runs along the axis, to
-/// within 11.5 degrees, the two ends of what it has of the axis are places as well, so that a capsule that lies on it
-/// is held at both. Of contacts whose normals are within 3 degrees the deepest and the two outermost along the axis are
-/// kept; not the deepest if these have its normal to within 0.1 degrees and its depth to within 2 %.
+/// within 11.5 degrees, the ends of their common part are places as well. A capsule that lies on it is held at both. Of
+/// contacts whose normals are within 3 degrees the deepest and the two outermost along the axis are kept; not the
+/// deepest if these have its normal to within 0.1 degrees and its depth to within 2 %.
 ///
 /// Contacts are appended, deepest first, positions in the middle of the overlap. The capsule has no triangles (kNone).
 bool capsuleContacts(const CollisionMesh& mesh, const Capsule& capsule, std::vector<Contact>& out);

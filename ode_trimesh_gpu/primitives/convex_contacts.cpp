@@ -105,8 +105,8 @@ class ShapeRefiner final : public RegionRefiner {
     c.position = middle + origin_;
     c.depth = depth;
   }
-  /// Within the region's bounds: where the lines of two edges are nearest may be beyond the edges' ends, and the line
-  /// of a round side that is last to leave a face beside that face.
+  /// Within the region's bounds: where the lines of two edges are nearest may be beyond the edges' ends. The line of a
+  /// round side that is last to leave a face may be beside that face.
   Vec3d inRegion(const Vec3d& p) const {
     return {std::clamp(p.x, low_.x, high_.x), std::clamp(p.y, low_.y, high_.y), std::clamp(p.z, low_.z, high_.z)};
   }

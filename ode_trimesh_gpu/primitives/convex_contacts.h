@@ -10,8 +10,8 @@ namespace otg {
 /// Contacts -> workspace.reduced, with the mesh's own triangle numbers and kNone for the shape. `query` has the mesh as
 /// A, the shape's mesh as B, and everything else as for two meshes.
 ///
-/// The regions of overlap, their places of contact, and what is done about deep, entangled and contained bodies are
-/// those of the model for two meshes (docs/contacts.md). Two things are the shape's own. Where the mesh's surface in a
+/// Regions of overlap and places of contact are those of the model for two meshes (docs/contacts.md). So is what is
+/// done about deep, entangled and contained bodies. Two things are the shape's own. Where the mesh's surface in a
 /// region is convex, all contacts get the direction of the least way out, exactly (ConvexPatch). And capsules and
 /// cylinders are round: their facets only find the region; places move to the round surface and depths are measured to
 /// it, so that they roll.

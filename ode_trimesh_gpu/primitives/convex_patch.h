@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The part of a mesh's surface inside a convex shape where that part is convex itself, and the shortest way for the
+// The part of a mesh's surface inside a convex shape, where that part is convex itself; and the shortest way for the
 // shape to leave it.
 #pragma once
 
@@ -100,11 +100,11 @@ class ConvexPatch {
   /// Of mesh A, where there are too many for planes of their own; else none.
   std::span<const std::uint32_t> triangles() const { return triangles_; }
 
-  /// The least translation that takes the shape out of the half spaces behind the patch, over all directions in which
-  /// the patch has a supporting plane: its faces, the arcs between the normals of two faces at an edge, and the cones
-  /// at corners. For boxes and polyhedra these are the separating axes: normals of faces of either and products of
-  /// edges; for curved shapes the least over an arc is searched for, and corners leave through the nearest point of the
-  /// surface. `out` says roughly where out is; zero if unknown. Of a dense patch only the edges and corners of the
+  /// The least translation that takes the shape out of the half spaces behind the patch. It is over all directions in
+  /// which the patch has a supporting plane: its faces, the arcs between the normals of two faces at an edge, and the
+  /// cones at corners. For boxes and polyhedra these are the separating axes: normals of faces of either and products
+  /// of edges; for curved shapes the least over an arc is searched for, and corners leave through the nearest point of
+  /// the surface. `out` says roughly where out is; zero if unknown. Of a dense patch only the edges and corners of the
   /// faces with the shortest ways are tried.
   WayOut leave(const PlacedShape& shape, const Vec3d& out) const;
 

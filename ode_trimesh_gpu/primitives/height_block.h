@@ -31,8 +31,8 @@ struct HeightBlockMesh {
 
 /// The ground of the block: the surface, walls down from its four edges, and a bottom. Each cell of the grid is cut
 /// from (i + 1, j) to (i, j + 1), which is how ODE cuts it. Triangles 0 to 2 (columns - 1) (rows - 1) - 1 are the
-/// surface, two to a cell, cells row by row; outward is up. The mesh's own origin is in the middle of the block at the
-/// height of the sample there, so that its coordinates are as small as they can be. May throw std::bad_alloc.
+/// surface, two to a cell, cells row by row; outward is up. The mesh's own origin is in the middle of the block, at the
+/// height of the sample there. So its coordinates are as small as they can be. May throw std::bad_alloc.
 HeightBlockMesh meshOfBlock(const HeightBlock& block);
 
 /// The same of other heights in a block of the same size with the same bottom: refitted.

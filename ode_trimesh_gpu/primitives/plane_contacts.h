@@ -17,9 +17,9 @@ struct HalfSpace {
 /// One contact for each vertex below the plane, at the vertex, with the plane's normal and the vertex's depth: exact,
 /// since a mesh leaves a half space when its vertices do. The vertices of one connected part below the plane are a
 /// region; those in the middle of flat faces and straight edges are left out, since they hold nothing that the corners
-/// don't, and of the others `perRegion` are chosen: the deepest, then again and again the farthest from the chosen
-/// ones. Contacts are appended, deepest first; the plane has no triangles (kNone). Of a convex mesh (Convexity::kExact)
-/// the corners of its polyhedron are searched from one to the next, and no triangles.
+/// don't. Of the others `perRegion` are chosen: the deepest, then again and again the farthest from the chosen ones.
+/// Contacts are appended, deepest first; the plane has no triangles (kNone). Of a convex mesh (Convexity::kExact) the
+/// corners of its polyhedron are searched from one to the next, and no triangles.
 void planeContacts(const CollisionMesh& mesh, const HalfSpace& plane, int perRegion, std::vector<Contact>& out);
 
 }  // namespace otg

@@ -131,7 +131,8 @@ bool RegionWalls::add(const Wall& wall) {
 }
 
 /// What meets a triangle at an inner edge may be in the shape below the triangle only, where the region has no piece of
-/// it, or come to be in it when the shape leaves the triangle. Contacts of it name a triangle that the shape touches.
+/// it. Or it comes to be in it when the shape leaves the triangle. Contacts of it name a triangle that the shape
+/// touches.
 void RegionWalls::addInnerNeighbours(const PlacedShape& shape, std::uint32_t triangle, std::uint32_t named) {
   const TriMesh& mesh = meshes_->mesh(0);
   const Vec3d& n = meshes_->adjacency(0).normal[triangle];

@@ -115,8 +115,8 @@ Arrays aroundCylinder(double radius, double length) {
 }
 
 Arrays aroundCapsule(double radius, double length) {
-  // Facets between rings of latitude are no nearer to the middle of their cap than cos(half a step) along a meridian
-  // and cos(half a step) along a parallel make it.
+  // Facets between rings of latitude have cos(half a step), along a meridian and along a parallel, of the distance to
+  // the cap's middle at least.
   const double step = 0.5 * M_PI / kCapsuleRings;
   const double outer = radius / (std::cos(0.5 * step) * std::cos(M_PI / kCapsuleSegments));
   std::vector<Ring> rings;

@@ -14,9 +14,9 @@ struct MeshDistance {
   std::uint32_t triangleA = kNone, triangleB = kNone;  ///< kNone where a point lies inside a solid
 };
 
-/// Branch and bound over both trees, boxes by their gaps along the axes of either box together, along the line of their
-/// centres and along that of the nearest points so far (lower bounds of their distance). Of triangles that are equally
-/// near the smallest numbers, A's first: the answer is that of every tree. Overlap is decided exactly first
+/// Branch and bound over both trees. Lower bounds of a distance are the gaps of boxes: along the axes of either box
+/// together, along the line of their centres, and along that of the nearest points so far. Of triangles that are
+/// equally near the smallest numbers, A's first: the answer is that of every tree. Overlap is decided exactly first
 /// (mesh_overlap.h). Of the query only a, b and bInA are read. Nothing farther than `limit` is looked for. Throws as
 /// middlePhase does.
 MeshDistance meshDistance(const Query& query, double limit);

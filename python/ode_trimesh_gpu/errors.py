@@ -25,7 +25,7 @@ class ArgumentError(Error, ValueError):
 
 
 class BusyError(Error):
-    """An object that another thread is using."""
+    """An object that another thread, or the step that runs, is using."""
 
 
 class OdeError(Error):

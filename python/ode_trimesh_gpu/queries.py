@@ -154,7 +154,7 @@ def collide_many(
     """
     many = _Many(a, b, pose_a, pose_b)
     parts: list[Contacts] = []
-    first = [np.zeros(1, np.int64)]
+    first: list[NDArray[np.int64]] = [np.zeros(1, np.int64)]
     done = 0
     kept = kept_pairs = None
     if memory is not None:

@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
+from .errors import ArgumentError
 from .mesh import Mesh
 
 if TYPE_CHECKING:
     import pandas
 
-    from .world import World
+    from .world import Body, World
 
 COLORS = (
     (0.55, 0.55, 0.55),
@@ -95,10 +96,10 @@ def body_surface(shapes: list[tuple[Any, NDArray[np.float64]]]) -> tuple[NDArray
     return np.concatenate(vertices), np.concatenate(faces)
 
 
-def world_surfaces(world: World) -> list[Surface]:
-    """What is drawn of each body of a world, in their order."""
+def body_surfaces(bodies: list[Body]) -> list[Surface]:
+    """What is drawn of each body, in their order."""
     surfaces = []
-    for i, body in enumerate(world.bodies):
+    for i, body in enumerate(bodies):
         vertices, faces = body_surface(body.shapes)
         surfaces.append(
             Surface(body.name, vertices, faces, body.color or COLORS[i % len(COLORS)], body.kind == "static")
@@ -111,6 +112,7 @@ class Recording:
 
     def __init__(self, world: World, dt: float = 0.005, every: int = 1) -> None:
         self._world = world
+        self._bodies = list(world.bodies)
         self._dt = dt
         self._every = every
         self._times: list[float] = []
@@ -121,6 +123,8 @@ class Recording:
 
     def add(self) -> None:
         """Keeps the poses of this moment, and the contacts of the step that led there."""
+        if self._world.bodies != self._bodies:
+            raise ArgumentError("bodies were added or removed since the recording began: begin another one")
         self._times.append(self._world.time)
         self._arrows.append(self._contact_arrows())
         self._positions.append(self._world.poses[:, :3, 3])
@@ -157,7 +161,7 @@ class Recording:
 
     def to_frame(self) -> pandas.DataFrame:
         """One row for each time and body (pandas): time, body, x, y, z, qw, qx, qy, qz."""
-        names = [body.name for body in self._world.bodies]
+        names = [body.name for body in self._bodies]
         return poses_frame(names, self.times, self.positions, self.rotations)
 
     def to_gltf(self, path: str | os.PathLike[str]) -> None:
@@ -169,7 +173,7 @@ class Recording:
         from .world import Plane
 
         recording = self._drawn()
-        for body in self._world.bodies:
+        for body in self._bodies:
             for shape, _ in body.shapes:
                 if isinstance(shape, Plane):
                     normal = np.asarray(shape.normal, float)
@@ -178,7 +182,7 @@ class Recording:
         recording.write_html(os.fspath(path), title)
 
     def _drawn(self) -> _core.Recording:
-        return drawn(world_surfaces(self._world), self.times, self.positions, self.rotations, self._arrows)
+        return drawn(body_surfaces(self._bodies), self.times, self.positions, self.rotations, self._arrows)
 
     def __len__(self) -> int:
         return len(self._times)

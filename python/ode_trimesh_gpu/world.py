@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, generate
 from ._arrays import PoseLike, blocks, quaternions, single_pose, vector
 from .contacts import Contacts
-from .errors import ArgumentError
+from .errors import ArgumentError, BusyError
 from .mesh import Mesh
 from .options import Options
 
@@ -168,11 +168,18 @@ class Body:
         self, world: World, index: int, name: str, kind: str, shapes: list[tuple[Shape, NDArray[np.float64]]]
     ) -> None:
         self._world = world
-        self.index = index
+        self._index: int | None = index
         self.name = name
         self.kind = kind
         self.shapes = shapes
         self.color: tuple[float, float, float] | None = None
+
+    @property
+    def index(self) -> int:
+        """Its place in `World.bodies` and row in the world's arrays. Goes down when a body before it is removed."""
+        if self._index is None:
+            raise ArgumentError(f"{self.name} was removed from its world")
+        return self._index
 
     @property
     def pose(self) -> NDArray[np.float64]:
@@ -225,7 +232,7 @@ class Body:
         core.add_force(self.index, list(vector(force, "force")), list(vector(torque, "torque")))
 
     def __repr__(self) -> str:
-        return f"<Body {self.index}: {self.name}>"
+        return f"<Body {'removed' if self._index is None else self._index}: {self.name}>"
 
 
 class Joint:
@@ -233,8 +240,15 @@ class Joint:
 
     def __init__(self, world: World, index: int, kind: str) -> None:
         self._world = world
-        self.index = index
+        self._index: int | None = index
         self.kind = kind
+
+    @property
+    def index(self) -> int:
+        """Its place in `World.joints`. Goes down when a joint before it is removed."""
+        if self._index is None:
+            raise ArgumentError(f"this {self.kind} joint was removed from its world")
+        return self._index
 
     @property
     def position(self) -> float:
@@ -264,7 +278,7 @@ class Joint:
         return np.array(self._world._core.joint_force(self.index)[:3])
 
     def __repr__(self) -> str:
-        return f"<Joint {self.index}: {self.kind}>"
+        return f"<Joint {'removed' if self._index is None else self._index}: {self.kind}>"
 
 
 @dataclass(frozen=True)
@@ -337,6 +351,7 @@ class World:
         self._core = _core.World(settings)
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
+        self._solver_waits = False
         #: Asked for each pair of bodies with contacts, in each step: False drops them.
         self.pair_filter: PairFilter | None = None
         #: Called in each step with the contacts, before the solver: may write friction and bounce, and may return a
@@ -429,6 +444,33 @@ class World:
         self.joints.append(joint)
         return joint
 
+    def remove(self, what: Body | Joint) -> None:
+        """Removes a joint, or a body with its joints, its contacts, and what other bodies remember of it.
+
+        `index` of all later ones goes down, as the rows of the world's arrays do. Any use of the removed object is an
+        `ArgumentError`. A callback that runs within a step cannot remove; `step`'s `callback`, which runs after each
+        step, can.
+        """
+        if what._world is not self:
+            raise ArgumentError(f"the {'body' if isinstance(what, Body) else 'joint'} belongs to another world")
+        if self._solver_waits:
+            raise BusyError("pair_filter and contact_callback cannot remove: use the callback of step()")
+        index = what.index
+        if isinstance(what, Joint):
+            self._core.remove_joint(index)
+            self._take_out(self.joints, index)
+            return
+        gone = self._core.remove_body(index)
+        for joint in gone:
+            self._take_out(self.joints, joint)
+        self._take_out(self.bodies, index)
+
+    @staticmethod
+    def _take_out(objects: list[Body] | list[Joint], index: int) -> None:
+        objects.pop(index)._index = None
+        for i in range(index, len(objects)):
+            objects[i]._index = i
+
     def step(
         self,
         dt: float = 0.005,
@@ -454,6 +496,15 @@ class World:
 
     def _step_with_callbacks(self, dt: float) -> None:
         self._core.collide()
+        self._solver_waits = True
+        try:
+            friction, bounce, used = self._ask_callbacks()
+        finally:
+            self._solver_waits = False
+        self._core.solve(dt, friction, bounce, used)
+
+    def _ask_callbacks(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+        """Of each contact: friction, bounce, and whether it counts."""
         contacts = self.contacts
         used = np.ones(len(contacts), bool)
         if self.pair_filter is not None and len(contacts):
@@ -464,7 +515,7 @@ class World:
             mask = self.contact_callback(contacts)
             if mask is not None:
                 used &= np.asarray(mask, bool)
-        self._core.solve(dt, contacts.friction, contacts.bounce, used)
+        return contacts.friction, contacts.bounce, used
 
     def collide(self) -> WorldContacts:
         """Finds the contacts of this moment, without a step."""

@@ -259,6 +259,8 @@ int World::addJoint(const std::string& kind, int bodyA, int bodyB, const std::ar
   if (a == b) throw ArgumentError("a joint needs two bodies of which at least one moves");
   auto joint = std::make_unique<Joint>();
   joint->kind = kind;
+  joint->body1 = bodyA;
+  joint->body2 = std::max(bodyB, -1);
   const dJointID id = joint->joint = kind == "ball"        ? dJointCreateBall(world_, nullptr)
                                      : kind == "hinge"     ? dJointCreateHinge(world_, nullptr)
                                      : kind == "slider"    ? dJointCreateSlider(world_, nullptr)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An ODE world with meshes. Bodies, geoms and joints are known by their numbers, which count up from 0.
+// An ODE world with meshes. Bodies, geoms and joints are known by their numbers, which count up from 0. Where one is
+// removed, those behind it move up.
 #pragma once
 
 #include <ode/ode.h>
@@ -68,6 +69,10 @@ class World {
   int addBody(const BodySettings& settings, const std::vector<Part>& parts);
   int addJoint(const std::string& kind, int bodyA, int bodyB, const std::array<double, 3>& anchor,
                const std::array<double, 3>& axis1, const std::array<double, 3>& axis2);
+  /// With its geoms, joints and contacts, and what others remember of them. Returns the numbers of its joints, the
+  /// largest first.
+  std::vector<int> removeBody(int index);
+  void removeJoint(int index);
 
   /// Finds the contacts of all pairs, in an order that depends on the bodies' numbers alone.
   void collide();
@@ -94,6 +99,7 @@ class World {
   struct Joint {
     dJointID joint = nullptr;
     std::string kind;
+    int body1 = 0, body2 = -1;  ///< -1: the world
     dJointFeedback feedback{};
   };
 
@@ -124,6 +130,8 @@ class World {
   void collidePair(dGeomID a, dGeomID b);
   int makeGeom(const Part& part, const BodySettings& settings);
   void setMass(Body& body, const BodySettings& settings, const std::vector<Part>& parts);
+  void forgetPairsWith(int firstGeom, int count);
+  void eraseJoint(std::size_t index);
   void checkPlaces() const;
   void clear();
 

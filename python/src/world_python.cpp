@@ -259,6 +259,8 @@ void bindWorld(nb::module_& module) {
           nb::arg("bounce"), nb::arg("params"))
       .def("add_joint", &World::addJoint, nb::arg("kind"), nb::arg("body_a"), nb::arg("body_b"), nb::arg("anchor"),
            nb::arg("axis1"), nb::arg("axis2"))
+      .def("remove_body", &World::removeBody, nb::arg("body"))
+      .def("remove_joint", &World::removeJoint, nb::arg("joint"))
       .def("step", &step, nb::arg("dt"), nb::arg("count"))
       .def("collide", &collideWorld)
       .def("solve", &solveWorld, nb::arg("dt"), nb::arg("friction"), nb::arg("bounce"), nb::arg("used"))

@@ -9,8 +9,9 @@
 namespace otg::test {
 
 /// All pairs of triangles that have a point in common, ascending: A's float vertices and B's vertices as otgTransform
-/// places them in double, closed triangles, those left out whose corners lie on a line, in their mesh or where they
-/// are placed. Nothing is shared with the library beyond otgTransform: candidates and what is on a line are CGAL's own.
+/// places them in double, as closed triangles. Those whose corners lie on a line, in their mesh or where they are
+/// placed, are left out. Nothing is shared with the library beyond otgTransform: candidates and what is on a line are
+/// CGAL's own.
 std::vector<TrianglePair> cgalPairs(const TriMesh& a, const TriMesh& b, const Transformd& bInA);
 
 /// Box of B placed by b -> R b + t, which is a parallelepiped when R is not quite orthonormal.

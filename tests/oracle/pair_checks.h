@@ -36,7 +36,7 @@ inline std::vector<TrianglePair> pairsOf(const BothTrees& a, const BothTrees& b,
   return workspace.intersecting;
 }
 
-/// All pairs as candidates: what the near phase says without a middle phase before it.
+/// All pairs as candidates: what the narrow phase says without a mid phase before it.
 inline std::vector<TrianglePair> pairsWithoutTrees(const BothTrees& a, const BothTrees& b, const Transformd& pose) {
   Query query;
   query.a = a.sah.get();

@@ -61,8 +61,8 @@ struct Tally {
   int overlapping = 0, apart = 0, rejected = 0, rejectedWithoutEps = 0;
 };
 
-/// Boxes within two meshes of the given half-sizes (cubes, whose centred frames and radii the query's error bound is
-/// made from), moved along a random direction until they are just about to part.
+/// Boxes within two meshes of the given half-sizes, moved along a random direction until they are just about to part.
+/// The meshes are cubes; their centred frames and radii make the query's error bound.
 void sweep(std::uint32_t seed, double halfA, double halfB, double angle, double extraDistance, int rounds,
            Tally& tally) {
   Draw draw(seed);

@@ -257,7 +257,7 @@ TEST_CASE("large overlaps of solids all go to devices where these are faster wit
   }
 }
 
-TEST_CASE("single queries go where they are told, or where it is sooner") {
+TEST_CASE("single queries run where they are requested, or where they are faster") {
   const auto a = collisionMesh(makeLump(0.9, 4, 0.2, 1)), b = collisionMesh(makeTorus(0.7, 0.25, 31, 13));
   Dispatcher dispatcher;
   REQUIRE(open(dispatcher, 2) == 2);
@@ -375,7 +375,7 @@ TEST_CASE("work that may be done anywhere does not go to a device of type CPU, h
   CHECK(slot->queries >= queries + 101);
 }
 
-TEST_CASE("a device that fails for good is switched off, told of once, and the contacts are the same") {
+TEST_CASE("a device that fails for good is switched off, reported once, and the contacts are the same") {
   const MeshList meshes = mixedMeshes();
   Batch batch(meshes, 9, 90, true, {Place::kOpencl, Place::kOpencl});
   LogCapture log;
@@ -390,9 +390,9 @@ TEST_CASE("a device that fails for good is switched off, told of once, and the c
     for (const PairResult& result : found) CHECK_FALSE((result.onDevice && result.deviceFailed));
   }
   const auto slots = dispatcher.devices();
-  std::size_t told = 0;
-  for (const std::string& line : log.lines) told += line.find("switched off") != std::string::npos ? 1 : 0;
-  CHECK(told == 2);
+  std::size_t reported = 0;
+  for (const std::string& line : log.lines) reported += line.find("switched off") != std::string::npos ? 1 : 0;
+  CHECK(reported == 2);
   for (const auto& slot : slots) {
     CHECK(slot->isOff);
     CHECK(slot->failedCalls >= DeviceSlot::kMostFailures);

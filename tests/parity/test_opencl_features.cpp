@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The kernels with one that has an error, or other text in one place, while it lives. Told of on stderr once for each,
-/// which is caught.
+/// The kernels with one that has an error, or other text in one place, while it lives. Reported on stderr once for
+/// each, which is caught.
 class BrokenKernel {
  public:
   explicit BrokenKernel(const std::string& name, const std::string& right = "", const std::string& wrong = "") {

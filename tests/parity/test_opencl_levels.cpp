@@ -202,8 +202,8 @@ TEST_CASE("levels test the same boxes as the host that goes down both trees at o
       CHECK(device.stats.boxTests == host.stats.boxTests);
       CHECK(device.stats.candidatePairs == host.stats.candidatePairs);
       CHECK((device.intersecting == host.intersecting));
-      // From depth six on the iterations are those that come to it from the roots, but for pairs of parents that do not
-      // overlap while their children are tested all the same.
+      // From depth six on the iterations are those that come to it from the roots. The exception is pairs of parents
+      // that do not overlap: their children are tested all the same.
       CHECK(shared().published().findPairsByLevels(query, device, {6, false, true}, &fromSix));
       CHECK(device.stats.candidatePairs == host.stats.candidatePairs);
       if (fromRoots.steps.size() > 7) {

@@ -214,7 +214,7 @@ TEST_CASE("what is being opened is dropped when devices are closed or others are
   CHECK(lines.get().empty());
 }
 
-TEST_CASE("what fails in the background is told once, and leaves the CPU") {
+TEST_CASE("what fails in the background is reported once, and leaves the CPU") {
   const OdeSession session;
   const std::vector<unsigned char> expected = stepped();
   for (const std::uint64_t n : {1, 12, 60, 200}) {
@@ -227,9 +227,10 @@ TEST_CASE("what fails in the background is told once, and leaves the CPU") {
     CHECK(dGpuTriMeshWaitForDevices(-1) == dGPUTRIMESH_NO_DEVICE);
     CHECK(stepped() == expected);
     FaultInjection::failAt(0);
-    const std::vector<std::string> told = lines.get();
-    CHECK(!told.empty());
-    for (std::size_t i = 0; i < told.size(); ++i) CHECK(std::count(told.begin(), told.end(), told[i]) == 1);
+    const std::vector<std::string> reported = lines.get();
+    CHECK(!reported.empty());
+    for (std::size_t i = 0; i < reported.size(); ++i)
+      CHECK(std::count(reported.begin(), reported.end(), reported[i]) == 1);
   }
 }
 
@@ -264,7 +265,7 @@ TEST_CASE("costs that were measured while the program was at work are not kept")
   dGpuTriMeshCloseDevices();
 }
 
-TEST_CASE("a thread that is told to stop begins no program more, which is no failure") {
+TEST_CASE("a thread that is asked to stop begins no program more, which is no failure") {
   Lines lines;
   std::atomic<bool> stop{false};
   int loaded = 0;

@@ -75,10 +75,10 @@ class Crowd {
 };
 
 dGpuTriMeshDevice device(int number) {
-  dGpuTriMeshDevice told;
-  dGpuTriMeshDeviceInit(&told);
-  CHECK(dGpuTriMeshGetDevice(number, &told) == dGPUTRIMESH_OK);
-  return told;
+  dGpuTriMeshDevice device;
+  dGpuTriMeshDeviceInit(&device);
+  CHECK(dGpuTriMeshGetDevice(number, &device) == dGPUTRIMESH_OK);
+  return device;
 }
 
 }  // namespace

@@ -228,7 +228,7 @@ TEST_CASE("a budget that cannot hold the two meshes leaves the query to the host
   collide(lumpQuery(*lump, *small), host);
   checkSame(device, host);
   CHECK(backend->counts().onHost == 3);
-  CHECK(log.lines.size() == 1);  // told once
+  CHECK(log.lines.size() == 1);  // reported once
   checkParity(*backend, lumpQuery(*small, *small));
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Single queries of the contact model `solid` against formulas or the gradient of the overlap's volume, over
-// fixed random poses with overlaps of 1 to 10 % of the bodies' size. `otg bench contacts` has the deep ones, too.
+// Single queries of the contact model `solid` against formulas or the gradient of the overlap's volume. Poses are fixed
+// random ones, with overlaps of 1 to 10 % of the bodies' size. `otg bench contacts` has the deep ones, too.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -27,8 +27,8 @@ struct Promise {
   double force;                        ///< of all contacts together: degrees from the direction by formula
 };
 
-// One sphere of 5,120 triangles lies within 0.0012 radii of its facets' planes, one torus of 96 x 48 segments within
-// 0.0021 minor radii, one cylinder of 64 sides within 0.0012 radii.
+// How far surfaces lie from their facets' planes: a sphere of 5,120 triangles 0.0012 radii, a torus of 96 x 48 segments
+// 0.0021 minor radii, a cylinder of 64 sides 0.0012 radii.
 constexpr Promise kPromises[] = {
     {"spheres", 1, 0.2, 0.0024, 0.0012, 0.5},
     // Where both surfaces turn the same way the outermost of its contacts face as the surfaces do there.

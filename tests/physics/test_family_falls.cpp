@@ -87,7 +87,7 @@ TEST_CASE("bodies that are wider than the gap they are in are not thrown out of 
   }
 }
 
-TEST_CASE("a world in which a body is thrown is told from one in which it is not") {
+TEST_CASE("a world in which a body is thrown is distinguished from one in which it is not") {
   // Stock dTriMesh throws about one in three of these.
   const otg::scenes::OdeSession session;
   int thrown = 0, calm = 0;

@@ -134,6 +134,7 @@ def test_ctrl_c_stops_long_calls(work):
         at = np.eye(4)[None].copy(); at[:, 0, 3] = 0.3
         world = otg.World(); world.add(otg.Plane()); world.add(lump, (np.eye(3), [0, 0, 1]))
         scene = {{"planes": [{{}}], "bodies": [{{"name": "a", "sphere": 0.5}}]}}
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background processes ignore it
         threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
         try:
             {work}

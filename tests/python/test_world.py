@@ -107,9 +107,10 @@ def test_shapes_and_terrain_carry_meshes():
     body = world.add(otg.generate.sphere(0.3, 3), pose(0.5, 0.3, 1), density=100)
     assert bowl.kind == "static"
     world.step(steps=2500)
-    # A tessellated ball does not roll all the way. It lies on the ground, near the deepest place.
+    # A tessellated ball does not roll all the way. It may rest where the slope, 0.6 * outward, is less than the angle from a
+    # facet's middle to its corner, which is 0.093.
     outward = np.hypot(*body.position[:2])
-    assert outward < 0.15 and body.position[2] == pytest.approx(0.3 + 0.3 * outward**2, abs=0.02)
+    assert outward < 0.155 and body.position[2] == pytest.approx(0.3 + 0.3 * outward**2, abs=0.02)
     # A row of heights that is not square, the other way round: y up the rows.
     slope = otg.World()
     slope.add(otg.Terrain([[0, 0, 0], [1, 1, 1]], (4, 2)))
@@ -221,6 +222,128 @@ def test_saved_states_continue_with_the_same_bytes():
         assert other.time == world.time
 
 
+def test_a_world_without_a_removed_body_is_one_that_never_had_it(box):
+    def build(with_more):
+        world = otg.World()
+        plane = world.add(otg.Plane())
+        gone = world.add([(box, pose(0)), (otg.Sphere(0.5), pose(0, 0, 1))], pose(0, 0, 1.5)) if with_more else None
+        kept = [world.add(box, pose(0.1 * i, 0, 0.5 + 1.001 * i)) for i in range(2)]
+        world.add_joint("ball", kept[1], anchor=(0, 0, 2))
+        if gone is None:
+            return world
+        world.add_joint("hinge", gone, kept[0])
+        world.collide()
+        contacts = world.contacts
+        assert (contacts.bodies == gone.index).any()
+        world.remove(gone)
+        left = world.contacts
+        assert len(left) == (contacts.bodies != 1).all(axis=1).sum() > 0
+        assert sorted(set(left.bodies.ravel())) == sorted(set(left.geoms.ravel())) == [0, 1]
+        assert world.bodies == [plane, *kept] and [body.index for body in world.bodies] == [0, 1, 2]
+        assert [(joint.index, joint.kind) for joint in world.joints] == [(0, "ball")]
+        return world
+
+    changed, plain = build(True), build(False)
+    assert changed.poses.shape == (3, 4, 4)
+    for world in (changed, plain):
+        world.step(steps=100)
+    assert changed.poses.tobytes() == plain.poses.tobytes()
+    assert changed.contacts.forces.tobytes() == plain.contacts.forces.tobytes()
+    assert changed.joints[0].force.tobytes() == plain.joints[0].force.tobytes()
+    state = plain.save()
+    assert changed.save().exact == state.exact
+    changed.load(state)
+
+
+def test_what_stood_on_a_removed_body_falls():
+    world = stack()
+    world.step(steps=100)
+    before = world.save()
+    world.remove(world.bodies[1])
+    world.step(steps=300)
+    np.testing.assert_allclose(world.poses[1:, 2, 3], [0.5, 1.5], atol=0.01)
+    with pytest.raises(otg.ArgumentError, match="other bodies"):
+        world.load(before)
+    world.remove(world.bodies[0])
+    world.step(steps=100)
+    assert world.poses[0, 2, 3] < 0
+
+
+@pytest.mark.parametrize("others", range(4))
+def test_nothing_is_remembered_of_a_removed_shape(others):
+    # The ball sinks through the plate. What it remembers of the plate says up; the nearer way out is down.
+    def plate(x=0):
+        return world.add(otg.Box((4, 4, 0.3)), pose(x, 0, 0), kind="static")
+
+    def up():
+        contacts = world.collide()  # normals point into the first body
+        return (contacts.normals[:, 2] * np.where(contacts.bodies[:, 0] == ball.index, 1, -1)).tolist()
+
+    world = otg.World()
+    sunk = plate()
+    ball = world.add(otg.generate.sphere(0.5))
+    for height in np.linspace(0.64, -0.2, 15):
+        ball.pose = pose(0, 0, height)
+        world.collide()
+    assert min(up()) > 0.9
+    world.remove(sunk)
+    # ODE gives the address of a geom that is gone to one of the next.
+    for _ in range(others):
+        world.remove(plate(10))
+    plate()
+    assert len(up()) > 0 and max(up()) < -0.9
+
+
+def test_removed_objects_are_refused(box):
+    world, other = stack(), stack()
+    body = world.bodies[2]
+    joint = world.add_joint("hinge", body)
+    second = world.add_joint("slider", world.bodies[3])
+    world.remove(joint)
+    assert world.joints == [second] and second.index == 0 and second.position == 0
+    with pytest.raises(otg.ArgumentError, match="another world"):
+        other.remove(body)
+    world.remove(body)
+    for use in (
+        lambda: body.pose,
+        lambda: body.index,
+        lambda: body.add_force((1, 0, 0)),
+        lambda: world.remove(body),
+        lambda: world.add_joint("ball", body),
+        lambda: joint.position,
+        lambda: world.remove(joint),
+    ):
+        with pytest.raises(otg.ArgumentError, match="removed from its world"):
+            use()
+    assert "removed" in repr(body) and "removed" in repr(joint) and len(world.bodies) == 3
+    world.step(steps=5)
+
+    world.contact_callback = lambda contacts: world.remove(world.bodies[1])
+    with pytest.raises(otg.BusyError, match="callback"):
+        world.step()
+    world.contact_callback = None
+    world.step(steps=2, callback=lambda w: w.remove(w.bodies[-1]))
+    assert len(world.bodies) == 1
+
+
+def test_bodies_come_and_go(box):
+    world = stack()
+    size = len(world.save().exact)
+    for _ in range(50):
+        thrown = world.add(otg.generate.sphere(0.2), pose(0.1, 0, 3.3), velocity=(0, 0, -1))
+        ground = world.add(otg.Terrain(np.zeros((4, 4)), (1, 1)), pose(5, 0, 0))
+        world.step(steps=5)
+        for body in (ground, thrown):
+            world.remove(body)
+    world.step()
+    grown = otg.World()
+    assert len(world.save().exact) <= size + 5 * 1000 and len(world.bodies) == 4
+    for body in list(world.bodies):
+        world.remove(body)
+    world.step()
+    assert world.poses.shape == (0, 4, 4) and len(world.save().exact) == len(grown.save().exact)
+
+
 def test_a_run_does_not_depend_on_how_it_is_cut_or_on_callbacks():
     whole, single, watched = stack(), stack(), stack()
     whole.step(steps=60)
@@ -309,6 +432,16 @@ def test_recordings(tmp_path):
 
     loaded = trimesh.load(tmp_path / "stack.glb")
     assert len(loaded.geometry) >= 1 and loaded.bounds is not None
+
+
+def test_a_recording_is_of_the_bodies_that_it_began_with(tmp_path):
+    world = stack()
+    recording = world.record(dt=0.01, steps=20, every=10)
+    world.remove(world.bodies[1])
+    assert recording.to_frame()["body"].nunique() == 4
+    recording.to_html(tmp_path / "stack.html")
+    with pytest.raises(otg.ArgumentError, match="begin another"):
+        recording.add()
 
 
 def test_pages(tmp_path):

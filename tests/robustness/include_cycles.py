@@ -3,7 +3,7 @@
 """No sources that need each other: prints every cycle of includes and ends with 1 if there is one.
 
     include_cycles.py ROOT                checks the tree at ROOT
-    include_cycles.py --self-test DIR     makes small trees below DIR, with and without a cycle, and expects them told apart
+    include_cycles.py --self-test DIR     makes small trees below DIR, with and without a cycle, and expects them distinguished
 
 A header and the sources of the same name in the same folder are one unit, NAME_impl.h among them, so that a source that
 includes what includes its header is a cycle, too. Inside layers as between them. The same of the folders of a layer: what

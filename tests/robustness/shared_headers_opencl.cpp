@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every header of kernels/shared compiles as OpenCL C 1.2 without a warning, alone and together with all others, in
-// float and (where the device has doubles) in double. Compiles only: what the formulas compute is the business of other
+// Every header of kernels/shared compiles as OpenCL C 1.2 without a warning, alone and together with all others. In
+// float and, where the device has doubles, in double. Compiles only: what the formulas compute is the business of other
 // tests.
 #include <sys/wait.h>
 #include <unistd.h>

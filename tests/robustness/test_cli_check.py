@@ -19,6 +19,16 @@ class Usage(CliTest):
         self.assert_fails(2, "check")
         self.assert_fails(2, "check", mesh, "--frobnicate", says="frobnicate")
 
+    def test_the_nearest_word_is_named(self):
+        mesh = self.writeBox()
+        self.assert_fails(2, "colide", mesh, mesh, says=("'colide'", "did you mean 'collide'?"))
+        self.assert_fails(2, "simulate", "--htlm", "page.html", says="did you mean '--html'?")
+        self.assert_fails(2, "collide", mesh, mesh, "--contcts=solid", says=("'--contcts'", "did you mean '--contacts'?"))
+        self.assert_fails(2, "collide", mesh, mesh, "--jsn", "--repet", "3", says=("'--json'?", "'--repeat'?"))
+        self.assert_fails(2, "bench", "phisics", says="did you mean 'physics'?")
+        for words in (["frobnicate"], ["check"], ["check", mesh, "--frobnicate"]):
+            self.assertNotIn("did you mean", self.run_otg(*words, status=2).stderr)
+
 
 class Check(CliTest):
     KEYS = ("file vertices triangles edges closed manifold oriented degenerate_triangles duplicate_triangles "

@@ -223,7 +223,7 @@ class Collide(CliTest):
             self.assertIn(word, text)
 
     def test_mixtures(self):
-        """Any middle phase with any near phase: the contacts of the CPU."""
+        """Any mid phase with any narrow phase: the contacts of the CPU."""
         mesh = self.write("lump.ply", ply(*lump()))
         arguments = ["collide", mesh, mesh, "--pose", "1.5,0.1,0.3,0.8,0.6,0,0", "--profile"]
         if self.run_json("devices")["used"] is None:

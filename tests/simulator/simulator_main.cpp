@@ -53,12 +53,12 @@ void chooseSimulator(const fs::path& folder, const std::string& library) {
   set("OCLGRIND_LOCAL_MEM_SIZE", localMemory != nullptr ? localMemory : "49152");
   set("OCLGRIND_DATA_RACES", "1");
   set("OCLGRIND_MAX_ERRORS", "1000000");  // those that are meant must not hide others
-  // OCLGRIND_UNINITIALIZED is of no use here: a write to a part of a buffer makes it forget the rest of it, so that it
-  // takes nearly all that kernels read for uninitialised.
+  // OCLGRIND_UNINITIALIZED is of no use here: a write to a part of a buffer makes it forget the rest. So it takes
+  // nearly all that kernels read for uninitialised.
 }
 
-/// Runs it in a child process, whose stderr is the file: so all is written when it ends, even if the simulator ends it,
-/// and a log of the simulator's own would begin anew with each context. -> exit status.
+/// Runs it in a child process, whose stderr is the file: so all is written when it ends, even if the simulator ends it.
+/// A log of the simulator's own would begin anew with each context. -> exit status.
 int runApart(const fs::path& errors, const std::function<int()>& run) {
   std::fflush(nullptr);
   const pid_t child = fork();

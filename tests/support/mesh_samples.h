@@ -63,7 +63,7 @@ inline MeshPtr scaledMesh(const TriMesh& mesh, const Vec3f& by) {
   return moveVertices(mesh, input, ((by.x < 0) != (by.y < 0)) != (by.z < 0)).mesh;
 }
 
-/// A closed prism, z up, whose surface falls from x = -size / 2 and from x = size / 2 to a concave kink at x = 0.
+/// A closed prism, z up. Its surface falls from x = -size / 2 and from x = size / 2 to a concave kink at x = 0.
 inline scenes::MeshArrays makeValley(double leftRise, double rightRise, double size, double below) {
   scenes::MeshArrays mesh;
   const auto half = static_cast<float>(size / 2), bottom = static_cast<float>(-below);

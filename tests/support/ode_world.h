@@ -77,7 +77,7 @@ std::vector<dContactGeom> joinContacts(dWorldID world, dJointGroupID joints, dGe
 void appendPositions(const std::vector<dContactGeom>& contacts, std::vector<unsigned char>& bytes);
 
 /// What is wrong with a pairwise contact of two mesh geoms, in words, or "". From the public getters alone: the
-/// position lies on both triangles, and moving g1's triangle along the normal by the depth brings one of the triangles
+/// position lies on both triangles. Moving g1's triangle along the normal by the depth brings one of the triangles
 /// wholly to one side of the other's plane. `tolerance` is a length.
 const char* contactFault(const dContactGeom& c, double tolerance);
 

@@ -48,9 +48,9 @@ inline bool sameBytes(std::span<const Contact> x, std::span<const Contact> y) {
                     [&](const Contact& a, const Contact& b) { return bits(a) == bits(b); });
 }
 
-/// What the device gives is what the host gives, in the same order and byte for byte (where the device has doubles that
-/// round as the host's, which is what Backend asks of one). With `allStages` pairs and contacts before reduction too,
-/// which are there where the host reduces.
+/// What the device gives is what the host gives, in the same order and byte for byte. For that its doubles must round
+/// as the host's, which Backend requests of a device. With `allStages` pairs and contacts before reduction too, which
+/// are there where the host reduces.
 inline void checkSame(const Workspace& device, const Workspace& host, bool allStages = false) {
   if (allStages) {
     CHECK((device.intersecting == host.intersecting));

@@ -90,7 +90,7 @@ TEST_CASE("no input makes depth or work explode") {
   }
 }
 
-TEST_CASE("what cannot be told apart is halved") {
+TEST_CASE("what cannot be distinguished is halved") {
   for (const NamedMesh& sample : pathologicalMeshes()) {
     if (sample.name != "copies of one triangle" && sample.name != "all in one point" && sample.name != "concentric") {
       continue;

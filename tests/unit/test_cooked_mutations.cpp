@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Cooked meshes that somebody changed on purpose and sealed again. What is loaded all the same is a mesh whose parts
-// agree with each other, found out here a second time and in another way, and every query of it ends without harm.
-// Meant for AddressSanitizer.
+// agree with each other, checked here a second time and in another way. Every query of it ends without harm. Meant for
+// AddressSanitizer.
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -87,7 +87,7 @@ TEST_CASE("a tip that is behind both walls and has come through one of them gets
   CHECK(norm(asked) < 1.5 * std::hypot(1e-3, 2e-3));
 }
 
-TEST_CASE("whether more is met is told alike by the triangles that are near and by the trees") {
+TEST_CASE("the triangles that are near and the trees agree on whether more is met") {
   int begun = 0;
   Workspace workspace, other;
   for (const truth::CertificateFamily& family : truth::certificateFamilies()) {

@@ -48,7 +48,7 @@ TEST_CASE("box, tetrahedron, cylinder and torus have the volume of their formula
 }
 
 TEST_CASE("a torus has the volume that Pappus' theorem gives its polygonal section") {
-  // Between neighbouring sections the surface is ruled by two triangles for each quad, so the volume is that of the
+  // Between neighbouring sections the surface is ruled by two triangles for each quad. So the volume is that of the
   // polygon-swept torus only up to O(1 / segments^2): convergence is what is tested, with the known order.
   const auto error = [](int n) {
     const auto mesh = build(makeTorus(2, 0.5, 2 * n, n));

@@ -120,7 +120,7 @@ TEST_CASE("vertices that are no finite floats are refused and named") {
   CHECK(buildTriMesh({largest.data(), MeshInput::Scalar::kDouble, 0, 3, indices, 0, 1}).mesh);
 }
 
-TEST_CASE("all refusals are told at once") {
+TEST_CASE("all refusals are reported at once") {
   MeshArrays mesh = makeBox({1, 1, 1});
   mesh.vertices[0].x = std::numeric_limits<float>::quiet_NaN();
   mesh.triangles[0].v[0] = 99;

@@ -26,8 +26,8 @@ Matrix3d inertiaOfCovariance(const Matrix3d& c) {
   return c.trace() * Matrix3d::Identity() - c;
 }
 
-/// Integrals over a tetrahedron by its vertex values: the covariance of a uniform tetrahedron about its own centroid g
-/// is V / 20 times the sum over the vertices of (p - g)(p - g)^T.
+/// Integrals over a tetrahedron by its vertex values: a uniform tetrahedron has a covariance about its own centroid g
+/// of V / 20 times the vertices' sum of (p - g)(p - g)^T.
 MassProperties tetrahedron(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d) {
   MassProperties m;
   m.volume = (b - a).cross(c - a).dot(d - a) / 6;

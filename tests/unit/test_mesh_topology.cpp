@@ -95,7 +95,7 @@ TEST_CASE("topology keeps its promises on soups and on hubs with many edges") {
   checkInvariants(makeCylinder(1, 1, 500));
 }
 
-TEST_CASE("components are told by edges and know their volume") {
+TEST_CASE("components are found by edges and know their volume") {
   const MeshArrays box = makeBox({1, 1, 1});
   // Sharing a corner only: two components.
   const MeshArrays two = merge({box, transformed(makeBox({2, 2, 2}), {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {1.5, 1.5, 1.5}})});

@@ -183,7 +183,7 @@ TEST_CASE("two boxes that share a corner are a solid with a non-manifold vertex"
   CHECK(elements[0] < 8);  // the first of the two vertices there
 }
 
-TEST_CASE("fans are told apart on open and badly wound meshes too") {
+TEST_CASE("fans are distinguished on open and badly wound meshes too") {
   // Two triangles that touch in a point only; then two that share an edge, once wound well and once not.
   MeshArrays bowTie{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}}, {{{0, 1, 2}}, {{0, 3, 4}}}};
   CHECK(reportOf(bowTie).nonManifoldVertices == 1);

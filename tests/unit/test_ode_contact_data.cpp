@@ -183,8 +183,8 @@ TEST_CASE("contacts per region are limited by the smaller number of the two geom
 
 TEST_CASE("regions that come near to each other count as one on demand") {
   const OdeSession session;
-  // A table on two soles of 4 x 4 feet, 0.3 from foot to foot, 1.9 from the last foot of one sole to the first of the
-  // other.
+  // A table on two soles of 4 x 4 feet, 0.3 from foot to foot. From the last foot of one sole to the first of the other
+  // it is 1.9.
   std::vector<scenes::MeshArrays> parts{scenes::makeBox({4, 1.2, 0.2}, 1)};
   for (int i = 0; i < 8; ++i) {
     for (int j = 0; j < 4; ++j) {

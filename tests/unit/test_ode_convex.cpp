@@ -156,7 +156,7 @@ struct End {
   Vec3d position, velocity, spin;
 };
 
-/// Puts a body on a ground with its top at z = 0, of 40 x 40 cells of 0.25 where it is a mesh, and lets it go.
+/// Puts a body on a ground with its top at z = 0, and lets it go. A ground that is a mesh has 40 x 40 cells of 0.25.
 End letGo(Ground ground, const std::function<dGeomID(dSpaceID)>& make, const dMass& mass, double height, const Vec3d& v,
           const Vec3d& spin, double tilt, int steps, double mu = 1) {
   const Data sheet(makeSheet(40, 0.25)), slab(scenes::makeGround(10, 1, 40)), large(makeSheet(1, 400));

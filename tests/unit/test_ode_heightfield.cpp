@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mesh geoms on ODE's heightfields: the surface that ODE's own rays meet, the contacts of a mesh of the same triangles,
-// mirrored, wrapped, changing, from below, and in a stepping world.
+// Mesh geoms on ODE's heightfields: the surface that ODE's own rays meet, and the contacts of a mesh of the same
+// triangles. Mirrored, wrapped, changing, from below, and in a stepping world.
 #include <ode/error.h>
 
 #include <cmath>
@@ -409,7 +409,7 @@ TEST_CASE("a callback is asked at each collision, and what it says then holds") 
   dGpuTriMeshHeightfieldDataDestroy(field);
 }
 
-TEST_CASE("a heightfield of which nothing was told is reported once, and can be described afterwards") {
+TEST_CASE("a heightfield that was not described is reported once, and can be described afterwards") {
   const OdeSession session;
   const Data data(scenes::makeBox({1, 1, 1}));
   const Geom box(data);

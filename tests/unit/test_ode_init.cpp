@@ -78,14 +78,14 @@ TEST_CASE("initialising again is harmless and takes no second class") {
   dCloseODE();
 }
 
-TEST_CASE("the class survives closing and starting ODE, with or without being told") {
-  for (const bool told : {true, false, true}) {
+TEST_CASE("the class survives closing and starting ODE, with or without dGpuTriMeshInit()") {
+  for (const bool explicitly : {true, false, true}) {
     startOde();
-    if (told) CHECK(dGpuTriMeshInit() == 1);
+    if (explicitly) CHECK(dGpuTriMeshInit() == 1);
     CHECK(overlapContacts() > 0);
-    if (told) dGpuTriMeshClose();
+    if (explicitly) dGpuTriMeshClose();
     dCloseODE();
-    if (!told) CHECK(dCreateGpuTriMesh(nullptr, nullptr) == nullptr);
+    if (!explicitly) CHECK(dCreateGpuTriMesh(nullptr, nullptr) == nullptr);
   }
 }
 

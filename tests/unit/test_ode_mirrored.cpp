@@ -58,8 +58,8 @@ double difference(Mirror mirror, const dContactGeom& a, const dContactGeom& b) {
 }
 
 /// Bodies at rest overlap by far less: up to here depths may not differ. Of places that are alike within the model's
-/// steps (docs/contacts.md: of ranks, of cells of large regions) another may be chosen, since a mirrored mesh is
-/// numbered otherwise and its cells begin at the other end.
+/// steps (docs/contacts.md: of ranks, of cells of large regions) another may be chosen. A mirrored mesh is numbered
+/// otherwise, and its cells begin at the other end.
 constexpr double kShallow = 0.05;
 
 /// How far contacts and those of the image are apart, pose by pose.

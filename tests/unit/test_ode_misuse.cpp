@@ -194,7 +194,8 @@ TEST_CASE("a callback cannot change the mesh of the collision that asks it") {
   CHECK(dGpuTriMeshDataUpdateRangeSingle(box.id, place, 0, 0, 1) == dGPUTRIMESH_OK);  // afterwards it can
 }
 
-TEST_CASE("a mesh that one thread changes while another collides it: one of the two is told, and nothing breaks") {
+TEST_CASE(
+    "a mesh that one thread changes while another collides it: one of the two gets an error, and nothing breaks") {
   const OdeSession session;
   scenes::MeshArrays lump = scenes::makeLump(0.5, 4, 0.2, 4);
   const Data ground(scenes::makeGround(6, 1, 12)), body(lump);
@@ -205,7 +206,7 @@ TEST_CASE("a mesh that one thread changes while another collides it: one of the 
   dReal aabb[6];
   for (const dGeomID g : {floor.id, geom.id, ball}) dGeomGetAABB(g, aabb);
   std::atomic<bool> done{false};
-  std::atomic<int> busy{0}, changed{0}, told{0}, bad{0};
+  std::atomic<int> busy{0}, changed{0}, refused{0}, bad{0};
   std::thread changer([&] {
     for (int i = 0; i < 300; ++i) {
       for (Vec3f& v : lump.vertices) v.z *= i % 2 == 0 ? 1.001f : 1 / 1.001f;
@@ -222,12 +223,12 @@ TEST_CASE("a mesh that one thread changes while another collides it: one of the 
     for (const dGeomID other : {floor.id, ball}) {
       const auto contacts = test::collide(other, geom.id);
       const int error = dGpuTriMeshGetError();
-      if (error == dGPUTRIMESH_ERROR_BUSY) ++told;
+      if (error == dGPUTRIMESH_ERROR_BUSY) ++refused;
       if (contacts.empty() != (error == dGPUTRIMESH_ERROR_BUSY)) ++bad;
     }
   }
   changer.join();
-  INFO(busy << " updates and " << told << " collisions were told");
+  INFO(busy << " updates and " << refused << " collisions were refused");
   CHECK(bad == 0);
   CHECK(changed + busy == 300);
   CHECK(!test::collide(floor.id, geom.id).empty());
@@ -289,7 +290,7 @@ TEST_CASE("a callback can neither give the geom that is collided other data nor 
   dGeomDestroy(ball);
 }
 
-TEST_CASE("a geom that a callback destroys is gone after the query, which is told, and its data with it") {
+TEST_CASE("a geom that a callback destroys is gone after the query, which gets an error, and its data with it") {
   const OdeSession session;
   const Data box(scenes::makeBox({1, 1, 1}));
   const Geom a(box);
@@ -320,7 +321,8 @@ TEST_CASE("a geom that a callback destroys is gone after the query, which is tol
 }
 
 TEST_CASE(
-    "queries of every kind and changes of the mesh, the data and the scale in two threads: one of the two is told") {
+    "queries of every kind and changes of the mesh, the data and the scale in two threads: one of the two gets an "
+    "error") {
   const OdeSession session;
   scenes::MeshArrays lump = scenes::makeLump(0.5, 4, 0.2, 4);
   const Data ground(scenes::makeGround(6, 1, 12)), body(lump), spare(scenes::makeLump(0.5, 3, 0.2, 5));
@@ -347,8 +349,8 @@ TEST_CASE(
   const dGpuTriMeshPair pair{floor.id, geom.id};
   const dReal points[8] = {0, 0, 0.3, 0, 0.2, 0.1, 5, 0};
   const dGpuTriMeshRay ray{{0.1, 0.2, 5, 0}, {0, 0, -1, 0}, 10};
-  std::atomic<int> answered{0}, told{0};
-  const auto count = [&](int status) { ++(status >= 0 ? answered : status == dGPUTRIMESH_ERROR_BUSY ? told : bad); };
+  std::atomic<int> answered{0}, refused{0};
+  const auto count = [&](int status) { ++(status >= 0 ? answered : status == dGPUTRIMESH_ERROR_BUSY ? refused : bad); };
   for (int rounds = 0; !done || rounds < 10; ++rounds) {
     dGpuTriMeshClosestPoint nearest[2];
     unsigned char inside[2], overlaps = 0;
@@ -376,7 +378,7 @@ TEST_CASE(
                                                                               : dGPUTRIMESH_ERROR_ARGUMENT);
   }
   changer.join();
-  INFO(answered << " answered, " << told << " told; " << changed << " changed, " << refusals << " told");
+  INFO(answered << " answered, " << refused << " refused; " << changed << " changed, " << refusals << " refused");
   CHECK(bad == 0);
   CHECK(answered > 0);
   CHECK(changed + refusals == 240);

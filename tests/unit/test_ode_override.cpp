@@ -183,19 +183,19 @@ TEST_CASE("a mesh is read once, refitted when its vertices move, and built when 
   CHECK(Counts().refits == before.refits + 1);
   CHECK(Counts().builds == before.builds);
 
-  // One vertex moves: found in time, or at once if it is told.
+  // One vertex moves: found in time, or at once if it is announced.
   const auto highest = std::max_element(ball.arrays.vertices.begin(), ball.arrays.vertices.end(),
                                         [](const Vec3f& x, const Vec3f& y) { return x.z > y.z; });  // the lowest
   highest->z -= 0.05f;
   update();
   dGpuTriMeshOverrideDataChanged(ball.id);
-  const auto told = expectedOf(groundData, ballData, other.id);
-  CHECK(alike(collideAnew(floor.id, other.id), told));
+  const auto announced = expectedOf(groundData, ballData, other.id);
+  CHECK(alike(collideAnew(floor.id, other.id), announced));
   CHECK(Counts().refits == before.refits + 2);
   highest->z -= 0.05f;
   update();
   const auto late = expectedOf(groundData, ballData, other.id);
-  CHECK(late[0].depth > told[0].depth + 0.01);
+  CHECK(late[0].depth > announced[0].depth + 0.01);
   std::size_t questions = 0;
   while (questions <= ball.arrays.triangles.size() && !alike(collideAnew(floor.id, other.id), late)) {
     ++questions;

@@ -411,8 +411,8 @@ TEST_CASE("temporal coherence by ODE's names") {
   CHECK(dGeomGpuTriMeshEnableTC(a.id, -1, 1) == dGPUTRIMESH_ERROR_ARGUMENT);
   CHECK(dGeomGpuTriMeshIsTCEnabled(nullptr, own) == dGPUTRIMESH_ERROR_CLASS);
   // The small box came in along x and keeps leaving along x, until the pair is forgotten: then the nearest way is z.
-  // Either geom may be told to forget, whichever of the two remembers.
-  for (const dGeomID told : {a.id, b.id}) {
+  // Either geom may forget, whichever of the two remembers.
+  for (const dGeomID cleared : {a.id, b.id}) {
     dGeomSetPosition(b.id, 0.02, 0, 0.03);
     const dMatrix4 last = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0.05, 0, 0.03, 1};
     dGeomGpuTriMeshSetLastTransform(b.id, last);
@@ -420,9 +420,9 @@ TEST_CASE("temporal coherence by ODE's names") {
     dGeomGpuTriMeshSetLastTransform(b.id, nullptr);
     dGeomSetPosition(b.id, 0.0201, 0, 0.03);
     CHECK(std::abs(test::collide(a.id, b.id)[0].normal[0]) > 0.9);
-    REQUIRE(dGeomGpuTriMeshClearTCCache(told) == dGPUTRIMESH_OK);
+    REQUIRE(dGeomGpuTriMeshClearTCCache(cleared) == dGPUTRIMESH_OK);
     CHECK(std::abs(test::collide(a.id, b.id)[0].normal[2]) > 0.9);
-    dGeomGpuTriMeshClearTCCache(told);
+    dGeomGpuTriMeshClearTCCache(cleared);
   }
   CHECK(dGeomGpuTriMeshClearTCCache(nullptr) == dGPUTRIMESH_ERROR_CLASS);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Prefetching: a world that prefetches goes on with the same bytes as one that does not, and dCollide takes what is
-// ready only where it is what it would compute.
+// Prefetching: a world that prefetches goes on with the same bytes as one that does not. dCollide takes what is ready
+// only where it is what it would compute.
 #include "support/catch.h"
 #include "support/ode_trimesh.h"
 #include "support/pile_world.h"

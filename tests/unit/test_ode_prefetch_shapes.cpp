@@ -278,7 +278,7 @@ TEST_CASE("whatever differs from a prefetched shape is computed") {
       if (kind == Kind::kCylinder) dGeomCylinderSetParams(pair.shape[i], 0.26, 0.4);
       if (kind == Kind::kPlane) dGeomPlaneSetParams(pair.shape[i], 0, 1, 0, -0.2);
     });
-    if (kind == Kind::kConvex) pair.convex.points()[0] += 0.01;  // in place, which ODE is not told
+    if (kind == Kind::kConvex) pair.convex.points()[0] += 0.01;  // in place, of which ODE is not informed
     CHECK(!pair.taken());
     prefetch();
     CHECK(pair.taken());

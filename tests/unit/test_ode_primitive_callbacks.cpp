@@ -15,7 +15,7 @@ using namespace otg::test;
 namespace {
 
 struct Log {
-  std::set<int> asked, told, rejected;
+  std::set<int> asked, reported, rejected;
   int times = 0, lists = 0;
   dGeomID other = nullptr;
   void clear() { *this = Log{}; }
@@ -37,7 +37,7 @@ int askTheirs(dGeomID, dGeomID, int triangle) {
 void tellOurs(dGeomID, dGeomID, const int* triangles, int count) {
   CHECK(std::is_sorted(triangles, triangles + count));
   CHECK(ours.asked.empty());
-  ours.told.insert(triangles, triangles + count);
+  ours.reported.insert(triangles, triangles + count);
   ++ours.lists;
 }
 int askRay(dGeomID, dGeomID, int triangle, dReal, dReal) {
@@ -85,7 +85,7 @@ bool namesOnly(const std::vector<dContactGeom>& contacts, const std::set<int>& t
 
 }  // namespace
 
-TEST_CASE("with ODE's shapes the triangles that are touched are told and asked about, and ODE asks about them, too") {
+TEST_CASE("with ODE's shapes array and triangle callbacks get the triangles that are touched, as they do from ODE") {
   const OdeSession session;
   const Twins twins(scenes::makeGround(4, 0.5, 24, [](double x, double y) { return 0.1 * std::sin(3 * x) * y; }));
   std::mt19937 random(7);
@@ -111,7 +111,7 @@ TEST_CASE("with ODE's shapes the triangles that are touched are told and asked a
       ++touching;
       REQUIRE(ours.lists == 1);
       REQUIRE(ours.other == shape);
-      REQUIRE(ours.told == ours.asked);
+      REQUIRE(ours.reported == ours.asked);
       REQUIRE(ours.times == static_cast<int>(ours.asked.size()));  // each once
       REQUIRE(std::includes(theirs.asked.begin(), theirs.asked.end(), ours.asked.begin(), ours.asked.end()));
       REQUIRE(namesOnly(plain, ours.asked));
@@ -198,10 +198,10 @@ TEST_CASE("a plane, which ODE asks nobody about, and a heightfield are asked abo
     ours.clear();
     CHECK(sameContacts(test::collide(mesh.id, other), plain));
     dGeomGpuTriMeshSetArrayCallback(mesh.id, nullptr);
-    CHECK(ours.told.size() ==
+    CHECK(ours.reported.size() ==
           (other == plane ? 8u : 0u) + 16u);  // the foot of the walls; below a plane the bottom, too
     CHECK(namesOnly(plain, ours.asked));
-    const int wall = *ours.told.rbegin();
+    const int wall = *ours.reported.rbegin();
     const std::set<int> all = ours.asked;
     ours.clear();
     ours.rejected = all;

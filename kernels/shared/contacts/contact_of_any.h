@@ -3,11 +3,11 @@
 // meet is seen from the result: a triangle lies beyond the other's plane, or the two intervals on the line in which the
 // planes meet are apart. Where the result says that they meet, the contact is otgPairwiseContact's, bit by bit.
 //
-// The bounds. `unit` is 32 units of roundoff u. A distance to a plane is known to within 8 u M / m + 10 u of the
-// distance to the plane's first corner (M: product of the largest parts of two edges; m: largest part of their cross
-// product); `unit` (1 + M / m) is twice that. Let E bound both distances of a side that crosses the plane, and d be
-// their difference. If both are larger than 2 E, the place of the crossing on the side is known to within 2 E / |d|. 4
-// E / |d| + `unit` of the side's length and `unit` of the coordinates cover that and all rounding twice.
+// The bounds. `unit` is 32 units of roundoff u. A distance to a plane is known to within 8 u M / m + 10 u times that to
+// its first corner (M: product of the largest parts of two edges; m: largest part of their cross product); `unit` (1 +
+// M / m) is twice that. Let E bound both distances of a side that crosses the plane, and d be their difference. If both
+// are larger than 2 E, the place of the crossing on the side is known to within 2 E / |d|. 4 E / |d| + `unit` of the
+// side's length and `unit` of the coordinates cover that and all rounding twice.
 #if defined(OTG_REAL_DOUBLE) ? !defined(OTG_SHARED_CONTACT_OF_ANY_D) : !defined(OTG_SHARED_CONTACT_OF_ANY_F)
 #ifdef OTG_REAL_DOUBLE
 #define OTG_SHARED_CONTACT_OF_ANY_D

@@ -32,7 +32,7 @@ OTG_INLINE otg_uint otgGridAlong(double x, double scale) {
   return c > 0 ? (c < 8 ? OTG_UINT(c) : 7u) : 0u;
 }
 
-/// The cell of a point in a grid of 8 x 8 x 8 with the lowest corner `lo` and `scale` cells for one unit of length.
+/// The cell of a point in a grid of 8 x 8 x 8. Its lowest corner is `lo`, with `scale` cells for one unit of length.
 OTG_INLINE otg_uint otgGridCell(otg_grid_point p, otg_grid_point lo, double scale) {
   return otgGridAlong(p.x - lo.x, scale) | otgGridAlong(p.y - lo.y, scale) << 3 | otgGridAlong(p.z - lo.z, scale) << 6;
 }

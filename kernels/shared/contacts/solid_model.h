@@ -59,10 +59,10 @@ namespace otg {
 /// Overlaps thicker than this part of their diagonal are deep: the shortest way out replaces the push.
 #define OTG_SOLID_DEEP 0.06
 
-/// Of a deep region the ways out are compared along the push, whose way counts this much, along the direction of the
-/// pair's last deep region, which is kept while it is nearly as short, and along up to so many main
-/// directions of the faces of either mesh that go with the push (by this cosine at least). Normals that agree to 15
-/// degrees are one direction; so many are told apart.
+/// Of a deep region three kinds of ways out are compared. One is along the push, whose way counts this much. One is
+/// along the direction of the pair's last deep region, which is kept while it is nearly as short. Others are along up
+/// to so many main directions of the faces of either mesh that go with the push, by this cosine at least. Normals that
+/// agree to 15 degrees are one direction; so many are distinguished.
 #define OTG_SOLID_PUSH_SHARE 0.98
 #define OTG_SOLID_LAST_SHARE 0.85
 #define OTG_SOLID_DEEP_FACES 6
@@ -205,8 +205,8 @@ OTG_GENERIC REAL OTG_NAME(otgHitPlane)(otg_int mesh, OTG_VEC3 p, OTG_VEC3 q, con
   return at < 0 ? OTG_REAL(0) : 1 < at ? OTG_REAL(1) : at;
 }
 
-/// Does a crossing of drift x come before one of drift y on their edge, at (nearly) the same place, once A has been
-/// moved by (e, e^2, e^3)?
+/// For two crossings at (nearly) the same place of their edge: does drift x come before drift y once A has been moved
+/// by (e, e^2, e^3)?
 OTG_GENERIC otg_int OTG_NAME(otgDriftsBefore)(OTG_VEC3 x, OTG_VEC3 y) {
   const REAL a[3] = {x.x, x.y, x.z}, b[3] = {y.x, y.y, y.z};
   for (int k = 0; k < 3; ++k) {
@@ -258,11 +258,10 @@ OTG_GENERIC REAL OTG_NAME(otgWithin)(REAL x, REAL low, REAL high) {
   return x < low ? low : high < x ? high : x;
 }
 
-/// How much B's surface counts where the sides say different things (A's counts the rest), from their directions `a`
-/// and `b`, the region's, and the sides' coherences. Where the faces of the two sides differ in direction, an edge or
-/// corner of one body is in a face of the other, and the face says where out is. It is found as the direction between
-/// the two that is nearest to the region's vector area, which holds the sides of that edge, too. A curved side is no
-/// face.
+/// How much B's surface counts where the sides say different things; A's counts the rest. From their directions `a` and
+/// `b`, the region's, and the sides' coherences. Where the faces of the two sides differ in direction, an edge or
+/// corner of one body is in a face of the other. The face says where out is. It is found as the direction between the
+/// two that is nearest to the region's vector area, which holds the sides of that edge, too. A curved side is no face.
 OTG_GENERIC REAL OTG_NAME(otgShareOfB)(OTG_VEC3 a, OTG_VEC3 b, OTG_VEC3 mean, REAL coherenceA, REAL coherenceB) {
   const OTG_VEC3 d = OTG_NAME(otgSub)(b, a), middle = OTG_NAME(otgScale)(OTG_NAME(otgAdd)(a, b), OTG_REAL(0.5));
   const REAL t = OTG_NAME(otgDot)(OTG_NAME(otgSub)(mean, middle), d) /
@@ -329,8 +328,8 @@ OTG_GENERIC OTG_STRETCH_PASS OTG_NAME(otgPassOfStretches)(OTG_VEC3 apart, OTG_VE
 }
 
 /// Whether the depth that rays measured is that of a side of a face and not of the face ahead. Where edges cross at the
-/// rim of a face a ray along the normal runs in the side wall, and rounding says how soon it leaves. The region's
-/// planes and the crossing of the edges tell better there. `passes`: OTG_STRETCH_PASS::way, or 0.
+/// rim of a face, a ray along the normal runs in the side wall. Rounding says how soon it leaves. The region's planes
+/// and the crossing of the edges tell better there. `passes`: OTG_STRETCH_PASS::way, or 0.
 OTG_GENERIC otg_int OTG_NAME(otgLeavesBeside)(REAL measured, REAL estimate, REAL passes) {
   return measured < (1 - OTG_REAL(OTG_SOLID_AGREES)) * (estimate < passes ? estimate : passes);
 }

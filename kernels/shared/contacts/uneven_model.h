@@ -22,11 +22,11 @@ namespace otg {
 #define OTG_UNEVEN_SURELY (1 + 1e-8)
 /// The same for limits of ways.
 #define OTG_UNEVEN_WITHIN (1 + 1e-6)
-/// A face is that of a curved surface beside another one whose normal is turned by less than a sharp edge's, and more
-/// than by rounding.
+/// A face is that of a curved surface beside another one whose normal is turned by less than a sharp edge's. It is
+/// turned by more than rounding.
 #define OTG_UNEVEN_TURNED (1 - 1e-6)
-/// The translation that parts ask for is so many times the deepest part's way, at most. A body that is jammed between two
-/// walls is not asked to leave them at their end.
+/// The translation that parts ask for is so many times the deepest part's way, at most. A body that is jammed between
+/// two walls is not asked to leave them at their end.
 #define OTG_UNEVEN_LONGEST 10
 /// Through a face that faces along by less no way leads.
 #define OTG_UNEVEN_LEAST_COSINE 0.05
@@ -66,8 +66,8 @@ OTG_GENERIC REAL OTG_NAME(otgWayThrough)(REAL depth, REAL cosine) {
   return way > 0 ? way : OTG_REAL(0);
 }
 
-/// How far a contact that is to go so far may be asked to go, from the distance of its point from the surface that
-/// faces its way. No surface farther than otgEnoughToGo matters.
+/// How far a contact that is to go so far may request to go. From the distance of its point from the surface that faces
+/// its way. No surface farther than otgEnoughToGo matters.
 OTG_GENERIC REAL OTG_NAME(otgEnoughToGo)(REAL way) {
   return OTG_REAL(OTG_UNEVEN_WITHIN) * way / OTG_REAL(OTG_SOLID_NEIGHBOURHOOD);
 }

@@ -30,8 +30,8 @@ typedef struct {
   otg_uint rank;            ///< along the edge
   otg_uint triangle;
   otg_uint table;  ///< of the region whose root this crossing is, once it is large
-  /// The number along the edge of the stretch inside that this crossing ends (where the edge leaves the other mesh), or
-  /// that begins at the last one; or OTG_NOT_THERE.
+  /// The number along the edge of the inside stretch that ends here (the edge leaves the other mesh), or begins at the
+  /// last one; or OTG_NOT_THERE.
   otg_uint stretch;
 } otg_crossing;
 
@@ -48,8 +48,8 @@ typedef struct {
   otg_uint clusters[2];  ///< elements
   otg_uint vertices[2];
   otg_uint elements;  ///< all
-  // In the array of marks, which is 0 between queries: by edge the first crossing of its list (slot + 1), by triangle
-  // the first hit of its list (number + 1), by cluster whether an edge of it is crossed.
+  // In the array of marks, which is 0 between queries: by edge the first crossing of its list (slot + 1); by triangle
+  // the first hit of its list (number + 1); by cluster whether an edge of it is crossed.
   otg_uint edgeMarks[2], triangleMarks[2], mixedMarks[2];
   otg_uint marks;  ///< all
 } otg_overlap_sizes;

@@ -19,7 +19,7 @@ OTG_TWO_WORD_ELEMENT(otg_number_pair)
 /// Of one step of the middle phase alone.
 OTG_WORD_ELEMENT(otg_step_counter)
 /// What work-groups of scanOnce tell each other; OTG_SCAN_WORDS for each. The number of groups that have begun.
-OTG_WORD_ELEMENT(otg_told_sum)
+OTG_WORD_ELEMENT(otg_scan_status)
 OTG_WORD_ELEMENT(otg_scan_ticket)
 #define OTG_SCAN_WORDS 8
 
@@ -155,7 +155,7 @@ OTG_STRUCTURE(ScanOnes, "scanBlocks")
   X(value, otg_uint, sumsBegin)
 OTG_STRUCTURE(ScanTwos, "scanBlocks")
 
-/// `places` may be `values`. `turn`: a multiple of 4 that no scan before had for this `told`. `total[totalAt]` gets the
+/// `places` may be `values`. `turn`: a multiple of 4 that no scan before had for this `status`. `total[totalAt]` gets the
 /// sum of all.
 #define OTG_GIVEN_OnceOnes(X, AND)      \
   X(aliasRead, otg_one_sum, values) AND \
@@ -163,7 +163,7 @@ OTG_STRUCTURE(ScanTwos, "scanBlocks")
   X(value, otg_uint, count) AND         \
   X(alias, otg_one_sum, total) AND      \
   X(value, otg_uint, totalAt) AND       \
-  X(write, otg_told_sum, told) AND      \
+  X(write, otg_scan_status, status) AND \
   X(write, otg_scan_ticket, ticket) AND \
   X(value, otg_uint, turn)
 OTG_STRUCTURE(OnceOnes, "scanOnce")
@@ -173,7 +173,7 @@ OTG_STRUCTURE(OnceOnes, "scanOnce")
   X(value, otg_uint, count) AND          \
   X(alias, otg_two_sums, total) AND      \
   X(value, otg_uint, totalAt) AND        \
-  X(write, otg_told_sum, told) AND       \
+  X(write, otg_scan_status, status) AND \
   X(write, otg_scan_ticket, ticket) AND  \
   X(value, otg_uint, turn)
 OTG_STRUCTURE(OnceTwos, "scanOnce")

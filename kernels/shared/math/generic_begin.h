@@ -27,8 +27,8 @@
 #define OTG_NAME(name) name
 #define OTG_VEC3 Vec3<REAL>
 #define OTG_TRANSFORM Transform<REAL>
-// Always inlined, so that a caller compiled for a wider instruction set gets the formula in that instruction set, and
-// no copy compiled for it is left for the linker to choose.
+// Always inlined, so that a caller compiled for a wider instruction set gets the formula in that instruction set. No
+// copy compiled for it is left for the linker to choose.
 #define OTG_GENERIC     \
   template <class REAL> \
   [[gnu::always_inline]] inline

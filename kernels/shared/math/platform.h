@@ -6,10 +6,10 @@
 //     OTG_GENERIC REAL OTG_NAME(otgDot)(OTG_VEC3 a, OTG_VEC3 b) { ... }
 //
 // As C++ that is a function template (called as otgDot(a, b)); REAL may be float, double or a SIMD vector class with
-// the usual operators. As OpenCL C the header is included once with OTG_REAL_FLOAT (names end in _f) and, where the
-// device has doubles, once more with OTG_REAL_DOUBLE (names end in _d). Such headers therefore have one include guard
-// per precision, so that several of them may include the same third one; C++, where OTG_REAL_DOUBLE is not defined,
-// uses the first. See generic_begin.h and generic_end.h, and vec3.h for an example.
+// the usual operators. OpenCL C includes the header once with OTG_REAL_FLOAT (names end in _f). Where the device has
+// doubles it does so again with OTG_REAL_DOUBLE (names end in _d). Such headers therefore have one include guard per
+// precision, so that several of them may include the same third one; C++, where OTG_REAL_DOUBLE is not defined, uses
+// the first. See generic_begin.h and generic_end.h, and vec3.h for an example.
 #ifndef OTG_SHARED_PLATFORM_H
 #define OTG_SHARED_PLATFORM_H
 

@@ -4,8 +4,8 @@
 // leave early.
 //
 // Source of the method: C. Ericson, Real-Time Collision Detection (2005), 4.4.1. What differs is the error term: the
-// usual enlargement of |R| scales with the boxes and misses flat ones (rounding scales with the distance from the
-// frames' origins instead), so a term that covers the whole computation is added to the right-hand side once.
+// usual enlargement of |R| scales with the boxes and misses flat ones, since rounding scales with the distance from the
+// frames' origins. So a term that covers the whole computation is added to the right-hand side once.
 #if defined(OTG_REAL_DOUBLE) ? !defined(OTG_SHARED_BOX_TEST_D) : !defined(OTG_SHARED_BOX_TEST_F)
 #ifdef OTG_REAL_DOUBLE
 #define OTG_SHARED_BOX_TEST_D

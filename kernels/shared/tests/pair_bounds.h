@@ -16,8 +16,8 @@
 /// See rotation_tolerance.h.
 #define OTG_ROTATION_TOLERANCE 1e-3
 #define OTG_RELATIVE_ROTATION_TOLERANCE (OTG_ROTATION_TOLERANCE * (2 + OTG_ROTATION_TOLERANCE))
-/// In float the cube of the size must not overflow (the filter would only answer "cannot tell", but inf - inf in a box
-/// gap must not arise either).
+/// In float the cube of the size must not overflow. The filter would only leave the pair undecided, but inf - inf in a
+/// box gap must not arise either.
 #define OTG_LARGEST_SCALE 1e37
 #endif
 
@@ -76,16 +76,16 @@ OTG_GENERIC OTG_PAIR_BOUNDS OTG_NAME(otgPairBounds)(OTG_TRANSFORM m, REAL defect
     out.rowNorm = OTG_MAX(out.rowNorm, OTG_NAME(otgLength)(row));
   }
   out.scale = radiusA + radiusB * out.rowNorm + OTG_NAME(otgLength)(out.t);
-  // Boxes: a gap along a face or edge axis is a sum of at most 17 rounded terms whose magnitudes add up to `scale` at
-  // most (rows of R have norm 1, so Cauchy-Schwarz bounds the rotated centre and extents by the radius); 21 u scale for
+  // Boxes: a gap along a face or edge axis is a sum of at most 17 rounded terms. Their magnitudes add up to `scale` at
+  // most: rows of R have norm 1, so Cauchy-Schwarz bounds the rotated centre and extents by the radius; 21 u scale for
   // the face axes of B and 32 u scale for edge axes bound the whole.
   //
-  // Where R is not orthonormal (a matrix is used as given) the tests still take the columns r_j of R for B's axes and
-  // for each other's cross products. With E = R^T R - 1 and e for the extents of a box of B, B reaches
-  // sum_k e_k |(1 + E)_kj| along r_j, not e_j: off by |e| |E| at most. Along a_i x r_j it reaches e_k |cof(R)_il| + ..,
-  // not e_k |R_il| + ..; the singular values s of R differ from those of its cofactors by s2 s3 - s1, about half of
-  // what E's eigenvalues add up to, so this is off by less than |e| |E| too (0.87, and 0.003 for the second order at
-  // the largest defect). A box lies within the mesh's bounds, so |e| <= sqrt(3) radius: 2 > sqrt(3) covers both.
+  // A matrix is used as given. Where R is not orthonormal the tests still take its columns r_j for B's axes and for
+  // each other's cross products. Let E = R^T R - 1, and e be the extents of a box of B. B reaches sum_k e_k |(1 +
+  // E)_kj| along r_j, not e_j: off by |e| |E| at most. Along a_i x r_j it reaches e_k |cof(R)_il| + .., not e_k |R_il|
+  // + ..; the singular values s of R differ from its cofactors' by s2 s3 - s1, about half of the sum of E's
+  // eigenvalues. So this is off by less than |e| |E|, too (0.87, and 0.003 for the second order at the largest defect).
+  // A box lies within the mesh's bounds, so |e| <= sqrt(3) radius: 2 > sqrt(3) covers both.
   out.placement =
       16 * doubleUnit * (OTG_NAME(otgLength)(originA) + OTG_NAME(otgLength)(originB) * out.rowNorm + out.scale);
   // The last term is for numbers so small that a device flushes them to zero.

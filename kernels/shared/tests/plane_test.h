@@ -3,11 +3,11 @@
 // triangle-triangle test, as a filter. A value whose magnitude exceeds its bound has the sign that exact arithmetic
 // gives.
 //
-// Bound: let the rows of the determinant be differences of points, each known to within `delta` per coordinate, and l
-// the 1-norms of the computed rows enlarged by 6 delta. Evaluating the determinant costs at most 8 u l1 l2 l3 (Shewchuk
-// 1997 has (7 + 56 u) u times the permanent, which the product of 1-norms majorises); moving its rows by 2 delta costs
-// at most 2 delta (l2 l3 + l1 l3 + l1 l2) by multilinearity. Both are rounded up here to absorb the rounding of the
-// bound itself.
+// Bound: let the rows of the determinant be differences of points, each known to within `delta` per coordinate. Let l
+// be the 1-norms of the computed rows, enlarged by 6 delta. Evaluating the determinant costs at most 8 u l1 l2 l3.
+// Shewchuk 1997 has (7 + 56 u) u times the permanent, which the product of 1-norms majorises; moving its rows by 2
+// delta costs at most 2 delta (l2 l3 + l1 l3 + l1 l2) by multilinearity. Both are rounded up here to absorb the
+// rounding of the bound itself.
 #if defined(OTG_REAL_DOUBLE) ? !defined(OTG_SHARED_PLANE_TEST_D) : !defined(OTG_SHARED_PLANE_TEST_F)
 #ifdef OTG_REAL_DOUBLE
 #define OTG_SHARED_PLANE_TEST_D

@@ -2,8 +2,8 @@
 // A point against boxes and triangles: nearest points, and whether rays from it meet them.
 //
 // What a search through a tree finds must not depend on the tree, or on the order in which it is gone through: boxes
-// are taken for nearer than they are by more than the rounding of their test, and a triangle, whose nearest point or
-// crossing is worthless where it is a sliver, counts by its own box as well, which every tree's boxes hold.
+// are taken for nearer than they are by more than the rounding of their test. A triangle counts by its own box as well,
+// since its nearest point or crossing is worthless where it is a sliver. Every tree's boxes hold that box.
 #if defined(OTG_REAL_DOUBLE) ? !defined(OTG_SHARED_POINT_TEST_D) : !defined(OTG_SHARED_POINT_TEST_F)
 #ifdef OTG_REAL_DOUBLE
 #define OTG_SHARED_POINT_TEST_D
@@ -208,9 +208,9 @@ OTG_GENERIC OTG_VEC3 OTG_NAME(otgRayAlong)(OTG_VEC3 d) {
 }
 
 /// Whether a triangle counts as hit, by itself: 0 if not, 1 from the front, 2 from behind. `at`: where, in lengths of
-/// the direction; no earlier than where the ray enters the triangle's box, wider by `reach` (otgRayReach), so that a
-/// search that passes over boxes which begin later than a hit passes over no triangle that counts as nearer. `along`
-/// and `inverse`: otgRayAlong of d, and 1 / its parts.
+/// the direction; no earlier than where the ray enters the triangle's box, wider by `reach` (otgRayReach). So a search
+/// that passes over boxes that begin later than a hit passes over no triangle that counts as nearer. `along` and
+/// `inverse`: otgRayAlong of d, and 1 / its parts.
 OTG_GENERIC int OTG_NAME(otgRayHitsTriangle)(OTG_VEC3 o, OTG_VEC3 d, OTG_VEC3 along, OTG_VEC3 inverse, OTG_VEC3 a,
                                              OTG_VEC3 b, OTG_VEC3 c, REAL reach, REAL* at) {
   const OTG_VEC3 wider = OTG_NAME(otgVec)(reach, reach, reach);

@@ -37,8 +37,8 @@ OTG_GENERIC int OTG_NAME(otgTriangleApartFromBox)(const OTG_VEC3* corner, OTG_VE
     size = OTG_MAX(size, OTG_ABS(v[k].x) + OTG_ABS(v[k].y) + OTG_ABS(v[k].z));
   }
   // 1-norms: of any corner (`size`), of corners and extents together (`reach`). Edges are known to 2 error, so a
-  // normal's coordinate is off by at most 4 error |e| (1-norm) + rounding, and its projections by that times `reach`,
-  // plus the corner's own error times |n|_1 <= |e0| |e1|. All constants are doubled for the roundings of the
+  // normal's coordinate is off by at most 4 error |e| (1-norm) + rounding. Its projections are off by that times
+  // `reach`, plus the corner's own error times |n|_1 <= |e0| |e1|. All constants are doubled for the roundings of the
   // evaluation.
   reach = size + extent.x + extent.y + extent.z + error;
   n = OTG_NAME(otgCross)(e[0], e[1]);

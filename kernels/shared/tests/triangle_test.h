@@ -61,8 +61,8 @@ OTG_GENERIC int OTG_NAME(otgTrianglesFilter)(OTG_FILTER_ERROR e, const OTG_VEC3*
   pa = sideA & 7;
   pb = sideB & 7;
   if ((pa | sideA >> 3) != 7 || (pb | sideB >> 3) != 7) return OTG_UNDECIDED;
-  // Both cross the other's plane properly. Rotate each so that its first corner is alone on its side, and order the
-  // other two so that this corner sees the other triangle from the positive side.
+  // Both cross the other's plane properly. Rotate each so that its first corner is alone on its side. Order the other
+  // two so that this corner sees the other triangle from the positive side.
   ia = (pa == 1 || pa == 6) ? 0 : (pa == 2 || pa == 5) ? 1 : 2;
   ib = (pb == 1 || pb == 6) ? 0 : (pb == 2 || pb == 5) ? 1 : 2;
   // No places that are only known when it runs: they would keep the corners out of a device's registers.

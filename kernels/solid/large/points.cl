@@ -119,9 +119,9 @@ OTG_INLINED void otgOfferAll(const otg_offers* s) {
   }
 }
 
-/// Sums up what the cells of each region say of where out is, and finds how deep the deepest candidate of each kind in
-/// each cell is. Every work-group adds all cells of its pair up: they are few. The last one of a pair takes the room
-/// for its results.
+/// Sums up what the cells of each region say of where out is. Finds how deep the deepest candidate of each kind in each
+/// cell is. Every work-group adds all cells of its pair up: they are few. The last one of a pair takes the room for its
+/// results.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapDepths(
     __global const otg_overlap_pair* restrict pairs, __global const float4* restrict meshes,
     __global otg_overlap_state* restrict states, __global otg_crossing* restrict crossings,
@@ -324,11 +324,11 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
     if (i < OTG_COUNTERS_READ) head->counters[i] = counted;
   }
   if (lane == 0) {
-    __global otg_overlap_totals* told = (__global otg_overlap_totals*)out;
+    __global otg_overlap_totals* totalsOut = (__global otg_overlap_totals*)out;
     const uint unitsOfAll = otgTakeNow(&totals->units);
-    told->tables = otgTakeNow(&totals->tables);
-    told->units = get_num_groups(1) == 1 ? first + units : unitsOfAll;
-    told->done = otgTakeNow(&totals->done);
-    told->unused = 0;
+    totalsOut->tables = otgTakeNow(&totals->tables);
+    totalsOut->units = get_num_groups(1) == 1 ? first + units : unitsOfAll;
+    totalsOut->done = otgTakeNow(&totals->done);
+    totalsOut->unused = 0;
   }
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the pieces of each region say: how faces count for normals, planes for ways out, and main directions of deep
-// regions. Several work-groups for each region, of which the first OTG_WEIGH_FIXED have a task of their own and the
-// others weigh faces, OTG_WEIGH_PARTS lanes to a face. As the beginnings of region_normals.cpp, region_contacts.cpp and
-// escape.cpp in collide/solid.
+// regions. Several work-groups for each region. The first OTG_WEIGH_FIXED have a task of their own, the others weigh
+// faces, OTG_WEIGH_PARTS lanes to a face. As the beginnings of region_normals.cpp, region_contacts.cpp and escape.cpp
+// in collide/solid.
 //
 // OTG_GROUP: size of work-groups; OTG_WEIGH_GROUPS: how many there are for each region.
 #define OTG_SOLID_POINTS OTG_WORK_CANDIDATES

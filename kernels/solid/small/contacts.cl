@@ -96,9 +96,9 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidContac
   }
 }
 
-/// The lists one after the other, in the places that placeContacts made, and the records of pairs that are left to
-/// the host (of those whose hits lie side by side) in a list of their own. The place of such a pair becomes its number
-/// of intersecting pairs of triangles. The last kernel.
+/// The lists one after the other, in the places that placeContacts made. Records of pairs that are left to the host,
+/// and whose hits lie side by side, are in a list of their own. The place of such a pair becomes its number of
+/// intersecting pairs of triangles. The last kernel.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidWrite(
     __global uint* restrict counters, __global const otg_chosen_contact* restrict lists, uint room, uint pairs,
     __global uchar* results, uint contactRoom, __global const otg_pair_state* restrict states,

@@ -10,8 +10,8 @@ namespace otg {
 /// and SolidOptions::convexPath is set. May throw std::bad_alloc.
 bool isConvexPair(const Query& query);
 
-/// Contacts from the direction of the least overlap, all of them with it as their normal -> workspace.contacts and
-/// workspace.reduced, which is the answer with the meshes' own triangle numbers. No triangles are looked at.
+/// Contacts from the direction of the least overlap, which is the normal of all -> workspace.contacts and
+/// workspace.reduced. The latter is the result, with the meshes' own triangle numbers. No triangles are looked at.
 /// docs/contacts.md tells the model. Takes memory only where the workspace's is too small. Throws what middlePhase
 /// throws.
 ///

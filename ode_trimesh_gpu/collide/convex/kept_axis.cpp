@@ -47,9 +47,8 @@ bool isOfPose(const ConvexPair& pair, const SolidHistory::KeptAxis& kept) {
 }
 
 // The body of differences has the face with the normal m at the distance o, the overlap. Around the origin's foot it
-// holds a disc of radius r. In a direction that makes an angle t with m the overlap is at least o cos t + r sin t,
-// which is more than o up to the right angle. Beyond that the disc and the body's farthest point against m say the
-// same.
+// holds a disc of radius r. In a direction that makes an angle t with m the overlap is at least o cos t + r sin t. That
+// is more than o up to the right angle. Beyond that the disc and the body's farthest point against m say the same.
 bool isStillLeast(const ConvexPair& pair, const SolidHistory::KeptAxis& kept, double size, ConvexAxis& axis) {
   const auto of = static_cast<ConvexAxis::Of>(kept.of);
   if (of != ConvexAxis::Of::kFaceA && of != ConvexAxis::Of::kFaceB) return false;

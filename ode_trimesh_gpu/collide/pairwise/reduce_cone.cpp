@@ -13,7 +13,7 @@ namespace otg {
 namespace {
 
 /// Farthest-first growth of a cone. The distance of a wrench from a growing cone never rises, so the last known
-/// distance is an upper bound and only the wrench on top of a queue has to be brought up to date. The residual of a
+/// distance is an upper bound. Only the wrench on top of a queue has to be brought up to date. The residual of a
 /// projection tells which new rays matter to it (those with a positive component along it); most do not, and then
 /// nothing is solved.
 class ConeGreedy {

@@ -16,8 +16,8 @@ namespace otg {
 /// centre, so that extreme positions and normals win) stays. Order of the result: by (triangleA, triangleB, feature).
 std::vector<Contact> reduceByBinning(std::span<const Contact> contacts, const std::array<int, 6>& bins);
 
-/// Keeps contacts whose wrenches [n, (p - c) x n / r] (c the mean position, r the largest distance from it) span the
-/// convex cone of all wrenches: every dropped wrench is a non-negative combination of the kept ones to within
+/// Keeps contacts whose wrenches [n, (p - c) x n / r] span the convex cone of all wrenches; c is the mean position, r
+/// the largest distance from it. every dropped wrench is a non-negative combination of the kept ones to within
 /// `tolerance` (distance over length of the wrench).
 std::vector<Contact> reduceToCone(std::span<const Contact> contacts, double tolerance = 1e-3);
 
@@ -25,9 +25,9 @@ std::vector<Contact> reduceToCone(std::span<const Contact> contacts, double tole
 /// with centre and scale taken from `all`.
 double distanceToCone(const Contact& contact, std::span<const Contact> kept, std::span<const Contact> all);
 
-/// At most `count`: the deepest of every region first (deepest regions first when there are more regions than places),
-/// then farthest-point in position and normal over the rest up to 1,024 places (beyond which spreading no longer
-/// matters but costs), then the deepest of what is left. Deepest first in the result, ties by ids.
+/// At most `count`: the deepest of every region first, deepest regions first when there are more regions than places.
+/// Then farthest-point in position and normal over the rest, up to 1,024 places, beyond which spreading costs more than
+/// it gives. Then the deepest of what is left. Deepest first in the result, ties by ids.
 std::vector<Contact> limitContacts(std::span<const Contact> contacts, int count);
 /// The same into `out`, which is none of the contacts' own vector.
 void limitContacts(std::span<const Contact> contacts, int count, std::vector<Contact>& out);

@@ -16,8 +16,8 @@ Vec3d asDouble(const Vec3f& v) {
   return {v.x, v.y, v.z};
 }
 
-/// By how much the cosine of a way with the mean normal may be less than that of the normals around its end before the
-/// way counts as past a rim: at a flat rim 18 degrees.
+/// A way counts as past a rim where its cosine with the mean normal is less than the normals' around its end by this:
+/// at a flat rim 18 degrees.
 constexpr double kBeside = 0.05;
 
 }  // namespace

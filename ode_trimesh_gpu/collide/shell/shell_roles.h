@@ -7,7 +7,7 @@
 namespace otg {
 
 /// What tells the front of the ground: its own winding for a solid, its winding and the side of the visitor for a
-/// sheet, and a point of space in front of it for all others.
+/// sheet. For all others it is a point of space in front.
 enum class GroundKind { kSolid, kSheet, kShell };
 
 struct ShellRoles {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the float filter of the near phase looks at triangles: beside a corner of A, so that what float rounds away is
-// small beside the triangles, however large their meshes are. Plain data: see wide_kernels.h.
+// Where the float filter of the narrow phase looks at triangles: beside a corner of A, so that what float rounds away
+// is small beside the triangles, however large their meshes are. Plain data: see wide_kernels.h.
 #pragma once
 
 #include "shared/math/vec3.h"

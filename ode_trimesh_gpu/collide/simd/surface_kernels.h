@@ -25,13 +25,13 @@ class PlaneSet {
     double nearest, convex;
     double either() const;  ///< nearest if there is one, else convex; infinity if nothing faces along
   };
-  /// Way from a point along a unit direction through the nearest plane that faces along and has its part, enlarged by
-  /// `slack` to all sides, where it is met; and through the nearest plane that faces along.
+  /// Way from a point along a unit direction through the nearest plane that faces along. The plane's part, enlarged by
+  /// `slack` to all sides, must hold the place where it is met; and through the nearest plane that faces along.
   Way wayOut(const Vec3d& from, const Vec3d& direction, double slack) const;
   /// The same with parts enlarged by round corners.
   Way wayOutRound(const Vec3d& from, const Vec3d& direction, double slack) const;
-  /// Number of the first of those that face along whose way and distances of its part from the point along the axes are
-  /// the least in sum; the largest number where none does.
+  /// Number of the first of those that face along with the least sum of the way and the distances of its part along the
+  /// axes; the largest number where none does.
   std::uint32_t facing(const Vec3d& from, const Vec3d& direction) const;
 
  private:

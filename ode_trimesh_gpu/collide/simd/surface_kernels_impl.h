@@ -355,7 +355,7 @@ void findSoonestFace(SoonestFaceArgs& args) {
   const std::size_t nearest = nearestOf(args.groups, args.groupCount, args.from);
   soonestOfGroup(args, nearest);
   for (std::size_t g = 0; g < args.groupCount; ++g) {
-    // An end over a face is below its plane by no more than the depth, or in front of it by no more than the length.
+    // An end over a face is below its plane by the depth at most, or in front of it by the length at most.
     const Doubles reach = load4(args.groups[g].reach);
     const Doubles below = reach * (args.depth > args.slack ? args.depth : args.slack);
     const Doubles far = larger(below, reach * args.slack + args.length) * (1 + 1e-6);

@@ -2,11 +2,10 @@
 // The SIMD stages of the pipeline: eight-way traversal and the filters for eight pairs of triangles.
 //
 // wide_kernels_impl.h is compiled once per instruction set (wide_kernels_<set>.cpp, with that set's compiler flags),
-// and the choice is made at run time. Inside, everything is plain pointers and always-inlined formulas: an inline
-// function of the standard library compiled there could be the copy that the linker keeps for the whole program, on
-// machines without that instruction set too. The headers that it reads therefore hold little but plain data (Eigen's,
-// for one, leave functions behind in builds without optimisation), and a test looks for such symbols
-// (tests/unit/simd_symbols.sh).
+// and the choice is made at run time. Inside, everything is plain pointers and always-inlined formulas: the linker
+// could keep an inline function of the standard library compiled there for the whole program, on machines without that
+// instruction set, too. So the headers that it reads hold little but plain data. Eigen's, for one, leave functions
+// behind in builds without optimisation. A test looks for such symbols (tests/unit/simd_symbols.sh).
 #pragma once
 
 #include "collide/pair_frame.h"
@@ -25,8 +24,8 @@ const char* simdName(SimdLevel level);
 void traverseWide(SimdLevel level, const Query& query, const PairFrame& frame, std::vector<TrianglePair>& out,
                   CollideStats& stats);
 
-/// The float filter of the near phase (otgTrianglesFilter): the candidates that certainly intersect, and those of which
-/// float cannot tell; each in their order. Says nothing of degenerate triangles.
+/// The float filter of the narrow phase (otgTrianglesFilter): the candidates that certainly intersect, and those of
+/// which float cannot tell; each in their order. Says nothing of degenerate triangles.
 void filterTriangles(SimdLevel level, const Query& query, const PairFrame& frame,
                      const std::vector<TrianglePair>& candidates, std::vector<TrianglePair>& intersecting,
                      std::vector<TrianglePair>& undecided);

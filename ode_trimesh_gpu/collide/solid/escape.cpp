@@ -155,8 +155,8 @@ class WayOutByPlanes {
 };
 
 /// How far A must go along d until nothing is left of the overlap on lines through the region: through its middle where
-/// one body is wholly inside the other, else through some of its points, too. Rays see both meshes whole, so a body
-/// that goes right through the other one is not taken for as short as what is in the other one.
+/// one body is wholly inside the other, else through some of its points, too. Rays see both meshes whole. So a body
+/// that pierces the other one is not taken for as short as what is in the other one.
 class WayOutByRays {
  public:
   WayOutByRays(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region)

@@ -86,8 +86,8 @@ Query movedBy(const Query& query, const Vec3d& way) {
   return moved;
 }
 
-/// Which pairs of triangles tell that something is in the way. Of all that intersect after the way these are few, and
-/// which they are depends on the meshes alone, and not on how pairs are found.
+/// Which pairs of triangles tell that something is in the way. Of all that intersect after the way these are few. Which
+/// they are depends on the meshes alone, and not on how pairs are found.
 class InTheWay {
  public:
   InTheWay(const Query& query, const Vec3d& way)

@@ -18,10 +18,10 @@ bool mayMeetAhead(const Query& query);
 
 /// Completes the contacts in workspace.contacts, which are those of `solid`.
 ///
-/// Contacts tell of surfaces that are touched. The shortest translation that they ask for may lead into another
-/// surface, as that of the second wall of an inner corner, or end too soon. So the pair is looked at as it is after
-/// that translation. What the model says there becomes contacts here: along the same normals, as deep as the
-/// translation and what is missing after it are together. This is repeated until nothing is met.
+/// Contacts tell of surfaces that are touched. The shortest translation that they request may end too soon, or lead
+/// into another surface, such as the second wall of an inner corner. So the pair is looked at as it is after that
+/// translation. What the model says there becomes contacts here: along the same normals, as deep as the translation and
+/// what is missing after it are together. This is repeated until nothing is met.
 ///
 /// The pairs of triangles that are near each other decide whether it is begun. They are those of
 /// workspace.candidates; where that is empty, they are looked for.

@@ -8,10 +8,10 @@
 
 namespace otg {
 
-/// Two regions count as one if a contact of either is at most `distance` (>= 0, frame A) from one of the other and the
-/// normals of these two are within 18 degrees; so do regions that a chain of such pairs joins. They get one number,
-/// counted in the order of their first contacts, and together no more than `most` contacts (limitContacts). Other
-/// contacts stay as they are. Contacts of one region follow each other, before and after.
+/// Two regions count as one if contacts of both are at most `distance` (>= 0, frame A) apart, with normals within 18
+/// degrees; so do regions that a chain of such pairs joins. They get one number, counted in the order of their first
+/// contacts, and together no more than `most` contacts (limitContacts). Other contacts stay as they are. Contacts of
+/// one region follow each other, before and after.
 void mergeRegions(double distance, int most, std::vector<Contact>& contacts);
 
 }  // namespace otg

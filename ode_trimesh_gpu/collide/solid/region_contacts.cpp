@@ -98,8 +98,8 @@ class RegionSolver {
     return std::min(out + back, limit);
   }
 
-  /// Which points to look at: all; of a very large region in each cell of a grid, of each kind and mesh, the one that
-  /// lies deepest as far as the mean direction can tell.
+  /// Which points to look at: all; of a very large region, in each cell of a grid, the deepest of each kind and mesh
+  /// along the mean direction.
   std::pmr::vector<std::uint32_t> thinned() {
     std::pmr::vector<std::uint32_t> looked(memory_), chosen(memory_);
     looked.reserve(region_.pointEnd - region_.pointBegin);

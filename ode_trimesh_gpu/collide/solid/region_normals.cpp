@@ -88,9 +88,9 @@ void RegionNormals::weighByDepth() {
   chooseBetweenSides(otgScale(unit(sum[0]), -1.0), unit(sum[1]), coherence);
 }
 
-/// Where the faces of the two sides differ in direction, an edge or corner of one body is in a face of the other, and
-/// the face says where out is. It is found as the direction between the two that is nearest to the region's vector
-/// area, which holds the sides of that edge, too. A curved side is no face.
+/// Where the faces of the two sides differ in direction, an edge or corner of one body is in a face of the other. The
+/// face says where out is. It is found as the direction between the two that is nearest to the region's vector area,
+/// which holds the sides of that edge, too. A curved side is no face.
 void RegionNormals::chooseBetweenSides(const Vec3d& a, const Vec3d& b, const double coherence[2]) {
   shareOfB_ = otgShareOfB(a, b, mean_, coherence[0], coherence[1]);
   const Vec3d chosen = unit(otgAdd(otgScale(a, 1 - shareOfB_), otgScale(b, shareOfB_)));

@@ -60,8 +60,8 @@ class RegionTriangles {
   }
 
   /// By which faces of mesh m a point leaves it: those on which the nearest place of the surface lies. On a face that
-  /// is one. In an inner corner the nearest place is on the edge or at the vertex there, and all faces that meet in it
-  /// hold the point. (On a convex edge it never is, seen from inside.) None if the point lies in front of them.
+  /// is one. In an inner corner the nearest place is on the edge or at the vertex there. All faces that meet in it hold
+  /// the point. (On a convex edge it never is, seen from inside.) None if the point lies in front of them.
   const std::pmr::vector<Exit>& exitsOf(int m, const Vec3d& p);
 
   /// By which faces of mesh m a stretch from `from` to `to` leaves as a whole: it is over the face at one end at least,

@@ -26,10 +26,10 @@ struct Cost {
 };
 
 struct CostModel {
-  Cost hostPairs;       ///< middle and near phase on one thread
+  Cost hostPairs;       ///< mid and narrow phase on one thread
   Cost hostPairwise;    ///< the whole query, model `pairwise`
   Cost hostSolid;       ///< the same, model `solid`
-  Cost devicePairs;     ///< middle and near phase of one pair, from call to return
+  Cost devicePairs;     ///< mid and narrow phase of one pair, from call to return
   Cost devicePairwise;  ///< the whole query of one pair
   /// The same of a pair of solids, which the device describes where that pays. Zero where it is not known: then
   /// devicePairs tells.

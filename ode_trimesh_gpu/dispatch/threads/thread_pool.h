@@ -21,9 +21,9 @@ struct TaskRunner {
 };
 
 /// Any number of threads may call run() at once, from within work too: a caller works on its own items, so that no call
-/// ever waits for a thread that has none to give. Who has to wait looks for a while before it sleeps, because calls
-/// often follow each other at once and waking threads takes longer than small ones do; not where there are more threads
-/// than cores.
+/// ever waits for a thread that has none to give. Who has to wait spins for a while before it sleeps. Calls often
+/// follow each other at once, and waking a thread takes longer than a small call; not where there are more threads than
+/// cores.
 class ThreadPool {
  public:
   /// `threads`: how many work on one call at most, the caller among them; 0 is taken for 1. Fewer where the system

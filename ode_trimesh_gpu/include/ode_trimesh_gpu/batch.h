@@ -43,9 +43,9 @@ typedef struct dGpuTriMeshPair {
  * triangles are left to the near callback.
  *
  * A dTriMesh of ODE's is a mesh here in the pairs in which dCollide() comes to this library: with a geom of this class,
- * and with what dGpuTriMeshOverrideTriMesh() and dGpuTriMeshOverrideTriMeshWith() have taken over. (After dCloseODE()
+ * and with what dGpuTriMeshOverrideTriMesh() and dGpuTriMeshOverrideTriMeshWith() have taken over. After dCloseODE()
  * those pairs are ODE's own again. This function does not see that, and its work on them is unused until they are taken
- * over anew.) A prefetch looks for changes of its data as a collision does, so that it finds small ones earlier. Two
+ * over anew. A prefetch looks for changes of its data as a collision does, so that it finds small ones earlier. Two
  * geoms that have not collided yet get their order here, as from dGpuTriMeshOverridePrepare(). For contacts that are
  * equal byte for byte, prepare the geoms, or have the near callback take pairs in the order of dSpaceCollide().
  *

@@ -82,7 +82,7 @@ typedef struct dGpuTriMeshContactData {
  * @param data       receives as many elements; may be NULL
  * @param data_skip  bytes from one element to the next, at least sizeof(dGpuTriMeshContactData)
  * @returns The number of contacts, 0 or more; dGPUTRIMESH_ERROR_CLASS if a geom is not of this class (dCollide() may
- * know what to do with it), dGPUTRIMESH_ERROR_ARGUMENT if there is no place or a skip is too small.
+ * know what to do with it); dGPUTRIMESH_ERROR_ARGUMENT if there is no place or a skip is too small.
  * @remarks As dCollide(): from any number of threads at once, and from a near callback.
  * @ingroup gputrimesh
  */

@@ -16,9 +16,8 @@ extern "C" {
 /**
  * @brief Creates a triangle-mesh geom and adds it to a space.
  *
- * The geom is placeable: it takes bodies, positions, rotations and offsets as any other, may be put in any space or in
- * a dGeomTransform, and is destroyed by dGeomDestroy() or with its space. Two geoms of this class collide in
- * dCollide():
+ * The geom is placeable: it takes bodies, positions, rotations and offsets as any other. It may be put in any space or
+ * in a dGeomTransform. dGeomDestroy() destroys it, or its space does. Two geoms of this class collide in dCollide():
  * - contacts point as ODE's do: moving the body of `g1` along `normal` by `depth` separates the pair;
  * - `side1` and `side2` are the numbers of the triangles of `g1` and `g2`;
  * - dCollide(a, b) and dCollide(b, a) give the same contacts in the same order with sides exchanged and normals
@@ -30,8 +29,8 @@ extern "C" {
  * heightfields and dTriMesh, bare or inside a dGeomTransform; docs/primitives.md has the method of each pair.
  *
  * Its pose has to be rigid: R^T R may differ from the identity by at most 1e-3 (root of the sum of the squares of all
- * nine differences), and R may not mirror. ODE's own rotations, in single precision too, and long products of them are
- * far within. Up to there the matrix is used as it is; beyond, and with a pose that is not finite, dCollide() finds no
+ * nine differences). R may not mirror. ODE's own rotations, in single precision too, and long products of them are far
+ * within. Up to there the matrix is used as it is; beyond, and with a pose that is not finite, dCollide() finds no
  * contacts. It counts a failed query for both geoms (dGpuTriMeshStats), and dGpuTriMeshGetError() is
  * dGPUTRIMESH_ERROR_POSE. For a mesh of another size or hand see dGeomGpuTriMeshSetScale().
  *
@@ -138,8 +137,8 @@ OTG_API dGpuTriMeshDataID dGeomGpuTriMeshGetTriMeshDataID(dGeomID g);
  * @brief Switches temporal coherence for pairs with geoms of one class; the counterpart of dGeomTriMeshEnableTC().
  *
  * For this library's own class that is dGpuTriMeshParams::history, which is on at first; while it is off nothing is
- * remembered of any pair. Each of ODE's classes has a switch beside it, on at first as well, which says whether the
- * geom remembers its pairs with geoms of that class. It guides how deep boxes, capsules, cylinders, convex geoms,
+ * remembered of any pair. Each of ODE's classes has a switch beside it, also on at first. It says whether the geom
+ * remembers its pairs with geoms of that class. It guides how deep boxes, capsules, cylinders, convex geoms,
  * heightfields and dTriMesh leave (see dGPUTRIMESH_HISTORY_ON); with spheres, planes and rays there is nothing to
  * remember.
  * @param g          a geom of this class, or a dTriMesh that collides through this library
@@ -177,13 +176,13 @@ OTG_API int dGeomGpuTriMeshClearTCCache(dGeomID g);
 /**
  * @brief Scales the geom's mesh along the axes of the mesh's frame, and marks the geom as moved.
  *
- * Vertices and normals are made anew, once for all geoms that have the same data and the same scale, and freed with the
- * last of them. All else is shared with the data: the tree, too, as long as no factor is more than 16 times another.
- * Beyond that, and near the ends of single precision, the mesh gets a tree of its own, which takes longer to make and
- * less to search. A negative factor mirrors; with one or three of them triangles are turned round, so that they face
- * outward as before: dGeomGpuTriMeshGetTriangle() and dGeomGpuTriMeshGetPoint() then have second and third corner
- * exchanged. Box, mass, queries and contacts are those of the scaled mesh; numbers of triangles and vertices stay. The
- * scale stays when the geom gets other data, or its data other vertices.
+ * Vertices and normals are made anew, once for all geoms that have the same data and scale. The last of these geoms
+ * frees them. All else is shared with the data: the tree, too, as long as no factor is more than 16 times another.
+ * Beyond that, and near the ends of single precision, the mesh gets a tree of its own. It takes longer to make and less
+ * to search. A negative factor mirrors; with one or three of them triangles are turned round, so that they face outward
+ * as before: dGeomGpuTriMeshGetTriangle() and dGeomGpuTriMeshGetPoint() then have second and third corner exchanged.
+ * Box, mass, queries and contacts are those of the scaled mesh; numbers of triangles and vertices stay. The scale stays
+ * when the geom gets other data, or its data other vertices.
  * @param g  a geom of this class
  * @param x  factor along x, finite and not 0, as y and z; rounded to single precision
  * @param y  along y

@@ -75,7 +75,7 @@ OTG_API void dGpuTriMeshHeightfieldInit(dGpuTriMeshHeightfield* field);
  * @par Contacts
  * Those of two meshes: dGPUTRIMESH_CONTACTS_SOLID for closed meshes, pairs of triangles for open ones, as the
  * parameters of the mesh geom have it. The heightfield's side is -1. Heights are rounded to single precision relative
- * to a height under the mesh, so that the place of the field in the world costs no digits.
+ * to a height under the mesh. So the place of the field in the world costs no digits.
  *
  * @par What is read when
  * The samples under the mesh are read each time that the pair collides, as ODE does: heights of a callback, or of an

@@ -16,7 +16,7 @@ extern "C" {
  *
  * A program that saves the states of its bodies and this, and puts both back, continues with the same bytes. The geoms
  * are known by their places in the array: list them in an order of your own that you can repeat, such as that of their
- * creation (the order in a space changes as geoms move). What a pair remembers with a geom that is not listed is left
+ * creation. The order in a space changes as geoms move. What a pair remembers with a geom that is not listed is left
  * out. The bytes are the same on every machine and carry a version and a checksum.
  *
  * @param geoms     geoms in your order: meshes, of this class or dTriMesh geoms that collide through this library, and

@@ -27,9 +27,9 @@ extern "C" {
  * library and say how long they live.
  *
  * @par Threads
- * Different objects may be used by different threads at once, and any number of threads may call dCollide() at once on
- * geoms of this class, even on the same pair. A function that changes an object (Set, Build, Update, Destroy) must not
- * run while another thread uses that object or a geom that refers to it: ODE's own rule for geoms and bodies.
+ * Different threads may use different objects at once. Any number of threads may call dCollide() at once on geoms of
+ * this class, even on the same pair. A function that changes an object (Set, Build, Update, Destroy) must not run while
+ * another thread uses that object, or a geom of it: ODE's own rule for geoms and bodies.
  *
  * @par Near callback
  * ODE locks a space while it collides it. Functions that only read may be called from a near
@@ -40,11 +40,11 @@ extern "C" {
  * No function aborts, throws or prints because of a bad argument. Most return a status: dGPUTRIMESH_OK
  * (zero), a negative error, after which nothing has changed, or a positive remark. Functions that return a pointer
  * return NULL, and dGpuTriMeshGetError() says why. Ids of destroyed mesh data and geoms of this class are recognised
- * (dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_CLASS), for as long as no new object of this library has the same
- * address. Functions that take a dTriMesh as well recognise neither. Every function that reads or changes a mesh may
- * also return dGPUTRIMESH_ERROR_BUSY. A geom that a callback destroys during a query is destroyed; the query goes on
- * with what it has, and leaves dGPUTRIMESH_ERROR_BUSY. dCollide() has no place for an error: a pair that can't be
- * collided gets no contacts, is counted in `failed_queries` of dGpuTriMeshStats, and dGpuTriMeshGetError() says why.
+ * (dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_CLASS), until a new object of this library has the same address.
+ * Functions that take a dTriMesh as well recognise neither. Every function that reads or changes a mesh may also return
+ * dGPUTRIMESH_ERROR_BUSY. A geom that a callback destroys during a query is destroyed; the query goes on with what it
+ * has, and leaves dGPUTRIMESH_ERROR_BUSY. dCollide() has no place for an error: a pair that can't be collided gets no
+ * contacts, is counted in `failed_queries` of dGpuTriMeshStats, and dGpuTriMeshGetError() says why.
  */
 
 /**
@@ -86,7 +86,7 @@ enum {
  * if you did not, so that its use is to learn early whether all is well.
  *
  * Every entry of ODE's collider table for this class and ODE's own classes is filled here, so that no thread writes to
- * that table later (ODE fills it on first use otherwise, without a lock).
+ * that table later. Otherwise ODE fills it on first use, without a lock.
  *
  * @returns 1 on success. 0 if ODE is not initialised, was built with another precision than this library, or has no
  * user class left; see dGpuTriMeshGetError().

@@ -29,13 +29,13 @@ extern "C" {
  *
  * Triangles are read through dGeomTriMeshGetTriangle(), once for each dTriMeshDataID, when one of its geoms collides
  * first. ODE does not report changes. Each time that a geom collides, the number of triangles and 32 of the triangles
- * are compared with those that were read, 32 others the next time. A change that reaches every triangle is noticed at
- * once, and so is every change to meshes of up to 32 triangles. A change to a single triangle of F is noticed after F
- * collisions at the latest. After a change that is smaller, call dGpuTriMeshOverrideDataChanged(). Vertices that moved
- * are refitted; other triangles are built anew. What is kept of destroyed data is freed when they are forgotten
- * (dGpuTriMeshOverrideForgetData()), when the same dTriMeshDataID is used again, or in time when there are many. A geom
- * that is created where another one was destroyed goes on with that one's parameters and statistics, unless
- * dGpuTriMeshOverrideForgetGeom() was called.
+ * are compared with those that were read. The next time it is 32 others. A change that reaches every triangle is
+ * noticed at once, and so is every change to meshes of up to 32 triangles. A change to a single triangle of F is
+ * noticed after F collisions at the latest. After a change that is smaller, call dGpuTriMeshOverrideDataChanged().
+ * Vertices that moved are refitted; other triangles are built anew. What is kept of destroyed data is freed when they
+ * are forgotten (dGpuTriMeshOverrideForgetData()), or when their dTriMeshDataID is used again. Of many the oldest are
+ * freed in time. A geom that is created where another one was destroyed goes on with that one's parameters and
+ * statistics, unless dGpuTriMeshOverrideForgetGeom() was called.
  *
  * ODE keeps no way back: the pair collides through this library until dCloseODE(). After the next dInitODE2() call this
  * function again. Of colliders that others have set for the pair the last one holds.

@@ -98,7 +98,7 @@ typedef struct dGpuTriMeshDistance {
  *
  * Overlap is exact. Distances of meshes apart are right to rounding (branch and bound over both trees; nearest points
  * of triangles after Ericson, 2005). Of triangles that are equally near, the result has those that come first in the
- * library's own order, those of the one mesh before those of the other.
+ * library's own order. Those of the one mesh come before those of the other.
  * @param o1     a geom of this class
  * @param o2     another one
  * @param limit  nothing farther apart is looked for, which is quicker; dInfinity for no limit
@@ -184,7 +184,7 @@ enum {
  *        each gets its closest hit.
  *
  * For single rays in a world use ODE's own: dCreateRay() and dCollide(). What they answer with a mesh of this class:
- * contacts sorted by distance (`depth`), closest first, the triangle in `side1` or `side2`, a normal that faces the
+ * contacts sorted by distance (`depth`), closest first, with the triangle in `side1` or `side2`. The normal faces the
  * ray's start if the ray is the first geom of the call. dGeomRaySetClosestHit() leaves the closest one alone,
  * dGeomRaySetFirstContact() any one, dGeomRaySetBackfaceCull() drops those from behind. A ray through an edge or a
  * corner hits one of its triangles. Arrays call no ray callback.
@@ -193,8 +193,8 @@ enum {
  * @param count  how many, 0 or more
  * @param flags  dGPUTRIMESH_RAY_... added up, or 0
  * @param hits   receives as many answers
- * @returns The number of rays that hit, or dGPUTRIMESH_ERROR_ARGUMENT (a null pointer, unknown flags, a ray that is not
- * finite, has no direction or a negative length), dGPUTRIMESH_ERROR_CLASS, dGPUTRIMESH_ERROR_POSE or
+ * @returns The number of rays that hit; dGPUTRIMESH_ERROR_ARGUMENT (a null pointer, unknown flags, a ray that is not
+ * finite, has no direction or a negative length); dGPUTRIMESH_ERROR_CLASS, dGPUTRIMESH_ERROR_POSE or
  *          dGPUTRIMESH_ERROR_MEMORY; after an error the answers are of no use.
  * @remarks Source of the method: Moeller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997. A ray
  * cannot slip between two triangles of one edge. Of triangles that are hit at the same distance the result has the one

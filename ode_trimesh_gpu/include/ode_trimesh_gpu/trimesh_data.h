@@ -260,12 +260,12 @@ OTG_API int dGpuTriMeshDataUpdate(dGpuTriMeshDataID g, const dReal* Vertices, in
  *
  * What comes of it is, to the last bit of every contact, what dGpuTriMeshDataUpdateVerticesSingle() makes of all
  * vertices. Boxes are refitted from the moved triangles up, and what the contact models need is worked out again for
- * these and their neighbours. The first call for an object prepares for that, which takes about a third of the time of
- * a build and 80 bytes for each triangle.
+ * these and their neighbours. The first call for an object prepares for that. This takes about a third of the time of a
+ * build, and 80 bytes for each triangle.
  *
  * In some cases it costs as much as moving all vertices: the tree has to be built anew (see
- * dGpuTriMeshDataUpdateVerticesSingle()), vertices part or meet, a triangle loses or gains its area, the mesh turns
- * inside out, its middle has moved by a sixteenth of its size, or a batch under way uses the mesh. A mesh of several
+ * dGpuTriMeshDataUpdateVerticesSingle()); vertices part or meet; a triangle loses or gains its area; the mesh turns
+ * inside out; its middle has moved by a sixteenth of its size; or a batch under way uses the mesh. A mesh of several
  * closed components is looked at whole where one lies in another one or comes near to it. The meshes of geoms with a
  * scale follow in the same way. Devices are sent what has changed when they need it next (docs/opencl.md says when they
  * are sent the whole mesh).

@@ -34,8 +34,8 @@ struct ScaledMesh {
 
 /// Lives as long as the user's handle or any geom that uses it. The mesh is shared as one that does not
 /// change; building again puts another one in its place, and vertices move in place only while nobody shares it. No
-/// function runs while another thread changes the object (the rule of the API), except that geoms may come and go in
-/// several threads at once: the mutex is for these.
+/// function runs while another thread changes the object (the rule of the API). But geoms may come and go in several
+/// threads at once: the mutex is for these.
 struct dxGpuTriMeshData {
  public:
   /// A new object, which isLive() knows. May throw std::bad_alloc.

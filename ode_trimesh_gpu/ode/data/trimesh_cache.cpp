@@ -16,9 +16,9 @@ namespace {
 
 thread_local bool reading = false;
 
-/// A geom of the same data in the pose in which mesh frame and world are one, so that what ODE says of its triangles
-/// are the vertices themselves, to the last bit. Made for one question: it costs less than a microsecond, and nothing
-/// is left behind that would outlive the data.
+/// A geom of the same data in the pose in which mesh frame and world are one. So what ODE says of its triangles are the
+/// vertices themselves, to the last bit. Made for one question: it costs less than a microsecond, and nothing is left
+/// behind that would outlive the data.
 class Reader {
  public:
   explicit Reader(dTriMeshDataID data) {

@@ -3,9 +3,9 @@
 //
 // ODE tells nobody when such data are built anew, updated or destroyed. What is kept is therefore compared with the
 // data each time that it is asked for: the number of triangles, and kSample of the triangles, corner by corner. The
-// sample moves on from one question to the next. So a change that reaches all triangles is noticed at once, and one
-// that reaches a single triangle of F after at most F / kSample questions; meshes of up to kSample triangles are
-// compared whole. Who knows of a change says so: trimeshDataChanged().
+// sample moves on from one question to the next. So a change of all triangles is noticed at once, and one of a single
+// triangle of F after at most F / kSample questions; meshes of up to kSample triangles are compared whole. Who knows of
+// a change says so: trimeshDataChanged().
 #pragma once
 
 #include <ode/ode.h>

@@ -16,8 +16,8 @@
 namespace otg {
 
 /// What GeomUse and shares of objects and meshes are for one query, for a part of an array: what many geoms have in
-/// common is held and shared once for all of them, because a counter that is changed for each keeps threads waiting
-/// for each other. Geoms lie far apart in memory; it is asked for before it is needed. One thread.
+/// common is held and shared once for all of them. A counter that is changed for each keeps threads waiting for each
+/// other. Geoms lie far apart in memory; it is asked for before it is needed. One thread.
 class GeomPart {
  public:
   static constexpr std::size_t kMost = 64;

@@ -20,8 +20,8 @@ struct WorldBox {
 /// That of a box in a frame of its own.
 WorldBox worldBox(const Vec3d& low, const Vec3d& high, const Transformd& pose);
 
-/// What joined geoms share. Each pair of one of them and another geom is computed with the surface as a whole, and
-/// keeps the contacts that lie on the piece. So the contacts of all pieces together are those of the whole.
+/// What joined geoms share. Each pair of one of them and another geom is computed with the surface as a whole. It keeps
+/// the contacts that lie on the piece. So the contacts of all pieces together are those of the whole.
 struct MeshJoin {
   struct Part {
     Transformd pose;                     ///< of the geom in the world, when it was joined

@@ -16,7 +16,7 @@ namespace otg {
 namespace {
 
 /// The objects of all dTriMesh geoms that have collided. One per address: a geom that is destroyed without our
-/// knowledge leaves it to the next one at that address, which then goes on with its number, parameters and statistics.
+/// knowledge leaves it to the next one at that address. That one goes on with its number, parameters and statistics.
 /// What is remembered of pairs does no harm there: it is dropped when a mesh has jumped.
 struct Adopted {
   std::mutex mutex;

@@ -38,9 +38,9 @@ struct MeshSide : MeshGeom {
   GeomCallbacks callbacks;
 };
 
-/// For geoms of our class as objectOf(). A dTriMesh gets an object when it is asked for first, which its serial number,
-/// its parameters and what is remembered of its pairs belong to; its mesh is read through trimesh_cache.h, its
-/// callbacks through ODE. May throw std::bad_alloc.
+/// For geoms of our class as objectOf(). A dTriMesh gets an object at the first request. It holds its serial number,
+/// its parameters and what is remembered of its pairs; its mesh is read through trimesh_cache.h, its callbacks through
+/// ODE. May throw std::bad_alloc.
 MeshSide meshSideOf(dGeomID geom);
 
 /// The object of a geom that is alive, of our class or a dTriMesh, which gets one; null for others. It lives as long as

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// ODE has four user classes, forgets them in dCloseODE, hands out the same numbers again after dInitODE2, and has no
-// function that tells any of this; registering too early is accepted and then wiped without a word. So the number that
-// we keep is tested before it is trusted: ODE's collider table, which dInitODE2 clears, must lead to our function.
+// ODE has four user classes, forgets them in dCloseODE, and hands out the same numbers again after dInitODE2. No
+// function of it reports any of this; registering too early is accepted and then wiped without a word. So the number
+// that we keep is tested before it is trusted: ODE's collider table, which dInitODE2 clears, must lead to our function.
 #include "ode/library/class_registration.h"
 
 #include <ode/collision.h>

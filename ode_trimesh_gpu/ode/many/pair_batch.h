@@ -54,8 +54,8 @@ class PairBatch {
     rememberHistories();
     count({});
   }
-  /// The same; and each part of the pairs is given to `write`, as forParts() does, and then let go of, after which it
-  /// can't be asked about any more.
+  /// The same; and each part of the pairs is given to `write`, as forParts() does. Then it is released, and has no
+  /// results any more.
   void remember(const ThreadPool::Work& write) {
     rememberHistories();
     count(write);

@@ -8,8 +8,8 @@
 
 namespace otg {
 
-/// dColliderFn. ODE calls it with its space locked and, for two geoms of one class, in the order opposite to dCollide's
-/// (it exchanges the sides of the contacts afterwards).
+/// dColliderFn. ODE calls it with its space locked. For two geoms of one class the order is opposite to dCollide's: ODE
+/// exchanges the sides of the contacts afterwards.
 int collideMeshMesh(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int skip) noexcept;
 
 /// The same, with the data of each contact if they go somewhere.

@@ -33,7 +33,7 @@ class PairCallbacks final : public PairFilter {
   std::map<std::pair<std::uint32_t, std::uint32_t>, bool> answer_;
 };
 
-/// Has `merge`, of the geom of mesh A or of B, give each kept contact the number that stands for it and for those of
+/// Lets `merge`, of the geom of mesh A or of B, number each kept contact. The number stands for it and for those of
 /// `all` that it stands for: the nearest ones, of its own region if there are any there. Triangles are the caller's.
 void mergeNumbers(dTriTriMergeCallback* merge, dGeomID geom, bool ofA, const std::vector<Contact>& all,
                   std::vector<Contact>& kept);

@@ -31,17 +31,16 @@ struct Side {
 };
 
 /// Velocity of A's body relative to B's at the middle of B's mesh, in A's frame. ODE's velocities are the world's.
-/// Where the program tells by last transforms how its geoms have moved, it is what they moved since then: only the
-/// direction is used.
+/// Where the program gives last transforms of its geoms, it is what they moved since then. Only the direction is used.
 Vec3d relativeVelocity(const Side& a, const Side& b) {
   const bool lastOfA = hasLastTransform(a.side), lastOfB = hasLastTransform(b.side);
   const dBodyID bodyA = dGeomGetBody(a.side.geom), bodyB = dGeomGetBody(b.side.geom);
   if (!lastOfA && !lastOfB && bodyA == nullptr && bodyB == nullptr) return {0, 0, 0};
   const Vec3f& c = b.side.mesh->mesh().center();
   const Vec3d point = otgTransform(b.pose.transform, Vec3d{c.x, c.y, c.z});
-  const bool told = (lastOfA || lastOfB) && (lastOfA || bodyA == nullptr) && (lastOfB || bodyB == nullptr);
+  const bool byTransforms = (lastOfA || lastOfB) && (lastOfA || bodyA == nullptr) && (lastOfB || bodyB == nullptr);
   const auto velocityAt = [&](const Side& s, bool hasLast, dBodyID body) {
-    if (told) {
+    if (byTransforms) {
       if (!hasLast) return Vec3d{0, 0, 0};
       const Vec3d own = otgRotateBack(s.pose.transform, otgSub(point, s.pose.transform.t));
       return otgSub(point, otgTransform(lastPoseOf(s.side), own));

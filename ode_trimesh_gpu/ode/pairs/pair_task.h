@@ -36,8 +36,8 @@ struct ContactFrame {
 /// All of the world for shells, whose contacts may lie in the margin around them, and for pieces of something.
 WorldBox boxOfSolid(const MeshGeom& side, const Transformd& pose);
 
-/// Writes a dContactGeom as a whole structure of its own, so that any skip and any alignment will do and the caller's
-/// bytes in between stay as they are. Triangles are the caller's numbers; kNone becomes -1.
+/// Writes a dContactGeom as a whole structure of its own. So any skip and any alignment will do, and the caller's bytes
+/// in between stay as they are. Triangles are the caller's numbers; kNone becomes -1.
 void writeContact(const Contact& from, const ContactFrame& frame, void* to);
 
 /// A pair of geoms at one moment. It stays as it is when they move; the objects have to live on.

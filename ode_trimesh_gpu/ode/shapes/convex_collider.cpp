@@ -45,9 +45,9 @@ void roundCorners(std::vector<Vec3d>& corners) {
   for (Vec3d& p : corners) p = {rounded(p.x), rounded(p.y), rounded(p.z)};
 }
 
-/// The corners of a dConvex in its own frame, in order. ODE has no function that tells them, but its collider of a
-/// convex with a plane gives a contact at each corner below the plane if there are corners above it, too: the half
-/// spaces on either side of a plane through the convex tell all.
+/// The corners of a dConvex in its own frame, in order. No function of ODE reports them. But its collider of a convex
+/// with a plane gives a contact at each corner below the plane if there are corners above it, too: the half spaces on
+/// either side of a plane through the convex tell all.
 std::vector<Vec3d> cornersOfConvex(dGeomID convex) {
   const Transformd pose = readPose(convex).transform;
   dReal box[6];

@@ -34,7 +34,7 @@ Bounds boundsInField(const TriMesh& mesh, const Transformd& fieldInMesh) {
 }
 
 /// The samples of the cells between two places along one axis; false if there are none. A stretch that holds many cells
-/// begins and ends at a multiple of a power of two, so that a body that moves has the same ground for a while.
+/// begins and ends at a multiple of a power of two. So a body that moves has the same ground for a while.
 bool cellsBetween(double low, double high, int samples, bool wraps, bool rounded, int& first, int& last) {
   constexpr double kMost = 1 << 29;
   if (!(low > -kMost && high < kMost)) return false;

@@ -7,7 +7,7 @@
 namespace otg {
 
 /// Geoms of ODE have no serial number; addresses are never as large as this bit. A geom that gets the address of one
-/// that is gone inherits what was remembered of it unless that was far from where it is itself.
+/// that is gone inherits its memory, unless that is of a place far away.
 std::uint64_t memoryKey(dGeomID geom);
 
 /// From before a query to after it.

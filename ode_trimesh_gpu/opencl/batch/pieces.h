@@ -20,18 +20,18 @@ struct PairRange {
   bool operator==(const PairRange&) const = default;
 };
 
-/// The submissions of a batch, each a list of pieces: all pieces of one are begun before the first is waited for, so
-/// that the host finishes what the device leaves of one while the device has the next. `inOnePiece`: stages are timed,
-/// and each is to have the device for itself.
+/// The submissions of a batch, each a list of pieces: all pieces of one are begun before the first is waited for. So
+/// the host finishes what the device leaves of one while the device has the next. `inOnePiece`: stages are timed, and
+/// each is to have the device for itself.
 std::vector<std::vector<PairRange>> cutBatch(std::size_t pairs, const Tuning& tuning, bool inOnePiece);
 
 /// Where items 0 to `work.size()` - 1 are cut so that no part has more work than `most`, but for a single item that
 /// has: the end of each part. Parts follow each other.
 std::vector<std::size_t> cutByWork(std::span<const double> work, double most);
 
-/// The submissions of a batch with pieces of no more work than Tuning::batchWork, as far as pairs can be separated,
-/// and as many pieces at once as there would be: no launch is to be so long that a watchdog ends it. `work`: of each
-/// pair of the batch.
+/// The submissions of a batch. Pieces have no more work than Tuning::batchWork, as far as pairs can be separated, and
+/// so many are under way at once: no launch is to be so long that a watchdog ends it. `work`: of each pair of the
+/// batch.
 std::vector<std::vector<PairRange>> cutPieces(const std::vector<std::vector<PairRange>>& submissions,
                                               std::span<const double> work, const Tuning& tuning);
 

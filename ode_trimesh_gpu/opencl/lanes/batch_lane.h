@@ -60,7 +60,7 @@ class BatchLane {
   std::span<Vec3d> stageDirections();
   bool makesContacts() const { return static_cast<bool>(small_); }
 
-  /// Begins with middle and near phase of the staged pairs in one submission, and what else is requested. Tasks name
+  /// Begins with mid and narrow phase of the staged pairs in one submission, and what else is requested. Tasks name
   /// meshes by their places in `meshes` (empty ones too), and reductions. `threads`, if there are any, pack meshes that
   /// are not there. Throws ClError.
   void begin(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pairs of a batch whose overlaps are described, some at a time, so that the host makes contacts from some
-// descriptions while the device makes the next.
+// The pairs of a batch whose overlaps are described, some at a time. The host makes contacts from some descriptions
+// while the device makes the next.
 #pragma once
 
 #include <algorithm>

@@ -21,8 +21,8 @@ class PackedPlaces {
   /// Of a packed mesh with its tree, and for each node of that the one of the binary tree which it stands for.
   PackedPlaces(const PackedTree& tree, std::span<const std::uint32_t> binaryNodes, const PackedMesh& packed);
 
-  /// What is to be sent after CollisionMesh::moveSome() has changed `triangles` (in any order, some of them perhaps
-  /// repeatedly) and nothing else of the mesh that was packed. What lies there then is what packMesh() would make, but
+  /// What is to be sent after CollisionMesh::moveSome() has changed `triangles` and nothing else of the packed mesh.
+  /// They come in any order, some of them perhaps repeatedly. What lies there then is what packMesh() would make, but
   /// that the tree opens the nodes that it did. Empty where the mesh has to be packed anew. Throws std::bad_alloc.
   std::optional<PackedChanges> changesOf(const CollisionMesh& mesh, std::vector<std::uint32_t>&& triangles) const;
 

@@ -20,8 +20,8 @@ struct LevelsOptions {
   /// The nodes at this depth of both trees, and leaves above it, are tested all against all to begin with. 0: the
   /// roots.
   std::uint32_t startDepth = 6;
-  /// What the device needs goes there with every query, as published; else it stays there. The middle phase alone needs
-  /// nodes, of integers (QuantizedNode); with the near phase behind it, it needs triangles and their neighbours, too.
+  /// What the device needs goes there with every query, as published; else it stays there. The mid phase alone needs
+  /// nodes, of integers (QuantizedNode); with the narrow phase behind it, it needs triangles and their neighbours, too.
   bool sendTrees = false;
   bool fusedNear = true;  ///< one kernel tests triangles and makes contacts; else two
   PrefixSums prefixSums = PrefixSums::kPublished;

@@ -23,7 +23,7 @@ class LevelsLane {
   /// As PairLane::run, but for the counts of box tests and of pairs of triangles, which are in steps(). Throws ClError.
   PairAnswer run(const Query& query, const PairFrame& frame, bool contacts, const LevelsOptions& how);
 
-  /// The middle phase alone: pairs of triangles, by number, in the order of the traversal. False where there are more
+  /// The mid phase alone: pairs of triangles, by number, in the order of the traversal. False where there are more
   /// than the query may have. Throws ClError.
   bool findCandidates(const Query& query, const PairFrame& frame, const LevelsOptions& how,
                       std::vector<TrianglePair>& candidates);
@@ -42,14 +42,14 @@ class LevelsLane {
     PackedMesh mesh;
     bool nodesAlone;
   };
-  /// Of the middle phase, for one kind of nodes.
+  /// Of the mid phase, for one kind of nodes.
   struct WalkKernels {
     KernelFor<given::LevelsTest> test;
     KernelFor<given::LevelsCompact> compact;
     KernelFor<given::LevelsSplit> split;
     KernelFor<given::LevelsSpawn> spawn;
   };
-  /// The kernels of the near phase for one way of deciding, made when first asked for.
+  /// The kernels of the narrow phase for one way of deciding, made when first asked for.
   struct FusedKernels {
     KernelFor<given::LevelsNearFused> near;  ///< tests, and makes contacts
     KernelFor<given::LevelsEnd> end;

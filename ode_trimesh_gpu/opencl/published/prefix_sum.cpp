@@ -44,9 +44,9 @@ void PrefixSum<Sum>::enqueueOnce(cl_command_queue queue, BufferOf<const Sum> val
     fillZero(queue, ticket_.get(), sizeof(otg_uint));
   }
   const std::uint32_t block = group_ * kEach, groups = count / block + (count % block || count == 0 ? 1 : 0);
-  if (groups > told_.places() || turn_ >= kLastTurn) {
-    told_.reserve(context_, std::bit_ceil(groups));
-    fillZero(queue, told_.get(), std::size_t{told_.places()} * OTG_SCAN_WORDS * sizeof(otg_uint));
+  if (groups > status_.places() || turn_ >= kLastTurn) {
+    status_.reserve(context_, std::bit_ceil(groups));
+    fillZero(queue, status_.get(), std::size_t{status_.places()} * OTG_SCAN_WORDS * sizeof(otg_uint));
     turn_ = 0;
   }
   turn_ += kTurn;
@@ -55,7 +55,7 @@ void PrefixSum<Sum>::enqueueOnce(cl_command_queue queue, BufferOf<const Sum> val
               .count = count,
               .total = total,
               .totalAt = totalAt,
-              .told = told_.buffer(),
+              .status = status_.buffer(),
               .ticket = ticket_.buffer(),
               .turn = turn_});
   launch(queue, once_, group_, groups, 1, profile.next(Profile::kScan));

@@ -44,7 +44,7 @@ class PrefixSum {
   Blocks published_, efficient_;
   OnceKernel once_;
   ListOf<Sum> sums_;  ///< of work-groups, of groups of these, and so on, one after the other
-  ListOf<otg_told_sum> told_{OTG_SCAN_WORDS};
+  ListOf<otg_scan_status> status_{OTG_SCAN_WORDS};
   ListOf<otg_scan_ticket> ticket_;
   std::uint32_t turn_ = 0;
 };

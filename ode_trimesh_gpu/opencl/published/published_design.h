@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The published design on one device: its traversal by levels, its near phase, and queries of which
+// The published design on one device: its traversal by levels, its narrow phase, and queries of which
 // one phase runs there. Beside the
 // rooms of the backend, which reaches it in one place: opencl/backend_published.cpp.
 #pragma once
@@ -46,7 +46,7 @@ class PublishedDesign {
                               LevelsReport* report = nullptr, bool profile = false);
   /// as otg::nearPhase, for candidates from anywhere;
   bool decideCandidates(const Query& query, Workspace& workspace, NearOrder order = NearOrder::kFilterFirst);
-  /// and all that follows a middle phase: workspace.candidates -> workspace.reduced, as otg::collide leaves it. The
+  /// and all that follows a mid phase: workspace.candidates -> workspace.reduced, as otg::collide leaves it. The
   /// device makes contacts of the model `pairwise` where it has doubles.
   bool collideCandidates(const Query& query, Workspace& workspace, NearOrder order = NearOrder::kFilterFirst,
                          NearReport* report = nullptr, bool profile = false);

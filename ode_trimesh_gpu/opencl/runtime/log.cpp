@@ -15,11 +15,11 @@ namespace {
 struct Log {
   std::mutex mutex;
   LogSink sink;
-  std::set<std::pair<std::string, int>> told;
+  std::set<std::pair<std::string, int>> reported;
   std::set<std::string> lines;  ///< of logLineOnce()
   std::atomic<std::uint64_t> count{0};
 
-  void tell(const std::string& text) const {
+  void write(const std::string& text) const {
     const std::string line = "ode_trimesh_gpu: " + text;
     if (sink) {
       sink(line);
@@ -50,20 +50,20 @@ void logFailure(const char* call, int code, const std::string& detail) {
   Log& l = log();
   l.count.fetch_add(1, std::memory_order_relaxed);
   const std::lock_guard lock(l.mutex);
-  if (!l.told.emplace(call, code).second) return;
+  if (!l.reported.emplace(call, code).second) return;
   std::string text = std::string(call) + " failed with " + std::to_string(code);
   if (!detail.empty()) text += ": " + detail;
-  l.tell(text);
+  l.write(text);
 }
 
 void logLine(const std::string& text) {
   const std::lock_guard lock(log().mutex);
-  log().tell(text);
+  log().write(text);
 }
 
 void logLineOnce(const std::string& text) {
   const std::lock_guard lock(log().mutex);
-  if (log().lines.insert(text).second) log().tell(text);
+  if (log().lines.insert(text).second) log().write(text);
 }
 
 std::uint64_t failureCount() {
@@ -72,7 +72,7 @@ std::uint64_t failureCount() {
 
 void forgetFailures() {
   const std::lock_guard lock(log().mutex);
-  log().told.clear();
+  log().reported.clear();
 }
 
 }  // namespace otg::opencl

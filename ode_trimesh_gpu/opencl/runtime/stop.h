@@ -12,7 +12,7 @@ namespace otg::opencl {
 /// What building throws on a thread that has to stop. No failure: nothing is logged.
 class Stopped : public std::exception {
  public:
-  const char* what() const noexcept override { return "told to stop"; }
+  const char* what() const noexcept override { return "stop was requested"; }
 };
 
 /// While it lives, the thread that made it looks at a flag before each program that it builds.

@@ -21,7 +21,7 @@ class LargeStage {
   LargeStage(Context& context, const Tuning& tuning);
   /// Whether the device can, and is to.
   static bool works(Context& context, const Tuning& tuning);
-  /// Whether it is worth it for a pair alone that is expected to have so many hits, or of which only the number of
+  /// Whether it is worth it for a pair alone that is expected to have so many hits. Of others only the number of
   /// triangles is known.
   bool pays(std::uint32_t hits) const { return works_ && hits >= leastHits_; }
   bool paysForTriangles(std::uint64_t triangles) const { return works_ && triangles / 100 >= leastHits_; }
