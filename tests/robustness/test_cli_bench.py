@@ -442,11 +442,11 @@ class Bench(CliTest):
         self.run_otg("bench", "contacts", self.mesh(), "--pictures", "pictures")
         names = sorted(os.listdir(self.path("pictures")))
         self.assertEqual(names, ["contacts_%s.pov" % x for x in ("ball_box", "boxes", "cylinder_on_box", "mesh",
-                                                                 "spheres", "tori")])
+                                                                 "reduction", "spheres", "tori")])
         for name in names:
             with open(os.path.join(self.path("pictures"), name)) as file:
                 text = file.read()
-            self.assertIn('"solid"', text)
+            self.assertTrue(('"after reduction: ' if "reduction" in name else '"solid"') in text, name)
             self.assertGreater(text.count("cone {"), 2, name)
             self.assertEqual(text.count("{"), text.count("}"), name)
             self.assertNotIn("nan", text)
