@@ -170,7 +170,9 @@ touch "$work/changes.txt"
   python3 scripts/mutate.py "$tree" "$seed" "$pattern" "$count"
 } | awk 'FILENAME != "-" { listed[$1] = 1; next } !($1 in listed)' "$work/changes.txt" - >"$work/drawn"
 while read -r draw file; do
-  [ "$draw" = 0 ] && rank=0 || { needs_device "$file" && rank=2 || rank=1; }
+  rank=1
+  ! needs_device "$file" || rank=2
+  [ "$draw" != 0 ] || rank=0
   echo "$rank $draw $file"
 done <"$work/drawn" | awk -v cores="$workers" '$1 == 1 && ++host > cores { $1 = 3 } 1' | sort -n | cut -d' ' -f2- >"$work/queue"
 

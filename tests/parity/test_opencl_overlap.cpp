@@ -178,8 +178,10 @@ TEST_CASE("small regions on triangles and edges that large ones cross, too, come
   Draw draw(3);
   std::vector<Query> queries;
   for (int i = 0; i < 500; ++i) {
-    const Transformd pose = makePose(draw.direction(), draw.uniform(0, 0.2),
-                                     {draw.uniform(-1, 1), draw.uniform(-1, 1), draw.uniform(0.3, 0.55)});
+    // One by one: compilers differ in which argument they make first.
+    const Vec3d place{draw.uniform(-1, 1), draw.uniform(-1, 1), draw.uniform(0.3, 0.55)};
+    const double angle = draw.uniform(0, 0.2);
+    const Transformd pose = makePose(draw.direction(), angle, place);
     queries.push_back(makeQuery(*ground, *box, pose));
     if (i % 2 != 0) {
       const Transformd back{

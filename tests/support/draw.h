@@ -10,8 +10,8 @@
 
 namespace otg::test {
 
-/// Draws without the standard distributions, whose values differ between standard libraries. Two draws that are arguments
-/// of one call differ between compilers: braces keep their order.
+/// Draws without the standard distributions, whose values differ between standard libraries. Two draws that are
+/// arguments of one call differ between compilers: braces keep their order.
 class Draw {
  public:
   explicit Draw(std::uint32_t seed) : engine_(seed) {}

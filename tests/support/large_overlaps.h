@@ -33,7 +33,8 @@ inline opencl::Tuning always() {
   return tuning;
 }
 
-/// Turned by up to 3, and off by `least` to `most`. Drawn one by one: compilers differ in which argument they make first.
+/// Turned by up to 3, and off by `least` to `most`. Drawn one by one: compilers differ in which argument they make
+/// first.
 inline Transformd poseAround(Draw& draw, double least, double most) {
   const double far = draw.uniform(least, most);
   const Vec3d move = otgScale(draw.direction(), far);

@@ -63,11 +63,9 @@ otg_add_test(cooked_mesh unit
   SOURCES test_cooked_mesh.cpp $<TARGET_OBJECTS:otg_test_ode_world> LIBRARIES otg_scenes)
 otg_add_test(cooked_mutations unit
   SOURCES test_cooked_mutations.cpp $<TARGET_OBJECTS:otg_test_ode_world> LIBRARIES otg_scenes)
-if(NOT OTG_SANITIZE MATCHES "thread")  # whose runtime ends a child that makes threads
+# ThreadSanitizer ends a child that makes threads. AddressSanitizer of Clang 14 does not free its allocator's locks in a child.
+if(NOT OTG_SANITIZE)
   otg_add_test(fork unit SOURCES test_fork.cpp $<TARGET_OBJECTS:otg_test_ode_world> LIBRARIES otg_scenes Threads::Threads)
-  if(OTG_SANITIZE MATCHES "address")  # what other threads of the parent held is nobody's in the child
-    set_tests_properties(unit.fork PROPERTIES ENVIRONMENT "ASAN_OPTIONS=detect_leaks=0")
-  endif()
 endif()
 otg_add_test(partial_update unit
   SOURCES test_partial_update.cpp $<TARGET_OBJECTS:otg_test_ode_world> LIBRARIES otg_scenes)

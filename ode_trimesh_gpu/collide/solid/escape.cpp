@@ -132,7 +132,8 @@ class WayOutByPlanes {
     }
   }
 
-  /// Cell of a direction on the faces of a cube; the first one of no direction, which a piece of a thin triangle may have.
+  /// Cell of a direction on the faces of a cube; the first one of no direction, which a piece of a thin triangle may
+  /// have.
   static std::uint32_t cellOf(const Vec3d& n) {
     const double v[3] = {n.x, n.y, n.z};
     std::uint32_t axis = 0;

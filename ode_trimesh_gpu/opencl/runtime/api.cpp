@@ -20,7 +20,8 @@ decltype(&::clFinish) finishAlone = nullptr;
 
 cl_int CL_API_CALL finish(cl_command_queue queue) {
   if (marksBeforeFinish.load(std::memory_order_relaxed)) {
-    if (const cl_int code = table.clEnqueueMarkerWithWaitList(queue, 0, nullptr, nullptr); code != CL_SUCCESS) return code;
+    if (const cl_int code = table.clEnqueueMarkerWithWaitList(queue, 0, nullptr, nullptr); code != CL_SUCCESS)
+      return code;
   }
   return finishAlone(queue);
 }

@@ -54,8 +54,8 @@ struct Api {
 /// Null when there is no loader or it lacks a function. The loader stays loaded until the process ends.
 const Api* api();
 
-/// From now on clFinish enqueues a marker first. Rusticl of Mesa 22.3 waits for the last command that was not sent yet: after
-/// clFlush for none.
+/// From now on clFinish enqueues a marker first. Rusticl of Mesa 22.3 waits for the last command that was not sent yet:
+/// after clFlush for none.
 void markBeforeFinish() noexcept;
 
 /// In a child of fork() whose parent has loaded OpenCL: the driver's threads are not there, so that nothing of it may
