@@ -14,11 +14,11 @@ build_packages=(
   libode-dev libeigen3-dev opencl-c-headers
   libassimp-dev libcli11-dev nlohmann-json3-dev libfmt-dev libtinygltf-dev libjs-three help2man
 )
-# What tests are made with; OpenCL of two compilers for the CPU, a device that is simulated, and real meshes. Clang and its
+# What tests are made with; an OpenCL device that every machine has, one that is simulated, and real meshes. Clang and its
 # runtime are for AddressSanitizer with libFuzzer.
 tests_packages=(
   catch2 python3 libcgal-dev ocl-icd-opencl-dev opencl-clhpp-headers clang libclang-rt-14-dev
-  pocl-opencl-icd mesa-opencl-icd oclgrind libcgal-demo
+  pocl-opencl-icd oclgrind libcgal-demo
 )
 # A ray tracer, a plotter and its font, none of which needs a display. The demo's meshes are those of libcgal-demo. That
 # package needs all of CGAL, so it is not installed: cgal_meshes.sh takes the meshes out of it.
