@@ -5,14 +5,6 @@
 #include "opencl/published/published_design.h"
 
 namespace otg::opencl {
-namespace {
-
-/// On Rusticl of Mesa 22.3 the traversal by levels loses pairs now and then. Others take its place there.
-bool losesByLevels(const DeviceInfo& device) {
-  return device.platform.starts_with("rusticl");
-}
-
-}  // namespace
 
 PublishedDesign& Backend::published() {
   BackendState& state = *state_;
@@ -25,12 +17,11 @@ PublishedDesign& Backend::published() {
 }
 
 bool Backend::collideByLevels(const Query& query, Workspace& workspace) {
-  return losesByLevels(device()) ? collide(query, workspace) : published().collideByLevels(query, workspace);
+  return published().collideByLevels(query, workspace);
 }
 
 bool Backend::findPairsByLevels(const Query& query, Workspace& workspace) {
-  return losesByLevels(device()) ? findIntersectingPairs(query, workspace)
-                                 : published().findPairsByLevels(query, workspace);
+  return published().findPairsByLevels(query, workspace);
 }
 
 bool Backend::findCandidates(const Query& query, Workspace& workspace) {
@@ -38,8 +29,7 @@ bool Backend::findCandidates(const Query& query, Workspace& workspace) {
 }
 
 bool Backend::findCandidatesByLevels(const Query& query, Workspace& workspace) {
-  return losesByLevels(device()) ? findCandidates(query, workspace)
-                                 : published().findCandidatesByLevels(query, workspace);
+  return published().findCandidatesByLevels(query, workspace);
 }
 
 bool Backend::collideCandidates(const Query& query, Workspace& workspace) {

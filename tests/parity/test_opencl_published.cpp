@@ -244,15 +244,3 @@ TEST_CASE("whichever call of a phase alone fails, the pairs and contacts are the
   CHECK(failed > 20);
   opencl::setLogSink({});
 }
-
-TEST_CASE("levels are left out on a platform on which they lose pairs") {
-  const bool loses = shared().device().platform.starts_with("rusticl");
-  const auto lump = collisionMesh(makeLump(1, 3, 0.2, 1)), torus = collisionMesh(makeTorus(1, 0.3, 31, 17));
-  const Query query = makeQuery(*lump, *torus, makePose({0.48, 0.6, 0.64}, 0.7, {0.9, 0.4, 0.1}));
-  Workspace levels, depthFirst, host;
-  CHECK(shared().findPairsByLevels(query, levels));
-  CHECK(shared().findIntersectingPairs(query, depthFirst));
-  findIntersectingPairs(query, host);
-  CHECK(levels.intersecting == host.intersecting);
-  CHECK((levels.stats.boxTests == depthFirst.stats.boxTests) == loses);
-}

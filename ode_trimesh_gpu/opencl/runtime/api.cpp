@@ -4,7 +4,6 @@
 
 #include <atomic>
 #include <bit>
-#include <utility>
 
 #include "base/fork_gate.h"
 #include "base/system.h"
@@ -14,27 +13,16 @@ namespace {
 
 constexpr long kNobody = -1;
 std::atomic<long> loadedByGeneration{kNobody};
-std::atomic<bool> marksBeforeFinish{false};
-Api table;
-decltype(&::clFinish) finishAlone = nullptr;
-
-cl_int CL_API_CALL finish(cl_command_queue queue) {
-  if (marksBeforeFinish.load(std::memory_order_relaxed)) {
-    if (const cl_int code = table.clEnqueueMarkerWithWaitList(queue, 0, nullptr, nullptr); code != CL_SUCCESS)
-      return code;
-  }
-  return finishAlone(queue);
-}
 
 const Api* load() {
   void* const library = openSharedLibrary({"libOpenCL.so.1", "libOpenCL.so", "OpenCL.dll"});
   if (library == nullptr) return nullptr;
+  static Api table;
 #define OTG_CL_FIND(name)                                                         \
   table.name = std::bit_cast<decltype(table.name)>(findFunction(library, #name)); \
   if (table.name == nullptr) return nullptr;
   OTG_CL_FUNCTIONS(OTG_CL_FIND)
 #undef OTG_CL_FIND
-  finishAlone = std::exchange(table.clFinish, finish);
   return &table;
 }
 
@@ -43,10 +31,6 @@ const Api* load() {
 bool isOpenclForeign() noexcept {
   const long loadedBy = loadedByGeneration.load(std::memory_order_acquire);
   return loadedBy != kNobody && loadedBy != static_cast<long>(forkGeneration());
-}
-
-void markBeforeFinish() noexcept {
-  marksBeforeFinish = true;
 }
 
 const Api* api() {

@@ -8,41 +8,40 @@
 
 namespace otg::opencl {
 
-#define OTG_CL_FUNCTIONS(F)      \
-  F(clGetPlatformIDs)            \
-  F(clGetPlatformInfo)           \
-  F(clGetDeviceIDs)              \
-  F(clGetDeviceInfo)             \
-  F(clCreateContext)             \
-  F(clReleaseContext)            \
-  F(clCreateCommandQueue)        \
-  F(clReleaseCommandQueue)       \
-  F(clCreateProgramWithSource)   \
-  F(clCreateProgramWithBinary)   \
-  F(clBuildProgram)              \
-  F(clGetProgramInfo)            \
-  F(clGetProgramBuildInfo)       \
-  F(clReleaseProgram)            \
-  F(clCreateKernel)              \
-  F(clGetKernelWorkGroupInfo)    \
-  F(clSetKernelArg)              \
-  F(clReleaseKernel)             \
-  F(clCreateBuffer)              \
-  F(clReleaseMemObject)          \
-  F(clEnqueueReadBuffer)         \
-  F(clEnqueueWriteBuffer)        \
-  F(clEnqueueCopyBuffer)         \
-  F(clEnqueueFillBuffer)         \
-  F(clEnqueueMapBuffer)          \
-  F(clEnqueueUnmapMemObject)     \
-  F(clEnqueueNDRangeKernel)      \
-  F(clEnqueueMarkerWithWaitList) \
-  F(clWaitForEvents)             \
-  F(clGetEventInfo)              \
-  F(clGetEventProfilingInfo)     \
-  F(clReleaseEvent)              \
-  F(clFlush)                     \
-  F(clFinish)                    \
+#define OTG_CL_FUNCTIONS(F)    \
+  F(clGetPlatformIDs)          \
+  F(clGetPlatformInfo)         \
+  F(clGetDeviceIDs)            \
+  F(clGetDeviceInfo)           \
+  F(clCreateContext)           \
+  F(clReleaseContext)          \
+  F(clCreateCommandQueue)      \
+  F(clReleaseCommandQueue)     \
+  F(clCreateProgramWithSource) \
+  F(clCreateProgramWithBinary) \
+  F(clBuildProgram)            \
+  F(clGetProgramInfo)          \
+  F(clGetProgramBuildInfo)     \
+  F(clReleaseProgram)          \
+  F(clCreateKernel)            \
+  F(clGetKernelWorkGroupInfo)  \
+  F(clSetKernelArg)            \
+  F(clReleaseKernel)           \
+  F(clCreateBuffer)            \
+  F(clReleaseMemObject)        \
+  F(clEnqueueReadBuffer)       \
+  F(clEnqueueWriteBuffer)      \
+  F(clEnqueueCopyBuffer)       \
+  F(clEnqueueFillBuffer)       \
+  F(clEnqueueMapBuffer)        \
+  F(clEnqueueUnmapMemObject)   \
+  F(clEnqueueNDRangeKernel)    \
+  F(clWaitForEvents)           \
+  F(clGetEventInfo)            \
+  F(clGetEventProfilingInfo)   \
+  F(clReleaseEvent)            \
+  F(clFlush)                   \
+  F(clFinish)                  \
   F(clGetExtensionFunctionAddressForPlatform)
 
 struct Api {
@@ -53,10 +52,6 @@ struct Api {
 
 /// Null when there is no loader or it lacks a function. The loader stays loaded until the process ends.
 const Api* api();
-
-/// From now on clFinish enqueues a marker first. Rusticl of Mesa 22.3 waits for the last command that was not sent yet:
-/// after clFlush for none.
-void markBeforeFinish() noexcept;
 
 /// In a child of fork() whose parent has loaded OpenCL: the driver's threads are not there, so that nothing of it may
 /// be called any more, not even to release what the parent had.

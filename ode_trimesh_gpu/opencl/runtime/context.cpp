@@ -8,7 +8,6 @@ namespace otg::opencl {
 Context::Context(const FoundDevice& device, ProgramCache cache, bool doubles, std::uint64_t memory)
     : device_(device), memory_(std::make_shared<MemoryBudget>(memory)) {
   device_.info.doubles = device_.info.doubles && doubles;
-  if (device_.info.platform.starts_with("rusticl")) markBeforeFinish();
   const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM,
                                               reinterpret_cast<cl_context_properties>(device.platform), 0};
   context_ = ContextHandle(
