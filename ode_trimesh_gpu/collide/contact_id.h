@@ -8,10 +8,10 @@
 
 namespace otg {
 
-/// Never 0, and different for all contacts of one query. Made of the feature's kind and mesh (4 bits). For vertices and
-/// edges their number (32 bits) and Contact::ordinal (28 bits) follow, else the two triangles (28 bits each; meshes
-/// have no more) and the ordinal (4 bits). Nothing in it depends on places in a list, on the pose or on what else
-/// touches.
+/// Never 0, and different for all contacts of one query, but for two at one crossing of a deep region. Made of the
+/// feature's kind and mesh (4 bits). For vertices and edges their number (32 bits) and Contact::ordinal (28 bits)
+/// follow, else the two triangles (28 bits each; meshes have no more) and the ordinal (4 bits). Nothing in it
+/// depends on places in a list, on the pose or on what else touches.
 inline std::uint64_t contactId(const Contact& c) {
   const std::uint64_t kind = (static_cast<std::uint64_t>(c.feature) + 1) << 60;
   if (c.element != kNone) return kind | std::uint64_t{c.element} << 28 | c.ordinal;
