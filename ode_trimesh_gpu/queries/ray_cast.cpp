@@ -3,35 +3,36 @@
 
 #include <algorithm>
 
+#include "base/flat_map.h"
 #include "base/vectors.h"
 #include "queries/closest_point.h"
 
 namespace otg {
 namespace {
 
-bool shareACorner(const TriMesh& mesh, std::uint32_t s, std::uint32_t t) {
-  const SharedArray<std::uint32_t>& weld = mesh.topology().weld;
-  for (const std::uint32_t v : mesh.triangles()[s].v) {
-    for (const std::uint32_t w : mesh.triangles()[t].v) {
-      if (weld[v] == weld[w]) return true;
-    }
-  }
-  return false;
-}
-
-/// Neighbours that are hit at one point are one hit.
+/// Neighbours that are hit at one point are one hit. `hits`: by distance.
 void mergeHits(const TriMesh& mesh, std::vector<RayHit>& hits) {
+  if (hits.size() < 2) return;
+  const SharedArray<std::uint32_t>& weld = mesh.topology().weld;
   const double same = 1e-9 * static_cast<double>(mesh.radius());
-  std::size_t kept = 0;
+  FlatMap lastAt;  // of a vertex and a side: the last hit that is kept there
+  std::uint32_t kept = 0;
   for (const RayHit& hit : hits) {
-    bool isNew = true;
-    for (std::size_t i = kept; i-- > 0 && isNew && hit.distance - hits[i].distance <= same;) {
-      if (hits[i].back == hit.back && shareACorner(mesh, hits[i].triangle, hit.triangle)) {
-        hits[i].triangle = std::min(hits[i].triangle, hit.triangle);
-        isNew = false;
-      }
+    std::uint64_t keys[3];
+    std::uint32_t into = FlatMap::kMissing;
+    for (int c = 0; c < 3; ++c) {
+      keys[c] = 2 * std::uint64_t{weld[mesh.triangles()[hit.triangle].v[c]]} + (hit.back ? 1 : 0);
+      const std::uint32_t last = lastAt.find(keys[c]);
+      if (last == FlatMap::kMissing || hit.distance - hits[last].distance > same) continue;
+      into = into == FlatMap::kMissing ? last : std::max(into, last);
     }
-    if (isNew) hits[kept++] = hit;
+    if (into == FlatMap::kMissing) {
+      into = kept++;
+      hits[into] = hit;
+    } else {
+      hits[into].triangle = std::min(hits[into].triangle, hit.triangle);
+    }
+    for (const std::uint64_t key : keys) lastAt.insert(key, into) = into;
   }
   hits.resize(kept);
 }

@@ -35,7 +35,7 @@ TEST_CASE("the hit of a ray is that of all triangles tried one by one, whatever 
   std::size_t hit = 0, missed = 0, tied = 0;
   for (const auto& [name, mesh] : meshesToHit()) {
     const CollisionMesh sah(mesh, BuildStrategy::kSah), mean(mesh, BuildStrategy::kMeanSplit);
-    const std::size_t count = mesh->triangleCount() > 50000 ? 16 : mesh->triangleCount() > 4000 ? 200 : 1600;
+    const std::size_t count = std::clamp<std::size_t>(800000 / (mesh->triangleCount() + 1), 16, 1600);
     std::size_t number = 0, wrong = 0;
     for (const LongRay& ray : raysFor(*mesh, 5, count)) {
       std::vector<RayHit> expected = oneByOne(*mesh, ray);
