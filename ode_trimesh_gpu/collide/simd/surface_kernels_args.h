@@ -176,6 +176,7 @@ struct ShortestWayArgs {
   double mostEnding;
   double leastCosine;  ///< of a way with the normal of a triangle that it goes through
   double slack;        ///< how far beside a triangle counts as on it
+  double most;         ///< a way counts that is shorter
   double length;       ///< out: the shortest of all, out of mesh 1 along it and out of mesh 0 against it; or infinity
   double out, back;    ///< out: its parts
   std::uint32_t way;   ///< out: the first of that length

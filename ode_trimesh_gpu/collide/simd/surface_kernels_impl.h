@@ -412,12 +412,13 @@ __attribute__((always_inline)) inline Doubles waysThrough(const ShortestWayArgs&
 
 void findShortestWay(ShortestWayArgs& args) {
   args.length = kFarAway;
+  double most = args.most;
   for (std::size_t i = 0; i < args.count; ++i) {
     const WayBlock& b = args.ways[i];
     const Directions d{load4(b.x), load4(b.y), load4(b.z)};
     const Doubles cosine = args.ending.x * d.x + args.ending.y * d.y + args.ending.z * d.z;
     const Doubles none = spread4(-1), longest = load4(b.length);
-    const Doubles limit = cosine > args.mostEnding ? none : smaller(longest, spread4(args.length)) * kWithin;
+    const Doubles limit = cosine > args.mostEnding ? none : smaller(longest, spread4(most)) * kWithin;
     if (bitsOfLanes(limit > 0) == 0) continue;
     const Doubles out = waysThrough(args, 1, d, limit);
     if (bitsOfLanes(out < kFarAway) == 0) continue;
@@ -425,8 +426,8 @@ void findShortestWay(ShortestWayArgs& args) {
     const Doubles length = out + back;
     for (unsigned bits = bitsOfLanes(length <= longest); bits; bits &= bits - 1) {
       const int lane = __builtin_ctz(bits);
-      if (!(length[lane] < args.length)) continue;
-      args.length = length[lane];
+      if (!(length[lane] < most)) continue;
+      args.length = most = length[lane];
       args.out = out[lane];
       args.back = back[lane];
       args.way = static_cast<std::uint32_t>(kSurfaceLanes * i) + static_cast<std::uint32_t>(lane);

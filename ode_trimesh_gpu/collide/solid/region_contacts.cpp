@@ -266,8 +266,7 @@ class RegionSolver {
       if (all_.points[i].kind != PointKind::kCrossing || ways.empty()) continue;
       Candidate c = candidateAt(all_.points[i]);
       const Vec3d ending = otgScale(c.point->faceNormal, c.point->mesh == 0 ? 1.0 : -1.0);
-      triangles_.lookFrom(c.probe, kWithin * deepest);
-      const auto shortest = triangles_.shortestWay(set, ending);
+      const auto shortest = triangles_.shortestWay(c.probe, set, kWithin * deepest, ending);
       if (!shortest) continue;
       c.normal = ways[shortest->way].normal;
       c.out = shortest->out;

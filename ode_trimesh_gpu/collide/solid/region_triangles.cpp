@@ -16,6 +16,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSameNormal = OTG_UNEVEN_SAME_NORMAL;
 constexpr double kSurely = OTG_UNEVEN_SURELY;
 constexpr double kBoundsError = 1e-9;  ///< of a triangle's size: OTG_ON_TRIANGLE and what rounds
+constexpr double kFirstLength = 1.0 / 64, kSameLength = 2, kNextRadius = 4;  ///< of radii within which the shortest way is looked for
 constexpr std::size_t kNoSlot = ~std::size_t{0};
 
 }  // namespace
@@ -47,6 +48,7 @@ void RegionTriangles::collect(const PlacedMeshes& meshes, const OverlapRegions& 
     begin_[m + 1] = triangles_.size();
   }
   curved_.assign(triangles_.size(), Curved::kUnknown);
+  lastLength_ = kFirstLength * region.diagonal;
 }
 
 void RegionTriangles::addTriangle(const PlacedMeshes& meshes, const Vec3d& origin, const Piece& piece) {
@@ -206,7 +208,6 @@ void RegionTriangles::findSameNormals() {
 }
 
 void RegionTriangles::lookFrom(const Vec3d& from, double far) {
-  from_ = from;
   for (int m = 0; m < 2; ++m) {
     ahead_[m].clear();
     for (const std::uint32_t k : faces_[m].near(from, kSurely * far)) {
@@ -219,24 +220,34 @@ void RegionTriangles::lookFrom(const Vec3d& from, double far) {
   }
 }
 
-std::optional<RegionTriangles::Shortest> RegionTriangles::shortestWay(const WaySet& ways, const Vec3d& ending) const {
-  ShortestWayArgs args{ways.blocks().data(),
-                       ways.blocks().size(),
-                       triangles_.data(),
-                       {ahead_[0].data(), ahead_[1].data()},
-                       {ahead_[0].size(), ahead_[1].size()},
-                       from_,
-                       ending,
-                       OTG_SOLID_FACING,
-                       OTG_UNEVEN_LEAST_COSINE,
-                       slack_,
-                       kInfinity,
-                       0,
-                       0,
-                       0};
-  findShortestWay(args);
-  if (!(args.length < kInfinity)) return std::nullopt;
-  return Shortest{args.way, args.out, args.back};
+std::optional<RegionTriangles::Shortest> RegionTriangles::shortestWay(const Vec3d& from, const WaySet& ways, double far,
+                                                                      const Vec3d& ending) {
+  // Most are short, and as long as that of the point before. Within a radius only triangles in it matter.
+  for (double radius = kSameLength * lastLength_;; radius *= kNextRadius) {
+    const bool isAll = !(radius < far);
+    lookFrom(from, isAll ? far : radius);
+    ShortestWayArgs args{ways.blocks().data(),
+                         ways.blocks().size(),
+                         triangles_.data(),
+                         {ahead_[0].data(), ahead_[1].data()},
+                         {ahead_[0].size(), ahead_[1].size()},
+                         from,
+                         ending,
+                         OTG_SOLID_FACING,
+                         OTG_UNEVEN_LEAST_COSINE,
+                         slack_,
+                         isAll ? kInfinity : radius,
+                         kInfinity,
+                         0,
+                         0,
+                         0};
+    findShortestWay(args);
+    if (args.length < kInfinity) {
+      lastLength_ = args.length;
+      return Shortest{args.way, args.out, args.back};
+    }
+    if (isAll) return std::nullopt;
+  }
 }
 
 double RegionTriangles::distanceToFacing(int m, const Vec3d& p, const Vec3d& direction, double limit) const {

@@ -74,15 +74,14 @@ class RegionTriangles {
   /// Which of these has the least depth; infinite without any. None where several that differ have it.
   std::optional<StretchExit> soonestOver(int m, const Vec3d& from, const Vec3d& to) const;
 
-  /// Where the ways of shortestWay() begin, none of which may be longer than `far`.
-  void lookFrom(const Vec3d& from, double far);
-  /// The first of the shortest ways: out of mesh 1 through the nearest of its triangles that face along, and out of
-  /// mesh 0 against the direction. Those along `ending` do not count. None if all are longer than they may be.
+  /// The first of the shortest ways from a point, none of which may be longer than `far`: out of mesh 1 through the
+  /// nearest of its triangles that face along, and out of mesh 0 against the direction. Those along `ending` do not
+  /// count. None if all are longer than they may be.
   struct Shortest {
     std::size_t way;
     double out, back;
   };
-  std::optional<Shortest> shortestWay(const WaySet& ways, const Vec3d& ending) const;
+  std::optional<Shortest> shortestWay(const Vec3d& from, const WaySet& ways, double far, const Vec3d& ending);
 
   /// Distance of a point from the triangles of mesh m that face along a unit direction, `limit` at most.
   double distanceToFacing(int m, const Vec3d& p, const Vec3d& direction, double limit) const;
@@ -95,6 +94,8 @@ class RegionTriangles {
   };
   enum class Curved : std::uint8_t { kUnknown, kNo, kYes };
   void findSameNormals();
+  /// The triangles that shortestWay() may go through.
+  void lookFrom(const Vec3d& from, double far);
 
   double depthBelow(std::size_t i, const Vec3d& p) const { return planes_[i].offset - otgDot(planes_[i].normal, p); }
   double distanceOf(std::size_t i, const Vec3d& p) const;
@@ -115,8 +116,8 @@ class RegionTriangles {
   std::pmr::vector<Exit> exits_;
   std::pmr::vector<StretchExit> facesOver_;
   std::pmr::vector<double> distances_;
-  Vec3d from_{};
-  std::pmr::vector<TriangleAhead> ahead_[2];  ///< of each mesh, seen from there
+  std::pmr::vector<TriangleAhead> ahead_[2];  ///< of each mesh, what lookFrom() finds
+  double lastLength_ = 0;                     ///< of the last way that shortestWay() found
   std::pmr::vector<std::size_t> sameAs_;      ///< of each triangle one that faces the same way: one for all that do
   std::pmr::vector<std::size_t> slots_;       ///< facesOver(): of these, where it is among those found
   std::pmr::vector<std::size_t> used_;        ///< which slots are taken
