@@ -227,6 +227,8 @@ TEST_CASE("pairs of other random numbers that had no certificate once have one")
       {6, "gears", 18},
       // Out of the wall that is touched is a quarter of the way out of the groove.
       {6, "wedge", 70},
+      // A vertex of the mesh is held by the way in which the shape leaves it first.
+      {1, "dConvex", 6691},
   };
   const scenes::OdeSession session;
   const std::vector<CertificateFamily> families = certificateFamilies();
@@ -239,6 +241,6 @@ TEST_CASE("pairs of other random numbers that had no certificate once have one")
     REQUIRE(member);
     const Verdict verdict = judge(*member, failure.number, {});
     CHECK(verdict.certified());
-    CHECK(verdict.length < 1.5);
+    CHECK(verdict.length < 1.1);
   }
 }
