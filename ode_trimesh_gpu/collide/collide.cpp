@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "collide/consistent_contacts.h"
+#include "collide/contact_order.h"
 #include "collide/convex/convex_pair_contacts.h"
 #include "collide/pairwise/reduction.h"
 #include "collide/query.h"
@@ -38,8 +39,25 @@ void collideIntersecting(const Query& query, Workspace& workspace) {
 }
 
 void finishContacts(const Query& query, Workspace& workspace) {
+  // In the order in which devices leave them: sums round by it.
+  std::sort(workspace.contacts.begin(), workspace.contacts.end(), contactDeeper);
   makeConsistent(workspace.contacts);
   limitContacts(workspace.contacts, query.options.maxContacts, workspace.reduced);
+}
+
+std::vector<Contact> limitContactsOfCaller(const Query& query, std::span<const Contact> contacts, int count) {
+  const TriMesh &a = query.a->mesh(), &b = query.b->mesh();
+  std::vector<Contact> all(contacts.begin(), contacts.end());
+  for (Contact& c : all) {
+    c.triangleA = a.triangleOfCaller(c.triangleA);
+    c.triangleB = b.triangleOfCaller(c.triangleB);
+  }
+  all = limitContacts(all, count);
+  for (Contact& c : all) {
+    c.triangleA = a.callerTriangle(c.triangleA);
+    c.triangleB = b.callerTriangle(c.triangleB);
+  }
+  return all;
 }
 
 std::vector<TrianglePair> pairsOfCaller(const Query& query, const std::vector<TrianglePair>& pairs) {

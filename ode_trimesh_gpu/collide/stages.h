@@ -2,6 +2,9 @@
 // Parts of the stages on the host that other backends use to finish what they began.
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "collide/pair_frame.h"
 #include "collide/query.h"
 
@@ -27,6 +30,9 @@ void collideIntersecting(const Query& query, Workspace& workspace);
 /// All contacts of `solid` of a pair -> workspace.contacts that do not contradict each other. Of these as many as the
 /// caller wants -> workspace.reduced.
 void finishContacts(const Query& query, Workspace& workspace);
+
+/// limitContacts() for contacts in the callers' numbers of triangles. Ties are broken by the meshes' own.
+std::vector<Contact> limitContactsOfCaller(const Query& query, std::span<const Contact> contacts, int count);
 
 /// The last step of a query: the contacts of workspace.reduced name triangles as the caller numbers them.
 void numberAsCaller(const Query& query, Workspace& workspace);

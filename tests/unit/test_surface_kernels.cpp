@@ -403,11 +403,13 @@ TEST_CASE("the shortest of many ways") {
                          kMostEnding,
                          kLeastCosine,
                          slack,
+                         kInfinity,
                          0,
                          0,
                          0,
                          0};
     for (const SimdLevel level : levels()) {
+      args.most = kInfinity;
       findShortestWay(level, args);
       CHECK(args.length == least);
       if (!(least < kInfinity)) continue;
@@ -415,6 +417,13 @@ TEST_CASE("the shortest of many ways") {
       CHECK(args.out + args.back == least);
       ++found;
       later += best > 3;
+      args.most = 1.5 * least;
+      findShortestWay(level, args);
+      CHECK(args.length == least);
+      CHECK(args.way == best);
+      args.most = least;
+      findShortestWay(level, args);
+      CHECK(args.length == kInfinity);
     }
   }
   CHECK(found > 100);

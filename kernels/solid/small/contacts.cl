@@ -7,6 +7,17 @@
 #include "solid/choose.h"
 #include "solid/small/limit.h"
 
+/// Whether contacts do not contradict each other because their normals are much alike: as in
+/// collide/consistent_contacts.cpp, with a margin for what rounds.
+OTG_INLINED int otgAgreePlainly(__global const otg_chosen_contact* contacts, uint count) {
+  otg_vec3_d sum = otgVec_d(0, 0, 0);
+  for (uint i = 0; i < count; ++i) sum = otgAdd_d(sum, otgLoad(contacts[i].normal));
+  const double least = sqrt(otgDot_d(sum, sum)) / OTG_UNEVEN_LONGEST * (1 + 1e-9);
+  int agree = least > 0;
+  for (uint i = 0; i < count && agree; ++i) agree = otgDot_d(otgLoad(contacts[i].normal), sum) >= least;
+  return agree;
+}
+
 /// The contacts of one pair: region by region, then as many as it has places. `direction`: null, or gets that of the
 /// last deep region, or zero.
 OTG_INLINED void otgContactsOf(uint number, __local otg_solid_choice* s, __global const float4* meshes, OTG_MESH* a,
@@ -59,8 +70,12 @@ OTG_INLINED void otgContactsOf(uint number, __local otg_solid_choice* s, __globa
     index += counts;
     OTG_SYNC_ALL;
   }
+  const uint stay = min(how.places, room);
+  // Of contacts that contradict each other the host has to see all.
+  if (lane == 0 && !s->bad && s->contacts > stay) s->bad = !otgAgreePlainly(found, s->contacts);
+  OTG_SYNC;
   const uint contacts = s->bad ? 0 : s->contacts;
-  const uint kept = otgLimitContacts(s, found, contacts, min(how.places, room), a, b, list);
+  const uint kept = otgLimitContacts(s, found, contacts, stay, a, b, list);
   if (lane != 0) return;
   ((__global uint*)results)[OTG_PLACE(pairs, number) + 1] = kept;
   if (s->bad) {

@@ -6,6 +6,7 @@
 //
 #define OTG_REAL_DOUBLE
 #include "shared/contacts/contact_choice.h"
+#include "shared/contacts/uneven_model.h"
 #undef OTG_REAL_DOUBLE
 
 #define OTG_SPOT_TAKEN 0xffffffffu

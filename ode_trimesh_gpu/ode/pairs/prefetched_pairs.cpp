@@ -4,7 +4,7 @@
 #include <array>
 #include <bit>
 
-#include "collide/pairwise/reduction.h"
+#include "collide/stages.h"
 #include "ode/pairs/pair_task.h"
 
 namespace otg {
@@ -31,21 +31,6 @@ bool sameQuery(const Query& x, const Query& y) {
 bool isStill(const std::weak_ptr<const void>& then, const CollisionMesh& now) {
   const std::weak_ptr<const void> lifetime = now.lifetime();
   return !then.owner_before(lifetime) && !lifetime.owner_before(then);
-}
-
-/// What limitContacts would have left of these contacts. It breaks ties by the meshes' own numbers of triangles.
-std::vector<Contact> limited(const Query& query, std::span<const Contact> contacts, int capacity) {
-  std::vector<Contact> all(contacts.begin(), contacts.end());
-  for (Contact& c : all) {
-    c.triangleA = query.a->mesh().triangleOfCaller(c.triangleA);
-    c.triangleB = query.b->mesh().triangleOfCaller(c.triangleB);
-  }
-  all = limitContacts(all, capacity);
-  for (Contact& c : all) {
-    c.triangleA = query.a->mesh().callerTriangle(c.triangleA);
-    c.triangleB = query.b->mesh().callerTriangle(c.triangleB);
-  }
-  return all;
 }
 
 }  // namespace
@@ -91,7 +76,7 @@ bool PrefetchedPairs::find(PairTask& task, int capacity, PairResult& result) {
     // A list that may have been cut already says nothing of a shorter one.
     if (entry.result.contacts.size() >= most) return false;
     result = entry.result;
-    keepContacts(result, limited(query, entry.result.contacts, capacity));
+    keepContacts(result, limitContactsOfCaller(query, entry.result.contacts, capacity));
   } else {
     result = entry.result;
   }

@@ -161,24 +161,16 @@ struct ContactFinish {
   }
 
   bool contradicts(std::size_t i) const { return contradict(answer.of(i)); }
-  /// As finishContacts() for pairs whose contacts the device made, after lookAhead(). Where there was no room for all
-  /// of them, the host makes them again.
+  /// As finishContacts() for pairs whose contacts the device made, after lookAhead(). It leaves those to the host of
+  /// whose contacts it had to drop some, unless they agree.
   template <class QueryOf>
   void settle(const std::vector<std::size_t>& which, const QueryOf& queryOf) {
     for (const std::size_t i : which) {
       const std::span<const Contact> made = answer.of(i);
-      if (!contradict(made)) continue;  // the host has made them since
-      const Query query = queryOf(i);
       std::vector<Contact> contacts(made.begin(), made.end());
-      if (contacts.size() < static_cast<std::size_t>(query.options.maxContacts)) {
-        makeConsistent(contacts);
-      } else {
-        otg::collide(query, workspace);
-        contacts = workspace.reduced;
-        ++answer.leftToHost;
-        ++answer.madeAgain;
-      }
-      answer.add(i, contacts);
+      makeConsistent(contacts);
+      const Query query = queryOf(i);
+      answer.add(i, limitContactsOfCaller(query, contacts, query.options.maxContacts));
     }
   }
 
