@@ -16,7 +16,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSameNormal = OTG_UNEVEN_SAME_NORMAL;
 constexpr double kSurely = OTG_UNEVEN_SURELY;
 constexpr double kBoundsError = 1e-9;  ///< of a triangle's size: OTG_ON_TRIANGLE and what rounds
-constexpr double kFirstLength = 1.0 / 64, kSameLength = 2, kNextRadius = 4;  ///< of radii within which the shortest way is looked for
+constexpr double kFirstRadius = 1.0 / 64, kSameLength = 2, kNextRadius = 4;  ///< of radii within which the shortest way is looked for
 constexpr std::size_t kNoSlot = ~std::size_t{0};
 
 }  // namespace
@@ -48,7 +48,7 @@ void RegionTriangles::collect(const PlacedMeshes& meshes, const OverlapRegions& 
     begin_[m + 1] = triangles_.size();
   }
   curved_.assign(triangles_.size(), Curved::kUnknown);
-  lastLength_ = kFirstLength * region.diagonal;
+  lastLength_ = 0;
 }
 
 void RegionTriangles::addTriangle(const PlacedMeshes& meshes, const Vec3d& origin, const Piece& piece) {
@@ -223,7 +223,7 @@ void RegionTriangles::lookFrom(const Vec3d& from, double far) {
 std::optional<RegionTriangles::Shortest> RegionTriangles::shortestWay(const Vec3d& from, const WaySet& ways, double far,
                                                                       const Vec3d& ending) {
   // Most are short, and as long as that of the point before. Within a radius only triangles in it matter.
-  for (double radius = kSameLength * lastLength_;; radius *= kNextRadius) {
+  for (double radius = std::max(kSameLength * lastLength_, kFirstRadius * far);; radius *= kNextRadius) {
     const bool isAll = !(radius < far);
     lookFrom(from, isAll ? far : radius);
     ShortestWayArgs args{ways.blocks().data(),
