@@ -31,7 +31,14 @@ Body bodyOf(const scenes::MeshArrays& arrays) {
   return body;
 }
 
-scenes::MeshArrays hullOf(const std::vector<Vec3d>& places) {
+scenes::MeshArrays randomHull(std::mt19937& random, int points, const Vec3d& half) {
+  std::normal_distribution<double> normal;
+  std::vector<Vec3d> places;
+  for (int i = 0; i < points; ++i) {
+    const Vec3d d = unit(Vec3d{normal(random), normal(random), normal(random)});
+    const auto rounded = [](double x) { return static_cast<double>(static_cast<float>(x)); };
+    places.push_back({rounded(d.x * half.x), rounded(d.y * half.y), rounded(d.z * half.z)});
+  }
   scenes::MeshArrays mesh;
   std::map<std::uint32_t, std::uint32_t> number;
   for (const auto& triangle : convexHull(places)) {
@@ -47,17 +54,6 @@ scenes::MeshArrays hullOf(const std::vector<Vec3d>& places) {
     mesh.triangles.push_back(t);
   }
   return mesh;
-}
-
-scenes::MeshArrays randomHull(std::mt19937& random, int points, const Vec3d& half) {
-  std::normal_distribution<double> normal;
-  std::vector<Vec3d> places;
-  for (int i = 0; i < points; ++i) {
-    const Vec3d d = unit(Vec3d{normal(random), normal(random), normal(random)});
-    const auto rounded = [](double x) { return static_cast<double>(static_cast<float>(x)); };
-    places.push_back({rounded(d.x * half.x), rounded(d.y * half.y), rounded(d.z * half.z)});
-  }
-  return hullOf(places);
 }
 
 Transformd rotation(const Vec3d& axis, double angle, const Vec3d& t) {
@@ -465,34 +461,6 @@ TEST_CASE("Faces that face each other touch at the corners of their overlap", "[
   pose.t = otgRotate(pose, Vec3d{0, 0, -std::sqrt(0.5) - 0.49});
   collide(queryOf(*small, *large, pose), workspace);
   CHECK(workspace.reduced.size() == 2);
-}
-
-TEST_CASE("Edges that cross at a tiny angle touch at the ends of the stretch that they share", "[convex]") {
-  // Two wedges, edge over edge. One is shorter and lies along the other's middle.
-  const auto wedge = [](float half) {
-    return hullOf({{-half, 0, 0}, {half, 0, 0}, {-half, -0.25f, 1}, {half, -0.25f, 1}, {-half, 0.25f, 1}, {half, 0.25f, 1}});
-  };
-  const Body upper = bodyOf(wedge(0.5f)), lower = bodyOf(wedge(0.25f));
-  constexpr double kAngle = 5e-4, kDeep = 2e-5;
-  const Transformd upsideDown{{1, 0, 0, 0, -1, 0, 0, 0, -1}, {0, 0, 0}};
-  for (const double sign : {-1.0, 1.0}) {
-    Transformd pose = rotation({0, 0, 1}, sign * kAngle, {0.1, 0, kDeep});
-    Transformd turned = pose;
-    for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t k = 0; k < 3; ++k) turned.r[3 * i + k] = pose.r[3 * i + k] * upsideDown.r[4 * k];
-    }
-    for (const bool swap : {false, true}) {
-      const Query query = swap ? queryOf(*lower, *upper, inverse(turned)) : queryOf(*upper, *lower, turned);
-      Workspace workspace;
-      collide(query, workspace);
-      const std::vector<Contact>& contacts = workspace.reduced;
-      checkContacts(query, contacts);
-      REQUIRE(contacts.size() == 2);
-      CHECK(contacts[0].depth == Approx(kDeep).epsilon(1e-6));
-      CHECK(contacts[1].depth == Approx(kDeep).epsilon(1e-6));
-      CHECK(norm(contacts[0].position - contacts[1].position) == Approx(0.5).epsilon(1e-3));
-    }
-  }
 }
 
 TEST_CASE("Contacts of a face of many corners lie far from each other", "[convex]") {

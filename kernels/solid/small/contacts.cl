@@ -18,6 +18,14 @@ OTG_INLINED int otgAgreePlainly(__global const otg_chosen_contact* contacts, uin
   return agree;
 }
 
+/// From how many contacts `stay` are chosen. None where some would go of contacts that may contradict each other: the
+/// CPU has to see all of them. All lanes call it.
+OTG_INLINED uint otgToChooseFrom(__local otg_solid_choice* s, __global const otg_chosen_contact* found, uint stay) {
+  if (get_local_id(0) == 0 && !s->bad && s->contacts > stay) s->bad = !otgAgreePlainly(found, s->contacts);
+  OTG_SYNC;
+  return s->bad ? 0 : s->contacts;
+}
+
 /// The contacts of one pair: region by region, then as many as it has places. `direction`: null, or gets that of the
 /// last deep region, or zero.
 OTG_INLINED void otgContactsOf(uint number, __local otg_solid_choice* s, __global const float4* meshes, OTG_MESH* a,
@@ -70,11 +78,7 @@ OTG_INLINED void otgContactsOf(uint number, __local otg_solid_choice* s, __globa
     index += counts;
     OTG_SYNC_ALL;
   }
-  const uint stay = min(how.places, room);
-  // Of contacts that contradict each other the host has to see all.
-  if (lane == 0 && !s->bad && s->contacts > stay) s->bad = !otgAgreePlainly(found, s->contacts);
-  OTG_SYNC;
-  const uint contacts = s->bad ? 0 : s->contacts;
+  const uint stay = min(how.places, room), contacts = otgToChooseFrom(s, found, stay);
   const uint kept = otgLimitContacts(s, found, contacts, stay, a, b, list);
   if (lane != 0) return;
   ((__global uint*)results)[OTG_PLACE(pairs, number) + 1] = kept;
