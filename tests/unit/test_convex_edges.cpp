@@ -20,7 +20,7 @@ scenes::MeshArrays wedge(float half) {
     mesh.vertices.push_back({x, -0.25f, 1});
     mesh.vertices.push_back({x, 0.25f, 1});
   }
-  mesh.triangles = {{{0, 2, 1}}, {{3, 4, 5}}, {{0, 1, 4}}, {{0, 4, 3}}, {{0, 3, 5}}, {{0, 5, 2}}, {{1, 2, 5}}, {{1, 5, 4}}};
+  mesh.triangles = {{{0, 1, 2}}, {{3, 5, 4}}, {{0, 4, 1}}, {{0, 3, 4}}, {{0, 5, 3}}, {{0, 2, 5}}, {{1, 5, 2}}, {{1, 4, 5}}};
   return mesh;
 }
 
