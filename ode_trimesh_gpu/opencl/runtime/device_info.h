@@ -28,7 +28,7 @@ struct DeviceInfo {
 
 const char* nameOf(DeviceKind kind);
 
-/// All devices of all platforms; empty where there is no OpenCL. A platform or device that cannot be asked is left out,
+/// All devices of all platforms; empty where there is no OpenCL. A platform or device that gives no reply is left out,
 /// and that is logged.
 std::vector<DeviceInfo> listDevices();
 

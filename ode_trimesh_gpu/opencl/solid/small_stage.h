@@ -41,7 +41,7 @@ class SmallStage {
   /// After a batch: the records of the pairs that are left to the CPU, where each has its hits side by side. False if
   /// there was no room for them: then all records have to be looked at.
   bool readLeft(cl_command_queue queue, const otg_uint* counters, Answer& answer);
-  /// The hits of each pair with the ends of their chords, in stretches which otg_pair_state gives.
+  /// The hits of each pair with the ends of their chords, in stretches that otg_pair_state gives.
   const DeviceList& hits() const { return sorted_; }
   /// Everything from the hits on, up to lists of contacts and their places in `chosen`.
   void enqueue(cl_command_queue queue, const Batch& batch, Reducer& reducer, const ChosenBuffer& chosen,
