@@ -74,7 +74,7 @@ struct ShapePose {
   double height;
 };
 
-/// Anyhow turned, along a direction as near as it touches, then by the overlap nearer. Asked is our mesh: of a convex,
+/// Anyhow turned, along a direction as near as it touches, then by the overlap nearer. Ours is queried: of a convex,
 /// and of what is inside, a dTriMesh gives nothing.
 ShapePose drawPose(dGeomID mesh, dGeomID shape, bool isGround, double overlap, truth::Random& random) {
   ShapePose pose{random.rotation(), isGround ? Vec3d{0, 0, 1} : random.direction(), 0};

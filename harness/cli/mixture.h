@@ -17,7 +17,7 @@ struct Mixture {
   opencl::LevelsOptions levels;
 };
 
-/// Of one query, or medians: milliseconds of the host's clock, and what the phases report.
+/// Of one query, or medians: milliseconds of the CPU's clock, and what the phases report.
 struct MixtureRun {
   double middle = 0;  ///< candidates, in host memory
   double near = 0;    ///< triangles that intersect; on a device the contacts of the model `pairwise`, too

@@ -74,8 +74,8 @@ class TriMesh {
   std::span<const std::uint32_t> firstCopies() const;
   const ValidationReport& report() const { return report_; }
   MeshClass meshClass() const { return report_.solid ? MeshClass::kSolid : MeshClass::kShell; }
-  /// Of the polyhedron at density 1; only meaningful for solids (signed sums for shells). Computed when requested
-  /// first.
+  /// Of the polyhedron at density 1; only meaningful for solids (signed sums for shells). Computed on the first
+  /// request.
   const MassProperties& massProperties() const;
 
   /// Of what the caller gave, as far as the mesh has taken it over. Computed on the first request.

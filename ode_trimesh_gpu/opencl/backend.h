@@ -81,7 +81,7 @@ using CollideBatch = std::variant<std::span<const Query>, std::span<const Query*
 /// The same only to find whether they meet.
 using IntersectBatch = std::variant<std::span<const Query>, std::span<const PosedMeshes* const>, NumberedPairs>;
 
-/// What a batch gives. Contacts stay where the device left them: a span is good until the answer is given to another
+/// What a batch gives. Contacts stay where the device left them: a span is good until the result is given to another
 /// batch or goes away (it may go later than the backend).
 class BatchAnswer {
  public:
@@ -184,7 +184,7 @@ class Backend {
   std::size_t castRays(const CollisionMesh& mesh, bool cullBack, std::size_t count, const FillRays& fill,
                        const TakeRays& take);
   /// The nearest triangles of pairs of meshes that are apart and have triangles: as otg::distanceApart finds them,
-  /// {kNone, kNone} where nothing is within the limit, kLeftToHost where the device cannot tell. `run` puts the pairs
+  /// {kNone, kNone} where nothing is within the limit, kLeftToHost where the device cannot decide. `run` puts the pairs
   /// together. Only where answersDistances(). Returns how many have their results, from the first one on: fewer than
   /// all when a call failed (which is logged once and counted). Throws what `run` throws.
   std::size_t nearestTriangles(std::span<const Query> queries, double limit, std::span<TrianglePair> answers,

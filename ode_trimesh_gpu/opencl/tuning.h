@@ -40,8 +40,8 @@ struct Tuning {
   /// chooses.
   std::uint32_t keptPlaces = 1024, batchKeptPlaces = 256;
   std::uint32_t contactPlaces = 1u << 15;  ///< contacts that a batch may have; more grow the list, as above
-  /// Where the last kernel of a single pair writes contacts: 0 on the device, from where they are read; 1 into the
-  /// host's memory if the device can. Tests: 2 into an ordinary buffer that the host has mapped, which works on CPUs; 3
+  /// Where the last kernel of a single pair writes contacts: 0 on the device, from where they are read; 1 into
+  /// host memory if the device can. Tests: 2 into an ordinary buffer that the host has mapped, which works on CPUs; 3
   /// the same, but what was written is not seen.
   std::uint32_t hostAnswers = 1;
   std::uint32_t flushes = 0;  ///< clFlush: 1 after the first launch of a query, 2 after the traversal, 3 after both

@@ -141,7 +141,7 @@ namespace otg {
 /// Ranges of normals along a side of a cube, in which planes are gathered for deep regions.
 #define OTG_SOLID_NORMAL_CELLS 7.0
 
-/// Where planes stand for many triangles, where a rim may pass for the deepest place: estimates that differ by less
+/// Where planes stand for many triangles, a rim may pass for the deepest place: estimates that differ by less
 /// say nothing, and so many candidates for each contact are measured by rays before the contacts are chosen.
 #define OTG_SOLID_GATHERED_ERROR 0.05
 #define OTG_SOLID_MEASURED_PER_CONTACT 3

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The overlap of pairs of solids on a device (kernels/solid/large/): what its kernels leave for each other and for the
-// host. Only with doubles and 64-bit atomics.
+// CPU. Only with doubles and 64-bit atomics.
 #ifndef OTG_SHARED_OVERLAP_LAYOUT_H
 #define OTG_SHARED_OVERLAP_LAYOUT_H
 #include "shared/layout/solid_layout.h"

@@ -114,7 +114,7 @@ typedef struct {
 /// A piece of the arena is counted in units of this many bytes.
 #define OTG_ARENA_UNIT 16
 
-/// Why the CPU has to do a pair (any is enough; the values tell where to look): flags << OTG_PAIR_WHY.
+/// Why the CPU has to do a pair (any is enough; the values say where to look): flags << OTG_PAIR_WHY.
 enum {
   OTG_SOLID_TOO_MANY = 1,
   OTG_SOLID_INEXACT = 2,    ///< coordinates too large or small for exact arithmetic

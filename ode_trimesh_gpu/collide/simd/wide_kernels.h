@@ -24,7 +24,7 @@ const char* simdName(SimdLevel level);
 void traverseWide(SimdLevel level, const Query& query, const PairFrame& frame, std::vector<TrianglePair>& out,
                   CollideStats& stats);
 
-/// The float filter of the narrow phase (otgTrianglesFilter): the candidates that certainly intersect, and those of
+/// The float filter of the narrow phase (otgTrianglesFilter): the candidates that certainly intersect, and those
 /// which float cannot decide; each in their order. Says nothing of degenerate triangles.
 void filterTriangles(SimdLevel level, const Query& query, const PairFrame& frame,
                      const std::vector<TrianglePair>& candidates, std::vector<TrianglePair>& intersecting,

@@ -32,7 +32,7 @@ struct CostModel {
   Cost devicePairs;     ///< mid and narrow phase of one pair, from call to return
   Cost devicePairwise;  ///< the whole query of one pair
   /// The same of a pair of solids, which the device describes where that pays. Zero where it is not known: then
-  /// devicePairs says it.
+  /// devicePairs gives it.
   Cost deviceSolid;
   double batchLaunch = 0;  ///< of a batch of `pairwise` queries, however small
   Cost batchPair;          ///< each pair of a batch that keeps the whole device busy

@@ -82,7 +82,7 @@ OTG_API void dGpuTriMeshHeightfieldInit(dGpuTriMeshHeightfield* field);
  * array that was not copied, may change between two collisions. The mesh of the ground under each body is kept as long
  * as the heights there stay the same; where they change it is refitted. A field costs nothing where nothing touches it.
  *
- * @param data   what `field` describes. whether that is true is not checked with ODE
+ * @param data   what `field` describes. This is not checked against ODE
  * @param field  copied; see dGpuTriMeshHeightfield for its arrays
  * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_MEMORY.
  * @remarks Not while another thread collides geoms that have the data. Callbacks are called by every thread that

@@ -30,7 +30,7 @@ struct GeomStats {
       deviceFailures{0};
 };
 
-/// Which of the program's callbacks to call; null members are not.
+/// The program's callbacks to call; null members are not called.
 struct GeomCallbacks {
   dTriCallback* triangle = nullptr;         ///< may this triangle collide?
   dTriArrayCallback* triangles = nullptr;   ///< all that are about to, at once

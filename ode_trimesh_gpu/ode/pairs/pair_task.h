@@ -45,7 +45,7 @@ struct PairTask {
   enum class State {
     kNothing,  ///< they cannot touch: a geom without triangles, or far apart
     kBadPose,  ///< a pose is not finite or not rigid
-    kBusy,     ///< a geom or its data are changed by another thread
+    kBusy,     ///< a geom or its data are being changed
     kReady     ///< `job` is to be done
   };
   MeshGeom side1, side2;
