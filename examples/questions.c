@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What can be asked beside contacts: nearest points, points inside, distances, overlap, rays. */
+/* Queries beside contacts: nearest points, points inside, distances, overlap, rays. */
 #include "example.h"
 
 int main(void) {

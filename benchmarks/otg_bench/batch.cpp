@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `otg bench batch`: single pairs and batches of pairs, an OpenCL device beside the CPU, every answer compared.
+// `otg bench batch`: single pairs and batches of pairs, an OpenCL device beside the CPU, every result compared.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -404,7 +404,7 @@ void addDeviceBatchRows(const BenchOptions& options, const BatchVersions& scene,
   batch.options.maxContacts = kBatchContacts;
   batch.options.contacts = modelOf(options);
   opencl::BatchAnswer answer;
-  // What the device leaves to the host is done by all its threads.
+  // What the device leaves to the CPU is done by all its threads.
   ThreadPool pool(defaultThreadCount());
   const opencl::RunParts onHost = [&](std::size_t count, const ThreadPool::Work& work) { pool.run(count, 1, work); };
   std::vector<std::uint8_t> yes;

@@ -34,7 +34,7 @@ class Random {
 
 using BodyList = std::vector<std::shared_ptr<const CollisionMesh>>;
 
-/// Contacts that are asked for of each pair.
+/// Contacts that are requested of each pair.
 inline constexpr int kBatchContacts = 16;
 
 /// Bodies of radius about 1 and 200 to 6,000 triangles,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `otg bench contacts --certificate`: what sets of contacts ask for, in families of random pairs; and these as worlds.
+// `otg bench contacts --certificate`: what sets of contacts request, in families of random pairs; and these as worlds.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `otg bench contacts` compares: ways to contacts, each asked for the same pairs.
+// What `otg bench contacts` compares: ways to contacts, each run on the same pairs.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@ namespace otg::cli {
 
 struct ContactMethod {
   std::string name;
-  /// Throws std::runtime_error where the library cannot answer.
+  /// Throws std::runtime_error where the library cannot give a result.
   std::function<std::vector<truth::PlainContact>(const CollisionMesh& a, const CollisionMesh& b, const Transformd&)>
       contacts;
 };

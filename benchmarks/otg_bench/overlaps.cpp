@@ -12,7 +12,7 @@
 namespace otg::cli {
 namespace {
 
-/// Asks about all pairs; returns how many overlap. `answers` gets the bytes of what was answered.
+/// Queries all pairs; returns how many overlap. `answers` gets the bytes of the results.
 using AskPairs = std::function<int(const GeomPairs& pairs, std::vector<unsigned char>& answers)>;
 
 int askOverlaps(const GeomPairs& pairs, std::vector<unsigned char>& answers) {

@@ -102,7 +102,7 @@ Json runPair(TessellatedBody subject, TessellatedBody partner, const PrimitivesO
     partner.body.pose = drawnPose(random, 0.6);
     placeGeom(other.id(), partner.body.pose);
     placeGeom(native.id(), subject.body.pose);
-    // Poses by ODE's answer or ours, whichever sees an overlap, so that what one of them misses is counted.
+    // Poses by ODE's result or ours, whichever sees an overlap, so that what one of them misses is counted.
     const DeepestContact theirs = collideDeepest(native.id(), other.id());
     placeGeom(mesh.id(), subject.body.pose);
     const DeepestContact ours = collideDeepest(mesh.id(), other.id());

@@ -32,7 +32,7 @@ struct QueriesOptions {
   opencl::Tuning tuning;
 };
 
-/// What one call answers, as bytes.
+/// What one call returns, as bytes.
 using Answers = std::vector<unsigned char>;
 
 struct Ask {
@@ -73,7 +73,7 @@ std::vector<dReal> drawPoints(const TriMesh& mesh, bool near, int count, truth::
   return points;
 }
 
-/// What the device takes without what the CPU makes of its answers.
+/// What the device takes without what the CPU makes of its results.
 double rawTime(const CollisionMesh& mesh, const std::vector<dReal>& points, int count, bool nearest, int repeat) {
   const auto slots = dispatcher().devices();
   if (slots.empty()) return NAN;

@@ -49,7 +49,7 @@ std::vector<dGpuTriMeshRay> raysAround(const TriMesh& mesh, int count) {
   return rays;
 }
 
-/// What the device takes without what the CPU makes of its answers.
+/// What the device takes without what the CPU makes of its results.
 double rawRayTime(const CollisionMesh& mesh, const std::vector<dGpuTriMeshRay>& rays, int repeat) {
   const auto slots = dispatcher().devices();
   std::vector<LongRay> inMesh;

@@ -74,8 +74,8 @@ struct ShapePose {
   double height;
 };
 
-/// Anyhow turned, along a direction as near as it touches, then by the overlap nearer. Asked is our mesh: of a convex,
-/// and of what is inside, a dTriMesh does not tell.
+/// Anyhow turned, along a direction as near as it touches, then by the overlap nearer. Ours is queried: of a convex,
+/// and of what is inside, a dTriMesh gives nothing.
 ShapePose drawPose(dGeomID mesh, dGeomID shape, bool isGround, double overlap, truth::Random& random) {
   ShapePose pose{random.rotation(), isGround ? Vec3d{0, 0, 1} : random.direction(), 0};
   if (dGeomGetClass(shape) != dPlaneClass) poseGeom(shape, pose.turn);
@@ -93,7 +93,7 @@ struct ShapeTimes {
   Fnv1a hash;
 };
 
-/// The median over runs of the mean of all poses, at each of which it is asked several times. `moves`: a little
+/// The median over runs of the mean of all poses, at each of which it is queried several times. `moves`: a little
 /// elsewhere for each call, as bodies at rest tremble.
 ShapeTimes timeShape(dGeomID mesh, dGeomID shape, const std::vector<ShapePose>& poses, const ShapesOptions& options,
                      bool moves) {

@@ -146,7 +146,7 @@ struct SmallTimes {
   double us = 0, contacts = 0;
 };
 
-/// The median over runs of the mean of all pairs, each of which is asked several times. `moves`: the second geom is put
+/// The median over runs of the mean of all pairs, each queried several times. `moves`: the second geom is put
 /// a little elsewhere before each call, as bodies at rest tremble.
 SmallTimes timeAll(const Pairs& pairs, const SmallOptions& options, bool moves = false) {
   constexpr int kPlaces = 64;

@@ -44,7 +44,7 @@ struct Mesh {
 class BulletPeer final : public Peer {
  public:
   explicit BulletPeer(const PeerScene& scene) : a_(*scene.a), b_(*scene.b) {
-    // contactPairTest asks for the algorithm of closest points, which registerAlgorithm does not set for GImpact
+    // contactPairTest looks up the algorithm of closest points, which registerAlgorithm does not set for GImpact
     // shapes: without the loop it finds nothing, and says nothing.
     btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher_);
     for (int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type) {

@@ -14,7 +14,7 @@ enum class Form {
   kOurs,    ///< dCreateGpuTriMesh
 };
 
-/// The contact model asked for; only read when the form is kOurs.
+/// The contact model requested; only read when the form is kOurs.
 enum class Model { kAuto, kPairwise, kSolid };
 
 enum class Stepper { kWorld, kQuick };
@@ -57,7 +57,7 @@ std::string describe(const Case& run);
 /// The same run with ODE's own primitives and nothing that only concerns meshes: what "against native" refers to.
 Case nativeOf(Case run);
 
-/// Whether the library accepts the model (a build may be without `solid`). Asks the library; needs ODE initialised.
+/// Whether the library accepts the model (a build may be without `solid`). Queries the library; needs ODE initialised.
 bool isAccepted(Model model);
 
 }  // namespace otg::physics

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bodies that slide, fall and settle into inner corners: nobody may be thrown.
+// Bodies that slide, fall and settle into inner corners: no body may be thrown.
 #include <algorithm>
 #include <cmath>
 #include <random>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The physics suite as a program of its own: for working on a contact model, `physics_suite --scene stack5` answers in
+// The physics suite as a program of its own: for working on a contact model, `physics_suite --scene stack5` finishes in
 // seconds.
 #include <cstdio>
 #include <exception>

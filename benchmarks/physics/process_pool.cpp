@@ -29,7 +29,7 @@ struct Running {
 };
 
 [[noreturn]] void runChild(int fd, const std::function<std::string(std::size_t)>& job, std::size_t index) {
-  // The first byte says whether the rest is the answer or what went wrong.
+  // The first byte says whether the rest is the result or what went wrong.
   std::string text;
   try {
     text += '+';

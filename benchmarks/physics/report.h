@@ -8,7 +8,7 @@
 
 namespace otg::physics {
 
-/// One line for a run: verdict, scene, form, conditions, and every measure with a limit.
+/// One line for a run: result, scene, form, conditions, and every measure with a limit.
 std::string lineOf(const Row& row);
 /// The lines of all runs, then a table in Markdown: by scene how many passed, and the worst figure for each limit.
 std::string tableOf(const SuiteResult& suite);

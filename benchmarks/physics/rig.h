@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An ODE world for one run of a scene: bodies in the form, at the size and place that the run asks for, stepped with a
+// An ODE world for one run of a scene: bodies in the form, at the size and place that the run requests, stepped with a
 // record of energies, depths and speeds.
 //
 // Scenes are written for size 1 at the origin. Everything that goes in and comes out of a Rig is in those units: the

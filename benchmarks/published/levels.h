@@ -15,7 +15,7 @@ namespace otg::cli {
 class LevelsBench {
  public:
   LevelsBench();
-  /// The trees of one mesh, in every scene that the options ask for.
+  /// The trees of one mesh, in every scene that the options request.
   void add(const BenchOptions& options, const std::string& name,
            const std::vector<std::shared_ptr<const CollisionMesh>>& meshes);
   /// levels, levels_shares, levels_per_depth; none without a device.

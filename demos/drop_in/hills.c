@@ -56,7 +56,7 @@ static void onPair(void* data, dGeomID o1, dGeomID o2) {
   }
 }
 
-/* Copies the samples or keeps asking for them, as each of ODE's functions has it. Returns whether it knows the kind. */
+/* Copies the samples or keeps reading them, as each of ODE's functions has it. Returns whether it knows the kind. */
 static int buildHeights(dHeightfieldDataID data, const char* kind, void* kept) {
   const dReal scale = 1.0 / 64;
   int n;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A program that knows nothing of this library: flat plates that are dTriMeshes fall on a flat dTriMesh, and the
    program says how many lie there after 3 s. ODE's boxes of flat meshes have no margin, so that a plate that lies still
-   is not asked about any more and falls through. Run it as it is, and with the preloadable library before it:
+   is not reported any more and falls through. Run it as it is, and with the preloadable library before it:
 
        demo_drop_in_plates
        LD_PRELOAD=build/lib/libode_trimesh_gpu_preload.so demo_drop_in_plates

@@ -108,7 +108,7 @@ int check(const CheckOptions& options) {
   Json files = Json::array();
   int status = kOk;
   for (const std::string& file : options.files) {
-    // Every file gets its answer, also those after one that cannot be read.
+    // Every file gets its result, also those after one that cannot be read.
     try {
       mesh_io::MeshFile input;
       MeshResult result;

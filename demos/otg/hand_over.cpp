@@ -22,7 +22,7 @@ int commandWord(int argc, char** argv) {
   return i;
 }
 
-/// The path of `otg_bench` beside this program. Without a folder where the system does not tell where this program is,
+/// The path of `otg_bench` beside this program. Without a folder where the system does not say where this program is,
 /// and it was found on the search path: there the other one is, too.
 std::string benchmarksBeside(const char* self) {
   std::error_code unknown;

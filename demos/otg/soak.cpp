@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `otg soak`: worlds, batches and questions for hours, each answer twice, with the memory of the process watched.
+// `otg soak`: worlds, batches and queries for hours, each result twice, with the memory of the process watched.
 #include <fmt/format.h>
 #include <malloc.h>
 #include <unistd.h>
@@ -20,7 +20,7 @@ namespace {
 /// Memory is read after so many rounds. What the library keeps for later calls has grown to the largest of many by
 /// then.
 constexpr int kRoundsPerSample = 50;
-/// Exit status where answers differ or memory grows.
+/// Exit status where results differ or memory grows.
 constexpr int kFailed = 3;
 constexpr double kMostGrowth = 0.01;
 /// Growth below this is that of the allocator's own lists.
@@ -53,7 +53,7 @@ struct MemorySamples {
     resident.push_back(residentBytes());
   }
   /// The median of the last quarter over that of the second: in the first buffers grow to their sizes. 0 where samples
-  /// are too few to tell.
+  /// are too few to judge.
   static double growth(const std::vector<double>& samples) {
     if (samples.size() < 16) return 0;
     const auto quarter = static_cast<std::ptrdiff_t>(samples.size() / 4);

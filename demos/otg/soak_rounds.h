@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `otg soak` does again and again: everything that a long-lived program does, each answer twice, in two ways.
+// What `otg soak` does again and again: everything that a long-lived program does, each result twice, in two ways.
 #pragma once
 
 #include <cstdint>

@@ -116,7 +116,7 @@ const char* nameOf(opencl::PrefixSums way) {
 }
 
 std::vector<QueryStage> stagesOf(const opencl::NearTimes& t) {
-  // What the device's clock does not see is the host's: launches, waiting, and what it finishes.
+  // What the device's clock does not see is the CPU's: launches, waiting, and what it finishes.
   return withHost(
       {{"gather", t.gather, 0}, {"upload", t.upload, 0}, {"kernel", t.kernel, 0}, {"read_back", t.readBack, 0}},
       t.total);

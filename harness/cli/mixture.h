@@ -17,9 +17,9 @@ struct Mixture {
   opencl::LevelsOptions levels;
 };
 
-/// Of one query, or medians: milliseconds of the host's clock, and what the phases tell.
+/// Of one query, or medians: milliseconds of the CPU's clock, and what the phases report.
 struct MixtureRun {
-  double middle = 0;  ///< candidates, in the host's memory
+  double middle = 0;  ///< candidates, in host memory
   double near = 0;    ///< triangles that intersect; on a device the contacts of the model `pairwise`, too
   double rest = 0;    ///< contacts that are not there yet, and the reduction
   opencl::LevelsReport levels;

@@ -55,7 +55,7 @@ struct QueryOptions {
   opencl::LevelsOptions levelsOptions() const;
   /// The phases, where they are chosen one by one in a way that only the published design has. Throws UsageError.
   std::optional<Mixture> mixture() const;
-  /// The devices that were asked for; none for the CPU alone, and, with a note, where there is none. Throws InputError
+  /// The devices that were requested; none for the CPU alone, and, with a note, where there is none. Throws InputError
   /// for the number of a device that does not exist.
   std::vector<int> deviceNumbers() const;
   /// The first of them, where both phases are to run on it or are a mixture(); null for the CPU, and, with a note, when

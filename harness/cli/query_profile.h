@@ -25,11 +25,11 @@ struct QueryTimes {
   std::vector<double> profiled;  ///< totals of the runs that the stages are from, where these are others
   double uploadOnce = 0;         ///< of both meshes, in the first query
 };
-/// On this thread. `repeat` as repeatTimes() takes it, after one query to warm up. The query has to ask for timings.
+/// On this thread. `repeat` as repeatTimes() takes it, after one query to warm up. The query has to request timings.
 QueryTimes measureQuery(const Query& query, Workspace& workspace, int repeat);
 /// On a device. The whole is timed without taking times of its stages, which costs some; these in further runs.
 QueryTimes measureQuery(opencl::Backend& backend, const Query& query, Workspace& workspace, int repeat);
-/// What a query that was answered has counted. Where it was a pair of convex bodies, which are answered without a look
+/// What a finished query has counted. Where it was a pair of convex bodies, which are computed without a look
 /// at their triangles, what its first two phases would have: they are run for that.
 CollideStats countsOf(const Query& query, const CollideStats& stats);
 /// Medians: upload, top, main, near, contacts, reduction, read-back, host.

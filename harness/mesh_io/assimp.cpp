@@ -43,7 +43,7 @@ void addNode(const aiScene& scene, const aiNode& node, const aiMatrix4x4t<double
   for (unsigned i = 0; i < node.mNumChildren; ++i) addNode(scene, *node.mChildren[i], world, mesh);
 }
 
-/// By its content a file of another name might pass for glTF, and nobody would have checked it.
+/// By its content a file of another name might pass for glTF, and nothing would have checked it.
 void dropGltf(Assimp::Importer& importer) {
   for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
     const std::string_view extensions = importer.GetImporterInfo(i)->mFileExtensions;

@@ -9,7 +9,7 @@ namespace otg::mesh_io {
 
 /// Throws std::runtime_error for a glTF 2.0 file that would crash readers without limits of their own, or make them
 /// fill the memory. The file is text, or binary with its JSON in front. Checked are:
-/// - that nodes make trees, as the format asks for, of at most kMostGltfLevels levels;
+/// - that nodes make trees, as the format requires, of at most kMostGltfLevels levels;
 /// - that numbers of nodes, meshes, accessors, views and buffers are those of something;
 /// - that what accessors count is in their views, views in their buffers, and buffers in their files;
 /// - that no more vertices and indices come out than the buffers have bytes, and kMostGltfRepeats.

@@ -190,7 +190,7 @@ std::size_t findProperty(const Element& element, std::string_view name) {
   return element.properties.size();
 }
 
-/// A count that the rest of the file cannot hold is found before memory is asked for it.
+/// A count that the rest of the file cannot hold is found before memory is allocated for it.
 void checkRoom(const Element& element, const Body& body, Format format) {
   std::uint64_t smallest = 0;
   for (const Property& property : element.properties) {

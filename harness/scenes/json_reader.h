@@ -52,7 +52,7 @@ class ObjectReader {
   }
 
   const std::string& where() const { return where_; }
-  /// Throws for a key that no getter has asked for; names the one that is most like it.
+  /// Throws for a key that no getter has requested; names the one that is most like it.
   void finish() const;
 
  private:

@@ -9,7 +9,7 @@
 
 namespace otg::scenes {
 
-/// Asks for the devices in a child process first: false if a driver ended it. Drivers have been seen to do that (PoCL
+/// Lists the devices in a child process first: false if a driver ended it. Drivers have been seen to do that (PoCL
 /// where /sys is not mounted), and listDevices() would be the end of the program. Only for programs that have one
 /// thread as yet, as all that fork.
 inline bool driversSurviveListing() {

@@ -69,7 +69,7 @@ void BodyInOde::makeTriMesh(const scenes::MeshArrays& mesh, bool byUpdate) {
   dGeomTriMeshDataBuildSingle(triMeshData_, arrays_.vertices.data(), sizeof(Vec3f),
                               static_cast<int>(arrays_.vertices.size()), arrays_.triangles.data(),
                               static_cast<int>(3 * arrays_.triangles.size()), sizeof(Triangle));
-  // What stock ODE asks for where it collides convex shapes.
+  // What stock ODE requires where it collides convex shapes.
   dGeomTriMeshDataPreprocess2(triMeshData_, 1U << dTRIDATAPREPROCESS_BUILD_FACE_ANGLES, nullptr);
   geom_ = dCreateTriMesh(nullptr, triMeshData_, nullptr, nullptr, nullptr);
   if (!byUpdate) return;

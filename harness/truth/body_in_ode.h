@@ -18,7 +18,7 @@ namespace otg::truth {
 struct GeomChoices {
   bool secondFirst = false;   ///< the geom of B is created before that of A
   bool byUpdate = false;      ///< meshes are built from other vertices and moved to theirs
-  bool reversedCall = false;  ///< dCollide(B, A), the answer turned round
+  bool reversedCall = false;  ///< dCollide(B, A), the result turned round
   int places = 64;
   bool asTriMesh = false;  ///< meshes are ODE's dTriMesh: stock ODE's contacts, or with the override the library's
   bool remembers = false;  ///< pairs of the library's geoms remember what they do from query to query

@@ -87,7 +87,7 @@ std::vector<std::size_t> tooDeep(const PairBody& a, const PairBody& b, const std
     if (c.exempt || c.depth <= grain) continue;
     const Vec3d half = otgScale(c.normal, c.depth / 2);
     double distance = std::numeric_limits<double>::infinity();
-    // A shape's surface has no triangles of its own; its partner's tells enough.
+    // A shape's surface has no triangles of its own; its partner's says enough.
     if (!b.shape) distance = std::min(distance, distanceToFacing(b, otgSub(c.position, half), c.normal));
     if (!a.shape) {
       distance = std::min(distance, distanceToFacing(a, otgAdd(c.position, half), otgScale(c.normal, -1.0)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The judge of a set of contacts: what the set asks for separates the bodies, and not by much more than is needed.
+// The judge of a set of contacts: what the set requests separates the bodies, and not by much more than is needed.
 #pragma once
 
 #include <optional>

@@ -17,7 +17,7 @@ struct Point2 {
 /// A simple polygon, counter-clockwise, as a prism along z from -depth / 2 to depth / 2.
 scenes::MeshArrays extruded(const std::vector<Point2>& outline, double depth);
 
-/// Cells of a grid with the given lines; `filled(i, j, k)` tells which of them are solid. Faces between solid and empty
+/// Cells of a grid with the given lines; `filled(i, j, k)` says which of them are solid. Faces between solid and empty
 /// cells are two triangles each, none of them merged. Throws std::logic_error where cells meet in an edge or corner
 /// only, which no manifold has.
 using Lines = std::array<std::vector<double>, 3>;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Families of random pairs in shallow overlap, many of them in inner corners: what certificates are asked of.
+// Families of random pairs in shallow overlap, many of them in inner corners: certificates are made for these.
 #pragma once
 
 #include <cstdint>

@@ -38,7 +38,7 @@ struct FamilyVerdict {
   int members = 0, notDrawn = 0;
   int none = 0, infeasible = 0, left = 0;  ///< members without certificate, by reason
   int leftWay = 0;                         ///< members of which more is left by the way than kMostLeft
-  int tooLong = 0;                         ///< members with one that asks for over kMostLength
+  int tooLong = 0;                         ///< members with one that requests over kMostLength
   int longer = 0;                          ///< or over kGoodLength, those among them
   int tooDeep = 0;                         ///< members with contacts that are
   int order = 0, call = 0, update = 0;     ///< members that depend on it

@@ -277,7 +277,7 @@ ContactFamily toriStacked() {
     const double side = random.sign();
     Placement p;
     p.bInA = moved(about({0, 0, 1}, random.uniform(0, 2 * kPi)), {0, 0, side * (0.6 - overlap * f.size)});
-    // Their highest rings face each other, facets and all: the extents along the axis tell the depth.
+    // Their highest rings face each other, facets and all: the extents along the axis give the depth.
     p.truth = convexTruth(f, p.bInA, {0, 0, -side});
     return p;
   };

@@ -146,7 +146,7 @@ FallConditions fallConditions(int number) {
 }
 
 Fall fall(const CertificateMember& member, const FallConditions& conditions) {
-  // Of jammed bodies dWorldStep() says at every step that its solver has found no answer.
+  // Of jammed bodies dWorldStep() says at every step that its solver has found no solution.
   dMessageFunction* const handler = dGetMessageHandler();
   dSetMessageHandler([](int, const char*, va_list) {});
   const Fall result = FallingMover(member, conditions).run();

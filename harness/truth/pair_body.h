@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The bodies of a pair, and what is asked of whoever knows whether they overlap.
+// The bodies of a pair, and the interface of what knows whether they overlap.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A pair of bodies as geoms, asked for their contacts as a program asks: by dCollide, without history.
+// A pair of bodies as geoms, queried for their contacts as a program does: by dCollide, without history.
 #pragma once
 
 #include <vector>

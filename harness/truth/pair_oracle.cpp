@@ -16,7 +16,7 @@ double norm(const Vec3d& v) {
   return std::sqrt(otgDot(v, v));
 }
 
-/// Two meshes: our own exact set of intersecting triangles, and the volume where that cannot tell overlap from touch.
+/// Two meshes: our exact set of intersecting triangles; where that cannot distinguish overlap from touch, the volume.
 class MeshOracle : public PairOracle {
  public:
   MeshOracle(const PairBody& a, const PairBody& b, double grain)

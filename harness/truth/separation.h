@@ -7,7 +7,7 @@
 namespace otg::truth {
 
 /// Moving A by `depth` along `direction` (unit, A's frame, out of B) just separates the bodies; no shorter move does.
-/// A depth below 0 is the distance of bodies that are apart, as far as a single axis tells it.
+/// A depth below 0 is the distance of bodies that are apart, as far as a single axis shows it.
 struct Separation {
   Vec3d direction{0, 0, 0};
   double depth = 0;

@@ -9,7 +9,7 @@
 
 namespace otg::truth {
 
-/// `guess` is the length to begin with, at least some thousandth of the answer. `starts` are directions that may be
+/// `guess` is the length to begin with, at least some thousandth of the result. `starts` are directions that may be
 /// good, beside many over the sphere and those of the faces that meet. None where nothing up to `most` separates.
 /// The result does separate; directions that are not near a better one are missed only where they are rarer than one
 /// in sixty.

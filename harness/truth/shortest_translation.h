@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a set of contacts asks for: the shortest translation that leaves all of them.
+// What a set of contacts requests: the shortest translation that leaves all of them.
 #pragma once
 
 #include <optional>

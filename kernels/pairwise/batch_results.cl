@@ -10,7 +10,7 @@
 #endif
 
 /// One record for each hit of the pairs that are not skipped, in the order of the list. `tasks` holds B in A's frame
-/// for each pair. The flags in `chosen` tell of each pair what its records say: OTG_PAIR_INTERSECTS (only without
+/// for each pair. The flags in `chosen` say of each pair what its records say: OTG_PAIR_INTERSECTS (only without
 /// contacts), or OTG_PAIR_TO_HOST when one is open (without contacts, or with OTG_ENTER; not with `decides`). With
 /// contacts open hits are counted, and with `decides` kernel batchDecide follows. Without contacts this is the last
 /// kernel.

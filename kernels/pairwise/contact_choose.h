@@ -254,7 +254,7 @@ inline static void otgSpreadChoice(__global const otg_contact_record* records, u
 }
 
 /// Adds to c->ranks.rank[i] how many of the contacts `from` to `to` - 1 (both multiples of 4) come before contact `i`.
-/// Upper halves of the depths, four at a time, as they are in c->ranks.order, tell nearly all; equal ones are compared
+/// Upper halves of the depths, four at a time, as they are in c->ranks.order, rank nearly all; equal ones are compared
 /// whole.
 inline static void otgCountBefore(__local otg_choice* c, uint i, uint from, uint to) {
   const uint mine = c->ranks.order[i];
@@ -317,7 +317,7 @@ inline static uint otgChoose(__global const otg_contact_record* records, uint co
   return min(count, places);
 }
 
-/// A contact as the host has it: triangles in their callers' numbers.
+/// A contact as the CPU has it: triangles in their callers' numbers.
 inline static void otgWriteContact(__global const otg_contact_record* r, uint region, __global const float4* meshes,
                                    uint ringsA, uint ringsB, __global otg_chosen_contact* out) {
   for (int k = 0; k < 3; ++k) {

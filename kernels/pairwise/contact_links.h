@@ -139,7 +139,7 @@ inline static void otgUniteWithHit(const otg_links* l, uint hit, uint pair, uint
 }
 
 /// The smallest pair of triangles of each region, by whose order regions are numbered: among the hits that have no
-/// smaller neighbour, of which there are few. When all have been asked, the root has it (plus one).
+/// smaller neighbour, of which there are few. When all have been tried, the root has it (plus one).
 inline static void otgBidForFirst(const otg_links* l, uint hit, uint root) {
   if (*otgLink(l, OTG_LINK_LATER, hit)) return;
   __global uint* first = otgLink(l, OTG_LINK_FIRST, root);
@@ -262,7 +262,7 @@ inline static void otgEnterBin(const otg_links* l, __global const otg_pair_state
   }
 }
 
-/// Whether the hit may be the best of its bin, as which it is entered then. When all have been asked, the bin has the
+/// Whether the hit may be the best of its bin, as which it is entered then. When all have been tried, the bin has the
 /// one that is.
 inline static int otgMayBeBest(const otg_links* l, __global const otg_pair_state* state, const otg_reduction* how,
                                uint hit) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From contacts to the few that the caller asked for: regions, bins, the limit, with tables in global memory. For one
+// From contacts to the few that the caller requested: regions, bins, the limit, with tables in global memory. For one
 // pair of meshes, or for those pairs of a batch that have too many hits for batch_reduce.cl: a hit knows its pair.
 //
 // OTG_GROUP: size of work-groups, 64 at least. OTG_KEPT as in contact_choose.h. OTG_CONTACTS is 1. OTG_SINGLE: 1
@@ -96,8 +96,8 @@ inline static uint otgEnterKept(const otg_links* l, __global const uint* kept, u
 }
 
 /// Work-group g chooses for pair g. `results` and `answer`: the head, the pairs' flags, places and counts, contacts.
-/// They may be the same; what the host reads of a single pair goes to `answer`, which may be the host's memory, and of
-/// a batch to `results`. What does not fit into the lists is left to the host.
+/// They may be the same; what the host reads of a single pair goes to `answer`, which may be host memory, and of
+/// a batch to `results`. What does not fit into the lists is left to the CPU.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void chooseContacts(OTG_GIVEN(ChooseContacts)) {
   __local otg_choice choice;
   __local uint entered;

@@ -45,7 +45,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairDecide(
 
 #else
 
-/// Of the pairs of a batch that are neither skipped nor left to the host already; without OTG_ENTER not of those with
+/// Of the pairs of a batch that are neither skipped nor left to the CPU already; without OTG_ENTER not of those with
 /// OTG_PAIR_MANY either, whose records are made again.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchDecide(
 #if OTG_ENTER

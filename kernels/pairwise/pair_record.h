@@ -42,7 +42,7 @@ inline static void otgStoreContact(otg_pair_contact_d contact, __global otg_reco
 }
 #endif
 
-/// `placeA` and `placeB` are places in the buffer of meshes. Without doubles `bInA` is not used: only the host knows
+/// `placeA` and `placeB` are places in the buffer of meshes. Without doubles `bInA` is not used: only the CPU knows
 /// where B is in double.
 inline static void otgMakeRecord(__global const float4* meshes, uint placeA, uint placeB, int undecided,
                                  otg_task_pose bInA, uint pair, __global otg_record* record) {

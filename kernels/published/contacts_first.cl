@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The near phase as published: a contact for each candidate pair, made without a branch and without asking first
-// whether the triangles meet. Its result tells. levels_near.cl has the kernels that ask first.
+// The near phase as published: a contact for each candidate pair, made without a branch and without testing first
+// whether the triangles meet. Its result shows it. levels_near.cl has the kernels that test first.
 //
 // OTG_GROUP: work-items of a work-group; each has one pair. OTG_CONTACTS as in pair_record.h. Needs doubles.
 #define OTG_LEAF 1

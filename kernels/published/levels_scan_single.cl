@@ -95,7 +95,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void scanOnce(
   OTG_SUM sum = (OTG_SUM)(0), all;
   if (lane == 0) {
     taken[0] = atomic_inc(ticket);
-    if (taken[0] == get_num_groups(0) - 1) atomic_xchg(ticket, 0u);  // nobody else takes one
+    if (taken[0] == get_num_groups(0) - 1) atomic_xchg(ticket, 0u);  // no other group takes one
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   const uint group = taken[0], base = OTG_BLOCK * group;

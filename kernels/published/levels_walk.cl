@@ -59,7 +59,7 @@ OTG_LEVELS_KERNEL void levelsCompact(OTG_GIVEN(LevelsCompact)) {
 }
 
 /// Pairs of leaves go to `leaves` from place `begin` on, as the places of their triangles. `places`: the prefix sums of
-/// `weights`. Places beyond the capacity are not written: the host gives the list more room and asks again.
+/// `weights`. Places beyond the capacity are not written: the host gives the list more room and starts again.
 OTG_LEVELS_KERNEL void levelsSplit(OTG_GIVEN(LevelsSplit)) {
   const uint i = get_global_id(0);
   if (i >= count || !weights[i].x) return;

@@ -60,7 +60,7 @@ inline static void otgBeginApart(__global const otg_distance_task* given, __glob
   round->limitBits = as_uint(otgRoundedUp(pair->task.limit));
   const otg_node a = otgLoadNode(meshes, pair->a.nodes, 0), b = otgLoadNode(meshes, pair->b.nodes, 0);
   if (pair->task.limit < 0) {
-    // The host's.
+    // Left to the CPU.
   } else if (a.count < 0 && b.count < 0) {
     round->leaves[0] = otgPairOfLeaves(&a, &b);
     round->leafGaps[0] = -INFINITY;

@@ -35,7 +35,7 @@ OTG_INLINED uint otgMostWorth(__local otg_solid_choice* s, uint all, uint* round
   const uint lane = get_local_id(0);
   OTG_SYNC;
 #if OTG_WARP && OTG_GROUP >= 32
-  // By one warp, 32 at a time: nobody waits at a barrier for what is a chain of comparisons.
+  // By one warp, 32 at a time: no lane waits at a barrier for what is a chain of comparisons.
   if (lane < 32) {
     uint best = OTG_NOT_THERE;
     double more = 0;
@@ -182,7 +182,7 @@ OTG_INLINED double otgTakeDepth(__local otg_solid_choice* s, const otg_solid_wor
 #endif
 
 #if OTG_SOLID_LARGE
-/// Where planes are gathered: of the candidates that estimates cannot tell apart the farthest in of either mesh are
+/// Where planes are gathered: of the candidates that estimates cannot distinguish the farthest in of either mesh are
 /// measured, and the deeper one is first; then the best by spread are measured, and the deepest of them is first.
 OTG_INLINED void otgMeasureGathered(__local otg_solid_choice* s, const otg_solid_work* w, uint places,
                                     __global const float4* meshes, OTG_MESH* a, OTG_MESH* b) {

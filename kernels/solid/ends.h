@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is asked of one pair of triangles of two solids, exactly, beside whether they meet: where their chord ends; as
+// What is found of one pair of triangles of two solids, exactly, beside whether they meet: where their chord ends; as
 // collide/solid/contour.cpp.
 #ifndef OTG_SOLID_ENDS_H
 #define OTG_SOLID_ENDS_H
@@ -21,7 +21,7 @@ OTG_INLINED int otgPasses(const otg_vec3_d* corners, uint mesh, uint k) {
   return sum == 3 || sum == -3;
 }
 
-/// The ends of a hit's chord, in the order in which the host finds them. Returns OTG_SOLID_*, or 0.
+/// The ends of a hit's chord, in the order in which the CPU finds them. Returns OTG_SOLID_*, or 0.
 OTG_INLINED uint otgFindEnds(OTG_MESH* meshA, OTG_MESH* meshB, otg_solid_hit* hit) {
   otg_vec3_d corners[6];
   int side[6], closed = 0;

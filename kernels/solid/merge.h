@@ -103,7 +103,7 @@ OTG_INLINED void otgFilterAndMerge(__local otg_solid_choice* s, const otg_solid_
   // Where the bodies are round the deepest is one point, and it is the first; where they are flat many tremble about
   // it.
   if (!w->isFlat) otgHighestToFront(s, count, highest);
-  // From here on by place in order: middles in place of the points, which are not asked for any more, and who stays in
+  // From here on by place in order: middles in place of the points, which are not needed any more, and who stays in
   // place of the steps.
   for (uint j = lane; j < count; j += OTG_GROUP) {
     const uint c = s->order[j];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is asked of the surface and the points of one region: ways out through planes, normals, extents. As
+// What is computed of the surface and the points of one region: ways out through planes, normals, extents. As
 // collide/solid/region_normals.cpp and surface_kernels_impl.h, with sums in the same order.
 #ifndef OTG_SOLID_REGION_H
 #define OTG_SOLID_REGION_H
@@ -138,7 +138,7 @@ OTG_INLINED void otgAddArea(__global const otg_solid_face* p, int isThere, otg_v
   *a += p->weightedArea * weight;
 }
 
-/// Sum of a mesh's weighted areas about a point, in the order of the host: four sums in turn.
+/// Sum of a mesh's weighted areas about a point, in the order of the CPU: four sums in turn.
 OTG_INLINED otg_vec3_d otgAreasAbout(const otg_solid_work* w, uint mesh, otg_vec3_d point, double* area) {
   const double inverse = 1 / (w->radius * w->radius);
   const uint count = otgFaceCount(w, mesh);
@@ -178,7 +178,7 @@ OTG_INLINED otg_vec3_d otgNormalAt(const otg_solid_work* w, otg_vec3_d point) {
   return otgNormalOfAreas(w, a, areaA, b, areaB);
 }
 
-/// Larger for a point that lies deeper in the other mesh as far as the region's mean direction can tell.
+/// Larger for a point that lies deeper in the other mesh as far as the region's mean direction can show.
 OTG_INLINED double otgDepthHint(const otg_solid_work* w, uint mesh, otg_vec3_d position) {
   return (mesh == 0 ? -1 : 1) * otgDot_d(w->mean, position);
 }

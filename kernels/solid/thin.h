@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Of regions with many pieces and points: planes that stand for several pieces, and the points that are looked at. As
 // collectPlanes and thinned in collide/solid/region_contacts.cpp, and WayOutByPlanes in escape.cpp. Which of them comes
-// first is of no account, but sums are those of the host: in the order of the pieces.
+// first is of no account, but sums are those of the CPU: in the order of the pieces.
 #ifndef OTG_SOLID_THIN_H
 #define OTG_SOLID_THIN_H
 #include "solid/normals.h"

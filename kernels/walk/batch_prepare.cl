@@ -26,7 +26,7 @@ inline static uint otgMakeFrame(otg_transform_d pose, const otg_device_mesh* a, 
   if (!(bounds.scale < OTG_LARGEST_SCALE)) return OTG_PAIR_NO_FRAME | OTG_PAIR_TO_HOST;
   for (int k = 0; k < 9; ++k) pair->r[k] = (float)pose.r[k];
   pair->t = otgVec_f((float)bounds.t.x, (float)bounds.t.y, (float)bounds.t.z);
-  // As deviceBoxes on the host: devices may take the smallest floats for zero.
+  // As deviceBoxes on the CPU: devices may take the smallest floats for zero.
   pair->eps = convert_float_rtp(bounds.eps) + 1e-36f;
   pair->delta = convert_float_rtp(bounds.delta);
   return 0;
@@ -34,7 +34,7 @@ inline static uint otgMakeFrame(otg_transform_d pose, const otg_device_mesh* a, 
 #endif
 
 /// One lane for each pair. `order` gets the numbers of the pairs that are to be walked, in OTG_CLASSES lists by size,
-/// each with room for all. Without doubles frames are the host's, and `pairs` is complete.
+/// each with room for all. Without doubles the CPU makes frames, and `pairs` is complete.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchPrepare(
     OTG_GIVEN(BatchPrepare)) {
   const uint i = get_global_id(0);

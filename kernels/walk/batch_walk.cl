@@ -112,7 +112,7 @@ inline static void otgFlagPair(const __local otg_own_hits* own, const otg_hit_li
 /// as there are at most OTG_MEDIUM; a pair with more is flagged, and its hits lie anywhere. `listed` gets the pairs
 /// with more than OTG_SMALL. With `anyHit` a pair is left at the first hit that single precision is sure of: enough to
 /// know that it intersects; its flags in `chosen` say so, and only undecided hits are listed. A pair with more
-/// than `mostHits` is left, too: the host does all of it.
+/// than `mostHits` is left, too: the CPU does all of it.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void batchWalk(OTG_GIVEN(BatchWalk)) {
   __local otg_device_pair pair;
   __local otg_walk walk;

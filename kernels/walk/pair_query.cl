@@ -2,7 +2,7 @@
 // One pair of meshes: the cut of one tree against the cut of the other, two levels of eight by eight children, and the
 // rest depth-first within work-groups. These test the triangles of the leaves that they meet.
 //
-// No kernel waits for another work-group, and the host decides nothing in between: each kernel reads on the device how
+// No kernel waits for another work-group, and the CPU decides nothing in between: each kernel reads on the device how
 // much there is to do. OTG_GROUP is the size of work-groups, a multiple of 64.
 #define OTG_FUSED
 #include "walk/pair_stack.h"
@@ -202,7 +202,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void pairLevel(O
   if (lane == 0 && round.tests) otgCount(counters + OTG_COUNT_BOX_TESTS, round.tests);
 }
 
-/// Where hits go, and how many are enough for the host to do the pair.
+/// Where hits go, and how many are enough for the CPU to do the pair.
 typedef struct {
   __global uint* counters;
   __global uint2* hits;

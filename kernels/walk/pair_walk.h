@@ -109,7 +109,7 @@ inline static int otgTestTriangles(__global const float4* meshes, const otg_devi
 }
 
 /// A place in the list of hits. Places beyond the capacity are counted and not written: the host gives the list more
-/// room and asks again.
+/// room and starts again.
 inline static uint otgTakeHit(__global uint* counters, int answer) {
   if (answer == OTG_UNDECIDED) atomic_inc(counters + OTG_COUNT_UNDECIDED);
   return atomic_inc(counters + OTG_COUNT_HITS);

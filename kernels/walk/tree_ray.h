@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A ray against the nodes and triangles of a packed tree: what all searches along rays ask. Needs doubles. Which
+// A ray against the nodes and triangles of a packed tree: what all searches along rays need. Needs doubles. Which
 // triangles count, and where, depends on the ray and the triangle alone, so that every search finds the same nearest
 // one.
 #ifndef OTG_TREE_RAY_H

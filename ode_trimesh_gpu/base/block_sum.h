@@ -30,7 +30,7 @@ class BlockSum {
   std::size_t count_ = 0;
 };
 
-/// The same sum with its parts kept. A term is asked for by its number: `term(i)`.
+/// The same sum with its parts kept. A term is requested by its number: `term(i)`.
 class KeptBlockSum {
  public:
   template <class Term>

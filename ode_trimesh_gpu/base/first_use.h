@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is worked out when it is asked for first, by any of several threads.
+// What is computed on the first request, by any of several threads.
 #pragma once
 
 #include <atomic>
@@ -12,7 +12,7 @@ namespace otg {
 template <class T>
 class FirstUse {
  public:
-  /// Throws what `make` throws; it is asked again then.
+  /// Throws what `make` throws; the next call makes it again.
   template <class Make>
   const T& get(Make&& make) const {
     if (!made_.load(std::memory_order_acquire)) {

@@ -18,7 +18,7 @@ class LibraryCall {
   LibraryCall& operator=(const LibraryCall&) = delete;
 };
 
-/// A lock on what more than one geom may use, held within a call: nobody holds it in the child of a fork. For places
+/// A lock on what more than one geom may use, held within a call: no thread holds it in the child of a fork. For places
 /// that calls of ODE and short functions of the C API come to without a LibraryCall of their own.
 template <class Mutex>
 class CallLock {

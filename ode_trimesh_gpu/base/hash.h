@@ -18,7 +18,7 @@ inline std::uint64_t fnv1a(const void* bytes, std::size_t count, std::uint64_t s
   return state;
 }
 
-/// Spreads what tells numbers apart over all bits: for the places in hash tables.
+/// Spreads what distinguishes numbers over all bits: for the places in hash tables.
 constexpr std::uint64_t spreadBits(std::uint64_t number) {
   number = (number ^ (number >> 32)) * 0x9e3779b97f4a7c15u;  // high bits alone reach low ones, too
   return number ^ (number >> 32);

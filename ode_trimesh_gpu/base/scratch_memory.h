@@ -11,7 +11,7 @@
 
 namespace otg {
 
-/// Keeps its blocks when it is reset, so that a step that takes no more than the last one asks the heap for nothing.
+/// Keeps its blocks when it is reset, so that a step that takes no more than the last one takes nothing from the heap.
 /// One thread at a time.
 class ScratchMemory final : public std::pmr::memory_resource {
  public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Operators and small functions of vectors that only the host needs.
+// Operators and small functions of vectors that only the CPU needs.
 #pragma once
 
 #include <algorithm>

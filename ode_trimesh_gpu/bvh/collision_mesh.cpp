@@ -20,7 +20,7 @@ std::shared_ptr<MeshTrees> refitted(const TriMesh& moved, const MeshTrees& befor
   return std::make_shared<MeshTrees>(buildTree(moved, tree.strategy));
 }
 
-/// Nobody but the caller has it, and what the last of the others did is done: a count of one is for good, since only
+/// No one but the caller has it, and what the last of the others did is done: a count of one is for good, since only
 /// the holder could make another. The copy that is dropped at once orders what went on elsewhere before what is done
 /// here.
 template <class T>
@@ -169,7 +169,7 @@ void CollisionMesh::finishMove() noexcept {
     try {
       updateAdjacency(*adjacency, *mesh_, m.vertices.triangles());
     } catch (const std::bad_alloc&) {
-      adjacency_.reset();  // to be built when it is asked for
+      adjacency_.reset();  // to be built when it is requested
     }
   }
   if (m.of != nullptr) {

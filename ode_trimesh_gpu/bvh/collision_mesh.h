@@ -44,10 +44,10 @@ class CollisionMesh {
   /// are the mesh's own numbers. Only for the one that holds both this object and its mesh alone, and not for an image
   /// with the trees of another mesh. Other images of this mesh keep boxes as they were.
   ///
-  /// False, and nothing has changed, where that cannot be done (VertexMotion::move()) or somebody else holds the mesh.
+  /// False, and nothing has changed, where that cannot be done (VertexMotion::move()) or another owner holds the mesh.
   /// Throws std::bad_alloc, and nothing has changed.
   bool moveSome(std::span<const MovedVertex> moved);
-  /// moveSome() in two steps, for meshes that move together or not at all. What beginMove() answers and throws is that
+  /// moveSome() in two steps, for meshes that move together or not at all. What beginMove() returns and throws is that
   /// of moveSome(); after true the vertices are in their new places, all else is not, and one of the others has to
   /// follow. `images`: how many images have the trees of this mesh and are going to move with it (followMove()), or not
   /// to be used any more. Where that is not all who have them, this mesh and the images that follow go on with a copy.
@@ -80,7 +80,7 @@ class CollisionMesh {
     return imageBoxes_ ? use(static_cast<const BinaryTree&>(ownBoxes())) : use(tree());
   }
   const Adjacency& adjacency() const;
-  /// The mesh as a convex polyhedron, or null if it is none. Found out when asked for first (thread-safe), and again
+  /// The mesh as a convex polyhedron, or null if it is none. Determined on the first request (thread-safe), and again
   /// after vertices have moved. May throw std::bad_alloc.
   const ConvexPolyhedron* convex() const;
 
@@ -91,7 +91,7 @@ class CollisionMesh {
   /// Expires with this object, too, and when the tree is built anew, but not when vertices move: for copies of the mesh
   /// that follow its moves.
   std::weak_ptr<const void> structure() const { return structure_; }
-  /// A name for it that no other mesh has, and never had, as long as somebody holds what structure() returned.
+  /// A name for it that no other mesh has, and never had, as long as anyone holds what structure() returned.
   const void* structureKey() const { return structure_.get(); }
   /// How often vertices have moved.
   std::uint64_t moves() const { return log_.moves; }
@@ -116,11 +116,11 @@ class CollisionMesh {
   std::shared_ptr<MeshTrees> trees_;
   std::optional<BoxScale<float>> imageBoxes_;  ///< of an image that has the trees of another mesh
   Vec3f factors_{1, 1, 1};                     ///< of such an image
-  std::size_t movedSinceLook_ = 0;             ///< triangles of such an image, since imageIsWorn() was asked
+  std::size_t movedSinceLook_ = 0;             ///< triangles of such an image, since imageIsWorn() was called
   FirstUse<Adjacency> adjacency_;
   FirstUse<std::unique_ptr<const ConvexPolyhedron>> convex_;
   std::unique_ptr<Motion> motion_;  ///< made by moveSome()
-  /// What changedSince() answers from: the last `counts.size()` of all moves, each with so many of `triangles`.
+  /// What changedSince() reads: the last `counts.size()` of all moves, each with so many of `triangles`.
   struct MoveLog {
     std::uint64_t moves = 0;
     std::deque<std::size_t> counts;

@@ -84,7 +84,7 @@ class CookedSum {
 /// at. Until finish() has found the sum right, what was read may be anything.
 class CookedReader {
  public:
-  /// Reads what comes before the sections. Answers why the bytes are refused, in one sentence, or nothing. There are no
+  /// Reads what comes before the sections. Returns why the bytes are refused, in one sentence, or nothing. There are no
   /// sections then where their sizes are wrong.
   std::string open(ByteSource& source, std::uint64_t size, std::uint32_t version);
   std::size_t sections() const { return sections_.size(); }
@@ -114,7 +114,7 @@ class CookedReader {
       }
     }
   }
-  /// Reads what is left. Answers why all of it is refused, or nothing.
+  /// Reads what is left. Returns why all of it is refused, or nothing.
   std::string finish();
 
  private:

@@ -17,7 +17,7 @@ std::optional<BoxScale<float>> makeBoxScale(const TriMesh& mesh, const TriMesh& 
 
 /// Whether one of the factors is many times another. Then a tree that was built for the mesh divides its image in the
 /// wrong directions: up to kMostStretch queries take up to 1.3 times what they take with a tree of the image's own. At
-/// 64 they take up to twice that (docs/dtrimesh_map.md). sahCost() does not tell: it goes by the root, which stretches
+/// 64 they take up to twice that (docs/dtrimesh_map.md). sahCost() hides this: it goes by the root, which stretches
 /// as well.
 bool stretchesTooMuch(const Vec3f& factors);
 inline constexpr double kMostStretch = 16;

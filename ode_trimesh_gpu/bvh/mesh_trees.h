@@ -14,7 +14,7 @@
 namespace otg {
 
 /// Safe to share between threads; layouts other than the standard one are made once, on first use (thread-safe).
-/// Immutable but for moves, which are for those that hold the object and nobody else.
+/// Immutable but for moves, which are only for those that hold the object.
 class MeshTrees {
  public:
   /// `builtCost`: of a tree that was refitted, sahCost() when it was built; else 0.

@@ -34,7 +34,7 @@ struct PackedTree {
 };
 
 /// Opens each node's largest inner child until there are eight. Boxes are those of the binary tree, bit for bit.
-/// `leafTriangles`: 1 to 16. `binaryNodes`, if asked for, receives for each node the one of the binary tree that it has
+/// `leafTriangles`: 1 to 16. `binaryNodes`, if requested, receives for each node the one of the binary tree that it has
 /// the box of.
 PackedTree makePackedTree(const BinaryTree& tree, std::uint32_t leafTriangles,
                           std::vector<std::uint32_t>* binaryNodes = nullptr);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pipeline on the host, stage after stage.
+// The pipeline on the CPU, stage after stage.
 #include <algorithm>
 
 #include "collide/consistent_contacts.h"

@@ -48,7 +48,7 @@ bool agreePlainly(std::span<const Contact> contacts) {
                                   [&](const Contact& c) { return otgDot(c.normal, sum) >= least; });
 }
 
-/// What contacts ask of the motion x, each wrench . x >= depth, in units of the deepest.
+/// What contacts request of the motion x, each wrench . x >= depth, in units of the deepest.
 class Requests {
  public:
   /// `contacts` have a depth, one of them at least.
@@ -107,7 +107,7 @@ void makeConsistent(std::vector<Contact>& contacts) {
   std::sort(order.begin(), order.end(), [&](std::uint32_t x, std::uint32_t y) { return key(x) < key(y); });
   const auto end = std::find_if(order.begin(), order.end(), [&](std::uint32_t i) { return !(contacts[i].depth > 0); });
   const auto deep = static_cast<std::uint32_t>(end - order.begin());
-  // Each of those with a depth starts by asking that the two come no closer there: to stay does for that.
+  // Each of those with a depth starts by requesting that the two come no closer there: to stay does for that.
   Requests requests(contacts, memory.resource());
   for (std::uint32_t k = 0; k < order.size(); ++k) {
     requests.add(contacts[order[k]], false);

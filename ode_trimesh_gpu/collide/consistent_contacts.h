@@ -14,7 +14,7 @@ namespace otg {
 bool contradict(std::span<const Contact> contacts);
 
 /// Takes their depth from contacts that contradict deeper ones, and leaves out contacts without depth that contradict
-/// the rest. So some motion satisfies what is left. An exact solver of contact forces answers contradictions with
+/// the rest. So some motion satisfies what is left. An exact solver of contact forces reacts to contradictions with
 /// forces of any size. The order of the contacts stays.
 void makeConsistent(std::vector<Contact>& contacts);
 

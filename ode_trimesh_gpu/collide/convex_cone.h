@@ -48,7 +48,7 @@ class ConvexCone {
 
   /// Nearest point of the cone, by Lawson and Hanson's active-set method ("Solving Least Squares Problems", 1974,
   /// chapter 23). Ends early once the distance is at most `enough`. `start` is an earlier projection of the same
-  /// vector, all of whose rays must be enabled. The answer's distance is never below the true one by more than
+  /// vector, all of whose rays must be enabled. The result's distance is never below the true one by more than
   /// rounding: the coefficients are feasible even if the iteration stalls.
   Projection project(const Vector& vector, double enough = 0, const Projection& start = {}) const;
 

@@ -13,7 +13,7 @@ double exitDistance(const PlacedMeshes& meshes, int mesh, const Vec3d& origin, c
                     double skin, std::uint32_t* triangle = nullptr);
 
 /// Whether a vertex of the other mesh lies inside the solid `mesh`, by the signs of shared/tests/sos.h: A is thought to
-/// be moved by (e, e^2, e^3), so that nothing lies on a surface, and the answer is exact. It agrees with the contour.
+/// be moved by (e, e^2, e^3), so that nothing lies on a surface, and the result is exact. It agrees with the contour.
 bool vertexInside(const PlacedMeshes& meshes, int mesh, const Vec3d& vertex);
 
 /// Parity of crossings along up to three rays in fixed skew directions: the first two that agree decide.

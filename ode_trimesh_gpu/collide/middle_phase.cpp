@@ -218,7 +218,7 @@ void traverse(const Query& query, const PairFrame& frame, const Boxes& boxesA, c
 void middlePhase(const Query& query, Workspace& workspace) {
   using Clock = std::chrono::steady_clock;
   const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
-  // Nothing of the query before may pass for an answer to this one, should it be refused.
+  // Nothing of the query before may pass for a result of this one, should it be refused.
   workspace.clear();
   CollideStats& stats = workspace.stats;
   requireRigid(query.bInA);

@@ -16,7 +16,7 @@ namespace otg {
 
 namespace {
 
-/// The same decision in exact arithmetic, where double cannot tell.
+/// The same decision in exact arithmetic, where double cannot decide.
 bool decideExactly(const Vec3d (&a)[3], const Vec3d (&b)[3], CollideStats& stats) {
   ++stats.decidedExactly;
   // Far from its own origin a small triangle of B may have lost its area when its corners were rounded to A's frame.
@@ -52,7 +52,7 @@ void decideCandidates(const Query& query, const std::vector<TrianglePair>& candi
   std::sort(workspace.intersecting.begin(), workspace.intersecting.end());
 }
 
-/// Copies have the answer of those that they lie on. Where these are no candidates they do not meet.
+/// Copies have the result of those that they lie on. Where these are no candidates they do not meet.
 void addCopies(const FirstCopies& first, const std::vector<TrianglePair>& candidates,
                std::vector<TrianglePair>& intersecting) {
   const std::size_t decided = intersecting.size();

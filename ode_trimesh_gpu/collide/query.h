@@ -102,7 +102,7 @@ class RegionRefiner;
 struct Query {
   const CollisionMesh* a = nullptr;
   const CollisionMesh* b = nullptr;
-  /// Takes B's points to A's frame; used as given, so that its defect (rotation_tolerance.h) enters the answer. One
+  /// Takes B's points to A's frame; used as given, so that its defect (rotation_tolerance.h) enters the result. One
   /// that is not finite or whose defect is above kRelativeRotationTolerance is refused.
   Transformd bInA{};
   Vec3d relativeVelocity{0, 0,
@@ -124,10 +124,10 @@ struct Workspace {
   /// No results.
   void clear();
   std::vector<TrianglePair> candidates;    ///< of the last query, in the order of traversal
-  std::vector<TrianglePair> undecided;     ///< scratch of the narrow phase: candidates of which float cannot tell
+  std::vector<TrianglePair> undecided;     ///< scratch of the narrow phase: candidates that float cannot decide
   std::vector<TrianglePair> intersecting;  ///< ascending
   std::vector<Contact> contacts;           ///< before reduction, by (triangleA, triangleB)
-  std::vector<Contact> reduced;            ///< the answer
+  std::vector<Contact> reduced;            ///< the result
   CollideStats stats;
   ConvexScratch convex;
   std::unique_ptr<SolidScratch> solid;
@@ -140,7 +140,7 @@ struct Workspace {
 /// TooManyPairs.
 void middlePhase(const Query& query, Workspace& workspace);
 /// Decides workspace.candidates -> workspace.intersecting. The set does not depend on traversal, order or backend: it
-/// is the exact answer for A's float vertices and B's vertices as otgTransform places them in double; touching counts.
+/// is the exact result for A's float vertices and B's vertices as otgTransform places them in double; touching counts.
 void nearPhase(const Query& query, Workspace& workspace);
 /// workspace.intersecting -> workspace.contacts by the published per-pair construction.
 void pairwiseContacts(const Query& query, Workspace& workspace);

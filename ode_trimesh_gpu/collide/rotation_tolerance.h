@@ -16,7 +16,7 @@ constexpr double kRotationTolerance = OTG_ROTATION_TOLERANCE;
 /// t + t (1 + t).
 constexpr double kRelativeRotationTolerance = OTG_RELATIVE_ROTATION_TOLERANCE;
 
-/// The Frobenius norm of R^T R - 1; infinity where R mirrors, is singular, or is not finite or too large to tell.
+/// The Frobenius norm of R^T R - 1; infinity where R mirrors, is singular, or is not finite or too large to judge.
 /// (The norm of R R^T - 1 is the same.)
 double rotationDefect(const Transformd& pose);
 

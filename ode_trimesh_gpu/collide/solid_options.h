@@ -13,14 +13,14 @@ struct SolidOptions {
       16;                  ///< at most this many contacts from one connected overlap region; the C API takes 1 to 64
   double regionMerge = 0;  ///< regions with contacts at most this far apart and normals alike are one (merge_regions.h)
   /// Two convex meshes take the way of convex/convex_pair_contacts.h, which looks at no triangles. Geoms and `otg` have
-  /// it on. It is off by default, for those who ask for the stages that any solids have.
+  /// it on. It is off by default, for those who request the stages that any solids have.
   bool convexPath = false;
   friend bool operator==(const SolidOptions&, const SolidOptions&) = default;
 };
 
-/// What one query of a pair tells the next. Optional: a query without it answers from the geometry alone.
+/// What one query of a pair leaves for the next. Optional: a query without it uses the geometry alone.
 ///
-/// A query at the very pose of the last one starts from the same state as that did. So asking twice, or from two
+/// A query at the very pose of the last one starts from the same state as that did. So querying twice, or from two
 /// threads, changes nothing.
 struct SolidHistory {
   struct State {
@@ -35,7 +35,7 @@ struct SolidHistory {
     int side = 0;
     Vec3d front{0, 0, 0};
   };
-  /// The direction that a convex pair had last: where to look first. No answer depends on it, so it is not part of
+  /// The direction that a convex pair had last: where to look first. No result depends on it, so it is not part of
   /// what is saved.
   struct KeptAxis {
     std::uint64_t a = 0, b = 0;  ///< ConvexPolyhedron::stamp() of the two bodies; 0 for none

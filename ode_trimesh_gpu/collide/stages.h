@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parts of the stages on the host that other backends use to finish what they began.
+// Parts of the stages on the CPU that other backends use to finish what they began.
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace otg {
 
-/// The exact answer for one pair of triangles that are not degenerate in their own meshes: the double filter, then
+/// The exact result for one pair of triangles that are not degenerate in their own meshes: the double filter, then
 /// exact arithmetic. Counts both. False where B's triangle has no area in A's frame.
 bool decidePair(const Query& query, const PairFrame& frame, const TrianglePair& pair, CollideStats& stats);
 

@@ -11,7 +11,7 @@ namespace {
 /// Items that one thread takes at a time.
 constexpr std::size_t kItemsAtOnce = 64;
 
-/// A device finds the nearest triangle where the answer, or the side, needs it; of a solid the side, by itself.
+/// A device finds the nearest triangle where the result, or the side, needs it; of a solid the side, by itself.
 opencl::PointRequest requestOf(const PointJob& job) {
   const SurfaceKind kind = surfaceKind(job.mesh->mesh());
   opencl::PointRequest request;

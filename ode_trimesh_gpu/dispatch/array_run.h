@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Arrays of points or of rays against one mesh, asked about one by one, by the CPU's threads or with a device.
+// Arrays of points or of rays against one mesh, queried one by one, by the CPU's threads or with a device.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ struct PointAnswer {
   bool inside = false;
 };
 
-/// What is asked about each point.
+/// What is queried of each point.
 struct PointJob {
   using Item = Vec3d;
   using Answer = PointAnswer;
@@ -28,7 +28,7 @@ struct PointJob {
   Place place = Place::kAuto;
 };
 
-/// What is asked about each ray: its closest hit. A ray without a hit has one with the triangle kNone.
+/// What is queried of each ray: its closest hit. A ray without a hit has one with the triangle kNone.
 struct RayJob {
   using Item = LongRay;
   using Answer = RayHit;
@@ -40,7 +40,7 @@ struct RayJob {
 /// Items begin to end - 1, in the frame of the mesh -> to[0] and up. Called by any thread.
 template <class Job>
 using ArraySource = std::function<void(std::size_t begin, std::size_t end, typename Job::Item* to)>;
-/// The same items with their answers. Called by any thread, once for each item.
+/// The same items with their results. Called by any thread, once for each item.
 template <class Job>
 using ArraySink = std::function<void(std::size_t begin, std::size_t end, const typename Job::Item* items,
                                      const typename Job::Answer* answers)>;
@@ -59,7 +59,7 @@ template <class Job>
 void answerOnHost(ThreadPool& pool, const Job& job, std::size_t first, std::size_t count,
                   const ArraySource<Job>& source, const ArraySink<Job>& sink);
 
-/// The same with the device: it finds triangles and sides, the CPU's threads make the answers of them. What the device
+/// The same with the device: it finds triangles and sides, the CPU's threads make the results of them. What the device
 /// leaves undone, or all if it fails, the CPU does. For both jobs.
 template <class Job>
 void answerOnDevice(DeviceSlot& slot, ThreadPool& pool, const Job& job, std::size_t count,

@@ -33,7 +33,7 @@ class BatchRun {
       devices_[d]->blockPairs = blocks_[d].size();
       devices_[d]->blockMs = 0;
       if (blocks_[d].empty()) continue;
-      if (blocks_[d].size() == pairs_.size()) {  // nobody else has anything to do
+      if (blocks_[d].size() == pairs_.size()) {  // no other device has anything to do
         devices_[d]->blockExpectedMs = 1e-3 * expectedOfAll_;
         runDevice(*devices_[d], blocks_[d]);
         continue;
@@ -79,9 +79,9 @@ class BatchRun {
   /// Who may do a job.
   enum class Kind : std::uint8_t {
     kHost,
-    kWithDevice,  ///< the host, one by one, with a device's help
+    kWithDevice,  ///< the CPU, one by one, with a device's help
     kBound,       ///< devices
-    kOpen         ///< devices or the host
+    kOpen         ///< devices or the CPU
   };
 
   /// What every job costs, whether a batch has it as a pair of solids, and who may do it: by all threads, because pairs
@@ -219,7 +219,7 @@ class BatchRun {
     return expected;
   }
 
-  /// For who asks about devices, while they are at work.
+  /// For who queries devices, while they are at work.
   void noteExpected() const {
     for (std::size_t d = 0; d < blocks_.size(); ++d) {
       if (blocks_[d].size() < pairs_.size()) {
@@ -228,7 +228,7 @@ class BatchRun {
     }
   }
 
-  /// Whether the caller is the one to do job `i`: the first that asks is.
+  /// Whether the caller is the one to do job `i`: the first that calls is.
   bool claim(std::size_t i) { return claimed_.empty() || !claimed_[i].exchange(true, std::memory_order_relaxed); }
 
   /// By the pool's threads, one pair at a time.
@@ -333,7 +333,7 @@ class BatchRun {
       const auto shared = std::make_shared<opencl::BatchAnswer>();
       opencl::BatchAnswer& answer = *shared;
       const opencl::RunParts onHost = [&](std::size_t count, const ThreadPool::Work& work) {
-        pool_.run(count, 1, work, true);  // the device waits for it, and for pairs of the CPU nobody does
+        pool_.run(count, 1, work, true);  // the device waits for it, and nothing waits for pairs of the CPU
       };
       const bool good = slot.backend->collideBatch(queries, answer, nullptr, onHost);
       slot.note(block.size(), good);
@@ -377,7 +377,7 @@ class BatchRun {
   std::vector<double> works_;               ///< expectedWork of every job
   std::vector<std::uint8_t> solids_;        ///< solidInBatch of every job
   std::vector<Kind> kinds_;                 ///< of every job, if there are devices
-  std::vector<std::atomic<bool>> claimed_;  ///< by job; empty if nobody takes over
+  std::vector<std::atomic<bool>> claimed_;  ///< by job; empty if there is no taking over
   std::mutex takeOver_;
   double hostBusy_ = 0, takenCost_ = 0;
   double expectedOfAll_ = 0;  ///< microseconds on the first device by itself

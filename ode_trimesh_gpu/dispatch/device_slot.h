@@ -19,7 +19,7 @@ bool letCpusTakeAuto(bool they);
 
 /// Any number of threads.
 struct DeviceSlot {
-  /// A device that fails so often in a row is not asked any more.
+  /// A device that fails so often in a row is not used any more.
   static constexpr int kMostFailures = 3;
 
   std::shared_ptr<opencl::Backend> backend;

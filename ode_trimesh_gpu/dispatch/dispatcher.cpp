@@ -65,7 +65,7 @@ void Dispatcher::setTaskRunner(const TaskRunner& runner) {
 unsigned Dispatcher::threadCount() const {
   const std::lock_guard lock(mutex_);
   if (threads_ != 0) return threads_;
-  return pool_ ? pool_->threadCount() : defaultThreadCount();  // the default asks the system
+  return pool_ ? pool_->threadCount() : defaultThreadCount();  // the default queries the system
 }
 
 std::shared_ptr<ThreadPool> Dispatcher::pool() {

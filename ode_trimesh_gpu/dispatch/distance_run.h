@@ -18,7 +18,7 @@ double distanceWork(const Query& query);
 void measureOnHost(ThreadPool& pool, std::span<const OverlapJob> jobs, std::span<const std::size_t> which, double limit,
                    std::span<MeshDistance> answers);
 
-/// The same with the device: it tells which meshes intersect, and the nearest triangles of those that do not; the
+/// The same with the device: it finds which meshes intersect, and the nearest triangles of those that do not; the
 /// CPU's threads find whether one lies inside the other, a point that both have, and where nearest triangles are
 /// nearest. What the device leaves undone, or all if it fails, the CPU does. Jobs have triangles.
 void measureOnDevice(DeviceSlot& slot, ThreadPool& pool, std::span<const OverlapJob> jobs,

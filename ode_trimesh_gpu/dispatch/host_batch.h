@@ -17,18 +17,18 @@ namespace otg {
 /// otg::collide throws.
 std::span<const Contact> collideOnHost(const PairJob& job, Workspace& workspace);
 
-/// The same for a job of a batch, whose pairs nobody has looked at before: those that cannot meet end at once. (A
+/// The same for a job of a batch, whose pairs were not looked at before: those that cannot meet end at once. (A
 /// single dCollide() finds them out before it makes a job.)
 std::span<const Contact> collideOfMany(const PairJob& job, Workspace& workspace);
 
-/// Whether a job is the host's alone, and needs no triangles: isConvexPair(), all of whose contacts are asked for.
+/// Whether a job runs on the CPU alone, and needs no triangles: isConvexPair(), with all contacts requested.
 bool isConvexJob(const PairJob& job);
 
 /// As collideOnHost from workspace.intersecting: for pairs whose first two phases were done elsewhere.
 std::span<const Contact> contactsOnHost(const PairJob& job, Workspace& workspace);
 
 /// Calls one(i, workspace) for the pairs i of `which`, by the pool's threads, each thread with a workspace of its own.
-/// The results do not depend on the number of threads. The jobs of `work` tell which are large.
+/// The results do not depend on the number of threads. The jobs of `work` show which are large.
 void runByPool(ThreadPool& pool, std::span<const PairWork> work, std::span<const std::size_t> which,
                const std::function<void(std::size_t i, Workspace& workspace)>& one);
 

@@ -20,7 +20,7 @@ struct OverlapJob {
 };
 
 /// 1 or 0 for each job, as otg::overlap says. Devices find out whether triangles intersect; whether a part of one mesh
-/// lies inside the other one, which is asked where none do, is the CPU's. Jobs that are bound to devices go there, as
+/// lies inside the other one, which matters where none do, is the CPU's. Jobs that are bound to devices go there, as
 /// do open ones if that is expected to be sooner; each device gets a row of equal expected cost. What a device fails to
 /// do, the CPU does. May throw std::bad_alloc.
 void runOverlaps(ThreadPool& pool, const std::vector<std::shared_ptr<DeviceSlot>>& devices,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One pair of meshes among many: what is asked, where it may be computed, and the answer.
+// One pair of meshes among many: what is requested, where it may be computed, and the result.
 #pragma once
 
 #include <cstdint>

@@ -65,7 +65,7 @@ std::span<const Contact> collideOn(DeviceSlot& slot, const PairJob& job, Workspa
     slot.note(1, good);
     (good ? onDevice : deviceFailed) = true;
   };
-  if (middle && near && allOnDevice(job)) {  // what only the host can is done there
+  if (middle && near && allOnDevice(job)) {  // what only the CPU can do runs there
     note(job.byLevels ? device.collideByLevels(job.query, workspace) : device.collide(job.query, workspace));
     return workspace.reduced;
   }

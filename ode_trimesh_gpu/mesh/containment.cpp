@@ -12,7 +12,7 @@
 namespace otg {
 namespace {
 
-constexpr std::uint32_t kProbes = 6;  ///< points asked about for each component
+constexpr std::uint32_t kProbes = 6;  ///< points tested for each component
 
 /// A point in ray coordinates: the rays run towards +w.
 struct RayPoint {

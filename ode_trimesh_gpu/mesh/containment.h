@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which closed components of a mesh lie inside which: tells outer surfaces from cavities.
+// Which closed components of a mesh lie inside which: distinguishes outer surfaces from cavities.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ inline double expectedVolumeSign(std::uint32_t depth) {
   return depth % 2 == 0 ? 1 : -1;
 }
 
-/// True if a closed component is wound as its depth asks for. False also for one that encloses nothing (to within the
+/// True if a closed component is wound as its depth requires. False also for one that encloses nothing (to within the
 /// rounding of its volume), such as two copies of a triangle back to back.
 std::vector<std::uint8_t> componentsWellWound(const Topology& topology, const std::vector<std::uint32_t>& depths,
                                               std::span<const Vec3f> vertices, std::span<const Triangle> triangles);

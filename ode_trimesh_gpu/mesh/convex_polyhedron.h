@@ -64,7 +64,7 @@ class ConvexPolyhedron {
     std::uint32_t face[3][2];  ///< across each axis, the one that faces down it and the one that faces up
   };
   const Box* box() const { return box_ ? &*box_ : nullptr; }
-  /// No other polyhedron of the process has had it. It tells polyhedra apart and orders nothing.
+  /// No other polyhedron of the process has had it. It distinguishes polyhedra and orders nothing.
   std::uint64_t stamp() const { return stamp_; }
 
   Convexity convexity() const { return convexity_; }

@@ -40,7 +40,7 @@ void weldVertices(std::vector<Vec3f>& vertices, std::vector<Triangle>& triangles
       "vertices were merged into earlier ones at the same position.");
 }
 
-/// Removes flagged triangles, answers how many.
+/// Removes flagged triangles, returns how many.
 std::size_t drop(std::vector<Triangle>& triangles, const std::vector<std::uint8_t>& flags) {
   std::size_t kept = 0;
   for (std::size_t t = 0; t < triangles.size(); ++t)
@@ -74,7 +74,7 @@ std::vector<HalfEdgePair> pairHalfEdges(const Topology& topology) {
 
 /// Zero-area triangles whose longest edge (from p to q) has one neighbour (p, q, d) hide that the middle vertex c lies
 /// on that edge: without them the surface would be open there. The neighbour is split at c instead, (p, c, d) and (c,
-/// q, d), which does not move the surface. One pass; answers how many, because others may become possible
+/// q, d), which does not move the surface. One pass; returns how many, because others may become possible
 /// after it.
 std::size_t splitNeighboursOnce(const std::vector<Vec3f>& vertices, std::vector<Triangle>& triangles) {
   const std::vector<std::uint8_t> degenerate = findDegenerate(vertices, triangles);

@@ -19,7 +19,7 @@ struct RepairOptions {
   static RepairOptions all() { return {true, true, true, true}; }
 };
 
-/// Does what `options` ask for, in the order of its members, and reports it. Where vertices are merged, `inputVertexOf`
+/// Does what `options` request, in the order of its members, and reports it. Where vertices are merged, `inputVertexOf`
 /// becomes the given vertex that each remaining one is; otherwise it is left alone. Vertices that lose their last
 /// triangle stay.
 void repairMesh(const RepairOptions& options, std::vector<Vec3f>& vertices, std::vector<Triangle>& triangles,

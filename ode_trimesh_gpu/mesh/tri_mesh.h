@@ -48,7 +48,7 @@ struct AdjacencyLinks;
 
 class TriMesh {
  public:
-  /// Vertices in the mesh's own frame, as the caller gave them (after repair, if any was asked for).
+  /// Vertices in the mesh's own frame, as the caller gave them (after repair, if any was requested).
   std::span<const Vec3f> vertices() const { return vertices_; }
   std::span<const Triangle> triangles() const { return triangles_; }
   std::size_t triangleCount() const { return triangles_.size(); }
@@ -67,18 +67,18 @@ class TriMesh {
 
   /// Edges, neighbours, components on vertices welded by position.
   const Topology& topology() const { return topology_; }
-  /// Made when asked for first, by this mesh or one that shares it. May throw std::bad_alloc.
+  /// Made on the first request, by this mesh or one that shares it. May throw std::bad_alloc.
   const AdjacencyLinks& adjacencyLinks() const;
-  /// findFirstCopies(), without a search where the report knows of no duplicates. Made when asked for first. May throw
+  /// findFirstCopies(), without a search where the report knows of no duplicates. Made on the first request. May throw
   /// std::bad_alloc.
   std::span<const std::uint32_t> firstCopies() const;
   const ValidationReport& report() const { return report_; }
   MeshClass meshClass() const { return report_.solid ? MeshClass::kSolid : MeshClass::kShell; }
-  /// Of the polyhedron at density 1; only meaningful for solids (signed sums for shells). Worked out when asked for
-  /// first.
+  /// Of the polyhedron at density 1; only meaningful for solids (signed sums for shells). Computed on the first
+  /// request.
   const MassProperties& massProperties() const;
 
-  /// Of what the caller gave, as far as the mesh has taken it over. Worked out when asked for first.
+  /// Of what the caller gave, as far as the mesh has taken it over. Computed on the first request.
   std::uint64_t contentHash() const {
     return trianglesHash_->get([this] { return hashOfTriangles(); }) +
            verticesHash_.get([this] { return hashOfVertices(); });
@@ -123,7 +123,7 @@ class TriMesh {
   SharedArray<std::uint32_t> callerTriangle_, triangleOfCaller_;  ///< empty where numbers are the caller's
 };
 
-/// What buildTriMesh answers: a mesh, or none and a report whose problems say why (`report.error` in one line).
+/// What buildTriMesh returns: a mesh, or none and a report whose problems say why (`report.error` in one line).
 struct MeshResult {
   std::shared_ptr<const TriMesh> mesh;  ///< null when the input is refused
   ValidationReport report;              ///< the same as mesh->report() when there is a mesh
@@ -142,7 +142,7 @@ MeshResult buildTriMesh(const MeshInput& input, const RepairOptions& repair = {}
 MeshResult moveVertices(const TriMesh& mesh, const MeshInput& vertices, bool turned = false);
 
 /// New places for some vertices, checked as moveVertices() checks all of them. Of `input` only the vertices are read.
-/// Empty when they are refused, or when there are none: the report's error tells them apart.
+/// Empty when they are refused, or when there are none: the report's error distinguishes them.
 std::vector<Vec3f> readSomeVertices(const TriMesh& mesh, const MeshInput& input, ValidationReport& report);
 
 }  // namespace otg

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What arrays of points and rays are asked with. Free of OpenCL's types.
+// Requests for arrays of points and rays. Free of OpenCL's types.
 #pragma once
 
 #include <cstddef>

@@ -24,16 +24,16 @@ struct BackendState;
 class PublishedDesign;
 
 struct BackendCounts {
-  std::uint64_t queries = 0;  ///< pairs of meshes asked for, in batches or not
-  std::uint64_t onHost = 0;   ///< of these, done by the host because a call failed
+  std::uint64_t queries = 0;  ///< pairs of meshes requested, in batches or not
+  std::uint64_t onHost = 0;   ///< of these, done by the CPU because a call failed
   std::uint64_t repeats = 0;  ///< runs that were repeated because a list was too short
-  /// Single pairs whose contacts of the model `pairwise` the host finished although the device was to; and pairs of
-  /// triangles of any single pairs that the host decided in exact arithmetic.
+  /// Single pairs whose contacts of the model `pairwise` the CPU finished although the device was to; and pairs of
+  /// triangles of any single pairs that the CPU decided in exact arithmetic.
   std::uint64_t leftToHost = 0, decidedOnHost = 0;
-  /// Pairs of solids whose overlap the device described, alone or in batches; and those that it left to the host after
+  /// Pairs of solids whose overlap the device described, alone or in batches; and those that it left to the CPU after
   /// all.
   std::uint64_t described = 0, describedInVain = 0;
-  /// Of those described, those whose contacts of large regions the device made; and those that it left to the host.
+  /// Of those described, those whose contacts of large regions the device made; and those that it left to the CPU.
   std::uint64_t contactsMade = 0, contactsLeft = 0;
   /// Meshes sent whole, changes sent of meshes that were there, meshes that made room; bytes of the first two; bytes
   /// that meshes take now.
@@ -41,9 +41,9 @@ struct BackendCounts {
   /// Bytes of all buffers: meshes, lists and results, of queries under way and of those to come.
   std::uint64_t memory = 0;
   int programsFromSource = 0, programsFromCache = 0;
-  /// Points asked about and rays cast; of either, those that were left to the caller because a call failed.
+  /// Points queried and rays cast; of either, those that were left to the caller because a call failed.
   std::uint64_t points = 0, pointsOnHost = 0, rays = 0, raysOnHost = 0;
-  /// The same of pairs whose nearest triangles were asked for.
+  /// The same of pairs whose nearest triangles were requested.
   std::uint64_t distances = 0, distancesOnHost = 0;
 };
 
@@ -53,7 +53,7 @@ struct MeshPair {
   Transformd bInA{};
 };
 
-/// Two meshes, and B in A's frame as Query::bInA: as much of a query as it takes to ask whether they meet. Nothing is
+/// Two meshes, and B in A's frame as Query::bInA: as much of a query as it takes to find whether they meet. Nothing is
 /// set at first.
 struct PosedMeshes {
   const CollisionMesh* a;
@@ -78,17 +78,17 @@ struct NumberedPairs {
 
 /// The pairs of a batch as a caller has them: queries side by side, queries that lie anywhere, or numbered meshes.
 using CollideBatch = std::variant<std::span<const Query>, std::span<const Query* const>, NumberedPairs>;
-/// The same of which nothing is asked but whether they meet.
+/// The same only to find whether they meet.
 using IntersectBatch = std::variant<std::span<const Query>, std::span<const PosedMeshes* const>, NumberedPairs>;
 
-/// What a batch gives. Contacts stay where the device left them: a span is good until the answer is given to another
+/// What a batch gives. Contacts stay where the device left them: a span is good until the result is given to another
 /// batch or goes away (it may go later than the backend).
 class BatchAnswer {
  public:
   std::vector<std::size_t> refused;  ///< ascending: queries whose pose otg::collide refuses; they have no contacts
   CollideStats stats;                ///< sums
-  std::size_t leftToHost = 0;        ///< pairs that the device left to the host, other than by failing
-  std::size_t madeAgain = 0;         ///< of these, those with contacts of the device that the host made again
+  std::size_t leftToHost = 0;        ///< pairs that the device left to the CPU, other than by failing
+  std::size_t madeAgain = 0;         ///< of these, those with contacts of the device that the CPU made again
   std::vector<std::size_t> byHost;   ///< of these, those in which the device had no part
 
   std::size_t size() const { return size_; }  ///< queries
@@ -118,9 +118,9 @@ class BatchAnswer {
   std::map<std::size_t, std::vector<Contact>> apart_;
 };
 
-/// Any number of threads. Every function gives what the host gives, byte for byte, whatever the device, its scheduling
-/// and the tuning. It returns false when the device failed and the host did all or part of the work, which is logged
-/// once and counted. It throws what the host throws.
+/// Any number of threads. Every function gives what the CPU gives, byte for byte, whatever the device, its scheduling
+/// and the tuning. It returns false when the device failed and the CPU did all or part of the work, which is logged
+/// once and counted. It throws what the CPU throws.
 class Backend {
  public:
   /// Opens device `index` of listDevices() and, for Tuning::warmUp, builds the usual programs. Null when that fails,
@@ -134,10 +134,10 @@ class Backend {
 
   /// As otg::collide. Everything for the model `pairwise` on the device (where it has no doubles, or finds more than it
   /// has room for: mid and narrow phase), and for the model `solid` as far as the overlap is described; the rest of
-  /// that model and the reduction `cone` on the host. Only workspace.reduced and workspace.stats are set for certain;
+  /// that model and the reduction `cone` on the CPU. Only workspace.reduced and workspace.stats are set for certain;
   /// stats.candidatePairs counts pairs of triangles that were tested.
   bool collide(const Query& query, Workspace& workspace);
-  /// The same in lanes of its own that take times; `times` is unchanged where the host did all.
+  /// The same in lanes of its own that take times; `times` is unchanged where the CPU did all.
   bool collideProfiled(const Query& query, Workspace& workspace, StageTimes& times);
   /// As otg::findIntersectingPairs, with the same exceptions.
   bool findIntersectingPairs(const Query& query, Workspace& workspace);
@@ -160,7 +160,7 @@ class Backend {
   /// otg::collide for every query, in one submission (several if there are very many or their meshes do not fit at
   /// once; pairs of very large meshes by themselves). A query with a SolidHistory must not be there twice. Where all
   /// pairs may have contacts of the model `solid` the device makes those of pairs of solids, as a rule.
-  /// With `times` in lanes of its own that take times. `onHost` does the pairs that the device leaves to the host, and
+  /// With `times` in lanes of its own that take times. `onHost` does the pairs that the device leaves to the CPU, and
   /// contacts of pairs whose overlaps it describes. Without it they are done one after the other.
   bool collideBatch(const CollideBatch& pairs, BatchAnswer& answer, StageTimes* times = nullptr,
                     const RunParts& onHost = {});
@@ -169,14 +169,14 @@ class Backend {
   bool intersectBatch(const IntersectBatch& pairs, std::vector<std::uint8_t>& answer, StageTimes* times = nullptr,
                       const RunParts& onHost = {});
 
-  /// Whether the device can answer these: it has doubles, and their program could be built.
+  /// Whether the device can compute these: it has doubles, and their program could be built.
   bool answersPoints() const;
   bool answersRays() const;
   bool answersDistances() const;
-  /// Programs that could not be built. What they are for is done by the host from then on, and is no failure any more.
+  /// Programs that could not be built. What they are for is done by the CPU from then on, and is no failure any more.
   std::size_t failedPrograms() const;
-  /// Asks about `count` points and hands the answers over in pieces, in their order, on the calling thread. The mesh
-  /// has triangles; `request.inside` is for solids. Returns how many were answered, from the first one on: fewer than
+  /// Queries `count` points and hands the results over in pieces, in their order, on the calling thread. The mesh
+  /// has triangles; `request.inside` is for solids. Returns how many were computed, from the first one on: fewer than
   /// `count` when a call failed (which is logged once and counted). Throws what `fill` and `take` throw.
   std::size_t askPoints(const CollisionMesh& mesh, PointRequest request, std::size_t count, const FillPoints& fill,
                         const TakePoints& take);
@@ -184,8 +184,8 @@ class Backend {
   std::size_t castRays(const CollisionMesh& mesh, bool cullBack, std::size_t count, const FillRays& fill,
                        const TakeRays& take);
   /// The nearest triangles of pairs of meshes that are apart and have triangles: as otg::distanceApart finds them,
-  /// {kNone, kNone} where nothing is within the limit, kLeftToHost where the device cannot tell. `run` puts the pairs
-  /// together. Only where answersDistances(). Returns how many have their answers, from the first one on: fewer than
+  /// {kNone, kNone} where nothing is within the limit, kLeftToHost where the device cannot decide. `run` puts the pairs
+  /// together. Only where answersDistances(). Returns how many have their results, from the first one on: fewer than
   /// all when a call failed (which is logged once and counted). Throws what `run` throws.
   std::size_t nearestTriangles(std::span<const Query> queries, double limit, std::span<TrianglePair> answers,
                                const RunParts& run);

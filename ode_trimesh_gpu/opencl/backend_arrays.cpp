@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Arrays of points and of rays on the device, in pieces: while it works on one, the host takes the answers of the one
+// Arrays of points and of rays on the device, in pieces: while it works on one, the CPU takes the results of the one
 // before and writes the next.
 #include <algorithm>
 #include <atomic>
@@ -20,7 +20,7 @@ struct ArrayPiece {
   std::size_t begin = 0, end = 0;
 };
 
-/// Begins with each piece and hands its answers over; `taken`: how many items have theirs, when an exception comes
+/// Begins with each piece and hands its results over; `taken`: how many items have theirs, when an exception comes
 /// through, too.
 template <class Lane>
 void inPieces(LanePool<Lane>& lanes, const Tuning& tuning, const CollisionMesh& mesh,
@@ -53,7 +53,7 @@ void inPieces(LanePool<Lane>& lanes, const Tuning& tuning, const CollisionMesh& 
   }
 }
 
-/// What was asked about is counted in `asked`, what is left to the caller in `onHost`.
+/// What was queried is counted in `asked`, what is left to the caller in `onHost`.
 template <class Lane>
 std::size_t askArray(LanePool<Lane>& lanes, const Tuning& tuning, const CollisionMesh& mesh,
                      const typename Lane::Request& request, std::size_t count,

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMostWaits = 2000;  ///< for memory, a millisecond each
 
-/// What the device needs to know of a pair but for its meshes. False if it is the host's.
+/// What the device needs to know of a pair but for its meshes. False if the CPU has to do it.
 bool fillDistance(const Query& query, double limit, otg_distance_task& task) {
   const PairFrame frame = makePairFrame(query);
   std::copy(std::begin(query.bInA.r), std::end(query.bInA.r), task.r);

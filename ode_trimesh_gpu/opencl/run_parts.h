@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The host's own work on the pairs and meshes of a batch, by the threads that a caller lends. Free of OpenCL's types.
+// The CPU's own work on the pairs and meshes of a batch, by the threads that a caller lends. Free of OpenCL's types.
 #pragma once
 
 #include <algorithm>

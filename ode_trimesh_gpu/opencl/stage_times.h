@@ -21,7 +21,7 @@ struct StageTimes {
   double candidates = 0;  ///< and their candidates, with the uneven ones in batches
   double readBack = 0;    ///< of the results
   double host = 0;        ///< what the device left: decisions in exact arithmetic, order, regions; and copying
-  double reduction = 0;   ///< on the host; with the contacts where the host makes them
+  double reduction = 0;   ///< on the CPU; with the contacts where the CPU makes them
   double total = 0;       ///< from call to return, with launches and what lies between stages
 };
 

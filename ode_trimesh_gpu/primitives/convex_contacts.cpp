@@ -86,7 +86,7 @@ class ShapeRefiner final : public RegionRefiner {
         if (onLine()) keepEnds(contacts, first);
       }
     } else if (settled_ && (way_.overEdges || contacts.size() == first || patch_->isDense())) {
-      // Cells of many triangles tell depths less well than the planes of all.
+      // Cells of many triangles give depths less well than the planes of all.
       for (auto it = begin; it != contacts.end(); ++it) it->depth = std::min(it->depth, way_.depth);
       addDeepest(contacts, first);
     }

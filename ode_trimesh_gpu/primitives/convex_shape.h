@@ -31,7 +31,7 @@ struct ConvexShape {
   double exitDistance(const Vec3d& point, const Vec3d& direction) const;
 };
 
-/// These keep the shapes asked for last, so that asking for the same again costs a look-up. Any number of threads. Null
+/// These keep the shapes requested last, so that requesting the same again costs a look-up. Any number of threads. Null
 /// for shapes without volume, and where lengths are too large for single precision. May throw std::bad_alloc.
 std::shared_ptr<const ConvexShape> boxShape(const Vec3d& half);
 std::shared_ptr<const ConvexShape> capsuleShape(double radius, double halfLength);

@@ -298,7 +298,7 @@ void RegionWalls::complete(const PlacedShape& shape, double closest, std::vector
   int moves = 0;  // so many there have been before this one
   std::pmr::vector<SortedWall*> unmet(memory_);
   unmet.reserve(sorted_.size());
-  // A way that one wall asks for may lead into another.
+  // A way that one wall requests may lead into another.
   for (int round = 0; move && round < kMostRounds; ++round) {
     bool isDone = true;
     unmet.clear();
@@ -385,7 +385,7 @@ bool RegionWalls::holdPoint(const PlacedShape& shape, const Inside& at, const Ve
   return true;
 }
 
-/// Whether the point is out of the mesh after much less than the contact asks for, or there is nothing to leave.
+/// Whether the point is out of the mesh after much less than the contact requests, or there is nothing to leave.
 bool RegionWalls::isInDoubt(const Contact& contact, const Vec3d& point) const {
   bool isBehind = false;
   for (const Wall& wall : walls_) {

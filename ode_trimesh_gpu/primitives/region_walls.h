@@ -25,9 +25,9 @@ class RegionWalls {
   bool read(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region, const PlacedShape& shape,
             std::span<const std::uint32_t> triangles, bool isConvex);
 
-  /// No contact from `first` on asks for more than takes its point of the shape out of the walls that face its way.
+  /// No contact from `first` on requests more than takes its point of the shape out of the walls that face its way.
   void limitDepths(std::vector<Contact>& contacts, std::size_t first) const;
-  /// Adds contacts for walls in which the shape is still when it has moved as those from `first` on ask for. `closest`:
+  /// Adds contacts for walls in which the shape is still when it has moved as those from `first` on request. `closest`:
   /// two contacts of a wall are no nearer to each other.
   void complete(const PlacedShape& shape, double closest, std::vector<Contact>& contacts, std::size_t first);
 

@@ -54,7 +54,7 @@ class Cache {
 
  private:
   std::mutex mutex_;
-  std::list<std::pair<Key, std::shared_ptr<const ConvexShape>>> order_;  ///< asked for last comes first
+  std::list<std::pair<Key, std::shared_ptr<const ConvexShape>>> order_;  ///< requested last comes first
   std::map<Key, decltype(order_)::iterator, KeyOrder> index_;
 };
 

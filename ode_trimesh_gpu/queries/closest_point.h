@@ -17,7 +17,7 @@ enum class TrianglePart : std::uint8_t { kFace, kEdge0, kEdge1, kEdge2, kCorner0
 /// A point of a surface.
 struct SurfacePoint {
   Vec3d point{};
-  double distance = std::numeric_limits<double>::infinity();  ///< from the point that was asked about
+  double distance = std::numeric_limits<double>::infinity();  ///< from the point that was queried
   std::uint32_t triangle = kNone;                             ///< kNone: there is no such point
   TrianglePart part = TrianglePart::kFace;
 };
@@ -28,7 +28,7 @@ SurfacePoint closestOnTriangle(const Vec3d corners[3], const Vec3d& point);
 SurfacePoint pointOnTriangle(const TriMesh& mesh, std::uint32_t triangle, const Vec3d& point);
 
 /// The nearest point of the mesh if it is at most `limit` away; of equally near triangles the smallest number. A
-/// triangle counts as no nearer than its box is (otgSearchDistance), so that the answer is that of every tree.
+/// triangle counts as no nearer than its box is (otgSearchDistance), so that the result is that of every tree.
 SurfacePoint closestPoint(const CollisionMesh& mesh, const Vec3d& point,
                           double limit = std::numeric_limits<double>::infinity());
 

@@ -16,13 +16,13 @@ struct MeshDistance {
 
 /// Branch and bound over both trees. Lower bounds of a distance are the gaps of boxes: along the axes of either box
 /// together, along the line of their centres, and along that of the nearest points so far. Of triangles that are
-/// equally near the smallest numbers, A's first: the answer is that of every tree. Overlap is decided exactly first
+/// equally near the smallest numbers, A's first: the result is that of every tree. Overlap is decided exactly first
 /// (mesh_overlap.h). Of the query only a, b and bInA are read. Nothing farther than `limit` is looked for. Throws as
 /// middlePhase does.
 MeshDistance meshDistance(const Query& query, double limit);
 
 /// The parts of it, for poses that are rotations and meshes with triangles. Whether a part of one mesh lies inside the
-/// other one, where no triangles meet; if so, the answer.
+/// other one, where no triangles meet; if so, the result.
 bool contains(const Query& query, MeshDistance& answer);
 /// The search alone, for meshes that do not overlap.
 MeshDistance distanceApart(const Query& query, double limit);

@@ -7,7 +7,7 @@
 namespace otg {
 
 /// Whether any two triangles intersect, exactly (see nearPhase), or a part of one mesh lies wholly inside the other if
-/// that is a solid. Ends with the first answer. Of the query only a, b and bInA are read. Throws as middlePhase does.
+/// that is a solid. Ends once that is known. Of the query only a, b and bInA are read. Throws as middlePhase does.
 bool overlap(const Query& query);
 
 /// The first pair of triangles that is found to intersect. False if there is none.

@@ -23,7 +23,7 @@ struct RayCast {
   double length = 0;  ///< hits farther than this do not count
   RayMode mode = RayMode::kClosest;
   bool cullBack = false;  ///< hits from behind do not count
-  /// Asked about each hit that would count, with the barycentric coordinates of the second and third corner: false if
+  /// Called for each hit that would count, with the barycentric coordinates of the second and third corner: false if
   /// the ray passes there. May be empty.
   std::function<bool(std::uint32_t triangle, double u, double v)> filter;
 };

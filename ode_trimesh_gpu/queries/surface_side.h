@@ -16,7 +16,7 @@ SurfaceKind surfaceKind(const TriMesh& mesh);
 /// Source: J. A. Baerentzen and H. Aanaes, "Signed Distance Computation Using the Angle Weighted Pseudonormal", 2005.
 Vec3d outwardNormal(const CollisionMesh& mesh, const SurfacePoint& at);
 
-/// Whether the point lies inside (on the surface: either answer). `nearest` is the surface's nearest point. Of a solid
+/// Whether the point lies inside (on the surface: either result). `nearest` is the surface's nearest point. Of a solid
 /// the parity along rays decides; of a sheet the normal at the nearest point, where a point nearest to the rim counts
 /// as outside; a shell has no inside.
 bool isInside(const CollisionMesh& mesh, const Vec3d& point, const SurfacePoint& nearest);

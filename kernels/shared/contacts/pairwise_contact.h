@@ -50,7 +50,7 @@ OTG_GENERIC OTG_VEC3 OTG_NAME(otgAcross)(OTG_VEC3 e) {
   return OTG_NAME(otgVec)(-e.y, e.x, OTG_REAL(0));
 }
 
-/// Unit normal (p1 - p0) x (p2 - p0). Where twice the digits do not tell it, some unit vector at right angles to the
+/// Unit normal (p1 - p0) x (p2 - p0). Where twice the digits do not give it, some unit vector at right angles to the
 /// triangle's longer edge.
 OTG_GENERIC OTG_VEC3 OTG_NAME(otgUnitNormal)(const OTG_VEC3* p) {
   OTG_VEC3 n = OTG_NAME(otgCornerCross)(p[0], p[1], p[2]);

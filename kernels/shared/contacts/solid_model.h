@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The contact model `solid`: its thresholds, and the formulas that host and devices share. docs/contacts.md tells the
+// The contact model `solid`: its thresholds, and the formulas that host and devices share. docs/contacts.md gives the
 // model; the files that use these say in which order.
 #if defined(OTG_REAL_DOUBLE) ? !defined(OTG_SHARED_SOLID_MODEL_D) : !defined(OTG_SHARED_SOLID_MODEL_F)
 #ifdef OTG_REAL_DOUBLE
@@ -76,7 +76,7 @@ namespace otg {
 
 /// Cosine between a face and the way out from which on that face is the one to leave.
 #define OTG_SOLID_FACING 0.5
-/// A point of an uneven region is asked to go at most so many times its distance from such faces.
+/// A point of an uneven region is requested to go at most so many times its distance from such faces.
 #define OTG_SOLID_NEIGHBOURHOOD 3.0
 
 /// A region that reaches so many thicknesses along its push is uneven: it goes round a corner, or a thin contact has a
@@ -141,7 +141,7 @@ namespace otg {
 /// Ranges of normals along a side of a cube, in which planes are gathered for deep regions.
 #define OTG_SOLID_NORMAL_CELLS 7.0
 
-/// Where planes stand for many triangles, which cannot tell a rim from the deepest place: estimates that differ by less
+/// Where planes stand for many triangles, a rim may pass for the deepest place: estimates that differ by less
 /// say nothing, and so many candidates for each contact are measured by rays before the contacts are chosen.
 #define OTG_SOLID_GATHERED_ERROR 0.05
 #define OTG_SOLID_MEASURED_PER_CONTACT 3
@@ -329,7 +329,7 @@ OTG_GENERIC OTG_STRETCH_PASS OTG_NAME(otgPassOfStretches)(OTG_VEC3 apart, OTG_VE
 
 /// Whether the depth that rays measured is that of a side of a face and not of the face ahead. Where edges cross at the
 /// rim of a face, a ray along the normal runs in the side wall. Rounding says how soon it leaves. The region's planes
-/// and the crossing of the edges tell better there. `passes`: OTG_STRETCH_PASS::way, or 0.
+/// and the crossing of the edges are more exact there. `passes`: OTG_STRETCH_PASS::way, or 0.
 OTG_GENERIC otg_int OTG_NAME(otgLeavesBeside)(REAL measured, REAL estimate, REAL passes) {
   return measured < (1 - OTG_REAL(OTG_SOLID_AGREES)) * (estimate < passes ? estimate : passes);
 }

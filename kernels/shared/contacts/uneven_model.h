@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Formulas by which the parts of an uneven region leave it: whole triangles of its surface, and what lies on them.
-// docs/contacts.md tells the model.
+// docs/contacts.md describes the model.
 #if defined(OTG_REAL_DOUBLE) ? !defined(OTG_SHARED_UNEVEN_MODEL_D) : !defined(OTG_SHARED_UNEVEN_MODEL_F)
 #ifdef OTG_REAL_DOUBLE
 #define OTG_SHARED_UNEVEN_MODEL_D
@@ -25,8 +25,8 @@ namespace otg {
 /// A face is that of a curved surface beside another one whose normal is turned by less than a sharp edge's. It is
 /// turned by more than rounding.
 #define OTG_UNEVEN_TURNED (1 - 1e-6)
-/// The translation that parts ask for is so many times the deepest part's way, at most. A body that is jammed between
-/// two walls is not asked to leave them at their end.
+/// The translation that parts request is so many times the deepest part's way, at most. A body that is jammed between
+/// two walls is not requested to leave them at their end.
 #define OTG_UNEVEN_LONGEST 10
 /// Through a face that faces along by less no way leads.
 #define OTG_UNEVEN_LEAST_COSINE 0.05

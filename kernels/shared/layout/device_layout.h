@@ -41,7 +41,7 @@ typedef struct {
 #define OTG_RING_TWIN 0x80000000u
 #define OTG_RING_HALF_EDGE 0x7fffffffu
 
-/// More than OTG_MOST_ON_EDGE triangles share an edge: regions of contact are found by the host.
+/// More than OTG_MOST_ON_EDGE triangles share an edge: regions of contact are found by the CPU.
 #define OTG_MESH_TANGLED 1
 /// A solid of one component, with a section for the model `solid` behind its rings (solid_layout.h).
 #define OTG_MESH_SOLID 2
@@ -96,10 +96,10 @@ typedef struct {
 enum {
   OTG_REDUCE_NONE = 0,     ///< all contacts
   OTG_REDUCE_BINNING = 1,  ///< one for each bin
-  OTG_REDUCE_BY_HOST = 2,  ///< only the host can
+  OTG_REDUCE_BY_HOST = 2,  ///< only the CPU can
   OTG_REDUCE_SOLID = 3     ///< contacts of the model `solid`, bins[0] at most from each region; bins[2]: one more than
                            ///< the place in the table of how those of the model `pairwise` are chosen, should the pair
-                           ///< get these; 0: by the host
+                           ///< get these; 0: by the CPU
 };
 
 /// What is known of a pair while its contacts are chosen.
@@ -117,8 +117,8 @@ typedef struct {
 /// Flags of a pair in the results.
 enum {
   OTG_PAIR_REFUSED = 1,     ///< its pose is none that can be worked with
-  OTG_PAIR_TO_HOST = 2,     ///< the host has to finish it, from its records
-  OTG_PAIR_NO_FRAME = 4,    ///< too large for single precision, or too many hits: the host has to do all of it (with
+  OTG_PAIR_TO_HOST = 2,     ///< the CPU has to finish it, from its records
+  OTG_PAIR_NO_FRAME = 4,    ///< too large for single precision, or too many hits: the CPU has to do all of it (with
                             ///< OTG_PAIR_TO_HOST)
   OTG_PAIR_INTERSECTS = 8,  ///< some pair of triangles does for certain
   OTG_PAIR_SKIPPED = 16,    ///< as otg_batch_task
@@ -126,7 +126,7 @@ enum {
   OTG_PAIR_PAIRWISE = 64    ///< in a batch of solids: gets contacts of the model `pairwise`
 };
 #define OTG_PAIR_LEFT_OUT (OTG_PAIR_REFUSED | OTG_PAIR_TO_HOST | OTG_PAIR_SKIPPED)
-/// From this bit on: why the model `solid` left a pair to the host (kernels/solid/small/scratch.h).
+/// From this bit on: why the model `solid` left a pair to the CPU (kernels/solid/small/scratch.h).
 #define OTG_PAIR_WHY 16
 
 /// What the choice needs to know of each hit, one array after the other, each as long as the list of hits.
@@ -160,7 +160,7 @@ enum {
   OTG_COUNT_CHUNKS = 3,           ///< in batches of solids: parts of the candidates for contacts
   OTG_COUNT_HITS = 4,             ///< pairs of triangles that intersect or that single precision cannot decide
   OTG_COUNT_SEED_TICKET = 5,      ///< pairs of level 2 that work-groups of the tail have taken
-  OTG_COUNT_LEFT = 5,             ///< in batches of solids: records of pairs that are left to the host
+  OTG_COUNT_LEFT = 5,             ///< in batches of solids: records of pairs that are left to the CPU
   OTG_COUNT_DONE = 6,             ///< work-groups of the last kernel that are through
   OTG_COUNT_UNDECIDED = 7,        ///< of the hits: those that single precision cannot decide
   OTG_COUNT_BOX_TESTS = 8,        ///< and 9: low and high word
@@ -169,7 +169,7 @@ enum {
   OTG_COUNT_CONTACTS = 13,        ///< before reduction, of the same
   OTG_COUNT_REDUCED = 14,         ///< contacts in the end, of the same
   OTG_COUNT_OPEN = 15,            ///< of one pair of meshes: hits that double arithmetic leaves open
-  OTG_COUNT_FLAGGED = 15,         ///< pairs of a batch that are refused or left to the host
+  OTG_COUNT_FLAGGED = 15,         ///< pairs of a batch that are refused or left to the CPU
   OTG_COUNT_CLASS = 16,           ///< and up: pairs of a batch by size, the largest first
   OTG_COUNT_SOLID = 48,           ///< and up: pairs of a batch of solids by OTG_SOLID_BINS, in two stages
   OTG_COUNT_PLACES = 64           ///< in batches of solids: places in the list of hits by pair
@@ -199,7 +199,7 @@ enum {
   OTG_RECORD_COPLANAR = 3,
   OTG_RECORD_APART = 4,  ///< they do not intersect
   OTG_RECORD_HIT = 5,    ///< they intersect, and no contact was made
-  OTG_RECORD_OPEN = 6    ///< undecided: exact arithmetic decides, the host's if not the device's
+  OTG_RECORD_OPEN = 6    ///< undecided: exact arithmetic decides, the CPU's if not the device's
 };
 
 typedef struct {

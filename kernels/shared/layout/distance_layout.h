@@ -19,7 +19,7 @@ typedef struct {
   otg_uint meshA, meshB;  ///< places in the batch's table of otg_device_mesh
 } otg_distance_task;
 
-/// The answer for a pair is two words: the numbers of the nearest triangles, or this twice.
+/// The result for a pair is two words: the numbers of the nearest triangles, or this twice.
 #define OTG_DISTANCE_NOTHING 0xffffffffu
 
 /// Sums of sizes and distances of which squares neither overflow nor vanish in single precision.

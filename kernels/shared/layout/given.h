@@ -19,7 +19,7 @@
 //   read    a buffer that the kernel only reads
 //   write   a buffer that it writes, or reads and writes
 //   alias   the same, and it may be the buffer of another field; aliasRead if the kernel only reads it
-//   local   local memory, of a size that the host tells
+//   local   local memory, of a size that the host sets
 //   part    another structure, made by OTG_PART, of fields that several kernels have
 #ifndef OTG_SHARED_GIVEN_H
 #define OTG_SHARED_GIVEN_H
@@ -42,7 +42,7 @@
 #define OTG_PARAMETER_part(type, name) OTG_GIVEN_##type(OTG_PART_PARAMETER, OTG_COMMA)
 #define OTG_PART_PARAMETER(kind, type, name) OTG_PARAMETER_##kind(type, name)
 
-/// Types of elements that are words, two words, bytes or doubles. The host tells them apart.
+/// Types of elements that are words, two words, bytes or doubles. The host distinguishes them.
 #define OTG_WORD_ELEMENT(name) typedef uint name;
 #define OTG_TWO_WORD_ELEMENT(name) typedef uint2 name;
 #define OTG_BYTE_ELEMENT(name) typedef uchar name;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Contacts of the large regions of single pairs of solids on a device (kernels/solid/large/arena.cl and what follows
-// it): what its kernels leave for each other and for the host. Only with doubles and 64-bit atomics.
+// it): what its kernels leave for each other and for the CPU. Only with doubles and 64-bit atomics.
 #ifndef OTG_SHARED_OVERLAP_CONTACTS_LAYOUT_H
 #define OTG_SHARED_OVERLAP_CONTACTS_LAYOUT_H
 #include "shared/contacts/escape_turns.h"
@@ -13,7 +13,7 @@
 namespace otg {
 #endif
 
-/// A region of more pieces, points or candidates than these is the host's.
+/// A region of more pieces, points or candidates than these is left to the CPU.
 #define OTG_WORK_PIECES 1024
 #define OTG_WORK_POINTS 1024
 #define OTG_WORK_CANDIDATES 512
@@ -27,7 +27,7 @@ typedef struct {
   double back[3], escape[3], deepNormal[3], step;
 } otg_overlap_motion;
 
-/// What is asked of one pair, beside its entry in the table of pairs. Its regions are OTG_OVERLAP_REGIONS places, from
+/// The request for one pair, beside its entry in the table of pairs. Its regions are OTG_OVERLAP_REGIONS places, from
 /// the first on that belong to its number. What holds for all pairs, too.
 typedef struct {
   otg_overlap_motion motion;
@@ -50,7 +50,7 @@ typedef struct {
   otg_uint deepPlanes, deepCount[2];  ///< place in the arena; A's, then B's from the number of A's pieces on
   otg_uint pieceCount[2];
   otg_uint place;       ///< OTG_OVERLAP_REGIONS for each pair; OTG_NOT_THERE: none
-  otg_uint status;      ///< OTG_FOUND_*, as far as pieces tell
+  otg_uint status;      ///< OTG_FOUND_*, as far as pieces show
   otg_uint pointFlags;  ///< OTG_REGION_CORNERS, OTG_REGION_BAD
   otg_uint unused[4];
 } otg_region_work;
@@ -63,7 +63,7 @@ enum {
   OTG_FOUND_ENTANGLED = 8,
   OTG_FOUND_DEEP = 16,
   OTG_FOUND_TURNS = 32,  ///< directions around the best were not looked at, and have to be
-  OTG_FOUND_BAD = 64     ///< the host has to do it, or the arena was too small
+  OTG_FOUND_BAD = 64     ///< the CPU has to do it, or the arena was too small
 };
 typedef struct {
   double direction[3];  ///< as RegionDirection

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The overlap of pairs of solids on a device (kernels/solid/large/): what its kernels leave for each other and for the
-// host. Only with doubles and 64-bit atomics.
+// CPU. Only with doubles and 64-bit atomics.
 #ifndef OTG_SHARED_OVERLAP_LAYOUT_H
 #define OTG_SHARED_OVERLAP_LAYOUT_H
 #include "shared/layout/solid_layout.h"
@@ -13,7 +13,7 @@ namespace otg {
 /// Lanes that look at one cluster together: one to a vertex.
 #define OTG_CLUSTER_LANES 16
 
-#define OTG_OVERLAP_REGIONS 8  ///< more regions than this are the host's
+#define OTG_OVERLAP_REGIONS 8  ///< more regions than this are left to the CPU
 
 /// A crossing of an edge with a triangle of the other mesh, in a hash table. While `key` is 0 the slot is free.
 typedef struct {
@@ -103,7 +103,7 @@ typedef struct {
   otg_uint unused;
 } otg_overlap_pair;
 
-/// What the host says of a pair of a batch that is to be described; the rest of its entry in the table follows.
+/// What the CPU says of a pair of a batch that is to be described; the rest of its entry in the table follows.
 typedef struct {
   otg_uint number, hits, firstSlot, firstInside, firstMark;
 } otg_listed_overlap;
@@ -144,7 +144,7 @@ typedef struct {
   otg_uint region, unused;
 } otg_found_crossing;
 
-/// A vertex (number << 1 | mesh) or cluster that is inside. Or what the host describes small regions from: the
+/// A vertex (number << 1 | mesh) or cluster that is inside. Or what the CPU describes small regions from: the
 /// triangles of a hit; and of edges and triangles that are crossed in large regions as well, with these bits in
 /// `region`,
 ///   OTG_FOUND_TRIANGLE: a triangle of B; the first of A's that meet it in large regions
@@ -160,7 +160,7 @@ typedef struct {
 #define OTG_FOUND_EDGE 0xc0000000u
 #define OTG_BEHIND_BITS 15
 
-/// What is known of a region. Regions of a pair are numbered in any order; `first` tells theirs.
+/// What is known of a region. Regions of a pair are numbered in any order; `first` gives theirs.
 typedef struct {
   otg_ulong first;      ///< triangles of its smallest chord
   double lo[3], hi[3];  ///< relative to the origin
@@ -177,9 +177,9 @@ enum {
   OTG_OVERLAP_VERTICES = 4,  ///< inside, in clusters with a crossed edge
   OTG_OVERLAP_CLUSTERS = 5,  ///< inside, the others
   OTG_OVERLAP_CELLS = 6,     ///< in the results: all
-  OTG_OVERLAP_SMALL = 7,     ///< hits of small regions, and what else the host needs of these
+  OTG_OVERLAP_SMALL = 7,     ///< hits of small regions, and what else the CPU needs of these
   OTG_OVERLAP_POINTS = 8,
-  OTG_OVERLAP_WHY = 9,           ///< OTG_SOLID_*: the host has to do the pair
+  OTG_OVERLAP_WHY = 9,           ///< OTG_SOLID_*: the CPU has to do the pair
   OTG_OVERLAP_DONE = 10,         ///< work-groups of the last kernel that are through
   OTG_OVERLAP_SHARED = 11,       ///< 1: an edge is crossed in two regions
   OTG_OVERLAP_MOST_POINTS = 12,  ///< so many candidates will be the deepest of their key, at most
@@ -201,7 +201,7 @@ typedef struct {
   otg_uint crossedParts[2][OTG_SOLID_MOST_PARTS / 32];
   otg_uint roots[OTG_OVERLAP_REGIONS];
   otg_uint cells[OTG_OVERLAP_REGIONS];            ///< of large regions: how many there are
-  double up[OTG_OVERLAP_REGIONS][3];              ///< in which A is pushed, as far as the regions' surfaces tell
+  double up[OTG_OVERLAP_REGIONS][3];              ///< in which A is pushed, as far as the regions' surfaces show
   otg_found_region regions[OTG_OVERLAP_REGIONS];  ///< in the results
 } otg_overlap_state;
 

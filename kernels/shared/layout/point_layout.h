@@ -4,13 +4,13 @@
 #define OTG_SHARED_POINT_LAYOUT_H
 #include "shared/layout/device_layout.h"
 
-/// The answer for one point is a word: the number of the nearest triangle, or one of the two that follow, and the flag.
+/// The result for one point is a word: the number of the nearest triangle, or one of the two that follow, and the flag.
 #define OTG_POINT_INSIDE 0x80000000u    ///< the flag
 #define OTG_POINT_TRIANGLE 0x7fffffffu  ///< mask
-#define OTG_POINT_NOTHING 0x7fffffffu   ///< there is no triangle, or none was asked for
-#define OTG_POINT_OPEN 0x7ffffffeu      ///< the host has to answer all of it
+#define OTG_POINT_NOTHING 0x7fffffffu   ///< there is no triangle, or none was requested
+#define OTG_POINT_OPEN 0x7ffffffeu      ///< the CPU has to compute all of it
 
-/// Coordinates of points that are larger are the host's: squares overflow.
+/// Coordinates of points that are larger are left to the CPU: squares overflow.
 #define OTG_POINT_FARTHEST 1e100
 
 /// Nodes that a search may have left for later.

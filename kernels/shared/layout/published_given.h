@@ -18,7 +18,7 @@ OTG_TWO_WORD_ELEMENT(otg_place_pair)
 OTG_TWO_WORD_ELEMENT(otg_number_pair)
 /// Of one step of the middle phase alone.
 OTG_WORD_ELEMENT(otg_step_counter)
-/// What work-groups of scanOnce tell each other; OTG_SCAN_WORDS for each. The number of groups that have begun.
+/// What work-groups of scanOnce report to each other; OTG_SCAN_WORDS for each. The number of groups that have begun.
 OTG_WORD_ELEMENT(otg_scan_status)
 OTG_WORD_ELEMENT(otg_scan_ticket)
 #define OTG_SCAN_WORDS 8

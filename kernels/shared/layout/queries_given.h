@@ -14,9 +14,9 @@ namespace otg {
 /// A point is three of the former, a ray OTG_RAY_DOUBLES of the latter. Both are in the mesh's frame.
 OTG_DOUBLE_ELEMENT(otg_point_double)
 OTG_DOUBLE_ELEMENT(otg_ray_double)
-/// The answer for one item of an array: see point_layout.h and ray_layout.h.
+/// The result for one item of an array: see point_layout.h and ray_layout.h.
 OTG_WORD_ELEMENT(otg_array_answer)
-/// The answer for a pair of meshes: see distance_layout.h.
+/// The result for a pair of meshes: see distance_layout.h.
 OTG_TWO_WORD_ELEMENT(otg_distance_answer)
 
 // clang-format off
@@ -34,7 +34,7 @@ OTG_PART(PointArray)
   X(write, otg_array_answer, answers)
 OTG_STRUCTURE(NearestPoints, "nearestPoints")
 
-/// `bounds`: of the mesh. `alone`: the kernel is the first to write answers.
+/// `bounds`: of the mesh. `alone`: the kernel is the first to write results.
 #define OTG_GIVEN_InsidePoints(X, AND)   \
   X(part, PointArray, array) AND         \
   X(value, otg_point_bounds, bounds) AND \

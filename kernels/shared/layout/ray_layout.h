@@ -7,11 +7,11 @@
 /// A ray is so many doubles: its origin, its direction (a unit vector), both in the mesh's frame, and its length.
 #define OTG_RAY_DOUBLES 7
 
-/// The answer for one ray is a word: the number of the triangle that it hits first, or one of these two.
+/// The result for one ray is a word: the number of the triangle that it hits first, or one of these two.
 #define OTG_RAY_NOTHING 0x7fffffffu  ///< it hits none
-#define OTG_RAY_OPEN 0x7ffffffeu     ///< the host has to answer
+#define OTG_RAY_OPEN 0x7ffffffeu     ///< the CPU has to compute it
 
-/// Coordinates of origins that are larger are the host's: products overflow.
+/// Coordinates of origins that are larger are left to the CPU: products overflow.
 #define OTG_RAY_FARTHEST 1e100
 
 /// Nodes that a search may have left for later.

@@ -59,7 +59,7 @@ typedef struct {
   double depth, rank;  ///< of a candidate, as estimated; depth -1: it is none
 } otg_solid_point;
 
-/// A piece, or several of them, as a plane that is asked for again and again.
+/// A piece, or several of them, as a plane that is read again and again.
 typedef struct {
   double normal[3], offset;  ///< the plane of its vector area
   double meanOffset;         ///< the same by its area: for the way out of deep regions
@@ -87,7 +87,7 @@ enum {
   OTG_REGION_DEEP = 8,
   OTG_REGION_GATHERED = 16,  ///< planes stand for several pieces
   OTG_REGION_CORNERS = 32,   ///< it has points that are not flat
-  OTG_REGION_BAD = 64,       ///< the host has to do the pair
+  OTG_REGION_BAD = 64,       ///< the CPU has to do the pair
   OTG_REGION_UNEVEN = 128    ///< each point leaves by the faces nearest to it
 };
 
@@ -109,12 +109,12 @@ typedef struct {
 #define OTG_SOLID_BINS 8
 #define OTG_SOLID_LARGE_BINS 2
 
-#define OTG_SOLID_REGIONS 8  ///< more regions than this in one pair are the host's
+#define OTG_SOLID_REGIONS 8  ///< more regions than this in one pair are left to the CPU
 
 /// A piece of the arena is counted in units of this many bytes.
 #define OTG_ARENA_UNIT 16
 
-/// Why the host has to do a pair (any is enough; the values tell where to look): flags << OTG_PAIR_WHY.
+/// Why the CPU has to do a pair (any is enough; the values say where to look): flags << OTG_PAIR_WHY.
 enum {
   OTG_SOLID_TOO_MANY = 1,
   OTG_SOLID_INEXACT = 2,    ///< coordinates too large or small for exact arithmetic
@@ -123,7 +123,7 @@ enum {
   OTG_SOLID_TIE = 16,       ///< too many crossings of one edge to be put in order
   OTG_SOLID_ODD = 32,       ///< a region that is bad, entangled or large
   OTG_SOLID_BY_CELLS = 64,  ///< besides: of a size for kernels/solid/large/
-  OTG_SOLID_AT_ODDS = 128,  ///< besides: perhaps of that size, and what is broken these can tell
+  OTG_SOLID_AT_ODDS = 128,  ///< besides: perhaps of that size, and what is broken these can show
   OTG_SOLID_OPEN = 256      ///< besides, where nothing is inexact: a contour with a sheet does not close
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The same signs as expansion.h, in an eighth of its memory: products are added to one expansion term by term. For
-// devices, where every work-item has its own memory for them; the host, which has it to spare, is quicker with
+// devices, where every work-item has its own memory for them; the CPU, which has it to spare, is quicker with
 // expansions of fixed lengths.
 //
 // Exact where all coordinates are otgIsExactCoordinate().

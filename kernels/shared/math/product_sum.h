@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Exact signs for doubles of any size, on the host: where expansions could underflow or overflow. Devices leave such
-// pairs to the host.
+// Exact signs for doubles of any size, on the CPU: where expansions could underflow or overflow. Devices leave such
+// pairs to the CPU.
 #ifndef OTG_SHARED_PRODUCT_SUM_H
 #define OTG_SHARED_PRODUCT_SUM_H
 #include "shared/math/platform.h"

@@ -225,7 +225,7 @@ OTG_GENERIC int OTG_NAME(otgRayHitsTriangle)(OTG_VEC3 o, OTG_VEC3 d, OTG_VEC3 al
   return *at < OTG_REAL(INFINITY) ? meets : 0;
 }
 
-/// Unit vectors of the rays whose crossings tell inside from outside. No rational directions: rays along axes run
+/// Unit vectors of the rays whose crossings separate inside from outside. No rational directions: rays along axes run
 /// through edges and vertices of real meshes.
 OTG_GENERIC OTG_VEC3 OTG_NAME(otgParityDirection)(int k) {
   return k == 0   ? OTG_NAME(otgVec)(OTG_REAL(0.5391643), OTG_REAL(0.6713921), OTG_REAL(0.5083117))

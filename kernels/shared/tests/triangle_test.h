@@ -2,7 +2,7 @@
 // Do two triangles, as closed sets, have a point in common? Moeller's test: both triangles against the other's plane,
 // then the overlap of their intervals on the line in which the planes meet; the coplanar case in two dimensions.
 //
-// Two forms: a filter in REAL that answers yes, no or "cannot tell", and the exact decision in double expansions. The
+// Two forms: a filter in REAL that returns yes, no or "undecided", and the exact decision in double expansions. The
 // interval comparison uses two orientation signs instead of interval ends (no division, so it can be filtered and be
 // made exact). Sources: T. Moeller, "A Fast Triangle-Triangle Intersection Test", JGT 2(2), 1997; P. Guigue and O.
 // Devillers, "Fast and Robust Triangle-Triangle Overlap Test Using Orientation Predicates", JGT 8(1), 2003.

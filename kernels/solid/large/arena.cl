@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From the description of an overlap to regions in the arena: pieces and points in the host's order, planes, and which
+// From the description of an overlap to regions in the arena: pieces and points in the CPU's order, planes, and which
 // points are candidates. As takeOverlap in collide/solid/found_overlap.cpp, and the beginnings of region_normals.cpp
 // and region_contacts.cpp. Two work-groups for each region: one for its pieces, one for its points.
 //
@@ -313,7 +313,7 @@ OTG_INLINED void otgArenaPoints(__local otg_arena_scratch* s, __local otg_solid_
   }
   OTG_SYNC_ALL;
   __global otg_solid_region* out = &work->region;
-  otg_solid_work w;  // what thinning asks for
+  otg_solid_work w;  // what thinning needs
   w.region = out;
   w.points = list;
   w.pointCount = count;
@@ -326,8 +326,8 @@ OTG_INLINED void otgArenaPoints(__local otg_arena_scratch* s, __local otg_solid_
   otgThinPoints(ways, &w);
   const uint candidates = r->counts ? w.candidates : 0;
   if (lane == 0) {
-    out->points = first;      // unordered: the pieces do not ask
-    out->pointCount = count;  // unordered: the pieces do not ask
+    out->points = first;      // unordered: the pieces do not read it
+    out->pointCount = count;  // unordered: the pieces do not read it
     out->picks = first + pointUnits * room;
     out->candidates = candidates;
     work->pointFlags =

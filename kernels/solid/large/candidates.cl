@@ -111,7 +111,7 @@ OTG_INLINED double otgExtentOfPoints(__local otg_candidate_scratch* s, const otg
   return extent;
 }
 
-/// As clampToLimit: the extent is only asked for where the kept points do not reach as far.
+/// As clampToLimit: the extent is only computed where the kept points do not reach as far.
 OTG_INLINED double otgClampTo(double ofPoints, double limit, double* out, double* back) {
   if (*out + *back <= ofPoints) return *out + *back;
   return otgClampWays(limit, out, back);
@@ -182,7 +182,7 @@ OTG_INLINED void otgLookAtCandidate(__local otg_candidate_scratch* s, __global c
   }
 }
 
-/// Gives a region up that the host describes by single triangles: one that is uneven, or thin and coherent nowhere. All
+/// Gives a region up that the CPU describes by single triangles: one that is uneven, or thin and coherent nowhere. All
 /// lanes call it.
 OTG_INLINED void otgGiveUpUneven(__local otg_candidate_scratch* s, const otg_found_lists* l, OTG_PAIR_MESH* mesh,
                                  const otg_solid_work* w, __global otg_region_work* r) {

@@ -12,7 +12,7 @@
 #include "solid/choose.h"
 
 /// The head of one pair: the description's, what regions came to that are not made here, and the hits of small ones.
-/// The last of all pairs tells the sums. All lanes call it.
+/// The last of all pairs gives the sums. All lanes call it.
 OTG_INLINED void otgHandOn(__global const otg_overlap_task* tasks, __global const uchar* out, uint pair,
                            __global uchar* results, __global otg_found_inside* small, uint smallRoom,
                            __global otg_overlap_progress* progress, __local uint* first) {

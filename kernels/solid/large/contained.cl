@@ -6,7 +6,7 @@
 
 #define OTG_PARTS_AT_ONCE (OTG_GROUP / OTG_SOLID_SAMPLES)
 
-/// Gives pairs up in which one may: the host tells by exact signs (isContained in collide/solid/inside.cpp) of those
+/// Gives pairs up in which one may: the CPU decides by exact signs (isContained in collide/solid/inside.cpp) of those
 /// whose samples, a lane to each, all lie in the other mesh's bounds. Of pairs with a component that is not the only one
 /// of a solid.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapContained(

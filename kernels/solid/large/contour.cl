@@ -116,7 +116,7 @@ OTG_INLINED void otgBeginSets(OTG_OVERLAP* o) {
 }
 
 /// One pair alone, `single`: decides every hit, finds the ends of its chord, and enters these as crossings. Writes the
-/// record of each hit, from which the host finishes the pair if need be, and the table of the one pair.
+/// record of each hit, from which the CPU finishes the pair if need be, and the table of the one pair.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapContour(
     const otg_overlap_pair single, __global const float4* restrict meshes, __global const uint* restrict counters,
     __global const uint2* restrict found, uint hitCapacity, __global uchar* restrict results,

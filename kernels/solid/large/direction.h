@@ -49,7 +49,7 @@ OTG_INLINED uint otgBestEscape(__global const otg_region_work* r, __global const
   for (uint k = get_local_id(0); k < count; k += OTG_GROUP) {
     const otg_vec3_d d = otgEscapeDirection(r, task, mesh, w, k);
     const double factor = 1 - 0.5 * otgMax_d(otgDot_d(d, back), 0.0);
-    // An extent does not tell d from -d; the push does, as far as there is one.
+    // An extent does not distinguish d from -d; the push does, as far as there is one.
     const double extent = otgKnownExtent(r, k) * (otgDot_d(d, push) < 0 ? 1.1 : 1.0);
     const double way = otgIsThin(w) ? extent : otgMax_d(as_double(r->ways[k]), extent);
     costs[k] = otgDot_d(d, d) > 0 ? factor * way : INFINITY;

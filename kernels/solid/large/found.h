@@ -64,7 +64,7 @@ OTG_INLINED __global otg_region_work* otgRegionAt(__global uchar* arena, uint sl
 OTG_INLINED otg_solid_work otgWorkOf(__global uchar* arena, uint slot) {
   otg_solid_work w = otgGoOnWith(arena, slot * OTG_WORK_UNITS);
   w.isGathered = 1;
-  w.isUneven = 0;  // those are the host's
+  w.isUneven = 0;  // those are left to the CPU
   return w;
 }
 

@@ -111,7 +111,7 @@ OTG_INLINED void otgTakePair(__local otg_overlap* o, __global const float4* mesh
 }
 
 /// Sums of what lanes have, of whole numbers; OTG_GROUP is a power of two. All lanes call it. The sums lie in room[0],
-/// room[OTG_GROUP] and so on, until somebody writes there.
+/// room[OTG_GROUP] and so on, until a lane writes there.
 OTG_INLINED void otgSumLanes(__local long* room, const long* own, uint sums) {
   const uint lane = get_local_id(0);
   OTG_SYNC;
@@ -281,7 +281,7 @@ OTG_INLINED double otgFromOrder(ulong x) {
   return as_double(x >> 63 ? x & 0x7ffffffffffffffful : ~x);
 }
 
-/// As a rule somebody else was there already: that is looked at first.
+/// As a rule another lane was there already: that is looked at first.
 OTG_INLINED void otgRaise(__global ulong* to, ulong x) {
   if (x > *(volatile __global ulong*)to) atom_max(to, x);
 }

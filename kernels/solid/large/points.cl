@@ -14,7 +14,7 @@ typedef struct {
   uint room;
 } otg_offers;
 
-/// `place` tells the cell.
+/// `place` gives the cell.
 OTG_INLINED void otgOffer(const otg_offers* s, uint r, otg_vec3_d place, uint kind, uint mesh, int flat, uint feature,
                           uint ordinal, otg_vec3_d position, otg_vec3_d span, uint triangle) {
   __local const otg_overlap_region* region = s->regions->region + r;
@@ -152,7 +152,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapDept
       const otg_vec3_d up = otgUnit_d(otgVec_d(otgFromUnits(sums[0], units), otgFromUnits(sums[OTG_GROUP], units),
                                                otgFromUnits(sums[2 * OTG_GROUP], units)));
       regions.region[r].up = up;
-      // Other work-groups load it meanwhile, and do not ask for it.
+      // Other work-groups load it meanwhile, and do not use it.
       if (get_group_id(0) == 0) {
         state->up[r][0] = up.x;  // unordered
         state->up[r][1] = up.y;  // unordered
@@ -270,7 +270,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
       otgStore(f->point, otgPointOfCrossing(&o, slot, regions.origin));
       f->region = otgEndsStretch(&o, slot) ? otgNumberOf(&regions, otgRegionOf(&o, slot)) : OTG_NOT_THERE;
     }
-    // Nobody else looks at these of this crossing.
+    // No other lane looks at these of this crossing.
     const uint mesh = otgMeshOf(c), edge = otgEdgeOfCrossing(c);
     c->key = 0;
     c->seen = 0;

@@ -190,7 +190,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapVote
 }
 
 /// Whether an end of an edge is inside; notes it if a vote says otherwise. As many votes for inside as for outside are
-/// the host's, which asks a ray.
+/// left to the CPU, which casts a ray.
 OTG_INLINED int otgEndIsInside(OTG_OVERLAP* o, uint mesh, uint vertex, int vote, __global otg_overlap_state* state) {
   const uint root = otgRoot(o, otgElementOf(o, mesh, vertex));
   const int balance = root < o->sizes.slots ? 1 : o->balances[root - o->sizes.slots];
@@ -273,7 +273,7 @@ OTG_INLINED void otgClearShare(otg_share* s, uint root) {
 OTG_INLINED void otgHandIn(OTG_OVERLAP* o, const otg_share* s, __global otg_overlap_totals* totals) {
   if (s->root == OTG_NOT_THERE) return;
   __global otg_crossing* root = o->crossings + s->root;
-  // As a rule somebody else was there already. That is looked at first, and all at once.
+  // As a rule another lane was there already. That is looked at first, and all at once.
   ulong known[8];
   OTG_UNROLLED(3)
   for (uint k = 0; k < 3; ++k) {
@@ -408,7 +408,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegi
       otgAddMost(&share, OTG_SHARE_LARGEST, as_ulong(otgAreaOf(m, mesh == 0 ? hit.a : hit.b)));
     }
     if (key != firstChord) continue;
-    // The host's first crossing: the edges of both triangles in turn, A's first.
+    // The CPU's first crossing: the edges of both triangles in turn, A's first.
     uint first = OTG_NOT_THERE;
     for (uint item = 0; item < 6 && first == OTG_NOT_THERE; ++item) {
       const uint mesh = item % 2, triangle = mesh == 0 ? hit.a : hit.b;

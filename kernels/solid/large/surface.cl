@@ -24,7 +24,7 @@ OTG_INLINED void otgAddSurface(const otg_surface* s, uint r, uint mesh, otg_vec3
   __global otg_surface_cell* c = s->cells + at;
   const ulong bounds[6] = {~otgInOrder(lo.x), ~otgInOrder(lo.y), ~otgInOrder(lo.z),
                            otgInOrder(hi.x),  otgInOrder(hi.y),  otgInOrder(hi.z)};
-  // As a rule somebody else was there already. That is looked at first, and all at once.
+  // As a rule another lane was there already. That is looked at first, and all at once.
   ulong known[6];
   OTG_UNROLLED(6)
   for (uint k = 0; k < 6; ++k) known[k] = *(volatile __global ulong*)(k < 3 ? c->low + k : c->high + (k - 3));
@@ -61,7 +61,7 @@ typedef struct {
   uint first[3];  ///< crossing of the edge, or OTG_NOT_THERE
   int forward[3];
   otg_vec3_d at[3];
-  // Of each chord, in the host's order, the triangle of the other mesh, the largest first; and what the chord is.
+  // Of each chord, in the CPU's order, the triangle of the other mesh, the largest first; and what the chord is.
   uint other[OTG_MOST_CHORDS], start[OTG_MOST_CHORDS], end[OTG_MOST_CHORDS], region[OTG_MOST_CHORDS];
 } otg_clipped;
 
@@ -214,13 +214,13 @@ OTG_INLINED void otgListSmall(const otg_surface* s, otg_found_inside found) {
   }
 }
 
-/// Whether the region of a root is left to the host, which describes all such regions from their hits alone.
+/// Whether the region of a root is left to the CPU, which describes all such regions from their hits alone.
 OTG_INLINED int otgIsSmall(const otg_surface* s, uint root) {
   const uint r = otgNumberOf(s->regions, root);
   return r != OTG_NOT_THERE && !s->regions->region[r].isLarge;
 }
 
-/// What the host cannot know of the triangle of B of a hit of a small region: where among clipped triangles it comes.
+/// What the CPU cannot know of the triangle of B of a hit of a small region: where among clipped triangles it comes.
 OTG_INLINED void otgNoteTriangle(const otg_surface* s, otg_overlap_hit hit) {
   OTG_OVERLAP* o = s->o;
   uint first[2] = {OTG_NOT_THERE, OTG_NOT_THERE};  // in large regions, in small ones
@@ -237,7 +237,7 @@ OTG_INLINED void otgNoteTriangle(const otg_surface* s, otg_overlap_hit hit) {
   otgListSmall(s, found);
 }
 
-/// Whether the host, from hits of small regions alone, comes to the same about the end of an edge as from all.
+/// Whether the CPU, from hits of small regions alone, comes to the same about the end of an edge as from all.
 /// `inside`: what the crossing next to it says, of a region that `isSmall`.
 OTG_INLINED int otgVotesAlone(const otg_surface* s, uint mesh, uint vertex, int inside, int isSmall) {
   const uint root = otgRegionOfVertex(s->o, mesh, vertex);
@@ -245,7 +245,7 @@ OTG_INLINED int otgVotesAlone(const otg_surface* s, uint mesh, uint vertex, int 
   return isSmall || !otgIsSmall(s, root);
 }
 
-/// What the host cannot know of an edge that is crossed in small regions and in large ones: how many stretches of large
+/// What the CPU cannot know of an edge that is crossed in small regions and in large ones: how many stretches of large
 /// ones lie before one of a small one, and where among edges it comes. 0 if it cannot describe the small ones by
 /// themselves, because it would join crossings of theirs between which there are others.
 OTG_INLINED int otgNoteBehind(const otg_surface* s, uint slot) {
@@ -277,7 +277,7 @@ OTG_INLINED int otgNoteBehind(const otg_surface* s, uint slot) {
       }
     }
     if (side == 0) isFirst = nearest == OTG_NOT_THERE;
-    // A stretch may lie on this side of it, which the host would begin with the nearest crossing of a small region.
+    // A stretch may lie on this side of it, which the CPU would begin with the nearest crossing of a small region.
     if (first != nearest && (c->exits != 0) == (side == 0)) {
       alone &= nearest != OTG_NOT_THERE && all[nearest].exits == c->exits;
     }
@@ -293,7 +293,7 @@ OTG_INLINED int otgNoteBehind(const otg_surface* s, uint slot) {
   if (behind == 0 || c->stretch == OTG_NOT_THERE) return alone;
   found.region = OTG_FOUND_BEHIND | (c->stretch - behind) << OTG_BEHIND_BITS | behind;
   otgListSmall(s, found);
-  return alone && c->stretch >> OTG_BEHIND_BITS == 0;  // so many are the host's
+  return alone && c->stretch >> OTG_BEHIND_BITS == 0;  // so many are left to the CPU
 }
 
 /// Sums the surface of large regions up, and lists the hits of small ones. Empties the tables of candidates, `depths`.
@@ -309,7 +309,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapSurf
   __global otg_overlap_state* state = states + get_group_id(1);
   otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, hits, parents, marks, 0, inside, small));
   otgLoadRegions(&regions, state, o.crossings, tableRoom);
-  // Where a crossing lies nowhere its edge has no order. That pair was given up; its surface is not asked for, and
+  // Where a crossing lies nowhere its edge has no order. That pair was given up; its surface is not needed, and
   // following its edges would not end.
   const int works = state->counts[OTG_OVERLAP_WHY] == 0;
   otg_surface s;

@@ -59,7 +59,7 @@ OTG_INLINED void otgFinishWeights(__local otg_ways_scratch* s, const otg_solid_w
   }
   if (lane == 0) {
     otgSettleSides(s->sums, w, weighs, s->weighted, &s->shareOfB, &s->isFlat);
-    // Other work-groups load the region meanwhile, and do not ask for these.
+    // Other work-groups load the region meanwhile, and do not use these.
     r->region.shareOfB = s->shareOfB;  // unordered
     for (uint k = 0; k < 3; ++k) r->region.weighted[k] = s->weighted[k];  // unordered
     r->region.flags = OTG_REGION_COUNTS | OTG_REGION_GATHERED | (s->isFlat ? OTG_REGION_FLAT : 0);  // unordered

@@ -63,7 +63,7 @@ OTG_INLINED void otgGatherPlanes(__local otg_solid_ways* s, const otg_solid_work
     const otg_vec3_d vector = otgLoad(p->vector);
     otgSetPlane(out + j, vector, p->offset * otgNorm_d(vector), otgLoad(p->lo), otgLoad(p->hi));
   }
-  if (get_local_id(0) == 0) r->region.planeCount[mesh] = count;  // unordered: nobody asks here
+  if (get_local_id(0) == 0) r->region.planeCount[mesh] = count;  // unordered: no one reads it here
 }
 
 /// Planes of one mesh for ways out of a deep region.

@@ -51,7 +51,7 @@ OTG_INLINED void otgContactsOf(uint number, __local otg_solid_choice* s, __globa
     if (!(s->allocated <= arenaUnits && arenaUnits - s->allocated >= units)) s->allocated = OTG_NOT_THERE;
   }
   OTG_SYNC;
-  if (s->allocated == OTG_NOT_THERE) regions = 0;  // the host gives the arena more room and asks again
+  if (s->allocated == OTG_NOT_THERE) regions = 0;  // the host gives the arena more room and starts again
   __global otg_chosen_contact* found =
       (__global otg_chosen_contact*)(arena + (size_t)(regions > 0 ? s->allocated : 0) * OTG_ARENA_UNIT);
   if (lane == 0 && direction != 0) otgStore(direction, otgVec_d(0, 0, 0));
@@ -115,7 +115,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidContac
   }
 }
 
-/// The lists one after the other, in the places that placeContacts made. Records of pairs that are left to the host,
+/// The lists one after the other, in the places that placeContacts made. Records of pairs that are left to the CPU,
 /// and whose hits lie side by side, are in a list of their own. The place of such a pair becomes its number of
 /// intersecting pairs of triangles. The last kernel.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidWrite(

@@ -91,7 +91,7 @@ OTG_INLINED otg_vec3_d otgDriftOf(__local otg_solid_scratch* s, uint c, OTG_MESH
   return drift;
 }
 
-/// Orders the crossings of the edge of which c has the smallest number as the host does where some lie in one point:
+/// Orders the crossings of the edge of which c has the smallest number as the CPU does where some lie in one point:
 /// Tracer::orderTies and Tracer::alternate.
 OTG_INLINED void otgOrderTies(__local otg_solid_scratch* s, uint crossings, uint c, OTG_MESH* meshA, OTG_MESH* meshB) {
   ushort along[OTG_MOST_ALONG];

@@ -4,7 +4,7 @@
 //
 #include "solid/ends.h"
 
-/// Decides every hit, writes its record (for the host, should it have to finish the pair), and counts those of a pair.
+/// Decides every hit, writes its record (for the CPU, should it have to finish the pair), and counts those of a pair.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void solidRecords(
     __global const otg_batch_pair* restrict pairs, __global const otg_device_mesh* restrict places,
     __global const otg_batch_task* restrict tasks, __global const float4* restrict meshes,

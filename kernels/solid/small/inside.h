@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which vertices are inside the other mesh, and the regions that crossings and vertices belong to, by one work-group;
-// as collide/solid/inside.cpp and regions.cpp. Whatever is not plain is left to the host.
+// as collide/solid/inside.cpp and regions.cpp. Whatever is not plain is left to the CPU.
 #ifndef OTG_SOLID_INSIDE_H
 #define OTG_SOLID_INSIDE_H
 #include "solid/small/scratch.h"
@@ -38,7 +38,7 @@ OTG_INLINED void otgFloodFrom(__local otg_solid_scratch* s, uint slot, OTG_MESH*
     if (isNew) {
       s->side[there] = OTG_SIDE_INSIDE;
       otgQueue(s, there);
-    } else if (s->side[there] == OTG_SIDE_OUTSIDE) {  // unordered: nobody makes it that here
+    } else if (s->side[there] == OTG_SIDE_OUTSIDE) {  // unordered: no lane makes it that here
       otgGiveUp(s, OTG_SOLID_BROKEN);
     }
     otgJoin(s, OTG_SOLID_HITS + slot, OTG_SOLID_HITS + there);

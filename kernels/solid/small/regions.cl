@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The overlap regions of pairs of solids: one work-group for one pair. What is not plain (see OTG_SOLID_*) is flagged
-// for the host. OTG_GROUP: size of work-groups, 32 at least; OTG_SOLID_HITS as in solid/small/scratch.h.
+// for the CPU. OTG_GROUP: size of work-groups, 32 at least; OTG_SOLID_HITS as in solid/small/scratch.h.
 #define OTG_MESHES_LOCAL
 #include "solid/small/contour.h"
 //

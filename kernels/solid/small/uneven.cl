@@ -76,7 +76,7 @@ OTG_INLINED int otgFindWays(__local otg_uneven_scratch* s, const otg_solid_work*
   return 1;
 }
 
-/// Puts the candidates of a region in place of its points. Where there are none the host does the pair. All lanes call
+/// Puts the candidates of a region in place of its points. Where there are none the CPU does the pair. All lanes call
 /// it.
 OTG_INLINED void otgDoUneven(__local otg_uneven_scratch* s, const otg_solid_work* w, OTG_MESH* a, OTG_MESH* b,
                              __global uint* counters, __global uchar* arena, uint arenaUnits) {

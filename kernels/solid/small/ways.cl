@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the surface of each region says: planes, how pieces count for normals, the way out of deep regions, and which
 // points are candidates. One work-group for one pair; OTG_GROUP: its size, OTG_SOLID_POINTS, _FACES and _LARGE as in
-// solid/normals.h. OTG_UNEVEN_FACES: pieces of the largest uneven region; those of larger ones are the host's.
+// solid/normals.h. OTG_UNEVEN_FACES: pieces of the largest uneven region; those of larger ones are the CPU's.
 #define OTG_MESHES_LOCAL
 #include "solid/deep.h"
 
@@ -51,7 +51,7 @@ OTG_INLINED uint otgFlagsOf(__local const otg_solid_ways* s, const otg_solid_wor
   return flags;
 }
 
-/// One region of pair `number`. `last`: as otgFindWayOut. `flag`: of the pair, in which the host sees early that it is
+/// One region of pair `number`. `last`: as otgFindWayOut. `flag`: of the pair, in which the CPU sees early that it is
 /// to do it; solidContacts counts it.
 OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a, OTG_MESH* b, uint number,
                                  otg_vec3_d last, __global uint* counters, __global uchar* arena, uint arenaUnits,
@@ -61,7 +61,7 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
   const double areas = w.region->areaA + w.region->areaB;
   const double size = 2 * (double)(a->radius < b->radius ? a->radius : b->radius);  // of the smaller mesh
   const int counts = !(w.diagonal < OTG_SOLID_LEAST_DIAGONAL * size || areas < OTG_SOLID_LEAST_AREA * size * size);
-  // The host makes faces of very many pieces, where it asks them at all.
+  // The CPU makes faces of very many pieces, where it uses them at all.
   const int gathers = w.pieceCount > OTG_SOLID_MOST_ELEMENTS && w.coherence < OTG_SOLID_FLAT;
   const int tooMany = w.pointCount > (OTG_SOLID_LARGE ? 2 : 1) * most || w.pieceCount > OTG_SOLID_FACES || gathers;
   // Planes of pieces, and with large limits those of several, in two ways, and which points are left.

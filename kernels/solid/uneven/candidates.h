@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The candidates of an uneven region: what leaves it, and crossings, which tell how far contacts reach. As
+// The candidates of an uneven region: what leaves it, and crossings, which determine how far contacts reach. As
 // collectUneven in collide/solid/region_contacts.cpp. All lanes call these functions, where nothing else is said.
 #ifndef OTG_UNEVEN_CANDIDATES_H
 #define OTG_UNEVEN_CANDIDATES_H

@@ -170,7 +170,7 @@ OTG_INLINED void otgFindWaysOf(__local otg_uneven_scratch* s, const otg_uneven* 
   if (part->isVertex) {
     together = otgExitsOf(u, part, ways);
     if (together > OTG_UNEVEN_EXITS) {
-      s->bad = 1;  // unordered: nobody writes anything else
+      s->bad = 1;  // unordered: no lane writes anything else
       together = 0;
     }
     count = together == 0 ? 0 : otgWithoutSame(ways, together, otgFacesOver(u, part, ways, together));

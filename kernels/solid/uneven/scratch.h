@@ -10,7 +10,7 @@
 #undef OTG_REAL_DOUBLE
 
 // OTG_UNEVEN_FACES: pieces of the largest region.
-#define OTG_UNEVEN_POINTS OTG_SOLID_MOST_POINTS  ///< points that are looked at; the host thins more than these
+#define OTG_UNEVEN_POINTS OTG_SOLID_MOST_POINTS  ///< points that are looked at; the CPU thins more than these
 #define OTG_UNEVEN_HALF_SPACES 32                ///< that the translation satisfies
 
 /// A whole triangle of the surface, relative to the region's origin: as RegionTriangle.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The triangles on which an uneven region's pieces lie, and their convex edges, in the order of the host: as
+// The triangles on which an uneven region's pieces lie, and their convex edges, in the order of the CPU: as
 // collide/solid/region_triangles.cpp.
 #ifndef OTG_UNEVEN_SURFACE_H
 #define OTG_UNEVEN_SURFACE_H
@@ -89,7 +89,7 @@ OTG_INLINED void otgMakeEdges(__local otg_uneven_scratch* s, otg_uneven* u, OTG_
   OTG_SYNC_ALL;
 }
 
-/// Which faces face the same way, as the host groups them: in order along x each is grouped with the nearest one
+/// Which faces face the same way, as the CPU groups them: in order along x each is grouped with the nearest one
 /// before it. All lanes call it.
 OTG_INLINED void otgGroupFaces(__local otg_uneven_scratch* s, const otg_uneven* u) {
   const uint lane = get_local_id(0), count = u->faceCount;

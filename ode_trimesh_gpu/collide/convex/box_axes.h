@@ -6,7 +6,7 @@
 
 namespace otg {
 
-/// What leastByAxes() answers but for rounding, where both bodies are boxes (ConvexPolyhedron::box()): from middles and
+/// What leastByAxes() returns but for rounding, where both bodies are boxes (ConvexPolyhedron::box()): from middles and
 /// halves in place of corners.
 /// Source: S. Gottschalk, M. Lin, D. Manocha, "OBBTree", 1996.
 ConvexAxis leastOfBoxes(const ConvexPair& pair, double size);

@@ -12,11 +12,11 @@ bool isConvexPair(const Query& query);
 
 /// Contacts from the direction of the least overlap, which is the normal of all -> workspace.contacts and
 /// workspace.reduced. The latter is the result, with the meshes' own triangle numbers. No triangles are looked at.
-/// docs/contacts.md tells the model. Takes memory only where the workspace's is too small. Throws what middlePhase
+/// docs/contacts.md describes the model. Takes memory only where the workspace's is too small. Throws what middlePhase
 /// throws.
 ///
 /// False, with nothing remembered, where the stages for any solids have more to say: the overlap is deep, so that more
-/// than the shape tells the way out; the pair remembers being entangled; or the bodies touch to rounding, which exact
+/// than the shape shows the way out; the pair remembers being entangled; or the bodies touch to rounding, which exact
 /// arithmetic decides.
 bool convexPairContacts(const Query& query, Workspace& workspace);
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kMostVertices = 120, kMostFaces = 2 * kMostVertices, kMostRim = 64;
 constexpr double kEnough = 1e-5;          ///< of the overlap: the bounds are so near to each other
-constexpr double kPlaneRounding = 1e-13;  ///< of the size: distances do not tell more
+constexpr double kPlaneRounding = 1e-13;  ///< of the size: distances do not show more
 
 struct PolytopeFace {
   std::uint8_t v[3];         ///< counter-clockwise seen from outside
@@ -60,7 +60,7 @@ class Polytope {
     return !apart_;
   }
 
-  /// A tetrahedron, the first vertex of which is the one that most likely tells bodies apart.
+  /// A tetrahedron, the first vertex of which is the one that most likely separates bodies.
   bool begin() {
     const Vec3d first = norm(toB_) > 0 ? unit(toB_) : Vec3d{0, 0, 1};
     if (!add(first) || !add(otgScale(first, -1.0))) return false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The direction that a convex pair had at its last query, where it still is the answer.
+// The direction that a convex pair had at its last query, where it still is the result.
 #pragma once
 
 #include "collide/convex/convex_pair.h"
@@ -7,7 +7,7 @@
 
 namespace otg {
 
-/// Whether leastByPolytope() is sure to answer with the normal of the same face -> `axis`, with the same bytes. False
+/// Whether leastByPolytope() is sure to return the normal of the same face -> `axis`, with the same bytes. False
 /// says nothing. The face has to be far larger around the other body's farthest vertex than the overlap is deep: then
 /// no other direction has so small an overlap. All faces beside it must be tilted clearly.
 bool isStillLeast(const ConvexPair& pair, const SolidHistory::KeptAxis& kept, double size, ConvexAxis& axis);

@@ -14,7 +14,7 @@ namespace {
 
 /// Farthest-first growth of a cone. The distance of a wrench from a growing cone never rises, so the last known
 /// distance is an upper bound. Only the wrench on top of a queue has to be brought up to date. The residual of a
-/// projection tells which new rays matter to it (those with a positive component along it); most do not, and then
+/// projection shows which new rays matter to it (those with a positive component along it); most do not, and then
 /// nothing is solved.
 class ConeGreedy {
  public:

@@ -111,7 +111,7 @@ void GroundSurface::look(const Vec3d& point, GroundDepth& depth) const {
   if (place.part == OTG_PART_FACE) {
     depth.out = front(place.triangle);
   } else {
-    // The weighted mean tells the side (Baerentzen and Aanaes 2005).
+    // The weighted mean determines the side (Baerentzen and Aanaes 2005).
     Vec3d sum{0, 0, 0};
     around(place, [&](const Vec3d& n, double weight) { sum = otgAdd(sum, otgScale(n, weight)); });
     depth.out = norm(sum) > 1e-6 ? unit(sum) : front(place.triangle);

@@ -12,7 +12,7 @@ namespace {
 
 // In radii of the visitor.
 constexpr double kFar = 2.5;           ///< from a sheet or shell that nothing is remembered of
-constexpr double kFlush = 0.05;        ///< nearer than that a point tells no side
+constexpr double kFlush = 0.05;        ///< nearer than that a point shows no side
 constexpr double kJustThrough = 0.05;  ///< at the first query
 constexpr double kFrontHeight = 0.5;   ///< of the front point over the visitor's middle
 
@@ -95,7 +95,7 @@ ShellState ShellApproach::besideSolid(bool meets) {
   return isInside ? ShellState::kThrough : ShellState::kApart;
 }
 
-/// Of a sheet that is met before it was seen from afar: the winding of a terrain tells, and where the rest is flush the
+/// Of a sheet that is met before it was seen from afar: a terrain's winding decides, and where the rest is flush the
 /// motion.
 int ShellApproach::sideOfMeeting() const {
   if (roles_.isTerrain || roles_.visitor->mesh().meshClass() == MeshClass::kSolid) return 1;

@@ -240,7 +240,7 @@ class ShellContacts {
   const GroundSurface& surface_;
   ShellScratch& scratch_;
   const Adjacency& links_;
-  int vessel_ = -1;  ///< isVessel(), once it was asked
+  int vessel_ = -1;  ///< isVessel(), once it was called
 };
 
 /// Where triangles meet and nothing else is found, as on the tip of a needle, what the two do next is stopped: contacts
@@ -263,7 +263,7 @@ void addStops(const ShellRoles& roles, const GroundSurface& surface, const std::
   }
 }
 
-/// Contacts that all but contradict each other, as of a plate under the rim of a hole, ask for a long way aside: no
+/// Contacts that all but contradict each other, as of a plate under the rim of a hole, request a long way aside: no
 /// longer than the deepest contact may be, nor than three walls at right angles would, each as deep as the deepest. One
 /// that no way does for beside deeper ones stops the two and does no more.
 void limitTogether(double deepest, std::vector<Contact>& contacts) {

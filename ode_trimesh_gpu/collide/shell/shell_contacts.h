@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Contacts where one of two meshes is a shell: neither closed nor a solid. docs/contacts.md tells the rule.
+// Contacts where one of two meshes is a shell: neither closed nor a solid. docs/contacts.md states the rule.
 #pragma once
 
 #include <vector>

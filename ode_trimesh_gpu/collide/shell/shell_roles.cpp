@@ -14,7 +14,7 @@ GroundKind kindOf(const TriMesh& mesh) {
 }
 
 /// Whether a sheet of several pieces has them face all ways: what is behind one may be in front of another one. By some
-/// of its clusters, because each query asks.
+/// of its clusters, because each query needs it.
 bool isScattered(const CollisionMesh& sheet) {
   constexpr double kOneWay = 0.7;  // of all areas, what faces one way
   if (sheet.mesh().topology().componentCount() < 2) return false;

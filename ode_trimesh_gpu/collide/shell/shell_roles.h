@@ -6,7 +6,7 @@
 
 namespace otg {
 
-/// What tells the front of the ground: its own winding for a solid, its winding and the side of the visitor for a
+/// What determines the front of the ground: its own winding for a solid, its winding and the side of the visitor for a
 /// sheet. For all others it is a point of space in front.
 enum class GroundKind { kSolid, kSheet, kShell };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A region's surface and points as blocks of four, and what is asked of all of them many times: how far it is through
+// A region's surface and points as blocks of four, and what is found of all of them many times: how far it is through
 // the planes, which way the surface about a point faces, how far the points reach.
 //
 // Results are the same bit for bit for every instruction set.

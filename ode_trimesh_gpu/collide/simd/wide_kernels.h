@@ -24,14 +24,14 @@ const char* simdName(SimdLevel level);
 void traverseWide(SimdLevel level, const Query& query, const PairFrame& frame, std::vector<TrianglePair>& out,
                   CollideStats& stats);
 
-/// The float filter of the narrow phase (otgTrianglesFilter): the candidates that certainly intersect, and those of
-/// which float cannot tell; each in their order. Says nothing of degenerate triangles.
+/// The float filter of the narrow phase (otgTrianglesFilter): the candidates that certainly intersect, and those
+/// which float cannot decide; each in their order. Says nothing of degenerate triangles.
 void filterTriangles(SimdLevel level, const Query& query, const PairFrame& frame,
                      const std::vector<TrianglePair>& candidates, std::vector<TrianglePair>& intersecting,
                      std::vector<TrianglePair>& undecided);
 
 /// The double filter for what the float filter left: puts those of `undecided` that certainly intersect behind
-/// `intersecting`, and leaves those of which double cannot tell either.
+/// `intersecting`, and leaves those that double cannot decide either.
 void filterTrianglesInDouble(SimdLevel level, const Query& query, const PairFrame& frame,
                              std::vector<TrianglePair>& intersecting, std::vector<TrianglePair>& undecided);
 

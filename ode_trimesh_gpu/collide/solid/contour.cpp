@@ -130,7 +130,7 @@ class Tracer {
     contour_.chords.push_back({pair.a, pair.b, start, end});
   }
 
-  /// Asks for the memory that a pair needs: first its triangles' edges, next what they lead to.
+  /// Prefetches the memory that a pair needs: first its triangles' edges, next what they lead to.
   void prefetch(const TrianglePair& pair, int stage) const {
     for (int m = 0; m < 2; ++m) {
       const TriMesh& mesh = meshes_.mesh(m);

@@ -94,7 +94,7 @@ class WayOutByPlanes {
     for (std::uint32_t i = region.pointBegin; i < region.pointEnd; i += stride) points_.add(all.points[i].position);
   }
 
-  /// Stops when the answer is at least `enough`.
+  /// Stops when the result is at least `enough`.
   double along(const Vec3d& d, double enough) {
     for (std::pmr::vector<Barrier>& ahead : ahead_) ahead.clear();
     for (const Plane& plane : planes_) {
@@ -176,7 +176,7 @@ class WayOutByRays {
     }
   }
 
-  /// Stops when the answer is at least `enough`.
+  /// Stops when the result is at least `enough`.
   double along(const Vec3d& d, double enough) const {
     double most = 0;
     for (const Vec3d& p : origins_) {
@@ -231,7 +231,7 @@ class Escape {
  private:
   double along(const Vec3d& d, double enough) {
     if (region_.contained) return rays_.along(d, enough);
-    // An extent does not tell d from -d; the push does, as far as there is one.
+    // An extent does not distinguish d from -d; the push does, as far as there is one.
     const double extent = extent_.along(d) * (otgDot(d, region_.push) < 0 ? 1.1 : 1.0);
     return isThin_ || extent >= enough ? extent : std::max(extent, rays_.along(d, enough));
   }

@@ -28,7 +28,7 @@ struct RegionDirection {
   Vec3d direction{0, 0, 0};
 };
 
-/// Chooses one direction for the whole region where that is needed, and tells `normals`.
+/// Chooses one direction for the whole region where that is needed, and passes it to `normals`.
 RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region,
                              const PairMotion& motion, RegionNormals& normals, RegionExtent& extent);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The overlap of two solids as a device describes it (kernels/solid/large/), taken to the regions of the host.
+// The overlap of two solids as a device describes it (kernels/solid/large/), taken to the regions of the CPU.
 #pragma once
 
 #include <span>
@@ -22,7 +22,7 @@ struct FoundOverlap {
   std::span<const otg_found_point> points;
 };
 
-/// Scratch for small regions, which the host describes from their hits.
+/// Scratch for small regions, which the CPU describes from their hits.
 struct SmallRegions {
   Contour contour;
   InsideFlags inside;
@@ -39,7 +39,7 @@ struct FoundContacts {
   std::span<const otg_found_inside> small;  ///< hits of small regions
 };
 
-/// Regions of a description in the host's order.
+/// Regions of a description in the CPU's order.
 std::vector<std::uint32_t> regionsInOrder(const otg_overlap_state& head);
 inline bool isSmallRegion(const otg_found_region& region) {
   return region.load <= kLargeRegion;

@@ -123,7 +123,7 @@ class Flood {
                                      static_cast<std::uint32_t>(clusters.size())});
   }
 
-  /// Asks for the memory of what is on the lists a few places behind `v` and `c`.
+  /// Prefetches the memory of what is on the lists a few places behind `v` and `c`.
   void prefetch(std::size_t v, std::size_t c) const {
     const std::vector<std::uint32_t>& vertices = flags_.vertices[mesh_];
     const std::vector<std::uint32_t>& clusters = flags_.clusters[mesh_];
@@ -206,7 +206,7 @@ class Flood {
     }
   }
 
-  /// Components that no crossing tells anything of: inside if one of their vertices is.
+  /// Components of which no crossing shows anything: inside if one of their vertices is.
   void wholeComponents() {
     if (!meshes_.isSolid(1 - mesh_)) return;
     const TriMesh& mesh = meshes_.mesh(mesh_);

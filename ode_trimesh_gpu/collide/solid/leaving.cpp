@@ -21,7 +21,7 @@ struct Way {
 };
 
 /// A vertex or a stretch with its ways out. The first `together` hold it all at once; each other one holds it by
-/// itself. Most parts never ask for the others.
+/// itself. Most parts never need the others.
 struct Part {
   const SupportPoint* point;
   std::pmr::vector<Way> ways;
@@ -97,7 +97,7 @@ class WaysOut {
         if (isSooner(way, soonest)) soonest = way;
       });
       if (std::isfinite(soonest.depth)) part.ways.push_back(soonest);
-    } else {  // the order of all tells which of the faces it is
+    } else {  // the order of all shows which of the faces it is
       part.ways = allOfStretch(p);
       part.hasOthers = true;
     }

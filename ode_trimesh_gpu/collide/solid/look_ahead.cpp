@@ -18,13 +18,13 @@
 namespace otg {
 namespace {
 
-/// The pair is looked at a little farther on than it is asked to go: there surfaces that lie on each other are apart.
+/// The pair is looked at a little farther on than contacts request: there surfaces that lie on each other are apart.
 constexpr double kFarther = 1.02;
 /// Sine of the angle by which a face may look along the way and is in the way all the same.
 constexpr double kAlong = 0.02;
 /// How often the pair is looked at, at most.
 constexpr int kLooks = 3;
-/// The way is so many times the deepest contact, at most: as the translation that parts of a region ask for.
+/// The way is so many times the deepest contact, at most: as the translation that parts of a region request.
 constexpr double kLongest = OTG_UNEVEN_LONGEST;
 /// Of both meshes together. Larger ones are what devices are for, which do not look ahead.
 constexpr std::size_t kMostTriangles = 16384;
@@ -40,14 +40,14 @@ bool tellsNoWay(const Contact& contact) {
   return (contact.flags & (kContactContained | kContactClamped)) != 0;
 }
 
-/// How long the way that contacts ask for may be.
+/// How long the way that contacts request may be.
 double longestWay(std::span<const Contact> contacts) {
   double deepest = 0;
   for (const Contact& c : contacts) deepest = std::max(deepest, c.depth);
   return kLongest * deepest;
 }
 
-/// What contacts ask for, however they are ordered. None where they do not tell the way.
+/// What contacts request, however they are ordered. None where they do not give the way.
 std::optional<ShortestTranslation> askedBy(std::span<const Contact> contacts, std::pmr::memory_resource* memory) {
   if (contacts.empty()) return std::nullopt;
   std::pmr::vector<Asked> all(memory);
@@ -86,7 +86,7 @@ Query movedBy(const Query& query, const Vec3d& way) {
   return moved;
 }
 
-/// Which pairs of triangles tell that something is in the way. Of all that intersect after the way these are few. Which
+/// Which pairs of triangles show that something is in the way. Of all that intersect after the way these are few. Which
 /// they are depends on the meshes alone, and not on how pairs are found.
 class InTheWay {
  public:

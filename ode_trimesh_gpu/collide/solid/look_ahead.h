@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Surfaces that a body meets on the way which its contacts ask for.
+// Surfaces that a body meets on the way which its contacts request.
 #pragma once
 
 #include <optional>
@@ -18,7 +18,7 @@ bool mayMeetAhead(const Query& query);
 
 /// Completes the contacts in workspace.contacts, which are those of `solid`.
 ///
-/// Contacts tell of surfaces that are touched. The shortest translation that they request may end too soon, or lead
+/// Contacts describe surfaces that are touched. The shortest translation that they request may end too soon, or lead
 /// into another surface, such as the second wall of an inner corner. So the pair is looked at as it is after that
 /// translation. What the model says there becomes contacts here: along the same normals, as deep as the translation and
 /// what is missing after it are together. This is repeated until nothing is met.
@@ -27,7 +27,7 @@ bool mayMeetAhead(const Query& query);
 /// workspace.candidates; where that is empty, they are looked for.
 void lookAhead(const Query& query, Workspace& workspace);
 
-/// B in A's frame after A has gone the way that these contacts ask for, in any order; none where they tell of none.
+/// B in A's frame after A has gone the way that these contacts request, in any order; none where they give none.
 /// Where the meshes do not intersect there, lookAhead() adds nothing. For those who make contacts elsewhere.
 std::optional<Transformd> poseAhead(const Query& query, std::span<const Contact> contacts, Workspace& workspace);
 

@@ -50,7 +50,7 @@ struct Region {
   Vec3d lo, hi;  ///< bounds of its points, relative to the origin
   std::uint32_t pieceBegin = 0, pieceEnd = 0;
   std::uint32_t pointBegin = 0, pointEnd = 0;
-  std::uint32_t cellBegin = 0, cellEnd = 0;  ///< into ExtentCells; none if the points tell the extent
+  std::uint32_t cellBegin = 0, cellEnd = 0;  ///< into ExtentCells; none if the points give the extent
   double coherence = 0;                      ///< 1 for a flat patch, 0 when the pieces' areas cancel
   double diagonal = 0;                       ///< of its bounds
   double thickness = 0;                      ///< 2 volume / (areaA + areaB)

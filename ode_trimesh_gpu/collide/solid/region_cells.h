@@ -149,7 +149,7 @@ struct PointSeed {
   bool flat;
 };
 
-/// Keeps of each cell, mesh and kind, flat or not, the point that lies deepest as far as a mean direction can tell; of
+/// Keeps of each cell, mesh and kind, flat or not, the point that lies deepest as far as a mean direction can show; of
 /// those that lie equally deep the one of the smallest feature and ordinal. So the order of offers is of no account.
 class PointCells {
  public:

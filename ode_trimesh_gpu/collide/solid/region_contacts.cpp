@@ -129,7 +129,7 @@ class RegionSolver {
     return chosen;
   }
 
-  /// Larger for a point that lies deeper in the other mesh as far as the region's mean direction can tell.
+  /// Larger for a point that lies deeper in the other mesh as far as the region's mean direction can show.
   double depthHint(const SupportPoint& p) const {
     return (p.mesh == 0 ? -1 : 1) * otgDot(task_.normals.mean(), p.position);
   }
@@ -237,7 +237,7 @@ class RegionSolver {
   }
 
   /// An uneven region goes round a corner: its vertices and stretches of edges leave it each by its own face. Crossings
-  /// are no part of what has to leave. They tell how far contacts reach, by a direction of one of the others and no
+  /// are no part of what has to leave. They show how far contacts reach, by a direction of one of the others and no
   /// deeper than that.
   void collectUneven(const std::pmr::vector<std::uint32_t>& points) {
     const SupportPoint* last = nullptr;
@@ -305,7 +305,7 @@ class RegionSolver {
   }
 
   /// A contact is no deeper than three times the distance of its point from the surface that faces its way. More is
-  /// asked for where a point lies in one face and below the next.
+  /// requested where a point lies in one face and below the next.
   void limitToNeighbourhood(Candidate& c) const {
     const auto limit = [&](int m, double& way, const Vec3d& direction) {
       way = otgNeighbourhood(way, triangles_.distanceToFacing(m, c.at, direction, otgEnoughToGo(way)));
@@ -384,7 +384,7 @@ class RegionSolver {
     }
     candidates_.swap(kept);
     if (!gathered_ || candidates_.empty()) return;
-    // Estimates from gathered planes err by a few percent. Of those that they cannot tell apart the farthest in of
+    // Estimates from gathered planes err by a few percent. Of those that they cannot distinguish the farthest in of
     // either mesh are measured, and the deeper one is first.
     const double enough = (1 - OTG_SOLID_GATHERED_ERROR) * highest;
     auto deepest = candidates_.end();
@@ -473,7 +473,7 @@ class RegionSolver {
   }
 
   /// Drops what is shallow for its kind, beside the deepest times `share`. Where a region goes round a corner only
-  /// points that push the same way tell: an overlap may be far deeper in one wall than in the other.
+  /// points that push the same way count: an overlap may be far deeper in one wall than in the other.
   void eraseShallow(double share) {
     std::pmr::vector<double> least(candidates_.size(), share * deepest(), memory_);
     if (isUneven_) {

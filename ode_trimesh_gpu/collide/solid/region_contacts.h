@@ -21,8 +21,8 @@ struct RegionTask {
   double extraDepth;  ///< added to the clamp of depths by the region's own extent (escaping bodies: way of one step)
 };
 
-/// Whether nothing of the region's surface tells which way is out: its normals cancel each other. In layers of overlap
-/// each part of it tells, as the flanks of a thread do.
+/// Whether nothing of the region's surface shows which way is out: its normals cancel each other. In layers of overlap
+/// each part of it shows it, as the flanks of a thread do.
 bool contradictsItself(const Region& region);
 
 /// Whether the region is far deeper at one place than it is on the whole, or goes round a corner: a thin contact and

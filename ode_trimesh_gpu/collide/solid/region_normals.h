@@ -14,13 +14,13 @@ namespace otg {
 /// escape direction where the surfaces do not say where out is.
 class RegionNormals {
  public:
-  /// `escape` is asked for only when it is needed; it may be any unit vector.
+  /// `escape` is requested only when it is needed; it may be any unit vector.
   RegionNormals(const OverlapRegions& all, const Region& region);
 
   /// Serve this direction everywhere instead.
   void fix(const Vec3d& direction) { fixed_ = direction; }
   bool isFixed() const { return fixed_.has_value(); }
-  /// What to answer where the two surfaces contradict each other in an incoherent region.
+  /// What to return where the two surfaces contradict each other in an incoherent region.
   void setEscape(const Vec3d& direction) { escape_ = direction; }
 
   /// Direction of the region's vector area; zero if that vanishes.
@@ -50,7 +50,7 @@ class RegionNormals {
   Vec3d mean_{0, 0, 0};
   Vec3d weighted_{0, 0, 0};  ///< the mean with the weights of the elements
   std::optional<Vec3d> fixed_, escape_;
-  std::optional<Vec3d> everywhere_;  ///< the answer for all points, where it is known before they are
+  std::optional<Vec3d> everywhere_;  ///< the result for all points, where it is known before they are
   double shareOfB_ = 0.5;            ///< how much B's surface counts where the sides differ; A's counts the rest
   double radius_;
   bool isFlat_ = false;

@@ -109,7 +109,7 @@ class RegionTriangles {
   std::pmr::vector<RegionTriangle> triangles_;
   std::pmr::vector<Plane> planes_;           ///< of each triangle
   FaceSet faces_[2];                         ///< of each mesh, with bounds of all that counts as on a triangle
-  mutable std::pmr::vector<Curved> curved_;  ///< of each triangle, where it has been asked for
+  mutable std::pmr::vector<Curved> curved_;  ///< of each triangle, where it has been requested
   std::pmr::vector<RegionEdge> edges_[2];    ///< of each mesh
   StretchSet stretches_[2];                  ///< of these
   FlatMap edgesAdded_;

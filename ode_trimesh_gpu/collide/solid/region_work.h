@@ -76,7 +76,7 @@ void groupByRegion(std::vector<T>& items, std::size_t regions, std::vector<T>& s
 
 /// In RegionScratch::boundary.
 inline constexpr std::uint32_t kInterior = 0xfffffffeu;
-/// How many items ahead memory is asked for.
+/// How many items ahead memory is prefetched.
 inline constexpr std::uint32_t kAhead = 8;
 
 /// One overlap under work.

@@ -166,7 +166,7 @@ class PairContacts {
   }
 
  private:
-  /// Where no part of a region has to leave, and its surface tells no direction, its contact is as good as any: better
+  /// Where no part of a region has to leave, and its surface gives no direction, its contact is as good as any: better
   /// than none, and worse than those of other regions, which it may contradict.
   void dropHints() {
     const auto isHint = [](const Contact& c) {

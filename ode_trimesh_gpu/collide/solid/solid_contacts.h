@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Contact model `solid`: contacts from the overlap of two closed surfaces as a whole. docs/contacts.md tells the model.
+// Contact model `solid`: contacts from the overlap of two closed surfaces as a whole. docs/contacts.md has the model.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@ namespace otg {
 bool solidContacts(const Query& query, Workspace& workspace);
 
 /// The same where a device has described the overlap: of meshes without components wholly inside the other, whose
-/// contour closes. False, and no contacts, where the host does not agree with the description.
+/// contour closes. False, and no contacts, where the CPU does not agree with the description.
 struct FoundOverlap;
 bool solidContactsOf(const Query& query, const FoundOverlap& found, Workspace& workspace);
 

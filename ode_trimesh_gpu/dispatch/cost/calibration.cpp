@@ -106,7 +106,7 @@ std::vector<Vec3d> pointsAround(std::size_t count) {
 /// What the model says of arrays of points. False if the device fails.
 bool measurePoints(opencl::Backend& backend, std::span<const std::shared_ptr<const CollisionMesh>> meshes,
                    CostModel& model) {
-  // So many that the device is busy; the host does some of them.
+  // So many that the device is busy; the CPU does some of them.
   const std::size_t most = backend.device().kind == opencl::DeviceKind::kCpu ? 1u << 12 : 1u << 18;
   constexpr std::size_t kOnHost = 512, kFew = 64;
   constexpr int kRepeat = 3;
@@ -177,7 +177,7 @@ std::vector<LongRay> raysTowards(const TriMesh& mesh, std::size_t count) {
 /// What the model says of arrays of rays. False if the device fails.
 bool measureRays(opencl::Backend& backend, std::span<const std::shared_ptr<const CollisionMesh>> meshes,
                  CostModel& model) {
-  // As for points; more of them on the host, where they take less time.
+  // As for points; more of them on the CPU, where they take less time.
   const std::size_t most = backend.device().kind == opencl::DeviceKind::kCpu ? 1u << 12 : 1u << 18;
   constexpr std::size_t kOnHost = 2048, kFew = 64;
   constexpr int kRepeat = 3;

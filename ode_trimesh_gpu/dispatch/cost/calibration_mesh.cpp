@@ -27,7 +27,7 @@ std::shared_ptr<const CollisionMesh> calibrationBody(int steps, double phase) {
     for (int k = 0; k < sectors; ++k) {
       const double phi = 2 * std::numbers::pi * k / sectors;
       const double r = 1 + 0.1 * std::sin(3 * phi + phase) * std::pow(sine, 3);
-      // The zero added: vertices at one place that differ in the signs of zeros make a pair the host's.
+      // The zero added: vertices at one place that differ in the signs of zeros leave a pair to the CPU.
       vertices.push_back({static_cast<float>(r * sine * std::cos(phi) + 0.0),
                           static_cast<float>(r * sine * std::sin(phi) + 0.0), static_cast<float>(r * std::cos(theta))});
     }

@@ -11,7 +11,7 @@
 
 namespace otg {
 
-/// Triangles of both meshes that lie where their boxes overlap, and the balls around them, as far as these tell: what
+/// Triangles of both meshes that lie where their boxes overlap, and the balls around them, as far as these show: what
 /// the time of a query follows. Costs less than a microsecond.
 double expectedWork(const Query& query);
 
@@ -32,7 +32,7 @@ struct CostModel {
   Cost devicePairs;     ///< mid and narrow phase of one pair, from call to return
   Cost devicePairwise;  ///< the whole query of one pair
   /// The same of a pair of solids, which the device describes where that pays. Zero where it is not known: then
-  /// devicePairs tells.
+  /// devicePairs gives it.
   Cost deviceSolid;
   double batchLaunch = 0;  ///< of a batch of `pairwise` queries, however small
   Cost batchPair;          ///< each pair of a batch that keeps the whole device busy
@@ -47,14 +47,14 @@ struct CostModel {
   double largeWork = 0;
   /// One of many points against a mesh, by pointWork: its nearest triangle with the normal there, and whether it lies
   /// inside, on one thread of the CPU and on the device; and what an array takes there however small, which is as long
-  /// as the longest search. Zero where they are not known: then points that may be asked about anywhere are the CPU's.
+  /// as the longest search. Zero where they are not known: then points that may be queried anywhere are the CPU's.
   Cost hostNearest, hostInside, deviceNearest, deviceInside, pointLaunch;
   double pointFinish = 0;  ///< what one thread has to do for each nearest triangle that the device has found
   /// The same of rays.
   Cost hostRay, deviceRay, rayLaunch;
   double rayFinish = 0;
   /// Whether the meshes of a pair overlap: one of many pairs, on one thread of the CPU and on the device; and what a
-  /// batch takes there however small. Zero where they are not known: then pairs that may be asked about anywhere are
+  /// batch takes there however small. Zero where they are not known: then pairs that may be queried anywhere are
   /// the CPU's.
   Cost hostOverlap, batchOverlap;
   double overlapLaunch = 0;

@@ -28,7 +28,7 @@ bool largeOnDevices(std::span<const double> work, std::span<const CostModel> dev
 /// Ends of the devices' blocks: device d gets the pairs from the end of the block before it (0) to ends[d], the CPU
 /// what is left. Chosen so that all are expected to be done at the same time; blocks of devices with equal models have
 /// equal cost, and with as many pairs as devices or more none is left out. With the same arguments it gives the same
-/// answer.
+/// result.
 std::vector<std::size_t> divide(const Division& division, std::span<const CostModel> devices);
 
 /// What is left of a batch when a device has nothing to do any more; microseconds.

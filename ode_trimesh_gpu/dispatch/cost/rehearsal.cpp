@@ -47,13 +47,13 @@ Query inPlace(const CollisionMesh& a, const CollisionMesh& b, ContactModel conta
   return query;
 }
 
-/// Answers of a device beside those of the host, byte for byte. Both stay false or true once they are.
+/// Results of a device beside those of the CPU, byte for byte. Both stay false or true once they are.
 class Compared {
  public:
   explicit Compared(opencl::Backend& backend) : backend_(backend) {}
   /// No call has failed.
   bool good() const { return good_; }
-  /// An answer of a call that did not fail is not the host's.
+  /// A result of a call that did not fail differs from the CPU's.
   bool differs() const { return differs_; }
 
   void collide(const Query& query) {
@@ -117,7 +117,7 @@ void rehearseFlat(Compared& device, const Bodies& small, bool solids) {
   Query asCone = few;
   asCone.options.reduction.method = Reduction::kCone;
   for (const Query* query : std::initializer_list<const Query*>{&few, &many, &asCone}) device.collide(*query);
-  // A lane's first query with open hits has the host decide them.
+  // A lane's first query with open hits has the CPU decide them.
   for (int i = 0; i < 2; ++i) device.findPairs(few);
   device.collideBatch({few, many, few});
   if (solids) device.collideBatch(std::vector<Query>(2, inPlace(*small.a, *flat.sheet, ContactModel::kSolid)));

@@ -14,11 +14,11 @@ bool mayDoSolids(const opencl::Backend& backend);
 enum class Rehearsed {
   kGood,
   kFailed,  ///< some call did
-  kDiffers  ///< an answer is not the host's
+  kDiffers  ///< a result differs from the CPU's
 };
 
 /// Runs a small query of each kind that `auto` gives to devices, so that none of them builds programs later. Compares
-/// contacts and pairs with the host's. Throws std::bad_alloc, and opencl::Stopped on a thread that has to stop.
+/// contacts and pairs with the CPU's. Throws std::bad_alloc, and opencl::Stopped on a thread that has to stop.
 Rehearsed rehearse(opencl::Backend& backend);
 
 /// The same of a single pair and a batch of a few, whose programs are built with every device. A call that fails is no

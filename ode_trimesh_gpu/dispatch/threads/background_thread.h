@@ -12,7 +12,7 @@
 
 namespace otg {
 
-/// Any number of threads. In a child process made by fork() the work that was under way is gone, and nobody waits for
+/// Any number of threads. In a child process made by fork() the work that was under way is gone, and none waits for
 /// it.
 class BackgroundThread {
  public:

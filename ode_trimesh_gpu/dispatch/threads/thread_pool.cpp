@@ -12,7 +12,7 @@
 namespace otg {
 namespace {
 
-/// Tells the processor, not the system, that the thread waits: what it shares with another one is free meanwhile.
+/// Informs the processor, not the system, that the thread waits: what it shares with another one is free meanwhile.
 void relax() noexcept {
 #if defined(__x86_64__) || defined(__i386__)
   __builtin_ia32_pause();
@@ -43,7 +43,7 @@ struct ThreadPool::Job {
   const Work& work;
   const std::size_t count, grain;
   std::atomic<int>* const urgent;   ///< null: it is not
-  std::atomic<bool> counted{true};  ///< among those, as long as there are parts that nobody has begun
+  std::atomic<bool> counted{true};  ///< among those, as long as there are parts that have not begun
   std::atomic<std::size_t> next{0};
   std::atomic<int> helpers{0};  ///< changed under the pool's mutex
   std::exception_ptr error;
@@ -171,7 +171,7 @@ void ThreadPool::run(std::size_t count, std::size_t grain, const Work& work, boo
 }
 
 void ThreadPool::runShort(std::size_t count, std::size_t grain, const Work& work) {
-  // Waking a thread takes some 50 us of both sides; the pace of the first 20 us tells what is left.
+  // Waking a thread takes some 50 us of both sides; the pace of the first 20 us shows what is left.
   constexpr std::chrono::duration<double, std::micro> kPaced{20}, kWorthWaking{300};
   grain = std::max<std::size_t>(grain, 1);
   const auto begin = std::chrono::steady_clock::now();

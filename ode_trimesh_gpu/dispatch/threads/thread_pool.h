@@ -57,7 +57,7 @@ class ThreadPool {
 
   std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<Job*> jobs_;               ///< with parts that nobody has begun; urgent ones first
+  std::deque<Job*> jobs_;               ///< with parts that have not begun; urgent ones first
   std::atomic<std::size_t> queued_{0};  ///< as many as jobs_ has, for who looks without the mutex
   std::size_t asleep_ = 0;              ///< threads that wait for wake_
   std::atomic<int> urgent_{0};          ///< calls that have such parts
@@ -68,7 +68,7 @@ class ThreadPool {
   std::vector<std::thread> threads_;
 };
 
-/// The threads that the environment variable OTG_THREADS asks for, else one for each core that this process may use.
+/// The threads that the environment variable OTG_THREADS requests, else one for each core that this process may use.
 unsigned defaultThreadCount();
 
 }  // namespace otg

@@ -32,7 +32,7 @@ extern "C" {
  * cpu or opencl) has the first dGpuTriMeshInit() call this function.
  *
  * @param backend  dGPUTRIMESH_BACKEND_AUTO, CPU or OPENCL
- * @returns dGPUTRIMESH_OK; dGPUTRIMESH_NO_DEVICE if OPENCL was asked for and no device can be used: the choice holds,
+ * @returns dGPUTRIMESH_OK; dGPUTRIMESH_NO_DEVICE if OPENCL was requested and no device can be used: the choice holds,
  *          and the CPU computes until one is open; dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_MEMORY. Never
  *          dGPUTRIMESH_NO_DEVICE for AUTO; errors in the background go to stderr, once
  * @remarks From any thread, also while others collide.
@@ -185,7 +185,7 @@ OTG_API void dGpuTriMeshDeviceInit(dGpuTriMeshDevice* device);
 OTG_API int dGpuTriMeshGetDeviceCount(void);
 
 /**
- * @brief Tells of an open device.
+ * @brief Describes an open device.
  * @param Index   0 to dGpuTriMeshGetDeviceCount() - 1
  * @param device  `device->size` must be sizeof(dGpuTriMeshDevice): see dGpuTriMeshDeviceInit()
  * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT or dGPUTRIMESH_ERROR_MEMORY.

@@ -31,7 +31,7 @@ typedef struct dGpuTriMeshPair {
  *     dSpaceCollide(space, data, &nearCallback);   -- as it is: its calls of dCollide() are quick now
  *
  * The pairs are computed by all threads (dGpuTriMeshSetThreadCount()) and by the devices that geoms may use. A call of
- * dCollide(), dGpuTriMeshCollideEx() or of a contact array takes what is ready if it asks about the very same thing:
+ * dCollide(), dGpuTriMeshCollideEx() or of a contact array takes what is ready if it is the very same query:
  * both meshes, both poses, velocities, parameters and what is remembered of the pair unchanged to the last bit.
  * Anything else is computed as if nothing had been prefetched. Either way the contacts are the same, byte for byte, and
  * so is what is remembered and counted, but for `prefetched` in dGpuTriMeshStats.
@@ -64,7 +64,7 @@ typedef struct dGpuTriMeshPair {
 OTG_API int dGpuTriMeshPrefetch(dSpaceID space);
 
 /**
- * @brief Says whether a pair is worth computing ahead: 0 if the near callback will not ask for it, as for bodies that a
+ * @brief Says whether a pair is worth computing ahead: 0 if the near callback will not request it, as for bodies that a
  *        joint connects.
  * @param data  what dGpuTriMeshPrefetchSpaces() was given
  * @param o1    a geom
@@ -279,7 +279,7 @@ typedef void dGpuTriMeshTaskRunner(void* data, int count, dGpuTriMeshTask* task,
  * @brief Has a scheduler of the program's own work on batches, in place of threads of the library. For programs that
  *        have a pool of threads already. The results do not depend on it.
  *
- * Tasks share a batch among them: each takes pairs until there are none left. A batch asks for as many tasks as
+ * Tasks share a batch among them: each takes pairs until there are none left. A batch requests as many tasks as
  * dGpuTriMeshGetThreadCount() says, or fewer if it is small. Threads that wait for devices or compute in the background
  * stay the library's own.
  *

@@ -80,7 +80,7 @@ OTG_API dTriCallback* dGeomGpuTriMeshGetCallback(dGeomID g);
 
 /**
  * @brief Sets ODE's callback for all triangles at once: it gets the geom, the other geom, and the triangles of the geom
- *        that intersect the other one in ascending order, before any of them is asked about alone. It is not called
+ *        that intersect the other one in ascending order, before the callback for any one of them. It is not called
  *        when there are none. The counterpart of dGeomTriMeshSetArrayCallback().
  * @param g              a geom of this class
  * @param ArrayCallback  NULL for none. The array that it gets lives until it returns

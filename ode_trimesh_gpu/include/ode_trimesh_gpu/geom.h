@@ -209,7 +209,7 @@ OTG_API int dGeomGpuTriMeshGetScale(dGeomID g, dVector3 scale);
  * @brief Says where the geom was a step ago; the counterpart of dGeomTriMeshSetLastTransform().
  *
  * For geoms that the program moves by hand, without a body: deep and contained bodies leave in the direction from which
- * they came, and this tells it. Used for a pair of which each geom has either a last transform or no body; the geoms of
+ * they came, and this gives it. Used for a pair of which each geom has either a last transform or no body; the geoms of
  * other pairs move as their bodies do. Only the direction of motion matters, not the length of the step.
  * @param g           a geom of this class, or a dTriMesh that collides through this library: ODE 0.16 itself forgets
  * the position in what dGeomTriMeshSetLastTransform() is given

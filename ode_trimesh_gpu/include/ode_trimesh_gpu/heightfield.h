@@ -18,7 +18,7 @@ extern "C" {
  * @ingroup gputrimesh
  */
 enum {
-  dGPUTRIMESH_HEIGHTS_CALLBACK = 0, /**< `callback` is asked for them */
+  dGPUTRIMESH_HEIGHTS_CALLBACK = 0, /**< `callback` is called for them */
   dGPUTRIMESH_HEIGHTS_BYTE = 1,     /**< unsigned char */
   dGPUTRIMESH_HEIGHTS_SHORT = 2,    /**< short */
   dGPUTRIMESH_HEIGHTS_SINGLE = 3,   /**< float */
@@ -56,14 +56,14 @@ typedef struct dGpuTriMeshHeightfield {
 OTG_API void dGpuTriMeshHeightfieldInit(dGpuTriMeshHeightfield* field);
 
 /**
- * @brief Tells the library what the samples of a heightfield are, so that meshes collide with it.
+ * @brief Describes to the library what the samples of a heightfield are, so that meshes collide with it.
  *
- * ODE tells nobody the heights of its heightfields, and its own collider for them takes no geoms of other classes than
+ * ODE does not give the heights of its heightfields, and its own collider for them takes no geoms of other classes than
  * its own. A mesh that meets a heightfield whose heights the library does not know gets no contacts. dMessage() says so
  * once for each dHeightfieldDataID, the pair counts as failed, and dGpuTriMeshGetError() is
  * dGPUTRIMESH_ERROR_UNSUPPORTED.
  *
- * dGpuTriMeshHeightfieldDataBuildSingle() and its like do both, build the data of ODE and tell of them. This function
+ * dGpuTriMeshHeightfieldDataBuildSingle() and its like do both, build the data of ODE and describe them. This function
  * is for data that other code has built.
  *
  * @par The ground The surface is the one that ODE collides its own geoms with: each cell of the grid is cut into two
@@ -82,7 +82,7 @@ OTG_API void dGpuTriMeshHeightfieldInit(dGpuTriMeshHeightfield* field);
  * array that was not copied, may change between two collisions. The mesh of the ground under each body is kept as long
  * as the heights there stay the same; where they change it is refitted. A field costs nothing where nothing touches it.
  *
- * @param data   what `field` describes. ODE is not asked whether that is true
+ * @param data   what `field` describes. This is not checked against ODE
  * @param field  copied; see dGpuTriMeshHeightfield for its arrays
  * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT, dGPUTRIMESH_ERROR_MEMORY.
  * @remarks Not while another thread collides geoms that have the data. Callbacks are called by every thread that

@@ -53,7 +53,7 @@ OTG_API dsizeint dGpuTriMeshHistorySave(const dGeomID* geoms, int count, void* b
 OTG_API int dGpuTriMeshHistoryLoad(const dGeomID* geoms, int count, const void* buffer, dsizeint size);
 
 /**
- * @brief Makes a geom forget all pairs that it remembers: as if none of them had been asked for before. Call it for
+ * @brief Makes a geom forget all pairs that it remembers: as if none of them had been queried before. Call it for
  *        geoms that are put somewhere else at will (a reset of the scene); poses far from the last ones are noticed
  *        without it.
  * @param g  a geom of this class, or a dTriMesh that dGpuTriMeshOverrideTriMesh() has collide through this library

@@ -32,8 +32,8 @@ extern "C" {
  * anew. So does a geom that is in another call of this function.
  * @remarks Takes memory for a second copy of the meshes, and about the time of building them. Not while another thread
  *          collides the geoms, and not from a near callback.
- * @remarks Not for rays and queries (queries.h), which are about the geom alone, nor for pairs that callbacks are asked
- *          about (callbacks.h) or last transforms are set of. dGpuTriMeshPrefetch() leaves joined geoms to dCollide().
+ * @remarks Not for rays and queries (queries.h), which are about the geom alone, nor for pairs that have callbacks
+ *          (callbacks.h) or have last transforms set. dGpuTriMeshPrefetch() leaves joined geoms to dCollide().
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshJoin(const dGeomID* geoms, int count);

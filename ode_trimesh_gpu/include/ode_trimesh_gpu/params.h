@@ -42,7 +42,7 @@ enum {
  * @ingroup gputrimesh
  */
 enum {
-  dGPUTRIMESH_CONTACTS_AUTO = 0,     /**< SOLID, unless the other geom asks for PAIRWISE */
+  dGPUTRIMESH_CONTACTS_AUTO = 0,     /**< SOLID, unless the other geom requests PAIRWISE */
   dGPUTRIMESH_CONTACTS_PAIRWISE = 1, /**< from each pair of intersecting triangles */
   dGPUTRIMESH_CONTACTS_SOLID = 2     /**< from the overlap as a whole, of two solids, or of a solid and what
                                       lies behind a sheet: an open mesh whose triangles agree in their winding.

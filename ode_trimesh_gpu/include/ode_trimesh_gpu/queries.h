@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What can be asked of mesh geoms beside contacts: nearest points, distances, overlap, rays; one by one and in arrays.
+/* Queries of mesh geoms beside contacts: nearest points, distances, overlap, rays; one by one and in arrays.
  */
 #ifndef ODE_TRIMESH_GPU_QUERIES_H
 #define ODE_TRIMESH_GPU_QUERIES_H
@@ -43,7 +43,7 @@ typedef struct dGpuTriMeshClosestPoint {
  * positive.
  * @param g      a geom of this class
  * @param point  x, y, z
- * @param out    receives the answer
+ * @param out    receives the result
  * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT (a null pointer or a point that is not finite),
  *          dGPUTRIMESH_ERROR_CLASS or dGPUTRIMESH_ERROR_POSE; after an error nothing was written.
  * @sa dGeomGpuTriMeshClosestPoints
@@ -58,7 +58,7 @@ OTG_API int dGeomGpuTriMeshClosestPoint(dGeomID g, const dVector3 point, dGpuTri
  * @param points  x, y, z of each
  * @param stride  bytes from one point to the next, at least three dReal; sizeof(dVector3) for an array of these
  * @param count   how many, 0 or more
- * @param out     receives as many answers
+ * @param out     receives as many results
  * @returns As dGeomGpuTriMeshClosestPoint(), and dGPUTRIMESH_ERROR_MEMORY.
  * @ingroup gputrimesh
  */
@@ -68,7 +68,7 @@ OTG_API int dGeomGpuTriMeshClosestPoints(dGeomID g, const dReal* points, int str
 /**
  * @brief Which of an array of points lie inside a solid mesh, or behind a sheet: where the distance of
  *        dGeomGpuTriMeshClosestPoint() would be negative. Points on the surface may be taken for either.
- *        Where they are answered: as with dGeomGpuTriMeshClosestPoints().
+ *        Where they are computed: as with dGeomGpuTriMeshClosestPoints().
  * @param g       a geom of this class
  * @param points  x, y, z of each
  * @param stride  bytes from one point to the next, at least three dReal
@@ -89,7 +89,7 @@ typedef struct dGpuTriMeshDistance {
                      infinite if a geom has no surface or nothing is within the limit */
   dVector3 pos1;  /**< the nearest point of o1's surface; pos1[3] is 0. Of meshes that overlap a point that both have */
   dVector3 pos2;  /**< the nearest point of o2's surface */
-  int triangle1;  /**< that pos1 belongs to; -1 inside of a solid, and without an answer */
+  int triangle1;  /**< that pos1 belongs to; -1 inside of a solid, and without a result */
   int triangle2;  /**< that pos2 belongs to */
 } dGpuTriMeshDistance;
 
@@ -102,7 +102,7 @@ typedef struct dGpuTriMeshDistance {
  * @param o1     a geom of this class
  * @param o2     another one
  * @param limit  nothing farther apart is looked for, which is quicker; dInfinity for no limit
- * @param out    receives the answer
+ * @param out    receives the result
  * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT (a null pointer, a negative limit or NaN),
  * dGPUTRIMESH_ERROR_CLASS, dGPUTRIMESH_ERROR_POSE or dGPUTRIMESH_ERROR_MEMORY; after an error nothing was written.
  * @sa dGpuTriMeshGetDistances
@@ -115,8 +115,8 @@ OTG_API int dGpuTriMeshGetDistance(dGeomID o1, dGeomID o2, dReal limit, dGpuTriM
  * @param pairs  geoms of this class
  * @param count  how many pairs, 0 or more
  * @param limit  for all of them
- * @param out    receives as many answers
- * @returns As dGpuTriMeshGetDistance(); after an error the answers are of no use.
+ * @param out    receives as many results
+ * @returns As dGpuTriMeshGetDistance(); after an error the results are of no use.
  * @remarks On devices: of two geoms with different choices the CPU wins over devices, and both over `auto`.
  * @ingroup gputrimesh
  */
@@ -139,10 +139,10 @@ OTG_API int dGpuTriMeshOverlap(dGeomID o1, dGeomID o2);
  * @param count  how many pairs, 0 or more
  * @param out    receives 1 or 0 for each
  * @returns The number of pairs that overlap, or a negative status: as dGpuTriMeshOverlap(), and
- *          dGPUTRIMESH_ERROR_ARGUMENT. After an error the answers are of no use.
+ *          dGPUTRIMESH_ERROR_ARGUMENT. After an error the results are of no use.
  * @remarks From any number of threads at once, and from a near callback. On devices: of two geoms with different
  * choices the CPU wins over devices, and both over `auto`. Whether a part of one mesh lies inside the other one, which
- * is asked where no triangles meet, is found out by the CPU's threads.
+ * matters where no triangles meet, is found out by the CPU's threads.
  * @ingroup gputrimesh
  */
 OTG_API int dGpuTriMeshOverlaps(const dGpuTriMeshPair* pairs, int count, unsigned char* out);
@@ -183,7 +183,7 @@ enum {
  * @brief Casts an array of rays at a mesh, on the CPU's threads or with an OpenCL device (dGeomGpuTriMeshSetBackend());
  *        each gets its closest hit.
  *
- * For single rays in a world use ODE's own: dCreateRay() and dCollide(). What they answer with a mesh of this class:
+ * For single rays in a world use ODE's own: dCreateRay() and dCollide(). What they give with a mesh of this class:
  * contacts sorted by distance (`depth`), closest first, with the triangle in `side1` or `side2`. The normal faces the
  * ray's start if the ray is the first geom of the call. dGeomRaySetClosestHit() leaves the closest one alone,
  * dGeomRaySetFirstContact() any one, dGeomRaySetBackfaceCull() drops those from behind. A ray through an edge or a
@@ -192,10 +192,10 @@ enum {
  * @param rays   the rays
  * @param count  how many, 0 or more
  * @param flags  dGPUTRIMESH_RAY_... added up, or 0
- * @param hits   receives as many answers
+ * @param hits   receives as many results
  * @returns The number of rays that hit; dGPUTRIMESH_ERROR_ARGUMENT (a null pointer, unknown flags, a ray that is not
  * finite, has no direction or a negative length); dGPUTRIMESH_ERROR_CLASS, dGPUTRIMESH_ERROR_POSE or
- *          dGPUTRIMESH_ERROR_MEMORY; after an error the answers are of no use.
+ *          dGPUTRIMESH_ERROR_MEMORY; after an error the results are of no use.
  * @remarks Source of the method: Moeller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997. A ray
  * cannot slip between two triangles of one edge. Of triangles that are hit at the same distance the result has the one
  * that comes first in the library's own order; it does not depend on the tree. Where a ray grazes a triangle, rounding

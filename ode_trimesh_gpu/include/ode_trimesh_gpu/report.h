@@ -12,7 +12,7 @@ extern "C" {
 #endif
 
 /**
- * @brief The kinds of problem that validation tells apart; what `elements` of dGpuTriMeshProblem are is said for each.
+ * @brief The kinds of problem that validation distinguishes; each says what `elements` of dGpuTriMeshProblem are.
  * @ingroup gputrimesh
  */
 enum {
@@ -79,7 +79,7 @@ typedef struct dGpuTriMeshReport {
   int inconsistent_edges;    /**< edges whose two triangles are wound against each other */
   int problem_count;         /**< as dGpuTriMeshDataGetProblemCount() */
 
-  /* What repairs did, if any were asked for. */
+  /* What repairs did, if any were requested. */
   int welded_vertices;    /**< vertices that became one with another at the same place */
   int dropped_degenerate; /**< triangles without area that were left out */
   int dropped_duplicates; /**< repeated triangles that were left out */

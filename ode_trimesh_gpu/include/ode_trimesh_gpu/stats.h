@@ -20,7 +20,7 @@ extern "C" {
 typedef struct dGpuTriMeshStats {
   dsizeint size;           /**< sizeof(dGpuTriMeshStats) of your program; set by ...Init */
   duint64 queries;         /**< times that dCollide() came to this geom, and pairs of it in arrays of pairs */
-  duint64 failed_queries;  /**< of these, answered with no contacts because a pose was not finite or not rigid, a mesh
+  duint64 failed_queries;  /**< of these, those that gave no contacts because a pose was not finite or not rigid, a mesh
                               was being changed, a heightfield's heights are not known, or memory was short;
                               dGpuTriMeshGetError() of the thread says which */
   duint64 box_tests;       /**< pairs of boxes compared */

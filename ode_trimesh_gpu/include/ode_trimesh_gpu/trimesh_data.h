@@ -435,7 +435,7 @@ OTG_API int dGpuTriMeshDataSet(dGpuTriMeshDataID g, int data_id, const void* in_
  * @param g        the object, built before
  * @param data_id  dTRIMESHDATA_USE_FLAGS: what was set or worked out, a byte for each triangle; NULL before that.
  *                 dTRIMESHDATA_FACE_NORMALS: the unit normal of each triangle, three dReal for each in your order of
- *                 triangles, zeros for degenerate ones; worked out when asked for first
+ *                 triangles, zeros for degenerate ones; computed on the first request
  * @returns An array that lives until the next Build, Update or Set of the object, or its end; NULL: see
  *          dGpuTriMeshGetError().
  * @remarks Not while another thread uses the object.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is known of geoms by their addresses: a table that is asked about every geom of large arrays.
+// What is known of geoms by their addresses: a table that is searched for every geom of large arrays.
 #pragma once
 
 #include <ode/common.h>
@@ -16,8 +16,8 @@ namespace otg {
 
 struct GeomObject;
 
-/// Open addressing with linear probing, so that an answer lies in one piece of memory, which can be asked for ahead.
-/// Any number of threads may ask at once, one changes.
+/// Open addressing with linear probing, so that an entry lies in one piece of memory, which can be prefetched.
+/// Any number of threads may read at once, one changes.
 class GeomTable {
  public:
   /// Null for what is not there.

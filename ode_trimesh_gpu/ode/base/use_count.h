@@ -10,7 +10,7 @@ namespace otg {
 /// does, the one that comes second gets an error.
 class UseCount {
  public:
-  /// False while somebody changes the object; then nothing is held.
+  /// False while the object is being changed; then nothing is held.
   bool beginUse() noexcept {
     int uses = uses_.load(std::memory_order_relaxed);
     while (uses >= 0) {
@@ -20,7 +20,7 @@ class UseCount {
     return false;
   }
   void endUse() noexcept { uses_.fetch_sub(1, std::memory_order_release); }
-  /// False while somebody reads or changes the object; then nothing is held.
+  /// False while the object is being read or changed; then nothing is held.
   bool beginChange() noexcept {
     int none = 0;
     return uses_.compare_exchange_strong(none, -1, std::memory_order_acquire, std::memory_order_relaxed);

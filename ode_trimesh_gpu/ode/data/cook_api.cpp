@@ -39,7 +39,7 @@ bool writeFile(const std::string& path, const std::vector<unsigned char>& bytes)
   return std::fclose(file.release()) == 0 && written;
 }
 
-/// Calls with(mesh) while nobody changes it. Returns a status.
+/// Calls with(mesh) while no one changes it. Returns a status.
 template <class With>
 int withMesh(dGpuTriMeshDataID g, const With& with) {
   if (!dxGpuTriMeshData::isLive(g)) return dGPUTRIMESH_ERROR_ARGUMENT;

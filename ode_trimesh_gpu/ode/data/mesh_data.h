@@ -33,7 +33,7 @@ struct ScaledMesh {
 }  // namespace otg
 
 /// Lives as long as the user's handle or any geom that uses it. The mesh is shared as one that does not
-/// change; building again puts another one in its place, and vertices move in place only while nobody shares it. No
+/// change; building again puts another one in its place, and vertices move in place only while no one shares it. No
 /// function runs while another thread changes the object (the rule of the API). But geoms may come and go in several
 /// threads at once: the mutex is for these.
 struct dxGpuTriMeshData {
@@ -65,7 +65,7 @@ struct dxGpuTriMeshData {
   /// if a vertex leaves single precision. There must be a mesh. May throw std::bad_alloc.
   std::shared_ptr<otg::CollisionMesh> scaledMesh(const otg::MeshScale& scale);
 
-  /// Whether this is a handle that was created and is not given up yet. Any pointer may be asked about: it is not read.
+  /// Whether this is a handle that was created and is not given up yet. Any pointer may be passed: it is not read.
   static bool isLive(const dxGpuTriMeshData* data) noexcept;
 
   /// Of queries that read the mesh, and of who changes it.
@@ -75,7 +75,7 @@ struct dxGpuTriMeshData {
   void releaseHandle() noexcept;
   /// False once the handle was given up.
   bool hasHandle() const;
-  /// A geom, known by its serial number, begins to use the object, which tells ODE and `scaled` when the mesh changes
+  /// A geom, known by its serial number, begins to use the object, which informs ODE and `scaled` when the mesh changes
   /// until detach() or forgetGeom(). May throw std::bad_alloc.
   void attach(std::uint64_t serial, dGeomID geom, otg::ScaledMesh* scaled);
   /// It stops using it; deletes the object if that was the last use.
@@ -86,7 +86,7 @@ struct dxGpuTriMeshData {
   /// Additional data as the C API has them, by callers' triangles; of the present mesh alone.
   std::vector<std::uint8_t> useFlags;  ///< set by the program; empty: it did not
   std::vector<std::uint8_t> ownFlags;  ///< worked out; empty: not yet
-  std::vector<dReal> faceNormals;      ///< empty: not asked for yet
+  std::vector<dReal> faceNormals;      ///< empty: not requested yet
 
  private:
   dxGpuTriMeshData() = default;

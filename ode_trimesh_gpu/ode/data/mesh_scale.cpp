@@ -147,7 +147,7 @@ bool dxGpuTriMeshData::moveInPlace(const std::vector<PlacedVertex>& placed) {
     return true;
   };
   const ScalesInUse scales = scalesInUse();
-  // Nobody but the geoms may hold an image: a batch in the background goes on with the mesh that it was given.
+  // No one but the geoms may hold an image: a batch in the background goes on with the mesh that it was given.
   const auto isAlone = [](const ScaleInUse& now) {
     { const std::shared_ptr<const otg::CollisionMesh> ordered = now.mesh; }
     return now.mesh != nullptr && now.mesh.use_count() == now.geoms + 1;

@@ -161,7 +161,7 @@ class Cache {
   std::shared_ptr<Entry> entryOf(dTriMeshDataID data) {
     const std::uint64_t now = questions_.fetch_add(1, std::memory_order_relaxed) + 1;
     const CallLock lock(mutex_);
-    // Data that were destroyed without our knowledge leave an entry behind. Those that nobody has asked for in a long
+    // Data that were destroyed without our knowledge leave an entry behind. Those that were not requested for a long
     // time go when there are many; one that is still needed is built again.
     if (entries_.size() >= kMany && now >= nextSweep_) {
       std::erase_if(entries_, [&](const auto& e) { return e.second->lastUse + kLongAgo < now; });

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // ODE's dTriMesh geoms as meshes of ours: read through ODE's public functions, kept for each dTriMeshDataID.
 //
-// ODE tells nobody when such data are built anew, updated or destroyed. What is kept is therefore compared with the
-// data each time that it is asked for: the number of triangles, and kSample of the triangles, corner by corner. The
+// ODE does not report when such data are built anew, updated or destroyed. What is kept is therefore compared with the
+// data each time that it is requested: the number of triangles, and kSample of the triangles, corner by corner. The
 // sample moves on from one question to the next. So a change of all triangles is noticed at once, and one of a single
 // triangle of F after at most F / kSample questions; meshes of up to kSample triangles are compared whole. Who knows of
 // a change says so: trimeshDataChanged().
@@ -27,7 +27,7 @@ inline constexpr std::uint32_t kTrimeshSample = 32;
 /// same mesh. Throws std::bad_alloc.
 std::shared_ptr<const CollisionMesh> meshOfTrimesh(dGeomID trimesh);
 
-/// The data were built anew or updated: they are read again when they are asked for next.
+/// The data were built anew or updated: they are read again when they are requested next.
 void trimeshDataChanged(dTriMeshDataID data) noexcept;
 /// The data are about to be destroyed: nothing is kept of them.
 void forgetTrimeshData(dTriMeshDataID data) noexcept;

@@ -14,9 +14,9 @@ void setRegisteredClass(int number) noexcept;
 std::uint64_t nextSerial() noexcept;
 
 /// Called by our collider functions for a geom without an object. Only the probe of ensureRegistered() (and a program
-/// that calls dCreateGeom itself) makes such geoms; being called tells the probe that the collider table is still ours.
+/// that calls dCreateGeom itself) makes such geoms; being called shows the probe that the collider table is still ours.
 void answerProbe() noexcept;
-/// Whether the calling thread's probe was answered since it was asked last.
+/// Whether the calling thread's probe was answered since the last call.
 bool takeProbeAnswer() noexcept;
 
 }  // namespace otg

@@ -123,7 +123,7 @@ void GeomUse::release() noexcept {
 }
 
 WorldPose readPose(dGeomID geom) noexcept {
-  // Of a geom with an offset ODE works out the pose when it is asked for, in the geom: several threads may ask.
+  // Of a geom with an offset ODE works out the pose when it is requested, in the geom: several threads may do so.
   static std::mutex offsets;
   std::unique_lock lock(offsets, std::defer_lock);
   if (dGeomIsOffset(geom)) lock.lock();
@@ -150,8 +150,8 @@ void judgePose(WorldPose& pose) noexcept {
 }
 
 /// How far beyond its mesh a geom's box reaches. A shell has no inside by which a body that lies on it is found, and a
-/// flat one no height: the two must be asked about before and while they touch. What a body moves in a step is not
-/// known here. Where triangles are many the surface is seldom flat, and asking about neighbours would find nothing.
+/// flat one no height: the two must be queried before and while they touch. What a body moves in a step is not
+/// known here. Where triangles are many the surface is seldom flat, and queries of neighbours would find nothing.
 double shellMargin(const GeomObject& object, const TriMesh& mesh) {
   constexpr double kMost = 0.05, kFewTriangles = 64;  // of the radius
   const bool isPairwise = object.params.contact_model == dGPUTRIMESH_CONTACTS_PAIRWISE;

@@ -30,7 +30,7 @@ struct GeomStats {
       deviceFailures{0};
 };
 
-/// What the program wants to be asked; null members are not.
+/// The program's callbacks to call; null members are not called.
 struct GeomCallbacks {
   dTriCallback* triangle = nullptr;         ///< may this triangle collide?
   dTriArrayCallback* triangles = nullptr;   ///< all that are about to, at once
@@ -107,7 +107,7 @@ class GeomUse {
 /// Null for geoms of other classes, for NULL, and for geoms of our class that dCreateGeom made. For what ODE hands us,
 /// which is alive.
 GeomObject* objectOf(dGeomID geom) noexcept;
-/// For what a program hands us: any pointer may be asked about, it is not read. Null also for geoms that were destroyed
+/// For what a program hands us: any pointer may be passed, it is not read. Null also for geoms that were destroyed
 /// (as long as no other geom of ours has got the address).
 GeomObject* liveObjectOf(dGeomID geom) noexcept;
 /// For many of them: liveObjectOf() under one lock, which keeps them alive as long as this lives. Not for long, and no

@@ -85,7 +85,7 @@ void GeomPart::fetchPoses(std::size_t i) const noexcept {
   if (i >= pairs_.size()) return;
   for (const std::size_t k : {2 * i, 2 * i + 1}) {
     const dGeomID geom = k % 2 == 0 ? pairs_[i].o1 : pairs_[i].o2;
-    // Poses of geoms with an offset are worked out when they are asked for; see readPose().
+    // Poses of geoms with an offset are worked out when they are requested; see readPose().
     if (objects_[k] == nullptr || dGeomIsOffset(geom)) continue;
     fetch(dGeomGetPosition(geom), sizeof(dVector3) + sizeof(dMatrix3));
   }

@@ -17,7 +17,7 @@ namespace otg {
 
 /// What GeomUse and shares of objects and meshes are for one query, for a part of an array: what many geoms have in
 /// common is held and shared once for all of them. A counter that is changed for each keeps threads waiting for each
-/// other. Geoms lie far apart in memory; it is asked for before it is needed. One thread.
+/// other. Geoms lie far apart in memory; it is prefetched before it is needed. One thread.
 class GeomPart {
  public:
   static constexpr std::size_t kMost = 64;
@@ -40,7 +40,7 @@ class GeomPart {
   void share(const GeomObject& object, const CollisionMesh* mesh,
              std::vector<std::shared_ptr<const CollisionMesh>>& shares);
 
-  /// Asks for the poses of pair `i`, which is going to be read soon, if there is one.
+  /// Prefetches the poses of pair `i`, which is going to be read soon, if there is one.
   void fetchPoses(std::size_t i) const noexcept;
 
   /// Holds nothing any more.

@@ -13,8 +13,8 @@ namespace otg {
 /// Joins geoms that are alive and have meshes, and forgets what they were joined to before. `placed`: as many. Returns
 /// how many of them are joined to another one now. May throw std::bad_alloc, after which nothing has changed.
 int joinGeoms(std::span<MeshGeom> geoms, std::span<const WorldPose> poses);
-/// Puts the whole surface, and its pose, in place of the mesh of a geom that is joined. Not where the program is asked
-/// about triangles.
+/// Puts the whole surface, and its pose, in place of the mesh of a geom that is joined. Not where callbacks are called
+/// for triangles.
 void enterJoin(MeshGeom& side, WorldPose& pose);
 
 /// Takes out contacts that belong to other geoms of a join, and numbers the geom's triangles as the callers of its own

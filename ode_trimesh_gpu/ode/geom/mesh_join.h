@@ -37,7 +37,7 @@ struct MeshJoin {
   std::atomic<bool> isBroken{false};
 
   /// The piece that a contact belongs to: that of its triangle, if the other geom's box meets its own, so that the pair
-  /// is sure to be asked about; else the nearest one of which that is so. `at`: the surface in the world, where the
+  /// is sure to be queried; else the nearest one of which that is so. `at`: the surface in the world, where the
   /// other two are.
   std::uint32_t ownerOf(std::uint32_t callerTriangle, const Transformd& at, const Vec3d& position,
                         const WorldBox& other) const;

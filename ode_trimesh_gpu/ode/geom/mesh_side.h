@@ -33,7 +33,7 @@ struct MeshGeom {
   }
 };
 
-/// With what the program wants to be asked about the geom's triangles, at the same moment.
+/// With the program's callbacks for the geom's triangles, at the same moment.
 struct MeshSide : MeshGeom {
   GeomCallbacks callbacks;
 };
@@ -47,7 +47,7 @@ MeshSide meshSideOf(dGeomID geom);
 /// the geom, of a dTriMesh until forgetTrimesh(). May throw std::bad_alloc.
 GeomObject* meshObjectOf(dGeomID geom);
 
-/// What is to be asked about the triangles of a geom with that object: a dTriMesh's own callbacks are among them.
+/// The callbacks to call for the triangles of a geom with that object: a dTriMesh's own callbacks are among them.
 GeomCallbacks callbacksOf(dGeomID geom, const GeomObject& object);
 
 /// The object of a dTriMesh; null for geoms of other classes. May throw std::bad_alloc.
@@ -61,7 +61,7 @@ void forgetTrimesh(dGeomID geom) noexcept;
 /// No dTriMesh has an object any more.
 void forgetTrimeshes() noexcept;
 
-/// What a dTriMesh gets when it is asked for first.
+/// What a dTriMesh gets when it is first requested.
 void setTrimeshParams(const dGpuTriMeshParams& params) noexcept;
 dGpuTriMeshParams trimeshParams() noexcept;
 

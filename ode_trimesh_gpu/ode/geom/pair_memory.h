@@ -16,8 +16,8 @@
 
 namespace otg {
 
-/// Bounded: a pair without contacts is forgotten at its next query, and of more than kMost pairs the one that was asked
-/// for longest ago. Any number of threads.
+/// Bounded: a pair without contacts is forgotten at its next query, and of more than kMost pairs the one queried
+/// longest ago. Any number of threads.
 class PairMemory {
  public:
   static constexpr std::size_t kMost = 256;
@@ -90,7 +90,7 @@ class PairMemory {
     order_.clear();
     count_.store(0, std::memory_order_release);
   }
-  /// Whether nothing is known of any pair: most geoms of a batch are asked, and need no lock for that.
+  /// Whether nothing is known of any pair: most geoms of a batch are checked, and need no lock for that.
   bool empty() const { return count_.load(std::memory_order_acquire) == 0; }
   struct Remembered {
     std::uint64_t key;
@@ -98,7 +98,7 @@ class PairMemory {
     Vec3d origin{0, 0, 0};
     bool holderIsA = false;
   };
-  /// Everything, the pair that was asked for longest ago first: storing them in this order in an empty memory makes an
+  /// Everything, the pair that was queried longest ago first: storing them in this order in an empty memory makes an
   /// equal one.
   std::vector<Remembered> all() {
     const std::lock_guard lock(mutex_);

@@ -9,8 +9,8 @@
 
 namespace otg {
 
-/// Whether ODE leads a dTriMesh's pairs with geoms of that class to us. It stays so when ODE is closed, of
-/// which it tells nobody, and forgets them.
+/// Whether ODE leads a dTriMesh's pairs with geoms of that class to us. It stays so when ODE is closed,
+/// which it does not report, and forgets them.
 bool isTrimeshOverridden(int geomClass) noexcept;
 void noteTrimeshOverridden(int geomClass) noexcept;
 

@@ -126,8 +126,8 @@ bool classIsOurs(int number) {
   return collidesThroughUs(probe.get(), convex.get());
 }
 
-/// ODE asks once for each pair of classes and keeps the answer, NULL ("never any contacts") included. A class that is
-/// asked about a number that it doesn't know must say NULL, or the other class is never asked.
+/// ODE calls once for each pair of classes and keeps the result, NULL ("never any contacts") included. A class that is
+/// called with a number that it doesn't know must return NULL, or the other class is never called.
 dColliderFn* colliderFor(int otherClass) {
   if (otherClass == registeredClass()) return &collideMeshMesh;
   return otherClass >= dSphereClass && otherClass < dFirstSpaceClass ? &collideMeshPrimitive : nullptr;

@@ -89,7 +89,7 @@ dGeomID dCreateGpuTriMesh(dSpaceID space, dGpuTriMeshDataID data) {
     geom = created;
     return static_cast<int>(dGPUTRIMESH_OK);
   });
-  // Last: from here on ODE may ask for the box at any time.
+  // Last: from here on ODE may request the box at any time.
   if (geom != nullptr && space != nullptr) dSpaceAdd(space, geom);
   return geom;
 }

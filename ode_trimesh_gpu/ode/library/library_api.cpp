@@ -29,7 +29,7 @@ constexpr char kConfiguration[] = "ode_trimesh_gpu single_precision";
 
 int dGpuTriMeshInit(void) {
   if (otg::ensureRegistered() != dGPUTRIMESH_OK) return 0;
-  // What Close has dropped is begun again, unless something else was asked for meanwhile.
+  // What Close has dropped is begun again, unless something else was requested meanwhile.
   if (otg::openingDropped.exchange(false) && dGpuTriMeshGetBackend() == dGPUTRIMESH_BACKEND_AUTO) {
     dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_AUTO);
   }

@@ -103,7 +103,7 @@ PairBatch::PairBatch(std::span<const dGpuTriMeshPair> pairs, const PairBatchRequ
   });
   areMeshes_ = areMeshes;
   if (!areMeshes_) return;
-  // The program is asked about triangles by its own thread, and now, while the geoms are what they are.
+  // The program's callbacks for triangles run on its own thread, and now, while the geoms are what they are.
   for (std::size_t i = 0; anyLater && i < count_; ++i) {
     if (kinds_[i] == Kind::kLater) kinds_[i] = readLater(i, pairs[i]);
   }
@@ -155,7 +155,7 @@ PairBatch::Found PairBatch::readPart(std::size_t begin, std::span<const dGpuTriM
       continue;
     }
     MeshGeom side1{o1, object1}, side2{o2, object2};
-    // While it is prepared. After that the batch has shares of the meshes, which nobody changes then.
+    // While it is prepared. After that the batch has shares of the meshes, which no one changes then.
     if (part.hold(k)) {
       side1.takeMesh();
       side2.takeMesh();
@@ -223,7 +223,7 @@ PairBatch::Kind PairBatch::readLater(std::size_t i, const dGpuTriMeshPair& pair)
   finishReading(i);
   if (task.state != PairTask::State::kReady) return Kind::kNone;
   if (isLeft) {
-    constexpr int kMost = 64;  // where the caller has no limit, who asks again
+    constexpr int kMost = 64;  // where the caller has no limit, who queries again
     keepContacts(result(i), contactsByOde(task, request_.capacity > 0 ? request_.capacity : kMost));
     return Kind::kAsks;
   }

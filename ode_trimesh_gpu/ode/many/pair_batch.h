@@ -13,7 +13,7 @@
 
 namespace otg {
 
-/// What is asked of all pairs of a batch.
+/// What is requested of all pairs of a batch.
 struct PairBatchRequest {
   int capacity = 0;          ///< contacts of a pair at most; 0: as many as its geoms allow
   bool unimportant = false;  ///< ODE's CONTACTS_UNIMPORTANT
@@ -86,7 +86,7 @@ class PairBatch {
   static void takeBusy(MeshGeom&& side1, MeshGeom&& side2, PairTask& task);
   /// What a task gets once its geoms were read.
   void finishReading(std::size_t i);
-  /// The caller's thread, which asks the program's callbacks.
+  /// The caller's thread, which calls the program's callbacks.
   Kind readLater(std::size_t i, const dGpuTriMeshPair& pair);
   /// Takes out of a result what belongs to other geoms than the pair's.
   void keepOwnOf(std::size_t i);
@@ -121,7 +121,7 @@ void rememberInto(PairBatch& batch, const PairArrays& to);
 /// A number of contacts as the C API has it: no more than fit.
 int toInt(std::size_t count);
 
-/// Whether ODE would ask about them: not one geom, not two of one body.
+/// Whether ODE would report them: not one geom, not two of one body.
 bool isPairInOde(dGeomID o1, dGeomID o2);
 
 }  // namespace otg

@@ -55,7 +55,7 @@ const CollisionMesh* surfaceOf(const GeomObject& object) {
   return mesh == nullptr || mesh->tree().nodes.empty() ? nullptr : mesh;
 }
 
-/// Where arrays are computed that are asked of a geom.
+/// Where arrays are computed that are queried of a geom.
 Place placeOf(const GeomObject& object) {
   return settled(pairPlacement(object.params, object.params, dispatcher().placement())).middle;
 }
@@ -88,7 +88,7 @@ Vec3d toMesh(const Placed& placed, const dReal* p) {
   return otgRotateBack(placed.pose, otgSub(Vec3d{p[0], p[1], p[2]}, placed.pose.t));
 }
 
-/// Whether all of an array are good, by all threads: reading a large one takes as long as answering it.
+/// Whether all of an array are good, by all threads: reading a large one takes as long as computing it.
 template <class Good>
 bool areAll(int count, const Good& good) {
   std::atomic<bool> all{true};
@@ -135,7 +135,7 @@ void closest(const Placed& placed, const PointAnswer& answer, dGpuTriMeshClosest
   out.triangle = static_cast<int>(placed.mesh->mesh().callerTriangle(nearest.triangle));
 }
 
-/// Asks about points of a geom with a surface.
+/// Queries points of a geom with a surface.
 template <class Sink>
 void askPoints(const Placed& placed, const Points& from, int count, bool nearest, const Sink& sink) {
   const PointJob job{placed.mesh, nearest, true, placed.place};
@@ -152,7 +152,7 @@ struct PlacedPair {
   Placed first, second;
 };
 
-/// How an answer about a query becomes one about o1 and o2.
+/// How a result of a query becomes one of o1 and o2.
 struct AnswerFrame {
   Transformd poseOfA;
   bool first;  ///< mesh A is o1's
@@ -267,7 +267,7 @@ class PlacedPairs {
   PlacedPairs& operator=(const PlacedPairs&) = delete;
   int status() const { return status_; }
   std::span<const OverlapJob> jobs() const { return {jobs_.get(), count_}; }
-  /// Of pair `i`, if frames were asked for.
+  /// Of pair `i`, if frames were requested.
   const AnswerFrame& frame(std::size_t i) const { return frames_[i]; }
 
  private:

@@ -58,7 +58,7 @@ void compute(Job& job) {
   try {
     primitiveContacts(job.task, job.most, job.contacts, failure);
     job.done = failure == 0;
-  } catch (...) {  // no memory for it: it is computed when it is asked for
+  } catch (...) {  // no memory for it: it is computed when it is requested
   }
 }
 

@@ -12,7 +12,7 @@ namespace otg {
 bool isShapePair(dGeomID mesh, dGeomID other) noexcept;
 
 /// Computes the pairs, the mesh first in each, none of them twice, and leaves what they give with the meshes, which
-/// have no callbacks. Returns how many pairs are ready. Nobody may change or collide the geoms meanwhile. May throw
+/// have no callbacks. Returns how many pairs are ready. No one may change or collide the geoms meanwhile. May throw
 /// std::bad_alloc.
 std::size_t prefetchShapes(std::span<const dGpuTriMeshPair> pairs);
 

@@ -32,7 +32,7 @@ class Finder {
     done_.push_back(space);
     dSpaceCollide(space, this, &Finder::meet);
     if (failed_) throw std::bad_alloc();
-    // The quad tree has no way to ask for its geoms; a space in one is found when it meets something.
+    // The quad tree has no way to list its geoms; a space in one is found when it meets something.
     if (dSpaceGetClass(space) == dQuadTreeSpaceClass) return;
     const int count = dSpaceGetNumGeoms(space);
     for (int i = 0; i < count; ++i) {

@@ -16,7 +16,7 @@
 namespace otg {
 namespace {
 
-/// What is worth computing ahead. Who has callbacks is asked when the pair is collided, and not before; pieces of a
+/// What is worth computing ahead. Callbacks are called when the pair is collided, and not before; pieces of a
 /// whole are computed then, too.
 struct AheadPairs {
   std::vector<dGpuTriMeshPair> meshes;
@@ -69,7 +69,7 @@ std::size_t prefetch(std::span<const SpacePair> pairs) {
   return ready;
 }
 
-/// What is asked of a whole space, and where its contacts go.
+/// What is requested of a whole space, and where its contacts go.
 struct SpaceContacts {
   int flags = 0;  ///< of each dCollide()
   dContactGeom* contact = nullptr;

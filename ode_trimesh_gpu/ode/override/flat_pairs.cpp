@@ -81,7 +81,7 @@ std::vector<Flat> flatsOf(dGeomID where) {
   return flats;
 }
 
-/// Whether ODE would ask about the two if their boxes were larger, and has not.
+/// Whether ODE would report the two if their boxes were larger, and has not.
 bool areNear(const Flat& x, const Flat& y) {
   if (x.geom == y.geom) return false;
   const bool anySpace = dGeomIsSpace(x.geom) != 0 || dGeomIsSpace(y.geom) != 0;

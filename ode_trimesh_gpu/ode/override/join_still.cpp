@@ -124,7 +124,7 @@ void join(Known& all, const std::vector<dGeomID>& tiles, std::vector<std::shared
 }  // namespace
 
 void joinStill(dSpaceID space) {
-  if (dSpaceGetClass(space) == dQuadTreeSpaceClass) return;  // which has no way to ask for its geoms
+  if (dSpaceGetClass(space) == dQuadTreeSpaceClass) return;  // which has no way to list its geoms
   Known& all = known();
   const CallLock lock(all.mutex);
   std::vector<dGeomID> ready;

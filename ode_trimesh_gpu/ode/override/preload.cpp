@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// libode_trimesh_gpu_preload.so: dGpuTriMeshOverrideTriMesh() for a program that nobody recompiles.
+// libode_trimesh_gpu_preload.so: dGpuTriMeshOverrideTriMesh() for a program that is not recompiled.
 //
 //   LD_PRELOAD=libode_trimesh_gpu_preload.so program
 //
 // The functions of ODE below are found here before they are found in libode: each calls ODE's own and then notes what
-// happened. That also tells what ODE tells nobody, when data change and when geoms and data are destroyed. It works
+// happened. That also shows what ODE does not expose: when data change and when geoms and data are destroyed. It works
 // for programs, plug-ins and scripting languages that use libode as a shared library. It prints
-// nothing unless asked, but where the environment has a value that is not allowed.
+// nothing unless requested, but where the environment has a value that is not allowed.
 #include <dlfcn.h>
 #include <ode/ode.h>
 
@@ -43,7 +43,7 @@ Function* next(const char* name) {
     return found;                                          \
   }())
 
-/// Read once, when it is first asked for.
+/// Read once, when it is first requested.
 const otg::Environment& settings() {
   static const otg::Environment read = otg::readEnvironment();
   return read;

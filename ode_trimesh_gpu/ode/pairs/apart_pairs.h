@@ -16,7 +16,7 @@ enum class Nearness : std::uint8_t {
 /// The meshes are taken, and the geoms in use. May set poses.areNear.
 Nearness nearnessOf(const MeshGeom& side1, const MeshGeom& side2, PairPoses& poses);
 
-/// A pair that is kApart has been asked about.
+/// A pair that is kApart has been queried.
 void endApart(const MeshGeom& side1, const MeshGeom& side2);
 
 }  // namespace otg

@@ -34,7 +34,7 @@ bool liesAlongAxes(dGeomID geom, double radius) {
   return static_cast<double>(least) < kThin * radius;
 }
 
-/// Loose triangles, most of them long and thin. By some of them, because each pair asks.
+/// Loose triangles, most of them long and thin. By some of them, because each pair needs it.
 bool isOfSlivers(const CollisionMesh& mesh) {
   constexpr double kSliver = 0.1;  // of the area of a square over the longest edge
   const TriMesh& triangles = mesh.mesh();
@@ -121,7 +121,7 @@ int collideByOde(dGeomID o1, dGeomID o2, int flags, dContactGeom* contact, int s
 
 std::vector<Contact> contactsByOde(const PairTask& task, int most) {
   std::vector<dContactGeom> found(static_cast<std::size_t>(most));
-  // Nobody has exchanged the geoms of an array.
+  // No one has exchanged the geoms of an array.
   const int count = dCollideTTL(task.side1.geom, task.side2.geom, most, found.data(), sizeof(dContactGeom));
   std::vector<Contact> contacts;
   for (int i = 0; i < count; ++i) {

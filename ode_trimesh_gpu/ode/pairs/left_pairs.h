@@ -18,7 +18,7 @@ void noteMargin() noexcept;
 
 /// Of two dTriMesh geoms:
 /// - flat ones, of which one lies along two axes of the world. ODE's boxes have no margin and that one's has no height:
-///   such a pair is no longer asked about once it is a hair too deep, and ODE rocks where we come to rest;
+///   such a pair is no longer reported once it is a hair too deep, and ODE rocks where we come to rest;
 /// - one on a ground of loose slivers (needles), which has no side to stand on.
 /// Says so once on stderr. Always false where ODE's collider cannot be reached.
 bool isLeftToOde(const MeshGeom& side1, const MeshGeom& side2);

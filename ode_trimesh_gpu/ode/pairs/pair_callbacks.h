@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Asks the program about the triangles of one pair of geoms while it is collided.
+// Calls the program's callbacks for the triangles of one pair of geoms while it is collided.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace otg {
 
-/// Each callback is asked about each triangle, or pair of triangles, once in a query. The order in which it is asked
+/// Each callback is called for each triangle, or pair of triangles, once in a query. The order of these calls
 /// depends on the meshes and poses alone.
 class PairCallbacks final : public PairFilter {
  public:

@@ -10,8 +10,8 @@
 namespace otg {
 namespace {
 
-/// Greater than zero if the first has the smaller radius, more triangles or the larger hash. Hashes are asked for only
-/// where nothing else tells the meshes apart.
+/// Greater than zero if the first has the smaller radius, more triangles or the larger hash. Hashes are requested only
+/// where nothing else distinguishes the meshes.
 std::partial_ordering byContents(const CollisionMesh& first, const CollisionMesh& second) {
   const TriMesh &x = first.mesh(), &y = second.mesh();
   if (&x == &y) return std::partial_ordering::equivalent;

@@ -69,7 +69,7 @@ void count(GeomStats& to, const PairCounts& from, std::size_t contacts) {
 
 /// Anywhere for pieces of something.
 WorldBox boxOf(const MeshGeom& side, const Transformd& pose) {
-  // Of two pieces the triangles tell both.
+  // Of two pieces the triangles determine both.
   if (side.join != nullptr) return {};
   const Vec3f &low = side.mesh->mesh().boundsMin(), &high = side.mesh->mesh().boundsMax();
   return worldBox({low.x, low.y, low.z}, {high.x, high.y, high.z}, pose);

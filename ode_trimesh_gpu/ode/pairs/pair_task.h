@@ -45,7 +45,7 @@ struct PairTask {
   enum class State {
     kNothing,  ///< they cannot touch: a geom without triangles, or far apart
     kBadPose,  ///< a pose is not finite or not rigid
-    kBusy,     ///< a geom or its data are changed by somebody else
+    kBusy,     ///< a geom or its data are being changed
     kReady     ///< `job` is to be done
   };
   MeshGeom side1, side2;
@@ -104,7 +104,7 @@ struct PairPoses {
 void preparePair(MeshGeom&& side1, MeshGeom&& side2, PairPoses& poses, PairTask& task) noexcept;
 
 /// Whether the bounding spheres are so far apart that nothing can touch. Keeps numbers that single precision can't hold
-/// away from the filters, and answers far pairs (dCollide called without a space) at once.
+/// away from the filters, and decides far pairs (dCollide called without a space) at once.
 bool isFarApart(const CollisionMesh& a, const CollisionMesh& b, const Transformd& bInA);
 
 /// Whether a prepared pair has to be given a history by recallPair().

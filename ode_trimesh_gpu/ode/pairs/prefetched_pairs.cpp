@@ -26,7 +26,7 @@ bool sameQuery(const Query& x, const Query& y) {
          sameBits(x.relativeVelocity, y.relativeVelocity);
 }
 
-/// Whether the mesh is the very one, with its vertices where they were. Addresses alone would not tell: another mesh
+/// Whether the mesh is the very one, with its vertices where they were. Addresses alone would not show it: another mesh
 /// may lie at the same one by now.
 bool isStill(const std::weak_ptr<const void>& then, const CollisionMesh& now) {
   const std::weak_ptr<const void> lifetime = now.lifetime();

@@ -27,7 +27,7 @@ class PrefetchedPairs {
   /// same options, same history. If so, its contacts, `capacity` at most, and the history that it leaves, as if it
   /// were computed now. May throw std::bad_alloc.
   bool find(PairTask& task, int capacity, PairResult& result);
-  /// After find(): what is remembered of the pair now has this stamp. A query that is asked for again is still known.
+  /// After find(): what is remembered of the pair now has this stamp. A query that is requested again is still known.
   void seen(const PairTask& task, std::uint64_t stamp);
 
  private:

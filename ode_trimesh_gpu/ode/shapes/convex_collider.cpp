@@ -47,7 +47,7 @@ void roundCorners(std::vector<Vec3d>& corners) {
 
 /// The corners of a dConvex in its own frame, in order. No function of ODE reports them. But its collider of a convex
 /// with a plane gives a contact at each corner below the plane if there are corners above it, too: the half spaces on
-/// either side of a plane through the convex tell all.
+/// either side of a plane through the convex determine all.
 std::vector<Vec3d> cornersOfConvex(dGeomID convex) {
   const Transformd pose = readPose(convex).transform;
   dReal box[6];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The heights of a dHeightfieldDataID, which ODE itself tells nobody, and what is kept of its ground.
+// The heights of a dHeightfieldDataID, which ODE itself does not expose, and what is kept of its ground.
 #pragma once
 
 #include <ode/ode.h>
@@ -22,7 +22,7 @@ struct SampleRange {
   friend bool operator==(const SampleRange&, const SampleRange&) = default;
 };
 
-/// Immutable but for what it keeps; any number of threads. Heights are read as often as they are asked for, from the
+/// Immutable but for what it keeps; any number of threads. Heights are read as often as they are requested, from the
 /// program's own array or callback, as ODE does.
 class HeightSamples {
  public:
@@ -57,11 +57,11 @@ class HeightSamples {
   std::vector<unsigned char> copy_;
   double columnWidth_, rowDepth_;
   std::mutex mutex_;
-  std::list<std::shared_ptr<const Kept>> kept_;  ///< asked for last comes first
+  std::list<std::shared_ptr<const Kept>> kept_;  ///< requested last comes first
   std::size_t keptSamples_ = 0;
 };
 
-/// Null for data whose heights nobody has described.
+/// Null for data whose heights have not been described.
 std::shared_ptr<HeightSamples> samplesOf(dHeightfieldDataID data);
 /// Takes over a description that is complete; ODE's own function is not called. Returns a status. May throw
 /// std::bad_alloc.

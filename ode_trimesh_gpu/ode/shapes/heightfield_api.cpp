@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The C API by which a program tells of the heights of ODE's heightfields.
+// The C API by which a program describes the heights of ODE's heightfields.
 #include "ode_trimesh_gpu/heightfield.h"
 
 #include <cmath>

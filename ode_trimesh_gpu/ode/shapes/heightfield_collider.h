@@ -10,8 +10,8 @@
 
 namespace otg {
 
-/// The pose of a heightfield, placeable or not: ODE aborts if one that is not is asked for its position, and has no
-/// function that tells which it is.
+/// The pose of a heightfield, placeable or not: ODE aborts if the position of one that is not is read, and has no
+/// function that shows which it is.
 WorldPose readHeightfieldPose(dGeomID field) noexcept;
 
 /// The contacts, in the mesh's frame, in the workspace, as convexGeomContacts() has them. `status` says why there are

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The answers of pairs that stay where they are.
+// The results of pairs that stay where they are.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@
 
 namespace otg {
 
-/// Whether answers of pairs with geoms of this class are kept: of others they are as quick as a look-up.
+/// Whether results of pairs with geoms of this class are kept: of others they are as quick as a look-up.
 bool isKeptClass(int geomClass) noexcept;
 
 /// Of one mesh's geom: for each geom of ODE's own the pose of the last query, and, once a pose has come twice, what was
-/// found there. No answer depends on it. Any number of threads.
+/// found there. No result depends on it. Any number of threads.
 class KeptShapes {
  public:
   /// What is known about a pose. Where it is kNew nothing is kept for the pair any more; it is that of the last query
@@ -31,12 +31,12 @@ class KeptShapes {
   void seen(std::uint64_t key, std::uint64_t stamp);
   /// After kNew: makes room for as many contacts, so that what comes next takes no memory. May throw std::bad_alloc.
   void reserve(std::uint64_t key, std::size_t contacts);
-  /// After kAgain: the answer, with the stamp of what it left. May throw std::bad_alloc.
+  /// After kAgain: the result, with the stamp of what it left. May throw std::bad_alloc.
   void keep(std::uint64_t key, ShapeQuery&& query, int most, const std::vector<Contact>& contacts);
 
  private:
   struct Entry {
-    ShapeQuery query;  ///< of its pose alone, as long as there is no answer
+    ShapeQuery query;  ///< of its pose alone, as long as there is no result
     std::vector<Contact> contacts;
     int most = 0;
     bool hasAnswer = false;

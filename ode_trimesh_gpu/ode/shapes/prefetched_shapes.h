@@ -31,10 +31,10 @@ class PrefetchedShapes {
   /// Whether this was computed ahead. If so its contacts in the mesh's own numbers, `capacity` at most and as if they
   /// were computed now, and what it leaves. May throw std::bad_alloc.
   bool find(std::uint64_t key, const ShapeQuery& query, int capacity, std::vector<Contact>& out, DetachedHistory& left);
-  /// After find(): what is remembered of the pair now has this stamp. A query that is asked for again is still known.
+  /// After find(): what is remembered of the pair now has this stamp. A query that is requested again is still known.
   void seen(std::uint64_t key, std::uint64_t before, std::uint64_t now);
 
-  /// How many contacts were asked for last of that pair; `otherwise` if nobody has asked. What is computed ahead for as
+  /// How many contacts were requested last of that pair; `otherwise` if none were. What is computed ahead for as
   /// many needs no cutting, which would not give the same for every class.
   int placesAskedFor(std::uint64_t key, int otherwise);
   /// A prefetch begins: what it does not take over or add goes in endRound().
@@ -51,7 +51,7 @@ class PrefetchedShapes {
     ShapeQuery query;
     std::vector<Contact> contacts;
     DetachedHistory left;
-    int most = 0, asked = 0;  ///< 0: nobody has asked
+    int most = 0, asked = 0;  ///< 0: not requested
     std::uint64_t round = 0;
   };
   std::mutex mutex_;

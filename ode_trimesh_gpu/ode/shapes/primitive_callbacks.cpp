@@ -70,7 +70,7 @@ void askedContacts(PrimitiveTask& task, int most, std::vector<Contact>& out, int
   if (failure != 0) return;
   TriangleAnswers answers(task);
   answers.tell(touched);
-  // Asked about in the order of the caller's numbers, whatever ours are.
+  // Called in the order of the caller's numbers, whatever ours are.
   std::sort(touched.begin(), touched.end(),
             [&](std::uint32_t x, std::uint32_t y) { return whole.callerTriangle(x) < whole.callerTriangle(y); });
   std::vector<std::uint32_t> allowed;

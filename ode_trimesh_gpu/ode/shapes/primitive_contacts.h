@@ -9,7 +9,7 @@
 namespace otg {
 
 /// At most `most` contacts, in the mesh's frame, with the mesh's own triangle numbers. A status in `failure` if there
-/// are none because of an error. Callbacks are asked about rays alone. May throw std::bad_alloc.
+/// are none because of an error. Callbacks are called for rays alone. May throw std::bad_alloc.
 void primitiveContacts(const PrimitiveTask& task, int most, std::vector<Contact>& out, int& failure);
 
 }  // namespace otg

@@ -25,11 +25,11 @@
 namespace otg::opencl {
 
 /// One call for many pairs: what is left to the device goes there in pieces. `Finish` says what is made of a pair:
-///   meanwhile(which, query)         what the host makes of pairs that the device will leave, while it is at work
+///   meanwhile(which, query)         what the CPU makes of pairs that the device will leave, while it is at work
 ///   keepLeft(i, done)               one of these
 ///   chunk(begin, count, found)      the flags (and contacts) of a piece, before anything else is said of its pairs
 ///   refuse(i)                       a pose that cannot be worked with
-///   records(which, answer, query, recordsOf) pairs that the host has to finish: query(i), and places of its records
+///   records(which, answer, query, recordsOf) pairs that the CPU has to finish: query(i), and places of its records
 ///   described(which, query, found)  pairs whose overlaps are described, and for each of them the description; those
 ///                                   for which it is of no use are returned (if kTakesDescriptions)
 ///   alone(i, query)                 a pair too large for one work-group is done without the batch (if kLargeAlone);
@@ -107,7 +107,7 @@ class Backend::Batch {
   /// A piece under way.
   struct Piece {
     std::size_t begin, count;
-    bool soon = false;                  ///< the lane tells early what it leaves to the host
+    bool soon = false;                  ///< the lane tells early what it leaves to the CPU
     bool lacksMemory = false;           ///< that others' queries take
     std::unique_ptr<BatchLane> lane{};  ///< none if it could not be begun
     std::uint64_t repeats = 0;          ///< of the lane until then
@@ -287,8 +287,8 @@ class Backend::Batch {
     return false;
   }
 
-  /// Some pairs that are left to the host as soon as that is known, piece by piece, while the device goes on. Where
-  /// they are many, their records are waited for, which tell the host what intersects; or they are described.
+  /// Some pairs that are left to the CPU as soon as that is known, piece by piece, while the device goes on. Where
+  /// they are many, their records are waited for, which show the CPU what intersects; or they are described.
   void workMeanwhile(std::span<Piece> pieces) {
     if constexpr (Finish::kTakesDescriptions) {
       for (Piece& piece : pieces) {
@@ -306,7 +306,7 @@ class Backend::Batch {
     }
   }
 
-  /// Which pairs of a piece the host is to do at once.
+  /// Which pairs of a piece the CPU is to do at once.
   std::vector<std::size_t> leftSoon(Piece& piece) {
     const otg_uint* flags = piece.lane->soonFlags();
     std::vector<std::size_t> which;
@@ -322,7 +322,7 @@ class Backend::Batch {
     return which;
   }
 
-  /// What the host has made of pair `i` while the device was at work.
+  /// What the CPU has made of pair `i` while the device was at work.
   void keepMeanwhile(std::size_t i) {
     if constexpr (Finish::kTakesDescriptions) finish_.keepLeft(i, done_.at(i));
   }
@@ -532,8 +532,8 @@ class Backend::Batch {
   OverlapQueue overlaps_;
   bool good_ = true, anyLarge_ = false, hasContactsOfHost_ = false, mayMeetAhead_ = false;
   std::vector<std::size_t> ahead_, contradicting_;             ///< pairs that wait for finish()
-  std::vector<std::size_t> later_;                             ///< pairs for the host when all pieces are done
-  std::unordered_map<std::size_t, ContactFinish::Done> done_;  ///< by the host, while the device is at work
+  std::vector<std::size_t> later_;                             ///< pairs for the CPU when all pieces are done
+  std::unordered_map<std::size_t, ContactFinish::Done> done_;  ///< by the CPU, while the device is at work
   PieceMeshes meshes_;                                         ///< of the piece that was begun last
   std::size_t waits_ = 0;
   std::uint64_t largest_ = 0;  ///< triangles of the largest mesh

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is made of the pairs of a batch that a device has been through, and the host's share of the work.
+// What is made of the pairs of a batch that a device has been through, and the CPU's share of the work.
 #pragma once
 
 #include <algorithm>
@@ -39,7 +39,7 @@ struct ContactFinish {
   BatchAnswer& answer;
   WorkspacePool& workspaces;
   Workspace workspace{};
-  const RunParts* onHost = nullptr;  ///< does what is the host's, if it is there
+  const RunParts* onHost = nullptr;  ///< does the CPU's work, if it is there
 
   void chunk(std::size_t begin, std::size_t count, const BatchFound& found) {
     answer.addQueries(count);
@@ -70,9 +70,9 @@ struct ContactFinish {
 
   /// Whether there are threads that have nothing to do while the device is at work.
   bool hasThreads() const { return onHost != nullptr; }
-  /// So many of the host's pairs are for withoutDevice() at the end.
+  /// So many of the CPU's pairs are for withoutDevice() at the end.
   void putOff(std::size_t count) { answer.leftToHost += count; }
-  /// What the host makes of a pair.
+  /// What the CPU makes of a pair.
   struct Done {
     bool good = false;
     std::vector<Contact> contacts{};
@@ -94,7 +94,7 @@ struct ContactFinish {
 
   static constexpr bool kTakesDescriptions = true;
   static constexpr bool kLargeAlone = true;
-  /// Those that the host sees in another way than the device.
+  /// Those that the CPU sees in another way than the device.
   template <class QueryOf, class FoundOf>
   std::vector<std::size_t> described(const std::vector<std::size_t>& which, const QueryOf& queryOf,
                                      const FoundOf& foundOf) {
@@ -108,9 +108,9 @@ struct ContactFinish {
     return share(which, [&](std::size_t k, Workspace& own) { return takeMade(queryOf(which[k]), foundOf(k), own); });
   }
 
-  /// Devices make contacts of `solid` of what is touched. The device tells which of such pairs (`waiting`) meet more on
-  /// the way that their contacts ask for; of these the host looks ahead. Where there was no room for all contacts,
-  /// their way is not known, and the host makes them again. False if the device failed.
+  /// Devices make contacts of `solid` of what is touched. The device finds which of such pairs (`waiting`) meet more on
+  /// the way that their contacts request; of these the CPU looks ahead. Where there was no room for all contacts,
+  /// their way is not known, and the CPU makes them again. False if the device failed.
   template <class QueryOf>
   bool lookAhead(const std::vector<std::size_t>& waiting, const QueryOf& queryOf) {
     std::vector<PosedMeshes> ahead(waiting.size());
@@ -137,7 +137,7 @@ struct ContactFinish {
     std::vector<std::uint8_t> meets;
     const bool good = backend.intersectBatch(std::span<const PosedMeshes* const>(pairs), meets, nullptr,
                                              onHost ? *onHost : RunParts{});
-    queries -= pairs.size();  // nobody asked for these
+    queries -= pairs.size();  // no caller requested these
     for (std::size_t j = 0; j < asked.size(); ++j) {
       if (meets[j] != 0) again.push_back(asked[j]);
     }
@@ -161,7 +161,7 @@ struct ContactFinish {
   }
 
   bool contradicts(std::size_t i) const { return contradict(answer.of(i)); }
-  /// As finishContacts() for pairs whose contacts the device made, after lookAhead(). It leaves those to the host of
+  /// As finishContacts() for pairs whose contacts the device made, after lookAhead(). It leaves those to the CPU of
   /// whose contacts it had to drop some, unless they agree.
   template <class QueryOf>
   void settle(const std::vector<std::size_t>& which, const QueryOf& queryOf) {
@@ -203,7 +203,7 @@ struct ContactFinish {
   void end() { std::sort(answer.refused.begin(), answer.refused.end()); }
 
  private:
-  /// Of what is known of the way that a pair's contacts ask for.
+  /// Of what is known of the way that a pair's contacts request.
   enum class Way : std::uint8_t { kNone, kKnown, kUnknown };
 
   /// As make(), and keeps that; the pairs for which `work` returned false are returned.

@@ -20,7 +20,7 @@
 
 namespace otg::opencl {
 
-/// Numbers for meshes in the order of first appearance: open addressing, because it is asked twice for each pair.
+/// Numbers for meshes in the order of first appearance: open addressing, because it is searched twice for each pair.
 class MeshNumbers {
  public:
   explicit MeshNumbers(std::vector<const CollisionMesh*>& meshes) : meshes_(meshes), slots_(256, 0) {}
@@ -65,7 +65,7 @@ struct SolidReductions {
     if (at == table.size()) table.push_back(how);
     return at;
   }
-  /// `byHost`: as solidReduction. Where the contour does not close the host makes the contacts of shells.
+  /// `byHost`: as solidReduction. Where the contour does not close the CPU makes the contacts of shells.
   std::uint32_t solid(const CollideOptions& options, bool byHost) { return find(solidReduction(options, byHost, 0)); }
 };
 
@@ -113,7 +113,7 @@ void lookByParts(const RunParts& onHost, std::size_t count, const Look& look) {
 /// for itself; these are then numbered for all, in the order of their first appearance.
 class QuerySource {
  public:
-  /// Pairs that may have contacts of the model `solid` are left to the host unless the device `makesSolids`. `onHost`:
+  /// Pairs that may have contacts of the model `solid` are left to the CPU unless the device `makesSolids`. `onHost`:
   /// threads that help; may be empty.
   QuerySource(const QueryList& queries, bool makesSolids, const RunParts& onHost = {})
       : queries_(queries), heads_(queries.size()), parts_(partsOf(queries.size())), meshes_(parts_.size()) {
@@ -135,7 +135,7 @@ class QuerySource {
   std::vector<const CollisionMesh*> meshes;
   std::vector<otg_reduction> reductions;
   bool anyPairwise = false, anySolid = false, anyHistory = false;
-  bool anyConvexPath = false;                 ///< some are the host's if both meshes are convex
+  bool anyConvexPath = false;                 ///< some are left to the CPU if both meshes are convex
   static constexpr bool kIsScattered = true;  ///< what fill() reads lies all over the memory
 
   std::size_t size() const { return queries_.size(); }
@@ -199,7 +199,7 @@ class QuerySource {
   std::vector<PartMeshes> meshes_;  ///< of each part
 };
 
-/// Pairs of which nothing is asked but whether they meet.
+/// Pairs of which the batch finds only whether they meet.
 class PosedSource {
  public:
   /// `onHost`: threads that help; may be empty.
@@ -284,7 +284,7 @@ class PairSource {
  private:
   const NumberedPairs& batch_;
   std::uint32_t solid_ = 0, pairwise_ = 0;  ///< reductions
-  std::vector<std::uint8_t> isSolid_;       ///< and contacts of the model `solid` are asked for
+  std::vector<std::uint8_t> isSolid_;       ///< and contacts of the model `solid` are requested
 };
 
 }  // namespace otg::opencl

@@ -21,7 +21,7 @@ struct PairRange {
 };
 
 /// The submissions of a batch, each a list of pieces: all pieces of one are begun before the first is waited for. So
-/// the host finishes what the device leaves of one while the device has the next. `inOnePiece`: stages are timed, and
+/// the CPU finishes what the device leaves of one while the device has the next. `inOnePiece`: stages are timed, and
 /// each is to have the device for itself.
 std::vector<std::vector<PairRange>> cutBatch(std::size_t pairs, const Tuning& tuning, bool inOnePiece);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Workspaces for the pairs of batches that the host does.
+// Workspaces for the pairs of batches that the CPU does.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ namespace otg::opencl {
 /// thread.
 class WorkspacePool {
  public:
-  /// One that nobody else has, for as long as this lives.
+  /// One that no one else has, for as long as this lives.
   class Lease {
    public:
     explicit Lease(WorkspacePool& pool) : pool_(pool), workspace_(pool.take()) {}

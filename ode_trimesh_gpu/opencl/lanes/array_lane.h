@@ -54,7 +54,7 @@ class ArrayLane {
     kernels_.build(context, tuning);
   }
 
-  /// Room for so many items in the host's memory. Throws ClError.
+  /// Room for so many items in host memory. Throws ClError.
   Item* makeRoom(std::size_t count) { return static_cast<Item*>(array_.makeRoom(count)); }
   /// Sends the items that were written there; does not wait. Throws ClError.
   void begin(const CollisionMesh& mesh, const Request& request) {

@@ -20,7 +20,7 @@
 
 namespace otg::opencl {
 
-/// What is asked of all pairs of a batch.
+/// What is requested of all pairs of a batch.
 enum class BatchRequest {
   kAny,       ///< whether they intersect
   kPairs,     ///< records of all pairs of triangles that intersect
@@ -54,7 +54,7 @@ class BatchLane {
 
   /// Memory for so many pairs, to be filled before run().
   std::span<otg_batch_task> stage(std::size_t count);
-  /// Frames of the same pairs, which the host has to make for a device without doubles (else empty).
+  /// Frames of the same pairs, which the CPU has to make for a device without doubles (else empty).
   std::span<otg_batch_pair> stageFrames();
   /// The same, for a batch of solids that remember: the direction of each pair's last deep region, or zero. Frame A.
   std::span<Vec3d> stageDirections();
@@ -65,12 +65,12 @@ class BatchLane {
   /// are not there. Throws ClError.
   void begin(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions,
              BatchRequest request, const RunParts* threads);
-  /// The same for a batch of solids of which soonFlags() is to be asked before end().
+  /// The same for a batch of solids of which soonFlags() is to be called before end().
   void beginWithFlags(std::span<const CollisionMesh* const> meshes, std::span<const otg_reduction> reductions,
                       const RunParts* threads);
   /// Waits until the regions of a batch of solids and their ways out are known: the flags of its pairs as they are
   /// then. A pair that is
-  /// left to the host stays so, unless a list was too short. Throws ClError.
+  /// left to the CPU stays so, unless a list was too short. Throws ClError.
   const otg_uint* soonFlags();
   /// Waits for it; the meshes stay pinned. With OTG_PAIR_TO_HOST but without OTG_PAIR_NO_FRAME a pair has to be
   /// finished from its records. Throws ClError.
@@ -115,7 +115,7 @@ class BatchLane {
   KernelFor<given::BatchReduce> small_, medium_;
   KernelFor<given::BatchResults> pairs_, records_;
   KernelFor<given::BatchResultsEntered> entered_;
-  // In exact arithmetic; not built before they are asked for, because they are large.
+  // In exact arithmetic; not built before they are requested, because they are large.
   KernelFor<given::BatchResults> decided_;
   KernelFor<given::BatchDecide> decide_;
   KernelFor<given::BatchDecideEntered> decideEntered_;

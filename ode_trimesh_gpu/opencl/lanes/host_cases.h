@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Queries that no device is asked about.
+// Queries that no device gets.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,7 @@ inline bool isRefused(const Query& query) {
          !(rotationDefect(query.bInA) <= kRelativeRotationTolerance);
 }
 
-/// Whether there is nothing that a device could do: the host knows what to answer.
+/// Whether there is nothing that a device could do: the CPU knows the result.
 inline bool isIdleQuery(const Query& query, const PairFrame& frame) {
   return query.a->tree().nodes.empty() || query.b->tree().nodes.empty() || !frame.finite;
 }

@@ -19,8 +19,8 @@ class OverlapLane {
   OverlapLane& operator=(const OverlapLane&) = delete;
   ~OverlapLane();
 
-  /// Begins with pairs of a batch that has ended and is not let go before end(): `pairs` tells their numbers and their
-  /// hits, `bodies` the meshes A and B of each, `tasks` what is asked of each; none: only to describe them. All have to
+  /// Begins with pairs of a batch that has ended and is not let go before end(): `pairs` gives their numbers and their
+  /// hits, `bodies` the meshes A and B of each, `tasks` the request for each; none: only to describe them. All have to
   /// stay. Throws ClError.
   void begin(const BatchLane& batch, std::span<const otg_listed_overlap> pairs,
              std::span<const CollisionMesh* const> bodies, std::span<const otg_overlap_task> tasks);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pairs of a batch whose overlaps are described, some at a time. The host makes contacts from some descriptions
+// The pairs of a batch whose overlaps are described, some at a time. The CPU makes contacts from some descriptions
 // while the device makes the next.
 #pragma once
 

@@ -193,7 +193,7 @@ PairAnswer PairLane::runOn(const otg_device_pair& pair, const Query& query, Mesh
     }
     const bool open = counters[OTG_COUNT_OPEN] > 0;
     exact_.take(open);
-    // Where the host has the records in any case it decides what was not expected to be open.
+    // Where the CPU has the records in any case it decides what was not expected to be open.
     if (open && reduce && !decides) continue;
     if (!reduce) {
       answer.found = results_.readRest(context_, queue, contacts, &profile_);
@@ -333,7 +333,7 @@ void PairLane::launchRecords(KernelFor<Given>& kernel, const Given& given) {
   launch(queue_.get(), kernel, tuning_.recordGroup, groups, 1, profile_.next(Profile::kContacts));
 }
 
-/// Whether the host is to do the pair, which then tells nothing of the next one.
+/// Whether the CPU is to do the pair, which then shows nothing of the next one.
 bool PairLane::hasTooMany() {
   if (lastHits_ <= tuning_.mostHits) return false;
   lastHits_ = 0;

@@ -20,18 +20,18 @@ namespace otg::opencl {
 /// What a query of one pair found, good until the lane's next one.
 struct PairAnswer {
   Answer found;          ///< the counters; the records unless the contacts are reduced
-  bool reduced = false;  ///< `contacts` is the answer
-  bool left = false;     ///< it was to be, but the host has to finish the pair
+  bool reduced = false;  ///< `contacts` is the result
+  bool left = false;     ///< it was to be, but the CPU has to finish the pair
   std::span<const Contact> contacts;
-  bool tooMany = false;    ///< more than Tuning::mostHits: nothing else is here, and the host has to do all of it
+  bool tooMany = false;    ///< more than Tuning::mostHits: nothing else is here, and the CPU has to do all of it
   bool asked = false;      ///< for a description
-  bool described = false;  ///< `overlap` is what was asked for, and `found` has no records
+  bool described = false;  ///< `overlap` is what was requested, and `found` has no records
   FoundOverlap overlap;
   bool made = false;  ///< described, but in place of `overlap` are the contacts of its large regions
   FoundContacts contactsOfRegions;
 };
 
-/// What is asked of a pair.
+/// What is requested of a pair.
 enum class PairRequest {
   kPairs,     ///< the pairs of triangles that intersect
   kContacts,  ///< contacts of the model `pairwise` where the device has doubles, reduced where that can be done there
@@ -47,9 +47,9 @@ class PairLane {
 
   /// Middle and near phase of one pair, and what else is requested. Throws ClError.
   PairAnswer run(const Query& query, const PairFrame& frame, PairRequest request);
-  /// After an answer with `described`: the records. Throws ClError.
+  /// After a result with `described`: the records. Throws ClError.
   Answer records();
-  /// After an answer with `made`: the description. Throws ClError.
+  /// After a result with `made`: the description. Throws ClError.
   FoundOverlap description();
 
   /// Of the last query, if tuning.profile is set.
@@ -84,7 +84,7 @@ class PairLane {
   KernelFor<given::PairResults> pairs_, contacts_;
   KernelFor<given::PairResultsEntered> entered_;
   KernelFor<given::PairReduce> few_;
-  // In exact arithmetic; not built before they are asked for, because they are large.
+  // In exact arithmetic; not built before they are requested, because they are large.
   KernelFor<given::PairReduce> fewDecided_;
   KernelFor<given::PairDecide> decidePairs_, decideContacts_;
   KernelFor<given::PairDecideEntered> decideEntered_;
@@ -100,7 +100,7 @@ class PairLane {
   LargeContacts overlapContacts_;
   Profile profile_;
   std::uint32_t fewHits_ = 0, lastHits_ = 0;
-  bool isFresh_ = true;  ///< no query yet that tells how many hits to expect
+  bool isFresh_ = true;  ///< no query yet that shows how many hits to expect
   std::uint64_t repeats_ = 0;
 };
 

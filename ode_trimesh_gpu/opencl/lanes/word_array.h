@@ -29,7 +29,7 @@ class WordArray {
   WordArray(const WordArray&) = delete;
   WordArray& operator=(const WordArray&) = delete;
 
-  /// Room for so many items in the host's memory. Throws ClError.
+  /// Room for so many items in host memory. Throws ClError.
   void* makeRoom(std::size_t count) {
     sent_.reserve(context_, queue_.get(), count * itemSize_);
     count_ = count;

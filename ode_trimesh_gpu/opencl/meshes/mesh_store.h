@@ -134,7 +134,7 @@ class MeshStore : private MemoryBudget::Sharer {
   const std::uint64_t mostUnits_;
   const std::uint32_t leafTriangles_, cutOrder_;
   const MeshLayout layout_;
-  /// Holds the mutex. What is made meanwhile may have this store be asked to let go, by its own thread.
+  /// Holds the mutex. What is made meanwhile may request this store to let go, by its own thread.
   class Lock {
    public:
     explicit Lock(const MeshStore& store) : lock_(store.mutex_), isBusy_(store.isBusy_) { isBusy_ = true; }

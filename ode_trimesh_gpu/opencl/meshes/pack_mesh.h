@@ -11,7 +11,7 @@ namespace otg::opencl {
 
 class PackedPlaces;
 
-/// For kEightWide: `leafTriangles`, the most triangles of a leaf; `cutOrder` as in Tuning; `places`, if asked for,
+/// For kEightWide: `leafTriangles`, the most triangles of a leaf; `cutOrder` as in Tuning; `places`, if requested,
 /// receives what is needed to send changes of the mesh later.
 PackedMesh packMesh(const CollisionMesh& mesh, MeshLayout layout, std::uint32_t leafTriangles,
                     std::uint32_t cutOrder = 0, std::shared_ptr<const PackedPlaces>* places = nullptr);

@@ -20,7 +20,7 @@ MeshUnit words(std::uint32_t x, std::uint32_t y, std::uint32_t z, std::uint32_t 
   return {std::bit_cast<float>(x), std::bit_cast<float>(y), std::bit_cast<float>(z), w};
 }
 
-/// Whether a vertex and the first one of its point differ in the signs of zeros, which the host keeps apart.
+/// Whether a vertex and the first one of its point differ in the signs of zeros, which the CPU keeps apart.
 bool hasTwoZeros(const TriMesh& mesh, std::uint32_t v) {
   using Bits = std::array<std::uint32_t, 3>;
   const auto bits = [&](std::uint32_t i) { return std::bit_cast<Bits>(mesh.vertices()[i]); };

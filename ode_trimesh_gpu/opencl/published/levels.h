@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How a query by the traversal `levels` is asked for, and what is known of it afterwards. Free of OpenCL's types.
+// How a query by the traversal `levels` is requested, and what is known of it afterwards. Free of OpenCL's types.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ enum class PrefixSums {
 };
 
 /// The published design, kept as a baseline and as an oracle for the traversal that is used: one level of both binary
-/// trees in each iteration, with the host reading the lengths of lists in between.
+/// trees in each iteration, with the CPU reading the lengths of lists in between.
 struct LevelsOptions {
   /// The nodes at this depth of both trees, and leaves above it, are tested all against all to begin with. 0: the
   /// roots.
@@ -50,14 +50,14 @@ struct LevelsTimes {
   double choose = 0;      ///< of the contacts in the bins, the limit
   double readBack = 0;    ///< lengths of lists, results
   double host = 0;        ///< what the device left, before the reduction
-  double reduction = 0;   ///< on the host
+  double reduction = 0;   ///< on the CPU
   double total = 0;       ///< from call to return
 };
 
 struct LevelsReport {
   std::vector<LevelsStep> steps;
   std::uint64_t bytesSent = 0;  ///< trees, triangles and nodes to start from
-  LevelsTimes times;            ///< if they were asked for
+  LevelsTimes times;            ///< if they were requested
 };
 
 }  // namespace otg::opencl

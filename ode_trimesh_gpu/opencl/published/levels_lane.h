@@ -36,7 +36,7 @@ class LevelsLane {
   std::uint64_t repeats() const { return repeats_; }
 
  private:
-  /// A mesh as it is sent, kept on the host between queries: all of it, or its nodes as integers alone.
+  /// A mesh as it is sent, kept in host memory between queries: all of it, or its nodes as integers alone.
   struct SentMesh {
     std::weak_ptr<const void> of;
     PackedMesh mesh;
@@ -49,7 +49,7 @@ class LevelsLane {
     KernelFor<given::LevelsSplit> split;
     KernelFor<given::LevelsSpawn> spawn;
   };
-  /// The kernels of the narrow phase for one way of deciding, made when first asked for.
+  /// The kernels of the narrow phase for one way of deciding, made when first requested.
   struct FusedKernels {
     KernelFor<given::LevelsNearFused> near;  ///< tests, and makes contacts
     KernelFor<given::LevelsEnd> end;

@@ -19,7 +19,7 @@ class MiddleLane {
   MiddleLane(Context& context, MeshStore& meshes, const Tuning& tuning);
 
   /// The middle phase: pairs of triangles in leaves whose boxes overlap, by number, in no certain order. One step down
-  /// the trees at a time, with the host in between. `boxTests` counts. False where there are more than the query may
+  /// the trees at a time, with the CPU in between. `boxTests` counts. False where there are more than the query may
   /// have. Throws ClError.
   bool findCandidates(const Query& query, const PairFrame& frame, std::vector<TrianglePair>& candidates,
                       std::uint64_t& boxTests);

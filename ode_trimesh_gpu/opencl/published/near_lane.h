@@ -47,7 +47,7 @@ class NearLane {
   /// Meshes are not used: triangles come with every query.
   NearLane(Context& context, MeshStore& meshes, const Tuning& tuning);
 
-  /// Records of the candidates that intersect or that only the host can decide, with contacts if `contacts` and the
+  /// Records of the candidates that intersect or that only the CPU can decide, with contacts if `contacts` and the
   /// device has doubles. Without doubles the filter comes first. Good until the next call. Throws ClError.
   Answer run(const Query& query, const PairFrame& frame, std::span<const TrianglePair> candidates, NearOrder order,
              bool contacts);

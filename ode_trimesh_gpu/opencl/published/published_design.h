@@ -19,7 +19,7 @@
 namespace otg::opencl {
 
 /// Any number of threads. Nothing of it is on the device before the first query, and it throws no ClError. Every
-/// function gives what the host gives, byte for byte, and returns false when the device failed and the host did the
+/// function gives what the CPU gives, byte for byte, and returns false when the device failed and the CPU did the
 /// work.
 class PublishedDesign {
  public:
@@ -72,7 +72,7 @@ class PublishedDesign {
   /// ClError.
   bool decide(const Query& query, Workspace& workspace, NearOrder order, bool contacts, bool profile,
               NearReport& report);
-  /// Made when first asked for. Throws ClError.
+  /// Made when first requested. Throws ClError.
   Levels& levels();
   const Levels* levelsIfMade() const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The lists and kernels by which a lane turns contacts into the few that were asked for.
+// The lists and kernels by which a lane turns contacts into the few that were requested.
 #pragma once
 
 #include <cstdint>
@@ -26,9 +26,9 @@ std::uint32_t hitsOfGroup(const Context& context, std::uint32_t wanted);
 /// Options of a program for work-groups that do.
 std::string groupReduction(const Context& context, std::uint32_t group, std::uint32_t hits);
 
-/// How the device chooses contacts that are asked for in this way.
+/// How the device chooses contacts that are requested in this way.
 otg_reduction deviceReduction(const CollideOptions& options, bool byHost);
-/// The same for the model `solid`. `remembers`: the pair has a history, which holds what only the host knows of deep
+/// The same for the model `solid`. `remembers`: the pair has a history, which holds what only the CPU knows of deep
 /// regions. `pairwise`: one more than the place of deviceReduction() in the table, or 0 where the pair is of two
 /// solids.
 otg_reduction solidReduction(const CollideOptions& options, bool byHost, std::uint32_t pairwise);

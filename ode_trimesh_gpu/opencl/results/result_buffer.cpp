@@ -10,7 +10,7 @@
 namespace otg::opencl {
 namespace {
 
-// Devices write contacts as the host has them.
+// Devices write contacts in the host's layout.
 static_assert(sizeof(Contact) == sizeof(otg_chosen_contact) && std::is_trivially_copyable_v<Contact>);
 static_assert(offsetof(Contact, normal) == offsetof(otg_chosen_contact, normal) &&
               offsetof(Contact, depth) == offsetof(otg_chosen_contact, depth) &&
@@ -93,7 +93,7 @@ BufferOf<otg_chosen_word> ChosenBuffer::beginAnswer(Context& context, cl_command
 }
 
 /// Waits for the queue. False if the host does not see what the last kernel wrote: it has to be read then, and from now
-/// on all answers are.
+/// on all results are.
 bool ChosenBuffer::endAnswer(cl_command_queue queue) {
   clDo(OTG_CL(clFinish), queue);
   otg_uint flags = 0;

@@ -62,7 +62,7 @@ class ChosenBuffer {
   BufferOf<otg_chosen_word> words() const { return BufferOf<otg_chosen_word>(get()); }
 
   /// For one pair: `mode` as Tuning::hostAnswers. Before the last kernel of a query is enqueued: where it has to write,
-  /// which is words() or memory of the host; readHead() finds it there.
+  /// which is words() or host memory; readHead() finds it there.
   BufferOf<otg_chosen_word> beginAnswer(Context& context, cl_command_queue queue, std::uint32_t mode);
   std::uint32_t contactPlaces() const { return contactPlaces_; }
 

@@ -13,17 +13,17 @@
 
 namespace otg::opencl {
 
-/// The records `which` of the answer, all of one query, to workspace.intersecting and, if they hold contacts and
-/// `contacts`, to workspace.contacts with their regions. The host decides what the device left open. The order of
+/// The records `which` of the result, all of one query, to workspace.intersecting and, if they hold contacts and
+/// `contacts`, to workspace.contacts with their regions. The CPU decides what the device left open. The order of
 /// records, which depends on how work-groups were scheduled, leaves no trace. Sets the counts of these two stages in
-/// workspace.stats. Returns how many pairs of triangles the host decided in exact arithmetic.
+/// workspace.stats. Returns how many pairs of triangles the CPU decided in exact arithmetic.
 std::uint64_t takeRecords(const Query& query, const PairFrame& frame, const Answer& answer,
                           std::span<const std::uint32_t> which, bool contacts, Workspace& workspace);
 
 /// Whether the record says that its pair intersects.
 bool recordIntersects(const Query& query, const PairFrame& frame, const Answer& answer, std::uint32_t which);
 
-/// The records of an answer by the pairs of a batch to which they belong, ascending.
+/// The records of a result by the pairs of a batch to which they belong, ascending.
 class RecordsByPair {
  public:
   RecordsByPair(const Answer& answer, std::size_t pairs);
@@ -38,7 +38,7 @@ class RecordsByPair {
 /// The counts of the device to statistics.
 void takeCounts(const Answer& answer, CollideStats& stats);
 
-/// What the host does of a pair of a batch that the device leaves to it: its contacts, as otg::collide leaves them.
+/// What the CPU does of a pair of a batch that the device leaves to it: its contacts, as otg::collide leaves them.
 void collideFromRecords(const Query& query, const Answer& answer, std::span<const std::uint32_t> which,
                         Workspace& workspace);
 

@@ -11,7 +11,7 @@
 
 namespace otg::opencl {
 
-/// A call that failed. Stays inside the layer: the backend catches it and the host finishes the query.
+/// A call that failed. Stays inside the layer: the backend catches it and the CPU finishes the query.
 class ClError : public std::runtime_error {
  public:
   ClError(const char* call, cl_int code, const std::string& detail = {});
@@ -24,7 +24,7 @@ class ClError : public std::runtime_error {
   cl_int code_;
 };
 
-/// Tells of it as logFailure() does.
+/// Reports it as logFailure() does.
 void logError(const ClError& error);
 
 /// There is no room for meshes, because queries of others use those that take it.

@@ -66,7 +66,7 @@ Kernel Context::makeKernel(const std::string& program, const std::string& option
 }
 
 /// Throws ClError for a kernel whose work-groups need more local memory than there is: to launch it would fail each
-/// time. CL_KERNEL_WORK_GROUP_SIZE is not asked for: Rusticl 22.3 says 32 of kernels that it runs with 128.
+/// time. CL_KERNEL_WORK_GROUP_SIZE is not queried: Rusticl 22.3 says 32 of kernels that it runs with 128.
 void Context::checkLimits(cl_kernel kernel, const std::string& program) const {
   cl_ulong local = 0;
   clDo(OTG_CL(clGetKernelWorkGroupInfo), kernel, device_.device, cl_kernel_work_group_info{CL_KERNEL_LOCAL_MEM_SIZE},

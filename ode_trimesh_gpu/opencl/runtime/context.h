@@ -29,12 +29,12 @@ class Context {
   QueueHandle makeQueue(bool profiling) const;
   /// How many buffers were made so far: as long as that stays the same, a buffer's handle means the same buffer.
   std::uint64_t buffersMade() const { return buffersMade_; }
-  /// What all buffers take together. Where it is used up, those who share it are asked to let go of what they do not
+  /// What all buffers take together. Where it is used up, sharers are requested to let go of what they do not
   /// use.
   MemoryBudget& memory() const { return *memory_; }
-  /// Throws ClError, with CL_MEM_OBJECT_ALLOCATION_FAILURE where the budget has no room. `asker` is not asked.
+  /// Throws ClError, with CL_MEM_OBJECT_ALLOCATION_FAILURE where the budget has no room. `asker` is left out.
   BufferHandle makeBuffer(cl_mem_flags flags, std::size_t bytes, const MemoryBudget::Sharer* asker = nullptr) const;
-  /// In the host's memory, to be mapped once and for all: kernels write to it over the bus, and the host sees that when
+  /// In host memory, to be mapped once and for all: kernels write to it over the bus, and the host sees that when
   /// the queue has been waited for. Only with hostBuffers().
   BufferHandle makeHostBuffer(std::size_t bytes) const;
   bool hostBuffers() const { return createHostBuffer_ != nullptr; }

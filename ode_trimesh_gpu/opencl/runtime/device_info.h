@@ -18,8 +18,8 @@ struct DeviceInfo {
   bool doubles = false;      ///< double arithmetic that rounds as IEEE 754 says, fma and denormals included
   bool longAtomics = false;  ///< 64-bit atomics: add, exchange, minimum and maximum
   bool warps =
-      false;  ///< 32 work-items run in step and can ask for their maximum: NVIDIA's compute capability 8 and up
-  bool hostBuffers = false;    ///< kernels can write to the host's memory (cl_nv_create_buffer)
+      false;  ///< 32 work-items run in step and can compute their maximum: NVIDIA's compute capability 8 and up
+  bool hostBuffers = false;    ///< kernels can write to host memory (cl_nv_create_buffer)
   bool registerLimit = false;  ///< the compiler takes a limit of registers (cl_nv_compiler_options)
   std::uint32_t computeUnits = 0;
   std::uint64_t globalMemory = 0, largestAllocation = 0, localMemory = 0;  ///< bytes
@@ -28,14 +28,14 @@ struct DeviceInfo {
 
 const char* nameOf(DeviceKind kind);
 
-/// All devices of all platforms; empty where there is no OpenCL. A platform or device that cannot be asked is left out,
+/// All devices of all platforms; empty where there is no OpenCL. A platform or device that gives no reply is left out,
 /// and that is logged.
 std::vector<DeviceInfo> listDevices();
 
 /// In a child of fork() whose parent has loaded OpenCL: there are no devices any more.
 bool areDevicesLost() noexcept;
 
-/// Number of the device that is used when none is asked for, or -1 when none is usable. The environment variable
+/// Number of the device that is used when none is requested, or -1 when none is usable. The environment variable
 /// OTG_OPENCL_DEVICE chooses: a number as listed, a part of the name (case does not matter), or "none". Without it: the
 /// first GPU, else the first accelerator, else the first CPU.
 int defaultDevice(const std::vector<DeviceInfo>& devices);

@@ -30,7 +30,7 @@ class Arguments {
   cl_uint index_ = 0;
 };
 
-/// Times of what was enqueued, by stage, from the device's own clock. Off unless asked for: events cost time.
+/// Times of what was enqueued, by stage, from the device's own clock. Off unless requested: events cost time.
 class Profile {
  public:
   enum Stage {

@@ -14,10 +14,10 @@ using LogSink = std::function<void(const std::string& line)>;
 /// Replaces the sink, which is stderr by default; an empty function restores that.
 void setLogSink(LogSink sink);
 
-/// Tells of a failed call, once for each (call, code) of the process; counts every one.
+/// Reports a failed call, once for each (call, code) of the process; counts every one.
 void logFailure(const char* call, int code, const std::string& detail);
 
-/// Tells something else, as it is.
+/// Logs another line, as it is.
 void logLine(const std::string& text);
 /// The same, but of equal texts only the first.
 void logLineOnce(const std::string& text);

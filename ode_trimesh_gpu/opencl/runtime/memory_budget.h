@@ -80,7 +80,7 @@ class MemoryBudget {
   std::vector<Sharer*> sharers_;
 };
 
-/// Bytes of a budget that somebody has taken; given back when this goes.
+/// Bytes of a budget that a sharer has taken; given back when this goes.
 class MemoryShare {
  public:
   MemoryShare() = default;

@@ -20,7 +20,7 @@ class PinnedBuffer {
   ~PinnedBuffer();
 
   /// Room for `bytes`; what was there is lost if it has to grow. `queue` has to live as long as this.
-  /// `forKernels`: in the host's memory also for kernels, where the device can (Context::hostBuffers).
+  /// `forKernels`: in host memory also for kernels, where the device can (Context::hostBuffers).
   void reserve(Context& context, cl_command_queue queue, std::size_t bytes, bool forKernels = false);
   cl_mem get() const { return buffer_.get(); }
   std::byte* data() const { return data_; }

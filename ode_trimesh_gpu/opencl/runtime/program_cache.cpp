@@ -51,7 +51,7 @@ std::optional<Bytes> ProgramCache::load(const std::string& key) const {
   Head head;
   in.seekg(0);
   if (size < sizeof head || !in.read(reinterpret_cast<char*>(&head), sizeof head)) return std::nullopt;
-  // The sizes are compared before memory is asked for: a damaged file may say anything.
+  // The sizes are compared before memory is allocated: a damaged file may say anything.
   if (std::memcmp(head.magic, kMagic, sizeof kMagic) != 0 || head.keySize != key.size() ||
       head.programSize != size - sizeof head - key.size() || size < sizeof head + key.size()) {
     return std::nullopt;

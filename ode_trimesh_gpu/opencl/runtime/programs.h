@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The programs of one context: built when first asked for, from the cache on disk where that has them.
+// The programs of one context: built when first requested, from the cache on disk where that has them.
 #pragma once
 
 #include <map>
@@ -24,8 +24,8 @@ class Programs {
 
   /// Says that what the device gives does not suffice for a program: get() throws this from now on.
   void giveUp(const std::string& name, const std::string& options, const ClError& why);
-  /// Whether some program whose name begins with this could not be built, or was given up. What it is for is the
-  /// host's then.
+  /// Whether some program whose name begins with this could not be built, or was given up. What it is for runs on the
+  /// CPU then.
   bool hasFailed(const std::string& beginning) const;
   /// How many could not.
   std::size_t failedCount() const;

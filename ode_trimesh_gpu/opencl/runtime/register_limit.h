@@ -9,7 +9,7 @@
 
 namespace otg::opencl {
 
-/// The limit that the options of a program ask for (-cl-nv-maxrregcount=N), or 0.
+/// The limit that the options of a program request (-cl-nv-maxrregcount=N), or 0.
 unsigned registerLimitOf(const std::string& options);
 
 /// A program binary in which every kernel has at most so many registers, where the binary is the text of PTX. NVIDIA's

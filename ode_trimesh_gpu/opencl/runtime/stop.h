@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Telling a thread that opens a device to stop. A driver's compiler cannot be interrupted, so the thread looks between
+// Stopping a thread that opens a device. A driver's compiler cannot be interrupted, so the thread looks between
 // the programs that it builds.
 #pragma once
 

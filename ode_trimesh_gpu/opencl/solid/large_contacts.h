@@ -13,7 +13,7 @@
 
 namespace otg::opencl {
 
-/// What is asked of the pair of a query.
+/// What is requested of the pair of a query.
 otg_overlap_task overlapTask(const Query& query);
 
 /// Part of one lane. Functions throw ClError.

@@ -64,7 +64,7 @@ class LargeStage {
   cl_mem results() const { return out_.get(); }
   std::uint32_t unitRoom() const { return static_cast<std::uint32_t>(out_.places() - headBytes() / 16); }
   std::uint32_t tableRoom() const { return cells_.places(); }
-  /// As endHead says, where somebody else has read the totals.
+  /// As endHead says, where another caller has read the totals.
   bool fits(const otg_overlap_totals& totals);
   /// After endHead: reads what was not read yet.
   void readRest(cl_command_queue queue, Profile& profile);

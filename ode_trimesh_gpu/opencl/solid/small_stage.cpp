@@ -54,7 +54,7 @@ SmallStage::SmallStage(Context& context, const Tuning& tuning)
   if (sizes > 1) {
     sizes_.push_back({small,
                       hitsFor(context, small, tuning.solidHits),
-                      // Only the large ones gather points and planes, as the host does from these numbers on.
+                      // Only the large ones gather points and planes, as the CPU does from these numbers on.
                       std::clamp<std::uint32_t>(tuning.solidPoints, 96, OTG_SOLID_MOST_POINTS),
                       std::clamp<std::uint32_t>(tuning.solidFaces, 16, OTG_SOLID_MOST_PLANES),
                       OTG_SOLID_LARGE_BINS,

@@ -31,17 +31,17 @@ class SmallStage {
     std::uint32_t hitPlaces;
     cl_mem records, states, reductions;
     std::size_t groups;
-    std::byte* flags;      ///< gets the flags of the pairs, as far as their regions and ways out tell; may be null
+    std::byte* flags;      ///< gets the flags of the pairs, as far as their regions and ways out show; may be null
     EventHandle* flagged;  ///< then: when they are there
     /// Directions of deep regions, three doubles a pair: those of the last query, and where those of this one go; both
     /// may be null.
     const std::byte* directionsBefore;
     std::byte* directions;
   };
-  /// After a batch: the records of the pairs that are left to the host, where each has its hits side by side. False if
+  /// After a batch: the records of the pairs that are left to the CPU, where each has its hits side by side. False if
   /// there was no room for them: then all records have to be looked at.
   bool readLeft(cl_command_queue queue, const otg_uint* counters, Answer& answer);
-  /// The hits of each pair with the ends of their chords, in stretches of which otg_pair_state tells.
+  /// The hits of each pair with the ends of their chords, in stretches that otg_pair_state gives.
   const DeviceList& hits() const { return sorted_; }
   /// Everything from the hits on, up to lists of contacts and their places in `chosen`.
   void enqueue(cl_command_queue queue, const Batch& batch, Reducer& reducer, const ChosenBuffer& chosen,
