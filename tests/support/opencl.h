@@ -17,6 +17,7 @@
 #include "support/catch.h"
 #include "support/contact_samples.h"
 #include "support/draw.h"
+#include "support/make_query.h"
 
 namespace otg::test {
 
@@ -26,14 +27,6 @@ inline std::shared_ptr<opencl::Backend> openBackend(const opencl::Tuning& tuning
 
 inline std::shared_ptr<const CollisionMesh> collisionMesh(const scenes::MeshArrays& arrays) {
   return std::make_shared<CollisionMesh>(scenes::build(arrays), BuildStrategy::kSah);
-}
-
-inline Query makeQuery(const CollisionMesh& a, const CollisionMesh& b, const Transformd& bInA) {
-  Query query;
-  query.a = &a;
-  query.b = &b;
-  query.bInA = bInA;
-  return query;
 }
 
 /// To the last bit, the signs of zeros included.

@@ -7,8 +7,10 @@
 #include "collide/stages.h"
 #include "scenes/generated_meshes.h"
 #include "support/catch.h"
+#include "support/make_query.h"
 
 using namespace otg;
+using otg::test::makeQuery;
 
 namespace {
 
@@ -20,7 +22,8 @@ scenes::MeshArrays wedge(float half) {
     mesh.vertices.push_back({x, -0.25f, 1});
     mesh.vertices.push_back({x, 0.25f, 1});
   }
-  mesh.triangles = {{{0, 1, 2}}, {{3, 5, 4}}, {{0, 4, 1}}, {{0, 3, 4}}, {{0, 5, 3}}, {{0, 2, 5}}, {{1, 5, 2}}, {{1, 4, 5}}};
+  mesh.triangles = {{{0, 1, 2}}, {{3, 5, 4}}, {{0, 4, 1}}, {{0, 3, 4}},
+                    {{0, 5, 3}}, {{0, 2, 5}}, {{1, 5, 2}}, {{1, 4, 5}}};
   return mesh;
 }
 
@@ -38,10 +41,7 @@ TEST_CASE("Edges that cross at a tiny angle touch at the ends of the stretch tha
     Transformd back = pose;
     back.t = otgScale(otgRotateBack(pose, pose.t), -1.0);
     for (const bool swap : {false, true}) {
-      Query query;
-      query.a = swap ? &lower : &upper;
-      query.b = swap ? &upper : &lower;
-      query.bInA = swap ? back : pose;
+      Query query = swap ? makeQuery(lower, upper, back) : makeQuery(upper, lower, pose);
       query.options.contacts = ContactModel::kSolid;
       query.options.solid.convexPath = true;
       Workspace workspace;

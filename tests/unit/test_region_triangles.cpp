@@ -8,21 +8,14 @@
 #include "collide/stages.h"
 #include "scenes/generated_meshes.h"
 #include "support/catch.h"
+#include "support/make_query.h"
 
 using namespace otg;
+using otg::test::makeQuery;
 
 namespace {
 
 constexpr Transformd kSame{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-
-Query queryOf(const CollisionMesh& a, const CollisionMesh& b, const Transformd& pose) {
-  Query query;
-  query.a = &a;
-  query.b = &b;
-  query.bInA = pose;
-  query.options.contacts = ContactModel::kSolid;
-  return query;
-}
 
 /// One region of all triangles of both meshes.
 OverlapRegions wholeMeshes(const PlacedMeshes& meshes) {
@@ -51,7 +44,7 @@ TEST_CASE("faces of one mesh are curved by their neighbours in that mesh alone")
   const CollisionMesh ball(scenes::build(scenes::makeSphere(1, 3)), BuildStrategy::kSah);
   const CollisionMesh box(scenes::build(scenes::makeBox({2, 2, 2})), BuildStrategy::kSah);
   for (const bool ballFirst : {true, false}) {
-    const Query query = ballFirst ? queryOf(ball, box, kSame) : queryOf(box, ball, kSame);
+    const Query query = ballFirst ? makeQuery(ball, box, kSame) : makeQuery(box, ball, kSame);
     const PlacedMeshes meshes(query);
     const OverlapRegions all = wholeMeshes(meshes);
     RegionTriangles triangles(all.memory);
@@ -77,7 +70,8 @@ TEST_CASE("a pair remembers the direction of a deep region, and of no other") {
   const CollisionMesh ball(scenes::build(scenes::makeSphere(1, 3)), BuildStrategy::kSah);
   for (const auto& [height, isDeep] : {std::pair{1.9, false}, {0.5, true}, {1.95, false}}) {
     SolidHistory history;
-    Query query = queryOf(ball, ball, {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0.03, 0.02, height}});
+    Query query = makeQuery(ball, ball, {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0.03, 0.02, height}});
+    query.options.contacts = ContactModel::kSolid;
     query.history = &history;
     Workspace workspace;
     collide(query, workspace);

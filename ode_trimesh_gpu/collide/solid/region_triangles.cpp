@@ -16,7 +16,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSameNormal = OTG_UNEVEN_SAME_NORMAL;
 constexpr double kSurely = OTG_UNEVEN_SURELY;
 constexpr double kBoundsError = 1e-9;  ///< of a triangle's size: OTG_ON_TRIANGLE and what rounds
-constexpr double kFirstRadius = 1.0 / 64, kSameLength = 2, kNextRadius = 4;  ///< of radii within which the shortest way is looked for
+/// Radii within which the shortest way is looked for: of the longest way, of the way before, and of the last radius.
+constexpr double kFirstRadius = 1.0 / 64, kSameLength = 2, kNextRadius = 4;
 constexpr std::size_t kNoSlot = ~std::size_t{0};
 
 }  // namespace
