@@ -282,21 +282,23 @@ TEST_CASE("the device makes the contacts of boxes in a valley that have a wedge 
 TEST_CASE("contacts of a batch that contradict each other come out as on the CPU") {
   const MeshList meshes = {collisionMesh(makeBowl(1, 0.1, 16, 8)), collisionMesh(makeGear(12, 1, 0.2, 0.4, 0.3))};
   std::vector<Query> queries;
+  std::vector<int> found;
   Workspace workspace;
-  for (Query& query : touching(meshes, 6, 6000, 0.1, 0.5)) {
+  for (const Query& query : touching(meshes, 6, 6000, 0.1, 0.5)) {
     findIntersectingPairs(query, workspace);
     if (!solidContacts(query, workspace) || !contradict(workspace.contacts)) continue;
-    if (queries.size() % 8 == 0) {  // no room for all that the device finds
-      query.options.maxContacts = 2 + static_cast<int>(workspace.contacts.size()) / 2;
-    }
+    found.push_back(static_cast<int>(workspace.contacts.size()));
     queries.push_back(query);
   }
-  const std::vector<std::vector<Contact>> expected = onHost(queries);
   const auto backend = openBackend();
   REQUIRE(backend);
-  const std::size_t byDevice = checkBatch(*backend, queries, expected);
-  INFO(byDevice << " of " << queries.size());
-  if (backend->device().doubles) CHECK(byDevice > 1);
+  for (const int missing : {0, 1, 3, 5, 8}) {  // places, of some: the device drops contacts
+    for (std::size_t i = 0; i < queries.size(); ++i) queries[i].options.maxContacts = std::max(1, found[i] - missing);
+    INFO(missing << " contacts have no place");
+    const std::size_t byDevice = checkBatch(*backend, queries, onHost(queries));
+    INFO(byDevice << " of " << queries.size());
+    if (backend->device().doubles) CHECK((byDevice > 1) == (missing == 0));
+  }
 }
 
 TEST_CASE("a batch of solids does not depend on the sizes of lists and work-groups") {

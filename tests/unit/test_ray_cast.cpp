@@ -2,6 +2,7 @@
 // Rays against a mesh by its tree, and against every triangle tried one by one.
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/vectors.h"
 #include "collide/inside_test.h"
@@ -29,10 +30,35 @@ std::vector<RayHit> oneByOne(const TriMesh& mesh, const LongRay& ray) {
   return hits;
 }
 
+/// Hits that follow each other closely on one side, each of them at a triangle that has a corner with an earlier one,
+/// are one: a slow way to what castRay() gives. `hits`: as oneByOne() lists them.
+std::vector<RayHit> merged(const TriMesh& mesh, const std::vector<RayHit>& hits) {
+  const double same = 1e-9 * static_cast<double>(mesh.radius());
+  std::vector<RayHit> kept;
+  std::vector<std::set<std::uint32_t>> corners;  // of each that is kept, of all its triangles
+  for (const RayHit& hit : hits) {
+    std::set<std::uint32_t> own;
+    for (const std::uint32_t v : mesh.triangles()[hit.triangle].v) own.insert(mesh.topology().weld[v]);
+    std::size_t i = kept.size();
+    for (; i > 0 && hit.distance - kept[i - 1].distance <= same; --i) {
+      const auto isShared = [&](std::uint32_t v) { return corners[i - 1].count(v) > 0; };
+      if (kept[i - 1].back == hit.back && std::any_of(own.begin(), own.end(), isShared)) break;
+    }
+    if (i > 0 && hit.distance - kept[i - 1].distance <= same) {
+      kept[i - 1].triangle = std::min(kept[i - 1].triangle, hit.triangle);
+      corners[i - 1].insert(own.begin(), own.end());
+    } else {
+      kept.push_back(hit);
+      corners.push_back(own);
+    }
+  }
+  return kept;
+}
+
 }  // namespace
 
 TEST_CASE("the hit of a ray is that of all triangles tried one by one, whatever the tree") {
-  std::size_t hit = 0, missed = 0, tied = 0;
+  std::size_t hit = 0, missed = 0, tied = 0, several = 0, joined = 0;
   for (const auto& [name, mesh] : meshesToHit()) {
     const CollisionMesh sah(mesh, BuildStrategy::kSah), mean(mesh, BuildStrategy::kMeanSplit);
     const std::size_t count = std::clamp<std::size_t>(800000 / (mesh->triangleCount() + 1), 16, 1600);
@@ -62,8 +88,9 @@ TEST_CASE("the hit of a ray is that of all triangles tried one by one, whatever 
         castRay(sah, cast, all);
         castRay(mean, cast, again);
         CHECK(all == again);
-        CHECK(all.empty() == expected.empty());
-        if (!all.empty()) CHECK(all[0].distance == first.distance);
+        if (expected.size() < 100 || number % 32 == 0) CHECK(all == merged(*mesh, expected));
+        several += all.size() > 2;
+        joined += all.size() < expected.size();
       }
       ++number;
       REQUIRE(wrong < 5);
@@ -72,6 +99,8 @@ TEST_CASE("the hit of a ray is that of all triangles tried one by one, whatever 
   CHECK(hit > 5000);
   CHECK(missed > 5000);
   CHECK(tied > 1000);
+  CHECK(several > 100);
+  CHECK(joined > 100);
 }
 
 TEST_CASE("the way out of a solid along a ray that grazes triangles is the same with every tree") {
