@@ -105,7 +105,8 @@ Json fallsOf(const CertificateFamily& family, const CertificateOptions& options)
   int thrown[2] = {0, 0};
   Json numbers = Json::array();
   for (int i = options.first; i < options.first + options.members; ++i) {
-    const std::optional<CertificateMember> member = certificateMember(family, options.seed, i);
+    std::optional<CertificateMember> member = certificateMember(family, options.seed, i);
+    if (member && options.open) member = truth::withOpenHost(*member);
     if (!member) continue;
     truth::FallConditions conditions = truth::fallConditions(i);
     for (const std::size_t form : {0, 1}) {
@@ -213,6 +214,7 @@ int benchCertificate(const CertificateOptions& options) {
     document["bench"] = "contacts";
     document["seed"] = options.seed;
     document["form"] = options.form;
+    if (options.falls) document["open"] = options.open;
     document["tables"] = {{options.falls ? "falls" : "certificate", rows}};
     printJson(document);
   } else if (options.falls) {

@@ -16,6 +16,7 @@ struct CertificateOptions {
   std::string form = "own";  ///< own: the library's geoms; override, stock: dTriMesh with and without the library
   std::uint32_t seed = 1;
   bool falls = false;  ///< instead of single queries: the pairs stepped, beside stock dTriMesh
+  bool open = false;   ///< of the worlds: hosts without the triangles in the sides of their bounding boxes
   bool json = false;
 };
 

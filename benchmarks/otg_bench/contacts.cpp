@@ -288,9 +288,13 @@ void addBenchContacts(CLI::App& bench, Action& action) {
   add("--places", options->certificates.places, "Most contacts of a pair")->check(CLI::Range(1, 65535));
   add("--form", options->certificates.form, "Of the meshes: geoms of this library, dTriMesh taken over by it, or stock")
       ->check(CLI::IsMember({"own", "override", "stock"}));
-  command->add_flag("--falls", options->certificates.falls,
-                    "Instead: these pairs stepped for 2 s under gravity, beside stock dTriMesh")
-      ->needs(certificate);
+  CLI::Option* falls = command->add_flag("--falls", options->certificates.falls,
+                                         "Instead: these pairs stepped for 2 s under gravity, beside stock dTriMesh");
+  falls->needs(certificate);
+  command
+      ->add_flag("--open", options->certificates.open,
+                 "Of these worlds: hosts that lost their triangles in the sides of their bounding boxes")
+      ->needs(falls);
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

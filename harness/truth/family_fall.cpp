@@ -8,6 +8,7 @@
 #include <cstdarg>
 #include <random>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "base/vectors.h"
@@ -39,6 +40,23 @@ dMass massOf(const scenes::MeshArrays& mesh, Vec3d& center) {
   dMassTranslate(&mass, -center.x, -center.y, -center.z);
   std::fill(mass.c, mass.c + 3, dReal{0});
   return mass;
+}
+
+/// ODE's dTriMesh stops the program where many vertices are of no triangle.
+void dropUnusedVertices(scenes::MeshArrays& mesh) {
+  constexpr std::uint32_t kUnused = ~0U;
+  std::vector<std::uint32_t> place(mesh.vertices.size(), kUnused);
+  std::vector<Vec3f> used;
+  for (Triangle& triangle : mesh.triangles) {
+    for (std::uint32_t& v : triangle.v) {
+      if (place[v] == kUnused) {
+        place[v] = static_cast<std::uint32_t>(used.size());
+        used.push_back(mesh.vertices[v]);
+      }
+      v = place[v];
+    }
+  }
+  mesh.vertices = std::move(used);
 }
 
 class FallingMover {
@@ -143,6 +161,35 @@ FallConditions fallConditions(int number) {
   conditions.quick = number / 2 % 2 == 1;
   conditions.seed = static_cast<std::uint32_t>(number);
   return conditions;
+}
+
+std::optional<CertificateMember> withOpenHost(const CertificateMember& member) {
+  const scenes::MeshArrays& host = member.a.mesh;
+  if (member.a.shape || host.vertices.empty()) return {};
+  const auto inSide = [](const Vec3f& v, int side, const Vec3f& low, const Vec3f& high) {
+    const float at[3] = {v.x, v.y, v.z}, lows[3] = {low.x, low.y, low.z}, highs[3] = {high.x, high.y, high.z};
+    const float slack = 1e-4F * (highs[side / 2] - lows[side / 2]);
+    return side % 2 == 0 ? at[side / 2] <= lows[side / 2] + slack : at[side / 2] >= highs[side / 2] - slack;
+  };
+  Vec3f low = host.vertices[0], high = low;
+  for (const Vec3f& v : host.vertices) {
+    low = {std::min(low.x, v.x), std::min(low.y, v.y), std::min(low.z, v.z)};
+    high = {std::max(high.x, v.x), std::max(high.y, v.y), std::max(high.z, v.z)};
+  }
+  CertificateMember open = member;
+  std::erase_if(open.a.mesh.triangles, [&](const Triangle& t) {
+    for (int side = 0; side < 6; ++side) {
+      if (std::all_of(t.v, t.v + 3, [&](std::uint32_t v) { return inSide(host.vertices[v], side, low, high); })) {
+        return true;
+      }
+    }
+    return false;
+  });
+  const std::size_t left = open.a.mesh.triangles.size();
+  if (left == 0 || left == host.triangles.size()) return {};
+  dropUnusedVertices(open.a.mesh);
+  open.what += "; the host is open";
+  return open;
 }
 
 Fall fall(const CertificateMember& member, const FallConditions& conditions) {

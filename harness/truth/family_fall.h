@@ -19,6 +19,10 @@ struct FallConditions {
 /// Both steppers and two time steps in turn.
 FallConditions fallConditions(int number);
 
+/// The same pair with an open host: one that lost all triangles that lie in a side of its bounding box. What is left
+/// are inner walls without a body behind them. None if nothing or all of it lies there, or if the host is a shape.
+std::optional<CertificateMember> withOpenHost(const CertificateMember& member);
+
 /// What happened to a mover in its host, which is static.
 struct Fall {
   double gain = 0;   ///< largest rise of the mover's energy in one step: of its weight times its size
