@@ -23,6 +23,7 @@ const CLI::App& innermost(const CLI::App& app) {
 }
 
 /// For each word that no command or option of the program has: which one is meant.
+/// A command that is like none is named alone.
 void suggest(const CLI::App& app) {
   const CLI::App& command = innermost(app);
   std::set<std::string> options, commands;
@@ -34,7 +35,11 @@ void suggest(const CLI::App& app) {
     const std::string word = given.substr(0, given.find('='));
     const bool isOption = word.rfind("--", 0) == 0;
     const std::string meant = scenes::nearestWord(word, isOption ? options : commands, word.size() / 3 + 1);
-    if (!meant.empty()) std::fprintf(stderr, "'%s': did you mean '%s'?\n", word.c_str(), meant.c_str());
+    if (!meant.empty()) {
+      std::fprintf(stderr, "'%s': did you mean '%s'?\n", word.c_str(), meant.c_str());
+    } else if (!isOption && !commands.empty()) {
+      std::fprintf(stderr, "'%s' is no command\n", word.c_str());
+    }
     if (!isOption) break;  // what follows a command that is not known may be anything
   }
 }

@@ -15,7 +15,8 @@ class Usage(CliTest):
     def test_wrong_usage_is_2(self):
         mesh = self.writeBox()
         self.assert_fails(2)
-        self.assert_fails(2, "frobnicate")
+        self.assert_fails(2, "frobnicate", says="'frobnicate' is no command")
+        self.assert_fails(2, "bench", "frobnicate", says="'frobnicate' is no command")
         self.assert_fails(2, "check")
         self.assert_fails(2, "check", mesh, "--frobnicate", says="frobnicate")
 
