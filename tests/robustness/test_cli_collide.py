@@ -102,6 +102,12 @@ class Collide(CliTest):
         text = self.run_otg("collide", small, large, "--pose", "0.4,0.1,0.2,1,0,0,0").stdout
         self.assertEqual(text.count("  contained\n"), len(inner["contacts"]))
         self.assertNotIn("remarks", self.run_otg("collide", small, large, "--pose", "2.4,0.1,0.2,1,0,0,0").stdout)
+        # Two bars through each other: their surfaces contradict, so depths are cut.
+        bars = self.writeBox("x.ply", size=(4, 0.3, 0.3)), self.writeBox("y.ply", size=(0.3, 4, 0.3))
+        crossed = self.run_json("collide", *bars, "--pose", "0.01,0.02,0.015,1,0,0,0")["contacts"]
+        self.assertTrue(crossed and all(contact["clamped"] for contact in crossed))
+        text = self.run_otg("collide", *bars, "--pose", "0.01,0.02,0.015,1,0,0,0").stdout
+        self.assertEqual(text.count("  clamped\n"), len(crossed))
         pairwise = self.run_json("collide", small, large, "--pose", "2.4,0.1,0.2,1,0,0,0", "--contacts", "pairwise")
         for contact in pairwise["contacts"]:
             self.assertEqual((contact["coherence"], contact["vertices"]), (None, []))
@@ -270,6 +276,24 @@ class Collide(CliTest):
             self.assertEqual(self.run_json("collide", a, b, *words)["hash"], expected["hash"])
             self.assertEqual(self.run_otg("pairs", a, b, *words, "--out", "-").stdout,
                              self.run_otg("pairs", mesh, mesh, *words, "--out", "-").stdout)
+        for name, mesh_file in (("cooked", "lump.otg"), ("plain", mesh)):
+            pairs = {"meshes": [mesh_file], "pairs": [[0, 0, words[1]]]}
+            scene = {"steps": 3, "meshes": {"lump": {"file": mesh_file}}, "bodies": [{"name": "lump", "mesh": "lump"}]}
+            self.write(name + "_pairs.json", json.dumps(pairs))
+            self.write(name + "_scene.json", json.dumps(scene))
+        self.write("field.json", '{"size": [4, 4], "generate": "flat"}')
+        for command in (["batch", "%s_pairs.json"], ["simulate", "%s_scene.json"]):
+            plain, cooked = ([command[0], self.path(command[1] % name)] for name in ("plain", "cooked"))
+            self.assertEqual(self.run_json(*cooked)["hash"], self.run_json(*plain)["hash"])
+        on_field = [self.run_json("collide", file, "field.json", "--pose", "0,0,-0.5,1,0,0,0")
+                    for file in ("lump.otg", mesh)]
+        self.assertGreater(len(on_field[0]["contacts"]), 0)
+        self.assertEqual(on_field[0]["hash"], on_field[1]["hash"])
+        # A cooked mesh adds its triangles in an order of its own, so the last digits differ.
+        self.assertAlmostEqual(self.run_json("check", "lump.otg")["volume"], self.run_json("check", mesh)["volume"], 12)
+        self.run_otg("cook", "lump.otg", "-o", "again.otg")
+        with open(self.path("lump.otg"), "rb") as file, open(self.path("again.otg"), "rb") as again:
+            self.assertEqual(file.read(), again.read())
         with open(self.path("lump.otg"), "r+b") as file:
             file.truncate(1000)
         self.assert_fails(1, "collide", "lump.otg", mesh, *words, says="lump.otg: ")
