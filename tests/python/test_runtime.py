@@ -4,7 +4,6 @@
 import importlib.metadata
 import importlib.resources
 import os
-import signal
 import subprocess
 import sys
 import sysconfig
