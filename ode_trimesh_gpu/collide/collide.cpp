@@ -5,6 +5,7 @@
 #include "collide/consistent_contacts.h"
 #include "collide/contact_order.h"
 #include "collide/convex/convex_pair_contacts.h"
+#include "collide/pair_history.h"
 #include "collide/pairwise/reduction.h"
 #include "collide/query.h"
 #include "collide/shell/shell_contacts.h"
@@ -41,7 +42,10 @@ void collideIntersecting(const Query& query, Workspace& workspace) {
 void finishContacts(const Query& query, Workspace& workspace) {
   // In the order in which devices leave them: sums round by it.
   std::sort(workspace.contacts.begin(), workspace.contacts.end(), contactDeeper);
-  makeConsistent(workspace.contacts);
+  const MotionLimit limit(query);
+  keepDeepest(query, limit.deepest(workspace.contacts));
+  limit.cut(workspace.contacts);
+  makeConsistent(workspace.contacts, smallerRadius(query));
   limitContacts(workspace.contacts, query.options.maxContacts, workspace.reduced);
 }
 

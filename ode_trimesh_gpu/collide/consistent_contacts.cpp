@@ -19,8 +19,9 @@ namespace {
 
 /// How long the motion may be, in depths of the deepest contact. In an acute groove a translation is as long.
 constexpr double kLongest = OTG_UNEVEN_LONGEST;
-/// A rotation counts by so many times what it moves the contact that is farthest from the middle of all. Otherwise
-/// contacts that press a body from two sides would agree by a long turn about a place between them.
+/// A rotation counts by so many times what it moves the contact that is farthest from the middle of all. If it moves
+/// the body by more, that counts. Otherwise contacts that press a body from two sides would agree by a long turn about
+/// a place between them.
 constexpr double kTurn = 3;
 
 /// What a pair of some fifty contacts needs, without the heap.
@@ -52,8 +53,10 @@ bool agreePlainly(std::span<const Contact> contacts) {
 class Requests {
  public:
   /// `contacts` have a depth, one of them at least.
-  Requests(std::span<const Contact> contacts, std::pmr::memory_resource* memory)
+  Requests(std::span<const Contact> contacts, double size, std::pmr::memory_resource* memory)
       : frame_(contacts, memory), deepest_(deepestOf(contacts)), cone_(memory) {
+    const double radius = frame_.radius();
+    if (size > kTurn * radius && radius > 0) turn_ = size / radius;
     cone_.reserve(contacts.size());
   }
 
@@ -75,27 +78,27 @@ class Requests {
   Ray ray(const Contact& contact, bool isWhole) const {
     Ray r;
     r << frame_.wrench(contact), isWhole ? contact.depth / deepest_ : 0.0;
-    r.segment<3>(3) /= kTurn;
+    r.segment<3>(3) /= turn_;
     return r;
   }
 
   WrenchFrame frame_;
-  double deepest_;
+  double deepest_, turn_ = kTurn;
   ConvexCone<7> cone_;
 };
 
 }  // namespace
 
-bool contradict(std::span<const Contact> contacts) {
+bool contradict(std::span<const Contact> contacts, double size) {
   if (contacts.size() < 2 || agreePlainly(contacts) || !(deepestOf(contacts) > 0)) return false;
   StackMemory memory;
-  Requests all(contacts, memory.resource());
+  Requests all(contacts, size, memory.resource());
   for (const Contact& c : contacts) all.add(c, true);
   return !all.areSatisfiable();
 }
 
-void makeConsistent(std::vector<Contact>& contacts) {
-  if (!contradict(contacts)) return;
+void makeConsistent(std::vector<Contact>& contacts, double size) {
+  if (!contradict(contacts, size)) return;
   StackMemory memory;
   std::pmr::vector<std::uint32_t> order(contacts.size(), memory.resource());
   std::iota(order.begin(), order.end(), 0U);
@@ -108,7 +111,7 @@ void makeConsistent(std::vector<Contact>& contacts) {
   const auto end = std::find_if(order.begin(), order.end(), [&](std::uint32_t i) { return !(contacts[i].depth > 0); });
   const auto deep = static_cast<std::uint32_t>(end - order.begin());
   // Each of those with a depth starts by requesting that the two come no closer there: to stay does for that.
-  Requests requests(contacts, memory.resource());
+  Requests requests(contacts, size, memory.resource());
   for (std::uint32_t k = 0; k < order.size(); ++k) {
     requests.add(contacts[order[k]], false);
     if (k >= deep) requests.disable(k);
@@ -124,8 +127,7 @@ void makeConsistent(std::vector<Contact>& contacts) {
     if (requests.areSatisfiable()) continue;
     if (k < deep) {
       requests.replace(k, c, false);
-      c.depth = 0;
-      c.flags |= kContactClamped;
+      cutDepth(c, 0);
     } else {
       requests.disable(k);
       isLeftOut[order[k]] = 1;

@@ -10,12 +10,13 @@
 namespace otg {
 
 /// Whether there is no short motion of the pair, translation and rotation, that takes every contact apart by its depth.
-/// So it is where a body is jammed between two walls. Whatever the order of contacts.
-bool contradict(std::span<const Contact> contacts);
+/// So it is where a body is jammed between two walls. Whatever the order of contacts. `size`: the radius of the smaller
+/// of the two, which a rotation moves even where all contacts are near its axis.
+bool contradict(std::span<const Contact> contacts, double size);
 
 /// Takes their depth from contacts that contradict deeper ones, and leaves out contacts without depth that contradict
 /// the rest. So some motion satisfies what is left. An exact solver of contact forces reacts to contradictions with
 /// forces of any size. The order of the contacts stays.
-void makeConsistent(std::vector<Contact>& contacts);
+void makeConsistent(std::vector<Contact>& contacts, double size);
 
 }  // namespace otg

@@ -20,6 +20,8 @@ class WrenchFrame {
                        std::pmr::memory_resource* memory = std::pmr::get_default_resource());
   /// [n, (p - c) x n / r]; the torque is zero when all positions are one point.
   Wrench wrench(const Contact& contact) const;
+  /// r, or 0 when all positions are one point.
+  double radius() const { return inverseRadius_ > 0 ? 1 / inverseRadius_ : 0; }
 
  private:
   Eigen::Vector3d center_ = Eigen::Vector3d::Zero();

@@ -2,8 +2,11 @@
 #include "collide/pair_history.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <limits>
 
+#include "base/hash.h"
 #include "base/vectors.h"
 
 namespace otg {
@@ -21,6 +24,15 @@ bool hasTurnedFar(const Transformd& from, const Transformd& to) {
   return trace < 2;
 }
 
+std::uint64_t contentOf(const Query& query) {
+  return spreadBits(query.a->mesh().contentHash()) ^ query.b->mesh().contentHash();
+}
+
+bool isLimitedByMotion(const Query& query) {
+  return query.history != nullptr && query.options.contacts == ContactModel::kSolid &&
+         !(isSolid(query.a->mesh()) && isSolid(query.b->mesh()));
+}
+
 }  // namespace
 
 bool isSolid(const TriMesh& mesh) {
@@ -32,8 +44,12 @@ Vec3d middleOfB(const Query& query, const Transformd& bInA) {
   return otgTransform(bInA, Vec3d{c.x, c.y, c.z});
 }
 
+double smallerRadius(const Query& query) {
+  return std::min(query.a->mesh().radius(), query.b->mesh().radius());
+}
+
 double smallerSize(const Query& query) {
-  return 2 * static_cast<double>(std::min(query.a->mesh().radius(), query.b->mesh().radius()));
+  return 2 * smallerRadius(query);
 }
 
 SolidHistory::State stateBefore(const Query& query) {
@@ -54,13 +70,57 @@ SolidHistory::State stateBefore(const Query& query) {
   return state;
 }
 
+SolidHistory::State oneQueryLater(const SolidHistory::State& before) {
+  SolidHistory::State state = before;
+  state.escapeLeft = std::max(0, state.escapeLeft - 1);
+  state.clampLeft = std::max(0, state.clampLeft - 1);
+  state.deepNormal = {0, 0, 0};
+  return state;
+}
+
 void keepState(const Query& query, const SolidHistory::State& before, SolidHistory::State state) {
   if (!query.history) return;
   state.pose = query.bInA;
   state.hasPose = true;
+  state.deepest = -1;
+  state.content = 0;
   query.history->before = before;
   query.history->current = state;
   query.history->used = true;
+}
+
+MotionLimit::MotionLimit(const Query& query) : pose_(query.bInA) {
+  if (!isLimitedByMotion(query)) return;
+  before_ = stateBefore(query);
+  isKnown_ = before_.hasPose && before_.deepest >= 0 && before_.content == contentOf(query);
+}
+
+double MotionLimit::operator()(const Contact& contact) const {
+  if (!isKnown_) return std::numeric_limits<double>::infinity();
+  const Vec3d ofB = otgRotateBack(pose_, otgSub(contact.position, pose_.t));
+  const Vec3d moved = otgSub(contact.position, otgTransform(before_.pose, ofB));
+  return before_.deepest + std::max(0.0, otgDot(contact.normal, moved));
+}
+
+void MotionLimit::cut(std::span<Contact> contacts) const {
+  if (!isKnown_) return;
+  for (Contact& contact : contacts) cutDepth(contact, (*this)(contact));
+}
+
+double MotionLimit::deepest(std::span<const Contact> contacts) const {
+  double deepest = 0;
+  for (const Contact& contact : contacts) deepest = std::max(deepest, std::min(contact.depth, (*this)(contact)));
+  return deepest;
+}
+
+bool MotionLimit::exceeds(std::span<const Contact> contacts) const {
+  return std::any_of(contacts.begin(), contacts.end(), [&](const Contact& c) { return c.depth > (*this)(c); });
+}
+
+void keepDeepest(const Query& query, double deepest) {
+  if (!isLimitedByMotion(query)) return;
+  query.history->current.deepest = deepest;
+  query.history->current.content = contentOf(query);
 }
 
 bool isSheet(const TriMesh& mesh) {

@@ -2,6 +2,8 @@
 // What two meshes are to each other, and what their pair remembers from query to query.
 #pragma once
 
+#include <span>
+
 #include "collide/query.h"
 
 namespace otg {
@@ -16,12 +18,38 @@ bool haveSolidContacts(const TriMesh& a, const TriMesh& b);
 
 /// Where B's middle lies in A's frame: relative motion is measured there.
 Vec3d middleOfB(const Query& query, const Transformd& bInA);
-/// The diameter of the smaller mesh.
+/// Of the smaller mesh, and twice that.
+double smallerRadius(const Query& query);
 double smallerSize(const Query& query);
 
 /// What a query starts from: what the pair remembers, as far as it still holds.
 SolidHistory::State stateBefore(const Query& query);
+/// What is left of it one query later, if that finds nothing.
+SolidHistory::State oneQueryLater(const SolidHistory::State& before);
 /// Leaves what the query found in query.history, if there is one.
 void keepState(const Query& query, const SolidHistory::State& before, SolidHistory::State state);
+
+/// How deep a contact of `solid` can be, by what the pair remembers. Where a mesh has no inside, a contact may lead all
+/// through the other one, as at a rim. The way back is shorter: it is no longer than the deepest contact of the last
+/// query, and what the place of the contact has moved against its normal since.
+class MotionLimit {
+ public:
+  explicit MotionLimit(const Query& query);
+  /// Infinity for two solids, and where the last query says nothing.
+  double operator()(const Contact& contact) const;
+  void cut(std::span<Contact> contacts) const;
+  /// What cut() leaves as the largest depth, 0 without contacts.
+  double deepest(std::span<const Contact> contacts) const;
+  /// Whether cut() changes something.
+  bool exceeds(std::span<const Contact> contacts) const;
+
+ private:
+  const Transformd& pose_;
+  SolidHistory::State before_;
+  bool isKnown_ = false;
+};
+/// Leaves MotionLimit::deepest() of the contacts in query.history, for the next query. After keepState(). Not of those
+/// that are less deep because they contradict others: that may be over with the next query.
+void keepDeepest(const Query& query, double deepest);
 
 }  // namespace otg

@@ -65,7 +65,7 @@ enum class ContactFeature : std::uint8_t {
 enum ContactFlag : std::uint8_t {
   kContactInside = 1,     ///< its vertex or middle lies inside the other solid (else on the other surface)
   kContactContained = 2,  ///< a whole component of one mesh lies inside the other
-  kContactClamped = 4     ///< the pair is entangled, and this depth was cut
+  kContactClamped = 4     ///< this depth was cut: the pair is entangled or jammed, or cannot have moved so far
 };
 
 struct Contact {
@@ -83,6 +83,12 @@ struct Contact {
   std::uint32_t ordinal = 0;
   double coherence = -1;  ///< of the region (solid/overlap_regions.h); -1 where the model has none
 };
+
+inline void cutDepth(Contact& contact, double most) {
+  if (!(contact.depth > most)) return;
+  contact.depth = most;
+  contact.flags |= kContactClamped;
+}
 
 struct CollideStats {
   std::uint64_t boxTests = 0;

@@ -34,6 +34,8 @@ struct SolidHistory {
     /// +1 where its normals lead, or -1; of another ground +1, and `front` is a point in front of it, in its own frame.
     int side = 0;
     Vec3d front{0, 0, 0};
+    double deepest = -1;        ///< contact of the last query, 0 without any; less if that bounds nothing
+    std::uint64_t content = 0;  ///< of both meshes then: once their triangles have moved, `deepest` bounds nothing
   };
   /// The direction that a convex pair had last: where to look first. No result depends on it, so it is not part of
   /// what is saved.

@@ -8,6 +8,7 @@
 #include "base/vectors.h"
 #include "collide/consistent_contacts.h"
 #include "collide/convex/convex_pair_contacts.h"
+#include "collide/pair_history.h"
 #include "collide/pairwise/reduction.h"
 #include "collide/solid/look_ahead.h"
 #include "collide/solid/region_refiner.h"
@@ -236,6 +237,9 @@ bool rimContacts(const Query& query, const ConvexShape& shape, Workspace& worksp
   filled.a = block.mesh.get();
   if (!regionContacts(filled, shape, workspace)) return false;
   for (Contact& contact : workspace.reduced) contact.triangleA = block.triangleOf[contact.triangleA];
+  const MotionLimit limit(query);
+  keepDeepest(query, limit.deepest(workspace.reduced));
+  limit.cut(workspace.reduced);
   return true;
 }
 
@@ -248,7 +252,14 @@ void convexContacts(const Query& query, const ConvexShape& shape, Workspace& wor
     findIntersectingPairs(query, workspace);
     pairwiseContacts(query, workspace);
     reduceContacts(query, workspace);
-    if (query.options.contacts == ContactModel::kSolid) makeConsistent(workspace.reduced);
+    if (query.options.contacts == ContactModel::kSolid) {
+      const SolidHistory::State before = stateBefore(query);
+      keepState(query, before, oneQueryLater(before));
+      const MotionLimit limit(query);
+      keepDeepest(query, limit.deepest(workspace.reduced));
+      limit.cut(workspace.reduced);
+      makeConsistent(workspace.reduced, smallerRadius(query));
+    }
   }
   for (Contact& contact : workspace.reduced) contact.triangleB = kNone;
 }

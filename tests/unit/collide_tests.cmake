@@ -18,6 +18,7 @@ otg_add_test(small_regions unit SOURCES test_small_regions.cpp LIBRARIES otg_sce
 otg_add_test(edge_pair unit SOURCES test_edge_pair.cpp LIBRARIES otg_scenes)
 otg_add_test(look_ahead unit SOURCES test_look_ahead.cpp LIBRARIES otg_scenes otg_truth)
 otg_add_test(solid_sheet unit SOURCES test_solid_sheet.cpp LIBRARIES otg_scenes)
+otg_add_test(motion_limit unit SOURCES test_motion_limit.cpp LIBRARIES otg_scenes)
 otg_add_test(shell_contacts unit SOURCES test_shell_contacts.cpp $<TARGET_OBJECTS:otg_test_ode_world> LIBRARIES otg_scenes otg_truth)
 otg_add_test(ray_cast unit SOURCES test_ray_cast.cpp LIBRARIES otg_scenes otg_queries)
 otg_add_test(thin_triangles unit SOURCES test_thin_triangles.cpp LIBRARIES otg_scenes otg_queries)

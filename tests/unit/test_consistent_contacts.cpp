@@ -60,7 +60,7 @@ double shortestMotion(std::span<const Contact> contacts, std::span<const Contact
 }
 
 std::vector<Contact> consistent(std::vector<Contact> contacts) {
-  makeConsistent(contacts);
+  makeConsistent(contacts, 0);
   return contacts;
 }
 
@@ -92,7 +92,7 @@ std::vector<Contact> wallContacts(Draw& draw) {
 
 TEST_CASE("a body that is jammed between two walls is asked to leave neither") {
   const std::vector<Contact> jammed{makeContact({0, 0, 0}, {1, 0, 0}, 0.01), makeContact({1, 0, 0}, {-1, 0, 0}, 0.004)};
-  CHECK(contradict(jammed));
+  CHECK(contradict(jammed, 0));
   CHECK(depths(consistent(jammed)) == std::vector<double>{0, 0});
   CHECK((consistent(jammed)[0].flags & kContactClamped) != 0);
   std::vector<Contact> onFloor = jammed;
@@ -110,16 +110,29 @@ TEST_CASE("what a short motion satisfies stays as it is") {
       {makeContact({0, 0, 0}, {0.866, 0, 0.5}, 0.01), makeContact({1, 0, 0}, {-0.866, 0, 0.5}, 0.01)},
       {makeContact({0, 0, 0}, {0.9914, 0, 0.1305}, 0.01), makeContact({1, 0, 0}, {-0.9914, 0, 0.1305}, 0.01)}};
   for (const std::vector<Contact>& contacts : all) {
-    CHECK_FALSE(contradict(contacts));
+    CHECK_FALSE(contradict(contacts, 0));
     CHECK(depths(consistent(contacts)) == depths(contacts));
   }
   CHECK(consistent({}).empty());
 }
 
+TEST_CASE("contacts from two sides near each other agree by a turn of a small body, not of a large one") {
+  // A tooth between two flanks: to make room for one, a turn about it moves the other end of the body.
+  std::vector<Contact> tooth{makeContact({0, 0, 0}, {0, 0, 1}, 0.001), makeContact({0.01, 0, 0}, {0, 0, -1}, 0)};
+  CHECK_FALSE(contradict(tooth, 0.01));
+  CHECK(contradict(tooth, 1));
+  makeConsistent(tooth, 1);
+  REQUIRE(tooth.size() == 1);
+  CHECK(tooth[0].depth == 0.001);
+  // One place has no lever.
+  const std::vector<Contact> point{makeContact({1, 1, 1}, {0, 0, 1}, 0.001), makeContact({1, 1, 1}, {0, 1, 0}, 0.001)};
+  CHECK_FALSE(contradict(point, 1));
+}
+
 TEST_CASE("a contact without depth that contradicts deeper ones is left out") {
   std::vector<Contact> contacts{makeContact({0, 0, 0}, {0, 0, 1}, 0.01), makeContact({0, 0, 1}, {0, 0, -1}, 0),
                                 makeContact({1, 0, 0}, {1, 0, 0}, 0)};
-  makeConsistent(contacts);
+  makeConsistent(contacts, 0);
   REQUIRE(contacts.size() == 2);
   CHECK(contacts[0].depth == 0.01);
   CHECK(contacts[1].normal.x == 1);
@@ -137,7 +150,7 @@ TEST_CASE("of random contacts a motion satisfies what is left, and no more could
     const double length = shortestMotion(before, before, 2 * kLongest);
     if (std::fabs(length - kLongest) < 1e-3) continue;  // on the limit
     INFO("round " << round << ", length " << length);
-    CHECK(contradict(before) == (length > kLongest));
+    CHECK(contradict(before, 0) == (length > kLongest));
     if (length <= kLongest) {
       CHECK(depths(after) == depths(before));
       continue;

@@ -71,10 +71,7 @@ class ShellContacts {
   /// Takes points of clipped triangles to the surface; drops those that are in front of it.
   void refine(std::vector<Contact>& contacts) const {
     std::erase_if(contacts, [&](Contact& c) { return c.element == kNone && !refine(c); });
-    for (Contact& c : contacts) {
-      if (c.depth > kDeepest * roles_.size) c.flags |= kContactClamped;
-      c.depth = std::min(c.depth, kDeepest * roles_.size);
-    }
+    for (Contact& c : contacts) cutDepth(c, kDeepest * roles_.size);
   }
 
  private:
@@ -118,18 +115,32 @@ class ShellContacts {
       most = std::max(most, heights[i]);
     }
     if (isRim(pair.b) && addRim(pair, corners, of, most)) return;
-    for (int i = 0; i < clipped.count; ++i) {
-      const ClippedTriangle::Corner& corner = clipped.corners[std::size_t(i)];
-      if (!corner.isCut || (most > surface_.slack() && heights[i] < kShallow * most)) continue;
+    const auto addPoint = [&](const Vec3d& point, double height, int ordinal) {
+      if (most > surface_.slack() && height < kShallow * most) return;
       Contact contact{};
-      contact.position = corner.point;
+      contact.position = point;
       contact.normal = front;
-      contact.depth = heights[i];
+      contact.depth = height;
       contact.triangleA = pair.a;
       contact.triangleB = pair.b;
       contact.feature = ContactFeature::kFaceB;
-      contact.ordinal = static_cast<std::uint32_t>(i);
+      contact.ordinal = static_cast<std::uint32_t>(ordinal);
       scratch_.contacts.push_back(contact);
+    };
+    Vec3d sum{0, 0, 0};
+    double sumOfHeights = 0;
+    int cutCount = 0;
+    for (int i = 0; i < clipped.count; ++i) {
+      const ClippedTriangle::Corner& corner = clipped.corners[std::size_t(i)];
+      sum = otgAdd(sum, corner.point);
+      sumOfHeights += heights[i];
+      if (!corner.isCut) continue;
+      ++cutCount;
+      addPoint(corner.point, heights[i], i);
+    }
+    // All corners may lie at the rim of what faces that way, where the surface beside it is near.
+    if (cutCount > 2 && cutCount == clipped.count) {
+      addPoint(otgScale(sum, 1.0 / clipped.count), sumOfHeights / clipped.count, 2 * ClippedTriangle::kMost);
     }
   }
 
@@ -278,15 +289,11 @@ void limitTogether(double deepest, std::vector<Contact>& contacts) {
   ShortestTranslation way;
   for (Contact* const c : deepestFirst) {
     if (way.add(c->normal, c->depth)) continue;
-    c->flags |= kContactClamped;
-    c->depth = 0;
+    cutDepth(*c, 0);
   }
   const double length = norm(way.value());
   if (length <= most) return;
-  for (Contact& c : contacts) {
-    if (c.depth > 0) c.flags |= kContactClamped;
-    c.depth *= most / length;
-  }
+  for (Contact& c : contacts) cutDepth(c, c.depth * (most / length));
 }
 
 void reduce(const CollideOptions& options, const ShellContacts& maker, std::vector<Contact>& contacts) {
@@ -320,14 +327,13 @@ void takePairs(const ShellRoles& roles, const std::vector<TrianglePair>& pairs, 
 
 void remember(const Query& query, const ShellRoles& roles, const SolidHistory::State& before, ShellApproach& approach,
               ShellState state, const std::vector<Contact>& contacts) {
-  if (query.history == nullptr || roles.kind == GroundKind::kSolid) return;
-  Vec3d sum{0, 0, 0};
-  for (const Contact& c : contacts) sum = otgAdd(sum, c.normal);
-  SolidHistory::State after = before;
-  after.escapeLeft = std::max(0, after.escapeLeft - 1);
-  after.clampLeft = std::max(0, after.clampLeft - 1);
-  after.deepNormal = {0, 0, 0};
-  approach.finish(state, !contacts.empty(), sum, after);
+  if (query.history == nullptr) return;
+  SolidHistory::State after = oneQueryLater(before);
+  if (roles.kind != GroundKind::kSolid) {
+    Vec3d sum{0, 0, 0};
+    for (const Contact& c : contacts) sum = otgAdd(sum, c.normal);
+    approach.finish(state, !contacts.empty(), sum, after);
+  }
   keepState(query, before, after);
 }
 
@@ -346,6 +352,7 @@ void shellContacts(const Query& query, Workspace& workspace) {
   ShellApproach approach(query, roles, before, scratch.sides, scratch.crossings);
   const ShellState state = approach.decide(!workspace.intersecting.empty());
   scratch.contacts.clear();
+  double deepest = 0;
   if (state != ShellState::kApart) {
     ShellContacts maker(roles, approach.surface(), scratch);
     if (state == ShellState::kMeeting) {
@@ -358,8 +365,13 @@ void shellContacts(const Query& query, Workspace& workspace) {
     }
     workspace.stats.contactsBeforeReduction = scratch.contacts.size();
     reduce(query.options, maker, scratch.contacts);
+    const MotionLimit limit(query);
+    for (Contact& c : scratch.contacts) {
+      cutDepth(c, limit(placed(query, roles, c)));
+      deepest = std::max(deepest, c.depth);
+    }
     limitTogether(kDeepest * roles.size, scratch.contacts);
-    makeConsistent(scratch.contacts);
+    makeConsistent(scratch.contacts, smallerRadius(query));
     if (state == ShellState::kMeeting && scratch.contacts.empty()) {
       addStops(roles, approach.surface(), scratch.pairs, scratch.contacts);
       if (query.options.reduction.method == Reduction::kBinning)
@@ -367,6 +379,7 @@ void shellContacts(const Query& query, Workspace& workspace) {
     }
   }
   remember(query, roles, before, approach, state, scratch.contacts);
+  keepDeepest(query, deepest);
   for (const Contact& c : scratch.contacts) workspace.contacts.push_back(placed(query, roles, c));
   limitContacts(workspace.contacts, query.options.maxContacts, workspace.reduced);
   if (query.options.timings) {

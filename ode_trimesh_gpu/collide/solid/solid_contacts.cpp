@@ -88,12 +88,11 @@ Vec3d deepDirectionBefore(const Query& query) {
 void rememberPlain(const Query& query, bool hasContacts, const Vec3d& deep) {
   if (!query.history || !haveSolidContacts(query.a->mesh(), query.b->mesh())) return;
   const SolidHistory::State before = stateBefore(query);
-  SolidHistory::State state = before;
-  state.escapeLeft = std::max(0, state.escapeLeft - 1);
-  state.deepNormal = otgDot(deep, deep) > 0 ? otgRotateBack(query.bInA, deep) : Vec3d{0, 0, 0};
-  state.clampLeft = std::max(0, state.clampLeft - 1);
+  SolidHistory::State state = oneQueryLater(before);
+  if (otgDot(deep, deep) > 0) state.deepNormal = otgRotateBack(query.bInA, deep);
   if (!hasContacts) state.side = sideBehind(query, state.side);
   keepState(query, before, state);
+  if (!hasContacts) keepDeepest(query, 0);
 }
 
 namespace {
@@ -107,11 +106,8 @@ class PairContacts {
         workspace_(workspace),
         size_(smallerSize(query)),
         before_(stateBefore(query)),
-        state_(before_),
-        motion_(motionOf(query, before_)) {
-    state_.escapeLeft = std::max(0, state_.escapeLeft - 1);
-    state_.deepNormal = {0, 0, 0};
-  }
+        state_(oneQueryLater(before_)),
+        motion_(motionOf(query, before_)) {}
 
   void add(const OverlapRegions& all, const Region& region) {
     if (region.diagonal < OTG_SOLID_LEAST_DIAGONAL * size_ ||
@@ -152,13 +148,10 @@ class PairContacts {
     if (query_.options.solid.regionMerge > 0) {
       mergeRegions(query_.options.solid.regionMerge, query_.options.solid.contactsPerRegion, workspace_.contacts);
     }
-    state_.clampLeft = entangled_ ? SolidHistory::kClampQueries : std::max(0, state_.clampLeft - 1);
+    if (entangled_) state_.clampLeft = SolidHistory::kClampQueries;
     if (state_.clampLeft > 0) {
       const double most = std::max(0.02 * size_, 2 * motion_.step);
-      for (Contact& contact : workspace_.contacts) {
-        if (contact.depth > most) contact.flags |= kContactClamped;
-        contact.depth = std::min(contact.depth, most);
-      }
+      for (Contact& contact : workspace_.contacts) cutDepth(contact, most);
     }
     if (workspace_.contacts.empty() && query_.history) state_.side = sideBehind(query_, state_.side);
     keepState(query_, before_, state_);

@@ -35,7 +35,8 @@ enum {
 enum {
   dGPUTRIMESH_CONTACT_INSIDE = 1,    /**< the feature's point lies inside the other solid, not on its surface */
   dGPUTRIMESH_CONTACT_CONTAINED = 2, /**< a whole closed part of one mesh lies inside the other */
-  dGPUTRIMESH_CONTACT_CLAMPED = 4    /**< the surfaces are entangled, and the depth was cut so as not to throw bodies */
+  dGPUTRIMESH_CONTACT_CLAMPED = 4    /**< the depth was cut so as not to throw bodies: entangled, jammed, or too deep
+                                          for what the two have moved */
 };
 
 /**

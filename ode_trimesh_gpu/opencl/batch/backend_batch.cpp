@@ -37,7 +37,7 @@ namespace otg::opencl {
 ///   withoutDevice(which, query)     pairs that the device has no part in
 ///   lookAhead(which, query)         pairs whose contacts the device made, and which may meet more on their way; false
 ///                                   if the device failed (if kTakesDescriptions)
-///   settle(which, query)            such pairs whose contacts contradict each other (if kTakesDescriptions)
+///   settle(which, query)            such pairs: contacts that contradict or are too deep (if kTakesDescriptions)
 template <class Source, class Finish>
 class Backend::Batch {
  public:
@@ -380,21 +380,21 @@ class Backend::Batch {
   void takeMade(std::size_t begin, std::size_t count, const BatchFound& found) {
     if constexpr (Finish::kTakesDescriptions) {
       if (request_ != BatchRequest::kSolid) return;
-      std::vector<std::uint8_t> waits(count, 0), contradicts(count, 0);
+      std::vector<std::uint8_t> waits(count, 0), unsettled(count, 0);
       finish_.inParts(count, [&](std::size_t from, std::size_t to) {
         for (std::size_t k = from; k < to; ++k) {
           if (!isRemembered(found.flags[k])) continue;
           const bool has = found.contacts[0].places[2 * k + 1] > 0;
-          contradicts[k] = has && finish_.contradicts(begin + k);
-          if (!mayMeetAhead_ && !source_.anyHistory) continue;
+          if (!has && !source_.anyHistory) continue;
           const Query query = source_.query(begin + k);
           waits[k] = mayMeetAhead_ && has && mayMeetAhead(query);
           if (source_.anyHistory) rememberPlain(query, has, has ? found.directions[k] : Vec3d{0, 0, 0});
+          unsettled[k] = has && !finish_.isSettled(query, begin + k);
         }
       });
       for (std::size_t k = 0; k < count; ++k) {
         if (waits[k]) ahead_.push_back(begin + k);
-        if (contradicts[k]) contradicting_.push_back(begin + k);
+        if (unsettled[k]) unsettled_.push_back(begin + k);
       }
     }
   }
@@ -404,7 +404,7 @@ class Backend::Batch {
       const Stopwatch watch(times_ != nullptr);
       const auto queryOf = [&](std::size_t i) { return source_.query(i); };
       if (!ahead_.empty()) good_ = finish_.lookAhead(ahead_, queryOf) && good_;
-      finish_.settle(contradicting_, queryOf);
+      finish_.settle(unsettled_, queryOf);
       if (times_) times_->host += watch.ms();
     }
   }
@@ -531,7 +531,7 @@ class Backend::Batch {
   std::vector<Holder> holders_;
   OverlapQueue overlaps_;
   bool good_ = true, anyLarge_ = false, hasContactsOfHost_ = false, mayMeetAhead_ = false;
-  std::vector<std::size_t> ahead_, contradicting_;             ///< pairs that wait for finish()
+  std::vector<std::size_t> ahead_, unsettled_;                 ///< pairs that wait for finish()
   std::vector<std::size_t> later_;                             ///< pairs for the CPU when all pieces are done
   std::unordered_map<std::size_t, ContactFinish::Done> done_;  ///< by the CPU, while the device is at work
   PieceMeshes meshes_;                                         ///< of the piece that was begun last

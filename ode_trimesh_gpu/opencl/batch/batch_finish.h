@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "collide/consistent_contacts.h"
+#include "collide/pair_history.h"
 #include "collide/solid/look_ahead.h"
 #include "collide/stages.h"
 #include "opencl/backend.h"
@@ -160,18 +161,37 @@ struct ContactFinish {
     return good;
   }
 
-  bool contradicts(std::size_t i) const { return contradict(answer.of(i)); }
+  /// Whether settle() has nothing to do with its contacts. Remembers how deep they are.
+  bool isSettled(const Query& query, std::size_t i) const {
+    const MotionLimit limit(query);
+    keepDeepest(query, limit.deepest(answer.of(i)));
+    return !limit.exceeds(answer.of(i)) && !contradict(answer.of(i), smallerRadius(query));
+  }
   /// As finishContacts() for pairs whose contacts the device made, after lookAhead(). It leaves those to the CPU of
   /// whose contacts it had to drop some, unless they agree.
   template <class QueryOf>
   void settle(const std::vector<std::size_t>& which, const QueryOf& queryOf) {
+    std::vector<std::size_t> again;
     for (const std::size_t i : which) {
-      const std::span<const Contact> made = answer.of(i);
-      std::vector<Contact> contacts(made.begin(), made.end());
-      makeConsistent(contacts);
       const Query query = queryOf(i);
+      const MotionLimit limit(query);
+      const std::span<const Contact> made = answer.of(i);
+      if (limit.exceeds(made) && made.size() >= static_cast<std::size_t>(query.options.maxContacts)) {
+        again.push_back(i);  // some may be missing
+        continue;
+      }
+      std::vector<Contact> contacts(made.begin(), made.end());
+      limit.cut(contacts);
+      makeConsistent(contacts, smallerRadius(query));
       answer.add(i, limitContactsOfCaller(query, contacts, query.options.maxContacts));
     }
+    const std::vector<Done> done = make(again.size(), [&](std::size_t k, Workspace& own) {
+      collide(queryOf(again[k]), own);
+      return true;
+    });
+    for (std::size_t k = 0; k < again.size(); ++k) answer.add(again[k], done[k].contacts);
+    answer.leftToHost += again.size();
+    answer.madeAgain += again.size();
   }
 
   bool alone(std::size_t i, const Query& query) {
