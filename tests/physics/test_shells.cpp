@@ -173,6 +173,52 @@ TEST_CASE("spinning shells come to rest") {
   }
 }
 
+TEST_CASE("a box with a missing face that pushes a box of the same size does not throw it") {
+  // Their edges lie in one line, so each point at the rim of the face that pushes is nearer to the faces beside it. Any
+  // contact there that presses the box on the floor is one that the exact solver has no bound for.
+  const OdeSession session;
+  const scenes::MeshArrays whole = scenes::makeBox({1, 1, 1}, 1);
+  const ShellData data(whole, GeomForm::kOurs);
+  dMass mass;
+  dMassSetBoxTotal(&mass, 1, 1, 1, 1);
+  Draw draw(7);
+  int thrown = 0;
+  for (int i = 0; i < 60; ++i) {
+    scenes::MeshArrays open = whole;
+    const auto face = open.triangles.begin() + 2 * (i % 6);
+    open.triangles.erase(face, face + 2);
+    const ShellData opened(open, GeomForm::kOurs);
+    StepWorld world(0);
+    world.setCfm(1e-10);  // ODE's own: nothing softens what contradicts
+    const dGeomID floor = dCreatePlane(world.space(), 0, 0, 1, 0);
+    const dBodyID pusher = world.addBody(opened.geom(world.space()), mass);
+    const dBodyID pushed = world.addBody(data.geom(world.space()), mass);
+    const double aside = i < 6 ? 0 : draw.uniform(-1, 1) * (i % 2 == 0 ? 0.3 : 1e-3);
+    const double turned = i < 6 ? 0 : draw.uniform(-1, 1) * 1e-3;
+    dBodySetKinematic(pusher);
+    dBodySetPosition(pusher, -1.1, aside, 0.5);
+    dMatrix3 r;
+    dRFromAxisAndAngle(r, 0, 0, 1, turned);
+    dBodySetRotation(pusher, r);
+    dBodySetLinearVel(pusher, 0.5, 0, 0);
+    dBodySetPosition(pushed, 0, 0, 0.5);
+    double fastest = 0;
+    for (int step = 0; step < 300; ++step) {
+      world.step(1);
+      const dReal* v = dBodyGetLinearVel(pushed);
+      fastest = std::max(fastest, std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
+    }
+    INFO(i << ", aside " << aside << ", turned " << turned);
+    dGeomDestroy(floor);
+    constexpr int kWithoutFront = 1;  // walls alone, which may slip over the box and jam there
+    if (i % 6 == kWithoutFront) continue;
+    if (i < 6) CHECK(fastest < 1);
+    thrown += fastest < 1 ? 0 : 1;
+    CHECK(dBodyGetPosition(pushed)[0] > 0.6);  // the pusher has come to -0.35
+  }
+  CHECK(thrown <= 1);  // one by 2e-7 and 6e-5 radians; 14 without the rule
+}
+
 TEST_CASE("stacks of four boxes that are no solids stand, turned against each other") {
   const OdeSession session;
   for (const ShellBody kind : {ShellBody::kOpenBox, ShellBody::kMisoriented, ShellBody::kDoubled}) {

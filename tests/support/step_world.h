@@ -27,6 +27,7 @@ class StepWorld {
   StepWorld& operator=(const StepWorld&) = delete;
 
   dSpaceID space() const { return space_; }
+  void setCfm(double cfm) { dWorldSetCFM(world_, cfm); }
   /// Gives the geom a body of its own with this mass, about the geom's own origin.
   dBodyID addBody(dGeomID geom, const dMass& mass) {
     const dBodyID body = dBodyCreate(world_);

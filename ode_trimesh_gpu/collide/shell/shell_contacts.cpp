@@ -274,21 +274,47 @@ void addStops(const ShellRoles& roles, const GroundSurface& surface, const std::
   }
 }
 
+std::vector<Contact*> deepestFirst(std::vector<Contact>& contacts) {
+  std::vector<Contact*> out;
+  for (Contact& c : contacts) {
+    out.push_back(&c);
+  }
+  std::sort(out.begin(), out.end(),
+            [](const Contact* x, const Contact* y) { return x->depth != y->depth ? x->depth > y->depth : x < y; });
+  return out;
+}
+
+/// A point near the rim of a face is nearer to the face beside it, or lies on that. It leaves by the first face instead
+/// if twice the translation that deeper contacts request takes it out there.
+void leaveAlike(const GroundSurface& surface, std::vector<Contact>& contacts) {
+  ShortestTranslation way;
+  for (Contact* const c : deepestFirst(contacts)) {
+    const Vec3d twice = otgScale(way.value(), 2.0), point = otgAdd(c->position, twice);
+    GroundDepth at;
+    if (c->feature != ContactFeature::kFaceA && (c->depth == 0 || !way.satisfies(c->normal, c->depth)) &&
+        surface.measure(point, norm(twice) + surface.slack(), c->triangleB, at) && !at.isBehind) {
+      const Vec3d normal = unit(otgSub(point, at.place.point));
+      const double depth = otgDot(normal, otgSub(at.place.point, c->position));
+      if (depth > 0) {
+        c->normal = normal;
+        c->depth = depth;
+        c->triangleB = at.place.triangle;
+      }
+    }
+    if (c->depth > 0) way.add(c->normal, c->depth);
+  }
+}
+
 /// Contacts that all but contradict each other, as of a plate under the rim of a hole, request a long way aside: no
 /// longer than the deepest contact may be, nor than three walls at right angles would, each as deep as the deepest. One
 /// that no way does for beside deeper ones stops the two and does no more.
 void limitTogether(double deepest, std::vector<Contact>& contacts) {
-  std::vector<Contact*> deepestFirst;
-  for (Contact& c : contacts) {
-    if (c.depth > 0) deepestFirst.push_back(&c);
-  }
-  if (deepestFirst.empty()) return;
-  std::sort(deepestFirst.begin(), deepestFirst.end(),
-            [](const Contact* x, const Contact* y) { return x->depth != y->depth ? x->depth > y->depth : x < y; });
-  const double most = std::min(deepest, std::numbers::sqrt3 * deepestFirst.front()->depth);
+  const std::vector<Contact*> ordered = deepestFirst(contacts);
+  if (ordered.empty() || !(ordered.front()->depth > 0)) return;
+  const double most = std::min(deepest, std::numbers::sqrt3 * ordered.front()->depth);
   ShortestTranslation way;
-  for (Contact* const c : deepestFirst) {
-    if (way.add(c->normal, c->depth)) continue;
+  for (Contact* const c : ordered) {
+    if (!(c->depth > 0) || way.add(c->normal, c->depth)) continue;
     cutDepth(*c, 0);
   }
   const double length = norm(way.value());
@@ -365,6 +391,7 @@ void shellContacts(const Query& query, Workspace& workspace) {
     }
     workspace.stats.contactsBeforeReduction = scratch.contacts.size();
     reduce(query.options, maker, scratch.contacts);
+    leaveAlike(approach.surface(), scratch.contacts);
     const MotionLimit limit(query);
     for (Contact& c : scratch.contacts) {
       cutDepth(c, limit(placed(query, roles, c)));
