@@ -275,10 +275,8 @@ void addStops(const ShellRoles& roles, const GroundSurface& surface, const std::
 }
 
 std::vector<Contact*> deepestFirst(std::vector<Contact>& contacts) {
-  std::vector<Contact*> out;
-  for (Contact& c : contacts) {
-    out.push_back(&c);
-  }
+  std::vector<Contact*> out(contacts.size());
+  std::transform(contacts.begin(), contacts.end(), out.begin(), [](Contact& c) { return &c; });
   std::sort(out.begin(), out.end(),
             [](const Contact* x, const Contact* y) { return x->depth != y->depth ? x->depth > y->depth : x < y; });
   return out;
@@ -290,9 +288,11 @@ void leaveAlike(const GroundSurface& surface, std::vector<Contact>& contacts) {
   ShortestTranslation way;
   for (Contact* const c : deepestFirst(contacts)) {
     const Vec3d twice = otgScale(way.value(), 2.0), point = otgAdd(c->position, twice);
+    const double length = norm(twice);
+    const bool mayLeave = length > 0 && (c->depth == 0 || !way.satisfies(c->normal, c->depth));
     GroundDepth at;
-    if (c->feature != ContactFeature::kFaceA && (c->depth == 0 || !way.satisfies(c->normal, c->depth)) &&
-        surface.measure(point, norm(twice) + surface.slack(), c->triangleB, at) && !at.isBehind) {
+    if (mayLeave && c->feature != ContactFeature::kFaceA &&
+        surface.measure(point, length + surface.slack(), c->triangleB, at) && !at.isBehind) {
       const Vec3d normal = unit(otgSub(point, at.place.point));
       const double depth = otgDot(normal, otgSub(at.place.point, c->position));
       if (depth > 0) {
