@@ -42,9 +42,7 @@ void collideIntersecting(const Query& query, Workspace& workspace) {
 void finishContacts(const Query& query, Workspace& workspace) {
   // In the order in which devices leave them: sums round by it.
   std::sort(workspace.contacts.begin(), workspace.contacts.end(), contactDeeper);
-  const MotionLimit limit(query);
-  keepDeepest(query, limit.deepest(workspace.contacts));
-  limit.cut(workspace.contacts);
+  limitByMotion(query, workspace.contacts);
   makeConsistent(workspace.contacts, smallerRadius(query));
   limitContacts(workspace.contacts, query.options.maxContacts, workspace.reduced);
 }

@@ -123,6 +123,12 @@ void keepDeepest(const Query& query, double deepest) {
   query.history->current.content = contentOf(query);
 }
 
+void limitByMotion(const Query& query, std::span<Contact> contacts) {
+  const MotionLimit limit(query);
+  keepDeepest(query, limit.deepest(contacts));
+  limit.cut(contacts);
+}
+
 bool isSheet(const TriMesh& mesh) {
   return !isSolid(mesh) && mesh.triangleCount() > 0 && mesh.report().inconsistentEdges == 0 &&
          mesh.report().nonManifoldEdges == 0;

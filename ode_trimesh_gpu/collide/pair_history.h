@@ -51,5 +51,7 @@ class MotionLimit {
 /// Leaves MotionLimit::deepest() of the contacts in query.history, for the next query. After keepState(). Not of those
 /// that are less deep because they contradict others: that may be over with the next query.
 void keepDeepest(const Query& query, double deepest);
+/// Cuts the contacts by MotionLimit, and keeps how deep the deepest is then.
+void limitByMotion(const Query& query, std::span<Contact> contacts);
 
 }  // namespace otg

@@ -237,9 +237,7 @@ bool rimContacts(const Query& query, const ConvexShape& shape, Workspace& worksp
   filled.a = block.mesh.get();
   if (!regionContacts(filled, shape, workspace)) return false;
   for (Contact& contact : workspace.reduced) contact.triangleA = block.triangleOf[contact.triangleA];
-  const MotionLimit limit(query);
-  keepDeepest(query, limit.deepest(workspace.reduced));
-  limit.cut(workspace.reduced);
+  limitByMotion(query, workspace.reduced);
   return true;
 }
 
@@ -255,9 +253,7 @@ void convexContacts(const Query& query, const ConvexShape& shape, Workspace& wor
     if (query.options.contacts == ContactModel::kSolid) {
       const SolidHistory::State before = stateBefore(query);
       keepState(query, before, oneQueryLater(before));
-      const MotionLimit limit(query);
-      keepDeepest(query, limit.deepest(workspace.reduced));
-      limit.cut(workspace.reduced);
+      limitByMotion(query, workspace.reduced);
       makeConsistent(workspace.reduced, smallerRadius(query));
     }
   }

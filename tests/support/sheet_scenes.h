@@ -49,6 +49,12 @@ inline Query solidQuery(const CollisionMesh& a, const CollisionMesh& b, const Tr
   return query;
 }
 
+inline std::vector<Contact> contactsOf(const Query& query) {
+  Workspace workspace;
+  collide(query, workspace);
+  return workspace.reduced;
+}
+
 /// The body lowered (along z, or raised where the sheet faces down) until it is `depth` deep in the sheet.
 inline Transformd loweredOn(const CollisionMesh& sheet, const CollisionMesh& body, Transformd pose, double depth,
                             double sign) {

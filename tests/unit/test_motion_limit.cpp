@@ -16,16 +16,6 @@ using namespace otg::test;
 
 namespace {
 
-MeshPtr toMesh(const scenes::MeshArrays& arrays) {
-  return std::make_shared<const CollisionMesh>(scenes::build(arrays), BuildStrategy::kSah);
-}
-
-std::vector<Contact> contactsOf(const Query& query) {
-  Workspace workspace;
-  collide(query, workspace);
-  return workspace.reduced;
-}
-
 double deepestOf(const std::vector<Contact>& contacts) {
   double deepest = 0;
   for (const Contact& c : contacts) deepest = std::max(deepest, c.depth);
@@ -56,11 +46,11 @@ std::vector<Walk> walks(std::uint32_t seed, int each) {
   Draw draw(seed);
   std::vector<MeshPtr> grounds, bodies;
   for (const auto& ground : {terrain(4, 8, 0.3), terrain(2, 1, 0), makeBody(ShellBody::kOpenBox, {3, 3, 1})}) {
-    grounds.push_back(toMesh(ground));
+    grounds.push_back(collisionMesh(ground));
   }
   for (const auto& body : {scenes::makeBox({1, 0.7, 0.4}), makeBody(ShellBody::kQuad, {1, 1, 0.5}),
                            makeBody(ShellBody::kOpenBox, {0.8, 0.6, 0.5})}) {
-    bodies.push_back(toMesh(body));
+    bodies.push_back(collisionMesh(body));
   }
   std::vector<Walk> out;
   for (const MeshPtr& ground : grounds) {
@@ -113,10 +103,10 @@ TEST_CASE("a contact of an open mesh is no deeper than the last ones and what it
 }
 
 TEST_CASE("what moved without the pose, and what was put elsewhere, is not limited") {
-  const MeshPtr sheet = toMesh(terrain(4, 1, 0)), box = toMesh(scenes::makeBox({1, 1, 1}));
+  const MeshPtr sheet = collisionMesh(terrain(4, 1, 0)), box = collisionMesh(scenes::makeBox({1, 1, 1}));
   scenes::MeshArrays arrays = terrain(4, 1, 0);
   for (Vec3f& v : arrays.vertices) v.z += 0.1F;
-  const MeshPtr raised = toMesh(arrays);
+  const MeshPtr raised = collisionMesh(arrays);
   SolidHistory history;
   const auto deepest = [&](const MeshPtr& ground, double height) {
     Query query = solidQuery(*ground, *box, makePose({0, 0, 1}, 0.3, {0.1, 0.2, height}));
@@ -135,7 +125,7 @@ TEST_CASE("what moved without the pose, and what was put elsewhere, is not limit
 }
 
 TEST_CASE("contacts of two solids are not limited by what the pair remembers") {
-  const MeshPtr ground = toMesh(scenes::makeBox({4, 4, 1})), box = toMesh(scenes::makeBox({1, 1, 1}, 3));
+  const MeshPtr ground = collisionMesh(scenes::makeBox({4, 4, 1})), box = collisionMesh(scenes::makeBox({1, 1, 1}, 3));
   SolidHistory history;
   Query query = solidQuery(*ground, *box, makePose({0, 0, 1}, 0.3, {0.1, 0.2, 0.99}));
   query.options.solid.convexPath = false;

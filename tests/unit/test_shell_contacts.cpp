@@ -19,16 +19,6 @@ using namespace otg::test;
 
 namespace {
 
-MeshPtr toMesh(const scenes::MeshArrays& arrays) {
-  return std::make_shared<const CollisionMesh>(scenes::build(arrays), BuildStrategy::kSah);
-}
-
-std::vector<Contact> contactsOf(const Query& query) {
-  Workspace workspace;
-  collide(query, workspace);
-  return workspace.reduced;
-}
-
 /// A ground and bodies on it, both ways round in `pose`.
 struct Member {
   MeshPtr ground, body;
@@ -40,13 +30,13 @@ std::vector<Member> family(std::uint32_t seed, int each) {
   std::vector<MeshPtr> grounds;
   for (const auto& ground : {scenes::makeGround(10, 1, 1), terrain(10, 1, 0), terrain(10, 20, 0.5),
                              twoSided(terrain(10, 20, 0.5)), doubled(scenes::makeGround(3, 1, 2))}) {
-    grounds.push_back(toMesh(ground));
+    grounds.push_back(collisionMesh(ground));
   }
   std::vector<Member> members;
   for (const MeshPtr& ground : grounds) {
     for (const ShellBody kind : kShellBodies) {
       for (int i = 0; i < each; ++i) {
-        const MeshPtr body = toMesh(makeBody(kind, {draw.uniform(0.4, 1.2), draw.uniform(0.4, 1.2), 0.5}));
+        const MeshPtr body = collisionMesh(makeBody(kind, {draw.uniform(0.4, 1.2), draw.uniform(0.4, 1.2), 0.5}));
         const double angle = draw.uniform(0, 6);  // first: compilers differ in which argument they make first
         Transformd pose = makePose(draw.direction(), angle, {0, 0, 0});
         pose.t = {draw.uniform(-1, 1), draw.uniform(-1, 1), 0};
@@ -65,8 +55,9 @@ bool areNear(const Vec3d& x, const Vec3d& y, double tolerance) {
 }  // namespace
 
 TEST_CASE("the larger mesh is the ground, and of equal ones the solid") {
-  const MeshPtr large = toMesh(terrain(4, 4, 0)), quad = toMesh(flatSheet(1, 1, 1));
-  const MeshPtr box = toMesh(scenes::makeBox({1, 1, 1})), open = toMesh(makeBody(ShellBody::kOpenBox, {1, 1, 1}));
+  const MeshPtr large = collisionMesh(terrain(4, 4, 0)), quad = collisionMesh(flatSheet(1, 1, 1));
+  const MeshPtr box = collisionMesh(scenes::makeBox({1, 1, 1})),
+                open = collisionMesh(makeBody(ShellBody::kOpenBox, {1, 1, 1}));
   CHECK(isGround(large->mesh(), quad->mesh()));
   CHECK_FALSE(isGround(quad->mesh(), large->mesh()));
   CHECK(isGround(box->mesh(), open->mesh()));
@@ -77,7 +68,7 @@ TEST_CASE("the larger mesh is the ground, and of equal ones the solid") {
   CHECK_FALSE(areShells(large->mesh(), box->mesh()));
   CHECK(areShells(box->mesh(), quad->mesh()));
   CHECK(areShells(large->mesh(), quad->mesh()));
-  const MeshPtr twice = toMesh(doubled(terrain(4, 4, 0)));
+  const MeshPtr twice = collisionMesh(doubled(terrain(4, 4, 0)));
   CHECK(areShells(twice->mesh(), box->mesh()));
 }
 
@@ -134,19 +125,19 @@ TEST_CASE("what is cut out of a triangle lies behind the other one and within it
 }
 
 TEST_CASE("a segment crosses coincident triangles once, and an edge of two as well") {
-  const MeshPtr twice = toMesh(doubled(terrain(4, 4, 0)));
+  const MeshPtr twice = collisionMesh(doubled(terrain(4, 4, 0)));
   std::vector<double> scratch;
   CHECK(crossesOddly(*twice, {0.3, 0.1, 1}, {0.3, 0.1, -1}, 0, scratch));
   CHECK(crossesOddly(*twice, {0, 0, 1}, {0, 0, -1}, 0, scratch));
   CHECK_FALSE(crossesOddly(*twice, {0.3, 0.1, 1}, {0.6, 0.1, 0.5}, 0, scratch));
   CHECK_FALSE(crossesOddly(*twice, {3, 0.1, 1}, {3, 0.1, -1}, 0, scratch));
-  const MeshPtr box = toMesh(doubled(scenes::makeBox({1, 1, 1})));
+  const MeshPtr box = collisionMesh(doubled(scenes::makeBox({1, 1, 1})));
   CHECK_FALSE(crossesOddly(*box, {0.3, 0.1, 2}, {0.3, 0.1, -2}, 0, scratch));
   CHECK(crossesOddly(*box, {0.3, 0.1, 2}, {0.3, 0.1, 0}, 0, scratch));
 }
 
 TEST_CASE("corners of a quad in a slab are pushed out by the way they are in, whichever mesh comes first") {
-  const MeshPtr slab = toMesh(scenes::makeGround(10, 1, 1)), quad = toMesh(flatSheet(1, 1, 1));
+  const MeshPtr slab = collisionMesh(scenes::makeGround(10, 1, 1)), quad = collisionMesh(flatSheet(1, 1, 1));
   // Tilted about y: the corners at x = 0.5 are the lower ones.
   Transformd pose = makePose({0, 1, 0}, 0.1, {0.2, 0.3, 0});
   pose.t.z = 0.5 * std::sin(0.1) - 0.003;
@@ -198,10 +189,10 @@ TEST_CASE("contacts of shells do not depend on which mesh is A, nor on what was 
 TEST_CASE("the visitor's winding changes nothing") {
   Draw draw(9);
   int tried = 0;
-  const MeshPtr ground = toMesh(terrain(10, 20, 0.5));
+  const MeshPtr ground = collisionMesh(terrain(10, 20, 0.5));
   for (int i = 0; i < 40; ++i) {
     const scenes::MeshArrays sheet = flatSheet(draw.uniform(0.4, 1.2), 0.7, 6);
-    const MeshPtr up = toMesh(sheet), down = toMesh(turned(sheet));
+    const MeshPtr up = collisionMesh(sheet), down = collisionMesh(turned(sheet));
     Transformd pose = makePose(draw.direction(), draw.uniform(0, 6), {0, 0, 0});
     pose = loweredOn(*ground, *up, pose, 0.01, 1);
     Workspace workspace;
@@ -218,8 +209,8 @@ TEST_CASE("the visitor's winding changes nothing") {
 }
 
 TEST_CASE("a shell that is remembered in front of a sheet is found when it has passed through it") {
-  const MeshPtr sheet = toMesh(terrain(4, 1, 0)), twice = toMesh(twoSided(terrain(4, 1, 0)));
-  const MeshPtr quad = toMesh(flatSheet(1, 1, 1));
+  const MeshPtr sheet = collisionMesh(terrain(4, 1, 0)), twice = collisionMesh(twoSided(terrain(4, 1, 0)));
+  const MeshPtr quad = collisionMesh(flatSheet(1, 1, 1));
   for (const MeshPtr& ground : {sheet, twice}) {
     for (const double side : {1.0, -1.0}) {
       SolidHistory history;
@@ -247,7 +238,7 @@ TEST_CASE("a shell that is remembered in front of a sheet is found when it has p
 }
 
 TEST_CASE("a shell beside the rim of a sheet is not drawn back over it") {
-  const MeshPtr sheet = toMesh(terrain(2, 4, 0)), quad = toMesh(flatSheet(0.4, 0.4, 1));
+  const MeshPtr sheet = collisionMesh(terrain(2, 4, 0)), quad = collisionMesh(flatSheet(0.4, 0.4, 1));
   SolidHistory history;
   for (double z = 0.1; z > -0.3; z -= 0.01) {
     Query query = solidQuery(*sheet, *quad, makeMove({1.25, 0, z}));
@@ -275,8 +266,8 @@ TEST_CASE("the contacts of shells together ask for no longer a way than one of t
   for (const Hostile below :
        {Hostile::kFins, Hostile::kSoup, Hostile::kTornBall, Hostile::kNeedles, Hostile::kMoebius}) {
     for (int i = 0; i < 100; ++i) {
-      const MeshPtr ground = toMesh(makeHostile(below, {2, 2, 1}, draw)),
-                    body = toMesh(makeBody(kShellBodies[draw.below(6)], {0.6, 0.5, 0.3}));
+      const MeshPtr ground = collisionMesh(makeHostile(below, {2, 2, 1}, draw)),
+                    body = collisionMesh(makeBody(kShellBodies[draw.below(6)], {0.6, 0.5, 0.3}));
       const Transformd pose = makePose(draw.direction(), draw.uniform(0, 6),
                                        {draw.uniform(-0.8, 0.8), draw.uniform(-0.8, 0.8), draw.uniform(-0.4, 0.4)});
       const Query query = solidQuery(*ground, *body, pose);
@@ -296,10 +287,10 @@ TEST_CASE("the contacts of shells together ask for no longer a way than one of t
 
 TEST_CASE("every shell that lies in a solid has contacts, wholly inside, too") {
   Draw draw(12);
-  const MeshPtr slab = toMesh(scenes::makeGround(10, 1, 3));
+  const MeshPtr slab = collisionMesh(scenes::makeGround(10, 1, 3));
   for (int i = 0; i < 300; ++i) {
     const ShellBody kind = kShellBodies[draw.below(6)];
-    const MeshPtr body = toMesh(makeBody(kind, {0.5, draw.uniform(0.2, 0.6), 0.3}));
+    const MeshPtr body = collisionMesh(makeBody(kind, {0.5, draw.uniform(0.2, 0.6), 0.3}));
     Transformd pose = makePose(draw.direction(), draw.uniform(0, 6), {0, 0, draw.uniform(-0.5, 0.05)});
     Query query = solidQuery(*slab, *body, pose);
     Workspace workspace;
