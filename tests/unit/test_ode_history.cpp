@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "base/hash.h"
+#include "scenes/height_grid.h"
 #include "support/catch.h"
 #include "support/ode_world.h"
 #include "support/part_of.h"
@@ -174,6 +175,34 @@ TEST_CASE("a run that is saved and reloaded continues with the same bytes") {
   second.load(saved);
   second.step(steps);
   CHECK(same(second.save(), without.save()));
+}
+
+TEST_CASE("how deep a box was in a sheet is saved and loaded") {
+  const OdeSession session;
+  scenes::HeightGrid grid;
+  grid.sizeX = grid.sizeY = 4;
+  grid.columns = grid.rows = 3;
+  scenes::setHeights(grid, [](double, double) { return 0.0; });
+  const Data sheet(scenes::sheetOf(grid)), box(scenes::makeBox({1, 1, 1}, 1));
+  const Geom a(sheet), b(box);
+  const dGeomID geoms[] = {a.id, b.id};
+  const auto saved = [&] {
+    std::vector<unsigned char> bytes(dGpuTriMeshHistorySave(geoms, 2, nullptr, 0));
+    REQUIRE(dGpuTriMeshHistorySave(geoms, 2, bytes.data(), bytes.size()) == bytes.size());
+    return bytes;
+  };
+  dGeomSetPosition(b.id, 0.1, 0.2, 0.4995);
+  const std::vector<dContactGeom> contacts = test::collide(a.id, b.id, 16);
+  REQUIRE_FALSE(contacts.empty());
+  double deepest = 0;  // before the hash, and the content of the two meshes
+  const std::vector<unsigned char> bytes = saved();
+  std::memcpy(&deepest, bytes.data() + bytes.size() - 8 - 8 - sizeof deepest, sizeof deepest);
+  CHECK(deepest > 0.0004);
+  CHECK(deepest < 0.0006);
+  REQUIRE(dGeomGpuTriMeshForgetHistory(b.id) == dGPUTRIMESH_OK);
+  REQUIRE(saved() != bytes);
+  REQUIRE(dGpuTriMeshHistoryLoad(geoms, 2, bytes.data(), bytes.size()) == dGPUTRIMESH_OK);
+  CHECK(saved() == bytes);
 }
 
 TEST_CASE("the bytes do not depend on the machine") {
