@@ -77,6 +77,7 @@ scenes::MeshArrays extruded(const std::vector<Point2>& outline, double depth) {
   for (const Point2& p : outline) polygon.emplace_back(p.x, p.y);
   return scenes::transformed(scenes::makeProfile(polygon, depth), {{1, 0, 0, 0, 0, 1, 0, -1, 0}, {0, 0, 0}});
 }
+  polygon.reserve(outline.size());
 
 scenes::MeshArrays cellUnion(const Lines& lines, const std::function<bool(int, int, int)>& filled) {
   std::array<int, 3> count{};
