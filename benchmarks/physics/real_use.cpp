@@ -196,7 +196,8 @@ Result heapOfArmadillos(const Case& run) {
   for (int i = 0; i < kCount; ++i) {
     const double x = uniform(), y = uniform(), w = uniform(), u = uniform(), v = uniform(), s = uniform();
     // Layers of six, clear of each other.
-    const Vec place(0.95 * (i % 3 - 1) + 0.02 * x, 0.95 * (i / 3 % 2 - 0.5) + 0.02 * y, 0.7 + 1.1 * (i / 6));
+    const int column = i % 3, row = i / 3 % 2, layer = i / 6;
+    const Vec place(0.95 * (column - 1) + 0.02 * x, 0.95 * (row - 0.5) + 0.02 * y, 0.7 + 1.1 * layer);
     rig.addBody(figure, place, Rotation(w, u, v, s).normalized());
   }
   double overlapped = 0;
