@@ -37,8 +37,8 @@ def main():
             name, comment = match['name'], match['comment'] or ''
             text = re.sub(r'^\s*\*', '', comment, flags=re.M)
 
-            def lacks(what):
-                missing.append(f'{header.name}: {name}: {what}')
+            def lacks(what, place=f'{header.name}: {name}'):
+                missing.append(f'{place}: {what}')
 
             if not re.search(rf'\b{name}\b\s*[(;)]', called):
                 lacks('no example calls it')

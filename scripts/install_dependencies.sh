@@ -33,8 +33,8 @@ python_packages=(python3-dev python3-venv)
 # The page of a run in a browser (tests/robustness/viewer), and those of the site (docs/site/check_pages.py). Both are skipped
 # without, outside of ci.sh: a minimal Debian downloads 208 MB for the browser.
 viewer_packages=(chromium)
-# Format and static checks of the sources.
-lint_packages=(clang-format clang-tidy git)
+# Format and static checks of the sources. ruff comes from PyPI.
+lint_packages=(clang-format clang-tidy git python3-venv)
 # The site of the manual (docs.sh).
 docs_packages=(doxygen python3 python3-venv)
 # Debian packages, and a Debian in a folder to try them in (packages.sh).

@@ -1,27 +1,45 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Checks the sources without running them: clang-format on all of them, clang-tidy (the checks of .clang-tidy) on the
-# library, the harness, the benchmarks and the demos. Made for the versions of Debian 12, 14 both. That is some 370
-# files, each of which takes seconds to a minute, so no test runs it.
+# Checks the sources without running them: clang-format on all of C and C++, clang-tidy (the checks of .clang-tidy) on the
+# library, the harness, the benchmarks and the demos, ruff (the rules of pyproject.toml) on Python. Made for the versions
+# of Debian 12, 14 both, and for the version of ruff below, which comes from PyPI. clang-tidy reads some 370 files, each
+# of which takes seconds to a minute, so no test runs it.
 #
 #   scripts/lint.sh                   everything
-#   scripts/lint.sh FILE.cpp...       only these
+#   scripts/lint.sh FILE...           only these
 #
 # Exit status 0 if nothing was found. Installs what is missing first: see install_dependencies.sh.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
+ruff_version=0.17.6
+
 bash scripts/install_dependencies.sh lint
 
+formatted=() tidied=() python=()
 if [ $# -gt 0 ]; then
-  formatted=("$@")
-  tidied=("$@")
+  for file in "$@"; do
+    case "$file" in
+      *.py) python+=("$file") ;;
+      *) formatted+=("$file") tidied+=("$file") ;;
+    esac
+  done
 else
   mapfile -t formatted < <(git ls-files '*.c' '*.cpp' '*.h' '*.hpp')
   mapfile -t tidied < <(git ls-files 'ode_trimesh_gpu/*.cpp' 'harness/*.cpp' 'benchmarks/*.cpp' 'demos/*.cpp')
+  mapfile -t python < <(git ls-files '*.py')
 fi
 
 status=0
+if [ ${#python[@]} -gt 0 ]; then
+  tools=build-lint-tools
+  [ -x $tools/bin/pip ] || python3 -m venv $tools
+  $tools/bin/pip install -q --disable-pip-version-check "ruff==$ruff_version"
+  echo "== ruff: ${#python[@]} files"
+  $tools/bin/ruff check --quiet --no-cache "${python[@]}" || status=1
+fi
+[ ${#formatted[@]} -gt 0 ] || exit $status
+
 echo "== clang-format: ${#formatted[@]} files"
 clang-format --dry-run -Werror "${formatted[@]}" || status=1
 

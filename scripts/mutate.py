@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Breaks one line of a source tree at random, for scripts/mutate.sh.
 
-    mutate.py TREE SEED [PATTERN]        changes one line of TREE; prints FILE:LINE, the old and the new line, separated by tabs
-    mutate.py TREE SEED PATTERN COUNT    changes nothing; prints the first COUNT seeds from SEED on that change a line, and
-                                         the file of each
+    mutate.py TREE SEED [PATTERN]        changes one line of TREE; prints FILE:LINE, the old and the new line, separated
+                                         by tabs
+    mutate.py TREE SEED PATTERN COUNT    changes nothing; prints the first COUNT seeds from SEED on that change a line,
+                                         and the file of each
 
 PATTERN is a regular expression that the file's path within TREE must have.
 The same seed and tree give the same change. Exit status 2 if the line that was drawn has nothing to break.
@@ -23,8 +24,10 @@ OPERATORS = [
     (r"\bmin\(", "max("), (r"\bmax\(", "min("), (r"\b0\b(?![.x])", "1"), (r"\b1\b(?![.x])", "2"),
     (r"\bif \(", "if (false && "), (r"\bif \(", "if (true || "), (r"\bcontinue;", ";"), (r"\bbreak;", ";"),
 ]
-# Lines that no test can be asked about: text, includes, declarations of constants' names, asserts, prefetches, messages.
-PASSED_OVER = re.compile(r"^\s*(//|/?\*|#|static_assert|assert\(|namespace|using|template|\}|$)|case .*:$|prefetch|\"")
+# Lines that no test can be asked about: text, includes, declarations of constants' names, asserts, prefetches,
+# messages.
+PASSED_OVER = re.compile(r"^\s*(//|/?\*|#|static_assert|assert\(|namespace|using|template|\}|$)"
+                         r"|case .*:$|prefetch|\"")
 
 
 def sources(tree):
@@ -41,7 +44,8 @@ def changes(line):
 
 
 def drawn(lines, seed):
-    """The change of a seed: number of the file, of the line, and what is put where. None if the line has nothing to break."""
+    """The change of a seed: number of the file, of the line, and what is put where. None if the line has nothing to
+    break."""
     draw = random.Random(seed)
     # Every line is as likely as any other, whatever file it is in.
     place = draw.randrange(sum(len(text) for text in lines))

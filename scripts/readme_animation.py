@@ -14,7 +14,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "robustness" / "viewer"))
-import browser
+import browser  # noqa: E402  # which the line above lets it find
 
 SIZE, DURATION, FRAMES_PER_SECOND = (640, 400), 2.6, 15
 # Runs behind the page: the canvas fills the window, and each frame becomes a picture in the document.

@@ -25,15 +25,16 @@ COUNTS = "counts"
 # In this pose there are about as many candidate pairs as published.
 THESIS = "--poses benchmarks/published/armadillo_poses.json --scene deep --scenes deep"
 # Columns that are times or follow from them.
-TIME = re.compile(r"(^|_)(ms|us|percent|seconds?|speed|ratio|times|auto|rounds|tests_per_s)(_|$)|_per_s|fastest|speed_up")
+TIME = re.compile(r"(^|_)(ms|us|percent|seconds?|speed|ratio|times|auto|rounds|tests_per_s)(_|$)"
+                  r"|_per_s|fastest|speed_up")
 
 
 PUBLISHED = re.compile(r"6\.\d|figure|prefix_sums|mixtures")
 
 
 class Page:
-    """A page. `device`: for a GPU; `pocl`: on any device, PoCL as a rule; `meshes`: of the bodies in out/meshes; `figures`: drawn by
-    the benchmark."""
+    """A page. `device`: for a GPU; `pocl`: on any device, PoCL as a rule; `meshes`: of the bodies in out/meshes;
+    `figures`: drawn by the benchmark."""
 
     def __init__(self, name, title, about, *commands, device=False, pocl=False, meshes=False, figures=False):
         self.name, self.title, self.about, self.commands = name, title, about, [c.split() for c in commands]
@@ -51,10 +52,11 @@ PAGES = [
          "`any_solids`: the query by the stages for any solids.",
          "bench small --repeat 5 --poses 16 --calls 4"),
     Page("world", "Whole steps",
-         "Microseconds a step, medians. `native` is made of ODE's own shapes, `stock` of dTriMesh geoms, `ours` of geoms "
-         "of this library.", "bench world"),
+         "Microseconds a step, medians. `native` is made of ODE's own shapes, `stock` of dTriMesh geoms, `ours` of "
+         "geoms of this library.", "bench world"),
     Page("terrain", "Shapes on a terrain",
-         "ODE's shapes on an open mesh of hills, beside a dTriMesh. A shape trembles from call to call; `still`: it does not.",
+         "ODE's shapes on an open mesh of hills, beside a dTriMesh. A shape trembles from call to call; `still`: it "
+         "does not.",
          "bench terrain"),
     Page("shapes", "Shapes on small and convex meshes",
          "ODE's shapes, beside a dTriMesh. A shape trembles from call to call; `still`: it does not.",
@@ -66,7 +68,8 @@ PAGES = [
          "bench contacts --poses 10", "bench contacts --certificate --falls --members 100"),
     Page("physics", "Worlds that rest, slide, roll and fall",
          "Runs of the whole physics suite that keep every limit, and those that miss one.", "bench physics --full"),
-    Page("exact", "Exactness", "Hard pairs of triangles, judged by exact arithmetic that shares nothing with the library.",
+    Page("exact", "Exactness",
+         "Hard pairs of triangles, judged by exact arithmetic that shares nothing with the library.",
          "bench exact --pairs 1000000"),
     Page("contours", "Overlaps that could not be worked with", "Random overlaps of solids, anyhow and on a grid.",
          "bench contours --poses 60"),
@@ -75,8 +78,8 @@ PAGES = [
          "bench primitives --poses 200"),
     Page("tessellations", "Two meshes against the bodies that they stand for",
          "Degrees and lengths from the least way out of the bodies by formula.", "bench tessellations --poses 200"),
-    Page("build", "Building, moving, scaling", "Validation, trees, moves of vertices, scaled geoms.", "bench build --repeat 5",
-         meshes=True),
+    Page("build", "Building, moving, scaling", "Validation, trees, moves of vertices, scaled geoms.",
+         "bench build --repeat 5", meshes=True),
     Page("peers", "The whole query beside other libraries",
          "A body and its copy in a pose in which they overlap. All libraries take turns.",
          "bench peers --poses benchmarks/published/armadillo_poses.json --scene deep --repeat 15", meshes=True),
@@ -93,8 +96,8 @@ PAGES = [
          "one body. Ratios are compared, not times.",
          "bench thesis %s --repeat 30" % THESIS, device=True, meshes=True, figures=True),
     Page("batch_device", "Batches of pairs on a GPU", "10,000 pairs in one submission, and single pairs.",
-         "bench batch --contacts pairwise --lumps 6,3 --repeat 9", "bench batch --contacts solid --lumps 6,3 --repeat 9",
-         device=True),
+         "bench batch --contacts pairwise --lumps 6,3 --repeat 9",
+         "bench batch --contacts solid --lumps 6,3 --repeat 9", device=True),
     Page("queries_device", "Points, rays, distances on a GPU",
          "Arrays of queries by one thread, by all threads, and by the device.",
          "bench queries --points 10000,1000000 --rays 10000,1000000 --pairs 1000,10000", device=True),
@@ -183,7 +186,8 @@ def text_of(page, otg, meshes, folder):
     if not page.device and not page.pocl:
         environment.setdefault("OTG_OPENCL_DEVICE", "none")
     with_times = page.name != COUNTS
-    lines = ["# " + page.title, "", "Written by `scripts/results.sh`; no number here is typed by hand.", "", page.about, ""]
+    lines = ["# " + page.title, "", "Written by `scripts/results.sh`; no number here is typed by hand.", "",
+             page.about, ""]
     documents, tables = [], []
     for command in page.commands:
         more = []
@@ -215,12 +219,12 @@ def without_times(text):
             cells = line.strip("|").split("|")
             if not previous.startswith("|"):
                 drop = [bool(TIME.search(c.strip().replace(" ", "_"))) for c in cells]
-            line = "|".join(c for c, d in zip(cells, drop) if not d)
+            line = "|".join(c for c, d in zip(cells, drop, strict=False) if not d)
             previous = "|"
         else:
             previous = line
         kept.append(line)
-    return [l for l in kept if not l.startswith("- ")]
+    return [line for line in kept if not line.startswith("- ")]
 
 
 def claims(otg):
@@ -255,9 +259,10 @@ def same(first, second):
 
 
 def write_index(folder):
-    lines = ["# Results", "", "Every table of numbers, a page for each benchmark, written by `scripts/results.sh`. Pages say the "
-             "command, the commit, the\nmachine and the date. [counts.md](counts.md) holds on every machine, which continuous "
-             "integration checks.", ""]
+    lines = ["# Results", "",
+             "Every table of numbers, a page for each benchmark, written by `scripts/results.sh`. Pages say the "
+             "command, the commit, the\nmachine and the date. [counts.md](counts.md) holds on every machine, which "
+             "continuous integration checks.", ""]
     for page in PAGES:
         if (folder / (page.name + ".md")).exists():
             lines.append("- [%s](%s.md)" % (page.title, page.name))

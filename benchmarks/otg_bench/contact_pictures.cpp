@@ -15,8 +15,6 @@
 namespace otg::cli {
 namespace {
 
-using scenes::PictureArrow;
-
 struct PictureScene {
   const char* file;
   double overlap;  ///< in the family's size

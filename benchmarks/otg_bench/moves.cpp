@@ -45,9 +45,10 @@ class MovingMesh {
     std::vector<int> numbers;
     std::vector<Vec3f> moved;
     for (int i = 0; i < count; ++i) {
-      Vec3f& place = places_[static_cast<std::size_t>(first + i * step)];
+      const int number = first + i * step;
+      Vec3f& place = places_[static_cast<std::size_t>(number)];
       place = otgAdd(place, Vec3f{by, 0, 0});
-      numbers.push_back(first + i * step);
+      numbers.push_back(number);
       moved.push_back(place);
     }
     const int status = dGpuTriMeshDataUpdateListSingle(data_, moved.data(), 0, numbers.data(), count);

@@ -29,7 +29,8 @@ std::vector<dGpuTriMeshRay> cameraRays(const TriMesh& mesh, int count) {
   const int side = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count))));
   std::vector<dGpuTriMeshRay> rays;
   for (int i = 0; i < count; ++i) {
-    const double x = 0.4 * ((i % side + 0.5) / side - 0.5), y = 0.4 * ((i / side + 0.5) / side - 0.5);
+    const int column = i % side, row = i / side;
+    const double x = 0.4 * ((column + 0.5) / side - 0.5), y = 0.4 * ((row + 0.5) / side - 0.5);
     rays.push_back(rayFrom(eye, otgAdd(towards, otgAdd(otgScale(right, x), otgScale(up, y)))));
   }
   return rays;

@@ -129,6 +129,7 @@ Json measureShape(const NamedMesh& mesh, const NamedShape& named, const ShapesOp
   const dGeomID shape = named.make();
   truth::Random random(options.seed);
   std::vector<ShapePose> poses;
+  poses.reserve(static_cast<std::size_t>(options.poses));
   for (int i = 0; i < options.poses; ++i) {
     poses.push_back(drawPose(twins.ours, shape, mesh.isGround, options.overlap, random));
   }

@@ -57,6 +57,7 @@ scenes::MeshArrays makeBall(double radius, int segments, int rings) {
 scenes::MeshArrays makeHull(std::mt19937& random, int points) {
   std::normal_distribution<double> normal;
   std::vector<Vec3d> places;
+  places.reserve(static_cast<std::size_t>(points));
   for (int i = 0; i < points; ++i) places.push_back(unit(Vec3d{normal(random), normal(random), normal(random)}) * 0.5);
   scenes::MeshArrays mesh;
   for (const Vec3d& p : places) {
@@ -175,6 +176,7 @@ SmallTimes timeAll(const Pairs& pairs, const SmallOptions& options, bool moves =
 Json measureSmall(const SmallPair& pair, const SmallOptions& options) {
   std::mt19937 random(options.seed);
   std::vector<Transformd> poses;
+  poses.reserve(static_cast<std::size_t>(options.poses));
   for (int i = 0; i < options.poses; ++i) poses.push_back(pair.pose(random));
   const auto mesh = scenes::build(pair.mesh);
   const dGpuTriMeshDataID data = meshData(*mesh, pair.name);

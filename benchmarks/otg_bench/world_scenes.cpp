@@ -38,7 +38,7 @@ Transformd turned(std::mt19937& random, const Vec3d& t) {
       t};
 }
 
-WorldShape about(scenes::MeshArrays mesh) {
+WorldShape about(const scenes::MeshArrays& mesh) {
   const auto middle = scenes::build(mesh)->massProperties().centerOfMass;
   return {scenes::transformed(mesh, at(-middle.x(), -middle.y(), -middle.z())), {}};
 }

@@ -239,7 +239,8 @@ Result fallIntoBin(const Case& run) {
   for (int i = 0; i < kCompartments * kLayers; ++i) {
     const Vec size(random.uniform(0.15, 0.33), random.uniform(0.15, 0.4), random.uniform(0.12, 0.25));
     const double tilt = i % 2 == 0 ? 0 : random.uniform(0, 15);
-    rig.addBody(boxShape(size), {(i % kCompartments) * (kGap + kWall), 0, 0.2 + 0.4 * (i / kCompartments)},
+    const int layer = i / kCompartments;
+    rig.addBody(boxShape(size), {(i % kCompartments) * (kGap + kWall), 0, 0.2 + 0.4 * layer},
                 about(Vec(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)), tilt));
   }
   Members all;

@@ -47,6 +47,7 @@ Scene realScene(const char* name, const char* what, std::vector<std::string> fil
 const std::vector<std::string>& pandaFiles() {
   static const std::vector<std::string> kFiles = [] {
     std::vector<std::string> files;
+    files.reserve(8);
     for (int i = 0; i < 8; ++i) files.push_back(fmt::format("panda_link{}.ply", i));
     return files;
   }();
@@ -88,6 +89,7 @@ Result panda(const Case& run) {
   double apart = 0, rise = 0;
   for (int arm = 0; arm < kArms; ++arm) {
     std::vector<double> joints;
+    joints.reserve(7);
     for (int i = 0; i < 7; ++i) joints.push_back(2.5 * uniform());
     const std::vector<Eigen::Isometry3d> poses = pandaPoses(joints);
     Rig rig(run, options);
@@ -194,7 +196,8 @@ Result heapOfArmadillos(const Case& run) {
   for (int i = 0; i < kCount; ++i) {
     const double x = uniform(), y = uniform(), w = uniform(), u = uniform(), v = uniform(), s = uniform();
     // Layers of six, clear of each other.
-    const Vec place(0.95 * (i % 3 - 1) + 0.02 * x, 0.95 * (i / 3 % 2 - 0.5) + 0.02 * y, 0.7 + 1.1 * (i / 6));
+    const int column = i % 3, row = i / 3 % 2, layer = i / 6;
+    const Vec place(0.95 * (column - 1) + 0.02 * x, 0.95 * (row - 0.5) + 0.02 * y, 0.7 + 1.1 * layer);
     rig.addBody(figure, place, Rotation(w, u, v, s).normalized());
   }
   double overlapped = 0;

@@ -125,6 +125,7 @@ std::vector<double> threadHeights(const ThreadSetup& setup, int samples) {
   const std::vector<Flank> up = flanks(setup.bolt, 1, 0);
   const Sectors boltUp(up);
   std::vector<double> heights;
+  heights.reserve(static_cast<std::size_t>(samples));
   for (int i = 0; i < samples; ++i)
     heights.push_back(leastHeight(setup, boltUp, 2 * std::numbers::pi / setup.segments * i / samples));
   return heights;

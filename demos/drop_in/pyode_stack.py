@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""A program on PyODE (Debian: python3-pyode) that knows nothing of this library: it stacks boxes that are triangle meshes
-and says what became of the stack. Run it as it is, and with LD_PRELOAD=build/lib/libode_trimesh_gpu_preload.so before it.
+"""A program on PyODE (Debian: python3-pyode) that knows nothing of this library: it stacks boxes that are triangle
+meshes and says what became of the stack. Run it as it is, and with
+LD_PRELOAD=build/lib/libode_trimesh_gpu_preload.so before it.
 
 Arguments: how many boxes, how many steps of 1/240 s."""
 import json

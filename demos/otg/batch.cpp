@@ -104,8 +104,10 @@ int runBatch(const BatchOptions& options) {
   const BatchScene scene = readScene(options);
   const std::unique_ptr<Dispatcher> dispatcher = options.query.openDispatcher();
   std::vector<PairJob> jobs;
+  jobs.reserve(scene.queries.size());
   for (const Query& query : scene.queries) jobs.push_back({query, false, options.query.placement()});
   std::vector<const PairJob*> list;
+  list.reserve(jobs.size());
   for (const PairJob& job : jobs) list.push_back(&job);
   std::vector<PairResult> results;
   BatchEnd end;
@@ -115,6 +117,7 @@ int runBatch(const BatchOptions& options) {
   };
   run();  // warm-up: meshes are uploaded, lists find their sizes
   std::vector<double> total;
+  total.reserve(static_cast<std::size_t>(options.repeat));
   for (int i = 0; i < options.repeat; ++i) total.push_back(timeOnce(run));
   std::vector<Contact> contacts;
   std::size_t onDevice = 0;

@@ -284,7 +284,7 @@ int runCollide(const CollideOptions& options) {
   }
   fmt::print("{:<26} {:>12}\n", "contacts", workspace.reduced.size());
   for (const auto& entry : document["timings_ms"].items()) {
-    const std::string key = entry.key();
+    const std::string& key = entry.key();
     if (key == "top" || key == "host") continue;  // stages, which --profile shows
     fmt::print("{:<26} {:>12.4f} ms\n", key, entry.value().get<double>());
   }

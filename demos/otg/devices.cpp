@@ -41,6 +41,7 @@ int runDevices(bool json) {
     return kOk;
   }
   std::vector<std::vector<std::string>> table;
+  table.reserve(devices.size());
   for (const opencl::DeviceInfo& d : devices) {
     table.push_back({std::to_string(d.index), d.index == used ? "default" : "", d.name, opencl::nameOf(d.kind),
                      std::to_string(d.computeUnits),

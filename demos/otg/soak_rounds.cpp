@@ -347,7 +347,7 @@ void SoakRounds::questions() {
   compare(sameOverlaps, "array of overlaps");
   compare(sameDistances, "array of distances");
   const dGeomID geom = geoms.ids[0];
-  const std::size_t many = static_cast<std::size_t>(100 + below(900));
+  const std::size_t many = 100 + static_cast<std::size_t>(below(900));
   std::vector<dReal> points;
   std::vector<dGpuTriMeshRay> rays(many);
   for (dGpuTriMeshRay& ray : rays) {

@@ -28,8 +28,8 @@ hits = otg.cast_rays(bowl, eye, directions)
 print(f"{hits.hit.sum()} of {len(hits)} rays hit")
 
 # %%
-# Distances as a picture, and the surface shaded by its normals. The closest point of the surface to the camera is not on
-# any of these rays.
+# Distances as a picture, and the surface shaded by its normals. The closest point of the surface to the camera is not
+# on any of these rays.
 
 distance = np.where(hits.hit, hits.distances, np.nan).reshape(rows, columns)
 light = np.array([0.3, 0.2, 0.93])

@@ -39,7 +39,8 @@ heights, grip = [], []
 def note(world):
     heights.append(part.position[2])
     contacts = world.contacts
-    held = (contacts.bodies == part.index).any(axis=1) & (np.isin(contacts.bodies, [f.index for f in fingers])).any(axis=1)
+    of_fingers = np.isin(contacts.bodies, [f.index for f in fingers]).any(axis=1)
+    held = (contacts.bodies == part.index).any(axis=1) & of_fingers
     grip.append(np.abs(contacts.forces[held, 0]).sum() / 2)
 
 

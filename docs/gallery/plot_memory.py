@@ -32,8 +32,8 @@ def way_out(memory):
 alone, remembered = way_out(None), way_out(otg.PairMemory())
 
 # %%
-# Without a memory the ball is pushed down as soon as its middle is below the plate's. With it the ball is pushed back up
-# until it sticks out below. Where it sticks out on both sides the depth is cut: no move of that size would free it.
+# Without a memory the ball is pushed down as soon as its middle is below the plate's. With it the ball is pushed back
+# up until it sticks out below. Where it sticks out on both sides the depth is cut: no move of that size would free it.
 
 figure, axes = plt.subplots(2, 1, figsize=(8, 6), sharex=True)
 for (height, up, depth), name in ((alone, "poses alone"), (remembered, "with memory")):

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every link from a page of the site to another page, picture or place in a page leads somewhere: check_links.py FOLDER"""
+"""Every link from a page of the site to another page, picture or place in a page leads somewhere.
+
+check_links.py FOLDER"""
 import html
 import pathlib
 import re
@@ -10,7 +12,8 @@ import urllib.parse
 def main():
     root = pathlib.Path(sys.argv[1]).resolve()
     pages = {page: page.read_text() for page in root.rglob("*.html")}
-    places = {page: {html.unescape(name) for name in re.findall(r'\bid="([^"]+)"', text)} for page, text in pages.items()}
+    places = {page: {html.unescape(name) for name in re.findall(r'\bid="([^"]+)"', text)}
+              for page, text in pages.items()}
     seen, broken = 0, []
     for page, text in pages.items():
         for link in map(html.unescape, re.findall(r'(?:href|src)="([^"]+)"', text)):

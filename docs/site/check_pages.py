@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Every page of the site in headless Chromium, as wide as a desktop and as a phone: check_pages.py FOLDER [PICTURES]
 
-Fails where a page scrolls sideways, where a picture is broken, and where a page does not load. Writes a picture of each page into
-the folder PICTURES, if one is given. Does nothing, with a message, where there is no Chromium."""
+Fails where a page scrolls sideways, where a picture is broken, and where a page does not load. Writes a picture of each
+page into the folder PICTURES, if one is given. Does nothing, with a message, where there is no Chromium."""
 import functools
 import html
 import http.server
@@ -14,7 +14,7 @@ import tempfile
 import threading
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tests" / "robustness" / "viewer"))
-import browser  # noqa: E402
+import browser  # noqa: E402  # which the line above lets it find
 
 SIZES = {"desktop": (1280, 900), "phone": (390, 844)}
 # Loads one page after the other into a frame of the wanted size, and measures it there.
@@ -67,8 +67,8 @@ def faults_of(root, pages):
     probe = PROBE % (json.dumps(pages), json.dumps(SIZES))
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, probe, directory=root)) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
-        dom, console = browser.visit("http://127.0.0.1:%d/probe" % server.server_port, "--virtual-time-budget=600000", "--dump-dom",
-                               size=SIZES["desktop"])
+        dom, console = browser.visit("http://127.0.0.1:%d/probe" % server.server_port,
+                                     "--virtual-time-budget=600000", "--dump-dom", size=SIZES["desktop"])
         server.shutdown()
     text = html.unescape(re.search(r'id="found">([^<]*)<', dom).group(1))
     assert text, "the browser did not come to the last page\n" + "\n".join(console)
@@ -79,17 +79,20 @@ def self_test():
     """A wide page, a broken picture and a page without a title are found."""
     with tempfile.TemporaryDirectory() as folder:
         good = "<title>good</title><meta name=viewport content='width=device-width'><h1>good</h1>"
-        for name, content in (("good.html", good), ("wide.html", good + "<article><div style='width:700px'>wide</div></article>"),
+        for name, content in (("good.html", good),
+                              ("wide.html", good + "<article><div style='width:700px'>wide</div></article>"),
                               ("broken.html", good + "<img src='none.png'>"), ("empty.html", "")):
             (pathlib.Path(folder) / name).write_text("<!doctype html>" + content)
         found = faults_of(folder, sorted(path.name for path in pathlib.Path(folder).iterdir()))
-    expected = {"wide.html (phone)", "broken.html (phone)", "broken.html (desktop)", "empty.html (phone)", "empty.html (desktop)"}
+    expected = {"wide.html (phone)", "broken.html (phone)", "broken.html (desktop)", "empty.html (phone)",
+                "empty.html (desktop)"}
     assert {fault.split(":")[0] for fault in found} == expected, found
 
 
 def main():
     if browser.find() is None:
-        print("Pages were not looked at: there is no Chromium (scripts/install_dependencies.sh viewer)", file=sys.stderr)
+        print("Pages were not looked at: there is no Chromium (scripts/install_dependencies.sh viewer)",
+              file=sys.stderr)
         return 0
     self_test()
     root = pathlib.Path(sys.argv[1]).resolve()

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The site of the manual: the pages of docs/ and the C API from Doxygen's XML. Built by scripts/docs.sh, which sets OTG_DOCS_XML."""
+"""The site of the manual: the pages of docs/ and the C API from Doxygen's XML. Built by scripts/docs.sh, which sets
+OTG_DOCS_XML."""
 import importlib.util
 import os
 import pathlib
@@ -12,7 +13,8 @@ HEADERS = ROOT / "ode_trimesh_gpu" / "include" / "ode_trimesh_gpu"
 version_header = (HEADERS / "version.h").read_text()
 project = "ode_trimesh_gpu"
 copyright = "the authors of ode_trimesh_gpu, BSD-3-Clause"
-release = ".".join(re.search(r"VERSION_%s (\d+)" % part, version_header).group(1) for part in ("MAJOR", "MINOR", "PATCH"))
+release = ".".join(re.search(r"VERSION_%s (\d+)" % part, version_header).group(1)
+                   for part in ("MAJOR", "MINOR", "PATCH"))
 
 extensions = ["myst_parser", "breathe"]
 root_doc = "index"
@@ -32,7 +34,8 @@ breathe_default_project = "c"
 breathe_domain_by_extension = {"h": "c", "hpp": "cpp"}
 breathe_show_include = False
 
-# Examples in Python, where the package and matplotlib can be imported (pip install into build/docs/venv): sphinx-gallery runs them.
+# Examples in Python, where the package and matplotlib can be imported (pip install into build/docs/venv):
+# sphinx-gallery runs them.
 gallery = HERE.parent / "gallery"
 exclude_patterns.append("gallery")
 if all(importlib.util.find_spec(name) for name in ("ode_trimesh_gpu", "matplotlib")):

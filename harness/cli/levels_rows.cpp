@@ -9,6 +9,7 @@ opencl::LevelsTimes medianOf(const std::vector<opencl::LevelsTimes>& times) {
   for (double T::*member : {&T::upload, &T::start, &T::test, &T::scan, &T::compaction, &T::split, &T::spawn, &T::near,
                             &T::contacts, &T::regions, &T::choose, &T::readBack, &T::host, &T::reduction, &T::total}) {
     std::vector<double> values;
+    values.reserve(times.size());
     for (const T& one : times) values.push_back(one.*member);
     out.*member = median(values);
   }

@@ -30,6 +30,7 @@ opencl::NearTimes medianOf(const std::vector<opencl::NearTimes>& times) {
   T out;
   for (double T::*member : {&T::gather, &T::upload, &T::kernel, &T::readBack, &T::host, &T::total}) {
     std::vector<double> values;
+    values.reserve(times.size());
     for (const T& one : times) values.push_back(one.*member);
     out.*member = median(values);
   }

@@ -61,6 +61,7 @@ Certificate certify(PairOracle& oracle, double shortest, const std::vector<Judge
   result.none = contacts.empty();
   if (result.none) return result;
   std::vector<HalfSpace> halfSpaces;
+  halfSpaces.reserve(contacts.size());
   for (const JudgedContact& c : contacts) halfSpaces.push_back({c.normal, c.depth});
   const std::optional<Vec3d> t = shortestTranslation(halfSpaces);
   result.infeasible = !t;

@@ -27,7 +27,10 @@ class Cells {
   }
 
  private:
-  std::size_t index(int i, int j, int k) const { return static_cast<std::size_t>((i * n_ + j) * n_ + k); }
+  std::size_t index(int i, int j, int k) const {
+    const int place = (i * n_ + j) * n_ + k;
+    return static_cast<std::size_t>(place);
+  }
   int n_;
   std::vector<bool> solid_;
 };
@@ -74,6 +77,7 @@ bool manifold(const std::array<int, 3>& count, const Filled& filled) {
 
 scenes::MeshArrays extruded(const std::vector<Point2>& outline, double depth) {
   std::vector<scenes::ProfilePoint> polygon;
+  polygon.reserve(outline.size());
   for (const Point2& p : outline) polygon.emplace_back(p.x, p.y);
   return scenes::transformed(scenes::makeProfile(polygon, depth), {{1, 0, 0, 0, 0, 1, 0, -1, 0}, {0, 0, 0}});
 }

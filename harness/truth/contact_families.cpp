@@ -340,7 +340,7 @@ std::vector<ContactFamily> contactFamilies() {
   return all;
 }
 
-ContactFamily meshFamily(const std::string& name, std::shared_ptr<const TriMesh> mesh) {
+ContactFamily meshFamily(const std::string& name, const std::shared_ptr<const TriMesh>& mesh) {
   ContactFamily f;
   f.name = name;
   f.what = "two copies of the mesh turned at random";

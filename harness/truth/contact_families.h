@@ -50,6 +50,6 @@ std::vector<ContactFamily> contactFamilies();
 /// family's size, and bisection with the exact intersection test. The first gap counts.
 double wayOut(const ContactFamily& family, const Transformd& pose, const Vec3d& direction);
 /// Two copies of a mesh at random; no formula.
-ContactFamily meshFamily(const std::string& name, std::shared_ptr<const TriMesh> mesh);
+ContactFamily meshFamily(const std::string& name, const std::shared_ptr<const TriMesh>& mesh);
 
 }  // namespace otg::truth

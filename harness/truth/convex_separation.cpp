@@ -53,6 +53,7 @@ std::vector<Vec3d> startsFor(const ConvexBody& a, const ConvexBody& b) {
 /// along a ridge for ever.
 double descend(const ConvexBody& a, const ConvexBody& b, Vec3d& d) {
   double least = separation(a, b, d), twist = 0;
+  // NOLINTNEXTLINE(clang-analyzer-security.FloatLoopCounter): shrinks by a factor, the count of rounds is free
   for (double step = 0.1; step > 1e-7; step *= 0.6, twist += 0.3) {
     const Vec3d other = std::fabs(d.x) < 0.8 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
     const Vec3d s = otgCross(d, other), t = otgCross(d, s);

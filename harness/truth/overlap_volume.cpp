@@ -195,7 +195,8 @@ class Grid {
     const int y0 = cellAt(std::max(s.loY, view_.loY), view_.loY, view_.hiY);
     const int y1 = cellAt(std::min(s.hiY, view_.hiY), view_.loY, view_.hiY);
     for (int y = y0; y <= y1; ++y) {
-      for (int x = x0; x <= x1; ++x) visit(cells_[static_cast<std::size_t>(y * count_ + x)]);
+      const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(count_);
+      for (int x = x0; x <= x1; ++x) visit(cells_[row + static_cast<std::size_t>(x)]);
     }
   }
 

@@ -21,6 +21,7 @@ ProfileBody star(Random& random) {
   const int points = 3 + random.below(7);
   const double outer = random.uniform(0.3, 0.7), inner = outer * random.uniform(0.3, 0.7);
   std::vector<Point2> outline;
+  outline.reserve(2 * static_cast<std::size_t>(points));
   for (int i = 0; i < 2 * points; ++i) outline.push_back(polar(i % 2 == 0 ? outer : inner, kPi * i / points));
   return {extruded(outline, random.uniform(0.1, 0.5)), fmt::format("star of {}", points)};
 }

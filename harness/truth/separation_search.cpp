@@ -46,6 +46,7 @@ class Search {
   }
 
   bool begin(const std::vector<Vec3d>& directions, double guess, double most) {
+    // NOLINTNEXTLINE(clang-analyzer-security.FloatLoopCounter): grows by a factor, the count of rounds is free
     for (double length = guess; length < 1.5 * most; length *= 1.5) {
       for (const Vec3d& d : directions) {
         if (!apart(d, length)) continue;

@@ -218,8 +218,9 @@ std::string validateLayout(const PackedTree& tree, const TriMesh& mesh) {
     const PackedNode& node = tree.nodes[i];
     if (node.isLeaf() || inCut[i] == 0) continue;
     for (int k = 0; k < node.count; ++k) {  // marks all that is below: children follow their parents
-      std::uint8_t& child = inCut[static_cast<std::size_t>(node.first + k)];
-      if (child == 1) return at("a node of the cut is below another", static_cast<std::size_t>(node.first + k));
+      const std::size_t number = static_cast<std::size_t>(node.first) + static_cast<std::size_t>(k);
+      std::uint8_t& child = inCut[number];
+      if (child == 1) return at("a node of the cut is below another", number);
       child = 2;
     }
   }

@@ -21,7 +21,7 @@ constexpr double kSlack = 4e-6;
 
 #define OTG_LOAD(into, from) \
   Floats into;               \
-  std::memcpy(&into, from, sizeof into)
+  std::memcpy(&(into), from, sizeof(into))
 
 /// The lanes from k on of the boxes of `node`: cx, cy, cz and ex, ey, ez. In functions with kScaled and scale_, which
 /// the boxes are taken through: scaledBox() of as many at once.

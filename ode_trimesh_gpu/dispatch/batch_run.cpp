@@ -138,6 +138,7 @@ class BatchRun {
 
   static std::vector<CostModel> modelsOf(const std::vector<std::shared_ptr<DeviceSlot>>& devices) {
     std::vector<CostModel> models;
+    models.reserve(devices.size());
     for (const auto& device : devices) models.push_back(device->costs);
     return models;
   }

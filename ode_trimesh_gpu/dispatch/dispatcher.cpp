@@ -123,7 +123,7 @@ void Dispatcher::setOpeningHook(std::function<void()> hook) {
   openingHook_ = std::move(hook);
 }
 
-void Dispatcher::openLater(std::function<std::vector<int>()> which) {
+void Dispatcher::openLater(const std::function<std::vector<int>()>& which) {
   if (opencl::areDevicesLost()) return;
   watchEndOfProcess();
   const auto dropped = std::make_shared<std::atomic<bool>>(false);
@@ -191,8 +191,9 @@ void Dispatcher::setDevices(Slots devices) {
 void Dispatcher::abandon() noexcept {
   const std::lock_guard lock(mutex_);
   hasDevices_.store(false, std::memory_order_release);
+  // The shares are never given back.
+  // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks)
   for (std::shared_ptr<DeviceSlot>& slot : devices_) {
-    // The share is never given back.
     auto* const kept = new (std::nothrow) std::shared_ptr<DeviceSlot>;
     if (kept == nullptr) return;
     kept->swap(slot);
@@ -209,7 +210,7 @@ void Dispatcher::inChild() noexcept {
   auto* const kept = new (std::nothrow) std::shared_ptr<ThreadPool>;
   if (kept == nullptr) return;
   kept->swap(pool_);
-}
+}  // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks): see above
 
 Dispatcher::Slots Dispatcher::devices() const {
   const std::lock_guard lock(mutex_);

@@ -60,7 +60,7 @@ class Dispatcher {
   /// The same for the devices that `which` names, on a thread of its own: all is built and measured there, and until
   /// then this dispatcher has the devices that it has. Nothing if devices are being opened already. What is opened is
   /// dropped if devices are opened, set or closed meanwhile.
-  void openLater(std::function<std::vector<int>()> which);
+  void openLater(const std::function<std::vector<int>()>& which);
   /// Waits until no devices are being opened on that thread, for so long at most; whether that is so.
   bool waitForOpening(std::chrono::milliseconds most) { return opener_.wait(most); }
   /// Has that thread stop, and waits for that: until the program that it builds is built. Whether there was something

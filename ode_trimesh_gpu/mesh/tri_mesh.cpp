@@ -12,11 +12,11 @@
 #include "mesh/containment.h"
 #include "mesh/copies.h"
 #include "mesh/inspection.h"
+#include "mesh/local_order.h"
 #include "mesh/measure.h"
 #include "mesh/own_topology.h"
 #include "mesh/repair.h"
 #include "mesh/report_mesh.h"
-#include "mesh/local_order.h"
 
 namespace otg {
 namespace {

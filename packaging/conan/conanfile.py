@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Recipe for Conan 2: `conan create packaging/conan`.
 
-ODE, Eigen and OpenCL's headers come from the system's packages, as ODE has no package of Conan. The package has the shared
-library and the archive, and its own CMake package: `find_package(ode_trimesh_gpu)` gives the targets of every other installation.
+ODE, Eigen and OpenCL's headers come from the system's packages, as ODE has no package of Conan. The package has the
+shared library and the archive, and its own CMake package: `find_package(ode_trimesh_gpu)` gives the targets of every
+other installation.
 """
 import re
 from pathlib import Path
@@ -29,8 +30,8 @@ class OdeTrimeshGpu(ConanFile):
         self.version = ".".join(re.search(rf"VERSION_{part} (\d+)", header)[1] for part in ("MAJOR", "MINOR", "PATCH"))
 
     def export_sources(self):
-        for pattern in ("CMakeLists.txt", "cmake/*", "kernels/*", "ode_trimesh_gpu/*", "packaging/*", "LICENSE", "*.md", "docs/*.md",
-                        "examples/*"):
+        for pattern in ("CMakeLists.txt", "cmake/*", "kernels/*", "ode_trimesh_gpu/*", "packaging/*", "LICENSE", "*.md",
+                        "docs/*.md", "examples/*"):
             copy(self, pattern, self._root(), self.export_sources_folder, excludes=("build*", "out"))
 
     def validate(self):

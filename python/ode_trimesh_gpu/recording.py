@@ -47,7 +47,7 @@ def drawn(
     rotations: NDArray[np.float64],
     arrows: list[NDArray[np.float64]],
 ) -> _core.Recording:
-    """Positions (t, n, 3) and quaternions w, x, y, z (t, n, 4) of n bodies at t times, and contacts (k, 7) at each time."""
+    """Positions (t, n, 3) and quaternions w, x, y, z (t, n, 4) of n bodies at t times; contacts (k, 7) at each time."""
     recording = _core.Recording([float(time) for time in times])
     for i, surface in enumerate(surfaces):
         if len(surface.faces) == 0:

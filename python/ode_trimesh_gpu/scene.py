@@ -173,8 +173,8 @@ def simulate(
     """Steps a scene: a JSON file, or the same as a dict, whose mesh files are looked for in `folder`.
 
     steps, dt: in place of the scene's. every: poses are kept of each so many steps, about 30 in a second of the scene's
-    time. gltf, html: files for the animation, and for a page that plays it. callback(step, run): called where poses are kept. Ctrl-C stops between steps;
-    `progress` shows a bar (tqdm).
+    time. gltf, html: files for the animation, and for a page that plays it. callback(step, run): called where poses are
+    kept. Ctrl-C stops between steps; `progress` shows a bar (tqdm).
 
     Results are those of `otg simulate`, byte for byte. Raises SceneError for a scene that is wrong: its message names
     the key.

@@ -21,8 +21,7 @@ namespace {
 
 /// As the library makes meshes, and to be moved.
 std::shared_ptr<CollisionMesh> movable(const MeshArrays& arrays) {
-  return std::make_shared<CollisionMesh>(buildTriMesh(arrays.input(), {}, MeshOrder::kLocal).mesh,
-                                         BuildStrategy::kSah);
+  return std::make_shared<CollisionMesh>(buildTriMesh(arrays.input(), {}, MeshOrder::kLocal).mesh, BuildStrategy::kSah);
 }
 
 /// A closed body, one of several components, a sheet, an open mesh with vertices that lie together.

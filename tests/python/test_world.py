@@ -469,7 +469,6 @@ def test_pages(tmp_path):
 
 def test_quaternions_of_all_rotations():
     from conftest import random_poses
-
     from ode_trimesh_gpu._arrays import quaternions
 
     rotations = np.concatenate(

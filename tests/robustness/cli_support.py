@@ -29,7 +29,8 @@ def ply(vertices, triangles, binary=True):
 
 
 def box(size=(1, 1, 1), center=(0, 0, 0)):
-    return [tuple(c + s * x for c, s, x in zip(center, size, v)) for v in BOX_VERTICES], list(BOX_TRIANGLES)
+    vertices = [tuple(c + s * x for c, s, x in zip(center, size, v, strict=True)) for v in BOX_VERTICES]
+    return vertices, list(BOX_TRIANGLES)
 
 
 def lump(n=24):
@@ -41,7 +42,10 @@ def lump(n=24):
             r = 1 + 0.2 * math.sin(5 * a) * math.sin(3 * b)
             vertices.append((r * math.sin(a) * math.cos(b), r * math.sin(a) * math.sin(b), r * math.cos(a)))
     vertices.append((0.0, 0.0, -1.0))
-    at = lambda i, j: 1 + (i - 1) * 2 * n + j % (2 * n)
+
+    def at(i, j):
+        return 1 + (i - 1) * 2 * n + j % (2 * n)
+
     for j in range(2 * n):
         triangles.append((0, at(1, j), at(1, j + 1)))
         for i in range(1, n - 1):

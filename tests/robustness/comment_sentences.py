@@ -37,7 +37,8 @@ def sentences(text):
     """(number of the line of the comment, sentence). Tables are left out."""
     for line, parts in comments(text):
         joined = "\n".join(part for part in parts if not part.lstrip().startswith("|"))
-        for block in re.split(r"\n\s*\n|\n(?=\s*[-*] |\s*\d+\. |@\w+|\s{2,})|(?=@(?:param|returns|remarks|brief))", joined):
+        for block in re.split(r"\n\s*\n|\n(?=\s*[-*] |\s*\d+\. |@\w+|\s{2,})|(?=@(?:param|returns|remarks|brief))",
+                              joined):
             for sentence in re.split(r"(?<=[.!?:;])\s+", block):
                 yield line, " ".join(sentence.split())
 

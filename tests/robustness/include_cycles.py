@@ -3,11 +3,12 @@
 """No sources that need each other: prints every cycle of includes and ends with 1 if there is one.
 
     include_cycles.py ROOT                checks the tree at ROOT
-    include_cycles.py --self-test DIR     makes small trees below DIR, with and without a cycle, and expects them distinguished
+    include_cycles.py --self-test DIR     makes small trees below DIR, with and without a cycle, and expects them
+                                          distinguished
 
 A header and the sources of the same name in the same folder are one unit, NAME_impl.h among them, so that a source that
-includes what includes its header is a cycle, too. Inside layers as between them. The same of the folders of a layer: what
-lies beside them in the layer is no folder.
+includes what includes its header is a cycle, too. Inside layers as between them. The same of the folders of a layer:
+what lies beside them in the layer is no folder.
 """
 import pathlib
 import re
@@ -125,11 +126,13 @@ def self_test(directory):
     lib = 'ode_trimesh_gpu/'
     clean = tree('clean', {lib + 'mesh/a.h': [], lib + 'mesh/a.cpp': ['mesh/a.h', 'mesh/b.h'], lib + 'mesh/b.h': [],
                            'kernels/shared/a.h': [], 'kernels/walk/a.cl': ['shared/a.h']})
-    headers = tree('headers', {lib + 'mesh/a.h': ['mesh/b.h'], lib + 'bvh/c.h': ['mesh/a.h'], lib + 'mesh/b.h': ['bvh/c.h']})
-    source = tree('source', {lib + 'ode/a.h': [], lib + 'ode/a.cpp': ['ode/a.h', 'ode/b.h'], lib + 'ode/b.h': ['ode/a.h']})
+    headers = tree('headers', {lib + 'mesh/a.h': ['mesh/b.h'], lib + 'bvh/c.h': ['mesh/a.h'],
+                               lib + 'mesh/b.h': ['bvh/c.h']})
+    source = tree('source', {lib + 'ode/a.h': [], lib + 'ode/a.cpp': ['ode/a.h', 'ode/b.h'],
+                             lib + 'ode/b.h': ['ode/a.h']})
     kernels = tree('kernels', {'kernels/a.h': ['b.h'], 'kernels/b.h': ['a.h']})
-    folders = tree('folders', {lib + 'ode/a/a.h': ['ode/b/b.h'], lib + 'ode/b/b.h': [], lib + 'ode/b/c.h': ['ode/a/d.h'],
-                               lib + 'ode/a/d.h': []})
+    folders = tree('folders', {lib + 'ode/a/a.h': ['ode/b/b.h'], lib + 'ode/b/b.h': [],
+                               lib + 'ode/b/c.h': ['ode/a/d.h'], lib + 'ode/a/d.h': []})
     wanted = [(clean, None), (headers, '3 units'), (source, '2 units'), (kernels, '2 units'), (folders, '2 folders')]
     return [reports for reports, begin in wanted
             if len(reports) != (begin is not None) or (begin and not reports[0].startswith(begin))]

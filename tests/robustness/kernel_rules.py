@@ -25,7 +25,9 @@ BY_HAND = "by-hand"
 
 def without_comments(text):
     """The text with comments, strings and lines of the preprocessor blank, and all lines where they were."""
-    kept = lambda found: re.sub(r"[^\n]", " ", found.group())
+    def kept(found):
+        return re.sub(r"[^\n]", " ", found.group())
+
     text = re.sub(r"//[^\n]*|/\*.*?\*/", kept, text, flags=re.S)
     text = re.sub(r'"(?:[^"\\\n]|\\.)*"', kept, text)
     return re.sub(r"^[ \t]*#(?:\\\n|[^\n])*", kept, text, flags=re.M)
@@ -163,7 +165,7 @@ def check(root, exceptions):
                 why.append("%d lines and %d parameters; %d and %d are the most"
                            % (f.lines, f.parameters, MOST_LINES, MOST_PARAMETERS))
             wrong.append("%s: %s" % (place, "; ".join(why)))
-        elif any(is_now > was for is_now, was in zip(now, allowed)):
+        elif any(is_now > was for is_now, was in zip(now, allowed, strict=True)):
             wrong.append("%s grew: the list of exceptions has %d lines and %d parameters, it is '%s'"
                          % (place, allowed[0], allowed[1], described(f)))
         elif now != allowed:

@@ -133,7 +133,8 @@ class Batch(CliTest):
     def test_bad_scenes(self):
         for changes, says in (({"meshes": 3}, "meshes"), ({"pairs": {}}, "pairs"), ({"bodies": []}, "bodies"),
                               ({"meshes": ["none.ply"]}, "none.ply"), ({"meshes": [1]}, "paths"),
-                              ({"pairs": [[0, 2, self.POSES[0]]]}, "pairs[0]"), ({"pairs": [[0, -1, self.POSES[0]]]}, "mesh"),
+                              ({"pairs": [[0, 2, self.POSES[0]]]}, "pairs[0]"),
+                              ({"pairs": [[0, -1, self.POSES[0]]]}, "mesh"),
                               ({"pairs": [[0, 0]]}, "pairs[0]"), ({"pairs": [[0, 0, [1, 2]]]}, "pose"),
                               ({"pairs": [[0, 0, [0, 0, 0, 2, 0, 0, 0]]]}, "quaternion")):
             self.assert_fails(1, "batch", self.writeScene(**changes), says=says)

@@ -24,7 +24,8 @@ class Usage(CliTest):
         mesh = self.writeBox()
         self.assert_fails(2, "colide", mesh, mesh, says=("'colide'", "did you mean 'collide'?"))
         self.assert_fails(2, "simulate", "--htlm", "page.html", says="did you mean '--html'?")
-        self.assert_fails(2, "collide", mesh, mesh, "--contcts=solid", says=("'--contcts'", "did you mean '--contacts'?"))
+        self.assert_fails(2, "collide", mesh, mesh, "--contcts=solid",
+                          says=("'--contcts'", "did you mean '--contacts'?"))
         self.assert_fails(2, "collide", mesh, mesh, "--jsn", "--repet", "3", says=("'--json'?", "'--repeat'?"))
         self.assert_fails(2, "bench", "phisics", says="did you mean 'physics'?")
         for words in (["frobnicate"], ["check"], ["check", mesh, "--frobnicate"]):
@@ -46,7 +47,7 @@ class Check(CliTest):
         self.assertEqual(row["problems"], [])
         self.assertEqual(row["class"], "solid")
         self.assertAlmostEqual(row["volume"], 8)
-        for got, expected in zip(row["center_of_mass"], (1, 0, 0)):
+        for got, expected in zip(row["center_of_mass"], (1, 0, 0), strict=True):
             self.assertAlmostEqual(got, expected)
         # Mass 8 (density 1), sides 1, 2, 4: m (b^2 + c^2) / 12.
         for i, expected in enumerate((8 * 20 / 12, 8 * 17 / 12, 8 * 5 / 12)):

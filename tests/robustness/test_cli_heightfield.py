@@ -28,10 +28,10 @@ class Heightfields(CliTest):
                                "position": [10 + c * x - s * y, 20 + s * x + c * y, 5 + height + 0.21]})
             document = self.simulate({"steps": 200, "heightfields": {"steps": STEPS}, "bodies": bodies})
             self.assertEqual(document["bodies"][0]["position"], [10, 20, 5])
-            for got, expected in zip(document["bodies"][0]["rotation"], bodies[0]["rotation"]):
+            for got, expected in zip(document["bodies"][0]["rotation"], bodies[0]["rotation"], strict=True):
                 self.assertAlmostEqual(got, expected)
-            for body, place in zip(document["bodies"][1:], bodies[1:]):
-                for got, expected in zip(body["position"], place["position"]):
+            for body, place in zip(document["bodies"][1:], bodies[1:], strict=True):
+                for got, expected in zip(body["position"], place["position"], strict=True):
                     self.assertLess(abs(got - expected), 0.015, (turn, body))
 
     def test_a_slope_without_friction(self):
@@ -50,7 +50,7 @@ class Heightfields(CliTest):
         self.assertLess(abs(along + 9.81 * math.sin(angle) * 1.0), 0.01, free)
         self.assertLess(abs(free["linear_velocity"][1]), 1e-3)
         held = self.simulate({**scene, "mu": 1})["bodies"][1]
-        for got, expected in zip(held["position"], up):
+        for got, expected in zip(held["position"], up, strict=True):
             self.assertLess(abs(got - expected), 2e-3, held)
 
     def test_meshes_go_as_ode_s_own_and_as_on_a_mesh_of_the_field(self):
@@ -66,7 +66,7 @@ class Heightfields(CliTest):
             ends.append(document["bodies"][1])
             self.assertLess(max(abs(v) for v in ends[-1]["linear_velocity"]), 0.05, ends[-1])
         for other in ends[1:]:
-            for got, expected in zip(ends[0]["position"], other["position"]):
+            for got, expected in zip(ends[0]["position"], other["position"], strict=True):
                 self.assertLess(abs(got - expected), 0.1, ends)
 
     def test_same_seed_same_ground(self):
@@ -120,7 +120,7 @@ class Heightfields(CliTest):
         for contact in document["contacts"]:
             self.assertAlmostEqual(contact["depth"], 0.01, places=6)
             self.assertIn(contact["triangle_a"], range(12))
-            for got, expected in zip(contact["normal"], (0, 0, 1)):
+            for got, expected in zip(contact["normal"], (0, 0, 1), strict=True):
                 self.assertAlmostEqual(got, expected, places=6)
         self.assertIn("triangle A", self.run_otg("collide", mesh, field, "--pose", "0,0,-0.49,1,0,0,0").stdout)
         self.assertEqual(self.run_json("collide", mesh, field, "--pose", "0,0,-0.51,1,0,0,0")["contacts"], [])
@@ -131,7 +131,7 @@ class Heightfields(CliTest):
         lean = math.atan(0.5)
         deepest = max(contact["depth"] for contact in contacts)  # a lower edge, 5 mm down and 5 mm towards the slope
         self.assertAlmostEqual(deepest, (0.004 + 0.005 + 0.0025) * math.cos(lean), places=6)
-        for got, expected in zip(contacts[0]["normal"], (0, -math.sin(lean), math.cos(lean))):
+        for got, expected in zip(contacts[0]["normal"], (0, -math.sin(lean), math.cos(lean)), strict=True):
             self.assertAlmostEqual(got, expected, places=6)
         limited = self.run_json("collide", mesh, field, "--pose", "0,0,-0.49,1,0,0,0", "--max-contacts", "2")
         self.assertEqual(len(limited["contacts"]), 2)

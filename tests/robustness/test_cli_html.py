@@ -3,20 +3,21 @@
 import base64
 import csv
 import html
+import itertools
 import json
 import re
 import struct
 import subprocess
 import sys
 import tempfile
-import unittest
 
 import cli_support
 from cli_support import CliTest
 
 SCENE = {"steps": 70, "dt": 0.005, "planes": [{"offset": -1}],
          "meshes": {"lump": {"generate": "lump", "radius": 0.3, "level": 2}},
-         "bodies": [{"name": "ground", "box": [4, 4, 1], "collider": "gpu_trimesh", "static": True, "position": [0, 0, -0.5]},
+         "bodies": [{"name": "ground", "box": [4, 4, 1], "collider": "gpu_trimesh", "static": True,
+                     "position": [0, 0, -0.5]},
                     {"name": "lump", "mesh": "lump", "position": [0.1, 0, 0.4], "color": [0.1, 0.2, 0.3]},
                     {"name": "</script><!-- %RUN% & \u00e9", "mesh": "lump", "position": [1, 0, 0.6],
                      "angular_velocity": [1, 2, 3]}]}
@@ -57,12 +58,12 @@ class Page(CliTest):
         self.assertEqual(run["bodies"][1]["color"], [0.1, 0.2, 0.3])
         self.assertEqual(run["planes"], [{"normal": [0, 0, 1], "offset": -1}])
         # Step 70 is the last frame.
-        for body, state in zip(run["bodies"], document["bodies"]):
+        for body, state in zip(run["bodies"], document["bodies"], strict=True):
             positions, rotations = numbers(body["positions"], "f"), numbers(body["rotations"], "h")
             self.assertEqual((len(positions), len(rotations)), (3 * body["poses"], 4 * body["poses"]))
-            for got, expected in zip(positions[-3:], state["position"]):
+            for got, expected in zip(positions[-3:], state["position"], strict=True):
                 self.assertAlmostEqual(got, expected, delta=1e-6)
-            for got, expected in zip(rotations[-4:], state["rotation"]):
+            for got, expected in zip(rotations[-4:], state["rotation"], strict=True):
                 self.assertAlmostEqual(got / 32767, expected, delta=2e-5)
         self.assertEqual(list(numbers(run["steps"]["contacts"], "I")), document["contacts_per_step"])
         with open(self.path("run.csv")) as file:
@@ -70,7 +71,7 @@ class Page(CliTest):
         for key in ("kinetic", "potential"):
             series = numbers(run["steps"][key], "f")
             self.assertEqual(len(series), 70)
-            for got, row in zip(series, rows):
+            for got, row in zip(series, rows, strict=True):
                 self.assertAlmostEqual(got, float(row[key + "_energy"]), delta=1e-6 * max(1, abs(got)))
 
     def test_surfaces(self):
@@ -100,7 +101,7 @@ class Page(CliTest):
         _, run, document = self.page_of(ball)
         contacts = run["contacts"]
         starts = numbers(contacts["starts"], "I")
-        counts = [b - a for a, b in zip(starts, starts[1:])]
+        counts = [b - a for a, b in itertools.pairwise(starts)]
         self.assertEqual(counts, [0] + document["contacts_per_step"][STEPS_PER_FRAME - 1::STEPS_PER_FRAME])
         self.assertEqual(starts[-1], contacts["count"])
         self.assertEqual(counts[1], 1)
@@ -116,7 +117,8 @@ class Page(CliTest):
         self.assertLessEqual(contacts["usual_depth"], max(depths) * contacts["depth_step"] * 1.0001)
 
     def test_nothing_moves_and_nothing_touches(self):
-        for scene in ({"steps": 3, "bodies": [{"name": "a", "sphere": 1, "static": True}]}, {"steps": 0, **{"bodies": []}}):
+        for scene in ({"steps": 3, "bodies": [{"name": "a", "sphere": 1, "static": True}]},
+                      {"steps": 0, "bodies": []}):
             _, run, _ = self.page_of(scene)
             self.assertEqual(run["frames"], 1)
             self.assertEqual(run["contacts"]["count"], 0)

@@ -44,7 +44,8 @@ class Pairs(CliTest):
         facets = [[vertices[i] for i in t] for t in triangles]
         others = {
             "text.ply": ply(vertices, triangles, binary=False),
-            "lump.off": "OFF %d %d 0\n" % (len(vertices), len(triangles)) + "".join("%r %r %r\n" % v for v in vertices) +
+            "lump.off": "OFF %d %d 0\n" % (len(vertices), len(triangles)) +
+                        "".join("%r %r %r\n" % v for v in vertices) +
                         "".join("3 %d %d %d\n" % t for t in triangles),
             "lump.obj": "".join("v %r %r %r\n" % v for v in vertices) +
                         "".join("f %d %d %d\n" % tuple(i + 1 for i in t) for t in triangles),

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """otg simulate: results, files, determinism, the examples of the manual, and every kind of bad scene."""
 import csv
+import itertools
 import json
 import math
 import os
@@ -63,7 +64,7 @@ class Simulate(CliTest):
         for _ in range(100):
             speed -= 10 * 0.01
             z += speed * 0.01
-        for body, start in zip(document["bodies"], ([1, 2, 30], [50, 0, 0])):
+        for body, start in zip(document["bodies"], ([1, 2, 30], [50, 0, 0]), strict=True):
             self.assertAlmostEqual(body["position"][2], start[2] + z, places=9)
             self.assertAlmostEqual(body["linear_velocity"][2], speed, places=9)
         self.assertAlmostEqual(document["bodies"][0]["position"][0], 1 + 2, places=9)
@@ -75,7 +76,7 @@ class Simulate(CliTest):
                 {"name": "ground", "box": [4, 4, 1], "collider": collider, "static": True, "position": [0, 0, -0.5]},
                 {"name": "box", "box": [1, 1, 1], "collider": collider, "position": [0.1, 0.2, 0.5]}]}
             body = self.run_json("simulate", self.scene(scene))["bodies"][1]
-            for got, expected in zip(body["position"], (0.1, 0.2, 0.5)):
+            for got, expected in zip(body["position"], (0.1, 0.2, 0.5), strict=True):
                 self.assertLess(abs(got - expected), 0.02, collider)
 
     def test_over_the_rim_of_a_sheet(self):
@@ -98,12 +99,13 @@ class Simulate(CliTest):
                 if x > 1:
                     self.assertLess(got[2], -1, (n, x))
                     continue
-                for value, expected in zip(got, (x, 0.13, 0.25)):
+                for value, expected in zip(got, (x, 0.13, 0.25), strict=True):
                     self.assertLess(abs(value - expected), 5e-3, (n, x, got))
 
     def test_a_ball_of_facets_rolls_as_a_sphere_the_finer_they_are(self):
-        """A polygon of n sides that rolls without bouncing loses a share of its speed with each side, and with each turn
-        one that falls as 1/n: the ball loses no more than that, and half as much where the facets are half as long."""
+        """A polygon of n sides that rolls without bouncing loses a share of its speed with each side, and with each
+        turn one that falls as 1/n: the ball loses no more than that, and half as much where the facets are half as
+        long."""
         speed, radius, steps = 3.0, 0.4, 960
         lost = []
         for level in (3, 4, 5):
@@ -120,7 +122,7 @@ class Simulate(CliTest):
             self.assertGreater(ball["linear_velocity"][0], least, level)
             self.assertLess(abs(ball["position"][1]), 0.01)
             lost.append(speed - way)
-        for coarse, fine in zip(lost, lost[1:]):
+        for coarse, fine in itertools.pairwise(lost):
             self.assertLess(fine, 0.7 * coarse, lost)
         self.assertLess(lost[-1], 0.03 * speed, lost)
 
@@ -226,8 +228,8 @@ class Simulate(CliTest):
         bodies.append({"name": "top", "box": [0.3, 0.3, 0.2], "collider": "gpu_trimesh", "mass": 1,
                        "position": [-1.5, 0, 0.9]})
         document = self.run_json("simulate", self.scene({"steps": 200, "planes": [{}], "bodies": bodies}))
-        for before, after in zip(bodies, document["bodies"]):
-            for x, y in zip(before["position"], after["position"]):
+        for before, after in zip(bodies, document["bodies"], strict=True):
+            for x, y in zip(before["position"], after["position"], strict=True):
                 self.assertAlmostEqual(x, y, delta=1e-3, msg=before["name"])
 
     def test_examples_of_the_manual(self):

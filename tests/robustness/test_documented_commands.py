@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Command lines in README.md and docs/: their commands, options and scripts exist.
 
-Lines of the manual are begun, on the CPU; what takes longer than LIMIT seconds is ended then. Those of docs/lab/ and docs/results/,
-which need hours, files or a GPU, are parsed. Run as: python3 test_documented_commands.py PATH_OF_OTG"""
+Lines of the manual are begun, on the CPU; what takes longer than LIMIT seconds is ended then. Those of docs/lab/ and
+docs/results/, which need hours, files or a GPU, are parsed. Run as: python3 test_documented_commands.py PATH_OF_OTG"""
 import os
 import pathlib
 import re
@@ -92,7 +92,8 @@ class DocumentedCommands(unittest.TestCase):
         """Lines of blocks, as a reader copies them, with --help behind: nothing is run, but every word is read."""
         seen = 0
         for page in PAGES:
-            blocks = re.findall(r"(?m)^    (?:[A-Z_]+=\S+ )*build/bin/otg ([^#|>&\n]+)$", page.read_text().replace("\\\n", " "))
+            text = page.read_text().replace("\\\n", " ")
+            blocks = re.findall(r"(?m)^    (?:[A-Z_]+=\S+ )*build/bin/otg ([^#|>&\n]+)$", text)
             for line in blocks:
                 with self.subTest(page=page.name, line=line):
                     run = subprocess.run([OTG, *line.split(), "--help"], capture_output=True, text=True, timeout=60)

@@ -36,7 +36,8 @@ def main():
     ours, lines = run(program, shape, "0.25", preload, OTG_PRELOAD_PRIMITIVES=shape + ",nonsense",
                       OTG_PRELOAD_VERBOSE="1")
     check(ours != stock, "nothing changed", ours)
-    check(any("OTG_PRELOAD_PRIMITIVES=nonsense" in line for line in lines), "a name that is none is not reported", lines)
+    check(any("OTG_PRELOAD_PRIMITIVES=nonsense" in line for line in lines), "a name that is none is not reported",
+          lines)
     check(not lines[-1].split(": ")[1].startswith("0 "), "no pair came through the library", lines)
     everything, _ = run(program, shape, "0.25", preload, OTG_PRELOAD_PRIMITIVES="all")
     check(everything == ours, "all is not each", everything, ours)

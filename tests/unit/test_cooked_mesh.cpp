@@ -25,7 +25,8 @@ CollisionMesh collisionMesh(const scenes::MeshArrays& arrays, const RepairOption
 }
 
 /// Numbers of the sections, as cooked_mesh.cpp has them.
-constexpr std::size_t kCounts = 0, kVertices = 2, kTriangles = 3, kDegenerate = 4, kTwin = 7, kCallerTriangle = 13, kNodes = 15;
+constexpr std::size_t kCounts = 0, kVertices = 2, kTriangles = 3, kDegenerate = 4, kTwin = 7, kCallerTriangle = 13,
+                      kNodes = 15;
 
 std::string errorOf(const Bytes& bytes) {
   // From the heap and no longer than it says, so that the sanitizer sees every byte read beyond.

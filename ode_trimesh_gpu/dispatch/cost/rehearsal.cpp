@@ -197,6 +197,7 @@ Rehearsed rehearse(opencl::Backend& backend) {
 bool agreesWithHost(opencl::Backend& backend) {
   const Bodies small(6);
   std::vector<Query> queries;
+  queries.reserve(8);
   for (int i = 0; i < 8; ++i) queries.push_back(small.at(1.9 - 0.15 * i, ContactModel::kPairwise));
   Compared device(backend);
   device.collide(queries[3]);

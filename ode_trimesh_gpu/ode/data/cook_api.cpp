@@ -58,7 +58,7 @@ dsizeint dGpuTriMeshDataCook(dGpuTriMeshDataID g, void* buffer, dsizeint capacit
     return otg::withMesh(g, [&](const otg::CollisionMesh& mesh) {
       const std::vector<unsigned char> bytes = otg::cookMesh(mesh);
       size = bytes.size();
-      if (size <= capacity) std::memcpy(buffer, bytes.data(), size);
+      if (buffer != nullptr && size <= capacity) std::memcpy(buffer, bytes.data(), size);
       return static_cast<int>(dGPUTRIMESH_OK);
     });
   });

@@ -135,7 +135,7 @@ dColliderFn* colliderFor(int otherClass) {
 
 int registerClass() {
   dGeomClass record{};
-  record.bytes = sizeof(GeomObject*);
+  record.bytes = sizeof(GeomObject*);  // NOLINT(bugprone-sizeof-expression): ODE keeps the pointer
   record.collider = &colliderFor;
   record.aabb = &computeAabb;
   record.dtor = &destroyObject;

@@ -219,7 +219,7 @@ dsizeint dGpuTriMeshHistorySave(const dGeomID* geoms, int count, void* buffer, d
       return static_cast<int>(dGPUTRIMESH_ERROR_ARGUMENT);
     }
     const std::vector<unsigned char> bytes = otg::serialize(listed);
-    if (bytes.size() <= capacity) std::memcpy(buffer, bytes.data(), bytes.size());
+    if (buffer != nullptr && bytes.size() <= capacity) std::memcpy(buffer, bytes.data(), bytes.size());
     needed = bytes.size();
     return static_cast<int>(dGPUTRIMESH_OK);
   });

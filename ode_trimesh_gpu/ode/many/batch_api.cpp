@@ -63,7 +63,7 @@ struct dxGpuTriMeshBatch {
     } else if (auto* const gone = new (std::nothrow) std::thread; gone != nullptr) {
       *gone = std::move(thread_);  // there is no such thread in this process that could be joined
     }
-  }
+  }  // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks): see above
   dxGpuTriMeshBatch(const dxGpuTriMeshBatch&) = delete;
   dxGpuTriMeshBatch& operator=(const dxGpuTriMeshBatch&) = delete;
 

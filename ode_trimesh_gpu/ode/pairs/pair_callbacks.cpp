@@ -44,6 +44,7 @@ void PairCallbacks::tellTriangles(const std::vector<Numbers>& pairs) {
     dTriArrayCallback* const callback = (ofA ? ofA_ : ofB_).triangles;
     if (callback == nullptr) continue;
     std::vector<int> triangles;
+    triangles.reserve(pairs.size());
     for (const Numbers& pair : pairs) triangles.push_back(static_cast<int>(ofA ? pair.first : pair.second));
     std::sort(triangles.begin(), triangles.end());
     triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());

@@ -44,6 +44,7 @@ class TriangleAnswers {
     dTriArrayCallback* const callback = task_.side.callbacks.triangles;
     if (callback == nullptr || own.empty()) return;
     std::vector<int> numbers;
+    numbers.reserve(own.size());
     for (const std::uint32_t t : own) numbers.push_back(static_cast<int>(task_.side.mesh->mesh().callerTriangle(t)));
     std::sort(numbers.begin(), numbers.end());
     callback(task_.o1, task_.o2, numbers.data(), static_cast<int>(numbers.size()));

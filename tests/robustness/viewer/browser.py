@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A page in headless Chromium, and its pictures as lists of numbers. Needs Chromium and nothing of Python but itself."""
+"""A page in headless Chromium, and its pictures as lists of numbers. Needs Chromium, and of Python only itself."""
 import os
 import re
 import shutil
@@ -82,9 +82,9 @@ def blocks(image, side=8):
 
 
 def difference(a, b):
-    """(share of squares that differ by more than 12 of 255, mean difference) of two images of one size. Edges that are drawn
-    a pixel aside, other fonts and other smoothing make little of it."""
+    """(share of squares that differ by more than 12 of 255, mean difference) of two images of one size. Edges that are
+    drawn a pixel aside, other fonts and other smoothing make little of it."""
     first, second = blocks(a), blocks(b)
     assert a[:2] == b[:2] and len(first) == len(second)
-    differences = [abs(x - y) for x, y in zip(first, second)]
+    differences = [abs(x - y) for x, y in zip(first, second, strict=True)]
     return sum(d > 12 for d in differences) / len(differences), sum(differences) / len(differences)

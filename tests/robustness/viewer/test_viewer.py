@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The page of `otg simulate --html` in a browser, from the disk: it plays, its numbers are the run's, its picture is the one it was.
+"""The page of `otg simulate --html` in a browser, from the disk: it plays, its numbers are the run's, its picture is
+the one it was.
 
 Run as: python3 test_viewer.py PATH_OF_OTG [--renew]     (--renew writes the reference picture anew; look at it)"""
 import csv
@@ -35,8 +36,9 @@ def main():
             return os.path.join(folder, name)
         with open(path("scene.json"), "w") as file:
             json.dump(SCENE, file)
-        run = subprocess.run([otg, "simulate", path("scene.json"), "--html", path("run.html"), "--csv", path("run.csv")],
-                             capture_output=True, text=True)
+        run = subprocess.run(
+            [otg, "simulate", path("scene.json"), "--html", path("run.html"), "--csv", path("run.csv")],
+            capture_output=True, text=True)
         if "built without three.js" in run.stderr:
             print("skipped: otg was built without three.js")
             return 77
@@ -49,7 +51,8 @@ def main():
         assert 'data-state="ready"' in dom, "the page did not start"
         with open(path("run.csv")) as file:
             row = list(csv.DictReader(file))[STEP - 1]
-        shown = {name: re.search(r'id="%s"[^>]*>([^<]*)<' % name, dom).group(1) for name in ("contacts_now", "energy_now", "clock")}
+        shown = {name: re.search(r'id="%s"[^>]*>([^<]*)<' % name, dom).group(1)
+                 for name in ("contacts_now", "energy_now", "clock")}
         assert shown["clock"] == "0.70 of 1.40 s", shown
         assert shown["contacts_now"] == row["contacts"] and int(row["contacts"]) > 2, (shown, row)
         total = float(row["kinetic_energy"]) + float(row["potential_energy"])
