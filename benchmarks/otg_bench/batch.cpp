@@ -114,7 +114,7 @@ std::vector<TuningVariant> tuningVariants(const std::vector<std::string>& option
     if (!tuningKeys().contains(key)) {
       std::string all = "reduce";
       for (const auto& [name, member] : tuningKeys()) all.append(" ").append(name);
-      throw UsageError("--tune " + option + ": keys are " + all);
+      throw UsageError(fmt::format("--tune {}: keys are {}", option, all));
     }
     if (values.size() == 1) {
       base.*tuningKeys().at(key) = values[0];
