@@ -139,7 +139,10 @@ row_mingw() {
   # Not below this folder: it has a link to /, which what walks the sources would follow.
   local prefix result=0
   prefix=$(mktemp -d)
-  WINEPREFIX=$prefix WINEDEBUG=-all run_core mingw --timeout 3000 || result=$?
+  export WINEPREFIX=$prefix WINEDEBUG=-all
+  # Two tests that make the prefix at once may fail.
+  "$(sed -n 's/^OTG_WINE:[^=]*=//p' build-mingw/CMakeCache.txt)" wineboot --init
+  run_core mingw --timeout 3000 || result=$?
   rm -rf "$prefix"
   return $result
 }
