@@ -18,7 +18,8 @@ struct WideTree {
   std::uint32_t depth = 0;
 };
 
-/// Opens each node's largest inner child until there are eight. Boxes are those of the binary tree, bit for bit.
+/// The nodes of the binary tree that are kept are those of which the sum of surface areas is least: so the fewest are
+/// visited. Boxes are those of the binary tree, bit for bit.
 /// `lanes`, if not null, gets for each node of the binary tree eight times its wide node, plus its lane there. It is
 /// kNone for nodes that were opened.
 WideTree makeWideTree(const BinaryTree& tree, std::vector<std::uint32_t>* lanes = nullptr);

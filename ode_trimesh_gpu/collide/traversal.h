@@ -13,7 +13,10 @@ enum class DescentRule { kFirstTreeFirst, kLargerFirst, kAlternating, kBoth };
 
 struct TrianglePair {
   std::uint32_t a, b;
-  friend auto operator<=>(const TrianglePair&, const TrianglePair&) = default;
+  /// By a, then by b: one comparison.
+  constexpr std::uint64_t key() const { return std::uint64_t{a} << 32 | b; }
+  friend constexpr bool operator==(const TrianglePair& x, const TrianglePair& y) { return x.key() == y.key(); }
+  friend constexpr auto operator<=>(const TrianglePair& x, const TrianglePair& y) { return x.key() <=> y.key(); }
 };
 
 }  // namespace otg

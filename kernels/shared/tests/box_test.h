@@ -61,15 +61,22 @@ OTG_GENERIC REAL OTG_NAME(otgBoxGapA)(OTG_VEC3 d, OTG_VEC3 extentA, OTG_VEC3 ext
   return OTG_MAX(OTG_MAX(gx, gy), gz);
 }
 
-/// Largest gap along B's three axes.
-OTG_GENERIC REAL OTG_NAME(otgBoxGapB)(OTG_BOX_FRAME f, OTG_VEC3 d, OTG_VEC3 extentA, OTG_VEC3 extentB) {
-  REAL gx = OTG_ABS(d.x * f.r[0] + d.y * f.r[3] + d.z * f.r[6]) -
-            (extentB.x + (extentA.x * f.absR[0] + extentA.y * f.absR[3] + extentA.z * f.absR[6]));
-  REAL gy = OTG_ABS(d.x * f.r[1] + d.y * f.r[4] + d.z * f.r[7]) -
-            (extentB.y + (extentA.x * f.absR[1] + extentA.y * f.absR[4] + extentA.z * f.absR[7]));
-  REAL gz = OTG_ABS(d.x * f.r[2] + d.y * f.r[5] + d.z * f.r[8]) -
-            (extentB.z + (extentA.x * f.absR[2] + extentA.y * f.absR[5] + extentA.z * f.absR[8]));
+/// Half-extents of the B-aligned box around a box of A.
+OTG_GENERIC OTG_VEC3 OTG_NAME(otgBoxExtentInB)(OTG_BOX_FRAME f, OTG_VEC3 extentA) {
+  return OTG_NAME(otgVec)(extentA.x * f.absR[0] + extentA.y * f.absR[3] + extentA.z * f.absR[6],
+                          extentA.x * f.absR[1] + extentA.y * f.absR[4] + extentA.z * f.absR[7],
+                          extentA.x * f.absR[2] + extentA.y * f.absR[5] + extentA.z * f.absR[8]);
+}
+
+/// Largest gap along B's three axes. `extentAInB` = otgBoxExtentInB(..).
+OTG_GENERIC REAL OTG_NAME(otgBoxGapAlongB)(OTG_BOX_FRAME f, OTG_VEC3 d, OTG_VEC3 extentAInB, OTG_VEC3 extentB) {
+  REAL gx = OTG_ABS(d.x * f.r[0] + d.y * f.r[3] + d.z * f.r[6]) - (extentB.x + extentAInB.x);
+  REAL gy = OTG_ABS(d.x * f.r[1] + d.y * f.r[4] + d.z * f.r[7]) - (extentB.y + extentAInB.y);
+  REAL gz = OTG_ABS(d.x * f.r[2] + d.y * f.r[5] + d.z * f.r[8]) - (extentB.z + extentAInB.z);
   return OTG_MAX(OTG_MAX(gx, gy), gz);
+}
+OTG_GENERIC REAL OTG_NAME(otgBoxGapB)(OTG_BOX_FRAME f, OTG_VEC3 d, OTG_VEC3 extentA, OTG_VEC3 extentB) {
+  return OTG_NAME(otgBoxGapAlongB)(f, d, OTG_NAME(otgBoxExtentInB)(f, extentA), extentB);
 }
 
 /// The length of a vector's positive parts, squared.

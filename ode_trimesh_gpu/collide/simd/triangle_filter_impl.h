@@ -117,32 +117,43 @@ template <class Real>
   return {meeting, lanes & ~apart & ~meeting};
 }
 
-/// Corners of eight pairs, each coordinate by itself; lanes past the end repeat the last pair.
-template <class T>
-struct alignas(64) EightPairs {
-  T a[9][8], b[9][8];
+/// Eight points, a coordinate in each vector. By way of registers: a load that spans many small stores has to wait
+/// until these are in the cache.
+template <class Real>
+[[gnu::always_inline]] inline Vec3<Real> loadPoints(const Vec3f* const* p) {
+  using T = typename Real::T;
+  using Values = typename Real::Values;
+  const auto coordinate = [&](float Vec3f::*x) {
+    return Real(Values{static_cast<T>(p[0]->*x), static_cast<T>(p[1]->*x), static_cast<T>(p[2]->*x),
+                       static_cast<T>(p[3]->*x), static_cast<T>(p[4]->*x), static_cast<T>(p[5]->*x),
+                       static_cast<T>(p[6]->*x), static_cast<T>(p[7]->*x)});
+  };
+  return {coordinate(&Vec3f::x), coordinate(&Vec3f::y), coordinate(&Vec3f::z)};
+}
 
-  [[gnu::always_inline]] void gather(const TriangleFilterArgs& args, const TrianglePair* pairs, std::size_t count) {
+/// Corners of eight pairs; lanes past the end repeat the last pair.
+struct EightPairs {
+  const Vec3f *a[3][8], *b[3][8];
+
+  [[gnu::always_inline]] EightPairs(const TriangleFilterArgs& args, const TrianglePair* pairs, std::size_t count) {
     for (std::size_t k = 0; k < 8; ++k) {
       const TrianglePair& pair = pairs[k < count ? k : count - 1];
       const Triangle &ta = args.trianglesA[pair.a], &tb = args.trianglesB[pair.b];
       for (int v = 0; v < 3; ++v) {
-        const Vec3f &pa = args.verticesA[ta.v[v]], &pb = args.verticesB[tb.v[v]];
-        a[3 * v][k] = pa.x;
-        a[3 * v + 1][k] = pa.y;
-        a[3 * v + 2][k] = pa.z;
-        b[3 * v][k] = pb.x;
-        b[3 * v + 1][k] = pb.y;
-        b[3 * v + 2][k] = pb.z;
+        a[v][k] = args.verticesA + ta.v[v];
+        b[v][k] = args.verticesB + tb.v[v];
       }
     }
   }
 };
 
-/// `pairs`, to where they belong. What is undecided may take the place of pairs that were read.
-[[gnu::always_inline]] inline void put(const FilterBits& found, const TrianglePair* pairs, TriangleFilterArgs& args) {
-  for (unsigned bits = found.intersecting; bits; bits &= bits - 1) {
-    args.intersecting[args.intersectingCount++] = pairs[__builtin_ctz(bits)];
+/// `count` pairs, to where they belong. What is undecided may take the place of pairs that were read.
+[[gnu::always_inline]] inline void put(const FilterBits& found, const TrianglePair* pairs, std::size_t count,
+                                       TriangleFilterArgs& args) {
+  // Without a branch that nobody could predict: what does not count is overwritten.
+  for (std::size_t k = 0; k < count; ++k) {
+    args.intersecting[args.intersectingCount] = pairs[k];
+    args.intersectingCount += found.intersecting >> k & 1;
   }
   for (unsigned bits = found.undecided; bits; bits &= bits - 1) {
     args.undecided[args.undecidedCount++] = pairs[__builtin_ctz(bits)];
@@ -152,11 +163,11 @@ struct alignas(64) EightPairs {
 void filterTriangles(TriangleFilterArgs& args) {
   Transform<SimdReal> toA;
   for (int i = 0; i < 9; ++i) toA.r[i] = args.turn->r[i];
-  EightPairs<float> lanes;
+  const bool isLong = args.count >= 2048;  // what fewer read stays in the caches
   for (std::size_t begin = 0; begin < args.count; begin += 8) {
     const std::size_t n = args.count - begin < 8 ? args.count - begin : 8;
     const TrianglePair* pairs = args.candidates + begin;
-    if (begin + 24 <= args.count) {  // corners two blocks ahead: their indices came with the block before
+    if (isLong && begin + 24 <= args.count) {  // corners two blocks ahead: their indices came with the block before
       for (std::size_t k = 8; k < 16; ++k) {
         const Triangle &ta = args.trianglesA[pairs[k].a], &tb = args.trianglesB[pairs[k].b];
         for (int v = 0; v < 3; ++v) {
@@ -167,19 +178,19 @@ void filterTriangles(TriangleFilterArgs& args) {
         __builtin_prefetch(args.trianglesB + pairs[k + 8].b);
       }
     }
-    lanes.gather(args, pairs, n);
+    const EightPairs lanes(args, pairs, n);
     // Candidates that follow each other lie near each other: they share a place.
-    const NearFrame near = nearFrame(*args.bInA, {lanes.a[0][0], lanes.a[1][0], lanes.a[2][0]});
+    const NearFrame near = nearFrame(*args.bInA, *lanes.a[0][0]);
     const SimdVec centerA = spread(near.centerA), centerB = spread(near.centerB);
     toA.t = spread(near.t);
     SimdVec a[3], b[3];
     for (int v = 0; v < 3; ++v) {
-      a[v] = otgSub(loadVec<SimdReal>(lanes.a[3 * v], lanes.a[3 * v + 1], lanes.a[3 * v + 2]), centerA);
-      b[v] = otgSub(loadVec<SimdReal>(lanes.b[3 * v], lanes.b[3 * v + 1], lanes.b[3 * v + 2]), centerB);
+      a[v] = otgSub(loadPoints<SimdReal>(lanes.a[v]), centerA);
+      b[v] = otgSub(loadPoints<SimdReal>(lanes.b[v]), centerB);
     }
     const FilterError<SimdReal> error = nearFilterError(*args.error, a, b, toA.t);
     for (SimdVec& corner : b) corner = otgTransform(toA, corner);
-    put(filterEight(error, a, b, (1u << n) - 1), pairs, args);
+    put(filterEight(error, a, b, (1u << n) - 1), pairs, n, args);
   }
 }
 
@@ -189,17 +200,16 @@ void filterTrianglesInDouble(TriangleFilterArgs& args) {
   toA.t = {SimdDouble(args.bInA->t.x), SimdDouble(args.bInA->t.y), SimdDouble(args.bInA->t.z)};
   const FilterError<double>& e = *args.doubleError;
   const FilterError<SimdDouble> error{SimdDouble(e.unit), SimdDouble(e.delta), SimdDouble(e.tiny)};
-  EightPairs<double> lanes;
   for (std::size_t begin = 0; begin < args.count; begin += 8) {
     const std::size_t n = args.count - begin < 8 ? args.count - begin : 8;
     const TrianglePair* pairs = args.candidates + begin;
-    lanes.gather(args, pairs, n);
+    const EightPairs lanes(args, pairs, n);
     SimdVecD a[3], b[3];
     for (int v = 0; v < 3; ++v) {
-      a[v] = loadVec<SimdDouble>(lanes.a[3 * v], lanes.a[3 * v + 1], lanes.a[3 * v + 2]);
-      b[v] = otgTransform(toA, loadVec<SimdDouble>(lanes.b[3 * v], lanes.b[3 * v + 1], lanes.b[3 * v + 2]));
+      a[v] = loadPoints<SimdDouble>(lanes.a[v]);
+      b[v] = otgTransform(toA, loadPoints<SimdDouble>(lanes.b[v]));
     }
-    put(filterEight(error, a, b, (1u << n) - 1), pairs, args);
+    put(filterEight(error, a, b, (1u << n) - 1), pairs, n, args);
   }
 }
 

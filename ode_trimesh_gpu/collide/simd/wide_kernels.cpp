@@ -3,7 +3,6 @@
 #include "collide/simd/wide_kernels.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "collide/pair_limit.h"
 #include "collide/simd/wide_kernels_args.h"
@@ -44,9 +43,8 @@ void growPairs(PairSink& sink) {
   sink.capacity = pairs.size();
 }
 
-WideSide rootOf(const WideTree& tree, const BoxScale<float>& scale) {
-  const BoxOf box = scaledBox(scale, tree.rootCenter, tree.rootExtent);
-  return {box.center, box.extent, 0, std::numeric_limits<float>::infinity()};
+BoxOf rootOf(const WideTree& tree, const BoxScale<float>& scale) {
+  return scaledBox(scale, tree.rootCenter, tree.rootExtent);
 }
 
 }  // namespace
@@ -77,14 +75,13 @@ void traverseWide(SimdLevel level, const Query& query, const PairFrame& frame, s
                   CollideStats& stats) {
   const WideTree& a = query.a->wide();
   const WideTree& b = query.b->wide();
-  // Every step pops one item and pushes at most eight, one level further down in one of the trees.
-  constexpr std::size_t kOrdinary = 320;
-  const std::size_t most = kWideArity * (std::size_t{a.depth} + b.depth) + 1;
+  // Every step pops one item and pushes at most eight times eight, each further down in one of the trees or both.
+  constexpr std::size_t kOrdinary = 2048;
+  const std::size_t most = kWideArity * kWideArity * (std::size_t{a.depth} + b.depth) + 1;
   WideItem ordinary[kOrdinary];
   std::vector<WideItem> deep(most > kOrdinary ? most : 0);
   WideItem* const stack = most > kOrdinary ? deep.data() : ordinary;
   const BoxScale<float>&scaleA = query.a->anyBoxScale(), &scaleB = query.b->anyBoxScale();
-  stack[0] = {rootOf(a, scaleA), rootOf(b, scaleB), 0};
   if (query.options.countPerDepth) stats.boxTestsPerDepth.assign(std::size_t{a.depth} + b.depth, 0);
   // No more of it than a small pair needs: resizing fills it.
   constexpr std::size_t kFirstPairs = 256;
@@ -94,6 +91,8 @@ void traverseWide(SimdLevel level, const Query& query, const PairFrame& frame, s
   WideTraversalArgs args{&frame.boxes,
                          a.nodes.data(),
                          b.nodes.data(),
+                         rootOf(a, scaleA),
+                         rootOf(b, scaleB),
                          scaleA,
                          scaleB,
                          query.a->boxScale() != nullptr || query.b->boxScale() != nullptr,

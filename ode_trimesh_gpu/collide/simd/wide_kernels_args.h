@@ -22,15 +22,10 @@ struct PairSink {
   void* owner;
 };
 
-/// A node of one tree (or ~triangle) with its box, waiting to be tested further.
-struct WideSide {
-  Vec3f center, extent;
-  std::int32_t ref;
-  float size;  ///< x y + y z + z x of the extents: decides which side is opened
-};
-
+/// Nodes of both trees, waiting to be tested further: eight times a wide node plus the lane there.
 struct WideItem {
-  WideSide a, b;
+  static constexpr std::uint32_t kRoot = ~0u;
+  std::uint32_t a, b;
   std::uint32_t depth;  ///< nodes opened on the way here
 };
 
@@ -38,9 +33,10 @@ struct WideTraversalArgs {
   const BoxFrame<float>* frame;
   const WideNode* nodesA;
   const WideNode* nodesB;
+  BoxOf rootA, rootB;              ///< scaled
   BoxScale<float> scaleA, scaleB;  ///< of the nodes' boxes
   bool scaled;                     ///< whether any of these is not kSameBoxes
-  WideItem* stack;                 ///< holds the root pair; room for kWideArity * (depth A + depth B) + 1 items
+  WideItem* stack;                 ///< room for kWideArity^2 * (depth A + depth B) + 1 items
   DescentRule rule;
   bool edges;                    ///< test the nine edge axes too
   std::uint64_t boxTests;        ///< out

@@ -2,142 +2,260 @@
 // Bodies of the SIMD stages, for the instruction set that OTG_SIMD_NAMESPACE names: see wide_kernels.h.
 #pragma once
 
+#include <limits>
+
 #include "collide/simd/triangle_filter_impl.h"
 #include "collide/simd/wide_kernels_args.h"
 #include "shared/tests/box_test.h"
 
 namespace otg::OTG_SIMD_NAMESPACE {
 
-[[gnu::always_inline]] inline WideSide sideOf(const WideBoxes& boxes, std::int32_t child, int k) {
-  const Vec3f e{boxes.extentX[k], boxes.extentY[k], boxes.extentZ[k]};
-  return {{boxes.centerX[k], boxes.centerY[k], boxes.centerZ[k]}, e, child, e.x * e.y + e.y * e.z + e.z * e.x};
+/// Boxes of one mesh, as those of the other are tested against them.
+template <class Real>
+struct PlacedBox {
+  Vec3<Real> center;  ///< in A's frame
+  Vec3<Real> extent;  ///< along the axes of their own mesh
+  Vec3<Real> across;  ///< how far they reach along the axes of the other mesh
+};
+
+template <bool kOfA, class Real>
+[[gnu::always_inline]] inline PlacedBox<Real> placed(const BoxFrame<Real>& frame, const Vec3<Real>& center,
+                                                     const Vec3<Real>& extent) {
+  if constexpr (kOfA) {
+    return {center, extent, otgBoxExtentInB(frame, extent)};
+  } else {
+    return {otgBoxCenterInA(frame, center), extent, otgBoxExtentInA(frame, extent)};
+  }
 }
 
+inline PlacedBox<SimdReal> spread(const PlacedBox<float>& box) {
+  return {spread(box.center), spread(box.extent), spread(box.across)};
+}
 inline BoxScale<SimdReal> spread(const BoxScale<float>& s) {
   return {spread(s.factor), spread(s.shift), spread(s.growth), spread(s.pad), SimdReal(s.slope)};
 }
 
-[[gnu::always_inline]] inline void store(float* to, const SimdReal& x) {
-  std::memcpy(to, &x.v, sizeof x.v);
+[[gnu::always_inline]] inline void store(float* to, const SimdVec& v) {
+  std::memcpy(to, &v.x.v, sizeof v.x.v);
+  std::memcpy(to + kWideArity, &v.y.v, sizeof v.y.v);
+  std::memcpy(to + 2 * kWideArity, &v.z.v, sizeof v.z.v);
 }
 
-/// Eight boxes at once through the scale.
-[[gnu::always_inline]] inline void scaleBoxes(const BoxScale<SimdReal>& scale, const WideBoxes& boxes, WideBoxes& out) {
-  const SimdVec center = scaledCenter(scale, loadVec<SimdReal>(boxes.centerX, boxes.centerY, boxes.centerZ));
-  const SimdVec extent = scaledExtent(scale, loadVec<SimdReal>(boxes.extentX, boxes.extentY, boxes.extentZ), center);
-  store(out.centerX, center.x);
-  store(out.centerY, center.y);
-  store(out.centerZ, center.z);
-  store(out.extentX, extent.x);
-  store(out.extentY, extent.y);
-  store(out.extentZ, extent.z);
-}
-
-/// Lanes of a node with `count` children (a node of A if kOpenA, else of B) whose boxes overlap the other side's box.
-template <bool kOpenA>
-[[gnu::always_inline]] inline unsigned overlapBits(const BoxFrame<SimdReal>& simd, const BoxFrame<float>& frame,
-                                                   const WideBoxes& boxes, std::int32_t count, const WideSide& other,
-                                                   bool edges) {
-  const SimdVec center = loadVec<SimdReal>(boxes.centerX, boxes.centerY, boxes.centerZ);
-  const SimdVec extent = loadVec<SimdReal>(boxes.extentX, boxes.extentY, boxes.extentZ);
-  const unsigned used = (1u << count) - 1;
-  SimdVec d, extentA, extentB;
-  if constexpr (kOpenA) {
-    d = otgSub(spread(otgBoxCenterInA(frame, other.center)), center);
-    extentA = extent;
-    extentB = spread(other.extent);
-    unsigned apart = greaterBits(otgBoxGapA(d, extentA, spread(otgBoxExtentInA(frame, other.extent))), simd.eps);
-    if ((apart & used) == used) return 0;
-  } else {
-    d = otgSub(otgBoxCenterInA(simd, center), spread(other.center));
-    extentA = spread(other.extent);
-    extentB = extent;
-    unsigned apart = greaterBits(otgBoxGapA(d, extentA, otgBoxExtentInA(simd, extentB)), simd.eps);
-    if ((apart & used) == used) return 0;
-  }
-  const SimdVec inA = kOpenA ? spread(otgBoxExtentInA(frame, other.extent)) : otgBoxExtentInA(simd, extentB);
-  unsigned apart = greaterBits(otgMax(otgBoxGapA(d, extentA, inA), otgBoxGapB(simd, d, extentA, extentB)), simd.eps);
-  if (edges && (apart & used) != used) apart |= greaterBits(otgBoxGapEdges(simd, d, extentA, extentB), simd.eps);
-  return used & ~apart;
+template <class Real>
+[[gnu::always_inline]] inline Real areaOf(const Vec3<Real>& extent) {
+  return extent.x * extent.y + extent.y * extent.z + extent.z * extent.x;
 }
 
 /// kScaled: boxes are taken through the scales.
 template <bool kScaled>
-inline void traverseBoxes(WideTraversalArgs& args) {
-  const BoxFrame<float>& frame = *args.frame;
-  BoxFrame<SimdReal> simd;
-  for (int i = 0; i < 9; ++i) {
-    simd.r[i] = frame.r[i];
-    simd.absR[i] = frame.absR[i];
-  }
-  simd.t = spread(frame.t);
-  simd.eps = frame.eps;
-  [[maybe_unused]] BoxScale<SimdReal> scaleA, scaleB;
-  [[maybe_unused]] WideBoxes scaled;
-  if constexpr (kScaled) {
-    scaleA = spread(args.scaleA);
-    scaleB = spread(args.scaleB);
-  }
-  PairSink& out = *args.out;
-  std::uint64_t boxTests = 0;
-  // The last of the pairs that a step finds goes on at once, without the way through the stack's memory.
-  WideItem item = args.stack[0];
-  std::size_t top = 0;
-  for (;;) {
-    bool openA = item.a.ref >= 0;
-    if (openA && item.b.ref >= 0) {
-      // "Both at once" has no meaning for one box against eight; it goes by size like the default.
-      if (args.rule == DescentRule::kAlternating) {
-        openA = item.depth % 2 == 0;
-      } else if (args.rule != DescentRule::kFirstTreeFirst) {
-        openA = item.a.size >= item.b.size;
-      }
+class WideTraversal {
+ public:
+  explicit WideTraversal(WideTraversalArgs& args) : args_(args), frame_(*args.frame), out_(*args.out) {
+    for (int i = 0; i < 9; ++i) {
+      simd_.r[i] = frame_.r[i];
+      simd_.absR[i] = frame_.absR[i];
     }
-    const WideNode& node = openA ? args.nodesA[item.a.ref] : args.nodesB[item.b.ref];
-    if constexpr (kScaled) scaleBoxes(openA ? scaleA : scaleB, node, scaled);
-    const WideBoxes& boxes = kScaled ? scaled : static_cast<const WideBoxes&>(node);
-    unsigned bits = openA ? overlapBits<true>(simd, frame, boxes, node.count, item.b, args.edges)
-                          : overlapBits<false>(simd, frame, boxes, node.count, item.a, args.edges);
-    boxTests += static_cast<std::uint64_t>(node.count);
-    if (args.testsPerDepth) args.testsPerDepth[item.depth] += static_cast<std::uint64_t>(node.count);
-    const std::int32_t other = openA ? item.b.ref : item.a.ref;
-    int last = -1;
+    simd_.t = spread(frame_.t);
+    simd_.eps = frame_.eps;
+    if constexpr (kScaled) {
+      scaleA_ = spread(args.scaleA);
+      scaleB_ = spread(args.scaleB);
+    }
+  }
+
+  void run() {
+    std::size_t top = 1;
+    args_.stack[0] = {WideItem::kRoot, WideItem::kRoot, 0};
+    while (top > 0) {
+      const WideItem item = args_.stack[--top];
+      top_ = args_.stack + top;
+      const Side a = sideAt<true>(item.a), b = sideAt<false>(item.b);
+      if (opensA(a, b, item.depth)) {
+        open<true>(item, a, b);
+      } else {
+        open<false>(item, b, a);
+      }
+      top = static_cast<std::size_t>(top_ - args_.stack);
+    }
+    args_.boxTests = boxTests_;
+  }
+
+ private:
+  /// A node of one tree, or ~triangle, with its box.
+  struct Side {
+    PlacedBox<float> box;
+    std::int32_t ref;
+    float size;  ///< decides which side is opened
+  };
+  /// The children of a node.
+  struct Children {
+    PlacedBox<SimdReal> boxes;
+    SimdReal sizes;
+    const WideNode* node;
+    std::uint32_t firstSlot;
+    unsigned used, triangles;  ///< lanes
+  };
+
+  bool opensA(const Side& a, const Side& b, std::uint32_t depth) const {
+    if (a.ref < 0 || b.ref < 0) return a.ref >= 0;
+    // "Both at once" has no meaning for one box against eight; it goes by size like the default.
+    if (args_.rule == DescentRule::kAlternating) return depth % 2 == 0;
+    return args_.rule == DescentRule::kFirstTreeFirst || a.size >= b.size;
+  }
+
+  template <bool kOfA>
+  [[gnu::always_inline]] Side sideAt(std::uint32_t slot) const {
+    if (slot == WideItem::kRoot) {
+      const BoxOf& root = kOfA ? args_.rootA : args_.rootB;
+      return {placed<kOfA>(frame_, root.center, root.extent), 0, std::numeric_limits<float>::infinity()};
+    }
+    const WideNode& node = (kOfA ? args_.nodesA : args_.nodesB)[slot / kWideArity];
+    const std::uint32_t k = slot % kWideArity;
+    Vec3f center{node.centerX[k], node.centerY[k], node.centerZ[k]};
+    Vec3f extent{node.extentX[k], node.extentY[k], node.extentZ[k]};
+    if constexpr (kScaled) {
+      const BoxOf box = scaledBox(kOfA ? args_.scaleA : args_.scaleB, center, extent);
+      center = box.center;
+      extent = box.extent;
+    }
+    return {placed<kOfA>(frame_, center, extent), node.child[k], areaOf(extent)};
+  }
+
+  template <bool kOfA>
+  [[gnu::always_inline]] Children childrenOf(std::int32_t ref) const {
+    const WideNode& node = (kOfA ? args_.nodesA : args_.nodesB)[ref];
+    SimdVec center = loadVec<SimdReal>(node.centerX, node.centerY, node.centerZ);
+    SimdVec extent = loadVec<SimdReal>(node.extentX, node.extentY, node.extentZ);
+    if constexpr (kScaled) {
+      const BoxScale<SimdReal>& scale = kOfA ? scaleA_ : scaleB_;
+      center = scaledCenter(scale, center);
+      extent = scaledExtent(scale, extent, center);
+    }
+    SimdReal::Ints child;
+    std::memcpy(&child, node.child, sizeof child);
+    return {placed<kOfA>(simd_, center, extent),          areaOf(extent),         &node,
+            static_cast<std::uint32_t>(kWideArity * ref), (1u << node.count) - 1, bitsOf(child < 0)};
+  }
+
+  /// Lanes in which boxes of A and B are apart.
+  [[gnu::always_inline]] unsigned apartBits(const PlacedBox<SimdReal>& a, const PlacedBox<SimdReal>& b) const {
+    const SimdVec d = otgSub(b.center, a.center);
+    const SimdReal gap = otgMax(otgBoxGapA(d, a.extent, b.across), otgBoxGapAlongB(simd_, d, a.across, b.extent));
+    unsigned apart = greaterBits(gap, simd_.eps);
+    if (args_.edges) apart |= greaterBits(otgBoxGapEdges(simd_, d, a.extent, b.extent), simd_.eps);
+    return apart;
+  }
+  /// Children of a node (of A if kOfA, else of B) whose boxes overlap a box of the other mesh.
+  template <bool kOfA>
+  [[gnu::always_inline]] unsigned overlapBits(const Children& children, const PlacedBox<SimdReal>& other) const {
+    return children.used & ~(kOfA ? apartBits(children.boxes, other) : apartBits(other, children.boxes));
+  }
+
+  void count(const Children& children, int boxes, std::uint32_t depth) {
+    const auto tests = static_cast<std::uint64_t>(children.node->count) * static_cast<std::uint64_t>(boxes);
+    boxTests_ += tests;
+    if (args_.testsPerDepth) args_.testsPerDepth[depth] += tests;
+  }
+
+  /// Opens `side`, which is A's if kOfA. Of its children those that are to open the other side next do so together: its
+  /// children are placed once for them.
+  template <bool kOfA>
+  [[gnu::always_inline]] void open(const WideItem& item, const Side& side, const Side& other) {
+    const Children children = childrenOf<kOfA>(side.ref);
+    count(children, 1, item.depth);
+    unsigned bits = overlapBits<kOfA>(children, spread(other.box));
+    const std::uint32_t otherSlot = kOfA ? item.b : item.a;
+    if (other.ref < 0) {
+      addPairs<!kOfA>(~other.ref, *children.node, bits & children.triangles);
+      pushAll<!kOfA>(otherSlot, children, bits & ~children.triangles, item.depth + 1);
+      return;
+    }
+    const unsigned next = bits & (children.triangles | nextBits<kOfA>(children.sizes, other.size));
+    if (next != 0) openOther<kOfA>(children, next, other.ref, item.depth + 1);
+    pushAll<!kOfA>(otherSlot, children, bits & ~next, item.depth + 1);
+  }
+
+  /// Inner nodes in `sizes`, of A if kOfA, beside which the other side is opened.
+  template <bool kOfA>
+  [[gnu::always_inline]] unsigned nextBits(const SimdReal& sizes, float other) const {
+    if (args_.rule == DescentRule::kAlternating) return ~0u;
+    if (args_.rule == DescentRule::kFirstTreeFirst) return kOfA ? 0u : ~0u;
+    return kOfA ? greaterBits(SimdReal(other), sizes) : ~greaterBits(sizes, SimdReal(other));
+  }
+
+  template <bool kOfA>
+  [[gnu::always_inline]] void openOther(const Children& children, unsigned next, std::int32_t ref,
+                                        std::uint32_t depth) {
+    alignas(32) float lanes[9 * kWideArity];
+    store(lanes, children.boxes.center);
+    store(lanes + 3 * kWideArity, children.boxes.extent);
+    store(lanes + 6 * kWideArity, children.boxes.across);
+    const Children others = childrenOf<!kOfA>(ref);
+    count(others, __builtin_popcount(next), depth);
+    for (; next; next &= next - 1) {
+      const int k = __builtin_ctz(next);
+      const auto vec = [&](int i) {
+        const float* const x = lanes + i * kWideArity + k;
+        return spread(Vec3f{x[0], x[kWideArity], x[2 * kWideArity]});
+      };
+      unsigned bits = overlapBits<!kOfA>(others, {vec(0), vec(3), vec(6)});
+      if (!bits) continue;
+      const std::int32_t child = children.node->child[k];
+      if (child < 0) {
+        addPairs<kOfA>(~child, *others.node, bits & others.triangles);
+        bits &= ~others.triangles;
+      }
+      pushAll<kOfA>(children.firstSlot + static_cast<std::uint32_t>(k), others, bits, depth + 1);
+    }
+  }
+
+  /// One node, of A if kOfA, with some of the other mesh's.
+  template <bool kOfA>
+  [[gnu::always_inline]] void pushAll(std::uint32_t slot, const Children& others, unsigned bits, std::uint32_t depth) {
     for (; bits; bits &= bits - 1) {
-      const int k = __builtin_ctz(bits);
-      const std::int32_t child = node.child[k];
-      if (child < 0 && other < 0) {
-        if (out.size == out.capacity) out.grow(out);
-        TrianglePair& pair = out.data[out.size++];
-        pair.a = static_cast<std::uint32_t>(openA ? ~child : ~other);
-        pair.b = static_cast<std::uint32_t>(openA ? ~other : ~child);
-        continue;
-      }
-      if (child >= 0) __builtin_prefetch(openA ? args.nodesA + child : args.nodesB + child);
-      if (last >= 0) {
-        WideItem& next = args.stack[top++];
-        next.a = openA ? sideOf(boxes, node.child[last], last) : item.a;
-        next.b = openA ? item.b : sideOf(boxes, node.child[last], last);
-        next.depth = item.depth + 1;
-      }
-      last = k;
-    }
-    if (last >= 0) {
-      (openA ? item.a : item.b) = sideOf(boxes, node.child[last], last);
-      ++item.depth;
-    } else if (top > 0) {
-      item = args.stack[--top];
-    } else {
-      break;
+      const auto k = static_cast<std::uint32_t>(__builtin_ctz(bits));
+      const std::int32_t child = others.node->child[k];
+      if (child >= 0) __builtin_prefetch((kOfA ? args_.nodesB : args_.nodesA) + child);
+      const std::uint32_t other = others.firstSlot + k;
+      *top_++ = {kOfA ? slot : other, kOfA ? other : slot, depth};
     }
   }
-  args.boxTests = boxTests;
-}
+
+  /// A triangle, of A if kOfA, with those of a node's lanes.
+  template <bool kOfA>
+  [[gnu::always_inline]] void addPairs(std::int32_t triangle, const WideNode& others, unsigned bits) {
+    const auto pairWith = [&](int k) {
+      const auto one = static_cast<std::uint32_t>(triangle), other = static_cast<std::uint32_t>(~others.child[k]);
+      return kOfA ? TrianglePair{one, other} : TrianglePair{other, one};
+    };
+    if (out_.capacity - out_.size < kWideArity) {
+      for (; bits; bits &= bits - 1) {
+        if (out_.size == out_.capacity) out_.grow(out_);
+        out_.data[out_.size++] = pairWith(__builtin_ctz(bits));
+      }
+      return;
+    }
+    // Without a branch that nobody could predict: what does not count is overwritten.
+    for (int k = 0; k < kWideArity; ++k) {
+      out_.data[out_.size] = pairWith(k);
+      out_.size += bits >> k & 1;
+    }
+  }
+
+  WideTraversalArgs& args_;
+  const BoxFrame<float>& frame_;
+  PairSink& out_;
+  BoxFrame<SimdReal> simd_;
+  BoxScale<SimdReal> scaleA_, scaleB_;  ///< if kScaled
+  WideItem* top_ = nullptr;             ///< of the stack
+  std::uint64_t boxTests_ = 0;
+};
 
 void traverseWide(WideTraversalArgs& args) {
   if (args.scaled) {
-    traverseBoxes<true>(args);
+    WideTraversal<true>(args).run();
   } else {
-    traverseBoxes<false>(args);
+    WideTraversal<false>(args).run();
   }
 }
 
