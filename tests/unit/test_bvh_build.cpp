@@ -2,6 +2,7 @@
 // Both build strategies: valid trees, bounded depth and work for any input, the same tree for the same mesh.
 #include <bit>
 #include <cstring>
+#include <limits>
 
 #include "bvh/collision_mesh.h"
 #include "support/catch.h"
@@ -40,6 +41,39 @@ bool sameBytes(const BinaryTree& a, const BinaryTree& b) {
   return a.nodes.size() == b.nodes.size() && a.depth == b.depth &&
          (a.nodes.empty() || std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(BvhNode)) == 0);
 }
+
+double areaOf(const Vec3f& extent) {
+  return double{extent.x} * extent.y + double{extent.y} * extent.z + double{extent.z} * extent.x;
+}
+
+/// The least areas of wide nodes for subtrees of a binary tree, by trying all ways to choose their children.
+class LeastArea {
+ public:
+  explicit LeastArea(const BinaryTree& tree) : tree_(tree), known_(tree.nodes.size(), -1) {}
+  double of(std::int32_t node) {
+    if (tree_.nodes[node].isLeaf()) return 0;
+    if (known_[node] < 0) known_[node] = areaOf(tree_.nodes[node].extent) + below({}, node, kWideArity);
+    return known_[node];
+  }
+
+ private:
+  double below(std::vector<std::int32_t> open, std::int32_t node, int lanes) {
+    open.push_back(tree_.nodes[node].child);
+    open.push_back(tree_.nodes[node].child + 1);
+    return ofAll(open, lanes);
+  }
+  double ofAll(std::vector<std::int32_t> open, int lanes) {
+    if (open.empty()) return 0;
+    if (open.size() > static_cast<std::size_t>(lanes)) return std::numeric_limits<double>::infinity();
+    const std::int32_t last = open.back();
+    open.pop_back();
+    const double asChild = of(last) + ofAll(open, lanes - 1);
+    return tree_.nodes[last].isLeaf() ? asChild : std::min(asChild, below(open, last, lanes));
+  }
+
+  const BinaryTree& tree_;
+  std::vector<double> known_;
+};
 
 }  // namespace
 
@@ -162,6 +196,24 @@ TEST_CASE("the same mesh gives the same tree, byte for byte") {
     INFO(sample.name);
     for (const BuildStrategy strategy : kStrategies) {
       REQUIRE(sameBytes(buildTree(*sample.mesh, strategy), buildTree(*sample.mesh, strategy)));
+    }
+  }
+}
+
+TEST_CASE("no choice of wide nodes has a smaller sum of areas") {
+  for (const auto& mesh :
+       {scenes::build(scenes::makeLump(1, 1, 0.5, 7)), scenes::build(scenes::makeTorus(2, 0.5, 9, 5)),
+        scenes::build(scenes::makeGear(5, 1, 0.3, 0.2, 0.3)), scenes::build(scenes::makeBox({1, 2, 3}))}) {
+    for (const BuildStrategy strategy : kStrategies) {
+      const BinaryTree tree = buildTree(*mesh, strategy);
+      const WideTree wide = makeWideTree(tree);
+      double sum = areaOf(wide.rootExtent);
+      for (const WideNode& node : wide.nodes) {
+        for (int k = 0; k < node.count; ++k) {
+          if (node.child[k] >= 0) sum += areaOf({node.extentX[k], node.extentY[k], node.extentZ[k]});
+        }
+      }
+      CHECK(sum == Approx(LeastArea(tree).of(0)).epsilon(1e-5));
     }
   }
 }
