@@ -9,14 +9,11 @@ namespace otg {
 
 inline constexpr int kWideArity = 8;
 
-struct alignas(64) WideBoxes {
-  float centerX[kWideArity], centerY[kWideArity], centerZ[kWideArity];
-  float extentX[kWideArity], extentY[kWideArity], extentZ[kWideArity];
-};
-
 /// Boxes in the mesh's centred frame, child k in lane k. Lanes from `count` on hold an inverted box that overlaps
 /// nothing.
-struct WideNode : WideBoxes {
+struct alignas(64) WideNode {
+  float centerX[kWideArity], centerY[kWideArity], centerZ[kWideArity];
+  float extentX[kWideArity], extentY[kWideArity], extentZ[kWideArity];
   std::int32_t child[kWideArity];  ///< >= 0: a node that follows this one; < 0: ~triangle
   std::int32_t count;              ///< children in use, 1 to 8
 };

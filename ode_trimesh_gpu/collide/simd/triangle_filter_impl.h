@@ -163,11 +163,12 @@ struct EightPairs {
 void filterTriangles(TriangleFilterArgs& args) {
   Transform<SimdReal> toA;
   for (int i = 0; i < 9; ++i) toA.r[i] = args.turn->r[i];
-  const bool isLong = args.count >= 2048;  // what fewer read stays in the caches
+  constexpr std::size_t kStaysInCaches = 2048;  // what fewer candidates read
   for (std::size_t begin = 0; begin < args.count; begin += 8) {
     const std::size_t n = args.count - begin < 8 ? args.count - begin : 8;
     const TrianglePair* pairs = args.candidates + begin;
-    if (isLong && begin + 24 <= args.count) {  // corners two blocks ahead: their indices came with the block before
+    if (args.count >= kStaysInCaches && begin + 24 <= args.count) {
+      // Corners two blocks ahead: their indices came with the block before.
       for (std::size_t k = 8; k < 16; ++k) {
         const Triangle &ta = args.trianglesA[pairs[k].a], &tb = args.trianglesB[pairs[k].b];
         for (int v = 0; v < 3; ++v) {
