@@ -250,6 +250,17 @@ OTG_INLINED void otgMeasureGathered(__local otg_solid_choice* s, const otg_solid
 }
 #endif
 
+/// Edges that cross each other may be deepest beyond the stretches that are inside. By one lane.
+OTG_INLINED void otgRaiseDeepest(__local otg_solid_choice* s, const otg_solid_work* w) {
+  uint deepest = 0;
+  for (uint k = 1; k < s->count; ++k) {
+    if (OTG_DEPTH(s)[s->order[k]] > OTG_DEPTH(s)[s->order[deepest]]) deepest = k;
+  }
+  if (s->count == 0) return;
+  const uint c = s->order[deepest];
+  OTG_DEPTH(s)[c] = otgMax_d(OTG_DEPTH(s)[c], w->leastDepth);
+}
+
 /// Depths by rays, until two agree with their estimates and none has disagreed: then the others are believed. Gathered
 /// planes are not believed, and all are measured before; candidates of uneven regions are measured on the triangles.
 /// What is shallow for its kind is dropped.
@@ -285,6 +296,8 @@ OTG_INLINED void otgMeasure(__local otg_solid_choice* s, const otg_solid_work* w
   for (uint k = lane; k < count; k += OTG_GROUP) s->alive[s->order[k]] = (uchar)s->step[s->order[k]];
   OTG_SYNC;
   otgKeepInOrder(s, count);
+  if (lane == 0) otgRaiseDeepest(s, w);
+  OTG_SYNC;
 }
 
 /// The piece of a mesh through which the contact's normal leaves, among pieces `begin` to `end`: its plane is the

@@ -4,65 +4,74 @@
 #ifndef OTG_SOLID_DEEP_H
 #define OTG_SOLID_DEEP_H
 #include "solid/thin.h"
-
-/// The two faces of the edge that a point is the middle of: outward normals.
-OTG_INLINED void otgFacesAt(OTG_MESH* m, uint edge, otg_vec3_d* n0, otg_vec3_d* n1) {
-  const uint halfEdge = m->edges[edge].z;
-  *n0 = otgDirectionInA(m, otgOwnNormal(m, halfEdge / 3));
-  *n1 = otgDirectionInA(m, otgOwnNormal(m, otgTwinOf(m, halfEdge) / 3));
-}
+//
+#define OTG_REAL_DOUBLE
+#include "shared/contacts/edge_pair.h"
+#undef OTG_REAL_DOUBLE
 
 /// Whether the two faces of an edge are all that the region has of its mesh.
-OTG_INLINED int otgIsAll(__local const otg_solid_ways* s, const otg_solid_work* w, uint mesh, otg_vec3_d n0,
-                         otg_vec3_d n1) {
-  double own = 0;
+OTG_INLINED int otgIsAll(__local const otg_solid_ways* s, const otg_solid_work* w, uint mesh,
+                         const otg_edge_of_pair_d* e) {
   for (uint j = 0; j < otgFaceCount(w, mesh); ++j) {
-    __global const otg_solid_piece* p = w->pieces + s->list[mesh][j];
-    const otg_vec3_d n = otgLoad(p->normal);
-    if (otgDot_d(n, n0) >= OTG_SOLID_SAME_FACE || otgDot_d(n, n1) >= OTG_SOLID_SAME_FACE) own += p->area;
+    const otg_vec3_d n = otgLoad(w->pieces[s->list[mesh][j]].normal);
+    if (otgDot_d(n, e->faces[0]) < OTG_SOLID_SAME_FACE && otgDot_d(n, e->faces[1]) < OTG_SOLID_SAME_FACE) return 0;
   }
-  return own >= OTG_SOLID_FACE_SHARE * (mesh == 0 ? w->region->areaA : w->region->areaB);
-}
-
-/// An edge of A across an edge of B: as in directionsAcross(). Numbers of the pair: stretch of A, stretch of B.
-OTG_INLINED int otgAcross(__local const otg_solid_ways* s, const otg_solid_work* w, OTG_MESH* a, OTG_MESH* b, uint pair,
-                          int isDeep, otg_vec3_d* direction) {
-  __global const otg_solid_point* p = w->points + s->sharp[0][pair / OTG_SOLID_MOST_STRETCHES];
-  __global const otg_solid_point* q = w->points + s->sharp[1][pair % OTG_SOLID_MOST_STRETCHES];
-  const otg_vec3_d alongA = otgLoad(p->along), alongB = otgLoad(q->along), across = otgCross_d(alongA, alongB);
-  const otg_vec3_d middleA = otgLoad(p->position), middleB = otgLoad(q->position);
-  const double sine = otgNorm_d(across);
-  otg_vec3_d a0, a1, b0, b1;
-  otgFacesAt(a, p->feature, &a0, &a1);
-  otgFacesAt(b, q->feature, &b0, &b1);
-  if (sine < OTG_SOLID_LEAST_SINE) return 0;
-  if (!isDeep && (!otgIsAll(s, w, 0, a0, a1) || !otgIsAll(s, w, 1, b0, b1))) return 0;
-  otg_vec3_d d = otgScale_d(across, 1 / sine);
-  if (otgDot_d(d, otgLoad(w->region->push)) < 0) d = otgScale_d(d, -1.0);
-  if (!otgIsBetween_d(a0, a1, otgScale_d(d, -1.0)) || !otgIsBetween_d(b0, b1, d)) return 0;
-  // Nearest points of the two lines, within the stretches.
-  const otg_vec3_d apart = otgSub_d(middleB, middleA);
-  const double u = otgDot_d(otgCross_d(apart, alongB), across) / (sine * sine);
-  const double v = otgDot_d(otgCross_d(apart, alongA), across) / (sine * sine);
-  if (fabs(u) > p->reach || fabs(v) > q->reach) return 0;
-  *direction = d;
   return 1;
 }
 
-/// s->pairs of edges across each other, in order; none unless it `seeks`. All lanes call it.
-OTG_INLINED void otgFindEdgePairs(__local otg_solid_ways* s, const otg_solid_work* w, OTG_MESH* a, OTG_MESH* b,
-                                  int isDeep, int seeks) {
+/// The edge that a point is the middle of.
+OTG_INLINED otg_edge_of_pair_d otgEdgeAt(const otg_solid_work* w, OTG_MESH* m, __global const otg_solid_point* p) {
+  const uint4 edge = m->edges[p->feature];
+  const otg_vec3_d origin = otgLoad(w->region->origin);
+  otg_edge_of_pair_d e;
+  e.middle = otgLoad(p->position);
+  e.along = otgLoad(p->along);
+  const double x = otgDot_d(e.along, otgSub_d(otgSub_d(otgVertexAt(m, edge.x), origin), e.middle));
+  const double y = otgDot_d(e.along, otgSub_d(otgSub_d(otgVertexAt(m, edge.y), origin), e.middle));
+  e.low = otgMin_d(x, y);
+  e.high = otgMax_d(x, y);
+  e.faces[0] = otgDirectionInA(m, otgOwnNormal(m, edge.z / 3));
+  e.faces[1] = otgDirectionInA(m, otgOwnNormal(m, otgTwinOf(m, edge.z) / 3));
+  return e;
+}
+
+/// As EdgePair in collide/solid/edge_pair.h.
+typedef struct {
+  otg_vec3_d direction;
+  double depth;
+  int isAll;
+  int counts;  ///< they are across each other, and all of the region unless that is a lump
+} otg_edge_pair;
+
+OTG_INLINED int otgIsThick(const otg_solid_work* w) {
+  return w->thickness > OTG_SOLID_DEEP * w->diagonal;
+}
+
+/// As edgePairsOf(). Numbers of the pair: stretch of A, stretch of B.
+OTG_INLINED otg_edge_pair otgEdgePair(__local const otg_solid_ways* s, const otg_solid_work* w, OTG_MESH* a,
+                                      OTG_MESH* b, uint pair) {
+  const otg_edge_of_pair_d e = otgEdgeAt(w, a, w->points + s->convex[0][pair / OTG_SOLID_MOST_STRETCHES]);
+  const otg_edge_of_pair_d f = otgEdgeAt(w, b, w->points + s->convex[1][pair % OTG_SOLID_MOST_STRETCHES]);
+  otg_edge_pair found;
+  found.counts = otgAreAcross_d(&e, &f, &found.direction, &found.depth);
+  found.isAll = found.counts && otgIsAll(s, w, 0, &e) && otgIsAll(s, w, 1, &f);
+  found.counts = found.isAll || (found.counts && otgIsThick(w));
+  return found;
+}
+
+/// s->pairs of edges across each other, in order. All lanes call it.
+OTG_INLINED void otgFindEdgePairs(__local otg_solid_ways* s, const otg_solid_work* w, OTG_MESH* a, OTG_MESH* b) {
   const uint lane = get_local_id(0);
-  const uint points = seeks && w->coherence < OTG_SOLID_ONE_FACE ? w->pointCount : 0;
+  const uint points = w->coherence < OTG_SOLID_ONE_FACE ? w->pointCount : 0;
   uint running[2], total;
   running[0] = running[1] = 0;
   for (uint base = 0; base < points; base += OTG_GROUP) {
     const uint i = base + lane;
-    const int isSharp = i < points && w->points[i].kind >= OTG_POINT_MIDDLE && w->points[i].sharp;
-    const uint mesh = isSharp ? w->points[i].mesh : 2;
+    const int isConvex = i < points && w->points[i].kind >= OTG_POINT_MIDDLE && w->points[i].corner;
+    const uint mesh = isConvex ? w->points[i].mesh : 2;
     for (uint m = 0; m < 2; ++m) {
       const uint place = running[m] + otgPlaceAmong(OTG_COUNTS(s), mesh == m, &total);
-      if (mesh == m && place < OTG_SOLID_MOST_STRETCHES) s->sharp[m][place] = i;
+      if (mesh == m && place < OTG_SOLID_MOST_STRETCHES) s->convex[m][place] = i;
       running[m] += total;
     }
   }
@@ -75,9 +84,8 @@ OTG_INLINED void otgFindEdgePairs(__local otg_solid_ways* s, const otg_solid_wor
     uint pair = 0;
     int isPair = 0;
     if (item < items) {
-      otg_vec3_d d;
       pair = item / running[1] * OTG_SOLID_MOST_STRETCHES + item % running[1];
-      isPair = otgAcross(s, w, a, b, pair, isDeep, &d);
+      isPair = otgEdgePair(s, w, a, b, pair).counts;
     }
     const uint place = pairs + otgPlaceAmong(OTG_COUNTS(s), isPair, &total);
     if (isPair) s->pairOf[place] = pair;
@@ -223,15 +231,26 @@ OTG_INLINED double otgWayOfPoint(__local const otg_solid_ways* s, const otg_soli
   return otgMax_d(exits[0], 0) + otgMax_d(exits[1], 0);
 }
 
+/// Sets w->fixed and w->leastDepth if two edges are all of the region: by the pair that is left soonest. All lanes call
+/// it.
+OTG_INLINED void otgLeaveAcross(__local const otg_solid_ways* s, otg_solid_work* w, OTG_MESH* a, OTG_MESH* b) {
+  for (uint k = 0; k < s->pairs; ++k) {
+    const otg_edge_pair pair = otgEdgePair(s, w, a, b, s->pairOf[k]);
+    if (!pair.isAll || (w->isFixed && !(pair.depth < w->leastDepth))) continue;
+    w->fixed = pair.direction;
+    w->isFixed = 1;
+    w->leastDepth = pair.depth;
+  }
+}
+
 /// Sets w->fixed if a direction is a shorter way out than the mean one. All lanes call it. `last`: the direction of the
-/// pair's last deep region, or zero. `isUneven`: edges across each other do not hold a region that is no lump. `room`:
-/// for planes.
+/// pair's last deep region, or zero. `room`: for planes.
 OTG_INLINED void otgFindWayOut(__local otg_solid_ways* s, otg_solid_work* w, OTG_MESH* a, OTG_MESH* b, double far,
-                               otg_vec3_d last, int isUneven, __global otg_solid_face* room) {
+                               otg_vec3_d last, __global otg_solid_face* room) {
   const uint lane = get_local_id(0);
-  const int isLump = w->thickness > OTG_SOLID_DEEP * w->diagonal;
-  otgFindEdgePairs(s, w, a, b, isLump, isLump || !isUneven);
-  const int isDeep = (isLump || s->pairs > 0) && w->pieceCount > 0, hasLast = otgDot_d(last, last) > 0;
+  otgFindEdgePairs(s, w, a, b);
+  otgLeaveAcross(s, w, a, b);
+  const int isDeep = otgIsThick(w) && !w->isFixed && w->pieceCount > 0, hasLast = otgDot_d(last, last) > 0;
   const double areas = w->region->areaA + w->region->areaB;
   if (lane == 0) {
     s->count = 0;
@@ -259,8 +278,7 @@ OTG_INLINED void otgFindWayOut(__local otg_solid_ways* s, otg_solid_work* w, OTG
     OTG_SYNC;
   }
   for (uint k = lane; k < (isDeep ? s->pairs : 0); k += OTG_GROUP) {
-    otg_vec3_d d;
-    otgAcross(s, w, a, b, s->pairOf[k], isLump, &d);
+    const otg_vec3_d d = otgEdgePair(s, w, a, b, s->pairOf[k]).direction;
     __local double* out = OTG_DEEP_DIRECTION(s, s->count + k);
     out[0] = d.x;
     out[1] = d.y;

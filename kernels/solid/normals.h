@@ -43,7 +43,7 @@ typedef struct {
   double reduce[OTG_GROUP], sums[8];
   uint4 counts[(OTG_GROUP + 3) / 4];  ///< a word for each lane: OTG_COUNTS
   double weighted[3], shareOfB;
-  uint sharp[2][OTG_SOLID_MOST_STRETCHES];  ///< middles of sharp convex edges, ascending
+  uint convex[2][OTG_SOLID_MOST_STRETCHES];  ///< middles of convex edges, ascending
   uint planes[2], deep[2], listedFaces, first, bad;
   uint pairs, pairOf[OTG_SOLID_MOST_STRETCHES * OTG_SOLID_MOST_STRETCHES];
   uint isFlat, corners, count, allocated;

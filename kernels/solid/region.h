@@ -18,7 +18,7 @@ typedef struct {
   __global ushort* picks;  ///< the points that are candidates; null: all
   uint pieceCount, pointCount, candidates, facesOfA, facesOfB, planesOfA, planesOfB;
   int isGathered, isFlat, isFixed, isUneven;
-  double diagonal, thickness, coherence, radius, shareOfB;
+  double diagonal, thickness, coherence, radius, shareOfB, leastDepth;
   otg_vec3_d lo;                     ///< of its bounds
   otg_vec3_d mean, weighted, fixed;  ///< `fixed`: the normal everywhere if isFixed
   otg_vec3_d fallback;               ///< where the surfaces do not say where out is
@@ -37,7 +37,9 @@ OTG_INLINED otg_solid_work otgWorkOn(__global uchar* arena, uint place) {
   w.coherence = w.region->coherence;
   w.lo = otgLoad(w.region->lo);
   w.mean = otgUnit_d(otgLoad(w.region->push));
-  w.fallback = w.mean;
+  w.fallback = w.fixed = w.mean;
+  w.isFixed = 0;
+  w.leastDepth = 0;
   w.radius = otgNormalReach_d(w.region->areaA + w.region->areaB, w.thickness);
   return w;
 }
@@ -59,6 +61,7 @@ OTG_INLINED otg_solid_work otgGoOnWith(__global uchar* arena, uint place) {
   w.isFixed = (flags & OTG_REGION_FIXED) != 0;
   w.isUneven = (flags & OTG_REGION_UNEVEN) != 0;
   w.shareOfB = w.region->shareOfB;
+  w.leastDepth = w.region->leastDepth;
   w.weighted = otgLoad(w.region->weighted);
   w.fixed = otgLoad(w.region->fixed);
   return w;

@@ -46,6 +46,28 @@ class WedgeFinder : public RegionRefiner {
   bool found = false;
 };
 
+/// Likewise, whether a region of theirs is an edge across an edge and nothing else.
+class EdgeFinder : public RegionRefiner {
+ public:
+  bool direct(const PlacedMeshes& /*meshes*/, const OverlapRegions& /*all*/, const Region& /*region*/,
+              const RegionDirection& direction, RegionNormals& /*normals*/) override {
+    found = found || direction.depth > 0;
+    return false;
+  }
+  void refine(std::vector<Contact>& /*contacts*/, std::size_t /*first*/) override {}
+  bool found = false;
+};
+
+/// Of few large faces, with hollows between its corners.
+MeshArrays spiky(Draw& draw) {
+  MeshArrays mesh = makeSphere(1, 0);
+  for (Vec3f& v : mesh.vertices) {
+    const double factor = draw.uniform(0.4, 1.2);
+    v = toFloat({factor * v.x, factor * v.y, factor * v.z});
+  }
+  return mesh;
+}
+
 /// How many pairs the host makes again: those that meet more on the way which their contacts ask for, and those that
 /// may and have contacts in all places.
 std::size_t madeAgain(const std::vector<Query>& queries, const std::vector<std::vector<Contact>>& contacts) {
@@ -155,6 +177,26 @@ TEST_CASE("what meets more on the way that its contacts ask for is the host's, a
   checkBatch(*backend, queries, onHost(queries));
   REQUIRE(backend->collideBatch(queries, answer));
   CHECK(answer.stats.contactsBeforeReduction == foundOnHost(queries));
+}
+
+TEST_CASE("edges across edges are the device's") {
+  Draw draw(12);
+  MeshList meshes;
+  for (int i = 0; i < 12; ++i) meshes.push_back(collisionMesh(spiky(draw)));
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  if (!backend->device().doubles) return;
+  const std::vector<Query> queries = touching(meshes, 13, 400, 0, 0.02);
+  std::size_t edges = 0;
+  Workspace workspace;
+  for (Query query : queries) {
+    EdgeFinder finder;
+    query.refiner = &finder;
+    collide(query, workspace);
+    edges += finder.found;
+  }
+  CHECK(edges > 100);
+  CHECK(checkBatch(*backend, queries, onHost(queries)) > 380);
 }
 
 TEST_CASE("boxes upon each other are the device's") {

@@ -93,16 +93,13 @@ namespace otg {
 /// From this coherence on a face says where out is.
 #define OTG_SOLID_ONE_FACE 0.99
 
-/// Edges of less than 20 degrees are those of a tessellated curve; a region with more sharp ones is more than a
-/// crossing.
-#define OTG_SOLID_SHARP_COSINE 0.94
+/// A region with more convex edges is more than a crossing of two.
 #define OTG_SOLID_MOST_STRETCHES 4
 
 /// Edges within 3 degrees of parallel have no stable direction across.
 #define OTG_SOLID_LEAST_SINE 0.05
 
-/// Part of a side's area that the two faces of its edge must have.
-#define OTG_SOLID_FACE_SHARE 0.98
+/// Cosine between a piece and the face of an edge that it counts as part of.
 #define OTG_SOLID_SAME_FACE 0.9999
 
 /// How much the way across two edges counts beside others, while the mean direction is the best of those.
@@ -351,11 +348,10 @@ OTG_GENERIC REAL OTG_NAME(otgApart)(OTG_VEC3 p, OTG_VEC3 n, OTG_VEC3 q, OTG_VEC3
   return OTG_NAME(otgDot)(d, d) * scale + OTG_NAME(otgDot)(e, e);
 }
 
-/// Whether an edge whose two faces have these outward normals is sharp and convex. `along`: the edge in the direction
-/// in which the face of n0 lies to its left.
-OTG_GENERIC otg_int OTG_NAME(otgIsSharpConvex)(OTG_VEC3 n0, OTG_VEC3 n1, OTG_VEC3 along) {
-  return !(OTG_NAME(otgDot)(n0, n1) > OTG_REAL(OTG_SOLID_SHARP_COSINE)) &&
-         !(OTG_NAME(otgDot)(OTG_NAME(otgCross)(n0, n1), along) <= 0);
+/// Whether an edge whose two faces have these outward normals is convex. `along`: the edge in the direction in which
+/// the face of n0 lies to its left.
+OTG_GENERIC otg_int OTG_NAME(otgIsConvex)(OTG_VEC3 n0, OTG_VEC3 n1, OTG_VEC3 along) {
+  return OTG_NAME(otgDot)(OTG_NAME(otgCross)(n0, n1), along) > 0;
 }
 
 /// Whether d, which is perpendicular to the edge, lies between the outward normals of its faces.

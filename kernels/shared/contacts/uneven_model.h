@@ -22,8 +22,9 @@ namespace otg {
 #define OTG_UNEVEN_SURELY (1 + 1e-8)
 /// The same for limits of ways.
 #define OTG_UNEVEN_WITHIN (1 + 1e-6)
-/// A face is that of a curved surface beside another one whose normal is turned by less than a sharp edge's. It is
-/// turned by more than rounding.
+/// A face is that of a curved surface beside another one whose normal is turned by less than 20 degrees. It is turned
+/// by more than rounding.
+#define OTG_UNEVEN_SHARP 0.94
 #define OTG_UNEVEN_TURNED (1 - 1e-6)
 /// The translation that parts request is so many times the deepest part's way, at most. A body that is jammed between
 /// two walls is not requested to leave them at their end.
@@ -36,11 +37,6 @@ OTG_GENERIC OTG_VEC3 OTG_NAME(otgInward)(OTG_VEC3 normal, OTG_VEC3 from, OTG_VEC
   return OTG_NAME(otgUnit)(OTG_NAME(otgCross)(normal, OTG_NAME(otgSub)(to, from)));
 }
 
-/// Whether the edge with direction `ends`, as the face of `normal` has it, is convex.
-OTG_GENERIC int OTG_NAME(otgIsConvex)(OTG_VEC3 normal, OTG_VEC3 other, OTG_VEC3 ends) {
-  return OTG_NAME(otgDot)(OTG_NAME(otgCross)(normal, other), ends) > 0;
-}
-
 OTG_GENERIC REAL OTG_NAME(otgDistanceOfTriangle)(OTG_VEC3 a, OTG_VEC3 b, OTG_VEC3 c, OTG_VEC3 p) {
   return OTG_NAME(otgNorm)(OTG_NAME(otgSub)(OTG_NAME(otgPointOnTriangle)(a, b, c, p), p));
 }
@@ -51,7 +47,7 @@ OTG_GENERIC REAL OTG_NAME(otgAsNear)(REAL nearest, REAL slack) {
 }
 
 OTG_GENERIC int OTG_NAME(otgIsTurned)(REAL cosine) {
-  return cosine > OTG_REAL(OTG_SOLID_SHARP_COSINE) && cosine < OTG_REAL(OTG_UNEVEN_TURNED);
+  return cosine > OTG_REAL(OTG_UNEVEN_SHARP) && cosine < OTG_REAL(OTG_UNEVEN_TURNED);
 }
 
 /// How far a stretch whose ends lie so far below a face is to go.

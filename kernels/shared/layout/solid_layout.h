@@ -54,7 +54,7 @@ typedef struct {
   otg_ulong order;                                  ///< kind, mesh, SupportPoint::rank, ordinal: ties are settled by it
   otg_uint kind, mesh, feature, ordinal, triangleA, triangleB;
   otg_uint flat;
-  otg_uint sharp;      ///< of a middle: its edge is sharp and convex; of a crossing: it is an inner corner's
+  otg_uint corner;     ///< of a middle: its edge is convex; of a crossing: it is an inner corner's
   double passes;       ///< how far a stretch must go along the normal past one of the other mesh; 0 if it passes none
   double depth, rank;  ///< of a candidate, as estimated; depth -1: it is none
 } otg_solid_point;
@@ -69,9 +69,9 @@ typedef struct {
 
 typedef struct {
   double origin[3], lo[3], hi[3], push[3];
-  double areaA, areaB, volume, diagonal, thickness, coherence;
-  // What solidWays adds: directions.
-  double shareOfB, weighted[3], fixed[3];
+  double areaA, areaB, diagonal, thickness, coherence;
+  // What solidWays adds: directions, and the least depth of the deepest contact.
+  double shareOfB, weighted[3], fixed[3], leastDepth;
   otg_uint pieces, pieceCount, points, pointCount;  ///< places in the arena
   otg_uint next;                                    ///< region, or OTG_NOT_THERE
   otg_uint faces, planes, picks;  ///< places in the arena; picks (ushort): OTG_NOT_THERE where all points stay

@@ -221,7 +221,7 @@ OTG_INLINED void otgArenaPieces(__local otg_arena_scratch* s, __local otg_solid_
     otgStore(out->push, r->measure.push);
     out->areaA = r->areaA;
     out->areaB = r->areaB;
-    out->volume = r->measure.volume;
+    out->leastDepth = 0;
     out->diagonal = r->measure.diagonal;
     out->thickness = r->measure.thickness;
     out->coherence = r->measure.coherence;

@@ -239,7 +239,6 @@ OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __gl
     otgStore(out->push, measure.push);
     out->areaA = s->sums[6];
     out->areaB = s->sums[7];
-    out->volume = measure.volume;
     out->diagonal = measure.diagonal;
     out->thickness = measure.thickness;
     out->coherence = measure.coherence;

@@ -161,11 +161,11 @@ OTG_INLINED uint otgStretchPoints(const otg_solid_pair* pair, uint c, uint regio
       const uint halfEdge = ends.z;
       const int forward = otgCornerOf(m, halfEdge) == ends.x;
       const otg_vec3_d along = otgSub_d(otgVertexAt(m, ends.y), otgVertexAt(m, ends.x));
-      out[count].sharp = otgIsSharpConvex_d(otgDirectionInA(m, otgOwnNormal(m, own)),
-                                            otgDirectionInA(m, otgOwnNormal(m, otgTwinOf(m, halfEdge) / 3)),
-                                            forward ? along : otgScale_d(along, -1.0));
+      out[count].corner = otgIsConvex_d(otgDirectionInA(m, otgOwnNormal(m, own)),
+                                        otgDirectionInA(m, otgOwnNormal(m, otgTwinOf(m, halfEdge) / 3)),
+                                        forward ? along : otgScale_d(along, -1.0));
     }
-    if (k < 2) out[count].sharp = ends.w == OTG_EDGE_INNER;
+    if (k < 2) out[count].corner = ends.w == OTG_EDGE_INNER;
     const uint other = k == 2 ? OTG_NOT_THERE : s->other[k == 0 ? from : to];
     otgWritePoint(out + count, m, at, span, normal, otgNormalInA(mesh == 0 ? pair->b : pair->a, other),
                   k == 2 ? kind : OTG_POINT_CROSSING, edge, k == 2 ? stretch : 2 * stretch + k, own, other, flat);

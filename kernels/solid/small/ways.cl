@@ -20,7 +20,7 @@ OTG_INLINED uint otgTakeUnits(__local otg_solid_ways* s, uint units, __global ui
 OTG_INLINED int otgIsUnevenRegion(__local otg_solid_ways* s, const otg_solid_work* w) {
   int roundCorner = 0;
   for (uint i = 0; i < w->pointCount; ++i) {
-    roundCorner |= w->points[i].kind == OTG_POINT_CROSSING && w->points[i].sharp;
+    roundCorner |= w->points[i].kind == OTG_POINT_CROSSING && w->points[i].corner;
   }
   if (roundCorner) return 1;
   double end[2];  // the lowest with its sign changed, and the highest
@@ -43,7 +43,7 @@ OTG_INLINED int otgIsUnevenRegion(__local otg_solid_ways* s, const otg_solid_wor
 OTG_INLINED uint otgFlagsOf(__local const otg_solid_ways* s, const otg_solid_work* w, int isUneven) {
   uint flags = s->isFlat ? OTG_REGION_FLAT : 0;
   if (w->isFixed) flags |= OTG_REGION_FIXED;
-  if (w->thickness > OTG_SOLID_DEEP * w->diagonal || s->pairs > 0) flags |= OTG_REGION_DEEP;
+  if (otgIsThick(w) || w->leastDepth > 0) flags |= OTG_REGION_DEEP;
   if (isUneven) flags |= OTG_REGION_UNEVEN;
   if (w->isGathered && !isUneven) flags |= OTG_REGION_GATHERED;
   // The corners of an overlap are never flat points, as long as anything is not flat.
@@ -74,8 +74,6 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
   __global uchar* room = arena + (size_t)(works ? begin : 0) * OTG_ARENA_UNIT;
   w.faces = (__global otg_solid_face*)room;
   w.picks = 0;
-  w.isFixed = 0;
-  w.fixed = w.mean;
   if (!works) w.pieceCount = w.pointCount = 0;
   if (lane == 0) {
     s->bad = 0;
@@ -88,7 +86,7 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
   otgThinRegion(s, &w, (__global otg_solid_face*)(room + plane), (__global ushort*)(room + 3 * plane));
   const int reachesFar = otgIsUnevenRegion(s, &w);
   const double far = (double)(a->radius + b->radius);
-  otgFindWayOut(s, &w, a, b, far, last, reachesFar, (__global otg_solid_face*)(room + 2 * plane));
+  otgFindWayOut(s, &w, a, b, far, last, (__global otg_solid_face*)(room + 2 * plane));
   for (uint i = lane; i < w.pointCount; i += OTG_GROUP) {
     if (!w.points[i].flat) atomic_inc(&s->corners);
   }
@@ -108,6 +106,7 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
     r->shareOfB = s->shareOfB;
     for (uint k = 0; k < 3; ++k) r->weighted[k] = s->weighted[k];
     otgStore(r->fixed, w.fixed);
+    r->leastDepth = w.leastDepth;
     r->faces = begin;
     r->planes = OTG_SOLID_LARGE ? begin + planeUnits : begin;
     r->picks = OTG_SOLID_LARGE ? begin + 3 * planeUnits : OTG_NOT_THERE;

@@ -11,6 +11,7 @@
 #include "base/vectors.h"
 #include "collide/inside_test.h"
 #include "collide/simd/surface_kernels.h"
+#include "collide/solid/edge_pair.h"
 #include "collide/solid/region_contacts.h"
 #include "collide/solid/support_point.h"
 #include "shared/contacts/escape_turns.h"
@@ -318,6 +319,14 @@ void addContained(const PlacedMeshes& meshes, const InsideFlags& inside, Overlap
 RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region,
                              const PairMotion& motion, RegionNormals& normals, RegionExtent& regionExtent) {
   RegionDirection answer;
+  const std::pmr::vector<EdgePair> pairs = edgePairsOf(meshes, all, region);
+  if (const EdgePair* const whole = wholePair(pairs)) {
+    answer.deep = true;
+    answer.direction = whole->direction;
+    answer.depth = whole->depth;
+    normals.fix(whole->direction);
+    return answer;
+  }
   answer.entangled = !region.contained && (region.bad || contradictsItself(region));
   if (region.contained || contradictsItself(region)) {
     answer.direction = escapeDirection(meshes, all, region, motion, regionExtent);
@@ -329,42 +338,35 @@ RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& a
     }
     return answer;
   }
-  const bool isLump = !region.bad && region.thickness > OTG_SOLID_DEEP * region.diagonal;
-  std::pmr::vector<Vec3d> across(all.memory);
-  if (isLump || !isUneven(region, normals, regionExtent)) across = directionsAcross(meshes, all, region);
-  if (isLump || !across.empty()) {
-    // Deep: the shortest way out, which the mean direction need not be once the overlap is thicker than wide. The last
-    // direction is kept while it is nearly as short, so that a body does not waver on its way out.
-    answer.deep = true;
-    answer.direction = normals.mean();
-    WayOutByPlanes way(all, region, static_cast<double>(meshes.mesh(0).radius() + meshes.mesh(1).radius()));
-    // Both bound the way from below: the planes miss what lies between the points that are looked at, the extent misses
-    // what the other body has beyond the region.
-    const auto cost = [&](const Vec3d& d, double enough) {
-      const double extent = regionExtent.along(d);
-      return extent >= enough ? extent : std::max(extent, way.along(d, enough));
-    };
-    double least = OTG_SOLID_PUSH_SHARE * cost(normals.mean(), std::numeric_limits<double>::infinity());
-    bool isMean = true;
-    const auto offer = [&](const Vec3d& d, double factor) {
-      if (otgDot(d, normals.mean()) < OTG_SOLID_DEEP_AGAINST) return false;
-      const double extent = factor * cost(d, least / factor);
-      if (extent >= least) return false;
-      least = extent;
-      answer.direction = d;
-      isMean = false;
-      normals.fix(d);
-      return true;
-    };
-    if (otgDot(motion.deepNormal, motion.deepNormal) > 0) offer(motion.deepNormal, OTG_SOLID_LAST_SHARE);
-    for (int m = 0; m < 2; ++m) {
-      for (const Vec3d& d : faceDirections(all, region, m)) offer(d, 1.0);
-    }
-    // The vector area of two edges' overlap points across both, as long as no third face is in it: without a bias
-    // towards the mean.
-    const double acrossFactor = isMean ? OTG_SOLID_ACROSS_SHARE : 1.0;
-    for (const Vec3d& d : across) offer(d, acrossFactor);
+  if (region.bad || region.thickness <= OTG_SOLID_DEEP * region.diagonal) return answer;
+  // Deep: the shortest way out, which the mean direction need not be once the overlap is thicker than wide. The last
+  // direction is kept while it is nearly as short, so that a body does not waver on its way out.
+  answer.deep = true;
+  answer.direction = normals.mean();
+  WayOutByPlanes way(all, region, static_cast<double>(meshes.mesh(0).radius() + meshes.mesh(1).radius()));
+  // Both bound the way from below: the planes miss what lies between the points that are looked at, the extent misses
+  // what the other body has beyond the region.
+  const auto cost = [&](const Vec3d& d, double enough) {
+    const double extent = regionExtent.along(d);
+    return extent >= enough ? extent : std::max(extent, way.along(d, enough));
+  };
+  double least = OTG_SOLID_PUSH_SHARE * cost(normals.mean(), std::numeric_limits<double>::infinity());
+  const auto offer = [&](const Vec3d& d, double factor) {
+    if (otgDot(d, normals.mean()) < OTG_SOLID_DEEP_AGAINST) return;
+    const double extent = factor * cost(d, least / factor);
+    if (extent >= least) return;
+    least = extent;
+    answer.direction = d;
+    normals.fix(d);
+  };
+  if (otgDot(motion.deepNormal, motion.deepNormal) > 0) offer(motion.deepNormal, OTG_SOLID_LAST_SHARE);
+  for (int m = 0; m < 2; ++m) {
+    for (const Vec3d& d : faceDirections(all, region, m)) offer(d, 1.0);
   }
+  // The vector area of two edges' overlap points across both, as long as no third face is in it: without a bias
+  // towards the mean.
+  const double acrossFactor = normals.isFixed() ? 1.0 : OTG_SOLID_ACROSS_SHARE;
+  for (const EdgePair& pair : pairs) offer(pair.direction, acrossFactor);
   return answer;
 }
 

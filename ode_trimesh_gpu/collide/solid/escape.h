@@ -26,6 +26,7 @@ struct RegionDirection {
   bool escaping = false;   ///< `direction` is where the body is leaving
   bool deep = false;       ///< `direction` is the way out of a deep overlap
   Vec3d direction{0, 0, 0};
+  double depth = 0;  ///< of the way out along it, where that is known: the deepest contact has no less
 };
 
 /// Chooses one direction for the whole region where that is needed, and passes it to `normals`.

@@ -66,6 +66,7 @@ class RegionSolver {
     chooseSpread(most);
     if (!gathered_ && !isUneven_) measure();
     eraseShallow(1);
+    raiseDeepest();
     emit(out);
     return isUneven_;
   }
@@ -494,6 +495,13 @@ class RegionSolver {
       if (!isShallow(candidates_[i], 1, least[i])) candidates_[kept++] = candidates_[i];
     }
     candidates_.resize(kept);
+  }
+
+  /// Edges that cross each other may be deepest beyond the stretches that are inside.
+  void raiseDeepest() {
+    const auto deepest = std::max_element(candidates_.begin(), candidates_.end(),
+                                          [](const Candidate& x, const Candidate& y) { return x.depth < y.depth; });
+    if (deepest != candidates_.end()) deepest->depth = std::max(deepest->depth, task_.leastDepth);
   }
 
   void emit(std::vector<Contact>& out) {

@@ -18,6 +18,7 @@ struct RegionTask {
   const RegionNormals& normals;
   RegionExtent& extent;
   int maxContacts;
+  double leastDepth;  ///< of the deepest contact
   double extraDepth;  ///< added to the clamp of depths by the region's own extent (escaping bodies: way of one step)
 };
 

@@ -120,8 +120,15 @@ class PairContacts {
     remember(direction);
     const double extra = direction.escaping ? motion_.step : 0;
     const std::size_t first = workspace_.contacts.size();
-    if (query_.refiner) query_.refiner->direct(meshes_, all, region, direction, normals);
-    const RegionTask task{meshes_, all, region, number_++, normals, extent, query_.options.solid.contactsPerRegion,
+    const bool isRefined = query_.refiner && query_.refiner->direct(meshes_, all, region, direction, normals);
+    const RegionTask task{meshes_,
+                          all,
+                          region,
+                          number_++,
+                          normals,
+                          extent,
+                          query_.options.solid.contactsPerRegion,
+                          isRefined ? 0 : direction.depth,
                           extra};
     if (contactsOfRegion(task, workspace_.contacts) || region.apart) ++workspace_.stats.unevenRegions;
     if (query_.refiner) query_.refiner->refine(workspace_.contacts, first);
