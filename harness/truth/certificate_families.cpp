@@ -14,6 +14,7 @@
 #include "truth/profile_bodies.h"
 #include "truth/separation_search.h"
 #include "truth/tessellated_bodies.h"
+#include "truth/wild_bodies.h"
 
 namespace otg::truth {
 namespace {
@@ -22,6 +23,9 @@ constexpr Transformd kUnmoved{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 constexpr double kPi = std::numbers::pi;
 /// What "shallow" is, as a part of the smaller body's least side.
 constexpr double kLeastOverlap = 1e-7, kMostOverlap = 1e-2;
+
+/// Deeper than a surface moves where it is subdivided in float.
+constexpr double kLeastDepth = 1e-6;
 
 using MakeHost = Host (*)(Random&);
 
@@ -306,8 +310,53 @@ bool drawSpikes(Random& random, PairDraft& draft) {
   draft.mover.pose = random.rotation();
   draft.mover.pose.t = {random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4), -0.1};
   draft.what = "spike";
-  // Deeper than the bowl's surface moves where it is subdivided in float.
-  return pushIn(random, draft, Vec3d{0, 0, -1}, 1) && draft.depth > 1e-6;
+  return pushIn(random, draft, Vec3d{0, 0, -1}, 1) && draft.depth > kLeastDepth;
+}
+
+using MakeBody = scenes::MeshArrays (*)(Random&);
+
+scenes::MeshArrays ringOfOne(Random& random) {
+  return randomRing(random, 0.5);
+}
+
+constexpr MakeBody kWild[] = {ringOfOne, randomSpring, turnedBody, spikyBall, roughGround, barFrame, thinBox};
+
+/// A body of one kind, and another one of that or any kind.
+CertificateFamily wildFamily(const std::string& name, const std::string& what, MakeBody make) {
+  return pushedFamily(name, what, [make](Random& random, PairDraft& draft) {
+    draft.host.mesh = make(random);
+    draft.mover.mesh = random.below(3) == 0   ? makeMover(random, meshMover(random), false, {0.3, 0.25, 0.2}).mesh
+                       : random.below(2) == 0 ? make(random)
+                                              : kWild[random.below(std::size(kWild))](random);
+    return pushFromOutside(random, draft) && draft.depth > kLeastDepth;
+  });
+}
+
+/// One of ODE's shapes on a body of any kind. No balls: their contacts lie on the mesh's edges, and not in the middle of
+/// the overlap, as the judge takes it.
+bool drawShapeOnWild(Random& random, PairDraft& draft) {
+  constexpr MoverKind kShapes[] = {MoverKind::kBox, MoverKind::kCylinder, MoverKind::kCapsule, MoverKind::kPrism,
+                                   MoverKind::kTetrahedron};
+  draft.host.mesh = kWild[random.below(std::size(kWild))](random);
+  const double size = random.uniform(0.1, 0.4);
+  draft.mover = makeMover(random, kShapes[random.below(std::size(kShapes))], true, {size, 0.8 * size, 0.6 * size});
+  return pushFromOutside(random, draft) && draft.depth > kLeastDepth;
+}
+
+/// One through the other, as links of a chain are, or within it.
+bool drawEntwined(Random& random, PairDraft& draft) {
+  const int kind = random.below(3);
+  draft.host.mesh = kind == 0 ? ringOfOne(random) : kind == 1 ? randomSpring(random) : barFrame(random);
+  draft.mover.mesh = random.below(2) == 0   ? randomRing(random, random.uniform(0.2, 0.5))
+                     : random.below(2) == 0 ? randomSpring(random)
+                                            : thinBox(random);
+  const double size = norm(extentOf(draft.host.mesh)) / 3;
+  for (int tries = 0; tries < 60; ++tries) {
+    draft.mover.pose = random.rotation();
+    draft.mover.pose.t = otgScale(random.direction(), random.uniform(0, size));
+    if (Pusher(draft.host, draft.mover).clear()) return pushIn(random, draft, {}, 0.5) && draft.depth > kLeastDepth;
+  }
+  return false;
 }
 
 /// Halvings of the edges.
@@ -403,6 +452,15 @@ std::vector<CertificateFamily> certificateFamilies() {
       pushedFamily("profiles", "stars, combs, hooks and spirals on each other", drawProfiles),
       pushedFamily("interlocked", "stars, combs, hooks and spirals in each other", drawInterlocked),
       pushedFamily("spikes", "a thin tetrahedron in a bowl", drawSpikes),
+      wildFamily("rings", "bent rings and others", ringOfOne),
+      wildFamily("springs", "springs and others", randomSpring),
+      wildFamily("turned", "turned parts and others", turnedBody),
+      wildFamily("spiky", "spiky balls and others", spikyBall),
+      wildFamily("rough", "rough ground and others", roughGround),
+      wildFamily("frames", "frames of bars and others", barFrame),
+      wildFamily("thin", "plates, needles and others", thinBox),
+      pushedFamily("entwined", "rings and springs through each other", drawEntwined),
+      pushedFamily("shapes", "ODE's shapes on rings, springs, turned parts and others", drawShapeOnWild),
       shapeFamily("dBox", "ODE's box in inner corners", {MoverKind::kBox}),
       shapeFamily("dCylinder", "ODE's cylinder in inner corners", {MoverKind::kCylinder}),
       shapeFamily("dCapsule", "ODE's capsule in inner corners", {MoverKind::kCapsule}),

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Closed bodies at random that have little in common with each other: rings, springs, turned parts, spiky balls, rough
+// ground, frames of bars, plates and needles. About 1 in size.
+#pragma once
+
+#include "scenes/generated_meshes.h"
+#include "truth/contact_families.h"
+
+namespace otg::truth {
+
+/// A closed bar along a ring that is bent and waves up and down, about the z axis. `radius` is its own about.
+scenes::MeshArrays randomRing(Random& random, double radius);
+/// A bar along a helix about the z axis, with a flat cap at either end.
+scenes::MeshArrays randomSpring(Random& random);
+/// A jagged profile turned about the z axis: spools, goblets, flanges.
+scenes::MeshArrays turnedBody(Random& random);
+/// A ball whose vertices are pulled out or pushed in, each by itself.
+scenes::MeshArrays spikyBall(Random& random);
+/// A block whose upper side has a height of its own at each point of a grid.
+scenes::MeshArrays roughGround(Random& random);
+/// Bars along the edges of a grid of boxes: windows on all sides.
+scenes::MeshArrays barFrame(Random& random);
+/// A box that is very thin in one direction or two.
+scenes::MeshArrays thinBox(Random& random);
+
+}  // namespace otg::truth
