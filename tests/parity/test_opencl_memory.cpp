@@ -50,6 +50,24 @@ constexpr std::uint64_t kMega = std::uint64_t{1} << 20;
 
 }  // namespace
 
+TEST_CASE("what queries of all sizes took is given back without a complaint") {
+  std::vector<std::string> lines;
+  opencl::setLogSink([&](const std::string& line) { lines.push_back(line); });
+  for (const int copies : {10, 200, 20, 400}) {
+    const ManyHits many(copies);
+    const auto backend = openBackend();
+    REQUIRE(backend);
+    Workspace workspace;
+    for (const int times : {1, 2}) {
+      CAPTURE(copies, times);
+      CHECK(backend->collide(many.query, workspace));
+      CHECK(sameBytes(workspace.reduced, many.host.reduced));
+    }
+  }
+  opencl::setLogSink({});
+  CHECK(lines.empty());
+}
+
 TEST_CASE("a query that needs more than the budget is the host's, and nothing is left of it") {
   const Quiet quiet;
   const ManyHits many(500), few(10);

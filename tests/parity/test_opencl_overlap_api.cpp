@@ -1,13 +1,39 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whether meshes overlap, for arrays of pairs through the C API: with devices the answers are those of the CPU.
 #include <algorithm>
+#include <atomic>
+#include <cstdlib>
 #include <memory>
+#include <new>
 #include <random>
 
 #include "opencl/runtime/call.h"
 #include "opencl/runtime/device_info.h"
 #include "support/catch.h"
 #include "support/ode_world.h"
+
+namespace {
+
+/// What is so large lists something for each pair of an array.
+constexpr std::size_t kLarge = 8192;
+/// How many more of these may be taken from the heap, where that is limited.
+std::atomic<bool> isLimited{false};
+std::atomic<int> left{0};
+
+}  // namespace
+
+// This program's own, which the library in it uses as well.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  if (size >= kLarge && isLimited && left-- <= 0) throw std::bad_alloc();
+  if (void* const memory = std::malloc(size > 0 ? size : 1); memory != nullptr) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
 
 using namespace otg;
 using namespace otg::test;
@@ -142,6 +168,36 @@ TEST_CASE("an array of pairs has its yes or no when calls of the device fail") {
   }
   CHECK(calls > 8);
   CHECK(failed > 5);
+  REQUIRE(dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_CPU) == dGPUTRIMESH_OK);
+}
+
+TEST_CASE("an array of pairs whose memory is refused ends with an error, and is answered once there is enough") {
+  const OdeSession session;
+  const Crowd crowd;
+  REQUIRE(dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_CPU) == dGPUTRIMESH_OK);
+  const std::vector<unsigned char> expected = crowd.ask();
+  const int index = opencl::defaultDevice(opencl::listDevices());
+  const std::vector<int> twice{index, index};
+  for (const int count : {1, 2}) {
+    REQUIRE(dGpuTriMeshOpenDevices(twice.data(), count) == count);
+    REQUIRE(dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_OPENCL) == dGPUTRIMESH_OK);
+    CHECK(crowd.ask() == expected);  // what is kept for the next call is there
+    std::vector<unsigned char> answers(expected.size());
+    int refused = 0;
+    for (bool isDone = false; !isDone;) {
+      left = refused;
+      isLimited = true;
+      const int sum = dGpuTriMeshOverlaps(crowd.pairs().data(), static_cast<int>(crowd.pairs().size()), answers.data());
+      isLimited = false;
+      isDone = sum >= 0;
+      if (isDone) break;
+      REQUIRE(sum == dGPUTRIMESH_ERROR_MEMORY);
+      REQUIRE(++refused < 1000);
+    }
+    CHECK(answers == expected);
+    CHECK(refused > 3);
+    dGpuTriMeshCloseDevices();
+  }
   REQUIRE(dGpuTriMeshSetBackend(dGPUTRIMESH_BACKEND_CPU) == dGPUTRIMESH_OK);
 }
 

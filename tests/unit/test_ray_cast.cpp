@@ -57,6 +57,15 @@ std::vector<RayHit> merged(const TriMesh& mesh, const std::vector<RayHit>& hits)
 
 }  // namespace
 
+TEST_CASE("a ray that would take for ever to its triangle does not hit it") {
+  const Vec3d a{0, 0, 0}, b{1, 0, 0}, c{0, 1, 0}, from{0.25, 0.25, -1e-7};
+  for (const double speed : {1e-320, 1.0}) {
+    const Vec3d d{0, 0, speed}, along = otgRayAlong(d), inverse{1 / along.x, 1 / along.y, 1 / along.z};
+    double at = 0;
+    CHECK((otgRayHitsTriangle(from, d, along, inverse, a, b, c, 1e-6, &at) != 0) == (speed == 1));
+  }
+}
+
 TEST_CASE("the hit of a ray is that of all triangles tried one by one, whatever the tree") {
   std::size_t hit = 0, missed = 0, tied = 0, several = 0, joined = 0;
   for (const auto& [name, mesh] : meshesToHit()) {

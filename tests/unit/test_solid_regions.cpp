@@ -287,3 +287,40 @@ TEST_CASE("a body wholly inside another is found, one in its cavity is not") {
     }
   }
 }
+
+TEST_CASE("contacts of bodies of another size are the same contacts in that size") {
+  const scenes::MeshArrays first = scenes::makeLump(1, 3, 0.4, 5), second = scenes::makeGear(11, 0.8, 0.2, 0.4, 0.2);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-0.9, 0.9);
+  std::size_t compared = 0;
+  for (int pose = 0; pose < 20; ++pose) {
+    const double angle = 3 * place(random), c = std::cos(angle), s = std::sin(angle);
+    const Transformd bInA{{c, -s, 0, s, c, 0, 0, 0, 1}, {place(random), place(random), place(random)}};
+    std::vector<Contact> found[2];
+    for (const int small : {0, 1}) {
+      const double factor = small == 0 ? 1 : 0x1p-10;
+      const Transformd scale{{factor, 0, 0, 0, factor, 0, 0, 0, factor}, {0, 0, 0}};
+      const CollisionMesh a(scenes::build(scenes::transformed(first, scale)), BuildStrategy::kSah);
+      const CollisionMesh b(scenes::build(scenes::transformed(second, scale)), BuildStrategy::kSah);
+      Query query;
+      query.a = &a;
+      query.b = &b;
+      query.bInA = {{c, -s, 0, s, c, 0, 0, 0, 1}, otgScale(bInA.t, factor)};
+      query.options.contacts = ContactModel::kSolid;
+      Workspace workspace;
+      collide(query, workspace);
+      found[small] = workspace.reduced;
+    }
+    CAPTURE(pose);
+    REQUIRE(found[0].size() == found[1].size());
+    for (std::size_t i = 0; i < found[0].size(); ++i) {
+      const Contact &large = found[0][i], &small = found[1][i];
+      CHECK(large.element == small.element);
+      CHECK(norm(large.position - small.position * 0x1p10) < 1e-9);
+      CHECK(std::fabs(large.depth - small.depth * 0x1p10) < 1e-9);
+      CHECK(norm(large.normal - small.normal) < 1e-9);
+      ++compared;
+    }
+  }
+  CHECK(compared > 100);
+}
