@@ -140,9 +140,11 @@ bool ConvexPatch::hasSupport(const Vec3d& d, double& height) const {
   for (const Vec3d& p : points_) {
     if (best == nullptr || otgDot(d, p) > otgDot(d, *best)) best = &p;
   }
-  if (best == nullptr || !isInCone(d, *best)) return false;
+  if (best == nullptr) return false;
   height = otgDot(d, *best);
-  return true;
+  // All faces of a corner are in the region: where nothing is higher, it is the patch's highest point.
+  const bool isCorner = std::any_of(corners_.begin(), corners_.end(), [&](const Vec3d& p) { return p == *best; });
+  return isCorner || isInCone(d, *best);
 }
 
 void ConvexPatch::offer(const PlacedShape& shape, const Vec3d& d, double height, double handicap, WayOut& best) const {

@@ -459,7 +459,7 @@ class RegionSolver {
       if (agree >= 2 && !disagree) break;
       const double estimate = c.depth;
       measureByRays(c);
-      if (std::fabs(estimate - c.depth) <= OTG_SOLID_AGREES * std::max(estimate, c.depth)) {
+      if (std::fabs(estimate - c.depth) <= OTG_SOLID_AGREES * (estimate < c.depth ? c.depth : estimate)) {
         ++agree;
       } else {
         disagree = true;
