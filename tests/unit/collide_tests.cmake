@@ -11,6 +11,7 @@ otg_add_test(wide_kernels unit SOURCES test_wide_kernels.cpp LIBRARIES otg_scene
 otg_add_test(surface_kernels unit SOURCES test_surface_kernels.cpp)
 otg_add_test(rotation_tolerance unit SOURCES test_rotation_tolerance.cpp LIBRARIES otg_scenes)
 otg_add_test(convex_contacts unit SOURCES test_convex_contacts.cpp LIBRARIES otg_scenes otg_primitives)
+otg_add_test(convex_patch unit SOURCES test_convex_patch.cpp LIBRARIES otg_scenes otg_primitives)
 otg_add_test(convex_edges unit SOURCES test_convex_edges.cpp LIBRARIES otg_scenes)
 otg_add_test(contact_ids unit SOURCES test_contact_ids.cpp LIBRARIES otg_scenes)
 otg_add_test(solid_regions unit SOURCES test_solid_regions.cpp LIBRARIES otg_scenes)
