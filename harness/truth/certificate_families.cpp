@@ -332,8 +332,8 @@ CertificateFamily wildFamily(const std::string& name, const std::string& what, M
   });
 }
 
-/// One of ODE's shapes on a body of any kind. No balls: their contacts lie on the mesh's edges, and not in the middle of
-/// the overlap, as the judge takes it.
+/// One of ODE's shapes on a body of any kind. No balls: their contacts lie on the mesh's edges, and not in the middle
+/// of the overlap, as the judge takes it.
 bool drawShapeOnWild(Random& random, PairDraft& draft) {
   constexpr MoverKind kShapes[] = {MoverKind::kBox, MoverKind::kCylinder, MoverKind::kCapsule, MoverKind::kPrism,
                                    MoverKind::kTetrahedron};
