@@ -33,30 +33,48 @@ MeshList solids() {
   return meshes;
 }
 
-/// Says of queries of the host whether a region of theirs is a thin contact with a wedge beside it.
-class WedgeFinder : public RegionRefiner {
+using IsSuch = bool (*)(const OverlapRegions&, const Region&, const RegionDirection&, RegionNormals&);
+
+/// Says of a query of the host whether a region of it is such a one.
+class RegionFinder : public RegionRefiner {
  public:
+  explicit RegionFinder(IsSuch isSuch) : isSuch_(isSuch) {}
   bool direct(const PlacedMeshes& /*meshes*/, const OverlapRegions& all, const Region& region,
-              const RegionDirection& /*direction*/, RegionNormals& normals) override {
-    RegionExtent extent(all, region);
-    found = found || isUneven(region, normals, extent);
+              const RegionDirection& direction, RegionNormals& normals) override {
+    found = found || isSuch_(all, region, direction, normals);
     return false;
   }
   void refine(std::vector<Contact>& /*contacts*/, std::size_t /*first*/) override {}
   bool found = false;
+
+ private:
+  IsSuch isSuch_;
 };
 
-/// Likewise, whether a region of theirs is an edge across an edge and nothing else.
-class EdgeFinder : public RegionRefiner {
- public:
-  bool direct(const PlacedMeshes& /*meshes*/, const OverlapRegions& /*all*/, const Region& /*region*/,
-              const RegionDirection& direction, RegionNormals& /*normals*/) override {
-    found = found || direction.depth > 0;
-    return false;
+std::size_t countPairsWith(IsSuch isSuch, const std::vector<Query>& queries) {
+  std::size_t count = 0;
+  Workspace workspace;
+  for (Query query : queries) {
+    RegionFinder finder(isSuch);
+    query.refiner = &finder;
+    collide(query, workspace);
+    count += finder.found ? 1 : 0;
   }
-  void refine(std::vector<Contact>& /*contacts*/, std::size_t /*first*/) override {}
-  bool found = false;
-};
+  return count;
+}
+
+/// A thin contact with a wedge beside it.
+bool hasWedge(const OverlapRegions& all, const Region& region, const RegionDirection& /*direction*/,
+              RegionNormals& normals) {
+  RegionExtent extent(all, region);
+  return isUneven(region, normals, extent);
+}
+
+/// An edge across an edge and nothing else.
+bool isOfEdges(const OverlapRegions& /*all*/, const Region& /*region*/, const RegionDirection& direction,
+               RegionNormals& /*normals*/) {
+  return direction.depth > 0;
+}
 
 /// Of few large faces, with hollows between its corners.
 MeshArrays spiky(Draw& draw) {
@@ -187,15 +205,7 @@ TEST_CASE("edges across edges are the device's") {
   REQUIRE(backend);
   if (!backend->device().doubles) return;
   const std::vector<Query> queries = touching(meshes, 13, 400, 0, 0.02);
-  std::size_t edges = 0;
-  Workspace workspace;
-  for (Query query : queries) {
-    EdgeFinder finder;
-    query.refiner = &finder;
-    collide(query, workspace);
-    edges += finder.found;
-  }
-  CHECK(edges > 100);
+  CHECK(countPairsWith(isOfEdges, queries) > 100);
   CHECK(checkBatch(*backend, queries, onHost(queries)) > 380);
 }
 
@@ -307,14 +317,7 @@ TEST_CASE("the device makes the contacts of boxes in a valley that have a wedge 
     queries.back().options.contacts = ContactModel::kSolid;
     queries.back().options.maxContacts = 16;
   }
-  std::size_t wedges = 0;
-  Workspace workspace;
-  for (Query query : queries) {
-    WedgeFinder finder;
-    query.refiner = &finder;
-    collide(query, workspace);
-    wedges += finder.found ? 1 : 0;
-  }
+  const std::size_t wedges = countPairsWith(hasWedge, queries);
   INFO(wedges);
   CHECK(wedges > 60);
   CHECK(wedges < 240);

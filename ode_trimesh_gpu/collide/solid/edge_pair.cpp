@@ -2,7 +2,6 @@
 #include "collide/solid/edge_pair.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/vectors.h"
 #include "shared/contacts/edge_pair.h"
