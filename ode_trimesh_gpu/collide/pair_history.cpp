@@ -25,7 +25,7 @@ bool hasTurnedFar(const Transformd& from, const Transformd& to) {
 }
 
 std::uint64_t contentOf(const Query& query) {
-  return spreadBits(query.a->mesh().contentHash()) ^ query.b->mesh().contentHash();
+  return contentOf(query.a->mesh(), query.b->mesh().contentHash());
 }
 
 bool isLimitedByMotion(const Query& query) {
@@ -34,6 +34,10 @@ bool isLimitedByMotion(const Query& query) {
 }
 
 }  // namespace
+
+std::uint64_t contentOf(const TriMesh& mesh, std::uint64_t other) {
+  return spreadBits(mesh.contentHash()) ^ other;
+}
 
 bool isSolid(const TriMesh& mesh) {
   return mesh.meshClass() == MeshClass::kSolid;
@@ -53,19 +57,21 @@ double smallerSize(const Query& query) {
 }
 
 SolidHistory::State stateBefore(const Query& query) {
+  if (!query.history || !query.history->used) return {};
+  const Vec3f& c = query.b->mesh().center();
+  return stateBefore(*query.history, query.bInA, {c.x, c.y, c.z}, smallerSize(query));
+}
+
+SolidHistory::State stateBefore(const SolidHistory& history, const Transformd& bInA, const Vec3d& middle, double size) {
   SolidHistory::State state;
-  if (query.history && query.history->used) {
-    const bool again = samePose(query.history->current.pose, query.bInA);
-    state = again ? query.history->before : query.history->current;
-  }
+  if (history.used) state = samePose(history.current.pose, bInA) ? history.before : history.current;
   if (state.hasPose) {
     // A pair that jumped was put there, it did not move: what it did before says nothing. The direction of a deep
     // overlap is worth keeping only while the overlap is nearly the same.
-    const double size = smallerSize(query);
-    const Vec3d d = otgSub(middleOfB(query, state.pose), middleOfB(query, query.bInA));
+    const Vec3d d = otgSub(otgTransform(state.pose, middle), otgTransform(bInA, middle));
     const double moved = norm(d);
     if (moved > 0.05 * size) state.deepNormal = {0, 0, 0};
-    if (moved > 0.25 * size || hasTurnedFar(state.pose, query.bInA)) state = {};
+    if (moved > 0.25 * size || hasTurnedFar(state.pose, bInA)) state = {};
   }
   return state;
 }
@@ -91,9 +97,13 @@ void keepState(const Query& query, const SolidHistory::State& before, SolidHisto
 
 MotionLimit::MotionLimit(const Query& query) : pose_(query.bInA) {
   if (!isLimitedByMotion(query)) return;
-  before_ = stateBefore(query);
-  isKnown_ = before_.hasPose && before_.deepest >= 0 && before_.content == contentOf(query);
+  *this = MotionLimit(stateBefore(query), query.bInA, contentOf(query));
 }
+
+MotionLimit::MotionLimit(const SolidHistory::State& before, const Transformd& bInA, std::uint64_t content)
+    : pose_(bInA),
+      before_(before),
+      isKnown_(before.hasPose && before.deepest >= 0 && before.content == content) {}
 
 double MotionLimit::operator()(const Contact& contact) const {
   if (!isKnown_) return std::numeric_limits<double>::infinity();

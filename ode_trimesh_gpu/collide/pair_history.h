@@ -24,10 +24,15 @@ double smallerSize(const Query& query);
 
 /// What a query starts from: what the pair remembers, as far as it still holds.
 SolidHistory::State stateBefore(const Query& query);
+/// The same where B is no mesh: by its middle in its own frame, and the size of the smaller one.
+SolidHistory::State stateBefore(const SolidHistory& history, const Transformd& bInA, const Vec3d& middle, double size);
 /// What is left of it one query later, if that finds nothing.
 SolidHistory::State oneQueryLater(const SolidHistory::State& before);
 /// Leaves what the query found in query.history, if there is one.
 void keepState(const Query& query, const SolidHistory::State& before, SolidHistory::State state);
+
+/// A number that changes with either of the two, the other one being given by its own.
+std::uint64_t contentOf(const TriMesh& mesh, std::uint64_t other);
 
 /// How deep a contact of `solid` can be, by what the pair remembers. Where a mesh has no inside, a contact may lead all
 /// through the other one, as at a rim. The way back is shorter: it is no longer than the deepest contact of the last
@@ -35,6 +40,8 @@ void keepState(const Query& query, const SolidHistory::State& before, SolidHisto
 class MotionLimit {
  public:
   explicit MotionLimit(const Query& query);
+  /// Of a pair with what is no mesh: B's pose, and contentOf() the two.
+  MotionLimit(const SolidHistory::State& before, const Transformd& bInA, std::uint64_t content);
   /// Infinity for two solids, and where the last query says nothing.
   double operator()(const Contact& contact) const;
   void cut(std::span<Contact> contacts) const;
@@ -44,7 +51,7 @@ class MotionLimit {
   bool exceeds(std::span<const Contact> contacts) const;
 
  private:
-  const Transformd& pose_;
+  Transformd pose_;
   SolidHistory::State before_;
   bool isKnown_ = false;
 };

@@ -34,11 +34,12 @@ struct TouchingPlace {
 
 class Finder {
  public:
-  Finder(const CollisionMesh& tree, const Capsule& capsule, std::pmr::vector<TouchingPlace>& places)
+  Finder(const CollisionMesh& tree, const Capsule& capsule, int winding, std::pmr::vector<TouchingPlace>& places)
       : tree_(tree),
         mesh_(tree.mesh()),
-        kind_(surfaceKind(mesh_)),
+        kind_(surfaceKindForShapes(tree)),
         capsule_(capsule),
+        winding_(winding),
         start_(axisPoint(0)),
         length_(2 * capsule.half),
         rounding_(1e-12 * (double{mesh_.radius()} + norm(capsule.middle) + capsule.radius + capsule.half)),
@@ -57,7 +58,7 @@ class Finder {
       return kind_ != SurfaceKind::kSolid || c.x < low.x || c.y < low.y || c.z < low.z || c.x > high.x ||
              c.y > high.y || c.z > high.z || !pointInMesh(tree_, c);
     }
-    return !isInside(tree_, axisPoint(nearestAt_), nearest_);
+    return kind_ == SurfaceKind::kShell || !isInside(tree_, axisPoint(nearestAt_), nearest_, winding_);
   }
 
  private:
@@ -131,7 +132,7 @@ class Finder {
       const double height = side * (base + rise * at);
       if (height >= capsule_.radius) continue;
       note(height, at, axisPoint(at) - n * (side * height), t, TrianglePart::kFace);
-      if (kind_ != SurfaceKind::kShell && side < 0) continue;
+      if (kind_ != SurfaceKind::kShell && winding_ * side < 0) continue;
       const Vec3d away = n * -side;
       if (faces(at, otgDot(away, capsule_.direction))) places_.push_back({height, at, away, t});
     }
@@ -185,7 +186,7 @@ class Finder {
     if (!faces(at, otgDot(away, capsule_.direction))) return;
     // Seen from behind: through a thin wall, or past a rim.
     const SurfacePoint on{axisPoint(at) - toAxis, distance, half / 3, partOf(first, half)};
-    if (kind_ != SurfaceKind::kShell && otgDot(away, outwardNormal(tree_, on)) > 0) return;
+    if (kind_ != SurfaceKind::kShell && winding_ * otgDot(away, outwardNormal(tree_, on)) > 0) return;
     places_.push_back({distance, at, away, half / 3});
   }
 
@@ -197,6 +198,7 @@ class Finder {
   const TriMesh& mesh_;
   const SurfaceKind kind_;
   const Capsule& capsule_;
+  const int winding_;
   const Vec3d start_;
   const double length_, rounding_;
   std::pmr::vector<TouchingPlace>& places_;
@@ -245,12 +247,12 @@ void keepOutermost(const Capsule& capsule, std::pmr::vector<TouchingPlace>& plac
 
 }  // namespace
 
-bool capsuleContacts(const CollisionMesh& tree, const Capsule& capsule, std::vector<Contact>& out) {
+bool capsuleContacts(const CollisionMesh& tree, const Capsule& capsule, int winding, std::vector<Contact>& out) {
   std::byte buffer[kPlacesAtHand * sizeof(TouchingPlace)];
   std::pmr::monotonic_buffer_resource memory(buffer, sizeof buffer);
   std::pmr::vector<TouchingPlace> places(&memory);
   places.reserve(kPlacesAtHand - 1);
-  if (!Finder(tree, capsule, places).run()) return false;
+  if (!Finder(tree, capsule, winding, places).run()) return false;
   keepOutermost(capsule, places, out);
   return true;
 }

@@ -10,6 +10,8 @@
 #include "collide/convex/convex_pair_contacts.h"
 #include "collide/pair_history.h"
 #include "collide/pairwise/reduction.h"
+#include "collide/shell/shell_contacts.h"
+#include "collide/shell/shell_roles.h"
 #include "collide/solid/look_ahead.h"
 #include "collide/solid/region_refiner.h"
 #include "collide/solid/solid_contacts.h"
@@ -216,7 +218,7 @@ bool regionContacts(const Query& query, const ConvexShape& shape, Workspace& wor
   ShapeRefiner refiner(refined, shape);
   refined.refiner = &refiner;
   findIntersectingPairs(refined, workspace);
-  if (query.options.contacts != ContactModel::kSolid || !solidContacts(refined, workspace)) return false;
+  if (!solidContacts(refined, workspace)) return false;
   if (!shape.isCurved()) lookAhead(query, workspace);  // the mesh of others is not the shape
   finishContacts(query, workspace);
   return true;
@@ -243,19 +245,21 @@ bool rimContacts(const Query& query, const ConvexShape& shape, Workspace& worksp
 
 }  // namespace
 
-void convexContacts(const Query& query, const ConvexShape& shape, Workspace& workspace) {
-  const bool isPair = !shape.isCurved() && collideConvexPair(query, workspace);
-  if (!isPair && !regionContacts(query, shape, workspace) && !rimContacts(query, shape, workspace)) {
-    // What is left has no inside: pairs of triangles. A rim may have left the workspace with another mesh's pairs.
+void convexContacts(const Query& given, const ConvexShape& shape, Workspace& workspace) {
+  Query query = given;
+  query.bIsShape = true;
+  const auto asSolids = [&] {
+    return (!shape.isCurved() && collideConvexPair(query, workspace)) || regionContacts(query, shape, workspace) ||
+           rimContacts(query, shape, workspace);
+  };
+  if (isPairwise(query)) {
     findIntersectingPairs(query, workspace);
     pairwiseContacts(query, workspace);
     reduceContacts(query, workspace);
-    if (query.options.contacts == ContactModel::kSolid) {
-      const SolidHistory::State before = stateBefore(query);
-      keepState(query, before, oneQueryLater(before));
-      limitByMotion(query, workspace.reduced);
-      makeConsistent(workspace.reduced, smallerRadius(query));
-    }
+  } else if (areShells(query) || !asSolids()) {
+    // A rim may have left the workspace with another mesh's pairs.
+    findIntersectingPairs(query, workspace);
+    shellContacts(query, workspace);
   }
   for (Contact& contact : workspace.reduced) contact.triangleB = kNone;
 }

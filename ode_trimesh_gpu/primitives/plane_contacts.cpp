@@ -28,7 +28,7 @@ struct Below {
 constexpr double kRankStep = 0.02, kFarther = 1.02;
 
 /// The vertices below, with the region that each belongs to, in the order in which triangles name them.
-std::vector<Below> verticesBelow(const CollisionMesh& tree, const HalfSpace& plane) {
+std::vector<Below> verticesBelow(const CollisionMesh& tree, const PlaneGeom& plane) {
   const TriMesh& mesh = tree.mesh();
   std::vector<Below> found;
   std::vector<std::uint32_t> triangles;
@@ -97,7 +97,7 @@ struct KeptPlaneScratch : PlaneScratch {
 };
 
 /// The corners below, from the deepest one on over edges: on a convex body they hang together.
-void cornersBelow(const ConvexPolyhedron& body, const HalfSpace& plane, PlaneScratch& scratch) {
+void cornersBelow(const ConvexPolyhedron& body, const PlaneGeom& plane, PlaneScratch& scratch) {
   scratch.found.clear();
   const auto depthOf = [&](std::uint32_t v) { return plane.offset - otgDot(plane.normal, body.vertices()[v]); };
   const auto add = [&](std::uint32_t v, double depth) {
@@ -121,7 +121,7 @@ void cornersBelow(const ConvexPolyhedron& body, const HalfSpace& plane, PlaneScr
   }
 }
 
-Contact contactAt(const Below& below, const HalfSpace& plane, std::uint32_t region) {
+Contact contactAt(const Below& below, const PlaneGeom& plane, std::uint32_t region) {
   Contact contact{below.position, plane.normal, below.depth, below.triangle, kNone, region, ContactFeature::kVertexA};
   contact.flags = kContactInside;
   contact.element = below.vertex;
@@ -134,7 +134,7 @@ bool isBeforeInAnswer(const Contact& x, const Contact& y) {
 
 }  // namespace
 
-void planeContacts(const CollisionMesh& tree, const HalfSpace& plane, int perRegion, std::vector<Contact>& out) {
+void planeContacts(const CollisionMesh& tree, const PlaneGeom& plane, int perRegion, std::vector<Contact>& out) {
   if (const ConvexPolyhedron* const body = tree.convex(); body != nullptr && body->convexity() == Convexity::kExact) {
     PlaneScratch own;
     PlaneScratch& scratch = planeScratchHasEnded ? own : ofThread<KeptPlaneScratch>();

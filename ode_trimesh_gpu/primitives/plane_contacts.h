@@ -9,7 +9,7 @@
 namespace otg {
 
 /// All points with normal . x <= offset are solid. In the frame of the mesh; the normal has length 1.
-struct HalfSpace {
+struct PlaneGeom {
   Vec3d normal;
   double offset;
 };
@@ -20,6 +20,6 @@ struct HalfSpace {
 /// don't. Of the others `perRegion` are chosen: the deepest, then again and again the farthest from the chosen ones.
 /// Contacts are appended, deepest first; the plane has no triangles (kNone). Of a convex mesh (Convexity::kExact) the
 /// corners of its polyhedron are searched from one to the next, and no triangles.
-void planeContacts(const CollisionMesh& mesh, const HalfSpace& plane, int perRegion, std::vector<Contact>& out);
+void planeContacts(const CollisionMesh& mesh, const PlaneGeom& plane, int perRegion, std::vector<Contact>& out);
 
 }  // namespace otg

@@ -23,9 +23,10 @@ Contact makeContact(const SurfacePoint& at, const Vec3d& normal, double depth, s
 
 }  // namespace
 
-void sphereContacts(const CollisionMesh& tree, const Vec3d& center, double radius, std::vector<Contact>& out) {
+void sphereContacts(const CollisionMesh& tree, const Vec3d& center, double radius, int winding,
+                    std::vector<Contact>& out) {
   const TriMesh& mesh = tree.mesh();
-  const SurfaceKind kind = surfaceKind(mesh);
+  const SurfaceKind kind = surfaceKindForShapes(tree);
   std::byte buffer[kPointsAtHand * sizeof(SurfacePoint)];
   std::pmr::monotonic_buffer_resource memory(buffer, sizeof buffer);
   std::pmr::vector<SurfacePoint> points(&memory);
@@ -53,10 +54,10 @@ void sphereContacts(const CollisionMesh& tree, const Vec3d& center, double radiu
   }
   const double rounding = 1e-12 * (static_cast<double>(mesh.radius()) + norm(center) + radius);
   if (nearest.distance <= rounding) {  // the centre is on the surface
-    out.push_back(makeContact(nearest, outwardNormal(tree, nearest) * -1.0, radius, 0));
+    out.push_back(makeContact(nearest, outwardNormal(tree, nearest) * (-1.0 * winding), radius, 0));
     return;
   }
-  if (isInside(tree, center, nearest)) {
+  if (kind != SurfaceKind::kShell && isInside(tree, center, nearest, winding)) {
     out.push_back(makeContact(nearest, unit(center - nearest.point), radius + nearest.distance, 0));
     return;
   }
@@ -65,7 +66,7 @@ void sphereContacts(const CollisionMesh& tree, const Vec3d& center, double radiu
   const std::size_t first = out.size();
   for (const SurfacePoint& p : points) {
     const Vec3d away = p.point - center;
-    if (kind != SurfaceKind::kShell && otgDot(away, outwardNormal(tree, p)) > 0) continue;
+    if (kind != SurfaceKind::kShell && winding * otgDot(away, outwardNormal(tree, p)) > 0) continue;
     const Vec3d normal = unit(away);
     const bool known = std::any_of(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
                                    [&](const Contact& c) { return otgDot(c.normal, normal) > kSameDirection; });

@@ -19,6 +19,7 @@ namespace otg {
 /// which has no inside.
 ///
 /// Contacts are appended, deepest first. The sphere has no triangles (kNone).
-void sphereContacts(const CollisionMesh& mesh, const Vec3d& center, double radius, std::vector<Contact>& out);
+void sphereContacts(const CollisionMesh& mesh, const Vec3d& center, double radius, int winding,
+                    std::vector<Contact>& out);
 
 }  // namespace otg

@@ -51,7 +51,7 @@ bool anyCorner(const TriMesh& mesh, std::uint32_t triangle, const Holds& holds) 
 
 }  // namespace
 
-std::vector<std::uint32_t> trianglesTouching(const CollisionMesh& mesh, const HalfSpace& plane) {
+std::vector<std::uint32_t> trianglesTouching(const CollisionMesh& mesh, const PlaneGeom& plane) {
   const Vec3d& n = plane.normal;
   std::vector<std::uint32_t> found;
   const auto isBelow = [&](const Vec3d& p) { return otgDot(n, p) <= plane.offset; };

@@ -11,7 +11,7 @@
 namespace otg {
 
 /// Triangles with a point in the half space; ascending. So are the other lists. Degenerate triangles are in none.
-std::vector<std::uint32_t> trianglesTouching(const CollisionMesh& mesh, const HalfSpace& plane);
+std::vector<std::uint32_t> trianglesTouching(const CollisionMesh& mesh, const PlaneGeom& plane);
 /// Triangles with a point in the ball.
 std::vector<std::uint32_t> trianglesTouching(const CollisionMesh& mesh, const Vec3d& center, double radius);
 /// Triangles with a point in the shape, or in the facets around it if it is round. The pose takes the shape's points to

@@ -112,6 +112,17 @@ int ShellApproach::sideOfApart(const Sample& sample) const {
   return depth.height < 0 ? -1 : 1;
 }
 
+/// A body that touches the front lies a little behind it with one side.
+bool ShellApproach::isPartlyInFront() const {
+  bool inFront = false;
+  forSamples([&](const Vec3d& point) {
+    GroundDepth depth;
+    inFront = surface_.measure(point, kFar * roles_.size, kNone, depth) && !depth.isBeside && depth.height > 0;
+    return inFront;
+  });
+  return inFront;
+}
+
 ShellState ShellApproach::besideSheet(bool meets) {
   sides_.setWinding(1);
   side_ = before_.side;
@@ -129,7 +140,7 @@ ShellState ShellApproach::besideSheet(bool meets) {
   const int now = sideOfApart(sample);
   if (roles_.visitor->mesh().meshClass() == MeshClass::kSolid) {
     // Contacts of solids need no memory, but where they would be drawn to the front.
-    if (!depth.isBeside) side_ = std::min(now, 0);
+    if (!depth.isBeside) side_ = now < 0 && !isPartlyInFront() ? -1 : 0;
     return ShellState::kApart;
   }
   const bool isBefore = side_ != 0;

@@ -46,6 +46,7 @@ class ShellApproach {
   ShellState besideShell(bool meets);
   int sideOfMeeting() const;
   int sideOfApart(const Sample& sample) const;
+  bool isPartlyInFront() const;
   void carryFront();
   Vec3d frontOfMeeting() const;
   Vec3d frontOfApart(const Sample& sample) const;

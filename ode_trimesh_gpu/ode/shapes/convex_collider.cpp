@@ -11,6 +11,7 @@
 #include "ode/shapes/primitive_history.h"
 #include "primitives/capsule_contacts.h"
 #include "primitives/convex_contacts.h"
+#include "primitives/round_memory.h"
 
 namespace otg {
 namespace {
@@ -112,20 +113,31 @@ Capsule capsuleInMesh(const PrimitiveTask& task) {
   return {task.other.t, otgRotate(task.other, Vec3d{0, 0, 1}), static_cast<double>(radius), 0.5 * length};
 }
 
+/// capsuleContacts() by what the pair with a sheet remembers.
+bool heldCapsule(const PrimitiveTask& task, const ConvexShape& shape, PrimitiveHistory& history,
+                 std::vector<Contact>& contacts) {
+  const Capsule capsule = capsuleInMesh(task);
+  const RoundMemory memory(*task.side.mesh, task.other, capsule.half + capsule.radius,
+                           shape.mesh->mesh().contentHash(), history.get());
+  if (!capsuleContacts(*task.side.mesh, capsule, memory.winding(), contacts)) return false;
+  memory.finish(contacts);
+  history.keep(!contacts.empty());
+  return true;
+}
+
 }  // namespace
 
 std::span<const Contact> convexGeomContacts(const PrimitiveTask& task, int most, Workspace& workspace) {
   workspace.reduced.clear();
-  if (dGeomGetClass(task.o2) == dCapsuleClass &&
-      capsuleContacts(*task.side.mesh, capsuleInMesh(task), workspace.reduced)) {
-    forgetPrimitive(task);
+  const std::shared_ptr<const ConvexShape> shape = task.shape != nullptr ? task.shape : shapeOfGeom(task.o2);
+  if (shape == nullptr) return {};
+  PrimitiveHistory history(task);
+  if (dGeomGetClass(task.o2) == dCapsuleClass && heldCapsule(task, *shape, history, workspace.reduced)) {
     if (workspace.reduced.size() > static_cast<std::size_t>(most)) {
       workspace.reduced = limitContacts(workspace.reduced, most);
     }
     return workspace.reduced;
   }
-  const std::shared_ptr<const ConvexShape> shape = task.shape != nullptr ? task.shape : shapeOfGeom(task.o2);
-  if (shape == nullptr) return {};
   Query query;
   query.a = task.side.mesh;
   query.b = shape->mesh.get();
@@ -134,7 +146,6 @@ std::span<const Contact> convexGeomContacts(const PrimitiveTask& task, int most,
   query.options.maxContacts = most;
   const dReal* const at = dGeomGetPosition(task.o2);
   query.relativeVelocity = relativeVelocity(task, Vec3d{at[0], at[1], at[2]});
-  PrimitiveHistory history(task);
   query.history = history.get();
   convexContacts(query, *shape, workspace);
   history.keep(!workspace.reduced.empty());

@@ -1,14 +1,37 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ode/shapes/primitive_contacts.h"
 
+#include <bit>
+
+#include "collide/pair_history.h"
 #include "collide/pairwise/reduction.h"
 #include "dispatch/threads/workspace_lease.h"
 #include "ode/shapes/convex_collider.h"
 #include "ode/shapes/heightfield_collider.h"
 #include "ode/shapes/ray_collider.h"
+#include "ode/shapes/primitive_history.h"
+#include "primitives/round_memory.h"
 #include "primitives/sphere_contacts.h"
 
 namespace otg {
+namespace {
+
+/// sphereContacts() by what the pair with a sheet remembers.
+void heldSphere(const PrimitiveTask& task, std::vector<Contact>& out) {
+  const double radius = dGeomSphereGetRadius(task.o2);
+  if (!isSheet(task.side.mesh->mesh())) {
+    sphereContacts(*task.side.mesh, task.other.t, radius, 1, out);
+    return;
+  }
+  PrimitiveHistory history(task);
+  const RoundMemory memory(*task.side.mesh, {{1, 0, 0, 0, 1, 0, 0, 0, 1}, task.other.t}, radius,
+                           std::bit_cast<std::uint64_t>(radius), history.get());
+  sphereContacts(*task.side.mesh, task.other.t, radius, memory.winding(), out);
+  memory.finish(out);
+  history.keep(!out.empty());
+}
+
+}  // namespace
 
 void primitiveContacts(const PrimitiveTask& task, int most, std::vector<Contact>& out, int& failure) {
   const int perRegion = task.side.object->params.contacts_per_region;
@@ -21,7 +44,7 @@ void primitiveContacts(const PrimitiveTask& task, int most, std::vector<Contact>
       planeContacts(*task.side.mesh, planeInMesh(task), perRegion, out);
       break;
     case dSphereClass:
-      sphereContacts(*task.side.mesh, task.other.t, dGeomSphereGetRadius(task.o2), out);
+      heldSphere(task, out);
       break;
     case dBoxClass:
     case dCapsuleClass:

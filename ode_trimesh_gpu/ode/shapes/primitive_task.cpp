@@ -3,7 +3,7 @@
 
 namespace otg {
 
-HalfSpace planeInMesh(const PrimitiveTask& task) {
+PlaneGeom planeInMesh(const PrimitiveTask& task) {
   dVector4 p;
   dGeomPlaneGetParams(task.o2, p);
   const Vec3d n{p[0], p[1], p[2]};

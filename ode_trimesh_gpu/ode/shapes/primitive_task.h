@@ -31,6 +31,6 @@ struct PrimitiveTask {
 };
 
 /// The plane geom in the mesh's frame.
-HalfSpace planeInMesh(const PrimitiveTask& task);
+PlaneGeom planeInMesh(const PrimitiveTask& task);
 
 }  // namespace otg

@@ -42,7 +42,7 @@ ShapeQuery shapeQuery(const PrimitiveTask& task) {
       query.size[0] = static_cast<double>(dGeomSphereGetRadius(task.o2));
       break;
     case dPlaneClass: {
-      const HalfSpace plane = planeInMesh(task);
+      const PlaneGeom plane = planeInMesh(task);
       query.size = {plane.normal.x, plane.normal.y, plane.normal.z, plane.offset};
       break;
     }
