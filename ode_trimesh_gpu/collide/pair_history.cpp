@@ -101,9 +101,7 @@ MotionLimit::MotionLimit(const Query& query) : pose_(query.bInA) {
 }
 
 MotionLimit::MotionLimit(const SolidHistory::State& before, const Transformd& bInA, std::uint64_t content)
-    : pose_(bInA),
-      before_(before),
-      isKnown_(before.hasPose && before.deepest >= 0 && before.content == content) {}
+    : pose_(bInA), before_(before), isKnown_(before.hasPose && before.deepest >= 0 && before.content == content) {}
 
 double MotionLimit::operator()(const Contact& contact) const {
   if (!isKnown_) return std::numeric_limits<double>::infinity();

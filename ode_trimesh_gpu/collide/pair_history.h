@@ -39,6 +39,8 @@ std::uint64_t contentOf(const TriMesh& mesh, std::uint64_t other);
 /// query, and what the place of the contact has moved against its normal since.
 class MotionLimit {
  public:
+  /// No limit.
+  MotionLimit() = default;
   explicit MotionLimit(const Query& query);
   /// Of a pair with what is no mesh: B's pose, and contentOf() the two.
   MotionLimit(const SolidHistory::State& before, const Transformd& bInA, std::uint64_t content);
@@ -51,7 +53,7 @@ class MotionLimit {
   bool exceeds(std::span<const Contact> contacts) const;
 
  private:
-  Transformd pose_;
+  Transformd pose_{};
   SolidHistory::State before_;
   bool isKnown_ = false;
 };

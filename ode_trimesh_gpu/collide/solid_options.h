@@ -36,6 +36,9 @@ struct SolidHistory {
     Vec3d front{0, 0, 0};
     double deepest = -1;        ///< contact of the last query, 0 without any; less if that bounds nothing
     std::uint64_t content = 0;  ///< of both meshes then: once their triangles have moved, `deepest` bounds nothing
+
+    /// Whether it is of use after a query without contacts: the pair has a sheet or a shell.
+    bool outlastsContacts() const { return side != 0 || deepest >= 0; }
   };
   /// The direction that a convex pair had last: where to look first. No result depends on it, so it is not part of
   /// what is saved.

@@ -34,12 +34,13 @@ struct TouchingPlace {
 
 class Finder {
  public:
-  Finder(const CollisionMesh& tree, const Capsule& capsule, int winding, std::pmr::vector<TouchingPlace>& places)
+  Finder(const CollisionMesh& tree, const Capsule& capsule, const RoundMemory& before,
+         std::pmr::vector<TouchingPlace>& places)
       : tree_(tree),
         mesh_(tree.mesh()),
-        kind_(surfaceKindForShapes(tree)),
+        kind_(surfaceKind(mesh_)),
         capsule_(capsule),
-        winding_(winding),
+        before_(before),
         start_(axisPoint(0)),
         length_(2 * capsule.half),
         rounding_(1e-12 * (double{mesh_.radius()} + norm(capsule.middle) + capsule.radius + capsule.half)),
@@ -58,7 +59,9 @@ class Finder {
       return kind_ != SurfaceKind::kSolid || c.x < low.x || c.y < low.y || c.z < low.z || c.x > high.x ||
              c.y > high.y || c.z > high.z || !pointInMesh(tree_, c);
     }
-    return kind_ == SurfaceKind::kShell || !isInside(tree_, axisPoint(nearestAt_), nearest_, winding_);
+    const Vec3d middle = axisPoint(nearestAt_);
+    return !isInside(tree_, middle, nearest_) ||
+           isFromBehind(nearest_.point, unit(nearest_.point - middle), nearest_.distance);
   }
 
  private:
@@ -104,6 +107,14 @@ class Finder {
     return alongAxis > 0 ? at >= length_ - rounding : at <= rounding;
   }
 
+  bool isFromBehind(const Vec3d& on, const Vec3d& out, double distance) const {
+    return kind_ == SurfaceKind::kSheet && before_.isFromBehind(on, out, distance);
+  }
+  /// Whether the back of the surface counts there.
+  bool hasTwoSides(const Vec3d& on, const Vec3d& out, double distance) const {
+    return kind_ == SurfaceKind::kShell || isFromBehind(on, out, distance);
+  }
+
   /// Where the axis is above the triangle.
   void face(std::uint32_t t, const Vec3d* p, const Vec3d& n) {
     const double rise = otgDot(n, capsule_.direction), base = otgDot(n, start_ - p[0]);
@@ -132,8 +143,8 @@ class Finder {
       const double height = side * (base + rise * at);
       if (height >= capsule_.radius) continue;
       note(height, at, axisPoint(at) - n * (side * height), t, TrianglePart::kFace);
-      if (kind_ != SurfaceKind::kShell && winding_ * side < 0) continue;
       const Vec3d away = n * -side;
+      if (side < 0 && !hasTwoSides(axisPoint(at) + away * height, away, height)) continue;
       if (faces(at, otgDot(away, capsule_.direction))) places_.push_back({height, at, away, t});
     }
   }
@@ -186,7 +197,7 @@ class Finder {
     if (!faces(at, otgDot(away, capsule_.direction))) return;
     // Seen from behind: through a thin wall, or past a rim.
     const SurfacePoint on{axisPoint(at) - toAxis, distance, half / 3, partOf(first, half)};
-    if (kind_ != SurfaceKind::kShell && winding_ * otgDot(away, outwardNormal(tree_, on)) > 0) return;
+    if (otgDot(away, outwardNormal(tree_, on)) > 0 && !hasTwoSides(on.point, away, distance)) return;
     places_.push_back({distance, at, away, half / 3});
   }
 
@@ -198,7 +209,7 @@ class Finder {
   const TriMesh& mesh_;
   const SurfaceKind kind_;
   const Capsule& capsule_;
-  const int winding_;
+  const RoundMemory& before_;
   const Vec3d start_;
   const double length_, rounding_;
   std::pmr::vector<TouchingPlace>& places_;
@@ -247,12 +258,13 @@ void keepOutermost(const Capsule& capsule, std::pmr::vector<TouchingPlace>& plac
 
 }  // namespace
 
-bool capsuleContacts(const CollisionMesh& tree, const Capsule& capsule, int winding, std::vector<Contact>& out) {
+bool capsuleContacts(const CollisionMesh& tree, const Capsule& capsule, const RoundMemory& before,
+                     std::vector<Contact>& out) {
   std::byte buffer[kPlacesAtHand * sizeof(TouchingPlace)];
   std::pmr::monotonic_buffer_resource memory(buffer, sizeof buffer);
   std::pmr::vector<TouchingPlace> places(&memory);
   places.reserve(kPlacesAtHand - 1);
-  if (!Finder(tree, capsule, winding, places).run()) return false;
+  if (!Finder(tree, capsule, before, places).run()) return false;
   keepOutermost(capsule, places, out);
   return true;
 }

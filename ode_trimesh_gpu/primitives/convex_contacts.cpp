@@ -245,9 +245,7 @@ bool rimContacts(const Query& query, const ConvexShape& shape, Workspace& worksp
 
 }  // namespace
 
-void convexContacts(const Query& given, const ConvexShape& shape, Workspace& workspace) {
-  Query query = given;
-  query.bIsShape = true;
+void convexContacts(const Query& query, const ConvexShape& shape, Workspace& workspace) {
   const auto asSolids = [&] {
     return (!shape.isCurved() && collideConvexPair(query, workspace)) || regionContacts(query, shape, workspace) ||
            rimContacts(query, shape, workspace);

@@ -4,35 +4,36 @@
 
 #include <vector>
 
-#include "collide/query.h"
+#include "collide/pair_history.h"
 
 namespace otg {
 
-/// A shape that was behind a sheet while the two were apart is held there. Without that its first contact would draw it
-/// through to the front. And no contact is deeper than the motion since the last query allows: past a rim it may show
-/// all at once. Both are rules of solids (collide/shell/shell_approach.h, MotionLimit). Pairs with other meshes
-/// remember nothing here.
+/// How far the shape was in the sheet at the last query, and how it has moved since. A shape that cannot have come
+/// through the sheet's front has come from behind, and is held there. And no contact is deeper than the motion allows
+/// (MotionLimit). Pairs with other meshes remember nothing here.
 class RoundMemory {
  public:
-  /// `pose`: of the shape in the mesh's frame, that of a ball unrotated. `radius`: of a ball around the shape.
-  /// `content`: a number that changes with the shape. `history` may be null.
-  RoundMemory(const CollisionMesh& mesh, const Transformd& pose, double radius, std::uint64_t content,
+  /// `pose`: of the shape in the mesh's frame, that of a ball unrotated. `radius`: of the shape's round side, `reach`:
+  /// of a ball around it. `content`: a number that changes with the shape. `history` may be null.
+  RoundMemory(const CollisionMesh& mesh, const Transformd& pose, double radius, double reach, std::uint64_t content,
               SolidHistory* history);
-  /// 1 if the shape belongs to the side that the triangles' normals lead to, else -1.
-  int winding() const { return winding_; }
+  /// Nothing is remembered: a shape behind the sheet has come through.
+  RoundMemory() = default;
+
+  /// Whether a shape whose middle, or a point of its axis, lies `distance` behind the place `on` of the sheet came from
+  /// there. `out`: unit, from the middle to the place.
+  bool isFromBehind(const Vec3d& on, const Vec3d& out, double distance) const;
   /// Cuts the contacts, and leaves in the history what is to be remembered.
   void finish(std::vector<Contact>& contacts) const;
 
  private:
-  int sideOfApart() const;
-
-  const CollisionMesh& mesh_;
-  Transformd pose_;
-  double radius_;
-  std::uint64_t content_;
-  SolidHistory* history_;
+  Transformd pose_{};
+  double radius_ = 0;
+  std::uint64_t content_ = 0;
+  SolidHistory* history_ = nullptr;
+  bool isSheet_ = false;
   SolidHistory::State before_;
-  int winding_ = 1;
+  MotionLimit limit_;
 };
 
 }  // namespace otg

@@ -23,10 +23,10 @@ Contact makeContact(const SurfacePoint& at, const Vec3d& normal, double depth, s
 
 }  // namespace
 
-void sphereContacts(const CollisionMesh& tree, const Vec3d& center, double radius, int winding,
+void sphereContacts(const CollisionMesh& tree, const Vec3d& center, double radius, const RoundMemory& before,
                     std::vector<Contact>& out) {
   const TriMesh& mesh = tree.mesh();
-  const SurfaceKind kind = surfaceKindForShapes(tree);
+  const SurfaceKind kind = surfaceKind(mesh);
   std::byte buffer[kPointsAtHand * sizeof(SurfacePoint)];
   std::pmr::monotonic_buffer_resource memory(buffer, sizeof buffer);
   std::pmr::vector<SurfacePoint> points(&memory);
@@ -54,10 +54,13 @@ void sphereContacts(const CollisionMesh& tree, const Vec3d& center, double radiu
   }
   const double rounding = 1e-12 * (static_cast<double>(mesh.radius()) + norm(center) + radius);
   if (nearest.distance <= rounding) {  // the centre is on the surface
-    out.push_back(makeContact(nearest, outwardNormal(tree, nearest) * (-1.0 * winding), radius, 0));
+    out.push_back(makeContact(nearest, outwardNormal(tree, nearest) * -1.0, radius, 0));
     return;
   }
-  if (kind != SurfaceKind::kShell && isInside(tree, center, nearest, winding)) {
+  const auto isFromBehind = [&](const SurfacePoint& p) {
+    return kind == SurfaceKind::kSheet && before.isFromBehind(p.point, unit(p.point - center), p.distance);
+  };
+  if (isInside(tree, center, nearest) && !isFromBehind(nearest)) {
     out.push_back(makeContact(nearest, unit(center - nearest.point), radius + nearest.distance, 0));
     return;
   }
@@ -66,7 +69,7 @@ void sphereContacts(const CollisionMesh& tree, const Vec3d& center, double radiu
   const std::size_t first = out.size();
   for (const SurfacePoint& p : points) {
     const Vec3d away = p.point - center;
-    if (kind != SurfaceKind::kShell && winding * otgDot(away, outwardNormal(tree, p)) > 0) continue;
+    if (kind != SurfaceKind::kShell && otgDot(away, outwardNormal(tree, p)) > 0 && !isFromBehind(p)) continue;
     const Vec3d normal = unit(away);
     const bool known = std::any_of(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
                                    [&](const Contact& c) { return otgDot(c.normal, normal) > kSameDirection; });

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "collide/query.h"
+#include "primitives/round_memory.h"
 
 namespace otg {
 
@@ -16,10 +17,10 @@ namespace otg {
 ///
 /// With the centre inside a solid, or behind a sheet, there is one contact: out through the nearest point of the
 /// surface, with the distance added to the radius. Faces that show their back to the centre count for a shell alone,
-/// which has no inside.
+/// which has no inside, and where the sphere came from behind a sheet.
 ///
 /// Contacts are appended, deepest first. The sphere has no triangles (kNone).
-void sphereContacts(const CollisionMesh& mesh, const Vec3d& center, double radius, int winding,
+void sphereContacts(const CollisionMesh& mesh, const Vec3d& center, double radius, const RoundMemory& before,
                     std::vector<Contact>& out);
 
 }  // namespace otg

@@ -6,7 +6,6 @@
 
 #include "base/vectors.h"
 #include "collide/inside_test.h"
-#include "collide/shell/shell_roles.h"
 
 namespace otg {
 namespace {
@@ -39,10 +38,6 @@ SurfaceKind surfaceKind(const TriMesh& mesh) {
   return report.inconsistentEdges == 0 && report.nonManifoldEdges == 0 ? SurfaceKind::kSheet : SurfaceKind::kShell;
 }
 
-SurfaceKind surfaceKindForShapes(const CollisionMesh& mesh) {
-  return isScattered(mesh) ? SurfaceKind::kShell : surfaceKind(mesh.mesh());
-}
-
 Vec3d outwardNormal(const CollisionMesh& tree, const SurfacePoint& at) {
   const TriMesh& mesh = tree.mesh();
   const Adjacency& adjacency = tree.adjacency();
@@ -67,7 +62,7 @@ Vec3d outwardNormal(const CollisionMesh& tree, const SurfacePoint& at) {
   return otgDot(sum, sum) > 0 ? sum : face;
 }
 
-bool isInside(const CollisionMesh& tree, const Vec3d& point, const SurfacePoint& nearest, int winding) {
+bool isInside(const CollisionMesh& tree, const Vec3d& point, const SurfacePoint& nearest) {
   if (nearest.triangle == kNone) return false;
   const TriMesh& mesh = tree.mesh();
   switch (surfaceKind(mesh)) {
@@ -79,7 +74,7 @@ bool isInside(const CollisionMesh& tree, const Vec3d& point, const SurfacePoint&
     }
     case SurfaceKind::kSheet:
       return !isOnRim(mesh, tree.adjacency(), nearest) &&
-             winding * otgDot(point - nearest.point, outwardNormal(tree, nearest)) < 0;
+             otgDot(point - nearest.point, outwardNormal(tree, nearest)) < 0;
     case SurfaceKind::kShell:
       break;
   }

@@ -10,8 +10,6 @@ namespace otg {
 /// share edges by twos at most) what lies behind it; nothing.
 enum class SurfaceKind { kSolid, kSheet, kShell };
 SurfaceKind surfaceKind(const TriMesh& mesh);
-/// The same for one of ODE's shapes, which meets a sheet of pieces that face all ways (isScattered()) from both sides.
-SurfaceKind surfaceKindForShapes(const CollisionMesh& mesh);
 
 /// Unit outward normal at a point of the surface: of the face, of an edge the mean of its faces, of a corner the mean
 /// of its faces weighted by their angles. The side of a nearby point is the sign of its product with this normal.
@@ -21,6 +19,6 @@ Vec3d outwardNormal(const CollisionMesh& mesh, const SurfacePoint& at);
 /// Whether the point lies inside (on the surface: either result). `nearest` is the surface's nearest point. Of a solid
 /// the parity along rays decides; of a sheet the normal at the nearest point, where a point nearest to the rim counts
 /// as outside; a shell has no inside.
-bool isInside(const CollisionMesh& mesh, const Vec3d& point, const SurfacePoint& nearest, int winding = 1);
+bool isInside(const CollisionMesh& mesh, const Vec3d& point, const SurfacePoint& nearest);
 
 }  // namespace otg

@@ -60,8 +60,6 @@ TEST_CASE("of bodies in hosts that lost the faces around their inner walls one i
   const otg::scenes::OdeSession session;
   int met = 0, thrown = 0;
   for (const CertificateFamily& family : certificateFamilies()) {
-    // Few of its hosts lose a face; what is known of these is in docs/contacts.md.
-    if (family.name == "shapes") continue;
     for (int number = 0; number < 40; ++number) {
       auto member = certificateMember(family, 901, number);
       if (member) member = withOpenHost(*member);

@@ -77,6 +77,7 @@ TEST_CASE("a sphere at a rim is pushed away from the nearest point of the rim, a
   const Data data(makeSheet(1, 8));
   const Geom sheet(data);
   const dGeomID sphere = dCreateSphere(nullptr, 0.3);
+  dGeomGpuTriMeshEnableTC(sheet.id, dSphereClass, 0);  // each pose by itself
   Draw draw(3);
   int touching = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -104,6 +105,7 @@ TEST_CASE("a capsule at a rim is pushed away from what of the rim is nearest to 
   const Data data(makeSheet(1, 8));
   const Geom sheet(data);
   const dGeomID capsule = dCreateCapsule(nullptr, 0.3, 0.8);
+  dGeomGpuTriMeshEnableTC(sheet.id, dCapsuleClass, 0);  // each pose by itself
   Draw draw(3);
   int touching = 0;
   for (int i = 0; i < 1000; ++i) {

@@ -13,11 +13,11 @@ GroundKind kindOf(const TriMesh& mesh) {
   return isSheet(mesh) ? GroundKind::kSheet : GroundKind::kShell;
 }
 
-}  // namespace
-
+/// Whether a sheet of several pieces has them face all ways: what is behind one may be in front of another one. By some
+/// of its clusters, because each query needs it.
 bool isScattered(const CollisionMesh& sheet) {
   constexpr double kOneWay = 0.7;  // of all areas, what faces one way
-  if (!isSheet(sheet.mesh()) || sheet.mesh().topology().componentCount() < 2) return false;
+  if (sheet.mesh().topology().componentCount() < 2) return false;
   Vec3d sum{0, 0, 0};
   double area = 0;
   const std::vector<Adjacency::Cluster>& clusters = sheet.adjacency().clusters;
@@ -28,8 +28,6 @@ bool isScattered(const CollisionMesh& sheet) {
   }
   return otgDot(sum, sum) < kOneWay * kOneWay * area * area;
 }
-
-namespace {
 
 Transformd inverse(const Transformd& m) {
   Transformd out{};
@@ -58,7 +56,7 @@ bool areShells(const Query& query) {
   if (query.options.contacts != ContactModel::kSolid) return false;
   const TriMesh &a = query.a->mesh(), &b = query.b->mesh();
   if (a.meshClass() == MeshClass::kSolid && b.meshClass() == MeshClass::kSolid) return false;
-  return areShells(a, b) || stateBefore(query).side < 0 || (query.bIsShape && isScattered(*query.a));
+  return areShells(a, b) || stateBefore(query).side < 0;
 }
 
 ShellRoles shellRoles(const Query& query) {
@@ -68,9 +66,9 @@ ShellRoles shellRoles(const Query& query) {
   roles.visitor = roles.groundIsA ? query.b : query.a;
   roles.visitorInGround = roles.groundIsA ? query.bInA : inverse(query.bInA);
   roles.kind = kindOf(roles.ground->mesh());
-  // The pair of a mesh that is a solid with a sheet is that of two solids where it can be, which go by the winding.
-  const bool goesByWinding = roles.visitor->mesh().meshClass() == MeshClass::kSolid && !query.bIsShape;
-  roles.isScattered = !goesByWinding && isScattered(*roles.ground);
+  // A solid's pair with a sheet is that of two solids where it can be, which go by the winding.
+  const bool isSolidVisitor = roles.visitor->mesh().meshClass() == MeshClass::kSolid;
+  roles.isScattered = roles.kind == GroundKind::kSheet && !isSolidVisitor && isScattered(*roles.ground);
   if (roles.isScattered) roles.kind = GroundKind::kShell;
   roles.size = static_cast<double>(roles.visitor->mesh().radius());
   roles.isTerrain = roles.ground->mesh().radius() >= kTerrain * roles.visitor->mesh().radius();

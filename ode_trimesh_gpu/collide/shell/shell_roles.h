@@ -32,10 +32,6 @@ struct ShellRoles {
   }
 };
 
-/// Whether the mesh is a sheet of several pieces that face all ways: what is behind one may be in front of another one.
-/// By some of its clusters, because each query needs it.
-bool isScattered(const CollisionMesh& mesh);
-
 /// The larger mesh is the ground. Of two that are equally large a solid, then a sheet, then the one with more
 /// triangles, then A.
 bool isGround(const TriMesh& a, const TriMesh& b);

@@ -139,8 +139,8 @@ OTG_API dGpuTriMeshDataID dGeomGpuTriMeshGetTriMeshDataID(dGeomID g);
  * For this library's own class that is dGpuTriMeshParams::history, which is on at first; while it is off nothing is
  * remembered of any pair. Each of ODE's classes has a switch beside it, also on at first. It says whether the geom
  * remembers its pairs with geoms of that class. It guides how deep boxes, capsules, cylinders, convex geoms,
- * heightfields and dTriMesh leave (see dGPUTRIMESH_HISTORY_ON); with spheres, planes and rays there is nothing to
- * remember.
+ * heightfields and dTriMesh leave (see dGPUTRIMESH_HISTORY_ON). Spheres and all others that come to an open surface
+ * from behind are held there. With planes and rays there is nothing to remember.
  * @param g          a geom of this class, or a dTriMesh that collides through this library
  * @param geomClass  dGpuTriMeshGetClass(), or a class of ODE's (dSphereClass, ...)
  * @param enable     0 or not

@@ -65,7 +65,8 @@ enum {
  */
 enum {
   dGPUTRIMESH_HISTORY_OFF = 0, /**< contacts depend on the poses and velocities of the moment alone */
-  dGPUTRIMESH_HISTORY_ON = 1 /**< deep, entangled and contained bodies leave in the direction in which they began to */
+  dGPUTRIMESH_HISTORY_ON = 1   /**< deep, entangled and contained bodies leave in the direction in which they began to;
+                                    those that come to an open surface from behind are held there */
 };
 
 /**

@@ -290,7 +290,7 @@ std::uint64_t rememberPair(const PairTask& task, bool hasContacts) {
   GeomObject &older = task.older(), &younger = task.younger();
   const SolidHistory* const history = task.usedHistory();
   // From which side a body comes to a shell is known only while the two are apart.
-  const bool isOver = history != nullptr && !hasContacts && !task.hasLeftOut && history->current.side == 0 && history->current.deepest < 0;
+  const bool isOver = history != nullptr && !hasContacts && !task.hasLeftOut && !history->current.outlastsContacts();
   if (!task.remembers || isOver) {
     younger.memory.forget(older.serial);
     return 0;

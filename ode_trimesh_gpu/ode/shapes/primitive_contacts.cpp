@@ -8,8 +8,8 @@
 #include "dispatch/threads/workspace_lease.h"
 #include "ode/shapes/convex_collider.h"
 #include "ode/shapes/heightfield_collider.h"
-#include "ode/shapes/ray_collider.h"
 #include "ode/shapes/primitive_history.h"
+#include "ode/shapes/ray_collider.h"
 #include "primitives/round_memory.h"
 #include "primitives/sphere_contacts.h"
 
@@ -20,13 +20,13 @@ namespace {
 void heldSphere(const PrimitiveTask& task, std::vector<Contact>& out) {
   const double radius = dGeomSphereGetRadius(task.o2);
   if (!isSheet(task.side.mesh->mesh())) {
-    sphereContacts(*task.side.mesh, task.other.t, radius, 1, out);
+    sphereContacts(*task.side.mesh, task.other.t, radius, RoundMemory(), out);
     return;
   }
   PrimitiveHistory history(task);
-  const RoundMemory memory(*task.side.mesh, {{1, 0, 0, 0, 1, 0, 0, 0, 1}, task.other.t}, radius,
+  const RoundMemory memory(*task.side.mesh, {{1, 0, 0, 0, 1, 0, 0, 0, 1}, task.other.t}, radius, radius,
                            std::bit_cast<std::uint64_t>(radius), history.get());
-  sphereContacts(*task.side.mesh, task.other.t, radius, memory.winding(), out);
+  sphereContacts(*task.side.mesh, task.other.t, radius, memory, out);
   memory.finish(out);
   history.keep(!out.empty());
 }

@@ -39,7 +39,7 @@ PrimitiveHistory::PrimitiveHistory(const PrimitiveTask& task, const Vec3d& origi
 }
 
 void PrimitiveHistory::keep(bool hasContacts) {
-  const bool isKept = remembers_ && history_.used && (hasContacts || history_.current.side != 0 || history_.current.deepest >= 0);
+  const bool isKept = remembers_ && history_.used && (hasContacts || history_.current.outlastsContacts());
   if (detached_ != nullptr) {
     *detached_ = {history_, isKept};
   } else if (isKept) {
