@@ -43,10 +43,6 @@ typedef struct {
   int counts;  ///< they are across each other, and all of the region unless that is a lump
 } otg_edge_pair;
 
-OTG_INLINED int otgIsThick(const otg_solid_work* w) {
-  return w->thickness > OTG_SOLID_DEEP * w->diagonal;
-}
-
 /// As edgePairsOf(). Numbers of the pair: stretch of A, stretch of B.
 OTG_INLINED otg_edge_pair otgEdgePair(__local const otg_solid_ways* s, const otg_solid_work* w, OTG_MESH* a,
                                       OTG_MESH* b, uint pair) {
@@ -55,7 +51,7 @@ OTG_INLINED otg_edge_pair otgEdgePair(__local const otg_solid_ways* s, const otg
   otg_edge_pair found;
   found.counts = otgAreAcross_d(&e, &f, &found.direction, &found.depth);
   found.isAll = found.counts && otgIsAll(s, w, 0, &e) && otgIsAll(s, w, 1, &f);
-  found.counts = found.isAll || (found.counts && otgIsThick(w));
+  found.counts = found.isAll || (found.counts && otgIsThick_d(w->thickness, w->diagonal));
   return found;
 }
 
@@ -250,7 +246,8 @@ OTG_INLINED void otgFindWayOut(__local otg_solid_ways* s, otg_solid_work* w, OTG
   const uint lane = get_local_id(0);
   otgFindEdgePairs(s, w, a, b);
   otgLeaveAcross(s, w, a, b);
-  const int isDeep = otgIsThick(w) && !w->isFixed && w->pieceCount > 0, hasLast = otgDot_d(last, last) > 0;
+  const int isDeep = otgIsThick_d(w->thickness, w->diagonal) && !w->isFixed && w->pieceCount > 0,
+            hasLast = otgDot_d(last, last) > 0;
   const double areas = w->region->areaA + w->region->areaB;
   if (lane == 0) {
     s->count = 0;

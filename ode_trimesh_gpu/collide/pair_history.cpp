@@ -95,19 +95,21 @@ void keepState(const Query& query, const SolidHistory::State& before, SolidHisto
   query.history->used = true;
 }
 
-MotionLimit::MotionLimit(const Query& query) : pose_(query.bInA) {
-  if (!isLimitedByMotion(query)) return;
-  *this = MotionLimit(stateBefore(query), query.bInA, contentOf(query));
+MotionLimit::MotionLimit(const Query& query) {
+  if (isLimitedByMotion(query)) *this = MotionLimit(stateBefore(query), query.bInA, contentOf(query));
 }
 
 MotionLimit::MotionLimit(const SolidHistory::State& before, const Transformd& bInA, std::uint64_t content)
-    : pose_(bInA), before_(before), isKnown_(before.hasPose && before.deepest >= 0 && before.content == content) {}
+    : pose_(bInA),
+      poseBefore_(before.pose),
+      deepestBefore_(before.deepest),
+      isKnown_(before.hasPose && before.deepest >= 0 && before.content == content) {}
 
 double MotionLimit::operator()(const Contact& contact) const {
   if (!isKnown_) return std::numeric_limits<double>::infinity();
   const Vec3d ofB = otgRotateBack(pose_, otgSub(contact.position, pose_.t));
-  const Vec3d moved = otgSub(contact.position, otgTransform(before_.pose, ofB));
-  return before_.deepest + std::max(0.0, otgDot(contact.normal, moved));
+  const Vec3d moved = otgSub(contact.position, otgTransform(poseBefore_, ofB));
+  return deepestBefore_ + std::max(0.0, otgDot(contact.normal, moved));
 }
 
 void MotionLimit::cut(std::span<Contact> contacts) const {

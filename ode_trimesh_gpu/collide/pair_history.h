@@ -53,8 +53,8 @@ class MotionLimit {
   bool exceeds(std::span<const Contact> contacts) const;
 
  private:
-  Transformd pose_{};
-  SolidHistory::State before_;
+  Transformd pose_{}, poseBefore_{};
+  double deepestBefore_ = 0;
   bool isKnown_ = false;
 };
 /// Leaves MotionLimit::deepest() of the contacts in query.history, for the next query. After keepState(). Not of those

@@ -360,6 +360,11 @@ OTG_GENERIC otg_int OTG_NAME(otgIsBetween)(OTG_VEC3 n0, OTG_VEC3 n1, OTG_VEC3 d)
   return x >= cosine * y && y >= cosine * x;
 }
 
+/// Whether a region is a lump, rather than a layer between two surfaces.
+OTG_GENERIC otg_int OTG_NAME(otgIsThick)(REAL thickness, REAL diagonal) {
+  return thickness > OTG_REAL(OTG_SOLID_DEEP) * diagonal;
+}
+
 /// What the surface of a region says of it. `a`, `b`: sums of the vector areas of A's pieces and of B's; `moment`: sum
 /// of (normal . x) area; [lo, hi]: bounds of its points.
 #ifdef __OPENCL_VERSION__

@@ -259,7 +259,7 @@ OTG_INLINED void otgArenaPieces(__local otg_arena_scratch* s, __local otg_solid_
     if (r->counts && (!fits || !room)) status |= OTG_FOUND_BAD;
     if (w.coherence < OTG_SOLID_COHERENT) status |= OTG_FOUND_ESCAPING;
     if (r->measure.bad || w.coherence < OTG_SOLID_COHERENT) status |= OTG_FOUND_ENTANGLED;
-    if (!(status & OTG_FOUND_ESCAPING) && w.thickness > OTG_SOLID_DEEP * w.diagonal) status |= OTG_FOUND_DEEP;
+    if (!(status & OTG_FOUND_ESCAPING) && otgIsThick_d(w.thickness, w.diagonal)) status |= OTG_FOUND_DEEP;
     out->faceCount[0] = w.facesOfA;
     out->faceCount[1] = w.facesOfB;
     out->planeCount[0] = out->planeCount[1] = 0;

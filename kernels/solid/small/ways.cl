@@ -43,7 +43,7 @@ OTG_INLINED int otgIsUnevenRegion(__local otg_solid_ways* s, const otg_solid_wor
 OTG_INLINED uint otgFlagsOf(__local const otg_solid_ways* s, const otg_solid_work* w, int isUneven) {
   uint flags = s->isFlat ? OTG_REGION_FLAT : 0;
   if (w->isFixed) flags |= OTG_REGION_FIXED;
-  if (otgIsThick(w) || w->leastDepth > 0) flags |= OTG_REGION_DEEP;
+  if (otgIsThick_d(w->thickness, w->diagonal) || w->leastDepth > 0) flags |= OTG_REGION_DEEP;
   if (isUneven) flags |= OTG_REGION_UNEVEN;
   if (w->isGathered && !isUneven) flags |= OTG_REGION_GATHERED;
   // The corners of an overlap are never flat points, as long as anything is not flat.

@@ -53,7 +53,7 @@ std::pmr::vector<EdgePair> edgePairsOf(const PlacedMeshes& meshes, const Overlap
   const std::pmr::vector<EdgeOfPair<double>> a = edgesOf(0, meshes, all, region);
   if (a.empty()) return pairs;
   const std::pmr::vector<EdgeOfPair<double>> b = edgesOf(1, meshes, all, region);
-  const bool isLump = region.thickness > OTG_SOLID_DEEP * region.diagonal;
+  const bool isLump = otgIsThick(region.thickness, region.diagonal);
   for (const EdgeOfPair<double>& e : a) {
     for (const EdgeOfPair<double>& f : b) {
       EdgePair pair{};

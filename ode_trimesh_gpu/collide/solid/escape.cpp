@@ -338,7 +338,7 @@ RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& a
     }
     return answer;
   }
-  if (region.bad || region.thickness <= OTG_SOLID_DEEP * region.diagonal) return answer;
+  if (region.bad || !otgIsThick(region.thickness, region.diagonal)) return answer;
   // Deep: the shortest way out, which the mean direction need not be once the overlap is thicker than wide. The last
   // direction is kept while it is nearly as short, so that a body does not waver on its way out.
   answer.deep = true;
