@@ -246,9 +246,8 @@ OTG_INLINED void otgFindWayOut(__local otg_solid_ways* s, otg_solid_work* w, OTG
   const uint lane = get_local_id(0);
   otgFindEdgePairs(s, w, a, b);
   otgLeaveAcross(s, w, a, b);
-  const int isDeep = otgIsThick_d(w->thickness, w->diagonal) && !w->isFixed && w->pieceCount > 0,
-            hasLast = otgDot_d(last, last) > 0;
-  const double areas = w->region->areaA + w->region->areaB;
+  const int isThick = otgIsThick_d(w->thickness, w->diagonal), hasLast = otgDot_d(last, last) > 0;
+  const int isDeep = isThick && !w->isFixed && w->pieceCount > 0;
   if (lane == 0) {
     s->count = 0;
     s->listedFaces = 0;
@@ -271,7 +270,7 @@ OTG_INLINED void otgFindWayOut(__local otg_solid_ways* s, otg_solid_work* w, OTG
   }
   for (uint mesh = 0; mesh < 2; ++mesh) {
     otgGatherFaces(s, w, mesh, isDeep);
-    if (lane == 0 && isDeep) otgTakeFaces(s, 0.01 * areas);
+    if (lane == 0 && isDeep) otgTakeFaces(s, 0.01 * (w->region->areaA + w->region->areaB));
     OTG_SYNC;
   }
   for (uint k = lane; k < (isDeep ? s->pairs : 0); k += OTG_GROUP) {

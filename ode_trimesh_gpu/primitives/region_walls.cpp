@@ -62,7 +62,7 @@ void replace(std::vector<Contact>& contacts, std::size_t first, const Contact& a
 }  // namespace
 
 /// How far a point lies beside the bounds.
-double RegionWalls::Wall::beside(const Vec3d& p) const {
+double RegionWalls::Bounds::beside(const Vec3d& p) const {
   const Vec3d out{std::max({low.x - p.x, 0.0, p.x - high.x}), std::max({low.y - p.y, 0.0, p.y - high.y}),
                   std::max({low.z - p.z, 0.0, p.z - high.z})};
   return norm(out);
@@ -79,13 +79,14 @@ bool RegionWalls::read(const PlacedMeshes& meshes, const OverlapRegions& all, co
   rounding_ = 1e-13 * reach;
   onPlane_ = 4e-10 * reach;
   far_ = 4 * reach;
+  region_ = {region.lo, region.hi};
   walls_.reserve(std::min<std::size_t>(kMostWalls, region.pieceEnd - region.pieceBegin));
   std::uint32_t named = kNone;
   for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
     const Piece& p = all.pieces[i];
     if (p.mesh != 0) continue;
     if (named == kNone) named = p.triangle;
-    if (!add({p.normal, p.offset, p.lo, p.hi, p.triangle, !isConvex})) return false;
+    if (!add({p.normal, p.offset, {p.lo, p.hi}, p.triangle, !isConvex})) return false;
   }
   for (std::uint32_t i = region.pieceBegin; i < region.pieceEnd; ++i) {
     if (all.pieces[i].mesh == 0) addInnerNeighbours(shape, all.pieces[i].triangle, all.pieces[i].triangle);
@@ -123,10 +124,12 @@ bool RegionWalls::add(const Wall& wall) {
     walls_.push_back(wall);
     return true;
   }
-  known->low = {std::min(known->low.x, wall.low.x), std::min(known->low.y, wall.low.y),
-                std::min(known->low.z, wall.low.z)};
-  known->high = {std::max(known->high.x, wall.high.x), std::max(known->high.y, wall.high.y),
-                 std::max(known->high.z, wall.high.z)};
+  known->bounds.low = {std::min(known->bounds.low.x, wall.bounds.low.x),
+                       std::min(known->bounds.low.y, wall.bounds.low.y),
+                       std::min(known->bounds.low.z, wall.bounds.low.z)};
+  known->bounds.high = {std::max(known->bounds.high.x, wall.bounds.high.x),
+                        std::max(known->bounds.high.y, wall.bounds.high.y),
+                        std::max(known->bounds.high.z, wall.bounds.high.z)};
   return true;
 }
 
@@ -152,7 +155,7 @@ void RegionWalls::addInnerNeighbours(const PlacedShape& shape, std::uint32_t tri
       low = {std::min(low.x, q.x), std::min(low.y, q.y), std::min(low.z, q.z)};
       high = {std::max(high.x, q.x), std::max(high.y, q.y), std::max(high.z, q.z)};
     }
-    add({other, offset, low, high, named, true});
+    add({other, offset, {low, high}, named, true});
   }
 }
 
@@ -164,7 +167,7 @@ bool RegionWalls::isOn(const Wall& wall, const Vec3d& point) const {
 /// sooner.
 bool RegionWalls::isHeldBy(const Wall& wall, const Vec3d& point, double moved, const Inside* from) const {
   const double last = wall.wayOut(point), near = 2 * (last + moved);
-  if (wall.beside(point + wall.normal * last) > near) return false;
+  if (wall.bounds.beside(point + wall.normal * last) > near) return false;
   std::pmr::vector<std::pair<double, const Wall*>> sooner(memory_);
   for (const Wall& w : walls_) {
     if (&w == &wall) continue;
@@ -180,14 +183,14 @@ bool RegionWalls::isHeldBy(const Wall& wall, const Vec3d& point, double moved, c
   Vec3d p = point;
   for (const auto& [unused, w] : sooner) {
     const double ahead = w->wayOut(p), way = ahead > onPlane_ ? ahead : 0, past = onPlane_ + kPast * way;
-    if (w->beside(p + w->normal * way) > near) continue;
+    if (w->bounds.beside(p + w->normal * way) > near) continue;
     const double exit = exitDistance(*meshes_, 0, p + origin_, w->normal, far_, 0);
     if (exit < way - past && way > 0) continue;  // the plane belongs to another part of the surface
     if (exit < way + past) return false;
     p = p + w->normal * (way + past);
   }
   const double way = wall.wayOut(p);
-  return way > 0 && wall.beside(p + wall.normal * way) <= near &&
+  return way > 0 && wall.bounds.beside(p + wall.normal * way) <= near &&
          exitDistance(*meshes_, 0, p + origin_, wall.normal, far_, 0) >= way * (1 - kPast) &&
          closestPoint(meshes_->tree(0), p + origin_, kNearest * way).triangle == kNone;
 }
@@ -200,7 +203,7 @@ void RegionWalls::collect(const PlacedShape& shape, const Wall& wall, const Vec3
   const auto add = [&](const Vec3d& p, const Inside* from) {
     const double way = wall.wayOut(p), left = way - asked;
     if (left <= rounding_ + kLeft * std::fabs(way)) return;
-    if (wall.beside(p + move + wall.normal * left) <= near + 2 * left) out.push_back({p, way, far_, from});
+    if (wall.bounds.beside(p + move + wall.normal * left) <= near + 2 * left) out.push_back({p, way, far_, from});
   };
   if (shape.shape().isCurved()) {
     add(shape.rear(wall.normal), nullptr);
@@ -213,7 +216,10 @@ void RegionWalls::collect(const PlacedShape& shape, const Wall& wall, const Vec3
       if (!isThere || isOn(wall, p.crossing)) add(rear.near(p.point), nullptr);
     }
   } else {
-    for (const Vec3d& v : vertices_) add(v, nullptr);
+    // Those that are in another region, or in none, are not held here.
+    for (const Vec3d& v : vertices_) {
+      if (region_.beside(v) <= near + onPlane_) add(v, nullptr);
+    }
     for (const Inside& p : points_) {
       if (!isOn(wall, p.crossing)) add(p.point, &p);
     }
@@ -391,10 +397,10 @@ bool RegionWalls::isInDoubt(const Contact& contact, const Vec3d& point) const {
   for (const Wall& wall : walls_) {
     const double way = wall.wayOut(point), cosine = -otgDot(wall.normal, contact.normal);
     if (way >= -onPlane_ && way < kInDoubt * contact.depth &&
-        wall.beside(point + wall.normal * way) <= std::max(way, onPlane_))
+        wall.bounds.beside(point + wall.normal * way) <= std::max(way, onPlane_))
       return true;
     isBehind = isBehind || (cosine > kEdgeOn && way >= kInDoubt * contact.depth * cosine &&
-                            wall.beside(point + wall.normal * way) <= way);
+                            wall.bounds.beside(point + wall.normal * way) <= way);
   }
   return !isBehind;
 }

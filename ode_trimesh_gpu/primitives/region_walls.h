@@ -32,14 +32,17 @@ class RegionWalls {
   void complete(const PlacedShape& shape, double closest, std::vector<Contact>& contacts, std::size_t first);
 
  private:
+  struct Bounds {
+    Vec3d low, high;
+    double beside(const Vec3d& p) const;
+  };
   struct Wall {
     Vec3d normal;  ///< unit, outward
     double offset;
-    Vec3d low, high;         ///< bounds of the surface that it stands for
+    Bounds bounds;           ///< of the surface that it stands for
     std::uint32_t triangle;  ///< one of the region's, in it or beside it
     bool counts;             ///< has to be left for itself
     double wayOut(const Vec3d& p) const { return offset - otgDot(normal, p); }
-    double beside(const Vec3d& p) const;
   };
   /// A point inside both, near a point of the region.
   struct Inside {
@@ -79,6 +82,7 @@ class RegionWalls {
   const PlacedMeshes* meshes_ = nullptr;
   Vec3d origin_{};
   double rounding_ = 0, onPlane_ = 0, far_ = 0;
+  Bounds region_{};
   std::pmr::vector<Wall> walls_;
   std::pmr::vector<SortedWall> sorted_;
   std::pmr::vector<Inside> points_;   ///< those of flat shapes on their edges
