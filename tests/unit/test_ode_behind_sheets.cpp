@@ -121,6 +121,35 @@ TEST_CASE("a ball in the groove of two pieces that face opposite ways rests on b
   CHECK(std::abs(p[2] - 0.2 * std::sqrt(2.0)) < 0.01);
 }
 
+TEST_CASE("a body between two storeys of a sheet falls on the lower one") {
+  const OdeSession session;
+  const auto storeys = [](float height) {
+    scenes::MeshArrays upper = terrain(4, 3, 0);
+    for (Vec3f& v : upper.vertices) v.z += height;
+    return scenes::merge({terrain(10, 3, 0), upper});
+  };
+  Draw draw(7);
+  for (int i = 0; i < 400; ++i) {
+    // A cylinder or a box, turned, half-way between the two.
+    const double radius = draw.uniform(0.1, 0.3), half = radius * draw.uniform(0.1, 2);
+    const double reach = std::sqrt(2 * radius * radius + half * half), height = reach * draw.uniform(1.4, 2.6);
+    const Data data(storeys(static_cast<float>(height)));
+    StepWorld world(1);
+    dCreateGpuTriMesh(world.space(), data.id);
+    dMass mass;
+    dMassSetBoxTotal(&mass, 1, 2 * radius, 2 * radius, 2 * half);
+    const dGeomID geom = i % 2 == 0 ? dCreateCylinder(world.space(), radius, 2 * half)
+                                    : dCreateBox(world.space(), 2 * radius, 2 * radius, 2 * half);
+    const dBodyID body = world.addBody(geom, mass);
+    const Vec3d axis = draw.direction();
+    const double angle = draw.uniform(0, 6.28);
+    setPose(geom, makePose(axis, angle, {draw.uniform(-1, 1), draw.uniform(-1, 1), 0.55 * height}));
+    world.step(60, 1.0 / 60);
+    INFO(i << ", " << height << " for " << reach);
+    CHECK(dBodyGetPosition(body)[2] > -0.1);
+  }
+}
+
 TEST_CASE("a body that is put in front of the sheet is pushed to the front, wherever it was") {
   const OdeSession session;
   const Data data(terrain(4, 5, 0));

@@ -16,7 +16,7 @@ constexpr double kFlush = 0.05;        ///< nearer than that a point shows no si
 constexpr double kJustThrough = 0.05;  ///< at the first query
 constexpr double kFrontHeight = 0.5;   ///< of the front point over the visitor's middle
 
-constexpr int kSamples = 4;
+constexpr std::size_t kFew = 4, kMany = 64;  ///< samples
 
 }  // namespace
 
@@ -33,11 +33,11 @@ ShellApproach::ShellApproach(const Query& query, const ShellRoles& roles, const 
 
 /// Some vertices of the visitor, far from each other as a rule. Ends when `visit` returns true.
 template <class Visit>
-void ShellApproach::forSamples(const Visit& visit) const {
+void ShellApproach::forSamples(std::size_t most, const Visit& visit) const {
   const TriMesh& mesh = roles_.visitor->mesh();
   const std::size_t count = mesh.triangleCount();
-  for (std::size_t k = 0; k < kSamples; ++k) {
-    const std::size_t t = k * (count - 1) / (kSamples - 1);
+  for (std::size_t k = 0; k < most; ++k) {
+    const std::size_t t = k * (count - 1) / (most - 1);
     if (visit(roles_.vertex(mesh.triangles()[t].v[k % 3]))) return;
   }
 }
@@ -45,7 +45,7 @@ void ShellApproach::forSamples(const Visit& visit) const {
 /// The first that does not lie beside a rim, or else the first.
 ShellApproach::Sample ShellApproach::sampleNear() const {
   Sample best;
-  forSamples([&](const Vec3d& point) {
+  forSamples(kFew, [&](const Vec3d& point) {
     Sample sample{point, {}, true};
     if (!surface_.measure(point, kFar * roles_.size, kNone, sample.depth)) return false;
     if (!best.isFound || !sample.depth.isBeside) best = sample;
@@ -56,7 +56,7 @@ ShellApproach::Sample ShellApproach::sampleNear() const {
 
 ShellApproach::Sample ShellApproach::sampleFar() const {
   Sample best;
-  forSamples([&](const Vec3d& point) {
+  forSamples(kFew, [&](const Vec3d& point) {
     Sample sample{point, {}, true};
     if (!surface_.measure(point, std::numeric_limits<double>::max(), kNone, sample.depth)) return false;
     if (!best.isFound || sample.depth.place.distance > best.depth.place.distance) best = sample;
@@ -85,7 +85,7 @@ ShellState ShellApproach::besideSolid(bool meets) {
   if (meets) return ShellState::kMeeting;
   const TriMesh& mesh = roles_.ground->mesh();
   bool isInside = false;
-  forSamples([&](const Vec3d& p) {
+  forSamples(kFew, [&](const Vec3d& p) {
     const Vec3f &lo = mesh.boundsMin(), &hi = mesh.boundsMax();
     if (p.x < lo.x || p.y < lo.y || p.z < lo.z || p.x > hi.x || p.y > hi.y || p.z > hi.z) return false;
     GroundDepth depth;
@@ -112,10 +112,11 @@ int ShellApproach::sideOfApart(const Sample& sample) const {
   return depth.height < 0 ? -1 : 1;
 }
 
-/// A body that touches the front lies a little behind it with one side.
+/// A body that touches the front lies a little behind it with one side. One between two storeys of a sheet is behind
+/// the upper one.
 bool ShellApproach::isPartlyInFront() const {
   bool inFront = false;
-  forSamples([&](const Vec3d& point) {
+  forSamples(std::clamp(roles_.visitor->mesh().triangleCount(), kFew, kMany), [&](const Vec3d& point) {
     GroundDepth depth;
     inFront = surface_.measure(point, kFar * roles_.size, kNone, depth) && !depth.isBeside && depth.height > 0;
     return inFront;

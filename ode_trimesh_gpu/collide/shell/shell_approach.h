@@ -38,7 +38,7 @@ class ShellApproach {
     bool isFound = false;
   };
   template <class Visit>
-  void forSamples(const Visit& visit) const;
+  void forSamples(std::size_t most, const Visit& visit) const;
   Sample sampleNear() const;
   Sample sampleFar() const;
   ShellState besideSolid(bool meets);
