@@ -290,33 +290,36 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
     *otgTriangleMark(&o, 0, o.hits[i].a) = 0;
     *otgTriangleMark(&o, 1, o.hits[i].b) = 0;
   }
-  if (!otgIsLast(state->counts + OTG_OVERLAP_DONE, &last)) return;
   __global otg_overlap_state* head = (__global otg_overlap_state*)(out + sizeof(otg_overlap_totals)) + get_group_id(1);
-  if (lane < regions.count) {
-    __global otg_found_region* f = head->regions + lane;
-    __global const otg_crossing* c = o.crossings + regions.region[lane].root;
-    f->first = c->first;
-    otgStore(f->lo, regions.region[lane].lo);
-    otgStore(f->hi, regions.region[lane].hi);
-    f->largest = as_double(c->largest);
-    f->load = c->load;
-    f->pair = get_group_id(1);
-  }
-  for (uint i = lane; i < OTG_OVERLAP_COUNTS; i += OTG_GROUP) {
-    const uint counted = otgTakeNow(state->counts + i);
-    head->counts[i] = i == OTG_OVERLAP_CELLS ? cellCount : counted;
-  }
-  for (uint r = lane; r < OTG_OVERLAP_REGIONS; r += OTG_GROUP) state->cells[r] = 0;  // unordered: by the last
-  if (lane < 3) head->origin[lane] = state->origin[lane];
-  if (lane == 0) {
-    head->firstUnit = first;
-    head->corners = otgTakeNow(&state->corners);
-    state->first = 0;
-    state->firstUnit = 0;  // unordered: by the last
-    for (uint k = 0; k < OTG_SOLID_MOST_PARTS / 32; ++k) state->crossedParts[0][k] = state->crossedParts[1][k] = 0;
+  // No work-group returns before the last barrier: PoCL 5 makes one work-item's conditions behind it those of all.
+  const int endsPair = otgIsLast(state->counts + OTG_OVERLAP_DONE, &last);
+  if (endsPair) {
+    if (lane < regions.count) {
+      __global otg_found_region* f = head->regions + lane;
+      __global const otg_crossing* c = o.crossings + regions.region[lane].root;
+      f->first = c->first;
+      otgStore(f->lo, regions.region[lane].lo);
+      otgStore(f->hi, regions.region[lane].hi);
+      f->largest = as_double(c->largest);
+      f->load = c->load;
+      f->pair = get_group_id(1);
+    }
+    for (uint i = lane; i < OTG_OVERLAP_COUNTS; i += OTG_GROUP) {
+      const uint counted = otgTakeNow(state->counts + i);
+      head->counts[i] = i == OTG_OVERLAP_CELLS ? cellCount : counted;
+    }
+    for (uint r = lane; r < OTG_OVERLAP_REGIONS; r += OTG_GROUP) state->cells[r] = 0;  // unordered: by the last
+    if (lane < 3) head->origin[lane] = state->origin[lane];
+    if (lane == 0) {
+      head->firstUnit = first;
+      head->corners = otgTakeNow(&state->corners);
+      state->first = 0;
+      state->firstUnit = 0;  // unordered: by the last
+      for (uint k = 0; k < OTG_SOLID_MOST_PARTS / 32; ++k) state->crossedParts[0][k] = state->crossedParts[1][k] = 0;
+    }
   }
   barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-  if (lane == 0) last = atomic_inc(&totals->done) == get_num_groups(1) - 1;
+  if (lane == 0) last = endsPair && atomic_inc(&totals->done) == get_num_groups(1) - 1;
   barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
   if (!last) return;
   for (uint i = lane; i < OTG_COUNTERS && counters != 0; i += OTG_GROUP) {
