@@ -34,7 +34,7 @@ struct TouchingPlace {
 
 class Finder {
  public:
-  Finder(const CollisionMesh& tree, const Capsule& capsule, const RoundMemory& before,
+  Finder(const CollisionMesh& tree, const Capsule& capsule, RoundMemory& before,
          std::pmr::vector<TouchingPlace>& places)
       : tree_(tree),
         mesh_(tree.mesh()),
@@ -209,7 +209,7 @@ class Finder {
   const TriMesh& mesh_;
   const SurfaceKind kind_;
   const Capsule& capsule_;
-  const RoundMemory& before_;
+  RoundMemory& before_;
   const Vec3d start_;
   const double length_, rounding_;
   std::pmr::vector<TouchingPlace>& places_;
@@ -258,7 +258,7 @@ void keepOutermost(const Capsule& capsule, std::pmr::vector<TouchingPlace>& plac
 
 }  // namespace
 
-bool capsuleContacts(const CollisionMesh& tree, const Capsule& capsule, const RoundMemory& before,
+bool capsuleContacts(const CollisionMesh& tree, const Capsule& capsule, RoundMemory& before,
                      std::vector<Contact>& out) {
   std::byte buffer[kPlacesAtHand * sizeof(TouchingPlace)];
   std::pmr::monotonic_buffer_resource memory(buffer, sizeof buffer);

@@ -27,7 +27,6 @@ struct Capsule {
 /// deepest if these have its normal to within 0.1 degrees and its depth to within 2 %.
 ///
 /// Contacts are appended, deepest first, positions in the middle of the overlap. The capsule has no triangles (kNone).
-bool capsuleContacts(const CollisionMesh& mesh, const Capsule& capsule, const RoundMemory& before,
-                     std::vector<Contact>& out);
+bool capsuleContacts(const CollisionMesh& mesh, const Capsule& capsule, RoundMemory& before, std::vector<Contact>& out);
 
 }  // namespace otg

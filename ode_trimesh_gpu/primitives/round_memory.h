@@ -20,18 +20,21 @@ class RoundMemory {
   /// Nothing is remembered: a shape behind the sheet has come through.
   RoundMemory() = default;
 
-  /// Whether a shape whose middle, or a point of its axis, lies `distance` behind the place `on` of the sheet came from
-  /// there. `out`: unit, from the middle to the place.
-  bool isFromBehind(const Vec3d& on, const Vec3d& out, double distance) const;
+  /// Notes where it is true. Whether a shape whose middle, or a point of its axis, lies `distance` behind the place
+  /// `on` of the sheet came from there. `out`: unit, from the middle to the place.
+  bool isFromBehind(const Vec3d& on, const Vec3d& out, double distance);
   /// Cuts the contacts, and leaves in the history what is to be remembered.
-  void finish(std::vector<Contact>& contacts) const;
+  void finish(std::vector<Contact>& contacts);
 
  private:
+  int sideAfter(bool hasContacts) const;
+
+  const CollisionMesh* mesh_ = nullptr;
   Transformd pose_{};
   double radius_ = 0;
   std::uint64_t content_ = 0;
   SolidHistory* history_ = nullptr;
-  bool isSheet_ = false;
+  bool isSheet_ = false, isBehind_ = false;
   SolidHistory::State before_;
   MotionLimit limit_;
 };

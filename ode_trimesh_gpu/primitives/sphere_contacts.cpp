@@ -23,7 +23,7 @@ Contact makeContact(const SurfacePoint& at, const Vec3d& normal, double depth, s
 
 }  // namespace
 
-void sphereContacts(const CollisionMesh& tree, const Vec3d& center, double radius, const RoundMemory& before,
+void sphereContacts(const CollisionMesh& tree, const Vec3d& center, double radius, RoundMemory& before,
                     std::vector<Contact>& out) {
   const TriMesh& mesh = tree.mesh();
   const SurfaceKind kind = surfaceKind(mesh);

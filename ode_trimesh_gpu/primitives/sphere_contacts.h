@@ -20,7 +20,7 @@ namespace otg {
 /// which has no inside, and where the sphere came from behind a sheet.
 ///
 /// Contacts are appended, deepest first. The sphere has no triangles (kNone).
-void sphereContacts(const CollisionMesh& mesh, const Vec3d& center, double radius, const RoundMemory& before,
+void sphereContacts(const CollisionMesh& mesh, const Vec3d& center, double radius, RoundMemory& before,
                     std::vector<Contact>& out);
 
 }  // namespace otg

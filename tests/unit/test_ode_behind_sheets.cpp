@@ -121,6 +121,26 @@ TEST_CASE("a ball in the groove of two pieces that face opposite ways rests on b
   CHECK(std::abs(p[2] - 0.2 * std::sqrt(2.0)) < 0.01);
 }
 
+TEST_CASE("a body that has gone through the front is held from there, also after a query without contacts") {
+  const OdeSession session;
+  const Data data(terrain(4, 5, 0));
+  const Geom sheet(data);
+  const Bodies bodies;
+  for (const Body& body : bodies.all()) {
+    const dGeomID geom = body.make(nullptr);
+    for (int step = 0; step < 12; ++step) {  // down, and up again
+      const double z = step < 6 ? 0.19 - 0.07 * step : -0.16 + 0.012 * (step - 5);
+      dGeomSetPosition(geom, 0.1, 0.2, z);
+      const auto contacts = test::collide(sheet.id, geom);
+      INFO(body.name << " at " << z);
+      REQUIRE(contacts.empty() == (std::abs(z) > kHalf));
+      if (contacts.empty()) continue;
+      for (const dContactGeom& c : contacts) CHECK(c.normal[2] < -0.9);
+    }
+    dGeomDestroy(geom);
+  }
+}
+
 TEST_CASE("a body between two storeys of a sheet falls on the lower one") {
   const OdeSession session;
   const auto storeys = [](float height) {

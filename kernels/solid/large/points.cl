@@ -183,6 +183,17 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapPlac
   if (i < count) states[i].firstUnit = atomic_add(&totals->units, otgUnitsOfState(states + i));
 }
 
+/// What the host gets to know of a region.
+OTG_INLINED void otgReportRegion(__global otg_found_region* found, __global const otg_crossing* root,
+                                 __local const otg_overlap_region* region) {
+  found->first = root->first;
+  otgStore(found->lo, region->lo);
+  otgStore(found->hi, region->hi);
+  found->largest = as_double(root->largest);
+  found->load = root->load;
+  found->pair = get_group_id(1);
+}
+
 /// Writes the results and empties everything for the next query. The last kernel: the last work-group of a pair writes
 /// the pair's head, that of the last pair the totals. `counters`, if there are any, are those of one pair alone, which
 /// end with it, too.
@@ -295,14 +306,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapResu
   const int endsPair = otgIsLast(state->counts + OTG_OVERLAP_DONE, &last);
   if (endsPair) {
     if (lane < regions.count) {
-      __global otg_found_region* f = head->regions + lane;
-      __global const otg_crossing* c = o.crossings + regions.region[lane].root;
-      f->first = c->first;
-      otgStore(f->lo, regions.region[lane].lo);
-      otgStore(f->hi, regions.region[lane].hi);
-      f->largest = as_double(c->largest);
-      f->load = c->load;
-      f->pair = get_group_id(1);
+      otgReportRegion(head->regions + lane, o.crossings + regions.region[lane].root, regions.region + lane);
     }
     for (uint i = lane; i < OTG_OVERLAP_COUNTS; i += OTG_GROUP) {
       const uint counted = otgTakeNow(state->counts + i);

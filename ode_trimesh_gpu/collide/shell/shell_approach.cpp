@@ -124,6 +124,11 @@ bool ShellApproach::isPartlyInFront() const {
   return inFront;
 }
 
+/// Of a solid that lies behind: 1 if it has come through the front, which it touched at the last query.
+int ShellApproach::sideOfBehind() const {
+  return before_.side != 0 ? before_.side : before_.deepest > 0 ? 1 : -1;
+}
+
 ShellState ShellApproach::besideSheet(bool meets) {
   sides_.setWinding(1);
   side_ = before_.side;
@@ -141,7 +146,7 @@ ShellState ShellApproach::besideSheet(bool meets) {
   const int now = sideOfApart(sample);
   if (roles_.visitor->mesh().meshClass() == MeshClass::kSolid) {
     // Contacts of solids need no memory, but where they would be drawn to the front.
-    if (!depth.isBeside) side_ = now < 0 && !isPartlyInFront() ? -1 : 0;
+    if (!depth.isBeside) side_ = now < 0 && !isPartlyInFront() ? sideOfBehind() : 0;
     return ShellState::kApart;
   }
   const bool isBefore = side_ != 0;
@@ -221,7 +226,7 @@ void ShellApproach::finish(ShellState state, bool hasContacts, const Vec3d& sum,
     side_ = roles_.kind == GroundKind::kSheet ? -side_ : 0;
   }
   if (roles_.kind == GroundKind::kSheet && roles_.visitor->mesh().meshClass() == MeshClass::kSolid) {
-    side_ = std::min(side_, 0);
+    if (state == ShellState::kMeeting) side_ = before_.side;
   }
   if (roles_.kind == GroundKind::kShell && state == ShellState::kMeeting && norm(sum) > 0) {
     const Vec3d over = otgAdd(roles_.middle(), otgScale(unit(sum), kFrontHeight * roles_.size));
@@ -231,15 +236,14 @@ void ShellApproach::finish(ShellState state, bool hasContacts, const Vec3d& sum,
   after.front = roles_.kind == GroundKind::kShell && side_ != 0 ? front_ : Vec3d{0, 0, 0};
 }
 
-int sideBehind(const Query& query, int before) {
+int sideBehind(const Query& query, const SolidHistory::State& before) {
   const TriMesh &a = query.a->mesh(), &b = query.b->mesh();
-  if (a.meshClass() == b.meshClass() || areShells(a, b)) return before;
+  if (a.meshClass() == b.meshClass() || areShells(a, b)) return before.side;
   const ShellRoles roles = shellRoles(query);
   GroundSides sides;
   std::vector<double> crossings;
-  SolidHistory::State state;
-  state.side = before;
-  ShellApproach approach(query, roles, state, sides, crossings);
+  SolidHistory::State state = before;
+  ShellApproach approach(query, roles, before, sides, crossings);
   approach.decide(false);
   approach.finish(ShellState::kApart, false, {0, 0, 0}, state);
   return state.side;

@@ -47,6 +47,7 @@ class ShellApproach {
   int sideOfMeeting() const;
   int sideOfApart(const Sample& sample) const;
   bool isPartlyInFront() const;
+  int sideOfBehind() const;
   void carryFront();
   Vec3d frontOfMeeting() const;
   Vec3d frontOfApart(const Sample& sample) const;
@@ -63,8 +64,9 @@ class ShellApproach {
   Vec3d front_{};
 };
 
-/// Of a pair without contacts of a solid and a larger sheet, before it gets any: -1 if the solid is behind the sheet,
-/// where contacts of solids would draw it through; else 0. Of other pairs what was there before.
-int sideBehind(const Query& query, int before);
+/// Of a pair without contacts of a solid and a larger sheet: -1 if the solid is behind the sheet, where contacts of
+/// solids would draw it through; 1 if it has come there through the front, and is to be drawn back; else 0. Of other
+/// pairs what was there before.
+int sideBehind(const Query& query, const SolidHistory::State& before);
 
 }  // namespace otg

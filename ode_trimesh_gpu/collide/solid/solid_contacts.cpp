@@ -90,7 +90,7 @@ void rememberPlain(const Query& query, bool hasContacts, const Vec3d& deep) {
   const SolidHistory::State before = stateBefore(query);
   SolidHistory::State state = oneQueryLater(before);
   if (otgDot(deep, deep) > 0) state.deepNormal = otgRotateBack(query.bInA, deep);
-  if (!hasContacts) state.side = sideBehind(query, state.side);
+  if (!hasContacts) state.side = sideBehind(query, state);
   keepState(query, before, state);
   if (!hasContacts) keepDeepest(query, 0);
 }
@@ -160,7 +160,7 @@ class PairContacts {
       const double most = std::max(0.02 * size_, 2 * motion_.step);
       for (Contact& contact : workspace_.contacts) cutDepth(contact, most);
     }
-    if (workspace_.contacts.empty() && query_.history) state_.side = sideBehind(query_, state_.side);
+    if (workspace_.contacts.empty() && query_.history) state_.side = sideBehind(query_, state_);
     keepState(query_, before_, state_);
     workspace_.stats.contactsBeforeReduction = workspace_.contacts.size();
   }

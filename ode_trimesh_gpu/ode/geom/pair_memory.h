@@ -16,11 +16,11 @@
 
 namespace otg {
 
-/// Bounded: a pair without contacts is forgotten at its next query, and of more than kMost pairs the one queried
-/// longest ago. Any number of threads.
+/// Bounded: of more than kMost pairs the one queried longest ago is forgotten. So is a pair without contacts, at its next
+/// query, unless a sheet or a shell is in it. Any number of threads.
 class PairMemory {
  public:
-  static constexpr std::size_t kMost = 256;
+  static constexpr std::size_t kMost = 4096;
   /// Keys with this bit are no serial numbers: they are made of the address of a geom of ODE's own.
   static constexpr std::uint64_t kOfAddress = std::uint64_t{1} << 63;
 

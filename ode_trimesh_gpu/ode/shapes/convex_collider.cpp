@@ -117,8 +117,8 @@ Capsule capsuleInMesh(const PrimitiveTask& task) {
 bool heldCapsule(const PrimitiveTask& task, const ConvexShape& shape, PrimitiveHistory& history,
                  std::vector<Contact>& contacts) {
   const Capsule capsule = capsuleInMesh(task);
-  const RoundMemory memory(*task.side.mesh, task.other, capsule.radius, capsule.half + capsule.radius,
-                           shape.mesh->mesh().contentHash(), history.get());
+  RoundMemory memory(*task.side.mesh, task.other, capsule.radius, capsule.half + capsule.radius,
+                     shape.mesh->mesh().contentHash(), history.get());
   if (!capsuleContacts(*task.side.mesh, capsule, memory, contacts)) return false;
   memory.finish(contacts);
   history.keep(!contacts.empty());

@@ -20,12 +20,13 @@ namespace {
 void heldSphere(const PrimitiveTask& task, std::vector<Contact>& out) {
   const double radius = dGeomSphereGetRadius(task.o2);
   if (!isSheet(task.side.mesh->mesh())) {
-    sphereContacts(*task.side.mesh, task.other.t, radius, RoundMemory(), out);
+    RoundMemory none;
+    sphereContacts(*task.side.mesh, task.other.t, radius, none, out);
     return;
   }
   PrimitiveHistory history(task);
-  const RoundMemory memory(*task.side.mesh, {{1, 0, 0, 0, 1, 0, 0, 0, 1}, task.other.t}, radius, radius,
-                           std::bit_cast<std::uint64_t>(radius), history.get());
+  RoundMemory memory(*task.side.mesh, {{1, 0, 0, 0, 1, 0, 0, 0, 1}, task.other.t}, radius, radius,
+                     std::bit_cast<std::uint64_t>(radius), history.get());
   sphereContacts(*task.side.mesh, task.other.t, radius, memory, out);
   memory.finish(out);
   history.keep(!out.empty());
