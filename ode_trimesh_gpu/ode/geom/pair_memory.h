@@ -16,8 +16,8 @@
 
 namespace otg {
 
-/// Bounded: of more than kMost pairs the one queried longest ago is forgotten. So is a pair without contacts, at its next
-/// query, unless a sheet or a shell is in it. Any number of threads.
+/// Bounded: of more than kMost pairs the one queried longest ago is forgotten. So is a pair without contacts, at its
+/// next query, unless a sheet or a shell is in it. Any number of threads.
 class PairMemory {
  public:
   static constexpr std::size_t kMost = 4096;
