@@ -32,6 +32,7 @@ struct SolidHistory {
     bool hasPose = false;
     /// Of a pair with a shell, 0 if nothing is known (shell/shell_approach.h): on which side of a sheet the visitor is,
     /// +1 where its normals lead, or -1; of another ground +1, and `front` is a point in front of it, in its own frame.
+    /// Of a solid on a sheet: -1 behind it, +1 if it has come there through the front.
     int side = 0;
     Vec3d front{0, 0, 0};
     double deepest = -1;        ///< contact of the last query, 0 without any; less if that bounds nothing

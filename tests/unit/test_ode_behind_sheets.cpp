@@ -69,6 +69,14 @@ class Lift {
   dBodyID body_;
 };
 
+/// A flat sheet that faces up, and bodies in no world.
+struct OnFlatSheet {
+  OdeSession session;
+  Data data{terrain(4, 5, 0)};
+  Geom sheet{data};
+  Bodies bodies;
+};
+
 }  // namespace
 
 TEST_CASE("bodies that come to a flat sheet from behind rest there") {
@@ -121,11 +129,8 @@ TEST_CASE("a ball in the groove of two pieces that face opposite ways rests on b
   CHECK(std::abs(p[2] - 0.2 * std::sqrt(2.0)) < 0.01);
 }
 
-TEST_CASE("a body that has gone through the front is held from there, also after a query without contacts") {
-  const OdeSession session;
-  const Data data(terrain(4, 5, 0));
-  const Geom sheet(data);
-  const Bodies bodies;
+TEST_CASE_METHOD(OnFlatSheet,
+                 "a body that has gone through the front is held from there, also after a query without contacts") {
   for (const Body& body : bodies.all()) {
     const dGeomID geom = body.make(nullptr);
     for (int step = 0; step < 12; ++step) {  // down, and up again
@@ -170,11 +175,7 @@ TEST_CASE("a body between two storeys of a sheet falls on the lower one") {
   }
 }
 
-TEST_CASE("a body that is put in front of the sheet is pushed to the front, wherever it was") {
-  const OdeSession session;
-  const Data data(terrain(4, 5, 0));
-  const Geom sheet(data);
-  const Bodies bodies;
+TEST_CASE_METHOD(OnFlatSheet, "a body that is put in front of the sheet is pushed to the front, wherever it was") {
   for (const Body& body : bodies.all()) {
     const dGeomID geom = body.make(nullptr);
     const auto normalAt = [&](double z) {
@@ -191,14 +192,10 @@ TEST_CASE("a body that is put in front of the sheet is pushed to the front, wher
   }
 }
 
-TEST_CASE("without temporal coherence what is behind a sheet is drawn to its front") {
-  const OdeSession session;
-  const Data data(terrain(4, 5, 0));
-  const Geom sheet(data);
+TEST_CASE_METHOD(OnFlatSheet, "without temporal coherence what is behind a sheet is drawn to its front") {
   for (const int geomClass : {dSphereClass, dBoxClass, dCapsuleClass, dCylinderClass}) {
     dGeomGpuTriMeshEnableTC(sheet.id, geomClass, 0);
   }
-  const Bodies bodies;
   for (const Body& body : bodies.all()) {
     if (body.name == "mesh" || body.name == "convex") continue;
     const dGeomID geom = body.make(nullptr);

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "collide/pair_history.h"
 #include "collide/pairwise/reduction.h"
 #include "ode/pairs/pair_task.h"
 #include "ode/shapes/primitive_history.h"
@@ -125,17 +126,32 @@ bool heldCapsule(const PrimitiveTask& task, const ConvexShape& shape, PrimitiveH
   return true;
 }
 
+/// capsuleContacts() with a mesh that is no sheet: most pairs need no mesh of the capsule, and remember nothing.
+bool plainCapsule(const PrimitiveTask& task, std::vector<Contact>& contacts) {
+  RoundMemory none;
+  if (!capsuleContacts(*task.side.mesh, capsuleInMesh(task), none, contacts)) return false;
+  forgetPrimitive(task);
+  return true;
+}
+
+void limitTo(int most, std::vector<Contact>& contacts) {
+  if (contacts.size() > static_cast<std::size_t>(most)) contacts = limitContacts(contacts, most);
+}
+
 }  // namespace
 
 std::span<const Contact> convexGeomContacts(const PrimitiveTask& task, int most, Workspace& workspace) {
   workspace.reduced.clear();
+  const bool isCapsule = dGeomGetClass(task.o2) == dCapsuleClass, remembers = isSheet(task.side.mesh->mesh());
+  if (isCapsule && !remembers && plainCapsule(task, workspace.reduced)) {
+    limitTo(most, workspace.reduced);
+    return workspace.reduced;
+  }
   const std::shared_ptr<const ConvexShape> shape = task.shape != nullptr ? task.shape : shapeOfGeom(task.o2);
   if (shape == nullptr) return {};
   PrimitiveHistory history(task);
-  if (dGeomGetClass(task.o2) == dCapsuleClass && heldCapsule(task, *shape, history, workspace.reduced)) {
-    if (workspace.reduced.size() > static_cast<std::size_t>(most)) {
-      workspace.reduced = limitContacts(workspace.reduced, most);
-    }
+  if (isCapsule && remembers && heldCapsule(task, *shape, history, workspace.reduced)) {
+    limitTo(most, workspace.reduced);
     return workspace.reduced;
   }
   Query query;
