@@ -31,7 +31,7 @@ void collideIntersecting(const Query& query, Workspace& workspace) {
     reduceContacts(query, workspace);
   } else if (isConvexPair(query) && convexPairContacts(query, workspace)) {
     return;
-  } else if (!areShells(query) && solidContacts(query, workspace)) {
+  } else if (!areShells(query, workspace.intersecting) && solidContacts(query, workspace)) {
     lookAhead(query, workspace);
     finishContacts(query, workspace);
   } else {

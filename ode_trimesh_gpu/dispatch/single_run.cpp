@@ -38,7 +38,7 @@ bool contactsOnDevice(const PairJob& job) {
 }
 
 bool solidInBatch(const PairJob& job) {
-  return !job.any && !isPairwise(job.query) && !areShells(job.query);
+  return !job.any && !isPairwise(job.query) && !mayBeShells(job.query);
 }
 
 bool isSoonerOnDevice(const PairJob& job, const CostModel& costs, double work) {

@@ -211,13 +211,12 @@ class ShapeRefiner final : public RegionRefiner {
   WayOut way_;
 };
 
-/// Contacts of the model of two solids -> workspace.reduced, in the mesh's own numbers. False where there are none of
-/// it.
+/// workspace.intersecting -> contacts of the model of two solids in workspace.reduced, in the mesh's own numbers. False
+/// where there are none of it.
 bool regionContacts(const Query& query, const ConvexShape& shape, Workspace& workspace) {
   Query refined = query;
   ShapeRefiner refiner(refined, shape);
   refined.refiner = &refiner;
-  findIntersectingPairs(refined, workspace);
   if (!solidContacts(refined, workspace)) return false;
   if (!shape.isCurved()) lookAhead(query, workspace);  // the mesh of others is not the shape
   finishContacts(query, workspace);
@@ -237,6 +236,7 @@ bool rimContacts(const Query& query, const ConvexShape& shape, Workspace& worksp
   if (block.mesh == nullptr) return false;
   Query filled = query;
   filled.a = block.mesh.get();
+  findIntersectingPairs(filled, workspace);
   if (!regionContacts(filled, shape, workspace)) return false;
   for (Contact& contact : workspace.reduced) contact.triangleA = block.triangleOf[contact.triangleA];
   limitByMotion(query, workspace.reduced);
@@ -246,18 +246,18 @@ bool rimContacts(const Query& query, const ConvexShape& shape, Workspace& worksp
 }  // namespace
 
 void convexContacts(const Query& query, const ConvexShape& shape, Workspace& workspace) {
-  const auto asSolids = [&] {
-    return (!shape.isCurved() && collideConvexPair(query, workspace)) || regionContacts(query, shape, workspace) ||
-           rimContacts(query, shape, workspace);
-  };
   if (isPairwise(query)) {
     findIntersectingPairs(query, workspace);
     pairwiseContacts(query, workspace);
     reduceContacts(query, workspace);
-  } else if (areShells(query) || !asSolids()) {
-    // A rim may have left the workspace with another mesh's pairs.
+  } else if (shape.isCurved() || !collideConvexPair(query, workspace)) {
     findIntersectingPairs(query, workspace);
-    shellContacts(query, workspace);
+    if (areShells(query, workspace.intersecting)) {
+      shellContacts(query, workspace);
+    } else if (!regionContacts(query, shape, workspace) && !rimContacts(query, shape, workspace)) {
+      findIntersectingPairs(query, workspace);  // the rim may have left the workspace with another mesh's pairs
+      shellContacts(query, workspace);
+    }
   }
   for (Contact& contact : workspace.reduced) contact.triangleB = kNone;
 }

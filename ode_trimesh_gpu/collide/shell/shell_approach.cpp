@@ -54,11 +54,15 @@ ShellApproach::Sample ShellApproach::sampleNear() const {
   return best;
 }
 
+/// The one that is farthest off; none if that is farther than what is remembered.
 ShellApproach::Sample ShellApproach::sampleFar() const {
   Sample best;
   forSamples(kFew, [&](const Vec3d& point) {
     Sample sample{point, {}, true};
-    if (!surface_.measure(point, std::numeric_limits<double>::max(), kNone, sample.depth)) return false;
+    if (!surface_.measure(point, kFar * roles_.size, kNone, sample.depth)) {
+      best.isFound = false;
+      return true;
+    }
     if (!best.isFound || sample.depth.place.distance > best.depth.place.distance) best = sample;
     return false;
   });
@@ -209,7 +213,7 @@ ShellState ShellApproach::besideShell(bool meets) {
     return ShellState::kMeeting;
   }
   const Sample sample = sampleFar();
-  if (!sample.isFound || sample.depth.place.distance > kFar * roles_.size) {
+  if (!sample.isFound) {
     side_ = 0;
     return ShellState::kApart;
   }

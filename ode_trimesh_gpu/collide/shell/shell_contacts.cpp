@@ -178,18 +178,9 @@ class ShellContacts {
   }
 
   bool isVessel() {
-    constexpr double kVessel = 0.7;  // of all areas, what faces one way
     if (vessel_ < 0) {
-      Vec3d sum{0, 0, 0};
-      double area = 0;
-      if ((roles_.kind == GroundKind::kSheet || roles_.isScattered) && !roles_.isTerrain) {
-        const std::vector<Adjacency::Cluster>& clusters = roles_.ground->adjacency().clusters;
-        for (std::size_t i = 0; i + 1 < clusters.size(); ++i) {  // the last ends the others
-          sum = otgAdd(sum, clusters[i].sum.vector);
-          area += clusters[i].sum.area;
-        }
-      }
-      vessel_ = norm(sum) < kVessel * area ? 1 : 0;
+      const bool isSheet = roles_.kind == GroundKind::kSheet || roles_.isScattered;
+      vessel_ = isSheet && !roles_.isTerrain && !facesOneWay(*roles_.ground) ? 1 : 0;
     }
     return vessel_ > 0;
   }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "collide/shell/shell_roles.h"
 
+#include <algorithm>
+#include <array>
+
 #include "collide/pair_history.h"
 
 namespace otg {
@@ -13,22 +16,6 @@ GroundKind kindOf(const TriMesh& mesh) {
   return isSheet(mesh) ? GroundKind::kSheet : GroundKind::kShell;
 }
 
-/// Whether a sheet of several pieces has them face all ways: what is behind one may be in front of another one. By some
-/// of its clusters, because each query needs it.
-bool isScattered(const CollisionMesh& sheet) {
-  constexpr double kOneWay = 0.7;  // of all areas, what faces one way
-  if (sheet.mesh().topology().componentCount() < 2) return false;
-  Vec3d sum{0, 0, 0};
-  double area = 0;
-  const std::vector<Adjacency::Cluster>& clusters = sheet.adjacency().clusters;
-  const std::size_t step = clusters.size() / 256 + 1;
-  for (std::size_t i = 0; i + 1 < clusters.size(); i += step) {  // the last ends the others
-    sum = otgAdd(sum, clusters[i].sum.vector);
-    area += clusters[i].sum.area;
-  }
-  return otgDot(sum, sum) < kOneWay * kOneWay * area * area;
-}
-
 Transformd inverse(const Transformd& m) {
   Transformd out{};
   for (int i = 0; i < 3; ++i) {
@@ -38,7 +25,60 @@ Transformd inverse(const Transformd& m) {
   return out;
 }
 
+/// Whether a sheet of several pieces has them face all ways: what is behind one may be in front of another one.
+bool isScattered(const CollisionMesh& sheet) {
+  return sheet.mesh().topology().componentCount() > 1 && !facesOneWay(sheet);
+}
+
+/// Whether the visitor's middle is behind all triangles of a piece that it touches.
+bool touchesBack(const ShellRoles& roles, std::span<const TrianglePair> meeting) {
+  constexpr std::size_t kMost = 32;  // of many pieces some are touched from behind
+  struct Piece {
+    std::uint32_t component;
+    bool isInFront;
+  };
+  std::array<Piece, kMost> pieces;
+  std::size_t count = 0;
+  const Topology& topology = roles.ground->mesh().topology();
+  const std::vector<Vec3d>& normals = roles.ground->adjacency().normal;
+  const Vec3d middle = roles.middle();
+  for (const TrianglePair& pair : meeting) {
+    const std::uint32_t triangle = roles.groundIsA ? pair.a : pair.b;
+    const Vec3f& corner = roles.ground->mesh().vertices()[roles.ground->mesh().triangles()[triangle].v[0]];
+    const auto end = pieces.begin() + static_cast<std::ptrdiff_t>(count);
+    auto piece = std::find_if(pieces.begin(), end,
+                              [&](const Piece& p) { return p.component == topology.componentOf[triangle]; });
+    if (piece == end) {
+      if (count == kMost) return true;
+      *piece = {topology.componentOf[triangle], false};
+      ++count;
+    }
+    const Vec3d off = otgSub(middle, Vec3d{corner.x, corner.y, corner.z});
+    piece->isInFront = piece->isInFront || otgDot(normals[triangle], off) > 0;
+  }
+  return !std::all_of(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(count),
+                      [](const Piece& p) { return p.isInFront; });
+}
+
 }  // namespace
+
+bool facesOneWay(const CollisionMesh& sheet) {
+  constexpr double kOneWay = 0.7;  // of all areas
+  constexpr std::size_t kMost = 64;
+  const Adjacency& adjacency = sheet.adjacency();
+  const Topology& topology = sheet.mesh().topology();
+  Vec3d sum{0, 0, 0};
+  double area = 0;
+  const std::size_t count = adjacency.clusters.size() - 1;  // the last ends the others
+  for (std::size_t i = 0; i < count; i += count / kMost + 1) {
+    const std::uint32_t vertex = adjacency.clusterVertices[adjacency.clusters[i].first];
+    const std::uint32_t component = topology.componentOf[adjacency.halfEdges[adjacency.first[vertex]] / 3];
+    if (topology.componentClosed[component] != 0) continue;
+    sum = otgAdd(sum, adjacency.clusters[i].sum.vector);
+    area += adjacency.clusters[i].sum.area;
+  }
+  return otgDot(sum, sum) >= kOneWay * kOneWay * area * area;
+}
 
 bool isGround(const TriMesh& a, const TriMesh& b) {
   if (a.radius() != b.radius()) return a.radius() > b.radius();
@@ -47,16 +87,37 @@ bool isGround(const TriMesh& a, const TriMesh& b) {
 }
 
 bool areShells(const TriMesh& a, const TriMesh& b) {
-  if (a.meshClass() == MeshClass::kSolid && b.meshClass() == MeshClass::kSolid) return false;
-  const TriMesh& visitor = isGround(a, b) ? b : a;
-  return visitor.meshClass() != MeshClass::kSolid || !haveSolidContacts(a, b);
+  if (isSolid(a) && isSolid(b)) return false;
+  return !isSolid(isGround(a, b) ? b : a) || !haveSolidContacts(a, b);
 }
 
-bool areShells(const Query& query) {
-  if (query.options.contacts != ContactModel::kSolid) return false;
+namespace {
+
+/// Whether contacts of shells need no look at what meets. Of two solids never.
+bool areAlwaysShells(const Query& query) {
+  return areShells(query.a->mesh(), query.b->mesh()) || stateBefore(query).side < 0;
+}
+
+bool hasNoShells(const Query& query) {
+  return query.options.contacts != ContactModel::kSolid || (isSolid(query.a->mesh()) && isSolid(query.b->mesh()));
+}
+
+}  // namespace
+
+bool mayBeShells(const Query& query) {
+  return !hasNoShells(query) && (areAlwaysShells(query) || isSolidOnPieces(query));
+}
+
+bool areShells(const Query& query, std::span<const TrianglePair> meeting) {
+  if (hasNoShells(query)) return false;
+  if (areAlwaysShells(query)) return true;
+  return isSolidOnPieces(query) && (meeting.empty() || touchesBack(shellRoles(query), meeting));
+}
+
+bool isSolidOnPieces(const Query& query) {
   const TriMesh &a = query.a->mesh(), &b = query.b->mesh();
-  if (a.meshClass() == MeshClass::kSolid && b.meshClass() == MeshClass::kSolid) return false;
-  return areShells(a, b) || stateBefore(query).side < 0;
+  if (isSolid(a) == isSolid(b) || areShells(a, b)) return false;
+  return isScattered(isGround(a, b) ? *query.a : *query.b);
 }
 
 ShellRoles shellRoles(const Query& query) {
@@ -66,9 +127,7 @@ ShellRoles shellRoles(const Query& query) {
   roles.visitor = roles.groundIsA ? query.b : query.a;
   roles.visitorInGround = roles.groundIsA ? query.bInA : inverse(query.bInA);
   roles.kind = kindOf(roles.ground->mesh());
-  // A solid's pair with a sheet is that of two solids where it can be, which go by the winding.
-  const bool isSolidVisitor = roles.visitor->mesh().meshClass() == MeshClass::kSolid;
-  roles.isScattered = roles.kind == GroundKind::kSheet && !isSolidVisitor && isScattered(*roles.ground);
+  roles.isScattered = roles.kind == GroundKind::kSheet && isScattered(*roles.ground);
   if (roles.isScattered) roles.kind = GroundKind::kShell;
   roles.size = static_cast<double>(roles.visitor->mesh().radius());
   roles.isTerrain = roles.ground->mesh().radius() >= kTerrain * roles.visitor->mesh().radius();

@@ -2,6 +2,8 @@
 // Who is the ground and who the visitor, where one of two meshes is a shell: neither closed nor a solid.
 #pragma once
 
+#include <span>
+
 #include "collide/query.h"
 
 namespace otg {
@@ -32,6 +34,10 @@ struct ShellRoles {
   }
 };
 
+/// Whether most of a sheet faces one way, by some of its clusters, because each query needs it. Closed components have
+/// an outside of their own, and do not count.
+bool facesOneWay(const CollisionMesh& sheet);
+
 /// The larger mesh is the ground. Of two that are equally large a solid, then a sheet, then the one with more
 /// triangles, then A.
 bool isGround(const TriMesh& a, const TriMesh& b);
@@ -39,9 +45,14 @@ bool isGround(const TriMesh& a, const TriMesh& b);
 /// Whether such a pair gets contacts of shells from the start: the visitor is no solid, or the two have no contacts
 /// of solids at all. Of the rest a pair of a solid and a sheet gets them where the solid touches the sheet's rim.
 bool areShells(const TriMesh& a, const TriMesh& b);
-/// Whether the query's contacts are those of shells from the start: also of a solid that has come to a sheet from
-/// behind (sideBehind()).
-bool areShells(const Query& query);
+/// A solid on a sheet of pieces that face all ways: what is behind one may be in front of another one.
+bool isSolidOnPieces(const Query& query);
+/// Whether the query may get contacts of shells from the start: areShells(), a solid on pieces, or one that has come to
+/// a sheet from behind (sideBehind()).
+bool mayBeShells(const Query& query);
+/// Whether it does, given the pairs of triangles that intersect. A solid on pieces does not where it touches them from
+/// the front alone.
+bool areShells(const Query& query, std::span<const TrianglePair> meeting);
 
 ShellRoles shellRoles(const Query& query);
 

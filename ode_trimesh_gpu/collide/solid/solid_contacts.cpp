@@ -160,7 +160,11 @@ class PairContacts {
       const double most = std::max(0.02 * size_, 2 * motion_.step);
       for (Contact& contact : workspace_.contacts) cutDepth(contact, most);
     }
-    if (workspace_.contacts.empty() && query_.history) state_.side = sideBehind(query_, state_);
+    if (query_.history && isSolidOnPieces(query_)) {
+      state_.side = 0;  // the front that contacts of shells left is of another place
+    } else if (query_.history && workspace_.contacts.empty()) {
+      state_.side = sideBehind(query_, state_);
+    }
     keepState(query_, before_, state_);
     workspace_.stats.contactsBeforeReduction = workspace_.contacts.size();
   }

@@ -245,7 +245,7 @@ class Backend::Batch {
     if (hasContactsOfHost_) {
       for (std::size_t k = 0; k < tasks.size(); ++k) {
         const Query query = source_.query(begin + k);
-        if (tasks[k].skip || !(areShells(query) || isConvexPair(query))) continue;
+        if (tasks[k].skip || !(mayBeShells(query) || isConvexPair(query))) continue;
         tasks[k].skip = 1;
         (isRefused(query) ? piece.refused : piece.alone).push_back(begin + k);
       }

@@ -244,7 +244,7 @@ class PairSource {
   /// `makesSolids`: as QuerySource.
   PairSource(const NumberedPairs& batch, bool makesSolids)
       : meshes(batch.meshes.begin(), batch.meshes.end()), batch_(batch) {
-    // Some of the pairs may have contacts of solids, some not: see areShells.
+    // Some of the pairs may have contacts of solids, some not: see mayBeShells.
     const bool asked = batch.options.contacts == ContactModel::kSolid;
     for (const CollisionMesh* mesh : meshes) isSolid_.push_back(asked && isSolid(mesh) ? 1 : 0);
     const auto solids = std::count(isSolid_.begin(), isSolid_.end(), 1);
