@@ -5,6 +5,8 @@
 #include <queue>
 #include <utility>
 
+#include "bvh/collapse_tree.h"
+
 namespace otg {
 namespace {
 
@@ -25,7 +27,11 @@ std::vector<std::uint32_t> countTriangles(const BinaryTree& tree) {
 class Packer {
  public:
   Packer(const BinaryTree& tree, std::uint32_t leafTriangles, std::vector<std::uint32_t>* binaryNodes)
-      : tree_(tree), leafTriangles_(leafTriangles), binaryNodes_(binaryNodes), counts_(countTriangles(tree)) {}
+      : tree_(tree),
+        leafTriangles_(leafTriangles),
+        binaryNodes_(binaryNodes),
+        counts_(countTriangles(tree)),
+        collapse_(tree, [this](std::size_t n) { return endsAt(n); }) {}
 
   PackedTree run() {
     out_.triangles.reserve((tree_.nodes.size() + 1) / 2);
@@ -41,14 +47,14 @@ class Packer {
       }
       out_.nodes[task.packed].center = tree_.nodes[task.binary].center;
       out_.nodes[task.packed].extent = tree_.nodes[task.binary].extent;
-      if (endsAt(task.binary)) {
+      if (endsAt(static_cast<std::size_t>(task.binary))) {
         out_.nodes[task.packed].first = static_cast<std::int32_t>(out_.triangles.size());
         out_.nodes[task.packed].count = -static_cast<std::int32_t>(counts_[task.binary]);
         addTriangles(task.binary);
         continue;
       }
       std::int32_t slots[kPackedArity];
-      const std::uint32_t count = open(task.binary, slots);
+      const auto count = static_cast<std::uint32_t>(collapse_.childrenOf(task.binary, slots));
       const std::size_t first = out_.nodes.size();
       out_.nodes[task.packed].first = static_cast<std::int32_t>(first);
       out_.nodes[task.packed].count = static_cast<std::int32_t>(count);
@@ -65,28 +71,7 @@ class Packer {
     std::uint32_t depth;
   };
 
-  bool endsAt(std::int32_t binary) const { return counts_[binary] <= leafTriangles_; }
-
-  std::uint32_t open(std::int32_t binary, std::int32_t (&slots)[kPackedArity]) const {
-    std::uint32_t count = 0;
-    slots[count++] = tree_.nodes[binary].child;
-    slots[count++] = tree_.nodes[binary].child + 1;
-    while (count < kPackedArity) {
-      std::uint32_t largest = kPackedArity;
-      for (std::uint32_t k = 0; k < count; ++k) {
-        if (endsAt(slots[k])) continue;
-        if (largest == kPackedArity ||
-            areaOf(tree_.nodes[slots[k]].extent) > areaOf(tree_.nodes[slots[largest]].extent)) {
-          largest = k;
-        }
-      }
-      if (largest == kPackedArity) break;
-      const std::int32_t child = tree_.nodes[slots[largest]].child;
-      slots[largest] = child;
-      slots[count++] = child + 1;
-    }
-    return count;
-  }
+  bool endsAt(std::size_t binary) const { return counts_[binary] <= leafTriangles_; }
 
   void addTriangles(std::int32_t binary) {
     std::vector<std::int32_t>& stack = leafStack_;
@@ -107,6 +92,7 @@ class Packer {
   const std::uint32_t leafTriangles_;
   std::vector<std::uint32_t>* const binaryNodes_;
   const std::vector<std::uint32_t> counts_;
+  const TreeCollapse collapse_;
   std::vector<std::int32_t> leafStack_;
   PackedTree out_;
 };

@@ -7,10 +7,11 @@
 #include <vector>
 
 #include "bvh/tree.h"
+#include "bvh/wide_node.h"
 
 namespace otg {
 
-inline constexpr std::uint32_t kPackedArity = 8;
+inline constexpr std::uint32_t kPackedArity = kWideArity;
 inline constexpr std::uint32_t kMaxCutNodes = 512;
 
 /// A box in the mesh's centred frame and what is in it. The children of a node lie side by side.
@@ -33,7 +34,7 @@ struct PackedTree {
   std::vector<std::uint32_t> cut;
 };
 
-/// Opens each node's largest inner child until there are eight. Boxes are those of the binary tree, bit for bit.
+/// The nodes whose areas have the least sum (TreeCollapse). Boxes are those of the binary tree, bit for bit.
 /// `leafTriangles`: 1 to 16. `binaryNodes`, if requested, receives for each node the one of the binary tree that it has
 /// the box of.
 PackedTree makePackedTree(const BinaryTree& tree, std::uint32_t leafTriangles,

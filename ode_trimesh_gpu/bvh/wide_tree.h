@@ -18,9 +18,9 @@ struct WideTree {
   std::uint32_t depth = 0;
 };
 
-/// Keeps those nodes of the binary tree whose surface areas have the least sum. That sum is an estimate of how many are
-/// visited. Boxes are those of the binary tree, bit for bit. `lanes`, if not null, gets for each node of the binary
-/// tree eight times its wide node, plus its lane there. It is kNone for nodes that were opened.
+/// Keeps the nodes of the binary tree whose surface areas have the least sum (TreeCollapse). Boxes are those of the
+/// binary tree, bit for bit. `lanes`, if not null, gets for each node of the binary tree eight times its wide node,
+/// plus its lane there. It is kNone for nodes that were opened.
 WideTree makeWideTree(const BinaryTree& tree, std::vector<std::uint32_t>* lanes = nullptr);
 
 inline void setBox(WideNode& node, std::uint32_t lane, const Vec3f& center, const Vec3f& extent) {
