@@ -17,6 +17,7 @@
 #include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
 #include "primitives/convex_patch.h"
+#include "primitives/cylinder_contacts.h"
 #include "primitives/region_walls.h"
 #include "primitives/sheet_block.h"
 #include "queries/surface_side.h"
@@ -247,8 +248,8 @@ bool rimContacts(const Query& query, const ConvexShape& shape, Workspace& worksp
 
 void convexContacts(const Query& query, const ConvexShape& shape, Workspace& workspace) {
   const auto asSolids = [&] {
-    return (!shape.isCurved() && collideConvexPair(query, workspace)) || regionContacts(query, shape, workspace) ||
-           rimContacts(query, shape, workspace);
+    return (shape.isCurved() ? collideCylinder(query, shape, workspace) : collideConvexPair(query, workspace)) ||
+           regionContacts(query, shape, workspace) || rimContacts(query, shape, workspace);
   };
   if (isPairwise(query)) {
     findIntersectingPairs(query, workspace);
