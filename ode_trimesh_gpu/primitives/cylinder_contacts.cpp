@@ -168,7 +168,8 @@ class CylinderSolver {
     const Vec3d u = otgRotate(query_.bInA, Vec3d{cylinder_.radius, 0, 0});
     const Vec3d v = otgRotate(query_.bInA, Vec3d{0, cylinder_.radius, 0});
     double deepest = 0;
-    for (int k = 0; k < kRimPoints; ++k) {
+    const int points = std::fabs(along_) >= PlacedShape::kOnEnd ? kRimPoints : 0;
+    for (int k = 0; k < points; ++k) {
       constexpr double kHalf = 0.7071067811865476;
       constexpr double kCosine[kRimPoints] = {1, kHalf, 0, -kHalf, -1, -kHalf, 0, kHalf};
       const Vec3d p = centre + u * kCosine[k] + v * kCosine[(k + 6) % kRimPoints];
@@ -232,6 +233,7 @@ class CylinderSolver {
         ConvexPlace& place = at == nullptr ? add(ContactFeature::kVertexB, kSideEnd + (isHigh ? 1 : 0), 0, first)
                                            : add(ContactFeature::kCrossingA, at->edge, kSideLine,
                                                  first + static_cast<std::uint32_t>(at - &body_.corner(first)));
+        place.isEnd = true;
         measure(place, line + cylinder_.axis * (isHigh ? high : low));
       }
     }

@@ -92,6 +92,21 @@ double outside(const truth::ConvexBody& body, const Vec3d& p) {
   return most;
 }
 
+/// Whether a direction separates the two that a search of random steps finds, each of them smaller.
+bool separates(const truth::ConvexBody& a, const truth::ConvexBody& b) {
+  Draw draw(3);
+  Vec3d d = truth::waysApart(a, b, 20).direction;
+  double least = truth::separation(a, b, d), step = 0.01;
+  for (int i = 0; i < 3000 && least >= 0; ++i, step *= 0.995) {
+    const Vec3d e = unit(d + draw.direction() * step);
+    const double length = truth::separation(a, b, e);
+    if (!(length < least)) continue;
+    least = length;
+    d = e;
+  }
+  return least < 1e-7;
+}
+
 struct Cylinder {
   double radius, half;
 };
@@ -142,7 +157,7 @@ TEST_CASE("a cylinder leaves a convex mesh by the least way out, in places of bo
       constexpr double kRounding = 2e-7;
       const dContactGeom* const most = deepest(contacts);
       if (most == nullptr) {
-        REQUIRE(least < kRounding);
+        REQUIRE((least < kRounding || separates(still, round)));
         continue;
       }
       REQUIRE(least > -kRounding);
@@ -151,6 +166,9 @@ TEST_CASE("a cylinder leaves a convex mesh by the least way out, in places of bo
       const Vec3d out = toVec(most->normal) * -1.0;
       REQUIRE(std::abs(truth::separation(still, round, out) - most->depth) < kRounding);
       for (const dContactGeom& c : contacts) {
+        INFO("place " << c.pos[0] << " " << c.pos[1] << " " << c.pos[2] << " depth " << c.depth << " of " << most->depth
+                      << ", slope " << otgDot(otgRotateBack(round.pose, out), Vec3d{0, 0, 1}) << ", places "
+                      << contacts.size());
         REQUIRE(std::abs(norm(toVec(c.normal)) - 1) < 1e-12);
         REQUIRE(c.depth > 0);
         REQUIRE(c.side1 >= 0);

@@ -61,7 +61,7 @@ void choosePlaces(std::vector<ConvexPlace>& places, int mostPlaces, double overl
   for (const ConvexPlace& p : places) deepest = std::max(deepest, p.depth);
   std::size_t kept = 0;
   for (ConvexPlace& p : places) {
-    if (!(p.depth >= otgLeastOfKind(kindOf(p), deepest))) continue;
+    if (!p.isEnd && !(p.depth >= otgLeastOfKind(kindOf(p), deepest))) continue;
     p.step = static_cast<std::uint8_t>(std::min(otgRankStep(p.depth, deepest), 255));
     lo = minimum(lo, p.at);
     hi = maximum(hi, p.at);
