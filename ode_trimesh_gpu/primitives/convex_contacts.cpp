@@ -17,6 +17,7 @@
 #include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
 #include "primitives/convex_patch.h"
+#include "primitives/cylinder_contacts.h"
 #include "primitives/region_walls.h"
 #include "primitives/sheet_block.h"
 #include "queries/surface_side.h"
@@ -250,7 +251,7 @@ void convexContacts(const Query& query, const ConvexShape& shape, Workspace& wor
     findIntersectingPairs(query, workspace);
     pairwiseContacts(query, workspace);
     reduceContacts(query, workspace);
-  } else if (shape.isCurved() || !collideConvexPair(query, workspace)) {
+  } else if (!(shape.isCurved() ? collideCylinder(query, shape, workspace) : collideConvexPair(query, workspace))) {
     findIntersectingPairs(query, workspace);
     if (areShells(query, workspace.intersecting)) {
       shellContacts(query, workspace);

@@ -6,7 +6,7 @@ target_link_libraries(otg_test_ode_world PUBLIC otg_scenes PRIVATE otg_catch otg
 
 find_package(Threads REQUIRED)
 foreach(name warm pair_limit nested roles self_touching shells misuse init data geom collide contact_data history threads memory batch prefetch prefetch_shapes still_shapes pair_memory override parity queries
-             primitives convex convex_mesh rims behind_sheets join shapes mirrored kink heightfield primitive_callbacks override_primitives
+             primitives convex convex_mesh convex_cylinder rims behind_sheets join shapes mirrored kink heightfield primitive_callbacks override_primitives
              override_batch)
   otg_add_test(ode_${name} unit
     SOURCES test_ode_${name}.cpp $<TARGET_OBJECTS:otg_test_ode_world> LIBRARIES otg_scenes Threads::Threads)
@@ -14,6 +14,7 @@ endforeach()
 
 target_link_libraries(test_ode_convex PRIVATE otg_truth)
 target_link_libraries(test_ode_convex_mesh PRIVATE otg_truth)
+target_link_libraries(test_ode_convex_cylinder PRIVATE otg_truth)
 target_link_libraries(test_ode_shapes PRIVATE otg_truth)
 
 # Every public header alone, as C89 and as C++, twice in a row. ODE's own headers, which have // comments, are system

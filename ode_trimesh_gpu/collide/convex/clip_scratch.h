@@ -26,6 +26,7 @@ struct ConvexPlace {
   std::uint32_t element, ordinal;
   std::uint8_t feature;  ///< ContactFeature
   std::uint8_t step;     ///< of depth below the deepest
+  bool isEnd;            ///< of a line along which a body lies: kept however shallow it is
 };
 
 struct ConvexScratch {

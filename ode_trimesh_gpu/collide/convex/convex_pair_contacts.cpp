@@ -5,26 +5,20 @@
 #include <chrono>
 #include <limits>
 
-#include "collide/contact_order.h"
 #include "collide/convex/box_axes.h"
 #include "collide/convex/clip_faces.h"
+#include "collide/convex/convex_places.h"
 #include "collide/convex/expanding_polytope.h"
 #include "collide/convex/kept_axis.h"
 #include "collide/convex/separating_axes.h"
-#include "collide/pairwise/reduction.h"
 #include "collide/rotation_tolerance.h"
 #include "collide/solid/solid_contacts.h"
-#include "shared/contacts/solid_model.h"
 
 namespace otg {
 namespace {
 
-constexpr double kFacing = 0.9976;             ///< cosine of 4 degrees: faces so near to the normal touch as faces
 constexpr double kParallelEdges = 1e-3;        ///< sine of the angle below which edges touch along a stretch
-constexpr double kFlatEdge = 0.05;             ///< sine of an edge's slope below which a body may lie on it
-constexpr double kMostShallow = 0.5;           ///< of a body's width: what is deeper may leave by other ways as well
 constexpr double kTouchingToRounding = 1e-13;  ///< of the size and the distances
-constexpr std::size_t kMostContacts = 8;       ///< of a pair
 
 class ConvexSolver {
  public:
@@ -48,7 +42,7 @@ class ConvexSolver {
     for (const int body : {0, 1}) farthest_[body] = pair_.farthest(body, out(body));
     if (axis_.overlap <= rounding || axis_.overlap > kMostShallow * std::min(width(0), width(1))) return Answer::kOther;
     findPlaces();
-    choose();
+    choosePlaces(scratch_.places, query_.options.solid.contactsPerRegion, axis_.overlap);
     emit();
     return Answer::kTouching;
   }
@@ -89,13 +83,13 @@ class ConvexSolver {
     scratch_.places.clear();
     FacingFaces faces{};
     double along[2];
-    for (const int body : {0, 1}) faces.face[body] = touchingFace(body, along[body]);
+    for (const int body : {0, 1}) faces.face[body] = touchingFaceOf(body, along[body]);
     const bool fromFace = axis_.of != ConvexAxis::Of::kEdges;
     faces.reference = axis_.of == ConvexAxis::Of::kFaceA   ? 0
                       : axis_.of == ConvexAxis::Of::kFaceB ? 1
                       : along[0] > along[1]                ? 0
                                                            : 1;
-    if (fromFace || std::min(along[0], along[1]) >= kFacing) {
+    if (fromFace || std::min(along[0], along[1]) >= kTouchesAsFace) {
       addFaces(faces);
     } else {
       // Where edges cross deep, corners of the faces beside them are in the other body, too.
@@ -113,33 +107,9 @@ class ConvexSolver {
     if (scratch_.places.empty()) addPoints();
   }
 
-  /// The face with which a body touches: the one at its farthest vertex that faces most along the normal, or beside the
-  /// flattest edge there, if the body lies on that.
-  std::uint32_t touchingFace(int body, double& along) const {
-    const ConvexPolyhedron& shape = pair_.body(body);
+  std::uint32_t touchingFaceOf(int body, double& along) const {
     const Vec3d direction = body == 0 ? axis_.m : otgScale(otgRotateBack(query_.bInA, axis_.m), -1.0);
-    std::uint32_t best = kNone, flattest = kNone;
-    double least = kFlatEdge;
-    along = -2;
-    for (const std::uint32_t c : shape.cornersAt(farthest_[body])) {
-      const Corner& corner = shape.corner(c);
-      if (const double cosine = otgDot(shape.face(corner.face).normal, direction); cosine > along) {
-        along = cosine;
-        best = corner.face;
-      }
-      const Vec3d edge = shape.vertices()[corner.next] - shape.vertices()[corner.vertex];
-      const double length = norm(edge);
-      if (const double slope = std::fabs(otgDot(edge, direction)); slope < least * length) {
-        least = slope / length;
-        flattest = c;
-      }
-    }
-    if (along >= kFacing || flattest == kNone) return best;
-    const Corner& edge = shape.corner(flattest);
-    const double left = otgDot(shape.face(edge.face).normal, direction);
-    const double right = otgDot(shape.face(edge.across).normal, direction);
-    along = std::max(left, right);
-    return left >= right ? edge.face : edge.across;
+    return touchingFace(pair_.body(body), farthest_[body], direction, along);
   }
 
   void addFaces(const FacingFaces& faces) {
@@ -211,104 +181,13 @@ class ConvexSolver {
     scratch_.places.push_back(place);
   }
 
-  static int kindOf(const ConvexPlace& place) {
-    const auto feature = static_cast<ContactFeature>(place.feature);
-    if (feature == ContactFeature::kMiddleA) return OTG_POINT_MIDDLE;
-    return feature == ContactFeature::kCrossingA ? OTG_POINT_CROSSING : OTG_POINT_VERTEX;
-  }
-  static bool isBefore(const ConvexPlace& x, const ConvexPlace& y) {
-    if (x.step != y.step) return x.step < y.step;
-    if (x.feature != y.feature) return x.feature < y.feature;
-    return x.element != y.element ? x.element < y.element : x.ordinal < y.ordinal;
-  }
-
-  /// Without those that are shallow for their kind, the deepest and those that are well spread: as in region_contacts.
-  void choose() {
-    std::vector<ConvexPlace>& places = scratch_.places;
-    double deepest = 0;
-    Vec3d lo = places.front().at, hi = lo;
-    for (const ConvexPlace& p : places) deepest = std::max(deepest, p.depth);
-    std::size_t kept = 0;
-    for (ConvexPlace& p : places) {
-      if (!(p.depth >= otgLeastOfKind(kindOf(p), deepest))) continue;
-      p.step = static_cast<std::uint8_t>(std::min(otgRankStep(p.depth, deepest), 255));
-      lo = minimum(lo, p.at);
-      hi = maximum(hi, p.at);
-      places[kept++] = p;
-    }
-    places.resize(kept);
-    std::sort(places.begin(), places.end(), isBefore);
-    const Vec3d across = hi - lo;
-    const double square = otgDot(across, across), scale = square > 0 ? 1 / square : 0;
-    // Corners that came out twice, where an edge runs through a corner.
-    constexpr double kSame = 1e-12;
-    const std::size_t most = std::min(kMostContacts, static_cast<std::size_t>(query_.options.solid.contactsPerRegion));
-    for (ConvexPlace& p : places) p.spread = std::numeric_limits<double>::infinity();
-    std::size_t count = 1;
-    for (; count < std::min(most, places.size()); ++count) {
-      std::size_t best = count;
-      for (std::size_t j = count; j < places.size(); ++j) {
-        const Vec3d d = places[j].at - places[count - 1].at;
-        places[j].spread = std::min(places[j].spread, otgDot(d, d) * scale);
-        if (otgWorth(places[j].spread, places[j].depth, deepest) >
-            OTG_SOLID_FARTHER * otgWorth(places[best].spread, places[best].depth, deepest)) {
-          best = j;
-        }
-      }
-      if (!(places[best].spread > kSame)) break;
-      std::rotate(places.begin() + static_cast<std::ptrdiff_t>(count),
-                  places.begin() + static_cast<std::ptrdiff_t>(best),
-                  places.begin() + static_cast<std::ptrdiff_t>(best) + 1);
-    }
-    places.resize(count);
-    std::max_element(places.begin(), places.end(), [](const ConvexPlace& x, const ConvexPlace& y) {
-      return x.depth < y.depth;
-    })->depth = axis_.overlap;
-  }
-
-  /// The triangle of a face below a point, seen along the face's normal: on over the edges that it is beyond.
-  std::uint32_t triangleAt(int body, std::uint32_t corner, const Vec3d& at) const {
-    const ConvexPolyhedron& shape = pair_.body(body);
-    const TriMesh& mesh = (body == 0 ? query_.a : query_.b)->mesh();
-    const std::uint32_t face = shape.corner(corner).face;
-    const Vec3d normal = shape.face(face).normal;
-    const Vec3d point = body == 0 ? at : otgRotateBack(query_.bInA, at - query_.bInA.t);
-    std::uint32_t triangle = shape.corner(corner).triangle;
-    for (std::size_t steps = 0; steps < mesh.triangleCount(); ++steps) {
-      std::uint32_t beyond = kNone;
-      for (std::uint32_t k = 0; k < 3 && beyond == kNone; ++k) {
-        const Vec3f &from = mesh.vertices()[mesh.triangles()[triangle].v[k]],
-                    &to = mesh.vertices()[mesh.triangles()[triangle].v[(k + 1) % 3]];
-        const Vec3d p{from.x, from.y, from.z}, q{to.x, to.y, to.z};
-        if (!(otgDot(otgCross(q - p, point - p), normal) < 0)) continue;
-        const std::uint32_t other = mesh.topology().twin[3 * triangle + k] / 3;
-        if (shape.faceOfTriangle(other) == face) beyond = other;
-      }
-      if (beyond == kNone) break;
-      triangle = beyond;
-    }
-    return triangle;
-  }
-
   void emit() {
-    std::sort(scratch_.places.begin(), scratch_.places.end(), [](const ConvexPlace& x, const ConvexPlace& y) {
-      if (x.depth != y.depth) return x.depth > y.depth;
-      if (x.feature != y.feature) return x.feature < y.feature;
-      return x.element != y.element ? x.element < y.element : x.ordinal < y.ordinal;
-    });
+    sortPlaces(scratch_.places);
     for (const ConvexPlace& p : scratch_.places) {
-      Contact& contact = workspace_.contacts.emplace_back();
-      contact.position = p.at;
-      contact.normal = out(1);
-      contact.depth = p.depth;
-      contact.triangleA = triangleAt(0, p.cornerA, p.at);
-      contact.triangleB = triangleAt(1, p.cornerB, p.at);
-      contact.region = 0;
-      contact.feature = static_cast<ContactFeature>(p.feature);
-      if (kindOf(p) != OTG_POINT_CROSSING) contact.flags |= kContactInside;
-      contact.element = p.element;
-      contact.ordinal = p.ordinal;
-      contact.coherence = 1;
+      Contact& contact = addContact(workspace_.contacts, p, out(1));
+      contact.triangleA = triangleAt(pair_.a(), query_.a->mesh(), p.cornerA, p.at);
+      contact.triangleB =
+          triangleAt(pair_.b(), query_.b->mesh(), p.cornerB, otgRotateBack(query_.bInA, p.at - query_.bInA.t));
     }
   }
 
@@ -338,13 +217,7 @@ bool convexPairContacts(const Query& query, Workspace& workspace) {
   const ConvexSolver::Answer answer = ConvexSolver(query, workspace).run();
   if (answer == ConvexSolver::Answer::kOther) return false;
   rememberPlain(query, answer == ConvexSolver::Answer::kTouching, {0, 0, 0});
-  workspace.stats.contactsBeforeReduction = workspace.contacts.size();
-  if (workspace.contacts.size() > static_cast<std::size_t>(query.options.maxContacts)) {
-    workspace.reduced = limitContacts(workspace.contacts, query.options.maxContacts);
-  } else {
-    workspace.reduced.assign(workspace.contacts.begin(), workspace.contacts.end());
-    std::sort(workspace.reduced.begin(), workspace.reduced.end(), contactDeeper);
-  }
+  reduceConvexContacts(query, workspace);
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   }

@@ -11,16 +11,7 @@ namespace otg {
 namespace {
 
 constexpr double kTilt = 1 - 5e-7;  ///< cosine of 1e-3: what is tilted less may be taken for the same face
-constexpr double kLarger = 3;       ///< the face around the vertex, to the overlap
 constexpr double kOverlapSlack = 1.01, kSizeSlack = 1e-7;
-
-bool isAlone(const ConvexPolyhedron& shape, std::uint32_t face) {
-  const Vec3d& normal = shape.face(face).normal;
-  for (const ConvexPolyhedron::Corner& corner : shape.corners(face)) {
-    if (otgDot(normal, shape.face(corner.across).normal) > kTilt) return false;
-  }
-  return true;
-}
 
 /// The squared distance within the plane of a face from a point above it to its nearest side; negative outside.
 double squareWithin(const ConvexPair& pair, int body, std::uint32_t face, const Vec3d& normal, const Vec3d& point) {
@@ -37,6 +28,24 @@ double squareWithin(const ConvexPair& pair, int body, std::uint32_t face, const 
 
 }  // namespace
 
+bool isAlone(const ConvexPolyhedron& shape, std::uint32_t face) {
+  const Vec3d& normal = shape.face(face).normal;
+  for (const ConvexPolyhedron::Corner& corner : shape.corners(face)) {
+    if (otgDot(normal, shape.face(corner.across).normal) > kTilt) return false;
+  }
+  return true;
+}
+
+// In a direction that makes an angle t with m the overlap is at least o cos t + r sin t. That is more than o up to the
+// right angle. Beyond that the disc and the body's farthest point against m say the same.
+bool isLeastAround(const Vec3d& m, double overlap, double radius, const Vec3d& far) {
+  constexpr double kLarger = 3;
+  if (!(radius > kLarger * overlap)) return false;
+  const double behind = -otgDot(m, far), beside = norm(far + m * behind);
+  // The disc alone may fail where the angle is beyond 132 degrees: sin < 2 most / radius, and -cos > 0.74.
+  return 0.74 * behind > overlap + 2 * overlap / radius * beside;
+}
+
 bool isOfPair(const ConvexPair& pair, const SolidHistory::KeptAxis& kept) {
   return kept.a == pair.a().stamp() && kept.b == pair.b().stamp();
 }
@@ -46,9 +55,6 @@ bool isOfPose(const ConvexPair& pair, const SolidHistory::KeptAxis& kept) {
   return isOfPair(pair, kept) && std::memcmp(&kept.pose, &pair.pose(), sizeof kept.pose) == 0;
 }
 
-// The body of differences has the face with the normal m at the distance o, the overlap. Around the origin's foot it
-// holds a disc of radius r. In a direction that makes an angle t with m the overlap is at least o cos t + r sin t. That
-// is more than o up to the right angle. Beyond that the disc and the body's farthest point against m say the same.
 bool isStillLeast(const ConvexPair& pair, const SolidHistory::KeptAxis& kept, double size, ConvexAxis& axis) {
   const auto of = static_cast<ConvexAxis::Of>(kept.of);
   if (of != ConvexAxis::Of::kFaceA && of != ConvexAxis::Of::kFaceB) return false;
@@ -62,12 +68,7 @@ bool isStillLeast(const ConvexPair& pair, const SolidHistory::KeptAxis& kept, do
   const double most = kOverlapSlack * overlap + kSizeSlack * size;
   const double square = squareWithin(pair, body, kept.face, outward, pair.place(1 - body, body == 0 ? near.b : near.a));
   if (!(square > 0)) return false;
-  const double radius = std::sqrt(square);
-  if (!(radius > kLarger * most)) return false;
-  const Vec3d far = pair.difference(otgScale(m, -1.0)).at;
-  const double behind = -otgDot(m, far), beside = norm(far + m * behind);
-  // The disc alone may fail where the angle is beyond 132 degrees: sin < 2 most / radius, and -cos > 0.74.
-  if (!(0.74 * behind > most + 2 * most / radius * beside)) return false;
+  if (!isLeastAround(m, most, std::sqrt(square), pair.difference(otgScale(m, -1.0)).at)) return false;
   if (body == 0) {
     // B's face is preferred where it is as good.
     const std::uint32_t other = facingFace(pair, 1, otgScale(m, -1.0));

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The least overlap of a convex polyhedron and a round cylinder.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <span>
+
+#include "base/vectors.h"
+#include "mesh/convex_polyhedron.h"
+
+namespace otg {
+
+/// In a mesh's frame.
+struct PlacedCylinder {
+  Vec3d middle, axis;   ///< the axis of unit length
+  double radius, half;  ///< half its height
+
+  /// The part of a vector that is across the axis.
+  Vec3d across(const Vec3d& v) const { return v - axis * otgDot(axis, v); }
+  /// The point that is farthest against a unit vector m. Of a line or an end across m it is the middle along the axis,
+  /// or the centre.
+  Vec3d rear(const Vec3d& m) const {
+    constexpr double kShort = 1e-4, kNothing = 1e-12;
+    const double along = otgDot(axis, m);
+    const Vec3d end = middle - axis * (along == 0 ? 0 : std::copysign(half, along));
+    Vec3d aside = m - axis * along;
+    double length = norm(aside);
+    if (length < kShort) {  // what rounding has left along the axis would count
+      aside = across(aside);
+      length = norm(aside);
+      if (length < kNothing) return end;
+    }
+    return end - aside * (radius / length);
+  }
+  /// How far it reaches against a unit vector m, from the origin.
+  double reachBack(const Vec3d& m) const {
+    const double along = otgDot(axis, m);
+    return radius * norm(m - axis * along) + half * std::fabs(along) - otgDot(m, middle);
+  }
+  double widthAlong(const Vec3d& m) const { return 2 * (radius * norm(across(m)) + half * std::fabs(otgDot(axis, m))); }
+};
+
+/// The direction of the least overlap, out of the polyhedron; ConvexPair says what the overlap along a direction is.
+struct CylinderAxis {
+  /// What decides it: a face of the polyhedron, an end of the cylinder, an edge with the cylinder's side or rim, or a
+  /// corner with the side. kOther: no feature that was tried is as good.
+  enum class Of : std::uint8_t { kNone, kFace, kEnd, kEdge, kCorner, kOther };
+  Of of = Of::kNone;  ///< kNone: apart, or nothing found yet
+  Vec3d m{0, 0, 0};
+  double overlap = std::numeric_limits<double>::infinity();
+  std::uint32_t feature = kNone;  ///< the face; of an edge its ConvexPolyhedron::corner; the vertex
+};
+
+/// Looks for the least overlap. All directions that some vertices of the polyhedron can have are tried exactly: those
+/// of its faces, of the arcs between these, and the nearest point of the round side. A growing polytope says which
+/// vertices, and bounds what others can give. Takes no memory.
+class CylinderSeparation {
+ public:
+  CylinderSeparation(const ConvexPolyhedron& body, const PlacedCylinder& cylinder, double size);
+
+  /// `toB`: from the middle of the polyhedron to that of the cylinder.
+  CylinderAxis find(const Vec3d& toB);
+  /// Whether the normal of a face is sure to be the result of find() -> `axis`. False says nothing.
+  bool isStillLeast(std::uint32_t face, CylinderAxis& axis) const;
+  /// After find(): its direction, or one along which the two are apart.
+  const Vec3d& last() const { return apart_ ? apartAlong_ : best_.m; }
+  double overlapAlong(const Vec3d& m) const { return otgDot(m, difference(m).at); }
+
+  // For the polytope.
+  struct Difference {
+    Vec3d at;
+    std::uint32_t vertex;
+  };
+  Difference difference(const Vec3d& m) const {
+    const std::uint32_t vertex = body_.support(m);
+    return {body_.vertices()[vertex] - cylinder_.rear(m), vertex};
+  }
+  bool look(const Vec3d& m, const Difference& difference);
+  bool isEnough(double overlap, double distance, double rounding) const;
+
+ private:
+  using Of = CylinderAxis::Of;
+  void descend(Vec3d m);
+  bool visit(std::uint32_t vertex);
+  void tryCorner(std::uint32_t corner);
+  void tryVertex(std::uint32_t vertex);
+  void separate(const Vec3d& m);
+  void offer(Of of, const Vec3d& m, double overlap, std::uint32_t feature);
+  bool isSure(const CylinderAxis& axis) const;
+  double overlapOfFace(std::uint32_t face) const;
+
+  const ConvexPolyhedron& body_;
+  const PlacedCylinder& cylinder_;
+  const double size_;
+  CylinderAxis best_;
+  bool apart_ = false;
+  Vec3d apartAlong_{0, 0, 0};
+  static constexpr std::size_t kMostVisited = 64;
+  std::array<std::uint32_t, kMostVisited> visited_;
+  std::size_t visitedCount_ = 0;
+};
+
+}  // namespace otg
