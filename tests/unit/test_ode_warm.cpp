@@ -87,7 +87,8 @@ TEST_CASE("a warm dCollide of one of ODE's shapes and a mesh takes no memory") {
   const Data corner(scenes::makeCorner(1, 0.3, 0.8)), ground(scenes::makeGround(4, 0.2, 12, [](double x, double y) {
     return 0.1 * std::sin(3 * x) * std::cos(2 * y);
   }));
-  const Geom corner1(corner), below(ground);
+  const Data slab(scenes::makeBox({4, 4, 1}, 8));
+  const Geom corner1(corner), below(ground), convex(slab);
   const dGeomID shapes[] = {dCreateBox(nullptr, 0.4, 0.4, 0.4), dCreateCylinder(nullptr, 0.2, 0.4),
                             dCreateCapsule(nullptr, 0.2, 0.4), dCreateSphere(nullptr, 0.2)};
   const char* const names[] = {"a box", "a cylinder", "a capsule", "a sphere"};
@@ -95,6 +96,7 @@ TEST_CASE("a warm dCollide of one of ODE's shapes and a mesh takes no memory") {
     INFO(names[i]);
     CHECK(askWarm(below.id, shapes[i], {0.1, 0, i == 2 ? 0.38 : 0.19}, "on hills") > 0);
     CHECK(askWarm(corner1.id, shapes[i], {0.499, 0, 0.499}, "in an inner corner") > 1);
+    CHECK(askWarm(convex.id, shapes[i], {0.1, 0, i == 2 ? 0.89 : 0.69}, "on a slab") > 0);
     dGeomDestroy(shapes[i]);
   }
 }
