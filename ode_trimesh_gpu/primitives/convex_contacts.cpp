@@ -18,6 +18,7 @@
 #include "collide/stages.h"
 #include "primitives/convex_patch.h"
 #include "primitives/cylinder_contacts.h"
+#include "primitives/face_contacts.h"
 #include "primitives/region_walls.h"
 #include "primitives/sheet_block.h"
 #include "queries/surface_side.h"
@@ -251,7 +252,8 @@ void convexContacts(const Query& query, const ConvexShape& shape, Workspace& wor
     findIntersectingPairs(query, workspace);
     pairwiseContacts(query, workspace);
     reduceContacts(query, workspace);
-  } else if (!(shape.isCurved() ? collideCylinder(query, shape, workspace) : collideConvexPair(query, workspace))) {
+  } else if (!(shape.isCurved() ? collideCylinder(query, shape, workspace) : collideConvexPair(query, workspace)) &&
+             !collideFaces(query, shape, workspace)) {
     findIntersectingPairs(query, workspace);
     if (areShells(query, workspace.intersecting)) {
       shellContacts(query, workspace);

@@ -75,4 +75,24 @@ double ConvexShape::exitDistance(const Vec3d& p, const Vec3d& d) const {
   return std::min(faces, exitOfCircle(p, d, radius));
 }
 
+bool ConvexShape::isNearSegment(const Vec3d& from, const Vec3d& to, double slack) const {
+  const Vec3d d = to - from;
+  double low = 0, high = 1;  // the part of the segment that is inside
+  for (std::size_t i = 0; i < faceNormals.size(); ++i) {
+    const double height = faceOffsets[i] + slack - otgDot(faceNormals[i], from), speed = otgDot(faceNormals[i], d);
+    if (speed > 0) {
+      high = std::min(high, height / speed);
+    } else if (speed < 0) {
+      low = std::max(low, height / speed);
+    } else if (height < 0) {
+      return false;
+    }
+  }
+  if (low > high || kind != Kind::kCylinder) return low <= high;
+  const double a = d.x * d.x + d.y * d.y, b = d.x * from.x + d.y * from.y;
+  const double nearest = std::clamp(a > 0 ? -b / a : low, low, high), reach = radius + slack;
+  const double x = from.x + nearest * d.x, y = from.y + nearest * d.y;
+  return x * x + y * y <= reach * reach;
+}
+
 }  // namespace otg

@@ -29,6 +29,8 @@ struct ConvexShape {
   Vec3d support(const Vec3d& direction) const;
   /// How far a point inside is from the surface along a unit direction; negative for a point outside.
   double exitDistance(const Vec3d& point, const Vec3d& direction) const;
+  /// Whether a point of a segment is in the shape, each of whose surfaces is moved outward by `slack`. Not of capsules.
+  bool isNearSegment(const Vec3d& from, const Vec3d& to, double slack) const;
 };
 
 /// These keep the shapes requested last, so that requesting the same again costs a look-up. Any number of threads. Null

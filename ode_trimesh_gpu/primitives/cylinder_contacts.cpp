@@ -16,15 +16,11 @@
 namespace otg {
 namespace {
 
-constexpr int kRimPoints = 8;           ///< of an end: fixed on the body, so that they stay while it trembles
-constexpr double kAsDeep = 0.99;        ///< of the overlap: a place that is so deep is the deepest one
 constexpr double kLeastFacing = 0.05;   ///< cosine from which on a face is one to leave through
 constexpr double kOnLine = 1e-6;        ///< sine of the slope below which all points of a side are as deep
 constexpr double kTouching = 1e-13;     ///< of the size and the distances
 constexpr double kClearlyApart = 1e-9;  ///< of the size: so far apart, a kept direction decides it alone
 
-/// Numbers of the cylinder's points (Contact::element).
-enum Element : std::uint32_t { kRim = 0, kLowest = 8, kSideEnd = 32, kSide = 40 };
 /// Of the edges' points (Contact::ordinal), by what the edge crosses.
 enum Ordinal : std::uint32_t { kEnds = 0, kRimOfEnd = 2, kSideLine = 4 };
 
@@ -35,7 +31,7 @@ class CylinderSolver {
         workspace_(workspace),
         body_(*query.a->convex()),
         places_(workspace.convex.places),
-        cylinder_{query.bInA.t, unit(otgRotate(query.bInA, Vec3d{0, 0, 1})), shape.radius, shape.length},
+        cylinder_(placedCylinder(query.bInA, shape)),
         size_(double{query.a->mesh().radius()} + std::hypot(shape.radius, shape.length)) {}
 
   enum class Answer : std::uint8_t { kApart, kTouching, kOther };
@@ -92,7 +88,7 @@ class CylinderSolver {
     }
     double deepest = 0;
     for (const ConvexPlace& p : places_) deepest = std::max(deepest, p.depth);
-    if (!(deepest > kAsDeep * axis_.overlap)) addDeepest();
+    if (!(deepest > kCylinderAsDeep * axis_.overlap)) addDeepest();
   }
 
   std::uint32_t faceToTouch() const {
@@ -165,24 +161,21 @@ class CylinderSolver {
   void addEnd() {
     const std::uint32_t first = body_.face(face_).corner, which = along_ > 0 ? 0 : 1;
     const Vec3d centre = cylinder_.middle - cylinder_.axis * std::copysign(cylinder_.half, along_);
-    const Vec3d u = otgRotate(query_.bInA, Vec3d{cylinder_.radius, 0, 0});
-    const Vec3d v = otgRotate(query_.bInA, Vec3d{0, cylinder_.radius, 0});
+    const CylinderRim rim(query_.bInA, centre, cylinder_.radius);
     double deepest = 0;
-    const int points = std::fabs(along_) >= PlacedShape::kOnEnd ? kRimPoints : 0;
-    for (int k = 0; k < points; ++k) {
-      constexpr double kHalf = 0.7071067811865476;
-      constexpr double kCosine[kRimPoints] = {1, kHalf, 0, -kHalf, -1, -kHalf, 0, kHalf};
-      const Vec3d p = centre + u * kCosine[k] + v * kCosine[(k + 6) % kRimPoints];
+    const std::uint32_t points = std::fabs(along_) >= PlacedShape::kOnEnd ? CylinderRim::kPoints : 0;
+    for (std::uint32_t k = 0; k < points; ++k) {
+      const Vec3d p = rim.point(k);
       if (!isOverFace(p)) continue;
-      ConvexPlace& place = add(ContactFeature::kVertexB, kRim + 16 * which + static_cast<std::uint32_t>(k), 0, first);
+      ConvexPlace& place = add(ContactFeature::kVertexB, kCylinderRim + 16 * which + k, 0, first);
       if (measure(place, p)) deepest = std::max(deepest, place.depth);
     }
     const Vec3d lowest = cylinder_.rear(m_);
-    if (!(deepest > kAsDeep * axis_.overlap) && isOverFace(lowest)) {
-      measure(add(ContactFeature::kVertexB, kLowest + 16 * which, 0, first), lowest);
+    if (!(deepest > kCylinderAsDeep * axis_.overlap) && isOverFace(lowest)) {
+      measure(add(ContactFeature::kVertexB, kCylinderLowest + 16 * which, 0, first), lowest);
     }
     std::uint32_t number = first;
-    for (const Corner& corner : body_.corners(face_)) addRimOnSide(corner, number++, centre, u, v);
+    for (const Corner& corner : body_.corners(face_)) addRimOnSide(corner, number++, centre, rim.u, rim.v);
   }
 
   /// Where the rim crosses one side of the face.
@@ -230,9 +223,10 @@ class CylinderSolver {
     if (low <= high) {
       for (const bool isHigh : {false, true}) {
         const Corner* const at = isHigh ? atHigh : atLow;
-        ConvexPlace& place = at == nullptr ? add(ContactFeature::kVertexB, kSideEnd + (isHigh ? 1 : 0), 0, first)
-                                           : add(ContactFeature::kCrossingA, at->edge, kSideLine,
-                                                 first + static_cast<std::uint32_t>(at - &body_.corner(first)));
+        ConvexPlace& place = at == nullptr
+                                 ? add(ContactFeature::kVertexB, kCylinderSideEnd + (isHigh ? 1 : 0), 0, first)
+                                 : add(ContactFeature::kCrossingA, at->edge, kSideLine,
+                                       first + static_cast<std::uint32_t>(at - &body_.corner(first)));
         place.isEnd = true;
         measure(place, line + cylinder_.axis * (isHigh ? high : low));
       }
@@ -279,7 +273,7 @@ class CylinderSolver {
       at = body_.vertices()[axis_.feature];
       add(ContactFeature::kVertexA, body_.meshVertex(axis_.feature), 0, body_.cornersAt(axis_.feature).front());
     } else {
-      add(ContactFeature::kVertexB, kSide, 0, first);
+      add(ContactFeature::kVertexB, kCylinderSide, 0, first);
     }
     ConvexPlace& place = places_.back();
     place.depth = axis_.overlap;
@@ -310,6 +304,19 @@ class CylinderSolver {
 };
 
 }  // namespace
+
+PlacedCylinder placedCylinder(const Transformd& pose, const ConvexShape& shape) {
+  return {pose.t, unit(otgRotate(pose, Vec3d{0, 0, 1})), shape.radius, shape.length};
+}
+
+CylinderRim::CylinderRim(const Transformd& pose, const Vec3d& at, double radius)
+    : centre(at), u(otgRotate(pose, Vec3d{radius, 0, 0})), v(otgRotate(pose, Vec3d{0, radius, 0})) {}
+
+Vec3d CylinderRim::point(std::uint32_t k) const {
+  constexpr double kHalf = 0.7071067811865476;
+  constexpr double kCosine[kPoints] = {1, kHalf, 0, -kHalf, -1, -kHalf, 0, kHalf};
+  return centre + u * kCosine[k] + v * kCosine[(k + 6) % kPoints];
+}
 
 bool collideCylinder(const Query& query, const ConvexShape& shape, Workspace& workspace) {
   using Clock = std::chrono::steady_clock;

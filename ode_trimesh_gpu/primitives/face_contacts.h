@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Contacts of a convex shape that lies on faces of a mesh: on a floor, or in the corner of a room.
+#pragma once
+
+#include "collide/query.h"
+#include "primitives/convex_shape.h"
+
+namespace otg {
+
+/// Where no outer edge and no rim of mesh A reaches into the shape, the free space within the shape is convex: what is
+/// in front of all the faces there. So the shape leaves each of these faces for itself, along its normal, as it would
+/// leave a half space. Contacts are the shape's points below a face: all corners of a flat shape, and of a cylinder
+/// those points that collideCylinder() takes. Their depths are exact -> workspace.contacts and workspace.reduced.
+///
+/// False, with nothing remembered, for other places, shapes and pairs, and where the stages for any solids have more to
+/// say: the shape's middle is behind a face, the way out may lead into another face, the pair remembers being behind or
+/// entangled, or nothing is touched. Source: a closed set that is connected and locally convex is convex (H. Tietze
+/// 1928, S. Nakajima 1928).
+bool collideFaces(const Query& query, const ConvexShape& shape, Workspace& workspace);
+
+}  // namespace otg
