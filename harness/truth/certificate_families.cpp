@@ -10,6 +10,7 @@
 #include "collide/query.h"
 #include "scenes/concave_meshes.h"
 #include "truth/certificate_bodies.h"
+#include "truth/fitting_bodies.h"
 #include "truth/nests.h"
 #include "truth/profile_bodies.h"
 #include "truth/separation_search.h"
@@ -359,6 +360,21 @@ bool drawEntwined(Random& random, PairDraft& draft) {
   return false;
 }
 
+/// Put on from above: first straight down, where the two fit.
+CertificateFamily fittingFamily(const std::string& name, const std::string& what, FittingPair (*make)(Random&)) {
+  return pushedFamily(name, what, [make](Random& random, PairDraft& draft) {
+    FittingPair pair = make(random);
+    draft.host.mesh = std::move(pair.host);
+    draft.mover.mesh = std::move(pair.mover);
+    const Settling settling = random.below(2) == 0 ? Settling::kAligned : Settling::kSettled;
+    draft.aligned = settling == Settling::kAligned;
+    draft.mover.pose = settled(random, settling, kUnmoved);
+    draft.mover.pose.t = {0, pair.along, 0.05};
+    draft.what = pair.what + ", " + nameOf(settling);
+    return pushIn(random, draft, Vec3d{0, 0, -1}, 0.2) && draft.depth * std::sin(pair.angle) > kLeastDepth;
+  });
+}
+
 /// Halvings of the edges.
 int levelsFor(const scenes::MeshArrays& mesh) {
   return mesh.triangles.size() <= 200 ? 2 : mesh.triangles.size() <= 2000 ? 1 : 0;
@@ -444,6 +460,9 @@ std::vector<CertificateFamily> certificateFamilies() {
          const MakeHost host = kHosts[random.below(std::size(kHosts))];
          return std::optional(nested(random, host, MoverKind::kCylinder, false));
        }},
+      fittingFamily("acute", "a wedge in a groove of its own acute angle", wedgeInGroove),
+      fittingFamily("ridge", "a tile of two boards on a ridge", tileOnRidge),
+      fittingFamily("hat", "a hollow pyramid on a pyramid", hatOnPyramid),
       pushedFamily("gears", "two gears in mesh", drawGears),
       pushedFamily("screw", "a nut on its bolt", drawScrew),
       pushedFamily("bowl", "a body in a bowl", drawBowl),

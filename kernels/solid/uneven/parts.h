@@ -58,7 +58,7 @@ OTG_INLINED double otgWayAcross(const otg_uneven_part* part, __global const otg_
 OTG_INLINED uint otgBoundOfWays(const otg_uneven* u, const otg_uneven_part* part) {
   double first, last, at;
   otg_vec3_d out;
-  uint count = part->isVertex ? OTG_UNEVEN_EXITS : 0;
+  uint count = OTG_UNEVEN_EXITS;
   for (uint i = otgFirstFace(u, part->other); i < otgEndOfFaces(u, part->other); ++i) {
     count += (uint)otgLiesOver(u, u->faces + i, part, &first, &last);
   }
@@ -78,8 +78,10 @@ OTG_INLINED void otgSetWay(__global otg_uneven_way* way, otg_vec3_d at, otg_vec3
   way->group = group;
 }
 
-/// The faces on which the nearest place of the surface lies: how many, OTG_UNEVEN_EXITS + 1 if there are too many.
-OTG_INLINED uint otgExitsOf(const otg_uneven* u, const otg_uneven_part* part, __global otg_uneven_way* ways) {
+/// The faces on which the place of the surface lies that is nearest to the part's middle, if it is nearer than `limit`:
+/// how many, OTG_UNEVEN_EXITS + 1 if there are too many.
+OTG_INLINED uint otgExitsOf(const otg_uneven* u, const otg_uneven_part* part, double limit,
+                            __global otg_uneven_way* ways) {
   const uint first = otgFirstFace(u, part->other), end = otgEndOfFaces(u, part->other);
   const otg_vec3_d p = part->position;
   double nearest = INFINITY;
@@ -87,6 +89,7 @@ OTG_INLINED uint otgExitsOf(const otg_uneven* u, const otg_uneven_part* part, __
     if (fabs(otgBelowFace(u->faces + i, p)) > otgAsNear_d(nearest, u->slack)) continue;
     nearest = otgMin_d(otgDistanceOfFace(u->faces + i, p), nearest);
   }
+  if (!(nearest < limit)) return 0;
   const double most = otgAsNear_d(nearest, u->slack);
   uint count = 0;
   for (uint i = first; i < end; ++i) {
@@ -98,7 +101,9 @@ OTG_INLINED uint otgExitsOf(const otg_uneven* u, const otg_uneven_part* part, __
     for (uint k = 0; k < count; ++k) isNew &= !(otgDot_d(otgLoad(ways[k].normal), normal) > OTG_UNEVEN_SAME_NORMAL);
     if (!isNew) continue;
     if (count == OTG_UNEVEN_EXITS) return OTG_UNEVEN_EXITS + 1;
-    otgSetWay(ways + count++, p, normal, otgDeeperEnd_d(depth, depth), f->curved, OTG_NOT_THERE);
+    const double from = otgBelowFace(f, part->from), to = otgBelowFace(f, part->to);
+    otgSetWay(ways + count++, to > from ? part->to : part->from, normal, otgDeeperEnd_d(from, to), f->curved,
+              OTG_NOT_THERE);
   }
   return count;
 }
@@ -162,13 +167,35 @@ OTG_INLINED void otgSoonestToFront(__global otg_uneven_way* ways, uint count) {
   ways[0] = way;
 }
 
+/// Has a stretch leave by the faces nearest to its middle, all at once, if that is far shorter than the soonest of its
+/// `count` ways: as leaveByMiddle in collide/solid/leaving.cpp. How many ways there are then; `together`: of these.
+OTG_INLINED uint otgLeaveByMiddle(__local otg_uneven_scratch* s, const otg_uneven* u, const otg_uneven_part* part,
+                                  __global otg_uneven_way* ways, uint count, uint* together) {
+  const double soonest = count > 0 ? ways[0].depth : INFINITY;
+  const uint exits = otgExitsOf(u, part, soonest / OTG_SOLID_NEIGHBOURHOOD, ways + count);
+  if (exits > OTG_UNEVEN_EXITS) {
+    s->bad = 1;  // unordered: no lane writes anything else
+    return count;
+  }
+  double deepest = 0;
+  for (uint k = 0; k < exits; ++k) deepest = otgMax_d(ways[count + k].depth, deepest);
+  if (exits == 0 || !(deepest < soonest)) return count;
+  for (uint k = 0; k < exits; ++k) {
+    const otg_uneven_way way = ways[count + k];
+    for (uint j = count + k; j > k; --j) ways[j] = ways[j - 1];
+    ways[k] = way;
+  }
+  *together = exits;
+  return otgWithoutSame(ways, exits, count + exits);
+}
+
 /// The ways of part `i`, for which there is room.
 OTG_INLINED void otgFindWaysOf(__local otg_uneven_scratch* s, const otg_uneven* u, const otg_uneven_part* part,
                                uint i) {
   __global otg_uneven_way* ways = u->ways + s->first[i];
   uint count, together = 1;
   if (part->isVertex) {
-    together = otgExitsOf(u, part, ways);
+    together = otgExitsOf(u, part, INFINITY, ways);
     if (together > OTG_UNEVEN_EXITS) {
       s->bad = 1;  // unordered: no lane writes anything else
       together = 0;
@@ -177,6 +204,7 @@ OTG_INLINED void otgFindWaysOf(__local otg_uneven_scratch* s, const otg_uneven* 
   } else {
     count = otgEdgesPassed(u, part, ways, otgFacesOver(u, part, ways, 0));
     otgSoonestToFront(ways, count);
+    count = otgLeaveByMiddle(s, u, part, ways, count, &together);
   }
   const double soonest = count > 0 ? ways[0].depth : 0;
   s->soonest[i] = soonest;

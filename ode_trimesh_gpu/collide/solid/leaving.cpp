@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include "base/vectors.h"
@@ -77,10 +78,17 @@ class WaysOut {
 
   void addOthersOfVertex(Part& part) const {
     const SupportPoint& p = *part.point;
-    const auto& faces = triangles_.facesOver(1 - p.mesh, p.position, p.position);
-    part.ways.reserve(part.ways.size() + faces.size());
-    for (const RegionTriangles::StretchExit& e : faces) {
-      const Way other{p.position, otgScale(e.exit.normal, side(p)), e.exit.depth, e.exit.curved};
+    std::pmr::vector<Way> others(memory_);
+    for (const RegionTriangles::StretchExit& e : triangles_.facesOver(1 - p.mesh, p.position, p.position)) {
+      others.push_back({p.position, otgScale(e.exit.normal, side(p)), e.exit.depth, e.exit.curved});
+    }
+    addOthers(part, others);
+  }
+
+  /// Those that are no half-space of the first ones.
+  static void addOthers(Part& part, const std::pmr::vector<Way>& others) {
+    part.ways.reserve(part.ways.size() + others.size());
+    for (const Way& other : others) {
       const bool isKnown = std::ranges::any_of(
           part.all(), [&](const Way& way) { return otgDot(way.normal, other.normal) > OTG_UNEVEN_SAME_NORMAL; });
       if (!isKnown) part.ways.push_back(other);
@@ -102,7 +110,32 @@ class WaysOut {
       part.hasOthers = true;
     }
     if (!part.ways.empty()) part.soonest = part.ways.front().depth;
+    leaveByMiddle(part);
     return part;
+  }
+
+  /// A stretch deep in a narrow inner corner lies over neither of its walls. Where the way found leads far past the
+  /// surface at its middle, it leaves by the faces there, all at once, if these ways are shorter.
+  void leaveByMiddle(Part& part) const {
+    const SupportPoint& p = *part.point;
+    const double soonest = part.ways.empty() ? std::numeric_limits<double>::infinity() : part.soonest;
+    const auto& exits = triangles_.exitsOf(1 - p.mesh, p.position, soonest / OTG_SOLID_NEIGHBOURHOOD);
+    if (exits.empty()) return;
+    const Ends ends = endsOf(p);
+    std::pmr::vector<Way> ways(memory_);
+    double deepest = 0;
+    for (const RegionTriangles::Exit& e : exits) {
+      const double first = e.offset - otgDot(e.normal, ends.from), last = e.offset - otgDot(e.normal, ends.to);
+      ways.push_back(wayOf(p, ends, {{e.normal, e.offset, otgDeeperEnd(first, last), e.curved}, last > first}));
+      deepest = std::max(deepest, ways.back().depth);
+    }
+    if (!(deepest < soonest)) return;
+    part.together = ways.size();
+    part.soonest = ways.front().depth;
+    const std::pmr::vector<Way> others = allOfStretch(p);
+    part.ways = std::move(ways);
+    addOthers(part, others);
+    part.hasOthers = true;
   }
 
   /// The soonest first.

@@ -123,10 +123,10 @@ double RegionTriangles::distanceOf(std::size_t i, const Vec3d& p) const {
   return otgDistanceOfTriangle(t.corner[0], t.corner[1], t.corner[2], p);
 }
 
-const std::pmr::vector<RegionTriangles::Exit>& RegionTriangles::exitsOf(int m, const Vec3d& p) {
+const std::pmr::vector<RegionTriangles::Exit>& RegionTriangles::exitsOf(int m, const Vec3d& p, double limit) {
   exits_.clear();
   if (faces_[m].size() == 0) return exits_;
-  const double enough = distanceOf(begin_[m] + faces_[m].nearest(p), p) + slack_;
+  const double enough = std::min(limit, distanceOf(begin_[m] + faces_[m].nearest(p), p)) + slack_;
   const std::span<const std::uint32_t> near = faces_[m].near(p, kSurely * enough);
   distances_.assign(near.size(), kInfinity);
   double nearest = kInfinity;
@@ -136,6 +136,7 @@ const std::pmr::vector<RegionTriangles::Exit>& RegionTriangles::exitsOf(int m, c
     distances_[k] = distanceOf(i, p);
     nearest = std::min(nearest, distances_[k]);
   }
+  if (!(nearest < limit)) return exits_;
   for (std::size_t k = 0; k < near.size(); ++k) {
     if (!(distances_[k] <= otgAsNear(nearest, slack_))) continue;
     const std::size_t i = begin_[m] + near[k];
@@ -145,7 +146,7 @@ const std::pmr::vector<RegionTriangles::Exit>& RegionTriangles::exitsOf(int m, c
     if (std::any_of(exits_.begin(), exits_.end(),
                     [&](const Exit& e) { return otgDot(e.normal, normal) > kSameNormal; }))
       continue;
-    exits_.push_back({normal, std::max(depth, 0.0), isCurved(m, i)});
+    exits_.push_back({normal, planes_[i].offset, std::max(depth, 0.0), isCurved(m, i)});
   }
   return exits_;
 }
@@ -162,7 +163,7 @@ const std::pmr::vector<RegionTriangles::StretchExit>& RegionTriangles::facesOver
     std::size_t& slot = slots_[sameAs_[i]];
     const bool isNew = slot == kNoSlot;
     if (!isNew && !(depth < found[slot].exit.depth)) continue;
-    const StretchExit exit{{planes_[i].normal, depth, isCurved(m, i)}, last > first};
+    const StretchExit exit{{planes_[i].normal, planes_[i].offset, depth, isCurved(m, i)}, last > first};
     if (isNew) {
       slot = found.size();
       used_.push_back(sameAs_[i]);
@@ -179,11 +180,11 @@ const std::pmr::vector<RegionTriangles::StretchExit>& RegionTriangles::facesOver
 std::optional<RegionTriangles::StretchExit> RegionTriangles::soonestOver(int m, const Vec3d& from,
                                                                          const Vec3d& to) const {
   const FaceSet::Soonest soonest = faces_[m].soonest(from, to, slack_);
-  if (!(soonest.depth < kInfinity)) return StretchExit{{{0, 0, 0}, kInfinity, false}, false};
+  if (!(soonest.depth < kInfinity)) return StretchExit{{{0, 0, 0}, 0, kInfinity, false}, false};
   if (!soonest.isOnly) return std::nullopt;
   const std::size_t i = begin_[m] + soonest.face;
   const bool byEnd = depthBelow(i, to) > depthBelow(i, from);
-  return StretchExit{{planes_[i].normal, soonest.depth, isCurved(m, i)}, byEnd};
+  return StretchExit{{planes_[i].normal, planes_[i].offset, soonest.depth, isCurved(m, i)}, byEnd};
 }
 
 void RegionTriangles::findSameNormals() {

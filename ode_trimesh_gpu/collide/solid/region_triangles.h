@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory_resource>
 #include <optional>
 #include <vector>
@@ -42,9 +43,10 @@ class RegionTriangles {
 
   /// A face through which a point leaves a mesh.
   struct Exit {
-    Vec3d normal;  ///< unit, outward
-    double depth;  ///< of the point below the face's plane
-    bool curved;   ///< the face is a facet of a curved surface
+    Vec3d normal;   ///< unit, outward
+    double offset;  ///< of the face's plane
+    double depth;   ///< of the point below that
+    bool curved;    ///< the face is a facet of a curved surface
   };
 
   /// Only for regions whose pieces are parts of single triangles: none of cells.
@@ -61,8 +63,9 @@ class RegionTriangles {
 
   /// By which faces of mesh m a point leaves it: those on which the nearest place of the surface lies. On a face that
   /// is one. In an inner corner the nearest place is on the edge or at the vertex there. All faces that meet in it hold
-  /// the point. (On a convex edge it never is, seen from inside.) None if the point lies in front of them.
-  const std::pmr::vector<Exit>& exitsOf(int m, const Vec3d& p);
+  /// the point. (On a convex edge it never is, seen from inside.) None if the point lies in front of them, or the
+  /// surface is not nearer than `limit`.
+  const std::pmr::vector<Exit>& exitsOf(int m, const Vec3d& p, double limit = std::numeric_limits<double>::infinity());
 
   /// By which faces of mesh m a stretch from `from` to `to` leaves as a whole: it is over the face at one end at least,
   /// and below its plane. The depth is that of the end that is deeper.
