@@ -65,7 +65,8 @@ PAGES = [
          "bench heightfield"),
     Page("contacts", "Contacts against the truth",
          "Single queries against what is known by other means: normals in degrees, depths, net force and moment.",
-         "bench contacts --poses 10", "bench contacts --certificate --falls --members 100"),
+         "bench contacts --poses 10", "bench contacts --certificate --members 100",
+         "bench contacts --certificate --falls --members 100"),
     Page("physics", "Worlds that rest, slide, roll and fall",
          "Runs of the whole physics suite that keep every limit, and those that miss one.", "bench physics --full"),
     Page("exact", "Exactness",
@@ -174,7 +175,24 @@ def tables_of(document):
     forms = sorted({r["form"] for r in runs})
     return {"passed": [{"form": f, "runs": sum(r["form"] == f for r in runs),
                         "passed": sum(r["form"] == f and r["pass"] for r in runs)} for f in forms],
+            "scenes": scenes_of(document["rows"]),
             "missed": [r for r in runs if not r["pass"]]}
+
+
+def scenes_of(rows):
+    """All runs of a scene and a form in one line: how many, and the largest of what they measured."""
+    scenes = {}
+    for row in rows:
+        scenes.setdefault((row["family"], row["scene"], row["form"]), []).append(row)
+    lines = []
+    for (family, scene, form), runs in scenes.items():
+        line = {"family": family, "scene": scene, "form": form, "runs": len(runs),
+                "passed": sum(r["pass"] for r in runs)}
+        for measure in ("thrown", "energy_gain", "energy_rise"):
+            values = [r["measures"][measure] for r in runs if measure in r["measures"]]
+            line[measure] = max(values) if values else None
+        lines.append(line)
+    return lines
 
 
 def text_of(page, otg, meshes, folder):
