@@ -63,7 +63,7 @@ class RegionTriangles {
 
   /// By which faces of mesh m a point leaves it: those on which the nearest place of the surface lies. On a face that
   /// is one. In an inner corner the nearest place is on the edge or at the vertex there. All faces that meet in it hold
-  /// the point. (On a convex edge it never is, seen from inside.) None if the point lies in front of them, or the
+  /// the point. (On a convex edge it never is, seen from inside.) None if the point lies in front of them. None if the
   /// surface is not nearer than `limit`.
   const std::pmr::vector<Exit>& exitsOf(int m, const Vec3d& p, double limit = std::numeric_limits<double>::infinity());
 
