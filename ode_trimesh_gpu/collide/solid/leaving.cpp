@@ -114,8 +114,8 @@ class WaysOut {
     return part;
   }
 
-  /// A stretch deep in a narrow inner corner lies over neither of its walls. Where the way found leads far past the
-  /// surface at its middle, it leaves by the faces there, all at once, if these ways are shorter.
+  /// A stretch deep in a narrow inner corner lies over neither of its walls. The way found may lead far past the surface
+  /// at its middle. Then it leaves by the faces there, all at once, if these ways are shorter.
   void leaveByMiddle(Part& part) const {
     const SupportPoint& p = *part.point;
     const double soonest = part.ways.empty() ? std::numeric_limits<double>::infinity() : part.soonest;
