@@ -84,7 +84,7 @@ OTG_INLINED uint otgExitsOf(const otg_uneven* u, const otg_uneven_part* part, do
                             __global otg_uneven_way* ways) {
   const uint first = otgFirstFace(u, part->other), end = otgEndOfFaces(u, part->other);
   const otg_vec3_d p = part->position;
-  double nearest = INFINITY;
+  double nearest = limit;
   for (uint i = first; i < end; ++i) {
     if (fabs(otgBelowFace(u->faces + i, p)) > otgAsNear_d(nearest, u->slack)) continue;
     nearest = otgMin_d(otgDistanceOfFace(u->faces + i, p), nearest);

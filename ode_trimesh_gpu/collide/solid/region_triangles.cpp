@@ -126,7 +126,8 @@ double RegionTriangles::distanceOf(std::size_t i, const Vec3d& p) const {
 const std::pmr::vector<RegionTriangles::Exit>& RegionTriangles::exitsOf(int m, const Vec3d& p, double limit) {
   exits_.clear();
   if (faces_[m].size() == 0) return exits_;
-  const double enough = std::min(limit, distanceOf(begin_[m] + faces_[m].nearest(p), p)) + slack_;
+  const bool isLimited = limit < kInfinity;
+  const double enough = (isLimited ? limit : distanceOf(begin_[m] + faces_[m].nearest(p), p)) + slack_;
   const std::span<const std::uint32_t> near = faces_[m].near(p, kSurely * enough);
   distances_.assign(near.size(), kInfinity);
   double nearest = kInfinity;
