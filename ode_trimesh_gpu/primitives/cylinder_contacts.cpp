@@ -163,8 +163,7 @@ class CylinderSolver {
     const Vec3d centre = cylinder_.middle - cylinder_.axis * std::copysign(cylinder_.half, along_);
     const CylinderRim rim(query_.bInA, centre, cylinder_.radius);
     double deepest = 0;
-    const std::uint32_t points = std::fabs(along_) >= PlacedShape::kOnEnd ? CylinderRim::kPoints : 0;
-    for (std::uint32_t k = 0; k < points; ++k) {
+    for (std::uint32_t k = 0; k < CylinderRim::kPoints; ++k) {
       const Vec3d p = rim.point(k);
       if (!isOverFace(p)) continue;
       ConvexPlace& place = add(ContactFeature::kVertexB, kCylinderRim + 16 * which + k, 0, first);

@@ -24,7 +24,15 @@ namespace {
 constexpr std::size_t kMostFaces = 4, kMostTriangles = 48;
 constexpr double kAhead = 0.05;  ///< of the shape's radius: how far around it is looked for what is in the way
 constexpr double kSinglePrecision = 4e-7;  ///< of the mesh's reach: single precision, in which its vertices are
+constexpr double kSameFace = 0.9986;       ///< cosine of 3 degrees
 constexpr double kTouched = 1e-13;         ///< of the size and the distances
+
+/// A point well inside. The middle of its box may be outside of a convex.
+Vec3d insideOf(const ConvexShape& shape) {
+  Vec3d sum{0, 0, 0};
+  for (const Vec3d& v : shape.vertices) sum = sum + v;
+  return shape.vertices.empty() ? sum : sum * (1.0 / static_cast<double>(shape.vertices.size()));
+}
 
 class FaceSolver {
  public:
@@ -38,11 +46,12 @@ class FaceSolver {
     const Vec3f &low = shape.mesh->mesh().boundsMin(), &high = shape.mesh->mesh().boundsMax();
     const Vec3d middle{0.5 * (double{low.x} + high.x), 0.5 * (double{low.y} + high.y), 0.5 * (double{low.z} + high.z)};
     frame_ = query.bInA;
-    frame_.t = middle_ = otgTransform(frame_, middle);
+    frame_.t = otgTransform(frame_, middle);
+    inside_ = otgTransform(query.bInA, insideOf(shape));
     half_ = {high.x - middle.x, high.y - middle.y, high.z - middle.z};
     radius_ = norm(half_);
     reach_ =
-        double{mesh_.radius()} + norm(middle_ - Vec3d{mesh_.center().x, mesh_.center().y, mesh_.center().z}) + radius_;
+        double{mesh_.radius()} + norm(frame_.t - Vec3d{mesh_.center().x, mesh_.center().y, mesh_.center().z}) + radius_;
     const Vec3f &a = mesh_.boundsMin(), &b = mesh_.boundsMax();
     flat_ = kSinglePrecision *
             std::max({std::fabs(a.x), std::fabs(a.y), std::fabs(a.z), std::fabs(b.x), std::fabs(b.y), std::fabs(b.z)});
@@ -144,9 +153,9 @@ class FaceSolver {
   bool measure(Face& face) {
     const Vec3d deepest = placed_.rear(face.normal);
     face.depth = face.offset - otgDot(face.normal, deepest);
-    const double height = otgDot(face.normal, middle_) - face.offset;
+    const double height = otgDot(face.normal, inside_) - face.offset;
     if (!(height > 0) || face.depth <= kTouched * (reach_ + norm(query_.bInA.t))) return false;
-    const Vec3d within = deepest + (middle_ - deepest) * (face.depth / (face.depth + height));
+    const Vec3d within = deepest + (inside_ - deepest) * (face.depth / (face.depth + height));
     face.isTouched = triangleBelow(face, within, false) != kNone;
     return true;
   }
@@ -220,13 +229,19 @@ class FaceSolver {
     const CylinderRim rim(query_.bInA, cylinder.middle - cylinder.axis * std::copysign(cylinder.half, along),
                           cylinder.radius);
     double lowest = face.offset;
-    const std::uint32_t points = std::fabs(along) >= PlacedShape::kOnEnd ? CylinderRim::kPoints : 0;
-    for (std::uint32_t k = 0; k < points; ++k) {
+    for (std::uint32_t k = 0; k < CylinderRim::kPoints; ++k) {
       offer(rim.point(k), kCylinderRim + end + k, false);
       lowest = std::min(lowest, otgDot(face.normal, rim.point(k)));
     }
     if (face.offset - lowest > kCylinderAsDeep * face.depth) return;
     offer(cylinder.rear(face.normal), kCylinderLowest + end, false);
+  }
+
+  /// Whether a face that is nearly the same holds the point as well.
+  bool isHeld(const ConvexPlace& place, const Vec3d& normal) const {
+    return std::ranges::any_of(workspace_.contacts, [&](const Contact& c) {
+      return c.element == place.element && c.depth >= place.depth && otgDot(c.normal, normal) < -kSameFace;
+    });
   }
 
   void emit(std::uint32_t number, std::uint32_t region) {
@@ -252,6 +267,7 @@ class FaceSolver {
     choosePlaces(places, query_.options.solid.contactsPerRegion, face.depth);
     sortPlaces(places);
     for (const ConvexPlace& p : places) {
+      if (isHeld(p, face.normal)) continue;
       Contact& contact = addContact(workspace_.contacts, p, face.normal * -1.0);
       contact.triangleA = triangleBelow(face, p.at, true);
       contact.triangleB = kNone;
@@ -265,8 +281,9 @@ class FaceSolver {
   const TriMesh& mesh_;
   const Adjacency& links_;
   const PlacedShape placed_;
-  Transformd frame_;     ///< of the shape's box
-  Vec3d half_, middle_;  ///< of that box
+  Transformd frame_;  ///< of the shape's box
+  Vec3d half_;        ///< of that box
+  Vec3d inside_;      ///< a point of the shape, well inside
   double radius_, reach_, flat_, ahead_ = 0;
   std::array<Face, kMostFaces> faces_;
   std::array<Touched, kMostTriangles> touched_;

@@ -229,6 +229,55 @@ TEST_CASE("a ridge has the contacts of the stages for any solids, and a groove d
   }
 }
 
+TEST_CASE("a shape that meets no triangle has no contacts of faces") {
+  Draw draw(9);
+  Workspace workspace;
+  scenes::MeshArrays hollow = scenes::makeProfile({{-2, -1}, {2, -1}, {2, 0}, {1, -0.05}, {-1, -0.05}, {-2, 0}}, 4);
+  int apart = 0, found = 0;
+  for (const scenes::MeshArrays& arrays : {openFloor(2), hollow, scenes::makeTray({4, 4, 1}, 0.2)}) {
+    const auto mesh = meshOf(arrays);
+    std::shared_ptr<const ConvexShape> shape;
+    for (int i = 0; i < 6000; ++i) {
+      if (i % 200 == 0) {
+        // Corners of boxes: the middle of their bounds is outside of them.
+        const Vec3d sides{draw.uniform(0.1, 1), draw.uniform(0.1, 1), draw.uniform(0.1, 1)};
+        std::vector<Vec3d> points(4, Vec3d{0, 0, 0});
+        points[1].x = static_cast<float>(sides.x);
+        points[2].y = static_cast<float>(sides.y);
+        points[3].z = static_cast<float>(sides.z);
+        shape = polyhedronShape(points);
+      }
+      const Vec3d axis = draw.direction();
+      Transformd pose = makePose(axis, draw.uniform(-3, 3), {});
+      const Vec3d aside = draw.inBox(0.4);
+      const std::uint32_t where = draw.below(4);
+      pose.t = aside + Vec3d{where == 0 ? 4.0 : where == 1 ? 2.0 : where == 2 ? -2.0 : 0.0, 0, 0};
+      const Query query = queryOf(*mesh, *shape, pose);
+      findIntersectingPairs(query, workspace);
+      const bool isApart = workspace.intersecting.empty();
+      const bool isOnFaces = collideFaces(query, *shape, workspace);
+      apart += isApart;
+      found += isOnFaces;
+      CHECK_FALSE((isApart && isOnFaces));
+    }
+  }
+  CHECK(apart > 1000);
+  CHECK(found > 100);
+}
+
+TEST_CASE("a tilted cylinder is held by all of its end that is below the floor") {
+  Workspace workspace;
+  const auto floor = meshOf(openFloor(2));
+  const auto coin = cylinderShape(0.1, 0.02);
+  for (const double tilt : {0.1, 0.3, 0.6}) {
+    const Transformd pose = makePose({0, 1, 0}, tilt, {1, 1, 0.25});
+    const Query query = queryOf(*floor, *coin, makePose({0, 1, 0}, tilt, {1, 1, 0.27}));
+    INFO("tilt " << tilt << ", deepest " << deepestIn({{0, 0, 1}, 0.25}, *coin, pose));
+    REQUIRE(collideFaces(query, *coin, workspace));
+    CHECK(workspace.reduced.size() >= 3);
+  }
+}
+
 TEST_CASE("what a pair remembers changes no contact on faces") {
   Draw draw(5);
   Workspace workspace;

@@ -115,7 +115,7 @@ class WaysOut {
   }
 
   /// A stretch deep in a narrow inner corner lies over neither of its walls. The way found may lead far past the surface
-  /// at its middle. Then it leaves by the faces there, all at once, if these ways are shorter.
+  /// at its middle. Then it leaves by the faces there, all at once, if each of these ways is shorter.
   void leaveByMiddle(Part& part) const {
     const SupportPoint& p = *part.point;
     const double soonest = part.ways.empty() ? std::numeric_limits<double>::infinity() : part.soonest;
