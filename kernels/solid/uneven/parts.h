@@ -109,17 +109,14 @@ OTG_INLINED uint otgExitsOf(const otg_uneven* u, const otg_uneven_part* part, do
 }
 
 /// The faces over which a part lies, of those that face the same way the one that is left soonest, behind the first
-/// `count` ways: how many there are then. `nearest`: how near the part's middle is to one of the planes of all faces.
+/// `count` ways: how many there are then.
 OTG_INLINED uint otgFacesOver(const otg_uneven* u, const otg_uneven_part* part, __global otg_uneven_way* ways,
-                              uint count, double* nearest) {
+                              uint count) {
   const uint before = count;
-  *nearest = INFINITY;
   for (uint i = otgFirstFace(u, part->other); i < otgEndOfFaces(u, part->other); ++i) {
     __global const otg_uneven_face* f = u->faces + i;
     double first, last;
-    const int liesOver = otgLiesOver(u, f, part, &first, &last);
-    *nearest = otgMin_d(fabs(0.5 * (first + last)), *nearest);
-    if (!liesOver) continue;
+    if (!otgLiesOver(u, f, part, &first, &last)) continue;
     const double depth = otgDeeperEnd_d(first, last);
     uint place = before;
     while (place < count && ways[place].group != f->sameAs) ++place;
@@ -172,13 +169,10 @@ OTG_INLINED void otgSoonestToFront(__global otg_uneven_way* ways, uint count) {
 
 /// Has a stretch leave by the faces nearest to its middle, all at once, if that is far shorter than the soonest of its
 /// `count` ways: as leaveByMiddle in collide/solid/leaving.cpp. How many ways there are then; `together`: of these.
-/// `nearest` is of otgFacesOver.
 OTG_INLINED uint otgLeaveByMiddle(__local otg_uneven_scratch* s, const otg_uneven* u, const otg_uneven_part* part,
-                                  double nearest, __global otg_uneven_way* ways, uint count, uint* together) {
-  const double soonest = count > 0 ? ways[0].depth : INFINITY, limit = soonest / OTG_SOLID_NEIGHBOURHOOD;
-  // Where no plane is as near, no face is. Most stretches end here.
-  if (nearest > limit + u->slack) return count;
-  const uint exits = otgExitsOf(u, part, limit, ways + count);
+                                  __global otg_uneven_way* ways, uint count, uint* together) {
+  const double soonest = count > 0 ? ways[0].depth : INFINITY;
+  const uint exits = otgExitsOf(u, part, soonest / OTG_SOLID_NEIGHBOURHOOD, ways + count);
   if (exits > OTG_UNEVEN_EXITS) {
     s->bad = 1;  // unordered: no lane writes anything else
     return count;
@@ -200,19 +194,17 @@ OTG_INLINED void otgFindWaysOf(__local otg_uneven_scratch* s, const otg_uneven* 
                                uint i) {
   __global otg_uneven_way* ways = u->ways + s->first[i];
   uint count, together = 1;
-  double nearest;
   if (part->isVertex) {
     together = otgExitsOf(u, part, INFINITY, ways);
     if (together > OTG_UNEVEN_EXITS) {
       s->bad = 1;  // unordered: no lane writes anything else
       together = 0;
     }
-    count = together == 0 ? 0 : otgWithoutSame(ways, together, otgFacesOver(u, part, ways, together, &nearest));
+    count = together == 0 ? 0 : otgWithoutSame(ways, together, otgFacesOver(u, part, ways, together));
   } else {
-    count = otgFacesOver(u, part, ways, 0, &nearest);
-    count = otgEdgesPassed(u, part, ways, count);
+    count = otgEdgesPassed(u, part, ways, otgFacesOver(u, part, ways, 0));
     otgSoonestToFront(ways, count);
-    count = otgLeaveByMiddle(s, u, part, nearest, ways, count, &together);
+    count = otgLeaveByMiddle(s, u, part, ways, count, &together);
   }
   const double soonest = count > 0 ? ways[0].depth : 0;
   s->soonest[i] = soonest;
