@@ -73,7 +73,7 @@ class FaceSolver {
     for (std::size_t f = 0; f < faceCount_; ++f) {
       if (faces_[f].isTouched) emit(static_cast<std::uint32_t>(f), region++);
     }
-    return region > 0;
+    return !workspace_.contacts.empty();
   }
 
  private:
@@ -264,6 +264,7 @@ class FaceSolver {
     } else {
       for (std::uint32_t i = 0; i < shape_.vertices.size(); ++i) offer(placed_.fromLocal(shape_.vertices[i]), i, false);
     }
+    if (places.empty()) return;  // of a cylinder that touches to rounding
     choosePlaces(places, query_.options.solid.contactsPerRegion, face.depth);
     sortPlaces(places);
     for (const ConvexPlace& p : places) {

@@ -10,7 +10,8 @@ namespace otg {
 /// Where no outer edge and no rim of mesh A reaches into the shape, the free space within the shape is convex: what is
 /// in front of all the faces there. So the shape leaves each of these faces for itself, along its normal, as it would
 /// leave a half space. Contacts are the shape's points below a face: all corners of a flat shape, and of a cylinder
-/// those points that collideCylinder() takes. Their depths are exact -> workspace.contacts and workspace.reduced.
+/// those points that collideCylinder() takes -> workspace.contacts and workspace.reduced. Depths are exact as far as
+/// single precision lets triangles be in one plane.
 ///
 /// False, with nothing remembered, for other places, shapes and pairs, and where the stages for any solids have more to
 /// say: the shape's middle is behind a face, the way out may lead into another face, the pair remembers being behind or

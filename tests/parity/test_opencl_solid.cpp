@@ -210,7 +210,7 @@ TEST_CASE("what meets more on the way that its contacts ask for is the host's, a
   CHECK(answer.madeAgain <= again);
   CHECK(answer.madeAgain > again / 2);
   CHECK(answer.stats.contactsBeforeReduction == foundOnHost(queries));
-  CHECK(checkBatch(*backend, queries, expected) > 25);
+  CHECK(checkBatch(*backend, queries, expected) > 100);
   Workspace workspace;
   for (std::size_t i = 0; i < queries.size(); i += 5) {
     REQUIRE(backend->collide(queries[i], workspace));
