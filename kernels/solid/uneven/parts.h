@@ -109,7 +109,7 @@ OTG_INLINED uint otgExitsOf(const otg_uneven* u, const otg_uneven_part* part, do
 }
 
 /// The faces over which a part lies, of those that face the same way the one that is left soonest, behind the first
-/// `count` ways: how many there are then.
+/// `count` ways, in the order of the faces: how many there are then.
 OTG_INLINED uint otgFacesOver(const otg_uneven* u, const otg_uneven_part* part, __global otg_uneven_way* ways,
                               uint count) {
   const uint before = count;
@@ -121,8 +121,9 @@ OTG_INLINED uint otgFacesOver(const otg_uneven* u, const otg_uneven_part* part, 
     uint place = before;
     while (place < count && ways[place].group != f->sameAs) ++place;
     if (place < count && !(depth < ways[place].depth)) continue;
-    if (place == count) ++count;
-    otgSetWay(ways + place, last > first ? part->to : part->from, otgScale_d(otgLoad(f->normal), part->side), depth,
+    if (place < count) --count;
+    for (; place < count; ++place) ways[place] = ways[place + 1];
+    otgSetWay(ways + count++, last > first ? part->to : part->from, otgScale_d(otgLoad(f->normal), part->side), depth,
               f->curved, f->sameAs);
   }
   return count;
@@ -157,36 +158,38 @@ OTG_INLINED uint otgEdgesPassed(const otg_uneven* u, const otg_uneven_part* part
   return count;
 }
 
-/// Moves the way with the least depth, the first of several, to the front.
-OTG_INLINED void otgSoonestToFront(__global otg_uneven_way* ways, uint count) {
-  uint soonest = 0;
-  for (uint k = 1; k < count; ++k) soonest = ways[k].depth < ways[soonest].depth ? k : soonest;
-  if (count == 0) return;
-  const otg_uneven_way way = ways[soonest];
-  for (uint k = soonest; k > 0; --k) ways[k] = ways[k - 1];
-  ways[0] = way;
+/// Moves a way to the place of one before it, and those from there on behind it.
+OTG_INLINED void otgMoveWay(__global otg_uneven_way* ways, uint from, uint to) {
+  const otg_uneven_way way = ways[from];
+  for (uint k = from; k > to; --k) ways[k] = ways[k - 1];
+  ways[to] = way;
 }
 
-/// Has a stretch leave by the faces nearest to its middle, all at once, if that is far shorter than the soonest of its
-/// `count` ways: as leaveByMiddle in collide/solid/leaving.cpp. How many ways there are then; `together`: of these.
+/// By how many faces a stretch leaves that are nearest to its middle, all at once, if that is far shorter than the
+/// soonest of its `count` ways. Behind these: as leaveByMiddle in collide/solid/leaving.cpp. 0: it does not.
 OTG_INLINED uint otgLeaveByMiddle(__local otg_uneven_scratch* s, const otg_uneven* u, const otg_uneven_part* part,
-                                  __global otg_uneven_way* ways, uint count, uint* together) {
-  const double soonest = count > 0 ? ways[0].depth : INFINITY;
+                                  __global otg_uneven_way* ways, uint count, double soonest) {
   const uint exits = otgExitsOf(u, part, soonest / OTG_SOLID_NEIGHBOURHOOD, ways + count);
   if (exits > OTG_UNEVEN_EXITS) {
     s->bad = 1;  // unordered: no lane writes anything else
-    return count;
+    return 0;
   }
   double deepest = 0;
   for (uint k = 0; k < exits; ++k) deepest = otgMax_d(ways[count + k].depth, deepest);
-  if (exits == 0 || !(deepest < soonest)) return count;
-  for (uint k = 0; k < exits; ++k) {
-    const otg_uneven_way way = ways[count + k];
-    for (uint j = count + k; j > k; --j) ways[j] = ways[j - 1];
-    ways[k] = way;
-  }
-  *together = exits;
-  return otgWithoutSame(ways, exits, count + exits);
+  return deepest < soonest ? exits : 0;
+}
+
+/// The ways of a stretch, the first `together` of which hold it: how many there are.
+OTG_INLINED uint otgWaysOfStretch(__local otg_uneven_scratch* s, const otg_uneven* u, const otg_uneven_part* part,
+                                  __global otg_uneven_way* ways, uint* together) {
+  const uint count = otgEdgesPassed(u, part, ways, otgFacesOver(u, part, ways, 0));
+  uint soonest = 0;  // the first of several
+  for (uint k = 1; k < count; ++k) soonest = ways[k].depth < ways[soonest].depth ? k : soonest;
+  const uint exits = otgLeaveByMiddle(s, u, part, ways, count, count > 0 ? ways[soonest].depth : INFINITY);
+  *together = exits > 0 ? exits : 1;
+  for (uint k = 0; k < exits; ++k) otgMoveWay(ways, count + k, k);
+  if (exits == 0 && count > 0) otgMoveWay(ways, soonest, 0);
+  return count + exits;
 }
 
 /// The ways of part `i`, for which there is room.
@@ -200,12 +203,11 @@ OTG_INLINED void otgFindWaysOf(__local otg_uneven_scratch* s, const otg_uneven* 
       s->bad = 1;  // unordered: no lane writes anything else
       together = 0;
     }
-    count = together == 0 ? 0 : otgWithoutSame(ways, together, otgFacesOver(u, part, ways, together));
+    count = together == 0 ? 0 : otgFacesOver(u, part, ways, together);
   } else {
-    count = otgEdgesPassed(u, part, ways, otgFacesOver(u, part, ways, 0));
-    otgSoonestToFront(ways, count);
-    count = otgLeaveByMiddle(s, u, part, ways, count, &together);
+    count = otgWaysOfStretch(s, u, part, ways, &together);
   }
+  if (count > 0) count = otgWithoutSame(ways, together, count);
   const double soonest = count > 0 ? ways[0].depth : 0;
   s->soonest[i] = soonest;
   s->count[i] = soonest > 0 && (part->isVertex || part->reach > u->behind) ? (ushort)count : 0;

@@ -10,6 +10,16 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+double lengthOf(const Vec3d& from, const Vec3d& to) {
+  const Vec3d stretch = otgSub(to, from);
+  return std::sqrt(otgDot(stretch, stretch));
+}
+
+/// Of what is missing: what rounds, and by how much ways in one direction differ that count as one.
+Moved nearly(const Moved& moved) {
+  return {moved.by, moved.missing * (1 + 1e-6) + 4e-6 * lengthOf({0, 0, 0}, moved.by)};
+}
+
 SimdLevel level() {
   static const SimdLevel best = bestSimdLevel();
   return best;
@@ -291,28 +301,26 @@ std::uint32_t FaceSet::nearest(const Vec3d& point) const {
   return args.nearest;
 }
 
-std::span<const std::uint32_t> FaceSet::over(const Vec3d& from, const Vec3d& to, double slack) const {
+std::span<const std::uint32_t> FaceSet::over(const Vec3d& from, const Vec3d& to, double slack,
+                                             const Moved& moved) const {
   found_.resize(kSurfaceLanes * blocks_.size());
-  FacesOverArgs args{blocks_.data(), blocks_.size(), from, to, slack, found_.data(), 0};
+  const Moved almost = nearly(moved);
+  const double limit = almost.missing + lengthOf({0, 0, 0}, moved.by);
+  FacesOverArgs args{blocks_.data(), blocks_.size(), groups_.data(), groups_.size(), from,
+                     to,             slack,          lengthOf(from, to), limit,      almost,
+                     found_.data(),  0};
   findFacesOver(level(), args);
   return {found_.data(), args.foundCount};
 }
 
 FaceSet::Soonest FaceSet::soonest(const Vec3d& from, const Vec3d& to, double slack) const {
-  const Vec3d stretch = otgSub(to, from);
-  SoonestFaceArgs args{blocks_.data(),
-                       blocks_.size(),
-                       groups_.data(),
-                       groups_.size(),
-                       from,
-                       to,
-                       slack,
-                       std::sqrt(otgDot(stretch, stretch)),
-                       kInfinity,
-                       0,
-                       true};
+  SoonestFaceArgs args{blocks_.data(), blocks_.size(),
+                       groups_.data(), groups_.size(),
+                       from,           to,
+                       slack,          lengthOf(from, to),
+                       kInfinity,      0};
   if (count_ > 0) findSoonestFace(level(), args);
-  return {args.depth, args.face, args.isOnly};
+  return {args.depth, args.face};
 }
 
 void WaySet::add(const Vec3d& direction, double length) {
@@ -344,9 +352,9 @@ void StretchSet::add(const Vec3d& middle, const Vec3d& along, double reach) {
 }
 
 std::span<const std::uint32_t> StretchSet::passed(const Vec3d& middle, const Vec3d& along, double reach,
-                                                  double leastSine) const {
+                                                  double leastSine, const Moved& moved) const {
   found_.resize(kSurfaceLanes * blocks_.size());
-  StretchesPassedArgs args{blocks_.data(), blocks_.size(), middle, along, reach, leastSine, found_.data(), 0};
+  StretchesPassedArgs args{blocks_.data(), blocks_.size(), middle, along, reach, leastSine, nearly(moved), found_.data(), 0};
   findStretchesPassed(level(), args);
   return {found_.data(), args.foundCount};
 }

@@ -110,12 +110,13 @@ class FaceSet {
   /// One whose bounds are near to a point; there must be one at all.
   std::uint32_t nearest(const Vec3d& point) const;
   /// Those over which a stretch lies at one end at least, and below whose planes it lies: RegionTriangles::facesOver().
-  std::span<const std::uint32_t> over(const Vec3d& from, const Vec3d& to, double slack) const;
+  /// And at which, when it has been moved, no more of the way is missing than that, and few others. Ascending. What is
+  /// found lasts until the next call.
+  std::span<const std::uint32_t> over(const Vec3d& from, const Vec3d& to, double slack, const Moved& moved = {}) const;
   /// Of those the one below whose plane the stretch lies least.
   struct Soonest {
     double depth;        ///< of the deeper end, 0 or more; infinity without any
-    std::uint32_t face;  ///< one of that depth
-    bool isOnly;         ///< all others of that depth lie in the same plane, bit for bit
+    std::uint32_t face;  ///< the first of that depth
   };
   Soonest soonest(const Vec3d& from, const Vec3d& to, double slack) const;
 
@@ -149,8 +150,10 @@ class StretchSet {
   void reserve(std::size_t count) { blocks_.reserve((count + kSurfaceLanes - 1) / kSurfaceLanes); }
   void add(const Vec3d& middle, const Vec3d& along, double reach);
   /// All that pass a stretch, seen along the common perpendicular, ascending, and few others. The angle between passing
-  /// ones has a sine of `leastSine` at least. What is found lasts until the next call.
-  std::span<const std::uint32_t> passed(const Vec3d& middle, const Vec3d& along, double reach, double leastSine) const;
+  /// ones has a sine of `leastSine` at least. When the stretch has been moved, no more of the way past them is missing
+  /// than that. What is found lasts until the next call.
+  std::span<const std::uint32_t> passed(const Vec3d& middle, const Vec3d& along, double reach, double leastSine,
+                                        const Moved& moved = {}) const;
 
  private:
   std::pmr::vector<StretchBlock> blocks_;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "shared/math/vec3.h"
 
@@ -124,11 +125,22 @@ struct NearFacesArgs {
   std::uint32_t nearest;   ///< out: one whose bounds are near, whatever their distance
 };
 
+/// A stretch that has been moved out of the other mesh, or nearly: at a face, or at a stretch that it passes, not more
+/// than `missing` of its way is left.
+struct Moved {
+  Vec3d by{0, 0, 0};
+  double missing = std::numeric_limits<double>::infinity();
+};
+
 struct FacesOverArgs {
   const FaceBlock* blocks;
   std::size_t count;
+  const FaceGroups* groups;
+  std::size_t groupCount;  ///< elements of `groups`
   Vec3d from, to;
-  double slack;
+  double slack, length;    ///< length: of the stretch
+  double limit;            ///< none counts that is deeper
+  Moved moved;             ///< and none where more is missing
   std::uint32_t* found;    ///< room for all lanes; ascending
   std::size_t foundCount;  ///< out
 };
@@ -141,8 +153,7 @@ struct SoonestFaceArgs {
   Vec3d from, to;
   double slack, length;  ///< length: of the stretch
   double depth;          ///< out: the least, infinity if there is none
-  std::uint32_t face;    ///< out: one of that depth
-  bool isOnly;           ///< out: all others of that depth lie in the same plane, bit for bit
+  std::uint32_t face;    ///< out: the first of that depth
 };
 
 /// One triangle of a region's mesh, whole.
@@ -194,6 +205,7 @@ struct StretchesPassedArgs {
   std::size_t count;
   Vec3d middle, along;
   double reach, leastSine;
+  Moved moved;             ///< none counts where more is missing
   std::uint32_t* found;    ///< room for all lanes; ascending
   std::size_t foundCount;  ///< out
 };

@@ -245,6 +245,18 @@ __attribute__((always_inline)) inline std::size_t endOfGroup(std::size_t first, 
   return first + kFaceGroup < count ? first + kFaceGroup : count;
 }
 
+/// Whether a stretch may lie over a face of a group, `depth` below its plane at most: an end over a face is below its
+/// plane by the depth at most, or in front of it by the length at most.
+template <class Args>
+__attribute__((always_inline)) inline unsigned mayBeOver(const Args& args, std::size_t group, double depth) {
+  const FaceGroups& g = args.groups[group];
+  const Doubles reach = load4(g.reach);
+  const Doubles below = reach * (depth > args.slack ? depth : args.slack);
+  const Doubles far = larger(below, reach * args.slack + args.length) * (1 + 1e-6);
+  const Doubles nearer = smaller(squaredDistanceFrom(g, args.from), squaredDistanceFrom(g, args.to));
+  return bitsOfLanes(~(nearer > far * far));
+}
+
 }  // namespace
 
 void findNearFaces(NearFacesArgs& args) {
@@ -291,30 +303,33 @@ __attribute__((always_inline)) inline DoubleMask isOver(const FaceBlock& b, Doub
 
 void findFacesOver(FacesOverArgs& args) {
   const Doubles px = spread4(args.from.x), py = spread4(args.from.y), pz = spread4(args.from.z);
+  const Vec3d& moved = args.moved.by;
+  const Doubles bx = spread4(moved.x), by = spread4(moved.y), bz = spread4(moved.z);
   const bool isPoint = args.from.x == args.to.x && args.from.y == args.to.y && args.from.z == args.to.z;
   const Doubles qx = spread4(args.to.x), qy = spread4(args.to.y), qz = spread4(args.to.z);
   const Doubles slack = spread4(args.slack);
   args.foundCount = 0;
-  for (std::size_t i = 0; i < args.count; ++i) {
-    const FaceBlock& b = args.blocks[i];
-    const Doubles first = load4(b.offset) - dot4(b.normalX, b.normalY, b.normalZ, px, py, pz);
-    const Doubles last = load4(b.offset) - dot4(b.normalX, b.normalY, b.normalZ, qx, qy, qz);
-    const DoubleMask below = larger(first, last) >= -slack;
-    if (bitsOfLanes(below) == 0) continue;
-    DoubleMask over = isOver(b, px, py, pz, first, slack);
-    if (!isPoint) over |= isOver(b, qx, qy, qz, last, slack);
-    args.foundCount = appendLanes(bitsOfLanes(below & over), i, args.found, args.foundCount);
+  for (std::size_t g = 0; g < args.groupCount; ++g) {
+    for (unsigned bits = mayBeOver(args, g, args.limit); bits; bits &= bits - 1) {
+      const std::size_t begin = (kSurfaceLanes * g + static_cast<unsigned>(__builtin_ctz(bits))) * kFaceGroup;
+      const std::size_t end = endOfGroup(begin, args.count);
+      for (std::size_t i = begin; i < end; ++i) {
+        const FaceBlock& b = args.blocks[i];
+        const Doubles first = load4(b.offset) - dot4(b.normalX, b.normalY, b.normalZ, px, py, pz);
+        const Doubles last = load4(b.offset) - dot4(b.normalX, b.normalY, b.normalZ, qx, qy, qz);
+        const Doubles deeper = larger(first, last);
+        const Doubles gone = dot4(b.normalX, b.normalY, b.normalZ, bx, by, bz);
+        const DoubleMask below = (deeper >= -slack) & (deeper - gone <= args.moved.missing);
+        if (bitsOfLanes(below) == 0) continue;
+        DoubleMask over = isOver(b, px, py, pz, first, slack);
+        if (!isPoint) over |= isOver(b, qx, qy, qz, last, slack);
+        args.foundCount = appendLanes(bitsOfLanes(below & over), i, args.found, args.foundCount);
+      }
+    }
   }
 }
 
 namespace {
-
-__attribute__((always_inline)) inline bool isSamePlane(const FaceBlock* blocks, std::size_t x, std::size_t y) {
-  const FaceBlock &b = blocks[x / kSurfaceLanes], &c = blocks[y / kSurfaceLanes];
-  const std::size_t i = x % kSurfaceLanes, j = y % kSurfaceLanes;
-  return b.normalX[i] == c.normalX[j] && b.normalY[i] == c.normalY[j] && b.normalZ[i] == c.normalZ[j] &&
-         b.offset[i] == c.offset[j];
-}
 
 /// Among the blocks of one group: what findFacesOver() finds, but only as far as it is no deeper than the best so far.
 __attribute__((always_inline)) inline void soonestOfGroup(SoonestFaceArgs& args, std::size_t group) {
@@ -333,14 +348,10 @@ __attribute__((always_inline)) inline void soonestOfGroup(SoonestFaceArgs& args,
     for (unsigned bits = bitsOfLanes(below & over); bits; bits &= bits - 1) {
       const auto lane = static_cast<unsigned>(__builtin_ctz(bits));
       const double depth = deeper[lane] > 0 ? deeper[lane] : 0;
-      const std::size_t face = kSurfaceLanes * i + lane;
-      if (depth < args.depth) {
-        args.depth = depth;
-        args.face = static_cast<std::uint32_t>(face);
-        args.isOnly = true;
-      } else if (depth == args.depth && !isSamePlane(args.blocks, face, args.face)) {
-        args.isOnly = false;
-      }
+      const auto face = static_cast<std::uint32_t>(kSurfaceLanes * i + lane);
+      if (depth > args.depth || (depth == args.depth && face >= args.face)) continue;
+      args.depth = depth;
+      args.face = face;
     }
   }
 }
@@ -350,18 +361,11 @@ __attribute__((always_inline)) inline void soonestOfGroup(SoonestFaceArgs& args,
 void findSoonestFace(SoonestFaceArgs& args) {
   args.depth = kFarAway;
   args.face = 0;
-  args.isOnly = true;
   // The nearest group first: what it has spares most of the others.
   const std::size_t nearest = nearestOf(args.groups, args.groupCount, args.from);
   soonestOfGroup(args, nearest);
   for (std::size_t g = 0; g < args.groupCount; ++g) {
-    // An end over a face is below its plane by the depth at most, or in front of it by the length at most.
-    const Doubles reach = load4(args.groups[g].reach);
-    const Doubles below = reach * (args.depth > args.slack ? args.depth : args.slack);
-    const Doubles far = larger(below, reach * args.slack + args.length) * (1 + 1e-6);
-    const Doubles from = squaredDistanceFrom(args.groups[g], args.from);
-    const Doubles to = squaredDistanceFrom(args.groups[g], args.to);
-    for (unsigned bits = bitsOfLanes(~(smaller(from, to) > far * far)); bits; bits &= bits - 1) {
+    for (unsigned bits = mayBeOver(args, g, args.depth); bits; bits &= bits - 1) {
       const std::size_t group = kSurfaceLanes * g + static_cast<unsigned>(__builtin_ctz(bits));
       if (group != nearest) soonestOfGroup(args, group);
     }
@@ -442,6 +446,7 @@ void findStretchesPassed(StretchesPassedArgs& args) {
   // What rounds: products of numbers of about the distance between the middles, and relative errors.
   const Doubles within = spread4(1 + 1e-6), grain = spread4(1e-12);
   const Doubles reach = spread4(args.reach) * within, least = spread4(args.leastSine * args.leastSine) * (2.0 - within);
+  const Vec3d& moved = args.moved.by;
   args.foundCount = 0;
   for (std::size_t i = 0; i < args.count; ++i) {
     const StretchBlock& b = args.blocks[i];
@@ -452,7 +457,11 @@ void findStretchesPassed(StretchesPassedArgs& args) {
     const Doubles at = (dy * bz - dz * by) * cx + (dz * bx - dx * bz) * cy + (dx * by - dy * bx) * cz;
     const Doubles other = (dy * az - dz * ay) * cx + (dz * ax - dx * az) * cy + (dx * ay - dy * ax) * cz;
     const Doubles rounding = grain * (larger(dx, -dx) + larger(dy, -dy) + larger(dz, -dz));
-    const DoubleMask passed = (larger(at, -at) <= reach * square + rounding) &
+    // Along `c`, which is no longer than 1: the way, and how far it has been gone.
+    const Doubles way = dx * cx + dy * cy + dz * cz, gone = moved.x * cx + moved.y * cy + moved.z * cz;
+    const Doubles left = larger(way, -way) - (way < 0 ? -gone : gone);
+    const DoubleMask missing = (left <= args.moved.missing + rounding) | (larger(way, -way) <= rounding);
+    const DoubleMask passed = (larger(at, -at) <= reach * square + rounding) & missing &
                               (larger(other, -other) <= load4(b.reach) * within * square + rounding) &
                               (square >= least);
     if (const unsigned bits = bitsOfLanes(passed)) {

@@ -107,7 +107,8 @@ void RegionTriangles::addEdges(const PlacedMeshes& meshes, const RegionTriangle&
   }
 }
 
-bool RegionTriangles::isCurved(int m, std::size_t i) const {
+bool RegionTriangles::isCurved(int m, std::uint32_t face) const {
+  const std::size_t i = begin_[m] + face;
   if (curved_[i] == Curved::kUnknown) {
     const auto first = planes_.begin(), begin = first + static_cast<std::ptrdiff_t>(begin_[m]),
                end = first + static_cast<std::ptrdiff_t>(begin_[m + 1]);
@@ -147,45 +148,47 @@ const std::pmr::vector<RegionTriangles::Exit>& RegionTriangles::exitsOf(int m, c
     if (std::any_of(exits_.begin(), exits_.end(),
                     [&](const Exit& e) { return otgDot(e.normal, normal) > kSameNormal; }))
       continue;
-    exits_.push_back({normal, planes_[i].offset, std::max(depth, 0.0), isCurved(m, i)});
+    exits_.push_back({normal, planes_[i].offset, std::max(depth, 0.0), near[k]});
   }
   return exits_;
 }
 
+RegionTriangles::StretchExit RegionTriangles::stretchExit(int m, std::uint32_t face, const Vec3d& from,
+                                                          const Vec3d& to) const {
+  const std::size_t i = begin_[m] + face;
+  const double first = depthBelow(i, from), last = depthBelow(i, to);
+  return {{planes_[i].normal, planes_[i].offset, otgDeeperEnd(first, last), face}, last > first};
+}
+
 const std::pmr::vector<RegionTriangles::StretchExit>& RegionTriangles::facesOver(int m, const Vec3d& from,
-                                                                                 const Vec3d& to) {
+                                                                                 const Vec3d& to, const Moved& moved) {
   if (sameAs_.empty()) findSameNormals();
   std::pmr::vector<StretchExit>& found = facesOver_;
   found.clear();
-  for (const std::uint32_t k : faces_[m].over(from, to, slack_)) {
-    const std::size_t i = begin_[m] + k;
-    const double first = depthBelow(i, from), last = depthBelow(i, to);
-    const double depth = otgDeeperEnd(first, last);
-    std::size_t& slot = slots_[sameAs_[i]];
-    const bool isNew = slot == kNoSlot;
-    if (!isNew && !(depth < found[slot].exit.depth)) continue;
-    const StretchExit exit{{planes_[i].normal, planes_[i].offset, depth, isCurved(m, i)}, last > first};
-    if (isNew) {
-      slot = found.size();
-      used_.push_back(sameAs_[i]);
-      found.push_back(exit);
+  for (const std::uint32_t k : faces_[m].over(from, to, slack_, moved)) {
+    const StretchExit exit = stretchExit(m, k, from, to);
+    const std::size_t same = sameAs_[begin_[m] + k];
+    std::size_t& slot = slots_[same];
+    if (slot == kNoSlot) {
+      used_.push_back(same);
+    } else if (exit.exit.depth < found[slot].exit.depth) {
+      found[slot].exit.face = kNone;
     } else {
-      found[slot] = exit;
+      continue;
     }
+    slot = found.size();
+    found.push_back(exit);
   }
+  std::erase_if(found, [](const StretchExit& e) { return e.exit.face == kNone; });
   for (const std::size_t i : used_) slots_[i] = kNoSlot;
   used_.clear();
   return found;
 }
 
-std::optional<RegionTriangles::StretchExit> RegionTriangles::soonestOver(int m, const Vec3d& from,
-                                                                         const Vec3d& to) const {
+RegionTriangles::StretchExit RegionTriangles::soonestOver(int m, const Vec3d& from, const Vec3d& to) const {
   const FaceSet::Soonest soonest = faces_[m].soonest(from, to, slack_);
-  if (!(soonest.depth < kInfinity)) return StretchExit{{{0, 0, 0}, 0, kInfinity, false}, false};
-  if (!soonest.isOnly) return std::nullopt;
-  const std::size_t i = begin_[m] + soonest.face;
-  const bool byEnd = depthBelow(i, to) > depthBelow(i, from);
-  return StretchExit{{planes_[i].normal, planes_[i].offset, soonest.depth, isCurved(m, i)}, byEnd};
+  if (!(soonest.depth < kInfinity)) return {{{0, 0, 0}, 0, kInfinity, kNone}, false};
+  return stretchExit(m, soonest.face, from, to);
 }
 
 void RegionTriangles::findSameNormals() {

@@ -43,10 +43,10 @@ class RegionTriangles {
 
   /// A face through which a point leaves a mesh.
   struct Exit {
-    Vec3d normal;   ///< unit, outward
-    double offset;  ///< of the face's plane
-    double depth;   ///< of the point below that
-    bool curved;    ///< the face is a facet of a curved surface
+    Vec3d normal;        ///< unit, outward
+    double offset;       ///< of the face's plane
+    double depth;        ///< of the point below that
+    std::uint32_t face;  ///< its number in the mesh's part of the region
   };
 
   /// Only for regions whose pieces are parts of single triangles: none of cells.
@@ -55,10 +55,17 @@ class RegionTriangles {
   /// How far in front of a triangle a point may lie that counts as on it.
   double behind() const { return behind_; }
 
+  /// Whether a face is a facet of a curved surface.
+  bool isCurved(int m, std::uint32_t face) const;
+
   /// Calls visit(edge) for all edges of mesh m that a stretch may pass, and few others, in the order of the triangles.
+  /// Only for those at which no more is missing when it has been moved.
   template <class Visit>
-  void forEachEdgePassed(int m, const Vec3d& middle, const Vec3d& along, double reach, Visit visit) const {
-    for (const std::uint32_t i : stretches_[m].passed(middle, along, reach, OTG_SOLID_LEAST_SINE)) visit(edges_[m][i]);
+  void forEachEdgePassed(int m, const Vec3d& middle, const Vec3d& along, double reach, const Moved& moved,
+                         Visit visit) const {
+    for (const std::uint32_t i : stretches_[m].passed(middle, along, reach, OTG_SOLID_LEAST_SINE, moved)) {
+      visit(edges_[m][i]);
+    }
   }
 
   /// By which faces of mesh m a point leaves it: those on which the nearest place of the surface lies. On a face that
@@ -68,14 +75,16 @@ class RegionTriangles {
   const std::pmr::vector<Exit>& exitsOf(int m, const Vec3d& p, double limit = std::numeric_limits<double>::infinity());
 
   /// By which faces of mesh m a stretch from `from` to `to` leaves as a whole: it is over the face at one end at least,
-  /// and below its plane. The depth is that of the end that is deeper.
+  /// and below its plane. The depth is that of the end that is deeper. Of faces that face the same way the one with the
+  /// least depth, the first of several. In the order of the triangles. Without those at which more is missing when the
+  /// stretch has been moved, or with few of them.
   struct StretchExit {
     Exit exit;
     bool byEnd;  ///< the end `to` is the deeper one
   };
-  const std::pmr::vector<StretchExit>& facesOver(int m, const Vec3d& from, const Vec3d& to);
-  /// Which of these has the least depth; infinite without any. None where several that differ have it.
-  std::optional<StretchExit> soonestOver(int m, const Vec3d& from, const Vec3d& to) const;
+  const std::pmr::vector<StretchExit>& facesOver(int m, const Vec3d& from, const Vec3d& to, const Moved& moved);
+  /// The first of these that has the least depth; infinite without any.
+  StretchExit soonestOver(int m, const Vec3d& from, const Vec3d& to) const;
 
   /// The first of the shortest ways from a point, none of which may be longer than `far`: out of mesh 1 through the
   /// nearest of its triangles that face along, and out of mesh 0 against the direction. Those along `ending` do not
@@ -102,7 +111,7 @@ class RegionTriangles {
 
   double depthBelow(std::size_t i, const Vec3d& p) const { return planes_[i].offset - otgDot(planes_[i].normal, p); }
   double distanceOf(std::size_t i, const Vec3d& p) const;
-  bool isCurved(int m, std::size_t i) const;
+  StretchExit stretchExit(int m, std::uint32_t face, const Vec3d& from, const Vec3d& to) const;
 
   void addTriangle(const PlacedMeshes& meshes, const Vec3d& origin, const Piece& piece);
   void addFace(int m, const RegionTriangle& t);
