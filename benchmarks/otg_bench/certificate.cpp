@@ -99,6 +99,16 @@ void printFamilies(const Json& rows) {
              lines);
 }
 
+truth::FallConditions conditionsOf(const CertificateOptions& options, int number) {
+  truth::FallConditions conditions = truth::fallConditions(number);
+  conditions.start = options.start == "dropped" ? truth::FallStart::kDropped
+                     : options.start == "slid"  ? truth::FallStart::kSlid
+                                                : truth::FallStart::kSettled;
+  conditions.duration = options.seconds;
+  if (options.rate > 0) conditions.timeStep = 1.0 / options.rate;
+  return conditions;
+}
+
 /// The members of a family as worlds: ours, and stock dTriMesh.
 Json fallsOf(const CertificateFamily& family, const CertificateOptions& options) {
   truth::Errors gains[2];
@@ -108,7 +118,7 @@ Json fallsOf(const CertificateFamily& family, const CertificateOptions& options)
     std::optional<CertificateMember> member = certificateMember(family, options.seed, i);
     if (member && options.open) member = truth::withOpenHost(*member);
     if (!member) continue;
-    truth::FallConditions conditions = truth::fallConditions(i);
+    truth::FallConditions conditions = conditionsOf(options, i);
     for (const std::size_t form : {0, 1}) {
       conditions.asTriMesh = form == 1;
       const double gain = truth::fall(*member, conditions).gain;
@@ -140,7 +150,7 @@ void printFalls(const Json& rows) {
     }
     lines.push_back(std::move(line));
   }
-  fmt::print("Worlds of 2 s (gains: largest rise of energy in one step, of weight times size; thrown: from {} on)\n",
+  fmt::print("Worlds (gains: largest rise of energy in one step, of weight times size; thrown: from {} on)\n",
              truth::kThrown);
   printTable(
       {"family", "members", "thrown", "stock", "gain, median", "95 %", "largest", "stock's, median", "95 %", "largest"},
@@ -214,7 +224,12 @@ int benchCertificate(const CertificateOptions& options) {
     document["bench"] = "contacts";
     document["seed"] = options.seed;
     document["form"] = options.form;
-    if (options.falls) document["open"] = options.open;
+    if (options.falls) {
+      document["open"] = options.open;
+      document["start"] = options.start;
+      document["seconds"] = options.seconds;
+      document["rate"] = options.rate;
+    }
     document["tables"] = {{options.falls ? "falls" : "certificate", rows}};
     printJson(document);
   } else if (options.falls) {

@@ -15,8 +15,11 @@ struct CertificateOptions {
   int places = 64;
   std::string form = "own";  ///< own: the library's geoms; override, stock: dTriMesh with and without the library
   std::uint32_t seed = 1;
-  bool falls = false;  ///< instead of single queries: the pairs stepped, beside stock dTriMesh
-  bool open = false;   ///< of the worlds: hosts without the triangles in the sides of their bounding boxes
+  bool falls = false;             ///< instead of single queries: the pairs stepped, beside stock dTriMesh
+  bool open = false;              ///< of the worlds: hosts without the triangles in the sides of their bounding boxes
+  std::string start = "settled";  ///< of the worlds: how movers begin: settled, dropped or slid
+  double seconds = 2;             ///< of the worlds
+  int rate = 0;                   ///< of the worlds: steps a second; 0: 60 and 240 in turn
   bool json = false;
 };
 

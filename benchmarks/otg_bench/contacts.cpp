@@ -289,11 +289,20 @@ void addBenchContacts(CLI::App& bench, Action& action) {
   add("--form", options->certificates.form, "Of the meshes: geoms of this library, dTriMesh taken over by it, or stock")
       ->check(CLI::IsMember({"own", "override", "stock"}));
   CLI::Option* falls = command->add_flag("--falls", options->certificates.falls,
-                                         "Instead: these pairs stepped for 2 s under gravity, beside stock dTriMesh");
+                                         "Instead: these pairs stepped under gravity, beside stock dTriMesh");
   falls->needs(certificate);
   command
       ->add_flag("--open", options->certificates.open,
                  "Of these worlds: hosts that lost their triangles in the sides of their bounding boxes")
+      ->needs(falls);
+  command->add_option("--start", options->certificates.start, "How the bodies of these worlds begin")
+      ->check(CLI::IsMember({"settled", "dropped", "slid"}))
+      ->needs(falls);
+  command->add_option("--seconds", options->certificates.seconds, "Of these worlds (default: 2)")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->needs(falls);
+  command->add_option("--rate", options->certificates.rate, "Their steps a second (default: 60 and 240 in turn)")
+      ->check(CLI::Range(1, 100000))
       ->needs(falls);
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }

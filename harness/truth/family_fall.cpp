@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdarg>
 #include <random>
+#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -20,6 +21,9 @@ namespace {
 constexpr double kGravity = 9.81;  // sizes per second squared
 constexpr double kTilt = 0.4;      // of gravity, from the way in
 constexpr double kGone = 40;       // sizes from where it began
+constexpr double kSpeed = 1;       // sizes per second across the way in
+// How far out of its host a mover begins, in sizes: the first at which it meets nothing.
+constexpr double kDrops[] = {0.2, 0.1, 0.05, 0.02, 0.01}, kJustOut[] = {0.001};
 constexpr int kPlaces = 64;
 
 Vec3d of(const dReal* v) {
@@ -85,6 +89,14 @@ class FallingMover {
     dBodySetRotation(body_, dGeomGetRotation(mover_.geom()));
     dGeomSetBody(mover_.geom(), body_);
     dGeomSetOffsetPosition(mover_.geom(), -center.x, -center.y, -center.z);
+    const Vec3d way = unit(member.shortest);  // of the host out of the mover
+    if (conditions.start == FallStart::kDropped) beginOutside(member.shortest, way, kDrops);
+    if (conditions.start == FallStart::kSlid) {
+      beginOutside(member.shortest, way, kJustOut);
+      const Vec3d across = otgSub(Vec3d{x, y, z}, otgScale(way, otgDot(way, {x, y, z})));
+      const Vec3d velocity = unit(across) * (kSpeed * size_);
+      dBodySetLinearVel(body_, velocity.x, velocity.y, velocity.z);
+    }
   }
   ~FallingMover() {
     dGeomSetBody(mover_.geom(), nullptr);
@@ -111,6 +123,18 @@ class FallingMover {
   }
 
  private:
+  /// The mover is where it begins without an overlap. Where it meets other parts of its host at all distances it is as
+  /// far out as at the last.
+  void beginOutside(const Vec3d& shortest, const Vec3d& way, std::span<const double> distances) {
+    const Vec3d inside = start_;
+    for (const double distance : distances) {
+      start_ = inside - shortest - way * (distance * size_);
+      dBodySetPosition(body_, start_.x, start_.y, start_.z);
+      dContactGeom found[kPlaces];
+      if (dCollide(host_.geom(), mover_.geom(), kPlaces, found, sizeof(dContactGeom)) == 0) return;
+    }
+  }
+
   /// Depth of the deepest contact.
   double step() {
     dContactGeom found[kPlaces];

@@ -8,7 +8,12 @@
 
 namespace otg::truth {
 
+/// How a mover begins: in its shallow overlap and at rest; out of its host at some distance and at rest; or just out of
+/// it and moving across the way in, by one size a second.
+enum class FallStart : std::uint8_t { kSettled, kDropped, kSlid };
+
 struct FallConditions {
+  FallStart start = FallStart::kSettled;
   double timeStep = 1.0 / 240;  ///< seconds
   bool quick = true;            ///< dWorldQuickStep; else dWorldStep
   double duration = 2;          ///< seconds

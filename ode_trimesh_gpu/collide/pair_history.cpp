@@ -24,6 +24,22 @@ bool hasTurnedFar(const Transformd& from, const Transformd& to) {
   return trace < 2;
 }
 
+/// In A's frame.
+Vec3d motionOfB(const Transformd& before, const Transformd& now, const Vec3d& middle) {
+  return otgTransform(now, middle) - otgTransform(before, middle);
+}
+
+SolidHistory::State rememberedAt(const SolidHistory& history, const Transformd& bInA) {
+  return samePose(history.current.pose, bInA) ? history.before : history.current;
+}
+
+/// A pair that jumped was put there, it did not move: what it did before says nothing. The direction of a deep overlap
+/// is worth keeping only while the overlap is nearly the same.
+void forgetAfter(double moved, double size, const Transformd& bInA, SolidHistory::State& state) {
+  if (moved > 0.05 * size) state.deepNormal = {0, 0, 0};
+  if (moved > 0.25 * size || hasTurnedFar(state.pose, bInA)) state = {};
+}
+
 std::uint64_t contentOf(const Query& query) {
   return contentOf(query.a->mesh(), query.b->mesh().contentHash());
 }
@@ -43,9 +59,14 @@ bool isSolid(const TriMesh& mesh) {
   return mesh.meshClass() == MeshClass::kSolid;
 }
 
-Vec3d middleOfB(const Query& query, const Transformd& bInA) {
-  const Vec3f& c = query.b->mesh().center();
-  return otgTransform(bInA, Vec3d{c.x, c.y, c.z});
+Vec3d motionSince(const Query& query, const Transformd& before) {
+  const TriMesh &a = query.a->mesh(), &b = query.b->mesh();
+  const Transformd& now = query.bInA;
+  const Vec3f& middle = b.radius() <= a.radius() ? b.center() : a.center();
+  const Vec3d c{middle.x, middle.y, middle.z};
+  if (b.radius() <= a.radius()) return motionOfB(before, now, c) * -1.0;
+  const Vec3d was = otgRotateBack(before, c - before.t), is = otgRotateBack(now, c - now.t);
+  return otgRotate(now, is - was);
 }
 
 double smallerRadius(const Query& query) {
@@ -58,21 +79,15 @@ double smallerSize(const Query& query) {
 
 SolidHistory::State stateBefore(const Query& query) {
   if (!query.history || !query.history->used) return {};
-  const Vec3f& c = query.b->mesh().center();
-  return stateBefore(*query.history, query.bInA, {c.x, c.y, c.z}, smallerSize(query));
+  SolidHistory::State state = rememberedAt(*query.history, query.bInA);
+  if (state.hasPose) forgetAfter(norm(motionSince(query, state.pose)), smallerSize(query), query.bInA, state);
+  return state;
 }
 
 SolidHistory::State stateBefore(const SolidHistory& history, const Transformd& bInA, const Vec3d& middle, double size) {
-  SolidHistory::State state;
-  if (history.used) state = samePose(history.current.pose, bInA) ? history.before : history.current;
-  if (state.hasPose) {
-    // A pair that jumped was put there, it did not move: what it did before says nothing. The direction of a deep
-    // overlap is worth keeping only while the overlap is nearly the same.
-    const Vec3d d = otgSub(otgTransform(state.pose, middle), otgTransform(bInA, middle));
-    const double moved = norm(d);
-    if (moved > 0.05 * size) state.deepNormal = {0, 0, 0};
-    if (moved > 0.25 * size || hasTurnedFar(state.pose, bInA)) state = {};
-  }
+  if (!history.used) return {};
+  SolidHistory::State state = rememberedAt(history, bInA);
+  if (state.hasPose) forgetAfter(norm(motionOfB(state.pose, bInA, middle)), size, bInA, state);
   return state;
 }
 

@@ -16,8 +16,9 @@ bool isSheet(const TriMesh& mesh);
 /// a sheet.
 bool haveSolidContacts(const TriMesh& a, const TriMesh& b);
 
-/// Where B's middle lies in A's frame: relative motion is measured there.
-Vec3d middleOfB(const Query& query, const Transformd& bInA);
+/// How far A has moved relative to B since it was in a pose. In A's frame of now, at the middle of the smaller mesh:
+/// where that turns, the middle of the other one would move far.
+Vec3d motionSince(const Query& query, const Transformd& before);
 /// Of the smaller mesh, and twice that.
 double smallerRadius(const Query& query);
 double smallerSize(const Query& query);

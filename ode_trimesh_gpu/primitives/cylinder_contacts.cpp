@@ -8,6 +8,7 @@
 #include "base/vectors.h"
 #include "collide/convex/convex_pair_contacts.h"
 #include "collide/convex/convex_places.h"
+#include "collide/convex/deep_overlap.h"
 #include "collide/rotation_tolerance.h"
 #include "collide/solid/solid_contacts.h"
 #include "primitives/convex_patch.h"
@@ -45,12 +46,17 @@ class CylinderSolver {
     if (axis_.of == CylinderAxis::Of::kNone || axis_.overlap <= rounding) return Answer::kApart;
     const ConvexPolyhedron::Reach reach = body_.reach(axis_.m);
     const double width = std::min(reach.most - reach.least, cylinder_.widthAlong(axis_.m));
-    if (axis_.overlap > kMostShallow * width) return Answer::kOther;
+    if (axis_.overlap > kMostShallow * width) {
+      deep_ = axis_.m * -1.0;
+      if (!endsByLeastWay(query_, deep_)) return Answer::kOther;
+    }
     findPlaces();
     choosePlaces(places_, query_.options.solid.contactsPerRegion, axis_.overlap);
     emit();
     return Answer::kTouching;
   }
+  /// The normal of the contacts of a deep overlap, or zero.
+  const Vec3d& deep() const { return deep_; }
 
  private:
   using Of = CylinderAxis::Of;
@@ -299,6 +305,7 @@ class CylinderSolver {
   CylinderAxis axis_;
   Vec3d m_{0, 0, 0}, normal_{0, 0, 0};  ///< of the contacts, out of the mesh; of the face
   double along_ = 0, facing_ = 0;       ///< of m: the parts along the axis, and along the face's normal
+  Vec3d deep_{0, 0, 0};
   std::uint32_t face_ = kNone;
 };
 
@@ -327,9 +334,10 @@ bool collideCylinder(const Query& query, const ConvexShape& shape, Workspace& wo
   workspace.clear();
   requireRigid(query.bInA);
   if (!isUnburdened(query)) return false;
-  const CylinderSolver::Answer answer = CylinderSolver(query, shape, workspace).run();
+  CylinderSolver solver(query, shape, workspace);
+  const CylinderSolver::Answer answer = solver.run();
   if (answer == CylinderSolver::Answer::kOther) return false;
-  rememberPlain(query, answer == CylinderSolver::Answer::kTouching, {0, 0, 0});
+  rememberPlain(query, answer == CylinderSolver::Answer::kTouching, solver.deep());
   reduceConvexContacts(query, workspace);
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();

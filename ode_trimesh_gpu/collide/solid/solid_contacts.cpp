@@ -52,7 +52,7 @@ PairMotion motionOf(const Query& query, const SolidHistory::State& state) {
   PairMotion motion;
   Vec3d approach = query.relativeVelocity;
   if (state.hasPose) {
-    const Vec3d moved = otgSub(middleOfB(query, state.pose), middleOfB(query, query.bInA));  // A relative to B
+    const Vec3d moved = motionSince(query, state.pose);
     motion.step = norm(moved);
     if (!(otgDot(approach, approach) > 0)) approach = moved;
   }
