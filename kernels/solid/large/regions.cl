@@ -48,12 +48,14 @@ OTG_INLINED uint otgOrderEdge(OTG_OVERLAP* o, uint slot) {
       along[j - 1] = x;
     }
   }
+  uint leaving = 0;
+  for (uint i = 0; i < count; ++i) leaving += all[along[i]].exits != 0;
+  uint expected = 2 * leaving == count ? all[along[0]].exits != 0 : 2 * leaving > count;
   OTG_ROLLED
-  for (uint i = 1; i < count; ++i) {
-    const uint exits = all[along[i]].exits;
-    if (exits != all[along[i - 1]].exits) continue;
-    uint j = i + 1;
-    while (j < count && all[along[j]].exits == exits) ++j;
+  for (uint i = 0; i < count; ++i, expected = !expected) {
+    uint j = i;
+    while (j < count && (all[along[j]].exits != 0) != expected) ++j;
+    if (j == i) continue;
     if (j == count || !(fabs(all[along[j]].t - all[along[i]].t) < OTG_SOLID_CLOSE_POINTS)) break;
     const uint moved = along[j];
     for (; j > i; --j) along[j] = along[j - 1];

@@ -120,12 +120,14 @@ OTG_INLINED void otgOrderTies(__local otg_solid_scratch* s, uint crossings, uint
       along[j - 1] = x;
     }
   }
+  uint leaving = 0;
+  for (uint i = 0; i < count; ++i) leaving += s->exits[along[i]] != 0;
+  uint expected = 2 * leaving == count ? s->exits[along[0]] != 0 : 2 * leaving > count;
   OTG_ROLLED
-  for (uint i = 1; i < count; ++i) {
-    const uchar exits = s->exits[along[i]];
-    if (exits != s->exits[along[i - 1]]) continue;
-    uint j = i + 1;
-    while (j < count && s->exits[along[j]] == exits) ++j;
+  for (uint i = 0; i < count; ++i, expected = !expected) {
+    uint j = i;
+    while (j < count && (s->exits[along[j]] != 0) != expected) ++j;
+    if (j == i) continue;
     if (j == count || !(fabs(s->t[along[j]] - s->t[along[i]]) < OTG_SOLID_CLOSE_POINTS)) {
       otgGiveUp(s, OTG_SOLID_BROKEN);
       return;

@@ -203,14 +203,20 @@ class Tracer {
     }
   }
 
-  /// Crossings that are closer together than their rounding may have come out in the wrong order.
+  /// Crossings that are closer together than their rounding may have come out in the wrong order. So may those of two
+  /// faces of one mesh that lie on each other, as of a box that stands on another one. Of an odd number the first and
+  /// the last are of the kind of which there are more.
   void alternate(std::uint32_t begin, std::uint32_t end) {
     std::vector<Crossing>& all = contour_.crossings;
     std::vector<std::uint32_t>& along = contour_.alongEdge;
-    for (std::uint32_t i = begin + 1; i < end; ++i) {
-      if (all[along[i]].exits != all[along[i - 1]].exits) continue;
+    const auto exits = [&](std::uint32_t i) { return all[along[i]].exits; };
+    std::uint32_t leaving = 0;
+    for (std::uint32_t i = begin; i < end; ++i) leaving += exits(i) ? 1 : 0;
+    bool expected = 2 * leaving == end - begin ? exits(begin) : 2 * leaving > end - begin;
+    for (std::uint32_t i = begin; i < end; ++i, expected = !expected) {
+      if (exits(i) == expected) continue;
       std::uint32_t j = i + 1;
-      while (j < end && all[along[j]].exits == all[along[i]].exits) ++j;
+      while (j < end && exits(j) != expected) ++j;
       if (j < end && std::fabs(all[along[j]].t - all[along[i]].t) < OTG_SOLID_CLOSE_POINTS) {
         std::rotate(along.begin() + i, along.begin() + j, along.begin() + j + 1);
       } else {
