@@ -113,6 +113,32 @@ TEST_CASE("overlaps of bodies of several components are described") {
   CHECK(describedInBatch(queries, expected) > 30);
 }
 
+TEST_CASE("boxes that stand on each other in one mesh have the host's contacts") {
+  // An edge that passes from one box into the other crosses two faces in one point.
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  Draw draw(8);
+  MeshList meshes;
+  std::vector<Query> queries;
+  for (int i = 0; i < 60; ++i) {
+    const double height = draw.uniform(0.05, 0.6), low = std::pow(10, draw.uniform(-7, -2));
+    const double in = std::pow(10, draw.uniform(-5, -2)), yaw = draw.uniform(-0.6, 0.6), y = draw.uniform(-1, 1);
+    const Vec3d size{draw.uniform(0.5, 1.2), draw.uniform(0.5, 1.2), draw.uniform(0.4, 0.9)};
+    const int fine = i % 2 == 0 ? 1 : 12;
+    meshes.push_back(collisionMesh(merge(
+        {at(makeBox({10, 10, 1}, fine), {0, 0, -0.5}), at(makeBox({0.6, 6, height}, fine), {2, 0, height / 2})})));
+    meshes.push_back(collisionMesh(makeBox(size, fine)));
+    const double reach = 0.5 * (size.x * std::cos(yaw) + size.y * std::abs(std::sin(yaw)));
+    queries.push_back(makeQuery(*meshes[meshes.size() - 2], *meshes.back(),
+                                makePose({0, 0, 1}, yaw, {1.7 - reach + in, y, size.z / 2 - low})));
+    queries.back().options.contacts = ContactModel::kSolid;
+  }
+  const std::vector<Workspace> expected = answersOnHost(queries);
+  CHECK(checkPairs(*backend, queries, expected).all > 20);
+  describedInBatch(queries, expected);
+}
+
 TEST_CASE("a component that lies wholly inside another body is left to the host with its pair") {
   opencl::Tuning tuning = always();
   SECTION("by work-groups of the usual size") {}
