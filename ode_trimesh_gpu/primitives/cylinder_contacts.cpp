@@ -48,7 +48,7 @@ class CylinderSolver {
     const double width = std::min(reach.most - reach.least, cylinder_.widthAlong(axis_.m));
     if (axis_.overlap > kMostShallow * width) {
       deep_ = axis_.m * -1.0;
-      if (!endsByLeastWay(query_, deep_)) return Answer::kOther;
+      if (isContained() || !endsByLeastWay(query_, deep_)) return Answer::kOther;
     }
     findPlaces();
     choosePlaces(places_, query_.options.solid.contactsPerRegion, axis_.overlap);
@@ -57,6 +57,7 @@ class CylinderSolver {
   }
   /// The normal of the contacts of a deep overlap, or zero.
   const Vec3d& deep() const { return deep_; }
+  bool isDeep() const { return otgDot(deep_, deep_) > 0; }
 
  private:
   using Of = CylinderAxis::Of;
@@ -75,6 +76,21 @@ class CylinderSolver {
     if (kept == nullptr) return;
     const std::uint32_t face = axis_.of == Of::kFace ? axis_.feature : kNone;
     *kept = {body_.stamp(), other, query_.bInA, separation.last(), axis_.overlap, face, 0};
+  }
+
+  /// Whether one is wholly inside the other.
+  bool isContained() const {
+    const auto isInCylinder = [&](const Vec3d& p) {
+      const Vec3d d = p - cylinder_.middle;
+      return std::fabs(otgDot(d, cylinder_.axis)) <= cylinder_.half && norm(cylinder_.across(d)) <= cylinder_.radius;
+    };
+    if (std::all_of(body_.vertices().begin(), body_.vertices().end(), isInCylinder)) return true;
+    for (std::uint32_t f = 0; f < body_.faceCount(); ++f) {
+      const ConvexPolyhedron::Face& face = body_.face(f);
+      const double reach = otgDot(face.normal, cylinder_.middle) + 0.5 * cylinder_.widthAlong(face.normal);
+      if (reach > face.offset) return false;
+    }
+    return true;
   }
 
   void findPlaces() {
@@ -337,7 +353,7 @@ bool collideCylinder(const Query& query, const ConvexShape& shape, Workspace& wo
   CylinderSolver solver(query, shape, workspace);
   const CylinderSolver::Answer answer = solver.run();
   if (answer == CylinderSolver::Answer::kOther) return false;
-  rememberPlain(query, answer == CylinderSolver::Answer::kTouching, solver.deep());
+  rememberPlain(query, answer == CylinderSolver::Answer::kTouching, solver.deep(), solver.isDeep());
   reduceConvexContacts(query, workspace);
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();

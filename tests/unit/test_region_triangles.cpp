@@ -52,13 +52,14 @@ TEST_CASE("faces of one mesh are curved by their neighbours in that mesh alone")
     std::size_t seen = 0;
     for (const Vec3d& d : {Vec3d{1, 0, 0}, Vec3d{0, -1, 0}, Vec3d{0, 0, 1}}) {
       const Vec3d inside = unit(d + Vec3d{0.1, 0.07, 0.04}) * 0.9;
-      for (const auto& exit : triangles.exitsOf(ballFirst ? 1 : 0, inside)) {
-        CHECK_FALSE(exit.curved);
+      const int ofBox = ballFirst ? 1 : 0, ofBall = 1 - ofBox;
+      for (const auto& exit : triangles.exitsOf(ofBox, inside)) {
+        CHECK_FALSE(triangles.isCurved(ofBox, exit.face));
         CHECK(exit.normal == d);
         ++seen;
       }
-      for (const auto& exit : triangles.exitsOf(ballFirst ? 0 : 1, inside)) {
-        CHECK(exit.curved);
+      for (const auto& exit : triangles.exitsOf(ofBall, inside)) {
+        CHECK(triangles.isCurved(ofBall, exit.face));
         ++seen;
       }
     }

@@ -44,7 +44,7 @@ class ConvexSolver {
     if (axis_.overlap <= rounding) return Answer::kOther;
     if (axis_.overlap > kMostShallow * std::min(width(0), width(1))) {
       deep_ = out(1);
-      if (!endsByLeastWay(query_, deep_)) return Answer::kOther;
+      if (isContained(pair_) || !endsByLeastWay(query_, deep_)) return Answer::kOther;
     }
     findPlaces();
     choosePlaces(scratch_.places, query_.options.solid.contactsPerRegion, axis_.overlap);
@@ -53,6 +53,7 @@ class ConvexSolver {
   }
   /// The normal of the contacts of a deep overlap, or zero.
   const Vec3d& deep() const { return deep_; }
+  bool isDeep() const { return otgDot(deep_, deep_) > 0; }
 
  private:
   using Corner = ConvexPolyhedron::Corner;
@@ -225,7 +226,7 @@ bool convexPairContacts(const Query& query, Workspace& workspace) {
   ConvexSolver solver(query, workspace);
   const ConvexSolver::Answer answer = solver.run();
   if (answer == ConvexSolver::Answer::kOther) return false;
-  rememberPlain(query, answer == ConvexSolver::Answer::kTouching, solver.deep());
+  rememberPlain(query, answer == ConvexSolver::Answer::kTouching, solver.deep(), solver.isDeep());
   reduceConvexContacts(query, workspace);
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
