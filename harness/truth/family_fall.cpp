@@ -179,6 +179,15 @@ class FallingMover {
 
 }  // namespace
 
+double thrownFrom(double timeStep) {
+  constexpr double kErp = 0.2, kOverlap = 0.01;  // dWorldGetERP() by default; in sizes
+  const auto pushedOut = [](double step) {
+    const double speed = kErp * kOverlap / step;
+    return 0.5 * speed * speed / kGravity;
+  };
+  return kThrown + std::max(0.0, pushedOut(timeStep) - pushedOut(1.0 / 240));
+}
+
 FallConditions fallConditions(int number) {
   FallConditions conditions;
   conditions.timeStep = number % 2 == 1 ? 1.0 / 60 : 1.0 / 240;

@@ -38,6 +38,8 @@ struct Fall {
 /// From this gain on the mover was thrown. Pushing an overlap of a hundredth out gains up to 0.015 at 240 steps a
 /// second.
 constexpr double kThrown = 0.05;
+/// The same at any time step. The solver pushes an overlap out within some steps, so that small steps gain more.
+double thrownFrom(double timeStep);
 
 /// Gravity is 9.81 sizes per second squared, about along the mover's shortest way in. ODE and the geom class must be
 /// initialised, and this thread must have ODE's data. Throws std::runtime_error where the library refuses a mesh.
