@@ -52,7 +52,8 @@ class ShapeRefiner final : public RegionRefiner {
     hasWalls_ = walls_->read(meshes, all, region, *placed_, patch_->triangles(), isConvex);
     if (!isConvex) return false;
     way_ = patch_->leave(*placed_, unit(region.push) * -1.0);
-    settled_ = std::isfinite(way_.depth);
+    settled_ = std::isfinite(way_.depth) && !(direction.pierced && direction.depth < way_.depth);
+    trusted_ = settled_ || !direction.pierced;
     hasWalls_ = hasWalls_ && settled_;
     if (!settled_) return false;
     normals.fix(way_.direction * -1.0);

@@ -8,7 +8,6 @@
 #include "base/vectors.h"
 #include "collide/convex/convex_pair_contacts.h"
 #include "collide/convex/convex_places.h"
-#include "collide/convex/deep_overlap.h"
 #include "collide/rotation_tolerance.h"
 #include "collide/solid/solid_contacts.h"
 #include "primitives/convex_patch.h"
@@ -46,18 +45,12 @@ class CylinderSolver {
     if (axis_.of == CylinderAxis::Of::kNone || axis_.overlap <= rounding) return Answer::kApart;
     const ConvexPolyhedron::Reach reach = body_.reach(axis_.m);
     const double width = std::min(reach.most - reach.least, cylinder_.widthAlong(axis_.m));
-    if (axis_.overlap > kMostShallow * width) {
-      deep_ = axis_.m * -1.0;
-      if (isContained() || !endsByLeastWay(query_, deep_)) return Answer::kOther;
-    }
+    if (axis_.overlap > kMostShallow * width) return Answer::kOther;
     findPlaces();
     choosePlaces(places_, query_.options.solid.contactsPerRegion, axis_.overlap);
     emit();
     return Answer::kTouching;
   }
-  /// The normal of the contacts of a deep overlap, or zero.
-  const Vec3d& deep() const { return deep_; }
-  bool isDeep() const { return otgDot(deep_, deep_) > 0; }
 
  private:
   using Of = CylinderAxis::Of;
@@ -76,21 +69,6 @@ class CylinderSolver {
     if (kept == nullptr) return;
     const std::uint32_t face = axis_.of == Of::kFace ? axis_.feature : kNone;
     *kept = {body_.stamp(), other, query_.bInA, separation.last(), axis_.overlap, face, 0};
-  }
-
-  /// Whether one is wholly inside the other.
-  bool isContained() const {
-    const auto isInCylinder = [&](const Vec3d& p) {
-      const Vec3d d = p - cylinder_.middle;
-      return std::fabs(otgDot(d, cylinder_.axis)) <= cylinder_.half && norm(cylinder_.across(d)) <= cylinder_.radius;
-    };
-    if (std::all_of(body_.vertices().begin(), body_.vertices().end(), isInCylinder)) return true;
-    for (std::uint32_t f = 0; f < body_.faceCount(); ++f) {
-      const ConvexPolyhedron::Face& face = body_.face(f);
-      const double reach = otgDot(face.normal, cylinder_.middle) + 0.5 * cylinder_.widthAlong(face.normal);
-      if (reach > face.offset) return false;
-    }
-    return true;
   }
 
   void findPlaces() {
@@ -321,7 +299,6 @@ class CylinderSolver {
   CylinderAxis axis_;
   Vec3d m_{0, 0, 0}, normal_{0, 0, 0};  ///< of the contacts, out of the mesh; of the face
   double along_ = 0, facing_ = 0;       ///< of m: the parts along the axis, and along the face's normal
-  Vec3d deep_{0, 0, 0};
   std::uint32_t face_ = kNone;
 };
 
@@ -350,10 +327,9 @@ bool collideCylinder(const Query& query, const ConvexShape& shape, Workspace& wo
   workspace.clear();
   requireRigid(query.bInA);
   if (!isUnburdened(query)) return false;
-  CylinderSolver solver(query, shape, workspace);
-  const CylinderSolver::Answer answer = solver.run();
+  const CylinderSolver::Answer answer = CylinderSolver(query, shape, workspace).run();
   if (answer == CylinderSolver::Answer::kOther) return false;
-  rememberPlain(query, answer == CylinderSolver::Answer::kTouching, solver.deep(), solver.isDeep());
+  rememberPlain(query, answer == CylinderSolver::Answer::kTouching, {0, 0, 0});
   reduceConvexContacts(query, workspace);
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();

@@ -67,6 +67,11 @@ namespace otg {
 #define OTG_SOLID_LAST_SHARE 0.85
 #define OTG_SOLID_DEEP_FACES 6
 #define OTG_SOLID_DEEP_AGAINST 0.2
+
+/// A thin part of one body that has gone far into the other has surfaces that cancel each other to this share. It
+/// leaves another way than it came if that is no longer than this share of the way back.
+#define OTG_SOLID_PIERCED 0.25
+#define OTG_SOLID_PIERCED_SHARE 0.5
 #define OTG_SOLID_FACE_COSINE 0.966
 #define OTG_SOLID_FACE_CLUSTERS 24
 
@@ -240,6 +245,11 @@ OTG_GENERIC otg_int OTG_NAME(otgIsLayered)(REAL thickness, REAL diagonal, REAL a
 /// Whether a region that reaches so far along its push is far deeper at one place than it is on the whole.
 OTG_GENERIC otg_int OTG_NAME(otgIsUneven)(REAL extent, REAL thickness) {
   return extent > OTG_REAL(OTG_SOLID_UNEVEN) * thickness;
+}
+
+/// Whether the surfaces of one body in a region cancel each other. `push`: length of the sum of all their areas.
+OTG_GENERIC otg_int OTG_NAME(otgIsPierced)(REAL push, REAL areaA, REAL areaB) {
+  return push < OTG_REAL(OTG_SOLID_PIERCED) * (areaA < areaB ? areaB : areaA);
 }
 
 /// Whether the overlap ends at a crossing: the face that it is on is the one to leave along the contact's normal, and

@@ -99,7 +99,9 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
     // Without room for its parts its candidates stay as they are: none is looked at, and the batch is run again.
     s->allocated = parts > 0 ? atomic_add(counters + OTG_COUNT_CHUNKS, parts) : 0;
     const int fits = s->allocated <= chunkRoom && chunkRoom - s->allocated >= parts;
-    const int isHosts = tooMany || (works && s->bad) || (isUneven && w.pieceCount > OTG_UNEVEN_FACES);
+    const double push = otgNorm_d(otgLoad(w.region->push));
+    const int isPierced = reachesFar && otgIsPierced_d(push, w.region->areaA, w.region->areaB);
+    const int isHosts = tooMany || (works && s->bad) || isPierced || (isUneven && w.pieceCount > OTG_UNEVEN_FACES);
     if (counts && (isHosts || !works || !fits)) flags |= OTG_REGION_BAD;
     if (counts && isHosts) *flag |= OTG_PAIR_TO_HOST | OTG_SOLID_TOO_MANY << OTG_PAIR_WHY;
     r->flags = flags;

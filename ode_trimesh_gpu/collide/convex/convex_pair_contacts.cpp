@@ -8,7 +8,6 @@
 #include "collide/convex/box_axes.h"
 #include "collide/convex/clip_faces.h"
 #include "collide/convex/convex_places.h"
-#include "collide/convex/deep_overlap.h"
 #include "collide/convex/expanding_polytope.h"
 #include "collide/convex/kept_axis.h"
 #include "collide/convex/separating_axes.h"
@@ -41,19 +40,12 @@ class ConvexSolver {
     if (axis_.of == ConvexAxis::Of::kNone) return Answer::kApart;
     const double rounding = kTouchingToRounding * (size_ + norm(toB) + norm(query_.bInA.t));
     for (const int body : {0, 1}) farthest_[body] = pair_.farthest(body, out(body));
-    if (axis_.overlap <= rounding) return Answer::kOther;
-    if (axis_.overlap > kMostShallow * std::min(width(0), width(1))) {
-      deep_ = out(1);
-      if (isContained(pair_) || !endsByLeastWay(query_, deep_)) return Answer::kOther;
-    }
+    if (axis_.overlap <= rounding || axis_.overlap > kMostShallow * std::min(width(0), width(1))) return Answer::kOther;
     findPlaces();
     choosePlaces(scratch_.places, query_.options.solid.contactsPerRegion, axis_.overlap);
     emit();
     return Answer::kTouching;
   }
-  /// The normal of the contacts of a deep overlap, or zero.
-  const Vec3d& deep() const { return deep_; }
-  bool isDeep() const { return otgDot(deep_, deep_) > 0; }
 
  private:
   using Corner = ConvexPolyhedron::Corner;
@@ -205,7 +197,6 @@ class ConvexSolver {
   const ConvexPair pair_;
   const double size_;
   ConvexAxis axis_;
-  Vec3d deep_{0, 0, 0};
   std::uint32_t farthest_[2] = {0, 0};
 };
 
@@ -223,10 +214,9 @@ bool convexPairContacts(const Query& query, Workspace& workspace) {
   workspace.reduced.clear();
   requireRigid(query.bInA);
   if (!isUnburdened(query)) return false;
-  ConvexSolver solver(query, workspace);
-  const ConvexSolver::Answer answer = solver.run();
+  const ConvexSolver::Answer answer = ConvexSolver(query, workspace).run();
   if (answer == ConvexSolver::Answer::kOther) return false;
-  rememberPlain(query, answer == ConvexSolver::Answer::kTouching, solver.deep(), solver.isDeep());
+  rememberPlain(query, answer == ConvexSolver::Answer::kTouching, {0, 0, 0});
   reduceConvexContacts(query, workspace);
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();

@@ -8,6 +8,9 @@
 
 namespace otg {
 
+/// Of a body's width: an overlap that is deeper may end by other ways than the least one as well.
+inline constexpr double kMostShallow = 0.5;
+
 /// Cosine of 4 degrees: a face so near to the normal touches as a face.
 inline constexpr double kTouchesAsFace = 0.9976;
 /// The face with which a body touches what is ahead along a unit direction: the one at its farthest vertex that faces

@@ -263,6 +263,35 @@ Vec3d escapeDirection(const PlacedMeshes& meshes, const OverlapRegions& all, con
   return escape.best();
 }
 
+/// Whether a part of one body reaches far into the other one and is thin: its surfaces cancel each other, and the push
+/// is that of the small piece of the other surface that it has gone through.
+bool isPierced(const Region& region, const RegionNormals& normals, RegionExtent& extent) {
+  return region.cellEnd == region.cellBegin && region.coherence >= OTG_SOLID_COHERENT &&
+         otgIsPierced(norm(region.push), region.areaA, region.areaB) != 0 &&
+         otgIsUneven(extent.along(normals.mean()), region.thickness) != 0;
+}
+
+/// The surface that it has to leave may be another one than that piece: a plate may be below the top of a body, beside
+/// its edge. Then it leaves by one of its own faces' directions, if rays find that far shorter.
+void leavePierced(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region, const PairMotion& motion,
+                  RegionNormals& normals, RegionExtent& extent, RegionDirection& answer) {
+  const WayOutByRays way(meshes, all, region);
+  double least = OTG_SOLID_PIERCED_SHARE * extent.along(normals.mean());
+  const auto offer = [&](const Vec3d& d, double factor) {
+    const double length = way.along(d, least / factor);
+    if (!(factor * length < least)) return;
+    least = factor * length;
+    answer.deep = answer.pierced = true;
+    answer.direction = d;
+    answer.depth = length;
+  };
+  if (otgDot(motion.deepNormal, motion.deepNormal) > 0) offer(motion.deepNormal, OTG_SOLID_LAST_SHARE);
+  for (int m = 0; m < 2; ++m) {
+    for (const Vec3d& d : faceDirections(all, region, m)) offer(d, 1.0);
+  }
+  if (answer.deep) normals.fix(answer.direction);
+}
+
 }  // namespace
 
 void addContained(const PlacedMeshes& meshes, const InsideFlags& inside, OverlapRegions& regions) {
@@ -336,6 +365,10 @@ RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& a
     } else {
       normals.setEscape(answer.direction);
     }
+    return answer;
+  }
+  if (!region.bad && isPierced(region, normals, regionExtent)) {
+    leavePierced(meshes, all, region, motion, normals, regionExtent, answer);
     return answer;
   }
   if (region.bad || !otgIsThick(region.thickness, region.diagonal)) return answer;

@@ -25,6 +25,7 @@ struct RegionDirection {
   bool entangled = false;  ///< incoherent or broken: depths of the whole pair are not to be trusted
   bool escaping = false;   ///< `direction` is where the body is leaving
   bool deep = false;       ///< `direction` is the way out of a deep overlap
+  bool pierced = false;    ///< it leads through another surface than that which the region crosses
   Vec3d direction{0, 0, 0};
   double depth = 0;  ///< of the way out along it, where that is known: the deepest contact has no less
 };

@@ -63,13 +63,6 @@ PairMotion motionOf(const Query& query, const SolidHistory::State& state) {
   return motion;
 }
 
-/// The first direction holds for some queries.
-void keepEscape(SolidHistory::State& state, const Vec3d& direction) {
-  if (state.escapeLeft > 0) return;
-  state.escape = direction;
-  state.escapeLeft = SolidHistory::kEscapeQueries;
-}
-
 /// Every crossing begins one chord and ends one.
 bool isClosed(const Contour& contour, std::vector<std::uint8_t>& ends) {
   if (contour.anomalies > 0) return false;
@@ -92,12 +85,11 @@ Vec3d deepDirectionBefore(const Query& query) {
   return query.history == nullptr ? Vec3d{0, 0, 0} : otgRotate(query.bInA, stateBefore(query).deepNormal);
 }
 
-void rememberPlain(const Query& query, bool hasContacts, const Vec3d& deep, bool isEscape) {
+void rememberPlain(const Query& query, bool hasContacts, const Vec3d& deep) {
   if (!query.history || !haveSolidContacts(query.a->mesh(), query.b->mesh())) return;
   const SolidHistory::State before = stateBefore(query);
   SolidHistory::State state = oneQueryLater(before);
   if (otgDot(deep, deep) > 0) state.deepNormal = otgRotateBack(query.bInA, deep);
-  if (isEscape) keepEscape(state, state.deepNormal);
   if (!hasContacts) state.side = sideBehind(query, state);
   keepState(query, before, state);
   if (!hasContacts) keepDeepest(query, 0);
@@ -191,7 +183,10 @@ class PairContacts {
 
   void remember(const RegionDirection& direction) {
     entangled_ = entangled_ || direction.entangled;
-    if (direction.escaping) keepEscape(state_, otgRotateBack(query_.bInA, direction.direction));
+    if (direction.escaping && state_.escapeLeft == 0) {
+      state_.escape = otgRotateBack(query_.bInA, direction.direction);
+      state_.escapeLeft = SolidHistory::kEscapeQueries;
+    }
     if (direction.deep) state_.deepNormal = otgRotateBack(query_.bInA, direction.direction);
   }
 

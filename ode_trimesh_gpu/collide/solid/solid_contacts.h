@@ -32,7 +32,7 @@ bool isUnburdened(const Query& query);
 /// which is this, in A's frame, or zero;
 Vec3d deepDirectionBefore(const Query& query);
 /// and what such a query leaves in query.history, if there is one. `deep`: the direction of its own last deep region,
-/// or zero. `isEscape`: the bodies leave each other along it, whatever the next queries find.
-void rememberPlain(const Query& query, bool hasContacts, const Vec3d& deep, bool isEscape = false);
+/// or zero.
+void rememberPlain(const Query& query, bool hasContacts, const Vec3d& deep);
 
 }  // namespace otg
