@@ -139,6 +139,30 @@ TEST_CASE("boxes that stand on each other in one mesh have the host's contacts")
   describedInBatch(queries, expected);
 }
 
+TEST_CASE("thin plates below the top of a body, over its edge, have the host's contacts") {
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  Draw draw(9);
+  MeshList meshes;
+  std::vector<Query> queries;
+  for (int i = 0; i < 60; ++i) {
+    const double thickness = draw.uniform(0.004, 0.05), deep = thickness * draw.uniform(0.3, 2);
+    const Vec3d size{draw.uniform(0.5, 1.2), draw.uniform(0.5, 1.2), thickness};
+    const double over = draw.uniform(-0.1, 0.1), y = draw.uniform(-1, 1), turn = draw.uniform(0, 6);
+    const int fine = i % 3 == 0 ? 8 : 1;
+    meshes.push_back(
+        collisionMesh(merge({at(makeBox({4, 4, 1}, fine), {0, 0, -0.5}), at(makeBox({2, 2, 1}), {-10, 0, -0.5})})));
+    meshes.push_back(collisionMesh(makeBox(size, fine)));
+    queries.push_back(makeQuery(*meshes[meshes.size() - 2], *meshes.back(),
+                                makePose({0, 0, 1}, turn, {2 + over, y, thickness / 2 - deep})));
+    queries.back().options.contacts = ContactModel::kSolid;
+  }
+  const std::vector<Workspace> expected = answersOnHost(queries);
+  checkPairs(*backend, queries, expected);
+  describedInBatch(queries, expected);
+}
+
 TEST_CASE("a component that lies wholly inside another body is left to the host with its pair") {
   opencl::Tuning tuning = always();
   SECTION("by work-groups of the usual size") {}
