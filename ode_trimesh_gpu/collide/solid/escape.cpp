@@ -161,8 +161,10 @@ class WayOutByPlanes {
 /// that pierces the other one is not taken for as short as what is in the other one.
 class WayOutByRays {
  public:
-  WayOutByRays(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region)
+  /// `behind`: the way out of a sheet where no surface of it is ahead.
+  WayOutByRays(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region, double behind = 0)
       : meshes_(meshes),
+        noneAhead_{meshes.isSolid(0) ? 0 : behind, meshes.isSolid(1) ? 0 : behind},
         far_(4 * static_cast<double>(meshes.mesh(0).radius() + meshes.mesh(1).radius())),
         origins_(all.memory) {
     const Vec3d middle = (region.lo + region.hi) * 0.5;
@@ -181,9 +183,7 @@ class WayOutByRays {
   double along(const Vec3d& d, double enough) const {
     double most = 0;
     for (const Vec3d& p : origins_) {
-      const double out = exitDistance(meshes_, 1, p, d, far_, 0);
-      const double back = exitDistance(meshes_, 0, p, d * -1.0, far_, 0);
-      most = std::max(most, std::max(out, 0.0) + std::max(back, 0.0));
+      most = std::max(most, out(1, p, d) + out(0, p, d * -1.0));
       if (most >= enough) break;
     }
     return most;
@@ -191,7 +191,12 @@ class WayOutByRays {
 
  private:
   static constexpr std::uint32_t kPoints = OTG_ESCAPE_ORIGINS - 1;
+  double out(int mesh, const Vec3d& p, const Vec3d& d) const {
+    const double distance = exitDistance(meshes_, mesh, p, d, far_, 0);
+    return distance < 0 ? noneAhead_[mesh] : distance;
+  }
   const PlacedMeshes& meshes_;
+  double noneAhead_[2];
   double far_;
   std::pmr::vector<Vec3d> origins_;
 };
@@ -275,7 +280,7 @@ bool isPierced(const Region& region, const RegionNormals& normals, RegionExtent&
 /// its edge. Then it leaves by one of its own faces' directions, if rays find that far shorter.
 void leavePierced(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region, const PairMotion& motion,
                   RegionNormals& normals, RegionExtent& extent, RegionDirection& answer) {
-  const WayOutByRays way(meshes, all, region);
+  const WayOutByRays way(meshes, all, region, std::numeric_limits<double>::infinity());
   double least = OTG_SOLID_PIERCED_SHARE * extent.along(normals.mean());
   const auto offer = [&](const Vec3d& d, double factor) {
     const double length = way.along(d, least / factor);
