@@ -51,6 +51,14 @@ OTG_INLINED uint otgFlagsOf(__local const otg_solid_ways* s, const otg_solid_wor
   return flags;
 }
 
+/// Whether the CPU makes the contacts of a region: rays are to find its way out, or it has too many pieces of an uneven
+/// one.
+OTG_INLINED int otgIsHosts(__local const otg_solid_ways* s, const otg_solid_work* w, int reachesFar) {
+  const double push = otgNorm_d(otgLoad(w->region->push));
+  if (s->bad || (reachesFar && otgIsPierced_d(push, w->region->areaA, w->region->areaB))) return 1;
+  return reachesFar && !w->isFixed && w->pieceCount > OTG_UNEVEN_FACES;
+}
+
 /// One region of pair `number`. `last`: as otgFindWayOut. `flag`: of the pair, in which the CPU sees early that it is
 /// to do it; solidContacts counts it.
 OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a, OTG_MESH* b, uint number,
@@ -99,9 +107,7 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
     // Without room for its parts its candidates stay as they are: none is looked at, and the batch is run again.
     s->allocated = parts > 0 ? atomic_add(counters + OTG_COUNT_CHUNKS, parts) : 0;
     const int fits = s->allocated <= chunkRoom && chunkRoom - s->allocated >= parts;
-    const double push = otgNorm_d(otgLoad(w.region->push));
-    const int isPierced = reachesFar && otgIsPierced_d(push, w.region->areaA, w.region->areaB);
-    const int isHosts = tooMany || (works && s->bad) || isPierced || (isUneven && w.pieceCount > OTG_UNEVEN_FACES);
+    const int isHosts = tooMany || (works && otgIsHosts(s, &w, reachesFar));
     if (counts && (isHosts || !works || !fits)) flags |= OTG_REGION_BAD;
     if (counts && isHosts) *flag |= OTG_PAIR_TO_HOST | OTG_SOLID_TOO_MANY << OTG_PAIR_WHY;
     r->flags = flags;

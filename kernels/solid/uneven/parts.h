@@ -108,8 +108,8 @@ OTG_INLINED uint otgExitsOf(const otg_uneven* u, const otg_uneven_part* part, do
   return count;
 }
 
-/// The faces over which a part lies, of those that face the same way the one that is left soonest, behind the first
-/// `count` ways, in the order of the faces: how many there are then.
+/// The faces over which a part lies, behind the first `count` ways: how many there are then. Of those that face the same
+/// way the one that is left soonest. In the order of the faces.
 OTG_INLINED uint otgFacesOver(const otg_uneven* u, const otg_uneven_part* part, __global otg_uneven_way* ways,
                               uint count) {
   const uint before = count;

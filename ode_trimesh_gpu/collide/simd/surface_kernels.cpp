@@ -306,9 +306,8 @@ std::span<const std::uint32_t> FaceSet::over(const Vec3d& from, const Vec3d& to,
   found_.resize(kSurfaceLanes * blocks_.size());
   const Moved almost = nearly(moved);
   const double limit = almost.missing + lengthOf({0, 0, 0}, moved.by);
-  FacesOverArgs args{blocks_.data(), blocks_.size(), groups_.data(), groups_.size(), from,
-                     to,             slack,          lengthOf(from, to), limit,      almost,
-                     found_.data(),  0};
+  FacesOverArgs args{blocks_.data(), blocks_.size(),     groups_.data(), groups_.size(), from,          to,
+                     slack,          lengthOf(from, to), limit,          almost,         found_.data(), 0};
   findFacesOver(level(), args);
   return {found_.data(), args.foundCount};
 }
@@ -354,7 +353,8 @@ void StretchSet::add(const Vec3d& middle, const Vec3d& along, double reach) {
 std::span<const std::uint32_t> StretchSet::passed(const Vec3d& middle, const Vec3d& along, double reach,
                                                   double leastSine, const Moved& moved) const {
   found_.resize(kSurfaceLanes * blocks_.size());
-  StretchesPassedArgs args{blocks_.data(), blocks_.size(), middle, along, reach, leastSine, nearly(moved), found_.data(), 0};
+  StretchesPassedArgs args{blocks_.data(), blocks_.size(), middle,        along, reach,
+                           leastSine,      nearly(moved),  found_.data(), 0};
   findStretchesPassed(level(), args);
   return {found_.data(), args.foundCount};
 }

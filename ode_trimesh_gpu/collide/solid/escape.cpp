@@ -284,7 +284,8 @@ void leavePierced(const PlacedMeshes& meshes, const OverlapRegions& all, const R
   double least = OTG_SOLID_PIERCED_SHARE * extent.along(normals.mean());
   const auto offer = [&](const Vec3d& d, double factor) {
     const double length = way.along(d, least / factor);
-    if (!(factor * length < least)) return;
+    // The overlap is as thick as this. Rays that find less have missed it.
+    if (!(factor * length < least) || length < region.thickness) return;
     least = factor * length;
     answer.deep = answer.pierced = true;
     answer.direction = d;

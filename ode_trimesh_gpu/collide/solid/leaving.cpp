@@ -27,7 +27,7 @@ struct Part {
   const SupportPoint* point;
   std::pmr::vector<Way> ways;
   std::size_t together = 1;
-  double soonest = 0;               ///< depth of the way that is tried first
+  double soonest = 0;                ///< depth of the way that is tried first
   Moved lookedFor{{0, 0, 0}, -1.0};  ///< others have been looked for of which no more is missing after that move
 
   std::span<const Way> all() const { return std::span(ways).first(together); }

@@ -93,7 +93,7 @@ class RegionSolver {
   /// when the few points that the region keeps do not reach as far.
   double clampToLimit(const Vec3d& n, double& out, double& back) {
     if (region_.cellEnd > region_.cellBegin && out + back <= task_.extent.ofPoints(n)) return out + back;
-    const double limit = task_.extent.along(n) + task_.extraDepth;
+    const double limit = std::isfinite(task_.mostDepth) ? task_.mostDepth : task_.extent.along(n) + task_.extraDepth;
     out = std::min(out, limit);
     back = std::min(back, limit);
     return std::min(out + back, limit);

@@ -19,6 +19,7 @@ struct RegionTask {
   RegionExtent& extent;
   int maxContacts;
   double leastDepth;  ///< of the deepest contact
+  double mostDepth;   ///< of any, where that is known; else infinity, and the region's extent limits it
   double extraDepth;  ///< added to the clamp of depths by the region's own extent (escaping bodies: way of one step)
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "base/scratch_memory.h"
 #include "base/vectors.h"
@@ -129,6 +130,7 @@ class PairContacts {
                           extent,
                           query_.options.solid.contactsPerRegion,
                           isRefined ? 0 : direction.depth,
+                          direction.pierced ? direction.depth : std::numeric_limits<double>::infinity(),
                           extra};
     if (contactsOfRegion(task, workspace_.contacts) || region.apart) ++workspace_.stats.unevenRegions;
     if (query_.refiner) query_.refiner->refine(workspace_.contacts, first);
