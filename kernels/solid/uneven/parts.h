@@ -108,8 +108,8 @@ OTG_INLINED uint otgExitsOf(const otg_uneven* u, const otg_uneven_part* part, do
   return count;
 }
 
-/// The faces over which a part lies, behind the first `count` ways: how many there are then. Of those that face the same
-/// way the one that is left soonest. In the order of the faces.
+/// The faces over which a part lies, behind the first `count` ways: how many there are then. Of those that face the
+/// same way the one that is left soonest. In the order of the faces.
 OTG_INLINED uint otgFacesOver(const otg_uneven* u, const otg_uneven_part* part, __global otg_uneven_way* ways,
                               uint count) {
   const uint before = count;
@@ -165,8 +165,8 @@ OTG_INLINED void otgMoveWay(__global otg_uneven_way* ways, uint from, uint to) {
   ways[to] = way;
 }
 
-/// By how many faces a stretch leaves that are nearest to its middle, all at once, if that is far shorter than the
-/// soonest of its `count` ways. Behind these: as leaveByMiddle in collide/solid/leaving.cpp. 0: it does not.
+/// The faces nearest to a stretch's middle, behind its `count` ways: how many, if it leaves by all of them at once. 0
+/// if that is not far shorter than the soonest of those: as leaveByMiddle in collide/solid/leaving.cpp.
 OTG_INLINED uint otgLeaveByMiddle(__local otg_uneven_scratch* s, const otg_uneven* u, const otg_uneven_part* part,
                                   __global otg_uneven_way* ways, uint count, double soonest) {
   const uint exits = otgExitsOf(u, part, soonest / OTG_SOLID_NEIGHBOURHOOD, ways + count);
