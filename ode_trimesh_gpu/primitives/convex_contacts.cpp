@@ -50,6 +50,7 @@ class ShapeRefiner final : public RegionRefiner {
     if (!trusted_) return false;
     const bool isConvex = patch_->read(meshes, all, region) || patch_->readDense(meshes, all, region, *placed_);
     hasWalls_ = walls_->read(meshes, all, region, *placed_, patch_->triangles(), isConvex);
+    trusted_ = isConvex || !direction.pierced;
     if (!isConvex) return false;
     way_ = patch_->leave(*placed_, unit(region.push) * -1.0);
     settled_ = std::isfinite(way_.depth) && !(direction.pierced && direction.depth < way_.depth);

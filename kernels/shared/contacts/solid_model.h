@@ -67,13 +67,13 @@ namespace otg {
 #define OTG_SOLID_LAST_SHARE 0.85
 #define OTG_SOLID_DEEP_FACES 6
 #define OTG_SOLID_DEEP_AGAINST 0.2
+#define OTG_SOLID_FACE_COSINE 0.966
+#define OTG_SOLID_FACE_CLUSTERS 24
 
 /// A thin part of one body that has gone far into the other has surfaces that cancel each other to this share. It
 /// leaves another way than it came if that is no longer than this share of the way back.
 #define OTG_SOLID_PIERCED 0.25
 #define OTG_SOLID_PIERCED_SHARE 0.5
-#define OTG_SOLID_FACE_COSINE 0.966
-#define OTG_SOLID_FACE_CLUSTERS 24
 
 /// More pieces than the first are gathered by their normals for that; about so many points are looked at.
 #define OTG_SOLID_DEEP_PIECES 128
