@@ -99,7 +99,7 @@ struct CollideStats {
   std::uint64_t decidedExactly = 0;   ///< of those, the ones that double arithmetic left open
   std::uint64_t contactsBeforeReduction = 0;
   std::uint64_t contactsAhead = 0;  ///< of these, the ones of surfaces on the way (solid/look_ahead.h)
-  std::uint64_t unevenRegions = 0;  ///< of solids, whose parts leave each by its own face
+  std::uint64_t unevenRegions = 0;  ///< of solids, whose parts leave each by its own face, or through another surface
   double middleMs = 0, nearMs = 0, contactsMs = 0, reductionMs = 0;
   std::vector<std::uint64_t> boxTestsPerDepth;  ///< by depth of the pair: sum of both nodes' depths
 };

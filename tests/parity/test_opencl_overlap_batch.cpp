@@ -147,7 +147,7 @@ TEST_CASE("pairs of a batch whose own kernels find them at odds are described") 
   const auto mesh = collisionMesh(makeTorus(0.4, 0.5, 20, 12));
   std::vector<Query> queries;
   Workspace workspace;
-  for (const Query& query : overlaps({mesh}, 41, 1500, 2.2)) {
+  for (const Query& query : overlaps({mesh}, 41, 2500, 2.2)) {
     findIntersectingPairs(query, workspace);
     const std::size_t hits = workspace.intersecting.size();
     if (hits < OTG_SOLID_ODD_HITS || hits > opencl::Tuning{}.solidLargeHits || !atOdds(query).any()) continue;
@@ -163,8 +163,11 @@ TEST_CASE("pairs of a batch whose own kernels find them at odds are described") 
   opencl::BatchAnswer answer;
   CHECK(backend->collideBatch(queries, answer));
   CHECK(countWrong(answer, onHost(queries)) == 0);
-  CHECK(backend->counts().described >= queries.size() - queries.size() / 10);
-  CHECK(answer.leftToHost <= queries.size() / 10);
+  // Before crossings of faces that lie on each other were put in order, 77 of these placements were at odds. Of such as
+  // many may be left as a tenth of those.
+  constexpr std::size_t kLeft = 7;
+  CHECK(backend->counts().described >= queries.size() - kLeft);
+  CHECK(answer.leftToHost <= kLeft);
 }
 
 TEST_CASE("a few large pairs of a batch are done by the host while the device does the others") {

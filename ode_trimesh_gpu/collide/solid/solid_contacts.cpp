@@ -132,7 +132,8 @@ class PairContacts {
                           isRefined ? 0 : direction.depth,
                           direction.pierced ? direction.depth : std::numeric_limits<double>::infinity(),
                           extra};
-    if (contactsOfRegion(task, workspace_.contacts) || region.apart) ++workspace_.stats.unevenRegions;
+    const bool isUneven = contactsOfRegion(task, workspace_.contacts);
+    if (isUneven || region.apart || direction.pierced) ++workspace_.stats.unevenRegions;
     if (query_.refiner) query_.refiner->refine(workspace_.contacts, first);
   }
 
