@@ -295,7 +295,7 @@ void addBenchContacts(CLI::App& bench, Action& action) {
       ->add_flag("--open", options->certificates.open,
                  "Of these worlds: hosts that lost their triangles in the sides of their bounding boxes")
       ->needs(falls);
-  command->add_option("--start", options->certificates.start, "How the bodies of these worlds begin")
+  command->add_option("--start", options->certificates.start, "How the bodies of these worlds begin (default: settled)")
       ->check(CLI::IsMember({"settled", "dropped", "slid"}))
       ->needs(falls);
   command->add_option("--seconds", options->certificates.seconds, "Of these worlds (default: 2)")

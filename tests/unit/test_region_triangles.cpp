@@ -4,13 +4,16 @@
 
 #include "base/vectors.h"
 #include "bvh/collision_mesh.h"
+#include "collide/pair_history.h"
 #include "collide/solid/region_triangles.h"
 #include "collide/stages.h"
 #include "scenes/generated_meshes.h"
 #include "support/catch.h"
+#include "support/draw.h"
 #include "support/make_query.h"
 
 using namespace otg;
+using otg::test::makePose;
 using otg::test::makeQuery;
 
 namespace {
@@ -80,4 +83,21 @@ TEST_CASE("a pair remembers the direction of a deep region, and of no other") {
     REQUIRE_FALSE(workspace.reduced.empty());
     CHECK(norm(history.current.deepNormal) == Approx(isDeep ? 1 : 0).margin(1e-12));
   }
+}
+
+TEST_CASE("motion is measured at the smaller mesh, whichever is first") {
+  const CollisionMesh small(scenes::build(scenes::makeBox({0.2, 0.1, 0.1})), BuildStrategy::kSah);
+  const CollisionMesh large(scenes::build(scenes::makeBox({4, 4, 1})), BuildStrategy::kSah);
+  const Vec3d place{1.8, 0.3, 0.6}, step{0.01, -0.02, 0.03};
+  const Transformd before = makePose({0, 0, 1}, 0.2, place);
+  Transformd after = makePose({0, 0.6, 0.8}, 0.4, place);
+  CHECK(norm(motionSince(makeQuery(large, small, after), before)) < 1e-12);
+  after.t = place + step;
+  CHECK(norm(motionSince(makeQuery(large, small, after), before) + step) < 1e-12);
+  // The small one turns in its place: in its frame the middle of the large one moves.
+  after.t = otgRotate(after, otgRotateBack(before, place));
+  CHECK(norm(after.t - place) > 0.1);
+  CHECK(norm(motionSince(makeQuery(small, large, after), before)) < 1e-12);
+  after.t = after.t - otgRotate(after, step);
+  CHECK(norm(motionSince(makeQuery(small, large, after), before) - otgRotate(after, step)) < 1e-12);
 }
