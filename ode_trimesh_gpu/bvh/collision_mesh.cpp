@@ -86,6 +86,21 @@ const ConvexPolyhedron* CollisionMesh::convex() const {
   return convex_.get([this] { return buildConvexPolyhedron(*mesh_); }).get();
 }
 
+const CollisionMesh::Parts* CollisionMesh::parts() const {
+  return parts_
+      .get([this]() -> std::unique_ptr<const Parts> {
+        if (!mayHaveParts(*mesh_)) return nullptr;
+        auto own = std::make_unique<Parts>(
+            Parts{withOwnBoxes([this](const BinaryTree& tree) { return takeSolidApart(*mesh_, tree); }), {}});
+        if (own->parts.empty()) return nullptr;
+        for (const SolidParts::Part& part : own->parts) {
+          own->meshes.push_back(std::make_unique<const CollisionMesh>(part.mesh, tree().strategy));
+        }
+        return own;
+      })
+      .get();
+}
+
 /// `of`: of an image, the mesh whose move it follows.
 CollisionMesh::Motion& CollisionMesh::motion(const CollisionMesh* of) {
   if (motion_ == nullptr) {
@@ -165,6 +180,7 @@ void CollisionMesh::finishMove() noexcept {
   Motion& m = *motion_;
   alive_ = std::move(m.alive);
   convex_.reset();
+  parts_.reset();
   if (Adjacency* const adjacency = adjacency_.made()) {
     try {
       updateAdjacency(*adjacency, *mesh_, m.vertices.triangles());

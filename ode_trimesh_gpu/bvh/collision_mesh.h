@@ -12,6 +12,7 @@
 #include "base/first_use.h"
 #include "bvh/box_scale.h"
 #include "bvh/mesh_trees.h"
+#include "bvh/solid_parts.h"
 #include "mesh/adjacency.h"
 #include "mesh/convex_polyhedron.h"
 #include "mesh/vertex_motion.h"
@@ -84,6 +85,10 @@ class CollisionMesh {
   /// after vertices have moved. May throw std::bad_alloc.
   const ConvexPolyhedron* convex() const;
 
+  /// The parts of a solid whose components overlap each other (takeSolidApart()), or null. Determined likewise.
+  struct Parts;
+  const Parts* parts() const;
+
   /// Expires with this object, whatever else holds the mesh, and when vertices move: for caches of what was derived
   /// from it.
   std::weak_ptr<const void> lifetime() const { return alive_; }
@@ -119,6 +124,7 @@ class CollisionMesh {
   std::size_t movedSinceLook_ = 0;             ///< triangles of such an image, since imageIsWorn() was called
   FirstUse<Adjacency> adjacency_;
   FirstUse<std::unique_ptr<const ConvexPolyhedron>> convex_;
+  FirstUse<std::unique_ptr<const Parts>> parts_;
   std::unique_ptr<Motion> motion_;  ///< made by moveSome()
   /// What changedSince() reads: the last `counts.size()` of all moves, each with so many of `triangles`.
   struct MoveLog {
@@ -129,6 +135,10 @@ class CollisionMesh {
   MoveLog log_;
   std::shared_ptr<const char> structure_ = std::make_shared<const char>('\0');
   std::shared_ptr<const char> alive_ = std::make_shared<const char>('\0');
+};
+
+struct CollisionMesh::Parts : SolidParts {
+  std::vector<std::unique_ptr<const CollisionMesh>> meshes;  ///< one for each part
 };
 
 }  // namespace otg

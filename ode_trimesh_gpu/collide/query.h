@@ -61,12 +61,20 @@ enum class ContactFeature : std::uint8_t {
   kMiddleB
 };
 
+/// Whether it is a vertex or an edge of mesh A.
+constexpr bool isOfA(ContactFeature feature) {
+  return feature == ContactFeature::kVertexA || feature == ContactFeature::kCrossingA ||
+         feature == ContactFeature::kMiddleA;
+}
+
 /// Facts about a contact, added up.
 enum ContactFlag : std::uint8_t {
   kContactInside = 1,     ///< its vertex or middle lies inside the other solid (else on the other surface)
   kContactContained = 2,  ///< a whole component of one mesh lies inside the other
   kContactClamped = 4     ///< this depth was cut: the pair is entangled or jammed, or cannot have moved so far
 };
+
+inline constexpr std::uint32_t kOrdinalOfPart = 1U << 20;
 
 struct Contact {
   Vec3d position;  ///< frame A
@@ -79,7 +87,8 @@ struct Contact {
   std::uint8_t flags = 0;         ///< ContactFlag
   std::uint32_t element = kNone;  ///< number of the feature's vertex (welded) or edge in its mesh; kNone for faces
   /// Of an edge, whose inside stretches are counted k = 0, 1, ... from Topology::Edge::a: crossings have 2 k where the
-  /// stretch begins and 2 k + 1 where it ends, middles have k. Else 0.
+  /// stretch begins and 2 k + 1 where it ends, middles have k. Else 0. With a mesh of parts (CollisionMesh::parts())
+  /// the number of the part that it is in, times kOrdinalOfPart, comes on top.
   std::uint32_t ordinal = 0;
   double coherence = -1;  ///< of the region (solid/overlap_regions.h); -1 where the model has none
 };

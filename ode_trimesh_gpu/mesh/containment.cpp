@@ -139,10 +139,10 @@ class ProbeGrid {
 
 }  // namespace
 
-std::vector<std::uint32_t> nestingDepths(const Topology& topology, std::span<const Vec3f> vertices,
-                                         std::span<const Triangle> triangles) {
-  std::vector<std::uint32_t> depths(topology.componentCount(), 0);
-  if (std::count(topology.componentClosed.begin(), topology.componentClosed.end(), 1) < 2) return depths;
+std::vector<Nesting> nestingsOf(const Topology& topology, std::span<const Vec3f> vertices,
+                                std::span<const Triangle> triangles) {
+  std::vector<Nesting> nestings;
+  if (std::count(topology.componentClosed.begin(), topology.componentClosed.end(), 1) < 2) return nestings;
 
   Bounds all;
   std::vector<Bounds> bounds(topology.componentCount());
@@ -187,8 +187,15 @@ std::vector<std::uint32_t> nestingDepths(const Topology& topology, std::span<con
       while (i < crossings.size() && crossings[i] == crossings[run]) ++i;
       oddProbes += (i - run) % 2;
     }
-    if (oddProbes == kProbes) ++depths[crossings[begin].inner];
+    if (oddProbes == kProbes) nestings.push_back({crossings[begin].inner, crossings[begin].outer});
   }
+  return nestings;
+}
+
+std::vector<std::uint32_t> nestingDepths(const Topology& topology, std::span<const Vec3f> vertices,
+                                         std::span<const Triangle> triangles) {
+  std::vector<std::uint32_t> depths(topology.componentCount(), 0);
+  for (const Nesting& nesting : nestingsOf(topology, vertices, triangles)) ++depths[nesting.inner];
   return depths;
 }
 

@@ -10,8 +10,15 @@
 
 namespace otg {
 
-/// For each component the number of closed components that it lies inside; 0 for components that are not closed. Of
-/// components that cross each other neither is inside the other. Winding is not looked at.
+/// A closed component that lies inside another one.
+struct Nesting {
+  std::uint32_t inner, outer;
+};
+/// All of them. Of components that cross each other neither is inside the other. Winding is not looked at.
+std::vector<Nesting> nestingsOf(const Topology& topology, std::span<const Vec3f> vertices,
+                                std::span<const Triangle> triangles);
+
+/// For each component the number of closed components that it lies inside; 0 for components that are not closed.
 std::vector<std::uint32_t> nestingDepths(const Topology& topology, std::span<const Vec3f> vertices,
                                          std::span<const Triangle> triangles);
 

@@ -49,9 +49,9 @@ bool Backend::collideProfiled(const Query& query, Workspace& workspace, StageTim
 bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, StageTimes& times) {
   const Stopwatch total(profile);
   const bool contacts = isPairwise(query);
-  const PairRequest request = contacts                                          ? PairRequest::kContacts
-                              : query.refiner == nullptr && !mayBeShells(query) ? PairRequest::kOverlap
-                                                                                : PairRequest::kPairs;
+  const PairRequest request = contacts                                                ? PairRequest::kContacts
+                              : query.refiner == nullptr && !areContactsOfHost(query) ? PairRequest::kOverlap
+                                                                                      : PairRequest::kPairs;
   const PairFrame frame = makePairFrame(query);
   ++state_->queries;
   if (isRefused(query) || isIdleQuery(query, frame) || isConvexPair(query)) {

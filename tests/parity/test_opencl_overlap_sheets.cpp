@@ -3,6 +3,7 @@
 // host's, to the last bit.
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "support/large_overlaps.h"
 #include "support/sheet_scenes.h"
@@ -161,6 +162,40 @@ TEST_CASE("thin plates below the top of a body, over its edge, have the host's c
   const std::vector<Workspace> expected = answersOnHost(queries);
   checkPairs(*backend, queries, expected);
   describedInBatch(queries, expected);
+}
+
+TEST_CASE("pairs of a solid whose components overlap are the host's") {
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  const MeshPtr ground =
+      collisionMesh(merge({at(makeBox({4, 4, 1}, 8), {0, 0, -0.5}), at(makeBox({0.6, 3, 0.5}, 4), {1, 0, 0.1}),
+                           at(makeSphere(0.5, 3), {-0.8, 0.2, 0.1})}));
+  REQUIRE(ground->parts() != nullptr);
+  const MeshPtr lump = collisionMesh(makeLump(0.5, 3, 0.2, 4)), box = collisionMesh(makeBox({0.8, 0.6, 0.5}, 4));
+  Draw draw(10);
+  std::vector<Query> queries;
+  for (int i = 0; i < 40; ++i) {
+    const Vec3d axis = draw.direction(), at{draw.uniform(-1.5, 1.5), draw.uniform(-1, 1), draw.uniform(0, 0.6)};
+    const CollisionMesh& body = i % 2 == 0 ? *lump : *box;
+    const Transformd pose = makePose(axis, draw.uniform(0, 3), at);
+    queries.push_back(i % 3 == 0 ? makeQuery(body, *ground, pose) : makeQuery(*ground, body, pose));
+    queries.back().options.contacts = ContactModel::kSolid;
+    queries.push_back(makeQuery(*lump, *box, makePose(axis, 1, {0.6, 0, 0})));
+    queries.back().options.contacts = ContactModel::kSolid;
+  }
+  const std::vector<Workspace> expected = answersOnHost(queries);
+  std::size_t several = 0;  // pairs with contacts with more than one component
+  for (std::size_t i = 0; i < queries.size(); i += 2) {
+    const bool isFirst = queries[i].a == ground.get();
+    std::set<std::uint32_t> components;
+    for (const Contact& c : expected[i].reduced) {
+      components.insert(ground->mesh().topology().componentOf[isFirst ? c.triangleA : c.triangleB]);
+    }
+    several += components.size() > 1;
+  }
+  CHECK(several > 10);
+  checkPairs(*backend, queries, expected);
+  CHECK(describedInBatch(queries, expected) <= queries.size() / 2);
 }
 
 TEST_CASE("a component that lies wholly inside another body is left to the host with its pair") {

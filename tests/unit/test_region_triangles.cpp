@@ -22,7 +22,7 @@ constexpr Transformd kSame{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
 /// One region of all triangles of both meshes.
 OverlapRegions wholeMeshes(const PlacedMeshes& meshes) {
-  OverlapRegions all;
+  OverlapRegions all{};
   for (int m = 0; m < 2; ++m) {
     for (std::uint32_t t = 0; t < meshes.mesh(m).triangleCount(); ++t) {
       Piece piece{};
@@ -33,7 +33,7 @@ OverlapRegions wholeMeshes(const PlacedMeshes& meshes) {
       all.pieces.push_back(piece);
     }
   }
-  Region region;
+  Region region{};
   region.pieceEnd = static_cast<std::uint32_t>(all.pieces.size());
   region.diagonal = 4;
   all.regions.push_back(region);

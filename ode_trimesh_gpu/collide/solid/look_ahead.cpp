@@ -165,11 +165,6 @@ bool meetsByCandidates(const Query& query, const Vec3d& way, const Workspace& be
                      [&](const TrianglePair& p) { return inTheWay.areNear(p); });
 }
 
-bool isOfA(ContactFeature feature) {
-  return feature == ContactFeature::kVertexA || feature == ContactFeature::kCrossingA ||
-         feature == ContactFeature::kMiddleA;
-}
-
 /// A contact of the pair after A has moved by `way`, as one before: in the middle between the feature and what it
 /// meets, along the normal. One that is met only on the way has no depth yet.
 Contact beforeWay(const Contact& met, const Vec3d& way) {

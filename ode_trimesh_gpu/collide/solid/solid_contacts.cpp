@@ -17,6 +17,7 @@
 #include "collide/solid/found_overlap.h"
 #include "collide/solid/inside.h"
 #include "collide/solid/merge_regions.h"
+#include "collide/solid/part_pairs.h"
 #include "collide/solid/region_contacts.h"
 #include "collide/solid/region_refiner.h"
 #include "collide/solid/regions.h"
@@ -101,28 +102,27 @@ namespace {
 /// From the regions of the overlap to contacts, one region after the other; keeps what the pair remembers.
 class PairContacts {
  public:
-  PairContacts(const PlacedMeshes& meshes, const Query& query, Workspace& workspace)
-      : meshes_(meshes),
-        query_(query),
+  PairContacts(const Query& query, Workspace& workspace)
+      : query_(query),
         workspace_(workspace),
         size_(smallerSize(query)),
         before_(stateBefore(query)),
         state_(oneQueryLater(before_)),
         motion_(motionOf(query, before_)) {}
 
-  void add(const OverlapRegions& all, const Region& region) {
+  void add(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region) {
     if (region.diagonal < OTG_SOLID_LEAST_DIAGONAL * size_ ||
         region.areaA + region.areaB < OTG_SOLID_LEAST_AREA * size_ * size_)
       return;
     workspace_.solid->ofRegion.reset();
     RegionNormals normals(all, region);
     RegionExtent extent(all, region);
-    const RegionDirection direction = directRegion(meshes_, all, region, motion_, normals, extent);
+    const RegionDirection direction = directRegion(meshes, all, region, motion_, normals, extent);
     remember(direction);
     const double extra = direction.escaping ? motion_.step : 0;
     const std::size_t first = workspace_.contacts.size();
-    const bool isRefined = query_.refiner && query_.refiner->direct(meshes_, all, region, direction, normals);
-    const RegionTask task{meshes_,
+    const bool isRefined = query_.refiner && query_.refiner->direct(meshes, all, region, direction, normals);
+    const RegionTask task{meshes,
                           all,
                           region,
                           number_++,
@@ -193,7 +193,6 @@ class PairContacts {
     if (direction.deep) state_.deepNormal = otgRotateBack(query_.bInA, direction.direction);
   }
 
-  const PlacedMeshes& meshes_;
   const Query& query_;
   Workspace& workspace_;
   const double size_;
@@ -204,11 +203,40 @@ class PairContacts {
   std::uint32_t number_ = 0;
 };
 
-void contactsOfOverlap(const PlacedMeshes& meshes, const Query& query, const OverlapRegions& regions,
-                       Workspace& workspace) {
-  PairContacts contacts(meshes, query, workspace);
-  for (const Region& region : regions.regions) contacts.add(regions, region);
-  contacts.finish();
+void addRegions(const PlacedMeshes& meshes, const OverlapRegions& regions, PairContacts& contacts) {
+  for (const Region& region : regions.regions) contacts.add(meshes, regions, region);
+}
+
+/// The contacts of two meshes from their pairs of triangles that meet. False where the contour does not close.
+bool addOverlap(const PlacedMeshes& meshes, const std::vector<TrianglePair>& meeting, SolidScratch& scratch,
+                PairContacts& contacts) {
+  traceContour(meshes, meeting, scratch.contour);
+  if (!(meshes.isSolid(0) && meshes.isSolid(1)) && !isClosed(scratch.contour, scratch.ends)) return false;
+  floodInside(meshes, scratch.contour, scratch.inside);
+  if (meeting.empty() && scratch.inside.contained[0].empty() && scratch.inside.contained[1].empty()) return true;
+  scratch.builder.build(meshes, scratch.contour, scratch.inside, scratch.regions);
+  addContained(meshes, scratch.inside, scratch.regions);
+  addRegions(meshes, scratch.regions, contacts);
+  return true;
+}
+
+bool addOverlapsOfParts(const Query& query, Workspace& workspace, PairContacts& contacts) {
+  std::vector<PartPair> pairs = pairsOfParts(query, workspace.intersecting);
+  for (PartPair& pair : pairs) {
+    pair.begin = workspace.contacts.size();
+    if (!addOverlap(PlacedMeshes(pair.query), pair.meeting, *workspace.solid, contacts)) return false;
+    pair.end = workspace.contacts.size();
+    if (pair.begin == pair.end) continue;
+    const OverlapRegions& all = workspace.solid->regions;
+    for (const Region& region : all.regions) {
+      pair.volume += region.volume;
+      pair.middles.push_back(otgAdd(all.origin, otgScale(otgAdd(region.lo, region.hi), 0.5)));
+    }
+  }
+  numberAsWhole(pairs, workspace.contacts);
+  if (!workspace.ahead) workspace.ahead = std::make_unique<AheadScratch>();
+  dropWallsInside(pairs, workspace.contacts, workspace.ahead->workspace);
+  return true;
 }
 
 }  // namespace
@@ -217,26 +245,25 @@ bool solidContacts(const Query& query, Workspace& workspace) {
   using Clock = std::chrono::steady_clock;
   const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
   workspace.contacts.clear();
-  const TriMesh &a = query.a->mesh(), &b = query.b->mesh();
-  const bool bothSolid = isSolid(a) && isSolid(b);
-  if (!haveSolidContacts(a, b)) return false;
+  if (!haveSolidContacts(query.a->mesh(), query.b->mesh())) return false;
   if (!workspace.solid) workspace.solid = std::make_unique<SolidScratch>();
-  SolidScratch& scratch = *workspace.solid;
-  const PlacedMeshes meshes(query);
-  traceContour(meshes, workspace.intersecting, scratch.contour);
-  if (!bothSolid && !isClosed(scratch.contour, scratch.ends)) return false;
-  floodInside(meshes, scratch.contour, scratch.inside);
-  if (workspace.intersecting.empty() && scratch.inside.contained[0].empty() && scratch.inside.contained[1].empty()) {
-    scratch.regions.regions.clear();  // nothing meets
-  } else {
-    scratch.builder.build(meshes, scratch.contour, scratch.inside, scratch.regions);
-    addContained(meshes, scratch.inside, scratch.regions);
+  PairContacts contacts(query, workspace);
+  const bool isClosed = haveParts(query)
+                            ? addOverlapsOfParts(query, workspace, contacts)
+                            : addOverlap(PlacedMeshes(query), workspace.intersecting, *workspace.solid, contacts);
+  if (!isClosed) {
+    workspace.contacts.clear();
+    return false;
   }
-  contactsOfOverlap(meshes, query, scratch.regions, workspace);
+  contacts.finish();
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   }
   return true;
+}
+
+bool haveParts(const Query& query) {
+  return query.a->parts() != nullptr || query.b->parts() != nullptr;
 }
 
 bool solidContactsOf(const Query& query, const FoundOverlap& found, Workspace& workspace) {
@@ -245,7 +272,9 @@ bool solidContactsOf(const Query& query, const FoundOverlap& found, Workspace& w
   SolidScratch& scratch = *workspace.solid;
   const PlacedMeshes meshes(query);
   if (!takeOverlap(meshes, found, scratch.small, scratch.regions)) return false;
-  contactsOfOverlap(meshes, query, scratch.regions, workspace);
+  PairContacts contacts(query, workspace);
+  addRegions(meshes, scratch.regions, contacts);
+  contacts.finish();
   return true;
 }
 
@@ -265,11 +294,11 @@ bool solidContactsOf(const Query& query, const FoundContacts& found, Workspace& 
   }
   const PlacedMeshes meshes(query);
   if (!describeSmall(meshes, state, found.small, small)) return false;
-  PairContacts contacts(meshes, query, workspace);
+  PairContacts contacts(query, workspace);
   std::size_t nextSmall = 0;
   for (const std::uint32_t r : order) {
     if (isSmallRegion(state.regions[r])) {
-      contacts.add(small.regions, small.regions.regions[nextSmall++]);
+      contacts.add(meshes, small.regions, small.regions.regions[nextSmall++]);
     } else {
       const otg_found_contacts& region = found.head->regions[r];
       contacts.add(region, found.contacts.subspan(region.first, region.count));

@@ -13,6 +13,10 @@ namespace otg {
 /// contacts, for other meshes and where the contour does not close because it runs over the sheet's rim.
 bool solidContacts(const Query& query, Workspace& workspace);
 
+/// Whether a mesh consists of parts (CollisionMesh::parts()). Only solidContacts() without a description makes contacts
+/// of such pairs: each part has its own contour with the other mesh.
+bool haveParts(const Query& query);
+
 /// The same where a device has described the overlap: of meshes without components wholly inside the other, whose
 /// contour closes. False, and no contacts, where the CPU does not agree with the description.
 struct FoundOverlap;

@@ -53,9 +53,9 @@ class Backend::Batch {
         overlaps_(profile ? state.profiledOverlaps : state.overlaps, state.tuning.overlapPairs) {
     for (const CollisionMesh* mesh : source.meshes) largest_ = std::max(largest_, triangles(mesh));
     anyLarge_ = Finish::kLargeAlone && 2 * largest_ > state.tuning.batchTriangles;
-    const auto isShell = [](const CollisionMesh* mesh) { return mesh->mesh().meshClass() != MeshClass::kSolid; };
-    hasContactsOfHost_ = Finish::kTakesDescriptions &&
-                         (source.anyConvexPath || std::any_of(source.meshes.begin(), source.meshes.end(), isShell));
+    hasContactsOfHost_ =
+        Finish::kTakesDescriptions &&
+        (source.anyConvexPath || std::any_of(source.meshes.begin(), source.meshes.end(), mayHaveContactsOfHost));
     mayMeetAhead_ = Finish::kTakesDescriptions && request == BatchRequest::kSolid &&
                     std::any_of(source.meshes.begin(), source.meshes.end(), isCornered);
   }
@@ -245,7 +245,7 @@ class Backend::Batch {
     if (hasContactsOfHost_) {
       for (std::size_t k = 0; k < tasks.size(); ++k) {
         const Query query = source_.query(begin + k);
-        if (tasks[k].skip || !(mayBeShells(query) || isConvexPair(query))) continue;
+        if (tasks[k].skip || !(areContactsOfHost(query) || isConvexPair(query))) continue;
         tasks[k].skip = 1;
         (isRefused(query) ? piece.refused : piece.alone).push_back(begin + k);
       }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Queries that no device gets.
+// Queries that no device gets, or not all of.
 #pragma once
 
 #include <cmath>
@@ -7,6 +7,9 @@
 #include "collide/pair_frame.h"
 #include "collide/query.h"
 #include "collide/rotation_tolerance.h"
+#include "collide/shell/shell_roles.h"
+#include "collide/solid/solid_contacts.h"
+#include "collide/stages.h"
 
 namespace otg::opencl {
 
@@ -20,6 +23,16 @@ inline bool isRefused(const Query& query) {
 /// Whether there is nothing that a device could do: the CPU knows the result.
 inline bool isIdleQuery(const Query& query, const PairFrame& frame) {
   return query.a->tree().nodes.empty() || query.b->tree().nodes.empty() || !frame.finite;
+}
+
+/// Whether the CPU makes the contacts, of triangles that a device may have found.
+inline bool areContactsOfHost(const Query& query) {
+  return mayBeShells(query) || (!isPairwise(query) && haveParts(query));
+}
+
+/// Whether that may be so of pairs with the mesh.
+inline bool mayHaveContactsOfHost(const CollisionMesh* mesh) {
+  return mesh->mesh().meshClass() != MeshClass::kSolid || mesh->parts() != nullptr;
 }
 
 }  // namespace otg::opencl
