@@ -333,15 +333,22 @@ CertificateFamily wildFamily(const std::string& name, const std::string& what, M
   });
 }
 
-/// One of ODE's shapes on a body of any kind. No balls: their contacts lie on the mesh's edges, and not in the middle
+/// One of ODE's shapes on such a body. No balls: their contacts lie on the mesh's edges, and not in the middle
 /// of the overlap, as the judge takes it.
-bool drawShapeOnWild(Random& random, PairDraft& draft) {
+bool drawShapeOn(Random& random, scenes::MeshArrays host, PairDraft& draft) {
   constexpr MoverKind kShapes[] = {MoverKind::kBox, MoverKind::kCylinder, MoverKind::kCapsule, MoverKind::kPrism,
                                    MoverKind::kTetrahedron};
-  draft.host.mesh = kWild[random.below(std::size(kWild))](random);
+  draft.host.mesh = std::move(host);
   const double size = random.uniform(0.1, 0.4);
   draft.mover = makeMover(random, kShapes[random.below(std::size(kShapes))], true, {size, 0.8 * size, 0.6 * size});
   return pushFromOutside(random, draft) && draft.depth > kLeastDepth;
+}
+
+bool drawShapeOnWild(Random& random, PairDraft& draft) {
+  return drawShapeOn(random, kWild[random.below(std::size(kWild))](random), draft);
+}
+bool drawShapeOnBlocks(Random& random, PairDraft& draft) {
+  return drawShapeOn(random, blockPile(random), draft);
 }
 
 /// One through the other, as links of a chain are, or within it.
@@ -478,8 +485,10 @@ std::vector<CertificateFamily> certificateFamilies() {
       wildFamily("rough", "rough ground and others", roughGround),
       wildFamily("frames", "frames of bars and others", barFrame),
       wildFamily("thin", "plates, needles and others", thinBox),
+      wildFamily("blocks", "piles of blocks that reach into each other, and others", blockPile),
       pushedFamily("entwined", "rings and springs through each other", drawEntwined),
       pushedFamily("shapes", "ODE's shapes on rings, springs, turned parts and others", drawShapeOnWild),
+      pushedFamily("on_blocks", "ODE's shapes on piles of blocks that reach into each other", drawShapeOnBlocks),
       shapeFamily("dBox", "ODE's box in inner corners", {MoverKind::kBox}),
       shapeFamily("dCylinder", "ODE's cylinder in inner corners", {MoverKind::kCylinder}),
       shapeFamily("dCapsule", "ODE's capsule in inner corners", {MoverKind::kCapsule}),

@@ -158,4 +158,34 @@ scenes::MeshArrays thinBox(Random& random) {
   return scenes::makeBox({random.uniform(0.5, 1), isNeedle ? thin : random.uniform(0.3, 1), thin}, 1 + random.below(4));
 }
 
+scenes::MeshArrays blockPile(Random& random) {
+  for (;;) {
+    // All of them in one frame, perhaps with one floor; or each turned.
+    const int kind = random.below(3);
+    struct Block {
+      Vec3d half;
+      Transformd pose;
+    };
+    std::vector<Block> blocks;
+    std::vector<scenes::MeshArrays> meshes;
+    const int count = 2 + random.below(4);
+    for (int i = 0; i < count; ++i) {
+      const Vec3d half{random.uniform(0.1, 0.4), random.uniform(0.1, 0.4), random.uniform(0.05, 0.3)};
+      Block block{half, {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}}};
+      if (kind == 2) block.pose = random.rotation();
+      if (i > 0) {
+        const Block& in = blocks[static_cast<std::size_t>(random.below(i))];
+        block.pose.t =
+            otgTransform(in.pose, {random.uniform(-in.half.x, in.half.x), random.uniform(-in.half.y, in.half.y),
+                                   random.uniform(-in.half.z, in.half.z)});
+      }
+      if (kind == 1) block.pose.t.z = half.z;
+      blocks.push_back(block);
+      meshes.push_back(scenes::transformed(scenes::makeBox(otgScale(half, 2.0)), block.pose));
+    }
+    scenes::MeshArrays mesh = scenes::merge(meshes);
+    if (scenes::build(mesh)->meshClass() == MeshClass::kSolid) return mesh;
+  }
+}
+
 }  // namespace otg::truth

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Closed bodies at random that have little in common with each other: rings, springs, turned parts, spiky balls, rough
-// ground, frames of bars, plates and needles. About 1 in size.
+// ground, frames of bars, plates and needles, piles of blocks. About 1 in size.
 #pragma once
 
 #include "scenes/generated_meshes.h"
@@ -22,5 +22,7 @@ scenes::MeshArrays roughGround(Random& random);
 scenes::MeshArrays barFrame(Random& random);
 /// A box that is very thin in one direction or two.
 scenes::MeshArrays thinBox(Random& random);
+/// Boxes that reach into each other, in one mesh: as a solid of components that overlap. None is inside another one.
+scenes::MeshArrays blockPile(Random& random);
 
 }  // namespace otg::truth
