@@ -150,8 +150,8 @@ double fallOverEdge(Plate kind, bool onConvex, int number, double thinnest, doub
   return world.run(2.5);
 }
 
-/// A floor of 10 x 10 m, whose top is at z = 0, and a kerb that stands on it from x = 1.7 on, or begins so far below
-/// its top, as parts of one mesh.
+/// A floor of 10 x 10 m, whose top is at z = 0, with a kerb from x = 1.7 on, in one mesh. The kerb begins so far below
+/// the top.
 scenes::MeshArrays floorWithKerb(double height, double sunk) {
   const auto middle = static_cast<float>((height - sunk) / 2);
   return scenes::merge({boxAt({0, 0, -0.5F}, {10, 10, 1}), boxAt({2, 0, middle}, {0.6, 6, height + sunk})});

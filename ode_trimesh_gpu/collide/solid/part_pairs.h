@@ -41,7 +41,7 @@ std::vector<PartPair> pairsOfParts(const Query& query, std::span<const TriangleP
 void numberAsWhole(std::span<const PartPair> pairs, std::span<Contact> contacts);
 
 /// Drops contacts with walls that lie inside another part. What two parts have in common may lie in another part of one
-/// of the meshes, and the translation that the contacts of all others request may take the two apart. Then their own
+/// of the meshes. The translation that the contacts of all others request may take the two apart. Then their own
 /// contacts add places, but no directions: where a block ends in a floor, flush with its top, a body that slides over
 /// the end meets no wall. The smallest overlap comes first. `scratch` is for queries of parts after a translation.
 void dropWallsInside(std::span<const PartPair> pairs, std::vector<Contact>& contacts, Workspace& scratch);
