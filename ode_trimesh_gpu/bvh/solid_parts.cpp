@@ -6,12 +6,14 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <span>
 #include <tuple>
 #include <utility>
 
 #include "base/bounds.h"
 #include "base/union_find.h"
 #include "base/vectors.h"
+#include "mesh/adjacency_links.h"
 #include "mesh/containment.h"
 #include "mesh/convexity.h"
 
@@ -19,18 +21,42 @@ namespace otg {
 namespace {
 
 /// How much of an overlap is touching: so many times what vertices may be off by rounding.
-constexpr double kTouching = 8;
+constexpr double kTouching = 1;
+/// So many parts there may be. Each is looked at with each of the other mesh.
+constexpr std::size_t kMostParts = 64;
 
 using Corners = Vec3d[3];
+
+/// Of the corners of triangle t above the plane of triangle `of`.
+struct Heights {
+  Vec3d normal;
+  double at[3];
+  Heights(const Corners& t, const Corners& of) : normal(unit(otgCross(of[1] - of[0], of[2] - of[0]))), at{} {
+    for (int k = 0; k < 3; ++k) at[k] = otgDot(normal, t[k] - of[0]);
+  }
+  double least() const { return std::min({at[0], at[1], at[2]}); }
+  double most() const { return std::max({at[0], at[1], at[2]}); }
+};
+
+/// Whether the plane of `of` is between the two triangles, or one that stands on it along an edge of `of`.
+bool areApart(const Corners& t, const Corners& of, double slack) {
+  const Heights heights(t, of);
+  if (heights.least() > slack || heights.most() < -slack) return true;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3d inward = unit(otgCross(heights.normal, of[(k + 1) % 3] - of[k]));
+    const auto isOutside = [&](const Vec3d& p) { return otgDot(inward, p - of[k]) < -slack; };
+    if (isOutside(t[0]) && isOutside(t[1]) && isOutside(t[2])) return true;
+  }
+  return false;
+}
 
 /// Whether triangle t goes behind triangle `of`, from a line of more than `slack` that both have, and that is not at
 /// the rim of `of`.
 bool goesBehind(const Corners& t, const Corners& of, double slack) {
-  const Vec3d n = unit(otgCross(of[1] - of[0], of[2] - of[0]));
-  double height[3];
-  for (int k = 0; k < 3; ++k) height[k] = otgDot(n, t[k] - of[0]);
-  if (!(std::min({height[0], height[1], height[2]}) < -slack)) return false;
-  if (std::max({height[0], height[1], height[2]}) < -slack) return false;
+  const Heights heights(t, of);
+  const Vec3d& n = heights.normal;
+  const auto& height = heights.at;
+  if (!(heights.least() < -slack) || heights.most() < -slack) return false;
   // Where t meets the plane.
   Vec3d ends[2];
   int count = 0;
@@ -76,8 +102,15 @@ class Neighbours {
     }
     findThoseThatMeet(bounds);
     if (std::find(meets_.begin(), meets_.end(), 1) == meets_.end()) return;
-    for (std::uint32_t t = 0; t < mesh_.triangleCount(); ++t) {
-      if (componentOf_[t] != kNone && meets_[componentOf_[t]]) look(t);
+    const AdjacencyLinks& links = mesh_.adjacencyLinks();
+    lastNear_.assign(count, kNone);
+    lastOverlap_.assign(count, kNone);
+    lists_.resize(count);
+    for (std::uint32_t c = 0; c < count; ++c) {
+      if (!meets_[c]) continue;
+      for (std::uint32_t i = links.componentFirst[c]; i < links.componentFirst[c + 1]; ++i) {
+        look(c, links.componentTriangles[i]);
+      }
     }
   }
 
@@ -85,17 +118,10 @@ class Neighbours {
     std::uint32_t component;
     bool overlaps;  ///< else it is beside
   };
-  bool anyOverlap() const { return !overlapping_.empty(); }
-  /// Of each component.
-  std::vector<std::vector<Neighbour>> lists() const {
-    std::vector<std::vector<Neighbour>> out(sizes_.size());
-    for (const auto& [c, d] : near_) {
-      const bool overlaps = overlapping_.contains({c, d});
-      out[c].push_back({d, overlaps});
-      out[d].push_back({c, overlaps});
-    }
-    return out;
-  }
+  bool anyOverlap() const { return overlaps_ > 0; }
+  bool anyBeside() const { return near_ > overlaps_; }
+  /// Of each component, if any are near each other.
+  const std::vector<std::vector<Neighbour>>& lists() const { return lists_; }
 
  private:
   /// Each pair of components is looked for from the one that has fewer triangles.
@@ -153,25 +179,35 @@ class Neighbours {
     }
   }
 
-  void look(std::uint32_t t) {
+  /// Looks for others at a triangle of component c.
+  void look(std::uint32_t c, std::uint32_t t) {
+    if (mesh_.isDegenerate(t)) return;
     Corners own;
     corners(t, own);
-    const std::uint32_t c = componentOf_[t];
-    if (mesh_.isDegenerate(t)) return;
-    search(minimum(own[0], minimum(own[1], own[2])), maximum(own[0], maximum(own[1], own[2])),
-           [&](std::uint32_t other) {
-             const std::uint32_t d = componentOf_[other];
-             if (d == kNone || d == c || !isLater(d, c) || mesh_.isDegenerate(other)) return;
-             const Pair pair = std::minmax(c, d);
-             near_.insert(pair);
-             if (overlapping_.contains(pair)) return;
-             Corners others;
-             corners(other, others);
-             if (goesBehind(own, others, slack_) || goesBehind(others, own, slack_)) overlapping_.insert(pair);
-           });
+    const Vec3d low = minimum(own[0], minimum(own[1], own[2])), high = maximum(own[0], maximum(own[1], own[2]));
+    search(low, high, [&](std::uint32_t other) {
+      const std::uint32_t d = componentOf_[other];
+      if (d == kNone || d == c || !isLater(d, c) || lastOverlap_[d] == c || mesh_.isDegenerate(other)) return;
+      Corners others;
+      corners(other, others);
+      if (areApart(own, others, slack_) || areApart(others, own, slack_)) return;
+      const bool overlaps = goesBehind(own, others, slack_) || goesBehind(others, own, slack_);
+      if (lastNear_[d] != c) {
+        lastNear_[d] = c;
+        ++near_;
+        lists_[c].push_back({d, overlaps});
+        lists_[d].push_back({c, overlaps});
+      }
+      if (!overlaps) return;
+      lastOverlap_[d] = c;
+      ++overlaps_;
+      std::find_if(lists_[c].rbegin(), lists_[c].rend(), [&](const Neighbour& n) {
+        return n.component == d;
+      })->overlaps = true;
+      lists_[d].back().overlaps = true;  // while c is looked at it gets no other
+    });
   }
 
-  using Pair = std::pair<std::uint32_t, std::uint32_t>;
   const BinaryTree& tree_;
   const TriMesh& mesh_;
   const SharedArray<std::uint32_t>& componentOf_;
@@ -179,7 +215,9 @@ class Neighbours {
   std::vector<std::uint32_t> sizes_;  ///< of components, in triangles
   std::vector<std::uint8_t> meets_;
   std::vector<std::uint32_t> stack_;
-  std::set<Pair> overlapping_, near_;
+  std::vector<std::uint32_t> lastNear_, lastOverlap_;  ///< of components: the last that was found near it, or in it
+  std::vector<std::vector<Neighbour>> lists_;
+  std::size_t near_ = 0, overlaps_ = 0;  ///< pairs of components; those that overlap are near each other
 };
 
 /// Components that cannot be apart: a cavity, and what is around it.
@@ -256,7 +294,7 @@ class PartNumbers {
     return best;
   }
 
-  const std::vector<std::vector<Neighbours::Neighbour>> lists_;
+  const std::vector<std::vector<Neighbours::Neighbour>>& lists_;
   UnionFind bodies_;
   std::vector<std::uint32_t> partOf_;                ///< of components
   std::vector<std::set<std::uint32_t>> blocked_;     ///< of bodies, which are named by their first components
@@ -299,18 +337,18 @@ bool mayHaveParts(const TriMesh& mesh) {
   return mesh.meshClass() == MeshClass::kSolid && mesh.topology().componentCount() > 1;
 }
 
-SolidParts takeSolidApart(const TriMesh& mesh, const BinaryTree& tree) {
+namespace {
+
+/// Parts of the components with the same number. None where they are too many, or one would be no solid.
+SolidParts makeParts(const TriMesh& mesh, std::span<const std::uint32_t> partOfComponent) {
   SolidParts out;
-  if (!mayHaveParts(mesh)) return out;
-  const Topology& topology = mesh.topology();
-  const Neighbours neighbours(mesh, tree);
-  if (!neighbours.anyOverlap()) return out;
-  const std::vector<std::uint32_t> partOfComponent = PartNumbers(mesh, neighbours).run();
-  out.parts.resize(*std::max_element(partOfComponent.begin(), partOfComponent.end()) + 1u);
+  const std::size_t count = *std::max_element(partOfComponent.begin(), partOfComponent.end()) + std::size_t{1};
+  if (count > kMostParts) return out;
+  out.parts.resize(count);
   out.partOf.assign(mesh.triangleCount(), kNone);
   out.numberOf.assign(mesh.triangleCount(), kNone);
   for (std::uint32_t t = 0; t < mesh.triangleCount(); ++t) {
-    const std::uint32_t component = topology.componentOf[t];
+    const std::uint32_t component = mesh.topology().componentOf[t];
     if (component == kNone) continue;
     std::vector<std::uint32_t>& own = out.parts[partOfComponent[component]].triangleOf;
     out.partOf[t] = partOfComponent[component];
@@ -321,6 +359,28 @@ SolidParts takeSolidApart(const TriMesh& mesh, const BinaryTree& tree) {
     if (!makeMesh(mesh, part)) return {};
   }
   return out;
+}
+
+/// Each component by itself, if they are few and convex, and none lies beside another one. Else none.
+SolidParts makeConvexParts(const TriMesh& mesh, const Neighbours& neighbours) {
+  std::vector<std::uint32_t> each(mesh.topology().componentCount());
+  if (each.size() > kMostParts || neighbours.anyBeside()) return {};
+  std::iota(each.begin(), each.end(), 0u);
+  SolidParts parts = makeParts(mesh, each);
+  const bool areConvex = std::all_of(parts.parts.begin(), parts.parts.end(), [](const SolidParts::Part& part) {
+    return convexityOf(*part.mesh) != Convexity::kNone;
+  });
+  return areConvex ? parts : SolidParts{};
+}
+
+}  // namespace
+
+SolidParts takeSolidApart(const TriMesh& mesh, const BinaryTree& tree) {
+  if (!mayHaveParts(mesh)) return {};
+  const Neighbours neighbours(mesh, tree);
+  if (!neighbours.anyOverlap()) return {};
+  SolidParts convex = makeConvexParts(mesh, neighbours);
+  return convex.parts.empty() ? makeParts(mesh, PartNumbers(mesh, neighbours).run()) : convex;
 }
 
 }  // namespace otg

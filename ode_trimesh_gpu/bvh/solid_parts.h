@@ -23,10 +23,11 @@ struct SolidParts {
   std::vector<std::uint32_t> partOf, numberOf;  ///< of the whole mesh's triangles; kNone of those in no component
 };
 
-/// The parts of a solid. None for all other meshes, for a solid without two components that overlap, and where a part
-/// would be no solid. Components that touch, or overlap by no more than vertices are rounded, stay in one part: their
-/// coincident faces are no walls. So do a cavity and the components around it. Of other components, those that lie
-/// beside each other are together as far as they can be.
+/// The parts of a solid. None for all other meshes, and for a solid without two components that overlap. None either
+/// where there would be more than 64 parts, or one that is no solid. Components that touch, or overlap by no more than
+/// roundingOfVertices(), stay in one part: their coincident faces are no walls. So do a cavity and the components
+/// around it. Of other components, those that lie beside each other are together as far as they can be. Up to 64 convex
+/// components, none of them beside another one, are a part each.
 ///
 /// Two components overlap if triangles of both meet along a line of some length. One of them goes behind the other
 /// there, and the line is not at the other's rim.

@@ -5,6 +5,7 @@
 #include "collide/consistent_contacts.h"
 #include "collide/contact_order.h"
 #include "collide/convex/convex_pair_contacts.h"
+#include "collide/convex/convex_parts.h"
 #include "collide/pair_history.h"
 #include "collide/pairwise/reduction.h"
 #include "collide/query.h"
@@ -29,7 +30,7 @@ void collideIntersecting(const Query& query, Workspace& workspace) {
   if (isPairwise(query)) {
     pairwiseContacts(query, workspace);
     reduceContacts(query, workspace);
-  } else if (isConvexPair(query) && convexPairContacts(query, workspace)) {
+  } else if ((isConvexPair(query) && convexPairContacts(query, workspace)) || convexPartContacts(query, workspace)) {
     return;
   } else if (!areShells(query, workspace.intersecting) && solidContacts(query, workspace)) {
     lookAhead(query, workspace);
@@ -80,7 +81,7 @@ void numberAsCaller(const Query& query, Workspace& workspace) {
 }
 
 void collide(const Query& query, Workspace& workspace) {
-  if (!collideConvexPair(query, workspace)) {
+  if (!collideConvexPair(query, workspace) && !collideConvexParts(query, workspace)) {
     findIntersectingPairs(query, workspace);
     collideIntersecting(query, workspace);
   }

@@ -8,6 +8,7 @@
 #include "base/vectors.h"
 #include "collide/consistent_contacts.h"
 #include "collide/convex/convex_pair_contacts.h"
+#include "collide/convex/convex_parts.h"
 #include "collide/pair_history.h"
 #include "collide/pairwise/reduction.h"
 #include "collide/shell/shell_contacts.h"
@@ -247,6 +248,19 @@ bool rimContacts(const Query& query, const ConvexShape& shape, Workspace& worksp
   return true;
 }
 
+/// Of a flat shape on a mesh of convex parts. Depths are those of the shape itself, and not of its vertices as single
+/// precision has them.
+bool collideParts(const Query& query, const ConvexShape& shape, Workspace& workspace) {
+  if (shape.isCurved() || !collideConvexParts(query, workspace)) return false;
+  const ConvexPolyhedron& hull = *query.b->convex();
+  for (Contact& c : workspace.reduced) {
+    const Vec3d out = otgRotateBack(query.bInA, c.normal);
+    c.depth += otgDot(out, shape.support(out)) - otgDot(out, hull.vertices()[hull.support(out)]);
+    c.depth = std::max(c.depth, 0.0);
+  }
+  return true;
+}
+
 }  // namespace
 
 void convexContacts(const Query& query, const ConvexShape& shape, Workspace& workspace) {
@@ -255,7 +269,7 @@ void convexContacts(const Query& query, const ConvexShape& shape, Workspace& wor
     pairwiseContacts(query, workspace);
     reduceContacts(query, workspace);
   } else if (!(shape.isCurved() ? collideCylinder(query, shape, workspace) : collideConvexPair(query, workspace)) &&
-             !collideFaces(query, shape, workspace)) {
+             !collideFaces(query, shape, workspace) && !collideParts(query, shape, workspace)) {
     findIntersectingPairs(query, workspace);
     if (areShells(query, workspace.intersecting)) {
       shellContacts(query, workspace);

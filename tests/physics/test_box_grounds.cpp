@@ -329,6 +329,21 @@ TEST_CASE("A box that slides on a floor into a kerb of the same mesh is not lift
   }
 }
 
+TEST_CASE("A small body that goes from one block through the end of another one inside always has contacts") {
+  const OdeSession session;
+  const Data ground(scenes::merge({boxAt({-0.5F, 0, 0}, {2, 1, 1}), boxAt({0.5F, 0, 0}, {2, 1, 1})}));
+  const Vec3d size{0.1, 0.1, 0.1};
+  const Data box(scenes::makeBox(size));
+  World world(dCreateGpuTriMesh(nullptr, ground.id), dCreateGpuTriMesh(nullptr, box.id), size, {});
+  for (const double z : {0.43, 0.4, 0.3}) {
+    for (const double x : {0.0, -1.2, -0.5, -0.47, -0.45, 0.47}) {
+      dBodySetPosition(world.body(), x, 0, z);
+      INFO(x << ", " << z);
+      CHECK_FALSE(collide(world.geom(), world.ground(), kPlaces).empty());
+    }
+  }
+}
+
 TEST_CASE("Stairs of overlapping boxes in one mesh throw thin plates no more often than boxes of ODE's own") {
   constexpr double kThrown = 0.1;  // J for each kg
   const OdeSession session;

@@ -29,22 +29,21 @@ class ConvexSolver {
         pair_(*query.a->convex(), *query.b->convex(), query.bInA),
         size_(static_cast<double>(query.a->mesh().radius()) + static_cast<double>(query.b->mesh().radius())) {}
 
-  enum class Answer : std::uint8_t { kApart, kTouching, kOther };
-
-  Answer run() {
+  ConvexAnswer run() {
     const Vec3f &a = query_.a->mesh().center(), &b = query_.b->mesh().center();
     const Vec3d toB = otgTransform(query_.bInA, Vec3d{b.x, b.y, b.z}) - Vec3d{a.x, a.y, a.z};
     // The radius of B grows with the defect of the pose by less than this.
-    if (norm(toB) > (1 + 2 * kRelativeRotationTolerance) * size_) return Answer::kApart;
+    if (norm(toB) > (1 + 2 * kRelativeRotationTolerance) * size_) return ConvexAnswer::kApart;
     findAxis(toB);
-    if (axis_.of == ConvexAxis::Of::kNone) return Answer::kApart;
+    if (axis_.of == ConvexAxis::Of::kNone) return ConvexAnswer::kApart;
     const double rounding = kTouchingToRounding * (size_ + norm(toB) + norm(query_.bInA.t));
     for (const int body : {0, 1}) farthest_[body] = pair_.farthest(body, out(body));
-    if (axis_.overlap <= rounding || axis_.overlap > kMostShallow * std::min(width(0), width(1))) return Answer::kOther;
+    if (axis_.overlap <= rounding || axis_.overlap > kMostShallow * std::min(width(0), width(1)))
+      return ConvexAnswer::kOther;
     findPlaces();
     choosePlaces(scratch_.places, query_.options.solid.contactsPerRegion, axis_.overlap);
     emit();
-    return Answer::kTouching;
+    return ConvexAnswer::kTouching;
   }
 
  private:
@@ -202,6 +201,10 @@ class ConvexSolver {
 
 }  // namespace
 
+ConvexAnswer addConvexContacts(const Query& query, Workspace& workspace) {
+  return ConvexSolver(query, workspace).run();
+}
+
 bool isConvexPair(const Query& query) {
   return query.options.contacts == ContactModel::kSolid && query.options.solid.convexPath && query.refiner == nullptr &&
          query.a->convex() != nullptr && query.b->convex() != nullptr;
@@ -214,9 +217,9 @@ bool convexPairContacts(const Query& query, Workspace& workspace) {
   workspace.reduced.clear();
   requireRigid(query.bInA);
   if (!isUnburdened(query)) return false;
-  const ConvexSolver::Answer answer = ConvexSolver(query, workspace).run();
-  if (answer == ConvexSolver::Answer::kOther) return false;
-  rememberPlain(query, answer == ConvexSolver::Answer::kTouching, {0, 0, 0});
+  const ConvexAnswer answer = ConvexSolver(query, workspace).run();
+  if (answer == ConvexAnswer::kOther) return false;
+  rememberPlain(query, answer == ConvexAnswer::kTouching, {0, 0, 0});
   reduceConvexContacts(query, workspace);
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();

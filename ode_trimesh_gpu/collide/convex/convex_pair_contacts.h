@@ -20,6 +20,16 @@ bool isConvexPair(const Query& query);
 /// arithmetic decides.
 bool convexPairContacts(const Query& query, Workspace& workspace);
 
+/// What the way of convex pairs says of two bodies.
+enum class ConvexAnswer : std::uint8_t {
+  kApart,
+  kTouching,  ///< there are contacts
+  kOther      ///< the stages for any solids have more to say
+};
+/// The first two steps alone, of two meshes that are convex, which no pair remembers: the contacts come after those
+/// that are in workspace.contacts. None unless they touch.
+ConvexAnswer addConvexContacts(const Query& query, Workspace& workspace);
+
 /// The whole query at once, without the two phases that find triangles: workspace.candidates and workspace.intersecting
 /// are left empty. False if it is none of those above.
 bool collideConvexPair(const Query& query, Workspace& workspace);

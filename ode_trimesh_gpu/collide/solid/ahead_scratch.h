@@ -2,6 +2,8 @@
 // Memory that looking ahead (look_ahead.h) keeps from one query to the next.
 #pragma once
 
+#include <memory>
+
 #include "base/scratch_memory.h"
 #include "collide/query.h"
 
@@ -11,5 +13,11 @@ struct AheadScratch {
   Workspace workspace;
   ScratchMemory memory;
 };
+
+/// A workspace that goes with this one, for queries of its pair after a translation.
+inline Workspace& scratchAhead(Workspace& workspace) {
+  if (!workspace.ahead) workspace.ahead = std::make_unique<AheadScratch>();
+  return workspace.ahead->workspace;
+}
 
 }  // namespace otg

@@ -17,14 +17,10 @@ constexpr double kBeyond = 1.02;
 /// Cosine of the angle to which normals agree.
 constexpr double kAgree = 0.999;
 
-std::vector<MeshPart> partsOf(const CollisionMesh* mesh) {
+MeshPart partOf(const CollisionMesh* mesh, std::uint32_t number) {
   const CollisionMesh::Parts* const parts = mesh->parts();
-  if (parts == nullptr) return {MeshPart{mesh, mesh}};
-  std::vector<MeshPart> out;
-  for (std::uint32_t i = 0; i < parts->meshes.size(); ++i) {
-    out.push_back({mesh, parts->meshes[i].get(), &parts->parts[i], i});
-  }
-  return out;
+  if (parts == nullptr) return {mesh, mesh};
+  return {mesh, parts->meshes[number].get(), &parts->parts[number], number};
 }
 
 /// Where a triangle of a mesh is in its parts.
@@ -35,7 +31,7 @@ struct PlaceInParts {
   const SolidParts* parts;
 };
 
-/// Contacts by pairs of parts.
+/// Contacts by regions of pairs of parts.
 class PartContacts {
  public:
   PartContacts(std::span<const PartPair> pairs, std::span<const Contact> contacts)
@@ -43,53 +39,70 @@ class PartContacts {
 
   bool isDropped(std::size_t i) const { return isDropped_[i] != 0; }
 
-  /// Whether what the pair has in common lies in another part of a mesh, as far as the middles of regions tell.
-  bool isInAnother(const PartPair& pair) const {
-    return std::all_of(pair.middles.begin(), pair.middles.end(), [&](const Vec3d& p) {
-      return std::any_of(pairs_.begin(), pairs_.end(), [&](const PartPair& other) {
-        const bool ofA = other.a.mesh != pair.a.mesh, ofB = other.b.mesh != pair.b.mesh;
-        if (other.begin == other.end || ofA == ofB) return false;
-        const Transformd& pose = pair.query.bInA;
-        return ofA ? pointInMesh(*other.a.mesh, p) : pointInMesh(*other.b.mesh, otgRotateBack(pose, otgSub(p, pose.t)));
-      });
+  /// Whether the region lies in another part of a mesh that has contacts, as far as its middle tells.
+  bool isInAnother(const PartRegion& region) const {
+    const PartPair& own = pairs_[region.pair];
+    const Transformd& pose = own.query.bInA;
+    return std::any_of(pairs_.begin(), pairs_.end(), [&](const PartPair& other) {
+      const bool ofA = other.a.mesh != own.a.mesh, ofB = other.b.mesh != own.b.mesh;
+      if (ofA == ofB || !hasContacts(other)) return false;
+      return ofA ? pointInMesh(*other.a.mesh, region.middle)
+                 : pointInMesh(*other.b.mesh, otgRotateBack(pose, otgSub(region.middle, pose.t)));
     });
   }
 
-  /// A little more than what the contacts of all other pairs request; none where no translation does.
-  std::optional<Vec3d> wayOfOthers(const PartPair& pair) const {
+  /// A little more than what the contacts of all other regions request; none where no translation does.
+  std::optional<Vec3d> wayOfOthers(const PartRegion& region) const {
     ShortestTranslation way;
     for (std::size_t i = 0; i < contacts_.size(); ++i) {
-      if (isOf(pair, i) || isDropped(i)) continue;
+      if (isOf(region, i) || isDropped(i)) continue;
       if (!way.add(contacts_[i].normal, contacts_[i].depth)) return std::nullopt;
     }
     return otgScale(way.value(), kBeyond);
   }
 
-  /// Contacts of the pair with other normals than all contacts of other pairs.
-  void dropOwnNormals(const PartPair& pair) {
-    for (std::size_t i = pair.begin; i < pair.end; ++i) {
+  /// Contacts of the region with other normals than all contacts of other regions.
+  void dropOwnNormals(const PartRegion& region) {
+    for (std::size_t i = region.begin; i < region.end; ++i) {
       bool agrees = false;
       for (std::size_t j = 0; j < contacts_.size() && !agrees; ++j) {
-        agrees = !isOf(pair, j) && !isDropped(j) && otgDot(contacts_[i].normal, contacts_[j].normal) > kAgree;
+        agrees = !isOf(region, j) && !isDropped(j) && otgDot(contacts_[i].normal, contacts_[j].normal) > kAgree;
       }
       isDropped_[i] = agrees ? 0 : 1;
     }
   }
 
  private:
-  static bool isOf(const PartPair& pair, std::size_t i) { return i >= pair.begin && i < pair.end; }
+  static bool isOf(const PartRegion& region, std::size_t i) { return i >= region.begin && i < region.end; }
+  bool hasContacts(const PartPair& pair) const {
+    for (std::size_t i = pair.begin; i < pair.end; ++i) {
+      if (!isDropped(i)) return true;
+    }
+    return false;
+  }
 
   std::span<const PartPair> pairs_;
   std::span<const Contact> contacts_;
   std::vector<std::uint8_t> isDropped_;
 };
 
+/// Whether a component of one mesh lies in the other one, given that no triangles meet.
+bool isContained(const Query& query) {
+  const PlacedMeshes meshes(query);
+  for (const int m : {0, 1}) {
+    for (const std::uint32_t v : meshes.adjacency(m).componentVertex) {
+      if (v != kNone && meshes.isSolid(1 - m) && vertexInside(meshes, 1 - m, meshes.vertex(m, v))) return true;
+    }
+  }
+  return false;
+}
+
 bool areApart(const PartPair& pair, const Vec3d& way, Workspace& scratch) {
   Query moved = pair.query;
   moved.bInA.t = otgSub(moved.bInA.t, way);
   moved.options.timings = moved.options.countPerDepth = false;
   findIntersectingPairs(moved, scratch);
-  return scratch.intersecting.empty();
+  return scratch.intersecting.empty() && !isContained(moved);
 }
 
 }  // namespace
@@ -108,21 +121,29 @@ std::uint32_t MeshPart::edge(std::uint32_t e) const {
   return whole->mesh().topology().edgeOf[3 * part->triangleOf[half / 3] + half % 3];
 }
 
+std::uint32_t countParts(const CollisionMesh& mesh) {
+  return mesh.parts() == nullptr ? 1 : static_cast<std::uint32_t>(mesh.parts()->meshes.size());
+}
+
+PartPair pairOfParts(const Query& query, std::uint32_t i, std::uint32_t j) {
+  PartPair pair{.a = partOf(query.a, i), .b = partOf(query.b, j), .query = query};
+  pair.query.a = pair.a.mesh;
+  pair.query.b = pair.b.mesh;
+  return pair;
+}
+
 std::vector<PartPair> pairsOfParts(const Query& query, std::span<const TrianglePair> meeting) {
-  const std::vector<MeshPart> partsA = partsOf(query.a), partsB = partsOf(query.b);
+  const std::uint32_t countA = countParts(*query.a), countB = countParts(*query.b);
   std::vector<PartPair> pairs;
-  pairs.reserve(partsA.size() * partsB.size());
-  for (const MeshPart& a : partsA) {
-    for (const MeshPart& b : partsB) {
-      pairs.push_back({.a = a, .b = b, .query = query});
-      pairs.back().query.a = a.mesh;
-      pairs.back().query.b = b.mesh;
-    }
+  pairs.reserve(std::size_t{countA} * countB);
+  for (std::uint32_t i = 0; i < countA; ++i) {
+    for (std::uint32_t j = 0; j < countB; ++j) pairs.push_back(pairOfParts(query, i, j));
   }
   const PlaceInParts inA(query.a->parts()), inB(query.b->parts());
   for (const TrianglePair& p : meeting) {
     const std::uint32_t i = inA.part(p.a), j = inB.part(p.b);
-    if (i != kNone && j != kNone) pairs[i * partsB.size() + j].meeting.push_back({inA.number(p.a), inB.number(p.b)});
+    if (i != kNone && j != kNone)
+      pairs[std::size_t{i} * countB + j].meeting.push_back({inA.number(p.a), inB.number(p.b)});
   }
   return pairs;
 }
@@ -141,19 +162,18 @@ void numberAsWhole(std::span<const PartPair> pairs, std::span<Contact> contacts)
   }
 }
 
-void dropWallsInside(std::span<const PartPair> pairs, std::vector<Contact>& contacts, Workspace& scratch) {
-  std::vector<const PartPair*> order;
-  for (const PartPair& pair : pairs) {
-    if (pair.begin < pair.end) order.push_back(&pair);
-  }
-  if (order.size() < 2) return;
+void dropWallsInside(std::span<const PartPair> pairs, std::span<const PartRegion> regions,
+                     std::vector<Contact>& contacts, Workspace& scratch) {
+  if (regions.size() < 2) return;
+  std::vector<const PartRegion*> order;
+  for (const PartRegion& region : regions) order.push_back(&region);
   std::stable_sort(order.begin(), order.end(),
-                   [](const PartPair* x, const PartPair* y) { return x->volume < y->volume; });
+                   [](const PartRegion* x, const PartRegion* y) { return x->volume < y->volume; });
   PartContacts all(pairs, contacts);
-  for (const PartPair* pair : order) {
-    if (!all.isInAnother(*pair)) continue;
-    const std::optional<Vec3d> way = all.wayOfOthers(*pair);
-    if (way && areApart(*pair, *way, scratch)) all.dropOwnNormals(*pair);
+  for (const PartRegion* region : order) {
+    if (!all.isInAnother(*region)) continue;
+    const std::optional<Vec3d> way = all.wayOfOthers(*region);
+    if (way && areApart(pairs[region->pair], *way, scratch)) all.dropOwnNormals(*region);
   }
   std::size_t kept = 0;
   for (std::size_t i = 0; i < contacts.size(); ++i) {

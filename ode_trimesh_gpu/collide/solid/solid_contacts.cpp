@@ -8,7 +8,9 @@
 
 #include "base/scratch_memory.h"
 #include "base/vectors.h"
+#include "collide/boxes_apart.h"
 #include "collide/pair_history.h"
+#include "collide/rotation_tolerance.h"
 #include "collide/shell/shell_approach.h"
 #include "collide/shell/shell_contacts.h"
 #include "collide/solid/ahead_scratch.h"
@@ -135,6 +137,16 @@ class PairContacts {
     const bool isUneven = contactsOfRegion(task, workspace_.contacts);
     if (isUneven || region.apart || direction.pierced) ++workspace_.stats.unevenRegions;
     if (query_.refiner) query_.refiner->refine(workspace_.contacts, first);
+    if (partRegions_ != nullptr && workspace_.contacts.size() > first) {
+      const Vec3d middle = otgAdd(all.origin, otgScale(otgAdd(region.lo, region.hi), 0.5));
+      partRegions_->push_back({partPair_, first, workspace_.contacts.size(), middle, region.volume});
+    }
+  }
+
+  /// Regions from now on are those of a pair of parts.
+  void noteRegions(std::vector<PartRegion>& of, std::size_t pair) {
+    partRegions_ = &of;
+    partPair_ = pair;
   }
 
   /// A region whose contacts were made elsewhere.
@@ -201,6 +213,8 @@ class PairContacts {
   const PairMotion motion_;
   bool entangled_ = false;
   std::uint32_t number_ = 0;
+  std::vector<PartRegion>* partRegions_ = nullptr;
+  std::size_t partPair_ = 0;
 };
 
 void addRegions(const PlacedMeshes& meshes, const OverlapRegions& regions, PairContacts& contacts) {
@@ -222,20 +236,17 @@ bool addOverlap(const PlacedMeshes& meshes, const std::vector<TrianglePair>& mee
 
 bool addOverlapsOfParts(const Query& query, Workspace& workspace, PairContacts& contacts) {
   std::vector<PartPair> pairs = pairsOfParts(query, workspace.intersecting);
+  std::vector<PartRegion> regions;
+  const double defect = rotationDefect(query.bInA);
   for (PartPair& pair : pairs) {
-    pair.begin = workspace.contacts.size();
+    pair.begin = pair.end = workspace.contacts.size();
+    if (pair.meeting.empty() && areBoxesApart(pair.a.mesh->mesh(), pair.b.mesh->mesh(), query.bInA, defect)) continue;
+    contacts.noteRegions(regions, static_cast<std::size_t>(&pair - pairs.data()));
     if (!addOverlap(PlacedMeshes(pair.query), pair.meeting, *workspace.solid, contacts)) return false;
     pair.end = workspace.contacts.size();
-    if (pair.begin == pair.end) continue;
-    const OverlapRegions& all = workspace.solid->regions;
-    for (const Region& region : all.regions) {
-      pair.volume += region.volume;
-      pair.middles.push_back(otgAdd(all.origin, otgScale(otgAdd(region.lo, region.hi), 0.5)));
-    }
   }
   numberAsWhole(pairs, workspace.contacts);
-  if (!workspace.ahead) workspace.ahead = std::make_unique<AheadScratch>();
-  dropWallsInside(pairs, workspace.contacts, workspace.ahead->workspace);
+  dropWallsInside(pairs, regions, workspace.contacts, scratchAhead(workspace));
   return true;
 }
 
