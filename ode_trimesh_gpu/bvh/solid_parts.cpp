@@ -20,8 +20,6 @@
 namespace otg {
 namespace {
 
-/// How much of an overlap is touching: so many times what vertices may be off by rounding.
-constexpr double kTouching = 1;
 /// So many parts there may be. Each is looked at with each of the other mesh.
 constexpr std::size_t kMostParts = 64;
 
@@ -88,10 +86,7 @@ bool goesBehind(const Corners& t, const Corners& of, double slack) {
 class Neighbours {
  public:
   Neighbours(const TriMesh& mesh, const BinaryTree& tree)
-      : tree_(tree),
-        mesh_(mesh),
-        componentOf_(mesh_.topology().componentOf),
-        slack_(kTouching * roundingOfVertices(mesh_)) {
+      : tree_(tree), mesh_(mesh), componentOf_(mesh_.topology().componentOf), slack_(roundingOfVertices(mesh_)) {
     const std::size_t count = mesh_.topology().componentCount();
     std::vector<Bounds> bounds(count);
     sizes_.assign(count, 0);
@@ -211,7 +206,7 @@ class Neighbours {
   const BinaryTree& tree_;
   const TriMesh& mesh_;
   const SharedArray<std::uint32_t>& componentOf_;
-  const double slack_;
+  const double slack_;                ///< what overlaps by less is taken for touching
   std::vector<std::uint32_t> sizes_;  ///< of components, in triangles
   std::vector<std::uint8_t> meets_;
   std::vector<std::uint32_t> stack_;
