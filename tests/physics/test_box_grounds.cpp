@@ -304,6 +304,39 @@ TEST_CASE("A box over the end of a block that is flush with its floor does not t
   }
 }
 
+TEST_CASE("A box over corners of a floor's flush tiles is lifted by its depth, and no more") {
+  const OdeSession session;
+  Draw draw(11);
+  std::vector<scenes::MeshArrays> tiles;
+  for (int i = -4; i < 4; ++i) {
+    for (int j = -4; j < 4; ++j) {
+      tiles.push_back(
+          boxAt({0.25F + 0.5F * static_cast<float>(i), 0.25F + 0.5F * static_cast<float>(j), -0.25F}, {0.5, 0.5, 0.5}));
+    }
+  }
+  const Data ground(scenes::merge(tiles));
+  for (int i = 0; i < 200; ++i) {
+    const Vec3d size{draw.uniform(0.6, 1.2), draw.uniform(0.6, 1.2), draw.uniform(0.4, 0.9)};
+    const double low = std::pow(10, draw.uniform(-7, -2)), x = draw.uniform(-0.5, 0.5), y = draw.uniform(-0.5, 0.5);
+    const double yaw = draw.uniform(0, 6);
+    const Data box(scenes::makeBox(size));
+    World world(dCreateGpuTriMesh(nullptr, ground.id),
+                i % 2 == 0 ? dCreateGpuTriMesh(nullptr, box.id) : dCreateBox(nullptr, size.x, size.y, size.z), size,
+                {});
+    dMatrix3 rotation;
+    dRFromAxisAndAngle(rotation, 0, 0, 1, yaw);
+    dBodySetRotation(world.body(), rotation);
+    dBodySetPosition(world.body(), x, y, size.z / 2 - low);
+    INFO(i << ": " << low << " in the floor");
+    double lifted = 0;
+    for (const dContactGeom& contact : collide(world.geom(), world.ground(), kPlaces)) {
+      CHECK(contact.depth < 1.5 * low + 1e-6);
+      if (contact.normal[2] > 0.99) lifted = std::max(lifted, contact.depth);
+    }
+    CHECK(lifted > 0.5 * low);
+  }
+}
+
 TEST_CASE("A box that slides on a floor into a kerb of the same mesh is not lifted over it") {
   constexpr double kLifted = 0.5;  // J for each kg
   const OdeSession session;

@@ -24,7 +24,7 @@ namespace otg {
 #define OTG_SOLID_LEAST_DIAGONAL 1e-9
 #define OTG_SOLID_LEAST_AREA 1e-18
 
-/// Crossings of one edge that lie within the first of each other are ordered by how they drift (otgDriftsBefore);
+/// Crossings of one edge that lie within the first of each other are ordered by how they drift (otgCrossesBefore);
 /// within the second their rounding may have put them in the wrong order.
 #define OTG_SOLID_ONE_POINT 1e-12
 #define OTG_SOLID_CLOSE_POINTS 1e-9
@@ -207,14 +207,20 @@ OTG_GENERIC REAL OTG_NAME(otgHitPlane)(otg_int mesh, OTG_VEC3 p, OTG_VEC3 q, con
   return at < 0 ? OTG_REAL(0) : 1 < at ? OTG_REAL(1) : at;
 }
 
-/// For two crossings at (nearly) the same place of their edge: does drift x come before drift y once A has been moved
-/// by (e, e^2, e^3)?
-OTG_GENERIC otg_int OTG_NAME(otgDriftsBefore)(OTG_VEC3 x, OTG_VEC3 y) {
+/// For two crossings at (nearly) the same place of their edge, which have these drifts, and leave the other mesh or
+/// enter it: does x come before y once A has been moved by (e, e^2, e^3)? Where both are in one plane, as at two flush
+/// boxes of a mesh, the edge leaves before it enters.
+OTG_GENERIC otg_int OTG_NAME(otgCrossesBefore)(OTG_VEC3 x, otg_int xLeaves, OTG_VEC3 y, otg_int yLeaves) {
   const REAL a[3] = {x.x, x.y, x.z}, b[3] = {y.x, y.y, y.z};
+  REAL most = 0;
   for (int k = 0; k < 3; ++k) {
-    if (OTG_ABS(a[k] - b[k]) > OTG_REAL(1e-9) * (OTG_ABS(a[k]) + OTG_ABS(b[k]))) return a[k] < b[k];
+    const REAL sum = OTG_ABS(a[k]) + OTG_ABS(b[k]);
+    if (sum > most) most = sum;
   }
-  return 0;
+  for (int k = 0; k < 3; ++k) {
+    if (OTG_ABS(a[k] - b[k]) > OTG_REAL(1e-9) * most) return a[k] < b[k];
+  }
+  return xLeaves != 0 && yLeaves == 0;
 }
 
 /// Of a piece, when the way through the region behind it is this long.

@@ -43,7 +43,10 @@ OTG_INLINED uint otgOrderEdge(OTG_OVERLAP* o, uint slot) {
     OTG_ROLLED
     for (uint j = i; j > 0; --j) {
       const uint x = along[j], y = along[j - 1];
-      if (all[x].t - all[y].t > OTG_SOLID_ONE_POINT || !otgDriftsBefore_d(otgDriftOf(o, x), otgDriftOf(o, y))) break;
+      if (all[x].t - all[y].t > OTG_SOLID_ONE_POINT ||
+          !otgCrossesBefore_d(otgDriftOf(o, x), all[x].exits, otgDriftOf(o, y), all[y].exits)) {
+        break;
+      }
       along[j] = y;
       along[j - 1] = x;
     }

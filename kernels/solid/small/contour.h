@@ -113,7 +113,8 @@ OTG_INLINED void otgOrderTies(__local otg_solid_scratch* s, uint crossings, uint
     for (uint j = i; j > 0; --j) {
       const ushort x = along[j], y = along[j - 1];
       if (s->t[x] - s->t[y] > OTG_SOLID_ONE_POINT ||
-          !otgDriftsBefore_d(otgDriftOf(s, x, meshA, meshB), otgDriftOf(s, y, meshA, meshB))) {
+          !otgCrossesBefore_d(otgDriftOf(s, x, meshA, meshB), s->exits[x], otgDriftOf(s, y, meshA, meshB),
+                              s->exits[y])) {
         break;
       }
       along[j] = y;

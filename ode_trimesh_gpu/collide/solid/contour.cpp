@@ -197,7 +197,7 @@ class Tracer {
     for (std::uint32_t i = begin + 1; i < end; ++i) {
       for (std::uint32_t j = i; j > begin; --j) {
         const Crossing &x = all[along[j]], &y = all[along[j - 1]];
-        if (x.t - y.t > OTG_SOLID_ONE_POINT || !otgDriftsBefore(x.drift, y.drift)) break;
+        if (x.t - y.t > OTG_SOLID_ONE_POINT || !otgCrossesBefore(x.drift, x.exits, y.drift, y.exits)) break;
         std::swap(along[j], along[j - 1]);
       }
     }
