@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Grounds of plain boxes: thin plates that fall over an edge; kerbs that stand on a floor, or are sunk into it, and
-// stairs of boxes that overlap, as one mesh.
+// Grounds of plain boxes: thin plates that fall over an edge. As one mesh: kerbs that stand on a floor, or are sunk
+// into it; flush tiles; stairs of boxes that overlap.
 #include <ode/ode.h>
 #include <ode_trimesh_gpu/ode_trimesh_gpu.h>
 
@@ -27,6 +27,17 @@ scenes::MeshArrays boxAt(const Vec3f& middle, const Vec3d& size) {
   scenes::MeshArrays box = scenes::makeBox(size);
   for (Vec3f& v : box.vertices) v = {v.x + middle.x, v.y + middle.y, v.z + middle.z};
   return box;
+}
+
+/// A mesh, or one of ODE's own boxes.
+dGeomID boxGeom(bool isMesh, const Data& mesh, const Vec3d& size) {
+  return isMesh ? dCreateGpuTriMesh(nullptr, mesh.id) : dCreateBox(nullptr, size.x, size.y, size.z);
+}
+
+void turnAboutZ(dBodyID body, double angle) {
+  dMatrix3 rotation;
+  dRFromAxisAndAngle(rotation, 0, 0, 1, angle);
+  dBodySetRotation(body, rotation);
 }
 
 struct Stepping {
@@ -232,9 +243,7 @@ TEST_CASE("A plate wholly below a box's top beside its edge leaves by the top") 
     const Data plate(scenes::makeBox({length, breadth, thickness}));
     World world(dCreateGpuTriMesh(nullptr, ground.id), dCreateGpuTriMesh(nullptr, plate.id),
                 {length, breadth, thickness}, {});
-    dMatrix3 rotation;
-    dRFromAxisAndAngle(rotation, 0, 0, 1, turn);
-    dBodySetRotation(world.body(), rotation);
+    turnAboutZ(world.body(), turn);
     dBodySetPosition(world.body(), 2 + over, aside, thickness / 2 - deep);
     const std::vector<dContactGeom> contacts = collide(world.geom(), world.ground(), kPlaces);
     INFO(i);
@@ -256,12 +265,8 @@ TEST_CASE("A box in a floor and in a kerb of the same mesh leaves each by its ow
     const double in = std::pow(10, draw.uniform(-5, -2)), aside = draw.uniform(-1, 1);
     const Data ground(floorWithKerb(height, kSunk[static_cast<std::size_t>(i) % kSunk.size()]));
     const Data box(scenes::makeBox(size));
-    World world(dCreateGpuTriMesh(nullptr, ground.id),
-                i % 2 == 0 ? dCreateGpuTriMesh(nullptr, box.id) : dCreateBox(nullptr, size.x, size.y, size.z), size,
-                {});
-    dMatrix3 rotation;
-    dRFromAxisAndAngle(rotation, 0, 0, 1, yaw);
-    dBodySetRotation(world.body(), rotation);
+    World world(dCreateGpuTriMesh(nullptr, ground.id), boxGeom(i % 2 == 0, box, size), size, {});
+    turnAboutZ(world.body(), yaw);
     const double reach = 0.5 * (size.x * std::cos(yaw) + size.y * std::abs(std::sin(yaw)));
     dBodySetPosition(world.body(), 1.7 - reach + in, aside, size.z / 2 - low);
     INFO(i << ": " << low << " in the floor, " << in << " in the kerb");
@@ -283,9 +288,7 @@ TEST_CASE("A box over the end of a block that is flush with its floor does not t
     const double over = std::pow(10, draw.uniform(-5, -0.5)), aside = draw.uniform(-1, 1);
     const Data ground(floorWithKerb(0, 1.2));  // through the floor
     const Data box(scenes::makeBox(size));
-    World world(dCreateGpuTriMesh(nullptr, ground.id),
-                i % 2 == 0 ? dCreateGpuTriMesh(nullptr, box.id) : dCreateBox(nullptr, size.x, size.y, size.z), size,
-                {});
+    World world(dCreateGpuTriMesh(nullptr, ground.id), boxGeom(i % 2 == 0, box, size), size, {});
     const double direction = draw.uniform(0, 2 * std::numbers::pi), tilt = draw.uniform(0, low);
     dMatrix3 turned, tilted, rotation;
     dRFromAxisAndAngle(turned, 0, 0, 1, yaw);
@@ -320,12 +323,8 @@ TEST_CASE("A box over corners of a floor's flush tiles is lifted by its depth, a
     const double low = std::pow(10, draw.uniform(-7, -2)), x = draw.uniform(-0.5, 0.5), y = draw.uniform(-0.5, 0.5);
     const double yaw = draw.uniform(0, 6);
     const Data box(scenes::makeBox(size));
-    World world(dCreateGpuTriMesh(nullptr, ground.id),
-                i % 2 == 0 ? dCreateGpuTriMesh(nullptr, box.id) : dCreateBox(nullptr, size.x, size.y, size.z), size,
-                {});
-    dMatrix3 rotation;
-    dRFromAxisAndAngle(rotation, 0, 0, 1, yaw);
-    dBodySetRotation(world.body(), rotation);
+    World world(dCreateGpuTriMesh(nullptr, ground.id), boxGeom(i % 2 == 0, box, size), size, {});
+    turnAboutZ(world.body(), yaw);
     dBodySetPosition(world.body(), x, y, size.z / 2 - low);
     INFO(i << ": " << low << " in the floor");
     double lifted = 0;
@@ -351,9 +350,7 @@ TEST_CASE("A box that slides on a floor into a kerb of the same mesh is not lift
       const Data ground(floorWithKerb(height, kSunk[static_cast<std::size_t>(i) % kSunk.size()]));
       const Data box(scenes::makeBox(size));
       World world(dCreateGpuTriMesh(nullptr, ground.id), dCreateGpuTriMesh(nullptr, box.id), size, stepping);
-      dMatrix3 rotation;
-      dRFromAxisAndAngle(rotation, 0, 0, 1, yaw);
-      dBodySetRotation(world.body(), rotation);
+      turnAboutZ(world.body(), yaw);
       dBodySetPosition(world.body(), x, y, size.z / 2 + 1e-4);
       dBodySetLinearVel(world.body(), speed, 0, 0);
       INFO(i << " at " << stepping.step);
