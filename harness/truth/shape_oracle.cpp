@@ -2,7 +2,9 @@
 #include "truth/shape_oracle.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 namespace otg::truth {
 namespace {
@@ -60,7 +62,10 @@ ShapeOracle::ShapeOracle(const PairBody& mesh, const PairBody& shape, double mes
       for (const Vec3d& v : shape_.vertices) offset = std::max(offset, otgDot(n, v));
       offsets_.push_back(offset);
     }
-    for (const Vec3d& v : shape_.vertices) bound_ = std::max(bound_, norm(v));
+    for (const Vec3d& v : shape_.vertices) {
+      bound_ = std::max(bound_, norm(v));
+      middle_ = otgAdd(middle_, otgScale(v, 1.0 / static_cast<double>(shape_.vertices.size())));
+    }
   } else {
     bound_ = shape_.radius + shape_.length;
   }
@@ -87,9 +92,32 @@ bool ShapeOracle::meets(const Corners& t) const {
   }
 }
 
+bool ShapeOracle::isWithin(const Vec3d& by) const {
+  const Vec3d toMiddle = otgSub(by, middle_);
+  int layers = 0;
+  for (const Corners& t : triangles_) {
+    // The upright line through the middle crosses two sides of a triangle, or none. Both triangles at a side see the
+    // same crossing.
+    std::array<Vec3d, 2> crossing{};
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      Vec3d p = otgAdd(t[k], toMiddle), q = otgAdd(t[(k + 1) % 3], toMiddle);
+      if ((p.y > 0) == (q.y > 0)) continue;
+      if (p.y > 0) std::swap(p, q);
+      crossing[count++] = otgAdd(p, otgScale(otgSub(q, p), -p.y / (q.y - p.y)));
+    }
+    if (count < 2 || (crossing[0].x > 0) == (crossing[1].x > 0)) continue;
+    const double share = -crossing[0].x / (crossing[1].x - crossing[0].x);
+    if (crossing[0].z + share * (crossing[1].z - crossing[0].z) <= 0) continue;
+    const Vec3d u = otgSub(t[1], t[0]), v = otgSub(t[2], t[0]);
+    layers += u.x * v.y - u.y * v.x > 0 ? 1 : -1;
+  }
+  return layers > 0;
+}
+
 bool ShapeOracle::overlapped(const Vec3d& translation) {
   const Vec3d by = otgScale(otgRotateBack(shapePose_, translation), meshMoves_);
-  return std::any_of(triangles_.begin(), triangles_.end(), [&](const Corners& t) {
+  const bool meets = std::any_of(triangles_.begin(), triangles_.end(), [&](const Corners& t) {
     Vec3d low = otgAdd(t[0], by), high = low;
     Corners moved;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -98,8 +126,9 @@ bool ShapeOracle::overlapped(const Vec3d& translation) {
       high = {std::max(high.x, moved[k].x), std::max(high.y, moved[k].y), std::max(high.z, moved[k].z)};
     }
     if (std::max({low.x, low.y, low.z}) > bound_ || std::min({high.x, high.y, high.z}) < -bound_) return false;
-    return meets(moved);
+    return this->meets(moved);
   });
+  return meets || isWithin(by);
 }
 
 std::vector<Vec3d> ShapeOracle::faceDirections() {

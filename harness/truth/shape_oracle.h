@@ -17,11 +17,14 @@ class ShapeOracle : public PairOracle {
 
  private:
   bool meets(const Corners& inShape) const;
+  /// Whether the shape, which meets no triangle, is inside the mesh. `by`: of the mesh.
+  bool isWithin(const Vec3d& by) const;
 
   ConvexBody shape_;
   std::vector<double> offsets_;  ///< of a polyhedron's faces
   Transformd shapePose_;
   std::vector<Corners> triangles_;  ///< in the shape's frame
+  Vec3d middle_{0, 0, 0};           ///< a point within the shape
   double bound_ = 0;                ///< radius of the shape about its origin
   double meshMoves_, grain_;
 };
