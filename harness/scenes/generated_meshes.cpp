@@ -65,6 +65,28 @@ MeshArrays makeBox(Vec3d size, int n) {
   return builder.finish();
 }
 
+MeshArrays makeCubes(int n, const std::function<bool(int, int, int)>& isFull) {
+  MeshBuilder builder;
+  const auto isIn = [&](int x, int y, int z) {
+    return std::min({x, y, z}) >= 0 && std::max({x, y, z}) < n && isFull(x, y, z);
+  };
+  for (int z = 0; z < n; ++z) {
+    for (int y = 0; y < n; ++y) {
+      for (int x = 0; x < n; ++x) {
+        if (!isIn(x, y, z)) continue;
+        const auto at = [&](int i, int j, int k) { return Vec3d{1.0 * (x + i), 1.0 * (y + j), 1.0 * (z + k)}; };
+        if (!isIn(x - 1, y, z)) builder.quad(at(0, 0, 0), at(0, 0, 1), at(0, 1, 1), at(0, 1, 0));
+        if (!isIn(x + 1, y, z)) builder.quad(at(1, 0, 0), at(1, 1, 0), at(1, 1, 1), at(1, 0, 1));
+        if (!isIn(x, y - 1, z)) builder.quad(at(0, 0, 0), at(1, 0, 0), at(1, 0, 1), at(0, 0, 1));
+        if (!isIn(x, y + 1, z)) builder.quad(at(0, 1, 0), at(0, 1, 1), at(1, 1, 1), at(1, 1, 0));
+        if (!isIn(x, y, z - 1)) builder.quad(at(0, 0, 0), at(0, 1, 0), at(1, 1, 0), at(1, 0, 0));
+        if (!isIn(x, y, z + 1)) builder.quad(at(0, 0, 1), at(1, 0, 1), at(1, 1, 1), at(0, 1, 1));
+      }
+    }
+  }
+  return builder.finish();
+}
+
 MeshArrays makeSphere(double radius, int level) {
   MeshBuilder builder;
   for (const auto& [a, b, c] : sphereTriangles(level)) builder.triangle(a * radius, b * radius, c * radius);

@@ -350,6 +350,9 @@ bool drawShapeOnWild(Random& random, PairDraft& draft) {
 bool drawShapeOnBlocks(Random& random, PairDraft& draft) {
   return drawShapeOn(random, blockPile(random), draft);
 }
+bool drawShapeOnFlush(Random& random, PairDraft& draft) {
+  return drawShapeOn(random, flushBlocks(random), draft);
+}
 
 /// One through the other, as links of a chain are, or within it.
 bool drawEntwined(Random& random, PairDraft& draft) {
@@ -486,9 +489,11 @@ std::vector<CertificateFamily> certificateFamilies() {
       wildFamily("frames", "frames of bars and others", barFrame),
       wildFamily("thin", "plates, needles and others", thinBox),
       wildFamily("blocks", "piles of blocks that reach into each other, and others", blockPile),
+      wildFamily("flush", "blocks with flush faces in one mesh, and others", flushBlocks),
       pushedFamily("entwined", "rings and springs through each other", drawEntwined),
       pushedFamily("shapes", "ODE's shapes on rings, springs, turned parts and others", drawShapeOnWild),
       pushedFamily("on_blocks", "ODE's shapes on piles of blocks that reach into each other", drawShapeOnBlocks),
+      pushedFamily("on_flush", "ODE's shapes on blocks with flush faces in one mesh", drawShapeOnFlush),
       shapeFamily("dBox", "ODE's box in inner corners", {MoverKind::kBox}),
       shapeFamily("dCylinder", "ODE's cylinder in inner corners", {MoverKind::kCylinder}),
       shapeFamily("dCapsule", "ODE's capsule in inner corners", {MoverKind::kCapsule}),

@@ -188,4 +188,63 @@ scenes::MeshArrays blockPile(Random& random) {
   }
 }
 
+namespace {
+
+/// Vertices at one place become one, as in files that were welded.
+scenes::MeshArrays welded(const scenes::MeshArrays& mesh) {
+  scenes::MeshBuilder builder;
+  const auto corner = [&](std::uint32_t v) {
+    return Vec3d{mesh.vertices[v].x, mesh.vertices[v].y, mesh.vertices[v].z};
+  };
+  for (const Triangle& t : mesh.triangles) builder.triangle(corner(t.v[0]), corner(t.v[1]), corner(t.v[2]));
+  return builder.finish();
+}
+
+scenes::MeshArrays cubes(Random& random) {
+  const int n = 2 + random.below(3);
+  const double part = random.uniform(0.4, 0.9);
+  std::vector<bool> full;
+  for (int i = 0; i < n * n * n; ++i) full.push_back(i == 0 || random.uniform(0, 1) < part);
+  scenes::MeshArrays mesh =
+      scenes::makeCubes(n, [&](int x, int y, int z) { return full[static_cast<std::size_t>(x + n * (y + n * z))]; });
+  const float scale = 1.0F / static_cast<float>(n);
+  for (Vec3f& v : mesh.vertices) v = {v.x * scale - 0.5F, v.y * scale - 0.5F, v.z * scale - 0.5F};
+  return mesh;
+}
+
+}  // namespace
+
+scenes::MeshArrays flushBlocks(Random& random) {
+  if (random.below(4) == 0) return cubes(random);
+  // In 64ths, so that flush faces are in one plane exactly.
+  struct Block {
+    int low[3], high[3];
+  };
+  const auto side = [&] { return 24 + random.below(40); };
+  std::vector<Block> blocks{{{0, 0, 0}, {side(), side(), 8 + random.below(24)}}};
+  const int cuts = 1 + random.below(12);
+  for (int i = 0; i < cuts; ++i) {
+    Block& cut = blocks[static_cast<std::size_t>(random.below(static_cast<int>(blocks.size())))];
+    const int axis = random.below(5) / 2;  // seldom along z
+    const int length = cut.high[axis] - cut.low[axis];
+    if (length < 4) continue;
+    Block rest = cut;
+    cut.high[axis] = rest.low[axis] = cut.low[axis] + 1 + random.below(length - 1);
+    blocks.push_back(rest);
+  }
+  // As they are, with some missing, or with tops of their own.
+  const int kind = random.below(3);
+  std::vector<scenes::MeshArrays> meshes;
+  for (Block& block : blocks) {
+    if (kind == 1 && meshes.size() > 1 && random.below(4) == 0) continue;
+    if (kind == 2) block.high[2] -= random.below(block.high[2] - block.low[2]);
+    const auto at = [&](int k) { return (block.low[k] + block.high[k]) / 128.0 - 0.5; };
+    const auto length = [&](int k) { return (block.high[k] - block.low[k]) / 64.0; };
+    meshes.push_back(scenes::transformed(scenes::makeBox({length(0), length(1), length(2)}),
+                                         {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {at(0), at(1), at(2)}}));
+  }
+  const scenes::MeshArrays all = scenes::merge(meshes);
+  return random.below(2) == 0 ? welded(all) : all;
+}
+
 }  // namespace otg::truth

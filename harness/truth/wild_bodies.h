@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Closed bodies at random that have little in common with each other: rings, springs, turned parts, spiky balls, rough
-// ground, frames of bars, plates and needles, piles of blocks. About 1 in size.
+// ground, frames of bars, plates and needles, piles of blocks, flush ones. About 1 in size.
 #pragma once
 
 #include "scenes/generated_meshes.h"
@@ -24,5 +24,8 @@ scenes::MeshArrays barFrame(Random& random);
 scenes::MeshArrays thinBox(Random& random);
 /// Boxes that reach into each other, in one mesh: as a solid of components that overlap. None is inside another one.
 scenes::MeshArrays blockPile(Random& random);
+/// Boxes with flush faces, in one mesh, as floors of tiles, stairs and walls are built: a box in pieces, some of which
+/// are lower or missing. Vertices may be shared. Also cubes in a grid, which touch along edges and in corners.
+scenes::MeshArrays flushBlocks(Random& random);
 
 }  // namespace otg::truth

@@ -65,8 +65,10 @@ class TriMeshCheck {
  private:
   std::string faultOfNumbers() const;
   bool measuresMatch() const;
-  bool facesOutward() const;
-  bool reportMatches(const TopologyFindings& found) const;
+  bool facesOutward(Topology topology) const;
+  bool isSolid(const Topology& topology, const TopologyFindings& found) const;
+  /// `topology`: what the report is about.
+  bool reportMatches(const Topology& topology, const TopologyFindings& found, bool solid) const;
   const TriMeshParts& parts_;
   bool sizesMatch_ = false;
   bool finite_ = true, inRange_ = true, pointsMatch_ = true, numbersMatch_ = true;

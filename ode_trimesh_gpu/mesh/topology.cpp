@@ -95,29 +95,42 @@ Buckets fillBuckets(std::span<const Triangle> welded, std::size_t vertexCount) {
   return buckets;
 }
 
-/// Fills edgeOf, twin and edges and unites the triangles of each edge.
-void buildEdges(std::span<const Triangle> welded, std::size_t vertexCount, Topology& topology, UnionFind& components) {
-  Buckets buckets = fillBuckets(welded, vertexCount);
-  std::vector<std::uint32_t> edgeOf(3 * welded.size(), kNone), twin(3 * welded.size(), kNone);
-  // Runs of equal entries are the edges. edgeOf first names the smallest half-edge of the run.
+struct Pairs {
+  std::vector<std::uint32_t> first;  ///< for each half-edge the smallest one of its edge
+  std::vector<std::uint32_t> twin;   ///< Topology::twin
   std::size_t edgeCount = 0;
+};
+
+/// Half-edges with the same ends have one edge.
+Pairs pairByEnds(std::span<const Triangle> welded, std::size_t vertexCount) {
+  Buckets buckets = fillBuckets(welded, vertexCount);
+  Pairs pairs;
+  pairs.first.assign(3 * welded.size(), kNone);
+  pairs.twin.assign(3 * welded.size(), kNone);
+  // Runs of equal entries are the edges.
   for (std::size_t v = 0; v < vertexCount; ++v) {
     BucketEntry* const begin = buckets.entries.data() + buckets.offset[v];
     BucketEntry* const end = buckets.entries.data() + buckets.offset[v + 1];
     if (begin == end) continue;
     sortBucket(begin, end);
-    for (BucketEntry* run = begin; run < end; ++edgeCount) {
+    for (BucketEntry* run = begin; run < end; ++pairs.edgeCount) {
       BucketEntry* next = run;
-      for (; next < end && next->larger == run->larger; ++next) edgeOf[next->halfEdge()] = run->halfEdge();
+      for (; next < end && next->larger == run->larger; ++next) pairs.first[next->halfEdge()] = run->halfEdge();
       if (next - run == 2 && ((run[0].code ^ run[1].code) & 1) != 0) {
-        twin[run[0].halfEdge()] = run[1].halfEdge();
-        twin[run[1].halfEdge()] = run[0].halfEdge();
+        pairs.twin[run[0].halfEdge()] = run[1].halfEdge();
+        pairs.twin[run[1].halfEdge()] = run[0].halfEdge();
       }
       run = next;
     }
   }
+  return pairs;
+}
+
+/// Fills edgeOf, twin and edges and unites the triangles of each edge.
+void numberEdges(std::span<const Triangle> welded, Pairs&& pairs, Topology& topology, UnionFind& components) {
+  std::vector<std::uint32_t>& edgeOf = pairs.first;
   std::vector<Topology::Edge> edges;
-  edges.reserve(edgeCount);
+  edges.reserve(pairs.edgeCount);
   std::uint32_t h = 0;
   for (std::uint32_t t = 0; t < welded.size(); ++t) {
     for (std::uint32_t k = 0; k < 3; ++k, ++h) {
@@ -134,7 +147,7 @@ void buildEdges(std::span<const Triangle> welded, std::size_t vertexCount, Topol
     }
   }
   topology.edgeOf = std::move(edgeOf);
-  topology.twin = std::move(twin);
+  topology.twin = std::move(pairs.twin);
   topology.edges = std::move(edges);
 }
 
@@ -155,6 +168,18 @@ void numberComponents(std::size_t triangleCount, Topology& topology, UnionFind& 
   }
   topology.componentOf = std::move(componentOf);
   topology.componentClosed = std::move(closed);
+}
+
+Topology assemble(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
+                  std::span<const Triangle> welded, Pairs&& pairs, std::vector<std::uint32_t>&& weld) {
+  Topology topology;
+  topology.weld = std::move(weld);
+  UnionFind components(triangles.size());
+  numberEdges(welded, std::move(pairs), topology, components);
+  numberComponents(triangles.size(), topology, components);
+  topology.componentVolume =
+      componentVolumes(topology, vertices, triangles, middleAsFloat(boundsOf(vertices, triangles)));
+  return topology;
 }
 
 }  // namespace
@@ -238,14 +263,17 @@ Topology buildTopology(std::span<const Vec3f> vertices, std::span<const Triangle
 
 Topology buildTopology(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
                        std::vector<std::uint32_t>&& weld) {
-  Topology topology;
-  topology.weld = std::move(weld);
-  UnionFind components(triangles.size());
-  buildEdges(weldedTriangles(triangles, topology.weld), vertices.size(), topology, components);
-  numberComponents(triangles.size(), topology, components);
-  topology.componentVolume =
-      componentVolumes(topology, vertices, triangles, middleAsFloat(boundsOf(vertices, triangles)));
-  return topology;
+  const std::vector<Triangle> welded = weldedTriangles(triangles, weld);
+  return assemble(vertices, triangles, welded, pairByEnds(welded, vertices.size()), std::move(weld));
+}
+
+Topology buildTopology(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
+                       std::vector<std::uint32_t>&& weld, std::vector<std::uint32_t>&& twin) {
+  Pairs pairs;
+  for (std::uint32_t h = 0; h < twin.size(); ++h) pairs.first.push_back(std::min(h, twin[h]));
+  pairs.twin = std::move(twin);
+  pairs.edgeCount = pairs.twin.size() / 2;
+  return assemble(vertices, triangles, weldedTriangles(triangles, weld), std::move(pairs), std::move(weld));
 }
 
 }  // namespace otg

@@ -21,8 +21,9 @@ inline constexpr std::size_t kMaxTriangles = std::size_t{1} << 28;
 /// Half-edge 3 t + k runs from corner k to corner (k + 1) % 3 of triangle t. All but the volumes depends only on which
 /// vertices are one point. Meshes that differ in the places of their vertices alone share it.
 struct Topology {
-  /// For each vertex the smallest vertex with the same position (-0 equals +0), in a mesh that touches itself each
-  /// vertex (own_topology.h): two vertices are one point of the surface exactly if their entries are equal.
+  /// Two vertices are one point of the surface exactly if their entries are equal. For each vertex this is the smallest
+  /// one with the same position (-0 equals +0). In a mesh that touches itself it is each vertex (own_topology.h), or
+  /// the smallest of the same surface (touching_edges.h).
   SharedArray<std::uint32_t> weld;
   /// For each half-edge its undirected edge, numbered from 0 in the order of first appearance.
   SharedArray<std::uint32_t> edgeOf;
@@ -51,6 +52,9 @@ Topology buildTopology(std::span<const Vec3f> vertices, std::span<const Triangle
 /// The same where other vertices are one point: as Topology::weld.
 Topology buildTopology(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
                        std::vector<std::uint32_t>&& weld);
+/// The same where each half-edge has a neighbour, `twin`. Edges are then pairs of these: two may have the same ends.
+Topology buildTopology(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
+                       std::vector<std::uint32_t>&& weld, std::vector<std::uint32_t>&& twin);
 
 /// Of the same triangles turned round, corners (a, b, c) to (a, c, b), with vertices in places that are equal where
 /// they were equal: as buildTopology() makes it, but for the volumes, which are left empty.

@@ -17,6 +17,7 @@
 #include "mesh/own_topology.h"
 #include "mesh/repair.h"
 #include "mesh/report_mesh.h"
+#include "mesh/touching_edges.h"
 
 namespace otg {
 namespace {
@@ -144,20 +145,46 @@ struct TriMeshBuilder {
     mesh.degenerate_ = findDegenerate(mesh.vertices_, mesh.triangles_);
   }
 
-  /// By the mesh's own indices if they make a solid, else by positions.
+  /// By the mesh's own indices if they make a solid. Else by positions, unless these make none, but surfaces that touch
+  /// along edges do once they are taken apart. That may give vertices of the mesh copies.
   static void chooseTopology(TriMesh& mesh, std::optional<Topology>&& own, std::vector<std::uint32_t>&& weld,
                              ValidationReport& report) {
     if (own) {
-      ValidationReport ofOwn = report;
-      inspectMesh(mesh.vertices_, mesh.triangles_, *own, mesh.degenerate_, ofOwn);
-      if (ofOwn.solid) {
-        report = std::move(ofOwn);
+      const ValidationReport before = report;
+      inspectMesh(mesh.vertices_, mesh.triangles_, *own, mesh.degenerate_, report);
+      if (report.solid) {
         mesh.topology_ = std::move(*own);
         return;
       }
+      report = before;
     }
     mesh.topology_ = buildTopology(mesh.vertices_, mesh.triangles_, std::move(weld));
     inspectMesh(mesh.vertices_, mesh.triangles_, mesh.topology_, mesh.degenerate_, report);
+    if (report.mayTouchAlongEdges() && takeApart(mesh)) report.solid = true;
+  }
+
+  /// False, and nothing has changed, if that makes no solid.
+  static bool takeApart(TriMesh& mesh) {
+    std::optional<SeparateSurfaces> apart = separateSurfaces(mesh.vertices_, mesh.triangles_, mesh.topology_);
+    if (!apart) return false;
+    const bool hasCopies = apart->vertexOf.size() > mesh.vertices_.size();
+    std::vector<Vec3f> vertices;
+    std::vector<std::uint32_t> inputVertexOf;
+    for (const std::uint32_t v : apart->vertexOf) {
+      vertices.push_back(mesh.vertices_[v]);
+      inputVertexOf.push_back(mesh.callerVertex(v));
+    }
+    Topology topology = buildTopology(vertices, apart->triangles, std::move(apart->weld), std::move(apart->twin));
+    ValidationReport ofSurfaces;
+    inspectMesh(vertices, apart->triangles, topology, mesh.degenerate_, ofSurfaces);
+    if (!ofSurfaces.solid) return false;
+    mesh.topology_ = std::move(topology);
+    if (!hasCopies) return true;
+    orientEdges(mesh.topology_, inputVertexOf);
+    mesh.vertices_ = std::move(vertices);
+    mesh.triangles_ = std::move(apart->triangles);
+    mesh.inputVertexOf_ = std::move(inputVertexOf);
+    return true;
   }
 
   static MeshResult build(const MeshInput& input, const RepairOptions& repair, MeshOrder order) {
@@ -252,6 +279,33 @@ struct TriMeshBuilder {
                                mesh.vertices_, mesh.triangles_);
   }
 
+  /// Each of the caller's vertices once, also where surfaces that touch have been taken apart.
+  static void withoutCopies(TriMesh& mesh) {
+    std::vector<std::uint32_t> numberOf(mesh.inputVertexCount_, kNone), first, newNumber;
+    for (std::uint32_t v = 0; v < mesh.vertices_.size(); ++v) {
+      std::uint32_t& number = numberOf[mesh.callerVertex(v)];
+      if (number == kNone) {
+        number = static_cast<std::uint32_t>(first.size());
+        first.push_back(v);
+      }
+      newNumber.push_back(number);
+    }
+    if (first.size() == mesh.vertices_.size()) return;
+    std::vector<Vec3f> vertices;
+    std::vector<std::uint32_t> inputVertexOf;
+    for (const std::uint32_t v : first) {
+      vertices.push_back(mesh.vertices_[v]);
+      inputVertexOf.push_back(mesh.callerVertex(v));
+    }
+    std::vector<Triangle> triangles(mesh.triangles_.begin(), mesh.triangles_.end());
+    for (Triangle& t : triangles) {
+      for (std::uint32_t& v : t.v) v = newNumber[v];
+    }
+    mesh.vertices_ = std::move(vertices);
+    mesh.inputVertexOf_ = std::move(inputVertexOf);
+    mesh.triangles_ = std::move(triangles);
+  }
+
   static MeshResult move(const TriMesh& before, const MeshInput& input, bool turned) {
     MeshResult result;
     ValidationReport& report = result.report;
@@ -277,7 +331,6 @@ struct TriMeshBuilder {
       vertices = std::move(own);
     }
     mesh->vertices_ = std::move(vertices);
-    const std::size_t vertexCount = mesh->vertices_.size();
     mesh->triangles_ = before.triangles_;
     if (turned) {
       std::vector<Triangle> triangles(before.triangles_.begin(), before.triangles_.end());
@@ -286,10 +339,13 @@ struct TriMeshBuilder {
     } else {
       mesh->trianglesHash_ = before.trianglesHash_;
     }
+    const bool mayTouch = before.report_.mayTouchAlongEdges();
+    if (mayTouch) withoutCopies(*mesh);
     measure(*mesh, &before.origin_);
     std::vector<std::uint32_t> weld = weldByPosition(mesh->vertices_);
     std::optional<Topology> own = ownTopology(mesh->vertices_, mesh->triangles_, weld);
-    const bool samePoints = !own && std::ranges::equal(weld, before.topology_.weld);
+    // Where surfaces touch along edges it takes the places, too, to tell them apart.
+    const bool samePoints = !own && !mayTouch && std::ranges::equal(weld, before.topology_.weld);
     report.repair = before.report_.repair;
     if (samePoints) {
       mesh->topology_ = turned ? turnedTopology(before.topology_) : before.topology_;
@@ -297,7 +353,7 @@ struct TriMeshBuilder {
       if (!turned) mesh->firstCopies_ = before.firstCopies_;
     } else {
       chooseTopology(*mesh, std::move(own), std::move(weld), report);
-      if (!mesh->inputVertexOf_.empty()) orientEdges(mesh->topology_, {mesh->inputVertexOf_.data(), vertexCount});
+      if (!mesh->inputVertexOf_.empty()) orientEdges(mesh->topology_, mesh->inputVertexOf_);
     }
     mesh->topology_.componentVolume =
         componentVolumes(mesh->topology_, mesh->vertices_, mesh->triangles_, mesh->origin_);

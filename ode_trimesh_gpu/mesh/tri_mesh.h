@@ -118,6 +118,7 @@ class TriMesh {
   Vec3f boundsMin_{}, boundsMax_{}, center_{}, origin_{};
   float radius_ = 0;
   /// How many vertices the caller gave, and which of them each of vertices_ is (empty where that is the same number).
+  /// Where surfaces that touch have been taken apart, several are one of the caller's.
   std::size_t inputVertexCount_ = 0;
   SharedArray<std::uint32_t> inputVertexOf_;
   SharedArray<std::uint32_t> callerTriangle_, triangleOfCaller_;  ///< empty where numbers are the caller's

@@ -51,6 +51,10 @@ bool ValidationReport::valid() const {
                                  [](const Problem& p) { return p.kind == ProblemKind::kUnusedVertex; });
 }
 
+bool ValidationReport::mayTouchAlongEdges() const {
+  return nonManifoldEdges > 0 && boundaryEdges == 0 && inconsistentEdges == 0;
+}
+
 void addProblem(ValidationReport& report, ProblemKind kind, std::size_t count, std::string message, std::size_t size,
                 const std::function<bool(std::uint32_t)>& isElement) {
   if (count == 0) return;

@@ -58,14 +58,17 @@ struct ValidationReport {
   bool manifold = false;  ///< no edge used more than twice, one fan at every vertex
   bool oriented = false;  ///< neighbours wound the same way
   bool outward = false;   ///< there are closed components and all of them face outward (cavities inward)
-  bool solid =
-      false;  ///< closed, oriented and outward, no edge used more than twice, at least one triangle: has an inside
+  /// Has an inside: closed, oriented and outward, with a triangle at least. Also where edges are used more than twice,
+  /// but surfaces that touch each other there can be taken apart (touching_edges.h). The rest tells of positions.
+  bool solid = false;
   std::size_t degenerateTriangles = 0, duplicateTriangles = 0, nonfiniteVertices = 0;
   std::size_t boundaryEdges = 0, nonManifoldEdges = 0, nonManifoldVertices = 0, inconsistentEdges = 0;
   std::vector<Problem> problems;
   RepairReport repair;
   /// Accepted and nothing wrong with it (unused vertices aside).
   bool valid() const;
+  /// No other edges than those of more than two triangles keep the mesh from being closed (touching_edges.h).
+  bool mayTouchAlongEdges() const;
 };
 
 /// Appends a problem with `count` elements. `isElement(i)` says whether number i < size is one of them; the first few

@@ -208,6 +208,7 @@ void VertexMotion::plan(const TriMesh& mesh, std::span<const MovedVertex> moved)
 }
 
 bool VertexMotion::move(TriMesh& mesh) {
+  if (mesh.report_.mayTouchAlongEdges()) return false;
   Array<Vec3f>& vertices = mesh.vertices_;
   for (std::size_t i = 0; i < moves_.size(); ++i) {
     const std::uint32_t v = moves_[i].vertex;

@@ -84,6 +84,8 @@ TEST_CASE("of bodies in hosts that lost the faces around their inner walls one i
   const otg::scenes::OdeSession session;
   int met = 0, thrown = 0;
   for (const CertificateFamily& family : certificateFamilies()) {
+    // Walls inside flush blocks are two sheets in one place: thin walls are not the question there.
+    if (family.name == "flush" || family.name == "on_flush") continue;
     for (int number = 0; number < 40; ++number) {
       auto member = certificateMember(family, 901, number);
       if (member) member = withOpenHost(*member);

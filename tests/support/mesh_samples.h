@@ -103,6 +103,8 @@ inline std::vector<NamedMesh> ordinaryMeshes() {
   add("lump", scenes::makeLump(2.0, 4, 0.3, 7));
   add("ground",
       scenes::makeGround(100, 1, 40, [](double x, double y) { return std::sin(0.3 * x) * std::cos(0.2 * y); }));
+  add("cubes that touch along edges",
+      scenes::makeCubes(4, [](int x, int y, int z) { return (7 * x + 5 * y * y + 3 * z) % 4 < 2; }));
   add("empty", {});
   Soup one;
   one.addAt({5, -3, 2}, 0.5f);

@@ -68,7 +68,8 @@ typedef struct dGpuTriMeshReport {
   int manifold; /**< no edge used more than twice, one fan of triangles at every vertex */
   int oriented; /**< neighbours wound the same way */
   int outward;  /**< closed parts face outward, cavities inward */
-  int solid;    /**< the mesh has an inside: closed, oriented, outward. Otherwise it is a shell */
+  int solid;    /**< the mesh has an inside: closed, oriented, outward. Surfaces may touch along edges, which then have
+                     more than two triangles, and the mesh is not `closed`. Otherwise it is a shell */
 
   int degenerate_triangles;  /**< triangles without area */
   int duplicate_triangles;   /**< triangles with the vertices of another one */
