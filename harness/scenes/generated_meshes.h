@@ -33,8 +33,8 @@ MeshArrays makeGear(int teeth, double pitchRadius, double toothDepth, double wid
 MeshArrays makeLump(double radius, int level, double amplitude, std::uint32_t seed);
 /// Flat or hilly closed slab from z = -thickness up to height(x, y), n x n cells on top.
 MeshArrays makeGround(double size, double thickness, int n, const std::function<double(double, double)>& height = {});
-/// The surface of cubes of side 1 in a grid of n x n x n places, from the origin. `isFull(x, y, z)` says which there are.
-/// Each corner has one vertex: where two cubes touch along an edge alone, the edge has four triangles.
+/// The surface of cubes of side 1 in a grid of n x n x n places, from the origin. `isFull(x, y, z)` says which there
+/// are. Each corner has one vertex: where two cubes touch along an edge alone, the edge has four triangles.
 MeshArrays makeCubes(int n, const std::function<bool(int, int, int)>& isFull);
 /// Square block with a square hole through it along z (for pegs).
 MeshArrays makeBlockWithHole(Vec3d size, double hole);
