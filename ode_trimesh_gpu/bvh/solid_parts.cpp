@@ -323,7 +323,14 @@ bool makeMesh(const TriMesh& whole, SolidParts::Part& part) {
   input.indices = triangles.data();
   input.triangleCount = triangles.size();
   part.mesh = buildTriMesh(input).mesh;
-  return part.mesh != nullptr && part.mesh->meshClass() == MeshClass::kSolid;
+  if (part.mesh == nullptr || part.mesh->meshClass() != MeshClass::kSolid) return false;
+  // Where its surfaces touch along edges, the part may have copies of vertices.
+  std::vector<std::uint32_t> vertexOf;
+  for (std::uint32_t v = 0; v < part.mesh->vertices().size(); ++v) {
+    vertexOf.push_back(part.vertexOf[part.mesh->callerVertex(v)]);
+  }
+  part.vertexOf = std::move(vertexOf);
+  return true;
 }
 
 }  // namespace

@@ -140,6 +140,40 @@ TEST_CASE("boxes that stand on each other in one mesh have the host's contacts")
   describedInBatch(queries, expected);
 }
 
+TEST_CASE("boxes on flush tiles and on cubes that touch, in one mesh, have the host's contacts") {
+  // An edge that goes through two tiles leaves one where it enters the next. Cubes touch along edges.
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  Draw draw(10);
+  MeshList meshes;
+  std::vector<Query> queries;
+  std::size_t touching = 0;
+  for (int i = 0; i < 90; ++i) {
+    const int fine = i % 2 == 0 ? 1 : 6;
+    std::vector<MeshArrays> tiles;
+    for (int k = 0; k < 9; ++k) tiles.push_back(at(makeBox({1, 1, 0.5}, fine), {k % 3 - 1.0, k / 3 - 1.0, -0.25}));
+    const MeshArrays cubes = makeCubes(3, [&](int, int, int z) { return z < 1 || draw.uniform(0, 1) < 0.5; });
+    const bool isOfCubes = i % 3 == 2;
+    const MeshArrays ground = isOfCubes ? at(cubes, {-1.5, -1.5, -3}) : merge(tiles);
+    RepairOptions repair;
+    repair.weldVertices = i % 3 != 0;
+    meshes.push_back(std::make_shared<CollisionMesh>(buildTriMesh(ground.input(), repair).mesh, BuildStrategy::kSah));
+    REQUIRE(meshes.back()->mesh().meshClass() == MeshClass::kSolid);
+    touching += meshes.back()->mesh().report().nonManifoldEdges > 0;
+    const Vec3d size{draw.uniform(0.4, 1.2), draw.uniform(0.4, 1.2), draw.uniform(0.4, 0.9)};
+    meshes.push_back(collisionMesh(makeBox(size, fine)));
+    const double deep = std::pow(10, draw.uniform(-6, -1)), yaw = i % 4 == 0 ? 0 : draw.uniform(0, 3);
+    const Vec3d place{draw.uniform(-0.7, 0.7), draw.uniform(-0.7, 0.7), size.z / 2 - deep};
+    queries.push_back(makeQuery(*meshes[meshes.size() - 2], *meshes.back(), makePose({0, 0, 1}, yaw, place)));
+    queries.back().options.contacts = ContactModel::kSolid;
+  }
+  CHECK(touching > 40);
+  const std::vector<Workspace> expected = answersOnHost(queries);
+  CHECK(checkPairs(*backend, queries, expected).all > 20);
+  describedInBatch(queries, expected);
+}
+
 TEST_CASE("thin plates below the top of a body, over its edge, have the host's contacts") {
   const auto backend = openBackend(always());
   REQUIRE(backend);

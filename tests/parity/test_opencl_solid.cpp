@@ -16,6 +16,7 @@
 #include "support/mesh_samples.h"
 #include "support/solid_batches.h"
 #include "truth/fitting_bodies.h"
+#include "truth/wild_bodies.h"
 
 using namespace otg;
 using namespace otg::scenes;
@@ -138,6 +139,17 @@ TEST_CASE("the contacts of a batch of solids are the host's") {
   CHECK(checkBatch(*backend, few, onHost(few)) > 75);
   for (Query& query : few) query.options.solid.contactsPerRegion = 5;
   CHECK(checkBatch(*backend, few, onHost(few)) > 75);
+}
+
+TEST_CASE("blocks with flush faces in one mesh, and cubes that touch, have the host's contacts") {
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  if (!backend->device().doubles) return;
+  truth::Random random(8);
+  MeshList meshes;
+  for (int i = 0; i < 40; ++i) meshes.push_back(collisionMesh(truth::flushBlocks(random)));
+  const std::vector<Query> queries = touching(meshes, 4, 200, 0.001, 0.05);
+  CHECK(checkBatch(*backend, queries, onHost(queries)) > 100);
 }
 
 TEST_CASE("bodies that fit each other at acute angles have the host's contacts") {

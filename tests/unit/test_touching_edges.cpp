@@ -140,15 +140,17 @@ TEST_CASE("an update of surfaces that touch, meet and part makes the mesh that a
   std::uniform_real_distribution<float> unit(-0.2F, 0.2F);
   for (int i = 0; i < 100; ++i) {
     INFO("grid " << i);
-    // Of the same triangles: cubes in a grid, a bent one, and one that lies flat.
+    // Of the same triangles: cubes in a grid, bent ones, mirrored ones, which face inward, and one that lies flat.
     MeshArrays touching = meshOf(randomGrid(3 + i % 3, 0.5, random)), bent = touching, flat = touching;
+    MeshArrays mirrored = touching;
     for (Vec3f& v : bent.vertices) v = {v.x + unit(random), v.y + unit(random), v.z + unit(random)};
+    for (Vec3f& v : mirrored.vertices) v.z = -v.z;
     for (Vec3f& v : flat.vertices) v.z = 0;
     for (const MeshOrder order : {MeshOrder::kInput, MeshOrder::kLocal}) {
       const auto build = [&](const MeshArrays& arrays) { return buildTriMesh(arrays.input(), {}, order).mesh; };
-      for (const auto& [from, to] :
-           {std::pair(&touching, &bent), std::pair(&bent, &touching), std::pair(&flat, &touching),
-            std::pair(&touching, &flat), std::pair(&flat, &bent)}) {
+      for (const auto& [from, to] : {std::pair(&touching, &bent), std::pair(&bent, &touching),
+                                     std::pair(&flat, &touching), std::pair(&touching, &flat), std::pair(&flat, &bent),
+                                     std::pair(&mirrored, &bent), std::pair(&bent, &mirrored)}) {
         const MeshPtr before = build(*from), moved = moveVertices(*before, to->input()).mesh, built = build(*to);
         REQUIRE(moved != nullptr);
         CHECK(moved->report().solid == built->report().solid);
@@ -205,4 +207,46 @@ TEST_CASE("sheets with two sides and fins have no inside, however many triangles
   const MeshPtr doubled = buildTriMesh(twice.input()).mesh;
   CHECK(doubled->report().nonManifoldEdges == doubled->report().edges);
   CHECK_FALSE(doubled->report().solid);
+}
+
+TEST_CASE("whatever triangles meet at an edge, a solid's surfaces are closed and a shell is as it was given") {
+  // Tetrahedra and triangles on 27 places: they share edges, lie on each other, and go through each other.
+  std::mt19937 random(5);
+  std::uniform_int_distribution<std::uint32_t> place(0, 26);
+  int solids = 0, touching = 0;
+  for (int i = 0; i < 3000; ++i) {
+    INFO("mesh " << i);
+    MeshArrays mesh;
+    for (int k = 0; k < 27; ++k) {
+      mesh.vertices.push_back({static_cast<float>(k % 3), static_cast<float>(k / 3 % 3), static_cast<float>(k / 9)});
+    }
+    const int bodies = 1 + i % 7;
+    for (int k = 0; k < bodies; ++k) {
+      std::uint32_t v[4];
+      for (std::uint32_t& corner : v) corner = place(random);
+      const Vec3f &p = mesh.vertices[v[0]], &q = mesh.vertices[v[1]], &r = mesh.vertices[v[2]];
+      const float up = otgDot(otgCross(otgSub(q, p), otgSub(r, p)), otgSub(mesh.vertices[v[3]], p));
+      if (up == 0) continue;
+      if (up < 0) std::swap(v[0], v[1]);
+      for (const Triangle& t : {Triangle{{0, 2, 1}}, Triangle{{0, 1, 3}}, Triangle{{1, 2, 3}}, Triangle{{2, 0, 3}}}) {
+        mesh.triangles.push_back({{v[t.v[0]], v[t.v[1]], v[t.v[2]]}});
+      }
+    }
+    if (i % 5 == 0) mesh.triangles.push_back({{i % 9u, 9 + place(random) % 9, 18 + place(random) % 9}});
+    const MeshPtr built = buildTriMesh(mesh.input()).mesh;
+    REQUIRE(built != nullptr);
+    CHECK(built->triangleCount() == mesh.triangles.size());
+    if (built->report().nonManifoldEdges > 0) ++touching;
+    if (!built->report().solid) {
+      CHECK(built->vertices().size() == mesh.vertices.size());
+      continue;
+    }
+    ++solids;
+    CHECK(std::ranges::count(built->topology().twin, kNone) == 0);
+    double volume = 0;
+    for (const double of : built->topology().componentVolume) volume += of;
+    CHECK(volume == Approx(built->massProperties().volume).margin(1e-9));
+  }
+  CHECK(solids > 1000);
+  CHECK(touching > 600);
 }
