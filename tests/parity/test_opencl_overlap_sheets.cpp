@@ -2,6 +2,7 @@
 // Pairs with a sheet, or with bodies of several components, whose overlap the device describes: the contacts are the
 // host's, to the last bit.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -153,7 +154,10 @@ TEST_CASE("boxes on flush tiles and on cubes that touch, in one mesh, have the h
     const int fine = i % 2 == 0 ? 1 : 6;
     std::vector<MeshArrays> tiles;
     for (int k = 0; k < 9; ++k) tiles.push_back(at(makeBox({1, 1, 0.5}, fine), {k % 3 - 1.0, k / 3 - 1.0, -0.25}));
-    const MeshArrays cubes = makeCubes(3, [&](int, int, int z) { return z < 1 || draw.uniform(0, 1) < 0.5; });
+    std::array<bool, 27> isFull{};
+    for (std::size_t k = 0; k < isFull.size(); ++k) isFull[k] = k < 9 || draw.uniform(0, 1) < 0.5;
+    const MeshArrays cubes =
+        makeCubes(3, [&](int x, int y, int z) { return isFull[static_cast<std::size_t>(x + 3 * y + 9 * z)]; });
     const bool isOfCubes = i % 3 == 2;
     const MeshArrays ground = isOfCubes ? at(cubes, {-1.5, -1.5, -3}) : merge(tiles);
     RepairOptions repair;
