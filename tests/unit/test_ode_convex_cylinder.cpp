@@ -7,9 +7,9 @@
 #include <string>
 
 #include "base/vectors.h"
-#include "primitives/convex_hull.h"
 #include "support/catch.h"
 #include "support/draw.h"
+#include "support/hull_mesh.h"
 #include "support/ode_world.h"
 #include "support/step_world.h"
 #include "truth/tessellated_bodies.h"
@@ -18,28 +18,6 @@ using namespace otg;
 using namespace otg::test;
 
 namespace {
-
-Vec3d toVec(const dReal* p) {
-  return {p[0], p[1], p[2]};
-}
-
-scenes::MeshArrays hullOf(const std::vector<Vec3d>& points) {
-  scenes::MeshArrays mesh;
-  std::vector<std::uint32_t> number(points.size(), 0);
-  for (const auto& face : convexHull(points)) {
-    Triangle& t = mesh.triangles.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) {
-      std::uint32_t& n = number[face[k]];
-      if (n == 0) {
-        const Vec3d& p = points[face[k]];
-        mesh.vertices.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
-        n = static_cast<std::uint32_t>(mesh.vertices.size());
-      }
-      t.v[k] = n - 1;
-    }
-  }
-  return mesh;
-}
 
 scenes::MeshArrays stone(std::size_t points, std::uint32_t seed) {
   Draw draw(seed);

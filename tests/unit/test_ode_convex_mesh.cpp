@@ -9,10 +9,10 @@
 
 #include "base/vectors.h"
 #include "ode/shapes/convex_collider.h"
-#include "primitives/convex_hull.h"
 #include "scenes/convex_geom.h"
 #include "support/catch.h"
 #include "support/draw.h"
+#include "support/hull_mesh.h"
 #include "support/ode_world.h"
 #include "truth/tessellated_bodies.h"
 
@@ -20,19 +20,6 @@ using namespace otg;
 using namespace otg::test;
 
 namespace {
-
-Vec3d toVec(const dReal* p) {
-  return {p[0], p[1], p[2]};
-}
-
-scenes::MeshArrays hullOf(const std::vector<Vec3d>& points) {
-  scenes::MeshArrays mesh;
-  for (const Vec3d& p : points) {
-    mesh.vertices.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
-  }
-  for (const auto& face : convexHull(points)) mesh.triangles.push_back({{face[0], face[1], face[2]}});
-  return mesh;
-}
 
 /// A convex body: its mesh, ODE's convex of the same faces, and its formula.
 struct Body {
