@@ -11,6 +11,7 @@
 #include "base/vectors.h"
 #include "bvh/wide_search.h"
 #include "collide/inside_test.h"
+#include "primitives/same_direction.h"
 #include "queries/local_minimum.h"
 #include "queries/surface_side.h"
 #include "queries/triangle_distance.h"
@@ -18,9 +19,8 @@
 namespace otg {
 namespace {
 
-constexpr double kAlong = 0.2;          // sine of the angle up to which a face or edge runs along the axis
-constexpr double kSameNormal = 0.9986;  // cosine of 3 degrees
-constexpr double kSameEnd = 0.01;       // of the capsule's length
+constexpr double kAlong = 0.2;     // sine of the angle up to which a face or edge runs along the axis
+constexpr double kSameEnd = 0.01;  // of the capsule's length
 constexpr double kDeeper = 1.02;
 constexpr double kFlatFan = 0.9999985;     // cosine of 0.1 degrees
 constexpr std::size_t kPlacesAtHand = 96;  // on the stack; more are rare
@@ -231,7 +231,7 @@ void keepOutermost(const Capsule& capsule, std::pmr::vector<TouchingPlace>& plac
     // The deepest's own normal, which takes no other place.
     const Vec3d away = begin->away;
     const auto end = partitionInOrder(begin, places.end(),
-                                      [&](const TouchingPlace& p) { return otgDot(p.away, away) > kSameNormal; });
+                                      [&](const TouchingPlace& p) { return otgDot(p.away, away) > kSameDirection; });
     const auto [low, high] =
         std::minmax_element(begin, end, [](const TouchingPlace& x, const TouchingPlace& y) { return x.at < y.at; });
     const auto add = [&](const TouchingPlace& p) {

@@ -17,6 +17,7 @@
 #include "collide/stages.h"
 #include "primitives/convex_patch.h"
 #include "primitives/cylinder_contacts.h"
+#include "primitives/same_direction.h"
 
 namespace otg {
 namespace {
@@ -24,7 +25,6 @@ namespace {
 constexpr std::size_t kMostFaces = 4, kMostTriangles = 48;
 constexpr double kAhead = 0.05;  ///< of the shape's radius: how far around it is looked for what is in the way
 constexpr double kSinglePrecision = 4e-7;  ///< of the mesh's reach: single precision, in which its vertices are
-constexpr double kSameFace = 0.9986;       ///< cosine of 3 degrees
 constexpr double kTouched = 1e-13;         ///< of the size and the distances
 
 /// A point well inside. The middle of its box may be outside of a convex.
@@ -240,7 +240,7 @@ class FaceSolver {
   /// Whether a face that is nearly the same holds the point as well.
   bool isHeld(const ConvexPlace& place, const Vec3d& normal) const {
     return std::ranges::any_of(workspace_.contacts, [&](const Contact& c) {
-      return c.element == place.element && c.depth >= place.depth && otgDot(c.normal, normal) < -kSameFace;
+      return c.element == place.element && c.depth >= place.depth && otgDot(c.normal, normal) < -kSameDirection;
     });
   }
 

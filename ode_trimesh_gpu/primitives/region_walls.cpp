@@ -10,6 +10,7 @@
 #include "base/vectors.h"
 #include "collide/inside_test.h"
 #include "collide/shortest_translation.h"
+#include "primitives/same_direction.h"
 #include "queries/closest_point.h"
 
 namespace otg {
@@ -17,7 +18,6 @@ namespace {
 
 constexpr std::size_t kMostWalls = 64;
 constexpr double kSamePlane = 1 - 1e-12;
-constexpr double kSameWay = 0.9986;  // cosine of 3 degrees
 // Cosines between a contact's way out and the normals of what it leaves. The faces of a spike see its tip's way
 // edge-on.
 constexpr double kFacing = 0.5, kEdgeOn = 0.05;
@@ -51,7 +51,7 @@ std::optional<Vec3d> shortestMove(std::span<const Contact> contacts, std::pmr::m
 /// Adds a contact in place of shallower ones of its direction that are next to it.
 void replace(std::vector<Contact>& contacts, std::size_t first, const Contact& added, double closest) {
   const auto isReplaced = [&](const Contact& c) {
-    return c.depth < added.depth && otgDot(c.normal, added.normal) > kSameWay &&
+    return c.depth < added.depth && otgDot(c.normal, added.normal) > kSameDirection &&
            norm(c.position - added.position) < closest;
   };
   contacts.erase(std::remove_if(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(), isReplaced),
@@ -146,7 +146,7 @@ void RegionWalls::addInnerNeighbours(const PlacedShape& shape, std::uint32_t tri
     if (twin == kNone) continue;
     const Vec3d& other = meshes_->adjacency(0).normal[twin / 3];
     const double cosine = otgDot(n, other);
-    if (cosine > kSameWay || otgDot(otgCross(n, other), p[(k + 1) % 3] - p[k]) >= 0) continue;
+    if (cosine > kSameDirection || otgDot(otgCross(n, other), p[(k + 1) % 3] - p[k]) >= 0) continue;
     const double offset = otgDot(other, p[k]), way = otgDot(n, p[k]) - shape.rearAlong(n);
     if (shape.rearAlong(other) >= offset + std::max(0.0, -cosine * way)) continue;
     Vec3d low = p[k], high = p[k];
@@ -443,7 +443,7 @@ void keepEachDirection(std::vector<Contact>& contacts, std::size_t first, std::s
   std::pmr::vector<Contact> leading(memory), rest(memory);
   for (auto it = begin; it != contacts.end(); ++it) {
     const bool known = std::any_of(leading.begin(), leading.end(),
-                                   [&](const Contact& c) { return otgDot(c.normal, it->normal) > kSameWay; });
+                                   [&](const Contact& c) { return otgDot(c.normal, it->normal) > kSameDirection; });
     (known ? rest : leading).push_back(*it);
   }
   leading.insert(leading.end(), rest.begin(), rest.end());

@@ -6,13 +6,13 @@
 #include <memory_resource>
 
 #include "base/vectors.h"
+#include "primitives/same_direction.h"
 #include "queries/local_minimum.h"
 #include "queries/surface_side.h"
 
 namespace otg {
 namespace {
 
-constexpr double kSameDirection = 0.9986;   // cosine of 3 degrees
 constexpr std::size_t kPointsAtHand = 128;  // on the stack; more are rare
 
 Contact makeContact(const SurfacePoint& at, const Vec3d& normal, double depth, std::uint32_t region) {
