@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "base/bounds.h"
 #include "base/vectors.h"
@@ -55,9 +56,10 @@ bool rayCrosses(const RayPoint& p, const std::array<RayPoint, 3>& corners, const
   return cut[0].w + t * (cut[1].w - cut[0].w) > p.w;
 }
 
-bool encloses(const Bounds& outer, const Bounds& inner) {
-  return outer.min.x <= inner.min.x && outer.min.y <= inner.min.y && outer.min.z <= inner.min.z &&
-         outer.max.x >= inner.max.x && outer.max.y >= inner.max.y && outer.max.z >= inner.max.z;
+bool encloses(const Bounds& outer, const Bounds& inner, float slack) {
+  return outer.min.x <= inner.min.x + slack && outer.min.y <= inner.min.y + slack &&
+         outer.min.z <= inner.min.z + slack && outer.max.x >= inner.max.x - slack &&
+         outer.max.y >= inner.max.y - slack && outer.max.z >= inner.max.z - slack;
 }
 
 struct Probe {
@@ -66,11 +68,12 @@ struct Probe {
   std::uint32_t number;  ///< 0 ... kProbes - 1
 };
 
-/// The probes of a component are the centroids of the triangles that reach farthest in each of the six directions:
-/// inside triangles, because components may touch in vertices.
+/// The probes of a component are near the centroids of the triangles that reach farthest in each of the six
+/// directions: inside triangles, because components may touch in vertices, and a little inside the component, because
+/// its faces may lie on another one's.
 std::vector<Probe> makeProbes(const Topology& topology, std::span<const Vec3f> vertices,
                               std::span<const Triangle> triangles, const RayAxes& axes,
-                              const std::vector<Bounds>& bounds) {
+                              const std::vector<Bounds>& bounds, double inside) {
   std::vector<std::array<std::uint32_t, kProbes>> farthest(topology.componentCount());
   for (auto& f : farthest) f.fill(kNone);
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
@@ -88,12 +91,11 @@ std::vector<Probe> makeProbes(const Topology& topology, std::span<const Vec3f> v
   std::vector<Probe> probes;
   for (std::uint32_t c = 0; c < farthest.size(); ++c) {
     for (std::uint32_t k = 0; k < kProbes && farthest[c][k] != kNone; ++k) {
-      RayPoint sum{0, 0, 0};
-      for (const std::uint32_t index : triangles[farthest[c][k]].v) {
-        const RayPoint p = axes(vertices[index]);
-        sum = {sum.u + p.u, sum.v + p.v, sum.w + p.w};
-      }
-      probes.push_back({{sum.u / 3, sum.v / 3, sum.w / 3}, c, k});
+      const std::uint32_t(&v)[3] = triangles[farthest[c][k]].v;
+      const Vec3d p{vertices[v[0]].x, vertices[v[0]].y, vertices[v[0]].z};
+      const Vec3d q = relativeTo(vertices[v[1]], p), r = relativeTo(vertices[v[2]], p), n = otgCross(q, r);
+      const double length = norm(n), inward = topology.componentVolume[c] < 0 ? inside : -inside;
+      probes.push_back({axes(p + (q + r) * (1.0 / 3) + n * (length > 0 ? inward / length : 0)), c, k});
     }
   }
   return probes;
@@ -154,7 +156,11 @@ std::vector<Nesting> nestingsOf(const Topology& topology, std::span<const Vec3f>
     }
   }
   const RayAxes axes = chooseAxes(all);
-  const ProbeGrid grid(makeProbes(topology, vertices, triangles, axes, bounds), axes(all.min), axes(all.max));
+  // Coordinates of faces that lie on each other differ by a few units in the last place.
+  const double most = std::max({std::fabs(all.min.x), std::fabs(all.min.y), std::fabs(all.min.z), std::fabs(all.max.x),
+                                std::fabs(all.max.y), std::fabs(all.max.z)});
+  const double inside = 32.0 * std::numeric_limits<float>::epsilon() * most;
+  const ProbeGrid grid(makeProbes(topology, vertices, triangles, axes, bounds, inside), axes(all.min), axes(all.max));
 
   struct Crossing {
     std::uint32_t inner, outer, probe;
@@ -170,7 +176,7 @@ std::vector<Nesting> nestingsOf(const Topology& topology, std::span<const Vec3f>
     const RayPoint min{std::min({p[0].u, p[1].u, p[2].u}), std::min({p[0].v, p[1].v, p[2].v}), 0};
     const RayPoint max{std::max({p[0].u, p[1].u, p[2].u}), std::max({p[0].v, p[1].v, p[2].v}), 0};
     grid.forEachNear(min, max, [&](const Probe& probe) {
-      if (probe.component != outer && encloses(bounds[outer], bounds[probe.component]) &&
+      if (probe.component != outer && encloses(bounds[outer], bounds[probe.component], static_cast<float>(inside)) &&
           rayCrosses(probe.point, p, welded))
         crossings.push_back({probe.component, outer, probe.number});
     });
@@ -189,7 +195,15 @@ std::vector<Nesting> nestingsOf(const Topology& topology, std::span<const Vec3f>
     }
     if (oddProbes == kProbes) nestings.push_back({crossings[begin].inner, crossings[begin].outer});
   }
-  return nestings;
+  // Two that lie on each other are each inside the other one. Then the one that is wound as a cavity is outside.
+  const auto isInOther = [&](const Nesting& n) {
+    return std::ranges::any_of(nestings, [&](const Nesting& m) { return m.inner == n.outer && m.outer == n.inner; });
+  };
+  std::vector<Nesting> kept;
+  for (const Nesting& n : nestings) {
+    if (topology.componentVolume[n.outer] < 0 || !isInOther(n)) kept.push_back(n);
+  }
+  return kept;
 }
 
 std::vector<std::uint32_t> nestingDepths(const Topology& topology, std::span<const Vec3f> vertices,

@@ -14,7 +14,9 @@ namespace otg {
 struct Nesting {
   std::uint32_t inner, outer;
 };
-/// All of them. Of components that cross each other neither is inside the other. Winding is not looked at.
+/// All of them. Of components that cross each other neither is inside the other. Faces may lie on each other: what is
+/// looked at is inside, by the sign of Topology::componentVolume. Of two that lie on each other wholly, one that is
+/// wound as a cavity has the other in it.
 std::vector<Nesting> nestingsOf(const Topology& topology, std::span<const Vec3f> vertices,
                                 std::span<const Triangle> triangles);
 

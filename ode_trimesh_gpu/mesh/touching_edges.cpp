@@ -55,8 +55,7 @@ class Fan {
     } else if (!x.at0) {
       order = turn(x.corner, y.corner);
     }
-    // Of two that lie on each other, as at two flush blocks, one wedge ends before the next one begins.
-    return order != 0 ? order > 0 : x.endsWedge && !y.endsWedge;
+    return order > 0;
   }
 
   Vec3d from_, to_;
@@ -102,26 +101,56 @@ class Pairing {
     for (const std::uint32_t h : halfEdges) {
       all.push_back({h, place(triangles_[h / 3].v[(h + 2) % 3]), point(h) == ends.a});
     }
-    if (!Fan(place(ends.a), place(ends.b)).sort(all)) return false;
-    if (all.size() % 2 != 0) return false;
-    // From a triangle at which a wedge begins after another one has ended.
-    if (all.front().endsWedge || !all.back().endsWedge) {
-      const auto first = std::adjacent_find(
-          all.begin(), all.end(), [](const AtEdge& x, const AtEdge& y) { return x.endsWedge && !y.endsWedge; });
-      if (first == all.end()) return false;
-      std::rotate(all.begin(), first + 1, all.end());
+    if (all.size() % 2 != 0 || !Fan(place(ends.a), place(ends.b)).sort(all)) return false;
+    // What lies on each other, to rounding, may have come in any order. It begins after a gap, if there is one.
+    const auto isGap = [&](const AtEdge& x, const AtEdge& y) { return !areOne(ends, x, y); };
+    if (!isGap(all.back(), all.front())) {
+      const auto gap = std::adjacent_find(all.begin(), all.end(), isGap);
+      if (gap != all.end()) std::rotate(all.begin(), gap + 1, all.end());
     }
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (all[i].endsWedge == (i % 2 != 0)) continue;
-      // What lies on each other to rounding may have come in the wrong order.
-      if (i + 1 == all.size() || all[i + 1].endsWedge == all[i].endsWedge || !areOne(ends, all[i], all[i + 1])) {
-        return false;
-      }
-      std::swap(all[i], all[i + 1]);
+    std::vector<std::vector<AtEdge>> groups(1);
+    for (const AtEdge& t : all) {
+      if (!groups.back().empty() && isGap(groups.back().back(), t)) groups.emplace_back();
+      groups.back().push_back(t);
     }
+    all.clear();
+    bool isSolid = isSolidBefore(groups);
+    for (const std::vector<AtEdge>& group : groups) {
+      if (!addInTurn(group, isSolid, all)) return false;
+    }
+    if (all.front().endsWedge) std::rotate(all.begin(), all.begin() + 1, all.end());
     for (std::size_t i = 0; i < all.size(); i += 2) {
       twin_[all[i].halfEdge] = all[i + 1].halfEdge;
       twin_[all[i + 1].halfEdge] = all[i].halfEdge;
+    }
+    return true;
+  }
+
+  static std::ptrdiff_t endsIn(const std::vector<AtEdge>& group) {
+    return std::count_if(group.begin(), group.end(), [](const AtEdge& t) { return t.endsWedge; });
+  }
+
+  /// Whether the first of the groups of triangles that lie on each other lies in or at the end of a solid wedge. If as
+  /// many wedges begin as end in every group, it does: all blocks at the edge are flush.
+  static bool isSolidBefore(const std::vector<std::vector<AtEdge>>& groups) {
+    for (const std::vector<AtEdge>& group : groups) {
+      const std::ptrdiff_t ends = endsIn(group), begins = std::ssize(group) - ends;
+      if (ends != begins) return ends > begins;
+    }
+    return true;
+  }
+
+  /// Adds a group so that wedges end and begin in turn. `isSolid`: before the group, and then after it. False if it
+  /// has too many of one kind.
+  static bool addInTurn(const std::vector<AtEdge>& group, bool& isSolid, std::vector<AtEdge>& all) {
+    const std::ptrdiff_t more = 2 * endsIn(group) - std::ssize(group);  // ends than begins
+    if (more != 0 && more != (isSolid ? 1 : -1)) return false;
+    auto end = group.begin(), begin = group.begin();
+    for (std::size_t i = 0; i < group.size(); ++i) {
+      auto& next = isSolid ? end : begin;
+      next = std::find_if(next, group.end(), [&](const AtEdge& t) { return t.endsWedge == isSolid; });
+      all.push_back(*next++);
+      isSolid = !isSolid;
     }
     return true;
   }

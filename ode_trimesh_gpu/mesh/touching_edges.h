@@ -20,7 +20,10 @@ struct SeparateSurfaces {
 /// Where an edge has more than two triangles, solid and empty wedges alternate round it. The two triangles at the sides
 /// of one solid wedge are neighbours. Then each point of a surface has a vertex of its own, and each half-edge a
 /// neighbour. One surface may touch itself along an edge, too: then two edges have the same ends. `topology`: by
-/// positions. Angles are compared exactly.
+/// positions.
+///
+/// Angles are compared exactly. Triangles that lie on each other, to the rounding of coordinates, have no order: in
+/// air a wedge begins there and ends, in a body one ends and the next begins.
 ///
 /// Nothing where no edge has more than two triangles, or where one has fewer or two that go the same way along it.
 /// Nothing either where wedges overlap, as with two triangles that lie on each other and face the same way.

@@ -187,6 +187,56 @@ TEST_CASE("blocks with flush faces are a solid, with shared vertices, turned and
   CHECK(touching > 50);
 }
 
+TEST_CASE("a stack of flush boxes is a solid, turned, whichever way its faces are cut") {
+  // Edges inside have four flush pairs of faces, whose triangles come in any order.
+  std::mt19937 random(6);
+  for (int i = 0; i < 300; ++i) {
+    INFO("stack " << i);
+    std::vector<MeshArrays> boxes;
+    const int n = 2 + i % 4;
+    for (int k = 0; k < n * n * n; ++k) {
+      MeshArrays box = scenes::makeBox({1, 1, 1});
+      // A box and its mirror image: then the diagonals of two faces in one place cross.
+      if (k % 2 != 0) {
+        for (Vec3f& v : box.vertices) v.x = -v.x;
+        for (Triangle& t : box.triangles) std::swap(t.v[1], t.v[2]);
+      }
+      const Vec3d place{1.0 * (k % n), 1.0 * (k / n % n), 1.0 * (k / (n * n))};
+      boxes.push_back(scenes::transformed(box, {{1, 0, 0, 0, 1, 0, 0, 0, 1}, place}));
+    }
+    const MeshArrays stack = turned(scenes::merge(boxes), random);
+    const MeshPtr mesh = buildTriMesh(stack.input(), RepairOptions{.weldVertices = true}).mesh;
+    CHECK(mesh->report().nonManifoldEdges > 0);
+    CHECK(mesh->report().solid);
+    CHECK(mesh->topology().componentCount() == boxes.size());
+  }
+}
+
+TEST_CASE("what fills a cavity or a hole, and what is its own other side, is known in any order of triangles") {
+  std::mt19937 random(7);
+  const auto isHollow = [](int x, int y, int z) { return x != 1 || y != 1 || z != 1; };
+  const auto isPierced = [](int x, int y, int) { return x != 1 || y != 1; };
+  const auto isWithin = [](int x, int y, int z) { return x == 1 && y == 1 && z == 1; };
+  const auto isPeg = [](int x, int y, int) { return x == 1 && y == 1; };
+  MeshArrays filled = scenes::merge({scenes::makeCubes(3, isHollow), scenes::makeCubes(3, isWithin)});
+  MeshArrays plugged = scenes::merge({scenes::makeCubes(3, isPierced), scenes::makeCubes(3, isPeg)});
+  MeshArrays twoSided = scenes::makeBox({1, 1, 1}, 2);
+  for (std::size_t t = 0, count = twoSided.triangles.size(); t < count; ++t) {
+    const Triangle& front = twoSided.triangles[t];
+    twoSided.triangles.push_back({{front.v[0], front.v[2], front.v[1]}});
+  }
+  for (int i = 0; i < 100; ++i) {
+    INFO("order " << i);
+    for (const auto& [from, isSolid] :
+         {std::pair(&filled, true), std::pair(&plugged, true), std::pair(&twoSided, false)}) {
+      MeshArrays mesh = i % 2 == 0 ? *from : turned(*from, random);
+      std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
+      CHECK(buildTriMesh(mesh.input()).report.solid == isSolid);
+      CHECK(buildTriMesh(mesh.input(), RepairOptions{.weldVertices = true}).report.solid == isSolid);
+    }
+  }
+}
+
 TEST_CASE("sheets with two sides and fins have no inside, however many triangles their edges have") {
   std::mt19937 random(4);
   const MeshArrays ground =
