@@ -36,8 +36,8 @@ class VertexMotion {
   /// Second step: makes the moves in place. The mesh is then, bit for bit, what moveVertices() with all vertices would
   /// make of it. False where more changes than numbers of those triangles: vertices that were one point part, others
   /// meet, a triangle loses or gains its area; a closed component turns inside out; the middle of the mesh wanders off
-  /// from origin(). False, too, where surfaces may touch along edges. Then the mesh is as it was, it
-  /// takes moveVertices(), and this object is of no further use; also after an exception.
+  /// from origin(). False, too, where surfaces may touch along edges. Then the mesh is as it was, it takes
+  /// moveVertices(), and this object is of no further use; also after an exception.
   bool move(TriMesh& mesh);
 
   /// After move() has succeeded: the mesh is as it was before. This object is of no further use.
