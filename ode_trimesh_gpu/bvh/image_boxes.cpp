@@ -46,6 +46,7 @@ bool makeAxis(float factor, float origin, float imageOrigin, float low, float hi
 
 std::optional<BoxScale<float>> makeBoxScale(const TriMesh& mesh, const TriMesh& image, const Vec3f& factors) {
   if (mesh.triangleCount() == 0) return kSameBoxes;
+  if (!image.isNumberedAs(mesh)) return std::nullopt;
   const Vec3f &o = mesh.origin(), &moved = image.origin(), &low = mesh.boundsMin(), &high = mesh.boundsMax();
   Axis x, y, z;
   if (!makeAxis(factors.x, o.x, moved.x, low.x, high.x, x) || !makeAxis(factors.y, o.y, moved.y, low.y, high.y, y) ||

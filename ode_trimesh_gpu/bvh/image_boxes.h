@@ -10,9 +10,9 @@
 namespace otg {
 
 /// How boxes of `mesh` become those of its image with vertices times `factors`, which are finite and not zero. None
-/// where they could not: numbers near the ends of single precision, or a rounding of a vertex that is not small beside
-/// the image. That is so for images far from their origin, and for tiny ones. It depends on nothing but the factors and
-/// the origins, and on the bounds only whether there is one.
+/// where they could not: triangles in another order, numbers near the ends of single precision, or a rounding of a
+/// vertex that is not small beside the image. That is so for images far from their origin, and for tiny ones. It
+/// depends on nothing but the factors and the origins, and on the bounds only whether there is one.
 std::optional<BoxScale<float>> makeBoxScale(const TriMesh& mesh, const TriMesh& image, const Vec3f& factors);
 
 /// Whether one of the factors is many times another. Then a tree that was built for the mesh divides its image in the

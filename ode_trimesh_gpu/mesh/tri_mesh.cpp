@@ -163,6 +163,12 @@ struct TriMeshBuilder {
     if (report.mayTouchAlongEdges() && takeApart(mesh)) report.solid = true;
   }
 
+  static void chooseTopology(TriMesh& mesh, ValidationReport& report) {
+    std::vector<std::uint32_t> weld = weldByPosition(mesh.vertices_);
+    std::optional<Topology> own = ownTopology(mesh.vertices_, mesh.triangles_, weld);
+    chooseTopology(mesh, std::move(own), std::move(weld), report);
+  }
+
   /// False, and nothing has changed, if that makes no solid.
   static bool takeApart(TriMesh& mesh) {
     std::optional<SeparateSurfaces> apart = separateSurfaces(mesh.vertices_, mesh.triangles_, mesh.topology_);
@@ -207,8 +213,7 @@ struct TriMeshBuilder {
     mesh->vertices_ = std::move(vertices);
     mesh->triangles_ = std::move(triangles);
     measure(*mesh, nullptr);
-    std::vector<std::uint32_t> weld = weldByPosition(mesh->vertices_);
-    chooseTopology(*mesh, ownTopology(mesh->vertices_, mesh->triangles_, weld), std::move(weld), report);
+    chooseTopology(*mesh, report);
     mesh->report_ = report;
     const bool isLarge = mesh->triangles_.size() > kMostUnsorted;
     if (order == MeshOrder::kLocal || (order == MeshOrder::kBySize && isLarge)) sortForLocality(*mesh);
@@ -279,31 +284,27 @@ struct TriMeshBuilder {
                                mesh.vertices_, mesh.triangles_);
   }
 
-  /// Each of the caller's vertices once, also where surfaces that touch have been taken apart.
-  static void withoutCopies(TriMesh& mesh) {
-    std::vector<std::uint32_t> numberOf(mesh.inputVertexCount_, kNone), first, newNumber;
-    for (std::uint32_t v = 0; v < mesh.vertices_.size(); ++v) {
-      std::uint32_t& number = numberOf[mesh.callerVertex(v)];
-      if (number == kNone) {
-        number = static_cast<std::uint32_t>(first.size());
-        first.push_back(v);
-      }
-      newNumber.push_back(number);
-    }
-    if (first.size() == mesh.vertices_.size()) return;
+  /// As a build has it before it takes surfaces apart and sorts: each of the caller's vertices once, and all in order.
+  static void inCallersOrder(TriMesh& mesh) {
+    std::vector<std::uint32_t> numberOf(mesh.inputVertexCount_, kNone), inputVertexOf;
+    for (std::uint32_t v = 0; v < mesh.vertices_.size(); ++v) numberOf[mesh.callerVertex(v)] = v;
     std::vector<Vec3f> vertices;
-    std::vector<std::uint32_t> inputVertexOf;
-    for (const std::uint32_t v : first) {
-      vertices.push_back(mesh.vertices_[v]);
-      inputVertexOf.push_back(mesh.callerVertex(v));
+    for (std::uint32_t v = 0; v < numberOf.size(); ++v) {
+      if (numberOf[v] == kNone) continue;
+      vertices.push_back(mesh.vertices_[numberOf[v]]);
+      numberOf[v] = static_cast<std::uint32_t>(inputVertexOf.size());
+      inputVertexOf.push_back(v);
     }
-    std::vector<Triangle> triangles(mesh.triangles_.begin(), mesh.triangles_.end());
-    for (Triangle& t : triangles) {
-      for (std::uint32_t& v : t.v) v = newNumber[v];
+    std::vector<Triangle> triangles(mesh.triangles_.size());
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+      triangles[t] = mesh.triangles_[mesh.triangleOfCaller(t)];
+      for (std::uint32_t& v : triangles[t].v) v = numberOf[mesh.callerVertex(v)];
     }
     mesh.vertices_ = std::move(vertices);
     mesh.inputVertexOf_ = std::move(inputVertexOf);
     mesh.triangles_ = std::move(triangles);
+    mesh.callerTriangle_ = {};
+    mesh.triangleOfCaller_ = {};
   }
 
   static MeshResult move(const TriMesh& before, const MeshInput& input, bool turned) {
@@ -339,21 +340,30 @@ struct TriMeshBuilder {
     } else {
       mesh->trianglesHash_ = before.trianglesHash_;
     }
-    const bool mayTouch = before.report_.mayTouchAlongEdges();
-    if (mayTouch) withoutCopies(*mesh);
+    const bool isSorted = !before.callerTriangle_.empty();
+    bool keepsNumbers = !before.report_.mayTouchAlongEdges();
+    if (!keepsNumbers) inCallersOrder(*mesh);
     measure(*mesh, &before.origin_);
     std::vector<std::uint32_t> weld = weldByPosition(mesh->vertices_);
     std::optional<Topology> own = ownTopology(mesh->vertices_, mesh->triangles_, weld);
-    // Where surfaces touch along edges it takes the places, too, to tell them apart.
-    const bool samePoints = !own && !mayTouch && std::ranges::equal(weld, before.topology_.weld);
+    const bool samePoints = !own && keepsNumbers && std::ranges::equal(weld, before.topology_.weld);
     report.repair = before.report_.repair;
     if (samePoints) {
       mesh->topology_ = turned ? turnedTopology(before.topology_) : before.topology_;
       if (!turned) mesh->links_ = before.links_;
       if (!turned) mesh->firstCopies_ = before.firstCopies_;
     } else {
+      const ValidationReport blank = report;
       chooseTopology(*mesh, std::move(own), std::move(weld), report);
+      if (keepsNumbers && isSorted && !std::ranges::equal(mesh->topology_.twin, before.topology_.twin)) {
+        keepsNumbers = false;
+        report = blank;
+        inCallersOrder(*mesh);
+        measure(*mesh, &before.origin_);
+        chooseTopology(*mesh, report);
+      }
       if (!mesh->inputVertexOf_.empty()) orientEdges(mesh->topology_, mesh->inputVertexOf_);
+      if (!keepsNumbers && isSorted) sortForLocality(*mesh);
     }
     mesh->topology_.componentVolume =
         componentVolumes(mesh->topology_, mesh->vertices_, mesh->triangles_, mesh->origin_);
@@ -363,7 +373,7 @@ struct TriMeshBuilder {
       report = before.report_;
     } else {
       if (samePoints) inspectMesh(mesh->vertices_, mesh->triangles_, mesh->topology_, mesh->degenerate_, report);
-      if (!mesh->callerTriangle_.empty()) nameAsCaller(*mesh, report);
+      if (keepsNumbers && isSorted) nameAsCaller(*mesh, report);
     }
     mesh->report_ = report;
     result.mesh = mesh;
@@ -393,6 +403,11 @@ std::span<const std::uint32_t> TriMesh::firstCopies() const {
   return firstCopies_->get([this] {
     return findFirstCopies(triangles_, {topology_.weld.data(), topology_.weld.size()});
   });
+}
+
+bool TriMesh::isNumberedAs(const TriMesh& other) const {
+  return callerTriangle_.begin() == other.callerTriangle_.begin() ||
+         std::ranges::equal(callerTriangle_, other.callerTriangle_);
 }
 
 const MassProperties& TriMesh::massProperties() const {

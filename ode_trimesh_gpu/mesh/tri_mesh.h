@@ -36,7 +36,7 @@ struct MeshInput {
 /// How triangles and vertices are numbered inside a TriMesh. kInput: as the caller (after repairs) does. kLocal: what
 /// hangs together lies together (mesh/local_order.h), which queries read from memory faster. Results of collide() and
 /// reports are in the caller's numbers all the same. kBySize: kInput for a mesh of up to kMostUnsorted triangles, which
-/// caches hold anyhow, else kLocal. No numbering depends on where the vertices are.
+/// caches hold anyhow, else kLocal. A numbering depends on neighbours alone.
 enum class MeshOrder { kInput, kLocal, kBySize };
 inline constexpr std::size_t kMostUnsorted = 1024;
 
@@ -56,6 +56,8 @@ class TriMesh {
   /// The caller's number of a triangle (after repairs that drop some: the number in the list that remains), and back.
   std::uint32_t callerTriangle(std::uint32_t t) const { return callerTriangle_.empty() ? t : callerTriangle_[t]; }
   std::uint32_t triangleOfCaller(std::uint32_t t) const { return triangleOfCaller_.empty() ? t : triangleOfCaller_[t]; }
+  /// Whether each of the caller's triangles has the same number in both.
+  bool isNumberedAs(const TriMesh& other) const;
   /// The caller's number of a vertex; where repair merged several, that of the first.
   std::uint32_t callerVertex(std::uint32_t v) const { return inputVertexOf_.empty() ? v : inputVertexOf_[v]; }
 
@@ -138,7 +140,8 @@ MeshResult buildTriMesh(const MeshInput& input, const RepairOptions& repair = {}
 
 /// The same triangles with moved vertices: as many, in the same order, as `mesh` was built from (refused otherwise);
 /// the triangles in `vertices` are not looked at. Where repair merged vertices, the first of them moves the merged one.
-/// Topology is taken over when equal positions stay equal, else rebuilt. `turned`: with the triangles turned round,
+/// Topology is taken over when equal positions stay equal. Otherwise it is rebuilt, and where triangles may get other
+/// neighbours a sorted mesh is sorted anew: numbers are those of a build. `turned`: with the triangles turned round,
 /// corners (a, b, c) to (a, c, b). A mirror image needs that to face the way that it did.
 MeshResult moveVertices(const TriMesh& mesh, const MeshInput& vertices, bool turned = false);
 

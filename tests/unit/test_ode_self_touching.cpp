@@ -41,6 +41,26 @@ void forgetHistory(dGeomID g) {
   REQUIRE(dGeomGpuTriMeshSetParams(g, &params) == dGPUTRIMESH_OK);
 }
 
+/// A grid of so many places along each side, about half of which are cubes.
+scenes::MeshArrays someCubes(int size, std::mt19937& random) {
+  std::bernoulli_distribution half(0.5);
+  std::vector<bool> full;
+  for (int i = 0; i < size * size * size; ++i) full.push_back(half(random));
+  return scenes::makeCubes(
+      size, [&](int x, int y, int z) { return full[static_cast<std::size_t>(x + size * (y + size * z))]; });
+}
+
+/// Places, normals and depths, in their order.
+std::vector<double> numbersOf(const std::vector<dContactGeom>& contacts) {
+  std::vector<double> numbers;
+  for (const dContactGeom& c : contacts) {
+    numbers.insert(numbers.end(), c.pos, c.pos + 3);
+    numbers.insert(numbers.end(), c.normal, c.normal + 3);
+    numbers.push_back(c.depth);
+  }
+  return numbers;
+}
+
 }  // namespace
 
 TEST_CASE("bodies that touch themselves are solids, built, moved there and moved on") {
@@ -93,4 +113,89 @@ TEST_CASE("contacts on a body that touches itself are those on the same body wit
     CHECK(with > 100);
     CHECK(unlike <= contacts / 40);
   }
+}
+
+TEST_CASE("cubes that touch along edges after an update, or scaled, have the contacts of a new mesh") {
+  // Over a thousand triangles are sorted by their neighbours, and at such edges these depend on where vertices are.
+  const OdeSession session;
+  std::mt19937 random(42);
+  std::uniform_real_distribution<double> place(0, 8);
+  std::uniform_real_distribution<float> shift(-0.2F, 0.2F);
+  const Data probe(someCubes(3, random));
+  const Geom body(probe);
+  std::size_t contacts = 0;
+  for (int i = 0; i < 24; ++i) {
+    INFO("grid " << i);
+    const scenes::MeshArrays cubes = someCubes(8, random);
+    REQUIRE(cubes.triangles.size() > kMostUnsorted);
+    scenes::MeshArrays before = cubes, wide = cubes;
+    for (Vec3f& v : before.vertices) {
+      if (i % 3 == 0) v = {v.x + shift(random), v.y + shift(random), v.z + shift(random)};
+      if (i % 3 == 1) v.z = 0;
+      if (i % 3 == 2) v.z = -v.z;
+    }
+    for (Vec3f& v : wide.vertices) v = {2 * v.x, -v.y, 0.5F * v.z};
+    for (Triangle& t : wide.triangles) std::swap(t.v[1], t.v[2]);
+    const Data moved(before), built(cubes), builtWide(wide);
+    update(moved, cubes);
+    const Geom of[4] = {Geom(moved), Geom(built), Geom(moved), Geom(builtWide)};
+    REQUIRE(dGeomGpuTriMeshSetScale(of[2].id, 2, -1, 0.5) == dGPUTRIMESH_OK);
+    for (int k = 0; k < 10; ++k) {
+      INFO("pose " << k);
+      for (const int pair : {0, 2}) {
+        setRandomPose(body.id, random, 0.01);
+        const dQuaternion upright = {1, 0, 0, 0};
+        if (k == 0) dGeomSetQuaternion(body.id, upright);
+        const double x = place(random), y = place(random), z = place(random);
+        if (pair == 0) dGeomSetPosition(body.id, x, y, z);
+        if (pair == 2) dGeomSetPosition(body.id, 2 * x, -y, 0.5 * z);
+        const std::vector<dContactGeom> wanted = collide(of[pair + 1].id, body.id);
+        CHECK(numbersOf(collide(of[pair].id, body.id)) == numbersOf(wanted));
+        contacts += wanted.size();
+      }
+    }
+  }
+  CHECK(contacts > 3000);
+}
+
+TEST_CASE("a scaled mesh whose vertices meet by rounding has the contacts of a new mesh") {
+  // Triangles have vertices of their own. Some boxes are as thick as a rounding, and flat at a third of their size.
+  const OdeSession session;
+  std::mt19937 random(43);
+  std::uniform_real_distribution<double> place(4, 8);
+  std::vector<scenes::MeshArrays> boxes;
+  for (int i = 0; i < 125; ++i) {
+    scenes::MeshArrays box = scenes::makeBox({1, 1, 1});
+    const float at[3] = {static_cast<float>(i % 5), static_cast<float>(i / 5 % 5), static_cast<float>(i / 25)};
+    for (Vec3f& v : box.vertices) {
+      v = {v.x + at[0] + 4.5F, v.y + at[1] + 4.5F, v.z + at[2] + 4.5F};
+      if (i % 3 == 0 && v.z > at[2] + 4.5F) v.z = at[2] + 4 + 0x1p-21F;
+    }
+    boxes.push_back(box);
+  }
+  const scenes::MeshArrays whole = scenes::merge(boxes);
+  scenes::MeshArrays soup, small;
+  for (const Triangle& t : whole.triangles) {
+    const auto first = static_cast<std::uint32_t>(soup.vertices.size());
+    for (const std::uint32_t v : t.v) soup.vertices.push_back(whole.vertices[v]);
+    soup.triangles.push_back({{first, first + 1, first + 2}});
+  }
+  REQUIRE(soup.triangles.size() > kMostUnsorted);
+  constexpr float kThird = 1.0F / 3;
+  small = soup;
+  for (Vec3f& v : small.vertices) v = {kThird * v.x, kThird * v.y, kThird * v.z};
+  const Data data(soup), built(small), probe(someCubes(2, random));
+  const Geom image(data), wanted(built), body(probe);
+  REQUIRE(dGeomGpuTriMeshSetScale(image.id, kThird, kThird, kThird) == dGPUTRIMESH_OK);
+  REQUIRE(dGeomGpuTriMeshSetScale(body.id, 0.25, 0.25, 0.25) == dGPUTRIMESH_OK);
+  std::size_t contacts = 0;
+  for (int i = 0; i < 300; ++i) {
+    INFO("pose " << i);
+    setRandomPose(body.id, random, 0.01);
+    dGeomSetPosition(body.id, kThird * place(random), kThird * place(random), kThird * place(random));
+    const std::vector<dContactGeom> of = collide(wanted.id, body.id);
+    CHECK(numbersOf(collide(image.id, body.id)) == numbersOf(of));
+    contacts += of.size();
+  }
+  CHECK(contacts > 1500);
 }

@@ -157,6 +157,7 @@ TEST_CASE("an update of surfaces that touch, meet and part makes the mesh that a
         CHECK(moved->report().nonManifoldEdges == built->report().nonManifoldEdges);
         CHECK(moved->report().vertices == built->report().vertices);
         CHECK(moved->vertices().size() == built->vertices().size());
+        CHECK(moved->isNumberedAs(*built));
         CHECK(surfaceOf(*moved) == surfaceOf(*built));
         CHECK(moved->contentHash() == built->contentHash());
       }
