@@ -48,12 +48,13 @@ PAGES = [
          "bench thesis --lumps 5,4,3 --repeat 1", "bench exact --pairs 50000 --judge separation --seed 1",
          "bench contours --poses 10"),
     Page("small", "Pairs of small bodies",
-         "Microseconds of a dCollide between two small bodies. `ours_moved`: the second body moves before each call. "
+         "Microseconds of a dCollide between two small bodies. `ours`: both stay; the library keeps what it found for "
+         "them, unless both are convex. `ours_moved`: the second body moves before each call. "
          "`any_solids`: the query by the stages for any solids.",
          "bench small --repeat 5 --poses 16 --calls 4"),
     Page("world", "Whole steps",
          "Microseconds a step, medians. `native` is made of ODE's own shapes, `stock` of dTriMesh geoms, `ours` of "
-         "geoms of this library.", "bench world"),
+         "geoms of this library. ODE disables bodies that are asleep.", "bench world"),
     Page("terrain", "Shapes on a terrain",
          "ODE's shapes on an open mesh of hills, beside a dTriMesh. A shape trembles from call to call; `still`: it "
          "does not.",

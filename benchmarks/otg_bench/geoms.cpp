@@ -92,6 +92,18 @@ void GeomPairs::setBackend(int backend) const {
   }
 }
 
+void GeomPairs::switchHistoryOff() const {
+  for (const dGpuTriMeshPair& pair : pairs_) {
+    for (const dGeomID geom : {pair.o1, pair.o2}) {
+      dGpuTriMeshParams params;
+      dGpuTriMeshParamsInit(&params);
+      dGeomGpuTriMeshGetParams(geom, &params);
+      params.history = dGPUTRIMESH_HISTORY_OFF;
+      dGeomGpuTriMeshSetParams(geom, &params);
+    }
+  }
+}
+
 std::uint64_t deviceSum(duint64 dGpuTriMeshDevice::*member) {
   std::uint64_t sum = 0;
   for (int i = 0; i < dGpuTriMeshGetDeviceCount(); ++i) {

@@ -50,6 +50,8 @@ class GeomPairs {
   GeomPairs& operator=(const GeomPairs&) = delete;
 
   void setBackend(int backend) const;
+  /// With it, results of pairs that stay where they are would be kept.
+  void switchHistoryOff() const;
   const std::vector<dGpuTriMeshPair>& all() const { return pairs_; }
   int count() const { return static_cast<int>(pairs_.size()); }
 

@@ -166,6 +166,7 @@ int benchThreads(const ThreadsOptions& options) {
     const CollisionMesh mesh(entry.mesh, BuildStrategy::kSah);
     const GeomPairs pairs(nearbyQueries(options, mesh));
     pairs.setBackend(dGPUTRIMESH_BACKEND_CPU);
+    pairs.switchHistoryOff();
     const std::vector<dGpuTriMeshPair> samePair(pairs.all().size(), pairs.all().front());
     std::vector<TeamWork> works;
     for (const auto& [name, run, list] : {std::tuple{"same pair", &callOnThreads, &samePair},
@@ -174,7 +175,7 @@ int benchThreads(const ThreadsOptions& options) {
       for (const unsigned threads : counts) works.push_back({name, run, list, threads, {}, {}, {}});
     }
     CallAnswers memory(pairs.all().size());
-    callOnThreads(pairs.all(), counts.back(), memory);  // memory, and what is remembered of each pair
+    callOnThreads(pairs.all(), counts.back(), memory);  // memory of threads
     // In turns, so that a busy moment of the machine hits all of them.
     const int rounds = options.bench.repeat > 0 ? options.bench.repeat : kThreadRounds;
     Progress parts(static_cast<std::size_t>(rounds));

@@ -53,6 +53,7 @@ class BenchWorld {
     dWorldSetGravity(world_, 0, 0, -9.81);
     dWorldSetQuickStepNumIterations(world_, 20);
     dWorldSetDamping(world_, 0.005, 0.01);  // nothing rolls for ever
+    dWorldSetAutoDisableFlag(world_, scene.sleeps);
     if (scene.ground.triangles.empty()) {
       dCreatePlane(space_, 0, 0, 1, 0);
     } else {

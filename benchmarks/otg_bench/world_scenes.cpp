@@ -100,8 +100,9 @@ WorldScene mixed() {
   return scene;
 }
 
-WorldScene atRest() {
-  WorldScene scene{"five bodies at rest", {}, {}, hills(60, 0.5, 0)};
+/// Bodies that sleep stay where they are, to the last bit.
+WorldScene atRest(const char* name, bool sleeps) {
+  WorldScene scene{name, {}, {}, hills(60, 0.5, 0)};
   scene.shapes = {about(scenes::makeTorus(0.7, 0.3, 72, 72)), about(scenes::makeLump(0.8, 4, 0.5, 3)),
                   about(scenes::makeBolt(0.4, 0.2, 1.5, 48)), about(scenes::makeGear(16, 0.8, 0.2, 0.4, 0.2)),
                   about(scenes::makeBowl(0.8, 0.2, 48, 24))};
@@ -111,6 +112,7 @@ WorldScene atRest() {
                                                1.5 + 1.8 * static_cast<double>(i)})});
   }
   scene.settle = 600;
+  scene.sleeps = sleeps;
   return scene;
 }
 
@@ -121,7 +123,7 @@ bool WorldScene::hasNative() const {
 }
 
 std::vector<WorldScene> worldScenes() {
-  return {pyramid(), mixed(), stack(), atRest()};
+  return {pyramid(), mixed(), stack(), atRest("five bodies at rest", false), atRest("five bodies asleep", true)};
 }
 
 }  // namespace otg::cli

@@ -30,7 +30,8 @@ struct WorldScene {
   std::vector<WorldBody> bodies;
   scenes::MeshArrays ground;  ///< empty: the plane z = 0
   double dt = 0.01;
-  int settle = 300;  ///< steps before the measured ones
+  int settle = 300;     ///< steps before the measured ones
+  bool sleeps = false;  ///< ODE disables bodies that are at rest
   /// Whether the scene can be made of ODE's own shapes alone.
   bool hasNative() const;
 };

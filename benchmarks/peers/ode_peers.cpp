@@ -109,6 +109,7 @@ class GpuTriMeshPeer final : public OdePeer {
     dGpuTriMeshParams params;
     dGpuTriMeshParamsInit(&params);
     params.contact_model = contactModel;
+    params.history = dGPUTRIMESH_HISTORY_OFF;  // with it, the result of a pair that stays where it is would be kept
     dGeomGpuTriMeshSetParams(geom, &params);
     return geom;
   }

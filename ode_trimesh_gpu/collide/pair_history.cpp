@@ -3,19 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "base/hash.h"
+#include "base/same_bits.h"
 #include "base/vectors.h"
 
 namespace otg {
 namespace {
-
-bool samePose(const Transformd& a, const Transformd& b) {
-  // By their bits, -0 and 0 apart: the same bytes are promised for the same bytes.
-  return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison)
-}
 
 /// By more than 60 degrees.
 bool hasTurnedFar(const Transformd& from, const Transformd& to) {
@@ -30,7 +25,7 @@ Vec3d motionOfB(const Transformd& before, const Transformd& now, const Vec3d& mi
 }
 
 SolidHistory::State rememberedAt(const SolidHistory& history, const Transformd& bInA) {
-  return samePose(history.current.pose, bInA) ? history.before : history.current;
+  return sameBits(history.current.pose, bInA) ? history.before : history.current;
 }
 
 /// A pair that jumped was put there, it did not move: what it did before says nothing. The direction of a deep overlap

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <utility>
 
+#include "base/same_bits.h"
 #include "mesh/containment.h"
 #include "mesh/inspection.h"
 #include "mesh/measure.h"
@@ -22,10 +22,6 @@ double largestVolumeError(const Bounds& bounds, std::size_t triangles) {
   const Vec3d corner = bounds.empty() ? Vec3d{0, 0, 0} : relativeTo(bounds.max, bounds.middle());
   const double radius2 = otgDot(corner, corner);
   return kRelativeRounding * 4 * radius2 * std::sqrt(radius2) * static_cast<double>(triangles);
-}
-
-bool sameBits(const Vec3f& a, const Vec3f& b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison): -0 is not 0 here
 }
 
 }  // namespace

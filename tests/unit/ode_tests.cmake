@@ -5,7 +5,8 @@ target_include_directories(otg_test_ode_world PUBLIC "${OTG_TEST_DIR}")
 target_link_libraries(otg_test_ode_world PUBLIC otg_scenes PRIVATE otg_catch otg_flags)
 
 find_package(Threads REQUIRED)
-foreach(name warm pair_limit nested roles self_touching shells misuse init data geom collide contact_data history threads memory batch prefetch prefetch_shapes still_shapes pair_memory override parity queries
+foreach(name warm pair_limit nested roles self_touching shells misuse init data geom collide contact_data history threads memory batch prefetch prefetch_shapes still_shapes still_pairs
+             pair_memory override parity queries
              primitives convex convex_mesh convex_cylinder rims behind_sheets join shapes mirrored kink heightfield primitive_callbacks override_primitives
              override_batch)
   otg_add_test(ode_${name} unit

@@ -22,6 +22,7 @@ namespace otg {
 class PrefetchedPairs;
 class PrefetchedShapes;
 class KeptShapes;
+class KeptPairs;
 
 /// Sums of dGpuTriMeshStats. Several threads may collide one geom (a ground mesh) at once.
 struct GeomStats {
@@ -67,8 +68,9 @@ struct GeomObject : ScaledMesh, std::enable_shared_from_this<GeomObject> {
   static constexpr std::size_t kReadBytes = 320;
   GeomStats stats;
   OwnedLater<PrefetchedPairs> prefetched;         ///< of pairs in which this geom is the younger one
+  OwnedLater<KeptPairs> keptPairs;                ///< of the same
   OwnedLater<PrefetchedShapes> prefetchedShapes;  ///< of pairs with geoms of ODE's own
-  OwnedLater<KeptShapes> keptShapes;              ///< of the same
+  OwnedLater<KeptShapes> keptShapes;              ///< of such pairs
   std::shared_ptr<GeomObject> self;               ///< the geom's own share, until it is destroyed
 
   GeomObject() = default;

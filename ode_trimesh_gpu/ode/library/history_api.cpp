@@ -25,6 +25,8 @@
 #include "base/hash.h"
 #include "ode/base/status.h"
 #include "ode/geom/mesh_side.h"
+#include "ode/pairs/kept_pairs.h"
+#include "ode/shapes/kept_shapes.h"
 #include "ode/shapes/primitive_history.h"
 
 namespace otg {
@@ -252,6 +254,8 @@ int dGeomGpuTriMeshForgetHistory(dGeomID g) {
     const std::shared_ptr<otg::GeomObject> object = otg::settingsOf(g);
     if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
     object->memory.clear();
+    if (otg::KeptPairs* const kept = object->keptPairs.get(); kept != nullptr) kept->clear();
+    if (otg::KeptShapes* const kept = object->keptShapes.get(); kept != nullptr) kept->clear();
     return static_cast<int>(dGPUTRIMESH_OK);
   });
 }

@@ -11,6 +11,7 @@
 #include "ode/base/status.h"
 #include "ode/geom/class_number.h"
 #include "ode/pairs/apart_pairs.h"
+#include "ode/pairs/kept_pairs.h"
 #include "ode/pairs/left_pairs.h"
 #include "ode/pairs/pair_callbacks.h"
 #include "ode/pairs/prefetched_pairs.h"
@@ -97,16 +98,25 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
     const WorkspaceLease lease;
     Workspace& workspace = *lease;
     Dispatcher::Ran ran;
-    std::span<const Contact> contacts = dispatcher().collide(task.job, workspace, ran);
+    PairCounts counts;
+    const bool isKnown = findKept(task, workspace.reduced, counts);
+    const std::span<const Contact> all = isKnown ? workspace.reduced : dispatcher().collide(task.job, workspace, ran);
+    if (!isKnown) counts = PairCounts(workspace.stats);
+    std::span<const Contact> contacts = all;
     std::vector<Contact> own;
     if (task.isJoined()) {
-      own.assign(contacts.begin(), contacts.end());
+      own.assign(all.begin(), all.end());
       keepOwnContacts(task, own);
       contacts = own;
     }
-    rememberPair(task, !contacts.empty());
+    const std::uint64_t stamp = rememberPair(task, !contacts.empty());
+    if (isKnown) {
+      foundKept(task, stamp);
+    } else if (!ran.onDevice && !ran.deviceFailed) {
+      noteComputed(task, stamp, all, counts);
+    }
     writeContacts(task, contacts, to);
-    countPair(task, PairCounts(workspace.stats), contacts.size(), ran.onDevice, ran.deviceFailed);
+    countPair(task, counts, contacts.size(), ran.onDevice, ran.deviceFailed);
     return static_cast<int>(contacts.size());
   } catch (...) {
     // Only want of memory throws: the query's pose is made of two that were found rigid. ODE's space would stay locked

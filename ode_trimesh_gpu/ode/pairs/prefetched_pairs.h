@@ -9,6 +9,7 @@
 #include <mutex>
 
 #include "dispatch/pair_job.h"
+#include "ode/pairs/pair_query.h"
 
 namespace otg {
 
@@ -32,10 +33,7 @@ class PrefetchedPairs {
 
  private:
   struct Entry {
-    std::weak_ptr<const void> a, b;  ///< CollisionMesh::lifetime(): a mesh that has moved is another
-    Query query;                     ///< without history
-    bool remembers = false;
-    std::uint64_t stamp = 0;
+    PairQuery query;
     std::unique_ptr<const SolidHistory> history;  ///< what the query left; null if it had none
     PairResult result;
   };

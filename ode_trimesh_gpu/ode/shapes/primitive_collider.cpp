@@ -66,25 +66,21 @@ void keptContacts(PrimitiveTask& task, int most, std::vector<Contact>& out, int&
   const int classOfOther = dGeomGetClass(task.o2);
   const bool isPolyhedron = classOfOther == dBoxClass || classOfOther == dConvexClass;
   // Pairs of two convex bodies keep their direction, and take little else.
-  if (!isKeptClass(classOfOther) || (isPolyhedron && task.side.mesh->convex() != nullptr)) {
+  if (!isKeptClass(classOfOther) || !task.side.object->remembersWith(classOfOther) ||
+      (isPolyhedron && task.side.mesh->convex() != nullptr)) {
     primitiveContacts(task, most, out, failure);
     return;
   }
   if (classOfOther == dConvexClass && task.shape == nullptr) task.shape = shapeOfGeom(task.o2);
   KeptShapes& kept = task.side.object->keptShapes.make();
   const std::uint64_t key = memoryKey(task.o2);
-  const KeptShapes::Pose pose = kept.ask(key, task.other);
-  if (pose == KeptShapes::Pose::kAnswered && kept.find(key, shapeQuery(task), most, out)) {
+  const auto query = [&] { return shapeQuery(task); };
+  if (kept.find(key, task.other, query, most, out)) {
     kept.seen(key, task.side.object->memory.renew(key));
     return;
   }
   primitiveContacts(task, most, out, failure);
-  if (failure != 0) return;
-  if (pose == KeptShapes::Pose::kNew) {
-    kept.reserve(key, out.size());
-  } else {
-    kept.keep(key, shapeQuery(task), most, out);
-  }
+  if (failure == 0) kept.note(key, task.other, query, most, out);
 }
 
 /// In the caller's numbers of triangles.

@@ -1,36 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ode/shapes/shape_query.h"
 
-#include <bit>
-
+#include "base/same_bits.h"
+#include "ode/pairs/pair_query.h"
 #include "ode/pairs/pair_task.h"
 #include "ode/shapes/primitive_history.h"
 
 namespace otg {
-namespace {
-
-/// By their bits: the same bytes are promised for the same bytes, and 0 is not -0.
-template <std::size_t kBytes, class T>
-bool sameBits(const T& x, const T& y) {
-  static_assert(sizeof(T) == kBytes);
-  using Bits = std::array<unsigned char, kBytes>;
-  return std::bit_cast<Bits>(x) == std::bit_cast<Bits>(y);
-}
-
-bool isSame(const std::weak_ptr<const void>& x, const std::weak_ptr<const void>& y) {
-  return !x.owner_before(y) && !y.owner_before(x);
-}
-
-}  // namespace
-
-bool samePose(const Transformd& x, const Transformd& y) {
-  return sameBits<12 * sizeof(double)>(x, y);
-}
 
 bool sameQuery(const ShapeQuery& x, const ShapeQuery& y) {
   return x.geomClass == y.geomClass && x.stamp == y.stamp && x.remembers == y.remembers && x.shape == y.shape &&
-         samePose(x.pose, y.pose) && sameBits<4 * sizeof(double)>(x.size, y.size) &&
-         sameBits<3 * sizeof(double)>(x.velocity, y.velocity) && isSame(x.mesh, y.mesh) && x.options == y.options;
+         sameBits(x.pose, y.pose) && sameBits(x.size, y.size) && sameBits(x.velocity, y.velocity) &&
+         isSameMesh(x.mesh, y.mesh) && x.options == y.options;
 }
 
 ShapeQuery shapeQuery(const PrimitiveTask& task) {

@@ -27,8 +27,7 @@ struct ShapeQuery {
 
 /// The query of a prepared task. Reads what is remembered. May throw std::bad_alloc.
 ShapeQuery shapeQuery(const PrimitiveTask& task);
-/// Whether two queries have the same result, to the last bit. By their bits, -0 and 0 apart.
+/// Whether two queries have the same result, to the last bit.
 bool sameQuery(const ShapeQuery& x, const ShapeQuery& y);
-bool samePose(const Transformd& x, const Transformd& y);
 
 }  // namespace otg

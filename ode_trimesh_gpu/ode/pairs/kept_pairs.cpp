@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ode/pairs/kept_pairs.h"
+
+namespace otg {
+namespace {
+
+bool isKept(const PairTask& task) {
+  const Query& query = task.job.query;
+  if (!task.remembers || task.job.any || task.job.filter != nullptr) return false;
+  return query.options.contacts != ContactModel::kSolid || query.a->convex() == nullptr || query.b->convex() == nullptr;
+}
+
+}  // namespace
+
+bool findKept(const PairTask& task, std::vector<Contact>& contacts, PairCounts& counts) {
+  KeptPairs* const kept = task.younger().keptPairs.get();
+  if (kept == nullptr || !isKept(task)) return false;
+  const Query& query = task.job.query;
+  return kept->find(
+      task.older().serial, query.bInA, [&] { return pairQuery(task, task.stamp); }, query.options.maxContacts, contacts,
+      &counts);
+}
+
+void foundKept(const PairTask& task, std::uint64_t stamp) {
+  if (KeptPairs* const kept = task.younger().keptPairs.get(); kept != nullptr) kept->seen(task.older().serial, stamp);
+}
+
+void noteComputed(const PairTask& task, std::uint64_t stamp, std::span<const Contact> contacts,
+                  const PairCounts& counts) {
+  if (!isKept(task)) return;
+  const Query& query = task.job.query;
+  task.younger().keptPairs.make().note(
+      task.older().serial, query.bInA, [&] { return pairQuery(task, stamp); }, query.options.maxContacts, contacts,
+      counts);
+}
+
+}  // namespace otg

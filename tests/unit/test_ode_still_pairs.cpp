@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Pairs of meshes that stay where they are: what is kept of them changes no byte.
+#include <cmath>
+#include <functional>
+
+#include "support/catch.h"
+#include "support/ode_world.h"
+
+using namespace otg;
+using namespace otg::test;
+
+namespace {
+
+scenes::MeshArrays hills() {
+  return scenes::makeGround(8, 1, 24, [](double x, double y) { return 0.25 * std::cos(1.7 * x) * std::cos(1.3 * y); });
+}
+
+scenes::MeshArrays sheetOfHills() {
+  scenes::MeshArrays sheet = hills();
+  std::erase_if(sheet.triangles, [&](const Triangle& t) {
+    const auto isTop = [&](std::uint32_t v) { return sheet.vertices[v].z > -0.5F; };
+    return !isTop(t.v[0]) || !isTop(t.v[1]) || !isTop(t.v[2]);
+  });
+  return sheet;
+}
+
+scenes::MeshArrays openBox() {
+  scenes::MeshArrays box = scenes::makeBox({0.3, 0.4, 0.2}, 2);
+  std::erase_if(box.triangles, [&](const Triangle& t) {
+    return box.vertices[t.v[0]].z > 0 && box.vertices[t.v[1]].z > 0 && box.vertices[t.v[2]].z > 0;
+  });
+  return box;
+}
+
+/// Contacts as they are whatever the geoms' addresses.
+std::vector<dContactGeom> asked(dGeomID ground, dGeomID body, int places = 24) {
+  std::vector<dContactGeom> contacts = collide(ground, body, places);
+  for (dContactGeom& c : contacts) {
+    c.g1 = nullptr;
+    c.g2 = nullptr;
+  }
+  return contacts;
+}
+
+/// Two geoms of one mesh. The first is asked so often that answers are kept, the second never twice.
+struct Grounds {
+  explicit Grounds(const scenes::MeshArrays& mesh) : data(mesh), often(data), once(data) {}
+  Data data;
+  Geom often, once;
+};
+
+void setParams(dGeomID geom, const std::function<void(dGpuTriMeshParams&)>& change) {
+  dGpuTriMeshParams params;
+  dGpuTriMeshParamsInit(&params);
+  change(params);
+  REQUIRE(dGeomGpuTriMeshSetParams(geom, &params) == dGPUTRIMESH_OK);
+}
+
+dGpuTriMeshStats statsOf(dGeomID geom) {
+  dGpuTriMeshStats stats;
+  dGpuTriMeshStatsInit(&stats);
+  REQUIRE(dGeomGpuTriMeshGetStats(geom, &stats) == dGPUTRIMESH_OK);
+  return stats;
+}
+
+}  // namespace
+
+TEST_CASE("a pair that is asked about again where it is has the contacts of one that is asked about once") {
+  const OdeSession session;
+  const scenes::MeshArrays torus = scenes::makeTorus(0.3, 0.1, 24, 12), open = openBox();
+  int kept = 0;
+  for (const scenes::MeshArrays& mesh : {hills(), sheetOfHills(), scenes::makeTorus(0.8, 0.3, 24, 12), open}) {
+    const Grounds grounds(mesh);
+    const Geom few(grounds.data);  // for fewer places
+    for (const scenes::MeshArrays& of : {torus, open, scenes::makeBox({0.3, 0.2, 0.25}, 2)}) {
+      const Data data(of);
+      const Geom geom(data);
+      const dGeomID body = geom.id;
+      std::mt19937 random(3);
+      std::uniform_real_distribution<double> step(-0.05, 0.05);
+      int met = 0;
+      for (int walk = 0; walk < 8; ++walk) {
+        setRandomPose(body, random, 0.5);
+        for (int i = 0; i < 8; ++i) {  // near enough to each other that the pair is remembered
+          const dReal* const p = dGeomGetPosition(body);
+          dGeomSetPosition(body, p[0] + step(random), p[1] + step(random), p[2] + step(random));
+          const auto expected = asked(grounds.once.id, body), fewer = asked(few.id, body, 3);
+          for (int k = 0; k < 4; ++k) REQUIRE(sameContacts(asked(grounds.often.id, body), expected));
+          for (int k = 0; k < 3; ++k) REQUIRE(sameContacts(asked(grounds.often.id, body, 3), fewer));
+          REQUIRE(sameContacts(asked(grounds.often.id, body), expected));
+          met += expected.empty() ? 0 : 1;
+        }
+      }
+      CHECK(met >= 10);
+      kept += met;
+    }
+  }
+  CHECK(kept > 300);
+}
+
+TEST_CASE("what a pair of meshes that stays where it is depends on may change") {
+  const OdeSession session;
+  const Data ball(scenes::makeSphere(0.3, 1)), torus(scenes::makeTorus(0.3, 0.15, 24, 12));
+  struct Change {
+    const char* name;
+    std::function<void(const Grounds&, dGeomID body)> make;
+  };
+  const auto setBoth = [](const std::function<void(dGpuTriMeshParams&)>& change) {
+    return [=](const Grounds& grounds, dGeomID) {
+      setParams(grounds.often.id, change);
+      setParams(grounds.once.id, change);
+    };
+  };
+  const std::vector<Change> changes = {
+      {"scale",
+       [](const Grounds&, dGeomID body) { REQUIRE(dGeomGpuTriMeshSetScale(body, 1, 1, 1.1) == dGPUTRIMESH_OK); }},
+      {"mesh", [&](const Grounds&, dGeomID body) { REQUIRE(dGeomGpuTriMeshSetData(body, ball.id) == dGPUTRIMESH_OK); }},
+      {"contacts", setBoth([](dGpuTriMeshParams& p) { p.contacts_per_region = 2; })},
+      {"model", setBoth([](dGpuTriMeshParams& p) { p.contact_model = dGPUTRIMESH_CONTACTS_PAIRWISE; })},
+      {"memory",
+       [](const Grounds& grounds, dGeomID body) {
+         for (const dGeomID geom : {grounds.often.id, grounds.once.id, body}) {
+           REQUIRE(dGeomGpuTriMeshForgetHistory(geom) == dGPUTRIMESH_OK);
+         }
+       }},
+      {"ground's pose",
+       [](const Grounds& grounds, dGeomID) {
+         dGeomSetPosition(grounds.often.id, 0, 0, 0.02);
+         dGeomSetPosition(grounds.once.id, 0, 0, 0.02);
+       }},
+      {"ground's vertices",
+       [](const Grounds& grounds, dGeomID) {
+         scenes::MeshArrays moved = hills();
+         for (Vec3f& v : moved.vertices) v.z += 0.01F;
+         REQUIRE(dGpuTriMeshDataUpdateVerticesSingle(grounds.data.id, moved.vertices.data(), sizeof(Vec3f),
+                                                     static_cast<int>(moved.vertices.size())) == dGPUTRIMESH_OK);
+       }},
+  };
+  for (const Change& change : changes) {
+    INFO(change.name);
+    const Grounds grounds(hills());
+    const Geom body(torus);
+    dGeomSetPosition(body.id, 0.3, 0.2, 0.3);
+    for (int i = 0; i < 3; ++i) asked(grounds.often.id, body.id);
+    const auto before = asked(grounds.once.id, body.id);
+    REQUIRE(!before.empty());
+    change.make(grounds, body.id);
+    const auto expected = asked(grounds.once.id, body.id);
+    for (int i = 0; i < 4; ++i) CHECK(sameContacts(asked(grounds.often.id, body.id), expected));
+    if (std::string(change.name) != "memory") CHECK(!sameContacts(before, expected));
+  }
+}
+
+TEST_CASE("a body inside another, asked about often where it is, goes out the way that it would have gone") {
+  // It leaves along its velocity, and is remembered to.
+  const OdeSession session;
+  const dWorldID world = dWorldCreate();
+  const dBodyID body = dBodyCreate(world);
+  for (const bool remembers : {false, true}) {
+    const Grounds grounds(scenes::makeTorus(1, 0.6, 24, 12));
+    const Data inner(scenes::makeTorus(0.1, 0.04, 12, 8));
+    const Geom geom(inner);
+    for (const dGeomID g : {grounds.often.id, grounds.once.id}) {
+      setParams(
+          g, [&](dGpuTriMeshParams& p) { p.history = remembers ? dGPUTRIMESH_HISTORY_ON : dGPUTRIMESH_HISTORY_OFF; });
+    }
+    dGeomSetBody(geom.id, body);
+    std::vector<dContactGeom> last;
+    int different = 0;
+    for (int i = 0; i < 120; ++i) {
+      if (i % 4 == 0) dBodySetPosition(body, 1 + 0.0005 * i, 0, 0);
+      dBodySetLinearVel(body, i % 3 == 0 ? 1 : 0, i % 3 == 1 ? 1 : 0, i % 3 == 2 ? 1 : 0);
+      const auto expected = asked(grounds.once.id, geom.id);
+      REQUIRE(!expected.empty());
+      for (int k = 0; k < 3; ++k) CHECK(sameContacts(asked(grounds.often.id, geom.id), expected));
+      different += sameContacts(expected, last) ? 0 : 1;
+      last = expected;
+    }
+    CHECK(different >= (remembers ? 20 : 60));
+    dGeomSetBody(geom.id, nullptr);
+  }
+  dWorldDestroy(world);
+}
+
+TEST_CASE("what an array of pairs leaves with a pair ends what was kept of it") {
+  // The depths of a body inside another are cut for some queries, and arrays count as such.
+  const OdeSession session;
+  const Grounds grounds(scenes::makeTorus(1, 0.6, 24, 12));
+  const Data inner(scenes::makeTorus(0.1, 0.04, 12, 8));
+  const Geom body(inner);
+  const auto askAll = [&] {
+    const auto expected = asked(grounds.once.id, body.id);
+    for (int k = 0; k < 3; ++k) CHECK(sameContacts(asked(grounds.often.id, body.id), expected));
+    return expected;
+  };
+  dGeomSetPosition(body.id, 1, 0, 0);
+  const auto before = askAll();
+  for (int i = 1; i <= 30; ++i) {
+    dGeomSetPosition(body.id, 1, 1e-5 * i, 0);
+    const dGpuTriMeshPair pairs[] = {{grounds.often.id, body.id}, {grounds.once.id, body.id}};
+    std::vector<dContactGeom> contacts(128);
+    int counts[2] = {0, 0};
+    REQUIRE(dGpuTriMeshCollidePairs(pairs, 2, 64, contacts.data(), sizeof(dContactGeom), counts) >= 0);
+    REQUIRE(counts[0] > 0);
+  }
+  dGeomSetPosition(body.id, 1, 0, 0);
+  CHECK(!sameContacts(askAll(), before));
+}
+
+TEST_CASE("statistics of a pair that stays where it is count what every query would have") {
+  const OdeSession session;
+  const Data ground(hills()), torus(scenes::makeTorus(0.3, 0.15, 24, 12));
+  const Geom once(ground), often(ground), body(torus);
+  dGeomSetPosition(body.id, 0.3, 0.2, 0.3);
+  const auto contacts = static_cast<std::uint64_t>(asked(once.id, body.id).size());
+  for (int i = 0; i < 5; ++i) asked(often.id, body.id);
+  const dGpuTriMeshStats one = statsOf(once.id), five = statsOf(often.id);
+  CHECK(one.contacts == contacts);
+  CHECK(five.queries == 5);
+  CHECK(five.contacts == 5 * one.contacts);
+  CHECK(five.intersecting_pairs == 5 * one.intersecting_pairs);
+  CHECK(five.box_tests == 5 * one.box_tests);
+  CHECK(five.contacts_before_reduction == 5 * one.contacts_before_reduction);
+}
