@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "bvh/image_boxes.h"
+#include "mesh/outward_sides.h"
 
 namespace otg {
 namespace {
@@ -84,6 +85,10 @@ const Adjacency& CollisionMesh::adjacency() const {
 
 const ConvexPolyhedron* CollisionMesh::convex() const {
   return convex_.get([this] { return buildConvexPolyhedron(*mesh_); }).get();
+}
+
+const std::vector<std::int8_t>& CollisionMesh::outwardSides() const {
+  return outwardSides_.get([this] { return otg::outwardSides(*mesh_); });
 }
 
 const CollisionMesh::Parts* CollisionMesh::parts() const {
@@ -180,6 +185,7 @@ void CollisionMesh::finishMove() noexcept {
   Motion& m = *motion_;
   alive_ = std::move(m.alive);
   convex_.reset();
+  outwardSides_.reset();
   parts_.reset();
   if (Adjacency* const adjacency = adjacency_.made()) {
     try {

@@ -89,6 +89,10 @@ class CollisionMesh {
   struct Parts;
   const Parts* parts() const;
 
+  /// outwardSides(): which way the triangles face of a mesh that would be a solid but for a few faults. Determined
+  /// likewise.
+  const std::vector<std::int8_t>& outwardSides() const;
+
   /// Expires with this object, whatever else holds the mesh, and when vertices move: for caches of what was derived
   /// from it.
   std::weak_ptr<const void> lifetime() const { return alive_; }
@@ -124,6 +128,7 @@ class CollisionMesh {
   std::size_t movedSinceLook_ = 0;             ///< triangles of such an image, since imageIsWorn() was called
   FirstUse<Adjacency> adjacency_;
   FirstUse<std::unique_ptr<const ConvexPolyhedron>> convex_;
+  FirstUse<std::vector<std::int8_t>> outwardSides_;
   FirstUse<std::unique_ptr<const Parts>> parts_;
   std::unique_ptr<Motion> motion_;  ///< made by moveSome()
   /// What changedSince() reads: the last `counts.size()` of all moves, each with so many of `triangles`.

@@ -21,13 +21,22 @@ class GroundSides {
   void setWinding(int side) {
     isKnown_ = true;
     side_ = side;
+    each_ = nullptr;
+  }
+  /// Of a ground that would be a solid but for a few faults: CollisionMesh::outwardSides().
+  void setEach(const std::vector<std::int8_t>& sides) {
+    isKnown_ = true;
+    each_ = &sides;
   }
   /// Of any other ground: as seen from a point in front of it. Where an open one is in between, whose rim there is a
   /// way round, as seen from `middle`, that of the visitor.
   void setFront(const CollisionMesh& ground, const Vec3d& front, const Vec3d& middle, double slack);
 
   /// +1 if the triangle's normal leads to its front, else -1.
-  int of(std::uint32_t triangle) { return isKnown_ ? side_ : look(triangle); }
+  int of(std::uint32_t triangle) {
+    if (!isKnown_) return look(triangle);
+    return each_ != nullptr ? (*each_)[triangle] : side_;
+  }
   /// Whether a point lies behind, as seen from the front point.
   bool isBehind(const Vec3d& point) { return crossesOddly(*ground_, point, front_, 0, scratch_); }
 
@@ -37,6 +46,7 @@ class GroundSides {
 
   bool isKnown_ = true;
   int side_ = 1;
+  const std::vector<std::int8_t>* each_ = nullptr;
   const CollisionMesh* ground_ = nullptr;
   Vec3d front_{}, middle_{};
   double slack_ = 0;

@@ -85,7 +85,11 @@ ShellState ShellApproach::decide(bool meets) {
 }
 
 ShellState ShellApproach::besideSolid(bool meets) {
-  sides_.setWinding(1);
+  if (roles_.ground->mesh().meshClass() == MeshClass::kSolid) {
+    sides_.setWinding(1);
+  } else {
+    sides_.setEach(roles_.ground->outwardSides());
+  }
   if (meets) return ShellState::kMeeting;
   const TriMesh& mesh = roles_.ground->mesh();
   bool isInside = false;

@@ -129,6 +129,10 @@ ShellRoles shellRoles(const Query& query) {
   roles.kind = kindOf(roles.ground->mesh());
   roles.isScattered = roles.kind == GroundKind::kSheet && isScattered(*roles.ground);
   if (roles.isScattered) roles.kind = GroundKind::kShell;
+  if (roles.visitor->mesh().meshClass() != MeshClass::kSolid && !roles.ground->outwardSides().empty()) {
+    roles.kind = GroundKind::kSolid;
+    roles.isScattered = false;
+  }
   roles.size = static_cast<double>(roles.visitor->mesh().radius());
   roles.isTerrain = roles.ground->mesh().radius() >= kTerrain * roles.visitor->mesh().radius();
   return roles;

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mesh/outward_sides.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include "base/vectors.h"
+
+namespace otg {
+namespace {
+
+class Mender {
+ public:
+  Mender(const TriMesh& mesh, const Topology& topology)
+      : mesh_(mesh),
+        topology_(topology),
+        first_(mesh.firstCopies()),
+        sides_(mesh.triangleCount(), 1),
+        excess_(topology_.edgeCount(), 0) {}
+
+  std::vector<std::int8_t> run() {
+    for (std::uint32_t t = 0; t < sides_.size(); ++t) add(t, 1);
+    turnOddOnes();
+    if (!closeRims()) return {};
+    const bool isWhole = mesh_.report().degenerateTriangles == 0 && first_.empty() && turned_ == 0;
+    if (isWhole && filled_.empty() && cuts_.empty()) return {};
+    std::vector<Triangle> triangles = mended();
+    triangles.insert(triangles.end(), filled_.begin(), filled_.end());
+    MeshInput input;
+    input.vertices = mesh_.vertices().data();
+    input.vertexCount = mesh_.vertices().size();
+    input.indices = triangles.data();
+    input.triangleCount = triangles.size();
+    if (triangles.empty() || !buildTriMesh(input).report.solid) return {};
+    for (std::uint32_t t = 0; t < sides_.size() && !first_.empty(); ++t) sides_[t] = sides_[first_[t]];
+    return std::move(sides_);
+  }
+
+ private:
+  /// Of an edge with a vertex on it.
+  struct Cut {
+    std::uint32_t triangle, from, to, middle;
+  };
+
+  bool counts(std::uint32_t t) const { return !mesh_.isDegenerate(t) && (first_.empty() || first_[t] == t); }
+
+  std::uint32_t from(std::uint32_t half) const { return topology_.weld[mesh_.triangles()[half / 3].v[half % 3]]; }
+
+  /// +1 where the half-edge goes along its edge, else -1.
+  int way(std::uint32_t half) const {
+    return from(half) == topology_.weld[topology_.edges[topology_.edgeOf[half]].a] ? 1 : -1;
+  }
+
+  void add(std::uint32_t t, int times) {
+    if (!counts(t)) return;
+    for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h) excess_[topology_.edgeOf[h]] += times * way(h);
+  }
+
+  /// A triangle that is turned round goes the way of its neighbour along each edge.
+  void turnOddOnes() {
+    for (std::uint32_t t = 0; t < sides_.size(); ++t) {
+      bool isOdd = counts(t);
+      for (std::uint32_t h = 3 * t; isOdd && h < 3 * t + 3; ++h) isOdd = excess_[topology_.edgeOf[h]] == 2 * way(h);
+      if (!isOdd) continue;
+      add(t, -2);
+      sides_[t] = -1;
+      ++turned_;
+    }
+  }
+
+  /// A rim's vertex, and the triangle at the edge to the next one.
+  struct Rim {
+    std::uint32_t vertex, triangle;
+  };
+
+  /// Closes all that is open; false where that is not possible.
+  bool closeRims() {
+    struct Next {
+      std::uint32_t to = kNone;
+      Rim rim{kNone, kNone};
+    };
+    std::vector<Next> next;
+    std::vector<std::uint32_t> starts;
+    for (std::uint32_t t = 0; t < sides_.size(); ++t) {
+      for (std::uint32_t h = 3 * t; counts(t) && h < 3 * t + 3; ++h) {
+        int& excess = excess_[topology_.edgeOf[h]];
+        if (excess == 0) continue;
+        if (std::abs(excess) > 1) return false;
+        if (excess != way(h) * sides_[t]) continue;
+        excess = 0;
+        if (next.empty()) next.resize(mesh_.vertices().size());
+        std::uint32_t ends[2] = {h, h % 3 == 2 ? h - 2 : h + 1};
+        if (sides_[t] < 0) std::swap(ends[0], ends[1]);
+        const std::uint32_t a = from(ends[0]);
+        if (next[a].to != kNone) return false;
+        next[a] = {from(ends[1]), {mesh_.triangles()[t].v[ends[0] % 3], t}};
+        starts.push_back(a);
+      }
+    }
+    std::vector<Rim> rims;
+    for (const std::uint32_t start : starts) {
+      rims.clear();
+      for (std::uint32_t v = start; v != kNone && next[v].to != kNone; v = std::exchange(next[v].to, kNone)) {
+        rims.push_back(next[v].rim);
+      }
+      if (!rims.empty() && !close(rims)) return false;
+    }
+    return true;
+  }
+
+  Vec3d at(std::uint32_t vertex) const {
+    const Vec3f& p = mesh_.vertices()[vertex];
+    return {p.x, p.y, p.z};
+  }
+
+  /// A crack, along a line, is closed by cutting the triangles at each side by the vertices of the other one. A hole of
+  /// three edges is filled.
+  bool close(const std::vector<Rim>& rims) {
+    const auto farthest = [&](const Vec3d& from) {
+      const auto distance = [&](const Rim& rim) { return norm(at(rim.vertex) - from); };
+      return at(std::ranges::max_element(rims, {}, distance)->vertex);
+    };
+    const Vec3d begin = farthest(at(rims[0].vertex)), axis = unit(farthest(begin) - begin);
+    const double near = kRounding * reach();
+    const bool isCut =
+        std::ranges::all_of(rims, [&](const Rim& rim) { return norm(otgCross(axis, at(rim.vertex) - begin)) <= near; });
+    if (!isCut) {
+      if (rims.size() == 3) filled_.push_back({{rims[1].vertex, rims[0].vertex, rims[2].vertex}});
+      return rims.size() == 3;
+    }
+    const auto along = [&](std::uint32_t vertex) { return otgDot(axis, at(vertex) - begin); };
+    std::vector<std::uint32_t> between;
+    for (std::size_t k = 0; k < rims.size(); ++k) {
+      std::uint32_t from = rims[k].vertex;
+      const std::uint32_t to = rims[(k + 1) % rims.size()].vertex;
+      const double low = std::min(along(from), along(to)), high = std::max(along(from), along(to));
+      between.clear();
+      for (const Rim& rim : rims) {
+        if (along(rim.vertex) > low && along(rim.vertex) < high) between.push_back(rim.vertex);
+      }
+      const double sign = along(to) > along(from) ? 1 : -1;
+      std::ranges::sort(between, {}, [&](std::uint32_t v) { return sign * along(v); });
+      for (const std::uint32_t middle : between) {
+        cuts_.push_back({rims[k].triangle, from, to, middle});
+        from = middle;
+      }
+    }
+    return true;
+  }
+
+  double reach() const {
+    const Vec3f &a = mesh_.boundsMin(), &b = mesh_.boundsMax();
+    return std::max({std::fabs(a.x), std::fabs(a.y), std::fabs(a.z), std::fabs(b.x), std::fabs(b.y), std::fabs(b.z)});
+  }
+
+  /// The triangles that count, turned and cut.
+  std::vector<Triangle> mended() {
+    std::ranges::stable_sort(cuts_, {}, &Cut::triangle);
+    std::vector<Triangle> out;
+    auto next = cuts_.begin();
+    for (std::uint32_t t = 0; t < sides_.size(); ++t) {
+      if (!counts(t)) continue;
+      const Triangle& of = mesh_.triangles()[t];
+      const std::size_t first = out.size();
+      out.push_back(sides_[t] > 0 ? of : Triangle{{of.v[0], of.v[2], of.v[1]}});
+      for (; next != cuts_.end() && next->triangle == t; ++next) cut(*next, first, out);
+    }
+    return out;
+  }
+
+  /// Divides the one of a triangle's parts, which are out[first] and those after it, that has the edge.
+  void cut(const Cut& of, std::size_t first, std::vector<Triangle>& out) const {
+    for (std::size_t i = first; i < out.size(); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Triangle part = out[i];
+        const std::uint32_t a = part.v[k], b = part.v[(k + 1) % 3], c = part.v[(k + 2) % 3];
+        if (topology_.weld[a] != topology_.weld[of.from] || topology_.weld[b] != topology_.weld[of.to]) continue;
+        out[i] = {{a, of.middle, c}};
+        out.push_back({{of.middle, b, c}});
+        return;
+      }
+    }
+  }
+
+  static constexpr double kRounding = 4 * 0x1p-23;  ///< of the coordinates
+
+  const TriMesh& mesh_;
+  const Topology& topology_;
+  const std::span<const std::uint32_t> first_;
+  std::vector<std::int8_t> sides_;
+  std::vector<int> excess_;  ///< of each edge: triangles that go along it less those that go the other way
+  std::vector<Triangle> filled_;
+  std::vector<Cut> cuts_;
+  std::size_t turned_ = 0;
+};
+
+}  // namespace
+
+std::vector<std::int8_t> outwardSides(const TriMesh& mesh) {
+  if (mesh.meshClass() == MeshClass::kSolid || mesh.triangleCount() == 0) return {};
+  // Of two bodies that are flush their own vertices say which neighbour a hole is in. Welded files need positions.
+  const std::size_t vertices = mesh.vertices().size();
+  std::vector<std::uint32_t> own(vertices);
+  std::iota(own.begin(), own.end(), 0U);
+  if (!std::ranges::equal(own, mesh.topology().weld)) {
+    const Topology byIndices = buildTopology(mesh.vertices(), mesh.triangles(), std::move(own));
+    if (std::vector<std::int8_t> sides = Mender(mesh, byIndices).run(); !sides.empty()) return sides;
+  }
+  return Mender(mesh, mesh.topology()).run();
+}
+
+}  // namespace otg

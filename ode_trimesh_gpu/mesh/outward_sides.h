@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Meshes that would be solids but for a few faults, as many models have.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "mesh/tri_mesh.h"
+
+namespace otg {
+
+/// Of each triangle +1 where its normal leads out of the body, and -1 where it has been turned round. Empty for solids,
+/// and for meshes that mending makes no solid of.
+///
+/// To mend is to leave out later copies of triangles, and to turn triangles all of whose neighbours are wound against
+/// them. Cracks are closed, where vertices lie on an edge of the neighbour, and holes of three edges are filled. A
+/// larger hole may be meant: a vessel without lid has two sides that bodies may be on. The cost is that of a build
+/// where there is something to mend, else linear time.
+std::vector<std::int8_t> outwardSides(const TriMesh& mesh);
+
+}  // namespace otg

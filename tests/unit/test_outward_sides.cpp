@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Solids with faults: which way their triangles face is found all the same. Faults are made, so the truth is known.
+#include "mesh/outward_sides.h"
+
+#include "scenes/generated_meshes.h"
+#include "scenes/mesh_arrays.h"
+#include "support/catch.h"
+#include "support/faulty_mesh.h"
+#include "truth/wild_bodies.h"
+
+using namespace otg;
+using scenes::MeshArrays;
+using test::Faulty;
+
+namespace {
+
+std::vector<std::int8_t> sidesOf(const MeshArrays& mesh, bool weld = false) {
+  return outwardSides(*buildTriMesh(mesh.input(), RepairOptions{.weldVertices = weld}).mesh);
+}
+
+struct Body {
+  MeshArrays mesh;
+  bool isFlush = false;
+};
+
+std::vector<Body> bodies() {
+  truth::Random draw(7);
+  return {
+      {scenes::makeBox({1, 2, 3})},     {scenes::makeBox({1, 1, 1}, 3)},         {scenes::makeTorus(1, 0.3, 16, 10)},
+      {scenes::makeLump(1, 3, 0.4, 5)}, {scenes::makeGear(9, 1, 0.2, 0.4, 0.3)}, {scenes::makeBowl(1, 0.2, 16, 6)},
+      {truth::flushBlocks(draw), true}, {truth::flushBlocks(draw), true}};
+}
+
+MeshArrays turned(const MeshArrays& mesh, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return scenes::transformed(mesh, {{c, -s, 0, s, c, 0, 0, 0, 1}, {0.3, -0.1, 0.7}});
+}
+
+}  // namespace
+
+TEST_CASE("the sides of a solid with a fault are those that it had without") {
+  std::mt19937 random(1);
+  int found = 0;
+  for (int i = 0; i < 60; ++i) {
+    for (const auto& [body, isFlush] : bodies()) {
+      for (int fault = 0; fault < 6; ++fault) {
+        INFO("round " << i << ", fault " << fault << ", " << body.triangles.size() << " triangles");
+        Faulty faulty(turned(body, 0.1 * i));
+        if (fault == 0) faulty.loseTriangle(random);
+        if (fault == 1) faulty.pierce(random);
+        if (fault == 2) faulty.crack(random);
+        // Turned round, the face of a flush block is a copy of its neighbour's.
+        if (fault == 3 && isFlush) continue;
+        if (fault == 3) faulty.turnOne(random);
+        if (fault == 4) faulty.doubleAll();
+        if (fault == 5) faulty.crackTwice(random);
+        const std::vector<std::int8_t> sides = sidesOf(faulty.mesh);
+        CHECK(sides == faulty.sides);
+        ++found;
+      }
+    }
+  }
+  CHECK(found == 2760);
+}
+
+TEST_CASE("the sides of a solid with several faults are found, by positions alone, too") {
+  std::mt19937 random(2);
+  int found = 0;
+  const int rounds = 100;
+  for (int i = 0; i < rounds; ++i) {
+    INFO("round " << i);
+    Faulty faulty(turned(scenes::makeLump(1, 3, 0.4, static_cast<std::uint32_t>(i)), 0.1 * i));
+    for (int k = 0; k < 3; ++k) {
+      faulty.crack(random);
+      faulty.pierce(random);
+      faulty.turnOne(random);
+    }
+    faulty.loseTriangle(random);
+    if (i % 2 == 0) faulty.doubleAll();
+    MeshArrays soup = faulty.mesh;
+    soup.vertices.clear();
+    for (Triangle& t : soup.triangles) {
+      for (std::uint32_t& v : t.v) {
+        soup.vertices.push_back(faulty.mesh.vertices[v]);
+        v = static_cast<std::uint32_t>(soup.vertices.size() - 1);
+      }
+    }
+    const std::vector<std::int8_t> sides = sidesOf(faulty.mesh);
+    CHECK(sidesOf(soup) == sides);
+    // Faults next to each other make larger holes.
+    if (sides.empty()) continue;
+    CHECK(sides == faulty.sides);
+    ++found;
+  }
+  CHECK(found > rounds * 3 / 4);
+}
+
+TEST_CASE("meshes that have no inside, or whose inside is out, have no sides") {
+  const MeshArrays box = scenes::makeBox({1, 1, 1}, 3);
+  CHECK(sidesOf(box).empty());  // a solid needs none
+  MeshArrays vessel = box, sheet = box, twoSided, inward = box, needles, stolen = box;
+  std::erase_if(vessel.triangles, [&](const Triangle& t) {
+    return box.vertices[t.v[0]].z > 0 && box.vertices[t.v[1]].z > 0 && box.vertices[t.v[2]].z > 0;
+  });
+  REQUIRE(vessel.triangles.size() < box.triangles.size());
+  CHECK(sidesOf(vessel).empty());
+  std::erase_if(sheet.triangles, [&](const Triangle& t) {
+    return !(box.vertices[t.v[0]].z > 0 && box.vertices[t.v[1]].z > 0 && box.vertices[t.v[2]].z > 0);
+  });
+  CHECK(sidesOf(sheet).empty());
+  twoSided = sheet;
+  for (const Triangle& t : sheet.triangles) twoSided.triangles.push_back({{t.v[0], t.v[2], t.v[1]}});
+  CHECK(sidesOf(twoSided).empty());
+  for (Triangle& t : inward.triangles) std::swap(t.v[1], t.v[2]);
+  CHECK(sidesOf(inward).empty());
+  inward.triangles.pop_back();
+  CHECK(sidesOf(inward).empty());
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    const auto x = static_cast<float>(i);
+    for (const Vec3f& v : {Vec3f{x, 0, 0}, Vec3f{x + 0.1F, 0, 0}, Vec3f{x, 0, 2}}) needles.vertices.push_back(v);
+    needles.triangles.push_back({{3 * i, 3 * i + 1, 3 * i + 2}});
+  }
+  CHECK(sidesOf(needles).empty());
+  stolen.triangles.erase(stolen.triangles.begin(), stolen.triangles.begin() + 2);  // a square hole
+  CHECK(sidesOf(stolen).empty());
+}
