@@ -30,6 +30,7 @@ class Mender {
     const bool isWhole = mesh_.report().degenerateTriangles == 0 && first_.empty() && turned_ == 0;
     if (isWhole && filled_.empty() && cuts_.empty()) return {};
     std::vector<Triangle> triangles = mended();
+    if (filled_.size() > triangles.size() / kFew) return {};  // such as single triangles
     triangles.insert(triangles.end(), filled_.begin(), filled_.end());
     MeshInput input;
     input.vertices = mesh_.vertices().data();
@@ -127,9 +128,9 @@ class Mender {
     };
     const Vec3d begin = farthest(at(rims[0].vertex)), axis = unit(farthest(begin) - begin);
     const double near = kRounding * reach();
-    const bool isCut =
+    const bool isCrack =
         std::ranges::all_of(rims, [&](const Rim& rim) { return norm(otgCross(axis, at(rim.vertex) - begin)) <= near; });
-    if (!isCut) {
+    if (!isCrack) {
       if (rims.size() == 3) filled_.push_back({{rims[1].vertex, rims[0].vertex, rims[2].vertex}});
       return rims.size() == 3;
     }
@@ -188,6 +189,7 @@ class Mender {
   }
 
   static constexpr double kRounding = 4 * 0x1p-23;  ///< of the coordinates
+  static constexpr std::size_t kFew = 4;            ///< triangles for each that is missing
 
   const TriMesh& mesh_;
   const Topology& topology_;
