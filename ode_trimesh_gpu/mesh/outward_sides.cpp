@@ -30,7 +30,10 @@ class Mender {
     const bool isWhole = mesh_.report().degenerateTriangles == 0 && first_.empty() && turned_ == 0;
     if (isWhole && filled_.empty() && cuts_.empty()) return {};
     std::vector<Triangle> triangles = mended();
-    if (filled_.size() > triangles.size() / kFew) return {};  // such as single triangles
+    double area = 0, areaOfHoles = 0;
+    for (const Triangle& t : triangles) area += areaOf(t);
+    for (const Triangle& t : filled_) areaOfHoles += areaOf(t);
+    if (areaOfHoles > kMouth * area) return {};
     triangles.insert(triangles.end(), filled_.begin(), filled_.end());
     MeshInput input;
     input.vertices = mesh_.vertices().data();
@@ -134,25 +137,25 @@ class Mender {
       if (rims.size() == 3) filled_.push_back({{rims[1].vertex, rims[0].vertex, rims[2].vertex}});
       return rims.size() == 3;
     }
-    const auto along = [&](std::uint32_t vertex) { return otgDot(axis, at(vertex) - begin); };
-    std::vector<std::uint32_t> between;
+    const auto along = [&](const Rim& rim) { return otgDot(axis, at(rim.vertex) - begin); };
+    std::vector<Rim> sorted = rims;
+    std::ranges::sort(sorted, {}, along);
     for (std::size_t k = 0; k < rims.size(); ++k) {
+      const Rim& next = rims[(k + 1) % rims.size()];
+      const double low = std::min(along(rims[k]), along(next)), high = std::max(along(rims[k]), along(next));
+      const auto first = std::ranges::upper_bound(sorted, low, {}, along);
+      std::vector<Rim> between(first, std::max(first, std::ranges::lower_bound(sorted, high, {}, along)));
+      if (along(next) < along(rims[k])) std::ranges::reverse(between);
       std::uint32_t from = rims[k].vertex;
-      const std::uint32_t to = rims[(k + 1) % rims.size()].vertex;
-      const double low = std::min(along(from), along(to)), high = std::max(along(from), along(to));
-      between.clear();
-      for (const Rim& rim : rims) {
-        if (along(rim.vertex) > low && along(rim.vertex) < high) between.push_back(rim.vertex);
-      }
-      const double sign = along(to) > along(from) ? 1 : -1;
-      std::ranges::sort(between, {}, [&](std::uint32_t v) { return sign * along(v); });
-      for (const std::uint32_t middle : between) {
-        cuts_.push_back({rims[k].triangle, from, to, middle});
-        from = middle;
+      for (const Rim& middle : between) {
+        cuts_.push_back({rims[k].triangle, from, next.vertex, middle.vertex});
+        from = middle.vertex;
       }
     }
     return true;
   }
+
+  double areaOf(const Triangle& t) const { return norm(otgCross(at(t.v[1]) - at(t.v[0]), at(t.v[2]) - at(t.v[0]))); }
 
   double reach() const {
     const Vec3f &a = mesh_.boundsMin(), &b = mesh_.boundsMax();
@@ -176,7 +179,8 @@ class Mender {
 
   /// Divides the one of a triangle's parts, which are out[first] and those after it, that has the edge.
   void cut(const Cut& of, std::size_t first, std::vector<Triangle>& out) const {
-    for (std::size_t i = first; i < out.size(); ++i) {
+    // One edge is cut from its beginning on, and the rest of it comes last.
+    for (std::size_t i = out.size(); i-- > first;) {
       for (std::size_t k = 0; k < 3; ++k) {
         const Triangle part = out[i];
         const std::uint32_t a = part.v[k], b = part.v[(k + 1) % 3], c = part.v[(k + 2) % 3];
@@ -189,7 +193,7 @@ class Mender {
   }
 
   static constexpr double kRounding = 4 * 0x1p-23;  ///< of the coordinates
-  static constexpr std::size_t kFew = 4;            ///< triangles for each that is missing
+  static constexpr double kMouth = 0.05;            ///< of the area: larger holes may be the mouths of vessels
 
   const TriMesh& mesh_;
   const Topology& topology_;

@@ -13,9 +13,9 @@ namespace otg {
 /// and for meshes that mending makes no solid of.
 ///
 /// To mend is to leave out later copies of triangles, and to turn triangles all of whose neighbours are wound against
-/// them. Cracks are closed, where vertices lie on an edge of the neighbour, and holes of three edges are filled. A
-/// larger hole may be meant: a vessel without lid has two sides that bodies may be on. The cost is that of a build
-/// where there is something to mend, else linear time.
+/// them. Cracks are closed, where vertices lie on an edge of the neighbour. Holes of three edges are filled, unless
+/// they are a twentieth of the surface. A larger hole may be meant: bodies may be on both sides of a vessel. The cost
+/// is that of a build where there is something to mend, else linear time.
 std::vector<std::int8_t> outwardSides(const TriMesh& mesh);
 
 }  // namespace otg

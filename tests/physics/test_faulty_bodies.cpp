@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bodies that would be solids but for a fault hold each other as whole ones do.
+#include <algorithm>
 #include <array>
-#include <cstdio>
-#include <string>
+#include <cmath>
 
 #include "scenes/generated_meshes.h"
 #include "support/catch.h"
@@ -81,6 +81,41 @@ TEST_CASE("links of a chain that have a fault hold each other") {
       }
       INFO((isFlush ? "flush, " : "reaching into each other, ") << fault.name << ": " << lost << " of " << all);
       CHECK(lost <= all / 40);
+    }
+  }
+}
+
+TEST_CASE("bodies stay in rooms with doubled faces, and in vessels whose mouth has three edges") {
+  const OdeSession session;
+  Faulty room(scenes::makeBox({2, 2, 2}));
+  room.doubleAll();
+  scenes::MeshArrays cup = scenes::makeTetrahedron({0, 0, -1}, {-3, -2, 1}, {0, 3, 1}, {3, -2, 1});
+  std::erase_if(cup.triangles, [&](const Triangle& t) {
+    return std::ranges::all_of(t.v, [&](std::uint32_t v) { return cup.vertices[v].z > 0; });
+  });
+  REQUIRE(cup.triangles.size() == 3);
+  scenes::MeshArrays box = scenes::makeBox({0.3, 0.3, 0.3}), plate = scenes::makeBox({0.4, 0.4, 0.1});
+  box.triangles.pop_back();
+  std::erase_if(plate.triangles, [&](const Triangle& t) {
+    return std::ranges::any_of(t.v, [&](std::uint32_t v) { return plate.vertices[v].z < 0; });
+  });
+  REQUIRE(plate.triangles.size() == 2);
+  for (const scenes::MeshArrays* vessel : {&room.mesh, &cup}) {
+    for (const scenes::MeshArrays* body : {&box, &plate}) {
+      for (int i = 0; i < 6; ++i) {
+        INFO((vessel == &cup ? "cup, " : "room, ") << (body == &box ? "box " : "plate ") << i);
+        const ShellData ground(*vessel, GeomForm::kOurs), data(*body, GeomForm::kOurs);
+        StepWorld world(0.6);
+        ground.geom(world.space());
+        const dGeomID geom = data.geom(world.space());
+        dMass mass;
+        dMassSetBoxTotal(&mass, 1, 0.3, 0.3, 0.3);
+        const dBodyID fallen = world.addBody(geom, mass);
+        const double c = std::cos(0.4 * i), s = std::sin(0.4 * i);
+        setPose(geom, {{c, 0, s, 0, 1, 0, -s, 0, c}, {0.02 * i, 0.01 * i, 0.1}});
+        world.step(500);
+        CHECK(dBodyGetPosition(fallen)[2] > -1.1);
+      }
     }
   }
 }

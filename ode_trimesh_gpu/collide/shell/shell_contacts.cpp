@@ -350,6 +350,9 @@ void remember(const Query& query, const ShellRoles& roles, const SolidHistory::S
     Vec3d sum{0, 0, 0};
     for (const Contact& c : contacts) sum = otgAdd(sum, c.normal);
     approach.finish(state, !contacts.empty(), sum, after);
+  } else if (roles.ground->mesh().meshClass() != MeshClass::kSolid) {
+    after.front = before.side != 0 ? before.front : roles.middle();
+    after.side = 1;
   }
   keepState(query, before, after);
 }

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "collide/pair_history.h"
+#include "collide/shell/ground_sides.h"
 
 namespace otg {
 namespace {
@@ -58,6 +59,19 @@ bool touchesBack(const ShellRoles& roles, std::span<const TrianglePair> meeting)
   }
   return !std::all_of(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(count),
                       [](const Piece& p) { return p.isInFront; });
+}
+
+/// Whether a ground would be a solid but for faults, and the visitor is outside of it, or was when the pair was first
+/// seen. One inside may be meant to be.
+bool isNearlySolid(const Query& query, const CollisionMesh& ground, const Vec3d& middle) {
+  if (ground.outwardSides().empty()) return false;
+  const SolidHistory::State before = stateBefore(query);
+  const Vec3d& from = before.side != 0 ? before.front : middle;
+  const Vec3f& center = ground.mesh().center();
+  const double reach = 4 * static_cast<double>(ground.mesh().radius());
+  const Vec3d far = otgAdd(Vec3d{center.x, center.y, center.z}, Vec3d{0.37 * reach, 0.29 * reach, 0.88 * reach});
+  std::vector<double> crossings;
+  return !crossesOddly(ground, from, far, 0, crossings);
 }
 
 }  // namespace
@@ -129,7 +143,7 @@ ShellRoles shellRoles(const Query& query) {
   roles.kind = kindOf(roles.ground->mesh());
   roles.isScattered = roles.kind == GroundKind::kSheet && isScattered(*roles.ground);
   if (roles.isScattered) roles.kind = GroundKind::kShell;
-  if (roles.visitor->mesh().meshClass() != MeshClass::kSolid && !roles.ground->outwardSides().empty()) {
+  if (roles.visitor->mesh().meshClass() != MeshClass::kSolid && isNearlySolid(query, *roles.ground, roles.middle())) {
     roles.kind = GroundKind::kSolid;
     roles.isScattered = false;
   }

@@ -9,8 +9,8 @@
 namespace otg {
 
 /// What determines the front of the ground: its own winding for a solid, its winding and the side of the visitor for a
-/// sheet. For all others it is a point of space in front. For visitors that are no solids a ground that would be a
-/// solid but for a few faults (mesh/outward_sides.h) counts as one.
+/// sheet. For all others it is a point of space in front. A ground that would be a solid but for a few faults
+/// (mesh/outward_sides.h) counts as one for visitors outside that are no solids.
 enum class GroundKind { kSolid, kSheet, kShell };
 
 struct ShellRoles {

@@ -7,6 +7,8 @@ namespace {
 bool isKept(const PairTask& task) {
   const Query& query = task.job.query;
   if (!task.remembers || task.job.any || task.job.filter != nullptr) return false;
+  const Placement& place = task.job.place;
+  if (place.middle == Place::kOpencl || place.near == Place::kOpencl) return false;
   return query.options.contacts != ContactModel::kSolid || query.a->convex() == nullptr || query.b->convex() == nullptr;
 }
 

@@ -15,7 +15,8 @@ class KeptPairs final : public KeptContacts<PairQuery> {};
 /// keepOwnContacts(). May throw std::bad_alloc.
 bool findKept(const PairTask& task, std::vector<Contact>& contacts, PairCounts& counts);
 /// At the end of the same query, with the stamp of what is remembered now. Contacts are kept where the geoms remember
-/// pairs, and the CPU has computed them; but two convex bodies keep their direction, and take little else.
+/// pairs, and the CPU has computed them; not where a device is to. Two convex bodies keep their direction, and take
+/// little else.
 void foundKept(const PairTask& task, std::uint64_t stamp);
 void noteComputed(const PairTask& task, std::uint64_t stamp, std::span<const Contact> contacts,
                   const PairCounts& counts);
