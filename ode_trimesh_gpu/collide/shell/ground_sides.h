@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/epoch_array.h"
-#include "collide/shell/shell_roles.h"
+#include "bvh/collision_mesh.h"
 
 namespace otg {
 
