@@ -192,7 +192,8 @@ TEST_CASE("a scaled mesh whose vertices meet by rounding has the contacts of a n
   for (int i = 0; i < 300; ++i) {
     INFO("pose " << i);
     setRandomPose(body.id, random, 0.01);
-    dGeomSetPosition(body.id, kThird * place(random), kThird * place(random), kThird * place(random));
+    const Vec3d at{kThird * place(random), kThird * place(random), kThird * place(random)};
+    dGeomSetPosition(body.id, at.x, at.y, at.z);
     const std::vector<dContactGeom> of = collide(wanted.id, body.id);
     CHECK(numbersOf(collide(image.id, body.id)) == numbersOf(of));
     contacts += of.size();
