@@ -2,7 +2,6 @@
 #include "mesh/outward_sides.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <numeric>

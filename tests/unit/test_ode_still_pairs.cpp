@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "support/catch.h"
-#include "support/ode_world.h"
+#include "support/still_pairs.h"
 
 using namespace otg;
 using namespace otg::test;
@@ -32,23 +32,6 @@ scenes::MeshArrays openBox() {
   return box;
 }
 
-/// Contacts as they are whatever the geoms' addresses.
-std::vector<dContactGeom> asked(dGeomID ground, dGeomID body, int places = 24) {
-  std::vector<dContactGeom> contacts = collide(ground, body, places);
-  for (dContactGeom& c : contacts) {
-    c.g1 = nullptr;
-    c.g2 = nullptr;
-  }
-  return contacts;
-}
-
-/// Two geoms of one mesh. The first is asked so often that answers are kept, the second never twice.
-struct Grounds {
-  explicit Grounds(const scenes::MeshArrays& mesh) : data(mesh), often(data), once(data) {}
-  Data data;
-  Geom often, once;
-};
-
 void setParams(dGeomID geom, const std::function<void(dGpuTriMeshParams&)>& change) {
   dGpuTriMeshParams params;
   dGpuTriMeshParamsInit(&params);
@@ -70,7 +53,7 @@ TEST_CASE("a pair that is asked about again where it is has the contacts of one 
   const scenes::MeshArrays torus = scenes::makeTorus(0.3, 0.1, 24, 12), open = openBox();
   int kept = 0;
   for (const scenes::MeshArrays& mesh : {hills(), sheetOfHills(), scenes::makeTorus(0.8, 0.3, 24, 12), open}) {
-    const Grounds grounds(mesh);
+    const StillPair grounds(mesh);
     const Geom few(grounds.data);  // for fewer places
     for (const scenes::MeshArrays& of : {torus, open, scenes::makeBox({0.3, 0.2, 0.25}, 2)}) {
       const Data data(of);
@@ -105,33 +88,34 @@ TEST_CASE("what a pair of meshes that stays where it is depends on may change") 
   const Data ball(scenes::makeSphere(0.3, 1)), torus(scenes::makeTorus(0.3, 0.15, 24, 12));
   struct Change {
     const char* name;
-    std::function<void(const Grounds&, dGeomID body)> make;
+    std::function<void(const StillPair&, dGeomID body)> make;
   };
   const auto setBoth = [](const std::function<void(dGpuTriMeshParams&)>& change) {
-    return [=](const Grounds& grounds, dGeomID) {
+    return [=](const StillPair& grounds, dGeomID) {
       setParams(grounds.often.id, change);
       setParams(grounds.once.id, change);
     };
   };
   const std::vector<Change> changes = {
       {"scale",
-       [](const Grounds&, dGeomID body) { REQUIRE(dGeomGpuTriMeshSetScale(body, 1, 1, 1.1) == dGPUTRIMESH_OK); }},
-      {"mesh", [&](const Grounds&, dGeomID body) { REQUIRE(dGeomGpuTriMeshSetData(body, ball.id) == dGPUTRIMESH_OK); }},
+       [](const StillPair&, dGeomID body) { REQUIRE(dGeomGpuTriMeshSetScale(body, 1, 1, 1.1) == dGPUTRIMESH_OK); }},
+      {"mesh",
+       [&](const StillPair&, dGeomID body) { REQUIRE(dGeomGpuTriMeshSetData(body, ball.id) == dGPUTRIMESH_OK); }},
       {"contacts", setBoth([](dGpuTriMeshParams& p) { p.contacts_per_region = 2; })},
       {"model", setBoth([](dGpuTriMeshParams& p) { p.contact_model = dGPUTRIMESH_CONTACTS_PAIRWISE; })},
       {"memory",
-       [](const Grounds& grounds, dGeomID body) {
+       [](const StillPair& grounds, dGeomID body) {
          for (const dGeomID geom : {grounds.often.id, grounds.once.id, body}) {
            REQUIRE(dGeomGpuTriMeshForgetHistory(geom) == dGPUTRIMESH_OK);
          }
        }},
       {"ground's pose",
-       [](const Grounds& grounds, dGeomID) {
+       [](const StillPair& grounds, dGeomID) {
          dGeomSetPosition(grounds.often.id, 0, 0, 0.02);
          dGeomSetPosition(grounds.once.id, 0, 0, 0.02);
        }},
       {"ground's vertices",
-       [](const Grounds& grounds, dGeomID) {
+       [](const StillPair& grounds, dGeomID) {
          scenes::MeshArrays moved = hills();
          for (Vec3f& v : moved.vertices) v.z += 0.01F;
          REQUIRE(dGpuTriMeshDataUpdateVerticesSingle(grounds.data.id, moved.vertices.data(), sizeof(Vec3f),
@@ -140,7 +124,7 @@ TEST_CASE("what a pair of meshes that stays where it is depends on may change") 
   };
   for (const Change& change : changes) {
     INFO(change.name);
-    const Grounds grounds(hills());
+    const StillPair grounds(hills());
     const Geom body(torus);
     dGeomSetPosition(body.id, 0.3, 0.2, 0.3);
     for (int i = 0; i < 3; ++i) asked(grounds.often.id, body.id);
@@ -159,7 +143,7 @@ TEST_CASE("a body inside another, asked about often where it is, goes out the wa
   const dWorldID world = dWorldCreate();
   const dBodyID body = dBodyCreate(world);
   for (const bool remembers : {false, true}) {
-    const Grounds grounds(scenes::makeTorus(1, 0.6, 24, 12));
+    const StillPair grounds(scenes::makeTorus(1, 0.6, 24, 12));
     const Data inner(scenes::makeTorus(0.1, 0.04, 12, 8));
     const Geom geom(inner);
     for (const dGeomID g : {grounds.often.id, grounds.once.id}) {
@@ -187,7 +171,7 @@ TEST_CASE("a body inside another, asked about often where it is, goes out the wa
 TEST_CASE("what an array of pairs leaves with a pair ends what was kept of it") {
   // The depths of a body inside another are cut for some queries, and arrays count as such.
   const OdeSession session;
-  const Grounds grounds(scenes::makeTorus(1, 0.6, 24, 12));
+  const StillPair grounds(scenes::makeTorus(1, 0.6, 24, 12));
   const Data inner(scenes::makeTorus(0.1, 0.04, 12, 8));
   const Geom body(inner);
   const auto askAll = [&] {

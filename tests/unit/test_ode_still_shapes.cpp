@@ -5,7 +5,7 @@
 
 #include "scenes/convex_geom.h"
 #include "support/catch.h"
-#include "support/ode_world.h"
+#include "support/still_pairs.h"
 
 using namespace otg;
 using namespace otg::test;
@@ -16,29 +16,12 @@ scenes::MeshArrays hills() {
   return scenes::makeGround(8, 1, 24, [](double x, double y) { return 0.25 * std::cos(1.7 * x) * std::cos(1.3 * y); });
 }
 
-/// Contacts as they are whatever the geoms' addresses.
-std::vector<dContactGeom> asked(dGeomID mesh, dGeomID shape, int places = 24) {
-  std::vector<dContactGeom> contacts = collide(mesh, shape, places);
-  for (dContactGeom& c : contacts) {
-    c.g1 = nullptr;
-    c.g2 = nullptr;
-  }
-  return contacts;
-}
-
 std::vector<dGeomID> makeShapes(const scenes::ConvexData& convex) {
   return {dCreateBox(nullptr, 0.5, 0.4, 0.6), dCreateCapsule(nullptr, 0.2, 0.4), dCreateCylinder(nullptr, 0.25, 0.4),
           convex.makeGeom(nullptr)};
 }
 
-/// Two geoms of one mesh. The first is asked so often that answers are kept, the second never twice.
-struct Pair {
-  explicit Pair(const scenes::MeshArrays& mesh) : data(mesh), often(data), once(data) {}
-  Data data;
-  Geom often, once;
-};
-
-void askOften(const Pair& pair, dGeomID shape) {
+void askOften(const StillPair& pair, dGeomID shape) {
   for (int i = 0; i < 3; ++i) asked(pair.often.id, shape);
 }
 
@@ -48,7 +31,7 @@ TEST_CASE("a shape that is asked about again where it is has the contacts of one
   const OdeSession session;
   const scenes::ConvexData convex(scenes::makeSphere(0.3, 1));
   for (const scenes::MeshArrays& mesh : {hills(), scenes::makeTorus(0.8, 0.3, 24, 12), scenes::makeBox({1, 1, 1})}) {
-    const Pair pair(mesh);
+    const StillPair pair(mesh);
     const Geom few(pair.data);  // for fewer places
     for (const dGeomID shape : makeShapes(convex)) {
       std::mt19937 random(3);
@@ -78,7 +61,7 @@ TEST_CASE("what a pair that stays where it is depends on may change") {
   const scenes::ConvexData convex(scenes::makeSphere(0.3, 1));
   struct Change {
     const char* name;
-    std::function<void(const Pair&, dGeomID shape)> make;
+    std::function<void(const StillPair&, dGeomID shape)> make;
   };
   const auto setParams = [](dGeomID geom, const std::function<void(dGpuTriMeshParams&)>& change) {
     dGpuTriMeshParams params;
@@ -87,29 +70,29 @@ TEST_CASE("what a pair that stays where it is depends on may change") {
     REQUIRE(dGeomGpuTriMeshSetParams(geom, &params) == dGPUTRIMESH_OK);
   };
   const auto setBoth = [&](const std::function<void(dGpuTriMeshParams&)>& change) {
-    return [=](const Pair& pair, dGeomID) {
+    return [=](const StillPair& pair, dGeomID) {
       setParams(pair.often.id, change);
       setParams(pair.once.id, change);
     };
   };
   const std::vector<Change> changes = {
-      {"size", [](const Pair&, dGeomID shape) { dGeomBoxSetLengths(shape, 0.6, 0.5, 0.7); }},
+      {"size", [](const StillPair&, dGeomID shape) { dGeomBoxSetLengths(shape, 0.6, 0.5, 0.7); }},
       {"contacts", setBoth([](dGpuTriMeshParams& p) { p.contacts_per_region = 2; })},
       {"model", setBoth([](dGpuTriMeshParams& p) { p.contact_model = dGPUTRIMESH_CONTACTS_PAIRWISE; })},
       {"memory",
-       [](const Pair& pair, dGeomID) {
+       [](const StillPair& pair, dGeomID) {
          REQUIRE(dGeomGpuTriMeshForgetHistory(pair.often.id) == dGPUTRIMESH_OK);
          REQUIRE(dGeomGpuTriMeshForgetHistory(pair.once.id) == dGPUTRIMESH_OK);
        }},
       {"mesh's pose",
-       [](const Pair& pair, dGeomID) {
+       [](const StillPair& pair, dGeomID) {
          dGeomSetPosition(pair.often.id, 0, 0, 0.02);
          dGeomSetPosition(pair.once.id, 0, 0, 0.02);
        }},
   };
   for (const Change& change : changes) {
     INFO(change.name);
-    const Pair pair(mesh);
+    const StillPair pair(mesh);
     const dGeomID box = dCreateBox(nullptr, 0.5, 0.4, 0.6);
     dGeomSetPosition(box, 0.3, 0.2, 0.35);
     askOften(pair, box);
@@ -125,7 +108,7 @@ TEST_CASE("what a pair that stays where it is depends on may change") {
 TEST_CASE("moved vertices are another mesh, though nothing else has changed") {
   const OdeSession session;
   scenes::MeshArrays mesh = hills();
-  const Pair pair(mesh);
+  const StillPair pair(mesh);
   const dGeomID box = dCreateBox(nullptr, 0.5, 0.4, 0.6);
   dGeomSetPosition(box, 0.3, 0.2, 0.35);
   askOften(pair, box);
@@ -150,7 +133,7 @@ struct Contained {
   }
   Contained(const Contained&) = delete;
   Contained& operator=(const Contained&) = delete;
-  const Pair pair;
+  const StillPair pair;
   const dWorldID world = dWorldCreate();
   const dBodyID body = dBodyCreate(world);
   const dGeomID cylinder = dCreateCylinder(nullptr, 0.1, 0.2);

@@ -267,8 +267,9 @@ OTG_API int dGpuTriMeshDataUpdate(dGpuTriMeshDataID g, const dReal* Vertices, in
  * dGpuTriMeshDataUpdateVerticesSingle()); vertices part or meet; a triangle loses or gains its area; the mesh turns
  * inside out; its middle has moved by a sixteenth of its size; edges have more than two triangles in a mesh without a
  * rim; or a batch under way uses the mesh. A mesh of several closed components is looked at whole where one lies in
- * another one or comes near to it. The meshes of geoms with a scale follow in the same way. Devices are sent what has
- * changed when they need it next (docs/opencl.md says when they are sent the whole mesh).
+ * another one or comes near to it. So is a mesh that is no solid, at the next query with another one that is none. The
+ * meshes of geoms with a scale follow in the same way. Devices are sent what has changed when they need it next
+ * (docs/opencl.md says when they are sent the whole mesh).
  *
  * @param g             the object, built before. Numbers are those of the arrays that it was built from; where repair
  *                      merged vertices, the first of them moves the merged one and the others do nothing
