@@ -92,13 +92,13 @@ void GeomPairs::setBackend(int backend) const {
   }
 }
 
-void GeomPairs::switchHistoryOff() const {
+void GeomPairs::setHistory(int history) const {
   for (const dGpuTriMeshPair& pair : pairs_) {
     for (const dGeomID geom : {pair.o1, pair.o2}) {
       dGpuTriMeshParams params;
       dGpuTriMeshParamsInit(&params);
       dGeomGpuTriMeshGetParams(geom, &params);
-      params.history = dGPUTRIMESH_HISTORY_OFF;
+      params.history = history;
       dGeomGpuTriMeshSetParams(geom, &params);
     }
   }

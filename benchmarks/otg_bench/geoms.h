@@ -50,8 +50,8 @@ class GeomPairs {
   GeomPairs& operator=(const GeomPairs&) = delete;
 
   void setBackend(int backend) const;
-  /// With it, results of pairs that stay where they are would be kept.
-  void switchHistoryOff() const;
+  /// dGPUTRIMESH_HISTORY_...: with it the CPU keeps the results of pairs that stay where they are.
+  void setHistory(int history) const;
   const std::vector<dGpuTriMeshPair>& all() const { return pairs_; }
   int count() const { return static_cast<int>(pairs_.size()); }
 

@@ -166,7 +166,7 @@ int benchThreads(const ThreadsOptions& options) {
     const CollisionMesh mesh(entry.mesh, BuildStrategy::kSah);
     const GeomPairs pairs(nearbyQueries(options, mesh));
     pairs.setBackend(dGPUTRIMESH_BACKEND_CPU);
-    pairs.switchHistoryOff();
+    pairs.setHistory(dGPUTRIMESH_HISTORY_OFF);
     const std::vector<dGpuTriMeshPair> samePair(pairs.all().size(), pairs.all().front());
     std::vector<TeamWork> works;
     for (const auto& [name, run, list] : {std::tuple{"same pair", &callOnThreads, &samePair},

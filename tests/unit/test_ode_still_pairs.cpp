@@ -2,7 +2,9 @@
 // Pairs of meshes that stay where they are: what is kept of them changes no byte.
 #include <cmath>
 #include <functional>
+#include <utility>
 
+#include "ode/many/pair_batch.h"
 #include "support/catch.h"
 #include "support/still_pairs.h"
 
@@ -166,6 +168,104 @@ TEST_CASE("a body inside another, asked about often where it is, goes out the wa
     dGeomSetBody(geom.id, nullptr);
   }
   dWorldDestroy(world);
+}
+
+TEST_CASE("a pair that stays where it is has the same contacts in every way of asking") {
+  const OdeSession session;
+  const dSpaceID space = dSimpleSpaceCreate(nullptr);
+  constexpr int kPlaces = 24;
+  int kept = 0;
+  for (const scenes::MeshArrays& mesh : {hills(), sheetOfHills(), openBox()}) {
+    const StillPair grounds(mesh);
+    const Data torus(scenes::makeTorus(0.3, 0.1, 24, 12));
+    const Geom body(torus);
+    dSpaceAdd(space, grounds.often.id);
+    dSpaceAdd(space, body.id);
+    const auto inSpace = [&](std::size_t most) {
+      std::vector<dContactGeom> contacts(most);
+      const int count = dGpuTriMeshCollideSpace(space, kPlaces, nullptr, nullptr, contacts.data(), sizeof(dContactGeom),
+                                                static_cast<int>(most));
+      REQUIRE(count >= 0);
+      contacts.resize(static_cast<std::size_t>(count));
+      return contacts;
+    };
+    const auto inArray = [&] {
+      const dGpuTriMeshPair pairs[] = {{grounds.often.id, body.id}, {grounds.often.id, body.id}};
+      std::vector<dContactGeom> contacts(2 * kPlaces);
+      int counts[2] = {0, 0};
+      REQUIRE(dGpuTriMeshCollidePairs(pairs, 2, kPlaces, contacts.data(), sizeof(dContactGeom), counts) >= 0);
+      REQUIRE(counts[0] == counts[1]);
+      contacts.resize(static_cast<std::size_t>(counts[0]));
+      return contacts;
+    };
+    const auto ahead = [&] {
+      REQUIRE(dGpuTriMeshPrefetch(space) == 1);
+      return asked(grounds.often.id, body.id, kPlaces);
+    };
+    // Spaces give the geoms of a pair in an order of their own.
+    const auto withoutGeoms = [&](std::vector<dContactGeom> contacts) {
+      for (dContactGeom& c : contacts) {
+        if (c.g1 == body.id) {
+          for (int axis = 0; axis < 3; ++axis) c.normal[axis] = -c.normal[axis];
+          std::swap(c.side1, c.side2);
+        }
+        c.g1 = c.g2 = nullptr;
+      }
+      return contacts;
+    };
+    std::mt19937 random(5);
+    int met = 0;
+    for (int i = 0; i < 60; ++i) {
+      setRandomPose(body.id, random, 0.6);
+      const auto expected = asked(grounds.once.id, body.id, kPlaces);
+      if (expected.empty()) continue;
+      ++met;
+      for (int k = 0; k < 6; ++k) {
+        const auto way = random() % 4;
+        INFO(i << ", " << k << ": way " << way);
+        const auto found = way == 0   ? asked(grounds.often.id, body.id, kPlaces)
+                           : way == 1 ? withoutGeoms(inSpace(64))
+                           : way == 2 ? withoutGeoms(inArray())
+                                      : ahead();
+        REQUIRE(sameContacts(found, expected));
+      }
+      ahead();
+      ahead();
+      const auto before = statsOf(grounds.often.id).prefetched;
+      REQUIRE(sameContacts(ahead(), expected));
+      CHECK(statsOf(grounds.often.id).prefetched == before);  // nothing was computed ahead
+    }
+    CHECK(met >= 10);
+    kept += met;
+    dSpaceRemove(space, grounds.often.id);
+    dSpaceRemove(space, body.id);
+  }
+  CHECK(kept > 60);
+  dSpaceDestroy(space);
+}
+
+TEST_CASE("an array of pairs that stay where they are computes nothing from the third time on") {
+  const OdeSession session;
+  for (const scenes::MeshArrays& mesh : {hills(), openBox()}) {
+    const Data ground(mesh), torus(scenes::makeTorus(0.3, 0.1, 24, 12));
+    const Geom floor(ground), body(torus);
+    dGeomSetPosition(body.id, 0.1, 0.2, 0.1);
+    const dGpuTriMeshPair pair{floor.id, body.id};
+    const auto isKept = [&] {
+      PairBatch batch({&pair, 1}, {.capacity = 24});
+      batch.run();
+      const bool is = batch.isKept(0);
+      CHECK(batch.contactCount() > 0);
+      batch.remember();
+      return is;
+    };
+    CHECK(!isKept());
+    CHECK(!isKept());
+    CHECK(isKept());
+    CHECK(isKept());
+    dGeomSetPosition(body.id, 0.1, 0.2, 0.101);
+    CHECK(!isKept());
+  }
 }
 
 TEST_CASE("what an array of pairs leaves with a pair ends what was kept of it") {

@@ -14,6 +14,7 @@
 #include "ode/base/status.h"
 #include "ode/geom/geom_part.h"
 #include "ode/geom/trimesh_pairs.h"
+#include "ode/pairs/kept_pairs.h"
 #include "ode/pairs/left_pairs.h"
 #include "ode/pairs/pair_callbacks.h"
 
@@ -163,12 +164,12 @@ PairBatch::Found PairBatch::readPart(std::size_t begin, std::span<const dGpuTriM
     } else {
       takeBusy(std::move(side1), std::move(side2), task);
     }
-    finishReading(begin + k);
+    const bool isJob = finishReading(begin + k);
     if (task.state != PairTask::State::kReady) continue;
     // A task has a share of what its geoms are pieces of.
     if (task.side1.join == nullptr) part.share(*object1, task.side1.mesh, block.meshes);
     if (task.side2.join == nullptr) part.share(*object2, task.side2.mesh, block.meshes);
-    kind = Kind::kJob;
+    kind = isJob ? Kind::kJob : Kind::kKept;
   }
   part.letGo();
   for (std::size_t k = 0; k < pairs.size(); ++k) {
@@ -187,13 +188,13 @@ void PairBatch::takeBusy(MeshGeom&& side1, MeshGeom&& side2, PairTask& task) {
   task.state = PairTask::State::kBusy;
 }
 
-void PairBatch::finishReading(std::size_t i) {
+bool PairBatch::finishReading(std::size_t i) {
   Block& block = *blocks_[i / kBlock];
   const std::size_t k = i % kBlock;
   PairTask& task = block.tasks[k];
   block.objects[2 * k] = task.side1.object->shared_from_this();
   block.objects[2 * k + 1] = task.side2.object->shared_from_this();
-  if (task.state != PairTask::State::kReady) return;
+  if (task.state != PairTask::State::kReady) return false;
   if (needsHistory(task)) {
     if (block.histories.empty()) block.histories.reserve(kBlock);
     recallPair(task, block.histories.emplace_back());
@@ -203,6 +204,12 @@ void PairBatch::finishReading(std::size_t i) {
     CollideOptions& options = task.job.query.options;
     options.maxContacts = std::min(options.maxContacts, request_.capacity);
   }
+  if (request_.ahead) return !knowsKept(task);
+  std::vector<Contact> contacts;
+  PairResult& result = block.results[k];
+  if (!findKept(task, contacts, result.counts)) return true;
+  keepContacts(result, contacts);
+  return false;
 }
 
 PairBatch::Kind PairBatch::readLater(std::size_t i, const dGpuTriMeshPair& pair) {
@@ -220,7 +227,7 @@ PairBatch::Kind PairBatch::readLater(std::size_t i, const dGpuTriMeshPair& pair)
   } else {
     takeBusy(std::move(side1), std::move(side2), task);
   }
-  finishReading(i);
+  const bool isJob = finishReading(i);
   if (task.state != PairTask::State::kReady) return Kind::kNone;
   if (isLeft) {
     constexpr int kMost = 64;  // where the caller has no limit, who queries again
@@ -229,6 +236,7 @@ PairBatch::Kind PairBatch::readLater(std::size_t i, const dGpuTriMeshPair& pair)
   }
   for (const MeshGeom* side : {&task.side1, &task.side2}) block.meshes.push_back(side->sharedMesh());
   if (!callbacks1.asked() && !callbacks2.asked()) {
+    if (!isJob) return Kind::kKept;
     work_[i] = {&task.job, &result(i)};
     return Kind::kJob;
   }
@@ -289,9 +297,21 @@ void PairBatch::rememberHistories() {
   }
   dispatcher().runShort(kOwners, kOwners / 8, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = ends[begin]; k < ends[end]; ++k) {
-      rememberPair(task(order[k]), !result(order[k]).contacts.empty());
+      PairTask& task = blocks_[order[k] / kBlock]->tasks[order[k] % kBlock];
+      task.stamp = rememberPair(task, !result(order[k]).contacts.empty());
     }
   });
+}
+
+void PairBatch::keepResult(std::size_t i) const {
+  const PairTask& task = this->task(i);
+  const PairResult& result = this->result(i);
+  const bool wasOnHost = wasCollided(task, result) && !result.onDevice && !result.deviceFailed;
+  if (isKept(i)) {
+    foundKept(task, task.stamp);
+  } else if (kinds_[i] == Kind::kJob && wasOnHost && !task.isJoined()) {
+    noteComputed(task, task.stamp, result.contacts, result.counts);
+  }
 }
 
 void PairBatch::count(const ThreadPool::Work& write) {
@@ -302,6 +322,7 @@ void PairBatch::count(const ThreadPool::Work& write) {
     for (std::size_t i = begin; i < end; ++i) {
       if (i + kAhead < end) fetchStats(task(i + kAhead));
       if (countOne(task(i), result(i)) != dGPUTRIMESH_OK) failed = true;
+      keepResult(i);
     }
     if (write) write(begin, end);
     if (failed) anyFailed = true;

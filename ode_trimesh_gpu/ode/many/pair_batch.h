@@ -19,6 +19,8 @@ struct PairBatchRequest {
   bool unimportant = false;  ///< ODE's CONTACTS_UNIMPORTANT
   /// Whether the geoms are known to be alive and meshes, of our class or dTriMeshes; else that is found out.
   bool known = false;
+  /// Whether pairs are left out of which dCollide() has kept the contacts.
+  bool ahead = false;
 };
 
 /// Geoms may move and be destroyed, and their meshes be rebuilt, while run() is at work. The dispatcher's threads help
@@ -42,6 +44,8 @@ class PairBatch {
   /// After run(); empty for a pair with nothing to do.
   PairResult& result(std::size_t i) { return blocks_[i / kBlock]->results[i % kBlock]; }
   const PairResult& result(std::size_t i) const { return blocks_[i / kBlock]->results[i % kBlock]; }
+  /// Whether nothing was to be computed, because the pair's contacts were kept.
+  bool isKept(std::size_t i) const { return kinds_[i] == Kind::kKept; }
   /// After run(). Stays when pairs are let go.
   std::size_t contactCount() const { return firsts_.back(); }
   /// After run(): how many contacts the pairs have that come before those of the part that pair `i` is the first of, as
@@ -75,7 +79,7 @@ class PairBatch {
     std::vector<std::shared_ptr<const CollisionMesh>> meshes;
     std::vector<SolidHistory> histories;  ///< of tasks, which point to them: room for all is made at once
   };
-  enum class Kind : std::uint8_t { kNone, kJob, kAsks, kLater };
+  enum class Kind : std::uint8_t { kNone, kJob, kKept, kAsks, kLater };
   static constexpr std::uint8_t kNobody = 255;
   struct Found {
     bool areMeshes = true, areAllJobs = true, anyLater = false;
@@ -84,8 +88,8 @@ class PairBatch {
   /// Any thread.
   Found readPart(std::size_t begin, std::span<const dGpuTriMeshPair> pairs);
   static void takeBusy(MeshGeom&& side1, MeshGeom&& side2, PairTask& task);
-  /// What a task gets once its geoms were read.
-  void finishReading(std::size_t i);
+  /// What a task gets once its geoms were read. Whether there is anything to compute: its contacts may be kept.
+  bool finishReading(std::size_t i);
   /// The caller's thread, which calls the program's callbacks.
   Kind readLater(std::size_t i, const dGpuTriMeshPair& pair);
   /// Takes out of a result what belongs to other geoms than the pair's.
@@ -93,6 +97,9 @@ class PairBatch {
   /// By whose memory, if the collision of pair `i` changes anything there: pairs of one memory have one number.
   std::uint8_t ownerOf(std::size_t i) const;
   void rememberHistories();
+  /// For the next query of that pair, if it is where it is now: after rememberHistories(), which gives tasks the stamps
+  /// of what is remembered now.
+  void keepResult(std::size_t i) const;
   void count(const ThreadPool::Work& write);
 
   std::size_t count_;

@@ -37,6 +37,16 @@ class KeptContacts {
     if (counts != nullptr) *counts = entry.counts;
     return true;
   }
+  /// Whether find() would find them, for as many as they were requested for.
+  template <class MakeQuery>
+  bool knows(std::uint64_t key, const Transformd& pose, const MakeQuery& query) {
+    const std::lock_guard lock(mutex_);
+    const auto it = entries_.find(key);
+    if (it == entries_.end() || !it->second.hasAnswer || !sameBits(it->second.query.pose, pose)) return false;
+    Query as = query();
+    as.options.maxContacts = it->second.query.options.maxContacts;
+    return sameQuery(it->second.query, as);
+  }
   /// After find(): what is remembered of the pair has this stamp now.
   void seen(std::uint64_t key, std::uint64_t stamp) {
     const std::lock_guard lock(mutex_);

@@ -23,6 +23,12 @@ bool findKept(const PairTask& task, std::vector<Contact>& contacts, PairCounts& 
       &counts);
 }
 
+bool knowsKept(const PairTask& task) {
+  KeptPairs* const kept = task.younger().keptPairs.get();
+  return kept != nullptr && isKept(task) &&
+         kept->knows(task.older().serial, task.job.query.bInA, [&] { return pairQuery(task, task.stamp); });
+}
+
 void foundKept(const PairTask& task, std::uint64_t stamp) {
   if (KeptPairs* const kept = task.younger().keptPairs.get(); kept != nullptr) kept->seen(task.older().serial, stamp);
 }

@@ -82,7 +82,12 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
     if (!task.job.any && !asks && ready != nullptr && !ready->empty()) {
       PairResult result;
       if (ready->find(task, capacity, result)) {
-        ready->seen(task, rememberPair(task, !result.contacts.empty()));
+        const std::uint64_t stamp = rememberPair(task, !result.contacts.empty());
+        ready->seen(task, stamp);
+        if (!result.onDevice && !result.deviceFailed) {
+          task.job.query.options.maxContacts = std::min(task.job.query.options.maxContacts, capacity);
+          noteComputed(task, stamp, result.contacts, result.counts);
+        }
         writeContacts(task, result.contacts, to);
         countPair(task, result.counts, result.contacts.size(), result.onDevice, result.deviceFailed);
         for (GeomObject* object : both) {
