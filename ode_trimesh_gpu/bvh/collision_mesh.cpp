@@ -91,6 +91,22 @@ const std::vector<std::int8_t>& CollisionMesh::outwardSides() const {
   return outwardSides_.get([this] { return otg::outwardSides(*mesh_); });
 }
 
+const CollisionMesh* CollisionMesh::turned() const {
+  const ValidationReport& report = mesh_->report();
+  if (report.solid || report.triangles == 0 || report.boundaryEdges > 0 || report.inconsistentEdges > 0) return nullptr;
+  return turned_
+      .get([this]() -> std::unique_ptr<const CollisionMesh> {
+        const std::vector<Vec3f> vertices = verticesOfCaller(*mesh_);
+        MeshInput input;
+        input.vertices = vertices.data();
+        input.vertexCount = vertices.size();
+        const MeshResult result = moveVertices(*mesh_, input, true);
+        if (!result.report.solid) return nullptr;
+        return std::make_unique<const CollisionMesh>(result.mesh, tree().strategy);
+      })
+      .get();
+}
+
 const CollisionMesh::Parts* CollisionMesh::parts() const {
   return parts_
       .get([this]() -> std::unique_ptr<const Parts> {
@@ -186,6 +202,7 @@ void CollisionMesh::finishMove() noexcept {
   alive_ = std::move(m.alive);
   convex_.reset();
   outwardSides_.reset();
+  turned_.reset();
   parts_.reset();
   if (Adjacency* const adjacency = adjacency_.made()) {
     try {

@@ -93,6 +93,9 @@ class CollisionMesh {
   /// likewise.
   const std::vector<std::int8_t>& outwardSides() const;
 
+  /// The same mesh with its triangles turned round, where that makes a solid of it; else null. Determined likewise.
+  const CollisionMesh* turned() const;
+
   /// Expires with this object, whatever else holds the mesh, and when vertices move: for caches of what was derived
   /// from it.
   std::weak_ptr<const void> lifetime() const { return alive_; }
@@ -129,6 +132,7 @@ class CollisionMesh {
   FirstUse<Adjacency> adjacency_;
   FirstUse<std::unique_ptr<const ConvexPolyhedron>> convex_;
   FirstUse<std::vector<std::int8_t>> outwardSides_;
+  FirstUse<std::unique_ptr<const CollisionMesh>> turned_;
   FirstUse<std::unique_ptr<const Parts>> parts_;
   std::unique_ptr<Motion> motion_;  ///< made by moveSome()
   /// What changedSince() reads: the last `counts.size()` of all moves, each with so many of `triangles`.

@@ -73,9 +73,13 @@ double smallerSize(const Query& query) {
 }
 
 SolidHistory::State stateBefore(const Query& query) {
+  return stateBefore(query, smallerSize(query));
+}
+
+SolidHistory::State stateBefore(const Query& query, double size) {
   if (!query.history || !query.history->used) return {};
   SolidHistory::State state = rememberedAt(*query.history, query.bInA);
-  if (state.hasPose) forgetAfter(norm(motionSince(query, state.pose)), smallerSize(query), query.bInA, state);
+  if (state.hasPose) forgetAfter(norm(motionSince(query, state.pose)), size, query.bInA, state);
   return state;
 }
 

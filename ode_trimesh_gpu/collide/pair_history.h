@@ -25,6 +25,8 @@ double smallerSize(const Query& query);
 
 /// What a query starts from: what the pair remembers, as far as it still holds.
 SolidHistory::State stateBefore(const Query& query);
+/// The same with another size: what moves by a quarter of it has jumped.
+SolidHistory::State stateBefore(const Query& query, double size);
 /// The same where B is no mesh: by its middle in its own frame, and the size of the smaller one.
 SolidHistory::State stateBefore(const SolidHistory& history, const Transformd& bInA, const Vec3d& middle, double size);
 /// What is left of it one query later, if that finds nothing.

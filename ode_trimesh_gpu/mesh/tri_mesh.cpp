@@ -385,6 +385,12 @@ MeshResult buildTriMesh(const MeshInput& input, const RepairOptions& repair, Mes
   return TriMeshBuilder::build(input, repair, order);
 }
 
+std::vector<Vec3f> verticesOfCaller(const TriMesh& mesh) {
+  std::vector<Vec3f> vertices(mesh.inputVertexCount());
+  for (std::uint32_t v = 0; v < mesh.vertices().size(); ++v) vertices[mesh.callerVertex(v)] = mesh.vertices()[v];
+  return vertices;
+}
+
 std::vector<Vec3f> readSomeVertices(const TriMesh& mesh, const MeshInput& input, ValidationReport& report) {
   report.vertices = mesh.inputVertexCount();
   report.triangles = mesh.triangleCount();

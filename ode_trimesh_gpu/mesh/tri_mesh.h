@@ -138,6 +138,10 @@ struct MeshResult {
 /// only.
 MeshResult buildTriMesh(const MeshInput& input, const RepairOptions& repair = {}, MeshOrder order = MeshOrder::kInput);
 
+/// All of the caller's vertices in its order. Where repair has merged some, the others are zero and no triangle uses
+/// them.
+std::vector<Vec3f> verticesOfCaller(const TriMesh& mesh);
+
 /// The same triangles with moved vertices: as many, in the same order, as `mesh` was built from (refused otherwise);
 /// the triangles in `vertices` are not looked at. Where repair merged vertices, the first of them moves the merged one.
 /// Topology is taken over when equal positions stay equal. Otherwise it is rebuilt, and where triangles may get other

@@ -118,10 +118,7 @@ int dxGpuTriMeshData::moveSome(const otg::MeshInput& input, std::size_t first, c
     placed[i] = {static_cast<std::uint32_t>(numberOf(i)), places[i]};
   }
   if (moveInPlace(placed)) return dGPUTRIMESH_OK;
-  std::vector<otg::Vec3f> vertices(all);
-  for (std::uint32_t v = 0; v < mesh_->mesh().vertices().size(); ++v) {
-    vertices[mesh_->mesh().callerVertex(v)] = mesh_->mesh().vertices()[v];
-  }
+  std::vector<otg::Vec3f> vertices = otg::verticesOfCaller(mesh_->mesh());
   for (std::size_t i = 0; i < places.size(); ++i) vertices[numberOf(i)] = places[i];
   otg::MeshInput whole;
   whole.vertices = vertices.data();

@@ -28,11 +28,8 @@ bool mirrors(const MeshScale& scale) {
 std::shared_ptr<CollisionMesh> makeScaled(const CollisionMesh& from, const MeshScale& scale,
                                           const CollisionMesh* mirrored) {
   const TriMesh& mesh = from.mesh();
-  // As the caller numbers them (repair may have left some out: they are zero and no triangle uses them).
-  std::vector<Vec3f> vertices(mesh.inputVertexCount());
-  for (std::uint32_t v = 0; v < mesh.vertices().size(); ++v) {
-    vertices[mesh.callerVertex(v)] = scaledPoint(mesh.vertices()[v], scale);
-  }
+  std::vector<Vec3f> vertices = verticesOfCaller(mesh);
+  for (Vec3f& v : vertices) v = scaledPoint(v, scale);
   MeshInput input;
   input.vertices = vertices.data();
   input.vertexCount = vertices.size();

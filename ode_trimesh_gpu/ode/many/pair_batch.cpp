@@ -199,6 +199,7 @@ bool PairBatch::finishReading(std::size_t i) {
     if (block.histories.empty()) block.histories.reserve(kBlock);
     recallPair(task, block.histories.emplace_back());
   }
+  turnInward(task);
   task.job.any = request_.unimportant && !task.isJoined();
   if (request_.capacity > 0) {
     CollideOptions& options = task.job.query.options;
@@ -278,7 +279,8 @@ void PairBatch::keepOwnOf(std::size_t i) {
 std::uint8_t PairBatch::ownerOf(std::size_t i) const {
   const PairTask& task = this->task(i);
   if (!wasCollided(task, result(i))) return kNobody;
-  const bool changes = task.remembers ? task.usedHistory() != nullptr : !task.younger().memory.empty();
+  const bool changes =
+      task.remembers ? task.isOutside || task.usedHistory() != nullptr : !task.younger().memory.empty();
   static_assert(kOwners <= kNobody);
   return changes ? static_cast<std::uint8_t>(task.younger().serial % kOwners) : kNobody;
 }

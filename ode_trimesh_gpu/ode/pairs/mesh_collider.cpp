@@ -77,6 +77,7 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
   try {
     SolidHistory history;
     if (needsHistory(task)) recallPair(task, history);
+    turnInward(task);
     task.job.any = isUnimportant(flags) && !task.isJoined();
     PrefetchedPairs* const ready = task.younger().prefetched.get();
     if (!task.job.any && !asks && ready != nullptr && !ready->empty()) {

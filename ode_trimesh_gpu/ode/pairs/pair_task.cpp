@@ -11,7 +11,9 @@
 #include <new>
 
 #include "base/vectors.h"
+#include "collide/inward_body.h"
 #include "collide/pair_history.h"
+#include "collide/shell/shell_roles.h"
 #include "dispatch/dispatcher.h"
 #include "ode/base/status.h"
 #include "ode/geom/joined_sides.h"
@@ -286,8 +288,29 @@ void recallPair(PairTask& task, SolidHistory& history) {
   task.job.query.history = &history;
 }
 
+void turnInward(PairTask& task) {
+  Query& query = task.job.query;
+  if (task.isJoined()) return;
+  const CollisionMesh &a = *query.a, &b = *query.b;
+  if (a.turned() == nullptr && b.turned() == nullptr) return;
+  const bool isGroundA = isGround(a.mesh(), b.mesh());
+  const SolidHistory::State before = stateBefore(query, kFarFromSide * smallerSize(query));
+  const CollisionMesh* ofA = a.turned();
+  const CollisionMesh* ofB = b.turned();
+  if (isGroundA) {
+    ofA = bodyFromOutside(a, before, otgTransform(query.bInA, toDouble(b.mesh().center())));
+  } else {
+    ofB = bodyFromOutside(b, before, otgRotateBack(query.bInA, otgSub(toDouble(a.mesh().center()), query.bInA.t)));
+  }
+  task.isOutside = (isGroundA ? ofA : ofB) != nullptr;
+  if (ofA != nullptr) (task.first ? task.side1 : task.side2).mesh = query.a = ofA;
+  if (ofB != nullptr) (task.first ? task.side2 : task.side1).mesh = query.b = ofB;
+}
+
 std::uint64_t rememberPair(const PairTask& task, bool hasContacts) {
   GeomObject &older = task.older(), &younger = task.younger();
+  if (task.isOutside && task.job.query.history != nullptr)
+    rememberOutside(task.job.query.bInA, *task.job.query.history);
   const SolidHistory* const history = task.usedHistory();
   // From which side a body comes to a shell is known only while the two are apart.
   const bool isOver = history != nullptr && !hasContacts && !task.hasLeftOut && !history->current.outlastsContacts();

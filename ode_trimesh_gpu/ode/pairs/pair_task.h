@@ -56,6 +56,7 @@ struct PairTask {
   PairJob job;              ///< maxContacts is what the geoms allow; job.query.history: see recallPair()
   std::uint64_t stamp = 0;  ///< of what was remembered, 0 for nothing
   bool remembers = false;   ///< both geoms remember pairs with the other's class
+  bool isOutside = false;   ///< of the larger mesh, which turnInward() has turned round
   bool hasLeftOut = false;  ///< the query had contacts that belong to other geoms: see keepOwnContacts()
 
   PairTask() = default;
@@ -112,6 +113,9 @@ bool needsHistory(const PairTask& task);
 /// What is remembered of the pair, which the query goes on with, in place of nothing: the object has to live as long as
 /// the task is used.
 void recallPair(PairTask& task, SolidHistory& history);
+/// Puts the bodies that they are in place of meshes wound inward (inward_body.h). After recallPair(). The smaller one
+/// is no room. May throw std::bad_alloc.
+void turnInward(PairTask& task);
 
 /// What every collision leaves with its geoms, of contacts found or not: the history and the statistics. Returns the
 /// stamp of what is remembered now, 0 for nothing. May throw std::bad_alloc.

@@ -35,6 +35,7 @@ bool preparePrimitive(PrimitiveTask& task, int& failure) {
     task.other = relativePose(pose.transform, other.transform);
   }
   if (!rigid) failure = dGPUTRIMESH_ERROR_POSE;
+  if (rigid && classOfOther != dRayClass) turnInward(task);
   return rigid;
 }
 

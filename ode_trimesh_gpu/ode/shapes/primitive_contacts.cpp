@@ -25,8 +25,8 @@ void heldSphere(const PrimitiveTask& task, std::vector<Contact>& out) {
     return;
   }
   PrimitiveHistory history(task);
-  RoundMemory memory(*task.side.mesh, {{1, 0, 0, 0, 1, 0, 0, 0, 1}, task.other.t}, radius, radius,
-                     std::bit_cast<std::uint64_t>(radius), history.get());
+  RoundMemory memory(*task.side.mesh, poseToRemember(task), radius, radius, std::bit_cast<std::uint64_t>(radius),
+                     history.get());
   sphereContacts(*task.side.mesh, task.other.t, radius, memory, out);
   memory.finish(out);
   history.keep(!out.empty());
@@ -34,7 +34,9 @@ void heldSphere(const PrimitiveTask& task, std::vector<Contact>& out) {
 
 }  // namespace
 
-void primitiveContacts(const PrimitiveTask& task, int most, std::vector<Contact>& out, int& failure) {
+namespace {
+
+void contactsOf(const PrimitiveTask& task, int most, std::vector<Contact>& out, int& failure) {
   const int perRegion = task.side.object->params.contacts_per_region;
   switch (dGeomGetClass(task.o2)) {
     case dRayClass:
@@ -66,6 +68,13 @@ void primitiveContacts(const PrimitiveTask& task, int most, std::vector<Contact>
       return;
   }
   if (out.size() > static_cast<std::size_t>(most)) out = limitContacts(out, most);
+}
+
+}  // namespace
+
+void primitiveContacts(const PrimitiveTask& task, int most, std::vector<Contact>& out, int& failure) {
+  contactsOf(task, most, out, failure);
+  rememberOutside(task);
 }
 
 }  // namespace otg

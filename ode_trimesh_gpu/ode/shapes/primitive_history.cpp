@@ -3,7 +3,12 @@
 
 #include <ode/objects.h>
 
+#include <algorithm>
 #include <cmath>
+
+#include "base/vectors.h"
+#include "collide/inward_body.h"
+#include "collide/pair_history.h"
 
 namespace otg {
 namespace {
@@ -47,6 +52,35 @@ void PrimitiveHistory::keep(bool hasContacts) {
   } else {
     memory_.forget(key_);
   }
+}
+
+void turnInward(PrimitiveTask& task) {
+  if (task.side.join != nullptr || task.side.mesh->turned() == nullptr) return;
+  const int classOfOther = dGeomGetClass(task.o2);
+  // What has no middle is no visitor of a room.
+  const CollisionMesh* body = task.side.mesh->turned();
+  if (classOfOther != dPlaneClass && classOfOther != dHeightfieldClass) {
+    dReal box[6];
+    dGeomGetAABB(task.o2, box);
+    const double size = norm(Vec3d{box[1] - box[0], box[3] - box[2], box[5] - box[4]});
+    PrimitiveHistory history(task);
+    SolidHistory::State before;
+    if (history.get() != nullptr) {
+      const double sizeOfMesh = 2 * static_cast<double>(task.side.mesh->mesh().radius());
+      before = stateBefore(*history.get(), poseToRemember(task), {0, 0, 0}, kFarFromSide * std::min(size, sizeOfMesh));
+    }
+    body = bodyFromOutside(*task.side.mesh, before, task.other.t);
+    task.isOutside = body != nullptr;
+  }
+  if (body != nullptr) task.side.mesh = body;
+}
+
+void rememberOutside(const PrimitiveTask& task) {
+  if (!task.isOutside) return;
+  PrimitiveHistory history(task);
+  if (history.get() == nullptr) return;
+  rememberOutside(poseToRemember(task), *history.get());
+  history.keep(true);
 }
 
 void forgetPrimitive(const PrimitiveTask& task) {

@@ -30,6 +30,12 @@ class PrimitiveHistory {
   SolidHistory history_;
 };
 
+/// Puts the body that it is in place of a mesh wound inward (collide/inward_body.h), unless the other geom is inside.
+/// May throw std::bad_alloc.
+void turnInward(PrimitiveTask& task);
+/// After a query with that body. May throw std::bad_alloc.
+void rememberOutside(const PrimitiveTask& task);
+
 /// Without a query there is nothing to remember.
 void forgetPrimitive(const PrimitiveTask& task);
 

@@ -3,6 +3,11 @@
 
 namespace otg {
 
+Transformd poseToRemember(const PrimitiveTask& task) {
+  if (dGeomGetClass(task.o2) != dSphereClass) return task.other;
+  return {{1, 0, 0, 0, 1, 0, 0, 0, 1}, task.other.t};
+}
+
 PlaneGeom planeInMesh(const PrimitiveTask& task) {
   dVector4 p;
   dGeomPlaneGetParams(task.o2, p);

@@ -25,10 +25,14 @@ struct PrimitiveTask {
   MeshSide side;                             ///< of o1, with its object and mesh
   Transformd pose{};                         ///< of the mesh in the world
   Transformd other{};                        ///< of o2 in the mesh's frame; unset for planes and rays
+  bool isOutside = false;                    ///< of a mesh wound inward, which turnInward() has turned round
   int capacity = 0;                          ///< places for contacts
   std::shared_ptr<const ConvexShape> shape;  ///< of a convex, where it is known already
   DetachedHistory* detached = nullptr;       ///< takes the place of the mesh's memory
 };
+
+/// `other` as a query remembers it: a ball may have turned anyhow.
+Transformd poseToRemember(const PrimitiveTask& task);
 
 /// The plane geom in the mesh's frame.
 PlaneGeom planeInMesh(const PrimitiveTask& task);

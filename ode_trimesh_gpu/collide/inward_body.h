@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Closed meshes that are wound inward: bodies to what is outside of them, rooms to what is inside.
+#pragma once
+
+#include "bvh/collision_mesh.h"
+#include "collide/solid_options.h"
+
+namespace otg {
+
+/// The body that such a mesh is when it is turned round, if the other one of the pair is outside, with the middle of it
+/// in the mesh's frame. Null if it is inside, and for all other meshes. What the pair remembers of the last query
+/// decides first: a body that has come half through a wall is still where it came from. May throw std::bad_alloc.
+const CollisionMesh* bodyFromOutside(const CollisionMesh& mesh, const SolidHistory::State& before, const Vec3d& middle);
+
+/// Of the size that stateBefore() takes: what moves by less than its size has not jumped from one side to the other.
+inline constexpr double kFarFromSide = 4;
+
+/// After a query with that body, for the next one.
+void rememberOutside(const Transformd& bInA, SolidHistory& history);
+
+}  // namespace otg
