@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Triangles that lie on one another: the pairs are those of all of them, no contact is there twice.
 #include <algorithm>
+#include <map>
 #include <random>
+#include <set>
 
 #include "collide/query.h"
+#include "collide/stages.h"
 #include "mesh/copies.h"
 #include "support/catch.h"
 #include "support/mesh_samples.h"
@@ -113,6 +116,33 @@ TEST_CASE("pairs are those of all copies, and no contact is there twice") {
       CHECK(copied.reduced.empty() == plain.reduced.empty());
     }
   }
+}
+
+TEST_CASE("what a callback has left of the pairs of copies is in the regions of the first ones") {
+  std::mt19937 random(5);
+  std::size_t found = 0;
+  for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+    const WithCopies a = withCopies(seed, 40, 60), b = withCopies(seed + 100, 40, 50);
+    const CollisionMesh copiedA = meshOf(a.copied), copiedB = meshOf(b.copied);
+    const Query query = queryOf(copiedA, copiedB, ContactModel::kPairwise);
+    Workspace workspace;
+    findIntersectingPairs(query, workspace);
+    std::erase_if(workspace.intersecting, [&](const TrianglePair&) { return random() % 4 != 0; });
+    pairwiseContacts(query, workspace);
+    // Triangles of the soup share no edges: each of their pairs is a region.
+    std::map<TrianglePair, std::uint32_t> regions;
+    std::set<std::uint32_t> numbers;
+    for (const Contact& c : workspace.contacts) {
+      const auto [at, isNew] =
+          regions.emplace(TrianglePair{a.originOf[c.triangleA], b.originOf[c.triangleB]}, c.region);
+      CHECK(at->second == c.region);
+      numbers.insert(c.region);
+    }
+    CHECK(numbers.size() == regions.size());
+    CHECK(*numbers.rbegin() == regions.size() - 1);
+    found += regions.size();
+  }
+  CHECK(found > 100);
 }
 
 TEST_CASE("copies stay copies when all vertices move together") {

@@ -117,8 +117,12 @@ void assignRegions(const Query& query, Workspace& workspace) {
   const FirstCopies first(query);
   std::vector<TrianglePair> distinct;
   if (!first.areAll()) {
+    // A callback may have left copies without the first one.
     distinct = workspace.intersecting;
-    first.dropOthers(distinct);
+    for (TrianglePair& pair : distinct) pair = first.of(pair);
+    std::ranges::sort(distinct);
+    const auto rest = std::ranges::unique(distinct);
+    distinct.erase(rest.begin(), rest.end());
   }
   const std::vector<TrianglePair>& pairs = first.areAll() ? workspace.intersecting : distinct;
   const Topology& topologyA = query.a->mesh().topology();
