@@ -76,19 +76,15 @@ class Mender {
     }
   }
 
-  /// A rim's vertex, and the triangle at the edge to the next one.
+  /// An edge of a rim: its first vertex as the triangle has it, and the two ends as they are welded.
   struct Rim {
-    std::uint32_t vertex, triangle;
+    std::uint32_t vertex, triangle, from, to;
+    bool isDone = false;
   };
 
   /// Closes all that is open; false where that is not possible.
   bool closeRims() {
-    struct Next {
-      std::uint32_t to = kNone;
-      Rim rim{kNone, kNone};
-    };
-    std::vector<Next> next;
-    std::vector<std::uint32_t> starts;
+    std::vector<Rim> open;
     for (std::uint32_t t = 0; t < sides_.size(); ++t) {
       for (std::uint32_t h = 3 * t; counts(t) && h < 3 * t + 3; ++h) {
         int& excess = excess_[topology_.edgeOf[h]];
@@ -96,25 +92,54 @@ class Mender {
         if (std::abs(excess) > 1) return false;
         if (excess != way(h) * sides_[t]) continue;
         excess = 0;
-        if (next.empty()) next.resize(mesh_.vertices().size());
         std::uint32_t ends[2] = {h, h % 3 == 2 ? h - 2 : h + 1};
         if (sides_[t] < 0) std::swap(ends[0], ends[1]);
-        const std::uint32_t a = from(ends[0]);
-        if (next[a].to != kNone) return false;
-        next[a] = {from(ends[1]), {mesh_.triangles()[t].v[ends[0] % 3], t}};
-        starts.push_back(a);
+        open.push_back({mesh_.triangles()[t].v[ends[0] % 3], t, from(ends[0]), from(ends[1])});
       }
     }
-    std::vector<Rim> rims;
-    for (const std::uint32_t start : starts) {
-      rims.clear();
-      for (std::uint32_t v = start; v != kNone && next[v].to != kNone; v = std::exchange(next[v].to, kNone)) {
-        rims.push_back(next[v].rim);
-      }
-      if (!rims.empty() && !close(rims)) return false;
+    std::ranges::stable_sort(open, {}, &Rim::from);
+    for (std::size_t i = kMostAtVertex; i < open.size(); ++i) {
+      if (open[i - kMostAtVertex].from == open[i].from) return false;
     }
-    return true;
+    return open.empty() || closeLoops(open);
   }
+
+  /// Rims may share vertices. A way that comes to a vertex again has gone round one of them. It goes on along the line
+  /// that it has come by, as cracks do.
+  bool closeLoops(std::vector<Rim>& open) {
+    std::vector<std::uint32_t> placeOf(mesh_.vertices().size(), kNone);  // on the way
+    std::vector<Rim> way;
+    for (Rim& start : open) {
+      for (Rim* next = start.isDone ? nullptr : &start; next != nullptr; next = nextOf(way, open)) {
+        next->isDone = true;
+        placeOf[next->from] = static_cast<std::uint32_t>(way.size());
+        way.push_back(*next);
+        const std::uint32_t begin = placeOf[next->to];
+        if (begin == kNone) continue;
+        const std::vector<Rim> loop(way.begin() + begin, way.end());
+        for (const Rim& rim : loop) placeOf[rim.from] = kNone;
+        way.resize(begin);
+        if (!close(loop)) return false;
+      }
+    }
+    return way.empty();
+  }
+
+  /// Null at the end of the way.
+  Rim* nextOf(const std::vector<Rim>& way, std::vector<Rim>& open) const {
+    Rim* best = nullptr;
+    double most = -1;
+    if (way.empty()) return nullptr;
+    for (Rim& rim : std::ranges::equal_range(open, way.back().to, {}, &Rim::from)) {
+      const double straight = std::fabs(otgDot(alongOf(rim), alongOf(way.back())));
+      if (rim.isDone || straight <= most) continue;
+      most = straight;
+      best = &rim;
+    }
+    return best;
+  }
+
+  Vec3d alongOf(const Rim& rim) const { return unit(at(rim.to) - at(rim.from)); }
 
   Vec3d at(std::uint32_t vertex) const {
     const Vec3f& p = mesh_.vertices()[vertex];
@@ -191,6 +216,7 @@ class Mender {
     }
   }
 
+  static constexpr std::size_t kMostAtVertex = 8;   ///< rims
   static constexpr double kRounding = 4 * 0x1p-23;  ///< of the coordinates
   static constexpr double kMouth = 0.05;            ///< of the area: larger holes may be the mouths of vessels
 

@@ -97,6 +97,41 @@ TEST_CASE("the sides of a solid with several faults are found, by positions alon
   CHECK(found > rounds * 3 / 4);
 }
 
+TEST_CASE("cracks and holes may meet in a vertex") {
+  std::mt19937 random(3);
+  for (int i = 0; i < 300; ++i) {
+    // Of twelve triangles few are apart from each other.
+    Faulty faulty(turned(scenes::makeBox({1, 2, 3}), 0.1 * i));
+    for (int k = 0; k < 6; ++k) faulty.crack(random);
+    INFO("round " << i);
+    CHECK(sidesOf(faulty.mesh) == faulty.sides);
+  }
+  // Two triangles at one vertex are lost.
+  Faulty torn(scenes::makeLump(1, 3, 0.4, 1));
+  const std::uint32_t corner = torn.mesh.triangles[0].v[0];
+  const auto isAtCorner = [&](const Triangle& t) { return std::ranges::find(t.v, corner) != std::end(t.v); };
+  std::vector<std::size_t> around;
+  for (std::size_t t = 0; t < torn.mesh.triangles.size(); ++t) {
+    if (isAtCorner(torn.mesh.triangles[t])) around.push_back(t);
+  }
+  const auto shared = [&](std::size_t t, std::size_t u) {
+    const Triangle &a = torn.mesh.triangles[t], &b = torn.mesh.triangles[u];
+    return std::ranges::count_if(a.v, [&](std::uint32_t v) { return std::ranges::find(b.v, v) != std::end(b.v); });
+  };
+  int opposite = 0;
+  for (const std::size_t t : around) {
+    for (const std::size_t u : around) {
+      if (t >= u || shared(t, u) != 1) continue;
+      MeshArrays mesh = torn.mesh;
+      mesh.triangles.erase(mesh.triangles.begin() + static_cast<std::ptrdiff_t>(u));
+      mesh.triangles.erase(mesh.triangles.begin() + static_cast<std::ptrdiff_t>(t));
+      CHECK(sidesOf(mesh) == std::vector<std::int8_t>(mesh.triangles.size(), 1));
+      ++opposite;
+    }
+  }
+  CHECK(opposite > 2);
+}
+
 TEST_CASE("meshes that have no inside, or whose inside is out, have no sides") {
   const MeshArrays box = scenes::makeBox({1, 1, 1}, 3);
   CHECK(sidesOf(box).empty());  // a solid needs none
