@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -88,10 +87,9 @@ class Mender {
     for (std::uint32_t t = 0; t < sides_.size(); ++t) {
       for (std::uint32_t h = 3 * t; counts(t) && h < 3 * t + 3; ++h) {
         int& excess = excess_[topology_.edgeOf[h]];
-        if (excess == 0) continue;
-        if (std::abs(excess) > 1) return false;
-        if (excess != way(h) * sides_[t]) continue;
-        excess = 0;
+        const int step = way(h) * sides_[t];
+        if (excess * step <= 0) continue;
+        excess -= step;
         std::uint32_t ends[2] = {h, h % 3 == 2 ? h - 2 : h + 1};
         if (sides_[t] < 0) std::swap(ends[0], ends[1]);
         open.push_back({mesh_.triangles()[t].v[ends[0] % 3], t, from(ends[0]), from(ends[1])});

@@ -14,8 +14,9 @@ namespace otg {
 ///
 /// To mend is to leave out later copies of triangles, and to turn triangles all of whose neighbours are wound against
 /// them. Cracks are closed, where vertices lie on an edge of the neighbour. Holes of three edges are filled, unless
-/// they are a twentieth of the surface. A larger hole may be meant: bodies may be on both sides of a vessel. The cost
-/// is that of a build where there is something to mend, else linear time.
+/// they are a twentieth of the surface. A larger hole may be meant: bodies may be on both sides of a vessel. Cracks and
+/// holes may meet in vertices. The cost is that of a build where there is something to mend. Else it is linear time,
+/// but for the sorting of rims.
 std::vector<std::int8_t> outwardSides(const TriMesh& mesh);
 
 }  // namespace otg

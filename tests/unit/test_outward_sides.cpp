@@ -106,6 +106,14 @@ TEST_CASE("cracks and holes may meet in a vertex") {
     INFO("round " << i);
     CHECK(sidesOf(faulty.mesh) == faulty.sides);
   }
+  // Of welded flush blocks two may have a crack at one edge, at the same place.
+  truth::Random draw(9);
+  for (int i = 0; i < 300; ++i) {
+    Faulty faulty(truth::flushBlocks(draw));
+    for (int k = 0; k < 6; ++k) faulty.crack(random);
+    INFO("flush blocks, round " << i);
+    CHECK(sidesOf(faulty.mesh, true) == faulty.sides);
+  }
   // Two triangles at one vertex are lost.
   Faulty torn(scenes::makeLump(1, 3, 0.4, 1));
   const std::uint32_t corner = torn.mesh.triangles[0].v[0];
