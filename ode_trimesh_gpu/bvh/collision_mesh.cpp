@@ -2,11 +2,11 @@
 // A mesh with its trees.
 #include "bvh/collision_mesh.h"
 
+#include <algorithm>
 #include <new>
 #include <utility>
 
 #include "bvh/image_boxes.h"
-#include "mesh/outward_sides.h"
 
 namespace otg {
 namespace {
@@ -19,6 +19,14 @@ std::shared_ptr<MeshTrees> refitted(const TriMesh& moved, const MeshTrees& befor
     return std::make_shared<MeshTrees>(std::move(tree), builtCost);
   }
   return std::make_shared<MeshTrees>(buildTree(moved, tree.strategy));
+}
+
+bool touchesRim(const TriMesh& mesh, std::span<const std::uint32_t> triangles) {
+  const SharedArray<std::uint32_t>& twin = mesh.topology().twin;
+  return std::ranges::any_of(triangles, [&](std::uint32_t t) {
+    const std::size_t half = 3 * std::size_t{t};
+    return twin[half] == kNone || twin[half + 1] == kNone || twin[half + 2] == kNone;
+  });
 }
 
 /// No one but the caller has it, and what the last of the others did is done: a count of one is for good, since only
@@ -88,7 +96,7 @@ const ConvexPolyhedron* CollisionMesh::convex() const {
 }
 
 const std::vector<std::int8_t>& CollisionMesh::outwardSides() const {
-  return outwardSides_.get([this] { return otg::outwardSides(*mesh_); });
+  return outwardSides_.get([this] { return otg::outwardSides(*mesh_); }).each;
 }
 
 const CollisionMesh* CollisionMesh::turned() const {
@@ -201,7 +209,8 @@ void CollisionMesh::finishMove() noexcept {
   Motion& m = *motion_;
   alive_ = std::move(m.alive);
   convex_.reset();
-  outwardSides_.reset();
+  const OutwardSides* const sides = outwardSides_.made();
+  if (sides == nullptr || !sides->areOfRims || touchesRim(*mesh_, m.vertices.triangles())) outwardSides_.reset();
   turned_.reset();
   parts_.reset();
   if (Adjacency* const adjacency = adjacency_.made()) {

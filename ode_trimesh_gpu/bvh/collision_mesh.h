@@ -15,6 +15,7 @@
 #include "bvh/solid_parts.h"
 #include "mesh/adjacency.h"
 #include "mesh/convex_polyhedron.h"
+#include "mesh/outward_sides.h"
 #include "mesh/vertex_motion.h"
 
 namespace otg {
@@ -131,7 +132,7 @@ class CollisionMesh {
   std::size_t movedSinceLook_ = 0;             ///< triangles of such an image, since imageIsWorn() was called
   FirstUse<Adjacency> adjacency_;
   FirstUse<std::unique_ptr<const ConvexPolyhedron>> convex_;
-  FirstUse<std::vector<std::int8_t>> outwardSides_;
+  FirstUse<OutwardSides> outwardSides_;
   FirstUse<std::unique_ptr<const CollisionMesh>> turned_;
   FirstUse<std::unique_ptr<const Parts>> parts_;
   std::unique_ptr<Motion> motion_;  ///< made by moveSome()

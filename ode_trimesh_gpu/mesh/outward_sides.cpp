@@ -21,12 +21,14 @@ class Mender {
         sides_(mesh.triangleCount(), 1),
         excess_(topology_.edgeCount(), 0) {}
 
-  std::vector<std::int8_t> run() {
+  OutwardSides run() {
     for (std::uint32_t t = 0; t < sides_.size(); ++t) add(t, 1);
     turnOddOnes();
-    if (!closeRims()) return {};
-    const bool isWhole = mesh_.report().degenerateTriangles == 0 && first_.empty() && turned_ == 0;
-    if (isWhole && filled_.empty() && cuts_.empty()) return {};
+    // Beside triangles without area, which do not count, there are other rims.
+    const bool areOfRims = mesh_.report().degenerateTriangles == 0;
+    if (!closeRims()) return {{}, areOfRims};
+    const bool isWhole = areOfRims && first_.empty() && turned_ == 0;
+    if (isWhole && filled_.empty() && cuts_.empty()) return {{}, true};
     std::vector<Triangle> triangles = mended();
     double area = 0, areaOfHoles = 0;
     for (const Triangle& t : triangles) area += areaOf(t);
@@ -40,7 +42,7 @@ class Mender {
     input.triangleCount = triangles.size();
     if (triangles.empty() || !buildTriMesh(input).report.solid) return {};
     for (std::uint32_t t = 0; t < sides_.size() && !first_.empty(); ++t) sides_[t] = sides_[first_[t]];
-    return std::move(sides_);
+    return {std::move(sides_), false};
   }
 
  private:
@@ -152,7 +154,11 @@ class Mender {
       return at(std::ranges::max_element(rims, {}, distance)->vertex);
     };
     const Vec3d begin = farthest(at(rims[0].vertex)), axis = unit(farthest(begin) - begin);
-    const double near = kRounding * reach();
+    double near = 0;
+    for (const Rim& rim : rims) {
+      const Vec3d p = at(rim.vertex);
+      near = std::max({near, kRounding * std::fabs(p.x), kRounding * std::fabs(p.y), kRounding * std::fabs(p.z)});
+    }
     const bool isCrack =
         std::ranges::all_of(rims, [&](const Rim& rim) { return norm(otgCross(axis, at(rim.vertex) - begin)) <= near; });
     if (!isCrack) {
@@ -178,11 +184,6 @@ class Mender {
   }
 
   double areaOf(const Triangle& t) const { return norm(otgCross(at(t.v[1]) - at(t.v[0]), at(t.v[2]) - at(t.v[0]))); }
-
-  double reach() const {
-    const Vec3f &a = mesh_.boundsMin(), &b = mesh_.boundsMax();
-    return std::max({std::fabs(a.x), std::fabs(a.y), std::fabs(a.z), std::fabs(b.x), std::fabs(b.y), std::fabs(b.z)});
-  }
 
   /// The triangles that count, turned and cut.
   std::vector<Triangle> mended() {
@@ -230,17 +231,19 @@ class Mender {
 
 }  // namespace
 
-std::vector<std::int8_t> outwardSides(const TriMesh& mesh) {
+OutwardSides outwardSides(const TriMesh& mesh) {
   if (mesh.meshClass() == MeshClass::kSolid || mesh.triangleCount() == 0) return {};
   // Of two bodies that are flush their own vertices say which neighbour a hole is in. Welded files need positions.
   const std::size_t vertices = mesh.vertices().size();
   std::vector<std::uint32_t> own(vertices);
   std::iota(own.begin(), own.end(), 0U);
-  if (!std::ranges::equal(own, mesh.topology().weld)) {
-    const Topology byIndices = buildTopology(mesh.vertices(), mesh.triangles(), std::move(own));
-    if (std::vector<std::int8_t> sides = Mender(mesh, byIndices).run(); !sides.empty()) return sides;
-  }
-  return Mender(mesh, mesh.topology()).run();
+  if (std::ranges::equal(own, mesh.topology().weld)) return Mender(mesh, mesh.topology()).run();
+  const Topology byIndices = buildTopology(mesh.vertices(), mesh.triangles(), std::move(own));
+  OutwardSides sides = Mender(mesh, byIndices).run();
+  if (sides.each.empty()) sides = Mender(mesh, mesh.topology()).run();
+  // Rims by indices are no rims by positions.
+  sides.areOfRims = false;
+  return sides;
 }
 
 }  // namespace otg

@@ -2,6 +2,7 @@
 // Solids with faults: which way their triangles face is found all the same. Faults are made, so the truth is known.
 #include "mesh/outward_sides.h"
 
+#include "bvh/collision_mesh.h"
 #include "scenes/generated_meshes.h"
 #include "scenes/mesh_arrays.h"
 #include "support/catch.h"
@@ -15,7 +16,7 @@ using test::Faulty;
 namespace {
 
 std::vector<std::int8_t> sidesOf(const MeshArrays& mesh, bool weld = false) {
-  return outwardSides(*buildTriMesh(mesh.input(), RepairOptions{.weldVertices = weld}).mesh);
+  return outwardSides(*buildTriMesh(mesh.input(), RepairOptions{.weldVertices = weld}).mesh).each;
 }
 
 struct Body {
@@ -138,6 +139,48 @@ TEST_CASE("cracks and holes may meet in a vertex") {
     }
   }
   CHECK(opposite > 2);
+}
+
+TEST_CASE("sides after vertices have moved in place are those of a new mesh") {
+  std::mt19937 random(4);
+  int changes = 0;
+  for (int i = 0; i < 60; ++i) {
+    // A crack with vertices on both sides, some of which leave the edge, and come back. In the box nothing else is
+    // open.
+    Faulty faulty(turned(scenes::makeBox({1, 2, 3}, 3), 0.1 * i));
+    faulty.crackTwice(random);
+    if (i % 3 == 1) faulty.pierce(random);
+    if (i % 3 == 2) faulty.mesh.triangles.resize(faulty.mesh.triangles.size() / 2);
+    CollisionMesh mesh(buildTriMesh(faulty.mesh.input()).mesh, BuildStrategy::kSah);
+    const std::vector<Vec3f> at = faulty.mesh.vertices;
+    bool hadSides = !mesh.outwardSides().empty();
+    for (int move = 0; move < 30; ++move) {
+      const auto v = static_cast<std::uint32_t>(move % 2 == 0 ? at.size() - 1 - random() % 3 : random() % at.size());
+      const Vec3f to = move % 4 < 2 ? otgAdd(at[v], Vec3f{0.03F, 0.01F, -0.02F}) : at[v];
+      if (!mesh.moveSome(std::array{MovedVertex{v, to}})) continue;
+      faulty.mesh.vertices[v] = to;
+      INFO("round " << i << ", move " << move);
+      CHECK(mesh.outwardSides() == sidesOf(faulty.mesh));
+      changes += hadSides != !mesh.outwardSides().empty() ? 1 : 0;
+      hadSides = !mesh.outwardSides().empty();
+    }
+  }
+  CHECK(changes > 50);
+
+  // A hole grows until it is too much of the surface. Then the far end of the body does.
+  MeshArrays holed = scenes::makeBox({1, 1, 1}, 2);
+  const Triangle hole = holed.triangles.back();
+  holed.triangles.pop_back();
+  while (!sidesOf(holed).empty()) {
+    for (const std::uint32_t v : hole.v) holed.vertices[v] = otgScale(holed.vertices[v], 1.01F);
+  }
+  CollisionMesh mesh(buildTriMesh(holed.input()).mesh, BuildStrategy::kSah);
+  CHECK(mesh.outwardSides().empty());
+  const auto far = std::ranges::min_element(holed.vertices, {},
+                                            [&](const Vec3f& v) { return otgDot(v, holed.vertices[hole.v[0]]); });
+  *far = otgScale(*far, 1.3F);
+  REQUIRE(mesh.moveSome(std::array{MovedVertex{static_cast<std::uint32_t>(far - holed.vertices.begin()), *far}}));
+  CHECK(mesh.outwardSides().size() == holed.triangles.size());
 }
 
 TEST_CASE("meshes that have no inside, or whose inside is out, have no sides") {
