@@ -7,9 +7,10 @@
 
 namespace otg {
 
-/// The body that such a mesh is when it is turned round, if the other one of the pair is outside, with the middle of it
-/// in the mesh's frame. Null if it is inside, and for all other meshes. What the pair remembers of the last query
-/// decides first: a body that has come half through a wall is still where it came from. May throw std::bad_alloc.
+/// The body that such a mesh is when it is turned round, if the other one of the pair is outside. Null if that is
+/// inside, and for all other meshes. `middle`: that of the other one, in the mesh's frame. What the pair remembers of
+/// the last query decides first: a body that is half through a wall is still where it came from. May throw
+/// std::bad_alloc.
 const CollisionMesh* bodyFromOutside(const CollisionMesh& mesh, const SolidHistory::State& before, const Vec3d& middle);
 
 /// Of the size that stateBefore() takes: what moves by less than its size has not jumped from one side to the other.

@@ -159,3 +159,16 @@ TEST_CASE_METHOD(Room, "bodies fall on the floor of a room, and on its roof, and
     }
   }
 }
+
+TEST_CASE("a dTriMesh of long bars that are wound inward is none of loose slivers, which are left to ODE") {
+  const OdeSession session;
+  REQUIRE(dGpuTriMeshOverrideTriMesh() == dGPUTRIMESH_OK);
+  const scenes::MeshArrays bar = scenes::makeBox({4, 0.1, 0.1});
+  const OdeMesh bars(turned(scenes::merge({bar, moved(bar, {0, 0.5F, 0})}))), box(scenes::makeBox({1, 1, 1}));
+  const OdeGeom ground(bars), visitor(box);
+  dGeomSetPosition(visitor.id, 0.1, 0.2, 0.54);
+  const auto contacts = test::collide(ground.id, visitor.id);
+  CHECK(statsOf(ground.id).queries == 1);
+  CHECK(contacts.size() > 3);
+  for (const dContactGeom& c : contacts) CHECK(c.normal[2] < -0.9);
+}

@@ -38,7 +38,8 @@ bool liesAlongAxes(dGeomID geom, double radius) {
 bool isOfSlivers(const CollisionMesh& mesh) {
   constexpr double kSliver = 0.1;  // of the area of a square over the longest edge
   const TriMesh& triangles = mesh.mesh();
-  if (!isSheet(triangles) || triangles.topology().componentCount() < 2 || !mesh.outwardSides().empty()) return false;
+  if (!isSheet(triangles) || triangles.report().boundaryEdges == 0) return false;
+  if (triangles.topology().componentCount() < 2 || !mesh.outwardSides().empty()) return false;
   double area = 0, squares = 0;
   const auto count = static_cast<std::uint32_t>(triangles.triangleCount());
   for (std::uint32_t t = 0; t < count; t += std::max(1u, count / 64)) {
