@@ -290,7 +290,7 @@ void recallPair(PairTask& task, SolidHistory& history) {
 
 void turnInward(PairTask& task) {
   Query& query = task.job.query;
-  if (task.isJoined()) return;
+  if (task.isJoined() || query.options.contacts != ContactModel::kSolid) return;
   const CollisionMesh &a = *query.a, &b = *query.b;
   if (a.turned() == nullptr && b.turned() == nullptr) return;
   const bool isGroundA = isGround(a.mesh(), b.mesh());

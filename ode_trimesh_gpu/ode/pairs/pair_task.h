@@ -114,7 +114,7 @@ bool needsHistory(const PairTask& task);
 /// the task is used.
 void recallPair(PairTask& task, SolidHistory& history);
 /// Puts the bodies that they are in place of meshes wound inward (inward_body.h). After recallPair(). The smaller one
-/// is no room. May throw std::bad_alloc.
+/// is no room. Of the model `solid` alone. May throw std::bad_alloc.
 void turnInward(PairTask& task);
 
 /// What every collision leaves with its geoms, of contacts found or not: the history and the statistics. Returns the

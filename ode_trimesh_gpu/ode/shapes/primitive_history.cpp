@@ -55,6 +55,7 @@ void PrimitiveHistory::keep(bool hasContacts) {
 }
 
 void turnInward(PrimitiveTask& task) {
+  if (task.side.object->params.contact_model == dGPUTRIMESH_CONTACTS_PAIRWISE) return;
   if (task.side.join != nullptr || task.side.mesh->turned() == nullptr) return;
   const int classOfOther = dGeomGetClass(task.o2);
   // What has no middle is no visitor of a room.

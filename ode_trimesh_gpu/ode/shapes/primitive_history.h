@@ -31,7 +31,7 @@ class PrimitiveHistory {
 };
 
 /// Puts the body that it is in place of a mesh wound inward (collide/inward_body.h), unless the other geom is inside.
-/// May throw std::bad_alloc.
+/// Of the model `solid` alone. May throw std::bad_alloc.
 void turnInward(PrimitiveTask& task);
 /// After a query with that body. May throw std::bad_alloc.
 void rememberOutside(const PrimitiveTask& task);
