@@ -49,9 +49,7 @@ typedef struct dGpuTriMeshPair {
  * geoms that have not collided yet get their order here, as from dGpuTriMeshOverridePrepare(). For contacts that are
  * equal byte for byte, prepare the geoms, or have the near callback take pairs in the order of dSpaceCollide().
  *
- * Pairs of meshes with CONTACTS_UNIMPORTANT are always computed in the near callback: their contacts are others. What
- * dCollide() has kept of a pair that stays where it is needs no prefetch; such pairs count as ready, but not as
- * `prefetched`.
+ * Pairs of meshes with CONTACTS_UNIMPORTANT are always computed in the near callback: their contacts are others.
  *
  * @param space  its pairs are found by dSpaceCollide() with ODE's own rules (category and collide bits, enabled geoms,
  *               bodies), and those in spaces inside it as well

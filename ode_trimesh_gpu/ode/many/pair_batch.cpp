@@ -205,7 +205,6 @@ bool PairBatch::finishReading(std::size_t i) {
     CollideOptions& options = task.job.query.options;
     options.maxContacts = std::min(options.maxContacts, request_.capacity);
   }
-  if (request_.ahead) return !knowsKept(task);
   std::vector<Contact> contacts;
   PairResult& result = block.results[k];
   if (!findKept(task, contacts, result.counts)) return true;

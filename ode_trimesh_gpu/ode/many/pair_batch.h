@@ -19,8 +19,6 @@ struct PairBatchRequest {
   bool unimportant = false;  ///< ODE's CONTACTS_UNIMPORTANT
   /// Whether the geoms are known to be alive and meshes, of our class or dTriMeshes; else that is found out.
   bool known = false;
-  /// Whether pairs are left out of which dCollide() has kept the contacts.
-  bool ahead = false;
 };
 
 /// Geoms may move and be destroyed, and their meshes be rebuilt, while run() is at work. The dispatcher's threads help
@@ -44,7 +42,7 @@ class PairBatch {
   /// After run(); empty for a pair with nothing to do.
   PairResult& result(std::size_t i) { return blocks_[i / kBlock]->results[i % kBlock]; }
   const PairResult& result(std::size_t i) const { return blocks_[i / kBlock]->results[i % kBlock]; }
-  /// Whether nothing was to be computed, because the pair's contacts were kept.
+  /// Whether there is nothing to compute, because the pair's contacts were kept.
   bool isKept(std::size_t i) const { return kinds_[i] == Kind::kKept; }
   /// After run(). Stays when pairs are let go.
   std::size_t contactCount() const { return firsts_.back(); }

@@ -45,7 +45,7 @@ AheadPairs aheadOf(std::span<const SpacePair> pairs) {
 
 std::size_t prefetch(std::span<const SpacePair> pairs) {
   const AheadPairs ahead = aheadOf(pairs);
-  PairBatch batch(ahead.meshes, {.known = true, .ahead = true});
+  PairBatch batch(ahead.meshes, {.known = true});
   batch.run();
   // Every geom forgets all that it has before any gets something new.
   batch.forParts([&](std::size_t begin, std::size_t end) {
@@ -61,7 +61,7 @@ std::size_t prefetch(std::span<const SpacePair> pairs) {
     for (std::size_t i = begin; i < end; ++i) {
       const PairTask& task = batch.task(i);
       if (task.state != PairTask::State::kReady || batch.result(i).outcome != PairResult::Outcome::kDone) continue;
-      if (!batch.isKept(i)) task.younger().prefetched.make().add(task, std::move(batch.result(i)));
+      task.younger().prefetched.make().add(task, std::move(batch.result(i)));
       ++added;
     }
     ready += added;

@@ -2,7 +2,9 @@
 // The contacts of pairs that stay where they are.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <mutex>
 #include <new>
 #include <span>
@@ -16,8 +18,9 @@ namespace otg {
 
 /// Of one geom: for each of its pairs the pose of the last query, and, once a pose has come twice, what was found
 /// there. No result depends on it: a query at the very pose of the last one leaves what is remembered as it was.
-/// `Query` is all that contacts depend on. It has a `pose` and a `stamp` of what is remembered, and there is a
-/// sameQuery(). Any number of threads.
+/// `Query` is all that contacts depend on, but for how many there may be. It has a `pose` and a `stamp` of what is
+/// remembered, and there is a sameQuery(). `kIsWhole`: contacts that were not cut are the same whatever their limit.
+/// Any number of threads.
 template <class Query>
 class KeptContacts {
  public:
@@ -31,21 +34,12 @@ class KeptContacts {
     if (it == entries_.end()) return false;
     Entry& entry = it->second;
     if (!entry.hasAnswer || !sameBits(entry.query.pose, pose)) return false;
-    entry.hasAnswer = entry.most == most && sameQuery(entry.query, query());
+    const bool isWhole = Query::kIsWhole && std::ssize(entry.contacts) < std::min(entry.most, most);
+    entry.hasAnswer = (entry.most == most || isWhole) && sameQuery(entry.query, query());
     if (!entry.hasAnswer) return false;
     contacts.assign(entry.contacts.begin(), entry.contacts.end());
     if (counts != nullptr) *counts = entry.counts;
     return true;
-  }
-  /// Whether find() would find them, for as many as they were requested for.
-  template <class MakeQuery>
-  bool knows(std::uint64_t key, const Transformd& pose, const MakeQuery& query) {
-    const std::lock_guard lock(mutex_);
-    const auto it = entries_.find(key);
-    if (it == entries_.end() || !it->second.hasAnswer || !sameBits(it->second.query.pose, pose)) return false;
-    Query as = query();
-    as.options.maxContacts = it->second.query.options.maxContacts;
-    return sameQuery(it->second.query, as);
   }
   /// After find(): what is remembered of the pair has this stamp now.
   void seen(std::uint64_t key, std::uint64_t stamp) {

@@ -4,6 +4,13 @@
 namespace otg {
 namespace {
 
+/// The limit of contacts goes beside it.
+PairQuery queryWithoutLimit(const PairTask& task, std::uint64_t stamp) {
+  PairQuery query = pairQuery(task, stamp);
+  query.options.maxContacts = 0;
+  return query;
+}
+
 bool isKept(const PairTask& task) {
   const Query& query = task.job.query;
   if (!task.remembers || task.job.any || task.job.filter != nullptr) return false;
@@ -19,14 +26,8 @@ bool findKept(const PairTask& task, std::vector<Contact>& contacts, PairCounts& 
   if (kept == nullptr || !isKept(task)) return false;
   const Query& query = task.job.query;
   return kept->find(
-      task.older().serial, query.bInA, [&] { return pairQuery(task, task.stamp); }, query.options.maxContacts, contacts,
-      &counts);
-}
-
-bool knowsKept(const PairTask& task) {
-  KeptPairs* const kept = task.younger().keptPairs.get();
-  return kept != nullptr && isKept(task) &&
-         kept->knows(task.older().serial, task.job.query.bInA, [&] { return pairQuery(task, task.stamp); });
+      task.older().serial, query.bInA, [&] { return queryWithoutLimit(task, task.stamp); }, query.options.maxContacts,
+      contacts, &counts);
 }
 
 void foundKept(const PairTask& task, std::uint64_t stamp) {
@@ -38,8 +39,8 @@ void noteComputed(const PairTask& task, std::uint64_t stamp, std::span<const Con
   if (!isKept(task)) return;
   const Query& query = task.job.query;
   task.younger().keptPairs.make().note(
-      task.older().serial, query.bInA, [&] { return pairQuery(task, stamp); }, query.options.maxContacts, contacts,
-      counts);
+      task.older().serial, query.bInA, [&] { return queryWithoutLimit(task, stamp); }, query.options.maxContacts,
+      contacts, counts);
 }
 
 }  // namespace otg

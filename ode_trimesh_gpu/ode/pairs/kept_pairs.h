@@ -14,8 +14,6 @@ class KeptPairs final : public KeptContacts<PairQuery> {};
 /// The contacts of a task that has its history, if they were kept: for as many as it requests, and before
 /// keepOwnContacts(). May throw std::bad_alloc.
 bool findKept(const PairTask& task, std::vector<Contact>& contacts, PairCounts& counts);
-/// Whether that would be so for as many contacts as were requested the last time.
-bool knowsKept(const PairTask& task);
 /// At the end of the same query, with the stamp of what is remembered now. Contacts are kept where the geoms remember
 /// pairs, and the CPU has computed them; not where a device is to. Two convex bodies keep their direction, and take
 /// little else.

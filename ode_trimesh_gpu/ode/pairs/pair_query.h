@@ -17,11 +17,12 @@ bool isSameMesh(const std::weak_ptr<const void>& x, const std::weak_ptr<const vo
 
 /// What the contacts of a pair depend on.
 struct PairQuery {
-  std::weak_ptr<const void> a, b;  ///< CollisionMesh::lifetime(): a mesh that has moved is another
-  Transformd pose{};               ///< of B in A
-  Vec3d velocity{0, 0, 0};         ///< relative
-  CollideOptions options;          ///< with as many contacts as the geoms allow
-  std::uint64_t stamp = 0;         ///< of what is remembered of the pair
+  static constexpr bool kIsWhole = true;  ///< see KeptContacts
+  std::weak_ptr<const void> a, b;         ///< CollisionMesh::lifetime(): a mesh that has moved is another
+  Transformd pose{};                      ///< of B in A
+  Vec3d velocity{0, 0, 0};                ///< relative
+  CollideOptions options;                 ///< with as many contacts as the geoms allow
+  std::uint64_t stamp = 0;                ///< of what is remembered of the pair
   bool remembers = false;
 };
 

@@ -14,6 +14,7 @@ namespace otg {
 
 /// What the contacts of a pair depend on.
 struct ShapeQuery {
+  static constexpr bool kIsWhole = false;  ///< see KeptContacts
   int geomClass = -1;
   std::array<double, 4> size{};              ///< a plane's numbers, in the mesh's frame
   std::shared_ptr<const ConvexShape> shape;  ///< of a convex: found again by its corners
