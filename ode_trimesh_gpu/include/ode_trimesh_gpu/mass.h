@@ -24,8 +24,9 @@ extern "C" {
  * @param density  mass per cubic unit, positive
  * @param data     the mesh
  * @returns dGPUTRIMESH_OK; dGPUTRIMESH_NOT_SOLID when m was filled from a mesh that is open or wound inconsistently;
- *          dGPUTRIMESH_ERROR_MASS when volume or inertia is not positive (open, flat, wound inward, without triangles);
- *          dGPUTRIMESH_ERROR_ARGUMENT.
+ *          dGPUTRIMESH_ERROR_MASS when volume or inertia is not positive (open, flat, wound inward, without triangles)
+ *          or not finite; dGPUTRIMESH_ERROR_ARGUMENT. Build a mesh that is wound inward with dGPUTRIMESH_REPAIR_ORIENT,
+ *          which turns it.
  * @remarks May be called from any thread and from a near callback.
  * @ingroup gputrimesh
  */
@@ -52,7 +53,8 @@ OTG_API int dMassSetGpuTriMeshDataTotal(dMass* m, dReal total_mass, dGpuTriMeshD
  * @param m        receives the mass; untouched after an error
  * @param density  mass per cubic unit, positive
  * @param g        a geom of this class
- * @returns As dMassSetGpuTriMeshData(), or dGPUTRIMESH_ERROR_CLASS.
+ * @returns As dMassSetGpuTriMeshData(), or dGPUTRIMESH_ERROR_CLASS. dGPUTRIMESH_ERROR_MASS also when the offset, or the
+ *          pose of a geom without a body, is not finite.
  * @ingroup gputrimesh
  */
 OTG_API int dMassSetGpuTriMesh(dMass* m, dReal density, dGeomID g);
