@@ -6,7 +6,7 @@ static dWorldID world;
 static dJointGroupID joints;
 
 /* A mesh of the 8 corners of a box; corner k has x, y, z by the bits of k. The arrays may go away afterwards. */
-static dGeomID addBox(dSpaceID space, const float low[3], const float high[3]) {
+static dGeomID addBox(dSpaceID space, dBodyID body, const float low[3], const float high[3]) {
   float vertices[8][3];
   dGpuTriMeshDataID data = dGpuTriMeshDataCreate();
   dGeomID geom;
@@ -17,18 +17,18 @@ static dGeomID addBox(dSpaceID space, const float low[3], const float high[3]) {
   EXPECT(dGpuTriMeshDataBuildSingle(data, vertices, 0, 8, kBoxTriangles, kBoxIndexCount, 0) == dGPUTRIMESH_OK);
   geom = dCreateGpuTriMesh(space, data);
   EXPECT(geom != 0);
+  dGeomSetBody(geom, body); /* 0: it stays where it is */
   dGpuTriMeshDataDestroy(data); /* the geom keeps the mesh */
   return geom;
 }
 
-/* Call it before the geom is moved. Bodies turn about their origin, so the mesh is shifted by its centre of mass. */
-static void giveBody(dGeomID geom, dBodyID body, dReal density) {
+/* For a geom on a body. Bodies turn about their origin, so the centre of mass is shifted to it. */
+static void giveMass(dGeomID geom, dReal density) {
   dMass mass;
   EXPECT(dMassSetGpuTriMesh(&mass, density, geom) == dGPUTRIMESH_OK);
-  dGeomSetBody(geom, body);
   dGeomSetOffsetPosition(geom, -mass.c[0], -mass.c[1], -mass.c[2]);
   dMassTranslate(&mass, -mass.c[0], -mass.c[1], -mass.c[2]);
-  dBodySetMass(body, &mass);
+  dBodySetMass(dGeomGetBody(geom), &mass);
 }
 
 /* ODE calls it for geoms whose boxes overlap: each contact becomes a joint for one step. */
@@ -57,9 +57,9 @@ int main(void) {
   space = dHashSpaceCreate(0);
   joints = dJointGroupCreate(0);
 
-  addBox(space, kGroundLow, kGroundHigh); /* without a body it stays where it is */
+  addBox(space, 0, kGroundLow, kGroundHigh);
   body = dBodyCreate(world);
-  giveBody(addBox(space, kLow, kHigh), body, 1000);
+  giveMass(addBox(space, body, kLow, kHigh), 1000);
   dBodySetPosition(body, 0, 0, 0.5); /* of the centre of mass */
 
   for (step = 0; step < 200; ++step) {

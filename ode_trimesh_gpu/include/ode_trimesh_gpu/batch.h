@@ -66,10 +66,11 @@ OTG_API int dGpuTriMeshPrefetch(dSpaceID space);
 /**
  * @brief Says whether a pair is worth computing ahead: 0 if the near callback will not request it, as for bodies that a
  *        joint connects.
- * @param data  what dGpuTriMeshPrefetchSpaces() was given
+ * @param data  what dGpuTriMeshPrefetchSpaces() or dGpuTriMeshCollideSpace() was given
  * @param o1    a geom
  * @param o2    another one
- * @returns 0: leave the pair out.
+ * @returns 0: leave the pair out. dGpuTriMeshPrefetchSpaces() then leaves it to the near callback; with
+ *          dGpuTriMeshCollideSpace() it has no contacts.
  * @remarks Called by the calling thread, with the space locked: do not change geoms, spaces or bodies in it.
  * @ingroup gputrimesh
  */
@@ -101,9 +102,11 @@ OTG_API int dGpuTriMeshPrefetchSpaces(const dSpaceID* spaces, int count, dGpuTri
  *
  * The broad phase runs once. Pairs that dGpuTriMeshPrefetch() would compute are computed by all threads and devices,
  * every other pair by dCollide() on the calling thread: geoms of ODE's own, heightfields, rays, meshes with callbacks.
+ * If the meshes of all pairs have no more than 4,096 triangles together, the calling thread computes every pair.
  * The contacts are those of dSpaceCollide() with a near callback that calls dCollide(), byte for byte. So is their
  * order: pairs as the broad phase finds them first, then the pairs in spaces inside `space`. It depends on neither
- * threads nor devices. What is remembered of pairs and counted is the same, too.
+ * threads nor devices. What is remembered of pairs and counted is the same, too, but for `prefetched` in
+ * dGpuTriMeshStats: pairs that were shared count there.
  *
  * @param space     whose geoms; spaces in it are collided with the rest and among themselves
  * @param flags     of each dCollide(): the lower 16 bits are the most contacts of a pair, at least 1;

@@ -40,14 +40,15 @@ enum {
 };
 
 /**
- * @brief What is known of one contact beyond dContactGeom. Filled by dGpuTriMeshCollideEx().
+ * @brief What is known of one contact beyond dContactGeom. Filled by dGpuTriMeshCollideEx() and
+ *        dGpuTriMeshBatchCollect().
  * @ingroup gputrimesh
  */
 typedef struct dGpuTriMeshContactData {
-  /** The contact's name: never 0, and no two contacts of one query share it. It is made of the features that the
-   * contact comes from. A contact keeps it from step to step while these touch: use it to carry impulses over (warm
-   * starting). Vertices and edges keep their contact's name whatever they touch on the other mesh, so that it also
-   * survives sliding over a tessellated surface.
+  /** The contact's name: never 0. No two contacts of one query share it, but for two at one crossing of a deep region.
+   * It is made of the features that the contact comes from. A contact keeps it from step to step while these touch: use
+   * it to carry impulses over (warm starting). Vertices and edges keep their contact's name whatever they touch on the
+   * other mesh, so that it also survives sliding over a tessellated surface.
    *
    * The same for both orders of the geoms in a call. Whether the feature belongs to the geom created first or second is
    * part of it. So names can be compared within one pair of geoms only. A name is a number without order or meaning;
@@ -83,7 +84,8 @@ typedef struct dGpuTriMeshContactData {
  * @param data       receives as many elements; may be NULL
  * @param data_skip  bytes from one element to the next, at least sizeof(dGpuTriMeshContactData)
  * @returns The number of contacts, 0 or more; dGPUTRIMESH_ERROR_CLASS if a geom is not of this class (dCollide() may
- * know what to do with it); dGPUTRIMESH_ERROR_ARGUMENT if there is no place or a skip is too small.
+ *          know what to do with it); dGPUTRIMESH_ERROR_ARGUMENT if there is no place or a skip is too small. 0 also
+ *          for a pair that cannot be collided: dGpuTriMeshGetError() says why, as after dCollide().
  * @remarks As dCollide(): from any number of threads at once, and from a near callback.
  * @ingroup gputrimesh
  */

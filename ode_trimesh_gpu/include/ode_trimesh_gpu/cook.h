@@ -35,7 +35,7 @@ OTG_API dsizeint dGpuTriMeshDataCook(dGpuTriMeshDataID g, void* buffer, dsizeint
  * Bytes that are something else, of another version, cut off, changed, or whose numbers do not fit each other are
  * refused; dGpuTriMeshDataGetErrorString() says which. That holds for bytes from strangers, too, with a checksum that
  * is right (docs/cooking.md). Geoms that use the object have the new mesh from now on, as after a Build; after an error
- * it keeps the mesh that it had. Reading takes a fifth to a seventh of the time of a build.
+ * it keeps the mesh that it had. Reading takes a third to an eighth of the time of a build.
  * @param g       the object
  * @param buffer  the bytes; they need not outlive the call, nor be aligned
  * @param size    how many

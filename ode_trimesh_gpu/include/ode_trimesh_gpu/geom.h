@@ -25,6 +25,10 @@ extern "C" {
  * - when there are more contacts than places, the deepest of every separate region of contact are kept, then those most
  *   spread out; with CONTACTS_UNIMPORTANT the first ones found, without reduction.
  *
+ * The geom's box is that of its mesh. With a mesh that is no solid it reaches up to 5 % of the mesh's radius beyond
+ * that, unless dGpuTriMeshParams::contact_model is PAIRWISE. Bodies that lie on a shell are then queried before and
+ * while they touch.
+ *
  * It collides with ODE's own classes as well: spheres, boxes, capsules, cylinders, planes, rays, convex geoms,
  * heightfields and dTriMesh, bare or inside a dGeomTransform; docs/primitives.md has the method of each pair.
  *
@@ -166,6 +170,9 @@ OTG_API int dGeomGpuTriMeshIsTCEnabled(dGeomID g, int geomClass);
 /**
  * @brief Forgets what is remembered of all pairs of the geom; the counterpart of dGeomTriMeshClearTCCache(). For a geom
  *        that was put somewhere else. What is remembered is bounded, so that this is never needed to save memory.
+ *
+ * It reaches what the other meshes remember of their pairs with this geom, too. dGeomGpuTriMeshForgetHistory() reaches
+ * what this geom remembers alone, and also drops the contacts that it keeps of pairs that do not move.
  * @param g  a geom of this class, or a dTriMesh that collides through this library
  * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_CLASS, dGPUTRIMESH_ERROR_MEMORY.
  * @remarks Not while another thread collides the geom.

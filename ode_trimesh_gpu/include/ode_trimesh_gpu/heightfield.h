@@ -73,14 +73,18 @@ OTG_API void dGpuTriMeshHeightfieldInit(dGpuTriMeshHeightfield* field);
  * leaves through the surface or a wall, however thin the ground; one from below meets the bottom.
  *
  * @par Contacts
- * Those of two meshes: dGPUTRIMESH_CONTACTS_SOLID for closed meshes, pairs of triangles for open ones, as the
- * parameters of the mesh geom have it. The heightfield's side is -1. Heights are rounded to single precision relative
- * to a height under the mesh. So the place of the field in the world costs no digits.
+ * Those of two meshes, as the parameters of the mesh geom have it: with dGPUTRIMESH_CONTACTS_SOLID those of two solids
+ * for closed meshes, and those of shells for open ones. The heightfield's side is -1. Heights are rounded to single
+ * precision relative to a height under the mesh. So the place of the field in the world costs no digits.
  *
  * @par What is read when
  * The samples under the mesh are read each time that the pair collides, as ODE does: heights of a callback, or of an
  * array that was not copied, may change between two collisions. The mesh of the ground under each body is kept as long
  * as the heights there stay the same; where they change it is refitted. A field costs nothing where nothing touches it.
+ *
+ * @par Errors
+ * With more than 2^23 samples under one mesh the pair has no contacts and leaves dGPUTRIMESH_ERROR_MEMORY. Where
+ * heights under the mesh are not finite it has none either, and may leave dGPUTRIMESH_ERROR_MESH.
  *
  * @param data   what `field` describes. This is not checked against ODE
  * @param field  copied; see dGpuTriMeshHeightfield for its arrays

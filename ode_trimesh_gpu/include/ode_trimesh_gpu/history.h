@@ -60,6 +60,7 @@ OTG_API int dGpuTriMeshHistoryLoad(const dGeomID* geoms, int count, const void* 
  * @returns dGPUTRIMESH_OK or dGPUTRIMESH_ERROR_CLASS.
  * @remarks Not while another thread collides the geom. A pair of meshes is remembered by the geom created second: to
  *          make sure of a pair, call it for both. One with a geom of ODE's own is remembered by the mesh.
+ * @sa dGeomGpuTriMeshClearTCCache(), which reaches what the other meshes remember of the geom, too
  * @ingroup gputrimesh
  */
 OTG_API int dGeomGpuTriMeshForgetHistory(dGeomID g);

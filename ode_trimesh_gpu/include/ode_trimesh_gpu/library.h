@@ -129,8 +129,9 @@ OTG_API int dGpuTriMeshGetClass(void);
  * @brief The status of the last function of this library that failed on the calling thread.
  * @returns A negative status; dGPUTRIMESH_OK when none has failed since the thread began or since the last call of this
  *          function, which resets it. dCollide() of geoms of this class is among those functions: it leaves
- *          dGPUTRIMESH_ERROR_POSE, dGPUTRIMESH_ERROR_BUSY, dGPUTRIMESH_ERROR_MEMORY, or dGPUTRIMESH_ERROR_UNSUPPORTED
- * with a heightfield whose heights are not known (see heightfield.h).
+ *          dGPUTRIMESH_ERROR_POSE, dGPUTRIMESH_ERROR_BUSY or dGPUTRIMESH_ERROR_MEMORY. With a heightfield it leaves
+ *          dGPUTRIMESH_ERROR_UNSUPPORTED if the heights are not known, and may leave dGPUTRIMESH_ERROR_MESH if those
+ *          under the mesh are not finite (see heightfield.h).
  * @remarks May be called from any thread and from a near callback.
  * @ingroup gputrimesh
  */

@@ -67,7 +67,7 @@ class GpuTriMeshData {
     dGpuTriMeshDataGetReport(id_, &result);
     return result;
   }
-  /// @returns why the last build failed; empty when it succeeded
+  /// @returns why the last mesh was refused (dGPUTRIMESH_ERROR_MESH); empty after one that was accepted
   std::string error() const { return dGpuTriMeshDataGetErrorString(id_); }
 
   /// A geom that shares this mesh; the caller or the space destroys it, as with any geom.

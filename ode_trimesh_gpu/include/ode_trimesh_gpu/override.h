@@ -75,9 +75,10 @@ OTG_API int dGpuTriMeshOverrideTriMeshWith(int geomClass);
 /**
  * @brief Chooses how dTriMesh geoms collide: those that exist, and those to come.
  *
- * After dGpuTriMeshOverrideTriMesh() a dTriMesh may also have choices of its own: dGeomGpuTriMeshSetParams(),
- * dGeomGpuTriMeshSetBackend(), dGeomGpuTriMeshEnableTC(), dGeomGpuTriMeshSetLastTransform(), the functions of
- * callbacks.h, stats.h and history.h take one.
+ * It replaces the choices of single geoms that were made before. After dGpuTriMeshOverrideTriMesh() a dTriMesh may also
+ * have choices of its own: dGeomGpuTriMeshSetParams(), dGeomGpuTriMeshSetBackend(), dGeomGpuTriMeshEnableTC(),
+ * dGeomGpuTriMeshSetLastTransform(), dGeomGpuTriMeshSetPairCallback(), the functions of stats.h and history.h take one.
+ * The other callbacks of a dTriMesh are set with ODE's own functions, such as dGeomTriMeshSetCallback().
  * @param params  as in dGeomGpuTriMeshSetParams()
  * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT.
  * @remarks Not while another thread collides.
@@ -86,7 +87,7 @@ OTG_API int dGpuTriMeshOverrideTriMeshWith(int geomClass);
 OTG_API int dGpuTriMeshOverrideSetParams(const dGpuTriMeshParams* params);
 
 /**
- * @brief What dGpuTriMeshOverrideSetParams() set last.
+ * @brief What dGpuTriMeshOverrideSetParams() set last; before its first call the defaults of dGpuTriMeshParamsInit().
  * @param params  `params->size` must be sizeof(dGpuTriMeshParams)
  * @returns dGPUTRIMESH_OK, dGPUTRIMESH_ERROR_ARGUMENT.
  * @remarks From any thread and from a near callback.

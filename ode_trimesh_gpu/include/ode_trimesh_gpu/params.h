@@ -97,7 +97,7 @@ typedef struct dGpuTriMeshParams {
   int descent;       /**< dGPUTRIMESH_DESCENT_...; default LARGER */
   int box_axes;      /**< axes of the box test: 6 (default) or 15 */
   int contact_model; /**< dGPUTRIMESH_CONTACTS_...; default AUTO */
-  int reduction;     /**< dGPUTRIMESH_REDUCTION_...; default BINNING */
+  int reduction;     /**< for PAIRWISE and for contacts of shells: dGPUTRIMESH_REDUCTION_...; default BINNING */
   int bins[6];       /**< for BINNING: along x, y, z of position, then of normal; 1 to 64, default 3 */
   int max_contacts;  /**< at most this many for one pair of geoms: 1 to 65535 (default). The caller of dCollide() sets
                         the  other limit by the size of its array. The deepest of every region of contact come first. */

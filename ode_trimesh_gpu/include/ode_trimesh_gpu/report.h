@@ -52,6 +52,10 @@ typedef struct dGpuTriMeshProblem {
 /**
  * @brief Counts and properties of a mesh. Flags are 0 or 1; edges are counted on vertices welded by position,
  * or by index in a solid that touches itself.
+ *
+ * A mesh that is no solid is a sheet if it is oriented, not closed, and has no edge of more than two triangles. A
+ * closed mesh that is wound inward is a body to visitors outside, and a room to those inside. Any other mesh is a
+ * shell.
  * @ingroup gputrimesh
  */
 typedef struct dGpuTriMeshReport {
@@ -69,7 +73,7 @@ typedef struct dGpuTriMeshReport {
   int oriented; /**< neighbours wound the same way */
   int outward;  /**< closed parts face outward, cavities inward */
   int solid;    /**< the mesh has an inside: closed, oriented, outward. Surfaces may touch along edges, which then have
-                     more than two triangles, and the mesh is not `closed`. Otherwise it is a shell */
+                     more than two triangles, and the mesh is not `closed`. Other meshes: see above */
 
   int degenerate_triangles;  /**< triangles without area */
   int duplicate_triangles;   /**< triangles with the vertices of another one */

@@ -21,8 +21,8 @@ typedef struct dGpuTriMeshStats {
   dsizeint size;           /**< sizeof(dGpuTriMeshStats) of your program; set by ...Init */
   duint64 queries;         /**< times that dCollide() came to this geom, and pairs of it in arrays of pairs */
   duint64 failed_queries;  /**< of these, those that gave no contacts because a pose was not finite or not rigid, a mesh
-                              was being changed, a heightfield's heights are not known, or memory was short;
-                              dGpuTriMeshGetError() of the thread says which */
+                              was being changed, a heightfield's heights are not known or make no ground, or memory
+                              was short; dGpuTriMeshGetError() of the thread says which */
   duint64 box_tests;       /**< pairs of boxes compared */
   duint64 candidate_pairs; /**< pairs of triangles whose boxes overlap */
   duint64 intersecting_pairs;        /**< of these, the ones that intersect or touch */
@@ -30,9 +30,10 @@ typedef struct dGpuTriMeshStats {
   duint64 decided_exactly;           /**< of these, the ones that double precision could not decide either */
   duint64 contacts_before_reduction; /**< contacts that were found */
   duint64 contacts;                  /**< handed to callers */
-  duint64 prefetched;                /**< queries whose contacts dGpuTriMeshPrefetch() had ready */
-  duint64 on_device; /**< queries that an OpenCL device computed, in whole or in part. What a device does in one batch
-                        with others counts as query and contacts; the sums above do not have its other numbers */
+  duint64 prefetched; /**< queries whose contacts were ready: of dGpuTriMeshPrefetch(), dGpuTriMeshPrefetchSpaces() or
+                         dGpuTriMeshCollideSpace() */
+  duint64 on_device;  /**< queries that an OpenCL device computed, in whole or in part. What a device does in one batch
+                         with others counts as query and contacts; the sums above do not have its other numbers */
   duint64 device_failures; /**< queries that a device was given and failed to do: the CPU did them */
 } dGpuTriMeshStats;
 

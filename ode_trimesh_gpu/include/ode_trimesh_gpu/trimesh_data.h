@@ -51,7 +51,8 @@ OTG_API void dGpuTriMeshDataDestroy(dGpuTriMeshDataID g);
  * triangles at all is a mesh that touches nothing.
  *
  * Geoms that use the object have the new mesh from now on and are marked as moved (dGeomMoved()). After an error the
- * object keeps the mesh that it had, while report and problems are those of the refused input.
+ * object keeps the mesh that it had. After dGPUTRIMESH_ERROR_MESH report and problems are those of the refused mesh.
+ * After any other error they are left as they were.
  *
  * @param g             the object
  * @param Vertices      x, y, z of each vertex, in the mesh's frame; may be NULL when VertexCount is 0
@@ -379,10 +380,12 @@ OTG_API int dGpuTriMeshDataGetRepairCount(dGpuTriMeshDataID g);
 OTG_API const char* dGpuTriMeshDataGetRepair(dGpuTriMeshDataID g, int Index);
 
 /**
- * @brief Why the last Build or Update of the object failed, in one sentence.
+ * @brief Why the last mesh or cooked mesh that the object was given was refused, in one sentence.
+ *
+ * Build, Update and Uncook set it when they return dGPUTRIMESH_ERROR_MESH or dGPUTRIMESH_ERROR_COOKED, and empty it
+ * when they succeed. Other errors (ARGUMENT, BUSY, MEMORY, FILE) leave it as it was.
  * @param g  the object
- * @returns A string that is never NULL, empty when the last one succeeded; it lives until the next one, or the end of
- * the object.
+ * @returns A string that is never NULL; it lives until the next Build, Update or Uncook, or the end of the object.
  * @remarks May be called from a near callback, but not while another thread changes the object.
  * @ingroup gputrimesh
  */
