@@ -115,8 +115,9 @@ void QueryOptions::addThreadOption(CLI::App& command) {
 
 void QueryOptions::addContactOptions(CLI::App& command) {
   command
-      .add_option("--contacts", contacts,
-                  "Contact model; auto: pairwise if a reduction is named, else solid where that can be")
+      .add_option(
+          "--contacts", contacts,
+          "Contact model; auto: pairwise if a reduction is named, else solid (other meshes: contacts of shells)")
       ->check(CLI::IsMember({"auto", "pairwise", "solid"}));
   command.add_option("--reduction", reduction, "How contacts are reduced")
       ->check(CLI::IsMember({"none", "binning", "cone"}));

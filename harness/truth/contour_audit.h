@@ -15,7 +15,7 @@ struct ContourAudit {
   std::size_t anomalies = 0;   ///< pairs, edges and votes that contradict each other, of all steps
   std::size_t regions = 0;     ///< connected overlaps
   std::size_t badRegions = 0;  ///< of these: surface does not close, or volume is negative
-  bool fallsBack = false;      ///< `solid` refuses the pair and leaves it to `pairwise`
+  bool fallsBack = false;      ///< `solid` refuses the pair, which gets contacts of shells
   std::size_t contacts = 0;    ///< of `solid`
 };
 
