@@ -76,7 +76,8 @@ void reportWinding(std::span<const Vec3f> vertices, std::span<const Triangle> tr
   report.outward = closedComponents > 0 && inward == 0;
   addProblem(report, ProblemKind::kInwardWinding, inward,
              counted(inward, "closed component faces", "closed components face") +
-                 " the wrong way (outer walls must face outward and cavities inward), or enclose no volume.",
+                 " the wrong way (outer walls must face outward and cavities inward), or " +
+                 (inward == 1 ? "encloses" : "enclose") + " no volume.",
              topology.componentCount(), [&](std::uint32_t c) { return topology.componentClosed[c] && !well[c]; });
 }
 
