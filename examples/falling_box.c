@@ -17,7 +17,7 @@ static dGeomID addBox(dSpaceID space, dBodyID body, const float low[3], const fl
   EXPECT(dGpuTriMeshDataBuildSingle(data, vertices, 0, 8, kBoxTriangles, kBoxIndexCount, 0) == dGPUTRIMESH_OK);
   geom = dCreateGpuTriMesh(space, data);
   EXPECT(geom != 0);
-  dGeomSetBody(geom, body); /* 0: it stays where it is */
+  dGeomSetBody(geom, body);     /* 0: it stays where it is */
   dGpuTriMeshDataDestroy(data); /* the geom keeps the mesh */
   return geom;
 }
