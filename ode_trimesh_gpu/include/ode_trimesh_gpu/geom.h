@@ -79,6 +79,8 @@ OTG_API dGpuTriMeshDataID dGeomGpuTriMeshGetData(dGeomID g);
  *          dGPUTRIMESH_ERROR_CLASS. After an error the geom
  *          collides as before.
  * @remarks May be called from a near callback, but not while another thread collides the geom.
+ * @remarks ODE keeps the geom's box until that moves. Where `contact_model` of a mesh that is no solid becomes another
+ * one, set the geom's position again: the box has another margin then (dCreateGpuTriMesh()).
  * @ingroup gputrimesh
  */
 OTG_API int dGeomGpuTriMeshSetParams(dGeomID g, const dGpuTriMeshParams* params);
