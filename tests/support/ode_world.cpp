@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "support/catch.h"
+
 namespace otg::test {
 namespace {
 
@@ -76,6 +78,13 @@ OdeSession::~OdeSession() {
 Data::Data(const scenes::MeshArrays& mesh) : id(dGpuTriMeshDataCreate()) {
   dGpuTriMeshDataBuildSingle(id, mesh.vertices.data(), sizeof(Vec3f), static_cast<int>(mesh.vertices.size()),
                              mesh.triangles.data(), static_cast<int>(3 * mesh.triangles.size()), sizeof(Triangle));
+}
+
+dGpuTriMeshStats statsOf(dGeomID geom) {
+  dGpuTriMeshStats stats;
+  dGpuTriMeshStatsInit(&stats);
+  CHECK(dGeomGpuTriMeshGetStats(geom, &stats) == dGPUTRIMESH_OK);
+  return stats;
 }
 
 void usePairwise(dGeomID geom) {

@@ -49,6 +49,9 @@ class Geom {
 /// Has the geom collide by pairs of triangles, whose contacts can be checked one by one.
 void usePairwise(dGeomID geom);
 
+/// What the geom has counted.
+dGpuTriMeshStats statsOf(dGeomID geom);
+
 /// dCollide into an array of its own.
 std::vector<dContactGeom> collide(dGeomID o1, dGeomID o2, int capacity = 4096, unsigned extraFlags = 0);
 

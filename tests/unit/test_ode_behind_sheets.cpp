@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/vectors.h"
-#include "scenes/convex_geom.h"
+#include "support/bodies.h"
 #include "support/catch.h"
 #include "support/shell_scenes.h"
 
@@ -14,29 +14,7 @@ using namespace otg::test;
 
 namespace {
 
-constexpr double kHalf = 0.15;  // of all bodies, along z
-
-struct Body {
-  std::string name;
-  std::function<dGeomID(dSpaceID)> make;
-};
-
-/// With the data that geoms point to.
-class Bodies {
- public:
-  std::vector<Body> all() const {
-    return {{"ball", [](dSpaceID space) { return dCreateSphere(space, kHalf); }},
-            {"capsule", [](dSpaceID space) { return dCreateCapsule(space, 0.05, 2 * (kHalf - 0.05)); }},
-            {"box", [](dSpaceID space) { return dCreateBox(space, 0.4, 0.3, 2 * kHalf); }},
-            {"cylinder", [](dSpaceID space) { return dCreateCylinder(space, 0.2, 2 * kHalf); }},
-            {"convex", [this](dSpaceID space) { return convex_.makeGeom(space); }},
-            {"mesh", [this](dSpaceID space) { return dCreateGpuTriMesh(space, mesh_.id); }}};
-  }
-
- private:
-  scenes::ConvexData convex_{scenes::makeBox({0.4, 0.3, 2 * kHalf})};
-  Data mesh_{scenes::makeBox({0.4, 0.3, 2 * kHalf})};
-};
+constexpr double kHalf = 0.15, kRound = 0.05;  // of all bodies, along z; of capsules
 
 /// Gravity draws the body up, to the back of what lies above it.
 class Lift {
@@ -74,7 +52,7 @@ struct OnFlatSheet {
   OdeSession session;
   Data data{terrain(4, 5, 0)};
   Geom sheet{data};
-  Bodies bodies;
+  Bodies bodies{kHalf, kRound};
 };
 
 }  // namespace
@@ -82,7 +60,7 @@ struct OnFlatSheet {
 TEST_CASE("bodies that come to a flat sheet from behind rest there") {
   const OdeSession session;
   const Data sheet(terrain(4, 5, 0));
-  const Bodies bodies;
+  const Bodies bodies(kHalf, kRound);
   for (const Body& body : bodies.all()) {
     for (const Vec3d& from : {Vec3d{0.1, 0.2, -0.5}, Vec3d{0.03, -0.31, -0.7}}) {
       Lift lift(body, from);
@@ -98,7 +76,7 @@ TEST_CASE("bodies that come to a flat sheet from behind rest there") {
 TEST_CASE("and on the back of a terrain none gets through or gains height") {
   const OdeSession session;
   const Data ground(terrain(6, 40, 0.03));
-  const Bodies bodies;
+  const Bodies bodies(kHalf, kRound);
   for (const Body& body : bodies.all()) {
     for (int k = 0; k < 6; ++k) {
       Lift lift(body, {-1 + 0.4 * k, 0.3 * k - 0.7, -1.2});

@@ -28,13 +28,6 @@ void setReduction(dGeomID g, int reduction) {
   CHECK(dGeomGpuTriMeshSetParams(g, &params) == dGPUTRIMESH_OK);
 }
 
-dGpuTriMeshStats statsOf(dGeomID g) {
-  dGpuTriMeshStats stats;
-  dGpuTriMeshStatsInit(&stats);
-  CHECK(dGeomGpuTriMeshGetStats(g, &stats) == dGPUTRIMESH_OK);
-  return stats;
-}
-
 }  // namespace
 
 TEST_CASE("contacts say what ODE's contacts say, in world coordinates, at any pose") {

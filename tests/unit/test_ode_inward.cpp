@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/vectors.h"
-#include "scenes/convex_geom.h"
+#include "support/bodies.h"
 #include "support/catch.h"
 #include "support/draw.h"
 #include "support/shell_scenes.h"
@@ -19,34 +19,25 @@ namespace {
 
 constexpr double kHalf = 0.05;  // of all bodies, along z
 
-struct Body {
-  std::string name;
-  std::function<dGeomID(dSpaceID)> make;
-};
-
-/// Of any class, with the data that geoms point to.
-class Bodies {
+/// With meshes that are no solids.
+class MoreBodies {
  public:
   std::vector<Body> all() const {
-    return {{"ball", [](dSpaceID space) { return dCreateSphere(space, kHalf); }},
-            {"capsule", [](dSpaceID space) { return dCreateCapsule(space, 0.02, 2 * (kHalf - 0.02)); }},
-            {"box", [](dSpaceID space) { return dCreateBox(space, 0.4, 0.3, 2 * kHalf); }},
-            {"cylinder", [](dSpaceID space) { return dCreateCylinder(space, 0.2, 2 * kHalf); }},
-            {"convex", [this](dSpaceID space) { return convex_.makeGeom(space); }},
-            {"mesh", [this](dSpaceID space) { return dCreateGpuTriMesh(space, mesh_.id); }},
-            {"open mesh", [this](dSpaceID space) { return dCreateGpuTriMesh(space, open_.id); }},
-            {"mesh wound inward", [this](dSpaceID space) { return dCreateGpuTriMesh(space, inward_.id); }}};
+    std::vector<Body> all = solid_.all();
+    all.push_back({"open mesh", [this](dSpaceID space) { return dCreateGpuTriMesh(space, open_.id); }});
+    all.push_back({"mesh wound inward", [this](dSpaceID space) { return dCreateGpuTriMesh(space, inward_.id); }});
+    return all;
   }
 
  private:
+  Bodies solid_{kHalf, 0.02};
   scenes::MeshArrays box_ = scenes::makeBox({0.4, 0.3, 2 * kHalf});
-  scenes::ConvexData convex_{box_};
-  Data mesh_{box_}, open_{withoutLid(box_, kHalf)}, inward_{turned(box_)};
+  Data open_{withoutLid(box_, kHalf)}, inward_{turned(box_)};
 };
 
 struct OfBodies {
   OdeSession session;
-  Bodies bodies;
+  MoreBodies bodies;
 };
 
 scenes::MeshArrays moved(scenes::MeshArrays mesh, const Vec3f& by) {
@@ -66,13 +57,6 @@ bool isOutside(dGeomID solid, dGeomID body) {
   dGpuTriMeshClosestPoint found;
   REQUIRE(dGeomGpuTriMeshClosestPoint(solid, dGeomGetPosition(body), &found) == dGPUTRIMESH_OK);
   return found.distance > 0;
-}
-
-dGpuTriMeshStats statsOf(dGeomID geom) {
-  dGpuTriMeshStats stats;
-  dGpuTriMeshStatsInit(&stats);
-  CHECK(dGeomGpuTriMeshGetStats(geom, &stats) == dGPUTRIMESH_OK);
-  return stats;
 }
 
 /// A room of side 2, and what pushes a body there along z: the ground's normal, turned round; 0 without contacts.

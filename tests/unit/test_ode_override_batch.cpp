@@ -14,13 +14,6 @@ using namespace otg::test;
 
 namespace {
 
-dGpuTriMeshStats statsOf(dGeomID geom) {
-  dGpuTriMeshStats stats;
-  dGpuTriMeshStatsInit(&stats);
-  CHECK(dGeomGpuTriMeshGetStats(geom, &stats) == dGPUTRIMESH_OK);
-  return stats;
-}
-
 dGpuTriMeshOverrideStats sums() {
   dGpuTriMeshOverrideStats stats;
   dGpuTriMeshOverrideStatsInit(&stats);

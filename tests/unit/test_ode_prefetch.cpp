@@ -17,13 +17,6 @@ bool sameSums(const dGpuTriMeshStats& x, const dGpuTriMeshStats& y) {
          x.contacts_before_reduction == y.contacts_before_reduction && x.contacts == y.contacts;
 }
 
-dGpuTriMeshStats statsOf(dGeomID geom) {
-  dGpuTriMeshStats stats;
-  dGpuTriMeshStatsInit(&stats);
-  CHECK(dGeomGpuTriMeshGetStats(geom, &stats) == dGPUTRIMESH_OK);
-  return stats;
-}
-
 /// Two entangled lumps in a space, whose history matters.
 struct Entangled {
   Data lump{scenes::makeLump(0.5, 3, 0.4, 4)}, box{scenes::makeBox({1, 1, 1}, 3)};

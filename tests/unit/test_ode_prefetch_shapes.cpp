@@ -39,13 +39,6 @@ dGeomID makeShape(Kind kind, dSpaceID space, const scenes::ConvexData& convex) {
   }
 }
 
-dGpuTriMeshStats statsOf(dGeomID geom) {
-  dGpuTriMeshStats stats;
-  dGpuTriMeshStatsInit(&stats);
-  CHECK(dGeomGpuTriMeshGetStats(geom, &stats) == dGPUTRIMESH_OK);
-  return stats;
-}
-
 scenes::MeshArrays hills() {
   scenes::MeshArrays ground =
       scenes::makeGround(8, 1, 24, [](double x, double y) { return 0.25 * std::cos(1.7 * x) * std::cos(1.3 * y); });

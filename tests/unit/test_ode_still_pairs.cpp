@@ -41,13 +41,6 @@ void setParams(dGeomID geom, const std::function<void(dGpuTriMeshParams&)>& chan
   REQUIRE(dGeomGpuTriMeshSetParams(geom, &params) == dGPUTRIMESH_OK);
 }
 
-dGpuTriMeshStats statsOf(dGeomID geom) {
-  dGpuTriMeshStats stats;
-  dGpuTriMeshStatsInit(&stats);
-  REQUIRE(dGeomGpuTriMeshGetStats(geom, &stats) == dGPUTRIMESH_OK);
-  return stats;
-}
-
 }  // namespace
 
 TEST_CASE("a pair that is asked about again where it is has the contacts of one that is asked about once") {
