@@ -27,4 +27,11 @@ void rememberOutside(const Transformd& bInA, SolidHistory& history) {
   history.current.side = -1;
 }
 
+void rememberSideBefore(const SolidHistory::State& before, SolidHistory& history) {
+  if (!history.used || history.before.hasPose || !before.hasPose) return;
+  history.before.pose = before.pose;
+  history.before.hasPose = true;
+  history.before.side = before.side;
+}
+
 }  // namespace otg

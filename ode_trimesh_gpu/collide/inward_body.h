@@ -18,5 +18,8 @@ inline constexpr double kFarFromSide = 4;
 
 /// After a query with that body, for the next one.
 void rememberOutside(const Transformd& bInA, SolidHistory& history);
+/// After any query with such a mesh. `before`: what the side was decided by. Contacts forget sooner, but a query at the
+/// same pose is to decide by the same.
+void rememberSideBefore(const SolidHistory::State& before, SolidHistory& history);
 
 }  // namespace otg

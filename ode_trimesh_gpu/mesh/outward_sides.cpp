@@ -166,6 +166,7 @@ class Mender {
       return rims.size() == 3;
     }
     const auto along = [&](const Rim& rim) { return otgDot(axis, at(rim.vertex) - begin); };
+    const std::size_t most = cuts_.size() + kMostCuts * rims.size();
     std::vector<Rim> sorted = rims;
     std::ranges::sort(sorted, {}, along);
     for (std::size_t k = 0; k < rims.size(); ++k) {
@@ -179,6 +180,7 @@ class Mender {
         cuts_.push_back({rims[k].triangle, from, next.vertex, middle.vertex});
         from = middle.vertex;
       }
+      if (cuts_.size() > most) return false;
     }
     return true;
   }
@@ -215,7 +217,9 @@ class Mender {
     }
   }
 
-  static constexpr std::size_t kMostAtVertex = 8;   ///< rims
+  static constexpr std::size_t kMostAtVertex = 8;  ///< rims
+  static constexpr std::size_t kMostCuts =
+      8;  ///< of a crack for each of its edges; 1 where no side goes back and forth
   static constexpr double kRounding = 4 * 0x1p-23;  ///< of the coordinates
   static constexpr double kMouth = 0.05;            ///< of the area: larger holes may be the mouths of vessels
 

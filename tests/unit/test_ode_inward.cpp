@@ -147,6 +147,41 @@ TEST_CASE_METHOD(Room, "a body that is half through the wall of a room leaves to
   }
 }
 
+TEST_CASE_METHOD(Room, "a body that went far into a wall in one step is on the same side when it is asked again") {
+  for (const Body& body : bodies.all()) {
+    for (const double step : {0.05, 0.08, 0.12, 0.2, 0.3}) {
+      const dGeomID geom = body.make(nullptr);
+      INFO(body.name << ", step " << step);
+      CHECK(pushAt(geom, 3) == 0);
+      CHECK(pushAt(geom, 1.04) > 0.9);
+      const double first = pushAt(geom, 1.04 - step);
+      for (int k = 0; k < 3; ++k) CHECK(pushAt(geom, 1.04 - step) == first);
+      dGeomDestroy(geom);
+    }
+  }
+}
+
+TEST_CASE_METHOD(OfBodies, "a shape that is larger than a mesh wound inward is no visitor of a room") {
+  const scenes::MeshArrays cube = scenes::makeBox({0.4, 0.4, 0.4});
+  const Data outward(cube), inward(turned(cube));
+  const Geom known(outward), tested(inward);
+  const dGeomID plate = dCreateBox(nullptr, 2, 2, 0.05);
+  for (const dGeomID geom : {known.id, tested.id}) {
+    dGpuTriMeshParams params;
+    dGpuTriMeshParamsInit(&params);
+    params.history = dGPUTRIMESH_HISTORY_OFF;
+    REQUIRE(dGeomGpuTriMeshSetParams(geom, &params) == dGPUTRIMESH_OK);
+  }
+  for (int i = 0; i < 40; ++i) {  // also where the plate's middle is in the cube
+    dGeomSetPosition(plate, 0.01 * i, 0.05, -0.22 + 0.01 * i);
+    auto expected = test::collide(known.id, plate);
+    for (dContactGeom& c : expected) c.g1 = tested.id;
+    CHECK(!expected.empty());
+    CHECK(sameContacts(test::collide(tested.id, plate), expected));
+  }
+  dGeomDestroy(plate);
+}
+
 TEST_CASE_METHOD(Room, "bodies fall on the floor of a room, and on its roof, and stay there") {
   for (const Body& body : bodies.all()) {
     for (const double from : {0.3, 1.5}) {

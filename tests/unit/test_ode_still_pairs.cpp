@@ -261,6 +261,61 @@ TEST_CASE("an array of pairs that stay where they are computes nothing from the 
   }
 }
 
+TEST_CASE("a batch in flight whose contacts were kept leaves with a pair what a computed one leaves") {
+  const OdeSession session;
+  const scenes::MeshArrays torus = scenes::makeTorus(0.45, 0.15, 16, 8);
+  int met = 0, apart = 0, kept = 0;
+  for (const scenes::MeshArrays& of : {torus, openBox(), scenes::makeLump(0.5, 2, 0.4, 4)}) {
+    const Data mesh(torus), other(of);
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> step(-0.1, 0.1);
+    for (int i = 0; i < 150; ++i) {
+      const Geom first(mesh), second(other), once(mesh), twin(other);
+      Geom const* const pairs[2][2] = {{&first, &second}, {&once, &twin}};
+      setRandomPose(second.id, random, 0.4);
+      dQuaternion turn;
+      dGeomGetQuaternion(second.id, turn);
+      Vec3d at[3];
+      const dReal* const p = dGeomGetPosition(second.id);
+      at[0] = {p[0], p[1], p[2]};
+      for (int k = 1; k < 3; ++k) {
+        at[k] = {at[k - 1].x + step(random), at[k - 1].y + step(random), at[k - 1].z + step(random)};
+      }
+      std::vector<dContactGeom> last[2];
+      std::size_t inFlight[2];
+      for (int k = 0; k < 2; ++k) {
+        const dGeomID a = pairs[k][0]->id, b = pairs[k][1]->id;
+        const int times = k == 0 ? 3 : 1;  // so often that what is found is kept
+        const auto go = [&](const Vec3d& to) {
+          dGeomSetQuaternion(b, turn);
+          dGeomSetPosition(b, to.x, to.y, to.z);
+        };
+        go(at[0]);
+        for (int t = 0; t < times; ++t) asked(a, b);
+        const dGpuTriMeshPair pair{a, b};
+        PairBatch batch({&pair, 1}, {.capacity = 24});
+        if (batch.isKept(0)) ++kept;
+        CHECK((k == 0 || !batch.isKept(0)));
+        batch.run();
+        go(at[1]);
+        asked(a, b);
+        go(at[2]);
+        for (int t = 0; t < times; ++t) asked(a, b);
+        inFlight[k] = batch.contactCount();
+        batch.remember();
+        last[k] = asked(a, b);
+      }
+      INFO(i);
+      CHECK(inFlight[0] == inFlight[1]);
+      CHECK(sameContacts(last[0], last[1]));
+      (inFlight[0] > 0 ? met : apart) += 1;
+    }
+  }
+  CHECK(met > 200);
+  CHECK(apart > 10);
+  CHECK(kept > met);  // some of those that are apart, too
+}
+
 TEST_CASE("what an array of pairs leaves with a pair ends what was kept of it") {
   // The depths of a body inside another are cut for some queries, and arrays count as such.
   const OdeSession session;

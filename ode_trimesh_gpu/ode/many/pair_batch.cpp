@@ -279,7 +279,7 @@ std::uint8_t PairBatch::ownerOf(std::size_t i) const {
   const PairTask& task = this->task(i);
   if (!wasCollided(task, result(i))) return kNobody;
   const bool changes =
-      task.remembers ? task.isOutside || task.usedHistory() != nullptr : !task.younger().memory.empty();
+      isKept(i) || (task.remembers ? task.isOutside || task.usedHistory() != nullptr : !task.younger().memory.empty());
   static_assert(kOwners <= kNobody);
   return changes ? static_cast<std::uint8_t>(task.younger().serial % kOwners) : kNobody;
 }
@@ -299,7 +299,13 @@ void PairBatch::rememberHistories() {
   dispatcher().runShort(kOwners, kOwners / 8, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = ends[begin]; k < ends[end]; ++k) {
       PairTask& task = blocks_[order[k] / kBlock]->tasks[order[k] % kBlock];
-      task.stamp = rememberPair(task, !result(order[k]).contacts.empty());
+      const std::uint64_t before = task.stamp;
+      if (isKept(order[k]) && before == 0 && !task.isOutside) {  // what other queries have left meanwhile goes
+        task.younger().memory.forget(task.older().serial);
+      } else {
+        task.stamp = rememberPair(task, !result(order[k]).contacts.empty());
+      }
+      if (isKept(order[k])) foundKept(task, before, task.stamp);
     }
   });
 }
@@ -307,12 +313,10 @@ void PairBatch::rememberHistories() {
 void PairBatch::keepResult(std::size_t i) const {
   const PairTask& task = this->task(i);
   const PairResult& result = this->result(i);
-  const bool wasOnHost = wasCollided(task, result) && !result.onDevice && !result.deviceFailed;
-  if (isKept(i)) {
-    foundKept(task, task.stamp);
-  } else if (kinds_[i] == Kind::kJob && wasOnHost && !task.isJoined()) {
-    noteComputed(task, task.stamp, result.contacts, result.counts);
-  }
+  if (kinds_[i] != Kind::kJob || task.isJoined() || !wasCollided(task, result) || result.onDevice ||
+      result.deviceFailed)
+    return;
+  noteComputed(task, task.stamp, result.contacts, result.counts);
 }
 
 void PairBatch::count(const ThreadPool::Work& write) {

@@ -41,11 +41,12 @@ class KeptContacts {
     if (counts != nullptr) *counts = entry.counts;
     return true;
   }
-  /// After find(): what is remembered of the pair has this stamp now.
-  void seen(std::uint64_t key, std::uint64_t stamp) {
+  /// After find(): what is remembered of the pair had the stamp `before`, and has another one now. Something else may
+  /// have been kept since then.
+  void seen(std::uint64_t key, std::uint64_t before, std::uint64_t stamp) {
     const std::lock_guard lock(mutex_);
     const auto it = entries_.find(key);
-    if (it != entries_.end()) it->second.query.stamp = stamp;
+    if (it != entries_.end() && it->second.query.stamp == before) it->second.query.stamp = stamp;
   }
   /// What was computed. `query` as in find(), but with the stamp of what is remembered now. Nothing is kept where
   /// memory is short.

@@ -30,8 +30,9 @@ bool findKept(const PairTask& task, std::vector<Contact>& contacts, PairCounts& 
       contacts, &counts);
 }
 
-void foundKept(const PairTask& task, std::uint64_t stamp) {
-  if (KeptPairs* const kept = task.younger().keptPairs.get(); kept != nullptr) kept->seen(task.older().serial, stamp);
+void foundKept(const PairTask& task, std::uint64_t before, std::uint64_t stamp) {
+  KeptPairs* const kept = task.younger().keptPairs.get();
+  if (kept != nullptr) kept->seen(task.older().serial, before, stamp);
 }
 
 void noteComputed(const PairTask& task, std::uint64_t stamp, std::span<const Contact> contacts,

@@ -14,10 +14,10 @@ class KeptPairs final : public KeptContacts<PairQuery> {};
 /// The contacts of a task that has its history, if they were kept: for as many as it requests, and before
 /// keepOwnContacts(). May throw std::bad_alloc.
 bool findKept(const PairTask& task, std::vector<Contact>& contacts, PairCounts& counts);
-/// At the end of the same query, with the stamp of what is remembered now. Contacts are kept where the geoms remember
-/// pairs, and the CPU has computed them; not where a device is to. Two convex bodies keep their direction, and take
-/// little else.
-void foundKept(const PairTask& task, std::uint64_t stamp);
+/// At the end of the same query, with the stamps of what was remembered before it and is now. Contacts are kept where
+/// the geoms remember pairs, and the CPU has computed them; not where a device is to. Two convex bodies keep their
+/// direction, and take little else.
+void foundKept(const PairTask& task, std::uint64_t before, std::uint64_t stamp);
 void noteComputed(const PairTask& task, std::uint64_t stamp, std::span<const Contact> contacts,
                   const PairCounts& counts);
 

@@ -117,7 +117,7 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
     }
     const std::uint64_t stamp = rememberPair(task, !contacts.empty());
     if (isKnown) {
-      foundKept(task, stamp);
+      foundKept(task, task.stamp, stamp);
     } else if (!ran.onDevice && !ran.deviceFailed) {
       noteComputed(task, stamp, all, counts);
     }

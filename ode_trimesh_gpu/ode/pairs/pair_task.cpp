@@ -294,7 +294,7 @@ void turnInward(PairTask& task) {
   const CollisionMesh &a = *query.a, &b = *query.b;
   if (a.turned() == nullptr && b.turned() == nullptr) return;
   const bool isGroundA = isGround(a.mesh(), b.mesh());
-  const SolidHistory::State before = stateBefore(query, kFarFromSide * smallerSize(query));
+  const SolidHistory::State& before = task.sideBefore.emplace(stateBefore(query, kFarFromSide * smallerSize(query)));
   const CollisionMesh* ofA = a.turned();
   const CollisionMesh* ofB = b.turned();
   if (isGroundA) {
@@ -309,8 +309,10 @@ void turnInward(PairTask& task) {
 
 std::uint64_t rememberPair(const PairTask& task, bool hasContacts) {
   GeomObject &older = task.older(), &younger = task.younger();
-  if (task.isOutside && task.job.query.history != nullptr)
-    rememberOutside(task.job.query.bInA, *task.job.query.history);
+  if (task.sideBefore && task.job.query.history != nullptr) {
+    if (task.isOutside) rememberOutside(task.job.query.bInA, *task.job.query.history);
+    rememberSideBefore(*task.sideBefore, *task.job.query.history);
+  }
   const SolidHistory* const history = task.usedHistory();
   // From which side a body comes to a shell is known only while the two are apart.
   const bool isOver = history != nullptr && !hasContacts && !task.hasLeftOut && !history->current.outlastsContacts();

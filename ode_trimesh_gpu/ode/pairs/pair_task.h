@@ -5,6 +5,7 @@
 #include <ode/collision.h>
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -57,6 +58,7 @@ struct PairTask {
   std::uint64_t stamp = 0;  ///< of what was remembered, 0 for nothing
   bool remembers = false;   ///< both geoms remember pairs with the other's class
   bool isOutside = false;   ///< of the larger mesh, which turnInward() has turned round
+  std::optional<SolidHistory::State> sideBefore;  ///< where a mesh is wound inward: what turnInward() has decided by
   bool hasLeftOut = false;  ///< the query had contacts that belong to other geoms: see keepOwnContacts()
 
   PairTask() = default;

@@ -75,9 +75,14 @@ void keptContacts(PrimitiveTask& task, int most, std::vector<Contact>& out, int&
   if (classOfOther == dConvexClass && task.shape == nullptr) task.shape = shapeOfGeom(task.o2);
   KeptShapes& kept = task.side.object->keptShapes.make();
   const std::uint64_t key = memoryKey(task.o2);
-  const auto query = [&] { return shapeQuery(task); };
+  std::uint64_t before = 0;
+  const auto query = [&] {
+    ShapeQuery now = shapeQuery(task);
+    before = now.stamp;
+    return now;
+  };
   if (kept.find(key, task.other, query, most, out)) {
-    kept.seen(key, task.side.object->memory.renew(key));
+    kept.seen(key, before, task.side.object->memory.renew(key));
     return;
   }
   primitiveContacts(task, most, out, failure);

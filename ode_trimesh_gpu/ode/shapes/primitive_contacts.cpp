@@ -74,7 +74,7 @@ void contactsOf(const PrimitiveTask& task, int most, std::vector<Contact>& out, 
 
 void primitiveContacts(const PrimitiveTask& task, int most, std::vector<Contact>& out, int& failure) {
   contactsOf(task, most, out, failure);
-  rememberOutside(task);
+  rememberSide(task);
 }
 
 }  // namespace otg

@@ -58,30 +58,33 @@ void turnInward(PrimitiveTask& task) {
   if (task.side.object->params.contact_model == dGPUTRIMESH_CONTACTS_PAIRWISE) return;
   if (task.side.join != nullptr || task.side.mesh->turned() == nullptr) return;
   const int classOfOther = dGeomGetClass(task.o2);
-  // What has no middle is no visitor of a room.
+  // What has no middle is no visitor of a room, nor is what is larger.
   const CollisionMesh* body = task.side.mesh->turned();
   if (classOfOther != dPlaneClass && classOfOther != dHeightfieldClass) {
     dReal box[6];
     dGeomGetAABB(task.o2, box);
     const double size = norm(Vec3d{box[1] - box[0], box[3] - box[2], box[5] - box[4]});
-    PrimitiveHistory history(task);
-    SolidHistory::State before;
-    if (history.get() != nullptr) {
-      const double sizeOfMesh = 2 * static_cast<double>(task.side.mesh->mesh().radius());
-      before = stateBefore(*history.get(), poseToRemember(task), {0, 0, 0}, kFarFromSide * std::min(size, sizeOfMesh));
+    const double sizeOfMesh = 2 * static_cast<double>(task.side.mesh->mesh().radius());
+    if (size < sizeOfMesh) {
+      PrimitiveHistory history(task);
+      SolidHistory::State& before = task.sideBefore.emplace();
+      if (history.get() != nullptr) {
+        before = stateBefore(*history.get(), poseToRemember(task), {0, 0, 0}, kFarFromSide * size);
+      }
+      body = bodyFromOutside(*task.side.mesh, before, task.other.t);
+      task.isOutside = body != nullptr;
     }
-    body = bodyFromOutside(*task.side.mesh, before, task.other.t);
-    task.isOutside = body != nullptr;
   }
   if (body != nullptr) task.side.mesh = body;
 }
 
-void rememberOutside(const PrimitiveTask& task) {
-  if (!task.isOutside) return;
+void rememberSide(const PrimitiveTask& task) {
+  if (!task.sideBefore) return;
   PrimitiveHistory history(task);
   if (history.get() == nullptr) return;
-  rememberOutside(poseToRemember(task), *history.get());
-  history.keep(true);
+  if (task.isOutside) rememberOutside(poseToRemember(task), *history.get());
+  rememberSideBefore(*task.sideBefore, *history.get());
+  if (history.get()->used) history.keep(true);
 }
 
 void forgetPrimitive(const PrimitiveTask& task) {

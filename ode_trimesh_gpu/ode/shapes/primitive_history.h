@@ -33,8 +33,8 @@ class PrimitiveHistory {
 /// Puts the body that it is in place of a mesh wound inward (collide/inward_body.h), unless the other geom is inside.
 /// Of the model `solid` alone. May throw std::bad_alloc.
 void turnInward(PrimitiveTask& task);
-/// After a query with that body. May throw std::bad_alloc.
-void rememberOutside(const PrimitiveTask& task);
+/// After the query. May throw std::bad_alloc.
+void rememberSide(const PrimitiveTask& task);
 
 /// Without a query there is nothing to remember.
 void forgetPrimitive(const PrimitiveTask& task);
