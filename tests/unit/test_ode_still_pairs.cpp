@@ -316,6 +316,30 @@ TEST_CASE("a batch in flight whose contacts were kept leaves with a pair what a 
   CHECK(kept > met);  // some of those that are apart, too
 }
 
+TEST_CASE("a batch in flight that keeps nothing of a pair ends what was remembered of it meanwhile") {
+  // The depths of a body inside another are cut for some queries. It is in the hole, where it touches nothing, first.
+  const OdeSession session;
+  const Data ring(scenes::makeTorus(1, 0.6, 24, 12)), inner(scenes::makeTorus(0.1, 0.04, 12, 8));
+  std::vector<dContactGeom> last[3];
+  for (int k = 0; k < 3; ++k) {
+    const Geom ground(ring), body(inner);
+    const int times = k == 0 ? 3 : 1;
+    for (int t = 0; t < times; ++t) CHECK(asked(ground.id, body.id).empty());
+    const dGpuTriMeshPair pair{ground.id, body.id};
+    PairBatch batch({&pair, 1}, {.capacity = 24});
+    CHECK(batch.isKept(0) == (k == 0));
+    batch.run();
+    for (int i = 30; i >= 0; --i) {
+      dGeomSetPosition(body.id, 1, 1e-5 * i, 0);
+      CHECK(!asked(ground.id, body.id).empty());
+    }
+    if (k < 2) batch.remember();
+    last[k] = asked(ground.id, body.id);
+  }
+  CHECK(sameContacts(last[0], last[1]));
+  CHECK(!sameContacts(last[0], last[2]));
+}
+
 TEST_CASE("what an array of pairs leaves with a pair ends what was kept of it") {
   // The depths of a body inside another are cut for some queries, and arrays count as such.
   const OdeSession session;
