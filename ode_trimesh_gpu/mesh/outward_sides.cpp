@@ -130,11 +130,13 @@ class Mender {
     Rim* best = nullptr;
     double most = -1;
     if (way.empty()) return nullptr;
-    for (Rim& rim : std::ranges::equal_range(open, way.back().to, {}, &Rim::from)) {
-      const double straight = std::fabs(otgDot(alongOf(rim), alongOf(way.back())));
-      if (rim.isDone || straight <= most) continue;
+    const std::uint32_t corner = way.back().to;
+    for (auto rim = std::ranges::lower_bound(open, corner, {}, &Rim::from); rim != open.end() && rim->from == corner;
+         ++rim) {
+      const double straight = std::fabs(otgDot(alongOf(*rim), alongOf(way.back())));
+      if (rim->isDone || straight <= most) continue;
       most = straight;
-      best = &rim;
+      best = &*rim;
     }
     return best;
   }

@@ -121,8 +121,7 @@ void assignRegions(const Query& query, Workspace& workspace) {
     distinct = workspace.intersecting;
     for (TrianglePair& pair : distinct) pair = first.of(pair);
     std::ranges::sort(distinct);
-    const auto rest = std::ranges::unique(distinct);
-    distinct.erase(rest.begin(), rest.end());
+    distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
   }
   const std::vector<TrianglePair>& pairs = first.areAll() ? workspace.intersecting : distinct;
   const Topology& topologyA = query.a->mesh().topology();

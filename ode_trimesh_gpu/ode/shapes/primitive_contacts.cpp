@@ -32,10 +32,6 @@ void heldSphere(const PrimitiveTask& task, std::vector<Contact>& out) {
   history.keep(!out.empty());
 }
 
-}  // namespace
-
-namespace {
-
 void contactsOf(const PrimitiveTask& task, int most, std::vector<Contact>& out, int& failure) {
   const int perRegion = task.side.object->params.contacts_per_region;
   switch (dGeomGetClass(task.o2)) {
