@@ -220,8 +220,8 @@ class Mender {
   }
 
   static constexpr std::size_t kMostAtVertex = 8;  ///< rims
-  static constexpr std::size_t kMostCuts =
-      8;  ///< of a crack for each of its edges; 1 where no side goes back and forth
+  /// Of a crack, for each of its edges. One is enough where no side goes back and forth.
+  static constexpr std::size_t kMostCuts = 8;
   static constexpr double kRounding = 4 * 0x1p-23;  ///< of the coordinates
   static constexpr double kMouth = 0.05;            ///< of the area: larger holes may be the mouths of vessels
 
