@@ -444,10 +444,12 @@ void addDeviceBatchRows(const BenchOptions& options, const BatchVersions& scene,
       [&](std::size_t i) { return yes == scene.intersects[i]; }, bits.hex());
   // The same from an array of queries, each with options of its own.
   std::vector<double> times;
-  backend.collideBatch(scene.queries, answer);
+  backend.collideBatch(scene.queries, answer, nullptr, onHost);
   const bool same = hashInOrder(answer) == scene.hashes[0];
   times.reserve(static_cast<std::size_t>(repeat));
-  for (int i = 0; i < repeat; ++i) times.push_back(timeOnce([&] { backend.collideBatch(scene.queries, answer); }));
+  for (int i = 0; i < repeat; ++i) {
+    times.push_back(timeOnce([&] { backend.collideBatch(scene.queries, answer, nullptr, onHost); }));
+  }
   Json row = batchRow(scene, "contacts, queries", "opencl", 1, times, scene.hashes[0], same);
   row["tuning"] = variant.name;
   rows.push_back(row);

@@ -69,7 +69,7 @@ bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, 
       const Stopwatch host(profile);
       bool done = answer.made && takeMade(query, answer.contactsOfRegions, workspace);
       if (answer.made) ++(done ? state_->contactsMade : state_->contactsLeft);
-      if (!done && answer.described) {
+      if (!done && answer.described && !(answer.made && isApart(*answer.contactsOfRegions.head))) {
         if (answer.made) answer.overlap = lane.description();
         done = takeDescribed(query, answer.overlap, workspace);
       }
@@ -78,7 +78,7 @@ bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, 
       if (done) {
         t.reduction = host.ms();
       } else {
-        if (answer.described) answer.found = lane.records();
+        if (answer.described) answer.found = lane.records(answer.found.counters);
         const Taken taken = takeAnswer(query, frame, answer, contacts, workspace);
         rest = taken.rest;
         state_->leftToHost += answer.left ? 1 : 0;

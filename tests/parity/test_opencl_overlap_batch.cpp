@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Batches with pairs of solids whose overlap the device describes: the contacts are the host's, to the last bit.
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <thread>
 
 #include "opencl/runtime/call.h"
@@ -140,6 +142,40 @@ TEST_CASE("what cannot be described in a batch is done by itself") {
   tuning = describing();
   tuning.doubles = false;
   CHECK(checkDescribed(*openBackend(tuning), queries, expected) == 0);
+}
+
+TEST_CASE("any number of small regions is described beside large ones") {
+  // A dome among bumps of different heights, under a plate. Pairs with more than eight regions went to the host.
+  const auto bumps = [](double x, double y) {
+    return (0.12 + 0.02 * x) * std::cos(9 * x) * std::cos(9 * y) + 0.3 * std::exp(-4 * (x * x + y * y));
+  };
+  const auto ground = collisionMesh(makeGround(4, 1, 96, bumps)), plate = collisionMesh(makeBox({3, 3, 0.4}, 40));
+  Draw draw(12);
+  std::vector<Query> queries;
+  std::size_t many = 0;
+  while (queries.size() < 40) {
+    const Vec3d place{draw.uniform(-0.3, 0.3), draw.uniform(-0.3, 0.3), draw.uniform(0.26, 0.3)};
+    const double angle = draw.uniform(0, 0.01);
+    Query query = makeQuery(*ground, *plate, makePose(draw.direction(), angle, place));
+    query.options.contacts = ContactModel::kSolid;
+    query.options.maxContacts = 400;
+    Workspace workspace;
+    collide(query, workspace);
+    if (workspace.stats.unevenRegions > 0) continue;  // the host's
+    const HostOverlap found(query);
+    const auto large = std::count_if(found.regions.regions.begin(), found.regions.regions.end(),
+                                     [](const Region& region) { return region.cellEnd > region.cellBegin; });
+    if (large == 0) continue;
+    many += found.regions.regions.size() >= 20 ? 1 : 0;
+    queries.push_back(query);
+  }
+  CHECK(many >= 20);
+  const auto backend = openBackend(describing());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  CHECK(checkDescribed(*backend, queries, onHost(queries)) == queries.size());
+  CHECK(backend->counts().describedInVain == 0);
+  CHECK(backend->counts().contactsMade == queries.size());
 }
 
 TEST_CASE("pairs of a batch whose own kernels find them at odds are described") {

@@ -49,7 +49,7 @@ class Whole {
   const OverlapRegions& regions() const { return regions_; }
   bool isPlain() const {
     return contour_.anomalies + inside_.anomalies + regions_.anomalies == 0 &&
-           roots_.size() == regions_.regions.size() && roots_.size() <= OTG_OVERLAP_REGIONS;
+           roots_.size() == regions_.regions.size() && count(true) <= OTG_OVERLAP_REGIONS;
   }
   bool isLarge(const Region& region) const { return region.cellEnd > region.cellBegin; }
   std::size_t count(bool large) const {
@@ -61,8 +61,8 @@ class Whole {
   otg_overlap_state head() const {
     otg_overlap_state head{};
     head.counts[OTG_OVERLAP_REGION_COUNT] = static_cast<otg_uint>(regions_.regions.size());
-    for (std::size_t r = 0; r < regions_.regions.size(); ++r) {
-      head.regions[r].load = isLarge(regions_.regions[r]) ? kLargeRegion + 1 : 1;
+    for (const Region& region : regions_.regions) {
+      if (isLarge(region)) head.regions[head.counts[OTG_OVERLAP_LARGE]++].first = region.first;
     }
     head.origin[0] = regions_.origin.x;
     head.origin[1] = regions_.origin.y;
@@ -197,10 +197,14 @@ TEST_CASE("small regions are described from their hits as with all others") {
     const std::vector<otg_found_inside> said = whole.said(kinds);
     REQUIRE(describeSmall(whole.meshes(), whole.head(), said, small));
     REQUIRE(small.regions.regions.size() == whole.count(false));
+    const std::vector<FoundRegion> order = regionsInOrder(whole.head(), small);
+    REQUIRE(order.size() == whole.regions().regions.size());
     std::size_t next = 0;
     for (const Region& all : whole.regions().regions) {
-      if (whole.isLarge(all)) continue;
-      const Region& own = small.regions.regions[next++];
+      const FoundRegion& place = order[next++];
+      REQUIRE(place.isLarge == whole.isLarge(all));
+      if (place.isLarge) continue;
+      const Region& own = small.regions.regions[place.number];
       const auto part = [](const auto& list, std::uint32_t begin, std::uint32_t end) {
         return std::span(list.data() + begin, list.data() + end);
       };

@@ -51,7 +51,7 @@ typedef struct {
   otg_uint pieceCount[2];
   otg_uint place;       ///< OTG_OVERLAP_REGIONS for each pair; OTG_NOT_THERE: none
   otg_uint status;      ///< OTG_FOUND_*, as far as pieces show
-  otg_uint pointFlags;  ///< OTG_REGION_CORNERS, OTG_REGION_BAD
+  otg_uint pointFlags;  ///< OTG_REGION_CORNERS, OTG_REGION_BAD, and OTG_REGION_UNEVEN with it
   otg_uint unused[4];
 } otg_region_work;
 
@@ -63,7 +63,8 @@ enum {
   OTG_FOUND_ENTANGLED = 8,
   OTG_FOUND_DEEP = 16,
   OTG_FOUND_TURNS = 32,  ///< directions around the best were not looked at, and have to be
-  OTG_FOUND_BAD = 64     ///< the CPU has to do it, or the arena was too small
+  OTG_FOUND_BAD = 64,    ///< the CPU has to do it, or the arena was too small
+  OTG_FOUND_APART = 128  ///< and describes it by its single triangles: the description is of no use
 };
 typedef struct {
   double direction[3];  ///< as RegionDirection

@@ -13,7 +13,7 @@ namespace otg {
 /// Lanes that look at one cluster together: one to a vertex.
 #define OTG_CLUSTER_LANES 16
 
-#define OTG_OVERLAP_REGIONS 8  ///< more regions than this are left to the CPU
+#define OTG_OVERLAP_REGIONS 8  ///< pairs with more large regions than this are left to the CPU
 
 /// A crossing of an edge with a triangle of the other mesh, in a hash table. While `key` is 0 the slot is free.
 typedef struct {
@@ -160,7 +160,7 @@ typedef struct {
 #define OTG_FOUND_EDGE 0xc0000000u
 #define OTG_BEHIND_BITS 15
 
-/// What is known of a region. Regions of a pair are numbered in any order; `first` gives theirs.
+/// What is known of a large region. Those of a pair are numbered in any order; `first` gives theirs.
 typedef struct {
   otg_ulong first;      ///< triangles of its smallest chord
   double lo[3], hi[3];  ///< relative to the origin
@@ -173,11 +173,11 @@ enum {
   OTG_OVERLAP_CROSSINGS = 0,
   OTG_OVERLAP_INTERSECTING = 1,
   OTG_OVERLAP_CHORDS = 2,
-  OTG_OVERLAP_REGION_COUNT = 3,
-  OTG_OVERLAP_VERTICES = 4,  ///< inside, in clusters with a crossed edge
-  OTG_OVERLAP_CLUSTERS = 5,  ///< inside, the others
-  OTG_OVERLAP_CELLS = 6,     ///< in the results: all
-  OTG_OVERLAP_SMALL = 7,     ///< hits of small regions, and what else the CPU needs of these
+  OTG_OVERLAP_REGION_COUNT = 3,  ///< large and small ones
+  OTG_OVERLAP_VERTICES = 4,      ///< inside, in clusters with a crossed edge
+  OTG_OVERLAP_CLUSTERS = 5,      ///< inside, the others
+  OTG_OVERLAP_CELLS = 6,         ///< in the results: all
+  OTG_OVERLAP_SMALL = 7,         ///< hits of small regions, and what else the CPU needs of these
   OTG_OVERLAP_POINTS = 8,
   OTG_OVERLAP_WHY = 9,           ///< OTG_SOLID_*: the CPU has to do the pair
   OTG_OVERLAP_DONE = 10,         ///< work-groups of the last kernel that are through
@@ -185,6 +185,7 @@ enum {
   OTG_OVERLAP_MOST_POINTS = 12,  ///< so many candidates will be the deepest of their key, at most
   OTG_OVERLAP_AT_ODDS = 13,      ///< 1: crossings of an edge or votes contradict each other
   OTG_OVERLAP_MIXED = 14,        ///< clusters with a crossed edge
+  OTG_OVERLAP_LARGE = 15,        ///< large regions
   OTG_OVERLAP_COUNTS = 16
 };
 
@@ -195,12 +196,13 @@ typedef struct {
   otg_ulong first;                       ///< triangles of the smallest chord, inverted
   double origin[3];
   otg_uint firstUnit;  ///< of its results
-  otg_uint corners;    ///< a bit for each region that goes round an inner corner, as Region::roundCorner
+  otg_uint corners;    ///< a bit for each large region that goes round an inner corner, as Region::roundCorner
   otg_uint unused[2];
   /// By mesh, a bit for each of its closed components: set if it has a chord. Not of solids of one component.
   otg_uint crossedParts[2][OTG_SOLID_MOST_PARTS / 32];
+  // Of large regions:
   otg_uint roots[OTG_OVERLAP_REGIONS];
-  otg_uint cells[OTG_OVERLAP_REGIONS];            ///< of large regions: how many there are
+  otg_uint cells[OTG_OVERLAP_REGIONS];            ///< how many there are
   double up[OTG_OVERLAP_REGIONS][3];              ///< in which A is pushed, as far as the regions' surfaces show
   otg_found_region regions[OTG_OVERLAP_REGIONS];  ///< in the results
 } otg_overlap_state;

@@ -189,13 +189,14 @@ OTG_INLINED void otgGiveUpUneven(__local otg_candidate_scratch* s, const otg_fou
   if (l->head->regions[l->region].load > OTG_SOLID_MOST_UNEVEN) return;
   if (w->coherence < OTG_SOLID_COHERENT) {
     const int isLayered = otgIsLayered_d(w->thickness, w->diagonal, w->region->areaA, w->region->areaB);
-    if (get_local_id(0) == 0 && isLayered) atomic_or(&r->pointFlags, OTG_REGION_BAD);
+    if (get_local_id(0) == 0 && isLayered) atomic_or(&r->pointFlags, OTG_REGION_BAD | OTG_REGION_UNEVEN);
     OTG_SYNC;
     return;
   }
   const int roundCorner = l->head->corners >> l->region & 1;
   const double extent = otgExtentOfRegion(&s->extent, l, mesh, w->mean);
-  if (get_local_id(0) == 0 && (roundCorner || otgIsUneven_d(extent, w->thickness))) atomic_or(&r->pointFlags, OTG_REGION_BAD);
+  const int isUneven = roundCorner || otgIsUneven_d(extent, w->thickness);
+  if (get_local_id(0) == 0 && isUneven) atomic_or(&r->pointFlags, OTG_REGION_BAD | OTG_REGION_UNEVEN);
   OTG_SYNC;
 }
 

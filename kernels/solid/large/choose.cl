@@ -93,7 +93,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapChoo
       }
     }
   } else if (status & OTG_FOUND_COUNTS) {
-    status |= OTG_FOUND_BAD;
+    status |= OTG_FOUND_BAD | (r->pointFlags & OTG_REGION_UNEVEN ? OTG_FOUND_APART : 0);
   }
   if (lane == 0) {
     __global otg_contacts_head* head =

@@ -50,10 +50,9 @@ OTG_INLINED otg_found_lists otgListsOf(__global const uchar* out, uint pairs, ui
 OTG_INLINED otg_found_lists otgListsFor(__global const uchar* out, __global const otg_overlap_task* tasks, uint place) {
   return otgListsOf(out, tasks->pairs, tasks->unitRoom, tasks->tableRoom, place);
 }
-/// Whether the region is there, and is described by cells.
+/// Whether the pair has so many large regions.
 OTG_INLINED int otgIsLargeRegion(const otg_found_lists* l) {
-  return l->works && l->region < min(l->head->counts[OTG_OVERLAP_REGION_COUNT], (uint)OTG_OVERLAP_REGIONS) &&
-         l->head->regions[l->region].load > OTG_SOLID_LARGE_REGION;
+  return l->works && l->region < min(l->head->counts[OTG_OVERLAP_LARGE], (uint)OTG_OVERLAP_REGIONS);
 }
 
 OTG_INLINED __global otg_region_work* otgRegionAt(__global uchar* arena, uint slot) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the last kernels of an overlap know of its regions, in local memory.
+// What the last kernels of an overlap know of its large regions, in local memory.
 #ifndef OTG_OVERLAP_GRID_H
 #define OTG_OVERLAP_GRID_H
 #include "solid/large/mesh.h"
 
 typedef struct {
   uint root;
-  uint isLarge;   ///< described by cells, for which there is room
+  uint hasTable;  ///< there is room for its cells
   size_t places;  ///< then: where its own begin in the tables of cells, their lists, and depths
   otg_vec3_d lo, hi, up;
   double pieceScale, pointScale;  ///< cells for one unit of length
@@ -22,7 +22,7 @@ typedef struct {
 /// All lanes call it. `tableRoom`: tables that there are.
 OTG_INLINED void otgLoadRegions(__local otg_overlap_regions* l, __global const otg_overlap_state* state,
                                 __global const otg_crossing* crossings, uint tableRoom) {
-  const uint lane = get_local_id(0), count = min(state->counts[OTG_OVERLAP_REGION_COUNT], (uint)OTG_OVERLAP_REGIONS);
+  const uint lane = get_local_id(0), count = min(state->counts[OTG_OVERLAP_LARGE], (uint)OTG_OVERLAP_REGIONS);
   const otg_vec3_d origin = otgLoad(state->origin), zero = otgVec_d(0, 0, 0);
   if (lane < count) {
     __local otg_overlap_region* r = l->region + lane;
@@ -34,7 +34,7 @@ OTG_INLINED void otgLoadRegions(__local otg_overlap_regions* l, __global const o
     const double diagonal = otgNorm_d(otgSub_d(hi, lo));
     const int terms = otgTermBits(c->load), area = otgBitsOf(as_double(c->largest));
     r->root = root;
-    r->isLarge = c->load > OTG_SOLID_LARGE_REGION && c->table < tableRoom;
+    r->hasTable = c->table < tableRoom;
     r->places = (size_t)c->table * OTG_GRID_KEYS;
     r->lo = lo;
     r->hi = hi;
@@ -51,7 +51,7 @@ OTG_INLINED void otgLoadRegions(__local otg_overlap_regions* l, __global const o
   barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-/// The number of a root's region; OTG_NOT_THERE where there are too many.
+/// The number of a root's region; OTG_NOT_THERE if it is a small one.
 OTG_INLINED uint otgNumberOf(__local const otg_overlap_regions* l, uint root) {
   for (uint r = 0; r < l->count; ++r) {
     if (l->region[r].root == root) return r;

@@ -91,13 +91,13 @@ OTG_INLINED void otgOfferAll(const otg_offers* s) {
   const uint count = s->state->counts[OTG_OVERLAP_CROSSINGS];
   for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
     const uint r = otgNumberOf(s->regions, otgRegionOf(o, o->slots[i]));
-    if (r != OTG_NOT_THERE && s->regions->region[r].isLarge) otgOfferStretch(s, r, o->slots[i]);
+    if (r != OTG_NOT_THERE && s->regions->region[r].hasTable) otgOfferStretch(s, r, o->slots[i]);
   }
   const uint vertexCount = s->state->counts[OTG_OVERLAP_VERTICES];
   for (uint i = otgIdFromTheEnd(); i < vertexCount; i += get_global_size(0)) {
     const uint r = otgNumberOf(s->regions, o->vertices[i].region), mesh = o->vertices[i].what & 1,
                v = o->vertices[i].what >> 1;
-    if (r == OTG_NOT_THERE || !s->regions->region[r].isLarge) continue;
+    if (r == OTG_NOT_THERE || !s->regions->region[r].hasTable) continue;
     const otg_vec3_d x = otgSub_d(otgVertexAt(&o->mesh[mesh].solid, v), s->regions->origin);
     otgOfferVertex(s, r, mesh, v, x, x);
   }
@@ -105,7 +105,7 @@ OTG_INLINED void otgOfferAll(const otg_offers* s) {
   for (uint i = otgIdFromHalf() / OTG_CLUSTER_LANES; i < clusterCount; i += get_global_size(0) / OTG_CLUSTER_LANES) {
     const uint r = otgNumberOf(s->regions, o->clusters[i].region), mesh = o->clusters[i].what & 1;
     const uint cluster = o->clusters[i].what >> 1;
-    if (r == OTG_NOT_THERE || !s->regions->region[r].isLarge) continue;
+    if (r == OTG_NOT_THERE || !s->regions->region[r].hasTable) continue;
     __local const otg_overlap_mesh* m = &o->mesh[mesh];
     __global const float4* c = m->clusters + OTG_CLUSTER_UNITS * cluster;
     otg_vec3_d lo, hi;
@@ -183,7 +183,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapPlac
   if (i < count) states[i].firstUnit = atomic_add(&totals->units, otgUnitsOfState(states + i));
 }
 
-/// What the host gets to know of a region.
+/// What the host gets to know of a large region.
 OTG_INLINED void otgReportRegion(__global otg_found_region* found, __global const otg_crossing* root,
                                  __local const otg_overlap_region* region) {
   found->first = root->first;

@@ -274,8 +274,14 @@ OTG_INLINED void otgClearShare(otg_share* s, uint root) {
   for (uint k = 0; k < 8; ++k) s->most[k] = 0;
 }
 
-/// Hands a share on to its region. Whoever makes that a large one takes its table.
-OTG_INLINED void otgHandIn(OTG_OVERLAP* o, const otg_share* s, __global otg_overlap_totals* totals) {
+/// What shares are handed in to.
+typedef struct {
+  __global otg_overlap_state* state;
+  __global otg_overlap_totals* totals;
+} otg_counted;
+
+/// Hands a share on to its region. Whoever makes that a large one gives it its number and its table.
+OTG_INLINED void otgHandIn(OTG_OVERLAP* o, const otg_share* s, const otg_counted* counted) {
   if (s->root == OTG_NOT_THERE) return;
   __global otg_crossing* root = o->crossings + s->root;
   // As a rule another lane was there already. That is looked at first, and all at once.
@@ -296,15 +302,20 @@ OTG_INLINED void otgHandIn(OTG_OVERLAP* o, const otg_share* s, __global otg_over
   if (s->most[OTG_SHARE_LARGEST] > known[OTG_SHARE_LARGEST]) atom_max(&root->largest, s->most[OTG_SHARE_LARGEST]);
   if (s->load == 0) return;
   const uint before = atomic_add(&root->load, s->load);
-  if (before <= OTG_SOLID_LARGE_REGION && before + s->load > OTG_SOLID_LARGE_REGION) {
-    root->table = atomic_inc(&totals->tables);
+  if (before > OTG_SOLID_LARGE_REGION || before + s->load <= OTG_SOLID_LARGE_REGION) return;
+  const uint number = atomic_inc(counted->state->counts + OTG_OVERLAP_LARGE);
+  if (number < OTG_OVERLAP_REGIONS) {
+    counted->state->roots[number] = s->root;
+    root->table = atomic_inc(&counted->totals->tables);
+  } else {
+    otgGiveUpOverlap(counted->state, OTG_SOLID_TOO_MANY);
   }
 }
 
 /// Makes a share that of a region. Lanes seldom go from one to another.
-OTG_INLINED void otgTurnTo(OTG_OVERLAP* o, otg_share* s, uint root, __global otg_overlap_totals* totals) {
+OTG_INLINED void otgTurnTo(OTG_OVERLAP* o, otg_share* s, uint root, const otg_counted* counted) {
   if (s->root == root) return;
-  otgHandIn(o, s, totals);
+  otgHandIn(o, s, counted);
   otgClearShare(s, root);
 }
 
@@ -329,7 +340,7 @@ typedef struct {
 
 /// Hands the shares of all lanes in: together those of one region, which is that of most as a rule. All lanes call it.
 OTG_INLINED void otgHandInAll(__local otg_share_scratch* l, OTG_OVERLAP* o, otg_share* s,
-                              __global otg_overlap_totals* totals) {
+                              const otg_counted* counted) {
   const uint lane = get_local_id(0);
   if (lane == 0) l->root = OTG_NOT_THERE;
   barrier(CLK_LOCAL_MEM_FENCE);
@@ -337,7 +348,7 @@ OTG_INLINED void otgHandInAll(__local otg_share_scratch* l, OTG_OVERLAP* o, otg_
   barrier(CLK_LOCAL_MEM_FENCE);
   const uint root = l->root;
   if (s->root != root) {
-    otgHandIn(o, s, totals);
+    otgHandIn(o, s, counted);
     otgClearShare(s, root);
   }
   OTG_UNROLLED(8)
@@ -354,7 +365,7 @@ OTG_INLINED void otgHandInAll(__local otg_share_scratch* l, OTG_OVERLAP* o, otg_
   if (lane != 0) return;
   for (uint k = 0; k < 8; ++k) s->most[k] = l->most[k][0];
   s->load = l->load[0];
-  otgHandIn(o, s, totals);
+  otgHandIn(o, s, counted);
 }
 
 /// The place for what a lane has to list, in a list that work-groups take parts of. All lanes call it.
@@ -377,6 +388,9 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegi
   __local otg_share_scratch scratch;
   __global otg_overlap_state* state = states + get_group_id(1);
   otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, hits, parents, marks, 0, inside, 0));
+  otg_counted counted;
+  counted.state = state;
+  counted.totals = totals;
   otg_share share;
   otgClearShare(&share, OTG_NOT_THERE);
   const uint count = state->counts[OTG_OVERLAP_CROSSINGS];
@@ -389,23 +403,17 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegi
     const uint slot = o.slots[i], root = otgFindRoot(&o, slot);
     const uint previous = o.crossings[slot].previous;
     otgSetRoot(&o, slot, root);
-    otgTurnTo(&o, &share, root, totals);
+    otgTurnTo(&o, &share, root, &counted);
     otgInclude(&share, otgLoad(o.crossings[slot].point));
     if (previous != OTG_NOT_THERE && otgFindRoot(&o, previous) != root) state->counts[OTG_OVERLAP_SHARED] = 1;
-    if (root != slot) continue;
-    const uint place = atomic_inc(state->counts + OTG_OVERLAP_REGION_COUNT);
-    if (place < OTG_OVERLAP_REGIONS) {
-      state->roots[place] = slot;
-    } else {
-      otgGiveUpOverlap(state, OTG_SOLID_TOO_MANY);
-    }
+    if (root == slot) atomic_inc(state->counts + OTG_OVERLAP_REGION_COUNT);
   }
   for (uint i = otgIdFromTheEnd(); i < o.hitCount; i += get_global_size(0)) {
     const otg_overlap_hit hit = o.hits[i];
     if (hit.a == OTG_NOT_THERE || hit.start == OTG_NOT_THERE) continue;
     const uint root = otgFindRoot(&o, hit.start);
     const ulong key = (ulong)hit.a << 32 | hit.b;
-    otgTurnTo(&o, &share, root, totals);
+    otgTurnTo(&o, &share, root, &counted);
     otgAddMost(&share, OTG_SHARE_FIRST, ~key);
     ++share.load;
     for (uint mesh = 0; mesh < 2; ++mesh) {
@@ -438,7 +446,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegi
     if (!isMixed && lane == 0) {
       otgSetRoot(&o, element, ofCluster);
       ++clusterCount;
-      otgTurnTo(&o, &share, ofCluster, totals);
+      otgTurnTo(&o, &share, ofCluster, &counted);
       share.load += end - first;
       const double area = ((__global const double*)(m->clusters + OTG_CLUSTER_UNITS * cluster + 2))[3];
       otgAddMost(&share, OTG_SHARE_LARGEST, as_ulong(area));
@@ -449,7 +457,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegi
       if (root >= o.sizes.slots) continue;
       otgSetRoot(&o, otgVertexElement(&o, mesh, v), root);
       const otg_vec3_d p = otgVertexAt(&m->solid, v);
-      otgTurnTo(&o, &share, root, totals);
+      otgTurnTo(&o, &share, root, &counted);
       otgInclude(&share, p);
       if (!otgInBounds(&o.mesh[1 - mesh].solid, p)) otgGiveUpOverlap(state, OTG_SOLID_BROKEN);
       if (!isMixed) continue;
@@ -458,7 +466,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapRegi
       otgAddMost(&share, OTG_SHARE_LARGEST, as_ulong(m->stars[4 * (size_t)v + 3]));
     }
   }
-  otgHandInAll(&scratch, &o, &share, totals);
+  otgHandInAll(&scratch, &o, &share, &counted);
   // The same way once more, now that it is known how much each has to list.
   uint vertexPlace = otgPlaceInList(&scratch, vertexCount, state->counts + OTG_OVERLAP_VERTICES, 0);
   uint clusterPlace = otgPlaceInList(&scratch, clusterCount, state->counts + OTG_OVERLAP_CLUSTERS, 1);

@@ -164,7 +164,7 @@ OTG_INLINED void otgAddClipped(const otg_surface* s, uint mesh, uint triangle, u
     int touches = 0;
     for (uint k = 0; k < 3; ++k) touches |= t.root[k] == root;
     for (uint i = 0; i < t.chords && !touches; ++i) touches = t.region[i] == root;
-    if (!touches || !s->regions->region[r].isLarge) continue;
+    if (!touches || !s->regions->region[r].hasTable) continue;
     const otg_outline outline = otgOutlineOf(s, &t, root);
     const double area = outline.any ? 0.5 * otgDot_d(outline.sum, normal) : 0;
     if (area > 0) {  // else nothing, or a sliver turned over
@@ -216,8 +216,7 @@ OTG_INLINED void otgListSmall(const otg_surface* s, otg_found_inside found) {
 
 /// Whether the region of a root is left to the CPU, which describes all such regions from their hits alone.
 OTG_INLINED int otgIsSmall(const otg_surface* s, uint root) {
-  const uint r = otgNumberOf(s->regions, root);
-  return r != OTG_NOT_THERE && !s->regions->region[r].isLarge;
+  return otgNumberOf(s->regions, root) == OTG_NOT_THERE;
 }
 
 /// What the CPU cannot know of the triangle of B of a hit of a small region: where among clipped triangles it comes.
@@ -309,9 +308,6 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapSurf
   __global otg_overlap_state* state = states + get_group_id(1);
   otgTakePair(&o, meshes, pairs, otgArrays(crossings, slots, hits, parents, marks, 0, inside, small));
   otgLoadRegions(&regions, state, o.crossings, tableRoom);
-  // Where a crossing lies nowhere its edge has no order. That pair was given up; its surface is not needed, and
-  // following its edges would not end.
-  const int works = state->counts[OTG_OVERLAP_WHY] == 0;
   otg_surface s;
   s.o = &o;
   s.regions = &regions;
@@ -319,33 +315,28 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapSurf
   s.cellList = cellList;
   s.state = state;
   for (uint r = 0; r < regions.count; ++r) {
-    const uint keys = regions.region[r].isLarge ? OTG_GRID_KEYS : 0;
+    const uint keys = regions.region[r].hasTable ? OTG_GRID_KEYS : 0;
     for (uint i = get_global_id(0); i < keys; i += get_global_size(0)) depths[regions.region[r].places + i] = 0;
   }
+  // Where a crossing lies nowhere its edge has no order. That pair was given up; its surface is not needed, and
+  // following its edges would not end.
+  if (state->counts[OTG_OVERLAP_WHY] != 0) return;
   for (uint i = get_global_id(0); i < 2 * o.hitCount; i += get_global_size(0)) {
     const uint mesh = i & 1;
     const otg_overlap_hit hit = o.hits[i >> 1];
     if (hit.a == OTG_NOT_THERE || hit.start == OTG_NOT_THERE) continue;
-    if (mesh == 0) {
-      const uint r = otgNumberOf(&regions, otgRegionOf(&o, hit.start));
-      if (r != OTG_NOT_THERE && !regions.region[r].isLarge) {
-        otg_found_inside found;
-        found.what = hit.a;
-        found.region = hit.b;
-        otgListSmall(&s, found);
-        otgNoteTriangle(&s, hit);
-      }
+    if (mesh == 0 && otgIsSmall(&s, otgRegionOf(&o, hit.start))) {
+      otg_found_inside found;
+      found.what = hit.a;
+      found.region = hit.b;
+      otgListSmall(&s, found);
+      otgNoteTriangle(&s, hit);
     }
     const uint triangle = mesh == 0 ? hit.a : hit.b;
-    if (works && *otgTriangleMark(&o, mesh, triangle) == (i >> 1) + 1) otgAddClipped(&s, mesh, triangle, (i >> 1) + 1);
+    if (*otgTriangleMark(&o, mesh, triangle) == (i >> 1) + 1) otgAddClipped(&s, mesh, triangle, (i >> 1) + 1);
   }
-  if (!works) return;
-  int anySmall = 0, anyLarge = 0;
-  for (uint r = 0; r < regions.count; ++r) {
-    anySmall |= !regions.region[r].isLarge;
-    anyLarge |= regions.region[r].isLarge != 0;
-  }
-  const int isMixed = anySmall && anyLarge && (state->counts[OTG_OVERLAP_SHARED] || state->counts[OTG_OVERLAP_AT_ODDS]);
+  const int isMixed = regions.count > 0 && regions.count < state->counts[OTG_OVERLAP_REGION_COUNT] &&
+                      (state->counts[OTG_OVERLAP_SHARED] || state->counts[OTG_OVERLAP_AT_ODDS]);
   const uint crossingCount = isMixed ? state->counts[OTG_OVERLAP_CROSSINGS] : 0;
   for (uint i = get_global_id(0); i < crossingCount; i += get_global_size(0)) {
     if (!otgNoteBehind(&s, o.slots[i])) otgGiveUpOverlap(state, OTG_SOLID_BROKEN);
@@ -353,13 +344,13 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapSurf
   const uint vertexCount = state->counts[OTG_OVERLAP_VERTICES];
   for (uint i = otgIdFromTheEnd(); i < vertexCount; i += get_global_size(0)) {
     const uint r = otgNumberOf(&regions, o.vertices[i].region);
-    if (r == OTG_NOT_THERE || !regions.region[r].isLarge) continue;
+    if (r == OTG_NOT_THERE || !regions.region[r].hasTable) continue;
     otgAddStar(&s, r, o.vertices[i].what & 1, o.vertices[i].what >> 1);
   }
   const uint clusterCount = state->counts[OTG_OVERLAP_CLUSTERS], lane = get_global_id(0) % OTG_CLUSTER_LANES;
   for (uint i = otgIdFromHalf() / OTG_CLUSTER_LANES; i < clusterCount; i += get_global_size(0) / OTG_CLUSTER_LANES) {
     const uint r = otgNumberOf(&regions, o.clusters[i].region);
-    if (r == OTG_NOT_THERE || !regions.region[r].isLarge) continue;
+    if (r == OTG_NOT_THERE || !regions.region[r].hasTable) continue;
     otgAddCluster(&s, r, o.clusters[i].what & 1, o.clusters[i].what >> 1, lane);
   }
 }

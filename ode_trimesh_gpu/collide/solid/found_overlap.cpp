@@ -31,11 +31,13 @@ class Taker {
     out_.extents.query = &meshes_.query();
     out_.anomalies = 0;
     if (!describeSmall(meshes_, *found_.head, found_.small, small_)) return false;
-    std::size_t nextSmall = 0;
-    for (const std::uint32_t r : regionsInOrder(*found_.head)) {
-      const otg_found_region& region = found_.head->regions[r];
-      isSmallRegion(region) ? copySmall(nextSmall++) : takeLarge(r);
-      if (!isSmallRegion(region) && needsTriangles(out_, out_.regions.back(), region.load)) return false;
+    for (const FoundRegion& region : regionsInOrder(*found_.head, small_)) {
+      if (!region.isLarge) {
+        copySmall(region.number);
+        continue;
+      }
+      takeLarge(region.number);
+      if (needsTriangles(out_, out_.regions.back(), found_.head->regions[region.number].load)) return false;
     }
     return true;
   }
@@ -153,11 +155,18 @@ class Taker {
 
 }  // namespace
 
-std::vector<std::uint32_t> regionsInOrder(const otg_overlap_state& head) {
-  std::vector<std::uint32_t> order(head.counts[OTG_OVERLAP_REGION_COUNT]);
-  for (std::uint32_t r = 0; r < order.size(); ++r) order[r] = r;
-  std::sort(order.begin(), order.end(),
-            [&](std::uint32_t x, std::uint32_t y) { return head.regions[x].first < head.regions[y].first; });
+bool isApart(const otg_contacts_head& head) {
+  return std::any_of(std::begin(head.regions), std::end(head.regions),
+                     [](const otg_found_contacts& region) { return (region.status & OTG_FOUND_APART) != 0; });
+}
+
+std::vector<FoundRegion> regionsInOrder(const otg_overlap_state& head, const SmallRegions& small) {
+  std::vector<FoundRegion> order;
+  for (std::uint32_t r = 0; r < head.counts[OTG_OVERLAP_LARGE]; ++r) order.push_back({head.regions[r].first, r, true});
+  for (std::uint32_t r = 0; r < small.regions.regions.size(); ++r) {
+    order.push_back({small.regions.regions[r].first, r, false});
+  }
+  std::sort(order.begin(), order.end(), [](const FoundRegion& x, const FoundRegion& y) { return x.first < y.first; });
   return order;
 }
 
@@ -267,8 +276,7 @@ class SharedParts {
 
 bool describeSmall(const PlacedMeshes& meshes, const otg_overlap_state& head, std::span<const otg_found_inside> hits,
                    SmallRegions& small) {
-  std::size_t count = 0;
-  for (std::uint32_t r = 0; r < head.counts[OTG_OVERLAP_REGION_COUNT]; ++r) count += isSmallRegion(head.regions[r]);
+  const std::size_t count = head.counts[OTG_OVERLAP_REGION_COUNT] - head.counts[OTG_OVERLAP_LARGE];
   small.regions.regions.clear();
   if (count == 0) return true;
   small.hits.clear();

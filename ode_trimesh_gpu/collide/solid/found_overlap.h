@@ -39,16 +39,22 @@ struct FoundContacts {
   std::span<const otg_found_inside> small;  ///< hits of small regions
 };
 
-/// Regions of a description in the CPU's order.
-std::vector<std::uint32_t> regionsInOrder(const otg_overlap_state& head);
-inline bool isSmallRegion(const otg_found_region& region) {
-  return region.load <= kLargeRegion;
-}
+/// Whether the description is of no use, because the CPU describes some large region by its single triangles.
+bool isApart(const otg_contacts_head& head);
 
 /// Describes the small regions from their hits. False if they are not as many as the device counted, or not for
 /// themselves.
 bool describeSmall(const PlacedMeshes& meshes, const otg_overlap_state& head, std::span<const otg_found_inside> hits,
                    SmallRegions& small);
+
+/// A region of a pair: a large one by its number in the description, or a small one by that in SmallRegions.
+struct FoundRegion {
+  std::uint64_t first;  ///< as Region::first
+  std::uint32_t number;
+  bool isLarge;
+};
+/// All regions in the CPU's order, after describeSmall().
+std::vector<FoundRegion> regionsInOrder(const otg_overlap_state& head, const SmallRegions& small);
 
 /// What RegionBuilder makes of the same pair. False if the two disagree about the number of regions.
 bool takeOverlap(const PlacedMeshes& meshes, const FoundOverlap& found, SmallRegions& small, OverlapRegions& out);

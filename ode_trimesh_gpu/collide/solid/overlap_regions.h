@@ -47,7 +47,8 @@ struct Region {
   Vec3d push;  ///< sum over B's pieces minus sum over A's of their vector areas, halved: points out of B
   double areaA = 0, areaB = 0;  ///< sums of the pieces' areas
   double volume = 0;
-  Vec3d lo, hi;  ///< bounds of its points, relative to the origin
+  Vec3d lo, hi;                             ///< bounds of its points, relative to the origin
+  std::uint64_t first = ~std::uint64_t{0};  ///< its smallest chord: A's triangle << 32 | B's
   std::uint32_t pieceBegin = 0, pieceEnd = 0;
   std::uint32_t pointBegin = 0, pointEnd = 0;
   std::uint32_t cellBegin = 0, cellEnd = 0;  ///< into ExtentCells; none if the points give the extent

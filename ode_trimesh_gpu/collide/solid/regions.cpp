@@ -99,6 +99,8 @@ class Builder {
     for (const Chord& chord : w_.contour.chords) {
       const std::uint32_t region = s_.regionOf[chord.start];
       ++s_.load[region];
+      std::uint64_t& first = w_.out.regions[region].first;
+      first = std::min(first, std::uint64_t{chord.triangleA} << 32 | chord.triangleB);
       s_.largest[region] = std::max({s_.largest[region], w_.meshes.adjacency(0).area[chord.triangleA],
                                      w_.meshes.adjacency(1).area[chord.triangleB]});
     }

@@ -298,22 +298,19 @@ bool solidContactsOf(const Query& query, const FoundContacts& found, Workspace& 
   if (!workspace.solid) workspace.solid = std::make_unique<SolidScratch>();
   SmallRegions& small = workspace.solid->small;
   const otg_overlap_state& state = found.head->state;
-  const std::vector<std::uint32_t> order = regionsInOrder(state);
-  for (const std::uint32_t r : order) {
-    const bool isDone = (found.head->regions[r].status & (OTG_FOUND_DONE | OTG_FOUND_COUNTS)) != OTG_FOUND_COUNTS;
-    if (!isSmallRegion(state.regions[r]) && !isDone) return false;
+  for (std::uint32_t r = 0; r < state.counts[OTG_OVERLAP_LARGE]; ++r) {
+    if ((found.head->regions[r].status & (OTG_FOUND_DONE | OTG_FOUND_COUNTS)) == OTG_FOUND_COUNTS) return false;
   }
   const PlacedMeshes meshes(query);
   if (!describeSmall(meshes, state, found.small, small)) return false;
   PairContacts contacts(query, workspace);
-  std::size_t nextSmall = 0;
-  for (const std::uint32_t r : order) {
-    if (isSmallRegion(state.regions[r])) {
-      contacts.add(meshes, small.regions, small.regions.regions[nextSmall++]);
-    } else {
-      const otg_found_contacts& region = found.head->regions[r];
-      contacts.add(region, found.contacts.subspan(region.first, region.count));
+  for (const FoundRegion& next : regionsInOrder(state, small)) {
+    if (!next.isLarge) {
+      contacts.add(meshes, small.regions, small.regions.regions[next.number]);
+      continue;
     }
+    const otg_found_contacts& region = found.head->regions[next.number];
+    contacts.add(region, found.contacts.subspan(region.first, region.count));
   }
   contacts.finish();
   return true;

@@ -15,6 +15,7 @@
 #include "opencl/backend_state.h"
 #include "opencl/batch/batch_finish.h"
 #include "opencl/batch/batch_source.h"
+#include "opencl/batch/piece_under_way.h"
 #include "opencl/batch/pieces.h"
 #include "opencl/batch/routing.h"
 #include "opencl/lanes/host_cases.h"
@@ -104,39 +105,19 @@ class Backend::Batch {
     }
   }
 
-  /// A piece under way.
-  struct Piece {
-    std::size_t begin, count;
-    bool soon = false;                  ///< the lane tells early what it leaves to the CPU
-    bool lacksMemory = false;           ///< that others' queries take
-    std::unique_ptr<BatchLane> lane{};  ///< none if it could not be begun
-    std::uint64_t repeats = 0;          ///< of the lane until then
-    std::vector<std::size_t> alone{}, large{}, refused{};
-    std::optional<ClError> error{};
-  };
-
-  /// A part that has ended but for pairs that are being described.
-  struct Holder {
-    std::unique_ptr<BatchLane> lane;
-    std::uint64_t repeats;
-    std::size_t begin, count;
-    bool scattered;
-    std::vector<std::size_t> inVain;  ///< pairs that were not described
-  };
-
   void submit(std::span<const PairRange> ranges) {
-    std::vector<Piece> pieces;
+    std::vector<PieceUnderWay> pieces;
     for (const PairRange& range : ranges) pieces.push_back(begun(range, false));
     workMeanwhile(pieces);
-    for (Piece& piece : pieces) finish(piece);
+    for (PieceUnderWay& piece : pieces) finish(piece);
     finishOverlaps();
     withoutDevice(later_);
     later_.clear();
   }
 
-  Piece begun(const PairRange& range, bool part) {
+  PieceUnderWay begun(const PairRange& range, bool part) {
     const auto [begin, count] = range;
-    Piece piece{begin, count};
+    PieceUnderWay piece{begin, count};
     if (part) {
       narrow(range);
     } else {
@@ -164,7 +145,7 @@ class Backend::Batch {
     return piece;
   }
 
-  void finish(Piece& piece) {
+  void finish(PieceUnderWay& piece) {
     const std::size_t begin = piece.begin, count = piece.count;
     // Nothing of a piece is finished before its last call of OpenCL: a failure leaves all of it.
     if (!piece.error) {
@@ -210,7 +191,7 @@ class Backend::Batch {
   }
 
   void finishHalf(const PairRange& range) {
-    Piece piece = begun(range, true);
+    PieceUnderWay piece = begun(range, true);
     // Others are done soon; but the memory may be this batch's own.
     for (; range.count == 1 && piece.lacksMemory && waits_ < kMostWaits; ++waits_) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -220,7 +201,8 @@ class Backend::Batch {
     finish(piece);
   }
 
-  void fill(std::size_t begin, std::span<otg_batch_task> tasks, std::span<otg_batch_pair> frames, Piece& piece) {
+  void fill(std::size_t begin, std::span<otg_batch_task> tasks, std::span<otg_batch_pair> frames,
+            PieceUnderWay& piece) {
     const auto copy = [&](std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) source_.fill(begin + k, tasks[k]);
     };
@@ -289,9 +271,9 @@ class Backend::Batch {
 
   /// Some pairs that are left to the CPU as soon as that is known, piece by piece, while the device goes on. Where
   /// they are many, their records are waited for, which show the CPU what intersects; or they are described.
-  void workMeanwhile(std::span<Piece> pieces) {
+  void workMeanwhile(std::span<PieceUnderWay> pieces) {
     if constexpr (Finish::kTakesDescriptions) {
-      for (Piece& piece : pieces) {
+      for (PieceUnderWay& piece : pieces) {
         if (!piece.soon || piece.error) continue;
         try {
           const std::vector<std::size_t> which = leftSoon(piece);
@@ -307,7 +289,7 @@ class Backend::Batch {
   }
 
   /// Which pairs of a piece the CPU is to do at once.
-  std::vector<std::size_t> leftSoon(Piece& piece) {
+  std::vector<std::size_t> leftSoon(PieceUnderWay& piece) {
     const otg_uint* flags = piece.lane->soonFlags();
     std::vector<std::size_t> which;
     std::size_t describable = 0, left = 0;
@@ -327,7 +309,7 @@ class Backend::Batch {
     if constexpr (Finish::kTakesDescriptions) finish_.keepLeft(i, done_.at(i));
   }
 
-  void collect(Piece& piece, const BatchFound& found) {
+  void collect(PieceUnderWay& piece, const BatchFound& found) {
     const std::size_t begin = piece.begin, count = piece.count;
     std::vector<std::size_t> fromRecords, fromMeanwhile;
     OverlapSubmission job;
@@ -357,21 +339,21 @@ class Backend::Batch {
     }
     putOff(fromRecords);
     BatchLane& lane = *piece.lane;
-    Answer answer;
+    std::shared_ptr<const PieceRecords> records;
     // The counters and contacts of `found` stay where they are meanwhile.
-    if (!fromRecords.empty()) answer = scattered ? lane.records() : lane.recordsLeft();
+    if (!fromRecords.empty()) records = recordsOf(lane, scattered, count);
     if (!job.which.empty()) {
       job.holder = holders_.size();
       job.batch = &lane;
       if (makes) {
         for (const std::size_t i : job.which) job.tasks.push_back(overlapTask(source_.query(i)));
       }
-      holders_.push_back({std::move(piece.lane), piece.repeats, begin, count, scattered, {}});
+      holders_.push_back({std::move(piece.lane), piece.repeats, begin, count, scattered, records});
       overlaps_.add(job);
     }
     finish_.chunk(begin, count, found);
     for (const std::size_t i : fromMeanwhile) keepMeanwhile(i);
-    if (!fromRecords.empty()) dealOut(begin, count, answer, fromRecords);
+    if (!fromRecords.empty()) dealOut(begin, *records, fromRecords);
     takeMade(begin, count, found);
     for (const std::size_t i : piece.refused) finish_.refuse(i);
   }
@@ -430,9 +412,8 @@ class Backend::Batch {
   void finishOverlaps() {
     if constexpr (Finish::kTakesDescriptions) {
       overlaps_.finish([&](OverlapSubmission& job) { finishOverlap(job); });
-      for (Holder& holder : holders_) {
-        if (!holder.inVain.empty()) finishInVain(holder);
-        if (holder.lane) letGo(std::move(holder.lane), holder.repeats);
+      for (DescribedPiece& holder : holders_) {
+        if (!holder.error) letGo(std::move(holder.lane), holder.repeats);
       }
       holders_.clear();
     }
@@ -445,60 +426,72 @@ class Backend::Batch {
     }
     const Stopwatch making(times_ != nullptr);
     if (times_) addTimes(*times_, job.lane->profile());
-    Holder& holder = holders_[job.holder];
-    std::vector<std::size_t> which;
+    std::vector<std::size_t> which, inVain;
     std::vector<std::uint32_t> places;
     for (std::uint32_t k = 0; k < job.which.size(); ++k) {
       if (job.lane->isDescribed(k)) {
         which.push_back(job.which[k]);
         places.push_back(k);
       } else {
-        holder.inVain.push_back(job.which[k]);
+        inVain.push_back(job.which[k]);
       }
     }
     const auto queryOf = [&](std::size_t i) { return source_.query(i); };
-    const std::size_t all = which.size();
+    std::size_t described = which.size();
     if (job.lane->hasContacts()) {
       const std::vector<std::size_t> bad =
           finish_.made(which, queryOf, [&](std::size_t k) { return job.lane->contacts(places[k]); });
       state_.contactsMade += which.size() - bad.size();
       state_.contactsLeft += bad.size();
       // Both ascend.
+      std::vector<std::size_t> left;
       std::vector<std::uint32_t> rest;
       for (std::size_t k = 0, next = 0; next < bad.size(); ++k) {
         if (which[k] != bad[next]) continue;
-        rest.push_back(places[k]);
         ++next;
+        if (isApart(*job.lane->contacts(places[k]).head)) {
+          inVain.push_back(which[k]);
+        } else {
+          left.push_back(which[k]);
+          rest.push_back(places[k]);
+        }
       }
-      which = bad;
+      described -= bad.size() - left.size();
+      which = left;
       places = rest;
     }
-    std::vector<std::size_t> bad;
     if (!which.empty()) {
       try {
         if (job.lane->hasContacts()) job.lane->readDescriptions();
+        const std::vector<std::size_t> bad =
+            finish_.described(which, queryOf, [&](std::size_t k) { return job.lane->found(places[k]); });
+        described -= bad.size();
+        inVain.insert(inVain.end(), bad.begin(), bad.end());
       } catch (const ClError& error) {
         job.lane = nullptr;
+        described -= which.size();
         failed(error, which);
-        state_.described += all - which.size();
-        return;
       }
-      bad = finish_.described(which, queryOf, [&](std::size_t k) { return job.lane->found(places[k]); });
     }
-    holder.inVain.insert(holder.inVain.end(), bad.begin(), bad.end());
-    state_.described += all - bad.size();
+    state_.described += described;
+    if (!inVain.empty()) finishInVain(holders_[job.holder], inVain);
     if (times_) times_->host += making.ms();
   }
 
-  /// Pairs of a batch that has ended, from their records.
-  void finishInVain(Holder& holder) {
-    state_.describedInVain += holder.inVain.size();
+  /// Pairs of a piece that has ended, from their records. Others of it may be under way still, which need its lane.
+  void finishInVain(DescribedPiece& holder, const std::vector<std::size_t>& which) {
+    state_.describedInVain += which.size();
     try {
-      const Answer answer = holder.scattered ? holder.lane->records() : holder.lane->recordsLeft();
-      dealOut(holder.begin, holder.count, answer, holder.inVain);
+      if (!holder.error && !holder.records) {
+        holder.records = recordsOf(*holder.lane, holder.scattered, holder.count);
+      }
     } catch (const ClError& error) {
-      holder.lane = nullptr;
-      failed(error, holder.inVain);
+      holder.error = error;
+    }
+    if (holder.error) {
+      failed(*holder.error, which);
+    } else {
+      dealOut(holder.begin, *holder.records, which);
     }
   }
 
@@ -514,12 +507,17 @@ class Backend::Batch {
     if (!which.empty()) finish_.withoutDevice(which, [&](std::size_t i) { return source_.query(i); });
   }
 
+  /// Of a piece that has ended. `scattered`: of all pairs, not only of those that are left.
+  std::shared_ptr<const PieceRecords> recordsOf(BatchLane& lane, bool scattered, std::size_t count) {
+    const Answer answer = scattered ? lane.records() : lane.recordsLeft();
+    return std::make_shared<PieceRecords>(answer, count, finish_.onHost);
+  }
+
   /// Gives each of `which` its records.
-  void dealOut(std::size_t begin, std::size_t count, const Answer& answer, const std::vector<std::size_t>& which) {
-    const RecordsByPair records(answer, count);
+  void dealOut(std::size_t begin, const PieceRecords& records, const std::vector<std::size_t>& which) {
     finish_.records(
-        which, answer, [&](std::size_t i) { return source_.query(i); },
-        [&](std::size_t i) { return records.of(i - begin); });
+        which, records.answer, [&](std::size_t i) { return source_.query(i); },
+        [&](std::size_t i) { return records.byPair.of(i - begin); });
   }
 
   BackendState& state_;
@@ -528,7 +526,7 @@ class Backend::Batch {
   Finish& finish_;
   LanePool<BatchLane>& lanes_;
   const BatchRules rules_;
-  std::vector<Holder> holders_;
+  std::vector<DescribedPiece> holders_;
   OverlapQueue overlaps_;
   bool good_ = true, anyLarge_ = false, hasContactsOfHost_ = false, mayMeetAhead_ = false;
   std::vector<std::size_t> ahead_, unsettled_;                 ///< pairs that wait for finish()

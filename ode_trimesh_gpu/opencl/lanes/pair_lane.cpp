@@ -146,9 +146,9 @@ FoundOverlap PairLane::description() {
   }
 }
 
-Answer PairLane::records() {
+Answer PairLane::records(const otg_uint* counters) {
   try {
-    return results_.readAll(context_, queue_.get(), false, overlap_.head().counters, nullptr);
+    return results_.readAll(context_, queue_.get(), false, counters, nullptr);
   } catch (...) {
     clRelease(OTG_CL(clFinish), queue_.get());
     throw;

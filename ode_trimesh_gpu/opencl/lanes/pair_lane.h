@@ -47,8 +47,8 @@ class PairLane {
 
   /// Middle and near phase of one pair, and what else is requested. Throws ClError.
   PairAnswer run(const Query& query, const PairFrame& frame, PairRequest request);
-  /// After a result with `described`: the records. Throws ClError.
-  Answer records();
+  /// After a result with `described`, which has these counters: the records. Throws ClError.
+  Answer records(const otg_uint* counters);
   /// After a result with `made`: the description. Throws ClError.
   FoundOverlap description();
 

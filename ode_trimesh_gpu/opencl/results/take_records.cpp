@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
-#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "collide/pairwise/contact_regions.h"
@@ -64,11 +64,36 @@ bool recordIntersects(const Query& query, const PairFrame& frame, const Answer& 
   return record.kind != OTG_RECORD_APART;
 }
 
-RecordsByPair::RecordsByPair(const Answer& answer, std::size_t pairs) : from_(pairs + 1, 0), records_(answer.count) {
-  for (std::uint32_t r = 0; r < answer.count; ++r) ++from_[pairOfRecord(answer, r) + 1];
-  std::partial_sum(from_.begin(), from_.end(), from_.begin());
-  std::vector<std::uint32_t> next(from_.begin(), from_.end() - 1);
-  for (std::uint32_t r = 0; r < answer.count; ++r) records_[next[pairOfRecord(answer, r)]++] = r;
+/// A counting sort by parts of the records, each with counts of its own.
+RecordsByPair::RecordsByPair(const Answer& answer, std::size_t pairs, const RunParts* threads)
+    : from_(pairs + 1, 0), records_(answer.count) {
+  constexpr std::size_t kMostParts = 64, kRecords = 1 << 15;  // of a part, at least
+  const std::size_t parts = threads ? std::clamp<std::size_t>(answer.count / kRecords, 1, kMostParts) : 1;
+  std::vector<std::uint32_t> next(parts * pairs, 0);  // by part and pair: how many, then the place of the next
+  const auto everyPart = [&](const auto& work) {
+    const auto some = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t part = begin; part < end; ++part) {
+        const std::size_t first = answer.count * part / parts, last = answer.count * (part + 1) / parts;
+        for (std::size_t r = first; r < last; ++r) {
+          const auto record = static_cast<std::uint32_t>(r);
+          work(next[part * pairs + pairOfRecord(answer, record)], record);
+        }
+      }
+    };
+    if (parts > 1) {
+      (*threads)(parts, some);
+    } else {
+      some(0, 1);
+    }
+  };
+  everyPart([](std::uint32_t& count, std::uint32_t) { ++count; });
+  std::uint32_t place = 0;
+  for (std::size_t pair = 0; pair < pairs; ++pair) {
+    from_[pair] = place;
+    for (std::size_t part = 0; part < parts; ++part) place += std::exchange(next[part * pairs + pair], place);
+  }
+  from_[pairs] = place;
+  everyPart([&](std::uint32_t& at, std::uint32_t record) { records_[at++] = record; });
 }
 
 void takeCounts(const Answer& answer, CollideStats& stats) {

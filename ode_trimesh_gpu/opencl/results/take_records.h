@@ -10,6 +10,7 @@
 #include "collide/pair_frame.h"
 #include "collide/query.h"
 #include "opencl/results/result_buffer.h"
+#include "opencl/run_parts.h"
 
 namespace otg::opencl {
 
@@ -26,13 +27,22 @@ bool recordIntersects(const Query& query, const PairFrame& frame, const Answer& 
 /// The records of a result by the pairs of a batch to which they belong, ascending.
 class RecordsByPair {
  public:
-  RecordsByPair(const Answer& answer, std::size_t pairs);
+  /// By `threads`, if there are any.
+  RecordsByPair(const Answer& answer, std::size_t pairs, const RunParts* threads);
   std::span<const std::uint32_t> of(std::size_t pair) const {
     return std::span(records_).subspan(from_[pair], from_[pair + 1] - from_[pair]);
   }
 
  private:
   std::vector<std::uint32_t> from_, records_;
+};
+
+/// The records of a piece of a batch, which stay in the memory of its lane.
+struct PieceRecords {
+  PieceRecords(const Answer& records, std::size_t pairs, const RunParts* threads)
+      : answer(records), byPair(records, pairs, threads) {}
+  Answer answer;
+  RecordsByPair byPair;
 };
 
 /// The counts of the device to statistics.

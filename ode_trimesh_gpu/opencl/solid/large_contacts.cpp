@@ -14,8 +14,8 @@ namespace otg::opencl {
 namespace {
 
 constexpr std::uint32_t kRegions = OTG_OVERLAP_REGIONS;
-/// Hits of small regions of a pair, and how many of them are read with the head.
-constexpr std::uint32_t kMostSmall = kRegions * OTG_SOLID_LARGE_REGION, kSmallAhead = OTG_SOLID_LARGE_REGION;
+/// Hits of small regions that there is room for at first, and how many of them are read with the head.
+constexpr std::uint32_t kSmallAtFirst = kRegions * OTG_SOLID_LARGE_REGION, kSmallAhead = OTG_SOLID_LARGE_REGION;
 constexpr std::uint32_t kUnitsOfRegion = sizeof(otg_region_work) / OTG_ARENA_UNIT;
 /// Work-groups of overlapWeigh for one region: six with tasks of their own, the others weigh faces. And of many pairs.
 constexpr std::uint32_t kWeighGroups = 54, kWeighOfMany = 22;
@@ -55,7 +55,7 @@ LargeContacts::LargeContacts(Context& context, const Tuning& tuning, bool many)
       lanes_(tuning.overlapLanes),
       weighGroups_(many || isCpu_ ? kWeighOfMany : kWeighGroups),
       arenaWanted_(std::max(1u, tuning.overlapArena)),
-      smallWanted_(kMostSmall) {}
+      smallWanted_(kSmallAtFirst) {}
 
 /// Not before they are needed.
 void LargeContacts::build() {
