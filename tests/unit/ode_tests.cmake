@@ -7,7 +7,7 @@ target_link_libraries(otg_test_ode_world PUBLIC otg_scenes PRIVATE otg_catch otg
 find_package(Threads REQUIRED)
 foreach(name warm pair_limit nested roles self_touching shells misuse init data geom collide contact_data history threads memory batch prefetch prefetch_shapes still_shapes still_pairs
              pair_memory override parity queries
-             primitives convex convex_mesh convex_cylinder rims behind_sheets inward join shapes mirrored kink heightfield primitive_callbacks override_primitives
+             primitives convex convex_mesh convex_cylinder rims behind_sheets inward memory_ways join shapes mirrored kink heightfield primitive_callbacks override_primitives
              override_batch)
   otg_add_test(ode_${name} unit
     SOURCES test_ode_${name}.cpp $<TARGET_OBJECTS:otg_test_ode_world> LIBRARIES otg_scenes Threads::Threads)

@@ -23,6 +23,7 @@
 #include "collide/solid/region_contacts.h"
 #include "collide/solid/region_refiner.h"
 #include "collide/solid/regions.h"
+#include "collide/stages.h"
 
 namespace otg {
 
@@ -90,7 +91,7 @@ Vec3d deepDirectionBefore(const Query& query) {
 }
 
 void rememberPlain(const Query& query, bool hasContacts, const Vec3d& deep) {
-  if (!query.history || !haveSolidContacts(query.a->mesh(), query.b->mesh())) return;
+  if (!query.history || isPairwise(query) || !haveSolidContacts(query.a->mesh(), query.b->mesh())) return;
   const SolidHistory::State before = stateBefore(query);
   SolidHistory::State state = oneQueryLater(before);
   if (otgDot(deep, deep) > 0) state.deepNormal = otgRotateBack(query.bInA, deep);

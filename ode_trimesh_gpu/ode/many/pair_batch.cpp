@@ -300,10 +300,12 @@ void PairBatch::rememberHistories() {
     for (std::size_t k = ends[begin]; k < ends[end]; ++k) {
       PairTask& task = blocks_[order[k] / kBlock]->tasks[order[k] % kBlock];
       const std::uint64_t before = task.stamp;
-      if (isKept(order[k]) && before == 0 && !task.isOutside) {  // what other queries have left meanwhile goes
+      const bool hasContacts = !result(order[k]).contacts.empty();
+      // A query without contacts ends what other queries have left meanwhile.
+      if (isKept(order[k]) && before == 0 && !task.isOutside && !hasContacts) {
         task.younger().memory.forget(task.older().serial);
       } else {
-        task.stamp = rememberPair(task, !result(order[k]).contacts.empty());
+        task.stamp = rememberPair(task, hasContacts);
       }
       if (isKept(order[k])) foundKept(task, before, task.stamp);
     }

@@ -48,7 +48,7 @@ bool prepareJob(const dGpuTriMeshPair& pair, Job& job) {
     const int asked = task.side.object->prefetchedShapes.make().placesAskedFor(memoryKey(task.o2), job.most);
     job.most = std::min(job.most, asked);
   }
-  if (job.query.remembers) task.side.object->memory.recall(memoryKey(task.o2), job.detached.history);
+  job.detached = detachedHistory(task);
   return true;
 }
 

@@ -6,17 +6,8 @@
 
 namespace otg {
 
-/// What two geoms at these poses are to each other, by their bounds alone.
-enum class Nearness : std::uint8_t {
-  kMayMeet,  ///< or their poses are no good, or they are no plain pair of meshes: preparePair() finds out
-  kFar,      ///< PairTask::State::kNothing
-  kApart     ///< likewise, and what is remembered of the pair ends
-};
-
-/// The meshes are taken, and the geoms in use. May set poses.areNear.
-Nearness nearnessOf(const MeshGeom& side1, const MeshGeom& side2, PairPoses& poses);
-
-/// A pair that is kApart has been queried.
-void endApart(const MeshGeom& side1, const MeshGeom& side2);
+/// Whether a query of two geoms at these poses has no contacts and changes nothing, by their bounds alone. False says
+/// nothing: preparePair() finds out. The meshes are taken, and the geoms in use. May set poses.areNear.
+bool comesToNothing(const MeshGeom& side1, const MeshGeom& side2, PairPoses& poses);
 
 }  // namespace otg

@@ -63,10 +63,7 @@ int collideSides(MeshSide&& side1, MeshSide&& side2, int flags, const ContactArr
   const auto both = {side1.object, side2.object};
   for (GeomObject* object : both) object->stats.queries.fetch_add(1, std::memory_order_relaxed);
   PairPoses poses{readPose(side1.geom), readPose(side2.geom), false};
-  if (const Nearness nearness = nearnessOf(side1, side2, poses); nearness != Nearness::kMayMeet) {
-    if (nearness == Nearness::kApart) endApart(side1, side2);
-    return 0;
-  }
+  if (comesToNothing(side1, side2, poses)) return 0;
   PairTask task;
   preparePair(std::move(side1), std::move(side2), poses, task);
   if (task.state == PairTask::State::kNothing) return 0;

@@ -84,8 +84,9 @@ bool isFarApart(const CollisionMesh& a, const CollisionMesh& b, const Transformd
   const Vec3d centerB = otgTransform(bInA, toDouble(b.mesh().center()));
   double stretch = 0;  // Frobenius: no less than the factor by which bInA can stretch, should it not be a rotation
   for (const double r : bInA.r) stretch += r * r;
+  // Of both, so that it is the same whichever is A.
   const double reach =
-      static_cast<double>(a.mesh().radius()) + std::sqrt(stretch) * static_cast<double>(b.mesh().radius());
+      std::sqrt(stretch) * (static_cast<double>(a.mesh().radius()) + static_cast<double>(b.mesh().radius()));
   const double slack =
       1e-9 * (reach + norm(centerA) + norm(bInA.t) + std::sqrt(stretch) * norm(toDouble(b.mesh().center())));
   const double distance = norm(otgSub(centerB, centerA));

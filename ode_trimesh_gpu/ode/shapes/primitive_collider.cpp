@@ -51,13 +51,7 @@ bool takePrefetched(PrimitiveTask& task, int most, std::vector<Contact>& out) {
   const std::uint64_t key = memoryKey(task.o2);
   DetachedHistory left;
   if (!ready->find(key, query, most, out, left)) return false;
-  PairMemory& memory = task.side.object->memory;
-  if (left.isKept)
-    ready->seen(key, query.stamp, memory.store(key, left.history));
-  else {
-    memory.forget(key);
-    ready->seen(key, query.stamp, 0);
-  }
+  if (const std::optional<std::uint64_t> stamp = leaveHistory(task, left)) ready->seen(key, query.stamp, *stamp);
   task.side.object->stats.prefetched.fetch_add(1, std::memory_order_relaxed);
   return true;
 }

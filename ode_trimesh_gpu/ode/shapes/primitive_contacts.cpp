@@ -69,8 +69,22 @@ void contactsOf(const PrimitiveTask& task, int most, std::vector<Contact>& out, 
 }  // namespace
 
 void primitiveContacts(const PrimitiveTask& task, int most, std::vector<Contact>& out, int& failure) {
-  contactsOf(task, most, out, failure);
-  rememberSide(task);
+  if (!task.sideBefore) {
+    contactsOf(task, most, out, failure);
+    return;
+  }
+  if (task.detached != nullptr) {
+    contactsOf(task, most, out, failure);
+    rememberSide(task);
+    return;
+  }
+  // Two steps remember something. Other threads see what both have left.
+  DetachedHistory left = detachedHistory(task);
+  PrimitiveTask own = task;
+  own.detached = &left;
+  contactsOf(own, most, out, failure);
+  rememberSide(own);
+  leaveHistory(task, left);
 }
 
 }  // namespace otg

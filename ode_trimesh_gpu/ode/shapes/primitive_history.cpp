@@ -46,12 +46,28 @@ PrimitiveHistory::PrimitiveHistory(const PrimitiveTask& task, const Vec3d& origi
 void PrimitiveHistory::keep(bool hasContacts) {
   const bool isKept = remembers_ && history_.used && (hasContacts || history_.current.outlastsContacts());
   if (detached_ != nullptr) {
-    *detached_ = {history_, isKept};
+    *detached_ = {isKept ? history_ : SolidHistory{}, true, isKept};
   } else if (isKept) {
     memory_.store(key_, history_, origin_);
   } else {
     memory_.forget(key_);
   }
+}
+
+DetachedHistory detachedHistory(const PrimitiveTask& task) {
+  DetachedHistory detached;
+  GeomObject& object = *task.side.object;
+  if (object.remembersWith(dGeomGetClass(task.o2))) object.memory.recall(memoryKey(task.o2), detached.history);
+  return detached;
+}
+
+std::optional<std::uint64_t> leaveHistory(const PrimitiveTask& task, const DetachedHistory& left) {
+  if (!left.isTouched) return std::nullopt;
+  PairMemory& memory = task.side.object->memory;
+  const std::uint64_t key = memoryKey(task.o2);
+  if (left.isKept) return memory.store(key, left.history);
+  memory.forget(key);
+  return 0;
 }
 
 void turnInward(PrimitiveTask& task) {
@@ -79,7 +95,6 @@ void turnInward(PrimitiveTask& task) {
 }
 
 void rememberSide(const PrimitiveTask& task) {
-  if (!task.sideBefore) return;
   PrimitiveHistory history(task);
   if (history.get() == nullptr) return;
   if (task.isOutside) rememberOutside(poseToRemember(task), *history.get());
@@ -89,7 +104,7 @@ void rememberSide(const PrimitiveTask& task) {
 
 void forgetPrimitive(const PrimitiveTask& task) {
   if (task.detached != nullptr) {
-    task.detached->isKept = false;
+    *task.detached = {{}, true, false};
     return;
   }
   task.side.object->memory.forget(memoryKey(task.o2));

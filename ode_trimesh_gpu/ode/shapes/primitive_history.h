@@ -2,6 +2,9 @@
 // What a mesh remembers of its pair with a geom of ODE's own.
 #pragma once
 
+#include <cstdint>
+#include <optional>
+
 #include "ode/shapes/primitive_task.h"
 
 namespace otg {
@@ -30,10 +33,16 @@ class PrimitiveHistory {
   SolidHistory history_;
 };
 
+/// What the mesh remembers, for a query with a history of its own,
+DetachedHistory detachedHistory(const PrimitiveTask& task);
+/// and what such a query leaves. The stamp of what is remembered now, 0 for nothing; none if the query did not touch
+/// it. May throw std::bad_alloc.
+std::optional<std::uint64_t> leaveHistory(const PrimitiveTask& task, const DetachedHistory& left);
+
 /// Puts the body that it is in place of a mesh wound inward (collide/inward_body.h), unless the other geom is inside.
 /// Of the model `solid` alone. May throw std::bad_alloc.
 void turnInward(PrimitiveTask& task);
-/// After the query. May throw std::bad_alloc.
+/// After the query, where task.sideBefore is set. May throw std::bad_alloc.
 void rememberSide(const PrimitiveTask& task);
 
 /// Without a query there is nothing to remember.

@@ -14,10 +14,11 @@
 
 namespace otg {
 
-/// What is remembered of a pair, apart from the mesh's memory: for a query that is computed ahead.
+/// What is remembered of a pair, apart from the mesh's memory: for a query that is computed ahead, or in steps.
 struct DetachedHistory {
   SolidHistory history;
-  bool isKept = false;  ///< after the query: to be remembered, rather than forgotten
+  bool isTouched = false;  ///< after the query: else what the mesh remembers stays as it is
+  bool isKept = false;     ///< then: to be remembered, rather than forgotten
 };
 
 /// A mesh that is to collide with a geom of ODE's, at one moment.
