@@ -68,6 +68,14 @@ otg_add_test(cooked_mutations unit
 # ThreadSanitizer ends a child that makes threads. AddressSanitizer of Clang 14 does not free its allocator's locks in a child.
 if(NOT OTG_SANITIZE)
   otg_add_test(fork unit SOURCES test_fork.cpp $<TARGET_OBJECTS:otg_test_ode_world> LIBRARIES otg_scenes Threads::Threads)
+  add_library(otg_slow_driver MODULE slow_driver.cpp)
+  target_link_libraries(otg_slow_driver PRIVATE otg_flags)
+  set_target_properties(otg_slow_driver PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}")
+  otg_add_test(fork_while_loading unit SOURCES test_fork_while_loading.cpp LIBRARIES Threads::Threads)
+  # The driver looks for two names of the test.
+  set_target_properties(test_fork_while_loading PROPERTIES ENABLE_EXPORTS ON CXX_VISIBILITY_PRESET default)
+  target_compile_definitions(test_fork_while_loading PRIVATE "OTG_SLOW_DRIVER=\"$<TARGET_FILE:otg_slow_driver>\"")
+  add_dependencies(test_fork_while_loading otg_slow_driver)
 endif()
 otg_add_test(partial_update unit
   SOURCES test_partial_update.cpp $<TARGET_OBJECTS:otg_test_ode_world> LIBRARIES otg_scenes)

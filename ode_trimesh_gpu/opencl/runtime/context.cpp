@@ -3,10 +3,13 @@
 
 #include <bit>
 
+#include "base/fork_gate.h"
+
 namespace otg::opencl {
 
 Context::Context(const FoundDevice& device, ProgramCache cache, bool doubles, std::uint64_t memory)
     : device_(device), memory_(std::make_shared<MemoryBudget>(memory)) {
+  const LibraryCall noFork;  // drivers are loaded, see stop.h
   device_.info.doubles = device_.info.doubles && doubles;
   const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM,
                                               reinterpret_cast<cl_context_properties>(device.platform), 0};

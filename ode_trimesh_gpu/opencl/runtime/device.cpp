@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "base/environment.h"
+#include "base/fork_gate.h"
 #include "opencl/runtime/call.h"
 #include "opencl/runtime/log.h"
 
@@ -158,6 +159,7 @@ const char* nameOf(DeviceKind kind) {
 }
 
 std::vector<FoundDevice> findDevices() {
+  const LibraryCall noFork;  // drivers are loaded, see stop.h
   std::vector<FoundDevice> found;
   if (isOpenclForeign() || api() == nullptr) return found;
   tolerate([&] {

@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 
+#include "base/fork_gate.h"
 #include "opencl/runtime/kernel_source.h"
 #include "opencl/runtime/register_limit.h"
 #include "opencl/runtime/stop.h"
@@ -25,6 +26,7 @@ Programs::Programs(cl_context context, const FoundDevice& device, ProgramCache c
       doubles_(device.info.doubles) {}
 
 void Programs::loadCompiler() {
+  const LibraryCall noFork;  // see stop.h
   fromSource("__kernel void nothing(__global uint* word) { *word = 0; }\n", kStandard);
 }
 

@@ -2,11 +2,12 @@
 #include "opencl/runtime/register_limit.h"
 
 #include <cstdlib>
+#include <string_view>
 
 namespace otg::opencl {
 
 unsigned registerLimitOf(const std::string& options) {
-  static const std::string kOption = "-cl-nv-maxrregcount=";
+  constexpr std::string_view kOption = "-cl-nv-maxrregcount=";
   const std::size_t at = options.find(kOption);
   if (at == std::string::npos) return 0;
   return static_cast<unsigned>(std::strtoul(options.c_str() + at + kOption.size(), nullptr, 10));

@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "base/fork_gate.h"
+
 namespace otg::opencl {
 namespace {
 
@@ -28,6 +30,7 @@ bool isStoppable() {
 }
 
 void tellLoaded() {
+  const LibraryCall noFork;
   if (scopeOfThread != nullptr && scopeOfThread->loaded_) scopeOfThread->loaded_();
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stopping a thread that opens a device. A driver's compiler cannot be interrupted, so the thread looks between
-// the programs that it builds.
+// the programs that it builds. No fork may come between while drivers and compilers are loaded, or an exit handler is
+// registered: the C library holds a lock then, which nobody frees in the child. So these steps are LibraryCalls.
 #pragma once
 
 #include <atomic>
