@@ -75,20 +75,23 @@ class ShapeRefiner final : public RegionRefiner {
       contacts.erase(begin, contacts.end());
       return;
     }
-    if (shape_.isCurved()) {
-      std::optional<Contact> deepest;
-      if (!settled_ && begin != contacts.end()) {
-        deepest = *std::max_element(begin, contacts.end(),
-                                    [](const Contact& x, const Contact& y) { return x.depth < y.depth; });
-      }
-      contacts.erase(
-          std::remove_if(begin, contacts.end(), [&](Contact& c) { return !(settled_ ? onPatch(c) : onSurface(c)); }),
-          contacts.end());
-      // Where all ends lie beside the round shape, that may be for the facets, or for ways out that bend: a body that
-      // is deeper than facets stick out keeps what they say.
+    std::optional<Contact> deepest;
+    if (shape_.isCurved() && !settled_ && begin != contacts.end()) {
+      deepest = *std::max_element(begin, contacts.end(),
+                                  [](const Contact& x, const Contact& y) { return x.depth < y.depth; });
+    }
+    // Where all ends lie beside the round shape, or beside the walls, that may be for the facets, or for ways out that
+    // bend: a body that is deeper than facets stick out keeps what they say.
+    const auto keepOne = [&] {
       if (deepest && contacts.size() == first && deepest->depth > kFacetsStickOut * shape_.radius) {
         contacts.push_back(*deepest);
       }
+    };
+    if (shape_.isCurved()) {
+      contacts.erase(
+          std::remove_if(begin, contacts.end(), [&](Contact& c) { return !(settled_ ? onPatch(c) : onSurface(c)); }),
+          contacts.end());
+      keepOne();
       if (settled_) {
         addDeepest(contacts, first);
         if (onLine()) keepEnds(contacts, first);
@@ -100,6 +103,7 @@ class ShapeRefiner final : public RegionRefiner {
     }
     if (settled_ && !shape_.isCurved()) undoRounding(contacts, first);
     if (hasWalls_ && !settled_) walls_->limitDepths(contacts, first);
+    keepOne();
     if (hasWalls_) walls_->complete(*placed_, kSamePlace * diagonal_, contacts, first);
     keepEachDirection(contacts, first, static_cast<std::size_t>(query_.options.solid.contactsPerRegion), memory_);
   }

@@ -202,3 +202,40 @@ TEST_CASE("a pair that is mirrored has mirrored contacts, with each shape, and e
     dGeomDestroy(second);
   }
 }
+
+TEST_CASE("a round shape whose middle is deep in a bumpy ball has contacts at each step") {
+  const OdeSession session;
+  constexpr std::uint32_t kWalks = 60;
+  int steps = 0, without = 0;
+  for (std::uint32_t seed = 0; seed < kWalks; ++seed) {
+    Draw draw(seed);
+    scenes::MeshArrays ball = scenes::makeSphere(0.45, 2);
+    for (Vec3f& v : ball.vertices) {
+      const Vec3d off = draw.inBox(0.02);
+      v = scenes::toFloat({v.x + off.x, v.y + off.y, v.z + off.z});
+    }
+    const Data data(ball);
+    const dGeomID mesh = dCreateGpuTriMesh(nullptr, data.id);
+    const double radius = draw.uniform(0.1, 0.2), length = draw.uniform(0.2, 0.6);
+    const dGeomID shape =
+        seed % 4 == 3 ? dCreateCylinder(nullptr, radius, length) : dCreateCapsule(nullptr, radius, length);
+    Vec3d middle = draw.inBox(0.2);
+    const double stride = draw.uniform(0.002, 0.06);
+    Vec3d axis = draw.direction();
+    for (int i = 0; i < 60; ++i) {
+      middle = (middle + draw.inBox(stride)) * (1 - 0.2 * stride);
+      axis = unit(axis + draw.inBox(stride));
+      if (norm(middle) > 0.35) continue;
+      dMatrix3 turn;
+      dRFromZAxis(turn, axis.x, axis.y, axis.z);
+      dGeomSetRotation(shape, turn);
+      dGeomSetPosition(shape, middle.x, middle.y, middle.z);
+      ++steps;
+      without += collide(mesh, shape, 16).empty();
+    }
+    dGeomDestroy(mesh);
+    dGeomDestroy(shape);
+  }
+  CHECK(steps > 30 * static_cast<int>(kWalks));
+  CHECK(without == 0);
+}
