@@ -104,7 +104,11 @@ class FaceSolver {
     bool isFew = true;
     const BoxQuery box(*query_.a, frame_, half_ + Vec3d{ahead_, ahead_, ahead_});
     searchWide(query_.a->wide(), box, [&](std::uint32_t t) { isFew = isFew && add(t); });
-    return isFew;
+    if (!isFew) return false;
+    // Ascending, so that no plane and no triangle of a contact depends on the tree.
+    Touched *const begin = touched_.data(), *const end = begin + count_;
+    std::sort(begin, end, [](const Touched& x, const Touched& y) { return x.triangle < y.triangle; });
+    return std::all_of(begin, end, [&](Touched& of) { return findFace(of); });
   }
 
   bool add(std::uint32_t t) {
@@ -120,19 +124,23 @@ class FaceSolver {
     }
     if (-placed_.rearAlong(n * -1.0) < offset) return true;  // all of the shape is behind it
     if (count_ == kMostTriangles) return false;
-    const std::uint32_t face = faceOf(t, n);
-    if (face == kNone) {
+    touched_[count_++] = {t, kNone};
+    return true;
+  }
+
+  /// False if there are too many.
+  bool findFace(Touched& of) {
+    const std::uint32_t t = of.triangle;
+    const Vec3d& n = links_.normal[t];
+    const double offset = otgDot(n, vertex(t, 0)), area = links_.area[t];
+    of.face = faceOf(t, n);
+    if (of.face == kNone) {
       if (faceCount_ == kMostFaces) return false;
-      faces_[faceCount_] = {n, offset, links_.area[t], 0, false};
-      touched_[count_++] = {t, static_cast<std::uint32_t>(faceCount_++)};
-      return true;
+      of.face = static_cast<std::uint32_t>(faceCount_);
+      faces_[faceCount_++] = {n, offset, area, 0, false};
+    } else if (area > faces_[of.face].area) {
+      faces_[of.face] = {n, offset, area, 0, false};
     }
-    if (links_.area[t] > faces_[face].area) {
-      faces_[face].normal = n;
-      faces_[face].offset = offset;
-      faces_[face].area = links_.area[t];
-    }
-    touched_[count_++] = {t, face};
     return true;
   }
 
