@@ -9,6 +9,7 @@
 #include "opencl/runtime/call.h"
 #include "opencl/runtime/log.h"
 #include "support/large_overlaps.h"
+#include "support/posts.h"
 
 using namespace otg;
 using namespace otg::scenes;
@@ -194,6 +195,21 @@ TEST_CASE("small regions on triangles and edges that large ones cross, too, come
     queries.back().options.solid.contactsPerRegion = 64;
   }
   CHECK(checkAll(*backend, queries, answersOnHost(queries)) >= 300);
+}
+
+TEST_CASE("corners of a face that are in different posts are described as regions of their own") {
+  const auto posts = collisionMesh(makePosts(5)), plate = collisionMesh(makePlate());
+  const auto backend = openBackend(always());
+  REQUIRE(backend);
+  if (!canDescribe(*backend)) return;
+  Draw draw(2);
+  std::vector<Query> queries;
+  for (int i = 0; i < 40; ++i) {
+    queries.push_back(makeQuery(*posts, *plate, drawPlatePose(draw)));
+    queries.back().options.contacts = ContactModel::kSolid;
+    queries.back().options.maxContacts = 200;
+  }
+  CHECK(checkAll(*backend, queries, answersOnHost(queries)) > 15);
 }
 
 TEST_CASE("overlaps of aligned boxes are described, whose crossings lie in one point") {

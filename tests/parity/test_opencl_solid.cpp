@@ -14,6 +14,7 @@
 #include "opencl/runtime/log.h"
 #include "scenes/concave_meshes.h"
 #include "support/mesh_samples.h"
+#include "support/posts.h"
 #include "support/solid_batches.h"
 #include "truth/fitting_bodies.h"
 #include "truth/wild_bodies.h"
@@ -150,6 +151,21 @@ TEST_CASE("blocks with flush faces in one mesh, and cubes that touch, have the h
   for (int i = 0; i < 40; ++i) meshes.push_back(collisionMesh(truth::flushBlocks(random)));
   const std::vector<Query> queries = touching(meshes, 4, 200, 0.001, 0.05);
   CHECK(checkBatch(*backend, queries, onHost(queries)) > 100);
+}
+
+TEST_CASE("a plate whose corners are in different posts has the host's contacts") {
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  if (!backend->device().doubles) return;
+  const auto posts = collisionMesh(makePosts(0)), plate = collisionMesh(makePlate());
+  Draw draw(2);
+  std::vector<Query> queries;
+  for (int i = 0; i < 60; ++i) {
+    queries.push_back(makeQuery(*posts, *plate, drawPlatePose(draw)));
+    queries.back().options.contacts = ContactModel::kSolid;
+    queries.back().options.maxContacts = 64;
+  }
+  CHECK(checkBatch(*backend, queries, onHost(queries)) > 50);
 }
 
 TEST_CASE("bodies that fit each other at acute angles have the host's contacts") {

@@ -13,6 +13,7 @@
 #include "collide/solid/regions.h"
 #include "scenes/generated_meshes.h"
 #include "support/catch.h"
+#include "support/posts.h"
 
 using namespace otg;
 
@@ -265,6 +266,19 @@ TEST_CASE("the push is minus the gradient of the overlap's volume") {
     CHECK(push.z == Approx(gradient[2]).margin(1e-4));
   }
   CHECK(tried > 20);
+}
+
+TEST_CASE("corners of a face that are in different posts are regions of their own") {
+  // Between the posts the plate's lower face is outside, though all corners of its two triangles are inside.
+  const CollisionMesh table(scenes::build(test::makePosts(0)), BuildStrategy::kSah);
+  const CollisionMesh plate(scenes::build(test::makePlate()), BuildStrategy::kSah);
+  const Overlap o(table, plate, at({0, 0, -0.01}));
+  requireClosedContour(o.contour);
+  CHECK(o.anomalies() == 0);
+  REQUIRE(o.regions.regions.size() == 4);
+  for (const Region& r : o.regions.regions) {
+    CHECK(r.volume == Approx(0.9 * 0.9 * 0.01).epsilon(1e-6));
+  }
 }
 
 TEST_CASE("a body wholly inside another is found, one in its cavity is not") {

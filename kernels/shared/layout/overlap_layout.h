@@ -29,6 +29,7 @@ typedef struct {
   otg_uint previous, next;  ///< along the edge: slot or OTG_NOT_THERE
   otg_uint rank;            ///< along the edge
   otg_uint triangle;
+  otg_uint chord;  ///< the hit whose chord starts here
   otg_uint table;  ///< of the region whose root this crossing is, once it is large
   /// The number along the edge of the inside stretch that ends here (the edge leaves the other mesh), or begins at the
   /// last one; or OTG_NOT_THERE.

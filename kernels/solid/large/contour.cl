@@ -39,6 +39,7 @@ OTG_INLINED void otgFillCrossing(OTG_OVERLAP* o, uint slot, uint halfEdge, uint 
   c->first = ~0ul;
   c->largest = 0;
   c->load = 0;
+  c->chord = OTG_NOT_THERE;
   c->table = 0;
   c->exits = (how & 1) == (uint)forward;
   c->link = atomic_xchg(otgEdgeMark(o, mesh, edge), slot + 1);
@@ -261,6 +262,12 @@ OTG_INLINED uint otgPlaceCrossing(OTG_OVERLAP* o, uint slot, __global otg_overla
          (c->seen == 2 ? 0 : OTG_SOLID_BROKEN);  // a place that is no number has no order
 }
 
+OTG_INLINED void otgTakeChord(OTG_OVERLAP* o, uint number) {
+  const otg_overlap_hit hit = o->hits[number];
+  otgUniteElements(o, hit.start, hit.end);
+  o->crossings[hit.start].chord = number;
+}
+
 /// Puts crossings in order along their edges, and hits in lists by triangle; unites what hangs together by chords.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapEdges(
     __global const otg_overlap_pair* restrict pairs, __global const float4* restrict meshes,
@@ -278,7 +285,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapEdge
   for (uint i = otgIdFromTheEnd(); i < o.hitCount; i += get_global_size(0)) {
     const otg_overlap_hit hit = o.hits[i];
     if (hit.a == OTG_NOT_THERE || hit.start == OTG_NOT_THERE) continue;
-    otgUniteElements(&o, hit.start, hit.end);
+    otgTakeChord(&o, i);
     for (uint mesh = 0; mesh < 2; ++mesh) {
       o.hits[i].link[mesh] = atomic_xchg(otgTriangleMark(&o, mesh, mesh == 0 ? hit.a : hit.b), i + 1);
     }

@@ -204,6 +204,34 @@ OTG_INLINED int otgEndIsInside(OTG_OVERLAP* o, uint mesh, uint vertex, int vote,
   return balance > 0;
 }
 
+/// Whether the contour comes back to a chord without leaving its triangle of a mesh.
+OTG_INLINED int otgStaysWithin(OTG_OVERLAP* o, uint mesh, uint chord) {
+  uint at = chord;
+  for (uint steps = 0; steps < o->hitCount; ++steps) {
+    __global const otg_crossing* c = o->crossings + o->hits[at].end;
+    if (otgMeshOf(c) == mesh) return 0;
+    at = c->chord;
+    if (at == chord) return 1;
+    if (at >= o->hitCount) return 0;
+  }
+  return 0;
+}
+
+/// A contour that stays within one triangle whose corners are all inside hangs together with them.
+OTG_INLINED void otgUniteWithCorners(OTG_OVERLAP* o, uint mesh, uint chord) {
+  OTG_MESH* m = &o->mesh[mesh].solid;
+  const size_t at = 4 * (size_t)(mesh == 0 ? o->hits[chord].a : o->hits[chord].b);
+  const uint4 corners = m->triangles[at], edges = m->triangles[at + 1];
+  if (!otgIsVotedInside(o, mesh, corners.x) || !otgIsVotedInside(o, mesh, corners.y) ||
+      !otgIsVotedInside(o, mesh, corners.z)) {
+    return;
+  }
+  int isCrossed = 0;
+  for (uint k = 0; k < 3; ++k) isCrossed |= *otgEdgeMark(o, mesh, otgOf3(edges, k)) != 0;
+  if (isCrossed && !otgStaysWithin(o, mesh, chord)) return;
+  otgUniteElements(o, o->hits[chord].start, otgElementOf(o, mesh, corners.x));
+}
+
 /// Unites vertices inside with crossings, and numbers the stretches inside along each edge; as EdgePieces::collect.
 __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapJoin(
     __global const otg_overlap_pair* restrict pairs, __global const float4* restrict meshes,
@@ -243,16 +271,9 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapJoin
     }
     if (isStretch) c->stretch = before;
   }
-  // A contour that stays within one triangle whose corners are all inside hangs together with them.
   for (uint i = otgIdFromTheEnd(); i < 2 * o.hitCount; i += get_global_size(0)) {
-    const uint mesh = i & 1;
     const otg_overlap_hit hit = o.hits[i >> 1];
-    if (hit.a == OTG_NOT_THERE || hit.start == OTG_NOT_THERE) continue;
-    const uint4 corners = o.mesh[mesh].solid.triangles[4 * (size_t)(mesh == 0 ? hit.a : hit.b)];
-    if (otgIsVotedInside(&o, mesh, corners.x) && otgIsVotedInside(&o, mesh, corners.y) &&
-        otgIsVotedInside(&o, mesh, corners.z)) {
-      otgUniteElements(&o, hit.start, otgElementOf(&o, mesh, corners.x));
-    }
+    if (hit.a != OTG_NOT_THERE && hit.start != OTG_NOT_THERE) otgUniteWithCorners(&o, i & 1, i >> 1);
   }
 }
 

@@ -96,6 +96,33 @@ OTG_INLINED int otgStretchAt(__local const otg_solid_scratch* s, uint c, OTG_MES
   return 1;
 }
 
+/// Whether the contour comes back to a chord without leaving its triangle of a mesh.
+OTG_INLINED int otgStaysWithin(__local const otg_solid_scratch* s, uint mesh, uint chord) {
+  const uint chords = s->chords;
+  uint at = chord;
+  for (uint steps = 0; steps < chords; ++steps) {
+    const uint c = s->end[at];
+    if ((s->edge[c] & 1) == mesh) return 0;
+    for (at = 0; at < chords && s->start[at] != c;) ++at;
+    if (at == chord || at == chords) break;
+  }
+  return at == chord;
+}
+
+/// A contour that stays within one triangle whose corners are all inside hangs together with them.
+OTG_INLINED void otgUniteWithCorners(__local otg_solid_scratch* s, uint mesh, OTG_MESH* m, uint chord) {
+  const size_t at = 4 * (size_t)s->triangle[mesh][chord];
+  const uint4 corners = m->triangles[at], edges = m->triangles[at + 1];
+  const uint x = otgFindInside(s, mesh, corners.x);
+  if (x == OTG_NOT_THERE || otgFindInside(s, mesh, corners.y) == OTG_NOT_THERE ||
+      otgFindInside(s, mesh, corners.z) == OTG_NOT_THERE) {
+    return;
+  }
+  int isCrossed = 0;
+  for (uint k = 0; k < 3; ++k) isCrossed |= otgFirstAlong(s, otgOf3(edges, k) << 1 | mesh) != OTG_NO_CROSSING;
+  if (!isCrossed || otgStaysWithin(s, mesh, chord)) otgJoin(s, s->start[chord], OTG_SOLID_HITS + x);
+}
+
 /// Regions of crossings and vertices, numbered by their smallest crossing; vertices inside in order.
 OTG_INLINED void otgUniteRegions(__local otg_solid_scratch* s, OTG_MESH* meshA, OTG_MESH* meshB) {
   const uint lane = get_local_id(0), crossings = s->bad ? 0 : s->crossings, chords = s->bad ? 0 : s->chords;
@@ -112,17 +139,8 @@ OTG_INLINED void otgUniteRegions(__local otg_solid_scratch* s, OTG_MESH* meshA, 
   }
   for (uint c = lane; c < chords; c += OTG_GROUP) {
     otgJoin(s, s->start[c], s->end[c]);
-    // A contour that stays within one triangle whose corners are all inside hangs together with them.
-    for (uint mesh = 0; mesh < 2; ++mesh) {
-      OTG_MESH* m = mesh == 0 ? meshA : meshB;
-      const uint4 corners = m->triangles[4 * (size_t)s->triangle[mesh][c]];
-      const uint x = otgFindInside(s, mesh, corners.x);
-      if (x == OTG_NOT_THERE || otgFindInside(s, mesh, corners.y) == OTG_NOT_THERE ||
-          otgFindInside(s, mesh, corners.z) == OTG_NOT_THERE) {
-        continue;
-      }
-      otgJoin(s, s->start[c], OTG_SOLID_HITS + x);
-    }
+    otgUniteWithCorners(s, 0, meshA, c);
+    otgUniteWithCorners(s, 1, meshB, c);
   }
   OTG_SYNC;
   for (uint base = 0; base < crossings; base += OTG_GROUP) {

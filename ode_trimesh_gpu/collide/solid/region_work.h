@@ -45,6 +45,8 @@ struct RegionLoop {
 struct RegionScratch {
   UnionFind sets;  ///< of elements
   std::vector<std::uint32_t> regionOf, load;
+  std::vector<std::uint32_t> chordFrom;  ///< by crossing: the chord that starts there
+  std::vector<std::uint8_t> leaves;      ///< by crossing: from there the contour leaves the triangle that is crossed
   EpochArray boundary[2];  ///< triangle -> index into boundaryTriangles, or kInterior once it has been taken
   std::vector<std::uint32_t> boundaryTriangles[2], chordHead[2], chordNext[2];
   std::vector<RegionLoop> loops;

@@ -53,15 +53,43 @@ class Builder {
       for (const std::uint32_t edge : w_.contour.crossedEdges[m]) {
         for (const EdgePiece& p : w_.edges.on(m, edge)) s_.sets.unite(p.fromElement, p.toElement);
       }
-      // A contour that stays within one triangle whose corners are all inside hangs together with them.
+    }
+    uniteWithCorners();
+  }
+
+  /// A contour that stays within one triangle whose corners are all inside hangs together with them. One that reaches
+  /// an edge of the triangle may cut corners off; it hangs together with what is inside along the edge.
+  void uniteWithCorners() {
+    s_.chordFrom.assign(w_.contour.crossings.size(), kNone);
+    s_.leaves.assign(w_.contour.crossings.size(), 0);
+    for (std::uint32_t c = 0; c < w_.contour.chords.size(); ++c) s_.chordFrom[w_.contour.chords[c].start] = c;
+    for (int m = 0; m < 2; ++m) {
       const TriMesh& mesh = w_.meshes.mesh(m);
       for (const Chord& chord : w_.contour.chords) {
         const Triangle& t = mesh.triangles()[m == 0 ? chord.triangleA : chord.triangleB];
         std::uint32_t corner[3];
         for (int k = 0; k < 3; ++k) corner[k] = w_.edges.vertexElement(m, mesh.topology().weld[t.v[k]]);
-        if (corner[0] != kNone && corner[1] != kNone && corner[2] != kNone) s_.sets.unite(chord.start, corner[0]);
+        if (corner[0] == kNone || corner[1] == kNone || corner[2] == kNone) continue;
+        if (s_.sets.find(chord.start) != s_.sets.find(corner[0]) && staysWithin(m, chord)) {
+          s_.sets.unite(chord.start, corner[0]);
+        }
       }
     }
+  }
+
+  /// Whether the contour comes back to a chord without leaving its triangle of mesh m.
+  bool staysWithin(int m, const Chord& chord) {
+    const auto isWithin = [&](std::uint32_t c) {
+      return w_.contour.crossings[c].mesh != m && s_.leaves[c] == 0 && s_.chordFrom[c] != kNone;
+    };
+    const auto next = [&](std::uint32_t c) { return w_.contour.chords[s_.chordFrom[c]].end; };
+    std::size_t steps = 0;
+    for (std::uint32_t c = chord.end; isWithin(c); c = next(c)) {
+      if (c == chord.start) return true;
+      if (++steps > w_.contour.chords.size()) break;  // chords contradict each other
+    }
+    for (std::uint32_t c = chord.end; isWithin(c); c = next(c)) s_.leaves[c] = 1;
+    return false;
   }
 
   /// How many vertices.
