@@ -11,6 +11,7 @@
 #include "base/vectors.h"
 #include "bvh/wide_search.h"
 #include "collide/inside_test.h"
+#include "primitives/round_ahead.h"
 #include "primitives/same_direction.h"
 #include "queries/local_minimum.h"
 #include "queries/surface_side.h"
@@ -256,16 +257,27 @@ void keepOutermost(const Capsule& capsule, std::pmr::vector<TouchingPlace>& plac
                 [](const Contact& x, const Contact& y) { return x.depth > y.depth; });
 }
 
-}  // namespace
-
-bool capsuleContacts(const CollisionMesh& tree, const Capsule& capsule, RoundMemory& before,
-                     std::vector<Contact>& out) {
+bool addTouched(const CollisionMesh& tree, const Capsule& capsule, RoundMemory& before, std::vector<Contact>& out) {
   std::byte buffer[kPlacesAtHand * sizeof(TouchingPlace)];
   std::pmr::monotonic_buffer_resource memory(buffer, sizeof buffer);
   std::pmr::vector<TouchingPlace> places(&memory);
   places.reserve(kPlacesAtHand - 1);
   if (!Finder(tree, capsule, before, places).run()) return false;
   keepOutermost(capsule, places, out);
+  return true;
+}
+
+}  // namespace
+
+bool capsuleContacts(const CollisionMesh& tree, const Capsule& capsule, RoundMemory& before,
+                     std::vector<Contact>& out) {
+  const std::size_t first = out.size();
+  if (!addTouched(tree, capsule, before, out)) return false;
+  addWallsAhead(tree, 0.5, out, first, [&](const Vec3d& way) {
+    Capsule moved = capsule;
+    moved.middle = moved.middle - way;
+    addTouched(tree, moved, before, out);
+  });
   return true;
 }
 

@@ -26,6 +26,8 @@ struct Capsule {
 /// contacts whose normals are within 3 degrees the deepest and the two outermost along the axis are kept; not the
 /// deepest if these have its normal to within 0.1 degrees and its depth to within 2 %.
 ///
+/// With a solid that has inner corners, walls that are met on the way out are named, too (round_ahead.h).
+///
 /// Contacts are appended, deepest first, positions in the middle of the overlap. The capsule has no triangles (kNone).
 bool capsuleContacts(const CollisionMesh& mesh, const Capsule& capsule, RoundMemory& before, std::vector<Contact>& out);
 

@@ -6,6 +6,7 @@
 #include <memory_resource>
 
 #include "base/vectors.h"
+#include "primitives/round_ahead.h"
 #include "primitives/same_direction.h"
 #include "queries/local_minimum.h"
 #include "queries/surface_side.h"
@@ -21,10 +22,8 @@ Contact makeContact(const SurfacePoint& at, const Vec3d& normal, double depth, s
   return contact;
 }
 
-}  // namespace
-
-void sphereContacts(const CollisionMesh& tree, const Vec3d& center, double radius, RoundMemory& before,
-                    std::vector<Contact>& out) {
+void addTouched(const CollisionMesh& tree, const Vec3d& center, double radius, RoundMemory& before,
+                std::vector<Contact>& out) {
   const TriMesh& mesh = tree.mesh();
   const SurfaceKind kind = surfaceKind(mesh);
   std::byte buffer[kPointsAtHand * sizeof(SurfacePoint)];
@@ -77,6 +76,15 @@ void sphereContacts(const CollisionMesh& tree, const Vec3d& center, double radiu
       out.push_back(makeContact(p, normal, radius - p.distance, static_cast<std::uint32_t>(out.size() - first)));
     }
   }
+}
+
+}  // namespace
+
+void sphereContacts(const CollisionMesh& tree, const Vec3d& center, double radius, RoundMemory& before,
+                    std::vector<Contact>& out) {
+  const std::size_t first = out.size();
+  addTouched(tree, center, radius, before, out);
+  addWallsAhead(tree, 0, out, first, [&](const Vec3d& way) { addTouched(tree, center - way, radius, before, out); });
 }
 
 }  // namespace otg

@@ -19,6 +19,8 @@ namespace otg {
 /// surface, with the distance added to the radius. Faces that show their back to the centre count for a shell alone,
 /// which has no inside, and where the sphere came from behind a sheet.
 ///
+/// With a solid that has inner corners, walls that are met on the way out are named, too (round_ahead.h).
+///
 /// Contacts are appended, deepest first. The sphere has no triangles (kNone).
 void sphereContacts(const CollisionMesh& mesh, const Vec3d& center, double radius, RoundMemory& before,
                     std::vector<Contact>& out);

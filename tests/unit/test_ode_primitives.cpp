@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "base/vectors.h"
+#include "collide/shortest_translation.h"
+#include "scenes/concave_meshes.h"
 #include "support/catch.h"
 #include "support/draw.h"
 #include "support/mirror.h"
@@ -333,4 +335,40 @@ TEST_CASE("mirrored planes and rays have mirrored contacts, and exchanged geoms 
   CHECK(whole > 150);
   CHECK(hits > 200);
   for (const dGeomID geom : {plane, otherPlane, ray, otherRay}) dGeomDestroy(geom);
+}
+
+TEST_CASE("a ball and a capsule that are in one wall of a groove name the other where the way out leads into it") {
+  const OdeSession session;
+  Draw draw(3);
+  int named = 0, left = 0;
+  for (int i = 0; i < 200; ++i) {
+    const double lean = draw.uniform(0.1, 0.7), bottom = draw.uniform(0.02, 0.1), s = bottom + 0.5 * std::tan(lean);
+    const Data data(scenes::makeProfile(
+        {{-1, -0.2}, {1, -0.2}, {1, 0.5}, {s, 0.5}, {bottom, 0}, {-bottom, 0}, {-s, 0.5}, {-1, 0.5}}, 1));
+    const double radius = bottom + draw.uniform(0.02, 0.1), depth = draw.uniform(1e-4, 1e-3);
+    const double gap = draw.uniform(0, depth);
+    // The walls' normals point into the groove; both planes are as far from the origin.
+    const Vec3d walls[2] = {{std::cos(lean), 0, std::sin(lean)}, {-std::cos(lean), 0, std::sin(lean)}};
+    const double offset = -bottom * std::cos(lean);
+    const Vec3d at{-0.5 * (depth + gap) / std::cos(lean), 0, (radius + offset + 0.5 * (gap - depth)) / std::sin(lean)};
+    if (at.z > 0.45) continue;  // it would lie on the rims
+    const dGeomID mesh = dCreateGpuTriMesh(nullptr, data.id);
+    const dGeomID shape = i % 2 == 0 ? dCreateSphere(nullptr, radius) : dCreateCapsule(nullptr, radius, 0.4);
+    dMatrix3 turn;
+    dRFromZAxis(turn, 0, 1, 0);
+    dGeomSetRotation(shape, turn);
+    dGeomSetPosition(shape, at.x, at.y, at.z);
+    ShortestTranslation way;
+    for (const dContactGeom& c : collide(mesh, shape, 16)) {
+      CHECK(way.add({c.normal[0], c.normal[1], c.normal[2]}, c.depth));
+      named += -c.normal[0] * walls[1].x > 0 && c.depth == 0;
+    }
+    for (const Vec3d& wall : walls) {
+      left += otgDot(wall, otgSub(at, way.value())) - offset < radius - 1e-3 * depth;
+    }
+    dGeomDestroy(mesh);
+    dGeomDestroy(shape);
+  }
+  CHECK(named > 50);
+  CHECK(left == 0);
 }

@@ -13,19 +13,12 @@
 #include "collide/solid/ahead_scratch.h"
 #include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
-#include "shared/contacts/uneven_model.h"
 
 namespace otg {
 namespace {
 
-/// The pair is looked at a little farther on than contacts request: there surfaces that lie on each other are apart.
-constexpr double kFarther = 1.02;
 /// Sine of the angle by which a face may look along the way and is in the way all the same.
 constexpr double kAlong = 0.02;
-/// How often the pair is looked at, at most.
-constexpr int kLooks = 3;
-/// The way is so many times the deepest contact, at most: as the translation that parts of a region request.
-constexpr double kLongest = OTG_UNEVEN_LONGEST;
 /// Of both meshes together. Larger ones are what devices are for, which do not look ahead.
 constexpr std::size_t kMostTriangles = 16384;
 
@@ -44,7 +37,7 @@ bool tellsNoWay(const Contact& contact) {
 double longestWay(std::span<const Contact> contacts) {
   double deepest = 0;
   for (const Contact& c : contacts) deepest = std::max(deepest, c.depth);
-  return kLongest * deepest;
+  return kLongestAhead * deepest;
 }
 
 /// What contacts request, however they are ordered. None where they do not give the way.
@@ -72,7 +65,7 @@ AheadScratch& scratchOf(Workspace& workspace) {
 }
 
 Vec3d wayOf(const ShortestTranslation& t) {
-  return otgScale(t.value(), kFarther);
+  return otgScale(t.value(), kFartherAhead);
 }
 
 /// The pair after A has moved, without a past.
@@ -189,7 +182,7 @@ void addContactsAhead(const Query& query, Workspace& workspace) {
   std::uint32_t regions = 0;
   for (const Contact& c : workspace.contacts) regions = std::max(regions, c.region + 1);
   bool isNew = true;
-  for (int look = 0; look < kLooks && isNew; ++look) {
+  for (int look = 0; look < kLooksAhead && isNew; ++look) {
     const Vec3d way = wayOf(*t);
     const Query moved = movedBy(query, way);
     if (look > 0 || !byTrees) findIntersectingPairs(moved, ahead);

@@ -6,8 +6,16 @@
 #include <span>
 
 #include "collide/query.h"
+#include "shared/contacts/uneven_model.h"
 
 namespace otg {
+
+/// A pair is looked at a little farther on than contacts request: there surfaces that lie on each other are apart.
+inline constexpr double kFartherAhead = 1.02;
+/// How often it is looked at, at most.
+inline constexpr int kLooksAhead = 3;
+/// The way is so many times the deepest contact, at most: as the translation that parts of a region request.
+inline constexpr double kLongestAhead = OTG_UNEVEN_LONGEST;
 
 /// Whether a mesh has hollows: concave edges that are no curve's, or gaps between its components. Elsewhere a second
 /// surface as near as the overlap is deep is rare.
