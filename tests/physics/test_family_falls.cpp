@@ -148,7 +148,7 @@ TEST_CASE("a world in which a body is thrown is distinguished from one in which 
   CHECK(calm >= 12);
 }
 
-TEST_CASE("nor are those whose one face touches at its corners, each in a place of its own") {
+TEST_CASE("bodies whose one face touches at its corners, each in a place of its own, are not thrown") {
   const otg::scenes::OdeSession session;
   struct Thrown {
     const char* family;

@@ -262,6 +262,7 @@ OTG_INLINED uint otgPlaceCrossing(OTG_OVERLAP* o, uint slot, __global otg_overla
          (c->seen == 2 ? 0 : OTG_SOLID_BROKEN);  // a place that is no number has no order
 }
 
+/// Unites the ends of a chord, and has its start name it.
 OTG_INLINED void otgTakeChord(OTG_OVERLAP* o, uint number) {
   const otg_overlap_hit hit = o->hits[number];
   otgUniteElements(o, hit.start, hit.end);
