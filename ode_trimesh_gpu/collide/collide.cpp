@@ -33,7 +33,7 @@ void collideIntersecting(const Query& query, Workspace& workspace) {
   } else if ((isConvexPair(query) && convexPairContacts(query, workspace)) || convexPartContacts(query, workspace)) {
     return;
   } else if (!areShells(query, workspace.intersecting) && solidContacts(query, workspace)) {
-    lookAhead(query, workspace);
+    if (mayMeetAhead(query)) lookAhead(query, workspace);
     finishContacts(query, workspace);
   } else {
     shellContacts(query, workspace);

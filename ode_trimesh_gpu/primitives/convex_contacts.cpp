@@ -31,6 +31,7 @@ constexpr double kLeft = 0.005;           // of a way out: not worth a correctio
 constexpr double kRounding = 2.5e-7;      // of the shape's radius: what single precision may take off a depth
 constexpr double kSamePlace = 0.01;       // of the region's diagonal
 constexpr double kFacetsStickOut = 0.05;  // of the radius: at most
+constexpr double kParallel = 1e-6;        // square of a sine: an edge is as near to the axis everywhere
 
 class ShapeRefiner final : public RegionRefiner {
  public:
@@ -38,11 +39,12 @@ class ShapeRefiner final : public RegionRefiner {
 
   bool direct(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region,
               const RegionDirection& direction, RegionNormals& normals) override {
+    meshes_ = &meshes;
     origin_ = all.origin;
     diagonal_ = region.diagonal;
     low_ = region.lo;
     high_ = region.hi;
-    placed_.emplace(shape_, query_.bInA, origin_);
+    placed_.emplace(shape_, meshes.query().bInA, origin_);  // of a look ahead after the way
     memory_ = all.memory;
     patch_.emplace(memory_);
     walls_.emplace(memory_);
@@ -61,6 +63,9 @@ class ShapeRefiner final : public RegionRefiner {
     normals.fix(way_.direction * -1.0);
     return true;
   }
+
+  /// Whether contacts of a region that is not convex went. What they asked for may be missing.
+  bool hasDropped() const { return hasDropped_; }
 
   void refine(std::vector<Contact>& contacts, std::size_t first) override {
     correct(contacts, first);
@@ -102,7 +107,7 @@ class ShapeRefiner final : public RegionRefiner {
       addDeepest(contacts, first);
     }
     if (settled_ && !shape_.isCurved()) undoRounding(contacts, first);
-    if (hasWalls_ && !settled_) walls_->limitDepths(contacts, first);
+    if (hasWalls_ && !settled_ && walls_->limitDepths(contacts, first)) hasDropped_ = true;
     keepOne();
     if (hasWalls_) walls_->complete(*placed_, kSamePlace * diagonal_, contacts, first);
     keepEachDirection(contacts, first, static_cast<std::size_t>(query_.options.solid.contactsPerRegion), memory_);
@@ -134,10 +139,24 @@ class ShapeRefiner final : public RegionRefiner {
     return true;
   }
 
+  /// Where an edge of the mesh comes nearest to the round shape's axis, or `from` if that is beside the region. The
+  /// middle of the stretch that facets cut out of it is another place.
+  Vec3d nearestToAxis(std::uint32_t edge, const Vec3d& from) const {
+    const Topology::Edge& ends = meshes_->mesh(0).topology().edges[edge];
+    const Vec3d a = meshes_->vertex(0, ends.a) - origin_, along = meshes_->vertex(0, ends.b) - origin_ - a;
+    const Vec3d start = placed_->toLocal(a), d = placed_->directionToLocal(along);
+    const double across = d.x * d.x + d.y * d.y;
+    if (!(across > kParallel * otgDot(d, d))) return from;
+    const double t = std::clamp(-(start.x * d.x + start.y * d.y) / across, 0.0, 1.0);
+    const Vec3d at = a + along * t, inside = inRegion(at);
+    return inside.x == at.x && inside.y == at.y && inside.z == at.z ? at : from;
+  }
+
   /// With a direction of its own: the far end on the mesh is right, the near one is measured on the round shape.
   bool onSurface(Contact& c) const {
     if (!trusted_) return true;  // bodies deep in each other: the round shape is not the question
-    const Vec3d onMesh = c.position - origin_ - c.normal * (0.5 * c.depth);
+    Vec3d onMesh = c.position - origin_ - c.normal * (0.5 * c.depth);
+    if (c.feature == ContactFeature::kMiddleA) onMesh = nearestToAxis(c.element, onMesh);
     const double depth = placed_->exitDistance(onMesh, c.normal);
     if (!(depth > 0)) return false;
     place(c, onMesh + c.normal * (0.5 * depth), std::min(depth, c.depth));
@@ -208,6 +227,7 @@ class ShapeRefiner final : public RegionRefiner {
 
   const Query& query_;
   const ConvexShape& shape_;
+  const PlacedMeshes* meshes_ = nullptr;  ///< of the region
   std::optional<PlacedShape> placed_;
   std::pmr::memory_resource* memory_ = nullptr;
   // In the region's memory.
@@ -217,6 +237,7 @@ class ShapeRefiner final : public RegionRefiner {
   double diagonal_ = 0;
   Vec3d low_{}, high_{};  ///< of the region
   bool trusted_ = false, settled_ = false, hasWalls_ = false;
+  bool hasDropped_ = false;  ///< of any region
   WayOut way_;
 };
 
@@ -227,7 +248,7 @@ bool regionContacts(const Query& query, const ConvexShape& shape, Workspace& wor
   ShapeRefiner refiner(refined, shape);
   refined.refiner = &refiner;
   if (!solidContacts(refined, workspace)) return false;
-  if (!shape.isCurved()) lookAhead(query, workspace);  // the mesh of others is not the shape
+  if (isCornered(query.a) || refiner.hasDropped()) lookAhead(refined, workspace);
   finishContacts(query, workspace);
   return true;
 }

@@ -48,10 +48,10 @@ std::optional<Vec3d> shortestMove(std::span<const Contact> contacts, std::pmr::m
   return t.value();
 }
 
-/// Adds a contact in place of shallower ones of its direction that are next to it.
+/// Adds a contact in place of those of its direction that are next to it and no deeper.
 void replace(std::vector<Contact>& contacts, std::size_t first, const Contact& added, double closest) {
   const auto isReplaced = [&](const Contact& c) {
-    return c.depth < added.depth && otgDot(c.normal, added.normal) > kSameDirection &&
+    return c.depth <= added.depth && otgDot(c.normal, added.normal) > kSameDirection &&
            norm(c.position - added.position) < closest;
   };
   contacts.erase(std::remove_if(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(), isReplaced),
@@ -405,7 +405,7 @@ bool RegionWalls::isInDoubt(const Contact& contact, const Vec3d& point) const {
   return !isBehind;
 }
 
-void RegionWalls::limitDepths(std::vector<Contact>& contacts, std::size_t first) const {
+bool RegionWalls::limitDepths(std::vector<Contact>& contacts, std::size_t first) const {
   std::pmr::vector<std::pair<double, const Wall*>> ahead(memory_);
   const auto isVoid = [&](Contact& c) {
     const Vec3d point = c.position + c.normal * (0.5 * c.depth) - origin_;  // of the shape
@@ -430,8 +430,10 @@ void RegionWalls::limitDepths(std::vector<Contact>& contacts, std::size_t first)
     c.depth = most;
     return false;
   };
-  const auto begin = contacts.begin() + static_cast<std::ptrdiff_t>(first);
-  contacts.erase(std::remove_if(begin, contacts.end(), isVoid), contacts.end());
+  const auto kept = std::remove_if(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(), isVoid);
+  const bool any = kept != contacts.end();
+  contacts.erase(kept, contacts.end());
+  return any;
 }
 
 void keepEachDirection(std::vector<Contact>& contacts, std::size_t first, std::size_t most,

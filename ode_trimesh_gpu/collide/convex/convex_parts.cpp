@@ -81,7 +81,7 @@ bool convexPartContacts(const Query& query, Workspace& workspace) {
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   }
-  lookAhead(query, workspace);
+  if (mayMeetAhead(query)) lookAhead(query, workspace);
   finishContacts(query, workspace);
   return true;
 }

@@ -74,7 +74,6 @@ Query movedBy(const Query& query, const Vec3d& way) {
   moved.bInA.t = otgSub(query.bInA.t, way);
   moved.relativeVelocity = {0, 0, 0};
   moved.history = nullptr;
-  moved.refiner = nullptr;
   moved.options.timings = moved.options.countPerDepth = false;
   return moved;
 }
@@ -216,7 +215,6 @@ bool mayMeetAhead(const Query& query) {
 }
 
 void lookAhead(const Query& query, Workspace& workspace) {
-  if (!mayMeetAhead(query)) return;
   using Clock = std::chrono::steady_clock;
   const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
   const std::size_t before = workspace.contacts.size();

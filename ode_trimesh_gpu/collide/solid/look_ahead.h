@@ -21,7 +21,7 @@ inline constexpr double kLongestAhead = OTG_UNEVEN_LONGEST;
 /// surface as near as the overlap is deep is rare.
 bool isCornered(const CollisionMesh* mesh);
 
-/// Whether lookAhead() looks at such a pair: one of the meshes has hollows, and both are small.
+/// Whether lookAhead() is worth its time for a pair of meshes: one of them has hollows, and both are small.
 bool mayMeetAhead(const Query& query);
 
 /// Completes the contacts in workspace.contacts, which are those of `solid`.

@@ -49,7 +49,7 @@ bool takeSolid(const Query& query, const otg_overlap_state& head, const Found& f
   workspace.stats = {};
   workspace.stats.intersectingPairs = head.counts[OTG_OVERLAP_INTERSECTING];
   if (!solidContactsOf(query, found, workspace)) return false;
-  lookAhead(query, workspace);
+  if (mayMeetAhead(query)) lookAhead(query, workspace);
   finishContacts(query, workspace);
   numberAsCaller(query, workspace);
   return true;
