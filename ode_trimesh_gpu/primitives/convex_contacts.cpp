@@ -7,12 +7,14 @@
 
 #include "base/vectors.h"
 #include "collide/consistent_contacts.h"
+#include "collide/contact_copies.h"
 #include "collide/convex/convex_pair_contacts.h"
 #include "collide/convex/convex_parts.h"
 #include "collide/pair_history.h"
 #include "collide/pairwise/reduction.h"
 #include "collide/shell/shell_contacts.h"
 #include "collide/shell/shell_roles.h"
+#include "collide/solid/ahead_scratch.h"
 #include "collide/solid/look_ahead.h"
 #include "collide/solid/region_refiner.h"
 #include "collide/solid/solid_contacts.h"
@@ -249,6 +251,7 @@ bool regionContacts(const Query& query, const ConvexShape& shape, Workspace& wor
   refined.refiner = &refiner;
   if (!solidContacts(refined, workspace)) return false;
   if (isCornered(query.a) || refiner.hasDropped()) lookAhead(refined, workspace);
+  dropCopies(workspace.contacts, smallerSize(query), emptyMemory(workspace));
   finishContacts(query, workspace);
   return true;
 }

@@ -11,6 +11,7 @@
 #include "support/catch.h"
 #include "truth/certificate_families.h"
 #include "truth/certificate_verdict.h"
+#include "truth/pair_in_ode.h"
 #include "truth/separation.h"
 #include "truth/separation_search.h"
 #include "truth/shortest_translation.h"
@@ -267,6 +268,33 @@ TEST_CASE("shapes on faces of many triangles have the same contacts after an upd
       REQUIRE(member);
       INFO(known.family << ' ' << known.number << ": " << member->what);
       CHECK_FALSE(judge(*member, known.number, {}).updateMatters);
+    }
+  }
+}
+
+TEST_CASE("walls of two regions and corners of two parts have one contact at a place") {
+  const scenes::OdeSession session;
+  struct Member {
+    const char* family;
+    std::uint32_t seed;
+    int number;
+  };
+  const Member members[] = {{"dCylinder", 11, 35}, {"on_blocks", 11, 43}, {"on_flush", 11, 21}};
+  for (const CertificateFamily& family : certificateFamilies()) {
+    for (const Member& known : members) {
+      if (family.name != known.family) continue;
+      const auto member = certificateMember(family, known.seed, known.number);
+      REQUIRE(member);
+      INFO(known.family << ' ' << known.number << ": " << member->what);
+      const std::vector<JudgedContact> contacts = contactsInOde(member->a, member->b, {});
+      CHECK(contacts.size() > 1);
+      for (std::size_t i = 0; i < contacts.size(); ++i) {
+        for (std::size_t k = 0; k < i; ++k) {
+          const bool isSame = norm(otgSub(contacts[i].position, contacts[k].position)) < 1e-9 * member->size &&
+                              otgDot(contacts[i].normal, contacts[k].normal) > 1 - 1e-9;
+          CHECK_FALSE(isSame);
+        }
+      }
     }
   }
 }

@@ -5,7 +5,9 @@
 #include <chrono>
 
 #include "base/vectors.h"
+#include "collide/contact_copies.h"
 #include "collide/convex/convex_pair_contacts.h"
+#include "collide/pair_history.h"
 #include "collide/rotation_tolerance.h"
 #include "collide/solid/ahead_scratch.h"
 #include "collide/solid/look_ahead.h"
@@ -73,6 +75,7 @@ bool convexPartContacts(const Query& query, Workspace& workspace) {
   }
   numberAsWhole(touching, workspace.contacts);
   dropWallsInside(touching, regions, workspace.contacts, scratchAhead(workspace));
+  dropCopies(workspace.contacts, smallerSize(query), emptyMemory(workspace));
   if (query.options.solid.regionMerge > 0) {
     mergeRegions(query.options.solid.regionMerge, query.options.solid.contactsPerRegion, workspace.contacts);
   }

@@ -14,10 +14,18 @@ struct AheadScratch {
   ScratchMemory memory;
 };
 
+inline AheadScratch& aheadOf(Workspace& workspace) {
+  if (!workspace.ahead) workspace.ahead = std::make_unique<AheadScratch>();
+  return *workspace.ahead;
+}
 /// A workspace that goes with this one, for queries of its pair after a translation.
 inline Workspace& scratchAhead(Workspace& workspace) {
-  if (!workspace.ahead) workspace.ahead = std::make_unique<AheadScratch>();
-  return workspace.ahead->workspace;
+  return aheadOf(workspace).workspace;
+}
+/// Memory that nothing is in, until the next who requests it.
+inline std::pmr::memory_resource* emptyMemory(Workspace& workspace) {
+  aheadOf(workspace).memory.reset();
+  return &aheadOf(workspace).memory;
 }
 
 }  // namespace otg

@@ -58,12 +58,6 @@ std::optional<ShortestTranslation> askedBy(std::span<const Contact> contacts, st
   return t;
 }
 
-AheadScratch& scratchOf(Workspace& workspace) {
-  if (!workspace.ahead) workspace.ahead = std::make_unique<AheadScratch>();
-  workspace.ahead->memory.reset();
-  return *workspace.ahead;
-}
-
 Vec3d wayOf(const ShortestTranslation& t) {
   return otgScale(t.value(), kFartherAhead);
 }
@@ -170,10 +164,9 @@ Contact beforeWay(const Contact& met, const Vec3d& way) {
 }
 
 void addContactsAhead(const Query& query, Workspace& workspace) {
-  AheadScratch& scratch = scratchOf(workspace);
-  std::optional<ShortestTranslation> t = askedBy(workspace.contacts, &scratch.memory);
+  std::optional<ShortestTranslation> t = askedBy(workspace.contacts, emptyMemory(workspace));
   if (!t) return;
-  Workspace& ahead = scratch.workspace;
+  Workspace& ahead = scratchAhead(workspace);
   const bool byTrees = !hasCandidates(query, workspace);
   if (!(byTrees ? meetsByTrees(query, wayOf(*t), ahead) : meetsByCandidates(query, wayOf(*t), workspace, ahead)))
     return;
@@ -227,7 +220,7 @@ void lookAhead(const Query& query, Workspace& workspace) {
 }
 
 std::optional<Transformd> poseAhead(const Query& query, std::span<const Contact> contacts, Workspace& workspace) {
-  const std::optional<ShortestTranslation> t = askedBy(contacts, &scratchOf(workspace).memory);
+  const std::optional<ShortestTranslation> t = askedBy(contacts, emptyMemory(workspace));
   if (!t) return std::nullopt;
   return movedBy(query, wayOf(*t)).bInA;
 }

@@ -9,6 +9,7 @@
 #include "base/scratch_memory.h"
 #include "base/vectors.h"
 #include "collide/boxes_apart.h"
+#include "collide/contact_copies.h"
 #include "collide/pair_history.h"
 #include "collide/rotation_tolerance.h"
 #include "collide/shell/shell_approach.h"
@@ -248,6 +249,7 @@ bool addOverlapsOfParts(const Query& query, Workspace& workspace, PairContacts& 
   }
   numberAsWhole(pairs, workspace.contacts);
   dropWallsInside(pairs, regions, workspace.contacts, scratchAhead(workspace));
+  dropCopies(workspace.contacts, smallerSize(query), emptyMemory(workspace));
   return true;
 }
 
