@@ -109,7 +109,7 @@ class ShapeRefiner final : public RegionRefiner {
       addDeepest(contacts, first);
     }
     if (settled_ && !shape_.isCurved()) undoRounding(contacts, first);
-    if (hasWalls_ && !settled_ && walls_->limitDepths(contacts, first)) hasDropped_ = true;
+    if (hasWalls_ && !settled_ && walls_->limitDepths(shape_.isCurved(), contacts, first)) hasDropped_ = true;
     keepOne();
     if (hasWalls_) walls_->complete(*placed_, kSamePlace * diagonal_, contacts, first);
     keepEachDirection(contacts, first, static_cast<std::size_t>(query_.options.solid.contactsPerRegion), memory_);
@@ -141,27 +141,37 @@ class ShapeRefiner final : public RegionRefiner {
     return true;
   }
 
-  /// Where an edge of the mesh comes nearest to the round shape's axis, or `from` if that is beside the region. The
-  /// middle of the stretch that facets cut out of it is another place.
-  Vec3d nearestToAxis(std::uint32_t edge, const Vec3d& from) const {
+  /// Where an edge of the mesh is deepest in the round shape, about: where it is nearest to the axis, or in the middle
+  /// of what is between the cylinder's side and an end. `from` if that is beside the region, or the edge is beside the
+  /// shape. The middle of the stretch that facets cut out of the edge is another place.
+  Vec3d deepestOn(std::uint32_t edge, const Vec3d& from) const {
     const Topology::Edge& ends = meshes_->mesh(0).topology().edges[edge];
     const Vec3d a = meshes_->vertex(0, ends.a) - origin_, along = meshes_->vertex(0, ends.b) - origin_ - a;
     const Vec3d start = placed_->toLocal(a), d = placed_->directionToLocal(along);
     const double across = d.x * d.x + d.y * d.y;
     if (!(across > kParallel * otgDot(d, d))) return from;
-    const double t = std::clamp(-(start.x * d.x + start.y * d.y) / across, 0.0, 1.0);
-    const Vec3d at = a + along * t, inside = inRegion(at);
-    return inside.x == at.x && inside.y == at.y && inside.z == at.z ? at : from;
+    const double nearest = -(start.x * d.x + start.y * d.y) / across;
+    const double x = start.x + nearest * d.x, y = start.y + nearest * d.y;
+    const double reach = std::sqrt(std::max(0.0, shape_.radius * shape_.radius - x * x - y * y) / across);
+    double low = std::max(nearest - reach, 0.0), high = std::min(nearest + reach, 1.0);
+    if (d.z != 0) {
+      const double oneEnd = (-shape_.length - start.z) / d.z, other = (shape_.length - start.z) / d.z;
+      low = std::max(low, std::min(oneEnd, other));
+      high = std::min(high, std::max(oneEnd, other));
+    }
+    if (!(low < high)) return from;
+    const Vec3d at = a + along * (low <= nearest && nearest <= high ? nearest : 0.5 * (low + high));
+    return inRegion(at) == at ? at : from;
   }
 
   /// With a direction of its own: the far end on the mesh is right, the near one is measured on the round shape.
   bool onSurface(Contact& c) const {
     if (!trusted_) return true;  // bodies deep in each other: the round shape is not the question
-    Vec3d onMesh = c.position - origin_ - c.normal * (0.5 * c.depth);
-    if (c.feature == ContactFeature::kMiddleA) onMesh = nearestToAxis(c.element, onMesh);
-    const double depth = placed_->exitDistance(onMesh, c.normal);
+    const Vec3d onMesh = c.position - origin_ - c.normal * (0.5 * c.depth);
+    const Vec3d at = c.feature == ContactFeature::kMiddleA ? deepestOn(c.element, onMesh) : onMesh;
+    const double depth = placed_->exitDistance(at, c.normal);
     if (!(depth > 0)) return false;
-    place(c, onMesh + c.normal * (0.5 * depth), std::min(depth, c.depth));
+    place(c, at + c.normal * (0.5 * depth), at == onMesh ? std::min(depth, c.depth) : depth);
     return true;
   }
 
