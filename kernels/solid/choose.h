@@ -261,26 +261,14 @@ OTG_INLINED void otgRaiseDeepest(__local otg_solid_choice* s, const otg_solid_wo
   OTG_DEPTH(s)[c] = otgMax_d(OTG_DEPTH(s)[c], w->leastDepth);
 }
 
-/// Depths by rays, until two agree with their estimates and none has disagreed: then the others are believed. Gathered
-/// planes are not believed, and all are measured before; candidates of uneven regions are measured on the triangles.
-/// What is shallow for its kind is dropped.
+/// Depths by rays. Those of gathered planes were measured before; candidates of uneven regions are measured on the
+/// triangles. What is shallow for its kind is dropped.
 OTG_INLINED void otgMeasure(__local otg_solid_choice* s, const otg_solid_work* w, __global const float4* meshes,
                             OTG_MESH* a, OTG_MESH* b) {
   const uint lane = get_local_id(0), count = s->count;
   const uint cast = w->isGathered || w->isUneven ? 0 : count;
   otgCastRays(s, w, cast, meshes, a, b);
-  if (lane == 0) {
-    int agree = 0, disagree = 0;
-    for (uint k = 0; k < cast; ++k) {
-      if (agree >= 2 && !disagree) break;
-      const double estimate = OTG_DEPTH(s)[s->order[k]], depth = otgTakeDepth(s, w, k);
-      if (fabs(estimate - depth) <= OTG_SOLID_AGREES * (estimate < depth ? depth : estimate)) {
-        ++agree;
-      } else {
-        disagree = 1;
-      }
-    }
-  }
+  for (uint k = lane; k < cast; k += OTG_GROUP) otgTakeDepth(s, w, k);
   OTG_SYNC_ALL;
   double deepest = 0;
   for (uint k = lane; k < count; k += OTG_GROUP) deepest = otgMax_d(OTG_DEPTH(s)[s->order[k]], deepest);

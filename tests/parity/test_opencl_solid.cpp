@@ -15,6 +15,7 @@
 #include "scenes/concave_meshes.h"
 #include "support/mesh_samples.h"
 #include "support/posts.h"
+#include "support/raised_corner.h"
 #include "support/solid_batches.h"
 #include "truth/fitting_bodies.h"
 #include "truth/wild_bodies.h"
@@ -166,6 +167,25 @@ TEST_CASE("a plate whose corners are in different posts has the host's contacts"
     queries.back().options.maxContacts = 64;
   }
   CHECK(checkBatch(*backend, queries, onHost(queries)) > 50);
+}
+
+TEST_CASE("a box upon two triangles, one of which rises, has the host's contacts") {
+  const auto backend = openBackend();
+  REQUIRE(backend);
+  if (!backend->device().doubles) return;
+  const double height = 0.125;
+  const auto block = collisionMesh(makeRaisedCorner(static_cast<float>(height)));
+  Draw draw(4);
+  MeshList boxes;
+  std::vector<Query> queries;
+  for (int i = 0; i < 100; ++i) {
+    const Vec3d half{draw.uniform(0.2, 0.69), draw.uniform(0.2, 0.69), draw.uniform(0.2, 0.5)};
+    boxes.push_back(collisionMesh(scenes::makeBox(half * 2.0)));
+    queries.push_back(makeQuery(*block, *boxes.back(), drawBoxPose(draw, half, height * draw.uniform(0.02, 0.5))));
+    queries.back().options.contacts = ContactModel::kSolid;
+    queries.back().options.maxContacts = 64;
+  }
+  CHECK(checkBatch(*backend, queries, onHost(queries)) > 80);
 }
 
 TEST_CASE("bodies that fit each other at acute angles have the host's contacts") {

@@ -228,6 +228,8 @@ TEST_CASE("pairs of other random numbers that had no certificate once have one")
       {6, "gears", 18},
       // Out of the wall that is touched is a quarter of the way out of the groove.
       {6, "wedge", 70},
+      // The box of a large triangle holds the deepest point, and the triangle does not.
+      {31, "dented", 619},
       // A vertex of the mesh is held by the way in which the shape leaves it first.
       {1, "dConvex", 6691},
       // The deepest contacts of a region that is not convex seemed to leave nothing, and went.

@@ -7,13 +7,16 @@
 #include <random>
 
 #include "base/vectors.h"
+#include "collide/shortest_translation.h"
 #include "collide/solid/contour.h"
 #include "collide/solid/extent.h"
 #include "collide/solid/inside.h"
 #include "collide/solid/regions.h"
 #include "scenes/generated_meshes.h"
 #include "support/catch.h"
+#include "support/make_query.h"
 #include "support/posts.h"
+#include "support/raised_corner.h"
 
 using namespace otg;
 
@@ -337,4 +340,32 @@ TEST_CASE("contacts of bodies of another size are the same contacts in that size
     }
   }
   CHECK(compared > 100);
+}
+
+TEST_CASE("a box upon two triangles leaves the one that rises beside the other") {
+  test::Draw draw(5);
+  for (int i = 0; i < 1000; ++i) {
+    const double height = draw.uniform(0.01, 0.2), depth = height * draw.uniform(0.02, 0.5);
+    const Vec3d half{draw.uniform(0.2, 0.69), draw.uniform(0.2, 0.69), draw.uniform(0.2, 0.5)};
+    const CollisionMesh block(scenes::build(test::makeRaisedCorner(static_cast<float>(height))), BuildStrategy::kSah);
+    const CollisionMesh box(scenes::build(scenes::makeBox(half * 2.0)), BuildStrategy::kSah);
+    Query query = test::makeQuery(block, box, test::drawBoxPose(draw, half, depth));
+    query.options.contacts = ContactModel::kSolid;
+    query.options.maxContacts = 64;
+    Workspace workspace;
+    collide(query, workspace);
+    ShortestTranslation way;
+    for (const Contact& c : workspace.reduced) REQUIRE(way.add(c.normal, c.depth));
+    double deepest = 0, left = 0;
+    for (const double x : {-half.x, half.x}) {
+      for (const double y : {-half.y, half.y}) {
+        const Vec3d corner = otgTransform(query.bInA, {x, y, -half.z}), after = otgSub(corner, way.value());
+        deepest = std::max(deepest, test::heightOfTop(corner.x, corner.y, height) - corner.z);
+        left = std::max(left, test::heightOfTop(after.x, after.y, height) - after.z);
+      }
+    }
+    CAPTURE(i, height, depth, deepest, left);
+    CHECK(left < 0.02 * deepest);
+    CHECK(norm(way.value()) < 1.1 * deepest);
+  }
 }

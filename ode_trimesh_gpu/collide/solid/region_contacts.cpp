@@ -64,7 +64,9 @@ class RegionSolver {
       bringDeepestFirst();
     }
     chooseSpread(most);
-    if (!gathered_ && !isUneven_) measure();
+    if (!gathered_ && !isUneven_) {
+      for (Candidate& c : candidates_) measureByRays(c);
+    }
     eraseShallow(1);
     raiseDeepest();
     emit(out);
@@ -449,22 +451,6 @@ class RegionSolver {
     if (otgLeavesBeside(depth, c.depth, c.passes)) return;
     c.depth = depth;
     c.shift = 0.5 * (out - back);
-  }
-
-  /// Depths by rays, until two agree with their estimates and none has disagreed: then the others are believed.
-  void measure() {
-    int agree = 0;
-    bool disagree = false;
-    for (Candidate& c : candidates_) {
-      if (agree >= 2 && !disagree) break;
-      const double estimate = c.depth;
-      measureByRays(c);
-      if (std::fabs(estimate - c.depth) <= OTG_SOLID_AGREES * (estimate < c.depth ? c.depth : estimate)) {
-        ++agree;
-      } else {
-        disagree = true;
-      }
-    }
   }
 
   void bringDeepestFirst() {

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -63,8 +64,11 @@ struct ContactFinish {
   void records(const std::vector<std::size_t>& which, const Answer& found, const QueryOf& queryOf,
                const RecordsOf& recordsOf) {
     answer.leftToHost += which.size();
-    share(which, [&](std::size_t k, Workspace& own) {
-      collideFromRecords(queryOf(which[k]), found, recordsOf(which[k]), own);
+    // Those with most to do first, so that in the end no thread is long at work alone.
+    std::vector<std::size_t> order = which;
+    std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) { return recordsOf(i).size(); });
+    share(order, [&](std::size_t k, Workspace& own) {
+      collideFromRecords(queryOf(order[k]), found, recordsOf(order[k]), own);
       return true;
     });
   }
