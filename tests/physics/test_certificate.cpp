@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
 
 #include "scenes/simulation.h"
@@ -255,50 +256,52 @@ TEST_CASE("pairs of other random numbers that had no certificate once have one")
   }
 }
 
-TEST_CASE("shapes on faces of many triangles have the same contacts after an update of the mesh") {
-  const scenes::OdeSession session;
-  struct Member {
-    const char* family;
-    std::uint32_t seed;
-    int number;
-  };
-  // The planes of the triangles of a face differ by a rounding, and the largest are as large as each other.
-  const Member members[] = {
-      {"dBox", 11, 52}, {"dBox", 11, 570}, {"dCylinder", 14, 109}, {"shapes", 13, 678}, {"dConvex", 11, 699}};
+namespace {
+
+struct KnownMember {
+  const char* family;
+  std::uint32_t seed;
+  int number;
+};
+
+/// Calls visit(member, number) for each of these.
+template <class Visit>
+void forEachMember(std::span<const KnownMember> members, const Visit& visit) {
   for (const CertificateFamily& family : certificateFamilies()) {
-    for (const Member& known : members) {
+    for (const KnownMember& known : members) {
       if (family.name != known.family) continue;
       const auto member = certificateMember(family, known.seed, known.number);
       REQUIRE(member);
       INFO(known.family << ' ' << known.number << ": " << member->what);
-      CHECK_FALSE(judge(*member, known.number, {}).updateMatters);
+      visit(*member, known.number);
     }
   }
 }
 
+}  // namespace
+
+TEST_CASE("shapes on faces of many triangles have the same contacts after an update of the mesh") {
+  const scenes::OdeSession session;
+  // The planes of the triangles of a face differ by a rounding, and the largest are as large as each other.
+  const KnownMember members[] = {
+      {"dBox", 11, 52}, {"dBox", 11, 570}, {"dCylinder", 14, 109}, {"shapes", 13, 678}, {"dConvex", 11, 699}};
+  forEachMember(members, [](const CertificateMember& member, int number) {
+    CHECK_FALSE(judge(member, number, {}).updateMatters);
+  });
+}
+
 TEST_CASE("walls of two regions and corners of two parts have one contact at a place") {
   const scenes::OdeSession session;
-  struct Member {
-    const char* family;
-    std::uint32_t seed;
-    int number;
-  };
-  const Member members[] = {{"dCylinder", 11, 35}, {"on_blocks", 11, 43}, {"on_flush", 11, 21}};
-  for (const CertificateFamily& family : certificateFamilies()) {
-    for (const Member& known : members) {
-      if (family.name != known.family) continue;
-      const auto member = certificateMember(family, known.seed, known.number);
-      REQUIRE(member);
-      INFO(known.family << ' ' << known.number << ": " << member->what);
-      const std::vector<JudgedContact> contacts = contactsInOde(member->a, member->b, {});
-      CHECK(contacts.size() > 1);
-      for (std::size_t i = 0; i < contacts.size(); ++i) {
-        for (std::size_t k = 0; k < i; ++k) {
-          const bool isSame = norm(otgSub(contacts[i].position, contacts[k].position)) < 1e-9 * member->size &&
-                              otgDot(contacts[i].normal, contacts[k].normal) > 1 - 1e-9;
-          CHECK_FALSE(isSame);
-        }
+  const KnownMember members[] = {{"dCylinder", 11, 35}, {"on_blocks", 11, 43}, {"on_flush", 11, 21}};
+  forEachMember(members, [](const CertificateMember& member, int) {
+    const std::vector<JudgedContact> contacts = contactsInOde(member.a, member.b, {});
+    CHECK(contacts.size() > 1);
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      for (std::size_t k = 0; k < i; ++k) {
+        const bool isSame = norm(otgSub(contacts[i].position, contacts[k].position)) < 1e-9 * member.size &&
+                            otgDot(contacts[i].normal, contacts[k].normal) > 1 - 1e-9;
+        CHECK_FALSE(isSame);
       }
     }
-  }
+  });
 }
