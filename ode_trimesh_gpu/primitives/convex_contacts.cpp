@@ -109,7 +109,7 @@ class ShapeRefiner final : public RegionRefiner {
       addDeepest(contacts, first);
     }
     if (settled_ && !shape_.isCurved()) undoRounding(contacts, first);
-    if (hasWalls_ && !settled_ && walls_->limitDepths(shape_.isCurved(), contacts, first)) hasDropped_ = true;
+    if (hasWalls_ && !settled_ && walls_->limitDepths(*placed_, contacts, first)) hasDropped_ = true;
     keepOne();
     if (hasWalls_) walls_->complete(*placed_, kSamePlace * diagonal_, contacts, first);
     keepEachDirection(contacts, first, static_cast<std::size_t>(query_.options.solid.contactsPerRegion), memory_);

@@ -405,11 +405,11 @@ bool RegionWalls::isInDoubt(const Contact& contact, const Vec3d& point) const {
   return !isBehind;
 }
 
-bool RegionWalls::limitDepths(bool isCurved, std::vector<Contact>& contacts, std::size_t first) const {
+bool RegionWalls::limitDepths(const PlacedShape& shape, std::vector<Contact>& contacts, std::size_t first) const {
   std::pmr::vector<std::pair<double, const Wall*>> ahead(memory_);
   const auto isVoid = [&](Contact& c) {
     const Vec3d point = c.position + c.normal * (0.5 * c.depth) - origin_;  // of the shape
-    if ((isCurved && isOfA(c.feature)) || !isInDoubt(c, point)) return false;
+    if ((shape.shape().isCurved() && isOfA(c.feature)) || !isInDoubt(c, point)) return false;
     ahead.clear();
     for (const double facing : {kFacing, kEdgeOn}) {
       if (!ahead.empty()) break;

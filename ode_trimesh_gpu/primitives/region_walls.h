@@ -28,7 +28,7 @@ class RegionWalls {
   /// No contact from `first` on requests more than takes its point of the shape out of the walls that face its way.
   /// Whether there are some that go, because their points are in none. Of a curved shape those at edges and vertices of
   /// the mesh stay as they are: these have to leave the shape.
-  bool limitDepths(bool isCurved, std::vector<Contact>& contacts, std::size_t first) const;
+  bool limitDepths(const PlacedShape& shape, std::vector<Contact>& contacts, std::size_t first) const;
   /// Adds contacts for walls in which the shape is still when it has moved as those from `first` on request. `closest`:
   /// two contacts of a wall are no nearer to each other.
   void complete(const PlacedShape& shape, double closest, std::vector<Contact>& contacts, std::size_t first);

@@ -212,50 +212,6 @@ TEST_CASE("what contacts ask for separates random pairs in shallow overlap") {
   }
 }
 
-TEST_CASE("pairs of other random numbers that had no certificate once have one") {
-  struct Failure {
-    std::uint32_t seed;
-    const char* family;
-    int number;
-  };
-  constexpr Failure kFailures[] = {
-      // What was left lay in a region of less area than those that counted.
-      {2, "cells", 13},
-      {4, "U", 69},
-      {4, "bin", 86},
-      {5, "screw", 90},
-      // Edges cross at the rim of a face, and the ray that measured the depth left through the side.
-      {4, "cells", 186},
-      {6, "gears", 18},
-      // Out of the wall that is touched is a quarter of the way out of the groove.
-      {6, "wedge", 70},
-      // The box of a large triangle holds the deepest point, and the triangle does not.
-      {31, "dented", 619},
-      // A vertex of the mesh is held by the way in which the shape leaves it first.
-      {1, "dConvex", 6691},
-      // The deepest contacts of a region that is not convex seemed to leave nothing, and went.
-      {18, "shapes", 397},
-      // The middle of what facets cut out of an edge was outside of the cylinder, which the edge is in elsewhere.
-      {12, "shapes", 88},
-      {17, "shapes", 648},
-      // A sharp ridge of the mesh lies across a cylinder's side. One of the ridge's own sides is left sooner.
-      {31, "shapes", 445},
-  };
-  const scenes::OdeSession session;
-  const std::vector<CertificateFamily> families = certificateFamilies();
-  for (const Failure& failure : kFailures) {
-    CAPTURE(failure.seed, failure.family, failure.number);
-    const auto family =
-        std::find_if(families.begin(), families.end(), [&](const auto& f) { return f.name == failure.family; });
-    REQUIRE(family != families.end());
-    const std::optional<CertificateMember> member = certificateMember(*family, failure.seed, failure.number);
-    REQUIRE(member);
-    const Verdict verdict = judge(*member, failure.number, {});
-    CHECK(verdict.certified());
-    CHECK(verdict.length < 1.1);
-  }
-}
-
 namespace {
 
 struct KnownMember {
@@ -267,18 +223,52 @@ struct KnownMember {
 /// Calls visit(member, number) for each of these.
 template <class Visit>
 void forEachMember(std::span<const KnownMember> members, const Visit& visit) {
-  for (const CertificateFamily& family : certificateFamilies()) {
-    for (const KnownMember& known : members) {
-      if (family.name != known.family) continue;
-      const auto member = certificateMember(family, known.seed, known.number);
-      REQUIRE(member);
-      INFO(known.family << ' ' << known.number << ": " << member->what);
-      visit(*member, known.number);
-    }
+  const std::vector<CertificateFamily> families = certificateFamilies();
+  for (const KnownMember& known : members) {
+    INFO(known.family << ' ' << known.number << ", seed " << known.seed);
+    const auto family =
+        std::find_if(families.begin(), families.end(), [&](const auto& f) { return f.name == known.family; });
+    REQUIRE(family != families.end());
+    const std::optional<CertificateMember> member = certificateMember(*family, known.seed, known.number);
+    REQUIRE(member);
+    INFO(member->what);
+    visit(*member, known.number);
   }
 }
 
 }  // namespace
+
+TEST_CASE("pairs of other random numbers that had no certificate once have one") {
+  const KnownMember failures[] = {
+      // What was left lay in a region of less area than those that counted.
+      {"cells", 2, 13},
+      {"U", 4, 69},
+      {"bin", 4, 86},
+      {"screw", 5, 90},
+      // Edges cross at the rim of a face, and the ray that measured the depth left through the side.
+      {"cells", 4, 186},
+      {"gears", 6, 18},
+      // Out of the wall that is touched is a quarter of the way out of the groove.
+      {"wedge", 6, 70},
+      // The box of a large triangle holds the deepest point, and the triangle does not.
+      {"dented", 31, 619},
+      // A vertex of the mesh is held by the way in which the shape leaves it first.
+      {"dConvex", 1, 6691},
+      // The deepest contacts of a region that is not convex seemed to leave nothing, and went.
+      {"shapes", 18, 397},
+      // The middle of what facets cut out of an edge was outside of the cylinder, which the edge is in elsewhere.
+      {"shapes", 12, 88},
+      {"shapes", 17, 648},
+      // A sharp ridge of the mesh lies across a cylinder's side. One of the ridge's own sides is left sooner.
+      {"shapes", 31, 445},
+  };
+  const scenes::OdeSession session;
+  forEachMember(failures, [](const CertificateMember& member, int number) {
+    const Verdict verdict = judge(member, number, {});
+    CHECK(verdict.certified());
+    CHECK(verdict.length < 1.1);
+  });
+}
 
 TEST_CASE("shapes on faces of many triangles have the same contacts after an update of the mesh") {
   const scenes::OdeSession session;
