@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/bounds.h"
+#include "base/grid_place.h"
 #include "base/vectors.h"
 
 namespace otg {
@@ -127,9 +128,8 @@ class ProbeGrid {
 
  private:
   // Monotonic in the coordinate, so a probe inside a rectangle lies in one of the rectangle's cells.
-  std::size_t cellIndex(double x) const { return x > 0 ? std::min(static_cast<std::size_t>(x), side_ - 1) : 0; }
-  std::size_t column(double u) const { return cellIndex((u - min_.u) * scaleU_); }
-  std::size_t row(double v) const { return cellIndex((v - min_.v) * scaleV_); }
+  std::size_t column(double u) const { return gridPlace((u - min_.u) * scaleU_, side_); }
+  std::size_t row(double v) const { return gridPlace((v - min_.v) * scaleV_, side_); }
   std::size_t cellOf(const RayPoint& p) const { return row(p.v) * side_ + column(p.u); }
 
   std::vector<Probe> probes_;

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "base/grid_place.h"
 #include "base/vectors.h"
 
 namespace otg {
@@ -55,10 +56,7 @@ std::size_t ConvexPolyhedron::cellOf(const Vec3d& direction) const {
   std::size_t axis = std::fabs(d[1]) > std::fabs(d[0]) ? 1 : 0;
   if (std::fabs(d[2]) > std::fabs(d[axis])) axis = 2;
   const double scale = 0.5 * static_cast<double>(cells_) / std::fabs(d[axis]), half = 0.5 * static_cast<double>(cells_);
-  const auto place = [&](double value) {
-    const double at = half + scale * value;
-    return at >= 0 ? std::min(static_cast<std::size_t>(at), cells_ - 1) : 0;  // 0 also where it is no number
-  };
+  const auto place = [&](double value) { return gridPlace(half + scale * value, cells_); };
   const std::size_t side = 2 * axis + (d[axis] < 0 ? 1 : 0);
   return (side * cells_ + place(d[(axis + 1) % 3])) * cells_ + place(d[(axis + 2) % 3]);
 }

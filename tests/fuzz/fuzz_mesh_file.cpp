@@ -22,6 +22,11 @@ std::vector<fuzz::Input> fuzz::seeds() {
   const std::string plyHead =
       "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4\nproperty list uchar int "
       "vertex_indices\nend_header\n";
+  // Two bodies that are 1e30 times as long as wide.
+  std::string needles;
+  for (const std::string x : {"0", "2"})
+    needles += "v " + x + " 0 0\nv " + x + ".5 1 0\nv " + x + ".9 0 0\nv " + x + ".5 0 1e30\n" +
+               "f -4 -3 -2\nf -4 -1 -3\nf -3 -1 -2\nf -2 -1 -4\n";
   std::string stl(80, ' ');
   stl += std::string("\1\0\0\0", 4) + std::string(50, '\0');
   return {inputOf("ply\nformat ascii 1.0\n" + plyHead + vertices + faces),
@@ -30,6 +35,7 @@ std::vector<fuzz::Input> fuzz::seeds() {
           inputOf("OFF\n4 4 6\n" + vertices + faces),
           inputOf("COFF\n3 1 0\n0 0 0 1 1 1\n1 0 0\n0 1 0\n3 0 1 2\n"),
           inputOf("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1/1 2//2 4/4/4\nf -4 -1 -2\nf 2 3 4\n"),
+          inputOf(needles),
           inputOf("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
                   "endfacet\nendsolid a\n"),
           inputOf(stl)};
