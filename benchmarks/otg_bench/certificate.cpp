@@ -39,10 +39,14 @@ truth::GeomChoices choicesOf(const CertificateOptions& options) {
   return {.places = options.places, .asTriMesh = options.form != "own"};
 }
 
+std::optional<CertificateMember> memberOf(const CertificateFamily& family, const CertificateOptions& options, int i) {
+  return certificateMember(family, options.seed, i, options.deep ? truth::kDeepOverlaps : truth::kShallowOverlaps);
+}
+
 FamilyVerdict judgeFamily(const CertificateFamily& family, const CertificateOptions& options) {
   FamilyVerdict verdict;
   for (int i = options.first; i < options.first + options.members; ++i) {
-    const std::optional<CertificateMember> member = certificateMember(family, options.seed, i);
+    const std::optional<CertificateMember> member = memberOf(family, options, i);
     if (!member) {
       ++verdict.notDrawn;
       continue;
@@ -115,7 +119,7 @@ Json fallsOf(const CertificateFamily& family, const CertificateOptions& options)
   int thrown[2] = {0, 0};
   Json numbers = Json::array();
   for (int i = options.first; i < options.first + options.members; ++i) {
-    std::optional<CertificateMember> member = certificateMember(family, options.seed, i);
+    std::optional<CertificateMember> member = memberOf(family, options, i);
     if (member && options.open) member = truth::withOpenHost(*member);
     if (!member) continue;
     truth::FallConditions conditions = conditionsOf(options, i);
@@ -165,7 +169,7 @@ std::string inWords(const Vec3d& v) {
 
 /// Everything about one member, in the host's frame and in units of the smaller body.
 void printMember(const CertificateFamily& family, const CertificateOptions& options) {
-  const std::optional<CertificateMember> member = certificateMember(family, options.seed, options.member);
+  const std::optional<CertificateMember> member = memberOf(family, options, options.member);
   if (!member) throw UsageError("no draw of this number gives a pair in shallow overlap");
   const Verdict verdict = truth::judge(*member, options.member, choicesOf(options));
   const auto& frame = member->a.pose;

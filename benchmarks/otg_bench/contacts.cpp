@@ -276,7 +276,7 @@ void addBenchContacts(CLI::App& bench, Action& action) {
   command->add_flag("--json", options->bench.json, "One JSON document on stdout");
   CLI::Option* certificate =
       command->add_flag("--certificate", options->certificate,
-                        "Instead: whether what contacts ask for separates random pairs in shallow overlap, by family");
+                        "Instead: whether what contacts ask for separates random pairs that overlap, by family");
   const auto add = [&](const char* name, auto& value, const char* help) {
     return command->add_option(name, value, help)->needs(certificate);
   };
@@ -285,6 +285,10 @@ void addBenchContacts(CLI::App& bench, Action& action) {
   add("--family", options->certificates.family, "Only this family");
   add("--member", options->certificates.member, "Instead of a table: this pair of the family, with its contacts")
       ->check(CLI::Range(0, 1000000000));
+  command
+      ->add_flag("--deep", options->certificates.deep,
+                 "Overlaps of 1 to 20 % of the smaller body, not 1e-6 to 1 %, as fast bodies have them")
+      ->needs(certificate);
   add("--places", options->certificates.places, "Most contacts of a pair")->check(CLI::Range(1, 65535));
   add("--form", options->certificates.form, "Of the meshes: geoms of this library, dTriMesh taken over by it, or stock")
       ->check(CLI::IsMember({"own", "override", "stock"}));

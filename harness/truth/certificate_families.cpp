@@ -22,9 +22,6 @@ namespace {
 
 constexpr Transformd kUnmoved{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 constexpr double kPi = std::numbers::pi;
-/// What "shallow" is, as a part of the smaller body's least side.
-constexpr double kLeastOverlap = 1e-7, kMostOverlap = 1e-2;
-
 /// Deeper than a surface moves where it is subdivided in float.
 constexpr double kLeastDepth = 1e-6;
 
@@ -39,23 +36,20 @@ Vec3d sidesFor(Random& random, const Nest& nest) {
           random.uniform(nest.leastSides.z, nest.mostSides.z)};
 }
 
-PairDraft nested(Random& random, MakeHost make, MoverKind kind, bool shape) {
+void drawNested(Random& random, MakeHost make, MoverKind kind, bool shape, PairDraft& draft) {
   const Host host = make(random);
   const Nest& nest = host.nests[static_cast<std::size_t>(random.below(static_cast<int>(host.nests.size())))];
   const Settling settling = drawSettling(random);
-  PairDraft draft;
   draft.host.mesh = host.mesh;
-  draft.host.pose = kUnmoved;
   draft.mover = makeMover(random, kind, shape, sidesFor(random, nest));
   // Cylinders and capsules are made along z; most of them stand here, the others lie.
   if ((kind == MoverKind::kCylinder || kind == MoverKind::kCapsule) && random.below(3) > 0) {
     draft.mover.pose = {{1, 0, 0, 0, 0, 1, 0, -1, 0}, {0, 0, 0}};
   }
-  const Pressed pressed = press(random, nest, settling, draft.mover);
+  const Pressed pressed = press(random, nest, settling, draft.overlaps, draft.mover);
   draft.depth = pressed.depth;
   draft.aligned = settling == Settling::kAligned;
   draft.what = fmt::format("{}, {} of {} walls", nameOf(settling), pressed.walls, nest.walls.size());
-  return draft;
 }
 
 MoverKind meshMover(Random& random) {
@@ -68,9 +62,10 @@ MoverKind meshMover(Random& random) {
 }
 
 CertificateFamily nestFamily(const std::string& name, const std::string& what, MakeHost make) {
-  return {name, what, [make](Random& random) {
+  return {name, what, [make](Random& random, PairDraft& draft) {
             const MoverKind kind = meshMover(random);
-            return std::optional(nested(random, make, kind, false));
+            drawNested(random, make, kind, false, draft);
+            return true;
           }};
 }
 
@@ -78,12 +73,12 @@ constexpr MakeHost kHosts[] = {profileL, profileU, profileT, room, tray, slot, s
 constexpr const char* kHostNames[] = {"L", "U", "T", "room", "tray", "slot", "step", "wedge", "vblock", "bin"};
 
 CertificateFamily shapeFamily(const std::string& name, const std::string& what, std::vector<MoverKind> kinds) {
-  return {name, what, [kinds = std::move(kinds)](Random& random) {
+  return {name, what, [kinds = std::move(kinds)](Random& random, PairDraft& draft) {
             const auto host = static_cast<std::size_t>(random.below(std::size(kHosts)));
             const MoverKind kind = kinds[static_cast<std::size_t>(random.below(static_cast<int>(kinds.size())))];
-            PairDraft draft = nested(random, kHosts[host], kind, true);
+            drawNested(random, kHosts[host], kind, true, draft);
             draft.what = std::string("in ") + kHostNames[host] + ", " + draft.what;
-            return std::optional(draft);
+            return true;
           }};
 }
 
@@ -143,7 +138,7 @@ bool pushIn(Random& random, PairDraft& draft, std::optional<Vec3d> first, double
   const double size = std::min({sides.x, sides.y, sides.z});
   Pusher pusher(draft.host, draft.mover);
   if (!pusher.clear()) return false;
-  draft.depth = size * std::pow(10.0, random.uniform(-6, -2));
+  draft.depth = size * std::pow(10.0, random.uniform(draft.overlaps.leastPower, draft.overlaps.mostPower));
   Vec3d way{0, 0, 0};
   int touched = 0;
   const int wanted = 1 + random.below(3);
@@ -161,16 +156,6 @@ bool pushIn(Random& random, PairDraft& draft, std::optional<Vec3d> first, double
   draft.mover.pose = pusher.pose();
   draft.what += fmt::format(", pushed {} times", touched);
   return true;
-}
-
-CertificateFamily pushedFamily(const std::string& name, const std::string& what,
-                               std::function<bool(Random&, PairDraft&)> draw) {
-  return {name, what, [draw = std::move(draw)](Random& random) -> std::optional<PairDraft> {
-            PairDraft draft;
-            draft.host.pose = draft.mover.pose = kUnmoved;
-            if (!draw(random, draft)) return {};
-            return draft;
-          }};
 }
 
 bool drawBowl(Random& random, PairDraft& draft) {
@@ -324,13 +309,13 @@ constexpr MakeBody kWild[] = {ringOfOne, randomSpring, turnedBody, spikyBall, ro
 
 /// A body of one kind, and another one of that or any kind.
 CertificateFamily wildFamily(const std::string& name, const std::string& what, MakeBody make) {
-  return pushedFamily(name, what, [make](Random& random, PairDraft& draft) {
-    draft.host.mesh = make(random);
-    draft.mover.mesh = random.below(3) == 0   ? makeMover(random, meshMover(random), false, {0.3, 0.25, 0.2}).mesh
-                       : random.below(2) == 0 ? make(random)
-                                              : kWild[random.below(std::size(kWild))](random);
-    return pushFromOutside(random, draft) && draft.depth > kLeastDepth;
-  });
+  return {name, what, [make](Random& random, PairDraft& draft) {
+            draft.host.mesh = make(random);
+            draft.mover.mesh = random.below(3) == 0 ? makeMover(random, meshMover(random), false, {0.3, 0.25, 0.2}).mesh
+                               : random.below(2) == 0 ? make(random)
+                                                      : kWild[random.below(std::size(kWild))](random);
+            return pushFromOutside(random, draft) && draft.depth > kLeastDepth;
+          }};
 }
 
 /// One of ODE's shapes on such a body. No balls: their contacts lie on the mesh's edges, and not in the middle
@@ -372,17 +357,17 @@ bool drawEntwined(Random& random, PairDraft& draft) {
 
 /// Put on from above: first straight down, where the two fit.
 CertificateFamily fittingFamily(const std::string& name, const std::string& what, FittingPair (*make)(Random&)) {
-  return pushedFamily(name, what, [make](Random& random, PairDraft& draft) {
-    FittingPair pair = make(random);
-    draft.host.mesh = std::move(pair.host);
-    draft.mover.mesh = std::move(pair.mover);
-    const Settling settling = random.below(2) == 0 ? Settling::kAligned : Settling::kSettled;
-    draft.aligned = settling == Settling::kAligned;
-    draft.mover.pose = settled(random, settling, kUnmoved);
-    draft.mover.pose.t = {0, pair.along, 0.05};
-    draft.what = pair.what + ", " + nameOf(settling);
-    return pushIn(random, draft, Vec3d{0, 0, -1}, 0.2) && draft.depth * std::sin(pair.angle) > kLeastDepth;
-  });
+  return {name, what, [make](Random& random, PairDraft& draft) {
+            FittingPair pair = make(random);
+            draft.host.mesh = std::move(pair.host);
+            draft.mover.mesh = std::move(pair.mover);
+            const Settling settling = random.below(2) == 0 ? Settling::kAligned : Settling::kSettled;
+            draft.aligned = settling == Settling::kAligned;
+            draft.mover.pose = settled(random, settling, kUnmoved);
+            draft.mover.pose.t = {0, pair.along, 0.05};
+            draft.what = pair.what + ", " + nameOf(settling);
+            return pushIn(random, draft, Vec3d{0, 0, -1}, 0.2) && draft.depth * std::sin(pair.angle) > kLeastDepth;
+          }};
 }
 
 /// Halvings of the edges.
@@ -466,21 +451,22 @@ std::vector<CertificateFamily> certificateFamilies() {
       nestFamily("vblock", "in a groove of 90 degrees", vBlock),
       nestFamily("bin", "between the boxes of a row on a floor, one mesh", bin),
       {"cylinder", "a cylinder of 12 to 32 sides in an inner corner",
-       [](Random& random) {
+       [](Random& random, PairDraft& draft) {
          const MakeHost host = kHosts[random.below(std::size(kHosts))];
-         return std::optional(nested(random, host, MoverKind::kCylinder, false));
+         drawNested(random, host, MoverKind::kCylinder, false, draft);
+         return true;
        }},
       fittingFamily("acute", "a wedge in a groove of its own acute angle", wedgeInGroove),
       fittingFamily("ridge", "a tile of two boards on a ridge", tileOnRidge),
       fittingFamily("hat", "a hollow pyramid on a pyramid", hatOnPyramid),
-      pushedFamily("gears", "two gears in mesh", drawGears),
-      pushedFamily("screw", "a nut on its bolt", drawScrew),
-      pushedFamily("bowl", "a body in a bowl", drawBowl),
-      pushedFamily("dented", "boxes with dents and lumps on each other", drawDented),
-      pushedFamily("cells", "random unions of boxes on each other", drawCells),
-      pushedFamily("profiles", "stars, combs, hooks and spirals on each other", drawProfiles),
-      pushedFamily("interlocked", "stars, combs, hooks and spirals in each other", drawInterlocked),
-      pushedFamily("spikes", "a thin tetrahedron in a bowl", drawSpikes),
+      {"gears", "two gears in mesh", drawGears},
+      {"screw", "a nut on its bolt", drawScrew},
+      {"bowl", "a body in a bowl", drawBowl},
+      {"dented", "boxes with dents and lumps on each other", drawDented},
+      {"cells", "random unions of boxes on each other", drawCells},
+      {"profiles", "stars, combs, hooks and spirals on each other", drawProfiles},
+      {"interlocked", "stars, combs, hooks and spirals in each other", drawInterlocked},
+      {"spikes", "a thin tetrahedron in a bowl", drawSpikes},
       wildFamily("rings", "bent rings and others", ringOfOne),
       wildFamily("springs", "springs and others", randomSpring),
       wildFamily("turned", "turned parts and others", turnedBody),
@@ -490,10 +476,10 @@ std::vector<CertificateFamily> certificateFamilies() {
       wildFamily("thin", "plates, needles and others", thinBox),
       wildFamily("blocks", "piles of blocks that reach into each other, and others", blockPile),
       wildFamily("flush", "blocks with flush faces in one mesh, and others", flushBlocks),
-      pushedFamily("entwined", "rings and springs through each other", drawEntwined),
-      pushedFamily("shapes", "ODE's shapes on rings, springs, turned parts and others", drawShapeOnWild),
-      pushedFamily("on_blocks", "ODE's shapes on piles of blocks that reach into each other", drawShapeOnBlocks),
-      pushedFamily("on_flush", "ODE's shapes on blocks with flush faces in one mesh", drawShapeOnFlush),
+      {"entwined", "rings and springs through each other", drawEntwined},
+      {"shapes", "ODE's shapes on rings, springs, turned parts and others", drawShapeOnWild},
+      {"on_blocks", "ODE's shapes on piles of blocks that reach into each other", drawShapeOnBlocks},
+      {"on_flush", "ODE's shapes on blocks with flush faces in one mesh", drawShapeOnFlush},
       shapeFamily("dBox", "ODE's box in inner corners", {MoverKind::kBox}),
       shapeFamily("dCylinder", "ODE's cylinder in inner corners", {MoverKind::kCylinder}),
       shapeFamily("dCapsule", "ODE's capsule in inner corners", {MoverKind::kCapsule}),
@@ -502,13 +488,16 @@ std::vector<CertificateFamily> certificateFamilies() {
   return all;
 }
 
-std::optional<CertificateMember> certificateMember(const CertificateFamily& family, std::uint32_t seed, int number) {
+std::optional<CertificateMember> certificateMember(const CertificateFamily& family, std::uint32_t seed, int number,
+                                                   const OverlapRange& overlaps) {
   Random random(mixed(seed, family.name, number));
   for (int tries = 0; tries < 50; ++tries) {
-    std::optional<PairDraft> draft = family.draw(random);
-    if (!draft) continue;
-    const double depth = draft->depth, plainSide = extentOf(draft->mover.mesh).x;
-    CertificateMember member = finished(random, std::move(*draft));
+    PairDraft draft;
+    draft.host.pose = draft.mover.pose = kUnmoved;
+    draft.overlaps = overlaps;
+    if (!family.draw(random, draft)) continue;
+    const double depth = draft.depth, plainSide = extentOf(draft.mover.mesh).x;
+    CertificateMember member = finished(random, std::move(draft));
     const PairBody& mover = member.what.ends_with("mover is A") ? member.plainA : member.plainB;
     const double known = depth * extentOf(mover.mesh).x / plainSide;
     const auto oracle = makeOracle(member.plainA, member.plainB, 1e-3 * known);
@@ -516,7 +505,7 @@ std::optional<CertificateMember> certificateMember(const CertificateFamily& fami
     const std::optional<Vec3d> shortest = shortestSeparation(*oracle, 0.3 * known, 10 * known, {});
     if (!shortest) continue;
     const double part = norm(*shortest) / member.size;
-    if (part < kLeastOverlap || part > kMostOverlap) continue;
+    if (part < overlaps.least || part > overlaps.most) continue;
     member.shortest = *shortest;
     member.what += fmt::format(", overlap {:.1e}", part);
     return member;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Families of random pairs in shallow overlap, many of them in inner corners: certificates are made for these.
+// Families of random pairs in overlap, many of them in inner corners: certificates are made for these.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "truth/contact_families.h"
+#include "truth/nests.h"
 #include "truth/pair_oracle.h"
 
 namespace otg::truth {
@@ -16,6 +17,7 @@ namespace otg::truth {
 /// Two bodies in the host's frame before they are subdivided, scaled, turned and moved together.
 struct PairDraft {
   PairBody host, mover;
+  OverlapRange overlaps = kShallowOverlaps;
   double depth = 0;      ///< how far the mover was pushed in, about
   bool aligned = false;  ///< faces are parallel exactly: the pair is not turned in the world
   std::string what;
@@ -23,13 +25,13 @@ struct PairDraft {
 
 struct CertificateFamily {
   std::string name, what;
-  /// None where the draw did not come out as a pair of the family.
-  std::function<std::optional<PairDraft>(Random&)> draw;
+  /// Into a draft whose overlaps are set. False where the draw did not come out as a pair of the family.
+  std::function<bool(Random&, PairDraft&)> draw;
 };
 
 std::vector<CertificateFamily> certificateFamilies();
 
-/// A pair that is known to overlap by 1e-7 to 1e-2 of the smaller body.
+/// A pair that is known to overlap.
 struct CertificateMember {
   PairBody a, b;            ///< in the world
   PairBody plainA, plainB;  ///< the same bodies with as few triangles as the family has them
@@ -41,7 +43,8 @@ struct CertificateMember {
 };
 
 /// The same member for the same seed, family and number on every machine; none where fifty draws gave no pair in
-/// shallow overlap.
-std::optional<CertificateMember> certificateMember(const CertificateFamily& family, std::uint32_t seed, int number);
+/// such an overlap.
+std::optional<CertificateMember> certificateMember(const CertificateFamily& family, std::uint32_t seed, int number,
+                                                   const OverlapRange& overlaps = kShallowOverlaps);
 
 }  // namespace otg::truth

@@ -313,11 +313,11 @@ PairBody makeMover(Random& random, MoverKind kind, bool shape, const Vec3d& side
   return body;
 }
 
-Pressed press(Random& random, const Nest& nest, Settling settling, PairBody& mover) {
+Pressed press(Random& random, const Nest& nest, Settling settling, const OverlapRange& overlaps, PairBody& mover) {
   mover.pose = product(settled(random, settling, nest.base), mover.pose);
   const Vec3d sides = extentOf(mover.mesh);
   const double least = std::min({sides.x, sides.y, sides.z});
-  Pressed pressed{least * std::pow(10.0, random.uniform(-6, -2)), 0};
+  Pressed pressed{least * std::pow(10.0, random.uniform(overlaps.leastPower, overlaps.mostPower)), 0};
   std::vector<Vec3d> rows;
   std::vector<double> values;
   const int deepest = random.below(static_cast<int>(nest.walls.size()));

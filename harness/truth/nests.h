@@ -12,6 +12,16 @@
 
 namespace otg::truth {
 
+/// How far bodies are pushed into each other. Depths are drawn in the mover's least side, by the power of ten. Of the
+/// pairs that come out those are kept whose overlap is from `least` to `most` of the smaller body.
+struct OverlapRange {
+  double leastPower, mostPower;
+  double least, most;
+};
+inline constexpr OverlapRange kShallowOverlaps{-6, -2, 1e-7, 1e-2};
+/// What a body that moves by a fifth of its size in a step may come to.
+inline constexpr OverlapRange kDeepOverlaps{-2, -0.7, 1e-3, 0.3};
+
 /// The host is where normal . p <= offset, near the corner.
 struct Wall {
   Vec3d normal;
@@ -61,8 +71,8 @@ struct Pressed {
   double depth;  ///< the deepest wall's
   int walls;     ///< how many walls
 };
-/// Turns and moves the mover so that it is in one to all of the nest's walls, by 1e-6 to 1e-2 of its least side.
-Pressed press(Random& random, const Nest& nest, Settling settling, PairBody& mover);
+/// Turns and moves the mover so that it is in one to all of the nest's walls.
+Pressed press(Random& random, const Nest& nest, Settling settling, const OverlapRange& overlaps, PairBody& mover);
 
 Transformd turnAbout(const Vec3d& unitAxis, double angle);
 Transformd product(const Transformd& outer, const Transformd& inner);

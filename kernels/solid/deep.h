@@ -239,6 +239,31 @@ OTG_INLINED void otgLeaveAcross(__local const otg_solid_ways* s, otg_solid_work*
   }
 }
 
+/// Sets w->fixed to the shortest of `directions` ways out. The first is the mean one, which needs none. Nor does an
+/// uneven region that has no short one. Those from `faces` on are across two edges. `hasLast`: the second is that of the
+/// pair's last deep region.
+OTG_INLINED void otgTakeShortest(__local const otg_solid_ways* s, otg_solid_work* w, uint faces, uint directions,
+                                 int hasLast) {
+  double least = OTG_SOLID_PUSH_SHARE * otgMax_d(OTG_DEEP_WAY(s, 0), OTG_DEEP_EXTENT(s, 0));
+  double factor = 1;
+  for (uint k = 1; k < directions; ++k) {
+    __local const double* x = OTG_DEEP_DIRECTION(s, k);
+    const otg_vec3_d d = otgVec_d(x[0], x[1], x[2]);
+    // The vector area of two edges' overlap points across both, as long as no third face is in it: without a bias
+    // towards the mean.
+    if (k == faces && !w->isFixed) factor = OTG_SOLID_ACROSS_SHARE;
+    if (otgDot_d(d, w->mean) < OTG_SOLID_DEEP_AGAINST) continue;
+    const double share = hasLast && k == 1 ? OTG_SOLID_LAST_SHARE : factor;
+    const double extent = OTG_DEEP_EXTENT(s, k), enough = least / share;
+    const double cost = share * (extent >= enough ? extent : otgMax_d(OTG_DEEP_WAY(s, k), extent));
+    if (cost >= least) continue;
+    least = cost;
+    w->fixed = d;
+    w->isFixed = 1;
+  }
+  if (w->isUneven && otgIsLongWayOut_d(least, w->thickness)) w->isFixed = 0;
+}
+
 /// Sets w->fixed if a direction is a shorter way out than the mean one. All lanes call it. `last`: the direction of the
 /// pair's last deep region, or zero. `room`: for planes.
 OTG_INLINED void otgFindWayOut(__local otg_solid_ways* s, otg_solid_work* w, OTG_MESH* a, OTG_MESH* b, double far,
@@ -298,23 +323,7 @@ OTG_INLINED void otgFindWayOut(__local otg_solid_ways* s, otg_solid_work* w, OTG
     if (lane == 0) OTG_DEEP_WAY(s, k) = way;
   }
   OTG_SYNC;
-  double least = directions > 0 ? OTG_SOLID_PUSH_SHARE * otgMax_d(OTG_DEEP_WAY(s, 0), OTG_DEEP_EXTENT(s, 0)) : 0;
-  double factor = 1;
-  for (uint k = 1; k < directions; ++k) {
-    __local const double* x = OTG_DEEP_DIRECTION(s, k);
-    const otg_vec3_d d = otgVec_d(x[0], x[1], x[2]);
-    // The vector area of two edges' overlap points across both, as long as no third face is in it: without a bias
-    // towards the mean.
-    if (k == faces && !w->isFixed) factor = OTG_SOLID_ACROSS_SHARE;
-    if (otgDot_d(d, w->mean) < OTG_SOLID_DEEP_AGAINST) continue;
-    const double share = hasLast && k == 1 ? OTG_SOLID_LAST_SHARE : factor;
-    const double extent = OTG_DEEP_EXTENT(s, k), enough = least / share;
-    const double cost = share * (extent >= enough ? extent : otgMax_d(OTG_DEEP_WAY(s, k), extent));
-    if (cost >= least) continue;
-    least = cost;
-    w->fixed = d;
-    w->isFixed = 1;
-  }
+  if (isDeep) otgTakeShortest(s, w, faces, directions, hasLast);
 }
 
 #endif  // OTG_SOLID_DEEP_H

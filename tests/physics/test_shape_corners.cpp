@@ -95,7 +95,7 @@ std::optional<CertificateMember> drawHard(Random& random, Hardship hardship, Mov
   const double x = draw(), y = draw();
   mover = makeMover(random, kind, true, {x, y, draw()});
   if (kind == MoverKind::kCylinder && random.below(3) > 0) mover.pose = kUpright;
-  const double depth = press(random, nest, drawSettling(random), mover).depth;
+  const double depth = press(random, nest, drawSettling(random), kShallowOverlaps, mover).depth;
   CertificateMember member;
   member.plainA = mover;
   member.plainB = ground;

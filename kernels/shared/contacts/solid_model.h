@@ -87,8 +87,10 @@ namespace otg {
 /// A region that reaches so many thicknesses along its push is uneven: it goes round a corner, or a thin contact has a
 /// wedge beside it. There each point leaves by the faces nearest to it (collide/solid/uneven_region.h). Where those are
 /// of a curved surface and its local normal agrees with one to 10 degrees, that serves, because it is smooth over
-/// facets. What is within the last (in diagonals) of a triangle is on it.
+/// facets. What is within the last (in diagonals) of a triangle is on it. A deep one has a way out as a whole, unless
+/// that is longer than so many thicknesses.
 #define OTG_SOLID_UNEVEN 6.0
+#define OTG_SOLID_LONG_WAY_OUT 4.0
 #define OTG_SOLID_MOST_UNEVEN 2048  ///< vertices and clipped triangles; larger ones stay described by cells
 #define OTG_SOLID_ONE_WAY 0.985
 #define OTG_SOLID_ON_EDGE 1e-9
@@ -251,6 +253,11 @@ OTG_GENERIC otg_int OTG_NAME(otgIsLayered)(REAL thickness, REAL diagonal, REAL a
 /// Whether a region that reaches so far along its push is far deeper at one place than it is on the whole.
 OTG_GENERIC otg_int OTG_NAME(otgIsUneven)(REAL extent, REAL thickness) {
   return extent > OTG_REAL(OTG_SOLID_UNEVEN) * thickness;
+}
+
+/// Whether an uneven region is so far from out in its best direction that its parts leave each by its own face.
+OTG_GENERIC otg_int OTG_NAME(otgIsLongWayOut)(REAL way, REAL thickness) {
+  return way > OTG_REAL(OTG_SOLID_LONG_WAY_OUT) * thickness;
 }
 
 /// Whether the surfaces of one body in a region cancel each other. `push`: length of the sum of all their areas.

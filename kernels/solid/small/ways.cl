@@ -92,7 +92,7 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
   otgWeighPieces(s, &w);
   const size_t plane = (size_t)planeUnits * OTG_ARENA_UNIT;
   otgThinRegion(s, &w, (__global otg_solid_face*)(room + plane), (__global ushort*)(room + 3 * plane));
-  const int reachesFar = otgIsUnevenRegion(s, &w);
+  const int reachesFar = w.isUneven = otgIsUnevenRegion(s, &w);
   const double far = (double)(a->radius + b->radius);
   otgFindWayOut(s, &w, a, b, far, last, (__global otg_solid_face*)(room + 2 * plane));
   for (uint i = lane; i < w.pointCount; i += OTG_GROUP) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "base/flat_map.h"
 #include "base/insertion_sort.h"
@@ -390,13 +391,13 @@ RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& a
     return extent >= enough ? extent : std::max(extent, way.along(d, enough));
   };
   double least = OTG_SOLID_PUSH_SHARE * cost(normals.mean(), std::numeric_limits<double>::infinity());
+  std::optional<Vec3d> shortest;
   const auto offer = [&](const Vec3d& d, double factor) {
     if (otgDot(d, normals.mean()) < OTG_SOLID_DEEP_AGAINST) return;
     const double extent = factor * cost(d, least / factor);
     if (extent >= least) return;
     least = extent;
-    answer.direction = d;
-    normals.fix(d);
+    shortest = d;
   };
   if (otgDot(motion.deepNormal, motion.deepNormal) > 0) offer(motion.deepNormal, OTG_SOLID_LAST_SHARE);
   for (int m = 0; m < 2; ++m) {
@@ -404,8 +405,11 @@ RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& a
   }
   // The vector area of two edges' overlap points across both, as long as no third face is in it: without a bias
   // towards the mean.
-  const double acrossFactor = normals.isFixed() ? 1.0 : OTG_SOLID_ACROSS_SHARE;
+  const double acrossFactor = shortest ? 1.0 : OTG_SOLID_ACROSS_SHARE;
   for (const EdgePair& pair : pairs) offer(pair.direction, acrossFactor);
+  if (!shortest || (isUneven(region, normals, regionExtent) && otgIsLongWayOut(least, region.thickness))) return answer;
+  answer.direction = *shortest;
+  normals.fix(*shortest);
   return answer;
 }
 
