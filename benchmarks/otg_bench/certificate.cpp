@@ -39,21 +39,17 @@ truth::GeomChoices choicesOf(const CertificateOptions& options) {
   return {.places = options.places, .asTriMesh = options.form != "own"};
 }
 
+const truth::OverlapRange& overlapsOf(const CertificateOptions& options) {
+  return options.deep ? truth::kDeepOverlaps : truth::kShallowOverlaps;
+}
+
 std::optional<CertificateMember> memberOf(const CertificateFamily& family, const CertificateOptions& options, int i) {
-  return certificateMember(family, options.seed, i, options.deep ? truth::kDeepOverlaps : truth::kShallowOverlaps);
+  return certificateMember(family, options.seed, i, overlapsOf(options));
 }
 
 FamilyVerdict judgeFamily(const CertificateFamily& family, const CertificateOptions& options) {
-  FamilyVerdict verdict;
-  for (int i = options.first; i < options.first + options.members; ++i) {
-    const std::optional<CertificateMember> member = memberOf(family, options, i);
-    if (!member) {
-      ++verdict.notDrawn;
-      continue;
-    }
-    add(verdict, truth::judge(*member, i, choicesOf(options)));
-  }
-  return verdict;
+  return truth::judgeAll(family, {options.seed, options.first, options.members, overlapsOf(options)},
+                         choicesOf(options));
 }
 
 Json rowOf(const std::string& name, const FamilyVerdict& v) {
@@ -170,7 +166,7 @@ std::string inWords(const Vec3d& v) {
 /// Everything about one member, in the host's frame and in units of the smaller body.
 void printMember(const CertificateFamily& family, const CertificateOptions& options) {
   const std::optional<CertificateMember> member = memberOf(family, options, options.member);
-  if (!member) throw UsageError("no draw of this number gives a pair in shallow overlap");
+  if (!member) throw UsageError("no draw of this number gives a pair in such an overlap");
   const Verdict verdict = truth::judge(*member, options.member, choicesOf(options));
   const auto& frame = member->a.pose;
   const auto inA = [&](const Vec3d& v) { return otgRotateBack(frame, v); };

@@ -10,7 +10,7 @@ namespace otg::cli {
 struct CertificateOptions {
   int members = 50;    ///< of each family
   int first = 0;       ///< number of the first
-  bool deep = false;   ///< overlaps are 1 to 20 % of the smaller body
+  bool deep = false;   ///< overlaps are drawn from truth::kDeepOverlaps
   std::string family;  ///< only this one; empty: all
   int member = -1;     ///< instead of a table: all of this one
   int places = 64;

@@ -22,6 +22,7 @@ namespace {
 
 constexpr Transformd kUnmoved{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 constexpr double kPi = std::numbers::pi;
+
 /// Deeper than a surface moves where it is subdivided in float.
 constexpr double kLeastDepth = 1e-6;
 

@@ -73,4 +73,17 @@ void add(FamilyVerdict& family, const Verdict& verdict) {
   if (family.members == 1 || verdict.badness() > family.worst.badness()) family.worst = verdict;
 }
 
+FamilyVerdict judgeAll(const CertificateFamily& family, const MemberRange& range, const GeomChoices& choices) {
+  FamilyVerdict verdict;
+  for (int i = range.first; i < range.first + range.count; ++i) {
+    const std::optional<CertificateMember> member = certificateMember(family, range.seed, i, range.overlaps);
+    if (!member) {
+      ++verdict.notDrawn;
+      continue;
+    }
+    add(verdict, judge(*member, i, choices));
+  }
+  return verdict;
+}
+
 }  // namespace otg::truth

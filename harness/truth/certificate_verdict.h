@@ -50,4 +50,14 @@ struct FamilyVerdict {
 };
 void add(FamilyVerdict& family, const Verdict& verdict);
 
+/// Members of a family: `count` from number `first` on.
+struct MemberRange {
+  std::uint32_t seed;
+  int first, count;
+  OverlapRange overlaps = kShallowOverlaps;
+};
+
+/// Each as judge() does.
+FamilyVerdict judgeAll(const CertificateFamily& family, const MemberRange& range, const GeomChoices& choices);
+
 }  // namespace otg::truth

@@ -196,16 +196,8 @@ TEST_CASE("contacts in another order are the same, and a moved one is not") {
 
 namespace {
 
-FamilyVerdict judgeFamily(const CertificateFamily& family, std::uint32_t seed, const OverlapRange& overlaps) {
-  FamilyVerdict found;
-  for (int i = 0; i < kMembers; ++i) {
-    const std::optional<CertificateMember> member = certificateMember(family, seed, i, overlaps);
-    if (member) add(found, judge(*member, i, {}));
-  }
-  return found;
-}
-
-void checkAll(const FamilyVerdict& found) {
+/// All but how deep single contacts are.
+void checkTranslations(const FamilyVerdict& found) {
   CHECK(found.members == kMembers);
   CHECK(found.uncertified() == 0);
   CHECK(found.tooLong == 0);
@@ -220,9 +212,9 @@ void checkAll(const FamilyVerdict& found) {
 TEST_CASE("what contacts ask for separates random pairs in shallow overlap") {
   const scenes::OdeSession session;
   for (const CertificateFamily& family : certificateFamilies()) {
-    const FamilyVerdict found = judgeFamily(family, 1, kShallowOverlaps);
+    const FamilyVerdict found = judgeAll(family, {1, 0, kMembers}, {});
     INFO(family.name << ": the worst is member " << found.worst.number);
-    checkAll(found);
+    checkTranslations(found);
     CHECK(found.tooDeep == 0);
   }
 }
@@ -235,9 +227,9 @@ TEST_CASE("what contacts ask for separates bodies that are deep in inner corners
   std::size_t judged = 0;
   for (const CertificateFamily& family : certificateFamilies()) {
     if (!corners.contains(family.name)) continue;
-    const FamilyVerdict found = judgeFamily(family, 12, kDeepOverlaps);
+    const FamilyVerdict found = judgeAll(family, {12, 0, kMembers, kDeepOverlaps}, {});
     INFO(family.name << ": the worst is member " << found.worst.number);
-    checkAll(found);
+    checkTranslations(found);
     ++judged;
   }
   CHECK(judged == corners.size());

@@ -85,7 +85,7 @@ namespace otg {
 #define OTG_SOLID_NEIGHBOURHOOD 3.0
 
 /// A region that reaches so many thicknesses along its push is uneven: it goes round a corner, or a thin contact has a
-/// wedge beside it. There each point leaves by the faces nearest to it (collide/solid/uneven_region.h). Where those are
+/// wedge beside it. There each point leaves by the faces nearest to it (collide/solid/leaving.h). Where those are
 /// of a curved surface and its local normal agrees with one to 10 degrees, that serves, because it is smooth over
 /// facets. What is within the last (in diagonals) of a triangle is on it. A deep one has a way out as a whole, unless
 /// that is longer than so many thicknesses.

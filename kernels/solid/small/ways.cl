@@ -53,10 +53,10 @@ OTG_INLINED uint otgFlagsOf(__local const otg_solid_ways* s, const otg_solid_wor
 
 /// Whether the CPU makes the contacts of a region: rays are to find its way out, or it has too many pieces of an uneven
 /// one.
-OTG_INLINED int otgIsHosts(__local const otg_solid_ways* s, const otg_solid_work* w, int reachesFar) {
+OTG_INLINED int otgIsHosts(__local const otg_solid_ways* s, const otg_solid_work* w) {
   const double push = otgNorm_d(otgLoad(w->region->push));
-  if (s->bad || (reachesFar && otgIsPierced_d(push, w->region->areaA, w->region->areaB))) return 1;
-  return reachesFar && !w->isFixed && w->pieceCount > OTG_UNEVEN_FACES;
+  if (s->bad || (w->isUneven && otgIsPierced_d(push, w->region->areaA, w->region->areaB))) return 1;
+  return w->isUneven && !w->isFixed && w->pieceCount > OTG_UNEVEN_FACES;
 }
 
 /// One region of pair `number`. `last`: as otgFindWayOut. `flag`: of the pair, in which the CPU sees early that it is
@@ -92,14 +92,14 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
   otgWeighPieces(s, &w);
   const size_t plane = (size_t)planeUnits * OTG_ARENA_UNIT;
   otgThinRegion(s, &w, (__global otg_solid_face*)(room + plane), (__global ushort*)(room + 3 * plane));
-  const int reachesFar = w.isUneven = otgIsUnevenRegion(s, &w);
+  w.isUneven = otgIsUnevenRegion(s, &w);
   const double far = (double)(a->radius + b->radius);
   otgFindWayOut(s, &w, a, b, far, last, (__global otg_solid_face*)(room + 2 * plane));
   for (uint i = lane; i < w.pointCount; i += OTG_GROUP) {
     if (!w.points[i].flat) atomic_inc(&s->corners);
   }
   OTG_SYNC;
-  const int isUneven = reachesFar && !w.isFixed;
+  const int isUneven = w.isUneven && !w.isFixed;
   const uint parts = isUneven ? 1 : (w.candidates + OTG_SOLID_CHUNK - 1) / OTG_SOLID_CHUNK;
   if (lane == 0) {
     __global otg_solid_region* r = w.region;
@@ -107,7 +107,7 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
     // Without room for its parts its candidates stay as they are: none is looked at, and the batch is run again.
     s->allocated = parts > 0 ? atomic_add(counters + OTG_COUNT_CHUNKS, parts) : 0;
     const int fits = s->allocated <= chunkRoom && chunkRoom - s->allocated >= parts;
-    const int isHosts = tooMany || (works && otgIsHosts(s, &w, reachesFar));
+    const int isHosts = tooMany || (works && otgIsHosts(s, &w));
     if (counts && (isHosts || !works || !fits)) flags |= OTG_REGION_BAD;
     if (counts && isHosts) *flag |= OTG_PAIR_TO_HOST | OTG_SOLID_TOO_MANY << OTG_PAIR_WHY;
     r->flags = flags;

@@ -407,6 +407,7 @@ RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& a
   // towards the mean.
   const double acrossFactor = shortest ? 1.0 : OTG_SOLID_ACROSS_SHARE;
   for (const EdgePair& pair : pairs) offer(pair.direction, acrossFactor);
+  // Round an inner corner the best direction may be along its walls. Then each part leaves by its own face.
   if (!shortest || (isUneven(region, normals, regionExtent) && otgIsLongWayOut(least, region.thickness))) return answer;
   answer.direction = *shortest;
   normals.fix(*shortest);
