@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "cli/command.h"
 #include "cli/progress.h"
@@ -193,8 +194,17 @@ void printMember(const CertificateFamily& family, const CertificateOptions& opti
   printTable({"contact", "place", "normal", "depth, of the shortest", ""}, lines);
 }
 
+std::vector<CertificateFamily> familiesOf(const std::vector<BenchMesh>& meshes) {
+  std::vector<std::shared_ptr<const TriMesh>> bodies;
+  for (const BenchMesh& m : meshes) bodies.push_back(m.mesh);
+  std::vector<CertificateFamily> families;
+  for (std::size_t i = 0; i < meshes.size(); ++i) families.push_back(truth::bodyFamily(meshes[i].name, bodies, i));
+  return families;
+}
+
 std::vector<CertificateFamily> chosen(const CertificateOptions& options) {
-  std::vector<CertificateFamily> families = truth::certificateFamilies();
+  std::vector<CertificateFamily> families =
+      options.meshes.empty() ? truth::certificateFamilies() : familiesOf(options.meshes);
   if (options.family.empty()) return families;
   std::erase_if(families, [&](const CertificateFamily& f) { return f.name != options.family; });
   if (families.empty()) throw UsageError("there is no family named " + options.family);

@@ -4,15 +4,19 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
+
+#include "otg_bench/scene.h"
 
 namespace otg::cli {
 
 struct CertificateOptions {
-  int members = 50;    ///< of each family
-  int first = 0;       ///< number of the first
-  bool deep = false;   ///< overlaps are drawn from truth::kDeepOverlaps
-  std::string family;  ///< only this one; empty: all
-  int member = -1;     ///< instead of a table: all of this one
+  int members = 50;               ///< of each family
+  int first = 0;                  ///< number of the first
+  bool deep = false;              ///< overlaps are drawn from truth::kDeepOverlaps
+  std::string family;             ///< only this one; empty: all
+  std::vector<BenchMesh> meshes;  ///< of closed bodies; a family for each of them, instead of the others
+  int member = -1;                ///< instead of a table: all of this one
   int places = 64;
   std::string form = "own";  ///< own: the library's geoms; override, stock: dTriMesh with and without the library
   std::uint32_t seed = 1;

@@ -192,19 +192,20 @@ void runFamily(const ContactFamily& family, const Tier& tier, const BenchContact
   }
 }
 
+std::vector<BenchMesh> closedMeshes(const BenchOptions& options) {
+  std::vector<BenchMesh> meshes = benchMeshes(options);
+  for (const BenchMesh& m : meshes) {
+    if (m.mesh->meshClass() != MeshClass::kSolid) throw InputError(m.name + ": the mesh is not a closed solid");
+  }
+  return meshes;
+}
+
 std::vector<ContactFamily> familiesOf(const BenchContactsOptions& options) {
   std::vector<ContactFamily> families = truth::contactFamilies();
+  std::vector<BenchMesh> meshes = closedMeshes(options.bench);
   // Of the meshes that benchmarks take, the smallest: the truth is slow, and no better for more triangles.
-  if (options.bench.files.empty()) {
-    const BenchMesh mesh = benchMeshes(options.bench).back();
-    families.push_back(truth::meshFamily(mesh.name, mesh.mesh));
-  } else {
-    for (const BenchMesh& mesh : benchMeshes(options.bench))
-      families.push_back(truth::meshFamily(mesh.name, mesh.mesh));
-  }
-  for (const ContactFamily& f : families) {
-    if (f.a->mesh().meshClass() != MeshClass::kSolid) throw InputError(f.name + ": the mesh is not a closed solid");
-  }
+  if (options.bench.files.empty()) meshes.erase(meshes.begin(), meshes.end() - 1);
+  for (const BenchMesh& m : meshes) families.push_back(truth::meshFamily(m.name, m.mesh));
   if (options.only.empty()) return families;
   std::erase_if(families, [&](const ContactFamily& f) { return f.name != options.only; });
   if (families.empty()) throw UsageError("there are no bodies named " + options.only);
@@ -216,6 +217,7 @@ int run(const BenchContactsOptions& options) {
     CertificateOptions certificates = options.certificates;
     certificates.seed = options.seed;
     certificates.json = options.bench.json;
+    if (!options.bench.files.empty()) certificates.meshes = closedMeshes(options.bench);
     return benchCertificate(certificates);
   }
   const scenes::OdeSession session;
@@ -276,7 +278,8 @@ void addBenchContacts(CLI::App& bench, Action& action) {
   command->add_flag("--json", options->bench.json, "One JSON document on stdout");
   CLI::Option* certificate =
       command->add_flag("--certificate", options->certificate,
-                        "Instead: whether what contacts ask for separates random pairs that overlap, by family");
+                        "Instead: whether what contacts ask for separates random pairs that overlap, by family: of "
+                        "those that are built in, or one for each MESH");
   const auto add = [&](const char* name, auto& value, const char* help) {
     return command->add_option(name, value, help)->needs(certificate);
   };

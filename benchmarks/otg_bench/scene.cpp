@@ -157,14 +157,7 @@ std::vector<BenchMesh> bodyMeshes(const BenchOptions& options) {
                            mesh->triangleCount(), kLeast, kMost));
       continue;
     }
-    scenes::MeshArrays arrays;
-    arrays.triangles.assign(mesh->triangles().begin(), mesh->triangles().end());
-    const Vec3f center = mesh->center();
-    const float scale = 1 / mesh->radius();
-    for (const Vec3f& v : mesh->vertices()) {
-      arrays.vertices.push_back({scale * (v.x - center.x), scale * (v.y - center.y), scale * (v.z - center.z)});
-    }
-    bodies.push_back({fs::path(file).stem().string(), scenes::build(arrays)});
+    bodies.push_back({fs::path(file).stem().string(), scenes::build(scenes::broughtToOrigin(*mesh, 1))});
   }
   if (bodies.empty() && !options.bodyFiles.empty()) {
     throw InputError(fmt::format("--body-files: none of the files has {} to {} triangles", kLeast, kMost));

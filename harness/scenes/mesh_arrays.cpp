@@ -24,6 +24,17 @@ MeshArrays merge(const std::vector<MeshArrays>& parts) {
   return all;
 }
 
+MeshArrays broughtToOrigin(const TriMesh& mesh, float radius) {
+  MeshArrays arrays;
+  arrays.triangles.assign(mesh.triangles().begin(), mesh.triangles().end());
+  const Vec3f center = mesh.center();
+  const float scale = radius / mesh.radius();
+  for (const Vec3f& v : mesh.vertices()) {
+    arrays.vertices.push_back({scale * (v.x - center.x), scale * (v.y - center.y), scale * (v.z - center.z)});
+  }
+  return arrays;
+}
+
 MeshArrays transformed(const MeshArrays& mesh, const Transformd& pose) {
   MeshArrays moved = mesh;
   for (Vec3f& p : moved.vertices) p = toFloat(otgTransform(pose, Vec3d{p.x, p.y, p.z}));

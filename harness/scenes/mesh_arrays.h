@@ -22,6 +22,8 @@ struct MeshArrays {
 
 /// All of `parts` as one mesh (vertices and triangles appended).
 MeshArrays merge(const std::vector<MeshArrays>& parts);
+/// A mesh about the origin, scaled to a radius.
+MeshArrays broughtToOrigin(const TriMesh& mesh, float radius);
 /// Rotated and moved copy.
 MeshArrays transformed(const MeshArrays& mesh, const Transformd& pose);
 

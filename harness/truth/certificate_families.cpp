@@ -473,6 +473,7 @@ std::vector<CertificateFamily> certificateFamilies() {
       wildFamily("turned", "turned parts and others", turnedBody),
       wildFamily("spiky", "spiky balls and others", spikyBall),
       wildFamily("rough", "rough ground and others", roughGround),
+      wildFamily("bumpy", "smooth balls of many triangles with bumps, and others", bumpyBall),
       wildFamily("frames", "frames of bars and others", barFrame),
       wildFamily("thin", "plates, needles and others", thinBox),
       wildFamily("blocks", "piles of blocks that reach into each other, and others", blockPile),
@@ -487,6 +488,16 @@ std::vector<CertificateFamily> certificateFamilies() {
       shapeFamily("dSphere", "ODE's sphere in inner corners", {MoverKind::kSphere}),
       shapeFamily("dConvex", "ODE's convex in inner corners", {MoverKind::kPrism, MoverKind::kTetrahedron})};
   return all;
+}
+
+CertificateFamily bodyFamily(const std::string& name, const std::vector<std::shared_ptr<const TriMesh>>& bodies,
+                             std::size_t host) {
+  return {name, "this body and others in random poses", [bodies, host](Random& random, PairDraft& draft) {
+            const auto mover = static_cast<std::size_t>(random.below(static_cast<int>(bodies.size())));
+            draft.host.mesh = scenes::broughtToOrigin(*bodies[host], 0.5f);
+            draft.mover.mesh = scenes::broughtToOrigin(*bodies[mover], static_cast<float>(random.uniform(0.2, 0.5)));
+            return pushFromOutside(random, draft) && draft.depth > kLeastDepth;
+          }};
 }
 
 std::optional<CertificateMember> certificateMember(const CertificateFamily& family, std::uint32_t seed, int number,

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,10 @@ struct CertificateFamily {
 };
 
 std::vector<CertificateFamily> certificateFamilies();
+
+/// One of some closed meshes, with any of them on it. They come in any size, and are brought to like ones.
+CertificateFamily bodyFamily(const std::string& name, const std::vector<std::shared_ptr<const TriMesh>>& bodies,
+                             std::size_t host);
 
 /// A pair that is known to overlap.
 struct CertificateMember {

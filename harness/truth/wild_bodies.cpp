@@ -125,6 +125,12 @@ scenes::MeshArrays spikyBall(Random& random) {
   return mesh;
 }
 
+scenes::MeshArrays bumpyBall(Random& random) {
+  const int level = 3 + random.below(3);
+  const double amplitude = random.uniform(0.1, 0.6);
+  return scenes::makeLump(0.5, level, amplitude, static_cast<std::uint32_t>(random.below(1 << 30)));
+}
+
 scenes::MeshArrays roughGround(Random& random) {
   const int n = 3 + random.below(12);
   const double height = random.uniform(0.02, 0.4);

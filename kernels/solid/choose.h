@@ -9,6 +9,8 @@
 #define OTG_SOLID_CHOOSE_H
 #include "solid/merge.h"
 //
+#include "solid/pass.h"
+#include "solid/point.h"
 #include "solid/rays.h"
 
 #if OTG_WARP && OTG_GROUP >= 32
@@ -250,21 +252,70 @@ OTG_INLINED void otgMeasureGathered(__local otg_solid_choice* s, const otg_solid
 }
 #endif
 
-/// Edges that cross each other may be deepest beyond the stretches that are inside. By one lane.
-OTG_INLINED void otgRaiseDeepest(__local otg_solid_choice* s, const otg_solid_work* w) {
+/// Which place in the order has the deepest candidate.
+OTG_INLINED uint otgDeepestPlace(__local const otg_solid_choice* s) {
   uint deepest = 0;
   for (uint k = 1; k < s->count; ++k) {
     if (OTG_DEPTH(s)[s->order[k]] > OTG_DEPTH(s)[s->order[deepest]]) deepest = k;
   }
+  return deepest;
+}
+
+/// Edges that cross each other may be deepest beyond the stretches that are inside. By one lane.
+OTG_INLINED void otgRaiseDeepest(__local otg_solid_choice* s, const otg_solid_work* w) {
   if (s->count == 0) return;
-  const uint c = s->order[deepest];
+  const uint c = s->order[otgDeepestPlace(s)];
   OTG_DEPTH(s)[c] = otgMax_d(OTG_DEPTH(s)[c], w->leastDepth);
+}
+
+/// Puts the candidate of a pass among those chosen, in place of that of the same point, or of the last one where there
+/// is no place. By one lane.
+OTG_INLINED void otgAddPass(__local otg_solid_choice* s, const otg_solid_work* w, OTG_MESH* a, otg_vec3_d normal,
+                            uint places, const otg_edge_pass* pass) {
+  const otg_vec3_d at = otgAdd_d(pass->middle, otgScale_d(pass->along, pass->at));
+  uint k = 0;
+  while (k < s->count && (pass->stretch == OTG_NOT_THERE || otgPointOf(w, s->order[k]) != w->points + pass->stretch)) ++k;
+  // Behind the region's points there is room for one.
+  const uint c = k < s->count ? s->order[k] : w->candidates;
+  if (k == s->count && w->picks) w->picks[c] = (ushort)w->pointCount;
+  __global otg_solid_point* p = otgPointOf(w, c);
+  if (pass->stretch == OTG_NOT_THERE) {
+    const uint halfEdge = a->edges[pass->edge].z;
+    otgWritePoint(p, a, pass->middle, otgScale_d(pass->along, pass->reach), otgNormalOfEdge(a, halfEdge),
+                  otgVec_d(0, 0, 0), OTG_POINT_MIDDLE, pass->edge, 0, halfEdge / 3, OTG_NOT_THERE, 0);
+  } else {
+    *p = w->points[pass->stretch];
+  }
+  otgStore(p->at, at);
+  otgStore(p->probe, at);
+  otgStore(p->normal, normal);
+  p->shift = 0.5 * pass->way;
+  OTG_DEPTH(s)[c] = pass->way;
+  if (k == s->count && k == places) --k;
+  s->order[k] = (ushort)c;
+  s->count = max(s->count, k + 1);
+}
+
+/// Few facets are deepest where two of their edges pass each other, and those that are inside from end to end are no
+/// candidates. All lanes call it.
+OTG_INLINED void otgAddDeepestPass(__local otg_solid_choice* s, const otg_solid_work* w, OTG_MESH* a, OTG_MESH* b,
+                                   uint places) {
+  if (s->count == 0 || w->isGathered || w->isUneven) return;  // for all lanes
+  const uint deepest = s->order[otgDeepestPlace(s)];
+  const otg_vec3_d normal = otgLoad(otgPointOf(w, deepest)->normal);
+  const double least = OTG_SOLID_DEEPER_THAN_ENDS * OTG_DEPTH(s)[deepest];
+  const double highest = otgHighestOf(s->reduce, w, normal);
+  otg_edge_pass pass;
+  const uint from = otgDeepestPass(w, a, b, highest, normal, least, &pass);
+  const uint first = otgFirstOfLargest(s, pass.way, from);
+  OTG_SYNC;
+  if (first != OTG_NOT_THERE && first == from) otgAddPass(s, w, a, normal, places, &pass);
 }
 
 /// Depths by rays. Those of gathered planes were measured before; candidates of uneven regions are measured on the
 /// triangles. What is shallow for its kind is dropped.
 OTG_INLINED void otgMeasure(__local otg_solid_choice* s, const otg_solid_work* w, __global const float4* meshes,
-                            OTG_MESH* a, OTG_MESH* b) {
+                            OTG_MESH* a, OTG_MESH* b, uint places) {
   const uint lane = get_local_id(0), count = s->count;
   const uint cast = w->isGathered || w->isUneven ? 0 : count;
   otgCastRays(s, w, cast, meshes, a, b);
@@ -286,6 +337,8 @@ OTG_INLINED void otgMeasure(__local otg_solid_choice* s, const otg_solid_work* w
   otgKeepInOrder(s, count);
   if (lane == 0) otgRaiseDeepest(s, w);
   OTG_SYNC;
+  otgAddDeepestPass(s, w, a, b, places);
+  OTG_SYNC_ALL;
 }
 
 /// The piece of a mesh through which the contact's normal leaves, among pieces `begin` to `end`: its plane is the

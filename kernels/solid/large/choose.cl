@@ -86,7 +86,7 @@ __kernel __attribute__((reqd_work_group_size(OTG_GROUP, 1, 1))) void overlapChoo
       } else {
         otgMeasureGathered(&choice, &w, task->most, 0, 0, 0);
         otgSpreadCandidates(&choice, &w, task->most);
-        otgMeasure(&choice, &w, 0, 0, 0);
+        otgMeasure(&choice, &w, 0, 0, 0, 0);
         otgEmit(&choice, &w, 0, contacts + (size_t)slot * stride);
         count = choice.count;
         status |= OTG_FOUND_DONE;

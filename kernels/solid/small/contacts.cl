@@ -72,7 +72,7 @@ OTG_INLINED void otgContactsOf(uint number, __local otg_solid_choice* s, __globa
     otgMeasureGathered(s, &w, most, meshes, a, b);
 #endif
     otgSpreadCandidates(s, &w, most);
-    otgMeasure(s, &w, meshes, a, b);
+    otgMeasure(s, &w, meshes, a, b, most);
     otgEmit(s, &w, index, found + s->contacts);
     if (lane == 0) s->contacts += s->count;
     index += counts;

@@ -134,7 +134,8 @@ OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __gl
   otgPlaceAmong(OTG_COUNTS(s), most, &total);
   const uint pieceUnits = total * (sizeof(otg_solid_piece) / OTG_ARENA_UNIT);
   otgPlaceAmong(OTG_COUNTS(s), mostPoints, &total);
-  const uint pointUnits = total * (sizeof(otg_solid_point) / OTG_ARENA_UNIT);
+  // And one more point: see otgAddPass.
+  const uint pointUnits = (total + 1) * (sizeof(otg_solid_point) / OTG_ARENA_UNIT);
   const uint headUnits = works ? sizeof(otg_solid_region) / OTG_ARENA_UNIT : 0;
   const uint begin = otgTakeArena(s, headUnits + pieceUnits + pointUnits, counters, arenaUnits);
   const int room = works && begin != OTG_NOT_THERE;

@@ -72,9 +72,9 @@ OTG_INLINED void otgWaysOfRegion(__local otg_solid_ways* s, uint at, OTG_MESH* a
   // The CPU makes faces of very many pieces, where it uses them at all.
   const int gathers = w.pieceCount > OTG_SOLID_MOST_ELEMENTS && w.coherence < OTG_SOLID_FLAT;
   const int tooMany = w.pointCount > (OTG_SOLID_LARGE ? 2 : 1) * most || w.pieceCount > OTG_SOLID_FACES || gathers;
-  // Planes of pieces, and with large limits those of several, in two ways, and which points are left.
+  // Planes of pieces, and with large limits those of several, in two ways; which points are left, and one more.
   const uint planes = w.pieceCount * (uint)sizeof(otg_solid_face);
-  const uint picks = (min(w.pointCount, most) * (uint)sizeof(ushort) + OTG_ARENA_UNIT - 1) / OTG_ARENA_UNIT;
+  const uint picks = ((min(w.pointCount, most) + 1) * (uint)sizeof(ushort) + OTG_ARENA_UNIT - 1) / OTG_ARENA_UNIT;
   const uint planeUnits = (planes + OTG_ARENA_UNIT - 1) / OTG_ARENA_UNIT;
   const uint begin = otgTakeUnits(s, counts && !tooMany ? (OTG_SOLID_LARGE ? 3 * planeUnits + picks : planeUnits) : 0,
                                   counters, arenaUnits);

@@ -5,11 +5,13 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "base/flat_map.h"
 #include "base/vectors.h"
 #include "collide/inside_test.h"
 #include "collide/simd/surface_kernels.h"
+#include "collide/solid/deepest_pass.h"
 #include "collide/solid/facing_pieces.h"
 #include "collide/solid/leaving.h"
 #include "collide/solid/region_planes.h"
@@ -64,11 +66,13 @@ class RegionSolver {
       bringDeepestFirst();
     }
     chooseSpread(most);
-    if (!gathered_ && !isUneven_) {
+    const bool isMeasuredLast = !gathered_ && !isUneven_;
+    if (isMeasuredLast) {
       for (Candidate& c : candidates_) measureByRays(c);
     }
     eraseShallow(1);
     raiseDeepest();
+    if (isMeasuredLast) addDeepestPass(most);
     emit(out);
     return isUneven_;
   }
@@ -454,8 +458,7 @@ class RegionSolver {
   }
 
   void bringDeepestFirst() {
-    const auto deepest = std::max_element(candidates_.begin(), candidates_.end(),
-                                          [](const Candidate& x, const Candidate& y) { return x.depth < y.depth; });
+    const auto deepest = deepestCandidate();
     if (deepest != candidates_.end()) std::rotate(candidates_.begin(), deepest, deepest + 1);
   }
 
@@ -483,11 +486,42 @@ class RegionSolver {
     candidates_.resize(kept);
   }
 
+  std::pmr::vector<Candidate>::iterator deepestCandidate() {
+    return std::max_element(candidates_.begin(), candidates_.end(),
+                            [](const Candidate& x, const Candidate& y) { return x.depth < y.depth; });
+  }
+
   /// Edges that cross each other may be deepest beyond the stretches that are inside.
   void raiseDeepest() {
-    const auto deepest = std::max_element(candidates_.begin(), candidates_.end(),
-                                          [](const Candidate& x, const Candidate& y) { return x.depth < y.depth; });
+    const auto deepest = deepestCandidate();
     if (deepest != candidates_.end()) deepest->depth = std::max(deepest->depth, task_.leastDepth);
+  }
+
+  /// Few facets are deepest where two of their edges pass each other, and those that are inside from end to end are no
+  /// candidates.
+  void addDeepestPass(std::size_t most) {
+    const auto deepest = deepestCandidate();
+    if (deepest == candidates_.end() || std::isfinite(task_.mostDepth) || contradictsItself(region_)) return;
+    const std::optional<EdgePass> pass =
+        deepestPass(task_.meshes, all_, region_, deepest->normal, OTG_SOLID_DEEPER_THAN_ENDS * deepest->depth);
+    if (!pass) return;
+    if (pass->stretch == nullptr) {
+      const Vec3d span = otgScale(pass->along, pass->reach);
+      passing_ = supportPoint(task_.meshes, {pass->middle, span, 0, pass->edge, 0, kNone, 0, PointKind::kMiddle, false},
+                              kNone);
+    }
+    const SupportPoint* const point = pass->stretch != nullptr ? pass->stretch : &passing_;
+    const Vec3d at = otgAdd(pass->middle, otgScale(pass->along, pass->at));
+    const Candidate added{point, at, at, deepest->normal, pass->way, 0, pass->way, 0, 0.5 * pass->way};
+    const auto same =
+        std::find_if(candidates_.begin(), candidates_.end(), [&](const Candidate& c) { return c.point == point; });
+    if (same != candidates_.end()) {
+      *same = added;
+    } else if (candidates_.size() < most) {
+      candidates_.push_back(added);
+    } else {
+      candidates_.back() = added;
+    }
   }
 
   void emit(std::vector<Contact>& out) {
@@ -542,7 +576,7 @@ class RegionSolver {
   double deepestEven_ = 0;                              ///< of what collectEven() has added
   std::pmr::vector<const SupportPoint*> stretches_[2];  ///< in the order of the points
   bool hasStretches_ = false;
-  SupportPoint fallback_{};
+  SupportPoint fallback_{}, passing_{};
 };
 
 }  // namespace
