@@ -18,7 +18,7 @@
 #endif
 
 // The same memory for what is never needed at the same time. By candidate: depth, rank, distance from those chosen,
-// place.
+// place. Up to twice as many points have two heights each in place of all but depth and z: see otgAddDeepestPass.
 #define OTG_DEPTH(s) ((s)->numbers)
 #define OTG_RANK(s) ((s)->numbers + OTG_SOLID_POINTS)
 #define OTG_SPREAD(s) ((s)->numbers + 2 * OTG_SOLID_POINTS)

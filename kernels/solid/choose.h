@@ -268,24 +268,25 @@ OTG_INLINED void otgRaiseDeepest(__local otg_solid_choice* s, const otg_solid_wo
   OTG_DEPTH(s)[c] = otgMax_d(OTG_DEPTH(s)[c], w->leastDepth);
 }
 
-/// Puts the candidate of a pass among those chosen, in place of that of the same point, or of the last one where there
-/// is no place. By one lane.
+/// Puts the candidate of a pass among those chosen: in place of that of the same point, else behind them. Where there is
+/// no place it takes that of the last one. By one lane.
 OTG_INLINED void otgAddPass(__local otg_solid_choice* s, const otg_solid_work* w, OTG_MESH* a, otg_vec3_d normal,
                             uint places, const otg_edge_pass* pass) {
-  const otg_vec3_d at = otgAdd_d(pass->middle, otgScale_d(pass->along, pass->at));
+  const int isEdge = pass->to != OTG_NOT_THERE;
   uint k = 0;
-  while (k < s->count && (pass->stretch == OTG_NOT_THERE || otgPointOf(w, s->order[k]) != w->points + pass->stretch)) ++k;
+  while (k < s->count && (isEdge || otgPointOf(w, s->order[k]) != w->points + pass->from)) ++k;
   // Behind the region's points there is room for one.
   const uint c = k < s->count ? s->order[k] : w->candidates;
   if (k == s->count && w->picks) w->picks[c] = (ushort)w->pointCount;
   __global otg_solid_point* p = otgPointOf(w, c);
-  if (pass->stretch == OTG_NOT_THERE) {
-    const uint halfEdge = a->edges[pass->edge].z;
+  if (isEdge) {
+    const uint edge = otgEdgeBetween(w, a, pass->from, pass->to), halfEdge = a->edges[edge].z;
     otgWritePoint(p, a, pass->middle, otgScale_d(pass->along, pass->reach), otgNormalOfEdge(a, halfEdge),
-                  otgVec_d(0, 0, 0), OTG_POINT_MIDDLE, pass->edge, 0, halfEdge / 3, OTG_NOT_THERE, 0);
+                  otgVec_d(0, 0, 0), OTG_POINT_MIDDLE, edge, 0, halfEdge / 3, OTG_NOT_THERE, 0);
   } else {
-    *p = w->points[pass->stretch];
+    *p = w->points[pass->from];
   }
+  const otg_vec3_d at = otgAdd_d(pass->middle, otgScale_d(pass->along, pass->at));
   otgStore(p->at, at);
   otgStore(p->probe, at);
   otgStore(p->normal, normal);
@@ -296,17 +297,34 @@ OTG_INLINED void otgAddPass(__local otg_solid_choice* s, const otg_solid_work* w
   s->count = max(s->count, k + 1);
 }
 
+/// The largest of what lanes find in a list of the region's points. All lanes call it.
+OTG_INLINED double otgHighestOf(__local otg_solid_choice* s, const otg_solid_work* w, __local const double* heights) {
+  double highest = -INFINITY;
+  for (uint i = get_local_id(0); i < w->pointCount; i += OTG_GROUP) highest = otgMax_d(heights[i], highest);
+  return otgLargestOf(s->reduce, highest);
+}
+
 /// Few facets are deepest where two of their edges pass each other, and those that are inside from end to end are no
 /// candidates. All lanes call it.
 OTG_INLINED void otgAddDeepestPass(__local otg_solid_choice* s, const otg_solid_work* w, OTG_MESH* a, OTG_MESH* b,
                                    uint places) {
-  if (s->count == 0 || w->isGathered || w->isUneven) return;  // for all lanes
+  const uint vertices = s->count == 0 || w->isGathered || w->isUneven ? 0 : otgCountVertices(w);
+  if (vertices < 2 || vertices > OTG_SOLID_FEW_VERTICES) return;  // for all lanes, as below
   const uint deepest = s->order[otgDeepestPlace(s)];
   const otg_vec3_d normal = otgLoad(otgPointOf(w, deepest)->normal);
   const double least = OTG_SOLID_DEEPER_THAN_ENDS * OTG_DEPTH(s)[deepest];
-  const double highest = otgHighestOf(s->reduce, w, normal);
+  otg_pass_room room;
+  room.heights[0] = OTG_RANK(s);
+  room.heights[1] = OTG_X(s);
+  room.partners = (__local ulong*)OTG_Z(s);
+  otgListHeights(w, normal, &room);
+  OTG_SYNC;
+  const double ofA = otgHighestOf(s, w, room.heights[0]), ofB = otgHighestOf(s, w, room.heights[1]);
+  if (!(ofA + ofB > least)) return;
+  otgListPartners(w, a, b, vertices, &room);
+  OTG_SYNC;
   otg_edge_pass pass;
-  const uint from = otgDeepestPass(w, a, b, highest, normal, least, &pass);
+  const uint from = otgDeepestPass(w, &room, vertices, ofB, normal, least, &pass);
   const uint first = otgFirstOfLargest(s, pass.way, from);
   OTG_SYNC;
   if (first != OTG_NOT_THERE && first == from) otgAddPass(s, w, a, normal, places, &pass);

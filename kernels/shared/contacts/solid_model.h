@@ -124,6 +124,9 @@ namespace otg {
 /// A middle of a stretch that is not this much deeper than its ends are on average says nothing new.
 #define OTG_SOLID_DEEPER_THAN_ENDS 1.05
 
+/// A region of more vertices inside is hardly deeper anywhere than at these: its facets are small beside its depth.
+#define OTG_SOLID_FEW_VERTICES 64
+
 /// Candidates whose middles are nearer than this (in diagonals) and whose normals agree to 18 degrees are one.
 #define OTG_SOLID_MERGE_DISTANCE 0.01
 #define OTG_SOLID_MERGE_COSINE 0.951
@@ -345,6 +348,12 @@ OTG_GENERIC OTG_STRETCH_PASS OTG_NAME(otgPassOfStretches)(OTG_VEC3 apart, OTG_VE
   if (OTG_ABS(pass.at) > reachP || OTG_ABS(atQ) > reachQ) return pass;
   pass.way = OTG_NAME(otgDot)(apart, n) - pass.at * OTG_NAME(otgDot)(alongP, n) + atQ * OTG_NAME(otgDot)(alongQ, n);
   return pass;
+}
+
+/// Whether stretches of these half lengths are too far from each other to pass, seen along n. Less costly to tell.
+OTG_GENERIC otg_int OTG_NAME(otgAreBeside)(OTG_VEC3 apart, REAL reachP, REAL reachQ, OTG_VEC3 n) {
+  const REAL along = OTG_NAME(otgDot)(apart, n), reach = reachP + reachQ;
+  return OTG_NAME(otgDot)(apart, apart) - along * along > (1 + OTG_REAL(1e-6)) * reach * reach;
 }
 
 /// Whether the depth that rays measured is that of a side of a face and not of the face ahead. Where edges cross at the

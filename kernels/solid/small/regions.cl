@@ -120,7 +120,7 @@ OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __gl
   uint total, pieces = 0, points = 0;
   for (uint k = lane; k < 9; k += OTG_GROUP) s->sums[k] = 0;
   OTG_SYNC;
-  // Room for as many as there may be.
+  // Room for as many as there may be, and for one more point: see otgAddPass.
   uint most = 0, mostPoints = 0;
   for (uint c = lane; c < chords; c += OTG_GROUP) most += (s->firsts[c] & 1) + (s->firsts[c] >> 1);
   for (uint i = lane; i < vertices; i += OTG_GROUP) {
@@ -134,7 +134,6 @@ OTG_INLINED void otgDescribeRegion(const otg_solid_pair* pair, uint region, __gl
   otgPlaceAmong(OTG_COUNTS(s), most, &total);
   const uint pieceUnits = total * (sizeof(otg_solid_piece) / OTG_ARENA_UNIT);
   otgPlaceAmong(OTG_COUNTS(s), mostPoints, &total);
-  // And one more point: see otgAddPass.
   const uint pointUnits = (total + 1) * (sizeof(otg_solid_point) / OTG_ARENA_UNIT);
   const uint headUnits = works ? sizeof(otg_solid_region) / OTG_ARENA_UNIT : 0;
   const uint begin = otgTakeArena(s, headUnits + pieceUnits + pointUnits, counters, arenaUnits);

@@ -4,69 +4,80 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/vectors.h"
 
 namespace otg {
 namespace {
 
-/// The stretches of one mesh in a region: those of crossed edges, which are points, and edges between vertices inside.
+/// An edge's part inside, and how far in it reaches along the normal. `way` and `at` are not set.
+struct Stretch {
+  EdgePass pass;
+  double height;
+};
+
+/// Those of one mesh in a region: stretches that are points, and edges between vertices inside. In the order of the
+/// points; those of a vertex lead to vertices behind it, in their order.
 class Stretches {
  public:
-  /// A point, and how far in its stretches reach, along the normal.
-  struct Place {
-    double height;
-    const SupportPoint* point;
-  };
-
   Stretches(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region, std::uint8_t mesh,
             const Vec3d& normal)
-      : adjacency_(meshes.adjacency(mesh)), places_(all.memory) {
+      : adjacency_(meshes.adjacency(mesh)),
+        normal_(mesh == 0 ? otgScale(normal, -1.0) : normal),
+        list_(all.memory),
+        ends_(all.memory) {
     const auto first = all.points.data() + region.pointBegin, last = all.points.data() + region.pointEnd;
     const auto isVertexOf = [](const SupportPoint& p, int m) { return p.kind == PointKind::kVertex && p.mesh <= m; };
-    vertexBegin_ = std::partition_point(first, last, [&](const SupportPoint& p) { return isVertexOf(p, mesh - 1); });
-    vertexEnd_ = std::partition_point(vertexBegin_, last, [&](const SupportPoint& p) { return isVertexOf(p, mesh); });
-    for (const SupportPoint* p = first; p != last; ++p) {
+    const auto begin =
+        std::partition_point(first, last, [&](const SupportPoint& p) { return isVertexOf(p, mesh - 1); });
+    vertexEnd_ = std::partition_point(begin, last, [&](const SupportPoint& p) { return isVertexOf(p, mesh); });
+    for (const SupportPoint* p = begin; p != last; ++p) {
       if (p->mesh != mesh || p->kind == PointKind::kCrossing) continue;
-      const double at = otgDot(p->position, normal), reach = std::fabs(otgDot(p->along, normal)) * p->reach;
-      places_.push_back({(mesh == 0 ? -at : at) + reach, p});
-      highest_ = std::max(highest_, places_.back().height);
+      if (p->kind == PointKind::kVertex) {
+        addEdges(p);
+      } else {
+        const double reach = std::fabs(otgDot(p->along, normal_)) * p->reach;
+        add({p, p->feature, p->position, p->along, p->reach, 0, 0}, otgDot(p->position, normal_) + reach);
+      }
     }
   }
 
-  const std::pmr::vector<Place>& places() const { return places_; }
+  const std::pmr::vector<Stretch>& list() const { return list_; }
   double highest() const { return highest_; }
 
-  /// Calls fn with the stretch that a place is the middle of; of a vertex with the edges to others. `way` and `at` are
-  /// not set.
-  template <class Fn>
-  void forEachAt(const Place& place, const Fn& fn) const {
-    const SupportPoint& p = *place.point;
-    if (p.kind != PointKind::kVertex) {
-      fn(EdgePass{&p, p.feature, p.position, p.along, p.reach, 0, 0});
-      return;
-    }
-    for (std::uint32_t k = adjacency_.first[p.feature]; k < adjacency_.first[p.feature + 1]; ++k) {
-      const AdjacencyLinks::Spoke& spoke = adjacency_.spokes[k];
-      const SupportPoint* const q = adjacency_.isFlatEdge(spoke.edge) ? nullptr : find(spoke.vertex);
-      if (q == nullptr) continue;
-      const Vec3d ends = otgSub(q->position, p.position);
-      fn(EdgePass{nullptr, spoke.edge, otgScale(otgAdd(p.position, q->position), 0.5), unit(ends), 0.5 * norm(ends), 0,
-                  0});
-    }
+ private:
+  void add(const EdgePass& pass, double height) {
+    list_.push_back({pass, height});
+    highest_ = std::max(highest_, height);
   }
 
- private:
-  /// The point of a vertex, or null where that is not in the region.
-  const SupportPoint* find(std::uint32_t vertex) const {
-    const SupportPoint* const at =
-        std::partition_point(vertexBegin_, vertexEnd_, [vertex](const SupportPoint& p) { return p.feature < vertex; });
-    return at != vertexEnd_ && at->feature == vertex ? at : nullptr;
+  /// Of the edges from a vertex to those behind it.
+  void addEdges(const SupportPoint* from) {
+    ends_.clear();
+    for (std::uint32_t k = adjacency_.first[from->feature]; k < adjacency_.first[from->feature + 1]; ++k) {
+      const AdjacencyLinks::Spoke& spoke = adjacency_.spokes[k];
+      if (spoke.vertex <= from->feature || adjacency_.isFlatEdge(spoke.edge)) continue;
+      const SupportPoint* const to =
+          std::partition_point(from, vertexEnd_, [&](const SupportPoint& p) { return p.feature < spoke.vertex; });
+      if (to == vertexEnd_ || to->feature != spoke.vertex) continue;
+      const auto isTo = [to](const std::pair<const SupportPoint*, std::uint32_t>& end) { return end.first == to; };
+      if (std::none_of(ends_.begin(), ends_.end(), isTo)) ends_.emplace_back(to, spoke.edge);
+    }
+    std::sort(ends_.begin(), ends_.end());
+    const double height = otgDot(from->position, normal_);
+    for (const auto& [to, edge] : ends_) {
+      const Vec3d ends = otgSub(to->position, from->position);
+      add({nullptr, edge, otgScale(otgAdd(from->position, to->position), 0.5), unit(ends), 0.5 * norm(ends), 0, 0},
+          std::max(height, otgDot(to->position, normal_)));
+    }
   }
 
   const Adjacency& adjacency_;
-  const SupportPoint *vertexBegin_, *vertexEnd_;  ///< ascending
-  std::pmr::vector<Place> places_;
+  const Vec3d normal_;             ///< into the other mesh
+  const SupportPoint* vertexEnd_;  ///< of the points that are vertices, which are ascending
+  std::pmr::vector<Stretch> list_;
+  std::pmr::vector<std::pair<const SupportPoint*, std::uint32_t>> ends_;  ///< of edges from one vertex
   double highest_ = -std::numeric_limits<double>::infinity();
 };
 
@@ -74,25 +85,28 @@ class Stretches {
 
 std::optional<EdgePass> deepestPass(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region,
                                     const Vec3d& normal, double least) {
-  const Stretches ofA(meshes, all, region, 0, normal), ofB(meshes, all, region, 1, normal);
   std::optional<EdgePass> deepest;
+  const auto first = all.points.begin() + region.pointBegin, last = all.points.begin() + region.pointEnd;
+  const auto vertices =
+      std::partition_point(first, last, [](const SupportPoint& p) { return p.kind == PointKind::kVertex; }) - first;
+  if (vertices < 2 || vertices > OTG_SOLID_FEW_VERTICES) return deepest;
+  const Stretches ofA(meshes, all, region, 0, normal), ofB(meshes, all, region, 1, normal);
   double most = least;
-  for (const Stretches::Place& a : ofA.places()) {
+  for (const Stretch& a : ofA.list()) {
     if (!(a.height + ofB.highest() > least)) continue;
-    ofA.forEachAt(a, [&](const EdgePass& p) {
-      for (const Stretches::Place& b : ofB.places()) {
-        if (!(a.height + b.height > least)) continue;
-        ofB.forEachAt(b, [&](const EdgePass& q) {
-          const StretchPass<double> pass =
-              otgPassOfStretches(otgSub(q.middle, p.middle), p.along, p.reach, q.along, q.reach, normal);
-          if (!(pass.way > most)) return;
-          most = pass.way;
-          deepest = p;
-          deepest->at = pass.at;
-          deepest->way = pass.way;
-        });
-      }
-    });
+    const EdgePass& p = a.pass;
+    for (const Stretch& b : ofB.list()) {
+      if (!(a.height + b.height > least)) continue;
+      const EdgePass& q = b.pass;
+      const Vec3d apart = otgSub(q.middle, p.middle);
+      if (otgAreBeside(apart, p.reach, q.reach, normal) != 0) continue;
+      const StretchPass<double> pass = otgPassOfStretches(apart, p.along, p.reach, q.along, q.reach, normal);
+      if (!(pass.way > most)) continue;
+      most = pass.way;
+      deepest = p;
+      deepest->at = pass.at;
+      deepest->way = pass.way;
+    }
   }
   return deepest;
 }

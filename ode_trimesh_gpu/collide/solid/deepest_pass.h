@@ -19,8 +19,9 @@ struct EdgePass {
 };
 
 /// The deepest place where edges pass each other in a region, if it is deeper than `least`; of several the first in the
-/// order of A's points. An overlap of facets is deepest at such a place or at a vertex. `normal`: unit, out of B. Only
-/// of regions that are described piece by piece.
+/// order of A's points. An overlap of facets is deepest there or at a vertex. Not looked for where no edge is inside
+/// from end to end, as all others are candidates, nor where there are many. `normal`: unit, out of B. Only of regions
+/// that are described piece by piece.
 std::optional<EdgePass> deepestPass(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region,
                                     const Vec3d& normal, double least);
 

@@ -214,10 +214,7 @@ class RegionSolver {
     const SupportPoint* deepest = nullptr;
     double most = 0;
     for (const SupportPoint* q : stretches_[1 - p.mesh]) {
-      const Vec3d apart = otgSub(q->position, p.position);
-      const double along = otgDot(apart, c.normal), reach = p.reach + q->reach;
-      // Seen along the normal, they are too far from each other.
-      if (otgDot(apart, apart) - along * along > kWithin * reach * reach) continue;
+      if (otgAreBeside(otgSub(q->position, p.position), p.reach, q->reach, c.normal) != 0) continue;
       const double way = passOf(p, *q, c.normal).way;
       if (!(way > most)) continue;
       most = way;
