@@ -272,19 +272,23 @@ OTG_INLINED void otgRaiseDeepest(__local otg_solid_choice* s, const otg_solid_wo
 /// no place it takes that of the last one. By one lane.
 OTG_INLINED void otgAddPass(__local otg_solid_choice* s, const otg_solid_work* w, OTG_MESH* a, otg_vec3_d normal,
                             uint places, const otg_edge_pass* pass) {
-  const int isEdge = pass->to != OTG_NOT_THERE;
+  __global const otg_solid_point* from = w->points + pass->from;
+  const int isPoint = from->kind >= OTG_POINT_MIDDLE;
   uint k = 0;
-  while (k < s->count && (isEdge || otgPointOf(w, s->order[k]) != w->points + pass->from)) ++k;
+  while (k < s->count && !(isPoint && otgPointOf(w, s->order[k]) == from)) ++k;
   // Behind the region's points there is room for one.
   const uint c = k < s->count ? s->order[k] : w->candidates;
   if (k == s->count && w->picks) w->picks[c] = (ushort)w->pointCount;
   __global otg_solid_point* p = otgPointOf(w, c);
-  if (isEdge) {
-    const uint edge = otgEdgeBetween(w, a, pass->from, pass->to), halfEdge = a->edges[edge].z;
-    otgWritePoint(p, a, pass->middle, otgScale_d(pass->along, pass->reach), otgNormalOfEdge(a, halfEdge),
-                  otgVec_d(0, 0, 0), OTG_POINT_MIDDLE, edge, 0, halfEdge / 3, OTG_NOT_THERE, 0);
+  if (isPoint) {
+    *p = *from;
   } else {
-    *p = w->points[pass->from];
+    const int isEdge = pass->to != OTG_NOT_THERE;
+    const uint edge = isEdge ? otgEdgeBetween(w, a, pass->from, pass->to) : from->feature;
+    const uint halfEdge = a->edges[edge].z;
+    otgWritePoint(p, a, pass->middle, otgScale_d(pass->along, pass->reach), otgNormalOfEdge(a, halfEdge),
+                  otgVec_d(0, 0, 0), OTG_POINT_MIDDLE, edge, isEdge ? 0 : from->ordinal / 2, halfEdge / 3,
+                  OTG_NOT_THERE, 0);
   }
   const otg_vec3_d at = otgAdd_d(pass->middle, otgScale_d(pass->along, pass->at));
   otgStore(p->at, at);

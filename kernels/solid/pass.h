@@ -4,7 +4,7 @@
 #define OTG_SOLID_PASS_H
 #include "solid/region.h"
 
-/// As EdgePass. A stretch that is point `from`, or where there is a point `to` the edge between these two vertices.
+/// As EdgePass. The stretch at point `from`, or where there is a point `to` the edge between these two vertices.
 typedef struct {
   uint from, to;
   otg_vec3_d middle, along;
@@ -15,7 +15,7 @@ typedef struct {
 typedef struct {
   /// By point, of A and of B: how far in its stretch reaches along the normal, or -INFINITY.
   __local double* heights[2];
-  __local ulong* partners;  ///< by vertex: a bit for each behind it to which an edge leads that is not flat
+  __local ulong* partners;  ///< by vertex: a bit for each behind it to which an edge leads
 } otg_pass_room;
 
 /// The point of a vertex among the region's, of which `vertices` are vertices, ascending; OTG_NOT_THERE if it has none.
@@ -47,10 +47,15 @@ OTG_INLINED uint otgCountVertices(const otg_solid_work* w) {
 OTG_INLINED void otgListHeights(const otg_solid_work* w, otg_vec3_d normal, const otg_pass_room* room) {
   for (uint i = get_local_id(0); i < w->pointCount; i += OTG_GROUP) {
     __global const otg_solid_point* p = w->points + i;
-    const double at = otgDot_d(otgLoad(p->position), normal), reach = fabs(otgDot_d(otgLoad(p->along), normal)) * p->reach;
-    const int isOf = p->kind != OTG_POINT_CROSSING;
-    room->heights[0][i] = isOf && p->mesh == 0 ? -at + reach : -INFINITY;
-    room->heights[1][i] = isOf && p->mesh == 1 ? at + reach : -INFINITY;
+    const int isEnd = p->kind == OTG_POINT_CROSSING;
+    const double reach = isEnd ? 0.5 * p->reach : p->reach;
+    const otg_vec3_d along = otgLoad(p->along), own = otgLoad(p->position);
+    const double at = otgDot_d(isEnd ? otgAdd_d(own, otgScale_d(along, reach)) : own, normal);
+    const double higher = fabs(otgDot_d(along, normal)) * reach;
+    for (uint mesh = 0; mesh < 2; ++mesh) {
+      const int isOf = p->mesh == mesh && !(isEnd && !p->flat);
+      room->heights[mesh][i] = isOf ? (mesh == 0 ? -at : at) + higher : -INFINITY;
+    }
   }
 }
 
@@ -62,7 +67,7 @@ OTG_INLINED void otgListPartners(const otg_solid_work* w, OTG_MESH* a, OTG_MESH*
     ulong partners = 0;
     for (uint k = m->firstSpoke[p->feature]; k < m->firstSpoke[p->feature + 1]; ++k) {
       const uint2 to = m->neighbours[k];
-      if (to.x <= p->feature || m->edges[to.y].w == OTG_EDGE_FLAT) continue;
+      if (to.x <= p->feature) continue;
       const uint other = otgFindPoint(w, vertices, p->mesh, to.x);
       if (other != OTG_NOT_THERE) partners |= 1ul << other;
     }
@@ -86,8 +91,10 @@ OTG_INLINED int otgNextStretch(const otg_solid_work* w, uint from, int isVertex,
     pass->along = otgUnit_d(ends);
     pass->reach = 0.5 * otgNorm_d(ends);
   } else {
+    const int isEnd = p->kind == OTG_POINT_CROSSING;  // of a flat edge's stretch
     pass->along = otgLoad(p->along);
-    pass->reach = p->reach;
+    pass->reach = isEnd ? 0.5 * p->reach : p->reach;
+    if (isEnd) pass->middle = otgAdd_d(pass->middle, otgScale_d(pass->along, pass->reach));
   }
   return 1;
 }
@@ -146,7 +153,7 @@ OTG_INLINED uint otgDeepestPass(const otg_solid_work* w, const otg_pass_room* ro
 OTG_INLINED uint otgEdgeBetween(const otg_solid_work* w, OTG_MESH* m, uint from, uint to) {
   const uint wanted = w->points[to].feature;
   uint k = m->firstSpoke[w->points[from].feature];
-  while (m->neighbours[k].x != wanted || m->edges[m->neighbours[k].y].w == OTG_EDGE_FLAT) ++k;
+  while (m->neighbours[k].x != wanted) ++k;
   return m->neighbours[k].y;
 }
 

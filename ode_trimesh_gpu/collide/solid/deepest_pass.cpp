@@ -17,8 +17,9 @@ struct Stretch {
   double height;
 };
 
-/// Those of one mesh in a region: stretches that are points, and edges between vertices inside. In the order of the
-/// points; those of a vertex lead to vertices behind it, in their order.
+/// Those of one mesh in a region: the stretches whose middles are points, those of flat edges from each of their
+/// crossings, and edges between vertices inside. In the order of the points; those of a vertex lead to vertices behind
+/// it, in their order.
 class Stretches {
  public:
   Stretches(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region, std::uint8_t mesh,
@@ -33,12 +34,15 @@ class Stretches {
         std::partition_point(first, last, [&](const SupportPoint& p) { return isVertexOf(p, mesh - 1); });
     vertexEnd_ = std::partition_point(begin, last, [&](const SupportPoint& p) { return isVertexOf(p, mesh); });
     for (const SupportPoint* p = begin; p != last; ++p) {
-      if (p->mesh != mesh || p->kind == PointKind::kCrossing) continue;
+      if (p->mesh != mesh || (p->kind == PointKind::kCrossing && !p->flat)) continue;
       if (p->kind == PointKind::kVertex) {
         addEdges(p);
+      } else if (p->kind == PointKind::kCrossing) {
+        const double half = 0.5 * p->reach;
+        addStretch(
+            {nullptr, p->feature, p->ordinal / 2, otgAdd(p->position, otgScale(p->along, half)), p->along, half});
       } else {
-        const double reach = std::fabs(otgDot(p->along, normal_)) * p->reach;
-        add({p, p->feature, p->position, p->along, p->reach, 0, 0}, otgDot(p->position, normal_) + reach);
+        addStretch({p, p->feature, p->ordinal, p->position, p->along, p->reach});
       }
     }
   }
@@ -51,13 +55,16 @@ class Stretches {
     list_.push_back({pass, height});
     highest_ = std::max(highest_, height);
   }
+  void addStretch(const EdgePass& pass) {
+    add(pass, otgDot(pass.middle, normal_) + std::fabs(otgDot(pass.along, normal_)) * pass.reach);
+  }
 
   /// Of the edges from a vertex to those behind it.
   void addEdges(const SupportPoint* from) {
     ends_.clear();
     for (std::uint32_t k = adjacency_.first[from->feature]; k < adjacency_.first[from->feature + 1]; ++k) {
       const AdjacencyLinks::Spoke& spoke = adjacency_.spokes[k];
-      if (spoke.vertex <= from->feature || adjacency_.isFlatEdge(spoke.edge)) continue;
+      if (spoke.vertex <= from->feature) continue;
       const SupportPoint* const to =
           std::partition_point(from, vertexEnd_, [&](const SupportPoint& p) { return p.feature < spoke.vertex; });
       if (to == vertexEnd_ || to->feature != spoke.vertex) continue;
@@ -68,7 +75,7 @@ class Stretches {
     const double height = otgDot(from->position, normal_);
     for (const auto& [to, edge] : ends_) {
       const Vec3d ends = otgSub(to->position, from->position);
-      add({nullptr, edge, otgScale(otgAdd(from->position, to->position), 0.5), unit(ends), 0.5 * norm(ends), 0, 0},
+      add({nullptr, edge, 0, otgScale(otgAdd(from->position, to->position), 0.5), unit(ends), 0.5 * norm(ends)},
           std::max(height, otgDot(to->position, normal_)));
     }
   }

@@ -502,12 +502,12 @@ class RegionSolver {
     const std::optional<EdgePass> pass =
         deepestPass(task_.meshes, all_, region_, deepest->normal, OTG_SOLID_DEEPER_THAN_ENDS * deepest->depth);
     if (!pass) return;
-    if (pass->stretch == nullptr) {
+    if (pass->point == nullptr) {
       const Vec3d span = otgScale(pass->along, pass->reach);
-      passing_ = supportPoint(task_.meshes, {pass->middle, span, 0, pass->edge, 0, kNone, 0, PointKind::kMiddle, false},
-                              kNone);
+      passing_ = supportPoint(
+          task_.meshes, {pass->middle, span, 0, pass->edge, pass->ordinal, kNone, 0, PointKind::kMiddle, false}, kNone);
     }
-    const SupportPoint* const point = pass->stretch != nullptr ? pass->stretch : &passing_;
+    const SupportPoint* const point = pass->point != nullptr ? pass->point : &passing_;
     const Vec3d at = otgAdd(pass->middle, otgScale(pass->along, pass->at));
     const Candidate added{point, at, at, deepest->normal, pass->way, 0, pass->way, 0, 0.5 * pass->way};
     const auto same =
