@@ -268,6 +268,7 @@ OTG_INLINED void otgRaiseDeepest(__local otg_solid_choice* s, const otg_solid_wo
   OTG_DEPTH(s)[c] = otgMax_d(OTG_DEPTH(s)[c], w->leastDepth);
 }
 
+#ifndef OTG_RAYS_KNOWN
 /// Puts the candidate of a pass among those chosen: in place of that of the same point, else behind them. Where there is
 /// no place it takes that of the last one. By one lane.
 OTG_INLINED void otgAddPass(__local otg_solid_choice* s, const otg_solid_work* w, OTG_MESH* a, otg_vec3_d normal,
@@ -312,8 +313,9 @@ OTG_INLINED double otgHighestOf(__local otg_solid_choice* s, const otg_solid_wor
 /// candidates. All lanes call it.
 OTG_INLINED void otgAddDeepestPass(__local otg_solid_choice* s, const otg_solid_work* w, OTG_MESH* a, OTG_MESH* b,
                                    uint places) {
-  const uint vertices = s->count == 0 || w->isGathered || w->isUneven ? 0 : otgCountVertices(w);
-  if (vertices < 2 || vertices > OTG_SOLID_FEW_VERTICES) return;  // for all lanes, as below
+  if (s->count == 0 || w->isUneven) return;  // for all lanes, as below
+  const uint vertices = otgCountVertices(w);
+  if (vertices > OTG_SOLID_FEW_VERTICES) return;
   const uint deepest = s->order[otgDeepestPlace(s)];
   const otg_vec3_d normal = otgLoad(otgPointOf(w, deepest)->normal);
   const double least = OTG_SOLID_DEEPER_THAN_ENDS * OTG_DEPTH(s)[deepest];
@@ -333,6 +335,7 @@ OTG_INLINED void otgAddDeepestPass(__local otg_solid_choice* s, const otg_solid_
   OTG_SYNC;
   if (first != OTG_NOT_THERE && first == from) otgAddPass(s, w, a, normal, places, &pass);
 }
+#endif
 
 /// Depths by rays. Those of gathered planes were measured before; candidates of uneven regions are measured on the
 /// triangles. What is shallow for its kind is dropped.
@@ -359,8 +362,12 @@ OTG_INLINED void otgMeasure(__local otg_solid_choice* s, const otg_solid_work* w
   otgKeepInOrder(s, count);
   if (lane == 0) otgRaiseDeepest(s, w);
   OTG_SYNC;
+#ifdef OTG_RAYS_KNOWN
+  (void)places;
+#else
   otgAddDeepestPass(s, w, a, b, places);
   OTG_SYNC_ALL;
+#endif
 }
 
 /// The piece of a mesh through which the contact's normal leaves, among pieces `begin` to `end`: its plane is the

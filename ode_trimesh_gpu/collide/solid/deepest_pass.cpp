@@ -96,7 +96,7 @@ std::optional<EdgePass> deepestPass(const PlacedMeshes& meshes, const OverlapReg
   const auto first = all.points.begin() + region.pointBegin, last = all.points.begin() + region.pointEnd;
   const auto vertices =
       std::partition_point(first, last, [](const SupportPoint& p) { return p.kind == PointKind::kVertex; }) - first;
-  if (vertices < 2 || vertices > OTG_SOLID_FEW_VERTICES) return deepest;
+  if (vertices > OTG_SOLID_FEW_VERTICES) return deepest;
   const Stretches ofA(meshes, all, region, 0, normal), ofB(meshes, all, region, 1, normal);
   double most = least;
   for (const Stretch& a : ofA.list()) {

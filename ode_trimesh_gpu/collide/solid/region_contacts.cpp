@@ -66,13 +66,12 @@ class RegionSolver {
       bringDeepestFirst();
     }
     chooseSpread(most);
-    const bool isMeasuredLast = !gathered_ && !isUneven_;
-    if (isMeasuredLast) {
+    if (!gathered_ && !isUneven_) {
       for (Candidate& c : candidates_) measureByRays(c);
     }
     eraseShallow(1);
     raiseDeepest();
-    if (isMeasuredLast) addDeepestPass(most);
+    if (!isUneven_ && region_.cellEnd == region_.cellBegin) addDeepestPass(most);
     emit(out);
     return isUneven_;
   }
