@@ -369,3 +369,36 @@ TEST_CASE("a box upon two triangles leaves the one that rises beside the other")
     CHECK(norm(way.value()) < 1.1 * deepest);
   }
 }
+
+TEST_CASE("ridges across each other are as deep as they are where they pass, also where they count as flat") {
+  const auto ridge = [](double height) {  // along a diagonal of the upper side, whose other corners are at 0
+    const auto h = static_cast<float>(height);
+    scenes::MeshArrays block;
+    block.vertices = {{-1, -1, -0.4f}, {1, -1, -0.4f}, {1, 1, -0.4f}, {-1, 1, -0.4f},
+                      {-1, -1, h},     {1, -1, 0},     {1, 1, h},     {-1, 1, 0}};
+    block.triangles = {{{0, 2, 1}}, {{0, 3, 2}}, {{4, 5, 6}}, {{4, 6, 7}}, {{0, 1, 5}}, {{0, 5, 4}},
+                       {{1, 2, 6}}, {{1, 6, 5}}, {{2, 3, 7}}, {{2, 7, 6}}, {{3, 0, 4}}, {{3, 4, 7}}};
+    return scenes::build(block);
+  };
+  test::Draw draw(9);
+  for (int i = 0; i < 400; ++i) {
+    // Normals of the two sides of a ridge of 1e-3 are 0.08 degrees apart.
+    const double height = i % 2 == 0 ? draw.uniform(1e-4, 1e-3) : draw.uniform(0.01, 0.1);
+    const double depth = height * draw.uniform(0.02, 0.5), angle = draw.uniform(-1, 1);
+    const CollisionMesh block(ridge(height), BuildStrategy::kSah);
+    const double c = std::cos(angle), s = std::sin(angle);
+    // Upside down, turned about the vertical, and so high that the ridges overlap by that depth.
+    Query query = test::makeQuery(block, block, {{c, s, 0, s, -c, 0, 0, 0, -1}, {0, 0, 2 * height - depth}});
+    query.bInA.t.x = draw.uniform(-0.2, 0.2);
+    query.bInA.t.y = draw.uniform(-0.2, 0.2);
+    query.options.contacts = ContactModel::kSolid;
+    query.options.solid.convexPath = false;
+    Workspace workspace;
+    collide(query, workspace);
+    double deepest = 0;
+    for (const Contact& contact : workspace.reduced) deepest = std::max(deepest, contact.depth);
+    CAPTURE(i, height, depth, angle, deepest / depth);
+    CHECK(deepest > 0.95 * depth);
+    CHECK(deepest < 1.05 * depth);
+  }
+}
