@@ -309,8 +309,7 @@ OTG_INLINED double otgHighestOf(__local otg_solid_choice* s, const otg_solid_wor
   return otgLargestOf(s->reduce, highest);
 }
 
-/// Few facets are deepest where two of their edges pass each other, and those that are inside from end to end are no
-/// candidates. All lanes call it.
+/// Few facets are deepest where two of their edges pass each other, and not all edges are candidates. All lanes call it.
 OTG_INLINED void otgAddDeepestPass(__local otg_solid_choice* s, const otg_solid_work* w, OTG_MESH* a, OTG_MESH* b,
                                    uint places) {
   if (s->count == 0 || w->isUneven) return;  // for all lanes, as below

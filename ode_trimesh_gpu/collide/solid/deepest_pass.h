@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "collide/placed_meshes.h"
 #include "collide/solid/overlap_regions.h"
 
 namespace otg {
@@ -19,9 +20,9 @@ struct EdgePass {
 };
 
 /// The deepest place where edges pass each other in a region, if it is deeper than `least`; of several the first in the
-/// order of A's points. An overlap of facets is deepest there or at a vertex. Also of flat edges: bodies at rest
-/// overlap by less than their faces are flat. Not looked for where there are many vertices, or fewer than two.
-/// `normal`: unit, out of B. Only of regions that are described piece by piece.
+/// order of A's points. An overlap of facets is deepest there or at a vertex. Flat edges count: bodies at rest overlap
+/// by less than their faces are flat. Not looked for where there are many vertices. `normal`: unit, out of B. Only of
+/// regions that are described piece by piece.
 std::optional<EdgePass> deepestPass(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region,
                                     const Vec3d& normal, double least);
 

@@ -493,8 +493,7 @@ class RegionSolver {
     if (deepest != candidates_.end()) deepest->depth = std::max(deepest->depth, task_.leastDepth);
   }
 
-  /// Few facets are deepest where two of their edges pass each other, and those that are inside from end to end are no
-  /// candidates.
+  /// Few facets are deepest where two of their edges pass each other, and not all edges are candidates.
   void addDeepestPass(std::size_t most) {
     const auto deepest = deepestCandidate();
     if (deepest == candidates_.end() || std::isfinite(task_.mostDepth) || contradictsItself(region_)) return;
