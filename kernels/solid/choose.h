@@ -302,7 +302,7 @@ OTG_INLINED void otgAddPass(__local otg_solid_choice* s, const otg_solid_work* w
   s->count = max(s->count, k + 1);
 }
 
-/// The largest of what lanes find in a list of the region's points. All lanes call it.
+/// The largest in a list of the region's points, or 0 if that is more. All lanes call it.
 OTG_INLINED double otgHighestOf(__local otg_solid_choice* s, const otg_solid_work* w, __local const double* heights) {
   double highest = -INFINITY;
   for (uint i = get_local_id(0); i < w->pointCount; i += OTG_GROUP) highest = otgMax_d(heights[i], highest);

@@ -31,7 +31,7 @@ OTG_INLINED uint otgFindPoint(const otg_solid_work* w, uint vertices, uint mesh,
   return low < vertices && w->points[low].mesh == mesh && w->points[low].feature == vertex ? low : OTG_NOT_THERE;
 }
 
-/// How many of the points are vertices; these are the first ones. By one lane.
+/// How many of the points are vertices; these are the first ones.
 OTG_INLINED uint otgCountVertices(const otg_solid_work* w) {
   uint low = 0, high = w->pointCount;
   while (low < high) {
