@@ -339,6 +339,12 @@ bool drawShapeOnBlocks(Random& random, PairDraft& draft) {
 bool drawShapeOnFlush(Random& random, PairDraft& draft) {
   return drawShapeOn(random, flushBlocks(random), draft);
 }
+bool drawShapeOnBumpy(Random& random, PairDraft& draft) {
+  return drawShapeOn(random, bumpyBall(random), draft);
+}
+bool drawShapeOnRough(Random& random, PairDraft& draft) {
+  return drawShapeOn(random, roughGround(random), draft);
+}
 
 /// One through the other, as links of a chain are, or within it.
 bool drawEntwined(Random& random, PairDraft& draft) {
@@ -482,6 +488,8 @@ std::vector<CertificateFamily> certificateFamilies() {
       {"shapes", "ODE's shapes on rings, springs, turned parts and others", drawShapeOnWild},
       {"on_blocks", "ODE's shapes on piles of blocks that reach into each other", drawShapeOnBlocks},
       {"on_flush", "ODE's shapes on blocks with flush faces in one mesh", drawShapeOnFlush},
+      {"on_bumpy", "ODE's shapes on smooth balls of many triangles with bumps", drawShapeOnBumpy},
+      {"on_rough", "ODE's shapes on rough ground", drawShapeOnRough},
       shapeFamily("dBox", "ODE's box in inner corners", {MoverKind::kBox}),
       shapeFamily("dCylinder", "ODE's cylinder in inner corners", {MoverKind::kCylinder}),
       shapeFamily("dCapsule", "ODE's capsule in inner corners", {MoverKind::kCapsule}),

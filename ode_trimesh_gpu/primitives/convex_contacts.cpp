@@ -21,9 +21,9 @@
 #include "collide/stages.h"
 #include "primitives/convex_patch.h"
 #include "primitives/cylinder_contacts.h"
-#include "primitives/face_contacts.h"
 #include "primitives/region_walls.h"
 #include "primitives/sheet_block.h"
+#include "primitives/surface_contacts.h"
 #include "queries/surface_side.h"
 
 namespace otg {
@@ -307,7 +307,7 @@ void convexContacts(const Query& query, const ConvexShape& shape, Workspace& wor
     pairwiseContacts(query, workspace);
     reduceContacts(query, workspace);
   } else if (!(shape.isCurved() ? collideCylinder(query, shape, workspace) : collideConvexPair(query, workspace)) &&
-             !collideFaces(query, shape, workspace) && !collideParts(query, shape, workspace)) {
+             !collideSurface(query, shape, workspace) && !collideParts(query, shape, workspace)) {
     findIntersectingPairs(query, workspace);
     if (areShells(query, workspace.intersecting)) {
       shellContacts(query, workspace);

@@ -3,19 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 
 #include "base/vectors.h"
-#include "bvh/wide_search.h"
 #include "collide/convex/convex_places.h"
-#include "collide/pair_history.h"
-#include "collide/rotation_tolerance.h"
 #include "collide/shortest_translation.h"
-#include "collide/solid/look_ahead.h"
-#include "collide/solid/solid_contacts.h"
-#include "collide/stages.h"
-#include "primitives/convex_patch.h"
 #include "primitives/cylinder_contacts.h"
 #include "primitives/same_direction.h"
 
@@ -23,42 +15,20 @@ namespace otg {
 namespace {
 
 constexpr std::size_t kMostFaces = 4, kMostTriangles = 48;
-constexpr double kAhead = 0.05;  ///< of the shape's radius: how far around it is looked for what is in the way
-constexpr double kSinglePrecision = 4e-7;  ///< of the mesh's reach: single precision, in which its vertices are
-constexpr double kTouched = 1e-13;         ///< of the size and the distances
-
-/// A point well inside. The middle of its box may be outside of a convex.
-Vec3d insideOf(const ConvexShape& shape) {
-  Vec3d sum{0, 0, 0};
-  for (const Vec3d& v : shape.vertices) sum = sum + v;
-  return shape.vertices.empty() ? sum : sum * (1.0 / static_cast<double>(shape.vertices.size()));
-}
 
 class FaceSolver {
  public:
-  FaceSolver(const Query& query, const ConvexShape& shape, Workspace& workspace)
-      : query_(query),
-        shape_(shape),
+  FaceSolver(const NearSurface& near, Workspace& workspace)
+      : near_(near),
+        shape_(near.shape()),
         workspace_(workspace),
-        mesh_(query.a->mesh()),
-        links_(query.a->adjacency()),
-        placed_(shape, query.bInA, {0, 0, 0}) {
-    const Vec3f &low = shape.mesh->mesh().boundsMin(), &high = shape.mesh->mesh().boundsMax();
-    const Vec3d middle{0.5 * (double{low.x} + high.x), 0.5 * (double{low.y} + high.y), 0.5 * (double{low.z} + high.z)};
-    frame_ = query.bInA;
-    frame_.t = otgTransform(frame_, middle);
-    inside_ = otgTransform(query.bInA, insideOf(shape));
-    half_ = {high.x - middle.x, high.y - middle.y, high.z - middle.z};
-    radius_ = norm(half_);
-    reach_ =
-        double{mesh_.radius()} + norm(frame_.t - Vec3d{mesh_.center().x, mesh_.center().y, mesh_.center().z}) + radius_;
-    const Vec3f &a = mesh_.boundsMin(), &b = mesh_.boundsMax();
-    flat_ = kSinglePrecision *
-            std::max({std::fabs(a.x), std::fabs(a.y), std::fabs(a.z), std::fabs(b.x), std::fabs(b.y), std::fabs(b.z)});
-  }
+        mesh_(near.mesh()),
+        links_(near.query().a->adjacency()),
+        placed_(near.placed()),
+        inside_(near.inside()),
+        flat_(near.rounding()) {}
 
   bool run() {
-    ahead_ = isCornered(query_.a) ? kAhead * radius_ : 0;
     if (!collect() || faceCount_ == 0) return false;
     for (std::size_t f = 0; f < faceCount_; ++f) {
       if (!measure(faces_[f])) return false;
@@ -88,44 +58,13 @@ class FaceSolver {
     std::uint32_t triangle;
     std::uint32_t face;
   };
-  /// Of a triangle beside the shape.
-  struct Beside {
-    Vec3d normal;
-    double offset;
-  };
+  Vec3d vertex(std::uint32_t triangle, std::size_t k) const { return near_.corner(triangle, k); }
 
-  Vec3d vertex(std::uint32_t triangle, std::size_t k) const {
-    const Vec3f& v = mesh_.vertices()[mesh_.triangles()[triangle].v[k]];
-    return {v.x, v.y, v.z};
-  }
-
-  /// Triangles whose planes cut the shape, by faces, and those that are in front of it. False if they are too many.
+  /// The triangles by faces. False if they are too many.
   bool collect() {
-    bool isFew = true;
-    const BoxQuery box(*query_.a, frame_, half_ + Vec3d{ahead_, ahead_, ahead_});
-    searchWide(query_.a->wide(), box, [&](std::uint32_t t) { isFew = isFew && add(t); });
-    if (!isFew) return false;
-    // Ascending, so that no plane and no triangle of a contact depends on the tree.
-    Touched *const begin = touched_.data(), *const end = begin + count_;
-    std::sort(begin, end, [](const Touched& x, const Touched& y) { return x.triangle < y.triangle; });
-    return std::all_of(begin, end, [&](Touched& of) { return findFace(of); });
-  }
-
-  bool add(std::uint32_t t) {
-    if (mesh_.isDegenerate(t)) return true;
-    const Vec3d& n = links_.normal[t];
-    const double offset = otgDot(n, vertex(t, 0));
-    if (placed_.rearAlong(n) > offset) {
-      if (ahead_ > 0) {
-        if (besideCount_ == kMostTriangles) return false;
-        beside_[besideCount_++] = {n, offset};
-      }
-      return true;
-    }
-    if (-placed_.rearAlong(n * -1.0) < offset) return true;  // all of the shape is behind it
-    if (count_ == kMostTriangles) return false;
-    touched_[count_++] = {t, kNone};
-    return true;
+    if (near_.touched().size() > kMostTriangles) return false;
+    for (const std::uint32_t t : near_.touched()) touched_[count_++] = {t, kNone};
+    return std::all_of(touched_.data(), touched_.data() + count_, [&](Touched& of) { return findFace(of); });
   }
 
   /// False if there are too many.
@@ -162,7 +101,7 @@ class FaceSolver {
     const Vec3d deepest = placed_.rear(face.normal);
     face.depth = face.offset - otgDot(face.normal, deepest);
     const double height = otgDot(face.normal, inside_) - face.offset;
-    if (!(height > 0) || face.depth <= kTouched * (reach_ + norm(query_.bInA.t))) return false;
+    if (!(height > 0) || face.depth <= near_.leastDepth()) return false;
     const Vec3d within = deepest + (inside_ - deepest) * (face.depth / (face.depth + height));
     face.isTouched = triangleBelow(face, within, false) != kNone;
     return true;
@@ -211,20 +150,15 @@ class FaceSolver {
 
   /// Whether the shape, moved out of the faces, is in none that it was in front of.
   bool isFree(const Vec3d& way) const {
-    if (!(ahead_ > 0)) return true;
-    if (norm(way) > ahead_) return false;
-    for (std::size_t f = 0; f < faceCount_; ++f) {
-      if (!faces_[f].isTouched) return false;
-    }
-    return std::all_of(beside_.data(), beside_.data() + besideCount_, [&](const Beside& b) {
-      return placed_.rearAlong(b.normal) + otgDot(b.normal, way) >= b.offset - flat_;
-    });
+    const Face* const faces = faces_.data();
+    return near_.isFree(way) && (!near_.isCornered() || std::all_of(faces, faces + faceCount_,
+                                                                    [](const Face& face) { return face.isTouched; }));
   }
 
   /// The points of a cylinder that are below a face: of the end on which it stands, or the ends of a line of its side.
   template <class Offer>
   void offerCylinder(const Face& face, const Offer& offer) const {
-    const PlacedCylinder cylinder = placedCylinder(query_.bInA, shape_);
+    const PlacedCylinder cylinder = placedCylinder(near_.query().bInA, shape_);
     const double along = otgDot(cylinder.axis, face.normal);
     if (std::fabs(along) < PlacedShape::kOnSide) {
       const Vec3d aside = cylinder.across(face.normal);
@@ -234,7 +168,7 @@ class FaceSolver {
       return;
     }
     const std::uint32_t end = along > 0 ? 0 : 16;
-    const CylinderRim rim(query_.bInA, cylinder.middle - cylinder.axis * std::copysign(cylinder.half, along),
+    const CylinderRim rim(near_.query().bInA, cylinder.middle - cylinder.axis * std::copysign(cylinder.half, along),
                           cylinder.radius);
     double lowest = face.offset;
     for (std::uint32_t k = 0; k < CylinderRim::kPoints; ++k) {
@@ -273,7 +207,7 @@ class FaceSolver {
       for (std::uint32_t i = 0; i < shape_.vertices.size(); ++i) offer(placed_.fromLocal(shape_.vertices[i]), i, false);
     }
     if (places.empty()) return;  // of a cylinder that touches to rounding
-    choosePlaces(places, query_.options.solid.contactsPerRegion, face.depth);
+    choosePlaces(places, near_.query().options.solid.contactsPerRegion, face.depth);
     sortPlaces(places);
     for (const ConvexPlace& p : places) {
       if (isHeld(p, face.normal)) continue;
@@ -284,44 +218,23 @@ class FaceSolver {
     }
   }
 
-  const Query& query_;
+  const NearSurface& near_;
   const ConvexShape& shape_;
   Workspace& workspace_;
   const TriMesh& mesh_;
   const Adjacency& links_;
-  const PlacedShape placed_;
-  Transformd frame_;  ///< of the shape's box
-  Vec3d half_;        ///< of that box
-  Vec3d inside_;      ///< a point of the shape, well inside
-  double radius_, reach_, flat_, ahead_ = 0;
+  const PlacedShape& placed_;
+  const Vec3d inside_;  ///< a point of the shape, well inside
+  const double flat_;
   std::array<Face, kMostFaces> faces_;
   std::array<Touched, kMostTriangles> touched_;
-  std::array<Beside, kMostTriangles> beside_;
-  std::size_t faceCount_ = 0, count_ = 0, besideCount_ = 0;
+  std::size_t faceCount_ = 0, count_ = 0;
 };
 
 }  // namespace
 
-bool collideFaces(const Query& query, const ConvexShape& shape, Workspace& workspace) {
-  using Clock = std::chrono::steady_clock;
-  const TriMesh& mesh = query.a->mesh();
-  if (shape.kind == ConvexShape::Kind::kCapsule || query.options.contacts != ContactModel::kSolid ||
-      !query.options.solid.convexPath || query.a->convex() != nullptr || (!isSolid(mesh) && !isSheet(mesh))) {
-    return false;
-  }
-  const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
-  requireRigid(query.bInA);
-  const SolidHistory::State before = stateBefore(query);
-  if (before.side < 0 || before.escapeLeft > 0 || !isUnburdened(query)) return false;
-  workspace.clear();
-  if (!FaceSolver(query, shape, workspace).run()) return false;
-  rememberPlain(query, true, {0, 0, 0});
-  workspace.stats.contactsBeforeReduction = workspace.contacts.size();
-  finishContacts(query, workspace);
-  if (query.options.timings) {
-    workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-  }
-  return true;
+bool addFaceContacts(const NearSurface& near, Workspace& workspace) {
+  return FaceSolver(near, workspace).run();
 }
 
 }  // namespace otg

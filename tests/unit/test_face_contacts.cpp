@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/vectors.h"
+#include "collide/stages.h"
 #include "primitives/convex_contacts.h"
 #include "primitives/face_contacts.h"
 #include "scenes/concave_meshes.h"
@@ -134,6 +135,14 @@ Query queryOf(const CollisionMesh& mesh, const ConvexShape& shape, const Transfo
   query.options.contacts = ContactModel::kSolid;
   query.options.solid.convexPath = true;
   return query;
+}
+
+bool collideFaces(const Query& query, const ConvexShape& shape, Workspace& workspace) {
+  NearSurface near(query, shape);
+  workspace.clear();
+  if (!near.collect() || !addFaceContacts(near, workspace)) return false;
+  finishContacts(query, workspace);
+  return true;
 }
 
 }  // namespace

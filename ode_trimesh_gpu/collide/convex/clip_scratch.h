@@ -22,6 +22,7 @@ struct ConvexPlace {
   Vec3d at;
   double depth;
   double spread;                   ///< squared distance to the chosen ones
+  double rank;                     ///< of places as deep and of one kind the smallest goes first
   std::uint32_t cornerA, cornerB;  ///< where the search for the triangles begins
   std::uint32_t element, ordinal;
   std::uint8_t feature;  ///< ContactFeature

@@ -23,6 +23,7 @@ int kindOf(const ConvexPlace& place) {
 bool isBefore(const ConvexPlace& x, const ConvexPlace& y) {
   if (x.step != y.step) return x.step < y.step;
   if (x.feature != y.feature) return x.feature < y.feature;
+  if (x.rank != y.rank) return x.rank < y.rank;
   return x.element != y.element ? x.element < y.element : x.ordinal < y.ordinal;
 }
 

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What of a mesh is near a convex shape: the triangles that may be in it, and those beside it.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "base/vectors.h"
+#include "collide/query.h"
+#include "primitives/convex_patch.h"
+#include "primitives/convex_shape.h"
+
+namespace otg {
+
+class NearSurface {
+ public:
+  static constexpr std::size_t kMostTriangles = 256;
+
+  /// The mesh is query.a. Both have to outlive this.
+  NearSurface(const Query& query, const ConvexShape& shape);
+
+  /// Looks for the triangles. False if there are more than kMostTriangles of either kind.
+  bool collect();
+
+  const Query& query() const { return query_; }
+  const ConvexShape& shape() const { return shape_; }
+  const TriMesh& mesh() const { return mesh_; }
+  const PlacedShape& placed() const { return placed_; }
+  /// Triangles near the shape's box whose planes cut the shape; ascending, so that nothing depends on the tree.
+  std::span<const std::uint32_t> touched() const { return {touched_.data(), count_}; }
+  /// A point well inside the shape, in the mesh's frame.
+  const Vec3d& inside() const { return inside_; }
+  /// Of a depth: less is a touch to rounding.
+  double leastDepth() const { return leastDepth_; }
+  /// How far single precision moves the mesh's vertices.
+  double rounding() const { return rounding_; }
+  /// Whether the mesh has inner corners, so that what is beside the shape may be in the way.
+  bool isCornered() const { return ahead_ > 0; }
+  Vec3d corner(std::uint32_t triangle, std::size_t k) const {
+    const Vec3f& v = mesh_.vertices()[mesh_.triangles()[triangle].v[k]];
+    return {v.x, v.y, v.z};
+  }
+
+  /// Whether the shape, moved by `way` (frame of the mesh), comes into none of the triangles that it is in front of.
+  bool isFree(const Vec3d& way) const;
+
+ private:
+  struct Beside {
+    Vec3d normal;
+    double offset;
+  };
+  bool add(std::uint32_t triangle);
+
+  const Query& query_;
+  const ConvexShape& shape_;
+  const TriMesh& mesh_;
+  const PlacedShape placed_;
+  Transformd frame_;  ///< of the shape's box
+  Vec3d half_;        ///< of that box
+  Vec3d inside_;
+  Vec3d rear_;  ///< of the shape along some normal, or inside_
+  double leastDepth_, rounding_, ahead_;
+  std::array<std::uint32_t, kMostTriangles> touched_;
+  std::array<Beside, kMostTriangles> beside_;
+  std::size_t count_ = 0, besideCount_ = 0;
+};
+
+}  // namespace otg
