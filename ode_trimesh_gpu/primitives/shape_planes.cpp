@@ -111,6 +111,12 @@ ShapePlanes::ShapePlanes(const ConvexShape& shape) : shape_(shape) {
   for (const Vec3d& side : sidesOfPrism()) add(side, shape.radius);
 }
 
+double ShapePlanes::roomAround(const Vec3d& inside) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t f = 0; f < count_; ++f) least = std::min(least, offsets_[f] - otgDot(normals_[f], inside));
+  return least;
+}
+
 Vec3d ShapePlanes::areaInside(const Corners& corners) {
   const auto cornersOut = [&](std::size_t f) {
     const auto isOut = [&](const Vec3d& p) { return otgDot(normals_[f], p) > offsets_[f]; };

@@ -21,6 +21,9 @@ class ShapePlanes {
   /// There are more planes than kMostPlanes: nothing else may be called.
   bool areMany() const { return count_ > kMostPlanes; }
 
+  /// Radius of the ball about a point in the shape that touches its nearest plane.
+  double roomAround(const Vec3d& inside) const;
+
   /// Twice the vector area of the part of a triangle that is in the shape: cuts it by one face after the other
   /// (I. Sutherland, G. Hodgman 1974).
   Vec3d areaInside(const Corners& corners);

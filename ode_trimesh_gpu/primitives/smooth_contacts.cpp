@@ -39,6 +39,7 @@ class SmoothSolver {
       addPiece(t);
     }
     if (pieceCount_ == 0 || !addStretches() || !findDirections()) return false;
+    const double most = planes_.roomAround(inside_);
     ShortestTranslation way;
     std::uint32_t regions = 0;
     for (std::uint32_t p = 0; p < patchCount_; ++p) {
@@ -47,7 +48,7 @@ class SmoothSolver {
       const double depth = deepest();
       if (depth <= near_.leastDepth()) continue;
       const Vec3d out = near_.placed().direction(patches_[p].direction);
-      if (!way.add(out, depth)) return declined();
+      if (depth > most || !way.add(out, depth)) return declined();
       emit(out, depth, regions++);
     }
     if (workspace_.contacts.empty() || !isFree(way.value())) return declined();
@@ -229,15 +230,14 @@ class SmoothSolver {
   bool addCorner(std::uint32_t number, const Vec3d& at, std::uint32_t element, bool& isKnown) {
     const Patch& patch = patches_[number];
     if (!(otgDot(at, patch.direction) < patch.highest) || !isBelow(at, number)) return false;
-    const std::uint32_t above = triangleOver(at, patch.direction);
-    if (above == kNone) {
+    const Piece* const above = pieceOver(number, at);
+    if (above == nullptr) {
       isKnown = false;
       return false;
     }
-    const Vec3d normal = near_.placed().directionToLocal(links_.normal[above]);
-    const Vec3d on = near_.placed().toLocal(near_.corner(above, 0));
-    add(at, otgDot(normal, on - at) / otgDot(normal, patch.direction), patch.direction, ContactFeature::kVertexB,
-        element, above);
+    const double height = above->offset - otgDot(above->normal, at);
+    add(at, height / otgDot(above->normal, patch.direction), patch.direction, ContactFeature::kVertexB, element,
+        above->triangle);
     return true;
   }
 
@@ -289,15 +289,14 @@ class SmoothSolver {
     });
   }
 
-  /// Of those near the shape, and as the patch is. It may be out of the shape, where that overhangs its corner.
-  std::uint32_t triangleOver(const Vec3d& at, const Vec3d& direction) const {
-    for (const std::uint32_t t : near_.touched()) {
-      const Vec3d normal = near_.placed().directionToLocal(links_.normal[t]);
-      if (otgDot(normal, direction) < kNearlyFlat) continue;
-      const Corners corner = cornersOf(t);
-      if (otgDot(normal, corner[0] - at) > 0 && isOver(corner, direction, at)) return t;
-    }
-    return kNone;
+  /// Null where the shape overhangs the point so far that what is above is not in the shape.
+  const Piece* pieceOver(std::uint32_t patch, const Vec3d& at) const {
+    const Piece *const begin = pieces_.data(), *const end = begin + pieceCount_;
+    const Piece* const found = std::find_if(begin, end, [&](const Piece& piece) {
+      return piece.patch == patch && otgDot(piece.normal, at) < piece.offset &&
+             isOver(piece.corner, patches_[patch].direction, at);
+    });
+    return found == end ? nullptr : found;
   }
 
   /// Whether the line along a direction, which leads out of the triangle's front, meets it.

@@ -15,7 +15,8 @@ namespace otg {
 /// flat shapes are exact to double precision; a point of a cylinder's rim or side stands for one up to 1 % deeper.
 ///
 /// False, with no contacts, for other places: also where a patch turns by more than 40 degrees from its direction, its
-/// rim is in the shape, the shape's middle is behind it, or the way out may lead into another face. Not for capsules.
+/// rim is in the shape, the shape's middle is behind it, it is deeper than the shape has room around its middle, or the
+/// way out may lead into another face. Not for capsules.
 bool addSmoothContacts(const NearSurface& near, Workspace& workspace);
 
 }  // namespace otg

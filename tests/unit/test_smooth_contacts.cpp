@@ -14,6 +14,7 @@
 #include "queries/closest_point.h"
 #include "scenes/concave_meshes.h"
 #include "scenes/generated_meshes.h"
+#include "shared/contacts/solid_model.h"
 #include "support/catch.h"
 #include "support/draw.h"
 #include "support/make_query.h"
@@ -81,12 +82,13 @@ std::vector<Mover> movers(Draw& draw) {
   const auto flat = [&](const std::shared_ptr<const ConvexShape>& shape) { all.push_back({shape, shape->mesh}); };
   flat(boxShape({0.25, 0.25, 0.25}));
   flat(boxShape({0.5, 0.25, 0.0625}));
+  flat(boxShape({0.5, 0.5, 0.002}));
   for (const int count : {4, 24}) {
     std::vector<Vec3d> points;
     for (int k = 0; k < count; ++k) points.push_back(draw.direction() * 0.3);
     flat(polyhedronShape(points));
   }
-  for (const auto& [radius, half] : {std::pair{0.25, 0.25}, {0.4, 0.05}, {0.1, 0.4}}) {
+  for (const auto& [radius, half] : {std::pair{0.25, 0.25}, {0.4, 0.05}, {0.1, 0.4}, {0.5, 0.01}}) {
     all.push_back({cylinderShape(radius, half), manySided(radius, half)});
   }
   return all;
@@ -106,7 +108,7 @@ bool areMeeting(const CollisionMesh& mesh, const Mover& mover, Transformd pose, 
   return !workspace.intersecting.empty();
 }
 
-/// Above a random triangle, overlapped by up to 4 % of its radius along the triangle's normal.
+/// Above a random triangle, overlapped by up to 30 % of its radius along the triangle's normal.
 Transformd drawPose(Draw& draw, const CollisionMesh& mesh, const Mover& mover) {
   const TriMesh& triangles = mesh.mesh();
   for (;;) {
@@ -125,7 +127,7 @@ Transformd drawPose(Draw& draw, const CollisionMesh& mesh, const Mover& mover) {
       const double middle = 0.5 * (in + out);
       (areMeeting(mesh, mover, pose, normal * middle) ? in : out) = middle;
     }
-    pose.t = pose.t + normal * (in - radius * std::pow(10.0, draw.uniform(-4, -1.4)));
+    pose.t = pose.t + normal * (in - radius * std::pow(10.0, draw.uniform(-4, -0.5)));
     return pose;
   }
 }
@@ -160,9 +162,9 @@ TEST_CASE("contacts on smooth surfaces take a shape out and no farther") {
           REQUIRE(way.add(c.normal * -1.0, c.depth));
           deepest = std::max(deepest, c.depth);
           regions = std::max(regions, c.region + 1);
-          // One end is on the mesh, the other on the shape. A cylinder's point may stand for the deepest beside it.
+          // One end is on the mesh, the other on the shape. A place that is as deep to a step stands for the deepest.
           const Vec3d half = c.normal * (0.5 * c.depth);
-          const double slack = 1e-6 + (isRound ? 0.01 * c.depth : 0);
+          const double slack = 1e-6 + OTG_SOLID_RANK_STEP * c.depth;
           CHECK(closestPoint(*mesh, c.position - half).distance < slack);
           const Vec3d local = otgRotateBack(pose, c.position + half - pose.t);
           CHECK(mover.shape->isNearSegment(local, local, slack));
