@@ -10,13 +10,13 @@ namespace otg {
 /// shape leaves it along one direction: that of the patch's vector area. The part of the shape's surface that is behind
 /// the patch has the same one, because both close the overlap. So a corner in a face leaves along the face's normal,
 /// and a face on a bump along its own. Depths are those of the overlap along that direction. Over one triangle the
-/// overlap is a concave function: so it is deepest below the shape's corners, at the mesh's vertices, or above an edge
-/// of the mesh, where the deepest place is found exactly. Contacts are such places -> workspace.contacts. Depths of
-/// flat shapes are exact to double precision; a point of a cylinder's rim or side stands for one up to 1 % deeper.
+/// overlap is a concave function. So it is deepest below the shape's corners, at the mesh's vertices, or above an edge
+/// of the mesh, where that place is found exactly. Contacts are such places -> workspace.contacts. Depths of flat
+/// shapes are exact to double precision; a point of a cylinder's rim or side stands for one up to 1 % deeper.
 ///
-/// False, with no contacts, for other places: also where a patch turns by more than 40 degrees from its direction, its
-/// rim is in the shape, the shape's middle is behind it, it is deeper than the shape has room around its middle, or the
-/// way out may lead into another face. Not for capsules.
+/// False, with no contacts, for other places: where a patch turns by more than 40 degrees from its direction, its rim
+/// is in the shape, or the shape's middle is behind it. Also where it is deeper than the shape has room around its
+/// middle, or the way out may lead into another face. Not for capsules.
 bool addSmoothContacts(const NearSurface& near, Workspace& workspace);
 
 }  // namespace otg
