@@ -8,6 +8,7 @@
 #include "base/vectors.h"
 #include "collide/convex/convex_places.h"
 #include "collide/shortest_translation.h"
+#include "collide/solid/ahead_scratch.h"
 #include "primitives/cylinder_contacts.h"
 #include "primitives/same_direction.h"
 
@@ -34,7 +35,7 @@ class FaceSolver {
       if (!measure(faces_[f])) return false;
     }
     if (!endAtInnerEdges()) return false;
-    ShortestTranslation way;
+    ShortestTranslation way(emptyMemory(workspace_));
     for (std::size_t f = 0; f < faceCount_; ++f) {
       if (faces_[f].isTouched && !way.add(faces_[f].normal, faces_[f].depth)) return false;
     }

@@ -10,6 +10,7 @@
 #include "base/vectors.h"
 #include "collide/convex/convex_places.h"
 #include "collide/shortest_translation.h"
+#include "collide/solid/ahead_scratch.h"
 #include "collide/solid/merge_regions.h"
 #include "primitives/cylinder_contacts.h"
 #include "primitives/shape_planes.h"
@@ -40,7 +41,7 @@ class SmoothSolver {
     }
     if (pieceCount_ == 0 || !addStretches() || !findDirections()) return false;
     const double most = planes_.roomAround(inside_);
-    ShortestTranslation way;
+    ShortestTranslation way(emptyMemory(workspace_));
     std::uint32_t regions = 0;
     for (std::uint32_t p = 0; p < patchCount_; ++p) {
       if (!findPlaces(p)) return declined();
@@ -226,7 +227,7 @@ class SmoothSolver {
     return areKnown;
   }
 
-  /// Whether it is below: then the way from there to the shape's middle leads through the patch.
+  /// Whether it is below the patch.
   bool addCorner(std::uint32_t number, const Vec3d& at, std::uint32_t element, bool& isKnown) {
     const Patch& patch = patches_[number];
     if (!(otgDot(at, patch.direction) < patch.highest) || !isBelow(at, number)) return false;
@@ -282,6 +283,7 @@ class SmoothSolver {
   /// Of a cylinder, as CylinderElement has them.
   static std::uint32_t endOf(const Vec3d& at) { return at.z < 0 ? 0 : 16; }
 
+  /// Whether the way from a point to the shape's middle leads through the patch.
   bool isBelow(const Vec3d& at, std::uint32_t patch) const {
     const Vec3d way = inside_ - at;
     return std::any_of(pieces_.data(), pieces_.data() + pieceCount_, [&](const Piece& piece) {
@@ -308,7 +310,7 @@ class SmoothSolver {
     return true;
   }
 
-  /// The mesh's vertices in the shape.
+  /// The mesh's vertices in the shape, or above it where that overhangs.
   void addVertices(const Piece& piece) {
     const Vec3d& out = patches_[piece.patch].direction;
     for (std::size_t k = 0; k < 3; ++k) {

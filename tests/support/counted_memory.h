@@ -24,6 +24,19 @@ inline std::atomic<std::size_t> allocations{0};
   ++otg::test::allocations;
   return std::malloc(size > 0 ? size : 1);
 }
+// What polymorphic memory resources call.
+[[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
+  ++otg::test::allocations;
+  const auto step = static_cast<std::size_t>(alignment);
+  if (void* const memory = std::aligned_alloc(step, (size / step + 1) * step); memory != nullptr) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
 [[gnu::noinline]] void operator delete(void* memory) noexcept {
   std::free(memory);
 }

@@ -14,6 +14,7 @@
 #include "queries/closest_point.h"
 #include "scenes/concave_meshes.h"
 #include "scenes/generated_meshes.h"
+#include "scenes/height_grid.h"
 #include "shared/contacts/solid_model.h"
 #include "support/catch.h"
 #include "support/draw.h"
@@ -30,23 +31,11 @@ std::unique_ptr<const CollisionMesh> meshOf(const scenes::MeshArrays& arrays) {
 
 /// An open sheet.
 scenes::MeshArrays hills(int cells, double height) {
-  scenes::MeshArrays mesh;
-  const auto at = [&](int k) { return 8.0 * k / cells - 4; };
-  for (int j = 0; j <= cells; ++j) {
-    for (int i = 0; i <= cells; ++i) {
-      const double x = at(i), y = at(j);
-      mesh.vertices.push_back(scenes::toFloat({x, y, height * std::sin(1.7 * x + 1) * std::cos(1.3 * y)}));
-    }
-  }
-  const auto n = static_cast<std::uint32_t>(cells) + 1;
-  for (std::uint32_t j = 0; j + 1 < n; ++j) {
-    for (std::uint32_t i = 0; i + 1 < n; ++i) {
-      const std::uint32_t v = n * j + i;
-      mesh.triangles.push_back({{v, v + 1, v + n + 1}});
-      mesh.triangles.push_back({{v, v + n + 1, v + n}});
-    }
-  }
-  return mesh;
+  scenes::HeightGrid grid;
+  grid.sizeX = grid.sizeY = 8;
+  grid.columns = grid.rows = cells + 1;
+  scenes::setHeights(grid, [&](double x, double y) { return height * std::sin(1.7 * x + 1) * std::cos(1.3 * y); });
+  return scenes::sheetOf(grid);
 }
 
 struct Ground {
