@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `otg bench terrain`: ODE's shapes on a large open mesh, as a mesh geom and as a dTriMesh, in the same poses.
+// `otg bench terrain`: ODE's shapes and convex meshes on a large open mesh, as mesh geoms and as dTriMesh geoms, in the
+// same poses.
 #include <fmt/format.h>
 #include <ode/ode.h>
 
@@ -7,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <memory>
 
 #include "cli/contact_hash.h"
 #include "cli/progress.h"
@@ -93,9 +95,35 @@ void ask(dGeomID terrain, dGeomID shape, int repeat, TerrainRun& run) {
   tremble(shape, at, 1);  // back where it was
 }
 
+/// What meets the terrain as our mesh geom, and what meets it as a dTriMesh: one shape of ODE's, or a mesh as either.
+class Visitor {
+ public:
+  explicit Visitor(dGeomID shape) : ours(shape), stock(shape) {}
+  explicit Visitor(const scenes::MeshArrays& mesh)
+      : twins_(std::make_unique<MeshTwins>(mesh)), ours(twins_->ours), stock(twins_->stock) {}
+  ~Visitor() {
+    if (twins_ == nullptr) dGeomDestroy(ours);
+  }
+  Visitor(const Visitor&) = delete;
+  Visitor& operator=(const Visitor&) = delete;
+
+ private:
+  std::unique_ptr<MeshTwins> twins_;
+
+ public:
+  const dGeomID ours, stock;
+};
+
+void copyPose(dGeomID from, dGeomID to) {
+  if (from == to) return;
+  dGeomSetRotation(to, dGeomGetRotation(from));
+  const dReal* const at = dGeomGetPosition(from);
+  dGeomSetPosition(to, at[0], at[1], at[2]);
+}
+
 struct Shape {
   const char* name;
-  std::function<dGeomID()> make;
+  std::function<std::unique_ptr<Visitor>()> make;
   /// Puts it where it meets the terrain.
   std::function<void(const MeshTwins&, dGeomID, truth::Random&)> place;
 };
@@ -139,27 +167,48 @@ std::vector<Shape> shapesOf(const TerrainOptions& options) {
     dGeomRaySet(g, random.uniform(-reach, reach), random.uniform(-reach, reach), 3, random.uniform(-1, 1),
                 random.uniform(-1, 1), -1);
   };
-  return {{"sphere", [] { return dCreateSphere(nullptr, 0.5); }, solid},
-          {"box", [] { return dCreateBox(nullptr, 1, 0.7, 0.4); }, solid},
-          {"box, lying", [] { return dCreateBox(nullptr, 1, 0.7, 0.4); }, flat},
-          {"capsule", [] { return dCreateCapsule(nullptr, 0.3, 0.6); }, solid},
-          {"cylinder", [] { return dCreateCylinder(nullptr, 0.3, 0.8); }, solid},
-          {"cylinder, standing", [] { return dCreateCylinder(nullptr, 0.3, 0.8); }, flat},
-          {"plane", [] { return dCreatePlane(nullptr, 0, 0, 1, 0); }, plane},
-          {"ray", [] { return dCreateRay(nullptr, 10); }, ray}};
+  const auto one = [](auto make) { return [make] { return std::make_unique<Visitor>(make()); }; };
+  return {{"sphere", one([] { return dCreateSphere(nullptr, 0.5); }), solid},
+          {"box", one([] { return dCreateBox(nullptr, 1, 0.7, 0.4); }), solid},
+          {"box, lying", one([] { return dCreateBox(nullptr, 1, 0.7, 0.4); }), flat},
+          {"capsule", one([] { return dCreateCapsule(nullptr, 0.3, 0.6); }), solid},
+          {"cylinder", one([] { return dCreateCylinder(nullptr, 0.3, 0.8); }), solid},
+          {"cylinder, standing", one([] { return dCreateCylinder(nullptr, 0.3, 0.8); }), flat},
+          {"plane", one([] { return dCreatePlane(nullptr, 0, 0, 1, 0); }), plane},
+          {"ray", one([] { return dCreateRay(nullptr, 10); }), ray},
+          {"mesh box of 12", one([] {
+             return scenes::makeBox({1, 0.7, 0.4});
+           }),
+           solid},
+          {"mesh box of 12, lying", one([] {
+             return scenes::makeBox({1, 0.7, 0.4});
+           }),
+           flat},
+          {"mesh box of 192", one([] {
+             return scenes::makeBox({1, 0.7, 0.4}, 4);
+           }),
+           solid},
+          {"mesh box of 3,072", one([] {
+             return scenes::makeBox({1, 0.7, 0.4}, 16);
+           }),
+           solid},
+          {"mesh cylinder of 192", one([] { return scenes::makeCylinder(0.3, 0.8, 48); }), solid},
+          {"mesh cylinder, standing", one([] { return scenes::makeCylinder(0.3, 0.8, 48); }), flat},
+          {"mesh capsule of 208", one([] { return scenes::makeCapsule(0.3, 0.6, 13, 4); }), solid},
+          {"mesh ball of 80", one([] { return scenes::makeSphere(0.5, 1); }), solid}};
 }
 
 Json runShape(const MeshTwins& terrain, const Shape& shape, const TerrainOptions& options) {
   truth::Random random(options.seed);
-  const dGeomID geom = shape.make();
+  const std::unique_ptr<Visitor> visitor = shape.make();
   TerrainRun ours, stock;
   Progress parts(static_cast<std::size_t>(options.poses));
   for (int i = 0; i < options.poses; ++i, parts.step()) {
-    shape.place(terrain, geom, random);
-    ask(terrain.ours, geom, options.repeat, ours);
-    ask(terrain.stock, geom, options.repeat, stock);
+    shape.place(terrain, visitor->stock, random);
+    copyPose(visitor->stock, visitor->ours);
+    ask(terrain.ours, visitor->ours, options.repeat, ours);
+    ask(terrain.stock, visitor->stock, options.repeat, stock);
   }
-  dGeomDestroy(geom);
   const double mine = median(ours.times), theirs = median(stock.times);
   return {{"shape", shape.name},
           {"us", mine},
@@ -195,7 +244,8 @@ int benchTerrain(const TerrainOptions& options) {
 }  // namespace
 
 void addBenchTerrain(CLI::App& bench, Action& action) {
-  CLI::App* command = bench.add_subcommand("terrain", "ODE's shapes on a large open mesh, beside a dTriMesh");
+  CLI::App* command =
+      bench.add_subcommand("terrain", "ODE's shapes and convex meshes on a large open mesh, beside a dTriMesh");
   auto options = std::make_shared<TerrainOptions>();
   command->add_flag("--json", options->json, "One JSON document on stdout");
   command->add_option("--poses", options->poses, "Poses of each shape")->check(CLI::Range(1, 100000));

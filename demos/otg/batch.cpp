@@ -11,7 +11,7 @@
 #include "cli/query_options.h"
 #include "cli/query_profile.h"
 #include "cli/times.h"
-#include "collide/convex/convex_pair_contacts.h"
+#include "collide/stages.h"
 #include "mesh_io/mesh_file.h"
 #include "otg/commands.h"
 
@@ -121,7 +121,7 @@ int runBatch(const BatchOptions& options) {
   for (int i = 0; i < options.repeat; ++i) total.push_back(timeOnce(run));
   std::vector<Contact> contacts;
   std::size_t onDevice = 0;
-  std::uint64_t intersecting = end.counts.intersectingPairs;  // and those of convex pairs
+  std::uint64_t intersecting = end.counts.intersectingPairs;  // and those of pairs that needed no triangles
   for (const PairResult& result : results) {
     if (result.outcome == PairResult::Outcome::kNoMemory) {
       throw InputError(fmt::format("{}: pair {} has too many pairs of triangles for the memory or --max-pairs",
@@ -130,7 +130,7 @@ int runBatch(const BatchOptions& options) {
     contacts.insert(contacts.end(), result.contacts.begin(), result.contacts.end());
     onDevice += result.onDevice ? 1 : 0;
     const Query& query = scene.queries[static_cast<std::size_t>(&result - results.data())];
-    if (result.outcome == PairResult::Outcome::kDone && isConvexPair(query) && result.counts.candidatePairs == 0) {
+    if (result.outcome == PairResult::Outcome::kDone && mayNeedNoTriangles(query) && result.counts.candidatePairs == 0) {
       intersecting += countsOf(query, {}).intersectingPairs;
     }
   }

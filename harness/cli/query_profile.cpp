@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "cli/times.h"
-#include "collide/convex/convex_pair_contacts.h"
+#include "collide/stages.h"
 
 namespace otg::cli {
 
@@ -54,7 +54,7 @@ QueryTimes measureQuery(opencl::Backend& backend, const Query& query, Workspace&
 }
 
 CollideStats countsOf(const Query& query, const CollideStats& stats) {
-  if (!isConvexPair(query) || stats.boxTests > 0 || stats.candidatePairs > 0) return stats;
+  if (!mayNeedNoTriangles(query) || stats.boxTests > 0 || stats.candidatePairs > 0) return stats;
   Workspace workspace;
   findIntersectingPairs(query, workspace);
   CollideStats counts = workspace.stats;

@@ -37,4 +37,11 @@ inline Vec3d unit(const Vec3d& v) {
   return length > 0 ? v * (1 / length) : Vec3d{0, 0, 0};
 }
 
+/// Of a rotation and translation.
+inline Transformd inverseOf(const Transformd& m) {
+  Transformd out{{m.r[0], m.r[3], m.r[6], m.r[1], m.r[4], m.r[7], m.r[2], m.r[5], m.r[8]}, {0, 0, 0}};
+  out.t = otgRotateBack(m, m.t) * -1.0;
+  return out;
+}
+
 }  // namespace otg

@@ -14,6 +14,7 @@
 #include "collide/solid/look_ahead.h"
 #include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
+#include "collide/surface/surface_contacts.h"
 
 namespace otg {
 
@@ -26,18 +27,36 @@ bool isPairwise(const Query& query) {
   return query.options.contacts == ContactModel::kPairwise;
 }
 
-void collideIntersecting(const Query& query, Workspace& workspace) {
-  if (isPairwise(query)) {
-    pairwiseContacts(query, workspace);
-    reduceContacts(query, workspace);
-  } else if ((isConvexPair(query) && convexPairContacts(query, workspace)) || convexPartContacts(query, workspace)) {
-    return;
-  } else if (!areShells(query, workspace.intersecting) && solidContacts(query, workspace)) {
+namespace {
+
+/// collideIntersecting() of pairs of which neither mesh is taken for a convex body.
+void collideAnySolids(const Query& query, Workspace& workspace) {
+  if (!areShells(query, workspace.intersecting) && solidContacts(query, workspace)) {
     if (mayMeetAhead(query)) lookAhead(query, workspace);
     finishContacts(query, workspace);
   } else {
     shellContacts(query, workspace);
   }
+}
+
+void collidePairwise(const Query& query, Workspace& workspace) {
+  pairwiseContacts(query, workspace);
+  reduceContacts(query, workspace);
+}
+
+}  // namespace
+
+void collideIntersecting(const Query& query, Workspace& workspace) {
+  if (isPairwise(query)) {
+    collidePairwise(query, workspace);
+  } else if (!(isConvexPair(query) && convexPairContacts(query, workspace)) && !convexPartContacts(query, workspace) &&
+             !surfacePairContacts(query, workspace)) {
+    collideAnySolids(query, workspace);
+  }
+}
+
+bool mayNeedNoTriangles(const Query& query) {
+  return isConvexPair(query) || areConvexParts(query) || isSurfacePair(query);
 }
 
 void finishContacts(const Query& query, Workspace& workspace) {
@@ -81,9 +100,10 @@ void numberAsCaller(const Query& query, Workspace& workspace) {
 }
 
 void collide(const Query& query, Workspace& workspace) {
-  if (!collideConvexPair(query, workspace) && !collideConvexParts(query, workspace)) {
+  if (!collideConvexPair(query, workspace) && !collideConvexParts(query, workspace) &&
+      !collideSurfacePair(query, workspace)) {
     findIntersectingPairs(query, workspace);
-    collideIntersecting(query, workspace);
+    isPairwise(query) ? collidePairwise(query, workspace) : collideAnySolids(query, workspace);
   }
   numberAsCaller(query, workspace);
 }

@@ -124,6 +124,7 @@ struct Query {
                          0};  ///< of A's material relative to B's where they meet, frame A, units/s; zero if unknown
   SolidHistory* history = nullptr;   ///< of this pair, in this order, or null; read and written by ContactModel::kSolid
   RegionRefiner* refiner = nullptr;  ///< or null: corrects the regions of ContactModel::kSolid
+  bool isOffSurface = false;         ///< collideSurfacePair() is known to be false
   CollideOptions options;
 };
 

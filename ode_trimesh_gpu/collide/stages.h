@@ -27,6 +27,10 @@ bool isPairwise(const Query& query);
 /// numbers.
 void collideIntersecting(const Query& query, Workspace& workspace);
 
+/// Whether collide() may make the contacts of such a pair without looking for pairs of triangles. Its stats then count
+/// none. May throw std::bad_alloc.
+bool mayNeedNoTriangles(const Query& query);
+
 /// All contacts of `solid` of a pair -> workspace.contacts that do not contradict each other. Of these as many as the
 /// caller wants -> workspace.reduced.
 void finishContacts(const Query& query, Workspace& workspace);

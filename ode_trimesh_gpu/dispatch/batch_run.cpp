@@ -108,7 +108,7 @@ class BatchRun {
         }
         works_[i] = expectedWork(job.query);
         solids_[i] = solidInBatch(job) ? 1 : 0;
-        const bool isHosts = isOpenToAll(job.place) && !devices_[0]->isForAuto;
+        const bool isHosts = isSurfaceJob(job) || (isOpenToAll(job.place) && !devices_[0]->isForAuto);
         kinds_[i] = isHosts ? Kind::kHost : kindOf(job, works_[i], solids_[i] != 0, costs, knowSolids);
         part.any[solids_[i]] = true;
         part.onDevice += deviceCost(i, costs);

@@ -9,6 +9,7 @@
 #include "collide/convex/convex_pair_contacts.h"
 #include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
+#include "collide/surface/surface_contacts.h"
 #include "dispatch/threads/workspace_lease.h"
 
 namespace otg {
@@ -24,6 +25,10 @@ constexpr std::size_t kFewTriangles = 1 << 14;
 }  // namespace
 
 namespace {
+
+bool isPlain(const PairJob& job) {
+  return !job.any && job.filter == nullptr;
+}
 
 void makeContacts(const PairJob& job, Workspace& workspace) {
   const Query& query = job.query;
@@ -58,12 +63,16 @@ std::span<const Contact> contactsOnHost(const PairJob& job, Workspace& workspace
 }
 
 bool isConvexJob(const PairJob& job) {
-  return !job.any && job.filter == nullptr && isConvexPair(job.query);
+  return isPlain(job) && isConvexPair(job.query);
+}
+
+bool isSurfaceJob(const PairJob& job) {
+  return isPlain(job) && isSurfacePair(job.query);
 }
 
 std::span<const Contact> collideOnHost(const PairJob& job, Workspace& workspace) {
-  if (isConvexJob(job) && collideConvexPair(job.query, workspace)) {
-    numberAsCaller(job.query, workspace);
+  if (isPlain(job)) {
+    collide(job.query, workspace);
     return workspace.reduced;
   }
   findIntersectingPairs(job.query, workspace);

@@ -24,6 +24,9 @@ std::span<const Contact> collideOfMany(const PairJob& job, Workspace& workspace)
 /// Whether a job runs on the CPU alone, and needs no triangles: isConvexPair(), with all contacts requested.
 bool isConvexJob(const PairJob& job);
 
+/// Whether it is isSurfacePair(), with all contacts requested: most are done by a look at few triangles.
+bool isSurfaceJob(const PairJob& job);
+
 /// As collideOnHost from workspace.intersecting: for pairs whose first two phases were done elsewhere.
 std::span<const Contact> contactsOnHost(const PairJob& job, Workspace& workspace);
 

@@ -79,6 +79,7 @@ class PolyhedronBuilder {
     collectDirections();
     fillStarts();
     findBox();
+    if (out_.faceCount() <= ConvexPolyhedron::kMostPlanes) describe(out_.geometry_.emplace());
     static std::atomic<std::uint64_t> stamps{0};
     out_.stamp_ = stamps.fetch_add(1, std::memory_order_relaxed) + 1;
     return std::make_unique<const ConvexPolyhedron>(std::move(out_));
@@ -350,6 +351,23 @@ class PolyhedronBuilder {
           out_.starts_.push_back(last);
         }
       }
+    }
+  }
+
+  void describe(ConvexGeometry& body) const {
+    const std::vector<Vec3d>& vertices = out_.vertices_;
+    body.kind = ConvexGeometry::Kind::kPolyhedron;
+    body.vertices = vertices;
+    body.low = body.high = vertices.front();
+    for (const Vec3d& v : vertices) {
+      body.low = minimum(body.low, v);
+      body.high = maximum(body.high, v);
+      body.middle = body.middle + v;
+    }
+    body.middle = body.middle * (1.0 / static_cast<double>(vertices.size()));
+    for (std::uint32_t f = 0; f < out_.faceCount(); ++f) {
+      body.faceNormals.push_back(out_.face(f).normal);
+      body.faceOffsets.push_back(out_.face(f).offset);
     }
   }
 

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "mesh/convex_geometry.h"
 #include "mesh/convexity.h"
 
 namespace otg {
@@ -64,6 +65,10 @@ class ConvexPolyhedron {
     std::uint32_t face[3][2];  ///< across each axis, the one that faces down it and the one that faces up
   };
   const Box* box() const { return box_ ? &*box_ : nullptr; }
+  /// The same by planes, of which there are as many as faces, in their order; vertices have the same numbers. Null if
+  /// there are more than kMostPlanes.
+  const ConvexGeometry* geometry() const { return geometry_ ? &*geometry_ : nullptr; }
+  static constexpr std::size_t kMostPlanes = 256;
   /// No other polyhedron of the process has had it. It distinguishes polyhedra and orders nothing.
   std::uint64_t stamp() const { return stamp_; }
 
@@ -77,6 +82,7 @@ class ConvexPolyhedron {
 
   Convexity convexity_ = Convexity::kNone;
   std::optional<Box> box_;
+  std::optional<ConvexGeometry> geometry_;
   std::uint64_t stamp_ = 0;
   std::vector<Vec3d> vertices_;
   std::vector<double> x_, y_, z_;  ///< of the vertices, if there are up to kMostScanned

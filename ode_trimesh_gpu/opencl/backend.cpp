@@ -47,17 +47,27 @@ bool Backend::collideProfiled(const Query& query, Workspace& workspace, StageTim
 }
 
 bool Backend::collideIn(bool profile, const Query& query, Workspace& workspace, StageTimes& times) {
+  ++state_->queries;
+  if (isRefused(query) || isIdleQuery(query, makePairFrame(query)) || isConvexPair(query)) {
+    otg::collide(query, workspace);
+    return true;
+  }
+  if (collideSurfacePair(query, workspace)) {
+    numberAsCaller(query, workspace);
+    return true;
+  }
+  Query rest = query;
+  rest.isOffSurface = true;
+  return collideTriangles(profile, rest, workspace, times);
+}
+
+bool Backend::collideTriangles(bool profile, const Query& query, Workspace& workspace, StageTimes& times) {
   const Stopwatch total(profile);
   const bool contacts = isPairwise(query);
   const PairRequest request = contacts                                                ? PairRequest::kContacts
                               : query.refiner == nullptr && !areContactsOfHost(query) ? PairRequest::kOverlap
                                                                                       : PairRequest::kPairs;
   const PairFrame frame = makePairFrame(query);
-  ++state_->queries;
-  if (isRefused(query) || isIdleQuery(query, frame) || isConvexPair(query)) {
-    otg::collide(query, workspace);
-    return true;
-  }
   try {
     HostRest rest = HostRest::kNothing;
     StageTimes t;

@@ -205,6 +205,7 @@ class Backend {
   bool intersectFrom(const Source& source, std::vector<std::uint8_t>& answer, StageTimes* times,
                      const RunParts& onHost);
   bool collideIn(bool profile, const Query& query, Workspace& workspace, StageTimes& times);
+  bool collideTriangles(bool profile, const Query& query, Workspace& workspace, StageTimes& times);
   void addPublishedCounts(BackendCounts& counts) const;
   explicit Backend(std::unique_ptr<BackendState> state);
   std::unique_ptr<BackendState> state_;

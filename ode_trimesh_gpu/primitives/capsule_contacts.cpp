@@ -12,7 +12,7 @@
 #include "bvh/wide_search.h"
 #include "collide/inside_test.h"
 #include "primitives/round_ahead.h"
-#include "primitives/same_direction.h"
+#include "collide/surface/same_direction.h"
 #include "queries/local_minimum.h"
 #include "queries/surface_side.h"
 #include "queries/triangle_distance.h"

@@ -23,7 +23,7 @@
 #include "primitives/cylinder_contacts.h"
 #include "primitives/region_walls.h"
 #include "primitives/sheet_block.h"
-#include "primitives/surface_contacts.h"
+#include "collide/surface/surface_contacts.h"
 #include "queries/surface_side.h"
 
 namespace otg {

@@ -224,29 +224,6 @@ void ConvexPatch::tryEdge(const PlacedShape& shape, const Edge& edge, WayOut& be
   offerEdge(d, 1.0, std::fabs(otgDot(d, axis)) < 1e-3 ? axis : Vec3d{0, 0, 0});
 }
 
-PlacedShape::Rear::Rear(const PlacedShape& shape, const Vec3d& d)
-    : shape_(shape),
-      back_(shape.directionToLocal(d) * -1.0),
-      slope_(std::fabs(back_.z)),
-      across_(std::sqrt(back_.x * back_.x + back_.y * back_.y)) {}
-
-Vec3d PlacedShape::Rear::near(const Vec3d& position) const {
-  const ConvexShape& shape = shape_.shape();
-  Vec3d p = shape_.toLocal(position);
-  const double radius = shape.radius;
-  p.z = std::clamp(p.z, -shape.length, shape.length);
-  if (shape.kind == ConvexShape::Kind::kCapsule) return shape_.fromLocal(Vec3d{0, 0, p.z} + back_ * radius);
-  if (slope_ < kOnSide) {
-    p.x = radius * back_.x / across_;
-    p.y = radius * back_.y / across_;
-  } else if (const double out = std::sqrt(p.x * p.x + p.y * p.y); out > radius) {
-    p.x *= radius / out;
-    p.y *= radius / out;
-  }
-  if (slope_ > kOnEnd) p.z = std::copysign(shape.length, back_.z);
-  return shape_.fromLocal(p);
-}
-
 Vec3d wayToRoundSide(const PlacedShape& shape, const Vec3d& point) {
   Vec3d local = shape.toLocal(point);
   if (shape.shape().kind == ConvexShape::Kind::kCapsule) {

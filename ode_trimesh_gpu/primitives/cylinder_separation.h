@@ -7,39 +7,10 @@
 #include <span>
 
 #include "base/vectors.h"
+#include "collide/surface/cylinder_points.h"
 #include "mesh/convex_polyhedron.h"
 
 namespace otg {
-
-/// In a mesh's frame.
-struct PlacedCylinder {
-  Vec3d middle, axis;   ///< the axis of unit length
-  double radius, half;  ///< half its height
-
-  /// The part of a vector that is across the axis.
-  Vec3d across(const Vec3d& v) const { return v - axis * otgDot(axis, v); }
-  /// The point that is farthest against a unit vector m. Of a line or an end across m it is the middle along the axis,
-  /// or the centre.
-  Vec3d rear(const Vec3d& m) const {
-    constexpr double kShort = 1e-4, kNothing = 1e-12;
-    const double along = otgDot(axis, m);
-    const Vec3d end = middle - axis * (along == 0 ? 0 : std::copysign(half, along));
-    Vec3d aside = m - axis * along;
-    double length = norm(aside);
-    if (length < kShort) {  // what rounding has left along the axis would count
-      aside = across(aside);
-      length = norm(aside);
-      if (length < kNothing) return end;
-    }
-    return end - aside * (radius / length);
-  }
-  /// How far it reaches against a unit vector m, from the origin.
-  double reachBack(const Vec3d& m) const {
-    const double along = otgDot(axis, m);
-    return radius * norm(m - axis * along) + half * std::fabs(along) - otgDot(m, middle);
-  }
-  double widthAlong(const Vec3d& m) const { return 2 * (radius * norm(across(m)) + half * std::fabs(otgDot(axis, m))); }
-};
 
 /// The direction of the least overlap, out of the polyhedron; ConvexPair says what the overlap along a direction is.
 struct CylinderAxis {

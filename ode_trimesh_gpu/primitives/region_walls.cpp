@@ -10,7 +10,7 @@
 #include "base/vectors.h"
 #include "collide/inside_test.h"
 #include "collide/shortest_translation.h"
-#include "primitives/same_direction.h"
+#include "collide/surface/same_direction.h"
 #include "queries/closest_point.h"
 
 namespace otg {

@@ -159,6 +159,21 @@ void describe(ConvexShape& shape, const std::vector<std::array<std::uint32_t, 3>
   }
 }
 
+/// The box around the shape, and its middle.
+void bound(ConvexShape& shape) {
+  const Vec3f &low = shape.mesh->mesh().boundsMin(), &high = shape.mesh->mesh().boundsMax();
+  shape.low = {low.x, low.y, low.z};
+  shape.high = {high.x, high.y, high.z};
+  if (shape.vertices.empty()) return;
+  Vec3d sum{0, 0, 0};
+  for (const Vec3d& v : shape.vertices) {
+    shape.low = minimum(shape.low, v);
+    shape.high = maximum(shape.high, v);
+    sum = sum + v;
+  }
+  shape.middle = sum * (1.0 / static_cast<double>(shape.vertices.size()));
+}
+
 /// The shape of a key: kept, or made and kept. `make` fills all but the mesh and returns the arrays of that.
 template <class Make>
 std::shared_ptr<const ConvexShape> keep(const KeyView& key, const Make& make) {
@@ -166,6 +181,7 @@ std::shared_ptr<const ConvexShape> keep(const KeyView& key, const Make& make) {
   const auto shape = std::make_shared<ConvexShape>();
   shape->mesh = make(*shape).build();
   if (!shape->mesh) return nullptr;
+  bound(*shape);
   cache().store(key, shape);
   return shape;
 }

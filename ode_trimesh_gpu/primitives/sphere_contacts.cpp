@@ -7,7 +7,7 @@
 
 #include "base/vectors.h"
 #include "primitives/round_ahead.h"
-#include "primitives/same_direction.h"
+#include "collide/surface/same_direction.h"
 #include "queries/local_minimum.h"
 #include "queries/surface_side.h"
 

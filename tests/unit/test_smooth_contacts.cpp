@@ -10,7 +10,8 @@
 #include "base/vectors.h"
 #include "collide/shortest_translation.h"
 #include "collide/stages.h"
-#include "primitives/smooth_contacts.h"
+#include "collide/surface/smooth_contacts.h"
+#include "primitives/convex_shape.h"
 #include "queries/closest_point.h"
 #include "scenes/concave_meshes.h"
 #include "scenes/generated_meshes.h"
@@ -124,7 +125,7 @@ Transformd drawPose(Draw& draw, const CollisionMesh& mesh, const Mover& mover) {
 bool collideSmooth(const Query& query, const ConvexShape& shape, Workspace& workspace) {
   NearSurface near(query, shape);
   workspace.clear();
-  return near.collect() && addSmoothContacts(near, workspace);
+  return near.collect() && addSmoothContacts(near, workspace) == SurfaceAnswer::kTouching;
 }
 
 }  // namespace

@@ -39,12 +39,12 @@ PartRegion regionOf(const PartPair& pair, std::size_t number, std::span<const Co
   return {number, pair.begin, pair.end, (low + high) * 0.5, depth * (depth * depth + otgDot(across, across))};
 }
 
+}  // namespace
+
 bool areConvexParts(const Query& query) {
   return !isPairwise(query) && query.options.solid.convexPath && query.refiner == nullptr && haveParts(query) &&
          isConvexThroughout(*query.a) && isConvexThroughout(*query.b);
 }
-
-}  // namespace
 
 bool convexPartContacts(const Query& query, Workspace& workspace) {
   using Clock = std::chrono::steady_clock;

@@ -15,6 +15,9 @@ namespace otg {
 /// May throw std::bad_alloc, and throws what middlePhase throws.
 bool convexPartContacts(const Query& query, Workspace& workspace);
 
+/// Whether a pair is one of these, whatever is between its parts. May throw std::bad_alloc.
+bool areConvexParts(const Query& query);
+
 /// The whole query at once, as collideConvexPair() does it for two convex meshes.
 bool collideConvexParts(const Query& query, Workspace& workspace);
 

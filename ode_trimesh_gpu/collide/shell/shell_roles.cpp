@@ -17,15 +17,6 @@ GroundKind kindOf(const TriMesh& mesh) {
   return isSheet(mesh) ? GroundKind::kSheet : GroundKind::kShell;
 }
 
-Transformd inverse(const Transformd& m) {
-  Transformd out{};
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) out.r[3 * i + j] = m.r[3 * j + i];
-  }
-  out.t = otgScale(otgRotateBack(m, m.t), -1.0);
-  return out;
-}
-
 /// Whether a sheet of several pieces has them face all ways: what is behind one may be in front of another one.
 bool isScattered(const CollisionMesh& sheet) {
   return sheet.mesh().topology().componentCount() > 1 && !facesOneWay(sheet);
@@ -139,7 +130,7 @@ ShellRoles shellRoles(const Query& query) {
   roles.groundIsA = isGround(query.a->mesh(), query.b->mesh());
   roles.ground = roles.groundIsA ? query.a : query.b;
   roles.visitor = roles.groundIsA ? query.b : query.a;
-  roles.visitorInGround = roles.groundIsA ? query.bInA : inverse(query.bInA);
+  roles.visitorInGround = roles.groundIsA ? query.bInA : inverseOf(query.bInA);
   roles.kind = kindOf(roles.ground->mesh());
   roles.isScattered = roles.kind == GroundKind::kSheet && isScattered(*roles.ground);
   if (roles.isScattered) roles.kind = GroundKind::kShell;

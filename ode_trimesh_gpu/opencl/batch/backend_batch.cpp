@@ -7,7 +7,6 @@
 #include <thread>
 #include <unordered_map>
 
-#include "collide/convex/convex_pair_contacts.h"
 #include "collide/shell/shell_roles.h"
 #include "collide/solid/look_ahead.h"
 #include "collide/solid/solid_contacts.h"
@@ -227,7 +226,7 @@ class Backend::Batch {
     if (hasContactsOfHost_) {
       for (std::size_t k = 0; k < tasks.size(); ++k) {
         const Query query = source_.query(begin + k);
-        if (tasks[k].skip || !(areContactsOfHost(query) || isConvexPair(query))) continue;
+        if (tasks[k].skip || !isForHost(query)) continue;
         tasks[k].skip = 1;
         (isRefused(query) ? piece.refused : piece.alone).push_back(begin + k);
       }

@@ -4,12 +4,14 @@
 
 #include <cmath>
 
+#include "collide/convex/convex_pair_contacts.h"
 #include "collide/pair_frame.h"
 #include "collide/query.h"
 #include "collide/rotation_tolerance.h"
 #include "collide/shell/shell_roles.h"
 #include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
+#include "collide/surface/surface_contacts.h"
 
 namespace otg::opencl {
 
@@ -30,7 +32,12 @@ inline bool areContactsOfHost(const Query& query) {
   return mayBeShells(query) || (!isPairwise(query) && haveParts(query));
 }
 
-/// Whether that may be so of pairs with the mesh.
+/// Whether a batch leaves all of the pair to the CPU. Pairs on a surface are not looked at before: most are quick there.
+inline bool isForHost(const Query& query) {
+  return areContactsOfHost(query) || isConvexPair(query) || isSurfacePair(query);
+}
+
+/// Whether areContactsOfHost() may be true of pairs with the mesh.
 inline bool mayHaveContactsOfHost(const CollisionMesh* mesh) {
   return mesh->mesh().meshClass() != MeshClass::kSolid || mesh->parts() != nullptr;
 }

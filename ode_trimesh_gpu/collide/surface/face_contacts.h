@@ -2,7 +2,7 @@
 // Contacts of a convex shape that lies on faces of a mesh: on a floor, or in the corner of a room.
 #pragma once
 
-#include "primitives/near_surface.h"
+#include "collide/surface/near_surface.h"
 
 namespace otg {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "primitives/smooth_contacts.h"
+#include "collide/surface/smooth_contacts.h"
 
 #include <algorithm>
 #include <array>
@@ -12,14 +12,15 @@
 #include "collide/shortest_translation.h"
 #include "collide/solid/ahead_scratch.h"
 #include "collide/solid/merge_regions.h"
-#include "primitives/cylinder_contacts.h"
-#include "primitives/shape_planes.h"
+#include "collide/surface/cylinder_points.h"
+#include "collide/surface/shape_planes.h"
 
 namespace otg {
 namespace {
 
 constexpr double kNearlyFlat = 0.766;  ///< cosine of 40 degrees
 constexpr std::size_t kMostPieces = 128;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// All geometry is in the shape's frame.
 class SmoothSolver {
@@ -33,13 +34,15 @@ class SmoothSolver {
         inside_(near.placed().toLocal(near.inside())),
         planes_(shape_) {}
 
-  bool run() {
-    if (planes_.areMany()) return false;
+  SurfaceAnswer run() {
+    if (planes_.areMany()) return SurfaceAnswer::kOther;
     for (const std::uint32_t t : near_.touched()) {
-      if (pieceCount_ == kMostPieces) return false;
+      if (pieceCount_ == kMostPieces) return SurfaceAnswer::kOther;
       addPiece(t);
     }
-    if (pieceCount_ == 0 || !addStretches() || !findDirections()) return false;
+    if (pieceCount_ == 0) return SurfaceAnswer::kApart;
+    planes_.lookAt(low_, high_);
+    if (!addStretches() || !findDirections()) return SurfaceAnswer::kOther;
     const double most = planes_.roomAround(inside_);
     ShortestTranslation way(emptyMemory(workspace_));
     std::uint32_t regions = 0;
@@ -57,7 +60,7 @@ class SmoothSolver {
     if (options.regionMerge > 0) {
       mergeRegions(options.regionMerge, options.contactsPerRegion, workspace_.contacts);
     }
-    return true;
+    return SurfaceAnswer::kTouching;
   }
 
  private:
@@ -84,22 +87,40 @@ class SmoothSolver {
 
   std::vector<ConvexPlace>& places() { return workspace_.convex.places; }
 
-  bool declined() {
+  SurfaceAnswer declined() {
     workspace_.contacts.clear();
-    return false;
+    return SurfaceAnswer::kOther;
+  }
+
+  bool isBesideBox(const Corners& c) const {
+    const Vec3d least = minimum(minimum(c[0], c[1]), c[2]), most = maximum(maximum(c[0], c[1]), c[2]);
+    const Vec3d &low = shape_.low, &high = shape_.high;
+    return least.x > high.x || least.y > high.y || least.z > high.z || most.x < low.x || most.y < low.y ||
+           most.z < low.z;
   }
 
   void addPiece(std::uint32_t t) {
     Piece& piece = pieces_[pieceCount_];
+    piece.corner = cornersOf(t);
+    if (isBesideBox(piece.corner)) return;
     piece.triangle = t;
     piece.normal = near_.placed().directionToLocal(links_.normal[t]);
-    piece.corner = cornersOf(t);
     piece.offset = otgDot(piece.normal, piece.corner[0]);
     piece.area = 0.5 * otgDot(planes_.areaInside(piece.corner), piece.normal);
-    if (piece.area > 0) {
-      piece.patch = static_cast<std::uint32_t>(pieceCount_);
-      ++pieceCount_;
+    if (!(piece.area > 0)) return;
+    piece.patch = static_cast<std::uint32_t>(pieceCount_);
+    ++pieceCount_;
+    for (const Vec3d& p : planes_.polygon()) {
+      low_ = minimum(low_, p);
+      high_ = maximum(high_, p);
     }
+  }
+
+  /// Depths are measured below the patch: down to where the shape ends.
+  void lookBelow(const Patch& patch) {
+    const Vec3d& out = patch.direction;
+    const Vec3d below = out * (otgDot(shape_.support(out * -1.0), out) - patch.highest);
+    planes_.lookAlong(out, minimum(low_, low_ + below), maximum(high_, high_ + below));
   }
 
   Corners cornersOf(std::uint32_t t) const {
@@ -168,7 +189,7 @@ class SmoothSolver {
       const std::uint32_t first = patchOf(i);
       if (first == i) {
         sums[patchCount_] = {0, 0, 0};
-        patches_[patchCount_] = {{}, -std::numeric_limits<double>::infinity()};
+        patches_[patchCount_] = {{}, -kInfinity};
         numbers[i] = patchCount_++;
       }
       numbers[i] = numbers[first];
@@ -186,9 +207,8 @@ class SmoothSolver {
   bool findPlaces(std::uint32_t patch) {
     places().clear();
     if (!addCorners(patch)) return false;
-    for (std::uint32_t i = 0; i < pieceCount_; ++i) {
-      if (pieces_[i].patch == patch) addVertices(pieces_[i]);
-    }
+    lookBelow(patches_[patch]);
+    addVertices(patch);
     const double deep = deepest();
     for (std::size_t i = 0; i < stretchCount_; ++i) {
       if (!stretches_[i].isFlat && pieces_[stretches_[i].piece].patch == patch) addEdge(stretches_[i], deep);
@@ -249,7 +269,7 @@ class SmoothSolver {
     const Vec3d& out = patches_[number].direction;
     double deepest = 0;
     const auto note = [&] { deepest = std::max(deepest, places().back().depth); };
-    if (std::fabs(out.z) < PlacedShape::kOnSide) {
+    if (std::fabs(out.z) < PlacedBody::kOnSide) {
       const double scale = -shape_.radius / std::hypot(out.x, out.y);
       for (const std::uint32_t end : {0U, 1U}) {
         const double z = end == 0 ? -shape_.length : shape_.length;
@@ -311,18 +331,19 @@ class SmoothSolver {
   }
 
   /// The mesh's vertices in the shape, or above it where that overhangs.
-  void addVertices(const Piece& piece) {
-    const Vec3d& out = patches_[piece.patch].direction;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t v = mesh_.topology().weld[mesh_.triangles()[piece.triangle].v[k]];
-      if (links_.flatVertex[v] != 0) continue;
-      const double depth = planes_.depthBelow(piece.corner[k], out);
-      if (!(depth > 0)) continue;
-      const auto isSame = [&](const ConvexPlace& p) {
-        return p.element == v && p.feature == static_cast<std::uint8_t>(ContactFeature::kVertexA);
-      };
-      if (std::any_of(places().begin(), places().end(), isSame)) continue;
-      add(piece.corner[k] - out * depth, depth, out, ContactFeature::kVertexA, v, piece.triangle);
+  void addVertices(std::uint32_t patch) {
+    const Vec3d& out = patches_[patch].direction;
+    std::size_t count = 0;
+    for (const Piece* piece = pieces_.data(); piece != pieces_.data() + pieceCount_; ++piece) {
+      if (piece->patch != patch) continue;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t v = mesh_.topology().weld[mesh_.triangles()[piece->triangle].v[k]];
+        std::uint32_t* const end = vertices_.data() + count;
+        if (links_.flatVertex[v] != 0 || std::find(vertices_.data(), end, v) != end) continue;
+        vertices_[count++] = v;
+        const double depth = planes_.depthBelow(piece->corner[k]);
+        if (depth > 0) add(piece->corner[k] - out * depth, depth, out, ContactFeature::kVertexA, v, piece->triangle);
+      }
     }
   }
 
@@ -332,13 +353,13 @@ class SmoothSolver {
     const Vec3d& out = patches_[piece.patch].direction;
     const auto offer = [&](double t, ContactFeature feature, std::uint32_t ordinal) {
       const Vec3d at = s.part.at(t);
-      const double depth = planes_.depthBelow(at, out);
+      const double depth = planes_.depthBelow(at);
       if (!(depth > 0)) return;
       add(at - out * depth, depth, out, feature, s.edge, piece.triangle).ordinal = ordinal;
     };
     if (s.part.low > 0) offer(s.part.low, ContactFeature::kCrossingA, 0);
     if (s.part.high < 1) offer(s.part.high, ContactFeature::kCrossingA, 1);
-    const double t = planes_.deepest(s.part, out, deep);
+    const double t = planes_.deepest(s.part, deep);
     if (t > 0 && t < 1) offer(t, ContactFeature::kMiddleA, 0);
   }
 
@@ -362,14 +383,16 @@ class SmoothSolver {
   }
 
   const NearSurface& near_;
-  const ConvexShape& shape_;
+  const ConvexGeometry& shape_;
   Workspace& workspace_;
   const TriMesh& mesh_;
   const Adjacency& links_;
   const Vec3d inside_;
   ShapePlanes planes_;
+  Vec3d low_{kInfinity, kInfinity, kInfinity}, high_{-kInfinity, -kInfinity, -kInfinity};  ///< of all pieces
   std::array<Piece, kMostPieces> pieces_;
   std::array<Stretch, 3 * kMostPieces> stretches_;
+  std::array<std::uint32_t, 3 * kMostPieces> vertices_;  ///< of a patch, that were looked at
   std::array<Patch, kMostPieces> patches_;
   std::size_t pieceCount_ = 0, stretchCount_ = 0;
   std::uint32_t patchCount_ = 0;
@@ -377,7 +400,7 @@ class SmoothSolver {
 
 }  // namespace
 
-bool addSmoothContacts(const NearSurface& near, Workspace& workspace) {
+SurfaceAnswer addSmoothContacts(const NearSurface& near, Workspace& workspace) {
   return SmoothSolver(near, workspace).run();
 }
 

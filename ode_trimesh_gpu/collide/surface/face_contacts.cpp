@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "primitives/face_contacts.h"
+#include "collide/surface/face_contacts.h"
 
 #include <algorithm>
 #include <array>
@@ -9,8 +9,8 @@
 #include "collide/convex/convex_places.h"
 #include "collide/shortest_translation.h"
 #include "collide/solid/ahead_scratch.h"
-#include "primitives/cylinder_contacts.h"
-#include "primitives/same_direction.h"
+#include "collide/surface/cylinder_points.h"
+#include "collide/surface/same_direction.h"
 
 namespace otg {
 namespace {
@@ -51,7 +51,7 @@ class FaceSolver {
   /// Triangles that lie in one plane.
   struct Face {
     Vec3d normal;
-    double offset, area;  ///< of the largest triangle
+    double offset, area;  ///< of the largest triangle; in the end the offset of the highest vertex
     double depth;         ///< of the shape's deepest point
     bool isTouched;
   };
@@ -65,7 +65,19 @@ class FaceSolver {
   bool collect() {
     if (near_.touched().size() > kMostTriangles) return false;
     for (const std::uint32_t t : near_.touched()) touched_[count_++] = {t, kNone};
-    return std::all_of(touched_.data(), touched_.data() + count_, [&](Touched& of) { return findFace(of); });
+    if (!std::all_of(touched_.data(), touched_.data() + count_, [&](Touched& of) { return findFace(of); })) return false;
+    raise();
+    return true;
+  }
+
+  /// To the highest vertices, which rounding has put above the plane: a shape that is above them is free.
+  void raise() {
+    for (std::size_t i = 0; i < count_; ++i) {
+      Face& face = faces_[touched_[i].face];
+      for (std::size_t k = 0; k < 3; ++k) {
+        face.offset = std::max(face.offset, otgDot(face.normal, vertex(touched_[i].triangle, k)));
+      }
+    }
   }
 
   /// False if there are too many.
@@ -161,7 +173,7 @@ class FaceSolver {
   void offerCylinder(const Face& face, const Offer& offer) const {
     const PlacedCylinder cylinder = placedCylinder(near_.query().bInA, shape_);
     const double along = otgDot(cylinder.axis, face.normal);
-    if (std::fabs(along) < PlacedShape::kOnSide) {
+    if (std::fabs(along) < PlacedBody::kOnSide) {
       const Vec3d aside = cylinder.across(face.normal);
       const Vec3d line = cylinder.middle - aside * (cylinder.radius / norm(aside));
       offer(line - cylinder.axis * cylinder.half, kCylinderSideEnd, true);
@@ -220,11 +232,11 @@ class FaceSolver {
   }
 
   const NearSurface& near_;
-  const ConvexShape& shape_;
+  const ConvexGeometry& shape_;
   Workspace& workspace_;
   const TriMesh& mesh_;
   const Adjacency& links_;
-  const PlacedShape& placed_;
+  const PlacedBody& placed_;
   const Vec3d inside_;  ///< a point of the shape, well inside
   const double flat_;
   std::array<Face, kMostFaces> faces_;

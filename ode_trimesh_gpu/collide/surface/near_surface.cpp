@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "primitives/near_surface.h"
+#include "collide/surface/near_surface.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,23 +14,16 @@ constexpr double kAhead = 0.05;  ///< of the shape's radius: how far around it i
 constexpr double kSinglePrecision = 4e-7;  ///< of the mesh's reach: single precision, in which its vertices are
 constexpr double kTouched = 1e-13;         ///< of the size and the distances
 
-/// The middle of a convex's box may be outside of it.
-Vec3d insideOf(const ConvexShape& shape) {
-  Vec3d sum{0, 0, 0};
-  for (const Vec3d& v : shape.vertices) sum = sum + v;
-  return shape.vertices.empty() ? sum : sum * (1.0 / static_cast<double>(shape.vertices.size()));
-}
-
 }  // namespace
 
-NearSurface::NearSurface(const Query& query, const ConvexShape& shape)
+NearSurface::NearSurface(const Query& query, const ConvexGeometry& shape)
     : query_(query), shape_(shape), mesh_(query.a->mesh()), placed_(shape, query.bInA, {0, 0, 0}) {
-  const Vec3f &low = shape.mesh->mesh().boundsMin(), &high = shape.mesh->mesh().boundsMax();
-  const Vec3d middle{0.5 * (double{low.x} + high.x), 0.5 * (double{low.y} + high.y), 0.5 * (double{low.z} + high.z)};
+  const Vec3d &low = shape.low, &high = shape.high;
+  const Vec3d middle = (low + high) * 0.5;
   frame_ = query.bInA;
   frame_.t = otgTransform(frame_, middle);
-  inside_ = rear_ = otgTransform(query.bInA, insideOf(shape));
-  half_ = {high.x - middle.x, high.y - middle.y, high.z - middle.z};
+  inside_ = rear_ = otgTransform(query.bInA, shape.middle);
+  half_ = high - middle;
   const double radius = norm(half_);
   const Vec3d apart = frame_.t - Vec3d{mesh_.center().x, mesh_.center().y, mesh_.center().z};
   leastDepth_ = kTouched * (double{mesh_.radius()} + norm(apart) + radius + norm(query.bInA.t));
@@ -48,8 +41,17 @@ bool NearSurface::collect() {
   return isFew;
 }
 
+/// The tree knows its boxes alone.
+bool NearSurface::isBesideBox(std::uint32_t t) const {
+  const Vec3d a = placed_.toLocal(corner(t, 0)), b = placed_.toLocal(corner(t, 1)), c = placed_.toLocal(corner(t, 2));
+  const Vec3d least = minimum(minimum(a, b), c), most = maximum(maximum(a, b), c);
+  const double around = std::max(ahead_, rounding_);
+  return least.x > shape_.high.x + around || most.x < shape_.low.x - around || least.y > shape_.high.y + around ||
+         most.y < shape_.low.y - around || least.z > shape_.high.z + around || most.z < shape_.low.z - around;
+}
+
 bool NearSurface::add(std::uint32_t t) {
-  if (mesh_.isDegenerate(t)) return true;
+  if (mesh_.isDegenerate(t) || isBesideBox(t)) return true;
   const Vec3d& n = query_.a->adjacency().normal[t];
   const double offset = otgDot(n, corner(t, 0));
   // Neighbours mostly have the same rear.

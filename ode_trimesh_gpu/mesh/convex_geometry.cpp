@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "primitives/convex_shape.h"
+#include "mesh/convex_geometry.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ double exitOfCircle(const Vec3d& p, const Vec3d& d, double radius) {
   return (-b + std::sqrt(std::max(0.0, b * b - a * c))) / a;
 }
 
-double exitOfCapsule(const ConvexShape& s, const Vec3d& p, const Vec3d& d) {
+double exitOfCapsule(const ConvexGeometry& s, const Vec3d& p, const Vec3d& d) {
   const double along = std::clamp(p.z, -s.length, s.length);
   const Vec3d off{p.x, p.y, p.z - along};
   if (otgDot(off, off) > s.radius * s.radius) return -1;
@@ -34,7 +34,7 @@ double exitOfCapsule(const ConvexShape& s, const Vec3d& p, const Vec3d& d) {
   return most;
 }
 
-double exitOfFaces(const ConvexShape& s, const Vec3d& p, const Vec3d& d) {
+double exitOfFaces(const ConvexGeometry& s, const Vec3d& p, const Vec3d& d) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < s.faceNormals.size(); ++i) {
     const double height = s.faceOffsets[i] - otgDot(s.faceNormals[i], p), speed = otgDot(s.faceNormals[i], d);
@@ -46,7 +46,7 @@ double exitOfFaces(const ConvexShape& s, const Vec3d& p, const Vec3d& d) {
 
 }  // namespace
 
-Vec3d ConvexShape::support(const Vec3d& d) const {
+Vec3d ConvexGeometry::support(const Vec3d& d) const {
   switch (kind) {
     case Kind::kBox:
       return {std::copysign(half.x, d.x), std::copysign(half.y, d.y), std::copysign(half.z, d.z)};
@@ -62,12 +62,18 @@ Vec3d ConvexShape::support(const Vec3d& d) const {
     case Kind::kPolyhedron:
       break;
   }
-  const auto far = std::max_element(vertices.begin(), vertices.end(),
-                                    [&](const Vec3d& a, const Vec3d& b) { return otgDot(a, d) < otgDot(b, d); });
-  return *far;
+  const Vec3d* farthest = vertices.data();
+  double most = otgDot(*farthest, d);
+  for (const Vec3d& v : vertices) {
+    const double along = otgDot(v, d);
+    if (!(along > most)) continue;
+    most = along;
+    farthest = &v;
+  }
+  return *farthest;
 }
 
-double ConvexShape::exitDistance(const Vec3d& p, const Vec3d& d) const {
+double ConvexGeometry::exitDistance(const Vec3d& p, const Vec3d& d) const {
   if (kind == Kind::kCapsule) return exitOfCapsule(*this, p, d);
   const double faces = exitOfFaces(*this, p, d);
   if (kind != Kind::kCylinder || faces < 0) return faces;
@@ -75,7 +81,7 @@ double ConvexShape::exitDistance(const Vec3d& p, const Vec3d& d) const {
   return std::min(faces, exitOfCircle(p, d, radius));
 }
 
-bool ConvexShape::isNearSegment(const Vec3d& from, const Vec3d& to, double slack) const {
+bool ConvexGeometry::isNearSegment(const Vec3d& from, const Vec3d& to, double slack) const {
   const Vec3d d = to - from;
   double low = 0, high = 1;  // the part of the segment that is inside
   for (std::size_t i = 0; i < faceNormals.size(); ++i) {

@@ -7,25 +7,25 @@
 
 #include "base/vectors.h"
 #include "collide/query.h"
-#include "primitives/convex_patch.h"
-#include "primitives/convex_shape.h"
+#include "collide/surface/placed_body.h"
+#include "mesh/convex_geometry.h"
 
 namespace otg {
 
 class NearSurface {
  public:
-  static constexpr std::size_t kMostTriangles = 256;
+  static constexpr std::size_t kMostTriangles = 512;
 
   /// The mesh is query.a. Both have to outlive this.
-  NearSurface(const Query& query, const ConvexShape& shape);
+  NearSurface(const Query& query, const ConvexGeometry& shape);
 
   /// Looks for the triangles. False if there are more than kMostTriangles of either kind.
   bool collect();
 
   const Query& query() const { return query_; }
-  const ConvexShape& shape() const { return shape_; }
+  const ConvexGeometry& shape() const { return shape_; }
   const TriMesh& mesh() const { return mesh_; }
-  const PlacedShape& placed() const { return placed_; }
+  const PlacedBody& placed() const { return placed_; }
   /// Triangles near the shape's box whose planes cut the shape; ascending, so that nothing depends on the tree.
   std::span<const std::uint32_t> touched() const { return {touched_.data(), count_}; }
   /// A point well inside the shape, in the mesh's frame.
@@ -49,12 +49,13 @@ class NearSurface {
     Vec3d normal;
     double offset;
   };
+  bool isBesideBox(std::uint32_t triangle) const;
   bool add(std::uint32_t triangle);
 
   const Query& query_;
-  const ConvexShape& shape_;
+  const ConvexGeometry& shape_;
   const TriMesh& mesh_;
-  const PlacedShape placed_;
+  const PlacedBody placed_;
   Transformd frame_;  ///< of the shape's box
   Vec3d half_;        ///< of that box
   Vec3d inside_;

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "collide/surface/surface_contacts.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "base/vectors.h"
+#include "collide/convex/convex_places.h"
+#include "collide/inside_test.h"
+#include "collide/pair_history.h"
+#include "collide/rotation_tolerance.h"
+#include "collide/shell/shell_roles.h"
+#include "collide/solid/solid_contacts.h"
+#include "collide/stages.h"
+#include "collide/surface/face_contacts.h"
+#include "collide/surface/near_surface.h"
+#include "collide/surface/smooth_contacts.h"
+
+namespace otg {
+namespace {
+
+SurfaceAnswer answerOf(const NearSurface& near, Workspace& workspace) {
+  if (addFaceContacts(near, workspace)) return SurfaceAnswer::kTouching;
+  return haveParts(near.query()) ? SurfaceAnswer::kOther : addSmoothContacts(near, workspace);
+}
+
+/// Of a body that meets no surface: whether contacts of any kind would be none.
+bool isOutside(const NearSurface& near) {
+  if (mayBeShells(near.query())) return false;
+  const Vec3f &low = near.mesh().boundsMin(), &high = near.mesh().boundsMax();
+  const Vec3d& p = near.inside();
+  return !isSolid(near.mesh()) || p.x < low.x || p.y < low.y || p.z < low.z || p.x > high.x || p.y > high.y ||
+         p.z > high.z || !pointInMesh(*near.query().a, p);
+}
+
+/// `seen` is the query with the body as B. `complete` is called with the contacts of that.
+template <class Complete>
+bool addContacts(const Query& query, const Query& seen, const ConvexGeometry& body, Workspace& workspace,
+                 const Complete& complete) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
+  requireRigid(query.bInA);
+  const SolidHistory::State before = stateBefore(query);
+  if (before.side < 0 || before.escapeLeft > 0 || !isUnburdened(query)) return false;
+  NearSurface near(seen, body);
+  if (!near.collect()) return false;
+  const SurfaceAnswer answer = answerOf(near, workspace);
+  if (answer == SurfaceAnswer::kOther || (answer == SurfaceAnswer::kApart && !isOutside(near))) return false;
+  complete(workspace.contacts);
+  rememberPlain(query, answer == SurfaceAnswer::kTouching, {0, 0, 0});
+  workspace.stats.contactsBeforeReduction = workspace.contacts.size();
+  finishContacts(query, workspace);
+  if (query.options.timings) {
+    workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  }
+  return true;
+}
+
+const ConvexPolyhedron* polyhedronOf(const CollisionMesh* mesh) {
+  const ConvexPolyhedron* const convex = mesh->convex();
+  return convex != nullptr && convex->geometry() != nullptr ? convex : nullptr;
+}
+
+bool hasSurface(const CollisionMesh* mesh) {
+  return mesh->convex() == nullptr && mesh->parts() == nullptr && (isSolid(mesh->mesh()) || isSheet(mesh->mesh()));
+}
+
+/// The same pair the other way round.
+Query turnedRound(const Query& query) {
+  Query turned;
+  turned.a = query.b;
+  turned.b = query.a;
+  turned.options = query.options;
+  turned.bInA = inverseOf(query.bInA);
+  return turned;
+}
+
+ContactFeature ofOther(ContactFeature feature) {
+  switch (feature) {
+    case ContactFeature::kVertexA:
+      return ContactFeature::kVertexB;
+    case ContactFeature::kVertexB:
+      return ContactFeature::kVertexA;
+    case ContactFeature::kCrossingA:
+      return ContactFeature::kCrossingB;
+    case ContactFeature::kMiddleA:
+      return ContactFeature::kMiddleB;
+    default:
+      return feature;
+  }
+}
+
+/// Of the face whose plane is nearest to a point on the body.
+std::uint32_t cornerAt(const ConvexPolyhedron& body, const Vec3d& p) {
+  std::uint32_t nearest = 0;
+  const auto height = [&](std::uint32_t f) { return otgDot(body.face(f).normal, p) - body.face(f).offset; };
+  double most = height(0);
+  for (std::uint32_t f = 1; f < body.faceCount(); ++f) {
+    if (const double here = height(f); here > most) {
+      most = here;
+      nearest = f;
+    }
+  }
+  return body.face(nearest).corner;
+}
+
+/// Names the body's vertex and triangle of a contact.
+void nameOnBody(const Query& seen, const ConvexPolyhedron& body, Contact& contact) {
+  if (contact.feature == ContactFeature::kVertexB) {
+    contact.triangleB = body.leastTriangle(contact.element);
+    contact.element = body.meshVertex(contact.element);
+  } else {
+    const Vec3d onBody = contact.position + contact.normal * (0.5 * contact.depth);
+    const Vec3d p = otgRotateBack(seen.bInA, onBody - seen.bInA.t);
+    contact.triangleB = triangleAt(body, seen.b->mesh(), cornerAt(body, p), p);
+  }
+}
+
+/// Of the pair the other way round.
+void turnRound(const Query& query, Contact& contact) {
+  contact.position = otgTransform(query.bInA, contact.position);
+  contact.normal = otgRotate(query.bInA, contact.normal) * -1.0;
+  std::swap(contact.triangleA, contact.triangleB);
+  contact.feature = ofOther(contact.feature);
+}
+
+}  // namespace
+
+bool collideSurface(const Query& query, const ConvexGeometry& body, Workspace& workspace) {
+  const TriMesh& mesh = query.a->mesh();
+  if (body.kind == ConvexGeometry::Kind::kCapsule || query.options.contacts != ContactModel::kSolid ||
+      !query.options.solid.convexPath || query.a->convex() != nullptr || (!isSolid(mesh) && !isSheet(mesh))) {
+    return false;
+  }
+  workspace.clear();
+  return addContacts(query, query, body, workspace, [](std::vector<Contact>&) {});
+}
+
+bool isSurfacePair(const Query& query) {
+  return query.options.contacts == ContactModel::kSolid && query.options.solid.convexPath && !query.isOffSurface &&
+         query.refiner == nullptr && !areShells(query.a->mesh(), query.b->mesh()) &&
+         ((polyhedronOf(query.b) != nullptr && hasSurface(query.a)) ||
+          (polyhedronOf(query.a) != nullptr && hasSurface(query.b)));
+}
+
+bool surfacePairContacts(const Query& query, Workspace& workspace) {
+  if (!isSurfacePair(query)) return false;
+  workspace.contacts.clear();
+  workspace.reduced.clear();
+  const bool isLast = query.a->convex() == nullptr;
+  const Query seen = isLast ? query : turnedRound(query);
+  const ConvexPolyhedron& body = *seen.b->convex();
+  return addContacts(query, seen, *body.geometry(), workspace, [&](std::vector<Contact>& contacts) {
+    for (Contact& contact : contacts) {
+      nameOnBody(seen, body, contact);
+      if (!isLast) turnRound(query, contact);
+    }
+  });
+}
+
+bool collideSurfacePair(const Query& query, Workspace& workspace) {
+  if (!isSurfacePair(query)) return false;
+  workspace.clear();
+  return surfacePairContacts(query, workspace);
+}
+
+}  // namespace otg
