@@ -130,7 +130,8 @@ int runBatch(const BatchOptions& options) {
     contacts.insert(contacts.end(), result.contacts.begin(), result.contacts.end());
     onDevice += result.onDevice ? 1 : 0;
     const Query& query = scene.queries[static_cast<std::size_t>(&result - results.data())];
-    if (result.outcome == PairResult::Outcome::kDone && mayNeedNoTriangles(query) && result.counts.candidatePairs == 0) {
+    if (result.outcome == PairResult::Outcome::kDone && mayNeedNoTriangles(query) &&
+        result.counts.candidatePairs == 0) {
       intersecting += countsOf(query, {}).intersectingPairs;
     }
   }

@@ -29,7 +29,8 @@ struct QueryTimes {
 QueryTimes measureQuery(const Query& query, Workspace& workspace, int repeat);
 /// On a device. The whole is timed without taking times of its stages, which costs some; these in further runs.
 QueryTimes measureQuery(opencl::Backend& backend, const Query& query, Workspace& workspace, int repeat);
-/// What a finished query has counted. Where it was a pair of which few or no triangles were looked at, what its first two phases would have: they are run for that.
+/// What a finished query has counted. Where it was a pair of which few or no triangles were looked at, what its first
+/// two phases would have: they are run for that.
 CollideStats countsOf(const Query& query, const CollideStats& stats);
 /// Medians: upload, top, main, near, contacts, reduction, read-back, host.
 std::vector<QueryStage> stagesOf(const QueryTimes& times);

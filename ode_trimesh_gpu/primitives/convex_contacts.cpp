@@ -19,11 +19,11 @@
 #include "collide/solid/region_refiner.h"
 #include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
+#include "collide/surface/surface_contacts.h"
 #include "primitives/convex_patch.h"
 #include "primitives/cylinder_contacts.h"
 #include "primitives/region_walls.h"
 #include "primitives/sheet_block.h"
-#include "collide/surface/surface_contacts.h"
 #include "queries/surface_side.h"
 
 namespace otg {

@@ -6,8 +6,8 @@
 #include <memory_resource>
 
 #include "base/vectors.h"
-#include "primitives/round_ahead.h"
 #include "collide/surface/same_direction.h"
+#include "primitives/round_ahead.h"
 #include "queries/local_minimum.h"
 #include "queries/surface_side.h"
 

@@ -8,8 +8,8 @@
 
 #include "base/vectors.h"
 #include "collide/stages.h"
-#include "primitives/convex_contacts.h"
 #include "collide/surface/face_contacts.h"
+#include "primitives/convex_contacts.h"
 #include "scenes/concave_meshes.h"
 #include "support/catch.h"
 #include "support/draw.h"

@@ -210,6 +210,38 @@ TEST_CASE("convex meshes that meet no surface have no contacts, but inside a sol
   }
 }
 
+TEST_CASE("an inner corner elsewhere on a mesh does not change contacts") {
+  Draw draw(4);
+  Workspace workspace, other;
+  const scenes::MeshArrays arrays = hills(24, 0.3);
+  scenes::MeshArrays pitted = arrays;
+  for (Vec3f& v : pitted.vertices) {
+    if (v.x < -2.5F && v.y < -2.5F) v.z -= 3;
+  }
+  const auto mesh = meshOf(arrays), withPit = meshOf(pitted);
+  REQUIRE(mesh->adjacency().hollowEdges == 0);
+  REQUIRE(withPit->adjacency().hollowEdges > 0);
+  int found = 0;
+  for (const auto& body : bodies()) {
+    if (radiusOf(*body) > 1) continue;
+    for (int i = 0; i < 20; ++i) {
+      const Transformd pose = drawPose(draw, *mesh, *body, std::pow(10.0, draw.uniform(-2, -0.5)));
+      const Vec3d middle = otgTransform(pose, middleOf(*body));
+      if (middle.x < -1.5 && middle.y < -1.5) continue;
+      const bool isSuch = collideSurfacePair(queryOf(*mesh, *body, pose), workspace);
+      REQUIRE(collideSurfacePair(queryOf(*withPit, *body, pose), other) == isSuch);
+      if (!isSuch) continue;
+      ++found;
+      REQUIRE(other.reduced.size() == workspace.reduced.size());
+      for (std::size_t k = 0; k < other.reduced.size(); ++k) {
+        CHECK(norm(other.reduced[k].position - workspace.reduced[k].position) < 1e-12);
+        CHECK(std::fabs(other.reduced[k].depth - workspace.reduced[k].depth) < 1e-12);
+      }
+    }
+  }
+  CHECK(found > 60);
+}
+
 TEST_CASE("a convex mesh meets a surface where the options ask for it") {
   const auto lump = meshOf(scenes::makeLump(2, 3, 0.2, 7)), box = meshOf(scenes::makeBox({1, 1, 1}));
   const auto ball = meshOf(scenes::makeSphere(1, 3)), sheet = meshOf(hills(8, 0.2));

@@ -65,7 +65,8 @@ class FaceSolver {
   bool collect() {
     if (near_.touched().size() > kMostTriangles) return false;
     for (const std::uint32_t t : near_.touched()) touched_[count_++] = {t, kNone};
-    if (!std::all_of(touched_.data(), touched_.data() + count_, [&](Touched& of) { return findFace(of); })) return false;
+    if (!std::all_of(touched_.data(), touched_.data() + count_, [&](Touched& of) { return findFace(of); }))
+      return false;
     raise();
     return true;
   }

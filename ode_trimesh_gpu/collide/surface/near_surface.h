@@ -34,7 +34,7 @@ class NearSurface {
   double leastDepth() const { return leastDepth_; }
   /// How far single precision moves the mesh's vertices.
   double rounding() const { return rounding_; }
-  /// Whether the mesh has inner corners, so that what is beside the shape may be in the way.
+  /// Whether there are inner corners or other components near the shape, so that what is beside it may be in the way.
   bool isCornered() const { return ahead_ > 0; }
   Vec3d corner(std::uint32_t triangle, std::size_t k) const {
     const Vec3f& v = mesh_.vertices()[mesh_.triangles()[triangle].v[k]];
@@ -49,7 +49,8 @@ class NearSurface {
     Vec3d normal;
     double offset;
   };
-  bool isBesideBox(std::uint32_t triangle) const;
+  bool isBesideBox(std::uint32_t triangle, double around) const;
+  void noteCorners(std::uint32_t triangle);
   bool add(std::uint32_t triangle);
 
   const Query& query_;
@@ -60,7 +61,10 @@ class NearSurface {
   Vec3d half_;        ///< of that box
   Vec3d inside_;
   Vec3d rear_;  ///< of the shape along some normal, or inside_
-  double leastDepth_, rounding_, ahead_;
+  double leastDepth_, rounding_;
+  double ahead_;  ///< how far around the shape is looked for what is in the way
+  bool isCorneredHere_ = false;
+  std::uint32_t component_ = kNone;  ///< of the first triangle
   std::array<std::uint32_t, kMostTriangles> touched_;
   std::array<Beside, kMostTriangles> beside_;
   std::size_t count_ = 0, besideCount_ = 0;

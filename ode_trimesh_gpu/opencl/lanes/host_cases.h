@@ -32,7 +32,8 @@ inline bool areContactsOfHost(const Query& query) {
   return mayBeShells(query) || (!isPairwise(query) && haveParts(query));
 }
 
-/// Whether a batch leaves all of the pair to the CPU. Pairs on a surface are not looked at before: most are quick there.
+/// Whether a batch leaves all of the pair to the CPU. Pairs on a surface are not looked at before: most are quick
+/// there.
 inline bool isForHost(const Query& query) {
   return areContactsOfHost(query) || isConvexPair(query) || isSurfacePair(query);
 }
