@@ -56,8 +56,8 @@ PAGES = [
          "Microseconds a step, medians. `native` is made of ODE's own shapes, `stock` of dTriMesh geoms, `ours` of "
          "geoms of this library. ODE disables bodies that are asleep.", "bench world"),
     Page("terrain", "Shapes on a terrain",
-         "ODE's shapes on an open mesh of hills, beside a dTriMesh. A shape trembles from call to call; `still`: it "
-         "does not.",
+         "ODE's shapes and convex meshes on an open mesh of hills, beside a dTriMesh. A shape trembles "
+         "from call to call; `still`: it does not.",
          "bench terrain"),
     Page("shapes", "Shapes on small and convex meshes",
          "ODE's shapes, beside a dTriMesh. A shape trembles from call to call; `still`: it does not.",

@@ -15,29 +15,16 @@
 #include "queries/closest_point.h"
 #include "scenes/concave_meshes.h"
 #include "scenes/generated_meshes.h"
-#include "scenes/height_grid.h"
 #include "shared/contacts/solid_model.h"
 #include "support/catch.h"
 #include "support/draw.h"
+#include "support/hills.h"
 #include "support/make_query.h"
 
 using namespace otg;
 using namespace otg::test;
 
 namespace {
-
-std::unique_ptr<const CollisionMesh> meshOf(const scenes::MeshArrays& arrays) {
-  return std::make_unique<const CollisionMesh>(scenes::build(arrays), BuildStrategy::kSah);
-}
-
-/// An open sheet.
-scenes::MeshArrays hills(int cells, double height) {
-  scenes::HeightGrid grid;
-  grid.sizeX = grid.sizeY = 8;
-  grid.columns = grid.rows = cells + 1;
-  scenes::setHeights(grid, [&](double x, double y) { return height * std::sin(1.7 * x + 1) * std::cos(1.3 * y); });
-  return scenes::sheetOf(grid);
-}
 
 struct Ground {
   std::string name;
