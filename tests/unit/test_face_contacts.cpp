@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/vectors.h"
+#include "collide/solid/look_ahead.h"
 #include "collide/stages.h"
 #include "collide/surface/face_contacts.h"
 #include "primitives/convex_contacts.h"
@@ -138,7 +139,7 @@ Query queryOf(const CollisionMesh& mesh, const ConvexShape& shape, const Transfo
 }
 
 bool collideFaces(const Query& query, const ConvexShape& shape, Workspace& workspace) {
-  NearSurface near(query, shape);
+  NearSurface near(query, shape, isCornered(query.a));
   workspace.clear();
   if (!near.collect() || !addFaceContacts(near, workspace)) return false;
   finishContacts(query, workspace);

@@ -9,6 +9,7 @@
 
 #include "base/vectors.h"
 #include "collide/shortest_translation.h"
+#include "collide/solid/look_ahead.h"
 #include "collide/stages.h"
 #include "collide/surface/smooth_contacts.h"
 #include "primitives/convex_shape.h"
@@ -110,7 +111,7 @@ Transformd drawPose(Draw& draw, const CollisionMesh& mesh, const Mover& mover) {
 }
 
 bool collideSmooth(const Query& query, const ConvexShape& shape, Workspace& workspace) {
-  NearSurface near(query, shape);
+  NearSurface near(query, shape, isCornered(query.a));
   workspace.clear();
   return near.collect() && addSmoothContacts(near, workspace) == SurfaceAnswer::kTouching;
 }

@@ -212,7 +212,7 @@ TEST_CASE("an inner corner elsewhere on a mesh does not change contacts") {
   int found = 0;
   for (const auto& body : bodies()) {
     if (radiusOf(*body) > 1) continue;
-    for (int i = 0; i < 20; ++i) {
+    for (int i = 0; i < 40; ++i) {
       const Transformd pose = drawPose(draw, *mesh, *body, std::pow(10.0, draw.uniform(-2, -0.5)));
       const Vec3d middle = otgTransform(pose, middleOf(*body));
       if (middle.x < -1.5 && middle.y < -1.5) continue;

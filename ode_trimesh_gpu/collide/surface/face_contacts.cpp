@@ -165,7 +165,7 @@ class FaceSolver {
   /// Whether the shape, moved out of the faces, is in none that it was in front of.
   bool isFree(const Vec3d& way) const {
     const Face* const faces = faces_.data();
-    return near_.isFree(way) && (!near_.isCornered() || std::all_of(faces, faces + faceCount_,
+    return near_.isFree(way) && (!near_.looksAhead() || std::all_of(faces, faces + faceCount_,
                                                                     [](const Face& face) { return face.isTouched; }));
   }
 

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "bvh/wide_search.h"
-#include "collide/solid/look_ahead.h"
 
 namespace otg {
 namespace {
@@ -14,13 +13,9 @@ constexpr double kAhead = 0.05;  ///< of the shape's radius: how far around it i
 constexpr double kSinglePrecision = 4e-7;  ///< of the mesh's reach: single precision, in which its vertices are
 constexpr double kTouched = 1e-13;         ///< of the size and the distances
 
-bool isHollow(std::uint8_t edge) {
-  return edge == OTG_EDGE_INNER || edge == OTG_EDGE_HOLLOW;
-}
-
 }  // namespace
 
-NearSurface::NearSurface(const Query& query, const ConvexGeometry& shape)
+NearSurface::NearSurface(const Query& query, const ConvexGeometry& shape, bool looksAhead)
     : query_(query), shape_(shape), mesh_(query.a->mesh()), placed_(shape, query.bInA, {0, 0, 0}) {
   const Vec3d &low = shape.low, &high = shape.high;
   const Vec3d middle = (low + high) * 0.5;
@@ -34,46 +29,28 @@ NearSurface::NearSurface(const Query& query, const ConvexGeometry& shape)
   const Vec3f &a = mesh_.boundsMin(), &b = mesh_.boundsMax();
   rounding_ = kSinglePrecision * std::max({std::fabs(a.x), std::fabs(a.y), std::fabs(a.z), std::fabs(b.x),
                                            std::fabs(b.y), std::fabs(b.z)});
-  ahead_ = otg::isCornered(query.a) ? kAhead * radius : 0;
+  ahead_ = looksAhead ? kAhead * radius : 0;
 }
 
 bool NearSurface::collect() {
   bool isFew = true;
   const BoxQuery box(*query_.a, frame_, half_ + Vec3d{ahead_, ahead_, ahead_});
   searchWide(query_.a->wide(), box, [&](std::uint32_t t) { isFew = isFew && add(t); });
-  if (ahead_ > 0 && !isCorneredHere_) {
-    ahead_ = 0;
-    std::uint32_t* const end = touched_.data() + count_;
-    count_ = static_cast<std::size_t>(
-        std::remove_if(touched_.data(), end, [&](std::uint32_t t) { return isBesideBox(t, rounding_); }) -
-        touched_.data());
-  }
   std::sort(touched_.data(), touched_.data() + count_);
   return isFew;
 }
 
-/// An inner corner that is elsewhere on the mesh must not change the contacts here.
-void NearSurface::noteCorners(std::uint32_t t) {
-  const Topology& topology = mesh_.topology();
-  if (component_ == kNone) component_ = topology.componentOf[t];
-  isCorneredHere_ = topology.componentOf[t] != component_;
-  for (std::size_t k = 0; k < 3 && !isCorneredHere_; ++k) {
-    const std::uint32_t edge = topology.edgeOf[3 * std::size_t{t} + k];
-    isCorneredHere_ = edge != kNone && isHollow(query_.a->adjacency().edgeKind[edge]);
-  }
-}
-
 /// The tree knows its boxes alone.
-bool NearSurface::isBesideBox(std::uint32_t t, double around) const {
+bool NearSurface::isBesideBox(std::uint32_t t) const {
   const Vec3d a = placed_.toLocal(corner(t, 0)), b = placed_.toLocal(corner(t, 1)), c = placed_.toLocal(corner(t, 2));
   const Vec3d least = minimum(minimum(a, b), c), most = maximum(maximum(a, b), c);
+  const double around = std::max(ahead_, rounding_);
   return least.x > shape_.high.x + around || most.x < shape_.low.x - around || least.y > shape_.high.y + around ||
          most.y < shape_.low.y - around || least.z > shape_.high.z + around || most.z < shape_.low.z - around;
 }
 
 bool NearSurface::add(std::uint32_t t) {
-  if (mesh_.isDegenerate(t) || isBesideBox(t, std::max(ahead_, rounding_))) return true;
-  if (ahead_ > 0 && !isCorneredHere_) noteCorners(t);
+  if (mesh_.isDegenerate(t) || isBesideBox(t)) return true;
   const Vec3d& n = query_.a->adjacency().normal[t];
   const double offset = otgDot(n, corner(t, 0));
   // Neighbours mostly have the same rear.

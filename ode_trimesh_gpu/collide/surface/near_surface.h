@@ -16,8 +16,9 @@ class NearSurface {
  public:
   static constexpr std::size_t kMostTriangles = 512;
 
-  /// The mesh is query.a. Both have to outlive this.
-  NearSurface(const Query& query, const ConvexGeometry& shape);
+  /// The mesh is query.a. Both have to outlive this. `looksAhead`: what is around the shape, to 5 % of its radius, may
+  /// be in its way, and there is no way that is longer.
+  NearSurface(const Query& query, const ConvexGeometry& shape, bool looksAhead);
 
   /// Looks for the triangles. False if there are more than kMostTriangles of either kind.
   bool collect();
@@ -34,8 +35,7 @@ class NearSurface {
   double leastDepth() const { return leastDepth_; }
   /// How far single precision moves the mesh's vertices.
   double rounding() const { return rounding_; }
-  /// Whether there are inner corners or other components near the shape, so that what is beside it may be in the way.
-  bool isCornered() const { return ahead_ > 0; }
+  bool looksAhead() const { return ahead_ > 0; }
   Vec3d corner(std::uint32_t triangle, std::size_t k) const {
     const Vec3f& v = mesh_.vertices()[mesh_.triangles()[triangle].v[k]];
     return {v.x, v.y, v.z};
@@ -49,8 +49,7 @@ class NearSurface {
     Vec3d normal;
     double offset;
   };
-  bool isBesideBox(std::uint32_t triangle, double around) const;
-  void noteCorners(std::uint32_t triangle);
+  bool isBesideBox(std::uint32_t triangle) const;
   bool add(std::uint32_t triangle);
 
   const Query& query_;
@@ -61,10 +60,7 @@ class NearSurface {
   Vec3d half_;        ///< of that box
   Vec3d inside_;
   Vec3d rear_;  ///< of the shape along some normal, or inside_
-  double leastDepth_, rounding_;
-  double ahead_;  ///< how far around the shape is looked for what is in the way
-  bool isCorneredHere_ = false;
-  std::uint32_t component_ = kNone;  ///< of the first triangle
+  double leastDepth_, rounding_, ahead_;
   std::array<std::uint32_t, kMostTriangles> touched_;
   std::array<Beside, kMostTriangles> beside_;
   std::size_t count_ = 0, besideCount_ = 0;

@@ -132,7 +132,7 @@ class SmoothSolver {
   /// Whether the shape, moved by `way`, is in no triangle that it was not in.
   bool isFree(const Vec3d& way) {
     if (!near_.isFree(way)) return false;
-    if (!near_.isCornered()) return true;
+    if (!near_.looksAhead()) return true;
     const Vec3d moved = near_.placed().directionToLocal(way);
     return std::all_of(near_.touched().begin(), near_.touched().end(), [&](std::uint32_t t) {
       if (pieceOf(t) != kNone) return true;

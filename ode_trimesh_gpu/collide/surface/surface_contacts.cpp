@@ -11,6 +11,7 @@
 #include "collide/pair_history.h"
 #include "collide/rotation_tolerance.h"
 #include "collide/shell/shell_roles.h"
+#include "collide/solid/look_ahead.h"
 #include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
 #include "collide/surface/face_contacts.h"
@@ -34,16 +35,17 @@ bool isOutside(const NearSurface& near) {
          p.z > high.z || !pointInMesh(*near.query().a, p);
 }
 
-/// `seen` is the query with the body as B. `complete` is called with the contacts of that.
+/// `seen` is the query with the body as B; `looksAhead` is for NearSurface. `complete` is called with the contacts of
+/// that.
 template <class Complete>
-bool addContacts(const Query& query, const Query& seen, const ConvexGeometry& body, Workspace& workspace,
-                 const Complete& complete) {
+bool addContacts(const Query& query, const Query& seen, const ConvexGeometry& body, bool looksAhead,
+                 Workspace& workspace, const Complete& complete) {
   using Clock = std::chrono::steady_clock;
   const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
   requireRigid(query.bInA);
   const SolidHistory::State before = stateBefore(query);
   if (before.side < 0 || before.escapeLeft > 0 || !isUnburdened(query)) return false;
-  NearSurface near(seen, body);
+  NearSurface near(seen, body, looksAhead);
   if (!near.collect()) return false;
   const SurfaceAnswer answer = answerOf(near, workspace);
   if (answer == SurfaceAnswer::kOther || (answer == SurfaceAnswer::kApart && !isOutside(near))) return false;
@@ -134,7 +136,7 @@ bool collideSurface(const Query& query, const ConvexGeometry& body, Workspace& w
     return false;
   }
   workspace.clear();
-  return addContacts(query, query, body, workspace, [](std::vector<Contact>&) {});
+  return addContacts(query, query, body, isCornered(query.a), workspace, [](std::vector<Contact>&) {});
 }
 
 bool isSurfacePair(const Query& query) {
@@ -151,7 +153,8 @@ bool surfacePairContacts(const Query& query, Workspace& workspace) {
   const bool isLast = query.a->convex() == nullptr;
   const Query seen = isLast ? query : turnedRound(query);
   const ConvexPolyhedron& body = *seen.b->convex();
-  return addContacts(query, seen, *body.geometry(), workspace, [&](std::vector<Contact>& contacts) {
+  // Whatever the mesh is elsewhere: a ground that is cut out around the body has the contacts of the whole.
+  return addContacts(query, seen, *body.geometry(), true, workspace, [&](std::vector<Contact>& contacts) {
     for (Contact& contact : contacts) {
       nameOnBody(seen, body, contact);
       if (!isLast) turnRound(query, contact);
