@@ -92,17 +92,9 @@ class SmoothSolver {
     return SurfaceAnswer::kOther;
   }
 
-  bool isBesideBox(const Corners& c) const {
-    const Vec3d least = minimum(minimum(c[0], c[1]), c[2]), most = maximum(maximum(c[0], c[1]), c[2]);
-    const Vec3d &low = shape_.low, &high = shape_.high;
-    return least.x > high.x || least.y > high.y || least.z > high.z || most.x < low.x || most.y < low.y ||
-           most.z < low.z;
-  }
-
   void addPiece(std::uint32_t t) {
     Piece& piece = pieces_[pieceCount_];
     piece.corner = cornersOf(t);
-    if (isBesideBox(piece.corner)) return;
     piece.triangle = t;
     piece.normal = near_.placed().directionToLocal(links_.normal[t]);
     piece.offset = otgDot(piece.normal, piece.corner[0]);
