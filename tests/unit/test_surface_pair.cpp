@@ -230,6 +230,35 @@ TEST_CASE("an inner corner elsewhere on a mesh does not change contacts") {
   CHECK(found > 60);
 }
 
+TEST_CASE("a body leaves the highest vertices of a face that rounding has bent") {
+  Draw draw(12);
+  Workspace workspace;
+  const auto body = meshOf(scenes::makeBox({0.5, 0.4, 0.3}));
+  int found = 0;
+  for (int i = 0; i < 60; ++i) {
+    // A plane, turned anyhow and far out, has vertices beside it by single precision.
+    scenes::MeshArrays plane = hills(6, 0);
+    const Transformd turn = makePose(draw.direction(), draw.uniform(-3, 3), draw.direction() * 30.0);
+    for (Vec3f& v : plane.vertices) v = scenes::toFloat(otgTransform(turn, {v.x, v.y, v.z}));
+    const auto mesh = meshOf(plane);
+    Transformd pose = makePose(draw.direction(), draw.uniform(-3, 3), {0, 0, 0});
+    pose.t = otgTransform(turn, {0.2, 0.1, 0});
+    const Vec3d up = otgRotate(turn, {0, 0, 1});
+    double in = 0, out = 1;
+    for (int k = 0; k < 40; ++k) {
+      const double middle = 0.5 * (in + out);
+      (areMeeting(*mesh, *body, pose, up * middle) ? in : out) = middle;
+    }
+    pose.t = pose.t + up * (out - 2e-5);
+    if (!collideSurfacePair(queryOf(*mesh, *body, pose), workspace) || workspace.reduced.empty()) continue;
+    ++found;
+    ShortestTranslation way;
+    for (const Contact& c : workspace.reduced) REQUIRE(way.add(c.normal * -1.0, c.depth));
+    CHECK_FALSE(areMeeting(*mesh, *body, pose, way.value() * (1 + 1e-4)));
+  }
+  CHECK(found > 40);
+}
+
 TEST_CASE("a convex mesh meets a surface where the options ask for it") {
   const auto lump = meshOf(scenes::makeLump(2, 3, 0.2, 7)), box = meshOf(scenes::makeBox({1, 1, 1}));
   const auto ball = meshOf(scenes::makeSphere(1, 3)), sheet = meshOf(hills(8, 0.2));
