@@ -83,20 +83,20 @@ double ConvexGeometry::exitDistance(const Vec3d& p, const Vec3d& d) const {
 
 bool ConvexGeometry::isNearSegment(const Vec3d& from, const Vec3d& to, double slack) const {
   const Vec3d d = to - from;
-  double low = 0, high = 1;  // the part of the segment that is inside
+  double enters = 0, leaves = 1;  // the part of the segment that is inside
   for (std::size_t i = 0; i < faceNormals.size(); ++i) {
     const double height = faceOffsets[i] + slack - otgDot(faceNormals[i], from), speed = otgDot(faceNormals[i], d);
     if (speed > 0) {
-      high = std::min(high, height / speed);
+      leaves = std::min(leaves, height / speed);
     } else if (speed < 0) {
-      low = std::max(low, height / speed);
+      enters = std::max(enters, height / speed);
     } else if (height < 0) {
       return false;
     }
   }
-  if (low > high || kind != Kind::kCylinder) return low <= high;
+  if (enters > leaves || kind != Kind::kCylinder) return enters <= leaves;
   const double a = d.x * d.x + d.y * d.y, b = d.x * from.x + d.y * from.y;
-  const double nearest = std::clamp(a > 0 ? -b / a : low, low, high), reach = radius + slack;
+  const double nearest = std::clamp(a > 0 ? -b / a : enters, enters, leaves), reach = radius + slack;
   const double x = from.x + nearest * d.x, y = from.y + nearest * d.y;
   return x * x + y * y <= reach * reach;
 }
