@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/vectors.h"
 #include "collide/pair_history.h"
 #include "collide/shell/ground_sides.h"
 
