@@ -46,6 +46,19 @@ double exitOfFaces(const ConvexGeometry& s, const Vec3d& p, const Vec3d& d) {
 
 }  // namespace
 
+void ConvexGeometry::bound() {
+  low = high = vertices.front();
+  Vec3d sum{0, 0, 0};
+  for (const Vec3d& v : vertices) {
+    low = minimum(low, v);
+    high = maximum(high, v);
+    sum = sum + v;
+  }
+  middle = sum * (1.0 / static_cast<double>(vertices.size()));
+  reach = 0;
+  for (const Vec3d& v : vertices) reach = std::max(reach, norm(v - middle));
+}
+
 Vec3d ConvexGeometry::support(const Vec3d& d) const {
   switch (kind) {
     case Kind::kBox:
@@ -96,9 +109,9 @@ bool ConvexGeometry::isNearSegment(const Vec3d& from, const Vec3d& to, double sl
   }
   if (enters > leaves || kind != Kind::kCylinder) return enters <= leaves;
   const double a = d.x * d.x + d.y * d.y, b = d.x * from.x + d.y * from.y;
-  const double nearest = std::clamp(a > 0 ? -b / a : enters, enters, leaves), reach = radius + slack;
+  const double nearest = std::clamp(a > 0 ? -b / a : enters, enters, leaves), farthest = radius + slack;
   const double x = from.x + nearest * d.x, y = from.y + nearest * d.y;
-  return x * x + y * y <= reach * reach;
+  return x * x + y * y <= farthest * farthest;
 }
 
 }  // namespace otg

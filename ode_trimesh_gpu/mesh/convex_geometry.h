@@ -21,6 +21,10 @@ struct ConvexGeometry {
   Vec3d low{0, 0, 0}, high{0, 0, 0};  ///< corners of a box around it
   Vec3d middle{0, 0, 0};              ///< a point well inside: of a polyhedron the mean of its vertices
 
+  double reach = 0;  ///< of the ball about the middle that holds all of it
+
+  /// Sets the box, the middle and the reach from the vertices.
+  void bound();
   bool isCurved() const { return kind == Kind::kCapsule || kind == Kind::kCylinder; }
   /// The farthest point along a direction.
   Vec3d support(const Vec3d& direction) const;

@@ -355,16 +355,9 @@ class PolyhedronBuilder {
   }
 
   void describe(ConvexGeometry& body) const {
-    const std::vector<Vec3d>& vertices = out_.vertices_;
     body.kind = ConvexGeometry::Kind::kPolyhedron;
-    body.vertices = vertices;
-    body.low = body.high = vertices.front();
-    for (const Vec3d& v : vertices) {
-      body.low = minimum(body.low, v);
-      body.high = maximum(body.high, v);
-      body.middle = body.middle + v;
-    }
-    body.middle = body.middle * (1.0 / static_cast<double>(vertices.size()));
+    body.vertices = out_.vertices_;
+    body.bound();
     for (std::uint32_t f = 0; f < out_.faceCount(); ++f) {
       body.faceNormals.push_back(out_.face(f).normal);
       body.faceOffsets.push_back(out_.face(f).offset);

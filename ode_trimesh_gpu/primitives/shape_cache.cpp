@@ -159,19 +159,13 @@ void describe(ConvexShape& shape, const std::vector<std::array<std::uint32_t, 3>
   }
 }
 
-/// The box around the shape, and its middle.
+/// A curved shape's mesh is around it.
 void bound(ConvexShape& shape) {
+  if (!shape.isCurved()) return shape.bound();
   const Vec3f &low = shape.mesh->mesh().boundsMin(), &high = shape.mesh->mesh().boundsMax();
   shape.low = {low.x, low.y, low.z};
   shape.high = {high.x, high.y, high.z};
-  if (shape.vertices.empty()) return;
-  Vec3d sum{0, 0, 0};
-  for (const Vec3d& v : shape.vertices) {
-    shape.low = minimum(shape.low, v);
-    shape.high = maximum(shape.high, v);
-    sum = sum + v;
-  }
-  shape.middle = sum * (1.0 / static_cast<double>(shape.vertices.size()));
+  shape.reach = norm(shape.high);
 }
 
 /// The shape of a key: kept, or made and kept. `make` fills all but the mesh and returns the arrays of that.

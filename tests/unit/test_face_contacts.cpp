@@ -2,6 +2,7 @@
 // Convex shapes on faces of a mesh that no outer edge interrupts: against half spaces, and where they decline.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -139,7 +140,7 @@ Query queryOf(const CollisionMesh& mesh, const ConvexShape& shape, const Transfo
 }
 
 bool collideFaces(const Query& query, const ConvexShape& shape, Workspace& workspace) {
-  NearSurface near(query, shape, isCornered(query.a));
+  NearSurface near(query, shape, isCornered(query.a), std::numeric_limits<double>::infinity());
   workspace.clear();
   if (!near.collect() || !addFaceContacts(near, workspace)) return false;
   finishContacts(query, workspace);

@@ -3,6 +3,7 @@
 // triangles; and where the method declines.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -111,7 +112,7 @@ Transformd drawPose(Draw& draw, const CollisionMesh& mesh, const Mover& mover) {
 }
 
 bool collideSmooth(const Query& query, const ConvexShape& shape, Workspace& workspace) {
-  NearSurface near(query, shape, isCornered(query.a));
+  NearSurface near(query, shape, isCornered(query.a), std::numeric_limits<double>::infinity());
   workspace.clear();
   return near.collect() && addSmoothContacts(near, workspace) == SurfaceAnswer::kTouching;
 }

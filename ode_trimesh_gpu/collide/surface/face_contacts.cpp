@@ -164,9 +164,12 @@ class FaceSolver {
 
   /// Whether the shape, moved out of the faces, is in none that it was in front of.
   bool isFree(const Vec3d& way) const {
-    const Face* const faces = faces_.data();
-    return near_.isFree(way) && (!near_.looksAhead() || std::all_of(faces, faces + faceCount_,
-                                                                    [](const Face& face) { return face.isTouched; }));
+    return near_.isFree(way, [&](std::uint32_t t) {
+      const Touched *const end = touched_.data() + count_, *const of = std::find_if(
+                                                               touched_.data(), end,
+                                                               [&](const Touched&o) { return o.triangle == t; });
+      return of != end && faces_[of->face].isTouched;
+    });
   }
 
   /// The points of a cylinder that are below a face: of the end on which it stands, or the ends of a line of its side.

@@ -187,8 +187,7 @@ Vec3d ShapePlanes::areaInside(const Corners& corners) {
   };
   if (isInFront(facing_)) return {0, 0, 0};
   const double spread = std::max(norm(corners[1] - corners[0]), norm(corners[2] - corners[0]));
-  std::array<std::uint16_t, kMostPlanes> cuts;
-  std::size_t cutCount = 0;
+  cutCount_ = 0;
   for (std::size_t f = 0; f < normals_.size(); ++f) {
     const double first = height(f, corners[0]);
     if (first + spread < 0) continue;
@@ -197,17 +196,17 @@ Vec3d ShapePlanes::areaInside(const Corners& corners) {
       return {0, 0, 0};
     }
     if (first > 0 || height(f, corners[1]) > 0 || height(f, corners[2]) > 0) {
-      cuts[cutCount++] = static_cast<std::uint16_t>(f);
+      cuts_[cutCount_++] = static_cast<std::uint16_t>(f);
     }
   }
   std::size_t count = 3;
   std::copy(corners.begin(), corners.end(), polygon_.begin());
-  for (std::size_t c = 0; c < cutCount; ++c) {
+  for (std::size_t c = 0; c < cutCount_; ++c) {
     std::size_t kept = 0;
     Vec3d last = polygon_[count - 1];
-    double before = height(cuts[c], last);
+    double before = height(cuts_[c], last);
     for (std::size_t i = 0; i < count; ++i) {
-      const double here = height(cuts[c], polygon_[i]);
+      const double here = height(cuts_[c], polygon_[i]);
       if ((before < 0 && here > 0) || (before > 0 && here < 0)) {
         next_[kept++] = last + (polygon_[i] - last) * (before / (before - here));
       }
@@ -225,6 +224,17 @@ Vec3d ShapePlanes::areaInside(const Corners& corners) {
     sum = sum + otgCross(polygon_[i] - polygon_[0], polygon_[i + 1] - polygon_[0]);
   }
   return sum;
+}
+
+std::uint32_t ShapePlanes::faceOfPart() const {
+  std::uint32_t face = kWithin;
+  for (const std::uint16_t f : std::span(cuts_.data(), cutCount_)) {
+    const auto isOn = [&](const Vec3d& p) { return otgDot(normals_[f], p) >= offsets_[f] - slack_; };
+    if (!std::ranges::any_of(polygon(), isOn)) continue;
+    if (face != kWithin || f >= shape_.faceNormals.size()) return kSeveral;
+    face = f;
+  }
+  return face;
 }
 
 void ShapePlanes::cutBy(const Vec3d& normal, double offset, Stretch& s) {

@@ -32,6 +32,12 @@ class ShapePlanes {
   /// The corners of that part, after a call that did not return zero.
   std::span<const Vec3d> polygon() const { return {polygon_.data(), polygonCount_}; }
 
+  /// The face where that part ends: kWithin if it is all of the triangle, kSeveral if it ends at more than one, or at
+  /// a side of a cylinder.
+  std::uint32_t faceOfPart() const;
+  static constexpr std::uint32_t kWithin = 0xffffffff, kSeveral = 0xfffffffe;
+  const Vec3d& normal(std::uint32_t face) const { return normals_[face]; }
+
   /// From now on cut() is quicker where few planes cut this box, which has all stretches.
   void lookAt(const Vec3d& low, const Vec3d& high);
 
@@ -83,8 +89,9 @@ class ShapePlanes {
   Vec3d out_{};
   double slack_;            ///< rounding of distances to planes
   std::size_t facing_ = 0;  ///< a plane that had a triangle in front of it
-  std::size_t polygonCount_ = 0;
-  Planes near_;  ///< those that cut the box
+  std::size_t polygonCount_ = 0, cutCount_ = 0;
+  std::array<std::uint16_t, kMostPlanes> cuts_;  ///< planes that cut the last triangle
+  Planes near_;                                  ///< those that cut the box
   std::array<Vec3d, kMostPlanes + 3> polygon_, next_;
   std::array<Vec3d, 2 + kSides> prismNormals_;
   std::array<double, 2 + kSides> prismOffsets_;

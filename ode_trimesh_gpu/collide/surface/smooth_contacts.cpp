@@ -5,8 +5,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory_resource>
 #include <optional>
+#include <vector>
 
+#include "base/flat_map.h"
 #include "base/vectors.h"
 #include "collide/convex/convex_places.h"
 #include "collide/shortest_translation.h"
@@ -19,7 +22,7 @@ namespace otg {
 namespace {
 
 constexpr double kNearlyFlat = 0.766;  ///< cosine of 40 degrees
-constexpr std::size_t kMostPieces = 128;
+constexpr double kDeeper = 1.001;      ///< of depths: more than the rounding of a flat face
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// All geometry is in the shape's frame.
@@ -32,21 +35,23 @@ class SmoothSolver {
         mesh_(near.mesh()),
         links_(near.query().a->adjacency()),
         inside_(near.placed().toLocal(near.inside())),
-        planes_(shape_) {}
+        planes_(shape_),
+        memory_(emptyMemory(workspace)),
+        pieces_(memory_),
+        stretches_(memory_),
+        patches_(memory_) {}
 
   SurfaceAnswer run() {
     if (planes_.areMany()) return SurfaceAnswer::kOther;
-    for (const std::uint32_t t : near_.touched()) {
-      if (pieceCount_ == kMostPieces) return SurfaceAnswer::kOther;
-      addPiece(t);
-    }
-    if (pieceCount_ == 0) return SurfaceAnswer::kApart;
+    pieces_.reserve(near_.touched().size());
+    for (const std::uint32_t t : near_.touched()) addPiece(t);
+    if (pieces_.empty()) return SurfaceAnswer::kApart;
     planes_.lookAt(low_, high_);
     if (!addStretches() || !findDirections()) return SurfaceAnswer::kOther;
     const double most = planes_.roomAround(inside_);
-    ShortestTranslation way(emptyMemory(workspace_));
+    ShortestTranslation way(memory_);
     std::uint32_t regions = 0;
-    for (std::uint32_t p = 0; p < patchCount_; ++p) {
+    for (std::uint32_t p = 0; p < patches_.size(); ++p) {
       if (!findPlaces(p)) return declined();
       if (places().empty()) continue;
       const double depth = deepest();
@@ -70,8 +75,9 @@ class SmoothSolver {
     std::uint32_t triangle, patch;  ///< until all stretches are known, another piece of the patch
     Corners corner;
     Vec3d normal;
-    double offset;  ///< normal . x on its plane
-    double area;    ///< of the part
+    double offset;       ///< normal . x on its plane
+    double area;         ///< of the part
+    std::uint32_t face;  ///< of the shape, where the part ends: ShapePlanes::faceOfPart()
   };
   /// The part of an edge of the mesh in the shape, from Topology::Edge::a on.
   struct Stretch {
@@ -81,8 +87,10 @@ class SmoothSolver {
   };
   /// What hangs together in the shape.
   struct Patch {
-    Vec3d direction;  ///< unit, out of the mesh
-    double highest;   ///< along it
+    Vec3d direction;     ///< unit, out of the mesh; first the sum of normals times areas
+    double highest;      ///< along it
+    std::uint32_t face;  ///< of the shape, if all of the patch ends there, and it goes from there into the shape
+    bool isUnderFace() const { return face < ShapePlanes::kSeveral; }
   };
 
   std::vector<ConvexPlace>& places() { return workspace_.convex.places; }
@@ -93,15 +101,16 @@ class SmoothSolver {
   }
 
   void addPiece(std::uint32_t t) {
-    Piece& piece = pieces_[pieceCount_];
+    Piece piece;
     piece.corner = cornersOf(t);
     piece.triangle = t;
     piece.normal = near_.placed().directionToLocal(links_.normal[t]);
     piece.offset = otgDot(piece.normal, piece.corner[0]);
     piece.area = 0.5 * otgDot(planes_.areaInside(piece.corner), piece.normal);
     if (!(piece.area > 0)) return;
-    piece.patch = static_cast<std::uint32_t>(pieceCount_);
-    ++pieceCount_;
+    piece.face = planes_.faceOfPart();
+    piece.patch = static_cast<std::uint32_t>(pieces_.size());
+    pieces_.push_back(piece);
     for (const Vec3d& p : planes_.polygon()) {
       low_ = minimum(low_, p);
       high_ = maximum(high_, p);
@@ -123,10 +132,8 @@ class SmoothSolver {
 
   /// Whether the shape, moved by `way`, is in no triangle that it was not in.
   bool isFree(const Vec3d& way) {
-    if (!near_.isFree(way)) return false;
-    if (!near_.looksAhead()) return true;
     const Vec3d moved = near_.placed().directionToLocal(way);
-    return std::all_of(near_.touched().begin(), near_.touched().end(), [&](std::uint32_t t) {
+    return near_.isFree(way, [&](std::uint32_t t) {
       if (pieceOf(t) != kNone) return true;
       Corners corner = cornersOf(t);
       for (Vec3d& c : corner) c = c - moved;
@@ -145,7 +152,8 @@ class SmoothSolver {
   /// False where the surface ends in the shape.
   bool addStretches() {
     const Topology& topology = mesh_.topology();
-    for (std::uint32_t i = 0; i < pieceCount_; ++i) {
+    stretches_.reserve(2 * pieces_.size());
+    for (std::uint32_t i = 0; i < pieces_.size(); ++i) {
       for (std::uint32_t k = 0; k < 3; ++k) {
         const std::uint32_t half = 3 * pieces_[i].triangle + k, twin = topology.twin[half];
         if (twin != kNone && twin / 3 < pieces_[i].triangle) continue;  // seen from there
@@ -160,52 +168,70 @@ class SmoothSolver {
         if (other == kNone) continue;  // it is touched, and no more
         const std::uint32_t a = patchOf(i), b = patchOf(other);
         pieces_[std::max(a, b)].patch = std::min(a, b);
-        stretches_[stretchCount_++] = stretch;
+        stretches_.push_back(stretch);
       }
     }
     return true;
   }
 
   std::uint32_t pieceOf(std::uint32_t triangle) const {
-    const Piece *const begin = pieces_.data(), *const end = begin + pieceCount_;
-    const Piece* const at =
-        std::lower_bound(begin, end, triangle, [](const Piece& p, std::uint32_t t) { return p.triangle < t; });
-    return at != end && at->triangle == triangle ? static_cast<std::uint32_t>(at - begin) : kNone;
+    const auto at = std::ranges::lower_bound(pieces_, triangle, {}, &Piece::triangle);
+    return at != pieces_.end() && at->triangle == triangle ? static_cast<std::uint32_t>(at - pieces_.begin()) : kNone;
   }
 
-  /// False if a patch is not nearly flat, or has the shape's middle behind it.
+  /// A patch that ends at one face of the shape, as feet on a floor do, is against that face. Another one is against
+  /// the mean of its normals. False if that is not nearly flat, or has the shape's middle behind it.
   bool findDirections() {
-    std::array<Vec3d, kMostPieces> sums;
-    std::array<std::uint32_t, kMostPieces> numbers;
-    for (std::uint32_t i = 0; i < pieceCount_; ++i) {
+    std::pmr::vector<std::uint32_t> numbers(pieces_.size(), memory_);
+    for (std::uint32_t i = 0; i < pieces_.size(); ++i) {
       const std::uint32_t first = patchOf(i);
       if (first == i) {
-        sums[patchCount_] = {0, 0, 0};
-        patches_[patchCount_] = {{}, -kInfinity};
-        numbers[i] = patchCount_++;
+        numbers[i] = static_cast<std::uint32_t>(patches_.size());
+        patches_.push_back({{0, 0, 0}, -kInfinity, ShapePlanes::kWithin});
       }
       numbers[i] = numbers[first];
-      sums[numbers[i]] = sums[numbers[i]] + pieces_[i].normal * pieces_[i].area;
+      Patch& patch = patches_[numbers[i]];
+      patch.direction = patch.direction + pieces_[i].normal * pieces_[i].area;
+      const std::uint32_t face = pieces_[i].face;
+      if (patch.face == ShapePlanes::kWithin) patch.face = face;
+      if (face != ShapePlanes::kWithin && face != patch.face) patch.face = ShapePlanes::kSeveral;
     }
-    for (std::uint32_t i = 0; i < pieceCount_; ++i) pieces_[i].patch = numbers[i];
-    for (std::uint32_t p = 0; p < patchCount_; ++p) patches_[p].direction = unit(sums[p]);
-    return std::all_of(pieces_.data(), pieces_.data() + pieceCount_, [&](const Piece& piece) {
+    for (std::uint32_t i = 0; i < pieces_.size(); ++i) pieces_[i].patch = numbers[i];
+    for (Patch& patch : patches_) {
+      const Vec3d& mean = patch.direction;
+      if (patch.isUnderFace() && !(otgDot(planes_.normal(patch.face), mean) < 0)) patch.face = ShapePlanes::kSeveral;
+      patch.direction = patch.isUnderFace() ? planes_.normal(patch.face) * -1.0 : unit(mean);
+    }
+    return std::ranges::all_of(pieces_, [&](const Piece& piece) {
       Patch& patch = patches_[piece.patch];
       for (const Vec3d& c : piece.corner) patch.highest = std::max(patch.highest, otgDot(c, patch.direction));
-      return otgDot(piece.normal, patch.direction) >= kNearlyFlat && otgDot(piece.normal, inside_) > piece.offset;
+      return patch.isUnderFace() ||
+             (otgDot(piece.normal, patch.direction) >= kNearlyFlat && otgDot(piece.normal, inside_) > piece.offset);
     });
   }
 
   bool findPlaces(std::uint32_t patch) {
     places().clear();
-    if (!addCorners(patch)) return false;
+    const bool isUnderFace = patches_[patch].isUnderFace();
+    if (!isUnderFace && !addCorners(patch)) return false;
     lookBelow(patches_[patch]);
     addVertices(patch);
+    if (isUnderFace) return isNearestFace(patch);
     const double deep = deepest();
-    for (std::size_t i = 0; i < stretchCount_; ++i) {
-      if (!stretches_[i].isFlat && pieces_[stretches_[i].piece].patch == patch) addEdge(stretches_[i], deep);
+    for (const Stretch& stretch : stretches_) {
+      if (!stretch.isFlat && pieces_[stretch.piece].patch == patch) addEdge(stretch, deep);
     }
     return true;
+  }
+
+  /// Whether no other face is nearer to the deepest vertex: then no way out is shorter than the one through this.
+  bool isNearestFace(std::uint32_t patch) {
+    constexpr double kAsNear = 1 - 1e-9;
+    const auto depthOf = [](const ConvexPlace& place) { return place.depth; };
+    const auto deepest = std::ranges::max_element(places(), {}, depthOf);
+    if (deepest == places().end()) return true;
+    const Vec3d vertex = deepest->at + patches_[patch].direction * (0.5 * deepest->depth);
+    return planes_.roomAround(vertex) >= kAsNear * deepest->depth;
   }
 
   /// `at` is on the shape.
@@ -276,9 +302,9 @@ class SmoothSolver {
       }
     }
     std::optional<ConvexPlace> lowest;
-    for (std::size_t i = 0; i < pieceCount_; ++i) {
-      if (pieces_[i].patch != number) continue;
-      const Vec3d rear = shape_.support(pieces_[i].normal * -1.0);
+    for (const Piece& piece : pieces_) {
+      if (piece.patch != number) continue;
+      const Vec3d rear = shape_.support(piece.normal * -1.0);
       if (!offer(rear, kCylinderLowest + endOf(rear))) continue;
       if (!lowest || places().back().depth > lowest->depth) lowest = places().back();
       places().pop_back();
@@ -298,19 +324,18 @@ class SmoothSolver {
   /// Whether the way from a point to the shape's middle leads through the patch.
   bool isBelow(const Vec3d& at, std::uint32_t patch) const {
     const Vec3d way = inside_ - at;
-    return std::any_of(pieces_.data(), pieces_.data() + pieceCount_, [&](const Piece& piece) {
+    return std::ranges::any_of(pieces_, [&](const Piece& piece) {
       return piece.patch == patch && otgDot(piece.normal, at) < piece.offset && isOver(piece.corner, way, at);
     });
   }
 
   /// Null where the shape overhangs the point so far that what is above is not in the shape.
   const Piece* pieceOver(std::uint32_t patch, const Vec3d& at) const {
-    const Piece *const begin = pieces_.data(), *const end = begin + pieceCount_;
-    const Piece* const found = std::find_if(begin, end, [&](const Piece& piece) {
+    const auto found = std::ranges::find_if(pieces_, [&](const Piece& piece) {
       return piece.patch == patch && otgDot(piece.normal, at) < piece.offset &&
              isOver(piece.corner, patches_[patch].direction, at);
     });
-    return found == end ? nullptr : found;
+    return found == pieces_.end() ? nullptr : &*found;
   }
 
   /// Whether the line along a direction, which leads out of the triangle's front, meets it.
@@ -322,21 +347,38 @@ class SmoothSolver {
     return true;
   }
 
-  /// The mesh's vertices in the shape, or above it where that overhangs.
+  /// The mesh's vertices in the shape, or above it where that overhangs. Of those that are there only because of the
+  /// tessellation the deepest one, if no other is as deep: all of a fine mesh are such.
   void addVertices(std::uint32_t patch) {
     const Vec3d& out = patches_[patch].direction;
-    std::size_t count = 0;
-    for (const Piece* piece = pieces_.data(); piece != pieces_.data() + pieceCount_; ++piece) {
-      if (piece->patch != patch) continue;
+    const auto offer = [&](const Piece& piece, std::size_t k, double depth) {
+      add(piece.corner[k] - out * depth, depth, out, ContactFeature::kVertexA, weldOf(piece, k), piece.triangle);
+    };
+    FlatMap seen(memory_);
+    const Piece* flattest = nullptr;
+    std::size_t corner = 0;
+    double deepestFlat = 0;
+    for (const Piece& piece : pieces_) {
+      if (piece.patch != patch) continue;
       for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t v = mesh_.topology().weld[mesh_.triangles()[piece->triangle].v[k]];
-        std::uint32_t* const end = vertices_.data() + count;
-        if (links_.flatVertex[v] != 0 || std::find(vertices_.data(), end, v) != end) continue;
-        vertices_[count++] = v;
-        const double depth = planes_.depthBelow(piece->corner[k]);
-        if (depth > 0) add(piece->corner[k] - out * depth, depth, out, ContactFeature::kVertexA, v, piece->triangle);
+        const std::uint32_t v = weldOf(piece, k);
+        bool isNew = false;
+        seen.insert(v, 0, &isNew);
+        const double depth = isNew ? planes_.depthBelow(piece.corner[k]) : 0;
+        if (!(depth > 0)) continue;
+        if (links_.flatVertex[v] == 0) {
+          offer(piece, k, depth);
+        } else if (depth > deepestFlat) {
+          deepestFlat = depth;
+          flattest = &piece;
+          corner = k;
+        }
       }
     }
+    if (flattest != nullptr && deepestFlat > kDeeper * deepest()) offer(*flattest, corner, deepestFlat);
+  }
+  std::uint32_t weldOf(const Piece& piece, std::size_t k) const {
+    return mesh_.topology().weld[mesh_.triangles()[piece.triangle].v[k]];
   }
 
   /// The deepest place of a stretch, which is exact if there is a deeper one than `deep`; and its ends.
@@ -382,12 +424,10 @@ class SmoothSolver {
   const Vec3d inside_;
   ShapePlanes planes_;
   Vec3d low_{kInfinity, kInfinity, kInfinity}, high_{-kInfinity, -kInfinity, -kInfinity};  ///< of all pieces
-  std::array<Piece, kMostPieces> pieces_;
-  std::array<Stretch, 3 * kMostPieces> stretches_;
-  std::array<std::uint32_t, 3 * kMostPieces> vertices_;  ///< of a patch, that were looked at
-  std::array<Patch, kMostPieces> patches_;
-  std::size_t pieceCount_ = 0, stretchCount_ = 0;
-  std::uint32_t patchCount_ = 0;
+  std::pmr::memory_resource* const memory_;
+  std::pmr::vector<Piece> pieces_;
+  std::pmr::vector<Stretch> stretches_;
+  std::pmr::vector<Patch> patches_;
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <utility>
 
 #include "base/vectors.h"
@@ -21,6 +22,8 @@
 namespace otg {
 namespace {
 
+constexpr double kLongestWay = 0.05;  ///< of the smaller radius: a longer way out of a mesh is for the model of solids
+
 SurfaceAnswer answerOf(const NearSurface& near, Workspace& workspace) {
   if (addFaceContacts(near, workspace)) return SurfaceAnswer::kTouching;
   return haveParts(near.query()) ? SurfaceAnswer::kOther : addSmoothContacts(near, workspace);
@@ -35,17 +38,14 @@ bool isOutside(const NearSurface& near) {
          p.z > high.z || !pointInMesh(*near.query().a, p);
 }
 
-/// `seen` is the query with the body as B; `looksAhead` is for NearSurface. `complete` is called with the contacts of
-/// that.
+/// `near` is of the query with the body as B; `complete` is called with the contacts of that.
 template <class Complete>
-bool addContacts(const Query& query, const Query& seen, const ConvexGeometry& body, bool looksAhead,
-                 Workspace& workspace, const Complete& complete) {
+bool addContacts(const Query& query, NearSurface& near, Workspace& workspace, const Complete& complete) {
   using Clock = std::chrono::steady_clock;
   const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
   requireRigid(query.bInA);
   const SolidHistory::State before = stateBefore(query);
   if (before.side < 0 || before.escapeLeft > 0 || !isUnburdened(query)) return false;
-  NearSurface near(seen, body, looksAhead);
   if (!near.collect()) return false;
   const SurfaceAnswer answer = answerOf(near, workspace);
   if (answer == SurfaceAnswer::kOther || (answer == SurfaceAnswer::kApart && !isOutside(near))) return false;
@@ -136,7 +136,9 @@ bool collideSurface(const Query& query, const ConvexGeometry& body, Workspace& w
     return false;
   }
   workspace.clear();
-  return addContacts(query, query, body, isCornered(query.a), workspace, [](std::vector<Contact>&) {});
+  constexpr double kAnyLength = std::numeric_limits<double>::infinity();
+  NearSurface near(query, body, isCornered(query.a), kAnyLength);
+  return addContacts(query, near, workspace, [](std::vector<Contact>&) {});
 }
 
 bool isSurfacePair(const Query& query) {
@@ -154,7 +156,10 @@ bool surfacePairContacts(const Query& query, Workspace& workspace) {
   const Query seen = isLast ? query : turnedRound(query);
   const ConvexPolyhedron& body = *seen.b->convex();
   // Whatever the mesh is elsewhere: a ground that is cut out around the body has the contacts of the whole.
-  return addContacts(query, seen, *body.geometry(), true, workspace, [&](std::vector<Contact>& contacts) {
+  const ConvexGeometry& geometry = *body.geometry();
+  const double radius = std::min(0.5 * norm(geometry.high - geometry.low), double{seen.a->mesh().radius()});
+  NearSurface near(seen, geometry, true, kLongestWay * radius);
+  return addContacts(query, near, workspace, [&](std::vector<Contact>& contacts) {
     for (Contact& contact : contacts) {
       nameOnBody(seen, body, contact);
       if (!isLast) turnRound(query, contact);
