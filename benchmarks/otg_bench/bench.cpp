@@ -41,6 +41,7 @@ void addBenchmarks(CLI::App& bench, Action& action) {
   addBenchPrimitives(bench, action);
   addBenchTessellations(bench, action);
   addBenchTerrain(bench, action);
+  addBenchFloor(bench, action);
   addBenchSmall(bench, action);
   addBenchShapes(bench, action);
   addBenchWorld(bench, action);

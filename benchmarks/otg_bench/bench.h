@@ -26,6 +26,8 @@ void addBenchPrimitives(CLI::App& bench, Action& action);
 void addBenchTessellations(CLI::App& bench, Action& action);
 /// `otg bench terrain`: ODE's shapes on a large open mesh, beside a dTriMesh.
 void addBenchTerrain(CLI::App& bench, Action& action);
+/// `otg bench floor`: meshes that stand on a box, beside dTriMesh geoms.
+void addBenchFloor(CLI::App& bench, Action& action);
 /// `otg bench small`: pairs of small bodies, beside ODE's own shapes and its dTriMesh.
 void addBenchSmall(CLI::App& bench, Action& action);
 /// `otg bench shapes`: ODE's shapes on small and convex meshes, beside a dTriMesh.

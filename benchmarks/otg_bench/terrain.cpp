@@ -5,15 +5,14 @@
 #include <ode/ode.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <memory>
 
-#include "cli/contact_hash.h"
 #include "cli/progress.h"
 #include "otg_bench/bench.h"
 #include "otg_bench/geoms.h"
+#include "otg_bench/trembling.h"
 #include "scenes/generated_meshes.h"
 #include "scenes/simulation.h"
 #include "truth/contact_families.h"
@@ -50,49 +49,6 @@ scenes::MeshArrays makeTerrain(int cells, double cell) {
     }
   }
   return out;
-}
-
-constexpr int kPlaces = 64;
-
-/// Contacts of one of the terrains with one shape, over all poses.
-struct TerrainRun {
-  std::vector<double> times, stillTimes;
-  std::uint64_t contacts = 0;
-  Fnv1a hash;
-};
-
-/// Elsewhere by so much for each call, as bodies at rest tremble. Planes and rays stay where they are.
-void tremble(dGeomID shape, const dReal* at, int step) {
-  const dReal by = 1e-7 * (step % 3 - 1);
-  if (dGeomGetClass(shape) != dPlaneClass && dGeomGetClass(shape) != dRayClass)
-    dGeomSetPosition(shape, at[0] + by, at[1] + by, at[2] - by);
-}
-
-void ask(dGeomID terrain, dGeomID shape, int repeat, TerrainRun& run) {
-  dContactGeom contacts[kPlaces];
-  dVector3 at{};
-  if (dGeomGetClass(shape) != dPlaneClass) std::copy_n(dGeomGetPosition(shape), 3, at);
-  int count = 0;
-  const auto measure = [&](bool trembles) {
-    std::vector<double> times;
-    for (int i = 0; i <= repeat; ++i) {
-      if (trembles) tremble(shape, at, i);
-      const auto start = std::chrono::steady_clock::now();
-      count = dCollide(terrain, shape, kPlaces, contacts, sizeof(dContactGeom));
-      const auto end = std::chrono::steady_clock::now();
-      if (i > 0) times.push_back(std::chrono::duration<double, std::micro>(end - start).count());
-    }
-    return median(times);
-  };
-  run.stillTimes.push_back(measure(false));
-  run.contacts += static_cast<std::uint64_t>(count);
-  run.hash.add(count);
-  for (int i = 0; i < count; ++i) {
-    addToHash(run.hash, contacts[i]);
-    run.hash.add(contacts[i].side1);
-  }
-  run.times.push_back(measure(true));
-  tremble(shape, at, 1);  // back where it was
 }
 
 /// What meets the terrain as our mesh geom, and what meets it as a dTriMesh: one shape of ODE's, or a mesh as either.
@@ -201,23 +157,17 @@ std::vector<Shape> shapesOf(const TerrainOptions& options) {
 Json runShape(const MeshTwins& terrain, const Shape& shape, const TerrainOptions& options) {
   truth::Random random(options.seed);
   const std::unique_ptr<Visitor> visitor = shape.make();
-  TerrainRun ours, stock;
+  TremblingRun ours, stock;
   Progress parts(static_cast<std::size_t>(options.poses));
   for (int i = 0; i < options.poses; ++i, parts.step()) {
     shape.place(terrain, visitor->stock, random);
     copyPose(visitor->stock, visitor->ours);
-    ask(terrain.ours, visitor->ours, options.repeat, ours);
-    ask(terrain.stock, visitor->stock, options.repeat, stock);
+    addPose(terrain.ours, visitor->ours, options.repeat, ours);
+    addPose(terrain.stock, visitor->stock, options.repeat, stock);
   }
-  const double mine = median(ours.times), theirs = median(stock.times);
-  return {{"shape", shape.name},
-          {"us", mine},
-          {"still_us", median(ours.stillTimes)},
-          {"us_of_dtrimesh", theirs},
-          {"times", mine / theirs},
-          {"contacts", static_cast<double>(ours.contacts) / options.poses},
-          {"contacts_of_dtrimesh", static_cast<double>(stock.contacts) / options.poses},
-          {"hash", ours.hash.hex()}};
+  Json row{{"shape", shape.name}};
+  row.update(compare(ours, stock));
+  return row;
 }
 
 int benchTerrain(const TerrainOptions& options) {
