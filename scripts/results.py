@@ -59,6 +59,10 @@ PAGES = [
          "ODE's shapes and convex meshes on an open mesh of hills, beside a dTriMesh. A shape trembles "
          "from call to call; `still`: it does not.",
          "bench terrain"),
+    Page("floor", "Meshes on a floor",
+         "Meshes that stand on a mesh box, on a flat sheet of 512 triangles and on ODE's box, beside dTriMesh geoms. "
+         "They tremble from call to call; `still`: they do not.",
+         "bench floor", "bench floor --overlap 0.0002", "bench floor --overlap 0.02"),
     Page("shapes", "Shapes on small and convex meshes",
          "ODE's shapes, beside a dTriMesh. A shape trembles from call to call; `still`: it does not.",
          "bench shapes --repeat 5 --poses 16 --calls 4"),

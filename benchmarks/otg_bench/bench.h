@@ -26,7 +26,7 @@ void addBenchPrimitives(CLI::App& bench, Action& action);
 void addBenchTessellations(CLI::App& bench, Action& action);
 /// `otg bench terrain`: ODE's shapes on a large open mesh, beside a dTriMesh.
 void addBenchTerrain(CLI::App& bench, Action& action);
-/// `otg bench floor`: meshes that stand on a box, beside dTriMesh geoms.
+/// `otg bench floor`: meshes that stand on a floor, beside dTriMesh geoms.
 void addBenchFloor(CLI::App& bench, Action& action);
 /// `otg bench small`: pairs of small bodies, beside ODE's own shapes and its dTriMesh.
 void addBenchSmall(CLI::App& bench, Action& action);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `otg bench floor`: meshes that stand on the top of a box, which is a mesh or ODE's, beside dTriMesh geoms.
+// `otg bench floor`: meshes that stand on a mesh box, on a flat sheet and on ODE's box, beside dTriMesh geoms.
 #include <fmt/format.h>
 #include <ode/ode.h>
 
@@ -16,6 +16,7 @@
 #include "otg_bench/geoms.h"
 #include "otg_bench/trembling.h"
 #include "scenes/generated_meshes.h"
+#include "scenes/height_grid.h"
 #include "scenes/simulation.h"
 #include "truth/contact_families.h"
 
@@ -67,37 +68,52 @@ void stand(const Body& body, const MeshTwins& twins, double overlap, truth::Rand
   poseGeom(twins.stock, pose);
 }
 
-Json measureBody(const Body& body, const MeshTwins& floor, dGeomID box, const FloorOptions& options) {
-  const MeshTwins twins(body.mesh);
-  Json rows = Json::array();
-  for (const bool isMesh : {true, false}) {
-    truth::Random random(options.seed);
-    TremblingRun ours, stock;
-    for (int i = 0; i < options.poses; ++i) {
-      stand(body, twins, options.overlap, random);
-      addPose(isMesh ? floor.ours : box, twins.ours, options.repeat, ours);
-      addPose(isMesh ? floor.stock : box, twins.stock, options.repeat, stock);
-    }
-    Json row{{"body", body.name}, {"triangles", twins.triangles()}, {"floor", isMesh ? "mesh box" : "dBox"}};
-    row.update(compare(ours, stock));
-    rows.push_back(row);
+/// An open mesh of squares, as wide as the floor, at its top.
+scenes::MeshArrays flatSheet() {
+  constexpr int kCells = 16;
+  scenes::HeightGrid grid;
+  grid.sizeX = kFloor.x;
+  grid.sizeY = kFloor.y;
+  grid.columns = grid.rows = kCells + 1;
+  scenes::setHeights(grid, [](double, double) { return 0.5 * kFloor.z; });
+  return scenes::sheetOf(grid);
+}
+
+/// What the meshes stand on, and what they stand on as dTriMesh geoms.
+struct Floor {
+  const char* name;
+  dGeomID ours, stock;
+};
+
+Json measureBody(const Body& body, const MeshTwins& twins, const Floor& floor, const FloorOptions& options) {
+  truth::Random random(options.seed);
+  TremblingRun ours, stock;
+  for (int i = 0; i < options.poses; ++i) {
+    stand(body, twins, options.overlap, random);
+    addPose(floor.ours, twins.ours, options.repeat, ours);
+    addPose(floor.stock, twins.stock, options.repeat, stock);
   }
-  return rows;
+  Json row{{"body", body.name}, {"triangles", twins.triangles()}, {"floor", floor.name}};
+  row.update(compare(ours, stock));
+  return row;
 }
 
 int benchFloor(const FloorOptions& options) {
   const scenes::OdeSession session;
-  const MeshTwins floor(scenes::makeBox(kFloor));
+  const MeshTwins mesh(scenes::makeBox(kFloor)), sheet(flatSheet());
   const dGeomID box = dCreateBox(nullptr, kFloor.x, kFloor.y, kFloor.z);
+  const Floor floors[] = {
+      {"mesh box", mesh.ours, mesh.stock}, {"flat sheet", sheet.ours, sheet.stock}, {"dBox", box, box}};
   const std::vector<Body> bodies = bodiesOf(options);
   Json rows = Json::array();
   Progress all(bodies.size());
   for (const Body& body : bodies) {
-    for (const Json& row : measureBody(body, floor, box, options)) rows.push_back(row);
+    const MeshTwins twins(body.mesh);
+    for (const Floor& floor : floors) rows.push_back(measureBody(body, twins, floor, options));
     all.step();
   }
   dGeomDestroy(box);
-  const std::string title = fmt::format("Meshes on a box, {} deep: microseconds, contacts", options.overlap);
+  const std::string title = fmt::format("Meshes on a floor, {} deep: microseconds, contacts", options.overlap);
   printBench({{"bench", "floor"}, {"tables", {{title, rows}}}}, options.json);
   return 0;
 }
@@ -105,7 +121,7 @@ int benchFloor(const FloorOptions& options) {
 }  // namespace
 
 void addBenchFloor(CLI::App& bench, Action& action) {
-  CLI::App* command = bench.add_subcommand("floor", "Meshes that stand on a box, beside dTriMesh geoms");
+  CLI::App* command = bench.add_subcommand("floor", "Meshes that stand on a floor, beside dTriMesh geoms");
   auto options = std::make_shared<FloorOptions>();
   command->add_flag("--json", options->json, "One JSON document on stdout");
   command->add_option("--poses", options->poses, "Poses of each mesh")->check(CLI::Range(1, 100000));

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "bvh/collision_mesh.h"
 
@@ -77,10 +78,11 @@ class RayQuery {
   bool meets_ = false;
 };
 
-/// Calls visit(triangle) for every triangle that the query's boxes lead to, in the order of the tree.
+/// Calls visit(triangle) for every triangle that the query's boxes lead to, in the order of the tree; if it returns
+/// bool, until that is false. Returns whether it came to the end.
 template <class QueryOfBoxes, class Visit>
-void searchWide(const WideTree& tree, const QueryOfBoxes& query, const Visit& visit) {
-  if (tree.nodes.empty()) return;
+bool searchWide(const WideTree& tree, const QueryOfBoxes& query, const Visit& visit) {
+  if (tree.nodes.empty()) return true;
   std::int32_t stack[kWideArity * (kMaxTreeDepth + 1)];
   std::size_t top = 0;
   stack[top++] = 0;
@@ -89,12 +91,18 @@ void searchWide(const WideTree& tree, const QueryOfBoxes& query, const Visit& vi
     for (unsigned bits = query(node); bits != 0; bits &= bits - 1) {
       const std::int32_t child = node.child[__builtin_ctz(bits)];
       if (child < 0) {
-        visit(static_cast<std::uint32_t>(~child));
+        const auto triangle = static_cast<std::uint32_t>(~child);
+        if constexpr (std::is_same_v<std::invoke_result_t<Visit, std::uint32_t>, bool>) {
+          if (!visit(triangle)) return false;
+        } else {
+          visit(triangle);
+        }
       } else {
         stack[top++] = child;
       }
     }
   }
+  return true;
 }
 
 }  // namespace otg

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/vectors.h"
 #include "collide/rotation_tolerance.h"
 #include "shared/tests/pair_bounds.h"
 #include "shared/tests/triangle_exact.h"
@@ -18,10 +19,6 @@ constexpr double kDoubleUnit = 0x1p-53;
 float roundUp(double x) {
   float f = static_cast<float>(x);
   return static_cast<double>(f) < x ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
-}
-
-Vec3d asDouble(const Vec3f& v) {
-  return {v.x, v.y, v.z};
 }
 
 }  // namespace

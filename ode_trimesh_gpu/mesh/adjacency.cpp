@@ -102,7 +102,7 @@ struct SharpEdges {
 }  // namespace
 
 Adjacency buildAdjacency(const TriMesh& mesh) {
-  Adjacency out{mesh.adjacencyLinks(), {}, {}, {}, {}, {}, 0, {}};
+  Adjacency out{mesh.adjacencyLinks(), {}, {}, {}, {}, {}, 0, 0, {}};
   const Topology& topology = mesh.topology();
   const auto triangles = mesh.triangles();
   const auto vertices = mesh.vertices();
@@ -129,6 +129,7 @@ Adjacency buildAdjacency(const TriMesh& mesh) {
     if (topology.edgeOf[h] != kNone) out.edgeKind[topology.edgeOf[h]] = kindOfEdge(mesh, h, out);
   }
   out.hollowEdges = static_cast<std::size_t>(std::count_if(out.edgeKind.begin(), out.edgeKind.end(), isHollow));
+  out.flatEdges = static_cast<std::size_t>(std::ranges::count(out.edgeKind, OTG_EDGE_FLAT));
 
   std::vector<SharpEdges> sharp(vertices.size());
   for (std::uint32_t edge = 0; edge < topology.edgeCount(); ++edge) {
@@ -162,8 +163,10 @@ void updateAdjacency(Adjacency& adjacency, const TriMesh& mesh, std::span<const 
       if (topology.edgeOf[h] == kNone) continue;
       std::uint8_t& kind = adjacency.edgeKind[topology.edgeOf[h]];
       adjacency.hollowEdges -= isHollow(kind);
+      adjacency.flatEdges -= kind == OTG_EDGE_FLAT;
       kind = kindOfEdge(mesh, h, adjacency);
       adjacency.hollowEdges += isHollow(kind);
+      adjacency.flatEdges += kind == OTG_EDGE_FLAT;
     }
   }
   for (const std::uint32_t v : points) {

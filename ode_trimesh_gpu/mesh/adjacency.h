@@ -38,6 +38,7 @@ struct Adjacency : AdjacencyLinks {
   /// for other concave edges with normals more than kHollowDegrees apart. Else 0.
   std::vector<std::uint8_t> edgeKind;
   std::size_t hollowEdges = 0;  ///< how many are OTG_EDGE_INNER or OTG_EDGE_HOLLOW
+  std::size_t flatEdges = 0;    ///< how many are OTG_EDGE_FLAT
   static constexpr double kFlatDegrees = 0.1, kInnerDegrees = 60, kHollowDegrees = 30;
   bool isFlatEdge(std::uint32_t edge) const { return edgeKind[edge] == OTG_EDGE_FLAT; }
   /// 1 for welded vertices in the middle of a flat face or of a straight edge (to within kFlatDegrees): they are there

@@ -11,10 +11,6 @@
 namespace otg {
 namespace {
 
-Vec3d asDouble(const Vec3f& v) {
-  return {v.x, v.y, v.z};
-}
-
 /// Greater than zero where d lies above the triangle, on the side to which it faces.
 int sideOfTriangle(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
   return otgOrient3(&a.x, &b.x, &c.x, &d.x);

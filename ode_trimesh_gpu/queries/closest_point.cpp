@@ -16,10 +16,6 @@ static_assert(static_cast<int>(TrianglePart::kFace) == OTG_PART_FACE &&
               static_cast<int>(TrianglePart::kEdge0) == OTG_PART_EDGE &&
               static_cast<int>(TrianglePart::kCorner0) == OTG_PART_CORNER);
 
-Vec3d asDouble(const Vec3f& v) {
-  return {v.x, v.y, v.z};
-}
-
 /// Calls visit(triangle point, search distance) for all whose search distance is not above limit, which visit may
 /// lower; near ones early.
 template <class Boxes, class Visit>

@@ -34,8 +34,9 @@ bool sameAdjacency(const Adjacency& a, const Adjacency& b) {
     }
   }
   return sameBytes(a.normal, b.normal) && sameBytes(a.area, b.area) && sameBytes(a.star, b.star) &&
-         sameBytes(a.edgeKind, b.edgeKind) && sameBytes(a.flatVertex, b.flatVertex) &&
-         sameBytes(a.halfEdges, b.halfEdges) && sameBytes(a.clusterVertices, b.clusterVertices);
+         sameBytes(a.edgeKind, b.edgeKind) && a.hollowEdges == b.hollowEdges && a.flatEdges == b.flatEdges &&
+         sameBytes(a.flatVertex, b.flatVertex) && sameBytes(a.halfEdges, b.halfEdges) &&
+         sameBytes(a.clusterVertices, b.clusterVertices);
 }
 
 /// A mesh of the same kind as the library's own: triangles sorted for locality, vertices merged.

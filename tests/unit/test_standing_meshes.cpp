@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Meshes of any form that stand on one face of a convex mesh: they are as deep as their lowest vertex, and the way out
-// is along the face's normal; where another way may be shorter, it is left to the stages for any solids.
+// Meshes of any form that stand on one face of a convex mesh, or on flat ground: they are as deep as their lowest
+// vertex, and the way out is along the face's normal. Where another way may be shorter, or the ground is not flat or
+// ends, it is left to the stages for any solids.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -38,6 +39,16 @@ std::vector<Mesh> floors() {
           meshOf(scenes::makeProfile({{-3, -1}, {3, -1}, {4, 0}, {3, 1}, {-3, 1}}, 6))};
 }
 
+/// Meshes that are not convex, with a flat face at z = 1 that is at least 6 wide.
+std::vector<Mesh> grounds() {
+  const auto at = [](const scenes::MeshArrays& mesh, double z) {
+    return meshOf(scenes::transformed(mesh, makeMove({0, 0, z})));
+  };
+  return {at(hills(12, 0), 1), at(hills(40, 0), 1), at(scenes::makeTray({6, 6, 4}, 2), 1),
+          at(scenes::makeRoom({7, 6, 5}, 2), 3.5),
+          meshOf(scenes::makeProfile({{-8, -1}, {8, -1}, {8, 3}, {7, 3}, {7, 1}, {-8, 1}}, 12))};
+}
+
 Query queryOf(const CollisionMesh& a, const CollisionMesh& b, const Transformd& bInA) {
   Query query = makeQuery(a, b, bInA);
   query.options.contacts = ContactModel::kSolid;
@@ -47,7 +58,7 @@ Query queryOf(const CollisionMesh& a, const CollisionMesh& b, const Transformd& 
 
 double lowestOf(const CollisionMesh& mesh, const Transformd& pose) {
   double lowest = INFINITY;
-  for (const Vec3f& v : mesh.mesh().vertices()) lowest = std::min(lowest, otgTransform(pose, {v.x, v.y, v.z}).z);
+  for (const Vec3f& v : mesh.mesh().vertices()) lowest = std::min(lowest, otgTransform(pose, asDouble(v)).z);
   return lowest;
 }
 
@@ -55,6 +66,22 @@ double lowestOf(const CollisionMesh& mesh, const Transformd& pose) {
 Transformd drawPose(Draw& draw, const CollisionMesh& mesh, double depth) {
   Transformd pose = makePose(draw.direction(), draw.uniform(-3, 3), {0, 0, 0});
   pose.t = {draw.uniform(-0.5, 0.5), draw.uniform(-0.5, 0.5), 1 - depth - lowestOf(mesh, pose)};
+  return pose;
+}
+
+/// Turned anyhow, a little behind the plane of one of the ground's triangles; whether that is there or not.
+Transformd drawBeside(Draw& draw, const CollisionMesh& ground, const CollisionMesh& mesh) {
+  const std::uint32_t t = draw.below(static_cast<std::uint32_t>(ground.mesh().triangleCount()));
+  const Vec3d normal = ground.adjacency().normal[t];
+  const Vec3d corner = asDouble(ground.mesh().vertices()[ground.mesh().triangles()[t].v[0]]);
+  const Vec3d on = corner + draw.inBox(6);
+  Transformd pose = makePose(draw.direction(), draw.uniform(-3, 3), on);
+  double lowest = INFINITY;
+  for (const Vec3f& v : mesh.mesh().vertices()) {
+    lowest = std::min(lowest, otgDot(normal, otgTransform(pose, asDouble(v)) - on));
+  }
+  const double height = otgDot(normal, on - corner) + lowest;
+  pose.t = pose.t - normal * (height + draw.uniform(-0.01, 0.03));
   return pose;
 }
 
@@ -66,13 +93,12 @@ bool areMeeting(const Query& query, const Vec3d& move) {
   return !workspace.intersecting.empty();
 }
 
-}  // namespace
-
-TEST_CASE("a mesh on one face of a convex mesh is as deep as its lowest vertex") {
+/// Each mesh on each of these, in both orders.
+void standOn(const std::vector<Mesh>& bases) {
   Draw draw(17);
   Workspace workspace;
   int all = 0, found = 0;
-  for (const Mesh& floor : floors()) {
+  for (const Mesh& floor : bases) {
     for (const Mesh& mesh : standing()) {
       for (int i = 0; i < 20; ++i) {
         const double depth = std::pow(10.0, draw.uniform(-5, -2));
@@ -80,7 +106,6 @@ TEST_CASE("a mesh on one face of a convex mesh is as deep as its lowest vertex")
         for (const bool isLast : {true, false}) {
           const Query query = isLast ? queryOf(*floor, *mesh, pose) : queryOf(*mesh, *floor, inverseOf(pose));
           INFO("triangles " << mesh->mesh().triangleCount() << ", depth " << depth << ", " << i << ", " << isLast);
-          REQUIRE(isSurfacePair(query));
           ++all;
           if (!collideSurfacePair(query, workspace)) continue;
           ++found;
@@ -93,7 +118,7 @@ TEST_CASE("a mesh on one face of a convex mesh is as deep as its lowest vertex")
             CHECK(norm(normal - Vec3d{0, 0, isLast ? -1.0 : 1.0}) < 1e-6);
             CHECK(std::fabs(at.z + 0.5 * c.depth - 1) < 1e-6);
             const bool isVertex = std::ranges::any_of(mesh->mesh().vertices(), [&](const Vec3f& v) {
-              return norm(otgTransform(pose, {v.x, v.y, v.z}) - (at - Vec3d{0, 0, 0.5 * c.depth})) < 1e-6;
+              return norm(otgTransform(pose, asDouble(v)) - (at - Vec3d{0, 0, 0.5 * c.depth})) < 1e-6;
             });
             CHECK(isVertex);
           }
@@ -105,6 +130,60 @@ TEST_CASE("a mesh on one face of a convex mesh is as deep as its lowest vertex")
     }
   }
   CHECK(found > 0.9 * all);
+}
+
+}  // namespace
+
+TEST_CASE("a mesh on one face of a convex mesh is as deep as its lowest vertex") {
+  standOn(floors());
+}
+
+TEST_CASE("a mesh on flat ground is as deep as its lowest vertex") {
+  standOn(grounds());
+}
+
+TEST_CASE("ground is flat where all of it around a mesh lies in one plane and has no rim") {
+  const Mesh mesh = meshOf(scenes::makeLump(0.8, 3, 0.5, 3)), sheet = meshOf(hills(12, 0));
+  const double top = -lowestOf(*mesh, makeMove({0, 0, 0})) - 1e-3;
+  const auto asks = [&](const Mesh& ground, const Vec3d& at) {
+    const bool isFirst = isSurfacePair(queryOf(*ground, *mesh, makeMove(at)));
+    CHECK(isSurfacePair(queryOf(*mesh, *ground, makeMove(at * -1.0))) == isFirst);
+    return isFirst;
+  };
+  CHECK(asks(sheet, {0, 0, top}));
+  CHECK_FALSE(asks(sheet, {3.5, 0, top}));    // over the rim
+  CHECK_FALSE(asks(sheet, {0, 0, top + 3}));  // nothing is near
+  CHECK_FALSE(asks(meshOf(hills(12, 0.3)), {0, 0, top}));
+  // A step of the ground, near the mesh and farther away; and a ceiling.
+  const Mesh step = meshOf(scenes::makeProfile({{-8, -1}, {8, -1}, {8, 0.5}, {0, 0.5}, {0, 0}, {-8, 0}}, 12));
+  CHECK_FALSE(asks(step, {-0.9, 0, top}));
+  CHECK(asks(step, {-3, 0, top}));
+  CHECK_FALSE(asks(meshOf(scenes::makeRoom({6, 6, 1}, 0.2)), {0, 0, top - 0.5}));
+}
+
+TEST_CASE("meshes about grounds of few and large triangles have contacts exactly where they meet") {
+  Draw draw(77);
+  Workspace workspace;
+  const std::vector<Mesh> around{
+      meshOf(scenes::makeProfile({{-6, -6}, {6, -6}, {-5, 1}, {-6, 6}}, 5)),
+      meshOf(scenes::makeProfile({{-6, -2}, {6, -2}, {6, 4}, {4, -1}, {2, 4}, {0, -1}, {-2, 4}, {-4, -1}, {-6, 4}}, 6)),
+      meshOf(scenes::makeProfile({{-8, -1}, {8, -1}, {8, 0.5}, {0, 0.5}, {0, 0}, {-8, 0}}, 12)),
+      meshOf(scenes::makeTray({5, 6, 3}, 1))};
+  int found = 0, touching = 0;
+  for (const Mesh& ground : around) {
+    for (const Mesh& mesh : standing()) {
+      for (int i = 0; i < 1000; ++i) {
+        const Query query = queryOf(*ground, *mesh, drawBeside(draw, *ground, *mesh));
+        if (!collideSurfacePair(query, workspace)) continue;
+        ++found;
+        INFO("triangles " << ground->mesh().triangleCount() << " and " << mesh->mesh().triangleCount() << ", " << i);
+        CHECK(workspace.reduced.empty() != areMeeting(query, {0, 0, 0}));
+        touching += !workspace.reduced.empty();
+      }
+    }
+  }
+  CHECK(found > 600);
+  CHECK(touching > 300);
 }
 
 TEST_CASE("a round mesh whose vertices are all flat is as deep as its lowest vertex") {

@@ -12,10 +12,6 @@
 namespace otg {
 namespace {
 
-Vec3d asDouble(const Vec3f& v) {
-  return {v.x, v.y, v.z};
-}
-
 /// A way counts as past a rim where its cosine with the mean normal is less than the normals' around its end by this:
 /// at a flat rim 18 degrees.
 constexpr double kBeside = 0.05;

@@ -6,12 +6,14 @@
 
 #include "base/scratch_memory.h"
 #include "collide/query.h"
+#include "mesh/convex_geometry.h"
 
 namespace otg {
 
 struct AheadScratch {
   Workspace workspace;
   ScratchMemory memory;
+  ConvexGeometry floor;  ///< FlatGround::makeBox()
 };
 
 inline AheadScratch& aheadOf(Workspace& workspace) {

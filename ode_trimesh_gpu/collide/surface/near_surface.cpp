@@ -9,9 +9,8 @@
 namespace otg {
 namespace {
 
-constexpr double kSinglePrecision = 4e-7;  ///< of the mesh's reach: single precision, in which its vertices are
-constexpr double kTouched = 1e-13;         ///< of the size and the distances
-constexpr double kRound = 0.8;             ///< of the box's half diagonal: with less reach a shape is like a ball
+constexpr double kTouched = 1e-13;  ///< of the size and the distances
+constexpr double kRound = 0.8;      ///< of the box's half diagonal: with less reach a shape is like a ball
 
 /// A box of the shape's frame, in the mesh's.
 BoxQuery boxQuery(const Query& query, const Vec3d& low, const Vec3d& high) {
@@ -21,6 +20,14 @@ BoxQuery boxQuery(const Query& query, const Vec3d& low, const Vec3d& high) {
 }
 
 }  // namespace
+
+double vertexRounding(const TriMesh& mesh) {
+  constexpr double kSinglePrecision = 4e-7;  // of the mesh's reach
+  const Vec3f &a = mesh.boundsMin(), &b = mesh.boundsMax();
+  const float reach =
+      std::max({std::fabs(a.x), std::fabs(a.y), std::fabs(a.z), std::fabs(b.x), std::fabs(b.y), std::fabs(b.z)});
+  return kSinglePrecision * double{reach};
+}
 
 NearSurface::NearSurface(const Query& query, const ConvexGeometry& shape, bool looksAhead, double longestWay)
     : query_(query),
@@ -34,9 +41,7 @@ NearSurface::NearSurface(const Query& query, const ConvexGeometry& shape, bool l
   const Vec3d apart = inside_ - Vec3d{mesh_.center().x, mesh_.center().y, mesh_.center().z};
   const double radius = 0.5 * norm(shape.high - shape.low);
   leastDepth_ = kTouched * (double{mesh_.radius()} + norm(apart) + radius + norm(query.bInA.t));
-  const Vec3f &a = mesh_.boundsMin(), &b = mesh_.boundsMax();
-  rounding_ = kSinglePrecision * std::max({std::fabs(a.x), std::fabs(a.y), std::fabs(a.z), std::fabs(b.x),
-                                           std::fabs(b.y), std::fabs(b.z)});
+  rounding_ = vertexRounding(mesh_);
 }
 
 NearSurface::Around::Around(const NearSurface& near, const Vec3d& way)
@@ -77,12 +82,11 @@ bool NearSurface::isBehind(std::uint32_t t) const {
 }
 
 bool NearSurface::collect() {
-  bool isFew = true;
   const Around around(*this, {0, 0, 0});
-  searchWide(query_.a->wide(), around,
-             [&](std::uint32_t t) { isFew = isFew && (mesh_.isDegenerate(t) || around.isBeside(t) || add(t)); });
+  const bool areFew = searchWide(
+      query_.a->wide(), around, [&](std::uint32_t t) { return mesh_.isDegenerate(t) || around.isBeside(t) || add(t); });
   std::sort(touched_.data(), touched_.data() + count_);
-  return isFew;
+  return areFew;
 }
 
 bool NearSurface::add(std::uint32_t t) {

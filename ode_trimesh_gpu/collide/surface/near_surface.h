@@ -14,6 +14,9 @@
 
 namespace otg {
 
+/// How far single precision moves the mesh's vertices.
+double vertexRounding(const TriMesh& mesh);
+
 class NearSurface {
  public:
   static constexpr std::size_t kMostTriangles = 512;
@@ -87,14 +90,12 @@ template <class MayMeet>
 bool NearSurface::isFree(const Vec3d& way, const MayMeet& mayMeet) const {
   if (norm(way) > longestWay_) return false;
   if (!looksAhead_) return true;
-  bool isFree = true;
   Vec3d rear = rear_;
   const Around around(*this, way);
-  searchWide(query_.a->wide(), around, [&](std::uint32_t t) {
-    isFree = isFree && (mesh_.isDegenerate(t) || isInFrontOf(t, way, 0, rear) || around.isBeside(t) || isBehind(t) ||
-                        (!isTouched(t) && isInFrontOf(t, way, rounding_, rear)) || mayMeet(t));
+  return searchWide(query_.a->wide(), around, [&](std::uint32_t t) {
+    return mesh_.isDegenerate(t) || isInFrontOf(t, way, 0, rear) || around.isBeside(t) || isBehind(t) ||
+           (!isTouched(t) && isInFrontOf(t, way, rounding_, rear)) || mayMeet(t);
   });
-  return isFree;
 }
 
 }  // namespace otg

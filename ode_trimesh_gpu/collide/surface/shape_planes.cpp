@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kGrazes = 1e-8;  ///< of two depths: rounding, where a line grazes the shape
 
-constexpr double kRounding = 1e-12;     ///< of the shape's size
-constexpr std::size_t kFewPlanes = 12;  ///< all of which may as well be tried
+constexpr double kPlaneRounding = 1e-12;  ///< of the shape's size
+constexpr std::size_t kFewPlanes = 12;    ///< all of which may as well be tried
 
 template <std::size_t kCount>
 const std::array<Vec3d, kCount>& sidesOfPrism() {
@@ -111,7 +111,7 @@ ShapePlanes::ShapePlanes(const ConvexGeometry& shape)
     : shape_(shape),
       normals_(shape.faceNormals),
       offsets_(shape.faceOffsets),
-      slack_(kRounding * (norm(shape.high - shape.low) + norm(shape.middle))) {
+      slack_(kPlaneRounding * (norm(shape.high - shape.low) + norm(shape.middle))) {
   if (shape.kind != ConvexGeometry::Kind::kCylinder) return;
   std::ranges::copy(normals_, prismNormals_.begin());
   std::ranges::copy(offsets_, prismOffsets_.begin());

@@ -12,10 +12,12 @@
 #include "collide/pair_history.h"
 #include "collide/rotation_tolerance.h"
 #include "collide/shell/shell_roles.h"
+#include "collide/solid/ahead_scratch.h"
 #include "collide/solid/look_ahead.h"
 #include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
 #include "collide/surface/face_contacts.h"
+#include "collide/surface/flat_ground.h"
 #include "collide/surface/near_surface.h"
 #include "collide/surface/smooth_contacts.h"
 
@@ -68,14 +70,31 @@ bool hasSurface(const CollisionMesh* mesh) {
   return mesh->convex() == nullptr && mesh->parts() == nullptr && (isSolid(mesh->mesh()) || isSheet(mesh->mesh()));
 }
 
-/// The same pair the other way round.
-Query turnedRound(const Query& query) {
-  Query turned;
-  turned.a = query.b;
-  turned.b = query.a;
-  turned.options = query.options;
-  turned.bInA = inverseOf(query.bInA);
-  return turned;
+/// The pair with one of its meshes as A.
+Query seenFrom(const CollisionMesh* mesh, const Query& query) {
+  Query seen;
+  const bool isFirst = mesh == query.a;
+  seen.a = mesh;
+  seen.b = isFirst ? query.b : query.a;
+  seen.options = query.options;
+  seen.bInA = isFirst ? query.bInA : inverseOf(query.bInA);
+  return seen;
+}
+
+double longestWay(const Query& query) {
+  return kLongestWay * std::min(double{query.a->mesh().radius()}, double{query.b->mesh().radius()});
+}
+
+/// Whether the larger one of two meshes is flat ground to the other one. `seen` is with the ground as B.
+bool findGround(const Query& query, FlatGround& ground, Query& seen) {
+  const double a = double{query.a->mesh().radius()}, b = double{query.b->mesh().radius()};
+  const CollisionMesh *const larger = a > b ? query.a : query.b, *const other = a > b ? query.b : query.a;
+  if (a == b || !hasSurface(larger) || other->parts() != nullptr || !mayBeFlatGround(*larger) ||
+      (!isSolid(other->mesh()) && !isSheet(other->mesh()))) {
+    return false;
+  }
+  seen = seenFrom(other, query);
+  return ground.find(*larger, *other, inverseOf(seen.bInA), longestWay(query));
 }
 
 ContactFeature ofOther(ContactFeature feature) {
@@ -141,34 +160,75 @@ bool collideSurface(const Query& query, const ConvexGeometry& body, Workspace& w
   return addContacts(query, near, workspace, [](std::vector<Contact>&) {});
 }
 
-bool isSurfacePair(const Query& query) {
+namespace {
+
+bool mayBeSurfacePair(const Query& query) {
   return query.options.contacts == ContactModel::kSolid && query.options.solid.convexPath && !query.isOffSurface &&
-         query.refiner == nullptr && !areShells(query.a->mesh(), query.b->mesh()) &&
-         ((polyhedronOf(query.b) != nullptr && hasSurface(query.a)) ||
-          (polyhedronOf(query.a) != nullptr && hasSurface(query.b)));
+         query.refiner == nullptr && !areShells(query.a->mesh(), query.b->mesh());
 }
 
-bool surfacePairContacts(const Query& query, Workspace& workspace) {
-  if (!isSurfacePair(query)) return false;
-  workspace.contacts.clear();
-  workspace.reduced.clear();
-  const bool isLast = query.a->convex() == nullptr;
-  const Query seen = isLast ? query : turnedRound(query);
+/// The mesh on whose surface the other one is a convex body, or null.
+const CollisionMesh* meshUnderBody(const Query& query) {
+  if (polyhedronOf(query.b) != nullptr && hasSurface(query.a)) return query.a;
+  return polyhedronOf(query.a) != nullptr && hasSurface(query.b) ? query.b : nullptr;
+}
+
+/// Contacts of a body, which is B of `seen`.
+bool bodyContacts(const Query& query, const Query& seen, Workspace& workspace) {
   const ConvexPolyhedron& body = *seen.b->convex();
   // Whatever the mesh is elsewhere: a ground that is cut out around the body has the contacts of the whole.
-  const ConvexGeometry& geometry = *body.geometry();
-  const double radius = std::min(0.5 * norm(geometry.high - geometry.low), double{seen.a->mesh().radius()});
-  NearSurface near(seen, geometry, true, kLongestWay * radius);
+  NearSurface near(seen, *body.geometry(), true, longestWay(query));
   return addContacts(query, near, workspace, [&](std::vector<Contact>& contacts) {
     for (Contact& contact : contacts) {
       nameOnBody(seen, body, contact);
-      if (!isLast) turnRound(query, contact);
+      if (seen.a != query.a) turnRound(query, contact);
     }
   });
 }
 
+/// Contacts with flat ground, which is B of `seen`.
+bool groundContacts(const Query& query, const Query& seen, const FlatGround& ground, Workspace& workspace) {
+  ConvexGeometry& box = aheadOf(workspace).floor;
+  Query asBox = seen;
+  asBox.bInA = composed(seen.bInA, ground.makeBox(box));
+  NearSurface near(asBox, box, true, longestWay(query));
+  return addContacts(query, near, workspace, [&](std::vector<Contact>& contacts) {
+    for (Contact& contact : contacts) {
+      contact.triangleB = ground.triangleBelow(otgRotateBack(seen.bInA, contact.position - seen.bInA.t));
+      if (seen.a != query.a) turnRound(query, contact);
+    }
+  });
+}
+
+}  // namespace
+
+bool mayBeFlatGround(const CollisionMesh& mesh) {
+  return mesh.adjacency().flatEdges > 0;
+}
+
+bool isSurfacePair(const Query& query) {
+  FlatGround ground;
+  Query seen;
+  return mayBeSurfacePair(query) && (meshUnderBody(query) != nullptr || findGround(query, ground, seen));
+}
+
+bool surfacePairContacts(const Query& query, Workspace& workspace) {
+  if (!mayBeSurfacePair(query)) return false;
+  const CollisionMesh* const mesh = meshUnderBody(query);
+  FlatGround ground;
+  Query seen;
+  if (mesh != nullptr) {
+    seen = seenFrom(mesh, query);
+  } else if (!findGround(query, ground, seen)) {
+    return false;
+  }
+  workspace.contacts.clear();
+  workspace.reduced.clear();
+  return mesh != nullptr ? bodyContacts(query, seen, workspace) : groundContacts(query, seen, ground, workspace);
+}
+
 bool collideSurfacePair(const Query& query, Workspace& workspace) {
-  if (!isSurfacePair(query)) return false;
+  if (!mayBeSurfacePair(query)) return false;
   workspace.clear();
   return surfacePairContacts(query, workspace);
 }

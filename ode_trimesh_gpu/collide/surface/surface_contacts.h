@@ -14,9 +14,12 @@ namespace otg {
 bool collideSurface(const Query& query, const ConvexGeometry& body, Workspace& workspace);
 
 /// Whether one mesh is a convex body of no more than ConvexPolyhedron::kMostPlanes faces, and the other a solid or a
-/// sheet that is no such body; SolidOptions::convexPath is set, and Query::isOffSurface is not. May throw
-/// std::bad_alloc.
+/// sheet that is no such body; or the larger one is flat ground to the other (flat_ground.h). SolidOptions::convexPath
+/// is set, and Query::isOffSurface is not. May throw std::bad_alloc.
 bool isSurfacePair(const Query& query);
+
+/// Whether the mesh may be flat ground to another one: some of its neighbouring triangles lie in one plane.
+bool mayBeFlatGround(const CollisionMesh& mesh);
 
 /// Of such a pair the same contacts, in the meshes' own numbers of triangles. They do not depend on the order of the
 /// meshes, but for rounding. False for other pairs as well. Candidates and intersecting pairs stay as they are.

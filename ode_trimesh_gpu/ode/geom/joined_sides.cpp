@@ -27,17 +27,6 @@ Transformd between(const Transformd& a, const Transformd& b) {
   return out;
 }
 
-Transformd compose(const Transformd& a, const Transformd& b) {
-  Transformd out{};
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      out.r[3 * i + j] = a.r[3 * i] * b.r[j] + a.r[3 * i + 1] * b.r[3 + j] + a.r[3 * i + 2] * b.r[6 + j];
-    }
-  }
-  out.t = otgTransform(a, b.t);
-  return out;
-}
-
 /// The joins of these geoms, in the frame of the first one's pose.
 std::shared_ptr<MeshJoin> makeJoin(JoinedMesh&& joined, std::span<const JoinPart> given,
                                    std::span<const WorldPose> poses) {
@@ -105,7 +94,7 @@ void enterJoin(MeshGeom& side, WorldPose& pose) {
   side.part = joined.part;
   side.mesh = side.join->mesh.get();
   // The very same for all pieces as long as they stay where they are.
-  pose.transform = isSame(pose.transform, part.pose) ? side.join->pose : compose(pose.transform, part.toPart);
+  pose.transform = isSame(pose.transform, part.pose) ? side.join->pose : composed(pose.transform, part.toPart);
 }
 
 bool keepOwn(const MeshGeom& side, int sideOf, const Transformd& frame, const Transformd& at, const WorldBox& other,

@@ -55,7 +55,7 @@ class Backend::Batch {
     anyLarge_ = Finish::kLargeAlone && 2 * largest_ > state.tuning.batchTriangles;
     hasContactsOfHost_ =
         Finish::kTakesDescriptions &&
-        (source.anyConvexPath || std::any_of(source.meshes.begin(), source.meshes.end(), mayHaveContactsOfHost));
+        (source.anyConvexPath || std::any_of(source.meshes.begin(), source.meshes.end(), mayBeForHost));
     mayMeetAhead_ = Finish::kTakesDescriptions && request == BatchRequest::kSolid &&
                     std::any_of(source.meshes.begin(), source.meshes.end(), isCornered);
   }

@@ -38,9 +38,9 @@ inline bool isForHost(const Query& query) {
   return areContactsOfHost(query) || isConvexPair(query) || isSurfacePair(query);
 }
 
-/// Whether areContactsOfHost() may be true of pairs with the mesh.
-inline bool mayHaveContactsOfHost(const CollisionMesh* mesh) {
-  return mesh->mesh().meshClass() != MeshClass::kSolid || mesh->parts() != nullptr;
+/// Whether isForHost() may be true of pairs with the mesh and one that is not convex.
+inline bool mayBeForHost(const CollisionMesh* mesh) {
+  return mesh->mesh().meshClass() != MeshClass::kSolid || mesh->parts() != nullptr || mayBeFlatGround(*mesh);
 }
 
 }  // namespace otg::opencl
