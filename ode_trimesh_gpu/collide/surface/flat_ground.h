@@ -13,9 +13,9 @@ namespace otg {
 
 class FlatGround {
  public:
-  /// Looks around the other mesh, and `ahead` farther. True if all triangles of the ground there lie in one plane, to
-  /// single precision of the ground's coordinates, and none of their edges there is a rim. `toGround` takes the other
-  /// mesh's frame to the ground's. Both meshes have to outlive what is found.
+  /// Looks around the other mesh, and `ahead` farther. True if the ground is a plane there, to single precision of its
+  /// coordinates, and has no rim. `toGround` takes the other mesh's frame to the ground's. Both meshes have to outlive
+  /// what is found.
   bool find(const CollisionMesh& ground, const CollisionMesh& other, const Transformd& toGround, double ahead);
 
   /// A box with that face as its top, larger than the other mesh. Returns its pose in the ground's frame. Does not
