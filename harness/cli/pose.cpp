@@ -154,16 +154,4 @@ Transformd parsePose(const std::string& text) {
   throw UsageError(fmt::format("--pose {}: expected tx,ty,tz,qw,qx,qy,qz or a file with a 4x4 matrix", text));
 }
 
-Transformd compose(const Transformd& outer, const Transformd& inner) {
-  Transformd result;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      result.r[3 * i + j] =
-          outer.r[3 * i] * inner.r[j] + outer.r[3 * i + 1] * inner.r[3 + j] + outer.r[3 * i + 2] * inner.r[6 + j];
-    }
-  }
-  result.t = otgTransform(outer, inner.t);
-  return result;
-}
-
 }  // namespace otg::cli

@@ -18,7 +18,4 @@ Transformd parsePose(const std::string& text);
 /// kRotationTolerance (a warning on stderr says so).
 Transformd poseFromMatrix(const double* values, const std::string& source);
 
-/// The transform that applies `inner` first.
-Transformd compose(const Transformd& outer, const Transformd& inner);
-
 }  // namespace otg::cli
