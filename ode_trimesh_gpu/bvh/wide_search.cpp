@@ -25,24 +25,33 @@ constexpr double kSlack = 4e-6;
 
 /// The lanes from k on of the boxes of `node`: cx, cy, cz and ex, ey, ez. In functions with kScaled and scale_, which
 /// the boxes are taken through: scaledBox() of as many at once.
-#define OTG_LOAD_BOXES                                                   \
-  OTG_LOAD(cx, node.centerX + k);                                        \
-  OTG_LOAD(cy, node.centerY + k);                                        \
-  OTG_LOAD(cz, node.centerZ + k);                                        \
-  OTG_LOAD(ex, node.extentX + k);                                        \
-  OTG_LOAD(ey, node.extentY + k);                                        \
-  OTG_LOAD(ez, node.extentZ + k);                                        \
-  if constexpr (kScaled) {                                               \
-    const BoxScale<float>& s = *scale_;                                  \
-    const Floats none = {};                                              \
-    cx = s.factor.x * cx + s.shift.x;                                    \
-    cy = s.factor.y * cy + s.shift.y;                                    \
-    cz = s.factor.z * cz + s.shift.z;                                    \
-    ex = s.growth.x * ex + (s.slope * (cx > none ? cx : -cx) + s.pad.x); \
-    ey = s.growth.y * ey + (s.slope * (cy > none ? cy : -cy) + s.pad.y); \
-    ez = s.growth.z * ez + (s.slope * (cz > none ? cz : -cz) + s.pad.z); \
-  }                                                                      \
+#define OTG_LOAD_BOXES                                          \
+  OTG_LOAD(cx, node.centerX + k);                               \
+  OTG_LOAD(cy, node.centerY + k);                               \
+  OTG_LOAD(cz, node.centerZ + k);                               \
+  OTG_LOAD(ex, node.extentX + k);                               \
+  OTG_LOAD(ey, node.extentY + k);                               \
+  OTG_LOAD(ez, node.extentZ + k);                               \
+  if constexpr (kScaled) {                                      \
+    const BoxScale<float>& s = *scale_;                         \
+    cx = s.factor.x * cx + s.shift.x;                           \
+    cy = s.factor.y * cy + s.shift.y;                           \
+    cz = s.factor.z * cz + s.shift.z;                           \
+    ex = s.growth.x * ex + (s.slope * magnitude(cx) + s.pad.x); \
+    ey = s.growth.y * ey + (s.slope * magnitude(cy) + s.pad.y); \
+    ez = s.growth.z * ez + (s.slope * magnitude(cz) + s.pad.z); \
+  }                                                             \
   static_assert(true)
+
+inline Floats magnitude(const Floats& x) {
+  constexpr std::int32_t kAllButSign = 0x7fffffff;
+  Ints bits;
+  std::memcpy(&bits, &x, sizeof bits);
+  bits &= kAllButSign;
+  Floats size;
+  std::memcpy(&size, &bits, sizeof size);
+  return size;
+}
 
 /// Bits of lanes whose comparison is true.
 inline unsigned bitsOf(const Ints& m) {
@@ -93,9 +102,9 @@ unsigned BallQuery::test(const WideNode& node) const {
     OTG_LOAD_BOXES;
     const Floats zero = {};
     Floats dx = cx - x_, dy = cy - y_, dz = cz - z_;
-    dx = (dx > zero ? dx : -dx) - ex;
-    dy = (dy > zero ? dy : -dy) - ey;
-    dz = (dz > zero ? dz : -dz) - ez;
+    dx = magnitude(dx) - ex;
+    dy = magnitude(dy) - ey;
+    dz = magnitude(dz) - ez;
     dx = dx > zero ? dx : zero;
     dy = dy > zero ? dy : zero;
     dz = dz > zero ? dz : zero;
@@ -158,14 +167,14 @@ unsigned BoxQuery::test(const WideNode& node) const {
   unsigned bits = 0;
   for (int k = 0; k < kWideArity; k += kLanes) {
     OTG_LOAD_BOXES;
-    const Floats zero = {};
     const Floats dx = cx - center_[0], dy = cy - center_[1], dz = cz - center_[2];
-    Ints near = ((dx > zero ? dx : -dx) <= ex + inMesh_[0]) & ((dy > zero ? dy : -dy) <= ey + inMesh_[1]) &
-                ((dz > zero ? dz : -dz) <= ez + inMesh_[2]);
+    Ints near =
+        (magnitude(dx) <= ex + inMesh_[0]) & (magnitude(dy) <= ey + inMesh_[1]) & (magnitude(dz) <= ez + inMesh_[2]);
+    if (bitsOf(near) == 0) continue;
     for (int j = 0; j < 3; ++j) {
       const Floats along = r_[j] * dx + r_[3 + j] * dy + r_[6 + j] * dz;
       const Floats reach = size_[j] * ex + size_[3 + j] * ey + size_[6 + j] * ez + half_[j];
-      near &= (along > zero ? along : -along) <= reach;
+      near &= magnitude(along) <= reach;
     }
     bits |= bitsOf(near) << k;
   }

@@ -7,6 +7,7 @@
 
 #include "collide/boxes_apart.h"
 #include "collide/convex/convex_pair_contacts.h"
+#include "collide/pair_history.h"
 #include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
 #include "collide/surface/surface_contacts.h"
@@ -82,7 +83,7 @@ std::span<const Contact> collideOnHost(const PairJob& job, Workspace& workspace)
 std::span<const Contact> collideOfMany(const PairJob& job, Workspace& workspace) {
   if (!meetsNothing(job.query)) return collideOnHost(job, workspace);
   workspace.clear();
-  rememberPlain(job.query, false, {0, 0, 0});
+  rememberPlain(job.query, stateBefore(job.query), false, {0, 0, 0});
   return {};
 }
 

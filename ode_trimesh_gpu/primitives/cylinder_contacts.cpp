@@ -8,6 +8,7 @@
 #include "base/vectors.h"
 #include "collide/convex/convex_pair_contacts.h"
 #include "collide/convex/convex_places.h"
+#include "collide/pair_history.h"
 #include "collide/rotation_tolerance.h"
 #include "collide/solid/solid_contacts.h"
 #include "primitives/convex_patch.h"
@@ -313,10 +314,11 @@ bool collideCylinder(const Query& query, const ConvexShape& shape, Workspace& wo
   const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
   workspace.clear();
   requireRigid(query.bInA);
-  if (!isUnburdened(query)) return false;
+  const SolidHistory::State before = stateBefore(query);
+  if (!isUnburdened(before)) return false;
   const CylinderSolver::Answer answer = CylinderSolver(query, shape, workspace).run();
   if (answer == CylinderSolver::Answer::kOther) return false;
-  rememberPlain(query, answer == CylinderSolver::Answer::kTouching, {0, 0, 0});
+  rememberPlain(query, before, answer == CylinderSolver::Answer::kTouching, {0, 0, 0});
   reduceConvexContacts(query, workspace);
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();

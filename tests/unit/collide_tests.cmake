@@ -16,6 +16,7 @@ otg_add_test(face_contacts unit SOURCES test_face_contacts.cpp LIBRARIES otg_sce
 otg_add_test(smooth_contacts unit SOURCES test_smooth_contacts.cpp LIBRARIES otg_scenes otg_primitives otg_queries)
 otg_add_test(surface_pair unit SOURCES test_surface_pair.cpp LIBRARIES otg_scenes otg_primitives otg_queries)
 otg_add_test(standing_meshes unit SOURCES test_standing_meshes.cpp LIBRARIES otg_scenes)
+otg_add_test(shape_planes unit SOURCES test_shape_planes.cpp LIBRARIES otg_primitives)
 otg_add_test(convex_edges unit SOURCES test_convex_edges.cpp LIBRARIES otg_scenes)
 otg_add_test(contact_ids unit SOURCES test_contact_ids.cpp LIBRARIES otg_scenes)
 otg_add_test(solid_regions unit SOURCES test_solid_regions.cpp LIBRARIES otg_scenes)

@@ -11,6 +11,7 @@
 #include "collide/convex/expanding_polytope.h"
 #include "collide/convex/kept_axis.h"
 #include "collide/convex/separating_axes.h"
+#include "collide/pair_history.h"
 #include "collide/rotation_tolerance.h"
 #include "collide/solid/solid_contacts.h"
 
@@ -216,10 +217,11 @@ bool convexPairContacts(const Query& query, Workspace& workspace) {
   workspace.contacts.clear();
   workspace.reduced.clear();
   requireRigid(query.bInA);
-  if (!isUnburdened(query)) return false;
+  const SolidHistory::State before = stateBefore(query);
+  if (!isUnburdened(before)) return false;
   const ConvexAnswer answer = ConvexSolver(query, workspace).run();
   if (answer == ConvexAnswer::kOther) return false;
-  rememberPlain(query, answer == ConvexAnswer::kTouching, {0, 0, 0});
+  rememberPlain(query, before, answer == ConvexAnswer::kTouching, {0, 0, 0});
   reduceConvexContacts(query, workspace);
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();

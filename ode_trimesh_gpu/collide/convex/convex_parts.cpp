@@ -51,7 +51,8 @@ bool convexPartContacts(const Query& query, Workspace& workspace) {
   if (!areConvexParts(query)) return false;
   const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
   requireRigid(query.bInA);
-  if (!isUnburdened(query)) return false;
+  const SolidHistory::State before = stateBefore(query);
+  if (!isUnburdened(before)) return false;
   workspace.contacts.clear();
   workspace.reduced.clear();
   Query parts = query;
@@ -79,7 +80,7 @@ bool convexPartContacts(const Query& query, Workspace& workspace) {
   if (query.options.solid.regionMerge > 0) {
     mergeRegions(query.options.solid.regionMerge, query.options.solid.contactsPerRegion, workspace.contacts);
   }
-  rememberPlain(query, !touching.empty(), {0, 0, 0});
+  rememberPlain(query, before, !touching.empty(), {0, 0, 0});
   workspace.stats.contactsBeforeReduction = workspace.contacts.size();
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();

@@ -107,12 +107,12 @@ std::uint32_t triangleAt(const ConvexPolyhedron& shape, const TriMesh& mesh, std
   for (std::size_t steps = 0; steps < mesh.triangleCount(); ++steps) {
     std::uint32_t beyond = kNone;
     for (std::uint32_t k = 0; k < 3 && beyond == kNone; ++k) {
+      const std::uint32_t other = mesh.topology().twin[3 * triangle + k] / 3;
+      if (shape.faceOfTriangle(other) != face) continue;
       const Vec3f &from = mesh.vertices()[mesh.triangles()[triangle].v[k]],
                   &to = mesh.vertices()[mesh.triangles()[triangle].v[(k + 1) % 3]];
       const Vec3d p{from.x, from.y, from.z}, q{to.x, to.y, to.z};
-      if (!(otgDot(otgCross(q - p, point - p), normal) < 0)) continue;
-      const std::uint32_t other = mesh.topology().twin[3 * triangle + k] / 3;
-      if (shape.faceOfTriangle(other) == face) beyond = other;
+      if (otgDot(otgCross(q - p, point - p), normal) < 0) beyond = other;
     }
     if (beyond == kNone) break;
     triangle = beyond;

@@ -83,17 +83,16 @@ bool isClosed(const Contour& contour, std::vector<std::uint8_t>& ends) {
 
 }  // namespace
 
-bool isUnburdened(const Query& query) {
-  return query.history == nullptr || stateBefore(query).clampLeft <= 1;
+bool isUnburdened(const SolidHistory::State& before) {
+  return before.clampLeft <= 1;
 }
 
 Vec3d deepDirectionBefore(const Query& query) {
   return query.history == nullptr ? Vec3d{0, 0, 0} : otgRotate(query.bInA, stateBefore(query).deepNormal);
 }
 
-void rememberPlain(const Query& query, bool hasContacts, const Vec3d& deep) {
+void rememberPlain(const Query& query, const SolidHistory::State& before, bool hasContacts, const Vec3d& deep) {
   if (!query.history || isPairwise(query) || !haveSolidContacts(query.a->mesh(), query.b->mesh())) return;
-  const SolidHistory::State before = stateBefore(query);
   SolidHistory::State state = oneQueryLater(before);
   if (otgDot(deep, deep) > 0) state.deepNormal = otgRotateBack(query.bInA, deep);
   if (!hasContacts) state.side = sideBehind(query, state);

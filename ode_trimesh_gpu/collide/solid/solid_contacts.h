@@ -30,13 +30,13 @@ bool solidContactsOf(const Query& query, const FoundContacts& found, Workspace& 
 struct PairMotion;
 PairMotion motionBefore(const Query& query);
 
-/// For those who compute such contacts elsewhere. Whether what the pair remembers changes nothing, as long
-/// as no region is entangled or contained, but for the direction of its last deep region;
-bool isUnburdened(const Query& query);
+/// For those who compute such contacts elsewhere, with stateBefore(query). Whether what the pair remembers changes
+/// nothing, as long as no region is entangled or contained, but for the direction of its last deep region;
+bool isUnburdened(const SolidHistory::State& before);
 /// which is this, in A's frame, or zero;
 Vec3d deepDirectionBefore(const Query& query);
 /// and what such a query leaves in query.history, if there is one. `deep`: the direction of its own last deep region,
 /// or zero.
-void rememberPlain(const Query& query, bool hasContacts, const Vec3d& deep);
+void rememberPlain(const Query& query, const SolidHistory::State& before, bool hasContacts, const Vec3d& deep);
 
 }  // namespace otg

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace otg {
 namespace {
 
+constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kGrazes = 1e-8;  ///< of two depths: rounding, where a line grazes the shape
 
 constexpr double kPlaneRounding = 1e-12;  ///< of the shape's size
@@ -122,7 +124,7 @@ ShapePlanes::ShapePlanes(const ConvexGeometry& shape)
 }
 
 double ShapePlanes::roomAround(const Vec3d& inside) const {
-  double least = std::numeric_limits<double>::infinity();
+  double least = kFar;
   for (std::size_t f = 0; f < normals_.size(); ++f) least = std::min(least, offsets_[f] - otgDot(normals_[f], inside));
   return least;
 }
@@ -180,6 +182,12 @@ void ShapePlanes::lookAlong(const Vec3d& out, const Vec3d& low, const Vec3d& hig
   gather(out, shape_.faceNormals.size() <= kFewPlanes, near_);
 }
 
+bool ShapePlanes::isWithinSides(const Corners& corners) const {
+  const double square = shape_.radius * shape_.radius;
+  return shape_.kind == ConvexGeometry::Kind::kCylinder &&
+         std::ranges::all_of(corners, [&](const Vec3d& p) { return p.x * p.x + p.y * p.y <= square; });
+}
+
 Vec3d ShapePlanes::areaInside(const Corners& corners) {
   const auto height = [&](std::size_t f, const Vec3d& p) { return otgDot(normals_[f], p) - offsets_[f]; };
   const auto isInFront = [&](std::size_t f) {
@@ -188,7 +196,8 @@ Vec3d ShapePlanes::areaInside(const Corners& corners) {
   if (isInFront(facing_)) return {0, 0, 0};
   const double spread = std::max(norm(corners[1] - corners[0]), norm(corners[2] - corners[0]));
   cutCount_ = 0;
-  for (std::size_t f = 0; f < normals_.size(); ++f) {
+  const std::size_t faces = isWithinSides(corners) ? shape_.faceNormals.size() : normals_.size();
+  for (std::size_t f = 0; f < faces; ++f) {
     const double first = height(f, corners[0]);
     if (first + spread < 0) continue;
     if (first > 0 && isInFront(f)) {
@@ -278,7 +287,7 @@ ShapePlanes::Depth ShapePlanes::depthAlong(const Vec3d& at, const Vec3d& along) 
 }
 
 ShapePlanes::Depth ShapePlanes::depthBy(const Planes& planes, const Vec3d& at, const Vec3d& along) const {
-  Depth least{std::numeric_limits<double>::infinity(), 0};
+  Depth least{kFar, 0};
   double most = 0;
   const auto height = [&](std::size_t f) { return planes.offsets[f] - otgDot(planes.normals[f], at); };
   std::size_t f = 0;
@@ -310,46 +319,58 @@ ShapePlanes::Depth ShapePlanes::depthBy(const Planes& planes, const Vec3d& at, c
 }
 
 double ShapePlanes::deepest(const Stretch& s, double enough) const {
+  if (shape_.kind == ConvexGeometry::Kind::kCylinder) return deepestOfRound(s, enough);
   const double known = 0.5 * (s.low + s.high);
-  double t = known, depth = 0;
   Depths depths;
   const auto add = [&](const Vec3d& normal, double offset, double speed) {
     depths.add(offset - otgDot(normal, s.from), -otgDot(normal, s.along), speed);
   };
-  const auto find = [&] {
-    t = depths.deepest(known);
-    depth = depths.at(t);
+  for (std::size_t f = 0; f < near_.count; ++f) add(near_.normals[f], near_.offsets[f], near_.speeds[f]);
+  const double t = depths.deepest(known);
+  if (hasAll() || isInBox(s.at(t))) return t;
+  // Beyond the box others may have a say.
+  depths.clear();
+  for (std::size_t f = 0; f < normals_.size(); ++f) add(normals_[f], offsets_[f], -otgDot(normals_[f], out_));
+  return depths.deepest(known);
+}
+
+double ShapePlanes::deepestOfRound(const Stretch& s, double enough) const {
+  constexpr int kMostSteps = 60;
+  constexpr double kAsDeep = 1 + 1e-12;
+  const double middle = 0.5 * (s.low + s.high);
+  // A concave function, where it is one: where it neither rises nor falls. It is below its tangents.
+  struct End {
+    double t;
+    bool isTried;
+    std::optional<Line> tangent;
   };
-  const auto addAll = [&] {
-    for (std::size_t f = 0; f < normals_.size(); ++f) add(normals_[f], offsets_[f], -otgDot(normals_[f], out_));
-  };
-  if (shape_.kind != ConvexGeometry::Kind::kCylinder) {
-    for (std::size_t f = 0; f < near_.count; ++f) add(near_.normals[f], near_.offsets[f], near_.speeds[f]);
-    find();
-    // Beyond the box others may have a say.
-    if (!hasAll() && !isInBox(s.at(t))) {
-      depths.clear();
-      addAll();
-      find();
-    }
-    return t;
-  }
-  addAll();
-  find();
-  if (!(depth > enough)) return t;
-  // A concave function, too, where it is one: where it neither rises nor falls.
-  constexpr int kHalvings = 44;
-  double low = 0, high = 1;
-  for (int i = 0; i < kHalvings; ++i) {
-    t = 0.5 * (low + high);
+  End low{0, false, {}}, high{1, false, {}};
+  double t = middle, best = middle, most = 0;
+  for (int i = 0; i < kMostSteps; ++i) {
     const Depth here = depthAlong(s.at(t), s.along);
-    if (here.value < 0 ? t < known : here.slope > 0) {
-      low = t;
-    } else {
-      high = t;
+    const bool isIn = here.value >= 0;
+    if (here.value > most) {
+      most = here.value;
+      best = t;
     }
+    End& end = (isIn ? here.slope > 0 : t < middle) ? low : high;
+    end = {t, true, {}};
+    if (isIn) end.tangent = Line{here.value - here.slope * t, here.slope};
+    double bound = kFar, next = 0.5 * (low.t + high.t);
+    if (low.tangent && high.tangent) {
+      next = (high.tangent->at - low.tangent->at) / (low.tangent->slope - high.tangent->slope);
+      bound = low.tangent->value(next);
+    } else if (low.tangent) {
+      bound = low.tangent->value(high.t);
+      if (!high.isTried) next = high.t;
+    } else if (high.tangent) {
+      bound = high.tangent->value(low.t);
+      if (!low.isTried) next = low.t;
+    }
+    if (!(bound > std::max(enough, kAsDeep * most)) || !(next >= low.t && next <= high.t) || next == t) break;
+    t = next;
   }
-  return t;
+  return best;
 }
 
 }  // namespace otg

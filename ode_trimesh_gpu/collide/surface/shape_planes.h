@@ -11,8 +11,8 @@
 
 namespace otg {
 
-/// All geometry is in the shape's frame. A cylinder is a prism around it where areas and directions are needed; what is
-/// in it and depths are those of the round one. Not for capsules. Keeps scratch: one thread at a time.
+/// All geometry is in the shape's frame. A cylinder is a prism around it where areas are needed; what is in it and
+/// depths are those of the round one. Not for capsules. Keeps scratch: one thread at a time.
 class ShapePlanes {
  public:
   static constexpr std::size_t kMostPlanes = 256;
@@ -58,7 +58,7 @@ class ShapePlanes {
   double depthBelow(const Vec3d& at) const { return depthAlong(at, {0, 0, 0}).value; }
 
   /// Where that is most along a segment. The stretch is what of it is in the shape. Exact for flat shapes; of a
-  /// cylinder, only if the prism is deeper than `enough` there.
+  /// cylinder, only if it is deeper than `enough` there.
   double deepest(const Stretch& stretch, double enough) const;
 
  private:
@@ -81,6 +81,9 @@ class ShapePlanes {
   /// depthBelow(), and how it changes along a direction.
   Depth depthAlong(const Vec3d& at, const Vec3d& along) const;
   Depth depthBy(const Planes& planes, const Vec3d& at, const Vec3d& along) const;
+  double deepestOfRound(const Stretch& stretch, double enough) const;
+  /// Whether no side of a cylinder cuts the triangle.
+  bool isWithinSides(const Corners& corners) const;
 
   const ConvexGeometry& shape_;
   std::span<const Vec3d> normals_;  ///< of all faces, and of the sides of the prism

@@ -322,20 +322,46 @@ class SmoothSolver {
   static std::uint32_t endOf(const Vec3d& at) { return at.z < 0 ? 0 : 16; }
 
   /// Whether the way from a point to the shape's middle leads through the patch.
-  bool isBelow(const Vec3d& at, std::uint32_t patch) const {
-    const Vec3d way = inside_ - at;
-    return std::ranges::any_of(pieces_, [&](const Piece& piece) {
-      return piece.patch == patch && otgDot(piece.normal, at) < piece.offset && isOver(piece.corner, way, at);
-    });
+  bool isBelow(const Vec3d& at, std::uint32_t patch) {
+    return meetsPieces(at, inside_) && firstPiece(patch, lastBelow_, [&](const Piece& piece) {
+                                         return otgDot(piece.normal, at) < piece.offset &&
+                                                isOver(piece.corner, inside_ - at, at);
+                                       }) != nullptr;
+  }
+
+  /// Whether a segment in the shape may meet a piece: it comes to the box around their parts in the shape, or nearly.
+  bool meetsPieces(const Vec3d& from, const Vec3d& to) const {
+    constexpr double kNearly = 1e-6;  // of the box's size
+    const double slack = kNearly * norm(high_ - low_);
+    double first = 0, last = 1;
+    const auto cut = [&](double low, double high, double way) {
+      if (way == 0) return low <= slack && high >= -slack;
+      const double a = (low - slack) / way, b = (high + slack) / way;
+      first = std::max(first, std::min(a, b));
+      last = std::min(last, std::max(a, b));
+      return first <= last;
+    };
+    const Vec3d low = low_ - from, high = high_ - from, way = to - from;
+    return cut(low.x, high.x, way.x) && cut(low.y, high.y, way.y) && cut(low.z, high.z, way.z);
   }
 
   /// Null where the shape overhangs the point so far that what is above is not in the shape.
-  const Piece* pieceOver(std::uint32_t patch, const Vec3d& at) const {
-    const auto found = std::ranges::find_if(pieces_, [&](const Piece& piece) {
-      return piece.patch == patch && otgDot(piece.normal, at) < piece.offset &&
-             isOver(piece.corner, patches_[patch].direction, at);
+  const Piece* pieceOver(std::uint32_t patch, const Vec3d& at) {
+    return firstPiece(patch, lastOver_, [&](const Piece& piece) {
+      return otgDot(piece.normal, at) < piece.offset && isOver(piece.corner, patches_[patch].direction, at);
     });
-    return found == pieces_.end() ? nullptr : &*found;
+  }
+
+  /// A piece of the patch for which that is true: `last`, which becomes the answer's number, before all others. One
+  /// point after the other lies below the same piece.
+  template <class IsIt>
+  const Piece* firstPiece(std::uint32_t patch, std::size_t& last, const IsIt& isIt) const {
+    const auto isHere = [&](const Piece& piece) { return piece.patch == patch && isIt(piece); };
+    if (last < pieces_.size() && isHere(pieces_[last])) return &pieces_[last];
+    const auto found = std::ranges::find_if(pieces_, isHere);
+    if (found == pieces_.end()) return nullptr;
+    last = static_cast<std::size_t>(found - pieces_.begin());
+    return &*found;
   }
 
   /// Whether the line along a direction, which leads out of the triangle's front, meets it.
@@ -428,6 +454,7 @@ class SmoothSolver {
   std::pmr::vector<Piece> pieces_;
   std::pmr::vector<Stretch> stretches_;
   std::pmr::vector<Patch> patches_;
+  std::size_t lastBelow_ = 0, lastOver_ = 0;  ///< pieces that firstPiece() found
 };
 
 }  // namespace

@@ -47,12 +47,12 @@ bool addContacts(const Query& query, NearSurface& near, Workspace& workspace, co
   const auto start = query.options.timings ? Clock::now() : Clock::time_point{};
   requireRigid(query.bInA);
   const SolidHistory::State before = stateBefore(query);
-  if (before.side < 0 || before.escapeLeft > 0 || !isUnburdened(query)) return false;
+  if (before.side < 0 || before.escapeLeft > 0 || !isUnburdened(before)) return false;
   if (!near.collect()) return false;
   const SurfaceAnswer answer = answerOf(near, workspace);
   if (answer == SurfaceAnswer::kOther || (answer == SurfaceAnswer::kApart && !isOutside(near))) return false;
   complete(workspace.contacts);
-  rememberPlain(query, answer == SurfaceAnswer::kTouching, {0, 0, 0});
+  rememberPlain(query, before, answer == SurfaceAnswer::kTouching, {0, 0, 0});
   workspace.stats.contactsBeforeReduction = workspace.contacts.size();
   finishContacts(query, workspace);
   if (query.options.timings) {

@@ -7,6 +7,7 @@
 #include <thread>
 #include <unordered_map>
 
+#include "collide/pair_history.h"
 #include "collide/shell/shell_roles.h"
 #include "collide/solid/look_ahead.h"
 #include "collide/solid/solid_contacts.h"
@@ -369,7 +370,8 @@ class Backend::Batch {
           if (!has && !source_.anyHistory) continue;
           const Query query = source_.query(begin + k);
           waits[k] = mayMeetAhead_ && has && mayMeetAhead(query);
-          if (source_.anyHistory) rememberPlain(query, has, has ? found.directions[k] : Vec3d{0, 0, 0});
+          const Vec3d deep = has ? found.directions[k] : Vec3d{0, 0, 0};
+          if (source_.anyHistory) rememberPlain(query, stateBefore(query), has, deep);
           unsettled[k] = has && !finish_.isSettled(query, begin + k);
         }
       });

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/hash.h"
+#include "collide/pair_history.h"
 #include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
 #include "opencl/backend.h"
@@ -172,7 +173,7 @@ class QuerySource {
     Kind kind{};
     kind.solid = !isPairwise(query);
     kind.history = kind.solid && query.history != nullptr;
-    kind.burdened = kind.history && !isUnburdened(query);
+    kind.burdened = kind.history && !isUnburdened(stateBefore(query));
     kind.convexPath = kind.solid && query.options.solid.convexPath;
     return kind;
   }
