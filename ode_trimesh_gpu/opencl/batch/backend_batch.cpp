@@ -370,8 +370,9 @@ class Backend::Batch {
           if (!has && !source_.anyHistory) continue;
           const Query query = source_.query(begin + k);
           waits[k] = mayMeetAhead_ && has && mayMeetAhead(query);
-          const Vec3d deep = has ? found.directions[k] : Vec3d{0, 0, 0};
-          if (source_.anyHistory) rememberPlain(query, stateBefore(query), has, deep);
+          if (source_.anyHistory) {
+            rememberPlain(query, stateBefore(query), has, has ? found.directions[k] : Vec3d{0, 0, 0});
+          }
           unsettled[k] = has && !finish_.isSettled(query, begin + k);
         }
       });
