@@ -68,10 +68,14 @@ TEST_CASE("every row of the table: after the batch") {
 TEST_CASE("every row of the table: before a pair is sent, and after a failed call") {
   CHECK(fateBefore({}) == Fate::kDevice);
   CHECK(fateBefore({.idle = true}) == Fate::kWithoutDevice);
+  CHECK(fateBefore({.host = true}) == Fate::kWithoutDevice);
   CHECK(fateBefore({.large = true}) == Fate::kAlone);
   CHECK(fateBefore({.large = true, .idle = true}) == Fate::kAlone);
   for (const bool large : {false, true}) {
-    for (const bool idle : {false, true}) CHECK(fateBefore({true, large, idle}) == Fate::kRefused);
+    for (const bool idle : {false, true}) {
+      CHECK(fateBefore({true, large, idle}) == Fate::kRefused);
+      CHECK(fateBefore({true, large, idle, true}) == Fate::kRefused);
+    }
   }
   CHECK(fateAfterFailure(false, false) == Fate::kWithoutDevice);
   CHECK(fateAfterFailure(false, true) == Fate::kMeanwhile);

@@ -206,11 +206,7 @@ class Backend::Batch {
     const auto copy = [&](std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) source_.fill(begin + k, tasks[k]);
     };
-    if constexpr (Source::kIsScattered) {
-      finish_.inParts(tasks.size(), copy);
-    } else {
-      copy(0, tasks.size());
-    }
+    Source::kIsScattered ? finish_.inParts(tasks.size(), copy) : copy(0, tasks.size());
     meshes_.renumber(tasks);
     const auto leaveOut = [&](std::size_t k, Fate fate) {
       tasks[k].skip = 1;
@@ -225,11 +221,12 @@ class Backend::Batch {
       }
     }
     if (hasContactsOfHost_) {
+      std::vector<std::uint8_t> isHosts(tasks.size(), 0);
+      finish_.inParts(tasks.size(), [&](std::size_t from, std::size_t to) {
+        for (std::size_t k = from; k < to; ++k) isHosts[k] = !tasks[k].skip && isForHost(source_.query(begin + k));
+      });
       for (std::size_t k = 0; k < tasks.size(); ++k) {
-        const Query query = source_.query(begin + k);
-        if (tasks[k].skip || !isForHost(query)) continue;
-        tasks[k].skip = 1;
-        (isRefused(query) ? piece.refused : piece.alone).push_back(begin + k);
+        if (isHosts[k]) leaveOut(k, fateBefore({.refused = isRefused(source_.query(begin + k)), .host = true}));
       }
     }
     for (std::size_t k = 0; k < frames.size(); ++k) {

@@ -6,7 +6,7 @@ namespace otg::opencl {
 Fate fateBefore(const PairBefore& pair) {
   if (pair.refused) return Fate::kRefused;
   if (pair.large) return Fate::kAlone;
-  return pair.idle ? Fate::kWithoutDevice : Fate::kDevice;
+  return pair.idle || pair.host ? Fate::kWithoutDevice : Fate::kDevice;
 }
 
 Fate fateAfter(otg_uint flags, const BatchRules& rules, bool doneMeanwhile) {

@@ -51,6 +51,7 @@ struct PairBefore {
   bool refused = false;  ///< its pose cannot be worked with
   bool large = false;    ///< more triangles than Tuning::batchTriangles, where such pairs are done alone
   bool idle = false;     ///< the CPU makes frames for the device, and this pair has none that is of use
+  bool host = false;     ///< its contacts are of a kind that devices do not make
 };
 Fate fateBefore(const PairBefore& pair);
 
