@@ -55,8 +55,6 @@ class Depths {
     high_ = 1;
   }
 
-  double at(double t) const { return bottoms_ == 0 ? 0 : bottom(t).value(t); }
-
   /// The least of the planes that face down: a concave function. It is largest at t, of all places where it is no less
   /// than those that face up; `known` is such a place.
   double deepest(double known) const {
@@ -338,7 +336,8 @@ double ShapePlanes::deepestOfRound(const Stretch& s, double enough) const {
   constexpr int kMostSteps = 60;
   constexpr double kAsDeep = 1 + 1e-12;
   const double middle = 0.5 * (s.low + s.high);
-  // A concave function, where it is one: where it neither rises nor falls. It is below its tangents.
+  // A concave function, where it is one: where it neither rises nor falls. It is below its tangents, and where two of
+  // them meet is tried next (J. Kelley 1960).
   struct End {
     double t;
     bool isTried;

@@ -352,7 +352,7 @@ class SmoothSolver {
     });
   }
 
-  /// A piece of the patch for which that is true: `last`, which becomes the answer's number, before all others. One
+  /// A piece of the patch for which that is true, or null. `last`, the number of the last answer, is tried first: one
   /// point after the other lies below the same piece.
   template <class IsIt>
   const Piece* firstPiece(std::uint32_t patch, std::size_t& last, const IsIt& isIt) const {
