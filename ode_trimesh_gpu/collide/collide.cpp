@@ -33,7 +33,7 @@ namespace {
 void collideAnySolids(const Query& query, Workspace& workspace) {
   if (!areShells(query, workspace.intersecting) && solidContacts(query, workspace)) {
     if (mayMeetAhead(query)) lookAhead(query, workspace);
-    finishContacts(query, workspace);
+    finishPair(query, workspace);
   } else {
     shellContacts(query, workspace);
   }
@@ -59,12 +59,13 @@ bool mayNeedNoTriangles(const Query& query) {
   return isConvexPair(query) || areConvexParts(query) || isSurfacePair(query);
 }
 
-void finishContacts(const Query& query, Workspace& workspace) {
+bool finishContacts(const Query& query, Workspace& workspace) {
   // In the order in which devices leave them: sums round by it.
   std::sort(workspace.contacts.begin(), workspace.contacts.end(), contactDeeper);
   limitByMotion(query, workspace.contacts);
-  makeConsistent(workspace.contacts, smallerRadius(query));
+  const bool isJammed = cutContradictions(query, workspace.contacts);
   limitContacts(workspace.contacts, query.options.maxContacts, workspace.reduced);
+  return !isJammed;
 }
 
 std::vector<Contact> limitContactsOfCaller(const Query& query, std::span<const Contact> contacts, int count) {

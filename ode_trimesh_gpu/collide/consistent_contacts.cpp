@@ -12,6 +12,7 @@
 #include "base/vectors.h"
 #include "collide/contact_wrench.h"
 #include "collide/convex_cone.h"
+#include "collide/pair_history.h"
 #include "shared/contacts/uneven_model.h"
 
 namespace otg {
@@ -138,6 +139,17 @@ void makeConsistent(std::vector<Contact>& contacts, double size) {
     if (isLeftOut[i] == 0) contacts[kept++] = contacts[i];
   }
   contacts.resize(kept);
+}
+
+bool isDeep(const Query& query, std::span<const Contact> contacts) {
+  return deepestOf(contacts) >= SolidHistory::kClampedDepth * smallerSize(query);
+}
+
+bool cutContradictions(const Query& query, std::vector<Contact>& contacts) {
+  const bool wasDeep = isDeep(query, contacts);
+  const double deepest = deepestOf(contacts);
+  makeConsistent(contacts, smallerRadius(query));
+  return wasDeep && deepestOf(contacts) < deepest;
 }
 
 }  // namespace otg

@@ -19,4 +19,10 @@ bool contradict(std::span<const Contact> contacts, double size);
 /// forces of any size. The order of the contacts stays.
 void makeConsistent(std::vector<Contact>& contacts, double size);
 
+/// Whether one of the pair's contacts is as deep as entangled pairs are clamped to, or deeper.
+bool isDeep(const Query& query, std::span<const Contact> contacts);
+
+/// The same as makeConsistent(). True if the pair is jammed: it was deep, and no contact is as deep any more.
+bool cutContradictions(const Query& query, std::vector<Contact>& contacts);
+
 }  // namespace otg

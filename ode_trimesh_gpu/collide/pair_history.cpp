@@ -93,6 +93,7 @@ SolidHistory::State stateBefore(const SolidHistory& history, const Transformd& b
 SolidHistory::State oneQueryLater(const SolidHistory::State& before) {
   SolidHistory::State state = before;
   state.escapeLeft = std::max(0, state.escapeLeft - 1);
+  state.isJammed = state.isJammed && state.escapeLeft > 0;
   state.clampLeft = std::max(0, state.clampLeft - 1);
   state.deepNormal = {0, 0, 0};
   return state;

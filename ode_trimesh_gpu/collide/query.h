@@ -125,6 +125,7 @@ struct Query {
   SolidHistory* history = nullptr;   ///< of this pair, in this order, or null; read and written by ContactModel::kSolid
   RegionRefiner* refiner = nullptr;  ///< or null: corrects the regions of ContactModel::kSolid
   bool isOffSurface = false;         ///< collideSurfacePair() is known to be false
+  bool isJammed = false;             ///< two solids whose contacts contradict each other: see finishPair()
   CollideOptions options;
 };
 

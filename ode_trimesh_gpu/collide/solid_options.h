@@ -30,6 +30,7 @@ struct SolidHistory {
     Vec3d deepNormal{0, 0, 0};  ///< unit, in B's frame: the direction of the last deep region; zero when out of contact
     Transformd pose{};          ///< of B in A at the last query
     bool hasPose = false;
+    bool isJammed = false;  ///< all of the pair leaves along `escape`
     /// Of a pair with a shell, 0 if nothing is known (shell/shell_approach.h): on which side of a sheet the visitor is,
     /// +1 where its normals lead, or -1; of another ground +1, and `front` is a point in front of it, in its own frame.
     /// Of a solid on a sheet: -1 behind it, +1 if it has come there through the front.
@@ -58,6 +59,7 @@ struct SolidHistory {
 
   static constexpr int kEscapeQueries = 50;
   static constexpr int kClampQueries = 20;
+  static constexpr double kClampedDepth = 0.02;  ///< of the smaller mesh's size
 };
 
 }  // namespace otg

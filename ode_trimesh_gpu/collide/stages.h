@@ -32,8 +32,12 @@ void collideIntersecting(const Query& query, Workspace& workspace);
 bool mayNeedNoTriangles(const Query& query);
 
 /// All contacts of `solid` of a pair -> workspace.contacts that do not contradict each other. Of these as many as the
-/// caller wants -> workspace.reduced.
-void finishContacts(const Query& query, Workspace& workspace);
+/// caller wants -> workspace.reduced. False for a jammed pair: see cutContradictions().
+bool finishContacts(const Query& query, Workspace& workspace);
+
+/// The same of two meshes. Of a jammed pair of solids the regions that hold it get contacts along one direction, which
+/// push it out (jammed_pair.cpp). May throw std::bad_alloc, and throws what middlePhase throws.
+void finishPair(const Query& query, Workspace& workspace);
 
 /// limitContacts() for contacts in the callers' numbers of triangles. Ties are broken by the meshes' own.
 std::vector<Contact> limitContactsOfCaller(const Query& query, std::span<const Contact> contacts, int count);

@@ -145,6 +145,7 @@ void checkHistories(std::vector<Query> queries, std::uint32_t seed, int steps, c
       CHECK(onDevice[i].current.escape == host[i].current.escape);
       CHECK(onDevice[i].current.escapeLeft == host[i].current.escapeLeft);
       CHECK(onDevice[i].current.clampLeft == host[i].current.clampLeft);
+      CHECK(onDevice[i].current.isJammed == host[i].current.isJammed);
       CHECK(onDevice[i].before.deepNormal == host[i].before.deepNormal);
       CHECK(onDevice[i].current.deepNormal == host[i].current.deepNormal);
       if (step == 2) continue;  // the same pose again

@@ -64,8 +64,8 @@ inline std::uint64_t foundOnHost(const std::vector<Query>& queries) {
 
 inline bool same(const SolidHistory::State& x, const SolidHistory::State& y) {
   return x.escape == y.escape && x.escapeLeft == y.escapeLeft && x.clampLeft == y.clampLeft &&
-         x.deepNormal == y.deepNormal && x.hasPose == y.hasPose && x.pose.t == y.pose.t && x.side == y.side &&
-         x.front == y.front && x.deepest == y.deepest && x.content == y.content;
+         x.deepNormal == y.deepNormal && x.hasPose == y.hasPose && x.isJammed == y.isJammed && x.pose.t == y.pose.t &&
+         x.side == y.side && x.front == y.front && x.deepest == y.deepest && x.content == y.content;
 }
 
 inline std::size_t countWrong(const opencl::BatchAnswer& answer, const std::vector<std::vector<Contact>>& expected) {

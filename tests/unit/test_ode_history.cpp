@@ -214,14 +214,14 @@ TEST_CASE("the bytes do not depend on the machine") {
   const dGeomID geoms[] = {b.id, a.id};
   unsigned char bytes[512];
   const dsizeint size = dGpuTriMeshHistorySave(geoms, 2, bytes, sizeof bytes);
-  REQUIRE(size == 8 + 4 + 4 + 4 + 8 + 4 + 4 + 24 + 2 * (24 + 4 + 4 + 24 + 96 + 4 + 4 + 24 + 8 + 8) + 8);
-  const unsigned char head[] = {'O', 'T', 'G', 'H', 'I', 'S', 'T', 0, 5, 0, 0, 0, 2, 0, 0, 0,
+  REQUIRE(size == 8 + 4 + 4 + 4 + 8 + 4 + 4 + 24 + 2 * (24 + 4 + 4 + 24 + 96 + 4 + 4 + 4 + 24 + 8 + 8) + 8);
+  const unsigned char head[] = {'O', 'T', 'G', 'H', 'I', 'S', 'T', 0, 6, 0, 0, 0, 2, 0, 0, 0,
                                 1,   0,   0,   0,   0,   0,   0,   0, 1, 0, 0, 0, 0, 0, 0, 0};
   CHECK(std::memcmp(bytes, head, sizeof head) == 0);
-  // The current state ends with the pose of the large box, (1, 0.25, 0.125), hasPose, and no side of a shell: 0,
-  // written as 1, and a point at the origin. Of two solids no depth is kept, -1, for no content.
-  const unsigned char tail[] = {0, 0, 0, 0, 0, 0, 0xf0, 0x3f, 0, 0, 0, 0, 0, 0, 0xd0, 0x3f,
-                                0, 0, 0, 0, 0, 0, 0xc0, 0x3f, 1, 0, 0, 0, 1, 0, 0,    0};
+  // The current state ends with the pose of the large box, (1, 0.25, 0.125), hasPose, not jammed, and no side of a
+  // shell: 0, written as 1, and a point at the origin. Of two solids no depth is kept, -1, for no content.
+  const unsigned char tail[] = {0, 0, 0, 0, 0,    0,    0xf0, 0x3f, 0, 0, 0, 0, 0, 0, 0xd0, 0x3f, 0, 0,
+                                0, 0, 0, 0, 0xc0, 0x3f, 1,    0,    0, 0, 0, 0, 0, 0, 1,    0,    0, 0};
   CHECK(std::memcmp(bytes + size - 8 - 16 - 24 - sizeof tail, tail, sizeof tail) == 0);
   const unsigned char last[24 + 16] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,    0,
                                        0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xf0, 0xbf};

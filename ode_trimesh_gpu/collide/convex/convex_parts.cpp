@@ -86,8 +86,7 @@ bool convexPartContacts(const Query& query, Workspace& workspace) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   }
   if (mayMeetAhead(query)) lookAhead(query, workspace);
-  finishContacts(query, workspace);
-  return true;
+  return finishContacts(query, workspace);
 }
 
 bool collideConvexParts(const Query& query, Workspace& workspace) {

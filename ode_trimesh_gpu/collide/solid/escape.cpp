@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <list>
 #include <optional>
 
 #include "base/flat_map.h"
@@ -205,13 +206,37 @@ class WayOutByRays {
 /// The shortest way out among many directions, those that undo the approach made cheaper by up to half.
 class Escape {
  public:
-  Escape(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region, const PairMotion& motion,
-         RegionExtent& extent)
-      : region_(region),
-        back_(motion.back),
-        extent_(extent),
-        isThin_(!region.contained && !otgIsLump(region.thickness, region.diagonal)),
-        rays_(meshes, all, region) {}
+  Escape(const PairMotion& motion, std::pmr::memory_resource* memory) : back_(motion.back), parts_(memory) {}
+
+  /// A region that has to leave.
+  void add(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region, RegionExtent& extent) {
+    const bool isThin = !region.contained && !otgIsLump(region.thickness, region.diagonal);
+    parts_.push_back({&region, &extent, isThin, WayOutByRays(meshes, all, region)});
+    areThin_ = areThin_ && isThin;
+  }
+
+  /// What is looked at first, in this order, and then around the best of it.
+  void search(const Transformd& bInA) {
+    for (const Vec3d& d : axes26()) offer(d);
+    for (const Part& part : parts_) offer(unit(part.region->push));
+    offer(back_);
+    const double* r = bInA.r;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d axis{r[k], r[3 + k], r[6 + k]};
+      offer(axis);
+      offer(axis * -1.0);
+    }
+    refine();
+  }
+  const Vec3d& best() const { return best_; }
+
+ private:
+  struct Part {
+    const Region* region;
+    RegionExtent* extent;
+    bool isThin;  ///< surfaces that run along each other all around, as those of a nut and its bolt: no side is out
+    WayOutByRays rays;
+  };
 
   void offer(const Vec3d& d) {
     if (!(otgDot(d, d) > 0)) return;
@@ -224,7 +249,7 @@ class Escape {
   }
   /// Sideways from the best so far, by ever smaller steps.
   void refine() {
-    if (isThin_) return;
+    if (areThin_) return;
     for (const double step : kEscapeSteps) {
       const Vec3d d = best_;
       const Vec3d s = unit(otgCross(d, std::fabs(d.x) < 0.8 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0})), t = otgCross(d, s);
@@ -233,21 +258,25 @@ class Escape {
       }
     }
   }
-  const Vec3d& best() const { return best_; }
-
- private:
+  /// Of the last one that is out. Stops when the result is at least `enough`.
   double along(const Vec3d& d, double enough) {
-    if (region_.contained) return rays_.along(d, enough);
+    double most = 0;
+    for (const Part& part : parts_) {
+      most = std::max(most, along(part, d, enough));
+      if (most >= enough) break;
+    }
+    return most;
+  }
+  double along(const Part& part, const Vec3d& d, double enough) const {
+    if (part.region->contained) return part.rays.along(d, enough);
     // An extent does not distinguish d from -d; the push does, as far as there is one.
-    const double extent = extent_.along(d) * (otgDot(d, region_.push) < 0 ? 1.1 : 1.0);
-    return isThin_ || extent >= enough ? extent : std::max(extent, rays_.along(d, enough));
+    const double extent = part.extent->along(d) * (otgDot(d, part.region->push) < 0 ? 1.1 : 1.0);
+    return part.isThin || extent >= enough ? extent : std::max(extent, part.rays.along(d, enough));
   }
 
-  const Region& region_;
   Vec3d back_;
-  RegionExtent& extent_;
-  bool isThin_;  ///< surfaces that run along each other all around, as those of a nut and its bolt: no side is out
-  WayOutByRays rays_;
+  std::pmr::vector<Part> parts_;
+  bool areThin_ = true;
   double least_ = std::numeric_limits<double>::infinity();
   Vec3d best_{0, 0, 1};
 };
@@ -255,17 +284,9 @@ class Escape {
 Vec3d escapeDirection(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region,
                       const PairMotion& motion, RegionExtent& extent) {
   if (otgDot(motion.escape, motion.escape) > 0) return motion.escape;
-  Escape escape(meshes, all, region, motion, extent);
-  for (const Vec3d& d : axes26()) escape.offer(d);
-  escape.offer(unit(region.push));
-  escape.offer(motion.back);
-  const double* r = meshes.query().bInA.r;
-  for (int k = 0; k < 3; ++k) {
-    const Vec3d axis{r[k], r[3 + k], r[6 + k]};
-    escape.offer(axis);
-    escape.offer(axis * -1.0);
-  }
-  escape.refine();
+  Escape escape(motion, all.memory);
+  escape.add(meshes, all, region, extent);
+  escape.search(meshes.query().bInA);
   return escape.best();
 }
 
@@ -352,9 +373,29 @@ void addContained(const PlacedMeshes& meshes, const InsideFlags& inside, Overlap
   }
 }
 
+Vec3d EscapeOfAll::direction(const PairMotion& motion) const {
+  std::list<RegionExtent> extents;
+  Escape escape(motion, std::pmr::get_default_resource());
+  for (const Overlap& overlap : overlaps_) {
+    const OverlapRegions& all = overlap.regions;
+    for (const Region& region : all.regions) {
+      escape.add(overlap.meshes, all, region, extents.emplace_back(all, region));
+    }
+  }
+  if (extents.empty()) return {0, 0, 0};
+  escape.search(overlaps_.front().meshes.query().bInA);
+  return escape.best();
+}
+
 RegionDirection directRegion(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region,
                              const PairMotion& motion, RegionNormals& normals, RegionExtent& regionExtent) {
   RegionDirection answer;
+  if (motion.isJammed) {
+    answer.entangled = answer.escaping = true;
+    answer.direction = motion.escape;
+    normals.fix(answer.direction);
+    return answer;
+  }
   const std::pmr::vector<EdgePair> pairs = edgePairsOf(meshes, all, region);
   if (const EdgePair* const whole = wholePair(pairs)) {
     answer.deep = true;

@@ -2,6 +2,8 @@
 // Where out is when the surfaces of a region do not say it: deep overlaps, entangled and contained bodies.
 #pragma once
 
+#include <list>
+
 #include "collide/solid/edge_pair.h"
 #include "collide/solid/extent.h"
 #include "collide/solid/inside.h"
@@ -19,6 +21,23 @@ struct PairMotion {
   double step = 0;            ///< how far A moved relative to B since the last query, 0 if unknown
   Vec3d escape{0, 0, 0};      ///< direction that still holds, or zero
   Vec3d deepNormal{0, 0, 0};  ///< direction of the last deep region, or zero
+  bool isJammed = false;      ///< all regions leave along `escape`
+};
+
+/// Where a pair leaves whose regions contradict each other: the direction in which the last of them is soonest out.
+class EscapeOfAll {
+ public:
+  /// Copies the regions. The query of the meshes has to outlive this object.
+  void add(const PlacedMeshes& meshes, const OverlapRegions& regions) { overlaps_.push_back({meshes, regions}); }
+  /// Zero without regions.
+  Vec3d direction(const PairMotion& motion) const;
+
+ private:
+  struct Overlap {
+    PlacedMeshes meshes;
+    OverlapRegions regions;
+  };
+  std::list<Overlap> overlaps_;
 };
 
 struct RegionDirection {

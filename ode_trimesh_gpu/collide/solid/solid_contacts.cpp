@@ -111,7 +111,13 @@ class PairContacts {
         size_(smallerSize(query)),
         before_(stateBefore(query)),
         state_(oneQueryLater(before_)),
-        motion_(motionOf(query, before_)) {}
+        motion_(motionOf(query, before_)) {
+    motion_.isJammed = query.isJammed;
+  }
+
+  /// Whether all regions have to be known before the first is added, for the direction in which they leave.
+  bool seeksEscape() const { return motion_.isJammed && !(otgDot(motion_.escape, motion_.escape) > 0); }
+  void setEscape(const EscapeOfAll& of) { motion_.escape = of.direction(motion_); }
 
   void add(const PlacedMeshes& meshes, const OverlapRegions& all, const Region& region) {
     if (region.diagonal < OTG_SOLID_LEAST_DIAGONAL * size_ ||
@@ -173,7 +179,7 @@ class PairContacts {
     }
     if (entangled_) state_.clampLeft = SolidHistory::kClampQueries;
     if (state_.clampLeft > 0) {
-      const double most = std::max(0.02 * size_, 2 * motion_.step);
+      const double most = std::max(SolidHistory::kClampedDepth * size_, 2 * motion_.step);
       for (Contact& contact : workspace_.contacts) cutDepth(contact, most);
     }
     if (query_.history && isSolidOnPieces(query_)) {
@@ -211,7 +217,7 @@ class PairContacts {
   const double size_;
   const SolidHistory::State before_;
   SolidHistory::State state_;
-  const PairMotion motion_;
+  PairMotion motion_;
   bool entangled_ = false;
   std::uint32_t number_ = 0;
   std::vector<PartRegion>* partRegions_ = nullptr;
@@ -222,28 +228,58 @@ void addRegions(const PlacedMeshes& meshes, const OverlapRegions& regions, PairC
   for (const Region& region : regions.regions) contacts.add(meshes, regions, region);
 }
 
-/// The contacts of two meshes from their pairs of triangles that meet. False where the contour does not close.
-bool addOverlap(const PlacedMeshes& meshes, const std::vector<TrianglePair>& meeting, SolidScratch& scratch,
-                PairContacts& contacts) {
+/// The regions of two meshes from their pairs of triangles that meet -> scratch.regions. False where the contour does
+/// not close.
+bool describe(const PlacedMeshes& meshes, const std::vector<TrianglePair>& meeting, SolidScratch& scratch) {
+  scratch.regions.regions.clear();
   traceContour(meshes, meeting, scratch.contour);
   if (!(meshes.isSolid(0) && meshes.isSolid(1)) && !isClosed(scratch.contour, scratch.ends)) return false;
   floodInside(meshes, scratch.contour, scratch.inside);
   if (meeting.empty() && scratch.inside.contained[0].empty() && scratch.inside.contained[1].empty()) return true;
   scratch.builder.build(meshes, scratch.contour, scratch.inside, scratch.regions);
   addContained(meshes, scratch.inside, scratch.regions);
+  return true;
+}
+
+bool addOverlap(const Query& query, const std::vector<TrianglePair>& meeting, SolidScratch& scratch,
+                PairContacts& contacts) {
+  const PlacedMeshes meshes(query);
+  if (!describe(meshes, meeting, scratch)) return false;
+  if (contacts.seeksEscape()) {
+    EscapeOfAll escape;
+    escape.add(meshes, scratch.regions);
+    contacts.setEscape(escape);
+  }
   addRegions(meshes, scratch.regions, contacts);
+  return true;
+}
+
+bool areApart(const PartPair& pair) {
+  const Query& query = pair.query;
+  return pair.meeting.empty() && areBoxesApart(query.a->mesh(), query.b->mesh(), query.bInA, rotationDefect(query.bInA));
+}
+
+bool findEscapeOfParts(const std::vector<PartPair>& pairs, SolidScratch& scratch, PairContacts& contacts) {
+  EscapeOfAll escape;
+  for (const PartPair& pair : pairs) {
+    if (areApart(pair)) continue;
+    const PlacedMeshes meshes(pair.query);
+    if (!describe(meshes, pair.meeting, scratch)) return false;
+    escape.add(meshes, scratch.regions);
+  }
+  contacts.setEscape(escape);
   return true;
 }
 
 bool addOverlapsOfParts(const Query& query, Workspace& workspace, PairContacts& contacts) {
   std::vector<PartPair> pairs = pairsOfParts(query, workspace.intersecting);
+  if (contacts.seeksEscape() && !findEscapeOfParts(pairs, *workspace.solid, contacts)) return false;
   std::vector<PartRegion> regions;
-  const double defect = rotationDefect(query.bInA);
   for (PartPair& pair : pairs) {
     pair.begin = pair.end = workspace.contacts.size();
-    if (pair.meeting.empty() && areBoxesApart(pair.a.mesh->mesh(), pair.b.mesh->mesh(), query.bInA, defect)) continue;
+    if (areApart(pair)) continue;
     contacts.noteRegions(regions, static_cast<std::size_t>(&pair - pairs.data()));
-    if (!addOverlap(PlacedMeshes(pair.query), pair.meeting, *workspace.solid, contacts)) return false;
+    if (!addOverlap(pair.query, pair.meeting, *workspace.solid, contacts)) return false;
     pair.end = workspace.contacts.size();
   }
   numberAsWhole(pairs, workspace.contacts);
@@ -263,7 +299,7 @@ bool solidContacts(const Query& query, Workspace& workspace) {
   PairContacts contacts(query, workspace);
   const bool isClosed = haveParts(query)
                             ? addOverlapsOfParts(query, workspace, contacts)
-                            : addOverlap(PlacedMeshes(query), workspace.intersecting, *workspace.solid, contacts);
+                            : addOverlap(query, workspace.intersecting, *workspace.solid, contacts);
   if (!isClosed) {
     workspace.contacts.clear();
     return false;

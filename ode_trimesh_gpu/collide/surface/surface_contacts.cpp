@@ -54,11 +54,11 @@ bool addContacts(const Query& query, NearSurface& near, Workspace& workspace, co
   complete(workspace.contacts);
   rememberPlain(query, before, answer == SurfaceAnswer::kTouching, {0, 0, 0});
   workspace.stats.contactsBeforeReduction = workspace.contacts.size();
-  finishContacts(query, workspace);
+  const bool isFree = finishContacts(query, workspace);
   if (query.options.timings) {
     workspace.stats.contactsMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   }
-  return true;
+  return isFree;
 }
 
 const ConvexPolyhedron* polyhedronOf(const CollisionMesh* mesh) {

@@ -11,7 +11,7 @@
 //     4  whether the mesh that remembers is mesh A of the query
 //     3 x 8  origin of the frame that the states are given in, in the other geom's own (ode/shapes/primitive_history.h)
 //     twice (before and current) a state: escape 3 x 8, escapeLeft 4, clampLeft 4, deepNormal 3 x 8, pose 12 x 8, 4
-//     hasPose, side 4, front 3 x 8, deepest 8, content 8
+//     hasPose, 4 isJammed, side 4, front 3 x 8, deepest 8, content 8
 //   8  FNV-1a of all that
 #include "ode_trimesh_gpu/history.h"
 
@@ -35,7 +35,7 @@ namespace {
 enum : std::uint32_t { kTwoMeshes = 0, kWithOde = 1 };
 constexpr std::uint64_t kNobody = ~std::uint64_t{0};  ///< no serial number and no address
 constexpr char kMagic[8] = "OTGHIST";
-constexpr std::uint32_t kVersion = 5;
+constexpr std::uint32_t kVersion = 6;
 // Whoever adds to what is remembered must write it, too, and raise the version.
 static_assert(sizeof(SolidHistory::State) == 3 * 8 + 2 * 4 + 3 * 8 + 12 * 8 + 8 + 3 * 8 + 2 * 8);
 
@@ -56,6 +56,7 @@ class Writer {
     for (const double r : s.pose.r) number(r);
     vector(s.pose.t);
     integer(s.hasPose ? 1 : 0, 4);
+    integer(s.isJammed ? 1 : 0, 4);
     integer(static_cast<std::uint32_t>(s.side + 1), 4);
     vector(s.front);
     number(s.deepest);
@@ -110,6 +111,7 @@ class Reader {
     for (double& r : s.pose.r) r = number();
     s.pose.t = vector();
     s.hasPose = count(1) == 1;
+    s.isJammed = count(1) == 1;
     s.side = count(2) - 1;
     s.front = vector();
     s.deepest = number();

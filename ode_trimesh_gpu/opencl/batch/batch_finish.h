@@ -171,8 +171,8 @@ struct ContactFinish {
     keepDeepest(query, limit.deepest(answer.of(i)));
     return !limit.exceeds(answer.of(i)) && !contradict(answer.of(i), smallerRadius(query));
   }
-  /// As finishContacts() for pairs whose contacts the device made, after lookAhead(). It leaves those to the CPU of
-  /// whose contacts it had to drop some, unless they agree.
+  /// As finishPair() for pairs whose contacts the device made, after lookAhead(). It leaves those to the CPU that are
+  /// jammed, or of whose contacts it had to drop some, unless they agree.
   template <class QueryOf>
   void settle(const std::vector<std::size_t>& which, const QueryOf& queryOf) {
     std::vector<std::size_t> again;
@@ -186,7 +186,10 @@ struct ContactFinish {
       }
       std::vector<Contact> contacts(made.begin(), made.end());
       limit.cut(contacts);
-      makeConsistent(contacts, smallerRadius(query));
+      if (cutContradictions(query, contacts)) {
+        again.push_back(i);
+        continue;
+      }
       answer.add(i, limitContactsOfCaller(query, contacts, query.options.maxContacts));
     }
     const std::vector<Done> done = make(again.size(), [&](std::size_t k, Workspace& own) {

@@ -6,6 +6,7 @@
 
 #include "collide/convex/convex_pair_contacts.h"
 #include "collide/pair_frame.h"
+#include "collide/pair_history.h"
 #include "collide/query.h"
 #include "collide/rotation_tolerance.h"
 #include "collide/shell/shell_roles.h"
@@ -29,7 +30,7 @@ inline bool isIdleQuery(const Query& query, const PairFrame& frame) {
 
 /// Whether the CPU makes the contacts, of triangles that a device may have found.
 inline bool areContactsOfHost(const Query& query) {
-  return mayBeShells(query) || (!isPairwise(query) && haveParts(query));
+  return mayBeShells(query) || (!isPairwise(query) && (haveParts(query) || stateBefore(query).isJammed));
 }
 
 /// Whether a batch leaves all of the pair to the CPU. Pairs on a surface are not looked at before: most are quick

@@ -50,7 +50,7 @@ bool takeSolid(const Query& query, const otg_overlap_state& head, const Found& f
   workspace.stats.intersectingPairs = head.counts[OTG_OVERLAP_INTERSECTING];
   if (!solidContactsOf(query, found, workspace)) return false;
   if (mayMeetAhead(query)) lookAhead(query, workspace);
-  finishContacts(query, workspace);
+  finishPair(query, workspace);
   numberAsCaller(query, workspace);
   return true;
 }
@@ -74,7 +74,7 @@ void addAhead(const Query& query, std::span<const Contact> contacts, Workspace& 
     workspace.contacts.push_back(c);
   }
   lookAhead(query, workspace);
-  finishContacts(query, workspace);
+  finishPair(query, workspace);
   numberAsCaller(query, workspace);
 }
 
