@@ -60,7 +60,8 @@ PAGES = [
          "from call to call; `still`: it does not.",
          "bench terrain"),
     Page("floor", "Meshes on a floor",
-         "Meshes that stand on a mesh box, on a flat sheet of 512 triangles and on ODE's box, beside dTriMesh geoms. "
+         "Meshes that stand on a mesh box, on a flat sheet of 512 triangles, on a box with walls that begin in it (one mesh) and on ODE's box, "
+         "beside dTriMesh geoms. "
          "They tremble from call to call; `still`: they do not.",
          "bench floor", "bench floor --overlap 0.0002", "bench floor --overlap 0.02"),
     Page("shapes", "Shapes on small and convex meshes",

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `otg bench floor`: meshes that stand on a mesh box, on a flat sheet and on ODE's box, beside dTriMesh geoms.
+// `otg bench floor`: meshes that stand on a mesh box, on a flat sheet, on blocks in one mesh and on ODE's box, beside
+// dTriMesh geoms.
 #include <fmt/format.h>
 #include <ode/ode.h>
 
@@ -79,6 +80,19 @@ scenes::MeshArrays flatSheet() {
   return scenes::sheetOf(grid);
 }
 
+/// The floor with walls around it that begin in it, in one mesh.
+scenes::MeshArrays floorWithWalls() {
+  std::vector<scenes::MeshArrays> blocks{scenes::makeBox(kFloor)};
+  const Vec3d along{kFloor.x, 0.2, 2}, across{0.2, kFloor.y, 2};
+  for (const double side : {-0.5, 0.5}) {
+    const Transformd y{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, side * (kFloor.y - 0.2), 0.9}};
+    const Transformd x{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {side * (kFloor.x - 0.2), 0, 0.9}};
+    blocks.push_back(scenes::transformed(scenes::makeBox(along), y));
+    blocks.push_back(scenes::transformed(scenes::makeBox(across), x));
+  }
+  return scenes::merge(blocks);
+}
+
 /// What the meshes stand on, and what they stand on as dTriMesh geoms.
 struct Floor {
   const char* name;
@@ -100,10 +114,12 @@ Json measureBody(const Body& body, const MeshTwins& twins, const Floor& floor, c
 
 int benchFloor(const FloorOptions& options) {
   const scenes::OdeSession session;
-  const MeshTwins mesh(scenes::makeBox(kFloor)), sheet(flatSheet());
+  const MeshTwins mesh(scenes::makeBox(kFloor)), sheet(flatSheet()), walls(floorWithWalls());
   const dGeomID box = dCreateBox(nullptr, kFloor.x, kFloor.y, kFloor.z);
-  const Floor floors[] = {
-      {"mesh box", mesh.ours, mesh.stock}, {"flat sheet", sheet.ours, sheet.stock}, {"dBox", box, box}};
+  const Floor floors[] = {{"mesh box", mesh.ours, mesh.stock},
+                          {"flat sheet", sheet.ours, sheet.stock},
+                          {"blocks", walls.ours, walls.stock},
+                          {"dBox", box, box}};
   const std::vector<Body> bodies = bodiesOf(options);
   Json rows = Json::array();
   Progress all(bodies.size());

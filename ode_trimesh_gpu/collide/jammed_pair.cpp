@@ -30,7 +30,8 @@ std::vector<double> deepestByRegion(const std::vector<Contact>& contacts, std::s
 bool makeLeaving(const Query& query, Workspace& workspace) {
   Query jammed = query;
   jammed.isJammed = true;
-  findIntersectingPairs(jammed, workspace);
+  if (workspace.intersecting.empty()) findIntersectingPairs(jammed, workspace);  // a device had them
+  workspace.stats.unevenRegions = 0;
   return solidContacts(jammed, workspace) && !workspace.contacts.empty();
 }
 

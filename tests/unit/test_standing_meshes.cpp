@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/vectors.h"
+#include "collide/inside_test.h"
 #include "collide/stages.h"
 #include "collide/surface/surface_contacts.h"
 #include "scenes/concave_meshes.h"
@@ -39,14 +40,30 @@ std::vector<Mesh> floors() {
           meshOf(scenes::makeProfile({{-3, -1}, {3, -1}, {4, 0}, {3, 1}, {-3, 1}}, 6))};
 }
 
+/// Blocks that reach into each other: two slabs side by side, flush at z = 1, and walls that begin in them; or a pile
+/// with walls inside.
+Mesh blockGround() {
+  const auto block = [](Vec3d size, Vec3d at) { return scenes::transformed(scenes::makeBox(size), makeMove(at)); };
+  return meshOf(scenes::merge({block({14, 12, 2}, {-4.5, 0, 0}), block({10, 12, 3}, {7, 0, -0.5}),
+                               block({0.5, 12, 4}, {-11, 0, 1.5}), block({12, 0.5, 4}, {0, 5.5, 1.5})}));
+}
+Mesh blockPile() {
+  const auto block = [](Vec3d size, Vec3d at) { return scenes::transformed(scenes::makeBox(size), makeMove(at)); };
+  return meshOf(
+      scenes::merge({block({8, 8, 8}, {0, 0, 0}), block({6, 6, 8}, {1, 1, 3}), block({9, 5, 5}, {3, 0, -1})}));
+}
+
 /// Meshes that are not convex, with a flat face at z = 1 that is at least 6 wide.
 std::vector<Mesh> grounds() {
   const auto at = [](const scenes::MeshArrays& mesh, double z) {
     return meshOf(scenes::transformed(mesh, makeMove({0, 0, z})));
   };
-  return {at(hills(12, 0), 1), at(hills(40, 0), 1), at(scenes::makeTray({6, 6, 4}, 2), 1),
+  return {at(hills(12, 0), 1),
+          at(hills(40, 0), 1),
+          at(scenes::makeTray({6, 6, 4}, 2), 1),
           at(scenes::makeRoom({7, 6, 5}, 2), 3.5),
-          meshOf(scenes::makeProfile({{-8, -1}, {8, -1}, {8, 3}, {7, 3}, {7, 1}, {-8, 1}}, 12))};
+          meshOf(scenes::makeProfile({{-8, -1}, {8, -1}, {8, 3}, {7, 3}, {7, 1}, {-8, 1}}, 12)),
+          blockGround()};
 }
 
 Query queryOf(const CollisionMesh& a, const CollisionMesh& b, const Transformd& bInA) {
@@ -142,6 +159,33 @@ TEST_CASE("a mesh on flat ground is as deep as its lowest vertex") {
   standOn(grounds());
 }
 
+TEST_CASE("contacts on a ground of blocks have the names that all solids give them") {
+  Draw draw(31);
+  Workspace workspace;
+  const Mesh ground = blockGround();
+  REQUIRE(ground->parts() != nullptr);
+  int same = 0;
+  for (const Mesh& mesh : standing()) {
+    for (int i = 0; i < 20; ++i) {
+      Query query = queryOf(*ground, *mesh, drawPose(draw, *mesh, 0.003));
+      if (!collideSurfacePair(query, workspace)) continue;
+      numberAsCaller(query, workspace);
+      const std::vector<Contact> found = workspace.reduced;
+      query.options.solid.convexPath = false;
+      collide(query, workspace);
+      for (const Contact& c : found) {
+        for (const Contact& other : workspace.reduced) {
+          if (c.feature != other.feature || c.element != other.element) continue;
+          ++same;
+          CHECK(c.ordinal == other.ordinal);
+          CHECK(c.triangleA == other.triangleA);
+        }
+      }
+    }
+  }
+  CHECK(same > 100);
+}
+
 TEST_CASE("ground is flat where all of it around a mesh lies in one plane and has no rim") {
   const Mesh mesh = meshOf(scenes::makeLump(0.8, 3, 0.5, 3)), sheet = meshOf(hills(12, 0));
   const double top = -lowestOf(*mesh, makeMove({0, 0, 0})) - 1e-3;
@@ -168,7 +212,9 @@ TEST_CASE("meshes about grounds of few and large triangles have contacts exactly
       meshOf(scenes::makeProfile({{-6, -6}, {6, -6}, {-5, 1}, {-6, 6}}, 5)),
       meshOf(scenes::makeProfile({{-6, -2}, {6, -2}, {6, 4}, {4, -1}, {2, 4}, {0, -1}, {-2, 4}, {-4, -1}, {-6, 4}}, 6)),
       meshOf(scenes::makeProfile({{-8, -1}, {8, -1}, {8, 0.5}, {0, 0.5}, {0, 0}, {-8, 0}}, 12)),
-      meshOf(scenes::makeTray({5, 6, 3}, 1))};
+      meshOf(scenes::makeTray({5, 6, 3}, 1)),
+      blockGround(),
+      blockPile()};
   int found = 0, touching = 0;
   for (const Mesh& ground : around) {
     for (const Mesh& mesh : standing()) {
@@ -179,6 +225,11 @@ TEST_CASE("meshes about grounds of few and large triangles have contacts exactly
         INFO("triangles " << ground->mesh().triangleCount() << " and " << mesh->mesh().triangleCount() << ", " << i);
         CHECK(workspace.reduced.empty() != areMeeting(query, {0, 0, 0}));
         touching += !workspace.reduced.empty();
+        if (ground->parts() == nullptr) continue;
+        // The walls inside are no ground: what stands on one has its middle in a block.
+        const Vec3d low = asDouble(mesh->mesh().boundsMin()), high = asDouble(mesh->mesh().boundsMax());
+        const Vec3d middle = otgTransform(query.bInA, (low + high) * 0.5);
+        for (const auto& part : ground->parts()->meshes) CHECK_FALSE(pointInMesh(*part, middle));
       }
     }
   }

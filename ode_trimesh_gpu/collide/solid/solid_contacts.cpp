@@ -256,7 +256,8 @@ bool addOverlap(const Query& query, const std::vector<TrianglePair>& meeting, So
 
 bool areApart(const PartPair& pair) {
   const Query& query = pair.query;
-  return pair.meeting.empty() && areBoxesApart(query.a->mesh(), query.b->mesh(), query.bInA, rotationDefect(query.bInA));
+  return pair.meeting.empty() &&
+         areBoxesApart(query.a->mesh(), query.b->mesh(), query.bInA, rotationDefect(query.bInA));
 }
 
 bool findEscapeOfParts(const std::vector<PartPair>& pairs, SolidScratch& scratch, PairContacts& contacts) {
@@ -297,9 +298,8 @@ bool solidContacts(const Query& query, Workspace& workspace) {
   if (!haveSolidContacts(query.a->mesh(), query.b->mesh())) return false;
   if (!workspace.solid) workspace.solid = std::make_unique<SolidScratch>();
   PairContacts contacts(query, workspace);
-  const bool isClosed = haveParts(query)
-                            ? addOverlapsOfParts(query, workspace, contacts)
-                            : addOverlap(query, workspace.intersecting, *workspace.solid, contacts);
+  const bool isClosed = haveParts(query) ? addOverlapsOfParts(query, workspace, contacts)
+                                         : addOverlap(query, workspace.intersecting, *workspace.solid, contacts);
   if (!isClosed) {
     workspace.contacts.clear();
     return false;

@@ -18,6 +18,8 @@ class FlatGround {
   /// what is found.
   bool find(const CollisionMesh& ground, const CollisionMesh& other, const Transformd& toGround, double ahead);
 
+  /// The middle of the other mesh's box, in the ground's frame. It is above the plane.
+  const Vec3d& above() const { return box_.t; }
   /// A box with that face as its top, larger than the other mesh. Returns its pose in the ground's frame. Does not
   /// allocate if `box` was one before.
   Transformd makeBox(ConvexGeometry& box) const;

@@ -28,7 +28,7 @@ constexpr double kLongestWay = 0.05;  ///< of the smaller radius: a longer way o
 
 SurfaceAnswer answerOf(const NearSurface& near, Workspace& workspace) {
   if (addFaceContacts(near, workspace)) return SurfaceAnswer::kTouching;
-  return haveParts(near.query()) ? SurfaceAnswer::kOther : addSmoothContacts(near, workspace);
+  return near.query().a->parts() != nullptr ? SurfaceAnswer::kOther : addSmoothContacts(near, workspace);
 }
 
 /// Of a body that meets no surface: whether contacts of any kind would be none.
@@ -85,16 +85,27 @@ double longestWay(const Query& query) {
   return kLongestWay * std::min(double{query.a->mesh().radius()}, double{query.b->mesh().radius()});
 }
 
+/// Whether a point lies in one of the parts of a mesh.
+bool isInPart(const CollisionMesh& mesh, const Vec3d& p) {
+  if (mesh.parts() == nullptr) return false;
+  return std::ranges::any_of(mesh.parts()->meshes, [&](const auto& part) {
+    const Vec3f &low = part->mesh().boundsMin(), &high = part->mesh().boundsMax();
+    return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z &&
+           pointInMesh(*part, p);
+  });
+}
+
 /// Whether the larger one of two meshes is flat ground to the other one. `seen` is with the ground as B.
 bool findGround(const Query& query, FlatGround& ground, Query& seen) {
   const double a = double{query.a->mesh().radius()}, b = double{query.b->mesh().radius()};
   const CollisionMesh *const larger = a > b ? query.a : query.b, *const other = a > b ? query.b : query.a;
-  if (a == b || !hasSurface(larger) || other->parts() != nullptr || !mayBeFlatGround(*larger) ||
-      (!isSolid(other->mesh()) && !isSheet(other->mesh()))) {
+  if (a == b || !(hasSurface(larger) || larger->parts() != nullptr) || other->parts() != nullptr ||
+      !mayBeFlatGround(*larger) || (!isSolid(other->mesh()) && !isSheet(other->mesh()))) {
     return false;
   }
   seen = seenFrom(other, query);
-  return ground.find(*larger, *other, inverseOf(seen.bInA), longestWay(query));
+  // A wall inside a body of blocks is no ground.
+  return ground.find(*larger, *other, inverseOf(seen.bInA), longestWay(query)) && !isInPart(*larger, ground.above());
 }
 
 ContactFeature ofOther(ContactFeature feature) {
@@ -188,6 +199,7 @@ bool bodyContacts(const Query& query, const Query& seen, Workspace& workspace) {
 
 /// Contacts with flat ground, which is B of `seen`.
 bool groundContacts(const Query& query, const Query& seen, const FlatGround& ground, Workspace& workspace) {
+  const SolidParts* const parts = seen.b->parts();
   ConvexGeometry& box = aheadOf(workspace).floor;
   Query asBox = seen;
   asBox.bInA = composed(seen.bInA, ground.makeBox(box));
@@ -195,6 +207,9 @@ bool groundContacts(const Query& query, const Query& seen, const FlatGround& gro
   return addContacts(query, near, workspace, [&](std::vector<Contact>& contacts) {
     for (Contact& contact : contacts) {
       contact.triangleB = ground.triangleBelow(otgRotateBack(seen.bInA, contact.position - seen.bInA.t));
+      if (parts != nullptr && contact.element != kNone) {
+        contact.ordinal += parts->partOf[contact.triangleB] % 256 * kOrdinalOfPart;
+      }
       if (seen.a != query.a) turnRound(query, contact);
     }
   });
