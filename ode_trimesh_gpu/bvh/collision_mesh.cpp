@@ -6,6 +6,7 @@
 #include <new>
 #include <utility>
 
+#include "base/vectors.h"
 #include "bvh/image_boxes.h"
 
 namespace otg {
@@ -27,6 +28,20 @@ bool touchesRim(const TriMesh& mesh, std::span<const std::uint32_t> triangles) {
     const std::size_t half = 3 * std::size_t{t};
     return twin[half] == kNone || twin[half + 1] == kNone || twin[half + 2] == kNone;
   });
+}
+
+/// Whether the triangles' boxes have so much more area than they. Half of what a box has counts.
+bool areThin(const TriMesh& mesh) {
+  double ofBoxes = 0, ofTriangles = 0;
+  for (std::uint32_t t = 0; t < mesh.triangleCount(); ++t) {
+    Vec3d corner[3];
+    for (int k = 0; k < 3; ++k) corner[k] = asDouble(mesh.vertices()[mesh.triangles()[t].v[k]]);
+    const Vec3d size =
+        maximum(maximum(corner[0], corner[1]), corner[2]) - minimum(minimum(corner[0], corner[1]), corner[2]);
+    ofBoxes += size.x * size.y + size.y * size.z + size.z * size.x;
+    ofTriangles += 0.5 * norm(otgCross(corner[1] - corner[0], corner[2] - corner[0]));
+  }
+  return ofBoxes > CollisionMesh::kThin * ofTriangles;
 }
 
 /// No one but the caller has it, and what the last of the others did is done: a count of one is for good, since only
@@ -53,13 +68,16 @@ struct CollisionMesh::Motion {
 };
 
 CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> mesh, BuildStrategy strategy)
-    : mesh_(std::move(mesh)), trees_(std::make_shared<MeshTrees>(buildTree(*mesh_, strategy))) {}
+    : mesh_(std::move(mesh)),
+      hasThinTriangles_(areThin(*mesh_)),
+      trees_(std::make_shared<MeshTrees>(buildTree(*mesh_, strategy))) {}
 
 CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> moved, const CollisionMesh& before)
-    : mesh_(std::move(moved)), trees_(refitted(*mesh_, *before.trees_)) {}
+    : mesh_(std::move(moved)), hasThinTriangles_(areThin(*mesh_)), trees_(refitted(*mesh_, *before.trees_)) {}
 
 CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> image, const CollisionMesh& of, const Vec3f& factors)
     : mesh_(std::move(image)),
+      hasThinTriangles_(areThin(*mesh_)),
       trees_(of.trees_),
       imageBoxes_(makeBoxScale(of.mesh(), *mesh_, factors)),
       factors_(factors) {
@@ -72,7 +90,9 @@ CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> image, const Collisi
 }
 
 CollisionMesh::CollisionMesh(std::shared_ptr<const TriMesh> mesh, BinaryTree&& tree)
-    : mesh_(std::move(mesh)), trees_(std::make_shared<MeshTrees>(std::move(tree))) {}
+    : mesh_(std::move(mesh)),
+      hasThinTriangles_(areThin(*mesh_)),
+      trees_(std::make_shared<MeshTrees>(std::move(tree))) {}
 
 CollisionMesh::~CollisionMesh() = default;
 

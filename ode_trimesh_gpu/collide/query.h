@@ -152,7 +152,8 @@ struct Workspace {
   std::unique_ptr<AheadScratch> ahead;
 };
 
-/// The pairs of triangles whose boxes overlap (a superset of the intersecting ones) -> workspace.candidates. Throws
+/// The pairs of triangles whose boxes overlap (a superset of the intersecting ones) -> workspace.candidates. Of meshes
+/// with thin triangles some that are apart are left out (leavesOutThin()). Throws
 /// std::invalid_argument for a pose that is refused (see Query::bInA), after which the workspace holds no results, and
 /// TooManyPairs.
 void middlePhase(const Query& query, Workspace& workspace);

@@ -49,6 +49,11 @@ BoxOf rootOf(const WideTree& tree, const BoxScale<float>& scale) {
 
 }  // namespace
 
+bool leavesOutThin(const Query& query) {
+  return query.options.middle.traversal == Traversal::kWide && query.a->boxScale() == nullptr &&
+         query.b->boxScale() == nullptr && (query.a->hasThinTriangles() || query.b->hasThinTriangles());
+}
+
 SimdLevel bestSimdLevel() {
 #ifdef OTG_HAVE_X86_KERNELS
   if (__builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw")) {
@@ -88,6 +93,11 @@ void traverseWide(SimdLevel level, const Query& query, const PairFrame& frame, s
   PairRoom room{out, static_cast<std::size_t>(query.options.middle.maxPairs)};
   out.resize(std::min({out.capacity(), kFirstPairs, room.most}));
   PairSink sink{out.data(), 0, out.size(), growPairs, &room};
+  const TriMesh &meshA = query.a->mesh(), &meshB = query.b->mesh();
+  const ThinTest thin{meshA.vertices().data(),  meshB.vertices().data(),
+                      meshA.triangles().data(), meshB.triangles().data(),
+                      meshA.origin(),           meshB.origin(),
+                      &frame.trianglesInA,      4 * double{frame.floatError.delta} + 2 * double{frame.boxes.eps}};
   WideTraversalArgs args{&frame.boxes,
                          a.nodes.data(),
                          b.nodes.data(),
@@ -101,7 +111,8 @@ void traverseWide(SimdLevel level, const Query& query, const PairFrame& frame, s
                          query.options.middle.axes > 6,
                          0,
                          query.options.countPerDepth ? stats.boxTestsPerDepth.data() : nullptr,
-                         &sink};
+                         &sink,
+                         leavesOutThin(query) ? &thin : nullptr};
   kernelsOf(level).traverse(args);
   out.resize(sink.size);
   stats.boxTests += args.boxTests;

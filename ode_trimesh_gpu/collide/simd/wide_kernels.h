@@ -20,6 +20,10 @@ enum class SimdLevel { kBaseline, kAvx2, kAvx512 };
 SimdLevel bestSimdLevel();
 const char* simdName(SimdLevel level);
 
+/// Whether traverseWide() leaves pairs out whose boxes overlap and whose triangles are certainly apart: where a mesh has
+/// thin triangles, whose boxes overlap most of what is near.
+bool leavesOutThin(const Query& query);
+
 /// Candidate pairs by the wide trees, in the order of traversal. Counts into `stats`.
 void traverseWide(SimdLevel level, const Query& query, const PairFrame& frame, std::vector<TrianglePair>& out,
                   CollideStats& stats);

@@ -29,6 +29,15 @@ struct WideItem {
   std::uint32_t depth;  ///< nodes opened on the way here
 };
 
+/// What a triangle of one mesh is tested by against boxes of the other.
+struct ThinTest {
+  const Vec3f *verticesA, *verticesB;
+  const Triangle *trianglesA, *trianglesB;
+  Vec3f originA, originB;  ///< of the frames of the boxes
+  const Transformf* turn;  ///< B's frame to A's
+  double error;            ///< of a corner's coordinate in the other frame, and of what is computed in float
+};
+
 struct WideTraversalArgs {
   const BoxFrame<float>* frame;
   const WideNode* nodesA;
@@ -42,6 +51,8 @@ struct WideTraversalArgs {
   std::uint64_t boxTests;        ///< out
   std::uint64_t* testsPerDepth;  ///< depth A + depth B counters to add to, or null
   PairSink* out;
+  /// If not null, bare triangles are tested against boxes by themselves, too. No boxes are scaled then.
+  const ThinTest* thin;
 };
 
 struct TriangleFilterArgs {

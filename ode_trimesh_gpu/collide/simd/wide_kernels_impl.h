@@ -46,8 +46,27 @@ template <class Real>
   return extent.x * extent.y + extent.y * extent.z + extent.z * extent.x;
 }
 
-/// kScaled: boxes are taken through the scales.
-template <bool kScaled>
+/// A triangle of one mesh in the frame of the other one's boxes: how far it reaches along its normal, and along what is
+/// square to that and to an edge. Any axes are right, so that it does not matter how they round.
+struct ThinTriangle {
+  static constexpr int kAxes = 4;
+  std::int32_t triangle = -1;
+  SimdVec axis[kAxes], size[kAxes];  ///< and their absolute values
+  SimdReal low[kAxes], high[kAxes];
+
+  /// Of boxes of the other mesh: those that are certainly apart from it.
+  [[gnu::always_inline]] unsigned apartBits(const SimdVec& center, const SimdVec& extent) const {
+    unsigned apart = 0;
+    for (int k = 0; k < kAxes; ++k) {
+      const SimdReal at = otgDot(axis[k], center), reach = otgDot(size[k], extent);
+      apart |= greaterBits(at - reach, high[k]) | greaterBits(low[k], at + reach);
+    }
+    return apart;
+  }
+};
+
+/// kScaled: boxes are taken through the scales. kThin: bare triangles are tested against boxes, too.
+template <bool kScaled, bool kThin>
 class WideTraversal {
  public:
   explicit WideTraversal(WideTraversalArgs& args) : args_(args), frame_(*args.frame), out_(*args.out) {
@@ -166,6 +185,7 @@ class WideTraversal {
     unsigned bits = overlapBits<kOfA>(children, spread(other.box));
     const std::uint32_t otherSlot = kOfA ? item.b : item.a;
     if (other.ref < 0) {
+      if constexpr (kThin) bits &= ~thinBits<!kOfA>(~other.ref, children, bits);
       addPairs<!kOfA>(~other.ref, *children.node, bits & children.triangles);
       pushAll<!kOfA>(otherSlot, children, bits & ~children.triangles, item.depth + 1);
       return;
@@ -202,11 +222,66 @@ class WideTraversal {
       if (!bits) continue;
       const std::int32_t child = children.node->child[k];
       if (child < 0) {
+        if constexpr (kThin) bits &= ~thinBits<kOfA>(~child, others, bits);
         addPairs<kOfA>(~child, *others.node, bits & others.triangles);
         bits &= ~others.triangles;
       }
       pushAll<kOfA>(children.firstSlot + static_cast<std::uint32_t>(k), others, bits, depth + 1);
     }
+  }
+
+  /// Of children of a node of the other mesh those that are apart from a triangle, of A if kOfA. It costs as much to
+  /// measure a triangle as to decide ten pairs: not for few.
+  template <bool kOfA>
+  unsigned thinBits(std::int32_t triangle, const Children& others, unsigned bits) {
+    ThinTriangle& thin = thin_[kOfA ? 0 : 1];
+    if (thin.triangle != triangle) {
+      const unsigned inner = bits & ~others.triangles;
+      if ((inner & (inner - 1)) == 0) return 0;
+      measureThin<kOfA>(triangle, thin);
+    }
+    const WideNode& node = *others.node;
+    return thin.apartBits(loadVec<SimdReal>(node.centerX, node.centerY, node.centerZ),
+                          loadVec<SimdReal>(node.extentX, node.extentY, node.extentZ));
+  }
+
+  /// Zero where there is none: nothing is apart along that.
+  static Vec3f unitOf(const Vec3d& v) {
+    const double length = __builtin_sqrt(otgDot(v, v));
+    const double scale = length > 0 ? 1 / length : 0;
+    return {static_cast<float>(v.x * scale), static_cast<float>(v.y * scale), static_cast<float>(v.z * scale)};
+  }
+
+  template <bool kOfA>
+  void measureThin(std::int32_t triangle, ThinTriangle& thin) const {
+    const ThinTest& test = *args_.thin;
+    const auto wide = [](const Vec3f& v) { return Vec3d{v.x, v.y, v.z}; };
+    const Transformf& turn = *test.turn;
+    const Transformd inA{
+        {turn.r[0], turn.r[1], turn.r[2], turn.r[3], turn.r[4], turn.r[5], turn.r[6], turn.r[7], turn.r[8]},
+        wide(turn.t)};
+    Vec3d corner[3];
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t v = (kOfA ? test.trianglesA : test.trianglesB)[triangle].v[k];
+      const Vec3d own =
+          otgSub(wide((kOfA ? test.verticesA : test.verticesB)[v]), wide(kOfA ? test.originA : test.originB));
+      corner[k] = kOfA ? otgRotateBack(inA, otgSub(own, inA.t)) : otgTransform(inA, own);
+    }
+    const Vec3d normal = otgCross(otgSub(corner[1], corner[0]), otgSub(corner[2], corner[0]));
+    for (int k = 0; k < ThinTriangle::kAxes; ++k) {
+      const Vec3f axis = unitOf(k == 3 ? normal : otgCross(normal, otgSub(corner[(k + 1) % 3], corner[k])));
+      double low = std::numeric_limits<double>::infinity(), high = -low;
+      for (const Vec3d& c : corner) {
+        const double at = otgDot(wide(axis), c);
+        low = at < low ? at : low;
+        high = at > high ? at : high;
+      }
+      thin.axis[k] = spread(axis);
+      thin.size[k] = spread(Vec3f{__builtin_fabsf(axis.x), __builtin_fabsf(axis.y), __builtin_fabsf(axis.z)});
+      thin.low[k] = static_cast<float>(low - test.error);
+      thin.high[k] = static_cast<float>(high + test.error);
+    }
+    thin.triangle = triangle;
   }
 
   /// One node, of A if kOfA, with some of the other mesh's.
@@ -248,14 +323,17 @@ class WideTraversal {
   BoxFrame<SimdReal> simd_;
   BoxScale<SimdReal> scaleA_, scaleB_;  ///< if kScaled
   WideItem* top_ = nullptr;             ///< of the stack
+  ThinTriangle thin_[kThin ? 2 : 1];    ///< the last ones of A and B
   std::uint64_t boxTests_ = 0;
 };
 
 void traverseWide(WideTraversalArgs& args) {
   if (args.scaled) {
-    WideTraversal<true>(args).run();
+    WideTraversal<true, false>(args).run();
+  } else if (args.thin != nullptr) {
+    WideTraversal<false, true>(args).run();
   } else {
-    WideTraversal<false>(args).run();
+    WideTraversal<false, false>(args).run();
   }
 }
 

@@ -10,6 +10,7 @@
 #include "base/vectors.h"
 #include "collide/pair_frame.h"
 #include "collide/shortest_translation.h"
+#include "collide/simd/wide_kernels.h"
 #include "collide/solid/ahead_scratch.h"
 #include "collide/solid/solid_contacts.h"
 #include "collide/stages.h"
@@ -125,7 +126,7 @@ class InTheWay {
 /// Whether workspace.candidates are all pairs whose boxes overlap along the axes of either mesh.
 bool hasCandidates(const Query& query, const Workspace& workspace) {
   return !workspace.candidates.empty() && query.options.middle.axes == 6 &&
-         query.options.middle.traversal != Traversal::kNoLeaf;
+         query.options.middle.traversal != Traversal::kNoLeaf && !leavesOutThin(query);
 }
 
 /// By all pairs that intersect after the way.
