@@ -44,7 +44,7 @@ std::vector<Mesh> floors() {
 /// with walls inside.
 Mesh blockGround() {
   const auto block = [](Vec3d size, Vec3d at) { return scenes::transformed(scenes::makeBox(size), makeMove(at)); };
-  return meshOf(scenes::merge({block({14, 12, 2}, {-4.5, 0, 0}), block({10, 12, 3}, {7, 0, -0.5}),
+  return meshOf(scenes::merge({block({10, 12, 3}, {7, 0, -0.5}), block({14, 12, 2}, {-4.5, 0, 0}),
                                block({0.5, 12, 4}, {-11, 0, 1.5}), block({12, 0.5, 4}, {0, 5.5, 1.5})}));
 }
 Mesh blockPile() {
