@@ -145,6 +145,34 @@ TEST_CASE("instruction sets leave the same pairs out") {
   }
 }
 
+TEST_CASE("thin triangles that are not touched yet are met ahead") {
+  // A block that leans over the end of a disc, all of it turned so that boxes are thick; a ball under the block.
+  Draw draw(4);
+  const Transformd turn = makePose(unit({1, 2, 3}), 1, {0, 0, 0});
+  const scenes::MeshArrays block =
+      scenes::transformed(scenes::makeBox({0.4, 0.4, 1}), makePose({0, 1, 0}, -0.5, {0.5, 0, 0.9}));
+  const CollisionMesh ground(scenes::build(scenes::transformed(scenes::merge({makeDisc(200, 0.3), block}), turn)),
+                             BuildStrategy::kSah);
+  const CollisionMesh ball(scenes::build(scenes::makeSphere(0.2, 4)), BuildStrategy::kSah);
+  REQUIRE(ground.hasThinTriangles());
+  Workspace thin, boxes;
+  std::uint64_t ahead = 0;
+  for (int i = 0; i < 300; ++i) {
+    const double x = draw.uniform(-0.4, 1.0), y = draw.uniform(-0.1, 0.1), gap = draw.uniform(0, 0.01);
+    Query query = makeQuery(ground, ball, turn);
+    query.bInA.t = otgRotate(turn, Vec3d{x, y, 0.15 + 0.2 + gap});
+    query.options.contacts = ContactModel::kSolid;
+    collide(query, thin);
+    query.options.middle.traversal = Traversal::kStandard;
+    collide(query, boxes);
+    ahead += boxes.stats.contactsAhead;
+    CHECK(thin.stats.contactsAhead == boxes.stats.contactsAhead);
+    CHECK(thin.reduced.size() == boxes.reduced.size());
+  }
+  INFO(ahead);
+  CHECK(ahead > 10);
+}
+
 TEST_CASE("surfaces ahead of thin triangles are found as those of others") {
   Draw draw(21);
   const CollisionMesh disc(scenes::build(makeDisc(150, 0.4)), BuildStrategy::kSah);
