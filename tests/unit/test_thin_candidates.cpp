@@ -157,7 +157,7 @@ TEST_CASE("thin triangles that are not touched yet are met ahead") {
   REQUIRE(ground.hasThinTriangles());
   Workspace thin, boxes;
   std::uint64_t ahead = 0;
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 80; ++i) {
     const double x = draw.uniform(-0.4, 1.0), y = draw.uniform(-0.1, 0.1), gap = draw.uniform(0, 0.01);
     Query query = makeQuery(ground, ball, turn);
     query.bInA.t = otgRotate(turn, Vec3d{x, y, 0.15 + 0.2 + gap});
