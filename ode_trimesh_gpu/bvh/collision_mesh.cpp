@@ -135,6 +135,17 @@ const CollisionMesh* CollisionMesh::turned() const {
       .get();
 }
 
+void CollisionMesh::prepare() const {
+  wide();
+  adjacency();
+  convex();
+  outwardSides();
+  if (const CollisionMesh* const other = turned()) other->prepare();
+  if (const Parts* const own = parts()) {
+    for (const auto& part : own->meshes) part->prepare();
+  }
+}
+
 const CollisionMesh::Parts* CollisionMesh::parts() const {
   return parts_
       .get([this]() -> std::unique_ptr<const Parts> {

@@ -102,6 +102,9 @@ class CollisionMesh {
   /// The same mesh with its triangles turned round, where that makes a solid of it; else null. Determined likewise.
   const CollisionMesh* turned() const;
 
+  /// Makes now what first requests of the above and of wide() would make (thread-safe). May throw std::bad_alloc.
+  void prepare() const;
+
   /// Expires with this object, whatever else holds the mesh, and when vertices move: for caches of what was derived
   /// from it.
   std::weak_ptr<const void> lifetime() const { return alive_; }

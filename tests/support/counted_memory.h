@@ -9,24 +9,29 @@
 
 namespace otg::test {
 
-/// Calls of `operator new` so far, of all threads.
-inline std::atomic<std::size_t> allocations{0};
+/// Calls of `operator new` so far, of all threads, and what they took.
+inline std::atomic<std::size_t> allocations{0}, allocatedBytes{0};
+
+inline void countAllocation(std::size_t size) {
+  ++allocations;
+  allocatedBytes += size;
+}
 
 }  // namespace otg::test
 
 [[gnu::noinline]] void* operator new(std::size_t size) {
-  ++otg::test::allocations;
+  otg::test::countAllocation(size);
   if (void* const memory = std::malloc(size > 0 ? size : 1); memory != nullptr) return memory;
   throw std::bad_alloc();
 }
 // What std::stable_partition and std::stable_sort call: AddressSanitizer has one of its own, which would not fit.
 [[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  ++otg::test::allocations;
+  otg::test::countAllocation(size);
   return std::malloc(size > 0 ? size : 1);
 }
 // What polymorphic memory resources call.
 [[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
-  ++otg::test::allocations;
+  otg::test::countAllocation(size);
   const auto step = static_cast<std::size_t>(alignment);
   if (void* const memory = std::aligned_alloc(step, (size / step + 1) * step); memory != nullptr) return memory;
   throw std::bad_alloc();

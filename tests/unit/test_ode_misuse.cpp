@@ -144,6 +144,7 @@ TEST_CASE("geoms of other classes, null geoms and destroyed ones are refused") {
       CHECK(dGeomGpuTriMeshResetStats(g) == kRefused);
       CHECK(dGpuTriMeshOverridePrepare(g) == kRefused);
     }
+    CHECK(dGeomGpuTriMeshPrepare(g) == kRefused);
     CHECK(dGeomGpuTriMeshGetTriangleCount(g) == 0);
     CHECK(dGeomGpuTriMeshGetTriangle(g, 0, &v, nullptr, nullptr) == kRefused);
     CHECK(dGeomGpuTriMeshGetPoint(g, 0, 0, 0, v) == kRefused);

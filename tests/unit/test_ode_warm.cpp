@@ -101,6 +101,59 @@ TEST_CASE("a warm dCollide of one of ODE's shapes and a mesh takes no memory") {
   }
 }
 
+TEST_CASE("the first collision of prepared geoms makes nothing of their meshes") {
+  const OdeSession session;
+  const scenes::MeshArrays lump = scenes::makeLump(1, 5, 0.2, 3);
+  const std::size_t triangles = lump.triangles.size();
+  const auto bytesOf = [](const auto& work) {
+    const std::size_t before = allocatedBytes;
+    work();
+    return allocatedBytes - before;
+  };
+  for (const double factor : {1.0, -1.0}) {
+    INFO("factor along x " << factor);
+    std::vector<dContactGeom> contacts[2];
+    for (const int prepared : {0, 1}) {
+      const Data data(lump);
+      const Geom a(data), b(data);
+      REQUIRE(dGeomGpuTriMeshSetScale(b.id, factor, 1, 1.5) == dGPUTRIMESH_OK);
+      dGeomSetPosition(b.id, 1.2, 0.3, 0.1);
+      const auto prepare = [&] {
+        for (const dGeomID g : {a.id, b.id}) REQUIRE(dGeomGpuTriMeshPrepare(g) == dGPUTRIMESH_OK);
+      };
+      if (prepared != 0) {
+        CHECK(bytesOf(prepare) > 100 * triangles);
+        CHECK(bytesOf(prepare) == 0);
+      }
+      const std::size_t bytes = bytesOf([&] { contacts[prepared] = test::collide(a.id, b.id, 64); });
+      CHECK((bytes < 10 * triangles) == (prepared != 0));
+    }
+    REQUIRE(contacts[0].size() > 4);
+    CHECK(sameContacts(contacts[0], contacts[1]));
+  }
+}
+
+TEST_CASE("for pairs of triangles alone a geom prepares no lists of its solid, and without a mesh nothing") {
+  const OdeSession session;
+  const dGeomID empty = dCreateGpuTriMesh(nullptr, nullptr);
+  CHECK(dGeomGpuTriMeshPrepare(empty) == dGPUTRIMESH_ERROR_MESH);
+  dGeomDestroy(empty);
+  const scenes::MeshArrays lump = scenes::makeLump(1, 5, 0.2, 3);
+  const Data data(lump);
+  const Geom geom(data);
+  dGpuTriMeshParams params;
+  dGpuTriMeshParamsInit(&params);
+  params.contact_model = dGPUTRIMESH_CONTACTS_PAIRWISE;
+  REQUIRE(dGeomGpuTriMeshSetParams(geom.id, &params) == dGPUTRIMESH_OK);
+  const std::size_t before = allocatedBytes;
+  CHECK(dGeomGpuTriMeshPrepare(geom.id) == dGPUTRIMESH_OK);
+  const std::size_t pairwise = allocatedBytes - before;
+  dGpuTriMeshParamsInit(&params);
+  REQUIRE(dGeomGpuTriMeshSetParams(geom.id, &params) == dGPUTRIMESH_OK);
+  CHECK(dGeomGpuTriMeshPrepare(geom.id) == dGPUTRIMESH_OK);
+  CHECK(allocatedBytes - before > pairwise + 100 * lump.triangles.size());
+}
+
 TEST_CASE("a convex mesh meets a plane at the vertices that all of its vertices say") {
   const OdeSession session;
   Draw draw(5);

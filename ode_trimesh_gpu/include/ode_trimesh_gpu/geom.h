@@ -215,6 +215,20 @@ OTG_API int dGeomGpuTriMeshSetScale(dGeomID g, dReal x, dReal y, dReal z);
 OTG_API int dGeomGpuTriMeshGetScale(dGeomID g, dVector3 scale);
 
 /**
+ * @brief Makes now what the geom's first collision would make, so that no step of the program waits for it.
+ *
+ * Its cost and its memory are those that the first collision of the mesh would have; see docs/tuning.md. It is made
+ * once for all geoms with the same data and the same scale. A dTriMesh has dGpuTriMeshOverridePrepare().
+ * @param g  a geom of this class
+ * @returns dGPUTRIMESH_OK, also if it was made before; dGPUTRIMESH_ERROR_CLASS; dGPUTRIMESH_ERROR_MESH if the geom has
+ *          no data or its data no mesh; dGPUTRIMESH_ERROR_BUSY, dGPUTRIMESH_ERROR_MEMORY.
+ * @remarks From any thread and from a near callback. For the geom's present data, scale and contact model: after a
+ * Build or dGeomGpuTriMeshSetScale() the next collision makes it anew.
+ * @ingroup gputrimesh
+ */
+OTG_API int dGeomGpuTriMeshPrepare(dGeomID g);
+
+/**
  * @brief Says where the geom was a step ago; the counterpart of dGeomTriMeshSetLastTransform().
  *
  * For geoms that the program moves by hand, without a body: deep and contained bodies leave in the direction from which

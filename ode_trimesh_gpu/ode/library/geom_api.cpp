@@ -204,6 +204,23 @@ int dGeomGpuTriMeshGetScale(dGeomID g, dVector3 scale) {
   return dGPUTRIMESH_OK;
 }
 
+int dGeomGpuTriMeshPrepare(dGeomID g) {
+  return otg::guarded([&] {
+    otg::GeomObject* const object = otg::liveObjectOf(g);
+    if (object == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
+    const otg::GeomUse use(object);
+    if (!use.good()) return static_cast<int>(dGPUTRIMESH_ERROR_BUSY);
+    const otg::CollisionMesh* const mesh = object->mesh();
+    if (mesh == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_MESH);
+    if (object->params.contact_model == dGPUTRIMESH_CONTACTS_PAIRWISE) {
+      mesh->wide();
+    } else {
+      mesh->prepare();
+    }
+    return static_cast<int>(dGPUTRIMESH_OK);
+  });
+}
+
 int dGeomGpuTriMeshGetTriangleCount(dGeomID g) {
   otg::GeomObject* const object = otg::liveObjectOf(g);
   const otg::GeomUse use(object);

@@ -79,8 +79,7 @@ int dGpuTriMeshOverridePrepare(dGeomID g) {
     if (otg::objectOfTrimesh(g) == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_CLASS);
     const auto mesh = otg::meshOfTrimesh(g);
     if (mesh == nullptr) return static_cast<int>(dGPUTRIMESH_ERROR_MESH);
-    mesh->wide();
-    mesh->adjacency();
+    mesh->prepare();
     return static_cast<int>(dGPUTRIMESH_OK);
   });
 }
