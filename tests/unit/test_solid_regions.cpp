@@ -159,15 +159,17 @@ TEST_CASE("the description of a large region does not depend on the order in whi
     bool isLarge = false;
     for (const Region& r : o.regions.regions) isLarge = isLarge || r.cellEnd > r.cellBegin;
     REQUIRE(isLarge);
-    InsideFlags shuffled = o.inside;
+    InsideFlags& shuffled = o.inside;
     for (int m = 0; m < 2; ++m) {
+      const auto vertices = shuffled.vertices[m];
+      const auto positions = shuffled.positions[m];
       for (const InsideFlags::Patch& patch : shuffled.patches[m]) {
         std::vector<std::uint32_t> order(patch.vertexEnd - patch.vertexBegin);
         for (std::uint32_t k = 0; k < order.size(); ++k) order[k] = patch.vertexBegin + k;
         std::shuffle(order.begin(), order.end(), random);
         for (std::uint32_t k = 0; k < order.size(); ++k) {
-          shuffled.vertices[m][patch.vertexBegin + k] = o.inside.vertices[m][order[k]];
-          shuffled.positions[m][patch.vertexBegin + k] = o.inside.positions[m][order[k]];
+          shuffled.vertices[m][patch.vertexBegin + k] = vertices[order[k]];
+          shuffled.positions[m][patch.vertexBegin + k] = positions[order[k]];
         }
         std::shuffle(shuffled.clusters[m].begin() + patch.clusterBegin, shuffled.clusters[m].begin() + patch.clusterEnd,
                      random);
