@@ -3,7 +3,7 @@
 # Runs the libFuzzer targets of tests/fuzz under AddressSanitizer and UndefinedBehaviorSanitizer (folder build-asan/), as many at
 # once as there are cores. Each begins with generated seeds and with what earlier runs found new (build-asan/corpus/).
 #
-#   scripts/fuzz.sh                  a minute for each target; continuous integration takes 20 seconds
+#   scripts/fuzz.sh                  a minute for each target; continuous integration takes 10 seconds
 #   scripts/fuzz.sh 600              ten minutes for each, as before a release
 #   scripts/fuzz.sh 60 cooked api    only these: ply off obj stl cooked scene poses api
 #

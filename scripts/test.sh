@@ -6,7 +6,7 @@
 #   scripts/test.sh --sanitize       also the unit and parity tests under AddressSanitizer + UndefinedBehavior-
 #                                    Sanitizer (build-asan/) and under ThreadSanitizer (build-tsan/)
 #   scripts/test.sh --sanitize=asan  only one of the two; =tsan likewise
-#   scripts/test.sh --sanitize=core  both, but only of the few tests that reach most of the library, and 20 seconds
+#   scripts/test.sh --sanitize=core  both, but only of the few tests that reach most of the library, and 10 seconds
 #                                    of each fuzz target
 #   scripts/test.sh -R collide       further words are handed to ctest
 #
@@ -48,7 +48,7 @@ run_preset() {
   echo "== $preset: configure and build"
   # Without these two packages a build would leave out the tests. Here that is an error.
   cmake --preset "$preset" -DCMAKE_REQUIRE_FIND_PACKAGE_Catch2=ON -DCMAKE_REQUIRE_FIND_PACKAGE_Python3=ON \
-    ${core:+-DOTG_FUZZ_SECONDS=20} ${meshes:+-DOTG_CGAL_DEMO_DATA="$meshes"} ${module:+-DOTG_BUILD_PYTHON=ON -DPython_EXECUTABLE="$module"}
+    ${core:+-DOTG_FUZZ_SECONDS=10} ${meshes:+-DOTG_CGAL_DEMO_DATA="$meshes"} ${module:+-DOTG_BUILD_PYTHON=ON -DPython_EXECUTABLE="$module"}
   # shellcheck disable=SC2086  # several targets
   cmake --build --preset "$preset" --target $targets -- -j"$jobs"
   echo "== $preset: test"

@@ -7,9 +7,11 @@
 
 #include "scenes/simulation.h"
 #include "support/catch.h"
+#include "support/part_of.h"
 #include "truth/family_fall.h"
 
 using namespace otg::truth;
+using otg::test::partOf;
 
 namespace {
 
@@ -26,7 +28,7 @@ void checkFall(const CertificateFamily& family, std::uint32_t seed, int number) 
 TEST_CASE("bodies that gravity pushes into corners, grooves, threads and bowls are not thrown") {
   const otg::scenes::OdeSession session;
   for (const CertificateFamily& family : certificateFamilies()) {
-    for (int number = 0; number < 40; ++number) checkFall(family, 911, number);
+    for (int number = 0; number < partOf(40); ++number) checkFall(family, 911, number);
   }
 }
 
