@@ -65,12 +65,13 @@ void Dispatcher::setTaskRunner(const TaskRunner& runner) {
 unsigned Dispatcher::threadCount() const {
   const std::lock_guard lock(mutex_);
   if (threads_ != 0) return threads_;
-  return pool_ ? pool_->threadCount() : defaultThreadCount();  // the default queries the system
+  return pool_ ? pool_->threadCount() : defaultThreadCount(hasDevices());  // the default queries the system
 }
 
 std::shared_ptr<ThreadPool> Dispatcher::pool() {
   const std::lock_guard lock(mutex_);
-  if (!pool_) pool_ = std::make_shared<ThreadPool>(threads_ != 0 ? threads_ : defaultThreadCount(), runner_);
+  if (!pool_)
+    pool_ = std::make_shared<ThreadPool>(threads_ != 0 ? threads_ : defaultThreadCount(hasDevices()), runner_);
   return pool_;
 }
 
@@ -181,11 +182,13 @@ bool Dispatcher::stopOpening() noexcept {
 }
 
 void Dispatcher::setDevices(Slots devices) {
+  std::shared_ptr<ThreadPool> before;  // its threads end outside of the lock
   const std::lock_guard lock(mutex_);
   if (opening_) *opening_ = true;
   opening_.reset();
   devices_.swap(devices);
   hasDevices_.store(!devices_.empty(), std::memory_order_release);
+  if (threads_ == 0) before.swap(pool_);  // the default is another one beside devices
 }
 
 void Dispatcher::abandon() noexcept {

@@ -277,6 +277,17 @@ TEST_CASE("the environment says how many threads there are by default") {
   };
   const unsigned cores = otg::defaultThreadCount();
   CHECK(cores >= 1);
+  CHECK(cores == otg::threadsOfCores(cores, false));
+  CHECK(otg::defaultThreadCount(true) == otg::threadsOfCores(cores, true));
   CHECK(with("3") == 3);
   for (const char* nonsense : {"", "0", "-1", "many", "3x", "1000000"}) CHECK(with(nonsense) == cores);
+}
+
+TEST_CASE("one of many cores is left to the driver of a device") {
+  CHECK(otg::threadsOfCores(0, false) == 1);
+  CHECK(otg::threadsOfCores(0, true) == 1);
+  CHECK(otg::threadsOfCores(16, false) == 16);
+  CHECK(otg::threadsOfCores(16, true) == 15);
+  CHECK(otg::threadsOfCores(otg::kManyCores, true) == otg::kManyCores - 1);
+  CHECK(otg::threadsOfCores(otg::kManyCores - 1, true) == otg::kManyCores - 1);
 }

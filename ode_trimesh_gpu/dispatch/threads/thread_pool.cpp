@@ -186,8 +186,12 @@ void ThreadPool::runShort(std::size_t count, std::size_t grain, const Work& work
   run(count - done, grain, [&](std::size_t from, std::size_t to) { work(done + from, done + to); });
 }
 
-unsigned defaultThreadCount() {
-  return readEnvironment().threads.value_or(std::max(1u, std::thread::hardware_concurrency()));
+unsigned defaultThreadCount(bool besideDevices) {
+  return readEnvironment().threads.value_or(threadsOfCores(std::thread::hardware_concurrency(), besideDevices));
+}
+
+unsigned threadsOfCores(unsigned cores, bool besideDevices) {
+  return besideDevices && cores >= kManyCores ? cores - 1 : std::max(1u, cores);
 }
 
 }  // namespace otg

@@ -69,6 +69,11 @@ class ThreadPool {
 };
 
 /// The threads that the environment variable OTG_THREADS requests, else one for each core that this process may use.
-unsigned defaultThreadCount();
+/// `besideDevices`: of kManyCores and more, one is left to the thread that gives a device its work. Its driver waits
+/// without sleeping, and all threads of a call wait for one that has to share its core with it.
+unsigned defaultThreadCount(bool besideDevices = false);
+constexpr unsigned kManyCores = 8;
+/// What that is for so many cores, where nothing else is requested.
+unsigned threadsOfCores(unsigned cores, bool besideDevices);
 
 }  // namespace otg

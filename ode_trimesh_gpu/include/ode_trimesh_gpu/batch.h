@@ -241,7 +241,7 @@ OTG_API void dGpuTriMeshBatchDestroy(dGpuTriMeshBatchID batch);
  * calling thread.
  *
  * @param count  1 to 1024; 0 (which it is at first): as many as the environment variable OTG_THREADS says, else one for
- *               each core that the process may use
+ *               each core that the process may use; of 8 and more, one is left to the driver while devices are open
  * @returns dGPUTRIMESH_OK or dGPUTRIMESH_ERROR_ARGUMENT.
  * @remarks From any thread. Batches under way go on with the threads that they have.
  * @ingroup gputrimesh
