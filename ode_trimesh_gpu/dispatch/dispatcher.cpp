@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <exception>
 #include <system_error>
+#include <utility>
 
 #include "base/fork_gate.h"
 #include "base/system.h"
@@ -162,11 +163,11 @@ void Dispatcher::openNow(const Flag& dropped, const std::function<std::vector<in
     slots.clear();
     opencl::logLine(std::string("no device was opened: ") + error.what());
   }
+  std::shared_ptr<ThreadPool> before;
   const std::lock_guard lock(mutex_);
   if (*dropped || opening_ != dropped) return;  // closed outside of the lock
   opening_.reset();
-  devices_.swap(slots);
-  hasDevices_.store(!devices_.empty(), std::memory_order_release);
+  before = exchangeDevices(slots);
 }
 
 bool Dispatcher::stopOpening() noexcept {
@@ -182,13 +183,18 @@ bool Dispatcher::stopOpening() noexcept {
 }
 
 void Dispatcher::setDevices(Slots devices) {
-  std::shared_ptr<ThreadPool> before;  // its threads end outside of the lock
+  std::shared_ptr<ThreadPool> before;
   const std::lock_guard lock(mutex_);
   if (opening_) *opening_ = true;
   opening_.reset();
+  before = exchangeDevices(devices);
+}
+
+/// Under the mutex. Returns threads that nobody is to take any more; they end outside of it.
+std::shared_ptr<ThreadPool> Dispatcher::exchangeDevices(Slots& devices) {
   devices_.swap(devices);
   hasDevices_.store(!devices_.empty(), std::memory_order_release);
-  if (threads_ == 0) before.swap(pool_);  // the default is another one beside devices
+  return threads_ == 0 ? std::exchange(pool_, nullptr) : nullptr;  // the default is another one beside devices
 }
 
 void Dispatcher::abandon() noexcept {

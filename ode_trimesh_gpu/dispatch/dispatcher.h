@@ -137,6 +137,7 @@ class Dispatcher {
   static const std::shared_ptr<DeviceSlot>& leastBusy(const Slots& slots);
   Slots openAll(std::span<const int> indices, const opencl::Tuning& tuning, Costs costs, KeptCosts kept) const;
   using Flag = std::shared_ptr<std::atomic<bool>>;
+  std::shared_ptr<ThreadPool> exchangeDevices(Slots& devices);
   void openNow(const Flag& dropped, const std::function<std::vector<int>()>& which);
   /// The device that has the least to do, where the place of an array and the costs say so; else null.
   template <class Job>
