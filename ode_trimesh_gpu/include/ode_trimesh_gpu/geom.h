@@ -223,7 +223,7 @@ OTG_API int dGeomGpuTriMeshGetScale(dGeomID g, dVector3 scale);
  * @returns dGPUTRIMESH_OK, also if it was made before; dGPUTRIMESH_ERROR_CLASS; dGPUTRIMESH_ERROR_MESH if the geom has
  *          no data or its data no mesh; dGPUTRIMESH_ERROR_BUSY, dGPUTRIMESH_ERROR_MEMORY.
  * @remarks From any thread and from a near callback. For the geom's present data, scale and contact model: after a
- * Build or dGeomGpuTriMeshSetScale() the next collision makes it anew.
+ * Build, an update of all vertices or dGeomGpuTriMeshSetScale() the next collision makes it anew.
  * @ingroup gputrimesh
  */
 OTG_API int dGeomGpuTriMeshPrepare(dGeomID g);
